@@ -1,0 +1,29 @@
+// What SimVis throws. Two kinds: the user's input is wrong, or the machine failed. Our own bugs assert instead.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+namespace simvis {
+
+/// Base of every exception that SimVis throws.
+class Error : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Wrong user input: a scene file, a part, a parameter, a command line. `what()` says where, what was seen and what
+/// is allowed; with a known place it reads `FILE:LINE:COLUMN: error: ...`. simvis-run exits with 2.
+class InputError : public Error {
+ public:
+  using Error::Error;
+};
+
+/// The machine could not do it: no device, device lost, out of memory, disk full. `what()` carries the Vulkan result
+/// or the operating system's reason. simvis-run exits with 1.
+class MachineError : public Error {
+ public:
+  using Error::Error;
+};
+
+}  // namespace simvis

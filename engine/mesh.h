@@ -1,0 +1,85 @@
+// Geometry, textures and materials as plain data in host memory. Nothing here knows Vulkan.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace simvis {
+
+enum class Topology : std::uint8_t { triangles, lines, points };
+
+/// What a vertex carries besides its position. Absent data takes the defaults.
+struct VertexAttributes {
+  glm::vec3 normal{0, 0, 1};       ///< unit length, mesh frame
+  glm::vec2 uv[2]{{0, 0}, {0, 0}};  ///< texture coordinates, two sets; v down, as in glTF
+  glm::vec4 color{1, 1, 1, 1};     ///< linear RGBA, multiplies the base colour
+
+  bool operator==(const VertexAttributes&) const = default;
+};
+
+/// An indexed mesh. Immutable once shared.
+///
+/// Shape    `attributes` is as long as `positions`; `indices` holds 3 (triangles), 2 (lines) or 1 (points) per
+///          primitive, each below positions.size().
+/// Units    metres, in the mesh's own frame.
+/// Special  every position is finite.
+struct Mesh {
+  std::string name;
+  Topology topology = Topology::triangles;
+  std::vector<glm::vec3> positions;
+  std::vector<VertexAttributes> attributes;
+  std::vector<std::uint32_t> indices;
+  glm::vec3 bounds_min{0}, bounds_max{0};  ///< of the positions that indices use; both zero for an empty mesh
+
+  bool operator==(const Mesh&) const = default;
+};
+
+/// Sets `bounds_min` and `bounds_max` from what `indices` uses.
+void compute_bounds(Mesh& mesh);
+
+enum class Wrap : std::uint8_t { repeat, mirrored_repeat, clamp_to_edge };
+enum class Filter : std::uint8_t { nearest, linear };
+
+struct Sampler {
+  Wrap wrap_u = Wrap::repeat, wrap_v = Wrap::repeat;
+  Filter magnify = Filter::linear, minify = Filter::linear, between_mips = Filter::linear;
+  bool mipmapped = true;
+
+  bool operator==(const Sampler&) const = default;
+};
+
+/// An 8-bit RGBA picture (colour in sRGB encoding, alpha linear) and how to sample it. Immutable once shared.
+struct Texture {
+  std::string name;
+  std::uint32_t width = 0, height = 0;
+  std::vector<std::uint8_t> rgba;  ///< rows from the top, 4 * width * height bytes
+  Sampler sampler;
+
+  bool operator==(const Texture&) const = default;
+};
+
+enum class AlphaMode : std::uint8_t { opaque, mask, blend };
+
+/// How a surface looks. One uniform block: to change it touches nothing else.
+///
+/// A depth camera and a laser scanner see a `mask` texel whose alpha is at least `alpha_cutoff`, and a `blend` texel
+/// whose alpha is at least one half; what is more transparent lets them pass.
+struct Material {
+  std::string name;
+  glm::vec4 base_color{1, 1, 1, 1};  ///< linear RGBA, multiplies texture and vertex colour
+  glm::vec3 emissive{0, 0, 0};       ///< linear radiance added to what is reflected
+  AlphaMode alpha_mode = AlphaMode::opaque;
+  float alpha_cutoff = 0.5f;
+  bool unlit = false;         ///< shows the base colour as it is
+  bool double_sided = false;  ///< cameras draw back faces only of double-sided materials; scanners meet both sides
+  std::shared_ptr<const Texture> base_color_texture;  ///< may be null
+  int uv_set = 0;                                      ///< 0 or 1
+  glm::mat3x2 uv_transform{1, 0, 0, 1, 0, 0};          ///< columns; texture uv = uv_transform * (u, v, 1)
+
+  bool operator==(const Material&) const = default;
+};
+
+}  // namespace simvis

@@ -1,0 +1,56 @@
+// Draws a DrawList as a FramePlan says and reads the results back. One submission per frame.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "engine/draw_list.h"
+#include "engine/frame_plan.h"
+
+namespace simvis {
+
+class Device;
+
+/// What a frame cost, counted and not timed.
+struct FrameCounters {
+  std::uint64_t passes = 0, views = 0, draws = 0, triangles = 0, pipelines_bound = 0;
+  std::uint64_t bytes_uploaded = 0, bytes_read_back = 0;
+  std::uint64_t items_culled = 0;
+
+  bool operator==(const FrameCounters&) const = default;
+};
+
+/// Where a pass's pixels lie. Valid until the next render() or the renderer's end.
+struct PassResult {
+  std::span<const float> depth;      ///< width * height, rows from the top, d = near / z; empty if not asked for
+  std::span<const glm::vec4> color;  ///< width * height, rows from the top, linear RGBA; empty if not asked for
+};
+
+/// Frames   see View. All products of transforms are formed in double and rounded once.
+/// Special  an empty plan submits nothing.
+/// Errors   render() throws MachineError with the Vulkan result (device lost, out of memory), InputError if a pass is
+///          larger than the device allows.
+/// Threading  one renderer, one thread. Several renderers may share a Device only from one thread.
+class Renderer {
+ public:
+  explicit Renderer(Device& device);
+  ~Renderer();
+  Renderer(const Renderer&) = delete;
+  Renderer& operator=(const Renderer&) = delete;
+
+  /// Draws every pass of the plan; result i belongs to plan.passes[i].
+  std::span<const PassResult> render(const DrawList& list, const FramePlan& plan);
+
+  /// Of the last render().
+  const FrameCounters& counters() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace simvis

@@ -1,0 +1,69 @@
+// Turns the graph into a DrawList, and keeps it up to date at the cost of what changed.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <unordered_map>
+#include <vector>
+
+#include "engine/draw_list.h"
+#include "scenegraph/node.h"
+
+namespace simvis {
+
+/// What update() had to do, counted since the flattener was made.
+struct FlattenCounters {
+  std::uint64_t rebuilds = 0;            ///< whole traversals, after a change of structure
+  std::uint64_t nodes_visited = 0;       ///< in traversals
+  std::uint64_t transforms_written = 0;  ///< entries of world_from_node
+  std::uint64_t materials_written = 0, lights_written = 0;
+
+  bool operator==(const FlattenCounters&) const = default;
+};
+
+/// How it works: a traversal gives each occurrence of a Transform an entry of world_from_node whose parent is the
+/// entry in force before it. All that such an entry governs, entries, items and lights, lies between it and the end of
+/// the enclosing separator, so a changed transform rewrites one contiguous range and nothing else. A changed light or
+/// material rewrites its slot. Nothing changed costs nothing. Traversal uses an explicit stack: depth is no limit.
+class Flattener : public NodeObserver {
+ public:
+  explicit Flattener(GroupPtr root);
+  ~Flattener() override;
+  Flattener(const Flattener&) = delete;
+  Flattener& operator=(const Flattener&) = delete;
+
+  /// The list, up to date. Valid until the next update(). Throws InputError when the graph has a cycle.
+  const DrawList& update();
+
+  /// Where a mount stands, as of the last update(): world_from_mount of its first occurrence. The mount must have been
+  /// reached; false otherwise (it is in a part switched off).
+  bool find_mount(const Mount& mount, glm::dmat4& world_from_mount) const;
+
+  void set_environment(const Environment& environment);
+
+  const FlattenCounters& counters() const { return counters_; }
+
+  void content_changed(Node& node) override;
+  void structure_changed() override;
+
+ private:
+  struct Entry {                  // an occurrence of a Transform
+    const Transform* node;        // null: the identity, entry 0
+    std::uint32_t parent;         // entry in force before
+    std::uint32_t end;            // one past the last entry that it governs
+  };
+  void rebuild();
+  void rewrite_transforms(const Transform& node);
+
+  GroupPtr root_;
+  DrawList list_;
+  FlattenCounters counters_;
+  std::vector<Entry> entries_;
+  std::unordered_map<const Node*, std::vector<std::uint32_t>> occurrences_;  // entries, material slots or lights
+  std::unordered_map<const Mount*, std::uint32_t> mounts_;
+  std::vector<Node*> attached_;
+  std::vector<Node*> changed_;
+  bool structure_changed_ = true;
+};
+
+}  // namespace simvis

@@ -1,0 +1,163 @@
+// The nodes of the scene graph. Traversal is ordered and carries state: a Transform or MaterialNode holds for the
+// siblings after it and, leaving a Group, goes on; a Separator saves the state and restores it.
+//
+// A node may stand under several parents: it is then drawn once per path. The graph has no cycles (flattening throws).
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "engine/draw_list.h"
+#include "engine/mesh.h"
+
+namespace simvis {
+
+class Node;
+class Group;
+using NodePtr = std::shared_ptr<Node>;
+using GroupPtr = std::shared_ptr<Group>;
+
+/// Hears that a node it has visited changed. Implemented by Flattener.
+class NodeObserver {
+ public:
+  virtual ~NodeObserver() = default;
+  virtual void content_changed(Node& node) = 0;  ///< a transform, a light or a material
+  virtual void structure_changed() = 0;          ///< children, a switch, a mesh, which material
+};
+
+enum class NodeKind : std::uint8_t {
+  group,
+  separator,
+  switch_,
+  transform,
+  material,
+  shape,
+  light,
+  insertion_point,
+  mount
+};
+
+class Node {
+ public:
+  virtual ~Node() = default;
+  Node(const Node&) = delete;
+  Node& operator=(const Node&) = delete;
+
+  NodeKind kind() const { return kind_; }
+
+  std::string name;  ///< for people; need not be unique
+
+  void attach(NodeObserver& observer);
+  void detach(NodeObserver& observer);
+
+ protected:
+  explicit Node(NodeKind kind) : kind_(kind) {}
+  void tell_content_changed();
+  void tell_structure_changed();
+
+ private:
+  NodeKind kind_;
+  std::vector<NodeObserver*> observers_;
+};
+
+/// Children in order; the state that they leave behind goes on to what follows.
+class Group : public Node {
+ public:
+  Group() : Group(NodeKind::group) {}
+
+  const std::vector<NodePtr>& children() const { return children_; }
+  void add(NodePtr child);
+  /// Before `where`, which must be a child.
+  void insert_before(const Node& where, NodePtr child);
+  /// `child` must be a child.
+  void remove(const Node& child);
+
+ protected:
+  explicit Group(NodeKind kind) : Node(kind) {}
+
+ private:
+  std::vector<NodePtr> children_;
+};
+
+/// A group that restores the traversal state when it ends.
+class Separator : public Group {
+ public:
+  Separator() : Group(NodeKind::separator) {}
+};
+
+/// A group of which one child, all or none are traversed.
+class Switch : public Group {
+ public:
+  static constexpr int kAll = -1, kNone = -2;
+  Switch() : Group(NodeKind::switch_) {}
+  int which() const { return which_; }
+  void set_which(int which);  ///< an index of a child, kAll or kNone
+
+ private:
+  int which_ = kAll;
+};
+
+/// Moves what follows: parent_from_child.
+class Transform : public Node {
+ public:
+  Transform() : Node(NodeKind::transform) {}
+  explicit Transform(const glm::dmat4& matrix) : Node(NodeKind::transform), matrix_(matrix) {}
+  const glm::dmat4& matrix() const { return matrix_; }
+  void set_matrix(const glm::dmat4& matrix);  ///< every value finite; an equal matrix is no change
+
+ private:
+  glm::dmat4 matrix_{1.0};
+};
+
+/// The material of the shapes that follow. Several nodes may share one material, and one node may stand in many places.
+/// A node whose material was ever set anew has a slot of its own in the DrawList, so that a change writes just that.
+class MaterialNode : public Node {
+ public:
+  explicit MaterialNode(std::shared_ptr<const Material> material)
+      : Node(NodeKind::material), material_(std::move(material)) {}
+  const std::shared_ptr<const Material>& material() const { return material_; }
+  void set_material(std::shared_ptr<const Material> material);
+  bool has_own_slot() const { return has_own_slot_; }
+
+ private:
+  std::shared_ptr<const Material> material_;
+  bool has_own_slot_ = false;
+};
+
+/// A mesh to draw, in the material in force (where there is none: a white, opaque one).
+class Shape : public Node {
+ public:
+  explicit Shape(std::shared_ptr<const Mesh> mesh) : Node(NodeKind::shape), mesh_(std::move(mesh)) {}
+  const std::shared_ptr<const Mesh>& mesh() const { return mesh_; }
+
+ private:
+  std::shared_ptr<const Mesh> mesh_;
+};
+
+/// A light at the place where it stands. It lights the whole scene, wherever it hangs.
+class LightNode : public Node {
+ public:
+  explicit LightNode(const Light& light) : Node(NodeKind::light), light_(light) {}
+  const Light& light() const { return light_; }
+  void set_light(const Light& light);
+
+ private:
+  Light light_;
+};
+
+/// A named leaf that draws nothing: new content goes right before it.
+class InsertionPoint : public Node {
+ public:
+  InsertionPoint() : Node(NodeKind::insertion_point) {}
+};
+
+/// A place in the graph whose pose in the world somebody asks for: a camera, a sensor.
+class Mount : public Node {
+ public:
+  Mount() : Node(NodeKind::mount) {}
+};
+
+}  // namespace simvis

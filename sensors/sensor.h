@@ -1,0 +1,109 @@
+// Sensors: the same mechanism as elements, with data out instead of parameters in.
+//
+// To add one: a pair of files here with a class, its attribute table, and one static SensorRegistration. Nothing else
+// is edited. A class in a user's own program or in a plug-in library registers the same way.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/frame_plan.h"
+#include "engine/renderer.h"
+#include "scenegraph/attributes.h"
+#include "scenegraph/command.h"
+#include "sensors/image.h"
+#include "sensors/scan.h"
+
+namespace simvis {
+
+/// When a frame is taken.
+struct FrameTime {
+  std::uint64_t index = 0;     ///< 0, 1, 2, ...
+  std::int64_t time_ns = 0;    ///< simulated time
+  std::int64_t period_ns = 0;  ///< from one frame to the next
+};
+
+/// One column of a table that a sensor writes, and how its numbers are printed (a printf format for one double, or
+/// for one long long where `integer`). A value that is NaN is printed as an empty cell.
+struct TableColumn {
+  std::string name;
+  std::string format;
+  bool integer = false;
+};
+
+/// Takes what a sensor has to write after a frame. Implemented by whoever makes files.
+class OutputSink {
+ public:
+  virtual ~OutputSink() = default;
+  /// One picture per frame. Either may be null. `stem` is added to the folder's name for sensors with several
+  /// pictures ("left", "right"); empty for one.
+  virtual void picture(const std::string& stem, const Image* color, const Image* depth) = 0;
+  /// Rows of a table that grows with each frame; `values` holds whole rows. Columns are the same at every call.
+  virtual void rows(std::span<const TableColumn> columns, std::span<const double> values) = 0;
+};
+
+/// Frames   the sensor frame: x forward, y left, z up (REP 103); a camera looks along +x.
+/// Life     made from its command; then, in each frame in which it is due: plan(), and collect() once the frame has
+///          been rendered.
+class Sensor {
+ public:
+  virtual ~Sensor() = default;
+
+  /// Adds the views that this frame needs to `plan`. `world_from_sensor` is rigid: scale along the way is taken out.
+  virtual void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) = 0;
+
+  /// Takes its results. `results[i]` belongs to `plan.passes[i]`.
+  virtual void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) = 0;
+
+  /// What collect() last took; null where the sensor has none of the kind.
+  virtual const Image* color() const { return nullptr; }
+  virtual const Image* depth() const { return nullptr; }
+  virtual const Scan* scan() const { return nullptr; }
+
+  /// Hands over what the last collect() took, for files.
+  virtual void write(OutputSink& sink) const = 0;
+
+  /// For run.json: how the sensor measures, e.g. "rasterised" or "planar".
+  virtual std::string method() const = 0;
+
+  double rate_hz = 0;  ///< from the attribute `rate`; 0 = every frame
+};
+
+/// What a sensor's constructor gets.
+struct SensorContext {
+  const Command& command;
+  const AttributeValues& attributes;
+  std::string name;
+};
+
+struct SensorType {
+  std::string_view name;     ///< the command's `type`
+  std::string_view summary;  ///< one sentence for people
+  AttributeTable attributes;
+  std::unique_ptr<Sensor> (*create)(const SensorContext& context);
+};
+
+/// The row `rate`, for the table of a sensor type.
+inline constexpr AttributeSpec kRateAttribute{.name = "rate",
+                                              .kind = AttributeKind::number,
+                                              .unit = "Hz",
+                                              .text = "how often the sensor measures; every frame if not given",
+                                              .min = 0,
+                                              .open_min = true};
+
+/// Attributes that every sensor command may carry besides its type's own.
+inline constexpr std::string_view kSensorCommonAttributes[] = {"type", "name", "insert_at", "pose_offset"};
+
+struct SensorRegistration {
+  explicit SensorRegistration(const SensorType& type);
+};
+
+const SensorType* find_sensor_type(std::string_view name);
+std::vector<const SensorType*> sensor_types();
+
+}  // namespace simvis

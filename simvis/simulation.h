@@ -1,0 +1,107 @@
+// The way in for programs: load a scene, set parameters, step, read what the sensors saw.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/device.h"
+#include "engine/error.h"
+#include "engine/renderer.h"
+#include "sensors/image.h"
+#include "sensors/scan.h"
+#include "sensors/sensor.h"
+#include "simvis/parameters.h"
+
+namespace simvis {
+
+/// An attribute written over those of all sensors of one type, before the scene is built.
+struct AttributeOverride {
+  std::string sensor_type, attribute, value;
+};
+
+struct SimulationDesc {
+  double rate_hz = 15;  ///< frames per simulated second, finite and above 0
+  DeviceDesc device;
+  std::vector<AttributeOverride> overrides;
+};
+
+/// A sensor of the scene, as run.json and users see it.
+struct SensorInfo {
+  std::string name, type, method;
+  std::uint64_t frames = 0;  ///< how often it has measured
+  bool enabled = true;
+};
+
+/// A running simulation. All sensors are enabled at load; what is off is not rendered.
+///
+/// Frames   world and sensors: x forward, y left, z up (REP 103), metres.
+/// Time     frame k is taken at round(k * 10^9 / rate) nanoseconds; a sensor with `rate` f fires at the first frame at
+///          or after each j / f.
+/// Errors   InputError for what the user gave (scene, names, values), MachineError for the device.
+/// Threading  one thread at a time.
+class Simulation {
+ public:
+  /// Throws InputError with FILE:LINE:COLUMN for any mistake in the scene or its parts, before anything is rendered;
+  /// MachineError if no device fits.
+  static Simulation load(const std::filesystem::path& scene, const SimulationDesc& desc = {});
+  /// The same from text; relative file names start at `folder`, and `name` stands for the file in messages.
+  static Simulation from_string(std::string_view xml, const SimulationDesc& desc = {},
+                                const std::filesystem::path& folder = ".", const std::string& name = "<string>");
+
+  Simulation(Simulation&&) noexcept;
+  Simulation& operator=(Simulation&&) noexcept;
+  ~Simulation();
+
+  /// Sets a parameter, in the unit of its element's table (angles in degrees). It takes effect at the next step().
+  /// Throws InputError: no such element or parameter (the nearest suggested), not finite, out of range; the old value
+  /// is then kept.
+  void set(std::string_view element, std::string_view parameter, double value);
+  double get(std::string_view element, std::string_view parameter) const;
+
+  /// Turns a sensor on or off.
+  void enable(std::string_view sensor, bool on);
+
+  /// Makes one frame: elements, flattening, planning, rendering, collecting.
+  void step();
+
+  /// Of the frame that step() will make next.
+  FrameTime next_frame() const;
+
+  /// What a sensor last measured. Empty (no pixels, no ranges) before it first fired.
+  /// Throws InputError when there is no such sensor, or it has no such output.
+  const Scan& scan(std::string_view sensor) const;
+  const Image& color(std::string_view sensor) const;
+  const Image& depth(std::string_view sensor) const;
+
+  /// The four arrays: descriptors, values, change requests, changes.
+  Parameters& parameters();
+  const Parameters& parameters() const;
+
+  std::vector<SensorInfo> sensors() const;
+  /// Names of the sensors that measured in the last step().
+  std::span<const std::string> measured() const;
+  /// Hands what the named sensor last measured to `sink`.
+  void write(std::string_view sensor, OutputSink& sink) const;
+
+  const std::vector<std::string>& warnings() const;
+  const DeviceInfo& device() const;
+  const FrameCounters& counters() const;  ///< of the last step()
+  const DrawList& draw_list() const;      ///< of the last step()
+  const FramePlan& frame_plan() const;    ///< of the last step()
+  std::uint64_t validation_messages() const;
+
+ private:
+  struct Impl;
+  explicit Simulation(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+/// SimVis's version, "MAJOR.MINOR.PATCH".
+std::string_view version();
+
+}  // namespace simvis
