@@ -125,4 +125,37 @@ TEST_CASE("passes of one plan have results of their own") {
   CHECK(renderer.counters().passes == 3);
 }
 
+TEST_CASE("a transform that becomes mirrored turns the winding of what is drawn") {
+  Renderer renderer(device());
+  Scene scene = scene_with_ambient(1);
+  scene.add(rectangle(-1, -1, 1, 1), {}, at(0, 0, 1));
+  CHECK(renderer.render(scene.list, wall_plan(false, true))[0].depth[5] > 0);
+  scene.list.world_from_node[1][0].x = -1;
+  ++scene.list.revisions.transforms;
+  CHECK(renderer.render(scene.list, wall_plan(false, true))[0].depth[5] > 0);
+}
+
+TEST_CASE("each item shows its own texture, and textures that go leave nothing behind") {
+  Renderer renderer(device());
+  std::uint64_t objects = 0;
+  for (int round = 0; round < 40; ++round) {
+    Scene scene = scene_with_ambient(1);
+    for (int i = 0; i < 4; ++i) {
+      auto texture = std::make_shared<Texture>();
+      texture->name = "grey";
+      texture->width = texture->height = 1;
+      const std::uint8_t grey = i % 2 ? 255 : 0;
+      texture->rgba = {grey, grey, grey, 255};
+      Material material;
+      material.base_color_texture = texture;
+      const float left = -1 + 0.5f * static_cast<float>(i);
+      scene.add(rectangle(left, -1, left + 0.5f, 1), material, at(0, 0, 1));
+    }
+    const auto color = renderer.render(scene.list, wall_plan(true, false))[0].color;
+    for (int i = 0; i < 4; ++i) CHECK(color[4 + i].r == i % 2);
+    if (round == 1) objects = device().impl().live_objects();
+  }
+  CHECK(device().impl().live_objects() == objects);
+}
+
 TEST_CASE("the validation layer has nothing to say") { CHECK(device().validation_messages() == 0); }
