@@ -45,6 +45,12 @@ class Cell {
     return static_cast<double>(origin_[static_cast<std::ptrdiff_t>(y) * pixels_.stride_px + x]) / pixels_.near_m;
   }
 
+  // Bilinear: weights that are never negative and sum to 1 do not enlarge the pixels' errors.
+  double interpolated() const {
+    const double fx = tap_.fraction_x, fy = tap_.fraction_y;
+    return (1 - fy) * ((1 - fx) * at(0, 0) + fx * at(1, 0)) + fy * ((1 - fx) * at(0, 1) + fx * at(1, 1));
+  }
+
   // Rounding of a w on a plane with these gradients per pixel.
   double noise(double w, double gx, double gy) const {
     const double mx = gx * pixels_.focal_px, my = gy * pixels_.focal_px;
@@ -154,7 +160,7 @@ RangeEstimate planar_range(const FacePixels& pixels, const BeamTap& tap, bool pl
     const Plane plane = cell.single_plane();
     if (plane.flat) {
       // Interpolation keeps the noise; a kink of at most the doubt and its own noise may hide in the second difference.
-      return to_range(plane.at(tap.fraction_x, tap.fraction_y), plane.noise + 4 * plane.noise + plane.doubt, tap);
+      return to_range(cell.interpolated(), plane.noise + 4 * plane.noise + plane.doubt, tap);
     }
   }
   const std::array<Plane, 4> planes = planar_layout

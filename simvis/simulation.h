@@ -82,6 +82,10 @@ class Simulation {
   Parameters& parameters();
   const Parameters& parameters() const;
 
+  /// world_from_sensor as of the last step(): rigid, in the sensor frame x forward, y left, z up. False if the sensor
+  /// stands in a part that is switched off. Throws InputError when there is no such sensor.
+  bool sensor_pose(std::string_view sensor, glm::dmat4& world_from_sensor) const;
+
   std::vector<SensorInfo> sensors() const;
   /// Names of the sensors that measured in the last step().
   std::span<const std::string> measured() const;
