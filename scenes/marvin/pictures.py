@@ -164,13 +164,13 @@ def outside():
         for x in range(width):
             if y > 165 - 6 * near[x]:
                 shade = 0.85 + 0.25 * trees[y][x]
-                color = rgb("#86a862")
+                color = rgb("#a9c47c")
             elif y > 142 - 40 * near[x]:
-                shade = 0.8 + 0.8 * trees[y][x]
-                color = rgb("#4f7a48")
+                shade = 0.95 + 0.7 * trees[y][x]
+                color = rgb("#6b9459")
             elif y > 128 - 46 * far[x]:
                 shade = 0.95 + 0.25 * trees[y][x]
-                color = rgb("#7f9f9a")
+                color = rgb("#9dbab4")
             else:
                 shade = 1.0
                 white = max(0.0, min(1.0, clouds[y][x] * 2.2))

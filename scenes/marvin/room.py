@@ -223,8 +223,8 @@ def lamp():
         model.add(m.FRAME_WHITE, turned(cylinder(0.035, 0.03, 16), "x", 180), (0, y, 0))
     model.add(m.LACQUER, rounded_box(0.22, 1.4, 0.05, 0.014, 1), (0, 0, -drop - 0.025))
     model.add(m.LAMP, rounded_box(0.18, 1.34, 0.03, 0.012, 1), (0, 0, -drop - 0.045))
-    model.lights.append(Light("LAMP", "spot", 4.2, (1.0, 0.95, 0.86), (0, 0, -drop - 0.07), (0, 0, -1),
-                              0.5, 1.45))
+    model.lights.append(Light("LAMP", "spot", 5.6, (1.0, 0.95, 0.86), (0, 0, -drop - 0.07), (0, 0, -1),
+                              0.9, 1.5))
     return model
 
 
