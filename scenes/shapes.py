@@ -267,8 +267,10 @@ def with_uvs(shape, swap=False):
 
 
 def grid(us, vs, point, normal, hole=None):
-    """A flat surface of cells between the cuts `us` and `vs`; `point(u, v)` places a corner and `normal` tells the side.
-    Cells for whose middle `hole(u, v)` is true are left out. Texture coordinates are (u, -v)."""
+    """A flat surface of cells between the cuts `us` and `vs`: `point(u, v)` places a corner, `normal` tells the side.
+
+    Cells for whose middle `hole(u, v)` is true are left out. Texture coordinates are (u, -v).
+    """
     faces = []
     for u0, u1 in zip(us, us[1:]):
         for v0, v1 in zip(vs, vs[1:]):

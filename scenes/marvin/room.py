@@ -135,11 +135,11 @@ def _pipes(model):
 
 def _wall_details(model):
     """Sockets and light switches."""
-    places = [(m.FRAME_WHITE, (-HALF_X, y, 0.3), 0) for y in (-3.4, -0.8, 2.6)]
-    places += [(m.FRAME_WHITE, (x, HALF_Y, 0.3), -90) for x in (-4.9, -1.8, 1.8, 4.9)]
-    places += [(m.FRAME_WHITE, (HALF_X, EAST_DOOR_Y + 0.8, 1.1), 180), (m.FRAME_WHITE, (SOUTH_DOOR_X + 0.8, -HALF_Y, 1.1), 90)]
-    for material, at, yaw in places:
-        model.add(material, turned(rounded_box(0.016, 0.085, 0.085, 0.006, 1), "z", yaw), at)
+    places = [((-HALF_X, y, 0.3), 0) for y in (-3.4, -0.8, 2.6)]
+    places += [((x, HALF_Y, 0.3), -90) for x in (-4.9, -1.8, 1.8, 4.9)]
+    places += [((HALF_X, EAST_DOOR_Y + 0.8, 1.1), 180), ((SOUTH_DOOR_X + 0.8, -HALF_Y, 1.1), 90)]
+    for at, yaw in places:
+        model.add(m.FRAME_WHITE, turned(rounded_box(0.016, 0.085, 0.085, 0.006, 1), "z", yaw), at)
         model.add(m.GREY, turned(rounded_box(0.024, 0.05, 0.05, 0.004, 1), "z", yaw), at)
 
 
