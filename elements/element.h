@@ -31,9 +31,9 @@ class Element {
 
 /// What an element's constructor gets.
 struct ElementContext {
-  const Command& command;            ///< the whole command
+  const Command& command;             ///< the whole command
   const AttributeValues& attributes;  ///< checked against the type's table
-  Scene& scene;                      ///< to put nodes before the insertion point: scene.insert(command, node)
+  Scene& scene;                       ///< to put nodes before the insertion point: scene.insert(command, node)
 };
 
 struct ElementType {

@@ -27,9 +27,9 @@ inline constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 struct AttributeSpec {
   std::string_view name;
   AttributeKind kind = AttributeKind::number;
-  std::string_view default_value;  ///< as it would be written; empty: not given means unset
-  std::string_view unit;           ///< "m", "deg", "Hz", ""
-  std::string_view text;           ///< one sentence for people
+  std::string_view default_value{};        ///< as it would be written; empty: not given means unset
+  std::string_view unit{};                 ///< "m", "deg", "Hz", ""
+  std::string_view text{};                 ///< one sentence for people
   double min = -kNoLimit, max = kNoLimit;  ///< both allowed, unless `open_min` or `open_max`
   bool open_min = false, open_max = false;
   std::string_view choices{};  ///< separated by spaces (choice, flags)

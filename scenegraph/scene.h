@@ -16,9 +16,9 @@ namespace simvis {
 
 /// What a part file became.
 struct PartContent {
-  NodePtr root;                             ///< may stand under several parents
-  std::vector<std::string> warnings;        ///< for people, each with the file's name
-  std::vector<std::string> commands;        ///< embedded commands, XML text, in the order found
+  NodePtr root;                       ///< may stand under several parents
+  std::vector<std::string> warnings;  ///< for people, each with the file's name
+  std::vector<std::string> commands;  ///< embedded commands, XML text, in the order found
 };
 
 /// Frames   the world is ROOT's frame: x forward, y left, z up, metres.

@@ -1,0 +1,81 @@
+// The inside of Device, for the engine's own files.
+#pragma once
+
+#include <vulkan/vulkan.h>
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <string_view>
+
+#include "engine/device.h"
+#include "engine/instance.h"
+#include "engine/physical_device.h"
+#include "engine/pipeline_cache.h"
+
+namespace simvis {
+
+/// What memory is for; the device picks the best type that it has.
+enum class MemoryKind : std::uint8_t {
+  device,    ///< written once, read often by the GPU; mapped where `direct_upload`
+  image,     ///< for images, never mapped
+  dynamic,   ///< written by the host each frame, read by the GPU; mapped
+  staging,   ///< written by the host, copied from; mapped
+  readback,  ///< copied to, read by the host; mapped
+};
+
+/// An object that nobody owns any more.
+struct Retired {
+  std::uint64_t handle = 0;
+  void (*destroy)(VkDevice, std::uint64_t) = nullptr;
+  std::uint64_t serial = 0;  ///< the last submission that may use it
+};
+
+struct Device::Impl {
+  explicit Impl(const DeviceDesc& desc);
+  ~Impl();
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+
+  const VkPhysicalDeviceLimits& limits() const { return physical.properties.limits; }
+
+  /// Throws MachineError when no type of `allowed_types` (a bit per type) serves.
+  std::uint32_t memory_type(std::uint32_t allowed_types, MemoryKind kind) const;
+
+  /// Every object that Handle owns passes through these two.
+  void adopt(VkObjectType type, std::uint64_t handle, std::string_view name);
+  void retire(Retired object);
+  /// Destroys what no unfinished submission may use.
+  void destroy_retired();
+
+  /// Labels for debuggers and messages; they cost nothing without validation.
+  void begin_label(VkCommandBuffer commands, std::string_view name) const;
+  void end_label(VkCommandBuffer commands) const;
+
+  Instance instance;
+  PhysicalDevice physical;
+  VkPhysicalDeviceMemoryProperties memory{};
+  VkDevice device = VK_NULL_HANDLE;
+  VkQueue queue = VK_NULL_HANDLE;
+  std::optional<PipelineCache> pipeline_cache;
+
+  /// The host writes straight into device memory: on CPU devices, and where the whole of the device's memory is
+  /// visible to the host. Otherwise data goes through staging buffers and copies. Chosen once.
+  bool direct_upload = false;
+
+  // Submissions are numbered from 1. While commands are recorded, what is retired may be used by the next one.
+  std::uint64_t submitted = 0, finished = 0;
+  bool recording = false;
+
+ private:
+  void create_device();
+  void choose_upload();
+
+  std::deque<Retired> retired_;
+  std::uint64_t live_objects_ = 0;
+  PFN_vkSetDebugUtilsObjectNameEXT set_name_ = nullptr;
+  PFN_vkCmdBeginDebugUtilsLabelEXT begin_label_ = nullptr;
+  PFN_vkCmdEndDebugUtilsLabelEXT end_label_ = nullptr;
+};
+
+}  // namespace simvis

@@ -1,0 +1,148 @@
+#include "engine/draw_table.h"
+
+#include <algorithm>
+#include <tuple>
+
+#include "engine/assert.h"
+
+namespace simvis {
+namespace {
+
+using Surface = PipelineKey::Surface;
+
+Surface surface_of(AlphaMode mode, bool color) {
+  if (mode == AlphaMode::opaque) return Surface::opaque;
+  return mode == AlphaMode::blend && color ? Surface::blended : Surface::masked;
+}
+
+auto state_of(const Drawable& d) {
+  return std::tuple(d.key.bits(), d.single_sided, d.mirrored, d.texture, d.range.first_index);
+}
+
+}  // namespace
+
+void DrawTable::update(const DrawList& list, bool color, GeometryPool& geometry, TextureStore& textures,
+                       Uploads& uploads) {
+  const bool new_tables = take_tables(list);
+  const bool new_kinds = take_materials(list);
+  const bool new_mirrors = take_transforms(list);
+  const bool new_lights = lights_ != !list.lights.empty();
+  if (!new_tables && !new_kinds && !new_mirrors && !new_lights && with_color_ >= color) return;
+  // What has once been made ready for colour stays so, until the scene changes.
+  with_color_ = color || (with_color_ && !new_tables);
+  lights_ = !list.lights.empty();
+  rebuild(geometry, textures, uploads);
+}
+
+bool DrawTable::take_tables(const DrawList& list) {
+  if (made_ && items_ == list.items && meshes_ == list.meshes && materials_ == list.materials) return false;
+  SIMVIS_ASSERT(list.material_revision.size() == list.materials.size());
+  for (const DrawItem& item : list.items) {
+    SIMVIS_ASSERT(item.mesh < list.meshes.size() && item.material < list.materials.size());
+  }
+  made_ = true;
+  items_ = list.items;
+  meshes_ = list.meshes;
+  materials_ = list.materials;
+  material_revision_.clear();
+  kinds_.clear();
+  return true;
+}
+
+bool DrawTable::take_materials(const DrawList& list) {
+  SIMVIS_ASSERT(list.material_revision.size() == materials_.size());
+  if (kinds_.size() == materials_.size() && material_revision_ == list.material_revision) return false;
+  material_revision_ = list.material_revision;
+  kinds_.resize(materials_.size());
+  bool changed = false;
+  for (std::size_t m = 0; m < materials_.size(); ++m) {
+    const Material& material = *materials_[m];
+    MaterialKind kind{material.alpha_mode, material.unlit, material.double_sided, material.base_color_texture};
+    if (kinds_[m] == kind) continue;
+    kinds_[m] = std::move(kind);
+    changed = true;
+  }
+  return changed;
+}
+
+bool DrawTable::take_transforms(const DrawList& list) {
+  boxes_.resize(items_.size());
+  mirrored_.resize(items_.size());
+  bool changed = false;
+  for (std::size_t i = 0; i < items_.size(); ++i) {
+    SIMVIS_ASSERT(items_[i].transform < list.world_from_node.size());
+    const glm::dmat4& world_from_mesh = list.world_from_node[items_[i].transform];
+    const Mesh& mesh = *meshes_[items_[i].mesh];
+    const glm::dvec3 low(mesh.bounds_min), high(mesh.bounds_max);
+    boxes_[i] = make_box(world_from_mesh, (low + high) * 0.5, (high - low) * 0.5);
+    const glm::dvec3 x(world_from_mesh[0]), y(world_from_mesh[1]), z(world_from_mesh[2]);
+    const bool mirrored = glm::dot(glm::cross(x, y), z) < 0;
+    changed |= mirrored != static_cast<bool>(mirrored_[i]);
+    mirrored_[i] = mirrored;
+  }
+  return changed;
+}
+
+void DrawTable::rebuild(GeometryPool& geometry, TextureStore& textures, Uploads& uploads) {
+  std::vector<MeshUse> uses(meshes_.size(), MeshUse::none);
+  materials_read_.assign(materials_.size(), 0);
+  any_lit_ = false;
+  for (const DrawItem& item : items_) {
+    const MaterialKind& kind = kinds_[item.material];
+    const bool read = with_color_ || kind.alpha_mode != AlphaMode::opaque;
+    uses[item.mesh] = std::max(uses[item.mesh], read ? MeshUse::attributes : MeshUse::positions);
+    materials_read_[item.material] |= read;
+    any_lit_ |= !kind.unlit;
+  }
+  const std::span<const MeshRange> ranges = geometry.update(meshes_, uses, uploads);
+  ranges_.assign(ranges.begin(), ranges.end());
+  textures.keep_only(materials_);
+  texture_sets_.assign(materials_.size(), VK_NULL_HANDLE);
+  for (std::size_t m = 0; m < materials_.size(); ++m) {
+    if (materials_read_[m] && kinds_[m].texture) texture_sets_[m] = textures.require(kinds_[m].texture, uploads);
+  }
+  depth_.clear();
+  solid_.clear();
+  blended_.clear();
+  for (std::uint32_t i = 0; i < items_.size(); ++i) {
+    if (ranges_[items_[i].mesh].index_count == 0) continue;
+    depth_.push_back(drawable(i, false));
+    if (!with_color_) continue;
+    const bool blends = kinds_[items_[i].material].alpha_mode == AlphaMode::blend;
+    (blends ? blended_ : solid_).push_back(drawable(i, true));
+  }
+  sort_and_group(depth_);
+  sort_and_group(solid_);
+  sort_and_group(blended_);
+}
+
+Drawable DrawTable::drawable(std::uint32_t index, bool color) const {
+  const DrawItem& item = items_[index];
+  const MaterialKind& kind = kinds_[item.material];
+  Drawable d;
+  d.item = index;
+  d.material = item.material;
+  d.transform = item.transform;
+  d.range = ranges_[item.mesh];
+  d.single_sided = !kind.double_sided;
+  d.mirrored = mirrored_[index] != 0;
+  d.key.color = color;
+  d.key.depth_only = !color;
+  d.key.topology = meshes_[item.mesh]->topology;
+  d.key.surface = surface_of(kind.alpha_mode, color);
+  if (color || d.key.surface != Surface::opaque) d.texture = texture_sets_[item.material];
+  d.key.textured = d.texture != VK_NULL_HANDLE;
+  d.key.unlit = color && kind.unlit;
+  d.key.lights = color && !kind.unlit && lights_;
+  return d;
+}
+
+void DrawTable::sort_and_group(std::vector<Drawable>& drawables) const {
+  std::stable_sort(drawables.begin(), drawables.end(),
+                   [](const Drawable& a, const Drawable& b) { return state_of(a) < state_of(b); });
+  for (std::size_t i = 1; i < drawables.size(); ++i) {
+    drawables[i].group = drawables[i - 1].group + (state_of(drawables[i]) != state_of(drawables[i - 1]));
+  }
+}
+
+}  // namespace simvis

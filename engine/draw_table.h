@@ -1,0 +1,80 @@
+// A draw list made ready for drawing: sorted by what the GPU would have to switch, with all that a view needs of an
+// item side by side. Remade only when the list's structure or a material's kind changes.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "engine/draw_list.h"
+#include "engine/geometry_pool.h"
+#include "engine/pipelines.h"
+#include "engine/texture_store.h"
+#include "engine/uploads.h"
+#include "engine/view_projection.h"
+
+namespace simvis {
+
+/// An item as one kind of pass draws it.
+struct Drawable {
+  PipelineKey key;  ///< `cull_back` and `mirrored` are settled by the view
+  bool single_sided = false, mirrored = false;
+  std::uint32_t item = 0, material = 0, transform = 0;
+  std::uint32_t group = 0;  ///< equal for neighbours that one instanced draw can take
+  VkDescriptorSet texture = VK_NULL_HANDLE;
+  MeshRange range;
+};
+
+/// The table compares what it was made from with the list that it is given instead of trusting `revisions.structure`:
+/// that costs less than culling the same items once, and lists of different origin cannot be mistaken.
+class DrawTable {
+ public:
+  /// Brings the table up to date. `color`: a pass of this frame shows colour; without, neither textures nor
+  /// attributes of what is opaque are uploaded.
+  void update(const DrawList& list, bool color, GeometryPool& geometry, TextureStore& textures, Uploads& uploads);
+
+  /// Everything, for passes without colour.
+  std::span<const Drawable> depth() const { return depth_; }
+  /// For passes with colour: what is solid, and what is blended over it.
+  std::span<const Drawable> solid() const { return solid_; }
+  std::span<const Drawable> blended() const { return blended_; }
+
+  const WorldBox& box(std::uint32_t item) const { return boxes_[item]; }
+  /// By material: not 0 where what is drawn reads its block.
+  std::span<const std::uint8_t> materials_read() const { return materials_read_; }
+  bool any_lit() const { return any_lit_; }
+
+  /// Forgets everything.
+  void clear() { *this = DrawTable(); }
+
+ private:
+  // What of a material decides how it is drawn.
+  struct MaterialKind {
+    AlphaMode alpha_mode = AlphaMode::opaque;
+    bool unlit = false, double_sided = false;
+    std::shared_ptr<const Texture> texture;
+    bool operator==(const MaterialKind&) const = default;
+  };
+  bool take_tables(const DrawList& list);
+  bool take_materials(const DrawList& list);
+  bool take_transforms(const DrawList& list);
+  void rebuild(GeometryPool& geometry, TextureStore& textures, Uploads& uploads);
+  Drawable drawable(std::uint32_t item, bool color) const;
+  void sort_and_group(std::vector<Drawable>& drawables) const;
+
+  bool made_ = false;
+  bool with_color_ = false, any_lit_ = false, lights_ = false;
+  std::vector<DrawItem> items_;
+  std::vector<std::shared_ptr<const Mesh>> meshes_;
+  std::vector<std::shared_ptr<const Material>> materials_;
+  std::vector<std::uint64_t> material_revision_;
+  std::vector<MaterialKind> kinds_;
+  std::vector<WorldBox> boxes_;         // by item
+  std::vector<std::uint8_t> mirrored_;  // by item
+  std::vector<std::uint8_t> materials_read_;
+  std::vector<VkDescriptorSet> texture_sets_;  // by material
+  std::vector<MeshRange> ranges_;              // by mesh
+  std::vector<Drawable> depth_, solid_, blended_;
+};
+
+}  // namespace simvis

@@ -1,0 +1,12 @@
+// The image formats that SimVis renders to and samples from.
+#pragma once
+
+#include <vulkan/vulkan.h>
+
+namespace simvis {
+
+inline constexpr VkFormat kDepthFormat = VK_FORMAT_D32_SFLOAT;
+inline constexpr VkFormat kColorFormat = VK_FORMAT_R32G32B32A32_SFLOAT;  ///< linear
+inline constexpr VkFormat kTextureFormat = VK_FORMAT_R8G8B8A8_SRGB;
+
+}  // namespace simvis

@@ -1,0 +1,126 @@
+#include "engine/frame_draws.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace simvis {
+namespace {
+
+using Surface = PipelineKey::Surface;
+
+// The least difference of the cones' cosines, from KHR_lights_punctual.
+constexpr double kLeastConeWidth = 0.001;
+
+shader::LightBlock block_of(const Light& light, const glm::dmat4& view_from_light) {
+  shader::LightBlock block{};
+  const double placed = light.kind == LightKind::directional ? 0.0 : 1.0;
+  block.position = glm::vec4(glm::dvec4(glm::dvec3(view_from_light[3]) * placed, placed));
+  const glm::dvec3 direction = glm::dmat3(view_from_light) * light.direction;
+  const double length = glm::length(direction);
+  // A light that is scaled to nothing shines nowhere.
+  const glm::dvec3 unit = length > 0 ? direction / length : glm::dvec3(0);
+  block.direction = glm::vec4(glm::dvec4(unit, light.range_m > 0 ? 1 / light.range_m : 0.0));
+  block.intensity = glm::vec4(glm::dvec4(glm::dvec3(light.color) * light.intensity, 0));
+  block.cone = {0, 1, 0, 0};
+  if (light.kind == LightKind::spot) {
+    const double outer = std::cos(light.outer_cone_rad);
+    const double scale = 1 / std::max(kLeastConeWidth, std::cos(light.inner_cone_rad) - outer);
+    block.cone = glm::vec4(scale, -outer * scale, 0, 0);
+  }
+  return block;
+}
+
+PipelineKey key_in_view(const Drawable& d, const View& view) {
+  PipelineKey key = d.key;
+  if (key.topology != Topology::triangles) return key;
+  key.cull_back = d.single_sided && !view.sees_back_faces;
+  key.mirrored = d.mirrored && (key.cull_back || key.lights);
+  return key;
+}
+
+}  // namespace
+
+void FrameDraws::clear() {
+  views_.clear();
+  runs_.clear();
+  instances_.clear();
+  lights_.clear();
+}
+
+void FrameDraws::add(const View& view, const Pass& pass, const DrawList& list, const DrawTable& table,
+                     FrameCounters& counters) {
+  const ViewProjection projection = make_projection(view);
+  ViewDraws draws;
+  draws.block.projection =
+      glm::vec4(glm::dvec4(projection.scale_x, projection.shift_x, projection.scale_y, projection.shift_y));
+  draws.block.ambient = glm::vec4(list.environment.ambient, static_cast<float>(view.near_m));
+  draws.block.lights = {0, 0, 0, 0};
+  if (pass.color && table.any_lit()) add_lights(projection, list, draws.block);
+  draws.first_run = runs_.size();
+  for (const Drawable& d : pass.color ? table.solid() : table.depth()) {
+    if (visible(d, view, projection, table, counters)) draw(d, view, projection, list, draws.first_run);
+  }
+  if (pass.color) add_blended(view, pass, projection, list, table, counters);
+  draws.end_run = runs_.size();
+  views_.push_back(draws);
+}
+
+void FrameDraws::add_lights(const ViewProjection& projection, const DrawList& list, shader::ViewBlock& block) {
+  block.lights.x = static_cast<std::uint32_t>(lights_.size());
+  block.lights.y = static_cast<std::uint32_t>(list.lights.size());
+  for (const LightItem& item : list.lights) {
+    lights_.push_back(block_of(item.light, projection.view_from_world * list.world_from_node[item.transform]));
+  }
+}
+
+bool FrameDraws::visible(const Drawable& d, const View& view, const ViewProjection& projection, const DrawTable& table,
+                         FrameCounters& counters) const {
+  if (d.key.topology != Topology::triangles && !view.sees_lines_and_points) return false;
+  if (!outside(projection, table.box(d.item))) return true;
+  ++counters.items_culled;
+  return false;
+}
+
+void FrameDraws::draw(const Drawable& d, const View& view, const ViewProjection& projection, const DrawList& list,
+                      std::size_t first_run) {
+  shader::Instance& instance = instances_.emplace_back();
+  write_clip_rows(projection, list.world_from_node[d.transform], instance);
+  instance.material = {d.material, 0, 0, 0};
+  if (runs_.size() > first_run && d.group == last_group_) {
+    ++runs_.back().instance_count;
+    return;
+  }
+  last_group_ = d.group;
+  runs_.push_back({.key = key_in_view(d, view),
+                   .texture = d.texture,
+                   .range = d.range,
+                   .first_instance = static_cast<std::uint32_t>(instances_.size() - 1),
+                   .instance_count = 1});
+}
+
+// Back to front by the depth of the boxes' centres, ties in the list's order.
+void FrameDraws::add_blended(const View& view, const Pass& pass, const ViewProjection& projection, const DrawList& list,
+                             const DrawTable& table, FrameCounters& counters) {
+  far_first_.clear();
+  for (const Drawable& d : table.blended()) {
+    if (!visible(d, view, projection, table, counters)) continue;
+    far_first_.push_back({view_depth(projection, table.box(d.item).center), &d});
+  }
+  std::sort(far_first_.begin(), far_first_.end(), [](const Far& a, const Far& b) {
+    return a.depth != b.depth ? a.depth > b.depth : a.drawable->item < b.drawable->item;
+  });
+  const std::size_t first = runs_.size();
+  for (const Far& far : far_first_) draw(*far.drawable, view, projection, list, first);
+  if (!pass.depth) return;
+  // Once more, for depth: what is solid enough to be met.
+  for (std::size_t i = first, end = runs_.size(); i < end; ++i) {
+    DrawRun run = runs_[i];
+    run.key.depth_only = true;
+    run.key.surface = Surface::masked;
+    run.key.unlit = run.key.lights = false;
+    run.key.mirrored = run.key.mirrored && run.key.cull_back;
+    runs_.push_back(run);
+  }
+}
+
+}  // namespace simvis

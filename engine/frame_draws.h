@@ -1,0 +1,63 @@
+// What each view of a frame draws, after culling: instances, lights, and runs of instanced draws.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "engine/draw_list.h"
+#include "engine/draw_table.h"
+#include "engine/frame_plan.h"
+#include "engine/renderer.h"
+#include "shaders/interop.h"
+
+namespace simvis {
+
+/// One instanced draw.
+struct DrawRun {
+  PipelineKey key;
+  VkDescriptorSet texture = VK_NULL_HANDLE;
+  MeshRange range;
+  std::uint32_t first_instance = 0, instance_count = 0;
+};
+
+/// One view's share: runs [first_run, end_run) in the order of drawing.
+struct ViewDraws {
+  shader::ViewBlock block;
+  std::size_t first_run = 0, end_run = 0;
+};
+
+/// Keeps its memory from frame to frame.
+class FrameDraws {
+ public:
+  void clear();
+
+  /// Adds one view. Counts culled items.
+  void add(const View& view, const Pass& pass, const DrawList& list, const DrawTable& table, FrameCounters& counters);
+
+  std::span<const ViewDraws> views() const { return views_; }  ///< in the order of add()
+  std::span<const DrawRun> runs() const { return runs_; }
+  std::span<const shader::Instance> instances() const { return instances_; }
+  std::span<const shader::LightBlock> lights() const { return lights_; }
+
+ private:
+  struct Far {
+    double depth;
+    const Drawable* drawable;
+  };
+  void add_lights(const ViewProjection& projection, const DrawList& list, shader::ViewBlock& block);
+  bool visible(const Drawable& d, const View& view, const ViewProjection& projection, const DrawTable& table,
+               FrameCounters& counters) const;
+  void draw(const Drawable& d, const View& view, const ViewProjection& projection, const DrawList& list,
+            std::size_t first_run);
+  void add_blended(const View& view, const Pass& pass, const ViewProjection& projection, const DrawList& list,
+                   const DrawTable& table, FrameCounters& counters);
+
+  std::vector<ViewDraws> views_;
+  std::vector<DrawRun> runs_;
+  std::vector<shader::Instance> instances_;
+  std::vector<shader::LightBlock> lights_;
+  std::vector<Far> far_first_;
+  std::uint32_t last_group_ = 0;
+};
+
+}  // namespace simvis

@@ -1,0 +1,115 @@
+#include "engine/frame_recorder.h"
+
+namespace simvis {
+namespace {
+
+VkPipelineLayout layout(const FrameContext& frame) { return frame.pipelines.layout(); }
+
+void bind_set(const FrameContext& frame, std::uint32_t index, VkDescriptorSet set) {
+  vkCmdBindDescriptorSets(frame.commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout(frame), index, 1, &set, 0, nullptr);
+}
+
+// The state that a run may change.
+struct Bound {
+  VkPipeline pipeline = VK_NULL_HANDLE;
+  VkDescriptorSet texture = VK_NULL_HANDLE;
+};
+
+void record_run(const FrameContext& frame, const DrawRun& run, Bound& bound) {
+  const VkPipeline pipeline = frame.pipelines.get(run.key);
+  if (pipeline != bound.pipeline) {
+    vkCmdBindPipeline(frame.commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline);
+    bound.pipeline = pipeline;
+    ++frame.counters.pipelines_bound;
+  }
+  if (run.texture != VK_NULL_HANDLE && run.texture != bound.texture) {
+    bind_set(frame, SIMVIS_TEXTURE_SET, run.texture);
+    bound.texture = run.texture;
+  }
+  vkCmdDrawIndexed(frame.commands, run.range.index_count, run.instance_count, run.range.first_index,
+                   run.range.vertex_offset, run.first_instance);
+  ++frame.counters.draws;
+  if (run.key.topology == Topology::triangles) {
+    frame.counters.triangles += std::uint64_t{run.range.index_count / 3} * run.instance_count;
+  }
+}
+
+void record_view(const FrameContext& frame, const View& view, const ViewDraws& draws, Bound& bound) {
+  if (draws.first_run == draws.end_run) return;
+  const VkViewport viewport{.x = static_cast<float>(view.x_px),
+                            .y = static_cast<float>(view.y_px),
+                            .width = static_cast<float>(view.width_px),
+                            .height = static_cast<float>(view.height_px),
+                            .minDepth = 0,
+                            .maxDepth = 1};
+  const VkRect2D scissor{{static_cast<std::int32_t>(view.x_px), static_cast<std::int32_t>(view.y_px)},
+                         {view.width_px, view.height_px}};
+  frame.device.begin_label(frame.commands, view.name);
+  vkCmdSetViewport(frame.commands, 0, 1, &viewport);
+  vkCmdSetScissor(frame.commands, 0, 1, &scissor);
+  vkCmdPushConstants(frame.commands, layout(frame), VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, 0,
+                     sizeof draws.block, &draws.block);
+  for (std::size_t i = draws.first_run; i < draws.end_run; ++i) record_run(frame, frame.draws.runs()[i], bound);
+  frame.device.end_label(frame.commands);
+}
+
+void copy_image(const FrameContext& frame, const Image& image, const Buffer& buffer) {
+  const VkBufferImageCopy region{.bufferOffset = 0,
+                                 .bufferRowLength = 0,
+                                 .bufferImageHeight = 0,
+                                 .imageSubresource = {image.desc().aspect, 0, 0, 1},
+                                 .imageOffset = {0, 0, 0},
+                                 .imageExtent = {image.desc().width, image.desc().height, 1}};
+  vkCmdCopyImageToBuffer(frame.commands, image.get(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, buffer.get(), 1, &region);
+  frame.counters.bytes_read_back += buffer.size();
+}
+
+}  // namespace
+
+void record_bindings(const FrameContext& frame) {
+  bind_set(frame, SIMVIS_FRAME_SET, frame.frame_set);
+  if (frame.geometry.positions() == VK_NULL_HANDLE) return;
+  const VkBuffer buffers[] = {frame.geometry.positions(), frame.geometry.attributes()};
+  const VkDeviceSize offsets[] = {0, 0};
+  vkCmdBindVertexBuffers(frame.commands, 0, buffers[1] == VK_NULL_HANDLE ? 1 : 2, buffers, offsets);
+  vkCmdBindIndexBuffer(frame.commands, frame.geometry.indices(), 0, VK_INDEX_TYPE_UINT32);
+}
+
+void record_pass(const FrameContext& frame, const Pass& pass, const RenderTarget& target,
+                 std::span<const ViewDraws> views) {
+  const glm::vec3& background = frame.list.environment.background;
+  VkClearValue clear[2]{};
+  clear[0].depthStencil = {0, 0};
+  clear[1].color = {{background.r, background.g, background.b, 1}};
+  const VkRenderPassBeginInfo info{.sType = VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO,
+                                   .pNext = nullptr,
+                                   .renderPass = frame.pipelines.render_pass(pass.color, pass.depth),
+                                   .framebuffer = target.framebuffer.get(),
+                                   .renderArea = {{0, 0}, {pass.width_px, pass.height_px}},
+                                   .clearValueCount = pass.color ? 2u : 1u,
+                                   .pClearValues = clear};
+  frame.device.begin_label(frame.commands, pass.name);
+  vkCmdBeginRenderPass(frame.commands, &info, VK_SUBPASS_CONTENTS_INLINE);
+  Bound bound;
+  for (std::size_t i = 0; i < views.size(); ++i) record_view(frame, pass.views[i], views[i], bound);
+  vkCmdEndRenderPass(frame.commands);
+  frame.device.end_label(frame.commands);
+  ++frame.counters.passes;
+  frame.counters.views += views.size();
+}
+
+void record_readback(const FrameContext& frame, const Pass& pass, const RenderTarget& target) {
+  if (pass.depth) copy_image(frame, target.depth, target.depth_readback);
+  if (pass.color) copy_image(frame, target.color, target.color_readback);
+}
+
+void record_end(const FrameContext& frame) {
+  const VkMemoryBarrier read_back{.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER,
+                                  .pNext = nullptr,
+                                  .srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT,
+                                  .dstAccessMask = VK_ACCESS_HOST_READ_BIT};
+  vkCmdPipelineBarrier(frame.commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &read_back, 0,
+                       nullptr, 0, nullptr);
+}
+
+}  // namespace simvis

@@ -1,0 +1,37 @@
+// Writes a frame's draws and copies into a command buffer.
+#pragma once
+
+#include <span>
+
+#include "engine/frame_draws.h"
+#include "engine/geometry_pool.h"
+#include "engine/pipelines.h"
+#include "engine/render_targets.h"
+
+namespace simvis {
+
+struct FrameContext {
+  Device::Impl& device;
+  VkCommandBuffer commands;
+  Pipelines& pipelines;
+  const GeometryPool& geometry;
+  VkDescriptorSet frame_set;
+  const FrameDraws& draws;
+  const DrawList& list;
+  FrameCounters& counters;
+};
+
+/// Binds what all passes of the frame share.
+void record_bindings(const FrameContext& frame);
+
+/// One render pass; `views` are the draws of pass.views.
+void record_pass(const FrameContext& frame, const Pass& pass, const RenderTarget& target,
+                 std::span<const ViewDraws> views);
+
+/// Copies the pass's results to its readback buffers.
+void record_readback(const FrameContext& frame, const Pass& pass, const RenderTarget& target);
+
+/// Makes all readback visible to the host, once the submission has finished.
+void record_end(const FrameContext& frame);
+
+}  // namespace simvis

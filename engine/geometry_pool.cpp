@@ -1,0 +1,159 @@
+#include "engine/geometry_pool.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "engine/assert.h"
+#include "engine/error.h"
+
+namespace simvis {
+namespace {
+
+constexpr std::uint64_t kFirstVertices = 4096, kFirstIndices = 16384;
+constexpr VkBufferUsageFlags kCopied = VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+constexpr VkBufferUsageFlags kVertexUsage = VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | kCopied;
+constexpr VkBufferUsageFlags kIndexUsage = VK_BUFFER_USAGE_INDEX_BUFFER_BIT | kCopied;
+
+// Half as much again, so that a scene that grows part by part is not moved each time.
+std::uint64_t capacity_for(std::uint64_t needed, std::uint64_t least) {
+  if (needed > std::numeric_limits<std::int32_t>::max()) {
+    throw MachineError("the scene's meshes hold more than 2^31 vertices or indices, which Vulkan cannot address");
+  }
+  return std::max(least, needed + needed / 2);
+}
+
+std::int16_t snorm16(float value) {
+  return static_cast<std::int16_t>(std::lround(std::clamp(value, -1.0f, 1.0f) * 32767.0f));
+}
+
+std::uint16_t unorm16(float value) {
+  return static_cast<std::uint16_t>(std::lround(std::clamp(value, 0.0f, 1.0f) * 65535.0f));
+}
+
+PackedAttributes pack(const VertexAttributes& a) {
+  return {.normal = {snorm16(a.normal.x), snorm16(a.normal.y), snorm16(a.normal.z), 0},
+          .uv = {{a.uv[0].x, a.uv[0].y}, {a.uv[1].x, a.uv[1].y}},
+          .color = {unorm16(a.color.r), unorm16(a.color.g), unorm16(a.color.b), unorm16(a.color.a)}};
+}
+
+void check(const Mesh& mesh) {
+  SIMVIS_ASSERT(mesh.attributes.size() == mesh.positions.size());
+  const auto largest = std::max_element(mesh.indices.begin(), mesh.indices.end());
+  SIMVIS_ASSERT(*largest < mesh.positions.size());
+}
+
+}  // namespace
+
+std::span<const MeshRange> GeometryPool::update(std::span<const std::shared_ptr<const Mesh>> meshes,
+                                                std::span<const MeshUse> uses, Uploads& uploads) {
+  for (auto& [mesh, entry] : entries_) entry.wanted = false;
+  std::vector<Entry*> fresh;
+  std::uint64_t vertices = 0, indices = 0;
+  for (std::size_t i = 0; i < meshes.size(); ++i) {
+    if (uses[i] == MeshUse::none || meshes[i]->indices.empty()) continue;
+    const auto [found, added] = entries_.try_emplace(meshes[i].get());
+    found->second.wanted = true;
+    if (!added) continue;
+    check(*meshes[i]);
+    found->second.mesh = meshes[i];
+    fresh.push_back(&found->second);
+    vertices += meshes[i]->positions.size();
+    indices += meshes[i]->indices.size();
+  }
+  std::erase_if(entries_, [](const auto& entry) { return !entry.second.wanted; });
+  // What make_room() moves must have been uploaded, so the new ones get their places after it.
+  make_room(vertices, indices, uploads);
+  for (Entry* entry : fresh) place(*entry, uploads);
+  ranges_.assign(meshes.size(), MeshRange{});
+  for (std::size_t i = 0; i < meshes.size(); ++i) {
+    const auto found = entries_.find(meshes[i].get());
+    if (found == entries_.end()) continue;
+    Entry& entry = found->second;
+    if (uses[i] == MeshUse::attributes && !entry.has_attributes) upload_attributes(entry, uploads);
+    ranges_[i] = {.first_index = static_cast<std::uint32_t>(entry.first_index),
+                  .index_count = static_cast<std::uint32_t>(entry.mesh->indices.size()),
+                  .vertex_offset = static_cast<std::int32_t>(entry.first_vertex)};
+  }
+  return ranges_;
+}
+
+void GeometryPool::make_room(std::uint64_t vertices, std::uint64_t indices, Uploads& uploads) {
+  if (vertices_used_ + vertices <= vertex_capacity_ && indices_used_ + indices <= index_capacity_) return;
+  std::vector<Entry*> living;
+  std::uint64_t living_vertices = 0, living_indices = 0;
+  for (auto& [mesh, entry] : entries_) {
+    if (!entry.resident) continue;
+    living.push_back(&entry);
+    living_vertices += mesh->positions.size();
+    living_indices += mesh->indices.size();
+  }
+  const std::uint64_t vertex_capacity = capacity_for(living_vertices + vertices, kFirstVertices);
+  const std::uint64_t index_capacity = capacity_for(living_indices + indices, kFirstIndices);
+  Buffer positions = make_buffer("mesh positions", vertex_capacity * sizeof(glm::vec3), kVertexUsage);
+  Buffer index_buffer = make_buffer("mesh indices", index_capacity * sizeof(std::uint32_t), kIndexUsage);
+  Buffer attributes;
+  if (attributes_) {
+    attributes = make_buffer("mesh attributes", vertex_capacity * sizeof(PackedAttributes), kVertexUsage);
+  }
+  // In their old order, so that the same history gives the same layout.
+  std::sort(living.begin(), living.end(),
+            [](const Entry* a, const Entry* b) { return a->first_vertex < b->first_vertex; });
+  vertices_used_ = indices_used_ = 0;
+  const auto move = [&](const Buffer& from, const Buffer& to, std::uint64_t old_first, std::uint64_t new_first,
+                        std::uint64_t count, std::uint64_t stride) {
+    uploads.copy(from, to, old_first * stride, new_first * stride, count * stride);
+  };
+  for (Entry* entry : living) {
+    const std::uint64_t vertex_count = entry->mesh->positions.size(), index_count = entry->mesh->indices.size();
+    move(positions_, positions, entry->first_vertex, vertices_used_, vertex_count, sizeof(glm::vec3));
+    move(indices_, index_buffer, entry->first_index, indices_used_, index_count, sizeof(std::uint32_t));
+    if (entry->has_attributes) {
+      move(attributes_, attributes, entry->first_vertex, vertices_used_, vertex_count, sizeof(PackedAttributes));
+    }
+    entry->first_vertex = vertices_used_;
+    entry->first_index = indices_used_;
+    vertices_used_ += vertex_count;
+    indices_used_ += index_count;
+  }
+  positions_ = std::move(positions);
+  indices_ = std::move(index_buffer);
+  attributes_ = std::move(attributes);
+  vertex_capacity_ = vertex_capacity;
+  index_capacity_ = index_capacity;
+}
+
+void GeometryPool::place(Entry& entry, Uploads& uploads) {
+  const Mesh& mesh = *entry.mesh;
+  entry.first_vertex = vertices_used_;
+  entry.first_index = indices_used_;
+  entry.resident = true;
+  vertices_used_ += mesh.positions.size();
+  indices_used_ += mesh.indices.size();
+  uploads.write(positions_, entry.first_vertex * sizeof(glm::vec3), std::as_bytes(std::span(mesh.positions)));
+  uploads.write(indices_, entry.first_index * sizeof(std::uint32_t), std::as_bytes(std::span(mesh.indices)));
+}
+
+void GeometryPool::upload_attributes(Entry& entry, Uploads& uploads) {
+  if (!attributes_) {
+    attributes_ = make_buffer("mesh attributes", vertex_capacity_ * sizeof(PackedAttributes), kVertexUsage);
+  }
+  packed_.clear();
+  for (const VertexAttributes& a : entry.mesh->attributes) packed_.push_back(pack(a));
+  uploads.write(attributes_, entry.first_vertex * sizeof(PackedAttributes), std::as_bytes(std::span(packed_)));
+  entry.has_attributes = true;
+}
+
+Buffer GeometryPool::make_buffer(const char* name, VkDeviceSize size, VkBufferUsageFlags usage) {
+  return Buffer(device_, {.name = name, .size = size, .usage = usage, .memory = MemoryKind::device});
+}
+
+void GeometryPool::clear() {
+  entries_.clear();
+  vertices_used_ = indices_used_ = vertex_capacity_ = index_capacity_ = 0;
+  positions_ = {};
+  attributes_ = {};
+  indices_ = {};
+}
+
+}  // namespace simvis

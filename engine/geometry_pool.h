@@ -1,0 +1,73 @@
+// All meshes of a draw list in three device buffers: positions, other attributes, indices.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "engine/buffer.h"
+#include "engine/mesh.h"
+#include "engine/uploads.h"
+
+namespace simvis {
+
+/// Where a mesh lies, in the terms of vkCmdDrawIndexed.
+struct MeshRange {
+  std::uint32_t first_index = 0, index_count = 0;
+  std::int32_t vertex_offset = 0;
+};
+
+/// What a vertex carries besides its position, as the GPU reads it. Colours beyond 1 are clamped.
+struct PackedAttributes {
+  std::int16_t normal[4];
+  float uv[2][2];
+  std::uint16_t color[4];
+};
+static_assert(sizeof(PackedAttributes) == 32);
+
+/// What a draw list shows of a mesh.
+enum class MeshUse : std::uint8_t { none, positions, attributes };
+
+/// Meshes are told apart by identity, uploaded once, and forgotten once a list no longer holds them. The buffers are
+/// filled from the front; when the end is reached, what still lives moves to the front of larger ones, within the
+/// device. Attributes lie at the same vertex numbers as positions and are uploaded only for meshes that show them.
+class GeometryPool {
+ public:
+  explicit GeometryPool(Device::Impl& device) : device_(device) {}
+
+  /// Makes the meshes of a list resident; `uses[i]` and the result's entry i belong to meshes[i]. Valid until the next
+  /// call. Throws MachineError when they do not fit.
+  std::span<const MeshRange> update(std::span<const std::shared_ptr<const Mesh>> meshes, std::span<const MeshUse> uses,
+                                    Uploads& uploads);
+
+  /// Null handles where nothing has needed them.
+  VkBuffer positions() const { return positions_.get(); }
+  VkBuffer attributes() const { return attributes_.get(); }
+  VkBuffer indices() const { return indices_.get(); }
+
+  /// Forgets everything.
+  void clear();
+
+ private:
+  struct Entry {
+    std::shared_ptr<const Mesh> mesh;  // keeps the address from being given to another mesh
+    std::uint64_t first_vertex = 0, first_index = 0;
+    bool resident = false, has_attributes = false, wanted = false;
+  };
+  void make_room(std::uint64_t vertices, std::uint64_t indices, Uploads& uploads);
+  void place(Entry& entry, Uploads& uploads);
+  void upload_attributes(Entry& entry, Uploads& uploads);
+
+  Buffer make_buffer(const char* name, VkDeviceSize size, VkBufferUsageFlags usage);
+
+  Device::Impl& device_;
+  Buffer positions_, attributes_, indices_;
+  std::uint64_t vertex_capacity_ = 0, index_capacity_ = 0;
+  std::uint64_t vertices_used_ = 0, indices_used_ = 0;
+  std::unordered_map<const Mesh*, Entry> entries_;
+  std::vector<MeshRange> ranges_;
+  std::vector<PackedAttributes> packed_;
+};
+
+}  // namespace simvis

@@ -1,0 +1,36 @@
+// A two-dimensional image with its own memory and a view of the whole.
+#pragma once
+
+#include <string>
+
+#include "engine/handle.h"
+
+namespace simvis {
+
+struct ImageDesc {
+  std::string name;
+  std::uint32_t width = 0, height = 0;  ///< pixels, above 0
+  std::uint32_t mip_levels = 1;
+  VkFormat format = VK_FORMAT_UNDEFINED;
+  VkImageUsageFlags usage = 0;
+  VkImageAspectFlags aspect = VK_IMAGE_ASPECT_COLOR_BIT;
+};
+
+class Image {
+ public:
+  Image() = default;
+  Image(Device::Impl& device, ImageDesc desc);
+
+  VkImage get() const { return image_.get(); }
+  VkImageView view() const { return view_.get(); }
+  const ImageDesc& desc() const { return desc_; }
+  explicit operator bool() const { return static_cast<bool>(image_); }
+
+ private:
+  ImageDesc desc_;
+  Handle<VkDeviceMemory> memory_;  // outlives the image
+  Handle<VkImage> image_;          // outlives the view
+  Handle<VkImageView> view_;
+};
+
+}  // namespace simvis

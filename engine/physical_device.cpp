@@ -1,0 +1,143 @@
+#include "engine/physical_device.h"
+
+#include <algorithm>
+#include <cctype>
+#include <iterator>
+#include <optional>
+
+#include "engine/error.h"
+#include "engine/formats.h"
+
+namespace simvis {
+namespace {
+
+// In the order of preference.
+constexpr const char* kTypes[] = {"discrete GPU", "integrated GPU", "virtual GPU", "CPU", "other"};
+
+const char* type_name(VkPhysicalDeviceType type) {
+  switch (type) {
+    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
+      return kTypes[0];
+    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
+      return kTypes[1];
+    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
+      return kTypes[2];
+    case VK_PHYSICAL_DEVICE_TYPE_CPU:
+      return kTypes[3];
+    default:
+      return kTypes[4];
+  }
+}
+
+std::ptrdiff_t rank(const DeviceInfo& info) {
+  return std::find(std::begin(kTypes), std::end(kTypes), info.type) - std::begin(kTypes);
+}
+
+std::string version_text(std::uint32_t version) {
+  return std::to_string(VK_API_VERSION_MAJOR(version)) + "." + std::to_string(VK_API_VERSION_MINOR(version)) + "." +
+         std::to_string(VK_API_VERSION_PATCH(version));
+}
+
+std::optional<std::uint32_t> graphics_queue_family(VkPhysicalDevice device) {
+  std::uint32_t count = 0;
+  vkGetPhysicalDeviceQueueFamilyProperties(device, &count, nullptr);
+  std::vector<VkQueueFamilyProperties> families(count);
+  vkGetPhysicalDeviceQueueFamilyProperties(device, &count, families.data());
+  for (std::uint32_t i = 0; i < count; ++i) {
+    if (families[i].queueFlags & VK_QUEUE_GRAPHICS_BIT) return i;
+  }
+  return std::nullopt;
+}
+
+bool can(VkPhysicalDevice device, VkFormat format, VkFormatFeatureFlags needed) {
+  VkFormatProperties properties;
+  vkGetPhysicalDeviceFormatProperties(device, format, &properties);
+  return (properties.optimalTilingFeatures & needed) == needed;
+}
+
+std::string why_unusable(VkPhysicalDevice device, const VkPhysicalDeviceProperties& properties) {
+  if (properties.apiVersion < VK_API_VERSION_1_2) {
+    return "it offers Vulkan " + version_text(properties.apiVersion) + ", 1.2 or newer is needed";
+  }
+  if (!graphics_queue_family(device)) return "it has no graphics queue";
+  if (!can(device, kDepthFormat, VK_FORMAT_FEATURE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_FORMAT_FEATURE_TRANSFER_SRC_BIT)) {
+    return "it cannot render to and read back a depth image of format D32_SFLOAT";
+  }
+  if (!can(device, kColorFormat,
+           VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BIT | VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BLEND_BIT |
+               VK_FORMAT_FEATURE_TRANSFER_SRC_BIT)) {
+    return "it cannot blend into and read back a colour image of format R32G32B32A32_SFLOAT";
+  }
+  if (!can(device, kTextureFormat,
+           VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT | VK_FORMAT_FEATURE_BLIT_SRC_BIT |
+               VK_FORMAT_FEATURE_BLIT_DST_BIT)) {
+    return "it cannot filter and scale textures of format R8G8B8A8_SRGB";
+  }
+  VkPhysicalDeviceFeatures features;
+  vkGetPhysicalDeviceFeatures(device, &features);
+  if (!features.fullDrawIndexUint32) return "it cannot draw with 32-bit indices (fullDrawIndexUint32)";
+  return "";
+}
+
+std::string lower(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+// Which devices `select` means: an index of the list, or else a part of the name.
+std::vector<std::size_t> matches(const std::vector<DeviceInfo>& devices, const std::string& select) {
+  const bool digits = !select.empty() && select.find_first_not_of("0123456789") == std::string::npos;
+  if (digits && select.size() < 10 && std::stoul(select) < devices.size()) return {std::stoul(select)};
+  std::vector<std::size_t> found;
+  for (std::size_t i = 0; i < devices.size(); ++i) {
+    if (lower(devices[i].name).find(lower(select)) != std::string::npos) found.push_back(i);
+  }
+  return found;
+}
+
+}  // namespace
+
+PhysicalDevice examine(VkPhysicalDevice handle) {
+  PhysicalDevice device;
+  device.handle = handle;
+  vkGetPhysicalDeviceProperties(handle, &device.properties);
+  device.info.name = device.properties.deviceName;
+  device.info.type = type_name(device.properties.deviceType);
+  device.info.api_version = version_text(device.properties.apiVersion);
+  device.info.unusable = why_unusable(handle, device.properties);
+  device.queue_family = graphics_queue_family(handle).value_or(0);
+  if (device.properties.apiVersion >= VK_API_VERSION_1_2) {
+    VkPhysicalDeviceDriverProperties driver{};
+    driver.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES;
+    VkPhysicalDeviceProperties2 properties{};
+    properties.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2;
+    properties.pNext = &driver;
+    vkGetPhysicalDeviceProperties2(handle, &properties);
+    device.info.driver = std::string(driver.driverName) + " " + driver.driverInfo;
+  } else {
+    device.info.driver = "driver version " + std::to_string(device.properties.driverVersion);
+  }
+  return device;
+}
+
+std::size_t choose_device(const std::vector<DeviceInfo>& devices, const std::string& select) {
+  const std::vector<std::size_t> candidates = matches(devices, select);
+  if (candidates.empty()) {
+    std::string message = "no Vulkan device matches \"" + select + "\"; there are";
+    for (std::size_t i = 0; i < devices.size(); ++i) {
+      message += (i ? ", " : " ") + std::to_string(i) + " (" + devices[i].name + ")";
+    }
+    throw InputError(message);
+  }
+  std::optional<std::size_t> best;
+  for (const std::size_t i : candidates) {
+    if (!devices[i].unusable.empty()) continue;
+    if (!best || rank(devices[i]) < rank(devices[*best])) best = i;
+  }
+  if (best) return *best;
+  std::string message = "no Vulkan device fits:";
+  for (const std::size_t i : candidates) message += "\n  " + devices[i].name + ": " + devices[i].unusable;
+  throw MachineError(message);
+}
+
+}  // namespace simvis

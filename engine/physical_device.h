@@ -1,0 +1,29 @@
+// Judging and choosing among the Vulkan devices of a machine.
+#pragma once
+
+#include <vulkan/vulkan.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "engine/device.h"
+
+namespace simvis {
+
+struct PhysicalDevice {
+  VkPhysicalDevice handle = VK_NULL_HANDLE;
+  VkPhysicalDeviceProperties properties{};
+  std::uint32_t queue_family = 0;  ///< with graphics; meaningless when `info.unusable` says so
+  DeviceInfo info;
+};
+
+/// Asks the driver and judges: `info.unusable` tells why SimVis cannot run on it.
+PhysicalDevice examine(VkPhysicalDevice handle);
+
+/// The index of the device to take, see DeviceDesc::select.
+/// Throws InputError when `select` matches none, MachineError with each device's reason when none that it matches fits.
+std::size_t choose_device(const std::vector<DeviceInfo>& devices, const std::string& select);
+
+}  // namespace simvis

@@ -1,0 +1,115 @@
+#include "engine/pipeline_cache.h"
+
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <system_error>
+
+#include "engine/vulkan_check.h"
+
+namespace simvis {
+namespace {
+
+// What stands before the driver's data in the file. The driver's own header has no checksum, and drivers have been
+// known to trust what they are given.
+struct FileHeader {
+  char magic[8];
+  std::uint32_t vendor, device, driver_version, unused;
+  std::uint8_t uuid[VK_UUID_SIZE];
+  std::uint64_t size, checksum;
+};
+static_assert(sizeof(FileHeader) == 56);
+
+std::uint64_t fnv1a(const std::vector<char>& data) {
+  std::uint64_t hash = 0xcbf29ce484222325ull;
+  for (const char c : data) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3ull;
+  return hash;
+}
+
+FileHeader header_for(const VkPhysicalDeviceProperties& properties, const std::vector<char>& data) {
+  FileHeader header{.magic = {'S', 'I', 'M', 'V', 'I', 'S', 'P', '1'},
+                    .vendor = properties.vendorID,
+                    .device = properties.deviceID,
+                    .driver_version = properties.driverVersion,
+                    .unused = 0,
+                    .uuid = {},
+                    .size = data.size(),
+                    .checksum = fnv1a(data)};
+  std::memcpy(header.uuid, properties.pipelineCacheUUID, VK_UUID_SIZE);
+  return header;
+}
+
+std::string file_name(const VkPhysicalDeviceProperties& properties) {
+  std::string name = "pipelines-";
+  char hex[16];
+  for (const std::uint8_t byte : properties.pipelineCacheUUID) {
+    std::snprintf(hex, sizeof hex, "%02x", byte);
+    name += hex;
+  }
+  std::snprintf(hex, sizeof hex, "-%08x", properties.driverVersion);
+  return name + hex + ".bin";
+}
+
+// The driver's data in the file, or nothing unless all of it is as it was written by this device and driver.
+std::vector<char> read(const std::filesystem::path& file, const VkPhysicalDeviceProperties& properties) {
+  std::ifstream in(file, std::ios::binary);
+  FileHeader header;
+  if (!in.read(reinterpret_cast<char*>(&header), sizeof header)) return {};
+  std::vector<char> data{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  const FileHeader expected = header_for(properties, data);
+  if (std::memcmp(&header, &expected, sizeof header) != 0) return {};
+  return data;
+}
+
+}  // namespace
+
+std::filesystem::path cache_folder(const std::string& wish) {
+  if (!wish.empty()) return wish;
+  if (const char* xdg = std::getenv("XDG_CACHE_HOME"); xdg && *xdg) return std::filesystem::path(xdg) / "simvis";
+  if (const char* home = std::getenv("HOME"); home && *home) return std::filesystem::path(home) / ".cache" / "simvis";
+  return {};
+}
+
+PipelineCache::PipelineCache(VkDevice device, const VkPhysicalDeviceProperties& properties,
+                             const std::filesystem::path& folder)
+    : device_(device), properties_(properties) {
+  if (!folder.empty()) {
+    file_ = folder / file_name(properties);
+    loaded_ = read(file_, properties);
+  }
+  const VkPipelineCacheCreateInfo info{.sType = VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO,
+                                       .pNext = nullptr,
+                                       .flags = 0,
+                                       .initialDataSize = loaded_.size(),
+                                       .pInitialData = loaded_.data()};
+  vk_check(vkCreatePipelineCache(device_, &info, nullptr, &cache_), "vkCreatePipelineCache");
+}
+
+PipelineCache::~PipelineCache() { vkDestroyPipelineCache(device_, cache_, nullptr); }
+
+void PipelineCache::save() const {
+  if (file_.empty()) return;
+  std::size_t size = 0;
+  if (vkGetPipelineCacheData(device_, cache_, &size, nullptr) != VK_SUCCESS) return;
+  std::vector<char> data(size);
+  if (vkGetPipelineCacheData(device_, cache_, &size, data.data()) != VK_SUCCESS) return;
+  data.resize(size);
+  if (data == loaded_) return;
+
+  std::error_code failure;
+  std::filesystem::create_directories(file_.parent_path(), failure);
+  const std::filesystem::path temporary = file_.string() + "." + std::to_string(getpid());
+  const FileHeader header = header_for(properties_, data);
+  std::ofstream out(temporary, std::ios::binary);
+  out.write(reinterpret_cast<const char*>(&header), sizeof header);
+  out.write(data.data(), static_cast<std::streamsize>(data.size()));
+  out.close();
+  if (out) std::filesystem::rename(temporary, file_, failure);
+  if (!out || failure) std::filesystem::remove(temporary, failure);
+}
+
+}  // namespace simvis

@@ -1,0 +1,37 @@
+// The pipeline cache, kept on disk between runs.
+#pragma once
+
+#include <vulkan/vulkan.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace simvis {
+
+/// Folder for SimVis's caches: `wish` if not empty, else $XDG_CACHE_HOME/simvis, else $HOME/.cache/simvis; empty (no
+/// cache on disk) when none of them is known.
+std::filesystem::path cache_folder(const std::string& wish);
+
+/// Loads the file of this device and driver; a file that is missing, corrupt or foreign counts as empty. save() writes
+/// it anew if the driver's data has changed, first under another name. A folder that cannot be written is no error.
+class PipelineCache {
+ public:
+  PipelineCache(VkDevice device, const VkPhysicalDeviceProperties& properties, const std::filesystem::path& folder);
+  ~PipelineCache();
+  PipelineCache(const PipelineCache&) = delete;
+  PipelineCache& operator=(const PipelineCache&) = delete;
+
+  VkPipelineCache get() const { return cache_; }
+  void save() const;
+
+ private:
+  VkDevice device_;
+  VkPhysicalDeviceProperties properties_;
+  std::filesystem::path file_;  // empty: nothing is kept
+  VkPipelineCache cache_ = VK_NULL_HANDLE;
+  std::vector<char> loaded_;
+};
+
+}  // namespace simvis

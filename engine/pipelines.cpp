@@ -1,0 +1,265 @@
+#include "engine/pipelines.h"
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "engine/geometry_pool.h"
+#include "engine/render_pass.h"
+#include "engine/vulkan_check.h"
+#include "shaders/interop.h"
+#include "shaders/mesh_color.frag.h"
+#include "shaders/mesh_color.vert.h"
+#include "shaders/mesh_color_textured.frag.h"
+#include "shaders/mesh_depth.vert.h"
+#include "shaders/mesh_mask.frag.h"
+#include "shaders/mesh_mask.vert.h"
+#include "shaders/mesh_mask_textured.frag.h"
+
+namespace simvis {
+namespace {
+
+using Surface = PipelineKey::Surface;
+
+constexpr VkShaderStageFlags kAllStages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
+
+Handle<VkShaderModule> make_module(Device::Impl& device, std::span<const std::uint32_t> words, const char* name) {
+  const VkShaderModuleCreateInfo info{.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
+                                      .pNext = nullptr,
+                                      .flags = 0,
+                                      .codeSize = words.size_bytes(),
+                                      .pCode = words.data()};
+  VkShaderModule module = VK_NULL_HANDLE;
+  vk_check(vkCreateShaderModule(device.device, &info, nullptr, &module), "vkCreateShaderModule");
+  return Handle<VkShaderModule>(device, module, name);
+}
+
+Handle<VkDescriptorSetLayout> make_set_layout(Device::Impl& device,
+                                              std::span<const VkDescriptorSetLayoutBinding> bindings,
+                                              const char* name) {
+  const VkDescriptorSetLayoutCreateInfo info{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
+                                             .pNext = nullptr,
+                                             .flags = 0,
+                                             .bindingCount = static_cast<std::uint32_t>(bindings.size()),
+                                             .pBindings = bindings.data()};
+  VkDescriptorSetLayout layout = VK_NULL_HANDLE;
+  vk_check(vkCreateDescriptorSetLayout(device.device, &info, nullptr, &layout), "vkCreateDescriptorSetLayout");
+  return Handle<VkDescriptorSetLayout>(device, layout, name);
+}
+
+VkDescriptorSetLayoutBinding storage_binding(std::uint32_t binding, VkShaderStageFlags stages) {
+  return {.binding = binding,
+          .descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
+          .descriptorCount = 1,
+          .stageFlags = stages,
+          .pImmutableSamplers = nullptr};
+}
+
+constexpr VkVertexInputBindingDescription kBindings[] = {{0, sizeof(glm::vec3), VK_VERTEX_INPUT_RATE_VERTEX},
+                                                         {1, sizeof(PackedAttributes), VK_VERTEX_INPUT_RATE_VERTEX}};
+
+// Exactly what each vertex shader reads.
+constexpr VkVertexInputAttributeDescription kPosition{SIMVIS_POSITION, 0, VK_FORMAT_R32G32B32_SFLOAT, 0};
+constexpr VkVertexInputAttributeDescription kNormal{SIMVIS_NORMAL, 1, VK_FORMAT_R16G16B16A16_SNORM,
+                                                    offsetof(PackedAttributes, normal)};
+constexpr VkVertexInputAttributeDescription kUv0{SIMVIS_UV_0, 1, VK_FORMAT_R32G32_SFLOAT,
+                                                 offsetof(PackedAttributes, uv)};
+constexpr VkVertexInputAttributeDescription kUv1{SIMVIS_UV_1, 1, VK_FORMAT_R32G32_SFLOAT,
+                                                 offsetof(PackedAttributes, uv) + 2 * sizeof(float)};
+constexpr VkVertexInputAttributeDescription kColor{SIMVIS_COLOR, 1, VK_FORMAT_R16G16B16A16_UNORM,
+                                                   offsetof(PackedAttributes, color)};
+constexpr VkVertexInputAttributeDescription kDepthInputs[] = {kPosition};
+constexpr VkVertexInputAttributeDescription kMaskInputs[] = {kPosition, kUv0, kUv1, kColor};
+constexpr VkVertexInputAttributeDescription kColorInputs[] = {kPosition, kNormal, kUv0, kUv1, kColor};
+
+VkPipelineVertexInputStateCreateInfo vertex_input(std::span<const VkVertexInputAttributeDescription> inputs) {
+  return {.sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO,
+          .pNext = nullptr,
+          .flags = 0,
+          .vertexBindingDescriptionCount = inputs.size() > 1 ? 2u : 1u,
+          .pVertexBindingDescriptions = kBindings,
+          .vertexAttributeDescriptionCount = static_cast<std::uint32_t>(inputs.size()),
+          .pVertexAttributeDescriptions = inputs.data()};
+}
+
+VkPrimitiveTopology primitive(Topology topology) {
+  switch (topology) {
+    case Topology::triangles:
+      return VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
+    case Topology::lines:
+      return VK_PRIMITIVE_TOPOLOGY_LINE_LIST;
+    case Topology::points:
+      return VK_PRIMITIVE_TOPOLOGY_POINT_LIST;
+  }
+  return VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
+}
+
+VkPipelineRasterizationStateCreateInfo rasterization(const PipelineKey& key) {
+  VkPipelineRasterizationStateCreateInfo info{};
+  info.sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO;
+  info.polygonMode = VK_POLYGON_MODE_FILL;
+  info.cullMode = key.cull_back ? VK_CULL_MODE_BACK_BIT : VK_CULL_MODE_NONE;
+  info.frontFace = key.mirrored ? VK_FRONT_FACE_CLOCKWISE : VK_FRONT_FACE_COUNTER_CLOCKWISE;
+  info.lineWidth = 1;
+  return info;
+}
+
+VkPipelineDepthStencilStateCreateInfo depth_stencil(const PipelineKey& key) {
+  VkPipelineDepthStencilStateCreateInfo info{};
+  info.sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO;
+  info.depthTestEnable = VK_TRUE;
+  info.depthWriteEnable = key.surface != Surface::blended;
+  info.depthCompareOp = VK_COMPARE_OP_GREATER;
+  return info;
+}
+
+// Alpha stays what it was cleared to, 1.
+VkPipelineColorBlendAttachmentState color_blend(const PipelineKey& key) {
+  VkPipelineColorBlendAttachmentState state{};
+  state.blendEnable = key.surface == Surface::blended;
+  state.srcColorBlendFactor = VK_BLEND_FACTOR_SRC_ALPHA;
+  state.dstColorBlendFactor = VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA;
+  state.colorBlendOp = VK_BLEND_OP_ADD;
+  state.srcAlphaBlendFactor = VK_BLEND_FACTOR_ZERO;
+  state.dstAlphaBlendFactor = VK_BLEND_FACTOR_ONE;
+  state.alphaBlendOp = VK_BLEND_OP_ADD;
+  if (!key.depth_only) {
+    state.colorWriteMask = VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT;
+  }
+  return state;
+}
+
+VkPipelineShaderStageCreateInfo stage(VkShaderStageFlagBits bit, VkShaderModule module,
+                                      const VkSpecializationInfo* constants = nullptr) {
+  return {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
+          .pNext = nullptr,
+          .flags = 0,
+          .stage = bit,
+          .module = module,
+          .pName = "main",
+          .pSpecializationInfo = constants};
+}
+
+struct Constants {
+  VkBool32 values[3];
+  VkSpecializationMapEntry entries[3] = {{SIMVIS_MASKED, 0, sizeof(VkBool32)},
+                                         {SIMVIS_UNLIT, sizeof(VkBool32), sizeof(VkBool32)},
+                                         {SIMVIS_LIGHTS_PRESENT, 2 * sizeof(VkBool32), sizeof(VkBool32)}};
+  VkSpecializationInfo info{3, entries, sizeof values, values};
+
+  explicit Constants(const PipelineKey& key) : values{key.surface == Surface::masked, key.unlit, key.lights} {}
+  Constants(const Constants&) = delete;
+};
+
+}  // namespace
+
+std::uint32_t PipelineKey::bits() const {
+  std::uint32_t bits = static_cast<std::uint32_t>(topology) | static_cast<std::uint32_t>(surface) << 2;
+  for (const bool flag : {color, depth_only, textured, unlit, lights, cull_back, mirrored}) bits = bits << 1 | flag;
+  return bits;
+}
+
+Pipelines::Pipelines(Device::Impl& device)
+    : device_(device),
+      depth_vert_(make_module(device, mesh_depth_vert, "mesh_depth.vert")),
+      mask_vert_(make_module(device, mesh_mask_vert, "mesh_mask.vert")),
+      color_vert_(make_module(device, mesh_color_vert, "mesh_color.vert")),
+      mask_frag_{make_module(device, mesh_mask_frag, "mesh_mask.frag"),
+                 make_module(device, mesh_mask_textured_frag, "mesh_mask_textured.frag")},
+      color_frag_{make_module(device, mesh_color_frag, "mesh_color.frag"),
+                  make_module(device, mesh_color_textured_frag, "mesh_color_textured.frag")} {
+  const VkDescriptorSetLayoutBinding frame_bindings[] = {storage_binding(SIMVIS_INSTANCES, VK_SHADER_STAGE_VERTEX_BIT),
+                                                         storage_binding(SIMVIS_MATERIALS, VK_SHADER_STAGE_VERTEX_BIT),
+                                                         storage_binding(SIMVIS_LIGHTS, VK_SHADER_STAGE_FRAGMENT_BIT)};
+  frame_set_layout_ = make_set_layout(device, frame_bindings, "frame set layout");
+  const VkDescriptorSetLayoutBinding texture_bindings[] = {{.binding = SIMVIS_BASE_COLOR_TEXTURE,
+                                                            .descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
+                                                            .descriptorCount = 1,
+                                                            .stageFlags = VK_SHADER_STAGE_FRAGMENT_BIT,
+                                                            .pImmutableSamplers = nullptr}};
+  texture_set_layout_ = make_set_layout(device, texture_bindings, "texture set layout");
+
+  const VkDescriptorSetLayout sets[] = {frame_set_layout_.get(), texture_set_layout_.get()};
+  const VkPushConstantRange constants{.stageFlags = kAllStages, .offset = 0, .size = sizeof(shader::ViewBlock)};
+  const VkPipelineLayoutCreateInfo info{.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
+                                        .pNext = nullptr,
+                                        .flags = 0,
+                                        .setLayoutCount = 2,
+                                        .pSetLayouts = sets,
+                                        .pushConstantRangeCount = 1,
+                                        .pPushConstantRanges = &constants};
+  VkPipelineLayout layout = VK_NULL_HANDLE;
+  vk_check(vkCreatePipelineLayout(device.device, &info, nullptr, &layout), "vkCreatePipelineLayout");
+  layout_ = Handle<VkPipelineLayout>(device, layout, "mesh pipeline layout");
+  render_passes_[0][1] = make_render_pass(device, false, true);
+  render_passes_[1][0] = make_render_pass(device, true, false);
+  render_passes_[1][1] = make_render_pass(device, true, true);
+}
+
+VkPipeline Pipelines::get(const PipelineKey& key) {
+  const auto [place, added] = pipelines_.try_emplace(key.bits());
+  if (!place->second) place->second = make(key);
+  return place->second.get();
+}
+
+Handle<VkPipeline> Pipelines::make(const PipelineKey& key) const {
+  const Constants constants(key);
+  std::array<VkPipelineShaderStageCreateInfo, 2> stages{};
+  std::uint32_t stage_count = 2;
+  VkPipelineVertexInputStateCreateInfo input{};
+  if (!key.depth_only) {
+    input = vertex_input(kColorInputs);
+    stages = {stage(VK_SHADER_STAGE_VERTEX_BIT, color_vert_.get()),
+              stage(VK_SHADER_STAGE_FRAGMENT_BIT, color_frag_[key.textured].get(), &constants.info)};
+  } else if (key.surface == Surface::masked) {
+    input = vertex_input(kMaskInputs);
+    stages = {stage(VK_SHADER_STAGE_VERTEX_BIT, mask_vert_.get()),
+              stage(VK_SHADER_STAGE_FRAGMENT_BIT, mask_frag_[key.textured].get())};
+  } else {
+    input = vertex_input(kDepthInputs);
+    stages[0] = stage(VK_SHADER_STAGE_VERTEX_BIT, depth_vert_.get());
+    stage_count = 1;
+  }
+  VkPipelineInputAssemblyStateCreateInfo assembly{};
+  assembly.sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO;
+  assembly.topology = primitive(key.topology);
+  VkPipelineViewportStateCreateInfo viewport{};
+  viewport.sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO;
+  viewport.viewportCount = viewport.scissorCount = 1;
+  VkPipelineMultisampleStateCreateInfo multisample{};
+  multisample.sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO;
+  multisample.rasterizationSamples = VK_SAMPLE_COUNT_1_BIT;
+  const VkPipelineRasterizationStateCreateInfo raster = rasterization(key);
+  const VkPipelineDepthStencilStateCreateInfo depth = depth_stencil(key);
+  const VkPipelineColorBlendAttachmentState attachment = color_blend(key);
+  VkPipelineColorBlendStateCreateInfo blend{};
+  blend.sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO;
+  blend.attachmentCount = key.color ? 1 : 0;
+  blend.pAttachments = &attachment;
+  const VkDynamicState states[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
+  VkPipelineDynamicStateCreateInfo dynamic{};
+  dynamic.sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO;
+  dynamic.dynamicStateCount = 2;
+  dynamic.pDynamicStates = states;
+
+  VkGraphicsPipelineCreateInfo info{};
+  info.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO;
+  info.stageCount = stage_count;
+  info.pStages = stages.data();
+  info.pVertexInputState = &input;
+  info.pInputAssemblyState = &assembly;
+  info.pViewportState = &viewport;
+  info.pRasterizationState = &raster;
+  info.pMultisampleState = &multisample;
+  info.pDepthStencilState = &depth;
+  info.pColorBlendState = &blend;
+  info.pDynamicState = &dynamic;
+  info.layout = layout_.get();
+  info.renderPass = render_pass(key.color, true);
+  VkPipeline pipeline = VK_NULL_HANDLE;
+  vk_check(vkCreateGraphicsPipelines(device_.device, device_.pipeline_cache->get(), 1, &info, nullptr, &pipeline),
+           "vkCreateGraphicsPipelines");
+  return Handle<VkPipeline>(device_, pipeline, "mesh pipeline " + std::to_string(key.bits()));
+}
+
+}  // namespace simvis

@@ -1,0 +1,55 @@
+// The graphics pipelines of meshes: layouts, shaders, and one pipeline per kind of surface, made when first drawn.
+#pragma once
+
+#include <unordered_map>
+
+#include "engine/handle.h"
+#include "engine/mesh.h"
+
+namespace simvis {
+
+/// How a run of meshes is drawn. What a pass does not show stays at its default, so that equal pipelines have equal
+/// keys.
+struct PipelineKey {
+  enum class Surface : std::uint8_t { opaque, masked, blended };
+
+  bool color = false;      ///< the pass has a colour target
+  bool depth_only = true;  ///< no colour is written: a depth pass, or blended surfaces once more for depth
+  Topology topology = Topology::triangles;
+  Surface surface = Surface::opaque;
+  bool textured = false;
+  bool unlit = false;
+  bool lights = false;
+  bool cull_back = false;
+  bool mirrored = false;  ///< the transform turns the winding of triangles
+
+  std::uint32_t bits() const;
+};
+
+class Pipelines {
+ public:
+  explicit Pipelines(Device::Impl& device);
+
+  /// Made on first use.
+  VkPipeline get(const PipelineKey& key);
+
+  VkPipelineLayout layout() const { return layout_.get(); }
+  VkDescriptorSetLayout frame_set_layout() const { return frame_set_layout_.get(); }
+  VkDescriptorSetLayout texture_set_layout() const { return texture_set_layout_.get(); }
+
+  /// For passes with or without a colour target; `keep_depth`: depth is copied afterwards.
+  VkRenderPass render_pass(bool color, bool keep_depth) const { return render_passes_[color][keep_depth].get(); }
+
+ private:
+  Handle<VkPipeline> make(const PipelineKey& key) const;
+
+  Device::Impl& device_;
+  Handle<VkDescriptorSetLayout> frame_set_layout_, texture_set_layout_;
+  Handle<VkPipelineLayout> layout_;
+  Handle<VkRenderPass> render_passes_[2][2];
+  Handle<VkShaderModule> depth_vert_, mask_vert_, color_vert_;
+  Handle<VkShaderModule> mask_frag_[2], color_frag_[2];  // without and with a texture
+  std::unordered_map<std::uint32_t, Handle<VkPipeline>> pipelines_;
+};
+
+}  // namespace simvis

@@ -1,0 +1,138 @@
+#include "engine/texture_store.h"
+
+#include <algorithm>
+#include <bit>
+#include <string>
+
+#include "engine/assert.h"
+#include "engine/error.h"
+#include "engine/formats.h"
+#include "engine/vulkan_check.h"
+#include "shaders/interop.h"
+
+namespace simvis {
+namespace {
+
+constexpr std::uint32_t kSetsPerPool = 64;
+
+VkSamplerAddressMode address_mode(Wrap wrap) {
+  switch (wrap) {
+    case Wrap::repeat:
+      return VK_SAMPLER_ADDRESS_MODE_REPEAT;
+    case Wrap::mirrored_repeat:
+      return VK_SAMPLER_ADDRESS_MODE_MIRRORED_REPEAT;
+    case Wrap::clamp_to_edge:
+      return VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
+  }
+  return VK_SAMPLER_ADDRESS_MODE_REPEAT;
+}
+
+VkFilter filter(Filter filter) { return filter == Filter::linear ? VK_FILTER_LINEAR : VK_FILTER_NEAREST; }
+
+Image make_image(Device::Impl& device, const Texture& texture) {
+  SIMVIS_ASSERT(texture.width > 0 && texture.height > 0);
+  SIMVIS_ASSERT(texture.rgba.size() == std::size_t{4} * texture.width * texture.height);
+  const std::uint32_t limit = device.limits().maxImageDimension2D, side = std::max(texture.width, texture.height);
+  if (side > limit) {
+    throw InputError("texture \"" + texture.name + "\" has " + std::to_string(texture.width) + " x " +
+                     std::to_string(texture.height) + " pixels; this device allows " + std::to_string(limit) +
+                     " on a side");
+  }
+  const auto levels = static_cast<std::uint32_t>(std::bit_width(side));
+  return Image(device, {.name = "texture " + texture.name,
+                        .width = texture.width,
+                        .height = texture.height,
+                        .mip_levels = texture.sampler.mipmapped ? levels : 1,
+                        .format = kTextureFormat,
+                        .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT |
+                                 VK_IMAGE_USAGE_TRANSFER_SRC_BIT});
+}
+
+}  // namespace
+
+VkDescriptorSet TextureStore::require(const std::shared_ptr<const Texture>& texture, Uploads& uploads) {
+  if (const auto found = entries_.find(texture.get()); found != entries_.end()) return found->second.set;
+  Entry entry{.texture = texture, .image = make_image(device_, *texture)};
+  uploads.write(entry.image, std::as_bytes(std::span(texture->rgba)));
+  entry.set = free_set();
+  const VkDescriptorImageInfo image{.sampler = sampler(texture->sampler),
+                                    .imageView = entry.image.view(),
+                                    .imageLayout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
+  VkWriteDescriptorSet write{};
+  write.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
+  write.dstSet = entry.set;
+  write.dstBinding = SIMVIS_BASE_COLOR_TEXTURE;
+  write.descriptorCount = 1;
+  write.descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
+  write.pImageInfo = &image;
+  vkUpdateDescriptorSets(device_.device, 1, &write, 0, nullptr);
+  return entries_.emplace(texture.get(), std::move(entry)).first->second.set;
+}
+
+void TextureStore::keep_only(const std::vector<std::shared_ptr<const Material>>& materials) {
+  for (auto& [texture, entry] : entries_) entry.wanted = false;
+  for (const auto& material : materials) {
+    const auto found = entries_.find(material->base_color_texture.get());
+    if (found != entries_.end()) found->second.wanted = true;
+  }
+  std::erase_if(entries_, [this](const auto& entry) {
+    if (!entry.second.wanted) free_sets_.push_back(entry.second.set);
+    return !entry.second.wanted;
+  });
+}
+
+void TextureStore::clear() { keep_only({}); }
+
+VkSampler TextureStore::sampler(const Sampler& wanted) {
+  for (const auto& [known, handle] : samplers_) {
+    if (known == wanted) return handle.get();
+  }
+  VkSamplerCreateInfo info{};
+  info.sType = VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO;
+  info.magFilter = filter(wanted.magnify);
+  info.minFilter = filter(wanted.minify);
+  info.mipmapMode =
+      wanted.between_mips == Filter::linear ? VK_SAMPLER_MIPMAP_MODE_LINEAR : VK_SAMPLER_MIPMAP_MODE_NEAREST;
+  info.addressModeU = address_mode(wanted.wrap_u);
+  info.addressModeV = address_mode(wanted.wrap_v);
+  info.addressModeW = VK_SAMPLER_ADDRESS_MODE_REPEAT;
+  info.maxLod = VK_LOD_CLAMP_NONE;
+  if (!wanted.mipmapped) {
+    // As the Vulkan specification says of samplers without mips: with nearest mips and a largest level of a quarter,
+    // the minification filter is still told from the other.
+    info.mipmapMode = VK_SAMPLER_MIPMAP_MODE_NEAREST;
+    info.maxLod = 0.25f;
+  }
+  VkSampler sampler = VK_NULL_HANDLE;
+  vk_check(vkCreateSampler(device_.device, &info, nullptr, &sampler), "vkCreateSampler");
+  samplers_.emplace_back(wanted, Handle<VkSampler>(device_, sampler, "texture sampler"));
+  return sampler;
+}
+
+VkDescriptorSet TextureStore::free_set() {
+  if (free_sets_.empty()) {
+    const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, kSetsPerPool};
+    const VkDescriptorPoolCreateInfo info{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
+                                          .pNext = nullptr,
+                                          .flags = 0,
+                                          .maxSets = kSetsPerPool,
+                                          .poolSizeCount = 1,
+                                          .pPoolSizes = &size};
+    VkDescriptorPool pool = VK_NULL_HANDLE;
+    vk_check(vkCreateDescriptorPool(device_.device, &info, nullptr, &pool), "vkCreateDescriptorPool");
+    pools_.emplace_back(device_, pool, "texture sets");
+    const std::vector<VkDescriptorSetLayout> layouts(kSetsPerPool, set_layout_);
+    const VkDescriptorSetAllocateInfo allocation{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
+                                                 .pNext = nullptr,
+                                                 .descriptorPool = pool,
+                                                 .descriptorSetCount = kSetsPerPool,
+                                                 .pSetLayouts = layouts.data()};
+    free_sets_.resize(kSetsPerPool);
+    vk_check(vkAllocateDescriptorSets(device_.device, &allocation, free_sets_.data()), "vkAllocateDescriptorSets");
+  }
+  const VkDescriptorSet set = free_sets_.back();
+  free_sets_.pop_back();
+  return set;
+}
+
+}  // namespace simvis

@@ -1,0 +1,46 @@
+// The textures that a draw list shows, on the device.
+#pragma once
+
+#include <memory>
+#include <unordered_map>
+#include <vector>
+
+#include "engine/image.h"
+#include "engine/mesh.h"
+#include "engine/uploads.h"
+
+namespace simvis {
+
+/// Textures are told apart by identity, uploaded on first need, and forgotten once a list no longer holds them.
+class TextureStore {
+ public:
+  TextureStore(Device::Impl& device, VkDescriptorSetLayout set_layout) : device_(device), set_layout_(set_layout) {}
+
+  /// The descriptor set of a texture; uploads it if it is not resident.
+  /// Throws InputError when it is larger than the device allows.
+  VkDescriptorSet require(const std::shared_ptr<const Texture>& texture, Uploads& uploads);
+
+  /// Forgets all that is not among `materials`.
+  void keep_only(const std::vector<std::shared_ptr<const Material>>& materials);
+
+  void clear();
+
+ private:
+  struct Entry {
+    std::shared_ptr<const Texture> texture;  // keeps the address from being given to another texture
+    Image image;
+    VkDescriptorSet set = VK_NULL_HANDLE;
+    bool wanted = true;
+  };
+  VkSampler sampler(const Sampler& sampler);
+  VkDescriptorSet free_set();
+
+  Device::Impl& device_;
+  VkDescriptorSetLayout set_layout_;
+  std::unordered_map<const Texture*, Entry> entries_;
+  std::vector<std::pair<Sampler, Handle<VkSampler>>> samplers_;
+  std::vector<Handle<VkDescriptorPool>> pools_;
+  std::vector<VkDescriptorSet> free_sets_;
+};
+
+}  // namespace simvis

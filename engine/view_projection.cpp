@@ -1,0 +1,99 @@
+#include "engine/view_projection.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace simvis {
+namespace {
+
+glm::vec4 rounded(const glm::dvec4& row) { return glm::vec4(row); }
+
+glm::dvec3 transform_point(const glm::dmat4& m, const glm::dvec3& p) {
+  return glm::dvec3(m[0]) * p.x + glm::dvec3(m[1]) * p.y + glm::dvec3(m[2]) * p.z + glm::dvec3(m[3]);
+}
+
+// How far a vertex's float32 clip coordinates can be off, relative to the length of the path to it: three products
+// and sums of rounded numbers, 8 * 2^-24 at most, with room to spare.
+constexpr double kVertexRounding = 1e-6;
+// The same for our own arithmetic in double, relative to the world's coordinates.
+constexpr double kWorldRounding = 1e-14;
+
+}  // namespace
+
+ViewProjection make_projection(const View& view) {
+  ViewProjection p;
+  const Pinhole& k = view.pinhole;
+  const double width = view.width_px, height = view.height_px;
+  p.view_from_world = view.view_from_world;
+  p.near_m = view.near_m;
+  p.scale_x = 2 * k.fx_px / width;
+  p.shift_x = 2 * k.cx_px / width - 1;
+  p.scale_y = 2 * k.fy_px / height;
+  p.shift_y = 2 * k.cy_px / height - 1;
+  // A side holds the points with 0 = u, u = width, 0 = v or v = height, times z.
+  const glm::dvec3 sides[4] = {
+      {k.fx_px, 0, k.cx_px}, {-k.fx_px, 0, width - k.cx_px}, {0, k.fy_px, k.cy_px}, {0, -k.fy_px, height - k.cy_px}};
+  const glm::dmat3 world_from_view_axes = glm::transpose(glm::dmat3(view.view_from_world));
+  for (int i = 0; i < 4; ++i) {
+    p.side_view[i] = glm::normalize(sides[i]);
+    p.side_world[i] = world_from_view_axes * p.side_view[i];
+  }
+  p.forward_world = world_from_view_axes[2];
+  return p;
+}
+
+void write_clip_rows(const ViewProjection& p, const glm::dmat4& world_from_mesh, shader::Instance& instance) {
+  const glm::dmat4& v = p.view_from_world;
+  glm::dvec4 row[3];
+  for (int c = 0; c < 4; ++c) {
+    const glm::dvec4& column = world_from_mesh[c];
+    for (int r = 0; r < 3; ++r) {
+      row[r][c] = v[0][r] * column.x + v[1][r] * column.y + v[2][r] * column.z + (c == 3 ? v[3][r] : 0.0);
+    }
+  }
+  instance.clip_x = rounded(p.scale_x * row[0] + p.shift_x * row[2]);
+  instance.clip_y = rounded(p.scale_y * row[1] + p.shift_y * row[2]);
+  instance.clip_w = rounded(row[2]);
+}
+
+WorldBox make_box(const glm::dmat4& world_from_mesh, const glm::dvec3& mesh_center, const glm::dvec3& mesh_half) {
+  WorldBox box;
+  box.center = transform_point(world_from_mesh, mesh_center);
+  for (int i = 0; i < 3; ++i) box.axis[i] = glm::dvec3(world_from_mesh[i]) * mesh_half[i];
+  // The farthest corner: four of the eight, the others lie opposite.
+  double square = 0;
+  for (const double a : {-1.0, 1.0}) {
+    for (const double b : {-1.0, 1.0}) {
+      const glm::dvec3 corner = a * box.axis[0] + b * box.axis[1] + box.axis[2];
+      square = std::max(square, glm::dot(corner, corner));
+    }
+  }
+  box.radius = std::sqrt(square);
+  return box;
+}
+
+bool outside(const ViewProjection& p, const WorldBox& box) {
+  const glm::dvec3 center = transform_point(p.view_from_world, box.center);
+  const double path = std::abs(center.x) + std::abs(center.y) + std::abs(center.z) + box.radius;
+  const double world = std::abs(box.center.x) + std::abs(box.center.y) + std::abs(box.center.z);
+  const double slack = kVertexRounding * path + kWorldRounding * world;
+  // A sphere first, it settles most; then the box, which knows that a floor is flat.
+  const auto beyond = [&](double distance, const glm::dvec3& normal_world) {
+    if (distance >= -slack) return false;
+    if (distance < -box.radius - slack) return true;
+    double extent = 0;
+    for (const glm::dvec3& axis : box.axis) extent += std::abs(glm::dot(normal_world, axis));
+    return distance < -extent - slack;
+  };
+  if (beyond(center.z - p.near_m, p.forward_world)) return true;
+  for (int i = 0; i < 4; ++i) {
+    if (beyond(glm::dot(p.side_view[i], center), p.side_world[i])) return true;
+  }
+  return false;
+}
+
+double view_depth(const ViewProjection& p, const glm::dvec3& world_point) {
+  return transform_point(p.view_from_world, world_point).z;
+}
+
+}  // namespace simvis

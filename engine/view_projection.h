@@ -1,0 +1,45 @@
+// What a view sees: the rows that take a mesh to clip coordinates, and what lies outside. Plain arithmetic in double.
+#pragma once
+
+#include <glm/glm.hpp>
+
+#include "engine/frame_plan.h"
+#include "engine/mesh.h"
+#include "shaders/interop.h"
+
+namespace simvis {
+
+/// A view, worked out for one frame.
+struct ViewProjection {
+  glm::dmat4 view_from_world{1};
+  double near_m = 0;
+  /// clip.x = scale_x * x + shift_x * z, clip.y = scale_y * y + shift_y * z, clip.w = z in the view frame.
+  double scale_x = 0, shift_x = 0, scale_y = 0, shift_y = 0;
+  /// Unit normals, pointing inwards, of the planes through the eye and the rectangle's sides, in the view frame, and
+  /// the same turned into the world's axes.
+  glm::dvec3 side_view[4], side_world[4];
+  glm::dvec3 forward_world{0};  ///< the optical axis in the world's axes
+};
+
+ViewProjection make_projection(const View& view);
+
+/// Writes the rows of clip_from_mesh. The product is formed in double and rounded once.
+void write_clip_rows(const ViewProjection& projection, const glm::dmat4& world_from_mesh, shader::Instance& instance);
+
+/// A box around a mesh, in the world: centre + a * axis[0] + b * axis[1] + c * axis[2] with a, b, c in [-1, 1].
+struct WorldBox {
+  glm::dvec3 center{0};
+  glm::dvec3 axis[3]{};
+  double radius = 0;  ///< of the sphere around it
+};
+
+WorldBox make_box(const glm::dmat4& world_from_mesh, const glm::dvec3& mesh_center, const glm::dvec3& mesh_half);
+
+/// Whether nothing of the box can appear in the view: it lies beyond a side or before the near plane, by more than
+/// the rounding of float32 vertices could take back.
+bool outside(const ViewProjection& projection, const WorldBox& box);
+
+/// Depth of a world point along the optical axis, in metres.
+double view_depth(const ViewProjection& projection, const glm::dvec3& world_point);
+
+}  // namespace simvis

@@ -1,0 +1,14 @@
+// Turns Vulkan's result codes into exceptions.
+#pragma once
+
+#include <vulkan/vulkan.h>
+
+namespace simvis {
+
+/// "VK_ERROR_DEVICE_LOST", ...; a phrase that says so for a code that is not known here.
+const char* result_name(VkResult result);
+
+/// Throws MachineError "CALL: VK_ERROR_... (CODE)" unless the result is VK_SUCCESS.
+void vk_check(VkResult result, const char* call);
+
+}  // namespace simvis

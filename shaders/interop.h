@@ -1,0 +1,74 @@
+// Every struct that C++ and GLSL share, and the numbers that name bindings and constants.
+//
+// Rule: members fill rows of 16 bytes, no bare vec3, so that std430, std140 and C++ agree on every offset; a test
+// compares them. Frames are in the names: the view frame is x right, y down, z forward.
+#ifndef SIMVIS_SHADERS_INTEROP_H_
+#define SIMVIS_SHADERS_INTEROP_H_
+
+#ifdef __cplusplus
+#include <cstdint>
+#include <glm/glm.hpp>
+
+namespace simvis::shader {
+using glm::uvec4;
+using glm::vec4;
+using uint = std::uint32_t;
+#endif
+
+// Descriptor set 0: the frame. Descriptor set 1: one texture.
+#define SIMVIS_FRAME_SET 0
+#define SIMVIS_INSTANCES 0
+#define SIMVIS_MATERIALS 1
+#define SIMVIS_LIGHTS 2
+#define SIMVIS_TEXTURE_SET 1
+#define SIMVIS_BASE_COLOR_TEXTURE 0
+
+// Vertex inputs.
+#define SIMVIS_POSITION 0
+#define SIMVIS_NORMAL 1
+#define SIMVIS_UV_0 2
+#define SIMVIS_UV_1 3
+#define SIMVIS_COLOR 4
+
+// Specialization constants.
+#define SIMVIS_MASKED 0
+#define SIMVIS_UNLIT 1
+#define SIMVIS_LIGHTS_PRESENT 2
+
+// One mesh in one view: rows of clip_from_mesh, formed in double and rounded once.
+// A mesh point p = (x, y, z, 1) has clip = (clip_x . p, clip_y . p, near_m, clip_w . p), so depth = near_m / z with
+// z = clip_w . p, in metres along the optical axis.
+struct Instance {
+  vec4 clip_x;
+  vec4 clip_y;
+  vec4 clip_w;
+  uvec4 material;  // x: slot in the table of materials
+};
+
+struct MaterialBlock {
+  vec4 base_color;       // linear RGBA
+  vec4 emissive_cutoff;  // rgb: linear radiance; a: the least alpha that a mask keeps
+  vec4 uv_row_u;         // xyz: texture u = uv_row_u . (u, v, 1); w: which set of texture coordinates, 0 or 1
+  vec4 uv_row_v;         // xyz: likewise for v
+};
+
+// A light in the view frame. Point and spot: intensity falls with the square of the distance.
+struct LightBlock {
+  vec4 position;   // xyz: metres; w: 1 for point and spot, 0 for directional
+  vec4 direction;  // xyz: the way the light travels, unit length; w: 1 / range in 1/m, 0 for no limit
+  vec4 intensity;  // rgb: lux (directional) or candela
+  vec4 cone;       // x, y: scale and offset of the cosine to the axis; (0, 1) where there is no cone
+};
+
+// One view; push constants.
+struct ViewBlock {
+  vec4 projection;  // clip.x = projection.x * x + projection.y * z; clip.y = projection.z * y + projection.w * z
+  vec4 ambient;     // rgb: linear radiance from all around; w: near_m
+  uvec4 lights;     // x: the first of the view's lights, y: how many
+};
+
+#ifdef __cplusplus
+}  // namespace simvis::shader
+#endif
+
+#endif  // SIMVIS_SHADERS_INTEROP_H_

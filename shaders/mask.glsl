@@ -1,0 +1,19 @@
+// Keeps the fragments that are solid enough. TEXTURED is defined where the material has a texture.
+#extension GL_GOOGLE_include_directive : require
+#include "shaders/interop.h"
+
+#ifdef TEXTURED
+layout(set = SIMVIS_TEXTURE_SET, binding = SIMVIS_BASE_COLOR_TEXTURE) uniform sampler2D base_color_texture;
+#endif
+
+layout(location = 0) in vec2 in_uv;
+layout(location = 1) in float in_alpha;
+layout(location = 2) flat in float in_cutoff;
+
+void main() {
+  float alpha = in_alpha;
+#ifdef TEXTURED
+  alpha *= texture(base_color_texture, in_uv).a;
+#endif
+  if (alpha < in_cutoff) discard;
+}

@@ -1,0 +1,29 @@
+// What the vertex shaders of meshes have in common.
+#extension GL_GOOGLE_include_directive : require
+#include "shaders/interop.h"
+
+layout(std430, push_constant) uniform View { ViewBlock view; };
+layout(std430, set = SIMVIS_FRAME_SET, binding = SIMVIS_INSTANCES) readonly buffer Instances { Instance instances[]; };
+layout(std430, set = SIMVIS_FRAME_SET, binding = SIMVIS_MATERIALS) readonly buffer Materials {
+  MaterialBlock materials[];
+};
+
+layout(location = SIMVIS_POSITION) in vec3 in_position;
+
+out gl_PerVertex {
+  invariant vec4 gl_Position;
+  float gl_PointSize;
+};
+
+// The same in every shader, to the bit: passes over the same surface meet in the same depth.
+vec4 place_vertex(Instance instance) {
+  const vec4 p = vec4(in_position, 1.0);
+  gl_Position = vec4(dot(instance.clip_x, p), dot(instance.clip_y, p), view.ambient.w, dot(instance.clip_w, p));
+  gl_PointSize = 1.0;
+  return gl_Position;
+}
+
+vec2 texture_uv(MaterialBlock material, vec2 uv_0, vec2 uv_1) {
+  const vec3 uv = vec3(material.uv_row_u.w > 0.5 ? uv_1 : uv_0, 1.0);
+  return vec2(dot(material.uv_row_u.xyz, uv), dot(material.uv_row_v.xyz, uv));
+}
