@@ -3,15 +3,16 @@
 #include <cmath>
 
 #include "scenegraph/attributes.h"
+#include "scenegraph/pose.h"
 
 namespace simvis {
 
-std::optional<Pose> pose_offset(const Command& command) {
+std::optional<glm::dmat4> pose_offset(const Command& command) {
   const CommandAttribute* attribute = command.find(kPoseOffset);
   if (attribute == nullptr) return std::nullopt;
   double v[6];
   if (!parse_numbers(attribute->value, v)) {
-    fail_at(attribute->where, "attribute \"pose_offset\": " + quoted(attribute->value) +
+    fail_at(attribute->where, "attribute \"pose_offset\": " + in_quotes(attribute->value) +
                                   " is not allowed, expected six finite numbers: x y z (m) roll pitch yaw (deg)");
   }
   for (int i = 0; i < 3; ++i) {
@@ -21,7 +22,7 @@ std::optional<Pose> pose_offset(const Command& command) {
                                     " to " + format_number(kMaxCoordinate_m) + " (m)");
     }
   }
-  return Pose{.position_m = {v[0], v[1], v[2]}, .roll_deg = v[3], .pitch_deg = v[4], .yaw_deg = v[5]};
+  return matrix_from_degrees({v[0], v[1], v[2]}, v[3], v[4], v[5]);
 }
 
 }  // namespace simvis

@@ -22,10 +22,10 @@ std::filesystem::path find_part_file(const Command& command) {
   const std::filesystem::path path = command.folder / file.value;
   std::error_code error;
   if (!std::filesystem::exists(path, error)) {
-    fail_at(file.where, "there is no part file " + quoted(path.string()));
+    fail_at(file.where, "there is no part file " + in_quotes(path.string()));
   }
   if (!std::filesystem::is_regular_file(path, error)) {
-    fail_at(file.where, quoted(path.string()) + " is not a file, expected a part file");
+    fail_at(file.where, in_quotes(path.string()) + " is not a file, expected a part file");
   }
   return path;
 }
@@ -34,7 +34,7 @@ PartImporter find_importer(const std::filesystem::path& path, const Location& wh
   if (const PartImporter importer = find_part_importer(path)) return importer;
   std::string known;
   for (const std::string& ending : known_part_endings()) known += (known.empty() ? "" : ", ") + ending;
-  fail_at(where, "part file " + quoted(path.string()) + " is of an unknown kind, expected one of: " + known);
+  fail_at(where, "part file " + in_quotes(path.string()) + " is of an unknown kind, expected one of: " + known);
 }
 
 // "world.glb: error: no buffers" -> "world.glb: no buffers", to stand behind another "error:".
@@ -61,7 +61,7 @@ Scene::Scene() : root_(std::make_shared<Group>()) {
 
 const PartContent& Scene::insert_part(const Command& command) {
   const CommandAttribute& name = command.require("name");
-  const std::optional<Pose> offset = pose_offset(command);
+  const std::optional<glm::dmat4> offset = pose_offset(command);
   const Place at = place(command);
   const PartContent& content = load(command);
   part_names_.claim(name);
@@ -70,7 +70,7 @@ const PartContent& Scene::insert_part(const Command& command) {
   separator->name = name.value;
   const auto point = std::make_shared<InsertionPoint>();
   point->name = name.value;
-  if (offset) separator->add(std::make_shared<Transform>(to_matrix(*offset)));
+  if (offset) separator->add(std::make_shared<Transform>(*offset));
   separator->add(point);
   separator->add(content.root);
   places_[name.value] = {separator.get(), point.get()};
@@ -95,7 +95,7 @@ const Scene::Place& Scene::place(const Command& command) const {
   const CommandAttribute& name = command.require("insert_at");
   const auto found = places_.find(name.value);
   if (found == places_.end()) {
-    fail_at(name.where, "there is no insertion point " + quoted(name.value) +
+    fail_at(name.where, "there is no insertion point " + in_quotes(name.value) +
                             suggestion(name.value, insertion_points()) +
                             " (expected ROOT or the name of a part inserted before)");
   }
