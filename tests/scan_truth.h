@@ -18,6 +18,7 @@ struct ScanComparison {
   std::size_t uncertain = 0;            ///< infinite bound: the method does not say which surface is met
   std::size_t violations = 0;           ///< the truth lies outside the bound
   std::size_t wrong_surface = 0;        ///< relative error above 1e-3, or hit for miss, among the uncertain
+  double worst_use = 0;                 ///< the largest error / bound among the certain
   std::vector<double> relative_errors;  ///< of beams where scan and truth both have a range
   std::vector<double> relative_bounds;  ///< of those with a finite bound
 
@@ -51,6 +52,7 @@ inline void compare(const Scan& scan, const reference::RayCaster& truth, double 
       ++result.beams;
       result.uncertain += std::isinf(bound);
       result.violations += !(error <= bound);
+      if (std::isfinite(bound) && error > 0) result.worst_use = std::max(result.worst_use, error / bound);
       if (std::isinf(bound) && (!same_kind || error > 1e-3 * expected)) ++result.wrong_surface;
       if (same_kind && std::isfinite(expected) && expected > 0) {
         result.relative_errors.push_back(error / expected);
@@ -65,8 +67,9 @@ inline std::ostream& operator<<(std::ostream& out, const ScanComparison& c) {
   return out << c.beams << " beams: relative error median " << c.median_error() << ", p99 "
              << ScanComparison::quantile(c.relative_errors, 0.99) << ", p99.9 "
              << ScanComparison::quantile(c.relative_errors, 0.999) << "; relative bound median "
-             << ScanComparison::quantile(c.relative_bounds, 0.5) << "; violations " << c.violations << "; uncertain "
-             << share(c.uncertain) << " % (of all, on the wrong surface " << share(c.wrong_surface) << " %)";
+             << ScanComparison::quantile(c.relative_bounds, 0.5) << ", error at most " << c.worst_use
+             << " of the bound; violations " << c.violations << "; uncertain " << share(c.uncertain)
+             << " % (of all, on the wrong surface " << share(c.wrong_surface) << " %)";
 }
 
 }  // namespace simvis
