@@ -47,6 +47,7 @@ struct Device::Impl {
   void retire(Retired object);
   /// Destroys what no unfinished submission may use.
   void destroy_retired();
+  std::uint64_t live_objects() const { return live_objects_; }
 
   /// Labels for debuggers and messages; they cost nothing without validation.
   void begin_label(VkCommandBuffer commands, std::string_view name) const;

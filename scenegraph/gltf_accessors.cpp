@@ -106,23 +106,35 @@ std::uint32_t integer_component(const std::uint8_t* p, unsigned format) {
 
 class AccessorReader {
  public:
-  AccessorReader(const GltfDocument& document, int accessor, const GltfUse& use)
+  AccessorReader(const GltfDocument& document, int accessor, const char* use)
       : document_(document),
         accessor_(document.model.accessors[static_cast<std::size_t>(accessor)]),
-        place_("accessors/" + std::to_string(accessor) + " (" + use.name + ")") {
+        place_("accessors/" + std::to_string(accessor) + (*use == 0 ? "" : " (" + std::string(use) + ")")),
+        format_(format_of(accessor_.componentType, accessor_.normalized)),
+        component_bytes_(component_size(accessor_.componentType)),
+        components_(
+            static_cast<std::size_t>(tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(accessor_.type)))) {}
+
+  void expect(const GltfUse& use) const {
     if (std::find(use.types.begin(), use.types.end(), accessor_.type) == use.types.end()) {
       fail("is of type " + type_names(std::span(&accessor_.type, 1)) + "; expected " + type_names(use.types));
     }
-    format_ = format_of(accessor_.componentType, accessor_.normalized);
-    const bool quantized = document.uses("KHR_mesh_quantization");
+    const bool quantized = document_.uses("KHR_mesh_quantization");
     const unsigned allowed = use.formats | (quantized ? use.quantized_formats : 0);
     if ((format_ & allowed) == 0) {
       fail("holds " + format_names(format_) + "; expected " + format_names(allowed) +
-           ((format_ & use.quantized_formats) != 0 ? " (or extensionsUsed with KHR_mesh_quantization)" : ""));
+           ((format_ & use.quantized_formats) != 0 ? ", or KHR_mesh_quantization in extensionsUsed" : ""));
     }
-    component_bytes_ = component_size(accessor_.componentType);
-    components_ =
-        static_cast<std::size_t>(tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(accessor_.type)));
+  }
+
+  // That all bytes lie within the buffer view; a buffer that the file leaves out is nobody's fault until it is read.
+  void check_layout() const {
+    if (format_ == 0) fail("holds a combination of componentType and normalized that glTF does not have");
+    if (accessor_.bufferView >= 0 && has_data(accessor_.bufferView)) dense_elements();
+    if (accessor_.sparse.isSparse && has_data(accessor_.sparse.indices.bufferView) &&
+        has_data(accessor_.sparse.values.bufferView)) {
+      sparse_elements();
+    }
   }
 
   std::size_t count() const { return accessor_.count; }
@@ -138,16 +150,11 @@ class AccessorReader {
       }
       values.resize(count() * components_);
     } else {
-      const tinygltf::BufferView& view = document_.model.bufferViews[static_cast<std::size_t>(accessor_.bufferView)];
-      const std::size_t element_bytes = component_bytes_ * components_;
-      const std::size_t stride = view.byteStride == 0 ? element_bytes : view.byteStride;
-      if (stride < element_bytes) {
-        fail("has elements of " + std::to_string(element_bytes) + " bytes, but the buffer view's byteStride is " +
-             std::to_string(stride));
-      }
-      const std::uint8_t* source = locate(accessor_.bufferView, accessor_.byteOffset, count(), stride, element_bytes);
+      const Elements elements = dense_elements();
       values.resize(count() * components_);
-      for (std::size_t i = 0; i < count(); ++i) copy_element(source + i * stride, values.data() + i * components_);
+      for (std::size_t i = 0; i < count(); ++i) {
+        copy_element(elements.first + i * elements.stride, values.data() + i * components_);
+      }
     }
     if (accessor_.sparse.isSparse) replace_sparse(values);
     if constexpr (std::is_same_v<T, float>) check_finite(values);
@@ -157,6 +164,51 @@ class AccessorReader {
  private:
   static std::size_t component_size(int component_type) {
     return static_cast<std::size_t>(tinygltf::GetComponentSizeInBytes(static_cast<std::uint32_t>(component_type)));
+  }
+
+  struct Elements {
+    const std::uint8_t* first;
+    std::size_t stride;
+  };
+
+  Elements dense_elements() const {
+    const tinygltf::BufferView& view = document_.model.bufferViews[static_cast<std::size_t>(accessor_.bufferView)];
+    const std::size_t element_bytes = component_bytes_ * components_;
+    const std::size_t stride = view.byteStride == 0 ? element_bytes : view.byteStride;
+    if (stride < element_bytes) {
+      fail("has elements of " + std::to_string(element_bytes) + " bytes, but the buffer view's byteStride is " +
+           std::to_string(stride));
+    }
+    return {locate(accessor_.bufferView, accessor_.byteOffset, count(), stride, element_bytes), stride};
+  }
+
+  struct SparseElements {
+    const std::uint8_t *indices, *values;
+    std::size_t count, index_bytes;
+    unsigned index_format;
+  };
+
+  SparseElements sparse_elements() const {
+    const auto& sparse = accessor_.sparse;
+    const auto replaced = static_cast<std::size_t>(sparse.count);
+    if (replaced > count()) fail("replaces " + std::to_string(replaced) + " elements of " + std::to_string(count()));
+    constexpr unsigned kIndexFormats = kGltfU8 | kGltfU16 | kGltfU32;
+    const unsigned format = format_of(sparse.indices.componentType, false);
+    if ((format & kIndexFormats) == 0) {
+      fail("has sparse indices of " + format_names(format) + "; expected " + format_names(kIndexFormats));
+    }
+    const std::size_t index_bytes = component_size(sparse.indices.componentType);
+    const std::size_t element_bytes = component_bytes_ * components_;
+    return {locate(sparse.indices.bufferView, static_cast<std::size_t>(sparse.indices.byteOffset), replaced,
+                   index_bytes, index_bytes),
+            locate(sparse.values.bufferView, static_cast<std::size_t>(sparse.values.byteOffset), replaced,
+                   element_bytes, element_bytes),
+            replaced, index_bytes, format};
+  }
+
+  bool has_data(int buffer_view) const {
+    const tinygltf::BufferView& view = document_.model.bufferViews[static_cast<std::size_t>(buffer_view)];
+    return !document_.buffers[static_cast<std::size_t>(view.buffer)].empty();
   }
 
   template <class T>
@@ -184,29 +236,16 @@ class AccessorReader {
 
   template <class T>
   void replace_sparse(std::vector<T>& values) const {
-    const auto& sparse = accessor_.sparse;
-    const auto replaced = static_cast<std::size_t>(sparse.count);
-    if (replaced > count()) fail("replaces " + std::to_string(replaced) + " elements of " + std::to_string(count()));
-    const unsigned format = format_of(sparse.indices.componentType, false);
-    if ((format & (kGltfU8 | kGltfU16 | kGltfU32)) == 0) {
-      fail("has sparse indices of " + format_names(format) + "; expected " +
-           format_names(kGltfU8 | kGltfU16 | kGltfU32));
-    }
-    const std::size_t index_bytes = component_size(sparse.indices.componentType);
-    const std::size_t element_bytes = component_bytes_ * components_;
-    const std::uint8_t* indices = locate(sparse.indices.bufferView, static_cast<std::size_t>(sparse.indices.byteOffset),
-                                         replaced, index_bytes, index_bytes);
-    const std::uint8_t* source = locate(sparse.values.bufferView, static_cast<std::size_t>(sparse.values.byteOffset),
-                                        replaced, element_bytes, element_bytes);
+    const SparseElements sparse = sparse_elements();
     std::int64_t last = -1;
-    for (std::size_t i = 0; i < replaced; ++i) {
-      const std::uint32_t index = integer_component(indices + i * index_bytes, format);
+    for (std::size_t i = 0; i < sparse.count; ++i) {
+      const std::uint32_t index = integer_component(sparse.indices + i * sparse.index_bytes, sparse.index_format);
       if (index >= count() || index <= last) {
         fail("has the sparse index " + std::to_string(index) + " after " + std::to_string(last) +
              "; expected increasing indices below " + std::to_string(count()));
       }
       last = index;
-      copy_element(source + i * element_bytes, values.data() + index * components_);
+      copy_element(sparse.values + i * component_bytes_ * components_, values.data() + index * components_);
     }
   }
 
@@ -222,19 +261,28 @@ class AccessorReader {
   const GltfDocument& document_;
   const tinygltf::Accessor& accessor_;
   std::string place_;
-  unsigned format_ = 0;
-  std::size_t component_bytes_ = 0, components_ = 0;
+  unsigned format_;
+  std::size_t component_bytes_, components_;
 };
 
 }  // namespace
 
 GltfFloats read_floats(const GltfDocument& document, int accessor, const GltfUse& use) {
-  const AccessorReader reader(document, accessor, use);
+  const AccessorReader reader(document, accessor, use.name);
+  reader.expect(use);
   return {reader.count(), reader.components(), reader.read<float>()};
 }
 
 std::vector<std::uint32_t> read_integers(const GltfDocument& document, int accessor, const GltfUse& use) {
-  return AccessorReader(document, accessor, use).read<std::uint32_t>();
+  const AccessorReader reader(document, accessor, use.name);
+  reader.expect(use);
+  return reader.read<std::uint32_t>();
+}
+
+void check_accessors(const GltfDocument& document) {
+  for (std::size_t i = 0; i < document.model.accessors.size(); ++i) {
+    AccessorReader(document, static_cast<int>(i), "").check_layout();
+  }
 }
 
 std::span<const std::uint8_t> view_bytes(const GltfDocument& document, int buffer_view, const std::string& place) {

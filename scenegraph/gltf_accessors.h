@@ -43,6 +43,9 @@ struct GltfFloats {
 GltfFloats read_floats(const GltfDocument& document, int accessor, const GltfUse& use);
 std::vector<std::uint32_t> read_integers(const GltfDocument& document, int accessor, const GltfUse& use);
 
+/// Checks that every accessor's bytes lie where they can be read, used or not. Throws InputError like the readers.
+void check_accessors(const GltfDocument& document);
+
 /// The bytes of a buffer view. Throws InputError when they do not lie within the buffer; `place` names who asks.
 std::span<const std::uint8_t> view_bytes(const GltfDocument& document, int buffer_view, const std::string& place);
 

@@ -118,8 +118,8 @@ void apply_morph_targets(const GltfDocument& document, const tinygltf::Primitive
   }
 }
 
-void apply_skin(const GltfDocument& document, const tinygltf::Primitive& source,
-                std::span<const glm::dmat4> joint_matrices, GltfPrimitive& primitive) {
+void apply_skin(GltfDocument& document, const tinygltf::Primitive& source, std::span<const glm::dmat4> joint_matrices,
+                GltfPrimitive& primitive) {
   Mesh& mesh = primitive.mesh;
   const std::size_t vertices = mesh.positions.size();
   const Influences influences = read_influences(document, source, vertices, joint_matrices.size());
@@ -131,8 +131,13 @@ void apply_skin(const GltfDocument& document, const tinygltf::Primitive& source,
       blend += influence.weight * joint_matrices[influence.joint];
       sum += influence.weight;
     }
+    if (sum == 0) {
+      document.warn("skinned vertices without weights follow their first joint");
+      blend = joint_matrices[influences.values[i * influences.per_vertex].joint];
+      sum = 1;
+    }
     // Weights sum to one up to their own rounding, which the division takes out.
-    if (!(sum > 0)) document.fail("has a skinned vertex whose weights do not sum to 1, but to " + std::to_string(sum));
+    if (!(sum > 0)) document.fail("has a skinned vertex whose weights sum to " + std::to_string(sum) + "; expected 1");
     blend /= sum;
     mesh.positions[i] = rounded_position(document, glm::dvec3(blend * glm::dvec4(mesh.positions[i], 1)));
     const glm::vec3 normal = mesh.attributes[i].normal;

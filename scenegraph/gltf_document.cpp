@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "engine/error.h"
+#include "scenegraph/gltf_accessors.h"
 #include "scenegraph/gltf_schema.h"
 
 namespace simvis {
@@ -133,12 +134,26 @@ void read_images(json& root, GltfDocument& document) {
   }
 }
 
+void move_indices_to_attributes(json& root) {
+  if (!root.contains("meshes")) return;
+  for (json& mesh : root.at("meshes")) {
+    for (json& primitive : mesh.at("primitives")) {
+      json& attributes = primitive.at("attributes");
+      attributes.erase(kGltfIndices);
+      if (!primitive.contains("indices")) continue;
+      attributes[kGltfIndices] = primitive.at("indices");
+      primitive.erase("indices");
+    }
+  }
+}
+
 // tinygltf 2.7 over-reads on image buffer views that do not fit their buffer, and needs more of cameras and animations
 // than is used here: it gets the rest.
 void read_structure(json& root, GltfDocument& document) {
   const auto animations = root.find("animations");
   document.has_animations = animations != root.end() && !animations->empty();
   for (const char* part : {"buffers", "images", "cameras", "animations"}) root.erase(part);
+  move_indices_to_attributes(root);
   const std::string text = root.dump();
   if (text.size() > std::numeric_limits<unsigned int>::max()) document.fail("has more than 4 GiB of JSON");
   std::string error, warning;
@@ -170,6 +185,9 @@ GltfDocument read_gltf_document(const std::filesystem::path& file) {
   document.file = file;
   const Bytes bytes = read_whole_file(file);
   const GltfChunks chunks = split_gltf(bytes, file);
+  if (chunks.extra_bytes > 0) {
+    document.warn(std::to_string(chunks.extra_bytes) + " bytes after the end of the .glb are left out");
+  }
   json root = parse_json(chunks.json, document);
   check_required_extensions(root, document);
   check_and_prune_gltf(root, file);
@@ -178,6 +196,7 @@ GltfDocument read_gltf_document(const std::filesystem::path& file) {
   read_buffers(root, chunks, document);
   read_images(root, document);
   read_structure(root, document);
+  check_accessors(document);
   warn_of_unsupported_extensions(document);
   return document;
 }

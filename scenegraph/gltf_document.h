@@ -19,6 +19,10 @@ struct GltfImage {
   int buffer_view = -1;
 };
 
+/// The key under which a primitive's indices stand among its attributes: tinygltf 2.7 refuses indices without a buffer
+/// view, which glTF allows, and so does not get to see them. No attribute's name begins like this.
+inline constexpr const char* kGltfIndices = "(indices)";
+
 /// Every index in `model` points to something that exists, every number is in its range; what the bytes hold is checked
 /// by whoever reads them. tinygltf is given nothing but checked structure: `model` has no buffers, images, cameras or
 /// animations.

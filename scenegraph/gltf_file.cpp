@@ -28,11 +28,13 @@ GltfChunks split_glb(std::span<const std::uint8_t> bytes, const std::filesystem:
   if (bytes.size() < kGlbHeaderBytes) fail(file, "the .glb header is cut off; expected 12 bytes");
   const std::uint32_t version = little_endian_u32(bytes.data() + 4), length = little_endian_u32(bytes.data() + 8);
   if (version != 2) fail(file, "is binary glTF of version " + std::to_string(version) + "; expected version 2");
-  if (length != bytes.size()) {
+  if (length > bytes.size()) {
     fail(file, "the .glb header gives " + std::to_string(length) + " bytes, but the file has " +
                    std::to_string(bytes.size()));
   }
   GltfChunks chunks;
+  chunks.extra_bytes = bytes.size() - length;
+  bytes = bytes.first(length);
   std::size_t at = kGlbHeaderBytes;
   for (int index = 0; at < bytes.size(); ++index) {
     const std::string chunk = "chunk " + std::to_string(index) + " of the .glb";
@@ -159,7 +161,7 @@ GltfChunks split_gltf(std::span<const std::uint8_t> bytes, const std::filesystem
   const bool has_magic = bytes.size() >= 4 && little_endian_u32(bytes.data()) == kGlbMagic;
   if (has_magic) return split_glb(bytes, file);
   if (file.extension() == ".glb") fail(file, "does not begin with \"glTF\"; expected binary glTF 2.0");
-  return {{reinterpret_cast<const char*>(bytes.data()), bytes.size()}, {}, false};
+  return {{reinterpret_cast<const char*>(bytes.data()), bytes.size()}, {}, false, 0};
 }
 
 Bytes read_gltf_uri(std::string_view uri, const std::filesystem::path& file, const std::string& place) {

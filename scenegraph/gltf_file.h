@@ -17,6 +17,7 @@ struct GltfChunks {
   std::string_view json;
   std::span<const std::uint8_t> binary;
   bool has_binary = false;
+  std::size_t extra_bytes = 0;  ///< after the end that the .glb gives for itself
 };
 
 /// Reads a regular file whole. Throws InputError naming it and the operating system's reason.

@@ -1,6 +1,7 @@
 // glTF 2.0 parts, .gltf and .glb: from the checked document to a scene graph.
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -34,6 +35,7 @@ class GraphBuilder {
     root_ = root.get();
     if (y_up) root->add(std::make_shared<Transform>(kZUpFromYUp));
     add_scene(*root, content.commands);
+    check_what_is_not_shown();
     if (document_.has_animations) document_.warn("animations are not played; the rest pose is imported");
     content.root = root;
     content.warnings = std::move(document_.warnings);
@@ -120,6 +122,7 @@ class GraphBuilder {
                                               const std::vector<glm::dmat4>* joints) {
     const tinygltf::Mesh& source = document_.model.meshes[static_cast<std::size_t>(mesh_index)];
     const std::vector<double>& weights = node_weights.empty() ? source.weights : node_weights;
+    shown_meshes_.insert(mesh_index);
     std::vector<DrawnPrimitive> drawn;
     for (const tinygltf::Primitive& primitive_source : source.primitives) {
       GltfPrimitive primitive;
@@ -139,6 +142,21 @@ class GraphBuilder {
       drawn.push_back({materials_.get(primitive_source.material, is_surface || primitive.has_normals), shape});
     }
     return drawn;
+  }
+
+  // A broken file is refused whatever its scene happens to show.
+  void check_what_is_not_shown() {
+    for (std::size_t i = 0; i < document_.model.lights.size(); ++i) make_light(static_cast<int>(i));
+    for (std::size_t i = 0; i < document_.model.skins.size(); ++i) {
+      read_joint_matrices(document_, hierarchy_, static_cast<int>(i));
+    }
+    for (std::size_t i = 0; i < document_.model.meshes.size(); ++i) {
+      if (shown_meshes_.count(static_cast<int>(i)) != 0) continue;
+      for (const tinygltf::Primitive& source : document_.model.meshes[i].primitives) {
+        GltfPrimitive primitive;
+        read_primitive(document_, source, primitive);
+      }
+    }
   }
 
   NodePtr make_light(int index) const {
@@ -182,6 +200,7 @@ class GraphBuilder {
   GltfHierarchy hierarchy_;
   Group* root_ = nullptr;
   std::map<int, std::vector<DrawnPrimitive>> primitives_;
+  std::set<int> shown_meshes_;
 };
 
 PartContent import_gltf(const ImportRequest& request, ContentPool& pool) {

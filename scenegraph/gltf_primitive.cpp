@@ -68,15 +68,16 @@ void read_attributes(GltfDocument& document, const tinygltf::Primitive& source, 
 
 std::vector<std::uint32_t> read_indices(const GltfDocument& document, const tinygltf::Primitive& source,
                                         std::size_t vertices) {
-  if (source.indices < 0) {
+  const auto found = source.attributes.find(kGltfIndices);
+  if (found == source.attributes.end()) {
     std::vector<std::uint32_t> indices(vertices);
     std::iota(indices.begin(), indices.end(), 0u);
     return indices;
   }
-  std::vector<std::uint32_t> indices = read_integers(document, source.indices, kIndices);
+  std::vector<std::uint32_t> indices = read_integers(document, found->second, kIndices);
   for (std::size_t i = 0; i < indices.size(); ++i) {
     if (indices[i] < vertices) continue;
-    document.fail("accessors/" + std::to_string(source.indices) + " (indices) has the index " +
+    document.fail("accessors/" + std::to_string(found->second) + " (indices) has the index " +
                   std::to_string(indices[i]) + " in element " + std::to_string(i) + ", but there are " +
                   std::to_string(vertices) + " vertices");
   }

@@ -27,8 +27,8 @@ void apply_morph_targets(const GltfDocument& document, const tinygltf::Primitive
 
 /// Moves each vertex by the weighted sum of its joints' matrices (linear blend skinning).
 /// Throws InputError for missing, ill-fitting or out-of-range joints and weights.
-void apply_skin(const GltfDocument& document, const tinygltf::Primitive& source,
-                std::span<const glm::dmat4> joint_matrices, GltfPrimitive& primitive);
+void apply_skin(GltfDocument& document, const tinygltf::Primitive& source, std::span<const glm::dmat4> joint_matrices,
+                GltfPrimitive& primitive);
 
 /// Gives each triangle vertices and a normal of its own.
 void set_flat_normals(Mesh& mesh);

@@ -125,7 +125,7 @@ def _profile_normals(profile, crease_deg):
 
 
 def lathe(profile, segments=24, crease_deg=50):
-    """Turns a profile of (radius, z), going up its outside, about z."""
+    """Turns a profile of (radius, z), going up its outside, about z. Textures run around it, and straight over ends."""
     normals = _profile_normals(profile, crease_deg)
     reference = max(r for r, _ in profile)
     faces, length = [], 0.0
@@ -137,7 +137,8 @@ def lathe(profile, segments=24, crease_deg=50):
                      for i in range(segments)]
             rings.append([((r * c, r * s, z), (nr * c, nr * s, nz)) for c, s in turns])
         start = length
-        faces += _strips(rings, lambda row, i: (2 * math.pi * reference * i / segments, -(start + row * step)))
+        around = lambda row, i: (2 * math.pi * reference * i / segments, -(start + row * step))
+        faces += _strips(rings, around if z0 != z1 else None)
         length += step
     return faces
 
@@ -266,8 +267,10 @@ def with_uvs(shape, swap=False):
 
 
 def grid(us, vs, point, normal, hole=None):
-    """A flat surface of cells between the cuts `us` and `vs`; `point(u, v)` places a corner and `normal` tells the side.
-    Cells for whose middle `hole(u, v)` is true are left out. Texture coordinates are (u, -v)."""
+    """A flat surface of cells between the cuts `us` and `vs`: `point(u, v)` places a corner, `normal` tells the side.
+
+    Cells for whose middle `hole(u, v)` is true are left out. Texture coordinates are (u, -v).
+    """
     faces = []
     for u0, u1 in zip(us, us[1:]):
         for v0, v1 in zip(vs, vs[1:]):

@@ -133,8 +133,8 @@ def shelf(name, seed, kinds):
     rng = random.Random(seed)
     width, depth, height, t = 1.0, 0.32, 2.0, 0.022
     for side in (-1, 1):
-        model.add(m.TABLE_WOOD, rounded_box(depth, t, height, 0.003, 1), (depth / 2, side * (width - t) / 2, height / 2),
-                  swap=True)
+        model.add(m.TABLE_WOOD, rounded_box(depth, t, height, 0.003, 1),
+                  (depth / 2, side * (width - t) / 2, height / 2), swap=True)
     inner = width - 2 * t
     model.add(m.LACQUER, box(0.008, inner, height - 0.08), (0.006, 0, height / 2 + 0.03))
     pitch = (height - 0.08 - t) / len(kinds)

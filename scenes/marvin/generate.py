@@ -28,10 +28,11 @@ import things
 def models():
     made = [room.laboratory(), room.window(), room.door(), room.lamp(), room.radiator(),
             furniture.table(), furniture.round_table(), furniture.swivel_chair(), furniture.visitor_chair(),
-            furniture.stool(), furniture.shelf("shelf_books", 41, "bbbbb"), furniture.shelf("shelf_mixed", 42, "xxmbm"),
-            furniture.cupboard(), furniture.carpet(),
-            things.monitor("monitor_code", materials.CODE_SCREEN), things.monitor("monitor_scan", materials.SCAN_SCREEN),
-            things.computer(), things.keyboard(), things.mug(), things.oscilloscope(), things.cardboard_box(),
+            furniture.stool(), furniture.shelf("shelf_books", 41, "bbbbb"),
+            furniture.shelf("shelf_mixed", 42, "xxmbm"), furniture.cupboard(), furniture.carpet(),
+            things.monitor("monitor_code", materials.CODE_SCREEN),
+            things.monitor("monitor_scan", materials.SCAN_SCREEN), things.computer(), things.keyboard(),
+            things.mug(), things.oscilloscope(), things.cardboard_box(),
             things.waste_bin(), things.plant(), things.whiteboard(), things.poster(), things.clock(),
             things.extinguisher(), robot.robot(), robot.tilt_head()]
     for model in made:

@@ -151,30 +151,30 @@ def book_spines():
 
 
 def outside():
-    """Sky, clouds, wooded hills and a meadow, 24 m by 8 m."""
-    width, height, count = 512, 192, 48
+    """Sky, clouds, wooded hills and a meadow: half a turn of the horizon."""
+    width, height, count = 896, 256, 48
     rng = random.Random(3)
     sky = ramp(["#7db4e6", "#a9cff0", "#dbeaf5"], count)
     clouds = layers(width, height, [(4, 5, 0.9), (9, 12, 0.5), (24, 30, 0.25)], rng)
-    trees = layers(width, height, [(40, 20, 0.7), (110, 60, 0.6)], rng)
+    trees = layers(width, height, [(56, 24, 0.5), (150, 70, 0.5), (448, 128, 0.35)], rng)
     far, near = ([0.5 * a + 0.3 * b for a, b in zip(noise(width, 1, 5, 1, rng)[0], noise(width, 1, k, 1, rng)[0])]
                  for k in (14, 40))
     pixels = bytearray()
     for y in range(height):
         for x in range(width):
-            if y > 165 - 6 * near[x]:
+            if y > 220 - 8 * near[x]:
                 shade = 0.85 + 0.25 * trees[y][x]
-                color = rgb("#86a862")
-            elif y > 142 - 40 * near[x]:
-                shade = 0.8 + 0.8 * trees[y][x]
-                color = rgb("#4f7a48")
-            elif y > 128 - 46 * far[x]:
+                color = rgb("#a9c47c")
+            elif y > 189 - 53 * near[x]:
+                shade = 0.95 + 0.7 * trees[y][x]
+                color = rgb("#6b9459")
+            elif y > 171 - 61 * far[x]:
                 shade = 0.95 + 0.25 * trees[y][x]
-                color = rgb("#7f9f9a")
+                color = rgb("#9dbab4")
             else:
                 shade = 1.0
                 white = max(0.0, min(1.0, clouds[y][x] * 2.2))
-                base = sky[min(count - 1, y * count // 140)]
+                base = sky[min(count - 1, y * count // 187)]
                 color = tuple(b + (250 - b) * white for b in base)
             pixels += bytes(max(0, min(255, round(v * shade / 4) * 4)) for v in color)
     return Texture("outside", width, height, bytes(pixels), clamp=True)

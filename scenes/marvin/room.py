@@ -135,11 +135,11 @@ def _pipes(model):
 
 def _wall_details(model):
     """Sockets and light switches."""
-    places = [(m.FRAME_WHITE, (-HALF_X, y, 0.3), 0) for y in (-3.4, -0.8, 2.6)]
-    places += [(m.FRAME_WHITE, (x, HALF_Y, 0.3), -90) for x in (-4.9, -1.8, 1.8, 4.9)]
-    places += [(m.FRAME_WHITE, (HALF_X, EAST_DOOR_Y + 0.8, 1.1), 180), (m.FRAME_WHITE, (SOUTH_DOOR_X + 0.8, -HALF_Y, 1.1), 90)]
-    for material, at, yaw in places:
-        model.add(material, turned(rounded_box(0.016, 0.085, 0.085, 0.006, 1), "z", yaw), at)
+    places = [((-HALF_X, y, 0.3), 0) for y in (-3.4, -0.8, 2.6)]
+    places += [((x, HALF_Y, 0.3), -90) for x in (-4.9, -1.8, 1.8, 4.9)]
+    places += [((HALF_X, EAST_DOOR_Y + 0.8, 1.1), 180), ((SOUTH_DOOR_X + 0.8, -HALF_Y, 1.1), 90)]
+    for at, yaw in places:
+        model.add(m.FRAME_WHITE, turned(rounded_box(0.016, 0.085, 0.085, 0.006, 1), "z", yaw), at)
         model.add(m.GREY, turned(rounded_box(0.024, 0.05, 0.05, 0.004, 1), "z", yaw), at)
 
 
@@ -223,8 +223,8 @@ def lamp():
         model.add(m.FRAME_WHITE, turned(cylinder(0.035, 0.03, 16), "x", 180), (0, y, 0))
     model.add(m.LACQUER, rounded_box(0.22, 1.4, 0.05, 0.014, 1), (0, 0, -drop - 0.025))
     model.add(m.LAMP, rounded_box(0.18, 1.34, 0.03, 0.012, 1), (0, 0, -drop - 0.045))
-    model.lights.append(Light("LAMP", "spot", 4.2, (1.0, 0.95, 0.86), (0, 0, -drop - 0.07), (0, 0, -1),
-                              0.5, 1.45))
+    model.lights.append(Light("LAMP", "spot", 5.6, (1.0, 0.95, 0.86), (0, 0, -drop - 0.07), (0, 0, -1),
+                              0.9, 1.5))
     return model
 
 

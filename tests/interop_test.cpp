@@ -1,0 +1,85 @@
+#include "shaders/interop.h"
+
+#include <doctest/doctest.h>
+
+#include <cstddef>
+#include <cstdio>
+#include <map>
+#include <regex>
+#include <string>
+#include <type_traits>
+
+using namespace simvis;
+
+namespace {
+
+// What glslangValidator says of a shader's blocks: "block.member" -> offset, "block" -> size of one element.
+std::map<std::string, std::size_t> reflect(const std::string& shader) {
+  const std::string source = SIMVIS_SOURCE_DIR;
+  const std::string command = "glslangValidator -q --reflect-all-block-variables --target-env vulkan1.2 '-I" + source +
+                              "' '" + source + "/shaders/" + shader + "'";
+  std::map<std::string, std::size_t> found;
+  std::FILE* pipe = popen(command.c_str(), "r");
+  REQUIRE(pipe != nullptr);
+  char line[512];
+  const std::regex member(R"((\w+(?:\.\w+)?): offset (-?\d+),.* size (\d+),.*)");
+  std::cmatch match;
+  while (std::fgets(line, sizeof line, pipe)) {
+    if (!std::regex_search(line, match, member)) continue;
+    const bool is_member = match[1].str().find('.') != std::string::npos;
+    const std::string value = is_member ? match[2] : match[3];
+    found[match[1]] = static_cast<std::size_t>(std::stol(value));
+  }
+  REQUIRE(pclose(pipe) == 0);
+  return found;
+}
+
+std::size_t members_of(const std::map<std::string, std::size_t>& found, const std::string& block) {
+  std::size_t count = 0;
+  for (const auto& [name, offset] : found) count += name.rfind(block + ".", 0) == 0;
+  return count;
+}
+
+#define CHECK_OFFSET(found, block, Type, member)                    \
+  do {                                                              \
+    CAPTURE(block "." #member);                                     \
+    REQUIRE((found).count(block "." #member) == 1);                 \
+    CHECK((found).at(block "." #member) == offsetof(Type, member)); \
+  } while (false)
+
+}  // namespace
+
+static_assert(std::is_trivially_copyable_v<shader::Instance> && std::is_trivially_copyable_v<shader::MaterialBlock> &&
+              std::is_trivially_copyable_v<shader::LightBlock> && std::is_trivially_copyable_v<shader::ViewBlock>);
+
+TEST_CASE("structs lie in memory as the vertex shaders read them") {
+  const auto found = reflect("mesh_color.vert");
+  CHECK_OFFSET(found, "instances", shader::Instance, clip_x);
+  CHECK_OFFSET(found, "instances", shader::Instance, clip_y);
+  CHECK_OFFSET(found, "instances", shader::Instance, clip_w);
+  CHECK_OFFSET(found, "instances", shader::Instance, material);
+  CHECK(found.at("Instances") == sizeof(shader::Instance));
+  CHECK(members_of(found, "instances") == 4);
+  CHECK_OFFSET(found, "materials", shader::MaterialBlock, base_color);
+  CHECK_OFFSET(found, "materials", shader::MaterialBlock, emissive_cutoff);
+  CHECK_OFFSET(found, "materials", shader::MaterialBlock, uv_row_u);
+  CHECK_OFFSET(found, "materials", shader::MaterialBlock, uv_row_v);
+  CHECK(found.at("Materials") == sizeof(shader::MaterialBlock));
+  CHECK(members_of(found, "materials") == 4);
+  CHECK_OFFSET(found, "view", shader::ViewBlock, projection);
+  CHECK_OFFSET(found, "view", shader::ViewBlock, ambient);
+  CHECK(found.at("View") == sizeof(shader::ViewBlock));
+}
+
+TEST_CASE("structs lie in memory as the fragment shaders read them") {
+  const auto found = reflect("mesh_color.frag");
+  CHECK_OFFSET(found, "lights", shader::LightBlock, position);
+  CHECK_OFFSET(found, "lights", shader::LightBlock, direction);
+  CHECK_OFFSET(found, "lights", shader::LightBlock, intensity);
+  CHECK_OFFSET(found, "lights", shader::LightBlock, cone);
+  CHECK(found.at("Lights") == sizeof(shader::LightBlock));
+  CHECK(members_of(found, "lights") == 4);
+  CHECK_OFFSET(found, "view", shader::ViewBlock, ambient);
+  CHECK_OFFSET(found, "view", shader::ViewBlock, lights);
+  CHECK(found.at("View") == sizeof(shader::ViewBlock));
+}

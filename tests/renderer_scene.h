@@ -1,0 +1,108 @@
+// Small scenes for the renderer's tests, built by hand.
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+#include <glm/glm.hpp>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "engine/device.h"
+#include "engine/draw_list.h"
+#include "engine/frame_plan.h"
+#include "engine/renderer.h"
+
+namespace simvis::test {
+
+/// A rectangle in the plane z = 0 of its frame, seen from -z: corners (x0, y0) to (x1, y1), y down, front towards -z.
+inline Mesh rectangle(float x0, float y0, float x1, float y1) {
+  Mesh mesh;
+  mesh.name = "rectangle";
+  mesh.positions = {{x0, y0, 0}, {x1, y0, 0}, {x1, y1, 0}, {x0, y1, 0}};
+  mesh.attributes.resize(4);
+  for (VertexAttributes& a : mesh.attributes) a.normal = {0, 0, -1};
+  for (int set = 0; set < 2; ++set) {
+    mesh.attributes[0].uv[set] = {0, 0};
+    mesh.attributes[1].uv[set] = {1, 0};
+    mesh.attributes[2].uv[set] = {1, 1};
+    mesh.attributes[3].uv[set] = {0, 1};
+  }
+  // Counter-clockwise as seen from -z with x right and y down.
+  mesh.indices = {0, 2, 1, 0, 3, 2};
+  compute_bounds(mesh);
+  return mesh;
+}
+
+inline glm::dmat4 at(double x, double y, double z) {
+  glm::dmat4 m(1);
+  m[3] = {x, y, z, 1};
+  return m;
+}
+
+/// A draw list that grows by whole items.
+struct Scene {
+  DrawList list;
+
+  Scene() { list.world_from_node = {glm::dmat4(1)}; }
+
+  std::uint32_t add_mesh(Mesh mesh) {
+    list.meshes.push_back(std::make_shared<const Mesh>(std::move(mesh)));
+    return static_cast<std::uint32_t>(list.meshes.size() - 1);
+  }
+  std::uint32_t add_material(Material material) {
+    list.materials.push_back(std::make_shared<const Material>(std::move(material)));
+    list.material_revision.push_back(0);
+    return static_cast<std::uint32_t>(list.materials.size() - 1);
+  }
+  std::uint32_t add_transform(const glm::dmat4& m) {
+    list.world_from_node.push_back(m);
+    return static_cast<std::uint32_t>(list.world_from_node.size() - 1);
+  }
+  void add(std::uint32_t mesh, std::uint32_t material, const glm::dmat4& m) {
+    list.items.push_back({mesh, material, add_transform(m)});
+  }
+  void add(Mesh mesh, Material material, const glm::dmat4& m) {
+    add(add_mesh(std::move(mesh)), add_material(std::move(material)), m);
+  }
+  void add_light(const Light& light, const glm::dmat4& m) { list.lights.push_back({light, add_transform(m)}); }
+};
+
+/// One view that fills one pass; the world is the view's frame. A square of 90 degrees when width = height = 2 * f.
+inline FramePlan plan_of(std::uint32_t width, std::uint32_t height, double f_px, bool color, bool depth) {
+  View view;
+  view.name = "view";
+  view.reason = "test";
+  view.pinhole = {f_px, f_px, width / 2.0, height / 2.0};
+  view.width_px = width;
+  view.height_px = height;
+  Pass pass;
+  pass.name = "pass";
+  pass.width_px = width;
+  pass.height_px = height;
+  pass.color = color;
+  pass.depth = depth;
+  pass.views = {view};
+  return {{pass}};
+}
+
+inline View& view_of(FramePlan& plan) { return plan.passes[0].views[0]; }
+
+template <typename T>
+std::vector<T> copy(std::span<const T> values) {
+  return {values.begin(), values.end()};
+}
+
+template <typename T>
+bool same_bytes(std::span<const T> a, std::span<const T> b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size_bytes()) == 0;
+}
+
+/// The device of a test program, made once. Its cache lies in a folder of the build tree.
+inline Device& device() {
+  static Device instance({.select = "", .validation = false, .cache_dir = SIMVIS_BINARY_DIR "/test_cache"});
+  return instance;
+}
+
+}  // namespace simvis::test
