@@ -20,7 +20,7 @@ struct PartContent {
   NodePtr root;                       ///< may stand under several parents
   std::vector<std::string> warnings;  ///< for people, each with the file's name
   std::vector<std::string> commands;  ///< embedded commands, XML text, in the order found
-  std::filesystem::path file;         ///< the file's canonical name; set by Scene
+  std::filesystem::path file;         ///< the canonical name; set by Scene
 };
 
 /// Frames   the world is ROOT's frame: x forward, y left, z up, metres.
