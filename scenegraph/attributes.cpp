@@ -127,20 +127,20 @@ std::string AttributeValues::read(std::string_view text, Value& value) {
   value.set = true;
   switch (spec.kind) {
     case AttributeKind::number:
-      if (!parse_number(text, value.number[0])) return refusal(quoted(text), expected(spec));
+      if (!parse_number(text, value.number[0])) return refusal(in_quotes(text), expected(spec));
       return check_number(spec, value.number[0]);
     case AttributeKind::integer:
-      if (!parse_integer(text, value.integer)) return refusal(quoted(text), expected(spec));
+      if (!parse_integer(text, value.integer)) return refusal(in_quotes(text), expected(spec));
       return check_number(spec, static_cast<double>(value.integer));
     case AttributeKind::vector:
-      return parse_numbers(text, value.number) ? "" : refusal(quoted(text), expected(spec));
+      return parse_numbers(text, value.number) ? "" : refusal(in_quotes(text), expected(spec));
     case AttributeKind::choice:
     case AttributeKind::flags:
       break;
   }
   if (read_words(text, spec, value.words)) return "";
   const std::vector<std::string_view> allowed = split(spec.choices);
-  return refusal(quoted(text), expected(spec)) + suggestion(text, allowed);
+  return refusal(in_quotes(text), expected(spec)) + suggestion(text, allowed);
 }
 
 AttributeValues::AttributeValues(const Command& command, AttributeTable table,
@@ -149,7 +149,7 @@ AttributeValues::AttributeValues(const Command& command, AttributeTable table,
   for (const AttributeSpec& spec : table) known.push_back(spec.name);
   for (const CommandAttribute& attribute : command.attributes) {
     if (std::ranges::find(known, attribute.name) == known.end()) {
-      fail_at(attribute.where, "unknown attribute " + quoted(attribute.name) + suggestion(attribute.name, known));
+      fail_at(attribute.where, "unknown attribute " + in_quotes(attribute.name) + suggestion(attribute.name, known));
     }
   }
   for (const AttributeSpec& spec : table) {
@@ -159,7 +159,7 @@ AttributeValues::AttributeValues(const Command& command, AttributeTable table,
     value.where = attribute != nullptr ? attribute->where : command.where;
     if (attribute == nullptr && spec.default_value.empty()) continue;
     const std::string wrong = read(attribute != nullptr ? attribute->value : spec.default_value, value);
-    if (!wrong.empty()) fail_at(value.where, "attribute " + quoted(spec.name) + ": " + wrong);
+    if (!wrong.empty()) fail_at(value.where, "attribute " + in_quotes(spec.name) + ": " + wrong);
   }
 }
 
@@ -211,7 +211,7 @@ const Location& AttributeValues::where(std::string_view name) const {
 std::string check_table(AttributeTable table) {
   for (std::size_t i = 0; i < table.size(); ++i) {
     const AttributeSpec& spec = table[i];
-    const std::string row = "attribute " + quoted(spec.name) + ": ";
+    const std::string row = "attribute " + in_quotes(spec.name) + ": ";
     if (std::ranges::count(table, spec.name, &AttributeSpec::name) > 1) return row + "stands in the table twice";
     if (spec.live && (spec.kind != AttributeKind::number || spec.default_value.empty())) {
       return row + "a live row must be a number with a default";

@@ -38,7 +38,7 @@ std::vector<std::size_t> attribute_offsets(const pugi::xml_node& node, std::stri
 void check_name(const CommandAttribute& name, CommandKind kind) {
   const auto refuse = [&](std::string_view expected) {
     fail_at(name.where,
-            "attribute \"name\": " + quoted(name.value) + " is not allowed, expected " + std::string(expected));
+            "attribute \"name\": " + in_quotes(name.value) + " is not allowed, expected " + std::string(expected));
   };
   if (name.value.find_first_not_of(kSpaces) == std::string::npos) refuse("a name that is not empty");
   const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
@@ -51,8 +51,8 @@ void check_name(const CommandAttribute& name, CommandKind kind) {
 Command read_command(const pugi::xml_node& node, const SourceText& source, const std::filesystem::path& folder) {
   const std::string_view tag = node.name();
   if (!is_command(tag)) {
-    fail_at(place(node, source),
-            "unknown command " + quoted(tag) + suggestion(tag, kCommandNames) + " (expected part, element or sensor)");
+    fail_at(place(node, source), "unknown command " + in_quotes(tag) + suggestion(tag, kCommandNames) +
+                                     " (expected part, element or sensor)");
   }
   Command command;
   command.kind = static_cast<CommandKind>(std::ranges::find(kCommandNames, tag) - std::begin(kCommandNames));
@@ -64,7 +64,7 @@ Command read_command(const pugi::xml_node& node, const SourceText& source, const
     const Location where = i < offsets.size() ? source.at(offsets[i]) : command.where;
     ++i;
     if (command.find(attribute.name()) != nullptr) {
-      fail_at(where, "attribute " + quoted(attribute.name()) + " is given twice, expected once");
+      fail_at(where, "attribute " + in_quotes(attribute.name()) + " is given twice, expected once");
     }
     command.attributes.push_back({attribute.name(), attribute.value(), where});
   }
@@ -96,12 +96,12 @@ std::vector<Command> parse(const SourceText& source, const std::filesystem::path
   const pugi::xml_node root = find_root(document);
   if (root && root.first_attribute()) {
     fail_at(source.at(attribute_offsets(root, text).front()),
-            "unknown attribute " + quoted(root.first_attribute().name()) + ", expected none on the root element");
+            "unknown attribute " + in_quotes(root.first_attribute().name()) + ", expected none on the root element");
   }
   std::vector<Command> commands;
   for (const pugi::xml_node& node : root ? root.children() : document.children()) {
     if (node.type() != pugi::node_element) {
-      fail_at(place(node, source), "text " + quoted(node.value()) + " between commands, expected commands only");
+      fail_at(place(node, source), "text " + in_quotes(node.value()) + " between commands, expected commands only");
     }
     commands.push_back(read_command(node, source, folder));
   }

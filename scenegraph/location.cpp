@@ -20,7 +20,7 @@ void fail_at(const Location& where, std::string_view message) {
   throw InputError(text + "error: " + std::string(message));
 }
 
-std::string quoted(std::string_view text) {
+std::string in_quotes(std::string_view text) {
   constexpr std::size_t kLongest = 120;
   std::string result = "\"";
   for (const char c : text.substr(0, kLongest)) {

@@ -21,6 +21,6 @@ std::string to_string(const Location& where);
 [[noreturn]] void fail_at(const Location& where, std::string_view message);
 
 /// The user's text in quotes for a message: on one line, control characters escaped, what is very long cut.
-std::string quoted(std::string_view text);
+std::string in_quotes(std::string_view text);
 
 }  // namespace simvis

@@ -54,7 +54,7 @@ std::string nearest_name(std::string_view seen, std::span<const std::string_view
 
 std::string suggestion(std::string_view seen, std::span<const std::string_view> known) {
   const std::string name = nearest_name(seen, known);
-  return name.empty() ? name : ", did you mean " + quoted(name) + "?";
+  return name.empty() ? name : ", did you mean " + in_quotes(name) + "?";
 }
 
 }  // namespace simvis

@@ -11,7 +11,7 @@ std::optional<Pose> pose_offset(const Command& command) {
   if (attribute == nullptr) return std::nullopt;
   double v[6];
   if (!parse_numbers(attribute->value, v)) {
-    fail_at(attribute->where, "attribute \"pose_offset\": " + quoted(attribute->value) +
+    fail_at(attribute->where, "attribute \"pose_offset\": " + in_quotes(attribute->value) +
                                   " is not allowed, expected six finite numbers: x y z (m) roll pitch yaw (deg)");
   }
   for (int i = 0; i < 3; ++i) {

@@ -22,10 +22,10 @@ std::filesystem::path find_part_file(const Command& command) {
   const std::filesystem::path path = command.folder / file.value;
   std::error_code error;
   if (!std::filesystem::exists(path, error)) {
-    fail_at(file.where, "there is no part file " + quoted(path.string()));
+    fail_at(file.where, "there is no part file " + in_quotes(path.string()));
   }
   if (!std::filesystem::is_regular_file(path, error)) {
-    fail_at(file.where, quoted(path.string()) + " is not a file, expected a part file");
+    fail_at(file.where, in_quotes(path.string()) + " is not a file, expected a part file");
   }
   return path;
 }
@@ -34,7 +34,7 @@ PartImporter find_importer(const std::filesystem::path& path, const Location& wh
   if (const PartImporter importer = find_part_importer(path)) return importer;
   std::string known;
   for (const std::string& ending : known_part_endings()) known += (known.empty() ? "" : ", ") + ending;
-  fail_at(where, "part file " + quoted(path.string()) + " is of an unknown kind, expected one of: " + known);
+  fail_at(where, "part file " + in_quotes(path.string()) + " is of an unknown kind, expected one of: " + known);
 }
 
 // "world.glb: error: no buffers" -> "world.glb: no buffers", to stand behind another "error:".
@@ -95,7 +95,7 @@ const Scene::Place& Scene::place(const Command& command) const {
   const CommandAttribute& name = command.require("insert_at");
   const auto found = places_.find(name.value);
   if (found == places_.end()) {
-    fail_at(name.where, "there is no insertion point " + quoted(name.value) +
+    fail_at(name.where, "there is no insertion point " + in_quotes(name.value) +
                             suggestion(name.value, insertion_points()) +
                             " (expected ROOT or the name of a part inserted before)");
   }

@@ -13,7 +13,7 @@ std::size_t Parameters::index(std::string_view element, std::string_view paramet
   if (found == elements_.end()) {
     std::vector<std::string_view> known;
     for (const ElementDescriptor& descriptor : elements_) known.push_back(descriptor.name);
-    throw InputError("there is no element " + quoted(element) + suggestion(element, known));
+    throw InputError("there is no element " + in_quotes(element) + suggestion(element, known));
   }
   const auto row = std::ranges::find(found->parameters, parameter, &AttributeSpec::name);
   if (row == found->parameters.end()) {
@@ -23,7 +23,7 @@ std::size_t Parameters::index(std::string_view element, std::string_view paramet
       known.push_back(spec.name);
       list += (list.empty() ? "" : ", ") + std::string(spec.name);
     }
-    throw InputError("element " + quoted(element) + " has no parameter " + quoted(parameter) +
+    throw InputError("element " + in_quotes(element) + " has no parameter " + in_quotes(parameter) +
                      suggestion(parameter, known) +
                      (list.empty() ? " (it has none)" : " (expected one of: " + list + ")"));
   }

@@ -38,7 +38,7 @@ class Builder {
       known.push_back(type->name);
       list += (list.empty() ? "" : ", ") + std::string(type->name);
     }
-    return "unknown " + std::string(family) + " type " + quoted(seen) + suggestion(seen, known) +
+    return "unknown " + std::string(family) + " type " + in_quotes(seen) + suggestion(seen, known) +
            " (expected one of: " + list + ")";
   }
 
@@ -53,7 +53,7 @@ class Builder {
     for (const Command& other : later) {
       const CommandAttribute* name = other.find("name");
       if (other.kind != CommandKind::part || name == nullptr || name->value != at->value) continue;
-      fail_at(at->where, "there is no insertion point " + quoted(at->value) + " yet: its part stands later, at " +
+      fail_at(at->where, "there is no insertion point " + in_quotes(at->value) + " yet: its part stands later, at " +
                              to_string(other.where) + ", and commands are executed in order");
     }
   }
@@ -81,7 +81,7 @@ class Builder {
 
   void run_carried(const Command& part, const PartContent& content) {
     if (std::ranges::find(open_, content.file) != open_.end()) {
-      fail_at(part.where, "part file " + quoted(content.file.string()) + " carries a command that inserts itself");
+      fail_at(part.where, "part file " + in_quotes(content.file.string()) + " carries a command that inserts itself");
     }
     open_.push_back(content.file);
     try {
@@ -113,7 +113,7 @@ class Builder {
   static void prefix_names(std::vector<Command>& commands, const Command& part) {
     const CommandAttribute& part_name = part.require("name");
     if (part_name.value.starts_with('/') || part_name.value.find('.') != std::string::npos) {
-      fail_at(part_name.where, "attribute \"name\": " + quoted(part_name.value) +
+      fail_at(part_name.where, "attribute \"name\": " + in_quotes(part_name.value) +
                                    " is not allowed for a second part of a file that carries commands, expected a "
                                    "name without '.' and without '/' in front");
     }
@@ -150,7 +150,7 @@ class Builder {
     for (const AttributeSpec& row : descriptor.parameters) {
       values.push_back(attributes.number(row.name));
       const std::string wrong = check_number(row, values.back());
-      if (!wrong.empty()) fail_at(attributes.where(row.name), "attribute " + quoted(row.name) + ": " + wrong);
+      if (!wrong.empty()) fail_at(attributes.where(row.name), "attribute " + in_quotes(row.name) + ": " + wrong);
     }
     built_.parameters.add_element(std::move(descriptor), values);
     element->update(values);

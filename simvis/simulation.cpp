@@ -1,7 +1,7 @@
 #include "simvis/simulation.h"
 
-#include <algorithm>
 #include <chrono>
+#include <unordered_set>
 #include <utility>
 
 #include "engine/assert.h"
@@ -52,10 +52,37 @@ bool has_light(const GroupPtr& root) {
   return false;
 }
 
+template <typename Output>
+const Output& require(const Output* output, const BuiltSensor& sensor, std::string_view what) {
+  if (output != nullptr) return *output;
+  throw InputError("sensor \"" + sensor.name + "\", a " + sensor.type + ", gives no " + std::string(what));
+}
+
+/// An illegal override is an error whether or not the scene has a sensor of the type.
+void check_overrides(std::span<const AttributeOverride> overrides) {
+  for (const AttributeOverride& each : overrides) {
+    const SensorType* const type = find_sensor_type(each.sensor_type);
+    if (type == nullptr) continue;  // the builder says what there is
+    const Location where{.file = each.origin.empty() ? each.sensor_type + "." + each.attribute : each.origin};
+    const Command command{
+        .kind = CommandKind::sensor, .attributes = {{each.attribute, each.value, where}}, .where = where, .folder = {}};
+    AttributeValues checked(command, type->attributes, {});
+  }
+}
+
+BuiltScene build(std::span<const Command> commands, const SimulationDesc& desc) {
+  check_overrides(desc.overrides);
+  BuiltScene built = build_scene(commands, desc.overrides);
+  // Before everything else, where no transform is in force.
+  const GroupPtr& root = built.scene.root();
+  if (!has_light(root)) root->insert_before(*root->children().front(), std::make_shared<LightNode>(kDefaultLight));
+  return built;
+}
+
 }  // namespace
 
 struct Simulation::Impl {
-  Impl(BuiltScene built, const SimulationDesc& desc);
+  Impl(const Clock& frame_clock, BuiltScene scene, const DeviceDesc& device_desc);
 
   void step();
   void update_elements();
@@ -83,13 +110,13 @@ struct Simulation::Impl {
   Stages stages;
 };
 
-Simulation::Impl::Impl(BuiltScene from, const SimulationDesc& desc)
-    : clock(desc.rate_hz),
-      built(std::move(from)),
+Simulation::Impl::Impl(const Clock& frame_clock, BuiltScene scene, const DeviceDesc& device_desc)
+    : clock(frame_clock),
+      built(std::move(scene)),
       states(built.sensors.size()),
-      device(desc.device),
+      device(device_desc),
       renderer(device),
-      flattener(built.scene->root()),
+      flattener(built.scene.root()),
       list(&flattener.update()) {}
 
 void Simulation::Impl::step() {
@@ -155,3 +182,85 @@ std::size_t Simulation::Impl::index(std::string_view sensor) const {
   }
   throw InputError("there is no sensor \"" + std::string(sensor) + "\"" + suggestion(sensor, known));
 }
+
+Simulation::Simulation(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Simulation::Simulation(Simulation&&) noexcept = default;
+Simulation& Simulation::operator=(Simulation&&) noexcept = default;
+Simulation::~Simulation() = default;
+
+Simulation Simulation::load(const std::filesystem::path& scene, const SimulationDesc& desc) {
+  const Clock clock(desc.rate_hz);
+  return Simulation(std::make_unique<Impl>(clock, build(read_commands(scene), desc), desc.device));
+}
+
+Simulation Simulation::from_string(std::string_view xml, const SimulationDesc& desc,
+                                   const std::filesystem::path& folder, const std::string& name) {
+  const Clock clock(desc.rate_hz);
+  return Simulation(std::make_unique<Impl>(clock, build(parse_commands(xml, name, folder), desc), desc.device));
+}
+
+void Simulation::set(std::string_view element, std::string_view parameter, double value) {
+  Parameters& parameters = impl_->built.parameters;
+  parameters.set(parameters.index(element, parameter), value);
+}
+
+double Simulation::get(std::string_view element, std::string_view parameter) const {
+  const Parameters& parameters = impl_->built.parameters;
+  return parameters.values()[parameters.index(element, parameter)];
+}
+
+void Simulation::enable(std::string_view sensor, bool on) { impl_->states[impl_->index(sensor)].enabled = on; }
+
+void Simulation::step() { impl_->step(); }
+
+FrameTime Simulation::next_frame() const { return impl_->clock.frame(impl_->next_frame); }
+
+const Scan& Simulation::scan(std::string_view sensor) const {
+  const BuiltSensor& found = impl_->built.sensors[impl_->index(sensor)];
+  return require(found.sensor->scan(), found, "scan");
+}
+
+const Image& Simulation::color(std::string_view sensor) const {
+  const BuiltSensor& found = impl_->built.sensors[impl_->index(sensor)];
+  return require(found.sensor->color(), found, "colour");
+}
+
+const Image& Simulation::depth(std::string_view sensor) const {
+  const BuiltSensor& found = impl_->built.sensors[impl_->index(sensor)];
+  return require(found.sensor->depth(), found, "depth");
+}
+
+Parameters& Simulation::parameters() { return impl_->built.parameters; }
+const Parameters& Simulation::parameters() const { return impl_->built.parameters; }
+
+bool Simulation::sensor_pose(std::string_view sensor, glm::dmat4& world_from_sensor) const {
+  return impl_->pose(impl_->built.sensors[impl_->index(sensor)], world_from_sensor);
+}
+
+std::vector<SensorInfo> Simulation::sensors() const {
+  std::vector<SensorInfo> infos;
+  for (std::size_t i = 0; i < impl_->built.sensors.size(); ++i) {
+    const BuiltSensor& sensor = impl_->built.sensors[i];
+    infos.push_back(
+        {sensor.name, sensor.type, sensor.sensor->method(), impl_->states[i].frames, impl_->states[i].enabled});
+  }
+  return infos;
+}
+
+std::span<const std::string> Simulation::measured() const { return impl_->measured; }
+
+void Simulation::write(std::string_view sensor, OutputSink& sink) const {
+  impl_->built.sensors[impl_->index(sensor)].sensor->write(sink);
+}
+
+const std::vector<std::string>& Simulation::warnings() const { return impl_->built.scene.warnings(); }
+const DeviceInfo& Simulation::device() const { return impl_->device.info(); }
+const FrameCounters& Simulation::counters() const { return impl_->renderer.counters(); }
+const DrawList& Simulation::draw_list() const { return *impl_->list; }
+const FramePlan& Simulation::frame_plan() const { return impl_->plan; }
+std::span<const StageTime> Simulation::stages() const { return impl_->stages.times(); }
+std::uint64_t Simulation::validation_messages() const { return impl_->device.validation_messages(); }
+
+std::string_view version() { return SIMVIS_VERSION; }
+
+}  // namespace simvis

@@ -46,21 +46,21 @@ std::vector<std::vector<Cell>> split_lines(std::string_view text) {
 std::vector<std::size_t> read_header(const std::vector<Cell>& cells, const SourceText& source,
                                      const Parameters& parameters) {
   if (cells[0].text != "time_s") {
-    fail_at(source.at(cells[0].offset), "column " + quoted(cells[0].text) + ", expected \"time_s\" first");
+    fail_at(source.at(cells[0].offset), "column " + in_quotes(cells[0].text) + ", expected \"time_s\" first");
   }
   std::vector<std::size_t> indices;
   for (const Cell& cell : std::span(cells).subspan(1)) {
     const Location where = source.at(cell.offset);
     const std::size_t dot = cell.text.find('.');
-    if (dot == std::string_view::npos) fail_at(where, "column " + quoted(cell.text) + ", expected ELEMENT.PARAM");
+    if (dot == std::string_view::npos) fail_at(where, "column " + in_quotes(cell.text) + ", expected ELEMENT.PARAM");
     std::size_t index = 0;
     try {
       index = parameters.index(cell.text.substr(0, dot), cell.text.substr(dot + 1));
     } catch (const InputError& error) {
-      fail_at(where, "column " + quoted(cell.text) + ": " + error.what());
+      fail_at(where, "column " + in_quotes(cell.text) + ": " + error.what());
     }
     if (std::ranges::find(indices, index) != indices.end()) {
-      fail_at(where, "column " + quoted(cell.text) + " is given twice, expected once");
+      fail_at(where, "column " + in_quotes(cell.text) + " is given twice, expected once");
     }
     indices.push_back(index);
   }
@@ -71,7 +71,7 @@ double read_cell(const Cell& cell, const SourceText& source) {
   double value = 0;
   if (cell.text.empty()) fail_at(source.at(cell.offset), "empty cell, expected a finite number");
   if (!parse_number(cell.text, value)) {
-    fail_at(source.at(cell.offset), quoted(cell.text) + " is not allowed, expected a finite number");
+    fail_at(source.at(cell.offset), in_quotes(cell.text) + " is not allowed, expected a finite number");
   }
   return value;
 }
