@@ -21,12 +21,18 @@ void make_folder(const std::filesystem::path& folder) {
   if (error) throw MachineError(folder.string() + ": error: the folder cannot be made: " + error.message());
 }
 
+/// Parts that stand twice in a scene give their sensors names like LEFT_ARM/CAM: folders in folders, but never a way
+/// out of the run's folder.
 void check_name(const std::string& sensor) {
-  const bool hidden = sensor.empty() || sensor.front() == '.';
-  if (hidden || sensor.find('/') != std::string::npos) {
-    throw InputError("sensor \"" + sensor +
-                     "\" cannot name its files, expected a name without \"/\" that does not begin with \".\"");
+  bool good = true;
+  for (std::size_t start = 0; start <= sensor.size();) {
+    const std::size_t end = std::min(sensor.find('/', start), sensor.size());
+    good = good && end > start && sensor[start] != '.';
+    start = end + 1;
   }
+  if (good) return;
+  throw InputError("sensor \"" + sensor + "\" cannot name its files, expected names between \"/\" that are not empty " +
+                   "and do not begin with \".\"");
 }
 
 std::string frame_name(std::uint64_t frame) {
@@ -62,6 +68,7 @@ class OutputWriter::SensorSink : public OutputSink {
       std::vector<TableColumn> all = {{"frame", "%lld", true}, {"time_s", "%.9f"}};
       all.insert(all.end(), columns.begin(), columns.end());
       const std::filesystem::path path = folder_ / (sensor_ + ".csv");
+      make_folder(path.parent_path());
       table_.emplace(path, all);
       note(path);
     }

@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include <glm/gtc/matrix_transform.hpp>
+#include <initializer_list>
 #include <limits>
 
 #include "scenegraph/pose.h"

@@ -129,6 +129,13 @@ TEST_CASE("tables carry frame and time in front and appear with finish") {
         "0,0.000000000,1,inf,\n"
         "1,0.066666667,0,0.100000001,1e-12\n");
   CHECK(writer.results() == std::vector<std::string>{(folder / "SCAN.csv").string()});
+
+  // A sensor of a part that stands in the scene twice.
+  const std::vector<std::string> inner = {"LEFT/SCAN"};
+  OutputWriter second_writer(folder.path(), inner);
+  second_writer.sink("LEFT/SCAN", {}).rows(columns, second);
+  second_writer.finish();
+  CHECK(std::filesystem::exists(folder / "LEFT/SCAN.csv"));
 }
 
 std::string printed(const char* format, double value) {
@@ -200,7 +207,7 @@ TEST_CASE("folders and names that cannot be written") {
   CHECK(failure(folder / "file", {}).starts_with((folder / "file").string() + ": error: "));
   CHECK(failure(folder / "file/out", {}).find("Not a directory") != std::string::npos);
   CHECK(failure("/proc", {}).starts_with("/proc/run.json: error: cannot be created: "));
-  for (const char* name : {"", ".", "..", "../x", "a/b", "/a", ".hidden"}) {
+  for (const char* name : {"", ".", "..", "../x", "a/../b", "a//b", "/a", "a/", ".hidden"}) {
     CHECK(failure(folder.path(), {name}).find("cannot name its files") != std::string::npos);
   }
   CHECK(files_below(folder.path()) == std::vector<std::string>{"file"});
