@@ -27,13 +27,16 @@ class Element {
  public:
   virtual ~Element() = default;
   virtual void update(ParameterView values) = 0;
+  /// Called once before the first update: narrows the limits of this element's own live rows, in the order of its
+  /// table, or names their unit. What lies outside is then refused, in the command too.
+  virtual void limit_parameters(std::span<AttributeSpec> /*live_rows*/) const {}
 };
 
 /// What an element's constructor gets.
 struct ElementContext {
-  const Command& command;            ///< the whole command
+  const Command& command;             ///< the whole command
   const AttributeValues& attributes;  ///< checked against the type's table
-  Scene& scene;                      ///< to put nodes before the insertion point: scene.insert(command, node)
+  Scene& scene;                       ///< to put nodes before the insertion point: scene.insert(command, node)
 };
 
 struct ElementType {
@@ -47,7 +50,7 @@ struct ElementType {
 inline constexpr std::string_view kElementCommonAttributes[] = {"type", "name", "insert_at"};
 
 /// A static object of this type makes an element type known; the strings and the table must live as long.
-/// Two types of one name: the program stops with a message naming it.
+/// Two types of one name, or a table with a mistake in it: the program stops with a message naming it.
 struct ElementRegistration {
   explicit ElementRegistration(const ElementType& type);
 };

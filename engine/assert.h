@@ -4,10 +4,10 @@
 #include <cstdio>
 #include <cstdlib>
 
-#define SIMVIS_ASSERT(condition)                                                                      \
-  do {                                                                                                \
-    if (!(condition)) {                                                                               \
-      std::fprintf(stderr, "%s:%d: SimVis bug: %s does not hold\n", __FILE__, __LINE__, #condition);  \
-      std::abort();                                                                                   \
-    }                                                                                                 \
+#define SIMVIS_ASSERT(condition)                                                                     \
+  do {                                                                                               \
+    if (!(condition)) {                                                                              \
+      std::fprintf(stderr, "%s:%d: SimVis bug: %s does not hold\n", __FILE__, __LINE__, #condition); \
+      std::abort();                                                                                  \
+    }                                                                                                \
   } while (false)

@@ -45,7 +45,7 @@ struct LightItem {
 
 /// What surrounds the scene.
 struct Environment {
-  glm::vec3 ambient{0.3f};                   ///< linear RGB radiance from all around
+  glm::vec3 ambient{0.3f};                    ///< linear RGB radiance from all around
   glm::vec3 background{0.55f, 0.68f, 0.85f};  ///< linear RGB seen where nothing is hit
 
   bool operator==(const Environment&) const = default;

@@ -13,9 +13,9 @@ enum class Topology : std::uint8_t { triangles, lines, points };
 
 /// What a vertex carries besides its position. Absent data takes the defaults.
 struct VertexAttributes {
-  glm::vec3 normal{0, 0, 1};       ///< unit length, mesh frame
+  glm::vec3 normal{0, 0, 1};        ///< unit length, mesh frame
   glm::vec2 uv[2]{{0, 0}, {0, 0}};  ///< texture coordinates, two sets; v down, as in glTF
-  glm::vec4 color{1, 1, 1, 1};     ///< linear RGBA, multiplies the base colour
+  glm::vec4 color{1, 1, 1, 1};      ///< linear RGBA, multiplies the base colour
 
   bool operator==(const VertexAttributes&) const = default;
 };
@@ -76,8 +76,8 @@ struct Material {
   bool unlit = false;         ///< shows the base colour as it is
   bool double_sided = false;  ///< cameras draw back faces only of double-sided materials; scanners meet both sides
   std::shared_ptr<const Texture> base_color_texture;  ///< may be null
-  int uv_set = 0;                                      ///< 0 or 1
-  glm::mat3x2 uv_transform{1, 0, 0, 1, 0, 0};          ///< columns; texture uv = uv_transform * (u, v, 1)
+  int uv_set = 0;                                     ///< 0 or 1
+  glm::mat3x2 uv_transform{1, 0, 0, 1, 0, 0};         ///< columns; texture uv = uv_transform * (u, v, 1)
 
   bool operator==(const Material&) const = default;
 };

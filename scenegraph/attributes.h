@@ -27,9 +27,9 @@ inline constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 struct AttributeSpec {
   std::string_view name;
   AttributeKind kind = AttributeKind::number;
-  std::string_view default_value;  ///< as it would be written; empty: not given means unset
-  std::string_view unit;           ///< "m", "deg", "Hz", ""
-  std::string_view text;           ///< one sentence for people
+  std::string_view default_value{};        ///< as it would be written; empty: not given means unset
+  std::string_view unit{};                 ///< "m", "deg", "Hz", ""
+  std::string_view text{};                 ///< one sentence for people
   double min = -kNoLimit, max = kNoLimit;  ///< both allowed, unless `open_min` or `open_max`
   bool open_min = false, open_max = false;
   std::string_view choices{};  ///< separated by spaces (choice, flags)
@@ -63,15 +63,23 @@ class AttributeValues {
     const AttributeSpec* spec = nullptr;
     bool set = false;
     double number[3] = {0, 0, 0};
+    std::int64_t integer = 0;
     std::vector<std::string> words;
     Location where;
   };
+  const Value* find(std::string_view name) const;
   const Value& value(std::string_view name, AttributeKind kind) const;
+  static std::string read(std::string_view text, Value& value);
+  friend std::string check_table(AttributeTable table);
   std::vector<Value> values_;
 };
 
 /// Checks that `value` is finite and within the row's range; returns what is wrong, or an empty string.
 std::string check_number(const AttributeSpec& spec, double value);
+
+/// What is wrong with a table, or an empty string: two rows of one name, a default that the row itself does not allow,
+/// a live row that is no number or has no default. For the registries, which stop the program on it.
+std::string check_table(AttributeTable table);
 
 /// The table as `--describe` prints it: one row per attribute, aligned.
 std::string describe(std::string_view type, std::string_view summary, AttributeTable table);
@@ -84,5 +92,11 @@ std::string suggestion(std::string_view seen, std::span<const std::string_view> 
 
 /// Exactly one finite number written in `text` and nothing else but spaces. False otherwise.
 bool parse_number(std::string_view text, double& value);
+
+/// Exactly values.size() finite numbers separated by spaces. False otherwise.
+bool parse_numbers(std::string_view text, std::span<double> values);
+
+/// The shortest text that reads back to the same double.
+std::string format_number(double value);
 
 }  // namespace simvis

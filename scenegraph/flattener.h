@@ -47,13 +47,20 @@ class Flattener : public NodeObserver {
   void structure_changed() override;
 
  private:
-  struct Entry {                  // an occurrence of a Transform
-    const Transform* node;        // null: the identity, entry 0
-    std::uint32_t parent;         // entry in force before
-    std::uint32_t end;            // one past the last entry that it governs
+  struct Entry {            // an occurrence of a Transform
+    const Transform* node;  // null: the identity, entry 0
+    std::uint32_t parent;   // the entry in force before
+    std::uint32_t end;      // one past the last entry that it governs
   };
+  struct Range {
+    std::uint32_t first, end;
+  };
+  class Traversal;
+
   void rebuild();
-  void rewrite_transforms(const Transform& node);
+  void forget();
+  void rewrite_changed();
+  void rewrite_transforms(std::vector<Range>& ranges);
 
   GroupPtr root_;
   DrawList list_;
@@ -61,7 +68,7 @@ class Flattener : public NodeObserver {
   std::vector<Entry> entries_;
   std::unordered_map<const Node*, std::vector<std::uint32_t>> occurrences_;  // entries, material slots or lights
   std::unordered_map<const Mount*, std::uint32_t> mounts_;
-  std::vector<Node*> attached_;
+  std::vector<NodePtr> attached_;  // held, so that a changed node is there when update() comes
   std::vector<Node*> changed_;
   bool structure_changed_ = true;
 };

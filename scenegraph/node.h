@@ -67,6 +67,7 @@ class Node {
 class Group : public Node {
  public:
   Group() : Group(NodeKind::group) {}
+  ~Group() override;  ///< takes a graph of any depth apart without recursion
 
   const std::vector<NodePtr>& children() const { return children_; }
   void add(NodePtr child);

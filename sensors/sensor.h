@@ -99,11 +99,15 @@ inline constexpr AttributeSpec kRateAttribute{.name = "rate",
 /// Attributes that every sensor command may carry besides its type's own.
 inline constexpr std::string_view kSensorCommonAttributes[] = {"type", "name", "insert_at", "pose_offset"};
 
+/// A static object of this type makes a sensor type known; the strings and the table must live as long.
+/// Two types of one name, or a table with a mistake in it: the program stops with a message naming it.
 struct SensorRegistration {
   explicit SensorRegistration(const SensorType& type);
 };
 
+/// Null when there is none of that name.
 const SensorType* find_sensor_type(std::string_view name);
+/// Sorted by name.
 std::vector<const SensorType*> sensor_types();
 
 }  // namespace simvis

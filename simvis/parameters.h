@@ -16,7 +16,7 @@ namespace simvis {
 /// One element and its parameters: values[first_value + i] belongs to parameters[i].
 struct ElementDescriptor {
   std::string name, type, insertion_point;
-  std::vector<AttributeSpec> parameters;  ///< the live rows of the type's table; names, units, limits
+  std::vector<AttributeSpec> parameters;  ///< the live rows of the type's table, with this element's own limits
   std::size_t first_value = 0;
 };
 
@@ -36,9 +36,12 @@ class Parameters {
   std::size_t index(std::string_view element, std::string_view parameter) const;
   /// Throws InputError, naming ELEMENT.PARAM, the value and what is allowed, when it is not finite or out of range.
   void set(std::size_t index, double value);
+  /// What the parameter allows: unit and limits of this element's own.
+  const AttributeSpec& spec(std::size_t index) const;
   /// "ELEMENT.PARAM"
   std::string name(std::size_t index) const;
 
+  /// `values` are legal and as many as the descriptor's parameters; `first_value` is set here. Counts as no change.
   void add_element(ElementDescriptor descriptor, std::span<const double> values);
   void log_request(std::string command) { change_requests_.push_back(std::move(command)); }
   void log_change(std::string command) { changes_.push_back(std::move(command)); }
@@ -47,6 +50,8 @@ class Parameters {
   std::vector<std::size_t> take_changed_elements();
 
  private:
+  std::size_t element_of(std::size_t index) const;
+
   std::vector<ElementDescriptor> elements_;
   std::vector<double> values_;
   std::vector<std::string> change_requests_, changes_;

@@ -22,6 +22,7 @@ namespace simvis {
 /// An attribute written over those of all sensors of one type, before the scene is built.
 struct AttributeOverride {
   std::string sensor_type, attribute, value;
+  std::string origin;  ///< who asks for it, for messages: "--method"; empty: "SENSOR_TYPE.ATTRIBUTE"
 };
 
 struct SimulationDesc {
@@ -35,6 +36,12 @@ struct SensorInfo {
   std::string name, type, method;
   std::uint64_t frames = 0;  ///< how often it has measured
   bool enabled = true;
+};
+
+/// One stage of a step, on the steady clock.
+struct StageTime {
+  std::string_view name;  ///< "elements", "flatten", "plan", "render" or "collect"
+  std::int64_t start_ns = 0, end_ns = 0;
 };
 
 /// A running simulation. All sensors are enabled at load; what is off is not rendered.
@@ -82,6 +89,10 @@ class Simulation {
   Parameters& parameters();
   const Parameters& parameters() const;
 
+  /// world_from_sensor as of the last step(): rigid, in the sensor frame x forward, y left, z up. False if the sensor
+  /// stands in a part that is switched off. Throws InputError when there is no such sensor.
+  bool sensor_pose(std::string_view sensor, glm::dmat4& world_from_sensor) const;
+
   std::vector<SensorInfo> sensors() const;
   /// Names of the sensors that measured in the last step().
   std::span<const std::string> measured() const;
@@ -93,6 +104,8 @@ class Simulation {
   const FrameCounters& counters() const;  ///< of the last step()
   const DrawList& draw_list() const;      ///< of the last step()
   const FramePlan& frame_plan() const;    ///< of the last step()
+  /// The stages of the last step(), in order. Empty before the first.
+  std::span<const StageTime> stages() const;
   std::uint64_t validation_messages() const;
 
  private:

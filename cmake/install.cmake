@@ -1,0 +1,19 @@
+# What `cmake --install` puts where, and what makes find_package(simvis) work.
+# Headers keep their folders under include/simvis, because they include one another from there ("engine/mesh.h").
+include(CMakePackageConfigHelpers)
+
+install(TARGETS simvis EXPORT simvisTargets)
+if(TARGET simvis-run)
+  install(TARGETS simvis-run)
+endif()
+install(DIRECTORY engine scenegraph elements sensors simvis shaders DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/simvis
+        FILES_MATCHING PATTERN "*.h")
+
+set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/simvis)
+install(EXPORT simvisTargets NAMESPACE simvis:: DESTINATION ${package_folder})
+configure_package_config_file(cmake/simvisConfig.cmake.in ${PROJECT_BINARY_DIR}/simvisConfig.cmake
+                              INSTALL_DESTINATION ${package_folder})
+# Before 1.0 a new minor version may change the interface.
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/simvisConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/simvisConfig.cmake ${PROJECT_BINARY_DIR}/simvisConfigVersion.cmake
+        DESTINATION ${package_folder})

@@ -1,0 +1,21 @@
+#include "elements/element.h"
+
+#include "scenegraph/type_registry.h"
+
+namespace simvis {
+namespace {
+
+TypeRegistry<ElementType>& registry() {
+  static TypeRegistry<ElementType> types("element");
+  return types;
+}
+
+}  // namespace
+
+ElementRegistration::ElementRegistration(const ElementType& type) { registry().add(type); }
+
+const ElementType* find_element_type(std::string_view name) { return registry().find(name); }
+
+std::vector<const ElementType*> element_types() { return registry().sorted(); }
+
+}  // namespace simvis

@@ -1,0 +1,52 @@
+#include "elements/pose.h"
+
+#include "scenegraph/pose.h"
+
+namespace simvis {
+namespace {
+
+constexpr AttributeSpec length(std::string_view name, std::string_view text) {
+  return {.name = name,
+          .kind = AttributeKind::number,
+          .default_value = "0",
+          .unit = "m",
+          .text = text,
+          .min = -kMaxCoordinate_m,
+          .max = kMaxCoordinate_m,
+          .live = true};
+}
+
+constexpr AttributeSpec angle(std::string_view name, std::string_view text) {
+  return {.name = name, .kind = AttributeKind::number, .default_value = "0", .unit = "deg", .text = text, .live = true};
+}
+
+constexpr AttributeSpec kAttributes[] = {
+    length("x", "forward"),
+    length("y", "to the left"),
+    length("z", "up"),
+    angle("roll", "turn about x, the first of the three"),
+    angle("pitch", "turn about y, the second; the nose goes down"),
+    angle("yaw", "turn about z, the last; to the left"),
+};
+
+const ElementRegistration kRegistration({
+    .name = "pose",
+    .summary = "moves and turns what follows its insertion point",
+    .attributes = kAttributes,
+    .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
+      return std::make_unique<PoseElement>(context);
+    },
+});
+
+}  // namespace
+
+PoseElement::PoseElement(const ElementContext& context) : transform_(std::make_shared<Transform>()) {
+  transform_->name = context.command.require("name").value;
+  context.scene.insert(context.command, transform_);
+}
+
+void PoseElement::update(ParameterView values) {
+  transform_->set_matrix(matrix_from_degrees({values[0], values[1], values[2]}, values[3], values[4], values[5]));
+}
+
+}  // namespace simvis

@@ -1,0 +1,24 @@
+// The element `pose`: moves and turns what follows its insertion point.
+//
+//   <element type="pose" name="R_POSE" insert_at="ROBOT" x="1" y="2" z="3" yaw="-90"/>
+//
+// Inserted at a part's name it stands before the part, and so moves the part with all that is inserted there later.
+// Frames   x forward, y left, z up (REP 103); R = Rz(yaw) Ry(pitch) Rx(roll).
+// Parameters  x y z (m), roll pitch yaw (deg), all live. Angles of any size are reduced exactly.
+#pragma once
+
+#include "elements/element.h"
+#include "scenegraph/node.h"
+
+namespace simvis {
+
+class PoseElement : public Element {
+ public:
+  explicit PoseElement(const ElementContext& context);
+  void update(ParameterView values) override;
+
+ private:
+  std::shared_ptr<Transform> transform_;
+};
+
+}  // namespace simvis

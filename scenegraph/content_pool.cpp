@@ -1,0 +1,154 @@
+#include "scenegraph/content_pool.h"
+
+#include <cstring>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace simvis {
+namespace {
+
+// Values are hashed and compared by their bits: a NaN then equals itself, and equal values always have equal hashes.
+class ContentHash {
+ public:
+  void add_bytes(const void* data, std::size_t size) {
+    const auto* bytes = static_cast<const unsigned char*>(data);
+    for (; size >= 8; bytes += 8, size -= 8) {
+      std::uint64_t word;
+      std::memcpy(&word, bytes, 8);
+      mix(word);
+    }
+    std::uint64_t rest = 0;
+    if (size > 0) std::memcpy(&rest, bytes, size);
+    mix(rest ^ (std::uint64_t{size} << 56));
+  }
+
+  template <class T>
+  void add(const T& value) {
+    static_assert(std::is_arithmetic_v<T> || std::is_enum_v<T> || std::is_pointer_v<T>);
+    add_bytes(&value, sizeof value);
+  }
+
+  template <class T>
+  void add(const std::vector<T>& values) {
+    add(values.size());
+    add_bytes(values.data(), values.size() * sizeof(T));
+  }
+
+  std::uint64_t value() const { return state_; }
+
+ private:
+  // FNV-1a by words of 8 bytes; the shift brings the high bits, where products gather, down again.
+  void mix(std::uint64_t word) {
+    state_ = (state_ ^ word) * 0x100000001b3u;
+    state_ ^= state_ >> 29;
+  }
+  std::uint64_t state_ = 0xcbf29ce484222325u;
+};
+
+template <class T>
+bool same_bits(const T& a, const T& b) {
+  return std::memcmp(&a, &b, sizeof(T)) == 0;
+}
+
+template <class T>
+bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
+}
+
+// What is compared by bits must have no padding.
+static_assert(sizeof(VertexAttributes) == 11 * sizeof(float));
+static_assert(sizeof(glm::vec3) == 3 * sizeof(float) && sizeof(glm::mat3x2) == 6 * sizeof(float));
+
+std::uint64_t hash(const Mesh& mesh) {
+  ContentHash h;
+  h.add(mesh.topology);
+  h.add(mesh.positions);
+  h.add(mesh.attributes);
+  h.add(mesh.indices);
+  return h.value();
+}
+
+bool same(const Mesh& a, const Mesh& b) {
+  return a.topology == b.topology && same_bits(a.bounds_min, b.bounds_min) && same_bits(a.bounds_max, b.bounds_max) &&
+         same_bits(a.positions, b.positions) && same_bits(a.attributes, b.attributes) &&
+         same_bits(a.indices, b.indices);
+}
+
+std::uint64_t hash(const Texture& texture) {
+  ContentHash h;
+  h.add(texture.width);
+  h.add(texture.height);
+  h.add(texture.rgba);
+  h.add(texture.sampler.wrap_u);
+  h.add(texture.sampler.wrap_v);
+  h.add(texture.sampler.magnify);
+  h.add(texture.sampler.minify);
+  h.add(texture.sampler.between_mips);
+  h.add(texture.sampler.mipmapped);
+  return h.value();
+}
+
+bool same(const Texture& a, const Texture& b) {
+  return a.width == b.width && a.height == b.height && a.sampler == b.sampler && a.rgba == b.rgba;
+}
+
+std::uint64_t hash(const Material& material) {
+  ContentHash h;
+  h.add_bytes(&material.base_color, sizeof material.base_color);
+  h.add_bytes(&material.emissive, sizeof material.emissive);
+  h.add(material.alpha_mode);
+  h.add(material.alpha_cutoff);
+  h.add(material.unlit);
+  h.add(material.double_sided);
+  h.add(material.base_color_texture.get());
+  h.add(material.uv_set);
+  h.add_bytes(&material.uv_transform, sizeof material.uv_transform);
+  return h.value();
+}
+
+bool same(const Material& a, const Material& b) {
+  return same_bits(a.base_color, b.base_color) && same_bits(a.emissive, b.emissive) && a.alpha_mode == b.alpha_mode &&
+         same_bits(a.alpha_cutoff, b.alpha_cutoff) && a.unlit == b.unlit && a.double_sided == b.double_sided &&
+         a.base_color_texture == b.base_color_texture && a.uv_set == b.uv_set &&
+         same_bits(a.uv_transform, b.uv_transform);
+}
+
+template <class T>
+using Table = std::unordered_multimap<std::uint64_t, std::weak_ptr<const T>>;
+
+// Forgets what expired whenever the table is about to grow: each entry is then looked at a bounded number of times.
+template <class T>
+void forget_expired(Table<T>& table) {
+  const double room = static_cast<double>(table.bucket_count()) * static_cast<double>(table.max_load_factor());
+  if (static_cast<double>(table.size() + 1) <= room) return;
+  std::erase_if(table, [](const auto& entry) { return entry.second.expired(); });
+}
+
+template <class T>
+std::shared_ptr<const T> find_or_add(Table<T>& table, T&& content) {
+  const std::uint64_t key = hash(content);
+  const auto [first, last] = table.equal_range(key);
+  for (auto entry = first; entry != last; ++entry) {
+    std::shared_ptr<const T> known = entry->second.lock();
+    if (known && same(*known, content)) return known;
+  }
+  forget_expired(table);
+  auto added = std::make_shared<const T>(std::move(content));
+  table.emplace(key, added);
+  return added;
+}
+
+}  // namespace
+
+std::shared_ptr<const Mesh> ContentPool::intern(Mesh&& mesh) { return find_or_add(meshes_, std::move(mesh)); }
+
+std::shared_ptr<const Texture> ContentPool::intern(Texture&& texture) {
+  return find_or_add(textures_, std::move(texture));
+}
+
+std::shared_ptr<const Material> ContentPool::intern(Material&& material) {
+  return find_or_add(materials_, std::move(material));
+}
+
+}  // namespace simvis

@@ -1,0 +1,268 @@
+#include "scenegraph/flattener.h"
+
+#include <algorithm>
+#include <unordered_set>
+
+#include "engine/assert.h"
+#include "engine/error.h"
+
+namespace simvis {
+
+namespace {
+
+// Numbers for the pointers that the tables of a DrawList hold, in order of first use.
+template <typename T>
+class Slots {
+ public:
+  explicit Slots(std::vector<std::shared_ptr<const T>>& table) : table_(table) {}
+
+  std::uint32_t shared(const std::shared_ptr<const T>& object) {
+    const auto [found, is_new] = numbers_.try_emplace(object.get(), static_cast<std::uint32_t>(table_.size()));
+    if (is_new) table_.push_back(object);
+    return found->second;
+  }
+
+  std::uint32_t own(const std::shared_ptr<const T>& object) {
+    table_.push_back(object);
+    return static_cast<std::uint32_t>(table_.size() - 1);
+  }
+
+ private:
+  std::vector<std::shared_ptr<const T>>& table_;
+  std::unordered_map<const T*, std::uint32_t> numbers_;
+};
+
+const std::shared_ptr<const Material>& default_material() {
+  static const auto material = std::make_shared<const Material>();
+  return material;
+}
+
+}  // namespace
+
+Flattener::Flattener(GroupPtr root) : root_(std::move(root)) { SIMVIS_ASSERT(root_ != nullptr); }
+
+Flattener::~Flattener() {
+  for (const NodePtr& node : attached_) node->detach(*this);
+}
+
+void Flattener::content_changed(Node& node) { changed_.push_back(&node); }
+
+void Flattener::structure_changed() { structure_changed_ = true; }
+
+void Flattener::set_environment(const Environment& environment) { list_.environment = environment; }
+
+bool Flattener::find_mount(const Mount& mount, glm::dmat4& world_from_mount) const {
+  const auto found = mounts_.find(&mount);
+  if (found == mounts_.end()) return false;
+  world_from_mount = list_.world_from_node[found->second];
+  return true;
+}
+
+const DrawList& Flattener::update() {
+  if (structure_changed_) {
+    rebuild();
+  } else {
+    rewrite_changed();
+  }
+  changed_.clear();
+  return list_;
+}
+
+void Flattener::rewrite_changed() {
+  std::vector<Range> ranges;
+  for (const Node* node : changed_) {
+    const auto found = occurrences_.find(node);
+    if (found == occurrences_.end()) continue;
+    for (const std::uint32_t slot : found->second) {
+      switch (node->kind()) {
+        case NodeKind::transform:
+          ranges.push_back({slot, entries_[slot].end});
+          break;
+        case NodeKind::material:
+          list_.materials[slot] = static_cast<const MaterialNode*>(node)->material();
+          list_.material_revision[slot] = ++list_.revisions.materials;
+          ++counters_.materials_written;
+          break;
+        case NodeKind::light:
+          list_.lights[slot].light = static_cast<const LightNode*>(node)->light();
+          ++list_.revisions.lights;
+          ++counters_.lights_written;
+          break;
+        default:
+          SIMVIS_ASSERT(!"nodes of this kind have no content");
+      }
+    }
+  }
+  if (!ranges.empty()) rewrite_transforms(ranges);
+}
+
+void Flattener::rewrite_transforms(std::vector<Range>& ranges) {
+  // Ranges are nested or disjoint, so in order of their starts each entry is written once.
+  std::ranges::sort(ranges, {}, &Range::first);
+  std::uint32_t next = 0;
+  for (const Range& range : ranges) {
+    for (std::uint32_t e = std::max(range.first, next); e < range.end; ++e) {
+      list_.world_from_node[e] = list_.world_from_node[entries_[e].parent] * entries_[e].node->matrix();
+      ++counters_.transforms_written;
+    }
+    next = std::max(next, range.end);
+  }
+  ++list_.revisions.transforms;
+}
+
+void Flattener::forget() {
+  for (const NodePtr& node : attached_) node->detach(*this);
+  attached_.clear();
+  occurrences_.clear();
+  mounts_.clear();
+  entries_.assign(1, Entry{nullptr, 0, 0});
+  list_.items.clear();
+  list_.lights.clear();
+  list_.world_from_node.assign(1, glm::dmat4(1.0));
+  list_.meshes.clear();
+  list_.materials.clear();
+}
+
+// One walk over the whole graph, filling the tables of a flattener that has forgotten everything.
+class Flattener::Traversal {
+ public:
+  explicit Traversal(Flattener& flattener) : f_(flattener), meshes_(f_.list_.meshes), materials_(f_.list_.materials) {}
+
+  void run() {
+    enter(f_.root_);
+    while (!path_.empty()) {
+      Level& level = path_.back();
+      if (level.next == level.end) {
+        leave();
+      } else {
+        visit(level.group->children()[level.next++]);
+      }
+    }
+  }
+
+ private:
+  // What goes from node to node and a separator restores.
+  struct State {
+    std::uint32_t entry = 0;                      // of world_from_node, in force
+    const MaterialNode* material_node = nullptr;  // in force; null: the default material
+  };
+
+  // A group on the way from the root to the node at hand.
+  struct Level {
+    const Group* group;
+    std::size_t next, end;  // children still to visit
+    State saved;
+    std::size_t open;  // entries whose end was not yet known when the group began
+  };
+
+  void visit(const NodePtr& node) {
+    ++f_.counters_.nodes_visited;
+    switch (node->kind()) {
+      case NodeKind::group:
+      case NodeKind::separator:
+      case NodeKind::switch_:
+        enter(node);
+        break;
+      case NodeKind::transform:
+        add_transform(node);
+        break;
+      case NodeKind::material:
+        occurrences_of(node);
+        state_.material_node = static_cast<const MaterialNode*>(node.get());
+        break;
+      case NodeKind::shape:
+        f_.list_.items.push_back(
+            {meshes_.shared(static_cast<const Shape&>(*node).mesh()), material_slot(), state_.entry});
+        break;
+      case NodeKind::light:
+        occurrences_of(node).push_back(static_cast<std::uint32_t>(f_.list_.lights.size()));
+        f_.list_.lights.push_back({static_cast<const LightNode&>(*node).light(), state_.entry});
+        break;
+      case NodeKind::mount:
+        f_.mounts_.try_emplace(static_cast<const Mount*>(node.get()), state_.entry);
+        break;
+      case NodeKind::insertion_point:
+        break;
+    }
+  }
+
+  void enter(const NodePtr& node) {
+    const auto& group = static_cast<const Group&>(*node);
+    if (!on_path_.insert(&group).second) {
+      throw InputError("the scene graph has a cycle: the group \"" + group.name + "\" stands below itself");
+    }
+    occurrences_of(node);
+    Level level{&group, 0, group.children().size(), state_, open_.size()};
+    if (group.kind() == NodeKind::switch_) {
+      const int which = static_cast<const Switch&>(group).which();
+      if (which == Switch::kNone) level.end = 0;
+      if (which >= 0) {
+        level.next = static_cast<std::size_t>(which);
+        level.end = level.next + 1;
+      }
+    }
+    path_.push_back(level);
+  }
+
+  void leave() {
+    const Level level = path_.back();
+    path_.pop_back();
+    on_path_.erase(level.group);
+    if (level.group->kind() != NodeKind::separator && !path_.empty()) return;
+    for (; open_.size() > level.open; open_.pop_back()) {
+      f_.entries_[open_.back()].end = static_cast<std::uint32_t>(f_.entries_.size());
+    }
+    state_ = level.saved;
+  }
+
+  void add_transform(const NodePtr& node) {
+    const auto& transform = static_cast<const Transform&>(*node);
+    const auto entry = static_cast<std::uint32_t>(f_.entries_.size());
+    occurrences_of(node).push_back(entry);
+    f_.entries_.push_back({&transform, state_.entry, 0});
+    f_.list_.world_from_node.push_back(f_.list_.world_from_node[state_.entry] * transform.matrix());
+    open_.push_back(entry);
+    state_.entry = entry;
+  }
+
+  std::uint32_t material_slot() {
+    const MaterialNode* node = state_.material_node;
+    if (node == nullptr) return materials_.shared(default_material());
+    if (!node->has_own_slot()) return materials_.shared(node->material());
+    std::vector<std::uint32_t>& slots = f_.occurrences_.at(node);
+    if (slots.empty()) slots.push_back(materials_.own(node->material()));
+    return slots.front();
+  }
+
+  // Where this node's numbers are kept; the first time, the flattener begins to hear of its changes.
+  std::vector<std::uint32_t>& occurrences_of(const NodePtr& node) {
+    const auto [found, is_new] = f_.occurrences_.try_emplace(node.get());
+    if (is_new) {
+      f_.attached_.push_back(node);
+      node->attach(f_);
+    }
+    return found->second;
+  }
+
+  Flattener& f_;
+  Slots<Mesh> meshes_;
+  Slots<Material> materials_;
+  State state_;
+  std::vector<Level> path_;
+  std::vector<std::uint32_t> open_;  // entries that govern whatever comes next
+  std::unordered_set<const Group*> on_path_;
+};
+
+void Flattener::rebuild() {
+  forget();
+  Traversal(*this).run();
+  ++counters_.rebuilds;
+  structure_changed_ = false;
+  ++list_.revisions.structure;
+  ++list_.revisions.transforms;
+  ++list_.revisions.lights;
+  ++list_.revisions.materials;
+  list_.material_revision.assign(list_.materials.size(), list_.revisions.materials);
+}
+
+}  // namespace simvis

@@ -1,0 +1,98 @@
+#include "scenegraph/gltf_materials.h"
+
+#include <cmath>
+#include <limits>
+#include <string>
+
+namespace simvis {
+namespace {
+
+double number_or(const tinygltf::Value& object, const std::string& name, double otherwise) {
+  return object.IsObject() && object.Has(name) ? object.Get(name).GetNumberAsDouble() : otherwise;
+}
+
+double element_or(const tinygltf::Value& object, const std::string& name, int index, double otherwise) {
+  return object.IsObject() && object.Has(name) ? object.Get(name).Get(index).GetNumberAsDouble() : otherwise;
+}
+
+AlphaMode alpha_mode_of(const std::string& mode, const std::string& place, const GltfDocument& document) {
+  if (mode == "OPAQUE") return AlphaMode::opaque;
+  if (mode == "MASK") return AlphaMode::mask;
+  if (mode == "BLEND") return AlphaMode::blend;
+  document.fail(place + "/alphaMode is \"" + mode + "\"; expected OPAQUE, MASK or BLEND");
+}
+
+// KHR_texture_transform: offset * rotation * scale, counter-clockwise as seen on the picture, whose v points down.
+glm::mat3x2 uv_transform_of(const tinygltf::Value& transform) {
+  const double angle_rad = number_or(transform, "rotation", 0);
+  const double c = std::cos(angle_rad), s = std::sin(angle_rad);
+  const double scale_u = element_or(transform, "scale", 0, 1), scale_v = element_or(transform, "scale", 1, 1);
+  const glm::dmat3x2 matrix(c * scale_u, -s * scale_u, s * scale_v, c * scale_v, element_or(transform, "offset", 0, 0),
+                            element_or(transform, "offset", 1, 0));
+  return glm::mat3x2(matrix);
+}
+
+// Each factor is finite as float32, their product need not be.
+float product(double factor, double strength, const std::string& place, const GltfDocument& document) {
+  const double value = factor * strength;
+  if (value > std::numeric_limits<float>::max()) document.fail(place + " has an emission that is not finite");
+  return static_cast<float>(value);
+}
+
+}  // namespace
+
+NodePtr GltfMaterials::get(int material, bool shaded) {
+  const auto known = nodes_.find({material, shaded});
+  if (known != nodes_.end()) return known->second;
+  Material converted = material < 0 ? Material{} : convert(material);
+  // A material that is unlit anyway stays one node.
+  if (converted.unlit && !shaded) return get(material, true);
+  converted.unlit = converted.unlit || !shaded;
+  auto node = std::make_shared<MaterialNode>(pool_.intern(std::move(converted)));
+  if (material >= 0) node->name = document_.model.materials[static_cast<std::size_t>(material)].name;
+  nodes_.emplace(std::pair(material, shaded), node);
+  return node;
+}
+
+Material GltfMaterials::convert(int index) {
+  const std::string place = "materials/" + std::to_string(index);
+  const tinygltf::Material& source = document_.model.materials[static_cast<std::size_t>(index)];
+  Material material;
+  material.name = source.name;
+  for (int i = 0; i < 4; ++i) {
+    material.base_color[i] =
+        static_cast<float>(source.pbrMetallicRoughness.baseColorFactor[static_cast<std::size_t>(i)]);
+  }
+  material.alpha_mode = alpha_mode_of(source.alphaMode, place, document_);
+  material.alpha_cutoff = static_cast<float>(source.alphaCutoff);
+  material.double_sided = source.doubleSided;
+  material.unlit = source.extensions.count("KHR_materials_unlit") != 0;
+
+  const auto strength = source.extensions.find("KHR_materials_emissive_strength");
+  const double factor = strength == source.extensions.end() ? 1 : number_or(strength->second, "emissiveStrength", 1);
+  if (source.emissiveTexture.index >= 0) {
+    document_.warn("emissive textures are not supported; materials with one do not emit");
+  } else if (!material.unlit) {
+    for (int i = 0; i < 3; ++i) {
+      material.emissive[i] = product(source.emissiveFactor[static_cast<std::size_t>(i)], factor, place, document_);
+    }
+  }
+
+  const tinygltf::TextureInfo& info = source.pbrMetallicRoughness.baseColorTexture;
+  if (info.index < 0) return material;
+  int uv_set = info.texCoord;
+  const auto transform = info.extensions.find("KHR_texture_transform");
+  if (transform != info.extensions.end()) {
+    uv_set = static_cast<int>(number_or(transform->second, "texCoord", uv_set));
+    material.uv_transform = uv_transform_of(transform->second);
+  }
+  if (uv_set > 1) {
+    document_.warn("textures with texCoord above 1 are left out");
+    return material;
+  }
+  material.uv_set = uv_set;
+  material.base_color_texture = textures_.get(info.index);
+  return material;
+}
+
+}  // namespace simvis

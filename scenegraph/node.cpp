@@ -1,0 +1,87 @@
+#include "scenegraph/node.h"
+
+#include <algorithm>
+#include <iterator>
+
+#include "engine/assert.h"
+
+namespace simvis {
+
+void Node::attach(NodeObserver& observer) { observers_.push_back(&observer); }
+
+void Node::detach(NodeObserver& observer) { std::erase(observers_, &observer); }
+
+void Node::tell_content_changed() {
+  for (NodeObserver* observer : observers_) observer->content_changed(*this);
+}
+
+void Node::tell_structure_changed() {
+  for (NodeObserver* observer : observers_) observer->structure_changed();
+}
+
+Group::~Group() {
+  std::vector<NodePtr> doomed = std::move(children_);
+  while (!doomed.empty()) {
+    const NodePtr node = std::move(doomed.back());
+    doomed.pop_back();
+    if (node.use_count() > 1) continue;
+    if (const auto group = dynamic_cast<Group*>(node.get())) {
+      std::ranges::move(group->children_, std::back_inserter(doomed));
+      group->children_.clear();
+    }
+  }
+}
+
+void Group::add(NodePtr child) {
+  SIMVIS_ASSERT(child != nullptr);
+  children_.push_back(std::move(child));
+  tell_structure_changed();
+}
+
+void Group::insert_before(const Node& where, NodePtr child) {
+  SIMVIS_ASSERT(child != nullptr);
+  const auto place = std::ranges::find(children_, &where, &NodePtr::get);
+  SIMVIS_ASSERT(place != children_.end());
+  children_.insert(place, std::move(child));
+  tell_structure_changed();
+}
+
+void Group::remove(const Node& child) {
+  const auto place = std::ranges::find(children_, &child, &NodePtr::get);
+  SIMVIS_ASSERT(place != children_.end());
+  children_.erase(place);
+  tell_structure_changed();
+}
+
+void Switch::set_which(int which) {
+  SIMVIS_ASSERT(which >= kNone && which < static_cast<int>(children().size()));
+  if (which == which_) return;
+  which_ = which;
+  tell_structure_changed();
+}
+
+void Transform::set_matrix(const glm::dmat4& matrix) {
+  if (matrix == matrix_) return;
+  matrix_ = matrix;
+  tell_content_changed();
+}
+
+void MaterialNode::set_material(std::shared_ptr<const Material> material) {
+  SIMVIS_ASSERT(material != nullptr);
+  if (material == material_) return;
+  material_ = std::move(material);
+  if (has_own_slot_) {
+    tell_content_changed();
+  } else {
+    has_own_slot_ = true;
+    tell_structure_changed();
+  }
+}
+
+void LightNode::set_light(const Light& light) {
+  if (light == light_) return;
+  light_ = light;
+  tell_content_changed();
+}
+
+}  // namespace simvis

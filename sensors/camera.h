@@ -1,0 +1,42 @@
+// A camera: colour, depth or both, from one pinhole view.
+//
+//   <sensor type="camera" name="CAM" insert_at="ROBOT" width="640" height="480" hfov="60" outputs="color depth"/>
+//
+// Frames   the camera looks along +x of its sensor frame; image x to the right, y down. Pixels are square, the
+//          optical axis goes through the middle of the image.
+// Units    depth is metres along the optical axis (depth along Z, not range along the ray); +infinity: nothing.
+// Faces    back faces of single-sided materials are not drawn, as glTF says, in colour and depth alike.
+#pragma once
+
+#include <string>
+
+#include "sensors/sensor.h"
+
+namespace simvis {
+
+struct CameraDesc {
+  std::uint32_t width_px = 640, height_px = 480;
+  double hfov_rad = 1;  ///< (0, pi)
+  double near_m = 0.05;
+  bool color = true, depth = false;
+};
+
+class Camera : public Sensor {
+ public:
+  Camera(std::string name, const CameraDesc& desc);
+
+  void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
+  void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override;
+  const Image* color() const override { return desc_.color ? &color_ : nullptr; }
+  const Image* depth() const override { return desc_.depth ? &depth_ : nullptr; }
+  void write(OutputSink& sink) const override;
+  std::string method() const override { return "rasterised"; }
+
+ private:
+  std::string name_;
+  CameraDesc desc_;
+  std::size_t pass_ = 0;  // of this frame's plan
+  Image color_, depth_;
+};
+
+}  // namespace simvis

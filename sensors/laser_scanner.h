@@ -1,0 +1,55 @@
+// A laser scanner: planar, tilted or with many rings, up to the whole sphere.
+//
+//   <sensor type="laser_scanner" name="FRONT" insert_at="ROBOT" pose_offset="0.3 0 0.1 0 0 0" samples="361"/>
+//
+// It covers its field of view with virtual cameras of at most 90 degrees and takes ranges from their reversed depth:
+// see depth_range.h for how, and for what the error bound says. A laser meets matter from either side; what is
+// blended below one half or masked out lets it pass; lines and points are not there for it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "sensors/depth_atlas.h"
+#include "sensors/scan_layout.h"
+#include "sensors/sensor.h"
+#include "sensors/vertex_rounding.h"
+
+namespace simvis {
+
+enum class ScanMethod : std::uint8_t { nearest, planar };
+
+struct LaserScannerDesc {
+  ScanPattern pattern;
+  double range_min_m = 0.05, range_max_m = 80;  ///< along the ray; a nearer surface blocks the beam and reads 0
+  ScanMethod method = ScanMethod::planar;
+  double resolution_px = 0;  ///< pixels across 90 degrees; 0: kPlanarResolution or kRingsResolution
+};
+
+/// Pixels across 90 degrees where a scene does not say: of one ring, and of several (whose faces are areas).
+inline constexpr double kPlanarResolution = 4096, kRingsResolution = 1024;
+
+class LaserScanner : public Sensor {
+ public:
+  LaserScanner(std::string name, const LaserScannerDesc& desc);
+
+  void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
+  void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override;
+  const Scan* scan() const override { return &scan_; }
+  void write(OutputSink& sink) const override;
+  std::string method() const override;
+
+  const ScanLayout& layout() const { return layout_; }
+
+ private:
+  void take(std::size_t beam, double range_m, double error_bound_m);
+
+  std::string name_;
+  LaserScannerDesc desc_;
+  ScanLayout layout_;
+  std::vector<AtlasPlace> places_;  // of each face, this frame
+  VertexRounding rounding_;         // of this frame's scene
+  Scan scan_;
+};
+
+}  // namespace simvis

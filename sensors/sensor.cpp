@@ -1,0 +1,21 @@
+#include "sensors/sensor.h"
+
+#include "scenegraph/type_registry.h"
+
+namespace simvis {
+namespace {
+
+TypeRegistry<SensorType>& registry() {
+  static TypeRegistry<SensorType> types("sensor");
+  return types;
+}
+
+}  // namespace
+
+SensorRegistration::SensorRegistration(const SensorType& type) { registry().add(type); }
+
+const SensorType* find_sensor_type(std::string_view name) { return registry().find(name); }
+
+std::vector<const SensorType*> sensor_types() { return registry().sorted(); }
+
+}  // namespace simvis

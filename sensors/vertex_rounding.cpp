@@ -1,0 +1,63 @@
+#include "sensors/vertex_rounding.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+
+namespace simvis {
+
+namespace {
+
+constexpr double kFloatUnit = 0x1p-24, kDoubleUnit = 0x1p-53;
+constexpr double kFloatRoundings = (5 + 3 * 2) * 1.7320508 * 1.4142136;
+// Three matrix products (world, view, clip), four roundings an entry each, over the three components.
+constexpr double kDoubleRoundings = 3 * 4 * 1.7320508;
+
+// At least the largest factor by which a matrix stretches a vector: exact where its columns are orthogonal.
+double stretch(const glm::dmat3& m) {
+  const glm::dvec3 length(glm::length(m[0]), glm::length(m[1]), glm::length(m[2]));
+  constexpr double kSquare = 1e-6;
+  const bool orthogonal = std::abs(glm::dot(m[0], m[1])) <= kSquare * length.x * length.y &&
+                          std::abs(glm::dot(m[1], m[2])) <= kSquare * length.y * length.z &&
+                          std::abs(glm::dot(m[2], m[0])) <= kSquare * length.z * length.x;
+  return orthogonal ? std::max({length.x, length.y, length.z}) * (1 + 2 * kSquare) : glm::length(length);
+}
+
+double farthest_corner(const Mesh& mesh) {
+  return glm::length(glm::max(glm::abs(glm::dvec3(mesh.bounds_min)), glm::abs(glm::dvec3(mesh.bounds_max))));
+}
+
+}  // namespace
+
+// Four bins an octave, from 2^-12 m (0.2 mm) to 2^12 m: exponent and two leading bits of the float.
+int VertexRounding::bin(double range_m) {
+  constexpr auto kShift = 21;
+  constexpr int kFirst = std::bit_cast<std::int32_t>(0x1p-12f) >> kShift;
+  const int index = std::bit_cast<std::int32_t>(static_cast<float>(range_m)) >> kShift;
+  return std::clamp(index - kFirst, 0, kBins - 1);
+}
+
+VertexRounding::VertexRounding(const DrawList& list, const glm::dmat4& sensor_from_world) {
+  for (const DrawItem& item : list.items) {
+    const Mesh& mesh = *list.meshes[item.mesh];
+    const glm::dmat4& world_from_mesh = list.world_from_node[item.transform];
+    const double scale = stretch(glm::dmat3(world_from_mesh));
+    const double reach = scale * farthest_corner(mesh);
+    const double distance = glm::length(glm::dvec3(sensor_from_world * world_from_mesh[3]));
+    const double offset = glm::length(glm::dvec3(world_from_mesh[3])) + distance + reach;
+    const double displacement =
+        kFloatRoundings * kFloatUnit * (reach + distance) + kDoubleRoundings * kDoubleUnit * offset;
+    const glm::dvec3 centre = 0.5 * (glm::dvec3(mesh.bounds_min) + glm::dvec3(mesh.bounds_max));
+    const double radius = scale * 0.5 * glm::length(glm::dvec3(mesh.bounds_max) - glm::dvec3(mesh.bounds_min));
+    const double centre_distance =
+        glm::length(glm::dvec3(sensor_from_world * (world_from_mesh * glm::dvec4(centre, 1))));
+    const int first = bin(std::max(centre_distance - radius, 0x1p-12) * (1 - 1e-6));
+    const int last = bin((centre_distance + radius) * (1 + 1e-6));
+    for (int b = first; b <= last; ++b) displacement_m_[b] = std::max(displacement_m_[b], displacement);
+  }
+}
+
+double VertexRounding::at(double range_m) const { return displacement_m_[bin(range_m)]; }
+
+}  // namespace simvis

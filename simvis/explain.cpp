@@ -1,0 +1,27 @@
+#include "simvis/explain.h"
+
+#include <sstream>
+
+namespace simvis {
+
+std::string explain(const FramePlan& plan, const FrameCounters& counters) {
+  std::ostringstream out;
+  for (const Pass& pass : plan.passes) {
+    out << "pass " << pass.name << ": " << pass.width_px << " x " << pass.height_px << ',';
+    if (pass.color) out << " colour";
+    if (pass.color && pass.depth) out << " and";
+    if (pass.depth) out << " depth";
+    out << '\n';
+    for (const View& view : pass.views) {
+      out << "  view " << view.name << ": " << view.width_px << " x " << view.height_px << " at " << view.x_px << ' '
+          << view.y_px << ", near " << view.near_m << " m: " << view.reason << '\n';
+    }
+  }
+  out << counters.passes << " passes, " << counters.views << " views, " << counters.draws << " draws, "
+      << counters.triangles << " triangles, " << counters.pipelines_bound << " pipelines bound, "
+      << counters.items_culled << " items culled, " << counters.bytes_uploaded << " bytes uploaded, "
+      << counters.bytes_read_back << " bytes read back\n";
+  return out.str();
+}
+
+}  // namespace simvis

@@ -1,0 +1,15 @@
+// Colour and depth in full precision as an OpenEXR picture.
+#pragma once
+
+#include <string>
+
+#include "sensors/image.h"
+
+namespace simvis {
+
+/// The bytes of a scanline EXR, ZIP compressed, with float32 channels: R, G and B (linear) when there is `color`, Z
+/// (metres along the optical axis) when there is `depth`. At least one is given; both are of one size.
+/// Throws MachineError with OpenEXR's reason.
+std::string encode_exr(const Image* color, const Image* depth);
+
+}  // namespace simvis

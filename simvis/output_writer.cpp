@@ -1,0 +1,119 @@
+#include "simvis/output_writer.h"
+
+#include <algorithm>
+#include <optional>
+#include <system_error>
+
+#include "engine/assert.h"
+#include "engine/error.h"
+#include "simvis/atomic_file.h"
+#include "simvis/csv_file.h"
+#include "simvis/exr_file.h"
+#include "simvis/png_file.h"
+
+namespace simvis {
+
+namespace {
+
+void make_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw MachineError(folder.string() + ": error: the folder cannot be made: " + error.message());
+}
+
+/// Parts that stand twice in a scene give their sensors names like LEFT_ARM/CAM: folders in folders, but never a way
+/// out of the run's folder.
+void check_name(const std::string& sensor) {
+  bool good = true;
+  for (std::size_t start = 0; start <= sensor.size();) {
+    const std::size_t end = std::min(sensor.find('/', start), sensor.size());
+    good = good && end > start && sensor[start] != '.';
+    start = end + 1;
+  }
+  if (good) return;
+  throw InputError("sensor \"" + sensor + "\" cannot name its files, expected names between \"/\" that are not empty " +
+                   "and do not begin with \".\"");
+}
+
+std::string frame_name(std::uint64_t frame) {
+  std::string digits = std::to_string(frame);
+  if (digits.size() < 6) digits.insert(0, 6 - digits.size(), '0');
+  return digits;
+}
+
+}  // namespace
+
+class OutputWriter::SensorSink : public OutputSink {
+ public:
+  SensorSink(const std::filesystem::path& folder, const std::string& sensor, std::vector<std::string>& results)
+      : folder_(folder), sensor_(sensor), results_(results) {}
+
+  void begin(const FrameTime& time) { time_ = time; }
+
+  void picture(const std::string& stem, const Image* color, const Image* depth) override {
+    if (color == nullptr && depth == nullptr) return;
+    const std::filesystem::path folder = folder_ / (stem.empty() ? sensor_ : sensor_ + "_" + stem);
+    make_folder(folder);
+    const std::string name = frame_name(time_.index);
+    if (color != nullptr) {
+      write_file(folder / (name + ".png"), encode_png(*color));
+      note(folder / "*.png");
+    }
+    write_file(folder / (name + ".exr"), encode_exr(color, depth));
+    note(folder / "*.exr");
+  }
+
+  void rows(std::span<const TableColumn> columns, std::span<const double> values) override {
+    if (!table_) {
+      std::vector<TableColumn> all = {{"frame", "%lld", true}, {"time_s", "%.9f"}};
+      all.insert(all.end(), columns.begin(), columns.end());
+      const std::filesystem::path path = folder_ / (sensor_ + ".csv");
+      make_folder(path.parent_path());
+      table_.emplace(path, all);
+      note(path);
+    }
+    const double front[] = {static_cast<double>(time_.index), static_cast<double>(time_.time_ns) / 1e9};
+    table_->add_rows(front, values);
+  }
+
+  void finish() {
+    if (table_) table_->commit();
+  }
+
+ private:
+  void note(const std::filesystem::path& result) {
+    const std::string text = result.string();
+    if (std::find(results_.begin(), results_.end(), text) == results_.end()) results_.push_back(text);
+  }
+
+  std::filesystem::path folder_;
+  std::string sensor_;
+  std::vector<std::string>& results_;
+  FrameTime time_;
+  std::optional<CsvFile> table_;
+};
+
+OutputWriter::OutputWriter(std::filesystem::path folder, std::span<const std::string> sensors)
+    : folder_(std::move(folder)) {
+  for (const std::string& sensor : sensors) {
+    check_name(sensor);
+    sinks_[sensor] = std::make_unique<SensorSink>(folder_, sensor, results_);
+  }
+  make_folder(folder_);
+  AtomicFile probe(folder_ / "run.json");  // better now than after the first frame
+}
+
+OutputWriter::~OutputWriter() = default;
+
+OutputSink& OutputWriter::sink(std::string_view sensor, const FrameTime& time) {
+  const auto found = sinks_.find(sensor);
+  SIMVIS_ASSERT(found != sinks_.end());
+  found->second->begin(time);
+  return *found->second;
+}
+
+void OutputWriter::finish() {
+  for (const auto& [name, sink] : sinks_) sink->finish();
+}
+
+}  // namespace simvis

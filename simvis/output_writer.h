@@ -1,0 +1,44 @@
+// Turns what sensors measured into the files of a run.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sensors/sensor.h"
+
+namespace simvis {
+
+/// Files    FOLDER/SENSOR/000000.png and 000000.exr per frame for pictures (FOLDER/SENSOR_STEM/ for a sensor with
+///          several), FOLDER/SENSOR.csv for tables, with the columns `frame` and `time_s` put in front. Frame numbers
+///          have six digits, more when needed. Every file appears whole or not at all; tables appear with finish().
+/// Errors   MachineError with the path and the operating system's reason; InputError for a sensor's name that cannot
+///          name a file.
+class OutputWriter {
+ public:
+  /// Makes the folder where it is missing and makes sure that files can be made in it. `sensors` are all that will
+  /// write.
+  OutputWriter(std::filesystem::path folder, std::span<const std::string> sensors);
+  ~OutputWriter();
+
+  /// Where one of the sensors writes what it measured in a frame. Valid until the next call.
+  OutputSink& sink(std::string_view sensor, const FrameTime& time);
+
+  /// Gives the tables their names. Nothing can be written afterwards.
+  void finish();
+
+  /// What was written, in the order it came first: "out/CAMERA/*.png", "out/SCANNER.csv".
+  const std::vector<std::string>& results() const { return results_; }
+
+ private:
+  class SensorSink;
+  std::filesystem::path folder_;
+  std::map<std::string, std::unique_ptr<SensorSink>, std::less<>> sinks_;
+  std::vector<std::string> results_;
+};
+
+}  // namespace simvis

@@ -1,0 +1,78 @@
+#include "simvis/parameters.h"
+
+#include <algorithm>
+
+#include "engine/assert.h"
+#include "engine/error.h"
+#include "scenegraph/location.h"
+
+namespace simvis {
+
+std::size_t Parameters::index(std::string_view element, std::string_view parameter) const {
+  const auto found = std::ranges::find(elements_, element, &ElementDescriptor::name);
+  if (found == elements_.end()) {
+    std::vector<std::string_view> known;
+    for (const ElementDescriptor& descriptor : elements_) known.push_back(descriptor.name);
+    throw InputError("there is no element " + in_quotes(element) + suggestion(element, known));
+  }
+  const auto row = std::ranges::find(found->parameters, parameter, &AttributeSpec::name);
+  if (row == found->parameters.end()) {
+    std::vector<std::string_view> known;
+    std::string list;
+    for (const AttributeSpec& spec : found->parameters) {
+      known.push_back(spec.name);
+      list += (list.empty() ? "" : ", ") + std::string(spec.name);
+    }
+    throw InputError("element " + in_quotes(element) + " has no parameter " + in_quotes(parameter) +
+                     suggestion(parameter, known) +
+                     (list.empty() ? " (it has none)" : " (expected one of: " + list + ")"));
+  }
+  return found->first_value + static_cast<std::size_t>(row - found->parameters.begin());
+}
+
+std::size_t Parameters::element_of(std::size_t index) const {
+  if (index >= values_.size()) {
+    throw InputError("there is no parameter of index " + std::to_string(index) + ", expected one below " +
+                     std::to_string(values_.size()));
+  }
+  // The last element that starts at or before the index: one without parameters shares the start of the next.
+  const auto after = std::ranges::upper_bound(elements_, index, {}, &ElementDescriptor::first_value);
+  return static_cast<std::size_t>(after - elements_.begin()) - 1;
+}
+
+const AttributeSpec& Parameters::spec(std::size_t index) const {
+  const ElementDescriptor& element = elements_[element_of(index)];
+  return element.parameters[index - element.first_value];
+}
+
+void Parameters::set(std::size_t index, double value) {
+  const std::size_t element = element_of(index);
+  const std::string wrong = check_number(spec(index), value);
+  if (!wrong.empty()) throw InputError(name(index) + ": " + wrong);
+  if (values_[index] == value) return;
+  values_[index] = value;
+  element_changed_[element] = true;
+}
+
+std::string Parameters::name(std::size_t index) const {
+  return elements_[element_of(index)].name + "." + std::string(spec(index).name);
+}
+
+void Parameters::add_element(ElementDescriptor descriptor, std::span<const double> values) {
+  SIMVIS_ASSERT(descriptor.parameters.size() == values.size());
+  descriptor.first_value = values_.size();
+  elements_.push_back(std::move(descriptor));
+  values_.insert(values_.end(), values.begin(), values.end());
+  element_changed_.push_back(false);
+}
+
+std::vector<std::size_t> Parameters::take_changed_elements() {
+  std::vector<std::size_t> changed;
+  for (std::size_t i = 0; i < element_changed_.size(); ++i) {
+    if (element_changed_[i]) changed.push_back(i);
+    element_changed_[i] = false;
+  }
+  return changed;
+}
+
+}  // namespace simvis

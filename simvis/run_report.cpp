@@ -1,0 +1,83 @@
+#include "simvis/run_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "engine/assert.h"
+
+namespace simvis {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Names and paths are whatever bytes the user gave: what is not UTF-8 is replaced.
+std::string dump(const Json& json, int indent) {
+  return json.dump(indent, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace
+
+double percentile(std::span<const double> values, double p) {
+  SIMVIS_ASSERT(p > 0 && p <= 100);
+  if (values.empty()) return 0;
+  std::vector<double> sorted(values.begin(), values.end());
+  std::sort(sorted.begin(), sorted.end());
+  const double rank = std::ceil(p / 100 * static_cast<double>(sorted.size()));
+  return sorted[static_cast<std::size_t>(rank) - 1];
+}
+
+std::string to_json(const RunReport& report) {
+  Json sensors = Json::object();
+  for (const SensorInfo& sensor : report.sensors) {
+    sensors[sensor.name] = {
+        {"type", sensor.type}, {"method", sensor.method}, {"frames", sensor.frames}, {"effects", Json::array()}};
+  }
+  const Json json = {
+      {"scene", report.scene},
+      {"device", report.device.name},
+      {"driver", report.device.driver},
+      {"versions", {{"simvis", std::string(version())}, {"vulkan", report.device.api_version}}},
+      {"seed", report.seed},
+      {"wall_s", report.wall_s},
+      {"frames", report.frame_ms.size()},
+      {"rate_hz", report.rate_hz},
+      {"frame_ms", {{"median", percentile(report.frame_ms, 50)}, {"p99", percentile(report.frame_ms, 99)}}},
+      {"sensors", sensors}};
+  return dump(json, 2);
+}
+
+std::string speed_line(const RunReport& report) {
+  const double median_ms = percentile(report.frame_ms, 50);
+  const double speed_hz = 1000 / std::max(median_ms, 1e-6);
+  const std::size_t frames = report.frame_ms.size();
+  char text[160];
+  std::snprintf(text, sizeof text, "%zu frame%s, %.3g ms a frame: %.4g Hz, %.3g x real time at %g Hz", frames,
+                frames == 1 ? "" : "s", median_ms, speed_hz, speed_hz / report.rate_hz, report.rate_hz);
+  return text;
+}
+
+void Profile::add(std::uint64_t frame, std::span<const StageTime> stages) {
+  for (const StageTime& stage : stages) events_.push_back({frame, stage});
+}
+
+std::string Profile::to_json() const {
+  Json events = Json::array();
+  for (const Event& event : events_) {
+    // Complete events; times in microseconds from the first.
+    const double start_us = static_cast<double>(event.stage.start_ns - events_.front().stage.start_ns) / 1e3;
+    const double length_us = static_cast<double>(event.stage.end_ns - event.stage.start_ns) / 1e3;
+    events.push_back({{"name", std::string(event.stage.name)},
+                      {"ph", "X"},
+                      {"pid", 1},
+                      {"tid", 1},
+                      {"ts", start_us},
+                      {"dur", length_us},
+                      {"args", {{"frame", event.frame}}}});
+  }
+  return dump({{"traceEvents", events}, {"displayTimeUnit", "ms"}}, -1);
+}
+
+}  // namespace simvis

@@ -1,0 +1,47 @@
+// What a run was and how fast it went: run.json, the closing lines and the profile.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "engine/device.h"
+#include "simvis/simulation.h"
+
+namespace simvis {
+
+/// What run.json says.
+struct RunReport {
+  std::string scene;  ///< as given
+  DeviceInfo device;
+  std::uint64_t seed = 0;
+  double rate_hz = 15;
+  double wall_s = 0;             ///< from the start of the program to its last file
+  std::vector<double> frame_ms;  ///< each step(), without writing files
+  std::vector<SensorInfo> sensors;
+};
+
+/// The p-th percentile, 0 < p <= 100: the least value that at least p percent do not exceed. 0 for no values.
+double percentile(std::span<const double> values, double p);
+
+std::string to_json(const RunReport& report);
+
+/// "30 frames, 2.4 ms a frame: 412 Hz, 27 x real time at 15 Hz", from the median.
+std::string speed_line(const RunReport& report);
+
+/// Stages of frames in Chrome's trace format (chrome://tracing, ui.perfetto.dev).
+class Profile {
+ public:
+  void add(std::uint64_t frame, std::span<const StageTime> stages);
+  std::string to_json() const;
+
+ private:
+  struct Event {
+    std::uint64_t frame;
+    StageTime stage;
+  };
+  std::vector<Event> events_;
+};
+
+}  // namespace simvis

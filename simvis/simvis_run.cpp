@@ -1,0 +1,279 @@
+// simvis-run: a scene file becomes pictures and scans. One of the two places that catch exceptions (the tests are the
+// other), and the only one that prints.
+#include <signal.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <csignal>
+#include <cstring>
+#include <exception>
+#include <iostream>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "elements/element.h"
+#include "simvis/atomic_file.h"
+#include "simvis/clock.h"
+#include "simvis/explain.h"
+#include "simvis/output_writer.h"
+#include "simvis/plugin.h"
+#include "simvis/progress_bar.h"
+#include "simvis/run_report.h"
+#include "simvis/simulation.h"
+#include "simvis/trajectory.h"
+
+namespace simvis {
+namespace {
+
+constexpr int kExitDone = 0, kExitFailed = 1, kExitWrongInput = 2;
+
+struct Options {
+  std::string scene, out = "out", trajectory, method, device, profile, describe;
+  std::vector<std::string> set, sensors, plugins;
+  std::uint64_t frames = 1, seed = 0;
+  double rate_hz = 15;
+  bool list_devices = false, explain = false, quiet = false;
+};
+
+void declare_options(CLI::App& app, Options& options) {
+  app.add_option("SCENE.xml", options.scene, "the scene to run");
+  app.add_option("--out", options.out, "where results go")->type_name("DIR")->capture_default_str();
+  app.add_option("--frames", options.frames, "how many frames")->type_name("N")->capture_default_str();
+  app.add_option("--rate", options.rate_hz, "frames per simulated second")->type_name("HZ")->capture_default_str();
+  app.add_option("--set", options.set, "a parameter, from the first frame on (repeatable)")
+      ->type_name("ELEMENT.PARAM=VALUE")
+      ->allow_extra_args(false);
+  app.add_option("--trajectory", options.trajectory,
+                 "parameters over time: first column time_s, further columns ELEMENT.PARAM; linear between rows")
+      ->type_name("FILE.csv");
+  app.add_option("--sensor", options.sensors, "only this sensor (repeatable)")
+      ->type_name("NAME")
+      ->allow_extra_args(false);
+  app.add_option("--method", options.method, "for every laser scanner, over the scene's own")->type_name("M");
+  app.add_option("--seed", options.seed, "of all random numbers")->type_name("N")->capture_default_str();
+  app.add_option("--device", options.device, "the Vulkan device to use: part of its name, or its index")
+      ->type_name("NAME|INDEX");
+  app.add_option("--plugin", options.plugins, "a library with more elements and sensors (repeatable)")
+      ->type_name("FILE.so")
+      ->allow_extra_args(false);
+  app.add_option("--profile", options.profile, "write the time of each stage of each frame, in Chrome's trace format")
+      ->type_name("FILE.json");
+  app.add_flag("--explain", options.explain, "print what the first frame renders, why, and what it cost");
+  app.add_flag("--quiet", options.quiet, "print errors only");
+  app.add_option("--describe", options.describe, "print the attributes of an element or sensor type, and exit")
+      ->type_name("TYPE");
+  app.add_flag("--list-devices", options.list_devices, "print the Vulkan devices of this machine, and exit");
+  app.set_version_flag("--version", "simvis-run " + std::string(version()), "print the version, and exit");
+  app.set_help_flag("--help", "print this help, and exit");
+  app.footer(
+      "Results: DIR/CAMERA/000000.png and .exr, DIR/SCANNER.csv, DIR/run.json.\n"
+      "Exit status: 0 done; 1 it could not be done; 2 the command line or the scene is wrong.");
+}
+
+volatile std::sig_atomic_t received_signal = 0;
+
+/// From here on, a wish to stop ends the run between two frames, so that no temporary file stays. A second one ends it
+/// at once. A file beyond the allowed size and a reader who went away become errors of the write.
+void handle_signals() {
+  struct sigaction action {};
+  action.sa_handler = [](int number) { received_signal = number; };
+  action.sa_flags = static_cast<int>(SA_RESETHAND) | SA_RESTART;
+  for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction before {};
+    ::sigaction(number, nullptr, &before);
+    if (before.sa_handler != SIG_IGN) ::sigaction(number, &action, nullptr);
+  }
+  ::signal(SIGXFSZ, SIG_IGN);
+  ::signal(SIGPIPE, SIG_IGN);
+}
+
+void stop_if_asked_to() {
+  const int number = received_signal;
+  if (number != 0) throw MachineError(std::string("stopped by a signal (") + ::strsignal(number) + ")");
+}
+
+/// Runs `action`; what is wrong is said to be in this part of the command line.
+template <typename Action>
+void in_option(const std::string& option, const Action& action) {
+  try {
+    action();
+  } catch (const InputError& error) {
+    throw InputError(option + ": " + error.what());
+  }
+}
+
+void print_devices() {
+  const std::vector<DeviceInfo> devices = list_devices();
+  for (std::size_t i = 0; i < devices.size(); ++i) {
+    const DeviceInfo& device = devices[i];
+    std::cout << i << ": " << device.name << ", " << device.type << ", driver " << device.driver << ", Vulkan "
+              << device.api_version << ", "
+              << (device.unusable.empty() ? std::string("usable") : "not usable: " + device.unusable) << '\n';
+  }
+}
+
+void print_description(const std::string& type) {
+  const ElementType* const element = find_element_type(type);
+  const SensorType* const sensor = find_sensor_type(type);
+  if (element != nullptr) std::cout << describe(element->name, element->summary, element->attributes);
+  if (sensor != nullptr) std::cout << describe(sensor->name, sensor->summary, sensor->attributes);
+  if (element != nullptr || sensor != nullptr) return;
+  std::vector<std::string_view> known;
+  for (const ElementType* each : element_types()) known.push_back(each->name);
+  for (const SensorType* each : sensor_types()) known.push_back(each->name);
+  std::string list;
+  for (const std::string_view name : known) list += (list.empty() ? "" : ", ") + std::string(name);
+  throw InputError("--describe: there is no element or sensor type \"" + type + "\"" + suggestion(type, known) +
+                   " (known: " + list + ")");
+}
+
+void set_parameter(Simulation& simulation, const std::string& assignment) {
+  in_option("--set " + assignment, [&] {
+    const std::size_t equals = assignment.find('=');
+    const std::size_t dot = assignment.rfind('.', equals);
+    double value = 0;
+    if (equals == std::string::npos || dot == std::string::npos) throw InputError("expected ELEMENT.PARAM=VALUE");
+    const std::string number = assignment.substr(equals + 1);
+    if (!parse_number(number, value)) throw InputError("\"" + number + "\" is not a finite number");
+    simulation.set(assignment.substr(0, dot), assignment.substr(dot + 1, equals - dot - 1), value);
+  });
+}
+
+Simulation load(const Options& options) {
+  in_option("--frames", [&] {
+    if (options.frames == 0) throw InputError("0 frames, expected 1 or more");
+  });
+  in_option("--rate", [&] { Clock(options.rate_hz).frame(options.frames - 1); });
+  SimulationDesc desc;
+  desc.rate_hz = options.rate_hz;
+  desc.device.select = options.device;
+  if (!options.method.empty()) desc.overrides.push_back({"laser_scanner", "method", options.method, "--method"});
+  Simulation simulation = Simulation::load(options.scene, desc);
+  for (const std::string& assignment : options.set) set_parameter(simulation, assignment);
+  if (!options.sensors.empty()) {
+    for (const SensorInfo& sensor : simulation.sensors()) simulation.enable(sensor.name, false);
+    for (const std::string& name : options.sensors) {
+      in_option("--sensor", [&] { simulation.enable(name, true); });
+    }
+  }
+  return simulation;
+}
+
+std::int64_t now_ns() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+void write_results(const Simulation& simulation, const FrameTime& time, OutputWriter& writer) {
+  for (const std::string& sensor : simulation.measured()) simulation.write(sensor, writer.sink(sensor, time));
+}
+
+/// Makes and writes all frames; fills in the report's times.
+void run_frames(const Options& options, Simulation& simulation, OutputWriter& writer, RunReport& report,
+                Profile& profile) {
+  std::optional<Trajectory> trajectory;
+  if (!options.trajectory.empty()) trajectory.emplace(options.trajectory, simulation.parameters());
+  const bool terminal = ::isatty(STDERR_FILENO) == 1;
+  ProgressBar progress(std::cerr, terminal && !options.quiet, options.frames, std::chrono::steady_clock::now());
+  for (std::uint64_t frame = 0; frame < options.frames; ++frame) {
+    const FrameTime time = simulation.next_frame();
+    if (trajectory) trajectory->apply(static_cast<double>(time.time_ns) / 1e9, simulation.parameters());
+    const std::int64_t start_ns = now_ns();
+    simulation.step();
+    const std::int64_t measured_ns = now_ns();
+    stop_if_asked_to();
+    report.frame_ms.push_back(static_cast<double>(measured_ns - start_ns) / 1e6);
+    if (options.explain && frame == 0) std::cout << explain(simulation.frame_plan(), simulation.counters());
+    write_results(simulation, time, writer);
+    stop_if_asked_to();
+    if (!options.profile.empty()) {
+      const StageTime writing[] = {{"write", measured_ns, now_ns()}};
+      profile.add(frame, simulation.stages());
+      profile.add(frame, writing);
+    }
+    progress.update(frame + 1, std::chrono::steady_clock::now());
+  }
+}
+
+void print_closing(const Options& options, const OutputWriter& writer, const RunReport& report) {
+  std::cout << "wrote ";
+  for (const std::string& result : writer.results()) std::cout << result << ", ";
+  std::cout << (std::filesystem::path(options.out) / "run.json").string() << '\n' << speed_line(report) << '\n';
+}
+
+void run_scene(const Options& options, std::int64_t start_ns) {
+  if (options.scene.empty()) throw InputError("SCENE.xml is missing; --help says more");
+  Simulation simulation = load(options);
+  if (!options.quiet) {
+    for (const std::string& warning : simulation.warnings()) std::cerr << "warning: " << warning << '\n';
+  }
+  std::vector<std::string> writing;
+  for (const SensorInfo& sensor : simulation.sensors()) {
+    if (sensor.enabled) writing.push_back(sensor.name);
+  }
+  handle_signals();
+  OutputWriter writer(options.out, writing);
+  RunReport report{
+      .scene = options.scene, .device = simulation.device(), .seed = options.seed, .rate_hz = options.rate_hz};
+  Profile profile;
+  run_frames(options, simulation, writer, report, profile);
+  writer.finish();
+  if (!options.profile.empty()) write_file(options.profile, profile.to_json());
+  report.sensors = simulation.sensors();
+  report.wall_s = static_cast<double>(now_ns() - start_ns) / 1e9;
+  write_file(std::filesystem::path(options.out) / "run.json", to_json(report));
+  if (!options.quiet) print_closing(options, writer, report);
+}
+
+int main_or_throw(int argc, char** argv) {
+  const std::int64_t start_ns = now_ns();
+  Options options;
+  CLI::App app("Simulates what a robot's optical sensors see.", "simvis-run");
+  declare_options(app, options);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& wish) {
+    return app.exit(wish);
+  } catch (const CLI::ParseError& error) {
+    throw InputError(std::string(error.what()) + "; --help says more");
+  }
+  for (const std::string& plugin : options.plugins) load_plugin(plugin);
+  if (options.list_devices) {
+    print_devices();
+  } else if (!options.describe.empty()) {
+    print_description(options.describe);
+  } else {
+    run_scene(options, start_ns);
+  }
+  if (!std::cout.flush()) throw MachineError("standard output cannot be written");
+  return kExitDone;
+}
+
+/// What has a place in a file reads as compilers write it; the rest says who speaks.
+void print_error(const std::exception& error) {
+  const std::string text = error.what();
+  if (text.starts_with("--")) {
+    std::cerr << "simvis-run: " << text << '\n';
+  } else if (text.find(": error: ") != std::string::npos) {
+    std::cerr << text << '\n';
+  } else {
+    std::cerr << "simvis-run: error: " << text << '\n';
+  }
+}
+
+}  // namespace
+}  // namespace simvis
+
+int main(int argc, char** argv) {
+  try {
+    return simvis::main_or_throw(argc, argv);
+  } catch (const simvis::InputError& error) {
+    simvis::print_error(error);
+    return simvis::kExitWrongInput;
+  } catch (const std::exception& error) {
+    simvis::print_error(error);
+    return simvis::kExitFailed;
+  }
+}
