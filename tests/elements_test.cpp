@@ -125,11 +125,11 @@ TEST_CASE("a joint's limits are its own") {
 
 TEST_CASE("mistakes in a joint") {
   CHECK(error("type='joint' axis='0 0 0'") ==
-        "s.xml:1:48: error: attribute \"axis\": 0 0 0 is not allowed, expected a vector that is not zero");
+        "s.xml:1:49: error: attribute \"axis\": 0 0 0 is not allowed, expected a vector that is not zero");
   CHECK(contains(error("type='joint' lower='5' upper='4'"),
-                 "s.xml:1:48: error: attribute \"lower\": 5 is not allowed, expected at most \"upper\", 4"));
+                 "s.xml:1:49: error: attribute \"lower\": 5 is not allowed, expected at most \"upper\", 4"));
   CHECK(error("type='joint' lower='-1' upper='1' value='2'") ==
-        "s.xml:1:69: error: attribute \"value\": 2 is not allowed, expected a number from -1 to 1 (deg)");
+        "s.xml:1:70: error: attribute \"value\": 2 is not allowed, expected a number from -1 to 1 (deg)");
   CHECK(contains(error("type='joint' kind='prismatic' lower='1'"),
                  "s.xml:1:2: error: attribute \"value\": 0 is not allowed, expected a number from 1 to"));
   CHECK(contains(error("type='joint' kind='ball'"), "\"ball\" is not allowed, expected one of: revolute, prismatic"));
