@@ -26,11 +26,11 @@ int main(int argc, char** argv) {
   const std::filesystem::path scene = argc > 1 ? argv[1] : SIMVIS_SOURCE_DIR "/scenes/marvin/marvin.xml";
   const int frames = argc > 2 ? std::atoi(argv[2]) : 300;
   SimulationDesc desc;
-  if (argc > 3) desc.overrides = {{"laser_scanner", "method", argv[3]}};
+  if (argc > 3) desc.overrides = {{"laser_scanner", "method", argv[3], "METHOD"}};
 
   Simulation simulation = Simulation::load(scene, desc);
   for (const SensorInfo& sensor : simulation.sensors()) simulation.enable(sensor.name, sensor.type == "laser_scanner");
-  const Trajectory drive = Trajectory::read(scene.parent_path() / "drive.csv", simulation.parameters());
+  const Trajectory drive(scene.parent_path() / "drive.csv", simulation.parameters());
 
   std::vector<double> milliseconds;
   double checksum = 0;

@@ -46,10 +46,7 @@ PoseElement::PoseElement(const ElementContext& context) : transform_(std::make_s
 }
 
 void PoseElement::update(ParameterView values) {
-  transform_->set_matrix(to_matrix({.position_m = {values[0], values[1], values[2]},
-                                    .roll_deg = values[3],
-                                    .pitch_deg = values[4],
-                                    .yaw_deg = values[5]}));
+  transform_->set_matrix(matrix_from_degrees({values[0], values[1], values[2]}, values[3], values[4], values[5]));
 }
 
 }  // namespace simvis

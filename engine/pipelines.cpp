@@ -1,8 +1,8 @@
 #include "engine/pipelines.h"
 
-#include <array>
+#include <cstddef>
 #include <span>
-#include <vector>
+#include <string>
 
 #include "engine/geometry_pool.h"
 #include "engine/render_pass.h"
@@ -202,24 +202,25 @@ VkPipeline Pipelines::get(const PipelineKey& key) {
   return place->second.get();
 }
 
+Pipelines::Program Pipelines::program(const PipelineKey& key, const VkSpecializationInfo& constants) const {
+  if (!key.depth_only) {
+    return {{stage(VK_SHADER_STAGE_VERTEX_BIT, color_vert_.get()),
+             stage(VK_SHADER_STAGE_FRAGMENT_BIT, color_frag_[key.textured].get(), &constants)},
+            2,
+            vertex_input(kColorInputs)};
+  }
+  if (key.surface == Surface::masked) {
+    return {{stage(VK_SHADER_STAGE_VERTEX_BIT, mask_vert_.get()),
+             stage(VK_SHADER_STAGE_FRAGMENT_BIT, mask_frag_[key.textured].get())},
+            2,
+            vertex_input(kMaskInputs)};
+  }
+  return {{stage(VK_SHADER_STAGE_VERTEX_BIT, depth_vert_.get())}, 1, vertex_input(kDepthInputs)};
+}
+
 Handle<VkPipeline> Pipelines::make(const PipelineKey& key) const {
   const Constants constants(key);
-  std::array<VkPipelineShaderStageCreateInfo, 2> stages{};
-  std::uint32_t stage_count = 2;
-  VkPipelineVertexInputStateCreateInfo input{};
-  if (!key.depth_only) {
-    input = vertex_input(kColorInputs);
-    stages = {stage(VK_SHADER_STAGE_VERTEX_BIT, color_vert_.get()),
-              stage(VK_SHADER_STAGE_FRAGMENT_BIT, color_frag_[key.textured].get(), &constants.info)};
-  } else if (key.surface == Surface::masked) {
-    input = vertex_input(kMaskInputs);
-    stages = {stage(VK_SHADER_STAGE_VERTEX_BIT, mask_vert_.get()),
-              stage(VK_SHADER_STAGE_FRAGMENT_BIT, mask_frag_[key.textured].get())};
-  } else {
-    input = vertex_input(kDepthInputs);
-    stages[0] = stage(VK_SHADER_STAGE_VERTEX_BIT, depth_vert_.get());
-    stage_count = 1;
-  }
+  const Program shaders = program(key, constants.info);
   VkPipelineInputAssemblyStateCreateInfo assembly{};
   assembly.sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO;
   assembly.topology = primitive(key.topology);
@@ -244,9 +245,9 @@ Handle<VkPipeline> Pipelines::make(const PipelineKey& key) const {
 
   VkGraphicsPipelineCreateInfo info{};
   info.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO;
-  info.stageCount = stage_count;
-  info.pStages = stages.data();
-  info.pVertexInputState = &input;
+  info.stageCount = shaders.stage_count;
+  info.pStages = shaders.stages;
+  info.pVertexInputState = &shaders.input;
   info.pInputAssemblyState = &assembly;
   info.pViewportState = &viewport;
   info.pRasterizationState = &raster;

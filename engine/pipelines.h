@@ -41,6 +41,13 @@ class Pipelines {
   VkRenderPass render_pass(bool color, bool keep_depth) const { return render_passes_[color][keep_depth].get(); }
 
  private:
+  // The shaders of a pipeline and what its vertices carry.
+  struct Program {
+    VkPipelineShaderStageCreateInfo stages[2];
+    std::uint32_t stage_count;
+    VkPipelineVertexInputStateCreateInfo input;
+  };
+  Program program(const PipelineKey& key, const VkSpecializationInfo& constants) const;
   Handle<VkPipeline> make(const PipelineKey& key) const;
 
   Device::Impl& device_;

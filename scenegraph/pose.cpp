@@ -4,6 +4,22 @@
 #include <glm/gtc/constants.hpp>
 
 namespace simvis {
+namespace {
+
+// Rz(yaw) Ry(pitch) Rx(roll), then the position.
+glm::dmat4 matrix(const glm::dvec3& position_m, SinCos roll, SinCos pitch, SinCos yaw) {
+  const auto [sr, cr] = roll;
+  const auto [sp, cp] = pitch;
+  const auto [sy, cy] = yaw;
+  glm::dmat4 m{1.0};
+  m[0] = {cy * cp, sy * cp, -sp, 0};
+  m[1] = {cy * sp * sr - sy * cr, sy * sp * sr + cy * cr, cp * sr, 0};
+  m[2] = {cy * sp * cr + sy * sr, sy * sp * cr - cy * sr, cp * cr, 0};
+  m[3] = {position_m, 1};
+  return m;
+}
+
+}  // namespace
 
 SinCos sincos_deg(double angle_deg) {
   // Both remainders are exact in floating point. What is left lies within +-45 degrees of a whole quarter turn.
@@ -26,15 +42,12 @@ SinCos sincos_deg(double angle_deg) {
 }
 
 glm::dmat4 to_matrix(const Pose& pose) {
-  const auto [sr, cr] = sincos_deg(pose.roll_deg);
-  const auto [sp, cp] = sincos_deg(pose.pitch_deg);
-  const auto [sy, cy] = sincos_deg(pose.yaw_deg);
-  glm::dmat4 m{1.0};
-  m[0] = {cy * cp, sy * cp, -sp, 0};
-  m[1] = {cy * sp * sr - sy * cr, sy * sp * sr + cy * cr, cp * sr, 0};
-  m[2] = {cy * sp * cr + sy * sr, sy * sp * cr - cy * sr, cp * cr, 0};
-  m[3] = {pose.position_m, 1};
-  return m;
+  const auto sincos = [](double angle_rad) { return SinCos{std::sin(angle_rad), std::cos(angle_rad)}; };
+  return matrix(pose.position_m, sincos(pose.roll_rad), sincos(pose.pitch_rad), sincos(pose.yaw_rad));
+}
+
+glm::dmat4 matrix_from_degrees(const glm::dvec3& position_m, double roll_deg, double pitch_deg, double yaw_deg) {
+  return matrix(position_m, sincos_deg(roll_deg), sincos_deg(pitch_deg), sincos_deg(yaw_deg));
 }
 
 glm::dmat4 rigid_inverse(const glm::dmat4& m) {

@@ -9,14 +9,16 @@ namespace simvis {
 inline constexpr double kMaxCoordinate_m = 1e15;
 
 /// x forward, y left, z up (REP 103); R = Rz(yaw) Ry(pitch) Rx(roll).
-/// The angles stay in degrees, as they were written: so a quarter turn is one, to the last bit.
 struct Pose {
   glm::dvec3 position_m{0};
-  double roll_deg = 0, pitch_deg = 0, yaw_deg = 0;
+  double roll_rad = 0, pitch_rad = 0, yaw_rad = 0;
 };
 
-/// parent_from_child. See sincos_deg() for the angles.
+/// parent_from_child.
 glm::dmat4 to_matrix(const Pose& pose);
+
+/// The same from angles in degrees, as people write them; so a quarter turn is one, to the last bit. See sincos_deg().
+glm::dmat4 matrix_from_degrees(const glm::dvec3& position_m, double roll_deg, double pitch_deg, double yaw_deg);
 
 struct SinCos {
   double sin, cos;

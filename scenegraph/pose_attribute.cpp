@@ -3,10 +3,11 @@
 #include <cmath>
 
 #include "scenegraph/attributes.h"
+#include "scenegraph/pose.h"
 
 namespace simvis {
 
-std::optional<Pose> pose_offset(const Command& command) {
+std::optional<glm::dmat4> pose_offset(const Command& command) {
   const CommandAttribute* attribute = command.find(kPoseOffset);
   if (attribute == nullptr) return std::nullopt;
   double v[6];
@@ -21,7 +22,7 @@ std::optional<Pose> pose_offset(const Command& command) {
                                     " to " + format_number(kMaxCoordinate_m) + " (m)");
     }
   }
-  return Pose{.position_m = {v[0], v[1], v[2]}, .roll_deg = v[3], .pitch_deg = v[4], .yaw_deg = v[5]};
+  return matrix_from_degrees({v[0], v[1], v[2]}, v[3], v[4], v[5]);
 }
 
 }  // namespace simvis

@@ -61,7 +61,7 @@ Scene::Scene() : root_(std::make_shared<Group>()) {
 
 const PartContent& Scene::insert_part(const Command& command) {
   const CommandAttribute& name = command.require("name");
-  const std::optional<Pose> offset = pose_offset(command);
+  const std::optional<glm::dmat4> offset = pose_offset(command);
   const Place at = place(command);
   const PartContent& content = load(command);
   part_names_.claim(name);
@@ -70,7 +70,7 @@ const PartContent& Scene::insert_part(const Command& command) {
   separator->name = name.value;
   const auto point = std::make_shared<InsertionPoint>();
   point->name = name.value;
-  if (offset) separator->add(std::make_shared<Transform>(to_matrix(*offset)));
+  if (offset) separator->add(std::make_shared<Transform>(*offset));
   separator->add(point);
   separator->add(content.root);
   places_[name.value] = {separator.get(), point.get()};

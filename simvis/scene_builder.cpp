@@ -176,7 +176,7 @@ class Builder {
     const SensorType* type = find_sensor_type(type_name.value);
     if (type == nullptr) fail_at(type_name.where, unknown_type("sensor", type_name.value, sensor_types()));
     const AttributeValues attributes(command, type->attributes, kSensorCommonAttributes);
-    const std::optional<Pose> offset = pose_offset(command);
+    const std::optional<glm::dmat4> offset = pose_offset(command);
     sensor_names_.claim(name);
     BuiltSensor sensor{.name = name.value,
                        .type = type_name.value,
@@ -189,7 +189,7 @@ class Builder {
     sensor.mount->name = name.value;
     const auto separator = std::make_shared<Separator>();
     separator->name = name.value;
-    if (offset) separator->add(std::make_shared<Transform>(to_matrix(*offset)));
+    if (offset) separator->add(std::make_shared<Transform>(*offset));
     separator->add(sensor.mount);
     built_.scene.insert(command, separator);
     built_.sensors.push_back(std::move(sensor));

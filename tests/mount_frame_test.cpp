@@ -23,7 +23,7 @@ double largest_difference(const glm::dmat4& a, const glm::dmat4& b) {
   return largest;
 }
 
-const glm::dmat4 kPose = to_matrix({.position_m = {1, -2, 3}, .roll_deg = 17, .pitch_deg = -40, .yaw_deg = 115});
+const glm::dmat4 kPose = to_matrix({.position_m = {1, -2, 3}, .roll_rad = 0.3, .pitch_rad = -0.7, .yaw_rad = 2});
 
 TEST_CASE("a rigid frame stays, and scale falls away") {
   glm::dmat4 frame;

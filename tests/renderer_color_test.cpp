@@ -1,12 +1,11 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 #include <numbers>
 
-#include "engine/error.h"
-#include "shaders/interop.h"
 #include "tests/renderer_scene.h"
 
 using namespace simvis;
@@ -22,21 +21,6 @@ constexpr double kShading = 4e-5;  // relative
 constexpr double kVertexColor = 1.0 / 65535;
 // The driver may decode sRGB by a table or a polynomial: half a step of 8 bits in linear light at most.
 constexpr double kTexel = 0.5 / 255;
-constexpr float kBackground = 0.25f;
-
-Scene scene_with_ambient(double ambient) {
-  Scene scene;
-  scene.list.environment.ambient = glm::vec3(static_cast<float>(ambient));
-  scene.list.environment.background = glm::vec3(kBackground);
-  return scene;
-}
-
-Material colored(glm::vec4 base) {
-  Material material;
-  material.base_color = base;
-  return material;
-}
-
 glm::vec4 middle(Renderer& renderer, const Scene& scene, FramePlan plan = plan_of(17, 17, 8, true, false)) {
   const std::uint32_t width = plan.passes[0].width_px, height = plan.passes[0].height_px;
   return renderer.render(scene.list, plan)[0].color[height / 2 * width + width / 2];
@@ -46,31 +30,6 @@ double linear(int srgb) {
   const double s = srgb / 255.0;
   return s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
 }
-
-// 4 x 1 texels of clear grey levels, with alpha in steps.
-constexpr int kGrey[4] = {30, 90, 170, 250}, kAlpha[4] = {0, 100, 200, 255};
-std::shared_ptr<Texture> four_texels() {
-  auto texture = std::make_shared<Texture>();
-  texture->name = "four";
-  texture->width = 4;
-  texture->height = 1;
-  for (int i = 0; i < 4; ++i) {
-    for (int c = 0; c < 3; ++c) texture->rgba.push_back(static_cast<std::uint8_t>(kGrey[i]));
-    texture->rgba.push_back(static_cast<std::uint8_t>(kAlpha[i]));
-  }
-  texture->sampler = {
-      .magnify = Filter::nearest, .minify = Filter::nearest, .between_mips = Filter::nearest, .mipmapped = false};
-  return texture;
-}
-
-// A wall that fills a 4 x 4 view: one texel of `four_texels` per column when uv runs from 0 to 1.
-Scene textured_wall(Material material) {
-  Scene scene = scene_with_ambient(1);
-  scene.add(rectangle(-1, -1, 1, 1), material, at(0, 0, 1));
-  return scene;
-}
-
-FramePlan wall_plan(bool color, bool depth) { return plan_of(4, 4, 2, color, depth); }
 
 }  // namespace
 
@@ -342,96 +301,6 @@ TEST_CASE("a colour pass gives the same depth as a depth pass") {
   const std::vector<float> alone = copy(renderer.render(scene.list, plan_of(96, 96, 48, false, true))[0].depth);
   CHECK(std::count_if(alone.begin(), alone.end(), [](float d) { return d > 0; }) > 100);
   CHECK(same_bytes<float>(alone, renderer.render(scene.list, plan_of(96, 96, 48, true, true))[0].depth));
-}
-
-TEST_CASE("only what a pass can show is uploaded, and only once") {
-  Renderer renderer(device());
-  auto large = std::make_shared<Texture>();
-  large->name = "large";
-  large->width = large->height = 64;
-  large->rgba.resize(64 * 64 * 4, 200);
-  Material painted, plain;
-  painted.base_color_texture = large;
-  Scene scene = scene_with_ambient(1);
-  scene.add(rectangle(-1, -1, 1, 1), painted, at(0, 0, 2));
-  scene.add(rectangle(-1, -1, 1, 1), plain, at(0, 0, 3));
-  constexpr std::uint64_t kPositions = 2 * (4 * 12 + 6 * 4), kAttributes = 2 * 4 * 32, kInstances = 2 * 64;
-  constexpr std::uint64_t kMaterials = 2 * sizeof(shader::MaterialBlock), kTexture = 64 * 64 * 4;
-
-  renderer.render(scene.list, wall_plan(false, true));
-  CHECK(renderer.counters().bytes_uploaded == kPositions + kInstances);
-  renderer.render(scene.list, wall_plan(false, true));
-  CHECK(renderer.counters().bytes_uploaded == kInstances);
-  renderer.render(scene.list, wall_plan(true, false));
-  CHECK(renderer.counters().bytes_uploaded == kAttributes + kInstances + kMaterials + kTexture);
-  renderer.render(scene.list, wall_plan(true, false));
-  CHECK(renderer.counters().bytes_uploaded == kInstances);
-  renderer.render(scene.list, wall_plan(false, true));
-  CHECK(renderer.counters().bytes_uploaded == kInstances);
-  CHECK(renderer.counters().draws == 2);
-}
-
-TEST_CASE("a changed material uploads its slot and nothing else") {
-  Renderer renderer(device());
-  Scene scene = scene_with_ambient(1);
-  auto material = std::make_shared<Material>(colored({0.5f, 0.5f, 0.5f, 1}));
-  scene.add(rectangle(-1, -1, 1, 1), {}, at(0, 0, 1));
-  scene.list.materials[0] = material;
-  scene.add(rectangle(-1, -1, 1, 1), {}, at(0, 0, 4));
-  CHECK(renderer.render(scene.list, wall_plan(true, false))[0].color[5].r == 0.5f);
-  material->base_color.r = 0.75f;
-  ++scene.list.material_revision[0];
-  ++scene.list.revisions.materials;
-  CHECK(renderer.render(scene.list, wall_plan(true, false))[0].color[5].r == 0.75f);
-  CHECK(renderer.counters().bytes_uploaded == 2 * 64 + sizeof(shader::MaterialBlock));
-  // A change of kind takes effect too.
-  material->alpha_mode = AlphaMode::blend;
-  material->base_color.a = 0;
-  ++scene.list.material_revision[0];
-  CHECK(renderer.render(scene.list, wall_plan(true, false))[0].color[5].r == 1);
-}
-
-TEST_CASE("lists of different origin are not mistaken for each other") {
-  Renderer renderer(device());
-  for (const float grey : {0.25f, 0.5f, 0.75f}) {
-    Scene scene = scene_with_ambient(1);
-    scene.add(rectangle(-1, -1, 1, 1), colored({grey, grey, grey, 1}), at(0, 0, 1));
-    CHECK(renderer.render(scene.list, wall_plan(true, false))[0].color[5].r == grey);
-  }
-}
-
-TEST_CASE("a texture that is too large is the user's error, and the renderer lives on") {
-  Renderer renderer(device());
-  auto wide = std::make_shared<Texture>();
-  wide->name = "WIDE";
-  wide->width = 1u << 18;
-  wide->height = 1;
-  wide->rgba.resize(std::size_t{4} << 18, 255);
-  Material material;
-  material.base_color_texture = wide;
-  const Scene scene = textured_wall(material);
-  CHECK_THROWS_WITH_AS(renderer.render(scene.list, wall_plan(true, false)), doctest::Contains("WIDE"), InputError);
-  const Scene plain = textured_wall(colored({0.5f, 0.5f, 0.5f, 1}));
-  CHECK(renderer.render(plain.list, wall_plan(true, false))[0].color[5].r == 0.5f);
-  CHECK(renderer.render(scene.list, wall_plan(false, true))[0].depth[5] > 0);
-}
-
-TEST_CASE("passes of one plan have results of their own") {
-  Renderer renderer(device());
-  Scene scene = scene_with_ambient(1);
-  scene.add(rectangle(-9, -9, 9, 9), colored({0.5f, 0.5f, 0.5f, 1}), at(0, 0, 2));
-  FramePlan plan = wall_plan(true, true);
-  plan.passes.push_back(plan.passes[0]);
-  plan.passes[1].views[0].view_from_world = at(0, 0, 2);
-  plan.passes.push_back(wall_plan(false, true).passes[0]);
-  plan.passes[2].views[0].view_from_world = at(0, 0, 3);
-  const auto results = renderer.render(scene.list, plan);
-  REQUIRE(results.size() == 3);
-  for (int i = 0; i < 3; ++i)
-    CHECK(results[i].depth[0] == doctest::Approx(0.05 / (i < 2 ? 2 + 2 * i : 5)).epsilon(1e-6));
-  CHECK(results[1].color[0].r == 0.5f);
-  CHECK(results[2].color.empty());
-  CHECK(renderer.counters().passes == 3);
 }
 
 TEST_CASE("the validation layer has nothing to say") { CHECK(device().validation_messages() == 0); }

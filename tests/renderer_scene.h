@@ -105,4 +105,44 @@ inline Device& device() {
   return instance;
 }
 
+inline constexpr float kBackground = 0.25f;
+
+inline Scene scene_with_ambient(double ambient) {
+  Scene scene;
+  scene.list.environment.ambient = glm::vec3(static_cast<float>(ambient));
+  scene.list.environment.background = glm::vec3(kBackground);
+  return scene;
+}
+
+inline Material colored(glm::vec4 base) {
+  Material material;
+  material.base_color = base;
+  return material;
+}
+
+// 4 x 1 texels of clear grey levels, with alpha in steps.
+inline constexpr int kGrey[4] = {30, 90, 170, 250}, kAlpha[4] = {0, 100, 200, 255};
+inline std::shared_ptr<Texture> four_texels() {
+  auto texture = std::make_shared<Texture>();
+  texture->name = "four";
+  texture->width = 4;
+  texture->height = 1;
+  for (int i = 0; i < 4; ++i) {
+    for (int c = 0; c < 3; ++c) texture->rgba.push_back(static_cast<std::uint8_t>(kGrey[i]));
+    texture->rgba.push_back(static_cast<std::uint8_t>(kAlpha[i]));
+  }
+  texture->sampler = {
+      .magnify = Filter::nearest, .minify = Filter::nearest, .between_mips = Filter::nearest, .mipmapped = false};
+  return texture;
+}
+
+// A wall that fills a 4 x 4 view: one texel of `four_texels` per column when uv runs from 0 to 1.
+inline Scene textured_wall(Material material) {
+  Scene scene = scene_with_ambient(1);
+  scene.add(rectangle(-1, -1, 1, 1), material, at(0, 0, 1));
+  return scene;
+}
+
+inline FramePlan wall_plan(bool color, bool depth) { return plan_of(4, 4, 2, color, depth); }
+
 }  // namespace simvis::test

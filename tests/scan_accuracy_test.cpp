@@ -105,7 +105,7 @@ TEST_CASE("a lidar of 32 rings over a full turn in random rooms: 300,000 beams")
 
 TEST_CASE("planar scans of the marvin laboratory while the robot drives: 300,000 beams") {
   SimulationDesc desc;
-  desc.overrides = {{"laser_scanner", "samples", "5001"}};
+  desc.overrides = {{"laser_scanner", "samples", "5001", "this test"}};
   Simulation simulation = Simulation::load(std::filesystem::path(SIMVIS_SOURCE_DIR) / "scenes/marvin/marvin.xml", desc);
   for (const SensorInfo& sensor : simulation.sensors()) simulation.enable(sensor.name, sensor.type == "laser_scanner");
   ScanComparison comparison;
