@@ -54,7 +54,7 @@ std::string speed_line(const RunReport& report) {
   const double speed_hz = 1000 / std::max(median_ms, 1e-6);
   const std::size_t frames = report.frame_ms.size();
   char text[160];
-  std::snprintf(text, sizeof text, "%zu frame%s, %.3g ms a frame: %.4g Hz, %.3g x real time at %g Hz", frames,
+  std::snprintf(text, sizeof text, "%zu frame%s, %.2f ms a frame: %.1f Hz, %.2f x real time at %g Hz", frames,
                 frames == 1 ? "" : "s", median_ms, speed_hz, speed_hz / report.rate_hz, report.rate_hz);
   return text;
 }

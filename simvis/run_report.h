@@ -27,7 +27,7 @@ double percentile(std::span<const double> values, double p);
 
 std::string to_json(const RunReport& report);
 
-/// "30 frames, 2.4 ms a frame: 412 Hz, 27 x real time at 15 Hz", from the median.
+/// "30 frames, 2.43 ms a frame: 411.5 Hz, 27.43 x real time at 15 Hz", from the median.
 std::string speed_line(const RunReport& report);
 
 /// Stages of frames in Chrome's trace format (chrome://tracing, ui.perfetto.dev).

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <charconv>
 #include <chrono>
 #include <csignal>
 #include <cstring>
@@ -37,10 +38,21 @@ struct Options {
   bool list_devices = false, explain = false, quiet = false;
 };
 
+/// CLI11 would take -3 for 2^64 - 3, and the largest number for what is larger.
+std::string whole_number(const std::string& text) {
+  std::uint64_t number = 0;
+  const char* const end = text.data() + text.size();
+  const auto [rest, error] = std::from_chars(text.data(), end, number);
+  return rest == end && error == std::errc() ? "" : "\"" + text + "\" is not a whole number from 0 to 2^64 - 1";
+}
+
 void declare_options(CLI::App& app, Options& options) {
   app.add_option("SCENE.xml", options.scene, "the scene to run");
   app.add_option("--out", options.out, "where results go")->type_name("DIR")->capture_default_str();
-  app.add_option("--frames", options.frames, "how many frames")->type_name("N")->capture_default_str();
+  app.add_option("--frames", options.frames, "how many frames")
+      ->type_name("N")
+      ->check(whole_number)
+      ->capture_default_str();
   app.add_option("--rate", options.rate_hz, "frames per simulated second")->type_name("HZ")->capture_default_str();
   app.add_option("--set", options.set, "a parameter, from the first frame on (repeatable)")
       ->type_name("ELEMENT.PARAM=VALUE")
@@ -52,7 +64,10 @@ void declare_options(CLI::App& app, Options& options) {
       ->type_name("NAME")
       ->allow_extra_args(false);
   app.add_option("--method", options.method, "for every laser scanner, over the scene's own")->type_name("M");
-  app.add_option("--seed", options.seed, "of all random numbers")->type_name("N")->capture_default_str();
+  app.add_option("--seed", options.seed, "of all random numbers")
+      ->type_name("N")
+      ->check(whole_number)
+      ->capture_default_str();
   app.add_option("--device", options.device, "the Vulkan device to use: part of its name, or its index")
       ->type_name("NAME|INDEX");
   app.add_option("--plugin", options.plugins, "a library with more elements and sensors (repeatable)")
@@ -117,8 +132,8 @@ void print_devices() {
 void print_description(const std::string& type) {
   const ElementType* const element = find_element_type(type);
   const SensorType* const sensor = find_sensor_type(type);
-  if (element != nullptr) std::cout << describe(element->name, element->summary, element->attributes);
-  if (sensor != nullptr) std::cout << describe(sensor->name, sensor->summary, sensor->attributes);
+  if (element != nullptr) std::cout << describe(element->name, element->summary, element->attributes) << '\n';
+  if (sensor != nullptr) std::cout << describe(sensor->name, sensor->summary, sensor->attributes) << '\n';
   if (element != nullptr || sensor != nullptr) return;
   std::vector<std::string_view> known;
   for (const ElementType* each : element_types()) known.push_back(each->name);
@@ -171,10 +186,8 @@ void write_results(const Simulation& simulation, const FrameTime& time, OutputWr
 }
 
 /// Makes and writes all frames; fills in the report's times.
-void run_frames(const Options& options, Simulation& simulation, OutputWriter& writer, RunReport& report,
-                Profile& profile) {
-  std::optional<Trajectory> trajectory;
-  if (!options.trajectory.empty()) trajectory.emplace(options.trajectory, simulation.parameters());
+void run_frames(const Options& options, Simulation& simulation, const std::optional<Trajectory>& trajectory,
+                OutputWriter& writer, RunReport& report, Profile& profile) {
   const bool terminal = ::isatty(STDERR_FILENO) == 1;
   ProgressBar progress(std::cerr, terminal && !options.quiet, options.frames, std::chrono::steady_clock::now());
   for (std::uint64_t frame = 0; frame < options.frames; ++frame) {
@@ -209,16 +222,21 @@ void run_scene(const Options& options, std::int64_t start_ns) {
   if (!options.quiet) {
     for (const std::string& warning : simulation.warnings()) std::cerr << "warning: " << warning << '\n';
   }
+  std::optional<Trajectory> trajectory;
+  if (!options.trajectory.empty()) trajectory.emplace(options.trajectory, simulation.parameters());
   std::vector<std::string> writing;
   for (const SensorInfo& sensor : simulation.sensors()) {
     if (sensor.enabled) writing.push_back(sensor.name);
   }
   handle_signals();
   OutputWriter writer(options.out, writing);
-  RunReport report{
-      .scene = options.scene, .device = simulation.device(), .seed = options.seed, .rate_hz = options.rate_hz};
+  RunReport report;
+  report.scene = options.scene;
+  report.device = simulation.device();
+  report.seed = options.seed;
+  report.rate_hz = options.rate_hz;
   Profile profile;
-  run_frames(options, simulation, writer, report, profile);
+  run_frames(options, simulation, trajectory, writer, report, profile);
   writer.finish();
   if (!options.profile.empty()) write_file(options.profile, profile.to_json());
   report.sensors = simulation.sensors();

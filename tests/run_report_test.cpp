@@ -58,7 +58,7 @@ TEST_CASE("run.json") {
 }
 
 TEST_CASE("the closing line compares with real time") {
-  CHECK(speed_line(example()) == "3 frames, 2.5 ms a frame: 400 Hz, 26.7 x real time at 15 Hz");
+  CHECK(speed_line(example()) == "3 frames, 2.50 ms a frame: 400.0 Hz, 26.67 x real time at 15 Hz");
 }
 
 TEST_CASE("the profile is a Chrome trace") {

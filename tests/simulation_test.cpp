@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "simvis/default_light.h"
 #include "tests/wall_scene.h"
@@ -68,7 +69,7 @@ TEST_CASE("what is refused keeps the old value and says why") {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   CHECK(has(refusal([&] { simulation->set("MOVE", "x", nan); }), "MOVE.x"));
   CHECK(simulation->get("MOVE", "x") == 1);
-  CHECK(has(refusal([&] { simulation->set("MOVE", "z_", 0); }), "did you mean"));
+  CHECK(has(refusal([&] { simulation->set("MOVE", "rol", 0); }), "did you mean"));
   CHECK(has(refusal([&] { simulation->get("MUVE", "x"); }), "\"MOVE\"?"));
   CHECK(has(refusal([&] { simulation->enable("SCAM", false); }), "did you mean"));
   CHECK(has(refusal([&] { simulation->scan("CAM"); }), "camera"));
@@ -76,7 +77,8 @@ TEST_CASE("what is refused keeps the old value and says why") {
   CHECK(has(refusal([&] { simulation->color("SCAN"); }), "SCAN"));
   glm::dmat4 pose;
   CHECK(has(refusal([&] { simulation->sensor_pose("SCAN1", pose); }), "\"SCAN\"?"));
-  CHECK(has(refusal([&] { Simulation::from_string("<prt/>", {}, ".", "mine.xml"); }), "mine.xml:1:2: error: "));
+  CHECK(has(refusal([&] { Simulation::from_string("<scene><prt/></scene>", {}, ".", "mine.xml"); }),
+            "mine.xml:1:9: error: "));
   SimulationDesc desc;
   desc.rate_hz = 0;
   CHECK(has(refusal([&] { Simulation::from_string("", desc); }), "rate"));
