@@ -94,7 +94,7 @@ std::array<double, 6> pose_offset(const Command& command) {
 }
 
 glm::dmat4 matrix_of(const std::array<double, 6>& v) {
-  return to_matrix({{v[0], v[1], v[2]}, glm::radians(v[3]), glm::radians(v[4]), glm::radians(v[5])});
+  return matrix_from_degrees({v[0], v[1], v[2]}, v[3], v[4], v[5]);
 }
 
 /// The robot alone, standing in the origin, its upper scanner's head turned down by `tilt_deg`.
@@ -149,7 +149,7 @@ TEST_CASE("the scene has at least 20,000 triangles, and repeated parts share the
 TEST_CASE("the robot stands in no scanner's way") {
   const std::vector<Command> commands = marvin_commands();
   const std::vector<Triangle> robot = robot_triangles(commands, 0);
-  for (const char* name : {"FRONT_SCANNER", "REAR_SCANNER"}) {
+  for (const std::string name : {"FRONT_SCANNER", "REAR_SCANNER"}) {
     CAPTURE(name);
     const glm::dmat4 mount = matrix_of(pose_offset(named(commands, name)));
     CHECK(mount[3].z == doctest::Approx(0.1));
