@@ -338,6 +338,10 @@ TEST_CASE("an output folder that cannot be written") {
     CHECK(result.err.starts_with(out));
     CHECK(result.err.find(": error: ") != std::string::npos);
   }
+  const ProcessResult profile =
+      run({scene.string(), "--out", (folder / "out").string(), "--profile", scene.string() + "/p.json"});
+  CHECK(profile.exit_code == 1);
+  CHECK(profile.err.starts_with(scene.string() + "/p.json: error: "));
   CHECK(files_below(folder.path()) == Strings{"scene.xml", "wall.gltf"});
 }
 
