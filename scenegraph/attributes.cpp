@@ -112,7 +112,11 @@ bool parse_number(std::string_view text, double& value) { return parse_numbers(t
 
 std::string format_number(double value) {
   char text[40];
-  return {text, std::to_chars(text, text + sizeof(text), value).ptr};
+  // Whole numbers of a readable size are written out: 1000000 rather than 1e+06.
+  const bool whole = std::abs(value) < 1e9 && value == std::floor(value);
+  char* end = text + sizeof(text);
+  end = whole ? std::to_chars(text, end, value, std::chars_format::fixed).ptr : std::to_chars(text, end, value).ptr;
+  return {text, end};
 }
 
 std::string check_number(const AttributeSpec& spec, double value) {

@@ -84,6 +84,14 @@ pugi::xml_node find_root(const pugi::xml_document& document) {
   return encloses && !is_command(first.name()) ? first : pugi::xml_node();
 }
 
+[[noreturn]] void refuse_text(const pugi::xml_node& node, const SourceText& source) {
+  std::string_view text = node.value();
+  const std::size_t spaces = std::min(text.find_first_not_of(kSpaces), text.size());
+  text = text.substr(spaces, text.find_last_not_of(kSpaces) + 1 - spaces);
+  fail_at(source.at(static_cast<std::size_t>(node.offset_debug()) + spaces),
+          "text " + in_quotes(text) + " between commands, expected commands only");
+}
+
 std::vector<Command> parse(const SourceText& source, const std::filesystem::path& folder) {
   pugi::xml_document document;
   const std::string& text = source.text();
@@ -100,9 +108,7 @@ std::vector<Command> parse(const SourceText& source, const std::filesystem::path
   }
   std::vector<Command> commands;
   for (const pugi::xml_node& node : root ? root.children() : document.children()) {
-    if (node.type() != pugi::node_element) {
-      fail_at(place(node, source), "text " + in_quotes(node.value()) + " between commands, expected commands only");
-    }
+    if (node.type() != pugi::node_element) refuse_text(node, source);
     commands.push_back(read_command(node, source, folder));
   }
   return commands;

@@ -18,6 +18,11 @@ constexpr double kFloatUnit = 0x1p-24;
 // corner (4), the evaluation (4), storing it (1).
 constexpr double kSetup = 17;
 
+// Second differences up to this share of their worst rounding are taken for none. Any share is safe, as what it lets
+// through is in the bound: a larger one takes small steps for planes more often and so widens bounds, a smaller one
+// takes rough planes for steps and calls more beams uncertain.
+constexpr double kBelieved = 0.3;
+
 // A surface around one corner of the beam's cell: w = w0 + gx (x - corner) + gy (y - corner).
 struct Plane {
   double x = 0, y = 0;  // the corner, in pixels from the tap's
@@ -28,6 +33,22 @@ struct Plane {
 
   double at(double px, double py) const { return w0 + gx * (px - x) + gy * (py - y); }
 };
+
+// Whether pixels 0 and 1 of a line lie on one surface, from the second differences at pixels -1, 0, 1 and 2.
+struct Line {
+  bool straight = false;
+  double doubt = 0;
+};
+
+// Either all of -1, 0, 1, 2 lie in line. Or three do and the fourth is off, beyond an edge; then the pixel before the
+// edge must not also lie in line with what is beyond it: it would be anybody's.
+Line judge(double before, double first, double second, double after, double believed) {
+  const auto in_line = [&](double difference) { return std::abs(difference) <= believed; };
+  if (in_line(first) && in_line(second)) return {true, std::abs(first) + std::abs(second)};
+  if (in_line(first)) return {!in_line(after), std::abs(first)};
+  if (in_line(second)) return {!in_line(before), std::abs(second)};
+  return {};
+}
 
 class Cell {
  public:
@@ -49,6 +70,15 @@ class Cell {
   double interpolated() const {
     const double fx = tap_.fraction_x, fy = tap_.fraction_y;
     return (1 - fy) * ((1 - fx) * at(0, 0) + fx * at(1, 0)) + fy * ((1 - fx) * at(0, 1) + fx * at(1, 1));
+  }
+
+  // How far the pixels around differ from w at the most.
+  double relief(double w) const {
+    double relief = 0;
+    for (int y = planar_ ? 0 : -kPixelsBefore; y <= (planar_ ? 0 : kPixelsAfter); ++y) {
+      for (int x = -kPixelsBefore; x <= kPixelsAfter; ++x) relief = std::max(relief, std::abs(at(x, y) - w));
+    }
+    return relief;
   }
 
   // Rounding of a w on a plane with these gradients per pixel.
@@ -81,26 +111,30 @@ class Cell {
       twist = std::abs(at(x + sx, y + sy) - at(x + sx, y) - at(x, y + sy) + at(x, y));
     }
     plane.noise = noise(plane.w0, plane.gx, plane.gy);
-    plane.doubt = bend_x + bend_y;
-    plane.flat = at(x + sx, y) > 0 && std::max({bend_x, bend_y, twist}) <= 4 * plane.noise;
+    plane.flat = at(x + sx, y) > 0 && std::max({bend_x, bend_y, twist}) <= kBelieved * plane.noise;
     return plane;
   }
 
-  // One surface under the whole cell: at least one of the two second differences along each line through it vanishes.
+  // One surface under the whole cell, or none (`flat` false).
   Plane single_plane() const {
     Plane plane{0, 0, at(0, 0), at(1, 0) - at(0, 0), at(0, 1) - at(0, 0)};
     plane.noise = noise(plane.w0, plane.gx, plane.gy);
-    const auto bend = [](double a, double b) { return std::min(std::abs(a), std::abs(b)); };
     const double twist = std::abs(at(1, 1) - at(1, 0) - at(0, 1) + at(0, 0));
-    double bend_x = bend(second_difference_x(0, 0), second_difference_x(1, 0));
-    double bend_y = 0;
-    if (!planar_) {
-      bend_x = std::max(bend_x, bend(second_difference_x(0, 1), second_difference_x(1, 1)));
-      bend_y = std::max(bend(second_difference_y(0, 0), second_difference_y(0, 1)),
-                        bend(second_difference_y(1, 0), second_difference_y(1, 1)));
+    plane.doubt = twist;
+    plane.flat = twist <= kBelieved * plane.noise;
+    const auto along = [&](double before, double first, double second, double after) {
+      const Line line = judge(before, first, second, after, kBelieved * plane.noise);
+      plane.flat = plane.flat && line.straight;
+      plane.doubt += line.doubt;
+    };
+    for (int y = 0; y <= (planar_ ? 0 : 1); ++y) {
+      along(second_difference_x(-1, y), second_difference_x(0, y), second_difference_x(1, y),
+            second_difference_x(2, y));
     }
-    plane.doubt = bend_x + bend_y + twist;
-    plane.flat = std::max({bend_x, bend_y, twist}) <= 4 * plane.noise;
+    for (int x = 0; x <= 1 && !planar_; ++x) {
+      along(second_difference_y(x, -1), second_difference_y(x, 0), second_difference_y(x, 1),
+            second_difference_y(x, 2));
+    }
     return plane;
   }
 
@@ -119,14 +153,13 @@ RangeEstimate to_range(double w, double w_bound, const BeamTap& tap) {
 }
 
 // The envelope of the corners' planes if they form one continuous surface, upper or lower.
-RangeEstimate crease_or_step(const BeamTap& tap, std::span<const Plane> corners) {
+RangeEstimate crease_or_step(const Cell& cell, const BeamTap& tap, std::span<const Plane> corners) {
   const double fx = tap.fraction_x, fy = tap.fraction_y;
   bool flat = true, upper = true, lower = true;
-  double highest = -kInfinity, lowest = kInfinity, noise = 0, doubt = 0;
+  double highest = -kInfinity, lowest = kInfinity, noise = 0;
   for (const Plane& own : corners) {
     flat = flat && own.flat;
     noise = std::max(noise, own.noise);
-    doubt = std::max(doubt, own.doubt);
     highest = std::max(highest, own.at(fx, fy));
     lowest = std::min(lowest, own.at(fx, fy));
     for (const Plane& other : corners) {
@@ -136,9 +169,10 @@ RangeEstimate crease_or_step(const BeamTap& tap, std::span<const Plane> corners)
     }
   }
   if (flat && (upper || lower)) {
-    // A plane extended over up to a pixel in each direction errs by five times the noise of the pixels it rests on,
-    // and by the kink that hides in them.
-    return to_range(upper ? highest : lowest, highest - lowest + 5 * noise + 4 * noise + doubt, tap);
+    // A plane extended over up to a pixel in each direction errs by five times the noise of the pixels that it rests
+    // on. What may hide between the pixels is taken to be no rougher than what they show all around.
+    const double w = upper ? highest : lowest;
+    return to_range(w, std::max(highest - lowest, cell.relief(w)) + 5 * noise, tap);
   }
   const Plane& side = *std::ranges::min_element(
       corners, {}, [&](const Plane& c) { return (c.x - fx) * (c.x - fx) + (c.y - fy) * (c.y - fy); });
@@ -167,7 +201,7 @@ RangeEstimate planar_range(const FacePixels& pixels, const BeamTap& tap, bool pl
                                           ? std::array<Plane, 4>{cell.outward_plane(0, 0), cell.outward_plane(1, 0)}
                                           : std::array<Plane, 4>{cell.outward_plane(0, 0), cell.outward_plane(1, 0),
                                                                  cell.outward_plane(0, 1), cell.outward_plane(1, 1)};
-  return crease_or_step(tap, {planes.data(), seen.size()});
+  return crease_or_step(cell, tap, {planes.data(), seen.size()});
 }
 
 RangeEstimate nearest_range(const FacePixels& pixels, const BeamTap& tap, const ScanFace& face,

@@ -3,12 +3,14 @@
 // On a plane, w = 1 / z = d / near is affine in pixel coordinates. So every surface that is flat over a few pixels
 // gives its exact w anywhere between their centres, up to rounding; z and range do not have that property.
 //
-// What is taken from the pixels and what is assumed. A pixel's surface is flat if second differences of w vanish
-// within their rounding. Between pixels of one flat surface, w is interpolated. Where two or more flat surfaces meet
-// so that their extensions cross between the pixels (a crease), the envelope of the two is taken and their distance
-// at the beam is the bound. Elsewhere (a step, or surfaces finer than three pixels) the pixels do not say which
-// surface the beam meets: the range is that of the surface on the beam's side, the bound is infinite.
-// Assumed is only that nothing narrower than a pixel stands before a surface that fills its whole neighbourhood.
+// What is taken from the pixels and what is assumed. Pixels of a line lie on one surface if the second differences of
+// w vanish within rounding; both neighbours of the beam must do so with pixels on either side, or with two on one side
+// while the other side is another surface. Between them w is interpolated. Where two or more flat surfaces meet so that
+// their extensions cross between the pixels (a crease), their envelope is taken; since a bevel or a small step may hide
+// there, the bound is then the relief of all pixels around. Elsewhere (a step, or surfaces finer than three pixels) the
+// pixels do not say which surface the beam meets: the range is that of the surface on the beam's side, the bound is
+// infinite. Assumed is that the surface that the beam meets is at least three pixels wide: what is narrower may have
+// left no trace in the pixels.
 //
 // Rounding, per pixel, as an absolute error of w (u = 2^-24, half an ulp of 1):
 //   vertices   A vertex reaches the rasteriser displaced by at most e metres (see VertexRounding), so at each point

@@ -108,6 +108,13 @@ TEST_CASE("only finite decimal numbers are numbers") {
   CHECK(check_number(kTable[0], 179.999).empty());
 }
 
+TEST_CASE("numbers print so that they read back, whole ones written out") {
+  CHECK(format_number(1000000) == "1000000");
+  CHECK(format_number(0.1) == "0.1");
+  CHECK(format_number(-2.5e-300) == "-2.5e-300");
+  CHECK(format_number(1e15) == "1e+15");
+}
+
 TEST_CASE("the nearest name is a likely slip of the pen") {
   constexpr std::string_view kNames[] = {"x", "y", "hfov", "R_POSE", "laser_scanner", "resolution"};
   CHECK(nearest_name("lasersanner", kNames) == "laser_scanner");

@@ -59,7 +59,7 @@ TEST_CASE("mistakes are reported where they stand") {
         "s.xml:2:3: error: unknown command \"elemnt\", did you mean \"element\"? (expected part, element or sensor)");
   CHECK(contains(error("<prat file='x'/>"), "s.xml:1:2: error: unknown command \"prat\", did you mean \"part\"?"));
   CHECK(contains(error("<part name='a'\n up='y' name='b'/>"), "s.xml:2:9: error: attribute \"name\" is given twice"));
-  CHECK(contains(error("<scene>\n  hello <part/></scene>"), ": error: text \"hello \" between commands"));
+  CHECK(contains(error("<scene>\n  hello <part/></scene>"), "s.xml:2:3: error: text \"hello\" between commands"));
   CHECK(contains(error("hello"), "s.xml:1:1: error: text \"hello\" between commands"));
   CHECK(contains(error("<part/>\n<![CDATA[x]]>"), "text \"x\" between commands"));
   CHECK(contains(error("<part>\n <part/></part>"), "s.xml:2:3: error: a command has no content, expected <part .../>"));

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "scenegraph/pose.h"
+#include "sensors/laser_scanner.h"
 #include "simvis/simulation.h"
 #include "tests/scan_truth.h"
 
@@ -67,11 +68,13 @@ TEST_CASE("the furnished house runs with a lidar and a camera") {
   REQUIRE(simulation.sensor_pose("LIDAR", world_from_sensor));
   ScanComparison comparison;
   compare(simulation.scan("LIDAR"), reference::RayCaster(simulation.draw_list(), rigid_inverse(world_from_sensor)),
-          0.05, 80, comparison);
+          0.05, 80, 2 / kRingsResolution, comparison);
   std::ostringstream text;
   text << comparison;
   MESSAGE(text.str());
   CHECK(comparison.violations == 0);
+  // Chandelier arms and cupboard mouldings are finer than a pixel at some metres: the stated limit, not many beams.
+  CHECK(comparison.narrow < comparison.beams / 1000);
   CHECK(comparison.median_error() <= 2e-7);
   CHECK(simulation.validation_messages() == 0);
 }

@@ -65,7 +65,14 @@ class RayCaster {
     return hit;
   }
 
-  /// The same without the hierarchy: the test of the test.
+  /// Where the plane of a triangle is met in this direction; not finite or negative where it is not.
+  double range_of_plane(std::uint32_t triangle, const glm::dvec3& direction) const {
+    const auto& [a, b, c] = triangles_[triangle];
+    const glm::dvec3 normal = glm::cross(b - a, c - a);
+    return glm::dot(normal, a) / glm::dot(normal, direction);
+  }
+
+  /// What cast() finds, found without the hierarchy: the test of the test.
   Hit cast_all(const glm::dvec3& direction) const {
     Hit hit;
     for (std::uint32_t t = 0; t < triangles_.size(); ++t) intersect(t, direction, hit);

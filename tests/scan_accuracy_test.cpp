@@ -58,10 +58,11 @@ void check_rooms(const LaserScannerDesc& desc, int rooms) {
     LaserScanner scanner("S", desc);
     scan_once(renderer, list, pose, scanner);
     compare(*scanner.scan(), reference::RayCaster(list, rigid_inverse(pose)), desc.range_min_m, desc.range_max_m,
-            comparison);
+            2 / (desc.pattern.rings == 1 ? kPlanarResolution : kRingsResolution), comparison);
   }
   MESSAGE(text(comparison));
   CHECK(comparison.violations == 0);
+  CHECK(comparison.narrow == 0);
   CHECK(comparison.uncertain < comparison.beams / 10);
   CHECK(comparison.relative_errors.size() > comparison.beams / 2);
   if (desc.method == ScanMethod::planar) CHECK(comparison.median_error() <= kMedianError);
@@ -117,11 +118,12 @@ TEST_CASE("planar scans of the marvin laboratory while the robot drives: 300,000
       glm::dmat4 world_from_sensor(1.0);
       REQUIRE(simulation.sensor_pose(name, world_from_sensor));
       compare(simulation.scan(name), reference::RayCaster(simulation.draw_list(), rigid_inverse(world_from_sensor)),
-              0.05, 80, comparison);
+              0.05, 80, 2 / kPlanarResolution, comparison);
     }
   }
   MESSAGE(text(comparison));
   CHECK(comparison.violations == 0);
+  CHECK(comparison.narrow == 0);
   CHECK(comparison.uncertain < comparison.beams / 10);
   CHECK(comparison.median_error() <= kMedianError);
   CHECK(simulation.validation_messages() == 0);

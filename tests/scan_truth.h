@@ -16,7 +16,8 @@ namespace simvis {
 struct ScanComparison {
   std::size_t beams = 0;
   std::size_t uncertain = 0;            ///< infinite bound: the method does not say which surface is met
-  std::size_t violations = 0;           ///< the truth lies outside the bound
+  std::size_t violations = 0;           ///< the truth lies outside the bound, and the surface met is wide enough
+  std::size_t narrow = 0;               ///< the truth lies outside, on a surface that the bound does not speak of
   std::size_t wrong_surface = 0;        ///< relative error above 1e-3, or hit for miss, among the uncertain
   double worst_use = 0;                 ///< the largest error / bound among the certain
   std::vector<double> relative_errors;  ///< of beams where scan and truth both have a range
@@ -37,8 +38,33 @@ inline double expected_reading(double range_m, double range_min_m, double range_
   return range_m > range_max_m ? std::numeric_limits<double>::infinity() : range_m;
 }
 
+/// Whether the surface met at (azimuth, elevation) is less than three pixels wide, across or (for several rings) along
+/// the elevation. It is followed in quarters of a pixel until the range departs from its plane.
+inline bool is_narrow(const reference::RayCaster& truth, double azimuth, double elevation, bool rings,
+                      double pixel_rad) {
+  const auto direction = [](double a, double e) {
+    return glm::dvec3(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e));
+  };
+  const reference::Hit hit = truth.cast(direction(azimuth, elevation));
+  if (!std::isfinite(hit.range_m)) return false;
+  for (int axis = 0; axis <= (rings ? 1 : 0); ++axis) {
+    int quarters = 0;
+    for (const int side : {-1, 1}) {
+      for (int k = 1; k <= 12; ++k, ++quarters) {
+        const double turn = side * k * pixel_rad / 4;
+        const glm::dvec3 d = direction(azimuth + (axis == 0 ? turn : 0), elevation + (axis == 1 ? turn : 0));
+        const double expected = truth.range_of_plane(hit.triangle, d);
+        if (!(std::abs(truth.cast(d).range_m - expected) <= 1e-9 * std::abs(expected))) break;
+      }
+    }
+    if (quarters < 12) return true;
+  }
+  return false;
+}
+
+/// `pixel_rad`: the widest pixel of the method, 2 / resolution.
 inline void compare(const Scan& scan, const reference::RayCaster& truth, double range_min_m, double range_max_m,
-                    ScanComparison& result) {
+                    double pixel_rad, ScanComparison& result) {
   for (std::uint32_t ring = 0; ring < scan.rings; ++ring) {
     const double e = scan.elevation_rad[ring];
     for (std::uint32_t beam = 0; beam < scan.columns; ++beam) {
@@ -51,7 +77,7 @@ inline void compare(const Scan& scan, const reference::RayCaster& truth, double 
       const double error = expected == range ? 0 : std::abs(range - expected);
       ++result.beams;
       result.uncertain += std::isinf(bound);
-      result.violations += !(error <= bound);
+      if (!(error <= bound)) ++(is_narrow(truth, a, e, scan.rings > 1, pixel_rad) ? result.narrow : result.violations);
       if (std::isfinite(bound) && error > 0) result.worst_use = std::max(result.worst_use, error / bound);
       if (std::isinf(bound) && (!same_kind || error > 1e-3 * expected)) ++result.wrong_surface;
       if (same_kind && std::isfinite(expected) && expected > 0) {
@@ -68,8 +94,9 @@ inline std::ostream& operator<<(std::ostream& out, const ScanComparison& c) {
              << ScanComparison::quantile(c.relative_errors, 0.99) << ", p99.9 "
              << ScanComparison::quantile(c.relative_errors, 0.999) << "; relative bound median "
              << ScanComparison::quantile(c.relative_bounds, 0.5) << ", error at most " << c.worst_use
-             << " of the bound; violations " << c.violations << "; uncertain " << share(c.uncertain)
-             << " % (of all, on the wrong surface " << share(c.wrong_surface) << " %)";
+             << " of the bound; violations " << c.violations << ", on surfaces under three pixels wide " << c.narrow
+             << "; uncertain " << share(c.uncertain) << " % (of all, on the wrong surface " << share(c.wrong_surface)
+             << " %)";
 }
 
 }  // namespace simvis
