@@ -235,10 +235,15 @@ void run_scene(const Options& options, std::int64_t start_ns) {
   report.device = simulation.device();
   report.seed = options.seed;
   report.rate_hz = options.rate_hz;
+  std::optional<AtomicFile> profile_file;
+  if (!options.profile.empty()) profile_file.emplace(options.profile);
   Profile profile;
   run_frames(options, simulation, trajectory, writer, report, profile);
   writer.finish();
-  if (!options.profile.empty()) write_file(options.profile, profile.to_json());
+  if (profile_file) {
+    profile_file->write(profile.to_json());
+    profile_file->commit();
+  }
   report.sensors = simulation.sensors();
   report.wall_s = static_cast<double>(now_ns() - start_ns) / 1e9;
   write_file(std::filesystem::path(options.out) / "run.json", to_json(report));

@@ -338,6 +338,10 @@ TEST_CASE("an output folder that cannot be written") {
     CHECK(result.err.starts_with(out));
     CHECK(result.err.find(": error: ") != std::string::npos);
   }
+  const ProcessResult profile =
+      run({scene.string(), "--out", (folder / "out").string(), "--profile", scene.string() + "/p.json"});
+  CHECK(profile.exit_code == 1);
+  CHECK(profile.err.starts_with(scene.string() + "/p.json: error: "));
   CHECK(files_below(folder.path()) == Strings{"scene.xml", "wall.gltf"});
 }
 
@@ -353,12 +357,30 @@ void check_all_whole(const fs::path& folder) {
   }
 }
 
+/// A file system of 256 KiB, as long as it lives.
+class SmallDisk {
+ public:
+  explicit SmallDisk(const fs::path& folder)
+      : folder_(folder), mounted_(::mount("tmpfs", folder.c_str(), "tmpfs", 0, "size=256k") == 0) {}
+  ~SmallDisk() {
+    if (mounted_) ::umount2(folder_.c_str(), MNT_DETACH);
+  }
+  SmallDisk(const SmallDisk&) = delete;
+  SmallDisk& operator=(const SmallDisk&) = delete;
+  explicit operator bool() const { return mounted_; }
+
+ private:
+  fs::path folder_;
+  bool mounted_;
+};
+
 TEST_CASE("a disk that runs full") {
   const TemporaryFolder folder;
   const fs::path scene = write_wall_scene(folder.path(), kSensors);
   const fs::path disk = folder / "disk";
   fs::create_directory(disk);
-  if (::mount("tmpfs", disk.c_str(), "tmpfs", 0, "size=256k") != 0) {
+  const SmallDisk mounted(disk);
+  if (!mounted) {
     MESSAGE("not tested with a full file system: mounting a small tmpfs is not permitted here");
     return;
   }
@@ -368,7 +390,6 @@ TEST_CASE("a disk that runs full") {
   CHECK(result.err.find("No space left on device") != std::string::npos);
   CHECK_FALSE(files_below(disk).empty());
   check_all_whole(disk / "out");
-  ::umount(disk.c_str());
 }
 
 TEST_CASE("a limit on the size of files") {

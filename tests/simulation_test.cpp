@@ -5,8 +5,10 @@
 
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <optional>
 
+#include "elements/element.h"
 #include "simvis/default_light.h"
 #include "tests/wall_scene.h"
 
@@ -31,6 +33,33 @@ class WallSimulation {
 const std::string kScanner =
     R"(<sensor type="laser_scanner" name="SCAN" insert_at="ROOT" samples="3" min_angle="-45" max_angle="45"/>)";
 const std::string kMove = R"(<element type="pose" name="MOVE" insert_at="ROOT"/>)";
+
+/// An element of this program: scales what follows it.
+class Scale : public Element {
+ public:
+  explicit Scale(const ElementContext& context) : node_(std::make_shared<Transform>()) {
+    context.scene.insert(context.command, node_);
+  }
+  void update(ParameterView values) override {
+    glm::dmat4 matrix(1);
+    for (int axis = 0; axis < 3; ++axis) matrix[axis][axis] = values[static_cast<std::size_t>(axis)];
+    node_->set_matrix(matrix);
+  }
+
+ private:
+  std::shared_ptr<Transform> node_;
+};
+
+constexpr AttributeSpec factor(std::string_view axis) {
+  return {.name = axis, .default_value = "1", .unit = "", .text = "a factor", .choices = {}, .live = true};
+}
+constexpr AttributeSpec kScaleAttributes[] = {factor("x"), factor("y"), factor("z")};
+const ElementRegistration kScale({.name = "test_scale",
+                                  .summary = "Scales what follows.",
+                                  .attributes = kScaleAttributes,
+                                  .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
+                                    return std::make_unique<Scale>(context);
+                                  }});
 
 std::string refusal(const auto& action) {
   try {
@@ -124,6 +153,29 @@ TEST_CASE("only enabled sensors that are due are rendered") {
   CHECK_FALSE(sensors[0].enabled);
   CHECK(sensors[1].frames == 3);
   CHECK(sensors[1].enabled);
+}
+
+TEST_CASE("a scaled or mirrored sensor stays a sensor, a flattened one is refused") {
+  WallSimulation simulation(R"(<element type="test_scale" name="SCALE" insert_at="ROOT"/>)" +
+                            std::string(R"(<sensor type="laser_scanner" name="SCAN" insert_at="ROOT" samples="2"
+                                            min_angle="0" max_angle="60" pose_offset="0.5 0 0 0 0 0"/>)"));
+  // The wall stands before the element and is not scaled; the scanner is moved to x = 0.5 m times the factor.
+  simulation->set("SCALE", "x", 2);
+  simulation->set("SCALE", "y", -3);
+  simulation->step();
+  const Scan& scan = simulation->scan("SCAN");
+  CHECK(std::abs(scan.range_m[0] - 3) <= scan.error_bound_m[0]);
+  CHECK(std::abs(scan.range_m[1] - 6) <= scan.error_bound_m[1]);
+  glm::dmat4 pose;
+  REQUIRE(simulation->sensor_pose("SCAN", pose));
+  CHECK(pose ==
+        glm::dmat4(glm::dvec4(1, 0, 0, 0), glm::dvec4(0, 1, 0, 0), glm::dvec4(0, 0, 1, 0), glm::dvec4(1, 0, 0, 1)));
+
+  simulation->set("SCALE", "x", 0);
+  CHECK(has(refusal([&] { simulation->step(); }), "\"SCAN\" has no direction"));
+  simulation->set("SCALE", "x", 1);
+  simulation->step();
+  CHECK(std::abs(scan.range_m[0] - 3.5) <= scan.error_bound_m[0]);
 }
 
 TEST_CASE("a step's stages follow each other") {
