@@ -1,9 +1,12 @@
 #include "engine/draw_table.h"
 
 #include <algorithm>
+#include <string>
 #include <tuple>
 
 #include "engine/assert.h"
+#include "engine/error.h"
+#include "shaders/interop.h"
 
 namespace simvis {
 namespace {
@@ -26,11 +29,16 @@ void DrawTable::update(const DrawList& list, bool color, GeometryPool& geometry,
   const bool new_tables = take_tables(list);
   const bool new_kinds = take_materials(list);
   const bool new_mirrors = take_transforms(list);
-  const bool new_lights = lights_ != !list.lights.empty();
+  if (color && list.lights.size() > SIMVIS_MAX_LIGHTS) {
+    throw InputError("the scene has " + std::to_string(list.lights.size()) + " lights, " +
+                     std::to_string(SIMVIS_MAX_LIGHTS) + " are allowed");
+  }
+  const auto lights = static_cast<std::uint16_t>(std::min<std::size_t>(list.lights.size(), SIMVIS_MAX_LIGHTS));
+  const bool new_lights = lights_ != lights;
   if (!new_tables && !new_kinds && !new_mirrors && !new_lights && with_color_ >= color) return;
   // What has once been made ready for colour stays so, until the scene changes.
   with_color_ = color || (with_color_ && !new_tables);
-  lights_ = !list.lights.empty();
+  lights_ = lights;
   rebuild(geometry, textures, uploads);
 }
 
@@ -133,7 +141,7 @@ Drawable DrawTable::drawable(std::uint32_t index, bool color) const {
   if (color || d.key.surface != Surface::opaque) d.texture = texture_sets_[item.material];
   d.key.textured = d.texture != VK_NULL_HANDLE;
   d.key.unlit = color && kind.unlit;
-  d.key.lights = color && !kind.unlit && lights_;
+  d.key.lights = color && !kind.unlit ? lights_ : 0;
   return d;
 }
 

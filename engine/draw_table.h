@@ -63,7 +63,8 @@ class DrawTable {
   void sort_and_group(std::vector<Drawable>& drawables) const;
 
   bool made_ = false;
-  bool with_color_ = false, any_lit_ = false, lights_ = false;
+  bool with_color_ = false, any_lit_ = false;
+  std::uint16_t lights_ = 0;
   std::vector<DrawItem> items_;
   std::vector<std::shared_ptr<const Mesh>> meshes_;
   std::vector<std::shared_ptr<const Material>> materials_;

@@ -10,8 +10,9 @@
 namespace simvis {
 namespace {
 
-constexpr const char* kNames[] = {"instances", "materials", "lights"};  // by binding
 constexpr VkDeviceSize kFirstSize = 16384;
+// What a view may read from its offset on.
+constexpr VkDeviceSize kLightsRange = SIMVIS_MAX_LIGHTS * sizeof(shader::LightBlock);
 // What a blended texel needs to be seen by depth, see Material.
 constexpr float kBlendCutoff = 0.5f;
 
@@ -26,13 +27,14 @@ shader::MaterialBlock block_of(const Material& m) {
 }  // namespace
 
 FrameBuffers::FrameBuffers(Device::Impl& device, VkDescriptorSetLayout set_layout) : device_(device) {
-  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 3};
+  const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1},
+                                        {VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC, 1}};
   const VkDescriptorPoolCreateInfo pool_info{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
                                              .pNext = nullptr,
                                              .flags = 0,
                                              .maxSets = 1,
-                                             .poolSizeCount = 1,
-                                             .pPoolSizes = &size};
+                                             .poolSizeCount = 2,
+                                             .pPoolSizes = sizes};
   VkDescriptorPool pool = VK_NULL_HANDLE;
   vk_check(vkCreateDescriptorPool(device.device, &pool_info, nullptr, &pool), "vkCreateDescriptorPool");
   pool_ = Handle<VkDescriptorPool>(device, pool, "frame set");
@@ -42,56 +44,68 @@ FrameBuffers::FrameBuffers(Device::Impl& device, VkDescriptorSetLayout set_layou
                                                .descriptorSetCount = 1,
                                                .pSetLayouts = &set_layout};
   vk_check(vkAllocateDescriptorSets(device.device, &allocation, &set_), "vkAllocateDescriptorSets");
-  for (const std::uint32_t binding : {SIMVIS_INSTANCES, SIMVIS_MATERIALS, SIMVIS_LIGHTS}) reserve(binding, 1);
+  reserve(instances_, "instances", VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, kFirstSize);
+  reserve_materials(kFirstSize);
+  reserve_lights(kFirstSize);
 }
 
-bool FrameBuffers::reserve(std::uint32_t binding, VkDeviceSize size) {
-  Buffer& buffer = buffers_[binding];
+bool FrameBuffers::reserve(Buffer& buffer, const char* name, VkBufferUsageFlags usage, VkDeviceSize size) {
   if (buffer && size <= buffer.size()) return false;
-  const VkDeviceSize limit = device_.limits().maxStorageBufferRange;
-  if (size > limit) {
-    throw MachineError(std::string("a frame needs ") + std::to_string(size) + " bytes of " + kNames[binding] + "; " +
-                       device_.physical.info.name + " allows " + std::to_string(limit));
-  }
-  const VkDeviceSize grown = std::min(limit, std::max({kFirstSize, size, 2 * buffer.size()}));
-  buffer = Buffer(device_, {.name = kNames[binding],
-                            .size = grown,
-                            .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+  buffer = Buffer(device_, {.name = name,
+                            .size = std::max({kFirstSize, size, buffer ? 2 * buffer.size() : 0}),
+                            .usage = usage,
                             .memory = MemoryKind::dynamic});
-  const VkDescriptorBufferInfo info{.buffer = buffer.get(), .offset = 0, .range = VK_WHOLE_SIZE};
+  return true;
+}
+
+void FrameBuffers::describe(std::uint32_t binding, VkDescriptorType type, const Buffer& buffer, VkDeviceSize range) {
+  const VkDescriptorBufferInfo info{.buffer = buffer.get(), .offset = 0, .range = range};
   VkWriteDescriptorSet write{};
   write.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
   write.dstSet = set_;
   write.dstBinding = binding;
   write.descriptorCount = 1;
-  write.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+  write.descriptorType = type;
   write.pBufferInfo = &info;
   vkUpdateDescriptorSets(device_.device, 1, &write, 0, nullptr);
+}
+
+bool FrameBuffers::reserve_materials(VkDeviceSize size) {
+  const VkDeviceSize limit = device_.limits().maxStorageBufferRange;
+  if (size > limit) {
+    throw MachineError("a frame needs " + std::to_string(size) + " bytes of materials; " + device_.physical.info.name +
+                       " allows " + std::to_string(limit));
+  }
+  if (!reserve(materials_, "materials", VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, size)) return false;
+  describe(SIMVIS_MATERIALS, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, materials_, std::min(limit, materials_.size()));
   return true;
 }
 
-void FrameBuffers::write(std::uint32_t binding, std::span<const std::byte> data, Uploads& uploads) {
-  if (data.empty()) return;
-  reserve(binding, data.size());
-  uploads.write(buffers_[binding], 0, data);
+void FrameBuffers::reserve_lights(VkDeviceSize size) {
+  if (!reserve(lights_, "lights", VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, size)) return;
+  describe(SIMVIS_LIGHTS, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC, lights_, kLightsRange);
 }
 
 void FrameBuffers::write_instances(std::span<const shader::Instance> instances, Uploads& uploads) {
-  write(SIMVIS_INSTANCES, std::as_bytes(instances), uploads);
+  if (instances.empty()) return;
+  reserve(instances_, "instances", VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, instances.size_bytes());
+  uploads.write(instances_, 0, std::as_bytes(instances));
 }
 
 void FrameBuffers::write_lights(std::span<const shader::LightBlock> lights, Uploads& uploads) {
-  write(SIMVIS_LIGHTS, std::as_bytes(lights), uploads);
+  if (lights.empty()) return;
+  reserve_lights(lights.size_bytes() + kLightsRange);  // the last view's range ends within the buffer
+  uploads.write(lights_, 0, std::as_bytes(lights));
 }
 
 void FrameBuffers::write_materials(const DrawList& list, std::span<const std::uint8_t> wanted, Uploads& uploads) {
-  if (reserve(SIMVIS_MATERIALS, list.materials.size() * sizeof(shader::MaterialBlock))) slots_.clear();
+  if (reserve_materials(list.materials.size() * sizeof(shader::MaterialBlock))) slots_.clear();
   slots_.resize(list.materials.size());
   for (std::size_t m = 0; m < slots_.size(); ++m) {
     Slot& slot = slots_[m];
     if (!wanted[m] || (slot.material == list.materials[m] && slot.revision == list.material_revision[m])) continue;
     const shader::MaterialBlock block = block_of(*list.materials[m]);
-    uploads.write(buffers_[SIMVIS_MATERIALS], m * sizeof block, std::as_bytes(std::span(&block, 1)));
+    uploads.write(materials_, m * sizeof block, std::as_bytes(std::span(&block, 1)));
     slot = {list.materials[m], list.material_revision[m]};
   }
 }

@@ -1,4 +1,4 @@
-// What the shaders read through descriptor set 0: instances, materials, lights.
+// What the shaders read of a frame: instances as vertex inputs; materials and lights through descriptor set 0.
 #pragma once
 
 #include <memory>
@@ -23,6 +23,7 @@ class FrameBuffers {
   void write_instances(std::span<const shader::Instance> instances, Uploads& uploads);
   void write_lights(std::span<const shader::LightBlock> lights, Uploads& uploads);
 
+  VkBuffer instances() const { return instances_.get(); }
   VkDescriptorSet set() const { return set_; }
 
   /// Forgets which materials are up to date.
@@ -33,14 +34,16 @@ class FrameBuffers {
     std::shared_ptr<const Material> material;  // null: nothing written yet
     std::uint64_t revision = 0;
   };
-  // Makes the buffer of a binding hold `size` bytes; true if it is a new one, whose content is undefined.
-  bool reserve(std::uint32_t binding, VkDeviceSize size);
-  void write(std::uint32_t binding, std::span<const std::byte> data, Uploads& uploads);
+  // Makes a buffer hold `size` bytes; true if it is a new one, whose content is undefined.
+  bool reserve(Buffer& buffer, const char* name, VkBufferUsageFlags usage, VkDeviceSize size);
+  bool reserve_materials(VkDeviceSize size);
+  void reserve_lights(VkDeviceSize size);
+  void describe(std::uint32_t binding, VkDescriptorType type, const Buffer& buffer, VkDeviceSize range);
 
   Device::Impl& device_;
   Handle<VkDescriptorPool> pool_;
   VkDescriptorSet set_ = VK_NULL_HANDLE;  // freed with its pool
-  Buffer buffers_[3];                     // by binding
+  Buffer instances_, materials_, lights_;
   std::vector<Slot> slots_;
 };
 

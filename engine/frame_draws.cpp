@@ -34,7 +34,7 @@ PipelineKey key_in_view(const Drawable& d, const View& view) {
   PipelineKey key = d.key;
   if (key.topology != Topology::triangles) return key;
   key.cull_back = d.single_sided && !view.sees_back_faces;
-  key.mirrored = d.mirrored && (key.cull_back || key.lights);
+  key.mirrored = d.mirrored && (key.cull_back || key.lights > 0);
   return key;
 }
 
@@ -54,8 +54,7 @@ void FrameDraws::add(const View& view, const Pass& pass, const DrawList& list, c
   draws.block.projection =
       glm::vec4(glm::dvec4(projection.scale_x, projection.shift_x, projection.scale_y, projection.shift_y));
   draws.block.ambient = glm::vec4(list.environment.ambient, static_cast<float>(view.near_m));
-  draws.block.lights = {0, 0, 0, 0};
-  if (pass.color && table.any_lit()) add_lights(projection, list, draws.block);
+  if (pass.color && table.any_lit()) draws.lights_offset = add_lights(projection, list);
   draws.first_run = runs_.size();
   for (const Drawable& d : pass.color ? table.solid() : table.depth()) {
     if (visible(d, view, projection, table, counters)) draw(d, view, projection, list, draws.first_run);
@@ -65,12 +64,15 @@ void FrameDraws::add(const View& view, const Pass& pass, const DrawList& list, c
   views_.push_back(draws);
 }
 
-void FrameDraws::add_lights(const ViewProjection& projection, const DrawList& list, shader::ViewBlock& block) {
-  block.lights.x = static_cast<std::uint32_t>(lights_.size());
-  block.lights.y = static_cast<std::uint32_t>(list.lights.size());
+std::uint32_t FrameDraws::add_lights(const ViewProjection& projection, const DrawList& list) {
+  // The offset of a uniform buffer may have to be a multiple of as much as this many bytes (Vulkan's required limits).
+  constexpr std::size_t kAlignment = 256 / sizeof(shader::LightBlock);
+  lights_.resize((lights_.size() + kAlignment - 1) / kAlignment * kAlignment);
+  const std::size_t first = lights_.size();
   for (const LightItem& item : list.lights) {
     lights_.push_back(block_of(item.light, projection.view_from_world * list.world_from_node[item.transform]));
   }
+  return static_cast<std::uint32_t>(first * sizeof(shader::LightBlock));
 }
 
 bool FrameDraws::visible(const Drawable& d, const View& view, const ViewProjection& projection, const DrawTable& table,
@@ -85,7 +87,7 @@ void FrameDraws::draw(const Drawable& d, const View& view, const ViewProjection&
                       std::size_t first_run) {
   shader::Instance& instance = instances_.emplace_back();
   write_clip_rows(projection, list.world_from_node[d.transform], instance);
-  instance.material = {d.material, 0, 0, 0};
+  instance.material = d.material;
   if (runs_.size() > first_run && d.group == last_group_) {
     ++runs_.back().instance_count;
     return;
@@ -117,7 +119,8 @@ void FrameDraws::add_blended(const View& view, const Pass& pass, const ViewProje
     DrawRun run = runs_[i];
     run.key.depth_only = true;
     run.key.surface = Surface::masked;
-    run.key.unlit = run.key.lights = false;
+    run.key.unlit = false;
+    run.key.lights = 0;
     run.key.mirrored = run.key.mirrored && run.key.cull_back;
     runs_.push_back(run);
   }

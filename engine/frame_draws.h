@@ -23,6 +23,7 @@ struct DrawRun {
 /// One view's share: runs [first_run, end_run) in the order of drawing.
 struct ViewDraws {
   shader::ViewBlock block;
+  std::uint32_t lights_offset = 0;  ///< of the view's lights, in bytes
   std::size_t first_run = 0, end_run = 0;
 };
 
@@ -44,7 +45,7 @@ class FrameDraws {
     double depth;
     const Drawable* drawable;
   };
-  void add_lights(const ViewProjection& projection, const DrawList& list, shader::ViewBlock& block);
+  std::uint32_t add_lights(const ViewProjection& projection, const DrawList& list);
   bool visible(const Drawable& d, const View& view, const ViewProjection& projection, const DrawTable& table,
                FrameCounters& counters) const;
   void draw(const Drawable& d, const View& view, const ViewProjection& projection, const DrawList& list,

@@ -5,8 +5,9 @@ namespace {
 
 VkPipelineLayout layout(const FrameContext& frame) { return frame.pipelines.layout(); }
 
-void bind_set(const FrameContext& frame, std::uint32_t index, VkDescriptorSet set) {
-  vkCmdBindDescriptorSets(frame.commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout(frame), index, 1, &set, 0, nullptr);
+void bind_frame_set(const FrameContext& frame, std::uint32_t lights_offset) {
+  vkCmdBindDescriptorSets(frame.commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout(frame), SIMVIS_FRAME_SET, 1,
+                          &frame.frame_set, 1, &lights_offset);
 }
 
 // The state that a run may change.
@@ -23,7 +24,8 @@ void record_run(const FrameContext& frame, const DrawRun& run, Bound& bound) {
     ++frame.counters.pipelines_bound;
   }
   if (run.texture != VK_NULL_HANDLE && run.texture != bound.texture) {
-    bind_set(frame, SIMVIS_TEXTURE_SET, run.texture);
+    vkCmdBindDescriptorSets(frame.commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout(frame), SIMVIS_TEXTURE_SET, 1,
+                            &run.texture, 0, nullptr);
     bound.texture = run.texture;
   }
   vkCmdDrawIndexed(frame.commands, run.range.index_count, run.instance_count, run.range.first_index,
@@ -49,6 +51,7 @@ void record_view(const FrameContext& frame, const View& view, const ViewDraws& d
   vkCmdSetScissor(frame.commands, 0, 1, &scissor);
   vkCmdPushConstants(frame.commands, layout(frame), VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, 0,
                      sizeof draws.block, &draws.block);
+  if (draws.lights_offset != 0) bind_frame_set(frame, draws.lights_offset);
   for (std::size_t i = draws.first_run; i < draws.end_run; ++i) record_run(frame, frame.draws.runs()[i], bound);
   frame.device.end_label(frame.commands);
 }
@@ -67,11 +70,11 @@ void copy_image(const FrameContext& frame, const Image& image, const Buffer& buf
 }  // namespace
 
 void record_bindings(const FrameContext& frame) {
-  bind_set(frame, SIMVIS_FRAME_SET, frame.frame_set);
+  bind_frame_set(frame, 0);
   if (frame.geometry.positions() == VK_NULL_HANDLE) return;
-  const VkBuffer buffers[] = {frame.geometry.positions(), frame.geometry.attributes()};
-  const VkDeviceSize offsets[] = {0, 0};
-  vkCmdBindVertexBuffers(frame.commands, 0, buffers[1] == VK_NULL_HANDLE ? 1 : 2, buffers, offsets);
+  const VkBuffer buffers[] = {frame.geometry.positions(), frame.instances, frame.geometry.attributes()};
+  const VkDeviceSize offsets[] = {0, 0, 0};
+  vkCmdBindVertexBuffers(frame.commands, 0, buffers[2] == VK_NULL_HANDLE ? 2 : 3, buffers, offsets);
   vkCmdBindIndexBuffer(frame.commands, frame.geometry.indices(), 0, VK_INDEX_TYPE_UINT32);
 }
 

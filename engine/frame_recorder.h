@@ -16,6 +16,7 @@ struct FrameContext {
   Pipelines& pipelines;
   const GeometryPool& geometry;
   VkDescriptorSet frame_set;
+  VkBuffer instances;
   const FrameDraws& draws;
   const DrawList& list;
   FrameCounters& counters;

@@ -47,36 +47,48 @@ Handle<VkDescriptorSetLayout> make_set_layout(Device::Impl& device,
   return Handle<VkDescriptorSetLayout>(device, layout, name);
 }
 
-VkDescriptorSetLayoutBinding storage_binding(std::uint32_t binding, VkShaderStageFlags stages) {
+VkDescriptorSetLayoutBinding buffer_binding(std::uint32_t binding, VkDescriptorType type, VkShaderStageFlags stages) {
   return {.binding = binding,
-          .descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
+          .descriptorType = type,
           .descriptorCount = 1,
           .stageFlags = stages,
           .pImmutableSamplers = nullptr};
 }
 
+// Vertex buffers: positions, instances, and for what needs them the other attributes.
 constexpr VkVertexInputBindingDescription kBindings[] = {{0, sizeof(glm::vec3), VK_VERTEX_INPUT_RATE_VERTEX},
-                                                         {1, sizeof(PackedAttributes), VK_VERTEX_INPUT_RATE_VERTEX}};
+                                                         {1, sizeof(shader::Instance), VK_VERTEX_INPUT_RATE_INSTANCE},
+                                                         {2, sizeof(PackedAttributes), VK_VERTEX_INPUT_RATE_VERTEX}};
 
 // Exactly what each vertex shader reads.
 constexpr VkVertexInputAttributeDescription kPosition{SIMVIS_POSITION, 0, VK_FORMAT_R32G32B32_SFLOAT, 0};
-constexpr VkVertexInputAttributeDescription kNormal{SIMVIS_NORMAL, 1, VK_FORMAT_R16G16B16A16_SNORM,
+constexpr VkVertexInputAttributeDescription kNormal{SIMVIS_NORMAL, 2, VK_FORMAT_R16G16B16A16_SNORM,
                                                     offsetof(PackedAttributes, normal)};
-constexpr VkVertexInputAttributeDescription kUv0{SIMVIS_UV_0, 1, VK_FORMAT_R32G32_SFLOAT,
+constexpr VkVertexInputAttributeDescription kUv0{SIMVIS_UV_0, 2, VK_FORMAT_R32G32_SFLOAT,
                                                  offsetof(PackedAttributes, uv)};
-constexpr VkVertexInputAttributeDescription kUv1{SIMVIS_UV_1, 1, VK_FORMAT_R32G32_SFLOAT,
+constexpr VkVertexInputAttributeDescription kUv1{SIMVIS_UV_1, 2, VK_FORMAT_R32G32_SFLOAT,
                                                  offsetof(PackedAttributes, uv) + 2 * sizeof(float)};
-constexpr VkVertexInputAttributeDescription kColor{SIMVIS_COLOR, 1, VK_FORMAT_R16G16B16A16_UNORM,
+constexpr VkVertexInputAttributeDescription kColor{SIMVIS_COLOR, 2, VK_FORMAT_R16G16B16A16_UNORM,
                                                    offsetof(PackedAttributes, color)};
-constexpr VkVertexInputAttributeDescription kDepthInputs[] = {kPosition};
-constexpr VkVertexInputAttributeDescription kMaskInputs[] = {kPosition, kUv0, kUv1, kColor};
-constexpr VkVertexInputAttributeDescription kColorInputs[] = {kPosition, kNormal, kUv0, kUv1, kColor};
+constexpr VkVertexInputAttributeDescription kClipX{SIMVIS_INSTANCE_CLIP_X, 1, VK_FORMAT_R32G32B32A32_SFLOAT,
+                                                   offsetof(shader::Instance, clip_x)};
+constexpr VkVertexInputAttributeDescription kClipY{SIMVIS_INSTANCE_CLIP_Y, 1, VK_FORMAT_R32G32B32A32_SFLOAT,
+                                                   offsetof(shader::Instance, clip_y)};
+constexpr VkVertexInputAttributeDescription kClipW{SIMVIS_INSTANCE_CLIP_W, 1, VK_FORMAT_R32G32B32A32_SFLOAT,
+                                                   offsetof(shader::Instance, clip_w)};
+constexpr VkVertexInputAttributeDescription kMaterial{SIMVIS_INSTANCE_MATERIAL, 1, VK_FORMAT_R32_UINT,
+                                                      offsetof(shader::Instance, material)};
+constexpr VkVertexInputAttributeDescription kDepthInputs[] = {kPosition, kClipX, kClipY, kClipW};
+constexpr VkVertexInputAttributeDescription kMaskInputs[] = {kPosition, kClipX, kClipY, kClipW,
+                                                             kMaterial, kUv0,   kUv1,   kColor};
+constexpr VkVertexInputAttributeDescription kColorInputs[] = {kPosition, kClipX, kClipY, kClipW, kMaterial,
+                                                              kNormal,   kUv0,   kUv1,   kColor};
 
 VkPipelineVertexInputStateCreateInfo vertex_input(std::span<const VkVertexInputAttributeDescription> inputs) {
   return {.sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO,
           .pNext = nullptr,
           .flags = 0,
-          .vertexBindingDescriptionCount = inputs.size() > 1 ? 2u : 1u,
+          .vertexBindingDescriptionCount = inputs.size() > std::size(kDepthInputs) ? 3u : 2u,
           .pVertexBindingDescriptions = kBindings,
           .vertexAttributeDescriptionCount = static_cast<std::uint32_t>(inputs.size()),
           .pVertexAttributeDescriptions = inputs.data()};
@@ -141,10 +153,10 @@ VkPipelineShaderStageCreateInfo stage(VkShaderStageFlagBits bit, VkShaderModule 
 }
 
 struct Constants {
-  VkBool32 values[3];
-  VkSpecializationMapEntry entries[3] = {{SIMVIS_MASKED, 0, sizeof(VkBool32)},
-                                         {SIMVIS_UNLIT, sizeof(VkBool32), sizeof(VkBool32)},
-                                         {SIMVIS_LIGHTS_PRESENT, 2 * sizeof(VkBool32), sizeof(VkBool32)}};
+  std::uint32_t values[3];
+  VkSpecializationMapEntry entries[3] = {{SIMVIS_MASKED, 0, sizeof(std::uint32_t)},
+                                         {SIMVIS_UNLIT, sizeof(std::uint32_t), sizeof(std::uint32_t)},
+                                         {SIMVIS_LIGHT_COUNT, 2 * sizeof(std::uint32_t), sizeof(std::uint32_t)}};
   VkSpecializationInfo info{3, entries, sizeof values, values};
 
   explicit Constants(const PipelineKey& key) : values{key.surface == Surface::masked, key.unlit, key.lights} {}
@@ -155,8 +167,8 @@ struct Constants {
 
 std::uint32_t PipelineKey::bits() const {
   std::uint32_t bits = static_cast<std::uint32_t>(topology) | static_cast<std::uint32_t>(surface) << 2;
-  for (const bool flag : {color, depth_only, textured, unlit, lights, cull_back, mirrored}) bits = bits << 1 | flag;
-  return bits;
+  for (const bool flag : {color, depth_only, textured, unlit, cull_back, mirrored}) bits = bits << 1 | flag;
+  return bits << 16 | lights;
 }
 
 Pipelines::Pipelines(Device::Impl& device)
@@ -168,9 +180,9 @@ Pipelines::Pipelines(Device::Impl& device)
                  make_module(device, mesh_mask_textured_frag, "mesh_mask_textured.frag")},
       color_frag_{make_module(device, mesh_color_frag, "mesh_color.frag"),
                   make_module(device, mesh_color_textured_frag, "mesh_color_textured.frag")} {
-  const VkDescriptorSetLayoutBinding frame_bindings[] = {storage_binding(SIMVIS_INSTANCES, VK_SHADER_STAGE_VERTEX_BIT),
-                                                         storage_binding(SIMVIS_MATERIALS, VK_SHADER_STAGE_VERTEX_BIT),
-                                                         storage_binding(SIMVIS_LIGHTS, VK_SHADER_STAGE_FRAGMENT_BIT)};
+  const VkDescriptorSetLayoutBinding frame_bindings[] = {
+      buffer_binding(SIMVIS_MATERIALS, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_SHADER_STAGE_VERTEX_BIT),
+      buffer_binding(SIMVIS_LIGHTS, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC, VK_SHADER_STAGE_FRAGMENT_BIT)};
   frame_set_layout_ = make_set_layout(device, frame_bindings, "frame set layout");
   const VkDescriptorSetLayoutBinding texture_bindings[] = {{.binding = SIMVIS_BASE_COLOR_TEXTURE,
                                                             .descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,

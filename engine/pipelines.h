@@ -19,7 +19,7 @@ struct PipelineKey {
   Surface surface = Surface::opaque;
   bool textured = false;
   bool unlit = false;
-  bool lights = false;
+  std::uint16_t lights = 0;  ///< how many light it, up to SIMVIS_MAX_LIGHTS
   bool cull_back = false;
   bool mirrored = false;  ///< the transform turns the winding of triangles
 

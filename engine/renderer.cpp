@@ -126,6 +126,7 @@ void Renderer::Impl::record(VkCommandBuffer recorded, const DrawList& list, cons
                            .pipelines = pipelines,
                            .geometry = geometry,
                            .frame_set = buffers.set(),
+                           .instances = buffers.instances(),
                            .draws = draws,
                            .list = list,
                            .counters = counters};

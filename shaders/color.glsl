@@ -5,10 +5,12 @@
 
 layout(constant_id = SIMVIS_MASKED) const bool kMasked = false;
 layout(constant_id = SIMVIS_UNLIT) const bool kUnlit = false;
-layout(constant_id = SIMVIS_LIGHTS_PRESENT) const bool kLightsPresent = false;
+layout(constant_id = SIMVIS_LIGHT_COUNT) const uint kLightCount = 0u;
 
 layout(std430, push_constant) uniform View { ViewBlock view; };
-layout(std430, set = SIMVIS_FRAME_SET, binding = SIMVIS_LIGHTS) readonly buffer Lights { LightBlock lights[]; };
+// Uniform and counted by a constant: so the loop unrolls and its loads are the same for all pixels, which a CPU device
+// makes scalar.
+layout(std140, set = SIMVIS_FRAME_SET, binding = SIMVIS_LIGHTS) uniform Lights { LightBlock lights[SIMVIS_MAX_LIGHTS]; };
 #ifdef TEXTURED
 layout(set = SIMVIS_TEXTURE_SET, binding = SIMVIS_BASE_COLOR_TEXTURE) uniform sampler2D base_color_texture;
 #endif
@@ -48,11 +50,11 @@ void main() {
     return;
   }
   vec3 arriving = view.ambient.rgb;
-  if (kLightsPresent) {
+  if (kLightCount > 0u) {
     const vec3 outward = in_normal * inversesqrt(max(dot(in_normal, in_normal), kLeastSquare));
     const vec3 normal = gl_FrontFacing ? outward : -outward;
     vec3 sum = vec3(0.0);
-    for (uint i = 0; i < view.lights.y; ++i) sum += irradiance(lights[view.lights.x + i], normal);
+    for (uint i = 0u; i < kLightCount; ++i) sum += irradiance(lights[i], normal);
     arriving += kInversePi * sum;
   }
   out_color = vec4(base.rgb * arriving + in_emissive_cutoff.rgb, base.a);

@@ -17,11 +17,13 @@ using uint = std::uint32_t;
 
 // Descriptor set 0: the frame. Descriptor set 1: one texture.
 #define SIMVIS_FRAME_SET 0
-#define SIMVIS_INSTANCES 0
-#define SIMVIS_MATERIALS 1
-#define SIMVIS_LIGHTS 2
+#define SIMVIS_MATERIALS 0
+#define SIMVIS_LIGHTS 1
 #define SIMVIS_TEXTURE_SET 1
 #define SIMVIS_BASE_COLOR_TEXTURE 0
+
+// The lights of a view are one uniform block: 16384 bytes, which every device allows.
+#define SIMVIS_MAX_LIGHTS 256
 
 // Vertex inputs.
 #define SIMVIS_POSITION 0
@@ -29,21 +31,28 @@ using uint = std::uint32_t;
 #define SIMVIS_UV_0 2
 #define SIMVIS_UV_1 3
 #define SIMVIS_COLOR 4
+#define SIMVIS_INSTANCE_CLIP_X 5
+#define SIMVIS_INSTANCE_CLIP_Y 6
+#define SIMVIS_INSTANCE_CLIP_W 7
+#define SIMVIS_INSTANCE_MATERIAL 8
 
 // Specialization constants.
 #define SIMVIS_MASKED 0
 #define SIMVIS_UNLIT 1
-#define SIMVIS_LIGHTS_PRESENT 2
+#define SIMVIS_LIGHT_COUNT 2
 
-// One mesh in one view: rows of clip_from_mesh, formed in double and rounded once.
+#ifdef __cplusplus
+// One mesh in one view, read as vertex inputs of instance rate (a CPU device fetches those once for all lanes, which it
+// cannot do for a storage buffer): rows of clip_from_mesh, formed in double and rounded once.
 // A mesh point p = (x, y, z, 1) has clip = (clip_x . p, clip_y . p, near_m, clip_w . p), so depth = near_m / z with
 // z = clip_w . p, in metres along the optical axis.
 struct Instance {
   vec4 clip_x;
   vec4 clip_y;
   vec4 clip_w;
-  uvec4 material;  // x: slot in the table of materials
+  uint material;  // slot in the table of materials
 };
+#endif
 
 struct MaterialBlock {
   vec4 base_color;       // linear RGBA
@@ -64,7 +73,6 @@ struct LightBlock {
 struct ViewBlock {
   vec4 projection;  // clip.x = projection.x * x + projection.y * z; clip.y = projection.z * y + projection.w * z
   vec4 ambient;     // rgb: linear radiance from all around; w: near_m
-  uvec4 lights;     // x: the first of the view's lights, y: how many
 };
 
 #ifdef __cplusplus

@@ -3,12 +3,14 @@
 #include "shaders/interop.h"
 
 layout(std430, push_constant) uniform View { ViewBlock view; };
-layout(std430, set = SIMVIS_FRAME_SET, binding = SIMVIS_INSTANCES) readonly buffer Instances { Instance instances[]; };
 layout(std430, set = SIMVIS_FRAME_SET, binding = SIMVIS_MATERIALS) readonly buffer Materials {
   MaterialBlock materials[];
 };
 
 layout(location = SIMVIS_POSITION) in vec3 in_position;
+layout(location = SIMVIS_INSTANCE_CLIP_X) in vec4 instance_clip_x;
+layout(location = SIMVIS_INSTANCE_CLIP_Y) in vec4 instance_clip_y;
+layout(location = SIMVIS_INSTANCE_CLIP_W) in vec4 instance_clip_w;
 
 out gl_PerVertex {
   invariant vec4 gl_Position;
@@ -16,9 +18,9 @@ out gl_PerVertex {
 };
 
 // The same in every shader, to the bit: passes over the same surface meet in the same depth.
-vec4 place_vertex(Instance instance) {
+vec4 place_vertex() {
   const vec4 p = vec4(in_position, 1.0);
-  gl_Position = vec4(dot(instance.clip_x, p), dot(instance.clip_y, p), view.ambient.w, dot(instance.clip_w, p));
+  gl_Position = vec4(dot(instance_clip_x, p), dot(instance_clip_y, p), view.ambient.w, dot(instance_clip_w, p));
   gl_PointSize = 1.0;
   return gl_Position;
 }

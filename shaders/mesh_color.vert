@@ -7,6 +7,7 @@ layout(location = SIMVIS_NORMAL) in vec4 in_normal;
 layout(location = SIMVIS_UV_0) in vec2 in_uv_0;
 layout(location = SIMVIS_UV_1) in vec2 in_uv_1;
 layout(location = SIMVIS_COLOR) in vec4 in_color;
+layout(location = SIMVIS_INSTANCE_MATERIAL) in uint instance_material;
 
 layout(location = 0) out vec4 out_color;
 layout(location = 1) flat out vec4 out_emissive_cutoff;
@@ -24,15 +25,14 @@ vec3 transform_normal(vec3 x, vec3 y, vec3 z, vec3 n) {
 }
 
 void main() {
-  const Instance instance = instances[gl_InstanceIndex];
-  const MaterialBlock material = materials[instance.material.x];
-  const vec4 clip = place_vertex(instance);
+  const MaterialBlock material = materials[instance_material];
+  const vec4 clip = place_vertex();
   out_color = material.base_color * in_color;
   out_emissive_cutoff = material.emissive_cutoff;
   out_uv = texture_uv(material, in_uv_0, in_uv_1);
   out_position = vec3((clip.xy - view.projection.yw * clip.w) / view.projection.xz, clip.w);
-  const vec3 row_z = instance.clip_w.xyz;
-  const vec3 row_x = (instance.clip_x.xyz - view.projection.y * row_z) / view.projection.x;
-  const vec3 row_y = (instance.clip_y.xyz - view.projection.w * row_z) / view.projection.z;
+  const vec3 row_z = instance_clip_w.xyz;
+  const vec3 row_x = (instance_clip_x.xyz - view.projection.y * row_z) / view.projection.x;
+  const vec3 row_y = (instance_clip_y.xyz - view.projection.w * row_z) / view.projection.z;
   out_normal = transform_normal(row_x, row_y, row_z, in_normal.xyz);
 }

@@ -3,4 +3,4 @@
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/mesh.glsl"
 
-void main() { place_vertex(instances[gl_InstanceIndex]); }
+void main() { place_vertex(); }
