@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace simvis {
 namespace {
@@ -30,6 +31,9 @@ shader::LightBlock block_of(const Light& light, const glm::dmat4& view_from_ligh
   return block;
 }
 
+// Of a run that no other instance may join.
+constexpr std::uint32_t kNoGroup = std::numeric_limits<std::uint32_t>::max();
+
 PipelineKey key_in_view(const Drawable& d, const View& view) {
   PipelineKey key = d.key;
   if (key.topology != Topology::triangles) return key;
@@ -57,7 +61,12 @@ void FrameDraws::add(const View& view, const Pass& pass, const DrawList& list, c
   if (pass.color && table.any_lit()) draws.lights_offset = add_lights(projection, list);
   draws.first_run = runs_.size();
   for (const Drawable& d : pass.color ? table.solid() : table.depth()) {
-    if (visible(d, view, projection, table, counters)) draw(d, view, projection, list, draws.first_run);
+    if (!visible(d, view, projection, table, counters)) continue;
+    if (d.range.clusters.size() > 1) {
+      draw_seen_clusters(d, view, projection, list, table.box(d.item), draws.first_run);
+    } else {
+      draw(d, view, projection, list, draws.first_run);
+    }
   }
   if (pass.color) add_blended(view, pass, projection, list, table, counters);
   draws.end_run = runs_.size();
@@ -85,9 +94,7 @@ bool FrameDraws::visible(const Drawable& d, const View& view, const ViewProjecti
 
 void FrameDraws::draw(const Drawable& d, const View& view, const ViewProjection& projection, const DrawList& list,
                       std::size_t first_run) {
-  shader::Instance& instance = instances_.emplace_back();
-  write_clip_rows(projection, list.world_from_node[d.transform], instance);
-  instance.material = d.material;
+  const std::uint32_t instance = add_instance(d, projection, list);
   if (runs_.size() > first_run && d.group == last_group_) {
     ++runs_.back().instance_count;
     return;
@@ -96,8 +103,46 @@ void FrameDraws::draw(const Drawable& d, const View& view, const ViewProjection&
   runs_.push_back({.key = key_in_view(d, view),
                    .texture = d.texture,
                    .range = d.range,
-                   .first_instance = static_cast<std::uint32_t>(instances_.size() - 1),
+                   .first_instance = instance,
                    .instance_count = 1});
+}
+
+std::uint32_t FrameDraws::add_instance(const Drawable& d, const ViewProjection& projection, const DrawList& list) {
+  shader::Instance& instance = instances_.emplace_back();
+  write_clip_rows(projection, list.world_from_node[d.transform], instance);
+  instance.material = d.material;
+  return static_cast<std::uint32_t>(instances_.size() - 1);
+}
+
+// One draw for each row of neighbouring clusters that the view sees; all of them are drawn like any mesh.
+void FrameDraws::draw_seen_clusters(const Drawable& d, const View& view, const ViewProjection& projection,
+                                    const DrawList& list, const WorldBox& box, std::size_t first_run) {
+  const MeshPlanes planes = make_mesh_planes(projection, list.world_from_node[d.transform], box);
+  seen_.clear();
+  for (const Cluster& cluster : d.range.clusters) {
+    if (outside(planes, cluster.center, cluster.half_size)) continue;
+    if (!seen_.empty() && seen_.back().first_index + seen_.back().index_count == cluster.first_index) {
+      seen_.back().index_count += cluster.index_count;
+    } else {
+      seen_.push_back({cluster.first_index, cluster.index_count, 0, {}});
+    }
+  }
+  if (seen_.empty()) return;
+  if (seen_.front().index_count == d.range.index_count) {
+    draw(d, view, projection, list, first_run);
+    return;
+  }
+  const std::uint32_t instance = add_instance(d, projection, list);
+  for (MeshRange& part : seen_) {
+    part.first_index += d.range.first_index;
+    part.vertex_offset = d.range.vertex_offset;
+    runs_.push_back({.key = key_in_view(d, view),
+                     .texture = d.texture,
+                     .range = part,
+                     .first_instance = instance,
+                     .instance_count = 1});
+  }
+  last_group_ = kNoGroup;
 }
 
 // Back to front by the depth of the boxes' centres, ties in the list's order.

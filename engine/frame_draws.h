@@ -50,6 +50,9 @@ class FrameDraws {
                FrameCounters& counters) const;
   void draw(const Drawable& d, const View& view, const ViewProjection& projection, const DrawList& list,
             std::size_t first_run);
+  void draw_seen_clusters(const Drawable& d, const View& view, const ViewProjection& projection, const DrawList& list,
+                          const WorldBox& box, std::size_t first_run);
+  std::uint32_t add_instance(const Drawable& d, const ViewProjection& projection, const DrawList& list);
   void add_blended(const View& view, const Pass& pass, const ViewProjection& projection, const DrawList& list,
                    const DrawTable& table, FrameCounters& counters);
 
@@ -58,6 +61,7 @@ class FrameDraws {
   std::vector<shader::Instance> instances_;
   std::vector<shader::LightBlock> lights_;
   std::vector<Far> far_first_;
+  std::vector<MeshRange> seen_;
   std::uint32_t last_group_ = 0;
 };
 

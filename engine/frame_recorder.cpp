@@ -1,5 +1,7 @@
 #include "engine/frame_recorder.h"
 
+#include "engine/view_projection.h"
+
 namespace simvis {
 namespace {
 
@@ -38,10 +40,11 @@ void record_run(const FrameContext& frame, const DrawRun& run, Bound& bound) {
 
 void record_view(const FrameContext& frame, const View& view, const ViewDraws& draws, Bound& bound) {
   if (draws.first_run == draws.end_run) return;
+  const auto guard = static_cast<float>(guard_rows(view));
   const VkViewport viewport{.x = static_cast<float>(view.x_px),
-                            .y = static_cast<float>(view.y_px),
+                            .y = static_cast<float>(view.y_px) - guard,
                             .width = static_cast<float>(view.width_px),
-                            .height = static_cast<float>(view.height_px),
+                            .height = static_cast<float>(view.height_px) + 2 * guard,
                             .minDepth = 0,
                             .maxDepth = 1};
   const VkRect2D scissor{{static_cast<std::int32_t>(view.x_px), static_cast<std::int32_t>(view.y_px)},

@@ -73,7 +73,8 @@ std::span<const MeshRange> GeometryPool::update(std::span<const std::shared_ptr<
     if (uses[i] == MeshUse::attributes && !entry.has_attributes) upload_attributes(entry, uploads);
     ranges_[i] = {.first_index = static_cast<std::uint32_t>(entry.first_index),
                   .index_count = static_cast<std::uint32_t>(entry.mesh->indices.size()),
-                  .vertex_offset = static_cast<std::int32_t>(entry.first_vertex)};
+                  .vertex_offset = static_cast<std::int32_t>(entry.first_vertex),
+                  .clusters = entry.clusters};
   }
   return ranges_;
 }
@@ -131,7 +132,9 @@ void GeometryPool::place(Entry& entry, Uploads& uploads) {
   vertices_used_ += mesh.positions.size();
   indices_used_ += mesh.indices.size();
   uploads.write(positions_, entry.first_vertex * sizeof(glm::vec3), std::as_bytes(std::span(mesh.positions)));
-  uploads.write(indices_, entry.first_index * sizeof(std::uint32_t), std::as_bytes(std::span(mesh.indices)));
+  ClusteredIndices clustered = make_clusters(mesh);
+  entry.clusters = std::move(clustered.clusters);
+  uploads.write(indices_, entry.first_index * sizeof(std::uint32_t), std::as_bytes(std::span(clustered.indices)));
 }
 
 void GeometryPool::upload_attributes(Entry& entry, Uploads& uploads) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engine/buffer.h"
+#include "engine/clusters.h"
 #include "engine/mesh.h"
 #include "engine/uploads.h"
 
@@ -16,6 +17,7 @@ namespace simvis {
 struct MeshRange {
   std::uint32_t first_index = 0, index_count = 0;
   std::int32_t vertex_offset = 0;
+  std::span<const Cluster> clusters;  ///< their index numbers count from the mesh's first
 };
 
 /// What a vertex carries besides its position, as the GPU reads it. Colours beyond 1 are clamped.
@@ -31,7 +33,8 @@ enum class MeshUse : std::uint8_t { none, positions, attributes };
 
 /// Meshes are told apart by identity, uploaded once, and forgotten once a list no longer holds them. The buffers are
 /// filled from the front; when the end is reached, what still lives moves to the front of larger ones, within the
-/// device. Attributes lie at the same vertex numbers as positions and are uploaded only for meshes that show them.
+/// device. Indices are uploaded in the order of the mesh's clusters. Attributes lie at the same vertex numbers as
+/// positions and are uploaded only for meshes that show them.
 class GeometryPool {
  public:
   explicit GeometryPool(Device::Impl& device) : device_(device) {}
@@ -52,6 +55,7 @@ class GeometryPool {
  private:
   struct Entry {
     std::shared_ptr<const Mesh> mesh;  // keeps the address from being given to another mesh
+    std::vector<Cluster> clusters;
     std::uint64_t first_vertex = 0, first_index = 0;
     bool resident = false, has_attributes = false, wanted = false;
   };

@@ -18,7 +18,18 @@ constexpr double kVertexRounding = 1e-6;
 // The same for our own arithmetic in double, relative to the world's coordinates.
 constexpr double kWorldRounding = 1e-14;
 
+// By how much rounding can move what lies in a box whose centre is seen here in the view frame, in metres.
+double rounding_of(const glm::dvec3& center_view, const WorldBox& box) {
+  const glm::dvec3 c = glm::abs(center_view), w = glm::abs(box.center);
+  return kVertexRounding * (c.x + c.y + c.z + box.radius) + kWorldRounding * (w.x + w.y + w.z);
+}
+
 }  // namespace
+
+std::uint32_t guard_rows(const View& view) {
+  constexpr std::uint32_t kStrip = 8;  // times as wide as high, at least
+  return view.width_px >= kStrip * view.height_px ? (view.width_px - view.height_px) / 2 : 0;
+}
 
 ViewProjection make_projection(const View& view) {
   ViewProjection p;
@@ -28,8 +39,9 @@ ViewProjection make_projection(const View& view) {
   p.near_m = view.near_m;
   p.scale_x = 2 * k.fx_px / width;
   p.shift_x = 2 * k.cx_px / width - 1;
-  p.scale_y = 2 * k.fy_px / height;
-  p.shift_y = 2 * k.cy_px / height - 1;
+  const double guard = guard_rows(view);
+  p.scale_y = 2 * k.fy_px / (height + 2 * guard);
+  p.shift_y = 2 * (k.cy_px + guard) / (height + 2 * guard) - 1;
   // A side holds the points with 0 = u, u = width, 0 = v or v = height, times z.
   const glm::dvec3 sides[4] = {
       {k.fx_px, 0, k.cx_px}, {-k.fx_px, 0, width - k.cx_px}, {0, k.fy_px, k.cy_px}, {0, -k.fy_px, height - k.cy_px}};
@@ -72,11 +84,31 @@ WorldBox make_box(const glm::dmat4& world_from_mesh, const glm::dvec3& mesh_cent
   return box;
 }
 
+MeshPlanes make_mesh_planes(const ViewProjection& p, const glm::dmat4& world_from_mesh, const WorldBox& box) {
+  MeshPlanes planes;
+  const glm::dmat4 view_from_mesh = p.view_from_world * world_from_mesh;
+  const glm::dmat4 rows = glm::transpose(view_from_mesh);
+  planes.plane[0] = rows[2] - glm::dvec4(0, 0, 0, p.near_m);
+  for (int i = 0; i < 4; ++i) {
+    const glm::dvec3& n = p.side_view[i];
+    planes.plane[i + 1] = n.x * rows[0] + n.y * rows[1] + n.z * rows[2];
+  }
+  planes.slack = rounding_of(transform_point(p.view_from_world, box.center), box);
+  return planes;
+}
+
+bool outside(const MeshPlanes& planes, const glm::dvec3& center, const glm::dvec3& half_size) {
+  for (const glm::dvec4& plane : planes.plane) {
+    const glm::dvec3 normal(plane);
+    const double farthest_inwards = glm::dot(normal, center) + plane.w + glm::dot(glm::abs(normal), half_size);
+    if (farthest_inwards < -planes.slack) return true;
+  }
+  return false;
+}
+
 bool outside(const ViewProjection& p, const WorldBox& box) {
   const glm::dvec3 center = transform_point(p.view_from_world, box.center);
-  const double path = std::abs(center.x) + std::abs(center.y) + std::abs(center.z) + box.radius;
-  const double world = std::abs(box.center.x) + std::abs(box.center.y) + std::abs(box.center.z);
-  const double slack = kVertexRounding * path + kWorldRounding * world;
+  const double slack = rounding_of(center, box);
   // A sphere first, it settles most; then the box, which knows that a floor is flat.
   const auto beyond = [&](double distance, const glm::dvec3& normal_world) {
     if (distance >= -slack) return false;

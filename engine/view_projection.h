@@ -13,7 +13,8 @@ namespace simvis {
 struct ViewProjection {
   glm::dmat4 view_from_world{1};
   double near_m = 0;
-  /// clip.x = scale_x * x + shift_x * z, clip.y = scale_y * y + shift_y * z, clip.w = z in the view frame.
+  /// Of the viewport, guard rows included: clip.x = scale_x * x + shift_x * z, clip.y = scale_y * y + shift_y * z,
+  /// clip.w = z in the view frame.
   double scale_x = 0, shift_x = 0, scale_y = 0, shift_y = 0;
   /// Unit normals, pointing inwards, of the planes through the eye and the rectangle's sides, in the view frame, and
   /// the same turned into the world's axes.
@@ -22,6 +23,12 @@ struct ViewProjection {
 };
 
 ViewProjection make_projection(const View& view);
+
+/// Rows above and below a strip's rectangle that its viewport covers as well, the scissor cutting them off: the
+/// viewport is as high as wide. So the triangles that cross a strip need not be cut at its long edges, which is the
+/// dearest thing that can happen to them on a CPU device. 0 for views that are not at least eight times as wide as
+/// high.
+std::uint32_t guard_rows(const View& view);
 
 /// Writes the rows of clip_from_mesh. The product is formed in double and rounded once.
 void write_clip_rows(const ViewProjection& projection, const glm::dmat4& world_from_mesh, shader::Instance& instance);
@@ -38,6 +45,18 @@ WorldBox make_box(const glm::dmat4& world_from_mesh, const glm::dvec3& mesh_cent
 /// Whether nothing of the box can appear in the view: it lies beyond a side or before the near plane, by more than
 /// the rounding of float32 vertices could take back.
 bool outside(const ViewProjection& projection, const WorldBox& box);
+
+/// The planes of a view in the frame of a mesh, for its clusters.
+struct MeshPlanes {
+  glm::dvec4 plane[5];  ///< near and the four sides: plane . (p, 1) is the distance inwards, in metres
+  double slack = 0;     ///< what is farther out than this is outside
+};
+
+/// `box` is that of the whole mesh at the same place; its rounding is enough for each of its parts.
+MeshPlanes make_mesh_planes(const ViewProjection& projection, const glm::dmat4& world_from_mesh, const WorldBox& box);
+
+/// Whether nothing of a box in the mesh's frame can appear in the view.
+bool outside(const MeshPlanes& planes, const glm::dvec3& center, const glm::dvec3& half_size);
 
 /// Depth of a world point along the optical axis, in metres.
 double view_depth(const ViewProjection& projection, const glm::dvec3& world_point);

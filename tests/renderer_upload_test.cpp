@@ -19,7 +19,8 @@ TEST_CASE("only what a pass can show is uploaded, and only once") {
   Scene scene = scene_with_ambient(1);
   scene.add(rectangle(-1, -1, 1, 1), painted, at(0, 0, 2));
   scene.add(rectangle(-1, -1, 1, 1), plain, at(0, 0, 3));
-  constexpr std::uint64_t kPositions = 2 * (4 * 12 + 6 * 4), kAttributes = 2 * 4 * 32, kInstances = 2 * 64;
+  constexpr std::uint64_t kPositions = 2 * (4 * 12 + 6 * 4), kAttributes = 2 * 4 * 32,
+                          kInstances = 2 * sizeof(shader::Instance);
   constexpr std::uint64_t kMaterials = 2 * sizeof(shader::MaterialBlock), kTexture = 64 * 64 * 4;
 
   renderer.render(scene.list, wall_plan(false, true));
@@ -47,7 +48,7 @@ TEST_CASE("a changed material uploads its slot and nothing else") {
   ++scene.list.material_revision[0];
   ++scene.list.revisions.materials;
   CHECK(renderer.render(scene.list, wall_plan(true, false))[0].color[5].r == 0.75f);
-  CHECK(renderer.counters().bytes_uploaded == 2 * 64 + sizeof(shader::MaterialBlock));
+  CHECK(renderer.counters().bytes_uploaded == 2 * sizeof(shader::Instance) + sizeof(shader::MaterialBlock));
   // A change of kind takes effect too.
   material->alpha_mode = AlphaMode::blend;
   material->base_color.a = 0;

@@ -42,6 +42,19 @@ TEST_CASE("clip rows project a point to the pixel that the pinhole names") {
   CHECK(view_depth(projection, glm::dvec3(world_from_mesh * p)) == doctest::Approx(seen.z).epsilon(1e-14));
 }
 
+TEST_CASE("a strip is projected into a viewport with guard rows, and a point to the same pixel as without") {
+  const View view = strip(4096, 2, 2048);
+  REQUIRE(guard_rows(view) == 2047);
+  shader::Instance instance;
+  write_clip_rows(make_projection(view), glm::dmat4(1), instance);
+  const glm::dvec4 p(0.5, 0.001, 2, 1);
+  const double v = view.pinhole.cy_px + view.pinhole.fy_px * p.y / p.z;
+  const double row = (glm::dot(glm::dvec4(instance.clip_y), p) / p.z + 1) * 4096 / 2 - guard_rows(view);
+  // The rows are rounded to float32, half a viewport of pixels times 2^-24 for each of two terms of about 1.
+  CHECK(std::abs(row - v) < 2 * 2048.0 / (1 << 24));
+  CHECK(guard_rows(strip(640, 480, 500)) == 0);
+}
+
 TEST_CASE("no box with a visible point is culled, under any rotation, scale and shear, far from the origin too") {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> unit(-1, 1);

@@ -1,0 +1,99 @@
+#include "engine/clusters.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <array>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "engine/device.h"
+#include "engine/renderer.h"
+#include "tests/random_room.h"
+
+using namespace simvis;
+
+namespace {
+
+std::vector<std::array<std::uint32_t, 3>> sorted_triangles(const std::vector<std::uint32_t>& indices) {
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  for (std::size_t i = 0; i < indices.size(); i += 3) triangles.push_back({indices[i], indices[i + 1], indices[i + 2]});
+  std::ranges::sort(triangles);
+  return triangles;
+}
+
+FramePlan strip(double yaw_rad) {
+  View view;
+  view.pinhole = {256, 256, 256, 0.5};
+  view.near_m = 1e-3;
+  view.view_from_world = glm::rotate(glm::dmat4(1.0), yaw_rad, glm::dvec3(0, 1, 0));
+  view.width_px = 512;
+  view.height_px = 2;
+  view.sees_back_faces = true;
+  FramePlan plan;
+  plan.passes.push_back(
+      {.name = "strip", .width_px = 512, .height_px = 2, .color = false, .depth = true, .views = {view}});
+  return plan;
+}
+
+}  // namespace
+
+TEST_CASE("clusters hold every triangle once, few at a time, each within its box") {
+  const Mesh mesh = sphere_mesh(2, 90);
+  const ClusteredIndices clustered = make_clusters(mesh);
+  REQUIRE(clustered.clusters.size() > 10);
+  CHECK(sorted_triangles(clustered.indices) == sorted_triangles(mesh.indices));
+  std::uint32_t next = 0;
+  for (const Cluster& cluster : clustered.clusters) {
+    CHECK(cluster.first_index == next);
+    CHECK(cluster.index_count > 0);
+    CHECK(cluster.index_count <= 3 * kClusterTriangles);
+    next += cluster.index_count;
+    for (std::uint32_t i = cluster.first_index; i < next; ++i) {
+      const glm::dvec3 off = glm::abs(glm::dvec3(mesh.positions[clustered.indices[i]]) - glm::dvec3(cluster.center));
+      CHECK(glm::all(glm::lessThanEqual(off, glm::dvec3(cluster.half_size))));
+    }
+  }
+  CHECK(next == mesh.indices.size());
+}
+
+TEST_CASE("a mesh of many triangles in one place still ends in small clusters") {
+  Mesh mesh;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  for (int i = 0; i < 1000; ++i) mesh.indices.insert(mesh.indices.end(), {0, 1, 2});
+  for (const Cluster& cluster : make_clusters(mesh).clusters) CHECK(cluster.index_count <= 3 * kClusterTriangles);
+}
+
+TEST_CASE("lines are one cluster in their order") {
+  Mesh mesh;
+  mesh.topology = Topology::lines;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}};
+  for (int i = 0; i < 1000; ++i) mesh.indices.insert(mesh.indices.end(), {0, 1});
+  const ClusteredIndices clustered = make_clusters(mesh);
+  CHECK(clustered.clusters.size() == 1);
+  CHECK(clustered.indices == mesh.indices);
+}
+
+TEST_CASE("drawing only the clusters that a strip sees gives the bytes of drawing every triangle by itself") {
+  Device device;
+  const Mesh mesh = sphere_mesh(3, 120);
+  const glm::dmat4 pose = glm::rotate(glm::translate(glm::dmat4(1.0), {0.5, 0.2, 1}), 0.4, {1, 2, 3});
+  DrawList whole, apart;
+  add_item(whole, mesh, pose);
+  for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
+    Mesh triangle;
+    for (std::size_t corner = 0; corner < 3; ++corner)
+      triangle.positions.push_back(mesh.positions[mesh.indices[i + corner]]);
+    triangle.indices = {0, 1, 2};
+    add_item(apart, triangle, pose);
+  }
+  Renderer renderer(device), other(device);
+  for (const double yaw : {0.0, 1.0, 2.5, 4.0}) {
+    const auto depth = renderer.render(whole, strip(yaw))[0].depth;
+    const FrameCounters counters = renderer.counters();
+    const auto expected = other.render(apart, strip(yaw))[0].depth;
+    CHECK(std::ranges::equal(depth, expected));
+    CHECK(std::ranges::count(depth, 0.0f) < static_cast<std::ptrdiff_t>(depth.size()));
+    CHECK(counters.triangles < mesh.indices.size() / 3 / 4);  // a strip meets few of them
+  }
+  CHECK(device.validation_messages() == 0);
+}
