@@ -1,13 +1,17 @@
 // The light of a scene that declares none.
 #pragma once
 
+#include <numbers>
+
 #include "engine/draw_list.h"
 
 namespace simvis {
 
 /// Daylight from above, a little from behind and from the left of someone who looks along the world's +x, so that each
-/// face of a box is lit differently and shapes read. On a white surface that faces it, it adds 0.7 to the ambient 0.3.
-inline const Light kDefaultLight{
-    .kind = LightKind::directional, .intensity = 0.7, .direction = glm::normalize(glm::dvec3(0.45, -0.3, -0.85))};
+/// face of a box is lit differently and shapes read. A white surface that faces it reflects irradiance / pi
+/// = 0.7, beside the ambient 0.3.
+inline const Light kDefaultLight{.kind = LightKind::directional,
+                                 .intensity = 0.7 * std::numbers::pi,
+                                 .direction = glm::normalize(glm::dvec3(0.45, -0.3, -0.85))};
 
 }  // namespace simvis
