@@ -59,7 +59,7 @@ void record_view(const FrameContext& frame, const View& view, const ViewDraws& d
   frame.device.end_label(frame.commands);
 }
 
-void copy_image(const FrameContext& frame, const Image& image, const Buffer& buffer) {
+void copy_image(const FrameContext& frame, const GpuImage& image, const Buffer& buffer) {
   const VkBufferImageCopy region{.bufferOffset = 0,
                                  .bufferRowLength = 0,
                                  .bufferImageHeight = 0,

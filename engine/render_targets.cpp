@@ -49,18 +49,18 @@ std::unique_ptr<RenderTarget> RenderTargets::make(const Pass& pass) const {
   target->width = pass.width_px;
   target->height = pass.height_px;
   target->depth =
-      Image(device_, {.name = pass.name + "/depth",
-                      .width = pass.width_px,
-                      .height = pass.height_px,
-                      .format = kDepthFormat,
-                      .usage = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
-                      .aspect = VK_IMAGE_ASPECT_DEPTH_BIT});
+      GpuImage(device_, {.name = pass.name + "/depth",
+                         .width = pass.width_px,
+                         .height = pass.height_px,
+                         .format = kDepthFormat,
+                         .usage = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
+                         .aspect = VK_IMAGE_ASPECT_DEPTH_BIT});
   if (pass.color) {
-    target->color = Image(device_, {.name = pass.name + "/colour",
-                                    .width = pass.width_px,
-                                    .height = pass.height_px,
-                                    .format = kColorFormat,
-                                    .usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT});
+    target->color = GpuImage(device_, {.name = pass.name + "/colour",
+                                       .width = pass.width_px,
+                                       .height = pass.height_px,
+                                       .format = kColorFormat,
+                                       .usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT});
   }
   const VkImageView views[] = {target->depth.view(), target->color.view()};
   const VkFramebufferCreateInfo info{.sType = VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO,

@@ -6,14 +6,14 @@
 
 #include "engine/buffer.h"
 #include "engine/frame_plan.h"
-#include "engine/image.h"
+#include "engine/gpu_image.h"
 #include "engine/pipelines.h"
 
 namespace simvis {
 
 struct RenderTarget {
   std::uint32_t width = 0, height = 0;
-  Image depth, color;  ///< no colour image for depth passes
+  GpuImage depth, color;  ///< no colour image for depth passes
   Handle<VkFramebuffer> framebuffer;
   Buffer depth_readback, color_readback;  ///< made when first wanted
   std::uint64_t last_frame = 0;

@@ -29,7 +29,7 @@ VkSamplerAddressMode address_mode(Wrap wrap) {
 
 VkFilter filter(Filter filter) { return filter == Filter::linear ? VK_FILTER_LINEAR : VK_FILTER_NEAREST; }
 
-Image make_image(Device::Impl& device, const Texture& texture) {
+GpuImage make_image(Device::Impl& device, const Texture& texture) {
   SIMVIS_ASSERT(texture.width > 0 && texture.height > 0);
   SIMVIS_ASSERT(texture.rgba.size() == std::size_t{4} * texture.width * texture.height);
   const std::uint32_t limit = device.limits().maxImageDimension2D, side = std::max(texture.width, texture.height);
@@ -39,13 +39,13 @@ Image make_image(Device::Impl& device, const Texture& texture) {
                      " on a side");
   }
   const auto levels = static_cast<std::uint32_t>(std::bit_width(side));
-  return Image(device, {.name = "texture " + texture.name,
-                        .width = texture.width,
-                        .height = texture.height,
-                        .mip_levels = texture.sampler.mipmapped ? levels : 1,
-                        .format = kTextureFormat,
-                        .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT |
-                                 VK_IMAGE_USAGE_TRANSFER_SRC_BIT});
+  return GpuImage(device, {.name = "texture " + texture.name,
+                           .width = texture.width,
+                           .height = texture.height,
+                           .mip_levels = texture.sampler.mipmapped ? levels : 1,
+                           .format = kTextureFormat,
+                           .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT |
+                                    VK_IMAGE_USAGE_TRANSFER_SRC_BIT});
 }
 
 }  // namespace

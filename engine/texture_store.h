@@ -5,7 +5,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "engine/image.h"
+#include "engine/gpu_image.h"
 #include "engine/mesh.h"
 #include "engine/uploads.h"
 
@@ -28,7 +28,7 @@ class TextureStore {
  private:
   struct Entry {
     std::shared_ptr<const Texture> texture;  // keeps the address from being given to another texture
-    Image image;
+    GpuImage image;
     VkDescriptorSet set = VK_NULL_HANDLE;
     bool wanted = true;
   };

@@ -9,7 +9,7 @@ namespace {
 constexpr VkDeviceSize kStagingSize = 4u << 20;
 constexpr VkDeviceSize kStagingAlignment = 16;  // Copies to images start at multiples of a texel, 4 bytes.
 
-VkImageMemoryBarrier barrier(const Image& image, std::uint32_t first_level, std::uint32_t levels,
+VkImageMemoryBarrier barrier(const GpuImage& image, std::uint32_t first_level, std::uint32_t levels,
                              VkImageLayout old_layout, VkImageLayout new_layout, VkAccessFlags from, VkAccessFlags to) {
   return {.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER,
           .pNext = nullptr,
@@ -28,7 +28,7 @@ void record(VkCommandBuffer commands, VkPipelineStageFlags from, VkPipelineStage
   vkCmdPipelineBarrier(commands, from, to, 0, 0, nullptr, 0, nullptr, 1, &image_barrier);
 }
 
-VkOffset3D corner(const ImageDesc& desc, std::uint32_t level) {
+VkOffset3D corner(const GpuImageDesc& desc, std::uint32_t level) {
   return {static_cast<std::int32_t>(std::max(1u, desc.width >> level)),
           static_cast<std::int32_t>(std::max(1u, desc.height >> level)), 1};
 }
@@ -68,10 +68,10 @@ void Uploads::write(const Buffer& target, VkDeviceSize offset, std::span<const s
   copies_ = true;
 }
 
-void Uploads::write(const Image& target, std::span<const std::byte> rgba) {
+void Uploads::write(const GpuImage& target, std::span<const std::byte> rgba) {
   bytes_ += rgba.size();
   const Staged staged = stage(rgba);
-  const ImageDesc& desc = target.desc();
+  const GpuImageDesc& desc = target.desc();
   record(commands_, VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT,
          barrier(target, 0, desc.mip_levels, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 0,
                  VK_ACCESS_TRANSFER_WRITE_BIT));
@@ -85,8 +85,8 @@ void Uploads::write(const Image& target, std::span<const std::byte> rgba) {
   make_mips(target);
 }
 
-void Uploads::make_mips(const Image& image) {
-  const ImageDesc& desc = image.desc();
+void Uploads::make_mips(const GpuImage& image) {
+  const GpuImageDesc& desc = image.desc();
   const std::uint32_t last = desc.mip_levels - 1;
   for (std::uint32_t level = 0; level < last; ++level) {
     record(commands_, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT,

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "engine/buffer.h"
-#include "engine/image.h"
+#include "engine/gpu_image.h"
 
 namespace simvis {
 
@@ -22,7 +22,7 @@ class Uploads {
 
   /// Fills the first level with `rgba` (rows from the top) and makes the others from it; the image is then ready for
   /// sampling.
-  void write(const Image& target, std::span<const std::byte> rgba);
+  void write(const GpuImage& target, std::span<const std::byte> rgba);
 
   /// Copies within the device; counts no byte as uploaded.
   void copy(const Buffer& from, const Buffer& to, VkDeviceSize from_offset, VkDeviceSize to_offset, VkDeviceSize size);
@@ -41,7 +41,7 @@ class Uploads {
     VkDeviceSize offset;
   };
   Staged stage(std::span<const std::byte> data);
-  void make_mips(const Image& image);
+  void make_mips(const GpuImage& image);
 
   Device::Impl& device_;
   VkCommandBuffer commands_ = VK_NULL_HANDLE;

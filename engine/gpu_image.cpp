@@ -1,11 +1,11 @@
-#include "engine/image.h"
+#include "engine/gpu_image.h"
 
 #include "engine/assert.h"
 #include "engine/vulkan_check.h"
 
 namespace simvis {
 
-Image::Image(Device::Impl& device, ImageDesc desc) : desc_(std::move(desc)) {
+GpuImage::GpuImage(Device::Impl& device, GpuImageDesc desc) : desc_(std::move(desc)) {
   SIMVIS_ASSERT(desc_.width > 0 && desc_.height > 0 && !desc_.name.empty());
   VkImageCreateInfo info{};
   info.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO;

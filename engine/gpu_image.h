@@ -7,7 +7,7 @@
 
 namespace simvis {
 
-struct ImageDesc {
+struct GpuImageDesc {
   std::string name;
   std::uint32_t width = 0, height = 0;  ///< pixels, above 0
   std::uint32_t mip_levels = 1;
@@ -16,18 +16,18 @@ struct ImageDesc {
   VkImageAspectFlags aspect = VK_IMAGE_ASPECT_COLOR_BIT;
 };
 
-class Image {
+class GpuImage {
  public:
-  Image() = default;
-  Image(Device::Impl& device, ImageDesc desc);
+  GpuImage() = default;
+  GpuImage(Device::Impl& device, GpuImageDesc desc);
 
   VkImage get() const { return image_.get(); }
   VkImageView view() const { return view_.get(); }
-  const ImageDesc& desc() const { return desc_; }
+  const GpuImageDesc& desc() const { return desc_; }
   explicit operator bool() const { return static_cast<bool>(image_); }
 
  private:
-  ImageDesc desc_;
+  GpuImageDesc desc_;
   Handle<VkDeviceMemory> memory_;  // outlives the image
   Handle<VkImage> image_;          // outlives the view
   Handle<VkImageView> view_;
