@@ -87,7 +87,7 @@ class Cell {
     const double mz = w - mx * tap_.tangent_x - my * tap_.tangent_y;
     const double vertices = w * displacement_m_ * std::sqrt(mx * mx + my * my + mz * mz);
     const double setup =
-        kSetup * kFloatUnit * (std::abs(gx) * pixels_.target_width_px + std::abs(gy) * pixels_.target_height_px + w);
+        kSetup * kFloatUnit * (std::abs(gx) * pixels_.reach_x_px + std::abs(gy) * pixels_.reach_y_px + w);
     return vertices + setup;
   }
 

@@ -17,7 +17,8 @@
 //              of a triangle its plane is displaced by at most e. With m the gradient of w in the tangents of the face
 //              (the plane is m . (x, y, z) = 1 and |m| = 1 / its distance from the sensor), dw = w e |m|.
 //   plane set-up  The rasteriser evaluates w = a + gx x + gy y in float32 with x, y counted from the target's corner:
-//              kSetup roundings of terms no larger than |gx| X + |gy| Y + w, X and Y the target's size.
+//              kSetup roundings of terms no larger than |gx| X + |gy| Y + w, X and Y the farthest that a vertex lies
+//              from there: the target's size, and for a strip, whose viewport is as high as wide, its width.
 #pragma once
 
 #include <cstdint>
@@ -33,7 +34,7 @@ struct FacePixels {
   std::uint32_t stride_px = 0;   ///< from one row to the next
   double near_m = 0;
   double focal_px = 0;
-  double target_width_px = 0, target_height_px = 0;  ///< of the whole target that the rasteriser drew into
+  double reach_x_px = 0, reach_y_px = 0;  ///< the farthest that a vertex lies from the target's corner
 };
 
 /// A range along the ray with its bound, in metres; +infinity for a range that does not exist.

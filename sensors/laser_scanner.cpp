@@ -1,5 +1,6 @@
 #include "sensors/laser_scanner.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -157,8 +158,8 @@ void LaserScanner::collect(const FrameTime&, const FramePlan& plan, std::span<co
                       .stride_px = pass.width_px,
                       .near_m = kNear_m,
                       .focal_px = layout_.faces[f].pinhole.fx_px,
-                      .target_width_px = static_cast<double>(pass.width_px),
-                      .target_height_px = static_cast<double>(pass.height_px)});
+                      .reach_x_px = static_cast<double>(pass.width_px),
+                      .reach_y_px = static_cast<double>(std::max(pass.height_px, layout_.faces[f].width_px))});
   }
   for (std::size_t beam = 0; beam < layout_.taps.size(); ++beam) {
     const BeamTap& tap = layout_.taps[beam];
