@@ -92,6 +92,12 @@ void FrameBuffers::write_instances(std::span<const shader::Instance> instances, 
   uploads.write(instances_, 0, std::as_bytes(instances));
 }
 
+void FrameBuffers::write_indices(std::span<const std::uint32_t> indices, Uploads& uploads) {
+  if (indices.empty()) return;
+  reserve(indices_, "indices of the frame", VK_BUFFER_USAGE_INDEX_BUFFER_BIT, indices.size_bytes());
+  uploads.write(indices_, 0, std::as_bytes(indices));
+}
+
 void FrameBuffers::write_lights(std::span<const shader::LightBlock> lights, Uploads& uploads) {
   if (lights.empty()) return;
   reserve_lights(lights.size_bytes() + kLightsRange);  // the last view's range ends within the buffer

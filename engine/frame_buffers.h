@@ -21,9 +21,11 @@ class FrameBuffers {
   /// Brings slot m up to date with list.materials[m], for each m with wanted[m] != 0.
   void write_materials(const DrawList& list, std::span<const std::uint8_t> wanted, Uploads& uploads);
   void write_instances(std::span<const shader::Instance> instances, Uploads& uploads);
+  void write_indices(std::span<const std::uint32_t> indices, Uploads& uploads);
   void write_lights(std::span<const shader::LightBlock> lights, Uploads& uploads);
 
   VkBuffer instances() const { return instances_.get(); }
+  VkBuffer indices() const { return indices_.get(); }
   VkDescriptorSet set() const { return set_; }
 
   /// Forgets which materials are up to date.
@@ -43,7 +45,7 @@ class FrameBuffers {
   Device::Impl& device_;
   Handle<VkDescriptorPool> pool_;
   VkDescriptorSet set_ = VK_NULL_HANDLE;  // freed with its pool
-  Buffer instances_, materials_, lights_;
+  Buffer instances_, indices_, materials_, lights_;
   std::vector<Slot> slots_;
 };
 

@@ -49,6 +49,7 @@ void FrameDraws::clear() {
   runs_.clear();
   instances_.clear();
   lights_.clear();
+  indices_.clear();
 }
 
 void FrameDraws::add(const View& view, const Pass& pass, const DrawList& list, const DrawTable& table,
@@ -62,7 +63,9 @@ void FrameDraws::add(const View& view, const Pass& pass, const DrawList& list, c
   draws.first_run = runs_.size();
   for (const Drawable& d : pass.color ? table.solid() : table.depth()) {
     if (!visible(d, view, projection, table, counters)) continue;
-    if (d.range.clusters.size() > 1) {
+    if (d.range.clusters.size() > 1 && guard_rows(view) > 0) {
+      draw_seen_triangles(d, view, projection, list, table.box(d.item));
+    } else if (d.range.clusters.size() > 1) {
       draw_seen_clusters(d, view, projection, list, table.box(d.item), draws.first_run);
     } else {
       draw(d, view, projection, list, draws.first_run);
@@ -114,6 +117,32 @@ std::uint32_t FrameDraws::add_instance(const Drawable& d, const ViewProjection& 
   return static_cast<std::uint32_t>(instances_.size() - 1);
 }
 
+// A strip meets few triangles even of the clusters that it sees, and each of the others costs the device more than a
+// look at it here: only those that may be met are drawn, in one draw with indices of its own.
+void FrameDraws::draw_seen_triangles(const Drawable& d, const View& view, const ViewProjection& projection,
+                                     const DrawList& list, const WorldBox& box) {
+  const MeshPlanes planes = make_mesh_planes(projection, list.world_from_node[d.transform], box);
+  const auto first = static_cast<std::uint32_t>(indices_.size());
+  for (const Cluster& cluster : d.range.clusters) {
+    if (outside(planes, cluster.center, cluster.half_size)) continue;
+    const std::uint32_t* corner = d.range.indices.data() + cluster.first_index;
+    for (const std::uint32_t* end = corner + cluster.index_count; corner != end; corner += 3) {
+      const auto& p = d.range.positions;
+      if (outside(planes, p[corner[0]], p[corner[1]], p[corner[2]])) continue;
+      indices_.insert(indices_.end(), corner, corner + 3);
+    }
+  }
+  const auto count = static_cast<std::uint32_t>(indices_.size() - first);
+  if (count == 0) return;
+  runs_.push_back({.key = key_in_view(d, view),
+                   .texture = d.texture,
+                   .range = {.first_index = first, .index_count = count, .vertex_offset = d.range.vertex_offset},
+                   .first_instance = add_instance(d, projection, list),
+                   .instance_count = 1,
+                   .own_indices = true});
+  last_group_ = kNoGroup;
+}
+
 // One draw for each row of neighbouring clusters that the view sees; all of them are drawn like any mesh.
 void FrameDraws::draw_seen_clusters(const Drawable& d, const View& view, const ViewProjection& projection,
                                     const DrawList& list, const WorldBox& box, std::size_t first_run) {
@@ -124,7 +153,7 @@ void FrameDraws::draw_seen_clusters(const Drawable& d, const View& view, const V
     if (!seen_.empty() && seen_.back().first_index + seen_.back().index_count == cluster.first_index) {
       seen_.back().index_count += cluster.index_count;
     } else {
-      seen_.push_back({cluster.first_index, cluster.index_count, 0, {}});
+      seen_.push_back({.first_index = cluster.first_index, .index_count = cluster.index_count});
     }
   }
   if (seen_.empty()) return;

@@ -18,6 +18,7 @@ struct DrawRun {
   VkDescriptorSet texture = VK_NULL_HANDLE;
   MeshRange range;
   std::uint32_t first_instance = 0, instance_count = 0;
+  bool own_indices = false;  ///< range.first_index counts in FrameDraws::indices(), not in the geometry pool
 };
 
 /// One view's share: runs [first_run, end_run) in the order of drawing.
@@ -39,6 +40,7 @@ class FrameDraws {
   std::span<const DrawRun> runs() const { return runs_; }
   std::span<const shader::Instance> instances() const { return instances_; }
   std::span<const shader::LightBlock> lights() const { return lights_; }
+  std::span<const std::uint32_t> indices() const { return indices_; }
 
  private:
   struct Far {
@@ -52,6 +54,8 @@ class FrameDraws {
             std::size_t first_run);
   void draw_seen_clusters(const Drawable& d, const View& view, const ViewProjection& projection, const DrawList& list,
                           const WorldBox& box, std::size_t first_run);
+  void draw_seen_triangles(const Drawable& d, const View& view, const ViewProjection& projection, const DrawList& list,
+                           const WorldBox& box);
   std::uint32_t add_instance(const Drawable& d, const ViewProjection& projection, const DrawList& list);
   void add_blended(const View& view, const Pass& pass, const ViewProjection& projection, const DrawList& list,
                    const DrawTable& table, FrameCounters& counters);
@@ -60,6 +64,7 @@ class FrameDraws {
   std::vector<DrawRun> runs_;
   std::vector<shader::Instance> instances_;
   std::vector<shader::LightBlock> lights_;
+  std::vector<std::uint32_t> indices_;
   std::vector<Far> far_first_;
   std::vector<MeshRange> seen_;
   std::uint32_t last_group_ = 0;

@@ -16,6 +16,7 @@ void bind_frame_set(const FrameContext& frame, std::uint32_t lights_offset) {
 struct Bound {
   VkPipeline pipeline = VK_NULL_HANDLE;
   VkDescriptorSet texture = VK_NULL_HANDLE;
+  VkBuffer indices = VK_NULL_HANDLE;
 };
 
 void record_run(const FrameContext& frame, const DrawRun& run, Bound& bound) {
@@ -29,6 +30,11 @@ void record_run(const FrameContext& frame, const DrawRun& run, Bound& bound) {
     vkCmdBindDescriptorSets(frame.commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout(frame), SIMVIS_TEXTURE_SET, 1,
                             &run.texture, 0, nullptr);
     bound.texture = run.texture;
+  }
+  const VkBuffer indices = run.own_indices ? frame.frame_indices : frame.geometry.indices();
+  if (indices != bound.indices) {
+    vkCmdBindIndexBuffer(frame.commands, indices, 0, VK_INDEX_TYPE_UINT32);
+    bound.indices = indices;
   }
   vkCmdDrawIndexed(frame.commands, run.range.index_count, run.instance_count, run.range.first_index,
                    run.range.vertex_offset, run.first_instance);
@@ -78,7 +84,6 @@ void record_bindings(const FrameContext& frame) {
   const VkBuffer buffers[] = {frame.geometry.positions(), frame.instances, frame.geometry.attributes()};
   const VkDeviceSize offsets[] = {0, 0, 0};
   vkCmdBindVertexBuffers(frame.commands, 0, buffers[2] == VK_NULL_HANDLE ? 2 : 3, buffers, offsets);
-  vkCmdBindIndexBuffer(frame.commands, frame.geometry.indices(), 0, VK_INDEX_TYPE_UINT32);
 }
 
 void record_pass(const FrameContext& frame, const Pass& pass, const RenderTarget& target,

@@ -17,6 +17,7 @@ struct FrameContext {
   const GeometryPool& geometry;
   VkDescriptorSet frame_set;
   VkBuffer instances;
+  VkBuffer frame_indices;  ///< null where no run has indices of its own
   const FrameDraws& draws;
   const DrawList& list;
   FrameCounters& counters;

@@ -74,7 +74,9 @@ std::span<const MeshRange> GeometryPool::update(std::span<const std::shared_ptr<
     ranges_[i] = {.first_index = static_cast<std::uint32_t>(entry.first_index),
                   .index_count = static_cast<std::uint32_t>(entry.mesh->indices.size()),
                   .vertex_offset = static_cast<std::int32_t>(entry.first_vertex),
-                  .clusters = entry.clusters};
+                  .clusters = entry.clustered.clusters,
+                  .indices = entry.clustered.indices,
+                  .positions = entry.mesh->positions};
   }
   return ranges_;
 }
@@ -132,9 +134,8 @@ void GeometryPool::place(Entry& entry, Uploads& uploads) {
   vertices_used_ += mesh.positions.size();
   indices_used_ += mesh.indices.size();
   uploads.write(positions_, entry.first_vertex * sizeof(glm::vec3), std::as_bytes(std::span(mesh.positions)));
-  ClusteredIndices clustered = make_clusters(mesh);
-  entry.clusters = std::move(clustered.clusters);
-  uploads.write(indices_, entry.first_index * sizeof(std::uint32_t), std::as_bytes(std::span(clustered.indices)));
+  entry.clustered = make_clusters(mesh);
+  uploads.write(indices_, entry.first_index * sizeof(std::uint32_t), std::as_bytes(std::span(entry.clustered.indices)));
 }
 
 void GeometryPool::upload_attributes(Entry& entry, Uploads& uploads) {

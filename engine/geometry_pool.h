@@ -17,7 +17,9 @@ namespace simvis {
 struct MeshRange {
   std::uint32_t first_index = 0, index_count = 0;
   std::int32_t vertex_offset = 0;
-  std::span<const Cluster> clusters;  ///< their index numbers count from the mesh's first
+  std::span<const Cluster> clusters{};       ///< their index numbers count from the mesh's first
+  std::span<const std::uint32_t> indices{};  ///< of the mesh's vertices, in the order of the clusters, in host memory
+  std::span<const glm::vec3> positions{};    ///< likewise
 };
 
 /// What a vertex carries besides its position, as the GPU reads it. Colours beyond 1 are clamped.
@@ -55,7 +57,7 @@ class GeometryPool {
  private:
   struct Entry {
     std::shared_ptr<const Mesh> mesh;  // keeps the address from being given to another mesh
-    std::vector<Cluster> clusters;
+    ClusteredIndices clustered;
     std::uint64_t first_vertex = 0, first_index = 0;
     bool resident = false, has_attributes = false, wanted = false;
   };

@@ -113,6 +113,7 @@ void Renderer::Impl::prepare(const DrawList& list, const FramePlan& plan) {
     for (const View& view : pass.views) draws.add(view, pass, list, table, counters);
   }
   buffers.write_instances(draws.instances(), uploads);
+  buffers.write_indices(draws.indices(), uploads);
   buffers.write_lights(draws.lights(), uploads);
 }
 
@@ -127,6 +128,7 @@ void Renderer::Impl::record(VkCommandBuffer recorded, const DrawList& list, cons
                            .geometry = geometry,
                            .frame_set = buffers.set(),
                            .instances = buffers.instances(),
+                           .frame_indices = buffers.indices(),
                            .draws = draws,
                            .list = list,
                            .counters = counters};

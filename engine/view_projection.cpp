@@ -88,11 +88,13 @@ MeshPlanes make_mesh_planes(const ViewProjection& p, const glm::dmat4& world_fro
   MeshPlanes planes;
   const glm::dmat4 view_from_mesh = p.view_from_world * world_from_mesh;
   const glm::dmat4 rows = glm::transpose(view_from_mesh);
-  planes.plane[0] = rows[2] - glm::dvec4(0, 0, 0, p.near_m);
+  // Top and bottom first: they are what most misses of a strip.
+  constexpr int kOrder[4] = {2, 3, 0, 1};
   for (int i = 0; i < 4; ++i) {
-    const glm::dvec3& n = p.side_view[i];
-    planes.plane[i + 1] = n.x * rows[0] + n.y * rows[1] + n.z * rows[2];
+    const glm::dvec3& n = p.side_view[kOrder[i]];
+    planes.plane[i] = n.x * rows[0] + n.y * rows[1] + n.z * rows[2];
   }
+  planes.plane[4] = rows[2] - glm::dvec4(0, 0, 0, p.near_m);
   planes.slack = rounding_of(transform_point(p.view_from_world, box.center), box);
   return planes;
 }
@@ -102,6 +104,16 @@ bool outside(const MeshPlanes& planes, const glm::dvec3& center, const glm::dvec
     const glm::dvec3 normal(plane);
     const double farthest_inwards = glm::dot(normal, center) + plane.w + glm::dot(glm::abs(normal), half_size);
     if (farthest_inwards < -planes.slack) return true;
+  }
+  return false;
+}
+
+bool outside(const MeshPlanes& planes, const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
+  for (const glm::dvec4& plane : planes.plane) {
+    const auto beyond = [&](const glm::vec3& p) {
+      return plane.x * p.x + plane.y * p.y + plane.z * p.z + plane.w < -planes.slack;
+    };
+    if (beyond(a) && beyond(b) && beyond(c)) return true;
   }
   return false;
 }

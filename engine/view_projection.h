@@ -48,7 +48,7 @@ bool outside(const ViewProjection& projection, const WorldBox& box);
 
 /// The planes of a view in the frame of a mesh, for its clusters.
 struct MeshPlanes {
-  glm::dvec4 plane[5];  ///< near and the four sides: plane . (p, 1) is the distance inwards, in metres
+  glm::dvec4 plane[5];  ///< top, bottom, left, right and near: plane . (p, 1) is the distance inwards, in metres
   double slack = 0;     ///< what is farther out than this is outside
 };
 
@@ -57,6 +57,9 @@ MeshPlanes make_mesh_planes(const ViewProjection& projection, const glm::dmat4& 
 
 /// Whether nothing of a box in the mesh's frame can appear in the view.
 bool outside(const MeshPlanes& planes, const glm::dvec3& center, const glm::dvec3& half_size);
+
+/// Whether nothing of a triangle in the mesh's frame can appear in the view: its corners lie beyond one plane.
+bool outside(const MeshPlanes& planes, const glm::vec3& a, const glm::vec3& b, const glm::vec3& c);
 
 /// Depth of a world point along the optical axis, in metres.
 double view_depth(const ViewProjection& projection, const glm::dvec3& world_point);
