@@ -15,8 +15,7 @@ struct Cluster {
   glm::vec3 center{0}, half_size{0};  ///< rounded outwards
 };
 
-/// The most triangles in a cluster. Smaller ones fit a scanner's strip more closely and cost more draws; of 16, 32, 64
-/// and 128 this is the fastest for three planar scanners on lavapipe (bench/three_scanners), by 5 to 30 %.
+/// The most triangles in a cluster. Smaller ones fit a view more closely and cost more looks and draws.
 inline constexpr std::size_t kClusterTriangles = 32;
 
 /// A mesh's triangles in an order in which neighbours in space are neighbours in the list.
