@@ -6,6 +6,8 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <numbers>
 
+#include "engine/error.h"
+#include "shaders/interop.h"
 #include "tests/renderer_scene.h"
 
 using namespace simvis;
@@ -126,6 +128,20 @@ TEST_CASE("many lights add up, in any number of views") {
   const auto color = renderer.render(scene.list, plan)[0].color;
   CHECK(color[2 * 8 + 1].r == doctest::Approx(50 / kPi).epsilon(kShading));
   CHECK(color[2 * 8 + 6].r == doctest::Approx(50 / kPi).epsilon(kShading));
+}
+
+TEST_CASE("more lights than a view takes are refused, with their number and the limit") {
+  Renderer renderer(device());
+  Scene scene = scene_with_ambient(0);
+  scene.add(rectangle(-5, -5, 5, 5), colored({1, 1, 1, 1}), at(0, 0, 2));
+  for (int i = 0; i < SIMVIS_MAX_LIGHTS + 1; ++i) {
+    scene.add_light({.kind = LightKind::directional, .direction = {0, 0, 1}}, glm::dmat4(1));
+  }
+  CHECK_THROWS_WITH_AS(renderer.render(scene.list, plan_of(4, 4, 2, true, false)),
+                       "the scene has 257 lights, 256 are allowed", InputError);
+  scene.list.lights.pop_back();
+  renderer.render(scene.list, plan_of(4, 4, 2, true, false));
+  CHECK(renderer.counters().draws == 1);
 }
 
 TEST_CASE("normals survive scale that is mirrored and not uniform, and face the viewer on back faces") {
