@@ -18,8 +18,8 @@ constexpr double kFloatUnit = 0x1p-24;
 // corner (4), the evaluation (4), storing it (1).
 constexpr double kSetup = 17;
 
-// Second differences up to this share of their worst rounding are taken for none. Any share is safe, as what it lets
-// through is in the bound: a larger one takes small steps for planes more often and so widens bounds, a smaller one
+// Second differences up to this share of their worst rounding are taken for none. What it lets through is in the bound,
+// but for pixels of different surfaces that lie in line by chance, which a larger share makes likelier; a smaller one
 // takes rough planes for steps and calls more beams uncertain.
 constexpr double kBelieved = 0.3;
 

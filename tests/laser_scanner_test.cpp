@@ -18,8 +18,9 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-// float32 from vertex to range: vertex rounding, plane set-up, storing. See depth_range.h; here all coordinates are of
-// the order of the range, so some ten half-ulps of it.
+// float32 from vertex to range, relative to the largest coordinate of the surface met: vertex rounding, plane set-up
+// and storing are some sixteen half-ulps of it, see depth_range.h. What a test multiplies it by is that coordinate over
+// the range, and the slant.
 constexpr double kRounding = 16 * 0x1p-24;
 
 glm::dmat4 at(double x, double y, double z) { return glm::translate(glm::dmat4(1.0), {x, y, z}); }
@@ -60,6 +61,7 @@ TEST_CASE("a wall ahead: range = distance / cos(azimuth), for nearest within hal
       // A pixel spans at most 2 / 4096 of tangent; half of one turns into that times the slant tan(a), to first order.
       const double half_pixel =
           method == ScanMethod::nearest ? 1.01 * expected * (1 + std::abs(std::tan(a))) / 4096 : 0;
+      // The wall's corners are 40 m away, and its plane stands at the slant 1 / cos(a) to the beam.
       CHECK(std::abs(scan.range_m[beam] - expected) <= kRounding * 40 / std::cos(a) + half_pixel);
       CHECK(std::abs(scan.range_m[beam] - expected) <= scan.error_bound_m[beam]);
     }
@@ -125,6 +127,7 @@ TEST_CASE("a lidar inside a box, from straight down to straight up") {
       CHECK(std::abs(scan.range_m[index] - expected) <= scan.error_bound_m[index]);
       if (scan.error_bound_m[index] == kInfinity) continue;
       ++certain;
+      // The box's corners are 3.9 m away, its nearest walls 1.5 m: under four times the range.
       CHECK(std::abs(scan.range_m[index] - expected) <= 4 * kRounding * expected);
     }
   }
