@@ -295,7 +295,7 @@ def palette_png(texture):
     chunks = [(b"IHDR", header), (b"PLTE", bytes(v for entry in texture.palette for v in entry[:3]))]
     if len(texture.palette[0]) == 4:
         chunks.append((b"tRNS", bytes(entry[3] for entry in texture.palette)))
-    chunks += [(b"IDAT", zlib.compress(rows, 9)), (b"IEND", b"")]
+    chunks += [(b"IDAT", zlib.compress(rows, 6)), (b"IEND", b"")]
     return b"\x89PNG\r\n\x1a\n" + b"".join(
         struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
         for name, data in chunks)

@@ -4,6 +4,8 @@ import math
 from gltf_writer import Texture
 from painting import ramp
 
+_PIXEL = [bytes([index]) for index in range(256)]
+
 
 def palette(clear, *ramps):
     """A palette of (r, g, b, a): index 0 is clear, with the colour that its neighbours fade into, then the ramps.
@@ -35,35 +37,38 @@ class Brush:
         if self.tiled:
             x0, x1 = x0 % self.width, x0 % self.width + x1 - x0
             if x1 > self.width:
-                row[0:x1 - self.width] = bytes([index]) * (x1 - self.width)
+                row[0:x1 - self.width] = _PIXEL[index] * (x1 - self.width)
                 x1 = self.width
         else:
-            x0, x1 = max(x0, 0), min(x1, self.width)
+            if x0 < 0:
+                x0 = 0
+            if x1 > self.width:
+                x1 = self.width
         if x1 > x0:
-            row[x0:x1] = bytes([index]) * (x1 - x0)
+            row[x0:x1] = _PIXEL[index] * (x1 - x0)
 
     def convex(self, points, index):
-        """A convex polygon; never less than a pixel wide."""
-        top = math.floor(min(p[1] for p in points))
-        count = math.ceil(max(p[1] for p in points)) - top
-        count = max(1, min(count, self.height))
-        left, right = [math.inf] * count, [-math.inf] * count
-        for (x0, y0), (x1, y1) in zip(points, points[1:] + points[:1]):
-            if y0 > y1:
-                x0, y0, x1, y1 = x1, y1, x0, y0
-            slope = (x1 - x0) / (y1 - y0) if y1 > y0 else 0.0
-            first, last = int(y0 - top), min(int(y1 - top), count - 1)
-            for row in range(first, last + 1):
-                at = min(max(row + top + 0.5, y0), y1)
-                x = x0 + (at - y0) * slope
-                if x < left[row]:
-                    left[row] = x
-                if x > right[row]:
-                    right[row] = x
-        for row in range(count):
-            if left[row] <= right[row]:
-                x = round(left[row])
-                self.span(top + row, x, max(x + 1, round(right[row])), index)
+        """A convex polygon: in each row whose middle it meets at least one pixel."""
+        met, span = {}, self.span
+        x0, y0 = points[-1]
+        for x1, y1 in points:
+            if y0 != y1:
+                low, high = (y0, y1) if y0 < y1 else (y1, y0)
+                row, end = math.ceil(low - 0.5), math.ceil(high - 0.5)
+                if row < end:
+                    slope = (x1 - x0) / (y1 - y0)
+                    x = x0 + (row + 0.5 - y0) * slope
+                    while row < end:
+                        other = met.get(row)
+                        if other is None:
+                            met[row] = x
+                        else:
+                            left, right = (int(x + 0.5), int(other + 0.5)) if x < other else (int(other + 0.5),
+                                                                                               int(x + 0.5))
+                            span(row, left, right if right > left else left + 1, index)
+                        row += 1
+                        x += slope
+            x0, y0 = x1, y1
 
     def stroke(self, points, widths, indices):
         """A line of changing width; `indices` holds one per leg."""

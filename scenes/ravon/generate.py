@@ -15,9 +15,11 @@ HERE = pathlib.Path(__file__).resolve().parent
 sys.dont_write_bytecode = True
 sys.path[:0] = [str(HERE), str(HERE.parent)]
 
+import drive
 import gltf_writer
 import ground
 import layout
+import robot
 import trees
 import undergrowth
 
@@ -35,7 +37,13 @@ def make():
                  [("log", undergrowth.log(), plan.log)],
         "horizon": [("far_forest", undergrowth.far_forest(), [])],
     }
-    files = {f"{name}.glb": gltf_writer.instanced_glb(name, kinds) for name, kinds in parts.items()}
+    lights = {"ground": [layout.SUNLIGHT]}
+    files = {f"{name}.glb": gltf_writer.instanced_glb(name, kinds, lights.get(name, ()))
+             for name, kinds in parts.items()}
+    for model in (robot.robot(), robot.head()):
+        model.check()
+        files[f"{model.name}.glb"] = gltf_writer.glb(model.name, model.faces)
+    files["drive.csv"] = drive.csv(drive.rows()).encode()
     files["ground.csv"] = ground.csv().encode()
     triangles = {f"{name}.glb": sum(len(s.indices) // 3 * max(1, len(places)) for _, surfaces, places in kinds
                                     for s in surfaces) for name, kinds in parts.items()}

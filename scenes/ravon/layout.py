@@ -3,10 +3,11 @@ import math
 import random
 
 import ground
-from gltf_writer import Place
+from gltf_writer import Light, Place
 from shapes import cross, dot, unit
 
 SUN = unit((0.50, -0.58, -0.60))  # the way its light travels
+SUNLIGHT = Light("sun", "directional", 3.9, (1.0, 0.92, 0.78), direction=SUN)
 EXTENT_X, EXTENT_Y = (-40.0, 52.0), (-34.0, 34.0)  # where single plants stand; the far forest lies beyond
 
 # Of each kind: radius and middle height of its crown, how much light it takes, share of the wood.
@@ -82,7 +83,7 @@ class Layout:
     def __init__(self):
         self.plants, self.rocks, self.grass = {}, {}, {}
         self.shade = Shade()
-        self._taken = []
+        self._taken, self._cells = [], {}
         self._trees(random.Random(301))
         self._rocks(random.Random(302))
         self._bushes(random.Random(303))
@@ -93,6 +94,16 @@ class Layout:
 
     def _free(self, x, y, radius):
         return all(math.hypot(x - a, y - b) > radius + r for a, b, r in self._taken)
+
+    def _take(self, x, y, radius):
+        self._taken.append((x, y, radius))
+        for i in range(math.floor(x - radius - 1), math.floor(x + radius + 1) + 1):
+            for j in range(math.floor(y - radius - 1), math.floor(y + radius + 1) + 1):
+                self._cells.setdefault((i, j), []).append((x, y, radius))
+
+    def _is_bare(self, x, y):
+        """No trunk and no stone stands here."""
+        return all(math.hypot(x - a, y - b) > 0.35 * r for a, b, r in self._cells.get((math.floor(x), math.floor(y)), ()))
 
     def _plant(self, table, kind, x, y, size, rng):
         radius, middle, strength, _ = table[kind]
@@ -106,7 +117,7 @@ class Layout:
     def _trees(self, rng):
         for kind, x, y, size in CHOSEN_TREES:
             self._plant(TREES, kind, x, y, size, rng)
-            self._taken.append((x, y, 0.75 * TREES[kind][0] * size))
+            self._take(x, y, 0.75 * TREES[kind][0] * size)
         for _ in range(1500):
             x = EXTENT_X[0] + (EXTENT_X[1] - EXTENT_X[0]) * rng.random()
             y = EXTENT_Y[0] + (EXTENT_Y[1] - EXTENT_Y[0]) * rng.random()
@@ -116,7 +127,7 @@ class Layout:
             thin = 0.35 + 0.65 * min(1.0, d / 22) - 0.5 * ground.patchiness(0.13 * x, 0.16 * y)
             if d < 4.0 + radius or rng.random() > thin or not self._free(x, y, radius) or is_kept_clear(x, y):
                 continue
-            self._taken.append((x, y, radius))
+            self._take(x, y, radius)
             self._plant(TREES, kind, x, y, size, rng)
 
     def _rocks(self, rng):
@@ -133,7 +144,7 @@ class Layout:
             place = Place((x, y, ground.height(x, y) - 0.10 * size), turned(up, 6.28 * rng.random()),
                           (size, size * (0.8 + 0.4 * rng.random()), size * (0.75 + 0.5 * rng.random())))
             self.rocks.setdefault(kind, []).append(place)
-            self._taken.append((x, y, 0.45 * size))
+            self._take(x, y, 0.45 * size)
             self.shade.add(x, y, 0.3 * size, 0.55 * size, 0.5)
             self.shade.foot(x, y, 0.85 * size, 0.35)
 
@@ -147,7 +158,7 @@ class Layout:
                 continue
             if not self._free(x, y, 0.55 * radius):
                 continue
-            self._taken.append((x, y, 0.55 * radius))
+            self._take(x, y, 0.55 * radius)
             self._plant(BUSHES, kind, x, y, size, rng)
 
     def _grass(self, rng):
@@ -159,7 +170,7 @@ class Layout:
                     px, py = x + spacing * (rng.random() - 0.5), y + spacing * (rng.random() - 0.5)
                     d = abs(ground.from_path(px, py))
                     y += spacing
-                    if nearest <= d < farthest and self._free(px, py, 0.05):
+                    if nearest <= d < farthest and self._is_bare(px, py):
                         self._tuft(rng, px, py, d)
                 x += spacing
 

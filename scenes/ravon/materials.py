@@ -16,15 +16,15 @@ SPRUCE_BARK = Material("spruce bark", texture=pictures.spruce_bark())
 BEECH = MaskedMaterial("beech leaves", cutoff=CUTOFF, texture=pictures.twig(
     "beech leaves", 21, pictures.BEECH,
     (["#16240d", "#2f4a18", "#4d6f26", "#74953a", "#a3bd5c"], ["#26300f", "#4f5f1c", "#7d8a30", "#a9ad4d", "#c8c873"]),
-    112, 0.62, 330, "#4a6826"))
+    66, 0.60, 620, "#4a6826"))
 BIRCH = MaskedMaterial("birch leaves", cutoff=CUTOFF, texture=pictures.twig(
     "birch leaves", 22, pictures.BIRCH,
     (["#1c2b10", "#3a561c", "#5f812c", "#8ba845", "#b9cd6d"], ["#333a12", "#686f22", "#9b9c3b", "#c4be5c", "#ddd889"]),
-    74, 0.66, 520, "#5f7f31"))
+    54, 0.68, 700, "#5f7f31"))
 HAZEL = MaskedMaterial("hazel leaves", cutoff=CUTOFF, texture=pictures.twig(
     "hazel leaves", 24, pictures.OVAL,
     (["#13220f", "#28431c", "#42652a", "#658a40", "#95b264"], ["#1f2c12", "#405020", "#66773a", "#8f9c58", "#b9c17d"]),
-    92, 0.74, 400, "#3f5f2a"))
+    70, 0.74, 560, "#3f5f2a"))
 NEEDLES = MaskedMaterial("needles", cutoff=CUTOFF, texture=pictures.needles())
 GRASS = MaskedMaterial("grass", cutoff=CUTOFF, texture=pictures.green_grass())
 DRY_GRASS = MaskedMaterial("dry grass", cutoff=CUTOFF, texture=pictures.dry_grass())
