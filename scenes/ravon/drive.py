@@ -4,7 +4,7 @@ import math
 import ground
 from robot import WHEEL_X, WHEEL_Y
 
-BEGIN_X, END_X = -13.0, 27.0
+BEGIN_X, END_X = 27.0, -13.0
 SECONDS, ROWS_PER_SECOND = 40, 10
 COLUMNS = ("time_s", "R_POSE.x", "R_POSE.y", "R_POSE.z", "R_POSE.roll", "R_POSE.pitch", "R_POSE.yaw", "PAN.value",
            "TILT.value")
@@ -41,7 +41,7 @@ def rows():
         while k < len(xs) - 2 and lengths[k + 1] < at:
             k += 1
         x = xs[k] + (xs[k + 1] - xs[k]) * (at - lengths[k]) / (lengths[k + 1] - lengths[k])
-        y, yaw = ground.path_y(x), math.atan(ground.path_slope(x))
+        y, yaw = ground.path_y(x), math.pi + math.atan(ground.path_slope(x))
         z, roll, pitch = stand(x, y, yaw)
         time = i / ROWS_PER_SECOND
         result.append((time, x, y, z, math.degrees(roll), math.degrees(pitch), math.degrees(yaw),

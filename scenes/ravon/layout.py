@@ -6,7 +6,7 @@ import ground
 from gltf_writer import Light, Place
 from shapes import cross, dot, unit
 
-SUN = unit((0.50, -0.58, -0.60))  # the way its light travels
+SUN = unit((0.22, -0.74, -0.60))  # the way its light travels
 SUNLIGHT = Light("sun", "directional", 3.9, (1.0, 0.92, 0.78), direction=SUN)
 EXTENT_X, EXTENT_Y = (-40.0, 52.0), (-34.0, 34.0)  # where single plants stand; the far forest lies beyond
 
@@ -19,6 +19,7 @@ BUSHES = {"bush_hazel": (1.4, 0.9, 0.5, 0.34), "bush_beech": (1.0, 0.6, 0.5, 0.3
 # What the first look falls on is placed by hand: (kind, x, y, size).
 CHOSEN_TREES = []
 CHOSEN_ROCKS = []
+WORLD_CAM = (-19.0, 0.2)
 LOG = (2.2, 6.6, 28.0)  # x, y, yaw in degrees
 
 
@@ -203,6 +204,5 @@ class Layout:
 
 def is_kept_clear(x, y):
     """Around the camera that overlooks the scene, and before it where it looks."""
-    cx, cy = -20.0, -2.6
-    dx, dy = x - cx, y - cy
-    return math.hypot(dx, dy) < 5.5 or (0 < dx < 22 and abs(dy - 0.12 * dx) < 2.2 + 0.16 * dx)
+    dx, dy = x - WORLD_CAM[0], y - WORLD_CAM[1]
+    return math.hypot(dx, dy) < 6.5 or (0 < dx < 34 and abs(dy - 0.02 * dx) < 2.4 + 0.2 * dx)
