@@ -271,7 +271,7 @@ class MaskedMaterial(Material):
 
 @dataclass
 class Surface:
-    """Triangles of one material, with vertex tables of equal length. Colours are linear RGB, 0 to 1."""
+    """Triangles of one material, with vertex tables of equal length. Colours are linear RGB or RGBA, 0 to 1."""
     material: Material
     points: list
     normals: list
@@ -315,7 +315,7 @@ def _packed_primitive(file, surface, materials, textures):
     """A primitive whose normals and colours take a byte per component."""
     rounded = lambda rows: [tuple(round(v, 5) + 0.0 for v in row) for row in rows]
     normals = [tuple(round(127 * v) for v in _y_up(n)) for n in surface.normals]
-    colors = [tuple(max(0, min(255, round(255 * v))) for v in c) + (255,) for c in surface.colors]
+    colors = [tuple(max(0, min(255, round(255 * v))) for v in (*c, 1.0)[:4]) for c in surface.colors]
     attributes = {"POSITION": file.accessor(rounded(map(_y_up, surface.points)), 3, bounds=True),
                   "NORMAL": _bytes_accessor(file, normals, "b", 5120, "VEC3"),
                   "COLOR_0": _bytes_accessor(file, colors, "B", 5121, "VEC4")}

@@ -15,8 +15,9 @@ from shapes import unit
 # the path wears down.
 RELIEF = [(52, 0.50), (31, 0.30), (19, 0.17), (11, 0.085), (6.3, 0.045), (3.7, 0.022), (2.3, 0.011)]
 FINE_WAVES = 6
-RUT_OFFSET_M, RUT_WIDTH_M, RUT_DEPTH_M = 0.62, 0.22, 0.05
+RUT_OFFSET_M, RUT_WIDTH_M, RUT_DEPTH_M = 0.62, 0.22, 0.06
 HOLLOW_WIDTH_M, HOLLOW_DEPTH_M = 1.7, 0.13
+FRINGE_LIFT_M = 0.012  # how far the last blades of turf lie above the earth
 HILLS_BEGIN_M = 70.0  # no hills nearer to the origin than this
 
 
@@ -89,6 +90,7 @@ def _cuts(step, half, reach, growth):
     return [-c for c in cuts[:0:-1]] + cuts
 
 
+TILE_M = 2.6  # the width of the textures on the ground
 XS, YS = _cuts(0.4, 28, 560, 1.1), _cuts(0.2, 7, 560, 1.1)
 
 
@@ -103,58 +105,69 @@ def greenness(x, y):
     d, rough = abs(from_path(x, y)), patchiness(x, y)
     if abs(x) > 90:
         return 1.0
-    edge = (d - 1.02 - 0.22 * rough) / 0.5
-    middle = 0.75 - d / 0.36 + 0.5 * rough
+    edge = (d - 0.95 - 0.22 * rough) / 0.55
+    middle = 0.66 - d / 0.42 + 0.6 * rough
     bare = (0.72 - rough) * 3.0
     return max(0.0, min(1.0, max(min(edge, bare), middle)))
 
 
-def _color(x, y, green, shade):
-    """Tints of the turf or earth texture; both meet in between."""
-    rough = patchiness(0.31 * x + 5, 0.29 * y)
+def _haze(tint, x, y, shade):
     far = min(1.0, max(0.0, (math.hypot(x, y) - 60) / 420))
-    if green >= 0.5:
-        dry = min(1.0, max(0.0, 0.35 + 0.5 * rough + 0.9 * (1 - green)))
-        tint = [0.62 + 0.30 * dry, 0.72 + 0.06 * dry, 0.55 + 0.12 * dry]
-    else:
-        tint = [0.86 - 0.2 * green, 0.82 - 0.02 * green, 0.78 - 0.2 * green]
-        if abs(abs(from_path(x, y)) - RUT_OFFSET_M) < 0.3 and green < 0.2:
-            tint = [0.9 * t for t in tint]
-    haze = (0.55, 0.68, 0.88)
-    return tuple((t + (h - t) * 0.75 * far) * (shade + (1 - shade) * far) for t, h in zip(tint, haze))
+    return tuple((t + (h - t) * 0.75 * far) * (shade + (1 - shade) * far) for t, h in zip(tint, (0.55, 0.68, 0.88)))
+
+
+def _turf_color(x, y, green, shade):
+    dry = min(1.0, max(0.0, 0.35 + 0.5 * patchiness(0.31 * x + 5, 0.29 * y) + 0.5 * (1 - green)))
+    return _haze((0.62 + 0.30 * dry, 0.72 + 0.06 * dry, 0.55 + 0.12 * dry), x, y, shade)
+
+
+def _earth_color(x, y, green, shade):
+    """Damp and dark in the ruts, and under the turf's edge."""
+    d = abs(from_path(x, y))
+    rut = math.exp(-((d - RUT_OFFSET_M) / (1.15 * RUT_WIDTH_M)) ** 2)
+    light = (1 - 0.30 * rut) * (1 - 0.35 * green) * (0.92 + 0.12 * patchiness(1.7 * x, 1.3 * y + 2))
+    return _haze((0.98 * light, 0.95 * light, 0.92 * light), x, y, shade)
 
 
 def surfaces(shade_at):
-    """The mesh: turf and earth."""
+    """The mesh: earth, turf, and between them a fringe of turf over earth that thins out towards bare ground."""
     z = [[height(x, y) for y in YS] for x in XS]
-    vertices, greens = [], []
+    base, greens, lights = [], [], []
     for i, x in enumerate(XS):
         before, after = max(i - 1, 0), min(i + 1, len(XS) - 1)
         for j, y in enumerate(YS):
             below, above = max(j - 1, 0), min(j + 1, len(YS) - 1)
             slope_x = (z[after][j] - z[before][j]) / (XS[after] - XS[before])
             slope_y = (z[i][above] - z[i][below]) / (YS[above] - YS[below])
-            green = greenness(x, y)
-            greens.append(green)
-            vertices.append(((x, y, z[i][j]), unit((-slope_x, -slope_y, 1)), (x / 2.6, -y / 2.6),
-                             _color(x, y, green, shade_at(x, y))))
-    chosen = {True: [], False: []}
+            greens.append(greenness(x, y))
+            lights.append(shade_at(x, y))
+            base.append(((x, y, z[i][j]), unit((-slope_x, -slope_y, 1)), (x / TILE_M, -y / TILE_M)))
+    turf, earth, fringe = [], [], []
     n = len(YS)
     for i in range(len(XS) - 1):
         for j in range(n - 1):
             a, b, c, d = i * n + j, (i + 1) * n + j, (i + 1) * n + j + 1, i * n + j + 1
             for triangle in ((a, b, c), (a, c, d)):
-                chosen[sum(greens[v] for v in triangle) >= 1.5].append(triangle)
-    return [_surface(material, vertices, chosen[green])
-            for green, material in ((True, materials.TURF), (False, materials.EARTH))]
+                green = [greens[v] for v in triangle]
+                (turf if min(green) >= 0.999 else earth).append(triangle)
+                if min(green) < 0.999 and max(green) > 0:
+                    fringe.append(triangle)
+
+    def vertex(color, v, lift=0.0, alpha=None):
+        (x, y, height_m), normal_, uv = base[v]
+        tint = color(x, y, greens[v], lights[v])
+        return (x, y, height_m + lift), normal_, uv, tint if alpha is None else (*tint, alpha)
+    return [_surface(materials.TURF, turf, lambda v: vertex(_turf_color, v)),
+            _surface(materials.EARTH, earth, lambda v: vertex(_earth_color, v)),
+            _surface(materials.FRINGE, fringe, lambda v: vertex(_turf_color, v, FRINGE_LIFT_M, greens[v]))]
 
 
-def _surface(material, vertices, triangles):
+def _surface(material, triangles, vertex):
     known, used, indices = {}, [], []
     for triangle in triangles:
         for v in triangle:
             if v not in known:
                 known[v] = len(used)
-                used.append(vertices[v])
+                used.append(vertex(v))
             indices.append(known[v])
     return Surface(material, *(list(column) for column in zip(*used)), indices)

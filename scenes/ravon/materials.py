@@ -7,6 +7,7 @@ from gltf_writer import MaskedMaterial, Material, linear
 CUTOFF = 0.36
 
 TURF = Material("turf", texture=pictures.turf())
+FRINGE = MaskedMaterial("turf's edge", texture=TURF.texture)
 EARTH = Material("earth", texture=pictures.earth())
 STONE = Material("stone", texture=pictures.stone())
 BARK = Material("bark", texture=pictures.bark())

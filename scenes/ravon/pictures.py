@@ -208,6 +208,10 @@ def turf():
         for k in range(3):
             a = 2 * math.pi * (k / 3 + rng.random() * 0.08)
             brush.blob(x + 9 * math.cos(a), y + 9 * math.sin(a), 9, 7, _pick(green, levels, tone + 0.06 * k), a, 8)
+    # The deeper, the more transparent: where turf thins out, single blades remain.
+    solid = lambda start, count, index: 142 + 113 * (index - start) // (count - 1)
+    colors = (colors[0],) + tuple((*c[:3], solid(green, levels, i) if i < straw else solid(straw, 8, i))
+                                  for i, c in enumerate(colors) if i)
     return brush.texture("turf", colors)
 
 
@@ -216,17 +220,17 @@ def earth():
     size, levels = 1024, 32
     colors, (soil, stone, litter) = palette(
         "#75624a", (["#4a3c2c", "#69563f", "#857052", "#a08b6c"], levels),
-        (["#4c463e", "#7c766b", "#a7a196", "#cdc8bd"], 14), (["#4c3018", "#7a4e26", "#a67a42"], 6))
+        (["#4a4238", "#6f6557", "#938a7b", "#b9b2a4"], 14), (["#4c3018", "#7a4e26", "#a67a42"], 6))
     rng = random.Random(42)
     brush = Brush(size, size, _pick(soil, levels, 0.45), tiled=True)
     for i in range(7000):
         radius = 3 + 26 * (1 - i / 7000) ** 2 * (0.4 + rng.random())
         brush.blob(size * rng.random(), size * rng.random(), radius * (1 + 0.6 * rng.random()), radius,
                    _pick(soil, levels, 0.30 + 0.36 * rng.random()), 3 * rng.random(), 8)
-    for i in range(900):
+    for i in range(1100):
         x, y, turn = size * rng.random(), size * rng.random(), 3 * rng.random()
-        radius = 2.5 + 12 * rng.random() ** 5
-        tone = 0.25 + 0.4 * rng.random()
+        radius = 1.8 + 11 * rng.random() ** 8
+        tone = 0.10 + 0.45 * rng.random()
         brush.blob(x + 0.3 * radius, y + 0.35 * radius, 1.3 * radius, 1.05 * radius, _pick(soil, levels, 0.12), turn, 9)
         brush.blob(x, y, 1.25 * radius, radius, _pick(stone, 14, tone), turn, 9)
         brush.blob(x - 0.25 * radius, y - 0.28 * radius, 0.8 * radius, 0.6 * radius, _pick(stone, 14, tone + 0.22), turn, 8)
