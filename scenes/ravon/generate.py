@@ -35,7 +35,8 @@ def make():
         "grass": [(f"{kind[0]}_{kind[1]}", grass[kind], places) for kind, places in sorted(plan.grass.items())],
         "rocks": [(kind, rocks[kind], places) for kind, places in sorted(plan.rocks.items())] +
                  [("log", undergrowth.log(), plan.log)],
-        "horizon": [("far_forest", undergrowth.far_forest(), [])],
+        "horizon": [("far_forest", undergrowth.far_forest(), []), ("clouds", undergrowth.clouds(), [])],
+        "robot_shade": [("robot_shade", robot.shade(), [])],
     }
     lights = {"ground": [layout.SUNLIGHT]}
     files = {f"{name}.glb": gltf_writer.instanced_glb(name, kinds, lights.get(name, ()))

@@ -224,9 +224,9 @@ def earth():
     rng = random.Random(42)
     brush = Brush(size, size, _pick(soil, levels, 0.45), tiled=True)
     for i in range(7000):
-        radius = 3 + 26 * (1 - i / 7000) ** 2 * (0.4 + rng.random())
+        radius = 1.6 + 30 * (1 - i / 7000) ** 3 * (0.4 + rng.random())
         brush.blob(size * rng.random(), size * rng.random(), radius * (1 + 0.6 * rng.random()), radius,
-                   _pick(soil, levels, 0.30 + 0.36 * rng.random()), 3 * rng.random(), 8)
+                   _pick(soil, levels, 0.48 + (0.16 + 0.9 / radius) * (rng.random() - 0.5)), 3 * rng.random(), 7)
     for i in range(1100):
         x, y, turn = size * rng.random(), size * rng.random(), 3 * rng.random()
         radius = 1.8 + 11 * rng.random() ** 8
@@ -352,3 +352,28 @@ def _far_spruce(brush, rng, x, foot, tall, start, levels, layer):
                 tone = 0.45 + own + 0.08 * layer - 0.16 * side + 0.3 * (rng.random() - 0.5)
                 brush.stroke([(x, y), (x + side * reach, y + 0.34 * reach + 5 * rng.random())], [11, 3],
                              [_pick(start, levels, tone)])
+
+
+def veil():
+    """Black, softly thicker towards the middle, nowhere half solid."""
+    size, levels = 64, 32
+    colors = tuple((6, 5, 3, 122 * i // (levels - 1)) for i in range(levels))
+    rim = lambda i: min(1.0, 3.2 * min(i + 0.5, size - i - 0.5) / size)
+    pixels = bytes(int((levels - 1) * rim(x) * rim(y)) for y in range(size) for x in range(size))
+    return Texture("veil", size, size, pixels, colors, clamp=True)
+
+
+def cloud():
+    """A heap of vapour, solid where it is thick."""
+    width, height, levels = 512, 256, 64
+    rows = layers(width, height, [(6, 4, 0.9), (13, 8, 0.55), (31, 17, 0.3), (70, 40, 0.15)], random.Random(71))
+    colors = tuple((255, 255, 255, min(250, 5 * i)) for i in range(levels))
+    pixels = bytearray()
+    for y, row in enumerate(rows):
+        v = 1 - y / height
+        body = 1.15 - abs(v - 0.4) / (0.4 if v < 0.4 else 0.55)
+        for x, value in enumerate(row):
+            u = abs(2 * x / width - 1)
+            rim = min(1.0, 8 * (1 - u), 10 * v, 7 * (1 - v))
+            pixels.append(max(0, min(levels - 1, int(levels * rim * (0.75 * (body - u * u) + 0.85 * value)))))
+    return Texture("cloud", width, height, bytes(pixels), colors, clamp=True)

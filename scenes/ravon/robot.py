@@ -5,8 +5,10 @@ The places of the joints and sensors are stated here and again in ravon.xml.
 import math
 
 from gltf_writer import Material, linear
+import pictures
 from shapes import (Model, box, cylinder, filleted, lathe, moved, rounded_box, rounded_rectangle, slab, sphere, tube,
                     turned)
+from trees import Growth, card
 
 WHEEL_X, WHEEL_Y, WHEEL_RADIUS = 0.68, 0.62, 0.39  # contact points: (+-WHEEL_X, +-WHEEL_Y, 0)
 HEAD = (0.02, 0.0, 1.84)  # where the axes of the head's pan and tilt joints meet
@@ -34,6 +36,7 @@ LENS = _plain("lens", "#121c2e")
 GLASS = _plain("lamp glass", "#e8e6da")
 RED = _plain("signal red", "#c2211c")
 AMBER = Material("warning lamp", linear("#ff9a1e"), emissive=(0.45, 0.2, 0.02))
+SHADE = Material("shade", texture=pictures.veil(), blend=True, unlit=True)
 STATUS = Material("status light", linear("#38e07a"), emissive=(0.05, 0.6, 0.2))
 
 
@@ -53,8 +56,8 @@ def _wheel():
             shoulder = turned(moved(box(0.052, 0.022, 0.09), 0, side * (half - 0.004), WHEEL_RADIUS - 0.07), "y",
                               18 * i + (9 if side > 0 else 0))
             model.add(RUBBER, shoulder)
-    model.add(RIM, turned(lathe([(0, 0.035), (0.10, 0.04), (0.165, 0.055), (0.195, 0.115), (0.215, 0.125),
-                                 (0.215, 0.10)], 32, 30), "x", -90))
+    model.add(RIM, turned(lathe([(0.215, 0.10), (0.215, 0.125), (0.195, 0.115), (0.165, 0.055), (0.10, 0.04),
+                                 (0, 0.035)], 32, 30), "x", -90))
     model.add(FRAME, turned(cylinder(0.21, 0.02, 28), "x", -90), (0, -0.12, 0))
     model.add(FRAME, turned(cylinder(0.06, 0.05, 20, 0.012), "x", -90), (0, 0.035, 0))
     for i in range(6):
@@ -188,3 +191,17 @@ def head():
     model.add(STATUS, turned(cylinder(0.008, 0.006, 14), "y", 90), (0.094, 0, 0))
     model.add(PAINT, rounded_box(0.13, 0.48, 0.012, 0.005, 1), (0.03, 0, 0.053))
     return model
+
+
+def shade():
+    """The shade under the robot, which moves along: a veil over the ruts and the hump between them.
+
+    Nowhere is it half solid, so that depth cameras and lasers do not see it.
+    """
+    growth = Growth()
+    profile = [(-1.15, 0.13), (-0.82, 0.09), (-WHEEL_Y, 0.04), (-0.38, 0.08), (0.0, 0.11), (0.38, 0.08), (WHEEL_Y, 0.04),
+               (0.82, 0.09), (1.15, 0.13)]
+    corners = [((-1.6, y, z), (1.6, y, z)) for y, z in profile]
+    uvs = [((0, (y + 1.15) / 2.3), (1, (y + 1.15) / 2.3)) for y, _ in profile]
+    card(growth, SHADE, corners, uvs, lambda p: (0, 0, 1), lambda p: (1, 1, 1))
+    return growth.list()

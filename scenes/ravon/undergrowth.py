@@ -149,3 +149,23 @@ def far_forest():
             card(growth, m.FOREST, corners, uvs, lambda p: unit((-p[0] / distance, -p[1] / distance, 0.9)),
                  lambda p: color)
     return growth.list()
+
+
+def clouds():
+    """Fair weather: heaps of cloud all around, lit from above."""
+    growth = Growth()
+    rng = random.Random(241)
+    for k in range(20):
+        a, distance = 2 * math.pi * (k + 0.8 * rng.random()) / 20, 640 + 160 * rng.random()
+        base, wide = 60 + 200 * rng.random() ** 1.3, 210 + 170 * rng.random()
+        half, tall = wide / 2 / distance, wide * (0.24 + 0.14 * rng.random())
+        mirrored = rng.random() < 0.5
+        corners, uvs = [], []
+        for i in range(5):
+            t = i / 4
+            x, y = distance * math.cos(a + half * (1 - 2 * t)), distance * math.sin(a + half * (1 - 2 * t))
+            corners.append(((x, y, base), (x, y, base + tall)))
+            uvs.append(((1 - t if mirrored else t, 1), (1 - t if mirrored else t, 0)))
+        card(growth, m.CLOUD, corners, uvs, lambda p: (0, 0, 1),
+             lambda p: (1, 1, 1) if p[2] > base + 1 else (0.62, 0.68, 0.78))
+    return growth.list()
