@@ -118,6 +118,7 @@ def _haze(tint, x, y, shade):
 
 def _turf_color(x, y, green, shade):
     dry = min(1.0, max(0.0, 0.35 + 0.5 * patchiness(0.31 * x + 5, 0.29 * y) + 0.5 * (1 - green)))
+    shade *= 0.92 + 0.14 * patchiness(0.07 * x, 0.09 * y + 4)
     return _haze((0.62 + 0.30 * dry, 0.72 + 0.06 * dry, 0.55 + 0.12 * dry), x, y, shade)
 
 

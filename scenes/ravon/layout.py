@@ -8,7 +8,7 @@ from shapes import cross, dot, unit
 
 SUN = unit((0.22, -0.74, -0.60))  # the way its light travels
 SUNLIGHT = Light("sun", "directional", 3.9, (1.0, 0.92, 0.78), direction=SUN)
-EXTENT_X, EXTENT_Y = (-40.0, 52.0), (-34.0, 34.0)  # where single plants stand; the far forest lies beyond
+EXTENT_X, EXTENT_Y = (-58.0, 54.0), (-34.0, 34.0)  # where single plants stand; the far forest lies beyond
 
 # Of each kind: radius and middle height of its crown, how much light it takes, share of the wood.
 TREES = {"beech_1": (3.5, 6.0, 0.62, 0.18), "beech_2": (3.1, 4.7, 0.6, 0.18), "hazel_tree": (2.6, 3.8, 0.6, 0.12),
@@ -119,7 +119,7 @@ class Layout:
         for kind, x, y, size in CHOSEN_TREES:
             self._plant(TREES, kind, x, y, size, rng)
             self._take(x, y, 0.75 * TREES[kind][0] * size)
-        for _ in range(1500):
+        for _ in range(1800):
             x = EXTENT_X[0] + (EXTENT_X[1] - EXTENT_X[0]) * rng.random()
             y = EXTENT_Y[0] + (EXTENT_Y[1] - EXTENT_Y[0]) * rng.random()
             kind, size = _draw(rng, TREES), 0.8 + 0.45 * rng.random()
@@ -132,11 +132,11 @@ class Layout:
             self._plant(TREES, kind, x, y, size, rng)
 
     def _rocks(self, rng):
-        for k in range(150):
+        for k in range(180):
             if k < len(CHOSEN_ROCKS):
                 kind, x, y, size = CHOSEN_ROCKS[k]
             else:
-                x, y = EXTENT_X[0] + 86 * rng.random(), -16 + 32 * rng.random()
+                x, y = EXTENT_X[0] + 100 * rng.random(), -16 + 32 * rng.random()
                 kind, size = f"rock_{1 + int(3 * rng.random())}", 0.22 + 1.1 * rng.random() ** 3
             d = abs(ground.from_path(x, y))
             if k >= len(CHOSEN_ROCKS) and (d < 1.6 + 0.7 * size or not self._free(x, y, 0.4 * size)):
@@ -150,8 +150,8 @@ class Layout:
             self.shade.foot(x, y, 0.85 * size, 0.35)
 
     def _bushes(self, rng):
-        for _ in range(320):
-            x, y = EXTENT_X[0] + 88 * rng.random(), -26 + 52 * rng.random()
+        for _ in range(400):
+            x, y = EXTENT_X[0] + 106 * rng.random(), -26 + 52 * rng.random()
             kind, size = _draw(rng, BUSHES), 0.75 + 0.5 * rng.random()
             radius = BUSHES[kind][0] * size
             d = abs(ground.from_path(x, y))

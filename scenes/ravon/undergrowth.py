@@ -146,7 +146,7 @@ def far_forest():
                 uvs.append(((shift + t, 0.998), (shift + t, 0.004)))
             tint = [0.86 + 0.12 * rng.random()] * 3
             color = tuple(t + (h - t) * 0.62 * haze for t, h in zip(tint, (0.62, 0.80, 1.0)))
-            card(growth, m.FOREST, corners, uvs, lambda p: unit((-p[0] / distance, -p[1] / distance, 0.9)),
+            card(growth, m.FOREST, corners, uvs, lambda p: unit((-p[0] / distance, -p[1] / distance, 2.2)),
                  lambda p: color)
     return growth.list()
 
