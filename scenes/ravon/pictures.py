@@ -364,10 +364,10 @@ def veil():
 
 
 def cloud():
-    """A heap of vapour, solid where it is thick."""
+    """A heap of vapour. Two of them one before the other look solid; alone none is half solid, and so has no depth."""
     width, height, levels = 512, 256, 64
     rows = layers(width, height, [(6, 4, 0.9), (13, 8, 0.55), (31, 17, 0.3), (70, 40, 0.15)], random.Random(71))
-    colors = tuple((255, 255, 255, min(250, 5 * i)) for i in range(levels))
+    colors = tuple((255, 255, 255, min(124, 3 * i)) for i in range(levels))
     pixels = bytearray()
     for y, row in enumerate(rows):
         v = 1 - y / height

@@ -73,7 +73,7 @@ def card(growth, material, corners, uvs, normal_at, color_at):
 class Crown:
     """An ellipsoid full of leaves: light on its outside and top, dark within."""
 
-    def __init__(self, centre, radius, half_height, darkest=0.30):
+    def __init__(self, centre, radius, half_height, darkest=0.22):
         self.centre, self.radius, self.half_height, self.darkest = centre, radius, half_height, darkest
 
     def _relative(self, point):
@@ -87,7 +87,7 @@ class Crown:
     def light(self, point):
         r = self._relative(point)
         out = min(1.15, math.sqrt(dot(r, r)))
-        return max(self.darkest, min(1.0, self.darkest + (1 - self.darkest) * out ** 1.6 + 0.16 * r[2]))
+        return max(self.darkest, min(1.0, self.darkest + (1 - self.darkest) * out ** 2.1 + 0.20 * r[2]))
 
 
 def twig_card(growth, material, foot, direction, size, roll, crown, tint):

@@ -166,6 +166,8 @@ def clouds():
             x, y = distance * math.cos(a + half * (1 - 2 * t)), distance * math.sin(a + half * (1 - 2 * t))
             corners.append(((x, y, base), (x, y, base + tall)))
             uvs.append(((1 - t if mirrored else t, 1), (1 - t if mirrored else t, 0)))
-        card(growth, m.CLOUD, corners, uvs, lambda p: (0, 0, 1),
-             lambda p: (1, 1, 1) if p[2] > base + 1 else (0.62, 0.68, 0.78))
+        for _ in range(2):
+            card(growth, m.CLOUD, corners, uvs, lambda p: (0, 0, 1),
+                 lambda p: (1, 1, 1) if p[2] > base + 1 else (0.62, 0.68, 0.78))
+            corners = [tuple((x * 1.01, y * 1.01, z) for x, y, z in pair) for pair in corners]
     return growth.list()
