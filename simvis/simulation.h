@@ -13,7 +13,7 @@
 #include "engine/error.h"
 #include "engine/renderer.h"
 #include "sensors/image.h"
-#include "sensors/scan.h"
+#include "scenegraph/scan.h"
 #include "sensors/sensor.h"
 #include "simvis/parameters.h"
 
