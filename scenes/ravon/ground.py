@@ -33,6 +33,14 @@ def _waves():
 
 
 WAVES = _waves()
+COARSE, FINE = WAVES[:-FINE_WAVES], WAVES[-FINE_WAVES:]
+
+
+def _sum_of(waves, x, y):
+    total = 0.0
+    for amplitude, kx, ky, phase in waves:
+        total += amplitude * math.sin(kx * x + ky * y + phase)
+    return total
 
 
 def csv():
@@ -68,8 +76,7 @@ def _hills(x, y):
 def height(x, y):
     d = from_path(x, y)
     worn = math.exp(-(d / HOLLOW_WIDTH_M) ** 2)
-    coarse = sum(a * math.sin(kx * x + ky * y + phase) for a, kx, ky, phase in WAVES[:-FINE_WAVES])
-    fine = sum(a * math.sin(kx * x + ky * y + phase) for a, kx, ky, phase in WAVES[-FINE_WAVES:])
+    coarse, fine = _sum_of(COARSE, x, y), _sum_of(FINE, x, y)
     ruts = math.exp(-((d - RUT_OFFSET_M) / RUT_WIDTH_M) ** 2) + math.exp(-((d + RUT_OFFSET_M) / RUT_WIDTH_M) ** 2)
     bank = 1.3 * (1 - math.exp(-(y / 14) ** 2)) + 0.9 * math.tanh(y / 25)
     return coarse + fine * (1 - 0.6 * worn) + bank - HOLLOW_DEPTH_M * worn - RUT_DEPTH_M * ruts + _hills(x, y)
