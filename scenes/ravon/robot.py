@@ -98,7 +98,7 @@ def _body(model):
                     for a in (math.radians(25 + 13 * k) for k in range(11))]
             for a, b in zip(path, path[1:]):
                 middle, angle = [(p + q) / 2 for p, q in zip(a, b)], math.degrees(math.atan2(b[2] - a[2], b[0] - a[0]))
-                model.add(PAINT_DARK, turned(box(0.112, 0.30, 0.012), "y", -angle), middle)
+                model.add(PAINT_DARK, turned(box(0.122, 0.30, 0.012), "y", -angle), middle)
         model.add(GLASS, turned(cylinder(0.045, 0.03, 20, 0.008), "y", 90), (0.985, side * 0.27, 0.80))
         model.add(BLACK, turned(cylinder(0.054, 0.02, 20, 0.004), "y", 90), (0.98, side * 0.27, 0.80))
         model.add(RED, rounded_box(0.012, 0.10, 0.05, 0.004, 1), (-0.975, side * 0.29, 0.84))
