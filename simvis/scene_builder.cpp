@@ -11,7 +11,7 @@ namespace {
 
 class Builder {
  public:
-  explicit Builder(std::span<const AttributeOverride> overrides) : overrides_(overrides) {
+  Builder(std::span<const AttributeOverride> overrides, std::uint64_t seed) : overrides_(overrides), seed_(seed) {
     for (const AttributeOverride& override : overrides) {
       if (find_sensor_type(override.sensor_type) == nullptr) {
         fail_at(origin(override), unknown_type("sensor", override.sensor_type, sensor_types()));
@@ -178,10 +178,11 @@ class Builder {
     const AttributeValues attributes(command, type->attributes, kSensorCommonAttributes);
     const std::optional<glm::dmat4> offset = pose_offset(command);
     sensor_names_.claim(name);
-    BuiltSensor sensor{.name = name.value,
-                       .type = type_name.value,
-                       .sensor = type->create({.command = command, .attributes = attributes, .name = name.value}),
-                       .mount = std::make_shared<Mount>()};
+    BuiltSensor sensor{
+        .name = name.value,
+        .type = type_name.value,
+        .sensor = type->create({.command = command, .attributes = attributes, .name = name.value, .seed = seed_}),
+        .mount = std::make_shared<Mount>()};
     if (std::ranges::count(type->attributes, kRateAttribute.name, &AttributeSpec::name) == 1 &&
         attributes.is_set(kRateAttribute.name)) {
       sensor.sensor->rate_hz = attributes.number(kRateAttribute.name);
@@ -197,6 +198,7 @@ class Builder {
   }
 
   std::span<const AttributeOverride> overrides_;
+  std::uint64_t seed_;
   BuiltScene built_;
   NameSet element_names_{"element"}, sensor_names_{"sensor"};
   std::set<std::filesystem::path> carriers_;  // files whose carried commands were executed before
@@ -205,8 +207,9 @@ class Builder {
 
 }  // namespace
 
-BuiltScene build_scene(std::span<const Command> commands, std::span<const AttributeOverride> overrides) {
-  Builder builder(overrides);
+BuiltScene build_scene(std::span<const Command> commands, std::span<const AttributeOverride> overrides,
+                       std::uint64_t seed) {
+  Builder builder(overrides, seed);
   builder.run(commands);
   return builder.take();
 }

@@ -35,7 +35,9 @@ struct BuiltScene {
 ///          them start at the part's folder; `insert_at` may be left out and is then the part's own insertion point.
 ///          When the same file is inserted again under a name N, the names that its commands give become N/NAME.
 /// Override replaces or adds an attribute of every sensor of its type, those that parts carry too.
+/// Seed     of all random numbers; each sensor gets it.
 /// Errors   InputError with the place.
-BuiltScene build_scene(std::span<const Command> commands, std::span<const AttributeOverride> overrides = {});
+BuiltScene build_scene(std::span<const Command> commands, std::span<const AttributeOverride> overrides = {},
+                       std::uint64_t seed = 0);
 
 }  // namespace simvis

@@ -1,5 +1,6 @@
 #include "simvis/simulation.h"
 
+#include <algorithm>
 #include <chrono>
 #include <unordered_set>
 #include <utility>
@@ -72,7 +73,7 @@ void check_overrides(std::span<const AttributeOverride> overrides) {
 
 BuiltScene build(std::span<const Command> commands, const SimulationDesc& desc) {
   check_overrides(desc.overrides);
-  BuiltScene built = build_scene(commands, desc.overrides);
+  BuiltScene built = build_scene(commands, desc.overrides, desc.seed);
   // Before everything else, where no transform is in force.
   const GroupPtr& root = built.scene.root();
   if (!has_light(root)) root->insert_before(*root->children().front(), std::make_shared<LightNode>(kDefaultLight));
@@ -228,6 +229,18 @@ const Image& Simulation::color(std::string_view sensor) const {
 const Image& Simulation::depth(std::string_view sensor) const {
   const BuiltSensor& found = impl_->built.sensors[impl_->index(sensor)];
   return require(found.sensor->depth(), found, "depth");
+}
+
+const Image& Simulation::picture(std::string_view sensor, std::string_view name) const {
+  const BuiltSensor& found = impl_->built.sensors[impl_->index(sensor)];
+  return require(found.sensor->picture(name), found, "picture \"" + std::string(name) + "\"");
+}
+
+double Simulation::value(std::string_view sensor, std::string_view name) const {
+  const BuiltSensor& found = impl_->built.sensors[impl_->index(sensor)];
+  const std::span<const NamedValue> values = found.sensor->values();
+  const auto value = std::ranges::find(values, name, &NamedValue::name);
+  return require(value == values.end() ? nullptr : &*value, found, "value \"" + std::string(name) + "\"").value;
 }
 
 Parameters& Simulation::parameters() { return impl_->built.parameters; }
