@@ -1,8 +1,8 @@
 #include "sensors/psd.h"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "scenegraph/pose.h"
 #include "sensors/pinhole_view.h"
@@ -16,14 +16,6 @@ constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 // What touches the device is still seen.
 constexpr double kNear_m = 1e-3;
-
-struct CurvePoint {
-  double range_m, voltage_v;
-};
-
-// Read off the typical curve in the datasheet of the GP2Y0A21YK0F (Sharp).
-constexpr CurvePoint kCurve[] = {{0.06, 3.1}, {0.1, 2.3},  {0.15, 1.65}, {0.2, 1.3},  {0.25, 1.08}, {0.3, 0.92},
-                                 {0.4, 0.74}, {0.5, 0.60}, {0.6, 0.51},  {0.7, 0.45}, {0.8, 0.40}};
 
 constexpr AttributeSpec kAttributes[] = {
     {.name = "opening",
@@ -41,10 +33,9 @@ constexpr AttributeSpec kAttributes[] = {
      .min = 2,
      .max = 1024},
     {.name = "curve",
-     .kind = AttributeKind::choice,
+     .kind = AttributeKind::text,
      .default_value = "gp2y0a21yk",
-     .text = "voltage over range, from the datasheet of this device",
-     .choices = "gp2y0a21yk"},
+     .text = "voltage over range: gp2y0a21yk for the curve of that device, or points RANGE_M:VOLT"},
     {.name = "range_min",
      .default_value = "0.1",
      .unit = "m",
@@ -67,13 +58,20 @@ std::unique_ptr<Sensor> create(const SensorContext& context) {
                                       " is not allowed with range_min=\"" + format_number(a.number("range_min")) +
                                       "\", expected that or more");
   }
+  std::optional<VoltageCurve> curve = parse_voltage_curve(a.text("curve"));
+  if (!curve) {
+    fail_at(a.where("curve"), "attribute \"curve\": \"" + a.text("curve") +
+                                  "\" is not allowed, expected gp2y0a21yk or two points or more, as " +
+                                  "RANGE_M:VOLT, with increasing ranges above 0");
+  }
   return std::make_unique<Psd>(context.name,
                                PsdDesc{.opening_rad = glm::radians(a.number("opening")),
                                        .resolution_px = static_cast<std::uint32_t>(a.integer("resolution")),
                                        .range_min_m = a.number("range_min"),
                                        .range_max_m = a.number("range_max"),
                                        .noise_v = a.number("noise"),
-                                       .seed = context.seed});
+                                       .seed = context.seed},
+                               *std::move(curve));
 }
 
 const SensorRegistration kRegistration({"psd", "An infrared distance sensor with an analogue voltage, as Sharp makes.",
@@ -81,18 +79,10 @@ const SensorRegistration kRegistration({"psd", "An infrared distance sensor with
 
 }  // namespace
 
-double psd_voltage(double range_m) {
-  if (range_m < kCurve[0].range_m) return kCurve[0].voltage_v * (range_m / kCurve[0].range_m);
-  const auto beyond = std::ranges::find_if(kCurve, [=](const CurvePoint& p) { return p.range_m > range_m; });
-  const CurvePoint& far = beyond == std::end(kCurve) ? *std::prev(beyond) : *beyond;
-  const CurvePoint& near = *std::prev(&far);
-  const double fraction = (1 / range_m - 1 / near.range_m) / (1 / far.range_m - 1 / near.range_m);
-  return near.voltage_v + fraction * (far.voltage_v - near.voltage_v);
-}
-
-Psd::Psd(std::string name, const PsdDesc& desc)
+Psd::Psd(std::string name, const PsdDesc& desc, VoltageCurve curve)
     : name_(std::move(name)),
       desc_(desc),
+      curve_(std::move(curve)),
       random_(desc.seed, name_),
       pinhole_(centred_pinhole(desc.resolution_px, desc.resolution_px, desc.opening_rad)),
       values_{NamedValue{"range_m", kUnknown}, NamedValue{"voltage_v", kUnknown}} {}
@@ -140,7 +130,7 @@ double Psd::range_of(std::span<const float> depth) const {
 void Psd::collect(const FrameTime& time, const FramePlan&, std::span<const PassResult> results) {
   const double range_m = range_of(results[pass_].depth);
   values_[0].value = range_m < desc_.range_min_m ? 0 : range_m > desc_.range_max_m ? kInfinity : range_m;
-  values_[1].value = psd_voltage(range_m) + desc_.noise_v * random_.gaussian(time.index, 0, 0);
+  values_[1].value = curve_.at(range_m) + desc_.noise_v * random_.gaussian(time.index, 0, 0);
 }
 
 void Psd::write(OutputSink& sink) const {

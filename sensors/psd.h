@@ -12,7 +12,7 @@
 //          nearer to the near one. Where nothing is hit no light comes back, and nothing counts. The sums go over the
 //          pixels of a small depth view whose centres lie in the cone.
 //          Colour and slant of the surface do not matter, ambient light does not disturb, and any light is enough.
-// Voltage  from the curve of a datasheet, see psd_voltage(); then noise is added, not clipped.
+// Voltage  from the curve of a datasheet, see voltage_curve.h; then noise is added, not clipped.
 // Values   value("range_m"): along the axis, before noise; 0: nearer than range_min, +infinity: farther than range_max
 //          or nothing there. value("voltage_v"): what the device gives, whether or not the range is within its limits.
 // Files    SENSOR.csv with the columns range_m and voltage_v.
@@ -23,6 +23,7 @@
 
 #include "sensors/philox.h"
 #include "sensors/sensor.h"
+#include "sensors/voltage_curve.h"
 
 namespace simvis {
 
@@ -34,18 +35,9 @@ struct PsdDesc {
   std::uint64_t seed = 0;
 };
 
-/// The voltage of a Sharp GP2Y0A21YK0F at a range, +infinity included.
-///
-/// The datasheet's typical curve (white paper, "Analog Output Voltage vs. Distance to Reflective Object") is given by
-/// points from 6 cm to 80 cm. Between them the voltage is linear in 1 / range, as the datasheet's second figure shows
-/// it to be; beyond them the last piece goes on, down to 0.05 V where nothing is. Nearer than 6 cm the datasheet draws,
-/// but does not number, a steep fall: it is taken as a straight line to 0 V at 0 m. So a near thing reads like a far
-/// one, as with the real device.
-double psd_voltage(double range_m);
-
 class Psd : public Sensor {
  public:
-  Psd(std::string name, const PsdDesc& desc);
+  Psd(std::string name, const PsdDesc& desc, VoltageCurve curve);
 
   void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
   void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override;
@@ -58,6 +50,7 @@ class Psd : public Sensor {
 
   std::string name_;
   PsdDesc desc_;
+  VoltageCurve curve_;
   SensorRandom random_;
   Pinhole pinhole_;
   std::size_t pass_ = 0;  // of this frame's plan

@@ -55,6 +55,11 @@ void add_plate(DrawList& list, double range_m, double y_min, double y_max, doubl
            at(range_m + kHalfThickness_m, (y_min + y_max) / 2, (z_min + z_max) / 2));
 }
 
+const VoltageCurve& curve() {
+  static const VoltageCurve instance = parse_voltage_curve("gp2y0a21yk").value();
+  return instance;
+}
+
 double range_of(const Psd& psd) { return psd.values()[0].value; }
 double voltage_of(const Psd& psd) { return psd.values()[1].value; }
 
@@ -71,22 +76,41 @@ constexpr Point kDatasheet[] = {{0.06, 3.1}, {0.1, 2.3}, {0.15, 1.65}, {0.2, 1.3
 
 TEST_CASE("the voltage goes through the datasheet's points, linear in 1 / range between them") {
   constexpr double kRounding_v = 8 * 3.1 * 0x1p-53;
-  for (const Point& p : kDatasheet) CHECK(std::abs(psd_voltage(p.range_m) - p.voltage_v) <= kRounding_v);
+  for (const Point& p : kDatasheet) CHECK(std::abs(curve().at(p.range_m) - p.voltage_v) <= kRounding_v);
   // In the middle of 1/0.25 and 1/0.2 lies 1/0.2222...
-  CHECK(std::abs(psd_voltage(2 / 9.0) - (1.3 + 1.08) / 2) <= kRounding_v);
+  CHECK(std::abs(curve().at(2 / 9.0) - (1.3 + 1.08) / 2) <= kRounding_v);
   // The last piece, from (1/0.7, 0.45) to (1/0.8, 0.40), goes on with 0.28 V m.
-  CHECK(std::abs(psd_voltage(1.6) - (0.40 - 0.28 / 1.6)) <= kRounding_v);
-  CHECK(std::abs(psd_voltage(kInfinity) - 0.05) <= kRounding_v);
+  CHECK(std::abs(curve().at(1.6) - (0.40 - 0.28 / 1.6)) <= kRounding_v);
+  CHECK(std::abs(curve().at(kInfinity) - 0.05) <= kRounding_v);
   // Before the first point it falls again: 3 cm read like some range between 15 and 20 cm.
-  CHECK(std::abs(psd_voltage(0.03) - 1.55) <= kRounding_v);
-  CHECK(psd_voltage(0) == 0);
+  CHECK(std::abs(curve().at(0.03) - 1.55) <= kRounding_v);
+  CHECK(curve().at(0) == 0);
+}
+
+TEST_CASE("a curve of one's own") {
+  const std::optional<VoltageCurve> own = parse_voltage_curve(" 0.5:2  1:1 2:0.8");
+  REQUIRE(own);
+  CHECK(own->at(0.5) == 2);
+  CHECK(own->at(2.0 / 3) == 1.5);
+  CHECK(own->at(1) == 1);
+  CHECK(own->at(0.25) == 1);
+  CHECK(own->at(2) == 0.8);
+  for (const char* wrong : {"", "0.5:2", "0.5:2 0.5:1", "1:1 0.5:2", "0:1 1:2", "-1:1 1:2", "1:1 2", "1:1 2:", "1:1 :2",
+                            "1:1 2:nan", "1:1 inf:2", "1:1,2:2", "gp2y0a21", "1:1:1 2:2"}) {
+    INFO(wrong);
+    CHECK_FALSE(parse_voltage_curve(wrong));
+  }
+  CHECK_THROWS_WITH_AS(Simulation::from_string(R"(<sensor type="psd" name="IR" insert_at="ROOT" curve="sharp"/>)"),
+                       R"(<string>:1:47: error: attribute "curve": "sharp" is not allowed, expected gp2y0a21yk or two )"
+                       "points or more, as RANGE_M:VOLT, with increasing ranges above 0",
+                       InputError);
 }
 
 TEST_CASE("a wall square to the cone reads its distance, and the datasheet's voltage") {
   for (const Point& p : kDatasheet) {
     Stage stage;
     add_plate(stage.list, p.range_m, -1, 1, -1, 1);
-    Psd psd("P", kAnyRange);
+    Psd psd("P", kAnyRange, curve());
     CHECK(std::isnan(range_of(psd)));
     stage.take(psd);
     CHECK(std::abs(range_of(psd) - p.range_m) <= kDepthTolerance_m);
@@ -101,7 +125,8 @@ TEST_CASE("a tilted wall reads the centroid of the light that comes back") {
   Stage stage;
   add_item(stage.list, box_mesh({0.005, 1, 1}),
            glm::rotate(at(kDistance_m, 0, 0), kTilt_rad, {0, 0, 1}) * at(0.005, 0, 0));
-  Psd psd("P", {.opening_rad = kOpening_rad, .resolution_px = kResolution_px, .range_min_m = 0, .range_max_m = 100});
+  Psd psd("P", {.opening_rad = kOpening_rad, .resolution_px = kResolution_px, .range_min_m = 0, .range_max_m = 100},
+          curve());
   stage.take(psd);
 
   // The wall is x cos(tilt) + y sin(tilt) = D cos(tilt). Rings and sectors of the cone, midpoint rule; the ray's range
@@ -142,7 +167,7 @@ TEST_CASE("a target that fills a part of the cone counts by its area and the squ
   for (const bool quarter : {false, true}) {
     Stage stage;
     add_plate(stage.list, kNear_m, 0, 1, quarter ? 0 : -1, 1);
-    Psd psd("P", kAnyRange);
+    Psd psd("P", kAnyRange, curve());
     stage.take(psd);
     CHECK(std::abs(range_of(psd) - kNear_m) <= kDepthTolerance_m);  // nothing behind it: no light from there
     add_plate(stage.list, kFar_m, -1, 1, -1, 1);
@@ -156,30 +181,30 @@ TEST_CASE("only what lies in the cone counts") {
   add_plate(stage.list, 0.5, -1, 1, -1, 1);
   // A pole beside the cone: at 0.25 m the cone of 5 degrees is 1.09 cm in radius.
   add_plate(stage.list, 0.25, 0.0115, 0.1, -1, 1);
-  Psd narrow("P", kAnyRange);
+  Psd narrow("P", kAnyRange, curve());
   stage.take(narrow);
   CHECK(std::abs(range_of(narrow) - 0.5) <= kDepthTolerance_m);
   PsdDesc wide = kAnyRange;
   wide.opening_rad = glm::radians(8.0);
-  Psd other("P", wide);
+  Psd other("P", wide, curve());
   stage.take(other);
   CHECK(range_of(other) < 0.49);
 }
 
 TEST_CASE("nothing to see, and what lies outside the limits") {
   Stage stage;
-  Psd psd("P", {});
+  Psd psd("P", {}, curve());
   stage.take(psd);
   CHECK(range_of(psd) == kInfinity);
-  CHECK(voltage_of(psd) == psd_voltage(kInfinity));
+  CHECK(voltage_of(psd) == curve().at(kInfinity));
   add_plate(stage.list, 0.9, -1, 1, -1, 1);
   stage.take(psd);
   CHECK(range_of(psd) == kInfinity);
-  CHECK(std::abs(voltage_of(psd) - psd_voltage(0.9)) <= kDepthTolerance_m * 1);  // 0.28 V m / 0.9^2 m^2 is below 1 V/m
+  CHECK(std::abs(voltage_of(psd) - curve().at(0.9)) <= kDepthTolerance_m * 1);  // 0.28 V m / 0.9^2 m^2 is below 1 V/m
   // Seen from 0.82 m farther on: 8 cm away.
   stage.take(psd, at(0.82, 0, 0));
   CHECK(range_of(psd) == 0);
-  CHECK(std::abs(voltage_of(psd) - psd_voltage(0.08)) <= kDepthTolerance_m * 3.1 / 0.06);
+  CHECK(std::abs(voltage_of(psd) - curve().at(0.08)) <= kDepthTolerance_m * 3.1 / 0.06);
 }
 
 TEST_CASE("noise has the standard deviation asked for, and leaves the range alone") {
@@ -188,10 +213,10 @@ TEST_CASE("noise has the standard deviation asked for, and leaves the range alon
   Stage stage;
   add_plate(stage.list, 0.3, -1, 1, -1, 1);
   PsdDesc desc = kAnyRange;
-  Psd exact("P", desc);
+  Psd exact("P", desc, curve());
   stage.take(exact);
   desc.noise_v = kNoise_v;
-  Psd psd("P", desc), twin("P", desc);
+  Psd psd("P", desc, curve()), twin("P", desc, curve());
   FramePlan plan;
   psd.plan(glm::dmat4(1.0), stage.list, plan);
   const std::span<const PassResult> results = stage.renderer.render(stage.list, plan);
