@@ -16,8 +16,8 @@
 #include "engine/renderer.h"
 #include "scenegraph/attributes.h"
 #include "scenegraph/command.h"
-#include "sensors/image.h"
 #include "scenegraph/scan.h"
+#include "sensors/image.h"
 
 namespace simvis {
 
