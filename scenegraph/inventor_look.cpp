@@ -122,7 +122,7 @@ void InventorLooks::add_texture(SoCallbackAction& action, const SoShape& shape, 
   int components = 0;
   const unsigned char* const pixels = action.getTextureImage(size, components);
   if (pixels == nullptr || size[0] <= 0 || size[1] <= 0 || components < 1 || components > 4) return;
-  if (size[2] > 0) return warn("textures with three dimensions are left out");
+  if (size[2] > 1) return warn("textures with three dimensions are left out");
   const KnownTexture known = texture(action, pixels, size, components);
   InventorMaterial& material = look.material;
   material.texture = known.number;

@@ -19,6 +19,8 @@
 #include <stb_image.h>
 
 #include <set>
+#include <utility>
+#include <vector>
 
 #include "engine/error.h"
 #include "scenegraph/gltf_file.h"
@@ -76,8 +78,10 @@ void start_coin(ChildLog& log) {
   SoDebugError::setHandlerCallback(hear_debug_error, &log);
   SbImage::addReadImageCB(read_picture, &log);
   SoVRMLImageTexture::setDelayFetchURL(FALSE);
+  // Both read files from disk then. Without a callback, which is not called, WWWInline does not even look at its name.
   SoVRMLInline::setReadAsSoFile(TRUE);
   SoWWWInline::setReadAsSoFile(TRUE);
+  SoWWWInline::setFetchURLCallBack([](const SbString&, void*, SoWWWInline*) {}, nullptr);
   // Clocks stand still, so that a file is the same scene whenever it is read.
   SoDB::enableRealTimeSensor(FALSE);
   static_cast<SoSFTime*>(SoDB::getGlobalField("realTime"))->setValue(SbTime::zero());
@@ -98,6 +102,8 @@ class Collector {
     action.addPreCallback(SoLight::getClassTypeId(), add_light, this);
     action.addPreCallback(SoInfo::getClassTypeId(), add_info, this);
     action.addPreCallback(SoVRMLWorldInfo::getClassTypeId(), add_world_info, this);
+    action.addPreCallback(SoVRMLInline::getClassTypeId(), check_inline<SoVRMLInline>, this);
+    action.addPreCallback(SoWWWInline::getClassTypeId(), check_inline<SoWWWInline>, this);
     action.apply(&root);
     if (shapes_.has_too_many()) {
       throw InputError("it makes more than " + std::to_string(InventorShapes::kMaxCorners / 3) + " triangles");
@@ -131,23 +137,39 @@ class Collector {
     return Action::CONTINUE;
   }
   static Action::Response add_info(void* self, Action*, const SoNode* node) {
-    of(self).add_command(*node, static_cast<const SoInfo*>(node)->string.getValue());
+    const SoSFString& text = static_cast<const SoInfo*>(node)->string;
+    // What a node without a string says by default begins with '<' too.
+    if (!text.isDefault()) of(self).add_commands(*node, {text.getValue().getString()});
     return Action::CONTINUE;
   }
   static Action::Response add_world_info(void* self, Action*, const SoNode* node) {
     const SoMFString& info = static_cast<const SoVRMLWorldInfo*>(node)->info;
-    for (int i = 0; i < info.getNum(); ++i) of(self).add_command(*node, info[i]);
-    of(self).heard_.insert(node);
+    std::vector<std::string> texts;
+    for (int i = 0; i < info.getNum(); ++i) texts.emplace_back(info[i].getString());
+    of(self).add_commands(*node, texts);
     return Action::CONTINUE;
+  }
+  // Coin says nothing of a file that it does not find.
+  template <class Inline>
+  static Action::Response check_inline(void* self, Action*, const SoNode* node) {
+    const auto* const included = static_cast<const Inline*>(node);
+    if (included->getChildData() == nullptr) {
+      of(self).scene_.warnings.push_back("the included file " + name_of(*included) + " cannot be read");
+    }
+    return Action::CONTINUE;
+  }
+  static std::string name_of(const SoWWWInline& node) { return node.name.getValue().getString(); }
+  static std::string name_of(const SoVRMLInline& node) {
+    return node.url.getNum() > 0 ? node.url[0].getString() : "without a name";
   }
 
   // A node that stands in several places says what it says once.
-  void add_command(const SoNode& node, const SbString& text) {
-    const std::string command = text.getString();
-    const std::size_t start = command.find_first_not_of(" \t\r\n");
-    if (start == std::string::npos || command[start] != '<' || heard_.count(&node) != 0) return;
-    scene_.commands.push_back(command);
-    if (node.isOfType(SoInfo::getClassTypeId())) heard_.insert(&node);
+  void add_commands(const SoNode& node, const std::vector<std::string>& texts) {
+    if (!heard_.insert(&node).second) return;
+    for (const std::string& text : texts) {
+      const std::size_t start = text.find_first_not_of(" \t\r\n");
+      if (start != std::string::npos && text[start] == '<') scene_.commands.push_back(text);
+    }
   }
 
   InventorScene scene_;

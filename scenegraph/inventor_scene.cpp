@@ -174,6 +174,10 @@ bool is_finite(const glm::mat<C, R, T>& m) {
   return true;
 }
 
+bool is_affine(const glm::dmat4& m) {
+  return is_finite(m) && m[0][3] == 0 && m[1][3] == 0 && m[2][3] == 0 && m[3][3] == 1;
+}
+
 bool is_finite(const VertexAttributes& a) {
   return is_finite(a.normal) && is_finite(a.uv[0]) && is_finite(a.uv[1]) && is_finite(a.color);
 }
@@ -215,10 +219,11 @@ std::string fault_of(const InventorScene& scene) {
   }
   for (const InventorShape& shape : scene.shapes) {
     if (shape.mesh >= scene.meshes.size() || shape.material >= scene.materials.size()) return "a shape without content";
-    if (!is_finite(shape.part_from_shape)) return "a transform that is not finite";
+    if (!is_affine(shape.part_from_shape)) return "a transform that is not finite or not affine";
   }
   for (const InventorLight& light : scene.lights) {
-    if (!is_finite(light.part_from_light) || !is_finite(light.light)) return "a light with a number that is not finite";
+    if (!is_affine(light.part_from_light) || !is_finite(light.light))
+      return "a light with a number or a place that is not finite";
   }
   return {};
 }
