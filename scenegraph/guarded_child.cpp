@@ -21,6 +21,7 @@
 #include <thread>
 
 #include "engine/error.h"
+#include "scenegraph/source_text.h"
 
 namespace simvis {
 namespace {
@@ -139,6 +140,19 @@ std::optional<int> wait_for(pid_t child, std::chrono::milliseconds limit) {
   return std::nullopt;
 }
 
+bool is_ascii(char c) { return static_cast<unsigned char>(c) < 0x80; }
+
+bool is_control(char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }
+
+bool is_utf8(const std::string& text) {
+  try {
+    SourceText(text, {});
+    return true;
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
 std::vector<std::string> lines_of(const std::vector<std::uint8_t>& bytes) {
   std::istringstream text(std::string(bytes.begin(), bytes.end()));
   std::vector<std::string> lines;
@@ -150,8 +164,8 @@ std::vector<std::string> lines_of(const std::vector<std::uint8_t>& bytes) {
 
 void ChildLog::add(std::string_view line) {
   std::string text(line.substr(0, kMaxLogBytes));
-  std::replace_if(
-      text.begin(), text.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
+  std::replace_if(text.begin(), text.end(), is_control, ' ');
+  if (!is_utf8(text)) std::replace_if(text.begin(), text.end(), std::not_fn(is_ascii), '?');
   text.push_back('\n');
   if (bytes_ + text.size() > kMaxLogBytes) return;
   if (write_all(file_, bytes_of(text))) bytes_ += text.size();

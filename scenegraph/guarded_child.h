@@ -33,7 +33,7 @@ struct ChildReport {
 class ChildLog {
  public:
   explicit ChildLog(int file) : file_(file) {}
-  /// Line breaks in `line` become spaces.
+  /// Control characters in `line` become spaces, and where it is not UTF-8, all that is not ASCII becomes '?'.
   void add(std::string_view line);
 
  private:

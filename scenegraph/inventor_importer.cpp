@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "engine/error.h"
+#include "scenegraph/foreign_scene.h"
 #include "scenegraph/gltf_file.h"
 #include "scenegraph/inventor_reader.h"
-#include "scenegraph/inventor_scene.h"
 
 namespace simvis {
 namespace {
@@ -36,8 +36,8 @@ std::vector<std::string> messages(const ChildReport& report, char kind) {
   throw InputError(text);
 }
 
-InventorScene read_in_child(const std::filesystem::path& file, std::chrono::milliseconds limit) {
-  const auto work = [&file](ChildLog& log) { return pack_inventor_scene(read_with_coin(file, log)); };
+ForeignScene read_in_child(const std::filesystem::path& file, std::chrono::milliseconds limit) {
+  const auto work = [&file](ChildLog& log) { return pack_foreign_scene(read_with_coin(file, log)); };
   ChildLimits limits;
   limits.time = limit;
   const ChildReport report = run_in_child(work, limits);
@@ -53,7 +53,7 @@ InventorScene read_in_child(const std::filesystem::path& file, std::chrono::mill
   }
   // Coin goes on after some errors, with a part of the file.
   if (!messages(report, kInventorError).empty()) fail(file, "Coin cannot read all of it", report);
-  InventorScene scene = unpack_inventor_scene(report.result, file.string() + ": error: ");
+  ForeignScene scene = unpack_foreign_scene(report.result, file.string() + ": error: ");
   const std::vector<std::string> said = messages(report, kInventorWarning);
   scene.warnings.insert(scene.warnings.begin(), said.begin(), said.end());
   return scene;
@@ -61,11 +61,11 @@ InventorScene read_in_child(const std::filesystem::path& file, std::chrono::mill
 
 class GraphOfInventor {
  public:
-  GraphOfInventor(InventorScene&& scene, ContentPool& pool) : scene_(std::move(scene)) {
+  GraphOfInventor(ForeignScene&& scene, ContentPool& pool) : scene_(std::move(scene)) {
     std::vector<std::shared_ptr<const Texture>> textures;
     for (Texture& texture : scene_.textures) textures.push_back(pool.intern(std::move(texture)));
-    for (InventorMaterial& source : scene_.materials) {
-      if (source.texture != kNoInventorTexture) source.material.base_color_texture = textures[source.texture];
+    for (ForeignMaterial& source : scene_.materials) {
+      if (source.texture != kNoForeignTexture) source.material.base_color_texture = textures[source.texture];
       materials_.push_back(std::make_shared<MaterialNode>(pool.intern(std::move(source.material))));
     }
     for (Mesh& mesh : scene_.meshes) {
@@ -75,10 +75,10 @@ class GraphOfInventor {
   }
 
   void add_to(Group& root) const {
-    for (const InventorLight& light : scene_.lights) {
+    for (const ForeignLight& light : scene_.lights) {
       add_placed(root, light.name, light.part_from_light, {std::make_shared<LightNode>(light.light)});
     }
-    for (const InventorShape& shape : scene_.shapes) {
+    for (const ForeignShape& shape : scene_.shapes) {
       add_placed(root, shape.name, shape.part_from_shape, {materials_[shape.material], shapes_[shape.mesh]});
     }
   }
@@ -93,7 +93,7 @@ class GraphOfInventor {
     root.add(separator);
   }
 
-  InventorScene scene_;
+  ForeignScene scene_;
   std::vector<NodePtr> materials_, shapes_;
 };
 
@@ -108,7 +108,7 @@ PartContent import_inventor(const ImportRequest& request, ContentPool& pool, std
   const glm::dmat4 z_up_from_y_up(1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1);
   const std::string name = request.file.string();
   if (read_whole_file(request.file).empty()) throw InputError(name + ": error: is empty; expected Inventor or VRML");
-  InventorScene scene = read_in_child(std::filesystem::absolute(request.file), limit);
+  ForeignScene scene = read_in_child(std::filesystem::absolute(request.file), limit);
   PartContent content;
   for (const std::string& warning : scene.warnings) content.warnings.push_back(name + ": warning: " + warning);
   content.commands = std::move(scene.commands);

@@ -20,7 +20,7 @@ inline constexpr std::chrono::milliseconds kInventorTimeLimit{10'000};
 /// Commands the strings of Info nodes and the `info` of WorldInfo nodes that begin with '<', white space aside.
 /// Frame    as it is, metres; with up="y" (x, y, z) becomes (x, -z, y).
 /// Throws   InputError naming the file: Coin cannot read it, crashes on it or takes longer than `limit`; a number that
-///          is not finite. What Coin only warns of, a missing texture or included file, becomes a warning.
+///          is not finite; an included file that is missing. A texture that is missing or cannot be read is a warning.
 ///          A build without Coin always throws.
 PartContent import_inventor(const ImportRequest& request, ContentPool& pool,
                             std::chrono::milliseconds limit = kInventorTimeLimit);

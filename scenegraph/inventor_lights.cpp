@@ -39,38 +39,44 @@ void set_cone(double inner_rad, double outer_rad, Light& light) {
   light.inner_cone_rad = std::clamp(inner_rad, 0.0, light.outer_cone_rad * kInnerShare);
 }
 
-// Sets what depends on the kind, and returns the light's place. False: a kind that SimVis lacks.
+// Each of these sets what depends on the kind, and the light's place. False: a kind that SimVis lacks.
 bool convert(const SoLight& source, Light& light, glm::dvec3& place) {
   if (const auto* directional = dynamic_cast<const SoDirectionalLight*>(&source)) {
     light.direction = direction_of(directional->direction);
-  } else if (const auto* vrml_directional = dynamic_cast<const SoVRMLDirectionalLight*>(&source)) {
-    light.direction = direction_of(vrml_directional->direction);
   } else if (const auto* point = dynamic_cast<const SoPointLight*>(&source)) {
     light.kind = LightKind::point;
     place = dvec3_of(point->location);
-  } else if (const auto* vrml_point = dynamic_cast<const SoVRMLPointLight*>(&source)) {
-    light.kind = LightKind::point;
-    light.range_m = vrml_point->radius.getValue();
-    place = dvec3_of(vrml_point->location);
   } else if (const auto* spot = dynamic_cast<const SoSpotLight*>(&source)) {
-    const double outer = spot->cutOffAngle.getValue();
-    set_cone(outer * (1 - static_cast<double>(spot->dropOffRate.getValue())), outer, light);
+    const double outer_rad = spot->cutOffAngle.getValue();
+    set_cone(outer_rad * (1 - static_cast<double>(spot->dropOffRate.getValue())), outer_rad, light);
     light.direction = direction_of(spot->direction);
     place = dvec3_of(spot->location);
-  } else if (const auto* vrml_spot = dynamic_cast<const SoVRMLSpotLight*>(&source)) {
-    set_cone(vrml_spot->beamWidth.getValue(), vrml_spot->cutOffAngle.getValue(), light);
-    light.direction = direction_of(vrml_spot->direction);
-    light.range_m = vrml_spot->radius.getValue();
-    place = dvec3_of(vrml_spot->location);
   } else {
     return false;
   }
   return true;
 }
 
-}  // namespace
+bool convert(const SoVRMLLight& source, Light& light, glm::dvec3& place) {
+  if (const auto* directional = dynamic_cast<const SoVRMLDirectionalLight*>(&source)) {
+    light.direction = direction_of(directional->direction);
+  } else if (const auto* point = dynamic_cast<const SoVRMLPointLight*>(&source)) {
+    light.kind = LightKind::point;
+    light.range_m = point->radius.getValue();
+    place = dvec3_of(point->location);
+  } else if (const auto* spot = dynamic_cast<const SoVRMLSpotLight*>(&source)) {
+    set_cone(spot->beamWidth.getValue(), spot->cutOffAngle.getValue(), light);
+    light.direction = direction_of(spot->direction);
+    light.range_m = spot->radius.getValue();
+    place = dvec3_of(spot->location);
+  } else {
+    return false;
+  }
+  return true;
+}
 
-void add_inventor_light(SoCallbackAction& action, const SoLight& source, InventorScene& scene) {
+template <class AnyLight>
+void add(SoCallbackAction& action, const AnyLight& source, ForeignScene& scene) {
   if (source.on.getValue() == 0) return;
   Light light;
   glm::dvec3 place(0);
@@ -80,6 +86,16 @@ void add_inventor_light(SoCallbackAction& action, const SoLight& source, Invento
   light.intensity = kLuxPerIntensity * std::max(0.0, static_cast<double>(source.intensity.getValue()));
   const glm::dmat4 part_from_light = glm::translate(matrix_of(action.getModelMatrix()), place);
   scene.lights.push_back({innermost_name(action), part_from_light, light});
+}
+
+}  // namespace
+
+void add_inventor_light(SoCallbackAction& action, const SoLight& light, ForeignScene& scene) {
+  add(action, light, scene);
+}
+
+void add_inventor_light(SoCallbackAction& action, const SoVRMLLight& light, ForeignScene& scene) {
+  add(action, light, scene);
 }
 
 }  // namespace simvis

@@ -1,6 +1,10 @@
 #include "scenegraph/inventor_look.h"
 
+#include <Inventor/SoFullPath.h>
+#include <Inventor/VRMLnodes/SoVRMLAppearance.h>
 #include <Inventor/VRMLnodes/SoVRMLGeometry.h>
+#include <Inventor/VRMLnodes/SoVRMLShape.h>
+#include <Inventor/VRMLnodes/SoVRMLTexture.h>
 #include <Inventor/elements/SoLazyElement.h>
 #include <Inventor/fields/SoSFBool.h>
 #include <Inventor/fields/SoSFNode.h>
@@ -66,7 +70,25 @@ glm::mat3x2 uv_transform_of(const SbMatrix& m) {
   return glm::mat3x2(glm::dmat3x2(ss, -st, -ts, tt, ts + s1, 1 - tt - t1));
 }
 
-Wrap wrap_of(SoTexture2::Wrap wrap) { return wrap == SoTexture2::CLAMP ? Wrap::clamp_to_edge : Wrap::repeat; }
+Wrap wrap_of(bool repeats) { return repeats ? Wrap::repeat : Wrap::clamp_to_edge; }
+
+// The texture node that a VRML97 geometry's own Shape names, if it does.
+const SoVRMLTexture* vrml97_texture_of(SoCallbackAction& action) {
+  const auto* const path = static_cast<const SoFullPath*>(action.getCurPath());
+  const SoNode* const parent = path->getLength() > 1 ? path->getNodeFromTail(1) : nullptr;
+  const auto* const shape = dynamic_cast<const SoVRMLShape*>(parent);
+  const auto* const appearance = shape ? dynamic_cast<const SoVRMLAppearance*>(shape->appearance.getValue()) : nullptr;
+  return appearance ? dynamic_cast<const SoVRMLTexture*>(appearance->texture.getValue()) : nullptr;
+}
+
+// Coin 4.0 hands out VRML97's repeatS and repeatT as each other, so the node itself is asked.
+std::pair<Wrap, Wrap> wraps_of(SoCallbackAction& action) {
+  if (const SoVRMLTexture* const texture = vrml97_texture_of(action)) {
+    return {wrap_of(texture->repeatS.getValue() != 0), wrap_of(texture->repeatT.getValue() != 0)};
+  }
+  return {wrap_of(action.getTextureWrapS() == SoTexture2::REPEAT),
+          wrap_of(action.getTextureWrapT() == SoTexture2::REPEAT)};
+}
 
 }  // namespace
 
@@ -104,7 +126,7 @@ glm::vec4 InventorLooks::color(SoCallbackAction& action, const InventorLook& loo
   return {to_linear(SoLazyElement::getDiffuse(state, index)), alpha};
 }
 
-std::uint32_t InventorLooks::add(InventorMaterial&& material) {
+std::uint32_t InventorLooks::add(ForeignMaterial&& material) {
   const std::uint32_t texture = material.texture;
   kept_.push_back(pool_.intern(Material(material.material)));
   const auto [entry, is_new] =
@@ -124,7 +146,7 @@ void InventorLooks::add_texture(SoCallbackAction& action, const SoShape& shape, 
   if (pixels == nullptr || size[0] <= 0 || size[1] <= 0 || components < 1 || components > 4) return;
   if (size[2] > 1) return warn("textures with three dimensions are left out");
   const KnownTexture known = texture(action, pixels, size, components);
-  InventorMaterial& material = look.material;
+  ForeignMaterial& material = look.material;
   material.texture = known.number;
   material.material.alpha_mode = known.alpha;
   material.material.uv_transform = uv_transform_of(action.getTextureMatrix());
@@ -143,15 +165,15 @@ void InventorLooks::add_texture(SoCallbackAction& action, const SoShape& shape, 
 
 InventorLooks::KnownTexture InventorLooks::texture(SoCallbackAction& action, const unsigned char* pixels,
                                                    const SbVec3s& size, int components) {
-  const SoTexture2::Wrap wrap_s = action.getTextureWrapS(), wrap_t = action.getTextureWrapT();
-  const auto [entry, is_new] = textures_.try_emplace({pixels, size[0], size[1], components, wrap_s, wrap_t});
+  const auto [wrap_u, wrap_v] = wraps_of(action);
+  const auto [entry, is_new] = textures_.try_emplace({pixels, size[0], size[1], components, wrap_u, wrap_v});
   if (!is_new) return entry->second;
   Texture texture;
   texture.width = static_cast<std::uint32_t>(size[0]);
   texture.height = static_cast<std::uint32_t>(size[1]);
   texture.rgba = rgba_of(pixels, texture.width, texture.height, components);
-  texture.sampler.wrap_u = wrap_of(wrap_s);
-  texture.sampler.wrap_v = wrap_of(wrap_t);
+  texture.sampler.wrap_u = wrap_u;
+  texture.sampler.wrap_v = wrap_v;
   entry->second.number = static_cast<std::uint32_t>(scene_.textures.size());
   entry->second.alpha = alpha_mode_of(texture.rgba);
   scene_.textures.push_back(std::move(texture));

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "scenegraph/content_pool.h"
-#include "scenegraph/inventor_scene.h"
+#include "scenegraph/foreign_scene.h"
 
 namespace simvis {
 
@@ -22,7 +22,7 @@ glm::vec3 linear_of_display_color(const glm::vec3& srgb);
 
 /// All that holds for a whole shape. Colours of its vertices are asked for one by one.
 struct InventorLook {
-  InventorMaterial material;    ///< its base colour is white until the vertices' colours are known
+  ForeignMaterial material;     ///< its base colour is white until the vertices' colours are known
   bool textured = false;        ///< texture coordinates matter
   bool replaces_color = false;  ///< the texture stands for the diffuse colour too
   bool emits_as_line = false;   ///< a VRML97 line or point without a colour of its own: drawn in the emissive colour
@@ -31,27 +31,27 @@ struct InventorLook {
 /// Collects materials and textures, each once.
 class InventorLooks {
  public:
-  explicit InventorLooks(InventorScene& scene) : scene_(scene) {}
+  explicit InventorLooks(ForeignScene& scene) : scene_(scene) {}
 
   /// To be called from a primitive's callback: only then the state holds what the shape itself brings along.
   InventorLook look(SoCallbackAction& action, const SoShape& shape, bool is_surface);
   /// Linear RGBA of a vertex.
   static glm::vec4 color(SoCallbackAction& action, const InventorLook& look, int material_index);
   /// The material's number in the scene.
-  std::uint32_t add(InventorMaterial&& material);
+  std::uint32_t add(ForeignMaterial&& material);
 
  private:
   struct KnownTexture {
-    std::uint32_t number = kNoInventorTexture;
+    std::uint32_t number = kNoForeignTexture;
     AlphaMode alpha = AlphaMode::opaque;
   };
-  using TextureKey = std::tuple<const unsigned char*, int, int, int, int, int>;
+  using TextureKey = std::tuple<const unsigned char*, int, int, int, Wrap, Wrap>;
 
   void add_texture(SoCallbackAction& action, const SoShape& shape, InventorLook& look);
   KnownTexture texture(SoCallbackAction& action, const unsigned char* pixels, const SbVec3s& size, int components);
   void warn(const std::string& what);
 
-  InventorScene& scene_;
+  ForeignScene& scene_;
   std::map<TextureKey, KnownTexture> textures_;
   ContentPool pool_;
   std::map<std::pair<const Material*, std::uint32_t>, std::uint32_t> numbers_;

@@ -35,12 +35,19 @@ void log_line(void* log, char kind, const std::string& text) { static_cast<Child
 
 void hear_error(const SoError* error, void* log) { log_line(log, kInventorError, error->getDebugString().getString()); }
 
+// Coin goes on without a texture, and so do we.
+void hear_read_error(const SoError* error, void* log) {
+  const std::string text = error->getDebugString().getString();
+  const bool of_texture = text.find("Could not read texture file") != std::string::npos;
+  log_line(log, of_texture ? kInventorWarning : kInventorError, text);
+}
+
 void hear_debug_error(const SoError* error, void* log) {
   const auto severity = static_cast<const SoDebugError*>(error)->getSeverity();
   if (severity != SoDebugError::INFO) log_line(log, kInventorWarning, error->getDebugString().getString());
 }
 
-// Coin asks for pictures here. What cannot be read is left out with a warning, as Coin does it.
+// Coin asks for pictures here, and reports itself what it does not get; only why is missing from that.
 SbBool read_picture(const SbString& name, SbImage* image, void* log) {
   const std::filesystem::path file(name.getString());
   try {
@@ -63,7 +70,7 @@ SbBool read_picture(const SbString& name, SbImage* image, void* log) {
                     pixels.data());
     return TRUE;
   } catch (const InputError& e) {
-    log_line(log, kInventorWarning, "a texture is left out: " + std::string(e.what()));
+    log_line(log, kInventorWarning, e.what());
     return FALSE;
   }
 }
@@ -73,7 +80,7 @@ void start_coin(ChildLog& log) {
   SoNodeKit::init();
   SoInteraction::init();
   SoError::setHandlerCallback(hear_error, &log);
-  SoReadError::setHandlerCallback(hear_error, &log);
+  SoReadError::setHandlerCallback(hear_read_error, &log);
   SoMemoryError::setHandlerCallback(hear_error, &log);
   SoDebugError::setHandlerCallback(hear_debug_error, &log);
   SbImage::addReadImageCB(read_picture, &log);
@@ -92,18 +99,17 @@ class Collector {
  public:
   Collector() : shapes_(scene_) {}
 
-  InventorScene collect(SoNode& root) {
+  ForeignScene collect(SoNode& root) {
     SoCallbackAction action;
     action.addPreCallback(SoShape::getClassTypeId(), begin_shape, this);
     action.addPostCallback(SoShape::getClassTypeId(), end_shape, this);
     action.addTriangleCallback(SoShape::getClassTypeId(), add_triangle, this);
     action.addLineSegmentCallback(SoShape::getClassTypeId(), add_line, this);
     action.addPointCallback(SoShape::getClassTypeId(), add_point, this);
-    action.addPreCallback(SoLight::getClassTypeId(), add_light, this);
+    action.addPreCallback(SoLight::getClassTypeId(), add_light<SoLight>, this);
+    action.addPreCallback(SoVRMLLight::getClassTypeId(), add_light<SoVRMLLight>, this);
     action.addPreCallback(SoInfo::getClassTypeId(), add_info, this);
     action.addPreCallback(SoVRMLWorldInfo::getClassTypeId(), add_world_info, this);
-    action.addPreCallback(SoVRMLInline::getClassTypeId(), check_inline<SoVRMLInline>, this);
-    action.addPreCallback(SoWWWInline::getClassTypeId(), check_inline<SoWWWInline>, this);
     action.apply(&root);
     if (shapes_.has_too_many()) {
       throw InputError("it makes more than " + std::to_string(InventorShapes::kMaxCorners / 3) + " triangles");
@@ -132,8 +138,9 @@ class Collector {
     of(self).shapes_.line(*action, {a, b});
   }
   static void add_point(void* self, Action* action, const Vertex* vertex) { of(self).shapes_.point(*action, *vertex); }
+  template <class AnyLight>
   static Action::Response add_light(void* self, Action* action, const SoNode* node) {
-    add_inventor_light(*action, *static_cast<const SoLight*>(node), of(self).scene_);
+    add_inventor_light(*action, *static_cast<const AnyLight*>(node), of(self).scene_);
     return Action::CONTINUE;
   }
   static Action::Response add_info(void* self, Action*, const SoNode* node) {
@@ -149,20 +156,6 @@ class Collector {
     of(self).add_commands(*node, texts);
     return Action::CONTINUE;
   }
-  // Coin says nothing of a file that it does not find.
-  template <class Inline>
-  static Action::Response check_inline(void* self, Action*, const SoNode* node) {
-    const auto* const included = static_cast<const Inline*>(node);
-    if (included->getChildData() == nullptr) {
-      of(self).scene_.warnings.push_back("the included file " + name_of(*included) + " cannot be read");
-    }
-    return Action::CONTINUE;
-  }
-  static std::string name_of(const SoWWWInline& node) { return node.name.getValue().getString(); }
-  static std::string name_of(const SoVRMLInline& node) {
-    return node.url.getNum() > 0 ? node.url[0].getString() : "without a name";
-  }
-
   // A node that stands in several places says what it says once.
   void add_commands(const SoNode& node, const std::vector<std::string>& texts) {
     if (!heard_.insert(&node).second) return;
@@ -172,14 +165,14 @@ class Collector {
     }
   }
 
-  InventorScene scene_;
+  ForeignScene scene_;
   InventorShapes shapes_;
   std::set<const SoNode*> heard_;
 };
 
 }  // namespace
 
-InventorScene read_with_coin(const std::filesystem::path& file, ChildLog& log) {
+ForeignScene read_with_coin(const std::filesystem::path& file, ChildLog& log) {
   start_coin(log);
   SoInput input;
   if (!input.openFile(file.c_str())) throw InputError("Coin cannot open it");

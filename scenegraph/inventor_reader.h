@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <string>
 
+#include "scenegraph/foreign_scene.h"
 #include "scenegraph/guarded_child.h"
-#include "scenegraph/inventor_scene.h"
 
 namespace simvis {
 
@@ -13,6 +13,6 @@ namespace simvis {
 inline constexpr char kInventorError = 'E', kInventorWarning = 'W';
 
 /// Logs Coin's errors and warnings. Throws InputError where Coin refuses the file; the log says why.
-InventorScene read_with_coin(const std::filesystem::path& file, ChildLog& log);
+ForeignScene read_with_coin(const std::filesystem::path& file, ChildLog& log);
 
 }  // namespace simvis

@@ -155,7 +155,7 @@ void InventorShapes::end(SoCallbackAction& action) {
 
 void InventorShapes::finish(SoCallbackAction& action, Growing& growing) {
   Mesh& mesh = growing.mesh;
-  InventorMaterial material = look_->material;
+  ForeignMaterial material = look_->material;
   const glm::vec4 first = mesh.attributes.front().color;
   bool one_color = true, transparent = false;
   for (const VertexAttributes& attributes : mesh.attributes) {
@@ -168,7 +168,7 @@ void InventorShapes::finish(SoCallbackAction& action, Growing& growing) {
     for (VertexAttributes& attributes : mesh.attributes) attributes.color = glm::vec4(1);
   }
   if (transparent) material.material.alpha_mode = AlphaMode::blend;
-  InventorShape shape;
+  ForeignShape shape;
   shape.name = innermost_name(action);
   shape.part_from_shape = matrix_of(action.getModelMatrix());
   shape.material = looks_.add(std::move(material));

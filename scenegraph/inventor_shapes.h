@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "scenegraph/content_pool.h"
+#include "scenegraph/foreign_scene.h"
 #include "scenegraph/inventor_look.h"
-#include "scenegraph/inventor_scene.h"
 
 namespace simvis {
 
@@ -28,7 +28,7 @@ class InventorShapes {
   /// More corners than this in one file are refused: 10 million triangles.
   static constexpr std::size_t kMaxCorners = 30'000'000;
 
-  explicit InventorShapes(InventorScene& scene) : scene_(scene), looks_(scene) {}
+  explicit InventorShapes(ForeignScene& scene) : scene_(scene), looks_(scene) {}
 
   void begin(const SoShape& shape);
   void triangle(SoCallbackAction& action, const SoPrimitiveVertex* const (&corners)[3]);
@@ -62,7 +62,7 @@ class InventorShapes {
   void finish(SoCallbackAction& action, Growing& growing);
   std::uint32_t number_of(Mesh&& mesh);
 
-  InventorScene& scene_;
+  ForeignScene& scene_;
   InventorLooks looks_;
   const SoShape* shape_ = nullptr;
   std::optional<InventorLook> look_;  // of the current shape, from its first primitive on

@@ -1,4 +1,4 @@
-#include "scenegraph/inventor_scene.h"
+#include "scenegraph/foreign_scene.h"
 
 #include <cmath>
 #include <cstring>
@@ -112,7 +112,7 @@ void walk_texture(Archive& a, Texture& texture) {
 }
 
 template <class Archive>
-void walk_material(Archive& a, InventorMaterial& material) {
+void walk_material(Archive& a, ForeignMaterial& material) {
   Material& m = material.material;
   a.plain(m.base_color);
   a.plain(m.emissive);
@@ -124,7 +124,7 @@ void walk_material(Archive& a, InventorMaterial& material) {
 }
 
 template <class Archive>
-void walk_shape(Archive& a, InventorShape& shape) {
+void walk_shape(Archive& a, ForeignShape& shape) {
   a.array(shape.name);
   a.plain(shape.part_from_shape);
   a.plain(shape.mesh);
@@ -132,7 +132,7 @@ void walk_shape(Archive& a, InventorShape& shape) {
 }
 
 template <class Archive>
-void walk_light(Archive& a, InventorLight& light) {
+void walk_light(Archive& a, ForeignLight& light) {
   a.array(light.name);
   a.plain(light.part_from_light);
   a.choice(light.light.kind, LightKind::spot);
@@ -145,7 +145,7 @@ void walk_light(Archive& a, InventorLight& light) {
 }
 
 template <class Archive>
-void walk_scene(Archive& a, InventorScene& scene) {
+void walk_scene(Archive& a, ForeignScene& scene) {
   const auto text = [](Archive& archive, std::string& t) { archive.array(t); };
   a.list(scene.meshes, walk_mesh<Archive>);
   a.list(scene.textures, walk_texture<Archive>);
@@ -204,7 +204,7 @@ std::string fault_of(const Mesh& mesh) {
   return {};
 }
 
-std::string fault_of(const InventorScene& scene) {
+std::string fault_of(const ForeignScene& scene) {
   for (const Mesh& mesh : scene.meshes) {
     if (std::string fault = fault_of(mesh); !fault.empty()) return fault;
   }
@@ -212,16 +212,16 @@ std::string fault_of(const InventorScene& scene) {
     const std::uint64_t pixels = std::uint64_t{texture.width} * texture.height;
     if (pixels == 0 || texture.rgba.size() % 4 != 0 || texture.rgba.size() / 4 != pixels) return "a torn texture";
   }
-  for (const InventorMaterial& m : scene.materials) {
-    if (m.texture != kNoInventorTexture && m.texture >= scene.textures.size()) return "a material without its texture";
+  for (const ForeignMaterial& m : scene.materials) {
+    if (m.texture != kNoForeignTexture && m.texture >= scene.textures.size()) return "a material without its texture";
     if (!is_finite(m.material.base_color) || !is_finite(m.material.emissive)) return "a colour that is not finite";
     if (!is_finite(m.material.uv_transform)) return "a texture transform that is not finite";
   }
-  for (const InventorShape& shape : scene.shapes) {
+  for (const ForeignShape& shape : scene.shapes) {
     if (shape.mesh >= scene.meshes.size() || shape.material >= scene.materials.size()) return "a shape without content";
     if (!is_affine(shape.part_from_shape)) return "a transform that is not finite or not affine";
   }
-  for (const InventorLight& light : scene.lights) {
+  for (const ForeignLight& light : scene.lights) {
     if (!is_affine(light.part_from_light) || !is_finite(light.light))
       return "a light with a number or a place that is not finite";
   }
@@ -230,15 +230,15 @@ std::string fault_of(const InventorScene& scene) {
 
 }  // namespace
 
-std::vector<std::uint8_t> pack_inventor_scene(InventorScene scene) {
+std::vector<std::uint8_t> pack_foreign_scene(ForeignScene scene) {
   Packer packer;
   walk_scene(packer, scene);
   return std::move(packer.bytes);
 }
 
-InventorScene unpack_inventor_scene(std::span<const std::uint8_t> bytes, const std::string& subject) {
+ForeignScene unpack_foreign_scene(std::span<const std::uint8_t> bytes, const std::string& subject) {
   Unpacker unpacker(bytes, subject);
-  InventorScene scene;
+  ForeignScene scene;
   walk_scene(unpacker, scene);
   unpacker.expect_end();
   const std::string fault = fault_of(scene);

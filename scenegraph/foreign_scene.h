@@ -1,4 +1,4 @@
-// What Coin found in a file, as plain data, and as bytes on their way from the process that runs Coin.
+// What a library that is kept in a process of its own found in a file: plain data, and bytes on their way from there.
 #pragma once
 
 #include <cstdint>
@@ -12,39 +12,39 @@
 
 namespace simvis {
 
-inline constexpr std::uint32_t kNoInventorTexture = ~0u;
+inline constexpr std::uint32_t kNoForeignTexture = ~0u;
 
-struct InventorMaterial {
+struct ForeignMaterial {
   Material material;  ///< base_color_texture is left null
-  std::uint32_t texture = kNoInventorTexture;
+  std::uint32_t texture = kNoForeignTexture;
 };
 
-struct InventorShape {
+struct ForeignShape {
   std::string name;  ///< of the innermost node that has one
   glm::dmat4 part_from_shape{1.0};
   std::uint32_t mesh = 0, material = 0;
 };
 
-struct InventorLight {
+struct ForeignLight {
   std::string name;
   glm::dmat4 part_from_light{1.0};
   Light light;
 };
 
-struct InventorScene {
+struct ForeignScene {
   std::vector<Mesh> meshes;  ///< bounds are not set
   std::vector<Texture> textures;
-  std::vector<InventorMaterial> materials;
-  std::vector<InventorShape> shapes;
-  std::vector<InventorLight> lights;
+  std::vector<ForeignMaterial> materials;
+  std::vector<ForeignShape> shapes;
+  std::vector<ForeignLight> lights;
   std::vector<std::string> commands, warnings;
 };
 
 /// Takes the scene by value: one description of the layout serves both ways.
-std::vector<std::uint8_t> pack_inventor_scene(InventorScene scene);
+std::vector<std::uint8_t> pack_foreign_scene(ForeignScene scene);
 
 /// Trusts nothing in `bytes`: sizes, indices and enumerations are checked, and every number is finite.
 /// `subject` begins messages. Throws InputError.
-InventorScene unpack_inventor_scene(std::span<const std::uint8_t> bytes, const std::string& subject);
+ForeignScene unpack_foreign_scene(std::span<const std::uint8_t> bytes, const std::string& subject);
 
 }  // namespace simvis
