@@ -176,11 +176,11 @@ TEST_CASE("texture coordinates come from the file, or from the shape's extent wh
                                     "textureCoordIndex [ 0, 1, 2, 3, -1 ] }");
   CHECK(uv_at(mesh_of(given, 0), {1, 1, 0}) == glm::vec2(4, 1 - 2));
   CHECK(uv_at(mesh_of(given, 0), {0, 0, 0}) == glm::vec2(0, 1));
-  // The longest side is s from 0 to 1, the next one t to the same scale.
+  // Of the box around it the longest side is s, the next one t, both from 0 to 1.
   const LoadedPart generated = files.iv(image +
                                         "Coordinate3 { point [ 0 0 0, 2 0 0, 2 1 0, 0 1 0 ] } "
                                         "IndexedFaceSet { coordIndex [ 0, 1, 2, 3, -1 ] }");
-  CHECK(uv_at(mesh_of(generated, 0), {2, 1, 0}) == glm::vec2(1, 0.5));
+  CHECK(uv_at(mesh_of(generated, 0), {2, 1, 0}) == glm::vec2(1, 0));
   CHECK(uv_at(mesh_of(generated, 0), {0, 0, 0}) == glm::vec2(0, 1));
   // Without a texture nobody needs them, and meshes that differ in nothing else are one.
   const LoadedPart both = files.iv("TextureCoordinate2 { point [ 0 0, 4 0, 4 2, 0 2 ] } " + kSquare + "}" + kSquare +
