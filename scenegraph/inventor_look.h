@@ -37,6 +37,8 @@ class InventorLooks {
   InventorLook look(SoCallbackAction& action, const SoShape& shape, bool is_surface);
   /// Linear RGBA of a vertex.
   static glm::vec4 color(SoCallbackAction& action, const InventorLook& look, int material_index);
+  /// Adds a warning to the scene, once.
+  void warn(const std::string& what);
   /// The material's number in the scene.
   std::uint32_t add(ForeignMaterial&& material);
 
@@ -49,7 +51,6 @@ class InventorLooks {
 
   void add_texture(SoCallbackAction& action, const SoShape& shape, InventorLook& look);
   KnownTexture texture(SoCallbackAction& action, const unsigned char* pixels, const SbVec3s& size, int components);
-  void warn(const std::string& what);
 
   ForeignScene& scene_;
   std::map<TextureKey, KnownTexture> textures_;

@@ -114,6 +114,7 @@ class Collector {
     if (shapes_.has_too_many()) {
       throw InputError("it makes more than " + std::to_string(InventorShapes::kMaxCorners / 3) + " triangles");
     }
+    if (!shapes_.fault().empty()) throw InputError(shapes_.fault());
     return std::move(scene_);
   }
 

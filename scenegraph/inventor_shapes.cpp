@@ -1,7 +1,13 @@
 #include "scenegraph/inventor_shapes.h"
 
 #include <Inventor/SoFullPath.h>
+#include <Inventor/VRMLnodes/SoVRMLVertexLine.h>
+#include <Inventor/VRMLnodes/SoVRMLVertexPoint.h>
+#include <Inventor/VRMLnodes/SoVRMLVertexShape.h>
+#include <Inventor/details/SoFaceDetail.h>
+#include <Inventor/details/SoLineDetail.h>
 #include <Inventor/fields/SoSFBool.h>
+#include <Inventor/nodes/SoVertexShape.h>
 
 #include <cmath>
 #include <cstring>
@@ -14,6 +20,11 @@ glm::vec3 vec3_of(const SbVec3f& v) { return {v[0], v[1], v[2]}; }
 
 glm::dvec3 cross_of_edges(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
   return glm::cross(glm::dvec3(b) - glm::dvec3(a), glm::dvec3(c) - glm::dvec3(a));
+}
+
+bool is_made_of_vertices(const SoShape& shape) {
+  return shape.isOfType(SoVertexShape::getClassTypeId()) || shape.isOfType(SoVRMLVertexShape::getClassTypeId()) ||
+         shape.isOfType(SoVRMLVertexLine::getClassTypeId()) || shape.isOfType(SoVRMLVertexPoint::getClassTypeId());
 }
 
 }  // namespace
@@ -67,6 +78,10 @@ bool InventorShapes::starts_primitive(SoCallbackAction& action, std::size_t corn
 void InventorShapes::read_state(SoCallbackAction& action, bool is_surface) {
   look_ = looks_.look(action, *shape_, is_surface);
   style_ = action.getDrawStyle();
+  const bool indexed = is_made_of_vertices(*shape_);
+  coordinates_ = indexed ? action.getNumCoordinates() : 0;
+  normals_ = indexed ? static_cast<int>(action.getNumNormals()) : 0;
+  uvs_ = indexed && look_->textured ? action.getNumTextureCoordinates() : 0;
   // VRML97 keeps in a field of the shape what Inventor keeps in a ShapeHints node before it.
   const SoField* const ccw = shape_->getField("ccw");
   if (ccw != nullptr && ccw->isOfType(SoSFBool::getClassTypeId())) {
@@ -78,12 +93,38 @@ void InventorShapes::read_state(SoCallbackAction& action, bool is_surface) {
   }
 }
 
+// Coin reads whatever lies behind its arrays when a file's indices or counts go beyond them.
+void InventorShapes::check_indices(const SoPointDetail& detail) {
+  const auto check = [this](int index, int count, const char* what) {
+    if (count == 0 || index < count || !fault_.empty()) return;
+    fault_ = "a shape uses the " + std::string(what) + " " + std::to_string(index) + ", but there are " +
+             std::to_string(count) + ", counted from 0";
+  };
+  check(detail.getCoordinateIndex(), coordinates_, "coordinate");
+  check(detail.getNormalIndex(), normals_, "normal");
+  if (uvs_ > 0 && detail.getTextureCoordIndex() >= uvs_) has_uvs_ = false;
+}
+
+// All vertices of a primitive have one detail.
+void InventorShapes::check_indices(const SoDetail* detail) {
+  has_uvs_ = true;
+  if (const auto* const point = dynamic_cast<const SoPointDetail*>(detail)) {
+    check_indices(*point);
+  } else if (const auto* const line = dynamic_cast<const SoLineDetail*>(detail)) {
+    check_indices(*line->getPoint0());
+    check_indices(*line->getPoint1());
+  } else if (const auto* const face = dynamic_cast<const SoFaceDetail*>(detail)) {
+    for (int i = 0; i < face->getNumPoints(); ++i) check_indices(*face->getPoint(i));
+  }
+  if (!has_uvs_) looks_.warn("texture coordinates beyond those that the file gives are taken as 0 0");
+}
+
 InventorShapes::Vertex InventorShapes::vertex_of(SoCallbackAction& action, const SoPrimitiveVertex& source) {
   Vertex vertex{vec3_of(source.getPoint()), {}};
   const glm::dvec3 normal = vec3_of(source.getNormal());
   const double length = glm::length(normal);
   if (length != 0) vertex.attributes.normal = glm::vec3(normal / length);
-  if (look_->textured) {
+  if (look_->textured && has_uvs_) {
     const SbVec4f& uv = source.getTextureCoords();
     const double q = uv[3] == 0 ? 1 : uv[3];
     vertex.attributes.uv[0] = {uv[0] / q, 1 - uv[1] / q};
@@ -106,6 +147,7 @@ void InventorShapes::add(Growing& growing, const Vertex& vertex) {
 
 void InventorShapes::triangle(SoCallbackAction& action, const SoPrimitiveVertex* const (&corners)[3]) {
   if (!starts_primitive(action, 3)) return;
+  check_indices(corners[0]->getDetail());
   Vertex v[3];
   for (int i = 0; i < 3; ++i) v[i] = vertex_of(action, *corners[i]);
   if (style_ == SoDrawStyle::POINTS) {
@@ -134,6 +176,7 @@ void InventorShapes::triangle(SoCallbackAction& action, const SoPrimitiveVertex*
 
 void InventorShapes::line(SoCallbackAction& action, const SoPrimitiveVertex* const (&ends)[2]) {
   if (!starts_primitive(action, 2)) return;
+  check_indices(ends[0]->getDetail());
   for (const SoPrimitiveVertex* const end : ends) {
     add(growing_[static_cast<int>(Topology::lines)], vertex_of(action, *end));
   }
@@ -141,6 +184,7 @@ void InventorShapes::line(SoCallbackAction& action, const SoPrimitiveVertex* con
 
 void InventorShapes::point(SoCallbackAction& action, const SoPrimitiveVertex& vertex) {
   if (!starts_primitive(action, 1)) return;
+  check_indices(vertex.getDetail());
   add(growing_[static_cast<int>(Topology::points)], vertex_of(action, vertex));
 }
 

@@ -3,6 +3,7 @@
 
 #include <Inventor/SoPrimitiveVertex.h>
 #include <Inventor/actions/SoCallbackAction.h>
+#include <Inventor/details/SoPointDetail.h>
 #include <Inventor/nodes/SoShape.h>
 
 #include <cstdint>
@@ -37,6 +38,8 @@ class InventorShapes {
   void end(SoCallbackAction& action);
 
   bool has_too_many() const { return corners_ > kMaxCorners; }
+  /// What is wrong with the shapes so far; empty if nothing is.
+  const std::string& fault() const { return fault_; }
 
  private:
   struct Vertex {
@@ -57,6 +60,8 @@ class InventorShapes {
 
   bool starts_primitive(SoCallbackAction& action, std::size_t corners);
   void read_state(SoCallbackAction& action, bool is_surface);
+  void check_indices(const SoPointDetail& detail);
+  void check_indices(const SoDetail* detail);
   Vertex vertex_of(SoCallbackAction& action, const SoPrimitiveVertex& source);
   void add(Growing& growing, const Vertex& vertex);
   void finish(SoCallbackAction& action, Growing& growing);
@@ -68,6 +73,9 @@ class InventorShapes {
   std::optional<InventorLook> look_;  // of the current shape, from its first primitive on
   bool clockwise_ = false, ordering_known_ = false;
   SoDrawStyle::Style style_ = SoDrawStyle::FILLED;
+  int coordinates_ = 0, normals_ = 0, uvs_ = 0;  // that the state holds for shapes made of vertices
+  bool has_uvs_ = true;                          // of the current primitive, when it is textured
+  std::string fault_;
   std::unordered_map<int, glm::vec4> colors_;
   Growing growing_[3];  // by Topology
   std::size_t corners_ = 0;

@@ -140,6 +140,36 @@ TEST_CASE("numbers that are not finite are refused, be they written or computed"
                  "not affine"));
 }
 
+TEST_CASE("indices and counts beyond what a file holds are refused") {
+  if (!has_coin()) return;
+  InventorFiles files;
+  const std::string points = "Coordinate3 { point [ 0 0 0, 1 0 0, 0 1 0 ] } ";
+  for (const std::string shape :
+       {"IndexedFaceSet { coordIndex [ 0, 1, 4, -1 ] }", "IndexedLineSet { coordIndex [ 0, 9, -1 ] }",
+        "IndexedTriangleStripSet { coordIndex [ 0, 1, 9, -1 ] }", "LineSet { numVertices 5 }",
+        "PointSet { numPoints 7 }", "TriangleStripSet { numVertices 5 }",
+        "QuadMesh { verticesPerColumn 2 verticesPerRow 2 }"}) {
+    CAPTURE(shape);
+    CHECK(contains(error_in(files, points + shape), "a shape uses the coordinate"));
+  }
+  const std::string face = "IndexedFaceSet { coordIndex [ 0, 1, 2, -1 ] ";
+  CHECK(contains(error_in(files, points + "Normal { vector 0 0 1 } NormalBinding { value PER_VERTEX_INDEXED } " + face +
+                                     "normalIndex [ 0, 5, 0, -1 ] }"),
+                 "a shape uses the normal 5"));
+  const std::string lines = "IndexedLineSet { coord Coordinate { point [ 0 0 0 ] } coordIndex [ 0 1 -1 ] }";
+  CHECK(contains(error_of([&] { files.vrml("Shape { geometry " + lines + " }"); }), "a shape uses the coordinate 1"));
+  // Colours and texture coordinates are no reason to refuse a shape.
+  const LoadedPart colored =
+      files.iv("Material { diffuseColor [ 1 0 0, 0 1 0 ] } MaterialBinding { value PER_FACE_INDEXED } " + points +
+               face + "materialIndex [ 90 ] }");
+  CHECK(material_of(colored, 0).base_color == glm::vec4(0, 1, 0, 1));
+  const LoadedPart textured = files.iv("Texture2 { image 1 1 1 0 } TextureCoordinate2 { point [ 1 1 ] } " + points +
+                                       face + "textureCoordIndex [ 0, 7, 0, -1 ] }");
+  CHECK(mesh_of(textured, 0).attributes[0].uv[0] == glm::vec2(0, 0));
+  REQUIRE(textured.content.warnings.size() == 1);
+  CHECK(contains(textured.content.warnings[0], "texture coordinates beyond"));
+}
+
 TEST_CASE("a file that takes too long is given up, and so is one that includes itself") {
   if (!has_coin()) return;
   InventorFiles files;
