@@ -107,6 +107,7 @@ PartContent import_inventor(const ImportRequest& request, ContentPool& pool, std
   // (x, y, z) -> (x, -z, y)
   const glm::dmat4 z_up_from_y_up(1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1);
   const std::string name = request.file.string();
+  // It says what is wrong with a file that cannot be read; Coin does not.
   if (read_whole_file(request.file).empty()) throw InputError(name + ": error: is empty; expected Inventor or VRML");
   ForeignScene scene = read_in_child(std::filesystem::absolute(request.file), limit);
   PartContent content;

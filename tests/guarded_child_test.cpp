@@ -96,8 +96,8 @@ TEST_CASE("a child that crashes, throws or hangs is reported as that, with what 
       limits);
   CHECK(hung.end == ChildEnd::took_too_long);
   CHECK(hung.log == std::vector<std::string>{"waiting"});
-  // Ten times the limit: the machine may be busy.
-  CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(1));
+  // It would never end; the machine may be busy.
+  CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(10));
 }
 
 TEST_CASE("a child cannot fill the log, nor the memory") {
