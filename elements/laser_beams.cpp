@@ -8,7 +8,7 @@ namespace {
 
 constexpr AttributeSpec kAttributes[] = {
     {.name = "scanner", .kind = AttributeKind::sensor, .text = "the scanner whose beams are drawn"},
-    marker_size_row("width", "0.01", "thickness of a beam; 0: none are drawn"),
+    marker_size_row("width", "0.008", "thickness of a beam; 0: none are drawn"),
     marker_size_row("size", "0.04", "of the points where beams hit; 0: none are drawn"),
     {.name = "every",
      .kind = AttributeKind::number,
@@ -27,7 +27,7 @@ constexpr AttributeSpec kAttributes[] = {
      .live = true},
     {.name = "opacity",
      .kind = AttributeKind::number,
-     .default_value = "0.4",
+     .default_value = "0.3",
      .text = "of the beams; the hits are opaque",
      .min = 0,
      .max = 1,

@@ -15,10 +15,10 @@ constexpr double kHeadLength = 5, kHeadRadius = 1.6;
 
 glm::vec3 rounded(const glm::dvec3& v) { return {v}; }
 
-// Any direction square to a unit vector; of what is level, the one straight up or down comes second.
+// A direction square to a unit vector: the level one to the left, but of what is nearly upright.
 glm::dvec3 square_to(const glm::dvec3& axis) {
   const glm::dvec3 other = std::abs(axis.z) < 0.9 ? glm::dvec3(0, 0, 1) : glm::dvec3(1, 0, 0);
-  return glm::normalize(glm::cross(axis, other));
+  return glm::normalize(glm::cross(other, axis));
 }
 
 }  // namespace
@@ -61,10 +61,10 @@ std::uint32_t MarkerMesh::add_ring(const glm::dvec3& center, const glm::dvec3& a
   return first;
 }
 
-// Closes a ring, to be seen from where its axis points.
-void MarkerMesh::add_fan(std::uint32_t ring, std::uint32_t corners) {
+// Closes a ring, to be seen from where its axis points or from the other side.
+void MarkerMesh::add_cap(std::uint32_t ring, std::uint32_t corners, bool front) {
   for (std::uint32_t i = 1; i + 1 < corners; ++i) {
-    mesh_.indices.insert(mesh_.indices.end(), {ring, ring + i, ring + i + 1});
+    mesh_.indices.insert(mesh_.indices.end(), {ring, ring + (front ? i : i + 1), ring + (front ? i + 1 : i)});
   }
 }
 
@@ -78,8 +78,8 @@ void MarkerMesh::add_line(const glm::dvec3& from, const glm::dvec3& to, double w
     const std::uint32_t next = (i + 1) % kLineSides;
     mesh_.indices.insert(mesh_.indices.end(), {start + i, start + next, end + next, start + i, end + next, end + i});
   }
-  add_fan(end, kLineSides);
-  mesh_.indices.insert(mesh_.indices.end(), {start, start + 2, start + 1});
+  add_cap(start, kLineSides, false);
+  add_cap(end, kLineSides, true);
 }
 
 void MarkerMesh::add_cone(const glm::dvec3& base, const glm::dvec3& tip, double radius_m, const glm::vec4& color) {
@@ -89,7 +89,7 @@ void MarkerMesh::add_cone(const glm::dvec3& base, const glm::dvec3& tip, double 
   for (std::uint32_t i = 0; i < kConeSides; ++i) {
     mesh_.indices.insert(mesh_.indices.end(), {ring + i, ring + (i + 1) % kConeSides, top});
   }
-  add_fan(add_ring(base, -axis, radius_m, kConeSides, color), kConeSides);
+  add_cap(ring, kConeSides, false);
 }
 
 void MarkerMesh::add_arrow(const glm::dvec3& from, const glm::dvec3& to, double width_m, const glm::vec4& color) {

@@ -34,7 +34,7 @@ class MarkerMesh {
   std::uint32_t add_ring(const glm::dvec3& center, const glm::dvec3& axis, double radius_m, std::uint32_t corners,
                          const glm::vec4& color);
   void add_cone(const glm::dvec3& base, const glm::dvec3& tip, double radius_m, const glm::vec4& color);
-  void add_fan(std::uint32_t ring, std::uint32_t corners);
+  void add_cap(std::uint32_t ring, std::uint32_t corners, bool front);
 
   Mesh mesh_;
 };
