@@ -106,10 +106,15 @@ void PointCloudElement::update(ParameterView values) {
   keep_ = static_cast<std::size_t>(values[2]);
   color_ = {values[3], values[4], values[5]};
   for (; batches_.size() > keep_; batches_.pop_front()) separator_->remove(*batches_.front().separator);
-  for (Batch& batch : batches_) draw(batch);
+  stale_ = true;
 }
 
+// Meshes are made here, so that a scene which nobody watches pays for none.
 void PointCloudElement::observe(const Observations& seen) {
+  if (stale_) {
+    for (Batch& batch : batches_) draw(batch);
+    stale_ = false;
+  }
   if (scanner_.empty()) return;
   const ObservedScan observed = seen.scan(scanner_);
   if (observed.scan == nullptr || observed.count == seen_) return;

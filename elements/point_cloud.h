@@ -47,6 +47,7 @@ class PointCloudElement : public Element {
   std::size_t count_ = 0, keep_ = 1;
   double size_m_ = 0;
   glm::vec3 color_{1};
+  bool stale_ = false;      // a parameter changed since the meshes were made
   std::uint64_t seen_ = 0;  // ObservedScan::count of the newest batch
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "engine/assert.h"
 #include "scenegraph/attributes.h"
 #include "scenegraph/part_importer.h"
 #include "scenegraph/pose_attribute.h"
@@ -140,6 +141,7 @@ void Scene::insert_in_world(const Command& command, NodePtr node) {
 }
 
 void Scene::insert_behind_point(std::string_view part, NodePtr node) {
+  SIMVIS_ASSERT(has_part(part));
   const Place& at = places_.find(part)->second;
   const auto next = std::ranges::find(at.parent->children(), at.point, &NodePtr::get) + 1;
   at.parent->insert_before(**next, node);  // the part's content, if nothing else, stands there

@@ -106,6 +106,12 @@ TEST_CASE("sensors see no points") {
   CHECK(same_content(scanned.sensors.update(), bare.sensors.update()));
 }
 
+TEST_CASE("points that nobody watches have no mesh") {
+  FileCloud cloud("0 0 0\n");
+  CHECK(cloud.view->people.update().meshes.at(0)->positions.empty());
+  CHECK(cloud.points().size() == 1);
+}
+
 // The element observes a scanner; scan number k reads k, 2 k and nothing, from x = 10^7 k.
 struct ScanCloud : PeopleView {
   Scan measured{.rings = 1,
