@@ -8,7 +8,7 @@ namespace {
 
 constexpr AttributeSpec kAttributes[] = {
     {.name = "scanner", .kind = AttributeKind::sensor, .text = "the scanner whose beams are drawn"},
-    marker_size_row("width", "0.006", "thickness of a beam; 0: none are drawn"),
+    marker_size_row("width", "0.01", "thickness of a beam; 0: none are drawn"),
     marker_size_row("size", "0.04", "of the points where beams hit; 0: none are drawn"),
     {.name = "every",
      .kind = AttributeKind::number,

@@ -20,7 +20,7 @@ constexpr AttributeSpec kAttributes[] = {
      .min = 0,
      .max = kMostPoints,
      .live = true},
-    marker_size_row("size", "0.03", "of a point; 0: none are drawn"),
+    marker_size_row("size", "0.04", "of a point; 0: none are drawn"),
     {.name = "keep",
      .kind = AttributeKind::number,
      .default_value = "1",
