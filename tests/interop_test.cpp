@@ -58,8 +58,9 @@ TEST_CASE("structs lie in memory as the vertex shaders read them") {
   CHECK_OFFSET(found, "materials", shader::MaterialBlock, emissive_cutoff);
   CHECK_OFFSET(found, "materials", shader::MaterialBlock, uv_row_u);
   CHECK_OFFSET(found, "materials", shader::MaterialBlock, uv_row_v);
+  CHECK_OFFSET(found, "materials", shader::MaterialBlock, finish);
   CHECK(found.at("Materials") == sizeof(shader::MaterialBlock));
-  CHECK(members_of(found, "materials") == 4);
+  CHECK(members_of(found, "materials") == 5);
   CHECK_OFFSET(found, "view", shader::ViewBlock, projection);
   CHECK_OFFSET(found, "view", shader::ViewBlock, ambient);
   CHECK(found.at("View") == sizeof(shader::ViewBlock));
