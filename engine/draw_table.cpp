@@ -38,7 +38,8 @@ void DrawTable::update(const DrawList& list, bool color, GeometryPool& geometry,
 }
 
 bool DrawTable::take_tables(const DrawList& list) {
-  if (made_ && items_ == list.items && meshes_ == list.meshes && materials_ == list.materials) return false;
+  if (made_ && items_ == list.items && meshes_ == list.meshes && materials_.size() == list.materials.size())
+    return false;
   SIMVIS_ASSERT(list.material_revision.size() == list.materials.size());
   for (const DrawItem& item : list.items) {
     SIMVIS_ASSERT(item.mesh < list.meshes.size() && item.material < list.materials.size());
@@ -47,7 +48,6 @@ bool DrawTable::take_tables(const DrawList& list) {
   items_ = list.items;
   meshes_ = list.meshes;
   materials_ = list.materials;
-  material_revision_.clear();
   kinds_.clear();
   return true;
 }
@@ -71,7 +71,11 @@ DrawTable::MaterialKind DrawTable::kind_of(const Material& material) {
 
 bool DrawTable::take_materials(const DrawList& list) {
   SIMVIS_ASSERT(list.material_revision.size() == materials_.size());
-  if (kinds_.size() == materials_.size() && material_revision_ == list.material_revision) return false;
+  if (kinds_.size() == materials_.size() && materials_ == list.materials &&
+      material_revision_ == list.material_revision) {
+    return false;
+  }
+  materials_ = list.materials;
   material_revision_ = list.material_revision;
   kinds_.resize(materials_.size());
   bool changed = false;

@@ -1,5 +1,6 @@
 // The element material: what a camera and a laser then see of a part, and what they see of another part of its file.
 #include "scenegraph/flattener.h"
+#include "shaders/interop.h"
 #include "simvis/scene_builder.h"
 #include "tests/element_scene.h"
 
@@ -50,6 +51,15 @@ TEST_CASE("colours are factors, emission is added, each channel for itself") {
   check_color(world.color_with("M", "emission_red", 0.1), dyed + glm::dvec3(0.1, 0, 0));
   check_color(world.color_with("M", "emission_green", 2), dyed + glm::dvec3(0.1, 2, 0));
   check_color(world.color_with("M", "emission_blue", 0.3), dyed + glm::dvec3(0.1, 2, 0.3));
+}
+
+TEST_CASE("a change of colour uploads that material's block and nothing else") {
+  World world = plates(changed("material='Paint'"));
+  world.color();
+  world.color();
+  const std::uint64_t still = world->counters().bytes_uploaded;
+  world.color_with("M", "red", 0.5);
+  CHECK(world->counters().bytes_uploaded == still + sizeof(shader::MaterialBlock));
 }
 
 TEST_CASE("a named material alone changes; the colour multiplies the texture") {
