@@ -5,6 +5,7 @@
 // Leaves   the part's materials of the alpha modes mask and blend: what has holes is cut out of a picture, as leaves
 // are.
 //          Trunks, of opaque materials, stay as they are.
+//          Parts that were inserted at the tree keep theirs; several elements on one part act together.
 // Parameters  transparency (live): in %. At 0 leaves are as in the file. Between, a masked leaf is blended, all that
 //          its cutoff keeps alike: it covers 1 - transparency of what lies behind; a blended one covers its alpha times
 //          that. Depth cameras and scanners meet what covers at least one half. At 100 leaves are gone: nothing is
