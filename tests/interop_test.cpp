@@ -16,8 +16,9 @@ namespace {
 // What glslangValidator says of a shader's blocks: "block.member" -> offset, "block" -> size of one element.
 std::map<std::string, std::size_t> reflect(const std::string& shader) {
   const std::string source = SIMVIS_SOURCE_DIR;
-  const std::string command = "glslangValidator -q --reflect-all-block-variables --target-env vulkan1.2 '-I" + source +
-                              "' '" + source + "/shaders/" + shader + "'";
+  const std::string command =
+      "glslangValidator -q --reflect-all-block-variables --target-env vulkan1.2 -o /dev/null '-I" + source + "' '" +
+      source + "/shaders/" + shader + "'";
   std::map<std::string, std::size_t> found;
   std::FILE* pipe = popen(command.c_str(), "r");
   REQUIRE(pipe != nullptr);
