@@ -38,9 +38,7 @@ def make():
         "horizon": [("far_forest", undergrowth.far_forest(), []), ("clouds", undergrowth.clouds(), [])],
         "robot_shade": [("robot_shade", robot.shade(), [])],
     }
-    lights = {"ground": [layout.SUNLIGHT]}
-    files = {f"{name}.glb": gltf_writer.instanced_glb(name, kinds, lights.get(name, ()))
-             for name, kinds in parts.items()}
+    files = {f"{name}.glb": gltf_writer.instanced_glb(name, kinds) for name, kinds in parts.items()}
     for model in (robot.robot(), robot.head()):
         model.check()
         files[f"{model.name}.glb"] = gltf_writer.glb(model.name, model.faces)

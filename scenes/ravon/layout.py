@@ -3,11 +3,10 @@ import math
 import random
 
 import ground
-from gltf_writer import Light, Place
+from gltf_writer import Place
 from shapes import cross, dot, unit
 
-SUN = unit((0.22, -0.74, -0.60))  # the way its light travels
-SUNLIGHT = Light("sun", "directional", 3.9, (1.0, 0.92, 0.78), direction=SUN)
+SUN = unit((0.22, -0.74, -0.60))  # the way its light travels; ravon.xml has it as azimuth and elevation
 EXTENT_X, EXTENT_Y = (-58.0, 54.0), (-34.0, 34.0)  # where single plants stand; the far forest lies beyond
 
 # Of each kind: radius and middle height of its crown, how much light it takes, share of the wood.
