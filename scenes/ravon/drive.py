@@ -17,8 +17,8 @@ def stand(x, y, yaw_rad):
     """
     roll = pitch = 0.0
     for _ in range(4):  # where the wheels stand depends a little on roll and pitch
-        cy, sy, cp, sp, cr, sr = (math.cos(yaw_rad), math.sin(yaw_rad), math.cos(pitch), math.sin(pitch), math.cos(roll),
-                                  math.sin(roll))
+        cy, cp, cr = math.cos(yaw_rad), math.cos(pitch), math.cos(roll)
+        sy, sp, sr = math.sin(yaw_rad), math.sin(pitch), math.sin(roll)
         heights = []
         for wx, wy in ((WHEEL_X, WHEEL_Y), (WHEEL_X, -WHEEL_Y), (-WHEEL_X, WHEEL_Y), (-WHEEL_X, -WHEEL_Y)):
             u, v = cp * wx + sp * sr * wy, cr * wy

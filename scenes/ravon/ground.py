@@ -1,7 +1,7 @@
 """The ground: a height function made of waves, a worn path with two ruts, hills far away, and the mesh of it.
 
-z is a sum of sines, so that its curvature has a bound: what a flat facet may be off by follows from it. ground.csv tells
-the waves to whoever wants to compute heights as well; tests/ravon_scene_test.cpp does.
+z is a sum of sines, so that its curvature has a bound: what a flat facet may be off by follows from it. ground.csv
+tells the waves to whoever wants to compute heights as well; tests/ravon_scene_test.cpp does.
 """
 import math
 import random
@@ -11,8 +11,8 @@ from gltf_writer import Surface
 import materials
 from shapes import unit
 
-# (wavelength in m, amplitude in m); each comes twice, along directions of its own. The last three are fine relief, which
-# the path wears down.
+# (wavelength in m, amplitude in m); each comes twice, along directions of its own. The last three are fine relief,
+# which the path wears down.
 RELIEF = [(52, 0.50), (31, 0.30), (19, 0.17), (11, 0.085), (6.3, 0.045), (3.7, 0.022), (2.3, 0.011)]
 FINE_WAVES = 6
 RUT_OFFSET_M, RUT_WIDTH_M, RUT_DEPTH_M = 0.62, 0.22, 0.06

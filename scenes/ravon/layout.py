@@ -15,9 +15,6 @@ TREES = {"beech_1": (3.5, 6.0, 0.62, 0.18), "beech_2": (3.1, 4.7, 0.6, 0.18), "h
          "spruce_2": (1.5, 3.2, 0.55, 0.12)}
 BUSHES = {"bush_hazel": (1.4, 0.9, 0.5, 0.34), "bush_beech": (1.0, 0.6, 0.5, 0.30), "bush_low": (0.75, 0.35, 0.4, 0.28),
           "spruce_3": (0.8, 1.2, 0.5, 0.08)}
-# What the first look falls on is placed by hand: (kind, x, y, size).
-CHOSEN_TREES = []
-CHOSEN_ROCKS = []
 WORLD_CAM = (-19.0, 0.2)
 LOG = (2.2, 6.6, 28.0)  # x, y, yaw in degrees
 
@@ -48,8 +45,9 @@ class Shade:
         self._enter((x, y, 1.0, 0.0, radius, radius, strength), 1.5 * radius)
 
     def _enter(self, blot, reach):
-        for i in range(math.floor((blot[0] - reach) / self.CELL_M), math.floor((blot[0] + reach) / self.CELL_M) + 1):
-            for j in range(math.floor((blot[1] - reach) / self.CELL_M), math.floor((blot[1] + reach) / self.CELL_M) + 1):
+        cells = lambda at: range(math.floor((at - reach) / self.CELL_M), math.floor((at + reach) / self.CELL_M) + 1)
+        for i in cells(blot[0]):
+            for j in cells(blot[1]):
                 self.cells.setdefault((i, j), []).append(blot)
 
     def at(self, x, y):
@@ -103,7 +101,8 @@ class Layout:
 
     def _is_bare(self, x, y):
         """No trunk and no stone stands here."""
-        return all(math.hypot(x - a, y - b) > 0.35 * r for a, b, r in self._cells.get((math.floor(x), math.floor(y)), ()))
+        near = self._cells.get((math.floor(x), math.floor(y)), ())
+        return all(math.hypot(x - a, y - b) > 0.35 * r for a, b, r in near)
 
     def _plant(self, table, kind, x, y, size, rng):
         radius, middle, strength, _ = table[kind]
@@ -115,9 +114,6 @@ class Layout:
         self.shade.foot(x, y, 0.55 * radius * size, 0.35)
 
     def _trees(self, rng):
-        for kind, x, y, size in CHOSEN_TREES:
-            self._plant(TREES, kind, x, y, size, rng)
-            self._take(x, y, 0.75 * TREES[kind][0] * size)
         for _ in range(1800):
             x = EXTENT_X[0] + (EXTENT_X[1] - EXTENT_X[0]) * rng.random()
             y = EXTENT_Y[0] + (EXTENT_Y[1] - EXTENT_Y[0]) * rng.random()
@@ -131,14 +127,11 @@ class Layout:
             self._plant(TREES, kind, x, y, size, rng)
 
     def _rocks(self, rng):
-        for k in range(180):
-            if k < len(CHOSEN_ROCKS):
-                kind, x, y, size = CHOSEN_ROCKS[k]
-            else:
-                x, y = EXTENT_X[0] + 100 * rng.random(), -16 + 32 * rng.random()
-                kind, size = f"rock_{1 + int(3 * rng.random())}", 0.22 + 1.1 * rng.random() ** 3
+        for _ in range(180):
+            x, y = EXTENT_X[0] + 100 * rng.random(), -16 + 32 * rng.random()
+            kind, size = f"rock_{1 + int(3 * rng.random())}", 0.22 + 1.1 * rng.random() ** 3
             d = abs(ground.from_path(x, y))
-            if k >= len(CHOSEN_ROCKS) and (d < 1.6 + 0.7 * size or not self._free(x, y, 0.4 * size)):
+            if d < 1.6 + 0.7 * size or not self._free(x, y, 0.4 * size):
                 continue
             up = unit(tuple(n + 0.25 * (rng.random() - 0.5) for n in ground.normal(x, y)))
             place = Place((x, y, ground.height(x, y) - 0.10 * size), turned(up, 6.28 * rng.random()),

@@ -1,7 +1,7 @@
 """The materials of the outdoor scene. Leaves and grass stand twice, once for each side, so that both sides keep the
 normals that make a crown look round; so their materials are single-sided."""
 import pictures
-from gltf_writer import MaskedMaterial, Material, linear
+from gltf_writer import MaskedMaterial, Material
 
 # Below one half, because the smaller pictures of a texture with fine gaps are less opaque than the largest.
 CUTOFF = 0.36

@@ -155,8 +155,8 @@ def green_grass():
 
 
 def dry_grass():
-    brush, colors, _, _ = grass("dry grass", 32, ["#2a2a12", "#5c5a28", "#8d8742", "#b9ae66", "#d8cc8c"], "#8b8446", 120,
-                                16, 0.86)
+    brush, colors, _, _ = grass("dry grass", 32, ["#2a2a12", "#5c5a28", "#8d8742", "#b9ae66", "#d8cc8c"], "#8b8446",
+                                120, 16, 0.86)
     return brush.texture("dry grass", colors, clamp=True)
 
 
@@ -233,11 +233,12 @@ def earth():
         tone = 0.10 + 0.45 * rng.random()
         brush.blob(x + 0.3 * radius, y + 0.35 * radius, 1.3 * radius, 1.05 * radius, _pick(soil, levels, 0.12), turn, 9)
         brush.blob(x, y, 1.25 * radius, radius, _pick(stone, 14, tone), turn, 9)
-        brush.blob(x - 0.25 * radius, y - 0.28 * radius, 0.8 * radius, 0.6 * radius, _pick(stone, 14, tone + 0.22), turn, 8)
+        brush.blob(x - 0.25 * radius, y - 0.28 * radius, 0.8 * radius, 0.6 * radius,
+                   _pick(stone, 14, tone + 0.22), turn, 8)
     for _ in range(70):
         start = 6 * rng.random()
-        brush.leaf(size * rng.random(), size * rng.random(), 2 * math.pi * rng.random(), 24 + 14 * rng.random(), 13, OVAL,
-                   (litter + int(start), litter + int(start * 0.7)), litter)
+        brush.leaf(size * rng.random(), size * rng.random(), 2 * math.pi * rng.random(), 24 + 14 * rng.random(), 13,
+                   OVAL, (litter + int(start), litter + int(start * 0.7)), litter)
     for _ in range(260):
         x, y, a = size * rng.random(), size * rng.random(), 2 * math.pi * rng.random()
         length = 14 + 40 * rng.random()
@@ -319,7 +320,8 @@ def forest():
             if rng.random() < 0.34:
                 _far_spruce(brush, rng, x, height, height * (0.72 + 0.26 * rng.random()), dark, levels, layer)
             else:
-                _far_tree(brush, rng, x, height, height * (0.5 + 0.32 * rng.random()) - 40 * layer, leafy, levels, layer)
+                tall = height * (0.5 + 0.32 * rng.random()) - 40 * layer
+                _far_tree(brush, rng, x, height, tall, leafy, levels, layer)
     return brush.texture("forest", colors)
 
 

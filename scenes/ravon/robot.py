@@ -184,7 +184,8 @@ def head():
     model.add(CASE, rounded_box(0.12, 0.46, 0.10, 0.03, 3), (0.03, 0, 0.0))
     model.add(BLACK, rounded_box(0.02, 0.42, 0.07, 0.008, 2), (0.086, 0, 0))
     for side in (-1, 1):
-        barrel = lathe([(0, 0), (0.032, 0), (0.032, 0.020), (0.030, 0.024), (0.024, 0.024), (0.021, 0.012), (0, 0.012)], 28)
+        barrel = lathe([(0, 0), (0.032, 0), (0.032, 0.020), (0.030, 0.024), (0.024, 0.024), (0.021, 0.012), (0, 0.012)],
+                       28)
         model.add(FRAME, turned(barrel, "y", 90), (0.090, side * STEREO[1], 0))
         model.add(LENS, turned(lathe([(0.0208, 0), (0.015, 0.004), (0.008, 0.0062), (0, 0.0068)], 24), "y", 90),
                   (0.1025, side * STEREO[1], 0))
@@ -199,8 +200,8 @@ def shade():
     Nowhere is it half solid, so that depth cameras and lasers do not see it.
     """
     growth = Growth()
-    profile = [(-1.15, 0.13), (-0.82, 0.09), (-WHEEL_Y, 0.04), (-0.38, 0.08), (0.0, 0.11), (0.38, 0.08), (WHEEL_Y, 0.04),
-               (0.82, 0.09), (1.15, 0.13)]
+    profile = [(-1.15, 0.13), (-0.82, 0.09), (-WHEEL_Y, 0.04), (-0.38, 0.08), (0.0, 0.11), (0.38, 0.08),
+               (WHEEL_Y, 0.04), (0.82, 0.09), (1.15, 0.13)]
     corners = [((-1.6, y, z), (1.6, y, z)) for y, z in profile]
     uvs = [((0, (y + 1.15) / 2.3), (1, (y + 1.15) / 2.3)) for y, _ in profile]
     card(growth, SHADE, corners, uvs, lambda p: (0, 0, 1), lambda p: (1, 1, 1))

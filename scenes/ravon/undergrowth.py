@@ -41,8 +41,8 @@ def clump(seed, radius, tufts, width, tall, light, materials):
         size = 0.7 + 0.6 * rng.random()
         warm = 0.12 * (2 * rng.random() - 1)
         tint = (0.95 * (1 + warm), 0.95, 0.85 * (1 - warm))
-        _tuft(growth, material, (r * math.cos(a), r * math.sin(a), 0.0), width * size, tall * size * (0.8 + 0.4 * rng.random()),
-              math.pi * rng.random(), tint, light)
+        _tuft(growth, material, (r * math.cos(a), r * math.sin(a), 0.0), width * size,
+              tall * size * (0.8 + 0.4 * rng.random()), math.pi * rng.random(), tint, light)
     return growth.list()
 
 
