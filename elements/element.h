@@ -4,6 +4,9 @@
 // is edited. A class in a user's own program or in a plug-in library registers the same way.
 #pragma once
 
+#include <cstdint>
+#include <functional>
+#include <glm/glm.hpp>
 #include <memory>
 #include <span>
 #include <string>
@@ -12,12 +15,30 @@
 
 #include "scenegraph/attributes.h"
 #include "scenegraph/command.h"
+#include "scenegraph/scan.h"
 #include "scenegraph/scene.h"
 
 namespace simvis {
 
 /// Current values of an element's live parameters, in the units and the order of its table.
 using ParameterView = std::span<const double>;
+
+/// What a scanner measured and where it stood.
+struct ObservedScan {
+  const Scan* scan = nullptr;  ///< null before its first
+  glm::dmat4 world_from_sensor{1.0};
+  std::uint64_t count = 0;  ///< how many it has made: a new number, a new scan
+};
+
+/// What elements that draw for people may look at: the frame that the sensors have just seen.
+class Observations {
+ public:
+  virtual ~Observations() = default;
+  /// The sensor exists and gives scans: the scene was checked for that.
+  virtual ObservedScan scan(std::string_view sensor) const = 0;
+  /// False where the mount is not reached.
+  virtual bool find_mount(const Mount& mount, glm::dmat4& world_from_mount) const = 0;
+};
 
 /// Life     made from its command; `update` is called once right after with every value, then each frame in which one
 ///          of its parameters changed, never otherwise.
@@ -27,9 +48,13 @@ class Element {
  public:
   virtual ~Element() = default;
   virtual void update(ParameterView values) = 0;
-  /// Called once before the first update: narrows the limits of this element's own live rows, in the order of its
-  /// table, or names their unit. What lies outside is then refused, in the command too.
-  virtual void limit_parameters(std::span<AttributeSpec> /*live_rows*/) const {}
+  /// Called once before the first update with the live rows of its table, in their order: may narrow their limits or
+  /// name their unit (what lies outside is then refused, in the command too), and may add rows of its own behind them.
+  /// Those begin at their default; their texts must live as long as the element.
+  virtual void adapt_parameters(std::vector<AttributeSpec>& /*live_rows*/) const {}
+  /// Called in each frame of a scene with a visualization, after the sensors have measured and before it is drawn.
+  /// What it changes must stand below a VisualSeparator.
+  virtual void observe(const Observations& /*seen*/) {}
 };
 
 /// What an element's constructor gets.
@@ -37,6 +62,7 @@ struct ElementContext {
   const Command& command;             ///< the whole command
   const AttributeValues& attributes;  ///< checked against the type's table
   Scene& scene;                       ///< to put nodes before the insertion point: scene.insert(command, node)
+  std::function<Element*(std::string_view)> find_element;  ///< one made before, by name; null when there is none
 };
 
 struct ElementType {

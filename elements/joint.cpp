@@ -90,7 +90,7 @@ JointElement::JointElement(const ElementContext& context)
   context.scene.insert(context.command, transform_);
 }
 
-void JointElement::limit_parameters(std::span<AttributeSpec> live_rows) const {
+void JointElement::adapt_parameters(std::vector<AttributeSpec>& live_rows) const {
   AttributeSpec& value = live_rows[0];
   value.min = lower_;
   value.max = upper_;

@@ -16,7 +16,7 @@ class JointElement : public Element {
   /// Throws InputError at the attribute: an axis of zero length, `lower` above `upper`.
   explicit JointElement(const ElementContext& context);
   void update(ParameterView values) override;
-  void limit_parameters(std::span<AttributeSpec> live_rows) const override;
+  void adapt_parameters(std::vector<AttributeSpec>& live_rows) const override;
 
  private:
   std::shared_ptr<Transform> transform_;

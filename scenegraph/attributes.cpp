@@ -60,6 +60,14 @@ std::string expected(const AttributeSpec& spec) {
       return "one or more of, each once: " + listed(spec.choices);
     case AttributeKind::vector:
       return "three finite numbers";
+    case AttributeKind::text:
+      return "a text that is not empty";
+    case AttributeKind::part:
+      return "the name of a part";
+    case AttributeKind::element:
+      return "the name of an element";
+    case AttributeKind::sensor:
+      return "the name of a sensor";
     case AttributeKind::number:
     case AttributeKind::integer:
       break;
@@ -138,6 +146,12 @@ std::string AttributeValues::read(std::string_view text, Value& value) {
       return check_number(spec, static_cast<double>(value.integer));
     case AttributeKind::vector:
       return parse_numbers(text, value.number) ? "" : refusal(in_quotes(text), expected(spec));
+    case AttributeKind::text:
+    case AttributeKind::part:
+    case AttributeKind::element:
+    case AttributeKind::sensor:
+      value.words.emplace_back(text);
+      return text.find_first_not_of(kSpaces) != text.npos ? "" : refusal(in_quotes(text), expected(spec));
     case AttributeKind::choice:
     case AttributeKind::flags:
       break;
@@ -204,6 +218,13 @@ bool AttributeValues::flag(std::string_view name, std::string_view choice) const
 
 const double (&AttributeValues::vector(std::string_view name) const)[3] {
   return value(name, AttributeKind::vector).number;
+}
+
+const std::string& AttributeValues::text(std::string_view name) const {
+  const Value* found = find(name);
+  SIMVIS_ASSERT(found != nullptr && found->set);
+  SIMVIS_ASSERT(found->spec->kind == AttributeKind::text || is_reference(found->spec->kind));
+  return found->words[0];
 }
 
 const Location& AttributeValues::where(std::string_view name) const {

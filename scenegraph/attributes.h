@@ -19,6 +19,10 @@ enum class AttributeKind : std::uint8_t {
   choice,   ///< one of `choices`
   flags,    ///< several of `choices`, separated by spaces
   vector,   ///< three finite doubles
+  text,     ///< anything
+  part,     ///< the name of a part that stands by now
+  element,  ///< the name of an element that stands by now
+  sensor,   ///< the name of a sensor, which may come later in the scene
 };
 
 inline constexpr double kNoLimit = std::numeric_limits<double>::infinity();
@@ -54,6 +58,8 @@ class AttributeValues {
   const std::string& choice(std::string_view name) const;
   bool flag(std::string_view name, std::string_view choice) const;
   const double (&vector(std::string_view name) const)[3];
+  /// Of the kinds text, part, element and sensor.
+  const std::string& text(std::string_view name) const;
 
   /// The place of the attribute, or of the command where it was not written.
   const Location& where(std::string_view name) const;
@@ -64,7 +70,7 @@ class AttributeValues {
     bool set = false;
     double number[3] = {0, 0, 0};
     std::int64_t integer = 0;
-    std::vector<std::string> words;
+    std::vector<std::string> words;  // of text and names: the whole as one word
     Location where;
   };
   const Value* find(std::string_view name) const;
@@ -73,6 +79,11 @@ class AttributeValues {
   friend std::string check_table(AttributeTable table);
   std::vector<Value> values_;
 };
+
+/// Whether values of this kind name something else in the scene: a part, an element or a sensor.
+constexpr bool is_reference(AttributeKind kind) {
+  return kind == AttributeKind::part || kind == AttributeKind::element || kind == AttributeKind::sensor;
+}
 
 /// Checks that `value` is finite and within the row's range; returns what is wrong, or an empty string.
 std::string check_number(const AttributeSpec& spec, double value);

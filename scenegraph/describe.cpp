@@ -21,6 +21,14 @@ std::string_view kind_text(AttributeKind kind) {
       return "choice";
     case AttributeKind::flags:
       return "flags";
+    case AttributeKind::text:
+      return "text";
+    case AttributeKind::part:
+      return "part";
+    case AttributeKind::element:
+      return "element";
+    case AttributeKind::sensor:
+      return "sensor";
     case AttributeKind::vector:
       return "3 numbers";
   }

@@ -39,7 +39,9 @@ const std::shared_ptr<const Material>& default_material() {
 
 }  // namespace
 
-Flattener::Flattener(GroupPtr root) : root_(std::move(root)) { SIMVIS_ASSERT(root_ != nullptr); }
+Flattener::Flattener(GroupPtr root, Audience audience) : root_(std::move(root)), audience_(audience) {
+  SIMVIS_ASSERT(root_ != nullptr);
+}
 
 Flattener::~Flattener() {
   for (const NodePtr& node : attached_) node->detach(*this);
@@ -48,8 +50,6 @@ Flattener::~Flattener() {
 void Flattener::content_changed(Node& node) { changed_.push_back(&node); }
 
 void Flattener::structure_changed() { structure_changed_ = true; }
-
-void Flattener::set_environment(const Environment& environment) { list_.environment = environment; }
 
 bool Flattener::find_mount(const Mount& mount, glm::dmat4& world_from_mount) const {
   const auto found = mounts_.find(&mount);
@@ -73,6 +73,7 @@ void Flattener::rewrite_changed() {
   for (const Node* node : changed_) {
     const auto found = occurrences_.find(node);
     if (found == occurrences_.end()) continue;
+    if (node == environment_node_) list_.environment = environment_node_->environment();
     for (const std::uint32_t slot : found->second) {
       switch (node->kind()) {
         case NodeKind::transform:
@@ -84,9 +85,14 @@ void Flattener::rewrite_changed() {
           ++counters_.materials_written;
           break;
         case NodeKind::light:
-          list_.lights[slot].light = static_cast<const LightNode*>(node)->light();
+          list_.lights[slot].light = static_cast<const LightNode*>(node)->shown();
           ++list_.revisions.lights;
           ++counters_.lights_written;
+          break;
+        case NodeKind::shape:
+          list_.meshes[slot] = static_cast<const Shape*>(node)->mesh();
+          ++list_.revisions.structure;
+          ++counters_.meshes_written;
           break;
         default:
           SIMVIS_ASSERT(!"nodes of this kind have no content");
@@ -115,6 +121,8 @@ void Flattener::forget() {
   attached_.clear();
   occurrences_.clear();
   mounts_.clear();
+  environment_node_ = nullptr;
+  list_.environment = Environment();
   entries_.assign(1, Entry{nullptr, 0, 0});
   list_.items.clear();
   list_.lights.clear();
@@ -145,6 +153,7 @@ class Flattener::Traversal {
   struct State {
     std::uint32_t entry = 0;                      // of world_from_node, in force
     const MaterialNode* material_node = nullptr;  // in force; null: the default material
+    bool visible = true;
   };
 
   // A group on the way from the root to the node at hand.
@@ -163,6 +172,18 @@ class Flattener::Traversal {
       case NodeKind::switch_:
         enter(node);
         break;
+      case NodeKind::visual:
+        if (f_.audience_ == Audience::people) enter(node);
+        break;
+      case NodeKind::visibility:
+        occurrences_of(node);
+        state_.visible = state_.visible && static_cast<const Visibility&>(*node).visible();
+        break;
+      case NodeKind::environment:
+        occurrences_of(node);
+        f_.environment_node_ = static_cast<const EnvironmentNode*>(node.get());
+        f_.list_.environment = f_.environment_node_->environment();
+        break;
       case NodeKind::transform:
         add_transform(node);
         break;
@@ -171,12 +192,12 @@ class Flattener::Traversal {
         state_.material_node = static_cast<const MaterialNode*>(node.get());
         break;
       case NodeKind::shape:
-        f_.list_.items.push_back(
-            {meshes_.shared(static_cast<const Shape&>(*node).mesh()), material_slot(), state_.entry});
+        occurrences_of(node);
+        if (state_.visible) f_.list_.items.push_back({mesh_slot(node), material_slot(), state_.entry});
         break;
       case NodeKind::light:
-        occurrences_of(node).push_back(static_cast<std::uint32_t>(f_.list_.lights.size()));
-        f_.list_.lights.push_back({static_cast<const LightNode&>(*node).light(), state_.entry});
+        occurrences_of(node);
+        if (state_.visible) add_light(node);
         break;
       case NodeKind::mount:
         f_.mounts_.try_emplace(static_cast<const Mount*>(node.get()), state_.entry);
@@ -208,7 +229,8 @@ class Flattener::Traversal {
     const Level level = path_.back();
     path_.pop_back();
     on_path_.erase(level.group);
-    if (level.group->kind() != NodeKind::separator && !path_.empty()) return;
+    const NodeKind kind = level.group->kind();
+    if (kind != NodeKind::separator && kind != NodeKind::visual && !path_.empty()) return;
     for (; open_.size() > level.open; open_.pop_back()) {
       f_.entries_[open_.back()].end = static_cast<std::uint32_t>(f_.entries_.size());
     }
@@ -223,6 +245,19 @@ class Flattener::Traversal {
     f_.list_.world_from_node.push_back(f_.list_.world_from_node[state_.entry] * transform.matrix());
     open_.push_back(entry);
     state_.entry = entry;
+  }
+
+  void add_light(const NodePtr& node) {
+    occurrences_of(node).push_back(static_cast<std::uint32_t>(f_.list_.lights.size()));
+    f_.list_.lights.push_back({static_cast<const LightNode&>(*node).shown(), state_.entry});
+  }
+
+  std::uint32_t mesh_slot(const NodePtr& node) {
+    const auto& shape = static_cast<const Shape&>(*node);
+    if (!shape.has_own_slot()) return meshes_.shared(shape.mesh());
+    std::vector<std::uint32_t>& slots = f_.occurrences_.at(&shape);
+    if (slots.empty()) slots.push_back(meshes_.own(shape.mesh()));
+    return slots.front();
   }
 
   std::uint32_t material_slot() {

@@ -17,6 +17,11 @@ class NameSet {
   /// Throws InputError at the attribute if the name is taken, and says by whom.
   void claim(const CommandAttribute& name);
 
+  /// Gives a claimed name back.
+  void release(const std::string& name) { places_.erase(name); }
+
+  bool contains(const std::string& name) const { return places_.contains(name); }
+
   /// Takes a name that no command gave.
   void reserve(std::string name) { places_.emplace(std::move(name), Location{}); }
 

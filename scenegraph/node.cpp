@@ -78,9 +78,45 @@ void MaterialNode::set_material(std::shared_ptr<const Material> material) {
   }
 }
 
+void Visibility::set_visible(bool visible) {
+  if (visible == visible_) return;
+  visible_ = visible;
+  tell_structure_changed();
+}
+
+void Shape::set_mesh(std::shared_ptr<const Mesh> mesh) {
+  SIMVIS_ASSERT(mesh != nullptr);
+  if (mesh == mesh_) return;
+  mesh_ = std::move(mesh);
+  if (has_own_slot_) {
+    tell_content_changed();
+  } else {
+    has_own_slot_ = true;
+    tell_structure_changed();
+  }
+}
+
 void LightNode::set_light(const Light& light) {
   if (light == light_) return;
   light_ = light;
+  tell_content_changed();
+}
+
+void LightNode::set_tint(const glm::vec3& tint) {
+  if (tint == tint_) return;
+  tint_ = tint;
+  tell_content_changed();
+}
+
+Light LightNode::shown() const {
+  Light light = light_;
+  light.color *= tint_;
+  return light;
+}
+
+void EnvironmentNode::set_environment(const Environment& environment) {
+  if (environment == environment_) return;
+  environment_ = environment;
   tell_content_changed();
 }
 

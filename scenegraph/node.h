@@ -24,18 +24,22 @@ using GroupPtr = std::shared_ptr<Group>;
 class NodeObserver {
  public:
   virtual ~NodeObserver() = default;
-  virtual void content_changed(Node& node) = 0;  ///< a transform, a light or a material
-  virtual void structure_changed() = 0;          ///< children, a switch, a mesh, which material
+  /// A transform, a light, the environment, or a material or mesh that has a slot of its own.
+  virtual void content_changed(Node& node) = 0;
+  virtual void structure_changed() = 0;  ///< children, a switch, what is visible, which material or mesh
 };
 
 enum class NodeKind : std::uint8_t {
   group,
   separator,
+  visual,
   switch_,
   transform,
   material,
+  visibility,
   shape,
   light,
+  environment,
   insertion_point,
   mount
 };
@@ -89,6 +93,12 @@ class Separator : public Group {
   Separator() : Group(NodeKind::separator) {}
 };
 
+/// A separator whose content is drawn only for people: flatteners for sensors pass it by, as if it were not there.
+class VisualSeparator : public Group {
+ public:
+  VisualSeparator() : Group(NodeKind::visual) {}
+};
+
 /// A group of which one child, all or none are traversed.
 class Switch : public Group {
  public:
@@ -128,14 +138,30 @@ class MaterialNode : public Node {
   bool has_own_slot_ = false;
 };
 
+/// Whether the shapes and lights that follow are there. What is hidden once stays so for all below: a visible node
+/// within something hidden shows nothing. Mounts are reached all the same.
+class Visibility : public Node {
+ public:
+  Visibility() : Node(NodeKind::visibility) {}
+  bool visible() const { return visible_; }
+  void set_visible(bool visible);
+
+ private:
+  bool visible_ = true;
+};
+
 /// A mesh to draw, in the material in force (where there is none: a white, opaque one).
+/// A node whose mesh was ever set anew has a slot of its own in the DrawList, so that a change writes just that.
 class Shape : public Node {
  public:
   explicit Shape(std::shared_ptr<const Mesh> mesh) : Node(NodeKind::shape), mesh_(std::move(mesh)) {}
   const std::shared_ptr<const Mesh>& mesh() const { return mesh_; }
+  void set_mesh(std::shared_ptr<const Mesh> mesh);
+  bool has_own_slot() const { return has_own_slot_; }
 
  private:
   std::shared_ptr<const Mesh> mesh_;
+  bool has_own_slot_ = false;
 };
 
 /// A light at the place where it stands. It lights the whole scene, wherever it hangs.
@@ -145,8 +171,27 @@ class LightNode : public Node {
   const Light& light() const { return light_; }
   void set_light(const Light& light);
 
+  /// Linear RGB by which the light's colour is multiplied: for who changes its colour but does not own the light.
+  const glm::vec3& tint() const { return tint_; }
+  void set_tint(const glm::vec3& tint);
+
+  /// The light in its tint.
+  Light shown() const;
+
  private:
   Light light_;
+  glm::vec3 tint_{1};
+};
+
+/// What surrounds the scene. Of several, the last in order of traversal counts.
+class EnvironmentNode : public Node {
+ public:
+  explicit EnvironmentNode(const Environment& environment) : Node(NodeKind::environment), environment_(environment) {}
+  const Environment& environment() const { return environment_; }
+  void set_environment(const Environment& environment);
+
+ private:
+  Environment environment_;
 };
 
 /// A named leaf that draws nothing: new content goes right before it.

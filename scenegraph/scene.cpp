@@ -44,6 +44,14 @@ std::string without_error_word(std::string message) {
   return at == std::string::npos ? message : message.replace(at, kWord.size(), ": ");
 }
 
+std::vector<std::string> points_of(const NodePtr& root) {
+  std::vector<std::string> points;
+  for (const NodePtr& node : nodes_of(root)) {
+    if (node->kind() == NodeKind::insertion_point) points.push_back(node->name);
+  }
+  return points;
+}
+
 }  // namespace
 
 void rethrow_from_part(const Command& part, const InputError& error) {
@@ -59,28 +67,93 @@ Scene::Scene() : root_(std::make_shared<Group>()) {
   part_names_.reserve(root_->name);
 }
 
-const PartContent& Scene::insert_part(const Command& command) {
+const PartContent& Scene::insert_part(const Command& command, const std::string& prefix) {
   const CommandAttribute& name = command.require("name");
   const std::optional<glm::dmat4> offset = pose_offset(command);
   const Place at = place(command);
-  const PartContent& content = load(command);
-  part_names_.claim(name);
+  const PartContent& content = load_part(command);
 
-  const auto separator = std::make_shared<Separator>();
-  separator->name = name.value;
+  Part part{.separator = std::make_shared<Separator>(), .content = &content, .root = content.root, .clone_of = {}};
+  part.separator->name = name.value;
   const auto point = std::make_shared<InsertionPoint>();
   point->name = name.value;
-  if (offset) separator->add(std::make_shared<Transform>(*offset));
-  separator->add(point);
-  separator->add(content.root);
-  places_[name.value] = {separator.get(), point.get()};
-  at.parent->insert_before(*at.point, separator);
+  if (offset) part.separator->add(std::make_shared<Transform>(*offset));
+  part.separator->add(point);
+  if (!content.points.empty()) part.root = clone_graph(content.root, part.clone_of);
+  part.separator->add(part.root);
+  add_place(name, {part.separator.get(), point.get()});
+  add_points(name, part, prefix);
+  insert_at(at, part.separator);
+  parts_[name.value] = std::move(part);
+  undo_.add([this, key = name.value] { parts_.erase(key); });
   return content;
 }
 
+void Scene::add_place(const CommandAttribute& name, const Place& place) {
+  part_names_.claim(name);
+  places_[name.value] = place;
+  undo_.add([this, key = name.value] {
+    part_names_.release(key);
+    places_.erase(key);
+  });
+}
+
+void Scene::add_points(const CommandAttribute& part_name, const Part& part, const std::string& prefix) {
+  if (part.clone_of.empty()) return;
+  for (const NodePtr& node : nodes_of(part.root)) {
+    const auto group = std::dynamic_pointer_cast<Group>(node);
+    if (group == nullptr) continue;
+    for (const NodePtr& child : group->children()) {
+      if (child->kind() != NodeKind::insertion_point) continue;
+      child->name = prefix + child->name;
+      add_place({"name", child->name, part_name.where}, {group.get(), static_cast<InsertionPoint*>(child.get())});
+    }
+  }
+}
+
+void Scene::insert_at(const Place& place, const NodePtr& node) {
+  place.parent->insert_before(*place.point, node);
+  undo_.add([parent = place.parent, node] { parent->remove(*node); });
+}
+
 void Scene::insert(const Command& command, NodePtr node) {
-  const Place& at = place(command);
-  at.parent->insert_before(*at.point, std::move(node));
+  insert_at(place(command), node);
+  if (command.kind != CommandKind::element) return;
+  const std::string& name = command.require("name").value;
+  if (nodes_.emplace(name, node).second) undo_.add([this, name] { nodes_.erase(name); });
+}
+
+void Scene::insert_in_world(NodePtr node) {
+  root_->insert_before(*root_->children().front(), node);
+  undo_.add([root = root_, node] { root->remove(*node); });
+}
+
+OwnPart Scene::own_part(std::string_view name, const Location& where) {
+  const auto found = parts_.find(name);
+  if (found == parts_.end()) {
+    fail_at(where, "there is no part " + in_quotes(name) + suggestion(name, part_names()) +
+                       " (expected the name of a part inserted before)");
+  }
+  Part& part = found->second;
+  if (part.clone_of.empty()) {
+    const NodePtr shared = part.root;
+    part.root = clone_graph(part.content->root, part.clone_of);
+    part.separator->remove(*shared);
+    part.separator->add(part.root);
+  }
+  return {part.root, *part.content, part.clone_of};
+}
+
+NodePtr Scene::find_node(std::string_view name) const {
+  if (const auto part = parts_.find(name); part != parts_.end()) return part->second.separator;
+  const auto node = nodes_.find(name);
+  return node == nodes_.end() ? nullptr : node->second;
+}
+
+std::vector<std::string_view> Scene::part_names() const {
+  std::vector<std::string_view> names;
+  for (const auto& [name, part] : parts_) names.push_back(name);
+  return names;
 }
 
 bool Scene::has_insertion_point(std::string_view name) const { return places_.find(name) != places_.end(); }
@@ -102,7 +175,7 @@ const Scene::Place& Scene::place(const Command& command) const {
   return found->second;
 }
 
-const PartContent& Scene::load(const Command& command) {
+const PartContent& Scene::load_part(const Command& command) {
   const AttributeValues attributes(command, kPartAttributes, kPartCommonAttributes);
   const std::filesystem::path path = find_part_file(command);
   const PartImporter importer = find_importer(path, command.require("file").where);
@@ -116,14 +189,15 @@ const PartContent& Scene::load(const Command& command) {
     request.up = attributes.choice("up") == "y" ? UpAxis::y : UpAxis::z;
     key += "|" + attributes.choice("up");
   }
-  if (const auto known = parts_.find(key); known != parts_.end()) return known->second;
+  if (const auto known = contents_.find(key); known != contents_.end()) return known->second;
   try {
     PartContent content = importer(request, pool_);
     content.file = canonical;
+    content.points = points_of(content.root);
     for (const std::string& warning : content.warnings) {
       if (std::ranges::find(warnings_, warning) == warnings_.end()) warnings_.push_back(warning);
     }
-    return parts_.emplace(std::move(key), std::move(content)).first->second;
+    return contents_.emplace(std::move(key), std::move(content)).first->second;
   } catch (const InputError& wrong) {
     rethrow_from_part(command, wrong);
   }

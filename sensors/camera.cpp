@@ -45,6 +45,11 @@ constexpr AttributeSpec kAttributes[] = {
      .default_value = "color",
      .text = "what the camera delivers",
      .choices = "color depth"},
+    {.name = "view",
+     .kind = AttributeKind::choice,
+     .default_value = "simulation",
+     .text = "what it sees: the simulated world, or also what elements draw for people (beams, paths, graphs)",
+     .choices = "simulation visualization"},
     kRateAttribute,
 };
 
@@ -55,7 +60,8 @@ std::unique_ptr<Sensor> create(const SensorContext& context) {
                                                            .hfov_rad = glm::radians(a.number("hfov")),
                                                            .near_m = a.number("near"),
                                                            .color = a.flag("outputs", "color"),
-                                                           .depth = a.flag("outputs", "depth")});
+                                                           .depth = a.flag("outputs", "depth"),
+                                                           .visualization = a.choice("view") == "visualization"});
 }
 
 const SensorRegistration kRegistration({"camera", "A pinhole camera: colour, depth or both.", kAttributes, create});

@@ -19,6 +19,7 @@ struct CameraDesc {
   double hfov_rad = 1;  ///< (0, pi)
   double near_m = 0.05;
   bool color = true, depth = false;
+  bool visualization = false;  ///< for people: sees beams, paths and the like, which no simulated sensor sees
 };
 
 class Camera : public Sensor {
@@ -30,6 +31,7 @@ class Camera : public Sensor {
   const Image* color() const override { return desc_.color ? &color_ : nullptr; }
   const Image* depth() const override { return desc_.depth ? &depth_ : nullptr; }
   void write(OutputSink& sink) const override;
+  bool visualization() const override { return desc_.visualization; }
   std::string method() const override { return "rasterised"; }
 
  private:

@@ -17,7 +17,7 @@
 #include "scenegraph/attributes.h"
 #include "scenegraph/command.h"
 #include "sensors/image.h"
-#include "sensors/scan.h"
+#include "scenegraph/scan.h"
 
 namespace simvis {
 
@@ -67,6 +67,9 @@ class Sensor {
 
   /// Hands over what the last collect() took, for files.
   virtual void write(OutputSink& sink) const = 0;
+
+  /// Whether it looks at the scene as people do, with what elements draw for them alone: beams, paths, graphs.
+  virtual bool visualization() const { return false; }
 
   /// For run.json: how the sensor measures, e.g. "rasterised" or "planar".
   virtual std::string method() const = 0;

@@ -66,6 +66,13 @@ void Parameters::add_element(ElementDescriptor descriptor, std::span<const doubl
   element_changed_.push_back(false);
 }
 
+void Parameters::remove_last_element() {
+  SIMVIS_ASSERT(!elements_.empty());
+  values_.resize(elements_.back().first_value);
+  elements_.pop_back();
+  element_changed_.pop_back();
+}
+
 std::vector<std::size_t> Parameters::take_changed_elements() {
   std::vector<std::size_t> changed;
   for (std::size_t i = 0; i < element_changed_.size(); ++i) {

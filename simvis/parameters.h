@@ -43,8 +43,12 @@ class Parameters {
 
   /// `values` are legal and as many as the descriptor's parameters; `first_value` is set here. Counts as no change.
   void add_element(ElementDescriptor descriptor, std::span<const double> values);
+  /// Takes back the last add_element().
+  void remove_last_element();
   void log_request(std::string command) { change_requests_.push_back(std::move(command)); }
   void log_change(std::string command) { changes_.push_back(std::move(command)); }
+  /// Takes back the last log_change().
+  void remove_last_change() { changes_.pop_back(); }
 
   /// Indices into elements() of those with a changed value since the last call, ascending.
   std::vector<std::size_t> take_changed_elements();

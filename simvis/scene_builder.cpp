@@ -1,214 +1,346 @@
 #include "simvis/scene_builder.h"
 
 #include <algorithm>
-#include <set>
+#include <iterator>
+#include <optional>
+#include <utility>
 
-#include "scenegraph/name_set.h"
+#include "engine/assert.h"
 #include "scenegraph/pose_attribute.h"
 
 namespace simvis {
 namespace {
 
-class Builder {
- public:
-  explicit Builder(std::span<const AttributeOverride> overrides) : overrides_(overrides) {
-    for (const AttributeOverride& override : overrides) {
-      if (find_sensor_type(override.sensor_type) == nullptr) {
-        fail_at(origin(override), unknown_type("sensor", override.sensor_type, sensor_types()));
-      }
+// Deeper than anybody nests parts on purpose.
+constexpr std::size_t kMostNested = 64;
+
+template <typename Type>
+std::string unknown_type(std::string_view family, std::string_view seen, const std::vector<const Type*>& types) {
+  std::vector<std::string_view> known;
+  std::string list;
+  for (const Type* type : types) {
+    known.push_back(type->name);
+    list += (list.empty() ? "" : ", ") + std::string(type->name);
+  }
+  return "unknown " + std::string(family) + " type " + in_quotes(seen) + suggestion(seen, known) +
+         " (expected one of: " + list + ")";
+}
+
+Location origin(const AttributeOverride& override) {
+  return {.file = override.origin.empty() ? override.sensor_type + "." + override.attribute : override.origin};
+}
+
+// The table of the command's type; empty for parts and unknown types.
+AttributeTable table_of(const Command& command) {
+  const CommandAttribute* const type = command.find("type");
+  if (type == nullptr) return {};
+  if (command.kind == CommandKind::element) {
+    const ElementType* const element = find_element_type(type->value);
+    return element == nullptr ? AttributeTable() : element->attributes;
+  }
+  const SensorType* const sensor = find_sensor_type(type->value);
+  return command.kind == CommandKind::part || sensor == nullptr ? AttributeTable() : sensor->attributes;
+}
+
+// What an attribute of a command names.
+std::optional<CommandKind> referred_kind(const Command& command, std::string_view attribute) {
+  if (attribute == "insert_at") return CommandKind::part;
+  for (const AttributeSpec& spec : table_of(command)) {
+    if (spec.name != attribute) continue;
+    if (spec.kind == AttributeKind::part) return CommandKind::part;
+    if (spec.kind == AttributeKind::element) return CommandKind::element;
+    if (spec.kind == AttributeKind::sensor) return CommandKind::sensor;
+  }
+  return std::nullopt;
+}
+
+void check_prefix(const CommandAttribute& part_name) {
+  if (!part_name.value.starts_with('/') && part_name.value.find('.') == std::string::npos) return;
+  fail_at(part_name.where, "attribute \"name\": " + in_quotes(part_name.value) +
+                               " is not allowed for a part whose carried names must be told from others, expected a "
+                               "name without '.' and without '/' in front");
+}
+
+// Gives the names within a carrier that others have already the prefix.
+void prefix_names(std::vector<Command>& commands, const PartContent& content, const std::string& prefix) {
+  std::set<std::pair<CommandKind, std::string>> own;
+  for (const std::string& point : content.points) own.emplace(CommandKind::part, point);
+  for (const Command& command : commands) {
+    if (const CommandAttribute* name = command.find("name")) own.emplace(command.kind, name->value);
+  }
+  for (Command& command : commands) {
+    for (CommandAttribute& attribute : command.attributes) {
+      const std::optional<CommandKind> kind =
+          attribute.name == "name" ? command.kind : referred_kind(command, attribute.name);
+      if (kind && own.contains({*kind, attribute.value})) attribute.value = prefix + attribute.value;
     }
   }
+}
 
-  void run(std::span<const Command> commands) {
-    for (std::size_t i = 0; i < commands.size(); ++i) {
-      check_order(commands[i], commands.subspan(i + 1));
-      execute(commands[i]);
+}  // namespace
+
+SceneBuilder::SceneBuilder(BuiltScene& built, std::span<const AttributeOverride> overrides)
+    : built_(built), overrides_(overrides) {
+  for (const AttributeOverride& override : overrides) {
+    if (find_sensor_type(override.sensor_type) == nullptr) {
+      fail_at(origin(override), unknown_type("sensor", override.sensor_type, sensor_types()));
     }
   }
+}
 
-  BuiltScene take() { return std::move(built_); }
-
- private:
-  template <typename Type>
-  static std::string unknown_type(std::string_view family, std::string_view seen,
-                                  const std::vector<const Type*>& types) {
-    std::vector<std::string_view> known;
-    std::string list;
-    for (const Type* type : types) {
-      known.push_back(type->name);
-      list += (list.empty() ? "" : ", ") + std::string(type->name);
-    }
-    return "unknown " + std::string(family) + " type " + in_quotes(seen) + suggestion(seen, known) +
-           " (expected one of: " + list + ")";
+void SceneBuilder::execute(std::span<const Command> commands) {
+  try {
+    run(commands);
+    check_awaited();
+  } catch (...) {
+    built_.scene.undo().roll_back();
+    open_.clear();
+    awaited_.clear();
+    throw;
   }
+  built_.scene.undo().commit();
+}
 
-  static Location origin(const AttributeOverride& override) {
-    return {.file = override.origin.empty() ? override.sensor_type + "." + override.attribute : override.origin};
+void SceneBuilder::run(std::span<const Command> commands) {
+  for (std::size_t i = 0; i < commands.size(); ++i) {
+    check_order(commands[i], commands.subspan(i + 1));
+    execute_one(commands[i]);
   }
+}
 
-  // Says so when the insertion point that a command names comes into being only later.
-  void check_order(const Command& command, std::span<const Command> later) const {
-    const CommandAttribute* at = command.find("insert_at");
-    if (at == nullptr || built_.scene.has_insertion_point(at->value)) return;
-    for (const Command& other : later) {
-      const CommandAttribute* name = other.find("name");
-      if (other.kind != CommandKind::part || name == nullptr || name->value != at->value) continue;
-      fail_at(at->where, "there is no insertion point " + in_quotes(at->value) + " yet: its part stands later, at " +
-                             to_string(other.where) + ", and commands are executed in order");
-    }
+// Says so when the insertion point that a command names comes into being only later.
+void SceneBuilder::check_order(const Command& command, std::span<const Command> later) const {
+  const CommandAttribute* at = command.find("insert_at");
+  if (at == nullptr || built_.scene.has_insertion_point(at->value)) return;
+  for (const Command& other : later) {
+    const CommandAttribute* name = other.find("name");
+    if (other.kind != CommandKind::part || name == nullptr || name->value != at->value) continue;
+    fail_at(at->where, "there is no insertion point " + in_quotes(at->value) + " yet: its part stands later, at " +
+                           to_string(other.where) + ", and commands are executed in order");
   }
+}
 
-  void execute(const Command& command) {
+void SceneBuilder::execute_one(const Command& command) {
+  switch (command.kind) {
+    case CommandKind::part:
+      return insert_part(command);
+    case CommandKind::element:
+      return insert_element(command);
+    case CommandKind::sensor:
+      return insert_sensor(overridden(command));
+  }
+}
+
+void SceneBuilder::log_change(const Command& command) {
+  built_.parameters.log_change(to_string(command));
+  built_.scene.undo().add([this] { built_.parameters.remove_last_change(); });
+}
+
+void SceneBuilder::insert_part(const Command& command) {
+  const PartContent& content = built_.scene.load_part(command);
+  const CommandAttribute& name = command.require("name");
+  const bool has_names = !content.commands.empty() || !content.points.empty();
+  std::string prefix;
+  if (has_names &&
+      clashes(content.commands.empty() ? std::vector<Command>() : carried_commands(command, content), content)) {
+    check_prefix(name);
+    prefix = name.value + "/";
+  }
+  built_.scene.insert_part(command, prefix);
+  log_change(command);  // before what it carries
+  if (!has_names) return;
+  if (carriers_.insert(content.file).second) {
+    built_.scene.undo().add([this, file = content.file] { carriers_.erase(file); });
+  }
+  run_carried(command, content, prefix);
+}
+
+// Whether the names within a part must be told from others: it stands in the scene already, or one of them is taken.
+bool SceneBuilder::clashes(std::span<const Command> carried, const PartContent& content) const {
+  if (carriers_.contains(content.file)) return true;
+  const auto point_taken = [&](const std::string& name) { return built_.scene.has_insertion_point(name); };
+  if (std::ranges::any_of(content.points, point_taken)) return true;
+  return std::ranges::any_of(carried, [&](const Command& command) {
+    const CommandAttribute* const name = command.find("name");
+    if (name == nullptr) return false;
     switch (command.kind) {
       case CommandKind::part:
-        // Logged before what it carries.
-        if (const PartContent& content = insert_part(command); !content.commands.empty()) run_carried(command, content);
-        return;
+        return point_taken(name->value);
       case CommandKind::element:
-        insert_element(command);
-        break;
+        return element_names_.contains(name->value);
       case CommandKind::sensor:
-        insert_sensor(overridden(command));
-        break;
+        return sensor_names_.contains(name->value);
     }
-  }
+    return false;
+  });
+}
 
-  const PartContent& insert_part(const Command& command) {
-    const PartContent& content = built_.scene.insert_part(command);
-    built_.parameters.log_change(to_string(command));
-    return content;
+void SceneBuilder::run_carried(const Command& part, const PartContent& content, const std::string& prefix) {
+  open_.push_back(content.file);
+  const bool repeats = std::ranges::count(open_, content.file) > 1;
+  if (repeats || open_.size() > kMostNested) {
+    std::string chain;
+    for (const std::filesystem::path& file : open_) chain += (chain.empty() ? "" : " > ") + file.filename().string();
+    fail_at(part.where,
+            "part file " + in_quotes(content.file.string()) +
+                (repeats ? " inserts itself: "
+                         : " is nested deeper than " + std::to_string(kMostNested) + " files, which is not allowed: ") +
+                chain);
   }
-
-  void run_carried(const Command& part, const PartContent& content) {
-    if (std::ranges::find(open_, content.file) != open_.end()) {
-      fail_at(part.where, "part file " + in_quotes(content.file.string()) + " carries a command that inserts itself");
-    }
-    open_.push_back(content.file);
-    try {
-      run(carried_commands(part, content));
-    } catch (const InputError& error) {
-      rethrow_from_part(part, error);
-    }
-    open_.pop_back();
+  std::vector<Command> commands = carried_commands(part, content);
+  if (!prefix.empty()) prefix_names(commands, content, prefix);
+  try {
+    run(commands);
+  } catch (const InputError& error) {
+    rethrow_from_part(part, error);
   }
+  open_.pop_back();
+}
 
-  std::vector<Command> carried_commands(const Command& part, const PartContent& content) {
-    std::vector<Command> commands;
+std::vector<Command> SceneBuilder::carried_commands(const Command& part, const PartContent& content) const {
+  std::vector<Command> commands;
+  try {
     for (std::size_t i = 0; i < content.commands.size(); ++i) {
       const std::string file = content.file.string() + "(command " + std::to_string(i + 1) + ")";
       const std::vector<Command> parsed = parse_commands(content.commands[i], file, content.file.parent_path());
       commands.insert(commands.end(), parsed.begin(), parsed.end());
     }
-    const std::string& part_name = part.require("name").value;
-    if (!carriers_.insert(content.file).second) prefix_names(commands, part);
-    for (Command& command : commands) {
-      if (command.find("insert_at") == nullptr) {
-        command.attributes.push_back({"insert_at", part_name, command.where});
-      }
-    }
-    return commands;
+  } catch (const InputError& error) {
+    rethrow_from_part(part, error);
   }
-
-  // Gives the carried commands of a part that stands in the scene already names of their own.
-  static void prefix_names(std::vector<Command>& commands, const Command& part) {
-    const CommandAttribute& part_name = part.require("name");
-    if (part_name.value.starts_with('/') || part_name.value.find('.') != std::string::npos) {
-      fail_at(part_name.where, "attribute \"name\": " + in_quotes(part_name.value) +
-                                   " is not allowed for a second part of a file that carries commands, expected a "
-                                   "name without '.' and without '/' in front");
-    }
-    std::set<std::string> own;
-    for (const Command& command : commands) {
-      if (const CommandAttribute* name = command.find("name"); name && command.kind == CommandKind::part) {
-        own.insert(name->value);
-      }
-    }
-    for (Command& command : commands) {
-      for (CommandAttribute& attribute : command.attributes) {
-        const bool refers = attribute.name == "insert_at" && own.contains(attribute.value);
-        if (attribute.name == "name" || refers) attribute.value = part_name.value + "/" + attribute.value;
-      }
+  for (Command& command : commands) {
+    if (command.find("insert_at") == nullptr) {
+      command.attributes.push_back({"insert_at", part.require("name").value, command.where});
     }
   }
+  return commands;
+}
 
-  void insert_element(const Command& command) {
-    const CommandAttribute& type_name = command.require("type");
-    const CommandAttribute& name = command.require("name");
-    const CommandAttribute& insert_at = command.require("insert_at");
-    const ElementType* type = find_element_type(type_name.value);
-    if (type == nullptr) fail_at(type_name.where, unknown_type("element", type_name.value, element_types()));
-    const AttributeValues attributes(command, type->attributes, kElementCommonAttributes);
-    element_names_.claim(name);
-    std::unique_ptr<Element> element =
-        type->create({.command = command, .attributes = attributes, .scene = built_.scene});
-
-    ElementDescriptor descriptor{
-        .name = name.value, .type = type_name.value, .insertion_point = insert_at.value, .parameters = {}};
-    std::ranges::copy_if(type->attributes, std::back_inserter(descriptor.parameters), &AttributeSpec::live);
-    element->limit_parameters(descriptor.parameters);
-    std::vector<double> values;
-    for (const AttributeSpec& row : descriptor.parameters) {
-      values.push_back(attributes.number(row.name));
-      const std::string wrong = check_number(row, values.back());
-      if (!wrong.empty()) fail_at(attributes.where(row.name), "attribute " + in_quotes(row.name) + ": " + wrong);
+// Names of parts and elements must be known; those of sensors are looked at when all commands have been executed.
+void SceneBuilder::check_references(const AttributeValues& attributes, AttributeTable table) {
+  for (const AttributeSpec& spec : table) {
+    if (!is_reference(spec.kind) || !attributes.is_set(spec.name)) continue;
+    const std::string& name = attributes.text(spec.name);
+    const Location& where = attributes.where(spec.name);
+    if (spec.kind == AttributeKind::sensor) awaited_.push_back({name, where});
+    if (spec.kind == AttributeKind::part && !built_.scene.has_part(name)) {
+      fail_at(where, "there is no part " + in_quotes(name) + suggestion(name, built_.scene.part_names()) +
+                         " (expected the name of a part inserted before)");
     }
-    built_.parameters.add_element(std::move(descriptor), values);
-    element->update(values);
-    built_.elements.push_back(std::move(element));
-    built_.parameters.log_change(to_string(command));
-  }
-
-  Command overridden(Command command) const {
-    const CommandAttribute& type = command.require("type");
-    const std::string type_name = type.value;
-    for (const AttributeOverride& override : overrides_) {
-      if (override.sensor_type != type_name) continue;
-      std::erase_if(command.attributes, [&](const CommandAttribute& a) { return a.name == override.attribute; });
-      command.attributes.push_back({override.attribute, override.value, origin(override)});
+    if (spec.kind == AttributeKind::element && find_element(name) == nullptr) {
+      std::vector<std::string_view> known;
+      for (const ElementDescriptor& element : built_.parameters.elements()) known.push_back(element.name);
+      fail_at(where, "there is no element " + in_quotes(name) + suggestion(name, known) +
+                         " (expected the name of an element inserted before)");
     }
-    return command;
   }
+}
 
-  void insert_sensor(const Command& command) {
-    const CommandAttribute& type_name = command.require("type");
-    const CommandAttribute& name = command.require("name");
-    command.require("insert_at");
-    const SensorType* type = find_sensor_type(type_name.value);
-    if (type == nullptr) fail_at(type_name.where, unknown_type("sensor", type_name.value, sensor_types()));
-    const AttributeValues attributes(command, type->attributes, kSensorCommonAttributes);
-    const std::optional<glm::dmat4> offset = pose_offset(command);
-    sensor_names_.claim(name);
-    BuiltSensor sensor{.name = name.value,
-                       .type = type_name.value,
-                       .sensor = type->create({.command = command, .attributes = attributes, .name = name.value}),
-                       .mount = std::make_shared<Mount>()};
-    if (std::ranges::count(type->attributes, kRateAttribute.name, &AttributeSpec::name) == 1 &&
-        attributes.is_set(kRateAttribute.name)) {
-      sensor.sensor->rate_hz = attributes.number(kRateAttribute.name);
-    }
-    sensor.mount->name = name.value;
-    const auto separator = std::make_shared<Separator>();
-    separator->name = name.value;
-    if (offset) separator->add(std::make_shared<Transform>(*offset));
-    separator->add(sensor.mount);
-    built_.scene.insert(command, separator);
-    built_.sensors.push_back(std::move(sensor));
-    built_.parameters.log_change(to_string(command));
+void SceneBuilder::check_awaited() {
+  std::vector<std::string_view> known;
+  for (const BuiltSensor& sensor : built_.sensors) {
+    if (sensor.sensor->scan() != nullptr) known.push_back(sensor.name);
   }
+  for (const Awaited& each : awaited_) {
+    if (std::ranges::find(known, each.sensor) != known.end()) continue;
+    fail_at(each.where, "there is no sensor " + in_quotes(each.sensor) + " that gives scans" +
+                            suggestion(each.sensor, known) + " (expected the name of a scanner of the scene)");
+  }
+  awaited_.clear();
+}
 
-  std::span<const AttributeOverride> overrides_;
-  BuiltScene built_;
-  NameSet element_names_{"element"}, sensor_names_{"sensor"};
-  std::set<std::filesystem::path> carriers_;  // files whose carried commands were executed before
-  std::vector<std::filesystem::path> open_;   // files whose carried commands are being executed
-};
+Element* SceneBuilder::find_element(std::string_view name) const {
+  const std::vector<ElementDescriptor>& elements = built_.parameters.elements();
+  const auto found = std::ranges::find(elements, name, &ElementDescriptor::name);
+  return found == elements.end() ? nullptr : built_.elements[static_cast<std::size_t>(found - elements.begin())].get();
+}
 
-}  // namespace
+void SceneBuilder::insert_element(const Command& command) {
+  const CommandAttribute& type_name = command.require("type");
+  const CommandAttribute& name = command.require("name");
+  const CommandAttribute& insert_at = command.require("insert_at");
+  const ElementType* type = find_element_type(type_name.value);
+  if (type == nullptr) fail_at(type_name.where, unknown_type("element", type_name.value, element_types()));
+  const AttributeValues attributes(command, type->attributes, kElementCommonAttributes);
+  check_references(attributes, type->attributes);
+  element_names_.claim(name);
+  built_.scene.undo().add([this, key = name.value] { element_names_.release(key); });
+  std::unique_ptr<Element> element =
+      type->create({.command = command,
+                    .attributes = attributes,
+                    .scene = built_.scene,
+                    .find_element = [this](std::string_view other) { return find_element(other); }});
+
+  ElementDescriptor descriptor{
+      .name = name.value, .type = type_name.value, .insertion_point = insert_at.value, .parameters = {}};
+  std::ranges::copy_if(type->attributes, std::back_inserter(descriptor.parameters), &AttributeSpec::live);
+  const std::size_t from_table = descriptor.parameters.size();
+  element->adapt_parameters(descriptor.parameters);
+  std::vector<double> values;
+  for (const AttributeSpec& row : descriptor.parameters) {
+    const bool added = values.size() >= from_table;
+    values.push_back(0);
+    if (added) SIMVIS_ASSERT(parse_number(row.default_value, values.back()));
+    if (!added) values.back() = attributes.number(row.name);
+    const std::string wrong = check_number(row, values.back());
+    if (added) SIMVIS_ASSERT(wrong.empty());
+    if (!wrong.empty()) fail_at(attributes.where(row.name), "attribute " + in_quotes(row.name) + ": " + wrong);
+  }
+  built_.parameters.add_element(std::move(descriptor), values);
+  element->update(values);
+  built_.elements.push_back(std::move(element));
+  built_.scene.undo().add([this] {
+    built_.elements.pop_back();
+    built_.parameters.remove_last_element();
+  });
+  log_change(command);
+}
+
+Command SceneBuilder::overridden(Command command) const {
+  const CommandAttribute& type = command.require("type");
+  const std::string type_name = type.value;
+  for (const AttributeOverride& override : overrides_) {
+    if (override.sensor_type != type_name) continue;
+    std::erase_if(command.attributes, [&](const CommandAttribute& a) { return a.name == override.attribute; });
+    command.attributes.push_back({override.attribute, override.value, origin(override)});
+  }
+  return command;
+}
+
+void SceneBuilder::insert_sensor(const Command& command) {
+  const CommandAttribute& type_name = command.require("type");
+  const CommandAttribute& name = command.require("name");
+  command.require("insert_at");
+  const SensorType* type = find_sensor_type(type_name.value);
+  if (type == nullptr) fail_at(type_name.where, unknown_type("sensor", type_name.value, sensor_types()));
+  const AttributeValues attributes(command, type->attributes, kSensorCommonAttributes);
+  check_references(attributes, type->attributes);
+  const std::optional<glm::dmat4> offset = pose_offset(command);
+  sensor_names_.claim(name);
+  built_.scene.undo().add([this, key = name.value] { sensor_names_.release(key); });
+  BuiltSensor sensor{.name = name.value,
+                     .type = type_name.value,
+                     .sensor = type->create({.command = command, .attributes = attributes, .name = name.value}),
+                     .mount = std::make_shared<Mount>()};
+  if (std::ranges::count(type->attributes, kRateAttribute.name, &AttributeSpec::name) == 1 &&
+      attributes.is_set(kRateAttribute.name)) {
+    sensor.sensor->rate_hz = attributes.number(kRateAttribute.name);
+  }
+  sensor.mount->name = name.value;
+  const auto separator = std::make_shared<Separator>();
+  separator->name = name.value;
+  if (offset) separator->add(std::make_shared<Transform>(*offset));
+  separator->add(sensor.mount);
+  built_.scene.insert(command, separator);
+  built_.sensors.push_back(std::move(sensor));
+  built_.scene.undo().add([this] { built_.sensors.pop_back(); });
+  log_change(command);
+}
 
 BuiltScene build_scene(std::span<const Command> commands, std::span<const AttributeOverride> overrides) {
-  Builder builder(overrides);
-  builder.run(commands);
-  return builder.take();
+  BuiltScene built;
+  SceneBuilder(built, overrides).execute(commands);
+  return built;
 }
 
 }  // namespace simvis

@@ -1,13 +1,17 @@
 // From commands to a scene that can run: parts in place, elements made, sensors mounted.
 #pragma once
 
+#include <filesystem>
 #include <memory>
+#include <set>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "elements/element.h"
 #include "scenegraph/command.h"
+#include "scenegraph/name_set.h"
 #include "scenegraph/scene.h"
 #include "sensors/sensor.h"
 #include "simvis/parameters.h"
@@ -29,13 +33,52 @@ struct BuiltScene {
   std::vector<BuiltSensor> sensors;                ///< in the order of their commands
 };
 
-/// Executes commands in order. One may refer only to insertion points that exist by then.
+/// Executes commands in order. One may refer only to insertion points, parts and elements that exist by then; sensors
+/// may come later in the same list.
 ///
 /// Carried  the commands that a part file carries are executed right after the part is inserted. Relative file names in
 ///          them start at the part's folder; `insert_at` may be left out and is then the part's own insertion point.
-///          When the same file is inserted again under a name N, the names that its commands give become N/NAME.
+///          When the same file is inserted again under a name N, or one of its names is taken, the names that its
+///          commands give and the insertion points within it become N/NAME.
 /// Override replaces or adds an attribute of every sensor of its type, those that parts carry too.
-/// Errors   InputError with the place.
+class SceneBuilder {
+ public:
+  /// Throws InputError for an override of a type that does not exist. `overrides` must live as long as the builder.
+  SceneBuilder(BuiltScene& built, std::span<const AttributeOverride> overrides);
+
+  /// All or nothing: when it throws InputError, with the place, the scene is as it was.
+  void execute(std::span<const Command> commands);
+
+ private:
+  // What a carried command or one of the scene's own waits for: a sensor of this name that gives scans.
+  struct Awaited {
+    std::string sensor;
+    Location where;
+  };
+  void run(std::span<const Command> commands);
+  void execute_one(const Command& command);
+  void check_order(const Command& command, std::span<const Command> later) const;
+  void check_references(const AttributeValues& attributes, AttributeTable table);
+  void check_awaited();
+  void log_change(const Command& command);
+  void run_carried(const Command& part, const PartContent& content, const std::string& prefix);
+  std::vector<Command> carried_commands(const Command& part, const PartContent& content) const;
+  bool clashes(std::span<const Command> carried, const PartContent& content) const;
+  void insert_part(const Command& command);
+  void insert_element(const Command& command);
+  void insert_sensor(const Command& command);
+  Command overridden(Command command) const;
+  Element* find_element(std::string_view name) const;
+
+  BuiltScene& built_;
+  std::span<const AttributeOverride> overrides_;
+  NameSet element_names_{"element"}, sensor_names_{"sensor"};
+  std::set<std::filesystem::path> carriers_;  // files whose carried commands were executed before
+  std::vector<std::filesystem::path> open_;   // files whose carried commands are being executed
+  std::vector<Awaited> awaited_;
+};
+
+/// A scene of these commands. Throws InputError.
 BuiltScene build_scene(std::span<const Command> commands, std::span<const AttributeOverride> overrides = {});
 
 }  // namespace simvis

@@ -8,7 +8,7 @@
 #include <ostream>
 #include <vector>
 
-#include "sensors/scan.h"
+#include "scenegraph/scan.h"
 #include "tests/reference_raycast.h"
 
 namespace simvis {

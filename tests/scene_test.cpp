@@ -54,8 +54,8 @@ struct Stage {
 
 // "Kind NAME" of the children, in order.
 std::string children(const Node& node) {
-  static constexpr const char* kKinds[] = {"group", "separator", "switch", "transform", "material",
-                                           "shape", "light",     "point",  "mount"};
+  static constexpr const char* kKinds[] = {"group",      "separator", "visual", "switch",      "transform", "material",
+                                           "visibility", "shape",     "light",  "environment", "point",     "mount"};
   std::string text;
   for (const NodePtr& child : dynamic_cast<const Group&>(node).children()) {
     text += (text.empty() ? "" : ", ") + std::string(kKinds[static_cast<int>(child->kind())]);
@@ -222,8 +222,7 @@ TEST_CASE("mistakes in carried commands name both places") {
   const Stage stage;
   write_text(stage.folder / "self.stub", "<part file='self.stub' name='B'/>");
   CHECK(contains(stage.error("<part file='self.stub' name='A' insert_at='ROOT'/>"),
-                 "carries a command that inserts "
-                 "itself"));
+                 "inserts itself: self.stub > self.stub"));
   write_text(stage.folder / "bad.stub", "<sensor type='probe' name='S'/>\n<sensor type='probe' name='T' gian='1'/>");
   CHECK(stage.error("\n<part file='bad.stub' name='A' insert_at='ROOT'/>") ==
         "s.xml:2:2: error: part A: bad.stub(command 2):1:31: unknown attribute \"gian\", did you mean \"gain\"?");
@@ -231,7 +230,7 @@ TEST_CASE("mistakes in carried commands name both places") {
   for (const std::string name : {"/abs", "..", "a.b"}) {
     CHECK(contains(stage.error("<part file='ok.stub' name='A' insert_at='ROOT'/><part file='ok.stub' name='" + name +
                                "' insert_at='ROOT'/>"),
-                   "is not allowed for a second part of a file that carries commands"));
+                   "is not allowed for a part whose carried names must be told from others"));
   }
 }
 
