@@ -2,10 +2,11 @@
 
 #include <assimp/DefaultIOSystem.h>
 #include <assimp/config.h>
-#include <assimp/postprocess.h>
 
 #include <algorithm>
 #include <cstdint>
+#include <fstream>
+#include <stdexcept>
 #include <system_error>
 
 #include "scenegraph/location.h"
@@ -18,6 +19,23 @@ namespace {
 
 constexpr std::uintmax_t kMaxBytes = std::uintmax_t{1} << 30;
 
+std::string lower_case_ending(const std::filesystem::path& file) {
+  std::string ending = file.extension().string();
+  std::ranges::transform(ending, ending.begin(),
+                         [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  return ending;
+}
+
+// Assimp 5.2 follows a null pointer where a material file says something of a material before it names one.
+void check_mtl(const char* file) {
+  std::ifstream stream(file);
+  std::string word;
+  while (stream >> word && word.starts_with('#')) std::getline(stream, word);
+  if (stream && word != "newmtl") {
+    throw std::runtime_error(std::string(file) + ": begins with " + in_quotes(word) + ", expected \"newmtl\"");
+  }
+}
+
 // Opens ordinary files only, and keeps the names of those that are not there: Assimp passes over a missing material
 // file without a word.
 class RecordingFiles : public Assimp::DefaultIOSystem {
@@ -26,9 +44,12 @@ class RecordingFiles : public Assimp::DefaultIOSystem {
 
   Assimp::IOStream* Open(const char* name, const char* mode) override {
     std::error_code error;
-    if (std::filesystem::is_regular_file(name, error)) return DefaultIOSystem::Open(name, mode);
-    missing_.emplace_back(name);
-    return nullptr;
+    if (!std::filesystem::is_regular_file(name, error)) {
+      missing_.emplace_back(name);
+      return nullptr;
+    }
+    if (lower_case_ending(name) == ".mtl") check_mtl(name);
+    return DefaultIOSystem::Open(name, mode);
   }
 
  private:
@@ -42,13 +63,6 @@ void check_size(const std::filesystem::path& file) {
   if (bytes > kMaxBytes) {
     fail_at({.file = file.string()}, "has " + std::to_string(bytes) + " bytes, expected at most 1 GiB");
   }
-}
-
-std::string lower_case_ending(const std::filesystem::path& file) {
-  std::string ending = file.extension().string();
-  std::ranges::transform(ending, ending.begin(),
-                         [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-  return ending;
 }
 
 // What Assimp would believe, or mend, or fall over.
@@ -96,8 +110,9 @@ AssimpFile read_assimp_file(const std::filesystem::path& file, bool ignore_up_ax
   read.importer->SetIOHandler(new RecordingFiles(missing));  // the importer deletes it
   read.importer->SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
   read.importer->SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, ignore_up_axis);
-  // Assimp's own joining of vertices takes near ones for equal, so it is not asked for.
-  read.scene = read.importer->ReadFile(file.string(), aiProcess_Triangulate | aiProcess_SortByPType);
+  // None of Assimp's own steps is asked for: its triangles of a polygon overlap in places, and its joining of vertices
+  // takes near ones for equal.
+  read.scene = read.importer->ReadFile(file.string(), 0);
   read.importer->SetIOHandler(nullptr);
   if (read.scene == nullptr) read.fail(on_one_line(read.importer->GetErrorString()));
   for (const std::string& name : missing) read.warn("there is no material file " + in_quotes(name));

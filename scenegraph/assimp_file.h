@@ -25,7 +25,7 @@ struct AssimpFile {
   void warn(const std::string& message);
 };
 
-/// Triangulated, one primitive type per mesh. COLLADA comes out Y-up in metres, by its <up_axis> and <unit>; with
+/// Faces may have any number of corners. COLLADA comes out Y-up in metres, by its <up_axis> and <unit>; with
 /// `ignore_up_axis` by its <unit> alone. All others come out as they are.
 /// Throws InputError naming the file: cannot be read, too large, cut off, malformed; with the place where it is known.
 AssimpFile read_assimp_file(const std::filesystem::path& file, bool ignore_up_axis);

@@ -3,11 +3,12 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <limits>
-#include <string_view>
+#include <string>
 #include <unordered_map>
+#include <utility>
 
+#include "scenegraph/polygon.h"
 #include "scenegraph/srgb.h"
 
 namespace simvis {
@@ -62,9 +63,16 @@ glm::vec3 face_normal(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c
 // Collects corners; those of equal bits become one vertex.
 class MeshBuilder {
  public:
-  explicit MeshBuilder(std::size_t corners) { mesh_.indices.reserve(corners); }
+  MeshBuilder() = default;
+  MeshBuilder(std::string name, Topology topology) {
+    mesh_.name = std::move(name);
+    mesh_.topology = topology;
+  }
 
-  void add(const Vertex& vertex) {
+  void add(Vertex vertex) {
+    // Minus zero becomes zero, so that equal vertices have equal bits.
+    vertex.position += 0.0f;
+    vertex.attributes.normal += 0.0f;
     const std::string key = bits_of(vertex);
     const auto [entry, is_new] = known_.try_emplace(key, static_cast<std::uint32_t>(mesh_.positions.size()));
     if (is_new) {
@@ -74,7 +82,10 @@ class MeshBuilder {
     mesh_.indices.push_back(entry->second);
   }
 
-  Mesh take() { return std::move(mesh_); }
+  Mesh take() {
+    compute_bounds(mesh_);
+    return std::move(mesh_);
+  }
 
  private:
   static std::string bits_of(const Vertex& vertex) {
@@ -86,43 +97,72 @@ class MeshBuilder {
   std::unordered_map<std::string, std::uint32_t> known_;
 };
 
-void add_face(AssimpFile& file, const aiMesh& source, const aiFace& face, MeshBuilder& builder) {
-  std::array<Vertex, 3> corners;
-  bool is_bare = false;
-  for (unsigned i = 0; i < face.mNumIndices; ++i) {
-    corners[i] = read_vertex(file, source, face.mIndices[i]);
-    is_bare = is_bare || corners[i].attributes.normal == glm::vec3(0);
+using Corners = std::vector<Vertex>;
+
+Corners read_corners(const AssimpFile& file, const aiMesh& source, const aiFace& face) {
+  if (face.mNumIndices > kMaxPolygonCorners) {
+    file.fail("a polygon has " + std::to_string(face.mNumIndices) + " corners, expected at most " +
+              std::to_string(kMaxPolygonCorners));
   }
-  if (is_bare && source.HasNormals()) file.warn("normals that are zero or not finite are replaced by their face's");
-  glm::vec3 normal{0};
-  if (is_bare && face.mNumIndices == 3) {
-    normal = face_normal(corners[0].position, corners[1].position, corners[2].position);
+  Corners corners;
+  for (unsigned i = 0; i < face.mNumIndices; ++i) corners.push_back(read_vertex(file, source, face.mIndices[i]));
+  return corners;
+}
+
+// A corner without a normal gets the one of its triangle.
+void add_triangle(const std::array<Vertex, 3>& corners, MeshBuilder& builder) {
+  const glm::vec3 flat = face_normal(corners[0].position, corners[1].position, corners[2].position);
+  for (Vertex corner : corners) {
+    glm::vec3& normal = corner.attributes.normal;
+    if (normal == glm::vec3(0)) normal = flat == glm::vec3(0) ? VertexAttributes{}.normal : flat;
+    builder.add(corner);
   }
-  if (normal == glm::vec3(0)) normal = VertexAttributes{}.normal;
-  for (unsigned i = 0; i < face.mNumIndices; ++i) {
-    if (corners[i].attributes.normal == glm::vec3(0)) corners[i].attributes.normal = normal;
-    builder.add(corners[i]);
+}
+
+void add_polygon(const Corners& corners, MeshBuilder& builder) {
+  std::vector<glm::vec3> positions;
+  for (const Vertex& corner : corners) positions.push_back(corner.position);
+  for (const auto& [a, b, c] : triangles_of_polygon(positions)) {
+    add_triangle({corners[a], corners[b], corners[c]}, builder);
+  }
+}
+
+// Of lines and points; what has no normal is shown unlit, so that any will do.
+void add_corners(const Corners& corners, MeshBuilder& builder) {
+  for (Vertex corner : corners) {
+    if (corner.attributes.normal == glm::vec3(0)) corner.attributes.normal = VertexAttributes{}.normal;
+    builder.add(corner);
   }
 }
 
 }  // namespace
 
-Mesh convert_mesh(AssimpFile& file, const aiMesh& source) {
-  const unsigned primitive = source.mPrimitiveTypes & (aiPrimitiveType_POINT | aiPrimitiveType_LINE);
-  const unsigned corners = primitive == aiPrimitiveType_POINT ? 1 : primitive == aiPrimitiveType_LINE ? 2 : 3;
-  const std::uint64_t total = std::uint64_t{source.mNumFaces} * corners;
-  if (total > std::numeric_limits<std::uint32_t>::max()) file.fail("a mesh has more than 2^32 - 1 corners");
+std::vector<Mesh> convert_mesh(AssimpFile& file, const aiMesh& source) {
   if (source.HasBones()) file.warn("skins are not animated; skinned meshes are imported in their rest pose");
-  MeshBuilder builder(total);
-  for (unsigned f = 0; f < source.mNumFaces; ++f) {
-    const aiFace& face = source.mFaces[f];
-    if (face.mNumIndices == corners) add_face(file, source, face, builder);
+  std::array<MeshBuilder, 3> builders;
+  for (const Topology topology : {Topology::triangles, Topology::lines, Topology::points}) {
+    builders[static_cast<std::size_t>(topology)] = MeshBuilder(source.mName.C_Str(), topology);
   }
-  Mesh mesh = builder.take();
-  mesh.name = source.mName.C_Str();
-  mesh.topology = corners == 1 ? Topology::points : corners == 2 ? Topology::lines : Topology::triangles;
-  compute_bounds(mesh);
-  return mesh;
+  auto& [triangles, lines, points] = builders;
+  bool is_bare = false;
+  const auto add_face = [&](const Corners& corners) {
+    for (const Vertex& corner : corners) is_bare = is_bare || corner.attributes.normal == glm::vec3(0);
+    if (corners.size() >= 3) return add_polygon(corners, triangles);
+    add_corners(corners, corners.size() == 2 ? lines : points);
+  };
+  for (unsigned f = 0; f < source.mNumFaces; ++f) add_face(read_corners(file, source, source.mFaces[f]));
+  // Assimp gives vertices without faces where a file has points alone.
+  for (unsigned i = 0; source.mNumFaces == 0 && i < source.mNumVertices; ++i) {
+    add_face({read_vertex(file, source, i)});
+  }
+  if (is_bare && source.HasNormals()) file.warn("normals that are zero or not finite are replaced by their face's");
+  std::vector<Mesh> meshes;
+  for (MeshBuilder& builder : builders) {
+    Mesh mesh = builder.take();
+    if (mesh.indices.size() > std::numeric_limits<std::uint32_t>::max()) file.fail("a mesh has over 2^32 - 1 corners");
+    if (!mesh.indices.empty()) meshes.push_back(std::move(mesh));
+  }
+  return meshes;
 }
 
 }  // namespace simvis

@@ -55,7 +55,7 @@ class MeshGraphBuilder {
       Group& group = add_node(*node, is_root ? part_from_file * own : own, *parent);
       for (unsigned i = node->mNumChildren; i > 0; --i) stack.push_back({node->mChildren[i - 1], &group});
     }
-    if (shapes_.empty()) file_.fail("holds nothing to draw");
+    if (is_empty_) file_.fail("holds nothing to draw");
     if (file_.scene->HasAnimations()) file_.warn("animations are not played; the rest pose is imported");
     return root;
   }
@@ -74,21 +74,26 @@ class MeshGraphBuilder {
     const aiMesh& source = *file_.scene->mMeshes[index];
     auto known = shapes_.find(index);
     if (known == shapes_.end()) {
-      Mesh mesh = convert_mesh(file_, source);
-      if (mesh.indices.empty()) return;
-      const auto shape = std::make_shared<Shape>(pool_.intern(std::move(mesh)));
-      shape->name = source.mName.C_Str();
-      known = shapes_.emplace(index, shape).first;
+      std::vector<std::shared_ptr<Shape>> shapes;
+      for (Mesh& mesh : convert_mesh(file_, source)) {
+        shapes.push_back(std::make_shared<Shape>(pool_.intern(std::move(mesh))));
+        shapes.back()->name = source.mName.C_Str();
+        is_empty_ = false;
+      }
+      known = shapes_.emplace(index, std::move(shapes)).first;
     }
-    const bool is_surface = known->second->mesh()->topology == Topology::triangles;
-    group.add(materials_.get(source.mMaterialIndex, is_surface || source.HasNormals()));
-    group.add(known->second);
+    for (const auto& shape : known->second) {
+      const bool is_surface = shape->mesh()->topology == Topology::triangles;
+      group.add(materials_.get(source.mMaterialIndex, is_surface || source.HasNormals()));
+      group.add(shape);
+    }
   }
 
   AssimpFile& file_;
   ContentPool& pool_;
   AssimpMaterials materials_;
-  std::map<unsigned, std::shared_ptr<Shape>> shapes_;
+  std::map<unsigned, std::vector<std::shared_ptr<Shape>>> shapes_;
+  bool is_empty_ = true;
 };
 
 PartContent import_mesh_file(const ImportRequest& request, ContentPool& pool) {

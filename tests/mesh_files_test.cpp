@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "engine/error.h"
+#include "scenegraph/polygon.h"
 #include "scenegraph/srgb.h"
 #include "tests/error_of.h"
 #include "tests/gltf_fixture.h"
@@ -345,6 +346,8 @@ TEST_CASE("OBJ: lines and points") {
   }
   CHECK(lines == 2);
   CHECK(points == 1);
+  write_text(folder / "p.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n");  // no faces at all: a cloud of points
+  CHECK(load(folder / "p.obj").list.meshes.at(0)->indices.size() == 3);
 }
 
 TEST_CASE("identical meshes, textures and materials of two files are one") {
@@ -399,7 +402,12 @@ TEST_CASE("mistakes in mesh files are said, with their file") {
 
   CHECK(contains(error_in("a.obj", with(obj_box(), "f 1 4 3 2", "f 1 4 3 9")), "out of range"));
   error_in("b.obj", "");
-  error_in("c.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n");
+  error_in("c.obj", "# nothing is in here\n");
+  write_text(folder / "e.mtl", "Kd 1 0 0\nnewmtl m\n");
+  CHECK(contains(error_in("e.obj", "mtllib e.mtl\n" + obj_box()), "begins with \"Kd\", expected \"newmtl\""));
+  std::string many = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf";
+  for (std::size_t i = 0; i <= kMaxPolygonCorners; ++i) many += " " + std::to_string(1 + i % 3);
+  CHECK(contains(error_in("f.obj", many + "\n"), "has 1001 corners, expected at most 1000"));
   CHECK(contains(error_in("d.obj", "mtllib d.mtl\nv nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), "not finite"));
 
   CHECK(contains(error_in("a.dae", "<COLLADA>\n<asset>"), "malformed XML"));
