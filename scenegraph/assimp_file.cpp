@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "scenegraph/collada_check.h"
 #include "scenegraph/location.h"
 #include "scenegraph/ply_check.h"
 #include "scenegraph/stl_check.h"
@@ -68,7 +69,7 @@ void check_size(const std::filesystem::path& file) {
 // What Assimp would believe, or mend, or fall over.
 void check_before_assimp(const std::filesystem::path& file, const std::string& ending) {
   check_size(file);
-  if (ending == ".dae") XmlText::read(file);
+  if (ending == ".dae") check_collada(XmlText::read(file));
   if (ending == ".ply") check_ply(file);
   if (ending == ".stl") check_stl(file);
 }

@@ -108,6 +108,8 @@ const PartImporterRegistration registration({".dae", ".obj", ".ply", ".stl"}, im
 
 }  // namespace
 
+bool is_mesh_file(const std::filesystem::path& file) { return find_part_importer(file) == import_mesh_file; }
+
 PartContent read_mesh_file(const std::filesystem::path& file, MeshFileAxes axes,
                            std::shared_ptr<const Material> fallback, ContentPool& pool) {
   AssimpFile read = read_assimp_file(file, axes != MeshFileAxes::of_format);

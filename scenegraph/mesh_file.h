@@ -17,6 +17,9 @@ enum class MeshFileAxes : std::uint8_t {
   as_written  ///< whatever the file says: its axes are those of the part
 };
 
+/// By its ending, in any case.
+bool is_mesh_file(const std::filesystem::path& file);
+
 /// Everything under one separator: a separator per node of the file, each with its meshes. COLLADA's <unit> counts.
 /// Cameras and lights of a file are not taken. `fallback` is the material of whatever has none of its own.
 /// Throws InputError naming the file, and a place where there is one; never crashes on a broken file.
