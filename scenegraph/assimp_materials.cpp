@@ -106,7 +106,8 @@ void AssimpMaterials::set_picture(const aiMaterial& source, Material& material) 
 
 std::shared_ptr<const Texture> AssimpMaterials::picture(const std::string& name, const Sampler& sampler) {
   if (name.starts_with('*')) file_.fail("has a picture within the file, expected pictures in files of their own");
-  std::string path = name;
+  // Assimp leaves the spaces in that stand at the end of a line.
+  std::string path = name.substr(0, name.find_last_not_of(" \t\r") + 1);
   std::ranges::replace(path, '\\', '/');
   Texture texture = read_picture_file(file_.file.parent_path() / path);
   texture.name = path;

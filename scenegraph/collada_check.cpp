@@ -30,7 +30,9 @@ class ColladaCheck : public pugi::xml_tree_walker {
     const std::string_view tag = node.name();
     if (tag.ends_with("_array")) arrays_[node.attribute("id").value()] = node;
     if (tag == "accessor") accessors_.push_back(node);
-    if (std::ranges::find(kPrimitives, tag) != std::end(kPrimitives)) check_primitives(node);
+    if (is_primitives(node)) check_primitives(node);
+    if ((tag == "p" || tag == "vcount") && is_primitives(node.parent())) check_indices(node);
+    if (node.parent().name() == std::string_view("ph")) check_indices(node);
     return true;
   }
 
@@ -43,6 +45,19 @@ class ColladaCheck : public pugi::xml_tree_walker {
                                   " is not allowed, expected a whole number from 0 to " + format_number(largest));
     }
     return value;
+  }
+
+  static bool is_primitives(const pugi::xml_node& node) {
+    return std::ranges::find(kPrimitives, std::string_view(node.name())) != std::end(kPrimitives);
+  }
+
+  // Anything else than digits holds Assimp up for ever.
+  void check_indices(const pugi::xml_node& node) const {
+    const std::string_view digits = node.child_value();
+    const std::size_t wrong = digits.find_first_not_of("0123456789 \t\r\n");
+    if (wrong == std::string_view::npos) return;
+    fail_at(text_.at(node), std::string(node.name()) + " holds " + in_quotes(digits.substr(wrong, 1)) +
+                                ", expected whole numbers from 0 up");
   }
 
   void check_accessor(const pugi::xml_node& accessor) const {

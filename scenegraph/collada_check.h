@@ -6,7 +6,7 @@
 namespace simvis {
 
 /// Throws InputError with the place: an accessor that reaches beyond its array, primitives without exactly one input
-/// VERTEX, offsets of inputs that are no small whole numbers.
+/// VERTEX, offsets of inputs that are no small whole numbers, indices and counts that are no whole numbers.
 void check_collada(const XmlText& text);
 
 }  // namespace simvis

@@ -86,6 +86,9 @@ NodePtr UrdfVisuals::make(const urdf::Link& link, const urdf::Visual& visual) {
 std::shared_ptr<const Material> UrdfVisuals::material_of(const urdf::Link& link, const urdf::Visual& visual) {
   Material material;
   material.double_sided = true;
+  if (!visual.material && !visual.material_name.empty()) {
+    file_.fail("link", link.name, "has the material " + in_quotes(visual.material_name) + ", which is not defined");
+  }
   if (visual.material) {
     material.name = visual.material->name;
     const urdf::Color& color = visual.material->color;

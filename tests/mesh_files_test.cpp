@@ -420,6 +420,7 @@ TEST_CASE("mistakes in mesh files are said, with their file") {
   CHECK(contains(error_in("d.dae", with(dae, "count=\"8\"", "count=\"9\"")), "beyond its array of 24 values"));
   CHECK(contains(error_in("e.dae", with(dae, "\"VERTEX\"", "\"VORTEX\"")), "0 inputs of the semantic VERTEX"));
   CHECK(contains(error_in("f.dae", with(dae, "offset=\"0\"", "offset=\"-1\"")), "whole number from 0 to 63"));
+  CHECK(contains(error_in("g.dae", with(dae, "<p>0 3", "<p>0 .")), "p holds \".\", expected whole numbers"));
 }
 
 TEST_CASE("missing pictures are errors, missing material files a warning") {
