@@ -79,8 +79,8 @@ void prefix_names(std::vector<Command>& commands, const PartContent& content, co
 
 }  // namespace
 
-SceneBuilder::SceneBuilder(BuiltScene& built, std::span<const AttributeOverride> overrides)
-    : built_(built), overrides_(overrides) {
+SceneBuilder::SceneBuilder(BuiltScene& built, std::span<const AttributeOverride> overrides, std::uint64_t seed)
+    : built_(built), overrides_(overrides), seed_(seed) {
   for (const AttributeOverride& override : overrides) {
     if (find_sensor_type(override.sensor_type) == nullptr) {
       fail_at(origin(override), unknown_type("sensor", override.sensor_type, sensor_types()));
@@ -318,10 +318,11 @@ void SceneBuilder::insert_sensor(const Command& command) {
   const std::optional<glm::dmat4> offset = pose_offset(command);
   sensor_names_.claim(name);
   built_.scene.undo().add([this, key = name.value] { sensor_names_.release(key); });
-  BuiltSensor sensor{.name = name.value,
-                     .type = type_name.value,
-                     .sensor = type->create({.command = command, .attributes = attributes, .name = name.value}),
-                     .mount = std::make_shared<Mount>()};
+  BuiltSensor sensor{
+      .name = name.value,
+      .type = type_name.value,
+      .sensor = type->create({.command = command, .attributes = attributes, .name = name.value, .seed = seed_}),
+      .mount = std::make_shared<Mount>()};
   if (std::ranges::count(type->attributes, kRateAttribute.name, &AttributeSpec::name) == 1 &&
       attributes.is_set(kRateAttribute.name)) {
     sensor.sensor->rate_hz = attributes.number(kRateAttribute.name);
