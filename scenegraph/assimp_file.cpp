@@ -8,8 +8,10 @@
 #include <fstream>
 #include <stdexcept>
 #include <system_error>
+#include <utility>
 
 #include "scenegraph/collada_check.h"
+#include "scenegraph/collada_shapes.h"
 #include "scenegraph/location.h"
 #include "scenegraph/ply_check.h"
 #include "scenegraph/stl_check.h"
@@ -38,10 +40,10 @@ void check_mtl(const char* file) {
 }
 
 // Opens ordinary files only, and keeps the names of those that are not there: Assimp passes over a missing material
-// file without a word.
+// file without a word. What an OBJ file asks for besides itself is material files.
 class RecordingFiles : public Assimp::DefaultIOSystem {
  public:
-  explicit RecordingFiles(std::vector<std::string>& missing) : missing_(missing) {}
+  RecordingFiles(std::string part, std::vector<std::string>& missing) : part_(std::move(part)), missing_(missing) {}
 
   Assimp::IOStream* Open(const char* name, const char* mode) override {
     std::error_code error;
@@ -49,11 +51,12 @@ class RecordingFiles : public Assimp::DefaultIOSystem {
       missing_.emplace_back(name);
       return nullptr;
     }
-    if (lower_case_ending(name) == ".mtl") check_mtl(name);
+    if (name != part_ && lower_case_ending(part_) == ".obj") check_mtl(name);
     return DefaultIOSystem::Open(name, mode);
   }
 
  private:
+  std::string part_;
   std::vector<std::string>& missing_;
 };
 
@@ -69,7 +72,6 @@ void check_size(const std::filesystem::path& file) {
 // What Assimp would believe, or mend, or fall over.
 void check_before_assimp(const std::filesystem::path& file, const std::string& ending) {
   check_size(file);
-  if (ending == ".dae") check_collada(XmlText::read(file));
   if (ending == ".ply") check_ply(file);
   if (ending == ".stl") check_stl(file);
 }
@@ -108,12 +110,22 @@ AssimpFile read_assimp_file(const std::filesystem::path& file, bool ignore_up_ax
   AssimpFile read{
       .file = file, .is_collada = ending == ".dae", .importer = std::make_unique<Assimp::Importer>(), .warnings = {}};
   std::vector<std::string> missing;
-  read.importer->SetIOHandler(new RecordingFiles(missing));  // the importer deletes it
+  read.importer->SetIOHandler(new RecordingFiles(file.string(), missing));  // the importer deletes it
   read.importer->SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
   read.importer->SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, ignore_up_axis);
   // None of Assimp's own steps is asked for: its triangles of a polygon overlap in places, and its joining of vertices
   // takes near ones for equal.
-  read.scene = read.importer->ReadFile(file.string(), 0);
+  constexpr unsigned kNoSteps = 0;
+  if (read.is_collada) {
+    const XmlText text = XmlText::read(file);
+    check_collada(text);
+    const ColladaShapes shapes = collada_shapes(text);
+    if (shapes.had_animations) read.warn("animations are not played; the rest pose is imported");
+    if (shapes.had_skins) read.warn("skins are not animated; skinned meshes are imported in their rest pose");
+    read.scene = read.importer->ReadFileFromMemory(shapes.xml.data(), shapes.xml.size(), kNoSteps, "dae");
+  } else {
+    read.scene = read.importer->ReadFile(file.string(), kNoSteps);
+  }
   read.importer->SetIOHandler(nullptr);
   if (read.scene == nullptr) read.fail(on_one_line(read.importer->GetErrorString()));
   for (const std::string& name : missing) read.warn("there is no material file " + in_quotes(name));

@@ -138,7 +138,6 @@ void add_corners(const Corners& corners, MeshBuilder& builder) {
 }  // namespace
 
 std::vector<Mesh> convert_mesh(AssimpFile& file, const aiMesh& source) {
-  if (source.HasBones()) file.warn("skins are not animated; skinned meshes are imported in their rest pose");
   std::array<MeshBuilder, 3> builders;
   for (const Topology topology : {Topology::triangles, Topology::lines, Topology::points}) {
     builders[static_cast<std::size_t>(topology)] = MeshBuilder(source.mName.C_Str(), topology);

@@ -56,7 +56,6 @@ class MeshGraphBuilder {
       for (unsigned i = node->mNumChildren; i > 0; --i) stack.push_back({node->mChildren[i - 1], &group});
     }
     if (is_empty_) file_.fail("holds nothing to draw");
-    if (file_.scene->HasAnimations()) file_.warn("animations are not played; the rest pose is imported");
     return root;
   }
 

@@ -16,7 +16,7 @@ class XmlText {
   static XmlText read(const std::filesystem::path& file);
 
   const SourceText& source() const { return source_; }
-  pugi::xml_node document() const { return document_; }
+  const pugi::xml_document& document() const { return document_; }
   Location at(const pugi::xml_node& node) const;
 
  private:

@@ -245,6 +245,29 @@ TEST_CASE("COLLADA: units and the matrices of nodes") {
   CHECK(moved.max == glm::dvec3(10 - 2, 20 + 2, 36));
 }
 
+TEST_CASE("COLLADA: a skinned mesh comes in its rest pose; animations, lights and cameras are not read at all") {
+  TemporaryFolder folder;
+  std::string text = dae_box(kMetresZUp);
+  const auto replace = [&text](const std::string& from, const std::string& to) {
+    const std::size_t at = text.find(from);
+    REQUIRE(at != std::string::npos);
+    text.replace(at, from.size(), to);
+  };
+  replace("<instance_geometry url=\"#g\">", "<instance_controller url=\"#c\"><skeleton>#none</skeleton>");
+  replace("</instance_geometry>", "</instance_controller><instance_light url=\"#none\"/>");
+  replace("<library_visual_scenes>",
+          "<library_controllers><controller id=\"c\"><skin source=\"#d\"/></controller><controller id=\"d\"><morph "
+          "source=\"#g\"/></controller></library_controllers><library_animations><animation><channel "
+          "source=\"#none\"/></animation></library_animations><library_visual_scenes>");
+  write_text(folder / "skin.dae", text);
+  const Loaded loaded = load(folder / "skin.dae");
+  check_box(loaded.list);
+  CHECK(loaded.list.lights.empty());
+  REQUIRE(loaded.warnings.size() == 2);
+  CHECK(contains(loaded.warnings[0], "animations are not played"));
+  CHECK(contains(loaded.warnings[1], "rest pose"));
+}
+
 TEST_CASE("COLLADA: colours are sRGB, emission and opacity") {
   TemporaryFolder folder;
   write_text(folder / "box.dae", dae_box(kMetresZUp, 1, "",
@@ -405,6 +428,8 @@ TEST_CASE("mistakes in mesh files are said, with their file") {
   error_in("c.obj", "# nothing is in here\n");
   write_text(folder / "e.mtl", "Kd 1 0 0\nnewmtl m\n");
   CHECK(contains(error_in("e.obj", "mtllib e.mtl\n" + obj_box()), "begins with \"Kd\", expected \"newmtl\""));
+  write_text(folder / "e.txt", "Kd 1 0 0\n");
+  error_in("g.obj", "mtllib e.txt\n" + obj_box());
   std::string many = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf";
   for (std::size_t i = 0; i <= kMaxPolygonCorners; ++i) many += " " + std::to_string(1 + i % 3);
   CHECK(contains(error_in("f.obj", many + "\n"), "has 1001 corners, expected at most 1000"));
@@ -440,13 +465,18 @@ TEST_CASE("files cut off or with flipped bits are loaded or refused, and what lo
   TemporaryFolder folder;
   write_bytes(folder / "dots.png", png(2, 1, 8, 6, {{255, 0, 0, 255, 0, 255, 0, 0}}));
   const std::string mtl = "newmtl m\nKd 1 0.5 0\nKe 0 0 0\nd 0.25\nmap_Kd dots.png\n";
-  const std::pair<const char*, std::string> seeds[] = {{"s.obj", "mtllib s.mtl\nusemtl m\n" + obj_box()},
-                                                       {"text.ply", ply_box(PlyFormat::text)},
-                                                       {"little.ply", ply_box(PlyFormat::little)},
-                                                       {"text.stl", stl_box(false)},
-                                                       {"binary.stl", stl_box(true)},
-                                                       {"s.dae", dae_box(kMetresZUp)},
-                                                       {"s.mtl", mtl}};
+  const std::pair<const char*, std::string> seeds[] = {
+      {"s.obj", "mtllib s.mtl\nusemtl m\n" + obj_box()},
+      {"rich.obj",
+       "# all that OBJ has\nmtllib s.mtl\no a\nv 0 0 0 1 0.5 0\nv 1 0 0 1 1 1\nv 0 1 0 0 0 0\nvt 0 1\nvt 1 0 0\n"
+       "vn 0 0 1\ng b c\ns 1\nusemtl m\nf 1/1/1 2/2/1 3/1/1\nf -1//-1 -2//-1 -3//-1\ns off\nl 1 2 3\np 1 2\n"
+       "f 1/1 2/2 \\\n 3/1 1/1\n"},
+      {"text.ply", ply_box(PlyFormat::text)},
+      {"little.ply", ply_box(PlyFormat::little)},
+      {"text.stl", stl_box(false)},
+      {"binary.stl", stl_box(true)},
+      {"s.dae", dae_box(kMetresZUp)},
+      {"s.mtl", mtl}};
   std::uint64_t state = 1;
   for (const auto& [name, bytes] : seeds) {
     int loaded = 0;
