@@ -328,7 +328,9 @@ void SceneBuilder::insert_sensor(const Command& command) {
     sensor.sensor->rate_hz = attributes.number(kRateAttribute.name);
   }
   sensor.mount->name = name.value;
-  const auto separator = std::make_shared<Separator>();
+  // What looks on for people leaves no trace in what sensors see.
+  const GroupPtr separator = sensor.sensor->visualization() ? GroupPtr(std::make_shared<VisualSeparator>())
+                                                            : GroupPtr(std::make_shared<Separator>());
   separator->name = name.value;
   if (offset) separator->add(std::make_shared<Transform>(*offset));
   separator->add(sensor.mount);

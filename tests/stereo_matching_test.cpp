@@ -50,7 +50,8 @@ constexpr double kClose_px = 1;
 // on both sides, 1.9 % of the 276,000 that count. As much again, and a little, for the strips that one camera alone
 // sees, which pull at their neighbours, and for the floor, where a window does not fit the other picture exactly.
 constexpr double kTexturedPlanes = 0.95;
-// Leaves are narrower than a window, and many look alike: there is no figure to be derived. Chance gives 3 / 64.
+// Leaves are narrower than a window, and many look alike: there is no figure to be derived. Half transparent, they show
+// two surfaces in one pixel, of which the nearer counts as the truth. Chance gives 3 / 64.
 constexpr double kOutdoors = 0.5;
 
 /// From what gives a picture of a stereo camera by its name.
