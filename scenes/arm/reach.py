@@ -1,6 +1,7 @@
 """The arm's work: it takes the red block from the mat, lays it into the tray, and goes back to where it began."""
 import math
 
+import kinematics
 from kinematics import FINGER, LIMITS, reach_down
 from things import BLOCK
 
@@ -28,10 +29,6 @@ def _stations():
             (1.8, REST, OPEN, "tray")]
 
 
-def _matrix(rows):
-    return [list(row) for row in rows]
-
-
 def _product(a, b):
     return [[sum(a[i][k] * b[k][j] for k in range(4)) for j in range(4)] for i in range(4)]
 
@@ -39,18 +36,18 @@ def _product(a, b):
 def _turn(axis, degrees):
     c, s = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
     i, j = {"x": (1, 2), "y": (2, 0), "z": (0, 1)}[axis]
-    m = _matrix([[float(r == k) for k in range(4)] for r in range(4)])
+    m = _shift(0, 0, 0)
     m[i][i], m[i][j], m[j][i], m[j][j] = c, -s, s, c
     return m
 
 
 def _shift(x, y, z):
-    return _matrix([[1, 0, 0, x], [0, 1, 0, y], [0, 0, 1, z], [0, 0, 0, 1]])
+    return [[1, 0, 0, x], [0, 1, 0, y], [0, 0, 1, z], [0, 0, 0, 1]]
 
 
 def tips(joints):
     """base_from_tips: the frame between the fingers' tips."""
-    import kinematics as k
+    k = kinematics
     m = _shift(0, 0, 0)
     for place, axis, value in zip(((0, 0, k.SHOULDER_Z), (0, 0, k.UPPER_ARM_Z), (0, 0, k.UPPER_ARM),
                                    (k.FOREARM, 0, 0), (k.WRIST, 0, 0), (k.HAND, 0, 0)), "zyyxyx", joints):
@@ -106,6 +103,5 @@ def csv():
                                                                  ("x", "y", "z", "roll", "pitch", "yaw")]
     lines = ["time_s," + ",".join(names)]
     for row in rows():
-        lines.append(",".join(f"{v:.5f}".rstrip("0").rstrip(".").replace("-0", "0", 1) if abs(v) < 5e-6 else
-                              f"{v:.5f}".rstrip("0").rstrip(".") for v in row))
+        lines.append(",".join(f"{round(v, 5) + 0.0:.5f}".rstrip("0").rstrip(".") for v in row))
     return "\n".join(lines) + "\n"

@@ -1,10 +1,7 @@
 """The corner of a workshop where the arm stands, and what lies on its table."""
-import math
-
 import painting
 from gltf_writer import Light, Material, linear
-from shapes import (Model, box, cylinder, filleted, grid, lathe, moved, rounded_box, rounded_rectangle, slab, sphere,
-                    tube, turned)
+from shapes import Model, box, filleted, grid, lathe, rounded_box, rounded_rectangle, slab, sphere, tube
 
 TABLE_Z = 0.74
 BLOCK = 0.05
