@@ -13,7 +13,8 @@ namespace {
 glm::dvec3 area_vector(std::span<const glm::vec3> corners) {
   glm::dvec3 sum{0};
   for (std::size_t i = 0; i < corners.size(); ++i) {
-    sum += glm::cross(glm::dvec3(corners[i] - corners[0]), glm::dvec3(corners[(i + 1) % corners.size()] - corners[0]));
+    const glm::dvec3 start(corners[0]);
+    sum += glm::cross(glm::dvec3(corners[i]) - start, glm::dvec3(corners[(i + 1) % corners.size()]) - start);
   }
   return sum;
 }

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <iostream>
+#include <numbers>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -327,6 +328,39 @@ TEST_CASE("polygons that are not convex are cut into triangles that fill them an
   CHECK(totals.triangles == 4);
   CHECK(totals.surface_m2 == 3);
   CHECK(totals.largest_normal_error == 0);
+}
+
+TEST_CASE("random stars are cut into triangles that all wind their way and have their area together") {
+  std::uint64_t state = 3;
+  for (int star = 0; star < 300; ++star) {
+    CAPTURE(star);
+    const std::size_t count = 3 + random_below(state, 60);
+    const int up = static_cast<int>(random_below(state, 3)), side = star % 2 == 0 ? 1 : 2;  // either way round
+    std::vector<glm::vec3> corners;
+    for (std::size_t i = 0; i < count; ++i) {
+      const double angle = 2 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(count);
+      const double radius = 1 + static_cast<double>(random_below(state, 1000)) / 100;
+      glm::vec3 corner{7};
+      corner[(up + side) % 3] = static_cast<float>(radius * std::cos(angle));
+      corner[(up + 3 - side) % 3] = static_cast<float>(radius * std::sin(angle));
+      corners.push_back(corner);
+    }
+    const auto area = [&](std::size_t a, std::size_t b, std::size_t c) {
+      const glm::dvec3 p(corners[a]), q(corners[b]), r(corners[c]);
+      return glm::cross(q - p, r - p)[up] / (side == 1 ? 2 : -2);
+    };
+    double whole = 0, parts = 0;
+    for (std::size_t i = 1; i + 1 < count; ++i) whole += area(0, i, i + 1);
+    const auto triangles = triangles_of_polygon(corners);
+    CHECK(triangles.size() == count - 2);
+    for (const auto& [a, b, c] : triangles) {
+      CHECK(area(a, b, c) >= 0);
+      parts += area(a, b, c);
+    }
+    // Sums of up to 60 terms, each at most half the square of 11 m and off by a few half-ulps.
+    const double roundings_m2 = 2 * 60 * 4 * 0x1p-53 * (11 * 11 / 2.0) * 60;
+    CHECK(std::abs(parts - whole) <= roundings_m2);
+  }
 }
 
 TEST_CASE("PLY: vertex colours, texture coordinates, points") {
