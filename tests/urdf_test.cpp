@@ -45,7 +45,7 @@ class UrdfScene {
 
   BuiltScene& built() { return built_; }
   const DrawList& list() {
-    flattener_ = std::make_unique<Flattener>(built_.scene.root());
+    if (flattener_ == nullptr) flattener_ = std::make_unique<Flattener>(built_.scene.root());
     return flattener_->update();
   }
   void set(const std::string& element, double value, const std::string& parameter = "value") {
@@ -55,7 +55,10 @@ class UrdfScene {
       built_.elements[i]->update(built_.parameters.values().subspan(changed.first_value, changed.parameters.size()));
     }
   }
-  glm::dmat4 place(std::size_t item) { return list().world_from_node[list().items.at(item).transform]; }
+  glm::dmat4 place(std::size_t item) {
+    const DrawList& drawn = list();
+    return drawn.world_from_node[drawn.items.at(item).transform];
+  }
 
  private:
   void build(const std::string& text, const std::string& more) {
