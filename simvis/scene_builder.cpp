@@ -274,11 +274,10 @@ void SceneBuilder::insert_element(const Command& command) {
   ElementDescriptor descriptor{
       .name = name.value, .type = type_name.value, .insertion_point = insert_at.value, .parameters = {}};
   std::ranges::copy_if(type->attributes, std::back_inserter(descriptor.parameters), &AttributeSpec::live);
-  const std::size_t from_table = descriptor.parameters.size();
   element->adapt_parameters(descriptor.parameters);
   std::vector<double> values;
   for (const AttributeSpec& row : descriptor.parameters) {
-    const bool added = values.size() >= from_table;
+    const bool added = std::ranges::count(type->attributes, row.name, &AttributeSpec::name) == 0;
     values.push_back(0);
     if (added) SIMVIS_ASSERT(parse_number(row.default_value, values.back()));
     if (!added) values.back() = attributes.number(row.name);
