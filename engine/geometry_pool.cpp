@@ -152,6 +152,15 @@ Buffer GeometryPool::make_buffer(const char* name, VkDeviceSize size, VkBufferUs
   return Buffer(device_, {.name = name, .size = size, .usage = usage, .memory = MemoryKind::device});
 }
 
+void GeometryPool::count(std::uint64_t& meshes, std::uint64_t& bytes) const {
+  meshes = entries_.size();
+  bytes = 0;
+  for (const auto& [mesh, entry] : entries_) {
+    const std::size_t vertex = sizeof(glm::vec3) + (entry.has_attributes ? sizeof(PackedAttributes) : 0);
+    bytes += mesh->positions.size() * vertex + mesh->indices.size() * sizeof(std::uint32_t);
+  }
+}
+
 void GeometryPool::clear() {
   entries_.clear();
   vertices_used_ = indices_used_ = vertex_capacity_ = index_capacity_ = 0;

@@ -46,6 +46,9 @@ class GeometryPool {
   std::span<const MeshRange> update(std::span<const std::shared_ptr<const Mesh>> meshes, std::span<const MeshUse> uses,
                                     Uploads& uploads);
 
+  /// How many meshes it holds, and how many bytes of them.
+  void count(std::uint64_t& meshes, std::uint64_t& bytes) const;
+
   /// Null handles where nothing has needed them.
   VkBuffer positions() const { return positions_.get(); }
   VkBuffer attributes() const { return attributes_.get(); }

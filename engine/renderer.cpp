@@ -102,6 +102,8 @@ void Renderer::Impl::draw_frame(const DrawList& list, const FramePlan& plan) {
   commands.submit_and_wait();
   uploads.release();
   counters.bytes_uploaded = uploads.bytes();
+  geometry.count(counters.meshes_held, counters.mesh_bytes);
+  textures.count(counters.textures_held, counters.texture_bytes);
 }
 
 void Renderer::Impl::prepare(const DrawList& list, const FramePlan& plan) {

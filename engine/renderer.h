@@ -20,6 +20,8 @@ struct FrameCounters {
   std::uint64_t passes = 0, views = 0, draws = 0, triangles = 0, pipelines_bound = 0;
   std::uint64_t bytes_uploaded = 0, bytes_read_back = 0;
   std::uint64_t items_culled = 0;
+  std::uint64_t meshes_held = 0, textures_held = 0;  ///< on the device, after the frame
+  std::uint64_t mesh_bytes = 0, texture_bytes = 0;   ///< that they take there
 
   bool operator==(const FrameCounters&) const = default;
 };

@@ -81,6 +81,20 @@ void TextureStore::keep_only(const std::vector<std::shared_ptr<const Material>>&
   });
 }
 
+void TextureStore::count(std::uint64_t& textures, std::uint64_t& bytes) const {
+  textures = entries_.size();
+  bytes = 0;
+  for (const auto& [texture, entry] : entries_) {
+    std::uint64_t width = texture->width, height = texture->height;
+    bytes += 4 * width * height;
+    while (texture->sampler.mipmapped && (width > 1 || height > 1)) {
+      width = std::max<std::uint64_t>(width / 2, 1);
+      height = std::max<std::uint64_t>(height / 2, 1);
+      bytes += 4 * width * height;
+    }
+  }
+}
+
 void TextureStore::clear() { keep_only({}); }
 
 VkSampler TextureStore::sampler(const Sampler& wanted) {

@@ -23,6 +23,9 @@ class TextureStore {
   /// Forgets all that is not among `materials`.
   void keep_only(const std::vector<std::shared_ptr<const Material>>& materials);
 
+  /// How many textures it holds, and how many bytes of texels, those of smaller levels included.
+  void count(std::uint64_t& textures, std::uint64_t& bytes) const;
+
   void clear();
 
  private:

@@ -5,6 +5,7 @@
 #include "scenegraph/attributes.h"
 #include "scenegraph/part_importer.h"
 #include "scenegraph/pose_attribute.h"
+#include "scenegraph/same_graph.h"
 
 namespace simvis {
 namespace {
@@ -128,6 +129,16 @@ void Scene::insert_in_world(NodePtr node) {
   undo_.add([root = root_, node] { root->remove(*node); });
 }
 
+// Files of identical content hold one graph.
+void Scene::share_graph(PartContent& content) const {
+  for (const auto& [key, known] : contents_) {
+    if (same_graph(known.root, content.root)) {
+      content.root = known.root;
+      return;
+    }
+  }
+}
+
 OwnPart Scene::own_part(std::string_view name, const Location& where) {
   const auto found = parts_.find(name);
   if (found == parts_.end()) {
@@ -194,6 +205,7 @@ const PartContent& Scene::load_part(const Command& command) {
     PartContent content = importer(request, pool_);
     content.file = canonical;
     content.points = points_of(content.root);
+    share_graph(content);
     for (const std::string& warning : content.warnings) {
       if (std::ranges::find(warnings_, warning) == warnings_.end()) warnings_.push_back(warning);
     }

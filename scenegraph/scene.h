@@ -97,6 +97,7 @@ class Scene {
     NodeMap clone_of;  // empty as long as `root` is the content's own
   };
   const Place& place(const Command& command) const;
+  void share_graph(PartContent& content) const;
   void insert_at(const Place& place, const NodePtr& node);
   void add_place(const CommandAttribute& name, const Place& place);
   void add_points(const CommandAttribute& part_name, const Part& part, const std::string& prefix);

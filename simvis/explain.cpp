@@ -20,7 +20,9 @@ std::string explain(const FramePlan& plan, const FrameCounters& counters) {
   out << counters.passes << " passes, " << counters.views << " views, " << counters.draws << " draws, "
       << counters.triangles << " triangles, " << counters.pipelines_bound << " pipelines bound, "
       << counters.items_culled << " items culled, " << counters.bytes_uploaded << " bytes uploaded, "
-      << counters.bytes_read_back << " bytes read back\n";
+      << counters.bytes_read_back << " bytes read back, " << counters.meshes_held << " meshes of "
+      << counters.mesh_bytes << " bytes and " << counters.textures_held << " textures of " << counters.texture_bytes
+      << " bytes held\n";
   return out.str();
 }
 

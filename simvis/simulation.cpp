@@ -1,15 +1,15 @@
 #include "simvis/simulation.h"
 
+#include <algorithm>
 #include <chrono>
-#include <unordered_set>
+#include <optional>
 #include <utility>
 
 #include "engine/assert.h"
-#include "scenegraph/flattener.h"
 #include "simvis/clock.h"
-#include "simvis/default_light.h"
+#include "simvis/live_scene.h"
 #include "simvis/mount_frame.h"
-#include "simvis/scene_builder.h"
+#include "simvis/view_layer.h"
 
 namespace simvis {
 
@@ -36,151 +36,153 @@ class Stages {
   std::vector<StageTime> stages_;
 };
 
-/// Whether a LightNode stands anywhere, also where a switch hides it for now.
-bool has_light(const GroupPtr& root) {
-  std::unordered_set<const Group*> seen{root.get()};
-  std::vector<const Group*> open{root.get()};
-  while (!open.empty()) {
-    const Group* const group = open.back();
-    open.pop_back();
-    for (const NodePtr& child : group->children()) {
-      if (child->kind() == NodeKind::light) return true;
-      const auto* const inner = dynamic_cast<const Group*>(child.get());
-      if (inner != nullptr && seen.insert(inner).second) open.push_back(inner);
-    }
-  }
-  return false;
-}
-
 template <typename Output>
 const Output& require(const Output* output, const BuiltSensor& sensor, std::string_view what) {
   if (output != nullptr) return *output;
   throw InputError("sensor \"" + sensor.name + "\", a " + sensor.type + ", gives no " + std::string(what));
 }
 
-/// An illegal override is an error whether or not the scene has a sensor of the type.
-void check_overrides(std::span<const AttributeOverride> overrides) {
-  for (const AttributeOverride& each : overrides) {
-    const SensorType* const type = find_sensor_type(each.sensor_type);
-    if (type == nullptr) continue;  // the builder says what there is
-    const Location where{.file = each.origin.empty() ? each.sensor_type + "." + each.attribute : each.origin};
-    const Command command{
-        .kind = CommandKind::sensor, .attributes = {{each.attribute, each.value, where}}, .where = where, .folder = {}};
-    AttributeValues checked(command, type->attributes, {});
-  }
-}
-
-BuiltScene build(std::span<const Command> commands, const SimulationDesc& desc) {
-  check_overrides(desc.overrides);
-  BuiltScene built = build_scene(commands, desc.overrides);
-  // Before everything else, where no transform is in force.
-  const GroupPtr& root = built.scene.root();
-  if (!has_light(root)) root->insert_before(*root->children().front(), std::make_shared<LightNode>(kDefaultLight));
-  return built;
-}
-
 }  // namespace
 
-struct Simulation::Impl {
-  Impl(const Clock& frame_clock, BuiltScene scene, const DeviceDesc& device_desc);
+struct Simulation::Impl : Observations {
+  Impl(const SimulationDesc& desc, std::span<const Command> commands);
 
   void step();
   void update_elements();
-  void plan_due_sensors(const FrameTime& time);
-  void collect(const FrameTime& time, std::span<const PassResult> results);
-  bool pose(const BuiltSensor& sensor, glm::dmat4& world_from_sensor) const;
+  void show_to_people(const FrameTime& time);
+  void plan_due_sensors(ViewLayer& layer, bool visualization, const FrameTime& time);
+  void collect(const ViewLayer& layer, const FrameTime& time, std::span<const PassResult> results);
+  void take_new_sensors();
+  ViewLayer& layer_of(const BuiltSensor& sensor) { return sensor.sensor->visualization() ? *people : sensing; }
+  bool pose(const BuiltSensor& sensor, glm::dmat4& world_from_sensor);
   std::size_t index(std::string_view sensor) const;
+  const BuiltSensor& sensor(std::string_view name) const { return scene.built.sensors[index(name)]; }
+
+  ObservedScan scan(std::string_view name) const override;
+  bool find_mount(const Mount& mount, glm::dmat4& world_from_mount) const override;
 
   struct State {
     bool enabled = true;
     std::uint64_t frames = 0;
+    glm::dmat4 world_from_sensor{1.0};  // when it last measured
   };
 
   Clock clock;
-  BuiltScene built;
-  std::vector<State> states;  // as long as built.sensors
+  LiveScene scene;
+  std::vector<State> states;  // as long as scene.built.sensors
   Device device;
-  Renderer renderer;
-  Flattener flattener;
-  const DrawList* list;
-  FramePlan plan;
+  ViewLayer sensing;
+  std::optional<ViewLayer> people;  // while the scene has a visualization sensor
   std::uint64_t next_frame = 0;
-  std::vector<std::size_t> due;       // of this frame, indices of built.sensors
-  std::vector<std::string> measured;  // their names
+  std::vector<std::string> measured;  // names of the sensors that did in this frame
   Stages stages;
 };
 
-Simulation::Impl::Impl(const Clock& frame_clock, BuiltScene scene, const DeviceDesc& device_desc)
-    : clock(frame_clock),
-      built(std::move(scene)),
-      states(built.sensors.size()),
-      device(device_desc),
-      renderer(device),
-      flattener(built.scene.root()),
-      list(&flattener.update()) {}
+Simulation::Impl::Impl(const SimulationDesc& desc, std::span<const Command> commands)
+    : clock(desc.rate_hz),
+      scene(desc.overrides, commands),
+      device(desc.device),
+      sensing(scene.built.scene.root(), Audience::sensors, device) {
+  take_new_sensors();
+}
+
+void Simulation::Impl::take_new_sensors() {
+  states.resize(scene.built.sensors.size());
+  const bool wanted = std::ranges::any_of(scene.built.sensors,
+                                          [](const BuiltSensor& sensor) { return sensor.sensor->visualization(); });
+  if (wanted && !people) people.emplace(scene.built.scene.root(), Audience::people, device);
+}
 
 void Simulation::Impl::step() {
   const FrameTime time = clock.frame(next_frame);
+  measured.clear();
   stages.clear();
   stages.begin("elements");
   update_elements();
   stages.begin("flatten");
-  list = &flattener.update();
+  sensing.list = &sensing.flattener.update();
   stages.begin("plan");
-  plan_due_sensors(time);
+  plan_due_sensors(sensing, false, time);
   stages.begin("render");
-  const std::span<const PassResult> results = renderer.render(*list, plan);
+  const std::span<const PassResult> results = sensing.renderer.render(*sensing.list, sensing.plan);
   stages.begin("collect");
-  collect(time, results);
+  collect(sensing, time, results);
+  if (people) {
+    stages.begin("visualization");
+    show_to_people(time);
+  }
   stages.end();
   ++next_frame;
 }
 
+void Simulation::Impl::show_to_people(const FrameTime& time) {
+  bool anybody = false;
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    anybody |= states[i].enabled && scene.built.sensors[i].sensor->visualization();
+  }
+  if (!anybody) return;
+  people->list = &people->flattener.update();
+  for (const std::unique_ptr<Element>& element : scene.built.elements) element->observe(*this);
+  people->list = &people->flattener.update();
+  plan_due_sensors(*people, true, time);
+  collect(*people, time, people->renderer.render(*people->list, people->plan));
+}
+
 void Simulation::Impl::update_elements() {
-  for (const std::size_t i : built.parameters.take_changed_elements()) {
-    const ElementDescriptor& element = built.parameters.elements()[i];
-    built.elements[i]->update(built.parameters.values().subspan(element.first_value, element.parameters.size()));
+  Parameters& parameters = scene.built.parameters;
+  for (const std::size_t i : parameters.take_changed_elements()) {
+    const ElementDescriptor& element = parameters.elements()[i];
+    scene.built.elements[i]->update(parameters.values().subspan(element.first_value, element.parameters.size()));
   }
 }
 
-void Simulation::Impl::plan_due_sensors(const FrameTime& time) {
-  plan.passes.clear();
-  due.clear();
-  for (std::size_t i = 0; i < built.sensors.size(); ++i) {
-    Sensor& sensor = *built.sensors[i].sensor;
-    glm::dmat4 world_from_sensor;
-    if (!states[i].enabled || !clock.fires(sensor.rate_hz, time.index)) continue;
-    if (!pose(built.sensors[i], world_from_sensor)) continue;
-    sensor.plan(world_from_sensor, *list, plan);
-    due.push_back(i);
+void Simulation::Impl::plan_due_sensors(ViewLayer& layer, bool visualization, const FrameTime& time) {
+  layer.plan.passes.clear();
+  layer.due.clear();
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    const BuiltSensor& sensor = scene.built.sensors[i];
+    if (sensor.sensor->visualization() != visualization) continue;
+    if (!states[i].enabled || !clock.fires(sensor.sensor->rate_hz, time.index)) continue;
+    if (!pose(sensor, states[i].world_from_sensor)) continue;
+    sensor.sensor->plan(states[i].world_from_sensor, *layer.list, layer.plan);
+    layer.due.push_back(i);
   }
 }
 
-void Simulation::Impl::collect(const FrameTime& time, std::span<const PassResult> results) {
-  measured.clear();
-  for (const std::size_t i : due) {
-    built.sensors[i].sensor->collect(time, plan, results);
+void Simulation::Impl::collect(const ViewLayer& layer, const FrameTime& time, std::span<const PassResult> results) {
+  for (const std::size_t i : layer.due) {
+    scene.built.sensors[i].sensor->collect(time, layer.plan, results);
     ++states[i].frames;
-    measured.push_back(built.sensors[i].name);
+    measured.push_back(scene.built.sensors[i].name);
   }
 }
 
 /// False where the sensor stands in a part that is switched off.
-bool Simulation::Impl::pose(const BuiltSensor& sensor, glm::dmat4& world_from_sensor) const {
+bool Simulation::Impl::pose(const BuiltSensor& sensor, glm::dmat4& world_from_sensor) {
   glm::dmat4 world_from_mount;
-  if (!flattener.find_mount(*sensor.mount, world_from_mount)) return false;
+  if (!layer_of(sensor).flattener.find_mount(*sensor.mount, world_from_mount)) return false;
   if (rigid_mount_frame(world_from_mount, world_from_sensor)) return true;
   throw InputError("sensor \"" + sensor.name +
                    "\" has no direction: what it stands on is scaled to nothing, or is infinitely far away");
 }
 
-std::size_t Simulation::Impl::index(std::string_view sensor) const {
+std::size_t Simulation::Impl::index(std::string_view name) const {
   std::vector<std::string_view> known;
-  for (std::size_t i = 0; i < built.sensors.size(); ++i) {
-    if (built.sensors[i].name == sensor) return i;
-    known.push_back(built.sensors[i].name);
+  for (std::size_t i = 0; i < scene.built.sensors.size(); ++i) {
+    if (scene.built.sensors[i].name == name) return i;
+    known.push_back(scene.built.sensors[i].name);
   }
-  throw InputError("there is no sensor \"" + std::string(sensor) + "\"" + suggestion(sensor, known));
+  throw InputError("there is no sensor \"" + std::string(name) + "\"" + suggestion(name, known));
+}
+
+ObservedScan Simulation::Impl::scan(std::string_view name) const {
+  const std::size_t i = index(name);
+  if (states[i].frames == 0) return {};
+  return {scene.built.sensors[i].sensor->scan(), states[i].world_from_sensor, states[i].frames};
+}
+
+bool Simulation::Impl::find_mount(const Mount& mount, glm::dmat4& world_from_mount) const {
+  return people->flattener.find_mount(mount, world_from_mount);
 }
 
 Simulation::Simulation(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -189,24 +191,28 @@ Simulation& Simulation::operator=(Simulation&&) noexcept = default;
 Simulation::~Simulation() = default;
 
 Simulation Simulation::load(const std::filesystem::path& scene, const SimulationDesc& desc) {
-  const Clock clock(desc.rate_hz);
-  return Simulation(std::make_unique<Impl>(clock, build(read_commands(scene), desc), desc.device));
+  return Simulation(std::make_unique<Impl>(desc, read_commands(scene)));
 }
 
 Simulation Simulation::from_string(std::string_view xml, const SimulationDesc& desc,
                                    const std::filesystem::path& folder, const std::string& name) {
-  const Clock clock(desc.rate_hz);
-  return Simulation(std::make_unique<Impl>(clock, build(parse_commands(xml, name, folder), desc), desc.device));
+  return Simulation(std::make_unique<Impl>(desc, parse_commands(xml, name, folder)));
 }
 
 void Simulation::set(std::string_view element, std::string_view parameter, double value) {
-  Parameters& parameters = impl_->built.parameters;
+  Parameters& parameters = impl_->scene.built.parameters;
   parameters.set(parameters.index(element, parameter), value);
 }
 
 double Simulation::get(std::string_view element, std::string_view parameter) const {
-  const Parameters& parameters = impl_->built.parameters;
+  const Parameters& parameters = impl_->scene.built.parameters;
   return parameters.values()[parameters.index(element, parameter)];
+}
+
+void Simulation::execute(std::string_view xml, const std::filesystem::path& folder, const std::string& name) {
+  impl_->scene.built.parameters.log_request(std::string(xml));
+  impl_->scene.execute(parse_commands(xml, name, folder));
+  impl_->take_new_sensors();
 }
 
 void Simulation::enable(std::string_view sensor, bool on) { impl_->states[impl_->index(sensor)].enabled = on; }
@@ -216,31 +222,31 @@ void Simulation::step() { impl_->step(); }
 FrameTime Simulation::next_frame() const { return impl_->clock.frame(impl_->next_frame); }
 
 const Scan& Simulation::scan(std::string_view sensor) const {
-  const BuiltSensor& found = impl_->built.sensors[impl_->index(sensor)];
+  const BuiltSensor& found = impl_->sensor(sensor);
   return require(found.sensor->scan(), found, "scan");
 }
 
 const Image& Simulation::color(std::string_view sensor) const {
-  const BuiltSensor& found = impl_->built.sensors[impl_->index(sensor)];
+  const BuiltSensor& found = impl_->sensor(sensor);
   return require(found.sensor->color(), found, "colour");
 }
 
 const Image& Simulation::depth(std::string_view sensor) const {
-  const BuiltSensor& found = impl_->built.sensors[impl_->index(sensor)];
+  const BuiltSensor& found = impl_->sensor(sensor);
   return require(found.sensor->depth(), found, "depth");
 }
 
-Parameters& Simulation::parameters() { return impl_->built.parameters; }
-const Parameters& Simulation::parameters() const { return impl_->built.parameters; }
+Parameters& Simulation::parameters() { return impl_->scene.built.parameters; }
+const Parameters& Simulation::parameters() const { return impl_->scene.built.parameters; }
 
 bool Simulation::sensor_pose(std::string_view sensor, glm::dmat4& world_from_sensor) const {
-  return impl_->pose(impl_->built.sensors[impl_->index(sensor)], world_from_sensor);
+  return impl_->pose(impl_->sensor(sensor), world_from_sensor);
 }
 
 std::vector<SensorInfo> Simulation::sensors() const {
   std::vector<SensorInfo> infos;
-  for (std::size_t i = 0; i < impl_->built.sensors.size(); ++i) {
-    const BuiltSensor& sensor = impl_->built.sensors[i];
+  for (std::size_t i = 0; i < impl_->scene.built.sensors.size(); ++i) {
+    const BuiltSensor& sensor = impl_->scene.built.sensors[i];
     infos.push_back(
         {sensor.name, sensor.type, sensor.sensor->method(), impl_->states[i].frames, impl_->states[i].enabled});
   }
@@ -249,15 +255,20 @@ std::vector<SensorInfo> Simulation::sensors() const {
 
 std::span<const std::string> Simulation::measured() const { return impl_->measured; }
 
-void Simulation::write(std::string_view sensor, OutputSink& sink) const {
-  impl_->built.sensors[impl_->index(sensor)].sensor->write(sink);
+void Simulation::write(std::string_view sensor, OutputSink& sink) const { impl_->sensor(sensor).sensor->write(sink); }
+
+const std::vector<std::string>& Simulation::warnings() const { return impl_->scene.built.scene.warnings(); }
+const DeviceInfo& Simulation::device() const { return impl_->device.info(); }
+const FrameCounters& Simulation::counters() const { return impl_->sensing.renderer.counters(); }
+const DrawList& Simulation::draw_list() const { return *impl_->sensing.list; }
+const FramePlan& Simulation::frame_plan() const { return impl_->sensing.plan; }
+
+const FramePlan* Simulation::visualization_plan() const { return impl_->people ? &impl_->people->plan : nullptr; }
+
+const FrameCounters* Simulation::visualization_counters() const {
+  return impl_->people ? &impl_->people->renderer.counters() : nullptr;
 }
 
-const std::vector<std::string>& Simulation::warnings() const { return impl_->built.scene.warnings(); }
-const DeviceInfo& Simulation::device() const { return impl_->device.info(); }
-const FrameCounters& Simulation::counters() const { return impl_->renderer.counters(); }
-const DrawList& Simulation::draw_list() const { return *impl_->list; }
-const FramePlan& Simulation::frame_plan() const { return impl_->plan; }
 std::span<const StageTime> Simulation::stages() const { return impl_->stages.times(); }
 std::uint64_t Simulation::validation_messages() const { return impl_->device.validation_messages(); }
 

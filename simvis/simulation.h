@@ -12,8 +12,8 @@
 #include "engine/device.h"
 #include "engine/error.h"
 #include "engine/renderer.h"
-#include "sensors/image.h"
 #include "scenegraph/scan.h"
+#include "sensors/image.h"
 #include "sensors/sensor.h"
 #include "simvis/parameters.h"
 
@@ -40,7 +40,7 @@ struct SensorInfo {
 
 /// One stage of a step, on the steady clock.
 struct StageTime {
-  std::string_view name;  ///< "elements", "flatten", "plan", "render" or "collect"
+  std::string_view name;  ///< "elements", "flatten", "plan", "render", "collect" or "visualization"
   std::int64_t start_ns = 0, end_ns = 0;
 };
 
@@ -69,6 +69,11 @@ class Simulation {
   /// is then kept.
   void set(std::string_view element, std::string_view parameter, double value);
   double get(std::string_view element, std::string_view parameter) const;
+
+  /// Executes more commands: parts, elements and sensors come into the running scene, and show from the next step() on.
+  /// Relative file names start at `folder`, and `name` stands for the text in messages. All or nothing: when it throws
+  /// InputError, with the place, the scene is as it was. The text is logged in parameters().change_requests().
+  void execute(std::string_view xml, const std::filesystem::path& folder = ".", const std::string& name = "<string>");
 
   /// Turns a sensor on or off.
   void enable(std::string_view sensor, bool on);
@@ -104,6 +109,9 @@ class Simulation {
   const FrameCounters& counters() const;  ///< of the last step()
   const DrawList& draw_list() const;      ///< of the last step()
   const FramePlan& frame_plan() const;    ///< of the last step()
+  /// The same of what visualization cameras saw. Null while the scene has none.
+  const FramePlan* visualization_plan() const;
+  const FrameCounters* visualization_counters() const;
   /// The stages of the last step(), in order. Empty before the first.
   std::span<const StageTime> stages() const;
   std::uint64_t validation_messages() const;

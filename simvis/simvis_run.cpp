@@ -185,6 +185,13 @@ void write_results(const Simulation& simulation, const FrameTime& time, OutputWr
   for (const std::string& sensor : simulation.measured()) simulation.write(sensor, writer.sink(sensor, time));
 }
 
+void print_explanation(const Simulation& simulation) {
+  std::cout << explain(simulation.frame_plan(), simulation.counters());
+  const FramePlan* const visualization = simulation.visualization_plan();
+  if (visualization == nullptr) return;
+  std::cout << "visualization, drawn apart:\n" << explain(*visualization, *simulation.visualization_counters());
+}
+
 /// Makes and writes all frames; fills in the report's times.
 void run_frames(const Options& options, Simulation& simulation, const std::optional<Trajectory>& trajectory,
                 OutputWriter& writer, RunReport& report, Profile& profile) {
@@ -198,7 +205,7 @@ void run_frames(const Options& options, Simulation& simulation, const std::optio
     const std::int64_t measured_ns = now_ns();
     stop_if_asked_to();
     report.frame_ms.push_back(static_cast<double>(measured_ns - start_ns) / 1e6);
-    if (options.explain && frame == 0) std::cout << explain(simulation.frame_plan(), simulation.counters());
+    if (options.explain && frame == 0) print_explanation(simulation);
     write_results(simulation, time, writer);
     stop_if_asked_to();
     if (!options.profile.empty()) {

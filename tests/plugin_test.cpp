@@ -59,6 +59,31 @@ TEST_CASE("a scene is run with the types of a plug-in") {
   CHECK(distances[2] == "inf");
 }
 
+TEST_CASE("the door of the README opens") {
+  const TemporaryFolder folder;
+  // The probe stands before the hinge and stays; the plate 2 m ahead turns with the door.
+  write_text(folder / "scene.xml", R"(<scene>
+    <sensor type="distance_probe" name="PROBE" insert_at="ROOT"/>
+    <element type="door" name="DOOR" insert_at="ROOT"/>
+    <element type="plate" name="PLATE" insert_at="ROOT" x="2" size="5"/>
+  </scene>)");
+  write_text(folder / "move.csv", "time_s,DOOR.open\n0,0\n1,50\n2,100\n");
+  const ProcessResult run =
+      Process({kProgram, "--plugin", SIMVIS_PLUGIN, "--frames", "3", "--rate", "1", "--trajectory",
+               (folder / "move.csv").string(), "--out", (folder / "out").string(), (folder / "scene.xml").string()})
+          .wait();
+  CAPTURE(run.err);
+  REQUIRE(run.exit_code == 0);
+  const std::vector<std::string> distances = last_column(read_text(folder / "out/PROBE.csv"));
+  REQUIRE(distances.size() == 4);
+  CHECK(std::abs(std::stod(distances[1]) - 2) <= 2 * kDistanceTolerance);
+  // Half open, 45 degrees: the plate's plane meets the x axis at 2 / cos(45 degrees), 2 m from the plate's middle.
+  const double half_open = 2 * std::sqrt(2.0);
+  // The slant doubles what a rounding of the vertex moves.
+  CHECK(std::abs(std::stod(distances[2]) - half_open) <= 2 * half_open * kDistanceTolerance);
+  CHECK(distances[3] == "inf");  // a quarter turn
+}
+
 TEST_CASE("without its plug-in, a scene is refused") {
   const TemporaryFolder folder;
   write_text(folder / "scene.xml", kScene);

@@ -36,8 +36,8 @@ const SensorRegistration kProbe({.name = "probe",
 
 struct Stage {
   Stage() {
-    write_text(folder / "a.stub", "");
-    write_text(folder / "b.STUB", "warn");
+    write_text(folder / "a.stub", "triangle 1");
+    write_text(folder / "b.STUB", "warn\ntriangle 2");
   }
   BuiltScene build(std::string_view xml, std::span<const AttributeOverride> overrides = {}) const {
     return build_scene(parse_commands(xml, "s.xml", folder.path()), overrides);

@@ -1,0 +1,48 @@
+#include "simvis/live_scene.h"
+
+#include <algorithm>
+
+#include "simvis/default_light.h"
+
+namespace simvis {
+namespace {
+
+// An illegal override is an error whether or not the scene has a sensor of the type.
+std::vector<AttributeOverride> checked(std::vector<AttributeOverride> overrides) {
+  for (const AttributeOverride& each : overrides) {
+    const SensorType* const type = find_sensor_type(each.sensor_type);
+    if (type == nullptr) continue;  // the builder says what there is
+    const Location where{.file = each.origin.empty() ? each.sensor_type + "." + each.attribute : each.origin};
+    const Command command{
+        .kind = CommandKind::sensor, .attributes = {{each.attribute, each.value, where}}, .where = where, .folder = {}};
+    AttributeValues values(command, type->attributes, {});
+  }
+  return overrides;
+}
+
+}  // namespace
+
+LiveScene::LiveScene(std::vector<AttributeOverride> overrides, std::span<const Command> commands)
+    : overrides_(checked(std::move(overrides))),
+      builder_(built, overrides_),
+      default_light_(std::make_shared<Switch>()) {
+  default_light_->add(std::make_shared<LightNode>(kDefaultLight));
+  built.scene.insert_in_world(default_light_);
+  built.scene.undo().commit();
+  execute(commands);
+}
+
+void LiveScene::execute(std::span<const Command> commands) {
+  builder_.execute(commands);
+  default_light_->set_which(declares_light() ? Switch::kNone : Switch::kAll);
+}
+
+// A light of the scene's own, also where something hides it for now.
+bool LiveScene::declares_light() const {
+  const Node* const own = default_light_->children().front().get();
+  return std::ranges::any_of(nodes_of(built.scene.root()), [own](const NodePtr& node) {
+    return node->kind() == NodeKind::light && node.get() != own;
+  });
+}
+
+}  // namespace simvis

@@ -1,0 +1,27 @@
+// What one audience of a simulation sees: its flattened world, its plan, its renderer.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "engine/device.h"
+#include "engine/frame_plan.h"
+#include "engine/renderer.h"
+#include "scenegraph/flattener.h"
+
+namespace simvis {
+
+/// Sensors and people each have a layer of their own, down to the buffers: nothing that is drawn for people can touch
+/// what a sensor sees or costs.
+struct ViewLayer {
+  ViewLayer(GroupPtr root, Audience audience, Device& device)
+      : flattener(std::move(root), audience), renderer(device), list(&flattener.update()) {}
+
+  Flattener flattener;
+  Renderer renderer;
+  const DrawList* list;          ///< as of the last flattening
+  FramePlan plan;                ///< of this frame
+  std::vector<std::size_t> due;  ///< the sensors that measure in this frame, by index
+};
+
+}  // namespace simvis
