@@ -129,8 +129,9 @@ void Scene::insert_in_world(NodePtr node) {
   undo_.add([root = root_, node] { root->remove(*node); });
 }
 
-// Files of identical content hold one graph.
+// Files of identical content hold one graph, but for those with animations, which know the nodes of their own.
 void Scene::share_graph(PartContent& content) const {
+  if (content.animations != nullptr) return;
   for (const auto& [key, known] : contents_) {
     if (same_graph(known.root, content.root)) {
       content.root = known.root;

@@ -3,6 +3,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <functional>
@@ -327,6 +328,25 @@ TEST_CASE("of two parts from one file only the played one moves, and what does n
   }
 }
 
+TEST_CASE("two copies of one file are played independently") {
+  TemporaryFolder folder;
+  for (const char* name : {"a.gltf", "b.gltf"}) write_text(folder / name, bending_strip().text());
+  const BuiltScene built = build_scene(parse_commands(R"(
+    <part file="a.gltf" name="A" insert_at="ROOT" up="z"/>
+    <part file="b.gltf" name="B" insert_at="ROOT" up="z"/>
+    <element type="animation" name="WALK_A" insert_at="ROOT" part="A" time="1"/>
+    <element type="animation" name="WALK_B" insert_at="ROOT" part="B" repeat="once" time="2"/>)",
+                                                      "s.xml", folder.path()));
+  Flattener flattener(built.scene.root());
+  const DrawList& list = flattener.update();
+  std::vector<float> heights;
+  for (const DrawItem& item : list.items) heights.push_back(list.meshes[item.mesh]->bounds_max.z);
+  std::ranges::sort(heights);
+  REQUIRE(heights.size() == 2);
+  CHECK(heights[0] == 1);
+  CHECK(std::abs(heights[1] - (1 + std::sqrt(0.5))) <= kFloat_m);
+}
+
 TEST_CASE("loops are exact at large times, forwards and backwards") {
   const auto at_end = [](float end) {
     GltfBuilder builder = moved_triangle("translation", "VEC3", "LINEAR", {0, 0, 0, 1, 2, 3, 4, 4, 4});
@@ -476,15 +496,19 @@ TEST_CASE("a thousand steps leave nothing behind, on the device neither") {
     <sensor type="camera" name="EYE" insert_at="ROOT" width="2" height="2" outputs="depth"/>)",
                                                   {}, folder.path());
   std::vector<std::weak_ptr<const Mesh>> shown;
-  std::uint64_t uploaded = 0;
+  std::uint64_t uploaded = 0, bytes_held = 0;
   for (int i = 0; i < kSteps; ++i) {
     simulation.set("BEND", "time", 0.001 * (i + 1));
     simulation.step();
     REQUIRE(simulation.draw_list().meshes.size() == 1);
     shown.emplace_back(simulation.draw_list().meshes[0]);
     // The first two fill what later frames find there.
-    if (i == 2) uploaded = simulation.counters().bytes_uploaded;
-    if (i > 2) CHECK(simulation.counters().bytes_uploaded <= uploaded);
+    const FrameCounters& counters = simulation.counters();
+    CHECK(counters.meshes_held == 1);
+    if (i == 2) uploaded = counters.bytes_uploaded;
+    if (i == 2) bytes_held = counters.mesh_bytes;
+    if (i > 2) CHECK(counters.bytes_uploaded == uploaded);
+    if (i > 2) CHECK(counters.mesh_bytes == bytes_held);
   }
   // The renderer holds the meshes that lie on the device: of all that were shown, the last alone.
   int alive = 0;
