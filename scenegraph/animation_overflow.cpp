@@ -52,96 +52,97 @@ std::vector<double> largest_values(const AnimationSampler& sampler) {
   return value;
 }
 
-// One clip: every node's reach from the root, and the largest size of every weight.
-struct ClipReach {
-  std::vector<Reach> nodes;
+// At any time of any clip: how far each node's frame, and each of its morph weights, reaches at most.
+struct LargestPoses {
+  std::vector<Reach> root_from_node;
   std::vector<std::vector<double>> weights;
 };
 
-ClipReach reach_of(const PartAnimations& animations, const AnimationClip& clip) {
-  ClipReach reach;
+void raise(double& largest, double value) { largest = std::max(largest, value); }
+
+LargestPoses largest_poses(const PartAnimations& animations) {
+  LargestPoses poses;
   for (const AnimatedNode& node : animations.nodes) {
     const glm::dmat4& m = node.parent_from_node_at_rest;
-    reach.nodes.push_back({largest_stretch(glm::dmat3(m)), glm::length(glm::dvec3(m[3]))});
-    reach.weights.emplace_back();
-    for (const double weight : node.weights_at_rest) reach.weights.back().push_back(std::abs(weight));
+    poses.root_from_node.push_back({largest_stretch(glm::dmat3(m)), glm::length(glm::dvec3(m[3]))});
+    poses.weights.emplace_back();
+    for (const double weight : node.weights_at_rest) poses.weights.back().push_back(std::abs(weight));
   }
-  std::vector<glm::dvec3> scales;
-  for (const AnimatedNode& node : animations.nodes) scales.push_back(glm::abs(node.rest.scale));
-  for (const AnimationChannel& channel : clip.channels) {
-    const std::vector<double> largest = largest_values(clip.samplers[channel.sampler]);
-    if (channel.property == AnimatedProperty::weights) {
-      reach.weights[channel.node] = largest;
-      continue;
+  for (const AnimationClip& clip : animations.clips) {
+    for (const AnimationChannel& channel : clip.channels) {
+      const std::vector<double> largest = largest_values(clip.samplers[channel.sampler]);
+      Reach& own = poses.root_from_node[channel.node];
+      switch (channel.property) {
+        case AnimatedProperty::translation:
+          raise(own.move, glm::length(glm::dvec3(largest[0], largest[1], largest[2])));
+          break;
+        case AnimatedProperty::scale:
+          for (const double scale : largest) raise(own.stretch, scale);
+          break;
+        case AnimatedProperty::weights:
+          for (std::size_t t = 0; t < largest.size(); ++t) raise(poses.weights[channel.node][t], largest[t]);
+          break;
+        case AnimatedProperty::rotation:
+          break;
+      }
     }
-    if (channel.property == AnimatedProperty::scale) scales[channel.node] = {largest[0], largest[1], largest[2]};
-    if (channel.property == AnimatedProperty::translation) {
-      reach.nodes[channel.node].move = glm::length(glm::dvec3(largest[0], largest[1], largest[2]));
-    }
-    const glm::dvec3& scale = scales[channel.node];
-    reach.nodes[channel.node].stretch = std::max({scale.x, scale.y, scale.z});
   }
-  for (std::size_t i = 0; i < reach.nodes.size(); ++i) {
+  for (std::size_t i = 0; i < animations.nodes.size(); ++i) {
     if (animations.nodes[i].parent < 0) continue;
-    const Reach parent = reach.nodes[static_cast<std::size_t>(animations.nodes[i].parent)];
-    Reach& own = reach.nodes[i];
+    const Reach parent = poses.root_from_node[static_cast<std::size_t>(animations.nodes[i].parent)];
+    Reach& own = poses.root_from_node[i];
     own = {parent.stretch * own.stretch, parent.stretch * own.move + parent.move};
   }
-  return reach;
+  return poses;
 }
 
-// The largest distance of a vertex from the origin of its mesh, and how much joints weigh at most.
-double vertex_reach(const AnimatedShape& shape, const ClipReach& reach) {
-  const DeformableMesh& mesh = *shape.mesh;
-  const std::vector<double>& weights =
-      shape.node < 0 ? shape.weights_at_rest : reach.weights[static_cast<std::size_t>(shape.node)];
-  double farthest = 0, heaviest = 1;
-  for (std::size_t i = 0; i < mesh.base.positions.size(); ++i) {
-    double distance = glm::length(glm::dvec3(mesh.base.positions[i]));
-    for (std::size_t t = 0; t < weights.size(); ++t) {
-      if (mesh.targets[t].position_changes.empty()) continue;
-      distance += std::abs(weights[t]) * glm::length(glm::dvec3(mesh.targets[t].position_changes[i]));
-    }
-    farthest = std::max(farthest, distance);
+double farthest(const std::vector<glm::vec3>& points) {
+  double distance = 0;
+  for (const glm::vec3& point : points) raise(distance, glm::length(glm::dvec3(point)));
+  return distance;
+}
+
+// The largest ratio of a vertex's weights, all taken as positive, to their sum.
+double heaviest(const DeformableMesh& mesh) {
+  double ratio = 1;
+  for (std::size_t i = 0; i < mesh.influences.size(); i += mesh.influences_per_vertex) {
     double sum = 0, size = 0;
     for (std::size_t k = 0; k < mesh.influences_per_vertex; ++k) {
-      const double weight = mesh.influences[i * mesh.influences_per_vertex + k].weight;
-      sum += weight;
-      size += std::abs(weight);
+      sum += mesh.influences[i + k].weight;
+      size += std::abs(static_cast<double>(mesh.influences[i + k].weight));
     }
-    if (size > 0) heaviest = std::max(heaviest, size / sum);
+    raise(ratio, size / sum);
   }
-  return farthest * heaviest + heaviest;
+  return ratio;
 }
 
-bool shape_stays_finite(const PartAnimations& animations, const AnimatedShape& shape, const ClipReach& reach) {
-  const double vertex = vertex_reach(shape, reach);
+bool stays_finite(const PartAnimations& animations, const AnimatedShape& shape, const LargestPoses& poses) {
+  const DeformableMesh& mesh = *shape.mesh;
+  const std::vector<double>& weights =
+      shape.node < 0 ? shape.weights_at_rest : poses.weights[static_cast<std::size_t>(shape.node)];
+  double vertex = farthest(mesh.base.positions);
+  for (std::size_t t = 0; t < weights.size(); ++t) {
+    vertex += std::abs(weights[t]) * farthest(mesh.targets[t].position_changes);
+  }
   if (shape.skin < 0) return vertex <= kFloatMax;
+  const double weighed = heaviest(mesh) * (vertex + 1);  // with the 1 of homogeneous coordinates
   const AnimatedSkin& skin = animations.skins[static_cast<std::size_t>(shape.skin)];
   for (std::size_t j = 0; j < skin.joints.size(); ++j) {
-    const Reach& joint = reach.nodes[skin.joints[j]];
-    if (!((joint.stretch + joint.move + 1) * norm(skin.joint_from_mesh[j]) * vertex <= kFloatMax)) return false;
+    const Reach& joint = poses.root_from_node[skin.joints[j]];
+    if (!((joint.stretch + joint.move + 1) * norm(skin.joint_from_mesh[j]) * weighed <= kFloatMax)) return false;
   }
   return true;
 }
 
 }  // namespace
 
-std::string animation_overflow(const PartAnimations& animations, std::size_t& clip) {
-  for (clip = 0; clip < animations.clips.size(); ++clip) {
-    const ClipReach reach = reach_of(animations, animations.clips[clip]);
-    const std::vector<bool> moved = nodes_moved_by(animations, animations.clips[clip]);
-    for (std::size_t i = 0; i < moved.size(); ++i) {
-      const Reach& node = reach.nodes[i];
-      if (moved[i] && !(node.stretch <= kFloatMax && node.move <= kFloatMax)) {
-        return "can move a node to where float32 is not finite";
-      }
-    }
-    for (const AnimatedShape& shape : animations.shapes) {
-      if (!shape_stays_finite(animations, shape, reach)) {
-        return "can move a vertex, by its morph targets or joints, to where float32 is not finite";
-      }
-    }
+std::string animation_overflow(const PartAnimations& animations) {
+  const LargestPoses poses = largest_poses(animations);
+  for (const Reach& node : poses.root_from_node) {
+    if (!(node.stretch <= kFloatMax && node.move <= kFloatMax)) return "a node";
+  }
+  for (const AnimatedShape& shape : animations.shapes) {
+    if (!stays_finite(animations, shape, poses)) return "a vertex, by its morph targets or joints,";
   }
   return "";
 }

@@ -7,9 +7,9 @@
 
 namespace simvis {
 
-/// What is moved too far, such as "can move a skinned mesh to where float32 is not finite", with the number of the clip
-/// in `clip`; empty when every node, weight and vertex stays finite at every time. An upper bound decides: lengths of
-/// translations and tangents, largest scales and weights, multiplied along the tree. So what passes never overflows.
-std::string animation_overflow(const PartAnimations& animations, std::size_t& clip);
+/// What the clips may move to where float32 is not finite: "a node", say; empty when every node and vertex stays finite
+/// at every time. An upper bound decides, in one pass: the lengths of translations and tangents, the largest scales and
+/// weights of all clips, multiplied along the tree. So what passes never overflows.
+std::string animation_overflow(const PartAnimations& animations);
 
 }  // namespace simvis

@@ -30,9 +30,9 @@ class AnimationBinder {
       for (AnimationChannel& channel : clip.channels) channel.node = numbers_[channel.node];
       result_.clips.push_back(std::move(clip));
     }
-    std::size_t clip = 0;
-    const std::string overflow = animation_overflow(result_, clip);
-    if (!overflow.empty()) document_.fail("animations/" + std::to_string(clip) + " " + overflow);
+    const std::string overflow = animation_overflow(result_);
+    if (!overflow.empty())
+      document_.fail("has animations that can move " + overflow + " to where float32 is not finite");
     return std::make_shared<const PartAnimations>(std::move(result_));
   }
 

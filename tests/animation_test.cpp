@@ -67,38 +67,6 @@ glm::dmat4 turn_z(double angle) {
                     0, 1);
 }
 
-// A strip that stands on z = 0 at x = 3, 4 wide and 2 high, and bends at z = 1 about the y axis by 0, 45 and 90 degrees
-// at 0, 1 and 2 s. Its hinge's vertices follow both joints.
-GltfBuilder bending_strip() {
-  GltfBuilder builder;
-  json& primitive = builder.primitive(
-      {{"POSITION", builder.accessor<float>("VEC3", {3, -2, 0, 3, 2, 0, 3, -2, 1, 3, 2, 1, 3, -2, 2, 3, 2, 2})},
-       {"NORMAL", builder.accessor<float>("VEC3", {-1, 0, 0, -1, 0, 0, -1, 0, 0, -1, 0, 0, -1, 0, 0, -1, 0, 0})},
-       {"JOINTS_0", builder.accessor<std::uint8_t>("VEC4", {0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0,  //
-                                                            0, 1, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0})},
-       {"WEIGHTS_0", builder.accessor<float>("VEC4", {1,    0,    0, 0, 1, 0, 0, 0, 0.5f, 0.5f, 0, 0,  //
-                                                      0.5f, 0.5f, 0, 0, 1, 0, 0, 0, 1,    0,    0, 0})}});
-  primitive["indices"] = builder.accessor<std::uint16_t>("SCALAR", {0, 2, 1, 1, 2, 3, 2, 4, 3, 3, 4, 5});
-  primitive["material"] = 0;
-  builder.append("materials", {{"doubleSided", true}});
-  builder.root["nodes"][0].update({{"skin", 0}, {"translation", {50, 0, 0}}});  // which does not count
-  builder.append("nodes", {{"translation", {3, 0, 0}}, {"children", {2}}});
-  builder.append("nodes", {{"translation", {0, 0, 1}}});
-  builder.append("skins", {{"joints", {1, 2}},
-                           {"inverseBindMatrices",
-                            builder.accessor<float>("MAT4", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -3, 0, 0,  1,
-                                                             1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -3, 0, -1, 1})}});
-  builder.root["scenes"] = {{{"nodes", {0, 1}}}};
-  add_clip(builder, "Bend");
-  std::vector<float> turns;
-  for (const double angle : {0.0, M_PI / 4, M_PI / 2}) {
-    turns.insert(turns.end(), {0, static_cast<float>(std::sin(angle / 2)), 0, static_cast<float>(std::cos(angle / 2))});
-  }
-  add_channel(builder, 2, "rotation", "LINEAR", builder.accessor<float>("SCALAR", {0, 1, 2}),
-              builder.accessor<float>("VEC4", turns));
-  return builder;
-}
-
 // A triangle with two morph targets; the weights go from (0, 1) to (1, 0.5) in 2 s.
 GltfBuilder morphing_triangle() {
   GltfBuilder builder;

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "engine/error.h"
+#include "scenegraph/part_player.h"
 #include "tests/animated_part.h"
 #include "tests/error_of.h"
 
@@ -62,6 +63,13 @@ std::shared_ptr<const PartAnimations> animations_of(const GltfBuilder& builder, 
   const PartContent content = import_part(folder / "part.gltf", pool);
   *warnings = content.warnings;
   return content.animations;
+}
+
+bool is_finite(const glm::dmat4& m) {
+  for (int i = 0; i < 16; ++i) {
+    if (!std::isfinite(m[i / 4][i % 4])) return false;
+  }
+  return true;
 }
 
 }  // namespace
@@ -156,13 +164,13 @@ TEST_CASE("keys that do not fit") {
        [](GltfBuilder& b) {
          sampler(b, 2)["output"] = b.accessor<float>("VEC4", {0, 0, 0, 1, 0, 0, 0, 2});
        }},
-      {"animations/0 can move a node to where float32 is not finite",
+      {"has animations that can move a node to where float32 is not finite",
        [](GltfBuilder& b) {
          channel(b, 0)["target"] = {{"path", "scale"}, {"node", 0}};
          sampler(b, 0)["output"] = b.accessor<float>("VEC3", {1, 1, 1, 1e30f, 1, 1});
          b.append("nodes", {{"children", {0}}, {"scale", {1e30, 1, 1}}});
        }},
-      {"animations/0 can move a vertex, by its morph targets or joints, to where float32 is not finite",
+      {"has animations that can move a vertex, by its morph targets or joints, to where float32 is not finite",
        [](GltfBuilder& b) {
          sampler(b, 1)["output"] = b.accessor<float>("SCALAR", {0, 3e38f});
          b.root["meshes"][0]["primitives"][0]["targets"][0]["POSITION"] =
@@ -222,6 +230,58 @@ TEST_CASE("a chain of 100,000 nodes carries a joint at its end") {
   PlayedPart part(builder, "repeat='once'");
   CHECK(part.mesh_at(0).positions[0] == glm::vec3(kDepth - 1, 0, 0));
   CHECK(part.mesh_at(1).positions[0] == glm::vec3(1 - (kDepth - 2), 0, 0));  // node 1 itself stays where it is
+}
+
+TEST_CASE("broken animations are refused, or play with every vertex and node finite") {
+  constexpr int kFiles = 2000;
+  GltfBuilder morphing = good_file();
+  const ByteString seeds[] = {bending_strip().glb(), morphing.glb()};
+  TemporaryFolder folder;
+  int played = 0;
+  std::uint64_t state = 1;  // of splitmix64: the same files on every machine
+  const auto below = [&](std::uint64_t end) {
+    std::uint64_t z = state += 0x9E3779B97F4A7C15u;
+    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
+    z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
+    return (z ^ (z >> 31)) % end;
+  };
+  for (int i = 0; i < kFiles; ++i) {
+    CAPTURE(i);
+    ByteString bytes = seeds[i % 2];
+    // Most flips in the numbers, which stand at the end: there a file stays readable.
+    const std::size_t first = below(4) == 0 ? 0 : bytes.size() - (i % 2 == 0 ? bending_strip() : morphing).bytes.size();
+    for (std::uint64_t flips = 1 + below(6); flips > 0; --flips) {
+      bytes[first + below(bytes.size() - first)] ^= static_cast<std::uint8_t>(1u << below(8));
+    }
+    const std::filesystem::path file = folder / ("part" + std::to_string(i) + ".glb");
+    write_bytes(file, bytes);
+    ContentPool pool;
+    PartContent content;
+    const std::string message = error_of([&] { content = import_part(file, pool); });
+    if (content.root == nullptr) {
+      REQUIRE(message.starts_with(file.string() + ": error: "));
+      continue;
+    }
+    if (content.animations == nullptr) continue;
+    NodeMap clone_of;
+    const auto root = std::make_shared<Group>();
+    root->add(clone_graph(content.root, clone_of));
+    Flattener flattener(root);
+    for (std::size_t clip = 0; clip < content.animations->clips.size(); ++clip) {
+      PartPlayer player(content.animations, clip, clone_of);
+      for (const double part : {0.0, 0.1, 0.5, 0.9, 1.0}) {
+        player.show(part * player.duration_s());
+        const DrawList& list = flattener.update();
+        for (const glm::dmat4& m : list.world_from_node) REQUIRE(is_finite(m));
+        for (const auto& mesh : list.meshes) {
+          for (const glm::vec3& p : mesh->positions)
+            REQUIRE((std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z)));
+        }
+      }
+    }
+    ++played;
+  }
+  CHECK(played > kFiles / 10);
 }
 
 TEST_CASE("other people's valid animations load") {
