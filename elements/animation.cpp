@@ -1,7 +1,9 @@
 #include "elements/animation.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace simvis {
@@ -34,8 +36,17 @@ const ElementRegistration kRegistration({
     },
 });
 
-// Stands in a part that is played, so that a second element finds out. Named like the first.
-class PlayedMark : public Group {};
+// Stands in a part that is played, so that another element finds out what is taken. Named like the element.
+class PlayedMark : public Group {
+ public:
+  explicit PlayedMark(std::vector<const Node*> driven) : driven_(std::move(driven)) {}
+  bool meets(const std::vector<const Node*>& others) const {
+    return std::ranges::find_first_of(driven_, others) != driven_.end();
+  }
+
+ private:
+  std::vector<const Node*> driven_;
+};
 
 std::size_t find_clip(const ElementContext& context, const std::string& part, const PartContent& content) {
   if (content.animations == nullptr || content.animations->clips.empty()) {
@@ -60,14 +71,17 @@ std::size_t find_clip(const ElementContext& context, const std::string& part, co
                                                 "or a number from 0 to " + std::to_string(clips.size() - 1) + ")");
 }
 
-void claim(const ElementContext& context, const std::string& part, const OwnPart& own) {
+void claim(const ElementContext& context, const std::string& part, const OwnPart& own,
+           std::vector<const Node*> driven) {
   const auto root = std::dynamic_pointer_cast<Group>(own.root);
   for (const NodePtr& child : root->children()) {
-    if (std::dynamic_pointer_cast<const PlayedMark>(child) == nullptr) continue;
-    fail_at(context.attributes.where("part"), "part " + in_quotes(part) + " is played by the element " +
-                                                  in_quotes(child->name) + " already; expected one for each part");
+    const auto other = std::dynamic_pointer_cast<const PlayedMark>(child);
+    if (other == nullptr || !other->meets(driven)) continue;
+    fail_at(context.command.where, "the animation moves what the element " + in_quotes(other->name) +
+                                       " moves already in part " + in_quotes(part) +
+                                       " (expected animations of different nodes and meshes)");
   }
-  const auto mark = std::make_shared<PlayedMark>();
+  const auto mark = std::make_shared<PlayedMark>(std::move(driven));
   mark->name = context.command.require("name").value;
   context.scene.insert(context.command, mark);
   root->add(mark);
@@ -81,8 +95,8 @@ AnimationElement::AnimationElement(const ElementContext& context)
   const CommandAttribute& part = context.command.require("part");
   const OwnPart own = context.scene.own_part(part.value, part.where);
   const std::size_t clip = find_clip(context, part.value, own.content);
-  claim(context, part.value, own);
   player_ = std::make_shared<PartPlayer>(own.content.animations, clip, own.clone_of);
+  claim(context, part.value, own, player_->driven());
   context.scene.undo().add([player = player_] { player->show_rest(); });
 }
 

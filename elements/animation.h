@@ -2,8 +2,8 @@
 //
 //   <element type="animation" name="WALK" insert_at="ROOT" part="PERSON" clip="Walk" time="0.5"/>
 //
-// Moves the part's nodes and bends its skinned and morphed meshes, in this insertion of the part alone. One element
-// plays one clip, and a part is played by one element: another for the same part is refused.
+// Moves the part's nodes and bends its skinned and morphed meshes, in this insertion of the part alone. Several
+// elements may play clips of one part at once, as long as no two of them change the same node or mesh: that is refused.
 // Parameters  time (s), live: where in the clip the part is. At equal times it looks the same, to the last bit.
 #pragma once
 

@@ -57,6 +57,15 @@ void PartPlayer::find_deformed(const NodeMap& clone_of) {
   }
 }
 
+std::vector<const Node*> PartPlayer::driven() const {
+  std::vector<const Node*> nodes;
+  for (const Mover& mover : movers_) {
+    if (mover.transform != nullptr) nodes.push_back(mover.transform.get());
+  }
+  for (const Deformed& deformed : deformed_) nodes.push_back(deformed.shape.get());
+  return nodes;
+}
+
 void PartPlayer::show(double time_s) {
   sample_channels(time_s);
   for (const Mover& mover : movers_) {

@@ -18,6 +18,10 @@ class PartPlayer {
 
   double duration_s() const { return clip_->duration_s; }
 
+  /// The transforms and shapes that the clip changes. Players of one part that have none in common do not disturb each
+  /// other.
+  std::vector<const Node*> driven() const;
+
   /// Poses the part as at this time of the clip: before its first key as there, after its last key as there.
   void show(double time_s);
 

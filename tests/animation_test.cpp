@@ -315,6 +315,25 @@ TEST_CASE("two copies of one file are played independently") {
   CHECK(std::abs(heights[1] - (1 + std::sqrt(0.5))) <= kFloat_m);
 }
 
+TEST_CASE("clips of different nodes of a part play at once") {
+  GltfBuilder builder = moved_triangle("translation", "VEC3", "STEP", {1, 0, 0, 2, 0, 0, 3, 0, 0});
+  builder.append("nodes", {{"mesh", 0}});
+  add_clip(builder, "Other");
+  add_channel(builder, 1, "translation", "LINEAR", builder.accessor<float>("SCALAR", {0, 1}),
+              builder.accessor<float>("VEC3", {0, 0, 0, 0, 4, 0}), 1);
+  TemporaryFolder folder;
+  write_text(folder / "part.gltf", builder.text());
+  BuiltScene built = build_scene(parse_commands(R"(
+    <part file="part.gltf" name="P" insert_at="ROOT" up="z"/>
+    <element type="animation" name="A" insert_at="ROOT" part="P" time="2"/>
+    <element type="animation" name="B" insert_at="ROOT" part="P" clip="Other" time="0.5"/>)",
+                                                "s.xml", folder.path()));
+  const DrawList list = Flattener(built.scene.root()).update();
+  REQUIRE(list.items.size() == 2);
+  CHECK(list.world_from_node[list.items[0].transform][3] == glm::dvec4(2, 0, 0, 1));
+  CHECK(list.world_from_node[list.items[1].transform][3] == glm::dvec4(0, 2, 0, 1));
+}
+
 TEST_CASE("loops are exact at large times, forwards and backwards") {
   const auto at_end = [](float end) {
     GltfBuilder builder = moved_triangle("translation", "VEC3", "LINEAR", {0, 0, 0, 1, 2, 3, 4, 4, 4});
@@ -432,7 +451,8 @@ TEST_CASE("mistakes in the command") {
   CHECK(contains(error(play + "'A' part='STILL'/>"), "part \"STILL\" has no animation (file \""));
   CHECK(contains(error(play + "'A' part='P' repeat='twice'/>"), "expected one of: loop, once"));
   CHECK(contains(error(play + "'A' part='P'/>" + play + "'B' part='P'/>"),
-                 "part \"P\" is played by the element \"A\" already; expected one for each part"));
+                 "the animation moves what the element \"A\" moves already in part \"P\" (expected animations of "
+                 "different nodes and meshes)"));
   CHECK(contains(error("<element type='animation' insert_at='ROUTE' name='A' part='P'/>"), "ROUTE"));
 }
 
