@@ -127,13 +127,15 @@ class MotionReader {
     check_use(document_, source.input, kTimes);
     check_use(document_, source.output, use_of(property));
     check_counts(source, sampler, place, property);
-    if (!has_data(document_, source.input) || !has_data(document_, source.output)) {
-      document_.warn("animation channels whose accessors hold no data are left out");
-      return sampler;
+    if (has_data(document_, source.input)) sampler.times_s = read_times(source.input, place);
+    if (has_data(document_, source.output)) {
+      sampler.values = read_once(source.output, use_of(property));
+      if (property == AnimatedProperty::rotation) check_rotations(sampler, source.output, place);
     }
-    sampler.times_s = read_times(source.input, place);
-    sampler.values = read_once(source.output, use_of(property));
-    if (property == AnimatedProperty::rotation) check_rotations(sampler, source.output, place);
+    if (sampler.times_s == nullptr || sampler.values == nullptr) {
+      document_.warn("animation channels whose accessors hold no data are left out");
+      sampler.times_s = nullptr;
+    }
     return sampler;
   }
 

@@ -164,6 +164,12 @@ TEST_CASE("keys that do not fit") {
        [](GltfBuilder& b) {
          sampler(b, 2)["output"] = b.accessor<float>("VEC4", {0, 0, 0, 1, 0, 0, 0, 2});
        }},
+      {"has in element 0 a rotation that is not a unit quaternion",  // whatever the times are, which nobody wrote
+       [](GltfBuilder& b) {
+         sampler(b, 2) = {
+             {"input", b.append("accessors", {{"componentType", kFloat}, {"count", 1}, {"type", "SCALAR"}})},
+             {"output", b.accessor<float>("VEC4", {0, 0, 0, 0})}};
+       }},
       {"has animations that can move a node to where float32 is not finite",
        [](GltfBuilder& b) {
          channel(b, 0)["target"] = {{"path", "scale"}, {"node", 0}};
