@@ -9,6 +9,9 @@
 namespace simvis {
 namespace {
 
+// Thirty years: at the far ends a double still tells a tenth of a microsecond.
+constexpr double kMaxTime_s = 1e9;
+
 constexpr AttributeSpec kAttributes[] = {
     {.name = "part", .kind = AttributeKind::part, .text = "whose animation it is"},
     {.name = "clip",
@@ -24,6 +27,8 @@ constexpr AttributeSpec kAttributes[] = {
      .default_value = "0",
      .unit = "s",
      .text = "time since the animation's start",
+     .min = -kMaxTime_s,
+     .max = kMaxTime_s,
      .live = true},
 };
 
