@@ -148,8 +148,9 @@ void Scene::insert_behind_point(std::string_view part, NodePtr node) {
   undo_.add([parent = at.parent, node] { parent->remove(*node); });
 }
 
-// Files of identical content hold one graph.
+// Files of identical content hold one graph, but for those with animations, which know the nodes of their own.
 void Scene::share_graph(PartContent& content) const {
+  if (content.animations != nullptr) return;
   for (const auto& [key, known] : contents_) {
     if (same_graph(known.root, content.root)) {
       content.root = known.root;

@@ -13,6 +13,7 @@
 #include "scenegraph/content_pool.h"
 #include "scenegraph/name_set.h"
 #include "scenegraph/node.h"
+#include "scenegraph/part_animation.h"
 #include "scenegraph/undo_log.h"
 
 namespace simvis {
@@ -24,6 +25,8 @@ struct PartContent {
   std::vector<std::string> commands;  ///< embedded commands, XML text, in the order found
   std::filesystem::path file;         ///< the canonical name; set by Scene
   std::vector<std::string> points;    ///< names of the insertion points in the graph, in order; set by Scene
+  /// What moves the nodes of `root`; null: nothing does.
+  std::shared_ptr<const PartAnimations> animations;
 };
 
 /// A part's content that belongs to one insertion alone.
