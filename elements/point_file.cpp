@@ -1,7 +1,6 @@
 #include "elements/point_file.h"
 
 #include <algorithm>
-#include <cmath>
 #include <span>
 #include <string>
 #include <string_view>
@@ -10,6 +9,7 @@
 #include "scenegraph/attributes.h"
 #include "scenegraph/pose.h"
 #include "scenegraph/source_text.h"
+#include "scenegraph/srgb.h"
 
 namespace simvis {
 namespace {
@@ -47,11 +47,6 @@ bool is_header(const Line& line) {
   return (count == 3 || count == 6) && std::ranges::equal(line.words, std::span(kNames).first(count));
 }
 
-double linear_from_srgb(double byte) {
-  const double value = byte / 255;
-  return value <= 0.04045 ? value / 12.92 : std::pow((value + 0.055) / 1.055, 2.4);
-}
-
 class PointReader {
  public:
   explicit PointReader(const SourceText& source) : source_(source) {}
@@ -86,7 +81,7 @@ class PointReader {
     FilePoint point;
     for (int i = 0; i < 3; ++i) point.position_m[i] = number(line, i, -kMaxCoordinate_m, kMaxCoordinate_m);
     for (int i = 0; count == 6 && i < 3; ++i) {
-      point.color[i] = static_cast<float>(linear_from_srgb(number(line, 3 + i, 0, 255)));
+      point.color[i] = linear_from_srgb(number(line, 3 + i, 0, 255) / 255);
     }
     file_.points.push_back(point);
   }

@@ -10,16 +10,12 @@
 #include <Inventor/fields/SoSFNode.h>
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
+
+#include "scenegraph/srgb.h"
 
 namespace simvis {
 namespace {
-
-float linear_of_srgb(float encoded) {
-  const double c = encoded;
-  return static_cast<float>(c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4));
-}
 
 glm::vec3 to_linear(const SbColor& color) { return linear_of_display_color({color[0], color[1], color[2]}); }
 
@@ -93,7 +89,7 @@ std::pair<Wrap, Wrap> wraps_of(SoCallbackAction& action) {
 }  // namespace
 
 glm::vec3 linear_of_display_color(const glm::vec3& srgb) {
-  return {linear_of_srgb(srgb.x), linear_of_srgb(srgb.y), linear_of_srgb(srgb.z)};
+  return {linear_from_srgb(srgb.x), linear_from_srgb(srgb.y), linear_from_srgb(srgb.z)};
 }
 
 InventorLook InventorLooks::look(SoCallbackAction& action, const SoShape& shape, bool is_surface) {

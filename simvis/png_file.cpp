@@ -4,12 +4,12 @@
 
 #include <array>
 #include <bit>
-#include <cmath>
 #include <cstdlib>
 #include <vector>
 
 #include "engine/assert.h"
 #include "engine/error.h"
+#include "scenegraph/srgb.h"
 
 namespace {
 
@@ -52,7 +52,7 @@ struct SrgbTable {
   SrgbTable() {
     for (int c = 1; c < 256; ++c) {
       const double s = (c - 0.5) / 255;
-      start[static_cast<std::size_t>(c)] = s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
+      start[static_cast<std::size_t>(c)] = decode_srgb(s);
     }
     start[256] = 2;
     int c = 0;

@@ -15,6 +15,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 sys.dont_write_bytecode = True
 sys.path[:0] = [str(HERE), str(HERE.parent)]
 
+import committed
 import gltf_writer
 import reach
 import robot
@@ -31,23 +32,6 @@ def make():
     return files, triangles
 
 
-def check(files):
-    """Messages about files that are not what this generator makes."""
-    problems = []
-    for name, data in files.items():
-        path = HERE / name
-        if not path.exists():
-            problems.append(f"{name} is missing")
-            continue
-        found = path.read_bytes()
-        if not (gltf_writer.content(found) == gltf_writer.content(data) if name.endswith(".glb") else found == data):
-            problems.append(f"{name} is not what generate.py makes")
-    known = {HERE / name for name in files}
-    problems += [f"{path.name} is made by nobody" for path in sorted([*HERE.glob("*.glb"), *HERE.glob("meshes/*")])
-                 if path not in known]
-    return problems
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--out", type=pathlib.Path, default=HERE, metavar="DIR")
@@ -55,7 +39,7 @@ def main():
     arguments = parser.parse_args()
     files, triangles = make()
     if arguments.check:
-        problems = check(files)
+        problems = committed.problems(HERE, files, ("*.glb", "meshes/*"))
         if problems:
             sys.exit("\n".join(problems))
         return

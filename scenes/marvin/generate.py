@@ -16,6 +16,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 sys.dont_write_bytecode = True
 sys.path[:0] = [str(HERE), str(HERE.parent)]
 
+import committed
 import drive
 import furniture
 import gltf_writer
@@ -49,23 +50,6 @@ def make():
     return files, made, table
 
 
-def check(files):
-    """Messages about files that are not what this generator makes."""
-    problems = []
-    for name, data in files.items():
-        path = HERE / name
-        if not path.exists():
-            problems.append(f"{name} is missing")
-            continue
-        found = path.read_bytes()
-        same = found == data if name.endswith(".csv") else gltf_writer.content(found) == gltf_writer.content(data)
-        if not same:
-            problems.append(f"{name} is not what generate.py makes")
-    known = {HERE / name for name in files}
-    problems += [f"{path.name} is made by nobody" for path in sorted(HERE.glob("*.glb")) if path not in known]
-    return problems
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--out", type=pathlib.Path, default=HERE, metavar="DIR")
@@ -76,7 +60,7 @@ def main():
     if distance < drive.SMALLEST_CLEARANCE_M:
         sys.exit(f"the drive comes within {distance:.3f} m of {nearest}")
     if arguments.check:
-        problems = check(files)
+        problems = committed.problems(HERE, files)
         if problems:
             sys.exit("\n".join(problems))
         return
