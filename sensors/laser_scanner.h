@@ -2,9 +2,11 @@
 //
 //   <sensor type="laser_scanner" name="FRONT" insert_at="ROBOT" pose_offset="0.3 0 0.1 0 0 0" samples="361"/>
 //
-// It covers its field of view with virtual cameras of at most 90 degrees and takes ranges from their reversed depth:
-// see depth_range.h for how, and for what the error bound says. A laser meets matter from either side; what is
-// blended below one half or masked out lets it pass; lines and points are not there for it.
+// `nearest` and `planar` cover the field of view with virtual cameras of at most 90 degrees and take ranges from their
+// reversed depth: see depth_range.h for how, and for what the error bound says. `raycast` renders nothing and casts
+// every beam: see ray_caster.h. `hybrid` renders as `planar` does and casts the beams whose bound is above
+// kHybridBound. A laser meets matter from either side; what is blended below one half or masked out lets it pass;
+// lines and points are not there for it.
 #pragma once
 
 #include <string>
@@ -17,7 +19,7 @@
 
 namespace simvis {
 
-enum class ScanMethod : std::uint8_t { nearest, planar };
+enum class ScanMethod : std::uint8_t { nearest, planar, hybrid, raycast };
 
 struct LaserScannerDesc {
   ScanPattern pattern;
@@ -29,19 +31,26 @@ struct LaserScannerDesc {
 /// Pixels across 90 degrees where a scene does not say: of one ring, and of several (whose faces are areas).
 inline constexpr double kPlanarResolution = 4096, kRingsResolution = 1024;
 
+/// The bound, as a share of the range, up to which `hybrid` leaves a beam to `planar`: 16 half ulps of float32. A cast
+/// beam has one, from storing its range.
+inline constexpr double kHybridBound = 0x1p-20;
+
 class LaserScanner : public Sensor {
  public:
   LaserScanner(std::string name, const LaserScannerDesc& desc);
 
   void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
   void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override;
+  void cast(RayCaster& rays) override;
   const Scan* scan() const override { return &scan_; }
   void write(OutputSink& sink) const override;
   std::string method() const override;
+  std::optional<double> cast_share() const override;
 
   const ScanLayout& layout() const { return layout_; }
 
  private:
+  void plan_views(const glm::dmat4& sensor_from_world, const DrawList& list, FramePlan& plan);
   void take(std::size_t beam, double range_m, double error_bound_m);
 
   std::string name_;
@@ -49,6 +58,11 @@ class LaserScanner : public Sensor {
   ScanLayout layout_;
   std::vector<AtlasPlace> places_;  // of each face, this frame
   VertexRounding rounding_;         // of this frame's scene
+  glm::dmat4 world_from_sensor_{1.0};
+  std::vector<glm::dvec3> directions_;  // of all beams, where the method casts any
+  std::vector<std::uint32_t> beams_;    // to be cast this frame
+  std::vector<glm::dvec3> cast_directions_;
+  std::vector<RayHit> hits_;
   Scan scan_;
 };
 

@@ -1,0 +1,267 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "engine/assert.h"
+#include "engine/embree_items.h"
+#include "engine/ray_caster.h"
+#include "engine/surface_alpha.h"
+
+namespace simvis {
+
+namespace {
+
+constexpr unsigned kLanes = 16;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+struct Nearest {
+  double range_m = kInfinity;
+  std::uint32_t placed = 0, primitive = 0;  // of ItemTree::items(), which stand in the order of the list's items
+};
+
+/// What one thread works with: the world, and the items as the sensor sees them, made when a ray comes near.
+struct View {
+  const DrawList* list = nullptr;
+  const ItemTree* tree = nullptr;
+  glm::dmat4 world_from_sensor{1.0};
+  std::uint64_t cast = 0;
+  std::vector<SeenItem> seen;
+
+  const SeenItem& item(std::uint32_t placed) {
+    SeenItem& item = seen[placed];
+    if (item.cast != cast) {
+      item = see(tree->items()[placed], world_from_sensor);
+      item.cast = cast;
+    }
+    return item;
+  }
+};
+
+/// Up to 16 rays on their way. Embree hands the context back to the callbacks: it has to stand first.
+struct Packet {
+  RTCIntersectContext context;
+  View* view;
+  glm::dvec3 direction[kLanes];
+  ShearedRay ray[kLanes];
+  Nearest nearest[kLanes];
+  // Of the item that is being walked: a ray enters its box at start_m and advances by `rate` radii a metre.
+  std::uint32_t placed;
+  double start_m[kLanes], rate[kLanes];
+};
+static_assert(std::is_standard_layout_v<Packet>);
+
+void try_triangle(Packet& packet, unsigned lane, std::uint32_t primitive, const std::array<glm::dvec3, 3>& corners) {
+  TriangleHit hit;
+  Nearest& nearest = packet.nearest[lane];
+  if (!intersect(packet.ray[lane], corners, hit) || hit.range_m > nearest.range_m) return;
+  if (hit.range_m == nearest.range_m &&
+      std::pair(nearest.placed, nearest.primitive) < std::pair(packet.placed, primitive)) {
+    return;
+  }
+  const PlacedItem& item = packet.view->tree->items()[packet.placed];
+  const Material& material = *packet.view->list->materials[packet.view->list->items[item.item].material];
+  const double area = hit.weights.x + hit.weights.y + hit.weights.z;
+  if (!is_solid(material, *item.tree->mesh(), primitive, hit.weights / area)) return;
+  nearest = {hit.range_m, packet.placed, primitive};
+}
+
+void on_triangle(const RTCIntersectFunctionNArguments* arguments) {
+  Packet& packet = *reinterpret_cast<Packet*>(arguments->context);
+  RTCRayN* const rays = RTCRayHitN_RayN(arguments->rayhit, arguments->N);
+  const MeshTree& tree = *static_cast<const MeshTree*>(arguments->geometryUserPtr);
+  const std::array<glm::dvec3, 3> corners =
+      place_corners(*tree.mesh(), arguments->primID, packet.view->seen[packet.placed].placement);
+  for (unsigned i = 0; i < arguments->N; ++i) {
+    if (arguments->valid[i] != -1) continue;
+    const unsigned lane = RTCRayN_id(rays, arguments->N, i);
+    const double before_m = packet.nearest[lane].range_m;
+    try_triangle(packet, lane, arguments->primID, corners);
+    const double range_m = packet.nearest[lane].range_m;
+    if (range_m < before_m) {
+      RTCRayN_tfar(rays, arguments->N, i) = end_of_ray((range_m - packet.start_m[lane]) * packet.rate[lane]);
+    }
+  }
+}
+
+// Where the ray runs through the item's box, in its unit frame: false if it does not, before its nearest hit.
+bool enter(const SeenItem& item, const glm::dvec3& half_size, Packet& packet, unsigned lane, RTCRayHit16& rays) {
+  const glm::dvec3& direction = packet.direction[lane];
+  const double middle_m = glm::dot(item.centre, direction);
+  const glm::dvec3 middle = item.unit_from_sensor * (middle_m * direction - item.centre);
+  const glm::dvec3 way = item.unit_from_sensor * direction;
+  double first = -middle_m, last = packet.nearest[lane].range_m - middle_m;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double half = half_size[axis] + 2 * kPadding;
+    if (way[axis] == 0) {
+      if (std::abs(middle[axis]) > half) return false;
+      continue;
+    }
+    const double s = (-half - middle[axis]) / way[axis], t = (half - middle[axis]) / way[axis];
+    first = std::max(first, std::min(s, t));
+    last = std::min(last, std::max(s, t));
+  }
+  const double rate = glm::length(way);
+  if (!(first * rate <= last * rate + kPadding)) return false;
+  const glm::dvec3 from = middle + first * way, unit = way / rate;
+  packet.start_m[lane] = middle_m + first;
+  packet.rate[lane] = rate;
+  rays.ray.org_x[lane] = static_cast<float>(from.x);
+  rays.ray.org_y[lane] = static_cast<float>(from.y);
+  rays.ray.org_z[lane] = static_cast<float>(from.z);
+  rays.ray.dir_x[lane] = static_cast<float>(unit.x);
+  rays.ray.dir_y[lane] = static_cast<float>(unit.y);
+  rays.ray.dir_z[lane] = static_cast<float>(unit.z);
+  rays.ray.tfar[lane] = end_of_ray((packet.nearest[lane].range_m - packet.start_m[lane]) * rate);
+  return true;
+}
+
+void prepare(RTCRayHit16& rays, unsigned lane) {
+  rays.ray.tnear[lane] = 0;
+  rays.ray.time[lane] = 0;
+  rays.ray.mask[lane] = ~0u;
+  rays.ray.id[lane] = lane;
+  rays.ray.flags[lane] = 0;
+  rays.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
+  rays.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
+}
+
+bool near_item(const SeenItem& item, const glm::dvec3& direction) {
+  const glm::dvec3 off = item.centre - glm::dot(item.centre, direction) * direction;
+  return glm::dot(off, off) <= item.radius_m * item.radius_m;
+}
+
+void walk_one_by_one(Packet& packet, const MeshTree& tree, const MeshPlacement& placement, unsigned lanes) {
+  for (std::uint32_t t = 0; t < tree.triangles(); ++t) {
+    const std::array<glm::dvec3, 3> corners = place_corners(*tree.mesh(), t, placement);
+    for (unsigned lane = 0; lane < kLanes; ++lane) {
+      if (lanes >> lane & 1) try_triangle(packet, lane, t, corners);
+    }
+  }
+}
+
+void walk_tree(Packet& packet, const MeshTree& tree, const SeenItem& item, unsigned lanes) {
+  alignas(64) int valid[kLanes] = {};
+  RTCRayHit16 rays{};  // a build of Embree with assertions looks at idle lanes, too
+  bool any = false;
+  for (unsigned lane = 0; lane < kLanes; ++lane) {
+    if (!(lanes >> lane & 1) || !enter(item, tree.half_size(), packet, lane, rays)) continue;
+    prepare(rays, lane);
+    valid[lane] = -1;
+    any = true;
+  }
+  if (any) rtcIntersect16(valid, tree.scene(), &packet.context, &rays);
+}
+
+void on_item(const RTCIntersectFunctionNArguments* arguments) {
+  Packet& packet = *reinterpret_cast<Packet*>(arguments->context);
+  RTCRayN* const rays = RTCRayHitN_RayN(arguments->rayhit, arguments->N);
+  const SeenItem& item = packet.view->item(arguments->primID);
+  packet.placed = arguments->primID;
+  unsigned lanes = 0;
+  for (unsigned i = 0; i < arguments->N; ++i) {
+    if (arguments->valid[i] != -1) continue;
+    const unsigned lane = RTCRayN_id(rays, arguments->N, i);
+    if (near_item(item, packet.direction[lane])) lanes |= 1u << lane;
+  }
+  if (lanes == 0) return;
+  const MeshTree& tree = *packet.view->tree->items()[arguments->primID].tree;
+  if (item.one_by_one) {
+    walk_one_by_one(packet, tree, item.placement, lanes);
+  } else {
+    walk_tree(packet, tree, item, lanes);
+  }
+  for (unsigned i = 0; i < arguments->N; ++i) {
+    if (arguments->valid[i] != -1) continue;
+    RTCRayN_tfar(rays, arguments->N, i) = end_of_ray(packet.nearest[RTCRayN_id(rays, arguments->N, i)].range_m);
+  }
+}
+
+RayHit finish(const Packet& packet, unsigned lane) {
+  const Nearest& nearest = packet.nearest[lane];
+  if (nearest.range_m == kInfinity) return {};
+  const SeenItem& seen = packet.view->seen[nearest.placed];
+  const PlacedItem& item = packet.view->tree->items()[nearest.placed];
+  const auto corners = place_corners(*item.tree->mesh(), nearest.primitive, seen.placement);
+  TriangleHit hit;
+  SIMVIS_ASSERT(intersect(packet.ray[lane], corners, hit));
+  return {hit.range_m, range_error_bound(packet.ray[lane], corners, hit, seen.corner_error_m), item.item,
+          nearest.primitive};
+}
+
+void cast_packet(View& view, std::span<const glm::dvec3> directions, std::span<RayHit> hits) {
+  Packet packet;
+  rtcInitIntersectContext(&packet.context);
+  packet.context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  packet.view = &view;
+  const glm::vec3 from(glm::dvec3(view.world_from_sensor[3]) - view.tree->origin());
+  const glm::dmat3 world_from_sensor(view.world_from_sensor);
+  alignas(64) int valid[kLanes] = {};
+  RTCRayHit16 rays{};  // a build of Embree with assertions looks at idle lanes, too
+  for (unsigned lane = 0; lane < directions.size(); ++lane) {
+    const glm::vec3 way(world_from_sensor * directions[lane]);
+    packet.direction[lane] = directions[lane];
+    packet.ray[lane] = ShearedRay(directions[lane]);
+    rays.ray.org_x[lane] = from.x;
+    rays.ray.org_y[lane] = from.y;
+    rays.ray.org_z[lane] = from.z;
+    rays.ray.dir_x[lane] = way.x;
+    rays.ray.dir_y[lane] = way.y;
+    rays.ray.dir_z[lane] = way.z;
+    rays.ray.tfar[lane] = end_of_ray(kInfinity);
+    prepare(rays, lane);
+    valid[lane] = -1;
+  }
+  rtcIntersect16(valid, view.tree->scene(), &packet.context, &rays);
+  for (unsigned lane = 0; lane < directions.size(); ++lane) hits[lane] = finish(packet, lane);
+}
+
+void cast_all(View& view, std::span<const glm::dvec3> directions, std::span<RayHit> hits) {
+  for (std::size_t first = 0; first < directions.size(); first += kLanes) {
+    const std::size_t count = std::min<std::size_t>(kLanes, directions.size() - first);
+    cast_packet(view, directions.subspan(first, count), hits.subspan(first, count));
+  }
+}
+
+}  // namespace
+
+struct RayCaster::Impl {
+  const DrawList* world = nullptr;
+  ItemTree tree{on_item, on_triangle};
+  std::vector<View> views = std::vector<View>(1);  // of each thread
+  std::uint64_t casts = 0, rays = 0;
+};
+
+bool RayCaster::available() { return true; }
+RayCaster::RayCaster() = default;
+RayCaster::~RayCaster() = default;
+
+void RayCaster::set_world(const DrawList& list) {
+  if (impl_ == nullptr) impl_ = std::make_unique<Impl>();
+  impl_->world = &list;
+}
+
+void RayCaster::cast(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions,
+                     std::span<RayHit> hits) {
+  SIMVIS_ASSERT(impl_ != nullptr && hits.size() == directions.size());
+  impl_->tree.update(*impl_->world, glm::dvec3(world_from_sensor[3]));
+  ++impl_->casts;
+  for (View& view : impl_->views) {
+    view.list = impl_->world;
+    view.tree = &impl_->tree;
+    view.world_from_sensor = world_from_sensor;
+    view.cast = impl_->casts;
+    view.seen.resize(impl_->tree.items().size());
+  }
+  cast_all(impl_->views.front(), directions, hits);
+  impl_->rays += directions.size();
+}
+
+RayCounters RayCaster::counters() const {
+  if (impl_ == nullptr) return {};
+  RayCounters counters = impl_->tree.counters();
+  counters.rays = impl_->rays;
+  return counters;
+}
+
+}  // namespace simvis
