@@ -127,9 +127,9 @@ SeenItem see(const PlacedItem& item, const glm::dmat4& world_from_sensor) {
   seen.corner_error_m = kUnit * (kPlacingRoundings * (reach_m + distance_m) +
                                  kWorldRoundings * (glm::length(place) + glm::length(sensor)));
   seen.centre = seen.placement.linear * item.tree->centre() + seen.placement.offset;
-  seen.radius_m = (stretch * radius + seen.corner_error_m) * (1 + kPadding);
   const glm::dmat3 inverse = glm::inverse(seen.placement.linear);
   seen.unit_from_sensor = inverse / radius;
+  seen.units_per_m = frobenius(seen.unit_from_sensor) / std::sqrt(3.0);
   seen.one_by_one =
       item.tree->scene() == nullptr || is_thin(seen.placement.linear, inverse, radius, reach_m + distance_m);
   return seen;

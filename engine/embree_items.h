@@ -26,8 +26,8 @@ struct SeenItem {
   std::uint64_t cast = 0;  ///< the cast for which this was made
   MeshPlacement placement;
   glm::dvec3 centre{0};              ///< of the mesh's box, sensor frame
-  double radius_m = 0;               ///< all of the mesh lies within this of its centre
   glm::dmat3 unit_from_sensor{1.0};  ///< for vectors: to the mesh's unit frame. Not if `one_by_one`
+  double units_per_m = 1;            ///< about how long a vector of 1 m is there
   bool one_by_one = false;           ///< triangles are tested without a tree
   double corner_error_m = 0;         ///< by how much rounding may have displaced a corner
 };

@@ -45,9 +45,10 @@ struct Packet {
   glm::dvec3 direction[kLanes];
   ShearedRay ray[kLanes];
   Nearest nearest[kLanes];
-  // Of the item that is being walked: a ray enters its box at start_m and advances by `rate` radii a metre.
+  // Of the item that is being walked: its rays in its unit frame, which begin at start_m.
   std::uint32_t placed;
-  double start_m[kLanes], rate[kLanes];
+  double start_m[kLanes];
+  RTCRayHit16 local;
 };
 static_assert(std::is_standard_layout_v<Packet>);
 
@@ -70,8 +71,8 @@ void on_triangle(const RTCIntersectFunctionNArguments* arguments) {
   Packet& packet = *reinterpret_cast<Packet*>(arguments->context);
   RTCRayN* const rays = RTCRayHitN_RayN(arguments->rayhit, arguments->N);
   const MeshTree& tree = *static_cast<const MeshTree*>(arguments->geometryUserPtr);
-  const std::array<glm::dvec3, 3> corners =
-      place_corners(*tree.mesh(), arguments->primID, packet.view->seen[packet.placed].placement);
+  const SeenItem& item = packet.view->seen[packet.placed];
+  const std::array<glm::dvec3, 3> corners = place_corners(*tree.mesh(), arguments->primID, item.placement);
   for (unsigned i = 0; i < arguments->N; ++i) {
     if (arguments->valid[i] != -1) continue;
     const unsigned lane = RTCRayN_id(rays, arguments->N, i);
@@ -79,13 +80,13 @@ void on_triangle(const RTCIntersectFunctionNArguments* arguments) {
     try_triangle(packet, lane, arguments->primID, corners);
     const double range_m = packet.nearest[lane].range_m;
     if (range_m < before_m) {
-      RTCRayN_tfar(rays, arguments->N, i) = end_of_ray((range_m - packet.start_m[lane]) * packet.rate[lane]);
+      RTCRayN_tfar(rays, arguments->N, i) = end_of_ray((range_m - packet.start_m[lane]) * item.units_per_m);
     }
   }
 }
 
 // Where the ray runs through the item's box, in its unit frame: false if it does not, before its nearest hit.
-bool enter(const SeenItem& item, const glm::dvec3& half_size, Packet& packet, unsigned lane, RTCRayHit16& rays) {
+bool enter(const SeenItem& item, const glm::dvec3& half_size, Packet& packet, unsigned lane) {
   const glm::dvec3& direction = packet.direction[lane];
   const double middle_m = glm::dot(item.centre, direction);
   const glm::dvec3 middle = item.unit_from_sensor * (middle_m * direction - item.centre);
@@ -97,38 +98,33 @@ bool enter(const SeenItem& item, const glm::dvec3& half_size, Packet& packet, un
       if (std::abs(middle[axis]) > half) return false;
       continue;
     }
-    const double s = (-half - middle[axis]) / way[axis], t = (half - middle[axis]) / way[axis];
+    const double per_way = 1 / way[axis];
+    const double s = (-half - middle[axis]) * per_way, t = (half - middle[axis]) * per_way;
     first = std::max(first, std::min(s, t));
     last = std::min(last, std::max(s, t));
   }
-  const double rate = glm::length(way);
-  if (!(first * rate <= last * rate + kPadding)) return false;
-  const glm::dvec3 from = middle + first * way, unit = way / rate;
+  if (!(first * item.units_per_m <= last * item.units_per_m + kPadding)) return false;
+  const glm::vec3 from(middle + first * way), unit(way / item.units_per_m);
   packet.start_m[lane] = middle_m + first;
-  packet.rate[lane] = rate;
-  rays.ray.org_x[lane] = static_cast<float>(from.x);
-  rays.ray.org_y[lane] = static_cast<float>(from.y);
-  rays.ray.org_z[lane] = static_cast<float>(from.z);
-  rays.ray.dir_x[lane] = static_cast<float>(unit.x);
-  rays.ray.dir_y[lane] = static_cast<float>(unit.y);
-  rays.ray.dir_z[lane] = static_cast<float>(unit.z);
-  rays.ray.tfar[lane] = end_of_ray((packet.nearest[lane].range_m - packet.start_m[lane]) * rate);
+  RTCRay16& rays = packet.local.ray;
+  rays.org_x[lane] = from.x;
+  rays.org_y[lane] = from.y;
+  rays.org_z[lane] = from.z;
+  rays.dir_x[lane] = unit.x;
+  rays.dir_y[lane] = unit.y;
+  rays.dir_z[lane] = unit.z;
+  rays.tfar[lane] = end_of_ray((packet.nearest[lane].range_m - packet.start_m[lane]) * item.units_per_m);
   return true;
 }
 
-void prepare(RTCRayHit16& rays, unsigned lane) {
-  rays.ray.tnear[lane] = 0;
-  rays.ray.time[lane] = 0;
-  rays.ray.mask[lane] = ~0u;
-  rays.ray.id[lane] = lane;
-  rays.ray.flags[lane] = 0;
-  rays.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
-  rays.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
-}
-
-bool near_item(const SeenItem& item, const glm::dvec3& direction) {
-  const glm::dvec3 off = item.centre - glm::dot(item.centre, direction) * direction;
-  return glm::dot(off, off) <= item.radius_m * item.radius_m;
+// Idle lanes, too, get what is valid: a build of Embree with assertions looks at them.
+void clear(RTCRayHit16& rays) {
+  rays = {};
+  for (unsigned lane = 0; lane < kLanes; ++lane) {
+    rays.ray.mask[lane] = ~0u;
+    rays.ray.id[lane] = lane;
+    rays.hit.geomID[lane] = rays.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
+  }
 }
 
 void walk_one_by_one(Packet& packet, const MeshTree& tree, const MeshPlacement& placement, unsigned lanes) {
@@ -142,15 +138,13 @@ void walk_one_by_one(Packet& packet, const MeshTree& tree, const MeshPlacement& 
 
 void walk_tree(Packet& packet, const MeshTree& tree, const SeenItem& item, unsigned lanes) {
   alignas(64) int valid[kLanes] = {};
-  RTCRayHit16 rays{};  // a build of Embree with assertions looks at idle lanes, too
   bool any = false;
   for (unsigned lane = 0; lane < kLanes; ++lane) {
-    if (!(lanes >> lane & 1) || !enter(item, tree.half_size(), packet, lane, rays)) continue;
-    prepare(rays, lane);
+    if (!(lanes >> lane & 1) || !enter(item, tree.half_size(), packet, lane)) continue;
     valid[lane] = -1;
     any = true;
   }
-  if (any) rtcIntersect16(valid, tree.scene(), &packet.context, &rays);
+  if (any) rtcIntersect16(valid, tree.scene(), &packet.context, &packet.local);
 }
 
 void on_item(const RTCIntersectFunctionNArguments* arguments) {
@@ -161,10 +155,8 @@ void on_item(const RTCIntersectFunctionNArguments* arguments) {
   unsigned lanes = 0;
   for (unsigned i = 0; i < arguments->N; ++i) {
     if (arguments->valid[i] != -1) continue;
-    const unsigned lane = RTCRayN_id(rays, arguments->N, i);
-    if (near_item(item, packet.direction[lane])) lanes |= 1u << lane;
+    lanes |= 1u << RTCRayN_id(rays, arguments->N, i);
   }
-  if (lanes == 0) return;
   const MeshTree& tree = *packet.view->tree->items()[arguments->primID].tree;
   if (item.one_by_one) {
     walk_one_by_one(packet, tree, item.placement, lanes);
@@ -197,7 +189,9 @@ void cast_packet(View& view, std::span<const glm::dvec3> directions, std::span<R
   const glm::vec3 from(glm::dvec3(view.world_from_sensor[3]) - view.tree->origin());
   const glm::dmat3 world_from_sensor(view.world_from_sensor);
   alignas(64) int valid[kLanes] = {};
-  RTCRayHit16 rays{};  // a build of Embree with assertions looks at idle lanes, too
+  RTCRayHit16 rays;
+  clear(rays);
+  clear(packet.local);
   for (unsigned lane = 0; lane < directions.size(); ++lane) {
     const glm::vec3 way(world_from_sensor * directions[lane]);
     packet.direction[lane] = directions[lane];
@@ -209,7 +203,6 @@ void cast_packet(View& view, std::span<const glm::dvec3> directions, std::span<R
     rays.ray.dir_y[lane] = way.y;
     rays.ray.dir_z[lane] = way.z;
     rays.ray.tfar[lane] = end_of_ray(kInfinity);
-    prepare(rays, lane);
     valid[lane] = -1;
   }
   rtcIntersect16(valid, view.tree->scene(), &packet.context, &rays);
