@@ -116,11 +116,9 @@ void ItemTree::bounds(const RTCBoundsFunctionArguments* arguments) {
 }
 
 SeenItem see(const PlacedItem& item, const glm::dmat4& world_from_sensor) {
-  const glm::dmat3 sensor_from_world = glm::transpose(glm::dmat3(world_from_sensor));
   const glm::dvec3 place(item.world_from_mesh[3]), sensor(world_from_sensor[3]);
   SeenItem seen;
-  seen.placement.linear = sensor_from_world * glm::dmat3(item.world_from_mesh);
-  seen.placement.offset = sensor_from_world * (place - sensor);
+  seen.placement = place_mesh(item.world_from_mesh, world_from_sensor);
   const double radius = item.tree->radius(), stretch = frobenius(seen.placement.linear);
   const double reach_m = stretch * (glm::length(item.tree->centre()) + radius);
   const double distance_m = glm::length(seen.placement.offset);

@@ -25,6 +25,12 @@ glm::dvec2 sheared(const ShearedRay& ray, const glm::dvec3& corner) {
 
 }  // namespace
 
+MeshPlacement place_mesh(const glm::dmat4& world_from_mesh, const glm::dmat4& world_from_sensor) {
+  const glm::dmat3 sensor_from_world = glm::transpose(glm::dmat3(world_from_sensor));
+  return {sensor_from_world * glm::dmat3(world_from_mesh),
+          sensor_from_world * glm::dvec3(world_from_mesh[3] - world_from_sensor[3])};
+}
+
 std::array<glm::dvec3, 3> place_corners(const Mesh& mesh, std::uint32_t primitive, const MeshPlacement& placement) {
   std::array<glm::dvec3, 3> corners;
   for (std::size_t k = 0; k < 3; ++k) {

@@ -21,6 +21,9 @@ struct MeshPlacement {
   glm::dvec3 offset{0};
 };
 
+/// `world_from_sensor` is rigid. Places far from the world's origin are subtracted before anything else.
+MeshPlacement place_mesh(const glm::dmat4& world_from_mesh, const glm::dmat4& world_from_sensor);
+
 /// The corners of a primitive in the sensor frame.
 std::array<glm::dvec3, 3> place_corners(const Mesh& mesh, std::uint32_t primitive, const MeshPlacement& placement);
 
