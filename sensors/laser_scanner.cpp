@@ -72,6 +72,11 @@ constexpr AttributeSpec kAttributes[] = {
      .default_value = "planar",
      .text = "how depth becomes ranges",
      .choices = "nearest planar hybrid raycast"},
+    {.name = "max_error_rel",
+     .default_value = "1e-6",
+     .text = "hybrid: beams whose error bound is above this share of their range are cast",
+     .min = 0,
+     .open_min = true},
     {.name = "resolution",
      .unit = "px",
      .text = "pixels of the virtual cameras across 90 degrees; 4096 for one ring, 1024 for more, if not given",
@@ -86,7 +91,11 @@ ScanMethod method_named(std::string_view name) {
   return static_cast<ScanMethod>(std::ranges::find(kMethods, name) - std::begin(kMethods));
 }
 
-bool renders(ScanMethod method) { return method != ScanMethod::raycast; }
+bool renders(const LaserScannerDesc& desc) {
+  return desc.method != ScanMethod::raycast &&
+         !(desc.method == ScanMethod::hybrid && desc.max_error_rel < least_planar_bound());
+}
+
 bool casts(ScanMethod method) { return method == ScanMethod::hybrid || method == ScanMethod::raycast; }
 
 std::unique_ptr<Sensor> create(const SensorContext& context) {
@@ -106,6 +115,7 @@ std::unique_ptr<Sensor> create(const SensorContext& context) {
                                    "\" needs Embree, without which this SimVis was built, expected \"nearest\" or "
                                    "\"planar\"");
   }
+  desc.max_error_rel = a.number("max_error_rel");
   if (a.is_set("resolution")) desc.resolution_px = a.number("resolution");
 
   const auto ordered = [&](const char* low, const char* high, double limit) {
@@ -134,7 +144,7 @@ double resolution_of(const LaserScannerDesc& desc) {
 }  // namespace
 
 LaserScanner::LaserScanner(std::string name, const LaserScannerDesc& desc) : name_(std::move(name)), desc_(desc) {
-  if (renders(desc.method)) layout_ = lay_out(desc.pattern, resolution_of(desc));
+  if (renders(desc)) layout_ = lay_out(desc.pattern, resolution_of(desc));
   scan_.rings = desc.pattern.rings;
   scan_.columns = desc.pattern.samples;
   scan_.azimuth_rad = azimuths(desc.pattern);
@@ -149,13 +159,16 @@ LaserScanner::LaserScanner(std::string name, const LaserScannerDesc& desc) : nam
 
 void LaserScanner::plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) {
   world_from_sensor_ = world_from_sensor;
-  if (renders(desc_.method)) plan_views(rigid_inverse(world_from_sensor), list, plan);
+  if (renders(desc_)) plan_views(rigid_inverse(world_from_sensor), list, plan);
   if (!casts(desc_.method)) return;
-  plan.casts.push_back({.name = name_,
-                        .reason = desc_.method == ScanMethod::raycast
-                                      ? "every beam of laser scanner " + name_
-                                      : "beams of laser scanner " + name_ + " whose bound is above rounding",
-                        .most_rays = directions_.size()});
+  std::ostringstream reason;
+  reason << (renders(desc_) ? "beams" : "every beam") << " of laser scanner " << name_;
+  if (desc_.method == ScanMethod::hybrid) {
+    reason << (renders(desc_) ? " whose bound is above " : ": no rendered range has a bound below ")
+           << (renders(desc_) ? desc_.max_error_rel : least_planar_bound()) << " of "
+           << (renders(desc_) ? "their range" : "itself");
+  }
+  plan.casts.push_back({.name = name_, .reason = reason.str(), .most_rays = directions_.size()});
 }
 
 void LaserScanner::plan_views(const glm::dmat4& sensor_from_world, const DrawList& list, FramePlan& plan) {
@@ -182,7 +195,7 @@ void LaserScanner::collect(const FrameTime&, const FramePlan& plan, std::span<co
   scan_.range_m.resize(beams);
   scan_.error_bound_m.resize(beams);
   beams_.clear();
-  if (!renders(desc_.method)) return;
+  if (!renders(desc_)) return;
   std::vector<FacePixels> pixels;
   for (std::size_t f = 0; f < layout_.faces.size(); ++f) {
     const Pass& pass = plan.passes[places_[f].pass];
@@ -200,7 +213,7 @@ void LaserScanner::collect(const FrameTime&, const FramePlan& plan, std::span<co
     if (desc_.method == ScanMethod::nearest) {
       estimate = nearest_range(pixels[tap.face], tap, layout_.faces[tap.face], estimate);
     }
-    if (desc_.method == ScanMethod::hybrid && !(estimate.error_bound_m <= kHybridBound * estimate.range_m)) {
+    if (desc_.method == ScanMethod::hybrid && !(estimate.error_bound_m <= desc_.max_error_rel * estimate.range_m)) {
       beams_.push_back(static_cast<std::uint32_t>(beam));
     } else {
       take(beam, estimate.range_m, estimate.error_bound_m);
@@ -210,7 +223,7 @@ void LaserScanner::collect(const FrameTime&, const FramePlan& plan, std::span<co
 
 void LaserScanner::cast(RayCaster& rays) {
   if (!casts(desc_.method)) return;
-  const bool every = !renders(desc_.method);
+  const bool every = !renders(desc_);
   if (!every) {
     cast_directions_.clear();
     for (const std::uint32_t beam : beams_) cast_directions_.push_back(directions_[beam]);

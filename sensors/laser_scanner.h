@@ -4,8 +4,9 @@
 //
 // `nearest` and `planar` cover the field of view with virtual cameras of at most 90 degrees and take ranges from their
 // reversed depth: see depth_range.h for how, and for what the error bound says. `raycast` renders nothing and casts
-// every beam: see ray_caster.h. `hybrid` renders as `planar` does and casts the beams whose bound is above
-// kHybridBound. A laser meets matter from either side; what is blended below one half or masked out lets it pass;
+// every beam: see ray_caster.h. `hybrid` renders as `planar` does and casts the beams whose bound is above a share of
+// their range; where that share is too small for any rendered range, as it is unless a scene says more, it renders
+// nothing. A laser meets matter from either side; what is blended below one half or masked out lets it pass;
 // lines and points are not there for it.
 #pragma once
 
@@ -25,15 +26,12 @@ struct LaserScannerDesc {
   ScanPattern pattern;
   double range_min_m = 0.05, range_max_m = 80;  ///< along the ray; a nearer surface blocks the beam and reads 0
   ScanMethod method = ScanMethod::planar;
-  double resolution_px = 0;  ///< pixels across 90 degrees; 0: kPlanarResolution or kRingsResolution
+  double max_error_rel = 1e-6;  ///< hybrid: beams whose bound is above this share of their range are cast
+  double resolution_px = 0;     ///< pixels across 90 degrees; 0: kPlanarResolution or kRingsResolution
 };
 
 /// Pixels across 90 degrees where a scene does not say: of one ring, and of several (whose faces are areas).
 inline constexpr double kPlanarResolution = 4096, kRingsResolution = 1024;
-
-/// The bound, as a share of the range, up to which `hybrid` leaves a beam to `planar`: 16 half ulps of float32. A cast
-/// beam has one, from storing its range.
-inline constexpr double kHybridBound = 0x1p-20;
 
 class LaserScanner : public Sensor {
  public:
