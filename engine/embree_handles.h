@@ -3,6 +3,7 @@
 
 #include <embree3/rtcore.h>
 
+#include <cmath>
 #include <glm/glm.hpp>
 #include <limits>
 #include <memory>
@@ -39,6 +40,14 @@ inline RTCBounds padded_bounds(const glm::dvec3& low, const glm::dvec3& high, do
           .upper_y = h.y,
           .upper_z = h.z,
           .align1 = 0};
+}
+
+/// A direction of about unit length in float32. Embree takes the sign of components below 1e-18 for that of +0 in one
+/// place and for their own in another, and loses hits; at 1e-9 they matter to nobody yet.
+inline glm::vec3 float_direction(const glm::dvec3& direction) {
+  constexpr double kNothing = 1e-9;
+  return {std::abs(direction.x) < kNothing ? 0 : direction.x, std::abs(direction.y) < kNothing ? 0 : direction.y,
+          std::abs(direction.z) < kNothing ? 0 : direction.z};
 }
 
 /// The end of a ray in float32 such that a hit at `range` is still on it: box tests round, too.

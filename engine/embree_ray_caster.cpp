@@ -104,7 +104,7 @@ bool enter(const SeenItem& item, const glm::dvec3& half_size, Packet& packet, un
     last = std::min(last, std::max(s, t));
   }
   if (!(first * item.units_per_m <= last * item.units_per_m + kPadding)) return false;
-  const glm::vec3 from(middle + first * way), unit(way / item.units_per_m);
+  const glm::vec3 from(middle + first * way), unit = float_direction(way / item.units_per_m);
   packet.start_m[lane] = middle_m + first;
   RTCRay16& rays = packet.local.ray;
   rays.org_x[lane] = from.x;
@@ -193,7 +193,7 @@ void cast_packet(View& view, std::span<const glm::dvec3> directions, std::span<R
   clear(rays);
   clear(packet.local);
   for (unsigned lane = 0; lane < directions.size(); ++lane) {
-    const glm::vec3 way(world_from_sensor * directions[lane]);
+    const glm::vec3 way = float_direction(world_from_sensor * directions[lane]);
     packet.direction[lane] = directions[lane];
     packet.ray[lane] = ShearedRay(directions[lane]);
     rays.ray.org_x[lane] = from.x;
