@@ -99,7 +99,7 @@ void ItemTree::build() {
     rtcSetGeometryIntersectFunction(geometry_.get(), on_item_);
     rtcSetGeometryBuildQuality(geometry_.get(), RTC_BUILD_QUALITY_LOW);
     scene_.reset(rtcNewScene(device_.get()));
-    rtcSetSceneFlags(scene_.get(), static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC));
+    rtcSetSceneFlags(scene_.get(), RTC_SCENE_FLAG_DYNAMIC);
     rtcSetSceneBuildQuality(scene_.get(), RTC_BUILD_QUALITY_LOW);
     rtcAttachGeometry(scene_.get(), geometry_.get());
   }

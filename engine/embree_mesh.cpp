@@ -27,7 +27,6 @@ MeshTree::MeshTree(RTCDevice device, std::shared_ptr<const Mesh> mesh, RTCInters
   rtcSetGeometryIntersectFunction(geometry.get(), on_triangle);
   rtcCommitGeometry(geometry.get());
   scene_.reset(rtcNewScene(device));
-  rtcSetSceneFlags(scene_.get(), RTC_SCENE_FLAG_ROBUST);
   rtcAttachGeometry(scene_.get(), geometry.get());
   rtcCommitScene(scene_.get());
   check_embree(device);

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <thread>
 #include <utility>
 
 #include "engine/assert.h"
@@ -12,7 +13,9 @@ namespace simvis {
 
 namespace {
 
-constexpr unsigned kLanes = 16;
+// Rays that travel together: as many as most machines take at a time. Those of a scan are not so coherent that
+// Embree's traversal for that would pay.
+constexpr unsigned kLanes = 8;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 struct Nearest {
@@ -38,7 +41,7 @@ struct View {
   }
 };
 
-/// Up to 16 rays on their way. Embree hands the context back to the callbacks: it has to stand first.
+/// Up to 8 rays on their way. Embree hands the context back to the callbacks: it has to stand first.
 struct Packet {
   RTCIntersectContext context;
   View* view;
@@ -48,7 +51,7 @@ struct Packet {
   // Of the item that is being walked: its rays in its unit frame, which begin at start_m.
   std::uint32_t placed;
   double start_m[kLanes];
-  RTCRayHit16 local;
+  RTCRayHit8 local;
 };
 static_assert(std::is_standard_layout_v<Packet>);
 
@@ -106,7 +109,7 @@ bool enter(const SeenItem& item, const glm::dvec3& half_size, Packet& packet, un
   if (!(first * item.units_per_m <= last * item.units_per_m + kPadding)) return false;
   const glm::vec3 from(middle + first * way), unit = float_direction(way / item.units_per_m);
   packet.start_m[lane] = middle_m + first;
-  RTCRay16& rays = packet.local.ray;
+  RTCRay8& rays = packet.local.ray;
   rays.org_x[lane] = from.x;
   rays.org_y[lane] = from.y;
   rays.org_z[lane] = from.z;
@@ -118,7 +121,7 @@ bool enter(const SeenItem& item, const glm::dvec3& half_size, Packet& packet, un
 }
 
 // Idle lanes, too, get what is valid: a build of Embree with assertions looks at them.
-void clear(RTCRayHit16& rays) {
+void clear(RTCRayHit8& rays) {
   rays = {};
   for (unsigned lane = 0; lane < kLanes; ++lane) {
     rays.ray.mask[lane] = ~0u;
@@ -137,14 +140,14 @@ void walk_one_by_one(Packet& packet, const MeshTree& tree, const MeshPlacement& 
 }
 
 void walk_tree(Packet& packet, const MeshTree& tree, const SeenItem& item, unsigned lanes) {
-  alignas(64) int valid[kLanes] = {};
+  alignas(32) int valid[kLanes] = {};
   bool any = false;
   for (unsigned lane = 0; lane < kLanes; ++lane) {
     if (!(lanes >> lane & 1) || !enter(item, tree.half_size(), packet, lane)) continue;
     valid[lane] = -1;
     any = true;
   }
-  if (any) rtcIntersect16(valid, tree.scene(), &packet.context, &packet.local);
+  if (any) rtcIntersect8(valid, tree.scene(), &packet.context, &packet.local);
 }
 
 void on_item(const RTCIntersectFunctionNArguments* arguments) {
@@ -184,12 +187,11 @@ RayHit finish(const Packet& packet, unsigned lane) {
 void cast_packet(View& view, std::span<const glm::dvec3> directions, std::span<RayHit> hits) {
   Packet packet;
   rtcInitIntersectContext(&packet.context);
-  packet.context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   packet.view = &view;
   const glm::vec3 from(glm::dvec3(view.world_from_sensor[3]) - view.tree->origin());
   const glm::dmat3 world_from_sensor(view.world_from_sensor);
-  alignas(64) int valid[kLanes] = {};
-  RTCRayHit16 rays;
+  alignas(32) int valid[kLanes] = {};
+  RTCRayHit8 rays;
   clear(rays);
   clear(packet.local);
   for (unsigned lane = 0; lane < directions.size(); ++lane) {
@@ -205,8 +207,14 @@ void cast_packet(View& view, std::span<const glm::dvec3> directions, std::span<R
     rays.ray.tfar[lane] = end_of_ray(kInfinity);
     valid[lane] = -1;
   }
-  rtcIntersect16(valid, view.tree->scene(), &packet.context, &rays);
+  rtcIntersect8(valid, view.tree->scene(), &packet.context, &rays);
   for (unsigned lane = 0; lane < directions.size(); ++lane) hits[lane] = finish(packet, lane);
+}
+
+// How many threads are worth starting for so many rays: a thread costs about what some hundred rays do.
+std::size_t thread_count(std::size_t rays) {
+  constexpr std::size_t kRaysPerThread = 4096;
+  return std::clamp<std::size_t>(rays / kRaysPerThread, 1, std::max(1u, std::thread::hardware_concurrency()));
 }
 
 void cast_all(View& view, std::span<const glm::dvec3> directions, std::span<RayHit> hits) {
@@ -221,7 +229,7 @@ void cast_all(View& view, std::span<const glm::dvec3> directions, std::span<RayH
 struct RayCaster::Impl {
   const DrawList* world = nullptr;
   ItemTree tree{on_item, on_triangle};
-  std::vector<View> views = std::vector<View>(1);  // of each thread
+  std::vector<View> views;  // of each thread
   std::uint64_t casts = 0, rays = 0;
 };
 
@@ -239,6 +247,8 @@ void RayCaster::cast(const glm::dmat4& world_from_sensor, std::span<const glm::d
   SIMVIS_ASSERT(impl_ != nullptr && hits.size() == directions.size());
   impl_->tree.update(*impl_->world, glm::dvec3(world_from_sensor[3]));
   ++impl_->casts;
+  const std::size_t threads = thread_count(directions.size());
+  if (impl_->views.size() < threads) impl_->views.resize(threads);
   for (View& view : impl_->views) {
     view.list = impl_->world;
     view.tree = &impl_->tree;
@@ -246,7 +256,16 @@ void RayCaster::cast(const glm::dmat4& world_from_sensor, std::span<const glm::d
     view.cast = impl_->casts;
     view.seen.resize(impl_->tree.items().size());
   }
-  cast_all(impl_->views.front(), directions, hits);
+  const std::size_t share = (directions.size() + threads - 1) / threads;
+  const auto cast_share = [&](std::size_t thread) {
+    const std::size_t first = std::min(thread * share, directions.size());
+    const std::size_t count = std::min(share, directions.size() - first);
+    cast_all(impl_->views[thread], directions.subspan(first, count), hits.subspan(first, count));
+  };
+  std::vector<std::jthread> others;
+  for (std::size_t thread = 1; thread < threads; ++thread) others.emplace_back(cast_share, thread);
+  cast_share(0);
+  others.clear();  // waits for them
   impl_->rays += directions.size();
 }
 

@@ -7,11 +7,13 @@
 // hit, and of several at one range the first item's first primitive.
 //
 // What is padded. Trees work in numbers of the order of 1. A mesh's tree is in the mesh's frame, its middle at the
-// origin, its half diagonal the unit; a ray is brought there in double and starts where it enters the mesh's box. Its
-// start and direction, rounded to float32, and the boxes' own rounding move a point by no more than 12 half ulps of 1;
-// kPadding (in embree_handles.h) is 32. The tree over items has its origin near the sensor and pads by the same share
-// of a box's distance. Where that does not hold, because an item is flattened or far smaller than its distance
-// (see is_thin() in embree_items.h), its triangles are tested one by one.
+// origin, its half diagonal the unit; a ray is brought there in double and starts where it enters the mesh's box.
+// Rounded to float32 are the ray's start (1 half ulp of 1, per axis), its direction (2, over a way of at most 2), the
+// box (1), and in Embree's test products with the reciprocal direction (2) and that reciprocal itself (2 ulps over a
+// way of 2, so 8): at most 14, twice that where a rotated direction mixes axes; kPadding (in embree_handles.h) is 32.
+// The tree over items has its origin near the sensor and pads by the same share of a box's distance. Where that does
+// not hold, because an item is flattened or far smaller than its distance (see is_thin() in embree_items.cpp), its
+// triangles are tested one by one.
 //
 // Watertight. Rays through a shared edge or vertex of a mesh meet at least one of its triangles.
 //
