@@ -49,8 +49,8 @@ class Element {
   virtual ~Element() = default;
   virtual void update(ParameterView values) = 0;
   /// Called once before the first update with the live rows of its table, in their order: may narrow their limits or
-  /// name their unit (what lies outside is then refused, in the command too), and may add rows of its own behind them.
-  /// Those begin at their default; their texts must live as long as the element.
+  /// name their unit (what lies outside is then refused, in the command too), take away what means nothing to it, and
+  /// add rows of its own behind them. Those begin at their default; their texts must live as long as the element.
   virtual void adapt_parameters(std::vector<AttributeSpec>& /*live_rows*/) const {}
   /// Called in each frame of a scene with a visualization, after the sensors have measured and before it is drawn.
   /// What it changes must stand below a VisualSeparator.

@@ -1,7 +1,6 @@
 #include "elements/joint.h"
 
-#include <algorithm>
-#include <cmath>
+#include <utility>
 
 #include "scenegraph/pose.h"
 
@@ -9,15 +8,8 @@ namespace simvis {
 namespace {
 
 constexpr AttributeSpec kAttributes[] = {
-    {.name = "axis",
-     .kind = AttributeKind::vector,
-     .default_value = "0 0 1",
-     .text = "direction of the axis through the origin; its length does not matter"},
-    {.name = "kind",
-     .kind = AttributeKind::choice,
-     .default_value = "revolute",
-     .text = "turns about the axis, or slides along it",
-     .choices = "revolute prismatic"},
+    kAxisAttribute,
+    kJointKindAttribute,
     {.name = "lower",
      .kind = AttributeKind::number,
      .unit = "deg or m",
@@ -49,34 +41,11 @@ const ElementRegistration kRegistration({
     },
 });
 
-glm::dvec3 read_axis(const AttributeValues& attributes) {
-  const double(&v)[3] = attributes.vector("axis");
-  const double largest = std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])});
-  if (largest == 0) {
-    fail_at(attributes.where("axis"), "attribute \"axis\": 0 0 0 is not allowed, expected a vector that is not zero");
-  }
-  // Divided by its largest part first, so that no square overflows or vanishes.
-  return glm::normalize(glm::dvec3(v[0] / largest, v[1] / largest, v[2] / largest));
-}
-
-// Rodrigues' formula; the axis is of unit length.
-glm::dmat4 turn_about(const glm::dvec3& axis, double angle_deg) {
-  const auto [s, c] = sincos_deg(angle_deg);
-  glm::dmat4 m{1.0};
-  for (int column = 0; column < 3; ++column) {
-    glm::dvec3 unit{0};
-    unit[column] = 1;
-    m[column] = glm::dvec4(c * unit + s * glm::cross(axis, unit) + (1 - c) * axis[column] * axis, 0);
-  }
-  return m;
-}
-
 }  // namespace
 
 JointElement::JointElement(const ElementContext& context)
     : transform_(std::make_shared<Transform>()),
-      axis_(read_axis(context.attributes)),
-      revolute_(context.attributes.choice("kind") == "revolute"),
+      motion_(read_joint_motion(context.attributes)),
       lower_(-kMaxCoordinate_m),
       upper_(kMaxCoordinate_m) {
   const AttributeValues& attributes = context.attributes;
@@ -94,17 +63,18 @@ void JointElement::adapt_parameters(std::vector<AttributeSpec>& live_rows) const
   AttributeSpec& value = live_rows[0];
   value.min = lower_;
   value.max = upper_;
-  value.unit = revolute_ ? "deg" : "m";
+  value.unit = motion_.revolute ? "deg" : "m";
 }
 
 void JointElement::update(ParameterView values) {
-  if (revolute_) {
-    transform_->set_matrix(turn_about(axis_, values[0]));
-  } else {
-    glm::dmat4 m{1.0};
-    m[3] = {values[0] * axis_, 1};
-    transform_->set_matrix(m);
-  }
+  value_ = values[0];
+  transform_->set_matrix(motion_.at(value_));
+  for (const auto& follower : followers_) follower(value_);
+}
+
+void JointElement::follow(std::function<void(double)> follower) {
+  follower(value_);
+  followers_.push_back(std::move(follower));
 }
 
 }  // namespace simvis

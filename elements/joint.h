@@ -6,7 +6,11 @@
 // Parameters  value (live): deg for kind revolute, m for kind prismatic, within lower and upper.
 #pragma once
 
+#include <functional>
+#include <vector>
+
 #include "elements/element.h"
+#include "elements/joint_motion.h"
 #include "scenegraph/node.h"
 
 namespace simvis {
@@ -18,11 +22,17 @@ class JointElement : public Element {
   void update(ParameterView values) override;
   void adapt_parameters(std::vector<AttributeSpec>& live_rows) const override;
 
+  /// `follower` is called with every value from now on, beginning with the present one.
+  void follow(std::function<void(double value)> follower);
+  /// Takes the last one back.
+  void remove_last_follower() { followers_.pop_back(); }
+
  private:
   std::shared_ptr<Transform> transform_;
-  glm::dvec3 axis_{0, 0, 1};  // unit length
-  bool revolute_ = true;
+  JointMotion motion_;
   double lower_, upper_;  // deg or m
+  double value_ = 0;      // deg or m
+  std::vector<std::function<void(double)>> followers_;
 };
 
 }  // namespace simvis

@@ -78,6 +78,8 @@ void add(Fnv1a& hash, const Material& material) {
   hash.vector(material.emissive);
   hash.bits(material.alpha_mode);
   hash.number(material.alpha_cutoff);
+  hash.number(material.opacity);
+  hash.number(material.roughness);
   hash.bits(material.unlit);
   hash.bits(material.double_sided);
   add(hash, material.base_color_texture.get());
@@ -171,6 +173,8 @@ void print_material(std::ostream& out, const Material& m) {
       << m.base_color.a;
   if (m.emissive != glm::vec3(0)) out << ", emissive " << Printed{glm::dvec3(m.emissive)};
   if (m.alpha_mode == AlphaMode::mask) out << ", cutoff " << m.alpha_cutoff;
+  if (m.opacity != 1) out << ", opacity " << m.opacity;
+  if (m.roughness != 1) out << ", roughness " << m.roughness;
   if (m.unlit) out << ", unlit";
   if (m.double_sided) out << ", double-sided";
   if (m.base_color_texture) {

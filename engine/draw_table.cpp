@@ -13,13 +13,8 @@ namespace {
 
 using Surface = PipelineKey::Surface;
 
-Surface surface_of(AlphaMode mode, bool color) {
-  if (mode == AlphaMode::opaque) return Surface::opaque;
-  return mode == AlphaMode::blend && color ? Surface::blended : Surface::masked;
-}
-
 auto state_of(const Drawable& d) {
-  return std::tuple(d.key.bits(), d.single_sided, d.mirrored, d.texture, d.range.first_index);
+  return std::tuple(d.key.bits(), d.single_sided, d.mirrored, d.met, d.texture, d.range.first_index);
 }
 
 }  // namespace
@@ -43,7 +38,8 @@ void DrawTable::update(const DrawList& list, bool color, GeometryPool& geometry,
 }
 
 bool DrawTable::take_tables(const DrawList& list) {
-  if (made_ && items_ == list.items && meshes_ == list.meshes && materials_ == list.materials) return false;
+  if (made_ && items_ == list.items && meshes_ == list.meshes && materials_.size() == list.materials.size())
+    return false;
   SIMVIS_ASSERT(list.material_revision.size() == list.materials.size());
   for (const DrawItem& item : list.items) {
     SIMVIS_ASSERT(item.mesh < list.meshes.size() && item.material < list.materials.size());
@@ -52,20 +48,39 @@ bool DrawTable::take_tables(const DrawList& list) {
   items_ = list.items;
   meshes_ = list.meshes;
   materials_ = list.materials;
-  material_revision_.clear();
   kinds_.clear();
   return true;
 }
 
+DrawTable::MaterialKind DrawTable::kind_of(const Material& material) {
+  MaterialKind kind;
+  const bool blend = material.alpha_mode == AlphaMode::blend, faded = material.opacity < 1;
+  if (material.alpha_mode != AlphaMode::opaque) kind.in_color = kind.in_depth = Surface::masked;
+  if (faded) kind.in_color = Surface::faded;
+  if (blend) kind.in_color = Surface::blended;
+  // Textures and vertices only lower it.
+  const float most_solid = material.opacity * (blend ? material.base_color.a : 1);
+  kind.seen = most_solid > 0;
+  kind.met = most_solid >= kLeastMetAlpha;
+  kind.unlit = material.unlit;
+  kind.glossy = material.roughness < 1;
+  kind.double_sided = material.double_sided;
+  kind.texture = material.base_color_texture;
+  return kind;
+}
+
 bool DrawTable::take_materials(const DrawList& list) {
   SIMVIS_ASSERT(list.material_revision.size() == materials_.size());
-  if (kinds_.size() == materials_.size() && material_revision_ == list.material_revision) return false;
+  if (kinds_.size() == materials_.size() && materials_ == list.materials &&
+      material_revision_ == list.material_revision) {
+    return false;
+  }
+  materials_ = list.materials;
   material_revision_ = list.material_revision;
   kinds_.resize(materials_.size());
   bool changed = false;
   for (std::size_t m = 0; m < materials_.size(); ++m) {
-    const Material& material = *materials_[m];
-    MaterialKind kind{material.alpha_mode, material.unlit, material.double_sided, material.base_color_texture};
+    MaterialKind kind = kind_of(*materials_[m]);
     if (kinds_[m] == kind) continue;
     kinds_[m] = std::move(kind);
     changed = true;
@@ -97,7 +112,7 @@ void DrawTable::rebuild(GeometryPool& geometry, TextureStore& textures, Uploads&
   any_lit_ = false;
   for (const DrawItem& item : items_) {
     const MaterialKind& kind = kinds_[item.material];
-    const bool read = with_color_ || kind.alpha_mode != AlphaMode::opaque;
+    const bool read = with_color_ || kind.in_depth != Surface::opaque;
     uses[item.mesh] = std::max(uses[item.mesh], read ? MeshUse::attributes : MeshUse::positions);
     materials_read_[item.material] |= read;
     any_lit_ |= !kind.unlit;
@@ -114,10 +129,11 @@ void DrawTable::rebuild(GeometryPool& geometry, TextureStore& textures, Uploads&
   blended_.clear();
   for (std::uint32_t i = 0; i < items_.size(); ++i) {
     if (ranges_[items_[i].mesh].index_count == 0) continue;
-    depth_.push_back(drawable(i, false));
-    if (!with_color_) continue;
-    const bool blends = kinds_[items_[i].material].alpha_mode == AlphaMode::blend;
-    (blends ? blended_ : solid_).push_back(drawable(i, true));
+    const MaterialKind& kind = kinds_[items_[i].material];
+    if (kind.met) depth_.push_back(drawable(i, false));
+    if (!with_color_ || !kind.seen) continue;
+    const Drawable d = drawable(i, true);
+    (d.key.blends() ? blended_ : solid_).push_back(d);
   }
   sort_and_group(depth_);
   sort_and_group(solid_);
@@ -134,14 +150,16 @@ Drawable DrawTable::drawable(std::uint32_t index, bool color) const {
   d.range = ranges_[item.mesh];
   d.single_sided = !kind.double_sided;
   d.mirrored = mirrored_[index] != 0;
+  d.met = kind.met;
   d.key.color = color;
   d.key.depth_only = !color;
   d.key.topology = meshes_[item.mesh]->topology;
-  d.key.surface = surface_of(kind.alpha_mode, color);
+  d.key.surface = color ? kind.in_color : kind.in_depth;
   if (color || d.key.surface != Surface::opaque) d.texture = texture_sets_[item.material];
   d.key.textured = d.texture != VK_NULL_HANDLE;
   d.key.unlit = color && kind.unlit;
   d.key.lights = color && !kind.unlit ? lights_ : 0;
+  d.key.glossy = kind.glossy && d.key.lights > 0;
   return d;
 }
 

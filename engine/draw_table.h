@@ -1,5 +1,5 @@
 // A draw list made ready for drawing: sorted by what the GPU would have to switch, with all that a view needs of an
-// item side by side. Remade only when the list's structure or a material's kind changes.
+// item side by side. Remade only when the list's structure or a material's kind changes: not for another colour.
 #pragma once
 
 #include <memory>
@@ -19,6 +19,7 @@ namespace simvis {
 struct Drawable {
   PipelineKey key;  ///< `cull_back` and `mirrored` are settled by the view
   bool single_sided = false, mirrored = false;
+  bool met = true;  ///< depth meets it, at least where it is most solid
   std::uint32_t item = 0, material = 0, transform = 0;
   std::uint32_t group = 0;  ///< equal for neighbours that one instanced draw can take
   VkDescriptorSet texture = VK_NULL_HANDLE;
@@ -50,11 +51,13 @@ class DrawTable {
  private:
   // What of a material decides how it is drawn.
   struct MaterialKind {
-    AlphaMode alpha_mode = AlphaMode::opaque;
-    bool unlit = false, double_sided = false;
+    PipelineKey::Surface in_color = PipelineKey::Surface::opaque, in_depth = PipelineKey::Surface::opaque;
+    bool seen = true, met = true;  // by colour, by depth
+    bool unlit = false, glossy = false, double_sided = false;
     std::shared_ptr<const Texture> texture;
     bool operator==(const MaterialKind&) const = default;
   };
+  static MaterialKind kind_of(const Material& material);
   bool take_tables(const DrawList& list);
   bool take_materials(const DrawList& list);
   bool take_transforms(const DrawList& list);

@@ -13,15 +13,29 @@ namespace {
 constexpr VkDeviceSize kFirstSize = 16384;
 // What a view may read from its offset on.
 constexpr VkDeviceSize kLightsRange = SIMVIS_MAX_LIGHTS * sizeof(shader::LightBlock);
-// What a blended texel needs to be seen by depth, see Material.
-constexpr float kBlendCutoff = 0.5f;
+
+// The least alpha that is there: an opaque surface is, whatever its texture says.
+float cutoff_of(const Material& m) {
+  switch (m.alpha_mode) {
+    case AlphaMode::opaque:
+      return 0;
+    case AlphaMode::mask:
+      return m.alpha_cutoff;
+    case AlphaMode::blend:
+      return kLeastMetAlpha;
+  }
+  return 0;
+}
 
 shader::MaterialBlock block_of(const Material& m) {
   const auto& t = m.uv_transform;
-  return {.base_color = m.base_color,
-          .emissive_cutoff = glm::vec4(m.emissive, m.alpha_mode == AlphaMode::blend ? kBlendCutoff : m.alpha_cutoff),
+  glm::vec4 base = m.base_color;
+  if (m.alpha_mode == AlphaMode::blend) base.a *= m.opacity;
+  return {.base_color = base,
+          .emissive_cutoff = glm::vec4(m.emissive, cutoff_of(m)),
           .uv_row_u = {t[0][0], t[1][0], t[2][0], m.uv_set},
-          .uv_row_v = {t[0][1], t[1][1], t[2][1], 0}};
+          .uv_row_v = {t[0][1], t[1][1], t[2][1], 0},
+          .finish = {std::max(m.roughness, kLeastRoughness), m.opacity, 0, 0}};
 }
 
 }  // namespace

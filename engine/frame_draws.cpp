@@ -107,7 +107,8 @@ void FrameDraws::draw(const Drawable& d, const View& view, const ViewProjection&
                    .texture = d.texture,
                    .range = d.range,
                    .first_instance = instance,
-                   .instance_count = 1});
+                   .instance_count = 1,
+                   .met = d.met});
 }
 
 std::uint32_t FrameDraws::add_instance(const Drawable& d, const ViewProjection& projection, const DrawList& list) {
@@ -191,10 +192,12 @@ void FrameDraws::add_blended(const View& view, const Pass& pass, const ViewProje
   // Once more, for depth: what is solid enough to be met.
   for (std::size_t i = first, end = runs_.size(); i < end; ++i) {
     DrawRun run = runs_[i];
+    if (!run.met) continue;
     run.key.depth_only = true;
     run.key.surface = Surface::masked;
     run.key.unlit = false;
     run.key.lights = 0;
+    run.key.glossy = false;
     run.key.mirrored = run.key.mirrored && run.key.cull_back;
     runs_.push_back(run);
   }

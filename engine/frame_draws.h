@@ -18,6 +18,7 @@ struct DrawRun {
   VkDescriptorSet texture = VK_NULL_HANDLE;
   MeshRange range;
   std::uint32_t first_instance = 0, instance_count = 0;
+  bool met = true;           ///< by depth
   bool own_indices = false;  ///< range.first_index counts in FrameDraws::indices(), not in the geometry pool
 };
 

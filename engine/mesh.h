@@ -63,16 +63,31 @@ struct Texture {
 
 enum class AlphaMode : std::uint8_t { opaque, mask, blend };
 
+/// What a depth camera and a laser scanner meet covers at least this share of what lies behind it.
+inline constexpr float kLeastMetAlpha = 0.5f;
+
+/// A smoother surface shows a light as this rough a one does: its image would be smaller than any pixel.
+inline constexpr float kLeastRoughness = 0.05f;
+
 /// How a surface looks. One uniform block: to change it touches nothing else.
 ///
 /// A depth camera and a laser scanner see a `mask` texel whose alpha is at least `alpha_cutoff`, and a `blend` texel
-/// whose alpha is at least one half; what is more transparent lets them pass.
+/// whose alpha is at least kLeastMetAlpha; what is more transparent lets them pass.
+///
+/// `opacity` fades the whole surface, whatever its mode: opaque and kept texels cover that share of what lies behind
+/// them, those of `blend` their alpha times it, and this share is what kLeastMetAlpha is held against. What the cutoff
+/// takes away stays away, however faded the rest is. At 0 nothing is drawn.
+///
+/// `roughness` 1 is Lambert's matte surface. Below, lights have a highlight too: the dielectric of glTF 2.0 (appendix
+/// B), with reflectance 0.04 at normal incidence. Ambient light stays diffuse.
 struct Material {
   std::string name;
   glm::vec4 base_color{1, 1, 1, 1};  ///< linear RGBA, multiplies texture and vertex colour
   glm::vec3 emissive{0, 0, 0};       ///< linear radiance added to what is reflected
   AlphaMode alpha_mode = AlphaMode::opaque;
   float alpha_cutoff = 0.5f;
+  float opacity = 1;          ///< [0, 1]
+  float roughness = 1;        ///< [0, 1], the square root of the GGX distribution's alpha
   bool unlit = false;         ///< shows the base colour as it is
   bool double_sided = false;  ///< cameras draw back faces only of double-sided materials; scanners meet both sides
   std::shared_ptr<const Texture> base_color_texture;  ///< may be null

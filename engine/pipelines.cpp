@@ -120,7 +120,7 @@ VkPipelineDepthStencilStateCreateInfo depth_stencil(const PipelineKey& key) {
   VkPipelineDepthStencilStateCreateInfo info{};
   info.sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO;
   info.depthTestEnable = VK_TRUE;
-  info.depthWriteEnable = key.surface != Surface::blended;
+  info.depthWriteEnable = !key.blends();
   info.depthCompareOp = VK_COMPARE_OP_GREATER;
   return info;
 }
@@ -128,7 +128,7 @@ VkPipelineDepthStencilStateCreateInfo depth_stencil(const PipelineKey& key) {
 // Alpha stays what it was cleared to, 1.
 VkPipelineColorBlendAttachmentState color_blend(const PipelineKey& key) {
   VkPipelineColorBlendAttachmentState state{};
-  state.blendEnable = key.surface == Surface::blended;
+  state.blendEnable = key.blends();
   state.srcColorBlendFactor = VK_BLEND_FACTOR_SRC_ALPHA;
   state.dstColorBlendFactor = VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA;
   state.colorBlendOp = VK_BLEND_OP_ADD;
@@ -152,14 +152,22 @@ VkPipelineShaderStageCreateInfo stage(VkShaderStageFlagBits bit, VkShaderModule 
           .pSpecializationInfo = constants};
 }
 
+// Of a shader's constants each is 4 bytes, in the order of their numbers.
 struct Constants {
-  std::uint32_t values[3];
-  VkSpecializationMapEntry entries[3] = {{SIMVIS_MASKED, 0, sizeof(std::uint32_t)},
-                                         {SIMVIS_UNLIT, sizeof(std::uint32_t), sizeof(std::uint32_t)},
-                                         {SIMVIS_LIGHT_COUNT, 2 * sizeof(std::uint32_t), sizeof(std::uint32_t)}};
-  VkSpecializationInfo info{3, entries, sizeof values, values};
+  static constexpr std::uint32_t kCount = 5;
+  std::uint32_t values[kCount];
+  VkSpecializationMapEntry entries[kCount];
+  VkSpecializationInfo info{kCount, entries, sizeof values, values};
 
-  explicit Constants(const PipelineKey& key) : values{key.surface == Surface::masked, key.unlit, key.lights} {}
+  explicit Constants(const PipelineKey& key) {
+    values[SIMVIS_MASKED] = key.surface == Surface::masked || key.surface == Surface::faded;
+    values[SIMVIS_UNLIT] = key.unlit;
+    values[SIMVIS_LIGHT_COUNT] = key.lights;
+    values[SIMVIS_FADED] = key.surface == Surface::faded;
+    values[SIMVIS_GLOSSY] = key.glossy;
+    constexpr std::uint32_t kSize = sizeof values[0];
+    for (std::uint32_t i = 0; i < kCount; ++i) entries[i] = {i, i * kSize, kSize};
+  }
   Constants(const Constants&) = delete;
 };
 
@@ -167,7 +175,7 @@ struct Constants {
 
 std::uint32_t PipelineKey::bits() const {
   std::uint32_t bits = static_cast<std::uint32_t>(topology) | static_cast<std::uint32_t>(surface) << 2;
-  for (const bool flag : {color, depth_only, textured, unlit, cull_back, mirrored}) bits = bits << 1 | flag;
+  for (const bool flag : {color, depth_only, textured, unlit, glossy, cull_back, mirrored}) bits = bits << 1 | flag;
   return bits << 16 | lights;
 }
 
@@ -216,7 +224,7 @@ VkPipeline Pipelines::get(const PipelineKey& key) {
 
 Pipelines::Program Pipelines::program(const PipelineKey& key, const VkSpecializationInfo& constants) const {
   if (!key.depth_only) {
-    return {{stage(VK_SHADER_STAGE_VERTEX_BIT, color_vert_.get()),
+    return {{stage(VK_SHADER_STAGE_VERTEX_BIT, color_vert_.get(), &constants),
              stage(VK_SHADER_STAGE_FRAGMENT_BIT, color_frag_[key.textured].get(), &constants)},
             2,
             vertex_input(kColorInputs)};

@@ -11,7 +11,8 @@ namespace simvis {
 /// How a run of meshes is drawn. What a pass does not show stays at its default, so that equal pipelines have equal
 /// keys.
 struct PipelineKey {
-  enum class Surface : std::uint8_t { opaque, masked, blended };
+  /// `faded`: what a cutoff keeps is blended, all of it alike.
+  enum class Surface : std::uint8_t { opaque, masked, blended, faded };
 
   bool color = false;      ///< the pass has a colour target
   bool depth_only = true;  ///< no colour is written: a depth pass, or blended surfaces once more for depth
@@ -19,10 +20,12 @@ struct PipelineKey {
   Surface surface = Surface::opaque;
   bool textured = false;
   bool unlit = false;
+  bool glossy = false;       ///< lights have highlights on it
   std::uint16_t lights = 0;  ///< how many light it, up to SIMVIS_MAX_LIGHTS
   bool cull_back = false;
   bool mirrored = false;  ///< the transform turns the winding of triangles
 
+  bool blends() const { return surface == Surface::blended || surface == Surface::faded; }
   std::uint32_t bits() const;
 };
 

@@ -99,6 +99,8 @@ std::uint64_t hash(const Material& material) {
   h.add_bytes(&material.emissive, sizeof material.emissive);
   h.add(material.alpha_mode);
   h.add(material.alpha_cutoff);
+  h.add(material.opacity);
+  h.add(material.roughness);
   h.add(material.unlit);
   h.add(material.double_sided);
   h.add(material.base_color_texture.get());
@@ -109,7 +111,8 @@ std::uint64_t hash(const Material& material) {
 
 bool same(const Material& a, const Material& b) {
   return same_bits(a.base_color, b.base_color) && same_bits(a.emissive, b.emissive) && a.alpha_mode == b.alpha_mode &&
-         same_bits(a.alpha_cutoff, b.alpha_cutoff) && a.unlit == b.unlit && a.double_sided == b.double_sided &&
+         same_bits(a.alpha_cutoff, b.alpha_cutoff) && same_bits(a.opacity, b.opacity) &&
+         same_bits(a.roughness, b.roughness) && a.unlit == b.unlit && a.double_sided == b.double_sided &&
          a.base_color_texture == b.base_color_texture && a.uv_set == b.uv_set &&
          same_bits(a.uv_transform, b.uv_transform);
 }

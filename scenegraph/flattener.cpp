@@ -80,7 +80,7 @@ void Flattener::rewrite_changed() {
           ranges.push_back({slot, entries_[slot].end});
           break;
         case NodeKind::material:
-          list_.materials[slot] = static_cast<const MaterialNode*>(node)->material();
+          list_.materials[slot] = static_cast<const MaterialNode*>(node)->shown();
           list_.material_revision[slot] = ++list_.revisions.materials;
           ++counters_.materials_written;
           break;
@@ -263,9 +263,9 @@ class Flattener::Traversal {
   std::uint32_t material_slot() {
     const MaterialNode* node = state_.material_node;
     if (node == nullptr) return materials_.shared(default_material());
-    if (!node->has_own_slot()) return materials_.shared(node->material());
+    if (!node->has_own_slot()) return materials_.shared(node->shown());
     std::vector<std::uint32_t>& slots = f_.occurrences_.at(node);
-    if (slots.empty()) slots.push_back(materials_.own(node->material()));
+    if (slots.empty()) slots.push_back(materials_.own(node->shown()));
     return slots.front();
   }
 

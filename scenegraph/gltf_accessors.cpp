@@ -104,6 +104,11 @@ std::uint32_t integer_component(const std::uint8_t* p, unsigned format) {
   return value;
 }
 
+bool view_has_data(const GltfDocument& document, int buffer_view) {
+  const tinygltf::BufferView& view = document.model.bufferViews[static_cast<std::size_t>(buffer_view)];
+  return !document.buffers[static_cast<std::size_t>(view.buffer)].empty();
+}
+
 class AccessorReader {
  public:
   AccessorReader(const GltfDocument& document, int accessor, const char* use)
@@ -130,9 +135,9 @@ class AccessorReader {
   // That all bytes lie within the buffer view; a buffer that the file leaves out is nobody's fault until it is read.
   void check_layout() const {
     if (format_ == 0) fail("holds a combination of componentType and normalized that glTF does not have");
-    if (accessor_.bufferView >= 0 && has_data(accessor_.bufferView)) dense_elements();
-    if (accessor_.sparse.isSparse && has_data(accessor_.sparse.indices.bufferView) &&
-        has_data(accessor_.sparse.values.bufferView)) {
+    if (accessor_.bufferView >= 0 && view_has_data(document_, accessor_.bufferView)) dense_elements();
+    if (accessor_.sparse.isSparse && view_has_data(document_, accessor_.sparse.indices.bufferView) &&
+        view_has_data(document_, accessor_.sparse.values.bufferView)) {
       sparse_elements();
     }
   }
@@ -206,11 +211,6 @@ class AccessorReader {
             replaced, index_bytes, format};
   }
 
-  bool has_data(int buffer_view) const {
-    const tinygltf::BufferView& view = document_.model.bufferViews[static_cast<std::size_t>(buffer_view)];
-    return !document_.buffers[static_cast<std::size_t>(view.buffer)].empty();
-  }
-
   template <class T>
   void copy_element(const std::uint8_t* source, T* target) const {
     for (std::size_t c = 0; c < components_; ++c, source += component_bytes_) {
@@ -277,6 +277,20 @@ std::vector<std::uint32_t> read_integers(const GltfDocument& document, int acces
   const AccessorReader reader(document, accessor, use.name);
   reader.expect(use);
   return reader.read<std::uint32_t>();
+}
+
+void check_use(const GltfDocument& document, int accessor, const GltfUse& use) {
+  AccessorReader(document, accessor, use.name).expect(use);
+}
+
+bool has_data(const GltfDocument& document, int accessor) {
+  const tinygltf::Accessor& source = document.model.accessors[static_cast<std::size_t>(accessor)];
+  const auto is_there = [&](int view) { return view >= 0 && view_has_data(document, view); };
+  if (source.sparse.isSparse &&
+      !(is_there(source.sparse.indices.bufferView) && is_there(source.sparse.values.bufferView))) {
+    return false;
+  }
+  return source.bufferView < 0 ? source.sparse.isSparse : is_there(source.bufferView);
 }
 
 void check_accessors(const GltfDocument& document) {

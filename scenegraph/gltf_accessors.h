@@ -43,6 +43,13 @@ struct GltfFloats {
 GltfFloats read_floats(const GltfDocument& document, int accessor, const GltfUse& use);
 std::vector<std::uint32_t> read_integers(const GltfDocument& document, int accessor, const GltfUse& use);
 
+/// Throws as they do for a type or format that is not allowed, without a look at the bytes.
+void check_use(const GltfDocument& document, int accessor, const GltfUse& use);
+
+/// Whether the file says what the accessor holds: without a buffer view it is zeros that nobody wrote, and a buffer may
+/// be left out.
+bool has_data(const GltfDocument& document, int accessor);
+
 /// Checks that every accessor's bytes lie where they can be read, used or not. Throws InputError like the readers.
 void check_accessors(const GltfDocument& document);
 

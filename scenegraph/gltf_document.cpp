@@ -134,6 +134,24 @@ void read_images(json& root, GltfDocument& document) {
   }
 }
 
+void read_animations(const json& root, GltfDocument& document) {
+  const auto animations = root.find("animations");
+  if (animations == root.end()) return;
+  for (const json& animation : *animations) {
+    GltfAnimation& read = document.animations.emplace_back();
+    read.name = animation.value("name", "");
+    for (const json& channel : animation.at("channels")) {
+      const json& target = channel.at("target");
+      read.channels.push_back(
+          {channel.at("sampler").get<std::size_t>(), target.value("node", -1), target.at("path").get<std::string>()});
+    }
+    for (const json& sampler : animation.at("samplers")) {
+      read.samplers.push_back(
+          {sampler.at("input").get<int>(), sampler.at("output").get<int>(), sampler.value("interpolation", "LINEAR")});
+    }
+  }
+}
+
 void move_indices_to_attributes(json& root) {
   if (!root.contains("meshes")) return;
   for (json& mesh : root.at("meshes")) {
@@ -150,8 +168,6 @@ void move_indices_to_attributes(json& root) {
 // tinygltf 2.7 over-reads on image buffer views that do not fit their buffer, and needs more of cameras and animations
 // than is used here: it gets the rest.
 void read_structure(json& root, GltfDocument& document) {
-  const auto animations = root.find("animations");
-  document.has_animations = animations != root.end() && !animations->empty();
   for (const char* part : {"buffers", "images", "cameras", "animations"}) root.erase(part);
   move_indices_to_attributes(root);
   const std::string text = root.dump();
@@ -195,6 +211,7 @@ GltfDocument read_gltf_document(const std::filesystem::path& file) {
   check_node_transforms(root, document);
   read_buffers(root, chunks, document);
   read_images(root, document);
+  read_animations(root, document);
   read_structure(root, document);
   check_accessors(document);
   warn_of_unsupported_extensions(document);

@@ -19,6 +19,22 @@ struct GltfImage {
   int buffer_view = -1;
 };
 
+/// An animation as the file describes it: the indices of accessors and nodes exist, all else is to be checked.
+struct GltfAnimation {
+  struct Channel {
+    std::size_t sampler = 0;
+    int node = -1;  ///< -1: none
+    std::string path;
+  };
+  struct Sampler {
+    int input = 0, output = 0;
+    std::string interpolation;
+  };
+  std::string name;
+  std::vector<Channel> channels;
+  std::vector<Sampler> samplers;
+};
+
 /// The key under which a primitive's indices stand among its attributes: tinygltf 2.7 refuses indices without a buffer
 /// view, which glTF allows, and so does not get to see them. No attribute's name begins like this.
 inline constexpr const char* kGltfIndices = "(indices)";
@@ -31,7 +47,7 @@ struct GltfDocument {
   tinygltf::Model model;
   std::vector<Bytes> buffers;  ///< byteLength bytes each, or none where the file leaves them out
   std::vector<GltfImage> images;
-  bool has_animations = false;
+  std::vector<GltfAnimation> animations;
   std::vector<std::string> warnings;
 
   /// Throws InputError "FILE: error: WHAT".

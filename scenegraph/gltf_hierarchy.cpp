@@ -15,13 +15,6 @@ constexpr double kUnitTolerance = 0.01;
 
 std::string place_of(std::size_t node) { return "nodes/" + std::to_string(node); }
 
-// The unit quaternion nearest to `q`, if `q` is one but for rounding.
-std::optional<glm::dvec4> unit_quaternion(const glm::dvec4& q) {
-  const double length = glm::length(q);
-  if (!(std::abs(length - 1) <= kUnitTolerance)) return std::nullopt;
-  return q / length;
-}
-
 bool is_finite(const glm::dmat4& m) {
   for (int column = 0; column < 4; ++column) {
     for (int row = 0; row < 4; ++row) {
@@ -41,16 +34,7 @@ glm::dmat4 local_matrix(const GltfDocument& document, std::size_t index) {
     }
     return m;
   }
-  glm::dvec3 translation(0), scale(1);
-  glm::dvec4 rotation(0, 0, 0, 1);
-  if (!node.translation.empty()) translation = {node.translation[0], node.translation[1], node.translation[2]};
-  if (!node.scale.empty()) scale = {node.scale[0], node.scale[1], node.scale[2]};
-  if (!node.rotation.empty()) {
-    const auto unit = unit_quaternion({node.rotation[0], node.rotation[1], node.rotation[2], node.rotation[3]});
-    if (!unit) document.fail(place_of(index) + "/rotation is not a unit quaternion");
-    rotation = *unit;
-  }
-  return trs_matrix(translation, rotation, scale);
+  return matrix_of(read_local_pose(document, index));
 }
 
 std::vector<int> parents_of(const GltfDocument& document) {
@@ -96,25 +80,36 @@ std::vector<int> scene_roots(const GltfDocument& document, const std::vector<int
 
 }  // namespace
 
-glm::dmat4 trs_matrix(const glm::dvec3& translation, const glm::dvec4& rotation, const glm::dvec3& scale) {
-  const double x = rotation.x, y = rotation.y, z = rotation.z, w = rotation.w;
-  glm::dmat4 m(1);
-  m[0] = glm::dvec4(1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y), 0) * scale.x;
-  m[1] = glm::dvec4(2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x), 0) * scale.y;
-  m[2] = glm::dvec4(2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y), 0) * scale.z;
-  m[3] = glm::dvec4(translation, 1);
-  return m;
+std::optional<glm::dvec4> unit_quaternion(const glm::dvec4& q) {
+  const double length = glm::length(q);
+  if (!(std::abs(length - 1) <= kUnitTolerance)) return std::nullopt;
+  return q / length;
+}
+
+LocalPose read_local_pose(const GltfDocument& document, std::size_t index) {
+  const tinygltf::Node& node = document.model.nodes[index];
+  LocalPose pose;
+  if (!node.translation.empty()) pose.translation = {node.translation[0], node.translation[1], node.translation[2]};
+  if (!node.scale.empty()) pose.scale = {node.scale[0], node.scale[1], node.scale[2]};
+  if (!node.rotation.empty()) {
+    const auto unit = unit_quaternion({node.rotation[0], node.rotation[1], node.rotation[2], node.rotation[3]});
+    if (!unit) document.fail(place_of(index) + "/rotation is not a unit quaternion");
+    pose.rotation = *unit;
+  }
+  return pose;
 }
 
 GltfHierarchy read_hierarchy(const GltfDocument& document) {
   const std::vector<tinygltf::Node>& nodes = document.model.nodes;
-  const std::vector<int> parents = parents_of(document);
   GltfHierarchy hierarchy;
+  hierarchy.parents = parents_of(document);
+  const std::vector<int>& parents = hierarchy.parents;
   hierarchy.roots = scene_roots(document, parents);
   hierarchy.parent_from_node.resize(nodes.size());
   hierarchy.root_from_node.resize(nodes.size());
-  // Parents before children. With one parent at most for each, only the nodes of cycles are never reached.
-  std::vector<int> order = nodes_without_parents(parents);
+  // With one parent at most for each, only the nodes of cycles are never reached.
+  std::vector<int>& order = hierarchy.order;
+  order = nodes_without_parents(parents);
   for (std::size_t i = 0; i < order.size(); ++i) {
     const auto index = static_cast<std::size_t>(order[i]);
     const glm::dmat4 local = local_matrix(document, index);
@@ -150,25 +145,24 @@ std::vector<glm::dmat4> read_instances(const GltfDocument& document, int node) {
   const GltfFloats translations = read(kTranslation), rotations = read(kRotation), scales = read(kScale);
   std::vector<glm::dmat4> instances(count);
   for (std::size_t i = 0; i < count; ++i) {
-    glm::dvec3 translation(0), scale(1);
-    std::optional<glm::dvec4> rotation(glm::dvec4(0, 0, 0, 1));
-    if (translations.count != 0) translation = {translations[i][0], translations[i][1], translations[i][2]};
-    if (scales.count != 0) scale = {scales[i][0], scales[i][1], scales[i][2]};
+    LocalPose pose;
+    if (translations.count != 0) pose.translation = {translations[i][0], translations[i][1], translations[i][2]};
+    if (scales.count != 0) pose.scale = {scales[i][0], scales[i][1], scales[i][2]};
     if (rotations.count != 0) {
-      rotation = unit_quaternion({rotations[i][0], rotations[i][1], rotations[i][2], rotations[i][3]});
+      const auto unit = unit_quaternion({rotations[i][0], rotations[i][1], rotations[i][2], rotations[i][3]});
+      if (!unit) document.fail(place_of(index) + " has an instance whose rotation is not a unit quaternion");
+      pose.rotation = *unit;
     }
-    if (!rotation) document.fail(place_of(index) + " has an instance whose rotation is not a unit quaternion");
-    instances[i] = trs_matrix(translation, *rotation, scale);
+    instances[i] = matrix_of(pose);
   }
   return instances;
 }
 
-std::vector<glm::dmat4> read_joint_matrices(const GltfDocument& document, const GltfHierarchy& hierarchy, int skin) {
+std::vector<glm::dmat4> read_inverse_bind_matrices(const GltfDocument& document, int skin) {
   constexpr int kMat4[] = {TINYGLTF_TYPE_MAT4};
   const GltfUse kInverseBind{"inverseBindMatrices", kMat4, kGltfF32};
   const tinygltf::Skin& source = document.model.skins[static_cast<std::size_t>(skin)];
-  std::vector<glm::dmat4> matrices;
-  for (const int joint : source.joints) matrices.push_back(hierarchy.root_from_node[static_cast<std::size_t>(joint)]);
+  std::vector<glm::dmat4> matrices(source.joints.size(), glm::dmat4(1));
   if (source.inverseBindMatrices < 0) return matrices;
   const GltfFloats inverse_bind = read_floats(document, source.inverseBindMatrices, kInverseBind);
   if (inverse_bind.count < matrices.size()) {
@@ -176,9 +170,16 @@ std::vector<glm::dmat4> read_joint_matrices(const GltfDocument& document, const 
                   std::to_string(inverse_bind.count) + " inverse bind matrices");
   }
   for (std::size_t i = 0; i < matrices.size(); ++i) {
-    glm::dmat4 joint_from_mesh;
-    for (int k = 0; k < 16; ++k) joint_from_mesh[k / 4][k % 4] = inverse_bind[i][k];
-    matrices[i] = matrices[i] * joint_from_mesh;
+    for (int k = 0; k < 16; ++k) matrices[i][k / 4][k % 4] = inverse_bind[i][k];
+  }
+  return matrices;
+}
+
+std::vector<glm::dmat4> read_joint_matrices(const GltfDocument& document, const GltfHierarchy& hierarchy, int skin) {
+  std::vector<glm::dmat4> matrices = read_inverse_bind_matrices(document, skin);
+  const std::vector<int>& joints = document.model.skins[static_cast<std::size_t>(skin)].joints;
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    matrices[i] = hierarchy.root_from_node[static_cast<std::size_t>(joints[i])] * matrices[i];
   }
   return matrices;
 }

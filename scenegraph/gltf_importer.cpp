@@ -1,11 +1,13 @@
 // glTF 2.0 parts, .gltf and .glb: from the checked document to a scene graph.
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "scenegraph/gltf_animations.h"
 #include "scenegraph/gltf_document.h"
 #include "scenegraph/gltf_hierarchy.h"
 #include "scenegraph/gltf_materials.h"
@@ -26,7 +28,13 @@ struct DrawnPrimitive {
 class GraphBuilder {
  public:
   GraphBuilder(GltfDocument& document, ContentPool& pool)
-      : document_(document), pool_(pool), materials_(document, pool), hierarchy_(read_hierarchy(document)) {}
+      : document_(document),
+        pool_(pool),
+        materials_(document, pool),
+        hierarchy_(read_hierarchy(document)),
+        motion_(read_motion(document, hierarchy_)) {
+    bindings_.transforms.resize(hierarchy_.order.size());
+  }
 
   PartContent build(bool y_up) {
     PartContent content;
@@ -36,8 +44,8 @@ class GraphBuilder {
     if (y_up) root->add(std::make_shared<Transform>(kZUpFromYUp));
     add_scene(*root, content.commands);
     check_what_is_not_shown();
-    if (document_.has_animations) document_.warn("animations are not played; the rest pose is imported");
     content.root = root;
+    content.animations = bind_animations(document_, hierarchy_, std::move(motion_), std::move(bindings_));
     content.warnings = std::move(document_.warnings);
     return content;
   }
@@ -68,8 +76,7 @@ class GraphBuilder {
     const tinygltf::Node& source = document_.model.nodes[static_cast<std::size_t>(index)];
     const auto separator = std::make_shared<Separator>();
     separator->name = source.name;
-    const glm::dmat4& local = hierarchy_.parent_from_node[static_cast<std::size_t>(index)];
-    if (local != glm::dmat4(1)) separator->add(std::make_shared<Transform>(local));
+    add_transform(static_cast<std::size_t>(index), *separator);
     if (source.mesh >= 0) add_mesh(index, source, *separator);
     const auto light = source.extensions.find("KHR_lights_punctual");
     if (light != source.extensions.end()) separator->add(make_light(light->second.Get("light").GetNumberAsInt()));
@@ -82,18 +89,24 @@ class GraphBuilder {
     return *separator;
   }
 
+  void add_transform(std::size_t index, Group& group) {
+    const glm::dmat4& local = hierarchy_.parent_from_node[index];
+    if (local == glm::dmat4(1) && !motion_.is_moved[index]) return;
+    const auto transform = std::make_shared<Transform>(local);
+    if (motion_.is_moved[index]) bindings_.transforms[index] = transform;
+    group.add(transform);
+  }
+
   void add_mesh(int index, const tinygltf::Node& source, Group& group) {
     if (source.skin >= 0) {
       // The joints alone say where a skinned mesh stands; its own node's place does not count.
-      document_.warn("skins are not animated; skinned meshes are imported in their rest pose");
       const auto skinned = std::make_shared<Separator>();
       skinned->name = source.name;
-      const std::vector<glm::dmat4> joints = read_joint_matrices(document_, hierarchy_, source.skin);
-      add_primitives(make_primitives(source.mesh, source.weights, &joints), *skinned);
+      add_primitives(make_primitives(index), *skinned);
       root_->add(skinned);
       return;
     }
-    const std::vector<DrawnPrimitive> primitives = primitives_of(source);
+    const std::vector<DrawnPrimitive> primitives = primitives_of(index);
     if (source.extensions.count("EXT_mesh_gpu_instancing") == 0) return add_primitives(primitives, group);
     for (const glm::dmat4& node_from_instance : read_instances(document_, index)) {
       const auto instance = std::make_shared<Separator>();
@@ -111,37 +124,68 @@ class GraphBuilder {
   }
 
   // Nodes that show the same mesh share its shapes, unless a node has morph weights of its own.
-  std::vector<DrawnPrimitive> primitives_of(const tinygltf::Node& source) {
-    if (!source.weights.empty()) return make_primitives(source.mesh, source.weights, nullptr);
+  std::vector<DrawnPrimitive> primitives_of(int node) {
+    const tinygltf::Node& source = document_.model.nodes[static_cast<std::size_t>(node)];
+    if (!source.weights.empty() || motion_.moving_weights[static_cast<std::size_t>(node)] > 0) {
+      return make_primitives(node);
+    }
     const auto known = primitives_.find(source.mesh);
     if (known != primitives_.end()) return known->second;
-    return primitives_.emplace(source.mesh, make_primitives(source.mesh, {}, nullptr)).first->second;
+    return primitives_.emplace(source.mesh, make_primitives(node)).first->second;
   }
 
-  std::vector<DrawnPrimitive> make_primitives(int mesh_index, const std::vector<double>& node_weights,
-                                              const std::vector<glm::dmat4>* joints) {
+  std::vector<DrawnPrimitive> make_primitives(int node) {
+    const int mesh_index = document_.model.nodes[static_cast<std::size_t>(node)].mesh;
     const tinygltf::Mesh& source = document_.model.meshes[static_cast<std::size_t>(mesh_index)];
-    const std::vector<double>& weights = node_weights.empty() ? source.weights : node_weights;
     shown_meshes_.insert(mesh_index);
     std::vector<DrawnPrimitive> drawn;
     for (const tinygltf::Primitive& primitive_source : source.primitives) {
       GltfPrimitive primitive;
       if (!read_primitive(document_, primitive_source, primitive)) continue;
-      if (!primitive_source.targets.empty()) {
-        document_.warn("morph targets are not animated; meshes are imported with their default weights");
-        apply_morph_targets(document_, primitive_source, weights, primitive);
-      }
-      if (joints != nullptr) apply_skin(document_, primitive_source, *joints, primitive);
-      Mesh& mesh = primitive.mesh;
-      const bool is_surface = mesh.topology == Topology::triangles;
-      if (is_surface && !primitive.has_normals) set_flat_normals(mesh);
-      compute_bounds(mesh);
-      mesh.name = source.name;
-      const auto shape = std::make_shared<Shape>(pool_.intern(std::move(mesh)));
-      shape->name = source.name;
-      drawn.push_back({materials_.get(primitive_source.material, is_surface || primitive.has_normals), shape});
+      const bool shaded = primitive.mesh.topology == Topology::triangles || primitive.has_normals;
+      const auto shape = make_shape(node, primitive_source, std::move(primitive), source.name);
+      drawn.push_back({materials_.get(primitive_source.material, shaded), shape});
     }
     return drawn;
+  }
+
+  NodePtr make_shape(int node, const tinygltf::Primitive& source, GltfPrimitive&& primitive, const std::string& name) {
+    const int skin = document_.model.nodes[static_cast<std::size_t>(node)].skin;
+    primitive.mesh.name = name;
+    if (source.targets.empty() && skin < 0) {
+      complete_mesh(primitive.mesh, primitive.needs_flat_normals());
+      return make_node(std::move(primitive.mesh));
+    }
+    // As at rest, and what it takes to deform it anew where an animation does.
+    const bool weights_change = motion_.moving_weights[static_cast<std::size_t>(node)] > 0;
+    const bool joints_move = skin >= 0 && moves_skin(document_, motion_, skin);
+    if (!source.targets.empty() && !weights_change) {
+      document_.warn("morph targets are not animated; meshes are imported with their default weights");
+    }
+    if (skin >= 0 && !joints_move) {
+      document_.warn("skins are not animated; skinned meshes are imported in their rest pose");
+    }
+    std::vector<glm::dmat4> joints;
+    if (skin >= 0) joints = read_joint_matrices(document_, hierarchy_, skin);
+    std::vector<double> weights = rest_weights(document_, node);
+    auto mesh = std::make_shared<const DeformableMesh>(
+        read_deformable(document_, source, std::move(primitive), weights, weights_change,
+                        skin >= 0 ? static_cast<int>(joints.size()) : -1));
+    if (mesh->targets.empty()) weights.clear();
+    std::optional<Mesh> at_rest = deform(*mesh, weights, joints);
+    if (!at_rest) document_.fail("has a vertex that its morph targets or joints move to where float32 is not finite");
+    const std::shared_ptr<Shape> shape = make_node(std::move(*at_rest));
+    if (weights_change || joints_move) {
+      bindings_.shapes.push_back({shape, std::move(mesh), weights_change ? node : -1, skin, std::move(weights)});
+    }
+    return shape;
+  }
+
+  std::shared_ptr<Shape> make_node(Mesh&& mesh) const {
+    const std::string name = mesh.name;
+    const auto shape = std::make_shared<Shape>(pool_.intern(std::move(mesh)));
+    shape->name = name;
+    return shape;
   }
 
   // A broken file is refused whatever its scene happens to show.
@@ -198,6 +242,8 @@ class GraphBuilder {
   ContentPool& pool_;
   GltfMaterials materials_;
   GltfHierarchy hierarchy_;
+  GltfMotion motion_;
+  GltfBindings bindings_;
   Group* root_ = nullptr;
   std::map<int, std::vector<DrawnPrimitive>> primitives_;
   std::set<int> shown_meshes_;

@@ -166,25 +166,4 @@ bool read_primitive(GltfDocument& document, const tinygltf::Primitive& source, G
   return true;
 }
 
-void set_flat_normals(Mesh& mesh) {
-  std::vector<glm::vec3> positions;
-  std::vector<VertexAttributes> attributes;
-  positions.reserve(mesh.indices.size());
-  attributes.reserve(mesh.indices.size());
-  for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
-    const std::uint32_t* corner = mesh.indices.data() + i;
-    const glm::dvec3 a(mesh.positions[corner[0]]), b(mesh.positions[corner[1]]), c(mesh.positions[corner[2]]);
-    const glm::dvec3 normal = glm::cross(b - a, c - a);
-    const double length = glm::length(normal);
-    for (int k = 0; k < 3; ++k) {
-      positions.push_back(mesh.positions[corner[k]]);
-      attributes.push_back(mesh.attributes[corner[k]]);
-      attributes.back().normal = length > 0 ? glm::vec3(normal / length) : VertexAttributes{}.normal;
-    }
-  }
-  mesh.positions = std::move(positions);
-  mesh.attributes = std::move(attributes);
-  std::iota(mesh.indices.begin(), mesh.indices.end(), 0u);
-}
-
 }  // namespace simvis

@@ -1,12 +1,11 @@
 // One primitive of a glTF mesh as an indexed list of triangles, lines or points.
 #pragma once
 
-#include <glm/glm.hpp>
 #include <span>
-#include <vector>
 
 #include "engine/mesh.h"
 #include "scenegraph/gltf_document.h"
+#include "scenegraph/mesh_deformation.h"
 
 namespace simvis {
 
@@ -14,6 +13,8 @@ namespace simvis {
 struct GltfPrimitive {
   Mesh mesh;                 ///< attributes without normals have the default ones; bounds are not set yet
   bool has_normals = false;  ///< the file gives them
+
+  bool needs_flat_normals() const { return mesh.topology == Topology::triangles && !has_normals; }
 };
 
 /// Reads attributes and indices, and turns strips, fans and loops into lists.
@@ -21,16 +22,10 @@ struct GltfPrimitive {
 /// Throws InputError naming the file and the accessor.
 bool read_primitive(GltfDocument& document, const tinygltf::Primitive& source, GltfPrimitive& primitive);
 
-/// Adds the weighted morph targets. Throws InputError for targets that do not fit the primitive.
-void apply_morph_targets(const GltfDocument& document, const tinygltf::Primitive& source,
-                         std::span<const double> weights, GltfPrimitive& primitive);
-
-/// Moves each vertex by the weighted sum of its joints' matrices (linear blend skinning).
-/// Throws InputError for missing, ill-fitting or out-of-range joints and weights.
-void apply_skin(GltfDocument& document, const tinygltf::Primitive& source, std::span<const glm::dmat4> joint_matrices,
-                GltfPrimitive& primitive);
-
-/// Gives each triangle vertices and a normal of its own.
-void set_flat_normals(Mesh& mesh);
+/// What morph targets and joints need to deform a primitive. `joints`: of its skin, -1 where it has none. A target is
+/// read only where `weights` (one per target, or none) give it one, or all if they are going to change.
+/// Throws InputError for targets that do not fit the primitive, for missing, ill-fitting or out-of-range joints.
+DeformableMesh read_deformable(GltfDocument& document, const tinygltf::Primitive& source, GltfPrimitive&& primitive,
+                               std::span<const double> weights, bool weights_change, int joints);
 
 }  // namespace simvis

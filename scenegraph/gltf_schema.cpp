@@ -132,6 +132,13 @@ constexpr Field kScene[] = {text("name"), indices("nodes", "nodes")};
 constexpr Field kSkin[] = {text("name"), required(indices("joints", "nodes")),
                            index("inverseBindMatrices", "accessors")};
 
+constexpr Field kAnimationTarget[] = {index("node", "nodes"), required(text("path"))};
+constexpr Field kAnimationChannel[] = {required(integer("sampler", 0)), required(object("target", kAnimationTarget))};
+constexpr Field kAnimationSampler[] = {required(index("input", "accessors")), required(index("output", "accessors")),
+                                       text("interpolation")};
+constexpr Field kAnimation[] = {text("name"), required(objects("channels", kAnimationChannel)),
+                                required(objects("samplers", kAnimationSampler))};
+
 constexpr Field kTextureTransform[] = {numbers("offset", 2), number("rotation"), numbers("scale", 2),
                                        integer("texCoord", 0)};
 constexpr Field kTextureInfoExtensions[] = {object("KHR_texture_transform", kTextureTransform)};
@@ -168,7 +175,7 @@ constexpr Field kRoot[] = {required(object("asset", kAsset)), texts("extensionsU
                            objects("samplers", kSampler),     objects("textures", kTexture),
                            objects("materials", kMaterial),   objects("meshes", kMesh),
                            objects("skins", kSkin),           objects("cameras", kNothing),
-                           objects("animations", kNothing),   objects("nodes", kNode),
+                           objects("animations", kAnimation), objects("nodes", kNode),
                            objects("scenes", kScene),         index("scene", "scenes")};
 
 // A place in the document. It becomes text only when there is something to say about it.

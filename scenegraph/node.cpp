@@ -69,13 +69,58 @@ void Transform::set_matrix(const glm::dmat4& matrix) {
 void MaterialNode::set_material(std::shared_ptr<const Material> material) {
   SIMVIS_ASSERT(material != nullptr);
   if (material == material_) return;
+  const bool had_own_slot = has_own_slot();
   material_ = std::move(material);
-  if (has_own_slot_) {
+  has_own_slot_ = true;
+  show();
+  if (had_own_slot) {
     tell_content_changed();
   } else {
-    has_own_slot_ = true;
     tell_structure_changed();
   }
+}
+
+std::size_t MaterialNode::add_change() {
+  changes_.emplace_back();
+  if (changes_.size() == 1 && !has_own_slot_) tell_structure_changed();
+  return changes_.size() - 1;
+}
+
+void MaterialNode::remove_last_change() {
+  SIMVIS_ASSERT(!changes_.empty());
+  changes_.pop_back();
+  show();
+  if (has_own_slot()) {
+    tell_content_changed();
+  } else {
+    tell_structure_changed();
+  }
+}
+
+void MaterialNode::set_change(std::size_t number, const MaterialChange& change) {
+  SIMVIS_ASSERT(number < changes_.size());
+  if (change == changes_[number]) return;
+  changes_[number] = change;
+  show();
+  tell_content_changed();
+}
+
+// Taken together in double, in the order of their numbers, and rounded once.
+void MaterialNode::show() {
+  glm::dvec3 color(1), emission(material_->emissive);
+  double opacity = material_->opacity, roughness = material_->roughness;
+  for (const MaterialChange& change : changes_) {
+    color *= glm::dvec3(change.color);
+    emission += glm::dvec3(change.emission);
+    opacity *= change.opacity;
+    roughness *= change.roughness;
+  }
+  auto shown = std::make_shared<Material>(*material_);
+  shown->base_color = glm::vec4(glm::dvec4(glm::dvec3(material_->base_color) * color, material_->base_color.a));
+  shown->emissive = glm::vec3(emission);
+  shown->opacity = static_cast<float>(opacity);
+  shown->roughness = static_cast<float>(roughness);
+  shown_ = std::move(shown);
 }
 
 void Visibility::set_visible(bool visible) {

@@ -123,18 +123,38 @@ class Transform : public Node {
   glm::dmat4 matrix_{1.0};
 };
 
+/// What somebody makes of a material that is not theirs. Changes by several add up in any order to the same.
+struct MaterialChange {
+  glm::vec3 color{1};                ///< factor of the base colour
+  float opacity = 1, roughness = 1;  ///< factors
+  glm::vec3 emission{0};             ///< linear radiance, added
+
+  bool operator==(const MaterialChange&) const = default;
+};
+
 /// The material of the shapes that follow. Several nodes may share one material, and one node may stand in many places.
-/// A node whose material was ever set anew has a slot of its own in the DrawList, so that a change writes just that.
+/// A node whose material was ever set anew, or that somebody may change, has a slot of its own in the DrawList, so that
+/// a change writes just that.
 class MaterialNode : public Node {
  public:
   explicit MaterialNode(std::shared_ptr<const Material> material)
-      : Node(NodeKind::material), material_(std::move(material)) {}
+      : Node(NodeKind::material), material_(std::move(material)), shown_(material_) {}
   const std::shared_ptr<const Material>& material() const { return material_; }
   void set_material(std::shared_ptr<const Material> material);
-  bool has_own_slot() const { return has_own_slot_; }
+  bool has_own_slot() const { return has_own_slot_ || !changes_.empty(); }
+
+  /// Room for one more change, which changes nothing yet; gives its number.
+  std::size_t add_change();
+  void remove_last_change();
+  void set_change(std::size_t number, const MaterialChange& change);
+
+  /// The material with its changes.
+  const std::shared_ptr<const Material>& shown() const { return shown_; }
 
  private:
-  std::shared_ptr<const Material> material_;
+  void show();
+  std::shared_ptr<const Material> material_, shown_;
+  std::vector<MaterialChange> changes_;
   bool has_own_slot_ = false;
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "engine/assert.h"
 #include "scenegraph/attributes.h"
 #include "scenegraph/part_importer.h"
 #include "scenegraph/pose_attribute.h"
@@ -119,6 +120,10 @@ void Scene::insert_at(const Place& place, const NodePtr& node) {
 
 void Scene::insert(const Command& command, NodePtr node) {
   insert_at(place(command), node);
+  remember(command, node);
+}
+
+void Scene::remember(const Command& command, const NodePtr& node) {
   if (command.kind != CommandKind::element) return;
   const std::string& name = command.require("name").value;
   if (nodes_.emplace(name, node).second) undo_.add([this, name] { nodes_.erase(name); });
@@ -129,8 +134,23 @@ void Scene::insert_in_world(NodePtr node) {
   undo_.add([root = root_, node] { root->remove(*node); });
 }
 
-// Files of identical content hold one graph.
+void Scene::insert_in_world(const Command& command, NodePtr node) {
+  place(command);  // throws where there is none
+  insert_in_world(node);
+  remember(command, node);
+}
+
+void Scene::insert_behind_point(std::string_view part, NodePtr node) {
+  SIMVIS_ASSERT(has_part(part));
+  const Place& at = places_.find(part)->second;
+  const auto next = std::ranges::find(at.parent->children(), at.point, &NodePtr::get) + 1;
+  at.parent->insert_before(**next, node);  // the part's content, if nothing else, stands there
+  undo_.add([parent = at.parent, node] { parent->remove(*node); });
+}
+
+// Files of identical content hold one graph, but for those with animations, which know the nodes of their own.
 void Scene::share_graph(PartContent& content) const {
+  if (content.animations != nullptr) return;
   for (const auto& [key, known] : contents_) {
     if (same_graph(known.root, content.root)) {
       content.root = known.root;

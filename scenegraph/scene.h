@@ -13,6 +13,7 @@
 #include "scenegraph/content_pool.h"
 #include "scenegraph/name_set.h"
 #include "scenegraph/node.h"
+#include "scenegraph/part_animation.h"
 #include "scenegraph/undo_log.h"
 
 namespace simvis {
@@ -24,6 +25,8 @@ struct PartContent {
   std::vector<std::string> commands;  ///< embedded commands, XML text, in the order found
   std::filesystem::path file;         ///< the canonical name; set by Scene
   std::vector<std::string> points;    ///< names of the insertion points in the graph, in order; set by Scene
+  /// What moves the nodes of `root`; null: nothing does.
+  std::shared_ptr<const PartAnimations> animations;
 };
 
 /// A part's content that belongs to one insertion alone.
@@ -60,6 +63,12 @@ class Scene {
 
   /// Puts `node` where no transform is in force: its frame is the world's.
   void insert_in_world(NodePtr node);
+  /// The same for a command whose node needs no place of its own; like insert() but for that.
+  void insert_in_world(const Command& command, NodePtr node);
+
+  /// Puts `node` right behind the insertion point of the part, which exists: it moves with the part, whatever is
+  /// inserted there later.
+  void insert_behind_point(std::string_view part, NodePtr node);
 
   /// Makes the content of the part `name` its own, so that a change of its nodes shows in no other part of the same
   /// file. Parts, elements and sensors that were inserted there are not of its content.
@@ -96,6 +105,7 @@ class Scene {
   const Place& place(const Command& command) const;
   void share_graph(PartContent& content) const;
   void insert_at(const Place& place, const NodePtr& node);
+  void remember(const Command& command, const NodePtr& node);
   void add_place(const CommandAttribute& name, const Place& place);
   void add_points(const CommandAttribute& part_name, const Part& part, const std::string& prefix);
 

@@ -261,3 +261,120 @@ def _unpacked_png(data):
         chunks.append((name, zlib.decompress(body) if name == b"IDAT" else body))
         offset += 12 + length
     return chunks
+
+
+@dataclass(frozen=True, eq=False)
+class MaskedMaterial(Material):
+    """What is seen where its texture's alpha reaches the cutoff. Its texture's palette is of (r, g, b, a)."""
+    cutoff: float = 0.5
+
+
+@dataclass
+class Surface:
+    """Triangles of one material, with vertex tables of equal length. Colours are linear RGB or RGBA, 0 to 1."""
+    material: Material
+    points: list
+    normals: list
+    uvs: list
+    colors: list
+    indices: list
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where an instance stands, in the model's z-up frame; `turn` is a quaternion (x, y, z, w)."""
+    position: tuple
+    turn: tuple = (0.0, 0.0, 0.0, 1.0)
+    scale: tuple = (1.0, 1.0, 1.0)
+
+
+def palette_png(texture):
+    """A texture with a palette of (r, g, b) or (r, g, b, a) as a PNG file."""
+    header = struct.pack(">IIBBBBB", texture.width, texture.height, 8, 3, 0, 0, 0)
+    rows = b"".join(b"\0" + texture.pixels[y * texture.width:(y + 1) * texture.width] for y in range(texture.height))
+    chunks = [(b"IHDR", header), (b"PLTE", bytes(v for entry in texture.palette for v in entry[:3]))]
+    if len(texture.palette[0]) == 4:
+        chunks.append((b"tRNS", bytes(entry[3] for entry in texture.palette)))
+    chunks += [(b"IDAT", zlib.compress(rows, 6)), (b"IEND", b"")]
+    return b"\x89PNG\r\n\x1a\n" + b"".join(
+        struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
+        for name, data in chunks)
+
+
+def _bytes_accessor(file, rows, code, component_type, kind):
+    """Normalised 8-bit values, four bytes apart as glTF asks of vertices."""
+    data = struct.pack(f"<{4 * len(rows)}{code}", *(v for row in rows for v in (*row, 0)[:4]))
+    view = file.view(data, 34962)
+    file.json["bufferViews"][view]["byteStride"] = 4
+    file.json["accessors"].append({"bufferView": view, "componentType": component_type, "normalized": True,
+                                   "count": len(rows), "type": kind})
+    return len(file.json["accessors"]) - 1
+
+
+def _packed_primitive(file, surface, materials, textures):
+    """A primitive whose normals and colours take a byte per component."""
+    rounded = lambda rows: [tuple(round(v, 5) + 0.0 for v in row) for row in rows]
+    normals = [tuple(round(127 * v) for v in _y_up(n)) for n in surface.normals]
+    colors = [tuple(max(0, min(255, round(255 * v))) for v in (*c, 1.0)[:4]) for c in surface.colors]
+    attributes = {"POSITION": file.accessor(rounded(map(_y_up, surface.points)), 3, bounds=True),
+                  "NORMAL": _bytes_accessor(file, normals, "b", 5120, "VEC3"),
+                  "COLOR_0": _bytes_accessor(file, colors, "B", 5121, "VEC4")}
+    texture = surface.material.texture
+    if texture:
+        attributes["TEXCOORD_0"] = file.accessor(rounded(surface.uvs), 2)
+        if texture not in textures:
+            textures.append(texture)
+    if surface.material not in materials:
+        materials.append(surface.material)
+        file.material(surface.material, textures.index(texture) if texture else None)
+        if isinstance(surface.material, MaskedMaterial):
+            file.json["materials"][-1].update(alphaMode="MASK", alphaCutoff=surface.material.cutoff)
+    return {"attributes": attributes, "indices": file.indices(surface.indices, len(surface.points)),
+            "material": materials.index(surface.material)}
+
+
+def _instancing(file, places):
+    def vec4(rows):
+        flat = [v for row in rows for v in row]
+        view = file.view(struct.pack(f"<{len(flat)}f", *flat))
+        file.json["accessors"].append(
+            {"bufferView": view, "componentType": 5126, "count": len(rows), "type": "VEC4"})
+        return len(file.json["accessors"]) - 1
+    exact = lambda v: round(v, 6) + 0.0
+    return {"EXT_mesh_gpu_instancing": {"attributes": {
+        "TRANSLATION": file.accessor([tuple(map(exact, _y_up(p.position))) for p in places], 3),
+        "ROTATION": vec4([tuple(map(exact, (*_y_up(p.turn[:3]), p.turn[3]))) for p in places]),
+        "SCALE": file.accessor([tuple(map(exact, (p.scale[0], p.scale[2], p.scale[1]))) for p in places], 3)}}}
+
+
+def instanced_glb(name, kinds, lights=()):
+    """A .glb file with a node per kind: `kinds` holds (name, surfaces, places). No places: it stands in the origin."""
+    file = _File(name)
+    materials, textures = [], []
+    for kind, surfaces, places in kinds:
+        primitives = [_packed_primitive(file, surface, materials, textures) for surface in surfaces]
+        file.json["meshes"].append({"name": kind, "primitives": primitives})
+        node = {"name": kind, "mesh": len(file.json["meshes"]) - 1}
+        if places:
+            node["extensions"] = _instancing(file, places)
+            file.extensions.add("EXT_mesh_gpu_instancing")
+        file.node(**node)
+    file.extensions.add("KHR_mesh_quantization")
+    file.json["extensionsRequired"] = ["KHR_mesh_quantization"]
+    if file.extensions & {"EXT_mesh_gpu_instancing"}:
+        file.json["extensionsRequired"].insert(0, "EXT_mesh_gpu_instancing")
+    _add_lights(file, lights)
+    _add_palette_textures(file, textures)
+    return file.bytes()
+
+
+def _add_palette_textures(file, textures):
+    """As _add_textures, for pictures with palettes."""
+    if not textures:
+        return
+    repeat, clamp = 10497, 33071
+    file.json["samplers"] = [{"magFilter": 9729, "minFilter": 9987, "wrapS": wrap, "wrapT": wrap}
+                             for wrap in (repeat, clamp)]
+    file.json["images"] = [{"name": t.name, "mimeType": "image/png", "bufferView": file.view(palette_png(t))}
+                           for t in textures]
+    file.json["textures"] = [{"sampler": 1 if t.clamp else 0, "source": i} for i, t in enumerate(textures)]

@@ -38,6 +38,12 @@ struct TableColumn {
   bool integer = false;
 };
 
+/// One number that a sensor measured; its unit is in the name, as in "range_m".
+struct NamedValue {
+  std::string_view name;
+  double value = 0;
+};
+
 /// Takes what a sensor has to write after a frame. Implemented by whoever makes files.
 class OutputSink {
  public:
@@ -45,6 +51,11 @@ class OutputSink {
   /// One picture per frame. Either may be null. `stem` is added to the folder's name for sensors with several
   /// pictures ("left", "right"); empty for one.
   virtual void picture(const std::string& stem, const Image* color, const Image* depth) = 0;
+  /// One more picture per frame, of a single channel of that name: "disparity".
+  virtual void plane(const std::string& stem, const std::string& channel, const Image& plane) = 0;
+  /// A text that is the same throughout the run, with the extension of its file's name ("yaml"). It is written when it
+  /// first comes; so a sensor may hand it over after every frame.
+  virtual void text(const std::string& stem, const std::string& extension, std::string_view text) = 0;
   /// Rows of a table that grows with each frame; `values` holds whole rows. Columns are the same at every call.
   virtual void rows(std::span<const TableColumn> columns, std::span<const double> values) = 0;
 };
@@ -69,6 +80,10 @@ class Sensor {
   virtual const Image* color() const { return nullptr; }
   virtual const Image* depth() const { return nullptr; }
   virtual const Scan* scan() const { return nullptr; }
+  /// Pictures besides those, by names that the sensor's header gives.
+  virtual const Image* picture(std::string_view) const { return nullptr; }
+  /// Single numbers, always the same names in the same order; NaN before the first collect().
+  virtual std::span<const NamedValue> values() const { return {}; }
 
   /// Hands over what the last collect() took, for files.
   virtual void write(OutputSink& sink) const = 0;
@@ -90,6 +105,7 @@ struct SensorContext {
   const Command& command;
   const AttributeValues& attributes;
   std::string name;
+  std::uint64_t seed = 0;  ///< of all random numbers of the run
 };
 
 struct SensorType {

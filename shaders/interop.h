@@ -40,6 +40,8 @@ using uint = std::uint32_t;
 #define SIMVIS_MASKED 0
 #define SIMVIS_UNLIT 1
 #define SIMVIS_LIGHT_COUNT 2
+#define SIMVIS_FADED 3
+#define SIMVIS_GLOSSY 4
 
 #ifdef __cplusplus
 // One mesh in one view, read as vertex inputs of instance rate (a CPU device fetches those once for all lanes, which it
@@ -59,6 +61,7 @@ struct MaterialBlock {
   vec4 emissive_cutoff;  // rgb: linear radiance; a: the least alpha that a mask keeps
   vec4 uv_row_u;         // xyz: texture u = uv_row_u . (u, v, 1); w: which set of texture coordinates, 0 or 1
   vec4 uv_row_v;         // xyz: likewise for v
+  vec4 finish;           // x: roughness; y: opacity of a surface that is faded as a whole
 };
 
 // A light in the view frame. Point and spot: intensity falls with the square of the distance.

@@ -3,6 +3,9 @@
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/mesh.glsl"
 
+layout(constant_id = SIMVIS_FADED) const bool kFaded = false;
+layout(constant_id = SIMVIS_GLOSSY) const bool kGlossy = false;
+
 layout(location = SIMVIS_NORMAL) in vec4 in_normal;
 layout(location = SIMVIS_UV_0) in vec2 in_uv_0;
 layout(location = SIMVIS_UV_1) in vec2 in_uv_1;
@@ -14,6 +17,7 @@ layout(location = 1) flat out vec4 out_emissive_cutoff;
 layout(location = 2) out vec2 out_uv;
 layout(location = 3) out vec3 out_position;
 layout(location = 4) out vec3 out_normal;
+layout(location = 5) flat out vec2 out_finish;  // roughness, opacity; written only where it is read
 
 // The direction of inverse(transpose(M)) * n for the matrix M with these rows: its cofactors, with the sign of its
 // determinant, so that normals stay right under mirrored and non-uniform scale.
@@ -29,6 +33,7 @@ void main() {
   const vec4 clip = place_vertex();
   out_color = material.base_color * in_color;
   out_emissive_cutoff = material.emissive_cutoff;
+  if (kFaded || kGlossy) out_finish = material.finish.xy;
   out_uv = texture_uv(material, in_uv_0, in_uv_1);
   out_position = vec3((clip.xy - view.projection.yw * clip.w) / view.projection.xz, clip.w);
   const vec3 row_z = instance_clip_w.xyz;

@@ -8,6 +8,8 @@
 
 #include <cstring>
 #include <exception>
+#include <span>
+#include <vector>
 
 #include "engine/assert.h"
 #include "engine/error.h"
@@ -37,33 +39,31 @@ class MemoryStream : public Imf::OStream {
   std::size_t position_ = 0;
 };
 
-void add_channel(const char* name, const Image& image, std::size_t channel, Imf::Header& header,
-                 Imf::FrameBuffer& pixels) {
+/// One channel of a file, and where its values come from.
+struct NamedChannel {
+  const char* name;
+  const Image* image;
+  std::size_t channel;
+};
+
+void add_channel(const NamedChannel& from, Imf::Header& header, Imf::FrameBuffer& pixels) {
+  const Image& image = *from.image;
   SIMVIS_ASSERT(image.pixels.size() == std::size_t{image.width} * image.height * image.channels);
   const std::size_t stride = sizeof(float) * image.channels;
   // OpenEXR takes a pointer to what it does not change.
-  auto* const first = const_cast<char*>(reinterpret_cast<const char*>(image.pixels.data() + channel));
-  header.channels().insert(name, Imf::Channel(Imf::FLOAT));
-  pixels.insert(name, Imf::Slice(Imf::FLOAT, first, stride, stride * image.width));
+  auto* const first = const_cast<char*>(reinterpret_cast<const char*>(image.pixels.data() + from.channel));
+  header.channels().insert(from.name, Imf::Channel(Imf::FLOAT));
+  pixels.insert(from.name, Imf::Slice(Imf::FLOAT, first, stride, stride * image.width));
 }
 
-}  // namespace
-
-std::string encode_exr(const Image* color, const Image* depth) {
-  SIMVIS_ASSERT(color != nullptr || depth != nullptr);
-  const Image& size = color != nullptr ? *color : *depth;
-  SIMVIS_ASSERT(depth == nullptr || (depth->width == size.width && depth->height == size.height));
+std::string encode(std::span<const NamedChannel> channels) {
+  const Image& size = *channels.front().image;
   try {
     Imf::Header header(static_cast<int>(size.width), static_cast<int>(size.height));
     header.compression() = Imf::ZIP_COMPRESSION;
     header.zipCompressionLevel() = 1;  // float pictures hardly shrink further
     Imf::FrameBuffer pixels;
-    if (color != nullptr) {
-      add_channel("R", *color, 0, header, pixels);
-      add_channel("G", *color, 1, header, pixels);
-      add_channel("B", *color, 2, header, pixels);
-    }
-    if (depth != nullptr) add_channel("Z", *depth, 0, header, pixels);
+    for (const NamedChannel& each : channels) add_channel(each, header, pixels);
     MemoryStream stream;
     {
       // The table of lines is written when the file ends.
@@ -75,6 +75,24 @@ std::string encode_exr(const Image* color, const Image* depth) {
   } catch (const std::exception& error) {
     throw MachineError(std::string("an EXR picture cannot be encoded: ") + error.what());
   }
+}
+
+}  // namespace
+
+std::string encode_exr(const Image* color, const Image* depth) {
+  SIMVIS_ASSERT(color != nullptr || depth != nullptr);
+  SIMVIS_ASSERT(color == nullptr || depth == nullptr ||
+                (depth->width == color->width && depth->height == color->height));
+  std::vector<NamedChannel> channels;
+  if (color != nullptr) channels = {{"R", color, 0}, {"G", color, 1}, {"B", color, 2}};
+  if (depth != nullptr) channels.push_back({"Z", depth, 0});
+  return encode(channels);
+}
+
+std::string encode_exr_plane(const std::string& channel, const Image& plane) {
+  SIMVIS_ASSERT(plane.channels == 1);
+  const NamedChannel channels[] = {{channel.c_str(), &plane, 0}};
+  return encode(channels);
 }
 
 }  // namespace simvis

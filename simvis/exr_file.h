@@ -12,4 +12,7 @@ namespace simvis {
 /// Throws MachineError with OpenEXR's reason.
 std::string encode_exr(const Image* color, const Image* depth);
 
+/// The same with one float32 channel of this name.
+std::string encode_exr_plane(const std::string& channel, const Image& plane);
+
 }  // namespace simvis

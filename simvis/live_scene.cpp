@@ -22,9 +22,9 @@ std::vector<AttributeOverride> checked(std::vector<AttributeOverride> overrides)
 
 }  // namespace
 
-LiveScene::LiveScene(std::vector<AttributeOverride> overrides, std::span<const Command> commands)
+LiveScene::LiveScene(std::vector<AttributeOverride> overrides, std::span<const Command> commands, std::uint64_t seed)
     : overrides_(checked(std::move(overrides))),
-      builder_(built, overrides_),
+      builder_(built, overrides_, seed),
       default_light_(std::make_shared<Switch>()) {
   default_light_->add(std::make_shared<LightNode>(kDefaultLight));
   built.scene.insert_in_world(default_light_);

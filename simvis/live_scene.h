@@ -1,6 +1,7 @@
 // A scene that takes commands for as long as it lives, and lights itself while nothing else does.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <vector>
@@ -13,7 +14,7 @@ namespace simvis {
 class LiveScene {
  public:
   /// Throws InputError for a mistake in the commands, and for an override that no sensor of its type could have.
-  LiveScene(std::vector<AttributeOverride> overrides, std::span<const Command> commands);
+  LiveScene(std::vector<AttributeOverride> overrides, std::span<const Command> commands, std::uint64_t seed = 0);
   LiveScene(const LiveScene&) = delete;
   LiveScene& operator=(const LiveScene&) = delete;
 

@@ -45,22 +45,25 @@ std::string frame_name(std::uint64_t frame) {
 
 class OutputWriter::SensorSink : public OutputSink {
  public:
-  SensorSink(const std::filesystem::path& folder, const std::string& sensor, std::vector<std::string>& results)
+  SensorSink(const std::filesystem::path& folder, const std::string& sensor, Results& results)
       : folder_(folder), sensor_(sensor), results_(results) {}
 
   void begin(const FrameTime& time) { time_ = time; }
 
   void picture(const std::string& stem, const Image* color, const Image* depth) override {
-    if (color == nullptr && depth == nullptr) return;
-    const std::filesystem::path folder = folder_ / (stem.empty() ? sensor_ : sensor_ + "_" + stem);
-    make_folder(folder);
-    const std::string name = frame_name(time_.index);
-    if (color != nullptr) {
-      write_file(folder / (name + ".png"), encode_png(*color));
-      note(folder / "*.png");
-    }
-    write_file(folder / (name + ".exr"), encode_exr(color, depth));
-    note(folder / "*.exr");
+    if (color != nullptr) write_frame(stem, ".png", encode_png(*color));
+    if (color != nullptr || depth != nullptr) write_frame(stem, ".exr", encode_exr(color, depth));
+  }
+
+  void plane(const std::string& stem, const std::string& channel, const Image& plane) override {
+    write_frame(stem, ".exr", encode_exr_plane(channel, plane));
+  }
+
+  void text(const std::string& stem, const std::string& extension, std::string_view text) override {
+    const std::filesystem::path path = folder_ / (name(stem) + "." + extension);
+    if (!claim(path)) return;
+    make_folder(path.parent_path());
+    write_file(path, text);
   }
 
   void rows(std::span<const TableColumn> columns, std::span<const double> values) override {
@@ -68,9 +71,9 @@ class OutputWriter::SensorSink : public OutputSink {
       std::vector<TableColumn> all = {{"frame", "%lld", true}, {"time_s", "%.9f"}};
       all.insert(all.end(), columns.begin(), columns.end());
       const std::filesystem::path path = folder_ / (sensor_ + ".csv");
+      claim(path);
       make_folder(path.parent_path());
       table_.emplace(path, all);
-      note(path);
     }
     const double front[] = {static_cast<double>(time_.index), static_cast<double>(time_.time_ns) / 1e9};
     table_->add_rows(front, values);
@@ -81,14 +84,30 @@ class OutputWriter::SensorSink : public OutputSink {
   }
 
  private:
-  void note(const std::filesystem::path& result) {
-    const std::string text = result.string();
-    if (std::find(results_.begin(), results_.end(), text) == results_.end()) results_.push_back(text);
+  std::string name(const std::string& stem) const { return stem.empty() ? sensor_ : sensor_ + "_" + stem; }
+
+  /// A file of this frame.
+  void write_frame(const std::string& stem, const std::string& extension, std::string_view bytes) {
+    const std::filesystem::path folder = folder_ / name(stem);
+    claim(folder / ("*" + extension));
+    make_folder(folder);
+    write_file(folder / (frame_name(time_.index) + extension), bytes);
+  }
+
+  /// Notes a result before it is written; true when it is new.
+  bool claim(const std::filesystem::path& result) {
+    const auto [entry, fresh] = results_.sensor.try_emplace(result.string(), sensor_);
+    if (entry->second != sensor_) {
+      throw InputError("sensors \"" + entry->second + "\" and \"" + sensor_ + "\" would both write " + entry->first +
+                       ": one of them needs another name");
+    }
+    if (fresh) results_.names.push_back(entry->first);
+    return fresh;
   }
 
   std::filesystem::path folder_;
   std::string sensor_;
-  std::vector<std::string>& results_;
+  Results& results_;
   FrameTime time_;
   std::optional<CsvFile> table_;
 };

@@ -14,10 +14,11 @@
 namespace simvis {
 
 /// Files    FOLDER/SENSOR/000000.png and 000000.exr per frame for pictures (FOLDER/SENSOR_STEM/ for a sensor with
-///          several), FOLDER/SENSOR.csv for tables, with the columns `frame` and `time_s` put in front. Frame numbers
-///          have six digits, more when needed. Every file appears whole or not at all; tables appear with finish().
+///          several), FOLDER/SENSOR.csv for tables, with the columns `frame` and `time_s` put in front, and
+///          FOLDER/SENSOR_STEM.EXTENSION for texts. Frame numbers have six digits, more when needed. Every file appears
+///          whole or not at all; tables appear with finish().
 /// Errors   MachineError with the path and the operating system's reason; InputError for a sensor's name that cannot
-///          name a file.
+///          name a file, and for two sensors whose files are the same ("EYES" with a stem "left", and "EYES_left").
 class OutputWriter {
  public:
   /// Makes the folder where it is missing and makes sure that files can be made in it. `sensors` are all that will
@@ -32,13 +33,17 @@ class OutputWriter {
   void finish();
 
   /// What was written, in the order it came first: "out/CAMERA/*.png", "out/SCANNER.csv".
-  const std::vector<std::string>& results() const { return results_; }
+  const std::vector<std::string>& results() const { return results_.names; }
 
  private:
   class SensorSink;
+  struct Results {
+    std::vector<std::string> names;
+    std::map<std::string, std::string> sensor;  // whose each is
+  };
   std::filesystem::path folder_;
   std::map<std::string, std::unique_ptr<SensorSink>, std::less<>> sinks_;
-  std::vector<std::string> results_;
+  Results results_;
 };
 
 }  // namespace simvis

@@ -79,8 +79,8 @@ void prefix_names(std::vector<Command>& commands, const PartContent& content, co
 
 }  // namespace
 
-SceneBuilder::SceneBuilder(BuiltScene& built, std::span<const AttributeOverride> overrides)
-    : built_(built), overrides_(overrides) {
+SceneBuilder::SceneBuilder(BuiltScene& built, std::span<const AttributeOverride> overrides, std::uint64_t seed)
+    : built_(built), overrides_(overrides), seed_(seed) {
   for (const AttributeOverride& override : overrides) {
     if (find_sensor_type(override.sensor_type) == nullptr) {
       fail_at(origin(override), unknown_type("sensor", override.sensor_type, sensor_types()));
@@ -274,11 +274,10 @@ void SceneBuilder::insert_element(const Command& command) {
   ElementDescriptor descriptor{
       .name = name.value, .type = type_name.value, .insertion_point = insert_at.value, .parameters = {}};
   std::ranges::copy_if(type->attributes, std::back_inserter(descriptor.parameters), &AttributeSpec::live);
-  const std::size_t from_table = descriptor.parameters.size();
   element->adapt_parameters(descriptor.parameters);
   std::vector<double> values;
   for (const AttributeSpec& row : descriptor.parameters) {
-    const bool added = values.size() >= from_table;
+    const bool added = std::ranges::count(type->attributes, row.name, &AttributeSpec::name) == 0;
     values.push_back(0);
     if (added) SIMVIS_ASSERT(parse_number(row.default_value, values.back()));
     if (!added) values.back() = attributes.number(row.name);
@@ -318,16 +317,19 @@ void SceneBuilder::insert_sensor(const Command& command) {
   const std::optional<glm::dmat4> offset = pose_offset(command);
   sensor_names_.claim(name);
   built_.scene.undo().add([this, key = name.value] { sensor_names_.release(key); });
-  BuiltSensor sensor{.name = name.value,
-                     .type = type_name.value,
-                     .sensor = type->create({.command = command, .attributes = attributes, .name = name.value}),
-                     .mount = std::make_shared<Mount>()};
+  BuiltSensor sensor{
+      .name = name.value,
+      .type = type_name.value,
+      .sensor = type->create({.command = command, .attributes = attributes, .name = name.value, .seed = seed_}),
+      .mount = std::make_shared<Mount>()};
   if (std::ranges::count(type->attributes, kRateAttribute.name, &AttributeSpec::name) == 1 &&
       attributes.is_set(kRateAttribute.name)) {
     sensor.sensor->rate_hz = attributes.number(kRateAttribute.name);
   }
   sensor.mount->name = name.value;
-  const auto separator = std::make_shared<Separator>();
+  // What looks on for people leaves no trace in what sensors see.
+  const GroupPtr separator = sensor.sensor->visualization() ? GroupPtr(std::make_shared<VisualSeparator>())
+                                                            : GroupPtr(std::make_shared<Separator>());
   separator->name = name.value;
   if (offset) separator->add(std::make_shared<Transform>(*offset));
   separator->add(sensor.mount);

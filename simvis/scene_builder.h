@@ -40,11 +40,12 @@ struct BuiltScene {
 ///          them start at the part's folder; `insert_at` may be left out and is then the part's own insertion point.
 ///          When the same file is inserted again under a name N, or one of its names is taken, the names that its
 ///          commands give and the insertion points within it become N/NAME.
+/// Seed     of all random numbers; each sensor gets it.
 /// Override replaces or adds an attribute of every sensor of its type, those that parts carry too.
 class SceneBuilder {
  public:
   /// Throws InputError for an override of a type that does not exist. `overrides` must live as long as the builder.
-  SceneBuilder(BuiltScene& built, std::span<const AttributeOverride> overrides);
+  SceneBuilder(BuiltScene& built, std::span<const AttributeOverride> overrides, std::uint64_t seed = 0);
 
   /// All or nothing: when it throws InputError, with the place, the scene is as it was.
   void execute(std::span<const Command> commands);
@@ -72,6 +73,7 @@ class SceneBuilder {
 
   BuiltScene& built_;
   std::span<const AttributeOverride> overrides_;
+  std::uint64_t seed_;
   NameSet element_names_{"element"}, sensor_names_{"sensor"};
   std::set<std::filesystem::path> carriers_;  // files whose carried commands were executed before
   std::vector<std::filesystem::path> open_;   // files whose carried commands are being executed

@@ -80,7 +80,7 @@ struct Simulation::Impl : Observations {
 
 Simulation::Impl::Impl(const SimulationDesc& desc, std::span<const Command> commands)
     : clock(desc.rate_hz),
-      scene(desc.overrides, commands),
+      scene(desc.overrides, commands, desc.seed),
       device(desc.device),
       sensing(scene.built.scene.root(), Audience::sensors, device) {
   take_new_sensors();
@@ -237,6 +237,18 @@ const Image& Simulation::color(std::string_view sensor) const {
 const Image& Simulation::depth(std::string_view sensor) const {
   const BuiltSensor& found = impl_->sensor(sensor);
   return require(found.sensor->depth(), found, "depth");
+}
+
+const Image& Simulation::picture(std::string_view sensor, std::string_view name) const {
+  const BuiltSensor& found = impl_->sensor(sensor);
+  return require(found.sensor->picture(name), found, "picture \"" + std::string(name) + "\"");
+}
+
+double Simulation::value(std::string_view sensor, std::string_view name) const {
+  const BuiltSensor& found = impl_->sensor(sensor);
+  const std::span<const NamedValue> values = found.sensor->values();
+  const auto value = std::ranges::find(values, name, &NamedValue::name);
+  return require(value == values.end() ? nullptr : &*value, found, "value \"" + std::string(name) + "\"").value;
 }
 
 Parameters& Simulation::parameters() { return impl_->scene.built.parameters; }

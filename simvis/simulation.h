@@ -27,7 +27,8 @@ struct AttributeOverride {
 };
 
 struct SimulationDesc {
-  double rate_hz = 15;  ///< frames per simulated second, finite and above 0
+  double rate_hz = 15;     ///< frames per simulated second, finite and above 0
+  std::uint64_t seed = 0;  ///< of all random numbers
   DeviceDesc device;
   std::vector<AttributeOverride> overrides;
 };
@@ -91,6 +92,10 @@ class Simulation {
   const Scan& scan(std::string_view sensor) const;
   const Image& color(std::string_view sensor) const;
   const Image& depth(std::string_view sensor) const;
+  /// Pictures that only some sensors take, by names that the sensor's header gives: "right", "disparity".
+  const Image& picture(std::string_view sensor, std::string_view name) const;
+  /// One of a sensor's single numbers, as its table names them: "voltage_v". NaN before it first fired.
+  double value(std::string_view sensor, std::string_view name) const;
 
   /// The four arrays: descriptors, values, change requests, changes.
   Parameters& parameters();

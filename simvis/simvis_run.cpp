@@ -163,6 +163,7 @@ Simulation load(const Options& options) {
   in_option("--rate", [&] { Clock(options.rate_hz).frame(options.frames - 1); });
   SimulationDesc desc;
   desc.rate_hz = options.rate_hz;
+  desc.seed = options.seed;
   desc.device.select = options.device;
   if (!options.method.empty()) desc.overrides.push_back({"laser_scanner", "method", options.method, "--method"});
   Simulation simulation = Simulation::load(options.scene, desc);

@@ -73,17 +73,22 @@ TEST_CASE("textures compare by pixels and sampler") {
 TEST_CASE("materials compare by value and by which texture they have") {
   ContentPool pool;
   const auto texture = pool.intern(picture());
-  Material a, b, other_texture, other_uv, unlit;
+  Material a, b, other_texture, other_uv, unlit, faded, glossy;
   a.base_color_texture = b.base_color_texture = other_uv.base_color_texture = unlit.base_color_texture = texture;
+  faded.base_color_texture = glossy.base_color_texture = texture;
   b.name = "b";
   other_texture.base_color_texture = std::make_shared<Texture>(picture());
   other_uv.uv_transform[2].x = 0.5f;
   unlit.unlit = true;
+  faded.opacity = 0.5f;
+  glossy.roughness = 0.5f;
   const auto first = pool.intern(std::move(a));
   CHECK(pool.intern(std::move(b)) == first);
   CHECK(pool.intern(std::move(other_texture)) != first);
   CHECK(pool.intern(std::move(other_uv)) != first);
   CHECK(pool.intern(std::move(unlit)) != first);
+  CHECK(pool.intern(std::move(faded)) != first);
+  CHECK(pool.intern(std::move(glossy)) != first);
 }
 
 TEST_CASE("the pool holds nothing alive") {

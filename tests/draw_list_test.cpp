@@ -89,6 +89,8 @@ TEST_CASE("any change of content is seen, by comparison and by hash") {
       [](DrawList&, Parts& p) { p.material->emissive.y = 1; },
       [](DrawList&, Parts& p) { p.material->alpha_mode = AlphaMode::mask; },
       [](DrawList&, Parts& p) { p.material->uv_transform[2][1] = 0.5f; },
+      [](DrawList&, Parts& p) { p.material->opacity = 0.5f; },
+      [](DrawList&, Parts& p) { p.material->roughness = 0.5f; },
       [](DrawList&, Parts& p) { p.material->base_color_texture = nullptr; },
       [](DrawList&, Parts& p) {
         auto texture = std::make_shared<Texture>(*p.material->base_color_texture);

@@ -56,8 +56,20 @@ class Sequence {
 
   // Elements that need nothing but an insertion point, and those that name a part.
   std::string some_element() {
-    static constexpr std::array kTypes = {"pose", "joint", "joint kind='prismatic'"};
-    return kTypes[pick(kTypes.size())];
+    static constexpr std::array kTypes = {"pose",
+                                          "joint",
+                                          "joint kind='prismatic'",
+                                          "light",
+                                          "light kind='point'",
+                                          "light kind='spot'",
+                                          "scale",
+                                          "visibility",
+                                          "sky",
+                                          "material"};
+    const std::string type = kTypes[pick(kTypes.size())];
+    const std::vector<std::string_view> parts = scene_.built.scene.part_names();
+    if (type != "material") return type;
+    return parts.empty() ? "pose" : type + " part='" + std::string(parts[pick(parts.size())]) + "'";
   }
 
   void execute() {

@@ -311,6 +311,7 @@ TEST_CASE("a colour pass gives the same depth as a depth pass") {
     Material material;
     material.double_sided = true;
     material.alpha_mode = static_cast<AlphaMode>(i % 3);
+    material.opacity = i % 4 == 1 ? 0.6f : i % 4 == 3 ? 0.3f : 1.0f;
     if (i % 2) material.base_color_texture = four_texels();
     scene.add(rectangle(-0.4f, -0.4f, 0.4f, 0.4f), material, m);
   }

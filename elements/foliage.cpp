@@ -1,0 +1,50 @@
+#include "elements/foliage.h"
+
+namespace simvis {
+namespace {
+
+constexpr AttributeSpec kAttributes[] = {
+    {.name = "part", .kind = AttributeKind::part, .text = "the part whose masked and blended materials are leaves"},
+    {.name = "transparency",
+     .default_value = "0",
+     .unit = "%",
+     .text = "how much of what lies behind a leaf is seen; depth sensors look through above 50, at 100 leaves are gone",
+     .min = 0,
+     .max = 100,
+     .live = true},
+};
+
+const ElementRegistration kRegistration({
+    .name = "foliage",
+    .summary = "fades the leaves of a part",
+    .attributes = kAttributes,
+    .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
+      return std::make_unique<FoliageElement>(context);
+    },
+});
+
+}  // namespace
+
+FoliageElement::FoliageElement(const ElementContext& context) {
+  const CommandAttribute& part = context.command.require("part");
+  // A node of its own, so that the element stands somewhere: it draws nothing.
+  context.scene.insert(context.command, std::make_shared<Separator>());
+  for (const NodePtr& node : nodes_of(context.scene.own_part(part.value, part.where).root)) {
+    if (node->kind() != NodeKind::material) continue;
+    const auto material = std::static_pointer_cast<MaterialNode>(node);
+    if (material->material()->alpha_mode == AlphaMode::opaque) continue;
+    leaves_.push_back({material, material->add_change()});
+    context.scene.undo().add([material] { material->remove_last_change(); });
+  }
+  if (leaves_.empty()) {
+    fail_at(part.where, "part " + in_quotes(part.value) +
+                            " has no leaves, expected a part with materials of the alpha mode MASK or BLEND");
+  }
+}
+
+void FoliageElement::update(ParameterView values) {
+  const MaterialChange change{.opacity = static_cast<float>(1 - values[0] / 100)};
+  for (const Leaves& leaves : leaves_) leaves.material->set_change(leaves.number, change);
+}
+
+}  // namespace simvis

@@ -1,0 +1,46 @@
+#include "elements/joint_motion.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "scenegraph/pose.h"
+
+namespace simvis {
+namespace {
+
+glm::dvec3 read_axis(const AttributeValues& attributes) {
+  const double(&v)[3] = attributes.vector("axis");
+  const double largest = std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])});
+  if (largest == 0) {
+    fail_at(attributes.where("axis"), "attribute \"axis\": 0 0 0 is not allowed, expected a vector that is not zero");
+  }
+  // Divided by its largest part first, so that no square overflows or vanishes.
+  return glm::normalize(glm::dvec3(v[0] / largest, v[1] / largest, v[2] / largest));
+}
+
+// Rodrigues' formula; the axis is of unit length.
+glm::dmat4 turn_about(const glm::dvec3& axis, double angle_deg) {
+  const auto [s, c] = sincos_deg(angle_deg);
+  glm::dmat4 m{1.0};
+  for (int column = 0; column < 3; ++column) {
+    glm::dvec3 unit{0};
+    unit[column] = 1;
+    m[column] = glm::dvec4(c * unit + s * glm::cross(axis, unit) + (1 - c) * axis[column] * axis, 0);
+  }
+  return m;
+}
+
+}  // namespace
+
+glm::dmat4 JointMotion::at(double value) const {
+  if (revolute) return turn_about(axis, value);
+  glm::dmat4 m{1.0};
+  m[3] = {value * axis, 1};
+  return m;
+}
+
+JointMotion read_joint_motion(const AttributeValues& attributes) {
+  return {read_axis(attributes), attributes.choice("kind") == "revolute"};
+}
+
+}  // namespace simvis

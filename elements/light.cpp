@@ -1,0 +1,117 @@
+#include "elements/light.h"
+
+#include <algorithm>
+
+#include "scenegraph/pose.h"
+
+namespace simvis {
+namespace {
+
+constexpr double kMostColor = 1e6, kMostIntensity = 1e12;
+
+constexpr AttributeSpec live(std::string_view name, std::string_view by_default, std::string_view unit,
+                             std::string_view text, double min = -kNoLimit, double max = kNoLimit) {
+  return {.name = name, .default_value = by_default, .unit = unit, .text = text, .min = min, .max = max, .live = true};
+}
+constexpr AttributeSpec color(std::string_view name) {
+  return live(name, "1", "", "linear colour, multiplies the intensity", 0, kMostColor);
+}
+constexpr AttributeSpec place(std::string_view name, std::string_view text) {
+  return live(name, "0", "m", text, -kMaxCoordinate_m, kMaxCoordinate_m);
+}
+
+// Live rows in the order in which update() takes them; each kind has a part of them.
+constexpr AttributeSpec kAttributes[] = {
+    {.name = "kind",
+     .kind = AttributeKind::choice,
+     .default_value = "directional",
+     .text = "directional as the sun; point, alike to all sides; spot, a cone along +x",
+     .choices = "directional point spot"},
+    color("red"),
+    color("green"),
+    color("blue"),
+    live("intensity", "1", "lux or cd", "lux for directional, candela for point and spot", 0, kMostIntensity),
+    live("azimuth", "0", "deg", "directional: where the light comes from, counter-clockwise from +x about +z"),
+    live("elevation", "45", "deg", "directional: where the light comes from, above the horizon", -90, 90),
+    place("x", "point, spot: forward"),
+    place("y", "point, spot: to the left"),
+    place("z", "point, spot: up"),
+    live("range", "0", "m", "point, spot: the light ends there; 0 is no limit", 0, kMaxCoordinate_m),
+    live("yaw", "0", "deg", "spot: turns its axis to the left"),
+    live("pitch", "0", "deg", "spot: turns its axis down, before yaw"),
+    live("inner_cone", "0", "deg", "spot: full intensity within this angle from the axis", 0, 90),
+    live("outer_cone", "45", "deg", "spot: dark beyond this angle; a sharp edge where inner_cone reaches it", 0, 90),
+};
+
+const ElementRegistration kRegistration({
+    .name = "light",
+    .summary = "a directional, point or spot light",
+    .attributes = kAttributes,
+    .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
+      return std::make_unique<LightElement>(context);
+    },
+});
+
+LightKind kind_of(const AttributeValues& attributes) {
+  const std::string& kind = attributes.choice("kind");
+  return kind == "directional" ? LightKind::directional : kind == "point" ? LightKind::point : LightKind::spot;
+}
+
+bool has(LightKind kind, std::string_view attribute) {
+  constexpr std::string_view kOfDirectional[] = {"azimuth", "elevation"};
+  constexpr std::string_view kOfPlaced[] = {"x", "y", "z", "range"};
+  constexpr std::string_view kOfSpot[] = {"yaw", "pitch", "inner_cone", "outer_cone"};
+  if (std::ranges::count(kOfDirectional, attribute) > 0) return kind == LightKind::directional;
+  if (std::ranges::count(kOfPlaced, attribute) > 0) return kind != LightKind::directional;
+  if (std::ranges::count(kOfSpot, attribute) > 0) return kind == LightKind::spot;
+  return true;
+}
+
+// Against the way from which the light comes.
+glm::dvec3 direction_from_sky(double azimuth_deg, double elevation_deg) {
+  const SinCos a = sincos_deg(azimuth_deg), e = sincos_deg(elevation_deg);
+  return {-e.cos * a.cos, -e.cos * a.sin, -e.sin};
+}
+
+}  // namespace
+
+LightElement::LightElement(const ElementContext& context)
+    : kind_(kind_of(context.attributes)),
+      place_(std::make_shared<Transform>()),
+      light_(std::make_shared<LightNode>(Light{.kind = kind_})) {
+  for (const CommandAttribute& attribute : context.command.attributes) {
+    if (has(kind_, attribute.name)) continue;
+    fail_at(attribute.where, "attribute " + in_quotes(attribute.name) + ": a light of the kind " +
+                                 in_quotes(context.attributes.choice("kind")) + " has none");
+  }
+  const auto separator = std::make_shared<Separator>();
+  separator->name = light_->name = context.command.require("name").value;
+  separator->add(place_);
+  separator->add(light_);
+  context.scene.insert(context.command, separator);
+}
+
+void LightElement::adapt_parameters(std::vector<AttributeSpec>& live_rows) const {
+  std::erase_if(live_rows, [this](const AttributeSpec& row) { return !has(kind_, row.name); });
+  std::ranges::find(live_rows, "intensity", &AttributeSpec::name)->unit =
+      kind_ == LightKind::directional ? "lux" : "cd";
+}
+
+void LightElement::update(ParameterView values) {
+  Light light{.kind = kind_, .color = glm::vec3(values[0], values[1], values[2]), .intensity = values[3]};
+  if (kind_ == LightKind::directional) {
+    light.direction = direction_from_sky(values[4], values[5]);
+  } else {
+    const bool spot = kind_ == LightKind::spot;
+    place_->set_matrix(
+        matrix_from_degrees({values[4], values[5], values[6]}, 0, spot ? values[9] : 0, spot ? values[8] : 0));
+    light.range_m = values[7];
+    if (spot) {
+      light.inner_cone_rad = glm::radians(values[10]);
+      light.outer_cone_rad = glm::radians(values[11]);
+    }
+  }
+  light_->set_light(light);
+}
+
+}  // namespace simvis

@@ -1,0 +1,84 @@
+#include "elements/material.h"
+
+#include <algorithm>
+
+namespace simvis {
+namespace {
+
+// Products of a few of these, and of a light's intensity, are finite as float32.
+constexpr double kMostFactor = 1000, kMostEmission = 1e12;
+
+constexpr AttributeSpec live(std::string_view name, std::string_view by_default, std::string_view text, double max) {
+  return {.name = name, .default_value = by_default, .text = text, .min = 0, .max = max, .live = true};
+}
+constexpr AttributeSpec color(std::string_view name) {
+  return live(name, "1", "factor of the file's base colour, linear", kMostFactor);
+}
+constexpr AttributeSpec emission(std::string_view name) {
+  return live(name, "0", "linear radiance, added to the file's", kMostEmission);
+}
+
+constexpr AttributeSpec kAttributes[] = {
+    {.name = "part", .kind = AttributeKind::part, .text = "the part to change"},
+    {.name = "material",
+     .kind = AttributeKind::text,
+     .text = "only materials of this name in the part's file; all of them if not given"},
+    color("red"),
+    color("green"),
+    color("blue"),
+    live("opacity", "1", "factor of the file's; depth sensors meet what stays at least one half", 1),
+    live("roughness", "1", "factor of the file's, which is 1 and matte if it says none; 0 is polished", 1),
+    emission("emission_red"),
+    emission("emission_green"),
+    emission("emission_blue"),
+};
+
+const ElementRegistration kRegistration({
+    .name = "material",
+    .summary = "changes colour, opacity, roughness and emission of a part",
+    .attributes = kAttributes,
+    .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
+      return std::make_unique<MaterialElement>(context);
+    },
+});
+
+void check_name(const AttributeValues& attributes, const std::vector<std::shared_ptr<MaterialNode>>& materials) {
+  const std::string& part = attributes.text("part");
+  if (materials.empty()) fail_at(attributes.where("part"), "part " + in_quotes(part) + " has no materials to change");
+  if (!attributes.is_set("material")) return;
+  const std::string& name = attributes.text("material");
+  std::vector<std::string_view> known;
+  for (const auto& node : materials) known.push_back(node->name);
+  if (std::ranges::find(known, name) != known.end()) return;
+  fail_at(attributes.where("material"), "there is no material " + in_quotes(name) + " in part " + in_quotes(part) +
+                                            suggestion(name, known) + " (expected the name of one in its file)");
+}
+
+}  // namespace
+
+MaterialElement::MaterialElement(const ElementContext& context) {
+  const AttributeValues& attributes = context.attributes;
+  const CommandAttribute& part = context.command.require("part");
+  std::vector<std::shared_ptr<MaterialNode>> materials;
+  for (const NodePtr& node : nodes_of(context.scene.own_part(part.value, part.where).root)) {
+    if (node->kind() == NodeKind::material) materials.push_back(std::static_pointer_cast<MaterialNode>(node));
+  }
+  check_name(attributes, materials);
+  // A node of its own, so that the element stands somewhere: it draws nothing.
+  context.scene.insert(context.command, std::make_shared<Separator>());
+  for (const auto& node : materials) {
+    if (attributes.is_set("material") && node->name != attributes.text("material")) continue;
+    changed_.push_back({node, node->add_change()});
+    context.scene.undo().add([node] { node->remove_last_change(); });
+  }
+}
+
+void MaterialElement::update(ParameterView values) {
+  const MaterialChange change{.color = glm::vec3(values[0], values[1], values[2]),
+                              .opacity = static_cast<float>(values[3]),
+                              .roughness = static_cast<float>(values[4]),
+                              .emission = glm::vec3(values[5], values[6], values[7])};
+  for (const Changed& changed : changed_) changed.node->set_change(changed.number, change);
+}
+
+}  // namespace simvis

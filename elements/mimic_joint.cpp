@@ -1,0 +1,60 @@
+#include "elements/mimic_joint.h"
+
+#include "elements/joint.h"
+#include "elements/joint_motion.h"
+#include "scenegraph/node.h"
+#include "scenegraph/pose.h"
+
+namespace simvis {
+namespace {
+
+constexpr AttributeSpec kAttributes[] = {
+    {.name = "leader", .kind = AttributeKind::element, .text = "the joint that it follows, inserted before"},
+    {.name = "multiplier",
+     .kind = AttributeKind::number,
+     .default_value = "1",
+     .unit = "1, m/deg or deg/m",
+     .text = "value = multiplier * leader + offset",
+     .min = -kMaxCoordinate_m,
+     .max = kMaxCoordinate_m},
+    {.name = "offset",
+     .kind = AttributeKind::number,
+     .default_value = "0",
+     .unit = "deg or m",
+     .text = "its value where the leader's is 0",
+     .min = -kMaxCoordinate_m,
+     .max = kMaxCoordinate_m},
+    kAxisAttribute,
+    kJointKindAttribute,
+};
+
+const ElementRegistration kRegistration({
+    .name = "mimic_joint",
+    .summary = "a joint that follows another one: multiplier * leader + offset",
+    .attributes = kAttributes,
+    .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
+      return std::make_unique<MimicJointElement>(context);
+    },
+});
+
+}  // namespace
+
+MimicJointElement::MimicJointElement(const ElementContext& context) {
+  const AttributeValues& attributes = context.attributes;
+  const CommandAttribute& leader_name = context.command.require("leader");
+  auto* leader = dynamic_cast<JointElement*>(context.find_element(leader_name.value));
+  if (leader == nullptr) {
+    fail_at(leader_name.where, "attribute \"leader\": " + in_quotes(leader_name.value) +
+                                   " is not allowed, expected the name of an element of type joint");
+  }
+  const auto transform = std::make_shared<Transform>();
+  transform->name = context.command.require("name").value;
+  context.scene.insert(context.command, transform);
+  leader->follow([transform, motion = read_joint_motion(attributes), multiplier = attributes.number("multiplier"),
+                  offset = attributes.number("offset")](double value) {
+    transform->set_matrix(motion.at(multiplier * value + offset));
+  });
+  context.scene.undo().add([leader] { leader->remove_last_follower(); });
+}
+
+}  // namespace simvis

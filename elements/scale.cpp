@@ -1,0 +1,38 @@
+#include "elements/scale.h"
+
+namespace simvis {
+namespace {
+
+constexpr AttributeSpec factor(std::string_view name, std::string_view text) {
+  return {.name = name, .default_value = "1", .text = text, .min = 1e-6, .max = 1e6, .live = true};
+}
+
+constexpr AttributeSpec kAttributes[] = {
+    factor("x", "factor of lengths forward"),
+    factor("y", "factor of lengths to the left"),
+    factor("z", "factor of lengths upward"),
+};
+
+const ElementRegistration kRegistration({
+    .name = "scale",
+    .summary = "makes what follows its insertion point larger or smaller",
+    .attributes = kAttributes,
+    .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
+      return std::make_unique<ScaleElement>(context);
+    },
+});
+
+}  // namespace
+
+ScaleElement::ScaleElement(const ElementContext& context) : transform_(std::make_shared<Transform>()) {
+  transform_->name = context.command.require("name").value;
+  context.scene.insert(context.command, transform_);
+}
+
+void ScaleElement::update(ParameterView values) {
+  glm::dmat4 matrix{1.0};
+  for (int axis = 0; axis < 3; ++axis) matrix[axis][axis] = values[static_cast<std::size_t>(axis)];
+  transform_->set_matrix(matrix);
+}
+
+}  // namespace simvis

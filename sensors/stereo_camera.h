@@ -1,0 +1,59 @@
+// A stereo camera: two pinhole views, rectified, and the true disparity between them.
+//
+//   <sensor type="stereo_camera" name="EYES" insert_at="ROBOT" baseline="0.12" outputs="color disparity"/>
+//
+// Frames   the sensor frame is the left camera's: it looks along +x; image x to the right, y down. The right camera
+//          stands `baseline` to its right, at (0, -baseline, 0), and looks the same way: rows of both pictures agree.
+// Disparity  of the left picture, in pixels, positive: the point seen at column u there is seen at u - disparity in the
+//          right one. disparity = fx * baseline / Z with the true depth Z; 0 where nothing is hit. What the right
+//          camera cannot see has its disparity all the same.
+// Names    color() and depth() are the left camera's. picture() knows "left" and "right" (colour), "left_depth" and
+//          "right_depth", and "disparity" (one channel).
+// Files    SENSOR_left and SENSOR_right hold pictures as a camera writes them, SENSOR_disparity EXR pictures with the
+//          one channel `disparity`; SENSOR_left.yaml and SENSOR_right.yaml hold the intrinsics (see camera_info.h).
+#pragma once
+
+#include <string>
+
+#include "sensors/sensor.h"
+
+namespace simvis {
+
+struct StereoCameraDesc {
+  std::uint32_t width_px = 640, height_px = 480;  ///< of each view
+  double hfov_rad = 1;                            ///< (0, pi)
+  double near_m = 0.05;
+  double baseline_m = 0.12;  ///< above 0
+  bool color = true, depth = false, disparity = true;
+};
+
+class StereoCamera : public Sensor {
+ public:
+  StereoCamera(std::string name, const StereoCameraDesc& desc);
+
+  void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
+  void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override;
+  const Image* color() const override { return desc_.color ? &left_.color : nullptr; }
+  const Image* depth() const override { return desc_.depth ? &left_.depth : nullptr; }
+  const Image* picture(std::string_view name) const override;
+  void write(OutputSink& sink) const override;
+  std::string method() const override { return "rasterised"; }
+
+ private:
+  struct Eye {
+    std::size_t pass = 0, view = 0;  // of this frame's plan
+    Image color, depth;
+  };
+  bool needs_right() const { return desc_.color || desc_.depth; }
+  View make_view(const char* side, const glm::dmat4& world_from_camera) const;
+  void collect_eye(const FramePlan& plan, std::span<const PassResult> results, Eye& eye) const;
+  void collect_disparity(const FramePlan& plan, std::span<const PassResult> results);
+
+  std::string name_;
+  StereoCameraDesc desc_;
+  Pinhole pinhole_;
+  Eye left_, right_;
+  Image disparity_;
+};
+
+}  // namespace simvis

@@ -1,0 +1,100 @@
+// Small worlds for tests of elements: plates square to x, of materials that the test writes, and what sensors see of
+// them.
+#pragma once
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <glm/glm.hpp>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "simvis/simulation.h"
+#include "tests/error_of.h"
+#include "tests/gltf_fixture.h"
+
+namespace simvis::test {
+
+/// A plate at x with edges at y and z, facing -x; texture u runs from its left edge (+y) to the right, v down. In the
+/// project's own axes: insert the part with up="z".
+struct Plate {
+  float x = 4, left = 10, right = -10, bottom = -10, top = 10;
+};
+
+inline void add_plate(GltfBuilder& file, const Plate& p, int material) {
+  json& primitive = file.primitive({{"POSITION", file.accessor<float>("VEC3", {p.x, p.left, p.bottom,   //
+                                                                               p.x, p.right, p.bottom,  //
+                                                                               p.x, p.right, p.top,     //
+                                                                               p.x, p.left, p.top})},
+                                    {"TEXCOORD_0", file.accessor<float>("VEC2", {0, 1, 1, 1, 1, 0, 0, 0})}});
+  primitive["indices"] = file.accessor<std::uint16_t>("SCALAR", {0, 1, 2, 0, 2, 3});
+  primitive["material"] = material;
+}
+
+/// A matte material of this base colour.
+inline json painted(const std::string& name, const glm::vec4& color) {
+  return {{"name", name},
+          {"pbrMetallicRoughness", {{"baseColorFactor", {color.r, color.g, color.b, color.a}}, {"metallicFactor", 0}}}};
+}
+
+/// The same, shown as it is.
+inline json unlit(const std::string& name, const glm::vec4& color) {
+  json material = painted(name, color);
+  material["extensions"]["KHR_materials_unlit"] = json::object();
+  return material;
+}
+
+/// Wide enough for a middle pixel, whose centre lies on the optical axis.
+inline constexpr int kSide_px = 9;
+inline const std::string kCamera =
+    R"(<sensor type="camera" name="CAM" insert_at="ROOT" width="9" height="9" hfov="60" outputs="color depth"/>)";
+inline const std::string kDark =
+    R"(<element type="sky" name="SKY" insert_at="ROOT" ambient_red="0" ambient_green="0" ambient_blue="0"/>)";
+
+/// A simulation of part files and commands. Any message of the validation layers fails the test.
+class World {
+ public:
+  explicit World(const std::vector<std::pair<std::string, GltfBuilder>>& files, const std::string& commands) {
+    for (const auto& [name, file] : files) write_text(folder_ / name, file.text());
+    simulation_.emplace(Simulation::from_string(commands, {}, folder_.path(), "s.xml"));
+  }
+  ~World() { CHECK(simulation_->validation_messages() == 0); }
+  World(const World&) = delete;
+  World& operator=(const World&) = delete;
+
+  Simulation& operator*() { return *simulation_; }
+  Simulation* operator->() { return &*simulation_; }
+
+  /// After a change, what the camera CAM sees at a pixel; by default the middle one.
+  glm::dvec3 color(int x = kSide_px / 2, int y = kSide_px / 2) {
+    simulation_->step();
+    const Image& image = simulation_->color("CAM");
+    const float* const pixel =
+        &image.pixels[(static_cast<std::size_t>(y) * image.width + static_cast<std::size_t>(x)) * 4];
+    return {pixel[0], pixel[1], pixel[2]};
+  }
+  glm::dvec3 color_with(std::string_view element, std::string_view parameter, double value) {
+    simulation_->set(element, parameter, value);
+    return color();
+  }
+
+ private:
+  TemporaryFolder folder_;
+  std::optional<Simulation> simulation_;
+};
+
+/// Relative: normals are stored in 16 bits (1.5e-5 each way), the rest is some dozens of float32 operations of 6e-8.
+inline constexpr double kShading = 4e-5;
+
+inline void check_color(const glm::dvec3& seen, const glm::dvec3& expected, double relative = kShading) {
+  for (int c = 0; c < 3; ++c) {
+    CAPTURE(c);
+    CAPTURE(seen[c]);
+    CAPTURE(expected[c]);
+    CHECK(std::abs(seen[c] - expected[c]) <= relative * std::abs(expected[c]));
+  }
+}
+
+}  // namespace simvis::test
