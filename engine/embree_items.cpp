@@ -37,8 +37,9 @@ bool is_thin(const glm::dmat3& linear, const glm::dmat3& inverse, double radius,
 
 }  // namespace
 
+// One thread: the tree over items is made anew while its scanners wait, and waking others costs more than it takes.
 ItemTree::ItemTree(RTCIntersectFunctionN on_item, RTCIntersectFunctionN on_triangle)
-    : device_(rtcNewDevice(nullptr)), on_item_(on_item), on_triangle_(on_triangle) {
+    : device_(rtcNewDevice("threads=1")), on_item_(on_item), on_triangle_(on_triangle) {
   if (device_ == nullptr) check_embree(nullptr);
 }
 
