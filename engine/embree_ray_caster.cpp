@@ -24,7 +24,7 @@ struct Nearest {
 };
 
 /// What one thread works with: the world, and the items as the sensor sees them, made when a ray comes near.
-struct View {
+struct SensorView {
   const DrawList* list = nullptr;
   const ItemTree* tree = nullptr;
   glm::dmat4 world_from_sensor{1.0};
@@ -44,7 +44,7 @@ struct View {
 /// Up to 8 rays on their way. Embree hands the context back to the callbacks: it has to stand first.
 struct Packet {
   RTCIntersectContext context;
-  View* view;
+  SensorView* view;
   glm::dvec3 direction[kLanes];
   ShearedRay ray[kLanes];
   Nearest nearest[kLanes];
@@ -184,7 +184,7 @@ RayHit finish(const Packet& packet, unsigned lane) {
           nearest.primitive};
 }
 
-void cast_packet(View& view, std::span<const glm::dvec3> directions, std::span<RayHit> hits) {
+void cast_packet(SensorView& view, std::span<const glm::dvec3> directions, std::span<RayHit> hits) {
   Packet packet;
   rtcInitIntersectContext(&packet.context);
   packet.view = &view;
@@ -217,7 +217,7 @@ std::size_t thread_count(std::size_t rays) {
   return std::clamp<std::size_t>(rays / kRaysPerThread, 1, std::max(1u, std::thread::hardware_concurrency()));
 }
 
-void cast_all(View& view, std::span<const glm::dvec3> directions, std::span<RayHit> hits) {
+void cast_all(SensorView& view, std::span<const glm::dvec3> directions, std::span<RayHit> hits) {
   for (std::size_t first = 0; first < directions.size(); first += kLanes) {
     const std::size_t count = std::min<std::size_t>(kLanes, directions.size() - first);
     cast_packet(view, directions.subspan(first, count), hits.subspan(first, count));
@@ -229,7 +229,7 @@ void cast_all(View& view, std::span<const glm::dvec3> directions, std::span<RayH
 struct RayCaster::Impl {
   const DrawList* world = nullptr;
   ItemTree tree{on_item, on_triangle};
-  std::vector<View> views;  // of each thread
+  std::vector<SensorView> views;  // of each thread
   std::uint64_t casts = 0, rays = 0;
 };
 
@@ -249,7 +249,7 @@ void RayCaster::cast(const glm::dmat4& world_from_sensor, std::span<const glm::d
   ++impl_->casts;
   const std::size_t threads = thread_count(directions.size());
   if (impl_->views.size() < threads) impl_->views.resize(threads);
-  for (View& view : impl_->views) {
+  for (SensorView& view : impl_->views) {
     view.list = impl_->world;
     view.tree = &impl_->tree;
     view.world_from_sensor = world_from_sensor;

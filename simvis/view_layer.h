@@ -20,7 +20,7 @@ struct ViewLayer {
 
   Flattener flattener;
   Renderer renderer;
-  RayCaster caster;  ///< costs nothing until a sensor casts
+  RayCaster caster;              ///< costs nothing until a sensor casts
   const DrawList* list;          ///< as of the last flattening
   FramePlan plan;                ///< of this frame
   std::vector<std::size_t> due;  ///< the sensors that measure in this frame, by index

@@ -7,6 +7,8 @@
 #include <random>
 #include <sstream>
 
+#include "engine/device.h"
+#include "engine/renderer.h"
 #include "scenegraph/pose.h"
 #include "sensors/depth_range.h"
 #include "sensors/laser_scanner.h"
@@ -230,6 +232,65 @@ TEST_CASE("two runs give the same bytes" * doctest::skip(kAbsent)) {
       CHECK(a.scan(name).error_bound_m == b.scan(name).error_bound_m);
     }
   }
+}
+
+TEST_CASE("holes: the rasteriser and the ray caster let the same beams pass" * doctest::skip(kAbsent)) {
+  auto texture = std::make_shared<Texture>();
+  texture->width = texture->height = 8;
+  std::mt19937 random(3);
+  for (int i = 0; i < 4 * 8 * 8; ++i) texture->rgba.push_back(static_cast<std::uint8_t>(random() % 256));
+  texture->sampler.wrap_u = Wrap::mirrored_repeat;
+  auto material = std::make_shared<Material>();
+  material->alpha_mode = AlphaMode::mask;
+  material->base_color_texture = texture;
+  material->uv_transform = glm::mat3x2(0.8f, 0.1f, -0.1f, 1.7f, -0.3f, 0.2f);
+  DrawList list;
+  add_item(list, box_mesh({0.5, 40, 40}), glm::translate(glm::dmat4(1.0), {5.5, 0, 0}));
+  Mesh curtain;
+  curtain.positions = {{2, 1.5f, 1}, {2, -1.5f, 1}, {2, -1.5f, -1}, {2, 1.5f, -1}};
+  curtain.indices = {0, 1, 2, 0, 2, 3};
+  curtain.attributes.resize(4);
+  const glm::vec2 uvs[] = {{0, 0}, {2, 0}, {2, 1}, {0, 1}};
+  for (std::size_t i = 0; i < 4; ++i) {
+    curtain.attributes[i].uv[0] = uvs[i];
+    curtain.attributes[i].color.a = 0.9f + 0.03f * static_cast<float>(i);
+  }
+  add_item(list, curtain, glm::dmat4(1.0));
+  list.materials.push_back(material);
+  list.material_revision.push_back(0);
+  list.items[1].material = 1;
+
+  Device device;
+  Renderer renderer(device);
+  RayCaster caster;
+  caster.set_world(list);
+  LaserScannerDesc desc;
+  desc.pattern = {.samples = 1501, .min_azimuth_rad = -0.6, .max_azimuth_rad = 0.6};
+  int met = 0, passed = 0, uncertain = 0;
+  for (const double height_m : {-0.83, -0.31, 0.07, 0.44, 0.9}) {
+    const glm::dmat4 pose = glm::translate(glm::dmat4(1.0), {0, 0, height_m});
+    desc.method = ScanMethod::planar;
+    LaserScanner rendered("R", desc);
+    FramePlan plan;
+    rendered.plan(pose, list, plan);
+    rendered.collect({}, plan, renderer.render(list, plan));
+    desc.method = ScanMethod::raycast;
+    LaserScanner cast("C", desc);
+    cast.plan(pose, list, plan);
+    cast.collect({}, plan, {});
+    cast.cast(caster);
+    for (std::size_t beam = 0; beam < cast.scan()->range_m.size(); ++beam) {
+      const double range = cast.scan()->range_m[beam];
+      uncertain += std::isinf(rendered.scan()->error_bound_m[beam]);
+      ++(range * std::cos(cast.scan()->azimuth_rad[beam]) < 3 ? met : passed);
+      CHECK(std::abs(rendered.scan()->range_m[beam] - range) <=
+            static_cast<double>(rendered.scan()->error_bound_m[beam]) + cast.scan()->error_bound_m[beam]);
+    }
+  }
+  CHECK(met > 1000);
+  CHECK(passed > 1000);
+  CHECK(uncertain < (met + passed) / 20);
+  CHECK(device.validation_messages() == 0);
 }
 
 TEST_CASE("limits along the ray: nearer reads 0, farther and nothing inf" * doctest::skip(kAbsent)) {
