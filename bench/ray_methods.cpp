@@ -1,5 +1,5 @@
 // What the methods of laser scanners cost, side by side: scenes/marvin with the robot driving, three scanners of 361
-// beams each; and the ray caster beside bare Embree (single precision, one flat mesh) on the same rays.
+// beams each; and the ray caster beside bare Embree (single precision, one flat mesh, one thread) on the same rays.
 //
 //   ray_methods [SCENE.xml [FRAMES]]
 //
@@ -12,6 +12,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -25,7 +26,11 @@ namespace {
 using namespace simvis;
 using Clock = std::chrono::steady_clock;
 
-constexpr const char* kMethods[] = {"nearest", "planar", "hybrid", "raycast"};
+struct Method {
+  const char *name, *max_error_rel;
+};
+constexpr Method kMethods[] = {{"nearest", ""},    {"planar", ""},     {"hybrid", "3e-4"},
+                               {"hybrid", "1e-4"}, {"hybrid", "1e-6"}, {"raycast", ""}};
 constexpr std::size_t kMethodCount = std::size(kMethods);
 constexpr int kWarmUp = 20;
 constexpr unsigned kPacket = 16;
@@ -42,9 +47,12 @@ double since(Clock::time_point start) {
 void time_sets(const std::filesystem::path& scene, int frames) {
   std::vector<Simulation> simulations;
   std::vector<double> times_ms[kMethodCount], shares[kMethodCount];
-  for (const char* method : kMethods) {
+  for (const Method& method : kMethods) {
     SimulationDesc desc;
-    desc.overrides = {{"laser_scanner", "method", method, "METHOD"}};
+    desc.overrides = {{"laser_scanner", "method", method.name, "METHOD"}};
+    if (*method.max_error_rel != 0) {
+      desc.overrides.push_back({"laser_scanner", "max_error_rel", method.max_error_rel, "METHOD"});
+    }
     simulations.push_back(Simulation::load(scene, desc));
     for (const SensorInfo& sensor : simulations.back().sensors()) {
       simulations.back().enable(sensor.name, sensor.type == "laser_scanner");
@@ -52,7 +60,8 @@ void time_sets(const std::filesystem::path& scene, int frames) {
   }
   const Trajectory drive(scene.parent_path() / "drive.csv", simulations.front().parameters());
   for (int frame = 0; frame < kWarmUp + frames; ++frame) {
-    for (std::size_t m = 0; m < kMethodCount; ++m) {
+    for (std::size_t turn = 0; turn < kMethodCount; ++turn) {
+      const std::size_t m = (turn + static_cast<std::size_t>(frame)) % kMethodCount;  // none is always first
       Simulation& simulation = simulations[m];
       drive.apply(static_cast<double>(simulation.next_frame().time_ns) * 1e-9, simulation.parameters());
       const auto start = Clock::now();
@@ -68,10 +77,11 @@ void time_sets(const std::filesystem::path& scene, int frames) {
       shares[m].push_back(share / scanners);
     }
   }
-  std::printf("method,median_ms,ratio_to_nearest,share_cast,passes\n");
+  std::printf("method,max_error_rel,median_ms,ratio_to_nearest,share_cast,passes\n");
   for (std::size_t m = 0; m < kMethodCount; ++m) {
-    std::printf("%s,%.4f,%.3f,%.3f,%llu\n", kMethods[m], median(times_ms[m]), median(times_ms[m]) / median(times_ms[0]),
-                median(shares[m]), static_cast<unsigned long long>(simulations[m].counters().passes));
+    std::printf("%s,%s,%.4f,%.3f,%.3f,%llu\n", kMethods[m].name, kMethods[m].max_error_rel, median(times_ms[m]),
+                median(times_ms[m]) / median(times_ms[0]), median(shares[m]),
+                static_cast<unsigned long long>(simulations[m].counters().passes));
   }
 }
 
@@ -141,10 +151,12 @@ void cast_in_packets(RTCScene scene, const std::vector<glm::dvec3>& directions, 
   }
 }
 
-std::vector<glm::dvec3> directions_of(const Scan& scan) {
+std::vector<glm::dvec3> directions_of(int samples, double half_width_rad, int rings, double half_height_rad) {
   std::vector<glm::dvec3> directions;
-  for (const double e : scan.elevation_rad) {
-    for (const double a : scan.azimuth_rad) {
+  for (int ring = 0; ring < rings; ++ring) {
+    const double e = rings == 1 ? 0 : half_height_rad * (2.0 * ring / (rings - 1) - 1);
+    for (int beam = 0; beam < samples; ++beam) {
+      const double a = half_width_rad * (2.0 * beam / (samples - 1) - 1);
       directions.emplace_back(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e));
     }
   }
@@ -161,15 +173,9 @@ double worst_error(const std::vector<float>& ranges_m, const std::vector<RayHit>
   return worst;
 }
 
-void time_rays(const std::filesystem::path& scene, int repetitions) {
-  SimulationDesc desc;
-  desc.overrides = {{"laser_scanner", "method", "raycast", "METHOD"}};
-  Simulation simulation = Simulation::load(scene, desc);
-  simulation.step();
-  const std::string scanner = "FRONT_SCANNER";
+void time_rays(const char* name, Simulation& simulation, const std::vector<glm::dvec3>& directions, int repetitions) {
   glm::dmat4 world_from_sensor(1.0);
-  simulation.sensor_pose(scanner, world_from_sensor);
-  const std::vector<glm::dvec3> directions = directions_of(simulation.scan(scanner));
+  simulation.sensor_pose("FRONT_SCANNER", world_from_sensor);
   std::vector<RayHit> hits(directions.size());
   std::vector<float> single_m(directions.size()), packets_m(directions.size());
   RayCaster caster;
@@ -189,11 +195,13 @@ void time_rays(const std::filesystem::path& scene, int repetitions) {
     times_ms[2].push_back(since(start));
   }
   const double per_ray = 1e6 / static_cast<double>(directions.size());
-  std::printf("rays,median_ns,ratio_to_packets,worst_relative_difference\n");
-  std::printf("caster,%.1f,%.3f,0\n", per_ray * median(times_ms[0]), median(times_ms[0]) / median(times_ms[2]));
-  std::printf("embree 1,%.1f,%.3f,%.3g\n", per_ray * median(times_ms[1]), median(times_ms[1]) / median(times_ms[2]),
-              worst_error(single_m, hits));
-  std::printf("embree 16,%.1f,1,%.3g\n", per_ray * median(times_ms[2]), worst_error(packets_m, hits));
+  const double packets_ms = median(times_ms[2]);
+  const auto print = [&](const char* engine, double ms, double difference) {
+    std::printf("%s,%s,%.1f,%.3f,%.3g\n", name, engine, per_ray * ms, ms / packets_ms, difference);
+  };
+  print("caster", median(times_ms[0]), 0);
+  print("embree 1", median(times_ms[1]), worst_error(single_m, hits));
+  print("embree 16", packets_ms, worst_error(packets_m, hits));
   rtcReleaseScene(flat);
   rtcReleaseDevice(device);
 }
@@ -204,6 +212,11 @@ int main(int argc, char** argv) {
   const std::filesystem::path scene = argc > 1 ? argv[1] : SIMVIS_SOURCE_DIR "/scenes/marvin/marvin.xml";
   const int frames = argc > 2 ? std::atoi(argv[2]) : 300;
   time_sets(scene, frames);
-  time_rays(scene, frames);
+  Simulation simulation = Simulation::load(scene);
+  simulation.step();
+  std::printf("rays,engine,median_ns,ratio_to_packets,worst_relative_difference\n");
+  constexpr double kPi = std::numbers::pi;
+  time_rays("361", simulation, directions_of(361, kPi / 2, 1, 0), frames);
+  time_rays("64 x 2048", simulation, directions_of(2048, kPi, 64, kPi / 12), frames / 30 + 1);
   return 0;
 }

@@ -116,6 +116,33 @@ TEST_CASE("each ray meets what testing every triangle finds, to the bit" * docte
   }
 }
 
+TEST_CASE("the same from afar, with worlds from a millimetre to 1000 km" * doctest::skip(kAbsent)) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  std::size_t met = 0, rays = 0;
+  for (const double scale : {1e-4, 1e-2, 1.0, 1e2, 1e5}) {
+    for (const double distance_m : {0.0, 30.0, 3e3, 1e5, 3e7}) {
+      DrawList list = random_room(static_cast<std::uint32_t>(rays), kFewer > 1 ? 6 : 16, 16);
+      const glm::dmat4 away = glm::scale(at(0.6 * distance_m, -0.7 * distance_m, 0.2 * distance_m), glm::dvec3(scale));
+      for (std::size_t t = 1; t < list.world_from_node.size(); ++t) {
+        list.world_from_node[t] = away * list.world_from_node[t];
+      }
+      const glm::dmat4 pose = random_pose(random, 0.1 * scale);
+      std::vector<glm::dvec3> directions;
+      for (int ray = 0; ray < 150; ++ray) {
+        const glm::dvec4 point(5.5 * unit(random), 4.5 * unit(random), 1.5 + 2 * unit(random), 1);
+        directions.push_back(glm::normalize(glm::dvec3(rigid_inverse(pose) * (away * point))));
+      }
+      const std::vector<RayHit> hits = cast(list, pose, directions);
+      for (std::size_t i = 0; i < directions.size(); ++i, ++rays) {
+        REQUIRE(same(hits[i], brute_force(list, pose, directions[i])));
+        met += std::isfinite(hits[i].range_m);
+      }
+    }
+  }
+  CHECK(met > rays / 2);
+}
+
 TEST_CASE("300,000 beams in random rooms against a second ray cast in double" * doctest::skip(kAbsent)) {
   std::mt19937 random(2);
   std::size_t beams = 0;
