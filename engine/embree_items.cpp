@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <unordered_set>
 #include <utility>
 
@@ -40,7 +41,8 @@ bool is_thin(const glm::dmat3& linear, const glm::dmat3& inverse, double radius,
 // One thread: the tree over items is made anew while its scanners wait, and waking others costs more than it takes.
 ItemTree::ItemTree(RTCIntersectFunctionN on_item, RTCIntersectFunctionN on_triangle)
     : device_(rtcNewDevice("threads=1")), on_item_(on_item), on_triangle_(on_triangle) {
-  if (device_ == nullptr) check_embree(nullptr);
+  if (device_ == nullptr)
+    throw MachineError("Embree does not start: error " + std::to_string(rtcGetDeviceError(nullptr)));
 }
 
 void ItemTree::update(const DrawList& list, const glm::dvec3& world_sensor) {

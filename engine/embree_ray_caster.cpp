@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <thread>
 #include <utility>
 
@@ -228,7 +229,7 @@ void cast_all(SensorView& view, std::span<const glm::dvec3> directions, std::spa
 
 struct RayCaster::Impl {
   const DrawList* world = nullptr;
-  ItemTree tree{on_item, on_triangle};
+  std::optional<ItemTree> tree;   // from the first cast on
   std::vector<SensorView> views;  // of each thread
   std::uint64_t casts = 0, rays = 0;
 };
@@ -245,16 +246,17 @@ void RayCaster::set_world(const DrawList& list) {
 void RayCaster::cast(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions,
                      std::span<RayHit> hits) {
   SIMVIS_ASSERT(impl_ != nullptr && hits.size() == directions.size());
-  impl_->tree.update(*impl_->world, glm::dvec3(world_from_sensor[3]));
+  if (!impl_->tree) impl_->tree.emplace(on_item, on_triangle);
+  impl_->tree->update(*impl_->world, glm::dvec3(world_from_sensor[3]));
   ++impl_->casts;
   const std::size_t threads = thread_count(directions.size());
   if (impl_->views.size() < threads) impl_->views.resize(threads);
   for (SensorView& view : impl_->views) {
     view.list = impl_->world;
-    view.tree = &impl_->tree;
+    view.tree = &*impl_->tree;
     view.world_from_sensor = world_from_sensor;
     view.cast = impl_->casts;
-    view.seen.resize(impl_->tree.items().size());
+    view.seen.resize(impl_->tree->items().size());
   }
   const std::size_t share = (directions.size() + threads - 1) / threads;
   const auto cast_share = [&](std::size_t thread) {
@@ -270,8 +272,8 @@ void RayCaster::cast(const glm::dmat4& world_from_sensor, std::span<const glm::d
 }
 
 RayCounters RayCaster::counters() const {
-  if (impl_ == nullptr) return {};
-  RayCounters counters = impl_->tree.counters();
+  if (impl_ == nullptr || !impl_->tree) return {};
+  RayCounters counters = impl_->tree->counters();
   counters.rays = impl_->rays;
   return counters;
 }
