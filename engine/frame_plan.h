@@ -49,7 +49,7 @@ struct RayCast {
 
 struct FramePlan {
   std::vector<Pass> passes;
-  std::vector<RayCast> casts;
+  std::vector<RayCast> casts{};
 };
 
 }  // namespace simvis

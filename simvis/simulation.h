@@ -38,7 +38,7 @@ struct SensorInfo {
   std::string name, type, method;
   std::uint64_t frames = 0;  ///< how often it has measured
   bool enabled = true;
-  std::optional<double> cast_share;  ///< of the rays of its last measurement; empty if it never casts
+  std::optional<double> cast_share{};  ///< of the rays of its last measurement; empty if it never casts
 };
 
 /// One stage of a step, on the steady clock.
