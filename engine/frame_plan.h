@@ -40,8 +40,16 @@ struct Pass {
   std::vector<View> views;  ///< rectangles do not overlap
 };
 
+/// Rays that a sensor casts after the passes are there.
+struct RayCast {
+  std::string name;
+  std::string reason;
+  std::uint64_t most_rays = 0;  ///< how many it casts at the most: which, it may learn from the passes
+};
+
 struct FramePlan {
   std::vector<Pass> passes;
+  std::vector<RayCast> casts{};
 };
 
 }  // namespace simvis

@@ -18,6 +18,10 @@ constexpr double kFloatUnit = 0x1p-24;
 // corner (4), the evaluation (4), storing it (1).
 constexpr double kSetup = 17;
 
+// How many noises of a pixel the w of a flat surface is off at the most: its own, and four of a kink that hides in the
+// second difference.
+constexpr double kFlatNoises = 5;
+
 // Second differences up to this share of their worst rounding are taken for none. What it lets through is in the bound,
 // but for pixels of different surfaces that lie in line by chance, which a larger share makes likelier; a smaller one
 // takes rough planes for steps and calls more beams uncertain.
@@ -182,6 +186,8 @@ RangeEstimate crease_or_step(const Cell& cell, const BeamTap& tap, std::span<con
 
 }  // namespace
 
+double least_planar_bound() { return kFlatNoises * kSetup * kFloatUnit; }
+
 RangeEstimate planar_range(const FacePixels& pixels, const BeamTap& tap, bool planar_layout,
                            const VertexRounding& rounding) {
   const Cell cell(pixels, tap, planar_layout, rounding);
@@ -194,7 +200,7 @@ RangeEstimate planar_range(const FacePixels& pixels, const BeamTap& tap, bool pl
     const Plane plane = cell.single_plane();
     if (plane.flat) {
       // Interpolation keeps the noise; a kink of at most the doubt and its own noise may hide in the second difference.
-      return to_range(cell.interpolated(), plane.noise + 4 * plane.noise + plane.doubt, tap);
+      return to_range(cell.interpolated(), kFlatNoises * plane.noise + plane.doubt, tap);
     }
   }
   const std::array<Plane, 4> planes = planar_layout

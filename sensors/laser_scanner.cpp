@@ -71,7 +71,12 @@ constexpr AttributeSpec kAttributes[] = {
      .kind = AttributeKind::choice,
      .default_value = "planar",
      .text = "how depth becomes ranges",
-     .choices = "nearest planar"},
+     .choices = "nearest planar hybrid raycast"},
+    {.name = "max_error_rel",
+     .default_value = "1e-6",
+     .text = "hybrid: beams whose error bound is above this share of their range are cast",
+     .min = 0,
+     .open_min = true},
     {.name = "resolution",
      .unit = "px",
      .text = "pixels of the virtual cameras across 90 degrees; 4096 for one ring, 1024 for more, if not given",
@@ -79,6 +84,19 @@ constexpr AttributeSpec kAttributes[] = {
      .max = 16000},
     kRateAttribute,
 };
+
+constexpr std::string_view kMethods[] = {"nearest", "planar", "hybrid", "raycast"};  // as ScanMethod
+
+ScanMethod method_named(std::string_view name) {
+  return static_cast<ScanMethod>(std::ranges::find(kMethods, name) - std::begin(kMethods));
+}
+
+bool renders(const LaserScannerDesc& desc) {
+  return desc.method != ScanMethod::raycast &&
+         !(desc.method == ScanMethod::hybrid && desc.max_error_rel < least_planar_bound());
+}
+
+bool casts(ScanMethod method) { return method == ScanMethod::hybrid || method == ScanMethod::raycast; }
 
 std::unique_ptr<Sensor> create(const SensorContext& context) {
   const AttributeValues& a = context.attributes;
@@ -91,7 +109,13 @@ std::unique_ptr<Sensor> create(const SensorContext& context) {
                   .max_elevation_rad = glm::radians(a.number("vertical_max_angle"))};
   desc.range_min_m = a.number("range_min");
   desc.range_max_m = a.number("range_max");
-  desc.method = a.choice("method") == "nearest" ? ScanMethod::nearest : ScanMethod::planar;
+  desc.method = method_named(a.choice("method"));
+  if (casts(desc.method) && !RayCaster::available()) {
+    fail_at(a.where("method"), "attribute \"method\": \"" + a.choice("method") +
+                                   "\" needs Embree, without which this SimVis was built, expected \"nearest\" or "
+                                   "\"planar\"");
+  }
+  desc.max_error_rel = a.number("max_error_rel");
   if (a.is_set("resolution")) desc.resolution_px = a.number("resolution");
 
   const auto ordered = [&](const char* low, const char* high, double limit) {
@@ -119,16 +143,35 @@ double resolution_of(const LaserScannerDesc& desc) {
 
 }  // namespace
 
-LaserScanner::LaserScanner(std::string name, const LaserScannerDesc& desc)
-    : name_(std::move(name)), desc_(desc), layout_(lay_out(desc.pattern, resolution_of(desc))) {
+LaserScanner::LaserScanner(std::string name, const LaserScannerDesc& desc) : name_(std::move(name)), desc_(desc) {
+  if (renders(desc)) layout_ = lay_out(desc.pattern, resolution_of(desc));
   scan_.rings = desc.pattern.rings;
   scan_.columns = desc.pattern.samples;
   scan_.azimuth_rad = azimuths(desc.pattern);
   scan_.elevation_rad = elevations(desc.pattern);
+  if (!casts(desc.method)) return;
+  for (const double e : scan_.elevation_rad) {
+    for (const double a : scan_.azimuth_rad) {
+      directions_.emplace_back(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e));
+    }
+  }
 }
 
 void LaserScanner::plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) {
-  const glm::dmat4 sensor_from_world = rigid_inverse(world_from_sensor);
+  world_from_sensor_ = world_from_sensor;
+  if (renders(desc_)) plan_views(rigid_inverse(world_from_sensor), list, plan);
+  if (!casts(desc_.method)) return;
+  std::ostringstream reason;
+  reason << (renders(desc_) ? "beams" : "every beam") << " of laser scanner " << name_;
+  if (desc_.method == ScanMethod::hybrid) {
+    reason << (renders(desc_) ? " whose bound is above " : ": no rendered range has a bound below ")
+           << (renders(desc_) ? desc_.max_error_rel : least_planar_bound()) << " of "
+           << (renders(desc_) ? "their range" : "itself");
+  }
+  plan.casts.push_back({.name = name_, .reason = reason.str(), .most_rays = directions_.size()});
+}
+
+void LaserScanner::plan_views(const glm::dmat4& sensor_from_world, const DrawList& list, FramePlan& plan) {
   rounding_ = VertexRounding(list, sensor_from_world);
   places_.clear();
   for (std::size_t f = 0; f < layout_.faces.size(); ++f) {
@@ -148,8 +191,11 @@ void LaserScanner::plan(const glm::dmat4& world_from_sensor, const DrawList& lis
 }
 
 void LaserScanner::collect(const FrameTime&, const FramePlan& plan, std::span<const PassResult> results) {
-  scan_.range_m.resize(layout_.taps.size());
-  scan_.error_bound_m.resize(layout_.taps.size());
+  const std::size_t beams = std::size_t{scan_.rings} * scan_.columns;
+  scan_.range_m.resize(beams);
+  scan_.error_bound_m.resize(beams);
+  beams_.clear();
+  if (!renders(desc_)) return;
   std::vector<FacePixels> pixels;
   for (std::size_t f = 0; f < layout_.faces.size(); ++f) {
     const Pass& pass = plan.passes[places_[f].pass];
@@ -167,8 +213,25 @@ void LaserScanner::collect(const FrameTime&, const FramePlan& plan, std::span<co
     if (desc_.method == ScanMethod::nearest) {
       estimate = nearest_range(pixels[tap.face], tap, layout_.faces[tap.face], estimate);
     }
-    take(beam, estimate.range_m, estimate.error_bound_m);
+    if (desc_.method == ScanMethod::hybrid && !(estimate.error_bound_m <= desc_.max_error_rel * estimate.range_m)) {
+      beams_.push_back(static_cast<std::uint32_t>(beam));
+    } else {
+      take(beam, estimate.range_m, estimate.error_bound_m);
+    }
   }
+}
+
+void LaserScanner::cast(RayCaster& rays) {
+  if (!casts(desc_.method)) return;
+  const bool every = !renders(desc_);
+  if (!every) {
+    cast_directions_.clear();
+    for (const std::uint32_t beam : beams_) cast_directions_.push_back(directions_[beam]);
+  }
+  const std::span<const glm::dvec3> directions = every ? directions_ : cast_directions_;
+  hits_.resize(directions.size());
+  rays.cast(world_from_sensor_, directions, hits_);
+  for (std::size_t i = 0; i < hits_.size(); ++i) take(every ? i : beams_[i], hits_[i].range_m, hits_[i].error_bound_m);
 }
 
 // Applies the limits along the ray. Where the bound reaches across a limit, the reading may be of the other kind, and
@@ -216,6 +279,11 @@ void LaserScanner::write(OutputSink& sink) const {
   sink.rows(columns, values);
 }
 
-std::string LaserScanner::method() const { return desc_.method == ScanMethod::nearest ? "nearest" : "planar"; }
+std::string LaserScanner::method() const { return std::string(kMethods[static_cast<std::size_t>(desc_.method)]); }
+
+std::optional<double> LaserScanner::cast_share() const {
+  if (!casts(desc_.method)) return {};
+  return static_cast<double>(hits_.size()) / static_cast<double>(directions_.size());
+}
 
 }  // namespace simvis

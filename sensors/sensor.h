@@ -7,12 +7,14 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "engine/frame_plan.h"
+#include "engine/ray_caster.h"
 #include "engine/renderer.h"
 #include "scenegraph/attributes.h"
 #include "scenegraph/command.h"
@@ -60,7 +62,7 @@ class OutputSink {
 
 /// Frames   the sensor frame: x forward, y left, z up (REP 103); a camera looks along +x.
 /// Life     made from its command; then, in each frame in which it is due: plan(), and collect() once the frame has
-///          been rendered.
+///          been rendered, and cast().
 class Sensor {
  public:
   virtual ~Sensor() = default;
@@ -71,7 +73,10 @@ class Sensor {
   /// Takes its results. `results[i]` belongs to `plan.passes[i]`.
   virtual void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) = 0;
 
-  /// What collect() last took; null where the sensor has none of the kind.
+  /// Casts what it has planned to cast, into the draw list of this frame; follows collect().
+  virtual void cast(RayCaster&) {}
+
+  /// What collect() and cast() last took; null where the sensor has none of the kind.
   virtual const Image* color() const { return nullptr; }
   virtual const Image* depth() const { return nullptr; }
   virtual const Scan* scan() const { return nullptr; }
@@ -88,6 +93,9 @@ class Sensor {
 
   /// For run.json: how the sensor measures, e.g. "rasterised" or "planar".
   virtual std::string method() const = 0;
+
+  /// For run.json: the share of the last measurement's rays that were cast. Empty for sensors that never cast.
+  virtual std::optional<double> cast_share() const { return {}; }
 
   double rate_hz = 0;  ///< from the attribute `rate`; 0 = every frame
 };

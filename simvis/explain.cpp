@@ -17,6 +17,9 @@ std::string explain(const FramePlan& plan, const FrameCounters& counters) {
           << view.y_px << ", near " << view.near_m << " m: " << view.reason << '\n';
     }
   }
+  for (const RayCast& cast : plan.casts) {
+    out << "cast " << cast.name << ": up to " << cast.most_rays << " rays: " << cast.reason << '\n';
+  }
   out << counters.passes << " passes, " << counters.views << " views, " << counters.draws << " draws, "
       << counters.triangles << " triangles, " << counters.pipelines_bound << " pipelines bound, "
       << counters.items_culled << " items culled, " << counters.bytes_uploaded << " bytes uploaded, "

@@ -34,6 +34,7 @@ std::string to_json(const RunReport& report) {
   for (const SensorInfo& sensor : report.sensors) {
     sensors[sensor.name] = {
         {"type", sensor.type}, {"method", sensor.method}, {"frames", sensor.frames}, {"effects", Json::array()}};
+    if (sensor.cast_share) sensors[sensor.name]["cast_share"] = *sensor.cast_share;
   }
   const Json json = {
       {"scene", report.scene},

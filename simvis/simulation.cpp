@@ -51,7 +51,7 @@ struct Simulation::Impl : Observations {
   void update_elements();
   void show_to_people(const FrameTime& time);
   void plan_due_sensors(ViewLayer& layer, bool visualization, const FrameTime& time);
-  void collect(const ViewLayer& layer, const FrameTime& time, std::span<const PassResult> results);
+  void collect(ViewLayer& layer, const FrameTime& time, std::span<const PassResult> results);
   void take_new_sensors();
   ViewLayer& layer_of(const BuiltSensor& sensor) { return sensor.sensor->visualization() ? *people : sensing; }
   bool pose(const BuiltSensor& sensor, glm::dmat4& world_from_sensor);
@@ -138,6 +138,7 @@ void Simulation::Impl::update_elements() {
 
 void Simulation::Impl::plan_due_sensors(ViewLayer& layer, bool visualization, const FrameTime& time) {
   layer.plan.passes.clear();
+  layer.plan.casts.clear();
   layer.due.clear();
   for (std::size_t i = 0; i < states.size(); ++i) {
     const BuiltSensor& sensor = scene.built.sensors[i];
@@ -149,9 +150,11 @@ void Simulation::Impl::plan_due_sensors(ViewLayer& layer, bool visualization, co
   }
 }
 
-void Simulation::Impl::collect(const ViewLayer& layer, const FrameTime& time, std::span<const PassResult> results) {
+void Simulation::Impl::collect(ViewLayer& layer, const FrameTime& time, std::span<const PassResult> results) {
+  layer.caster.set_world(*layer.list);
   for (const std::size_t i : layer.due) {
     scene.built.sensors[i].sensor->collect(time, layer.plan, results);
+    scene.built.sensors[i].sensor->cast(layer.caster);
     ++states[i].frames;
     measured.push_back(scene.built.sensors[i].name);
   }
@@ -259,8 +262,8 @@ std::vector<SensorInfo> Simulation::sensors() const {
   std::vector<SensorInfo> infos;
   for (std::size_t i = 0; i < impl_->scene.built.sensors.size(); ++i) {
     const BuiltSensor& sensor = impl_->scene.built.sensors[i];
-    infos.push_back(
-        {sensor.name, sensor.type, sensor.sensor->method(), impl_->states[i].frames, impl_->states[i].enabled});
+    infos.push_back({sensor.name, sensor.type, sensor.sensor->method(), impl_->states[i].frames,
+                     impl_->states[i].enabled, sensor.sensor->cast_share()});
   }
   return infos;
 }
@@ -272,6 +275,7 @@ void Simulation::write(std::string_view sensor, OutputSink& sink) const { impl_-
 const std::vector<std::string>& Simulation::warnings() const { return impl_->scene.built.scene.warnings(); }
 const DeviceInfo& Simulation::device() const { return impl_->device.info(); }
 const FrameCounters& Simulation::counters() const { return impl_->sensing.renderer.counters(); }
+RayCounters Simulation::ray_counters() const { return impl_->sensing.caster.counters(); }
 const DrawList& Simulation::draw_list() const { return *impl_->sensing.list; }
 const FramePlan& Simulation::frame_plan() const { return impl_->sensing.plan; }
 

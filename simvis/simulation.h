@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -37,6 +38,7 @@ struct SensorInfo {
   std::string name, type, method;
   std::uint64_t frames = 0;  ///< how often it has measured
   bool enabled = true;
+  std::optional<double> cast_share{};  ///< of the rays of its last measurement; empty if it never casts
 };
 
 /// One stage of a step, on the steady clock.
@@ -112,6 +114,7 @@ class Simulation {
   const std::vector<std::string>& warnings() const;
   const DeviceInfo& device() const;
   const FrameCounters& counters() const;  ///< of the last step()
+  RayCounters ray_counters() const;       ///< of all steps
   const DrawList& draw_list() const;      ///< of the last step()
   const FramePlan& frame_plan() const;    ///< of the last step()
   /// The same of what visualization cameras saw. Null while the scene has none.

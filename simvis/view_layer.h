@@ -6,6 +6,7 @@
 
 #include "engine/device.h"
 #include "engine/frame_plan.h"
+#include "engine/ray_caster.h"
 #include "engine/renderer.h"
 #include "scenegraph/flattener.h"
 
@@ -19,6 +20,7 @@ struct ViewLayer {
 
   Flattener flattener;
   Renderer renderer;
+  RayCaster caster;              ///< costs nothing until a sensor casts
   const DrawList* list;          ///< as of the last flattening
   FramePlan plan;                ///< of this frame
   std::vector<std::size_t> due;  ///< the sensors that measure in this frame, by index

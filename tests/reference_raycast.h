@@ -62,7 +62,7 @@ class RayCaster {
         stack[top++] = box.second;
       }
     }
-    return hit;
+    return refined(hit, direction);
   }
 
   /// Where the plane of a triangle is met in this direction; not finite or negative where it is not.
@@ -76,7 +76,7 @@ class RayCaster {
   Hit cast_all(const glm::dvec3& direction) const {
     Hit hit;
     for (std::uint32_t t = 0; t < triangles_.size(); ++t) intersect(t, direction, hit);
-    return hit;
+    return refined(hit, direction);
   }
 
  private:
@@ -84,6 +84,16 @@ class RayCaster {
     glm::dvec3 low, high;
     std::uint32_t first, second, count;  // count 0: first and second are the children
   };
+
+  // The range of the triangle found, again and in long double: on slivers double leaves some hundred roundings.
+  Hit refined(Hit hit, const glm::dvec3& direction) const {
+    if (!std::isfinite(hit.range_m)) return hit;
+    using Vector = glm::vec<3, long double>;
+    const auto& [a, b, c] = triangles_[hit.triangle];
+    const Vector corner(a), normal = glm::cross(Vector(b) - corner, Vector(c) - corner);
+    hit.range_m = static_cast<double>(glm::dot(normal, corner) / glm::dot(normal, Vector(direction)));
+    return hit;
+  }
 
   // Slabs, widened by what the divisions may round away.
   static bool crosses(const Box& box, const glm::dvec3& direction, double limit) {

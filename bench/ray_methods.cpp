@@ -1,0 +1,222 @@
+// What the methods of laser scanners cost, side by side: scenes/marvin with the robot driving, three scanners of 361
+// beams each; and the ray caster beside bare Embree (single precision, one flat mesh, one thread) on the same rays.
+//
+//   ray_methods [SCENE.xml [FRAMES]]
+//
+// Prints CSV. Every method is timed in every frame, so that whatever else the machine does hits them alike: look at the
+// ratios. A set is a whole frame of three scanners: parameters, flattening, rendering or casting, results in memory.
+#include <embree3/rtcore.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "engine/ray_caster.h"
+#include "scenegraph/pose.h"
+#include "simvis/simulation.h"
+#include "simvis/trajectory.h"
+
+namespace {
+
+using namespace simvis;
+using Clock = std::chrono::steady_clock;
+
+struct Method {
+  const char *name, *max_error_rel;
+};
+constexpr Method kMethods[] = {{"nearest", ""},    {"planar", ""},     {"hybrid", "3e-4"},
+                               {"hybrid", "1e-4"}, {"hybrid", "1e-6"}, {"raycast", ""}};
+constexpr std::size_t kMethodCount = std::size(kMethods);
+constexpr int kWarmUp = 20;
+constexpr unsigned kPacket = 16;
+
+double median(std::vector<double> values) {
+  std::ranges::nth_element(values, values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2));
+  return values[values.size() / 2];
+}
+
+double since(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+void time_sets(const std::filesystem::path& scene, int frames) {
+  std::vector<Simulation> simulations;
+  std::vector<double> times_ms[kMethodCount], shares[kMethodCount];
+  for (const Method& method : kMethods) {
+    SimulationDesc desc;
+    desc.overrides = {{"laser_scanner", "method", method.name, "METHOD"}};
+    if (*method.max_error_rel != 0) {
+      desc.overrides.push_back({"laser_scanner", "max_error_rel", method.max_error_rel, "METHOD"});
+    }
+    simulations.push_back(Simulation::load(scene, desc));
+    for (const SensorInfo& sensor : simulations.back().sensors()) {
+      simulations.back().enable(sensor.name, sensor.type == "laser_scanner");
+    }
+  }
+  const Trajectory drive(scene.parent_path() / "drive.csv", simulations.front().parameters());
+  for (int frame = 0; frame < kWarmUp + frames; ++frame) {
+    for (std::size_t turn = 0; turn < kMethodCount; ++turn) {
+      const std::size_t m = (turn + static_cast<std::size_t>(frame)) % kMethodCount;  // none is always first
+      Simulation& simulation = simulations[m];
+      drive.apply(static_cast<double>(simulation.next_frame().time_ns) * 1e-9, simulation.parameters());
+      const auto start = Clock::now();
+      simulation.step();
+      if (frame < kWarmUp) continue;
+      times_ms[m].push_back(since(start));
+      double share = 0, scanners = 0;
+      for (const SensorInfo& sensor : simulation.sensors()) {
+        if (!sensor.enabled) continue;
+        share += sensor.cast_share.value_or(0);
+        ++scanners;
+      }
+      shares[m].push_back(share / scanners);
+    }
+  }
+  std::printf("method,max_error_rel,median_ms,ratio_to_nearest,share_cast,passes\n");
+  for (std::size_t m = 0; m < kMethodCount; ++m) {
+    std::printf("%s,%s,%.4f,%.3f,%.3f,%llu\n", kMethods[m].name, kMethods[m].max_error_rel, median(times_ms[m]),
+                median(times_ms[m]) / median(times_ms[0]), median(shares[m]),
+                static_cast<unsigned long long>(simulations[m].counters().passes));
+  }
+}
+
+/// All triangles of a list as one mesh of float32 in the frame of a sensor.
+RTCScene flat_scene(RTCDevice device, const DrawList& list, const glm::dmat4& sensor_from_world) {
+  std::vector<glm::vec3> corners;
+  for (const DrawItem& item : list.items) {
+    const Mesh& mesh = *list.meshes[item.mesh];
+    if (mesh.topology != Topology::triangles) continue;
+    const glm::dmat4 placed = sensor_from_world * list.world_from_node[item.transform];
+    for (const std::uint32_t index : mesh.indices) corners.emplace_back(placed * glm::dvec4(mesh.positions[index], 1));
+  }
+  const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  void* const positions = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                                  sizeof(glm::vec3), corners.size());
+  std::copy(corners.begin(), corners.end(), static_cast<glm::vec3*>(positions));
+  auto* const indices = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
+      geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), corners.size() / 3));
+  for (std::uint32_t i = 0; i < corners.size(); ++i) indices[i] = i;
+  rtcCommitGeometry(geometry);
+  const RTCScene scene = rtcNewScene(device);
+  rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+  rtcAttachGeometry(scene, geometry);
+  rtcReleaseGeometry(geometry);
+  rtcCommitScene(scene);
+  return scene;
+}
+
+void cast_singly(RTCScene scene, const std::vector<glm::dvec3>& directions, std::vector<float>& ranges_m) {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  for (std::size_t i = 0; i < directions.size(); ++i) {
+    const glm::vec3 d(directions[i]);
+    RTCRayHit ray{};
+    ray.ray.dir_x = d.x;
+    ray.ray.dir_y = d.y;
+    ray.ray.dir_z = d.z;
+    ray.ray.tfar = INFINITY;
+    ray.ray.mask = ~0u;
+    ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    rtcIntersect1(scene, &context, &ray);
+    ranges_m[i] = ray.ray.tfar;
+  }
+}
+
+void cast_in_packets(RTCScene scene, const std::vector<glm::dvec3>& directions, std::vector<float>& ranges_m) {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  for (std::size_t first = 0; first < directions.size(); first += kPacket) {
+    alignas(64) int valid[kPacket] = {};
+    RTCRayHit16 rays{};
+    for (std::size_t lane = 0; lane < kPacket && first + lane < directions.size(); ++lane) {
+      const glm::vec3 d(directions[first + lane]);
+      rays.ray.dir_x[lane] = d.x;
+      rays.ray.dir_y[lane] = d.y;
+      rays.ray.dir_z[lane] = d.z;
+      rays.ray.tfar[lane] = INFINITY;
+      rays.ray.mask[lane] = ~0u;
+      rays.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
+      valid[lane] = -1;
+    }
+    rtcIntersect16(valid, scene, &context, &rays);
+    for (std::size_t lane = 0; lane < kPacket && first + lane < directions.size(); ++lane) {
+      ranges_m[first + lane] = rays.ray.tfar[lane];
+    }
+  }
+}
+
+std::vector<glm::dvec3> directions_of(int samples, double half_width_rad, int rings, double half_height_rad) {
+  std::vector<glm::dvec3> directions;
+  for (int ring = 0; ring < rings; ++ring) {
+    const double e = rings == 1 ? 0 : half_height_rad * (2.0 * ring / (rings - 1) - 1);
+    for (int beam = 0; beam < samples; ++beam) {
+      const double a = half_width_rad * (2.0 * beam / (samples - 1) - 1);
+      directions.emplace_back(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e));
+    }
+  }
+  return directions;
+}
+
+/// The relative error of single-precision ranges against those of the caster.
+double worst_error(const std::vector<float>& ranges_m, const std::vector<RayHit>& hits) {
+  double worst = 0;
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    if (std::isfinite(hits[i].range_m))
+      worst = std::max(worst, std::abs(ranges_m[i] - hits[i].range_m) / hits[i].range_m);
+  }
+  return worst;
+}
+
+void time_rays(const char* name, Simulation& simulation, const std::vector<glm::dvec3>& directions, int repetitions) {
+  glm::dmat4 world_from_sensor(1.0);
+  simulation.sensor_pose("FRONT_SCANNER", world_from_sensor);
+  std::vector<RayHit> hits(directions.size());
+  std::vector<float> single_m(directions.size()), packets_m(directions.size());
+  RayCaster caster;
+  caster.set_world(simulation.draw_list());
+  const RTCDevice device = rtcNewDevice(nullptr);
+  const RTCScene flat = flat_scene(device, simulation.draw_list(), rigid_inverse(world_from_sensor));
+  std::vector<double> times_ms[3];
+  for (int r = 0; r < repetitions; ++r) {
+    auto start = Clock::now();
+    caster.cast(world_from_sensor, directions, hits);
+    times_ms[0].push_back(since(start));
+    start = Clock::now();
+    cast_singly(flat, directions, single_m);
+    times_ms[1].push_back(since(start));
+    start = Clock::now();
+    cast_in_packets(flat, directions, packets_m);
+    times_ms[2].push_back(since(start));
+  }
+  const double per_ray = 1e6 / static_cast<double>(directions.size());
+  const double packets_ms = median(times_ms[2]);
+  const auto print = [&](const char* engine, double ms, double difference) {
+    std::printf("%s,%s,%.1f,%.3f,%.3g\n", name, engine, per_ray * ms, ms / packets_ms, difference);
+  };
+  print("caster", median(times_ms[0]), 0);
+  print("embree 1", median(times_ms[1]), worst_error(single_m, hits));
+  print("embree 16", packets_ms, worst_error(packets_m, hits));
+  rtcReleaseScene(flat);
+  rtcReleaseDevice(device);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::filesystem::path scene = argc > 1 ? argv[1] : SIMVIS_SOURCE_DIR "/scenes/marvin/marvin.xml";
+  const int frames = argc > 2 ? std::atoi(argv[2]) : 300;
+  time_sets(scene, frames);
+  Simulation simulation = Simulation::load(scene);
+  simulation.step();
+  std::printf("rays,engine,median_ns,ratio_to_packets,worst_relative_difference\n");
+  constexpr double kPi = std::numbers::pi;
+  time_rays("361", simulation, directions_of(361, kPi / 2, 1, 0), frames);
+  time_rays("64 x 2048", simulation, directions_of(2048, kPi, 64, kPi / 12), frames / 30 + 1);
+  return 0;
+}

@@ -1,0 +1,89 @@
+// Casts rays into a draw list: what a laser meets, exact to the rounding of double.
+//
+// How it decides. Embree only finds candidates: its trees, in float32, hold one padded box per triangle, and a box test
+// misses nothing that a padded box holds. Whether a ray meets a triangle, and where, is decided in double on the
+// triangle itself (see ray_triangle.h), whose vertices are the mesh's float32 positions, taken as exact, in the frame
+// of the sensor. So the result is that of testing every triangle in double, whatever the trees look like: the nearest
+// hit, and of several at one range the first item's first primitive.
+//
+// What is padded. Trees work in numbers of the order of 1. A mesh's tree is in the mesh's frame, its middle at the
+// origin, its half diagonal the unit; a ray is brought there in double and starts where it enters the mesh's box.
+// Rounded to float32 are the ray's start (1 half ulp of 1, per axis), its direction (2, over a way of at most 2), the
+// box (1), and in Embree's test products with the reciprocal direction (2) and that reciprocal itself (2 ulps over a
+// way of 2, so 8): at most 14, twice that where a rotated direction mixes axes; kPadding (in embree_handles.h) is 32.
+// The tree over items has its origin near the sensor and pads by the same share of a box's distance. Where that does
+// not hold, because an item is flattened or far smaller than its distance (see is_thin() in embree_items.cpp), its
+// triangles are tested one by one.
+//
+// Watertight. Rays through a shared edge or vertex of a mesh meet at least one of its triangles.
+//
+// The bound of a range r (u = 2^-53, theta the incidence), all of it in range_error_bound(): vertices reach the sensor
+// frame displaced by at most e = u (28 (reach + distance) + 21 offset), which moves the plane by e and the range by
+// e / cos(theta); the weights of the corners round by 6 u m^2 / area, m the farthest corner from the ray, times the
+// corners' difference in depth; and no range leaves the depths of its triangle's corners. Float32 comes in last, when
+// a range is stored. Which surface a beam within some 1e-15 rad of an edge meets is rounding's to decide; the bound
+// does not speak of it.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <limits>
+#include <memory>
+#include <span>
+
+#include "engine/draw_list.h"
+
+namespace simvis {
+
+/// What a ray meets: range along the ray in metres, +infinity for nothing (then the rest is 0).
+struct RayHit {
+  double range_m = std::numeric_limits<double>::infinity();
+  double error_bound_m = 0;     ///< of range_m as a double
+  std::uint32_t item = 0;       ///< of the draw list
+  std::uint32_t primitive = 0;  ///< of its mesh
+
+  bool operator==(const RayHit&) const = default;
+};
+
+/// What casting has cost since the caster was made, counted and not timed.
+struct RayCounters {
+  std::uint64_t rays = 0;
+  std::uint64_t meshes_built = 0, triangles_built = 0;  ///< trees made of meshes
+  std::uint64_t items_placed = 0;                       ///< boxes computed for the tree over items
+  std::uint64_t item_trees_built = 0;
+
+  bool operator==(const RayCounters&) const = default;
+};
+
+/// Triangles are met from either side, lines and points not at all. Of a `mask` material those points are met where
+/// alpha (base colour x vertex colour x texture, largest level) reaches the cutoff, of a `blend` material one half.
+/// What lies beyond 10^18 m is not met.
+///
+/// Errors   MachineError where memory runs out.
+/// Threading  one thread at a time; cast() itself uses all cores for many rays, and gives the same on any number.
+class RayCaster {
+ public:
+  /// Whether this build has a ray caster at all. Without one nothing but this may be called.
+  static bool available();
+
+  RayCaster();
+  ~RayCaster();
+  RayCaster(const RayCaster&) = delete;
+  RayCaster& operator=(const RayCaster&) = delete;
+
+  /// What is cast into from now on. The list must stay as it is until the last cast() into it. Costs nothing: trees
+  /// are made at the next cast(), for meshes that have none yet (told apart by identity), and over items if one moved.
+  void set_world(const DrawList& list);
+
+  /// Casts from the sensor's origin. `world_from_sensor` is rigid; directions are unit vectors in the sensor frame;
+  /// hits[i] belongs to directions[i].
+  void cast(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions, std::span<RayHit> hits);
+
+  RayCounters counters() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace simvis

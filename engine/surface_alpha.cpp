@@ -1,0 +1,64 @@
+#include "engine/surface_alpha.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace simvis {
+
+namespace {
+
+// A texture coordinate within two periods, which is what wrapping distinguishes at the most.
+double reduced(double coordinate, Wrap wrap) {
+  if (!std::isfinite(coordinate)) return 0;
+  return wrap == Wrap::clamp_to_edge ? std::clamp(coordinate, -1.0, 2.0) : coordinate - 2 * std::floor(coordinate / 2);
+}
+
+std::int64_t wrapped(std::int64_t texel, std::int64_t size, Wrap wrap) {
+  if (wrap == Wrap::clamp_to_edge) return std::clamp<std::int64_t>(texel, 0, size - 1);
+  const std::int64_t period = wrap == Wrap::repeat ? size : 2 * size;
+  const std::int64_t inside = (texel % period + period) % period;
+  return inside < size ? inside : period - 1 - inside;
+}
+
+double texture_alpha(const Texture& texture, const glm::dvec2& uv) {
+  const Sampler& sampler = texture.sampler;
+  const auto texel = [&](std::int64_t x, std::int64_t y) {
+    const std::int64_t column = wrapped(x, texture.width, sampler.wrap_u);
+    const std::int64_t row = wrapped(y, texture.height, sampler.wrap_v);
+    return texture.rgba[static_cast<std::size_t>(4 * (row * texture.width + column) + 3)] / 255.0;
+  };
+  const double x = reduced(uv.x, sampler.wrap_u) * texture.width, y = reduced(uv.y, sampler.wrap_v) * texture.height;
+  if (sampler.magnify == Filter::nearest) {
+    return texel(static_cast<std::int64_t>(std::floor(x)), static_cast<std::int64_t>(std::floor(y)));
+  }
+  const double left = std::floor(x - 0.5), top = std::floor(y - 0.5);
+  const double fx = x - 0.5 - left, fy = y - 0.5 - top;
+  const auto column = static_cast<std::int64_t>(left), row = static_cast<std::int64_t>(top);
+  return (1 - fy) * ((1 - fx) * texel(column, row) + fx * texel(column + 1, row)) +
+         fy * ((1 - fx) * texel(column, row + 1) + fx * texel(column + 1, row + 1));
+}
+
+}  // namespace
+
+float surface_alpha(const Material& material, const Mesh& mesh, std::uint32_t primitive, const glm::dvec3& weights) {
+  double vertex_alpha = 0;
+  glm::dvec2 uv(0);
+  for (int k = 0; k < 3; ++k) {
+    const std::uint32_t index = mesh.indices[std::size_t{3} * primitive + static_cast<std::size_t>(k)];
+    const VertexAttributes& vertex = mesh.attributes[index];
+    vertex_alpha += weights[k] * std::clamp(static_cast<double>(vertex.color.a), 0.0, 1.0);
+    uv += weights[k] * glm::dvec2(vertex.uv[material.uv_set]);
+  }
+  double alpha = static_cast<double>(material.base_color.a) * vertex_alpha;
+  const Texture* const texture = material.base_color_texture.get();
+  if (texture != nullptr) alpha *= texture_alpha(*texture, glm::dmat3x2(material.uv_transform) * glm::dvec3(uv, 1));
+  return static_cast<float>(alpha);
+}
+
+bool is_solid(const Material& material, const Mesh& mesh, std::uint32_t primitive, const glm::dvec3& weights) {
+  if (material.alpha_mode == AlphaMode::opaque) return true;
+  const float cutoff = material.alpha_mode == AlphaMode::blend ? 0.5f : material.alpha_cutoff;
+  return surface_alpha(material, mesh, primitive, weights) >= cutoff;
+}
+
+}  // namespace simvis

@@ -1,0 +1,18 @@
+// Whether a laser meets a point of a surface or passes through it.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+
+#include "engine/mesh.h"
+
+namespace simvis {
+
+/// Alpha at a point of a primitive: base colour x vertex colour x texture at its largest level, filtered and wrapped as
+/// its sampler says. `weights` of the corners sum to 1.
+float surface_alpha(const Material& material, const Mesh& mesh, std::uint32_t primitive, const glm::dvec3& weights);
+
+/// Whether what a depth sensor sees of the material there is solid (see Material).
+bool is_solid(const Material& material, const Mesh& mesh, std::uint32_t primitive, const glm::dvec3& weights);
+
+}  // namespace simvis
