@@ -181,7 +181,8 @@ void FrameDraws::add_blended(const View& view, const Pass& pass, const ViewProje
   far_first_.clear();
   for (const Drawable& d : table.blended()) {
     if (!visible(d, view, projection, table, counters)) continue;
-    far_first_.push_back({view_depth(projection, table.box(d.item).center), &d});
+    // By the farthest corner: a sky all around the view, whose middle is near, lies behind all the rest.
+    far_first_.push_back({farthest_depth(projection, table.box(d.item)), &d});
   }
   std::sort(far_first_.begin(), far_first_.end(), [](const Far& a, const Far& b) {
     return a.depth != b.depth ? a.depth > b.depth : a.drawable->item < b.drawable->item;

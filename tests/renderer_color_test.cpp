@@ -303,6 +303,32 @@ TEST_CASE("blended surfaces lie over what is behind them, and depth meets the ha
   CHECK(renderer.render(scene.list, wall_plan(false, true))[0].depth[5] == doctest::Approx(0.05 / 3).epsilon(1e-6));
 }
 
+TEST_CASE("a blended sky all around the view lies behind what is blended near it") {
+  Renderer renderer(device());
+  const auto glass = [](float grey) {
+    Material material = colored({grey, grey, grey, 0.5f});
+    material.alpha_mode = AlphaMode::blend;
+    material.unlit = true;
+    return material;
+  };
+  // One mesh with a wall 10 m ahead and one 30 m behind: its middle is 10 m behind the view.
+  Mesh sky = rectangle(-40, -40, 40, 40);
+  for (glm::vec3& p : sky.positions) p.z = 10;
+  const Mesh behind = rectangle(-40, -40, 40, 40);
+  for (std::size_t i = 0; i < 4; ++i) {
+    sky.positions.push_back(behind.positions[i] - glm::vec3(0, 0, 30));
+    sky.attributes.push_back(behind.attributes[i]);
+  }
+  for (const std::uint32_t index : behind.indices) sky.indices.push_back(index + 4);
+  compute_bounds(sky);
+  Scene scene = scene_with_ambient(1);
+  scene.add(rectangle(-9, -9, 9, 9), glass(0.8f), at(0, 0, 2));
+  scene.add(sky, glass(0.2f), at(0, 0, 0));
+  const double expected = (kBackground * 0.5 + 0.2 * 0.5) * 0.5 + 0.8 * 0.5;
+  CHECK(renderer.render(scene.list, wall_plan(true, false))[0].color[5].r ==
+        doctest::Approx(expected).epsilon(kShading));
+}
+
 TEST_CASE("a colour pass gives the same depth as a depth pass") {
   Renderer renderer(device());
   Scene scene = scene_with_ambient(1);
