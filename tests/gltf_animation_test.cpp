@@ -12,6 +12,7 @@
 #include "scenegraph/part_player.h"
 #include "tests/animated_part.h"
 #include "tests/error_of.h"
+#include "tests/random_numbers.h"
 
 using namespace simvis;
 using namespace simvis::test;
@@ -244,20 +245,15 @@ TEST_CASE("broken animations are refused, or play with every vertex and node fin
   const ByteString seeds[] = {bending_strip().glb(), morphing.glb()};
   TemporaryFolder folder;
   int played = 0;
-  std::uint64_t state = 1;  // of splitmix64: the same files on every machine
-  const auto below = [&](std::uint64_t end) {
-    std::uint64_t z = state += 0x9E3779B97F4A7C15u;
-    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
-    z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-    return (z ^ (z >> 31)) % end;
-  };
+  Random random;
   for (int i = 0; i < kFiles; ++i) {
     CAPTURE(i);
     ByteString bytes = seeds[i % 2];
     // Most flips in the numbers, which stand at the end: there a file stays readable.
-    const std::size_t first = below(4) == 0 ? 0 : bytes.size() - (i % 2 == 0 ? bending_strip() : morphing).bytes.size();
-    for (std::uint64_t flips = 1 + below(6); flips > 0; --flips) {
-      bytes[first + below(bytes.size() - first)] ^= static_cast<std::uint8_t>(1u << below(8));
+    const std::size_t first =
+        random.below(4) == 0 ? 0 : bytes.size() - (i % 2 == 0 ? bending_strip() : morphing).bytes.size();
+    for (std::uint64_t flips = 1 + random.below(6); flips > 0; --flips) {
+      bytes[first + random.below(bytes.size() - first)] ^= static_cast<std::uint8_t>(1u << random.below(8));
     }
     const std::filesystem::path file = folder / ("part" + std::to_string(i) + ".glb");
     write_bytes(file, bytes);

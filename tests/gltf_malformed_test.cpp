@@ -11,6 +11,7 @@
 
 #include "engine/error.h"
 #include "tests/gltf_fixture.h"
+#include "tests/random_numbers.h"
 
 using namespace simvis;
 using namespace simvis::test;
@@ -48,21 +49,6 @@ Outcome try_to_load(const std::filesystem::path& file) {
     return Outcome::refused;
   }
 }
-
-// splitmix64: the same files on every machine.
-class Random {
- public:
-  std::uint64_t below(std::uint64_t end) {
-    state_ += 0x9E3779B97F4A7C15u;
-    std::uint64_t z = state_;
-    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
-    z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-    return (z ^ (z >> 31)) % end;
-  }
-
- private:
-  std::uint64_t state_ = 1;
-};
 
 struct Seed {
   const char* name;

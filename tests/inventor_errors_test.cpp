@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tests/inventor_fixture.h"
+#include "tests/random_numbers.h"
 
 using namespace simvis;
 using namespace simvis::test;
@@ -27,21 +28,6 @@ std::string error_in(InventorFiles& files, const std::string& nodes) {
   CHECK(error.starts_with((files.folder / "part.iv").string() + ": error: "));
   return error;
 }
-
-// splitmix64: the same files on every machine.
-class Random {
- public:
-  std::uint64_t below(std::uint64_t end) {
-    state_ += 0x9E3779B97F4A7C15u;
-    std::uint64_t z = state_;
-    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
-    z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-    return (z ^ (z >> 31)) % end;
-  }
-
- private:
-  std::uint64_t state_ = 1;
-};
 
 // Cut off, with flipped bits, or (most often, as nothing else gets past the grammar) with other digits.
 std::string broken(std::string text, Random& random) {

@@ -17,6 +17,7 @@
 #include "scenegraph/srgb.h"
 #include "tests/error_of.h"
 #include "tests/gltf_fixture.h"
+#include "tests/random_numbers.h"
 
 using namespace simvis;
 using namespace simvis::test;
@@ -185,15 +186,6 @@ std::string dae_box(const std::string& asset, float scale = 1, const std::string
 }
 constexpr const char* kMetresZUp = R"(<unit name="meter" meter="1"/><up_axis>Z_UP</up_axis>)";
 
-// splitmix64: the same files on every machine.
-std::uint64_t random_below(std::uint64_t& state, std::uint64_t end) {
-  state += 0x9E3779B97F4A7C15u;
-  std::uint64_t z = state;
-  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
-  z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-  return (z ^ (z >> 31)) % end;
-}
-
 }  // namespace
 
 TEST_CASE("the same box in every format: triangles, bounds, surface, and normals from its geometry") {
@@ -331,15 +323,15 @@ TEST_CASE("polygons that are not convex are cut into triangles that fill them an
 }
 
 TEST_CASE("random stars are cut into triangles that all wind their way and have their area together") {
-  std::uint64_t state = 3;
+  Random random(3);
   for (int star = 0; star < 300; ++star) {
     CAPTURE(star);
-    const std::size_t count = 3 + random_below(state, 60);
-    const int up = static_cast<int>(random_below(state, 3)), side = star % 2 == 0 ? 1 : 2;  // either way round
+    const std::size_t count = 3 + random.below(60);
+    const int up = static_cast<int>(random.below(3)), side = star % 2 == 0 ? 1 : 2;  // either way round
     std::vector<glm::vec3> corners;
     for (std::size_t i = 0; i < count; ++i) {
       const double angle = 2 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(count);
-      const double radius = 1 + static_cast<double>(random_below(state, 1000)) / 100;
+      const double radius = 1 + static_cast<double>(random.below(1000)) / 100;
       glm::vec3 corner{7};
       corner[(up + side) % 3] = static_cast<float>(radius * std::cos(angle));
       corner[(up + 3 - side) % 3] = static_cast<float>(radius * std::sin(angle));
@@ -511,22 +503,22 @@ TEST_CASE("files cut off or with flipped bits are loaded or refused, and what lo
       {"binary.stl", stl_box(true)},
       {"s.dae", dae_box(kMetresZUp)},
       {"s.mtl", mtl}};
-  std::uint64_t state = 1;
+  Random random;
   for (const auto& [name, bytes] : seeds) {
     int loaded = 0;
     for (int i = 0; i < files; ++i) {
       CAPTURE(std::string(name));
       CAPTURE(i);
       std::string broken = bytes;
-      if (random_below(state, 4) == 0) {
-        broken.resize(random_below(state, broken.size()));
+      if (random.below(4) == 0) {
+        broken.resize(random.below(broken.size()));
       } else {
         // Half of them by any bit, half from one digit to another, which keeps the file's form.
-        const bool digits_only = random_below(state, 2) == 0;
-        for (std::uint64_t flips = 1 + random_below(state, 8); flips > 0; --flips) {
-          char& byte = broken[random_below(state, broken.size())];
-          if (!digits_only) byte = static_cast<char>(byte ^ (1 << random_below(state, 8)));
-          if (digits_only && byte >= '0' && byte <= '9') byte = "0123456789-.e"[random_below(state, 13)];
+        const bool digits_only = random.below(2) == 0;
+        for (std::uint64_t flips = 1 + random.below(8); flips > 0; --flips) {
+          char& byte = broken[random.below(broken.size())];
+          if (!digits_only) byte = static_cast<char>(byte ^ (1 << random.below(8)));
+          if (digits_only && byte >= '0' && byte <= '9') byte = "0123456789-.e"[random.below(13)];
         }
       }
       const bool is_mtl = std::string_view(name) == "s.mtl";
