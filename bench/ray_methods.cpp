@@ -178,14 +178,14 @@ void time_rays(const char* name, Simulation& simulation, const std::vector<glm::
   simulation.sensor_pose("FRONT_SCANNER", world_from_sensor);
   std::vector<RayHit> hits(directions.size());
   std::vector<float> single_m(directions.size()), packets_m(directions.size());
-  RayCaster caster;
-  caster.set_world(simulation.draw_list());
+  const std::unique_ptr<RayCaster> caster = make_host_ray_caster();
+  caster->set_world(simulation.draw_list());
   const RTCDevice device = rtcNewDevice(nullptr);
   const RTCScene flat = flat_scene(device, simulation.draw_list(), rigid_inverse(world_from_sensor));
   std::vector<double> times_ms[3];
   for (int r = 0; r < repetitions; ++r) {
     auto start = Clock::now();
-    caster.cast(world_from_sensor, directions, hits);
+    caster->cast(world_from_sensor, directions, hits);
     times_ms[0].push_back(since(start));
     start = Clock::now();
     cast_singly(flat, directions, single_m);

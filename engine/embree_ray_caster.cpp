@@ -225,57 +225,58 @@ void cast_all(SensorView& view, std::span<const glm::dvec3> directions, std::spa
   }
 }
 
-}  // namespace
+class EmbreeRayCaster : public RayCaster {
+ public:
+  void set_world(const DrawList& list) override { world_ = &list; }
+  void cast(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions,
+            std::span<RayHit> hits) override;
+  RayCounters counters() const override;
 
-struct RayCaster::Impl {
-  const DrawList* world = nullptr;
-  std::optional<ItemTree> tree;   // from the first cast on
-  std::vector<SensorView> views;  // of each thread
-  std::uint64_t casts = 0, rays = 0;
+ private:
+  const DrawList* world_ = nullptr;
+  std::optional<ItemTree> tree_;   // from the first cast on
+  std::vector<SensorView> views_;  // of each thread
+  std::uint64_t casts_ = 0, rays_ = 0;
 };
 
-bool RayCaster::available() { return true; }
-RayCaster::RayCaster() = default;
-RayCaster::~RayCaster() = default;
-
-void RayCaster::set_world(const DrawList& list) {
-  if (impl_ == nullptr) impl_ = std::make_unique<Impl>();
-  impl_->world = &list;
-}
-
-void RayCaster::cast(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions,
-                     std::span<RayHit> hits) {
-  SIMVIS_ASSERT(impl_ != nullptr && hits.size() == directions.size());
-  if (!impl_->tree) impl_->tree.emplace(on_item, on_triangle);
-  impl_->tree->update(*impl_->world, glm::dvec3(world_from_sensor[3]));
-  ++impl_->casts;
+void EmbreeRayCaster::cast(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions,
+                           std::span<RayHit> hits) {
+  SIMVIS_ASSERT(world_ != nullptr && hits.size() == directions.size());
+  if (!tree_) tree_.emplace(on_item, on_triangle);
+  tree_->update(*world_, glm::dvec3(world_from_sensor[3]));
+  ++casts_;
   const std::size_t threads = thread_count(directions.size());
-  if (impl_->views.size() < threads) impl_->views.resize(threads);
-  for (SensorView& view : impl_->views) {
-    view.list = impl_->world;
-    view.tree = &*impl_->tree;
+  if (views_.size() < threads) views_.resize(threads);
+  for (SensorView& view : views_) {
+    view.list = world_;
+    view.tree = &*tree_;
     view.world_from_sensor = world_from_sensor;
-    view.cast = impl_->casts;
-    view.seen.resize(impl_->tree->items().size());
+    view.cast = casts_;
+    view.seen.resize(tree_->items().size());
   }
   const std::size_t share = (directions.size() + threads - 1) / threads;
   const auto cast_share = [&](std::size_t thread) {
     const std::size_t first = std::min(thread * share, directions.size());
     const std::size_t count = std::min(share, directions.size() - first);
-    cast_all(impl_->views[thread], directions.subspan(first, count), hits.subspan(first, count));
+    cast_all(views_[thread], directions.subspan(first, count), hits.subspan(first, count));
   };
   std::vector<std::jthread> others;
   for (std::size_t thread = 1; thread < threads; ++thread) others.emplace_back(cast_share, thread);
   cast_share(0);
   others.clear();  // waits for them
-  impl_->rays += directions.size();
+  rays_ += directions.size();
 }
 
-RayCounters RayCaster::counters() const {
-  if (impl_ == nullptr || !impl_->tree) return {};
-  RayCounters counters = impl_->tree->counters();
-  counters.rays = impl_->rays;
+RayCounters EmbreeRayCaster::counters() const {
+  if (!tree_) return {};
+  RayCounters counters = tree_->counters();
+  counters.rays = rays_;
   return counters;
 }
+
+}  // namespace
+
+bool has_host_ray_caster() { return true; }
+std::unique_ptr<RayCaster> make_host_ray_caster() { return std::make_unique<EmbreeRayCaster>(); }
 
 }  // namespace simvis

@@ -63,27 +63,25 @@ struct RayCounters {
 /// Threading  one thread at a time; cast() itself uses all cores for many rays, and gives the same on any number.
 class RayCaster {
  public:
-  /// Whether this build has a ray caster at all. Without one nothing but this may be called.
-  static bool available();
-
-  RayCaster();
-  ~RayCaster();
+  RayCaster() = default;
+  virtual ~RayCaster() = default;
   RayCaster(const RayCaster&) = delete;
   RayCaster& operator=(const RayCaster&) = delete;
 
   /// What is cast into from now on. The list must stay as it is until the last cast() into it. Costs nothing: trees
   /// are made at the next cast(), for meshes that have none yet (told apart by identity), and over items if one moved.
-  void set_world(const DrawList& list);
+  virtual void set_world(const DrawList& list) = 0;
 
   /// Casts from the sensor's origin. `world_from_sensor` is rigid; directions are unit vectors in the sensor frame;
   /// hits[i] belongs to directions[i].
-  void cast(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions, std::span<RayHit> hits);
+  virtual void cast(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions,
+                    std::span<RayHit> hits) = 0;
 
-  RayCounters counters() const;
-
- private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  virtual RayCounters counters() const = 0;
 };
+
+/// Embree on the host's cores. Null in a build without Embree.
+std::unique_ptr<RayCaster> make_host_ray_caster();
+bool has_host_ray_caster();
 
 }  // namespace simvis

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <vector>
 
 #include "engine/device.h"
@@ -20,10 +21,10 @@ struct ViewLayer {
 
   Flattener flattener;
   Renderer renderer;
-  RayCaster caster;              ///< costs nothing until a sensor casts
-  const DrawList* list;          ///< as of the last flattening
-  FramePlan plan;                ///< of this frame
-  std::vector<std::size_t> due;  ///< the sensors that measure in this frame, by index
+  std::unique_ptr<RayCaster> caster = make_host_ray_caster();  ///< costs nothing until a sensor casts
+  const DrawList* list;                                        ///< as of the last flattening
+  FramePlan plan;                                              ///< of this frame
+  std::vector<std::size_t> due;                                ///< the sensors that measure in this frame, by index
 };
 
 }  // namespace simvis

@@ -36,7 +36,7 @@ constexpr int kFewer = 8;
 constexpr int kFewer = 1;
 #endif
 
-const bool kAbsent = !RayCaster::available();
+const bool kAbsent = !has_host_ray_caster();
 const std::filesystem::path kMarvin = std::filesystem::path(SIMVIS_SOURCE_DIR) / "scenes/marvin/marvin.xml";
 constexpr const char* kScanners[] = {"FRONT_SCANNER", "REAR_SCANNER", "TILT_SCANNER"};
 
@@ -88,12 +88,12 @@ void check_cast(const ScanComparison& comparison) {
 
 void scan_once(const DrawList& list, const glm::dmat4& world_from_sensor, LaserScanner& scanner) {
   FramePlan plan;
-  RayCaster caster;
-  caster.set_world(list);
+  const std::unique_ptr<RayCaster> caster = make_host_ray_caster();
+  caster->set_world(list);
   scanner.plan(world_from_sensor, list, plan);
   CHECK(plan.passes.empty());
   scanner.collect({}, plan, {});
-  scanner.cast(caster);
+  scanner.cast(*caster);
 }
 
 }  // namespace
@@ -262,8 +262,8 @@ TEST_CASE("holes: the rasteriser and the ray caster let the same beams pass" * d
 
   Device device;
   Renderer renderer(device);
-  RayCaster caster;
-  caster.set_world(list);
+  const std::unique_ptr<RayCaster> caster = make_host_ray_caster();
+  caster->set_world(list);
   LaserScannerDesc desc;
   desc.pattern = {.samples = 1501, .min_azimuth_rad = -0.6, .max_azimuth_rad = 0.6};
   int met = 0, passed = 0, uncertain = 0;
@@ -278,7 +278,7 @@ TEST_CASE("holes: the rasteriser and the ray caster let the same beams pass" * d
     LaserScanner cast("C", desc);
     cast.plan(pose, list, plan);
     cast.collect({}, plan, {});
-    cast.cast(caster);
+    cast.cast(*caster);
     for (std::size_t beam = 0; beam < cast.scan()->range_m.size(); ++beam) {
       const double range = cast.scan()->range_m[beam];
       uncertain += std::isinf(rendered.scan()->error_bound_m[beam]);

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kHalfUlp = 0x1p-24;  // of a float32, relative
-const bool kAbsent = !RayCaster::available();
+const bool kAbsent = !has_host_ray_caster();
 
 }  // namespace
 

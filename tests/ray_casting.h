@@ -34,9 +34,9 @@ inline glm::dmat4 random_pose(std::mt19937& random, double reach_m) {
 inline std::vector<RayHit> cast(const DrawList& list, const glm::dmat4& world_from_sensor,
                                 const std::vector<glm::dvec3>& directions) {
   std::vector<RayHit> hits(directions.size());
-  RayCaster caster;
-  caster.set_world(list);
-  caster.cast(world_from_sensor, directions, hits);
+  const std::unique_ptr<RayCaster> caster = make_host_ray_caster();
+  caster->set_world(list);
+  caster->cast(world_from_sensor, directions, hits);
   return hits;
 }
 
