@@ -30,6 +30,7 @@
 #include <limits>
 #include <memory>
 #include <span>
+#include <string_view>
 
 #include "engine/draw_list.h"
 
@@ -55,9 +56,9 @@ struct RayCounters {
   bool operator==(const RayCounters&) const = default;
 };
 
-/// Triangles are met from either side, lines and points not at all. Of a `mask` material those points are met where
-/// alpha (base colour x vertex colour x texture, largest level) reaches the cutoff, of a `blend` material one half.
-/// What lies beyond 10^18 m is not met.
+/// Triangles are met from either side, lines and points not at all. Of a material those points are met which a depth
+/// sensor sees (see Material), by alpha (base colour x vertex colour x texture, largest level). What lies beyond
+/// 10^18 m is not met.
 ///
 /// Errors   MachineError where memory runs out.
 /// Threading  one thread at a time; cast() itself uses all cores for many rays, and gives the same on any number.
@@ -78,6 +79,9 @@ class RayCaster {
                     std::span<RayHit> hits) = 0;
 
   virtual RayCounters counters() const = 0;
+
+  /// Who casts, for people.
+  virtual std::string_view engine() const = 0;
 };
 
 /// Embree on the host's cores. Null in a build without Embree.
