@@ -98,9 +98,8 @@ std::uint32_t Builder::divide(std::uint32_t first, std::uint32_t count, std::uin
   const Split split = best_split(things);
   if (count <= most_in_leaf_ && !(split.cost + kNodeCost * area < count * area)) return 0;
   if (split.cost < std::numeric_limits<double>::infinity()) {
-    const auto border = std::partition(things.begin(), things.end(), [&](std::uint32_t thing) {
-      return bin_of(thing, split.axis) <= split.bin;
-    });
+    const auto border = std::partition(things.begin(), things.end(),
+                                       [&](std::uint32_t thing) { return bin_of(thing, split.axis) <= split.bin; });
     const auto left = static_cast<std::uint32_t>(border - things.begin());
     // Dividing by halves from here on must still end above the deepest level.
     const auto halvings = static_cast<std::uint32_t>(std::bit_width(std::max(left, count - left) - 1));

@@ -30,8 +30,7 @@ void RayView::try_triangle(const ShearedRay& ray, std::uint32_t placed, std::uin
                            const std::array<glm::dvec3, 3>& corners, NearestHit& nearest) const {
   TriangleHit hit;
   if (!intersect(ray, corners, hit) || hit.range_m > nearest.range_m) return;
-  if (hit.range_m == nearest.range_m &&
-      std::pair(nearest.placed, nearest.primitive) < std::pair(placed, primitive)) {
+  if (hit.range_m == nearest.range_m && std::pair(nearest.placed, nearest.primitive) < std::pair(placed, primitive)) {
     return;
   }
   const PlacedItem& item = items_->items()[placed];

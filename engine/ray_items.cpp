@@ -110,8 +110,8 @@ SeenItem see(const PlacedItem& item, const glm::dmat4& world_from_sensor) {
   const glm::dmat3 inverse = glm::inverse(seen.placement.linear);
   seen.unit_from_sensor = inverse / radius;
   seen.units_per_m = frobenius(seen.unit_from_sensor) / std::sqrt(3.0);
-  seen.one_by_one = item.mesh->triangles() <= RayMesh::kFew ||
-                    is_thin(seen.placement.linear, inverse, radius, reach_m + distance_m);
+  seen.one_by_one =
+      item.mesh->triangles() <= RayMesh::kFew || is_thin(seen.placement.linear, inverse, radius, reach_m + distance_m);
   return seen;
 }
 
