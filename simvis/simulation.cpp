@@ -148,6 +148,7 @@ void Simulation::Impl::plan_due_sensors(ViewLayer& layer, bool visualization, co
     sensor.sensor->plan(states[i].world_from_sensor, *layer.list, layer.plan);
     layer.due.push_back(i);
   }
+  for (RayCast& cast : layer.plan.casts) cast.engine = layer.caster->engine();
 }
 
 void Simulation::Impl::collect(ViewLayer& layer, const FrameTime& time, std::span<const PassResult> results) {
