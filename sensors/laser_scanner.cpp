@@ -110,11 +110,6 @@ std::unique_ptr<Sensor> create(const SensorContext& context) {
   desc.range_min_m = a.number("range_min");
   desc.range_max_m = a.number("range_max");
   desc.method = method_named(a.choice("method"));
-  if (casts(desc.method) && !has_host_ray_caster()) {
-    fail_at(a.where("method"), "attribute \"method\": \"" + a.choice("method") +
-                                   "\" needs Embree, without which this SimVis was built, expected \"nearest\" or "
-                                   "\"planar\"");
-  }
   desc.max_error_rel = a.number("max_error_rel");
   if (a.is_set("resolution")) desc.resolution_px = a.number("resolution");
 
