@@ -36,7 +36,7 @@ Table& table() {
 std::string cell(const HardResult& result, std::size_t beams) {
   char text[64];
   if (result.wrong_kind == 0) {
-    std::snprintf(text, sizeof text, "%-19.2g", result.worst_error_rel);
+    std::snprintf(text, sizeof text, "%.2g", result.worst_error_rel);
   } else {
     std::snprintf(text, sizeof text, "%.2g (%zu of %zu)", result.worst_error_rel, result.wrong_kind, beams);
   }
@@ -109,11 +109,8 @@ HardResults measure(const HardCase& hard) {
                             measure(hard, ScanMethod::hybrid), measure(hard, ScanMethod::raycast)};
   const std::size_t beams = results.raycast.scan.range_m.size();
   REQUIRE(beams > 0);
-  char line[256];
-  std::snprintf(line, sizeof line, "%-64s | %s | %s | %s | %s", hard.name.c_str(), cell(results.nearest, beams).c_str(),
-                cell(results.planar, beams).c_str(), cell(results.hybrid, beams).c_str(),
-                cell(results.raycast, beams).c_str());
-  table().add(line);
+  add_line(hard.name, {cell(results.nearest, beams), cell(results.planar, beams), cell(results.hybrid, beams),
+                       cell(results.raycast, beams)});
 
   if (!hard.narrow) {
     CHECK(results.nearest.violations == 0);
@@ -128,6 +125,26 @@ HardResults measure(const HardCase& hard) {
   CHECK(results.raycast.uncertain == 0);
   CHECK(results.raycast.worst_error_rel <= kCastError + hard.truth_error_rel);
   return results;
+}
+
+void measure_raster(const HardCase& hard, double resolution_px) {
+  HardCase coarse = hard;
+  coarse.scanner.resolution_px = resolution_px;
+  const HardResult nearest = measure(coarse, ScanMethod::nearest), planar = measure(coarse, ScanMethod::planar);
+  char name[128];
+  std::snprintf(name, sizeof name, "  the same with %g pixels across 90 degrees", resolution_px);
+  const std::size_t beams = nearest.scan.range_m.size();
+  add_line(name, {cell(nearest, beams), cell(planar, beams), "", ""});
+  if (hard.narrow) return;
+  CHECK(nearest.violations == 0);
+  CHECK(planar.violations == 0);
+}
+
+void add_line(const std::string& name, const std::array<std::string, 4>& cells) {
+  char line[256];
+  std::snprintf(line, sizeof line, "%-64s | %-19s | %-19s | %-19s | %-19s", name.c_str(), cells[0].c_str(),
+                cells[1].c_str(), cells[2].c_str(), cells[3].c_str());
+  table().add(line);
 }
 
 void add_line(const std::string& name, const std::string& outcome) {

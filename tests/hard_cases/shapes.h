@@ -1,0 +1,76 @@
+// Flat pieces with their closed form: what the scenes of hard cases are put together from.
+//
+// A piece's numbers are float32 and chosen so that its corners are exact; then the mesh that is measured and the truth
+// that it is held against are the same surface.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <glm/glm.hpp>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "engine/assert.h"
+#include "tests/hard_cases/hard_case.h"
+#include "tests/random_room.h"
+
+namespace simvis {
+
+/// A parallelogram: corner + s side_a + t side_b with s and t from 0 to 1, in metres.
+struct Patch {
+  glm::vec3 corner{0}, side_a{0}, side_b{0};
+};
+
+/// Two triangles, split between the ends of side_a and side_b.
+inline Mesh mesh_of(const Patch& patch) {
+  const glm::dvec3 c(patch.corner), a(patch.side_a), b(patch.side_b);
+  Mesh mesh;
+  for (const glm::dvec3& p : {c, c + a, c + a + b, c + b}) {
+    mesh.positions.push_back(p);
+    SIMVIS_ASSERT(glm::dvec3(mesh.positions.back()) == p);  // exact in float32
+  }
+  mesh.indices = {0, 1, 3, 1, 2, 3};
+  return mesh;
+}
+
+/// A rectangle on the ground, z = 0, from -half_m to half_m in x and y.
+inline Patch ground(float half_m) { return {{-half_m, -half_m, 0}, {2 * half_m, 0, 0}, {0, 2 * half_m, 0}}; }
+
+/// The range of a ray at which it meets the patch's plane; negative or not finite where it does not.
+inline double plane_range(const Patch& patch, const glm::dvec3& origin, const glm::dvec3& direction) {
+  const glm::dvec3 normal = glm::cross(glm::dvec3(patch.side_a), glm::dvec3(patch.side_b));
+  return glm::dot(normal, glm::dvec3(patch.corner) - origin) / glm::dot(normal, direction);
+}
+
+/// The range of a ray at which it meets the patch, its borders included; +infinity where it does not. Borders are as
+/// wide as rounding makes them, so that patches side by side leave no gap.
+inline double patch_range(const Patch& patch, const glm::dvec3& origin, const glm::dvec3& direction) {
+  constexpr double kNone = std::numeric_limits<double>::infinity(), kBorder = 1e-12;
+  const double range = plane_range(patch, origin, direction);
+  if (!(range > 0) || !std::isfinite(range)) return kNone;
+  const glm::dvec3 a(patch.side_a), b(patch.side_b), normal = glm::cross(a, b);
+  const glm::dvec3 from_corner = origin + range * direction - glm::dvec3(patch.corner);
+  const double s = glm::dot(glm::cross(from_corner, b), normal) / glm::dot(normal, normal);
+  const double t = glm::dot(glm::cross(a, from_corner), normal) / glm::dot(normal, normal);
+  return std::min(s, t) >= -kBorder && std::max(s, t) <= 1 + kBorder ? range : kNone;
+}
+
+/// A world of patches (in world coordinates), seen from a pose. The closed form is the nearest patch in the beam's way.
+inline HardCase patch_case(std::string name, const std::vector<Patch>& patches,
+                           const glm::dmat4& world_from_sensor = glm::dmat4(1.0)) {
+  HardCase hard{.name = std::move(name), .world_from_sensor = world_from_sensor};
+  for (const Patch& patch : patches) add_item(hard.world, mesh_of(patch), glm::dmat4(1.0));
+  hard.truth = [patches, world_from_sensor](const glm::dvec3& direction) {
+    double range = std::numeric_limits<double>::infinity();
+    for (const Patch& patch : patches) {
+      range = std::min(range,
+                       patch_range(patch, glm::dvec3(world_from_sensor[3]), glm::dmat3(world_from_sensor) * direction));
+    }
+    return range;
+  };
+  return hard;
+}
+
+}  // namespace simvis
