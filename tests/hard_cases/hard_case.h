@@ -9,6 +9,7 @@
 #include <functional>
 #include <glm/glm.hpp>
 #include <string>
+#include <vector>
 
 #include "engine/draw_list.h"
 #include "sensors/laser_scanner.h"
@@ -56,6 +57,9 @@ inline constexpr double kCastError = 1e-6;
 ///   - hybrid: every range within kHybridError, and where not `narrow` no wrong hit or miss.
 /// Both allow truth_error_rel besides. The results are for what a case checks beyond that.
 HardResults measure(const HardCase& hard);
+
+/// Several scans in one line: the worst error of all and the sum of wrong hits and misses; each is checked as above.
+std::vector<HardResults> measure_together(const std::string& name, const std::vector<HardCase>& parts);
 
 /// One scan of the case by one method, without checks.
 HardResult measure(const HardCase& hard, ScanMethod method);

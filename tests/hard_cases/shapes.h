@@ -38,6 +38,28 @@ inline Mesh mesh_of(const Patch& patch) {
 /// A rectangle on the ground, z = 0, from -half_m to half_m in x and y.
 inline Patch ground(float half_m) { return {{-half_m, -half_m, 0}, {2 * half_m, 0, 0}, {0, 2 * half_m, 0}}; }
 
+/// Four triangles around the origin, none of them square to anything or as far as another: in each direction, each side
+/// of each border and each pixel another range. Corners are exact in float32.
+inline Mesh skew_room() {
+  Mesh mesh;
+  mesh.positions = {{7, 1, -2}, {-3, 6, -2.5f}, {-4, -5, -3}, {0.5f, 0.25f, 6}};
+  mesh.indices = {0, 1, 2, 0, 1, 3, 1, 2, 3, 2, 0, 3};
+  return mesh;
+}
+
+/// What a beam from inside a convex closed mesh meets: the nearest of its planes ahead. Sensor at `origin`.
+inline double convex_range(const Mesh& mesh, const glm::dvec3& origin, const glm::dvec3& direction) {
+  double range = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
+    const glm::dvec3 a(mesh.positions[mesh.indices[i]]), b(mesh.positions[mesh.indices[i + 1]]),
+        c(mesh.positions[mesh.indices[i + 2]]);
+    const glm::dvec3 normal = glm::cross(b - a, c - a);
+    const double t = glm::dot(normal, a - origin) / glm::dot(normal, direction);
+    if (t > 0) range = std::min(range, t);
+  }
+  return range;
+}
+
 /// The range of a ray at which it meets the patch's plane; negative or not finite where it does not.
 inline double plane_range(const Patch& patch, const glm::dvec3& origin, const glm::dvec3& direction) {
   const glm::dvec3 normal = glm::cross(glm::dvec3(patch.side_a), glm::dvec3(patch.side_b));
