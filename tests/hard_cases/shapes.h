@@ -79,12 +79,9 @@ inline double patch_range(const Patch& patch, const glm::dvec3& origin, const gl
   return std::min(s, t) >= -kBorder && std::max(s, t) <= 1 + kBorder ? range : kNone;
 }
 
-/// A world of patches (in world coordinates), seen from a pose. The closed form is the nearest patch in the beam's way.
-inline HardCase patch_case(std::string name, const std::vector<Patch>& patches,
-                           const glm::dmat4& world_from_sensor = glm::dmat4(1.0)) {
-  HardCase hard{.name = std::move(name), .world_from_sensor = world_from_sensor};
-  for (const Patch& patch : patches) add_item(hard.world, mesh_of(patch), glm::dmat4(1.0));
-  hard.truth = [patches, world_from_sensor](const glm::dvec3& direction) {
+/// What a beam from this pose meets of patches in world coordinates: the nearest one in its way.
+inline ClosedForm nearest_of(const std::vector<Patch>& patches, const glm::dmat4& world_from_sensor) {
+  return [patches, world_from_sensor](const glm::dvec3& direction) {
     double range = std::numeric_limits<double>::infinity();
     for (const Patch& patch : patches) {
       range = std::min(range,
@@ -92,6 +89,37 @@ inline HardCase patch_case(std::string name, const std::vector<Patch>& patches,
     }
     return range;
   };
+}
+
+/// A world of patches, each an item of its own, seen from a pose.
+inline HardCase patch_case(std::string name, const std::vector<Patch>& patches,
+                           const glm::dmat4& world_from_sensor = glm::dmat4(1.0)) {
+  HardCase hard{.name = std::move(name), .world_from_sensor = world_from_sensor};
+  for (const Patch& patch : patches) add_item(hard.world, mesh_of(patch), glm::dmat4(1.0));
+  hard.truth = nearest_of(patches, world_from_sensor);
+  return hard;
+}
+
+/// Patches as one mesh, in which corners at the same place are one vertex.
+inline Mesh welded(const std::vector<Patch>& patches) {
+  Mesh mesh;
+  for (const Patch& patch : patches) {
+    const Mesh piece = mesh_of(patch);
+    for (const std::uint32_t index : piece.indices) {
+      const auto same = std::ranges::find(mesh.positions, piece.positions[index]);
+      mesh.indices.push_back(static_cast<std::uint32_t>(same - mesh.positions.begin()));
+      if (same == mesh.positions.end()) mesh.positions.push_back(piece.positions[index]);
+    }
+  }
+  return mesh;
+}
+
+/// The same world with the patches welded.
+inline HardCase welded_case(std::string name, const std::vector<Patch>& patches,
+                            const glm::dmat4& world_from_sensor = glm::dmat4(1.0)) {
+  HardCase hard{.name = std::move(name), .world_from_sensor = world_from_sensor};
+  add_item(hard.world, welded(patches), glm::dmat4(1.0));
+  hard.truth = nearest_of(patches, world_from_sensor);
   return hard;
 }
 
