@@ -186,7 +186,7 @@ void LaserScanner::plan_views(const glm::dmat4& sensor_from_world, const DrawLis
     view.height_px = face.height_px;
     view.sees_back_faces = true;
     view.sees_lines_and_points = false;
-    places_.push_back(place_in_depth_atlas(plan, std::move(view)));
+    places_.push_back(place_in_depth_atlas(plan, name_, std::move(view)));
   }
 }
 
