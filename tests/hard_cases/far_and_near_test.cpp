@@ -60,7 +60,8 @@ std::vector<const HardResult*> all_of(const HardResults& r) { return {&r.nearest
 // Scene and scanner moved together. Sums of whole sixteenths are exact in double up to 2^48 m, so that the scene is the
 // same to the bit wherever it stands, and so is the truth.
 TEST_CASE("offsets of 10^3 to 10^7 m") {
-  const glm::dvec3 kRoomHalf_m(5, 4, 1.5), kCaseHalf_m(0.25, 0.5, 0.75), kCase_m(2.0625, 0.4375, -0.25);
+  const glm::dvec3 kRoomHalf_m(5, 4, 1.5), kCaseHalf_m(0.25, 0.5, 0.75), kCase_m(2.0625, 0.4375, -0.25),
+      kSensor_m(0.3125, -0.6875, 0.125);
   const glm::dmat4 turned = matrix_from_degrees({0, 0, 0}, 3, -5, 77);
   const glm::dmat3 world_from_sensor_axes(turned);
   std::vector<float> home;
@@ -69,11 +70,12 @@ TEST_CASE("offsets of 10^3 to 10^7 m") {
     HardCase hard{.name = "a room, " + std::to_string(static_cast<long>(offset_m)) + " m from the world's origin"};
     add_item(hard.world, box_mesh(kRoomHalf_m), at(offset));
     add_item(hard.world, box_mesh(kCaseHalf_m), at(offset + kCase_m));
-    hard.world_from_sensor = at(offset) * turned;
+    hard.world_from_sensor = at(offset + kSensor_m) * turned;
     hard.scanner.pattern = all_around();
     hard.truth = [=](const glm::dvec3& d) {
       const glm::dvec3 world = world_from_sensor_axes * d;
-      return std::min(range_to_box_at(world, {0, 0, 0}, kRoomHalf_m), range_to_box_at(world, kCase_m, kCaseHalf_m));
+      return std::min(range_to_box_at(world, -kSensor_m, kRoomHalf_m),
+                      range_to_box_at(world, kCase_m - kSensor_m, kCaseHalf_m));
     };
     const HardResults results = measure(hard);
     if (home.empty()) home = results.raycast.scan.range_m;
