@@ -13,7 +13,7 @@ constexpr std::uint32_t kMaxHeight = 4096;
 }  // namespace
 
 AtlasPlace place_in_depth_atlas(FramePlan& plan, const std::string& sensor, View view) {
-  const std::string name = "depth of " + sensor;
+  const std::string name = sensor + ".depth";  // no sensor's name, and so no camera's pass, holds a point
   auto pass = std::ranges::find_if(
       plan.passes, [&](const Pass& p) { return p.name == name && p.height_px + view.height_px <= kMaxHeight; });
   if (pass == plan.passes.end()) {
