@@ -20,13 +20,12 @@ namespace {
 
 // Sanitizers make each beam some thirty times slower.
 #ifdef __SANITIZE_ADDRESS__
-constexpr std::size_t kFewer = 100;
+constexpr std::size_t kFewer = 100, kBeamsOfAPlace = 5'000;
 #else
-constexpr std::size_t kFewer = 1;
+constexpr std::size_t kFewer = 1, kBeamsOfAPlace = 50'000;
 #endif
 
 constexpr std::size_t kBeams = 10'000'000 / kFewer;
-constexpr std::size_t kBeamsOfAPlace = 50'000;
 constexpr double kPi = std::numbers::pi;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 const bool kAbsent = !has_host_ray_caster();
