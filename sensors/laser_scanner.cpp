@@ -181,7 +181,7 @@ void LaserScanner::plan_views(const glm::dmat4& sensor_from_world, const DrawLis
     view.height_px = face.height_px;
     view.sees_back_faces = true;
     view.sees_lines_and_points = false;
-    places_.push_back(place_in_depth_atlas(plan, std::move(view)));
+    places_.push_back(place_in_depth_atlas(plan, name_, std::move(view)));
   }
 }
 
@@ -233,7 +233,7 @@ void LaserScanner::cast(RayCaster& rays) {
 // the bound says how far that would be.
 void LaserScanner::take(std::size_t beam, double range_m, double error_bound_m) {
   const double low = range_m - error_bound_m, high = range_m + error_bound_m;
-  float reading = static_cast<float>(range_m);
+  float reading = range_m < desc_.range_min_m ? 0 : static_cast<float>(range_m);
   double bound = error_bound_m + std::abs(static_cast<double>(reading) - range_m);
   if (range_m > desc_.range_max_m) {
     reading = kInfinity;
@@ -241,7 +241,6 @@ void LaserScanner::take(std::size_t beam, double range_m, double error_bound_m) 
   } else if (high > desc_.range_max_m) {
     bound = kInfinity;
   } else if (range_m < desc_.range_min_m) {
-    reading = 0;
     bound = high < desc_.range_min_m ? 0 : high;
   } else if (low < desc_.range_min_m) {
     bound = std::max(bound, static_cast<double>(reading));
