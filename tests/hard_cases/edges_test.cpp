@@ -143,6 +143,41 @@ TEST_CASE("beams beside a silhouette never lie between the two surfaces") {
   CHECK(wrong[3] == 0);
 }
 
+TEST_CASE("beams beside the border of a plate before nothing") {
+  const std::vector<Patch> plate{{{4, 0.5f, -4}, {1, -8, 0}, {0, 0, 8}}};
+  std::vector<HardCase> cases;
+  for (const double roll_deg : {0.0, 25.0}) {
+    HardCase hard =
+        patch_case("plate", plate, matrix_from_degrees({0, 0, 0}, roll_deg, 0, std::atan2(0.5, 4) * 180 / kPi));
+    for (const bool rings : {false, true}) {
+      hard.scanner.pattern = beams_around(0, 0, 6, rings);
+      cases.push_back(hard);
+    }
+  }
+  for (const HardResults& results : measure_together("beams beside a silhouette before nothing", cases)) {
+    CHECK(results.planar.uncertain > 0);
+  }
+}
+
+TEST_CASE("a wall that curves, in range, across a limit along the ray") {
+  // Square to the scanner at 20 m; a third of the beams meet it within 0.1 mm, on either side of a limit.
+  constexpr double kWall_m = 20, kLimit_m = kWall_m + 1e-4;
+  std::vector<HardCase> cases;
+  for (const bool is_min : {true, false}) {
+    for (const std::uint32_t rings : {1u, 8u}) {
+      HardCase hard = patch_case("wall", {{{kWall_m, -2, -2}, {0, 4, 0}, {0, 0, 4}}});
+      hard.scanner.pattern = {.samples = kBeams - 1,
+                              .rings = rings,
+                              .min_azimuth_rad = -0.01,
+                              .max_azimuth_rad = 0.01,
+                              .max_elevation_rad = rings > 1 ? 1e-3 : 0.0};
+      (is_min ? hard.scanner.range_min_m : hard.scanner.range_max_m) = kLimit_m;
+      cases.push_back(hard);
+    }
+  }
+  measure_together("wall 0.1 mm before and beyond range_min and range_max", cases);
+}
+
 TEST_CASE("beams exactly on edges and vertices that triangles of one flat wall share") {
   // Four patches around a vertex straight ahead; a level ring runs along their border from end to end.
   const glm::vec3 middle{4, 0, 0}, left{1, 8, 0}, up{0.5f, 0, 6};
@@ -395,7 +430,7 @@ TEST_CASE("from which width on planar sees a pole, and is certain of it") {
     CHECK(least_certain_px == 3);
     std::ostringstream name, outcome;
     name << "pole 8 m away, " << resolution_px << " pixels across 90 degrees";
-    outcome.precision(2);
+    outcome.precision(3);
     outcome << "planar sees it from " << 1000 * least_seen_px * pixel << " mm, is certain from "
             << 1000 * least_certain_px * pixel << " mm; raycast sees any";
     add_line(name.str(), outcome.str());

@@ -1,7 +1,9 @@
 // Surfaces that beams meet at the flattest angles.
 #include <doctest/doctest.h>
 
-#include <glm/gtc/matrix_transform.hpp>
+#include <cmath>
+#include <cstdio>
+#include <functional>
 #include <limits>
 #include <numbers>
 
@@ -128,48 +130,66 @@ TEST_CASE("incidences of 89.9, 89.99 and 89.999 degrees") {
   }
 }
 
-TEST_CASE("a tilted and rolled scanner over flat ground: a straight line stays straight, nothing goes below") {
-  constexpr double kHeight_m = 1.5;
-  const glm::dmat4 world_from_sensor = pose({100, -50, kHeight_m}, 4, 3, 30);
-  HardCase hard = patch_case("tilted and rolled ring over flat ground", {ground(512)}, world_from_sensor);
-  hard.scanner.pattern = {.samples = kBeams, .min_azimuth_rad = -kPi / 2, .max_azimuth_rad = kPi / 2};
-  const HardResults results = measure(hard);
-  measure_raster(hard, kCoarse_px);
+namespace {
 
-  // The scan plane cuts the ground in a line. A point that a beam reports lies in the scan plane; its distance from the
-  // line is its height over the ground over the sine of the planes' angle, and its height is the error of its range
-  // times the beam's slope.
-  const glm::dmat3 turn(world_from_sensor);
-  const double sine = std::hypot(turn[2].x, turn[2].y);
-  const auto farthest_from_line = [&](const HardResult& result, double share_of_range) {
-    double farthest_m = 0;
-    for (std::uint32_t beam = 0; beam < result.scan.columns; ++beam) {
-      const double range = result.scan.range_m[beam], a = result.scan.azimuth_rad[beam];
-      if (!std::isfinite(range)) continue;
-      const glm::dvec3 direction = turn * glm::dvec3(std::cos(a), std::sin(a), 0);
-      const double height_m = kHeight_m + range * direction.z;
-      // The bound of a range is a bound of how far its point lies above or below; kRounding is double's, of this test.
-      constexpr double kRounding_m = 1e-12;
-      const double allowed_m = std::min<double>(result.scan.error_bound_m[beam], share_of_range * range) * -direction.z;
-      REQUIRE(direction.z < 0);
-      CHECK(height_m >= -allowed_m - kRounding_m);
-      CHECK(height_m <= allowed_m + kRounding_m);
-      farthest_m = std::max(farthest_m, std::abs(height_m) / sine);
-    }
-    return farthest_m;
-  };
-  const auto metres = [](double value) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.2g m", value);
-    return std::string(text);
-  };
-  hard.scanner.resolution_px = kCoarse_px;
-  add_line(
-      "  its points' largest distance from the straight line",
-      {metres(farthest_from_line(results.nearest, kInfinity)), metres(farthest_from_line(results.planar, kInfinity)),
-       metres(farthest_from_line(results.hybrid, kHybridError)),
-       metres(farthest_from_line(results.raycast, kCastError))});
-  add_line("  the same with 512 pixels across 90 degrees",
-           {metres(farthest_from_line(measure(hard, ScanMethod::nearest), kInfinity)),
-            metres(farthest_from_line(measure(hard, ScanMethod::planar), kInfinity)), "", ""});
+constexpr double kGround_m = 1.5;  // height of the tilted scanners over the ground
+
+/// The largest height of a scan's points above or below the ground that they lie on, in metres. Each is checked: a
+/// point is off by no more than its range, whose error is at most its bound and this share of the range, times its
+/// beam's slope. So nothing lies deeper below the ground than that either.
+double farthest_from_ground(const glm::dmat4& world_from_sensor, const Scan& scan, double share_of_range) {
+  constexpr double kRounding_m = 1e-12;  // of this function's own numbers, some hundred metres in double
+  double farthest_m = 0;
+  for (std::size_t index = 0; index < scan.range_m.size(); ++index) {
+    const double range = scan.range_m[index];
+    const double a = scan.azimuth_rad[index % scan.columns], e = scan.elevation_rad[index / scan.columns];
+    const glm::dvec3 direction =
+        glm::dmat3(world_from_sensor) * glm::dvec3(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e));
+    if (!std::isfinite(range)) continue;
+    const double height_m = kGround_m + range * direction.z;
+    const double bound_m = std::min<double>(scan.error_bound_m[index], share_of_range * range);
+    CHECK(std::abs(height_m) <= bound_m * std::abs(direction.z) + kRounding_m);
+    farthest_m = std::max(farthest_m, std::abs(height_m));
+  }
+  return farthest_m;
+}
+
+std::string metres(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2g m", value);
+  return text;
+}
+
+}  // namespace
+
+TEST_CASE("tilted and rolled scanners over flat ground: a straight line stays straight, nothing goes below") {
+  const glm::dmat4 world_from_sensor = pose({100, -50, kGround_m}, 4, 3, 30);
+  HardCase ring = patch_case("tilted and rolled ring over flat ground", {ground(512)}, world_from_sensor);
+  ring.scanner.pattern = {.samples = kBeams, .min_azimuth_rad = -kPi / 2, .max_azimuth_rad = kPi / 2};
+  HardCase lidar = ring;
+  lidar.name = "tilted and rolled lidar over flat ground";
+  lidar.scanner.pattern = {.samples = kBeams / 5,
+                           .rings = 16,
+                           .min_azimuth_rad = -kPi,
+                           .max_azimuth_rad = kPi,
+                           .min_elevation_rad = -0.26,
+                           .max_elevation_rad = 0.26};
+  for (HardCase& hard : {std::ref(ring), std::ref(lidar)}) {
+    const HardResults results = measure(hard);
+    // All points of a ring lie in its scan plane, whatever their ranges; so how far they are from the straight line
+    // that it cuts out of the ground is their height over the sine of the angle between the two.
+    const glm::dvec3 up = glm::dmat3(world_from_sensor)[2];
+    const double scale = hard.scanner.pattern.rings == 1 ? std::hypot(up.x, up.y) : 1;
+    const auto cell = [&](const Scan& scan, double share) {
+      return metres(farthest_from_ground(world_from_sensor, scan, share) / scale);
+    };
+    add_line(hard.scanner.pattern.rings == 1 ? "  its points' largest distance from a straight line"
+                                             : "  its points' largest height above or below the ground",
+             {cell(results.nearest.scan, kInfinity), cell(results.planar.scan, kInfinity),
+              cell(results.hybrid.scan, kHybridError), cell(results.raycast.scan, kCastError)});
+    hard.scanner.resolution_px = kCoarse_px;
+    add_line("  the same with 512 pixels across 90 degrees",
+             {cell(measure(hard, ScanMethod::nearest).scan, kInfinity),
+              cell(measure(hard, ScanMethod::planar).scan, kInfinity), "", ""});
+  }
 }
