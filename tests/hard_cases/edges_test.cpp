@@ -313,12 +313,13 @@ TEST_CASE("beams exactly on the border at a T-junction, from turned sensors") {
           glm::normalize(sensor_from_world * (direction + glm::dvec3(0, 0, i % 2 ? 1 : -1) * kBeside_rad)));
     }
     beams += kPerPose;
+    const RayEngine engine{make_ray_caster(ray_device())};
     for (const bool shares_vertex : {false, true}) {
       DrawList world;
       add_item(world, welded(Junction{}.patches(shares_vertex)), glm::dmat4(1.0));
       const auto passes = [&](const std::vector<glm::dvec3>& directions) {
         // The border is at most 11 m away from the sensor, the wall behind at least 11.5 m ahead in x.
-        return static_cast<std::size_t>(std::ranges::count_if(cast(world, world_from_sensor, directions),
+        return static_cast<std::size_t>(std::ranges::count_if(engine.cast(world, world_from_sensor, directions),
                                                               [](const RayHit& hit) { return hit.range_m > 11; }));
       };
       passed[shares_vertex] += passes(on);

@@ -63,7 +63,7 @@ std::string cell(const std::vector<HardResults>& all, HardResult HardResults::*m
 struct Machine {
   Device device;
   Renderer renderer{device};
-  std::unique_ptr<RayCaster> caster = make_host_ray_caster();
+  std::unique_ptr<RayCaster> caster = make_ray_caster(device);
 };
 
 Machine& machine() {
