@@ -82,11 +82,9 @@ class Pricing {
  public:
   Pricing(Simulation simulation, const PriceDesc& desc)
       : simulation_(std::move(simulation)), desc_(desc), clock_(desc.rate_hz) {
-    for (const SensorInfo& sensor : simulation_.sensors()) {
-      simulation_.enable(sensor.name, false);
-      if (sensor.enabled && sensor.type == "laser_scanner") add(sensor.name);
-    }
-    if (scanners_.empty()) throw InputError("the scene has no laser scanner to price");
+    const std::vector<std::string> names = scanners_to_price(simulation_);
+    for (const SensorInfo& sensor : simulation_.sensors()) simulation_.enable(sensor.name, false);
+    for (const std::string& name : names) add(name);
   }
 
   std::vector<ScannerPrice> run() {
@@ -109,14 +107,14 @@ class Pricing {
       scanner.prices.push_back({.variant = variant, .in_scene = variant == own});
     }
     scanner.tallies.resize(scanner.prices.size());
-    all_frames_ += 2 * (desc_.warm_up + std::uint64_t{desc_.frames}) * scanner.sensors.size();
+    all_frames_ += 2 * (desc_.warm_up + desc_.frames) * scanner.sensors.size();
     scanners_.push_back(std::move(scanner));
   }
 
   ScannerPrice price(PricedScanner& scanner) {
-    for (std::uint32_t turn = 0; turn < desc_.warm_up; ++turn) measure(scanner, 1, turn);
+    for (std::uint64_t turn = 0; turn < desc_.warm_up; ++turn) measure(scanner, 1, turn);
     for (Tally& tally : scanner.tallies) tally = {};
-    for (std::uint32_t frame = 1; frame <= desc_.frames; ++frame) {
+    for (std::uint64_t frame = 1; frame <= desc_.frames; ++frame) {
       measure(scanner, frame, frame);
       for (std::size_t i = 0; i < scanner.sensors.size(); ++i) judge(scanner, i);
     }
@@ -135,7 +133,7 @@ class Pricing {
   }
 
   /// All variants measure `frame`, each after it has measured the frame before.
-  void measure(PricedScanner& scanner, std::uint32_t frame, std::uint32_t turn) {
+  void measure(PricedScanner& scanner, std::uint64_t frame, std::uint64_t turn) {
     const std::size_t count = scanner.sensors.size();
     for (std::size_t i = 0; i < count; ++i) {
       const std::size_t variant = (i + turn) % count;  // none is always first
@@ -150,7 +148,7 @@ class Pricing {
     }
   }
 
-  double step(std::uint32_t frame) {
+  double step(std::uint64_t frame) {
     if (desc_.trajectory != nullptr) {
       desc_.trajectory->apply(static_cast<double>(clock_.frame(frame).time_ns) / 1e9, simulation_.parameters());
     }
@@ -215,6 +213,15 @@ std::optional<std::size_t> cheapest_for(const ScannerPrice& price, double tolera
     if (!found || each.bound_largest_rel < price.variants[*found].bound_largest_rel) found = i;
   }
   return found;
+}
+
+std::vector<std::string> scanners_to_price(const Simulation& simulation) {
+  std::vector<std::string> names;
+  for (const SensorInfo& sensor : simulation.sensors()) {
+    if (sensor.enabled && sensor.type == "laser_scanner") names.push_back(sensor.name);
+  }
+  if (names.empty()) throw InputError("no laser scanner is there to price");
+  return names;
 }
 
 std::vector<ScannerPrice> price_scanners(Simulation simulation, const PriceDesc& desc) {
