@@ -213,11 +213,8 @@ void LaserScanner::collect(const FrameTime&, const FramePlan& plan, std::span<co
     if (desc_.method == ScanMethod::nearest) {
       estimate = nearest_range(pixels[tap.face], tap, layout_.faces[tap.face], estimate);
     }
-    if (desc_.method == ScanMethod::hybrid && !(estimate.error_bound_m <= desc_.max_error_rel * estimate.range_m)) {
-      beams_.push_back(static_cast<std::uint32_t>(beam));
-    } else {
-      take(beam, estimate.range_m, estimate.error_bound_m);
-    }
+    take(beam, estimate.range_m, estimate.error_bound_m);
+    if (desc_.method == ScanMethod::hybrid && !is_good_enough(beam)) beams_.push_back(static_cast<std::uint32_t>(beam));
   }
 }
 
@@ -253,6 +250,12 @@ void LaserScanner::take(std::size_t beam, double range_m, double error_bound_m) 
   }
   scan_.range_m[beam] = reading;
   scan_.error_bound_m[beam] = bound == 0 ? 0.0f : std::nextafter(static_cast<float>(bound), kInfinity);
+}
+
+// Judges what is reported: rounding it to float and limits of range that lie within the bound have made that larger.
+bool LaserScanner::is_good_enough(std::size_t beam) const {
+  const double range_m = scan_.range_m[beam], bound_m = scan_.error_bound_m[beam];
+  return std::isfinite(bound_m) && bound_m <= desc_.max_error_rel * range_m;
 }
 
 void LaserScanner::write(OutputSink& sink) const {
