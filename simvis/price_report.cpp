@@ -110,9 +110,10 @@ std::string to_table(const ScannerPrice& price) {
 std::string price_legend() {
   return "ms: the median frame in which only that scanner measures; ratio: of that to the cheapest; cast: beams for "
          "which a ray was cast.\n"
-         "bound: what a range says of its own error; error: how far it was from raycast. m: metres; rel: share of the "
-         "range.\n"
-         "wrong kind: beams that hit, miss or meet something too near where raycast does not. *: as the scene has it.\n"
+         "bound: what a range says of its own error, where it has one; it speaks of surfaces at least three pixels "
+         "wide.\n"
+         "error: how far a range was from raycast. m: metres; rel: share of the range. *: as the scene has it.\n"
+         "wrong kind: beams that hit, miss or meet something too near where raycast says another of these.\n"
          "cheapest for: the least dear whose bound and error are within that share of the range for every beam.\n";
 }
 
