@@ -27,7 +27,7 @@ namespace simvis {
 
 struct PriceDesc {
   std::uint64_t frames = 15;  ///< that each variant is timed in: 1 to `frames` of a run; at least 1
-  std::uint64_t warm_up = 2;  ///< turns at frame 1 before that
+  std::uint64_t warm_up = 1;  ///< turns at frame 1 before that
   double rate_hz = 15;        ///< of frames along the trajectory
   const Trajectory* trajectory = nullptr;
   /// Called after every frame; what it throws ends the pricing.
