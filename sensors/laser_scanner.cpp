@@ -127,19 +127,6 @@ std::unique_ptr<Sensor> create(const SensorContext& context) {
   return std::make_unique<LaserScanner>(context.name, desc);
 }
 
-const SensorRegistration kRegistration({"laser_scanner",
-                                        "A laser scanner: ranges along beams, each with an error bound.", kAttributes,
-                                        create});
-
-// Whether a rendered range will do for `hybrid`: its bound is small enough, and does not reach across a limit along the
-// ray, where it would leave open of which kind the reading is.
-bool is_certain(const RangeEstimate& estimate, const LaserScannerDesc& desc) {
-  if (std::isinf(estimate.error_bound_m)) return false;
-  const double low = estimate.range_m - estimate.error_bound_m, high = estimate.range_m + estimate.error_bound_m;
-  return estimate.error_bound_m <= desc.max_error_rel * estimate.range_m &&
-         !(low < desc.range_min_m && high >= desc.range_min_m) && !(low <= desc.range_max_m && high > desc.range_max_m);
-}
-
 double resolution_of(const LaserScannerDesc& desc) {
   if (desc.resolution_px > 0) return desc.resolution_px;
   return desc.pattern.rings == 1 ? kPlanarResolution : kRingsResolution;
@@ -217,11 +204,8 @@ void LaserScanner::collect(const FrameTime&, const FramePlan& plan, std::span<co
     if (desc_.method == ScanMethod::nearest) {
       estimate = nearest_range(pixels[tap.face], tap, layout_.faces[tap.face], estimate);
     }
-    if (desc_.method == ScanMethod::hybrid && !is_certain(estimate, desc_)) {
-      beams_.push_back(static_cast<std::uint32_t>(beam));
-    } else {
-      take(beam, estimate.range_m, estimate.error_bound_m);
-    }
+    take(beam, estimate.range_m, estimate.error_bound_m);
+    if (desc_.method == ScanMethod::hybrid && !is_good_enough(beam)) beams_.push_back(static_cast<std::uint32_t>(beam));
   }
 }
 
@@ -256,6 +240,12 @@ void LaserScanner::take(std::size_t beam, double range_m, double error_bound_m) 
   }
   scan_.range_m[beam] = reading;
   scan_.error_bound_m[beam] = bound == 0 ? 0.0f : std::nextafter(static_cast<float>(bound), kInfinity);
+}
+
+// Judges what is reported: rounding it to float and limits of range that lie within the bound have made that larger.
+bool LaserScanner::is_good_enough(std::size_t beam) const {
+  const double range_m = scan_.range_m[beam], bound_m = scan_.error_bound_m[beam];
+  return std::isfinite(bound_m) && bound_m <= desc_.max_error_rel * range_m;
 }
 
 void LaserScanner::write(OutputSink& sink) const {

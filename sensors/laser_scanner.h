@@ -50,6 +50,7 @@ class LaserScanner : public Sensor {
  private:
   void plan_views(const glm::dmat4& sensor_from_world, const DrawList& list, FramePlan& plan);
   void take(std::size_t beam, double range_m, double error_bound_m);
+  bool is_good_enough(std::size_t beam) const;
 
   std::string name_;
   LaserScannerDesc desc_;

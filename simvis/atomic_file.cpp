@@ -53,6 +53,12 @@ void AtomicFile::commit() {
   temporary_.clear();
 }
 
+void make_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw MachineError(folder.string() + ": error: the folder cannot be made: " + error.message());
+}
+
 void write_file(const std::filesystem::path& path, std::string_view bytes) {
   AtomicFile file(path);
   file.write(bytes);

@@ -31,6 +31,9 @@ class AtomicFile {
   int descriptor_ = -1;
 };
 
+/// Makes a folder, and those above it, where they are missing. Throws MachineError as AtomicFile does.
+void make_folder(const std::filesystem::path& folder);
+
 /// The whole of a small file at once.
 void write_file(const std::filesystem::path& path, std::string_view bytes);
 

@@ -21,6 +21,9 @@ class LiveScene {
   /// All or nothing: when it throws InputError, with the place, the scene is as it was.
   void execute(std::span<const Command> commands);
 
+  /// See Simulation::add_variant().
+  void add_variant(std::size_t sensor, const Command& command) { builder_.add_variant(sensor, command); }
+
   BuiltScene built;
 
  private:

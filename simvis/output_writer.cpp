@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <optional>
-#include <system_error>
 
 #include "engine/assert.h"
 #include "engine/error.h"
@@ -14,12 +13,6 @@
 namespace simvis {
 
 namespace {
-
-void make_folder(const std::filesystem::path& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) throw MachineError(folder.string() + ": error: the folder cannot be made: " + error.message());
-}
 
 /// Parts that stand twice in a scene give their sensors names like LEFT_ARM/CAM: folders in folders, but never a way
 /// out of the run's folder.

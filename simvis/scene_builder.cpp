@@ -88,9 +88,10 @@ SceneBuilder::SceneBuilder(BuiltScene& built, std::span<const AttributeOverride>
   }
 }
 
-void SceneBuilder::execute(std::span<const Command> commands) {
+template <typename Action>
+void SceneBuilder::all_or_nothing(const Action& action) {
   try {
-    run(commands);
+    action();
     check_awaited();
   } catch (...) {
     built_.scene.undo().roll_back();
@@ -99,6 +100,23 @@ void SceneBuilder::execute(std::span<const Command> commands) {
     throw;
   }
   built_.scene.undo().commit();
+}
+
+void SceneBuilder::execute(std::span<const Command> commands) {
+  all_or_nothing([&] { run(commands); });
+}
+
+void SceneBuilder::add_variant(std::size_t sensor, const Command& command) {
+  all_or_nothing([&] {
+    BuiltSensor variant = make_sensor(command);
+    const BuiltSensor& of = built_.sensors[sensor];
+    // What people see and what sensors see are two worlds, and a mount stands in one of them.
+    if (variant.type != of.type || variant.sensor->visualization() != of.sensor->visualization()) {
+      fail_at(command.where, "a variant of sensor " + in_quotes(of.name) + " is of another type or view than it");
+    }
+    variant.mount = of.mount;
+    take_sensor(std::move(variant));
+  });
 }
 
 void SceneBuilder::run(std::span<const Command> commands) {
@@ -306,36 +324,48 @@ Command SceneBuilder::overridden(Command command) const {
   return command;
 }
 
-void SceneBuilder::insert_sensor(const Command& command) {
+// All but its place.
+BuiltSensor SceneBuilder::make_sensor(const Command& command) {
   const CommandAttribute& type_name = command.require("type");
   const CommandAttribute& name = command.require("name");
-  command.require("insert_at");
   const SensorType* type = find_sensor_type(type_name.value);
   if (type == nullptr) fail_at(type_name.where, unknown_type("sensor", type_name.value, sensor_types()));
   const AttributeValues attributes(command, type->attributes, kSensorCommonAttributes);
   check_references(attributes, type->attributes);
-  const std::optional<glm::dmat4> offset = pose_offset(command);
   sensor_names_.claim(name);
   built_.scene.undo().add([this, key = name.value] { sensor_names_.release(key); });
   BuiltSensor sensor{
       .name = name.value,
       .type = type_name.value,
+      .command = command,
       .sensor = type->create({.command = command, .attributes = attributes, .name = name.value, .seed = seed_}),
-      .mount = std::make_shared<Mount>()};
+      .mount = nullptr};
   if (std::ranges::count(type->attributes, kRateAttribute.name, &AttributeSpec::name) == 1 &&
       attributes.is_set(kRateAttribute.name)) {
     sensor.sensor->rate_hz = attributes.number(kRateAttribute.name);
   }
-  sensor.mount->name = name.value;
+  return sensor;
+}
+
+void SceneBuilder::take_sensor(BuiltSensor sensor) {
+  built_.sensors.push_back(std::move(sensor));
+  built_.scene.undo().add([this] { built_.sensors.pop_back(); });
+}
+
+void SceneBuilder::insert_sensor(const Command& command) {
+  for (const char* attribute : {"type", "name", "insert_at"}) command.require(attribute);
+  BuiltSensor sensor = make_sensor(command);
+  const std::optional<glm::dmat4> offset = pose_offset(command);
+  sensor.mount = std::make_shared<Mount>();
+  sensor.mount->name = sensor.name;
   // What looks on for people leaves no trace in what sensors see.
   const GroupPtr separator = sensor.sensor->visualization() ? GroupPtr(std::make_shared<VisualSeparator>())
                                                             : GroupPtr(std::make_shared<Separator>());
-  separator->name = name.value;
+  separator->name = sensor.name;
   if (offset) separator->add(std::make_shared<Transform>(*offset));
   separator->add(sensor.mount);
   built_.scene.insert(command, separator);
-  built_.sensors.push_back(std::move(sensor));
-  built_.scene.undo().add([this] { built_.sensors.pop_back(); });
+  take_sensor(std::move(sensor));
   log_change(command);
 }
 

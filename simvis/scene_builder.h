@@ -22,6 +22,7 @@ namespace simvis {
 /// A sensor and the place in the graph that gives its pose.
 struct BuiltSensor {
   std::string name, type;
+  Command command;  ///< as executed: with overrides, and names as its part has given them
   std::unique_ptr<Sensor> sensor;
   std::shared_ptr<Mount> mount;
 };
@@ -50,12 +51,17 @@ class SceneBuilder {
   /// All or nothing: when it throws InputError, with the place, the scene is as it was.
   void execute(std::span<const Command> commands);
 
+  /// See Simulation::add_variant(). All or nothing.
+  void add_variant(std::size_t sensor, const Command& command);
+
  private:
   // What a carried command or one of the scene's own waits for: a sensor of this name that gives scans.
   struct Awaited {
     std::string sensor;
     Location where;
   };
+  template <typename Action>
+  void all_or_nothing(const Action& action);
   void run(std::span<const Command> commands);
   void execute_one(const Command& command);
   void check_order(const Command& command, std::span<const Command> later) const;
@@ -68,6 +74,8 @@ class SceneBuilder {
   void insert_part(const Command& command);
   void insert_element(const Command& command);
   void insert_sensor(const Command& command);
+  BuiltSensor make_sensor(const Command& command);
+  void take_sensor(BuiltSensor sensor);
   Command overridden(Command command) const;
   Element* find_element(std::string_view name) const;
 

@@ -219,6 +219,13 @@ void Simulation::execute(std::string_view xml, const std::filesystem::path& fold
   impl_->take_new_sensors();
 }
 
+const Command& Simulation::command(std::string_view sensor) const { return impl_->sensor(sensor).command; }
+
+void Simulation::add_variant(std::string_view sensor, const Command& command) {
+  impl_->scene.add_variant(impl_->index(sensor), command);
+  impl_->take_new_sensors();
+}
+
 void Simulation::enable(std::string_view sensor, bool on) { impl_->states[impl_->index(sensor)].enabled = on; }
 
 void Simulation::step() { impl_->step(); }

@@ -13,6 +13,7 @@
 #include "engine/device.h"
 #include "engine/error.h"
 #include "engine/renderer.h"
+#include "scenegraph/command.h"
 #include "scenegraph/scan.h"
 #include "sensors/image.h"
 #include "sensors/sensor.h"
@@ -77,6 +78,15 @@ class Simulation {
   /// Relative file names start at `folder`, and `name` stands for the text in messages. All or nothing: when it throws
   /// InputError, with the place, the scene is as it was. The text is logged in parameters().change_requests().
   void execute(std::string_view xml, const std::filesystem::path& folder = ".", const std::string& name = "<string>");
+
+  /// The command that made a sensor, as it was executed: with overrides, and with its names and insertion point as the
+  /// part that carries it has given them. Throws InputError when there is no such sensor.
+  const Command& command(std::string_view sensor) const;
+
+  /// Adds a sensor that stands where `sensor` does, whatever moves that one, and measures as `command` says; overrides
+  /// do not touch it. To see one thing by several methods: `command` is that of `sensor` with another name and other
+  /// attributes (type and view stay; insert_at and pose_offset play no part). All or nothing, as execute().
+  void add_variant(std::string_view sensor, const Command& command);
 
   /// Turns a sensor on or off.
   void enable(std::string_view sensor, bool on);

@@ -20,6 +20,8 @@
 #include "simvis/explain.h"
 #include "simvis/output_writer.h"
 #include "simvis/plugin.h"
+#include "simvis/price.h"
+#include "simvis/price_report.h"
 #include "simvis/progress_bar.h"
 #include "simvis/run_report.h"
 #include "simvis/simulation.h"
@@ -36,6 +38,7 @@ struct Options {
   std::uint64_t frames = 1, seed = 0;
   double rate_hz = 15;
   bool list_devices = false, explain = false, quiet = false;
+  bool price = false, names_out = false;
 };
 
 /// CLI11 would take -3 for 2^64 - 3, and the largest number for what is larger.
@@ -77,6 +80,14 @@ void declare_options(CLI::App& app, Options& options) {
       ->type_name("FILE.json");
   app.add_flag("--explain", options.explain, "print what the first frame renders, why, and what it cost");
   app.add_flag("--quiet", options.quiet, "print errors only");
+  app.add_flag("--price", options.price,
+               "print what each method of each laser scanner costs and is worth in this scene; --frames of each (" +
+                   std::to_string(PriceDesc().frames) +
+                   "), along the trajectory if there is one; also as DIR/price.csv "
+                   "where --out is given")
+      ->excludes("--method")
+      ->excludes("--profile")
+      ->excludes("--explain");
   app.add_option("--describe", options.describe, "print the attributes of an element or sensor type, and exit")
       ->type_name("TYPE");
   app.add_flag("--list-devices", options.list_devices, "print the Vulkan devices of this machine, and exit");
@@ -157,6 +168,7 @@ void set_parameter(Simulation& simulation, const std::string& assignment) {
 }
 
 Simulation load(const Options& options) {
+  if (options.scene.empty()) throw InputError("SCENE.xml is missing; --help says more");
   in_option("--frames", [&] {
     if (options.frames == 0) throw InputError("0 frames, expected 1 or more");
   });
@@ -175,6 +187,11 @@ Simulation load(const Options& options) {
     }
   }
   return simulation;
+}
+
+std::optional<Trajectory> read_trajectory(const Options& options, const Simulation& simulation) {
+  if (options.trajectory.empty()) return std::nullopt;
+  return Trajectory(options.trajectory, simulation.parameters());
 }
 
 std::int64_t now_ns() {
@@ -224,14 +241,15 @@ void print_closing(const Options& options, const OutputWriter& writer, const Run
   std::cout << (std::filesystem::path(options.out) / "run.json").string() << '\n' << speed_line(report) << '\n';
 }
 
+void print_warnings(const Options& options, const Simulation& simulation) {
+  if (options.quiet) return;
+  for (const std::string& warning : simulation.warnings()) std::cerr << "warning: " << warning << '\n';
+}
+
 void run_scene(const Options& options, std::int64_t start_ns) {
-  if (options.scene.empty()) throw InputError("SCENE.xml is missing; --help says more");
   Simulation simulation = load(options);
-  if (!options.quiet) {
-    for (const std::string& warning : simulation.warnings()) std::cerr << "warning: " << warning << '\n';
-  }
-  std::optional<Trajectory> trajectory;
-  if (!options.trajectory.empty()) trajectory.emplace(options.trajectory, simulation.parameters());
+  print_warnings(options, simulation);
+  const std::optional<Trajectory> trajectory = read_trajectory(options, simulation);
   std::vector<std::string> writing;
   for (const SensorInfo& sensor : simulation.sensors()) {
     if (sensor.enabled) writing.push_back(sensor.name);
@@ -258,6 +276,53 @@ void run_scene(const Options& options, std::int64_t start_ns) {
   if (!options.quiet) print_closing(options, writer, report);
 }
 
+/// Cameras have no price list, so naming one is a mistake.
+void check_priced(const Options& options, const Simulation& simulation) {
+  for (const SensorInfo& sensor : simulation.sensors()) {
+    if (options.sensors.empty() || !sensor.enabled || sensor.type == "laser_scanner") continue;
+    throw InputError("--sensor " + sensor.name + ": --price lists laser scanners, and this is a " + sensor.type);
+  }
+  in_option("--price", [&] { scanners_to_price(simulation); });
+}
+
+void price_scene(const Options& options) {
+  if (options.quiet && !options.names_out) {
+    throw InputError("--price: --quiet leaves nothing to print, expected --out DIR with it");
+  }
+  Simulation simulation = load(options);
+  check_priced(options, simulation);
+  print_warnings(options, simulation);
+  const std::optional<Trajectory> trajectory = read_trajectory(options, simulation);
+  const std::string device = simulation.device().name;
+  handle_signals();
+  std::optional<AtomicFile> csv;
+  std::optional<ProgressBar> progress;
+  const bool terminal = ::isatty(STDERR_FILENO) == 1;
+  PriceDesc desc{.frames = options.frames, .rate_hz = options.rate_hz};
+  if (trajectory) desc.trajectory = &*trajectory;
+  desc.on_frame = [&, start = std::chrono::steady_clock::now()](std::uint64_t done, std::uint64_t all) {
+    stop_if_asked_to();
+    if (!progress) progress.emplace(std::cerr, terminal && !options.quiet, all, start);
+    progress->update(done, std::chrono::steady_clock::now());
+  };
+  if (options.names_out) {
+    make_folder(options.out);
+    csv.emplace(std::filesystem::path(options.out) / "price.csv");
+  }
+  const std::vector<ScannerPrice> prices = price_scanners(std::move(simulation), desc);
+  progress.reset();
+  if (csv) {
+    csv->write(to_csv(prices));
+    csv->commit();
+  }
+  if (options.quiet) return;
+  std::cout << "on " << device << (trajectory ? "" : "; the scene stands still: --trajectory prices what moves")
+            << "\n\n";
+  for (const ScannerPrice& price : prices) std::cout << to_table(price) << '\n';
+  std::cout << price_legend();
+  if (csv) std::cout << "wrote " << csv->path().string() << '\n';
+}
+
 int main_or_throw(int argc, char** argv) {
   const std::int64_t start_ns = now_ns();
   Options options;
@@ -275,6 +340,10 @@ int main_or_throw(int argc, char** argv) {
     print_devices();
   } else if (!options.describe.empty()) {
     print_description(options.describe);
+  } else if (options.price) {
+    options.names_out = app.count("--out") > 0;
+    if (app.count("--frames") == 0) options.frames = PriceDesc().frames;
+    price_scene(options);
   } else {
     run_scene(options, start_ns);
   }
