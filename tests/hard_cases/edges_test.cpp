@@ -22,9 +22,9 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kPlanarPixel_rad = 2 / kPlanarResolution, kRingsPixel_rad = 2 / kRingsResolution;
 
 #ifdef __SANITIZE_ADDRESS__
-constexpr std::uint32_t kBeams = 41;
+constexpr std::uint32_t kBeams = 101, kRingBeams = 25;
 #else
-constexpr std::uint32_t kBeams = 401;
+constexpr std::uint32_t kBeams = 401, kRingBeams = 50;
 #endif
 
 glm::dvec3 direction_of(double azimuth_rad, double elevation_rad) {
@@ -97,7 +97,7 @@ ScanPattern beams_around(double azimuth_rad, double elevation_rad, double pixels
   ScanPattern pattern{
       .samples = kBeams, .min_azimuth_rad = azimuth_rad - reach, .max_azimuth_rad = azimuth_rad + reach};
   if (rings) {
-    pattern.samples = pattern.rings = kBeams / 8;
+    pattern.samples = pattern.rings = kRingBeams;
     pattern.min_elevation_rad = elevation_rad - reach;
     pattern.max_elevation_rad = elevation_rad + reach;
   }
