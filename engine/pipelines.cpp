@@ -1,11 +1,11 @@
 #include "engine/pipelines.h"
 
+#include <bit>
 #include <cstddef>
 #include <span>
 #include <string>
 
 #include "engine/geometry_pool.h"
-#include "engine/render_pass.h"
 #include "engine/vulkan_check.h"
 #include "shaders/interop.h"
 #include "shaders/mesh_color.frag.h"
@@ -176,7 +176,7 @@ struct Constants {
 std::uint32_t PipelineKey::bits() const {
   std::uint32_t bits = static_cast<std::uint32_t>(topology) | static_cast<std::uint32_t>(surface) << 2;
   for (const bool flag : {color, depth_only, textured, unlit, glossy, cull_back, mirrored}) bits = bits << 1 | flag;
-  return bits << 16 | lights;
+  return (bits << 16 | lights) << 3 | static_cast<std::uint32_t>(std::countr_zero(samples));
 }
 
 Pipelines::Pipelines(Device::Impl& device)
@@ -211,9 +211,12 @@ Pipelines::Pipelines(Device::Impl& device)
   VkPipelineLayout layout = VK_NULL_HANDLE;
   vk_check(vkCreatePipelineLayout(device.device, &info, nullptr, &layout), "vkCreatePipelineLayout");
   layout_ = Handle<VkPipelineLayout>(device, layout, "mesh pipeline layout");
-  render_passes_[0][1] = make_render_pass(device, false, true);
-  render_passes_[1][0] = make_render_pass(device, true, false);
-  render_passes_[1][1] = make_render_pass(device, true, true);
+}
+
+VkRenderPass Pipelines::render_pass(const RenderPassKind& kind) {
+  const auto [place, added] = render_passes_.try_emplace(kind.bits());
+  if (!place->second) place->second = make_render_pass(device_, kind);
+  return place->second.get();
 }
 
 VkPipeline Pipelines::get(const PipelineKey& key) {
@@ -238,7 +241,7 @@ Pipelines::Program Pipelines::program(const PipelineKey& key, const VkSpecializa
   return {{stage(VK_SHADER_STAGE_VERTEX_BIT, depth_vert_.get())}, 1, vertex_input(kDepthInputs)};
 }
 
-Handle<VkPipeline> Pipelines::make(const PipelineKey& key) const {
+Handle<VkPipeline> Pipelines::make(const PipelineKey& key) {
   const Constants constants(key);
   const Program shaders = program(key, constants.info);
   VkPipelineInputAssemblyStateCreateInfo assembly{};
@@ -249,7 +252,7 @@ Handle<VkPipeline> Pipelines::make(const PipelineKey& key) const {
   viewport.viewportCount = viewport.scissorCount = 1;
   VkPipelineMultisampleStateCreateInfo multisample{};
   multisample.sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO;
-  multisample.rasterizationSamples = VK_SAMPLE_COUNT_1_BIT;
+  multisample.rasterizationSamples = static_cast<VkSampleCountFlagBits>(key.samples);
   const VkPipelineRasterizationStateCreateInfo raster = rasterization(key);
   const VkPipelineDepthStencilStateCreateInfo depth = depth_stencil(key);
   const VkPipelineColorBlendAttachmentState attachment = color_blend(key);
@@ -276,7 +279,7 @@ Handle<VkPipeline> Pipelines::make(const PipelineKey& key) const {
   info.pColorBlendState = &blend;
   info.pDynamicState = &dynamic;
   info.layout = layout_.get();
-  info.renderPass = render_pass(key.color, true);
+  info.renderPass = render_pass({.color = key.color, .samples = key.samples});
   VkPipeline pipeline = VK_NULL_HANDLE;
   vk_check(vkCreateGraphicsPipelines(device_.device, device_.pipeline_cache->get(), 1, &info, nullptr, &pipeline),
            "vkCreateGraphicsPipelines");
