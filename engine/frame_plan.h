@@ -40,11 +40,11 @@ struct View {
 struct Pass {
   std::string name;
   std::uint32_t width_px = 0, height_px = 0;
-  bool color = false;          ///< lit colour is wanted; false: no colour target exists and no light is evaluated
-  bool depth = false;          ///< depth is read back
-  std::vector<View> views{};   ///< rectangles do not overlap; in pixels, not samples
-  std::uint32_t grid = 1;      ///< 1, 2 or 4
-  std::uint32_t msaa = 1;      ///< one of the device's TargetLimits::msaa
+  bool color = false;         ///< lit colour is wanted; false: no colour target exists and no light is evaluated
+  bool depth = false;         ///< depth is read back
+  std::vector<View> views{};  ///< rectangles do not overlap; in pixels, not samples
+  std::uint32_t grid = 1;     ///< 1, 2 or 4
+  std::uint32_t msaa = 1;     ///< one of the device's TargetLimits::msaa
 
   std::uint32_t samples() const { return grid * grid * msaa; }  ///< of each pixel
 };

@@ -95,16 +95,15 @@ void record_pass(const FrameContext& frame, const Pass& pass, const RenderTarget
   VkClearValue clear[2]{};
   clear[0].depthStencil = {0, 0};
   clear[1].color = {{background.r, background.g, background.b, 1}};
-  const VkRenderPassBeginInfo info{.sType = VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO,
-                                   .pNext = nullptr,
-                                   .renderPass = frame.pipelines.render_pass({.color = pass.color,
-                                                                              .keep_depth = pass.depth,
-                                                                              .averaged = pass.samples() > 1,
-                                                                              .samples = pass.msaa}),
-                                   .framebuffer = target.framebuffer.get(),
-                                   .renderArea = {{0, 0}, {pass.grid * pass.width_px, pass.grid * pass.height_px}},
-                                   .clearValueCount = pass.color ? 2u : 1u,
-                                   .pClearValues = clear};
+  const VkRenderPassBeginInfo info{
+      .sType = VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO,
+      .pNext = nullptr,
+      .renderPass = frame.pipelines.render_pass(
+          {.color = pass.color, .keep_depth = pass.depth, .averaged = pass.samples() > 1, .samples = pass.msaa}),
+      .framebuffer = target.framebuffer.get(),
+      .renderArea = {{0, 0}, {pass.grid * pass.width_px, pass.grid * pass.height_px}},
+      .clearValueCount = pass.color ? 2u : 1u,
+      .pClearValues = clear};
   frame.device.begin_label(frame.commands, pass.name);
   vkCmdBeginRenderPass(frame.commands, &info, VK_SUBPASS_CONTENTS_INLINE);
   Bound bound;

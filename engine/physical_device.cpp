@@ -83,8 +83,8 @@ std::string why_unusable(VkPhysicalDevice device, const VkPhysicalDeviceProperti
 
 VkSampleCountFlags sample_counts(VkPhysicalDevice device, VkFormat format, VkImageUsageFlags usage) {
   VkImageFormatProperties properties{};
-  const VkResult result = vkGetPhysicalDeviceImageFormatProperties(
-      device, format, VK_IMAGE_TYPE_2D, VK_IMAGE_TILING_OPTIMAL, usage, 0, &properties);
+  const VkResult result = vkGetPhysicalDeviceImageFormatProperties(device, format, VK_IMAGE_TYPE_2D,
+                                                                   VK_IMAGE_TILING_OPTIMAL, usage, 0, &properties);
   return result == VK_SUCCESS ? properties.sampleCounts : VkSampleCountFlags{VK_SAMPLE_COUNT_1_BIT};
 }
 

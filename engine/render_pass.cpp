@@ -31,15 +31,16 @@ Handle<VkRenderPass> make_render_pass(Device::Impl& device, const RenderPassKind
   subpass.pColorAttachments = &color_reference;
   subpass.pDepthStencilAttachment = &depth_reference;
 
-  // Nothing runs before the pass that it must wait for: each frame is waited for. What comes after it waits for it.
+  // Nothing runs before the pass that it must wait for: each frame is waited for. The copies and
+  // averages after it are. The same for all passes: dependencies, too, make passes compatible.
   VkSubpassDependency used{};
   used.srcSubpass = 0;
   used.dstSubpass = VK_SUBPASS_EXTERNAL;
   used.srcStageMask = VK_PIPELINE_STAGE_LATE_FRAGMENT_TESTS_BIT | VK_PIPELINE_STAGE_EARLY_FRAGMENT_TESTS_BIT |
-                        VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT;
-  used.dstStageMask = kind.averaged ? VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT : VK_PIPELINE_STAGE_TRANSFER_BIT;
+                      VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT;
+  used.dstStageMask = VK_PIPELINE_STAGE_TRANSFER_BIT | VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT;
   used.srcAccessMask = VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT | VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT;
-  used.dstAccessMask = kind.averaged ? VK_ACCESS_SHADER_READ_BIT : VK_ACCESS_TRANSFER_READ_BIT;
+  used.dstAccessMask = VK_ACCESS_TRANSFER_READ_BIT | VK_ACCESS_SHADER_READ_BIT;
 
   VkRenderPassCreateInfo info{};
   info.sType = VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO;

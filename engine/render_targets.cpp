@@ -65,13 +65,13 @@ std::unique_ptr<RenderTarget> RenderTargets::make(const Pass& pass) const {
   target->msaa = pass.msaa;
   const bool averaged = pass.samples() > 1;
   const VkImageUsageFlags depth_copied = averaged ? 0 : VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
-  target->depth = make_image(pass, "/depth", kDepthFormat,
-                             VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | depth_copied, true);
+  target->depth =
+      make_image(pass, "/depth", kDepthFormat, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | depth_copied, true);
   if (averaged) {
     target->color_samples = make_image(pass, "/colour samples", kColorFormat,
                                        VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT, true);
-    target->color = make_image(pass, "/colour", kColorFormat,
-                               VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT, false);
+    target->color =
+        make_image(pass, "/colour", kColorFormat, VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT, false);
     target->average = average_.bind(target->color_samples, target->color);
   } else if (pass.color) {
     target->color = make_image(pass, "/colour", kColorFormat,

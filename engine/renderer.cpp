@@ -35,8 +35,9 @@ void check_pass(const Pass& pass, const TargetLimits& limits) {
   const std::uint32_t width = limits.width_px / pass.grid, height = limits.height_px / pass.grid;
   if (pass.width_px > width || pass.height_px > height) {
     throw InputError("pass \"" + pass.name + "\" has " + std::to_string(pass.width_px) + " x " +
-                     std::to_string(pass.height_px) + " pixels of " + std::to_string(pass.grid * pass.grid) +
-                     " samples; this device allows " + std::to_string(width) + " x " + std::to_string(height));
+                     std::to_string(pass.height_px) + " pixels" +
+                     (pass.grid > 1 ? " of " + std::to_string(pass.grid * pass.grid) + " samples" : "") +
+                     "; this device allows " + std::to_string(width) + " x " + std::to_string(height));
   }
   if (std::ranges::find(limits.msaa, pass.msaa) == limits.msaa.end()) {
     throw InputError("pass \"" + pass.name + "\" asks for msaa " + std::to_string(pass.msaa) +

@@ -96,9 +96,9 @@ VkPipeline SampleAverage::pipeline(const Pass& pass) {
   Handle<VkPipeline>& known = pipelines_[pass.grid << 8 | pass.msaa];
   if (known) return known.get();
   const bool multisampled = pass.msaa > 1;
-  const std::span<const std::uint32_t> words =
-      multisampled ? std::span<const std::uint32_t>(sample_average_multisampled_comp)
-                   : std::span<const std::uint32_t>(sample_average_comp);
+  const std::span<const std::uint32_t> words = multisampled
+                                                   ? std::span<const std::uint32_t>(sample_average_multisampled_comp)
+                                                   : std::span<const std::uint32_t>(sample_average_comp);
   const VkShaderModuleCreateInfo module_info{.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
                                              .pNext = nullptr,
                                              .flags = 0,
@@ -137,9 +137,8 @@ void SampleAverage::record(VkCommandBuffer commands, const Pass& pass, const Bin
   vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout_.get(), 0, 1, &binding.set, 0, nullptr);
   const auto groups = [](std::uint32_t pixels) { return (pixels + SIMVIS_AVERAGE_GROUP - 1) / SIMVIS_AVERAGE_GROUP; };
   vkCmdDispatch(commands, groups(pass.width_px), groups(pass.height_px), 1);
-  const VkImageMemoryBarrier readable =
-      barrier(mean, VK_IMAGE_LAYOUT_GENERAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_ACCESS_SHADER_WRITE_BIT,
-              VK_ACCESS_TRANSFER_READ_BIT);
+  const VkImageMemoryBarrier readable = barrier(mean, VK_IMAGE_LAYOUT_GENERAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+                                                VK_ACCESS_SHADER_WRITE_BIT, VK_ACCESS_TRANSFER_READ_BIT);
   vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT, 0, 0, nullptr, 0,
                        nullptr, 1, &readable);
 }

@@ -21,6 +21,9 @@ class LiveScene {
   /// All or nothing: when it throws InputError, with the place, the scene is as it was.
   void execute(std::span<const Command> commands);
 
+  /// From now on sensors must be within what this device can do; throws InputError for one that is not yet.
+  void require(const TargetLimits& limits) { builder_.require(limits); }
+
   BuiltScene built;
 
  private:

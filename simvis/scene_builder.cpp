@@ -101,6 +101,11 @@ void SceneBuilder::execute(std::span<const Command> commands) {
   built_.scene.undo().commit();
 }
 
+void SceneBuilder::require(const TargetLimits& limits) {
+  limits_ = limits;
+  for (const BuiltSensor& sensor : built_.sensors) sensor.sensor->check(limits);
+}
+
 void SceneBuilder::run(std::span<const Command> commands) {
   for (std::size_t i = 0; i < commands.size(); ++i) {
     check_order(commands[i], commands.subspan(i + 1));
@@ -322,6 +327,7 @@ void SceneBuilder::insert_sensor(const Command& command) {
       .type = type_name.value,
       .sensor = type->create({.command = command, .attributes = attributes, .name = name.value, .seed = seed_}),
       .mount = std::make_shared<Mount>()};
+  if (limits_) sensor.sensor->check(*limits_);
   if (std::ranges::count(type->attributes, kRateAttribute.name, &AttributeSpec::name) == 1 &&
       attributes.is_set(kRateAttribute.name)) {
     sensor.sensor->rate_hz = attributes.number(kRateAttribute.name);

@@ -83,6 +83,7 @@ Simulation::Impl::Impl(const SimulationDesc& desc, std::span<const Command> comm
       scene(desc.overrides, commands, desc.seed),
       device(desc.device),
       sensing(scene.built.scene.root(), Audience::sensors, device) {
+  scene.require(device.target_limits());
   take_new_sensors();
 }
 
