@@ -48,7 +48,7 @@ void Camera::check(const TargetLimits& limits) const {
   if (desc_.color) check_sampling(desc_.sampling, desc_.width_px, desc_.height_px, limits);
 }
 
-void Camera::plan(const glm::dmat4& world_from_sensor, const DrawList&, FramePlan& plan) {
+void Camera::plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) {
   View view;
   view.name = name_;
   view.pinhole = centred_pinhole(desc_.width_px, desc_.height_px, desc_.hfov_rad);
@@ -79,12 +79,24 @@ void Camera::plan(const glm::dmat4& world_from_sensor, const DrawList&, FramePla
                                         : "depth",
              "");
   }
+  if (desc_.depth) {
+    const Pass& pass = plan.passes[depth_pass_];
+    depth_view_ = depth_view(pass, pass.views[0], list);
+  }
 }
 
 void Camera::collect(const FrameTime&, const FramePlan& plan, std::span<const PassResult> results) {
   const Pass &color = plan.passes[color_pass_], &depth = plan.passes[depth_pass_];
   if (desc_.color) take_color(color, color.views[0], results[color_pass_], color_);
   if (desc_.depth) take_depth(depth, depth.views[0], results[depth_pass_], depth_);
+  bound_due_ = desc_.depth;
+}
+
+std::span<const NamedValue> Camera::values() const {
+  if (!desc_.depth) return {};
+  if (bound_due_) bound_.value = depth_error_bound(depth_, depth_view_);
+  bound_due_ = false;
+  return {&bound_, 1};
 }
 
 void Camera::write(OutputSink& sink) const { sink.picture("", color(), depth()); }

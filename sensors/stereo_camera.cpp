@@ -1,5 +1,6 @@
 #include "sensors/stereo_camera.h"
 
+#include <algorithm>
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "scenegraph/pose.h"
@@ -103,7 +104,7 @@ StereoCamera::Eyes StereoCamera::plan_eyes(const glm::dmat4& world_from_sensor, 
   return eyes;
 }
 
-void StereoCamera::plan(const glm::dmat4& world_from_sensor, const DrawList&, FramePlan& plan) {
+void StereoCamera::plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) {
   const bool depth = desc_.depth || desc_.disparity;
   const bool apart = desc_.color && depth && desc_.sampling.several();
   const Eyes first = plan_eyes(world_from_sensor, desc_.color, depth && !apart, "", plan);
@@ -112,6 +113,11 @@ void StereoCamera::plan(const glm::dmat4& world_from_sensor, const DrawList&, Fr
   left_.depth_at = second.left;
   right_.color_at = first.right;
   right_.depth_at = second.right;
+  if (!desc_.depth) return;
+  for (Eye* const eye : {&left_, &right_}) {
+    const Pass& pass = plan.passes[eye->depth_at.pass];
+    eye->depth_view = depth_view(pass, pass.views[eye->depth_at.view], list);
+  }
 }
 
 void StereoCamera::collect(const FrameTime&, const FramePlan& plan, std::span<const PassResult> results) {
@@ -121,6 +127,17 @@ void StereoCamera::collect(const FrameTime&, const FramePlan& plan, std::span<co
     if (desc_.depth) take_depth(depth, depth.views[eye->depth_at.view], results[eye->depth_at.pass], eye->depth);
   }
   if (desc_.disparity) collect_disparity(plan, results);
+  bound_due_ = desc_.depth;
+}
+
+std::span<const NamedValue> StereoCamera::values() const {
+  if (!desc_.depth) return {};
+  if (bound_due_) {
+    bound_.value =
+        std::max(depth_error_bound(left_.depth, left_.depth_view), depth_error_bound(right_.depth, right_.depth_view));
+  }
+  bound_due_ = false;
+  return {&bound_, 1};
 }
 
 // Reversed depth is d = near / Z, so the disparity is d times a constant.

@@ -10,12 +10,15 @@
 // Samples  as for a camera: colour may be a mean over the pixel, depth and disparity are those of its centre.
 // Names    color() and depth() are the left camera's. picture() knows "left" and "right" (colour), "left_depth" and
 //          "right_depth", and "disparity" (one channel).
+// Values   as for a camera, over the depth of both views.
 // Files    SENSOR_left and SENSOR_right hold pictures as a camera writes them, SENSOR_disparity EXR pictures with the
 //          one channel `disparity`; SENSOR_left.yaml and SENSOR_right.yaml hold the intrinsics (see camera_info.h).
 #pragma once
 
+#include <limits>
 #include <string>
 
+#include "sensors/depth_error_bound.h"
 #include "sensors/pinhole_view.h"
 #include "sensors/sensor.h"
 
@@ -40,6 +43,7 @@ class StereoCamera : public Sensor {
   const Image* color() const override { return desc_.color ? &left_.color : nullptr; }
   const Image* depth() const override { return desc_.depth ? &left_.depth : nullptr; }
   const Image* picture(std::string_view name) const override;
+  std::span<const NamedValue> values() const override;
   void write(OutputSink& sink) const override;
   std::string method() const override { return "rasterised"; }
 
@@ -50,6 +54,7 @@ class StereoCamera : public Sensor {
   struct Eye {
     Place color_at, depth_at;
     Image color, depth;
+    DepthView depth_view;
   };
   struct Eyes {
     Place left, right;
@@ -63,6 +68,8 @@ class StereoCamera : public Sensor {
   Pinhole pinhole_;
   Eye left_, right_;
   Image disparity_;
+  mutable bool bound_due_ = false;  // the value is older than the images
+  mutable NamedValue bound_{kDepthErrorBound, std::numeric_limits<double>::quiet_NaN()};
 };
 
 }  // namespace simvis
