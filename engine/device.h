@@ -25,7 +25,8 @@ std::vector<DeviceInfo> list_devices();
 /// What a device can render to.
 struct TargetLimits {
   std::uint32_t width_px = 0, height_px = 0;  ///< the largest target
-  std::vector<std::uint32_t> msaa;            ///< how many samples a pixel of colour may have, ascending from 1
+  std::vector<std::uint32_t>
+      msaa;  ///< how many samples a pixel of colour may have, ascending: 1, and 2, 4, 8 as it can
 };
 
 struct DeviceDesc {

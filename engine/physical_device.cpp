@@ -96,8 +96,8 @@ TargetLimits target_limits(VkPhysicalDevice device, const VkPhysicalDeviceLimits
   const VkSampleCountFlags counts =
       sample_counts(device, kColorFormat, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT) &
       sample_counts(device, kDepthFormat, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT);
-  // Each flag is its count; of more than 16 Vulkan does not say where they lie.
-  for (const std::uint32_t count : {2u, 4u, 8u, 16u}) {
+  // Each flag is its count.
+  for (const std::uint32_t count : {2u, 4u, 8u}) {
     if (counts & count) targets.msaa.push_back(count);
   }
   return targets;

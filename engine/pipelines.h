@@ -25,7 +25,7 @@ struct PipelineKey {
   std::uint16_t lights = 0;  ///< how many light it, up to SIMVIS_MAX_LIGHTS
   bool cull_back = false;
   bool mirrored = false;     ///< the transform turns the winding of triangles
-  std::uint8_t samples = 1;  ///< of each pixel of the pass's targets: 1, 2, 4, 8 or 16
+  std::uint8_t samples = 1;  ///< of each pixel of the pass's targets: 1, 2, 4 or 8
 
   bool blends() const { return surface == Surface::blended || surface == Surface::faded; }
   std::uint32_t bits() const;

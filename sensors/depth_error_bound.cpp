@@ -20,6 +20,9 @@ constexpr double kFloatUnit = 0x1p-24;
 // (4), the evaluation (4), storing it (1), and once more as metres (1).
 constexpr double kSetup = 18;
 
+// How much of its slope a round surface may lose from one pixel to the next; steps and poles lose more.
+constexpr double kSmooth = 0.5;
+
 // w = 1 / Z of an image, 0 where nothing is hit and outside it.
 class InverseDepth {
  public:
@@ -42,20 +45,18 @@ class InverseDepth {
   }
 
   // The steepest slope of w, per pixel, of those lines of three pixels along (dx, dy) that hold (x, y) and whose second
-  // difference is at most `straight`; of none the smaller of the slopes to the neighbours.
+  // difference is at most `straight`; of none, of those that bend smoothly; of none of those either, 0.
   double slope(std::int64_t x, std::int64_t y, std::int64_t dx, std::int64_t dy, double straight) const {
-    double steepest = -1, least = kInfinity;
+    double of_straight = -1, of_smooth = 0;
     for (int first = -2; first <= 0; ++first) {
       const double a = at(x + first * dx, y + first * dy), b = at(x + (first + 1) * dx, y + (first + 1) * dy),
                    c = at(x + (first + 2) * dx, y + (first + 2) * dy);
-      if (a == 0 || b == 0 || c == 0 || std::abs(a - 2 * b + c) > straight) continue;
-      steepest = std::max({steepest, std::abs(b - a), std::abs(c - b)});
+      if (a == 0 || b == 0 || c == 0) continue;
+      const double steepest = std::max(std::abs(b - a), std::abs(c - b)), bend = std::abs(a - 2 * b + c);
+      if (bend <= straight) of_straight = std::max(of_straight, steepest);
+      if (bend <= kSmooth * steepest) of_smooth = std::max(of_smooth, steepest);
     }
-    if (steepest >= 0) return steepest;
-    for (const double neighbour : {at(x - dx, y - dy), at(x + dx, y + dy)}) {
-      if (neighbour != 0) least = std::min(least, std::abs(neighbour - at(x, y)));
-    }
-    return std::isfinite(least) ? least : 0;
+    return of_straight >= 0 ? of_straight : of_smooth;
   }
 
  private:

@@ -1,10 +1,10 @@
 // How far the depths of a rendered image may be off.
 //
 // What it speaks of. The depth Z of a pixel is that of the surface met at the pixel's centre. The bound holds for all
-// pixels with a finite depth whose surface is flat over three pixels in a row and three in a column around it: on what
-// is narrower the slant cannot be told, and it is taken from the flatter neighbour. Which of two surfaces a pixel on an
-// edge shows is for the rasteriser to decide, whose corners lie on a grid as fine as the device's sub-pixel precision
-// (1/256 pixel and mostly better): either of those within that distance of the centre may be the one met.
+// pixels with a finite depth whose surface is flat over three pixels in a row and three in a column with it. On what is
+// narrower the slant cannot be told: where the surface bends smoothly from pixel to pixel the steeper slope is taken,
+// elsewhere none. Which of two surfaces a pixel on an edge shows is for the rasteriser to decide, whose corners lie on
+// a grid of 1/256 pixel: either of those met within that distance of the centre may be the one shown.
 //
 // Rounding, as an absolute error of w = 1 / Z, which is affine in pixel coordinates on a plane (u = 2^-24, half an ulp
 // of 1; gx, gy the gradient of w per pixel):
