@@ -3,16 +3,20 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <random>
 
 #include "engine/device.h"
 #include "engine/renderer.h"
 #include "scenegraph/pose.h"
 #include "sensors/camera.h"
+#include "simvis/run_report.h"
 #include "simvis/simulation.h"
+#include "tests/error_of.h"
 #include "tests/random_room.h"
 #include "tests/reference_raycast.h"
 #include "tests/wall_scene.h"
@@ -166,4 +170,35 @@ TEST_CASE("the marvin laboratory while the robot turns: 900,000 pixels") {
   }
   check(comparison);
   CHECK(simulation.validation_messages() == 0);
+}
+
+TEST_CASE("a wall that faces the camera: the bound follows from its distance alone") {
+  TemporaryFolder folder;
+  Simulation simulation = Simulation::load(write_wall_scene(folder.path(), R"(
+    <sensor type="camera" name="DEPTH" insert_at="ROOT" width="64" height="48" outputs="color depth" msaa="4"/>
+    <sensor type="camera" name="FAR" insert_at="ROOT" width="8" height="8" outputs="depth" pose_offset="0 0 0 0 0 180"/>
+    <sensor type="stereo_camera" name="EYES" insert_at="ROOT" width="64" height="48" outputs="depth"/>
+    <sensor type="camera" name="COLOR" insert_at="ROOT" width="64" height="48"/>)"));
+  CHECK(std::isnan(simulation.value("DEPTH", kDepthErrorBound)));
+  simulation.step();
+  const double bound_m = simulation.value("DEPTH", kDepthErrorBound);
+  // One rounding of 4 m at the least. At the most: corners at sqrt(4^2 + 2 * 10^2) = 14.7 m, displaced by 27 roundings
+  // of their distance and of the mesh's size (VertexRounding), and 18 roundings of w = 1/4 m in the plane's set-up,
+  // with what rounding alone makes of its slope: a tenth more.
+  constexpr double kDistance_m = 4, kCorner_m = 14.7;
+  CHECK(bound_m >= kDistance_m * 0x1p-24);
+  CHECK(bound_m <= 1.1 * (27 * 2 * kCorner_m + 18 * kDistance_m) * 0x1p-24);
+  for (const float z : simulation.depth("DEPTH").pixels) CHECK(std::abs(z - kDistance_m) <= bound_m);
+  CHECK(simulation.value("EYES", kDepthErrorBound) >= kDistance_m * 0x1p-24);
+  CHECK(simulation.value("FAR", kDepthErrorBound) == 0);  // nothing is seen
+  CHECK(contains(error_of([&] { simulation.value("COLOR", kDepthErrorBound); }), "gives no value"));
+  CHECK_FALSE(simulation.find_value("COLOR", kDepthErrorBound));
+
+  RunReport report;
+  report.sensors = with_bounds(simulation);
+  report.sensors[1].depth_error_bound_m = std::numeric_limits<double>::infinity();
+  const auto sensors = nlohmann::json::parse(to_json(report))["sensors"];
+  CHECK(sensors["DEPTH"]["depth_error_bound_m"] == bound_m);
+  CHECK(sensors["FAR"]["depth_error_bound_m"].is_null());
+  CHECK_FALSE(sensors["COLOR"].contains("depth_error_bound_m"));
 }
