@@ -46,6 +46,7 @@ Device::Device(const DeviceDesc& desc) : impl_(std::make_unique<Impl>(desc)) {}
 Device::~Device() = default;
 const DeviceInfo& Device::info() const { return impl_->physical.info; }
 bool Device::is_cpu() const { return impl_->physical.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU; }
+const TargetLimits& Device::target_limits() const { return impl_->physical.targets; }
 std::uint64_t Device::validation_messages() const { return impl_->instance.messages(); }
 
 Device::Impl::Impl(const DeviceDesc& desc) : instance(wants_validation(desc)), physical(chosen(instance, desc.select)) {

@@ -22,6 +22,13 @@ struct DeviceInfo {
 /// Throws MachineError when there is no Vulkan loader or driver; the message says what to install.
 std::vector<DeviceInfo> list_devices();
 
+/// What a device can render to.
+struct TargetLimits {
+  std::uint32_t width_px = 0, height_px = 0;  ///< the largest target
+  std::vector<std::uint32_t>
+      msaa;  ///< how many samples a pixel of colour may have, ascending: 1, and 2, 4, 8 as it can
+};
+
 struct DeviceDesc {
   std::string select;       ///< part of a name (any case) or an index of list_devices(); empty: the best one
                             ///< (discrete before integrated before virtual before CPU)
@@ -41,6 +48,7 @@ class Device {
 
   const DeviceInfo& info() const;
   bool is_cpu() const;  ///< rasterises on the host's own cores
+  const TargetLimits& target_limits() const;
 
   /// Errors and warnings of the validation layer since the device was made (0 when the layer is off).
   std::uint64_t validation_messages() const;

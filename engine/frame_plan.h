@@ -32,12 +32,21 @@ struct View {
 };
 
 /// Views that share one set of targets and one render pass.
+///
+/// Samples  the colour of a pixel is the mean, in linear light, of `grid` x `grid` samples at the centres of as many
+///          equal squares that the pixel is cut into; each of these is in turn the mean of `msaa` samples of its square
+///          at the device's standard places, which see edges but are shaded once. Depth is that of pixel centres: a
+///          pass with more than one sample has none.
 struct Pass {
   std::string name;
   std::uint32_t width_px = 0, height_px = 0;
-  bool color = false;       ///< lit colour is wanted; false: no colour target exists and no light is evaluated
-  bool depth = false;       ///< depth is read back
-  std::vector<View> views;  ///< rectangles do not overlap
+  bool color = false;         ///< lit colour is wanted; false: no colour target exists and no light is evaluated
+  bool depth = false;         ///< depth is read back
+  std::vector<View> views{};  ///< rectangles do not overlap; in pixels, not samples
+  std::uint32_t grid = 1;     ///< 1, 2 or 4
+  std::uint32_t msaa = 1;     ///< one of the device's TargetLimits::msaa
+
+  std::uint32_t samples() const { return grid * grid * msaa; }  ///< of each pixel
 };
 
 /// Rays that a sensor casts after the passes are there.

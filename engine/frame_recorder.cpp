@@ -19,8 +19,10 @@ struct Bound {
   VkBuffer indices = VK_NULL_HANDLE;
 };
 
-void record_run(const FrameContext& frame, const DrawRun& run, Bound& bound) {
-  const VkPipeline pipeline = frame.pipelines.get(run.key);
+void record_run(const FrameContext& frame, const Pass& pass, const DrawRun& run, Bound& bound) {
+  PipelineKey key = run.key;
+  key.samples = static_cast<std::uint8_t>(pass.msaa);
+  const VkPipeline pipeline = frame.pipelines.get(key);
   if (pipeline != bound.pipeline) {
     vkCmdBindPipeline(frame.commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline);
     bound.pipeline = pipeline;
@@ -44,24 +46,25 @@ void record_run(const FrameContext& frame, const DrawRun& run, Bound& bound) {
   }
 }
 
-void record_view(const FrameContext& frame, const View& view, const ViewDraws& draws, Bound& bound) {
+void record_view(const FrameContext& frame, const Pass& pass, const View& view, const ViewDraws& draws, Bound& bound) {
   if (draws.first_run == draws.end_run) return;
-  const auto guard = static_cast<float>(guard_rows(view));
-  const VkViewport viewport{.x = static_cast<float>(view.x_px),
-                            .y = static_cast<float>(view.y_px) - guard,
-                            .width = static_cast<float>(view.width_px),
-                            .height = static_cast<float>(view.height_px) + 2 * guard,
+  const auto grid = static_cast<float>(pass.grid), guard = grid * static_cast<float>(guard_rows(view));
+  const VkViewport viewport{.x = grid * static_cast<float>(view.x_px),
+                            .y = grid * static_cast<float>(view.y_px) - guard,
+                            .width = grid * static_cast<float>(view.width_px),
+                            .height = grid * static_cast<float>(view.height_px) + 2 * guard,
                             .minDepth = 0,
                             .maxDepth = 1};
-  const VkRect2D scissor{{static_cast<std::int32_t>(view.x_px), static_cast<std::int32_t>(view.y_px)},
-                         {view.width_px, view.height_px}};
+  const VkRect2D scissor{
+      {static_cast<std::int32_t>(pass.grid * view.x_px), static_cast<std::int32_t>(pass.grid * view.y_px)},
+      {pass.grid * view.width_px, pass.grid * view.height_px}};
   frame.device.begin_label(frame.commands, view.name);
   vkCmdSetViewport(frame.commands, 0, 1, &viewport);
   vkCmdSetScissor(frame.commands, 0, 1, &scissor);
   vkCmdPushConstants(frame.commands, layout(frame), VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, 0,
                      sizeof draws.block, &draws.block);
   if (draws.lights_offset != 0) bind_frame_set(frame, draws.lights_offset);
-  for (std::size_t i = draws.first_run; i < draws.end_run; ++i) record_run(frame, frame.draws.runs()[i], bound);
+  for (std::size_t i = draws.first_run; i < draws.end_run; ++i) record_run(frame, pass, frame.draws.runs()[i], bound);
   frame.device.end_label(frame.commands);
 }
 
@@ -92,17 +95,19 @@ void record_pass(const FrameContext& frame, const Pass& pass, const RenderTarget
   VkClearValue clear[2]{};
   clear[0].depthStencil = {0, 0};
   clear[1].color = {{background.r, background.g, background.b, 1}};
-  const VkRenderPassBeginInfo info{.sType = VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO,
-                                   .pNext = nullptr,
-                                   .renderPass = frame.pipelines.render_pass(pass.color, pass.depth),
-                                   .framebuffer = target.framebuffer.get(),
-                                   .renderArea = {{0, 0}, {pass.width_px, pass.height_px}},
-                                   .clearValueCount = pass.color ? 2u : 1u,
-                                   .pClearValues = clear};
+  const VkRenderPassBeginInfo info{
+      .sType = VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO,
+      .pNext = nullptr,
+      .renderPass = frame.pipelines.render_pass(
+          {.color = pass.color, .keep_depth = pass.depth, .averaged = pass.samples() > 1, .samples = pass.msaa}),
+      .framebuffer = target.framebuffer.get(),
+      .renderArea = {{0, 0}, {pass.grid * pass.width_px, pass.grid * pass.height_px}},
+      .clearValueCount = pass.color ? 2u : 1u,
+      .pClearValues = clear};
   frame.device.begin_label(frame.commands, pass.name);
   vkCmdBeginRenderPass(frame.commands, &info, VK_SUBPASS_CONTENTS_INLINE);
   Bound bound;
-  for (std::size_t i = 0; i < views.size(); ++i) record_view(frame, pass.views[i], views[i], bound);
+  for (std::size_t i = 0; i < views.size(); ++i) record_view(frame, pass, pass.views[i], views[i], bound);
   vkCmdEndRenderPass(frame.commands);
   frame.device.end_label(frame.commands);
   ++frame.counters.passes;
@@ -111,6 +116,10 @@ void record_pass(const FrameContext& frame, const Pass& pass, const RenderTarget
 
 void record_readback(const FrameContext& frame, const Pass& pass, const RenderTarget& target) {
   if (pass.depth) copy_image(frame, target.depth, target.depth_readback);
+  if (pass.samples() > 1) {
+    frame.average.record(frame.commands, pass, target.average, target.color);
+    ++frame.counters.dispatches;
+  }
   if (pass.color) copy_image(frame, target.color, target.color_readback);
 }
 

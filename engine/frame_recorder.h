@@ -14,6 +14,7 @@ struct FrameContext {
   Device::Impl& device;
   VkCommandBuffer commands;
   Pipelines& pipelines;
+  SampleAverage& average;
   const GeometryPool& geometry;
   VkDescriptorSet frame_set;
   VkBuffer instances;
@@ -30,7 +31,7 @@ void record_bindings(const FrameContext& frame);
 void record_pass(const FrameContext& frame, const Pass& pass, const RenderTarget& target,
                  std::span<const ViewDraws> views);
 
-/// Copies the pass's results to its readback buffers.
+/// Copies the pass's results to its readback buffers; of several samples of colour their mean.
 void record_readback(const FrameContext& frame, const Pass& pass, const RenderTarget& target);
 
 /// Makes all readback visible to the host, once the submission has finished.

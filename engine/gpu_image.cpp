@@ -14,7 +14,7 @@ GpuImage::GpuImage(Device::Impl& device, GpuImageDesc desc) : desc_(std::move(de
   info.extent = {desc_.width, desc_.height, 1};
   info.mipLevels = desc_.mip_levels;
   info.arrayLayers = 1;
-  info.samples = VK_SAMPLE_COUNT_1_BIT;
+  info.samples = static_cast<VkSampleCountFlagBits>(desc_.samples);
   info.tiling = VK_IMAGE_TILING_OPTIMAL;
   info.usage = desc_.usage;
   info.initialLayout = VK_IMAGE_LAYOUT_UNDEFINED;

@@ -13,6 +13,7 @@ struct GpuImageDesc {
   std::uint32_t mip_levels = 1;
   VkFormat format = VK_FORMAT_UNDEFINED;
   VkImageUsageFlags usage = 0;
+  std::uint32_t samples = 1;  ///< of each pixel
   VkImageAspectFlags aspect = VK_IMAGE_ASPECT_COLOR_BIT;
 };
 

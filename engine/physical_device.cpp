@@ -38,13 +38,15 @@ std::string version_text(std::uint32_t version) {
          std::to_string(VK_API_VERSION_PATCH(version));
 }
 
+// Wherever there is a family for graphics, there is one for graphics and compute (Vulkan 1.2, section 5.1).
 std::optional<std::uint32_t> graphics_queue_family(VkPhysicalDevice device) {
   std::uint32_t count = 0;
   vkGetPhysicalDeviceQueueFamilyProperties(device, &count, nullptr);
   std::vector<VkQueueFamilyProperties> families(count);
   vkGetPhysicalDeviceQueueFamilyProperties(device, &count, families.data());
+  constexpr VkQueueFlags kNeeded = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
   for (std::uint32_t i = 0; i < count; ++i) {
-    if (families[i].queueFlags & VK_QUEUE_GRAPHICS_BIT) return i;
+    if ((families[i].queueFlags & kNeeded) == kNeeded) return i;
   }
   return std::nullopt;
 }
@@ -59,7 +61,7 @@ std::string why_unusable(VkPhysicalDevice device, const VkPhysicalDeviceProperti
   if (properties.apiVersion < VK_API_VERSION_1_2) {
     return "it offers Vulkan " + version_text(properties.apiVersion) + ", 1.2 or newer is needed";
   }
-  if (!graphics_queue_family(device)) return "it has no graphics queue";
+  if (!graphics_queue_family(device)) return "it has no queue for graphics and compute";
   if (!can(device, kDepthFormat, VK_FORMAT_FEATURE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_FORMAT_FEATURE_TRANSFER_SRC_BIT)) {
     return "it cannot render to and read back a depth image of format D32_SFLOAT";
   }
@@ -77,6 +79,28 @@ std::string why_unusable(VkPhysicalDevice device, const VkPhysicalDeviceProperti
   vkGetPhysicalDeviceFeatures(device, &features);
   if (!features.fullDrawIndexUint32) return "it cannot draw with 32-bit indices (fullDrawIndexUint32)";
   return "";
+}
+
+VkSampleCountFlags sample_counts(VkPhysicalDevice device, VkFormat format, VkImageUsageFlags usage) {
+  VkImageFormatProperties properties{};
+  const VkResult result = vkGetPhysicalDeviceImageFormatProperties(device, format, VK_IMAGE_TYPE_2D,
+                                                                   VK_IMAGE_TILING_OPTIMAL, usage, 0, &properties);
+  return result == VK_SUCCESS ? properties.sampleCounts : VkSampleCountFlags{VK_SAMPLE_COUNT_1_BIT};
+}
+
+TargetLimits target_limits(VkPhysicalDevice device, const VkPhysicalDeviceLimits& limits) {
+  TargetLimits targets{.width_px = std::min(limits.maxFramebufferWidth, limits.maxImageDimension2D),
+                       .height_px = std::min(limits.maxFramebufferHeight, limits.maxImageDimension2D),
+                       .msaa = {1}};
+  if (limits.standardSampleLocations == VK_FALSE) return targets;
+  const VkSampleCountFlags counts =
+      sample_counts(device, kColorFormat, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT) &
+      sample_counts(device, kDepthFormat, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT);
+  // Each flag is its count.
+  for (const std::uint32_t count : {2u, 4u, 8u}) {
+    if (counts & count) targets.msaa.push_back(count);
+  }
+  return targets;
 }
 
 std::string lower(std::string text) {
@@ -105,6 +129,7 @@ PhysicalDevice examine(VkPhysicalDevice handle) {
   device.info.type = type_name(device.properties.deviceType);
   device.info.api_version = version_text(device.properties.apiVersion);
   device.info.unusable = why_unusable(handle, device.properties);
+  device.targets = target_limits(handle, device.properties.limits);
   device.queue_family = graphics_queue_family(handle).value_or(0);
   if (device.properties.apiVersion >= VK_API_VERSION_1_2) {
     VkPhysicalDeviceDriverProperties driver{};

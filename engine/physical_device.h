@@ -15,7 +15,8 @@ namespace simvis {
 struct PhysicalDevice {
   VkPhysicalDevice handle = VK_NULL_HANDLE;
   VkPhysicalDeviceProperties properties{};
-  std::uint32_t queue_family = 0;  ///< with graphics; meaningless when `info.unusable` says so
+  TargetLimits targets;
+  std::uint32_t queue_family = 0;  ///< with graphics and compute; meaningless when `info.unusable` says so
   DeviceInfo info;
 };
 

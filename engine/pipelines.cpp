@@ -1,5 +1,6 @@
 #include "engine/pipelines.h"
 
+#include <bit>
 #include <cstddef>
 #include <span>
 #include <string>
@@ -145,7 +146,7 @@ struct Constants {
 std::uint32_t PipelineKey::bits() const {
   std::uint32_t bits = static_cast<std::uint32_t>(topology) | static_cast<std::uint32_t>(surface) << 2;
   for (const bool flag : {color, depth_only, textured, unlit, glossy, cull_back, mirrored}) bits = bits << 1 | flag;
-  return bits << 16 | lights;
+  return (bits << 16 | lights) << 3 | static_cast<std::uint32_t>(std::countr_zero(samples));
 }
 
 Pipelines::Pipelines(Device::Impl& device)
@@ -180,9 +181,12 @@ Pipelines::Pipelines(Device::Impl& device)
   VkPipelineLayout layout = VK_NULL_HANDLE;
   vk_check(vkCreatePipelineLayout(device.device, &info, nullptr, &layout), "vkCreatePipelineLayout");
   layout_ = Handle<VkPipelineLayout>(device, layout, "mesh pipeline layout");
-  render_passes_[0][1] = make_render_pass(device, false, true);
-  render_passes_[1][0] = make_render_pass(device, true, false);
-  render_passes_[1][1] = make_render_pass(device, true, true);
+}
+
+VkRenderPass Pipelines::render_pass(const RenderPassKind& kind) {
+  const auto [place, added] = render_passes_.try_emplace(kind.bits());
+  if (!place->second) place->second = make_render_pass(device_, kind);
+  return place->second.get();
 }
 
 VkPipeline Pipelines::get(const PipelineKey& key) {
@@ -207,7 +211,7 @@ Pipelines::Program Pipelines::program(const PipelineKey& key, const VkSpecializa
   return {{stage(VK_SHADER_STAGE_VERTEX_BIT, depth_vert_.get())}, 1, vertex_input(kDepthInputs)};
 }
 
-Handle<VkPipeline> Pipelines::make(const PipelineKey& key) const {
+Handle<VkPipeline> Pipelines::make(const PipelineKey& key) {
   const Constants constants(key);
   const Program shaders = program(key, constants.info);
   VkPipelineInputAssemblyStateCreateInfo assembly{};
@@ -218,7 +222,7 @@ Handle<VkPipeline> Pipelines::make(const PipelineKey& key) const {
   viewport.viewportCount = viewport.scissorCount = 1;
   VkPipelineMultisampleStateCreateInfo multisample{};
   multisample.sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO;
-  multisample.rasterizationSamples = VK_SAMPLE_COUNT_1_BIT;
+  multisample.rasterizationSamples = static_cast<VkSampleCountFlagBits>(key.samples);
   const VkPipelineRasterizationStateCreateInfo raster = rasterization(key);
   const VkPipelineDepthStencilStateCreateInfo depth = depth_stencil(key);
   const VkPipelineColorBlendAttachmentState attachment = color_blend(key);
@@ -245,7 +249,7 @@ Handle<VkPipeline> Pipelines::make(const PipelineKey& key) const {
   info.pColorBlendState = &blend;
   info.pDynamicState = &dynamic;
   info.layout = layout_.get();
-  info.renderPass = render_pass(key.color, true);
+  info.renderPass = render_pass({.color = key.color, .samples = key.samples});
   VkPipeline pipeline = VK_NULL_HANDLE;
   vk_check(vkCreateGraphicsPipelines(device_.device, device_.pipeline_cache->get(), 1, &info, nullptr, &pipeline),
            "vkCreateGraphicsPipelines");

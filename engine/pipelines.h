@@ -5,6 +5,7 @@
 
 #include "engine/handle.h"
 #include "engine/mesh.h"
+#include "engine/render_pass.h"
 
 namespace simvis {
 
@@ -23,7 +24,8 @@ struct PipelineKey {
   bool glossy = false;       ///< lights have highlights on it
   std::uint16_t lights = 0;  ///< how many light it, up to SIMVIS_MAX_LIGHTS
   bool cull_back = false;
-  bool mirrored = false;  ///< the transform turns the winding of triangles
+  bool mirrored = false;     ///< the transform turns the winding of triangles
+  std::uint8_t samples = 1;  ///< of each pixel of the pass's targets: 1, 2, 4 or 8
 
   bool blends() const { return surface == Surface::blended || surface == Surface::faded; }
   std::uint32_t bits() const;
@@ -40,8 +42,8 @@ class Pipelines {
   VkDescriptorSetLayout frame_set_layout() const { return frame_set_layout_.get(); }
   VkDescriptorSetLayout texture_set_layout() const { return texture_set_layout_.get(); }
 
-  /// For passes with or without a colour target; `keep_depth`: depth is copied afterwards.
-  VkRenderPass render_pass(bool color, bool keep_depth) const { return render_passes_[color][keep_depth].get(); }
+  /// Made on first use.
+  VkRenderPass render_pass(const RenderPassKind& kind);
 
  private:
   // The shaders of a pipeline and what its vertices carry.
@@ -51,12 +53,12 @@ class Pipelines {
     VkPipelineVertexInputStateCreateInfo input;
   };
   Program program(const PipelineKey& key, const VkSpecializationInfo& constants) const;
-  Handle<VkPipeline> make(const PipelineKey& key) const;
+  Handle<VkPipeline> make(const PipelineKey& key);
 
   Device::Impl& device_;
   Handle<VkDescriptorSetLayout> frame_set_layout_, texture_set_layout_;
   Handle<VkPipelineLayout> layout_;
-  Handle<VkRenderPass> render_passes_[2][2];
+  std::unordered_map<std::uint32_t, Handle<VkRenderPass>> render_passes_;
   Handle<VkShaderModule> depth_vert_, mask_vert_, color_vert_;
   Handle<VkShaderModule> mask_frag_[2], color_frag_[2];  // without and with a texture
   std::unordered_map<std::uint32_t, Handle<VkPipeline>> pipelines_;

@@ -5,52 +5,54 @@
 
 namespace simvis {
 
-Handle<VkRenderPass> make_render_pass(Device::Impl& device, bool color, bool keep_depth) {
+Handle<VkRenderPass> make_render_pass(Device::Impl& device, const RenderPassKind& kind) {
   VkAttachmentDescription attachments[2]{};
   VkAttachmentDescription& depth = attachments[0];
   depth.format = kDepthFormat;
-  depth.samples = VK_SAMPLE_COUNT_1_BIT;
+  depth.samples = static_cast<VkSampleCountFlagBits>(kind.samples);
   depth.loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR;
-  depth.storeOp = keep_depth ? VK_ATTACHMENT_STORE_OP_STORE : VK_ATTACHMENT_STORE_OP_DONT_CARE;
+  depth.storeOp = kind.keep_depth ? VK_ATTACHMENT_STORE_OP_STORE : VK_ATTACHMENT_STORE_OP_DONT_CARE;
   depth.stencilLoadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE;
   depth.stencilStoreOp = VK_ATTACHMENT_STORE_OP_DONT_CARE;
   depth.initialLayout = VK_IMAGE_LAYOUT_UNDEFINED;
   depth.finalLayout =
-      keep_depth ? VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL : VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
+      kind.keep_depth ? VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL : VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
   attachments[1] = depth;
   attachments[1].format = kColorFormat;
   attachments[1].storeOp = VK_ATTACHMENT_STORE_OP_STORE;
-  attachments[1].finalLayout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
+  attachments[1].finalLayout =
+      kind.averaged ? VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL : VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
 
   const VkAttachmentReference depth_reference{0, VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL};
   const VkAttachmentReference color_reference{1, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL};
   VkSubpassDescription subpass{};
   subpass.pipelineBindPoint = VK_PIPELINE_BIND_POINT_GRAPHICS;
-  subpass.colorAttachmentCount = color ? 1 : 0;
+  subpass.colorAttachmentCount = kind.color ? 1 : 0;
   subpass.pColorAttachments = &color_reference;
   subpass.pDepthStencilAttachment = &depth_reference;
 
-  // Nothing runs before the pass that it must wait for: each frame is waited for. The copies after it are.
-  VkSubpassDependency copied{};
-  copied.srcSubpass = 0;
-  copied.dstSubpass = VK_SUBPASS_EXTERNAL;
-  copied.srcStageMask = VK_PIPELINE_STAGE_LATE_FRAGMENT_TESTS_BIT | VK_PIPELINE_STAGE_EARLY_FRAGMENT_TESTS_BIT |
-                        VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT;
-  copied.dstStageMask = VK_PIPELINE_STAGE_TRANSFER_BIT;
-  copied.srcAccessMask = VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT | VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT;
-  copied.dstAccessMask = VK_ACCESS_TRANSFER_READ_BIT;
+  // Nothing runs before the pass that it must wait for: each frame is waited for. The copies and
+  // averages after it are. The same for all passes: dependencies, too, make passes compatible.
+  VkSubpassDependency used{};
+  used.srcSubpass = 0;
+  used.dstSubpass = VK_SUBPASS_EXTERNAL;
+  used.srcStageMask = VK_PIPELINE_STAGE_LATE_FRAGMENT_TESTS_BIT | VK_PIPELINE_STAGE_EARLY_FRAGMENT_TESTS_BIT |
+                      VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT;
+  used.dstStageMask = VK_PIPELINE_STAGE_TRANSFER_BIT | VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT;
+  used.srcAccessMask = VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT | VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT;
+  used.dstAccessMask = VK_ACCESS_TRANSFER_READ_BIT | VK_ACCESS_SHADER_READ_BIT;
 
   VkRenderPassCreateInfo info{};
   info.sType = VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO;
-  info.attachmentCount = color ? 2 : 1;
+  info.attachmentCount = kind.color ? 2 : 1;
   info.pAttachments = attachments;
   info.subpassCount = 1;
   info.pSubpasses = &subpass;
   info.dependencyCount = 1;
-  info.pDependencies = &copied;
+  info.pDependencies = &used;
   VkRenderPass pass = VK_NULL_HANDLE;
   vk_check(vkCreateRenderPass(device.device, &info, nullptr, &pass), "vkCreateRenderPass");
-  return Handle<VkRenderPass>(device, pass, color ? "colour and depth pass" : "depth pass");
+  return Handle<VkRenderPass>(device, pass, kind.color ? "colour and depth pass" : "depth pass");
 }
 
 }  // namespace simvis

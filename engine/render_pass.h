@@ -5,8 +5,17 @@
 
 namespace simvis {
 
-/// One subpass that clears its targets. Afterwards they are ready to be copied from; depth only if `keep_depth`.
-/// Passes that differ in `keep_depth` alone are compatible.
-Handle<VkRenderPass> make_render_pass(Device::Impl& device, bool color, bool keep_depth);
+/// Passes that differ only in what comes after them (`keep_depth`, `averaged`) are compatible.
+struct RenderPassKind {
+  bool color = false;
+  bool keep_depth = true;     ///< depth is copied afterwards
+  bool averaged = false;      ///< the colour is read by SampleAverage afterwards; otherwise it is copied
+  std::uint32_t samples = 1;  ///< of each pixel of the targets
+
+  std::uint32_t bits() const { return samples << 3 | averaged << 2 | keep_depth << 1 | (color ? 1u : 0u); }
+};
+
+/// One subpass that clears its targets and leaves them ready for what comes after.
+Handle<VkRenderPass> make_render_pass(Device::Impl& device, const RenderPassKind& kind);
 
 }  // namespace simvis

@@ -26,8 +26,8 @@ void RenderTargets::begin_frame() {
 RenderTarget& RenderTargets::acquire(const Pass& pass) {
   RenderTarget* target = nullptr;
   for (const auto& known : targets_) {
-    const bool fits = known->width == pass.width_px && known->height == pass.height_px &&
-                      static_cast<bool>(known->color) == pass.color;
+    const bool fits = known->width == pass.width_px && known->height == pass.height_px && known->grid == pass.grid &&
+                      known->msaa == pass.msaa && static_cast<bool>(known->color) == pass.color;
     if (fits && known->last_frame != frame_) {
       target = known.get();
       break;
@@ -44,33 +44,48 @@ RenderTarget& RenderTargets::acquire(const Pass& pass) {
   return *target;
 }
 
+GpuImage RenderTargets::make_image(const Pass& pass, const char* what, VkFormat format, VkImageUsageFlags usage,
+                                   bool samples) const {
+  const std::uint32_t grid = samples ? pass.grid : 1;
+  return GpuImage(device_, {.name = pass.name + what,
+                            .width = pass.width_px * grid,
+                            .height = pass.height_px * grid,
+                            .format = format,
+                            .usage = usage,
+                            .samples = samples ? pass.msaa : 1,
+                            .aspect = static_cast<VkImageAspectFlags>(
+                                format == kDepthFormat ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT)});
+}
+
 std::unique_ptr<RenderTarget> RenderTargets::make(const Pass& pass) const {
   auto target = std::make_unique<RenderTarget>();
   target->width = pass.width_px;
   target->height = pass.height_px;
+  target->grid = pass.grid;
+  target->msaa = pass.msaa;
+  const bool averaged = pass.samples() > 1;
+  const VkImageUsageFlags depth_copied = averaged ? 0 : VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
   target->depth =
-      GpuImage(device_, {.name = pass.name + "/depth",
-                         .width = pass.width_px,
-                         .height = pass.height_px,
-                         .format = kDepthFormat,
-                         .usage = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
-                         .aspect = VK_IMAGE_ASPECT_DEPTH_BIT});
-  if (pass.color) {
-    target->color = GpuImage(device_, {.name = pass.name + "/colour",
-                                       .width = pass.width_px,
-                                       .height = pass.height_px,
-                                       .format = kColorFormat,
-                                       .usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT});
+      make_image(pass, "/depth", kDepthFormat, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | depth_copied, true);
+  if (averaged) {
+    target->color_samples = make_image(pass, "/colour samples", kColorFormat,
+                                       VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT, true);
+    target->color =
+        make_image(pass, "/colour", kColorFormat, VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT, false);
+    target->average = average_.bind(target->color_samples, target->color);
+  } else if (pass.color) {
+    target->color = make_image(pass, "/colour", kColorFormat,
+                               VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT, false);
   }
-  const VkImageView views[] = {target->depth.view(), target->color.view()};
+  const VkImageView views[] = {target->depth.view(), averaged ? target->color_samples.view() : target->color.view()};
   const VkFramebufferCreateInfo info{.sType = VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO,
                                      .pNext = nullptr,
                                      .flags = 0,
-                                     .renderPass = pipelines_.render_pass(pass.color, true),
+                                     .renderPass = pipelines_.render_pass({.color = pass.color, .samples = pass.msaa}),
                                      .attachmentCount = pass.color ? 2u : 1u,
                                      .pAttachments = views,
-                                     .width = pass.width_px,
-                                     .height = pass.height_px,
+                                     .width = pass.width_px * pass.grid,
+                                     .height = pass.height_px * pass.grid,
                                      .layers = 1};
   VkFramebuffer framebuffer = VK_NULL_HANDLE;
   vk_check(vkCreateFramebuffer(device_.device, &info, nullptr, &framebuffer), "vkCreateFramebuffer");

@@ -8,12 +8,16 @@
 #include "engine/frame_plan.h"
 #include "engine/gpu_image.h"
 #include "engine/pipelines.h"
+#include "engine/sample_average.h"
 
 namespace simvis {
 
 struct RenderTarget {
-  std::uint32_t width = 0, height = 0;
-  GpuImage depth, color;  ///< no colour image for depth passes
+  std::uint32_t width = 0, height = 0, grid = 1, msaa = 1;  ///< as the pass's
+  GpuImage depth;                                           ///< of each sample
+  GpuImage color;                                           ///< of each pixel; none for depth passes
+  GpuImage color_samples;                                   ///< of each sample, for passes with more than one a pixel
+  SampleAverage::Binding average;                           ///< of the latter to the former
   Handle<VkFramebuffer> framebuffer;
   Buffer depth_readback, color_readback;  ///< made when first wanted
   std::uint64_t last_frame = 0;
@@ -21,7 +25,8 @@ struct RenderTarget {
 
 class RenderTargets {
  public:
-  RenderTargets(Device::Impl& device, const Pipelines& pipelines) : device_(device), pipelines_(pipelines) {}
+  RenderTargets(Device::Impl& device, Pipelines& pipelines, SampleAverage& average)
+      : device_(device), pipelines_(pipelines), average_(average) {}
 
   /// Starts a frame: all targets are free again. Those that no frame has wanted for long are given up.
   void begin_frame();
@@ -31,9 +36,11 @@ class RenderTargets {
 
  private:
   std::unique_ptr<RenderTarget> make(const Pass& pass) const;
+  GpuImage make_image(const Pass& pass, const char* what, VkFormat format, VkImageUsageFlags usage, bool samples) const;
 
   Device::Impl& device_;
-  const Pipelines& pipelines_;
+  Pipelines& pipelines_;
+  SampleAverage& average_;
   std::vector<std::unique_ptr<RenderTarget>> targets_;
   std::uint64_t frame_ = 0;
 };

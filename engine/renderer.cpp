@@ -13,6 +13,7 @@
 #include "engine/geometry_pool.h"
 #include "engine/pipelines.h"
 #include "engine/render_targets.h"
+#include "engine/sample_average.h"
 #include "engine/texture_store.h"
 #include "engine/uploads.h"
 
@@ -26,15 +27,21 @@ void check_view(const View& view, const Pass& pass) {
   SIMVIS_ASSERT(view.near_m > 0 && view.pinhole.fx_px != 0 && view.pinhole.fy_px != 0);
 }
 
-void check_pass(const Pass& pass, const VkPhysicalDeviceLimits& limits) {
+void check_pass(const Pass& pass, const TargetLimits& limits) {
   SIMVIS_ASSERT(pass.width_px > 0 && pass.height_px > 0);
   SIMVIS_ASSERT(pass.color || pass.depth);
-  const std::uint32_t width = std::min(limits.maxFramebufferWidth, limits.maxImageDimension2D);
-  const std::uint32_t height = std::min(limits.maxFramebufferHeight, limits.maxImageDimension2D);
+  SIMVIS_ASSERT(pass.grid == 1 || pass.grid == 2 || pass.grid == 4);
+  SIMVIS_ASSERT(pass.samples() == 1 || (pass.color && !pass.depth));
+  const std::uint32_t width = limits.width_px / pass.grid, height = limits.height_px / pass.grid;
   if (pass.width_px > width || pass.height_px > height) {
     throw InputError("pass \"" + pass.name + "\" has " + std::to_string(pass.width_px) + " x " +
-                     std::to_string(pass.height_px) + " pixels; this device allows " + std::to_string(width) + " x " +
-                     std::to_string(height));
+                     std::to_string(pass.height_px) + " pixels" +
+                     (pass.grid > 1 ? " of " + std::to_string(pass.grid * pass.grid) + " samples" : "") +
+                     "; this device allows " + std::to_string(width) + " x " + std::to_string(height));
+  }
+  if (std::ranges::find(limits.msaa, pass.msaa) == limits.msaa.end()) {
+    throw InputError("pass \"" + pass.name + "\" asks for msaa " + std::to_string(pass.msaa) +
+                     "; this device allows up to " + std::to_string(limits.msaa.back()));
   }
   for (const View& view : pass.views) check_view(view, pass);
 }
@@ -50,7 +57,8 @@ struct Renderer::Impl {
         geometry(d),
         textures(d, pipelines.texture_set_layout()),
         buffers(d, pipelines.frame_set_layout()),
-        targets(d, pipelines) {}
+        average(d),
+        targets(d, pipelines, average) {}
 
   void draw_frame(const DrawList& list, const FramePlan& plan);
   void prepare(const DrawList& list, const FramePlan& plan);
@@ -65,6 +73,7 @@ struct Renderer::Impl {
   GeometryPool geometry;
   TextureStore textures;
   FrameBuffers buffers;
+  SampleAverage average;
   RenderTargets targets;
   DrawTable table;
   FrameDraws draws;
@@ -79,7 +88,7 @@ const FrameCounters& Renderer::counters() const { return impl_->counters; }
 
 std::span<const PassResult> Renderer::render(const DrawList& list, const FramePlan& plan) {
   Impl& r = *impl_;
-  for (const Pass& pass : plan.passes) check_pass(pass, r.device.limits());
+  for (const Pass& pass : plan.passes) check_pass(pass, r.device.physical.targets);
   r.counters = {};
   r.results.clear();
   if (plan.passes.empty()) return {};
@@ -127,6 +136,7 @@ void Renderer::Impl::record(VkCommandBuffer recorded, const DrawList& list, cons
   const FrameContext frame{.device = device,
                            .commands = recorded,
                            .pipelines = pipelines,
+                           .average = average,
                            .geometry = geometry,
                            .frame_set = buffers.set(),
                            .instances = buffers.instances(),

@@ -17,7 +17,7 @@ class Device;
 
 /// What a frame cost, counted and not timed.
 struct FrameCounters {
-  std::uint64_t passes = 0, views = 0, draws = 0, triangles = 0, pipelines_bound = 0;
+  std::uint64_t passes = 0, views = 0, draws = 0, triangles = 0, pipelines_bound = 0, dispatches = 0;
   std::uint64_t bytes_uploaded = 0, bytes_read_back = 0;
   std::uint64_t items_culled = 0;
   std::uint64_t meshes_held = 0, textures_held = 0;  ///< on the device, after the frame
@@ -35,7 +35,7 @@ struct PassResult {
 /// Frames   see View. All products of transforms are formed in double and rounded once.
 /// Special  an empty plan submits nothing.
 /// Errors   render() throws MachineError with the Vulkan result (device lost, out of memory), InputError if a pass is
-///          larger than the device allows.
+///          larger than the device allows, or has more samples.
 /// Threading  one renderer, one thread. Several renderers may share a Device only from one thread.
 class Renderer {
  public:

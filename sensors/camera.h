@@ -5,11 +5,19 @@
 // Frames   the camera looks along +x of its sensor frame; image x to the right, y down. Pixels are square, the
 //          optical axis goes through the middle of the image.
 // Units    depth is metres along the optical axis (depth along Z, not range along the ray); +infinity: nothing.
+// Samples  with supersampling or msaa the colour of a pixel is the mean, in linear light, over its square, see Pass.
+//          Depth is never averaged: it is that of the pixel's centre, and has a pass of its own then.
+// Values   value("depth_error_bound_m"), of cameras with depth: at least the error of every depth of the last image,
+// see
+//          depth_error_bound.h for what it speaks of. Worked out when it is asked for.
 // Faces    back faces of single-sided materials are not drawn, as glTF says, in colour and depth alike.
 #pragma once
 
+#include <limits>
 #include <string>
 
+#include "sensors/depth_error_bound.h"
+#include "sensors/pinhole_view.h"
 #include "sensors/sensor.h"
 
 namespace simvis {
@@ -19,6 +27,7 @@ struct CameraDesc {
   double hfov_rad = 1;  ///< (0, pi)
   double near_m = 0.05;
   bool color = true, depth = false;
+  ColorSampling sampling{};
   bool visualization = false;  ///< for people: sees beams, paths and the like, which no simulated sensor sees
 };
 
@@ -26,10 +35,12 @@ class Camera : public Sensor {
  public:
   Camera(std::string name, const CameraDesc& desc);
 
+  void check(const TargetLimits& limits) const override;
   void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
   void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override;
   const Image* color() const override { return desc_.color ? &color_ : nullptr; }
   const Image* depth() const override { return desc_.depth ? &depth_ : nullptr; }
+  std::span<const NamedValue> values() const override;
   void write(OutputSink& sink) const override;
   bool visualization() const override { return desc_.visualization; }
   std::string method() const override { return "rasterised"; }
@@ -37,8 +48,11 @@ class Camera : public Sensor {
  private:
   std::string name_;
   CameraDesc desc_;
-  std::size_t pass_ = 0;  // of this frame's plan
+  std::size_t color_pass_ = 0, depth_pass_ = 0;  // of this frame's plan
   Image color_, depth_;
+  DepthView depth_view_;
+  mutable bool bound_due_ = false;  // the value is older than the image
+  mutable NamedValue bound_{kDepthErrorBound, std::numeric_limits<double>::quiet_NaN()};
 };
 
 }  // namespace simvis

@@ -22,6 +22,33 @@ std::size_t first_of_row(const Pass& pass, const View& view, std::uint32_t row) 
 
 }  // namespace
 
+ColorSampling color_sampling(const AttributeValues& attributes) {
+  const std::string& supersampling = attributes.choice(kSupersamplingAttribute.name);
+  return {.grid = supersampling == "16"  ? 4u
+                  : supersampling == "4" ? 2u
+                                         : 1u,
+          .msaa = static_cast<std::uint32_t>(std::stoul(attributes.choice(kMsaaAttribute.name))),
+          .supersampling_at = attributes.where(kSupersamplingAttribute.name),
+          .msaa_at = attributes.where(kMsaaAttribute.name)};
+}
+
+void check_sampling(const ColorSampling& sampling, std::uint32_t width_px, std::uint32_t height_px,
+                    const TargetLimits& limits) {
+  if (std::ranges::find(limits.msaa, sampling.msaa) == limits.msaa.end()) {
+    std::string allowed;
+    for (const std::uint32_t count : limits.msaa) allowed += (allowed.empty() ? "" : ", ") + std::to_string(count);
+    fail_at(sampling.msaa_at, "attribute \"msaa\": this device cannot take " + std::to_string(sampling.msaa) +
+                                  " samples, expected one of " + allowed);
+  }
+  const std::uint32_t widest = limits.width_px / sampling.grid, highest = limits.height_px / sampling.grid;
+  if (width_px > widest || height_px > highest) {
+    fail_at(sampling.supersampling_at,
+            "attribute \"supersampling\": with " + std::to_string(sampling.grid * sampling.grid) +
+                " this device can take pictures of up to " + std::to_string(widest) + " x " + std::to_string(highest) +
+                " pixels, not of " + std::to_string(width_px) + " x " + std::to_string(height_px));
+  }
+}
+
 Pinhole centred_pinhole(std::uint32_t width_px, std::uint32_t height_px, double hfov_rad) {
   const double focal_px = width_px / (2 * std::tan(hfov_rad / 2));
   return {focal_px, focal_px, width_px / 2.0, height_px / 2.0};

@@ -1,6 +1,7 @@
 // What sensors with pinhole cameras share: their attributes, their geometry, and their pictures out of a pass.
 #pragma once
 
+#include "engine/device.h"
 #include "engine/frame_plan.h"
 #include "engine/renderer.h"
 #include "scenegraph/attributes.h"
@@ -37,6 +38,38 @@ inline constexpr AttributeSpec kNearAttribute{.name = "near",
                                               .text = "what is nearer along the optical axis is not seen",
                                               .min = 0,
                                               .open_min = true};
+
+inline constexpr AttributeSpec kSupersamplingAttribute{
+    .name = "supersampling",
+    .kind = AttributeKind::choice,
+    .default_value = "1",
+    .text = "samples of colour per pixel, on a regular grid; depth is always that of the pixel's centre",
+    .choices = "1 4 16"};
+inline constexpr AttributeSpec kMsaaAttribute{
+    .name = "msaa",
+    .kind = AttributeKind::choice,
+    .default_value = "1",
+    .text = "samples of coverage per sample of colour: smooth edges of shapes; how many depends on the device",
+    .choices = "1 2 4 8"};
+
+/// How many samples the colour of a pixel is the mean of, see Pass.
+struct ColorSampling {
+  std::uint32_t grid = 1;  ///< supersampling is its square
+  std::uint32_t msaa = 1;
+  Location supersampling_at, msaa_at;  ///< where they were written, for messages
+
+  bool several() const { return grid > 1 || msaa > 1; }
+};
+
+/// Added to the reason of a view that is drawn for depth alone beside one for colour.
+inline constexpr const char* kDepthApart = ", apart: at the centres of pixels, of which colour takes several samples";
+
+ColorSampling color_sampling(const AttributeValues& attributes);
+
+/// Throws InputError, with the place and what is allowed, where the device lacks that many samples, or cannot render to
+/// a target that holds the samples of an image of this size.
+void check_sampling(const ColorSampling& sampling, std::uint32_t width_px, std::uint32_t height_px,
+                    const TargetLimits& limits);
 
 /// Square pixels; the optical axis goes through the middle of the image. `hfov_rad` is in (0, pi), from edge to edge.
 Pinhole centred_pinhole(std::uint32_t width_px, std::uint32_t height_px, double hfov_rad);

@@ -13,6 +13,7 @@
 #include <string_view>
 #include <vector>
 
+#include "engine/device.h"
 #include "engine/frame_plan.h"
 #include "engine/ray_caster.h"
 #include "engine/renderer.h"
@@ -61,11 +62,15 @@ class OutputSink {
 };
 
 /// Frames   the sensor frame: x forward, y left, z up (REP 103); a camera looks along +x.
-/// Life     made from its command; then, in each frame in which it is due: plan(), and collect() once the frame has
+/// Life     made from its command; check(); then, in each frame in which it is due: plan(), and collect() once the
+/// frame has
 ///          been rendered, and cast().
 class Sensor {
  public:
   virtual ~Sensor() = default;
+
+  /// Throws InputError, with the place, where the device cannot do what the sensor's command asks for.
+  virtual void check(const TargetLimits&) const {}
 
   /// Adds the views that this frame needs to `plan`. `world_from_sensor` is rigid: scale along the way is taken out.
   virtual void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) = 0;

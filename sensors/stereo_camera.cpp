@@ -1,10 +1,10 @@
 #include "sensors/stereo_camera.h"
 
+#include <algorithm>
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "scenegraph/pose.h"
 #include "sensors/camera_info.h"
-#include "sensors/pinhole_view.h"
 
 namespace simvis {
 
@@ -29,6 +29,8 @@ constexpr AttributeSpec kAttributes[] = {
      .default_value = "color disparity",
      .text = "what it delivers: colour and depth of both views, disparity of the left",
      .choices = "color depth disparity"},
+    kSupersamplingAttribute,
+    kMsaaAttribute,
     kRateAttribute,
 };
 
@@ -42,7 +44,8 @@ std::unique_ptr<Sensor> create(const SensorContext& context) {
                                                          .baseline_m = a.number("baseline"),
                                                          .color = a.flag("outputs", "color"),
                                                          .depth = a.flag("outputs", "depth"),
-                                                         .disparity = a.flag("outputs", "disparity")});
+                                                         .disparity = a.flag("outputs", "disparity"),
+                                                         .sampling = color_sampling(a)});
 }
 
 const SensorRegistration kRegistration({"stereo_camera",
@@ -54,10 +57,14 @@ const SensorRegistration kRegistration({"stereo_camera",
 StereoCamera::StereoCamera(std::string name, const StereoCameraDesc& desc)
     : name_(std::move(name)), desc_(desc), pinhole_(centred_pinhole(desc.width_px, desc.height_px, desc.hfov_rad)) {}
 
-View StereoCamera::make_view(const char* side, const glm::dmat4& world_from_camera) const {
+void StereoCamera::check(const TargetLimits& limits) const {
+  if (desc_.color) check_sampling(desc_.sampling, desc_.width_px, desc_.height_px, limits);
+}
+
+View StereoCamera::make_view(const char* side, const glm::dmat4& world_from_camera, const char* why) const {
   View view;
   view.name = name_ + "_" + side;
-  view.reason = std::string(side) + " view of stereo camera " + name_;
+  view.reason = std::string(side) + " view of stereo camera " + name_ + why;
   view.pinhole = pinhole_;
   view.near_m = desc_.near_m;
   view.view_from_world = rigid_inverse(world_from_camera * sensor_from_view());
@@ -66,53 +73,81 @@ View StereoCamera::make_view(const char* side, const glm::dmat4& world_from_came
   return view;
 }
 
-void StereoCamera::plan(const glm::dmat4& world_from_sensor, const DrawList&, FramePlan& plan) {
+// One pass with both views side by side, or one each where that is too wide; disparity alone needs the left one only.
+StereoCamera::Eyes StereoCamera::plan_eyes(const glm::dmat4& world_from_sensor, bool color, bool depth, const char* why,
+                                           FramePlan& plan) const {
   const Pass pass{.name = name_,
                   .width_px = desc_.width_px,
                   .height_px = desc_.height_px,
-                  .color = desc_.color,
-                  .depth = desc_.depth || desc_.disparity,
-                  .views = {}};
-  left_.pass = plan.passes.size();
-  left_.view = 0;
+                  .color = color,
+                  .depth = depth,
+                  .views = {},
+                  .grid = color ? desc_.sampling.grid : 1,
+                  .msaa = color ? desc_.sampling.msaa : 1};
+  const std::size_t first = plan.passes.size();
   plan.passes.push_back(pass);
-  plan.passes.back().views.push_back(make_view("left", world_from_sensor));
-  if (!needs_right()) return;
+  plan.passes.back().views.push_back(make_view("left", world_from_sensor, why));
+  Eyes eyes{.left = {first, 0}, .right = {}};
+  if (!color && !desc_.depth) return eyes;
 
-  View right = make_view("right", glm::translate(world_from_sensor, {0, -desc_.baseline_m, 0}));
-  right_.view = 0;
-  if (2 * desc_.width_px <= kMaxWidth_px) {
+  View right = make_view("right", glm::translate(world_from_sensor, {0, -desc_.baseline_m, 0}), why);
+  if (2 * desc_.width_px * pass.grid <= kMaxWidth_px) {
     right.x_px = desc_.width_px;
     plan.passes.back().width_px = 2 * desc_.width_px;
-    right_.view = 1;
+    eyes.right = {first, 1};
   } else {
     plan.passes.push_back(pass);
-    plan.passes.back().depth = desc_.depth;
+    plan.passes.back().depth = depth && desc_.depth;
+    eyes.right = {first + 1, 0};
   }
-  right_.pass = plan.passes.size() - 1;
   plan.passes.back().views.push_back(std::move(right));
+  return eyes;
+}
+
+void StereoCamera::plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) {
+  const bool depth = desc_.depth || desc_.disparity;
+  const bool apart = desc_.color && depth && desc_.sampling.several();
+  const Eyes first = plan_eyes(world_from_sensor, desc_.color, depth && !apart, "", plan);
+  const Eyes second = apart ? plan_eyes(world_from_sensor, false, true, kDepthApart, plan) : first;
+  left_.color_at = first.left;
+  left_.depth_at = second.left;
+  right_.color_at = first.right;
+  right_.depth_at = second.right;
+  if (!desc_.depth) return;
+  for (Eye* const eye : {&left_, &right_}) {
+    const Pass& pass = plan.passes[eye->depth_at.pass];
+    eye->depth_view = depth_view(pass, pass.views[eye->depth_at.view], list);
+  }
 }
 
 void StereoCamera::collect(const FrameTime&, const FramePlan& plan, std::span<const PassResult> results) {
-  collect_eye(plan, results, left_);
-  if (needs_right()) collect_eye(plan, results, right_);
+  for (Eye* const eye : {&left_, &right_}) {
+    const Pass &color = plan.passes[eye->color_at.pass], &depth = plan.passes[eye->depth_at.pass];
+    if (desc_.color) take_color(color, color.views[eye->color_at.view], results[eye->color_at.pass], eye->color);
+    if (desc_.depth) take_depth(depth, depth.views[eye->depth_at.view], results[eye->depth_at.pass], eye->depth);
+  }
   if (desc_.disparity) collect_disparity(plan, results);
+  bound_due_ = desc_.depth;
 }
 
-void StereoCamera::collect_eye(const FramePlan& plan, std::span<const PassResult> results, Eye& eye) const {
-  const Pass& pass = plan.passes[eye.pass];
-  if (desc_.color) take_color(pass, pass.views[eye.view], results[eye.pass], eye.color);
-  if (desc_.depth) take_depth(pass, pass.views[eye.view], results[eye.pass], eye.depth);
+std::span<const NamedValue> StereoCamera::values() const {
+  if (!desc_.depth) return {};
+  if (bound_due_) {
+    bound_.value =
+        std::max(depth_error_bound(left_.depth, left_.depth_view), depth_error_bound(right_.depth, right_.depth_view));
+  }
+  bound_due_ = false;
+  return {&bound_, 1};
 }
 
 // Reversed depth is d = near / Z, so the disparity is d times a constant.
 void StereoCamera::collect_disparity(const FramePlan& plan, std::span<const PassResult> results) {
-  const std::uint32_t stride_px = plan.passes[left_.pass].width_px;
+  const std::uint32_t stride_px = plan.passes[left_.depth_at.pass].width_px;
   const double disparity_per_d = pinhole_.fx_px * desc_.baseline_m / desc_.near_m;
   disparity_ = {desc_.width_px, desc_.height_px, 1, std::move(disparity_.pixels)};
   disparity_.pixels.clear();
   for (std::uint32_t row = 0; row < desc_.height_px; ++row) {
-    for (const float d : results[left_.pass].depth.subspan(std::size_t{row} * stride_px, desc_.width_px)) {
+    for (const float d : results[left_.depth_at.pass].depth.subspan(std::size_t{row} * stride_px, desc_.width_px)) {
       disparity_.pixels.push_back(static_cast<float>(disparity_per_d * static_cast<double>(d)));
     }
   }

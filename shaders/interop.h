@@ -60,6 +60,13 @@ using uint = std::uint32_t;
 #define SIMVIS_FADED 3
 #define SIMVIS_GLOSSY 4
 
+// The mean of a pixel's samples: bindings, specialization constants, and the side of a work group's square.
+#define SIMVIS_AVERAGE_SAMPLES 0
+#define SIMVIS_AVERAGE_MEAN 1
+#define SIMVIS_AVERAGE_GRID 0
+#define SIMVIS_AVERAGE_MSAA 1
+#define SIMVIS_AVERAGE_GROUP 8
+
 #ifdef __cplusplus
 // One mesh in one view, read as vertex inputs of instance rate (a CPU device fetches those once for all lanes, which it
 // cannot do for a storage buffer): rows of clip_from_mesh, formed in double and rounded once.

@@ -11,6 +11,10 @@ std::string explain(const FramePlan& plan, const FrameCounters& counters) {
     if (pass.color) out << " colour";
     if (pass.color && pass.depth) out << " and";
     if (pass.depth) out << " depth";
+    if (pass.samples() > 1) {
+      out << ", the mean of " << pass.samples() << " samples a pixel: " << pass.grid << " x " << pass.grid
+          << " of msaa " << pass.msaa;
+    }
     out << '\n';
     for (const View& view : pass.views) {
       out << "  view " << view.name << ": " << view.width_px << " x " << view.height_px << " at " << view.x_px << ' '
@@ -22,8 +26,8 @@ std::string explain(const FramePlan& plan, const FrameCounters& counters) {
         << '\n';
   }
   out << counters.passes << " passes, " << counters.views << " views, " << counters.draws << " draws, "
-      << counters.triangles << " triangles, " << counters.pipelines_bound << " pipelines bound, "
-      << counters.items_culled << " items culled, " << counters.bytes_uploaded << " bytes uploaded, "
+      << counters.triangles << " triangles, " << counters.pipelines_bound << " pipelines bound, " << counters.dispatches
+      << " dispatches, " << counters.items_culled << " items culled, " << counters.bytes_uploaded << " bytes uploaded, "
       << counters.bytes_read_back << " bytes read back, " << counters.meshes_held << " meshes of "
       << counters.mesh_bytes << " bytes and " << counters.textures_held << " textures of " << counters.texture_bytes
       << " bytes held\n";

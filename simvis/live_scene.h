@@ -24,6 +24,9 @@ class LiveScene {
   /// See Simulation::add_variant().
   void add_variant(std::size_t sensor, const Command& command) { builder_.add_variant(sensor, command); }
 
+  /// From now on sensors must be within what this device can do; throws InputError for one that is not yet.
+  void require(const TargetLimits& limits) { builder_.require(limits); }
+
   BuiltScene built;
 
  private:

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/assert.h"
+#include "sensors/depth_error_bound.h"
 
 namespace simvis {
 
@@ -29,11 +30,24 @@ double percentile(std::span<const double> values, double p) {
   return sorted[static_cast<std::size_t>(rank) - 1];
 }
 
+std::vector<SensorInfo> with_bounds(const Simulation& simulation) {
+  std::vector<SensorInfo> sensors = simulation.sensors();
+  for (SensorInfo& sensor : sensors) {
+    sensor.depth_error_bound_m = simulation.find_value(sensor.name, kDepthErrorBound);
+  }
+  return sensors;
+}
+
 std::string to_json(const RunReport& report) {
   Json sensors = Json::object();
   for (const SensorInfo& sensor : report.sensors) {
     sensors[sensor.name] = {
         {"type", sensor.type}, {"method", sensor.method}, {"frames", sensor.frames}, {"effects", Json::array()}};
+    if (sensor.depth_error_bound_m) {
+      // JSON has no infinity.
+      const bool finite = std::isfinite(*sensor.depth_error_bound_m);
+      sensors[sensor.name][kDepthErrorBound] = finite ? Json(*sensor.depth_error_bound_m) : Json(nullptr);
+    }
     if (sensor.cast_share) sensors[sensor.name]["cast_share"] = *sensor.cast_share;
   }
   const Json json = {

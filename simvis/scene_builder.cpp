@@ -119,6 +119,11 @@ void SceneBuilder::add_variant(std::size_t sensor, const Command& command) {
   });
 }
 
+void SceneBuilder::require(const TargetLimits& limits) {
+  limits_ = limits;
+  for (const BuiltSensor& sensor : built_.sensors) sensor.sensor->check(limits);
+}
+
 void SceneBuilder::run(std::span<const Command> commands) {
   for (std::size_t i = 0; i < commands.size(); ++i) {
     check_order(commands[i], commands.subspan(i + 1));
@@ -340,6 +345,7 @@ BuiltSensor SceneBuilder::make_sensor(const Command& command) {
       .command = command,
       .sensor = type->create({.command = command, .attributes = attributes, .name = name.value, .seed = seed_}),
       .mount = nullptr};
+  if (limits_) sensor.sensor->check(*limits_);
   if (std::ranges::count(type->attributes, kRateAttribute.name, &AttributeSpec::name) == 1 &&
       attributes.is_set(kRateAttribute.name)) {
     sensor.sensor->rate_hz = attributes.number(kRateAttribute.name);

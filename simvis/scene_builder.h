@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <set>
 #include <span>
 #include <string>
@@ -54,6 +55,9 @@ class SceneBuilder {
   /// See Simulation::add_variant(). All or nothing.
   void add_variant(std::size_t sensor, const Command& command);
 
+  /// From now on sensors must be within what this device can do; throws InputError for one that is not yet.
+  void require(const TargetLimits& limits);
+
  private:
   // What a carried command or one of the scene's own waits for: a sensor of this name that gives scans.
   struct Awaited {
@@ -82,6 +86,7 @@ class SceneBuilder {
   BuiltScene& built_;
   std::span<const AttributeOverride> overrides_;
   std::uint64_t seed_;
+  std::optional<TargetLimits> limits_;
   NameSet element_names_{"element"}, sensor_names_{"sensor"};
   std::set<std::filesystem::path> carriers_;  // files whose carried commands were executed before
   std::vector<std::filesystem::path> open_;   // files whose carried commands are being executed

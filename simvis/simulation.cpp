@@ -83,6 +83,7 @@ Simulation::Impl::Impl(const SimulationDesc& desc, std::span<const Command> comm
       scene(desc.overrides, commands, desc.seed),
       device(desc.device),
       sensing(scene.built.scene.root(), Audience::sensors, device) {
+  scene.require(device.target_limits());
   take_new_sensors();
 }
 
@@ -253,10 +254,15 @@ const Image& Simulation::picture(std::string_view sensor, std::string_view name)
 }
 
 double Simulation::value(std::string_view sensor, std::string_view name) const {
-  const BuiltSensor& found = impl_->sensor(sensor);
-  const std::span<const NamedValue> values = found.sensor->values();
-  const auto value = std::ranges::find(values, name, &NamedValue::name);
-  return require(value == values.end() ? nullptr : &*value, found, "value \"" + std::string(name) + "\"").value;
+  const std::optional<double> value = find_value(sensor, name);
+  return require(value ? &*value : nullptr, impl_->sensor(sensor), "value \"" + std::string(name) + "\"");
+}
+
+std::optional<double> Simulation::find_value(std::string_view sensor, std::string_view name) const {
+  for (const NamedValue& value : impl_->sensor(sensor).sensor->values()) {
+    if (value.name == name) return value.value;
+  }
+  return {};
 }
 
 Parameters& Simulation::parameters() { return impl_->scene.built.parameters; }
@@ -270,8 +276,13 @@ std::vector<SensorInfo> Simulation::sensors() const {
   std::vector<SensorInfo> infos;
   for (std::size_t i = 0; i < impl_->scene.built.sensors.size(); ++i) {
     const BuiltSensor& sensor = impl_->scene.built.sensors[i];
-    infos.push_back({sensor.name, sensor.type, sensor.sensor->method(), impl_->states[i].frames,
-                     impl_->states[i].enabled, sensor.sensor->cast_share()});
+    infos.push_back({sensor.name,
+                     sensor.type,
+                     sensor.sensor->method(),
+                     impl_->states[i].frames,
+                     impl_->states[i].enabled,
+                     sensor.sensor->cast_share(),
+                     {}});
   }
   return infos;
 }

@@ -39,7 +39,8 @@ struct SensorInfo {
   std::string name, type, method;
   std::uint64_t frames = 0;  ///< how often it has measured
   bool enabled = true;
-  std::optional<double> cast_share{};  ///< of the rays of its last measurement; empty if it never casts
+  std::optional<double> cast_share{};           ///< of the rays of its last measurement; empty if it never casts
+  std::optional<double> depth_error_bound_m{};  ///< of its last depth image; empty unless asked for, see with_bounds()
 };
 
 /// One stage of a step, on the steady clock.
@@ -106,6 +107,8 @@ class Simulation {
   const Image& picture(std::string_view sensor, std::string_view name) const;
   /// One of a sensor's single numbers, as its table names them: "voltage_v". NaN before it first fired.
   double value(std::string_view sensor, std::string_view name) const;
+  /// The same; empty where the sensor has no number of that name.
+  std::optional<double> find_value(std::string_view sensor, std::string_view name) const;
 
   /// The four arrays: descriptors, values, change requests, changes.
   Parameters& parameters();

@@ -270,7 +270,7 @@ void run_scene(const Options& options, std::int64_t start_ns) {
     profile_file->write(profile.to_json());
     profile_file->commit();
   }
-  report.sensors = simulation.sensors();
+  report.sensors = with_bounds(simulation);
   report.wall_s = static_cast<double>(now_ns() - start_ns) / 1e9;
   write_file(std::filesystem::path(options.out) / "run.json", to_json(report));
   if (!options.quiet) print_closing(options, writer, report);

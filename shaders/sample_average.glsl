@@ -1,0 +1,46 @@
+// The mean of all samples of each pixel. Summed in pairs, pairs of pairs and so on: always in the same order, and what
+// is the same all over a pixel stays that to the bit. MULTISAMPLED is defined where texels themselves have samples.
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_samplerless_texture_functions : require
+#include "shaders/interop.h"
+
+layout(local_size_x = SIMVIS_AVERAGE_GROUP, local_size_y = SIMVIS_AVERAGE_GROUP) in;
+layout(constant_id = SIMVIS_AVERAGE_GRID) const int kGrid = 1;
+layout(constant_id = SIMVIS_AVERAGE_MSAA) const int kMsaa = 1;
+
+#ifdef MULTISAMPLED
+layout(set = 0, binding = SIMVIS_AVERAGE_SAMPLES) uniform texture2DMS samples;
+#else
+layout(set = 0, binding = SIMVIS_AVERAGE_SAMPLES) uniform texture2D samples;
+#endif
+layout(set = 0, binding = SIMVIS_AVERAGE_MEAN, rgba32f) writeonly uniform image2D mean;
+
+vec4 one(ivec2 texel, int s) { return texelFetch(samples, texel, s); }
+vec4 two(ivec2 texel, int s) { return one(texel, s) + one(texel, s + 1); }
+vec4 four(ivec2 texel, int s) { return two(texel, s) + two(texel, s + 2); }
+
+vec4 of_texel(ivec2 texel) {
+  if (kMsaa == 1) return one(texel, 0);
+  if (kMsaa == 2) return two(texel, 0);
+  if (kMsaa == 4) return four(texel, 0);
+  return four(texel, 0) + four(texel, 4);
+}
+
+vec4 of_quad(ivec2 texel) {
+  return (of_texel(texel) + of_texel(texel + ivec2(1, 0))) +
+         (of_texel(texel + ivec2(0, 1)) + of_texel(texel + ivec2(1, 1)));
+}
+
+vec4 of_pixel(ivec2 texel) {
+  if (kGrid == 1) return of_texel(texel);
+  if (kGrid == 2) return of_quad(texel);
+  return (of_quad(texel) + of_quad(texel + ivec2(2, 0))) +
+         (of_quad(texel + ivec2(0, 2)) + of_quad(texel + ivec2(2, 2)));
+}
+
+void main() {
+  const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+  if (any(greaterThanEqual(pixel, imageSize(mean)))) return;
+  // A power of two: this division does not round.
+  imageStore(mean, pixel, of_pixel(pixel * kGrid) / float(kGrid * kGrid * kMsaa));
+}
