@@ -7,7 +7,6 @@
 
 #include "engine/geometry_pool.h"
 #include "engine/pipeline_parts.h"
-#include "engine/render_pass.h"
 #include "engine/vulkan_check.h"
 #include "shaders/interop.h"
 #include "shaders/mesh_color.frag.h"
