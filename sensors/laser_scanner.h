@@ -5,9 +5,9 @@
 // `nearest` and `planar` cover the field of view with virtual cameras of at most 90 degrees and take ranges from their
 // reversed depth: see depth_range.h for how, and for what the error bound says. `raycast` renders nothing and casts
 // every beam: see ray_caster.h. `hybrid` renders as `planar` does and casts the beams whose bound is above a share of
-// their range; where that share is too small for any rendered range, as it is unless a scene says more, it renders
-// nothing. A laser meets matter from either side; what is blended below one half or masked out lets it pass;
-// lines and points are not there for it.
+// their range or reaches across range_min or range_max; where that share is too small for any rendered range, as it is
+// unless a scene says more, it renders nothing. A laser meets matter from either side; what is blended below one half
+// or masked out lets it pass; lines and points are not there for it.
 #pragma once
 
 #include <string>
