@@ -110,11 +110,6 @@ std::unique_ptr<Sensor> create(const SensorContext& context) {
   desc.range_min_m = a.number("range_min");
   desc.range_max_m = a.number("range_max");
   desc.method = method_named(a.choice("method"));
-  if (casts(desc.method) && !has_host_ray_caster()) {
-    fail_at(a.where("method"), "attribute \"method\": \"" + a.choice("method") +
-                                   "\" needs Embree, without which this SimVis was built, expected \"nearest\" or "
-                                   "\"planar\"");
-  }
   desc.max_error_rel = a.number("max_error_rel");
   if (a.is_set("resolution")) desc.resolution_px = a.number("resolution");
 
@@ -135,6 +130,15 @@ std::unique_ptr<Sensor> create(const SensorContext& context) {
 const SensorRegistration kRegistration({"laser_scanner",
                                         "A laser scanner: ranges along beams, each with an error bound.", kAttributes,
                                         create});
+
+// Whether a rendered range will do for `hybrid`: its bound is small enough, and does not reach across a limit along the
+// ray, where it would leave open of which kind the reading is.
+bool is_certain(const RangeEstimate& estimate, const LaserScannerDesc& desc) {
+  if (std::isinf(estimate.error_bound_m)) return false;
+  const double low = estimate.range_m - estimate.error_bound_m, high = estimate.range_m + estimate.error_bound_m;
+  return estimate.error_bound_m <= desc.max_error_rel * estimate.range_m &&
+         !(low < desc.range_min_m && high >= desc.range_min_m) && !(low <= desc.range_max_m && high > desc.range_max_m);
+}
 
 double resolution_of(const LaserScannerDesc& desc) {
   if (desc.resolution_px > 0) return desc.resolution_px;
@@ -213,7 +217,7 @@ void LaserScanner::collect(const FrameTime&, const FramePlan& plan, std::span<co
     if (desc_.method == ScanMethod::nearest) {
       estimate = nearest_range(pixels[tap.face], tap, layout_.faces[tap.face], estimate);
     }
-    if (desc_.method == ScanMethod::hybrid && !(estimate.error_bound_m <= desc_.max_error_rel * estimate.range_m)) {
+    if (desc_.method == ScanMethod::hybrid && !is_certain(estimate, desc_)) {
       beams_.push_back(static_cast<std::uint32_t>(beam));
     } else {
       take(beam, estimate.range_m, estimate.error_bound_m);

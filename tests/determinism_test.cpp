@@ -139,7 +139,6 @@ TEST_CASE("draw lists of the scenes that come with SimVis") {
 TEST_CASE("scans of marvin by each method") {
   for (const ScanHash& expected : kScans) {
     const std::string method(expected.method);
-    if (!has_host_ray_caster() && (method == "hybrid" || method == "raycast")) continue;
     SimulationDesc desc;
     desc.overrides = {{"laser_scanner", "method", method, "this test"},
                       {"laser_scanner", "max_error_rel", "1e-4", "this test"}};  // hybrid renders, and casts

@@ -191,7 +191,7 @@ TEST_CASE("what is far does not touch the depth of what is near") {
   add_item(far, box_mesh({3e5, 3e5, 3e5}), matrix_from_degrees({1e6, -4e5, 1e5}, 15, 25, 35));
   Device device;
   Renderer renderer(device);
-  const std::unique_ptr<RayCaster> caster = make_host_ray_caster();
+  const std::unique_ptr<RayCaster> caster = make_ray_caster(device);
   const auto scan_of = [&](const DrawList& world, ScanMethod method, double range_max_m) {
     LaserScannerDesc desc;
     desc.pattern = {.samples = 181,

@@ -23,17 +23,11 @@ namespace {
 // Sanitizers make a simulation some ten times slower to set up: fewer orders, and of the methods that which does all.
 #ifdef __SANITIZE_ADDRESS__
 constexpr std::size_t kFewer = 6;
-constexpr std::string_view kMethods[] = {"hybrid"}, kMethodsWithoutCaster[] = {"planar"};
+constexpr std::string_view kMethods[] = {"hybrid"};
 #else
 constexpr std::size_t kFewer = 1;
-constexpr std::string_view kMethods[] = {"nearest", "planar", "hybrid", "raycast"},
-                           kMethodsWithoutCaster[] = {"nearest", "planar"};
+constexpr std::string_view kMethods[] = {"nearest", "planar", "hybrid", "raycast"};
 #endif
-
-std::span<const std::string_view> methods() {
-  if (!has_host_ray_caster()) return kMethodsWithoutCaster;
-  return kMethods;
-}
 
 const std::vector<std::string> kParts = {
     R"(<part file="room.gltf" name="ROOM" insert_at="ROOT" up="z" pose_offset="0 0 1.5 0 0 10"/>)",
@@ -103,7 +97,7 @@ class Stage {
 
 /// The method of a scanner in the order of this number: over the orders, each has all.
 std::string_view method_in(std::size_t order, std::size_t sensor) {
-  return methods()[(order / kFewer + sensor) % methods().size()];
+  return kMethods[(order / kFewer + sensor) % std::size(kMethods)];
 }
 
 std::string with_method(std::string sensor, std::string_view method) {
@@ -148,13 +142,13 @@ TEST_CASE("parts and sensors declared in any order give the same bytes") {
     CHECK(simulation.validation_messages() == 0);
     ++orders;
   } while (std::ranges::next_permutation(sensors).found);
-  CHECK(first.size() == 1 + 3 * std::min(methods().size(), orders));
+  CHECK(first.size() == 1 + 3 * std::min(std::size(kMethods), orders));
   add_line("orders of declaring 3 parts, 3 scanners and a camera", std::to_string(orders) + ", the same bytes");
 }
 
 TEST_CASE("other sensors in the scene change nothing in a sensor's bytes") {
   const Stage stage;
-  for (const std::string_view method : methods()) {
+  for (const std::string_view method : kMethods) {
     CAPTURE(method);
     Simulation together = stage.make(joined(kParts, kSensors), method);
     together.step();
@@ -196,7 +190,7 @@ TEST_CASE("one frame alone is frame k of a run") {
     simulation.set("DRIVE", "y", 0.02 * frame);
   };
   const Stage stage;
-  for (const std::string_view method : methods()) {
+  for (const std::string_view method : kMethods) {
     CAPTURE(method);
     Simulation run = stage.make(moving, method);
     for (int frame = 0; frame < kFrames; ++frame) {

@@ -60,10 +60,7 @@ class Room {
   }
   Room() { write_part(folder_ / "room.gltf", box_mesh(kRoomHalf_m)); }
 
-  static std::vector<std::string> methods() {
-    if (!has_host_ray_caster()) return {"nearest", "planar"};
-    return {"nearest", "planar", "hybrid", "raycast"};
-  }
+  static std::vector<std::string> methods() { return {"nearest", "planar", "hybrid", "raycast"}; }
 
  private:
   TemporaryFolder folder_;

@@ -28,7 +28,6 @@ constexpr std::size_t kFewer = 1, kBeamsOfAPlace = 50'000;
 constexpr std::size_t kBeams = 10'000'000 / kFewer;
 constexpr double kPi = std::numbers::pi;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-const bool kAbsent = !has_host_ray_caster();
 
 /// A box of half the size `half_m` whose sides are cut into `cells` x `cells` squares, each of two triangles. Vertices
 /// within a side are moved along it at random, by up to a quarter of a cell; `jitter` 0 leaves the grid as it is.
@@ -163,7 +162,7 @@ struct Solid {
 
 }  // namespace
 
-TEST_CASE("10,000,000 beams inside closed meshes: none escapes" * doctest::skip(kAbsent)) {
+TEST_CASE("10,000,000 beams inside closed meshes: none escapes") {
   std::mt19937 random(1);
   const Solid solids[] = {
       {"box", box_mesh({5, 4, 3}), 1, box_planes({5, 4, 3})},
@@ -177,7 +176,7 @@ TEST_CASE("10,000,000 beams inside closed meshes: none escapes" * doctest::skip(
     CAPTURE(solid.name);
     DrawList list;
     add_item(list, solid.mesh, glm::dmat4(1.0));
-    const std::unique_ptr<RayCaster> caster = make_host_ray_caster();
+    const std::unique_ptr<RayCaster> caster = make_ray_caster(ray_device());
     std::vector<RayHit> hits;
     const std::size_t places = (kBeams / std::size(solids) + kBeamsOfAPlace - 1) / kBeamsOfAPlace;
     for (std::size_t place = 0; place < places; ++place) {
@@ -203,7 +202,7 @@ TEST_CASE("10,000,000 beams inside closed meshes: none escapes" * doctest::skip(
 }
 
 // Every method, on the whole sphere around. The mesh is convex: its surface is the first of its triangles' planes.
-TEST_CASE("no beam inside a closed mesh reads inf" * doctest::skip(kAbsent)) {
+TEST_CASE("no beam inside a closed mesh reads inf") {
   std::mt19937 random(2);
   // A vertex is rounded to float32 by up to sqrt(3) / 2 units of 2^-23 of its distance. Two triangles of a flat side
   // are so tilted against each other, and the plane of each is up to three times as far off over the other.
