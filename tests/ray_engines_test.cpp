@@ -11,13 +11,10 @@
 #include "shaders/interop.h"
 #include "simvis/simulation.h"
 #include "tests/ray_casting.h"
-#include "tests/reference_raycast.h"
 
 using namespace simvis;
 
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 #ifdef __SANITIZE_ADDRESS__
 constexpr std::size_t kFewer = 16;
@@ -80,6 +77,23 @@ std::vector<glm::dvec3> directions_into(const DrawList& list, const glm::dmat4& 
     if (glm::length(way) > 0) directions.push_back(glm::normalize(way));
   }
   return directions;
+}
+
+/// What rays from the origin meet by casting into each item alone: of those the nearest, of equals the first.
+std::vector<RayHit> nearest_of_each(const DrawList& list, const std::vector<glm::dvec3>& directions) {
+  const RayEngine device = device_engine();
+  std::vector<RayHit> nearest(directions.size());
+  for (std::uint32_t item = 0; item < list.items.size(); ++item) {
+    DrawList alone = list;
+    alone.items = {list.items[item]};
+    const std::vector<RayHit> hits = device.cast(alone, glm::dmat4(1.0), directions);
+    for (std::size_t i = 0; i < directions.size(); ++i) {
+      if (hits[i].range_m >= nearest[i].range_m) continue;
+      nearest[i] = hits[i];
+      nearest[i].item = item;
+    }
+  }
+  return nearest;
 }
 
 }  // namespace
@@ -156,25 +170,32 @@ TEST_CASE("more candidates than a ray can carry: leaves behind leaves, many surf
     directions.push_back(glm::normalize(i % 2 == 0 ? glm::dvec3(1, y, z) : glm::dvec3(1, 3 + 0.5 * y, 0.5 * z)));
   }
   const std::vector<RayHit> hits = device.cast(list, glm::dmat4(1.0), directions);
-  // A device of one item each tells what each item alone would give; the nearest of those, the first of equals, counts.
   for (std::size_t i = 0; i < directions.size(); i += kFewer) {
     CHECK(std::isfinite(hits[i].range_m));
     if (i % 2 == 1) CHECK(hits[i].item == kCurtains + 1);
   }
-  std::vector<RayHit> nearest(directions.size());
-  const RayEngine one_by_one = device_engine();
-  for (std::uint32_t item = 0; item < list.items.size(); ++item) {
-    DrawList alone = list;
-    alone.items = {list.items[item]};
-    const std::vector<RayHit> of_item = one_by_one.cast(alone, glm::dmat4(1.0), directions);
-    for (std::size_t i = 0; i < directions.size(); ++i) {
-      if (of_item[i].range_m >= nearest[i].range_m) continue;
-      nearest[i] = of_item[i];
-      nearest[i].item = item;
-    }
-  }
-  CHECK(hits == nearest);
+  CHECK(hits == nearest_of_each(list, directions));
   CHECK(device.caster->counters().rays_walked > 100);
+}
+
+TEST_CASE("of faces in one plane the first item's is met, in whatever order they are come upon") {
+  // The second item's face lies in the plane of the first's, and its box, for a corner far from all rays, is entered
+  // first; the third is a thousand times as large and turned about the axis through the plane. Across that axis all
+  // corners have one depth, which is then the range's, to the bit.
+  DrawList list;
+  add_item(list, box_mesh({1, 1, 1}), at(3, 0, 0));
+  Mesh face;
+  face.positions = {{0, -3, 0}, {0, 3, -4}, {0, 3, 4}, {-1.5f, 30, 0}};
+  face.indices = {0, 1, 2, 1, 2, 3};
+  add_item(list, face, at(2, 0, 0));
+  add_item(list, box_mesh({1000, 1000, 1000}), glm::rotate(at(1002, 0, 0), 0.3, {1, 0, 0}));
+  std::mt19937 random(9);
+  std::uniform_real_distribution<double> unit(-0.9, 0.9);
+  std::vector<glm::dvec3> directions;
+  for (int i = 0; i < 3000; ++i) directions.push_back(glm::normalize(glm::dvec3(2, unit(random), unit(random))));
+  const std::vector<RayHit> hits = device_engine().cast(list, glm::dmat4(1.0), directions);
+  CHECK(hits == nearest_of_each(list, directions));
+  for (const RayHit& hit : hits) CHECK(hit.item == 0);
 }
 
 TEST_CASE("what has faded below one half lets rays pass, whoever casts; nothing need move for that") {
@@ -243,6 +264,19 @@ TEST_CASE("of 1,000 parts one that moves costs its block and the nodes above it;
   CHECK(mixed.meshes_built == 0);
   CHECK(mixed.item_trees_built == 1);
   CHECK(mixed.bytes_uploaded == 1000 * block + 1999 * node);
+}
+
+TEST_CASE("what stands nowhere is not met, and hides nothing") {
+  const RayEngine engine = each_engine();
+  DrawList list;
+  for (const double nowhere : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    add_item(list, sphere_mesh(1, 16), at(nowhere, 0, 0));
+    add_item(list, sphere_mesh(1, 16), glm::scale(at(3, 0, 0), glm::dvec3(1, nowhere, 1)));
+  }
+  add_item(list, box_mesh({1, 1, 1}), at(3, 0, 0));
+  const RayHit hit = engine.cast_one(list, {1, 0, 0});
+  CHECK(hit.range_m == 2);
+  CHECK(hit.item == 4);
 }
 
 TEST_CASE("meshes come and go, as animation has it") {
