@@ -40,6 +40,7 @@ struct Plane {
 struct Place {
   double fraction = 0;
   bool below = false, above = false;  // so near to pixel 0 or 1 that it may belong before or beyond it
+  bool lost = false;                  // edges may be off by whole pixels
 
   // How far it may lie from the nearest pixel of its own surface.
   double distance() const {
@@ -179,7 +180,7 @@ class Cell {
     const double gx = at(1, 0) - at(0, 0), gy = at(0, 1) - at(0, 0);
     const double n = noise(at(0, 0), gx, gy);
     const double twist = std::abs(at(1, 1) - at(1, 0) - at(0, 1) + at(0, 0));
-    bool flat = twist <= kBelieved * n;
+    bool flat = twist <= kBelieved * n && !place_x_.lost && !place_y_.lost;
     double doubt_x = 0, doubt_y = 0;
     for (int y = 0; y <= (planar_ ? 0 : 1) && flat; ++y) {
       const Line line = judge({second_difference_x(-1, y), second_difference_x(0, y), second_difference_x(1, y),
@@ -213,7 +214,7 @@ class Cell {
     for (int x = -kPixelsBefore; x <= kPixelsAfter; ++x) nearest = std::max(nearest, at(x, 0));
     const double off_px =
         pixels_.snap_px + pixels_.focal_px * displacement_m_ * nearest * (row + 1) + 2 * kFloatUnit * reach_px;
-    return {fraction, fraction < off_px, 1 - fraction < off_px};
+    return {fraction, fraction < off_px, 1 - fraction < off_px, off_px >= 1};
   }
 
   const FacePixels& pixels_;
@@ -277,9 +278,9 @@ FacePixels face_pixels(const PassResult& result, const Pass& pass, const View& v
           .depth_snap_px = result.depth_snap_px};
 }
 
-// A surface is displaced by at least 5 u of its own distance, and 16 u of that for cutting and dividing; its plane's
-// |mx| + |my| + w' is no less than w. Half a pixel from the surface's last one, twice the noise.
-double least_planar_bound() { return 2 * (5 + 16 + kValue) * kFloatUnit; }
+// A surface seen at range r is displaced by at least (5 + 3 + 1) u r (see VertexRounding), and |mx| + |my| + w' is no
+// less than w. Half a pixel from the surface's last one, twice the noise.
+double least_planar_bound() { return 2 * (9 + kValue) * kFloatUnit; }
 
 RangeEstimate planar_range(const FacePixels& pixels, const BeamTap& tap, bool planar_layout,
                            const VertexRounding& rounding) {
