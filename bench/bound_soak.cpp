@@ -1,15 +1,15 @@
 // Holds the error bounds of laser scans against many random beams: every method, worlds of every kind (see
 // random_worlds.h), planar scanners and lidars at several resolutions.
 //
-//   bound_soak [BEAMS_PER_METHOD [SEED]]
+//   bound_soak [BEAMS_PER_METHOD [SEED [WORLD]]]
 //
 // Truth is the ray caster in double. For `raycast`, whose ranges come from there, it is a cast from a sensor that is
 // turned another way: other matrices, other roundings, another tree. (The caster itself is held against a ray cast of
 // every triangle by the tests.)
 //
 // Prints CSV, one line per method and kind of world. A violation is a beam whose true range lies outside its bound.
-// Those of rendered ranges on surfaces that the bound does not speak of (see depth_range.h: less than three pixels wide,
-// or shown by needles) are counted by themselves. Exit status 1 if any other is found.
+// Those of rendered ranges on surfaces that the bound does not speak of (see depth_range.h: less than three pixels
+// wide, or shown by needles) are counted by themselves. Exit status 1 if any other is found.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -72,9 +72,9 @@ struct Method {
   ScanMethod method;
 };
 constexpr Method kMethods[] = {
-    {"nearest", "", ScanMethod::nearest},       {"planar", "", ScanMethod::planar},
-    {"hybrid", "1e-3", ScanMethod::hybrid},     {"hybrid", "1e-4", ScanMethod::hybrid},
-    {"hybrid", "1e-5", ScanMethod::hybrid},     {"hybrid", "1e-6", ScanMethod::hybrid},
+    {"nearest", "", ScanMethod::nearest},   {"planar", "", ScanMethod::planar},
+    {"hybrid", "1e-3", ScanMethod::hybrid}, {"hybrid", "1e-4", ScanMethod::hybrid},
+    {"hybrid", "1e-5", ScanMethod::hybrid}, {"hybrid", "1e-6", ScanMethod::hybrid},
     {"raycast", "", ScanMethod::raycast},
 };
 
@@ -150,9 +150,9 @@ class Surroundings {
 
   glm::dvec3 beside(const BeamTap& tap, double x_px, double y_px) const {
     const ScanFace& face = layout_.faces[tap.face];
-    return glm::normalize(
-        glm::transpose(face.face_from_sensor) *
-        glm::dvec3(tap.tangent_x + x_px / face.pinhole.fx_px, tap.tangent_y + y_px / face.pinhole.fy_px, 1));
+    return glm::normalize(glm::transpose(face.face_from_sensor) * glm::dvec3(tap.tangent_x + x_px / face.pinhole.fx_px,
+                                                                             tap.tangent_y + y_px / face.pinhole.fy_px,
+                                                                             1));
   }
 
   Triangle corners_of(const RayHit& hit) const {
@@ -253,8 +253,8 @@ void compare(const Scan& scan, std::span<const RayHit> truth, const ScanLayout& 
       } else {
         constexpr int kPrinted = 5;
         if (tally.violations++ < kPrinted) {
-          std::fprintf(stderr, "beam %zu of %u rings: true %.9g m, read %.9g m, bound %.3g m\n", i, scan.rings, expected,
-                       range, bound);
+          std::fprintf(stderr, "beam %zu of %u rings: true %.9g m, read %.9g m, bound %.3g m\n", i, scan.rings,
+                       expected, range, bound);
         }
       }
     } else if (std::isfinite(bound) && bound > 0) {

@@ -222,8 +222,7 @@ inline RandomWorld far_away(std::mt19937& random) {
 /// The scene ravon, always the same: ground, rocks, trees and grass with masked leaves.
 inline RandomWorld foliage(std::mt19937&) {
   static const RandomWorld kWorld = [] {
-    Simulation simulation =
-        Simulation::load(std::filesystem::path(SIMVIS_SOURCE_DIR) / "scenes/ravon/ravon.xml");
+    Simulation simulation = Simulation::load(std::filesystem::path(SIMVIS_SOURCE_DIR) / "scenes/ravon/ravon.xml");
     for (const SensorInfo& sensor : simulation.sensors()) simulation.enable(sensor.name, false);
     simulation.step();
     return RandomWorld{simulation.draw_list(), inside({-11.2, -3.2, 1}, {6, 1.5, 0.8})};
@@ -234,9 +233,8 @@ inline RandomWorld foliage(std::mt19937&) {
 }  // namespace random_worlds
 
 inline constexpr WorldKind kWorldKinds[] = {
-    {"room", random_worlds::room},           {"corridor", random_worlds::corridor},
-    {"poles", random_worlds::poles},         {"slivers", random_worlds::slivers},
-    {"instances", random_worlds::instances}, {"far", random_worlds::far_away},
+    {"room", random_worlds::room},       {"corridor", random_worlds::corridor},   {"poles", random_worlds::poles},
+    {"slivers", random_worlds::slivers}, {"instances", random_worlds::instances}, {"far", random_worlds::far_away},
     {"foliage", random_worlds::foliage},
 };
 

@@ -16,7 +16,7 @@ struct PhysicalDevice {
   VkPhysicalDevice handle = VK_NULL_HANDLE;
   VkPhysicalDeviceProperties properties{};
   double snap_px = 0, depth_snap_px = 0;  ///< see PassResult
-  std::uint32_t queue_family = 0;  ///< with graphics; meaningless when `info.unusable` says so
+  std::uint32_t queue_family = 0;         ///< with graphics; meaningless when `info.unusable` says so
   DeviceInfo info;
 };
 

@@ -22,8 +22,8 @@ constexpr double kEvaluation = 10, kSlope = 25, kValue = 4;
 // of one plane.
 constexpr double kPossible = 4;
 
-// Up to this many times the error they are taken for those of one plane. What that lets through is in the bound, so this
-// is a choice: a larger one interpolates where small bevels may hide, a smaller one calls more beams uncertain.
+// Up to this many times the error they are taken for those of one plane. What that lets through is in the bound, so
+// this is a choice: a larger one interpolates where small bevels may hide, a smaller one calls more beams uncertain.
 constexpr double kBelieved = 0.5;
 
 // A surface around one corner of the beam's cell: w = w0 + gx (x - corner) + gy (y - corner).
@@ -183,16 +183,16 @@ class Cell {
     bool flat = twist <= kBelieved * n && !place_x_.lost && !place_y_.lost;
     double doubt_x = 0, doubt_y = 0;
     for (int y = 0; y <= (planar_ ? 0 : 1) && flat; ++y) {
-      const Line line = judge({second_difference_x(-1, y), second_difference_x(0, y), second_difference_x(1, y),
-                               second_difference_x(2, y)},
-                              n, place_x_);
+      const Line line = judge(
+          {second_difference_x(-1, y), second_difference_x(0, y), second_difference_x(1, y), second_difference_x(2, y)},
+          n, place_x_);
       flat = line.straight;
       doubt_x = std::max(doubt_x, line.doubt);
     }
     for (int x = 0; x <= 1 && !planar_ && flat; ++x) {
-      const Line line = judge({second_difference_y(x, -1), second_difference_y(x, 0), second_difference_y(x, 1),
-                               second_difference_y(x, 2)},
-                              n, place_y_);
+      const Line line = judge(
+          {second_difference_y(x, -1), second_difference_y(x, 0), second_difference_y(x, 1), second_difference_y(x, 2)},
+          n, place_y_);
       flat = line.straight;
       doubt_y = std::max(doubt_y, line.doubt);
     }
@@ -201,8 +201,8 @@ class Cell {
     if (planar_) return {interpolated(), (1 + 2 * far_x) * n + doubt_x};
     const double far_y = place_y_.distance();
     // Extended in both directions; inside the cell its fourth corner follows from the other three and the twist.
-    const double extended = std::max(far_x, far_y) <= 1 ? 1 + 2 * (far_x + far_y + far_x * far_y)
-                                                        : (1 + 2 * far_x) * (1 + 2 * far_y);
+    const double extended =
+        std::max(far_x, far_y) <= 1 ? 1 + 2 * (far_x + far_y + far_x * far_y) : (1 + 2 * far_x) * (1 + 2 * far_y);
     return {interpolated(), extended * n + doubt_x + doubt_y + far_x * far_y * twist};
   }
 

@@ -8,27 +8,28 @@
 // that begin or end at its left, at its right, or go on past it. If pixels beside the beam pass for one surface, and no
 // other that they allow for departs from it, w is interpolated between them. Where flat surfaces meet so that their
 // extensions cross between the pixels (a crease), their envelope is taken. Elsewhere (a step, or surfaces finer than
-// three pixels) the pixels do not say which surface the beam meets: the range is that of the surface on the beam's side,
-// the bound is infinite.
+// three pixels) the pixels do not say which surface the beam meets: the range is that of the surface on the beam's
+// side, the bound is infinite.
 //
-// What the bound speaks of. Three things are assumed of the surface that a beam meets:
-//   width      It is flat over at least three pixels beside or around the beam, along each direction in which the layout
-//              has beams, and one pixel down where it has one ring: what is smaller may have left no trace in the pixels.
-//   needles    No triangle that shows it is a needle in the picture: a triangle L pixels long fills at least the L / V-th
-//              part of the box around it, V the size of the view. What float32 makes of longer ones (see `slope`) is
-//              not bounded by anything that pixels show. This binds what crosses much of the view: 40 pixels long in a
-//              view of 4096, it may be a hundredth of a pixel thick.
-//   edges      Nothing: vertices are snapped to a grid before pixels are found that a triangle covers, and may be
-//              displaced (below), so that an edge may seem to lie on the other side of a pixel's centre. Beams as near
-//              to a centre as that are taken to be on either side of it.
-// With that, no pixels of other surfaces, in line by chance or not, can mislead: three pixels in line that belong to
-// more than one surface are three of which the beam's own surface has at least one, beside the beam, with two more of it
-// beyond; what the others may be off from its plane is their own second difference, and that is in the bound.
+// What the bound speaks of. Assumed of what a beam meets, a gap that lets it pass included, is:
+//   width    It is flat over three by three pixels around or beside the beam; where the layout has one ring, over three
+//            along it and one down. What is smaller may have left no trace in the pixels.
+//   needles  No triangle that the pixels around show is a needle in the picture: one of L pixels fills at least the
+//            L / V-th part of the box around it, V the size of the view. What float32 makes of the slope of others
+//            (below) is not bounded by anything that pixels show. This binds what crosses much of the view only.
+// Edges need no assumption: vertices are snapped to a grid before pixels are found that a triangle covers, and may be
+// displaced (below), so that an edge may seem to lie beyond a pixel's centre. Beams as near to a centre as that are
+// taken to be on either side of it. (In two directions, the next column there is taken to be as straight as the cell's
+// own; and of one ring no edge runs along the ring within that distance.)
+// With that no pixels of other surfaces can mislead, in line by chance or not. The beam's own surface has at least one
+// of the two pixels beside it, and two more beyond. What the other pixel is off from its plane is a second difference,
+// which is in the bound; and where that is too large, three pixels that may be such a surface are not believed to be
+// none, unless their second difference is above what errors can make.
 //
 // How far the w of a beam is off, with n the error of a pixel: where the surface covers both pixels beside it, n. Where
-// it ends between them at a distance f from its last pixel, (1 + 2 f) n for its plane extended from its last two, and
-// f times the second difference that was found. In two directions both of these multiply. The larger of all that the
-// pixels allow for is taken.
+// it ends between them, at a distance f of the beam from its last pixel, (1 + 2 f) n for its plane extended from its
+// last two, and f times the second difference that was found. The larger of all that the pixels allow for is taken; in
+// two directions the pixels' shares multiply.
 //
 // The error n of a pixel's w on a plane m . (x, y, z) = 1, whose gradient per pixel is g = m / focal (u = 2^-24):
 //   vertices   A vertex reaches the rasteriser displaced by at most e in each clip coordinate (see VertexRounding), so
@@ -45,7 +46,7 @@
 //   snapping   Vulkan does not say whether depth is interpolated between vertices as they came or as they were snapped
 //              to 2^-subPixelPrecisionBits pixels, by rounding or cutting off. In the second case each lies that far
 //              beside the place whose depth it has: s (|gx| + |gy|), s = 2^-subPixelPrecisionBits. lavapipe does the
-//              first, in Mesa 22.3 as in all since 2010: there s = 0. (PassResult::depth_snap_px)
+//              first (Mesa, lp_state_setup.c): there s = 0. See PassResult::depth_snap_px.
 // This is arithmetic as lavapipe does it. Vulkan demands nothing of the arithmetic of rasterisers; on other devices the
 // bound holds if theirs is no worse than float32, and their shaders round to nearest. Gradients are themselves taken
 // from pixels, so that they are off by 2 n per pixel: what that adds to n is in it.
@@ -65,10 +66,10 @@ struct FacePixels {
   std::uint32_t stride_px = 0;   ///< from one row to the next
   double near_m = 0;
   double focal_px = 0;
-  double reach_x_px = 0, reach_y_px = 0;             ///< the farthest that a vertex lies from the target's corner
-  double width_px = 0, height_px = 0;                ///< of the viewport
+  double reach_x_px = 0, reach_y_px = 0;              ///< the farthest that a vertex lies from the target's corner
+  double width_px = 0, height_px = 0;                 ///< of the viewport
   double middle_tangent_x = 0, middle_tangent_y = 0;  ///< where the viewport's middle lies in the face
-  double snap_px = 0, depth_snap_px = 0;             ///< see PassResult
+  double snap_px = 0, depth_snap_px = 0;              ///< see PassResult
 };
 
 /// Of a view of a pass.

@@ -19,10 +19,10 @@ namespace simvis {
 ///                    at range r has its corners within r + E, so that |R| |p| is at most r + E + |t|, and at most the
 ///                    mesh's farthest corner.
 ///   3 u (2 E + m)    A triangle that leaves the view is cut: a new vertex is a + s (b - a), of three roundings two of
-///                    b - a and its share, no longer than E, and one of the vertex, no farther than m, the lesser of r + E and the
-///                    distance of the mesh's farthest point. Three planes (a side, top or bottom, near) can cut one end
-///                    of an edge, one after the other.
-///   u m              1 / w, which all coordinates are then multiplied by, so that it moves a vertex like a change of w.
+///                    b - a and its share, no longer than E, and one of the vertex, no farther than m, the lesser of r
+///                    + E and the distance of the mesh's farthest point. Three planes (a side, top or bottom, near) can
+///                    cut one end of an edge, one after the other.
+///   u m              1 / w, which all coordinates are then multiplied by: it moves a vertex as a change of w does.
 /// The rows themselves come from products of double matrices of entries up to the scene's offset from the world's
 /// origin.
 ///

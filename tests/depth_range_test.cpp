@@ -278,9 +278,8 @@ TEST_CASE("depth that a device takes from snapped vertices stays within the boun
   for (const ScanPattern& pattern : {kFan, kLidar}) {
     const Picture exact(pattern, kResolution_px, wall);
     const double focal_px = exact.layout.faces[0].pinhole.fx_px;
-    Picture picture(pattern, kResolution_px, [&](double x, double y) {
-      return wall(x + kSnap_px / focal_px, y + kSnap_px / focal_px);
-    });
+    Picture picture(pattern, kResolution_px,
+                    [&](double x, double y) { return wall(x + kSnap_px / focal_px, y + kSnap_px / focal_px); });
     picture.snap_px = picture.depth_snap_px = kSnap_px;
     double worst_use = 0;
     for (std::size_t beam = 0; beam < picture.layout.taps.size(); ++beam) {

@@ -15,7 +15,7 @@ using namespace simvis;
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kMaxError = 1e-6;   // what the issue of record asks of every range, relative
+constexpr double kMaxError = 1e-6;    // what the issue of record asks of every range, relative
 constexpr double kBesideEdge = 1e-6;  // rad: of beams nearer to an edge it asks nothing
 
 #ifdef __SANITIZE_ADDRESS__
@@ -87,8 +87,7 @@ TEST_CASE("a million beams, raycast and hybrid: no error above 1e-6, no wrong hi
       const Scan& scan = *scanner.scan();
       for (std::size_t i = 0; i < scan.range_m.size(); ++i, ++beams) {
         const double a = scan.azimuth_rad[i % scan.columns], e = scan.elevation_rad[i / scan.columns];
-        const double expected =
-            truth.cast({std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e)}).range_m;
+        const double expected = truth.cast({std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e)}).range_m;
         const double range = scan.range_m[i];
         if (!agrees(range, expected)) {
           INFO("room " << room << ", beam " << i << ": " << range << " m for " << expected << " m");
