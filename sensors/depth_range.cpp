@@ -103,8 +103,7 @@ class Cell {
     return static_cast<double>(origin_[static_cast<std::ptrdiff_t>(y) * pixels_.stride_px + x]) / pixels_.near_m;
   }
 
-  const Place& place_x() const { return place_x_; }
-  const Place& place_y() const { return place_y_; }
+  bool lost() const { return place_x_.lost || place_y_.lost; }
   bool beside_a_centre() const { return place_x_.below || place_x_.above || place_y_.below || place_y_.above; }
 
   // Nothing is seen at the beam, nor just beyond a pixel's centre that it may lie on either side of.
@@ -180,7 +179,7 @@ class Cell {
     const double gx = at(1, 0) - at(0, 0), gy = at(0, 1) - at(0, 0);
     const double n = noise(at(0, 0), gx, gy);
     const double twist = std::abs(at(1, 1) - at(1, 0) - at(0, 1) + at(0, 0));
-    bool flat = twist <= kBelieved * n && !place_x_.lost && !place_y_.lost;
+    bool flat = twist <= kBelieved * n && !lost();
     double doubt_x = 0, doubt_y = 0;
     for (int y = 0; y <= (planar_ ? 0 : 1) && flat; ++y) {
       const Line line = judge(
@@ -235,7 +234,7 @@ RangeEstimate to_range(double w, double w_bound, const BeamTap& tap) {
 // The envelope of the corners' planes if they form one continuous surface, upper or lower.
 RangeEstimate crease_or_step(const Cell& cell, const BeamTap& tap, std::span<const Plane> corners) {
   const double fx = tap.fraction_x, fy = tap.fraction_y;
-  bool flat = !cell.beside_a_centre(), upper = true, lower = true;
+  bool flat = !cell.lost(), upper = true, lower = true;
   double highest = -kInfinity, lowest = kInfinity, noise = 0;
   for (const Plane& own : corners) {
     flat = flat && own.flat;
@@ -250,9 +249,12 @@ RangeEstimate crease_or_step(const Cell& cell, const BeamTap& tap, std::span<con
   }
   if (flat && (upper || lower)) {
     // A plane extended over up to a pixel in each direction errs by five times the noise of the pixels that it rests
-    // on. What may hide between the pixels is taken to be no rougher than what they show all around.
+    // on; where its first pixel is only taken for one of the surface, that pixel by 3 + kBelieved in each direction.
+    // What may hide between the pixels is taken to be no rougher than what they show all around.
+    constexpr double kOffPixel = 3 + kBelieved;
+    const double extended = cell.beside_a_centre() ? kOffPixel * kOffPixel : 5;
     const double w = upper ? highest : lowest;
-    return to_range(w, std::max(highest - lowest, cell.relief(w)) + 5 * noise, tap);
+    return to_range(w, std::max(highest - lowest, cell.relief(w)) + extended * noise, tap);
   }
   const Plane& side = *std::ranges::min_element(
       corners, {}, [&](const Plane& c) { return (c.x - fx) * (c.x - fx) + (c.y - fy) * (c.y - fy); });
