@@ -33,11 +33,12 @@ struct Mesh {
   std::vector<VertexAttributes> attributes;
   std::vector<std::uint32_t> indices;
   glm::vec3 bounds_min{0}, bounds_max{0};  ///< of the positions that indices use; both zero for an empty mesh
+  double longest_edge = 0;                 ///< of its triangles; 0 for lines and points
 
   bool operator==(const Mesh&) const = default;
 };
 
-/// Sets `bounds_min` and `bounds_max` from what `indices` uses.
+/// Sets `bounds_min`, `bounds_max` and `longest_edge` from what `indices` uses.
 void compute_bounds(Mesh& mesh);
 
 enum class Wrap : std::uint8_t { repeat, mirrored_repeat, clamp_to_edge };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <iterator>
 #include <optional>
 
@@ -131,6 +132,8 @@ PhysicalDevice examine(VkPhysicalDevice handle) {
   device.info.unusable = why_unusable(handle, device.properties);
   device.targets = target_limits(handle, device.properties.limits);
   device.queue_family = graphics_queue_family(handle).value_or(0);
+  device.snap_px = std::ldexp(1.0, -static_cast<int>(device.properties.limits.subPixelPrecisionBits));
+  device.depth_snap_px = device.snap_px;
   if (device.properties.apiVersion >= VK_API_VERSION_1_2) {
     VkPhysicalDeviceDriverProperties driver{};
     driver.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES;
@@ -139,6 +142,8 @@ PhysicalDevice examine(VkPhysicalDevice handle) {
     properties.pNext = &driver;
     vkGetPhysicalDeviceProperties2(handle, &properties);
     device.info.driver = std::string(driver.driverName) + " " + driver.driverInfo;
+    // It finds pixels from snapped vertices, planes from the vertices as they came (Mesa, lp_state_setup.c).
+    if (driver.driverID == VK_DRIVER_ID_MESA_LLVMPIPE) device.depth_snap_px = 0;
   } else {
     device.info.driver = "driver version " + std::to_string(device.properties.driverVersion);
   }

@@ -16,7 +16,8 @@ struct PhysicalDevice {
   VkPhysicalDevice handle = VK_NULL_HANDLE;
   VkPhysicalDeviceProperties properties{};
   TargetLimits targets;
-  std::uint32_t queue_family = 0;  ///< with graphics and compute; meaningless when `info.unusable` says so
+  double snap_px = 0, depth_snap_px = 0;  ///< see PassResult
+  std::uint32_t queue_family = 0;         ///< with graphics and compute; meaningless when `info.unusable` says so
   DeviceInfo info;
 };
 

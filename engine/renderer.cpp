@@ -163,6 +163,8 @@ void Renderer::Impl::collect(const FramePlan& plan) {
     PassResult& result = results.emplace_back();
     if (pass.depth) result.depth = {reinterpret_cast<const float*>(target.depth_readback.mapped()), pixels};
     if (pass.color) result.color = {reinterpret_cast<const glm::vec4*>(target.color_readback.mapped()), pixels};
+    result.snap_px = device.physical.snap_px;
+    result.depth_snap_px = device.physical.depth_snap_px;
   }
 }
 

@@ -30,6 +30,10 @@ struct FrameCounters {
 struct PassResult {
   std::span<const float> depth;      ///< width * height, rows from the top, d = near / z; empty if not asked for
   std::span<const glm::vec4> color;  ///< width * height, rows from the top, linear RGBA; empty if not asked for
+  /// Vertices are moved to a grid, by up to so many pixels along each axis, before pixels are found that a triangle
+  /// covers. Vulkan leaves open whether depth is then taken from where they were, or from where they are now.
+  double snap_px = 0;
+  double depth_snap_px = 0;  ///< snap_px, or 0 on a device of which it is known that depth is not moved
 };
 
 /// Frames   see View. All products of transforms are formed in double and rounded once.

@@ -79,16 +79,16 @@ void Camera::plan(const glm::dmat4& world_from_sensor, const DrawList& list, Fra
                                         : "depth",
              "");
   }
-  if (desc_.depth) {
-    const Pass& pass = plan.passes[depth_pass_];
-    depth_view_ = depth_view(pass, pass.views[0], list);
-  }
+  if (desc_.depth) depth_view_ = depth_view(plan.passes[depth_pass_].views[0], list);
 }
 
 void Camera::collect(const FrameTime&, const FramePlan& plan, std::span<const PassResult> results) {
   const Pass &color = plan.passes[color_pass_], &depth = plan.passes[depth_pass_];
   if (desc_.color) take_color(color, color.views[0], results[color_pass_], color_);
-  if (desc_.depth) take_depth(depth, depth.views[0], results[depth_pass_], depth_);
+  if (desc_.depth) {
+    take_depth(depth, depth.views[0], results[depth_pass_], depth_);
+    depth_view_.reach.depth_snap_px = results[depth_pass_].depth_snap_px;
+  }
   bound_due_ = desc_.depth;
 }
 

@@ -24,7 +24,8 @@ AtlasPlace place_in_depth_atlas(FramePlan& plan, const std::string& sensor, View
   view.y_px = pass->height_px;
   pass->width_px = std::max(pass->width_px, view.width_px);
   pass->height_px += view.height_px;
-  const AtlasPlace place{static_cast<std::size_t>(pass - plan.passes.begin()), view.x_px, view.y_px};
+  const AtlasPlace place{static_cast<std::size_t>(pass - plan.passes.begin()), pass->views.size(), view.x_px,
+                         view.y_px};
   pass->views.push_back(std::move(view));
   return place;
 }

@@ -16,7 +16,7 @@ namespace simvis {
 
 /// Where a view's pixels will lie.
 struct AtlasPlace {
-  std::size_t pass = 0;
+  std::size_t pass = 0, view = 0;
   std::uint32_t x_px = 0, y_px = 0;
 };
 

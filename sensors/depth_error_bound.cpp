@@ -6,19 +6,14 @@
 #include <limits>
 #include <vector>
 
-#include "engine/view_projection.h"
-
 namespace simvis {
 
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kFloatUnit = 0x1p-24;
 
-// Roundings between the clip coordinates of three vertices and the depth of a pixel: perspective division (2 of each
-// coordinate), viewport (2), the gradients (4, each a difference of products over the area), the value at the corner
-// (4), the evaluation (4), storing it (1), and once more as metres (1).
-constexpr double kSetup = 18;
+// Of w, once more: Z is rounded to float32.
+constexpr double kStored = 0x1p-24;
 
 // How much of its slope a round surface may lose from one pixel to the next; steps and poles lose more.
 constexpr double kSmooth = 0.5;
@@ -73,9 +68,10 @@ double pixel_bound(const InverseDepth& image, std::int64_t x, std::int64_t y, co
   const double displacement_m = view.rounding.at(std::sqrt(1 + tx * tx + ty * ty) / w);
   // |m| <= w + |mx| (1 + |tx|) + |my| (1 + |ty|) with mx = gx fx and my = gy fy: so dw <= flat + rx |gx| + ry |gy|. The
   // slopes are known to 2 dw each, which is what the divisor is for.
-  const double flat = w * displacement_m * w + kSetup * kFloatUnit * w;
-  const double rx = w * displacement_m * k.fx_px * (1 + tx) + kSetup * kFloatUnit * view.reach_x_px;
-  const double ry = w * displacement_m * k.fy_px * (1 + ty) + kSetup * kFloatUnit * view.reach_y_px;
+  const PlaneRounding rounding(view.reach);
+  const double flat = w * displacement_m * w + (rounding.per_w + kStored) * w;
+  const double rx = w * displacement_m * k.fx_px * (1 + tx) + rounding.per_gx;
+  const double ry = w * displacement_m * k.fy_px * (1 + ty) + rounding.per_gy;
   const double divisor = 1 - 2 * (rx + ry);
   if (!(divisor > 0)) return kInfinity;
   // The surface's own slopes are among the steps to the neighbours; its second difference is four dw at the most.
@@ -87,11 +83,9 @@ double pixel_bound(const InverseDepth& image, std::int64_t x, std::int64_t y, co
 
 }  // namespace
 
-DepthView depth_view(const Pass& pass, const View& view, const DrawList& list) {
-  return {.pinhole = view.pinhole,
-          .rounding = VertexRounding(list, view.view_from_world),
-          .reach_x_px = static_cast<double>(pass.width_px),
-          .reach_y_px = static_cast<double>(pass.height_px + guard_rows(view))};
+DepthView depth_view(const View& view, const DrawList& list) {
+  return {
+      .pinhole = view.pinhole, .rounding = VertexRounding(list, view.view_from_world), .reach = raster_reach(view, 0)};
 }
 
 double depth_error_bound(const Image& depth, const DepthView& view) {

@@ -11,9 +11,7 @@
 //   vertices   A vertex reaches the rasteriser displaced by at most e metres (see VertexRounding), and so is each point
 //              of a triangle. With m the gradient of w in the tangents of the view (the plane is m . (x, y, z) = 1),
 //              dw = w e |m|.
-//   plane set-up  The rasteriser evaluates w = a + gx x + gy y in float32 with x, y counted from the target's corner:
-//              kSetup roundings of terms no larger than |gx| X + |gy| Y + w, X and Y the farthest that a vertex lies
-//              from there.
+//   set-up     See plane_rounding.h: evaluation, slope and snapping. Needles are left out here, too.
 //   gradient   gx and gy are differences of neighbouring w, off by 2 dw each.
 // Then |dZ| <= Z^2 dw / (1 - Z dw), and Z is rounded to float32.
 #pragma once
@@ -22,6 +20,7 @@
 
 #include "engine/frame_plan.h"
 #include "sensors/image.h"
+#include "sensors/plane_rounding.h"
 #include "sensors/vertex_rounding.h"
 
 namespace simvis {
@@ -30,14 +29,14 @@ namespace simvis {
 struct DepthView {
   Pinhole pinhole;
   VertexRounding rounding;
-  double reach_x_px = 0, reach_y_px = 0;  ///< the farthest that a vertex lies from the target's corner
+  RasterReach reach;
 };
 
 /// The name among a sensor's values of what depth_error_bound() says of its last measurement.
 inline constexpr std::string_view kDepthErrorBound = "depth_error_bound_m";
 
 /// `list` is what the view is drawn from.
-DepthView depth_view(const Pass& pass, const View& view, const DrawList& list);
+DepthView depth_view(const View& view, const DrawList& list);
 
 /// At least |Z - true Z| of every pixel with a finite depth, in metres; 0 where there is none. +infinity if a surface
 /// is so slanted and far away that its depth is anybody's guess.

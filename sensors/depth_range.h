@@ -3,26 +3,46 @@
 // On a plane, w = 1 / z = d / near is affine in pixel coordinates. So every surface that is flat over a few pixels
 // gives its exact w anywhere between their centres, up to rounding; z and range do not have that property.
 //
-// What is taken from the pixels and what is assumed. Pixels of a line lie on one surface if the second differences of
-// w vanish within rounding; both neighbours of the beam must do so with pixels on either side, or with two on one side
-// while the other side is another surface. Between them w is interpolated. Where two or more flat surfaces meet so that
-// their extensions cross between the pixels (a crease), their envelope is taken; since a bevel or a small step may hide
-// there, the bound is then the relief of all pixels around. Elsewhere (a step, or surfaces finer than three pixels) the
-// pixels do not say which surface the beam meets: the range is that of the surface on the beam's side, the bound is
-// infinite. Assumed is that the surface that the beam meets is at least three pixels wide: what is narrower may have
-// left no trace in the pixels.
+// What is taken from the pixels. Along a line of pixels, three that lie on one surface have a second difference of w of
+// at most 4 n, where n bounds the error of each. Those differences say which surfaces there may be at the beam: ones
+// that begin or end at its left, at its right, or go on past it. If pixels beside the beam pass for one surface, and no
+// other that they allow for departs from it, w is interpolated between them. Where flat surfaces meet so that their
+// extensions cross between the pixels (a crease), their envelope is taken. Elsewhere (a step, or surfaces finer than
+// three pixels) the pixels do not say which surface the beam meets: the range is that of the surface on the beam's
+// side, the bound is infinite.
 //
-// Rounding, per pixel, as an absolute error of w (u = 2^-24, half an ulp of 1):
-//   vertices   A vertex reaches the rasteriser displaced by at most e metres (see VertexRounding), so at each point
-//              of a triangle its plane is displaced by at most e. With m the gradient of w in the tangents of the face
-//              (the plane is m . (x, y, z) = 1 and |m| = 1 / its distance from the sensor), dw = w e |m|.
-//   plane set-up  The rasteriser evaluates w = a + gx x + gy y in float32 with x, y counted from the target's corner:
-//              kSetup roundings of terms no larger than |gx| X + |gy| Y + w, X and Y the farthest that a vertex lies
-//              from there: the target's size, and for a strip, whose viewport is as high as wide, its width.
+// What the bound speaks of. Assumed of what a beam meets, a gap that lets it pass included, is:
+//   width    It is flat over three by three pixels around or beside the beam; where the layout has one ring, over three
+//            along it and one down. What is smaller may have left no trace in the pixels.
+//   needles  No triangle that the pixels around show is a needle in the picture: see plane_rounding.h. What float32
+//            makes of the slope of one is not bounded by anything that pixels show.
+// Edges need no assumption: vertices are snapped to a grid before pixels are found that a triangle covers, and may be
+// displaced (below), so that an edge may seem to lie beyond a pixel's centre. Beams as near to a centre as that are
+// taken to be on either side of it. (In two directions, the next column there is taken to be as straight as the cell's
+// own; and of one ring no edge runs along the ring within that distance.)
+// With that no pixels of other surfaces can mislead, in line by chance or not. The beam's own surface has at least one
+// of the two pixels beside it, and two more beyond. What the other pixel is off from its plane is a second difference,
+// which is in the bound; and where that is too large, three pixels that may be such a surface are not believed to be
+// none, unless their second difference is above what errors can make.
+//
+// How far the w of a beam is off, with n the error of a pixel: where the surface covers both pixels beside it, n. Where
+// it ends between them, at a distance f of the beam from its last pixel, (1 + 2 f) n for its plane extended from its
+// last two, and f times the second difference that was found. The larger of all that the pixels allow for is taken; in
+// two directions the pixels' shares multiply.
+//
+// The error n of a pixel's w on a plane m . (x, y, z) = 1, whose gradient per pixel is g = m / focal (u = 2^-24):
+//   vertices   A vertex reaches the rasteriser displaced by at most e in each clip coordinate (see VertexRounding), so
+//              at each point of a triangle its plane is displaced by as much. Rows of clip x and y hold a share h of z,
+//              the tangent of the view's middle: dw = w e (|mx| sqrt(1 + hx^2) + |my| sqrt(1 + hy^2) + w'), w' the w of
+//              the plane in the view's middle.
+//   set-up     See plane_rounding.h: evaluation, slope and snapping.
+// Gradients are themselves taken from pixels, so that they are off by 2 n per pixel: what that adds to n is in it.
 #pragma once
 
 #include <cstdint>
 
+#include "engine/renderer.h"
+#include "sensors/plane_rounding.h"
 #include "sensors/scan_layout.h"
 #include "sensors/vertex_rounding.h"
 
@@ -34,8 +54,13 @@ struct FacePixels {
   std::uint32_t stride_px = 0;   ///< from one row to the next
   double near_m = 0;
   double focal_px = 0;
-  double reach_x_px = 0, reach_y_px = 0;  ///< the farthest that a vertex lies from the target's corner
+  RasterReach reach;
+  double middle_tangent_x = 0, middle_tangent_y = 0;  ///< where the viewport's middle lies in the face
+  double snap_px = 0;                                 ///< see PassResult
 };
+
+/// Of a view of a pass.
+FacePixels face_pixels(const PassResult& result, const Pass& pass, const View& view);
 
 /// A range along the ray with its bound, in metres; +infinity for a range that does not exist.
 struct RangeEstimate {

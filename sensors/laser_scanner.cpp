@@ -188,15 +188,9 @@ void LaserScanner::collect(const FrameTime&, const FramePlan& plan, std::span<co
   beams_.clear();
   if (!renders(desc_)) return;
   std::vector<FacePixels> pixels;
-  for (std::size_t f = 0; f < layout_.faces.size(); ++f) {
-    const Pass& pass = plan.passes[places_[f].pass];
-    const std::size_t first = std::size_t{places_[f].y_px} * pass.width_px + places_[f].x_px;
-    pixels.push_back({.depth = results[places_[f].pass].depth.data() + first,
-                      .stride_px = pass.width_px,
-                      .near_m = kNear_m,
-                      .focal_px = layout_.faces[f].pinhole.fx_px,
-                      .reach_x_px = static_cast<double>(pass.width_px),
-                      .reach_y_px = static_cast<double>(std::max(pass.height_px, layout_.faces[f].width_px))});
+  for (const AtlasPlace& place : places_) {
+    const Pass& pass = plan.passes[place.pass];
+    pixels.push_back(face_pixels(results[place.pass], pass, pass.views[place.view]));
   }
   for (std::size_t beam = 0; beam < layout_.taps.size(); ++beam) {
     const BeamTap& tap = layout_.taps[beam];

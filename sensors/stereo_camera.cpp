@@ -115,8 +115,7 @@ void StereoCamera::plan(const glm::dmat4& world_from_sensor, const DrawList& lis
   right_.depth_at = second.right;
   if (!desc_.depth) return;
   for (Eye* const eye : {&left_, &right_}) {
-    const Pass& pass = plan.passes[eye->depth_at.pass];
-    eye->depth_view = depth_view(pass, pass.views[eye->depth_at.view], list);
+    eye->depth_view = depth_view(plan.passes[eye->depth_at.pass].views[eye->depth_at.view], list);
   }
 }
 
@@ -125,6 +124,7 @@ void StereoCamera::collect(const FrameTime&, const FramePlan& plan, std::span<co
     const Pass &color = plan.passes[eye->color_at.pass], &depth = plan.passes[eye->depth_at.pass];
     if (desc_.color) take_color(color, color.views[eye->color_at.view], results[eye->color_at.pass], eye->color);
     if (desc_.depth) take_depth(depth, depth.views[eye->depth_at.view], results[eye->depth_at.pass], eye->depth);
+    eye->depth_view.reach.depth_snap_px = results[eye->depth_at.pass].depth_snap_px;
   }
   if (desc_.disparity) collect_disparity(plan, results);
   bound_due_ = desc_.depth;

@@ -4,15 +4,20 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
 namespace simvis {
 
 namespace {
 
 constexpr double kFloatUnit = 0x1p-24, kDoubleUnit = 0x1p-53;
-constexpr double kFloatRoundings = (5 + 3 * 2) * 1.7320508 * 1.4142136;
-// Three matrix products (world, view, clip), four roundings an entry each, over the three components.
-constexpr double kDoubleRoundings = 3 * 4 * 1.7320508;
+constexpr double kTransform = 5, kCuts = 3;
+// Three matrix products (world, view, clip), four roundings an entry each.
+constexpr double kDoubleRoundings = 3 * 4;
+
+// Four bins an octave, from 2^-12 m (0.2 mm) to 2^12 m: exponent and two leading bits of the float.
+constexpr auto kShift = 21;
+constexpr int kFirst = std::bit_cast<std::int32_t>(0x1p-12f) >> kShift;
 
 // At least the largest factor by which a matrix stretches a vector: exact where its columns are orthogonal.
 double stretch(const glm::dmat3& m) {
@@ -30,12 +35,14 @@ double farthest_corner(const Mesh& mesh) {
 
 }  // namespace
 
-// Four bins an octave, from 2^-12 m (0.2 mm) to 2^12 m: exponent and two leading bits of the float.
 int VertexRounding::bin(double range_m) {
-  constexpr auto kShift = 21;
-  constexpr int kFirst = std::bit_cast<std::int32_t>(0x1p-12f) >> kShift;
   const int index = std::bit_cast<std::int32_t>(static_cast<float>(range_m)) >> kShift;
   return std::clamp(index - kFirst, 0, kBins - 1);
+}
+
+double VertexRounding::upper_limit(int bin) {
+  if (bin == kBins - 1) return std::numeric_limits<double>::infinity();
+  return std::bit_cast<float>((bin + 1 + kFirst) << kShift);
 }
 
 VertexRounding::VertexRounding(const DrawList& list, const glm::dmat4& sensor_from_world) {
@@ -46,15 +53,20 @@ VertexRounding::VertexRounding(const DrawList& list, const glm::dmat4& sensor_fr
     const double reach = scale * farthest_corner(mesh);
     const double distance = glm::length(glm::dvec3(sensor_from_world * world_from_mesh[3]));
     const double offset = glm::length(glm::dvec3(world_from_mesh[3])) + distance + reach;
-    const double displacement =
-        kFloatRoundings * kFloatUnit * (reach + distance) + kDoubleRoundings * kDoubleUnit * offset;
     const glm::dvec3 centre = 0.5 * (glm::dvec3(mesh.bounds_min) + glm::dvec3(mesh.bounds_max));
     const double radius = scale * 0.5 * glm::length(glm::dvec3(mesh.bounds_max) - glm::dvec3(mesh.bounds_min));
     const double centre_distance =
         glm::length(glm::dvec3(sensor_from_world * (world_from_mesh * glm::dvec4(centre, 1))));
-    const int first = bin(std::max(centre_distance - radius, 0x1p-12) * (1 - 1e-6));
-    const int last = bin((centre_distance + radius) * (1 + 1e-6));
-    for (int b = first; b <= last; ++b) displacement_m_[b] = std::max(displacement_m_[b], displacement);
+    const double farthest = centre_distance + radius;
+    const double edge = mesh.longest_edge > 0 ? scale * mesh.longest_edge : 2 * radius;
+    const int first = bin(std::max(centre_distance - radius, 0x1p-12) * (1 - 1e-6)), last = bin(farthest * (1 + 1e-6));
+    for (int b = first; b <= last; ++b) {
+      const double corner = std::min(upper_limit(b) + edge, farthest);  // of a triangle that is seen there
+      const double displacement = kFloatUnit * (kTransform * (std::min(reach, corner + distance) + distance) +
+                                                kCuts * (2 * edge + corner) + corner) +
+                                  kDoubleRoundings * kDoubleUnit * offset;
+      displacement_m_[b] = std::max(displacement_m_[b], displacement);
+    }
   }
 }
 

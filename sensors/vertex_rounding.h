@@ -8,16 +8,23 @@
 
 namespace simvis {
 
-/// An upper bound, by range, on the displacement of vertices between the exact scene and the rasteriser.
+/// An upper bound, by range, on the displacement of vertices between the exact scene and the rasteriser, in each of
+/// the three clip coordinates x, y and w (clip x and y counted in the tangents of the view, so that all are metres).
 ///
-/// A vertex p of a mesh (float32, taken as exact) goes through a 3 x 4 matrix that was formed in double and rounded
-/// once to float32, and is multiplied out in float32: per component at most 5 u (|R| |p| + |t|) with u = 2^-24, one u
-/// for the rounded matrix and four for products and sums in any order (Higham, Accuracy and Stability of Numerical
-/// Algorithms, section 3.1). A triangle that leaves the view is cut: a new vertex lies between two old ones and costs
-/// two roundings of their size; up to three planes (a side, top or bottom, near) cut at one corner. Hence 11 u, times
-/// sqrt(3) for the vector of three components, times sqrt(2) because a row of a 90 degree view mixes two unit axes.
-/// |R| |p| is bounded by the mesh's farthest corner, |t| is its origin's distance.
-/// The matrix itself is a product of two double matrices of entries up to the scene's offset from the world's origin.
+/// A vertex p of a mesh (float32, taken as exact) goes through rows that were formed in double and rounded once to
+/// float32, and is multiplied out in float32. With u = 2^-24, per coordinate:
+///   5 u (|R| |p| + |t|)  one u for the rounded row, four for products and sums in any order (Higham, Accuracy and
+///                    Stability of Numerical Algorithms, section 3.1), times the row's length (see depth_range.h).
+///                    |t| is the distance of the mesh's origin. With E the mesh's longest edge, a triangle that is seen
+///                    at range r has its corners within r + E, so that |R| |p| is at most r + E + |t|, and at most the
+///                    mesh's farthest corner.
+///   3 u (2 E + m)    A triangle that leaves the view is cut: a new vertex is a + s (b - a), of three roundings two of
+///                    b - a and its share, no longer than E, and one of the vertex, no farther than m, the lesser of r
+///                    + E and the distance of the mesh's farthest point. Three planes (a side, top or bottom, near) can
+///                    cut one end of an edge, one after the other.
+///   u m              1 / w, which all coordinates are then multiplied by: it moves a vertex as a change of w does.
+/// The rows themselves come from products of double matrices of entries up to the scene's offset from the world's
+/// origin.
 ///
 /// A surface seen at range r belongs to a mesh whose distances reach from near to far around r: only those count.
 class VertexRounding {
@@ -31,6 +38,7 @@ class VertexRounding {
  private:
   static constexpr int kBins = 96;
   static int bin(double range_m);
+  static double upper_limit(int bin);
   std::array<double, kBins> displacement_m_{};
 };
 

@@ -3,6 +3,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -32,6 +33,7 @@ World plane(glm::dvec3 normal, glm::dvec3 point) {
 struct Picture {
   ScanLayout layout;
   std::vector<std::vector<float>> faces;
+  double snap_px = 0, depth_snap_px = 0;
 
   Picture(const ScanPattern& pattern, double resolution_px, const World& world)
       : layout(lay_out(pattern, resolution_px)) {
@@ -49,12 +51,16 @@ struct Picture {
 
   FacePixels pixels(const BeamTap& tap) const {
     const ScanFace& face = layout.faces[tap.face];
-    return {faces[tap.face].data(),
-            face.width_px,
-            kNear_m,
-            face.pinhole.fx_px,
-            static_cast<double>(face.width_px),
-            static_cast<double>(face.height_px)};
+    const double width = face.width_px, height = face.height_px;
+    return {.depth = faces[tap.face].data(),
+            .stride_px = face.width_px,
+            .near_m = kNear_m,
+            .focal_px = face.pinhole.fx_px,
+            .reach =
+                {.x_px = width, .y_px = height, .width_px = width, .height_px = height, .depth_snap_px = depth_snap_px},
+            .middle_tangent_x = (width / 2 - face.pinhole.cx_px) / face.pinhole.fx_px,
+            .middle_tangent_y = (height / 2 - face.pinhole.cy_px) / face.pinhole.fy_px,
+            .snap_px = snap_px};
   }
 
   RangeEstimate planar(std::size_t beam) const {
@@ -191,4 +197,95 @@ TEST_CASE("nearest errs by the slant of half a pixel, and its bound says so") {
   }
   // Half a pixel is 1/300 of tangent; the wall's range changes by tan(incidence) > 1 times that at the very least.
   CHECK(worst > 1.0 / 300);
+}
+
+// Surfaces three pixels wide or wider, side by side along x, whose places and slants are such that pixels of neighbours
+// lie in line as often as not; and every pixel off by a rounding or a few.
+TEST_CASE("pixels of other surfaces that lie in line by chance do not mislead") {
+  constexpr double kResolution_px = 500, kPixel = 2 / kResolution_px;
+  constexpr double kRough = 8 * kDepthRounding;  // well within what planar_range() takes for a pixel's error: 10 u
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  std::size_t certain = 0, beams = 0;
+  for (int trial = 0; trial < 400; ++trial) {
+    std::vector<double> edges, offsets, slopes;
+    double edge = -1, w = 0.3;
+    while (edge < 1) {
+      edges.push_back(edge);
+      slopes.push_back(0.05 * unit(random));
+      offsets.push_back(w);
+      edge += kPixel * (3 + 2 * std::abs(unit(random)));
+      w += slopes.back() * (edge - edges.back());
+      // The next one begins where this one ends, or meets it a pixel on, or lies somewhere else.
+      if (random() % 3 == 0) w += kPixel * 0.05 * unit(random);
+      if (random() % 3 == 0) w += 0.01 * unit(random);
+    }
+    const World world = [&](double x, double) {
+      const auto next = std::ranges::upper_bound(edges, x);
+      const auto i = static_cast<std::size_t>(std::max<std::ptrdiff_t>(next - edges.begin() - 1, 0));
+      return offsets[i] + slopes[i] * (x - edges[i]);
+    };
+    Picture picture(kFan, kResolution_px, world);
+    for (std::vector<float>& face : picture.faces) {
+      for (float& depth : face) depth *= static_cast<float>(1 + kRough * unit(random));
+    }
+    for (std::size_t beam = 0; beam < picture.layout.taps.size(); ++beam) {
+      const RangeEstimate estimate = picture.planar(beam);
+      ++beams;
+      if (estimate.error_bound_m == kInfinity) continue;
+      ++certain;
+      REQUIRE(std::abs(estimate.range_m - picture.truth(beam, world)) <= estimate.error_bound_m);
+    }
+  }
+  CHECK(certain > beams / 20);  // surfaces as narrow as these leave few beams certain
+}
+
+TEST_CASE("edges that snapping has moved to the other side of a pixel's centre do not mislead") {
+  constexpr double kResolution_px = 500, kSnap_px = 1.0 / 16;  // the least that Vulkan allows
+  constexpr double kPixel = 2 / kResolution_px;
+  std::mt19937 random(9);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  const World near = plane({0.1, 0, -1}, {0, 0, 2}), far = plane({0.2, 0, -1}, {0, 0, 5});
+  const World nothing = [](double, double) { return 0.0; };
+  const ScanPattern dense{.samples = 20001, .min_azimuth_rad = -0.3, .max_azimuth_rad = 0.3};
+  for (const ScanPattern& pattern : {dense, kLidar}) {
+    for (int trial = 0; trial < 100; ++trial) {
+      // Within the snapping of a centre: those lie at whole pixels of tangent.
+      const double edge = kPixel * (std::floor(30 * unit(random)) + kSnap_px * unit(random));
+      const double moved = edge + kPixel * kSnap_px * unit(random);
+      const World& beyond = trial % 2 == 0 ? far : nothing;
+      const auto split = [&](double at) {
+        return World([&near, &beyond, at](double x, double y) { return x < at ? near(x, y) : beyond(x, y); });
+      };
+      Picture picture(pattern, kResolution_px, split(moved));
+      picture.snap_px = kSnap_px;
+      for (std::size_t beam = 0; beam < picture.layout.taps.size(); ++beam) {
+        const RangeEstimate estimate = picture.planar(beam);
+        const double truth = picture.truth(beam, split(edge));
+        if (estimate.error_bound_m == kInfinity || estimate.range_m == truth) continue;
+        REQUIRE(std::abs(estimate.range_m - truth) <= estimate.error_bound_m);
+      }
+    }
+  }
+}
+
+TEST_CASE("depth that a device takes from snapped vertices stays within the bound") {
+  constexpr double kResolution_px = 500, kSnap_px = 1.0 / 256;
+  const World wall = plane({0.9, 0.3, -0.31}, {0, 0, 3});
+  for (const ScanPattern& pattern : {kFan, kLidar}) {
+    const Picture exact(pattern, kResolution_px, wall);
+    const double focal_px = exact.layout.faces[0].pinhole.fx_px;
+    Picture picture(pattern, kResolution_px,
+                    [&](double x, double y) { return wall(x + kSnap_px / focal_px, y + kSnap_px / focal_px); });
+    picture.snap_px = picture.depth_snap_px = kSnap_px;
+    double worst_use = 0;
+    for (std::size_t beam = 0; beam < picture.layout.taps.size(); ++beam) {
+      const RangeEstimate estimate = picture.planar(beam);
+      const double truth = picture.truth(beam, wall);
+      if (!std::isfinite(estimate.error_bound_m) || truth == kInfinity) continue;
+      REQUIRE(std::abs(estimate.range_m - truth) <= estimate.error_bound_m);
+      worst_use = std::max(worst_use, std::abs(estimate.range_m - truth) / estimate.error_bound_m);
+    }
+    CHECK(worst_use > 0.1);  // without the term for snapping it would be far above 1
+  }
 }

@@ -1,0 +1,357 @@
+// Holds the error bounds of laser scans against many random beams: every method, worlds of every kind (see
+// random_worlds.h), planar scanners and lidars at several resolutions.
+//
+//   bound_soak [BEAMS_PER_METHOD [SEED [WORLD]]]
+//
+// Truth is the ray caster in double. For `raycast`, whose ranges come from there, it is a cast from a sensor that is
+// turned another way: other matrices, other roundings, another tree. (The caster itself is held against a ray cast of
+// every triangle by the tests.)
+//
+// Prints CSV, one line per method and kind of world. A violation is a beam whose true range lies outside its bound.
+// Those of rendered ranges on surfaces that the bound does not speak of (see depth_range.h: less than three pixels
+// wide, or shown by needles) are counted by themselves. Exit status 1 if any other is found.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <limits>
+#include <memory>
+#include <numbers>
+#include <random>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "bench/random_worlds.h"
+#include "engine/device.h"
+#include "engine/ray_caster.h"
+#include "engine/ray_triangle.h"
+#include "engine/renderer.h"
+#include "engine/view_projection.h"
+#include "sensors/laser_scanner.h"
+
+namespace {
+
+using namespace simvis;
+
+constexpr double kPi = std::numbers::pi;
+
+/// Of positive numbers, each kept to one part in 45.
+class Quantiles {
+ public:
+  void add(double value) {
+    const double place = value > 0 ? (std::log2(value) - kLowest) * kPerOctave : 0;
+    ++counts_[static_cast<std::size_t>(std::clamp(place, 0.0, static_cast<double>(counts_.size() - 1)))];
+    ++total_;
+  }
+  double at(double share) const {
+    std::uint64_t below = 0;
+    for (std::size_t i = 0; i < counts_.size(); ++i) {
+      below += counts_[i];
+      if (below > share * static_cast<double>(total_)) return std::exp2(kLowest + (i + 0.5) / kPerOctave);
+    }
+    return 0;
+  }
+
+ private:
+  static constexpr double kLowest = -60, kPerOctave = 32;
+  std::array<std::uint64_t, 80 * 32> counts_{};
+  std::uint64_t total_ = 0;
+};
+
+struct Tally {
+  std::uint64_t beams = 0, uncertain = 0, wrong_kind = 0, violations = 0, narrow = 0, needles = 0;
+  double worst_error = 0, worst_use = 0;  ///< relative; error / bound, of certain beams within it
+  Quantiles errors, bounds;               ///< relative; the bounds of certain beams
+};
+
+struct Method {
+  const char *name, *max_error_rel;
+  ScanMethod method;
+};
+constexpr Method kMethods[] = {
+    {"nearest", "", ScanMethod::nearest},   {"planar", "", ScanMethod::planar},
+    {"hybrid", "1e-3", ScanMethod::hybrid}, {"hybrid", "1e-4", ScanMethod::hybrid},
+    {"hybrid", "1e-5", ScanMethod::hybrid}, {"hybrid", "1e-6", ScanMethod::hybrid},
+    {"raycast", "", ScanMethod::raycast},
+};
+
+glm::dvec3 direction(double azimuth, double elevation) {
+  return {std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth), std::sin(elevation)};
+}
+
+/// What the bound of a rendered range speaks of, by what the caster finds around it.
+class Surroundings {
+ public:
+  Surroundings(const DrawList& list, RayCaster& caster, const glm::dmat4& world_from_sensor, const ScanLayout& layout)
+      : list_(list), caster_(caster), world_from_sensor_(world_from_sensor), layout_(layout) {}
+
+  /// Whether no square of three by three pixels around or beside the beam shows one plane only; of a layout of one
+  /// ring, three pixels along it by one down, and a hair up.
+  bool is_narrow(const BeamTap& tap) const {
+    constexpr int kSteps = 4, kSide = 3 * kSteps;  // to a pixel, and of the square
+    constexpr double kSamePlane = 1e-9, kHair = 1.0 / 16;
+    const int top = layout_.planar ? -1 : -kSide, bottom = layout_.planar ? kSteps : kSide;
+    constexpr int kWidth = 2 * kSide + 1;
+    std::vector<glm::dvec3> directions;
+    for (int y = top; y <= bottom; ++y) {
+      const double dy = layout_.planar && y < 0 ? -kHair : static_cast<double>(y) / kSteps;
+      for (int x = -kSide; x <= kSide; ++x) directions.push_back(beside(tap, static_cast<double>(x) / kSteps, dy));
+    }
+    const std::vector<RayHit> hits = cast(directions);
+    const std::size_t centre = static_cast<std::size_t>(-top * kWidth + kSide);
+    const bool nothing = !std::isfinite(hits[centre].range_m);  // a gap is as wide as a surface must be
+    std::vector<char> on_plane;
+    for (std::size_t i = 0; i < hits.size(); ++i) {
+      if (nothing) {
+        on_plane.push_back(!std::isfinite(hits[i].range_m));
+        continue;
+      }
+      const double expected = range_of_plane(corners_of(hits[centre]), directions[i]);
+      on_plane.push_back(std::abs(hits[i].range_m - expected) <= kSamePlane * std::abs(expected));
+    }
+    const int high = layout_.planar ? bottom - top : kSide;
+    for (int y = top; y + high <= bottom; ++y) {
+      for (int x = -kSide; x <= 0; ++x) {
+        bool whole = true;
+        for (int v = y - top; v <= y - top + high && whole; ++v) {
+          for (int u = x + kSide; u <= x + 2 * kSide && whole; ++u) whole = on_plane[v * kWidth + u] != 0;
+        }
+        if (whole) return false;
+      }
+    }
+    return true;
+  }
+
+  /// Whether one of the pixels around shows a needle.
+  bool is_at_needle(const BeamTap& tap) const {
+    std::vector<glm::dvec3> directions;
+    for (int y = layout_.planar ? 0 : -kPixelsBefore; y <= (layout_.planar ? 1 : kPixelsAfter); ++y) {
+      for (int x = -kPixelsBefore; x <= kPixelsAfter; ++x) {
+        directions.push_back(beside(tap, x - tap.fraction_x, y - tap.fraction_y));
+      }
+    }
+    for (const RayHit& hit : cast(directions)) {
+      if (std::isfinite(hit.range_m) && is_needle(corners_of(hit), layout_.faces[tap.face])) return true;
+    }
+    return false;
+  }
+
+ private:
+  using Triangle = std::array<glm::dvec3, 3>;
+
+  std::vector<RayHit> cast(const std::vector<glm::dvec3>& directions) const {
+    std::vector<RayHit> hits(directions.size());
+    caster_.cast(world_from_sensor_, directions, hits);
+    return hits;
+  }
+
+  glm::dvec3 beside(const BeamTap& tap, double x_px, double y_px) const {
+    const ScanFace& face = layout_.faces[tap.face];
+    return glm::normalize(glm::transpose(face.face_from_sensor) * glm::dvec3(tap.tangent_x + x_px / face.pinhole.fx_px,
+                                                                             tap.tangent_y + y_px / face.pinhole.fy_px,
+                                                                             1));
+  }
+
+  Triangle corners_of(const RayHit& hit) const {
+    const DrawItem& item = list_.items[hit.item];
+    return place_corners(*list_.meshes[item.mesh], hit.primitive,
+                         place_mesh(list_.world_from_node[item.transform], world_from_sensor_));
+  }
+
+  static double range_of_plane(const Triangle& t, const glm::dvec3& direction) {
+    const glm::dvec3 normal = glm::cross(t[1] - t[0], t[2] - t[0]);
+    return glm::dot(normal, t[0]) / glm::dot(normal, direction);
+  }
+
+  // k D > |gx| V + |gy| H in the terms of depth_range.h, of what the view leaves of the triangle.
+  static bool is_needle(const Triangle& triangle, const ScanFace& face) {
+    View view;
+    view.width_px = face.width_px;
+    view.height_px = face.height_px;
+    const double width = face.width_px, height = face.height_px, guard = guard_rows(view), f = face.pinhole.fx_px;
+    std::vector<glm::dvec3> polygon;
+    for (const glm::dvec3& corner : triangle) polygon.push_back(face.face_from_sensor * corner);
+    const glm::dvec3 normal = glm::cross(polygon[1] - polygon[0], polygon[2] - polygon[0]);
+    const glm::dvec3 m = normal / glm::dot(normal, polygon[0]);
+    const glm::dvec3 planes[] = {{f, 0, face.pinhole.cx_px},
+                                 {-f, 0, width - face.pinhole.cx_px},
+                                 {0, f, face.pinhole.cy_px + guard},
+                                 {0, -f, height + guard - face.pinhole.cy_px}};
+    for (const glm::dvec3& plane : planes) {
+      std::vector<glm::dvec3> kept;
+      for (std::size_t i = 0; i < polygon.size(); ++i) {
+        const glm::dvec3 &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
+        const double da = glm::dot(plane, a), db = glm::dot(plane, b);
+        if (da >= 0) kept.push_back(a);
+        if ((da >= 0) != (db >= 0)) kept.push_back(glm::mix(a, b, da / (da - db)));
+      }
+      polygon = kept;
+    }
+    // What is cut is drawn as triangles around the first corner.
+    for (std::size_t i = 1; i + 1 < polygon.size(); ++i) {
+      const glm::dvec3 &a = polygon[0], &b = polygon[i], &c = polygon[i + 1];
+      const glm::dvec2 p = f * glm::dvec2(a) / a.z, q = f * glm::dvec2(b) / b.z, r = f * glm::dvec2(c) / c.z;
+      const glm::dvec2 box = glm::max(p, glm::max(q, r)) - glm::min(p, glm::min(q, r));
+      const double area = std::abs((q.x - p.x) * (r.y - p.y) - (r.x - p.x) * (q.y - p.y));
+      const double difference = std::max({1 / a.z, 1 / b.z, 1 / c.z}) - std::min({1 / a.z, 1 / b.z, 1 / c.z});
+      const double allowed = (std::abs(m.x) * width + std::abs(m.y) * (height + 2 * guard)) / f;
+      if (box.x * box.y * difference > area * allowed) return true;
+    }
+    return false;
+  }
+
+  const DrawList& list_;
+  RayCaster& caster_;
+  glm::dmat4 world_from_sensor_;
+  const ScanLayout& layout_;
+};
+
+struct Setting {
+  ScanPattern pattern;
+  double resolution_px;
+};
+
+Setting random_setting(std::mt19937& random) {
+  using random_worlds::between;
+  Setting setting;
+  ScanPattern& pattern = setting.pattern;
+  const double half = kPi * (random() % 2 == 0 ? 1 : between(random, 0.1, 1));
+  pattern.min_azimuth_rad = -half;
+  pattern.max_azimuth_rad = half;
+  if (random() % 2 == 0) {
+    pattern.samples = 20011;
+    setting.resolution_px = std::array{512.0, 2048.0, 4096.0, 8192.0}[random() % 4];
+  } else {
+    pattern.rings = random() % 2 == 0 ? 16 : 64;
+    pattern.samples = 24000 / pattern.rings + 1;
+    const double up = random() % 4 == 0 ? kPi / 2 : between(random, 0.02, 0.5);
+    pattern.min_elevation_rad = -up;
+    pattern.max_elevation_rad = up * between(random, 0.3, 1);
+    setting.resolution_px = std::array{256.0, 720.0, 1024.0}[random() % 3];
+  }
+  return setting;
+}
+
+void compare(const Scan& scan, std::span<const RayHit> truth, const ScanLayout& layout,
+             const Surroundings& surroundings, Tally& tally) {
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    const double expected = truth[i].range_m, range = scan.range_m[i], bound = scan.error_bound_m[i];
+    const bool same_kind = std::isfinite(expected) == std::isfinite(range);
+    const double error = expected == range ? 0 : std::abs(range - expected);
+    ++tally.beams;
+    tally.uncertain += std::isinf(bound);
+    tally.wrong_kind += !same_kind;
+    if (!(error <= bound + truth[i].error_bound_m)) {
+      const bool rendered = !layout.taps.empty();
+      if (rendered && surroundings.is_narrow(layout.taps[i])) {
+        ++tally.narrow;
+      } else if (rendered && surroundings.is_at_needle(layout.taps[i])) {
+        ++tally.needles;
+      } else {
+        constexpr int kPrinted = 5;
+        if (tally.violations++ < kPrinted) {
+          std::fprintf(stderr, "beam %zu of %u rings: true %.9g m, read %.9g m, bound %.3g m\n", i, scan.rings,
+                       expected, range, bound);
+        }
+      }
+    } else if (std::isfinite(bound) && bound > 0) {
+      tally.worst_use = std::max(tally.worst_use, error / bound);
+    }
+    if (same_kind && std::isfinite(expected) && expected > 0) {
+      tally.errors.add(error / expected);
+      tally.worst_error = std::max(tally.worst_error, error / expected);
+      if (std::isfinite(bound)) tally.bounds.add(bound / expected);
+    }
+  }
+}
+
+/// One scan of each method from one place; returns how many beams each has.
+std::size_t scan_all(const RandomWorld& world, std::mt19937& random, Renderer& renderer, RayCaster& caster,
+                     std::span<Tally> tallies) {
+  const Setting setting = random_setting(random);
+  const glm::dmat4 pose = world.somewhere(random);
+  const std::vector<double> azimuth = azimuths(setting.pattern), elevation = elevations(setting.pattern);
+  const glm::dmat4 turn = random_worlds::turned(random);
+  std::vector<glm::dvec3> directions, turned;
+  for (const double e : elevation) {
+    for (const double a : azimuth) {
+      directions.push_back(direction(a, e));
+      turned.push_back(glm::transpose(glm::dmat3(turn)) * directions.back());
+    }
+  }
+  std::array<std::vector<RayHit>, 2> truth;  // as the sensor stands; from one that is turned
+  for (int other = 0; other < 2; ++other) {
+    truth[other].resize(directions.size());
+    caster.cast(other ? pose * turn : pose, other ? turned : directions, truth[other]);
+  }
+  for (std::size_t m = 0; m < std::size(kMethods); ++m) {
+    LaserScannerDesc desc;
+    desc.pattern = setting.pattern;
+    desc.range_min_m = 0;
+    desc.range_max_m = 1e12;
+    desc.method = kMethods[m].method;
+    if (*kMethods[m].max_error_rel != 0) desc.max_error_rel = std::atof(kMethods[m].max_error_rel);
+    desc.resolution_px = setting.resolution_px;
+    LaserScanner scanner("S", desc);
+    FramePlan plan;
+    scanner.plan(pose, world.list, plan);
+    scanner.collect({}, plan, renderer.render(world.list, plan));
+    scanner.cast(caster);
+    const Surroundings surroundings(world.list, caster, pose, scanner.layout());
+    const std::uint64_t before = tallies[m].violations;
+    compare(*scanner.scan(), truth[desc.method == ScanMethod::raycast], scanner.layout(), surroundings, tallies[m]);
+    if (tallies[m].violations > before) {
+      std::fprintf(stderr, "^ %s %s, %.0f px\n", kMethods[m].name, kMethods[m].max_error_rel, setting.resolution_px);
+    }
+  }
+  return directions.size();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const double beams = argc > 1 ? std::atof(argv[1]) : 1e7;
+  const auto seed = static_cast<std::uint32_t>(argc > 2 ? std::atoi(argv[2]) : 1);
+  if (!has_host_ray_caster()) {
+    std::fprintf(stderr, "bound_soak: truth needs Embree, without which this SimVis was built\n");
+    return 2;
+  }
+  Device device;
+  bool violated = false;
+  const char* only = argc > 3 ? argv[3] : nullptr;
+  std::printf(
+      "method,max_error_rel,world,beams,median_error,p99,p99.9,max,median_bound,bound_by_error,wrong_hit_or_miss,"
+      "share_uncertain,worst_error_by_bound,violations,violations_under_3_px,violations_at_needles\n");
+  for (const WorldKind& kind : kWorldKinds) {
+    if (only && std::string(only) != kind.name) continue;
+    std::vector<Tally> tallies(std::size(kMethods));
+    const double share = beams / std::size(kWorldKinds);
+    constexpr double kWorlds = 40;  // of each kind
+    for (std::uint32_t number = 0; static_cast<double>(tallies[0].beams) < share; ++number) {
+      std::mt19937 random(seed * 1000003 + number);
+      const RandomWorld world = kind.make(random);
+      Renderer renderer(device);
+      const std::unique_ptr<RayCaster> caster = make_host_ray_caster();
+      caster->set_world(world.list);
+      for (double done = 0; done < share / kWorlds;) {
+        done += static_cast<double>(scan_all(world, random, renderer, *caster, tallies));
+      }
+    }
+    for (std::size_t m = 0; m < tallies.size(); ++m) {
+      const Tally& t = tallies[m];
+      const auto of_all = [&](std::uint64_t n) { return static_cast<double>(n) / static_cast<double>(t.beams); };
+      std::printf("%s,%s,%s,%llu,%.3g,%.3g,%.3g,%.3g,%.3g,%.3g,%llu,%.3g,%.3g,%llu,%llu,%llu\n", kMethods[m].name,
+                  kMethods[m].max_error_rel, kind.name, static_cast<unsigned long long>(t.beams), t.errors.at(0.5),
+                  t.errors.at(0.99), t.errors.at(0.999), t.worst_error, t.bounds.at(0.5),
+                  t.bounds.at(0.5) / t.errors.at(0.5), static_cast<unsigned long long>(t.wrong_kind),
+                  of_all(t.uncertain), t.worst_use, static_cast<unsigned long long>(t.violations),
+                  static_cast<unsigned long long>(t.narrow), static_cast<unsigned long long>(t.needles));
+      violated |= t.violations > 0;
+    }
+    std::fflush(stdout);
+  }
+  return violated ? 1 : 0;
+}
