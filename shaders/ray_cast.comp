@@ -172,7 +172,8 @@ void walk_mesh(const LocalRay r, uint root, float units_per_m) {
 
 void walk_item(uint index, float near_m) {
   const RayItem item = items[index];
-  precise const vec3 apart = (view.sensor_high.xyz - item.centre_high.xyz) + (view.sensor_low.xyz - item.centre_low.xyz);
+  precise const vec3 apart =
+      (view.sensor_high.xyz - item.centre_high.xyz) + (view.sensor_low.xyz - item.centre_low.xyz);
   const float scale = item.row_x.w;
   const vec3 sensor =
       scale * vec3(dot(item.row_x.xyz, apart), dot(item.row_y.xyz, apart), dot(item.row_z.xyz, apart));
