@@ -30,6 +30,7 @@ struct SensorView {
   const ItemTree* tree = nullptr;
   glm::dmat4 world_from_sensor{1.0};
   std::uint64_t cast = 0;
+  std::uint64_t item_tests = 0, triangle_tests = 0;
   std::vector<SeenItem> seen;
 
   const SeenItem& item(std::uint32_t placed) {
@@ -49,6 +50,7 @@ struct Packet {
   glm::dvec3 direction[kLanes];
   ShearedRay ray[kLanes];
   Nearest nearest[kLanes];
+  std::uint64_t item_tests, triangle_tests;
   // Of the item that is being walked: its rays in its unit frame, which begin at start_m.
   std::uint32_t placed;
   double start_m[kLanes];
@@ -57,6 +59,7 @@ struct Packet {
 static_assert(std::is_standard_layout_v<Packet>);
 
 void try_triangle(Packet& packet, unsigned lane, std::uint32_t primitive, const std::array<glm::dvec3, 3>& corners) {
+  ++packet.triangle_tests;
   TriangleHit hit;
   Nearest& nearest = packet.nearest[lane];
   if (!intersect(packet.ray[lane], corners, hit) || hit.range_m > nearest.range_m) return;
@@ -160,6 +163,7 @@ void on_item(const RTCIntersectFunctionNArguments* arguments) {
   for (unsigned i = 0; i < arguments->N; ++i) {
     if (arguments->valid[i] != -1) continue;
     lanes |= 1u << RTCRayN_id(rays, arguments->N, i);
+    ++packet.item_tests;
   }
   const MeshTree& tree = *packet.view->tree->items()[arguments->primID].tree;
   if (item.one_by_one) {
@@ -189,6 +193,7 @@ void cast_packet(SensorView& view, std::span<const glm::dvec3> directions, std::
   Packet packet;
   rtcInitIntersectContext(&packet.context);
   packet.view = &view;
+  packet.item_tests = packet.triangle_tests = 0;
   const glm::vec3 from(glm::dvec3(view.world_from_sensor[3]) - view.tree->origin());
   const glm::dmat3 world_from_sensor(view.world_from_sensor);
   alignas(32) int valid[kLanes] = {};
@@ -210,6 +215,8 @@ void cast_packet(SensorView& view, std::span<const glm::dvec3> directions, std::
   }
   rtcIntersect8(valid, view.tree->scene(), &packet.context, &rays);
   for (unsigned lane = 0; lane < directions.size(); ++lane) hits[lane] = finish(packet, lane);
+  view.item_tests += packet.item_tests;
+  view.triangle_tests += packet.triangle_tests;
 }
 
 // How many threads are worth starting for so many rays: a thread costs about what some hundred rays do.
@@ -271,6 +278,10 @@ RayCounters EmbreeRayCaster::counters() const {
   if (!tree_) return {};
   RayCounters counters = tree_->counters();
   counters.rays = rays_;
+  for (const SensorView& view : views_) {
+    counters.item_tests += view.item_tests;
+    counters.triangle_tests += view.triangle_tests;
+  }
   return counters;
 }
 

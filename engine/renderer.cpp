@@ -70,6 +70,7 @@ struct Renderer::Impl {
   FrameDraws draws;
   std::vector<RenderTarget*> pass_targets;
   std::vector<PassResult> results;
+  std::vector<ViewCounts> view_counts;  // of all passes' views, in order
   FrameCounters counters;
 };
 
@@ -146,6 +147,9 @@ void Renderer::Impl::record(VkCommandBuffer recorded, const DrawList& list, cons
 }
 
 void Renderer::Impl::collect(const FramePlan& plan) {
+  view_counts.clear();
+  for (const ViewDraws& view : draws.views()) view_counts.push_back(view.counts);
+  std::size_t first_view = 0;
   for (std::size_t i = 0; i < plan.passes.size(); ++i) {
     const Pass& pass = plan.passes[i];
     const RenderTarget& target = *pass_targets[i];
@@ -153,6 +157,8 @@ void Renderer::Impl::collect(const FramePlan& plan) {
     PassResult& result = results.emplace_back();
     if (pass.depth) result.depth = {reinterpret_cast<const float*>(target.depth_readback.mapped()), pixels};
     if (pass.color) result.color = {reinterpret_cast<const glm::vec4*>(target.color_readback.mapped()), pixels};
+    result.views = std::span(view_counts).subspan(first_view, pass.views.size());
+    first_view += pass.views.size();
   }
 }
 
