@@ -34,7 +34,9 @@ std::string to_json(const RunReport& report) {
   for (const SensorInfo& sensor : report.sensors) {
     sensors[sensor.name] = {
         {"type", sensor.type}, {"method", sensor.method}, {"frames", sensor.frames}, {"effects", Json::array()}};
-    if (sensor.cast_share) sensors[sensor.name]["cast_share"] = *sensor.cast_share;
+    for (const SensorNote& note : sensor.report.notes) {
+      std::visit([&](const auto& value) { sensors[sensor.name][note.name] = value; }, note.value);
+    }
   }
   const Json json = {
       {"scene", report.scene},
