@@ -53,15 +53,16 @@ void add_ball(DrawList& list, std::uint32_t mesh, double radius_m, const glm::dv
   list.world_from_node.push_back(glm::scale(glm::translate(glm::dmat4(1.0), place), glm::dvec3(radius_m)));
 }
 
-// A ball of 10 m around the sensor, and others in it, spread by the golden angle as seeds are in a sunflower.
-DrawList make_room(std::uint32_t wall_columns, std::uint32_t things, std::uint32_t thing_columns) {
+// Balls around the sensor, each around the one before, and others in them, spread by the golden angle as seeds are in a
+// sunflower.
+DrawList make_room(int walls, std::uint32_t wall_columns, std::uint32_t things, std::uint32_t thing_columns) {
   const double golden_rad = kPi * (3 - std::sqrt(5.0));
   DrawList list;
   list.world_from_node.emplace_back(1.0);
   list.materials.push_back(std::make_shared<Material>());
   list.material_revision.push_back(0);
   list.meshes = {make_ball(wall_columns, wall_columns / 2), make_ball(thing_columns, thing_columns / 2)};
-  add_ball(list, 0, 10, {0, 0, 0});
+  for (int i = 0; i < walls; ++i) add_ball(list, 0, 10 + i, {0, 0, 0});
   for (std::uint32_t i = 0; i < things; ++i) {
     const double away_m = 2 + 7 * std::sqrt((i + 0.5) / things);
     const glm::dvec3 place(away_m * std::cos(i * golden_rad), away_m * std::sin(i * golden_rad), std::sin(3.0 * i));
@@ -174,22 +175,21 @@ WorkTable fit_costs(std::span<const TimedWork> measurements) {
 WorkTable measure_scan_costs(Device& device, RayCaster& rays) {
   const ScanPattern half = rings(361, 1, kPi / 2), full = rings(1001, 1, kPi), few = rings(25, 1, kPi / 2);
   const ScanPattern lidar = rings(128, 16, kPi);
-  DrawList bare = make_room(8, 0, 4), fine = make_room(96, 0, 4);
-  DrawList boxes = make_room(8, 400, 4), balls = make_room(16, 60, 24);
+  DrawList bare = make_room(1, 8, 0, 4), fine = make_room(1, 64, 0, 4), nested = make_room(12, 4, 0, 4);
+  DrawList boxes = make_room(1, 8, 400, 4), balls = make_room(1, 16, 60, 24);
   Calibration calibration(device, rays);
   calibration.render(bare, half, 512);
   calibration.render(bare, half, 8000);
   calibration.render(bare, full, 1024);
-  calibration.render(bare, lidar, 512);
+  calibration.render(bare, lidar, 256);
   calibration.render(fine, half, 1024);
-  calibration.render(fine, lidar, 256);
+  calibration.render(fine, lidar, 128);
   calibration.render(boxes, half, 512);
   calibration.render(boxes, full, 4096);
   calibration.render(balls, half, 2048);
   calibration.render(balls, full, 512);
-  calibration.render(balls, lidar, 256);
-  for (DrawList* const list : {&bare, &fine, &boxes, &balls}) {
-    for (const ScanPattern& pattern : {few, half, full, lidar}) calibration.cast(*list, pattern);
+  for (DrawList* const list : {&bare, &fine, &nested, &boxes, &balls}) {
+    for (const ScanPattern& pattern : {few, half, full}) calibration.cast(*list, pattern);
   }
   return calibration.costs();
 }

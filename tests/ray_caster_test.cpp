@@ -277,7 +277,9 @@ TEST_CASE("a part that moves costs its own box, a new mesh its own tree, a senso
   const auto look_from = [&](double x, double y) {
     caster->set_world(list);
     caster->cast(at(x, y, 1), down, hits);
-    return caster->counters();
+    RayCounters counters = caster->counters();
+    counters.item_tests = counters.triangle_tests = 0;  // how many depends on the trees
+    return counters;
   };
   const std::uint64_t triangles = list.meshes[0]->indices.size() / 3;
   RayCounters expected{
