@@ -46,6 +46,8 @@ std::string whole_number(const std::string& text) {
   return rest == end && error == std::errc() ? "" : "\"" + text + "\" is not a whole number from 0 to 2^64 - 1";
 }
 
+std::string not_empty(const std::string& text) { return text.empty() ? "nothing is given" : ""; }
+
 void declare_options(CLI::App& app, Options& options) {
   app.add_option("SCENE.xml", options.scene, "the scene to run");
   app.add_option("--out", options.out, "where results go")->type_name("DIR")->capture_default_str();
@@ -63,11 +65,14 @@ void declare_options(CLI::App& app, Options& options) {
   app.add_option("--sensor", options.sensors, "only this sensor (repeatable)")
       ->type_name("NAME")
       ->allow_extra_args(false);
-  app.add_option("--method", options.method, "for every laser scanner, over the scene's own")->type_name("M");
+  app.add_option("--method", options.method, "for every laser scanner, over the scene's own")
+      ->type_name("M")
+      ->check(not_empty);
   app.add_option("--max-error", options.max_error_m,
                  "bound on the error of every laser scanner's ranges, in metres; by method auto unless --method says "
                  "auto or hybrid")
-      ->type_name("M");
+      ->type_name("M")
+      ->check(not_empty);
   app.add_option("--seed", options.seed, "of all random numbers")
       ->type_name("N")
       ->check(whole_number)

@@ -242,7 +242,7 @@ TEST_CASE("--max-error: the cheapest way within it, the price list, and what run
   for (const char* wrong : {"0", "-1", "nan", "inf", "much", ""}) {
     check_refused({"--max-error", wrong}, commands, {"--max-error"});
   }
-  check_refused({"--max-error", "0"}, "", {"--max-error", "0 is not allowed, expected a number above 0 (m)"});
+  check_refused({"--max-error", "0"}, "", {"--max-error", "0 is not allowed, expected a number greater than 0 (m)"});
 
   const ProcessResult unreachable =
       run({scene.string(), "--out", (folder / "none").string(), "--max-error", "1e-9"}, cache);
