@@ -3,9 +3,9 @@
 //   auto_choice [SCENE.xml [POSES [REPETITIONS]]]
 //
 // Prints CSV: for each scanner, tolerance and pose of the drive the predicted and the measured time of each way, and at
-// the end how often the chosen way was the quickest, and how much slower than the quickest it was. All ways are timed in
-// turn, so that whatever else the machine does hits them alike; the least of each counts. Something moves between any
-// two scans. Costs are measured anew, nothing is kept.
+// the end how often the chosen way was the quickest, and how much slower than the quickest it was. All ways are timed
+// in turn, so that whatever else the machine does hits them alike; the least of each counts. Something moves between
+// any two scans. Costs are measured anew, nothing is kept.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>

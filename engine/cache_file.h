@@ -1,4 +1,5 @@
-// Files that SimVis keeps between runs to be quicker. They can be lost or broken at any time, and nothing is wrong then.
+// Files that SimVis keeps between runs to be quicker. They can be lost or broken at any time, and nothing is wrong
+// then.
 #pragma once
 
 #include <cstdint>

@@ -16,9 +16,9 @@ namespace simvis {
 
 namespace {
 
-constexpr std::string_view kNames[kWorkKinds] = {"pass",     "view",  "item_drawn", "examined",  "draw",
-                                                 "triangle", "pixel", "beam",       "cast",      "item_cast",
-                                                 "ray",      "item_test", "triangle_test"};
+constexpr std::string_view kNames[kWorkKinds] = {"pass",      "view",   "item_drawn", "examined",     "draw",
+                                                 "triangle",  "masked", "pixel",      "beam",         "cast",
+                                                 "item_cast", "ray",    "item_test",  "triangle_test"};
 constexpr double kLeast_ns = 1e-3, kMost_ns = 1e9;
 
 double rounded(double cost_ns) {
@@ -36,8 +36,7 @@ std::string text_of(std::string_view key, const WorkTable& cost) {
     text += std::string(kNames[i]) + number;
   }
   char checksum[32];
-  std::snprintf(checksum, sizeof checksum, "checksum %016llx\n",
-                static_cast<unsigned long long>(cache_checksum(text)));
+  std::snprintf(checksum, sizeof checksum, "checksum %016llx\n", static_cast<unsigned long long>(cache_checksum(text)));
   return text + checksum;
 }
 

@@ -22,7 +22,8 @@ enum class Work : std::uint8_t {
   item_drawn,     ///< an item in the draw list of what is rendered, wherever it stands
   examined,       ///< a box or a triangle that the host holds against a view
   draw,           ///< a draw call
-  triangle,       ///< a triangle drawn
+  triangle,       ///< a triangle drawn whose pixels need no alpha
+  masked,         ///< one whose pixels do
   pixel,          ///< cleared, drawn and read back
   beam,           ///< a range taken from pixels
   cast,           ///< a call of RayCaster::cast()
@@ -31,7 +32,7 @@ enum class Work : std::uint8_t {
   item_test,      ///< of a ray with an item
   triangle_test,  ///< of a ray with a triangle
 };
-inline constexpr std::size_t kWorkKinds = 13;
+inline constexpr std::size_t kWorkKinds = 14;
 
 /// Names as in Work: "pass" ...
 std::string_view to_string(Work work);

@@ -77,7 +77,9 @@ void FrameDraws::add(const View& view, const Pass& pass, const DrawList& list, c
   draws.end_run = runs_.size();
   for (std::size_t i = draws.first_run; i < draws.end_run; ++i) {
     if (runs_[i].key.topology != Topology::triangles) continue;
-    counts_.triangles += std::uint64_t{runs_[i].range.index_count / 3} * runs_[i].instance_count;
+    const std::uint64_t triangles = std::uint64_t{runs_[i].range.index_count / 3} * runs_[i].instance_count;
+    counts_.triangles += triangles;
+    if (runs_[i].key.surface == Surface::masked) counts_.masked_triangles += triangles;
   }
   counts_.draws = draws.end_run - draws.first_run;
   draws.counts = counts_;

@@ -8,9 +8,9 @@
 // tolerance; where that is too small for any rendered range, as it is unless a scene says more, it renders nothing.
 // `auto` is whatever of `hybrid`, at some resolutions, and `raycast` costs the least in this scene and pose: see
 // scan_survey.h for what it chooses from, and scan_choice.h for when. A frame in which it surveys casts every beam.
-// The scans of `hybrid` and `auto` keep the tolerance with every beam, or there is an error that names what can be kept.
-// A laser meets matter from either side; what is blended below one half or masked out lets it pass; lines and points
-// are not there for it.
+// The scans of `hybrid` and `auto` keep the tolerance with every beam, or there is an error that names what can be
+// kept. A laser meets matter from either side; what is blended below one half or masked out lets it pass; lines and
+// points are not there for it.
 #pragma once
 
 #include <memory>

@@ -36,8 +36,7 @@ void RenderedScan::plan(const std::string& scanner, const std::string& purpose, 
   }
 }
 
-void RenderedScan::collect(const FramePlan& plan, std::span<const PassResult> results,
-                           const VertexRounding& rounding) {
+void RenderedScan::collect(const FramePlan& plan, std::span<const PassResult> results, const VertexRounding& rounding) {
   rounding_ = rounding;
   pixels_.clear();
   counts_ = {};
@@ -54,6 +53,7 @@ void RenderedScan::collect(const FramePlan& plan, std::span<const PassResult> re
     const ViewCounts& view = result.views[views_[f]];
     counts_.draws += view.draws;
     counts_.triangles += view.triangles;
+    counts_.masked_triangles += view.masked_triangles;
     counts_.boxes_examined += view.boxes_examined;
     counts_.triangles_examined += view.triangles_examined;
   }
@@ -76,7 +76,8 @@ WorkTable RenderedScan::work(std::size_t list_items) const {
   work[Work::item_drawn] = static_cast<double>(list_items);
   work[Work::examined] = static_cast<double>(counts_.boxes_examined + counts_.triangles_examined);
   work[Work::draw] = static_cast<double>(counts_.draws);
-  work[Work::triangle] = static_cast<double>(counts_.triangles);
+  work[Work::triangle] = static_cast<double>(counts_.triangles - counts_.masked_triangles);
+  work[Work::masked] = static_cast<double>(counts_.masked_triangles);
   for (const ScanFace& face : layout_.faces) work[Work::pixel] += 1.0 * face.width_px * face.height_px;
   work[Work::beam] = static_cast<double>(layout_.taps.size());
   return work;

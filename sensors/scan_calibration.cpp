@@ -44,6 +44,7 @@ std::shared_ptr<const Mesh> make_ball(std::uint32_t columns, std::uint32_t rows)
     }
   }
   mesh->attributes.resize(mesh->positions.size());
+  for (std::size_t i = 0; i < mesh->positions.size(); ++i) mesh->attributes[i].uv[0] = glm::vec2(mesh->positions[i]);
   compute_bounds(*mesh);
   return mesh;
 }
@@ -70,6 +71,20 @@ DrawList make_room(int walls, std::uint32_t wall_columns, std::uint32_t things, 
   }
   ++list.revisions.structure;
   return list;
+}
+
+// What is there of leaves: every other texel.
+void make_masked(DrawList& list) {
+  auto texture = std::make_shared<Texture>();
+  texture->width = texture->height = 64;
+  for (std::uint32_t i = 0; i < texture->width * texture->height; ++i) {
+    const std::uint8_t alpha = (i + i / texture->width) % 2 == 0 ? 255 : 0;
+    texture->rgba.insert(texture->rgba.end(), {255, 255, 255, alpha});
+  }
+  auto material = std::make_shared<Material>();
+  material->alpha_mode = AlphaMode::mask;
+  material->base_color_texture = texture;
+  list.materials.front() = material;
 }
 
 ScanPattern rings(std::uint32_t samples, std::uint32_t count, double half_width_rad) {
@@ -177,6 +192,8 @@ WorkTable measure_scan_costs(Device& device, RayCaster& rays) {
   const ScanPattern lidar = rings(128, 16, kPi);
   DrawList bare = make_room(1, 8, 0, 4), fine = make_room(1, 64, 0, 4), nested = make_room(12, 4, 0, 4);
   DrawList boxes = make_room(1, 8, 400, 4), balls = make_room(1, 16, 60, 24);
+  DrawList leaves = make_room(1, 8, 400, 12);
+  make_masked(leaves);
   Calibration calibration(device, rays);
   calibration.render(bare, half, 512);
   calibration.render(bare, half, 8000);
@@ -186,6 +203,8 @@ WorkTable measure_scan_costs(Device& device, RayCaster& rays) {
   calibration.render(fine, lidar, 128);
   calibration.render(boxes, half, 512);
   calibration.render(boxes, full, 4096);
+  calibration.render(leaves, half, 1024);
+  calibration.render(leaves, half, 4096);
   calibration.render(balls, half, 2048);
   calibration.render(balls, full, 512);
   for (DrawList* const list : {&bare, &fine, &nested, &boxes, &balls}) {

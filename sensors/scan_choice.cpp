@@ -18,9 +18,7 @@ std::uint64_t triangles_of(const DrawList& list) {
   return triangles;
 }
 
-bool has_moved(double from, double to) {
-  return std::max(from, to) > ScanChoice::kMoved * std::min(from, to);
-}
+bool has_moved(double from, double to) { return std::max(from, to) > ScanChoice::kMoved * std::min(from, to); }
 
 std::string in_ms(double ns) {
   char text[32];

@@ -175,8 +175,7 @@ TEST_CASE("every beam keeps the tolerance, whatever is chosen" * doctest::skip(k
 TEST_CASE("in the marvin laboratory, too, while the robot drives" * doctest::skip(kAbsent)) {
   const CostsFolder cache(made_up_costs(true));
   for (const char* attribute : {"max_error_m", "max_error_rel"}) {
-    Simulation simulation =
-        marvin(cache.folder.path(), {{"method", "auto"}, {attribute, "3e-4"}, {"samples", "721"}});
+    Simulation simulation = marvin(cache.folder.path(), {{"method", "auto"}, {attribute, "3e-4"}, {"samples", "721"}});
     ScanComparison comparison;
     for (int frame = 0; frame < 3; ++frame) {
       simulation.set("R_POSE", "yaw", 18.0 * frame);

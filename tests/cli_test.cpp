@@ -228,8 +228,9 @@ TEST_CASE("--max-error: the cheapest way within it, the price list, and what run
   for (const Strings& row : read_csv(folder / "out/SCAN.csv").rows) CHECK(std::stod(row[7]) <= 0.001);
 
   for (const char* method : {"auto", "hybrid"}) {
-    REQUIRE(run({scene.string(), "--out", out, "--max-error", "1e-5", "--method", method, "--quiet"}, cache)
-                .exit_code == 0);
+    REQUIRE(
+        run({scene.string(), "--out", out, "--max-error", "1e-5", "--method", method, "--quiet"}, cache).exit_code ==
+        0);
     CHECK(nlohmann::json::parse(read_text(folder / "out/run.json"))["sensors"]["SCAN"]["method"] == method);
     for (const Strings& row : read_csv(folder / "out/SCAN.csv").rows) CHECK(std::stod(row[7]) <= 1e-5);
   }
@@ -291,9 +292,9 @@ TEST_CASE("--explain, --profile, --quiet, --describe, --list-devices, --version,
   CHECK(run({"--version"}).out.starts_with("simvis-run 0."));
   const ProcessResult help = run({"--help"});
   CHECK(help.exit_code == 0);
-  for (const char* option :
-       {"--out", "--frames", "--rate", "--set", "--trajectory", "--sensor", "--method", "--max-error", "--seed", "--device",
-        "--list-devices", "--explain", "--profile", "--quiet", "--describe", "--plugin", "--version", "--help"}) {
+  for (const char* option : {"--out", "--frames", "--rate", "--set", "--trajectory", "--sensor", "--method",
+                             "--max-error", "--seed", "--device", "--list-devices", "--explain", "--profile", "--quiet",
+                             "--describe", "--plugin", "--version", "--help"}) {
     CHECK_MESSAGE(help.out.find(option) != std::string::npos, option);
   }
 }
