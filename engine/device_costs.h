@@ -56,7 +56,7 @@ std::filesystem::path device_costs_file(Device& device, const std::filesystem::p
 /// The costs in a file. Nothing if there is none, or if anything in it is not as save_device_costs() wrote it.
 std::optional<WorkTable> load_device_costs(const std::filesystem::path& file);
 
-/// Rounds to two digits what it writes and returns: what load_device_costs() will read. At least 0.001 ns each.
+/// Rounds to two digits what it writes and returns: what load_device_costs() will read, each from 0.001 to 10^9 ns.
 /// A file that cannot be written is no error.
 WorkTable save_device_costs(const std::filesystem::path& file, const WorkTable& cost);
 

@@ -391,7 +391,8 @@ TEST_CASE("a file of costs is taken only as it was written") {
   CHECK_FALSE(load_device_costs(file));
   const WorkTable written = save_device_costs(file, cost);
   CHECK(written[Work::pass] == 1e-3);  // the least
-  CHECK(written[Work::triangle_test] == 1.2e8);
+  CHECK(written[Work::item_test] == 1.2e8);
+  CHECK(written[Work::triangle_test] == 1e9);  // the most
   CHECK(load_device_costs(file) == written);
   CHECK(files_below(folder.path()).size() == 1);  // no temporary file
 
