@@ -11,6 +11,7 @@
 
 #include "engine/cache_file.h"
 #include "engine/device_impl.h"
+#include "engine/ray_caster.h"
 
 namespace simvis {
 
@@ -61,7 +62,8 @@ std::filesystem::path device_costs_file(Device& device, const std::filesystem::p
   }
   std::snprintf(hex, sizeof hex, "-%04x-%04x-%08x-", properties.vendorID, properties.deviceID,
                 properties.driverVersion);
-  name += hex + std::to_string(std::thread::hardware_concurrency()) + "-" + std::string(version);
+  name += hex + std::to_string(std::thread::hardware_concurrency()) + "-" + std::string(version) +
+          (has_host_ray_caster() ? "-embree" : "");
   return folder / (name + ".txt");
 }
 

@@ -71,7 +71,7 @@ void LaserScanner::plan(const glm::dmat4& world_from_sensor, const DrawList& lis
   } else if (renders()) {
     rounding_ = VertexRounding(list, sensor_from_world);
     rendered_->plan(name_, desc_.method == ScanMethod::automatic ? ", by " + choice_.text() : "", sensor_from_world,
-                    plan);
+                    plan, name_);
   }
   if (casts(desc_.method)) {
     plan.casts.push_back({.name = name_, .reason = cast_reason(), .most_rays = directions_.size()});

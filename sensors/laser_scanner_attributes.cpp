@@ -97,11 +97,6 @@ std::unique_ptr<Sensor> create(const SensorContext& context) {
   desc.range_min_m = a.number("range_min");
   desc.range_max_m = a.number("range_max");
   desc.method = method_named(a.choice("method"));
-  if (casts(desc.method) && !has_host_ray_caster()) {
-    fail_at(a.where("method"), "attribute \"method\": \"" + a.choice("method") +
-                                   "\" needs Embree, without which this SimVis was built, expected \"nearest\" or "
-                                   "\"planar\"");
-  }
   if (a.is_set("max_error_m")) {
     desc.max_error_m = a.number("max_error_m");
     desc.max_error_rel = std::numeric_limits<double>::infinity();

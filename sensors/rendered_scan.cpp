@@ -16,7 +16,7 @@ RenderedScan::RenderedScan(const ScanPattern& pattern, double resolution_px)
     : resolution_px_(resolution_px), layout_(lay_out(pattern, resolution_px)) {}
 
 void RenderedScan::plan(const std::string& scanner, const std::string& purpose, const glm::dmat4& sensor_from_world,
-                        FramePlan& plan, std::string_view atlas) {
+                        FramePlan& plan, const std::string& atlas) {
   places_.clear();
   views_.clear();
   for (std::size_t f = 0; f < layout_.faces.size(); ++f) {
@@ -31,7 +31,7 @@ void RenderedScan::plan(const std::string& scanner, const std::string& purpose, 
     view.height_px = face.height_px;
     view.sees_back_faces = true;
     view.sees_lines_and_points = false;
-    places_.push_back(place_in_depth_atlas(plan, std::move(view), atlas));
+    places_.push_back(place_in_depth_atlas(plan, atlas, std::move(view)));
     views_.push_back(plan.passes[places_.back().pass].views.size() - 1);
   }
 }

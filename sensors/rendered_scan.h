@@ -20,9 +20,10 @@ class RenderedScan {
  public:
   RenderedScan(const ScanPattern& pattern, double resolution_px);
 
-  /// Adds the views to an atlas. `purpose` follows "N beams of laser scanner NAME" in their reasons.
+  /// Adds the views to the depth atlas of this name. `purpose` follows "N beams of laser scanner NAME" in their
+  /// reasons.
   void plan(const std::string& scanner, const std::string& purpose, const glm::dmat4& sensor_from_world,
-            FramePlan& plan, std::string_view atlas = kDepthAtlas);
+            FramePlan& plan, const std::string& atlas);
 
   /// Takes what the views of plan() became; valid as long as `results` are.
   void collect(const FramePlan& plan, std::span<const PassResult> results, const VertexRounding& rounding);
@@ -31,7 +32,7 @@ class RenderedScan {
   RangeEstimate planar(std::size_t beam) const;
   RangeEstimate nearest(std::size_t beam) const;
 
-  /// The work of the collected frame, as if this scan alone had been rendered: passes are shared with others.
+  /// The work of the collected frame, in a pass of its own.
   WorkTable work(std::size_t list_items) const;
 
   const ScanLayout& layout() const { return layout_; }

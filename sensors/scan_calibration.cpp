@@ -120,7 +120,7 @@ void Calibration::render(const DrawList& list, const ScanPattern& pattern, doubl
     FramePlan plan;
     const double start_ns = now_ns();
     const VertexRounding rounding(list, glm::dmat4(1.0));
-    scan.plan("calibration", "", glm::dmat4(1.0), plan);
+    scan.plan("calibration", "", glm::dmat4(1.0), plan, "calibration");
     const std::span<const PassResult> results = renderer_.render(list, plan);
     const double rendered_ns = now_ns();
     scan.collect(plan, results, rounding);

@@ -50,7 +50,7 @@ void ScanSurvey::plan(const std::string& scanner, const glm::dmat4& sensor_from_
   for (const auto& rendered : rendered_) {
     const std::string resolution = format_number(rendered->resolution_px());
     rendered->plan(scanner, " at " + resolution + " px, to see what it would cost", sensor_from_world, plan,
-                   "survey by " + scanner + " at " + resolution + " px");
+                   scanner + "." + resolution);
   }
 }
 

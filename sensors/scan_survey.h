@@ -6,7 +6,7 @@
 // what each takes, counted in this frame, times what that costs on this device (see device_costs.h). Every beam is cast
 // once: the beams that the same resolutions would cast go together, and a way's casts are the sum of its groups.
 //
-// Prices are those of a scanner that is alone. Where several render, they share a pass, and each pays less.
+// Prices are those of a scanner that is alone: what several share, such as a submission, each pays in full.
 #pragma once
 
 #include <cstdint>

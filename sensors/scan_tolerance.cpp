@@ -24,7 +24,7 @@ std::string rounded_up(double value) {
 
 Reading read_range(const RangeEstimate& range, const RangeLimits& limits) {
   const double low = range.range_m - range.error_bound_m, high = range.range_m + range.error_bound_m;
-  float reading = static_cast<float>(range.range_m);
+  float reading = range.range_m < limits.min_m ? 0 : static_cast<float>(range.range_m);
   double bound = range.error_bound_m + std::abs(static_cast<double>(reading) - range.range_m);
   if (range.range_m > limits.max_m) {
     reading = kInfinity;
@@ -32,7 +32,6 @@ Reading read_range(const RangeEstimate& range, const RangeLimits& limits) {
   } else if (high > limits.max_m) {
     bound = kInfinity;
   } else if (range.range_m < limits.min_m) {
-    reading = 0;
     bound = high < limits.min_m ? 0 : high;
   } else if (low < limits.min_m) {
     bound = std::max(bound, static_cast<double>(reading));

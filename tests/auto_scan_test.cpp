@@ -375,8 +375,10 @@ TEST_CASE("who does not choose pays nothing: no costs are measured, and nothing 
   Simulation simulation = marvin(cache.path(), {{"method", "planar"}});
   simulation.step();
   for (const std::string& file : files_below(cache.path())) CHECK_FALSE(file.starts_with("costs-"));
-  REQUIRE(simulation.frame_plan().passes.size() == 1);
-  CHECK(simulation.frame_plan().passes[0].name == kDepthAtlas);
+  REQUIRE(simulation.frame_plan().passes.size() == std::size(kScanners));
+  for (std::size_t i = 0; i < std::size(kScanners); ++i) {
+    CHECK(simulation.frame_plan().passes[i].name == kScanners[i] + std::string(".depth"));
+  }
   CHECK(simulation.frame_plan().casts.empty());
   const SensorReport report = sensor(simulation, "FRONT_SCANNER").report;
   CHECK(report.notes.empty());

@@ -33,21 +33,37 @@ Table& table() {
   return table;
 }
 
-std::string cell(const HardResult& result, std::size_t beams) {
+std::string cell(double worst_error_rel, std::size_t wrong_kind, std::size_t beams) {
   char text[64];
-  if (result.wrong_kind == 0) {
-    std::snprintf(text, sizeof text, "%-19.2g", result.worst_error_rel);
+  if (wrong_kind == 0) {
+    std::snprintf(text, sizeof text, "%.2g", worst_error_rel);
   } else {
-    std::snprintf(text, sizeof text, "%.2g (%zu of %zu)", result.worst_error_rel, result.wrong_kind, beams);
+    std::snprintf(text, sizeof text, "%.2g (%zu of %zu)", worst_error_rel, wrong_kind, beams);
   }
   return text;
+}
+
+std::string cell(const HardResult& result) {
+  return cell(result.worst_error_rel, result.wrong_kind, result.scan.range_m.size());
+}
+
+std::string cell(const std::vector<HardResults>& all, HardResult HardResults::*method) {
+  double worst_error_rel = 0;
+  std::size_t wrong_kind = 0, beams = 0;
+  for (const HardResults& results : all) {
+    const HardResult& result = results.*method;
+    worst_error_rel = std::max(worst_error_rel, result.worst_error_rel);
+    wrong_kind += result.wrong_kind;
+    beams += result.scan.range_m.size();
+  }
+  return cell(worst_error_rel, wrong_kind, beams);
 }
 
 /// What all cases of a program share.
 struct Machine {
   Device device;
   Renderer renderer{device};
-  std::unique_ptr<RayCaster> caster = make_host_ray_caster();
+  std::unique_ptr<RayCaster> caster = make_ray_caster(device);
 };
 
 Machine& machine() {
@@ -83,6 +99,22 @@ void hold_against_truth(const HardCase& hard, HardResult& result) {
   }
 }
 
+void check(const HardCase& hard, const HardResults& results) {
+  REQUIRE(!results.raycast.scan.range_m.empty());
+  if (!hard.narrow) {
+    CHECK(results.nearest.violations == 0);
+    CHECK(results.planar.violations == 0);
+    CHECK(results.hybrid.violations == 0);
+    CHECK(results.hybrid.wrong_kind == 0);
+    CHECK(results.hybrid.worst_error_rel <= kHybridError + hard.truth_error_rel);
+  }
+  CHECK(results.hybrid.uncertain == 0);
+  CHECK(results.raycast.violations == 0);
+  CHECK(results.raycast.wrong_kind == 0);
+  CHECK(results.raycast.uncertain == 0);
+  CHECK(results.raycast.worst_error_rel <= kCastError + hard.truth_error_rel);
+}
+
 }  // namespace
 
 HardResult measure(const HardCase& hard, ScanMethod method) {
@@ -103,31 +135,38 @@ HardResult measure(const HardCase& hard, ScanMethod method) {
   return result;
 }
 
-HardResults measure(const HardCase& hard) {
-  CAPTURE(hard.name);
-  const HardResults results{measure(hard, ScanMethod::nearest), measure(hard, ScanMethod::planar),
-                            measure(hard, ScanMethod::hybrid), measure(hard, ScanMethod::raycast)};
-  const std::size_t beams = results.raycast.scan.range_m.size();
-  REQUIRE(beams > 0);
-  char line[256];
-  std::snprintf(line, sizeof line, "%-64s | %s | %s | %s | %s", hard.name.c_str(), cell(results.nearest, beams).c_str(),
-                cell(results.planar, beams).c_str(), cell(results.hybrid, beams).c_str(),
-                cell(results.raycast, beams).c_str());
-  table().add(line);
+HardResults measure(const HardCase& hard) { return measure_together(hard.name, {hard}).front(); }
 
-  if (!hard.narrow) {
-    CHECK(results.nearest.violations == 0);
-    CHECK(results.planar.violations == 0);
-    CHECK(results.hybrid.violations == 0);
-    CHECK(results.hybrid.wrong_kind == 0);
-    CHECK(results.hybrid.worst_error_rel <= kHybridError + hard.truth_error_rel);
+std::vector<HardResults> measure_together(const std::string& name, const std::vector<HardCase>& parts) {
+  std::vector<HardResults> all;
+  for (const HardCase& hard : parts) {
+    CAPTURE(hard.name);
+    all.push_back({measure(hard, ScanMethod::nearest), measure(hard, ScanMethod::planar),
+                   measure(hard, ScanMethod::hybrid), measure(hard, ScanMethod::raycast)});
+    check(hard, all.back());
   }
-  CHECK(results.hybrid.uncertain == 0);
-  CHECK(results.raycast.violations == 0);
-  CHECK(results.raycast.wrong_kind == 0);
-  CHECK(results.raycast.uncertain == 0);
-  CHECK(results.raycast.worst_error_rel <= kCastError + hard.truth_error_rel);
-  return results;
+  add_line(name, {cell(all, &HardResults::nearest), cell(all, &HardResults::planar), cell(all, &HardResults::hybrid),
+                  cell(all, &HardResults::raycast)});
+  return all;
+}
+
+void measure_raster(const HardCase& hard, double resolution_px) {
+  HardCase coarse = hard;
+  coarse.scanner.resolution_px = resolution_px;
+  const HardResult nearest = measure(coarse, ScanMethod::nearest), planar = measure(coarse, ScanMethod::planar);
+  char name[128];
+  std::snprintf(name, sizeof name, "  the same with %g pixels across 90 degrees", resolution_px);
+  add_line(name, {cell(nearest), cell(planar), "", ""});
+  if (hard.narrow) return;
+  CHECK(nearest.violations == 0);
+  CHECK(planar.violations == 0);
+}
+
+void add_line(const std::string& name, const std::array<std::string, 4>& cells) {
+  char line[256];
+  std::snprintf(line, sizeof line, "%-64s | %-19s | %-19s | %-19s | %-19s", name.c_str(), cells[0].c_str(),
+                cells[1].c_str(), cells[2].c_str(), cells[3].c_str());
+  table().add(line);
 }
 
 void add_line(const std::string& name, const std::string& outcome) {

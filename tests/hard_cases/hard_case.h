@@ -5,9 +5,11 @@
 // measured for that column, and nothing is asked of it but that its bound holds.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <glm/glm.hpp>
 #include <string>
+#include <vector>
 
 #include "engine/draw_list.h"
 #include "sensors/laser_scanner.h"
@@ -56,8 +58,19 @@ inline constexpr double kCastError = 1e-6;
 /// Both allow truth_error_rel besides. The results are for what a case checks beyond that.
 HardResults measure(const HardCase& hard);
 
+/// Several scans in one line: the worst error of all and the sum of wrong hits and misses; each is checked as above.
+std::vector<HardResults> measure_together(const std::string& name, const std::vector<HardCase>& parts);
+
 /// One scan of the case by one method, without checks.
 HardResult measure(const HardCase& hard, ScanMethod method);
+
+/// The raster methods of the case at this many pixels across 90 degrees: a line below the case's own. Other simulators
+/// commonly take 256 or 512. Checks that the truth lies within the bounds (not where `narrow`).
+void measure_raster(const HardCase& hard, double resolution_px);
+
+/// Adds a line of another measure than the relative error, which the name has to say: cells for nearest, planar,
+/// hybrid and raycast.
+void add_line(const std::string& name, const std::array<std::string, 4>& cells);
 
 /// Adds a line that is no scan, such as "10,000,000 beams inside closed meshes" with its outcome.
 void add_line(const std::string& name, const std::string& outcome);
