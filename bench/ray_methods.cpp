@@ -72,7 +72,7 @@ void time_sets(const std::filesystem::path& scene, int frames) {
       double share = 0, scanners = 0;
       for (const SensorInfo& sensor : simulation.sensors()) {
         if (!sensor.enabled) continue;
-        share += sensor.cast_share.value_or(0);
+        share += sensor.number("cast_share").value_or(0);
         ++scanners;
       }
       shares[m].push_back(share / scanners);

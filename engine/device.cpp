@@ -5,6 +5,7 @@
 #include <string>
 
 #include "engine/assert.h"
+#include "engine/cache_file.h"
 #include "engine/device_impl.h"
 #include "engine/error.h"
 #include "engine/vulkan_check.h"

@@ -25,6 +25,7 @@ struct Packet {
   glm::dvec3 direction[kLanes];
   ShearedRay ray[kLanes];
   NearestHit nearest[kLanes];
+  std::uint64_t item_tests, triangle_tests;
   // Of the item that is being walked: its rays in its unit frame, which begin at start_m.
   std::uint32_t placed;
   double start_m[kLanes];
@@ -42,6 +43,7 @@ void on_triangle(const RTCIntersectFunctionNArguments* arguments) {
     if (arguments->valid[i] != -1) continue;
     const unsigned lane = RTCRayN_id(rays, arguments->N, i);
     const double before_m = packet.nearest[lane].range_m;
+    ++packet.triangle_tests;
     packet.view->try_triangle(packet.ray[lane], packet.placed, arguments->primID, corners, packet.nearest[lane]);
     const double range_m = packet.nearest[lane].range_m;
     if (range_m < before_m) {
@@ -82,6 +84,7 @@ void walk_one_by_one(Packet& packet, const RayMesh& mesh, const MeshPlacement& p
     const std::array<glm::dvec3, 3> corners = place_corners(*mesh.mesh(), t, placement);
     for (unsigned lane = 0; lane < kLanes; ++lane) {
       if (!(lanes >> lane & 1)) continue;
+      ++packet.triangle_tests;
       packet.view->try_triangle(packet.ray[lane], packet.placed, t, corners, packet.nearest[lane]);
     }
   }
@@ -107,6 +110,7 @@ void on_item(const RTCIntersectFunctionNArguments* arguments) {
   for (unsigned i = 0; i < arguments->N; ++i) {
     if (arguments->valid[i] != -1) continue;
     lanes |= 1u << RTCRayN_id(rays, arguments->N, i);
+    ++packet.item_tests;
   }
   const auto& tree = static_cast<const EmbreeMesh&>(*packet.view->placed(arguments->primID).mesh);
   if (item.one_by_one) {
@@ -124,6 +128,7 @@ void cast_packet(RayView& view, RTCScene items, std::span<const glm::dvec3> dire
   Packet packet;
   rtcInitIntersectContext(&packet.context);
   packet.view = &view;
+  packet.item_tests = packet.triangle_tests = 0;
   const glm::vec3 from(glm::dvec3(view.world_from_sensor()[3]) - view.items().origin());
   const glm::dmat3 world_from_sensor(view.world_from_sensor());
   alignas(32) int valid[kLanes] = {};
@@ -147,6 +152,8 @@ void cast_packet(RayView& view, RTCScene items, std::span<const glm::dvec3> dire
   for (unsigned lane = 0; lane < directions.size(); ++lane) {
     hits[lane] = view.finish(packet.ray[lane], packet.nearest[lane]);
   }
+  view.item_tests += packet.item_tests;
+  view.triangle_tests += packet.triangle_tests;
 }
 
 void cast_all(RayView& view, RTCScene items, std::span<const glm::dvec3> directions, std::span<RayHit> hits) {
@@ -189,6 +196,10 @@ RayCounters EmbreeRayCaster::counters() const {
   if (!items_) return {};
   RayCounters counters = items_->items().counters;
   counters.rays = rays_;
+  for (const RayView& view : views_) {
+    counters.item_tests += view.item_tests;
+    counters.triangle_tests += view.triangle_tests;
+  }
   return counters;
 }
 

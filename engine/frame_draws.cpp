@@ -61,7 +61,9 @@ void FrameDraws::add(const View& view, const Pass& pass, const DrawList& list, c
   draws.block.ambient = glm::vec4(list.environment.ambient, static_cast<float>(view.near_m));
   if (pass.color && table.any_lit()) draws.lights_offset = add_lights(projection, list);
   draws.first_run = runs_.size();
+  counts_ = {};
   for (const Drawable& d : pass.color ? table.solid() : table.depth()) {
+    ++counts_.boxes_examined;
     if (!visible(d, view, projection, table, counters)) continue;
     if (d.range.clusters.size() > 1 && guard_rows(view) > 0) {
       draw_seen_triangles(d, view, projection, list, table.box(d.item));
@@ -73,6 +75,14 @@ void FrameDraws::add(const View& view, const Pass& pass, const DrawList& list, c
   }
   if (pass.color) add_blended(view, pass, projection, list, table, counters);
   draws.end_run = runs_.size();
+  for (std::size_t i = draws.first_run; i < draws.end_run; ++i) {
+    if (runs_[i].key.topology != Topology::triangles) continue;
+    const std::uint64_t triangles = std::uint64_t{runs_[i].range.index_count / 3} * runs_[i].instance_count;
+    counts_.triangles += triangles;
+    if (runs_[i].key.surface == Surface::masked) counts_.masked_triangles += triangles;
+  }
+  counts_.draws = draws.end_run - draws.first_run;
+  draws.counts = counts_;
   views_.push_back(draws);
 }
 
@@ -124,8 +134,10 @@ void FrameDraws::draw_seen_triangles(const Drawable& d, const View& view, const 
                                      const DrawList& list, const WorldBox& box) {
   const MeshPlanes planes = make_mesh_planes(projection, list.world_from_node[d.transform], box);
   const auto first = static_cast<std::uint32_t>(indices_.size());
+  counts_.boxes_examined += d.range.clusters.size();
   for (const Cluster& cluster : d.range.clusters) {
     if (outside(planes, cluster.center, cluster.half_size)) continue;
+    counts_.triangles_examined += cluster.index_count / 3;
     const std::uint32_t* corner = d.range.indices.data() + cluster.first_index;
     for (const std::uint32_t* end = corner + cluster.index_count; corner != end; corner += 3) {
       const auto& p = d.range.positions;
@@ -149,6 +161,7 @@ void FrameDraws::draw_seen_clusters(const Drawable& d, const View& view, const V
                                     const DrawList& list, const WorldBox& box, std::size_t first_run) {
   const MeshPlanes planes = make_mesh_planes(projection, list.world_from_node[d.transform], box);
   seen_.clear();
+  counts_.boxes_examined += d.range.clusters.size();
   for (const Cluster& cluster : d.range.clusters) {
     if (outside(planes, cluster.center, cluster.half_size)) continue;
     if (!seen_.empty() && seen_.back().first_index + seen_.back().index_count == cluster.first_index) {

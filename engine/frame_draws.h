@@ -27,6 +27,7 @@ struct ViewDraws {
   shader::ViewBlock block;
   std::uint32_t lights_offset = 0;  ///< of the view's lights, in bytes
   std::size_t first_run = 0, end_run = 0;
+  ViewCounts counts;
 };
 
 /// Keeps its memory from frame to frame.
@@ -69,6 +70,7 @@ class FrameDraws {
   std::vector<Far> far_first_;
   std::vector<MeshRange> seen_;
   std::uint32_t last_group_ = 0;
+  ViewCounts counts_;  // of the view that is being added
 };
 
 }  // namespace simvis

@@ -33,6 +33,8 @@ class RayView {
   /// Range and bound of what was found.
   RayHit finish(const ShearedRay& ray, const NearestHit& nearest);
 
+  std::uint64_t item_tests = 0, triangle_tests = 0;  ///< of all casts, as the engine counts them: see RayCounters
+
  private:
   const DrawList* list_ = nullptr;
   const RayItems* items_ = nullptr;

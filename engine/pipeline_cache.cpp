@@ -1,14 +1,11 @@
 #include "engine/pipeline_cache.h"
 
-#include <unistd.h>
-
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <iterator>
-#include <system_error>
 
+#include "engine/cache_file.h"
 #include "engine/vulkan_check.h"
 
 namespace simvis {
@@ -24,12 +21,6 @@ struct FileHeader {
 };
 static_assert(sizeof(FileHeader) == 56);
 
-std::uint64_t fnv1a(const std::vector<char>& data) {
-  std::uint64_t hash = 0xcbf29ce484222325ull;
-  for (const char c : data) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3ull;
-  return hash;
-}
-
 FileHeader header_for(const VkPhysicalDeviceProperties& properties, const std::vector<char>& data) {
   FileHeader header{.magic = {'S', 'I', 'M', 'V', 'I', 'S', 'P', '1'},
                     .vendor = properties.vendorID,
@@ -38,7 +29,7 @@ FileHeader header_for(const VkPhysicalDeviceProperties& properties, const std::v
                     .unused = 0,
                     .uuid = {},
                     .size = data.size(),
-                    .checksum = fnv1a(data)};
+                    .checksum = cache_checksum({data.data(), data.size()})};
   std::memcpy(header.uuid, properties.pipelineCacheUUID, VK_UUID_SIZE);
   return header;
 }
@@ -67,13 +58,6 @@ std::vector<char> read(const std::filesystem::path& file, const VkPhysicalDevice
 
 }  // namespace
 
-std::filesystem::path cache_folder(const std::string& wish) {
-  if (!wish.empty()) return wish;
-  if (const char* xdg = std::getenv("XDG_CACHE_HOME"); xdg && *xdg) return std::filesystem::path(xdg) / "simvis";
-  if (const char* home = std::getenv("HOME"); home && *home) return std::filesystem::path(home) / ".cache" / "simvis";
-  return {};
-}
-
 PipelineCache::PipelineCache(VkDevice device, const VkPhysicalDeviceProperties& properties,
                              const std::filesystem::path& folder)
     : device_(device), properties_(properties) {
@@ -100,16 +84,10 @@ void PipelineCache::save() const {
   data.resize(size);
   if (data == loaded_) return;
 
-  std::error_code failure;
-  std::filesystem::create_directories(file_.parent_path(), failure);
-  const std::filesystem::path temporary = file_.string() + "." + std::to_string(getpid());
   const FileHeader header = header_for(properties_, data);
-  std::ofstream out(temporary, std::ios::binary);
-  out.write(reinterpret_cast<const char*>(&header), sizeof header);
-  out.write(data.data(), static_cast<std::streamsize>(data.size()));
-  out.close();
-  if (out) std::filesystem::rename(temporary, file_, failure);
-  if (!out || failure) std::filesystem::remove(temporary, failure);
+  std::string content(reinterpret_cast<const char*>(&header), sizeof header);
+  content.append(data.data(), data.size());
+  write_cache_file(file_, content);
 }
 
 }  // namespace simvis

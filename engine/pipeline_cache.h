@@ -10,10 +10,6 @@
 
 namespace simvis {
 
-/// Folder for SimVis's caches: `wish` if not empty, else $XDG_CACHE_HOME/simvis, else $HOME/.cache/simvis; empty (no
-/// cache on disk) when none of them is known.
-std::filesystem::path cache_folder(const std::string& wish);
-
 /// Loads the file of this device and driver; a file that is missing, corrupt or foreign counts as empty. save() writes
 /// it anew if the driver's data has changed, first under another name. A folder that cannot be written is no error.
 class PipelineCache {

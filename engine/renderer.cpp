@@ -79,6 +79,7 @@ struct Renderer::Impl {
   FrameDraws draws;
   std::vector<RenderTarget*> pass_targets;
   std::vector<PassResult> results;
+  std::vector<ViewCounts> view_counts;  // of all passes' views, in order
   FrameCounters counters;
 };
 
@@ -156,6 +157,9 @@ void Renderer::Impl::record(VkCommandBuffer recorded, const DrawList& list, cons
 }
 
 void Renderer::Impl::collect(const FramePlan& plan) {
+  view_counts.clear();
+  for (const ViewDraws& view : draws.views()) view_counts.push_back(view.counts);
+  std::size_t first_view = 0;
   for (std::size_t i = 0; i < plan.passes.size(); ++i) {
     const Pass& pass = plan.passes[i];
     const RenderTarget& target = *pass_targets[i];
@@ -165,6 +169,8 @@ void Renderer::Impl::collect(const FramePlan& plan) {
     if (pass.color) result.color = {reinterpret_cast<const glm::vec4*>(target.color_readback.mapped()), pixels};
     result.snap_px = device.physical.snap_px;
     result.depth_snap_px = device.physical.depth_snap_px;
+    result.views = std::span(view_counts).subspan(first_view, pass.views.size());
+    first_view += pass.views.size();
   }
 }
 

@@ -26,10 +26,20 @@ struct FrameCounters {
   bool operator==(const FrameCounters&) const = default;
 };
 
+/// What one view cost, counted and not timed.
+struct ViewCounts {
+  std::uint64_t draws = 0, triangles = 0;
+  std::uint64_t masked_triangles = 0;                        ///< of them: each of their pixels asks for alpha
+  std::uint64_t boxes_examined = 0, triangles_examined = 0;  ///< held against the view by the host: see Cluster
+
+  bool operator==(const ViewCounts&) const = default;
+};
+
 /// Where a pass's pixels lie. Valid until the next render() or the renderer's end.
 struct PassResult {
-  std::span<const float> depth;      ///< width * height, rows from the top, d = near / z; empty if not asked for
-  std::span<const glm::vec4> color;  ///< width * height, rows from the top, linear RGBA; empty if not asked for
+  std::span<const float> depth;       ///< width * height, rows from the top, d = near / z; empty if not asked for
+  std::span<const glm::vec4> color;   ///< width * height, rows from the top, linear RGBA; empty if not asked for
+  std::span<const ViewCounts> views;  ///< views[i] belongs to the pass's views[i]
   /// Vertices are moved to a grid, by up to so many pixels along each axis, before pixels are found that a triangle
   /// covers. Vulkan leaves open whether depth is then taken from where they were, or from where they are now.
   double snap_px = 0;

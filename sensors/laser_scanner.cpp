@@ -8,138 +8,44 @@
 
 #include "engine/assert.h"
 #include "scenegraph/pose.h"
-#include "sensors/depth_range.h"
 
 namespace simvis {
 
 namespace {
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
-
-// A tenth of a millimetre: what touches the scanner is still seen, and reversed depth loses nothing by it.
-constexpr double kNear_m = 1e-4;
-
-constexpr AttributeSpec kAttributes[] = {
-    {.name = "samples",
-     .kind = AttributeKind::integer,
-     .default_value = "361",
-     .text = "beams of a ring, the first at min_angle, the last at max_angle",
-     .min = 1,
-     .max = 1e6},
-    {.name = "min_angle",
-     .default_value = "-90",
-     .unit = "deg",
-     .text = "azimuth of the first beam, counter-clockwise from x",
-     .min = -360,
-     .max = 360},
-    {.name = "max_angle",
-     .default_value = "90",
-     .unit = "deg",
-     .text = "azimuth of the last beam; at most a full turn from the first",
-     .min = -360,
-     .max = 360},
-    {.name = "vertical_samples",
-     .kind = AttributeKind::integer,
-     .default_value = "1",
-     .text = "rings, the lowest at vertical_min_angle",
-     .min = 1,
-     .max = 1e5},
-    {.name = "vertical_min_angle",
-     .default_value = "0",
-     .unit = "deg",
-     .text = "elevation of the lowest ring",
-     .min = -90,
-     .max = 90},
-    {.name = "vertical_max_angle",
-     .default_value = "0",
-     .unit = "deg",
-     .text = "elevation of the highest ring",
-     .min = -90,
-     .max = 90},
-    {.name = "range_min",
-     .default_value = "0.05",
-     .unit = "m",
-     .text = "what is nearer along the ray blocks the beam and reads 0",
-     .min = 0},
-    {.name = "range_max",
-     .default_value = "80",
-     .unit = "m",
-     .text = "what is farther along the ray reads inf",
-     .min = 0,
-     .open_min = true},
-    {.name = "method",
-     .kind = AttributeKind::choice,
-     .default_value = "planar",
-     .text = "how depth becomes ranges",
-     .choices = "nearest planar hybrid raycast"},
-    {.name = "max_error_rel",
-     .default_value = "1e-6",
-     .text = "hybrid: beams whose error bound is above this share of their range are cast",
-     .min = 0,
-     .open_min = true},
-    {.name = "resolution",
-     .unit = "px",
-     .text = "pixels of the virtual cameras across 90 degrees; 4096 for one ring, 1024 for more, if not given",
-     .min = 8,
-     .max = 16000},
-    kRateAttribute,
-};
-
-constexpr std::string_view kMethods[] = {"nearest", "planar", "hybrid", "raycast"};  // as ScanMethod
-
-ScanMethod method_named(std::string_view name) {
-  return static_cast<ScanMethod>(std::ranges::find(kMethods, name) - std::begin(kMethods));
+// Whether a rendered range can be exact enough.
+bool can_render(const LaserScannerDesc& desc) {
+  return !casts(desc.method) || (desc.method != ScanMethod::raycast && desc.max_error_rel >= least_planar_bound());
 }
 
-bool renders(const LaserScannerDesc& desc) {
-  return desc.method != ScanMethod::raycast &&
-         !(desc.method == ScanMethod::hybrid && desc.max_error_rel < least_planar_bound());
-}
-
-bool casts(ScanMethod method) { return method == ScanMethod::hybrid || method == ScanMethod::raycast; }
-
-std::unique_ptr<Sensor> create(const SensorContext& context) {
-  const AttributeValues& a = context.attributes;
-  LaserScannerDesc desc;
-  desc.pattern = {.samples = static_cast<std::uint32_t>(a.integer("samples")),
-                  .rings = static_cast<std::uint32_t>(a.integer("vertical_samples")),
-                  .min_azimuth_rad = glm::radians(a.number("min_angle")),
-                  .max_azimuth_rad = glm::radians(a.number("max_angle")),
-                  .min_elevation_rad = glm::radians(a.number("vertical_min_angle")),
-                  .max_elevation_rad = glm::radians(a.number("vertical_max_angle"))};
-  desc.range_min_m = a.number("range_min");
-  desc.range_max_m = a.number("range_max");
-  desc.method = method_named(a.choice("method"));
-  desc.max_error_rel = a.number("max_error_rel");
-  if (a.is_set("resolution")) desc.resolution_px = a.number("resolution");
-
-  const auto ordered = [&](const char* low, const char* high, double limit) {
-    const double span = a.number(high) - a.number(low);
-    if (span >= 0 && span <= limit) return;
-    std::ostringstream message;
-    message << "attribute \"" << high << "\": " << a.number(high) << " is not allowed with " << low << "=\""
-            << a.number(low) << "\", expected from " << a.number(low) << " to " << a.number(low) + limit;
-    fail_at(a.where(high), message.str());
-  };
-  ordered("min_angle", "max_angle", 360);
-  ordered("vertical_min_angle", "vertical_max_angle", 180);
-  ordered("range_min", "range_max", std::numeric_limits<double>::infinity());
-  return std::make_unique<LaserScanner>(context.name, desc);
-}
-
-double resolution_of(const LaserScannerDesc& desc) {
-  if (desc.resolution_px > 0) return desc.resolution_px;
-  return desc.pattern.rings == 1 ? kPlanarResolution : kRingsResolution;
+std::vector<double> resolutions(const LaserScannerDesc& desc) {
+  if (!can_render(desc)) return {};
+  if (desc.resolution_px > 0) return {desc.resolution_px};
+  if (desc.method != ScanMethod::automatic) return {desc.pattern.rings == 1 ? kPlanarResolution : kRingsResolution};
+  if (desc.pattern.rings == 1) return {std::begin(kPlanarResolutions), std::end(kPlanarResolutions)};
+  return {std::begin(kRingsResolutions), std::end(kRingsResolutions)};
 }
 
 }  // namespace
 
-LaserScanner::LaserScanner(std::string name, const LaserScannerDesc& desc) : name_(std::move(name)), desc_(desc) {
-  if (renders(desc)) layout_ = lay_out(desc.pattern, resolution_of(desc));
+std::string_view to_string(ScanMethod method) {
+  constexpr std::string_view kNames[] = {"nearest", "planar", "hybrid", "raycast", "auto"};
+  return kNames[static_cast<std::size_t>(method)];
+}
+
+LaserScanner::LaserScanner(std::string name, const LaserScannerDesc& desc)
+    : name_(std::move(name)),
+      desc_(desc),
+      limits_{desc.range_min_m, desc.range_max_m},
+      tolerance_{desc.max_error_m, desc.max_error_rel, desc.where_max_error_m, desc.where_max_error_rel} {
+  if (desc.method != ScanMethod::automatic && can_render(desc)) {
+    rendered_ = std::make_unique<RenderedScan>(desc.pattern, resolutions(desc).front());
+  }
   scan_.rings = desc.pattern.rings;
   scan_.columns = desc.pattern.samples;
   scan_.azimuth_rad = azimuths(desc.pattern);
   scan_.elevation_rad = elevations(desc.pattern);
+  readings_.resize(std::size_t{scan_.rings} * scan_.columns);
   if (!casts(desc.method)) return;
   for (const double e : scan_.elevation_rad) {
     for (const double a : scan_.azimuth_rad) {
@@ -148,98 +54,118 @@ LaserScanner::LaserScanner(std::string name, const LaserScannerDesc& desc) : nam
   }
 }
 
-void LaserScanner::plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) {
-  world_from_sensor_ = world_from_sensor;
-  if (renders(desc_)) plan_views(rigid_inverse(world_from_sensor), list, plan);
-  if (!casts(desc_.method)) return;
-  std::ostringstream reason;
-  reason << (renders(desc_) ? "beams" : "every beam") << " of laser scanner " << name_;
-  if (desc_.method == ScanMethod::hybrid) {
-    reason << (renders(desc_) ? " whose bound is above " : ": no rendered range has a bound below ")
-           << (renders(desc_) ? desc_.max_error_rel : least_planar_bound()) << " of "
-           << (renders(desc_) ? "their range" : "itself");
-  }
-  plan.casts.push_back({.name = name_, .reason = reason.str(), .most_rays = directions_.size()});
+void LaserScanner::take_costs(const std::function<const WorkTable&()>& costs) {
+  if (desc_.method == ScanMethod::automatic) costs_ = costs();
 }
 
-void LaserScanner::plan_views(const glm::dmat4& sensor_from_world, const DrawList& list, FramePlan& plan) {
-  rounding_ = VertexRounding(list, sensor_from_world);
-  places_.clear();
-  for (std::size_t f = 0; f < layout_.faces.size(); ++f) {
-    const ScanFace& face = layout_.faces[f];
-    View view;
-    view.name = name_ + "/face " + std::to_string(f);
-    view.reason = std::to_string(face.beams) + " beams of laser scanner " + name_;
-    view.pinhole = face.pinhole;
-    view.near_m = kNear_m;
-    view.view_from_world = glm::dmat4(face.face_from_sensor) * sensor_from_world;
-    view.width_px = face.width_px;
-    view.height_px = face.height_px;
-    view.sees_back_faces = true;
-    view.sees_lines_and_points = false;
-    places_.push_back(place_in_depth_atlas(plan, name_, std::move(view)));
+void LaserScanner::plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) {
+  world_from_sensor_ = world_from_sensor;
+  list_items_ = list.items.size();
+  const glm::dmat4 sensor_from_world = rigid_inverse(world_from_sensor);
+  survey_.reset();
+  if (desc_.method == ScanMethod::automatic && choice_.is_due(list)) {
+    SIMVIS_ASSERT(costs_ != WorkTable{});
+    survey_ = std::make_unique<ScanSurvey>(desc_.pattern, resolutions(desc_));
+    if (can_render(desc_)) rounding_ = VertexRounding(list, sensor_from_world);
+    survey_->plan(name_, sensor_from_world, plan);
+  } else if (renders()) {
+    rounding_ = VertexRounding(list, sensor_from_world);
+    rendered_->plan(name_, desc_.method == ScanMethod::automatic ? ", by " + choice_.text() : "", sensor_from_world,
+                    plan, name_);
   }
+  if (casts(desc_.method)) {
+    plan.casts.push_back({.name = name_, .reason = cast_reason(), .most_rays = directions_.size()});
+  }
+}
+
+std::string LaserScanner::cast_reason() const {
+  std::ostringstream reason;
+  reason << (renders() ? "beams" : "every beam") << " of laser scanner " << name_;
+  if (survey_) {
+    reason << ", to see what it would cost";
+  } else if (renders()) {
+    reason << " whose bound is above " << to_string(tolerance_);
+  } else if (!can_render(desc_) && desc_.method != ScanMethod::raycast) {
+    reason << ": no rendered range has a bound below " << least_planar_bound() << " of itself";
+  }
+  if (!survey_ && desc_.method == ScanMethod::automatic) reason << ", by " << choice_.text();
+  return reason.str();
 }
 
 void LaserScanner::collect(const FrameTime&, const FramePlan& plan, std::span<const PassResult> results) {
-  const std::size_t beams = std::size_t{scan_.rings} * scan_.columns;
-  scan_.range_m.resize(beams);
-  scan_.error_bound_m.resize(beams);
   beams_.clear();
-  if (!renders(desc_)) return;
-  std::vector<FacePixels> pixels;
-  for (const AtlasPlace& place : places_) {
-    const Pass& pass = plan.passes[place.pass];
-    pixels.push_back(face_pixels(results[place.pass], pass, pass.views[place.view]));
+  if (survey_) survey_->collect(plan, results, list_items_, rounding_, limits_, tolerance_);
+  if (!renders()) return;
+  rendered_->collect(plan, results, rounding_);
+  for (std::uint32_t beam = 0; beam < readings_.size(); ++beam) {
+    const bool nearest = desc_.method == ScanMethod::nearest;
+    readings_[beam] = read_range(nearest ? rendered_->nearest(beam) : rendered_->planar(beam), limits_);
+    if (casts(desc_.method) && !tolerance_.met(readings_[beam])) beams_.push_back(beam);
   }
-  for (std::size_t beam = 0; beam < layout_.taps.size(); ++beam) {
-    const BeamTap& tap = layout_.taps[beam];
-    RangeEstimate estimate = planar_range(pixels[tap.face], tap, layout_.planar, rounding_);
-    if (desc_.method == ScanMethod::nearest) {
-      estimate = nearest_range(pixels[tap.face], tap, layout_.faces[tap.face], estimate);
-    }
-    take(beam, estimate.range_m, estimate.error_bound_m);
-    if (desc_.method == ScanMethod::hybrid && !is_good_enough(beam)) beams_.push_back(static_cast<std::uint32_t>(beam));
-  }
+  if (!casts(desc_.method)) hand_over();
 }
 
 void LaserScanner::cast(RayCaster& rays) {
   if (!casts(desc_.method)) return;
-  const bool every = !renders(desc_);
+  if (survey_) {
+    cast_survey(rays);
+  } else {
+    cast_beams(rays);
+  }
+  hand_over();
+}
+
+void LaserScanner::cast_beams(RayCaster& rays) {
+  const bool every = !renders();
   if (!every) {
     cast_directions_.clear();
     for (const std::uint32_t beam : beams_) cast_directions_.push_back(directions_[beam]);
   }
   const std::span<const glm::dvec3> directions = every ? directions_ : cast_directions_;
   hits_.resize(directions.size());
-  rays.cast(world_from_sensor_, directions, hits_);
-  for (std::size_t i = 0; i < hits_.size(); ++i) take(every ? i : beams_[i], hits_[i].range_m, hits_[i].error_bound_m);
-}
-
-// Applies the limits along the ray. Where the bound reaches across a limit, the reading may be of the other kind, and
-// the bound says how far that would be.
-void LaserScanner::take(std::size_t beam, double range_m, double error_bound_m) {
-  const double low = range_m - error_bound_m, high = range_m + error_bound_m;
-  float reading = range_m < desc_.range_min_m ? 0 : static_cast<float>(range_m);
-  double bound = error_bound_m + std::abs(static_cast<double>(reading) - range_m);
-  if (range_m > desc_.range_max_m) {
-    reading = kInfinity;
-    bound = low > desc_.range_max_m || error_bound_m == 0 ? 0 : kInfinity;
-  } else if (high > desc_.range_max_m) {
-    bound = kInfinity;
-  } else if (range_m < desc_.range_min_m) {
-    bound = high < desc_.range_min_m ? 0 : high;
-  } else if (low < desc_.range_min_m) {
-    bound = std::max(bound, static_cast<double>(reading));
+  WorkTable work = renders() ? rendered_->work(list_items_) : WorkTable{};
+  if (!directions.empty()) {
+    const RayCounters before = rays.counters();
+    rays.cast(world_from_sensor_, directions, hits_);
+    add_cast(work, list_items_);
+    add_rays(work, before, rays.counters());
   }
-  scan_.range_m[beam] = reading;
-  scan_.error_bound_m[beam] = bound == 0 ? 0.0f : std::nextafter(static_cast<float>(bound), kInfinity);
+  ToleranceCheck check(tolerance_);
+  for (std::size_t i = 0; i < hits_.size(); ++i) {
+    const RangeEstimate range{hits_[i].range_m, hits_[i].error_bound_m};
+    Reading& reading = readings_[every ? i : beams_[i]];
+    reading = read_range(range, limits_);
+    check.add(range, reading);
+  }
+  if (desc_.method != ScanMethod::raycast) check.require(name_);
+  if (desc_.method == ScanMethod::automatic) choice_.measured(work, costs_);
 }
 
-// Judges what is reported: rounding it to float and limits of range that lie within the bound have made that larger.
-bool LaserScanner::is_good_enough(std::size_t beam) const {
-  const double range_m = scan_.range_m[beam], bound_m = scan_.error_bound_m[beam];
-  return std::isfinite(bound_m) && bound_m <= desc_.max_error_rel * range_m;
+// Takes the most exact of what it has seen: every beam as cast.
+void LaserScanner::cast_survey(RayCaster& rays) {
+  hits_.resize(directions_.size());
+  survey_->cast(rays, list_items_, world_from_sensor_, directions_, hits_);
+  ToleranceCheck check(tolerance_);
+  for (std::size_t beam = 0; beam < hits_.size(); ++beam) {
+    const RangeEstimate range{hits_[beam].range_m, hits_[beam].error_bound_m};
+    readings_[beam] = read_range(range, limits_);
+    check.add(range, readings_[beam]);
+  }
+  check.require(name_);
+  survey_->choose(readings_, costs_);
+  choice_.take(*survey_, tolerance_);
+  rendered_ = survey_->take_rendered();
+  survey_.reset();
+}
+
+// Only here does the scan that users see change, so that it is always a whole one.
+void LaserScanner::hand_over() {
+  scan_.range_m.resize(readings_.size());
+  scan_.error_bound_m.resize(readings_.size());
+  for (std::size_t beam = 0; beam < readings_.size(); ++beam) {
+    scan_.range_m[beam] = readings_[beam].range_m;
+    scan_.error_bound_m[beam] = readings_[beam].error_bound_m;
+  }
 }
 
 void LaserScanner::write(OutputSink& sink) const {
@@ -266,7 +192,12 @@ void LaserScanner::write(OutputSink& sink) const {
   sink.rows(columns, values);
 }
 
-std::string LaserScanner::method() const { return std::string(kMethods[static_cast<std::size_t>(desc_.method)]); }
+SensorReport LaserScanner::report() const {
+  SensorReport report;
+  if (const std::optional<double> share = cast_share()) report.notes.push_back({"cast_share", *share});
+  if (desc_.method == ScanMethod::automatic) choice_.report(name_, report);
+  return report;
+}
 
 std::optional<double> LaserScanner::cast_share() const {
   if (!casts(desc_.method)) return {};

@@ -4,64 +4,94 @@
 //
 // `nearest` and `planar` cover the field of view with virtual cameras of at most 90 degrees and take ranges from their
 // reversed depth: see depth_range.h for how, and for what the error bound says. `raycast` renders nothing and casts
-// every beam: see ray_caster.h. `hybrid` renders as `planar` does and casts the beams whose bound is above a share of
-// their range or reaches across range_min or range_max; where that share is too small for any rendered range, as it is
-// unless a scene says more, it renders nothing. A laser meets matter from either side; what is blended below one half
-// or masked out lets it pass; lines and points are not there for it.
+// every beam: see ray_caster.h. `hybrid` renders as `planar` does and casts the beams whose bound is above the
+// tolerance; where that is too small for any rendered range, as it is unless a scene says more, it renders nothing.
+// `auto` is whatever of `hybrid`, at some resolutions, and `raycast` costs the least in this scene and pose: see
+// scan_survey.h for what it chooses from, and scan_choice.h for when. A frame in which it surveys casts every beam.
+// The scans of `hybrid` and `auto` keep the tolerance with every beam, or there is an error that names what can be
+// kept. A laser meets matter from either side; what is blended below one half or masked out lets it pass; lines and
+// points are not there for it.
 #pragma once
 
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "sensors/depth_atlas.h"
+#include "scenegraph/location.h"
+#include "sensors/rendered_scan.h"
+#include "sensors/scan_choice.h"
 #include "sensors/scan_layout.h"
+#include "sensors/scan_survey.h"
+#include "sensors/scan_tolerance.h"
 #include "sensors/sensor.h"
 #include "sensors/vertex_rounding.h"
 
 namespace simvis {
 
-enum class ScanMethod : std::uint8_t { nearest, planar, hybrid, raycast };
+enum class ScanMethod : std::uint8_t { nearest, planar, hybrid, raycast, automatic };
+
+/// "nearest", ..., "auto".
+std::string_view to_string(ScanMethod method);
+
+/// Whether the method needs a ray caster.
+constexpr bool casts(ScanMethod method) { return method >= ScanMethod::hybrid; }
 
 struct LaserScannerDesc {
   ScanPattern pattern;
   double range_min_m = 0.05, range_max_m = 80;  ///< along the ray; a nearer surface blocks the beam and reads 0
   ScanMethod method = ScanMethod::planar;
-  double max_error_rel = 1e-6;  ///< hybrid: beams whose bound is above this share of their range are cast
-  double resolution_px = 0;     ///< pixels across 90 degrees; 0: kPlanarResolution or kRingsResolution
+  double max_error_rel = 1e-6;          ///< hybrid, auto: of no bound, as a share of its range; infinity: any
+  double resolution_px = 0;             ///< pixels across 90 degrees; 0: see below
+  std::optional<double> max_error_m{};  ///< hybrid, auto: of no bound, along the ray
+  Location where_max_error_m{}, where_max_error_rel{};  ///< where a scene says so, for messages
 };
 
 /// Pixels across 90 degrees where a scene does not say: of one ring, and of several (whose faces are areas).
 inline constexpr double kPlanarResolution = 4096, kRingsResolution = 1024;
+/// Those that `auto` chooses from. A face of the largest fits targets of 8192 pixels with its margin.
+inline constexpr double kPlanarResolutions[] = {512, 1024, 2048, 4096, 8000};
+inline constexpr double kRingsResolutions[] = {256, 512, 1024, 2048};
 
 class LaserScanner : public Sensor {
  public:
   LaserScanner(std::string name, const LaserScannerDesc& desc);
 
+  void take_costs(const std::function<const WorkTable&()>& costs) override;
   void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
   void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override;
   void cast(RayCaster& rays) override;
   const Scan* scan() const override { return &scan_; }
   void write(OutputSink& sink) const override;
-  std::string method() const override;
-  std::optional<double> cast_share() const override;
+  std::string method() const override { return std::string(to_string(desc_.method)); }
+  SensorReport report() const override;
 
-  const ScanLayout& layout() const { return layout_; }
+  /// Of the beams of the last scan; empty if the method casts none.
+  std::optional<double> cast_share() const;
 
  private:
-  void plan_views(const glm::dmat4& sensor_from_world, const DrawList& list, FramePlan& plan);
-  void take(std::size_t beam, double range_m, double error_bound_m);
-  bool is_good_enough(std::size_t beam) const;
+  bool renders() const { return rendered_ != nullptr && survey_ == nullptr; }
+  std::string cast_reason() const;
+  void cast_beams(RayCaster& rays);
+  void cast_survey(RayCaster& rays);
+  void hand_over();
 
   std::string name_;
   LaserScannerDesc desc_;
-  ScanLayout layout_;
-  std::vector<AtlasPlace> places_;  // of each face, this frame
-  VertexRounding rounding_;         // of this frame's scene
+  RangeLimits limits_;
+  ScanTolerance tolerance_;
+  std::unique_ptr<RenderedScan> rendered_;  // null where nothing is, but for surveys
+  std::unique_ptr<ScanSurvey> survey_;      // of this frame, if it has one
+  ScanChoice choice_;
+  WorkTable costs_;
   glm::dmat4 world_from_sensor_{1.0};
+  std::size_t list_items_ = 0;          // of this frame
+  VertexRounding rounding_;             // of this frame's scene
   std::vector<glm::dvec3> directions_;  // of all beams, where the method casts any
-  std::vector<std::uint32_t> beams_;    // to be cast this frame
+  std::vector<std::uint32_t> beams_;    // to be cast this frame, where something is rendered
   std::vector<glm::dvec3> cast_directions_;
   std::vector<RayHit> hits_;
+  std::vector<Reading> readings_;  // of this frame, until all of them are there
   Scan scan_;
 };
 

@@ -5,15 +5,18 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <glm/glm.hpp>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
 #include "engine/device.h"
+#include "engine/device_costs.h"
 #include "engine/frame_plan.h"
 #include "engine/ray_caster.h"
 #include "engine/renderer.h"
@@ -45,6 +48,18 @@ struct NamedValue {
   double value = 0;
 };
 
+/// One thing that run.json says of a sensor.
+struct SensorNote {
+  std::string name;
+  std::variant<double, std::uint64_t, std::string> value;
+};
+
+/// What a sensor has to say of how it measures, besides its method.
+struct SensorReport {
+  std::vector<SensorNote> notes;  ///< for run.json, in this order; names as there
+  std::string explanation;        ///< for --explain: whole lines
+};
+
 /// Takes what a sensor has to write after a frame. Implemented by whoever makes files.
 class OutputSink {
  public:
@@ -72,13 +87,18 @@ class Sensor {
   /// Throws InputError, with the place, where the device cannot do what the sensor's command asks for.
   virtual void check(const TargetLimits&) const {}
 
+  /// Once, before the first plan(): what chooses between ways to measure by their cost asks for the device's costs,
+  /// which are measured when they are first asked for.
+  virtual void take_costs(const std::function<const WorkTable&()>&) {}
+
   /// Adds the views that this frame needs to `plan`. `world_from_sensor` is rigid: scale along the way is taken out.
   virtual void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) = 0;
 
   /// Takes its results. `results[i]` belongs to `plan.passes[i]`.
   virtual void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) = 0;
 
-  /// Casts what it has planned to cast, into the draw list of this frame; follows collect().
+  /// Casts what it has planned to cast, into the draw list of this frame; follows collect(). Throws InputError where
+  /// what the user asked for cannot be had in this frame; what was taken before then stands, whole.
   virtual void cast(RayCaster&) {}
 
   /// What collect() and cast() last took; null where the sensor has none of the kind.
@@ -99,8 +119,8 @@ class Sensor {
   /// For run.json: how the sensor measures, e.g. "rasterised" or "planar".
   virtual std::string method() const = 0;
 
-  /// For run.json: the share of the last measurement's rays that were cast. Empty for sensors that never cast.
-  virtual std::optional<double> cast_share() const { return {}; }
+  /// Of the last measurement.
+  virtual SensorReport report() const { return {}; }
 
   double rate_hz = 0;  ///< from the attribute `rate`; 0 = every frame
 };

@@ -13,8 +13,8 @@ std::vector<AttributeOverride> checked(std::vector<AttributeOverride> overrides)
     const SensorType* const type = find_sensor_type(each.sensor_type);
     if (type == nullptr) continue;  // the builder says what there is
     const Location where{.file = each.origin.empty() ? each.sensor_type + "." + each.attribute : each.origin};
-    const Command command{
-        .kind = CommandKind::sensor, .attributes = {{each.attribute, each.value, where}}, .where = where, .folder = {}};
+    Command command{.kind = CommandKind::sensor, .attributes = {}, .where = where, .folder = {}};
+    if (each.value) command.attributes.push_back({each.attribute, *each.value, where});
     AttributeValues values(command, type->attributes, {});
   }
   return overrides;

@@ -48,7 +48,9 @@ std::string to_json(const RunReport& report) {
       const bool finite = std::isfinite(*sensor.depth_error_bound_m);
       sensors[sensor.name][kDepthErrorBound] = finite ? Json(*sensor.depth_error_bound_m) : Json(nullptr);
     }
-    if (sensor.cast_share) sensors[sensor.name]["cast_share"] = *sensor.cast_share;
+    for (const SensorNote& note : sensor.report.notes) {
+      std::visit([&](const auto& value) { sensors[sensor.name][note.name] = value; }, note.value);
+    }
   }
   const Json json = {
       {"scene", report.scene},

@@ -324,7 +324,7 @@ Command SceneBuilder::overridden(Command command) const {
   for (const AttributeOverride& override : overrides_) {
     if (override.sensor_type != type_name) continue;
     std::erase_if(command.attributes, [&](const CommandAttribute& a) { return a.name == override.attribute; });
-    command.attributes.push_back({override.attribute, override.value, origin(override)});
+    if (override.value) command.attributes.push_back({override.attribute, *override.value, origin(override)});
   }
   return command;
 }

@@ -6,6 +6,9 @@
 #include <utility>
 
 #include "engine/assert.h"
+#include "engine/cache_file.h"
+#include "engine/device_costs.h"
+#include "sensors/scan_calibration.h"
 #include "simvis/clock.h"
 #include "simvis/live_scene.h"
 #include "simvis/mount_frame.h"
@@ -67,10 +70,14 @@ struct Simulation::Impl : Observations {
     glm::dmat4 world_from_sensor{1.0};  // when it last measured
   };
 
+  const WorkTable& costs();
+
   Clock clock;
   LiveScene scene;
   std::vector<State> states;  // as long as scene.built.sensors
+  std::filesystem::path cache;
   Device device;
+  std::optional<WorkTable> device_costs;  // once a sensor has asked
   ViewLayer sensing;
   std::optional<ViewLayer> people;  // while the scene has a visualization sensor
   std::uint64_t next_frame = 0;
@@ -81,6 +88,7 @@ struct Simulation::Impl : Observations {
 Simulation::Impl::Impl(const SimulationDesc& desc, std::span<const Command> commands)
     : clock(desc.rate_hz),
       scene(desc.overrides, commands, desc.seed),
+      cache(cache_folder(desc.device.cache_dir)),
       device(desc.device),
       sensing(scene.built.scene.root(), Audience::sensors, device) {
   scene.require(device.target_limits());
@@ -88,10 +96,23 @@ Simulation::Impl::Impl(const SimulationDesc& desc, std::span<const Command> comm
 }
 
 void Simulation::Impl::take_new_sensors() {
+  for (std::size_t i = states.size(); i < scene.built.sensors.size(); ++i) {
+    scene.built.sensors[i].sensor->take_costs([this]() -> const WorkTable& { return costs(); });
+  }
   states.resize(scene.built.sensors.size());
   const bool wanted = std::ranges::any_of(scene.built.sensors,
                                           [](const BuiltSensor& sensor) { return sensor.sensor->visualization(); });
   if (wanted && !people) people.emplace(scene.built.scene.root(), Audience::people, device);
+}
+
+const WorkTable& Simulation::Impl::costs() {
+  if (!device_costs) {
+    const std::filesystem::path file = device_costs_file(device, cache, version());
+    device_costs = load_device_costs(file);
+    const std::unique_ptr<RayCaster> rays = make_ray_caster(device);
+    if (!device_costs) device_costs = save_device_costs(file, measure_scan_costs(device, *rays));
+  }
+  return *device_costs;
 }
 
 void Simulation::Impl::step() {
@@ -157,6 +178,8 @@ void Simulation::Impl::collect(ViewLayer& layer, const FrameTime& time, std::spa
   for (const std::size_t i : layer.due) {
     scene.built.sensors[i].sensor->collect(time, layer.plan, results);
     scene.built.sensors[i].sensor->cast(*layer.caster);
+  }
+  for (const std::size_t i : layer.due) {
     ++states[i].frames;
     measured.push_back(scene.built.sensors[i].name);
   }
@@ -265,6 +288,12 @@ std::optional<double> Simulation::find_value(std::string_view sensor, std::strin
   return {};
 }
 
+std::optional<double> SensorInfo::number(std::string_view note) const {
+  const auto found = std::ranges::find(report.notes, note, &SensorNote::name);
+  const double* const value = found == report.notes.end() ? nullptr : std::get_if<double>(&found->value);
+  return value == nullptr ? std::nullopt : std::optional(*value);
+}
+
 Parameters& Simulation::parameters() { return impl_->scene.built.parameters; }
 const Parameters& Simulation::parameters() const { return impl_->scene.built.parameters; }
 
@@ -281,7 +310,7 @@ std::vector<SensorInfo> Simulation::sensors() const {
                      sensor.sensor->method(),
                      impl_->states[i].frames,
                      impl_->states[i].enabled,
-                     sensor.sensor->cast_share(),
+                     sensor.sensor->report(),
                      {}});
   }
   return infos;

@@ -23,8 +23,9 @@ namespace simvis {
 
 /// An attribute written over those of all sensors of one type, before the scene is built.
 struct AttributeOverride {
-  std::string sensor_type, attribute, value;
-  std::string origin;  ///< who asks for it, for messages: "--method"; empty: "SENSOR_TYPE.ATTRIBUTE"
+  std::string sensor_type, attribute;
+  std::optional<std::string> value;  ///< nothing: what the scene says is dropped, so that the default counts
+  std::string origin;                ///< who asks for it, for messages: "--method"; empty: "SENSOR_TYPE.ATTRIBUTE"
 };
 
 struct SimulationDesc {
@@ -39,8 +40,11 @@ struct SensorInfo {
   std::string name, type, method;
   std::uint64_t frames = 0;  ///< how often it has measured
   bool enabled = true;
-  std::optional<double> cast_share{};           ///< of the rays of its last measurement; empty if it never casts
+  SensorReport report{};                        ///< of its last measurement
   std::optional<double> depth_error_bound_m{};  ///< of its last depth image; empty unless asked for, see with_bounds()
+
+  /// A note of the report that is a number, by its name; empty if there is none.
+  std::optional<double> number(std::string_view note) const;
 };
 
 /// One stage of a step, on the steady clock.
@@ -93,6 +97,8 @@ class Simulation {
   void enable(std::string_view sensor, bool on);
 
   /// Makes one frame: elements, flattening, planning, rendering, collecting.
+  /// Throws InputError where a scanner cannot keep its tolerance: the frame then counts as not made, measured() is
+  /// empty, and each sensor holds a whole measurement, its last one or that of this frame. It can be tried again.
   void step();
 
   /// Of the frame that step() will make next.

@@ -33,7 +33,7 @@ namespace {
 constexpr int kExitDone = 0, kExitFailed = 1, kExitWrongInput = 2;
 
 struct Options {
-  std::string scene, out = "out", trajectory, method, device, profile, describe;
+  std::string scene, out = "out", trajectory, method, max_error_m, device, profile, describe;
   std::vector<std::string> set, sensors, plugins;
   std::uint64_t frames = 1, seed = 0;
   double rate_hz = 15;
@@ -48,6 +48,8 @@ std::string whole_number(const std::string& text) {
   const auto [rest, error] = std::from_chars(text.data(), end, number);
   return rest == end && error == std::errc() ? "" : "\"" + text + "\" is not a whole number from 0 to 2^64 - 1";
 }
+
+std::string not_empty(const std::string& text) { return text.empty() ? "nothing is given" : ""; }
 
 void declare_options(CLI::App& app, Options& options) {
   app.add_option("SCENE.xml", options.scene, "the scene to run");
@@ -66,7 +68,14 @@ void declare_options(CLI::App& app, Options& options) {
   app.add_option("--sensor", options.sensors, "only this sensor (repeatable)")
       ->type_name("NAME")
       ->allow_extra_args(false);
-  app.add_option("--method", options.method, "for every laser scanner, over the scene's own")->type_name("M");
+  app.add_option("--method", options.method, "for every laser scanner, over the scene's own")
+      ->type_name("M")
+      ->check(not_empty);
+  app.add_option("--max-error", options.max_error_m,
+                 "bound on the error of every laser scanner's ranges, in metres; by method auto unless --method says "
+                 "auto or hybrid")
+      ->type_name("M")
+      ->check(not_empty);
   app.add_option("--seed", options.seed, "of all random numbers")
       ->type_name("N")
       ->check(whole_number)
@@ -167,6 +176,20 @@ void set_parameter(Simulation& simulation, const std::string& assignment) {
   });
 }
 
+std::vector<AttributeOverride> scanner_overrides(const Options& options) {
+  std::vector<AttributeOverride> overrides;
+  if (!options.method.empty()) overrides.push_back({"laser_scanner", "method", options.method, "--method"});
+  if (options.max_error_m.empty()) return overrides;
+  if (options.method == "nearest" || options.method == "planar" || options.method == "raycast") {
+    throw InputError("--max-error: --method " + options.method +
+                     " does not look at it, expected --method auto, --method hybrid or no --method");
+  }
+  if (options.method.empty()) overrides.push_back({"laser_scanner", "method", "auto", "--max-error"});
+  overrides.push_back({"laser_scanner", "max_error_m", options.max_error_m, "--max-error"});
+  overrides.push_back({"laser_scanner", "max_error_rel", {}, "--max-error"});
+  return overrides;
+}
+
 Simulation load(const Options& options) {
   if (options.scene.empty()) throw InputError("SCENE.xml is missing; --help says more");
   in_option("--frames", [&] {
@@ -177,7 +200,7 @@ Simulation load(const Options& options) {
   desc.rate_hz = options.rate_hz;
   desc.seed = options.seed;
   desc.device.select = options.device;
-  if (!options.method.empty()) desc.overrides.push_back({"laser_scanner", "method", options.method, "--method"});
+  desc.overrides = scanner_overrides(options);
   Simulation simulation = Simulation::load(options.scene, desc);
   for (const std::string& assignment : options.set) set_parameter(simulation, assignment);
   if (!options.sensors.empty()) {
@@ -205,6 +228,7 @@ void write_results(const Simulation& simulation, const FrameTime& time, OutputWr
 
 void print_explanation(const Simulation& simulation) {
   std::cout << explain(simulation.frame_plan(), simulation.counters());
+  for (const SensorInfo& sensor : simulation.sensors()) std::cout << sensor.report.explanation;
   const FramePlan* const visualization = simulation.visualization_plan();
   if (visualization == nullptr) return;
   std::cout << "visualization, drawn apart:\n" << explain(*visualization, *simulation.visualization_counters());

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "engine/ray_caster.h"
 #include "tests/picture_files.h"
 #include "tests/run_process.h"
 #include "tests/wall_scene.h"
@@ -200,6 +201,58 @@ TEST_CASE("--method is put over the scene's own and reported") {
   check_refused({"--method", "sonar"}, "", {"--method", "sonar"});  // also where there is no scanner
 }
 
+TEST_CASE("--max-error: the cheapest way within it, the price list, and what run.json says" *
+          doctest::skip(!has_host_ray_caster())) {
+  const TemporaryFolder folder;
+  const Strings cache{"XDG_CACHE_HOME=" + (folder / "cache").string()};
+  const fs::path scene = write_wall_scene(
+      folder.path(), std::string(kSensors) + R"(<sensor type="laser_scanner" name="NEAREST" insert_at="ROOT"
+                         method="nearest" max_error_rel="1e-30"/>)");
+  const std::string out = (folder / "out").string();
+  const ProcessResult result = run({scene.string(), "--out", out, "--max-error", "0.001", "--explain"}, cache);
+  INFO(result.err);
+  REQUIRE(result.exit_code == 0);
+  const auto json = nlohmann::json::parse(read_text(folder / "out/run.json"));
+  for (const char* name : {"SCAN", "NEAREST"}) {
+    const auto& sensor = json["sensors"][name];
+    CHECK(sensor["method"] == "auto");
+    const std::string chosen = sensor["chosen"];
+    CHECK((chosen == "raycast" || chosen.starts_with("hybrid ")));
+    CHECK(sensor["chosen_because"].get<std::string>().find("no bound above 0.001 m") != std::string::npos);
+    CHECK(sensor["predicted_ms"].get<double>() > 0);
+    CHECK(sensor["surveys"] == 1);
+    CHECK(sensor["cast_share"] == 1);  // a survey casts every beam
+    CHECK(result.out.find(std::string("price list of ") + name) != std::string::npos);
+    CHECK(result.out.find("  * " + chosen + ": ") != std::string::npos);
+  }
+  for (const Strings& row : read_csv(folder / "out/SCAN.csv").rows) CHECK(std::stod(row[7]) <= 0.001);
+
+  for (const char* method : {"auto", "hybrid"}) {
+    REQUIRE(
+        run({scene.string(), "--out", out, "--max-error", "1e-5", "--method", method, "--quiet"}, cache).exit_code ==
+        0);
+    CHECK(nlohmann::json::parse(read_text(folder / "out/run.json"))["sensors"]["SCAN"]["method"] == method);
+    for (const Strings& row : read_csv(folder / "out/SCAN.csv").rows) CHECK(std::stod(row[7]) <= 1e-5);
+  }
+
+  const std::string commands(kSensors);
+  for (const char* method : {"nearest", "planar", "raycast"}) {
+    check_refused({"--max-error", "0.001", "--method", method}, commands,
+                  {"simvis-run: --max-error: ", method, "does not look at it"});
+  }
+  for (const char* wrong : {"0", "-1", "nan", "inf", "much", ""}) {
+    check_refused({"--max-error", wrong}, commands, {"--max-error"});
+  }
+  check_refused({"--max-error", "0"}, "", {"--max-error", "0 is not allowed, expected a number greater than 0 (m)"});
+
+  const ProcessResult unreachable =
+      run({scene.string(), "--out", (folder / "none").string(), "--max-error", "1e-9"}, cache);
+  CHECK(unreachable.exit_code == 2);
+  CHECK(unreachable.err.find("simvis-run: --max-error: error: attribute \"max_error_m\": 1e-09 is met by no method "
+                             "for sensor \"SCAN\"") != std::string::npos);
+  CHECK(files_below(folder / "none").empty());
+}
+
 TEST_CASE("--explain, --profile, --quiet, --describe, --list-devices, --version, --help") {
   const TemporaryFolder folder;
   const fs::path scene = write_wall_scene(folder.path(), kSensors);
@@ -239,9 +292,9 @@ TEST_CASE("--explain, --profile, --quiet, --describe, --list-devices, --version,
   CHECK(run({"--version"}).out.starts_with("simvis-run 0."));
   const ProcessResult help = run({"--help"});
   CHECK(help.exit_code == 0);
-  for (const char* option :
-       {"--out", "--frames", "--rate", "--set", "--trajectory", "--sensor", "--method", "--seed", "--device",
-        "--list-devices", "--explain", "--profile", "--quiet", "--describe", "--plugin", "--version", "--help"}) {
+  for (const char* option : {"--out", "--frames", "--rate", "--set", "--trajectory", "--sensor", "--method",
+                             "--max-error", "--seed", "--device", "--list-devices", "--explain", "--profile", "--quiet",
+                             "--describe", "--plugin", "--version", "--help"}) {
     CHECK_MESSAGE(help.out.find(option) != std::string::npos, option);
   }
 }

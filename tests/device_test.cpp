@@ -8,6 +8,7 @@
 #include <iterator>
 
 #include "engine/buffer.h"
+#include "engine/cache_file.h"
 #include "engine/device_impl.h"
 #include "engine/error.h"
 #include "engine/vulkan_check.h"

@@ -58,7 +58,7 @@ void drive(Simulation& simulation, int frame) {
 
 double cast_share(const Simulation& simulation, const std::string& name) {
   for (const SensorInfo& sensor : simulation.sensors()) {
-    if (sensor.name == name) return sensor.cast_share.value_or(-1);
+    if (sensor.name == name) return sensor.number("cast_share").value_or(-1);
   }
   return -1;
 }
