@@ -13,7 +13,6 @@ namespace simvis::bench {
 namespace {
 
 constexpr int kHeadingsPerTurn = 8;
-constexpr int kLidarHeadings = 2;
 
 /// Of one turn: scans that every variant takes.
 struct Turn {
@@ -184,8 +183,9 @@ std::vector<Variant> mount(Simulation& simulation, const AccuracyScanner& scanne
 std::vector<Result> measure(Simulation& simulation, const AccuracyScene& scene, const AccuracyScanner& scanner,
                             int every) {
   Measurement measurement(simulation, scanner, mount(simulation, scanner));
-  const int headings = scanner.lidar ? kLidarHeadings : scene.headings;
-  for (std::size_t s = 0; s < scene.stations_m.size(); s += static_cast<std::size_t>(every)) {
+  const int headings = scanner.lidar ? scene.lidar_headings : scene.planar_headings;
+  const std::size_t stations = scanner.lidar ? scene.lidar_stations : scene.stations_m.size();
+  for (std::size_t s = 0; s < stations; s += static_cast<std::size_t>(every)) {
     Turn turn{.station_m = scene.stations_m[s]};
     if (scanner.lidar) turn.station_m.z += scene.lidar_above_m;
     const BareEmbree embree(simulation.draw_list(), glm::translate(glm::dmat4(1.0), -turn.station_m));

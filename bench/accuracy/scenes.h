@@ -1,6 +1,7 @@
 // The scenes that accuracy is measured in, and where in them.
 #pragma once
 
+#include <cstddef>
 #include <glm/glm.hpp>
 #include <optional>
 #include <string>
@@ -10,7 +11,7 @@
 
 namespace simvis::bench {
 
-/// A scene and where scanners stand in it: at each station, level, with several headings.
+/// A scene and where scanners stand in it: at each station, level, with several headings evenly around.
 ///
 /// Frames   world: x forward, y left, z up, metres.
 struct AccuracyScene {
@@ -18,7 +19,8 @@ struct AccuracyScene {
   std::optional<Simulation> (*load)() = nullptr;  ///< empty where the scene's files are not there
   std::vector<glm::dvec3> stations_m;             ///< of the planar scanner
   double lidar_above_m = 0;                       ///< how far above it the lidar stands
-  int headings = 0;                               ///< of the planar scanner at each station, evenly around
+  int planar_headings = 0, lidar_headings = 0;    ///< at each station
+  std::size_t lidar_stations = 0;                 ///< the first of them: a lidar has enough beams at a few
 };
 
 /// In the order in which they are measured and printed.
