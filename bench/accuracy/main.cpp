@@ -4,7 +4,7 @@
 //   accuracy [EVERY [SCENE...]]
 //
 // EVERY: only each how-many-th station and heading is measured (1: all of them). SCENE: only these. Prints one CSV row
-// per variant; bench/results/README.md says what the columns mean. Times are worth comparing within one run only.
+// per variant; bench/results/accuracy.md says what the columns mean. Times are worth comparing within one run only.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

@@ -158,24 +158,19 @@ std::vector<Result> Measurement::results() && {
   return std::move(results_);
 }
 
-/// Puts the variants into the scene, all switched off. A variant that renders nothing has no resolution: of those that
-/// then are the same one stays.
+/// Puts the variants into the scene, all switched off. Those of `hybrid` that render nothing are `raycast`, and left
+/// out.
 std::vector<Variant> mount(Simulation& simulation, const AccuracyScanner& scanner) {
-  std::vector<Variant> variants = variants_of(scanner), different;
+  std::vector<Variant> variants = variants_of(scanner);
   simulation.execute(mount_xml(scanner, variants));
   for (const SensorInfo& sensor : simulation.sensors()) simulation.enable(sensor.name, false);
-  for (Variant& variant : variants) {
+  std::erase_if(variants, [&](const Variant& variant) {
     simulation.enable(variant.sensor, true);
     simulation.step();
     simulation.enable(variant.sensor, false);
-    if (simulation.frame_plan().passes.empty()) variant.resolution_px = 0;
-    const bool known = std::ranges::any_of(different, [&](const Variant& other) {
-      return other.method == variant.method && other.max_error_rel == variant.max_error_rel &&
-             other.resolution_px == variant.resolution_px;
-    });
-    if (!known) different.push_back(variant);
-  }
-  return different;
+    return variant.method == "hybrid" && simulation.frame_plan().passes.empty();
+  });
+  return variants;
 }
 
 }  // namespace

@@ -52,8 +52,8 @@ TrueScan Truth::look(const glm::dmat4& world_from_sensor, const Scan& pattern) {
 bool Truth::is_narrow(const TrueScan& scan, std::size_t beam, bool lidar, double pixel_rad) {
   constexpr int kQuarters = 12;      // of a pixel, to each side: three pixels
   constexpr double kOnPlane = 1e-9;  // relative: some roundings of double, on slivers too
-  if (!std::isfinite(scan.hits[beam].range_m)) return false;
-  const Plane plane = plane_of(list_, scan.world_from_sensor, scan.hits[beam]);
+  const bool met = std::isfinite(scan.hits[beam].range_m);
+  const Plane plane = met ? plane_of(list_, scan.world_from_sensor, scan.hits[beam]) : Plane{};
   for (const glm::dvec2 axis : {glm::dvec2(1, 0), glm::dvec2(0, 1)}) {
     std::array<glm::dvec3, 2 * kQuarters> directions;
     for (int k = 0; k < 2 * kQuarters; ++k) {
@@ -62,13 +62,14 @@ bool Truth::is_narrow(const TrueScan& scan, std::size_t beam, bool lidar, double
     }
     std::array<RayHit, 2 * kQuarters> hits;
     caster_->cast(scan.world_from_sensor, directions, hits);
-    const auto on_plane = [&](std::size_t k) {
+    const auto same = [&](std::size_t k) {
+      if (!met) return !std::isfinite(hits[k].range_m);
       const double expected = plane.offset / glm::dot(plane.normal, directions[k]);
       return std::abs(hits[k].range_m - expected) <= kOnPlane * std::abs(expected);
     };
     int width = 0;
     for (const std::size_t side : {std::size_t{0}, std::size_t{kQuarters}}) {
-      for (std::size_t k = side; k < side + kQuarters && on_plane(k); ++k) ++width;
+      for (std::size_t k = side; k < side + kQuarters && same(k); ++k) ++width;
     }
     if (width < kQuarters) return true;
     if (!lidar) break;

@@ -1,5 +1,7 @@
 #!/usr/bin/env python3
-"""Plots of bench/accuracy: error against time. `accuracy.py FILE.csv FOLDER` writes FOLDER/accuracy_SCANNER.{svg,png}."""
+"""What bench/accuracy prints, as plots of error against time and as a table.
+
+`accuracy.py FILE.csv FOLDER` writes FOLDER/accuracy_SCANNER.{svg,png} and FOLDER/accuracy.md."""
 import math
 import sys
 from pathlib import Path
@@ -7,8 +9,11 @@ from pathlib import Path
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.pyplot import subplots
+from matplotlib.ticker import FuncFormatter, LogLocator
 
+import accuracy_table
 import figure
+from accuracy_table import is_peer
 
 # (method, max_error_rel): label, colour, marker.
 SERIES = {
@@ -22,6 +27,7 @@ SERIES = {
     ("embree_1", ""): ("bare Embree, single rays", "#000000", "x"),
     ("embree_16", ""): ("bare Embree, packets of 16", "#000000", "+"),
 }
+FRONT, EXACT_BAND, WRONG_BAND = "#f5ea7a", "#dcefdc", "#f6dddd"
 STATISTICS = {"error_rel_median": "median error", "error_rel_p999": "p99.9 error"}
 
 EXACT = 2.0**-24  # half an ulp of float32, relative: no range that is stored as a float can be promised better
@@ -36,33 +42,51 @@ def drawn(error):
     return min(max(error, LOW), HIGH)
 
 
-def is_peer(row):
-    return row["method"].startswith("embree")
+def draw_front(axes, rows, statistic):
+    """The methods of SimVis that no other one beats in both time and error: a band along them, and a ring around each."""
+    front = figure.pareto_front((float(row["median_ms"]), drawn(float(row[statistic]))) for row in rows
+                                if not is_peer(row))
+    times, errors = zip(*front)
+    axes.step(times, errors, where="post", color=FRONT, linewidth=5, zorder=1, solid_capstyle="round")
+    axes.scatter(times, errors, s=160, color=FRONT, linewidths=0, zorder=1)
+
+
+def draw_series(axes, rows, statistic, key):
+    _, color, marker = SERIES[key]
+    times = [float(row["median_ms"]) for row in rows]
+    errors = [drawn(float(row[statistic])) for row in rows]
+    sizes = [10 + 6 * i for i in range(len(rows))] if len(rows) > 1 else [70 if marker == "*" else 30]
+    axes.plot(times, errors, color=color, linewidth=1, zorder=2)
+    axes.scatter(times, errors, s=sizes, color=color, marker=marker, linewidths=1, zorder=3)
+    if key == ("planar", ""):  # of the others only the size of the markers tells
+        for row, time, error in (*zip(rows[:1], times, errors), (rows[-1], times[-1], errors[-1])):
+            axes.annotate(row["resolution_px"], (time, error), xytext=(0, 6), textcoords="offset points",
+                          fontsize=6.5, color=color, horizontalalignment="center")
+
+
+def note_masks(axes, rows, statistic):
+    """Where bare Embree meets leaves as whole squares, its errors are no fault of its arithmetic."""
+    peer = next(row for row in rows if is_peer(row))
+    if peer["masks"] == "ignored":
+        axes.annotate("masks ignored", (float(peer["median_ms"]), drawn(float(peer[statistic]))), xytext=(0, -12),
+                      textcoords="offset points", fontsize=6.5)
 
 
 def draw_panel(axes, rows, statistic):
     axes.set_xscale("log")
     axes.set_yscale("log")
     axes.set_ylim(LOW / 2, WRONG * 4)
-    axes.axhspan(LOW / 2, EXACT, color="#dcefdc", linewidth=0, zorder=0)
-    axes.axhspan(HIGH * 3, WRONG * 4, color="#f6dddd", linewidth=0, zorder=0)
-    ours = [(float(row["median_ms"]), drawn(float(row[statistic]))) for row in rows if not is_peer(row)]
-    front = figure.pareto_front(ours)
-    axes.step(*zip(*front), where="post", color="#f0e442", linewidth=5, zorder=1, solid_capstyle="round")
-    for key, (_, color, marker) in SERIES.items():
+    axes.axhspan(LOW / 2, EXACT, color=EXACT_BAND, linewidth=0, zorder=0)
+    axes.axhspan(HIGH * 3, WRONG * 4, color=WRONG_BAND, linewidth=0, zorder=0)
+    draw_front(axes, rows, statistic)
+    for key in SERIES:
         series = [row for row in rows if (row["method"], row["max_error_rel"]) == key]
-        times = [float(row["median_ms"]) for row in series]
-        errors = [drawn(float(row[statistic])) for row in series]
-        axes.plot(times, errors, color=color, linewidth=1, zorder=2)
-        sizes = [12 + 7 * i for i in range(len(series))]  # the finer, the larger
-        if len(series) == 1:
-            sizes = [70 if marker == "*" else 30]
-        axes.scatter(times, errors, s=sizes, color=color, marker=marker, linewidths=1, zorder=3)
-        for row, time, error in zip(series, times, errors):
-            if key == ("planar", "") and row["resolution_px"]:
-                axes.annotate(row["resolution_px"], (time, error), xytext=(4, 3), textcoords="offset points",
-                              fontsize=6, color=color)
+        if series:
+            draw_series(axes, series, statistic, key)
+    note_masks(axes, rows, statistic)
     axes.set_yticks([1e-8, 1e-6, 1e-4, 1e-2, 1, WRONG], ["1e-8", "1e-6", "1e-4", "1e-2", "1", "wrong\nhit"])
+    axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda time_ms, _: f"{time_ms:g}"))
     axes.minorticks_off()
 
 
@@ -79,12 +103,13 @@ def draw(rows, scanner, folder):
             axes.set_title(f"{scene}: {name}", loc="left")
         line[0].set_ylabel("relative error")
     for axes in panels[-1]:
-        axes.set_xlabel("time per scan in ms (median)")
+        axes.set_xlabel("time per scan in ms (median); markers grow with resolution")
     handles = [Line2D([], [], color=color, marker=marker, markersize=5, label=label, linewidth=1)
-               for label, color, marker in SERIES.values()]
-    handles += [Line2D([], [], color="#f0e442", linewidth=5, label="Pareto front of SimVis"),
-                Patch(color="#dcefdc", label="exact to float32"),
-                Patch(color="#f6dddd", label="hit for miss, or miss for hit")]
+               for key, (label, color, marker) in SERIES.items()
+               if any((row["method"], row["max_error_rel"]) == key for row in rows)]
+    handles += [Line2D([], [], color=FRONT, linewidth=5, label="Pareto front of SimVis"),
+                Patch(color=EXACT_BAND, label="exact to float32"),
+                Patch(color=WRONG_BAND, label="hit for miss, or miss for hit")]
     drawing.legend(handles=handles, loc="upper center", ncols=4)
     figure.save(drawing, Path(folder) / f"accuracy_{scanner}")
 
@@ -93,6 +118,7 @@ def main():
     rows = figure.rows(sys.argv[1])
     for scanner in dict.fromkeys(row["scanner"] for row in rows):
         draw(rows, scanner, sys.argv[2])
+    accuracy_table.write(rows, sys.argv[2])
 
 
 if __name__ == "__main__":
