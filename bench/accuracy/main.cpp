@@ -11,6 +11,8 @@
 #include <cstdlib>
 #include <exception>
 #include <numeric>
+#include <string>
+#include <vector>
 
 #include "bench/accuracy/measure.h"
 #include "bench/bare_embree.h"
@@ -82,11 +84,20 @@ void measure_scene(const AccuracyScene& scene, int every) {
 }  // namespace
 
 int main(int argc, char** argv) try {
-  const int every = argc > 1 ? std::max(1, std::atoi(argv[1])) : 1;
+  const int every = argc > 1 ? std::atoi(argv[1]) : 1;
   const std::vector<std::string> wanted(argv + std::min(argc, 2), argv + argc);
+  const std::vector<AccuracyScene> scenes = accuracy_scenes();
+  const bool known = std::ranges::all_of(
+      wanted, [&](const std::string& name) { return std::ranges::count(scenes, name, &AccuracyScene::name) > 0; });
+  if (every < 1 || !known) {
+    std::fprintf(stderr, "usage: accuracy [EVERY [SCENE...]], EVERY from 1, SCENE one of");
+    for (const AccuracyScene& scene : scenes) std::fprintf(stderr, " %s", scene.name.c_str());
+    std::fprintf(stderr, "\n");
+    return 2;
+  }
   print_header();
-  for (const AccuracyScene& scene : accuracy_scenes()) {
-    if (wanted.empty() || std::ranges::find(wanted, scene.name) != wanted.end()) measure_scene(scene, every);
+  for (const AccuracyScene& scene : scenes) {
+    if (wanted.empty() || std::ranges::count(wanted, scene.name) > 0) measure_scene(scene, every);
   }
   return 0;
 } catch (const std::exception& error) {

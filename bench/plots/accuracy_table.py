@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
 """The table of bench/accuracy: what meets which error at which price.
 
-`accuracy_table.py FILE.csv FOLDER` writes FOLDER/accuracy.md."""
+`accuracy_table.py FILE.csv FOLDER` writes FOLDER/accuracy.md; with `--check` before, it only says whether that is what
+stands there."""
 import csv
 import math
 import sys
 from pathlib import Path
 
+NAME = "accuracy.md"
 TOLERANCES = ("1e-2", "1e-4", "1e-6")
 
 TEXT = """# What accuracy costs
@@ -59,11 +61,9 @@ def error(row):
     return number(float(row["error_rel_p999"]))
 
 
-def name(row):
-    words = [f"`{row['method']}`", row["max_error_rel"]]
-    if row["resolution_px"]:
-        words.append(f"at {row['resolution_px']}")
-    return " ".join(word for word in words if word)
+def words(row):
+    resolution = f"at {row['resolution_px']}" if row["resolution_px"] else ""
+    return " ".join(filter(None, (f"`{row['method']}`", row["max_error_rel"], resolution)))
 
 
 def is_peer(row):
@@ -85,7 +85,7 @@ def cells(rows):
                for row in (nearest[0], nearest[-1])]
     for tolerance in TOLERANCES:
         row = cheapest(rows, tolerance)
-        result.append(f"{name(row)}: {ratio(row)}" if row else "none")
+        result.append(f"{words(row)}: {ratio(row)}" if row else "none")
     masks = ", masks ignored" if embree["masks"] == "ignored" else ""
     result.append(f"{ratio(embree)}, {error(embree)}{masks}")
     return result
@@ -101,13 +101,22 @@ def table(rows):
     return "\n".join(lines)
 
 
+def text(rows):
+    return TEXT.format(table=table(rows))
+
+
 def write(rows, folder):
-    Path(folder, "accuracy.md").write_text(TEXT.format(table=table(rows)), encoding="utf-8")
+    Path(folder, NAME).write_text(text(rows), encoding="utf-8")
 
 
 def main():
-    with open(sys.argv[1], newline="", encoding="utf-8") as file:
-        write(list(csv.DictReader(file)), sys.argv[2])
+    *options, path, folder = sys.argv[1:]
+    with open(path, newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    if options != ["--check"]:
+        write(rows, folder)
+    elif Path(folder, NAME).read_text(encoding="utf-8") != text(rows):
+        sys.exit(f"{NAME} is not what accuracy_table.py makes of {path}")
 
 
 if __name__ == "__main__":
