@@ -1,5 +1,5 @@
 // What the methods of laser scanners cost, side by side: scenes/marvin with the robot driving, three scanners of 361
-// beams each; and the ray caster beside bare Embree (single precision, one flat mesh, one thread) on the same rays.
+// beams each; and both ray casters beside bare Embree (single precision, one flat mesh, one thread) on the same rays.
 //
 //   ray_methods [SCENE.xml [FRAMES]]
 //
@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "bench/bare_embree.h"
+#include "engine/device.h"
 #include "engine/ray_caster.h"
 #include "scenegraph/pose.h"
 #include "simvis/simulation.h"
@@ -112,9 +113,13 @@ void time_rays(const char* name, Simulation& simulation, const std::vector<glm::
   std::vector<float> single_m(directions.size()), packets_m(directions.size());
   const std::unique_ptr<RayCaster> caster = make_host_ray_caster();
   caster->set_world(simulation.draw_list());
+  Device vulkan;
+  const std::unique_ptr<RayCaster> shader = make_device_ray_caster(vulkan);
+  shader->set_world(simulation.draw_list());
+  std::vector<RayHit> shader_hits(directions.size());
   const bench::BareEmbree embree(simulation.draw_list(), rigid_inverse(world_from_sensor));
   const std::vector<glm::vec3> single(directions.begin(), directions.end());
-  std::vector<double> times_ms[3];
+  std::vector<double> times_ms[4];
   for (int r = 0; r < repetitions; ++r) {
     auto start = Clock::now();
     caster->cast(world_from_sensor, directions, hits);
@@ -125,13 +130,17 @@ void time_rays(const char* name, Simulation& simulation, const std::vector<glm::
     start = Clock::now();
     embree.cast_in_packets(single, packets_m);
     times_ms[2].push_back(since(start));
+    start = Clock::now();
+    shader->cast(world_from_sensor, directions, shader_hits);
+    times_ms[3].push_back(since(start));
   }
   const double per_ray = 1e6 / static_cast<double>(directions.size());
   const double packets_ms = median(times_ms[2]);
   const auto print = [&](const char* engine, double ms, double difference) {
     std::printf("%s,%s,%.1f,%.3f,%.3g\n", name, engine, per_ray * ms, ms / packets_ms, difference);
   };
-  print("caster", median(times_ms[0]), 0);
+  print("caster by Embree", median(times_ms[0]), 0);
+  print("caster by compute shader", median(times_ms[3]), shader_hits == hits ? 0 : INFINITY);
   print("embree 1", median(times_ms[1]), worst_error(single_m, hits));
   print("embree 16", packets_ms, worst_error(packets_m, hits));
 }

@@ -1,4 +1,4 @@
-// What Embree's parts here have in common: handles that let go, and the padding that covers float32.
+// What Embree's parts here have in common: handles that let go, and how numbers reach it.
 #pragma once
 
 #include <embree3/rtcore.h>
@@ -7,6 +7,8 @@
 #include <glm/glm.hpp>
 #include <limits>
 #include <memory>
+
+#include "engine/ray_items.h"
 
 namespace simvis {
 
@@ -22,23 +24,14 @@ using EmbreeGeometry = std::unique_ptr<RTCGeometryTy, ReleaseEmbree>;
 /// Throws MachineError if something went wrong since the last call.
 void check_embree(RTCDevice device);
 
-/// By how much boxes are padded, as a share of the size of the coordinates in play: 32 half ulps.
-inline constexpr double kPadding = 0x1p-19;
-
-/// What Embree takes for the farthest coordinate is 1.8e18; boxes are cut there.
-inline constexpr double kFarthest = 1e18;
-
-/// The box from `low` to `high`, grown by `padding` on every side.
-inline RTCBounds padded_bounds(const glm::dvec3& low, const glm::dvec3& high, double padding) {
-  const glm::vec3 l(glm::clamp(low - padding, -kFarthest, kFarthest));
-  const glm::vec3 h(glm::clamp(high + padding, -kFarthest, kFarthest));
-  return {.lower_x = l.x,
-          .lower_y = l.y,
-          .lower_z = l.z,
+inline RTCBounds bounds_of(const Box& box) {
+  return {.lower_x = box.low.x,
+          .lower_y = box.low.y,
+          .lower_z = box.low.z,
           .align0 = 0,
-          .upper_x = h.x,
-          .upper_y = h.y,
-          .upper_z = h.z,
+          .upper_x = box.high.x,
+          .upper_y = box.high.y,
+          .upper_z = box.high.z,
           .align1 = 0};
 }
 

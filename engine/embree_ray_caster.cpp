@@ -2,13 +2,12 @@
 #include <array>
 #include <cmath>
 #include <optional>
-#include <thread>
 #include <utility>
 
 #include "engine/assert.h"
 #include "engine/embree_items.h"
+#include "engine/nearest_hit.h"
 #include "engine/ray_caster.h"
-#include "engine/surface_alpha.h"
 
 namespace simvis {
 
@@ -19,36 +18,13 @@ namespace {
 constexpr unsigned kLanes = 8;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-struct Nearest {
-  double range_m = kInfinity;
-  std::uint32_t placed = 0, primitive = 0;  // of ItemTree::items(), which stand in the order of the list's items
-};
-
-/// What one thread works with: the world, and the items as the sensor sees them, made when a ray comes near.
-struct SensorView {
-  const DrawList* list = nullptr;
-  const ItemTree* tree = nullptr;
-  glm::dmat4 world_from_sensor{1.0};
-  std::uint64_t cast = 0;
-  std::vector<SeenItem> seen;
-
-  const SeenItem& item(std::uint32_t placed) {
-    SeenItem& item = seen[placed];
-    if (item.cast != cast) {
-      item = see(tree->items()[placed], world_from_sensor);
-      item.cast = cast;
-    }
-    return item;
-  }
-};
-
 /// Up to 8 rays on their way. Embree hands the context back to the callbacks: it has to stand first.
 struct Packet {
   RTCIntersectContext context;
-  SensorView* view;
+  RayView* view;
   glm::dvec3 direction[kLanes];
   ShearedRay ray[kLanes];
-  Nearest nearest[kLanes];
+  NearestHit nearest[kLanes];
   // Of the item that is being walked: its rays in its unit frame, which begin at start_m.
   std::uint32_t placed;
   double start_m[kLanes];
@@ -56,32 +32,17 @@ struct Packet {
 };
 static_assert(std::is_standard_layout_v<Packet>);
 
-void try_triangle(Packet& packet, unsigned lane, std::uint32_t primitive, const std::array<glm::dvec3, 3>& corners) {
-  TriangleHit hit;
-  Nearest& nearest = packet.nearest[lane];
-  if (!intersect(packet.ray[lane], corners, hit) || hit.range_m > nearest.range_m) return;
-  if (hit.range_m == nearest.range_m &&
-      std::pair(nearest.placed, nearest.primitive) < std::pair(packet.placed, primitive)) {
-    return;
-  }
-  const PlacedItem& item = packet.view->tree->items()[packet.placed];
-  const Material& material = *packet.view->list->materials[packet.view->list->items[item.item].material];
-  const double area = hit.weights.x + hit.weights.y + hit.weights.z;
-  if (!is_solid(material, *item.tree->mesh(), primitive, hit.weights / area)) return;
-  nearest = {hit.range_m, packet.placed, primitive};
-}
-
 void on_triangle(const RTCIntersectFunctionNArguments* arguments) {
   Packet& packet = *reinterpret_cast<Packet*>(arguments->context);
   RTCRayN* const rays = RTCRayHitN_RayN(arguments->rayhit, arguments->N);
-  const MeshTree& tree = *static_cast<const MeshTree*>(arguments->geometryUserPtr);
-  const SeenItem& item = packet.view->seen[packet.placed];
+  const EmbreeMesh& tree = *static_cast<const EmbreeMesh*>(arguments->geometryUserPtr);
+  const SeenItem& item = packet.view->seen(packet.placed);
   const std::array<glm::dvec3, 3> corners = place_corners(*tree.mesh(), arguments->primID, item.placement);
   for (unsigned i = 0; i < arguments->N; ++i) {
     if (arguments->valid[i] != -1) continue;
     const unsigned lane = RTCRayN_id(rays, arguments->N, i);
     const double before_m = packet.nearest[lane].range_m;
-    try_triangle(packet, lane, arguments->primID, corners);
+    packet.view->try_triangle(packet.ray[lane], packet.placed, arguments->primID, corners, packet.nearest[lane]);
     const double range_m = packet.nearest[lane].range_m;
     if (range_m < before_m) {
       RTCRayN_tfar(rays, arguments->N, i) = end_of_ray((range_m - packet.start_m[lane]) * item.units_per_m);
@@ -89,27 +50,12 @@ void on_triangle(const RTCIntersectFunctionNArguments* arguments) {
   }
 }
 
-// Where the ray runs through the item's box, in its unit frame: false if it does not, before its nearest hit.
-bool enter(const SeenItem& item, const glm::dvec3& half_size, Packet& packet, unsigned lane) {
-  const glm::dvec3& direction = packet.direction[lane];
-  const double middle_m = glm::dot(item.centre, direction);
-  const glm::dvec3 middle = item.unit_from_sensor * (middle_m * direction - item.centre);
-  const glm::dvec3 way = item.unit_from_sensor * direction;
-  double first = -middle_m, last = packet.nearest[lane].range_m - middle_m;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double half = half_size[axis] + 2 * kPadding;
-    if (way[axis] == 0) {
-      if (std::abs(middle[axis]) > half) return false;
-      continue;
-    }
-    const double per_way = 1 / way[axis];
-    const double s = (-half - middle[axis]) * per_way, t = (half - middle[axis]) * per_way;
-    first = std::max(first, std::min(s, t));
-    last = std::min(last, std::max(s, t));
-  }
-  if (!(first * item.units_per_m <= last * item.units_per_m + kPadding)) return false;
-  const glm::vec3 from(middle + first * way), unit = float_direction(way / item.units_per_m);
-  packet.start_m[lane] = middle_m + first;
+// Sets the lane's ray in the item's unit frame: false if it does not run there before its nearest hit.
+bool enter(const SeenItem& item, const RayMesh& mesh, Packet& packet, unsigned lane) {
+  UnitRay ray;
+  if (!enter_mesh(item, mesh, packet.direction[lane], packet.nearest[lane].range_m, ray)) return false;
+  const glm::vec3 from(ray.from), unit = float_direction(ray.way);
+  packet.start_m[lane] = ray.start_m;
   RTCRay8& rays = packet.local.ray;
   rays.org_x[lane] = from.x;
   rays.org_y[lane] = from.y;
@@ -131,20 +77,21 @@ void clear(RTCRayHit8& rays) {
   }
 }
 
-void walk_one_by_one(Packet& packet, const MeshTree& tree, const MeshPlacement& placement, unsigned lanes) {
-  for (std::uint32_t t = 0; t < tree.triangles(); ++t) {
-    const std::array<glm::dvec3, 3> corners = place_corners(*tree.mesh(), t, placement);
+void walk_one_by_one(Packet& packet, const RayMesh& mesh, const MeshPlacement& placement, unsigned lanes) {
+  for (std::uint32_t t = 0; t < mesh.triangles(); ++t) {
+    const std::array<glm::dvec3, 3> corners = place_corners(*mesh.mesh(), t, placement);
     for (unsigned lane = 0; lane < kLanes; ++lane) {
-      if (lanes >> lane & 1) try_triangle(packet, lane, t, corners);
+      if (!(lanes >> lane & 1)) continue;
+      packet.view->try_triangle(packet.ray[lane], packet.placed, t, corners, packet.nearest[lane]);
     }
   }
 }
 
-void walk_tree(Packet& packet, const MeshTree& tree, const SeenItem& item, unsigned lanes) {
+void walk_tree(Packet& packet, const EmbreeMesh& tree, const SeenItem& item, unsigned lanes) {
   alignas(32) int valid[kLanes] = {};
   bool any = false;
   for (unsigned lane = 0; lane < kLanes; ++lane) {
-    if (!(lanes >> lane & 1) || !enter(item, tree.half_size(), packet, lane)) continue;
+    if (!(lanes >> lane & 1) || !enter(item, tree, packet, lane)) continue;
     valid[lane] = -1;
     any = true;
   }
@@ -154,14 +101,14 @@ void walk_tree(Packet& packet, const MeshTree& tree, const SeenItem& item, unsig
 void on_item(const RTCIntersectFunctionNArguments* arguments) {
   Packet& packet = *reinterpret_cast<Packet*>(arguments->context);
   RTCRayN* const rays = RTCRayHitN_RayN(arguments->rayhit, arguments->N);
-  const SeenItem& item = packet.view->item(arguments->primID);
+  const SeenItem& item = packet.view->seen(arguments->primID);
   packet.placed = arguments->primID;
   unsigned lanes = 0;
   for (unsigned i = 0; i < arguments->N; ++i) {
     if (arguments->valid[i] != -1) continue;
     lanes |= 1u << RTCRayN_id(rays, arguments->N, i);
   }
-  const MeshTree& tree = *packet.view->tree->items()[arguments->primID].tree;
+  const auto& tree = static_cast<const EmbreeMesh&>(*packet.view->placed(arguments->primID).mesh);
   if (item.one_by_one) {
     walk_one_by_one(packet, tree, item.placement, lanes);
   } else {
@@ -173,24 +120,12 @@ void on_item(const RTCIntersectFunctionNArguments* arguments) {
   }
 }
 
-RayHit finish(const Packet& packet, unsigned lane) {
-  const Nearest& nearest = packet.nearest[lane];
-  if (nearest.range_m == kInfinity) return {};
-  const SeenItem& seen = packet.view->seen[nearest.placed];
-  const PlacedItem& item = packet.view->tree->items()[nearest.placed];
-  const auto corners = place_corners(*item.tree->mesh(), nearest.primitive, seen.placement);
-  TriangleHit hit;
-  SIMVIS_ASSERT(intersect(packet.ray[lane], corners, hit));
-  return {hit.range_m, range_error_bound(packet.ray[lane], corners, hit, seen.corner_error_m), item.item,
-          nearest.primitive};
-}
-
-void cast_packet(SensorView& view, std::span<const glm::dvec3> directions, std::span<RayHit> hits) {
+void cast_packet(RayView& view, RTCScene items, std::span<const glm::dvec3> directions, std::span<RayHit> hits) {
   Packet packet;
   rtcInitIntersectContext(&packet.context);
   packet.view = &view;
-  const glm::vec3 from(glm::dvec3(view.world_from_sensor[3]) - view.tree->origin());
-  const glm::dmat3 world_from_sensor(view.world_from_sensor);
+  const glm::vec3 from(glm::dvec3(view.world_from_sensor()[3]) - view.items().origin());
+  const glm::dmat3 world_from_sensor(view.world_from_sensor());
   alignas(32) int valid[kLanes] = {};
   RTCRayHit8 rays;
   clear(rays);
@@ -208,20 +143,16 @@ void cast_packet(SensorView& view, std::span<const glm::dvec3> directions, std::
     rays.ray.tfar[lane] = end_of_ray(kInfinity);
     valid[lane] = -1;
   }
-  rtcIntersect8(valid, view.tree->scene(), &packet.context, &rays);
-  for (unsigned lane = 0; lane < directions.size(); ++lane) hits[lane] = finish(packet, lane);
+  rtcIntersect8(valid, items, &packet.context, &rays);
+  for (unsigned lane = 0; lane < directions.size(); ++lane) {
+    hits[lane] = view.finish(packet.ray[lane], packet.nearest[lane]);
+  }
 }
 
-// How many threads are worth starting for so many rays: a thread costs about what some hundred rays do.
-std::size_t thread_count(std::size_t rays) {
-  constexpr std::size_t kRaysPerThread = 4096;
-  return std::clamp<std::size_t>(rays / kRaysPerThread, 1, std::max(1u, std::thread::hardware_concurrency()));
-}
-
-void cast_all(SensorView& view, std::span<const glm::dvec3> directions, std::span<RayHit> hits) {
+void cast_all(RayView& view, RTCScene items, std::span<const glm::dvec3> directions, std::span<RayHit> hits) {
   for (std::size_t first = 0; first < directions.size(); first += kLanes) {
     const std::size_t count = std::min<std::size_t>(kLanes, directions.size() - first);
-    cast_packet(view, directions.subspan(first, count), hits.subspan(first, count));
+    cast_packet(view, items, directions.subspan(first, count), hits.subspan(first, count));
   }
 }
 
@@ -231,45 +162,32 @@ class EmbreeRayCaster : public RayCaster {
   void cast(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions,
             std::span<RayHit> hits) override;
   RayCounters counters() const override;
+  std::string_view engine() const override { return "Embree"; }
 
  private:
   const DrawList* world_ = nullptr;
-  std::optional<ItemTree> tree_;   // from the first cast on
-  std::vector<SensorView> views_;  // of each thread
-  std::uint64_t casts_ = 0, rays_ = 0;
+  std::optional<EmbreeItems> items_;  // from the first cast on
+  std::vector<RayView> views_;        // of each thread
+  std::uint64_t rays_ = 0;
 };
 
 void EmbreeRayCaster::cast(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions,
                            std::span<RayHit> hits) {
   SIMVIS_ASSERT(world_ != nullptr && hits.size() == directions.size());
-  if (!tree_) tree_.emplace(on_item, on_triangle);
-  tree_->update(*world_, glm::dvec3(world_from_sensor[3]));
-  ++casts_;
-  const std::size_t threads = thread_count(directions.size());
+  if (!items_) items_.emplace(on_item, on_triangle);
+  items_->update(*world_, glm::dvec3(world_from_sensor[3]));
+  const std::size_t threads = ray_threads(directions.size());
   if (views_.size() < threads) views_.resize(threads);
-  for (SensorView& view : views_) {
-    view.list = world_;
-    view.tree = &*tree_;
-    view.world_from_sensor = world_from_sensor;
-    view.cast = casts_;
-    view.seen.resize(tree_->items().size());
-  }
-  const std::size_t share = (directions.size() + threads - 1) / threads;
-  const auto cast_share = [&](std::size_t thread) {
-    const std::size_t first = std::min(thread * share, directions.size());
-    const std::size_t count = std::min(share, directions.size() - first);
-    cast_all(views_[thread], directions.subspan(first, count), hits.subspan(first, count));
-  };
-  std::vector<std::jthread> others;
-  for (std::size_t thread = 1; thread < threads; ++thread) others.emplace_back(cast_share, thread);
-  cast_share(0);
-  others.clear();  // waits for them
+  share_rays(directions.size(), threads, [&](std::size_t thread, std::size_t first, std::size_t count) {
+    views_[thread].begin(*world_, items_->items(), world_from_sensor);
+    cast_all(views_[thread], items_->scene(), directions.subspan(first, count), hits.subspan(first, count));
+  });
   rays_ += directions.size();
 }
 
 RayCounters EmbreeRayCaster::counters() const {
-  if (!tree_) return {};
-  RayCounters counters = tree_->counters();
+  if (!items_) return {};
+  RayCounters counters = items_->items().counters;
   counters.rays = rays_;
   return counters;
 }

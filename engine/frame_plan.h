@@ -45,6 +45,7 @@ struct RayCast {
   std::string name;
   std::string reason;
   std::uint64_t most_rays = 0;  ///< how many it casts at the most: which, it may learn from the passes
+  std::string engine{};         ///< who casts them: see RayCaster. Known to who runs the plan
 };
 
 struct FramePlan {

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "engine/geometry_pool.h"
+#include "engine/pipeline_parts.h"
 #include "engine/render_pass.h"
 #include "engine/vulkan_check.h"
 #include "shaders/interop.h"
@@ -22,38 +23,6 @@ namespace {
 using Surface = PipelineKey::Surface;
 
 constexpr VkShaderStageFlags kAllStages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
-
-Handle<VkShaderModule> make_module(Device::Impl& device, std::span<const std::uint32_t> words, const char* name) {
-  const VkShaderModuleCreateInfo info{.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
-                                      .pNext = nullptr,
-                                      .flags = 0,
-                                      .codeSize = words.size_bytes(),
-                                      .pCode = words.data()};
-  VkShaderModule module = VK_NULL_HANDLE;
-  vk_check(vkCreateShaderModule(device.device, &info, nullptr, &module), "vkCreateShaderModule");
-  return Handle<VkShaderModule>(device, module, name);
-}
-
-Handle<VkDescriptorSetLayout> make_set_layout(Device::Impl& device,
-                                              std::span<const VkDescriptorSetLayoutBinding> bindings,
-                                              const char* name) {
-  const VkDescriptorSetLayoutCreateInfo info{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
-                                             .pNext = nullptr,
-                                             .flags = 0,
-                                             .bindingCount = static_cast<std::uint32_t>(bindings.size()),
-                                             .pBindings = bindings.data()};
-  VkDescriptorSetLayout layout = VK_NULL_HANDLE;
-  vk_check(vkCreateDescriptorSetLayout(device.device, &info, nullptr, &layout), "vkCreateDescriptorSetLayout");
-  return Handle<VkDescriptorSetLayout>(device, layout, name);
-}
-
-VkDescriptorSetLayoutBinding buffer_binding(std::uint32_t binding, VkDescriptorType type, VkShaderStageFlags stages) {
-  return {.binding = binding,
-          .descriptorType = type,
-          .descriptorCount = 1,
-          .stageFlags = stages,
-          .pImmutableSamplers = nullptr};
-}
 
 // Vertex buffers: positions, instances, and for what needs them the other attributes.
 constexpr VkVertexInputBindingDescription kBindings[] = {{0, sizeof(glm::vec3), VK_VERTEX_INPUT_RATE_VERTEX},

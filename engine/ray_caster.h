@@ -30,10 +30,13 @@
 #include <limits>
 #include <memory>
 #include <span>
+#include <string_view>
 
 #include "engine/draw_list.h"
 
 namespace simvis {
+
+class Device;
 
 /// What a ray meets: range along the ray in metres, +infinity for nothing (then the rest is 0).
 struct RayHit {
@@ -51,13 +54,18 @@ struct RayCounters {
   std::uint64_t meshes_built = 0, triangles_built = 0;  ///< trees made of meshes
   std::uint64_t items_placed = 0;                       ///< boxes computed for the tree over items
   std::uint64_t item_trees_built = 0;
+  // Of a device only:
+  std::uint64_t item_trees_refitted = 0;
+  std::uint64_t bytes_uploaded = 0;  ///< of trees and items; a ray takes 16 more
+  std::uint64_t dispatches = 0;
+  std::uint64_t rays_walked = 0;  ///< for which the host had to look into trees itself
 
   bool operator==(const RayCounters&) const = default;
 };
 
-/// Triangles are met from either side, lines and points not at all. Of a `mask` material those points are met where
-/// alpha (base colour x vertex colour x texture, largest level) reaches the cutoff, of a `blend` material one half.
-/// What lies beyond 10^18 m is not met.
+/// Triangles are met from either side, lines and points not at all. Of a material those points are met which a depth
+/// sensor sees (see Material), by alpha (base colour x vertex colour x texture, largest level). What lies beyond
+/// 10^18 m is not met.
 ///
 /// Errors   MachineError where memory runs out.
 /// Threading  one thread at a time; cast() itself uses all cores for many rays, and gives the same on any number.
@@ -78,10 +86,21 @@ class RayCaster {
                     std::span<RayHit> hits) = 0;
 
   virtual RayCounters counters() const = 0;
+
+  /// Who casts, for people.
+  virtual std::string_view engine() const = 0;
 };
 
 /// Embree on the host's cores. Null in a build without Embree.
 std::unique_ptr<RayCaster> make_host_ray_caster();
 bool has_host_ray_caster();
+
+/// A compute shader on the device, which must outlive it; several share a device only from one thread, and with its
+/// renderers. Nothing is made before the first cast. Same hits as by Embree, to the bit.
+/// Errors   MachineError where the device cannot address trees of that size, or fails.
+std::unique_ptr<RayCaster> make_device_ray_caster(Device& device);
+
+/// The faster one: Embree where the device is the host's own cores, if it is there; else the device.
+std::unique_ptr<RayCaster> make_ray_caster(Device& device);
 
 }  // namespace simvis

@@ -56,9 +56,16 @@ float surface_alpha(const Material& material, const Mesh& mesh, std::uint32_t pr
 }
 
 bool is_solid(const Material& material, const Mesh& mesh, std::uint32_t primitive, const glm::dvec3& weights) {
-  if (material.alpha_mode == AlphaMode::opaque) return true;
-  const float cutoff = material.alpha_mode == AlphaMode::blend ? 0.5f : material.alpha_cutoff;
-  return surface_alpha(material, mesh, primitive, weights) >= cutoff;
+  if (material.alpha_mode == AlphaMode::blend) {
+    return material.opacity * surface_alpha(material, mesh, primitive, weights) >= kLeastMetAlpha;
+  }
+  if (material.opacity < kLeastMetAlpha) return false;
+  return material.alpha_mode == AlphaMode::opaque ||
+         surface_alpha(material, mesh, primitive, weights) >= material.alpha_cutoff;
+}
+
+bool is_solid_throughout(const Material& material) {
+  return material.alpha_mode == AlphaMode::opaque && material.opacity >= kLeastMetAlpha;
 }
 
 }  // namespace simvis

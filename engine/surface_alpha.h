@@ -15,4 +15,7 @@ float surface_alpha(const Material& material, const Mesh& mesh, std::uint32_t pr
 /// Whether what a depth sensor sees of the material there is solid (see Material).
 bool is_solid(const Material& material, const Mesh& mesh, std::uint32_t primitive, const glm::dvec3& weights);
 
+/// Whether it is so at every point, whatever the mesh.
+bool is_solid_throughout(const Material& material);
+
 }  // namespace simvis

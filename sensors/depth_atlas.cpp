@@ -1,26 +1,23 @@
 #include "sensors/depth_atlas.h"
 
 #include <algorithm>
-#include <string_view>
 #include <utility>
 
 namespace simvis {
 
 namespace {
 
-constexpr std::string_view kName = "depth atlas";
-
 // Within what every Vulkan device with 4096-pixel targets or larger gives; a taller atlas goes on in the next.
 constexpr std::uint32_t kMaxHeight = 4096;
 
 }  // namespace
 
-AtlasPlace place_in_depth_atlas(FramePlan& plan, View view) {
+AtlasPlace place_in_depth_atlas(FramePlan& plan, const std::string& sensor, View view) {
+  const std::string name = sensor + ".depth";  // no sensor's name, and so no camera's pass, holds a point
   auto pass = std::ranges::find_if(
-      plan.passes, [&](const Pass& p) { return p.name == kName && p.height_px + view.height_px <= kMaxHeight; });
+      plan.passes, [&](const Pass& p) { return p.name == name && p.height_px + view.height_px <= kMaxHeight; });
   if (pass == plan.passes.end()) {
-    plan.passes.push_back(
-        {.name = std::string(kName), .width_px = 0, .height_px = 0, .color = false, .depth = true, .views = {}});
+    plan.passes.push_back({.name = name, .width_px = 0, .height_px = 0, .color = false, .depth = true, .views = {}});
     pass = std::prev(plan.passes.end());
   }
   view.x_px = 0;

@@ -31,8 +31,9 @@ constexpr double kBelieved = 0.3;
 struct Plane {
   double x = 0, y = 0;  // the corner, in pixels from the tap's
   double w0 = 0, gx = 0, gy = 0;
-  double noise = 0;  // bound on the error of each w that it was taken from
-  double doubt = 0;  // second differences found, which a kink may hide behind
+  double noise = 0;           // bound on the error of each w that it was taken from
+  double believed_noise = 0;  // what that is if the whole cell shows one surface
+  double doubt = 0;           // second differences found, which a kink may hide behind
   bool flat = false;
 
   double at(double px, double py) const { return w0 + gx * (px - x) + gy * (py - y); }
@@ -62,7 +63,10 @@ class Cell {
         planar_(planar_layout),
         origin_(pixels.depth + std::size_t{tap.y} * pixels.stride_px + tap.x) {
     for (const double w : {at(0, 0), at(1, 0), at(0, 1), at(1, 1)}) {
-      if (w > 0) displacement_m_ = std::max(displacement_m_, rounding.at(tap.ray_per_depth / w));
+      if (!(w > 0)) continue;
+      const double displacement_m = rounding.at(tap.ray_per_depth / w);
+      most_displacement_m_ = std::max(most_displacement_m_, displacement_m);
+      least_displacement_m_ = std::min(least_displacement_m_, displacement_m);
     }
   }
 
@@ -85,11 +89,17 @@ class Cell {
     return relief;
   }
 
-  // Rounding of a w on a plane with these gradients per pixel.
-  double noise(double w, double gx, double gy) const {
+  // Rounding of a w on a plane with these gradients per pixel, into the plane. A surface that all pixels show counts at
+  // the range of each, so its displacement is the least found there; where they show several, each has its own, and
+  // that of a far one must not make a step beside it look like a plane.
+  void judge_noise(Plane& plane) const {
+    plane.noise = noise(plane.w0, plane.gx, plane.gy, most_displacement_m_);
+    plane.believed_noise = noise(plane.w0, plane.gx, plane.gy, least_displacement_m_);
+  }
+  double noise(double w, double gx, double gy, double displacement_m) const {
     const double mx = gx * pixels_.focal_px, my = gy * pixels_.focal_px;
     const double mz = w - mx * tap_.tangent_x - my * tap_.tangent_y;
-    const double vertices = w * displacement_m_ * std::sqrt(mx * mx + my * my + mz * mz);
+    const double vertices = w * displacement_m * std::sqrt(mx * mx + my * my + mz * mz);
     const double setup =
         kSetup * kFloatUnit * (std::abs(gx) * pixels_.reach_x_px + std::abs(gy) * pixels_.reach_y_px + w);
     return vertices + setup;
@@ -114,20 +124,20 @@ class Cell {
       bend_y = std::abs(second_difference_y(x, y + sy));
       twist = std::abs(at(x + sx, y + sy) - at(x + sx, y) - at(x, y + sy) + at(x, y));
     }
-    plane.noise = noise(plane.w0, plane.gx, plane.gy);
-    plane.flat = at(x + sx, y) > 0 && std::max({bend_x, bend_y, twist}) <= kBelieved * plane.noise;
+    judge_noise(plane);
+    plane.flat = at(x + sx, y) > 0 && std::max({bend_x, bend_y, twist}) <= kBelieved * plane.believed_noise;
     return plane;
   }
 
   // One surface under the whole cell, or none (`flat` false).
   Plane single_plane() const {
     Plane plane{0, 0, at(0, 0), at(1, 0) - at(0, 0), at(0, 1) - at(0, 0)};
-    plane.noise = noise(plane.w0, plane.gx, plane.gy);
+    judge_noise(plane);
     const double twist = std::abs(at(1, 1) - at(1, 0) - at(0, 1) + at(0, 0));
     plane.doubt = twist;
-    plane.flat = twist <= kBelieved * plane.noise;
+    plane.flat = twist <= kBelieved * plane.believed_noise;
     const auto along = [&](double before, double first, double second, double after) {
-      const Line line = judge(before, first, second, after, kBelieved * plane.noise);
+      const Line line = judge(before, first, second, after, kBelieved * plane.believed_noise);
       plane.flat = plane.flat && line.straight;
       plane.doubt += line.doubt;
     };
@@ -147,7 +157,7 @@ class Cell {
   const BeamTap& tap_;
   bool planar_;
   const float* origin_;
-  double displacement_m_ = 0;
+  double most_displacement_m_ = 0, least_displacement_m_ = kInfinity;
 };
 
 RangeEstimate to_range(double w, double w_bound, const BeamTap& tap) {
@@ -167,7 +177,7 @@ RangeEstimate crease_or_step(const Cell& cell, const BeamTap& tap, std::span<con
     highest = std::max(highest, own.at(fx, fy));
     lowest = std::min(lowest, own.at(fx, fy));
     for (const Plane& other : corners) {
-      const double gap = own.w0 - other.at(own.x, own.y), slack = 8 * (own.noise + other.noise);
+      const double gap = own.w0 - other.at(own.x, own.y), slack = 8 * (own.believed_noise + other.believed_noise);
       upper = upper && gap >= -slack;
       lower = lower && gap <= slack;
     }

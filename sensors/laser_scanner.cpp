@@ -110,11 +110,6 @@ std::unique_ptr<Sensor> create(const SensorContext& context) {
   desc.range_min_m = a.number("range_min");
   desc.range_max_m = a.number("range_max");
   desc.method = method_named(a.choice("method"));
-  if (casts(desc.method) && !has_host_ray_caster()) {
-    fail_at(a.where("method"), "attribute \"method\": \"" + a.choice("method") +
-                                   "\" needs Embree, without which this SimVis was built, expected \"nearest\" or "
-                                   "\"planar\"");
-  }
   desc.max_error_rel = a.number("max_error_rel");
   if (a.is_set("resolution")) desc.resolution_px = a.number("resolution");
 
@@ -135,6 +130,15 @@ std::unique_ptr<Sensor> create(const SensorContext& context) {
 const SensorRegistration kRegistration({"laser_scanner",
                                         "A laser scanner: ranges along beams, each with an error bound.", kAttributes,
                                         create});
+
+// Whether a rendered range will do for `hybrid`: its bound is small enough, and does not reach across a limit along the
+// ray, where it would leave open of which kind the reading is.
+bool is_certain(const RangeEstimate& estimate, const LaserScannerDesc& desc) {
+  if (std::isinf(estimate.error_bound_m)) return false;
+  const double low = estimate.range_m - estimate.error_bound_m, high = estimate.range_m + estimate.error_bound_m;
+  return estimate.error_bound_m <= desc.max_error_rel * estimate.range_m &&
+         !(low < desc.range_min_m && high >= desc.range_min_m) && !(low <= desc.range_max_m && high > desc.range_max_m);
+}
 
 double resolution_of(const LaserScannerDesc& desc) {
   if (desc.resolution_px > 0) return desc.resolution_px;
@@ -186,7 +190,7 @@ void LaserScanner::plan_views(const glm::dmat4& sensor_from_world, const DrawLis
     view.height_px = face.height_px;
     view.sees_back_faces = true;
     view.sees_lines_and_points = false;
-    places_.push_back(place_in_depth_atlas(plan, std::move(view)));
+    places_.push_back(place_in_depth_atlas(plan, name_, std::move(view)));
   }
 }
 
@@ -213,7 +217,7 @@ void LaserScanner::collect(const FrameTime&, const FramePlan& plan, std::span<co
     if (desc_.method == ScanMethod::nearest) {
       estimate = nearest_range(pixels[tap.face], tap, layout_.faces[tap.face], estimate);
     }
-    if (desc_.method == ScanMethod::hybrid && !(estimate.error_bound_m <= desc_.max_error_rel * estimate.range_m)) {
+    if (desc_.method == ScanMethod::hybrid && !is_certain(estimate, desc_)) {
       beams_.push_back(static_cast<std::uint32_t>(beam));
     } else {
       take(beam, estimate.range_m, estimate.error_bound_m);
@@ -238,7 +242,7 @@ void LaserScanner::cast(RayCaster& rays) {
 // the bound says how far that would be.
 void LaserScanner::take(std::size_t beam, double range_m, double error_bound_m) {
   const double low = range_m - error_bound_m, high = range_m + error_bound_m;
-  float reading = static_cast<float>(range_m);
+  float reading = range_m < desc_.range_min_m ? 0 : static_cast<float>(range_m);
   double bound = error_bound_m + std::abs(static_cast<double>(reading) - range_m);
   if (range_m > desc_.range_max_m) {
     reading = kInfinity;
@@ -246,7 +250,6 @@ void LaserScanner::take(std::size_t beam, double range_m, double error_bound_m) 
   } else if (high > desc_.range_max_m) {
     bound = kInfinity;
   } else if (range_m < desc_.range_min_m) {
-    reading = 0;
     bound = high < desc_.range_min_m ? 0 : high;
   } else if (low < desc_.range_min_m) {
     bound = std::max(bound, static_cast<double>(reading));

@@ -10,6 +10,7 @@
 #include <glm/glm.hpp>
 
 namespace simvis::shader {
+using glm::uvec2;
 using glm::uvec4;
 using glm::vec4;
 using uint = std::uint32_t;
@@ -24,6 +25,22 @@ using uint = std::uint32_t;
 
 // The lights of a view are one uniform block: 16384 bytes, which every device allows.
 #define SIMVIS_MAX_LIGHTS 256
+
+// Descriptor set 0 of ray_cast.comp.
+#define SIMVIS_RAY_TOP_NODES 0
+#define SIMVIS_RAY_ITEMS 1
+#define SIMVIS_RAY_MESH_NODES 2
+#define SIMVIS_RAY_TRIANGLES 3
+#define SIMVIS_RAY_DIRECTIONS 4
+#define SIMVIS_RAY_CANDIDATES 5
+#define SIMVIS_RAY_BINDINGS 6
+
+#define SIMVIS_RAY_GROUP 64  // rays of a workgroup
+#define SIMVIS_MOST_CANDIDATES 7
+#define SIMVIS_TREE_DEPTH 32
+#define SIMVIS_WHOLE_ITEM 0xffffffffu  // a candidate's primitive: the host has to test the item's triangles
+#define SIMVIS_FAR_M 1e18              // beyond it nothing is met
+#define SIMVIS_MOST_SLACK 0.015625     // what is placed less exactly, in radii, is left to the host
 
 // Vertex inputs.
 #define SIMVIS_POSITION 0
@@ -76,6 +93,45 @@ struct LightBlock {
 struct ViewBlock {
   vec4 projection;  // clip.x = projection.x * x + projection.y * z; clip.y = projection.z * y + projection.w * z
   vec4 ambient;     // rgb: linear radiance from all around; w: near_m
+};
+
+// A node of a Bvh (see engine/bvh.h), read as whole rows; xyz are bits of floats.
+struct TreeNode {
+  uvec4 low_first;
+  uvec4 high_count;
+};
+
+// A triangle in its mesh's unit frame.
+struct RayTriangle {
+  uvec4 a_primitive;  // xyz: bits of floats; w: its number in the mesh
+  vec4 b;             // xyz
+  vec4 c;             // xyz
+};
+
+// An item in the top tree's frame. A point at `apart` from its centre has unit coordinates scale * (row . apart); the
+// rows together have the length sqrt(3). A ray's line in the unit frame is off by at most slack + slack_per_unit * D
+// there, D the sensor's distance in units: see engine/ray_block.h.
+struct RayItem {
+  vec4 row_x;        // w: scale, 1/m
+  vec4 row_y;        // w: slack
+  vec4 row_z;        // w: slack_per_unit
+  vec4 centre_high;  // xyz: m, rounded; w: by what share a range is off
+  vec4 centre_low;   // xyz: m, what rounding left
+  uvec4 tree;        // x: root; y: first triangle; z: 1 if every point is solid; w: 1 if the host has to test it all
+};
+
+// Which triangles a ray may meet first. What is not among them lies at or beyond `complete_to_m`.
+struct RayCandidates {
+  uint count;
+  float complete_to_m;
+  uvec2 found[SIMVIS_MOST_CANDIDATES];  // item, as RayItem; primitive
+};
+
+// One cast; push constants.
+struct RayCastBlock {
+  vec4 sensor_high;  // xyz: m, in the top tree's frame, rounded
+  vec4 sensor_low;   // xyz: m, what rounding left
+  uvec4 rays;        // x: how many
 };
 
 #ifdef __cplusplus

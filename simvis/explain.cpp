@@ -18,7 +18,8 @@ std::string explain(const FramePlan& plan, const FrameCounters& counters) {
     }
   }
   for (const RayCast& cast : plan.casts) {
-    out << "cast " << cast.name << ": up to " << cast.most_rays << " rays: " << cast.reason << '\n';
+    out << "cast " << cast.name << ": up to " << cast.most_rays << " rays by " << cast.engine << ": " << cast.reason
+        << '\n';
   }
   out << counters.passes << " passes, " << counters.views << " views, " << counters.draws << " draws, "
       << counters.triangles << " triangles, " << counters.pipelines_bound << " pipelines bound, "

@@ -148,13 +148,14 @@ void Simulation::Impl::plan_due_sensors(ViewLayer& layer, bool visualization, co
     sensor.sensor->plan(states[i].world_from_sensor, *layer.list, layer.plan);
     layer.due.push_back(i);
   }
+  for (RayCast& cast : layer.plan.casts) cast.engine = layer.caster->engine();
 }
 
 void Simulation::Impl::collect(ViewLayer& layer, const FrameTime& time, std::span<const PassResult> results) {
-  if (layer.caster != nullptr) layer.caster->set_world(*layer.list);
+  layer.caster->set_world(*layer.list);
   for (const std::size_t i : layer.due) {
     scene.built.sensors[i].sensor->collect(time, layer.plan, results);
-    if (layer.caster != nullptr) scene.built.sensors[i].sensor->cast(*layer.caster);
+    scene.built.sensors[i].sensor->cast(*layer.caster);
     ++states[i].frames;
     measured.push_back(scene.built.sensors[i].name);
   }
@@ -275,9 +276,7 @@ void Simulation::write(std::string_view sensor, OutputSink& sink) const { impl_-
 const std::vector<std::string>& Simulation::warnings() const { return impl_->scene.built.scene.warnings(); }
 const DeviceInfo& Simulation::device() const { return impl_->device.info(); }
 const FrameCounters& Simulation::counters() const { return impl_->sensing.renderer.counters(); }
-RayCounters Simulation::ray_counters() const {
-  return impl_->sensing.caster ? impl_->sensing.caster->counters() : RayCounters{};
-}
+RayCounters Simulation::ray_counters() const { return impl_->sensing.caster->counters(); }
 const DrawList& Simulation::draw_list() const { return *impl_->sensing.list; }
 const FramePlan& Simulation::frame_plan() const { return impl_->sensing.plan; }
 

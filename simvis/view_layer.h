@@ -17,14 +17,17 @@ namespace simvis {
 /// what a sensor sees or costs.
 struct ViewLayer {
   ViewLayer(GroupPtr root, Audience audience, Device& device)
-      : flattener(std::move(root), audience), renderer(device), list(&flattener.update()) {}
+      : flattener(std::move(root), audience),
+        renderer(device),
+        caster(make_ray_caster(device)),
+        list(&flattener.update()) {}
 
   Flattener flattener;
   Renderer renderer;
-  std::unique_ptr<RayCaster> caster = make_host_ray_caster();  ///< costs nothing until a sensor casts
-  const DrawList* list;                                        ///< as of the last flattening
-  FramePlan plan;                                              ///< of this frame
-  std::vector<std::size_t> due;                                ///< the sensors that measure in this frame, by index
+  std::unique_ptr<RayCaster> caster;  ///< costs nothing until a sensor casts
+  const DrawList* list;               ///< as of the last flattening
+  FramePlan plan;                     ///< of this frame
+  std::vector<std::size_t> due;       ///< the sensors that measure in this frame, by index
 };
 
 }  // namespace simvis

@@ -78,3 +78,28 @@ TEST_CASE("structs lie in memory as the fragment shaders read them") {
   CHECK_OFFSET(found, "view", shader::ViewBlock, ambient);
   CHECK(found.at("View") == sizeof(shader::ViewBlock));
 }
+
+TEST_CASE("structs lie in memory as the shader that casts rays reads them") {
+  const auto found = reflect("ray_cast.comp");
+  CHECK_OFFSET(found, "top_nodes", shader::TreeNode, low_first);
+  CHECK_OFFSET(found, "top_nodes", shader::TreeNode, high_count);
+  CHECK(found.at("TopNodes") == sizeof(shader::TreeNode));
+  CHECK_OFFSET(found, "items", shader::RayItem, row_x);
+  CHECK_OFFSET(found, "items", shader::RayItem, row_y);
+  CHECK_OFFSET(found, "items", shader::RayItem, row_z);
+  CHECK_OFFSET(found, "items", shader::RayItem, centre_high);
+  CHECK_OFFSET(found, "items", shader::RayItem, centre_low);
+  CHECK_OFFSET(found, "items", shader::RayItem, tree);
+  CHECK(found.at("Items") == sizeof(shader::RayItem));
+  CHECK_OFFSET(found, "triangles", shader::RayTriangle, a_primitive);
+  CHECK_OFFSET(found, "triangles", shader::RayTriangle, b);
+  CHECK_OFFSET(found, "triangles", shader::RayTriangle, c);
+  CHECK(found.at("Triangles") == sizeof(shader::RayTriangle));
+  CHECK_OFFSET(found, "candidates", shader::RayCandidates, count);
+  CHECK_OFFSET(found, "candidates", shader::RayCandidates, complete_to_m);
+  CHECK(found.at("Candidates") == sizeof(shader::RayCandidates));
+  CHECK_OFFSET(found, "view", shader::RayCastBlock, sensor_high);
+  CHECK_OFFSET(found, "view", shader::RayCastBlock, sensor_low);
+  CHECK_OFFSET(found, "view", shader::RayCastBlock, rays);
+  CHECK(found.at("View") == sizeof(shader::RayCastBlock));
+}

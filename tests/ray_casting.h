@@ -1,12 +1,16 @@
 // Rays and worlds for the tests of the ray caster.
 #pragma once
 
+#include <doctest/doctest.h>
+
 #include <glm/glm.hpp>
 #include <glm/gtc/matrix_transform.hpp>
+#include <memory>
 #include <numbers>
 #include <random>
 #include <vector>
 
+#include "engine/device.h"
 #include "engine/ray_caster.h"
 #include "scenegraph/pose.h"
 #include "tests/random_room.h"
@@ -31,17 +35,41 @@ inline glm::dmat4 random_pose(std::mt19937& random, double reach_m) {
   return to_matrix(pose);
 }
 
-inline std::vector<RayHit> cast(const DrawList& list, const glm::dmat4& world_from_sensor,
-                                const std::vector<glm::dvec3>& directions) {
-  std::vector<RayHit> hits(directions.size());
-  const std::unique_ptr<RayCaster> caster = make_host_ray_caster();
-  caster->set_world(list);
-  caster->cast(world_from_sensor, directions, hits);
-  return hits;
+/// A ray caster of one kind.
+struct RayEngine {
+  std::shared_ptr<RayCaster> caster;
+
+  bool on_device() const { return caster->engine() != "Embree"; }
+
+  std::vector<RayHit> cast(const DrawList& list, const glm::dmat4& world_from_sensor,
+                           const std::vector<glm::dvec3>& directions) const {
+    std::vector<RayHit> hits(directions.size());
+    caster->set_world(list);
+    caster->cast(world_from_sensor, directions, hits);
+    return hits;
+  }
+
+  RayHit cast_one(const DrawList& list, const glm::dvec3& direction, const glm::dmat4& pose = glm::dmat4(1.0)) const {
+    return cast(list, pose, {direction}).front();
+  }
+};
+
+inline Device& ray_device() {
+  static Device device;
+  return device;
 }
 
-inline RayHit cast_one(const DrawList& list, const glm::dvec3& direction, const glm::dmat4& pose = glm::dmat4(1.0)) {
-  return cast(list, pose, {direction}).front();
+inline RayEngine host_engine() { return {make_host_ray_caster()}; }
+inline RayEngine device_engine() { return {make_device_ray_caster(ray_device())}; }
+
+/// Runs the rest of a test case once for every engine of this build.
+inline RayEngine each_engine() {
+  RayEngine engine;
+  if (has_host_ray_caster()) {
+    SUBCASE("Embree") { engine = host_engine(); }
+  }
+  SUBCASE("compute shader") { engine = device_engine(); }
+  return engine;
 }
 
 /// A sphere whose poles are points: sphere_mesh() leaves holes 10^-16 m wide there, and a beam finds them.

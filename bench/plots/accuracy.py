@@ -43,7 +43,7 @@ def drawn(error):
 
 
 def draw_front(axes, rows, statistic):
-    """The methods of SimVis that no other one beats in both time and error: a band along them, and a ring around each."""
+    """The methods of SimVis that no other one beats in both time and error: a band along them, a ring around each."""
     front = figure.pareto_front((float(row["median_ms"]), drawn(float(row[statistic]))) for row in rows
                                 if not is_peer(row))
     times, errors = zip(*front)

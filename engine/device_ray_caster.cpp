@@ -1,0 +1,163 @@
+// Casts rays on a Vulkan device. A compute shader walks the trees in float32 and hands back, of each ray, the triangles
+// that it may meet first; the host decides upon them as ray_caster.h says, in double. Where the shader's list is not
+// complete up to what the host then finds, the host walks the same trees in double, from what it has found.
+#include <algorithm>
+#include <numeric>
+#include <optional>
+#include <utility>
+
+#include "engine/assert.h"
+#include "engine/bvh_cast.h"
+#include "engine/device.h"
+#include "engine/frame_commands.h"
+#include "engine/ray_dispatch.h"
+#include "engine/ray_top.h"
+
+namespace simvis {
+
+namespace {
+
+/// What is on the device.
+struct DeviceWorld {
+  explicit DeviceWorld(Device::Impl& device)
+      : commands(device), uploads(device), meshes(device), top(device), dispatch(device) {}
+
+  FrameCommands commands;
+  Uploads uploads;
+  RayMeshPool meshes;
+  RayTop top;
+  RayDispatch dispatch;
+  bool current = false;  // as RayItems is, but for its last changes
+};
+
+class DeviceRayCaster : public RayCaster {
+ public:
+  explicit DeviceRayCaster(Device& device) : device_(device) {}
+  void set_world(const DrawList& list) override { list_ = &list; }
+  void cast(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions,
+            std::span<RayHit> hits) override;
+  RayCounters counters() const override { return items_.counters; }
+  std::string_view engine() const override { return "a compute shader"; }
+
+ private:
+  void find_candidates(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions);
+  void upload(VkCommandBuffer commands);
+  void dispatch(VkCommandBuffer commands, const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions);
+  void decide(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions, std::span<RayHit> hits);
+  RayHit decide(RayView& view, const CastRay& ray, const shader::RayCandidates& candidates, bool& walked) const;
+
+  Device& device_;
+  const DrawList* list_ = nullptr;
+  RayItems items_{[](std::shared_ptr<const Mesh> mesh) { return std::make_unique<BvhMesh>(std::move(mesh)); }};
+  std::optional<DeviceWorld> world_;  // from the first cast on
+  bool uploaded_ = false;             // in this cast
+  std::vector<RayView> views_;        // of each thread
+};
+
+void DeviceRayCaster::cast(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions,
+                           std::span<RayHit> hits) {
+  SIMVIS_ASSERT(list_ != nullptr && hits.size() == directions.size());
+  if (!world_) world_.emplace(device_.impl());
+  items_.update(*list_, glm::dvec3(world_from_sensor[3]));
+  uploaded_ = false;
+  const std::size_t most = world_->dispatch.most_rays();
+  // Once, but for very many rays; what has changed is uploaded even for none.
+  for (std::size_t first = 0; first < directions.size() || !uploaded_; first += most) {
+    const std::size_t count = std::min(most, directions.size() - first);
+    find_candidates(world_from_sensor, directions.subspan(first, count));
+    decide(world_from_sensor, directions.subspan(first, count), hits.subspan(first, count));
+  }
+  items_.counters.rays += directions.size();
+}
+
+void DeviceRayCaster::find_candidates(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions) {
+  try {
+    const VkCommandBuffer commands = world_->commands.begin();
+    if (!uploaded_) upload(commands);
+    if (!directions.empty() && !items_.items().empty()) dispatch(commands, world_from_sensor, directions);
+    world_->commands.submit_and_wait();
+    world_->uploads.release();
+  } catch (...) {
+    // What was recorded never ran: nothing of it counts as uploaded.
+    world_->commands.abandon();
+    world_->uploads.release();
+    world_->meshes.clear();
+    world_->top.clear();
+    world_->current = false;
+    throw;
+  }
+}
+
+void DeviceRayCaster::upload(VkCommandBuffer commands) {
+  DeviceWorld& world = *world_;
+  world.uploads.begin(commands);
+  const bool other_meshes = items_.restructured() || !world.current;
+  const bool meshes_moved = other_meshes && world.meshes.update(items_, world.uploads);
+  world.top.update(*list_, items_, world.meshes, meshes_moved, world.uploads);
+  world.uploads.finish();
+  items_.counters.bytes_uploaded += world.uploads.bytes();
+  world.current = uploaded_ = true;
+}
+
+void DeviceRayCaster::dispatch(VkCommandBuffer commands, const glm::dmat4& world_from_sensor,
+                               std::span<const glm::dvec3> directions) {
+  DeviceWorld& world = *world_;
+  const std::span<glm::vec4> world_directions = world.dispatch.directions(directions.size());
+  const glm::dmat3 turn(world_from_sensor);
+  std::ranges::transform(directions, world_directions.begin(),
+                         [&](const glm::dvec3& direction) { return glm::vec4(glm::vec3(turn * direction), 0); });
+  world.dispatch.record(
+      commands, {world.top.nodes(), world.top.blocks(), world.meshes.nodes(), world.meshes.triangles()},
+      block_of(glm::dvec3(world_from_sensor[3]), items_.origin(), static_cast<std::uint32_t>(directions.size())));
+  ++items_.counters.dispatches;
+}
+
+void DeviceRayCaster::decide(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions,
+                             std::span<RayHit> hits) {
+  if (directions.empty() || items_.items().empty()) {
+    std::ranges::fill(hits, RayHit{});
+    return;
+  }
+  const std::span<const shader::RayCandidates> candidates = world_->dispatch.candidates(directions.size());
+  const std::size_t threads = ray_threads(directions.size());
+  if (views_.size() < threads) views_.resize(threads);
+  std::vector<std::uint64_t> walked(threads);
+  share_rays(directions.size(), threads, [&](std::size_t thread, std::size_t first, std::size_t count) {
+    views_[thread].begin(*list_, items_, world_from_sensor);
+    for (std::size_t i = first; i < first + count; ++i) {
+      bool by_host = false;
+      hits[i] = decide(views_[thread], CastRay(directions[i]), candidates[i], by_host);
+      walked[thread] += by_host;
+    }
+  });
+  items_.counters.rays_walked += std::reduce(walked.begin(), walked.end());
+}
+
+RayHit DeviceRayCaster::decide(RayView& view, const CastRay& ray, const shader::RayCandidates& candidates,
+                               bool& walked) const {
+  NearestHit nearest;
+  for (std::uint32_t i = 0; i < candidates.count; ++i) {
+    const std::uint32_t placed = world_->top.placed(candidates.found[i].x), primitive = candidates.found[i].y;
+    if (primitive == SIMVIS_WHOLE_ITEM) {
+      cast_into_item(view, placed, ray, nearest);
+      walked = true;
+    } else {
+      const Mesh& mesh = *view.placed(placed).mesh->mesh();
+      view.try_triangle(ray.sheared, placed, primitive, place_corners(mesh, primitive, view.seen(placed).placement),
+                        nearest);
+    }
+  }
+  // What is left out lies farther away, or at complete_to_m at the nearest.
+  const bool complete = candidates.complete_to_m > SIMVIS_FAR_M || nearest.range_m < candidates.complete_to_m;
+  if (!complete) {
+    cast_into_items(view, world_->top.bvh(), ray, nearest);
+    walked = true;
+  }
+  return view.finish(ray.sheared, nearest);
+}
+
+}  // namespace
+
+std::unique_ptr<RayCaster> make_device_ray_caster(Device& device) { return std::make_unique<DeviceRayCaster>(device); }
+
+}  // namespace simvis

@@ -1,0 +1,70 @@
+#include "engine/nearest_hit.h"
+
+#include <algorithm>
+#include <thread>
+#include <utility>
+
+#include "engine/assert.h"
+#include "engine/surface_alpha.h"
+
+namespace simvis {
+
+void RayView::begin(const DrawList& list, const RayItems& items, const glm::dmat4& world_from_sensor) {
+  list_ = &list;
+  items_ = &items;
+  world_from_sensor_ = world_from_sensor;
+  ++cast_;
+  seen_.resize(items.items().size());
+}
+
+const SeenItem& RayView::seen(std::uint32_t placed) {
+  SeenItem& item = seen_[placed];
+  if (item.cast != cast_) {
+    item = see(items_->items()[placed], world_from_sensor_);
+    item.cast = cast_;
+  }
+  return item;
+}
+
+void RayView::try_triangle(const ShearedRay& ray, std::uint32_t placed, std::uint32_t primitive,
+                           const std::array<glm::dvec3, 3>& corners, NearestHit& nearest) const {
+  TriangleHit hit;
+  if (!intersect(ray, corners, hit) || hit.range_m > nearest.range_m) return;
+  if (hit.range_m == nearest.range_m && std::pair(nearest.placed, nearest.primitive) < std::pair(placed, primitive)) {
+    return;
+  }
+  const PlacedItem& item = items_->items()[placed];
+  const Material& material = *list_->materials[list_->items[item.item].material];
+  const double area = hit.weights.x + hit.weights.y + hit.weights.z;
+  if (!is_solid(material, *item.mesh->mesh(), primitive, hit.weights / area)) return;
+  nearest = {hit.range_m, placed, primitive};
+}
+
+RayHit RayView::finish(const ShearedRay& ray, const NearestHit& nearest) {
+  if (nearest.range_m == std::numeric_limits<double>::infinity()) return {};
+  const SeenItem& item = seen(nearest.placed);
+  const auto corners = place_corners(*placed(nearest.placed).mesh->mesh(), nearest.primitive, item.placement);
+  TriangleHit hit;
+  SIMVIS_ASSERT(intersect(ray, corners, hit));
+  return {hit.range_m, range_error_bound(ray, corners, hit, item.corner_error_m), placed(nearest.placed).item,
+          nearest.primitive};
+}
+
+std::size_t ray_threads(std::size_t rays) {
+  constexpr std::size_t kRaysPerThread = 4096;  // a thread costs about what some hundred rays do
+  return std::clamp<std::size_t>(rays / kRaysPerThread, 1, std::max(1u, std::thread::hardware_concurrency()));
+}
+
+void share_rays(std::size_t rays, std::size_t threads,
+                const std::function<void(std::size_t thread, std::size_t first, std::size_t count)>& work) {
+  const std::size_t share = (rays + threads - 1) / threads;
+  const auto work_on_share = [&](std::size_t thread) {
+    const std::size_t first = std::min(thread * share, rays);
+    work(thread, first, std::min(share, rays - first));
+  };
+  std::vector<std::jthread> others;
+  for (std::size_t thread = 1; thread < threads; ++thread) others.emplace_back(work_on_share, thread);
+  work_on_share(0);
+}
+
+}  // namespace simvis

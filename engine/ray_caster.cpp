@@ -1,0 +1,12 @@
+#include "engine/ray_caster.h"
+
+#include "engine/device.h"
+
+namespace simvis {
+
+std::unique_ptr<RayCaster> make_ray_caster(Device& device) {
+  if (device.is_cpu() && has_host_ray_caster()) return make_host_ray_caster();
+  return make_device_ray_caster(device);
+}
+
+}  // namespace simvis

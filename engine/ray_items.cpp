@@ -1,0 +1,139 @@
+#include "engine/ray_items.h"
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_set>
+#include <utility>
+
+namespace simvis {
+
+namespace {
+
+constexpr double kUnit = 0x1p-53;
+// Per component 7 u (|linear| |p|) + 4 u |offset|: a product of two matrices (3), its product with a point and the sum
+// (4), the difference of two places and its rotation (4). Then 3 u (|x| + |z|) for the shear, and again as much for
+// the direction, whose components are products of cosines. In all 16 u (reach + distance), times sqrt(3).
+constexpr double kPlacingRoundings = 16 * 1.7320508;
+// World transforms come out of products of matrices with entries up to the offset from the world's origin: as many
+// roundings as VertexRounding counts.
+constexpr double kWorldRoundings = 3 * 4 * 1.7320508;
+
+// Whether an item is too thin, or too small for its distance, for its rays to be brought to its unit frame. What that
+// displaces them by, in radii, is (i) the inverse's own error, found from what is left of linear * inverse - 1 (and the
+// 4 u with which that is found) and enlarged by what the inverse stretches; (ii) the rounding of places at this
+// distance, 8 u each. Both together may take a sixteenth of the padding.
+bool is_thin(const glm::dmat3& linear, const glm::dmat3& inverse, double radius, double distance_m) {
+  const double stretch = frobenius(inverse), condition = frobenius(linear) * stretch;
+  const double residue = frobenius(linear * inverse - glm::dmat3(1.0));
+  const double displaced = condition * (residue + 4 * kUnit * condition) + 8 * kUnit * stretch * distance_m / radius;
+  return !(displaced <= kPadding / 16);
+}
+
+}  // namespace
+
+Box padded_box(const glm::dvec3& low, const glm::dvec3& high, double padding) {
+  return {glm::clamp(low - padding, -kFarthest, kFarthest), glm::clamp(high + padding, -kFarthest, kFarthest)};
+}
+
+double frobenius(const glm::dmat3& m) {
+  return std::sqrt(glm::dot(m[0], m[0]) + glm::dot(m[1], m[1]) + glm::dot(m[2], m[2]));
+}
+
+RayMesh::RayMesh(std::shared_ptr<const Mesh> mesh)
+    : mesh_(std::move(mesh)), triangles_(static_cast<std::uint32_t>(mesh_->indices.size() / 3)) {
+  const glm::dvec3 low(mesh_->bounds_min), high(mesh_->bounds_max);
+  centre_ = 0.5 * (low + high);
+  radius_ = 0.5 * glm::length(high - low);
+  half_size_ = radius_ > 0 ? 0.5 * (high - low) / radius_ : glm::dvec3(0);
+}
+
+void RayItems::update(const DrawList& list, const glm::dvec3& world_sensor) {
+  restructured_ = take_structure(list);
+  const bool moved_away = !anchored_ || !(glm::distance(world_sensor, origin_) <= kReach_m);
+  if (moved_away) origin_ = world_sensor;
+  anchored_ = true;
+  place(list, restructured_ || moved_away);
+}
+
+bool RayItems::take_structure(const DrawList& list) {
+  if (made_ && list.items == list_items_ && list.meshes == list_meshes_) return false;
+  made_ = false;  // until all is there: making a mesh's tree may throw
+  items_.clear();
+  std::unordered_set<const Mesh*> wanted;
+  for (std::uint32_t i = 0; i < list.items.size(); ++i) {
+    const std::shared_ptr<const Mesh>& mesh = list.meshes[list.items[i].mesh];
+    if (mesh->topology != Topology::triangles || mesh->indices.size() < 3) continue;
+    wanted.insert(mesh.get());
+    std::unique_ptr<RayMesh>& made = meshes_[mesh.get()];
+    if (made == nullptr) {
+      made = make_mesh_(mesh);
+      ++counters.meshes_built;
+      counters.triangles_built += made->triangles();
+    }
+    if (made->radius() > 0) items_.push_back({.item = i, .mesh = made.get()});
+  }
+  std::erase_if(meshes_, [&](const auto& entry) { return !wanted.contains(entry.first); });
+  list_items_ = list.items;
+  list_meshes_ = list.meshes;
+  made_ = true;
+  return true;
+}
+
+void RayItems::place(const DrawList& list, bool everything) {
+  moved_.clear();
+  for (std::uint32_t i = 0; i < items_.size(); ++i) {
+    PlacedItem& item = items_[i];
+    const glm::dmat4& world_from_mesh = list.world_from_node[list.items[item.item].transform];
+    if (!everything && world_from_mesh == item.world_from_mesh) continue;
+    item.world_from_mesh = world_from_mesh;
+    const glm::dmat3 linear(world_from_mesh);
+    const glm::dvec3 half = item.mesh->radius() * item.mesh->half_size();
+    const glm::dvec3 centre = glm::dvec3(world_from_mesh[3]) - origin_ + linear * item.mesh->centre();
+    const glm::dvec3 reach = glm::abs(linear[0]) * half.x + glm::abs(linear[1]) * half.y + glm::abs(linear[2]) * half.z;
+    const double farthest = glm::length(glm::abs(centre) + reach);
+    item.box = padded_box(centre - reach, centre + reach, kPadding * (farthest + kReach_m));
+    ++counters.items_placed;
+    moved_.push_back(i);
+  }
+}
+
+SeenItem see(const PlacedItem& item, const glm::dmat4& world_from_sensor) {
+  const glm::dvec3 place(item.world_from_mesh[3]), sensor(world_from_sensor[3]);
+  SeenItem seen;
+  seen.placement = place_mesh(item.world_from_mesh, world_from_sensor);
+  const double radius = item.mesh->radius(), stretch = frobenius(seen.placement.linear);
+  const double reach_m = stretch * (glm::length(item.mesh->centre()) + radius);
+  const double distance_m = glm::length(seen.placement.offset);
+  seen.corner_error_m = kUnit * (kPlacingRoundings * (reach_m + distance_m) +
+                                 kWorldRoundings * (glm::length(place) + glm::length(sensor)));
+  seen.centre = seen.placement.linear * item.mesh->centre() + seen.placement.offset;
+  const glm::dmat3 inverse = glm::inverse(seen.placement.linear);
+  seen.unit_from_sensor = inverse / radius;
+  seen.units_per_m = frobenius(seen.unit_from_sensor) / std::sqrt(3.0);
+  seen.one_by_one =
+      item.mesh->triangles() <= RayMesh::kFew || is_thin(seen.placement.linear, inverse, radius, reach_m + distance_m);
+  return seen;
+}
+
+bool enter_mesh(const SeenItem& item, const RayMesh& mesh, const glm::dvec3& direction, double end_m, UnitRay& ray) {
+  const double middle_m = glm::dot(item.centre, direction);
+  const glm::dvec3 middle = item.unit_from_sensor * (middle_m * direction - item.centre);
+  const glm::dvec3 way = item.unit_from_sensor * direction;
+  double first = -middle_m, last = end_m - middle_m;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double half = mesh.half_size()[axis] + 2 * kPadding;
+    if (way[axis] == 0) {
+      if (std::abs(middle[axis]) > half) return false;
+      continue;
+    }
+    const double per_way = 1 / way[axis];
+    const double s = (-half - middle[axis]) * per_way, t = (half - middle[axis]) * per_way;
+    first = std::max(first, std::min(s, t));
+    last = std::min(last, std::max(s, t));
+  }
+  if (!(first * item.units_per_m <= last * item.units_per_m + kPadding)) return false;
+  ray = {.from = middle + first * way, .way = way / item.units_per_m, .start_m = middle_m + first};
+  return true;
+}
+
+}  // namespace simvis

@@ -1,0 +1,195 @@
+// Surfaces that beams meet at the flattest angles.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <functional>
+#include <limits>
+#include <numbers>
+
+#include "scenegraph/pose.h"
+#include "tests/hard_cases/hard_case.h"
+#include "tests/hard_cases/shapes.h"
+
+using namespace simvis;
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kPi = std::numbers::pi;
+constexpr double kCoarse_px = 512;  // what other simulators commonly take
+
+#ifdef __SANITIZE_ADDRESS__
+constexpr std::uint32_t kBeams = 101;
+#else
+constexpr std::uint32_t kBeams = 1001;
+#endif
+
+glm::dmat4 pose(const glm::dvec3& position_m, double roll_deg, double pitch_deg, double yaw_deg) {
+  return matrix_from_degrees(position_m, roll_deg, pitch_deg, yaw_deg);
+}
+
+void measure_with_coarse(const HardCase& hard) {
+  measure(hard);
+  measure_raster(hard, kCoarse_px);
+}
+
+}  // namespace
+
+TEST_CASE("the floor from 0.1 m above, out to 100 m") {
+  constexpr double kHeight_m = 0.1, kNearest_m = 0.5, kFarthest_m = 100;
+  HardCase hard =
+      patch_case("floor 0.1 m below, 0.5 to 100 m away, 64 rings", {ground(200)}, pose({0, 0, kHeight_m}, 0, 0, 0));
+  hard.scanner.pattern = {.samples = 31,
+                          .rings = 64,
+                          .min_azimuth_rad = -0.5,
+                          .max_azimuth_rad = 0.5,
+                          .min_elevation_rad = -std::asin(kHeight_m / kNearest_m),
+                          .max_elevation_rad = -std::asin(kHeight_m / kFarthest_m)};
+  hard.scanner.range_max_m = 200;
+  hard.truth = [](const glm::dvec3& d) { return d.z < 0 ? -kHeight_m / d.z : kInfinity; };
+  measure_with_coarse(hard);
+}
+
+TEST_CASE("the floor from straight below out to 100 m, by one ring") {
+  constexpr double kHeight_m = 0.1, kFarthest_m = 100;
+  SUBCASE("that stands upright") {
+    HardCase hard = patch_case("floor 0.1 m below, 0.1 to 100 m away, upright ring", {ground(200)},
+                               pose({0, 0, kHeight_m}, 90, 0, 0));
+    hard.scanner.pattern = {
+        .samples = kBeams, .min_azimuth_rad = -kPi / 2, .max_azimuth_rad = -std::asin(kHeight_m / kFarthest_m)};
+    hard.scanner.range_max_m = 200;
+    measure_with_coarse(hard);
+  }
+  SUBCASE("that is pitched down: ahead the floor is 5 m away") {
+    constexpr double kAhead_m = 5;
+    const double sine = kHeight_m / kAhead_m, side = std::acos(kAhead_m / kFarthest_m);
+    HardCase hard = patch_case("floor 0.1 m below, 5 to 100 m away, ring pitched by 1.15 degrees", {ground(200)},
+                               pose({0, 0, kHeight_m}, 0, std::asin(sine) * 180 / kPi, 0));
+    hard.scanner.pattern = {.samples = kBeams, .min_azimuth_rad = -side, .max_azimuth_rad = side};
+    hard.scanner.range_max_m = 200;
+    measure_with_coarse(hard);
+  }
+}
+
+TEST_CASE("a wall beside the scanner, parallel to its first beam") {
+  constexpr double kDistance_m = 1, kFarthest_m = 30;
+  const Patch wall{{-8, 1, -2}, {64, 0, 0}, {0, 0, 4}};
+  SUBCASE("one ring") {
+    HardCase hard = patch_case("wall 1 m to the side, 1 to 30 m away", {wall});
+    hard.scanner.pattern = {
+        .samples = kBeams, .min_azimuth_rad = std::asin(kDistance_m / kFarthest_m), .max_azimuth_rad = kPi / 2};
+    hard.truth = [](const glm::dvec3& d) { return kDistance_m / d.y; };
+    measure_with_coarse(hard);
+  }
+  SUBCASE("16 rings") {
+    HardCase hard = patch_case("wall 1 m to the side, 1 to 30 m away, 16 rings", {wall});
+    hard.scanner.pattern = {.samples = kBeams / 10,
+                            .rings = 16,
+                            .min_azimuth_rad = std::asin(kDistance_m / kFarthest_m),
+                            .max_azimuth_rad = kPi / 2,
+                            .min_elevation_rad = -0.05,
+                            .max_elevation_rad = 0.05};
+    hard.truth = [](const glm::dvec3& d) { return kDistance_m / d.y; };
+    measure_with_coarse(hard);
+  }
+}
+
+TEST_CASE("a corridor 2 m wide and 60 m long, the scanner turned in it") {
+  // Corners at +-1 m, -4 m and 56 m, floor at -0.5 m, ceiling at 2 m.
+  const std::vector<Patch> corridor{
+      {{-4, 1, -0.5f}, {60, 0, 0}, {0, 0, 2.5f}}, {{-4, -1, -0.5f}, {60, 0, 0}, {0, 0, 2.5f}},
+      {{56, -1, -0.5f}, {0, 2, 0}, {0, 0, 2.5f}}, {{-4, -1, -0.5f}, {0, 2, 0}, {0, 0, 2.5f}},
+      {{-4, -1, -0.5f}, {60, 0, 0}, {0, 2, 0}},   {{-4, -1, 2}, {60, 0, 0}, {0, 2, 0}}};
+  HardCase hard = patch_case("corridor 2 m wide, 60 m long", corridor, pose({0, 0.25, 0}, 0, 0, 7));
+  hard.scanner.pattern = {.samples = kBeams, .min_azimuth_rad = -kPi, .max_azimuth_rad = kPi};
+  measure_with_coarse(hard);
+}
+
+TEST_CASE("incidences of 89.9, 89.99 and 89.999 degrees") {
+  // A wall along x, so close beside the scanner that the hits lie some ten metres away. Its vanishing line lies as far
+  // from the beams as their angle to the wall: 3.6, 0.36 and 0.036 pixels of 4096 across 90 degrees.
+  struct Grazing {
+    double angle_deg;  // between beam and wall
+    float beside_m;
+    const char* name;
+  };
+  constexpr Grazing kCases[] = {{0.1, 0x1p-6f, "incidence around 89.9 degrees, 9 m away"},
+                                {0.01, 0x1p-9f, "incidence around 89.99 degrees, 11 m away"},
+                                {0.001, 0x1p-12f, "incidence around 89.999 degrees, 14 m away"}};
+  for (const Grazing& grazing : kCases) {
+    // The scanner is turned, so that the wall does not run along its axes.
+    constexpr double kTurn_deg = 27;
+    HardCase hard = patch_case(grazing.name, {{{-4, grazing.beside_m, -4}, {68, 0, 0}, {0, 0, 8}}},
+                               pose({0, 0, 0}, 0, 0, -kTurn_deg));
+    const double angle = grazing.angle_deg * kPi / 180;
+    hard.scanner.pattern = {.samples = kBeams,
+                            .min_azimuth_rad = kTurn_deg * kPi / 180 + 0.8 * angle,
+                            .max_azimuth_rad = kTurn_deg * kPi / 180 + 1.25 * angle};
+    measure_with_coarse(hard);
+  }
+}
+
+namespace {
+
+constexpr double kGround_m = 1.5;  // height of the tilted scanners over the ground
+
+/// The largest height of a scan's points above or below the ground that they lie on, in metres. Each is checked: a
+/// point is off by no more than its range, whose error is at most its bound and this share of the range, times its
+/// beam's slope. So nothing lies deeper below the ground than that either.
+double farthest_from_ground(const glm::dmat4& world_from_sensor, const Scan& scan, double share_of_range) {
+  constexpr double kRounding_m = 1e-12;  // of this function's own numbers, some hundred metres in double
+  double farthest_m = 0;
+  for (std::size_t index = 0; index < scan.range_m.size(); ++index) {
+    const double range = scan.range_m[index];
+    const double a = scan.azimuth_rad[index % scan.columns], e = scan.elevation_rad[index / scan.columns];
+    const glm::dvec3 direction =
+        glm::dmat3(world_from_sensor) * glm::dvec3(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e));
+    if (!std::isfinite(range)) continue;
+    const double height_m = kGround_m + range * direction.z;
+    const double bound_m = std::min<double>(scan.error_bound_m[index], share_of_range * range);
+    CHECK(std::abs(height_m) <= bound_m * std::abs(direction.z) + kRounding_m);
+    farthest_m = std::max(farthest_m, std::abs(height_m));
+  }
+  return farthest_m;
+}
+
+std::string metres(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2g m", value);
+  return text;
+}
+
+}  // namespace
+
+TEST_CASE("tilted and rolled scanners over flat ground: a straight line stays straight, nothing goes below") {
+  const glm::dmat4 world_from_sensor = pose({100, -50, kGround_m}, 4, 3, 30);
+  HardCase ring = patch_case("tilted and rolled ring over flat ground", {ground(512)}, world_from_sensor);
+  ring.scanner.pattern = {.samples = kBeams, .min_azimuth_rad = -kPi / 2, .max_azimuth_rad = kPi / 2};
+  HardCase lidar = ring;
+  lidar.name = "tilted and rolled lidar over flat ground";
+  lidar.scanner.pattern = {.samples = kBeams / 5,
+                           .rings = 16,
+                           .min_azimuth_rad = -kPi,
+                           .max_azimuth_rad = kPi,
+                           .min_elevation_rad = -0.26,
+                           .max_elevation_rad = 0.26};
+  for (HardCase& hard : {std::ref(ring), std::ref(lidar)}) {
+    const HardResults results = measure(hard);
+    // All points of a ring lie in its scan plane, whatever their ranges; so how far they are from the straight line
+    // that it cuts out of the ground is their height over the sine of the angle between the two.
+    const glm::dvec3 up = glm::dmat3(world_from_sensor)[2];
+    const double scale = hard.scanner.pattern.rings == 1 ? std::hypot(up.x, up.y) : 1;
+    const auto cell = [&](const Scan& scan, double share) {
+      return metres(farthest_from_ground(world_from_sensor, scan, share) / scale);
+    };
+    add_line(hard.scanner.pattern.rings == 1 ? "  its points' largest distance from a straight line"
+                                             : "  its points' largest height above or below the ground",
+             {cell(results.nearest.scan, kInfinity), cell(results.planar.scan, kInfinity),
+              cell(results.hybrid.scan, kHybridError), cell(results.raycast.scan, kCastError)});
+    hard.scanner.resolution_px = kCoarse_px;
+    add_line("  the same with 512 pixels across 90 degrees",
+             {cell(measure(hard, ScanMethod::nearest).scan, kInfinity),
+              cell(measure(hard, ScanMethod::planar).scan, kInfinity), "", ""});
+  }
+}

@@ -1,0 +1,78 @@
+// Hard cases: scenes computed from geometry, measured by every method, held against a closed form.
+//
+// Each case is one line of a table that the program prints when it ends: by method, the largest relative error, and how
+// many beams hit where they should miss or miss where they should hit. `nearest` is what other simulators do: it is
+// measured for that column, and nothing is asked of it but that its bound holds.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <glm/glm.hpp>
+#include <string>
+#include <vector>
+
+#include "engine/draw_list.h"
+#include "sensors/laser_scanner.h"
+
+namespace simvis {
+
+/// What a beam of this direction (unit, sensor frame) meets: range along the ray in metres, +infinity for nothing.
+using ClosedForm = std::function<double(const glm::dvec3& direction)>;
+
+struct HardCase {
+  std::string name;  ///< for the table
+  DrawList world{};
+  LaserScannerDesc scanner{};  ///< the method is filled in
+  glm::dmat4 world_from_sensor{1.0};
+  ClosedForm truth{};
+  /// How far the closed form itself may be off, relative to the range: rounding of the scene to float32, say. 0: it is
+  /// exact to the rounding of double.
+  double truth_error_rel = 0;
+  /// Surfaces narrower than three pixels are in the scene: the bounds of `nearest` and `planar` do not speak of them.
+  bool narrow = false;
+};
+
+/// One method's part of a line of the table.
+struct HardResult {
+  Scan scan;
+  double worst_error_rel = 0;  ///< of beams where reading and truth are both ranges
+  std::size_t wrong_kind = 0;  ///< hits for misses, misses for hits
+  std::size_t uncertain = 0;   ///< infinite bound
+  std::size_t violations = 0;  ///< the truth lies outside the bound
+  std::size_t cast = 0;        ///< beams that were cast
+};
+
+struct HardResults {
+  HardResult nearest, planar, hybrid, raycast;
+};
+
+/// `hybrid` is measured with this max_error_rel: with its default it would render nothing and be `raycast`.
+inline constexpr double kHybridError = 1e-4;
+/// What is asked of every range that was cast: the greatest relative error.
+inline constexpr double kCastError = 1e-6;
+
+/// Measures the case by every method, adds its line to the table, and checks what every case has to keep:
+///   - the truth lies within the bound, for every method (for raster methods not where `narrow`);
+///   - raycast: every range within kCastError of the truth, no hit for a miss, no miss for a hit, no infinite bound;
+///   - hybrid: every range within kHybridError, and where not `narrow` no wrong hit or miss.
+/// Both allow truth_error_rel besides. The results are for what a case checks beyond that.
+HardResults measure(const HardCase& hard);
+
+/// Several scans in one line: the worst error of all and the sum of wrong hits and misses; each is checked as above.
+std::vector<HardResults> measure_together(const std::string& name, const std::vector<HardCase>& parts);
+
+/// One scan of the case by one method, without checks.
+HardResult measure(const HardCase& hard, ScanMethod method);
+
+/// The raster methods of the case at this many pixels across 90 degrees: a line below the case's own. Other simulators
+/// commonly take 256 or 512. Checks that the truth lies within the bounds (not where `narrow`).
+void measure_raster(const HardCase& hard, double resolution_px);
+
+/// Adds a line of another measure than the relative error, which the name has to say: cells for nearest, planar,
+/// hybrid and raycast.
+void add_line(const std::string& name, const std::array<std::string, 4>& cells);
+
+/// Adds a line that is no scan, such as "10,000,000 beams inside closed meshes" with its outcome.
+void add_line(const std::string& name, const std::string& outcome);
+
+}  // namespace simvis
