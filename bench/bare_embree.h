@@ -31,9 +31,10 @@ class BareEmbree {
   EmbreeScene scene_;
 };
 
-/// What a laser passes everywhere: it is left out of the flat mesh.
+/// What a laser passes everywhere, textures and vertex colours aside: it is left out of the flat mesh.
 inline bool lets_pass(const Material& material) {
-  return material.alpha_mode == AlphaMode::blend && material.base_color.a * material.opacity < kLeastMetAlpha;
+  const float alpha = material.alpha_mode == AlphaMode::blend ? material.base_color.a : 1;
+  return material.opacity * alpha < kLeastMetAlpha;
 }
 
 inline std::vector<glm::vec3> flat_corners(const DrawList& list, const glm::dmat4& frame_from_world) {

@@ -45,7 +45,7 @@ The columns of `accuracy.csv`:
 
 
 def number(value):
-    """An error or a ratio, with as many figures as it deserves."""
+    """An error, a ratio or a time, with as many figures as it deserves."""
     if math.isinf(value):
         return "wrong hits"
     if value < 0.1:
@@ -80,7 +80,7 @@ def cells(rows):
     nearest = [row for row in rows if row["method"] == "nearest"]
     embree = next(row for row in rows if row["method"] == "embree_16")
     base_ms = min(float(row["median_ms"]) for row in rows if not is_peer(row))
-    result = [rows[0]["scene"], rows[0]["scanner"], f"{base_ms:.3g} ms"]
+    result = [rows[0]["scene"], rows[0]["scanner"], f"{number(base_ms)} ms"]
     result += [f"{row['resolution_px']} px: {ratio(row)}, {error(row)}"
                for row in (nearest[0], nearest[-1])]
     for tolerance in TOLERANCES:
