@@ -5,8 +5,6 @@
 //
 // Prints CSV. Every method is timed in every frame, so that whatever else the machine does hits them alike: look at the
 // ratios. A set is a whole frame of three scanners: parameters, flattening, rendering or casting, results in memory.
-#include <embree3/rtcore.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -16,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/bare_embree.h"
 #include "engine/device.h"
 #include "engine/ray_caster.h"
 #include "scenegraph/pose.h"
@@ -34,7 +33,6 @@ constexpr Method kMethods[] = {{"nearest", ""},    {"planar", ""},     {"hybrid"
                                {"hybrid", "1e-4"}, {"hybrid", "1e-6"}, {"raycast", ""}};
 constexpr std::size_t kMethodCount = std::size(kMethods);
 constexpr int kWarmUp = 20;
-constexpr unsigned kPacket = 16;
 
 double median(std::vector<double> values) {
   std::ranges::nth_element(values, values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2));
@@ -86,72 +84,6 @@ void time_sets(const std::filesystem::path& scene, int frames) {
   }
 }
 
-/// All triangles of a list as one mesh of float32 in the frame of a sensor.
-RTCScene flat_scene(RTCDevice device, const DrawList& list, const glm::dmat4& sensor_from_world) {
-  std::vector<glm::vec3> corners;
-  for (const DrawItem& item : list.items) {
-    const Mesh& mesh = *list.meshes[item.mesh];
-    if (mesh.topology != Topology::triangles) continue;
-    const glm::dmat4 placed = sensor_from_world * list.world_from_node[item.transform];
-    for (const std::uint32_t index : mesh.indices) corners.emplace_back(placed * glm::dvec4(mesh.positions[index], 1));
-  }
-  const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  void* const positions = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                                  sizeof(glm::vec3), corners.size());
-  std::copy(corners.begin(), corners.end(), static_cast<glm::vec3*>(positions));
-  auto* const indices = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
-      geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), corners.size() / 3));
-  for (std::uint32_t i = 0; i < corners.size(); ++i) indices[i] = i;
-  rtcCommitGeometry(geometry);
-  const RTCScene scene = rtcNewScene(device);
-  rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
-  rtcAttachGeometry(scene, geometry);
-  rtcReleaseGeometry(geometry);
-  rtcCommitScene(scene);
-  return scene;
-}
-
-void cast_singly(RTCScene scene, const std::vector<glm::dvec3>& directions, std::vector<float>& ranges_m) {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  for (std::size_t i = 0; i < directions.size(); ++i) {
-    const glm::vec3 d(directions[i]);
-    RTCRayHit ray{};
-    ray.ray.dir_x = d.x;
-    ray.ray.dir_y = d.y;
-    ray.ray.dir_z = d.z;
-    ray.ray.tfar = INFINITY;
-    ray.ray.mask = ~0u;
-    ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(scene, &context, &ray);
-    ranges_m[i] = ray.ray.tfar;
-  }
-}
-
-void cast_in_packets(RTCScene scene, const std::vector<glm::dvec3>& directions, std::vector<float>& ranges_m) {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  for (std::size_t first = 0; first < directions.size(); first += kPacket) {
-    alignas(64) int valid[kPacket] = {};
-    RTCRayHit16 rays{};
-    for (std::size_t lane = 0; lane < kPacket && first + lane < directions.size(); ++lane) {
-      const glm::vec3 d(directions[first + lane]);
-      rays.ray.dir_x[lane] = d.x;
-      rays.ray.dir_y[lane] = d.y;
-      rays.ray.dir_z[lane] = d.z;
-      rays.ray.tfar[lane] = INFINITY;
-      rays.ray.mask[lane] = ~0u;
-      rays.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
-      valid[lane] = -1;
-    }
-    rtcIntersect16(valid, scene, &context, &rays);
-    for (std::size_t lane = 0; lane < kPacket && first + lane < directions.size(); ++lane) {
-      ranges_m[first + lane] = rays.ray.tfar[lane];
-    }
-  }
-}
-
 std::vector<glm::dvec3> directions_of(int samples, double half_width_rad, int rings, double half_height_rad) {
   std::vector<glm::dvec3> directions;
   for (int ring = 0; ring < rings; ++ring) {
@@ -185,18 +117,18 @@ void time_rays(const char* name, Simulation& simulation, const std::vector<glm::
   const std::unique_ptr<RayCaster> shader = make_device_ray_caster(vulkan);
   shader->set_world(simulation.draw_list());
   std::vector<RayHit> shader_hits(directions.size());
-  const RTCDevice device = rtcNewDevice(nullptr);
-  const RTCScene flat = flat_scene(device, simulation.draw_list(), rigid_inverse(world_from_sensor));
+  const bench::BareEmbree embree(simulation.draw_list(), rigid_inverse(world_from_sensor));
+  const std::vector<glm::vec3> single(directions.begin(), directions.end());
   std::vector<double> times_ms[4];
   for (int r = 0; r < repetitions; ++r) {
     auto start = Clock::now();
     caster->cast(world_from_sensor, directions, hits);
     times_ms[0].push_back(since(start));
     start = Clock::now();
-    cast_singly(flat, directions, single_m);
+    embree.cast_singly(single, single_m);
     times_ms[1].push_back(since(start));
     start = Clock::now();
-    cast_in_packets(flat, directions, packets_m);
+    embree.cast_in_packets(single, packets_m);
     times_ms[2].push_back(since(start));
     start = Clock::now();
     shader->cast(world_from_sensor, directions, shader_hits);
@@ -211,8 +143,6 @@ void time_rays(const char* name, Simulation& simulation, const std::vector<glm::
   print("caster by compute shader", median(times_ms[3]), shader_hits == hits ? 0 : INFINITY);
   print("embree 1", median(times_ms[1]), worst_error(single_m, hits));
   print("embree 16", packets_ms, worst_error(packets_m, hits));
-  rtcReleaseScene(flat);
-  rtcReleaseDevice(device);
 }
 
 }  // namespace
