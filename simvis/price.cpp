@@ -174,7 +174,7 @@ class Pricing {
     const std::vector<SensorInfo> sensors = simulation_.sensors();
     const auto sensor = std::ranges::find(sensors, name, &SensorInfo::name);
     SIMVIS_ASSERT(sensor != sensors.end());
-    return sensor->cast_share.value_or(0);
+    return sensor->number("cast_share").value_or(0);
   }
 
   static void sum_up(const Tally& tally, bool compared, VariantPrice& price) {

@@ -91,7 +91,7 @@ std::string attributes_of(const ScanVariant& variant) {
 }
 
 Command with_variant(Command scanner, const ScanVariant& variant, const std::string& name) {
-  const auto set_here = {"name", "rate", "method", "resolution", "max_error_rel"};
+  const auto set_here = {"name", "rate", "method", "resolution", "max_error_m", "max_error_rel"};
   std::erase_if(scanner.attributes, [&](const CommandAttribute& attribute) {
     return std::ranges::find(set_here, attribute.name) != set_here.end();
   });
