@@ -88,20 +88,19 @@ class Surroundings {
   Surroundings(const DrawList& list, RayCaster& caster, const glm::dmat4& world_from_sensor, const ScanLayout& layout)
       : list_(list), caster_(caster), world_from_sensor_(world_from_sensor), layout_(layout) {}
 
-  /// Whether no square of three by three pixels around or beside the beam shows one plane only; of a layout of one
-  /// ring, three pixels along it by one down, and a hair up.
+  /// Whether no square of three by three pixels around or beside the beam shows one plane only.
   bool is_narrow(const BeamTap& tap) const {
     constexpr int kSteps = 4, kSide = 3 * kSteps;  // to a pixel, and of the square
-    constexpr double kSamePlane = 1e-9, kHair = 1.0 / 16;
-    const int top = layout_.planar ? -1 : -kSide, bottom = layout_.planar ? kSteps : kSide;
+    constexpr double kSamePlane = 1e-9;
     constexpr int kWidth = 2 * kSide + 1;
     std::vector<glm::dvec3> directions;
-    for (int y = top; y <= bottom; ++y) {
-      const double dy = layout_.planar && y < 0 ? -kHair : static_cast<double>(y) / kSteps;
-      for (int x = -kSide; x <= kSide; ++x) directions.push_back(beside(tap, static_cast<double>(x) / kSteps, dy));
+    for (int y = -kSide; y <= kSide; ++y) {
+      for (int x = -kSide; x <= kSide; ++x) {
+        directions.push_back(beside(tap, static_cast<double>(x) / kSteps, static_cast<double>(y) / kSteps));
+      }
     }
     const std::vector<RayHit> hits = cast(directions);
-    const std::size_t centre = static_cast<std::size_t>(-top * kWidth + kSide);
+    constexpr std::size_t centre = std::size_t{kSide} * kWidth + kSide;
     const bool nothing = !std::isfinite(hits[centre].range_m);  // a gap is as wide as a surface must be
     std::vector<char> on_plane;
     for (std::size_t i = 0; i < hits.size(); ++i) {
@@ -112,11 +111,10 @@ class Surroundings {
       const double expected = range_of_plane(corners_of(hits[centre]), directions[i]);
       on_plane.push_back(std::abs(hits[i].range_m - expected) <= kSamePlane * std::abs(expected));
     }
-    const int high = layout_.planar ? bottom - top : kSide;
-    for (int y = top; y + high <= bottom; ++y) {
+    for (int y = -kSide; y <= 0; ++y) {
       for (int x = -kSide; x <= 0; ++x) {
         bool whole = true;
-        for (int v = y - top; v <= y - top + high && whole; ++v) {
+        for (int v = y + kSide; v <= y + 2 * kSide && whole; ++v) {
           for (int u = x + kSide; u <= x + 2 * kSide && whole; ++u) whole = on_plane[v * kWidth + u] != 0;
         }
         if (whole) return false;
@@ -128,7 +126,7 @@ class Surroundings {
   /// Whether one of the pixels around shows a needle.
   bool is_at_needle(const BeamTap& tap) const {
     std::vector<glm::dvec3> directions;
-    for (int y = layout_.planar ? 0 : -kPixelsBefore; y <= (layout_.planar ? 1 : kPixelsAfter); ++y) {
+    for (int y = -kPixelsBefore; y <= kPixelsAfter; ++y) {
       for (int x = -kPixelsBefore; x <= kPixelsAfter; ++x) {
         directions.push_back(beside(tap, x - tap.fraction_x, y - tap.fraction_y));
       }
@@ -171,15 +169,16 @@ class Surroundings {
     View view;
     view.width_px = face.width_px;
     view.height_px = face.height_px;
-    const double width = face.width_px, height = face.height_px, guard = guard_rows(view), f = face.pinhole.fx_px;
+    const double width = face.width_px, height = face.height_px, guard = guard_rows(view);
+    const glm::dvec2 f(face.pinhole.fx_px, face.pinhole.fy_px);
     std::vector<glm::dvec3> polygon;
     for (const glm::dvec3& corner : triangle) polygon.push_back(face.face_from_sensor * corner);
     const glm::dvec3 normal = glm::cross(polygon[1] - polygon[0], polygon[2] - polygon[0]);
     const glm::dvec3 m = normal / glm::dot(normal, polygon[0]);
-    const glm::dvec3 planes[] = {{f, 0, face.pinhole.cx_px},
-                                 {-f, 0, width - face.pinhole.cx_px},
-                                 {0, f, face.pinhole.cy_px + guard},
-                                 {0, -f, height + guard - face.pinhole.cy_px}};
+    const glm::dvec3 planes[] = {{f.x, 0, face.pinhole.cx_px},
+                                 {-f.x, 0, width - face.pinhole.cx_px},
+                                 {0, f.y, face.pinhole.cy_px + guard},
+                                 {0, -f.y, height + guard - face.pinhole.cy_px}};
     for (const glm::dvec3& plane : planes) {
       std::vector<glm::dvec3> kept;
       for (std::size_t i = 0; i < polygon.size(); ++i) {
@@ -197,7 +196,7 @@ class Surroundings {
       const glm::dvec2 box = glm::max(p, glm::max(q, r)) - glm::min(p, glm::min(q, r));
       const double area = std::abs((q.x - p.x) * (r.y - p.y) - (r.x - p.x) * (q.y - p.y));
       const double difference = std::max({1 / a.z, 1 / b.z, 1 / c.z}) - std::min({1 / a.z, 1 / b.z, 1 / c.z});
-      const double allowed = (std::abs(m.x) * width + std::abs(m.y) * (height + 2 * guard)) / f;
+      const double allowed = std::abs(m.x) * width / f.x + std::abs(m.y) * (height + 2 * guard) / f.y;
       if (box.x * box.y * difference > area * allowed) return true;
     }
     return false;
@@ -300,9 +299,11 @@ std::size_t scan_all(const RandomWorld& world, std::mt19937& random, Renderer& r
     scanner.plan(pose, world.list, plan);
     scanner.collect({}, plan, renderer.render(world.list, plan));
     scanner.cast(caster);
-    const Surroundings surroundings(world.list, caster, pose, scanner.layout());
+    const bool renders = !plan.passes.empty();
+    const ScanLayout layout = renders ? lay_out(desc.pattern, desc.resolution_px) : ScanLayout{};
+    const Surroundings surroundings(world.list, caster, pose, layout);
     const std::uint64_t before = tallies[m].violations;
-    compare(*scanner.scan(), truth[desc.method == ScanMethod::raycast], scanner.layout(), surroundings, tallies[m]);
+    compare(*scanner.scan(), truth[desc.method == ScanMethod::raycast], layout, surroundings, tallies[m]);
     if (tallies[m].violations > before) {
       std::fprintf(stderr, "^ %s %s, %.0f px\n", kMethods[m].name, kMethods[m].max_error_rel, setting.resolution_px);
     }

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <span>
 
 namespace simvis {
 
@@ -79,10 +78,9 @@ Line judge(const std::array<double, 4>& differences, double noise, double believ
 
 class Cell {
  public:
-  Cell(const FacePixels& pixels, const BeamTap& tap, bool planar_layout, const VertexRounding& rounding)
+  Cell(const FacePixels& pixels, const BeamTap& tap, const VertexRounding& rounding)
       : pixels_(pixels),
         tap_(tap),
-        planar_(planar_layout),
         rounding_(pixels.reach),
         origin_(pixels.depth + std::size_t{tap.y} * pixels.stride_px + tap.x) {
     for (const double w : {at(0, 0), at(1, 0), at(0, 1), at(1, 1)}) {
@@ -95,8 +93,8 @@ class Cell {
     row_x_ = std::sqrt(1 + hx * hx);
     row_y_ = std::sqrt(1 + hy * hy);
     const double edge = displacement_of_edges(rounding);
-    place_x_ = place(tap.fraction_x, row_x_, pixels.reach.x_px, edge);
-    if (!planar_) place_y_ = place(tap.fraction_y, row_y_, pixels.reach.y_px, edge);
+    place_x_ = place(tap.fraction_x, pixels.focal_x_px, row_x_, pixels.reach.x_px, edge);
+    place_y_ = place(tap.fraction_y, pixels.focal_y_px, row_y_, pixels.reach.y_px, edge);
   }
 
   double at(int x, int y) const {
@@ -108,7 +106,7 @@ class Cell {
 
   // Nothing is seen at the beam, nor just beyond a pixel's centre that it may lie on either side of.
   bool empty() const {
-    for (int y = place_y_.below ? -1 : 0; y <= (planar_ ? 0 : place_y_.above ? 2 : 1); ++y) {
+    for (int y = place_y_.below ? -1 : 0; y <= (place_y_.above ? 2 : 1); ++y) {
       for (int x = place_x_.below ? -1 : 0; x <= (place_x_.above ? 2 : 1); ++x) {
         if (at(x, y) > 0) return false;
       }
@@ -125,7 +123,7 @@ class Cell {
   // How far the pixels around differ from w at the most.
   double relief(double w) const {
     double relief = 0;
-    for (int y = planar_ ? 0 : -kPixelsBefore; y <= (planar_ ? 0 : kPixelsAfter); ++y) {
+    for (int y = -kPixelsBefore; y <= kPixelsAfter; ++y) {
       for (int x = -kPixelsBefore; x <= kPixelsAfter; ++x) relief = std::max(relief, std::abs(at(x, y) - w));
     }
     return relief;
@@ -138,17 +136,17 @@ class Cell {
 
   // The error of each pixel on a plane with these gradients that has w in the cell.
   double noise(double w, double gx, double gy, double displacement_m) const {
-    const double ax = std::abs(gx), ay = std::abs(gy), f = pixels_.focal_px;
+    const double ax = std::abs(gx), ay = std::abs(gy), fx = pixels_.focal_x_px, fy = pixels_.focal_y_px;
     const double farthest = w + 3 * (ax + ay);  // of the pixels around
     const double to_middle_x = pixels_.middle_tangent_x - tap_.tangent_x;
     const double to_middle_y = pixels_.middle_tangent_y - tap_.tangent_y;
-    const double middle = std::abs(w + f * (gx * to_middle_x + gy * to_middle_y));
-    const double vertices = farthest * displacement_m * (f * (ax * row_x_ + ay * row_y_) + middle);
+    const double middle = std::abs(w + fx * gx * to_middle_x + fy * gy * to_middle_y);
+    const double vertices = farthest * displacement_m * (fx * ax * row_x_ + fy * ay * row_y_ + middle);
     const double set_up = rounding_.per_gx * ax + rounding_.per_gy * ay + rounding_.per_w * farthest;
     // The gradients are off by 2 n each: the noise that they give is off by so many times n.
-    const double feedback =
-        2 * (farthest * displacement_m * f * (row_x_ + row_y_ + std::abs(to_middle_x) + std::abs(to_middle_y)) +
-             rounding_.per_gx + rounding_.per_gy);
+    const double feedback = 2 * (farthest * displacement_m *
+                                     (fx * (row_x_ + std::abs(to_middle_x)) + fy * (row_y_ + std::abs(to_middle_y))) +
+                                 rounding_.per_gx + rounding_.per_gy);
     return feedback < 1 ? (vertices + set_up) / (1 - feedback) : kInfinity;
   }
 
@@ -161,16 +159,9 @@ class Cell {
     Plane plane{static_cast<double>(x), static_cast<double>(y), at(x, y)};
     plane.gx = sx * (at(x + sx, y) - at(x, y));
     const double bend_x = std::abs(second_difference_x(x + sx, y));
-    double bend_y = 0, twist = 0;
-    if (planar_) {
-      // Row 1 only tells the slant; it is believed where the neighbour outward tells the same.
-      plane.gy = at(x, 1) - at(x, 0);
-      twist = std::abs(at(x + sx, 1) - at(x + sx, 0) - plane.gy);
-    } else {
-      plane.gy = sy * (at(x, y + sy) - at(x, y));
-      bend_y = std::abs(second_difference_y(x, y + sy));
-      twist = std::abs(at(x + sx, y + sy) - at(x + sx, y) - at(x, y + sy) + at(x, y));
-    }
+    plane.gy = sy * (at(x, y + sy) - at(x, y));
+    const double bend_y = std::abs(second_difference_y(x, y + sy));
+    const double twist = std::abs(at(x + sx, y + sy) - at(x + sx, y) - at(x, y + sy) + at(x, y));
     plane.noise = noise(plane.w0, plane.gx, plane.gy);
     plane.flat = at(x + sx, y) > 0 &&
                  std::max({bend_x, bend_y, twist}) <= kBelieved * believed_noise(plane.w0, plane.gx, plane.gy);
@@ -184,14 +175,14 @@ class Cell {
     const double twist = std::abs(at(1, 1) - at(1, 0) - at(0, 1) + at(0, 0));
     bool flat = twist <= kBelieved * believed && !lost();
     double doubt_x = 0, doubt_y = 0;
-    for (int y = 0; y <= (planar_ ? 0 : 1) && flat; ++y) {
+    for (int y = 0; y <= 1 && flat; ++y) {
       const Line line = judge(
           {second_difference_x(-1, y), second_difference_x(0, y), second_difference_x(1, y), second_difference_x(2, y)},
           n, believed, place_x_);
       flat = line.straight;
       doubt_x = std::max(doubt_x, line.doubt);
     }
-    for (int x = 0; x <= 1 && !planar_ && flat; ++x) {
+    for (int x = 0; x <= 1 && flat; ++x) {
       const Line line = judge(
           {second_difference_y(x, -1), second_difference_y(x, 0), second_difference_y(x, 1), second_difference_y(x, 2)},
           n, believed, place_y_);
@@ -200,7 +191,6 @@ class Cell {
     }
     if (!flat) return {0, kInfinity};
     const double far_x = place_x_.distance();
-    if (planar_) return {interpolated(), (1 + 2 * far_x) * n + doubt_x};
     const double far_y = place_y_.distance();
     // Extended in both directions; inside the cell its fourth corner follows from the other three and the twist.
     const double extended =
@@ -221,14 +211,13 @@ class Cell {
 
   // Edges, as the rasteriser sees them, are off by what snaps and displaces their vertices: in clip x over w, of which
   // w is displaced as well, and no more than 1 from the middle.
-  Place place(double fraction, double row, double reach_px, double displacement) const {
-    const double off_px = pixels_.snap_px + pixels_.focal_px * displacement * (row + 1) + 2 * kFloatUnit * reach_px;
+  Place place(double fraction, double focal_px, double row, double reach_px, double displacement) const {
+    const double off_px = pixels_.snap_px + focal_px * displacement * (row + 1) + 2 * kFloatUnit * reach_px;
     return {fraction, fraction < off_px, 1 - fraction < off_px, off_px >= 1};
   }
 
   const FacePixels& pixels_;
   const BeamTap& tap_;
-  bool planar_;
   PlaneRounding rounding_;  // of the set-up
   const float* origin_;
   double most_displacement_m_ = 0, least_displacement_m_ = kInfinity;
@@ -243,7 +232,7 @@ RangeEstimate to_range(double w, double w_bound, const BeamTap& tap) {
 }
 
 // The envelope of the corners' planes if they form one continuous surface, upper or lower.
-RangeEstimate crease_or_step(const Cell& cell, const BeamTap& tap, std::span<const Plane> corners) {
+RangeEstimate crease_or_step(const Cell& cell, const BeamTap& tap, const std::array<Plane, 4>& corners) {
   const double fx = tap.fraction_x, fy = tap.fraction_y;
   bool flat = !cell.lost(), upper = true, lower = true;
   double highest = -kInfinity, lowest = kInfinity, noise = 0;
@@ -280,7 +269,8 @@ FacePixels face_pixels(const PassResult& result, const Pass& pass, const View& v
   return {.depth = result.depth.data() + std::size_t{view.y_px} * pass.width_px + view.x_px,
           .stride_px = pass.width_px,
           .near_m = view.near_m,
-          .focal_px = view.pinhole.fx_px,
+          .focal_x_px = view.pinhole.fx_px,
+          .focal_y_px = view.pinhole.fy_px,
           .reach = raster_reach(view, result.depth_snap_px),
           .middle_tangent_x = (width / 2 - view.pinhole.cx_px) / view.pinhole.fx_px,
           .middle_tangent_y = (height / 2 - view.pinhole.cy_px) / view.pinhole.fy_px,
@@ -291,22 +281,18 @@ FacePixels face_pixels(const PassResult& result, const Pass& pass, const View& v
 // less than w. Half a pixel from the surface's last one, twice the noise.
 double least_planar_bound() { return 2 * (9 + PlaneRounding::kValue) * kFloatUnit; }
 
-RangeEstimate planar_range(const FacePixels& pixels, const BeamTap& tap, bool planar_layout,
-                           const VertexRounding& rounding) {
-  const Cell cell(pixels, tap, planar_layout, rounding);
+RangeEstimate planar_range(const FacePixels& pixels, const BeamTap& tap, const VertexRounding& rounding) {
+  const Cell cell(pixels, tap, rounding);
   const std::array<double, 4> corners{cell.at(0, 0), cell.at(1, 0), cell.at(0, 1), cell.at(1, 1)};
-  const std::span<const double> seen(corners.data(), planar_layout ? 2 : 4);
   if (cell.empty()) return {kInfinity, 0};
 
-  if (std::ranges::all_of(seen, [](double w) { return w > 0; })) {
+  if (std::ranges::all_of(corners, [](double w) { return w > 0; })) {
     const auto [w, bound] = cell.single_plane();
     if (bound < kInfinity) return to_range(w, bound, tap);
   }
-  const std::array<Plane, 4> planes = planar_layout
-                                          ? std::array<Plane, 4>{cell.outward_plane(0, 0), cell.outward_plane(1, 0)}
-                                          : std::array<Plane, 4>{cell.outward_plane(0, 0), cell.outward_plane(1, 0),
-                                                                 cell.outward_plane(0, 1), cell.outward_plane(1, 1)};
-  return crease_or_step(cell, tap, {planes.data(), seen.size()});
+  return crease_or_step(cell, tap,
+                        std::array{cell.outward_plane(0, 0), cell.outward_plane(1, 0), cell.outward_plane(0, 1),
+                                   cell.outward_plane(1, 1)});
 }
 
 RangeEstimate nearest_range(const FacePixels& pixels, const BeamTap& tap, const ScanFace& face,

@@ -12,14 +12,14 @@
 // side, the bound is infinite.
 //
 // What the bound speaks of. Assumed of what a beam meets, a gap that lets it pass included, is:
-//   width    It is flat over three by three pixels around or beside the beam; where the layout has one ring, over three
-//            along it and one down. What is smaller may have left no trace in the pixels.
+//   width    It is flat over three by three pixels around or beside the beam. What is smaller may have left no trace in
+//            the pixels.
 //   needles  No triangle that the pixels around show is a needle in the picture: see plane_rounding.h. What float32
 //            makes of the slope of one is not bounded by anything that pixels show.
 // Edges need no assumption: vertices are snapped to a grid before pixels are found that a triangle covers, and may be
 // displaced (below), so that an edge may seem to lie beyond a pixel's centre. Beams as near to a centre as that are
 // taken to be on either side of it. (In two directions, the next column there is taken to be as straight as the cell's
-// own; and of one ring no edge runs along the ring within that distance.)
+// own.)
 // With that no pixels of other surfaces can mislead, in line by chance or not. The beam's own surface has at least one
 // of the two pixels beside it, and two more beyond. What the other pixel is off from its plane is a second difference,
 // which is in the bound; and where that is too large, three pixels that may be such a surface are not believed to be
@@ -53,7 +53,7 @@ struct FacePixels {
   const float* depth = nullptr;  ///< first pixel of the face; d = near_m / z, 0 = nothing
   std::uint32_t stride_px = 0;   ///< from one row to the next
   double near_m = 0;
-  double focal_px = 0;
+  double focal_x_px = 0, focal_y_px = 0;
   RasterReach reach;
   double middle_tangent_x = 0, middle_tangent_y = 0;  ///< where the viewport's middle lies in the face
   double snap_px = 0;                                 ///< see PassResult
@@ -69,8 +69,7 @@ struct RangeEstimate {
 };
 
 /// Linear in w on one surface; the envelope at a crease; the surface on the beam's side at a step.
-RangeEstimate planar_range(const FacePixels& pixels, const BeamTap& tap, bool planar_layout,
-                           const VertexRounding& rounding);
+RangeEstimate planar_range(const FacePixels& pixels, const BeamTap& tap, const VertexRounding& rounding);
 
 /// No bound that planar_range() gives a finite range is below this share of it.
 double least_planar_bound();

@@ -52,7 +52,7 @@ void RenderedScan::collect(const FramePlan& plan, std::span<const PassResult> re
 
 RangeEstimate RenderedScan::planar(std::size_t beam) const {
   const BeamTap& tap = layout_.taps[beam];
-  return planar_range(pixels_[tap.face], tap, layout_.planar, rounding_);
+  return planar_range(pixels_[tap.face], tap, rounding_);
 }
 
 RangeEstimate RenderedScan::nearest(std::size_t beam) const {

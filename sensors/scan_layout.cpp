@@ -97,17 +97,18 @@ std::vector<double> elevations(const ScanPattern& pattern) {
 
 ScanLayout lay_out(const ScanPattern& pattern, double resolution_px) {
   SIMVIS_ASSERT(pattern.samples >= 1 && pattern.rings >= 1 && resolution_px >= 1);
-  const double focal_px = resolution_px / 2;  // 90 degrees: tangents from -1 to 1
+  const bool level = pattern.rings == 1 && pattern.min_elevation_rad == 0;
+  const double focal_x_px = resolution_px / 2;  // 90 degrees: tangents from -1 to 1
+  const double focal_y_px = level ? kRowsPerPixel * focal_x_px : focal_x_px;
   const Faces faces(pattern);
   ScanLayout layout;
-  layout.planar = pattern.rings == 1 && pattern.min_elevation_rad == 0;
   layout.taps.reserve(std::size_t{pattern.samples} * pattern.rings);
   std::vector<Extent> extents(faces.count());
   std::vector<std::uint32_t> beams(faces.count());
   for (const double elevation : elevations(pattern)) {
     for (const double azimuth : azimuths(pattern)) {
       const BeamTap tap = faces.aim(azimuth, elevation);
-      extents[tap.face].add(focal_px * tap.tangent_x, focal_px * tap.tangent_y);
+      extents[tap.face].add(focal_x_px * tap.tangent_x, focal_y_px * tap.tangent_y);
       ++beams[tap.face];
       layout.taps.push_back(tap);
     }
@@ -119,20 +120,20 @@ ScanLayout lay_out(const ScanPattern& pattern, double resolution_px) {
     if (beams[f] == 0) continue;
     const Extent& e = extents[f];
     const glm::ivec2 first(static_cast<int>(std::floor(e.min_u)) - kPixelsBefore,
-                           layout.planar ? 0 : static_cast<int>(std::floor(e.min_v)) - kPixelsBefore);
+                           static_cast<int>(std::floor(e.min_v)) - kPixelsBefore);
     const glm::ivec2 last(static_cast<int>(std::floor(e.max_u)) + kPixelsAfter,
-                          layout.planar ? 1 : static_cast<int>(std::floor(e.max_v)) + kPixelsAfter);
+                          static_cast<int>(std::floor(e.max_v)) + kPixelsAfter);
     number[f] = static_cast<std::uint32_t>(layout.faces.size());
     origin.push_back(first);
     layout.faces.push_back({faces.face_from_sensor(f),
-                            {focal_px, focal_px, 0.5 - first.x, 0.5 - first.y},
+                            {focal_x_px, focal_y_px, 0.5 - first.x, 0.5 - first.y},
                             static_cast<std::uint32_t>(last.x - first.x + 1),
                             static_cast<std::uint32_t>(last.y - first.y + 1),
                             beams[f]});
   }
   for (BeamTap& tap : layout.taps) {
     tap.face = number[tap.face];
-    const double u = focal_px * tap.tangent_x, v = focal_px * tap.tangent_y;
+    const double u = focal_x_px * tap.tangent_x, v = focal_y_px * tap.tangent_y;
     tap.x = static_cast<std::uint32_t>(static_cast<int>(std::floor(u)) - origin[tap.face].x);
     tap.y = static_cast<std::uint32_t>(static_cast<int>(std::floor(v)) - origin[tap.face].y);
     tap.fraction_x = u - std::floor(u);

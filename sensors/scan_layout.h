@@ -26,7 +26,7 @@ std::vector<double> elevations(const ScanPattern& pattern);
 /// One virtual camera of at most 90 degrees by 90 degrees, cut down to the pixels that its beams need.
 struct ScanFace {
   glm::dmat3 face_from_sensor{1.0};  ///< rotation; the face's frame is x right, y down, z forward
-  Pinhole pinhole;                   ///< fx = fy
+  Pinhole pinhole;                   ///< fx = fy, or fy = kRowsPerPixel fx
   std::uint32_t width_px = 0, height_px = 0;
   std::uint32_t beams = 0;
 };
@@ -43,12 +43,15 @@ struct BeamTap {
 /// Pixels kept around the outermost beams, so that each beam has its neighbourhood: 2 before its pixel, 3 after.
 inline constexpr int kPixelsBefore = 2, kPixelsAfter = 3;
 
+/// How many rows of a single horizontal ring are as high as a pixel is wide.
+inline constexpr double kRowsPerPixel = 4;
+
 /// The faces and taps of a pattern.
 ///
-/// A pattern of one horizontal ring is `planar`: its strips have the scan plane through the centres of row 0, and one
-/// row more, which only tells how surfaces slant. Otherwise every beam has its neighbourhood in both directions.
+/// Every beam has its neighbourhood in both directions. The scan plane of a single horizontal ring runs through the
+/// centres of a row of pixels; the rows beside it only tell where surfaces end and how they slant. So they are thin:
+/// what is drawn is what lies near the scan plane, and fewer surfaces end near a beam.
 struct ScanLayout {
-  bool planar = false;
   std::vector<ScanFace> faces;
   std::vector<BeamTap> taps;  ///< [ring * samples + beam]
 };

@@ -55,7 +55,8 @@ struct Picture {
     return {.depth = faces[tap.face].data(),
             .stride_px = face.width_px,
             .near_m = kNear_m,
-            .focal_px = face.pinhole.fx_px,
+            .focal_x_px = face.pinhole.fx_px,
+            .focal_y_px = face.pinhole.fy_px,
             .reach =
                 {.x_px = width, .y_px = height, .width_px = width, .height_px = height, .depth_snap_px = depth_snap_px},
             .middle_tangent_x = (width / 2 - face.pinhole.cx_px) / face.pinhole.fx_px,
@@ -65,7 +66,7 @@ struct Picture {
 
   RangeEstimate planar(std::size_t beam) const {
     const BeamTap& tap = layout.taps[beam];
-    return planar_range(pixels(tap), tap, layout.planar, VertexRounding());
+    return planar_range(pixels(tap), tap, VertexRounding());
   }
 
   RangeEstimate nearest(std::size_t beam) const {
@@ -203,7 +204,9 @@ TEST_CASE("nearest errs by the slant of half a pixel, and its bound says so") {
 // lie in line as often as not; and every pixel off by a rounding or a few.
 TEST_CASE("pixels of other surfaces that lie in line by chance do not mislead") {
   constexpr double kResolution_px = 500, kPixel = 2 / kResolution_px;
-  constexpr double kRough = 8 * kDepthRounding;  // well within what planar_range() takes for a pixel's error: 10 u
+  // So small that second differences down the rows, of up to four errors, are believed: half of what planar_range() takes
+  // for a pixel's error, 10 u at least.
+  constexpr double kRough = kDepthRounding;
   std::mt19937 random(5);
   std::uniform_real_distribution<double> unit(-1, 1);
   std::size_t certain = 0, beams = 0;
@@ -274,9 +277,10 @@ TEST_CASE("depth that a device takes from snapped vertices stays within the boun
   const World wall = plane({0.9, 0.3, -0.31}, {0, 0, 3});
   for (const ScanPattern& pattern : {kFan, kLidar}) {
     const Picture exact(pattern, kResolution_px, wall);
-    const double focal_px = exact.layout.faces[0].pinhole.fx_px;
-    Picture picture(pattern, kResolution_px,
-                    [&](double x, double y) { return wall(x + kSnap_px / focal_px, y + kSnap_px / focal_px); });
+    const Pinhole& pinhole = exact.layout.faces[0].pinhole;
+    Picture picture(pattern, kResolution_px, [&](double x, double y) {
+      return wall(x + kSnap_px / pinhole.fx_px, y + kSnap_px / pinhole.fy_px);
+    });
     picture.snap_px = picture.depth_snap_px = kSnap_px;
     double worst_use = 0;
     for (std::size_t beam = 0; beam < picture.layout.taps.size(); ++beam) {
