@@ -16,9 +16,11 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <numbers>
+#include <optional>
 #include <random>
 #include <span>
 #include <string>
@@ -62,7 +64,7 @@ class Quantiles {
 };
 
 struct Tally {
-  std::uint64_t beams = 0, uncertain = 0, wrong_kind = 0, violations = 0, narrow = 0, needles = 0;
+  std::uint64_t beams = 0, uncertain = 0, wrong_kind = 0, violations = 0, narrow = 0, needles = 0, contours = 0;
   double worst_error = 0, worst_use = 0;  ///< relative; error / bound, of certain beams within it
   Quantiles errors, bounds;               ///< relative; the bounds of certain beams
 };
@@ -123,15 +125,20 @@ class Surroundings {
     return true;
   }
 
-  /// Whether one of the pixels around shows a needle.
-  bool is_at_needle(const BeamTap& tap) const {
+  /// The centres of the pixels around.
+  std::vector<glm::dvec3> pixels(const BeamTap& tap) const {
     std::vector<glm::dvec3> directions;
     for (int y = -kPixelsBefore; y <= kPixelsAfter; ++y) {
       for (int x = -kPixelsBefore; x <= kPixelsAfter; ++x) {
         directions.push_back(beside(tap, x - tap.fraction_x, y - tap.fraction_y));
       }
     }
-    for (const RayHit& hit : cast(directions)) {
+    return directions;
+  }
+
+  /// Whether one of the pixels around shows a needle.
+  bool is_at_needle(const BeamTap& tap) const {
+    for (const RayHit& hit : cast(pixels(tap))) {
       if (std::isfinite(hit.range_m) && is_needle(corners_of(hit), layout_.faces[tap.face])) return true;
     }
     return false;
@@ -208,6 +215,38 @@ class Surroundings {
   const ScanLayout& layout_;
 };
 
+/// A world whose masks have lost or gained what a texture filter leaves open: Vulkan's linear filter has weights of
+/// subTexelPrecisionBits bits, 8 on lavapipe, along either axis.
+class Contours {
+ public:
+  explicit Contours(const DrawList& list)
+      : lists_{list, list}, casters_{make_host_ray_caster(), make_host_ray_caster()} {
+    constexpr float kFilter = 2 * 0x1p-8f;
+    for (int i = 0; i < 2; ++i) {
+      for (auto& material : lists_[i].materials) {
+        auto shifted = std::make_shared<Material>(*material);
+        shifted->alpha_cutoff += i == 0 ? -kFilter : kFilter;
+        material = shifted;
+      }
+      casters_[i]->set_world(lists_[i]);
+    }
+  }
+
+  /// Whether the two differ in any of these directions.
+  bool cross(const glm::dmat4& world_from_sensor, const std::vector<glm::dvec3>& directions) {
+    std::array<std::vector<RayHit>, 2> hits;
+    for (int i = 0; i < 2; ++i) {
+      hits[i].resize(directions.size());
+      casters_[i]->cast(world_from_sensor, directions, hits[i]);
+    }
+    return hits[0] != hits[1];
+  }
+
+ private:
+  std::array<DrawList, 2> lists_;
+  std::array<std::unique_ptr<RayCaster>, 2> casters_;
+};
+
 struct Setting {
   ScanPattern pattern;
   double resolution_px;
@@ -235,7 +274,7 @@ Setting random_setting(std::mt19937& random) {
 }
 
 void compare(const Scan& scan, std::span<const RayHit> truth, const ScanLayout& layout,
-             const Surroundings& surroundings, Tally& tally) {
+             const Surroundings& surroundings, const std::function<bool(std::size_t)>& at_contour, Tally& tally) {
   for (std::size_t i = 0; i < truth.size(); ++i) {
     const double expected = truth[i].range_m, range = scan.range_m[i], bound = scan.error_bound_m[i];
     const bool same_kind = std::isfinite(expected) == std::isfinite(range);
@@ -249,6 +288,8 @@ void compare(const Scan& scan, std::span<const RayHit> truth, const ScanLayout& 
         ++tally.narrow;
       } else if (rendered && surroundings.is_at_needle(layout.taps[i])) {
         ++tally.needles;
+      } else if (rendered && at_contour(i)) {
+        ++tally.contours;
       } else {
         constexpr int kPrinted = 5;
         if (tally.violations++ < kPrinted) {
@@ -269,7 +310,7 @@ void compare(const Scan& scan, std::span<const RayHit> truth, const ScanLayout& 
 
 /// One scan of each method from one place; returns how many beams each has.
 std::size_t scan_all(const RandomWorld& world, std::mt19937& random, Renderer& renderer, RayCaster& caster,
-                     std::span<Tally> tallies) {
+                     std::optional<Contours>& contours, std::span<Tally> tallies) {
   const Setting setting = random_setting(random);
   const glm::dmat4 pose = world.somewhere(random);
   const std::vector<double> azimuth = azimuths(setting.pattern), elevation = elevations(setting.pattern);
@@ -303,7 +344,11 @@ std::size_t scan_all(const RandomWorld& world, std::mt19937& random, Renderer& r
     const ScanLayout layout = renders ? lay_out(desc.pattern, desc.resolution_px) : ScanLayout{};
     const Surroundings surroundings(world.list, caster, pose, layout);
     const std::uint64_t before = tallies[m].violations;
-    compare(*scanner.scan(), truth[desc.method == ScanMethod::raycast], layout, surroundings, tallies[m]);
+    const auto at_contour = [&](std::size_t beam) {
+      if (!contours) contours.emplace(world.list);
+      return contours->cross(pose, surroundings.pixels(layout.taps[beam]));
+    };
+    compare(*scanner.scan(), truth[desc.method == ScanMethod::raycast], layout, surroundings, at_contour, tallies[m]);
     if (tallies[m].violations > before) {
       std::fprintf(stderr, "^ %s %s, %.0f px\n", kMethods[m].name, kMethods[m].max_error_rel, setting.resolution_px);
     }
@@ -325,7 +370,8 @@ int main(int argc, char** argv) {
   const char* only = argc > 3 ? argv[3] : nullptr;
   std::printf(
       "method,max_error_rel,world,beams,median_error,p99,p99.9,max,median_bound,bound_by_error,wrong_hit_or_miss,"
-      "share_uncertain,worst_error_by_bound,violations,violations_under_3_px,violations_at_needles\n");
+      "share_uncertain,worst_error_by_bound,violations,violations_under_3_px,violations_at_needles,"
+      "violations_at_contours_of_masks\n");
   for (const WorldKind& kind : kWorldKinds) {
     if (only && std::string(only) != kind.name) continue;
     std::vector<Tally> tallies(std::size(kMethods));
@@ -337,19 +383,21 @@ int main(int argc, char** argv) {
       Renderer renderer(device);
       const std::unique_ptr<RayCaster> caster = make_host_ray_caster();
       caster->set_world(world.list);
+      std::optional<Contours> contours;
       for (double done = 0; done < share / kWorlds;) {
-        done += static_cast<double>(scan_all(world, random, renderer, *caster, tallies));
+        done += static_cast<double>(scan_all(world, random, renderer, *caster, contours, tallies));
       }
     }
     for (std::size_t m = 0; m < tallies.size(); ++m) {
       const Tally& t = tallies[m];
       const auto of_all = [&](std::uint64_t n) { return static_cast<double>(n) / static_cast<double>(t.beams); };
-      std::printf("%s,%s,%s,%llu,%.3g,%.3g,%.3g,%.3g,%.3g,%.3g,%llu,%.3g,%.3g,%llu,%llu,%llu\n", kMethods[m].name,
+      std::printf("%s,%s,%s,%llu,%.3g,%.3g,%.3g,%.3g,%.3g,%.3g,%llu,%.3g,%.3g,%llu,%llu,%llu,%llu\n", kMethods[m].name,
                   kMethods[m].max_error_rel, kind.name, static_cast<unsigned long long>(t.beams), t.errors.at(0.5),
                   t.errors.at(0.99), t.errors.at(0.999), t.worst_error, t.bounds.at(0.5),
                   t.bounds.at(0.5) / t.errors.at(0.5), static_cast<unsigned long long>(t.wrong_kind),
                   of_all(t.uncertain), t.worst_use, static_cast<unsigned long long>(t.violations),
-                  static_cast<unsigned long long>(t.narrow), static_cast<unsigned long long>(t.needles));
+                  static_cast<unsigned long long>(t.narrow), static_cast<unsigned long long>(t.needles),
+                  static_cast<unsigned long long>(t.contours));
       violated |= t.violations > 0;
     }
     std::fflush(stdout);
