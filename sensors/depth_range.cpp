@@ -24,7 +24,8 @@ constexpr double kBelieved = 0.5;
 struct Plane {
   double x = 0, y = 0;  // the corner, in pixels from the tap's
   double w0 = 0, gx = 0, gy = 0;
-  double noise = 0;  // bound on the error of each w that it was taken from
+  double noise = 0;           // bound on the error of each w that it was taken from
+  double believed_noise = 0;  // what that is if the whole cell shows one surface
   bool flat = false;
 
   double at(double px, double py) const { return w0 + gx * (px - x) + gy * (py - y); }
@@ -163,8 +164,8 @@ class Cell {
     const double bend_y = std::abs(second_difference_y(x, y + sy));
     const double twist = std::abs(at(x + sx, y + sy) - at(x + sx, y) - at(x, y + sy) + at(x, y));
     plane.noise = noise(plane.w0, plane.gx, plane.gy);
-    plane.flat = at(x + sx, y) > 0 &&
-                 std::max({bend_x, bend_y, twist}) <= kBelieved * believed_noise(plane.w0, plane.gx, plane.gy);
+    plane.believed_noise = believed_noise(plane.w0, plane.gx, plane.gy);
+    plane.flat = at(x + sx, y) > 0 && std::max({bend_x, bend_y, twist}) <= kBelieved * plane.believed_noise;
     return plane;
   }
 
@@ -242,7 +243,7 @@ RangeEstimate crease_or_step(const Cell& cell, const BeamTap& tap, const std::ar
     highest = std::max(highest, own.at(fx, fy));
     lowest = std::min(lowest, own.at(fx, fy));
     for (const Plane& other : corners) {
-      const double gap = own.w0 - other.at(own.x, own.y), slack = 8 * (own.noise + other.noise);
+      const double gap = own.w0 - other.at(own.x, own.y), slack = 8 * (own.believed_noise + other.believed_noise);
       upper = upper && gap >= -slack;
       lower = lower && gap <= slack;
     }

@@ -68,10 +68,12 @@ vec2 reflectance(vec3 normal, vec3 toward, vec3 to_eye) {
 
 void main() {
   vec4 base = in_color;
+  float mask = base.a;
 #ifdef TEXTURED
   base *= texture(base_color_texture, in_uv);
+  if (kMasked) mask *= textureLod(base_color_texture, in_uv, 0).a;  // as in mask.glsl: colour shows what depth measures
 #endif
-  if (kMasked && base.a < in_emissive_cutoff.a) discard;
+  if (kMasked && mask < in_emissive_cutoff.a) discard;
   if (kFaded) base.a = in_finish.y;
   if (kUnlit) {
     out_color = base;

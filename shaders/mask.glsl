@@ -13,7 +13,7 @@ layout(location = 2) flat in float in_cutoff;
 void main() {
   float alpha = in_alpha;
 #ifdef TEXTURED
-  alpha *= texture(base_color_texture, in_uv).a;
+  alpha *= textureLod(base_color_texture, in_uv, 0).a;  // the largest level, as rays do: no pixel decides by another
 #endif
   if (alpha < in_cutoff) discard;
 }

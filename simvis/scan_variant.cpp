@@ -38,6 +38,10 @@ std::vector<double> with(const double (&listed)[N], std::optional<double> own) {
   return all;
 }
 
+double own_tolerance(const AttributeValues& scanner) {
+  return scanner.is_set("max_error_rel") ? scanner.number("max_error_rel") : LaserScannerDesc{}.max_error_rel;
+}
+
 std::vector<std::pair<const char*, std::string>> written(const ScanVariant& variant) {
   std::vector<std::pair<const char*, std::string>> attributes = {{"method", variant.method}};
   if (variant.resolution_px) attributes.emplace_back("resolution", format_number(*variant.resolution_px));
@@ -54,7 +58,7 @@ ScanVariant variant_of(const Command& scanner) {
                  .resolution_px = a.is_set("resolution") ? a.number("resolution")
                                   : one_ring             ? kPlanarResolution
                                                          : kRingsResolution,
-                 .max_error_rel = a.number("max_error_rel")});
+                 .max_error_rel = own_tolerance(a)});
 }
 
 std::vector<ScanVariant> priced_variants(const Command& scanner) {

@@ -204,8 +204,8 @@ TEST_CASE("nearest errs by the slant of half a pixel, and its bound says so") {
 // lie in line as often as not; and every pixel off by a rounding or a few.
 TEST_CASE("pixels of other surfaces that lie in line by chance do not mislead") {
   constexpr double kResolution_px = 500, kPixel = 2 / kResolution_px;
-  // So small that second differences down the rows, of up to four errors, are believed: half of what planar_range() takes
-  // for a pixel's error, 10 u at least.
+  // So small that second differences down the rows, of up to four errors, are believed: they may be half of what
+  // planar_range() takes for a pixel's error, 10 u at least.
   constexpr double kRough = kDepthRounding;
   std::mt19937 random(5);
   std::uniform_real_distribution<double> unit(-1, 1);

@@ -48,9 +48,9 @@ struct ScanHash {
 };
 constexpr std::string_view kDevice = "llvmpipe (LLVM 15.0.6, 256 bits)", kDriver = "llvmpipe Mesa 22.3.6 (LLVM 15.0.6)";
 constexpr ScanHash kScans[] = {
-    {kDevice, kDriver, "nearest", 0xb333f951c630986b},
-    {kDevice, kDriver, "planar", 0xf01cec44ffcb51cc},
-    {kDevice, kDriver, "hybrid", 0xf49cbfaaf6869087},
+    {kDevice, kDriver, "nearest", 0x275b93c6d305d63b},
+    {kDevice, kDriver, "planar", 0xbbe529dc54861a32},
+    {kDevice, kDriver, "hybrid", 0x8bec00501d8c4699},
     {{}, {}, "raycast", 0x39b18bc47492f5d6},
 };
 

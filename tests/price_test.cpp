@@ -91,7 +91,7 @@ struct NormalRun {
       medians_m.push_back(middle(bounds_m));
       medians_rel.push_back(middle(bounds_rel));
       beams += static_cast<double>(scan.range_m.size());
-      cast += simulation.sensors()[0].cast_share.value_or(0) / static_cast<double>(frames);
+      cast += simulation.sensors()[0].number("cast_share").value_or(0) / static_cast<double>(frames);
       method = simulation.sensors()[0].method;
     }
     unbounded /= beams;

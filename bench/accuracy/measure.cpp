@@ -71,7 +71,7 @@ double scan_ms(const Simulation& simulation) {
 float cast_share(const Simulation& simulation, const std::string& sensor) {
   const std::vector<SensorInfo> sensors = simulation.sensors();
   const auto found = std::ranges::find(sensors, sensor, &SensorInfo::name);
-  return static_cast<float>(found->cast_share.value_or(std::numeric_limits<double>::quiet_NaN()));
+  return static_cast<float>(found->number("cast_share").value_or(std::numeric_limits<double>::quiet_NaN()));
 }
 
 void Measurement::take(Turn turn, const BareEmbree& embree) {

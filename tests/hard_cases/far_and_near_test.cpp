@@ -219,8 +219,16 @@ TEST_CASE("what is far does not touch the depth of what is near") {
       const Scan beside = scan_of(far, method, range_max_m);
       for (std::size_t beam = 0; beam < alone.range_m.size(); ++beam) {
         if (!(alone.range_m[beam] < 80)) continue;
+        // What is far moves its own edges: beside them a rendered beam may become uncertain, and hybrid casts it then.
+        const double bound_m = alone.error_bound_m[beam] + beside.error_bound_m[beam];
+        const bool rendered = method == ScanMethod::planar || method == ScanMethod::hybrid;
+        if (rendered && std::isinf(bound_m)) continue;
         ++compared;
-        CHECK(alone.range_m[beam] == beside.range_m[beam]);
+        if (method == ScanMethod::hybrid) {
+          CHECK(std::abs(alone.range_m[beam] - beside.range_m[beam]) <= bound_m);
+        } else {
+          CHECK(alone.range_m[beam] == beside.range_m[beam]);
+        }
       }
     }
   }

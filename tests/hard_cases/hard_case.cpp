@@ -106,7 +106,7 @@ void check(const HardCase& hard, const HardResults& results) {
     CHECK(results.planar.violations == 0);
     CHECK(results.hybrid.violations == 0);
     CHECK(results.hybrid.wrong_kind == 0);
-    CHECK(results.hybrid.worst_error_rel <= kHybridError + hard.truth_error_rel);
+    CHECK(results.hybrid.worst_error_rel <= hard.hybrid_error_rel + hard.truth_error_rel);
   }
   CHECK(results.hybrid.uncertain == 0);
   CHECK(results.raycast.violations == 0);
@@ -120,7 +120,7 @@ void check(const HardCase& hard, const HardResults& results) {
 HardResult measure(const HardCase& hard, ScanMethod method) {
   LaserScannerDesc desc = hard.scanner;
   desc.method = method;
-  desc.max_error_rel = kHybridError;
+  desc.max_error_rel = hard.hybrid_error_rel;
   LaserScanner scanner("SCANNER", desc);
   FramePlan plan;
   scanner.plan(hard.world_from_sensor, hard.world, plan);

@@ -19,6 +19,10 @@ namespace simvis {
 /// What a beam of this direction (unit, sensor frame) meets: range along the ray in metres, +infinity for nothing.
 using ClosedForm = std::function<double(const glm::dvec3& direction)>;
 
+/// `hybrid` is measured with this max_error_rel, if a case has no other: with its default it would render nothing and
+/// be `raycast`.
+inline constexpr double kHybridError = 1e-4;
+
 struct HardCase {
   std::string name;  ///< for the table
   DrawList world{};
@@ -28,6 +32,7 @@ struct HardCase {
   /// How far the closed form itself may be off, relative to the range: rounding of the scene to float32, say. 0: it is
   /// exact to the rounding of double.
   double truth_error_rel = 0;
+  double hybrid_error_rel = kHybridError;  ///< the max_error_rel that `hybrid` is measured with
   /// Surfaces narrower than three pixels are in the scene: the bounds of `nearest` and `planar` do not speak of them.
   bool narrow = false;
 };
@@ -46,8 +51,6 @@ struct HardResults {
   HardResult nearest, planar, hybrid, raycast;
 };
 
-/// `hybrid` is measured with this max_error_rel: with its default it would render nothing and be `raycast`.
-inline constexpr double kHybridError = 1e-4;
 /// What is asked of every range that was cast: the greatest relative error.
 inline constexpr double kCastError = 1e-6;
 
