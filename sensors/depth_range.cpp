@@ -169,12 +169,12 @@ class Cell {
     return plane;
   }
 
-  // Where one surface passes for the whole cell: w at the beam, and how far it may be off. Else no number and infinity.
+  // Where one surface passes for the whole cell: w at the beam, and how far it may be off. Else 0 and infinity.
   std::pair<double, double> single_plane() const {
     const double gx = at(1, 0) - at(0, 0), gy = at(0, 1) - at(0, 0);
     const double n = noise(at(0, 0), gx, gy), believed = believed_noise(at(0, 0), gx, gy);
     const double twist = std::abs(at(1, 1) - at(1, 0) - at(0, 1) + at(0, 0));
-    bool flat = twist <= kBelieved * believed && !lost();
+    bool flat = twist <= kBelieved * believed;
     double doubt_x = 0, doubt_y = 0;
     for (int y = 0; y <= 1 && flat; ++y) {
       const Line line = judge(
@@ -191,6 +191,7 @@ class Cell {
       doubt_y = std::max(doubt_y, line.doubt);
     }
     if (!flat) return {0, kInfinity};
+    if (lost()) return {interpolated(), kInfinity};  // the best guess
     const double far_x = place_x_.distance();
     const double far_y = place_y_.distance();
     // Extended in both directions; inside the cell its fourth corner follows from the other three and the twist.
@@ -289,7 +290,7 @@ RangeEstimate planar_range(const FacePixels& pixels, const BeamTap& tap, const V
 
   if (std::ranges::all_of(corners, [](double w) { return w > 0; })) {
     const auto [w, bound] = cell.single_plane();
-    if (bound < kInfinity) return to_range(w, bound, tap);
+    if (w > 0) return to_range(w, bound, tap);
   }
   return crease_or_step(cell, tap,
                         std::array{cell.outward_plane(0, 0), cell.outward_plane(1, 0), cell.outward_plane(0, 1),
