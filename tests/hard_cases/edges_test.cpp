@@ -240,8 +240,10 @@ TEST_CASE("beams along and across creases, and at a corner of three planes") {
     const Scan& scan = all[i].planar.scan;
     for (std::size_t beam = 0; beam < scan.range_m.size(); ++beam) {
       if (std::isfinite(scan.error_bound_m[beam])) continue;
-      const double place_px = kPlanarResolution / 2 * std::tan(scan.azimuth_rad[beam % scan.columns]);
-      CHECK(std::abs(std::abs(place_px) - 1) <= kDisplaced_px);
+      const double focal_px = (scan.rings == 1 ? kPlanarResolution : kRingsResolution) / 2;
+      const double x_px = focal_px * std::tan(scan.azimuth_rad[beam % scan.columns]);
+      const double y_px = focal_px * std::tan(scan.elevation_rad[beam / scan.columns]);
+      CHECK(std::min(std::abs(std::abs(x_px) - 1), std::abs(std::abs(y_px) - 1)) <= kDisplaced_px);
     }
   }
 }
