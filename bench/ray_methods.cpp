@@ -62,7 +62,7 @@ void time_sets(const std::filesystem::path& scene, int frames) {
     for (std::size_t turn = 0; turn < kMethodCount; ++turn) {
       const std::size_t m = (turn + static_cast<std::size_t>(frame)) % kMethodCount;  // none is always first
       Simulation& simulation = simulations[m];
-      drive.apply(static_cast<double>(simulation.next_frame().time_ns) * 1e-9, simulation.parameters());
+      drive.apply(static_cast<double>(simulation.next_frame().time_ns) / 1e9, simulation.parameters());
       const auto start = Clock::now();
       simulation.step();
       if (frame < kWarmUp) continue;

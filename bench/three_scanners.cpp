@@ -35,7 +35,7 @@ int main(int argc, char** argv) {
   std::vector<double> milliseconds;
   double checksum = 0;
   for (int frame = 0; frame < kWarmUp + frames; ++frame) {
-    drive.apply(static_cast<double>(simulation.next_frame().time_ns) * 1e-9, simulation.parameters());
+    drive.apply(static_cast<double>(simulation.next_frame().time_ns) / 1e9, simulation.parameters());
     const auto start = Clock::now();
     simulation.step();
     const double took = std::chrono::duration<double, std::milli>(Clock::now() - start).count();

@@ -58,7 +58,7 @@ std::string to_string(const ScanTolerance& tolerance) {
 void ToleranceCheck::add(const RangeEstimate& cast, const Reading& reading) {
   if (tolerance_.met(reading)) return;
   const Reading unlimited = read_range(cast, {0, std::numeric_limits<double>::infinity()});
-  if (tolerance_.met(unlimited)) return;
+  if (tolerance_.met(unlimited) || cast.range_m <= cast.error_bound_m) return;
   met_ = false;
   const double bound = unlimited.error_bound_m;
   worst_m_ = std::max(worst_m_, bound);

@@ -38,7 +38,8 @@ std::string to_string(const ScanTolerance& tolerance);
 /// Holds what was cast against a tolerance.
 ///
 /// Which side of a limit a surface lies on that is within a cast range's rounding of it, some 1e-15 of the range, is
-/// for rounding to decide and no breach: the bound of such a beam is taken without the limits.
+/// for rounding to decide and no breach: the bound of such a beam is taken without the limits. Nor is it one where the
+/// sensor touches a surface, so that its range is no larger than its rounding.
 class ToleranceCheck {
  public:
   explicit ToleranceCheck(const ScanTolerance& tolerance) : tolerance_(tolerance) {}

@@ -35,7 +35,7 @@ struct PriceDesc {
 };
 
 /// One row. Relative numbers are shares of the range. Numbers of which there is none, as a bound where nothing was
-/// hit, or a difference in a build that casts no rays, are NaN.
+/// hit, are NaN.
 struct VariantPrice {
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 

@@ -201,8 +201,7 @@ TEST_CASE("--method is put over the scene's own and reported") {
   check_refused({"--method", "sonar"}, "", {"--method", "sonar"});  // also where there is no scanner
 }
 
-TEST_CASE("--max-error: the cheapest way within it, the price list, and what run.json says" *
-          doctest::skip(!has_host_ray_caster())) {
+TEST_CASE("--max-error: the cheapest way within it, the price list, and what run.json says") {
   const TemporaryFolder folder;
   const Strings cache{"XDG_CACHE_HOME=" + (folder / "cache").string()};
   const fs::path scene = write_wall_scene(
