@@ -6,7 +6,7 @@ install(TARGETS simvis EXPORT simvisTargets)
 if(TARGET simvis-run)
   install(TARGETS simvis-run)
 endif()
-install(DIRECTORY engine scenegraph elements sensors simvis shaders DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/simvis
+install(DIRECTORY engine scenegraph elements effects sensors simvis shaders DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/simvis
         FILES_MATCHING PATTERN "*.h")
 
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/simvis)

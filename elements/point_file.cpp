@@ -6,10 +6,10 @@
 #include <string_view>
 #include <utility>
 
+#include "engine/srgb.h"
 #include "scenegraph/attributes.h"
 #include "scenegraph/pose.h"
 #include "scenegraph/source_text.h"
-#include "scenegraph/srgb.h"
 
 namespace simvis {
 namespace {

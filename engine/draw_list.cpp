@@ -191,7 +191,7 @@ void print_transform(std::ostream& out, const glm::dmat4& m) {
 }  // namespace
 
 bool same_content(const DrawList& a, const DrawList& b) {
-  return a.items == b.items && a.lights == b.lights && a.environment == b.environment &&
+  return a.items == b.items && a.lights == b.lights && a.environment == b.environment && a.medium == b.medium &&
          same_tables(a.world_from_node, b.world_from_node, same_bits) &&
          same_tables(a.meshes, b.meshes, same_value<Mesh>) && same_tables(a.materials, b.materials, same_material);
 }
@@ -214,6 +214,13 @@ std::uint64_t content_hash(const DrawList& list) {
   for (const auto& material : list.materials) add(hash, *material);
   hash.vector(list.environment.ambient);
   hash.vector(list.environment.background);
+  if (list.medium != Medium{}) {
+    for (const double number : {list.medium.extinction_per_m, list.medium.laser_extinction_per_m,
+                                list.medium.backscatter_per_m_sr, list.medium.particles_per_m3}) {
+      hash.number(number);
+    }
+    hash.vector(list.medium.airlight);
+  }
   return hash.value();
 }
 

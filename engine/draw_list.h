@@ -51,6 +51,17 @@ struct Environment {
   bool operator==(const Environment&) const = default;
 };
 
+/// What fills the air everywhere: haze, fog, rain, dust. Clear air has none of it.
+struct Medium {
+  double extinction_per_m = 0;        ///< of visible light: transmittance exp(-extinction distance), Beer and Lambert
+  glm::vec3 airlight{0.7f};           ///< linear RGB radiance that it scatters towards a camera, seen at infinity
+  double laser_extinction_per_m = 0;  ///< the same for lasers, in the near infrared
+  double backscatter_per_m_sr = 0;    ///< of a laser: share that it sends back per metre of way and steradian
+  double particles_per_m3 = 0;        ///< that are large enough for an echo each (rain, snow, dust clumps)
+
+  bool operator==(const Medium&) const = default;
+};
+
 /// A frame, flattened.
 ///
 /// Frames   `world_from_node[t]` takes a mesh's or light's own coordinates to the world; entry 0 is the identity.
@@ -66,6 +77,7 @@ struct DrawList {
   std::vector<std::shared_ptr<const Material>> materials;
   std::vector<std::uint64_t> material_revision;  ///< as long as `materials`
   Environment environment;
+  Medium medium;
 
   struct Revisions {
     std::uint64_t structure = 0, transforms = 0, materials = 0, lights = 0;

@@ -57,9 +57,17 @@ struct RayCast {
   std::string engine{};         ///< who casts them: see RayCaster. Known to who runs the plan
 };
 
+/// An effect that a due sensor shows this frame.
+struct PlannedEffect {
+  std::string sensor;
+  std::string effect;  ///< its name in the catalogue
+  std::string reason;  ///< what in the scene calls for it
+};
+
 struct FramePlan {
   std::vector<Pass> passes;
   std::vector<RayCast> casts{};
+  std::vector<PlannedEffect> effects{};
 };
 
 }  // namespace simvis

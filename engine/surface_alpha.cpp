@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/srgb.h"
+
 namespace simvis {
 
 namespace {
@@ -20,12 +22,15 @@ std::int64_t wrapped(std::int64_t texel, std::int64_t size, Wrap wrap) {
   return inside < size ? inside : period - 1 - inside;
 }
 
-double texture_alpha(const Texture& texture, const glm::dvec2& uv) {
+// The texture at its largest level, filtered and wrapped as its sampler says; `value` makes a number or a vector of the
+// four bytes of a texel.
+template <typename Value>
+auto sample(const Texture& texture, const glm::dvec2& uv, const Value& value) {
   const Sampler& sampler = texture.sampler;
   const auto texel = [&](std::int64_t x, std::int64_t y) {
     const std::int64_t column = wrapped(x, texture.width, sampler.wrap_u);
     const std::int64_t row = wrapped(y, texture.height, sampler.wrap_v);
-    return texture.rgba[static_cast<std::size_t>(4 * (row * texture.width + column) + 3)] / 255.0;
+    return value(&texture.rgba[static_cast<std::size_t>(4 * (row * texture.width + column))]);
   };
   const double x = reduced(uv.x, sampler.wrap_u) * texture.width, y = reduced(uv.y, sampler.wrap_v) * texture.height;
   if (sampler.magnify == Filter::nearest) {
@@ -38,21 +43,48 @@ double texture_alpha(const Texture& texture, const glm::dvec2& uv) {
          fy * ((1 - fx) * texel(column, row + 1) + fx * texel(column + 1, row + 1));
 }
 
-}  // namespace
+double alpha_of(const std::uint8_t* rgba) { return rgba[3] / 255.0; }
 
-float surface_alpha(const Material& material, const Mesh& mesh, std::uint32_t primitive, const glm::dvec3& weights) {
-  double vertex_alpha = 0;
-  glm::dvec2 uv(0);
+glm::dvec4 color_of(const std::uint8_t* rgba) {
+  return {decode_srgb(rgba[0] / 255.0), decode_srgb(rgba[1] / 255.0), decode_srgb(rgba[2] / 255.0), rgba[3] / 255.0};
+}
+
+/// A point of a primitive as materials see it.
+struct SurfaceVertex {
+  glm::dvec4 color{0};
+  glm::dvec2 uv{0};
+};
+
+SurfaceVertex interpolated(const Material& material, const Mesh& mesh, std::uint32_t primitive,
+                           const glm::dvec3& weights) {
+  SurfaceVertex point;
   for (int k = 0; k < 3; ++k) {
     const std::uint32_t index = mesh.indices[std::size_t{3} * primitive + static_cast<std::size_t>(k)];
     const VertexAttributes& vertex = mesh.attributes[index];
-    vertex_alpha += weights[k] * std::clamp(static_cast<double>(vertex.color.a), 0.0, 1.0);
-    uv += weights[k] * glm::dvec2(vertex.uv[material.uv_set]);
+    point.color += weights[k] * glm::clamp(glm::dvec4(vertex.color), 0.0, 1.0);
+    point.uv += weights[k] * glm::dvec2(vertex.uv[material.uv_set]);
   }
-  double alpha = static_cast<double>(material.base_color.a) * vertex_alpha;
+  point.uv = glm::dmat3x2(material.uv_transform) * glm::dvec3(point.uv, 1);
+  return point;
+}
+
+}  // namespace
+
+float surface_alpha(const Material& material, const Mesh& mesh, std::uint32_t primitive, const glm::dvec3& weights) {
+  const SurfaceVertex point = interpolated(material, mesh, primitive, weights);
+  double alpha = static_cast<double>(material.base_color.a) * point.color.a;
   const Texture* const texture = material.base_color_texture.get();
-  if (texture != nullptr) alpha *= texture_alpha(*texture, glm::dmat3x2(material.uv_transform) * glm::dvec3(uv, 1));
+  if (texture != nullptr) alpha *= sample(*texture, point.uv, alpha_of);
   return static_cast<float>(alpha);
+}
+
+glm::dvec4 surface_color(const Material& material, const Mesh& mesh, std::uint32_t primitive,
+                         const glm::dvec3& weights) {
+  const SurfaceVertex point = interpolated(material, mesh, primitive, weights);
+  glm::dvec4 color = glm::dvec4(material.base_color) * point.color;
+  const Texture* const texture = material.base_color_texture.get();
+  if (texture != nullptr) color *= sample(*texture, point.uv, color_of);
+  return color;
 }
 
 bool is_solid(const Material& material, const Mesh& mesh, std::uint32_t primitive, const glm::dvec3& weights) {

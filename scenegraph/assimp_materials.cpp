@@ -7,9 +7,9 @@
 #include <cstring>
 #include <filesystem>
 
+#include "engine/srgb.h"
 #include "scenegraph/location.h"
 #include "scenegraph/picture_file.h"
-#include "scenegraph/srgb.h"
 
 namespace simvis {
 namespace {

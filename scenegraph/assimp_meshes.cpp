@@ -8,8 +8,8 @@
 #include <unordered_map>
 #include <utility>
 
+#include "engine/srgb.h"
 #include "scenegraph/polygon.h"
-#include "scenegraph/srgb.h"
 
 namespace simvis {
 namespace {

@@ -135,7 +135,7 @@ std::string check_number(const AttributeSpec& spec, double value) {
 
 // Sets the value from the text. Returns what is wrong with it, or an empty string.
 std::string AttributeValues::read(std::string_view text, Value& value) {
-  const AttributeSpec& spec = *value.spec;
+  const AttributeSpec& spec = value.spec;
   value.set = true;
   switch (spec.kind) {
     case AttributeKind::number:
@@ -172,7 +172,7 @@ AttributeValues::AttributeValues(const Command& command, AttributeTable table,
   }
   for (const AttributeSpec& spec : table) {
     Value& value = values_.emplace_back();
-    value.spec = &spec;
+    value.spec = spec;
     const CommandAttribute* attribute = command.find(spec.name);
     value.where = attribute != nullptr ? attribute->where : command.where;
     if (attribute == nullptr && spec.default_value.empty()) continue;
@@ -182,14 +182,14 @@ AttributeValues::AttributeValues(const Command& command, AttributeTable table,
 }
 
 const AttributeValues::Value* AttributeValues::find(std::string_view name) const {
-  const auto found = std::ranges::find(values_, name, [](const Value& value) { return value.spec->name; });
+  const auto found = std::ranges::find(values_, name, [](const Value& value) { return value.spec.name; });
   return found == values_.end() ? nullptr : &*found;
 }
 
 const AttributeValues::Value& AttributeValues::value(std::string_view name, AttributeKind kind) const {
   const Value* value = find(name);
   SIMVIS_ASSERT(value != nullptr);
-  SIMVIS_ASSERT(value->spec->kind == kind);
+  SIMVIS_ASSERT(value->spec.kind == kind);
   SIMVIS_ASSERT(value->set);
   return *value;
 }
@@ -212,7 +212,7 @@ const std::string& AttributeValues::choice(std::string_view name) const {
 
 bool AttributeValues::flag(std::string_view name, std::string_view choice) const {
   const Value& flags = value(name, AttributeKind::flags);
-  SIMVIS_ASSERT(std::ranges::count(split(flags.spec->choices), choice) == 1);
+  SIMVIS_ASSERT(std::ranges::count(split(flags.spec.choices), choice) == 1);
   return std::ranges::find(flags.words, choice) != flags.words.end();
 }
 
@@ -223,7 +223,7 @@ const double (&AttributeValues::vector(std::string_view name) const)[3] {
 const std::string& AttributeValues::text(std::string_view name) const {
   const Value* found = find(name);
   SIMVIS_ASSERT(found != nullptr && found->set);
-  SIMVIS_ASSERT(found->spec->kind == AttributeKind::text || is_reference(found->spec->kind));
+  SIMVIS_ASSERT(found->spec.kind == AttributeKind::text || is_reference(found->spec.kind));
   return found->words[0];
 }
 
@@ -242,7 +242,7 @@ std::string check_table(AttributeTable table) {
       return row + "a live row must be a number with a default";
     }
     AttributeValues::Value value;
-    value.spec = &spec;
+    value.spec = spec;
     const std::string wrong = spec.default_value.empty() ? "" : AttributeValues::read(spec.default_value, value);
     if (!wrong.empty()) return row + "default " + wrong;
   }

@@ -66,7 +66,7 @@ class AttributeValues {
 
  private:
   struct Value {
-    const AttributeSpec* spec = nullptr;
+    AttributeSpec spec;
     bool set = false;
     double number[3] = {0, 0, 0};
     std::int64_t integer = 0;

@@ -12,7 +12,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "scenegraph/srgb.h"
+#include "engine/srgb.h"
 
 namespace simvis {
 namespace {

@@ -1,10 +1,20 @@
 // What a laser scanner measures in one frame.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <string>
+#include <string_view>
 #include <vector>
 
 namespace simvis {
+
+/// One more number per beam, which an effect adds: the scan's CSV has a column of this name.
+struct ScanChannel {
+  std::string name;             ///< with its unit where it has one: "intensity", "time_s"
+  std::string format = "%.9g";  ///< of printf, for one double
+  std::vector<double> values;   ///< as Scan::range_m; NaN: none
+};
 
 /// Ranges of one sweep.
 ///
@@ -16,13 +26,21 @@ namespace simvis {
 /// Bounds   the true range lies within range_m +- error_bound_m. Infinity: a silhouette passes so near the beam that
 ///          the method cannot tell which surface it meets. Of a rendered range it speaks of what is at least three
 ///          pixels of the method wide (see sensors/depth_range.h), of one that was cast of everything (see
-///          engine/ray_caster.h).
+///          engine/ray_caster.h). Noise comes on top: the bound speaks of the range before it.
+/// Channels those of the effects that the scanner has, in their order; none without.
 struct Scan {
   std::uint32_t rings = 0, columns = 0;
   std::vector<double> azimuth_rad;    ///< by beam
   std::vector<double> elevation_rad;  ///< by ring
   std::vector<float> range_m;
   std::vector<float> error_bound_m;
+  std::vector<ScanChannel> channels;
+
+  /// Null where there is none of that name.
+  const ScanChannel* channel(std::string_view name) const {
+    const auto found = std::ranges::find(channels, name, &ScanChannel::name);
+    return found == channels.end() ? nullptr : &*found;
+  }
 };
 
 }  // namespace simvis

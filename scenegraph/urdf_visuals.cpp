@@ -5,11 +5,11 @@
 #include <iterator>
 #include <system_error>
 
+#include "engine/srgb.h"
 #include "scenegraph/mesh_file.h"
 #include "scenegraph/picture_file.h"
 #include "scenegraph/pose.h"
 #include "scenegraph/primitive_meshes.h"
-#include "scenegraph/srgb.h"
 #include "scenegraph/urdf_pose.h"
 
 namespace simvis {

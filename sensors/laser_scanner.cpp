@@ -46,11 +46,18 @@ LaserScanner::LaserScanner(std::string name, const LaserScannerDesc& desc)
   scan_.azimuth_rad = azimuths(desc.pattern);
   scan_.elevation_rad = elevations(desc.pattern);
   readings_.resize(std::size_t{scan_.rings} * scan_.columns);
+  moment_.rings = scan_.rings;
+  moment_.columns = scan_.columns;
+  moment_.range_max_m = desc.range_max_m;
   if (!casts(desc.method)) return;
   for (const double e : scan_.elevation_rad) {
     for (const double a : scan_.azimuth_rad) {
       directions_.emplace_back(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e));
     }
+  }
+  if (std::ranges::any_of(desc_.effects, [](const ChosenScanEffect& each) { return each.effect->traces(); })) {
+    SIMVIS_ASSERT(desc.method == ScanMethod::raycast);
+    traced_ = std::make_unique<TracedScan>(directions_, desc_.effects);
   }
 }
 
@@ -59,8 +66,8 @@ void LaserScanner::take_costs(const std::function<const WorkTable&()>& costs) {
 }
 
 void LaserScanner::plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) {
-  world_from_sensor_ = world_from_sensor;
-  list_items_ = list.items.size();
+  moment_.world_from_sensor = world_from_sensor;
+  list_ = &list;
   const glm::dmat4 sensor_from_world = rigid_inverse(world_from_sensor);
   survey_.reset();
   if (desc_.method == ScanMethod::automatic && choice_.is_due(list)) {
@@ -75,6 +82,9 @@ void LaserScanner::plan(const glm::dmat4& world_from_sensor, const DrawList& lis
   }
   if (casts(desc_.method)) {
     plan.casts.push_back({.name = name_, .reason = cast_reason(), .most_rays = directions_.size()});
+  }
+  for (const ChosenScanEffect& each : desc_.effects) {
+    plan.effects.push_back({name_, std::string(each.type->name), std::string(each.type->source)});
   }
 }
 
@@ -92,9 +102,10 @@ std::string LaserScanner::cast_reason() const {
   return reason.str();
 }
 
-void LaserScanner::collect(const FrameTime&, const FramePlan& plan, std::span<const PassResult> results) {
+void LaserScanner::collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) {
+  moment_.time = time;
   beams_.clear();
-  if (survey_) survey_->collect(plan, results, list_items_, rounding_, limits_, tolerance_);
+  if (survey_) survey_->collect(plan, results, list_->items.size(), rounding_, limits_, tolerance_);
   if (!renders()) return;
   rendered_->collect(plan, results, rounding_);
   for (std::uint32_t beam = 0; beam < readings_.size(); ++beam) {
@@ -107,12 +118,21 @@ void LaserScanner::collect(const FrameTime&, const FramePlan& plan, std::span<co
 
 void LaserScanner::cast(RayCaster& rays) {
   if (!casts(desc_.method)) return;
+  if (traced_) return cast_traced(rays);
   if (survey_) {
     cast_survey(rays);
   } else {
     cast_beams(rays);
   }
   hand_over();
+}
+
+void LaserScanner::cast_traced(RayCaster& rays) {
+  const std::span<const Echo> detected = traced_->trace(moment_, *list_, rays);
+  for (std::size_t beam = 0; beam < detected.size(); ++beam) {
+    readings_[beam] = read_range({detected[beam].range_m, detected[beam].error_bound_m}, limits_);
+  }
+  hand_over(detected);
 }
 
 void LaserScanner::cast_beams(RayCaster& rays) {
@@ -123,11 +143,11 @@ void LaserScanner::cast_beams(RayCaster& rays) {
   }
   const std::span<const glm::dvec3> directions = every ? directions_ : cast_directions_;
   hits_.resize(directions.size());
-  WorkTable work = renders() ? rendered_->work(list_items_) : WorkTable{};
+  WorkTable work = renders() ? rendered_->work(list_->items.size()) : WorkTable{};
   if (!directions.empty()) {
     const RayCounters before = rays.counters();
-    rays.cast(world_from_sensor_, directions, hits_);
-    add_cast(work, list_items_);
+    rays.cast(moment_.world_from_sensor, directions, hits_);
+    add_cast(work, list_->items.size());
     add_rays(work, before, rays.counters());
   }
   ToleranceCheck check(tolerance_);
@@ -144,7 +164,7 @@ void LaserScanner::cast_beams(RayCaster& rays) {
 // Takes the most exact of what it has seen: every beam as cast.
 void LaserScanner::cast_survey(RayCaster& rays) {
   hits_.resize(directions_.size());
-  survey_->cast(rays, list_items_, world_from_sensor_, directions_, hits_);
+  survey_->cast(rays, list_->items.size(), moment_.world_from_sensor, directions_, hits_);
   ToleranceCheck check(tolerance_);
   for (std::size_t beam = 0; beam < hits_.size(); ++beam) {
     const RangeEstimate range{hits_[beam].range_m, hits_[beam].error_bound_m};
@@ -159,20 +179,23 @@ void LaserScanner::cast_survey(RayCaster& rays) {
 }
 
 // Only here does the scan that users see change, so that it is always a whole one.
-void LaserScanner::hand_over() {
+void LaserScanner::hand_over(std::span<const Echo> detected) {
   scan_.range_m.resize(readings_.size());
   scan_.error_bound_m.resize(readings_.size());
   for (std::size_t beam = 0; beam < readings_.size(); ++beam) {
     scan_.range_m[beam] = readings_[beam].range_m;
     scan_.error_bound_m[beam] = readings_[beam].error_bound_m;
   }
+  scan_.channels.clear();
+  for (const ChosenScanEffect& each : desc_.effects) each.effect->finish(moment_, detected, scan_);
+  moment_.before = {moment_.time.time_ns, moment_.world_from_sensor};
 }
 
 void LaserScanner::write(OutputSink& sink) const {
-  static const std::vector<TableColumn> columns{
-      {"ring", "%lld", true},    {"beam", "%lld", true}, {"azimuth_deg", "%.9g"},
-      {"elevation_deg", "%.9g"}, {"range_m", "%.9g"},    {"error_bound_m", "%.9g"},
-      {"x_m", "%.9g"},           {"y_m", "%.9g"},        {"z_m", "%.9g"}};
+  std::vector<TableColumn> columns{{"ring", "%lld", true},    {"beam", "%lld", true}, {"azimuth_deg", "%.9g"},
+                                   {"elevation_deg", "%.9g"}, {"range_m", "%.9g"},    {"error_bound_m", "%.9g"},
+                                   {"x_m", "%.9g"},           {"y_m", "%.9g"},        {"z_m", "%.9g"}};
+  for (const ScanChannel& channel : scan_.channels) columns.push_back({channel.name, channel.format});
   constexpr double kDegrees = 180 / std::numbers::pi;
   std::vector<double> values;
   values.reserve(scan_.range_m.size() * columns.size());
@@ -187,6 +210,7 @@ void LaserScanner::write(OutputSink& sink) const {
       values.insert(values.end(), {static_cast<double>(ring), static_cast<double>(beam), a * kDegrees, e * kDegrees,
                                    range, static_cast<double>(scan_.error_bound_m[index]),
                                    r * std::cos(e) * std::cos(a), r * std::cos(e) * std::sin(a), r * std::sin(e)});
+      for (const ScanChannel& channel : scan_.channels) values.push_back(channel.values[index]);
     }
   }
   sink.rows(columns, values);
@@ -201,6 +225,7 @@ SensorReport LaserScanner::report() const {
 
 std::optional<double> LaserScanner::cast_share() const {
   if (!casts(desc_.method)) return {};
+  if (traced_) return 1;
   return static_cast<double>(hits_.size()) / static_cast<double>(directions_.size());
 }
 

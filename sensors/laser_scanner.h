@@ -9,8 +9,8 @@
 // `auto` is whatever of `hybrid`, at some resolutions, and `raycast` costs the least in this scene and pose: see
 // scan_survey.h for what it chooses from, and scan_choice.h for when. A frame in which it surveys casts every beam.
 // The scans of `hybrid` and `auto` keep the tolerance with every beam, or there is an error that names what can be
-// kept. A laser meets matter from either side; what is blended below one half or masked out lets it pass; lines and
-// points are not there for it.
+// kept. With an effect that traces (see effects/scan_effect.h) every beam is cast. A laser meets matter from either
+// side; what is blended below one half or masked out lets it pass; lines and points are not there for it.
 #pragma once
 
 #include <memory>
@@ -18,6 +18,7 @@
 #include <string>
 #include <vector>
 
+#include "effects/scan_effect.h"
 #include "scenegraph/location.h"
 #include "sensors/rendered_scan.h"
 #include "sensors/scan_choice.h"
@@ -25,6 +26,7 @@
 #include "sensors/scan_survey.h"
 #include "sensors/scan_tolerance.h"
 #include "sensors/sensor.h"
+#include "sensors/traced_scan.h"
 #include "sensors/vertex_rounding.h"
 
 namespace simvis {
@@ -45,6 +47,7 @@ struct LaserScannerDesc {
   double resolution_px = 0;             ///< pixels across 90 degrees; 0: see below
   std::optional<double> max_error_m{};  ///< hybrid, auto: of no bound, along the ray
   Location where_max_error_m{}, where_max_error_rel{};  ///< where a scene says so, for messages
+  std::vector<ChosenScanEffect> effects{};              ///< if one of them traces, `method` is raycast
 };
 
 /// Pixels across 90 degrees where a scene does not say: of one ring, and of several (whose faces are areas).
@@ -74,7 +77,8 @@ class LaserScanner : public Sensor {
   std::string cast_reason() const;
   void cast_beams(RayCaster& rays);
   void cast_survey(RayCaster& rays);
-  void hand_over();
+  void cast_traced(RayCaster& rays);
+  void hand_over(std::span<const Echo> detected = {});
 
   std::string name_;
   LaserScannerDesc desc_;
@@ -84,8 +88,9 @@ class LaserScanner : public Sensor {
   std::unique_ptr<ScanSurvey> survey_;      // of this frame, if it has one
   ScanChoice choice_;
   WorkTable costs_;
-  glm::dmat4 world_from_sensor_{1.0};
-  std::size_t list_items_ = 0;          // of this frame
+  std::unique_ptr<TracedScan> traced_;  // where an effect traces
+  ScanMoment moment_;                   // of this frame
+  const DrawList* list_ = nullptr;      // of this frame
   VertexRounding rounding_;             // of this frame's scene
   std::vector<glm::dvec3> directions_;  // of all beams, where the method casts any
   std::vector<std::uint32_t> beams_;    // to be cast this frame, where something is rendered

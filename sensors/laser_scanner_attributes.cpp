@@ -85,6 +85,18 @@ ScanMethod method_named(std::string_view name) {
   return *std::ranges::find(kMethods, name, [](ScanMethod method) { return to_string(method); });
 }
 
+// An effect that follows beams needs them cast: so they are, unless the scene says that they shall be rendered.
+void cast_what_effects_trace(const Command& command, LaserScannerDesc& desc) {
+  const auto tracing = std::ranges::find_if(desc.effects, [](const auto& each) { return each.effect->traces(); });
+  if (tracing == desc.effects.end() || desc.method == ScanMethod::raycast) return;
+  if (const CommandAttribute* const method = command.find("method")) {
+    fail_at(method->where, "attribute \"method\": " + in_quotes(method->value) + " cannot show " +
+                               in_quotes(tracing->type->name) + " (" + std::string(tracing->type->source) +
+                               "), expected raycast, or none, which is raycast here");
+  }
+  desc.method = ScanMethod::raycast;
+}
+
 std::unique_ptr<Sensor> create(const SensorContext& context) {
   const AttributeValues& a = context.attributes;
   LaserScannerDesc desc;
@@ -105,6 +117,9 @@ std::unique_ptr<Sensor> create(const SensorContext& context) {
   desc.where_max_error_m = a.where("max_error_m");
   desc.where_max_error_rel = a.where("max_error_rel");
   if (a.is_set("resolution")) desc.resolution_px = a.number("resolution");
+
+  desc.effects = scan_effects({a, desc.pattern.rings, desc.pattern.samples, context.seed, context.name});
+  cast_what_effects_trace(context.command, desc);
 
   const auto ordered = [&](const char* low, const char* high, double limit) {
     const double span = a.number(high) - a.number(low);

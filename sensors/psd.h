@@ -21,7 +21,7 @@
 #include <array>
 #include <string>
 
-#include "sensors/philox.h"
+#include "effects/philox.h"
 #include "sensors/sensor.h"
 #include "sensors/voltage_curve.h"
 

@@ -1,5 +1,6 @@
 #include "sensors/sensor.h"
 
+#include "effects/effect.h"
 #include "scenegraph/type_registry.h"
 
 namespace simvis {
@@ -17,5 +18,9 @@ SensorRegistration::SensorRegistration(const SensorType& type) { registry().add(
 const SensorType* find_sensor_type(std::string_view name) { return registry().find(name); }
 
 std::vector<const SensorType*> sensor_types() { return registry().sorted(); }
+
+std::vector<AttributeSpec> all_attributes(const SensorType& type) {
+  return with_effect_attributes(type.name, type.attributes);
+}
 
 }  // namespace simvis

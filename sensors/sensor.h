@@ -22,17 +22,11 @@
 #include "engine/renderer.h"
 #include "scenegraph/attributes.h"
 #include "scenegraph/command.h"
+#include "scenegraph/frame_time.h"
 #include "scenegraph/scan.h"
 #include "sensors/image.h"
 
 namespace simvis {
-
-/// When a frame is taken.
-struct FrameTime {
-  std::uint64_t index = 0;     ///< 0, 1, 2, ...
-  std::int64_t time_ns = 0;    ///< simulated time
-  std::int64_t period_ns = 0;  ///< from one frame to the next
-};
 
 /// One column of a table that a sensor writes, and how its numbers are printed (a printf format for one double, or
 /// for one long long where `integer`). A value that is NaN is printed as an empty cell.
@@ -134,9 +128,9 @@ struct SensorContext {
 };
 
 struct SensorType {
-  std::string_view name;     ///< the command's `type`
-  std::string_view summary;  ///< one sentence for people
-  AttributeTable attributes;
+  std::string_view name;      ///< the command's `type`
+  std::string_view summary;   ///< one sentence for people
+  AttributeTable attributes;  ///< its own: all_attributes() has those of its effects besides
   std::unique_ptr<Sensor> (*create)(const SensorContext& context);
 };
 
@@ -161,5 +155,8 @@ struct SensorRegistration {
 const SensorType* find_sensor_type(std::string_view name);
 /// Sorted by name.
 std::vector<const SensorType*> sensor_types();
+
+/// Its own attributes and those of the effects in the catalogue that it may have, see effects/effect.h.
+std::vector<AttributeSpec> all_attributes(const SensorType& type);
 
 }  // namespace simvis

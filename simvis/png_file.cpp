@@ -9,7 +9,7 @@
 
 #include "engine/assert.h"
 #include "engine/error.h"
-#include "scenegraph/srgb.h"
+#include "engine/srgb.h"
 
 namespace {
 

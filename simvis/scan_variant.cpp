@@ -19,7 +19,7 @@ constexpr double kTolerances_rel[] = {1e-3, 1e-4, 1e-5};                  // of 
 AttributeValues read_scanner(const Command& scanner) {
   const SensorType* const type = find_sensor_type("laser_scanner");
   SIMVIS_ASSERT(type != nullptr);
-  return AttributeValues(scanner, type->attributes, kSensorCommonAttributes);
+  return AttributeValues(scanner, all_attributes(*type), kSensorCommonAttributes);
 }
 
 /// Without what the method does not look at: a hybrid that trusts no pixel renders nothing.

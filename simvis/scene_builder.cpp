@@ -31,15 +31,17 @@ Location origin(const AttributeOverride& override) {
 }
 
 // The table of the command's type; empty for parts and unknown types.
-AttributeTable table_of(const Command& command) {
+std::vector<AttributeSpec> table_of(const Command& command) {
   const CommandAttribute* const type = command.find("type");
   if (type == nullptr) return {};
   if (command.kind == CommandKind::element) {
     const ElementType* const element = find_element_type(type->value);
-    return element == nullptr ? AttributeTable() : element->attributes;
+    if (element == nullptr) return {};
+    return {element->attributes.begin(), element->attributes.end()};
   }
   const SensorType* const sensor = find_sensor_type(type->value);
-  return command.kind == CommandKind::part || sensor == nullptr ? AttributeTable() : sensor->attributes;
+  if (command.kind == CommandKind::part || sensor == nullptr) return {};
+  return all_attributes(*sensor);
 }
 
 // What an attribute of a command names.
@@ -335,8 +337,9 @@ BuiltSensor SceneBuilder::make_sensor(const Command& command) {
   const CommandAttribute& name = command.require("name");
   const SensorType* type = find_sensor_type(type_name.value);
   if (type == nullptr) fail_at(type_name.where, unknown_type("sensor", type_name.value, sensor_types()));
-  const AttributeValues attributes(command, type->attributes, kSensorCommonAttributes);
-  check_references(attributes, type->attributes);
+  const std::vector<AttributeSpec> table = all_attributes(*type);
+  const AttributeValues attributes(command, table, kSensorCommonAttributes);
+  check_references(attributes, table);
   sensor_names_.claim(name);
   built_.scene.undo().add([this, key = name.value] { sensor_names_.release(key); });
   BuiltSensor sensor{

@@ -161,6 +161,7 @@ void Simulation::Impl::update_elements() {
 void Simulation::Impl::plan_due_sensors(ViewLayer& layer, bool visualization, const FrameTime& time) {
   layer.plan.passes.clear();
   layer.plan.casts.clear();
+  layer.plan.effects.clear();
   layer.due.clear();
   for (std::size_t i = 0; i < states.size(); ++i) {
     const BuiltSensor& sensor = scene.built.sensors[i];

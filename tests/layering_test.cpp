@@ -1,4 +1,4 @@
-// The arrows between the folders: engine < scenegraph < {elements, sensors} < simvis < {tests, bench}, and
+// The arrows between the folders: engine < scenegraph < {elements, effects < sensors} < simvis < {tests, bench}, and
 // shaders/interop.h a leaf. Reads every #include of the tree and says which one points the wrong way.
 #include <doctest/doctest.h>
 
@@ -21,10 +21,11 @@ const std::map<std::string, std::set<std::string>, std::less<>> kAllowed = {
     {"engine", {"shaders"}},
     {"scenegraph", {"engine", "shaders"}},
     {"elements", {"scenegraph", "engine", "shaders"}},
-    {"sensors", {"scenegraph", "engine", "shaders"}},
-    {"simvis", {"elements", "sensors", "scenegraph", "engine", "shaders"}},
-    {"bench", {"simvis", "elements", "sensors", "scenegraph", "engine", "shaders"}},
-    {"tests", {"simvis", "elements", "sensors", "scenegraph", "engine", "shaders"}},
+    {"effects", {"scenegraph", "engine", "shaders"}},
+    {"sensors", {"effects", "scenegraph", "engine", "shaders"}},
+    {"simvis", {"elements", "effects", "sensors", "scenegraph", "engine", "shaders"}},
+    {"bench", {"simvis", "elements", "effects", "sensors", "scenegraph", "engine", "shaders"}},
+    {"tests", {"simvis", "elements", "effects", "sensors", "scenegraph", "engine", "shaders"}},
 };
 
 constexpr std::string_view kLeaf = "shaders/interop.h";

@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "engine/error.h"
+#include "engine/srgb.h"
 #include "scenegraph/polygon.h"
-#include "scenegraph/srgb.h"
 #include "tests/error_of.h"
 #include "tests/gltf_fixture.h"
 #include "tests/random_numbers.h"

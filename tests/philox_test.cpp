@@ -1,5 +1,5 @@
 // Random numbers: the published vectors, what they depend on, and whether they are normally distributed.
-#include "sensors/philox.h"
+#include "effects/philox.h"
 
 #include <doctest/doctest.h>
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <string>
 
+#include "effects/effect.h"
 #include "elements/element.h"
 #include "sensors/sensor.h"
 #include "tests/temporary_folder.h"
@@ -24,11 +25,11 @@ std::string section(std::string_view type) {
 }
 
 template <typename Type>
-void check_documented(const Type& type) {
+void check_documented(const Type& type, AttributeTable attributes) {
   CAPTURE(type.name);
   const std::string text = section(type.name);
   REQUIRE_FALSE(text.empty());
-  for (const AttributeSpec& attribute : type.attributes) {
+  for (const AttributeSpec& attribute : attributes) {
     CAPTURE(attribute.name);
     CHECK(text.find("`" + std::string(attribute.name) + "`") != std::string::npos);
   }
@@ -44,8 +45,12 @@ TEST_CASE("the element in the README is the one that is compiled and run, and sh
 }
 
 TEST_CASE("every element and sensor type stands in the README with its attributes") {
-  for (const ElementType* type : element_types()) check_documented(*type);
-  for (const SensorType* type : sensor_types()) check_documented(*type);
+  for (const ElementType* type : element_types()) check_documented(*type, type->attributes);
+  for (const SensorType* type : sensor_types()) check_documented(*type, type->attributes);
+}
+
+TEST_CASE("every effect stands in the README with its attributes") {
+  for (const EffectType* type : effect_types()) check_documented(*type, type->attributes);
 }
 
 }  // namespace simvis

@@ -18,8 +18,8 @@ TEST_CASE("stereo matching") { std::cout << "SKIPPED: OpenCV's calib3d was not f
 #include <opencv2/calib3d.hpp>
 #include <string>
 
+#include "effects/philox.h"
 #include "scenegraph/pose.h"
-#include "sensors/philox.h"
 #include "sensors/stereo_camera.h"
 #include "simvis/png_file.h"
 #include "simvis/simulation.h"

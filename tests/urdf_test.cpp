@@ -8,11 +8,11 @@
 #include <numbers>
 #include <string>
 
+#include "engine/srgb.h"
 #include "scenegraph/flattener.h"
 #include "scenegraph/part_importer.h"
 #include "scenegraph/pose.h"
 #include "scenegraph/primitive_meshes.h"
-#include "scenegraph/srgb.h"
 #include "simvis/scene_builder.h"
 #include "tests/error_of.h"
 #include "tests/gltf_fixture.h"

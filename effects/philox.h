@@ -21,10 +21,15 @@ class SensorRandom {
   /// The key is the seed, mixed with the 64-bit FNV-1a hash of the sensor's name.
   SensorRandom(std::uint64_t seed, std::string_view sensor);
 
+  /// Evenly distributed in [0, 1), a multiple of 2^-53.
+  double uniform(std::uint64_t frame, std::uint32_t element, std::uint32_t draw) const;
+
   /// Normally distributed, mean 0, standard deviation 1; at most 8.6 in size.
   double gaussian(std::uint64_t frame, std::uint32_t element, std::uint32_t draw) const;
 
  private:
+  std::array<std::uint32_t, 4> bits(std::uint64_t frame, std::uint32_t element, std::uint32_t draw) const;
+
   std::array<std::uint32_t, 2> key_;
 };
 

@@ -1,4 +1,4 @@
-#include "sensors/philox.h"
+#include "effects/philox.h"
 
 #include <cmath>
 #include <numbers>
@@ -38,9 +38,18 @@ std::array<std::uint32_t, 4> philox4x32_10(std::array<std::uint32_t, 4> counter,
 
 SensorRandom::SensorRandom(std::uint64_t seed, std::string_view sensor) : key_(halves(seed ^ fnv1a(sensor))) {}
 
-double SensorRandom::gaussian(std::uint64_t frame, std::uint32_t element, std::uint32_t draw) const {
+std::array<std::uint32_t, 4> SensorRandom::bits(std::uint64_t frame, std::uint32_t element, std::uint32_t draw) const {
   const auto [frame_low, frame_high] = halves(frame);
-  const std::array<std::uint32_t, 4> bits = philox4x32_10({frame_low, frame_high, element, draw}, key_);
+  return philox4x32_10({frame_low, frame_high, element, draw}, key_);
+}
+
+double SensorRandom::uniform(std::uint64_t frame, std::uint32_t element, std::uint32_t draw) const {
+  const std::array<std::uint32_t, 4> bits = this->bits(frame, element, draw);
+  return unit_interval(bits[0], bits[1]);
+}
+
+double SensorRandom::gaussian(std::uint64_t frame, std::uint32_t element, std::uint32_t draw) const {
+  const std::array<std::uint32_t, 4> bits = this->bits(frame, element, draw);
   // Box and Muller; 1 - u lies in (0, 1].
   const double radius = std::sqrt(-2 * std::log(1 - unit_interval(bits[0], bits[1])));
   return radius * std::cos(2 * std::numbers::pi * unit_interval(bits[2], bits[3]));
