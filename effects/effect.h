@@ -21,12 +21,15 @@ namespace simvis {
 enum EffectOutput : std::uint8_t { kShownInColor = 1, kShownInDepth = 2, kShownInRanges = 4 };
 
 /// How a scene has an effect, and how it names it without having it: for the tests and the benchmark, which put this
-/// into every scene. As XML: attributes of a sensor of each type in EffectType::sensors, and whole commands.
+/// into every scene. As XML: attributes of a sensor of each type in EffectType::sensors, and whole commands, whose
+/// names begin with EFFECT.
 struct EffectExample {
   std::string_view attributes{};      ///< `range_noise="0.02"`
   std::string_view commands{};        ///< `<element type="fog" name="EFFECT" insert_at="ROOT" visibility="20"/>`
   std::string_view off_attributes{};  ///< the same things named, at values at which there is no effect
   std::string_view off_commands{};
+  std::string_view plain_commands{};  ///< what `commands` are without the effect, if not nothing: a light is a light
+  std::string_view knob_values{};     ///< of the knob, separated by spaces, ever more exact; the last is the reference
 };
 
 struct EffectType {

@@ -33,6 +33,8 @@ class Material:
     blend: bool = False
     double_sided: bool = False
     unlit: bool = False
+    metallic: float = 0.0
+    bumps: Texture = None  # a normal map: RGB holds the normal in u, v and outwards, 0 to 255 for -1 to 1
 
 
 @dataclass(frozen=True)
@@ -137,16 +139,25 @@ class _File:
         self.json["nodes"].append(fields)
         self.json["scenes"][0]["nodes"].append(len(self.json["nodes"]) - 1)
 
-    def material(self, material, texture_index):
-        surface = {"baseColorFactor": [round(v, 6) for v in material.color], "metallicFactor": 0.0,
+    def material(self, material, textures):
+        """`textures` are those of the file, by index: the material's own join them."""
+        def index(texture):
+            if texture not in textures:
+                textures.append(texture)
+            return {"index": textures.index(texture)}
+        surface = {"baseColorFactor": [round(v, 6) for v in material.color], "metallicFactor": material.metallic,
                    "roughnessFactor": material.roughness}
-        if texture_index is not None:
-            surface["baseColorTexture"] = {"index": texture_index}
+        if material.texture:
+            surface["baseColorTexture"] = index(material.texture)
         entry = {"name": material.name, "pbrMetallicRoughness": surface}
+        if material.bumps:
+            entry["normalTexture"] = index(material.bumps)
         if any(material.emissive):
             entry["emissiveFactor"] = list(material.emissive)
         if material.blend:
             entry["alphaMode"] = "BLEND"
+        if isinstance(material, MaskedMaterial):
+            entry.update(alphaMode="MASK", alphaCutoff=material.cutoff)
         if material.double_sided:
             entry["doubleSided"] = True
         if material.unlit:
@@ -193,13 +204,11 @@ def glb(name, faces_by_material, lights=()):
         vertices, indices = _indexed(faces, material)
         attributes = {"POSITION": file.accessor([v[:3] for v in vertices], 3, bounds=True),
                       "NORMAL": file.accessor([v[3:6] for v in vertices], 3)}
-        if material.texture:
+        if material.texture or material.bumps:
             attributes["TEXCOORD_0"] = file.accessor([v[6:] for v in vertices], 2)
-            if material.texture not in textures:
-                textures.append(material.texture)
         primitives.append({"attributes": attributes, "indices": file.indices(indices, len(vertices)),
                            "material": index})
-        file.material(material, textures.index(material.texture) if material.texture else None)
+        file.material(material, textures)
     file.json["meshes"].append({"name": name, "primitives": primitives})
     file.node(name=name, mesh=0)
     _add_lights(file, lights)
@@ -231,7 +240,7 @@ def _add_textures(file, textures):
     repeat, clamp = 10497, 33071
     file.json["samplers"] = [{"magFilter": 9729, "minFilter": 9987, "wrapS": wrap, "wrapT": wrap}
                              for wrap in (repeat, clamp)]
-    file.json["images"] = [{"name": t.name, "mimeType": "image/png", "bufferView": file.view(png(t))}
+    file.json["images"] = [{"name": t.name, "mimeType": "image/png", "bufferView": file.view(palette_png(t) if t.palette and len(t.palette[0]) == 4 else png(t))}
                            for t in textures]
     file.json["textures"] = [{"sampler": 1 if t.clamp else 0, "source": i} for i, t in enumerate(textures)]
 
@@ -319,16 +328,11 @@ def _packed_primitive(file, surface, materials, textures):
     attributes = {"POSITION": file.accessor(rounded(map(_y_up, surface.points)), 3, bounds=True),
                   "NORMAL": _bytes_accessor(file, normals, "b", 5120, "VEC3"),
                   "COLOR_0": _bytes_accessor(file, colors, "B", 5121, "VEC4")}
-    texture = surface.material.texture
-    if texture:
+    if surface.material.texture:
         attributes["TEXCOORD_0"] = file.accessor(rounded(surface.uvs), 2)
-        if texture not in textures:
-            textures.append(texture)
     if surface.material not in materials:
         materials.append(surface.material)
-        file.material(surface.material, textures.index(texture) if texture else None)
-        if isinstance(surface.material, MaskedMaterial):
-            file.json["materials"][-1].update(alphaMode="MASK", alphaCutoff=surface.material.cutoff)
+        file.material(surface.material, textures)
     return {"attributes": attributes, "indices": file.indices(surface.indices, len(surface.points)),
             "material": materials.index(surface.material)}
 

@@ -1,0 +1,209 @@
+// The catalogue of effects, as a whole: every effect in every scene, where it is shown, where it is not, and where it
+// is named but off.
+#include <doctest/doctest.h>
+
+#include <cstring>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "effects/effect.h"
+#include "sensors/sensor.h"
+#include "simvis/simulation.h"
+#include "tests/temporary_folder.h"
+
+using namespace simvis;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A scene, and where the test's own sensors stand in it.
+struct EffectScene {
+  std::string_view name, pose_offset;
+};
+constexpr EffectScene kYard{"showcase", "-4 -0.6 0.9 0 4 0"};
+// Sanitizers make pictures some ten times slower.
+#ifdef __SANITIZE_ADDRESS__
+constexpr EffectScene kScenes[] = {kYard};
+#else
+constexpr EffectScene kScenes[] = {
+    kYard, {"arm", "-0.7 -1.4 1.6 0 26 58"}, {"marvin", "1 1 0.6 0 0 30"}, {"ravon", "0 0 1.5 0 0 0"}};
+#endif
+
+/// A sensor that shows one kind of output, as small as it can be and still show every effect.
+struct Watcher {
+  std::string_view type, attributes;
+  std::uint8_t shows;
+};
+constexpr Watcher kColor{"camera", R"(width="48" height="36" outputs="color")", kShownInColor};
+constexpr Watcher kDepth{"camera", R"(width="48" height="36" outputs="depth")", kShownInDepth};
+constexpr Watcher kStereo{"stereo_camera", R"(width="32" height="24" baseline="0.1")", kShownInColor};
+constexpr Watcher kRanges{"laser_scanner", R"(samples="61" min_angle="-40" max_angle="40" method="raycast")",
+                          kShownInRanges};
+constexpr const Watcher* kWatchers[] = {&kColor, &kDepth, &kStereo, &kRanges};
+
+bool has_word(std::string_view words, std::string_view word) {
+  return (' ' + std::string(words) + ' ').find(' ' + std::string(word) + ' ') != std::string::npos;
+}
+
+std::string named(std::string_view commands, const EffectType& effect) {
+  std::string text(commands);
+  const std::string mark = "EFFECT", name = "EFFECT_" + std::string(effect.name);
+  for (std::size_t at = text.find(mark); at != text.npos; at = text.find(mark, at + name.size())) {
+    text.replace(at, mark.size(), name);
+  }
+  return text;
+}
+
+std::string sensor(const Watcher& watcher, const EffectScene& scene, std::string_view name,
+                   std::string_view attributes) {
+  return "<sensor type=\"" + std::string(watcher.type) + "\" name=\"" + std::string(name) +
+         "\" insert_at=\"ROOT\" pose_offset=\"" + std::string(scene.pose_offset) + "\" " +
+         std::string(watcher.attributes) + ' ' + std::string(attributes) + "/>\n";
+}
+
+/// The scene with more commands at its end; of its sensors only WATCH is on.
+Simulation with(const EffectScene& scene, const std::string& commands) {
+  const fs::path file = fs::path(SIMVIS_SOURCE_DIR) / "scenes" / scene.name / (std::string(scene.name) + ".xml");
+  std::string xml = read_text(file);
+  xml.insert(xml.rfind("</simvis>"), commands);
+  SimulationDesc desc;
+  desc.seed = 3;
+  Simulation simulation = Simulation::from_string(xml, desc, file.parent_path(), file.string());
+  for (const SensorInfo& each : simulation.sensors()) simulation.enable(each.name, each.name == "WATCH");
+  return simulation;
+}
+
+/// What WATCH gives and what it costs.
+struct Seen {
+  std::vector<char> bytes;
+  FrameCounters counters;
+  bool operator==(const Seen&) const = default;
+};
+
+template <typename Value>
+void append(std::vector<char>& bytes, const std::vector<Value>& values) {
+  const std::size_t size = bytes.size();
+  bytes.resize(size + values.size() * sizeof(Value));
+  if (!values.empty()) std::memcpy(bytes.data() + size, values.data(), values.size() * sizeof(Value));
+}
+
+/// Two frames: the first uploads, the second is as any other.
+std::vector<Seen> look(Simulation& simulation, const Watcher& watcher) {
+  std::vector<Seen> frames;
+  for (int frame = 0; frame < 2; ++frame) {
+    simulation.step();
+    Seen& seen = frames.emplace_back();
+    seen.counters = simulation.counters();
+    if (watcher.shows == kShownInRanges) {
+      const Scan& scan = simulation.scan("WATCH");
+      append(seen.bytes, scan.range_m);
+      append(seen.bytes, scan.error_bound_m);
+      for (const ScanChannel& channel : scan.channels) append(seen.bytes, channel.values);
+    } else if (watcher.shows == kShownInDepth) {
+      append(seen.bytes, simulation.depth("WATCH").pixels);
+    } else {
+      append(seen.bytes, simulation.color("WATCH").pixels);
+      if (watcher.type == kStereo.type) append(seen.bytes, simulation.picture("WATCH", "right").pixels);
+    }
+  }
+  return frames;
+}
+
+std::vector<Seen> look_at(const EffectScene& scene, const Watcher& watcher, const std::string& commands,
+                          std::string_view attributes) {
+  Simulation simulation = with(scene, commands + sensor(watcher, scene, "WATCH", attributes));
+  return look(simulation, watcher);
+}
+
+bool same_bytes(const std::vector<Seen>& a, const std::vector<Seen>& b) {
+  return std::ranges::equal(a, b, {}, &Seen::bytes, &Seen::bytes);
+}
+
+}  // namespace
+
+TEST_CASE("every effect says what it is, what calls for it, and where its truth is from") {
+  REQUIRE_FALSE(effect_types().empty());
+  for (const EffectType* effect : effect_types()) {
+    CAPTURE(effect->name);
+    CHECK_FALSE(effect->summary.empty());
+    CHECK_FALSE(effect->source.empty());
+    CHECK_FALSE(effect->reference.empty());
+    CHECK(effect->outputs != 0);
+    CHECK_FALSE((effect->example.attributes.empty() && effect->example.commands.empty()));
+    CHECK(effect->example.attributes.empty() == effect->example.off_attributes.empty());
+    CHECK(effect->example.commands.empty() == effect->example.off_commands.empty());
+    CHECK(effect->knob.empty() == effect->example.knob_values.empty());
+    CHECK(effect->attributes.empty() == effect->sensors.empty());
+    const std::string text = std::string(effect->example.attributes) + std::string(effect->example.commands);
+    CHECK((effect->knob.empty() || text.find(std::string(effect->knob) + "=\"") != std::string::npos));
+  }
+}
+
+TEST_CASE("where no due sensor can show it, an effect costs nothing and changes no byte") {
+  for (const EffectScene& scene : kScenes) {
+    CAPTURE(scene.name);
+    for (const Watcher* watcher : kWatchers) {
+      CAPTURE(watcher->attributes);
+      std::string plain, commands;
+      for (const EffectType* effect : effect_types()) {
+        // Sensors that have it, and are off.
+        for (const Watcher* other : kWatchers) {
+          if (!has_word(effect->sensors, other->type)) continue;
+          const std::string name = "OFF_" + std::string(effect->name) + std::to_string(other - &kColor);
+          plain += sensor(*other, scene, name, "");
+          commands += sensor(*other, scene, name, effect->example.attributes);
+        }
+        if ((effect->outputs & watcher->shows) != 0) continue;
+        plain += named(effect->example.plain_commands, *effect);
+        commands += named(effect->example.commands, *effect);
+      }
+      CHECK(look_at(scene, *watcher, plain, "") == look_at(scene, *watcher, commands, ""));
+    }
+  }
+}
+
+TEST_CASE("an effect that is named but off changes no byte and costs nothing") {
+  for (const EffectScene& scene : kScenes) {
+    CAPTURE(scene.name);
+    for (const Watcher* watcher : kWatchers) {
+      CAPTURE(watcher->attributes);
+      std::string plain, commands, attributes;
+      for (const EffectType* effect : effect_types()) {
+        if (has_word(effect->sensors, watcher->type)) attributes += std::string(effect->example.off_attributes) + ' ';
+        plain += named(effect->example.plain_commands, *effect);
+        commands += named(effect->example.off_commands, *effect);
+      }
+      CHECK(look_at(scene, *watcher, plain, "") == look_at(scene, *watcher, commands, attributes));
+    }
+  }
+}
+
+TEST_CASE("each effect alone: named in the plan where it is shown, and in no other sensor's bytes") {
+  for (const EffectType* effect : effect_types()) {
+    CAPTURE(effect->name);
+    bool shown = false;
+    for (const Watcher* watcher : kWatchers) {
+      CAPTURE(watcher->attributes);
+      const bool carries = has_word(effect->sensors, watcher->type);
+      if (!effect->attributes.empty() && !carries) continue;
+      const std::string plain = named(effect->example.plain_commands, *effect);
+      const std::string commands = named(effect->example.commands, *effect);
+      const std::string_view attributes = carries ? effect->example.attributes : "";
+      Simulation simulation = with(kYard, commands + sensor(*watcher, kYard, "WATCH", attributes));
+      const std::vector<Seen> without = look_at(kYard, *watcher, plain, ""), seen = look(simulation, *watcher);
+      const bool can_show = (effect->outputs & watcher->shows) != 0;
+      const bool planned = std::ranges::any_of(simulation.frame_plan().effects, [&](const PlannedEffect& each) {
+        return each.sensor == "WATCH" && each.effect == effect->name;
+      });
+      CHECK((can_show || same_bytes(without, seen)));
+      CHECK((can_show || !planned));
+      CHECK((planned || same_bytes(without, seen)));
+      shown |= planned && !same_bytes(without, seen);
+    }
+    CHECK(shown);
+  }
+}
