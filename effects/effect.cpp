@@ -10,16 +10,6 @@ TypeRegistry<EffectType>& registry() {
   return types;
 }
 
-// Whether `word` is one of those in `words`, which spaces separate.
-bool is_among(std::string_view word, std::string_view words) {
-  while (!words.empty()) {
-    const std::size_t end = std::min(words.find(' '), words.size());
-    if (words.substr(0, end) == word) return true;
-    words.remove_prefix(std::min(end + 1, words.size()));
-  }
-  return false;
-}
-
 }  // namespace
 
 EffectRegistration::EffectRegistration(const EffectType& type) { registry().add(type); }
@@ -28,10 +18,25 @@ std::vector<const EffectType*> effect_types() { return registry().sorted(); }
 
 const EffectType* find_effect_type(std::string_view name) { return registry().find(name); }
 
+bool may_have(std::string_view sensor_type, const EffectType& effect) {
+  const std::string types = ' ' + std::string(effect.sensors) + ' ';
+  return types.find(' ' + std::string(sensor_type) + ' ') != std::string::npos;
+}
+
+std::string example_commands(const EffectType& effect, std::string_view commands) {
+  constexpr std::string_view kMark = "EFFECT";
+  const std::string name = std::string(kMark) + '_' + std::string(effect.name);
+  std::string text(commands);
+  for (std::size_t at = text.find(kMark); at != text.npos; at = text.find(kMark, at + name.size())) {
+    text.replace(at, kMark.size(), name);
+  }
+  return text;
+}
+
 std::vector<AttributeSpec> with_effect_attributes(std::string_view sensor_type, AttributeTable own) {
   std::vector<AttributeSpec> table(own.begin(), own.end());
   for (const EffectType* effect : effect_types()) {
-    if (!is_among(sensor_type, effect->sensors)) continue;
+    if (!may_have(sensor_type, *effect)) continue;
     table.insert(table.end(), effect->attributes.begin(), effect->attributes.end());
   }
   return table;

@@ -10,6 +10,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -54,6 +55,12 @@ struct EffectRegistration {
 std::vector<const EffectType*> effect_types();
 /// Null when there is none of that name.
 const EffectType* find_effect_type(std::string_view name);
+
+/// Whether sensors of this type may carry its attributes.
+bool may_have(std::string_view sensor_type, const EffectType& effect);
+
+/// Commands of its example under names that no other effect's have.
+std::string example_commands(const EffectType& effect, std::string_view commands);
 
 /// The attributes of a sensor type: its own rows, then those of the effects that it may have, by the effects' names.
 std::vector<AttributeSpec> with_effect_attributes(std::string_view sensor_type, AttributeTable own);

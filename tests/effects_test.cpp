@@ -45,19 +45,6 @@ constexpr Watcher kRanges{"laser_scanner", R"(samples="61" min_angle="-40" max_a
                           kShownInRanges};
 constexpr const Watcher* kWatchers[] = {&kColor, &kDepth, &kStereo, &kRanges};
 
-bool has_word(std::string_view words, std::string_view word) {
-  return (' ' + std::string(words) + ' ').find(' ' + std::string(word) + ' ') != std::string::npos;
-}
-
-std::string named(std::string_view commands, const EffectType& effect) {
-  std::string text(commands);
-  const std::string mark = "EFFECT", name = "EFFECT_" + std::string(effect.name);
-  for (std::size_t at = text.find(mark); at != text.npos; at = text.find(mark, at + name.size())) {
-    text.replace(at, mark.size(), name);
-  }
-  return text;
-}
-
 std::string sensor(const Watcher& watcher, const EffectScene& scene, std::string_view name,
                    std::string_view attributes) {
   return "<sensor type=\"" + std::string(watcher.type) + "\" name=\"" + std::string(name) +
@@ -152,14 +139,14 @@ TEST_CASE("where no due sensor can show it, an effect costs nothing and changes 
       for (const EffectType* effect : effect_types()) {
         // Sensors that have it, and are off.
         for (const Watcher* other : kWatchers) {
-          if (!has_word(effect->sensors, other->type)) continue;
+          if (!may_have(other->type, *effect)) continue;
           const std::string name = "OFF_" + std::string(effect->name) + std::to_string(other - &kColor);
           plain += sensor(*other, scene, name, "");
           commands += sensor(*other, scene, name, effect->example.attributes);
         }
         if ((effect->outputs & watcher->shows) != 0) continue;
-        plain += named(effect->example.plain_commands, *effect);
-        commands += named(effect->example.commands, *effect);
+        plain += example_commands(*effect, effect->example.plain_commands);
+        commands += example_commands(*effect, effect->example.commands);
       }
       CHECK(look_at(scene, *watcher, plain, "") == look_at(scene, *watcher, commands, ""));
     }
@@ -173,9 +160,9 @@ TEST_CASE("an effect that is named but off changes no byte and costs nothing") {
       CAPTURE(watcher->attributes);
       std::string plain, commands, attributes;
       for (const EffectType* effect : effect_types()) {
-        if (has_word(effect->sensors, watcher->type)) attributes += std::string(effect->example.off_attributes) + ' ';
-        plain += named(effect->example.plain_commands, *effect);
-        commands += named(effect->example.off_commands, *effect);
+        if (may_have(watcher->type, *effect)) attributes += std::string(effect->example.off_attributes) + ' ';
+        plain += example_commands(*effect, effect->example.plain_commands);
+        commands += example_commands(*effect, effect->example.off_commands);
       }
       CHECK(look_at(scene, *watcher, plain, "") == look_at(scene, *watcher, commands, attributes));
     }
@@ -188,10 +175,10 @@ TEST_CASE("each effect alone: named in the plan where it is shown, and in no oth
     bool shown = false;
     for (const Watcher* watcher : kWatchers) {
       CAPTURE(watcher->attributes);
-      const bool carries = has_word(effect->sensors, watcher->type);
+      const bool carries = may_have(watcher->type, *effect);
       if (!effect->attributes.empty() && !carries) continue;
-      const std::string plain = named(effect->example.plain_commands, *effect);
-      const std::string commands = named(effect->example.commands, *effect);
+      const std::string plain = example_commands(*effect, effect->example.plain_commands);
+      const std::string commands = example_commands(*effect, effect->example.commands);
       const std::string_view attributes = carries ? effect->example.attributes : "";
       Simulation simulation = with(kYard, commands + sensor(*watcher, kYard, "WATCH", attributes));
       const std::vector<Seen> without = look_at(kYard, *watcher, plain, ""), seen = look(simulation, *watcher);
