@@ -2,6 +2,7 @@
 // to the scene without; and the error of each value of a knob against the most exact one.
 //
 //   effects [FRAMES]
+//   effects --pictures FOLDER    what each looks like, off and on: see pictures.h
 //
 // Prints one CSV row per effect, sensor and value of its knob. Frames with and without an effect are taken in turns.
 // error: of colour, the RMS difference of linear radiance; of depth and ranges, the RMS difference in metres where both
@@ -11,41 +12,25 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
-#include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <sstream>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "effects/effect.h"
-#include "simvis/simulation.h"
+#include "bench/effects/pictures.h"
+#include "bench/effects/yard.h"
 
 namespace {
 
 using namespace simvis;
-namespace fs = std::filesystem;
-
-/// A sensor that stands where the scene's own of its kind does.
-struct Watcher {
-  std::string_view type, place;
-  std::uint8_t shows;
-};
-constexpr Watcher kWatchers[] = {
-    {"camera", R"(pose_offset="-5.2 -0.6 1.9 0 10 4" width="320" height="240" hfov="58" outputs="color")",
-     kShownInColor},
-    {"laser_scanner", R"(pose_offset="-3 0 0.7 0 0 0" samples="361" min_angle="-60" max_angle="60" method="raycast")",
-     kShownInRanges},
-};
-
-struct Setting {
-  std::string commands, attributes;
-};
+using namespace simvis::bench;
 
 class Trial {
  public:
-  Trial(const Watcher& watcher, const Setting& setting) : watcher_(watcher), simulation_(make(watcher, setting)) {}
+  Trial(const Watcher& watcher, const Setting& setting) : watcher_(watcher), simulation_(yard(watcher, setting)) {
+    simulation_.step();  // uploads
+  }
 
   void step() {
     simulation_.step();
@@ -65,41 +50,10 @@ class Trial {
   }
 
  private:
-  static Simulation make(const Watcher& watcher, const Setting& setting) {
-    const fs::path file = fs::path(SIMVIS_SOURCE_DIR) / "scenes/showcase/showcase.xml";
-    std::ifstream stream(file);
-    std::string xml(std::istreambuf_iterator<char>(stream), {});
-    xml.insert(xml.rfind("</simvis>"), setting.commands + "<sensor type=\"" + std::string(watcher.type) +
-                                           "\" name=\"WATCH\" insert_at=\"ROOT\" " + std::string(watcher.place) + ' ' +
-                                           setting.attributes + "/>");
-    Simulation simulation = Simulation::from_string(xml, {}, file.parent_path(), file.string());
-    for (const SensorInfo& each : simulation.sensors()) simulation.enable(each.name, each.name == "WATCH");
-    simulation.step();  // uploads
-    return simulation;
-  }
-
   const Watcher& watcher_;
   Simulation simulation_;
   std::vector<double> times_ms_;
 };
-
-/// The example with another value of its knob.
-std::string with_knob(std::string_view example, std::string_view knob, std::string_view value) {
-  std::string text(example);
-  const std::string written = std::string(knob) + "=\"";
-  const std::size_t at = knob.empty() ? text.npos : text.find(written);
-  if (at == text.npos) return text;
-  const std::size_t first = at + written.size();
-  return text.replace(first, text.find('"', first) - first, value);
-}
-
-Setting setting_of(const EffectType& effect, const Watcher& watcher, std::string_view value) {
-  Setting setting{example_commands(effect, with_knob(effect.example.commands, effect.knob, value)), ""};
-  if (may_have(watcher.type, effect)) {
-    setting.attributes = with_knob(effect.example.attributes, effect.knob, value);
-  }
-  return setting;
-}
 
 double rms_difference(const std::vector<float>& a, const std::vector<float>& b) {
   double sum = 0;
@@ -143,10 +97,10 @@ void measure(const EffectType& effect, const Watcher& watcher, int frames) {
   std::fprintf(stderr, "effects: %s, %s\n", std::string(effect.name).c_str(), std::string(watcher.type).c_str());
   std::vector<std::string> values = words(effect.example.knob_values);
   if (values.empty()) values.emplace_back();
-  const Setting plain{example_commands(effect, effect.example.plain_commands), ""};
-  const Trial reference(watcher, setting_of(effect, watcher, values.back()));
+  const Setting plain = without_effect(effect);
+  const Trial reference(watcher, with_effect(effect, watcher, values.back()));
   for (const std::string& value : values) {
-    Trial with(watcher, setting_of(effect, watcher, value)), without(watcher, plain);
+    Trial with(watcher, with_effect(effect, watcher, value)), without(watcher, plain);
     const double error = rms_difference(with.output(), reference.output());  // of the first frame of both
     take_turns(with, without, frames);
     print(watcher, {std::string(effect.name), std::string(effect.knob), value, with.median_ms(), without.median_ms(),
@@ -157,10 +111,11 @@ void measure(const EffectType& effect, const Watcher& watcher, int frames) {
 void measure_all_together(const Watcher& watcher, int frames) {
   Setting all, plain;
   for (const EffectType* effect : effect_types()) {
-    if ((effect->outputs & watcher.shows) == 0) continue;
-    all.commands += example_commands(*effect, effect->example.commands);
-    plain.commands += example_commands(*effect, effect->example.plain_commands);
-    if (may_have(watcher.type, *effect)) all.attributes += std::string(effect->example.attributes) + ' ';
+    if (!can_show(*effect, watcher)) continue;
+    const Setting on = with_effect(*effect, watcher), off = without_effect(*effect);
+    all.commands += on.commands;
+    all.attributes += on.attributes + ' ';
+    plain.commands += off.commands;
   }
   Trial with(watcher, all), without(watcher, plain);
   take_turns(with, without, frames);
@@ -170,17 +125,21 @@ void measure_all_together(const Watcher& watcher, int frames) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const int frames = argc > 1 ? std::atoi(argv[1]) : 15;
-  if (frames < 1) {
-    std::fputs("usage: effects [FRAMES]\n", stderr);
+  const bool pictures = argc == 3 && std::string_view(argv[1]) == "--pictures";
+  const int frames = argc == 2 ? std::atoi(argv[1]) : 15;
+  if (!pictures && (argc > 2 || frames < 1)) {
+    std::fputs("usage: effects [FRAMES], or effects --pictures FOLDER\n", stderr);
     return 2;
   }
   try {
+    if (pictures) {
+      write_effect_pictures(argv[2]);
+      return 0;
+    }
     std::puts("effect,sensor,knob,value,median_ms,without_ms,ratio,error");
-    for (const Watcher& watcher : kWatchers) {
+    for (const Watcher& watcher : {kYardCamera, kYardScanner}) {
       for (const EffectType* effect : effect_types()) {
-        const bool carried = effect->attributes.empty() || may_have(watcher.type, *effect);
-        if ((effect->outputs & watcher.shows) != 0 && carried) measure(*effect, watcher, frames);
+        if (can_show(*effect, watcher)) measure(*effect, watcher, frames);
       }
       measure_all_together(watcher, frames);
     }
