@@ -6,12 +6,19 @@ import sys
 from pathlib import Path
 
 from matplotlib.pyplot import subplots
+from matplotlib.ticker import FuncFormatter, LogLocator
 
 import effects_table
 import figure
 
 COLORS = {"camera": "#0072b2", "laser_scanner": "#d55e00"}
 ERRORS = {"camera": "RMS error of linear radiance", "laser_scanner": "RMS error of ranges in m"}
+
+
+def as_ratios(axis):
+    axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.set_minor_locator(LogLocator(subs=()))
 
 
 def draw_prices(axes, sensor, groups):
@@ -27,6 +34,7 @@ def draw_prices(axes, sensor, groups):
     axes.axvline(1, color="#888888", linewidth=0.8)
     axes.set_xscale("log")
     axes.margins(x=0.15)
+    as_ratios(axes.xaxis)
     axes.set_title(f"{effects_table.SENSORS[sensor][0]}: price", loc="left")
     axes.set_xlabel("frame time as a ratio to the scene without the effect")
 
@@ -38,6 +46,7 @@ def draw_knobs(axes, sensor, groups):
             axes.plot(*zip(*points), marker=marker, markersize=5, label=f"{effect}, {rows[0]['knob']}")
     axes.set_xscale("log")
     axes.set_yscale("log")
+    as_ratios(axes.xaxis)
     axes.set_title(f"{effects_table.SENSORS[sensor][0]}: what knobs buy", loc="left")
     axes.set_xlabel("frame time as a ratio to the scene without the effect")
     axes.set_ylabel(ERRORS[sensor])
