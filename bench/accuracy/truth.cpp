@@ -50,31 +50,39 @@ TrueScan Truth::look(const glm::dmat4& world_from_sensor, const Scan& pattern) {
 }
 
 bool Truth::is_narrow(const TrueScan& scan, std::size_t beam, bool lidar, double pixel_rad) {
-  constexpr int kQuarters = 12;      // of a pixel, to each side: three pixels
-  constexpr double kOnPlane = 1e-9;  // relative: some roundings of double, on slivers too
+  constexpr int kSteps = 4, kSide = 3 * kSteps;  // to a pixel, and of the square
+  constexpr double kOnPlane = 1e-9;              // relative: some roundings of double, on slivers too
+  const int rows = lidar ? kSide : 0;            // a single ring shows nothing above and below it
   const bool met = std::isfinite(scan.hits[beam].range_m);
   const Plane plane = met ? plane_of(list_, scan.world_from_sensor, scan.hits[beam]) : Plane{};
-  for (const glm::dvec2 axis : {glm::dvec2(1, 0), glm::dvec2(0, 1)}) {
-    std::array<glm::dvec3, 2 * kQuarters> directions;
-    for (int k = 0; k < 2 * kQuarters; ++k) {
-      const double quarters = k < kQuarters ? k + 1 : kQuarters - k - 1;
-      directions[static_cast<std::size_t>(k)] = direction_of(scan.angles_rad[beam] + axis * (quarters * pixel_rad / 4));
+  std::vector<glm::dvec3> directions;
+  for (int y = -rows; y <= rows; ++y) {
+    for (int x = -kSide; x <= kSide; ++x) {
+      directions.push_back(direction_of(scan.angles_rad[beam] + glm::dvec2(x, y) * (pixel_rad / kSteps)));
     }
-    std::array<RayHit, 2 * kQuarters> hits;
-    caster_->cast(scan.world_from_sensor, directions, hits);
-    const auto same = [&](std::size_t k) {
-      if (!met) return !std::isfinite(hits[k].range_m);
-      const double expected = plane.offset / glm::dot(plane.normal, directions[k]);
-      return std::abs(hits[k].range_m - expected) <= kOnPlane * std::abs(expected);
-    };
-    int width = 0;
-    for (const std::size_t side : {std::size_t{0}, std::size_t{kQuarters}}) {
-      for (std::size_t k = side; k < side + kQuarters && same(k); ++k) ++width;
-    }
-    if (width < kQuarters) return true;
-    if (!lidar) break;
   }
-  return false;
+  std::vector<RayHit> hits(directions.size());
+  caster_->cast(scan.world_from_sensor, directions, hits);
+  const auto same = [&](int x, int y) {
+    const std::size_t i = static_cast<std::size_t>((y + rows) * (2 * kSide + 1) + x + kSide);
+    if (!met) return !std::isfinite(hits[i].range_m);
+    const double expected = plane.offset / glm::dot(plane.normal, directions[i]);
+    return std::abs(hits[i].range_m - expected) <= kOnPlane * std::abs(expected);
+  };
+  const auto all_same = [&](int left, int bottom) {
+    for (int y = bottom; y <= bottom + rows; ++y) {
+      for (int x = left; x <= left + kSide; ++x) {
+        if (!same(x, y)) return false;
+      }
+    }
+    return true;
+  };
+  for (int bottom = -rows; bottom <= 0; ++bottom) {
+    for (int left = -kSide; left <= 0; ++left) {
+      if (all_same(left, bottom)) return false;
+    }
+  }
+  return true;
 }
 
 double quantile(std::vector<float>& values, double q) {

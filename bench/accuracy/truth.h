@@ -31,9 +31,9 @@ class Truth {
   /// Of the beams of `pattern`, a scan whatever its ranges.
   TrueScan look(const glm::dmat4& world_from_sensor, const Scan& pattern);
 
-  /// Whether what a beam meets is less than three pixels wide, across or, of a lidar, along the elevation: of such the
-  /// bounds of rendered ranges do not speak. A surface is followed in quarters of a pixel until the range departs from
-  /// its plane; a gap through which a beam meets nothing, until something is met.
+  /// Whether what a beam meets is less than three pixels wide, or of a lidar fills no square of three by three pixels
+  /// that holds the beam: of such the bounds of rendered ranges do not speak. Looked at in quarters of a pixel: whether
+  /// ranges stay on the plane of the surface; of a gap through which a beam meets nothing, whether nothing is met.
   bool is_narrow(const TrueScan& scan, std::size_t beam, bool lidar, double pixel_rad);
 
  private:
