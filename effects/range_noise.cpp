@@ -6,6 +6,7 @@
 //          that the noise takes there reads 0.
 // Limits   range_min and range_max say what the scanner meets, not what it reads: noise may lead past either.
 // Bound    error_bound_m is of the range before the noise.
+#include <algorithm>
 #include <cmath>
 
 #include "effects/scan_effect.h"

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 
+#include "sensors/laser_scanner.h"
 #include "simvis/scan_variant.h"
 #include "simvis/simulation.h"
 #include "tests/element_scene.h"
@@ -117,12 +118,12 @@ TEST_CASE("a variant of a preset keeps its beams and measures in every frame") {
 
 TEST_CASE("mistakes are told with their place") {
   CHECK(error_of([] { simulation_of("preset='sick_lms20'"); }) ==
-        R"(s.xml:1:61: error: attribute "preset": "sick_lms20" is not allowed, expected one of: sick_lms200, )"
+        R"(s.xml:1:59: error: attribute "preset": "sick_lms20" is not allowed, expected one of: sick_lms200, )"
         R"(hokuyo_utm30lx, velodyne_vlp16, did you mean "sick_lms200"?)");
   CHECK(contains(error_of([] { simulation_of("preset=''"); }), "\"\" is not allowed"));
   // What contradicts the preset is told at the preset.
   CHECK(contains(error_of([] { simulation_of("preset='hokuyo_utm30lx' min_angle='140'"); }),
-                 R"(s.xml:1:61: error: attribute "max_angle": 135 is not allowed with min_angle="140")"));
+                 R"(s.xml:1:59: error: attribute "max_angle": 135 is not allowed with min_angle="140")"));
   CHECK(contains(error_of([] {
                    Simulation::from_string(R"(<sensor type="psd" name="IR" insert_at="ROOT" preset="gp2y0a21yk"/>)");
                  }),
