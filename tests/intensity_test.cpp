@@ -102,14 +102,17 @@ TEST_CASE("a texture shows, in linear light") {
 }
 
 TEST_CASE("a retro-reflector sends light back whatever the slant, up to its entrance angle") {
-  const std::string scanner = kScanner + R"(intensity="on"/>)";
+  const std::string every_degree =
+      R"(<sensor type="laser_scanner" name="SCAN" insert_at="ROOT" samples="121" min_angle="-60" max_angle="60" )"
+      R"(intensity="on"/>)";
   const std::vector<double> seen =
-      intensities(wall({1, 1, 1, 1}), material("reflectance='0.5' retro_reflectance='200'") + scanner);
-  for (int beam = 0; beam < kBeams; ++beam) {
+      intensities(wall({1, 1, 1, 1}), material("reflectance='0.5' retro_reflectance='200'") + every_degree);
+  for (int beam = 0; beam < 121; ++beam) {
     CAPTURE(beam);
-    if (std::abs(10 * beam - 60) == 40) continue;  // on the limit
-    const double cosine = std::cos(azimuth(beam)), range_m = 4 / cosine;
-    const bool within = std::abs(azimuth(beam)) < 40 * kPi / 180;
+    const int slant_deg = std::abs(beam - 60);
+    if (slant_deg == 40) continue;  // on the limit
+    const double cosine = std::cos(slant_deg * kPi / 180), range_m = 4 / cosine;
+    const bool within = slant_deg < 40;
     check_intensity(seen[beam], (within ? 200 : 0.5 * cosine) / (range_m * range_m));
   }
 }
