@@ -15,8 +15,9 @@ constexpr PresetAttribute kUtm30lx[] = {
     {"range_max", "30"}, {"range_resolution", "0.001"}, {"range_noise", "0.01"}, {"rate", "40"},
 };
 
-// 10 turns a second, from 1 m (first revisions of the manual, p. 3). A column is fired every 55.296 us, which is 0.199 degrees then; the data sheet's 0.2 make a whole
-// number of columns, so that turns repeat.
+// 10 turns a second, and 1 m at the nearest (first revisions of the manual, p. 3). A column is fired every 55.296 us,
+// which is 0.199 degrees then; the data sheet's 0.2 make a whole number of columns, so that turns repeat. Its +-3 cm of
+// accuracy are taken as one standard deviation.
 constexpr PresetAttribute kVlp16[] = {
     {"samples", "1800"},           {"min_angle", "-180"},        {"max_angle", "179.8"}, {"vertical_samples", "16"},
     {"vertical_min_angle", "-15"}, {"vertical_max_angle", "15"}, {"range_min", "1"},     {"range_max", "100"},
