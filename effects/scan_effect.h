@@ -70,6 +70,10 @@ class ScanEffect {
   /// Whether beams have to be followed one by one.
   virtual bool traces() const { return false; }
 
+  /// Whether a scan of this world can show it; where not, it has no say in what is measured. `traced`: whether the
+  /// beams are followed one by one. For effects whose source is in the world, not in the sensor's attributes.
+  virtual bool is_shown(const DrawList&, bool /*traced*/) const { return true; }
+
   /// `rays` come with one ray per beam, in order; later effects get what earlier ones made of them.
   virtual void aim(const ScanMoment&, std::vector<BeamRay>&) const {}
 

@@ -7,6 +7,7 @@ namespace {
 
 // Products of a few of these, and of a light's intensity, are finite as float32.
 constexpr double kMostFactor = 1000, kMostEmission = 1e12;
+constexpr double kMostGain = 1e9;  // far above corner cubes
 
 constexpr AttributeSpec live(std::string_view name, std::string_view by_default, std::string_view text, double max) {
   return {.name = name, .default_value = by_default, .text = text, .min = 0, .max = max, .live = true};
@@ -31,11 +32,19 @@ constexpr AttributeSpec kAttributes[] = {
     emission("emission_red"),
     emission("emission_green"),
     emission("emission_blue"),
+    {.name = "reflectance",
+     .text = "share of a laser's light that it gives back; the mean of its linear base colour if not given",
+     .min = 0,
+     .max = 1},
+    {.name = "retro_reflectance",
+     .text = "gain of a retro-reflector for lasers, where a white matte wall is 1: pi R_A; it is none if not given",
+     .min = 0,
+     .max = kMostGain},
 };
 
 const ElementRegistration kRegistration({
     .name = "material",
-    .summary = "changes colour, opacity, roughness and emission of a part",
+    .summary = "changes colour, opacity, roughness and emission of a part, and what a laser sees of it",
     .attributes = kAttributes,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<MaterialElement>(context);
@@ -58,6 +67,10 @@ void check_name(const AttributeValues& attributes, const std::vector<std::shared
 
 MaterialElement::MaterialElement(const ElementContext& context) {
   const AttributeValues& attributes = context.attributes;
+  if (attributes.is_set("reflectance")) reflectance_ = static_cast<float>(attributes.number("reflectance"));
+  if (attributes.is_set("retro_reflectance")) {
+    retro_reflectance_ = static_cast<float>(attributes.number("retro_reflectance"));
+  }
   const CommandAttribute& part = context.command.require("part");
   std::vector<std::shared_ptr<MaterialNode>> materials;
   for (const NodePtr& node : nodes_of(context.scene.own_part(part.value, part.where).root)) {
@@ -77,7 +90,9 @@ void MaterialElement::update(ParameterView values) {
   const MaterialChange change{.color = glm::vec3(values[0], values[1], values[2]),
                               .opacity = static_cast<float>(values[3]),
                               .roughness = static_cast<float>(values[4]),
-                              .emission = glm::vec3(values[5], values[6], values[7])};
+                              .emission = glm::vec3(values[5], values[6], values[7]),
+                              .reflectance = reflectance_,
+                              .retro_reflectance = retro_reflectance_};
   for (const Changed& changed : changed_) changed.node->set_change(changed.number, change);
 }
 

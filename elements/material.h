@@ -6,11 +6,15 @@
 //          opacity and roughness are factors, emission_red and so on are added (W/(sr m^2) or cd/m^2, as the scene's
 //          lights are meant). The colour multiplies the texture, as glTF's base colour factor does.
 //          Below an opacity of 1 the surface is blended; below one half depth cameras and scanners look through it.
+// Lasers   `reflectance` and `retro_reflectance` are not live, and are what lasers then see, not factors: a colour
+//          says little of the near infrared. Of several elements on one material the last counts.
 // Reach    the part's own file: parts, elements and sensors that were inserted there keep their look.
 // Several  material and foliage elements on one part act together: factors multiply, emissions add up.
 // Blending  within one mesh faces are laid over each other in the order of the file.
 // Special  unlit materials show their colour and nothing else: roughness and emission do nothing to them.
 #pragma once
+
+#include <optional>
 
 #include "elements/element.h"
 #include "scenegraph/node.h"
@@ -30,6 +34,7 @@ class MaterialElement : public Element {
     std::size_t number;
   };
   std::vector<Changed> changed_;
+  std::optional<float> reflectance_, retro_reflectance_;
 };
 
 }  // namespace simvis

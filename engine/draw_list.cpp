@@ -85,6 +85,14 @@ void add(Fnv1a& hash, const Material& material) {
   add(hash, material.base_color_texture.get());
   hash.bits(material.uv_set);
   for (glm::length_t c = 0; c < 3; ++c) hash.vector(material.uv_transform[c]);
+  if (material.reflectance) {
+    hash.text("reflectance");
+    hash.number(*material.reflectance);
+  }
+  if (material.retro_reflectance != 0) {
+    hash.text("retro_reflectance");
+    hash.number(material.retro_reflectance);
+  }
 }
 
 void add(Fnv1a& hash, const LightItem& item) {
@@ -175,6 +183,8 @@ void print_material(std::ostream& out, const Material& m) {
   if (m.alpha_mode == AlphaMode::mask) out << ", cutoff " << m.alpha_cutoff;
   if (m.opacity != 1) out << ", opacity " << m.opacity;
   if (m.roughness != 1) out << ", roughness " << m.roughness;
+  if (m.reflectance) out << ", reflectance " << *m.reflectance;
+  if (m.retro_reflectance != 0) out << ", retro-reflectance " << m.retro_reflectance;
   if (m.unlit) out << ", unlit";
   if (m.double_sided) out << ", double-sided";
   if (m.base_color_texture) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -91,6 +92,8 @@ struct Material {
   float roughness = 1;        ///< [0, 1], the square root of the GGX distribution's alpha
   bool unlit = false;         ///< shows the base colour as it is
   bool double_sided = false;  ///< cameras draw back faces only of double-sided materials; scanners meet both sides
+  std::optional<float> reflectance{};  ///< [0, 1], of a laser's light; unset: the mean of the base colour
+  float retro_reflectance = 0;         ///< gain of a retro-reflector, where white and matte is 1; 0: it is none
   std::shared_ptr<const Texture> base_color_texture;  ///< may be null
   int uv_set = 0;                                     ///< 0 or 1
   glm::mat3x2 uv_transform{1, 0, 0, 1, 0, 0};         ///< columns; texture uv = uv_transform * (u, v, 1)

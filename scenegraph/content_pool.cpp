@@ -105,6 +105,8 @@ std::uint64_t hash(const Material& material) {
   h.add(material.double_sided);
   h.add(material.base_color_texture.get());
   h.add(material.uv_set);
+  h.add(material.reflectance.value_or(-1));
+  h.add(material.retro_reflectance);
   h.add_bytes(&material.uv_transform, sizeof material.uv_transform);
   return h.value();
 }
@@ -114,7 +116,8 @@ bool same(const Material& a, const Material& b) {
          same_bits(a.alpha_cutoff, b.alpha_cutoff) && same_bits(a.opacity, b.opacity) &&
          same_bits(a.roughness, b.roughness) && a.unlit == b.unlit && a.double_sided == b.double_sided &&
          a.base_color_texture == b.base_color_texture && a.uv_set == b.uv_set &&
-         same_bits(a.uv_transform, b.uv_transform);
+         same_bits(a.uv_transform, b.uv_transform) && a.reflectance == b.reflectance &&
+         a.retro_reflectance == b.retro_reflectance;
 }
 
 template <class T>

@@ -120,6 +120,10 @@ void MaterialNode::show() {
   shown->emissive = glm::vec3(emission);
   shown->opacity = static_cast<float>(opacity);
   shown->roughness = static_cast<float>(roughness);
+  for (const MaterialChange& change : changes_) {
+    if (change.reflectance) shown->reflectance = change.reflectance;
+    if (change.retro_reflectance) shown->retro_reflectance = *change.retro_reflectance;
+  }
   shown_ = std::move(shown);
 }
 

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -123,11 +124,14 @@ class Transform : public Node {
   glm::dmat4 matrix_{1.0};
 };
 
-/// What somebody makes of a material that is not theirs. Changes by several add up in any order to the same.
+/// What somebody makes of a material that is not theirs. Changes by several add up in any order to the same; of what
+/// stands for the material's own, the last counts.
 struct MaterialChange {
   glm::vec3 color{1};                ///< factor of the base colour
   float opacity = 1, roughness = 1;  ///< factors
   glm::vec3 emission{0};             ///< linear radiance, added
+
+  std::optional<float> reflectance{}, retro_reflectance{};  ///< of a laser's light: stand for the material's
 
   bool operator==(const MaterialChange&) const = default;
 };

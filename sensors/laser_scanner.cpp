@@ -84,6 +84,7 @@ void LaserScanner::plan(const glm::dmat4& world_from_sensor, const DrawList& lis
     plan.casts.push_back({.name = name_, .reason = cast_reason(), .most_rays = directions_.size()});
   }
   for (const ChosenScanEffect& each : desc_.effects) {
+    if (!each.effect->is_shown(list, traced_ != nullptr)) continue;
     plan.effects.push_back({name_, std::string(each.type->name), std::string(each.type->source)});
   }
 }

@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include "sensors/laser_scanner.h"
+#include "sensors/laser_scanner_presets.h"
 
 namespace simvis {
 
@@ -77,6 +78,7 @@ constexpr AttributeSpec kAttributes[] = {
      .min = 8,
      .max = 16000},
     kRateAttribute,
+    kPresetAttribute,
 };
 
 ScanMethod method_named(std::string_view name) {
@@ -137,7 +139,7 @@ std::unique_ptr<Sensor> create(const SensorContext& context) {
 
 const SensorRegistration kRegistration({"laser_scanner",
                                         "A laser scanner: ranges along beams, each with an error bound.", kAttributes,
-                                        create});
+                                        create, laser_scanner_presets()});
 
 }  // namespace
 }  // namespace simvis

@@ -25,6 +25,7 @@
 #include "scenegraph/frame_time.h"
 #include "scenegraph/scan.h"
 #include "sensors/image.h"
+#include "sensors/sensor_preset.h"
 
 namespace simvis {
 
@@ -132,6 +133,7 @@ struct SensorType {
   std::string_view summary;   ///< one sentence for people
   AttributeTable attributes;  ///< its own: all_attributes() has those of its effects besides
   std::unique_ptr<Sensor> (*create)(const SensorContext& context);
+  std::span<const SensorPreset> presets{};  ///< a type with some has the row kPresetAttribute
 };
 
 /// The row `rate`, for the table of a sensor type.

@@ -332,11 +332,12 @@ Command SceneBuilder::overridden(Command command) const {
 }
 
 // All but its place.
-BuiltSensor SceneBuilder::make_sensor(const Command& command) {
-  const CommandAttribute& type_name = command.require("type");
-  const CommandAttribute& name = command.require("name");
+BuiltSensor SceneBuilder::make_sensor(const Command& written) {
+  const CommandAttribute& type_name = written.require("type");
+  const CommandAttribute& name = written.require("name");
   const SensorType* type = find_sensor_type(type_name.value);
   if (type == nullptr) fail_at(type_name.where, unknown_type("sensor", type_name.value, sensor_types()));
+  const Command command = with_preset(written, *type);
   const std::vector<AttributeSpec> table = all_attributes(*type);
   const AttributeValues attributes(command, table, kSensorCommonAttributes);
   check_references(attributes, table);

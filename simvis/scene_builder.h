@@ -23,7 +23,7 @@ namespace simvis {
 /// A sensor and the place in the graph that gives its pose.
 struct BuiltSensor {
   std::string name, type;
-  Command command;  ///< as executed: with overrides, and names as its part has given them
+  Command command;  ///< as executed: with overrides, its preset written out, and names as its part has given them
   std::unique_ptr<Sensor> sensor;
   std::shared_ptr<Mount> mount;
 };
@@ -78,7 +78,7 @@ class SceneBuilder {
   void insert_part(const Command& command);
   void insert_element(const Command& command);
   void insert_sensor(const Command& command);
-  BuiltSensor make_sensor(const Command& command);
+  BuiltSensor make_sensor(const Command& written);
   void take_sensor(BuiltSensor sensor);
   Command overridden(Command command) const;
   Element* find_element(std::string_view name) const;

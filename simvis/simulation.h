@@ -84,8 +84,8 @@ class Simulation {
   /// InputError, with the place, the scene is as it was. The text is logged in parameters().change_requests().
   void execute(std::string_view xml, const std::filesystem::path& folder = ".", const std::string& name = "<string>");
 
-  /// The command that made a sensor, as it was executed: with overrides, and with its names and insertion point as the
-  /// part that carries it has given them. Throws InputError when there is no such sensor.
+  /// The command that made a sensor, as it was executed: with overrides, its preset written out, and with its names and
+  /// insertion point as the part that carries it has given them. Throws InputError when there is no such sensor.
   const Command& command(std::string_view sensor) const;
 
   /// Adds a sensor that stands where `sensor` does, whatever moves that one, and measures as `command` says; overrides

@@ -153,7 +153,9 @@ void print_description(const std::string& type) {
   const ElementType* const element = find_element_type(type);
   const SensorType* const sensor = find_sensor_type(type);
   if (element != nullptr) std::cout << describe(element->name, element->summary, element->attributes) << '\n';
-  if (sensor != nullptr) std::cout << describe(sensor->name, sensor->summary, all_attributes(*sensor)) << '\n';
+  if (sensor != nullptr) {
+    std::cout << describe(sensor->name, sensor->summary, all_attributes(*sensor)) << describe_presets(*sensor) << '\n';
+  }
   if (element != nullptr || sensor != nullptr) return;
   std::vector<std::string_view> known;
   for (const ElementType* each : element_types()) known.push_back(each->name);

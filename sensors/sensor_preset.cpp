@@ -1,0 +1,48 @@
+#include "sensors/sensor_preset.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "sensors/sensor.h"
+
+namespace simvis {
+
+Command with_preset(Command command, const SensorType& type) {
+  const CommandAttribute* const written = command.find(kPresetAttribute.name);
+  if (type.presets.empty() || written == nullptr) return command;
+  const CommandAttribute chosen = *written;
+  const auto preset = std::ranges::find(type.presets, chosen.value, &SensorPreset::name);
+  if (preset == type.presets.end()) {
+    std::vector<std::string_view> known;
+    std::string list;
+    for (const SensorPreset& each : type.presets) {
+      known.push_back(each.name);
+      list += (list.empty() ? "" : ", ") + std::string(each.name);
+    }
+    fail_at(chosen.where, "attribute \"preset\": " + in_quotes(chosen.value) +
+                              " is not allowed, expected one of: " + list + suggestion(chosen.value, known));
+  }
+  std::erase_if(command.attributes, [](const CommandAttribute& each) { return each.name == kPresetAttribute.name; });
+  for (const PresetAttribute& each : preset->attributes) {
+    if (command.find(each.name) != nullptr) continue;
+    command.attributes.push_back({std::string(each.name), std::string(each.value), chosen.where});
+  }
+  return command;
+}
+
+std::string describe_presets(const SensorType& type) {
+  constexpr std::size_t kPerLine = 4;
+  std::string page;
+  for (const SensorPreset& preset : type.presets) {
+    page += "\npreset " + std::string(preset.name) + ": " + std::string(preset.summary) + "\n  from " +
+            std::string(preset.source);
+    for (std::size_t i = 0; i < preset.attributes.size(); ++i) {
+      const PresetAttribute& each = preset.attributes[i];
+      page += (i % kPerLine == 0 ? "\n  " : " ") + std::string(each.name) + "=\"" + std::string(each.value) + '"';
+    }
+    page += '\n';
+  }
+  return page;
+}
+
+}  // namespace simvis
