@@ -31,11 +31,19 @@ constexpr AttributeSpec kAttributes[] = {
     emission("emission_red"),
     emission("emission_green"),
     emission("emission_blue"),
+    live("mirror", "0", "lasers: this share of what is no mirror yet becomes one", 1),
+    live("transmission", "0", "lasers: this share of what is no glass yet becomes a thin pane", 1),
+    {.name = "refractive_index",
+     .default_value = "1",
+     .text = "factor of the file's, which is 1.5 if it says none",
+     .min = 0.1,
+     .max = 10,
+     .live = true},
 };
 
 const ElementRegistration kRegistration({
     .name = "material",
-    .summary = "changes colour, opacity, roughness and emission of a part",
+    .summary = "changes colour, opacity, roughness and emission of a part, and how lasers meet it",
     .attributes = kAttributes,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<MaterialElement>(context);
@@ -77,7 +85,10 @@ void MaterialElement::update(ParameterView values) {
   const MaterialChange change{.color = glm::vec3(values[0], values[1], values[2]),
                               .opacity = static_cast<float>(values[3]),
                               .roughness = static_cast<float>(values[4]),
-                              .emission = glm::vec3(values[5], values[6], values[7])};
+                              .emission = glm::vec3(values[5], values[6], values[7]),
+                              .mirror = static_cast<float>(values[8]),
+                              .transmission = static_cast<float>(values[9]),
+                              .refractive_index = static_cast<float>(values[10])};
   for (const Changed& changed : changed_) changed.node->set_change(changed.number, change);
 }
 
