@@ -44,7 +44,7 @@ struct ScanMoment {
   std::optional<PastPose> before;     ///< empty at the sensor's first measurement
   std::uint32_t rings = 0, columns = 0;
   double range_max_m = 0;
-  Medium medium;  ///< what fills the air
+  Medium medium{};  ///< what fills the air
 };
 
 /// A ray on its way. Frame S: of the sensor at the end of the sweep.
