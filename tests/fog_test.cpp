@@ -95,7 +95,8 @@ TEST_CASE("mistakes name their place") {
   CHECK(contains(error(fog("kind='rain' visibility='20'")),
                  "s.xml:1:61: error: attribute \"visibility\": a fog of the kind \"rain\" has none"));
   CHECK(contains(error(fog("rain_rate='20'")), "attribute \"rain_rate\": a fog of the kind \"fog\" has none"));
-  CHECK(contains(error(fog("visibility='0'")), "\"visibility\": 0 is not allowed, expected a number from 1 to 1e+06"));
+  CHECK(contains(error(fog("visibility='0'")),
+                 "\"visibility\": 0 is not allowed, expected a number from 1 to 1000000 (m)"));
   CHECK(contains(error(fog("kind='snow'")), "\"snow\""));
   const std::string scanner = "<sensor type='laser_scanner' name='S' insert_at='ROOT' ";
   CHECK(contains(error(scanner + "least_power='0'/>"), "\"least_power\": 0 is not allowed"));
@@ -161,7 +162,7 @@ TEST_CASE("in weather beams are cast, whatever the method, and plan and report s
     REQUIRE(plan.effects.size() == 1);
     CHECK(plan.effects[0].effect == "atmosphere");
     CHECK(world->ray_counters().rays == rays + 91);
-    const std::vector<SensorNote>& notes = world->sensors()[0].report.notes;
+    const std::vector<SensorNote> notes = world->sensors()[0].report.notes;
     REQUIRE(!notes.empty());
     CHECK(notes[0].name == "cast_for");
     CHECK(std::get<std::string>(notes[0].value) == "atmosphere");
