@@ -18,9 +18,7 @@ const double kLeastCosine = std::cos(glm::radians(40.0));
 
 class RetroReflection : public ScanEffect {
  public:
-  bool is_shown(const DrawList& list, bool traced) const override {
-    return traced && std::ranges::any_of(list.materials, [](const auto& m) { return m->retro_reflectance > 0; });
-  }
+  bool only_traced() const override { return true; }
 
   void meet(const ScanMoment&, const BeamRay& ray, const SurfacePoint& surface, Echo& echo,
             std::vector<BeamRay>&) const override {
@@ -30,6 +28,13 @@ class RetroReflection : public ScanEffect {
   }
 };
 
+bool has_reflectors(const DrawList& list) {
+  return std::ranges::any_of(list.materials, [](const auto& material) { return material->retro_reflectance > 0; });
+}
+
+#define SIGN \
+  R"(<part file="../showcase/sign.glb" name="EFFECT_SIGN" insert_at="ROOT" pose_offset="2.3 -0.4 0.8 0 0 0"/>)"
+
 const ScanEffectRegistration kRegistration({
     .type = {.name = "retro_reflection",
              .summary = "retro-reflectors send a laser's light back at whatever slant",
@@ -38,13 +43,18 @@ const ScanEffectRegistration kRegistration({
              .reference = "coefficient of retroreflection: ASTM E808, EN 12899-1",
              .sensors = "laser_scanner",
              .example = {.attributes = R"(intensity="on")",
-                         .commands = R"(<element type="material" name="EFFECT" insert_at="ROOT" part="WALL" )"
-                                     R"(retro_reflectance="500"/>)",
-                         .off_commands = R"(<element type="material" name="EFFECT" insert_at="ROOT" part="WALL"/>)"}},
+                         .commands = SIGN
+                         R"(<element type="material" name="EFFECT" insert_at="ROOT" part="EFFECT_SIGN" )"
+                         R"(retro_reflectance="500"/>)",
+                         .off_attributes = R"(intensity="off")",
+                         .off_commands = SIGN
+                         R"(<element type="material" name="EFFECT" insert_at="ROOT" part="EFFECT_SIGN"/>)",
+                         .plain_commands = SIGN}},
     .order = ScanOrder::path,
     .create = [](const ScanEffectContext&) -> std::unique_ptr<ScanEffect> {
       return std::make_unique<RetroReflection>();
     },
+    .called_for = has_reflectors,
 });
 
 }  // namespace

@@ -26,7 +26,7 @@ std::vector<ChosenScanEffect> scan_effects(const ScanEffectContext& context) {
   std::vector<ChosenScanEffect> chosen;
   for (const ScanEffectType* type : types) {
     if (std::shared_ptr<const ScanEffect> effect = type->create(context)) {
-      chosen.push_back({find_effect_type(type->type.name), std::move(effect)});
+      chosen.push_back({find_effect_type(type->type.name), std::move(effect), type->called_for});
     }
   }
   return chosen;

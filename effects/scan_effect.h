@@ -9,7 +9,8 @@
 //   finish   the scan as a whole: noise, rounding, columns
 //
 // Without an effect that traces, beams are measured by the scanner's method, and only finish() is called. Otherwise
-// every beam is cast, see sensors/traced_scan.h.
+// every beam is cast, see sensors/traced_scan.h. An effect whose source is in the scene (fog, mirrors) takes part in
+// the frames whose draw list has it: whatever the scanner's method, its beams are then cast, and the plan says why.
 #pragma once
 
 #include <cstdint>
@@ -23,6 +24,7 @@
 
 #include "effects/effect.h"
 #include "effects/philox.h"
+#include "engine/draw_list.h"
 #include "engine/surface_point.h"
 #include "scenegraph/frame_time.h"
 #include "scenegraph/scan.h"
@@ -42,6 +44,7 @@ struct ScanMoment {
   std::optional<PastPose> before;     ///< empty at the sensor's first measurement
   std::uint32_t rings = 0, columns = 0;
   double range_max_m = 0;
+  Medium medium{};  ///< what fills the air
 };
 
 /// A ray on its way. Frame S: of the sensor at the end of the sweep.
@@ -51,7 +54,8 @@ struct BeamRay {
   glm::dvec3 direction{1, 0, 0};  ///< S, unit length
   double share = 1;               ///< of the beam's energy that it carries
   double travelled_m = 0;         ///< before its origin: 0 as it leaves the scanner
-  double error_m = 0;             ///< by how much that may be off
+  double error_m = 0;             ///< by how much that, and its origin, may be off
+  double error_rad = 0;           ///< its direction
   double beyond_m = 0;            ///< what it meets at or before this range from its origin it passes
   std::uint32_t turns = 0;        ///< how often it was turned or let through since it left
 };
@@ -70,9 +74,8 @@ class ScanEffect {
   /// Whether beams have to be followed one by one.
   virtual bool traces() const { return false; }
 
-  /// Whether a scan of this world can show it; where not, it has no say in what is measured. `traced`: whether the
-  /// beams are followed one by one. For effects whose source is in the world, not in the sensor's attributes.
-  virtual bool is_shown(const DrawList&, bool /*traced*/) const { return true; }
+  /// Whether it has a say only where another effect has beams followed.
+  virtual bool only_traced() const { return false; }
 
   /// `rays` come with one ray per beam, in order; later effects get what earlier ones made of them.
   virtual void aim(const ScanMoment&, std::vector<BeamRay>&) const {}
@@ -108,11 +111,17 @@ struct ScanEffectContext {
   SensorRandom random(std::string_view effect) const { return {seed, sensor + '/' + std::string(effect)}; }
 };
 
+/// Whether the scene calls for an effect. Of the list it looks at items, materials and the medium alone.
+using CalledFor = bool (*)(const DrawList& list);
+
 struct ScanEffectType {
   EffectType type;  ///< its `sensors` are "laser_scanner"
   ScanOrder order = ScanOrder::disturbance;
   /// Null where the sensor's attributes do not call for it.
   std::unique_ptr<ScanEffect> (*create)(const ScanEffectContext& context);
+  /// Where its source is in the scene: in frames in which that is not there, the scanner measures as without it. Null:
+  /// the attributes decide alone.
+  CalledFor called_for = nullptr;
 };
 
 /// As EffectRegistration.
@@ -124,6 +133,7 @@ struct ScanEffectRegistration {
 struct ChosenScanEffect {
   const EffectType* type = nullptr;
   std::shared_ptr<const ScanEffect> effect;
+  CalledFor called_for = nullptr;  ///< as in its type
 };
 
 /// What the attributes call for, in the order in which they are called.

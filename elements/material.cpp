@@ -40,11 +40,19 @@ constexpr AttributeSpec kAttributes[] = {
      .text = "gain of a retro-reflector for lasers, where a white matte wall is 1: pi R_A; it is none if not given",
      .min = 0,
      .max = kMostGain},
+    live("mirror", "0", "lasers: this share of what is no mirror yet becomes one", 1),
+    live("transmission", "0", "lasers: this share of what is no glass yet becomes a thin pane", 1),
+    {.name = "refractive_index",
+     .default_value = "1",
+     .text = "factor of the file's, which is 1.5 if it says none",
+     .min = 0.1,
+     .max = 10,
+     .live = true},
 };
 
 const ElementRegistration kRegistration({
     .name = "material",
-    .summary = "changes colour, opacity, roughness and emission of a part, and what a laser sees of it",
+    .summary = "changes colour, opacity, roughness and emission of a part, and how lasers meet it",
     .attributes = kAttributes,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<MaterialElement>(context);
@@ -92,7 +100,10 @@ void MaterialElement::update(ParameterView values) {
                               .roughness = static_cast<float>(values[4]),
                               .emission = glm::vec3(values[5], values[6], values[7]),
                               .reflectance = reflectance_,
-                              .retro_reflectance = retro_reflectance_};
+                              .retro_reflectance = retro_reflectance_,
+                              .mirror = static_cast<float>(values[8]),
+                              .transmission = static_cast<float>(values[9]),
+                              .refractive_index = static_cast<float>(values[10])};
   for (const Changed& changed : changed_) changed.node->set_change(changed.number, change);
 }
 

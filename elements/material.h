@@ -8,8 +8,11 @@
 //          Below an opacity of 1 the surface is blended; below one half depth cameras and scanners look through it.
 // Lasers   `reflectance` and `retro_reflectance` are not live, and are what lasers then see, not factors: a colour
 //          says little of the near infrared. Of several elements on one material the last counts.
+//          For lasers (see effects/specular_path.h) mirror and transmission are shares: what is not yet a mirror, or
+//          glass, becomes it by that share; refractive_index is a factor.
 // Reach    the part's own file: parts, elements and sensors that were inserted there keep their look.
-// Several  material and foliage elements on one part act together: factors multiply, emissions add up.
+// Several  material and foliage elements on one part act together: factors multiply, emissions add up, and
+//          of what one leaves matte the next takes its share.
 // Blending  within one mesh faces are laid over each other in the order of the file.
 // Special  unlit materials show their colour and nothing else: roughness and emission do nothing to them.
 #pragma once

@@ -2,6 +2,7 @@
 // that it may meet first; the host decides upon them as ray_caster.h says, in double. Where the shader's list is not
 // complete up to what the host then finds, the host walks the same trees in double, from what it has found.
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <optional>
 #include <utility>
@@ -16,6 +17,11 @@
 namespace simvis {
 
 namespace {
+
+float rounded_down(double value) {
+  const auto rounded = static_cast<float>(value);
+  return rounded <= value ? rounded : std::nextafter(rounded, 0.0f);
+}
 
 /// What is on the device.
 struct DeviceWorld {
@@ -34,17 +40,21 @@ class DeviceRayCaster : public RayCaster {
  public:
   explicit DeviceRayCaster(Device& device) : device_(device) {}
   void set_world(const DrawList& list) override { list_ = &list; }
-  void cast(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions,
-            std::span<RayHit> hits) override;
+  void cast(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions, std::span<RayHit> hits,
+            std::span<const double> beyond_m) override;
   RayCounters counters() const override { return items_.counters; }
   std::string_view engine() const override { return "a compute shader"; }
 
  private:
-  void find_candidates(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions);
+  void find_candidates(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions,
+                       std::span<const double> beyond_m);
   void upload(VkCommandBuffer commands);
-  void dispatch(VkCommandBuffer commands, const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions);
-  void decide(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions, std::span<RayHit> hits);
-  RayHit decide(RayView& view, const CastRay& ray, const shader::RayCandidates& candidates, bool& walked) const;
+  void dispatch(VkCommandBuffer commands, const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions,
+                std::span<const double> beyond_m);
+  void decide(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions, std::span<RayHit> hits,
+              std::span<const double> beyond_m);
+  RayHit decide(RayView& view, const CastRay& ray, double beyond_m, const shader::RayCandidates& candidates,
+                bool& walked) const;
 
   Device& device_;
   const DrawList* list_ = nullptr;
@@ -55,8 +65,9 @@ class DeviceRayCaster : public RayCaster {
 };
 
 void DeviceRayCaster::cast(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions,
-                           std::span<RayHit> hits) {
+                           std::span<RayHit> hits, std::span<const double> beyond_m) {
   SIMVIS_ASSERT(list_ != nullptr && hits.size() == directions.size());
+  SIMVIS_ASSERT(beyond_m.empty() || beyond_m.size() == directions.size());
   if (!world_) world_.emplace(device_.impl());
   items_.update(*list_, glm::dvec3(world_from_sensor[3]));
   uploaded_ = false;
@@ -64,17 +75,21 @@ void DeviceRayCaster::cast(const glm::dmat4& world_from_sensor, std::span<const 
   // Once, but for very many rays; what has changed is uploaded even for none.
   for (std::size_t first = 0; first < directions.size() || !uploaded_; first += most) {
     const std::size_t count = std::min(most, directions.size() - first);
-    find_candidates(world_from_sensor, directions.subspan(first, count));
-    decide(world_from_sensor, directions.subspan(first, count), hits.subspan(first, count));
+    const std::span<const double> part_beyond_m = part_of(beyond_m, first, count);
+    find_candidates(world_from_sensor, directions.subspan(first, count), part_beyond_m);
+    decide(world_from_sensor, directions.subspan(first, count), hits.subspan(first, count), part_beyond_m);
   }
   items_.counters.rays += directions.size();
 }
 
-void DeviceRayCaster::find_candidates(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions) {
+void DeviceRayCaster::find_candidates(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions,
+                                      std::span<const double> beyond_m) {
   try {
     const VkCommandBuffer commands = world_->commands.begin();
     if (!uploaded_) upload(commands);
-    if (!directions.empty() && !items_.items().empty()) dispatch(commands, world_from_sensor, directions);
+    if (!directions.empty() && !items_.items().empty()) {
+      dispatch(commands, world_from_sensor, directions, beyond_m);
+    }
     world_->commands.submit_and_wait();
     world_->uploads.release();
   } catch (...) {
@@ -100,12 +115,14 @@ void DeviceRayCaster::upload(VkCommandBuffer commands) {
 }
 
 void DeviceRayCaster::dispatch(VkCommandBuffer commands, const glm::dmat4& world_from_sensor,
-                               std::span<const glm::dvec3> directions) {
+                               std::span<const glm::dvec3> directions, std::span<const double> beyond_m) {
   DeviceWorld& world = *world_;
   const std::span<glm::vec4> world_directions = world.dispatch.directions(directions.size());
   const glm::dmat3 turn(world_from_sensor);
-  std::ranges::transform(directions, world_directions.begin(),
-                         [&](const glm::dvec3& direction) { return glm::vec4(glm::vec3(turn * direction), 0); });
+  for (std::size_t i = 0; i < directions.size(); ++i) {
+    const float passed_m = beyond_m.empty() ? 0 : rounded_down(beyond_m[i]);
+    world_directions[i] = glm::vec4(glm::vec3(turn * directions[i]), passed_m);
+  }
   world.dispatch.record(
       commands, {world.top.nodes(), world.top.blocks(), world.meshes.nodes(), world.meshes.triangles()},
       block_of(glm::dvec3(world_from_sensor[3]), items_.origin(), static_cast<std::uint32_t>(directions.size())));
@@ -113,7 +130,7 @@ void DeviceRayCaster::dispatch(VkCommandBuffer commands, const glm::dmat4& world
 }
 
 void DeviceRayCaster::decide(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions,
-                             std::span<RayHit> hits) {
+                             std::span<RayHit> hits, std::span<const double> beyond_m) {
   if (directions.empty() || items_.items().empty()) {
     std::ranges::fill(hits, RayHit{});
     return;
@@ -126,16 +143,17 @@ void DeviceRayCaster::decide(const glm::dmat4& world_from_sensor, std::span<cons
     views_[thread].begin(*list_, items_, world_from_sensor);
     for (std::size_t i = first; i < first + count; ++i) {
       bool by_host = false;
-      hits[i] = decide(views_[thread], CastRay(directions[i]), candidates[i], by_host);
+      hits[i] =
+          decide(views_[thread], CastRay(directions[i]), beyond_m.empty() ? 0 : beyond_m[i], candidates[i], by_host);
       walked[thread] += by_host;
     }
   });
   items_.counters.rays_walked += std::reduce(walked.begin(), walked.end());
 }
 
-RayHit DeviceRayCaster::decide(RayView& view, const CastRay& ray, const shader::RayCandidates& candidates,
-                               bool& walked) const {
-  NearestHit nearest;
+RayHit DeviceRayCaster::decide(RayView& view, const CastRay& ray, double beyond_m,
+                               const shader::RayCandidates& candidates, bool& walked) const {
+  NearestHit nearest{.beyond_m = beyond_m};
   for (std::uint32_t i = 0; i < candidates.count; ++i) {
     const std::uint32_t placed = world_->top.placed(candidates.found[i].x), primitive = candidates.found[i].y;
     if (primitive == SIMVIS_WHOLE_ITEM) {

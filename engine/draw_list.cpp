@@ -80,6 +80,13 @@ void add(Fnv1a& hash, const Material& material) {
   hash.number(material.alpha_cutoff);
   hash.number(material.opacity);
   hash.number(material.roughness);
+  const Material matte;
+  if (material.mirror != matte.mirror || material.transmission != matte.transmission ||
+      material.refractive_index != matte.refractive_index) {
+    hash.number(material.mirror);
+    hash.number(material.transmission);
+    hash.number(material.refractive_index);
+  }
   hash.bits(material.unlit);
   hash.bits(material.double_sided);
   add(hash, material.base_color_texture.get());
@@ -185,6 +192,8 @@ void print_material(std::ostream& out, const Material& m) {
   if (m.roughness != 1) out << ", roughness " << m.roughness;
   if (m.reflectance) out << ", reflectance " << *m.reflectance;
   if (m.retro_reflectance != 0) out << ", retro-reflectance " << m.retro_reflectance;
+  if (m.mirror != 0) out << ", mirror " << m.mirror;
+  if (m.transmission != 0) out << ", transmission " << m.transmission << " by index " << m.refractive_index;
   if (m.unlit) out << ", unlit";
   if (m.double_sided) out << ", double-sided";
   if (m.base_color_texture) {
@@ -225,8 +234,9 @@ std::uint64_t content_hash(const DrawList& list) {
   hash.vector(list.environment.ambient);
   hash.vector(list.environment.background);
   if (list.medium != Medium{}) {
-    for (const double number : {list.medium.extinction_per_m, list.medium.laser_extinction_per_m,
-                                list.medium.backscatter_per_m_sr, list.medium.particles_per_m3}) {
+    for (const double number :
+         {list.medium.extinction_per_m, list.medium.laser_extinction_per_m, list.medium.backscatter_per_m_sr,
+          list.medium.particles_per_m3, list.medium.particle_diameter_m}) {
       hash.number(number);
     }
     hash.vector(list.medium.airlight);
@@ -264,6 +274,12 @@ std::ostream& operator<<(std::ostream& out, const DrawList& list) {
     out << "  material " << i << ": ";
     print_material(out, *list.materials[i]);
     out << '\n';
+  }
+  if (list.medium != Medium{}) {
+    out << "  medium: extinction " << list.medium.extinction_per_m << " 1/m, of lasers "
+        << list.medium.laser_extinction_per_m << " 1/m, backscatter " << list.medium.backscatter_per_m_sr
+        << " 1/(m sr), " << list.medium.particles_per_m3 << " particles per m3 of " << list.medium.particle_diameter_m
+        << " m, airlight " << Printed{glm::dvec3(list.medium.airlight)} << '\n';
   }
   return out << "  ambient " << Printed{glm::dvec3(list.environment.ambient)} << ", background "
              << Printed{glm::dvec3(list.environment.background)} << '\n';

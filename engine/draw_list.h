@@ -57,7 +57,8 @@ struct Medium {
   glm::vec3 airlight{0.7f};           ///< linear RGB radiance that it scatters towards a camera, seen at infinity
   double laser_extinction_per_m = 0;  ///< the same for lasers, in the near infrared
   double backscatter_per_m_sr = 0;    ///< of a laser: share that it sends back per metre of way and steradian
-  double particles_per_m3 = 0;        ///< that are large enough for an echo each (rain, snow, dust clumps)
+  double particles_per_m3 = 0;        ///< drops, large enough for an echo each
+  double particle_diameter_m = 0;     ///< their mean; diameters are distributed exponentially
 
   bool operator==(const Medium&) const = default;
 };

@@ -124,7 +124,8 @@ void on_item(const RTCIntersectFunctionNArguments* arguments) {
   }
 }
 
-void cast_packet(RayView& view, RTCScene items, std::span<const glm::dvec3> directions, std::span<RayHit> hits) {
+void cast_packet(RayView& view, RTCScene items, std::span<const glm::dvec3> directions, std::span<RayHit> hits,
+                 std::span<const double> beyond_m) {
   Packet packet;
   rtcInitIntersectContext(&packet.context);
   packet.view = &view;
@@ -139,6 +140,7 @@ void cast_packet(RayView& view, RTCScene items, std::span<const glm::dvec3> dire
     const glm::vec3 way = float_direction(world_from_sensor * directions[lane]);
     packet.direction[lane] = directions[lane];
     packet.ray[lane] = ShearedRay(directions[lane]);
+    if (!beyond_m.empty()) packet.nearest[lane].beyond_m = beyond_m[lane];
     rays.ray.org_x[lane] = from.x;
     rays.ray.org_y[lane] = from.y;
     rays.ray.org_z[lane] = from.z;
@@ -156,18 +158,20 @@ void cast_packet(RayView& view, RTCScene items, std::span<const glm::dvec3> dire
   view.triangle_tests += packet.triangle_tests;
 }
 
-void cast_all(RayView& view, RTCScene items, std::span<const glm::dvec3> directions, std::span<RayHit> hits) {
+void cast_all(RayView& view, RTCScene items, std::span<const glm::dvec3> directions, std::span<RayHit> hits,
+              std::span<const double> beyond_m) {
   for (std::size_t first = 0; first < directions.size(); first += kLanes) {
     const std::size_t count = std::min<std::size_t>(kLanes, directions.size() - first);
-    cast_packet(view, items, directions.subspan(first, count), hits.subspan(first, count));
+    cast_packet(view, items, directions.subspan(first, count), hits.subspan(first, count),
+                part_of(beyond_m, first, count));
   }
 }
 
 class EmbreeRayCaster : public RayCaster {
  public:
   void set_world(const DrawList& list) override { world_ = &list; }
-  void cast(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions,
-            std::span<RayHit> hits) override;
+  void cast(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions, std::span<RayHit> hits,
+            std::span<const double> beyond_m) override;
   RayCounters counters() const override;
   std::string_view engine() const override { return "Embree"; }
 
@@ -179,15 +183,17 @@ class EmbreeRayCaster : public RayCaster {
 };
 
 void EmbreeRayCaster::cast(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions,
-                           std::span<RayHit> hits) {
+                           std::span<RayHit> hits, std::span<const double> beyond_m) {
   SIMVIS_ASSERT(world_ != nullptr && hits.size() == directions.size());
+  SIMVIS_ASSERT(beyond_m.empty() || beyond_m.size() == directions.size());
   if (!items_) items_.emplace(on_item, on_triangle);
   items_->update(*world_, glm::dvec3(world_from_sensor[3]));
   const std::size_t threads = ray_threads(directions.size());
   if (views_.size() < threads) views_.resize(threads);
   share_rays(directions.size(), threads, [&](std::size_t thread, std::size_t first, std::size_t count) {
     views_[thread].begin(*world_, items_->items(), world_from_sensor);
-    cast_all(views_[thread], items_->scene(), directions.subspan(first, count), hits.subspan(first, count));
+    cast_all(views_[thread], items_->scene(), directions.subspan(first, count), hits.subspan(first, count),
+             part_of(beyond_m, first, count));
   });
   rays_ += directions.size();
 }

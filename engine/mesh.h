@@ -82,6 +82,9 @@ inline constexpr float kLeastRoughness = 0.05f;
 ///
 /// `roughness` 1 is Lambert's matte surface. Below, lights have a highlight too: the dielectric of glTF 2.0 (appendix
 /// B), with reflectance 0.04 at normal incidence. Ambient light stays diffuse.
+///
+/// For lasers only: a share `mirror` of the light is reflected as by a mirror, and of the rest a share `transmission`
+/// meets a thin pane of glass, coloured by the base colour. See effects/specular_path.h.
 struct Material {
   std::string name;
   glm::vec4 base_color{1, 1, 1, 1};  ///< linear RGBA, multiplies texture and vertex colour
@@ -97,6 +100,9 @@ struct Material {
   std::shared_ptr<const Texture> base_color_texture;  ///< may be null
   int uv_set = 0;                                     ///< 0 or 1
   glm::mat3x2 uv_transform{1, 0, 0, 1, 0, 0};         ///< columns; texture uv = uv_transform * (u, v, 1)
+
+  float mirror = 0, transmission = 0;  ///< [0, 1]
+  float refractive_index = 1.5f;       ///< of the pane, above 0
 
   bool operator==(const Material&) const = default;
 };

@@ -29,7 +29,7 @@ const SeenItem& RayView::seen(std::uint32_t placed) {
 void RayView::try_triangle(const ShearedRay& ray, std::uint32_t placed, std::uint32_t primitive,
                            const std::array<glm::dvec3, 3>& corners, NearestHit& nearest) const {
   TriangleHit hit;
-  if (!intersect(ray, corners, hit) || hit.range_m > nearest.range_m) return;
+  if (!intersect(ray, corners, hit) || hit.range_m > nearest.range_m || hit.range_m <= nearest.beyond_m) return;
   if (hit.range_m == nearest.range_m && std::pair(nearest.placed, nearest.primitive) < std::pair(placed, primitive)) {
     return;
   }
@@ -37,7 +37,7 @@ void RayView::try_triangle(const ShearedRay& ray, std::uint32_t placed, std::uin
   const Material& material = *list_->materials[list_->items[item.item].material];
   const double area = hit.weights.x + hit.weights.y + hit.weights.z;
   if (!is_solid(material, *item.mesh->mesh(), primitive, hit.weights / area)) return;
-  nearest = {hit.range_m, placed, primitive};
+  nearest = {hit.range_m, placed, primitive, nearest.beyond_m};
 }
 
 RayHit RayView::finish(const ShearedRay& ray, const NearestHit& nearest) {

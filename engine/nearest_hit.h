@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "engine/ray_items.h"
@@ -12,6 +13,7 @@ namespace simvis {
 struct NearestHit {
   double range_m = std::numeric_limits<double>::infinity();
   std::uint32_t placed = 0, primitive = 0;  ///< of RayItems::items()
+  double beyond_m = 0;                      ///< what is met at or before this range is passed
 };
 
 /// The world as one sensor sees it. One per thread: items are brought to the sensor when a ray comes near.
@@ -42,6 +44,11 @@ class RayView {
   std::uint64_t cast_ = 0;
   std::vector<SeenItem> seen_;
 };
+
+/// Of a cast's `beyond_m`, which may be empty.
+inline std::span<const double> part_of(std::span<const double> beyond_m, std::size_t first, std::size_t count) {
+  return beyond_m.empty() ? beyond_m : beyond_m.subspan(first, count);
+}
 
 /// On how many threads it is worth to work on so many rays.
 std::size_t ray_threads(std::size_t rays);

@@ -83,9 +83,10 @@ class RayCaster {
   virtual void set_world(const DrawList& list) = 0;
 
   /// Casts from the sensor's origin. `world_from_sensor` is rigid; directions are unit vectors in the sensor frame;
-  /// hits[i] belongs to directions[i].
-  virtual void cast(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions,
-                    std::span<RayHit> hits) = 0;
+  /// hits[i] belongs to directions[i]. What ray i meets at or before the range `beyond_m[i]`, in metres, it passes:
+  /// empty, or as long as directions, each 0 or from 10^-30 to 10^18.
+  virtual void cast(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions, std::span<RayHit> hits,
+                    std::span<const double> beyond_m = {}) = 0;
 
   virtual RayCounters counters() const = 0;
 

@@ -22,7 +22,8 @@ class RayDispatch {
   /// How many rays one dispatch may take.
   std::size_t most_rays() const;
 
-  /// Where the directions of so many rays, unit vectors in the world, are to be written while nothing is in flight.
+  /// Where the directions of so many rays are to be written while nothing is in flight: xyz, unit vectors in the
+  /// world; w, what the ray meets at or before this range it passes, rounded down.
   std::span<glm::vec4> directions(std::size_t rays);
 
   /// Casts as many rays as `block` says. Nothing is in flight.

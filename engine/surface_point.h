@@ -12,6 +12,7 @@ struct SurfacePoint {
   double range_m = 0;                  ///< from the ray's origin, as RayHit
   double error_bound_m = 0;            ///< of it
   glm::dvec3 normal{0};                ///< of the triangle: unit length, sensor frame, against the ray
+  double normal_error_rad = 0;         ///< by how much rounding may have turned it
   glm::vec4 base_color{1};             ///< linear: material x vertex colour x texture at its largest level
   const Material* material = nullptr;  ///< of the draw list
   std::uint32_t item = 0, primitive = 0;

@@ -37,6 +37,8 @@ NodePtr copy_of(const Node& node) {
     }
     case NodeKind::environment:
       return std::make_shared<EnvironmentNode>(static_cast<const EnvironmentNode&>(node).environment());
+    case NodeKind::medium:
+      return std::make_shared<MediumNode>(static_cast<const MediumNode&>(node).medium());
     case NodeKind::insertion_point:
       return std::make_shared<InsertionPoint>();
     case NodeKind::mount:

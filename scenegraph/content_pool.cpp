@@ -101,6 +101,9 @@ std::uint64_t hash(const Material& material) {
   h.add(material.alpha_cutoff);
   h.add(material.opacity);
   h.add(material.roughness);
+  h.add(material.mirror);
+  h.add(material.transmission);
+  h.add(material.refractive_index);
   h.add(material.unlit);
   h.add(material.double_sided);
   h.add(material.base_color_texture.get());
@@ -114,9 +117,10 @@ std::uint64_t hash(const Material& material) {
 bool same(const Material& a, const Material& b) {
   return same_bits(a.base_color, b.base_color) && same_bits(a.emissive, b.emissive) && a.alpha_mode == b.alpha_mode &&
          same_bits(a.alpha_cutoff, b.alpha_cutoff) && same_bits(a.opacity, b.opacity) &&
-         same_bits(a.roughness, b.roughness) && a.unlit == b.unlit && a.double_sided == b.double_sided &&
-         a.base_color_texture == b.base_color_texture && a.uv_set == b.uv_set &&
-         same_bits(a.uv_transform, b.uv_transform) && a.reflectance == b.reflectance &&
+         same_bits(a.roughness, b.roughness) && same_bits(a.mirror, b.mirror) &&
+         same_bits(a.transmission, b.transmission) && same_bits(a.refractive_index, b.refractive_index) &&
+         a.unlit == b.unlit && a.double_sided == b.double_sided && a.base_color_texture == b.base_color_texture &&
+         a.uv_set == b.uv_set && same_bits(a.uv_transform, b.uv_transform) && a.reflectance == b.reflectance &&
          a.retro_reflectance == b.retro_reflectance;
 }
 

@@ -74,6 +74,7 @@ void Flattener::rewrite_changed() {
     const auto found = occurrences_.find(node);
     if (found == occurrences_.end()) continue;
     if (node == environment_node_) list_.environment = environment_node_->environment();
+    if (node == medium_node_) list_.medium = medium_node_->medium();
     for (const std::uint32_t slot : found->second) {
       switch (node->kind()) {
         case NodeKind::transform:
@@ -123,6 +124,8 @@ void Flattener::forget() {
   mounts_.clear();
   environment_node_ = nullptr;
   list_.environment = Environment();
+  medium_node_ = nullptr;
+  list_.medium = Medium();
   entries_.assign(1, Entry{nullptr, 0, 0});
   list_.items.clear();
   list_.lights.clear();
@@ -183,6 +186,11 @@ class Flattener::Traversal {
         occurrences_of(node);
         f_.environment_node_ = static_cast<const EnvironmentNode*>(node.get());
         f_.list_.environment = f_.environment_node_->environment();
+        break;
+      case NodeKind::medium:
+        occurrences_of(node);
+        f_.medium_node_ = static_cast<const MediumNode*>(node.get());
+        f_.list_.medium = f_.medium_node_->medium();
         break;
       case NodeKind::transform:
         add_transform(node);

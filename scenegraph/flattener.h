@@ -72,6 +72,7 @@ class Flattener : public NodeObserver {
       occurrences_;  // entries, slots of materials or meshes, or lights
   std::unordered_map<const Mount*, std::uint32_t> mounts_;
   const EnvironmentNode* environment_node_ = nullptr;  // the one that counts
+  const MediumNode* medium_node_ = nullptr;            // likewise
   std::vector<NodePtr> attached_;                      // held, so that a changed node is there when update() comes
   std::vector<Node*> changed_;
   bool structure_changed_ = true;

@@ -15,9 +15,9 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::string_view kSupportedExtensions[] = {"EXT_mesh_gpu_instancing",         "KHR_lights_punctual",
-                                                     "KHR_materials_emissive_strength", "KHR_materials_unlit",
-                                                     "KHR_mesh_quantization",           "KHR_texture_transform"};
+constexpr std::string_view kSupportedExtensions[] = {
+    "EXT_mesh_gpu_instancing",    "KHR_lights_punctual", "KHR_materials_emissive_strength", "KHR_materials_ior",
+    "KHR_materials_transmission", "KHR_materials_unlit", "KHR_mesh_quantization",           "KHR_texture_transform"};
 
 // A file's geometry is behind these: without them there is nothing to show.
 constexpr std::string_view kCompressionExtensions[] = {"EXT_meshopt_compression", "KHR_draco_mesh_compression",

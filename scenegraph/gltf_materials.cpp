@@ -4,11 +4,19 @@
 #include <limits>
 #include <string>
 
+#include "scenegraph/attributes.h"
+
 namespace simvis {
 namespace {
 
 double number_or(const tinygltf::Value& object, const std::string& name, double otherwise) {
   return object.IsObject() && object.Has(name) ? object.Get(name).GetNumberAsDouble() : otherwise;
+}
+
+double extension_number_or(const tinygltf::Material& source, const char* extension, const char* name,
+                           double otherwise) {
+  const auto found = source.extensions.find(extension);
+  return found == source.extensions.end() ? otherwise : number_or(found->second, name, otherwise);
 }
 
 double element_or(const tinygltf::Value& object, const std::string& name, int index, double otherwise) {
@@ -30,6 +38,15 @@ glm::mat3x2 uv_transform_of(const tinygltf::Value& transform) {
   const glm::dmat3x2 matrix(c * scale_u, -s * scale_u, s * scale_v, c * scale_v, element_or(transform, "offset", 0, 0),
                             element_or(transform, "offset", 1, 0));
   return glm::mat3x2(matrix);
+}
+
+// KHR_materials_ior: 1 or above; 0 stands for an index without end, where everything is reflected.
+float refractive_index_of(const tinygltf::Material& source, const std::string& place, const GltfDocument& document) {
+  constexpr double kEndless = 1e6;
+  const double ior = extension_number_or(source, "KHR_materials_ior", "ior", Material{}.refractive_index);
+  if (ior == 0) return static_cast<float>(kEndless);
+  if (ior >= 1 && ior <= kEndless) return static_cast<float>(ior);
+  document.fail(place + "/extensions/KHR_materials_ior/ior is " + format_number(ior) + "; expected 0, or 1 to 1e6");
 }
 
 // Each factor is finite as float32, their product need not be.
@@ -68,8 +85,11 @@ Material GltfMaterials::convert(int index) {
   material.double_sided = source.doubleSided;
   material.unlit = source.extensions.count("KHR_materials_unlit") != 0;
 
-  const auto strength = source.extensions.find("KHR_materials_emissive_strength");
-  const double factor = strength == source.extensions.end() ? 1 : number_or(strength->second, "emissiveStrength", 1);
+  material.transmission =
+      static_cast<float>(extension_number_or(source, "KHR_materials_transmission", "transmissionFactor", 0));
+  material.refractive_index = refractive_index_of(source, place, document_);
+
+  const double factor = extension_number_or(source, "KHR_materials_emissive_strength", "emissiveStrength", 1);
   if (source.emissiveTexture.index >= 0) {
     document_.warn("emissive textures are not supported; materials with one do not emit");
   } else if (!material.unlit) {

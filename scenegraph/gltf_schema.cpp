@@ -146,8 +146,11 @@ constexpr Field kTextureInfo[] = {required(index("index", "textures")), integer(
                                   object("extensions", kTextureInfoExtensions)};
 constexpr Field kPbr[] = {numbers("baseColorFactor", 4, 0, 1), object("baseColorTexture", kTextureInfo)};
 constexpr Field kEmissiveStrength[] = {number("emissiveStrength", 0)};
-constexpr Field kMaterialExtensions[] = {object("KHR_materials_unlit", kNothing),
-                                         object("KHR_materials_emissive_strength", kEmissiveStrength)};
+constexpr Field kIor[] = {number("ior", 0)};
+constexpr Field kTransmission[] = {number("transmissionFactor", 0, 1)};
+constexpr Field kMaterialExtensions[] = {
+    object("KHR_materials_unlit", kNothing), object("KHR_materials_emissive_strength", kEmissiveStrength),
+    object("KHR_materials_ior", kIor), object("KHR_materials_transmission", kTransmission)};
 constexpr Field kMaterial[] = {text("name"),
                                object("pbrMetallicRoughness", kPbr),
                                numbers("emissiveFactor", 3, 0, 1),

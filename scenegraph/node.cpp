@@ -109,11 +109,15 @@ void MaterialNode::set_change(std::size_t number, const MaterialChange& change) 
 void MaterialNode::show() {
   glm::dvec3 color(1), emission(material_->emissive);
   double opacity = material_->opacity, roughness = material_->roughness;
+  double mirror = material_->mirror, transmission = material_->transmission, index = material_->refractive_index;
   for (const MaterialChange& change : changes_) {
     color *= glm::dvec3(change.color);
     emission += glm::dvec3(change.emission);
     opacity *= change.opacity;
     roughness *= change.roughness;
+    mirror += (1 - mirror) * change.mirror;
+    transmission += (1 - transmission) * change.transmission;
+    index *= change.refractive_index;
   }
   auto shown = std::make_shared<Material>(*material_);
   shown->base_color = glm::vec4(glm::dvec4(glm::dvec3(material_->base_color) * color, material_->base_color.a));
@@ -124,6 +128,9 @@ void MaterialNode::show() {
     if (change.reflectance) shown->reflectance = change.reflectance;
     if (change.retro_reflectance) shown->retro_reflectance = *change.retro_reflectance;
   }
+  shown->mirror = static_cast<float>(mirror);
+  shown->transmission = static_cast<float>(transmission);
+  shown->refractive_index = static_cast<float>(index);
   shown_ = std::move(shown);
 }
 
@@ -166,6 +173,12 @@ Light LightNode::shown() const {
 void EnvironmentNode::set_environment(const Environment& environment) {
   if (environment == environment_) return;
   environment_ = environment;
+  tell_content_changed();
+}
+
+void MediumNode::set_medium(const Medium& medium) {
+  if (medium == medium_) return;
+  medium_ = medium;
   tell_content_changed();
 }
 

@@ -25,7 +25,7 @@ using GroupPtr = std::shared_ptr<Group>;
 class NodeObserver {
  public:
   virtual ~NodeObserver() = default;
-  /// A transform, a light, the environment, or a material or mesh that has a slot of its own.
+  /// A transform, a light, the environment, the medium, or a material or mesh that has a slot of its own.
   virtual void content_changed(Node& node) = 0;
   virtual void structure_changed() = 0;  ///< children, a switch, what is visible, which material or mesh
 };
@@ -42,7 +42,8 @@ enum class NodeKind : std::uint8_t {
   light,
   environment,
   insertion_point,
-  mount
+  mount,
+  medium
 };
 
 class Node {
@@ -131,6 +132,8 @@ struct MaterialChange {
   float opacity = 1, roughness = 1;  ///< factors
   glm::vec3 emission{0};             ///< linear radiance, added
 
+  float mirror = 0, transmission = 0;                       ///< this share of what is not yet it becomes it
+  float refractive_index = 1;                               ///< factor
   std::optional<float> reflectance{}, retro_reflectance{};  ///< of a laser's light: stand for the material's
 
   bool operator==(const MaterialChange&) const = default;
@@ -216,6 +219,17 @@ class EnvironmentNode : public Node {
 
  private:
   Environment environment_;
+};
+
+/// What fills the air everywhere. Of several, the last in order of traversal counts.
+class MediumNode : public Node {
+ public:
+  explicit MediumNode(const Medium& medium) : Node(NodeKind::medium), medium_(medium) {}
+  const Medium& medium() const { return medium_; }
+  void set_medium(const Medium& medium);
+
+ private:
+  Medium medium_;
 };
 
 /// A named leaf that draws nothing: new content goes right before it.

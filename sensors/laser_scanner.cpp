@@ -49,16 +49,50 @@ LaserScanner::LaserScanner(std::string name, const LaserScannerDesc& desc)
   moment_.rings = scan_.rings;
   moment_.columns = scan_.columns;
   moment_.range_max_m = desc.range_max_m;
-  if (!casts(desc.method)) return;
+  if (casts(desc.method)) make_directions();
+  for (const ChosenScanEffect& each : desc_.effects) {
+    SIMVIS_ASSERT(each.called_for != nullptr || !each.effect->traces() || desc.method == ScanMethod::raycast);
+  }
+}
+
+void LaserScanner::make_directions() {
+  if (!directions_.empty()) return;
   for (const double e : scan_.elevation_rad) {
     for (const double a : scan_.azimuth_rad) {
       directions_.emplace_back(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e));
     }
   }
-  if (std::ranges::any_of(desc_.effects, [](const ChosenScanEffect& each) { return each.effect->traces(); })) {
-    SIMVIS_ASSERT(desc.method == ScanMethod::raycast);
-    traced_ = std::make_unique<TracedScan>(directions_, desc_.effects);
+}
+
+// Looks at the scene only where something changed that effects look at.
+void LaserScanner::take_effects(const DrawList& list) {
+  const bool same = list_ == &list && list.revisions.structure == effects_of_.structure &&
+                    list.revisions.materials == effects_of_.materials && list.medium == moment_.medium;
+  if (same) return;
+  list_ = &list;
+  effects_of_ = list.revisions;
+  moment_.medium = list.medium;
+  effects_.clear();
+  std::ranges::copy_if(desc_.effects, std::back_inserter(effects_), [&](const ChosenScanEffect& each) {
+    return each.called_for == nullptr || each.called_for(list);
+  });
+  traced_.reset();
+  if (std::ranges::none_of(effects_, [](const ChosenScanEffect& each) { return each.effect->traces(); })) {
+    std::erase_if(effects_, [](const ChosenScanEffect& each) { return each.effect->only_traced(); });
+    return;
   }
+  make_directions();
+  traced_ = std::make_unique<TracedScan>(directions_, effects_);
+}
+
+// What in the scene has beams cast, other than the scanner's own attributes.
+std::string LaserScanner::traced_for() const {
+  std::string names;
+  for (const ChosenScanEffect& each : effects_) {
+    if (each.called_for == nullptr || !each.effect->traces()) continue;
+    names += (names.empty() ? "" : " ") + std::string(each.type->name);
+  }
+  return names;
 }
 
 void LaserScanner::take_costs(const std::function<const WorkTable&()>& costs) {
@@ -67,10 +101,10 @@ void LaserScanner::take_costs(const std::function<const WorkTable&()>& costs) {
 
 void LaserScanner::plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) {
   moment_.world_from_sensor = world_from_sensor;
-  list_ = &list;
+  take_effects(list);
   const glm::dmat4 sensor_from_world = rigid_inverse(world_from_sensor);
   survey_.reset();
-  if (desc_.method == ScanMethod::automatic && choice_.is_due(list)) {
+  if (desc_.method == ScanMethod::automatic && !traced_ && choice_.is_due(list)) {
     SIMVIS_ASSERT(costs_ != WorkTable{});
     survey_ = std::make_unique<ScanSurvey>(desc_.pattern, resolutions(desc_));
     if (can_render(desc_)) rounding_ = VertexRounding(list, sensor_from_world);
@@ -80,11 +114,10 @@ void LaserScanner::plan(const glm::dmat4& world_from_sensor, const DrawList& lis
     rendered_->plan(name_, desc_.method == ScanMethod::automatic ? ", by " + choice_.text() : "", sensor_from_world,
                     plan, name_);
   }
-  if (casts(desc_.method)) {
+  if (casts(desc_.method) || traced_) {
     plan.casts.push_back({.name = name_, .reason = cast_reason(), .most_rays = directions_.size()});
   }
-  for (const ChosenScanEffect& each : desc_.effects) {
-    if (!each.effect->is_shown(list, traced_ != nullptr)) continue;
+  for (const ChosenScanEffect& each : effects_) {
     plan.effects.push_back({name_, std::string(each.type->name), std::string(each.type->source)});
   }
 }
@@ -92,6 +125,10 @@ void LaserScanner::plan(const glm::dmat4& world_from_sensor, const DrawList& lis
 std::string LaserScanner::cast_reason() const {
   std::ostringstream reason;
   reason << (renders() ? "beams" : "every beam") << " of laser scanner " << name_;
+  if (traced_) {
+    if (const std::string names = traced_for(); !names.empty()) reason << ", for " << names;
+    return reason.str();
+  }
   if (survey_) {
     reason << ", to see what it would cost";
   } else if (renders()) {
@@ -114,12 +151,12 @@ void LaserScanner::collect(const FrameTime& time, const FramePlan& plan, std::sp
     readings_[beam] = read_range(nearest ? rendered_->nearest(beam) : rendered_->planar(beam), limits_);
     if (casts(desc_.method) && !tolerance_.met(readings_[beam])) beams_.push_back(beam);
   }
-  if (!casts(desc_.method)) hand_over();
+  if (!casts(desc_.method) && !traced_) hand_over();
 }
 
 void LaserScanner::cast(RayCaster& rays) {
-  if (!casts(desc_.method)) return;
   if (traced_) return cast_traced(rays);
+  if (!casts(desc_.method)) return;
   if (survey_) {
     cast_survey(rays);
   } else {
@@ -130,9 +167,13 @@ void LaserScanner::cast(RayCaster& rays) {
 
 void LaserScanner::cast_traced(RayCaster& rays) {
   const std::span<const Echo> detected = traced_->trace(moment_, *list_, rays);
+  ToleranceCheck check(tolerance_);
   for (std::size_t beam = 0; beam < detected.size(); ++beam) {
-    readings_[beam] = read_range({detected[beam].range_m, detected[beam].error_bound_m}, limits_);
+    const RangeEstimate range{detected[beam].range_m, detected[beam].error_bound_m};
+    readings_[beam] = read_range(range, limits_);
+    check.add(range, readings_[beam]);
   }
+  if (casts(desc_.method) && desc_.method != ScanMethod::raycast) check.require(name_);
   hand_over(detected);
 }
 
@@ -188,7 +229,7 @@ void LaserScanner::hand_over(std::span<const Echo> detected) {
     scan_.error_bound_m[beam] = readings_[beam].error_bound_m;
   }
   scan_.channels.clear();
-  for (const ChosenScanEffect& each : desc_.effects) each.effect->finish(moment_, detected, scan_);
+  for (const ChosenScanEffect& each : effects_) each.effect->finish(moment_, detected, scan_);
   moment_.before = {moment_.time.time_ns, moment_.world_from_sensor};
 }
 
@@ -219,14 +260,15 @@ void LaserScanner::write(OutputSink& sink) const {
 
 SensorReport LaserScanner::report() const {
   SensorReport report;
+  if (const std::string names = traced_for(); !names.empty()) report.notes.push_back({"cast_for", names});
   if (const std::optional<double> share = cast_share()) report.notes.push_back({"cast_share", *share});
   if (desc_.method == ScanMethod::automatic) choice_.report(name_, report);
   return report;
 }
 
 std::optional<double> LaserScanner::cast_share() const {
-  if (!casts(desc_.method)) return {};
   if (traced_) return 1;
+  if (!casts(desc_.method)) return {};
   return static_cast<double>(hits_.size()) / static_cast<double>(directions_.size());
 }
 

@@ -9,8 +9,9 @@
 // `auto` is whatever of `hybrid`, at some resolutions, and `raycast` costs the least in this scene and pose: see
 // scan_survey.h for what it chooses from, and scan_choice.h for when. A frame in which it surveys casts every beam.
 // The scans of `hybrid` and `auto` keep the tolerance with every beam, or there is an error that names what can be
-// kept. With an effect that traces (see effects/scan_effect.h) every beam is cast. A laser meets matter from either
-// side; what is blended below one half or masked out lets it pass; lines and points are not there for it.
+// kept. With an effect that traces (see effects/scan_effect.h) every beam is cast, by any method in those frames whose
+// scene calls for the effect. A laser meets matter from either side; what is blended below one half or masked out lets
+// it pass; lines and points are not there for it.
 #pragma once
 
 #include <memory>
@@ -47,7 +48,7 @@ struct LaserScannerDesc {
   double resolution_px = 0;             ///< pixels across 90 degrees; 0: see below
   std::optional<double> max_error_m{};  ///< hybrid, auto: of no bound, along the ray
   Location where_max_error_m{}, where_max_error_rel{};  ///< where a scene says so, for messages
-  std::vector<ChosenScanEffect> effects{};              ///< if one of them traces, `method` is raycast
+  std::vector<ChosenScanEffect> effects{};              ///< if one traces, whatever the scene, `method` is raycast
 };
 
 /// Pixels across 90 degrees where a scene does not say: of one ring, and of several (whose faces are areas).
@@ -73,7 +74,10 @@ class LaserScanner : public Sensor {
   std::optional<double> cast_share() const;
 
  private:
-  bool renders() const { return rendered_ != nullptr && survey_ == nullptr; }
+  bool renders() const { return rendered_ != nullptr && survey_ == nullptr && traced_ == nullptr; }
+  void make_directions();
+  void take_effects(const DrawList& list);
+  std::string traced_for() const;
   std::string cast_reason() const;
   void cast_beams(RayCaster& rays);
   void cast_survey(RayCaster& rays);
@@ -88,12 +92,14 @@ class LaserScanner : public Sensor {
   std::unique_ptr<ScanSurvey> survey_;      // of this frame, if it has one
   ScanChoice choice_;
   WorkTable costs_;
-  std::unique_ptr<TracedScan> traced_;  // where an effect traces
-  ScanMoment moment_;                   // of this frame
-  const DrawList* list_ = nullptr;      // of this frame
-  VertexRounding rounding_;             // of this frame's scene
-  std::vector<glm::dvec3> directions_;  // of all beams, where the method casts any
-  std::vector<std::uint32_t> beams_;    // to be cast this frame, where something is rendered
+  std::vector<ChosenScanEffect> effects_;  // those that this frame's scene calls for
+  DrawList::Revisions effects_of_;         // of the list for which they were chosen
+  std::unique_ptr<TracedScan> traced_;     // where one of them traces
+  ScanMoment moment_;                      // of this frame
+  const DrawList* list_ = nullptr;         // of this frame
+  VertexRounding rounding_;                // of this frame's scene
+  std::vector<glm::dvec3> directions_;     // of all beams, once any is cast
+  std::vector<std::uint32_t> beams_;       // to be cast this frame, where something is rendered
   std::vector<glm::dvec3> cast_directions_;
   std::vector<RayHit> hits_;
   std::vector<Reading> readings_;  // of this frame, until all of them are there

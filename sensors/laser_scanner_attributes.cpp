@@ -89,7 +89,8 @@ ScanMethod method_named(std::string_view name) {
 
 // An effect that follows beams needs them cast: so they are, unless the scene says that they shall be rendered.
 void cast_what_effects_trace(const Command& command, LaserScannerDesc& desc) {
-  const auto tracing = std::ranges::find_if(desc.effects, [](const auto& each) { return each.effect->traces(); });
+  const auto tracing = std::ranges::find_if(
+      desc.effects, [](const auto& each) { return each.called_for == nullptr && each.effect->traces(); });
   if (tracing == desc.effects.end() || desc.method == ScanMethod::raycast) return;
   if (const CommandAttribute* const method = command.find("method")) {
     fail_at(method->where, "attribute \"method\": " + in_quotes(method->value) + " cannot show " +

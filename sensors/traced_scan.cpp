@@ -38,11 +38,14 @@ void TracedScan::cast(const glm::dmat4& world_from_sensor, RayCaster& caster) {
   hits_.resize(rays_.size());
   for (std::size_t first = 0, end = 0; first < rays_.size(); first = end) {
     together_.clear();
+    beyond_m_.clear();
     for (end = first; end < rays_.size() && rays_[end].origin_m == rays_[first].origin_m; ++end) {
       together_.push_back(rays_[end].direction);
+      beyond_m_.push_back(rays_[end].beyond_m);
     }
+    const bool whole = std::ranges::count(beyond_m_, 0.0) == static_cast<std::ptrdiff_t>(beyond_m_.size());
     caster.cast(glm::translate(world_from_sensor, rays_[first].origin_m), together_,
-                std::span(hits_).subspan(first, end - first));
+                std::span(hits_).subspan(first, end - first), whole ? std::span<const double>() : beyond_m_);
   }
   rays_cast_ += rays_.size();
 }

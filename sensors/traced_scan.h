@@ -36,6 +36,7 @@ class TracedScan {
   std::span<const ChosenScanEffect> effects_;
   std::vector<BeamRay> rays_, onward_;
   std::vector<glm::dvec3> together_;  // directions that are cast at once
+  std::vector<double> beyond_m_;      // of those
   std::vector<RayHit> hits_;
   std::vector<std::vector<Echo>> echoes_;  // by beam
   std::vector<Echo> detected_;

@@ -39,6 +39,7 @@ const float kFar = SIMVIS_FAR_M;
 
 uint ray;
 vec3 direction;
+float passed_m;  // what is met at or before this range does not count; rounded down
 uint found = 0;
 float found_from_m[SIMVIS_MOST_CANDIDATES];
 float met_by_m = kFar;         // an opaque triangle is met at this range or before
@@ -137,8 +138,9 @@ void try_triangle(const LocalRay r, RayTriangle triangle) {
   const float first = max(r.start + min(one, other) - kWayError, 0), last = r.start + max(one, other) + kWayError;
   if (last < 0) return;
   const float from_m = first * r.metres * (1 - r.range_error), to_m = last * r.metres * (1 + r.range_error);
+  if (to_m < passed_m) return;
   add_candidate(r.item, triangle.a_primitive.w, from_m);
-  if (certain && r.solid && first > 0) met_by_m = min(met_by_m, to_m);
+  if (certain && r.solid && first > 0 && from_m >= passed_m * (1 + 2 * kUlp)) met_by_m = min(met_by_m, to_m);
 }
 
 void walk_mesh(const LocalRay r, uint root, float units_per_m) {
@@ -211,6 +213,7 @@ void main() {
   ray = gl_GlobalInvocationID.x;
   if (ray >= view.rays.x) return;
   direction = directions[ray].xyz;
+  passed_m = directions[ray].w;
   const vec3 per_way = 1 / apart_from_zero(direction), from = view.sensor_high.xyz;
   stack_node[0] = 0;
   stack_near[0] = 0;
