@@ -67,6 +67,7 @@ class OutputSink {
   /// first comes; so a sensor may hand it over after every frame.
   virtual void text(const std::string& stem, const std::string& extension, std::string_view text) = 0;
   /// Rows of a table that grows with each frame; `values` holds whole rows. Columns are the same at every call.
+  /// Where one is "time_s", it stands in the file in place of the frame's.
   virtual void rows(std::span<const TableColumn> columns, std::span<const double> values) = 0;
 };
 

@@ -34,8 +34,9 @@ class TracedScan {
 
   std::span<const glm::dvec3> directions_;
   std::span<const ChosenScanEffect> effects_;
+  double pulse_length_m_;
   std::vector<BeamRay> rays_, onward_;
-  std::vector<glm::dvec3> together_;  // directions that are cast at once
+  std::vector<glm::dvec3> cast_origins_m_, cast_directions_;  // of rays_
   std::vector<RayHit> hits_;
   std::vector<std::vector<Echo>> echoes_;  // by beam
   std::vector<Echo> detected_;
