@@ -17,7 +17,7 @@ std::string scanner(std::string_view attributes) {
 struct Seen {
   Scan scan;
   FrameCounters counters;
-  std::uint64_t rays = 0;
+  std::uint64_t rays = 0, planned_rays = 0;
   std::vector<std::string> effects;
   std::string method;
 };
@@ -35,6 +35,7 @@ Seen see(std::string_view attributes) {
             .rays = world->ray_counters().rays,
             .effects = {},
             .method = world->sensors().at(0).method};
+  for (const RayCast& each : world->frame_plan().casts) seen.planned_rays += each.most_rays;
   for (const PlannedEffect& each : world->frame_plan().effects) seen.effects.push_back(each.effect);
   return seen;
 }
@@ -57,6 +58,7 @@ TEST_CASE("named without effect, they cost nothing and change nothing; on, they 
     CHECK(on.scan.range_m.size() == plain.scan.range_m.size());
     CHECK(on.effects == std::vector<std::string>{name});
     CHECK(on.counters.draws == 0);
+    CHECK(on.rays == 2 * on.planned_rays);
     CHECK(on.rays == 2 * 91 * (std::string_view(name) == "beam_divergence" ? 16 : 1));
     CHECK(on.method == "raycast");
   }

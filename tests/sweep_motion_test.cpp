@@ -75,7 +75,7 @@ std::shared_ptr<RayCaster> a_caster() {
 }
 
 struct Motion {
-  const char* what;
+  std::string what;
   glm::dvec3 velocity_m_s, turn_axis;
   double turn_rad_s;
 };
@@ -121,7 +121,8 @@ TEST_CASE("a scanner that drives towards a wall, past it, and turns: ranges of t
             const double error_m = std::abs(echoes[column].range_m - expected_m);
             worst_use = std::max(worst_use, error_m / (echoes[column].error_bound_m + given_m));
             REQUIRE(error_m <= echoes[column].error_bound_m + given_m);
-            REQUIRE(echoes[column].error_bound_m < 1e-7);
+            // Not by being large: the caster's 42 u of the offset, 12 u for origins, and what 200 m of wall need.
+            REQUIRE(echoes[column].error_bound_m <= 64 * 0x1p-53 * (offset_m + 500) / cosine);
             ++met;
           }
           CHECK(met > 100);
