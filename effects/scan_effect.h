@@ -85,7 +85,7 @@ class ScanEffect {
   virtual void meet(const ScanMoment&, const BeamRay&, const SurfacePoint&, Echo&,
                     std::vector<BeamRay>& /*onward*/) const {}
 
-  /// `echoes` of one beam by range, at least one ray's; without an echo: empty.
+  /// `echoes` of one beam by range, as they have to stay; without an echo: empty.
   virtual void receive(const ScanMoment&, std::uint32_t /*beam*/, std::vector<Echo>& /*echoes*/) const {}
 
   /// How far apart echoes have to be for the receiver to tell them apart; empty: leaves that to others.

@@ -15,9 +15,10 @@ namespace {
 // each component (u = 2^-53), so 4 sqrt(3) u of either's length, and once more sqrt(3) of the former's.
 double displacement_m(const ScanMoment& moment, const BeamRay& ray, double range_m) {
   constexpr double kPlacing = 12 * 0x1p-53;
-  const double placed_m = ray.origin_m == glm::dvec3(0)
-                              ? 0
-                              : kPlacing * (glm::length(ray.origin_m) + glm::length(moment.world_from_sensor[3]));
+  const double placed_m =
+      ray.origin_m == glm::dvec3(0)
+          ? 0
+          : kPlacing * (glm::length(ray.origin_m) + glm::length(glm::dvec3(moment.world_from_sensor[3])));
   return placed_m + ray.origin_error_m + ray.direction_error * range_m;
 }
 
