@@ -8,12 +8,6 @@
 namespace simvis {
 namespace {
 
-#ifdef __SANITIZE_ADDRESS__
-constexpr std::size_t kFewer = 20;
-#else
-constexpr std::size_t kFewer = 1;
-#endif
-
 constexpr double kDeviation_rad = 0.01;
 
 std::shared_ptr<const AngularNoise> noise(std::uint64_t seed = 0, const std::string& sensor = "S") {

@@ -73,7 +73,10 @@ TEST_CASE("rays over a footprint: equal shares, within the cone, symmetric; one 
 // f's integral over r^2 by the midpoint rule in steps of 2 / N (of 1 / N about the axis, where N is odd). f is monotone
 // and at most 1: so that is off by at most 1 / N. What single turns are off averages out.
 TEST_CASE("the footprint at an edge: shares of the closed form, better than as many rays at random") {
-  constexpr std::size_t kBeams = 1000;
+  constexpr std::size_t kBeams = 1000 / kFewer;
+  // A root of a mean square is off by 1 / sqrt(kBeams) of itself, or less, where the kurtosis is below 5: as for one
+  // ray in seven at the far edge.
+  const double chance = 1 + kSigmas / std::sqrt(kBeams);
   for (const double c : {-0.7, 0.0, 0.3, 0.9}) {
     CAPTURE(c);
     const double expected = disc_share_above(c);
@@ -89,10 +92,10 @@ TEST_CASE("the footprint at an edge: shares of the closed form, better than as m
       const double rms = std::sqrt(errors.mean()), at_random = std::sqrt(expected * (1 - expected) / samples);
       MESSAGE("edge at " << c << ", " << samples << " rays: share off by " << rms << " (at random " << at_random
                          << ")");
-      CHECK(rms < at_random);
+      CHECK(rms <= at_random * chance);
       if (samples % 2 == 0) {
         // Four times the rays: at least half the error, as rays at random would have it.
-        if (samples > 8) CHECK(rms <= before / 2 * (1 + kSigmas / std::sqrt(2.0 * kBeams)));
+        if (samples > 8) CHECK(rms <= before / 2 * chance);
         before = rms;
       }
     }
@@ -100,7 +103,7 @@ TEST_CASE("the footprint at an edge: shares of the closed form, better than as m
 }
 
 TEST_CASE("mixed ranges: power-weighted where a pulse spans both walls, one of the two where it does not") {
-  constexpr std::size_t kBeams = 2000;
+  constexpr std::size_t kBeams = 2000 / kFewer;
   constexpr std::uint32_t kSamples = 256;
   const double longer = std::sqrt(1 + kSpread * kSpread);  // the way of a ray at the rim
   for (const double c : {-0.5, 0.0, 0.7}) {

@@ -14,6 +14,13 @@
 
 namespace simvis {
 
+/// Sanitizers make rays some twenty times slower.
+#ifdef __SANITIZE_ADDRESS__
+inline constexpr std::size_t kFewer = 20;
+#else
+inline constexpr std::size_t kFewer = 1;
+#endif
+
 /// Reads what passes: the rays as they leave, and the echoes of each beam before any of them merge.
 struct Probe : ScanEffect {
   mutable std::vector<BeamRay> rays;
