@@ -5,6 +5,7 @@
 //   aim      rays as they leave: turned, moved, split
 //   meet     what a ray meets: how much comes back, and which rays go onward
 //   receive  the echoes of a beam: weakened, added, dropped
+//            then those that overlap become one, see effects/returns.h
 //   detect   which of them the scanner reports
 //   finish   the scan as a whole: noise, rounding, columns
 //
@@ -54,8 +55,9 @@ struct BeamRay {
   glm::dvec3 direction{1, 0, 0};  ///< S, unit length
   double share = 1;               ///< of the beam's energy that it carries
   double travelled_m = 0;         ///< before its origin: 0 as it leaves the scanner
-  double error_m = 0;             ///< by how much that, and its origin, may be off
-  double error_rad = 0;           ///< its direction
+  double error_m = 0;             ///< by how much that may be off
+  double origin_error_m = 0;      ///< by how much its origin may be off, across the way too
+  double error_rad = 0;           ///< by how much its direction may be off
   double beyond_m = 0;            ///< what it meets at or before this range from its origin it passes
   std::uint32_t turns = 0;        ///< how often it was turned or let through since it left
 };
@@ -65,6 +67,7 @@ struct Echo {
   double range_m = std::numeric_limits<double>::infinity();  ///< along the path, one way; +infinity: nothing
   double error_bound_m = 0;                                  ///< of range_m, of surfaces and paths without noise
   double power = 0;  ///< share x reflectance x cosine / range^2, in 1/m^2: a white matte wall at 1 m, square on, is 1
+  std::uint32_t returns = 0;  ///< among how many it was detected, where a receiver counts them
 };
 
 class ScanEffect {
@@ -77,6 +80,9 @@ class ScanEffect {
   /// Whether it has a say only where another effect has beams followed.
   virtual bool only_traced() const { return false; }
 
+  /// Into how many rays aim() splits each.
+  virtual std::uint32_t rays_per_ray() const { return 1; }
+
   /// `rays` come with one ray per beam, in order; later effects get what earlier ones made of them.
   virtual void aim(const ScanMoment&, std::vector<BeamRay>&) const {}
 
@@ -85,8 +91,11 @@ class ScanEffect {
   virtual void meet(const ScanMoment&, const BeamRay&, const SurfacePoint&, Echo&,
                     std::vector<BeamRay>& /*onward*/) const {}
 
-  /// `echoes` of one beam by range, at least one ray's; without an echo: empty.
+  /// `echoes` of one beam by range, as they have to stay; without an echo: empty.
   virtual void receive(const ScanMoment&, std::uint32_t /*beam*/, std::vector<Echo>& /*echoes*/) const {}
+
+  /// How far apart echoes have to be for the receiver to tell them apart; empty: leaves that to others.
+  virtual std::optional<double> pulse_length_m() const { return {}; }
 
   /// Takes one of the echoes, by range, or makes one of several; false: leaves that to others.
   virtual bool detect(const ScanMoment&, std::uint32_t /*beam*/, std::span<const Echo>, Echo& /*detected*/) const {
@@ -98,7 +107,7 @@ class ScanEffect {
 };
 
 /// In which order effects are called at each stage; those of one place by their names.
-enum class ScanOrder : std::uint8_t { pose, direction, spread, path, medium, detection, disturbance, rounding };
+enum class ScanOrder : std::uint8_t { direction, pose, spread, path, medium, detection, disturbance, rounding };
 
 /// What an effect is made of.
 struct ScanEffectContext {

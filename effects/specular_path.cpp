@@ -33,8 +33,6 @@ class SpecularPath : public ScanEffect {
             std::vector<BeamRay>& onward) const override {
     const double cosine = -glm::dot(surface.normal, ray.direction);
     if (!(cosine > 0)) return;
-    const double astray_m = ray.turns == 0 ? 0 : ray.error_m + ray.error_rad * surface.range_m;
-    echo.error_bound_m += astray_m / cosine;
     const Material& material = *surface.material;
     if (material.mirror == 0 && material.transmission == 0) return;
     const double error_m = echo.error_bound_m;
@@ -42,7 +40,7 @@ class SpecularPath : public ScanEffect {
     echo.power *= shares.matte;
     if (shares.matte == 0) echo.range_m = std::numeric_limits<double>::infinity();
     if (ray.turns >= depth_) return;
-    if (shares.reflected > 0) onward.push_back(reflected(ray, surface, cosine, shares.reflected, astray_m + error_m));
+    if (shares.reflected > 0) onward.push_back(reflected(ray, surface, cosine, shares.reflected, error_m));
     if (shares.passed > 0) onward.push_back(passed(ray, surface, shares.passed));
   }
 
@@ -55,7 +53,8 @@ class SpecularPath : public ScanEffect {
     onward.share = ray.share * share * share;
     onward.travelled_m = ray.travelled_m + surface.range_m;
     const double rounding_m = 8 * kUnit * glm::length(onward.origin_m);
-    onward.error_m = error_m + rounding_m;
+    onward.error_m = error_m;
+    onward.origin_error_m = ray.origin_error_m + ray.error_rad * surface.range_m + error_m + rounding_m;
     onward.error_rad = ray.error_rad + 2 * surface.normal_error_rad + 8 * kUnit;
     onward.beyond_m = 2 * (5 * surface.error_bound_m + rounding_m) / cosine;
     ++onward.turns;

@@ -3,6 +3,7 @@
 // complete up to what the host then finds, the host walks the same trees in double, from what it has found.
 #include <algorithm>
 #include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
 #include <numeric>
 #include <optional>
 #include <utility>
@@ -42,10 +43,14 @@ class DeviceRayCaster : public RayCaster {
   void set_world(const DrawList& list) override { list_ = &list; }
   void cast(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions, std::span<RayHit> hits,
             std::span<const double> beyond_m) override;
+  void cast_from(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> origins_m,
+                 std::span<const glm::dvec3> directions, std::span<RayHit> hits,
+                 std::span<const double> beyond_m) override;
   RayCounters counters() const override { return items_.counters; }
   std::string_view engine() const override { return "a compute shader"; }
 
  private:
+  void update(const glm::dvec3& world_place);
   void find_candidates(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions,
                        std::span<const double> beyond_m);
   void upload(VkCommandBuffer commands);
@@ -68,9 +73,7 @@ void DeviceRayCaster::cast(const glm::dmat4& world_from_sensor, std::span<const 
                            std::span<RayHit> hits, std::span<const double> beyond_m) {
   SIMVIS_ASSERT(list_ != nullptr && hits.size() == directions.size());
   SIMVIS_ASSERT(beyond_m.empty() || beyond_m.size() == directions.size());
-  if (!world_) world_.emplace(device_.impl());
-  items_.update(*list_, glm::dvec3(world_from_sensor[3]));
-  uploaded_ = false;
+  update(glm::dvec3(world_from_sensor[3]));
   const std::size_t most = world_->dispatch.most_rays();
   // Once, but for very many rays; what has changed is uploaded even for none.
   for (std::size_t first = 0; first < directions.size() || !uploaded_; first += most) {
@@ -80,6 +83,41 @@ void DeviceRayCaster::cast(const glm::dmat4& world_from_sensor, std::span<const 
     decide(world_from_sensor, directions.subspan(first, count), hits.subspan(first, count), part_beyond_m);
   }
   items_.counters.rays += directions.size();
+}
+
+void DeviceRayCaster::update(const glm::dvec3& world_place) {
+  if (!world_) world_.emplace(device_.impl());
+  items_.update(*list_, world_place);
+  uploaded_ = false;
+}
+
+// One dispatch per origin would cost more than the host takes for its few rays. The trees have to be up to date.
+void DeviceRayCaster::cast_from(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> origins_m,
+                                std::span<const glm::dvec3> directions, std::span<RayHit> hits,
+                                std::span<const double> beyond_m) {
+  SIMVIS_ASSERT(beyond_m.empty() || beyond_m.size() == directions.size());
+  SIMVIS_ASSERT(list_ != nullptr && hits.size() == directions.size() && origins_m.size() == directions.size());
+  for (std::size_t start = 0, served = 0; start < directions.size(); start += served) {
+    update(glm::dvec3(glm::translate(world_from_sensor, origins_m[start])[3]));
+    served = items_.in_reach(world_from_sensor, origins_m.subspan(start));
+    find_candidates(world_from_sensor, {}, {});
+    const std::size_t threads = ray_threads(served);
+    if (views_.size() < threads) views_.resize(threads);
+    share_rays(served, threads, [&](std::size_t thread, std::size_t first, std::size_t count) {
+      RayView& view = views_[thread];
+      for (std::size_t i = start + first; i < start + first + count; ++i) {
+        if (i == start + first || origins_m[i] != origins_m[i - 1]) {
+          view.begin(*list_, items_, glm::translate(world_from_sensor, origins_m[i]));
+        }
+        const CastRay ray(directions[i]);
+        NearestHit nearest{.beyond_m = beyond_m.empty() ? 0 : beyond_m[i]};
+        if (!items_.items().empty()) cast_into_items(view, world_->top.bvh(), ray, nearest);
+        hits[i] = view.finish(ray.sheared, nearest);
+      }
+    });
+    items_.counters.rays += served;
+    items_.counters.rays_walked += served;
+  }
 }
 
 void DeviceRayCaster::find_candidates(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions,

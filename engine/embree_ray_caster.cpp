@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
+#include <glm/gtc/matrix_transform.hpp>
 #include <optional>
 #include <utility>
 
@@ -167,15 +169,29 @@ void cast_all(RayView& view, RTCScene items, std::span<const glm::dvec3> directi
   }
 }
 
+// Of how many rays, from `first` on, the origins are the same.
+std::size_t together(std::span<const glm::dvec3> origins_m, std::size_t first) {
+  std::size_t end = first + 1;
+  while (end < origins_m.size() && origins_m[end] == origins_m[first]) ++end;
+  return end - first;
+}
+
 class EmbreeRayCaster : public RayCaster {
  public:
   void set_world(const DrawList& list) override { world_ = &list; }
   void cast(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions, std::span<RayHit> hits,
             std::span<const double> beyond_m) override;
+  void cast_from(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> origins_m,
+                 std::span<const glm::dvec3> directions, std::span<RayHit> hits,
+                 std::span<const double> beyond_m) override;
   RayCounters counters() const override;
   std::string_view engine() const override { return "Embree"; }
 
  private:
+  using Share = std::function<void(RayView& view, std::size_t first, std::size_t count)>;
+  void update(const glm::dvec3& world_place);
+  void share(std::size_t rays, const Share& work);
+
   const DrawList* world_ = nullptr;
   std::optional<EmbreeItems> items_;  // from the first cast on
   std::vector<RayView> views_;        // of each thread
@@ -186,16 +202,45 @@ void EmbreeRayCaster::cast(const glm::dmat4& world_from_sensor, std::span<const 
                            std::span<RayHit> hits, std::span<const double> beyond_m) {
   SIMVIS_ASSERT(world_ != nullptr && hits.size() == directions.size());
   SIMVIS_ASSERT(beyond_m.empty() || beyond_m.size() == directions.size());
-  if (!items_) items_.emplace(on_item, on_triangle);
-  items_->update(*world_, glm::dvec3(world_from_sensor[3]));
-  const std::size_t threads = ray_threads(directions.size());
-  if (views_.size() < threads) views_.resize(threads);
-  share_rays(directions.size(), threads, [&](std::size_t thread, std::size_t first, std::size_t count) {
-    views_[thread].begin(*world_, items_->items(), world_from_sensor);
-    cast_all(views_[thread], items_->scene(), directions.subspan(first, count), hits.subspan(first, count),
+  update(glm::dvec3(world_from_sensor[3]));
+  share(directions.size(), [&](RayView& view, std::size_t first, std::size_t count) {
+    view.begin(*world_, items_->items(), world_from_sensor);
+    cast_all(view, items_->scene(), directions.subspan(first, count), hits.subspan(first, count),
              part_of(beyond_m, first, count));
   });
-  rays_ += directions.size();
+}
+
+void EmbreeRayCaster::cast_from(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> origins_m,
+                                std::span<const glm::dvec3> directions, std::span<RayHit> hits,
+                                std::span<const double> beyond_m) {
+  SIMVIS_ASSERT(beyond_m.empty() || beyond_m.size() == directions.size());
+  SIMVIS_ASSERT(world_ != nullptr && hits.size() == directions.size() && origins_m.size() == directions.size());
+  for (std::size_t start = 0, served = 0; start < directions.size(); start += served) {
+    update(glm::dvec3(glm::translate(world_from_sensor, origins_m[start])[3]));
+    served = items_->items().in_reach(world_from_sensor, origins_m.subspan(start));
+    share(served, [&](RayView& view, std::size_t first, std::size_t count) {
+      const std::size_t end = start + first + count;
+      for (std::size_t ray = start + first, group = 0; ray < end; ray += group) {
+        group = std::min(together(origins_m, ray), end - ray);
+        view.begin(*world_, items_->items(), glm::translate(world_from_sensor, origins_m[ray]));
+        cast_all(view, items_->scene(), directions.subspan(ray, group), hits.subspan(ray, group),
+                 part_of(beyond_m, ray, group));
+      }
+    });
+  }
+}
+
+void EmbreeRayCaster::update(const glm::dvec3& world_place) {
+  if (!items_) items_.emplace(on_item, on_triangle);
+  items_->update(*world_, world_place);
+}
+
+void EmbreeRayCaster::share(std::size_t rays, const Share& work) {
+  const std::size_t threads = ray_threads(rays);
+  if (views_.size() < threads) views_.resize(threads);
+  share_rays(rays, threads,
+             [&](std::size_t thread, std::size_t first, std::size_t count) { work(views_[thread], first, count); });
+  rays_ += rays;
 }
 
 RayCounters EmbreeRayCaster::counters() const {

@@ -88,6 +88,13 @@ class RayCaster {
   virtual void cast(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions, std::span<RayHit> hits,
                     std::span<const double> beyond_m = {}) = 0;
 
+  /// From many places: hits[i] is, to the bit, what cast() gives for directions[i] where the sensor stands at
+  /// glm::translate(world_from_sensor, origins_m[i]). Costs less where rays of one origin follow one another. On a
+  /// device they are cast by the host, in double.
+  virtual void cast_from(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> origins_m,
+                         std::span<const glm::dvec3> directions, std::span<RayHit> hits,
+                         std::span<const double> beyond_m = {}) = 0;
+
   virtual RayCounters counters() const = 0;
 
   /// Who casts, for people.

@@ -64,6 +64,14 @@ void RayItems::update(const DrawList& list, const glm::dvec3& world_sensor) {
   place(list, restructured_ || moved_away);
 }
 
+std::size_t RayItems::in_reach(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> places_m) const {
+  const auto outside = [&](const glm::dvec3& place_m) {
+    return !(glm::distance(glm::dvec3(world_from_sensor * glm::dvec4(place_m, 1)), origin_) <= kReach_m);
+  };
+  const auto end = std::find_if(places_m.begin() + 1, places_m.end(), outside);
+  return static_cast<std::size_t>(end - places_m.begin());
+}
+
 bool RayItems::take_structure(const DrawList& list) {
   if (made_ && list.items == list_items_ && list.meshes == list_meshes_) return false;
   made_ = false;  // until all is there: making a mesh's tree may throw

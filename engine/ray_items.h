@@ -6,6 +6,7 @@
 #include <glm/glm.hpp>
 #include <limits>
 #include <memory>
+#include <span>
 #include <unordered_map>
 #include <vector>
 
@@ -68,6 +69,9 @@ class RayItems {
 
   /// Brings everything up to date with the list, for a sensor at this place.
   void update(const DrawList& list, const glm::dvec3& world_sensor);
+
+  /// After update() for the first of these places in the frame of a sensor: how many of them, without a gap, it serves.
+  std::size_t in_reach(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> places_m) const;
 
   /// In the order of the list's items.
   const std::vector<PlacedItem>& items() const { return items_; }

@@ -1,6 +1,7 @@
 #include "engine/surface_alpha.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "engine/srgb.h"
@@ -45,8 +46,15 @@ auto sample(const Texture& texture, const glm::dvec2& uv, const Value& value) {
 
 double alpha_of(const std::uint8_t* rgba) { return rgba[3] / 255.0; }
 
+// A texel's colour. Rays ask for four of them each: what decode_srgb() makes of a byte is kept.
 glm::dvec4 color_of(const std::uint8_t* rgba) {
-  return {decode_srgb(rgba[0] / 255.0), decode_srgb(rgba[1] / 255.0), decode_srgb(rgba[2] / 255.0), rgba[3] / 255.0};
+  static const std::array<double, 256> linear = [] {
+    std::array<double, 256> values{};
+    for (std::size_t byte = 0; byte < values.size(); ++byte)
+      values[byte] = decode_srgb(static_cast<double>(byte) / 255);
+    return values;
+  }();
+  return {linear[rgba[0]], linear[rgba[1]], linear[rgba[2]], rgba[3] / 255.0};
 }
 
 /// A point of a primitive as materials see it.

@@ -115,7 +115,9 @@ void LaserScanner::plan(const glm::dmat4& world_from_sensor, const DrawList& lis
                     plan, name_);
   }
   if (casts(desc_.method) || traced_) {
-    plan.casts.push_back({.name = name_, .reason = cast_reason(), .most_rays = directions_.size()});
+    std::uint64_t most_rays = directions_.size();
+    for (const ChosenScanEffect& each : effects_) most_rays *= each.effect->rays_per_ray();
+    plan.casts.push_back({.name = name_, .reason = cast_reason(), .most_rays = most_rays});
   }
   for (const ChosenScanEffect& each : effects_) {
     plan.effects.push_back({name_, std::string(each.type->name), std::string(each.type->source)});

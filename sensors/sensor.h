@@ -67,7 +67,7 @@ class OutputSink {
   /// A text that is the same throughout the run, with the extension of its file's name ("yaml"). It is written when it
   /// first comes; so a sensor may hand it over after every frame.
   virtual void text(const std::string& stem, const std::string& extension, std::string_view text) = 0;
-  /// Rows of a table that grows with each frame; `values` holds whole rows. Columns are the same at every call.
+  /// Whole rows of a table that grows with each frame, of the same columns; "time_s" takes the place of the frame's.
   virtual void rows(std::span<const TableColumn> columns, std::span<const double> values) = 0;
 };
 

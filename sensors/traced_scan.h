@@ -34,9 +34,10 @@ class TracedScan {
 
   std::span<const glm::dvec3> directions_;
   std::span<const ChosenScanEffect> effects_;
+  double pulse_length_m_;
   std::vector<BeamRay> rays_, onward_;
-  std::vector<glm::dvec3> together_;  // directions that are cast at once
-  std::vector<double> beyond_m_;      // of those
+  std::vector<glm::dvec3> cast_origins_m_, cast_directions_;  // of rays_
+  std::vector<double> cast_beyond_m_;                         // likewise; empty where all are 0
   std::vector<RayHit> hits_;
   std::vector<std::vector<Echo>> echoes_;  // by beam
   std::vector<Echo> detected_;

@@ -1,6 +1,7 @@
 #include "simvis/output_writer.h"
 
 #include <algorithm>
+#include <iterator>
 #include <optional>
 
 #include "engine/assert.h"
@@ -59,17 +60,26 @@ class OutputWriter::SensorSink : public OutputSink {
     write_file(path, text);
   }
 
+  // A sensor whose rows have times of their own gives them in a column of that name.
   void rows(std::span<const TableColumn> columns, std::span<const double> values) override {
+    const auto own_time = static_cast<std::size_t>(
+        std::ranges::find(columns, std::string_view("time_s"), &TableColumn::name) - columns.begin());
     if (!table_) {
       std::vector<TableColumn> all = {{"frame", "%lld", true}, {"time_s", "%.9f"}};
-      all.insert(all.end(), columns.begin(), columns.end());
+      std::ranges::copy_if(columns, std::back_inserter(all), [](const auto& each) { return each.name != "time_s"; });
       const std::filesystem::path path = folder_ / (sensor_ + ".csv");
       claim(path);
       make_folder(path.parent_path());
       table_.emplace(path, all);
     }
     const double front[] = {static_cast<double>(time_.index), static_cast<double>(time_.time_ns) / 1e9};
-    table_->add_rows(front, values);
+    if (own_time == columns.size()) return table_->add_rows(front, values);
+    for (std::size_t row = 0; row < values.size(); row += columns.size()) {
+      std::vector<double> rest(&values[row], &values[row] + columns.size());
+      const double own_front[] = {front[0], rest[own_time]};
+      rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(own_time));
+      table_->add_rows(own_front, rest);
+    }
   }
 
   void finish() {
