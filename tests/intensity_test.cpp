@@ -2,6 +2,7 @@
 // from retro-reflectors.
 #include <algorithm>
 #include <limits>
+#include <sstream>
 
 #include "simvis/simulation.h"
 #include "tests/element_scene.h"
@@ -80,6 +81,27 @@ TEST_CASE(
   check_intensity(ahead(material("blue='0.5'")), 0.5 / 3 / 16);
   check_intensity(ahead(material("blue='100'")), 1 / 16.0);
   CHECK(ahead(material("reflectance='0'")) == 0);
+}
+
+TEST_CASE("what lasers see of a material is content of the draw list: compared, hashed and printed") {
+  const auto list_of = [](std::optional<float> reflectance, float retro_reflectance) {
+    Material material;
+    material.reflectance = reflectance;
+    material.retro_reflectance = retro_reflectance;
+    DrawList list;
+    list.materials.push_back(std::make_shared<Material>(material));
+    list.material_revision.push_back(0);
+    return list;
+  };
+  const DrawList plain = list_of({}, 0);
+  for (const DrawList& other : {list_of(0.0f, 0), list_of(0.5f, 0), list_of({}, 0.5f)}) {
+    CHECK_FALSE(same_content(plain, other));
+    CHECK(content_hash(plain) != content_hash(other));
+  }
+  CHECK(content_hash(list_of(0.5f, 0)) != content_hash(list_of({}, 0.5f)));
+  std::ostringstream page;
+  page << list_of(0.5f, 200);
+  CHECK(contains(page.str(), ", reflectance 0.5, retro-reflectance 200"));
 }
 
 TEST_CASE("a texture shows, in linear light") {
