@@ -22,7 +22,12 @@ struct Bound {
 void record_run(const FrameContext& frame, const Pass& pass, const DrawRun& run, Bound& bound) {
   PipelineKey key = run.key;
   key.samples = static_cast<std::uint8_t>(pass.msaa);
+  const std::size_t known = frame.pipelines.made();
   const VkPipeline pipeline = frame.pipelines.get(key);
+  if (frame.pipelines.made() > known) {
+    ++frame.counters.pipelines_made;
+    frame.made.push_back(key.bits());
+  }
   if (pipeline != bound.pipeline) {
     vkCmdBindPipeline(frame.commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline);
     bound.pipeline = pipeline;
@@ -104,11 +109,17 @@ void record_pass(const FrameContext& frame, const Pass& pass, const RenderTarget
       .renderArea = {{0, 0}, {pass.grid * pass.width_px, pass.grid * pass.height_px}},
       .clearValueCount = pass.color ? 2u : 1u,
       .pClearValues = clear};
+  if (frame.queries) frame.queries->stamp(frame.commands);
   frame.device.begin_label(frame.commands, pass.name);
   vkCmdBeginRenderPass(frame.commands, &info, VK_SUBPASS_CONTENTS_INLINE);
   Bound bound;
-  for (std::size_t i = 0; i < views.size(); ++i) record_view(frame, pass, pass.views[i], views[i], bound);
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    if (frame.queries) frame.queries->begin_view(frame.commands);
+    record_view(frame, pass, pass.views[i], views[i], bound);
+    if (frame.queries) frame.queries->end_view(frame.commands);
+  }
   vkCmdEndRenderPass(frame.commands);
+  if (frame.queries) frame.queries->stamp(frame.commands);
   frame.device.end_label(frame.commands);
   ++frame.counters.passes;
   frame.counters.views += views.size();
@@ -117,10 +128,13 @@ void record_pass(const FrameContext& frame, const Pass& pass, const RenderTarget
 void record_readback(const FrameContext& frame, const Pass& pass, const RenderTarget& target) {
   if (pass.depth) copy_image(frame, target.depth, target.depth_readback);
   if (pass.samples() > 1) {
+    const std::size_t known = frame.average.made();
     frame.average.record(frame.commands, pass, target.average, target.color);
+    frame.counters.pipelines_made += frame.average.made() - known;
     ++frame.counters.dispatches;
   }
   if (pass.color) copy_image(frame, target.color, target.color_readback);
+  if (frame.queries) frame.queries->stamp(frame.commands);
 }
 
 void record_end(const FrameContext& frame) {

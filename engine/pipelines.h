@@ -38,6 +38,8 @@ class Pipelines {
   /// Made on first use.
   VkPipeline get(const PipelineKey& key);
 
+  std::size_t made() const { return pipelines_.size(); }  ///< so far
+
   VkPipelineLayout layout() const { return layout_.get(); }
   VkDescriptorSetLayout frame_set_layout() const { return frame_set_layout_.get(); }
   VkDescriptorSetLayout texture_set_layout() const { return texture_set_layout_.get(); }

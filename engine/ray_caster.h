@@ -32,8 +32,10 @@
 #include <memory>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "engine/draw_list.h"
+#include "engine/frame_plan.h"
 
 namespace simvis {
 
@@ -88,6 +90,9 @@ class RayCaster {
                     std::span<RayHit> hits) = 0;
 
   virtual RayCounters counters() const = 0;
+
+  /// Adds all memory that it holds on the device.
+  virtual void name_memory(std::vector<PlannedMemory>&) const {}
 
   /// Who casts, for people.
   virtual std::string_view engine() const = 0;
