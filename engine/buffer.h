@@ -25,7 +25,7 @@ class Buffer {
   VkDeviceSize size() const { return desc_.size; }
   const BufferDesc& desc() const { return desc_; }
   std::uint64_t memory_bytes() const { return held_.bytes(); }  ///< that it takes, the device's rounding included
-  std::byte* mapped() const { return mapped_; }  ///< null where the host does not see it
+  std::byte* mapped() const { return mapped_; }                 ///< null where the host does not see it
   explicit operator bool() const { return static_cast<bool>(buffer_); }
 
  private:

@@ -52,9 +52,7 @@ std::uint64_t Device::memory_bytes() const { return impl_->memory_bytes; }
 std::uint64_t Device::validation_messages() const { return impl_->instance.messages(); }
 
 Device::Impl::Impl(const DeviceDesc& desc)
-    : instance(wants_validation(desc)),
-      physical(chosen(instance, desc.select)),
-      instrumented(desc.instrumented) {
+    : instance(wants_validation(desc)), physical(chosen(instance, desc.select)), instrumented(desc.instrumented) {
   vkGetPhysicalDeviceMemoryProperties(physical.handle, &memory);
   create_device();
   choose_upload();

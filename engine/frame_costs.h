@@ -17,7 +17,9 @@ struct PipelineStatistics {
   std::uint64_t vertices = 0;            ///< read, as many times as indices name them
   std::uint64_t vertex_invocations = 0;  ///< of vertex shaders
   std::uint64_t primitives_clipped = 0;  ///< that reached clipping
-  std::uint64_t primitives_drawn = 0;    ///< that clipping let through, or made
+  std::uint64_t primitives_drawn = 0;    ///< that came out of it: less what is outside, and what it was cut into
+  /// Of fragment shaders. Means nothing in views without one (see View::shades): Mesa's llvmpipe counts what they
+  /// cover.
   std::uint64_t fragment_invocations = 0;
 
   bool operator==(const PipelineStatistics&) const = default;

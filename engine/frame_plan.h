@@ -1,6 +1,7 @@
 // Which views are rendered this frame, into which targets, and why. Plain data between the sensors and the renderer.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <string>
@@ -21,7 +22,8 @@ struct PlannedPipeline {
   std::string variant;  ///< what it is made for
   std::string reason;   ///< what calls for it
   std::uint64_t draws = 0, triangles = 0;
-  bool made = false;  ///< in this frame
+  bool shades = false;  ///< it has a fragment shader
+  bool made = false;    ///< in this frame
 
   bool operator==(const PlannedPipeline&) const = default;
 };
@@ -40,6 +42,8 @@ struct View {
   bool sees_back_faces = false;  ///< of single-sided materials too: a laser meets matter from either side
   bool sees_lines_and_points = true;
   std::vector<PlannedPipeline> pipelines{};  ///< in the order of drawing; see Renderer::complete
+
+  bool shades() const { return std::ranges::any_of(pipelines, &PlannedPipeline::shades); }
 };
 
 /// Views that share one set of targets and one render pass.

@@ -30,8 +30,9 @@ Handle<VkQueryPool> make_pool(Device::Impl& device, VkQueryType type, std::uint3
   return Handle<VkQueryPool>(device, pool, name);
 }
 
-void read(const Device::Impl& device, VkQueryPool pool, std::uint32_t count, std::span<std::uint64_t> results) {
-  vk_check(vkGetQueryPoolResults(device.device, pool, 0, count, results.size_bytes(), results.data(),
+void read(const Device::Impl& device, VkQueryPool pool, std::uint32_t first, std::uint32_t count,
+          std::span<std::uint64_t> results) {
+  vk_check(vkGetQueryPoolResults(device.device, pool, first, count, results.size_bytes(), results.data(),
                                  results.size_bytes() / count, VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
            "vkGetQueryPoolResults");
 }
@@ -53,7 +54,8 @@ void GpuQueries::begin(VkCommandBuffer commands, const FramePlan& plan) {
   }
   if (stamps_) vkCmdResetQueryPool(commands, stamps_.get(), 0, stamps_held_);
   if (statistics_) vkCmdResetQueryPool(commands, statistics_.get(), 0, views_held_);
-  stamp_ = view_ = 0;
+  stamp_ = 0;
+  drawn_.assign(views, 0);
   stamp(commands);
 }
 
@@ -62,20 +64,20 @@ void GpuQueries::stamp(VkCommandBuffer commands) {
   ++stamp_;
 }
 
-void GpuQueries::begin_view(VkCommandBuffer commands) {
-  if (counted_) vkCmdBeginQuery(commands, statistics_.get(), view_, 0);
+void GpuQueries::begin_draws(VkCommandBuffer commands, std::size_t view) {
+  if (!counted_) return;
+  drawn_[view] = 1;
+  vkCmdBeginQuery(commands, statistics_.get(), static_cast<std::uint32_t>(view), 0);
 }
 
-void GpuQueries::end_view(VkCommandBuffer commands) {
-  if (counted_) vkCmdEndQuery(commands, statistics_.get(), view_);
-  ++view_;
-  stamp(commands);
+void GpuQueries::end_draws(VkCommandBuffer commands, std::size_t view) {
+  if (counted_) vkCmdEndQuery(commands, statistics_.get(), static_cast<std::uint32_t>(view));
 }
 
 // In nanoseconds since the first. A clock of few bits may start over meanwhile.
 std::vector<std::int64_t> GpuQueries::times() const {
   std::vector<std::uint64_t> ticks(stamp_);
-  if (timed_) read(device_, stamps_.get(), stamp_, ticks);
+  if (timed_) read(device_, stamps_.get(), 0, stamp_, ticks);
   const std::uint32_t bits = device_.physical.timestamp_bits;
   const std::uint64_t mask = bits >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << bits) - 1;
   std::vector<std::int64_t> times;
@@ -86,10 +88,16 @@ std::vector<std::int64_t> GpuQueries::times() const {
   return times;
 }
 
+PipelineStatistics GpuQueries::statistics(std::size_t view) const {
+  if (!drawn_[view]) return {};
+  std::array<std::uint64_t, kCounts> counts;
+  read(device_, statistics_.get(), static_cast<std::uint32_t>(view), 1, counts);
+  const auto& [vertices, vertex_invocations, clipped, drawn, fragments] = counts;
+  return {vertices, vertex_invocations, clipped, drawn, fragments};
+}
+
 FrameCosts GpuQueries::costs(const FramePlan& plan) const {
   const std::vector<std::int64_t> times = this->times();
-  std::vector<std::array<std::uint64_t, kCounts>> counts(view_);
-  if (counted_ && view_ > 0) read(device_, statistics_.get(), view_, {counts.front().data(), kCounts * view_});
   FrameCosts costs{.timed = timed_, .counted = counted_};
   std::size_t stamp = 0, view = 0;
   const auto span_to_next = [&] {
@@ -100,16 +108,15 @@ FrameCosts GpuQueries::costs(const FramePlan& plan) const {
   for (const Pass& pass : plan.passes) {
     PassCost& cost = costs.passes.emplace_back();
     cost.time.start_ns = times[++stamp];
-    for (std::size_t i = 0; i < pass.views.size(); ++i, ++view) {
-      const auto& [vertices, vertex_invocations, clipped, drawn, fragments] = counts[view];
-      cost.views.push_back({span_to_next(), {vertices, vertex_invocations, clipped, drawn, fragments}});
+    for (std::size_t i = 0; i < pass.views.size(); ++i) {
+      cost.views.push_back({span_to_next(), statistics(view++)});
     }
     cost.time.end_ns = times[++stamp];
     const std::uint64_t pixels = std::uint64_t{pass.width_px} * pass.height_px;
     cost.bytes_read_back = pixels * ((pass.depth ? sizeof(float) : 0) + (pass.color ? 4 * sizeof(float) : 0));
   }
   for (PassCost& cost : costs.passes) cost.readback = span_to_next();
-  SIMVIS_ASSERT(stamp + 1 == times.size() && view == counts.size());
+  SIMVIS_ASSERT(stamp + 1 == times.size() && view == drawn_.size());
   return costs;
 }
 

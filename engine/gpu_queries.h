@@ -21,21 +21,24 @@ class GpuQueries {
   /// Takes the time when all that was recorded so far is done.
   void stamp(VkCommandBuffer commands);
 
-  /// What is recorded between the two is counted; views in the order of the plan.
-  void begin_view(VkCommandBuffer commands);
-  void end_view(VkCommandBuffer commands);
+  /// What is recorded between the two is counted for a view, by its number among all views of the plan. The first of
+  /// its pipelines is bound by then: Mesa's lavapipe 22.3 crashes where a query begins without one.
+  void begin_draws(VkCommandBuffer commands, std::size_t view);
+  void end_draws(VkCommandBuffer commands, std::size_t view);
 
   /// Of the frame that was begun last, once its submission has finished.
   FrameCosts costs(const FramePlan& plan) const;
 
  private:
   std::vector<std::int64_t> times() const;
+  PipelineStatistics statistics(std::size_t view) const;
 
   Device::Impl& device_;
   bool timed_ = false, counted_ = false;
   Handle<VkQueryPool> stamps_, statistics_;
   std::uint32_t stamps_held_ = 0, views_held_ = 0;  // by the pools
-  std::uint32_t stamp_ = 0, view_ = 0;              // the next
+  std::uint32_t stamp_ = 0;                         // the next
+  std::vector<std::uint8_t> drawn_;                 // by view: not 0 where it was counted
 };
 
 }  // namespace simvis

@@ -27,6 +27,7 @@ struct PipelineKey {
   bool mirrored = false;     ///< the transform turns the winding of triangles
   std::uint8_t samples = 1;  ///< of each pixel of the pass's targets: 1, 2, 4 or 8
 
+  bool shades() const { return !depth_only || surface == Surface::masked; }  ///< has a fragment shader
   bool blends() const { return surface == Surface::blended || surface == Surface::faded; }
   std::uint32_t bits() const;
 };

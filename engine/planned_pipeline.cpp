@@ -58,7 +58,7 @@ std::string variant_of(const PipelineKey& key) {
 
 std::string reason_for(const PipelineKey& key) {
   std::string text(what_is_drawn(key.surface));
-  if (key.depth_only) return text + (key.surface == Surface::opaque ? ": nothing is shaded" : "");
+  if (key.depth_only) return text + (key.shades() ? "" : ": no fragment shader");
   if (key.unlit) return text + ", as bright as they are";
   return text + (key.lights > 0 ? ", lit by " + lights_text(key.lights) : ", in ambient light");
 }
@@ -77,6 +77,7 @@ std::vector<PlannedPipeline> pipelines_of(std::span<const DrawRun> runs, const P
       known.push_back(key.bits());
       planned.push_back({.variant = variant_of(key),
                          .reason = reason_for(key),
+                         .shades = key.shades(),
                          .made = std::ranges::find(made, key.bits()) != made.end()});
     }
     ++planned[place].draws;

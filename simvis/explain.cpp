@@ -108,9 +108,10 @@ class Explanation {
       if (costs_.device->timed) out_ << ' ' << ms_text(cost->time.length_ns());
       if (costs_.device->counted) {
         const PipelineStatistics& counts = cost->statistics;
-        out_ << (costs_.device->timed ? ", " : " ") << counts.vertex_invocations << " vertex and "
-             << counts.fragment_invocations << " fragment shader runs, " << counts.primitives_drawn << " of "
-             << counts.primitives_clipped << " triangles left by clipping";
+        out_ << (costs_.device->timed ? ", " : " ") << counts.vertex_invocations << " vertex";
+        if (view.shades()) out_ << " and " << counts.fragment_invocations << " fragment";
+        out_ << " shader runs, " << counts.primitives_clipped << " triangles into clipping and "
+             << counts.primitives_drawn << " out of it";
       }
       out_ << '\n';
     }

@@ -102,8 +102,8 @@ void Profile::add(const FramePlan& plan, const FrameCosts& costs) {
       if (costs.counted) {
         view.counts = {{"vertex_invocations", counts.vertex_invocations},
                        {"primitives_clipped", counts.primitives_clipped},
-                       {"primitives_drawn", counts.primitives_drawn},
-                       {"fragment_invocations", counts.fragment_invocations}};
+                       {"primitives_drawn", counts.primitives_drawn}};
+        if (pass.views[v].shades()) view.counts.emplace_back("fragment_invocations", counts.fragment_invocations);
       }
       write_span(view);
     }

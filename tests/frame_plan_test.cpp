@@ -106,11 +106,13 @@ TEST_CASE("depth of opaque surfaces: no target of colour, no texture, no light, 
   for (const char* name : {"colour", "texture", "attributes", "lights", "materials"}) CHECK(!holds(plan, name));
   REQUIRE(plan.passes[0].views[0].pipelines.size() == 1);
   CHECK(plan.passes[0].views[0].pipelines[0].variant == "depth, triangles, opaque, back faces culled");
+  CHECK(!plan.passes[0].views[0].shades());
   REQUIRE(renderer.costs()->passes.size() == 1);
   CHECK(renderer.costs()->passes[0].bytes_read_back == kPixels * sizeof(float));
   if (!renderer.costs()->counted) return;
   const PipelineStatistics& depth = renderer.costs()->passes[0].views[0].statistics;
-  CHECK(depth.fragment_invocations == 0);
+  // Mesa's llvmpipe counts what is covered, shader or not.
+  if (!instrumented().is_cpu()) CHECK(depth.fragment_invocations == 0);
   CHECK(depth.vertex_invocations >= 4);  // the wall's corners; a device may shade one more than once
   CHECK(depth.vertices == 6);
   CHECK(depth.primitives_clipped == 2);
@@ -124,6 +126,7 @@ TEST_CASE("depth of opaque surfaces: no target of colour, no texture, no light, 
     CHECK(holds(plan, name));
   CHECK(plan.passes[0].views[0].pipelines[0].variant ==
         "colour, triangles, opaque, textured, 1 light, back faces culled");
+  CHECK(plan.passes[0].views[0].shades());
   CHECK(renderer.costs()->passes[0].views[0].statistics.fragment_invocations >= kPixels);
 }
 
@@ -143,6 +146,7 @@ TEST_CASE("depth of masked surfaces: textures of masks are uploaded, others are 
   CHECK(std::ranges::find(plan.memory, "texture four", &PlannedMemory::name)->uploaded == 4 * 4);  // RGBA of 4 texels
   CHECK(!holds(plan, "colour"));
   CHECK(!holds(plan, "lights"));
+  CHECK(plan.passes[0].views[0].shades());
   if (!renderer.costs()->counted) return;
   CHECK(renderer.costs()->passes[0].views[0].statistics.fragment_invocations >= kPixels);  // each asks for alpha
 }
@@ -323,7 +327,7 @@ TEST_CASE("both audiences together hold what the device holds") {
 }
 
 TEST_CASE("instrumentation changes no byte of results, no counter and no memory; without it there are no costs") {
-  const std::string sensors = camera("CAM", R"(outputs="color depth" supersampling="2")") + kScanner;
+  const std::string sensors = camera("CAM", R"(outputs="color depth" supersampling="4")") + kScanner;
   WallSimulation with(sensors, true), without(sensors, false);
   for (int frame = 0; frame < 3; ++frame) {
     with->step();

@@ -84,6 +84,7 @@ TEST_CASE("what the device did stands where the frame was handed over") {
   plan.passes = {{.name = "CAM", .width_px = 8, .height_px = 8, .color = true, .views = {{}}}};
   plan.passes[0].views[0].name = "CAM/view";
   plan.passes[0].views[0].reason = "because";
+  plan.passes[0].views[0].pipelines = {{.variant = "colour", .reason = "test", .shades = true}};
   FrameCosts costs{.timed = true, .counted = true, .submitted_ns = 2'000, .finished_ns = 8'000, .uploads = {0, 500}};
   costs.passes = {{.time = {500, 3'000},
                    .readback = {3'000, 4'000},
@@ -120,7 +121,7 @@ TEST_CASE("the spans of a run nest on each track, and the device works while its
   desc.device.cache_dir = SIMVIS_BINARY_DIR "/test_cache";
   desc.device.instrumented = true;
   Simulation simulation = Simulation::from_string(std::string(kWallPart) + R"(
-      <sensor type="camera" name="CAM" insert_at="ROOT" outputs="color depth" supersampling="2"/>
+      <sensor type="camera" name="CAM" insert_at="ROOT" outputs="color depth" supersampling="4"/>
       <sensor type="laser_scanner" name="SCAN" insert_at="ROOT"/>
       <sensor type="laser_scanner" name="CAST" insert_at="ROOT" method="raycast"/>)",
                                                   desc, folder.path());
