@@ -5,6 +5,7 @@
 #include <string>
 
 #include "engine/handle.h"
+#include "engine/held_bytes.h"
 
 namespace simvis {
 
@@ -23,11 +24,13 @@ class Buffer {
   VkBuffer get() const { return buffer_.get(); }
   VkDeviceSize size() const { return desc_.size; }
   const BufferDesc& desc() const { return desc_; }
-  std::byte* mapped() const { return mapped_; }  ///< null where the host does not see it
+  std::uint64_t memory_bytes() const { return held_.bytes(); }  ///< that it takes, the device's rounding included
+  std::byte* mapped() const { return mapped_; }                 ///< null where the host does not see it
   explicit operator bool() const { return static_cast<bool>(buffer_); }
 
  private:
   BufferDesc desc_;
+  HeldBytes held_;
   Handle<VkDeviceMemory> memory_;  // outlives the buffer
   Handle<VkBuffer> buffer_;
   std::byte* mapped_ = nullptr;

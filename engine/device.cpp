@@ -48,9 +48,11 @@ Device::~Device() = default;
 const DeviceInfo& Device::info() const { return impl_->physical.info; }
 bool Device::is_cpu() const { return impl_->physical.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU; }
 const TargetLimits& Device::target_limits() const { return impl_->physical.targets; }
+std::uint64_t Device::memory_bytes() const { return impl_->memory_bytes; }
 std::uint64_t Device::validation_messages() const { return impl_->instance.messages(); }
 
-Device::Impl::Impl(const DeviceDesc& desc) : instance(wants_validation(desc)), physical(chosen(instance, desc.select)) {
+Device::Impl::Impl(const DeviceDesc& desc)
+    : instance(wants_validation(desc)), physical(chosen(instance, desc.select)), instrumented(desc.instrumented) {
   vkGetPhysicalDeviceMemoryProperties(physical.handle, &memory);
   create_device();
   choose_upload();
@@ -82,6 +84,7 @@ void Device::Impl::create_device() {
                                            .pQueuePriorities = &priority};
   VkPhysicalDeviceFeatures features{};
   features.fullDrawIndexUint32 = VK_TRUE;
+  features.pipelineStatisticsQuery = instrumented && physical.counts_invocations;
   VkDeviceCreateInfo info{};
   info.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO;
   info.queueCreateInfoCount = 1;

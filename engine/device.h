@@ -34,6 +34,9 @@ struct DeviceDesc {
                             ///< (discrete before integrated before virtual before CPU)
   bool validation = false;  ///< turn the Khronos validation layer on; its errors and warnings are then counted
   std::string cache_dir;    ///< where the pipeline cache lies; empty: $XDG_CACHE_HOME/simvis or ~/.cache/simvis
+  /// Time and count what the device does, see FrameCosts. No result depends on it; without it nothing is asked of the
+  /// device for this.
+  bool instrumented = false;
 };
 
 /// A logical device with one queue. Environment: SIMVIS_VALIDATION=1 turns validation on as well, and every message
@@ -49,6 +52,9 @@ class Device {
   const DeviceInfo& info() const;
   bool is_cpu() const;  ///< rasterises on the host's own cores
   const TargetLimits& target_limits() const;
+
+  /// Of the device's memory, what all buffers and images of SimVis take at present.
+  std::uint64_t memory_bytes() const;
 
   /// Errors and warnings of the validation layer since the device was made (0 when the layer is off).
   std::uint64_t validation_messages() const;

@@ -64,6 +64,10 @@ struct Device::Impl {
   /// visible to the host. Otherwise data goes through staging buffers and copies. Chosen once.
   bool direct_upload = false;
 
+  /// Times and counts what the device does, see DeviceDesc. Without: no query pool exists.
+  bool instrumented = false;
+  std::uint64_t memory_bytes = 0;  ///< of all buffers and images that live
+
   // Submissions are numbered from 1. While commands are recorded, what is retired may be used by the next one.
   std::uint64_t submitted = 0, finished = 0;
   bool recording = false;

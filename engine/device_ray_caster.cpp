@@ -47,6 +47,7 @@ class DeviceRayCaster : public RayCaster {
                  std::span<const glm::dvec3> directions, std::span<RayHit> hits,
                  std::span<const double> beyond_m) override;
   RayCounters counters() const override { return items_.counters; }
+  void name_memory(std::vector<PlannedMemory>& memory) const override;
   std::string_view engine() const override { return "a compute shader"; }
 
  private:
@@ -118,6 +119,19 @@ void DeviceRayCaster::cast_from(const glm::dmat4& world_from_sensor, std::span<c
     items_.counters.rays += served;
     items_.counters.rays_walked += served;
   }
+}
+
+void DeviceRayCaster::name_memory(std::vector<PlannedMemory>& memory) const {
+  if (!world_) return;
+  const auto add = [&](const Buffer& buffer, const char* reason) {
+    if (!buffer) return;
+    memory.push_back({buffer.desc().name, reason, buffer.memory_bytes(), world_->uploads.bytes_to(buffer)});
+  };
+  add(world_->meshes.nodes(), "the tree of each mesh that rays can meet");
+  add(world_->meshes.triangles(), "the triangles of each mesh that rays can meet");
+  add(world_->top.nodes(), "the tree over items");
+  add(world_->top.blocks(), "where items are");
+  for (const Buffer* const buffer : world_->dispatch.buffers()) add(*buffer, "rays on their way, and what they met");
 }
 
 void DeviceRayCaster::find_candidates(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions,

@@ -58,9 +58,6 @@ FrameBuffers::FrameBuffers(Device::Impl& device, VkDescriptorSetLayout set_layou
                                                .descriptorSetCount = 1,
                                                .pSetLayouts = &set_layout};
   vk_check(vkAllocateDescriptorSets(device.device, &allocation, &set_), "vkAllocateDescriptorSets");
-  reserve(instances_, "instances", VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, kFirstSize);
-  reserve_materials(kFirstSize);
-  reserve_lights(kFirstSize);
 }
 
 bool FrameBuffers::reserve(Buffer& buffer, const char* name, VkBufferUsageFlags usage, VkDeviceSize size) {
@@ -113,12 +110,12 @@ void FrameBuffers::write_indices(std::span<const std::uint32_t> indices, Uploads
 }
 
 void FrameBuffers::write_lights(std::span<const shader::LightBlock> lights, Uploads& uploads) {
-  if (lights.empty()) return;
   reserve_lights(lights.size_bytes() + kLightsRange);  // the last view's range ends within the buffer
   uploads.write(lights_, 0, std::as_bytes(lights));
 }
 
 void FrameBuffers::write_materials(const DrawList& list, std::span<const std::uint8_t> wanted, Uploads& uploads) {
+  if (std::ranges::find_if(wanted, [](std::uint8_t read) { return read != 0; }) == wanted.end()) return;
   if (reserve_materials(list.materials.size() * sizeof(shader::MaterialBlock))) slots_.clear();
   slots_.resize(list.materials.size());
   for (std::size_t m = 0; m < slots_.size(); ++m) {
@@ -128,6 +125,17 @@ void FrameBuffers::write_materials(const DrawList& list, std::span<const std::ui
     uploads.write(materials_, m * sizeof block, std::as_bytes(std::span(&block, 1)));
     slot = {list.materials[m], list.material_revision[m]};
   }
+}
+
+void FrameBuffers::name_memory(const Uploads& uploads, std::vector<PlannedMemory>& memory) const {
+  const auto add = [&](const Buffer& buffer, const char* reason) {
+    if (!buffer) return;
+    memory.push_back({buffer.desc().name, reason, buffer.memory_bytes(), uploads.bytes_to(buffer)});
+  };
+  add(instances_, "where each view sees what it draws");
+  add(indices_, "triangles that views one pixel high see, picked one by one");
+  add(materials_, "what shaders read of surfaces: colour, and where alpha decides");
+  add(lights_, "lights as each view of colour has them");
 }
 
 }  // namespace simvis

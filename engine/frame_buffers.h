@@ -7,13 +7,14 @@
 
 #include "engine/buffer.h"
 #include "engine/draw_list.h"
+#include "engine/frame_plan.h"
 #include "engine/uploads.h"
 #include "shaders/interop.h"
 
 namespace simvis {
 
-/// Buffers that the host writes while nothing is in flight. Instances and lights are written anew in each frame; a
-/// material's slot only when the material has changed.
+/// Buffers that the host writes while nothing is in flight, each made when it is first needed. Instances and lights are
+/// written anew in each frame; a material's slot only when the material has changed.
 class FrameBuffers {
  public:
   FrameBuffers(Device::Impl& device, VkDescriptorSetLayout set_layout);
@@ -22,7 +23,11 @@ class FrameBuffers {
   void write_materials(const DrawList& list, std::span<const std::uint8_t> wanted, Uploads& uploads);
   void write_instances(std::span<const shader::Instance> instances, Uploads& uploads);
   void write_indices(std::span<const std::uint32_t> indices, Uploads& uploads);
+  /// For frames that show colour, also without lights: their shaders name the buffer.
   void write_lights(std::span<const shader::LightBlock> lights, Uploads& uploads);
+
+  /// Adds its buffers.
+  void name_memory(const Uploads& uploads, std::vector<PlannedMemory>& memory) const;
 
   VkBuffer instances() const { return instances_.get(); }
   VkBuffer indices() const { return indices_.get(); }

@@ -1,6 +1,7 @@
 // Which views are rendered this frame, into which targets, and why. Plain data between the sensors and the renderer.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <string>
@@ -16,6 +17,17 @@ struct Pinhole {
   bool operator==(const Pinhole&) const = default;
 };
 
+/// A pipeline that a view or a pass binds: shaders and fixed functions made for one kind of work.
+struct PlannedPipeline {
+  std::string variant;  ///< what it is made for
+  std::string reason;   ///< what calls for it
+  std::uint64_t draws = 0, triangles = 0;
+  bool shades = false;  ///< it has a fragment shader
+  bool made = false;    ///< in this frame
+
+  bool operator==(const PlannedPipeline&) const = default;
+};
+
 /// One virtual camera drawn into a rectangle of its pass.
 ///
 /// Frames   view frame: x right, y down, z forward (optical frame). `view_from_world` is rigid.
@@ -29,6 +41,9 @@ struct View {
   std::uint32_t x_px = 0, y_px = 0, width_px = 0, height_px = 0;  ///< rectangle in the pass's targets
   bool sees_back_faces = false;  ///< of single-sided materials too: a laser meets matter from either side
   bool sees_lines_and_points = true;
+  std::vector<PlannedPipeline> pipelines{};  ///< in the order of drawing; see Renderer::complete
+
+  bool shades() const { return std::ranges::any_of(pipelines, &PlannedPipeline::shades); }
 };
 
 /// Views that share one set of targets and one render pass.
@@ -45,6 +60,7 @@ struct Pass {
   std::vector<View> views{};  ///< rectangles do not overlap; in pixels, not samples
   std::uint32_t grid = 1;     ///< 1, 2 or 4
   std::uint32_t msaa = 1;     ///< one of the device's TargetLimits::msaa
+  std::vector<PlannedPipeline> pipelines{};  ///< of the whole: the mean of its samples; see Renderer::complete
 
   std::uint32_t samples() const { return grid * grid * msaa; }  ///< of each pixel
 };
@@ -64,10 +80,40 @@ struct PlannedEffect {
   std::string reason;  ///< what in the scene calls for it
 };
 
+/// Whether a sensor measures in a frame, and why not.
+enum class Duty : std::uint8_t {
+  due,
+  off,      ///< it is turned off
+  waiting,  ///< for its rate
+  hidden,   ///< it stands in a part that is switched off
+};
+
+/// A sensor of the scene, due or not.
+struct PlannedSensor {
+  std::string name, type;
+  Duty duty = Duty::due;
+  double rate_hz = 0;                        ///< 0: every frame
+  std::vector<std::string> outputs{};        ///< that are taken
+  std::size_t first_pass = 0, end_pass = 0;  ///< its passes are these of the plan's
+  std::size_t first_cast = 0, end_cast = 0;  ///< likewise
+};
+
+/// A buffer or an image on the device.
+struct PlannedMemory {
+  std::string name;
+  std::string reason;
+  std::uint64_t bytes = 0;     ///< that it takes there, the device's rounding included
+  std::uint64_t uploaded = 0;  ///< bytes that this frame has written
+};
+
+/// What sensors ask for stands in passes, casts and effects; who runs the plan adds the rest. Nothing is drawn,
+/// allocated, uploaded or compiled but what it names.
 struct FramePlan {
   std::vector<Pass> passes;
   std::vector<RayCast> casts{};
   std::vector<PlannedEffect> effects{};
+  std::vector<PlannedSensor> sensors{};
+  std::vector<PlannedMemory> memory{};
 };
 
 }  // namespace simvis

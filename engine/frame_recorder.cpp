@@ -19,10 +19,15 @@ struct Bound {
   VkBuffer indices = VK_NULL_HANDLE;
 };
 
-void record_run(const FrameContext& frame, const Pass& pass, const DrawRun& run, Bound& bound) {
+void bind_run(const FrameContext& frame, const Pass& pass, const DrawRun& run, Bound& bound) {
   PipelineKey key = run.key;
   key.samples = static_cast<std::uint8_t>(pass.msaa);
+  const std::size_t known = frame.pipelines.made();
   const VkPipeline pipeline = frame.pipelines.get(key);
+  if (frame.pipelines.made() > known) {
+    ++frame.counters.pipelines_made;
+    frame.made.push_back(key.bits());
+  }
   if (pipeline != bound.pipeline) {
     vkCmdBindPipeline(frame.commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline);
     bound.pipeline = pipeline;
@@ -38,6 +43,9 @@ void record_run(const FrameContext& frame, const Pass& pass, const DrawRun& run,
     vkCmdBindIndexBuffer(frame.commands, indices, 0, VK_INDEX_TYPE_UINT32);
     bound.indices = indices;
   }
+}
+
+void draw_run(const FrameContext& frame, const DrawRun& run) {
   vkCmdDrawIndexed(frame.commands, run.range.index_count, run.instance_count, run.range.first_index,
                    run.range.vertex_offset, run.first_instance);
   ++frame.counters.draws;
@@ -64,7 +72,14 @@ void record_view(const FrameContext& frame, const Pass& pass, const View& view, 
   vkCmdPushConstants(frame.commands, layout(frame), VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, 0,
                      sizeof draws.block, &draws.block);
   if (draws.lights_offset != 0) bind_frame_set(frame, draws.lights_offset);
-  for (std::size_t i = draws.first_run; i < draws.end_run; ++i) record_run(frame, pass, frame.draws.runs()[i], bound);
+  const auto number = static_cast<std::size_t>(&draws - frame.draws.views().data());
+  for (std::size_t i = draws.first_run; i < draws.end_run; ++i) {
+    const DrawRun& run = frame.draws.runs()[i];
+    bind_run(frame, pass, run, bound);
+    if (frame.queries && i == draws.first_run) frame.queries->begin_draws(frame.commands, number);
+    draw_run(frame, run);
+  }
+  if (frame.queries) frame.queries->end_draws(frame.commands, number);
   frame.device.end_label(frame.commands);
 }
 
@@ -104,11 +119,16 @@ void record_pass(const FrameContext& frame, const Pass& pass, const RenderTarget
       .renderArea = {{0, 0}, {pass.grid * pass.width_px, pass.grid * pass.height_px}},
       .clearValueCount = pass.color ? 2u : 1u,
       .pClearValues = clear};
+  if (frame.queries) frame.queries->stamp(frame.commands);
   frame.device.begin_label(frame.commands, pass.name);
   vkCmdBeginRenderPass(frame.commands, &info, VK_SUBPASS_CONTENTS_INLINE);
   Bound bound;
-  for (std::size_t i = 0; i < views.size(); ++i) record_view(frame, pass, pass.views[i], views[i], bound);
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    record_view(frame, pass, pass.views[i], views[i], bound);
+    if (frame.queries) frame.queries->stamp(frame.commands);
+  }
   vkCmdEndRenderPass(frame.commands);
+  if (frame.queries) frame.queries->stamp(frame.commands);
   frame.device.end_label(frame.commands);
   ++frame.counters.passes;
   frame.counters.views += views.size();
@@ -117,10 +137,13 @@ void record_pass(const FrameContext& frame, const Pass& pass, const RenderTarget
 void record_readback(const FrameContext& frame, const Pass& pass, const RenderTarget& target) {
   if (pass.depth) copy_image(frame, target.depth, target.depth_readback);
   if (pass.samples() > 1) {
+    const std::size_t known = frame.average.made();
     frame.average.record(frame.commands, pass, target.average, target.color);
+    frame.counters.pipelines_made += frame.average.made() - known;
     ++frame.counters.dispatches;
   }
   if (pass.color) copy_image(frame, target.color, target.color_readback);
+  if (frame.queries) frame.queries->stamp(frame.commands);
 }
 
 void record_end(const FrameContext& frame) {

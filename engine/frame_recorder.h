@@ -2,9 +2,11 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "engine/frame_draws.h"
 #include "engine/geometry_pool.h"
+#include "engine/gpu_queries.h"
 #include "engine/pipelines.h"
 #include "engine/render_targets.h"
 
@@ -22,6 +24,8 @@ struct FrameContext {
   const FrameDraws& draws;
   const DrawList& list;
   FrameCounters& counters;
+  std::vector<std::uint32_t>& made;  ///< pipelines that this frame is the first to draw with: PipelineKey::bits()
+  GpuQueries* queries = nullptr;     ///< null unless the device is instrumented
 };
 
 /// Binds what all passes of the frame share.

@@ -161,6 +161,19 @@ void GeometryPool::count(std::uint64_t& meshes, std::uint64_t& bytes) const {
   }
 }
 
+void GeometryPool::name_memory(const Uploads& uploads, std::vector<PlannedMemory>& memory) const {
+  const std::string meshes = std::to_string(entries_.size()) + " meshes";
+  const auto add = [&](const Buffer& buffer, const std::string& reason) {
+    if (!buffer) return;
+    memory.push_back({buffer.desc().name, reason, buffer.memory_bytes(), uploads.bytes_to(buffer)});
+  };
+  add(positions_, meshes);
+  add(indices_, meshes);
+  const auto shown = std::ranges::count_if(entries_, [](const auto& entry) { return entry.second.has_attributes; });
+  add(attributes_,
+      "normals, colours and texture coordinates of the " + std::to_string(shown) + " meshes that colour or masks show");
+}
+
 void GeometryPool::clear() {
   entries_.clear();
   vertices_used_ = indices_used_ = vertex_capacity_ = index_capacity_ = 0;

@@ -8,6 +8,7 @@
 
 #include "engine/buffer.h"
 #include "engine/clusters.h"
+#include "engine/frame_plan.h"
 #include "engine/mesh.h"
 #include "engine/uploads.h"
 
@@ -48,6 +49,9 @@ class GeometryPool {
 
   /// How many meshes it holds, and how many bytes of them.
   void count(std::uint64_t& meshes, std::uint64_t& bytes) const;
+
+  /// Adds its buffers.
+  void name_memory(const Uploads& uploads, std::vector<PlannedMemory>& memory) const;
 
   /// Null handles where nothing has needed them.
   VkBuffer positions() const { return positions_.get(); }

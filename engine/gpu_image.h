@@ -4,6 +4,7 @@
 #include <string>
 
 #include "engine/handle.h"
+#include "engine/held_bytes.h"
 
 namespace simvis {
 
@@ -25,10 +26,12 @@ class GpuImage {
   VkImage get() const { return image_.get(); }
   VkImageView view() const { return view_.get(); }
   const GpuImageDesc& desc() const { return desc_; }
+  std::uint64_t memory_bytes() const { return held_.bytes(); }  ///< that it takes, the device's rounding included
   explicit operator bool() const { return static_cast<bool>(image_); }
 
  private:
   GpuImageDesc desc_;
+  HeldBytes held_;
   Handle<VkDeviceMemory> memory_;  // outlives the image
   Handle<VkImage> image_;          // outlives the view
   Handle<VkImageView> view_;

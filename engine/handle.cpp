@@ -26,6 +26,7 @@ SIMVIS_VULKAN_OBJECT(DescriptorSetLayout, DESCRIPTOR_SET_LAYOUT, vkDestroyDescri
 SIMVIS_VULKAN_OBJECT(DescriptorPool, DESCRIPTOR_POOL, vkDestroyDescriptorPool)
 SIMVIS_VULKAN_OBJECT(CommandPool, COMMAND_POOL, vkDestroyCommandPool)
 SIMVIS_VULKAN_OBJECT(Fence, FENCE, vkDestroyFence)
+SIMVIS_VULKAN_OBJECT(QueryPool, QUERY_POOL, vkDestroyQueryPool)
 #undef SIMVIS_VULKAN_OBJECT
 
 }  // namespace
@@ -59,5 +60,6 @@ template class Handle<VkDescriptorSetLayout>;
 template class Handle<VkDescriptorPool>;
 template class Handle<VkCommandPool>;
 template class Handle<VkFence>;
+template class Handle<VkQueryPool>;
 
 }  // namespace simvis

@@ -39,14 +39,19 @@ std::string version_text(std::uint32_t version) {
          std::to_string(VK_API_VERSION_PATCH(version));
 }
 
-// Wherever there is a family for graphics, there is one for graphics and compute (Vulkan 1.2, section 5.1).
-std::optional<std::uint32_t> graphics_queue_family(VkPhysicalDevice device) {
+std::vector<VkQueueFamilyProperties> queue_families(VkPhysicalDevice device) {
   std::uint32_t count = 0;
   vkGetPhysicalDeviceQueueFamilyProperties(device, &count, nullptr);
   std::vector<VkQueueFamilyProperties> families(count);
   vkGetPhysicalDeviceQueueFamilyProperties(device, &count, families.data());
+  return families;
+}
+
+// Wherever there is a family for graphics, there is one for graphics and compute (Vulkan 1.2, section 5.1).
+std::optional<std::uint32_t> graphics_queue_family(VkPhysicalDevice device) {
+  const std::vector<VkQueueFamilyProperties> families = queue_families(device);
   constexpr VkQueueFlags kNeeded = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
-  for (std::uint32_t i = 0; i < count; ++i) {
+  for (std::uint32_t i = 0; i < families.size(); ++i) {
     if ((families[i].queueFlags & kNeeded) == kNeeded) return i;
   }
   return std::nullopt;
@@ -132,6 +137,10 @@ PhysicalDevice examine(VkPhysicalDevice handle) {
   device.info.unusable = why_unusable(handle, device.properties);
   device.targets = target_limits(handle, device.properties.limits);
   device.queue_family = graphics_queue_family(handle).value_or(0);
+  device.timestamp_bits = queue_families(handle).at(device.queue_family).timestampValidBits;
+  VkPhysicalDeviceFeatures features;
+  vkGetPhysicalDeviceFeatures(handle, &features);
+  device.counts_invocations = features.pipelineStatisticsQuery == VK_TRUE;
   device.snap_px = std::ldexp(1.0, -static_cast<int>(device.properties.limits.subPixelPrecisionBits));
   device.depth_snap_px = device.snap_px;
   if (device.properties.apiVersion >= VK_API_VERSION_1_2) {

@@ -17,6 +17,8 @@ struct PhysicalDevice {
   VkPhysicalDeviceProperties properties{};
   TargetLimits targets;
   double snap_px = 0, depth_snap_px = 0;  ///< see PassResult
+  bool counts_invocations = false;        ///< has pipeline statistics
+  std::uint32_t timestamp_bits = 0;       ///< of `queue_family`; 0: it has no clock
   std::uint32_t queue_family = 0;         ///< with graphics and compute; meaningless when `info.unusable` says so
   DeviceInfo info;
 };

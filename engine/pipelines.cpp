@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 
+#include "engine/assert.h"
 #include "engine/geometry_pool.h"
 #include "engine/pipeline_parts.h"
 #include "engine/vulkan_check.h"
@@ -213,6 +214,7 @@ Pipelines::Program Pipelines::program(const PipelineKey& key, const VkSpecializa
 Handle<VkPipeline> Pipelines::make(const PipelineKey& key) {
   const Constants constants(key);
   const Program shaders = program(key, constants.info);
+  SIMVIS_ASSERT((shaders.stage_count == 2) == key.shades());
   VkPipelineInputAssemblyStateCreateInfo assembly{};
   assembly.sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO;
   assembly.topology = primitive(key.topology);

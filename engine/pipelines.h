@@ -27,6 +27,7 @@ struct PipelineKey {
   bool mirrored = false;     ///< the transform turns the winding of triangles
   std::uint8_t samples = 1;  ///< of each pixel of the pass's targets: 1, 2, 4 or 8
 
+  bool shades() const { return !depth_only || surface == Surface::masked; }  ///< has a fragment shader
   bool blends() const { return surface == Surface::blended || surface == Surface::faded; }
   std::uint32_t bits() const;
 };
@@ -37,6 +38,8 @@ class Pipelines {
 
   /// Made on first use.
   VkPipeline get(const PipelineKey& key);
+
+  std::size_t made() const { return pipelines_.size(); }  ///< so far
 
   VkPipelineLayout layout() const { return layout_.get(); }
   VkDescriptorSetLayout frame_set_layout() const { return frame_set_layout_.get(); }

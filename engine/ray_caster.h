@@ -32,8 +32,10 @@
 #include <memory>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "engine/draw_list.h"
+#include "engine/frame_plan.h"
 
 namespace simvis {
 
@@ -96,6 +98,9 @@ class RayCaster {
                          std::span<const double> beyond_m = {}) = 0;
 
   virtual RayCounters counters() const = 0;
+
+  /// Adds all memory that it holds on the device.
+  virtual void name_memory(std::vector<PlannedMemory>&) const {}
 
   /// Who casts, for people.
   virtual std::string_view engine() const = 0;

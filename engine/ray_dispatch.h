@@ -19,6 +19,9 @@ class RayDispatch {
   /// Throws MachineError where the device offers a shader too few storage buffers.
   explicit RayDispatch(Device::Impl& device);
 
+  /// What it holds; without a handle where nothing was cast yet.
+  std::array<const Buffer*, 3> buffers() const { return {&directions_, &candidates_, &readback_}; }
+
   /// How many rays one dispatch may take.
   std::size_t most_rays() const;
 

@@ -44,6 +44,25 @@ RenderTarget& RenderTargets::acquire(const Pass& pass) {
   return *target;
 }
 
+void RenderTargets::name_memory(const std::function<const Pass*(const RenderTarget&)>& user,
+                                std::vector<PlannedMemory>& memory) const {
+  for (const auto& target : targets_) {
+    const Pass* const pass = user(*target);
+    const auto add = [&](const std::string& name, std::uint64_t bytes, const char* what) {
+      if (bytes == 0) return;
+      const std::string size = std::to_string(target->width) + " x " + std::to_string(target->height);
+      memory.push_back({pass != nullptr ? pass->name + "/" + name : name,
+                        pass != nullptr ? what : "kept for a pass of " + size + " that is not in this frame", bytes,
+                        0});
+    };
+    add("depth", target->depth.memory_bytes(), "what hides what");
+    add("colour samples", target->color_samples.memory_bytes(), "several samples of each pixel");
+    add("colour", target->color.memory_bytes(), "colour is asked for");
+    add("depth readback", target->depth_readback.memory_bytes(), "depth is asked for");
+    add("colour readback", target->color_readback.memory_bytes(), "colour is asked for");
+  }
+}
+
 GpuImage RenderTargets::make_image(const Pass& pass, const char* what, VkFormat format, VkImageUsageFlags usage,
                                    bool samples) const {
   const std::uint32_t grid = samples ? pass.grid : 1;

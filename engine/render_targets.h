@@ -1,6 +1,7 @@
 // Images that passes draw into, and the buffers that they are read back through. Kept from frame to frame.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -30,6 +31,10 @@ class RenderTargets {
 
   /// Starts a frame: all targets are free again. Those that no frame has wanted for long are given up.
   void begin_frame();
+
+  /// Adds the images and buffers of all that are held; `user` says which pass of this frame has a target, null: none.
+  void name_memory(const std::function<const Pass*(const RenderTarget&)>& user,
+                   std::vector<PlannedMemory>& memory) const;
 
   /// A target for this pass alone, until the next begin_frame().
   RenderTarget& acquire(const Pass& pass);

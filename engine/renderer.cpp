@@ -1,6 +1,8 @@
 #include "engine/renderer.h"
 
 #include <algorithm>
+#include <chrono>
+#include <optional>
 
 #include "engine/assert.h"
 #include "engine/device.h"
@@ -11,7 +13,9 @@
 #include "engine/frame_draws.h"
 #include "engine/frame_recorder.h"
 #include "engine/geometry_pool.h"
+#include "engine/gpu_queries.h"
 #include "engine/pipelines.h"
+#include "engine/planned_pipeline.h"
 #include "engine/render_targets.h"
 #include "engine/sample_average.h"
 #include "engine/texture_store.h"
@@ -58,12 +62,17 @@ struct Renderer::Impl {
         textures(d, pipelines.texture_set_layout()),
         buffers(d, pipelines.frame_set_layout()),
         average(d),
-        targets(d, pipelines, average) {}
+        targets(d, pipelines, average) {
+    if (d.instrumented) queries.emplace(d);
+  }
 
   void draw_frame(const DrawList& list, const FramePlan& plan);
+  void submit_timed(const FramePlan& plan);
   void prepare(const DrawList& list, const FramePlan& plan);
   void record(VkCommandBuffer commands, const DrawList& list, const FramePlan& plan);
   void collect(const FramePlan& plan);
+  void name_pipelines(FramePlan& plan) const;
+  void name_memory(FramePlan& plan) const;
   void forget();
 
   Device::Impl& device;
@@ -81,6 +90,9 @@ struct Renderer::Impl {
   std::vector<PassResult> results;
   std::vector<ViewCounts> view_counts;  // of all passes' views, in order
   FrameCounters counters;
+  std::vector<std::uint32_t> made;  // see FrameContext
+  std::optional<GpuQueries> queries;
+  FrameCosts costs;
 };
 
 Renderer::Renderer(Device& device) : impl_(std::make_unique<Impl>(device.impl())) {}
@@ -91,7 +103,12 @@ std::span<const PassResult> Renderer::render(const DrawList& list, const FramePl
   Impl& r = *impl_;
   for (const Pass& pass : plan.passes) check_pass(pass, r.device.physical.targets);
   r.counters = {};
+  r.costs = {};
   r.results.clear();
+  r.pass_targets.clear();
+  r.draws.clear();
+  r.made.clear();
+  r.uploads.begin(VK_NULL_HANDLE);  // nothing has been uploaded yet
   if (plan.passes.empty()) return {};
   try {
     r.draw_frame(list, plan);
@@ -105,33 +122,50 @@ std::span<const PassResult> Renderer::render(const DrawList& list, const FramePl
 
 void Renderer::Impl::draw_frame(const DrawList& list, const FramePlan& plan) {
   const VkCommandBuffer recorded = commands.begin();
+  if (queries) queries->begin(recorded, plan);
   uploads.begin(recorded);
   prepare(list, plan);
   uploads.finish();
+  if (queries) queries->stamp(recorded);
   record(recorded, list, plan);
-  commands.submit_and_wait();
+  if (queries) {
+    submit_timed(plan);
+  } else {
+    commands.submit_and_wait();
+  }
   uploads.release();
   counters.bytes_uploaded = uploads.bytes();
   geometry.count(counters.meshes_held, counters.mesh_bytes);
   textures.count(counters.textures_held, counters.texture_bytes);
 }
 
+void Renderer::Impl::submit_timed(const FramePlan& plan) {
+  const auto now_ns = [] {
+    const auto now = std::chrono::steady_clock::now().time_since_epoch();
+    return std::chrono::duration_cast<std::chrono::nanoseconds>(now).count();
+  };
+  const std::int64_t submitted_ns = now_ns();
+  commands.submit_and_wait();
+  const std::int64_t finished_ns = now_ns();
+  costs = queries->costs(plan);
+  costs.submitted_ns = submitted_ns;
+  costs.finished_ns = finished_ns;
+}
+
 void Renderer::Impl::prepare(const DrawList& list, const FramePlan& plan) {
   const bool color = std::any_of(plan.passes.begin(), plan.passes.end(), [](const Pass& p) { return p.color; });
   table.update(list, color, geometry, textures, uploads);
   buffers.write_materials(list, table.materials_read(), uploads);
-  draws.clear();
   for (const Pass& pass : plan.passes) {
     for (const View& view : pass.views) draws.add(view, pass, list, table, counters);
   }
   buffers.write_instances(draws.instances(), uploads);
   buffers.write_indices(draws.indices(), uploads);
-  buffers.write_lights(draws.lights(), uploads);
+  if (color) buffers.write_lights(draws.lights(), uploads);
 }
 
 void Renderer::Impl::record(VkCommandBuffer recorded, const DrawList& list, const FramePlan& plan) {
   targets.begin_frame();
-  pass_targets.clear();
   for (const Pass& pass : plan.passes) pass_targets.push_back(&targets.acquire(pass));
 
   const FrameContext frame{.device = device,
@@ -144,7 +178,9 @@ void Renderer::Impl::record(VkCommandBuffer recorded, const DrawList& list, cons
                            .frame_indices = buffers.indices(),
                            .draws = draws,
                            .list = list,
-                           .counters = counters};
+                           .counters = counters,
+                           .made = made,
+                           .queries = queries ? &*queries : nullptr};
   record_bindings(frame);
   std::size_t first_view = 0;
   for (std::size_t i = 0; i < plan.passes.size(); ++i) {
@@ -174,10 +210,47 @@ void Renderer::Impl::collect(const FramePlan& plan) {
   }
 }
 
+void Renderer::complete(FramePlan& plan) const {
+  impl_->name_pipelines(plan);
+  impl_->name_memory(plan);
+}
+
+const FrameCosts* Renderer::costs() const { return impl_->queries ? &impl_->costs : nullptr; }
+
+void Renderer::Impl::name_pipelines(FramePlan& plan) const {
+  std::size_t drawn = 0;
+  for (std::size_t i = 0; i < pass_targets.size(); ++i) {
+    Pass& pass = plan.passes[i];
+    pass.pipelines.clear();
+    if (pass.samples() > 1) pass.pipelines.push_back(mean_in_words(pass));
+    for (View& view : pass.views) {
+      const ViewDraws& draw = draws.views()[drawn++];
+      const auto runs = draws.runs().subspan(draw.first_run, draw.end_run - draw.first_run);
+      view.pipelines = pipelines_of(runs, pass, made);
+    }
+  }
+}
+
+void Renderer::Impl::name_memory(FramePlan& plan) const {
+  buffers.name_memory(uploads, plan.memory);
+  geometry.name_memory(uploads, plan.memory);
+  const auto sampled = [this](VkDescriptorSet set) {
+    return static_cast<std::uint64_t>(std::ranges::count(draws.runs(), set, &DrawRun::texture));
+  };
+  textures.name_memory(uploads, sampled, plan.memory);
+  const auto user = [&](const RenderTarget& target) -> const Pass* {
+    const auto found = std::ranges::find(pass_targets, &target);
+    return found == pass_targets.end() ? nullptr : &plan.passes[static_cast<std::size_t>(found - pass_targets.begin())];
+  };
+  targets.name_memory(user, plan.memory);
+}
+
 // What was recorded never ran: nothing of it counts as uploaded.
 void Renderer::Impl::forget() {
   commands.abandon();
   uploads.release();
+  pass_targets.clear();
+  draws.clear();
   table.clear();
   geometry.clear();
   textures.clear();

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "engine/draw_list.h"
+#include "engine/frame_costs.h"
 #include "engine/frame_plan.h"
 
 namespace simvis {
@@ -18,6 +19,7 @@ class Device;
 /// What a frame cost, counted and not timed.
 struct FrameCounters {
   std::uint64_t passes = 0, views = 0, draws = 0, triangles = 0, pipelines_bound = 0, dispatches = 0;
+  std::uint64_t pipelines_made = 0;  ///< compiled, or taken from the cache of earlier runs
   std::uint64_t bytes_uploaded = 0, bytes_read_back = 0;
   std::uint64_t items_culled = 0;
   std::uint64_t meshes_held = 0, textures_held = 0;  ///< on the device, after the frame
@@ -63,6 +65,13 @@ class Renderer {
 
   /// Of the last render().
   const FrameCounters& counters() const;
+
+  /// Adds to the plan of the last render() what it took to draw it: the pipelines of each view, and all memory that the
+  /// renderer holds on the device. Costs nothing unless it is called.
+  void complete(FramePlan& plan) const;
+
+  /// Of the last render(); null unless the device is instrumented.
+  const FrameCosts* costs() const;
 
  private:
   struct Impl;

@@ -25,6 +25,8 @@ class SampleAverage {
   /// `samples` is in the layout SHADER_READ_ONLY_OPTIMAL. Leaves `mean` ready to be copied from.
   void record(VkCommandBuffer commands, const Pass& pass, const Binding& binding, const GpuImage& mean);
 
+  std::size_t made() const { return pipelines_.size(); }  ///< pipelines, so far
+
  private:
   void make_layouts();
   VkPipeline pipeline(const Pass& pass);

@@ -95,6 +95,20 @@ void TextureStore::count(std::uint64_t& textures, std::uint64_t& bytes) const {
   }
 }
 
+void TextureStore::name_memory(const Uploads& uploads, const std::function<std::uint64_t(VkDescriptorSet)>& sampled,
+                               std::vector<PlannedMemory>& memory) const {
+  const std::size_t first = memory.size();
+  for (const auto& [texture, entry] : entries_) {
+    const std::uint64_t draws = sampled(entry.set);
+    memory.push_back(
+        {entry.image.desc().name,
+         draws > 0 ? "sampled in " + std::to_string(draws) + " draws" : "a material shows it, in no view of this frame",
+         entry.image.memory_bytes(), uploads.bytes_to(entry.image)});
+  }
+  std::sort(memory.begin() + static_cast<std::ptrdiff_t>(first), memory.end(),
+            [](const PlannedMemory& a, const PlannedMemory& b) { return a.name < b.name; });
+}
+
 void TextureStore::clear() { keep_only({}); }
 
 VkSampler TextureStore::sampler(const Sampler& wanted) {

@@ -1,10 +1,12 @@
 // The textures that a draw list shows, on the device.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <unordered_map>
 #include <vector>
 
+#include "engine/frame_plan.h"
 #include "engine/gpu_image.h"
 #include "engine/mesh.h"
 #include "engine/uploads.h"
@@ -19,6 +21,10 @@ class TextureStore {
   /// The descriptor set of a texture; uploads it if it is not resident.
   /// Throws InputError when it is larger than the device allows.
   VkDescriptorSet require(const std::shared_ptr<const Texture>& texture, Uploads& uploads);
+
+  /// Adds its images; `sampled` says how many draws of this frame read from a set.
+  void name_memory(const Uploads& uploads, const std::function<std::uint64_t(VkDescriptorSet)>& sampled,
+                   std::vector<PlannedMemory>& memory) const;
 
   /// Forgets all that is not among `materials`.
   void keep_only(const std::vector<std::shared_ptr<const Material>>& materials);

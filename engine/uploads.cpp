@@ -38,7 +38,26 @@ VkOffset3D corner(const GpuImageDesc& desc, std::uint32_t level) {
 void Uploads::begin(VkCommandBuffer commands) {
   commands_ = commands;
   bytes_ = 0;
+  written_.clear();
   copies_ = false;
+}
+
+void Uploads::count(std::uint64_t target, std::uint64_t bytes) {
+  bytes_ += bytes;
+  // Mostly the same as before, or one of a few.
+  for (auto written = written_.rbegin(); written != written_.rend(); ++written) {
+    if (written->target != target) continue;
+    written->bytes += bytes;
+    return;
+  }
+  written_.push_back({target, bytes});
+}
+
+std::uint64_t Uploads::bytes_to(std::uint64_t target) const {
+  for (const Written& written : written_) {
+    if (written.target == target) return written.bytes;
+  }
+  return 0;
 }
 
 Uploads::Staged Uploads::stage(std::span<const std::byte> data) {
@@ -57,7 +76,7 @@ Uploads::Staged Uploads::stage(std::span<const std::byte> data) {
 
 void Uploads::write(const Buffer& target, VkDeviceSize offset, std::span<const std::byte> data) {
   if (data.empty()) return;
-  bytes_ += data.size();
+  count(reinterpret_cast<std::uint64_t>(target.get()), data.size());
   if (target.mapped()) {
     std::memcpy(target.mapped() + offset, data.data(), data.size());
     return;
@@ -69,7 +88,7 @@ void Uploads::write(const Buffer& target, VkDeviceSize offset, std::span<const s
 }
 
 void Uploads::write(const GpuImage& target, std::span<const std::byte> rgba) {
-  bytes_ += rgba.size();
+  count(reinterpret_cast<std::uint64_t>(target.get()), rgba.size());
   const Staged staged = stage(rgba);
   const GpuImageDesc& desc = target.desc();
   record(commands_, VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT,

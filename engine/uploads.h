@@ -34,12 +34,22 @@ class Uploads {
   void release() { staging_.clear(); }
 
   std::uint64_t bytes() const { return bytes_; }  ///< since begin()
+  /// Of them, those that went to one buffer or image.
+  std::uint64_t bytes_to(const Buffer& target) const { return bytes_to(reinterpret_cast<std::uint64_t>(target.get())); }
+  std::uint64_t bytes_to(const GpuImage& target) const {
+    return bytes_to(reinterpret_cast<std::uint64_t>(target.get()));
+  }
 
  private:
+  struct Written {
+    std::uint64_t target, bytes;
+  };
   struct Staged {
     VkBuffer buffer;
     VkDeviceSize offset;
   };
+  void count(std::uint64_t target, std::uint64_t bytes);
+  std::uint64_t bytes_to(std::uint64_t target) const;
   Staged stage(std::span<const std::byte> data);
   void make_mips(const GpuImage& image);
 
@@ -48,6 +58,7 @@ class Uploads {
   std::vector<Buffer> staging_;
   VkDeviceSize used_ = 0;  // of the last staging buffer
   std::uint64_t bytes_ = 0;
+  std::vector<Written> written_;
   bool copies_ = false;
 };
 

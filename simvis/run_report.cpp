@@ -42,7 +42,7 @@ std::string to_json(const RunReport& report) {
   Json sensors = Json::object();
   for (const SensorInfo& sensor : report.sensors) {
     sensors[sensor.name] = {
-        {"type", sensor.type}, {"method", sensor.method}, {"frames", sensor.frames}, {"effects", Json::array()}};
+        {"type", sensor.type}, {"method", sensor.method}, {"frames", sensor.frames}, {"effects", sensor.effects}};
     if (sensor.depth_error_bound_m) {
       // JSON has no infinity.
       const bool finite = std::isfinite(*sensor.depth_error_bound_m);
@@ -74,27 +74,6 @@ std::string speed_line(const RunReport& report) {
   std::snprintf(text, sizeof text, "%zu frame%s, %.2f ms a frame: %.1f Hz, %.2f x real time at %g Hz", frames,
                 frames == 1 ? "" : "s", median_ms, speed_hz, speed_hz / report.rate_hz, report.rate_hz);
   return text;
-}
-
-void Profile::add(std::uint64_t frame, std::span<const StageTime> stages) {
-  for (const StageTime& stage : stages) events_.push_back({frame, stage});
-}
-
-std::string Profile::to_json() const {
-  Json events = Json::array();
-  for (const Event& event : events_) {
-    // Complete events; times in microseconds from the first.
-    const double start_us = static_cast<double>(event.stage.start_ns - events_.front().stage.start_ns) / 1e3;
-    const double length_us = static_cast<double>(event.stage.end_ns - event.stage.start_ns) / 1e3;
-    events.push_back({{"name", std::string(event.stage.name)},
-                      {"ph", "X"},
-                      {"pid", 1},
-                      {"tid", 1},
-                      {"ts", start_us},
-                      {"dur", length_us},
-                      {"args", {{"frame", event.frame}}}});
-  }
-  return dump({{"traceEvents", events}, {"displayTimeUnit", "ms"}}, -1);
 }
 
 }  // namespace simvis

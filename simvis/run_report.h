@@ -1,4 +1,4 @@
-// What a run was and how fast it went: run.json, the closing lines and the profile.
+// What a run was and how fast it went: run.json and the closing lines.
 #pragma once
 
 #include <cstdint>
@@ -33,19 +33,5 @@ std::string to_json(const RunReport& report);
 
 /// "30 frames, 2.43 ms a frame: 411.5 Hz, 27.43 x real time at 15 Hz", from the median.
 std::string speed_line(const RunReport& report);
-
-/// Stages of frames in Chrome's trace format (chrome://tracing, ui.perfetto.dev).
-class Profile {
- public:
-  void add(std::uint64_t frame, std::span<const StageTime> stages);
-  std::string to_json() const;
-
- private:
-  struct Event {
-    std::uint64_t frame;
-    StageTime stage;
-  };
-  std::vector<Event> events_;
-};
 
 }  // namespace simvis

@@ -18,6 +18,11 @@ namespace simvis {
 
 namespace {
 
+std::int64_t now_ns() {
+  const auto now = std::chrono::steady_clock::now().time_since_epoch();
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(now).count();
+}
+
 /// Notes when the stages of a step begin and end: each ends where the next begins.
 class Stages {
  public:
@@ -32,10 +37,6 @@ class Stages {
   std::span<const StageTime> times() const { return stages_; }
 
  private:
-  static std::int64_t now_ns() {
-    return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
-        .count();
-  }
   std::vector<StageTime> stages_;
 };
 
@@ -55,6 +56,9 @@ struct Simulation::Impl : Observations {
   void show_to_people(const FrameTime& time);
   void plan_due_sensors(ViewLayer& layer, bool visualization, const FrameTime& time);
   void collect(ViewLayer& layer, const FrameTime& time, std::span<const PassResult> results);
+  Duty duty(std::size_t sensor, const FrameTime& time);
+  void measure_timed(ViewLayer& layer, const BuiltSensor& sensor, const FrameTime& time,
+                     std::span<const PassResult> results);
   void take_new_sensors();
   ViewLayer& layer_of(const BuiltSensor& sensor) { return sensor.sensor->visualization() ? *people : sensing; }
   bool pose(const BuiltSensor& sensor, glm::dmat4& world_from_sensor);
@@ -68,6 +72,7 @@ struct Simulation::Impl : Observations {
     bool enabled = true;
     std::uint64_t frames = 0;
     glm::dmat4 world_from_sensor{1.0};  // when it last measured
+    std::vector<std::string> effects;   // that it has had
   };
 
   const WorkTable& costs();
@@ -83,6 +88,8 @@ struct Simulation::Impl : Observations {
   std::uint64_t next_frame = 0;
   std::vector<std::string> measured;  // names of the sensors that did in this frame
   Stages stages;
+  bool instrumented;
+  std::vector<SensorCost> sensor_costs;
 };
 
 Simulation::Impl::Impl(const SimulationDesc& desc, std::span<const Command> commands)
@@ -90,7 +97,8 @@ Simulation::Impl::Impl(const SimulationDesc& desc, std::span<const Command> comm
       scene(desc.overrides, commands, desc.seed),
       cache(cache_folder(desc.device.cache_dir)),
       device(desc.device),
-      sensing(scene.built.scene.root(), Audience::sensors, device) {
+      sensing(scene.built.scene.root(), Audience::sensors, device),
+      instrumented(desc.device.instrumented) {
   scene.require(device.target_limits());
   take_new_sensors();
 }
@@ -118,6 +126,7 @@ const WorkTable& Simulation::Impl::costs() {
 void Simulation::Impl::step() {
   const FrameTime time = clock.frame(next_frame);
   measured.clear();
+  sensor_costs.clear();
   stages.clear();
   stages.begin("elements");
   update_elements();
@@ -142,10 +151,11 @@ void Simulation::Impl::show_to_people(const FrameTime& time) {
   for (std::size_t i = 0; i < states.size(); ++i) {
     anybody |= states[i].enabled && scene.built.sensors[i].sensor->visualization();
   }
-  if (!anybody) return;
-  people->list = &people->flattener.update();
-  for (const std::unique_ptr<Element>& element : scene.built.elements) element->observe(*this);
-  people->list = &people->flattener.update();
+  if (anybody) {
+    people->list = &people->flattener.update();
+    for (const std::unique_ptr<Element>& element : scene.built.elements) element->observe(*this);
+    people->list = &people->flattener.update();
+  }
   plan_due_sensors(*people, true, time);
   collect(*people, time, people->renderer.render(*people->list, people->plan));
 }
@@ -159,31 +169,68 @@ void Simulation::Impl::update_elements() {
 }
 
 void Simulation::Impl::plan_due_sensors(ViewLayer& layer, bool visualization, const FrameTime& time) {
-  layer.plan.passes.clear();
-  layer.plan.casts.clear();
-  layer.plan.effects.clear();
-  layer.due.clear();
+  layer.begin_plan();
+  FramePlan& plan = layer.plan;
   for (std::size_t i = 0; i < states.size(); ++i) {
-    const BuiltSensor& sensor = scene.built.sensors[i];
-    if (sensor.sensor->visualization() != visualization) continue;
-    if (!states[i].enabled || !clock.fires(sensor.sensor->rate_hz, time.index)) continue;
-    if (!pose(sensor, states[i].world_from_sensor)) continue;
-    sensor.sensor->plan(states[i].world_from_sensor, *layer.list, layer.plan);
-    layer.due.push_back(i);
+    Sensor& sensor = *scene.built.sensors[i].sensor;
+    if (sensor.visualization() != visualization) continue;
+    ViewLayer::Entry entry{
+        .sensor = i, .duty = duty(i, time), .first_pass = plan.passes.size(), .first_cast = plan.casts.size()};
+    const std::size_t first_effect = plan.effects.size();
+    if (entry.duty == Duty::due) sensor.plan(states[i].world_from_sensor, *layer.list, plan);
+    entry.end_pass = plan.passes.size();
+    entry.end_cast = plan.casts.size();
+    layer.entries.push_back(entry);
+    std::vector<std::string>& effects = states[i].effects;
+    for (std::size_t e = first_effect; e < plan.effects.size(); ++e) {
+      if (std::ranges::find(effects, plan.effects[e].effect) == effects.end())
+        effects.push_back(plan.effects[e].effect);
+    }
   }
-  for (RayCast& cast : layer.plan.casts) cast.engine = layer.caster->engine();
+  for (RayCast& cast : plan.casts) cast.engine = layer.caster->engine();
+}
+
+// Of a sensor that is due, its pose is known then.
+Duty Simulation::Impl::duty(std::size_t sensor, const FrameTime& time) {
+  const BuiltSensor& built = scene.built.sensors[sensor];
+  if (!states[sensor].enabled) return Duty::off;
+  if (!clock.fires(built.sensor->rate_hz, time.index)) return Duty::waiting;
+  return pose(built, states[sensor].world_from_sensor) ? Duty::due : Duty::hidden;
 }
 
 void Simulation::Impl::collect(ViewLayer& layer, const FrameTime& time, std::span<const PassResult> results) {
+  layer.rendered = true;
   layer.caster->set_world(*layer.list);
-  for (const std::size_t i : layer.due) {
-    scene.built.sensors[i].sensor->collect(time, layer.plan, results);
-    scene.built.sensors[i].sensor->cast(*layer.caster);
+  for (const ViewLayer::Entry& entry : layer.entries) {
+    if (entry.duty != Duty::due) continue;
+    const BuiltSensor& sensor = scene.built.sensors[entry.sensor];
+    if (instrumented) {
+      measure_timed(layer, sensor, time, results);
+    } else {
+      sensor.sensor->collect(time, layer.plan, results);
+      sensor.sensor->cast(*layer.caster);
+    }
   }
-  for (const std::size_t i : layer.due) {
-    ++states[i].frames;
-    measured.push_back(scene.built.sensors[i].name);
+  for (const ViewLayer::Entry& entry : layer.entries) {
+    if (entry.duty != Duty::due) continue;
+    ++states[entry.sensor].frames;
+    measured.push_back(scene.built.sensors[entry.sensor].name);
   }
+}
+
+void Simulation::Impl::measure_timed(ViewLayer& layer, const BuiltSensor& sensor, const FrameTime& time,
+                                     std::span<const PassResult> results) {
+  const RayCounters before = layer.caster->counters();
+  SensorCost cost{.sensor = sensor.name, .start_ns = now_ns()};
+  sensor.sensor->collect(time, layer.plan, results);
+  cost.collected_ns = now_ns();
+  sensor.sensor->cast(*layer.caster);
+  cost.end_ns = now_ns();
+  const RayCounters after = layer.caster->counters();
+  cost.rays = after.rays - before.rays;
+  cost.item_tests = after.item_tests - before.item_tests;
+  cost.triangle_tests = after.triangle_tests - before.triangle_tests;
+  sensor_costs.push_back(std::move(cost));
 }
 
 /// False where the sensor stands in a part that is switched off.
@@ -312,7 +359,8 @@ std::vector<SensorInfo> Simulation::sensors() const {
                      impl_->states[i].frames,
                      impl_->states[i].enabled,
                      sensor.sensor->report(),
-                     {}});
+                     {},
+                     impl_->states[i].effects});
   }
   return infos;
 }
@@ -326,14 +374,23 @@ const DeviceInfo& Simulation::device() const { return impl_->device.info(); }
 const FrameCounters& Simulation::counters() const { return impl_->sensing.renderer.counters(); }
 RayCounters Simulation::ray_counters() const { return impl_->sensing.caster->counters(); }
 const DrawList& Simulation::draw_list() const { return *impl_->sensing.list; }
-const FramePlan& Simulation::frame_plan() const { return impl_->sensing.plan; }
+const FramePlan& Simulation::frame_plan() const { return impl_->sensing.complete_plan(impl_->scene.built.sensors); }
+const FrameCosts* Simulation::frame_costs() const { return impl_->sensing.renderer.costs(); }
 
-const FramePlan* Simulation::visualization_plan() const { return impl_->people ? &impl_->people->plan : nullptr; }
+const FramePlan* Simulation::visualization_plan() const {
+  return impl_->people ? &impl_->people->complete_plan(impl_->scene.built.sensors) : nullptr;
+}
 
 const FrameCounters* Simulation::visualization_counters() const {
   return impl_->people ? &impl_->people->renderer.counters() : nullptr;
 }
 
+const FrameCosts* Simulation::visualization_costs() const {
+  return impl_->people ? impl_->people->renderer.costs() : nullptr;
+}
+
+std::span<const SensorCost> Simulation::sensor_costs() const { return impl_->sensor_costs; }
+std::uint64_t Simulation::device_memory_bytes() const { return impl_->device.memory_bytes(); }
 std::span<const StageTime> Simulation::stages() const { return impl_->stages.times(); }
 std::uint64_t Simulation::validation_messages() const { return impl_->device.validation_messages(); }
 

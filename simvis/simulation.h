@@ -18,6 +18,7 @@
 #include "sensors/image.h"
 #include "sensors/sensor.h"
 #include "simvis/parameters.h"
+#include "simvis/sensor_cost.h"
 
 namespace simvis {
 
@@ -42,6 +43,7 @@ struct SensorInfo {
   bool enabled = true;
   SensorReport report{};                        ///< of its last measurement
   std::optional<double> depth_error_bound_m{};  ///< of its last depth image; empty unless asked for, see with_bounds()
+  std::vector<std::string> effects{};           ///< that any of its measurements had, as the plan named them
 
   /// A note of the report that is a number, by its name; empty if there is none.
   std::optional<double> number(std::string_view note) const;
@@ -135,10 +137,17 @@ class Simulation {
   const FrameCounters& counters() const;  ///< of the last step()
   RayCounters ray_counters() const;       ///< of all steps
   const DrawList& draw_list() const;      ///< of the last step()
-  const FramePlan& frame_plan() const;    ///< of the last step()
+  const FramePlan& frame_plan() const;    ///< of the last step(), complete: see engine/frame_plan.h
+  /// Of the last step(); null unless SimulationDesc::device is instrumented.
+  const FrameCosts* frame_costs() const;
   /// The same of what visualization cameras saw. Null while the scene has none.
   const FramePlan* visualization_plan() const;
   const FrameCounters* visualization_counters() const;
+  const FrameCosts* visualization_costs() const;
+  /// Of the sensors that measured in the last step(), in this order; empty unless the device is instrumented.
+  std::span<const SensorCost> sensor_costs() const;
+  /// All that SimVis holds of the device's memory: what the plans name, and nothing else.
+  std::uint64_t device_memory_bytes() const;
   /// The stages of the last step(), in order. Empty before the first.
   std::span<const StageTime> stages() const;
   std::uint64_t validation_messages() const;

@@ -22,6 +22,7 @@
 #include "simvis/plugin.h"
 #include "simvis/price.h"
 #include "simvis/price_report.h"
+#include "simvis/profile.h"
 #include "simvis/progress_bar.h"
 #include "simvis/run_report.h"
 #include "simvis/simulation.h"
@@ -85,9 +86,10 @@ void declare_options(CLI::App& app, Options& options) {
   app.add_option("--plugin", options.plugins, "a library with more elements and sensors (repeatable)")
       ->type_name("FILE.so")
       ->allow_extra_args(false);
-  app.add_option("--profile", options.profile, "write the time of each stage of each frame, in Chrome's trace format")
+  app.add_option("--profile", options.profile,
+                 "write what each frame spent its time on, on the host and on the device, in Chrome's trace format")
       ->type_name("FILE.json");
-  app.add_flag("--explain", options.explain, "print what the first frame renders, why, and what it cost");
+  app.add_flag("--explain", options.explain, "print what the last frame renders, why, and what it cost");
   app.add_flag("--quiet", options.quiet, "print errors only");
   app.add_flag("--price", options.price,
                "print what each method of each laser scanner costs and is worth in this scene; --frames of each (" +
@@ -202,6 +204,7 @@ Simulation load(const Options& options) {
   desc.rate_hz = options.rate_hz;
   desc.seed = options.seed;
   desc.device.select = options.device;
+  desc.device.instrumented = options.explain || !options.profile.empty();
   desc.overrides = scanner_overrides(options);
   Simulation simulation = Simulation::load(options.scene, desc);
   for (const std::string& assignment : options.set) set_parameter(simulation, assignment);
@@ -229,16 +232,31 @@ void write_results(const Simulation& simulation, const FrameTime& time, OutputWr
 }
 
 void print_explanation(const Simulation& simulation) {
-  std::cout << explain(simulation.frame_plan(), simulation.counters());
+  std::cout << explain(simulation.frame_plan(),
+                       {simulation.counters(), simulation.frame_costs(), simulation.sensor_costs()});
   for (const SensorInfo& sensor : simulation.sensors()) std::cout << sensor.report.explanation;
   const FramePlan* const visualization = simulation.visualization_plan();
   if (visualization == nullptr) return;
-  std::cout << "visualization, drawn apart:\n" << explain(*visualization, *simulation.visualization_counters());
+  std::cout << "visualization, drawn apart:\n"
+            << explain(*visualization, {*simulation.visualization_counters(), simulation.visualization_costs(),
+                                        simulation.sensor_costs()});
+}
+
+void add_frame(Profile& profile, std::uint64_t frame, const Simulation& simulation) {
+  profile.add({.index = frame,
+               .stages = simulation.stages(),
+               .written_ns = now_ns(),
+               .sensors = simulation.sensor_costs(),
+               .counters = simulation.counters(),
+               .device_memory_bytes = simulation.device_memory_bytes()});
+  profile.add(simulation.frame_plan(), *simulation.frame_costs());
+  if (const FramePlan* const plan = simulation.visualization_plan())
+    profile.add(*plan, *simulation.visualization_costs());
 }
 
 /// Makes and writes all frames; fills in the report's times.
 void run_frames(const Options& options, Simulation& simulation, const std::optional<Trajectory>& trajectory,
-                OutputWriter& writer, RunReport& report, Profile& profile) {
+                OutputWriter& writer, RunReport& report, std::optional<Profile>& profile) {
   const bool terminal = ::isatty(STDERR_FILENO) == 1;
   ProgressBar progress(std::cerr, terminal && !options.quiet, options.frames, std::chrono::steady_clock::now());
   for (std::uint64_t frame = 0; frame < options.frames; ++frame) {
@@ -249,14 +267,9 @@ void run_frames(const Options& options, Simulation& simulation, const std::optio
     const std::int64_t measured_ns = now_ns();
     stop_if_asked_to();
     report.frame_ms.push_back(static_cast<double>(measured_ns - start_ns) / 1e6);
-    if (options.explain && frame == 0) print_explanation(simulation);
     write_results(simulation, time, writer);
     stop_if_asked_to();
-    if (!options.profile.empty()) {
-      const StageTime writing[] = {{"write", measured_ns, now_ns()}};
-      profile.add(frame, simulation.stages());
-      profile.add(frame, writing);
-    }
+    if (profile) add_frame(*profile, frame, simulation);
     progress.update(frame + 1, std::chrono::steady_clock::now());
   }
 }
@@ -287,15 +300,12 @@ void run_scene(const Options& options, std::int64_t start_ns) {
   report.device = simulation.device();
   report.seed = options.seed;
   report.rate_hz = options.rate_hz;
-  std::optional<AtomicFile> profile_file;
-  if (!options.profile.empty()) profile_file.emplace(options.profile);
-  Profile profile;
+  std::optional<Profile> profile;
+  if (!options.profile.empty()) profile.emplace(options.profile, simulation.device().name);
   run_frames(options, simulation, trajectory, writer, report, profile);
+  if (options.explain) print_explanation(simulation);
   writer.finish();
-  if (profile_file) {
-    profile_file->write(profile.to_json());
-    profile_file->commit();
-  }
+  if (profile) profile->commit();
   report.sensors = with_bounds(simulation);
   report.wall_s = static_cast<double>(now_ns() - start_ns) / 1e9;
   write_file(std::filesystem::path(options.out) / "run.json", to_json(report));

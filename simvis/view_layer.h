@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "engine/device.h"
@@ -10,6 +11,7 @@
 #include "engine/ray_caster.h"
 #include "engine/renderer.h"
 #include "scenegraph/flattener.h"
+#include "simvis/scene_builder.h"
 
 namespace simvis {
 
@@ -22,12 +24,27 @@ struct ViewLayer {
         caster(make_ray_caster(device)),
         list(&flattener.update()) {}
 
+  /// A sensor of this audience in this frame.
+  struct Entry {
+    std::size_t sensor = 0;  ///< index
+    Duty duty = Duty::due;
+    std::size_t first_pass = 0, end_pass = 0, first_cast = 0, end_cast = 0;  ///< in the plan
+  };
+
+  /// Starts the plan of the next frame.
+  void begin_plan();
+
+  /// The plan of this frame, with all that only people and tests want to know: worked out when it is first asked for.
+  const FramePlan& complete_plan(std::span<const BuiltSensor> sensors);
+
   Flattener flattener;
   Renderer renderer;
   std::unique_ptr<RayCaster> caster;  ///< costs nothing until a sensor casts
   const DrawList* list;               ///< as of the last flattening
   FramePlan plan;                     ///< of this frame
-  std::vector<std::size_t> due;       ///< the sensors that measure in this frame, by index
+  std::vector<Entry> entries;         ///< of the sensors, due or not, in their order
+  bool rendered = false;              ///< the plan has been
+  bool complete = false;
 };
 
 }  // namespace simvis

@@ -262,7 +262,7 @@ TEST_CASE("depth is never averaged: the same bytes whatever the samples, and the
     CHECK(several.counters().passes == 2);
     CHECK(several.counters().dispatches == 1);
     CHECK(several.counters().bytes_read_back == plain.counters().bytes_read_back);
-    const std::string text = explain(several.frame_plan(), several.counters());
+    const std::string text = explain(several.frame_plan(), {several.counters()});
     CHECK(contains(text, "the mean of " + std::to_string(supersampling * msaa) + " samples a pixel"));
     CHECK(contains(text, "depth of camera ROBOT_CAM, apart"));
     CHECK(several.validation_messages() == 0);

@@ -222,7 +222,7 @@ TEST_CASE("hybrid unless told otherwise: no rendered range has such a bound, so 
     }
   }
   CHECK(hybrid.counters().passes == 0);
-  const std::string explained = explain(hybrid.frame_plan(), hybrid.counters());
+  const std::string explained = explain(hybrid.frame_plan(), {hybrid.counters()});
   CHECK(
       contains(explained, "cast FRONT_SCANNER: up to 361 rays by " + hybrid.frame_plan().casts[0].engine + ": every"));
   CHECK(!hybrid.frame_plan().casts[0].engine.empty());

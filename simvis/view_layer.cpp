@@ -1,0 +1,50 @@
+#include "simvis/view_layer.h"
+
+namespace simvis {
+
+namespace {
+
+std::vector<std::string> outputs_of(const Sensor& sensor) {
+  std::vector<std::string> outputs;
+  if (sensor.color() != nullptr) outputs.emplace_back("colour");
+  if (sensor.depth() != nullptr) outputs.emplace_back("depth");
+  if (sensor.scan() != nullptr) outputs.emplace_back("ranges");
+  if (!outputs.empty()) return outputs;
+  for (const NamedValue& value : sensor.values()) outputs.emplace_back(value.name);
+  return outputs;
+}
+
+}  // namespace
+
+void ViewLayer::begin_plan() {
+  plan.passes.clear();
+  plan.casts.clear();
+  plan.effects.clear();
+  entries.clear();
+  rendered = complete = false;
+}
+
+const FramePlan& ViewLayer::complete_plan(std::span<const BuiltSensor> sensors) {
+  if (complete) return plan;
+  complete = true;
+  plan.sensors.clear();
+  plan.memory.clear();
+  for (const Entry& entry : entries) {
+    const BuiltSensor& sensor = sensors[entry.sensor];
+    plan.sensors.push_back({.name = sensor.name,
+                            .type = sensor.type,
+                            .duty = entry.duty,
+                            .rate_hz = sensor.sensor->rate_hz,
+                            .outputs = outputs_of(*sensor.sensor),
+                            .first_pass = entry.first_pass,
+                            .end_pass = entry.end_pass,
+                            .first_cast = entry.first_cast,
+                            .end_cast = entry.end_cast});
+  }
+  if (!rendered) return plan;
+  renderer.complete(plan);
+  caster->name_memory(plan.memory);
+  return plan;
+}
+
+}  // namespace simvis
