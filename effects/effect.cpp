@@ -28,10 +28,12 @@ std::vector<const EffectType*> effect_types() { return registry().sorted(); }
 
 const EffectType* find_effect_type(std::string_view name) { return registry().find(name); }
 
+bool may_have(std::string_view sensor_type, const EffectType& effect) { return is_among(sensor_type, effect.sensors); }
+
 std::vector<AttributeSpec> with_effect_attributes(std::string_view sensor_type, AttributeTable own) {
   std::vector<AttributeSpec> table(own.begin(), own.end());
   for (const EffectType* effect : effect_types()) {
-    if (!is_among(sensor_type, effect->sensors)) continue;
+    if (!may_have(sensor_type, *effect)) continue;
     table.insert(table.end(), effect->attributes.begin(), effect->attributes.end());
   }
   return table;

@@ -52,6 +52,9 @@ std::vector<const EffectType*> effect_types();
 /// Null when there is none of that name.
 const EffectType* find_effect_type(std::string_view name);
 
+/// Whether commands of this sensor type may carry the effect's attributes.
+bool may_have(std::string_view sensor_type, const EffectType& effect);
+
 /// The attributes of a sensor type: its own rows, then those of the effects that it may have, by the effects' names.
 std::vector<AttributeSpec> with_effect_attributes(std::string_view sensor_type, AttributeTable own);
 

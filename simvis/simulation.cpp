@@ -168,6 +168,7 @@ void Simulation::Impl::plan_due_sensors(ViewLayer& layer, bool visualization, co
     if (sensor.sensor->visualization() != visualization) continue;
     if (!states[i].enabled || !clock.fires(sensor.sensor->rate_hz, time.index)) continue;
     if (!pose(sensor, states[i].world_from_sensor)) continue;
+    sensor.sensor->begin(time);
     sensor.sensor->plan(states[i].world_from_sensor, *layer.list, layer.plan);
     layer.due.push_back(i);
   }

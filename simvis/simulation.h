@@ -14,8 +14,8 @@
 #include "engine/error.h"
 #include "engine/renderer.h"
 #include "scenegraph/command.h"
+#include "scenegraph/image.h"
 #include "scenegraph/scan.h"
-#include "sensors/image.h"
 #include "sensors/sensor.h"
 #include "simvis/parameters.h"
 
