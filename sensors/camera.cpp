@@ -1,6 +1,7 @@
 #include "sensors/camera.h"
 
 #include <algorithm>
+#include <cmath>
 #include <span>
 
 #include "effects/rolling_shutter.h"
@@ -111,8 +112,9 @@ void Camera::add_passes(bool color, bool depth, const std::string& what, const c
     view.name = several ? name_ + "/view " + std::to_string(i) : name_;
     view.reason = what + " of camera " + name_ + why;
     if (seen.rows < desc_.height_px) {
+      const double before_s = std::round(-seen.time_s * 1e9) / 1e9;
       view.reason += ": rows " + std::to_string(seen.first_row) + " to " +
-                     std::to_string(seen.first_row + seen.rows - 1) + " at " + format_number(seen.time_s) + " s";
+                     std::to_string(seen.first_row + seen.rows - 1) + ", " + format_number(before_s) + " s before";
     }
     view.pinhole = seen.pinhole;
     view.near_m = desc_.near_m;

@@ -8,8 +8,8 @@
 // Samples  with supersampling or msaa the colour of a pixel is the mean, in linear light, over its square, see Pass.
 //          Depth is never averaged: it is that of the pixel's centre, and has a pass of its own then.
 // Effects  see effects/camera_effect.h. Through a lens or a rolling shutter a pixel's depth is along the Z that the
-//          camera had at the row's time, of what is met at the pixel itself: see resampled_image.h. The file
-//          SENSOR.yaml holds the intrinsics of a lens (see camera_info.h).
+//          camera had at the row's time, of what is met at the pixel itself: see resampled_image.h. A
+//          wide lens is rendered as several views, each with `near` along its own axis. The file SENSOR.yaml holds the intrinsics of a lens (see camera_info.h).
 // Values   value("depth_error_bound_m"), of cameras with depth: at least the error of every depth of the last image,
 // see
 //          depth_error_bound.h, or with a lens resampled_image.h, for what it speaks of. The former is worked out when

@@ -13,9 +13,17 @@ std::string quoted(const std::string& text) {
   return result + "'";
 }
 
+/// YAML 1.1 has no floats without a point.
+std::string number(double value) {
+  std::string text = format_number(value);
+  const std::size_t exponent = text.find('e');
+  if (exponent != std::string::npos && text.find('.') == std::string::npos) text.insert(exponent, ".0");
+  return text;
+}
+
 std::string matrix(const std::string& name, int rows, int columns, const std::vector<double>& values) {
   std::string data;
-  for (const double value : values) data += (data.empty() ? "" : ", ") + format_number(value);
+  for (const double value : values) data += (data.empty() ? "" : ", ") + number(value);
   return name + ":\n  rows: " + std::to_string(rows) + "\n  cols: " + std::to_string(columns) + "\n  data: [" + data +
          "]\n";
 }

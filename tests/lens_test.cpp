@@ -39,8 +39,8 @@ LensModel fisheye(double fx_px, double k1, double k2, double k3, double k4) {
 // Barrels, a pincushion, a lens that is not square to its chip, and fisheyes; the last one sees 220 degrees in a circle
 // of 320 pixels.
 const std::vector<LensModel> kModels{brown_conrady(-0.28, 0.09, -0.01, 0, 0), brown_conrady(0.2, 0.05, 0, 0, 0),
-                                     brown_conrady(-0.2, 0.03, 0, 2e-3, -3e-3), fisheye(250, -0.01, 0.002, -0.001, 1e-4),
-                                     fisheye(166.7, 0, 0, 0, 0)};
+                                     brown_conrady(-0.2, 0.03, 0, 2e-3, -3e-3),
+                                     fisheye(250, -0.01, 0.002, -0.001, 1e-4), fisheye(166.7, 0, 0, 0, 0)};
 
 // As OpenCV's documentation writes them, term by term.
 glm::dvec2 formula(const LensModel& m, double x, double y, double z) {
