@@ -1,4 +1,4 @@
-// A camera: colour, depth or both, from one pinhole view.
+// A camera: colour, depth or both, of a pinhole or through a lens.
 //
 //   <sensor type="camera" name="CAM" insert_at="ROBOT" width="640" height="480" hfov="60" outputs="color depth"/>
 //
@@ -8,12 +8,12 @@
 // Samples  with supersampling or msaa the colour of a pixel is the mean, in linear light, over its square, see Pass.
 //          Depth is never averaged: it is that of the pixel's centre, and has a pass of its own then.
 // Effects  see effects/camera_effect.h. Through a lens or a rolling shutter a pixel's depth is along the Z that the
-//          camera had at the row's time, of what is met at the pixel itself: see resampled_image.h. A
-//          wide lens is rendered as several views, each with `near` along its own axis. The file SENSOR.yaml holds the intrinsics of a lens (see camera_info.h).
+//          camera had at the row's time, of what is met at the pixel itself: see resampled_image.h. With a lens
+//          samples are those of rendered pixels, a wide lens takes several views, each with `near` along its own axis,
+//          and the file SENSOR.yaml holds the intrinsics (see camera_info.h).
 // Values   value("depth_error_bound_m"), of cameras with depth: at least the error of every depth of the last image,
-// see
-//          depth_error_bound.h, or with a lens resampled_image.h, for what it speaks of. The former is worked out when
-//          it is asked for.
+//          for what depth_error_bound.h, or with a lens resampled_image.h, speaks of. The former is worked out when it
+//          is asked for.
 // Faces    back faces of single-sided materials are not drawn, as glTF says, in colour and depth alike.
 #pragma once
 
