@@ -86,7 +86,7 @@ TEST_CASE("mean, variance and skewness are Poisson's, small and large") {
   }
 }
 
-TEST_CASE("beyond the exact means the distribution function is off by less than 1 / mean") {
+TEST_CASE("beyond the exact means the distribution function is off by less than 0.1 / mean") {
   const double mean = kMostExactMean + 1;
   std::vector<double> seen(300);
   for (const double v : counts(mean)) ++seen.at(static_cast<std::size_t>(v));
@@ -97,8 +97,10 @@ TEST_CASE("beyond the exact means the distribution function is off by less than 
     expected += std::exp(n * std::log(mean) - mean - std::lgamma(n + 1));
     worst = std::max(worst, std::abs(have - expected));
   }
-  // The empirical function itself is within 0.5 / sqrt(n) standard deviations.
-  CHECK(worst <= 1 / mean + kSigmas * 0.5 / std::sqrt(kSamples));
+  // Of the same expansion's next terms, (z - z^3) / (72 mean), and of rounding, z / (24 mean), times the Gaussian's
+  // density: below 0.02 / mean. What follows is of the order of 1 / mean^1.5. The empirical function itself has a
+  // standard deviation of 0.5 / sqrt(n) at the most.
+  CHECK(worst <= 0.1 / mean + kSigmas * 0.5 / std::sqrt(kSamples));
   MESSAGE("distribution function off by " << worst);
 }
 
