@@ -1,4 +1,4 @@
-// A camera: colour, depth or both, from one pinhole view.
+// A camera: colour, depth or both, of a pinhole or through a lens.
 //
 //   <sensor type="camera" name="CAM" insert_at="ROBOT" width="640" height="480" hfov="60" outputs="color depth"/>
 //
@@ -7,15 +7,23 @@
 // Units    depth is metres along the optical axis (depth along Z, not range along the ray); +infinity: nothing.
 // Samples  with supersampling or msaa the colour of a pixel is the mean, in linear light, over its square, see Pass.
 //          Depth is never averaged: it is that of the pixel's centre, and has a pass of its own then.
+// Effects  see effects/camera_effect.h. Through a lens or a rolling shutter a pixel's depth is along the Z that the
+//          camera had at the row's time, of what is met at the pixel itself: see resampled_image.h. With a lens
+//          samples are those of rendered pixels, a wide lens takes several views, each with `near` along its own axis,
+//          and the file SENSOR.yaml holds the intrinsics (see camera_info.h).
 // Values   value("depth_error_bound_m"), of cameras with depth: at least the error of every depth of the last image,
-// see
-//          depth_error_bound.h for what it speaks of. Worked out when it is asked for.
+//          for what depth_error_bound.h, or with a lens resampled_image.h, speaks of. The former is worked out when it
+//          is asked for.
 // Faces    back faces of single-sided materials are not drawn, as glTF says, in colour and depth alike.
 #pragma once
 
 #include <limits>
+#include <optional>
 #include <string>
+#include <vector>
 
+#include "effects/camera_effect.h"
+#include "sensors/camera_views.h"
 #include "sensors/depth_error_bound.h"
 #include "sensors/pinhole_view.h"
 #include "sensors/sensor.h"
@@ -29,6 +37,7 @@ struct CameraDesc {
   bool color = true, depth = false;
   ColorSampling sampling{};
   bool visualization = false;  ///< for people: sees beams, paths and the like, which no simulated sensor sees
+  std::vector<ChosenCameraEffect> effects{};
 };
 
 class Camera : public Sensor {
@@ -36,6 +45,7 @@ class Camera : public Sensor {
   Camera(std::string name, const CameraDesc& desc);
 
   void check(const TargetLimits& limits) const override;
+  void begin(const FrameTime& time) override;
   void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
   void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override;
   const Image* color() const override { return desc_.color ? &color_ : nullptr; }
@@ -46,12 +56,26 @@ class Camera : public Sensor {
   std::string method() const override { return "rasterised"; }
 
  private:
+  glm::dmat4 world_from_camera(double time_s) const;
+  void add_passes(bool color, bool depth, const std::string& what, const char* why, FramePlan& plan) const;
+  void collect_depth(std::span<const Pass> passes, std::span<const PassResult> results);
+  bool resamples() const { return !views_.taps.empty(); }
+
   std::string name_;
   CameraDesc desc_;
-  std::size_t color_pass_ = 0, depth_pass_ = 0;  // of this frame's plan
+  CameraLayout layout_;
+  CameraViews views_;
+  FrameTime time_;                     // that is planned or was taken last
+  glm::dmat4 world_from_sensor_{1.0};  // at that time
+  struct Past {
+    std::int64_t time_ns = 0;
+    glm::dmat4 world_from_sensor{1.0};
+  };
+  std::optional<Past> before_, last_;            // the measurement before that time, and the last that was taken
+  std::size_t color_pass_ = 0, depth_pass_ = 0;  // the first of each in this frame's plan
   Image color_, depth_;
-  DepthView depth_view_;
-  mutable bool bound_due_ = false;  // the value is older than the image
+  std::vector<DepthView> depth_views_;  // by view
+  mutable bool bound_due_ = false;      // the value is older than the image
   mutable NamedValue bound_{kDepthErrorBound, std::numeric_limits<double>::quiet_NaN()};
 };
 

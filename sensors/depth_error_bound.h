@@ -19,7 +19,7 @@
 #include <string_view>
 
 #include "engine/frame_plan.h"
-#include "sensors/image.h"
+#include "scenegraph/image.h"
 #include "sensors/plane_rounding.h"
 #include "sensors/vertex_rounding.h"
 

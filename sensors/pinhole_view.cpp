@@ -73,4 +73,27 @@ void take_depth(const Pass& pass, const View& view, const PassResult& result, Im
   }
 }
 
+std::uint8_t shown_outputs(bool color, bool depth) {
+  return static_cast<std::uint8_t>((color ? kShownInColor : 0) | (depth ? kShownInDepth : 0));
+}
+
+CameraLayout camera_layout(std::uint32_t width_px, std::uint32_t height_px, double hfov_rad,
+                           std::span<const ChosenCameraEffect> effects) {
+  CameraLayout layout{
+      .width_px = width_px, .height_px = height_px, .pinhole = centred_pinhole(width_px, height_px, hfov_rad)};
+  for (const ChosenCameraEffect& each : effects) each.effect->lay_out(layout);
+  return layout;
+}
+
+void plan_effects(const std::string& sensor, std::span<const ChosenCameraEffect> effects, FramePlan& plan) {
+  for (const ChosenCameraEffect& each : effects) {
+    plan.effects.push_back({sensor, std::string(each.type->name), std::string(each.type->source)});
+  }
+}
+
+void develop(std::span<const ChosenCameraEffect> effects, const FrameTime& time, const CameraLayout& layout,
+             Image& color) {
+  for (const ChosenCameraEffect& each : effects) each.effect->develop(time, layout, color);
+}
+
 }  // namespace simvis

@@ -1,11 +1,16 @@
-// What sensors with pinhole cameras share: their attributes, their geometry, and their pictures out of a pass.
+// What sensors with pinhole cameras share: their attributes, their geometry, their pictures out of a pass, and their
+// effects.
 #pragma once
 
+#include <span>
+#include <string>
+
+#include "effects/camera_effect.h"
 #include "engine/device.h"
 #include "engine/frame_plan.h"
 #include "engine/renderer.h"
 #include "scenegraph/attributes.h"
-#include "sensors/image.h"
+#include "scenegraph/image.h"
 
 namespace simvis {
 
@@ -79,5 +84,19 @@ void take_color(const Pass& pass, const View& view, const PassResult& result, Im
 
 /// The same for depth: metres along the optical axis, +infinity where nothing is hit.
 void take_depth(const Pass& pass, const View& view, const PassResult& result, Image& image);
+
+/// Of EffectOutput.
+std::uint8_t shown_outputs(bool color, bool depth);
+
+/// A pinhole's, as its effects lay it out. Throws InputError where one of them cannot.
+CameraLayout camera_layout(std::uint32_t width_px, std::uint32_t height_px, double hfov_rad,
+                           std::span<const ChosenCameraEffect> effects);
+
+/// Names in the plan what a camera has.
+void plan_effects(const std::string& sensor, std::span<const ChosenCameraEffect> effects, FramePlan& plan);
+
+/// What effects make of an image of colour.
+void develop(std::span<const ChosenCameraEffect> effects, const FrameTime& time, const CameraLayout& layout,
+             Image& color);
 
 }  // namespace simvis

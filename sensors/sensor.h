@@ -23,8 +23,8 @@
 #include "scenegraph/attributes.h"
 #include "scenegraph/command.h"
 #include "scenegraph/frame_time.h"
+#include "scenegraph/image.h"
 #include "scenegraph/scan.h"
-#include "sensors/image.h"
 #include "sensors/sensor_preset.h"
 
 namespace simvis {
@@ -72,9 +72,8 @@ class OutputSink {
 };
 
 /// Frames   the sensor frame: x forward, y left, z up (REP 103); a camera looks along +x.
-/// Life     made from its command; check(); then, in each frame in which it is due: plan(), and collect() once the
-/// frame has
-///          been rendered, and cast().
+/// Life     made from its command; check(); then, in each frame in which it is due: begin(), plan(), collect() once
+///          the frame has been rendered, and cast().
 class Sensor {
  public:
   virtual ~Sensor() = default;
@@ -85,6 +84,9 @@ class Sensor {
   /// Once, before the first plan(): what chooses between ways to measure by their cost asks for the device's costs,
   /// which are measured when they are first asked for.
   virtual void take_costs(const std::function<const WorkTable&()>&) {}
+
+  /// The frame that is planned next.
+  virtual void begin(const FrameTime&) {}
 
   /// Adds the views that this frame needs to `plan`. `world_from_sensor` is rigid: scale along the way is taken out.
   virtual void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) = 0;

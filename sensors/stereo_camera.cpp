@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "engine/assert.h"
 #include "scenegraph/pose.h"
 #include "sensors/camera_info.h"
 
@@ -36,16 +37,22 @@ constexpr AttributeSpec kAttributes[] = {
 
 std::unique_ptr<Sensor> create(const SensorContext& context) {
   const AttributeValues& a = context.attributes;
-  return std::make_unique<StereoCamera>(context.name,
-                                        StereoCameraDesc{.width_px = static_cast<std::uint32_t>(a.integer("width")),
-                                                         .height_px = static_cast<std::uint32_t>(a.integer("height")),
-                                                         .hfov_rad = glm::radians(a.number("hfov")),
-                                                         .near_m = a.number("near"),
-                                                         .baseline_m = a.number("baseline"),
-                                                         .color = a.flag("outputs", "color"),
-                                                         .depth = a.flag("outputs", "depth"),
-                                                         .disparity = a.flag("outputs", "disparity"),
-                                                         .sampling = color_sampling(a)});
+  StereoCameraDesc desc{.width_px = static_cast<std::uint32_t>(a.integer("width")),
+                        .height_px = static_cast<std::uint32_t>(a.integer("height")),
+                        .hfov_rad = glm::radians(a.number("hfov")),
+                        .near_m = a.number("near"),
+                        .baseline_m = a.number("baseline"),
+                        .color = a.flag("outputs", "color"),
+                        .depth = a.flag("outputs", "depth"),
+                        .disparity = a.flag("outputs", "disparity"),
+                        .sampling = color_sampling(a)};
+  const auto effects = [&](const char* side) {
+    return camera_effects("stereo_camera",
+                          {a, context.seed, context.name + side, shown_outputs(desc.color, desc.depth)});
+  };
+  desc.left_effects = effects("/left");
+  desc.right_effects = effects("/right");
+  return std::make_unique<StereoCamera>(context.name, desc);
 }
 
 const SensorRegistration kRegistration({"stereo_camera",
@@ -55,7 +62,14 @@ const SensorRegistration kRegistration({"stereo_camera",
 }  // namespace
 
 StereoCamera::StereoCamera(std::string name, const StereoCameraDesc& desc)
-    : name_(std::move(name)), desc_(desc), pinhole_(centred_pinhole(desc.width_px, desc.height_px, desc.hfov_rad)) {}
+    : name_(std::move(name)),
+      desc_(desc),
+      pinhole_(centred_pinhole(desc.width_px, desc.height_px, desc.hfov_rad)),
+      layout_(camera_layout(desc.width_px, desc.height_px, desc.hfov_rad, desc_.left_effects)) {
+  SIMVIS_ASSERT(layout_.rays.empty() && layout_.row_time_s == 0);
+  left_.effects = desc_.left_effects;
+  right_.effects = desc_.right_effects;
+}
 
 void StereoCamera::check(const TargetLimits& limits) const {
   if (desc_.color) check_sampling(desc_.sampling, desc_.width_px, desc_.height_px, limits);
@@ -113,16 +127,20 @@ void StereoCamera::plan(const glm::dmat4& world_from_sensor, const DrawList& lis
   left_.depth_at = second.left;
   right_.color_at = first.right;
   right_.depth_at = second.right;
+  plan_effects(name_, desc_.left_effects, plan);
   if (!desc_.depth) return;
   for (Eye* const eye : {&left_, &right_}) {
     eye->depth_view = depth_view(plan.passes[eye->depth_at.pass].views[eye->depth_at.view], list);
   }
 }
 
-void StereoCamera::collect(const FrameTime&, const FramePlan& plan, std::span<const PassResult> results) {
+void StereoCamera::collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) {
   for (Eye* const eye : {&left_, &right_}) {
     const Pass &color = plan.passes[eye->color_at.pass], &depth = plan.passes[eye->depth_at.pass];
-    if (desc_.color) take_color(color, color.views[eye->color_at.view], results[eye->color_at.pass], eye->color);
+    if (desc_.color) {
+      take_color(color, color.views[eye->color_at.view], results[eye->color_at.pass], eye->color);
+      develop(eye->effects, time, layout_, eye->color);
+    }
     if (desc_.depth) take_depth(depth, depth.views[eye->depth_at.view], results[eye->depth_at.pass], eye->depth);
     eye->depth_view.reach.depth_snap_px = results[eye->depth_at.pass].depth_snap_px;
   }

@@ -8,6 +8,7 @@
 //          right one. disparity = fx * baseline / Z with the true depth Z; 0 where nothing is hit. What the right
 //          camera cannot see has its disparity all the same.
 // Samples  as for a camera: colour may be a mean over the pixel, depth and disparity are those of its centre.
+// Effects  see effects/camera_effect.h; noise of the left and the right camera is unrelated.
 // Names    color() and depth() are the left camera's. picture() knows "left" and "right" (colour), "left_depth" and
 //          "right_depth", and "disparity" (one channel).
 // Values   as for a camera, over the depth of both views.
@@ -17,6 +18,7 @@
 
 #include <limits>
 #include <string>
+#include <vector>
 
 #include "sensors/depth_error_bound.h"
 #include "sensors/pinhole_view.h"
@@ -31,6 +33,7 @@ struct StereoCameraDesc {
   double baseline_m = 0.12;  ///< above 0
   bool color = true, depth = false, disparity = true;
   ColorSampling sampling{};
+  std::vector<ChosenCameraEffect> left_effects{}, right_effects{};  ///< none of them lays out
 };
 
 class StereoCamera : public Sensor {
@@ -55,6 +58,7 @@ class StereoCamera : public Sensor {
     Place color_at, depth_at;
     Image color, depth;
     DepthView depth_view;
+    std::span<const ChosenCameraEffect> effects;  // of desc_
   };
   struct Eyes {
     Place left, right;
@@ -66,6 +70,7 @@ class StereoCamera : public Sensor {
   std::string name_;
   StereoCameraDesc desc_;
   Pinhole pinhole_;
+  CameraLayout layout_;  // of both views
   Eye left_, right_;
   Image disparity_;
   mutable bool bound_due_ = false;  // the value is older than the images

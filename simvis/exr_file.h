@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "sensors/image.h"
+#include "scenegraph/image.h"
 
 namespace simvis {
 

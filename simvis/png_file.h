@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "sensors/image.h"
+#include "scenegraph/image.h"
 
 namespace simvis {
 

@@ -177,7 +177,10 @@ void Simulation::Impl::plan_due_sensors(ViewLayer& layer, bool visualization, co
     ViewLayer::Entry entry{
         .sensor = i, .duty = duty(i, time), .first_pass = plan.passes.size(), .first_cast = plan.casts.size()};
     const std::size_t first_effect = plan.effects.size();
-    if (entry.duty == Duty::due) sensor.plan(states[i].world_from_sensor, *layer.list, plan);
+    if (entry.duty == Duty::due) {
+      sensor.begin(time);
+      sensor.plan(states[i].world_from_sensor, *layer.list, plan);
+    }
     entry.end_pass = plan.passes.size();
     entry.end_cast = plan.casts.size();
     layer.entries.push_back(entry);
