@@ -16,6 +16,15 @@ struct Pinhole {
   bool operator==(const Pinhole&) const = default;
 };
 
+/// A shadow map that the lights of a view are held against: views of the plan's pass of shadow maps.
+struct ShadowUse {
+  std::uint32_t light = 0;       ///< in DrawList::lights
+  std::uint32_t first_view = 0;  ///< in that pass
+  /// 1; or 6, the sides of a cube, 3 x 2 squares side by side. Where (x, y, z) is the first one's frame, theirs are
+  /// (x, y, z), (x, -y, -z), (y, z, x), (y, -z, -x), (z, x, y), (z, -x, -y): each pair one above the other.
+  std::uint32_t views = 1;
+};
+
 /// One virtual camera drawn into a rectangle of its pass.
 ///
 /// Frames   view frame: x right, y down, z forward (optical frame). `view_from_world` is rigid.
@@ -29,6 +38,11 @@ struct View {
   std::uint32_t x_px = 0, y_px = 0, width_px = 0, height_px = 0;  ///< rectangle in the pass's targets
   bool sees_back_faces = false;  ///< of single-sided materials too: a laser meets matter from either side
   bool sees_lines_and_points = true;
+  /// Rays are parallel to z instead of meeting in the eye: (x, y, z) is seen at pixel (cx + fx x, cy + fy y), fx and fy
+  /// in pixels per metre, with depth d = (far_m - z) / (far_m - near_m). near_m may have either sign.
+  bool parallel = false;
+  double far_m = 0;
+  std::vector<ShadowUse> shadows{};  ///< of views of colour: where light may be in something's way
 };
 
 /// Views that share one set of targets and one render pass.
@@ -45,6 +59,9 @@ struct Pass {
   std::vector<View> views{};  ///< rectangles do not overlap; in pixels, not samples
   std::uint32_t grid = 1;     ///< 1, 2 or 4
   std::uint32_t msaa = 1;     ///< one of the device's TargetLimits::msaa
+  /// Shadow maps: neither colour nor depth is read back; the depth stays on the device, where the views of other passes
+  /// read it as View::shadows says. One pass of a plan at most; drawn before the others, wherever it stands.
+  bool shadow_maps = false;
 
   std::uint32_t samples() const { return grid * grid * msaa; }  ///< of each pixel
 };

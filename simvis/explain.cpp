@@ -11,6 +11,7 @@ std::string explain(const FramePlan& plan, const FrameCounters& counters) {
     if (pass.color) out << " colour";
     if (pass.color && pass.depth) out << " and";
     if (pass.depth) out << " depth";
+    if (pass.shadow_maps) out << " shadow maps";
     if (pass.samples() > 1) {
       out << ", the mean of " << pass.samples() << " samples a pixel: " << pass.grid << " x " << pass.grid
           << " of msaa " << pass.msaa;

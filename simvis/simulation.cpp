@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "effects/shadows.h"
 #include "engine/assert.h"
 #include "engine/cache_file.h"
 #include "engine/device_costs.h"
@@ -171,6 +172,7 @@ void Simulation::Impl::plan_due_sensors(ViewLayer& layer, bool visualization, co
     sensor.sensor->plan(states[i].world_from_sensor, *layer.list, layer.plan);
     layer.due.push_back(i);
   }
+  plan_shadows(*layer.list, device.target_limits(), layer.plan);
   for (RayCast& cast : layer.plan.casts) cast.engine = layer.caster->engine();
 }
 
