@@ -40,9 +40,12 @@ Handle<VkRenderPass> make_render_pass(Device::Impl& device, const RenderPassKind
   used.srcStageMask = VK_PIPELINE_STAGE_LATE_FRAGMENT_TESTS_BIT | VK_PIPELINE_STAGE_EARLY_FRAGMENT_TESTS_BIT |
                       VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT;
   used.dstStageMask = VK_PIPELINE_STAGE_TRANSFER_BIT | VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT;
-  if (kind.sampled) used.dstStageMask = VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT;
   used.srcAccessMask = VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT | VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT;
   used.dstAccessMask = VK_ACCESS_TRANSFER_READ_BIT | VK_ACCESS_SHADER_READ_BIT;
+  if (kind.sampled) {
+    used.dstStageMask = VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT;
+    used.dstAccessMask = VK_ACCESS_SHADER_READ_BIT;
+  }
 
   VkRenderPassCreateInfo info{};
   info.sType = VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO;

@@ -9,6 +9,7 @@ layout(constant_id = SIMVIS_UNLIT) const bool kUnlit = false;
 layout(constant_id = SIMVIS_LIGHT_COUNT) const uint kLightCount = 0u;
 layout(constant_id = SIMVIS_FADED) const bool kFaded = false;
 layout(constant_id = SIMVIS_GLOSSY) const bool kGlossy = false;
+layout(constant_id = SIMVIS_SHADOWED) const bool kShadowed = false;
 
 layout(std430, push_constant) uniform View { ViewBlock view; };
 // Uniform and counted by a constant: so the loop unrolls and its loads are the same for all pixels, which a CPU device
@@ -24,6 +25,7 @@ layout(location = 2) in vec2 in_uv;
 layout(location = 3) in vec3 in_position;
 layout(location = 4) in vec3 in_normal;
 layout(location = 5) flat in vec2 in_finish;  // roughness, opacity; written only where kGlossy or kFaded
+layout(location = SIMVIS_REACH) in float in_reach;  // written only where kShadowed
 
 layout(location = 0) out vec4 out_color;
 
@@ -72,6 +74,7 @@ vec2 reflectance(vec3 normal, vec3 toward, vec3 to_eye) {
 }
 
 void main() {
+  const float reach = kShadowed ? in_reach : 0.0;  // in every variant: what vertex shaders put out has to be read
 #ifdef SHADOWED
   const vec3 plane_normal = normal_of_plane();  // here, where no neighbour has gone yet
 #endif
@@ -95,7 +98,7 @@ void main() {
     for (uint i = 0u; i < kLightCount; ++i) {
       Incident light = incident(lights[i]);
 #ifdef SHADOWED
-      if (lights[i].cone.z > 0.0) light.share *= free_share(shadows[uint(lights[i].cone.z) - 1u], plane_normal);
+      if (lights[i].cone.z > 0.0) light.share *= free_share(shadows[uint(lights[i].cone.z) - 1u], plane_normal, reach);
 #endif
       const vec3 lux = lights[i].intensity.rgb * (light.share * max(0.0, dot(normal, light.toward)));
       if (kGlossy) {

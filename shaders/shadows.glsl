@@ -10,8 +10,6 @@ layout(std140, set = SIMVIS_SHADOW_SET, binding = SIMVIS_SHADOWS) uniform Shadow
 };
 layout(set = SIMVIS_SHADOW_SET, binding = SIMVIS_SHADOW_ATLAS) uniform sampler2D shadow_atlas;
 
-layout(location = SIMVIS_REACH) in float in_reach;
-
 // Of a vertex, relative to what it is summed up from: as kVertexRounding in engine/view_projection.cpp.
 const float kVertexRounding = 1e-6;
 // Of a depth: at most five roundings of 2^-24 each, in the plane's terms and sums.
@@ -25,8 +23,8 @@ vec3 normal_of_plane() {
   return normal * inversesqrt(max(dot(normal, normal), 1e-36));
 }
 
-// 1 where the light comes through, 0 where it does not.
-float free_share(ShadowBlock map, vec3 plane_normal) {
+// 1 where the light comes through, 0 where it does not. `reach`: of what the position was summed up from, metres.
+float free_share(ShadowBlock map, vec3 plane_normal, float reach) {
   const vec4 here = vec4(in_position, 1.0);
   vec3 p = vec3(dot(map.row_x, here), dot(map.row_y, here), dot(map.row_z, here));
   vec3 n = vec3(dot(map.row_x.xyz, plane_normal), dot(map.row_y.xyz, plane_normal), dot(map.row_z.xyz, plane_normal));
@@ -56,7 +54,7 @@ float free_share(ShadowBlock map, vec3 plane_normal) {
   const float along = dot(n, way);
   const float divisor = along < 0.0 ? min(along, -kLeastCosine) : max(along, kLeastCosine);
   // Of the vertices in both views, and of p.
-  const float rounding = kVertexRounding * (3.0 * in_reach + 2.0 * map.depth.z);
+  const float rounding = kVertexRounding * (3.0 * reach + 2.0 * map.depth.z);
   const float z = min(p.z, dot(n, p - start) / divisor) - rounding / abs(divisor);
   const float met = texelFetch(shadow_atlas, ivec2(corner + texel), 0).r;
   if (parallel) return met <= (map.depth.x - z) * map.depth.y + kDepthRounding ? 1.0 : 0.0;
