@@ -26,7 +26,7 @@ const std::string kDepthCamera =
     R"(<sensor type="camera" name="CAM" insert_at="ROOT" width="9" height="9" hfov="60" outputs="depth"/>)";
 
 TEST_CASE("a plate keeps the light from the wall behind it") {
-  // From (0, 3, 0) the plate's shadow on the wall ends at y = -3 + 2 * (0.5 + 0 .. ) : y from -4 to -2.
+  // From (0, 3, 0) the plate, y from -0.5 to 0.5 m half way to the wall, shades y from -4 to -2 m there.
   World world = shaded_wall(R"(y="3" intensity="50" shadows="yes" shadow_resolution="256")", kCamera);
   World bright = shaded_wall(R"(y="3" intensity="50")", kCamera);
   // At 4 m the pixels of the middle row are 4 * tan(30 deg) * 2 / 9 = 0.513 m apart; pixel 8 stands at y = -2.05 m.
