@@ -1,5 +1,7 @@
 #include "effects/effect.h"
 
+#include <algorithm>
+
 #include "scenegraph/type_registry.h"
 
 namespace simvis {
@@ -31,6 +33,15 @@ std::string example_commands(const EffectType& effect, std::string_view commands
     text.replace(at, kMark.size(), name);
   }
   return text;
+}
+
+void plan_scene_effects(const std::string& sensor, std::size_t first_pass, const DrawList& list, FramePlan& plan) {
+  const auto first = plan.passes.begin() + static_cast<std::ptrdiff_t>(first_pass);
+  if (std::none_of(first, plan.passes.end(), [](const Pass& pass) { return pass.color; })) return;
+  for (const EffectType* effect : effect_types()) {
+    if (effect->in_scene == nullptr || !effect->in_scene(list)) continue;
+    plan.effects.push_back({sensor, std::string(effect->name), std::string(effect->source)});
+  }
 }
 
 std::vector<AttributeSpec> with_effect_attributes(std::string_view sensor_type, AttributeTable own) {

@@ -14,6 +14,8 @@
 #include <string_view>
 #include <vector>
 
+#include "engine/draw_list.h"
+#include "engine/frame_plan.h"
 #include "scenegraph/attributes.h"
 
 namespace simvis {
@@ -43,6 +45,9 @@ struct EffectType {
   std::string_view sensors{};  ///< types, separated by spaces, whose commands may carry `attributes`
   AttributeTable attributes{};
   EffectExample example{};
+  /// Of an effect of colour whose source is in the scene alone: whether it is there. Null where a sensor says so, or
+  /// where who plans it says so.
+  bool (*in_scene)(const DrawList& list) = nullptr;
 };
 
 /// A static object of this type adds an effect to the catalogue; strings and tables must live as long.
@@ -61,6 +66,9 @@ bool may_have(std::string_view sensor_type, const EffectType& effect);
 
 /// Commands of its example under names that no other effect's have.
 std::string example_commands(const EffectType& effect, std::string_view commands);
+
+/// Adds to the plan what of the scene's effects the sensor shows, whose passes are those from `first_pass` on.
+void plan_scene_effects(const std::string& sensor, std::size_t first_pass, const DrawList& list, FramePlan& plan);
 
 /// The attributes of a sensor type: its own rows, then those of the effects that it may have, by the effects' names.
 std::vector<AttributeSpec> with_effect_attributes(std::string_view sensor_type, AttributeTable own);

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 
+#include "scenegraph/clone_graph.h"
 #include "scenegraph/pose.h"
+#include "shaders/interop.h"
 
 namespace simvis {
 namespace {
@@ -41,6 +43,20 @@ constexpr AttributeSpec kAttributes[] = {
     live("pitch", "0", "deg", "spot: turns its axis down, before yaw"),
     live("inner_cone", "0", "deg", "spot: full intensity within this angle from the axis", 0, 90),
     live("outer_cone", "45", "deg", "spot: dark beyond this angle; a sharp edge where inner_cone reaches it", 0, 90),
+    {.name = "shadows",
+     .kind = AttributeKind::choice,
+     .default_value = "no",
+     .text = "whether what stands in its way casts shadows in pictures",
+     .choices = "no yes"},
+    {.name = "shadow_resolution",
+     .kind = AttributeKind::integer,
+     .default_value = "1024",
+     .unit = "px",
+     .text =
+         "texels along a side of its shadow map, of which a point light has six; edges of shadows are good to half a "
+         "texel",
+     .min = 16,
+     .max = 8192},
 };
 
 const ElementRegistration kRegistration({
@@ -67,6 +83,22 @@ bool has(LightKind kind, std::string_view attribute) {
   return true;
 }
 
+std::uint32_t shadow_px_of(const ElementContext& context) {
+  const CommandAttribute* const resolution = context.command.find("shadow_resolution");
+  if (context.attributes.choice("shadows") == "no") {
+    if (resolution != nullptr) fail_at(resolution->where, "attribute \"shadow_resolution\": the light has no shadows");
+    return 0;
+  }
+  const auto others = std::ranges::count_if(nodes_of(context.scene.root()), [](const NodePtr& node) {
+    return node->kind() == NodeKind::light && static_cast<const LightNode&>(*node).light().shadow_px > 0;
+  });
+  if (others >= SIMVIS_MAX_SHADOWS) {
+    fail_at(context.command.require("shadows").where, "attribute \"shadows\": one light too many has shadows; " +
+                                                          std::to_string(SIMVIS_MAX_SHADOWS) + " are allowed");
+  }
+  return static_cast<std::uint32_t>(context.attributes.integer("shadow_resolution"));
+}
+
 // Against the way from which the light comes.
 glm::dvec3 direction_from_sky(double azimuth_deg, double elevation_deg) {
   const SinCos a = sincos_deg(azimuth_deg), e = sincos_deg(elevation_deg);
@@ -77,8 +109,9 @@ glm::dvec3 direction_from_sky(double azimuth_deg, double elevation_deg) {
 
 LightElement::LightElement(const ElementContext& context)
     : kind_(kind_of(context.attributes)),
+      shadow_px_(shadow_px_of(context)),
       place_(std::make_shared<Transform>()),
-      light_(std::make_shared<LightNode>(Light{.kind = kind_})) {
+      light_(std::make_shared<LightNode>(Light{.kind = kind_, .shadow_px = shadow_px_})) {
   for (const CommandAttribute& attribute : context.command.attributes) {
     if (has(kind_, attribute.name)) continue;
     fail_at(attribute.where, "attribute " + in_quotes(attribute.name) + ": a light of the kind " +
@@ -99,6 +132,7 @@ void LightElement::adapt_parameters(std::vector<AttributeSpec>& live_rows) const
 
 void LightElement::update(ParameterView values) {
   Light light{.kind = kind_, .color = glm::vec3(values[0], values[1], values[2]), .intensity = values[3]};
+  light.shadow_px = shadow_px_;
   if (kind_ == LightKind::directional) {
     light.direction = direction_from_sky(values[4], values[5]);
   } else {

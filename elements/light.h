@@ -9,6 +9,7 @@
 // Frames   those of the insertion point: a pose before the light moves and turns it, of the sun too.
 // Units    KHR_lights_punctual: lux (directional) or candela (point, spot), times a linear colour. A white surface of
 //          irradiance E shows the radiance E / pi.
+// Shadows  with shadows="yes" what stands in the light's way keeps it from what lies behind, see effects/shadows.h.
 // Special  a scene with a light element is not lit by the built-in light.
 #pragma once
 
@@ -19,7 +20,8 @@ namespace simvis {
 
 class LightElement : public Element {
  public:
-  /// Throws InputError at an attribute that lights of this kind do not have.
+  /// Throws InputError at an attribute that lights of this kind do not have, at one too many with shadows, and at a
+  /// shadow_resolution without shadows.
   explicit LightElement(const ElementContext& context);
   void update(ParameterView values) override;
   void adapt_parameters(std::vector<AttributeSpec>& live_rows) const override;
@@ -28,6 +30,7 @@ class LightElement : public Element {
 
  private:
   LightKind kind_;
+  std::uint32_t shadow_px_;
   std::shared_ptr<Transform> place_;
   std::shared_ptr<LightNode> light_;
 };

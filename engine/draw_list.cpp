@@ -112,6 +112,7 @@ void add(Fnv1a& hash, const LightItem& item) {
   hash.number(light.outer_cone_rad);
   hash.vector(light.direction);
   hash.bits(item.transform);
+  if (light.shadow_px > 0) hash.bits(light.shadow_px);
 }
 
 // Identity first: shared content is the common case.
@@ -257,7 +258,9 @@ std::ostream& operator<<(std::ostream& out, const DrawList& list) {
     const Light& light = list.lights[i].light;
     out << "  light " << i << ": " << name_of(light.kind) << ", colour " << Printed{glm::dvec3(light.color)}
         << ", intensity " << light.intensity << ", direction " << Printed{light.direction} << ", transform "
-        << list.lights[i].transform << '\n';
+        << list.lights[i].transform;
+    if (light.shadow_px > 0) out << ", shadows of " << light.shadow_px << " texels";
+    out << '\n';
   }
   for (std::size_t i = 0; i < list.world_from_node.size(); ++i) {
     out << "  transform " << i << ": ";

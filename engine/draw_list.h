@@ -23,6 +23,7 @@ struct Light {
   double inner_cone_rad = 0;      ///< spot: full intensity within this angle from the axis
   double outer_cone_rad = 0.785;  ///< spot: none beyond it
   glm::dvec3 direction{1, 0, 0};  ///< the way the light travels (directional, spot), unit length, in the light's frame
+  std::uint32_t shadow_px = 0;    ///< texels along a side of its shadow map; 0: what stands in its way casts no shadow
 
   bool operator==(const Light&) const = default;
 };

@@ -36,6 +36,7 @@ constexpr std::uint32_t kNoGroup = std::numeric_limits<std::uint32_t>::max();
 
 PipelineKey key_in_view(const Drawable& d, const View& view) {
   PipelineKey key = d.key;
+  key.shadowed = key.lights > 0 && !view.shadows.empty();
   if (key.topology != Topology::triangles) return key;
   key.cull_back = d.single_sided && !view.sees_back_faces;
   key.mirrored = d.mirrored && (key.cull_back || key.lights > 0);
@@ -50,6 +51,7 @@ void FrameDraws::clear() {
   instances_.clear();
   lights_.clear();
   indices_.clear();
+  shadowed_ = 0;
 }
 
 void FrameDraws::add(const View& view, const Pass& pass, const DrawList& list, const DrawTable& table,
@@ -59,7 +61,8 @@ void FrameDraws::add(const View& view, const Pass& pass, const DrawList& list, c
   draws.block.projection =
       glm::vec4(glm::dvec4(projection.scale_x, projection.shift_x, projection.scale_y, projection.shift_y));
   draws.block.ambient = glm::vec4(list.environment.ambient, static_cast<float>(view.near_m));
-  if (pass.color && table.any_lit()) draws.lights_offset = add_lights(projection, list);
+  if (pass.color && table.any_lit()) draws.lights_offset = add_lights(view, projection, list);
+  if (!view.shadows.empty()) draws.shadowed = shadowed_++;
   draws.first_run = runs_.size();
   counts_ = {};
   for (const Drawable& d : pass.color ? table.solid() : table.depth()) {
@@ -76,6 +79,8 @@ void FrameDraws::add(const View& view, const Pass& pass, const DrawList& list, c
   if (pass.color) add_blended(view, pass, projection, list, table, counters);
   draws.end_run = runs_.size();
   for (std::size_t i = draws.first_run; i < draws.end_run; ++i) {
+    runs_[i].key.shadow_map = pass.shadow_maps;
+    runs_[i].key.parallel = view.parallel;
     if (runs_[i].key.topology != Topology::triangles) continue;
     const std::uint64_t triangles = std::uint64_t{runs_[i].range.index_count / 3} * runs_[i].instance_count;
     counts_.triangles += triangles;
@@ -86,13 +91,16 @@ void FrameDraws::add(const View& view, const Pass& pass, const DrawList& list, c
   views_.push_back(draws);
 }
 
-std::uint32_t FrameDraws::add_lights(const ViewProjection& projection, const DrawList& list) {
+std::uint32_t FrameDraws::add_lights(const View& view, const ViewProjection& projection, const DrawList& list) {
   // The offset of a uniform buffer may have to be a multiple of as much as this many bytes (Vulkan's required limits).
   constexpr std::size_t kAlignment = 256 / sizeof(shader::LightBlock);
   lights_.resize((lights_.size() + kAlignment - 1) / kAlignment * kAlignment);
   const std::size_t first = lights_.size();
   for (const LightItem& item : list.lights) {
     lights_.push_back(block_of(item.light, projection.view_from_world * list.world_from_node[item.transform]));
+  }
+  for (std::size_t i = 0; i < view.shadows.size(); ++i) {
+    lights_[first + view.shadows[i].light].cone.z = static_cast<float>(i + 1);
   }
   return static_cast<std::uint32_t>(first * sizeof(shader::LightBlock));
 }
@@ -211,6 +219,7 @@ void FrameDraws::add_blended(const View& view, const Pass& pass, const ViewProje
     run.key.surface = Surface::masked;
     run.key.unlit = false;
     run.key.lights = 0;
+    run.key.shadowed = false;
     run.key.glossy = false;
     run.key.mirrored = run.key.mirrored && run.key.cull_back;
     runs_.push_back(run);

@@ -26,6 +26,7 @@ struct DrawRun {
 struct ViewDraws {
   shader::ViewBlock block;
   std::uint32_t lights_offset = 0;  ///< of the view's lights, in bytes
+  std::size_t shadowed = 0;         ///< where it has shadows: how many views before it have, see ShadowMaps::offset()
   std::size_t first_run = 0, end_run = 0;
   ViewCounts counts;
 };
@@ -49,7 +50,7 @@ class FrameDraws {
     double depth;
     const Drawable* drawable;
   };
-  std::uint32_t add_lights(const ViewProjection& projection, const DrawList& list);
+  std::uint32_t add_lights(const View& view, const ViewProjection& projection, const DrawList& list);
   bool visible(const Drawable& d, const View& view, const ViewProjection& projection, const DrawTable& table,
                FrameCounters& counters) const;
   void draw(const Drawable& d, const View& view, const ViewProjection& projection, const DrawList& list,
@@ -70,6 +71,7 @@ class FrameDraws {
   std::vector<Far> far_first_;
   std::vector<MeshRange> seen_;
   std::uint32_t last_group_ = 0;
+  std::size_t shadowed_ = 0;
   ViewCounts counts_;  // of the view that is being added
 };
 

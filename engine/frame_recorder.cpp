@@ -12,6 +12,13 @@ void bind_frame_set(const FrameContext& frame, std::uint32_t lights_offset) {
                           &frame.frame_set, 1, &lights_offset);
 }
 
+void bind_shadow_set(const FrameContext& frame, std::size_t shadowed) {
+  const VkDescriptorSet set = frame.shadows->set();
+  const std::uint32_t offset = frame.shadows->offset(shadowed);
+  vkCmdBindDescriptorSets(frame.commands, VK_PIPELINE_BIND_POINT_GRAPHICS, frame.pipelines.shadows().layout.get(),
+                          SIMVIS_SHADOW_SET, 1, &set, 1, &offset);
+}
+
 // The state that a run may change.
 struct Bound {
   VkPipeline pipeline = VK_NULL_HANDLE;
@@ -72,6 +79,7 @@ void record_view(const FrameContext& frame, const Pass& pass, const View& view, 
   vkCmdPushConstants(frame.commands, layout(frame), VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, 0,
                      sizeof draws.block, &draws.block);
   if (draws.lights_offset != 0) bind_frame_set(frame, draws.lights_offset);
+  if (!view.shadows.empty()) bind_shadow_set(frame, draws.shadowed);
   const auto number = static_cast<std::size_t>(&draws - frame.draws.views().data());
   for (std::size_t i = draws.first_run; i < draws.end_run; ++i) {
     const DrawRun& run = frame.draws.runs()[i];
@@ -110,15 +118,17 @@ void record_pass(const FrameContext& frame, const Pass& pass, const RenderTarget
   VkClearValue clear[2]{};
   clear[0].depthStencil = {0, 0};
   clear[1].color = {{background.r, background.g, background.b, 1}};
-  const VkRenderPassBeginInfo info{
-      .sType = VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO,
-      .pNext = nullptr,
-      .renderPass = frame.pipelines.render_pass(
-          {.color = pass.color, .keep_depth = pass.depth, .averaged = pass.samples() > 1, .samples = pass.msaa}),
-      .framebuffer = target.framebuffer.get(),
-      .renderArea = {{0, 0}, {pass.grid * pass.width_px, pass.grid * pass.height_px}},
-      .clearValueCount = pass.color ? 2u : 1u,
-      .pClearValues = clear};
+  const VkRenderPassBeginInfo info{.sType = VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO,
+                                   .pNext = nullptr,
+                                   .renderPass = frame.pipelines.render_pass({.color = pass.color,
+                                                                              .keep_depth = pass.depth,
+                                                                              .sampled = pass.shadow_maps,
+                                                                              .averaged = pass.samples() > 1,
+                                                                              .samples = pass.msaa}),
+                                   .framebuffer = target.framebuffer.get(),
+                                   .renderArea = {{0, 0}, {pass.grid * pass.width_px, pass.grid * pass.height_px}},
+                                   .clearValueCount = pass.color ? 2u : 1u,
+                                   .pClearValues = clear};
   if (frame.queries) frame.queries->stamp(frame.commands);
   frame.device.begin_label(frame.commands, pass.name);
   vkCmdBeginRenderPass(frame.commands, &info, VK_SUBPASS_CONTENTS_INLINE);

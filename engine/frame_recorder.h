@@ -9,6 +9,7 @@
 #include "engine/gpu_queries.h"
 #include "engine/pipelines.h"
 #include "engine/render_targets.h"
+#include "engine/shadow_maps.h"
 
 namespace simvis {
 
@@ -19,6 +20,7 @@ struct FrameContext {
   SampleAverage& average;
   const GeometryPool& geometry;
   VkDescriptorSet frame_set;
+  const ShadowMaps* shadows;  ///< null where no view has any
   VkBuffer instances;
   VkBuffer frame_indices;  ///< null where no run has indices of its own
   const FrameDraws& draws;

@@ -99,24 +99,26 @@ PipelineStatistics GpuQueries::statistics(std::size_t view) const {
 FrameCosts GpuQueries::costs(const FramePlan& plan) const {
   const std::vector<std::int64_t> times = this->times();
   FrameCosts costs{.timed = timed_, .counted = counted_};
-  std::size_t stamp = 0, view = 0;
+  std::size_t stamp = 0;
   const auto span_to_next = [&] {
     ++stamp;
     return GpuSpan{times[stamp - 1], times[stamp]};
   };
   costs.uploads = span_to_next();
-  for (const Pass& pass : plan.passes) {
-    PassCost& cost = costs.passes.emplace_back();
+  costs.passes.resize(plan.passes.size());
+  for (const DrawnPass& drawn : drawing_order(plan)) {
+    const Pass& pass = plan.passes[drawn.pass];
+    PassCost& cost = costs.passes[drawn.pass];
     cost.time.start_ns = times[++stamp];
     for (std::size_t i = 0; i < pass.views.size(); ++i) {
-      cost.views.push_back({span_to_next(), statistics(view++)});
+      cost.views.push_back({span_to_next(), statistics(drawn.first_view + i)});
     }
     cost.time.end_ns = times[++stamp];
     const std::uint64_t pixels = std::uint64_t{pass.width_px} * pass.height_px;
     cost.bytes_read_back = pixels * ((pass.depth ? sizeof(float) : 0) + (pass.color ? 4 * sizeof(float) : 0));
   }
   for (PassCost& cost : costs.passes) cost.readback = span_to_next();
-  SIMVIS_ASSERT(stamp + 1 == times.size() && view == drawn_.size());
+  SIMVIS_ASSERT(stamp + 1 == times.size());
   return costs;
 }
 

@@ -10,7 +10,8 @@
 namespace simvis {
 
 /// Stamps stand in the order in which they are recorded:
-///   begin; uploads done; of each pass: begin, each view's end, end; of each pass: its results copied.
+///   begin; uploads done; of each pass, in drawing_order(): begin, each view's end, end; of each pass: its results
+///   copied.
 class GpuQueries {
  public:
   explicit GpuQueries(Device::Impl& device);

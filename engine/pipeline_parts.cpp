@@ -1,6 +1,7 @@
 #include "engine/pipeline_parts.h"
 
 #include "engine/vulkan_check.h"
+#include "shaders/interop.h"
 
 namespace simvis {
 
@@ -34,6 +35,23 @@ VkDescriptorSetLayoutBinding buffer_binding(std::uint32_t binding, VkDescriptorT
           .descriptorCount = 1,
           .stageFlags = stages,
           .pImmutableSamplers = nullptr};
+}
+
+Handle<VkPipelineLayout> make_mesh_layout(Device::Impl& device, std::span<const VkDescriptorSetLayout> sets,
+                                          const char* name) {
+  const VkPushConstantRange constants{.stageFlags = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT,
+                                      .offset = 0,
+                                      .size = sizeof(shader::ViewBlock)};
+  const VkPipelineLayoutCreateInfo info{.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
+                                        .pNext = nullptr,
+                                        .flags = 0,
+                                        .setLayoutCount = static_cast<std::uint32_t>(sets.size()),
+                                        .pSetLayouts = sets.data(),
+                                        .pushConstantRangeCount = 1,
+                                        .pPushConstantRanges = &constants};
+  VkPipelineLayout layout = VK_NULL_HANDLE;
+  vk_check(vkCreatePipelineLayout(device.device, &info, nullptr, &layout), "vkCreatePipelineLayout");
+  return Handle<VkPipelineLayout>(device, layout, name);
 }
 
 }  // namespace simvis

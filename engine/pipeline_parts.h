@@ -15,4 +15,8 @@ VkDescriptorSetLayoutBinding buffer_binding(std::uint32_t binding, VkDescriptorT
 Handle<VkDescriptorSetLayout> make_set_layout(Device::Impl& device,
                                               std::span<const VkDescriptorSetLayoutBinding> bindings, const char* name);
 
+/// For all pipelines that draw meshes: these sets, and a ViewBlock of push constants.
+Handle<VkPipelineLayout> make_mesh_layout(Device::Impl& device, std::span<const VkDescriptorSetLayout> sets,
+                                          const char* name);
+
 }  // namespace simvis

@@ -23,8 +23,6 @@ namespace {
 
 using Surface = PipelineKey::Surface;
 
-constexpr VkShaderStageFlags kAllStages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
-
 // Vertex buffers: positions, instances, and for what needs them the other attributes.
 constexpr VkVertexInputBindingDescription kBindings[] = {{0, sizeof(glm::vec3), VK_VERTEX_INPUT_RATE_VERTEX},
                                                          {1, sizeof(shader::Instance), VK_VERTEX_INPUT_RATE_INSTANCE},
@@ -124,7 +122,7 @@ VkPipelineShaderStageCreateInfo stage(VkShaderStageFlagBits bit, VkShaderModule 
 
 // Of a shader's constants each is 4 bytes, in the order of their numbers.
 struct Constants {
-  static constexpr std::uint32_t kCount = 5;
+  static constexpr std::uint32_t kCount = 7;
   std::uint32_t values[kCount];
   VkSpecializationMapEntry entries[kCount];
   VkSpecializationInfo info{kCount, entries, sizeof values, values};
@@ -135,6 +133,8 @@ struct Constants {
     values[SIMVIS_LIGHT_COUNT] = key.lights;
     values[SIMVIS_FADED] = key.surface == Surface::faded;
     values[SIMVIS_GLOSSY] = key.glossy;
+    values[SIMVIS_SHADOWED] = key.shadowed;
+    values[SIMVIS_PARALLEL] = key.parallel;
     constexpr std::uint32_t kSize = sizeof values[0];
     for (std::uint32_t i = 0; i < kCount; ++i) entries[i] = {i, i * kSize, kSize};
   }
@@ -143,9 +143,11 @@ struct Constants {
 
 }  // namespace
 
-std::uint32_t PipelineKey::bits() const {
-  std::uint32_t bits = static_cast<std::uint32_t>(topology) | static_cast<std::uint32_t>(surface) << 2;
-  for (const bool flag : {color, depth_only, textured, unlit, glossy, cull_back, mirrored}) bits = bits << 1 | flag;
+std::uint64_t PipelineKey::bits() const {
+  std::uint64_t bits = static_cast<std::uint32_t>(topology) | static_cast<std::uint32_t>(surface) << 2;
+  for (const bool flag :
+       {color, depth_only, textured, unlit, glossy, cull_back, mirrored, shadow_map, parallel, shadowed})
+    bits = bits << 1 | flag;
   return (bits << 16 | lights) << 3 | static_cast<std::uint32_t>(std::countr_zero(samples));
 }
 
@@ -170,17 +172,7 @@ Pipelines::Pipelines(Device::Impl& device)
   texture_set_layout_ = make_set_layout(device, texture_bindings, "texture set layout");
 
   const VkDescriptorSetLayout sets[] = {frame_set_layout_.get(), texture_set_layout_.get()};
-  const VkPushConstantRange constants{.stageFlags = kAllStages, .offset = 0, .size = sizeof(shader::ViewBlock)};
-  const VkPipelineLayoutCreateInfo info{.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
-                                        .pNext = nullptr,
-                                        .flags = 0,
-                                        .setLayoutCount = 2,
-                                        .pSetLayouts = sets,
-                                        .pushConstantRangeCount = 1,
-                                        .pPushConstantRanges = &constants};
-  VkPipelineLayout layout = VK_NULL_HANDLE;
-  vk_check(vkCreatePipelineLayout(device.device, &info, nullptr, &layout), "vkCreatePipelineLayout");
-  layout_ = Handle<VkPipelineLayout>(device, layout, "mesh pipeline layout");
+  layout_ = make_mesh_layout(device, sets, "mesh pipeline layout");
 }
 
 VkRenderPass Pipelines::render_pass(const RenderPassKind& kind) {
@@ -189,16 +181,23 @@ VkRenderPass Pipelines::render_pass(const RenderPassKind& kind) {
   return place->second.get();
 }
 
+const ShadowPipelines& Pipelines::shadows() {
+  if (!shadows_) shadows_.emplace(device_, frame_set_layout_.get(), texture_set_layout_.get());
+  return *shadows_;
+}
+
 VkPipeline Pipelines::get(const PipelineKey& key) {
   const auto [place, added] = pipelines_.try_emplace(key.bits());
   if (!place->second) place->second = make(key);
   return place->second.get();
 }
 
-Pipelines::Program Pipelines::program(const PipelineKey& key, const VkSpecializationInfo& constants) const {
+Pipelines::Program Pipelines::program(const PipelineKey& key, const VkSpecializationInfo& constants) {
+  if (key.shadow_map) return shadow_map_program(key, constants);
   if (!key.depth_only) {
+    const Handle<VkShaderModule>* const fragments = key.shadowed ? shadows().color_frag : color_frag_;
     return {{stage(VK_SHADER_STAGE_VERTEX_BIT, color_vert_.get(), &constants),
-             stage(VK_SHADER_STAGE_FRAGMENT_BIT, color_frag_[key.textured].get(), &constants)},
+             stage(VK_SHADER_STAGE_FRAGMENT_BIT, fragments[key.textured].get(), &constants)},
             2,
             vertex_input(kColorInputs)};
   }
@@ -209,6 +208,15 @@ Pipelines::Program Pipelines::program(const PipelineKey& key, const VkSpecializa
             vertex_input(kMaskInputs)};
   }
   return {{stage(VK_SHADER_STAGE_VERTEX_BIT, depth_vert_.get())}, 1, vertex_input(kDepthInputs)};
+}
+
+Pipelines::Program Pipelines::shadow_map_program(const PipelineKey& key, const VkSpecializationInfo& constants) {
+  const bool masked = key.surface == Surface::masked;
+  const VkShaderModule vertices = masked ? mask_vert_.get() : depth_vert_.get();
+  const VkShaderModule fragments = masked ? shadows().map_mask_frag[key.textured].get() : shadows().map_frag.get();
+  return {{stage(VK_SHADER_STAGE_VERTEX_BIT, vertices, &constants), stage(VK_SHADER_STAGE_FRAGMENT_BIT, fragments)},
+          2,
+          masked ? vertex_input(kMaskInputs) : vertex_input(kDepthInputs)};
 }
 
 Handle<VkPipeline> Pipelines::make(const PipelineKey& key) {
@@ -249,8 +257,8 @@ Handle<VkPipeline> Pipelines::make(const PipelineKey& key) {
   info.pDepthStencilState = &depth;
   info.pColorBlendState = &blend;
   info.pDynamicState = &dynamic;
-  info.layout = layout_.get();
-  info.renderPass = render_pass({.color = key.color, .samples = key.samples});
+  info.layout = key.shadowed ? shadows().layout.get() : layout_.get();
+  info.renderPass = render_pass({.color = key.color, .sampled = key.shadow_map, .samples = key.samples});
   VkPipeline pipeline = VK_NULL_HANDLE;
   vk_check(vkCreateGraphicsPipelines(device_.device, device_.pipeline_cache->get(), 1, &info, nullptr, &pipeline),
            "vkCreateGraphicsPipelines");

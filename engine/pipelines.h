@@ -1,11 +1,13 @@
 // The graphics pipelines of meshes: layouts, shaders, and one pipeline per kind of surface, made when first drawn.
 #pragma once
 
+#include <optional>
 #include <unordered_map>
 
 #include "engine/handle.h"
 #include "engine/mesh.h"
 #include "engine/render_pass.h"
+#include "engine/shadow_pipelines.h"
 
 namespace simvis {
 
@@ -25,11 +27,14 @@ struct PipelineKey {
   std::uint16_t lights = 0;  ///< how many light it, up to SIMVIS_MAX_LIGHTS
   bool cull_back = false;
   bool mirrored = false;     ///< the transform turns the winding of triangles
+  bool shadow_map = false;   ///< depth for a shadow map
+  bool parallel = false;     ///< in light from afar
+  bool shadowed = false;     ///< something may stand in the way of its lights
   std::uint8_t samples = 1;  ///< of each pixel of the pass's targets: 1, 2, 4 or 8
 
   bool shades() const { return !depth_only || surface == Surface::masked; }  ///< has a fragment shader
   bool blends() const { return surface == Surface::blended || surface == Surface::faded; }
-  std::uint32_t bits() const;
+  std::uint64_t bits() const;
 };
 
 class Pipelines {
@@ -46,6 +51,9 @@ class Pipelines {
   VkDescriptorSetLayout texture_set_layout() const { return texture_set_layout_.get(); }
 
   /// Made on first use.
+  const ShadowPipelines& shadows();
+
+  /// Made on first use.
   VkRenderPass render_pass(const RenderPassKind& kind);
 
  private:
@@ -55,7 +63,8 @@ class Pipelines {
     std::uint32_t stage_count;
     VkPipelineVertexInputStateCreateInfo input;
   };
-  Program program(const PipelineKey& key, const VkSpecializationInfo& constants) const;
+  Program program(const PipelineKey& key, const VkSpecializationInfo& constants);
+  Program shadow_map_program(const PipelineKey& key, const VkSpecializationInfo& constants);
   Handle<VkPipeline> make(const PipelineKey& key);
 
   Device::Impl& device_;
@@ -64,7 +73,8 @@ class Pipelines {
   std::unordered_map<std::uint32_t, Handle<VkRenderPass>> render_passes_;
   Handle<VkShaderModule> depth_vert_, mask_vert_, color_vert_;
   Handle<VkShaderModule> mask_frag_[2], color_frag_[2];  // without and with a texture
-  std::unordered_map<std::uint32_t, Handle<VkPipeline>> pipelines_;
+  std::optional<ShadowPipelines> shadows_;
+  std::unordered_map<std::uint64_t, Handle<VkPipeline>> pipelines_;
 };
 
 }  // namespace simvis

@@ -11,12 +11,13 @@ Handle<VkRenderPass> make_render_pass(Device::Impl& device, const RenderPassKind
   depth.format = kDepthFormat;
   depth.samples = static_cast<VkSampleCountFlagBits>(kind.samples);
   depth.loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR;
-  depth.storeOp = kind.keep_depth ? VK_ATTACHMENT_STORE_OP_STORE : VK_ATTACHMENT_STORE_OP_DONT_CARE;
+  depth.storeOp = kind.keep_depth || kind.sampled ? VK_ATTACHMENT_STORE_OP_STORE : VK_ATTACHMENT_STORE_OP_DONT_CARE;
   depth.stencilLoadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE;
   depth.stencilStoreOp = VK_ATTACHMENT_STORE_OP_DONT_CARE;
   depth.initialLayout = VK_IMAGE_LAYOUT_UNDEFINED;
-  depth.finalLayout =
-      kind.keep_depth ? VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL : VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
+  depth.finalLayout = kind.sampled      ? VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL
+                      : kind.keep_depth ? VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL
+                                        : VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
   attachments[1] = depth;
   attachments[1].format = kColorFormat;
   attachments[1].storeOp = VK_ATTACHMENT_STORE_OP_STORE;
@@ -41,6 +42,10 @@ Handle<VkRenderPass> make_render_pass(Device::Impl& device, const RenderPassKind
   used.dstStageMask = VK_PIPELINE_STAGE_TRANSFER_BIT | VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT;
   used.srcAccessMask = VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT | VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT;
   used.dstAccessMask = VK_ACCESS_TRANSFER_READ_BIT | VK_ACCESS_SHADER_READ_BIT;
+  if (kind.sampled) {
+    used.dstStageMask = VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT;
+    used.dstAccessMask = VK_ACCESS_SHADER_READ_BIT;
+  }
 
   VkRenderPassCreateInfo info{};
   info.sType = VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO;

@@ -27,7 +27,8 @@ RenderTarget& RenderTargets::acquire(const Pass& pass) {
   RenderTarget* target = nullptr;
   for (const auto& known : targets_) {
     const bool fits = known->width == pass.width_px && known->height == pass.height_px && known->grid == pass.grid &&
-                      known->msaa == pass.msaa && static_cast<bool>(known->color) == pass.color;
+                      known->msaa == pass.msaa && known->shadow_maps == pass.shadow_maps &&
+                      static_cast<bool>(known->color) == pass.color;
     if (fits && known->last_frame != frame_) {
       target = known.get();
       break;
@@ -82,10 +83,13 @@ std::unique_ptr<RenderTarget> RenderTargets::make(const Pass& pass) const {
   target->height = pass.height_px;
   target->grid = pass.grid;
   target->msaa = pass.msaa;
+  target->shadow_maps = pass.shadow_maps;
   const bool averaged = pass.samples() > 1;
-  const VkImageUsageFlags depth_copied = averaged ? 0 : VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
+  const VkImageUsageFlags depth_read = averaged           ? 0
+                                       : pass.shadow_maps ? VK_IMAGE_USAGE_SAMPLED_BIT
+                                                          : VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
   target->depth =
-      make_image(pass, "/depth", kDepthFormat, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | depth_copied, true);
+      make_image(pass, "/depth", kDepthFormat, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | depth_read, true);
   if (averaged) {
     target->color_samples = make_image(pass, "/colour samples", kColorFormat,
                                        VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT, true);
@@ -97,15 +101,16 @@ std::unique_ptr<RenderTarget> RenderTargets::make(const Pass& pass) const {
                                VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT, false);
   }
   const VkImageView views[] = {target->depth.view(), averaged ? target->color_samples.view() : target->color.view()};
-  const VkFramebufferCreateInfo info{.sType = VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO,
-                                     .pNext = nullptr,
-                                     .flags = 0,
-                                     .renderPass = pipelines_.render_pass({.color = pass.color, .samples = pass.msaa}),
-                                     .attachmentCount = pass.color ? 2u : 1u,
-                                     .pAttachments = views,
-                                     .width = pass.width_px * pass.grid,
-                                     .height = pass.height_px * pass.grid,
-                                     .layers = 1};
+  const VkFramebufferCreateInfo info{
+      .sType = VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO,
+      .pNext = nullptr,
+      .flags = 0,
+      .renderPass = pipelines_.render_pass({.color = pass.color, .sampled = pass.shadow_maps, .samples = pass.msaa}),
+      .attachmentCount = pass.color ? 2u : 1u,
+      .pAttachments = views,
+      .width = pass.width_px * pass.grid,
+      .height = pass.height_px * pass.grid,
+      .layers = 1};
   VkFramebuffer framebuffer = VK_NULL_HANDLE;
   vk_check(vkCreateFramebuffer(device_.device, &info, nullptr, &framebuffer), "vkCreateFramebuffer");
   target->framebuffer = Handle<VkFramebuffer>(device_, framebuffer, pass.name + " framebuffer");

@@ -15,10 +15,11 @@ namespace simvis {
 
 struct RenderTarget {
   std::uint32_t width = 0, height = 0, grid = 1, msaa = 1;  ///< as the pass's
-  GpuImage depth;                                           ///< of each sample
-  GpuImage color;                                           ///< of each pixel; none for depth passes
-  GpuImage color_samples;                                   ///< of each sample, for passes with more than one a pixel
-  SampleAverage::Binding average;                           ///< of the latter to the former
+  bool shadow_maps = false;
+  GpuImage depth;                  ///< of each sample
+  GpuImage color;                  ///< of each pixel; none for depth passes
+  GpuImage color_samples;          ///< of each sample, for passes with more than one a pixel
+  SampleAverage::Binding average;  ///< of the latter to the former
   Handle<VkFramebuffer> framebuffer;
   Buffer depth_readback, color_readback;  ///< made when first wanted
   std::uint64_t last_frame = 0;

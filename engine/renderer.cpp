@@ -28,12 +28,13 @@ void check_view(const View& view, const Pass& pass) {
   SIMVIS_ASSERT(view.width_px > 0 && view.height_px > 0);
   SIMVIS_ASSERT(std::uint64_t{view.x_px} + view.width_px <= pass.width_px);
   SIMVIS_ASSERT(std::uint64_t{view.y_px} + view.height_px <= pass.height_px);
-  SIMVIS_ASSERT(view.near_m > 0 && view.pinhole.fx_px != 0 && view.pinhole.fy_px != 0);
+  SIMVIS_ASSERT(view.parallel ? view.far_m > view.near_m : view.near_m > 0);
+  SIMVIS_ASSERT(view.pinhole.fx_px != 0 && view.pinhole.fy_px != 0);
 }
 
 void check_pass(const Pass& pass, const TargetLimits& limits) {
   SIMVIS_ASSERT(pass.width_px > 0 && pass.height_px > 0);
-  SIMVIS_ASSERT(pass.color || pass.depth);
+  SIMVIS_ASSERT(pass.shadow_maps ? !pass.color && !pass.depth : pass.color || pass.depth);
   SIMVIS_ASSERT(pass.grid == 1 || pass.grid == 2 || pass.grid == 4);
   SIMVIS_ASSERT(pass.samples() == 1 || (pass.color && !pass.depth));
   const std::uint32_t width = limits.width_px / pass.grid, height = limits.height_px / pass.grid;
@@ -48,6 +49,12 @@ void check_pass(const Pass& pass, const TargetLimits& limits) {
                      "; this device allows up to " + std::to_string(limits.msaa.back()));
   }
   for (const View& view : pass.views) check_view(view, pass);
+}
+
+// Null where the plan has none.
+const Pass* find_shadow_maps(const FramePlan& plan) {
+  const auto found = std::ranges::find(plan.passes, true, &Pass::shadow_maps);
+  return found == plan.passes.end() ? nullptr : &*found;
 }
 
 }  // namespace
@@ -84,6 +91,7 @@ struct Renderer::Impl {
   FrameBuffers buffers;
   SampleAverage average;
   RenderTargets targets;
+  std::optional<ShadowMaps> shadows;  // once a plan has any
   DrawTable table;
   FrameDraws draws;
   std::vector<RenderTarget*> pass_targets;
@@ -162,11 +170,17 @@ void Renderer::Impl::prepare(const DrawList& list, const FramePlan& plan) {
   buffers.write_instances(draws.instances(), uploads);
   buffers.write_indices(draws.indices(), uploads);
   if (color) buffers.write_lights(draws.lights(), uploads);
+  if (const Pass* const maps = find_shadow_maps(plan)) {
+    if (!shadows) shadows.emplace(device, pipelines.shadows().set_layout.get());
+    shadows->write(plan, *maps, uploads);
+  }
 }
 
 void Renderer::Impl::record(VkCommandBuffer recorded, const DrawList& list, const FramePlan& plan) {
   targets.begin_frame();
   for (const Pass& pass : plan.passes) pass_targets.push_back(&targets.acquire(pass));
+  const Pass* const maps = find_shadow_maps(plan);
+  if (maps) shadows->show(pass_targets[static_cast<std::size_t>(maps - plan.passes.data())]->depth);
 
   const FrameContext frame{.device = device,
                            .commands = recorded,
@@ -174,6 +188,7 @@ void Renderer::Impl::record(VkCommandBuffer recorded, const DrawList& list, cons
                            .average = average,
                            .geometry = geometry,
                            .frame_set = buffers.set(),
+                           .shadows = maps ? &*shadows : nullptr,
                            .instances = buffers.instances(),
                            .frame_indices = buffers.indices(),
                            .draws = draws,
@@ -182,11 +197,9 @@ void Renderer::Impl::record(VkCommandBuffer recorded, const DrawList& list, cons
                            .made = made,
                            .queries = queries ? &*queries : nullptr};
   record_bindings(frame);
-  std::size_t first_view = 0;
-  for (std::size_t i = 0; i < plan.passes.size(); ++i) {
-    const std::size_t count = plan.passes[i].views.size();
-    record_pass(frame, plan.passes[i], *pass_targets[i], draws.views().subspan(first_view, count));
-    first_view += count;
+  for (const DrawnPass& drawn : drawing_order(plan)) {
+    const Pass& pass = plan.passes[drawn.pass];
+    record_pass(frame, pass, *pass_targets[drawn.pass], draws.views().subspan(drawn.first_view, pass.views.size()));
   }
   for (std::size_t i = 0; i < plan.passes.size(); ++i) record_readback(frame, plan.passes[i], *pass_targets[i]);
   record_end(frame);

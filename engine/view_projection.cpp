@@ -28,7 +28,7 @@ double rounding_of(const glm::dvec3& center_view, const WorldBox& box) {
 
 std::uint32_t guard_rows(const View& view) {
   constexpr std::uint32_t kStrip = 8;  // times as wide as high, at least
-  return view.width_px >= kStrip * view.height_px ? (view.width_px - view.height_px) / 2 : 0;
+  return !view.parallel && view.width_px >= kStrip * view.height_px ? (view.width_px - view.height_px) / 2 : 0;
 }
 
 ViewProjection make_projection(const View& view) {
@@ -43,14 +43,25 @@ ViewProjection make_projection(const View& view) {
   p.scale_y = 2 * k.fy_px / (height + 2 * guard);
   p.shift_y = 2 * (k.cy_px + guard) / (height + 2 * guard) - 1;
   // A side holds the points with 0 = u, u = width, 0 = v or v = height, times z.
-  const glm::dvec3 sides[4] = {
-      {k.fx_px, 0, k.cx_px}, {-k.fx_px, 0, width - k.cx_px}, {0, k.fy_px, k.cy_px}, {0, -k.fy_px, height - k.cy_px}};
+  // Or, of a parallel view, its x and y alone.
+  const double eye = view.parallel ? 0 : 1;
+  const double offsets[4] = {k.cx_px, width - k.cx_px, k.cy_px, height - k.cy_px};
+  const glm::dvec3 sides[4] = {{k.fx_px, 0, eye * offsets[0]},
+                               {-k.fx_px, 0, eye * offsets[1]},
+                               {0, k.fy_px, eye * offsets[2]},
+                               {0, -k.fy_px, eye * offsets[3]}};
   const glm::dmat3 world_from_view_axes = glm::transpose(glm::dmat3(view.view_from_world));
   for (int i = 0; i < 4; ++i) {
     p.side_view[i] = glm::normalize(sides[i]);
+    p.side_offset[i] = (1 - eye) * offsets[i] / glm::length(sides[i]);
     p.side_world[i] = world_from_view_axes * p.side_view[i];
   }
   p.forward_world = world_from_view_axes[2];
+  if (view.parallel) {
+    p.parallel = true;
+    p.depth_scale = -1 / (view.far_m - view.near_m);
+    p.depth_shift = -view.far_m * p.depth_scale;
+  }
   return p;
 }
 
@@ -62,6 +73,12 @@ void write_clip_rows(const ViewProjection& p, const glm::dmat4& world_from_mesh,
     for (int r = 0; r < 3; ++r) {
       row[r][c] = v[0][r] * column.x + v[1][r] * column.y + v[2][r] * column.z + (c == 3 ? v[3][r] : 0.0);
     }
+  }
+  if (p.parallel) {
+    instance.clip_x = rounded(p.scale_x * row[0] + glm::dvec4(0, 0, 0, p.shift_x));
+    instance.clip_y = rounded(p.scale_y * row[1] + glm::dvec4(0, 0, 0, p.shift_y));
+    instance.clip_w = rounded(p.depth_scale * row[2] + glm::dvec4(0, 0, 0, p.depth_shift));
+    return;
   }
   instance.clip_x = rounded(p.scale_x * row[0] + p.shift_x * row[2]);
   instance.clip_y = rounded(p.scale_y * row[1] + p.shift_y * row[2]);
@@ -92,7 +109,7 @@ MeshPlanes make_mesh_planes(const ViewProjection& p, const glm::dmat4& world_fro
   constexpr int kOrder[4] = {2, 3, 0, 1};
   for (int i = 0; i < 4; ++i) {
     const glm::dvec3& n = p.side_view[kOrder[i]];
-    planes.plane[i] = n.x * rows[0] + n.y * rows[1] + n.z * rows[2];
+    planes.plane[i] = n.x * rows[0] + n.y * rows[1] + n.z * rows[2] + glm::dvec4(0, 0, 0, p.side_offset[kOrder[i]]);
   }
   planes.plane[4] = rows[2] - glm::dvec4(0, 0, 0, p.near_m);
   planes.slack = rounding_of(transform_point(p.view_from_world, box.center), box);
@@ -131,7 +148,7 @@ bool outside(const ViewProjection& p, const WorldBox& box) {
   };
   if (beyond(center.z - p.near_m, p.forward_world)) return true;
   for (int i = 0; i < 4; ++i) {
-    if (beyond(glm::dot(p.side_view[i], center), p.side_world[i])) return true;
+    if (beyond(glm::dot(p.side_view[i], center) + p.side_offset[i], p.side_world[i])) return true;
   }
   return false;
 }

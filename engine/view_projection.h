@@ -16,9 +16,14 @@ struct ViewProjection {
   /// Of the viewport, guard rows included: clip.x = scale_x * x + shift_x * z, clip.y = scale_y * y + shift_y * z,
   /// clip.w = z in the view frame.
   double scale_x = 0, shift_x = 0, scale_y = 0, shift_y = 0;
-  /// Unit normals, pointing inwards, of the planes through the eye and the rectangle's sides, in the view frame, and
-  /// the same turned into the world's axes.
+  /// Of parallel views instead: clip.x = scale_x * x + shift_x, clip.y likewise, clip.z = depth_scale * z +
+  /// depth_shift, clip.w = 1.
+  bool parallel = false;
+  double depth_scale = 0, depth_shift = 0;
+  /// Unit normals, pointing inwards, of the planes that the rectangle's sides lie in, in the view frame, and the same
+  /// turned into the world's axes; how far inwards the eye lies, in metres: 0 unless the view is parallel.
   glm::dvec3 side_view[4], side_world[4];
+  double side_offset[4] = {};
   glm::dvec3 forward_world{0};  ///< the optical axis in the world's axes
 };
 

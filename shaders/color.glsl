@@ -1,5 +1,6 @@
 // Linear radiance of a surface in the lights of KHR_lights_punctual: Lambert, and where it is glossy a highlight of each
-// light over it. TEXTURED is defined where the material has a texture.
+// light over it. TEXTURED is defined where the material has a texture, SHADOWED where
+// something may stand in a light's way.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/interop.h"
 
@@ -8,6 +9,7 @@ layout(constant_id = SIMVIS_UNLIT) const bool kUnlit = false;
 layout(constant_id = SIMVIS_LIGHT_COUNT) const uint kLightCount = 0u;
 layout(constant_id = SIMVIS_FADED) const bool kFaded = false;
 layout(constant_id = SIMVIS_GLOSSY) const bool kGlossy = false;
+layout(constant_id = SIMVIS_SHADOWED) const bool kShadowed = false;
 
 layout(std430, push_constant) uniform View { ViewBlock view; };
 // Uniform and counted by a constant: so the loop unrolls and its loads are the same for all pixels, which a CPU device
@@ -23,12 +25,17 @@ layout(location = 2) in vec2 in_uv;
 layout(location = 3) in vec3 in_position;
 layout(location = 4) in vec3 in_normal;
 layout(location = 5) flat in vec2 in_finish;  // roughness, opacity; written only where kGlossy or kFaded
+layout(location = SIMVIS_REACH) in float in_reach;  // written only where kShadowed
 
 layout(location = 0) out vec4 out_color;
 
 const float kInversePi = 0.3183098861837907;
 const float kLeastSquare = 1e-20;  // keeps divisions finite, in m^2
 const float kNormalReflectance = 0.04;  // of a dielectric with the refractive index 1.5
+
+#ifdef SHADOWED
+#include "shaders/shadows.glsl"
+#endif
 
 struct Incident {
   vec3 toward;  // unit vector to the light
@@ -67,6 +74,10 @@ vec2 reflectance(vec3 normal, vec3 toward, vec3 to_eye) {
 }
 
 void main() {
+  const float reach = kShadowed ? in_reach : 0.0;  // in every variant: what vertex shaders put out has to be read
+#ifdef SHADOWED
+  const vec3 plane_normal = normal_of_plane();  // here, where no neighbour has gone yet
+#endif
   vec4 base = in_color;
   float mask = base.a;
 #ifdef TEXTURED
@@ -85,7 +96,10 @@ void main() {
     const vec3 normal = gl_FrontFacing ? outward : -outward;
     vec3 sum = vec3(0.0);
     for (uint i = 0u; i < kLightCount; ++i) {
-      const Incident light = incident(lights[i]);
+      Incident light = incident(lights[i]);
+#ifdef SHADOWED
+      if (lights[i].cone.z > 0.0) light.share *= free_share(shadows[uint(lights[i].cone.z) - 1u], plane_normal, reach);
+#endif
       const vec3 lux = lights[i].intensity.rgb * (light.share * max(0.0, dot(normal, light.toward)));
       if (kGlossy) {
         const vec2 reflected = reflectance(normal, light.toward, -normalize(in_position));

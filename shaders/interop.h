@@ -23,6 +23,12 @@ using uint = std::uint32_t;
 #define SIMVIS_TEXTURE_SET 1
 #define SIMVIS_BASE_COLOR_TEXTURE 0
 
+// Descriptor set 2, of scenes with shadows: where light may be in something's way.
+#define SIMVIS_SHADOW_SET 2
+#define SIMVIS_SHADOWS 0
+#define SIMVIS_SHADOW_ATLAS 1
+#define SIMVIS_MAX_SHADOWS 64  // of a view
+
 // The lights of a view are one uniform block: 16384 bytes, which every device allows.
 #define SIMVIS_MAX_LIGHTS 256
 
@@ -53,12 +59,17 @@ using uint = std::uint32_t;
 #define SIMVIS_INSTANCE_CLIP_W 7
 #define SIMVIS_INSTANCE_MATERIAL 8
 
+// What vertex shaders hand to fragments, besides the first locations of mesh_color.vert.
+#define SIMVIS_REACH 8
+
 // Specialization constants.
 #define SIMVIS_MASKED 0
 #define SIMVIS_UNLIT 1
 #define SIMVIS_LIGHT_COUNT 2
 #define SIMVIS_FADED 3
 #define SIMVIS_GLOSSY 4
+#define SIMVIS_SHADOWED 5
+#define SIMVIS_PARALLEL 6
 
 // The mean of a pixel's samples: bindings, specialization constants, and the side of a work group's square.
 #define SIMVIS_AVERAGE_SAMPLES 0
@@ -71,7 +82,7 @@ using uint = std::uint32_t;
 // One mesh in one view, read as vertex inputs of instance rate (a CPU device fetches those once for all lanes, which it
 // cannot do for a storage buffer): rows of clip_from_mesh, formed in double and rounded once.
 // A mesh point p = (x, y, z, 1) has clip = (clip_x . p, clip_y . p, near_m, clip_w . p), so depth = near_m / z with
-// z = clip_w . p, in metres along the optical axis.
+// z = clip_w . p, in metres along the optical axis. In a parallel view clip = (clip_x . p, clip_y . p, clip_w . p, 1).
 struct Instance {
   vec4 clip_x;
   vec4 clip_y;
@@ -94,6 +105,19 @@ struct LightBlock {
   vec4 direction;  // xyz: the way the light travels, unit length; w: 1 / range in 1/m, 0 for no limit
   vec4 intensity;  // rgb: lux (directional) or candela
   vec4 cone;       // x, y: scale and offset of the cosine to the axis; (0, 1) where there is no cone
+                   // z: 1 + number of its ShadowBlock; 0: it casts no shadow
+};
+
+// A light's shadow map: one view of the atlas, or the six of a cube (see ShadowUse in engine/frame_plan.h).
+struct ShadowBlock {
+  vec4 row_x;  // of map_from_view, the frame of its first view from that of the view that is lit, in metres
+  vec4 row_y;
+  vec4 row_z;
+  vec4 projection;  // texel (u, v) of a side = xy * (x, y) / z + zw; in parallel light xy * (x, y) + zw
+  vec4 depth;       // x: near_m, depth = near_m / z; in parallel light far_m, depth = (far_m - z) * y
+                    // y: 1 / (far_m - near_m), 0 where light is not parallel; z: distance of the frames'
+                    // origins, metres; w: 1 for a cube
+  vec4 place;       // xy: the first view's corner in the atlas; zw: width and height of a side; all in texels
 };
 
 // One view; push constants.

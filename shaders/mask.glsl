@@ -1,4 +1,5 @@
-// Keeps the fragments that are solid enough. TEXTURED is defined where the material has a texture.
+// Keeps the fragments that are solid enough. TEXTURED is defined where the material has a texture,
+// SHADOW_MAP where the depth is a shadow map's.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/interop.h"
 
@@ -10,7 +11,14 @@ layout(location = 0) in vec2 in_uv;
 layout(location = 1) in float in_alpha;
 layout(location = 2) flat in float in_cutoff;
 
+#ifdef SHADOW_MAP
+#include "shaders/shadow_depth.glsl"
+#endif
+
 void main() {
+#ifdef SHADOW_MAP
+  gl_FragDepth = shadow_depth();  // here, where no neighbour has gone yet
+#endif
   float alpha = in_alpha;
 #ifdef TEXTURED
   alpha *= textureLod(base_color_texture, in_uv, 0).a;  // the largest level, as rays do: no pixel decides by another

@@ -7,6 +7,8 @@ layout(std430, set = SIMVIS_FRAME_SET, binding = SIMVIS_MATERIALS) readonly buff
   MaterialBlock materials[];
 };
 
+layout(constant_id = SIMVIS_PARALLEL) const bool kParallel = false;
+
 layout(location = SIMVIS_POSITION) in vec3 in_position;
 layout(location = SIMVIS_INSTANCE_CLIP_X) in vec4 instance_clip_x;
 layout(location = SIMVIS_INSTANCE_CLIP_Y) in vec4 instance_clip_y;
@@ -20,7 +22,9 @@ out gl_PerVertex {
 // The same in every shader, to the bit: passes over the same surface meet in the same depth.
 vec4 place_vertex() {
   const vec4 p = vec4(in_position, 1.0);
-  gl_Position = vec4(dot(instance_clip_x, p), dot(instance_clip_y, p), view.ambient.w, dot(instance_clip_w, p));
+  const float depth = dot(instance_clip_w, p);
+  gl_Position = vec4(dot(instance_clip_x, p), dot(instance_clip_y, p), kParallel ? depth : view.ambient.w,
+                     kParallel ? 1.0 : depth);
   gl_PointSize = 1.0;
   return gl_Position;
 }

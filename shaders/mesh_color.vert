@@ -5,6 +5,7 @@
 
 layout(constant_id = SIMVIS_FADED) const bool kFaded = false;
 layout(constant_id = SIMVIS_GLOSSY) const bool kGlossy = false;
+layout(constant_id = SIMVIS_SHADOWED) const bool kShadowed = false;
 
 layout(location = SIMVIS_NORMAL) in vec4 in_normal;
 layout(location = SIMVIS_UV_0) in vec2 in_uv_0;
@@ -18,6 +19,7 @@ layout(location = 2) out vec2 out_uv;
 layout(location = 3) out vec3 out_position;
 layout(location = 4) out vec3 out_normal;
 layout(location = 5) flat out vec2 out_finish;  // roughness, opacity; written only where it is read
+layout(location = SIMVIS_REACH) out float out_reach;  // of what the position was summed up from, metres; likewise
 
 // The direction of inverse(transpose(M)) * n for the matrix M with these rows: its cofactors, with the sign of its
 // determinant, so that normals stay right under mirrored and non-uniform scale.
@@ -36,6 +38,11 @@ void main() {
   if (kFaded || kGlossy) out_finish = material.finish.xy;
   out_uv = texture_uv(material, in_uv_0, in_uv_1);
   out_position = vec3((clip.xy - view.projection.yw * clip.w) / view.projection.xz, clip.w);
+  if (kShadowed) {
+    const vec4 p = abs(vec4(in_position, 1.0));
+    out_reach = dot(abs(instance_clip_x), p) / abs(view.projection.x) + dot(abs(instance_clip_y), p) / abs(view.projection.z) +
+                dot(abs(instance_clip_w), p);
+  }
   const vec3 row_z = instance_clip_w.xyz;
   const vec3 row_x = (instance_clip_x.xyz - view.projection.y * row_z) / view.projection.x;
   const vec3 row_y = (instance_clip_y.xyz - view.projection.w * row_z) / view.projection.z;

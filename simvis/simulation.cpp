@@ -5,6 +5,8 @@
 #include <optional>
 #include <utility>
 
+#include "effects/effect.h"
+#include "effects/shadows.h"
 #include "engine/assert.h"
 #include "engine/cache_file.h"
 #include "engine/device_costs.h"
@@ -176,7 +178,6 @@ void Simulation::Impl::plan_due_sensors(ViewLayer& layer, bool visualization, co
     if (sensor.visualization() != visualization) continue;
     ViewLayer::Entry entry{
         .sensor = i, .duty = duty(i, time), .first_pass = plan.passes.size(), .first_cast = plan.casts.size()};
-    const std::size_t first_effect = plan.effects.size();
     if (entry.duty == Duty::due) {
       sensor.begin(time);
       sensor.plan(states[i].world_from_sensor, *layer.list, plan);
@@ -184,13 +185,14 @@ void Simulation::Impl::plan_due_sensors(ViewLayer& layer, bool visualization, co
     entry.end_pass = plan.passes.size();
     entry.end_cast = plan.casts.size();
     layer.entries.push_back(entry);
-    std::vector<std::string>& effects = states[i].effects;
-    for (std::size_t e = first_effect; e < plan.effects.size(); ++e) {
-      if (std::ranges::find(effects, plan.effects[e].effect) == effects.end())
-        effects.push_back(plan.effects[e].effect);
-    }
+    plan_scene_effects(scene.built.sensors[i].name, entry.first_pass, *layer.list, plan);
   }
+  plan_shadows(*layer.list, device.target_limits(), plan);
   for (RayCast& cast : plan.casts) cast.engine = layer.caster->engine();
+  for (const PlannedEffect& planned : plan.effects) {
+    std::vector<std::string>& effects = states[index(planned.sensor)].effects;
+    if (std::ranges::find(effects, planned.effect) == effects.end()) effects.push_back(planned.effect);
+  }
 }
 
 // Of a sensor that is due, its pose is known then.

@@ -103,3 +103,15 @@ TEST_CASE("structs lie in memory as the shader that casts rays reads them") {
   CHECK_OFFSET(found, "view", shader::RayCastBlock, rays);
   CHECK(found.at("View") == sizeof(shader::RayCastBlock));
 }
+
+TEST_CASE("shadow blocks lie in memory as the fragment shaders read them") {
+  const auto found = reflect("mesh_color_shadowed.frag");
+  CHECK_OFFSET(found, "shadows", shader::ShadowBlock, row_x);
+  CHECK_OFFSET(found, "shadows", shader::ShadowBlock, row_y);
+  CHECK_OFFSET(found, "shadows", shader::ShadowBlock, row_z);
+  CHECK_OFFSET(found, "shadows", shader::ShadowBlock, projection);
+  CHECK_OFFSET(found, "shadows", shader::ShadowBlock, depth);
+  CHECK_OFFSET(found, "shadows", shader::ShadowBlock, place);
+  CHECK(found.at("Shadows") == SIMVIS_MAX_SHADOWS * sizeof(shader::ShadowBlock));
+  CHECK(members_of(found, "shadows") == 6);
+}
