@@ -28,6 +28,13 @@ std::vector<const EffectType*> effect_types() { return registry().sorted(); }
 
 const EffectType* find_effect_type(std::string_view name) { return registry().find(name); }
 
+void plan_scene_effects(const std::string& sensor, EffectOutput output, const DrawList& list, FramePlan& plan) {
+  for (const EffectType* type : effect_types()) {
+    if ((type->outputs & output) == 0 || type->called_for == nullptr || !type->called_for(list)) continue;
+    plan.effects.push_back({sensor, std::string(type->name), std::string(type->source)});
+  }
+}
+
 std::vector<AttributeSpec> with_effect_attributes(std::string_view sensor_type, AttributeTable own) {
   std::vector<AttributeSpec> table(own.begin(), own.end());
   for (const EffectType* effect : effect_types()) {

@@ -10,9 +10,12 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <string_view>
 #include <vector>
 
+#include "engine/draw_list.h"
+#include "engine/frame_plan.h"
 #include "scenegraph/attributes.h"
 
 namespace simvis {
@@ -39,6 +42,8 @@ struct EffectType {
   std::string_view sensors{};  ///< types, separated by spaces, whose commands may carry `attributes`
   AttributeTable attributes{};
   EffectExample example{};
+  /// Of a plain EffectType: whether the scene contains its source.
+  bool (*called_for)(const DrawList& list) = nullptr;
 };
 
 /// A static object of this type adds an effect to the catalogue; strings and tables must live as long.
@@ -51,6 +56,9 @@ struct EffectRegistration {
 std::vector<const EffectType*> effect_types();
 /// Null when there is none of that name.
 const EffectType* find_effect_type(std::string_view name);
+
+/// Adds to the plan which plain effects of the scene an output of this sensor is going to show.
+void plan_scene_effects(const std::string& sensor, EffectOutput output, const DrawList& list, FramePlan& plan);
 
 /// The attributes of a sensor type: its own rows, then those of the effects that it may have, by the effects' names.
 std::vector<AttributeSpec> with_effect_attributes(std::string_view sensor_type, AttributeTable own);

@@ -22,13 +22,15 @@ struct PipelineKey {
   bool textured = false;
   bool unlit = false;
   bool glossy = false;       ///< lights have highlights on it
+  bool metallic = false;     ///< in its own colour
+  std::uint8_t maps = 0;     ///< a sum of 1 << binding of the maps that are shown, from SIMVIS_FIRST_MAP on
   std::uint16_t lights = 0;  ///< how many light it, up to SIMVIS_MAX_LIGHTS
   bool cull_back = false;
   bool mirrored = false;     ///< the transform turns the winding of triangles
   std::uint8_t samples = 1;  ///< of each pixel of the pass's targets: 1, 2, 4 or 8
 
   bool blends() const { return surface == Surface::blended || surface == Surface::faded; }
-  std::uint32_t bits() const;
+  std::uint64_t bits() const;
 };
 
 class Pipelines {
@@ -61,7 +63,8 @@ class Pipelines {
   std::unordered_map<std::uint32_t, Handle<VkRenderPass>> render_passes_;
   Handle<VkShaderModule> depth_vert_, mask_vert_, color_vert_;
   Handle<VkShaderModule> mask_frag_[2], color_frag_[2];  // without and with a texture
-  std::unordered_map<std::uint32_t, Handle<VkPipeline>> pipelines_;
+  Handle<VkShaderModule> mapped_frag_;
+  std::unordered_map<std::uint64_t, Handle<VkPipeline>> pipelines_;
 };
 
 }  // namespace simvis

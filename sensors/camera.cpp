@@ -1,5 +1,6 @@
 #include "sensors/camera.h"
 
+#include "effects/effect.h"
 #include "scenegraph/pose.h"
 
 namespace simvis {
@@ -79,6 +80,7 @@ void Camera::plan(const glm::dmat4& world_from_sensor, const DrawList& list, Fra
                                         : "depth",
              "");
   }
+  if (desc_.color) plan_scene_effects(name_, kShownInColor, list, plan);
   if (desc_.depth) depth_view_ = depth_view(plan.passes[depth_pass_].views[0], list);
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "effects/effect.h"
 #include "scenegraph/pose.h"
 #include "sensors/camera_info.h"
 
@@ -113,6 +114,7 @@ void StereoCamera::plan(const glm::dmat4& world_from_sensor, const DrawList& lis
   left_.depth_at = second.left;
   right_.color_at = first.right;
   right_.depth_at = second.right;
+  if (desc_.color) plan_scene_effects(name_, kShownInColor, list, plan);
   if (!desc_.depth) return;
   for (Eye* const eye : {&left_, &right_}) {
     eye->depth_view = depth_view(plan.passes[eye->depth_at.pass].views[eye->depth_at.view], list);

@@ -5,6 +5,11 @@
 
 layout(constant_id = SIMVIS_FADED) const bool kFaded = false;
 layout(constant_id = SIMVIS_GLOSSY) const bool kGlossy = false;
+layout(constant_id = SIMVIS_MAPS) const uint kMaps = 0u;
+
+layout(std430, set = SIMVIS_FRAME_SET, binding = SIMVIS_MAP_PLACES) readonly buffer MapPlaces {
+  MapPlacesBlock map_places[];
+};
 
 layout(location = SIMVIS_NORMAL) in vec4 in_normal;
 layout(location = SIMVIS_UV_0) in vec2 in_uv_0;
@@ -17,7 +22,10 @@ layout(location = 1) flat out vec4 out_emissive_cutoff;
 layout(location = 2) out vec2 out_uv;
 layout(location = 3) out vec3 out_position;
 layout(location = 4) out vec3 out_normal;
-layout(location = 5) flat out vec2 out_finish;  // roughness, opacity; written only where it is read
+// Written only where they are read.
+layout(location = 5) flat out vec3 out_finish;  // roughness, opacity, metallic share
+layout(location = 6) flat out vec2 out_strengths;  // scale of the normal map, strength of the occlusion map
+layout(location = 7) out vec2 out_map_uv[SIMVIS_TEXTURES - 1];
 
 // The direction of inverse(transpose(M)) * n for the matrix M with these rows: its cofactors, with the sign of its
 // determinant, so that normals stay right under mirrored and non-uniform scale.
@@ -33,8 +41,15 @@ void main() {
   const vec4 clip = place_vertex();
   out_color = material.base_color * in_color;
   out_emissive_cutoff = material.emissive_cutoff;
-  if (kFaded || kGlossy) out_finish = material.finish.xy;
-  out_uv = texture_uv(material, in_uv_0, in_uv_1);
+  if (kFaded || kGlossy) out_finish = material.finish.xyz;
+  if (kMaps != 0u) {
+    out_strengths = vec2(material.finish.w, material.uv_row_v.w);
+    for (int i = 0; i < SIMVIS_TEXTURES - 1; ++i) {
+      out_map_uv[i] =
+          texture_uv(map_places[instance_material].row_u[i], map_places[instance_material].row_v[i], in_uv_0, in_uv_1);
+    }
+  }
+  out_uv = texture_uv(material.uv_row_u, material.uv_row_v, in_uv_0, in_uv_1);
   out_position = vec3((clip.xy - view.projection.yw * clip.w) / view.projection.xz, clip.w);
   const vec3 row_z = instance_clip_w.xyz;
   const vec3 row_x = (instance_clip_x.xyz - view.projection.y * row_z) / view.projection.x;
