@@ -30,6 +30,8 @@ class Material:
     tile_m: tuple = (1.0, 1.0)  # a texture's width and height on the surface; (1, 1) for 0..1 coordinates
     emissive: tuple = (0.0, 0.0, 0.0)
     roughness: float = 0.8
+    metallic: float = 0.0
+    normals: Texture = None  # a normal map, on the same coordinates as the texture
     blend: bool = False
     double_sided: bool = False
     unlit: bool = False
@@ -137,12 +139,14 @@ class _File:
         self.json["nodes"].append(fields)
         self.json["scenes"][0]["nodes"].append(len(self.json["nodes"]) - 1)
 
-    def material(self, material, texture_index):
-        surface = {"baseColorFactor": [round(v, 6) for v in material.color], "metallicFactor": 0.0,
+    def material(self, material, textures):
+        surface = {"baseColorFactor": [round(v, 6) for v in material.color], "metallicFactor": material.metallic,
                    "roughnessFactor": material.roughness}
-        if texture_index is not None:
-            surface["baseColorTexture"] = {"index": texture_index}
+        if material.texture:
+            surface["baseColorTexture"] = {"index": textures.index(material.texture)}
         entry = {"name": material.name, "pbrMetallicRoughness": surface}
+        if material.normals:
+            entry["normalTexture"] = {"index": textures.index(material.normals)}
         if any(material.emissive):
             entry["emissiveFactor"] = list(material.emissive)
         if material.blend:
@@ -193,13 +197,13 @@ def glb(name, faces_by_material, lights=()):
         vertices, indices = _indexed(faces, material)
         attributes = {"POSITION": file.accessor([v[:3] for v in vertices], 3, bounds=True),
                       "NORMAL": file.accessor([v[3:6] for v in vertices], 3)}
-        if material.texture:
+        shown = [texture for texture in (material.texture, material.normals) if texture]
+        if shown:
             attributes["TEXCOORD_0"] = file.accessor([v[6:] for v in vertices], 2)
-            if material.texture not in textures:
-                textures.append(material.texture)
+            textures += [texture for texture in shown if texture not in textures]
         primitives.append({"attributes": attributes, "indices": file.indices(indices, len(vertices)),
                            "material": index})
-        file.material(material, textures.index(material.texture) if material.texture else None)
+        file.material(material, textures)
     file.json["meshes"].append({"name": name, "primitives": primitives})
     file.node(name=name, mesh=0)
     _add_lights(file, lights)
@@ -326,7 +330,7 @@ def _packed_primitive(file, surface, materials, textures):
             textures.append(texture)
     if surface.material not in materials:
         materials.append(surface.material)
-        file.material(surface.material, textures.index(texture) if texture else None)
+        file.material(surface.material, textures)
         if isinstance(surface.material, MaskedMaterial):
             file.json["materials"][-1].update(alphaMode="MASK", alphaCutoff=surface.material.cutoff)
     return {"attributes": attributes, "indices": file.indices(surface.indices, len(surface.points)),
