@@ -70,7 +70,7 @@ FrameBuffers::FrameBuffers(Device::Impl& device, VkDescriptorSetLayout set_layou
                                                .pSetLayouts = &set_layout};
   vk_check(vkAllocateDescriptorSets(device.device, &allocation, &set_), "vkAllocateDescriptorSets");
   reserve(instances_, "instances", VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, kFirstSize);
-  reserve_materials(kFirstSize);
+  reserve_table(materials_, "materials", SIMVIS_MATERIALS, kFirstSize);
   reserve_lights(kFirstSize);
 }
 
@@ -103,15 +103,6 @@ bool FrameBuffers::reserve_table(Table& table, const char* name, std::uint32_t b
   }
   if (!reserve(table.buffer, name, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, size)) return false;
   describe(binding, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, table.buffer, std::min(limit, table.buffer.size()));
-  return true;
-}
-
-bool FrameBuffers::reserve_materials(VkDeviceSize size) {
-  if (!reserve_table(materials_, "materials", SIMVIS_MATERIALS, size)) return false;
-  // The vertex shader names the places of maps whether or not there are any; without maps it does not read them.
-  if (!map_places_.buffer) {
-    describe(SIMVIS_MAP_PLACES, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, materials_.buffer, kFirstSize);
-  }
   return true;
 }
 
@@ -152,7 +143,8 @@ void FrameBuffers::write_table(Table& table, const DrawList& list, const Wanted&
 }
 
 void FrameBuffers::write_materials(const DrawList& list, std::span<const std::uint8_t> wanted, Uploads& uploads) {
-  if (reserve_materials(list.materials.size() * sizeof(shader::MaterialBlock))) materials_.slots.clear();
+  const VkDeviceSize size = list.materials.size() * sizeof(shader::MaterialBlock);
+  if (reserve_table(materials_, "materials", SIMVIS_MATERIALS, size)) materials_.slots.clear();
   write_table(
       materials_, list, [&](std::size_t m) { return wanted[m] != 0; }, block_of, uploads);
 }

@@ -48,7 +48,6 @@ class FrameBuffers {
   };
   // Makes a buffer hold `size` bytes; true if it is a new one, whose content is undefined.
   bool reserve(Buffer& buffer, const char* name, VkBufferUsageFlags usage, VkDeviceSize size);
-  bool reserve_materials(VkDeviceSize size);
   bool reserve_table(Table& table, const char* name, std::uint32_t binding, VkDeviceSize size);
   template <typename Wanted, typename BlockOf>
   void write_table(Table& table, const DrawList& list, const Wanted& wanted, const BlockOf& block_of, Uploads& uploads);

@@ -12,6 +12,7 @@
 #include "shaders/mesh_color.frag.h"
 #include "shaders/mesh_color.vert.h"
 #include "shaders/mesh_color_mapped.frag.h"
+#include "shaders/mesh_color_mapped.vert.h"
 #include "shaders/mesh_color_textured.frag.h"
 #include "shaders/mesh_depth.vert.h"
 #include "shaders/mesh_mask.frag.h"
@@ -163,6 +164,7 @@ Pipelines::Pipelines(Device::Impl& device)
                  make_module(device, mesh_mask_textured_frag, "mesh_mask_textured.frag")},
       color_frag_{make_module(device, mesh_color_frag, "mesh_color.frag"),
                   make_module(device, mesh_color_textured_frag, "mesh_color_textured.frag")},
+      mapped_vert_(make_module(device, mesh_color_mapped_vert, "mesh_color_mapped.vert")),
       mapped_frag_(make_module(device, mesh_color_mapped_frag, "mesh_color_mapped.frag")) {
   const VkDescriptorSetLayoutBinding frame_bindings[] = {
       buffer_binding(SIMVIS_MATERIALS, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_SHADER_STAGE_VERTEX_BIT),
@@ -207,9 +209,10 @@ VkPipeline Pipelines::get(const PipelineKey& key) {
 
 Pipelines::Program Pipelines::program(const PipelineKey& key, const VkSpecializationInfo& constants) const {
   if (!key.depth_only) {
-    const VkShaderModule fragments = key.maps != 0 ? mapped_frag_.get() : color_frag_[key.textured].get();
-    return {{stage(VK_SHADER_STAGE_VERTEX_BIT, color_vert_.get(), &constants),
-             stage(VK_SHADER_STAGE_FRAGMENT_BIT, fragments, &constants)},
+    const bool mapped = key.maps != 0;
+    return {{stage(VK_SHADER_STAGE_VERTEX_BIT, mapped ? mapped_vert_.get() : color_vert_.get(), &constants),
+             stage(VK_SHADER_STAGE_FRAGMENT_BIT, mapped ? mapped_frag_.get() : color_frag_[key.textured].get(),
+                   &constants)},
             2,
             vertex_input(kColorInputs)};
   }

@@ -63,7 +63,7 @@ class Pipelines {
   std::unordered_map<std::uint32_t, Handle<VkRenderPass>> render_passes_;
   Handle<VkShaderModule> depth_vert_, mask_vert_, color_vert_;
   Handle<VkShaderModule> mask_frag_[2], color_frag_[2];  // without and with a texture
-  Handle<VkShaderModule> mapped_frag_;
+  Handle<VkShaderModule> mapped_vert_, mapped_frag_;
   std::unordered_map<std::uint64_t, Handle<VkPipeline>> pipelines_;
 };
 

@@ -102,7 +102,8 @@ void GltfMaterials::set_surface(const tinygltf::Material& source, Material& mate
 template <typename TextureInfo>
 SurfaceMap GltfMaterials::map_of(const TextureInfo& info) {
   if (info.index < 0) return {};
-  SurfaceMap map{.uv_set = info.texCoord};
+  SurfaceMap map;
+  map.uv_set = info.texCoord;
   const auto transform = info.extensions.find("KHR_texture_transform");
   if (transform != info.extensions.end()) {
     map.uv_set = static_cast<int>(number_or(transform->second, "texCoord", map.uv_set));
