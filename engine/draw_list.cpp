@@ -3,6 +3,7 @@
 #include <cstring>
 #include <ostream>
 #include <string>
+#include <string_view>
 #include <type_traits>
 
 namespace simvis {
@@ -100,6 +101,17 @@ void add(Fnv1a& hash, const Material& material) {
     hash.text("retro_reflectance");
     hash.number(material.retro_reflectance);
   }
+  if (material.metallic != 0) hash.number(material.metallic);
+  for (std::size_t kind = 0; kind < kMapKinds; ++kind) {
+    const SurfaceMap& map = material.maps[kind];
+    if (map == SurfaceMap{}) continue;
+    hash.bits(kind);
+    add(hash, map.texture.get());
+    hash.bits(map.uv_set);
+    for (glm::length_t c = 0; c < 3; ++c) hash.vector(map.uv_transform[c]);
+  }
+  if (material.normal_scale != 1) hash.number(material.normal_scale);
+  if (material.occlusion_strength != 1) hash.number(material.occlusion_strength);
 }
 
 void add(Fnv1a& hash, const LightItem& item) {
@@ -126,6 +138,10 @@ bool same_material(const std::shared_ptr<const Material>& a, const std::shared_p
   if (!a || !b || !same_value(a->base_color_texture, b->base_color_texture)) return false;
   Material other = *b;
   other.base_color_texture = a->base_color_texture;
+  for (std::size_t kind = 0; kind < kMapKinds; ++kind) {
+    if (!same_value(a->maps[kind].texture, b->maps[kind].texture)) return false;
+    other.maps[kind].texture = a->maps[kind].texture;
+  }
   return *a == other;
 }
 
@@ -195,11 +211,19 @@ void print_material(std::ostream& out, const Material& m) {
   if (m.retro_reflectance != 0) out << ", retro-reflectance " << m.retro_reflectance;
   if (m.mirror != 0) out << ", mirror " << m.mirror;
   if (m.transmission != 0) out << ", transmission " << m.transmission << " by index " << m.refractive_index;
+  if (m.metallic != 0) out << ", metallic " << m.metallic;
   if (m.unlit) out << ", unlit";
   if (m.double_sided) out << ", double-sided";
   if (m.base_color_texture) {
     const Texture& t = *m.base_color_texture;
     out << ", texture \"" << t.name << "\" " << t.width << " x " << t.height << ", uv set " << m.uv_set;
+  }
+  constexpr std::string_view kMapNames[kMapKinds] = {"normal", "metallic-roughness", "occlusion", "emissive"};
+  for (std::size_t kind = 0; kind < kMapKinds; ++kind) {
+    if (!m.maps[kind].texture) continue;
+    const Texture& t = *m.maps[kind].texture;
+    out << ", " << kMapNames[kind] << " map \"" << t.name << "\" " << t.width << " x " << t.height << ", uv set "
+        << m.maps[kind].uv_set;
   }
 }
 

@@ -17,6 +17,21 @@ auto state_of(const Drawable& d) {
   return std::tuple(d.key.bits(), d.single_sided, d.mirrored, d.met, d.texture, d.range.first_index);
 }
 
+// Whether a map, if it is there, changes what is seen.
+bool has_effect(const Material& material, MapKind kind) {
+  switch (kind) {
+    case MapKind::normal:
+      return material.normal_scale != 0;
+    case MapKind::metallic_roughness:
+      return true;
+    case MapKind::occlusion:
+      return material.occlusion_strength > 0;
+    case MapKind::emissive:
+      return material.emissive != glm::vec3(0);
+  }
+  return true;
+}
+
 }  // namespace
 
 void DrawTable::update(const DrawList& list, bool color, GeometryPool& geometry, TextureStore& textures,
@@ -63,9 +78,15 @@ DrawTable::MaterialKind DrawTable::kind_of(const Material& material) {
   kind.seen = most_solid > 0;
   kind.met = most_solid >= kLeastMetAlpha;
   kind.unlit = material.unlit;
-  kind.glossy = material.roughness < 1;
+  kind.metallic = material.metallic > 0;
+  kind.glossy = material.roughness < 1 || kind.metallic || material.map(MapKind::metallic_roughness).texture != nullptr;
   kind.double_sided = material.double_sided;
-  kind.texture = material.base_color_texture;
+  kind.textures[SIMVIS_BASE_COLOR_TEXTURE] = material.base_color_texture;
+  for (std::size_t i = 0; i < kMapKinds && !material.unlit; ++i) {
+    if (has_effect(material, static_cast<MapKind>(i))) {
+      kind.textures[SIMVIS_FIRST_MAP + i] = material.maps[i].texture;
+    }
+  }
   return kind;
 }
 
@@ -121,8 +142,14 @@ void DrawTable::rebuild(GeometryPool& geometry, TextureStore& textures, Uploads&
   ranges_.assign(ranges.begin(), ranges.end());
   textures.keep_only(materials_);
   texture_sets_.assign(materials_.size(), VK_NULL_HANDLE);
+  textures_shown_.assign(materials_.size(), 0);
   for (std::size_t m = 0; m < materials_.size(); ++m) {
-    if (materials_read_[m] && kinds_[m].texture) texture_sets_[m] = textures.require(kinds_[m].texture, uploads);
+    if (!materials_read_[m]) continue;
+    const TextureSet set = shown(kinds_[m]);
+    for (std::size_t binding = 0; binding < set.size(); ++binding) {
+      textures_shown_[m] |= static_cast<std::uint8_t>((set[binding] != nullptr) << binding);
+    }
+    if (textures_shown_[m] != 0) texture_sets_[m] = textures.require(set, uploads);
   }
   depth_.clear();
   solid_.clear();
@@ -140,6 +167,14 @@ void DrawTable::rebuild(GeometryPool& geometry, TextureStore& textures, Uploads&
   sort_and_group(blended_);
 }
 
+TextureSet DrawTable::shown(const MaterialKind& kind) const {
+  TextureSet set = kind.textures;
+  if (!with_color_) std::fill(set.begin() + SIMVIS_FIRST_MAP, set.end(), nullptr);
+  // Only lights show which way a surface faces, and how smooth it is.
+  if (lights_ == 0) set[SIMVIS_NORMAL_MAP] = set[SIMVIS_METALLIC_ROUGHNESS_MAP] = nullptr;
+  return set;
+}
+
 Drawable DrawTable::drawable(std::uint32_t index, bool color) const {
   const DrawItem& item = items_[index];
   const MaterialKind& kind = kinds_[item.material];
@@ -155,11 +190,15 @@ Drawable DrawTable::drawable(std::uint32_t index, bool color) const {
   d.key.depth_only = !color;
   d.key.topology = meshes_[item.mesh]->topology;
   d.key.surface = color ? kind.in_color : kind.in_depth;
-  if (color || d.key.surface != Surface::opaque) d.texture = texture_sets_[item.material];
-  d.key.textured = d.texture != VK_NULL_HANDLE;
+  constexpr std::uint8_t kBase = 1u << SIMVIS_BASE_COLOR_TEXTURE;
+  const std::uint8_t shown = textures_shown_[item.material];
+  d.key.textured = (shown & kBase) != 0 && (color || d.key.surface != Surface::opaque);
+  d.key.maps = color ? shown & ~kBase : 0;
+  if (d.key.textured || d.key.maps != 0) d.texture = texture_sets_[item.material];
   d.key.unlit = color && kind.unlit;
   d.key.lights = color && !kind.unlit ? lights_ : 0;
   d.key.glossy = kind.glossy && d.key.lights > 0;
+  d.key.metallic = kind.metallic && d.key.glossy;
   return d;
 }
 

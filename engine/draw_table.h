@@ -43,6 +43,8 @@ class DrawTable {
   const WorldBox& box(std::uint32_t item) const { return boxes_[item]; }
   /// By material: not 0 where what is drawn reads its block.
   std::span<const std::uint8_t> materials_read() const { return materials_read_; }
+  /// By material: a sum of 1 << binding of the textures that are shown.
+  std::span<const std::uint8_t> textures_shown() const { return textures_shown_; }
   bool any_lit() const { return any_lit_; }
 
   /// Forgets everything.
@@ -53,8 +55,8 @@ class DrawTable {
   struct MaterialKind {
     PipelineKey::Surface in_color = PipelineKey::Surface::opaque, in_depth = PipelineKey::Surface::opaque;
     bool seen = true, met = true;  // by colour, by depth
-    bool unlit = false, glossy = false, double_sided = false;
-    std::shared_ptr<const Texture> texture;
+    bool unlit = false, glossy = false, metallic = false, double_sided = false;
+    TextureSet textures;
     bool operator==(const MaterialKind&) const = default;
   };
   static MaterialKind kind_of(const Material& material);
@@ -62,6 +64,7 @@ class DrawTable {
   bool take_materials(const DrawList& list);
   bool take_transforms(const DrawList& list);
   void rebuild(GeometryPool& geometry, TextureStore& textures, Uploads& uploads);
+  TextureSet shown(const MaterialKind& kind) const;
   Drawable drawable(std::uint32_t item, bool color) const;
   void sort_and_group(std::vector<Drawable>& drawables) const;
 
@@ -75,7 +78,7 @@ class DrawTable {
   std::vector<MaterialKind> kinds_;
   std::vector<WorldBox> boxes_;         // by item
   std::vector<std::uint8_t> mirrored_;  // by item
-  std::vector<std::uint8_t> materials_read_;
+  std::vector<std::uint8_t> materials_read_, textures_shown_;
   std::vector<VkDescriptorSet> texture_sets_;  // by material
   std::vector<MeshRange> ranges_;              // by mesh
   std::vector<Drawable> depth_, solid_, blended_;

@@ -34,14 +34,25 @@ shader::MaterialBlock block_of(const Material& m) {
   return {.base_color = base,
           .emissive_cutoff = glm::vec4(m.emissive, cutoff_of(m)),
           .uv_row_u = {t[0][0], t[1][0], t[2][0], m.uv_set},
-          .uv_row_v = {t[0][1], t[1][1], t[2][1], 0},
-          .finish = {std::max(m.roughness, kLeastRoughness), m.opacity, 0, 0}};
+          .uv_row_v = {t[0][1], t[1][1], t[2][1], m.occlusion_strength},
+          .finish = {std::max(m.roughness, kLeastRoughness), m.opacity, m.metallic, m.normal_scale}};
+}
+static_assert(kLeastRoughness == static_cast<float>(SIMVIS_LEAST_ROUGHNESS));
+
+shader::MapPlacesBlock map_places_of(const Material& m) {
+  shader::MapPlacesBlock block{};
+  for (std::size_t i = 0; i < kMapKinds; ++i) {
+    const auto& t = m.maps[i].uv_transform;
+    block.row_u[i] = {t[0][0], t[1][0], t[2][0], m.maps[i].uv_set};
+    block.row_v[i] = {t[0][1], t[1][1], t[2][1], 0};
+  }
+  return block;
 }
 
 }  // namespace
 
 FrameBuffers::FrameBuffers(Device::Impl& device, VkDescriptorSetLayout set_layout) : device_(device) {
-  const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1},
+  const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 2},
                                         {VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC, 1}};
   const VkDescriptorPoolCreateInfo pool_info{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
                                              .pNext = nullptr,
@@ -81,14 +92,14 @@ void FrameBuffers::describe(std::uint32_t binding, VkDescriptorType type, const 
   vkUpdateDescriptorSets(device_.device, 1, &write, 0, nullptr);
 }
 
-bool FrameBuffers::reserve_materials(VkDeviceSize size) {
+bool FrameBuffers::reserve_table(Table& table, const char* name, std::uint32_t binding, VkDeviceSize size) {
   const VkDeviceSize limit = device_.limits().maxStorageBufferRange;
   if (size > limit) {
-    throw MachineError("a frame needs " + std::to_string(size) + " bytes of materials; " + device_.physical.info.name +
-                       " allows " + std::to_string(limit));
+    throw MachineError("a frame needs " + std::to_string(size) + " bytes of " + name + "; " +
+                       device_.physical.info.name + " allows " + std::to_string(limit));
   }
-  if (!reserve(materials_, "materials", VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, size)) return false;
-  describe(SIMVIS_MATERIALS, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, materials_, std::min(limit, materials_.size()));
+  if (!reserve(table.buffer, name, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, size)) return false;
+  describe(binding, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, table.buffer, std::min(limit, table.buffer.size()));
   return true;
 }
 
@@ -114,17 +125,35 @@ void FrameBuffers::write_lights(std::span<const shader::LightBlock> lights, Uplo
   uploads.write(lights_, 0, std::as_bytes(lights));
 }
 
-void FrameBuffers::write_materials(const DrawList& list, std::span<const std::uint8_t> wanted, Uploads& uploads) {
-  if (std::ranges::find_if(wanted, [](std::uint8_t read) { return read != 0; }) == wanted.end()) return;
-  if (reserve_materials(list.materials.size() * sizeof(shader::MaterialBlock))) slots_.clear();
-  slots_.resize(list.materials.size());
-  for (std::size_t m = 0; m < slots_.size(); ++m) {
-    Slot& slot = slots_[m];
-    if (!wanted[m] || (slot.material == list.materials[m] && slot.revision == list.material_revision[m])) continue;
-    const shader::MaterialBlock block = block_of(*list.materials[m]);
-    uploads.write(materials_, m * sizeof block, std::as_bytes(std::span(&block, 1)));
+template <typename Wanted, typename BlockOf>
+void FrameBuffers::write_table(Table& table, const DrawList& list, const Wanted& wanted, const BlockOf& block_of,
+                               Uploads& uploads) {
+  table.slots.resize(list.materials.size());
+  for (std::size_t m = 0; m < table.slots.size(); ++m) {
+    Slot& slot = table.slots[m];
+    if (!wanted(m) || (slot.material == list.materials[m] && slot.revision == list.material_revision[m])) continue;
+    const auto block = block_of(*list.materials[m]);
+    uploads.write(table.buffer, m * sizeof block, std::as_bytes(std::span(&block, 1)));
     slot = {list.materials[m], list.material_revision[m]};
   }
+}
+
+void FrameBuffers::write_materials(const DrawList& list, std::span<const std::uint8_t> wanted, Uploads& uploads) {
+  if (std::ranges::find_if(wanted, [](std::uint8_t read) { return read != 0; }) == wanted.end()) return;
+  const VkDeviceSize size = list.materials.size() * sizeof(shader::MaterialBlock);
+  if (reserve_table(materials_, "materials", SIMVIS_MATERIALS, size)) materials_.slots.clear();
+  write_table(
+      materials_, list, [&](std::size_t m) { return wanted[m] != 0; }, block_of, uploads);
+}
+
+void FrameBuffers::write_map_places(const DrawList& list, std::span<const std::uint8_t> shown, Uploads& uploads) {
+  const auto has_maps = [&](std::size_t m) { return shown[m] >> SIMVIS_FIRST_MAP != 0; };
+  std::size_t end = list.materials.size();
+  while (end > 0 && !has_maps(end - 1)) --end;
+  if (end == 0) return;
+  const VkDeviceSize size = end * sizeof(shader::MapPlacesBlock);
+  if (reserve_table(map_places_, "places of maps", SIMVIS_MAP_PLACES, size)) map_places_.slots.clear();
+  write_table(map_places_, list, has_maps, map_places_of, uploads);
 }
 
 void FrameBuffers::name_memory(const Uploads& uploads, std::vector<PlannedMemory>& memory) const {
@@ -134,7 +163,8 @@ void FrameBuffers::name_memory(const Uploads& uploads, std::vector<PlannedMemory
   };
   add(instances_, "where each view sees what it draws");
   add(indices_, "triangles that views one pixel high see, picked one by one");
-  add(materials_, "what shaders read of surfaces: colour, and where alpha decides");
+  add(materials_.buffer, "what shaders read of surfaces: colour, and where alpha decides");
+  add(map_places_.buffer, "where the maps of surfaces lie on them");
   add(lights_, "lights as each view of colour has them");
 }
 

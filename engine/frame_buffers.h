@@ -21,6 +21,8 @@ class FrameBuffers {
 
   /// Brings slot m up to date with list.materials[m], for each m with wanted[m] != 0.
   void write_materials(const DrawList& list, std::span<const std::uint8_t> wanted, Uploads& uploads);
+  /// Likewise the places of its maps, where shown[m] names some (see DrawTable::textures_shown()).
+  void write_map_places(const DrawList& list, std::span<const std::uint8_t> shown, Uploads& uploads);
   void write_instances(std::span<const shader::Instance> instances, Uploads& uploads);
   void write_indices(std::span<const std::uint32_t> indices, Uploads& uploads);
   /// For frames that show colour, also without lights: their shaders name the buffer.
@@ -34,24 +36,34 @@ class FrameBuffers {
   VkDescriptorSet set() const { return set_; }
 
   /// Forgets which materials are up to date.
-  void clear() { slots_.clear(); }
+  void clear() {
+    materials_.slots.clear();
+    map_places_.slots.clear();
+  }
 
  private:
   struct Slot {
     std::shared_ptr<const Material> material;  // null: nothing written yet
     std::uint64_t revision = 0;
   };
+  // Something of each material.
+  struct Table {
+    Buffer buffer;
+    std::vector<Slot> slots;
+  };
   // Makes a buffer hold `size` bytes; true if it is a new one, whose content is undefined.
   bool reserve(Buffer& buffer, const char* name, VkBufferUsageFlags usage, VkDeviceSize size);
-  bool reserve_materials(VkDeviceSize size);
+  bool reserve_table(Table& table, const char* name, std::uint32_t binding, VkDeviceSize size);
+  template <typename Wanted, typename BlockOf>
+  void write_table(Table& table, const DrawList& list, const Wanted& wanted, const BlockOf& block_of, Uploads& uploads);
   void reserve_lights(VkDeviceSize size);
   void describe(std::uint32_t binding, VkDescriptorType type, const Buffer& buffer, VkDeviceSize range);
 
   Device::Impl& device_;
   Handle<VkDescriptorPool> pool_;
   VkDescriptorSet set_ = VK_NULL_HANDLE;  // freed with its pool
-  Buffer instances_, indices_, materials_, lights_;
-  std::vector<Slot> slots_;
+  Buffer instances_, indices_, lights_;
+  Table materials_, map_places_;
 };
 
 }  // namespace simvis

@@ -221,6 +221,8 @@ void FrameDraws::add_blended(const View& view, const Pass& pass, const ViewProje
     run.key.lights = 0;
     run.key.shadowed = false;
     run.key.glossy = false;
+    run.key.glossy = run.key.metallic = false;
+    run.key.maps = 0;
     run.key.mirrored = run.key.mirrored && run.key.cull_back;
     runs_.push_back(run);
   }

@@ -1,6 +1,7 @@
 // Geometry, textures and materials as plain data in host memory. Nothing here knows Vulkan.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <memory>
@@ -53,7 +54,8 @@ struct Sampler {
   bool operator==(const Sampler&) const = default;
 };
 
-/// An 8-bit RGBA picture (colour in sRGB encoding, alpha linear) and how to sample it. Immutable once shared.
+/// An 8-bit RGBA picture and how to sample it. Colours are in sRGB encoding; alpha, and what is no colour (see
+/// MapKind), are linear. Immutable once shared.
 struct Texture {
   std::string name;
   std::uint32_t width = 0, height = 0;
@@ -61,6 +63,23 @@ struct Texture {
   Sampler sampler;
 
   bool operator==(const Texture&) const = default;
+};
+
+/// What a map tells of a surface, besides its base colour. Channels as in glTF 2.0.
+enum class MapKind : std::uint8_t {
+  normal,              ///< rgb from 0 to 1 is x, y, z from -1 to 1 in the tangent frame: along u, along -v, outwards
+  metallic_roughness,  ///< g: factor of the roughness; b: of the metallic share
+  occlusion,           ///< r: share of the light from all around that arrives
+  emissive             ///< rgb, a colour: factor of the emission
+};
+inline constexpr std::size_t kMapKinds = 4;
+
+struct SurfaceMap {
+  std::shared_ptr<const Texture> texture;      ///< null: there is none
+  int uv_set = 0;                              ///< 0 or 1
+  glm::mat3x2 uv_transform{1, 0, 0, 1, 0, 0};  ///< columns; texture uv = uv_transform * (u, v, 1)
+
+  bool operator==(const SurfaceMap&) const = default;
 };
 
 enum class AlphaMode : std::uint8_t { opaque, mask, blend };
@@ -80,8 +99,10 @@ inline constexpr float kLeastRoughness = 0.05f;
 /// them, those of `blend` their alpha times it, and this share is what kLeastMetAlpha is held against. What the cutoff
 /// takes away stays away, however faded the rest is. At 0 nothing is drawn.
 ///
-/// `roughness` 1 is Lambert's matte surface. Below, lights have a highlight too: the dielectric of glTF 2.0 (appendix
-/// B), with reflectance 0.04 at normal incidence. Ambient light stays diffuse.
+/// `roughness` 1 of what is no metal is Lambert's matte surface. All else reflects lights as glTF 2.0 says (appendix
+/// B): reflectance at normal incidence 0.04, and base colour with the metallic share; what is metal has no diffuse
+/// part. Ambient light is the same from all around, so a surface shows base colour x ambient, metal or not: see
+/// effects/metallic_roughness.cpp.
 ///
 /// For lasers only: a share `mirror` of the light is reflected as by a mirror, and of the rest a share `transmission`
 /// meets a thin pane of glass, coloured by the base colour. See effects/specular_path.h.
@@ -93,6 +114,7 @@ struct Material {
   float alpha_cutoff = 0.5f;
   float opacity = 1;          ///< [0, 1]
   float roughness = 1;        ///< [0, 1], the square root of the GGX distribution's alpha
+  float metallic = 0;         ///< [0, 1]
   bool unlit = false;         ///< shows the base colour as it is
   bool double_sided = false;  ///< cameras draw back faces only of double-sided materials; scanners meet both sides
   std::optional<float> reflectance{};  ///< [0, 1], of a laser's light; unset: the mean of the base colour
@@ -100,6 +122,12 @@ struct Material {
   std::shared_ptr<const Texture> base_color_texture;  ///< may be null
   int uv_set = 0;                                     ///< 0 or 1
   glm::mat3x2 uv_transform{1, 0, 0, 1, 0, 0};         ///< columns; texture uv = uv_transform * (u, v, 1)
+  std::array<SurfaceMap, kMapKinds> maps{};           ///< by MapKind; shown in colour only
+  float normal_scale = 1;                             ///< factor of the normal map's x and y
+  float occlusion_strength = 1;                       ///< [0, 1], how much of the occlusion map counts
+
+  const SurfaceMap& map(MapKind kind) const { return maps[static_cast<std::size_t>(kind)]; }
+  SurfaceMap& map(MapKind kind) { return maps[static_cast<std::size_t>(kind)]; }
 
   float mirror = 0, transmission = 0;  ///< [0, 1]
   float refractive_index = 1.5f;       ///< of the pane, above 0

@@ -12,6 +12,8 @@
 #include "shaders/interop.h"
 #include "shaders/mesh_color.frag.h"
 #include "shaders/mesh_color.vert.h"
+#include "shaders/mesh_color_mapped.frag.h"
+#include "shaders/mesh_color_mapped.vert.h"
 #include "shaders/mesh_color_textured.frag.h"
 #include "shaders/mesh_depth.vert.h"
 #include "shaders/mesh_mask.frag.h"
@@ -122,7 +124,7 @@ VkPipelineShaderStageCreateInfo stage(VkShaderStageFlagBits bit, VkShaderModule 
 
 // Of a shader's constants each is 4 bytes, in the order of their numbers.
 struct Constants {
-  static constexpr std::uint32_t kCount = 7;
+  static constexpr std::uint32_t kCount = 9;
   std::uint32_t values[kCount];
   VkSpecializationMapEntry entries[kCount];
   VkSpecializationInfo info{kCount, entries, sizeof values, values};
@@ -135,6 +137,8 @@ struct Constants {
     values[SIMVIS_GLOSSY] = key.glossy;
     values[SIMVIS_SHADOWED] = key.shadowed;
     values[SIMVIS_PARALLEL] = key.parallel;
+    values[SIMVIS_METALLIC] = key.metallic;
+    values[SIMVIS_MAPS] = key.maps == 0 ? 0u : key.maps | (key.textured ? 1u << SIMVIS_BASE_COLOR_TEXTURE : 0u);
     constexpr std::uint32_t kSize = sizeof values[0];
     for (std::uint32_t i = 0; i < kCount; ++i) entries[i] = {i, i * kSize, kSize};
   }
@@ -144,10 +148,12 @@ struct Constants {
 }  // namespace
 
 std::uint64_t PipelineKey::bits() const {
-  std::uint64_t bits = static_cast<std::uint32_t>(topology) | static_cast<std::uint32_t>(surface) << 2;
+  std::uint64_t bits = static_cast<std::uint64_t>(topology) | static_cast<std::uint64_t>(surface) << 2;
   for (const bool flag :
-       {color, depth_only, textured, unlit, glossy, cull_back, mirrored, shadow_map, parallel, shadowed})
+       {color, depth_only, textured, unlit, glossy, metallic, cull_back, mirrored, shadow_map, parallel, shadowed}) {
     bits = bits << 1 | flag;
+  }
+  bits = bits << SIMVIS_TEXTURES | maps;
   return (bits << 16 | lights) << 3 | static_cast<std::uint32_t>(std::countr_zero(samples));
 }
 
@@ -159,16 +165,22 @@ Pipelines::Pipelines(Device::Impl& device)
       mask_frag_{make_module(device, mesh_mask_frag, "mesh_mask.frag"),
                  make_module(device, mesh_mask_textured_frag, "mesh_mask_textured.frag")},
       color_frag_{make_module(device, mesh_color_frag, "mesh_color.frag"),
-                  make_module(device, mesh_color_textured_frag, "mesh_color_textured.frag")} {
+                  make_module(device, mesh_color_textured_frag, "mesh_color_textured.frag")},
+      mapped_vert_(make_module(device, mesh_color_mapped_vert, "mesh_color_mapped.vert")),
+      mapped_frag_(make_module(device, mesh_color_mapped_frag, "mesh_color_mapped.frag")) {
   const VkDescriptorSetLayoutBinding frame_bindings[] = {
       buffer_binding(SIMVIS_MATERIALS, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_SHADER_STAGE_VERTEX_BIT),
-      buffer_binding(SIMVIS_LIGHTS, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC, VK_SHADER_STAGE_FRAGMENT_BIT)};
+      buffer_binding(SIMVIS_LIGHTS, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC, VK_SHADER_STAGE_FRAGMENT_BIT),
+      buffer_binding(SIMVIS_MAP_PLACES, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_SHADER_STAGE_VERTEX_BIT)};
   frame_set_layout_ = make_set_layout(device, frame_bindings, "frame set layout");
-  const VkDescriptorSetLayoutBinding texture_bindings[] = {{.binding = SIMVIS_BASE_COLOR_TEXTURE,
-                                                            .descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
-                                                            .descriptorCount = 1,
-                                                            .stageFlags = VK_SHADER_STAGE_FRAGMENT_BIT,
-                                                            .pImmutableSamplers = nullptr}};
+  VkDescriptorSetLayoutBinding texture_bindings[SIMVIS_TEXTURES];
+  for (std::uint32_t binding = 0; binding < SIMVIS_TEXTURES; ++binding) {
+    texture_bindings[binding] = {.binding = binding,
+                                 .descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
+                                 .descriptorCount = 1,
+                                 .stageFlags = VK_SHADER_STAGE_FRAGMENT_BIT,
+                                 .pImmutableSamplers = nullptr};
+  }
   texture_set_layout_ = make_set_layout(device, texture_bindings, "texture set layout");
 
   const VkDescriptorSetLayout sets[] = {frame_set_layout_.get(), texture_set_layout_.get()};
@@ -195,9 +207,12 @@ VkPipeline Pipelines::get(const PipelineKey& key) {
 Pipelines::Program Pipelines::program(const PipelineKey& key, const VkSpecializationInfo& constants) {
   if (key.shadow_map) return shadow_map_program(key, constants);
   if (!key.depth_only) {
-    const Handle<VkShaderModule>* const fragments = key.shadowed ? shadows().color_frag : color_frag_;
-    return {{stage(VK_SHADER_STAGE_VERTEX_BIT, color_vert_.get(), &constants),
-             stage(VK_SHADER_STAGE_FRAGMENT_BIT, fragments[key.textured].get(), &constants)},
+    const bool mapped = key.maps != 0;
+    const Handle<VkShaderModule>& fragments = mapped
+                                                  ? (key.shadowed ? shadows().mapped_frag : mapped_frag_)
+                                                  : (key.shadowed ? shadows().color_frag : color_frag_)[key.textured];
+    return {{stage(VK_SHADER_STAGE_VERTEX_BIT, mapped ? mapped_vert_.get() : color_vert_.get(), &constants),
+             stage(VK_SHADER_STAGE_FRAGMENT_BIT, fragments.get(), &constants)},
             2,
             vertex_input(kColorInputs)};
   }

@@ -24,6 +24,8 @@ struct PipelineKey {
   bool textured = false;
   bool unlit = false;
   bool glossy = false;       ///< lights have highlights on it
+  bool metallic = false;     ///< in its own colour
+  std::uint8_t maps = 0;     ///< a sum of 1 << binding of the maps that are shown, from SIMVIS_FIRST_MAP on
   std::uint16_t lights = 0;  ///< how many light it, up to SIMVIS_MAX_LIGHTS
   bool cull_back = false;
   bool mirrored = false;     ///< the transform turns the winding of triangles
@@ -74,6 +76,7 @@ class Pipelines {
   Handle<VkShaderModule> depth_vert_, mask_vert_, color_vert_;
   Handle<VkShaderModule> mask_frag_[2], color_frag_[2];  // without and with a texture
   std::optional<ShadowPipelines> shadows_;
+  Handle<VkShaderModule> mapped_vert_, mapped_frag_;
   std::unordered_map<std::uint64_t, Handle<VkPipeline>> pipelines_;
 };
 

@@ -164,6 +164,7 @@ void Renderer::Impl::prepare(const DrawList& list, const FramePlan& plan) {
   const bool color = std::any_of(plan.passes.begin(), plan.passes.end(), [](const Pass& p) { return p.color; });
   table.update(list, color, geometry, textures, uploads);
   buffers.write_materials(list, table.materials_read(), uploads);
+  buffers.write_map_places(list, table.textures_shown(), uploads);
   for (const Pass& pass : plan.passes) {
     for (const View& view : pass.views) draws.add(view, pass, list, table, counters);
   }

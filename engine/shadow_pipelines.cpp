@@ -2,6 +2,7 @@
 
 #include "engine/pipeline_parts.h"
 #include "shaders/interop.h"
+#include "shaders/mesh_color_mapped_shadowed.frag.h"
 #include "shaders/mesh_color_shadowed.frag.h"
 #include "shaders/mesh_color_textured_shadowed.frag.h"
 #include "shaders/mesh_shadow.frag.h"
@@ -16,7 +17,8 @@ ShadowPipelines::ShadowPipelines(Device::Impl& device, VkDescriptorSetLayout fra
       map_mask_frag{make_module(device, mesh_shadow_mask_frag, "mesh_shadow_mask.frag"),
                     make_module(device, mesh_shadow_mask_textured_frag, "mesh_shadow_mask_textured.frag")},
       color_frag{make_module(device, mesh_color_shadowed_frag, "mesh_color_shadowed.frag"),
-                 make_module(device, mesh_color_textured_shadowed_frag, "mesh_color_textured_shadowed.frag")} {
+                 make_module(device, mesh_color_textured_shadowed_frag, "mesh_color_textured_shadowed.frag")},
+      mapped_frag(make_module(device, mesh_color_mapped_shadowed_frag, "mesh_color_mapped_shadowed.frag")) {
   const VkDescriptorSetLayoutBinding bindings[] = {
       buffer_binding(SIMVIS_SHADOWS, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC, VK_SHADER_STAGE_FRAGMENT_BIT),
       buffer_binding(SIMVIS_SHADOW_ATLAS, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, VK_SHADER_STAGE_FRAGMENT_BIT)};

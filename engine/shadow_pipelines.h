@@ -14,6 +14,7 @@ struct ShadowPipelines {
   Handle<VkShaderModule> map_frag;           ///< the depth of opaque surfaces in a shadow map
   Handle<VkShaderModule> map_mask_frag[2];   ///< of surfaces with holes, without and with a texture
   Handle<VkShaderModule> color_frag[2];      ///< colour with shadows on it, likewise
+  Handle<VkShaderModule> mapped_frag;        ///< and of surfaces with maps
 };
 
 }  // namespace simvis

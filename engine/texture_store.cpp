@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <bit>
+#include <set>
 #include <string>
 
 #include "engine/assert.h"
 #include "engine/error.h"
 #include "engine/formats.h"
 #include "engine/vulkan_check.h"
-#include "shaders/interop.h"
 
 namespace simvis {
 namespace {
@@ -29,7 +29,12 @@ VkSamplerAddressMode address_mode(Wrap wrap) {
 
 VkFilter filter(Filter filter) { return filter == Filter::linear ? VK_FILTER_LINEAR : VK_FILTER_NEAREST; }
 
-GpuImage make_image(Device::Impl& device, const Texture& texture) {
+VkFormat format_of(std::uint32_t binding) {
+  const bool color = binding == SIMVIS_BASE_COLOR_TEXTURE || binding == SIMVIS_EMISSIVE_MAP;
+  return color ? kTextureFormat : kMapFormat;
+}
+
+GpuImage make_image(Device::Impl& device, const Texture& texture, VkFormat format) {
   SIMVIS_ASSERT(texture.width > 0 && texture.height > 0);
   SIMVIS_ASSERT(texture.rgba.size() == std::size_t{4} * texture.width * texture.height);
   const std::uint32_t limit = device.limits().maxImageDimension2D, side = std::max(texture.width, texture.height);
@@ -43,51 +48,73 @@ GpuImage make_image(Device::Impl& device, const Texture& texture) {
                            .width = texture.width,
                            .height = texture.height,
                            .mip_levels = texture.sampler.mipmapped ? levels : 1,
-                           .format = kTextureFormat,
+                           .format = format,
                            .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT |
                                     VK_IMAGE_USAGE_TRANSFER_SRC_BIT});
 }
 
 }  // namespace
 
-VkDescriptorSet TextureStore::require(const std::shared_ptr<const Texture>& texture, Uploads& uploads) {
-  if (const auto found = entries_.find(texture.get()); found != entries_.end()) return found->second.set;
-  Entry entry{.texture = texture, .image = make_image(device_, *texture)};
-  uploads.write(entry.image, std::as_bytes(std::span(texture->rgba)));
-  entry.set = free_set();
-  const VkDescriptorImageInfo image{.sampler = sampler(texture->sampler),
-                                    .imageView = entry.image.view(),
-                                    .imageLayout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
+VkDescriptorSet TextureStore::require(const TextureSet& textures, Uploads& uploads) {
+  std::array<const Texture*, SIMVIS_TEXTURES> key{};
+  std::ranges::transform(textures, key.begin(), [](const auto& texture) { return texture.get(); });
+  if (const auto found = sets_.find(key); found != sets_.end()) return found->second;
+  // What is not shown is not read either: any image of the set fills its place.
+  const auto shown = std::ranges::find_if(textures, [](const auto& texture) { return texture != nullptr; });
+  SIMVIS_ASSERT(shown != textures.end());
+  const auto filler = static_cast<std::uint32_t>(shown - textures.begin());
+  VkDescriptorImageInfo images[SIMVIS_TEXTURES];
+  for (std::uint32_t binding = 0; binding < SIMVIS_TEXTURES; ++binding) {
+    const std::uint32_t source = textures[binding] ? binding : filler;
+    const Entry& entry = resident(textures[source], format_of(source), uploads);
+    images[binding] = {.sampler = sampler(textures[source]->sampler),
+                       .imageView = entry.image.view(),
+                       .imageLayout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
+  }
   VkWriteDescriptorSet write{};
   write.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
-  write.dstSet = entry.set;
-  write.dstBinding = SIMVIS_BASE_COLOR_TEXTURE;
+  write.dstSet = free_set();
+  write.dstBinding = 0;
   write.descriptorCount = 1;
   write.descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
-  write.pImageInfo = &image;
-  vkUpdateDescriptorSets(device_.device, 1, &write, 0, nullptr);
-  return entries_.emplace(texture.get(), std::move(entry)).first->second.set;
+  for (; write.dstBinding < SIMVIS_TEXTURES; ++write.dstBinding) {
+    write.pImageInfo = &images[write.dstBinding];
+    vkUpdateDescriptorSets(device_.device, 1, &write, 0, nullptr);
+  }
+  return sets_.emplace(key, write.dstSet).first->second;
+}
+
+const TextureStore::Entry& TextureStore::resident(const std::shared_ptr<const Texture>& texture, VkFormat format,
+                                                  Uploads& uploads) {
+  const std::pair key(texture.get(), format);
+  if (const auto found = entries_.find(key); found != entries_.end()) return found->second;
+  Entry entry{.texture = texture, .image = make_image(device_, *texture, format)};
+  uploads.write(entry.image, std::as_bytes(std::span(texture->rgba)));
+  return entries_.emplace(key, std::move(entry)).first->second;
 }
 
 void TextureStore::keep_only(const std::vector<std::shared_ptr<const Material>>& materials) {
-  for (auto& [texture, entry] : entries_) entry.wanted = false;
+  std::set<const Texture*> wanted{nullptr};
   for (const auto& material : materials) {
-    const auto found = entries_.find(material->base_color_texture.get());
-    if (found != entries_.end()) found->second.wanted = true;
+    wanted.insert(material->base_color_texture.get());
+    for (const SurfaceMap& map : material->maps) wanted.insert(map.texture.get());
   }
-  std::erase_if(entries_, [this](const auto& entry) {
-    if (!entry.second.wanted) free_sets_.push_back(entry.second.set);
-    return !entry.second.wanted;
+  std::erase_if(sets_, [&](const auto& set) {
+    if (std::ranges::all_of(set.first, [&](const Texture* texture) { return wanted.contains(texture); })) return false;
+    free_sets_.push_back(set.second);
+    return true;
   });
+  std::erase_if(entries_, [&](const auto& entry) { return !wanted.contains(entry.first.first); });
 }
 
 void TextureStore::count(std::uint64_t& textures, std::uint64_t& bytes) const {
   textures = entries_.size();
   bytes = 0;
-  for (const auto& [texture, entry] : entries_) {
-    std::uint64_t width = texture->width, height = texture->height;
+  for (const auto& [key, entry] : entries_) {
+    const Texture& texture = *entry.texture;
+    std::uint64_t width = texture.width, height = texture.height;
     bytes += 4 * width * height;
-    while (texture->sampler.mipmapped && (width > 1 || height > 1)) {
+    while (texture.sampler.mipmapped && (width > 1 || height > 1)) {
       width = std::max<std::uint64_t>(width / 2, 1);
       height = std::max<std::uint64_t>(height / 2, 1);
       bytes += 4 * width * height;
@@ -139,7 +166,7 @@ VkSampler TextureStore::sampler(const Sampler& wanted) {
 
 VkDescriptorSet TextureStore::free_set() {
   if (free_sets_.empty()) {
-    const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, kSetsPerPool};
+    const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, kSetsPerPool * SIMVIS_TEXTURES};
     const VkDescriptorPoolCreateInfo info{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
                                           .pNext = nullptr,
                                           .flags = 0,

@@ -1,26 +1,32 @@
 // The textures that a draw list shows, on the device.
 #pragma once
 
+#include <array>
 #include <functional>
+#include <map>
 #include <memory>
-#include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "engine/frame_plan.h"
 #include "engine/gpu_image.h"
 #include "engine/mesh.h"
 #include "engine/uploads.h"
+#include "shaders/interop.h"
 
 namespace simvis {
+
+/// What is shown of a material's textures, by binding; null where there is none, or none is shown.
+using TextureSet = std::array<std::shared_ptr<const Texture>, SIMVIS_TEXTURES>;
 
 /// Textures are told apart by identity, uploaded on first need, and forgotten once a list no longer holds them.
 class TextureStore {
  public:
   TextureStore(Device::Impl& device, VkDescriptorSetLayout set_layout) : device_(device), set_layout_(set_layout) {}
 
-  /// The descriptor set of a texture; uploads it if it is not resident.
-  /// Throws InputError when it is larger than the device allows.
-  VkDescriptorSet require(const std::shared_ptr<const Texture>& texture, Uploads& uploads);
+  /// The descriptor set of some textures, at least one; uploads those that are not resident.
+  /// Throws InputError when one is larger than the device allows.
+  VkDescriptorSet require(const TextureSet& textures, Uploads& uploads);
 
   /// Adds its images; `sampled` says how many draws of this frame read from a set.
   void name_memory(const Uploads& uploads, const std::function<std::uint64_t(VkDescriptorSet)>& sampled,
@@ -38,15 +44,15 @@ class TextureStore {
   struct Entry {
     std::shared_ptr<const Texture> texture;  // keeps the address from being given to another texture
     GpuImage image;
-    VkDescriptorSet set = VK_NULL_HANDLE;
-    bool wanted = true;
   };
+  const Entry& resident(const std::shared_ptr<const Texture>& texture, VkFormat format, Uploads& uploads);
   VkSampler sampler(const Sampler& sampler);
   VkDescriptorSet free_set();
 
   Device::Impl& device_;
   VkDescriptorSetLayout set_layout_;
-  std::unordered_map<const Texture*, Entry> entries_;
+  std::map<std::pair<const Texture*, VkFormat>, Entry> entries_;
+  std::map<std::array<const Texture*, SIMVIS_TEXTURES>, VkDescriptorSet> sets_;
   std::vector<std::pair<Sampler, Handle<VkSampler>>> samplers_;
   std::vector<Handle<VkDescriptorPool>> pools_;
   std::vector<VkDescriptorSet> free_sets_;

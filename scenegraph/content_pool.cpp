@@ -1,5 +1,6 @@
 #include "scenegraph/content_pool.h"
 
+#include <algorithm>
 #include <cstring>
 #include <type_traits>
 #include <utility>
@@ -111,7 +112,19 @@ std::uint64_t hash(const Material& material) {
   h.add(material.reflectance.value_or(-1));
   h.add(material.retro_reflectance);
   h.add_bytes(&material.uv_transform, sizeof material.uv_transform);
+  h.add(material.metallic);
+  for (const SurfaceMap& map : material.maps) {
+    h.add(map.texture.get());
+    h.add(map.uv_set);
+    h.add_bytes(&map.uv_transform, sizeof map.uv_transform);
+  }
+  h.add(material.normal_scale);
+  h.add(material.occlusion_strength);
   return h.value();
+}
+
+bool same_map(const SurfaceMap& a, const SurfaceMap& b) {
+  return a.texture == b.texture && a.uv_set == b.uv_set && same_bits(a.uv_transform, b.uv_transform);
 }
 
 bool same(const Material& a, const Material& b) {
@@ -121,7 +134,9 @@ bool same(const Material& a, const Material& b) {
          same_bits(a.transmission, b.transmission) && same_bits(a.refractive_index, b.refractive_index) &&
          a.unlit == b.unlit && a.double_sided == b.double_sided && a.base_color_texture == b.base_color_texture &&
          a.uv_set == b.uv_set && same_bits(a.uv_transform, b.uv_transform) && a.reflectance == b.reflectance &&
-         a.retro_reflectance == b.retro_reflectance;
+         a.retro_reflectance == b.retro_reflectance && same_bits(a.metallic, b.metallic) &&
+         std::ranges::equal(a.maps, b.maps, same_map) && same_bits(a.normal_scale, b.normal_scale) &&
+         same_bits(a.occlusion_strength, b.occlusion_strength);
 }
 
 template <class T>

@@ -90,29 +90,51 @@ Material GltfMaterials::convert(int index) {
   material.refractive_index = refractive_index_of(source, place, document_);
 
   const double factor = extension_number_or(source, "KHR_materials_emissive_strength", "emissiveStrength", 1);
-  if (source.emissiveTexture.index >= 0) {
-    document_.warn("emissive textures are not supported; materials with one do not emit");
-  } else if (!material.unlit) {
-    for (int i = 0; i < 3; ++i) {
-      material.emissive[i] = product(source.emissiveFactor[static_cast<std::size_t>(i)], factor, place, document_);
-    }
+  for (int i = 0; i < 3 && !material.unlit; ++i) {
+    material.emissive[i] = product(source.emissiveFactor[static_cast<std::size_t>(i)], factor, place, document_);
   }
 
-  const tinygltf::TextureInfo& info = source.pbrMetallicRoughness.baseColorTexture;
-  if (info.index < 0) return material;
-  int uv_set = info.texCoord;
+  SurfaceMap base = map_of(source.pbrMetallicRoughness.baseColorTexture);
+  material.base_color_texture = std::move(base.texture);
+  material.uv_set = base.uv_set;
+  material.uv_transform = base.uv_transform;
+  if (!material.unlit) set_surface(source, material);
+  return material;
+}
+
+// What a file leaves out has glTF's default, with one exception: of which it says neither how metallic nor how rough it
+// is, that is matte. By the letter it would be metal.
+void GltfMaterials::set_surface(const tinygltf::Material& source, Material& material) {
+  const tinygltf::PbrMetallicRoughness& pbr = source.pbrMetallicRoughness;
+  const auto& named = source.values;
+  if (named.count("metallicFactor") + named.count("roughnessFactor") + named.count("metallicRoughnessTexture") > 0) {
+    material.metallic = static_cast<float>(pbr.metallicFactor);
+    material.roughness = static_cast<float>(pbr.roughnessFactor);
+  }
+  material.normal_scale = static_cast<float>(source.normalTexture.scale);
+  material.occlusion_strength = static_cast<float>(source.occlusionTexture.strength);
+  material.map(MapKind::normal) = map_of(source.normalTexture);
+  material.map(MapKind::metallic_roughness) = map_of(pbr.metallicRoughnessTexture);
+  material.map(MapKind::occlusion) = map_of(source.occlusionTexture);
+  material.map(MapKind::emissive) = map_of(source.emissiveTexture);
+}
+
+template <typename TextureInfo>
+SurfaceMap GltfMaterials::map_of(const TextureInfo& info) {
+  if (info.index < 0) return {};
+  SurfaceMap map;
+  map.uv_set = info.texCoord;
   const auto transform = info.extensions.find("KHR_texture_transform");
   if (transform != info.extensions.end()) {
-    uv_set = static_cast<int>(number_or(transform->second, "texCoord", uv_set));
-    material.uv_transform = uv_transform_of(transform->second);
+    map.uv_set = static_cast<int>(number_or(transform->second, "texCoord", map.uv_set));
+    map.uv_transform = uv_transform_of(transform->second);
   }
-  if (uv_set > 1) {
+  if (map.uv_set > 1) {
     document_.warn("textures with texCoord above 1 are left out");
-    return material;
+    return {};
   }
-  material.uv_set = uv_set;
-  material.base_color_texture = textures_.get(info.index);
-  return material;
+  map.texture = textures_.get(info.index);
+  return map.texture ? map : SurfaceMap{};
 }
 
 }  // namespace simvis

@@ -24,6 +24,9 @@ class GltfMaterials {
 
  private:
   Material convert(int material);
+  void set_surface(const tinygltf::Material& source, Material& material);
+  template <typename TextureInfo>
+  SurfaceMap map_of(const TextureInfo& info);  // without a texture where it cannot be shown
 
   GltfDocument& document_;
   ContentPool& pool_;

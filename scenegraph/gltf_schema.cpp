@@ -144,7 +144,13 @@ constexpr Field kTextureTransform[] = {numbers("offset", 2), number("rotation"),
 constexpr Field kTextureInfoExtensions[] = {object("KHR_texture_transform", kTextureTransform)};
 constexpr Field kTextureInfo[] = {required(index("index", "textures")), integer("texCoord", 0),
                                   object("extensions", kTextureInfoExtensions)};
-constexpr Field kPbr[] = {numbers("baseColorFactor", 4, 0, 1), object("baseColorTexture", kTextureInfo)};
+constexpr Field kNormalTextureInfo[] = {required(index("index", "textures")), integer("texCoord", 0), number("scale"),
+                                        object("extensions", kTextureInfoExtensions)};
+constexpr Field kOcclusionTextureInfo[] = {required(index("index", "textures")), integer("texCoord", 0),
+                                           number("strength", 0, 1), object("extensions", kTextureInfoExtensions)};
+constexpr Field kPbr[] = {numbers("baseColorFactor", 4, 0, 1), object("baseColorTexture", kTextureInfo),
+                          number("metallicFactor", 0, 1), number("roughnessFactor", 0, 1),
+                          object("metallicRoughnessTexture", kTextureInfo)};
 constexpr Field kEmissiveStrength[] = {number("emissiveStrength", 0)};
 constexpr Field kIor[] = {number("ior", 0)};
 constexpr Field kTransmission[] = {number("transmissionFactor", 0, 1)};
@@ -153,6 +159,8 @@ constexpr Field kMaterialExtensions[] = {
     object("KHR_materials_ior", kIor), object("KHR_materials_transmission", kTransmission)};
 constexpr Field kMaterial[] = {text("name"),
                                object("pbrMetallicRoughness", kPbr),
+                               object("normalTexture", kNormalTextureInfo),
+                               object("occlusionTexture", kOcclusionTextureInfo),
                                numbers("emissiveFactor", 3, 0, 1),
                                object("emissiveTexture", kTextureInfo),
                                text("alphaMode"),

@@ -1,6 +1,6 @@
-// Linear radiance of a surface in the lights of KHR_lights_punctual: Lambert, and where it is glossy a highlight of each
-// light over it. TEXTURED is defined where the material has a texture, SHADOWED where
-// something may stand in a light's way.
+// Linear radiance of a surface in the lights of KHR_lights_punctual. TEXTURED is defined where the material has a
+// texture of its base colour and no other, MAPPED where it has others, SHADOWED where something may stand in a light's
+// way.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/interop.h"
 
@@ -10,12 +10,14 @@ layout(constant_id = SIMVIS_LIGHT_COUNT) const uint kLightCount = 0u;
 layout(constant_id = SIMVIS_FADED) const bool kFaded = false;
 layout(constant_id = SIMVIS_GLOSSY) const bool kGlossy = false;
 layout(constant_id = SIMVIS_SHADOWED) const bool kShadowed = false;
+layout(constant_id = SIMVIS_METALLIC) const bool kMetallic = false;
+layout(constant_id = SIMVIS_MAPS) const uint kMaps = 0u;
 
 layout(std430, push_constant) uniform View { ViewBlock view; };
 // Uniform and counted by a constant: so the loop unrolls and its loads are the same for all pixels, which a CPU device
 // makes scalar.
 layout(std140, set = SIMVIS_FRAME_SET, binding = SIMVIS_LIGHTS) uniform Lights { LightBlock lights[SIMVIS_MAX_LIGHTS]; };
-#ifdef TEXTURED
+#if defined(TEXTURED) || defined(MAPPED)
 layout(set = SIMVIS_TEXTURE_SET, binding = SIMVIS_BASE_COLOR_TEXTURE) uniform sampler2D base_color_texture;
 #endif
 
@@ -24,14 +26,15 @@ layout(location = 1) flat in vec4 in_emissive_cutoff;
 layout(location = 2) in vec2 in_uv;
 layout(location = 3) in vec3 in_position;
 layout(location = 4) in vec3 in_normal;
-layout(location = 5) flat in vec2 in_finish;  // roughness, opacity; written only where kGlossy or kFaded
+layout(location = 5) flat in vec3 in_finish;  // roughness, opacity, metallic share; written where kGlossy or kFaded
 layout(location = SIMVIS_REACH) in float in_reach;  // written only where kShadowed
 
 layout(location = 0) out vec4 out_color;
 
 const float kInversePi = 0.3183098861837907;
 const float kLeastSquare = 1e-20;  // keeps divisions finite, in m^2
-const float kNormalReflectance = 0.04;  // of a dielectric with the refractive index 1.5
+
+#include "shaders/surface.glsl"
 
 #ifdef SHADOWED
 #include "shaders/shadows.glsl"
@@ -54,25 +57,6 @@ Incident incident(LightBlock light) {
   return Incident(toward, window * cone * cone / square);
 }
 
-// Fresnel reflectance after Schlick (x), and that times the density of microfacets after Trowbridge and Reitz (GGX) and
-// their visibility after Smith, correlated in height: reflected radiance per irradiance (y).
-// Sources: glTF 2.0, appendix B; Heitz, Understanding the Masking-Shadowing Function in Microfacet-Based BRDFs (2014).
-vec2 reflectance(vec3 normal, vec3 toward, vec3 to_eye) {
-  const vec3 sum = toward + to_eye;
-  const vec3 half_way = sum * inversesqrt(max(dot(sum, sum), kLeastSquare));
-  const float alpha = in_finish.x * in_finish.x, square = alpha * alpha;
-  const float to_light = max(dot(normal, toward), 0.0), eye = max(dot(normal, to_eye), 0.0);
-  // Lagrange's identity gives 1 - cos^2 without cancellation.
-  const vec3 across = cross(normal, half_way);
-  const float along = max(dot(normal, half_way), 0.0) * alpha;
-  const float density = alpha / max(dot(across, across) + along * along, kLeastSquare);
-  const float masking = to_light * sqrt(eye * eye * (1.0 - square) + square) +
-                        eye * sqrt(to_light * to_light * (1.0 - square) + square);
-  const float grazing = 1.0 - clamp(dot(to_eye, half_way), 0.0, 1.0), twice = grazing * grazing;
-  const float fresnel = kNormalReflectance + (1.0 - kNormalReflectance) * twice * twice * grazing;
-  return vec2(fresnel, fresnel * kInversePi * density * density * 0.5 / max(masking, kLeastSquare));
-}
-
 void main() {
   const float reach = kShadowed ? in_reach : 0.0;  // in every variant: what vertex shaders put out has to be read
 #ifdef SHADOWED
@@ -80,10 +64,13 @@ void main() {
 #endif
   vec4 base = in_color;
   float mask = base.a;
-#ifdef TEXTURED
-  base *= texture(base_color_texture, in_uv);
-  if (kMasked) mask *= textureLod(base_color_texture, in_uv, 0).a;  // as in mask.glsl: colour shows what depth measures
+#if defined(TEXTURED) || defined(MAPPED)
+  if (kTextured) {
+    base *= texture(base_color_texture, in_uv);
+    if (kMasked) mask *= textureLod(base_color_texture, in_uv, 0).a;  // as in mask.glsl: colour shows what depth measures
+  }
 #endif
+  const Surface surface = surface_here();
   if (kMasked && mask < in_emissive_cutoff.a) discard;
   if (kFaded) base.a = in_finish.y;
   if (kUnlit) {
@@ -91,9 +78,11 @@ void main() {
     return;
   }
   vec3 arriving = view.ambient.rgb, highlight = vec3(0.0);
+  if (has_map(SIMVIS_OCCLUSION_MAP)) arriving *= surface.occlusion;
   if (kLightCount > 0u) {
-    const vec3 outward = in_normal * inversesqrt(max(dot(in_normal, in_normal), kLeastSquare));
-    const vec3 normal = gl_FrontFacing ? outward : -outward;
+    const vec3 normal = gl_FrontFacing ? surface.normal : -surface.normal;
+    const vec3 normal_reflectance =
+        kMetallic ? mix(vec3(kDielectric), base.rgb, surface.metallic) : vec3(kDielectric);
     vec3 sum = vec3(0.0);
     for (uint i = 0u; i < kLightCount; ++i) {
       Incident light = incident(lights[i]);
@@ -102,15 +91,17 @@ void main() {
 #endif
       const vec3 lux = lights[i].intensity.rgb * (light.share * max(0.0, dot(normal, light.toward)));
       if (kGlossy) {
-        const vec2 reflected = reflectance(normal, light.toward, -normalize(in_position));
-        sum += lux * (1.0 - reflected.x);
-        highlight += lux * reflected.y;
+        const Reflected reflected =
+            reflect_light(normal_reflectance, surface.roughness, normal, light.toward, -normalize(in_position));
+        sum += lux * (1.0 - reflected.fresnel);
+        highlight += lux * reflected.highlight;
       } else {
         sum += lux;
       }
     }
+    if (kMetallic) sum *= 1.0 - surface.metallic;
     arriving += kInversePi * sum;
   }
-  out_color = vec4(base.rgb * arriving + in_emissive_cutoff.rgb, base.a);
+  out_color = vec4(base.rgb * arriving + surface.emission, base.a);
   if (kGlossy) out_color.rgb += highlight;
 }

@@ -16,12 +16,19 @@ using glm::vec4;
 using uint = std::uint32_t;
 #endif
 
-// Descriptor set 0: the frame. Descriptor set 1: one texture.
+// Descriptor set 0: the frame. Descriptor set 1: the textures of a material.
 #define SIMVIS_FRAME_SET 0
 #define SIMVIS_MATERIALS 0
 #define SIMVIS_LIGHTS 1
+#define SIMVIS_MAP_PLACES 2
 #define SIMVIS_TEXTURE_SET 1
 #define SIMVIS_BASE_COLOR_TEXTURE 0
+#define SIMVIS_FIRST_MAP 1  // then as MapKind
+#define SIMVIS_NORMAL_MAP 1
+#define SIMVIS_METALLIC_ROUGHNESS_MAP 2
+#define SIMVIS_OCCLUSION_MAP 3
+#define SIMVIS_EMISSIVE_MAP 4
+#define SIMVIS_TEXTURES 5
 
 // Descriptor set 2, of scenes with shadows: where light may be in something's way.
 #define SIMVIS_SHADOW_SET 2
@@ -60,7 +67,7 @@ using uint = std::uint32_t;
 #define SIMVIS_INSTANCE_MATERIAL 8
 
 // What vertex shaders hand to fragments, besides the first locations of mesh_color.vert.
-#define SIMVIS_REACH 8
+#define SIMVIS_REACH 11
 
 // Specialization constants.
 #define SIMVIS_MASKED 0
@@ -70,6 +77,10 @@ using uint = std::uint32_t;
 #define SIMVIS_GLOSSY 4
 #define SIMVIS_SHADOWED 5
 #define SIMVIS_PARALLEL 6
+#define SIMVIS_METALLIC 7
+#define SIMVIS_MAPS 8  // a sum of 1 << binding of the textures that are there
+
+#define SIMVIS_LEAST_ROUGHNESS 0.05
 
 // The mean of a pixel's samples: bindings, specialization constants, and the side of a work group's square.
 #define SIMVIS_AVERAGE_SAMPLES 0
@@ -95,8 +106,15 @@ struct MaterialBlock {
   vec4 base_color;       // linear RGBA
   vec4 emissive_cutoff;  // rgb: linear radiance; a: the least alpha that a mask keeps
   vec4 uv_row_u;         // xyz: texture u = uv_row_u . (u, v, 1); w: which set of texture coordinates, 0 or 1
-  vec4 uv_row_v;         // xyz: likewise for v
-  vec4 finish;           // x: roughness; y: opacity of a surface that is faded as a whole
+  vec4 uv_row_v;         // xyz: likewise for v; w: strength of the occlusion map
+  vec4 finish;           // x: roughness; y: opacity of a surface that is faded as a whole; z: metallic share;
+                         // w: scale of the normal map
+};
+
+// Where a material's maps lie, from SIMVIS_FIRST_MAP on; rows as in MaterialBlock.
+struct MapPlacesBlock {
+  vec4 row_u[SIMVIS_TEXTURES - 1];
+  vec4 row_v[SIMVIS_TEXTURES - 1];
 };
 
 // A light in the view frame. Point and spot: intensity falls with the square of the distance.

@@ -29,7 +29,7 @@ vec4 place_vertex() {
   return gl_Position;
 }
 
-vec2 texture_uv(MaterialBlock material, vec2 uv_0, vec2 uv_1) {
-  const vec3 uv = vec3(material.uv_row_u.w > 0.5 ? uv_1 : uv_0, 1.0);
-  return vec2(dot(material.uv_row_u.xyz, uv), dot(material.uv_row_v.xyz, uv));
+vec2 texture_uv(vec4 row_u, vec4 row_v, vec2 uv_0, vec2 uv_1) {
+  const vec3 uv = vec3(row_u.w > 0.5 ? uv_1 : uv_0, 1.0);
+  return vec2(dot(row_u.xyz, uv), dot(row_v.xyz, uv));
 }

@@ -15,7 +15,7 @@ layout(location = 2) flat out float out_cutoff;
 void main() {
   const MaterialBlock material = materials[instance_material];
   place_vertex();
-  out_uv = texture_uv(material, in_uv_0, in_uv_1);
+  out_uv = texture_uv(material.uv_row_u, material.uv_row_v, in_uv_0, in_uv_1);
   out_alpha = material.base_color.a * in_color.a;
   out_cutoff = material.emissive_cutoff.a;
 }

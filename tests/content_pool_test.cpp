@@ -73,7 +73,7 @@ TEST_CASE("textures compare by pixels and sampler") {
 TEST_CASE("materials compare by value and by which texture they have") {
   ContentPool pool;
   const auto texture = pool.intern(picture());
-  Material a, b, other_texture, other_uv, unlit, faded, glossy;
+  Material a, b, other_texture, other_uv, unlit, faded, glossy, metal, relief;
   a.base_color_texture = b.base_color_texture = other_uv.base_color_texture = unlit.base_color_texture = texture;
   faded.base_color_texture = glossy.base_color_texture = texture;
   b.name = "b";
@@ -82,6 +82,9 @@ TEST_CASE("materials compare by value and by which texture they have") {
   unlit.unlit = true;
   faded.opacity = 0.5f;
   glossy.roughness = 0.5f;
+  metal.base_color_texture = relief.base_color_texture = texture;
+  metal.metallic = 0.5f;
+  relief.map(MapKind::normal).texture = texture;
   const auto first = pool.intern(std::move(a));
   CHECK(pool.intern(std::move(b)) == first);
   CHECK(pool.intern(std::move(other_texture)) != first);
@@ -89,6 +92,8 @@ TEST_CASE("materials compare by value and by which texture they have") {
   CHECK(pool.intern(std::move(unlit)) != first);
   CHECK(pool.intern(std::move(faded)) != first);
   CHECK(pool.intern(std::move(glossy)) != first);
+  CHECK(pool.intern(std::move(metal)) != first);
+  CHECK(pool.intern(std::move(relief)) != first);
 }
 
 TEST_CASE("the pool holds nothing alive") {

@@ -91,6 +91,11 @@ TEST_CASE("any change of content is seen, by comparison and by hash") {
       [](DrawList&, Parts& p) { p.material->uv_transform[2][1] = 0.5f; },
       [](DrawList&, Parts& p) { p.material->opacity = 0.5f; },
       [](DrawList&, Parts& p) { p.material->roughness = 0.5f; },
+      [](DrawList&, Parts& p) { p.material->metallic = 0.5f; },
+      [](DrawList&, Parts& p) { p.material->normal_scale = 0.5f; },
+      [](DrawList&, Parts& p) { p.material->occlusion_strength = 0.5f; },
+      [](DrawList&, Parts& p) { p.material->maps[1].texture = p.material->base_color_texture; },
+      [](DrawList&, Parts& p) { p.material->map(MapKind::emissive).uv_transform[2][1] = 0.5f; },
       [](DrawList&, Parts& p) { p.material->base_color_texture = nullptr; },
       [](DrawList&, Parts& p) {
         auto texture = std::make_shared<Texture>(*p.material->base_color_texture);

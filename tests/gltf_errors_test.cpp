@@ -106,6 +106,18 @@ TEST_CASE("JSON of the wrong type or range") {
        [](GltfBuilder& b) {
          pbr_of(b)["baseColorFactor"] = {2, 0, 0, 1};
        }},
+      {"metallicFactor is 2", [](GltfBuilder& b) { pbr_of(b)["metallicFactor"] = 2; }},
+      {"roughnessFactor is -1", [](GltfBuilder& b) { pbr_of(b)["roughnessFactor"] = -1; }},
+      {"metallicRoughnessTexture/index is 3",
+       [](GltfBuilder& b) { pbr_of(b)["metallicRoughnessTexture"]["index"] = 3; }},
+      {"normalTexture/scale must be a number",
+       [](GltfBuilder& b) {
+         b.root["materials"][0]["normalTexture"] = {{"index", 0}, {"scale", "1"}};
+       }},
+      {"occlusionTexture/strength is 2",
+       [](GltfBuilder& b) {
+         b.root["materials"][0]["occlusionTexture"] = {{"index", 0}, {"strength", 2}};
+       }},
       {"materials/0/doubleSided must be true or false",
        [](GltfBuilder& b) { b.root["materials"][0]["doubleSided"] = 1; }},
       {"materials/0/alphaMode is \"GLASS\"", [](GltfBuilder& b) { b.root["materials"][0]["alphaMode"] = "GLASS"; }},

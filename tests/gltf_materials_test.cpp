@@ -227,7 +227,53 @@ TEST_CASE("two parts with the same content share meshes, textures and materials"
   CHECK(first.list.materials[0] == second.list.materials[0]);
 }
 
-TEST_CASE("what cannot be shown is said: emissive textures, pictures of other formats, further UV sets") {
+TEST_CASE("metallic and roughness: what is left out has glTF's default, if the file speaks of them at all") {
+  const auto surface = [](json pbr) {
+    const Material material = material_of({{"pbrMetallicRoughness", std::move(pbr)}});
+    return std::pair(material.metallic, material.roughness);
+  };
+  CHECK(surface({{"baseColorFactor", {1, 0, 0, 1}}}) == std::pair(0.0f, 1.0f));
+  CHECK(surface({{"metallicFactor", 0.25}, {"roughnessFactor", 0.5}}) == std::pair(0.25f, 0.5f));
+  CHECK(surface({{"metallicFactor", 0}}) == std::pair(0.0f, 1.0f));
+  CHECK(surface({{"roughnessFactor", 0.5}}) == std::pair(1.0f, 0.5f));
+  CHECK(surface({{"metallicRoughnessTexture", {{"index", 0}}}}) == std::pair(1.0f, 1.0f));
+}
+
+TEST_CASE("maps of the surface: textures, UV sets, transforms, scale and strength") {
+  const json moved{{"index", 0},
+                   {"texCoord", 1},
+                   {"extensions", {{"KHR_texture_transform", {{"offset", {0.5, 0.25}}, {"scale", {2, 3}}}}}}};
+  json normal = moved, occlusion{{"index", 0}, {"strength", 0.25}};
+  normal["scale"] = -2;
+  const Material full = material_of({{"pbrMetallicRoughness", {{"metallicRoughnessTexture", moved}}},
+                                     {"normalTexture", normal},
+                                     {"occlusionTexture", occlusion},
+                                     {"emissiveTexture", moved},
+                                     {"emissiveFactor", {1, 0.5, 0}}},
+                                    {"KHR_texture_transform"});
+  for (const MapKind kind : {MapKind::normal, MapKind::metallic_roughness, MapKind::emissive}) {
+    const SurfaceMap& map = full.map(kind);
+    CHECK(map.texture != nullptr);
+    CHECK(map.uv_set == 1);
+    CHECK(map.uv_transform == glm::mat3x2(2, 0, 0, 3, 0.5f, 0.25f));
+  }
+  CHECK(full.map(MapKind::occlusion).texture == full.map(MapKind::normal).texture);
+  CHECK(full.map(MapKind::occlusion).uv_set == 0);
+  CHECK(full.normal_scale == -2);
+  CHECK(full.occlusion_strength == 0.25f);
+  CHECK(full.emissive == glm::vec3(1, 0.5f, 0));
+  CHECK(full.base_color_texture == nullptr);
+  // What is shown as it is has no surface.
+  const Material unlit = material_of({{"pbrMetallicRoughness", {{"metallicRoughnessTexture", moved}}},
+                                      {"normalTexture", normal},
+                                      {"extensions", {{"KHR_materials_unlit", json::object()}}}},
+                                     {"KHR_texture_transform", "KHR_materials_unlit"});
+  Material plain;
+  plain.unlit = true;
+  CHECK(unlit == plain);
+}
+
+TEST_CASE("what cannot be shown is said: pictures of other formats, further UV sets") {
   Loader loader;
   GltfBuilder builder;
   add_textured_triangle(builder, red_green_png());
@@ -237,9 +283,8 @@ TEST_CASE("what cannot be shown is said: emissive textures, pictures of other fo
     CHECK(part.content.warnings[0].find(what) != std::string::npos);
     return *part.list.materials.at(0);
   };
-  builder.root["materials"][0]["emissiveTexture"]["index"] = 0;
-  builder.root["materials"][0]["emissiveFactor"] = {1, 1, 1};
-  CHECK(warned("emissive textures").emissive == glm::vec3(0));
+  builder.root["materials"][0] = {{"normalTexture", {{"index", 0}, {"texCoord", 2}}}};
+  CHECK(warned("texCoord above 1") == Material{});
   builder.root["materials"][0] = {{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}, {"texCoord", 2}}}}}};
   CHECK(warned("texCoord above 1").base_color_texture == nullptr);
   builder.root["materials"][0] = {{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}};

@@ -62,6 +62,11 @@ TEST_CASE("structs lie in memory as the vertex shaders read them") {
   CHECK_OFFSET(found, "materials", shader::MaterialBlock, finish);
   CHECK(found.at("Materials") == sizeof(shader::MaterialBlock));
   CHECK(members_of(found, "materials") == 5);
+  const auto mapped = reflect("mesh_color_mapped.vert");
+  CHECK_OFFSET(mapped, "map_places", shader::MapPlacesBlock, row_u);
+  CHECK_OFFSET(mapped, "map_places", shader::MapPlacesBlock, row_v);
+  CHECK(mapped.at("MapPlaces") == sizeof(shader::MapPlacesBlock));
+  CHECK(members_of(mapped, "map_places") == 2);
   CHECK_OFFSET(found, "view", shader::ViewBlock, projection);
   CHECK_OFFSET(found, "view", shader::ViewBlock, ambient);
   CHECK(found.at("View") == sizeof(shader::ViewBlock));

@@ -17,11 +17,12 @@ sys.path[:0] = [str(HERE), str(HERE.parent)]
 
 import committed
 import gltf_writer
+import surfaces
 import yard
 
 
 def make():
-    return {f"{model.name}.glb": gltf_writer.glb(model.name, model.faces, model.lights) for model in yard.models()}
+    return {f"{model.name}.glb": gltf_writer.glb(model.name, model.faces, model.lights) for model in yard.models() + surfaces.models()}
 
 
 def main():

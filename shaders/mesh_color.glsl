@@ -1,0 +1,66 @@
+// What lit colour needs of a vertex, in the view frame. MAPPED is defined where the material has textures besides that
+// of its base colour.
+#extension GL_GOOGLE_include_directive : require
+#include "shaders/mesh.glsl"
+
+layout(constant_id = SIMVIS_FADED) const bool kFaded = false;
+layout(constant_id = SIMVIS_GLOSSY) const bool kGlossy = false;
+layout(constant_id = SIMVIS_SHADOWED) const bool kShadowed = false;
+
+#ifdef MAPPED
+layout(std430, set = SIMVIS_FRAME_SET, binding = SIMVIS_MAP_PLACES) readonly buffer MapPlaces {
+  MapPlacesBlock map_places[];
+};
+
+layout(location = 6) flat out vec2 out_strengths;  // scale of the normal map, strength of the occlusion map
+layout(location = 7) out vec2 out_map_uv[SIMVIS_TEXTURES - 1];
+#endif
+
+layout(location = SIMVIS_NORMAL) in vec4 in_normal;
+layout(location = SIMVIS_UV_0) in vec2 in_uv_0;
+layout(location = SIMVIS_UV_1) in vec2 in_uv_1;
+layout(location = SIMVIS_COLOR) in vec4 in_color;
+layout(location = SIMVIS_INSTANCE_MATERIAL) in uint instance_material;
+
+layout(location = 0) out vec4 out_color;
+layout(location = 1) flat out vec4 out_emissive_cutoff;
+layout(location = 2) out vec2 out_uv;
+layout(location = 3) out vec3 out_position;
+layout(location = 4) out vec3 out_normal;
+layout(location = 5) flat out vec3 out_finish;  // roughness, opacity, metallic share; written only where it is read
+layout(location = SIMVIS_REACH) out float out_reach;  // of what the position was summed up from, metres; likewise
+
+// The direction of inverse(transpose(M)) * n for the matrix M with these rows: its cofactors, with the sign of its
+// determinant, so that normals stay right under mirrored and non-uniform scale.
+vec3 transform_normal(vec3 x, vec3 y, vec3 z, vec3 n) {
+  const vec3 turned = vec3(dot(cross(y, z), n), dot(cross(z, x), n), dot(cross(x, y), n));
+  const float largest = max(max(abs(turned.x), abs(turned.y)), abs(turned.z));
+  if (largest == 0.0) return vec3(0.0);
+  return normalize(turned / largest) * (dot(x, cross(y, z)) < 0.0 ? -1.0 : 1.0);
+}
+
+void main() {
+  const MaterialBlock material = materials[instance_material];
+  const vec4 clip = place_vertex();
+  out_color = material.base_color * in_color;
+  out_emissive_cutoff = material.emissive_cutoff;
+  if (kFaded || kGlossy) out_finish = material.finish.xyz;
+#ifdef MAPPED
+  out_strengths = vec2(material.finish.w, material.uv_row_v.w);
+  for (int i = 0; i < SIMVIS_TEXTURES - 1; ++i) {
+    out_map_uv[i] =
+        texture_uv(map_places[instance_material].row_u[i], map_places[instance_material].row_v[i], in_uv_0, in_uv_1);
+  }
+#endif
+  out_uv = texture_uv(material.uv_row_u, material.uv_row_v, in_uv_0, in_uv_1);
+  out_position = vec3((clip.xy - view.projection.yw * clip.w) / view.projection.xz, clip.w);
+  if (kShadowed) {
+    const vec4 p = abs(vec4(in_position, 1.0));
+    out_reach = dot(abs(instance_clip_x), p) / abs(view.projection.x) + dot(abs(instance_clip_y), p) / abs(view.projection.z) +
+                dot(abs(instance_clip_w), p);
+  }
+  const vec3 row_z = instance_clip_w.xyz;
+  const vec3 row_x = (instance_clip_x.xyz - view.projection.y * row_z) / view.projection.x;
+  const vec3 row_y = (instance_clip_y.xyz - view.projection.w * row_z) / view.projection.z;
+  out_normal = transform_normal(row_x, row_y, row_z, in_normal.xyz);
+}

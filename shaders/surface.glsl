@@ -1,0 +1,99 @@
+// What a surface is like where a fragment lies, and how it reflects a light. Included by color.glsl.
+
+const float kDielectric = 0.04;  // reflectance at normal incidence for the refractive index 1.5
+
+#ifdef MAPPED
+layout(set = SIMVIS_TEXTURE_SET, binding = SIMVIS_NORMAL_MAP) uniform sampler2D normal_map;
+layout(set = SIMVIS_TEXTURE_SET, binding = SIMVIS_METALLIC_ROUGHNESS_MAP) uniform sampler2D metallic_roughness_map;
+layout(set = SIMVIS_TEXTURE_SET, binding = SIMVIS_OCCLUSION_MAP) uniform sampler2D occlusion_map;
+layout(set = SIMVIS_TEXTURE_SET, binding = SIMVIS_EMISSIVE_MAP) uniform sampler2D emissive_map;
+
+layout(location = 6) flat in vec2 in_strengths;  // scale of the normal map, strength of the occlusion map
+layout(location = 7) in vec2 in_map_uv[SIMVIS_TEXTURES - 1];
+#define MAP(binding_name, sampler_name) texture(sampler_name, in_map_uv[binding_name - SIMVIS_FIRST_MAP])
+#endif
+
+bool has_map(uint binding) { return (kMaps & 1u << binding) != 0u; }
+#ifdef MAPPED
+const bool kTextured = (kMaps & 1u << SIMVIS_BASE_COLOR_TEXTURE) != 0u;
+#else
+const bool kTextured = true;  // where TEXTURED is defined
+#endif
+
+struct Surface {
+  vec3 normal;  // outwards, unit length, view frame
+  float roughness, metallic;
+  float occlusion;  // share of ambient light that arrives
+  vec3 emission;
+};
+
+#ifdef MAPPED
+// The normal that a map says, from -1 to 1 along the directions in which u grows and v falls on the surface, and
+// outwards. The directions come from the derivatives of place and texture coordinates in the picture: on a flat
+// triangle they are those of its corners, mirrored coordinates included, and no vertex has to carry them.
+vec3 bent_normal(vec3 outward, vec3 bend) {
+  const vec2 uv = in_map_uv[SIMVIS_NORMAL_MAP - SIMVIS_FIRST_MAP];
+  const vec3 p_x = dFdx(in_position), p_y = dFdy(in_position);
+  const vec2 uv_x = dFdx(uv), uv_y = dFdy(uv);
+  const float area = uv_x.x * uv_y.y - uv_y.x * uv_x.y;
+  const float turn = sign(area);
+  const vec3 along_u = (p_x * uv_y.y - p_y * uv_x.y) * turn;
+  const vec3 against_v = (p_x * uv_y.x - p_y * uv_x.x) * turn;
+  const vec3 in_plane = along_u - outward * dot(outward, along_u);
+  const float square = dot(in_plane, in_plane);
+  if (square == 0.0) return outward;  // the picture is not laid out here
+  const vec3 tangent = in_plane * inversesqrt(square);
+  const vec3 across = cross(outward, tangent);
+  const vec3 bitangent = dot(across, against_v) < 0.0 ? -across : across;
+  return normalize(tangent * bend.x + bitangent * bend.y + outward * bend.z);
+}
+#endif
+
+Surface surface_here() {
+  Surface s;
+  s.normal = in_normal * inversesqrt(max(dot(in_normal, in_normal), kLeastSquare));
+  s.roughness = in_finish.x;
+  s.metallic = in_finish.z;
+  s.occlusion = 1.0;
+  s.emission = in_emissive_cutoff.rgb;
+#ifdef MAPPED
+  if (has_map(SIMVIS_NORMAL_MAP)) {
+    const vec3 bend = MAP(SIMVIS_NORMAL_MAP, normal_map).rgb * 2.0 - 1.0;
+    s.normal = bent_normal(s.normal, bend * vec3(in_strengths.xx, 1.0));
+  }
+  if (has_map(SIMVIS_METALLIC_ROUGHNESS_MAP)) {
+    const vec4 factor = MAP(SIMVIS_METALLIC_ROUGHNESS_MAP, metallic_roughness_map);
+    s.roughness = max(s.roughness * factor.g, SIMVIS_LEAST_ROUGHNESS);
+    s.metallic *= factor.b;
+  }
+  if (has_map(SIMVIS_OCCLUSION_MAP)) {
+    s.occlusion += in_strengths.y * (MAP(SIMVIS_OCCLUSION_MAP, occlusion_map).r - 1.0);
+  }
+  if (has_map(SIMVIS_EMISSIVE_MAP)) s.emission *= MAP(SIMVIS_EMISSIVE_MAP, emissive_map).rgb;
+#endif
+  return s;
+}
+
+struct Reflected {
+  vec3 fresnel;    // share of the light that does not get into the surface
+  vec3 highlight;  // of it, radiance towards the eye per irradiance
+};
+
+// Fresnel reflectance after Schlick, the density of microfacets after Trowbridge and Reitz (GGX), and their visibility
+// after Smith, correlated in height.
+// Sources: glTF 2.0, appendix B; Heitz, Understanding the Masking-Shadowing Function in Microfacet-Based BRDFs (2014).
+Reflected reflect_light(vec3 normal_reflectance, float roughness, vec3 normal, vec3 toward, vec3 to_eye) {
+  const vec3 sum = toward + to_eye;
+  const vec3 half_way = sum * inversesqrt(max(dot(sum, sum), kLeastSquare));
+  const float alpha = roughness * roughness, square = alpha * alpha;
+  const float to_light = max(dot(normal, toward), 0.0), eye = max(dot(normal, to_eye), 0.0);
+  // Lagrange's identity gives 1 - cos^2 without cancellation.
+  const vec3 across = cross(normal, half_way);
+  const float along = max(dot(normal, half_way), 0.0) * alpha;
+  const float density = alpha / max(dot(across, across) + along * along, kLeastSquare);
+  const float masking = to_light * sqrt(eye * eye * (1.0 - square) + square) +
+                        eye * sqrt(to_light * to_light * (1.0 - square) + square);
+  const float grazing = 1.0 - clamp(dot(to_eye, half_way), 0.0, 1.0), twice = grazing * grazing;
+  const vec3 fresnel = normal_reflectance + (1.0 - normal_reflectance) * twice * twice * grazing;
+  return Reflected(fresnel, fresnel * kInversePi * density * density * 0.5 / max(masking, kLeastSquare));
+}
