@@ -59,7 +59,7 @@ void FrameDraws::add(const View& view, const Pass& pass, const DrawList& list, c
   draws.block.projection =
       glm::vec4(glm::dvec4(projection.scale_x, projection.shift_x, projection.scale_y, projection.shift_y));
   draws.block.ambient = glm::vec4(list.environment.ambient, static_cast<float>(view.near_m));
-  if (pass.color && table.any_lit()) draws.lights_offset = add_lights(projection, list);
+  if (pass.color && table.any_lit()) draws.lights_offset = add_lights(projection, list, table);
   draws.first_run = runs_.size();
   counts_ = {};
   for (const Drawable& d : pass.color ? table.solid() : table.depth()) {
@@ -86,12 +86,13 @@ void FrameDraws::add(const View& view, const Pass& pass, const DrawList& list, c
   views_.push_back(draws);
 }
 
-std::uint32_t FrameDraws::add_lights(const ViewProjection& projection, const DrawList& list) {
+std::uint32_t FrameDraws::add_lights(const ViewProjection& projection, const DrawList& list, const DrawTable& table) {
   // The offset of a uniform buffer may have to be a multiple of as much as this many bytes (Vulkan's required limits).
   constexpr std::size_t kAlignment = 256 / sizeof(shader::LightBlock);
   lights_.resize((lights_.size() + kAlignment - 1) / kAlignment * kAlignment);
   const std::size_t first = lights_.size();
-  for (const LightItem& item : list.lights) {
+  for (const std::uint32_t light : table.lights()) {
+    const LightItem& item = list.lights[light];
     lights_.push_back(block_of(item.light, projection.view_from_world * list.world_from_node[item.transform]));
   }
   return static_cast<std::uint32_t>(first * sizeof(shader::LightBlock));

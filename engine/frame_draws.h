@@ -49,7 +49,7 @@ class FrameDraws {
     double depth;
     const Drawable* drawable;
   };
-  std::uint32_t add_lights(const ViewProjection& projection, const DrawList& list);
+  std::uint32_t add_lights(const ViewProjection& projection, const DrawList& list, const DrawTable& table);
   bool visible(const Drawable& d, const View& view, const ViewProjection& projection, const DrawTable& table,
                FrameCounters& counters) const;
   void draw(const Drawable& d, const View& view, const ViewProjection& projection, const DrawList& list,
