@@ -28,6 +28,14 @@ std::vector<const EffectType*> effect_types() { return registry().sorted(); }
 
 const EffectType* find_effect_type(std::string_view name) { return registry().find(name); }
 
+std::vector<const EffectType*> effects_in_scene(const DrawList& list, std::uint8_t outputs) {
+  std::vector<const EffectType*> found;
+  for (const EffectType* effect : effect_types()) {
+    if (effect->in_scene && (effect->outputs & outputs) != 0 && effect->in_scene(list)) found.push_back(effect);
+  }
+  return found;
+}
+
 std::vector<AttributeSpec> with_effect_attributes(std::string_view sensor_type, AttributeTable own) {
   std::vector<AttributeSpec> table(own.begin(), own.end());
   for (const EffectType* effect : effect_types()) {

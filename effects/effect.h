@@ -13,6 +13,7 @@
 #include <string_view>
 #include <vector>
 
+#include "engine/draw_list.h"
 #include "scenegraph/attributes.h"
 
 namespace simvis {
@@ -39,6 +40,8 @@ struct EffectType {
   std::string_view sensors{};  ///< types, separated by spaces, whose commands may carry `attributes`
   AttributeTable attributes{};
   EffectExample example{};
+  /// Where the source is in the scene: whether it is there. Null where it is an attribute of the sensor.
+  bool (*in_scene)(const DrawList& list) = nullptr;
 };
 
 /// A static object of this type adds an effect to the catalogue; strings and tables must live as long.
@@ -51,6 +54,9 @@ struct EffectRegistration {
 std::vector<const EffectType*> effect_types();
 /// Null when there is none of that name.
 const EffectType* find_effect_type(std::string_view name);
+
+/// Those with a source in this scene that any of `outputs` (of EffectOutput) can show.
+std::vector<const EffectType*> effects_in_scene(const DrawList& list, std::uint8_t outputs);
 
 /// The attributes of a sensor type: its own rows, then those of the effects that it may have, by the effects' names.
 std::vector<AttributeSpec> with_effect_attributes(std::string_view sensor_type, AttributeTable own);

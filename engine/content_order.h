@@ -1,6 +1,6 @@
 // Which comes first of what a draw list holds, by what it is: not by its name, nor by where it stands. Where the order
-// of drawing shows (of surfaces at one depth the first is seen; sums of light round), pictures and scans are so the same
-// however the parts of a scene are declared.
+// of drawing shows (of surfaces at one depth the first is seen; sums of light round), pictures and scans are so the
+// same however the parts of a scene are declared.
 #pragma once
 
 #include <cstdint>
@@ -11,8 +11,8 @@
 
 namespace simvis {
 
-/// Below, above or equal to 0 as `a` comes before, after or at the place of `b`: a total order, of which equal ones look
-/// the same to every sensor. Meshes and textures are compared only as far as they are equal.
+/// Below, above or equal to 0 as `a` comes before, after or at the place of `b`: a total order, of which equal ones
+/// look the same to every sensor. Meshes and textures are compared only as far as they are equal.
 int compare_content(const Mesh& a, const Mesh& b);
 /// By their textures first.
 int compare_content(const Material& a, const Material& b);

@@ -82,6 +82,8 @@ void Device::Impl::create_device() {
                                            .pQueuePriorities = &priority};
   VkPhysicalDeviceFeatures features{};
   features.fullDrawIndexUint32 = VK_TRUE;
+  features.fragmentStoresAndAtomics = VK_TRUE;
+  features.sampleRateShading = VK_TRUE;
   VkDeviceCreateInfo info{};
   info.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO;
   info.queueCreateInfoCount = 1;

@@ -121,6 +121,7 @@ void DrawTable::rebuild(GeometryPool& geometry, TextureStore& textures, Uploads&
   any_lit_ = false;
   for (const DrawItem& item : items_) {
     const MaterialKind& kind = kinds_[item.material];
+    if (!kind.met && !(with_color_ && kind.seen)) continue;
     const bool read = with_color_ || kind.in_depth != Surface::opaque;
     uses[item.mesh] = std::max(uses[item.mesh], read ? MeshUse::attributes : MeshUse::positions);
     materials_read_[item.material] |= read;

@@ -7,6 +7,7 @@
 #include "engine/geometry_pool.h"
 #include "engine/pipelines.h"
 #include "engine/render_targets.h"
+#include "engine/transparent_layers.h"
 
 namespace simvis {
 
@@ -15,6 +16,7 @@ struct FrameContext {
   VkCommandBuffer commands;
   Pipelines& pipelines;
   SampleAverage& average;
+  TransparentLayers& layers;
   const GeometryPool& geometry;
   VkDescriptorSet frame_set;
   VkBuffer instances;
@@ -24,10 +26,13 @@ struct FrameContext {
   FrameCounters& counters;
 };
 
+/// Whether a view of the pass shows something transparent.
+bool shows_layers(std::span<const ViewDraws> views);
+
 /// Binds what all passes of the frame share.
 void record_bindings(const FrameContext& frame);
 
-/// One render pass; `views` are the draws of pass.views.
+/// One render pass, and more where something transparent is seen; `views` are the draws of pass.views.
 void record_pass(const FrameContext& frame, const Pass& pass, const RenderTarget& target,
                  std::span<const ViewDraws> views);
 

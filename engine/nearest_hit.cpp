@@ -41,8 +41,8 @@ void RayView::try_triangle(const ShearedRay& ray, std::uint32_t placed, std::uin
 
 bool RayView::comes_before(const NearestHit& nearest, std::uint32_t placed, std::uint32_t primitive) const {
   if (nearest.placed == placed) return nearest.primitive < primitive;
-  const int order = compare_content(*list_, list_->items[this->placed(nearest.placed).item],
-                                    list_->items[this->placed(placed).item]);
+  const int order =
+      compare_content(*list_, list_->items[this->placed(nearest.placed).item], list_->items[this->placed(placed).item]);
   return order != 0 ? order < 0 : std::pair(nearest.primitive, nearest.placed) < std::pair(primitive, placed);
 }
 

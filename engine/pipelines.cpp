@@ -2,6 +2,7 @@
 
 #include <bit>
 #include <cstddef>
+#include <iterator>
 #include <span>
 #include <string>
 
@@ -13,6 +14,8 @@
 #include "shaders/mesh_color.vert.h"
 #include "shaders/mesh_color_textured.frag.h"
 #include "shaders/mesh_depth.vert.h"
+#include "shaders/mesh_layer.frag.h"
+#include "shaders/mesh_layer_textured.frag.h"
 #include "shaders/mesh_mask.frag.h"
 #include "shaders/mesh_mask.vert.h"
 #include "shaders/mesh_mask_textured.frag.h"
@@ -94,17 +97,10 @@ VkPipelineDepthStencilStateCreateInfo depth_stencil(const PipelineKey& key) {
   return info;
 }
 
-// Alpha stays what it was cleared to, 1.
+// Alpha stays what it was cleared to, 1. What is transparent is kept as layers instead.
 VkPipelineColorBlendAttachmentState color_blend(const PipelineKey& key) {
   VkPipelineColorBlendAttachmentState state{};
-  state.blendEnable = key.blends();
-  state.srcColorBlendFactor = VK_BLEND_FACTOR_SRC_ALPHA;
-  state.dstColorBlendFactor = VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA;
-  state.colorBlendOp = VK_BLEND_OP_ADD;
-  state.srcAlphaBlendFactor = VK_BLEND_FACTOR_ZERO;
-  state.dstAlphaBlendFactor = VK_BLEND_FACTOR_ONE;
-  state.alphaBlendOp = VK_BLEND_OP_ADD;
-  if (!key.depth_only) {
+  if (!key.depth_only && !key.blends()) {
     state.colorWriteMask = VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT;
   }
   return state;
@@ -123,7 +119,7 @@ VkPipelineShaderStageCreateInfo stage(VkShaderStageFlagBits bit, VkShaderModule 
 
 // Of a shader's constants each is 4 bytes, in the order of their numbers.
 struct Constants {
-  static constexpr std::uint32_t kCount = 5;
+  static constexpr std::uint32_t kCount = 6;
   std::uint32_t values[kCount];
   VkSpecializationMapEntry entries[kCount];
   VkSpecializationInfo info{kCount, entries, sizeof values, values};
@@ -134,6 +130,7 @@ struct Constants {
     values[SIMVIS_LIGHT_COUNT] = key.lights;
     values[SIMVIS_FADED] = key.surface == Surface::faded;
     values[SIMVIS_GLOSSY] = key.glossy;
+    values[SIMVIS_FOG] = key.fog;
     constexpr std::uint32_t kSize = sizeof values[0];
     for (std::uint32_t i = 0; i < kCount; ++i) entries[i] = {i, i * kSize, kSize};
   }
@@ -142,10 +139,12 @@ struct Constants {
 
 }  // namespace
 
-std::uint32_t PipelineKey::bits() const {
-  std::uint32_t bits = static_cast<std::uint32_t>(topology) | static_cast<std::uint32_t>(surface) << 2;
-  for (const bool flag : {color, depth_only, textured, unlit, glossy, cull_back, mirrored}) bits = bits << 1 | flag;
-  return (bits << 16 | lights) << 3 | static_cast<std::uint32_t>(std::countr_zero(samples));
+std::uint64_t PipelineKey::bits() const {
+  std::uint64_t bits = static_cast<std::uint64_t>(topology) | static_cast<std::uint64_t>(surface) << 2;
+  for (const bool flag : {color, depth_only, textured, unlit, glossy, cull_back, mirrored, fog}) {
+    bits = bits << 1 | (flag ? 1u : 0u);
+  }
+  return (bits << 16 | lights) << 3 | static_cast<std::uint64_t>(std::countr_zero(samples));
 }
 
 Pipelines::Pipelines(Device::Impl& device)
@@ -156,7 +155,9 @@ Pipelines::Pipelines(Device::Impl& device)
       mask_frag_{make_module(device, mesh_mask_frag, "mesh_mask.frag"),
                  make_module(device, mesh_mask_textured_frag, "mesh_mask_textured.frag")},
       color_frag_{make_module(device, mesh_color_frag, "mesh_color.frag"),
-                  make_module(device, mesh_color_textured_frag, "mesh_color_textured.frag")} {
+                  make_module(device, mesh_color_textured_frag, "mesh_color_textured.frag")},
+      layer_frag_{make_module(device, mesh_layer_frag, "mesh_layer.frag"),
+                  make_module(device, mesh_layer_textured_frag, "mesh_layer_textured.frag")} {
   const VkDescriptorSetLayoutBinding frame_bindings[] = {
       buffer_binding(SIMVIS_MATERIALS, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_SHADER_STAGE_VERTEX_BIT),
       buffer_binding(SIMVIS_LIGHTS, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC, VK_SHADER_STAGE_FRAGMENT_BIT)};
@@ -168,12 +169,17 @@ Pipelines::Pipelines(Device::Impl& device)
                                                             .pImmutableSamplers = nullptr}};
   texture_set_layout_ = make_set_layout(device, texture_bindings, "texture set layout");
 
-  const VkDescriptorSetLayout sets[] = {frame_set_layout_.get(), texture_set_layout_.get()};
+  const VkDescriptorSetLayoutBinding layer_bindings[] = {
+      buffer_binding(SIMVIS_LAYER_LISTS, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_SHADER_STAGE_FRAGMENT_BIT),
+      buffer_binding(SIMVIS_LAYER_NODES, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_SHADER_STAGE_FRAGMENT_BIT)};
+  layers_set_layout_ = make_set_layout(device, layer_bindings, "layers set layout");
+
+  const VkDescriptorSetLayout sets[] = {frame_set_layout_.get(), texture_set_layout_.get(), layers_set_layout_.get()};
   const VkPushConstantRange constants{.stageFlags = kAllStages, .offset = 0, .size = sizeof(shader::ViewBlock)};
   const VkPipelineLayoutCreateInfo info{.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
                                         .pNext = nullptr,
                                         .flags = 0,
-                                        .setLayoutCount = 2,
+                                        .setLayoutCount = static_cast<std::uint32_t>(std::size(sets)),
                                         .pSetLayouts = sets,
                                         .pushConstantRangeCount = 1,
                                         .pPushConstantRanges = &constants};
@@ -197,7 +203,8 @@ VkPipeline Pipelines::get(const PipelineKey& key) {
 Pipelines::Program Pipelines::program(const PipelineKey& key, const VkSpecializationInfo& constants) const {
   if (!key.depth_only) {
     return {{stage(VK_SHADER_STAGE_VERTEX_BIT, color_vert_.get(), &constants),
-             stage(VK_SHADER_STAGE_FRAGMENT_BIT, color_frag_[key.textured].get(), &constants)},
+             stage(VK_SHADER_STAGE_FRAGMENT_BIT, (key.blends() ? layer_frag_ : color_frag_)[key.textured].get(),
+                   &constants)},
             2,
             vertex_input(kColorInputs)};
   }

@@ -24,11 +24,12 @@ struct PipelineKey {
   bool glossy = false;       ///< lights have highlights on it
   std::uint16_t lights = 0;  ///< how many light it, up to SIMVIS_MAX_LIGHTS
   bool cull_back = false;
+  bool fog = false;          ///< seen through air that is not clear
   bool mirrored = false;     ///< the transform turns the winding of triangles
   std::uint8_t samples = 1;  ///< of each pixel of the pass's targets: 1, 2, 4 or 8
 
   bool blends() const { return surface == Surface::blended || surface == Surface::faded; }
-  std::uint32_t bits() const;
+  std::uint64_t bits() const;
 };
 
 class Pipelines {
@@ -41,6 +42,7 @@ class Pipelines {
   VkPipelineLayout layout() const { return layout_.get(); }
   VkDescriptorSetLayout frame_set_layout() const { return frame_set_layout_.get(); }
   VkDescriptorSetLayout texture_set_layout() const { return texture_set_layout_.get(); }
+  VkDescriptorSetLayout layers_set_layout() const { return layers_set_layout_.get(); }
 
   /// Made on first use.
   VkRenderPass render_pass(const RenderPassKind& kind);
@@ -56,12 +58,12 @@ class Pipelines {
   Handle<VkPipeline> make(const PipelineKey& key);
 
   Device::Impl& device_;
-  Handle<VkDescriptorSetLayout> frame_set_layout_, texture_set_layout_;
+  Handle<VkDescriptorSetLayout> frame_set_layout_, texture_set_layout_, layers_set_layout_;
   Handle<VkPipelineLayout> layout_;
   std::unordered_map<std::uint32_t, Handle<VkRenderPass>> render_passes_;
   Handle<VkShaderModule> depth_vert_, mask_vert_, color_vert_;
-  Handle<VkShaderModule> mask_frag_[2], color_frag_[2];  // without and with a texture
-  std::unordered_map<std::uint32_t, Handle<VkPipeline>> pipelines_;
+  Handle<VkShaderModule> mask_frag_[2], color_frag_[2], layer_frag_[2];  // without and with a texture
+  std::unordered_map<std::uint64_t, Handle<VkPipeline>> pipelines_;
 };
 
 }  // namespace simvis

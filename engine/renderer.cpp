@@ -15,6 +15,7 @@
 #include "engine/render_targets.h"
 #include "engine/sample_average.h"
 #include "engine/texture_store.h"
+#include "engine/transparent_layers.h"
 #include "engine/uploads.h"
 
 namespace simvis {
@@ -58,6 +59,7 @@ struct Renderer::Impl {
         textures(d, pipelines.texture_set_layout()),
         buffers(d, pipelines.frame_set_layout()),
         average(d),
+        layers(d, pipelines),
         targets(d, pipelines, average) {}
 
   void draw_frame(const DrawList& list, const FramePlan& plan);
@@ -74,6 +76,7 @@ struct Renderer::Impl {
   TextureStore textures;
   FrameBuffers buffers;
   SampleAverage average;
+  TransparentLayers layers;
   RenderTargets targets;
   DrawTable table;
   FrameDraws draws;
@@ -94,7 +97,9 @@ std::span<const PassResult> Renderer::render(const DrawList& list, const FramePl
   r.results.clear();
   if (plan.passes.empty()) return {};
   try {
-    r.draw_frame(list, plan);
+    do {
+      r.draw_frame(list, plan);
+    } while (r.layers.grow());
   } catch (...) {
     r.forget();
     throw;
@@ -111,7 +116,9 @@ void Renderer::Impl::draw_frame(const DrawList& list, const FramePlan& plan) {
   record(recorded, list, plan);
   commands.submit_and_wait();
   uploads.release();
-  counters.bytes_uploaded = uploads.bytes();
+  counters.bytes_uploaded += uploads.bytes();
+  counters.layers = layers.found();
+  counters.layer_bytes = layers.bytes();
   geometry.count(counters.meshes_held, counters.mesh_bytes);
   textures.count(counters.textures_held, counters.texture_bytes);
 }
@@ -134,10 +141,19 @@ void Renderer::Impl::record(VkCommandBuffer recorded, const DrawList& list, cons
   pass_targets.clear();
   for (const Pass& pass : plan.passes) pass_targets.push_back(&targets.acquire(pass));
 
+  std::vector<const Pass*> layered;
+  std::size_t first_view = 0;
+  for (const Pass& pass : plan.passes) {
+    if (shows_layers(draws.views().subspan(first_view, pass.views.size()))) layered.push_back(&pass);
+    first_view += pass.views.size();
+  }
+  layers.begin_frame(layered);
+
   const FrameContext frame{.device = device,
                            .commands = recorded,
                            .pipelines = pipelines,
                            .average = average,
+                           .layers = layers,
                            .geometry = geometry,
                            .frame_set = buffers.set(),
                            .instances = buffers.instances(),
@@ -146,7 +162,7 @@ void Renderer::Impl::record(VkCommandBuffer recorded, const DrawList& list, cons
                            .list = list,
                            .counters = counters};
   record_bindings(frame);
-  std::size_t first_view = 0;
+  first_view = 0;
   for (std::size_t i = 0; i < plan.passes.size(); ++i) {
     const std::size_t count = plan.passes[i].views.size();
     record_pass(frame, plan.passes[i], *pass_targets[i], draws.views().subspan(first_view, count));

@@ -79,6 +79,7 @@ void Camera::plan(const glm::dmat4& world_from_sensor, const DrawList& list, Fra
                                         : "depth",
              "");
   }
+  if (desc_.color) plan_color_effects(name_, list, plan);
   if (desc_.depth) depth_view_ = depth_view(plan.passes[depth_pass_].views[0], list);
 }
 

@@ -5,6 +5,8 @@
 #include <cstring>
 #include <limits>
 
+#include "effects/effect.h"
+
 namespace simvis {
 
 namespace {
@@ -52,6 +54,12 @@ void check_sampling(const ColorSampling& sampling, std::uint32_t width_px, std::
 Pinhole centred_pinhole(std::uint32_t width_px, std::uint32_t height_px, double hfov_rad) {
   const double focal_px = width_px / (2 * std::tan(hfov_rad / 2));
   return {focal_px, focal_px, width_px / 2.0, height_px / 2.0};
+}
+
+void plan_color_effects(const std::string& sensor, const DrawList& list, FramePlan& plan) {
+  for (const EffectType* effect : effects_in_scene(list, kShownInColor)) {
+    plan.effects.push_back({sensor, std::string(effect->name), std::string(effect->source)});
+  }
 }
 
 void take_color(const Pass& pass, const View& view, const PassResult& result, Image& image) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "engine/device.h"
+#include "engine/draw_list.h"
 #include "engine/frame_plan.h"
 #include "engine/renderer.h"
 #include "scenegraph/attributes.h"
@@ -73,6 +74,9 @@ void check_sampling(const ColorSampling& sampling, std::uint32_t width_px, std::
 
 /// Square pixels; the optical axis goes through the middle of the image. `hfov_rad` is in (0, pi), from edge to edge.
 Pinhole centred_pinhole(std::uint32_t width_px, std::uint32_t height_px, double hfov_rad);
+
+/// Adds to the plan what of the scene's effects the sensor's colour shows.
+void plan_color_effects(const std::string& sensor, const DrawList& list, FramePlan& plan);
 
 /// The picture of one view of a pass: linear RGBA.
 void take_color(const Pass& pass, const View& view, const PassResult& result, Image& image);

@@ -113,6 +113,7 @@ void StereoCamera::plan(const glm::dmat4& world_from_sensor, const DrawList& lis
   left_.depth_at = second.left;
   right_.color_at = first.right;
   right_.depth_at = second.right;
+  if (desc_.color) plan_color_effects(name_, list, plan);
   if (!desc_.depth) return;
   for (Eye* const eye : {&left_, &right_}) {
     eye->depth_view = depth_view(plan.passes[eye->depth_at.pass].views[eye->depth_at.view], list);

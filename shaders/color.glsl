@@ -1,5 +1,6 @@
 // Linear radiance of a surface in the lights of KHR_lights_punctual: Lambert, and where it is glossy a highlight of each
-// light over it. TEXTURED is defined where the material has a texture.
+// light over it. TEXTURED is defined where the material has a texture, LAYER where the surface is transparent: its colour
+// is then not drawn but kept.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/interop.h"
 
@@ -24,7 +25,14 @@ layout(location = 3) in vec3 in_position;
 layout(location = 4) in vec3 in_normal;
 layout(location = 5) flat in vec2 in_finish;  // roughness, opacity; written only where kGlossy or kFaded
 
+#include "shaders/fog.glsl"
+#ifdef LAYER
+#include "shaders/layers.glsl"
+layout(early_fragment_tests) in;  // what is hidden is not kept
+vec4 out_color;
+#else
 layout(location = 0) out vec4 out_color;
+#endif
 
 const float kInversePi = 0.3183098861837907;
 const float kLeastSquare = 1e-20;  // keeps divisions finite, in m^2
@@ -66,7 +74,7 @@ vec2 reflectance(vec3 normal, vec3 toward, vec3 to_eye) {
   return vec2(fresnel, fresnel * kInversePi * density * density * 0.5 / max(masking, kLeastSquare));
 }
 
-void main() {
+void shade() {
   vec4 base = in_color;
   float mask = base.a;
 #ifdef TEXTURED
@@ -99,4 +107,12 @@ void main() {
   }
   out_color = vec4(base.rgb * arriving + in_emissive_cutoff.rgb, base.a);
   if (kGlossy) out_color.rgb += highlight;
+}
+
+void main() {
+  shade();
+  if (kFog) out_color.rgb = in_fog(out_color.rgb, length(in_position));
+#ifdef LAYER
+  add_layer(out_color);
+#endif
 }

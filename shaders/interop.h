@@ -16,12 +16,15 @@ using glm::vec4;
 using uint = std::uint32_t;
 #endif
 
-// Descriptor set 0: the frame. Descriptor set 1: one texture.
+// Descriptor set 0: the frame. Descriptor set 1: one texture. Descriptor set 2: layers of transparent surfaces.
 #define SIMVIS_FRAME_SET 0
 #define SIMVIS_MATERIALS 0
 #define SIMVIS_LIGHTS 1
 #define SIMVIS_TEXTURE_SET 1
 #define SIMVIS_BASE_COLOR_TEXTURE 0
+#define SIMVIS_LAYERS_SET 2
+#define SIMVIS_LAYER_LISTS 0
+#define SIMVIS_LAYER_NODES 1
 
 // The lights of a view are one uniform block: 16384 bytes, which every device allows.
 #define SIMVIS_MAX_LIGHTS 256
@@ -59,6 +62,7 @@ using uint = std::uint32_t;
 #define SIMVIS_LIGHT_COUNT 2
 #define SIMVIS_FADED 3
 #define SIMVIS_GLOSSY 4
+#define SIMVIS_FOG 5
 
 // The mean of a pixel's samples: bindings, specialization constants, and the side of a work group's square.
 #define SIMVIS_AVERAGE_SAMPLES 0
@@ -100,6 +104,18 @@ struct LightBlock {
 struct ViewBlock {
   vec4 projection;  // clip.x = projection.x * x + projection.y * z; clip.y = projection.z * y + projection.w * z
   vec4 ambient;     // rgb: linear radiance from all around; w: near_m
+  vec4 airlight;    // rgb: linear radiance of the air, seen at infinity; w: its extinction in 1/m
+};
+
+// Rows of a pass whose transparent surfaces are kept apart at one time; each of their samples has a list of layers.
+struct LayerBand {
+  uvec4 rows;  // x: layers so far; y: samples' texels in a row; z: the first row; w: samples of a texel
+};
+
+// A transparent surface at one sample.
+struct LayerNode {
+  vec4 color;   // linear radiance, alpha
+  uvec4 place;  // x: bits of its depth near / z; y: the list's next layer, counted from 1, 0: none
 };
 
 // A node of a Bvh (see engine/bvh.h), read as whole rows; xyz are bits of floats.
