@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "effects/effect.h"
+#include "shaders/interop.h"
 #include "tests/renderer_scene.h"
 
 using namespace simvis;
