@@ -20,5 +20,6 @@ void add_layer(vec4 color) {
   const uint node = atomicAdd(lists.band.rows.x, 1u) + 1u;
   if (node > uint(nodes.length())) return;
   const uint next = atomicExchange(lists.first[list_here()], node);
-  nodes[node - 1u] = LayerNode(color, uvec4(floatBitsToUint(gl_FragCoord.z), next, 0u, 0u));
+  nodes[node - 1u].color = color;
+  nodes[node - 1u].place.xy = uvec2(floatBitsToUint(gl_FragCoord.z), next);
 }

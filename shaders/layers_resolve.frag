@@ -7,44 +7,73 @@
 
 layout(location = 0) out vec4 out_color;
 
-// Depth is reversed and positive: its bits grow towards the eye.
-bool is_before(LayerNode a, LayerNode b) {
-  if (a.place.x != b.place.x) return a.place.x > b.place.x;
-  const uvec4 p = floatBitsToUint(a.color), q = floatBitsToUint(b.color);
-  if (p.r != q.r) return p.r > q.r;
-  if (p.g != q.g) return p.g > q.g;
-  if (p.b != q.b) return p.b > q.b;
-  return p.a > q.a;
+vec3 seen = vec3(0.0);
+float through = 1.0;
+
+void lay(vec4 color) {
+  seen += (through * color.a) * color.rgb;
+  through *= 1.0 - color.a;
+}
+
+bool is_before(uvec4 a, uvec4 b) {
+  if (a.r != b.r) return a.r > b.r;
+  if (a.g != b.g) return a.g > b.g;
+  if (a.b != b.b) return a.b > b.b;
+  return a.a > b.a;
+}
+
+// Those at one depth: each time the first by colour that comes after the last one, as often as it is there.
+void lay_ties(uint first, uint depth, uint left) {
+  uvec4 last = uvec4(0xffffffffu);  // no number's bits: it comes before every colour
+  while (left > 0u) {
+    uvec4 next = uvec4(0u);
+    uint count = 0u;
+    for (uint n = first; n != 0u; n = nodes[n - 1u].place.y) {
+      if (nodes[n - 1u].place.x != depth) continue;
+      const uvec4 bits = floatBitsToUint(nodes[n - 1u].color);
+      if (!is_before(last, bits)) continue;
+      if (count > 0u && bits == next) {
+        ++count;
+      } else if (count == 0u || is_before(bits, next)) {
+        next = bits;
+        count = 1u;
+      }
+    }
+    if (count == 0u) return;
+    left -= count;
+    for (; count > 0u; --count) lay(uintBitsToFloat(next));
+    last = next;
+  }
 }
 
 void main() {
   const uint first = lists.first[list_here()];
   if (first == 0u) discard;
-  vec3 seen = vec3(0.0);
-  float through = 1.0;
-  LayerNode last, next;
-  bool begun = false;
-  while (through > 0.0) {
-    // The first of those that come after the last one, and how many are equal to it.
-    uint count = 0u;
+  // Depth is reversed and positive: its bits grow towards the eye.
+  uint last = 0xffffffffu;
+  for (bool behind = true; behind && through > 0.0;) {
+    uint nearest = 0u, depth = 0u, count = 0u;
+    behind = false;  // whether anything lies behind the nearest one
     for (uint n = first; n != 0u;) {
-      const LayerNode node = nodes[n - 1u];
-      n = node.place.y;
-      if (begun && !is_before(last, node)) continue;
-      if (count == 0u || is_before(node, next)) {
-        next = node;
+      const uvec2 place = nodes[n - 1u].place.xy;
+      if (place.x < last && place.x > depth) {
+        behind = behind || count > 0u;
+        nearest = n;
+        depth = place.x;
         count = 1u;
-      } else if (!is_before(next, node)) {
+      } else if (place.x == depth) {
         ++count;
+      } else if (place.x < depth) {
+        behind = true;
       }
+      n = place.y;
     }
-    if (count == 0u) break;
-    for (; count > 0u; --count) {
-      seen += (through * next.color.a) * next.color.rgb;
-      through *= 1.0 - next.color.a;
+    if (count == 1u) {
+      lay(nodes[nearest - 1u].color);
+    } else {
+      lay_ties(first, depth, count);
     }
-    last = next;
-    begun = true;
+    last = depth;
   }
   out_color = vec4(seen, through);
 }
