@@ -13,7 +13,6 @@
 // Reach    the part's own file: parts, elements and sensors that were inserted there keep their look.
 // Several  material and foliage elements on one part act together: factors multiply, emissions add up, and
 //          of what one leaves matte the next takes its share.
-// Blending  within one mesh faces are laid over each other in the order of the file.
 // Special  unlit materials show their colour and nothing else: roughness and emission do nothing to them.
 #pragma once
 

@@ -85,6 +85,8 @@ void Device::Impl::create_device() {
   VkPhysicalDeviceFeatures features{};
   features.fullDrawIndexUint32 = VK_TRUE;
   features.pipelineStatisticsQuery = instrumented && physical.counts_invocations;
+  features.fragmentStoresAndAtomics = VK_TRUE;
+  features.sampleRateShading = VK_TRUE;
   VkDeviceCreateInfo info{};
   info.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO;
   info.queueCreateInfoCount = 1;

@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "engine/assert.h"
+#include "engine/content_order.h"
 #include "engine/error.h"
 #include "shaders/interop.h"
 
@@ -37,7 +38,8 @@ bool has_effect(const Material& material, MapKind kind) {
 void DrawTable::update(const DrawList& list, bool color, GeometryPool& geometry, TextureStore& textures,
                        Uploads& uploads) {
   const bool new_tables = take_tables(list);
-  const bool new_kinds = take_materials(list);
+  bool recolored = false;
+  const bool new_kinds = take_materials(list, recolored);
   const bool new_mirrors = take_transforms(list);
   if (color && list.lights.size() > SIMVIS_MAX_LIGHTS) {
     throw InputError("the scene has " + std::to_string(list.lights.size()) + " lights, " +
@@ -45,11 +47,16 @@ void DrawTable::update(const DrawList& list, bool color, GeometryPool& geometry,
   }
   const auto lights = static_cast<std::uint16_t>(std::min<std::size_t>(list.lights.size(), SIMVIS_MAX_LIGHTS));
   const bool new_lights = lights_ != lights;
-  if (!new_tables && !new_kinds && !new_mirrors && !new_lights && with_color_ >= color) return;
-  // What has once been made ready for colour stays so, until the scene changes.
-  with_color_ = color || (with_color_ && !new_tables);
-  lights_ = lights;
-  rebuild(geometry, textures, uploads);
+  if (color) light_order_ = light_order(list);
+  if (new_tables) mesh_ranks_ = content_ranks(meshes_);
+  if (recolored) material_ranks_ = content_ranks(materials_);
+  if (new_tables || new_kinds || new_mirrors || new_lights || with_color_ < color) {
+    // What has once been made ready for colour stays so, until the scene changes.
+    with_color_ = color || (with_color_ && !new_tables);
+    lights_ = lights;
+    rebuild(geometry, textures, uploads);
+  }
+  for (std::vector<Drawable>* drawables : {&depth_, &solid_, &blended_}) sort_and_group(*drawables, list);
 }
 
 bool DrawTable::take_tables(const DrawList& list) {
@@ -90,12 +97,14 @@ DrawTable::MaterialKind DrawTable::kind_of(const Material& material) {
   return kind;
 }
 
-bool DrawTable::take_materials(const DrawList& list) {
+// `recolored`: a material is another than before, of whatever kind.
+bool DrawTable::take_materials(const DrawList& list, bool& recolored) {
   SIMVIS_ASSERT(list.material_revision.size() == materials_.size());
   if (kinds_.size() == materials_.size() && materials_ == list.materials &&
       material_revision_ == list.material_revision) {
     return false;
   }
+  recolored = true;
   materials_ = list.materials;
   material_revision_ = list.material_revision;
   kinds_.resize(materials_.size());
@@ -133,6 +142,7 @@ void DrawTable::rebuild(GeometryPool& geometry, TextureStore& textures, Uploads&
   any_lit_ = false;
   for (const DrawItem& item : items_) {
     const MaterialKind& kind = kinds_[item.material];
+    if (!kind.met && !(with_color_ && kind.seen)) continue;
     const bool read = with_color_ || kind.in_depth != Surface::opaque;
     uses[item.mesh] = std::max(uses[item.mesh], read ? MeshUse::attributes : MeshUse::positions);
     materials_read_[item.material] |= read;
@@ -162,9 +172,6 @@ void DrawTable::rebuild(GeometryPool& geometry, TextureStore& textures, Uploads&
     const Drawable d = drawable(i, true);
     (d.key.blends() ? blended_ : solid_).push_back(d);
   }
-  sort_and_group(depth_);
-  sort_and_group(solid_);
-  sort_and_group(blended_);
 }
 
 TextureSet DrawTable::shown(const MaterialKind& kind) const {
@@ -202,9 +209,19 @@ Drawable DrawTable::drawable(std::uint32_t index, bool color) const {
   return d;
 }
 
-void DrawTable::sort_and_group(std::vector<Drawable>& drawables) const {
-  std::stable_sort(drawables.begin(), drawables.end(),
-                   [](const Drawable& a, const Drawable& b) { return state_of(a) < state_of(b); });
+// What moves may change places with others of its kind.
+void DrawTable::sort_and_group(std::vector<Drawable>& drawables, const DrawList& list) const {
+  const auto rank_of = [this](const Drawable& d) {
+    return std::tuple(d.key.bits(), d.single_sided, d.mirrored, d.met, mesh_ranks_[items_[d.item].mesh],
+                      material_ranks_[d.material]);
+  };
+  const auto before = [&](const Drawable& a, const Drawable& b) {
+    const auto rank_a = rank_of(a), rank_b = rank_of(b);
+    if (rank_a != rank_b) return rank_a < rank_b;
+    return compare_places(list.world_from_node[a.transform], list.world_from_node[b.transform]) < 0;
+  };
+  if (!std::ranges::is_sorted(drawables, before)) std::ranges::stable_sort(drawables, before);
+  if (!drawables.empty()) drawables[0].group = 0;
   for (std::size_t i = 1; i < drawables.size(); ++i) {
     drawables[i].group = drawables[i - 1].group + (state_of(drawables[i]) != state_of(drawables[i - 1]));
   }

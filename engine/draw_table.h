@@ -1,5 +1,6 @@
-// A draw list made ready for drawing: sorted by what the GPU would have to switch, with all that a view needs of an
-// item side by side. Remade only when the list's structure or a material's kind changes: not for another colour.
+// A draw list made ready for drawing: sorted by what the GPU would have to switch and then by content, with all that a
+// view needs of an item side by side. Remade only when the list's structure or a material's kind changes: not for
+// another colour.
 #pragma once
 
 #include <memory>
@@ -40,6 +41,9 @@ class DrawTable {
   std::span<const Drawable> solid() const { return solid_; }
   std::span<const Drawable> blended() const { return blended_; }
 
+  /// The numbers of the list's lights in the order in which they are summed up, see engine/content_order.h.
+  std::span<const std::uint32_t> lights() const { return light_order_; }
+
   const WorldBox& box(std::uint32_t item) const { return boxes_[item]; }
   /// By material: not 0 where what is drawn reads its block.
   std::span<const std::uint8_t> materials_read() const { return materials_read_; }
@@ -61,12 +65,12 @@ class DrawTable {
   };
   static MaterialKind kind_of(const Material& material);
   bool take_tables(const DrawList& list);
-  bool take_materials(const DrawList& list);
+  bool take_materials(const DrawList& list, bool& recolored);
   bool take_transforms(const DrawList& list);
   void rebuild(GeometryPool& geometry, TextureStore& textures, Uploads& uploads);
   TextureSet shown(const MaterialKind& kind) const;
   Drawable drawable(std::uint32_t item, bool color) const;
-  void sort_and_group(std::vector<Drawable>& drawables) const;
+  void sort_and_group(std::vector<Drawable>& drawables, const DrawList& list) const;
 
   bool made_ = false;
   bool with_color_ = false, any_lit_ = false;
@@ -81,6 +85,7 @@ class DrawTable {
   std::vector<std::uint8_t> materials_read_, textures_shown_;
   std::vector<VkDescriptorSet> texture_sets_;  // by material
   std::vector<MeshRange> ranges_;              // by mesh
+  std::vector<std::uint32_t> mesh_ranks_, material_ranks_, light_order_;
   std::vector<Drawable> depth_, solid_, blended_;
 };
 

@@ -34,9 +34,10 @@ shader::LightBlock block_of(const Light& light, const glm::dmat4& view_from_ligh
 // Of a run that no other instance may join.
 constexpr std::uint32_t kNoGroup = std::numeric_limits<std::uint32_t>::max();
 
-PipelineKey key_in_view(const Drawable& d, const View& view) {
+PipelineKey key_in_view(const Drawable& d, const View& view, const DrawList& list) {
   PipelineKey key = d.key;
   key.shadowed = key.lights > 0 && !view.shadows.empty();
+  key.fog = key.color && list.medium.extinction_per_m > 0;
   if (key.topology != Topology::triangles) return key;
   key.cull_back = d.single_sided && !view.sees_back_faces;
   key.mirrored = d.mirrored && (key.cull_back || key.lights > 0);
@@ -61,22 +62,16 @@ void FrameDraws::add(const View& view, const Pass& pass, const DrawList& list, c
   draws.block.projection =
       glm::vec4(glm::dvec4(projection.scale_x, projection.shift_x, projection.scale_y, projection.shift_y));
   draws.block.ambient = glm::vec4(list.environment.ambient, static_cast<float>(view.near_m));
-  if (pass.color && table.any_lit()) draws.lights_offset = add_lights(view, projection, list);
+  draws.block.airlight = glm::vec4(list.medium.airlight, static_cast<float>(list.medium.extinction_per_m));
+  if (pass.color && table.any_lit()) draws.lights_offset = add_lights(view, projection, list, table);
   if (!view.shadows.empty()) draws.shadowed = shadowed_++;
   draws.first_run = runs_.size();
   counts_ = {};
-  for (const Drawable& d : pass.color ? table.solid() : table.depth()) {
-    ++counts_.boxes_examined;
-    if (!visible(d, view, projection, table, counters)) continue;
-    if (d.range.clusters.size() > 1 && guard_rows(view) > 0) {
-      draw_seen_triangles(d, view, projection, list, table.box(d.item));
-    } else if (d.range.clusters.size() > 1) {
-      draw_seen_clusters(d, view, projection, list, table.box(d.item), draws.first_run);
-    } else {
-      draw(d, view, projection, list, draws.first_run);
-    }
-  }
-  if (pass.color) add_blended(view, pass, projection, list, table, counters);
+  add_items(pass.color ? table.solid() : table.depth(), view, projection, list, table, counters);
+  draws.first_layer = runs_.size();
+  if (pass.color) add_items(table.blended(), view, projection, list, table, counters);
+  draws.first_met = runs_.size();
+  if (pass.depth) add_met(draws.first_layer, draws.first_met);
   draws.end_run = runs_.size();
   for (std::size_t i = draws.first_run; i < draws.end_run; ++i) {
     runs_[i].key.shadow_map = pass.shadow_maps;
@@ -91,16 +86,35 @@ void FrameDraws::add(const View& view, const Pass& pass, const DrawList& list, c
   views_.push_back(draws);
 }
 
-std::uint32_t FrameDraws::add_lights(const View& view, const ViewProjection& projection, const DrawList& list) {
+void FrameDraws::add_items(std::span<const Drawable> items, const View& view, const ViewProjection& projection,
+                           const DrawList& list, const DrawTable& table, FrameCounters& counters) {
+  const std::size_t first_run = runs_.size();
+  for (const Drawable& d : items) {
+    ++counts_.boxes_examined;
+    if (!visible(d, view, projection, table, counters)) continue;
+    if (d.range.clusters.size() > 1 && guard_rows(view) > 0) {
+      draw_seen_triangles(d, view, projection, list, table.box(d.item));
+    } else if (d.range.clusters.size() > 1) {
+      draw_seen_clusters(d, view, projection, list, table.box(d.item), first_run);
+    } else {
+      draw(d, view, projection, list, first_run);
+    }
+  }
+}
+
+std::uint32_t FrameDraws::add_lights(const View& view, const ViewProjection& projection, const DrawList& list,
+                                     const DrawTable& table) {
   // The offset of a uniform buffer may have to be a multiple of as much as this many bytes (Vulkan's required limits).
   constexpr std::size_t kAlignment = 256 / sizeof(shader::LightBlock);
   lights_.resize((lights_.size() + kAlignment - 1) / kAlignment * kAlignment);
   const std::size_t first = lights_.size();
-  for (const LightItem& item : list.lights) {
+  for (const std::uint32_t light : table.lights()) {
+    const LightItem& item = list.lights[light];
     lights_.push_back(block_of(item.light, projection.view_from_world * list.world_from_node[item.transform]));
   }
   for (std::size_t i = 0; i < view.shadows.size(); ++i) {
-    lights_[first + view.shadows[i].light].cone.z = static_cast<float>(i + 1);
+    const auto place = std::ranges::find(table.lights(), view.shadows[i].light) - table.lights().begin();
+    lights_[first + static_cast<std::size_t>(place)].cone.z = static_cast<float>(i + 1);
   }
   return static_cast<std::uint32_t>(first * sizeof(shader::LightBlock));
 }
@@ -121,7 +135,7 @@ void FrameDraws::draw(const Drawable& d, const View& view, const ViewProjection&
     return;
   }
   last_group_ = d.group;
-  runs_.push_back({.key = key_in_view(d, view),
+  runs_.push_back({.key = key_in_view(d, view, list),
                    .texture = d.texture,
                    .range = d.range,
                    .first_instance = instance,
@@ -155,11 +169,12 @@ void FrameDraws::draw_seen_triangles(const Drawable& d, const View& view, const 
   }
   const auto count = static_cast<std::uint32_t>(indices_.size() - first);
   if (count == 0) return;
-  runs_.push_back({.key = key_in_view(d, view),
+  runs_.push_back({.key = key_in_view(d, view, list),
                    .texture = d.texture,
                    .range = {.first_index = first, .index_count = count, .vertex_offset = d.range.vertex_offset},
                    .first_instance = add_instance(d, projection, list),
                    .instance_count = 1,
+                   .met = d.met,
                    .own_indices = true});
   last_group_ = kNoGroup;
 }
@@ -187,43 +202,28 @@ void FrameDraws::draw_seen_clusters(const Drawable& d, const View& view, const V
   for (MeshRange& part : seen_) {
     part.first_index += d.range.first_index;
     part.vertex_offset = d.range.vertex_offset;
-    runs_.push_back({.key = key_in_view(d, view),
+    runs_.push_back({.key = key_in_view(d, view, list),
                      .texture = d.texture,
                      .range = part,
                      .first_instance = instance,
-                     .instance_count = 1});
+                     .instance_count = 1,
+                     .met = d.met});
   }
   last_group_ = kNoGroup;
 }
 
-// Back to front by the depth of the boxes' centres, ties in the list's order.
-void FrameDraws::add_blended(const View& view, const Pass& pass, const ViewProjection& projection, const DrawList& list,
-                             const DrawTable& table, FrameCounters& counters) {
-  far_first_.clear();
-  for (const Drawable& d : table.blended()) {
-    if (!visible(d, view, projection, table, counters)) continue;
-    // By the farthest corner: a sky all around the view, whose middle is near, lies behind all the rest.
-    far_first_.push_back({farthest_depth(projection, table.box(d.item)), &d});
-  }
-  std::sort(far_first_.begin(), far_first_.end(), [](const Far& a, const Far& b) {
-    return a.depth != b.depth ? a.depth > b.depth : a.drawable->item < b.drawable->item;
-  });
-  const std::size_t first = runs_.size();
-  for (const Far& far : far_first_) draw(*far.drawable, view, projection, list, first);
-  if (!pass.depth) return;
-  // Once more, for depth: what is solid enough to be met.
-  for (std::size_t i = first, end = runs_.size(); i < end; ++i) {
+// Layers once more, for depth: what is solid enough to be met.
+void FrameDraws::add_met(std::size_t first_layer, std::size_t end_layer) {
+  for (std::size_t i = first_layer; i < end_layer; ++i) {
     DrawRun run = runs_[i];
     if (!run.met) continue;
-    run.key.depth_only = true;
-    run.key.surface = Surface::masked;
-    run.key.unlit = false;
-    run.key.lights = 0;
-    run.key.shadowed = false;
-    run.key.glossy = false;
-    run.key.glossy = run.key.metallic = false;
-    run.key.maps = 0;
-    run.key.mirrored = run.key.mirrored && run.key.cull_back;
+    const PipelineKey layer = run.key;
+    run.key = {.color = true,
+               .topology = layer.topology,
+               .surface = Surface::masked,
+               .textured = layer.textured,
+               .cull_back = layer.cull_back,
+               .mirrored = layer.mirrored && layer.cull_back};
     runs_.push_back(run);
   }
 }

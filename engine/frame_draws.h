@@ -22,12 +22,17 @@ struct DrawRun {
   bool own_indices = false;  ///< range.first_index counts in FrameDraws::indices(), not in the geometry pool
 };
 
-/// One view's share: runs [first_run, end_run) in the order of drawing.
+/// Which of a view's runs.
+enum class ViewShare : std::uint8_t { solid, layers, met };
+inline constexpr std::uint32_t kViewShares = 3;
+
+/// One view's share of the runs: [first_run, first_layer) are solid, [first_layer, first_met) transparent, and
+/// [first_met, end_run) transparent ones once more, for depth.
 struct ViewDraws {
   shader::ViewBlock block;
   std::uint32_t lights_offset = 0;  ///< of the view's lights, in bytes
   std::size_t shadowed = 0;         ///< where it has shadows: how many views before it have, see ShadowMaps::offset()
-  std::size_t first_run = 0, end_run = 0;
+  std::size_t first_run = 0, first_layer = 0, first_met = 0, end_run = 0;
   ViewCounts counts;
 };
 
@@ -46,11 +51,8 @@ class FrameDraws {
   std::span<const std::uint32_t> indices() const { return indices_; }
 
  private:
-  struct Far {
-    double depth;
-    const Drawable* drawable;
-  };
-  std::uint32_t add_lights(const View& view, const ViewProjection& projection, const DrawList& list);
+  std::uint32_t add_lights(const View& view, const ViewProjection& projection, const DrawList& list,
+                           const DrawTable& table);
   bool visible(const Drawable& d, const View& view, const ViewProjection& projection, const DrawTable& table,
                FrameCounters& counters) const;
   void draw(const Drawable& d, const View& view, const ViewProjection& projection, const DrawList& list,
@@ -60,15 +62,15 @@ class FrameDraws {
   void draw_seen_triangles(const Drawable& d, const View& view, const ViewProjection& projection, const DrawList& list,
                            const WorldBox& box);
   std::uint32_t add_instance(const Drawable& d, const ViewProjection& projection, const DrawList& list);
-  void add_blended(const View& view, const Pass& pass, const ViewProjection& projection, const DrawList& list,
-                   const DrawTable& table, FrameCounters& counters);
+  void add_items(std::span<const Drawable> items, const View& view, const ViewProjection& projection,
+                 const DrawList& list, const DrawTable& table, FrameCounters& counters);
+  void add_met(std::size_t first_layer, std::size_t end_layer);
 
   std::vector<ViewDraws> views_;
   std::vector<DrawRun> runs_;
   std::vector<shader::Instance> instances_;
   std::vector<shader::LightBlock> lights_;
   std::vector<std::uint32_t> indices_;
-  std::vector<Far> far_first_;
   std::vector<MeshRange> seen_;
   std::uint32_t last_group_ = 0;
   std::size_t shadowed_ = 0;

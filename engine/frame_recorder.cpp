@@ -1,5 +1,8 @@
 #include "engine/frame_recorder.h"
 
+#include <algorithm>
+#include <limits>
+
 #include "engine/view_projection.h"
 
 namespace simvis {
@@ -24,7 +27,14 @@ struct Bound {
   VkPipeline pipeline = VK_NULL_HANDLE;
   VkDescriptorSet texture = VK_NULL_HANDLE;
   VkBuffer indices = VK_NULL_HANDLE;
+  std::uint32_t lights_offset = std::numeric_limits<std::uint32_t>::max();
 };
+
+std::span<const DrawRun> share_of(const FrameContext& frame, const ViewDraws& draws, ViewShare share) {
+  const std::size_t ends[] = {draws.first_run, draws.first_layer, draws.first_met, draws.end_run};
+  const auto i = static_cast<std::size_t>(share);
+  return frame.draws.runs().subspan(ends[i], ends[i + 1] - ends[i]);
+}
 
 void bind_run(const FrameContext& frame, const Pass& pass, const DrawRun& run, Bound& bound) {
   PipelineKey key = run.key;
@@ -61,8 +71,13 @@ void draw_run(const FrameContext& frame, const DrawRun& run) {
   }
 }
 
-void record_view(const FrameContext& frame, const Pass& pass, const View& view, const ViewDraws& draws, Bound& bound) {
-  if (draws.first_run == draws.end_run) return;
+// Of the view what lies in these rows of the pass's targets.
+void record_view(const FrameContext& frame, const Pass& pass, const View& view, const ViewDraws& draws, ViewShare share,
+                 const LayerRows& rows, Bound& bound) {
+  const std::span<const DrawRun> runs = share_of(frame, draws, share);
+  const std::uint32_t top = std::max(pass.grid * view.y_px, rows.first);
+  const std::uint32_t bottom = std::min(pass.grid * (view.y_px + view.height_px), rows.first + rows.count);
+  if (runs.empty() || top >= bottom) return;
   const auto grid = static_cast<float>(pass.grid), guard = grid * static_cast<float>(guard_rows(view));
   const VkViewport viewport{.x = grid * static_cast<float>(view.x_px),
                             .y = grid * static_cast<float>(view.y_px) - guard,
@@ -70,25 +85,92 @@ void record_view(const FrameContext& frame, const Pass& pass, const View& view, 
                             .height = grid * static_cast<float>(view.height_px) + 2 * guard,
                             .minDepth = 0,
                             .maxDepth = 1};
-  const VkRect2D scissor{
-      {static_cast<std::int32_t>(pass.grid * view.x_px), static_cast<std::int32_t>(pass.grid * view.y_px)},
-      {pass.grid * view.width_px, pass.grid * view.height_px}};
+  const VkRect2D scissor{{static_cast<std::int32_t>(pass.grid * view.x_px), static_cast<std::int32_t>(top)},
+                         {pass.grid * view.width_px, bottom - top}};
   frame.device.begin_label(frame.commands, view.name);
   vkCmdSetViewport(frame.commands, 0, 1, &viewport);
   vkCmdSetScissor(frame.commands, 0, 1, &scissor);
   vkCmdPushConstants(frame.commands, layout(frame), VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, 0,
                      sizeof draws.block, &draws.block);
-  if (draws.lights_offset != 0) bind_frame_set(frame, draws.lights_offset);
+  if (pass.color && draws.lights_offset != bound.lights_offset) {
+    bind_frame_set(frame, draws.lights_offset);
+    bound.lights_offset = draws.lights_offset;
+  }
   if (!view.shadows.empty()) bind_shadow_set(frame, draws.shadowed);
   const auto number = static_cast<std::size_t>(&draws - frame.draws.views().data());
-  for (std::size_t i = draws.first_run; i < draws.end_run; ++i) {
-    const DrawRun& run = frame.draws.runs()[i];
+  for (const DrawRun& run : runs) {
     bind_run(frame, pass, run, bound);
-    if (frame.queries && i == draws.first_run) frame.queries->begin_draws(frame.commands, number);
+    if (frame.queries && &run == runs.data()) frame.queries->begin_draws(frame.commands, number, share);
     draw_run(frame, run);
   }
-  if (frame.queries) frame.queries->end_draws(frame.commands, number);
+  if (frame.queries) frame.queries->end_draws(frame.commands);
   frame.device.end_label(frame.commands);
+}
+
+// A render pass: one of those that make up a pass.
+class RenderPassScope {
+ public:
+  RenderPassScope(const FrameContext& frame, const Pass& pass, const RenderTarget& target, bool resumed, bool continued)
+      : frame_(frame), pass_(pass) {
+    const Medium& medium = frame.list.medium;
+    // Infinitely far away nothing but the air is seen.
+    const glm::vec3& background = medium.extinction_per_m > 0 ? medium.airlight : frame.list.environment.background;
+    VkClearValue clear[2]{};
+    clear[0].depthStencil = {0, 0};
+    clear[1].color = {{background.r, background.g, background.b, 1}};
+    const VkRenderPassBeginInfo info{.sType = VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO,
+                                     .pNext = nullptr,
+                                     .renderPass = frame.pipelines.render_pass({.color = pass.color,
+                                                                                .keep_depth = pass.depth,
+                                                                                .sampled = pass.shadow_maps,
+                                                                                .averaged = pass.samples() > 1,
+                                                                                .resumed = resumed,
+                                                                                .continued = continued,
+                                                                                .samples = pass.msaa}),
+                                     .framebuffer = target.framebuffer.get(),
+                                     .renderArea = {{0, 0}, {pass.grid * pass.width_px, pass.grid * pass.height_px}},
+                                     .clearValueCount = pass.color ? 2u : 1u,
+                                     .pClearValues = clear};
+    vkCmdBeginRenderPass(frame.commands, &info, VK_SUBPASS_CONTENTS_INLINE);
+    ++frame.counters.passes;
+  }
+  ~RenderPassScope() { vkCmdEndRenderPass(frame_.commands); }
+  RenderPassScope(const RenderPassScope&) = delete;
+  RenderPassScope& operator=(const RenderPassScope&) = delete;
+
+  /// `stamped`: each view's end is noted.
+  void record(std::span<const ViewDraws> views, ViewShare share, const LayerRows& rows, bool stamped = false) {
+    for (std::size_t i = 0; i < views.size(); ++i) {
+      record_view(frame_, pass_, pass_.views[i], views[i], share, rows, bound_);
+      if (stamped && frame_.queries) frame_.queries->stamp(frame_.commands);
+    }
+  }
+
+ private:
+  const FrameContext& frame_;
+  const Pass& pass_;
+  Bound bound_;
+};
+
+// Band by band: the layers of all views; then what they show, over the solid. Last, what depth meets of them.
+void record_layers(const FrameContext& frame, const Pass& pass, const RenderTarget& target,
+                   std::span<const ViewDraws> views, const LayerRows& all) {
+  const std::vector<LayerRows> bands = frame.layers.bands(pass);
+  for (std::size_t i = 0; i < bands.size(); ++i) {
+    const bool last = i + 1 == bands.size();
+    frame.layers.record_begin(frame.commands, pass, bands[i]);
+    {
+      RenderPassScope drawn(frame, pass, target, i > 0, true);
+      if (i == 0) drawn.record(views, ViewShare::solid, all);
+      drawn.record(views, ViewShare::layers, bands[i]);
+    }
+    frame.layers.record_end(frame.commands);
+    RenderPassScope resolved(frame, pass, target, true, !last);
+    frame.layers.record_resolve(frame.commands, pass, bands[i]);
+    ++frame.counters.draws;
+    ++frame.counters.pipelines_bound;
+    if (last) resolved.record(views, ViewShare::met, all, true);
+  }
 }
 
 void copy_image(const FrameContext& frame, const GpuImage& image, const Buffer& buffer) {
@@ -104,6 +186,10 @@ void copy_image(const FrameContext& frame, const GpuImage& image, const Buffer& 
 
 }  // namespace
 
+bool shows_layers(std::span<const ViewDraws> views) {
+  return std::ranges::any_of(views, [](const ViewDraws& draws) { return draws.first_met > draws.first_layer; });
+}
+
 void record_bindings(const FrameContext& frame) {
   bind_frame_set(frame, 0);
   if (frame.geometry.positions() == VK_NULL_HANDLE) return;
@@ -114,33 +200,16 @@ void record_bindings(const FrameContext& frame) {
 
 void record_pass(const FrameContext& frame, const Pass& pass, const RenderTarget& target,
                  std::span<const ViewDraws> views) {
-  const glm::vec3& background = frame.list.environment.background;
-  VkClearValue clear[2]{};
-  clear[0].depthStencil = {0, 0};
-  clear[1].color = {{background.r, background.g, background.b, 1}};
-  const VkRenderPassBeginInfo info{.sType = VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO,
-                                   .pNext = nullptr,
-                                   .renderPass = frame.pipelines.render_pass({.color = pass.color,
-                                                                              .keep_depth = pass.depth,
-                                                                              .sampled = pass.shadow_maps,
-                                                                              .averaged = pass.samples() > 1,
-                                                                              .samples = pass.msaa}),
-                                   .framebuffer = target.framebuffer.get(),
-                                   .renderArea = {{0, 0}, {pass.grid * pass.width_px, pass.grid * pass.height_px}},
-                                   .clearValueCount = pass.color ? 2u : 1u,
-                                   .pClearValues = clear};
+  const LayerRows all{0, pass.grid * pass.height_px};
   if (frame.queries) frame.queries->stamp(frame.commands);
   frame.device.begin_label(frame.commands, pass.name);
-  vkCmdBeginRenderPass(frame.commands, &info, VK_SUBPASS_CONTENTS_INLINE);
-  Bound bound;
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    record_view(frame, pass, pass.views[i], views[i], bound);
-    if (frame.queries) frame.queries->stamp(frame.commands);
+  if (shows_layers(views)) {
+    record_layers(frame, pass, target, views, all);
+  } else {
+    RenderPassScope(frame, pass, target, false, false).record(views, ViewShare::solid, all, true);
   }
-  vkCmdEndRenderPass(frame.commands);
   if (frame.queries) frame.queries->stamp(frame.commands);
   frame.device.end_label(frame.commands);
-  ++frame.counters.passes;
   frame.counters.views += views.size();
 }
 

@@ -10,6 +10,7 @@
 #include "engine/pipelines.h"
 #include "engine/render_targets.h"
 #include "engine/shadow_maps.h"
+#include "engine/transparent_layers.h"
 
 namespace simvis {
 
@@ -18,6 +19,7 @@ struct FrameContext {
   VkCommandBuffer commands;
   Pipelines& pipelines;
   SampleAverage& average;
+  TransparentLayers& layers;
   const GeometryPool& geometry;
   VkDescriptorSet frame_set;
   const ShadowMaps* shadows;  ///< null where no view has any
@@ -26,14 +28,17 @@ struct FrameContext {
   const FrameDraws& draws;
   const DrawList& list;
   FrameCounters& counters;
-  std::vector<std::uint32_t>& made;  ///< pipelines that this frame is the first to draw with: PipelineKey::bits()
+  std::vector<std::uint64_t>& made;  ///< pipelines that this frame is the first to draw with: PipelineKey::bits()
   GpuQueries* queries = nullptr;     ///< null unless the device is instrumented
 };
+
+/// Whether a view of the pass shows something transparent.
+bool shows_layers(std::span<const ViewDraws> views);
 
 /// Binds what all passes of the frame share.
 void record_bindings(const FrameContext& frame);
 
-/// One render pass; `views` are the draws of pass.views.
+/// One render pass, and more where something transparent is seen; `views` are the draws of pass.views.
 void record_pass(const FrameContext& frame, const Pass& pass, const RenderTarget& target,
                  std::span<const ViewDraws> views);
 

@@ -49,13 +49,15 @@ void GpuQueries::begin(VkCommandBuffer commands, const FramePlan& plan) {
   if (timed_ && stamps > stamps_held_) {
     stamps_ = make_pool(device_, VK_QUERY_TYPE_TIMESTAMP, stamps_held_ = 2 * stamps, "frame stamps");
   }
-  if (counted_ && views > views_held_) {
-    statistics_ = make_pool(device_, VK_QUERY_TYPE_PIPELINE_STATISTICS, views_held_ = 2 * views, "view statistics");
+  const std::uint32_t counts = kViewShares * views;
+  if (counted_ && counts > counts_held_) {
+    statistics_ = make_pool(device_, VK_QUERY_TYPE_PIPELINE_STATISTICS, counts_held_ = 2 * counts, "view statistics");
   }
   if (stamps_) vkCmdResetQueryPool(commands, stamps_.get(), 0, stamps_held_);
-  if (statistics_) vkCmdResetQueryPool(commands, statistics_.get(), 0, views_held_);
+  if (statistics_) vkCmdResetQueryPool(commands, statistics_.get(), 0, counts_held_);
   stamp_ = 0;
-  drawn_.assign(views, 0);
+  drawn_.assign(counts, 0);
+  counting_.reset();
   stamp(commands);
 }
 
@@ -64,14 +66,17 @@ void GpuQueries::stamp(VkCommandBuffer commands) {
   ++stamp_;
 }
 
-void GpuQueries::begin_draws(VkCommandBuffer commands, std::size_t view) {
-  if (!counted_) return;
-  drawn_[view] = 1;
-  vkCmdBeginQuery(commands, statistics_.get(), static_cast<std::uint32_t>(view), 0);
+void GpuQueries::begin_draws(VkCommandBuffer commands, std::size_t view, ViewShare share) {
+  const std::size_t query = kViewShares * view + static_cast<std::size_t>(share);
+  if (!counted_ || drawn_[query]) return;
+  drawn_[query] = 1;
+  counting_ = static_cast<std::uint32_t>(query);
+  vkCmdBeginQuery(commands, statistics_.get(), *counting_, 0);
 }
 
-void GpuQueries::end_draws(VkCommandBuffer commands, std::size_t view) {
-  if (counted_) vkCmdEndQuery(commands, statistics_.get(), static_cast<std::uint32_t>(view));
+void GpuQueries::end_draws(VkCommandBuffer commands) {
+  if (counting_) vkCmdEndQuery(commands, statistics_.get(), *counting_);
+  counting_.reset();
 }
 
 // In nanoseconds since the first. A clock of few bits may start over meanwhile.
@@ -89,10 +94,14 @@ std::vector<std::int64_t> GpuQueries::times() const {
 }
 
 PipelineStatistics GpuQueries::statistics(std::size_t view) const {
-  if (!drawn_[view]) return {};
-  std::array<std::uint64_t, kCounts> counts;
-  read(device_, statistics_.get(), static_cast<std::uint32_t>(view), 1, counts);
-  const auto& [vertices, vertex_invocations, clipped, drawn, fragments] = counts;
+  std::array<std::uint64_t, kCounts> sums{};
+  for (std::size_t query = kViewShares * view; query < kViewShares * (view + 1); ++query) {
+    if (!drawn_[query]) continue;
+    std::array<std::uint64_t, kCounts> counts;
+    read(device_, statistics_.get(), static_cast<std::uint32_t>(query), 1, counts);
+    for (std::size_t i = 0; i < kCounts; ++i) sums[i] += counts[i];
+  }
+  const auto& [vertices, vertex_invocations, clipped, drawn, fragments] = sums;
   return {vertices, vertex_invocations, clipped, drawn, fragments};
 }
 

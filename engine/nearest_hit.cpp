@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "engine/assert.h"
+#include "engine/content_order.h"
 #include "engine/surface_alpha.h"
 
 namespace simvis {
@@ -30,14 +31,19 @@ void RayView::try_triangle(const ShearedRay& ray, std::uint32_t placed, std::uin
                            const std::array<glm::dvec3, 3>& corners, NearestHit& nearest) const {
   TriangleHit hit;
   if (!intersect(ray, corners, hit) || hit.range_m > nearest.range_m || hit.range_m <= nearest.beyond_m) return;
-  if (hit.range_m == nearest.range_m && std::pair(nearest.placed, nearest.primitive) < std::pair(placed, primitive)) {
-    return;
-  }
+  if (hit.range_m == nearest.range_m && comes_before(nearest, placed, primitive)) return;
   const PlacedItem& item = items_->items()[placed];
   const Material& material = *list_->materials[list_->items[item.item].material];
   const double area = hit.weights.x + hit.weights.y + hit.weights.z;
   if (!is_solid(material, *item.mesh->mesh(), primitive, hit.weights / area)) return;
   nearest = {hit.range_m, placed, primitive, nearest.beyond_m};
+}
+
+bool RayView::comes_before(const NearestHit& nearest, std::uint32_t placed, std::uint32_t primitive) const {
+  if (nearest.placed == placed) return nearest.primitive < primitive;
+  const int order =
+      compare_content(*list_, list_->items[this->placed(nearest.placed).item], list_->items[this->placed(placed).item]);
+  return order != 0 ? order < 0 : std::pair(nearest.primitive, nearest.placed) < std::pair(primitive, placed);
 }
 
 RayHit RayView::finish(const ShearedRay& ray, const NearestHit& nearest) {

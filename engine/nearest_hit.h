@@ -28,7 +28,7 @@ class RayView {
   const SeenItem& seen(std::uint32_t placed);
 
   /// Takes the triangle for the nearest hit if the ray meets it where it is solid, and nearer than `nearest`; at the
-  /// same range, if its item, or else its primitive, comes first.
+  /// same range, if its item comes first by content, see engine/content_order.h, or else its primitive.
   void try_triangle(const ShearedRay& ray, std::uint32_t placed, std::uint32_t primitive,
                     const std::array<glm::dvec3, 3>& corners, NearestHit& nearest) const;
 
@@ -38,6 +38,8 @@ class RayView {
   std::uint64_t item_tests = 0, triangle_tests = 0;  ///< of all casts, as the engine counts them: see RayCounters
 
  private:
+  bool comes_before(const NearestHit& nearest, std::uint32_t placed, std::uint32_t primitive) const;
+
   const DrawList* list_ = nullptr;
   const RayItems* items_ = nullptr;
   glm::dmat4 world_from_sensor_{1.0};

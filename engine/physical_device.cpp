@@ -84,6 +84,9 @@ std::string why_unusable(VkPhysicalDevice device, const VkPhysicalDeviceProperti
   VkPhysicalDeviceFeatures features;
   vkGetPhysicalDeviceFeatures(device, &features);
   if (!features.fullDrawIndexUint32) return "it cannot draw with 32-bit indices (fullDrawIndexUint32)";
+  if (!features.fragmentStoresAndAtomics || !features.sampleRateShading) {
+    return "it cannot keep transparent surfaces apart (fragmentStoresAndAtomics, sampleRateShading)";
+  }
   return "";
 }
 

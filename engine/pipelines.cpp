@@ -2,6 +2,7 @@
 
 #include <bit>
 #include <cstddef>
+#include <iterator>
 #include <span>
 #include <string>
 
@@ -16,6 +17,9 @@
 #include "shaders/mesh_color_mapped.vert.h"
 #include "shaders/mesh_color_textured.frag.h"
 #include "shaders/mesh_depth.vert.h"
+#include "shaders/mesh_layer.frag.h"
+#include "shaders/mesh_layer_mapped.frag.h"
+#include "shaders/mesh_layer_textured.frag.h"
 #include "shaders/mesh_mask.frag.h"
 #include "shaders/mesh_mask.vert.h"
 #include "shaders/mesh_mask_textured.frag.h"
@@ -95,17 +99,10 @@ VkPipelineDepthStencilStateCreateInfo depth_stencil(const PipelineKey& key) {
   return info;
 }
 
-// Alpha stays what it was cleared to, 1.
+// Alpha stays what it was cleared to, 1. What is transparent is kept as layers instead.
 VkPipelineColorBlendAttachmentState color_blend(const PipelineKey& key) {
   VkPipelineColorBlendAttachmentState state{};
-  state.blendEnable = key.blends();
-  state.srcColorBlendFactor = VK_BLEND_FACTOR_SRC_ALPHA;
-  state.dstColorBlendFactor = VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA;
-  state.colorBlendOp = VK_BLEND_OP_ADD;
-  state.srcAlphaBlendFactor = VK_BLEND_FACTOR_ZERO;
-  state.dstAlphaBlendFactor = VK_BLEND_FACTOR_ONE;
-  state.alphaBlendOp = VK_BLEND_OP_ADD;
-  if (!key.depth_only) {
+  if (!key.depth_only && !key.blends()) {
     state.colorWriteMask = VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT;
   }
   return state;
@@ -124,7 +121,7 @@ VkPipelineShaderStageCreateInfo stage(VkShaderStageFlagBits bit, VkShaderModule 
 
 // Of a shader's constants each is 4 bytes, in the order of their numbers.
 struct Constants {
-  static constexpr std::uint32_t kCount = 9;
+  static constexpr std::uint32_t kCount = 10;
   std::uint32_t values[kCount];
   VkSpecializationMapEntry entries[kCount];
   VkSpecializationInfo info{kCount, entries, sizeof values, values};
@@ -139,6 +136,7 @@ struct Constants {
     values[SIMVIS_PARALLEL] = key.parallel;
     values[SIMVIS_METALLIC] = key.metallic;
     values[SIMVIS_MAPS] = key.maps == 0 ? 0u : key.maps | (key.textured ? 1u << SIMVIS_BASE_COLOR_TEXTURE : 0u);
+    values[SIMVIS_FOG] = key.fog;
     constexpr std::uint32_t kSize = sizeof values[0];
     for (std::uint32_t i = 0; i < kCount; ++i) entries[i] = {i, i * kSize, kSize};
   }
@@ -149,12 +147,12 @@ struct Constants {
 
 std::uint64_t PipelineKey::bits() const {
   std::uint64_t bits = static_cast<std::uint64_t>(topology) | static_cast<std::uint64_t>(surface) << 2;
-  for (const bool flag :
-       {color, depth_only, textured, unlit, glossy, metallic, cull_back, mirrored, shadow_map, parallel, shadowed}) {
-    bits = bits << 1 | flag;
+  for (const bool flag : {color, depth_only, textured, unlit, glossy, metallic, cull_back, mirrored, shadow_map,
+                          parallel, shadowed, fog}) {
+    bits = bits << 1 | (flag ? 1u : 0u);
   }
   bits = bits << SIMVIS_TEXTURES | maps;
-  return (bits << 16 | lights) << 3 | static_cast<std::uint32_t>(std::countr_zero(samples));
+  return (bits << 16 | lights) << 3 | static_cast<std::uint64_t>(std::countr_zero(samples));
 }
 
 Pipelines::Pipelines(Device::Impl& device)
@@ -165,9 +163,12 @@ Pipelines::Pipelines(Device::Impl& device)
       mask_frag_{make_module(device, mesh_mask_frag, "mesh_mask.frag"),
                  make_module(device, mesh_mask_textured_frag, "mesh_mask_textured.frag")},
       color_frag_{make_module(device, mesh_color_frag, "mesh_color.frag"),
-                  make_module(device, mesh_color_textured_frag, "mesh_color_textured.frag")},
+                  make_module(device, mesh_color_textured_frag, "mesh_color_textured.frag"),
+                  make_module(device, mesh_color_mapped_frag, "mesh_color_mapped.frag")},
       mapped_vert_(make_module(device, mesh_color_mapped_vert, "mesh_color_mapped.vert")),
-      mapped_frag_(make_module(device, mesh_color_mapped_frag, "mesh_color_mapped.frag")) {
+      layer_frag_{make_module(device, mesh_layer_frag, "mesh_layer.frag"),
+                  make_module(device, mesh_layer_textured_frag, "mesh_layer_textured.frag"),
+                  make_module(device, mesh_layer_mapped_frag, "mesh_layer_mapped.frag")} {
   const VkDescriptorSetLayoutBinding frame_bindings[] = {
       buffer_binding(SIMVIS_MATERIALS, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_SHADER_STAGE_VERTEX_BIT),
       buffer_binding(SIMVIS_LIGHTS, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC, VK_SHADER_STAGE_FRAGMENT_BIT),
@@ -183,7 +184,12 @@ Pipelines::Pipelines(Device::Impl& device)
   }
   texture_set_layout_ = make_set_layout(device, texture_bindings, "texture set layout");
 
-  const VkDescriptorSetLayout sets[] = {frame_set_layout_.get(), texture_set_layout_.get()};
+  const VkDescriptorSetLayoutBinding layer_bindings[] = {
+      buffer_binding(SIMVIS_LAYER_LISTS, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_SHADER_STAGE_FRAGMENT_BIT),
+      buffer_binding(SIMVIS_LAYER_NODES, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_SHADER_STAGE_FRAGMENT_BIT)};
+  layers_set_layout_ = make_set_layout(device, layer_bindings, "layers set layout");
+
+  const VkDescriptorSetLayout sets[] = {frame_set_layout_.get(), texture_set_layout_.get(), layers_set_layout_.get()};
   layout_ = make_mesh_layout(device, sets, "mesh pipeline layout");
 }
 
@@ -194,7 +200,10 @@ VkRenderPass Pipelines::render_pass(const RenderPassKind& kind) {
 }
 
 const ShadowPipelines& Pipelines::shadows() {
-  if (!shadows_) shadows_.emplace(device_, frame_set_layout_.get(), texture_set_layout_.get());
+  if (!shadows_) {
+    const VkDescriptorSetLayout sets[] = {frame_set_layout_.get(), texture_set_layout_.get(), layers_set_layout_.get()};
+    shadows_.emplace(device_, sets);
+  }
   return *shadows_;
 }
 
@@ -207,11 +216,10 @@ VkPipeline Pipelines::get(const PipelineKey& key) {
 Pipelines::Program Pipelines::program(const PipelineKey& key, const VkSpecializationInfo& constants) {
   if (key.shadow_map) return shadow_map_program(key, constants);
   if (!key.depth_only) {
-    const bool mapped = key.maps != 0;
-    const Handle<VkShaderModule>& fragments = mapped
-                                                  ? (key.shadowed ? shadows().mapped_frag : mapped_frag_)
-                                                  : (key.shadowed ? shadows().color_frag : color_frag_)[key.textured];
-    return {{stage(VK_SHADER_STAGE_VERTEX_BIT, mapped ? mapped_vert_.get() : color_vert_.get(), &constants),
+    const std::size_t look = key.maps != 0 ? 2 : key.textured ? 1 : 0;
+    const Handle<VkShaderModule>& fragments = key.blends() ? (key.shadowed ? shadows().layer_frag : layer_frag_)[look]
+                                                           : (key.shadowed ? shadows().color_frag : color_frag_)[look];
+    return {{stage(VK_SHADER_STAGE_VERTEX_BIT, key.maps != 0 ? mapped_vert_.get() : color_vert_.get(), &constants),
              stage(VK_SHADER_STAGE_FRAGMENT_BIT, fragments.get(), &constants)},
             2,
             vertex_input(kColorInputs)};

@@ -28,6 +28,7 @@ struct PipelineKey {
   std::uint8_t maps = 0;     ///< a sum of 1 << binding of the maps that are shown, from SIMVIS_FIRST_MAP on
   std::uint16_t lights = 0;  ///< how many light it, up to SIMVIS_MAX_LIGHTS
   bool cull_back = false;
+  bool fog = false;          ///< seen through air that is not clear
   bool mirrored = false;     ///< the transform turns the winding of triangles
   bool shadow_map = false;   ///< depth for a shadow map
   bool parallel = false;     ///< in light from afar
@@ -51,6 +52,7 @@ class Pipelines {
   VkPipelineLayout layout() const { return layout_.get(); }
   VkDescriptorSetLayout frame_set_layout() const { return frame_set_layout_.get(); }
   VkDescriptorSetLayout texture_set_layout() const { return texture_set_layout_.get(); }
+  VkDescriptorSetLayout layers_set_layout() const { return layers_set_layout_.get(); }
 
   /// Made on first use.
   const ShadowPipelines& shadows();
@@ -70,13 +72,14 @@ class Pipelines {
   Handle<VkPipeline> make(const PipelineKey& key);
 
   Device::Impl& device_;
-  Handle<VkDescriptorSetLayout> frame_set_layout_, texture_set_layout_;
+  Handle<VkDescriptorSetLayout> frame_set_layout_, texture_set_layout_, layers_set_layout_;
   Handle<VkPipelineLayout> layout_;
   std::unordered_map<std::uint32_t, Handle<VkRenderPass>> render_passes_;
   Handle<VkShaderModule> depth_vert_, mask_vert_, color_vert_;
-  Handle<VkShaderModule> mask_frag_[2], color_frag_[2];  // without and with a texture
+  Handle<VkShaderModule> mask_frag_[2];  // without and with a texture
+  Handle<VkShaderModule> mapped_vert_;
+  Handle<VkShaderModule> color_frag_[3], layer_frag_[3];  // likewise, and with maps
   std::optional<ShadowPipelines> shadows_;
-  Handle<VkShaderModule> mapped_vert_, mapped_frag_;
   std::unordered_map<std::uint64_t, Handle<VkPipeline>> pipelines_;
 };
 

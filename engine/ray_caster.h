@@ -5,7 +5,8 @@
 // Whether a ray meets a triangle, and where, is decided in double on the triangle itself (see ray_triangle.h), whose
 // vertices are the mesh's float32 positions, taken as exact, in the frame of the sensor. So the result is that of
 // testing every triangle in double, whatever the trees look like, and the same to the bit by either engine: the nearest
-// hit, and of several at one range the first item's first primitive. ray_cast.comp says what its margins are.
+// hit, and of several at one range the first primitive of the item that comes first by content (see content_order.h).
+// ray_cast.comp says what its margins are.
 //
 // What is padded for Embree. Trees work in numbers of the order of 1. A mesh's tree is in the mesh's frame, its middle
 // at the origin, its half diagonal the unit; a ray is brought there in double and starts where it enters the mesh's

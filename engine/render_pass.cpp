@@ -10,19 +10,22 @@ Handle<VkRenderPass> make_render_pass(Device::Impl& device, const RenderPassKind
   VkAttachmentDescription& depth = attachments[0];
   depth.format = kDepthFormat;
   depth.samples = static_cast<VkSampleCountFlagBits>(kind.samples);
-  depth.loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR;
-  depth.storeOp = kind.keep_depth || kind.sampled ? VK_ATTACHMENT_STORE_OP_STORE : VK_ATTACHMENT_STORE_OP_DONT_CARE;
+  depth.loadOp = kind.resumed ? VK_ATTACHMENT_LOAD_OP_LOAD : VK_ATTACHMENT_LOAD_OP_CLEAR;
+  depth.storeOp = kind.keep_depth || kind.continued || kind.sampled ? VK_ATTACHMENT_STORE_OP_STORE
+                                                                    : VK_ATTACHMENT_STORE_OP_DONT_CARE;
   depth.stencilLoadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE;
   depth.stencilStoreOp = VK_ATTACHMENT_STORE_OP_DONT_CARE;
-  depth.initialLayout = VK_IMAGE_LAYOUT_UNDEFINED;
-  depth.finalLayout = kind.sampled      ? VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL
-                      : kind.keep_depth ? VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL
-                                        : VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
+  depth.initialLayout = kind.resumed ? VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL : VK_IMAGE_LAYOUT_UNDEFINED;
+  depth.finalLayout = kind.sampled                         ? VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL
+                      : kind.keep_depth && !kind.continued ? VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL
+                                                           : VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
   attachments[1] = depth;
   attachments[1].format = kColorFormat;
   attachments[1].storeOp = VK_ATTACHMENT_STORE_OP_STORE;
-  attachments[1].finalLayout =
-      kind.averaged ? VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL : VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
+  attachments[1].initialLayout = kind.resumed ? VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL : VK_IMAGE_LAYOUT_UNDEFINED;
+  attachments[1].finalLayout = kind.continued  ? VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL
+                               : kind.averaged ? VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL
+                                               : VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
 
   const VkAttachmentReference depth_reference{0, VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL};
   const VkAttachmentReference color_reference{1, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL};
@@ -32,8 +35,9 @@ Handle<VkRenderPass> make_render_pass(Device::Impl& device, const RenderPassKind
   subpass.pColorAttachments = &color_reference;
   subpass.pDepthStencilAttachment = &depth_reference;
 
-  // Nothing runs before the pass that it must wait for: each frame is waited for. The copies and
-  // averages after it are. The same for all passes: dependencies, too, make passes compatible.
+  // Nothing runs before the pass that it must wait for: each frame is waited for, and a pass that goes on waits by a
+  // barrier (see TransparentLayers). The copies and averages after it do. The same for all passes: dependencies, too,
+  // make passes compatible.
   VkSubpassDependency used{};
   used.srcSubpass = 0;
   used.dstSubpass = VK_SUBPASS_EXTERNAL;

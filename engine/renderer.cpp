@@ -19,6 +19,7 @@
 #include "engine/render_targets.h"
 #include "engine/sample_average.h"
 #include "engine/texture_store.h"
+#include "engine/transparent_layers.h"
 #include "engine/uploads.h"
 
 namespace simvis {
@@ -69,6 +70,7 @@ struct Renderer::Impl {
         textures(d, pipelines.texture_set_layout()),
         buffers(d, pipelines.frame_set_layout()),
         average(d),
+        layers(d, pipelines),
         targets(d, pipelines, average) {
     if (d.instrumented) queries.emplace(d);
   }
@@ -90,6 +92,7 @@ struct Renderer::Impl {
   TextureStore textures;
   FrameBuffers buffers;
   SampleAverage average;
+  TransparentLayers layers;
   RenderTargets targets;
   std::optional<ShadowMaps> shadows;  // once a plan has any
   DrawTable table;
@@ -98,7 +101,7 @@ struct Renderer::Impl {
   std::vector<PassResult> results;
   std::vector<ViewCounts> view_counts;  // of all passes' views, in order
   FrameCounters counters;
-  std::vector<std::uint32_t> made;  // see FrameContext
+  std::vector<std::uint64_t> made;  // see FrameContext
   std::optional<GpuQueries> queries;
   FrameCosts costs;
 };
@@ -119,7 +122,9 @@ std::span<const PassResult> Renderer::render(const DrawList& list, const FramePl
   r.uploads.begin(VK_NULL_HANDLE);  // nothing has been uploaded yet
   if (plan.passes.empty()) return {};
   try {
-    r.draw_frame(list, plan);
+    do {
+      r.draw_frame(list, plan);
+    } while (r.layers.grow());
   } catch (...) {
     r.forget();
     throw;
@@ -142,7 +147,9 @@ void Renderer::Impl::draw_frame(const DrawList& list, const FramePlan& plan) {
     commands.submit_and_wait();
   }
   uploads.release();
-  counters.bytes_uploaded = uploads.bytes();
+  counters.bytes_uploaded += uploads.bytes();
+  counters.layers = layers.found();
+  counters.layer_bytes = layers.bytes();
   geometry.count(counters.meshes_held, counters.mesh_bytes);
   textures.count(counters.textures_held, counters.texture_bytes);
 }
@@ -165,6 +172,7 @@ void Renderer::Impl::prepare(const DrawList& list, const FramePlan& plan) {
   table.update(list, color, geometry, textures, uploads);
   buffers.write_materials(list, table.materials_read(), uploads);
   buffers.write_map_places(list, table.textures_shown(), uploads);
+  draws.clear();
   for (const Pass& pass : plan.passes) {
     for (const View& view : pass.views) draws.add(view, pass, list, table, counters);
   }
@@ -179,14 +187,23 @@ void Renderer::Impl::prepare(const DrawList& list, const FramePlan& plan) {
 
 void Renderer::Impl::record(VkCommandBuffer recorded, const DrawList& list, const FramePlan& plan) {
   targets.begin_frame();
+  pass_targets.clear();
   for (const Pass& pass : plan.passes) pass_targets.push_back(&targets.acquire(pass));
   const Pass* const maps = find_shadow_maps(plan);
   if (maps) shadows->show(pass_targets[static_cast<std::size_t>(maps - plan.passes.data())]->depth);
+
+  std::vector<const Pass*> layered;
+  for (const DrawnPass& drawn : drawing_order(plan)) {
+    const Pass& pass = plan.passes[drawn.pass];
+    if (shows_layers(draws.views().subspan(drawn.first_view, pass.views.size()))) layered.push_back(&pass);
+  }
+  layers.begin_frame(layered);
 
   const FrameContext frame{.device = device,
                            .commands = recorded,
                            .pipelines = pipelines,
                            .average = average,
+                           .layers = layers,
                            .geometry = geometry,
                            .frame_set = buffers.set(),
                            .shadows = maps ? &*shadows : nullptr,

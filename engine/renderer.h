@@ -24,6 +24,8 @@ struct FrameCounters {
   std::uint64_t items_culled = 0;
   std::uint64_t meshes_held = 0, textures_held = 0;  ///< on the device, after the frame
   std::uint64_t mesh_bytes = 0, texture_bytes = 0;   ///< that they take there
+  std::uint64_t layers = 0;       ///< of transparent surfaces, over all samples: see TransparentLayers
+  std::uint64_t layer_bytes = 0;  ///< of memory for them, on the device after the frame
 
   bool operator==(const FrameCounters&) const = default;
 };
@@ -49,7 +51,8 @@ struct PassResult {
 };
 
 /// Frames   see View. All products of transforms are formed in double and rounded once.
-/// Special  an empty plan submits nothing.
+/// Special  an empty plan submits nothing. A frame that shows more layers of transparent surfaces than there is memory
+///          for is drawn again with more, and its counters count both.
 /// Errors   render() throws MachineError with the Vulkan result (device lost, out of memory), InputError if a pass is
 ///          larger than the device allows, or has more samples.
 /// Threading  one renderer, one thread. Several renderers may share a Device only from one thread.

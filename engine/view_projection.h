@@ -66,7 +66,4 @@ bool outside(const MeshPlanes& planes, const glm::dvec3& center, const glm::dvec
 /// Whether nothing of a triangle in the mesh's frame can appear in the view: its corners lie beyond one plane.
 bool outside(const MeshPlanes& planes, const glm::vec3& a, const glm::vec3& b, const glm::vec3& c);
 
-/// Depth along the optical axis of the farthest corner of the box, in metres.
-double farthest_depth(const ViewProjection& projection, const WorldBox& box);
-
 }  // namespace simvis

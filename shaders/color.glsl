@@ -1,6 +1,6 @@
 // Linear radiance of a surface in the lights of KHR_lights_punctual. TEXTURED is defined where the material has a
-// texture of its base colour and no other, MAPPED where it has others, SHADOWED where something may stand in a light's
-// way.
+// texture of its base colour and no other, MAPPED where it has others; SHADOWED where something may stand in a light's
+// way; LAYER where the surface is transparent: its colour is then not drawn but kept.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/interop.h"
 
@@ -29,7 +29,14 @@ layout(location = 4) in vec3 in_normal;
 layout(location = 5) flat in vec3 in_finish;  // roughness, opacity, metallic share; written where kGlossy or kFaded
 layout(location = SIMVIS_REACH) in float in_reach;  // written only where kShadowed
 
+#include "shaders/fog.glsl"
+#ifdef LAYER
+#include "shaders/layers.glsl"
+layout(early_fragment_tests) in;  // what is hidden is not kept
+vec4 out_color;
+#else
 layout(location = 0) out vec4 out_color;
+#endif
 
 const float kInversePi = 0.3183098861837907;
 const float kLeastSquare = 1e-20;  // keeps divisions finite, in m^2
@@ -57,7 +64,7 @@ Incident incident(LightBlock light) {
   return Incident(toward, window * cone * cone / square);
 }
 
-void main() {
+void shade() {
   const float reach = kShadowed ? in_reach : 0.0;  // in every variant: what vertex shaders put out has to be read
 #ifdef SHADOWED
   const vec3 plane_normal = normal_of_plane();  // here, where no neighbour has gone yet
@@ -104,4 +111,12 @@ void main() {
   }
   out_color = vec4(base.rgb * arriving + surface.emission, base.a);
   if (kGlossy) out_color.rgb += highlight;
+}
+
+void main() {
+  shade();
+  if (kFog) out_color.rgb = in_fog(out_color.rgb, length(in_position));
+#ifdef LAYER
+  add_layer(out_color);
+#endif
 }

@@ -16,7 +16,8 @@ using glm::vec4;
 using uint = std::uint32_t;
 #endif
 
-// Descriptor set 0: the frame. Descriptor set 1: the textures of a material.
+// Descriptor set 0: the frame. Descriptor set 1: the textures of a material. Descriptor set 2: layers of transparent
+// surfaces.
 #define SIMVIS_FRAME_SET 0
 #define SIMVIS_MATERIALS 0
 #define SIMVIS_LIGHTS 1
@@ -29,9 +30,12 @@ using uint = std::uint32_t;
 #define SIMVIS_OCCLUSION_MAP 3
 #define SIMVIS_EMISSIVE_MAP 4
 #define SIMVIS_TEXTURES 5
+#define SIMVIS_LAYERS_SET 2
+#define SIMVIS_LAYER_LISTS 0
+#define SIMVIS_LAYER_NODES 1
 
-// Descriptor set 2, of scenes with shadows: where light may be in something's way.
-#define SIMVIS_SHADOW_SET 2
+// Descriptor set 3, of scenes with shadows: where light may be in something's way.
+#define SIMVIS_SHADOW_SET 3
 #define SIMVIS_SHADOWS 0
 #define SIMVIS_SHADOW_ATLAS 1
 #define SIMVIS_MAX_SHADOWS 64  // of a view
@@ -79,6 +83,7 @@ using uint = std::uint32_t;
 #define SIMVIS_PARALLEL 6
 #define SIMVIS_METALLIC 7
 #define SIMVIS_MAPS 8  // a sum of 1 << binding of the textures that are there
+#define SIMVIS_FOG 9
 
 #define SIMVIS_LEAST_ROUGHNESS 0.05
 
@@ -142,6 +147,18 @@ struct ShadowBlock {
 struct ViewBlock {
   vec4 projection;  // clip.x = projection.x * x + projection.y * z; clip.y = projection.z * y + projection.w * z
   vec4 ambient;     // rgb: linear radiance from all around; w: near_m
+  vec4 airlight;    // rgb: linear radiance of the air, seen at infinity; w: its extinction in 1/m
+};
+
+// Rows of a pass whose transparent surfaces are kept apart at one time; each of their samples has a list of layers.
+struct LayerBand {
+  uvec4 rows;  // x: layers so far; y: samples' texels in a row; z: the first row; w: samples of a texel
+};
+
+// A transparent surface at one sample.
+struct LayerNode {
+  vec4 color;   // linear radiance, alpha
+  uvec4 place;  // x: bits of its depth near / z; y: the list's next layer, counted from 1, 0: none
 };
 
 // A node of a Bvh (see engine/bvh.h), read as whole rows; xyz are bits of floats.

@@ -69,7 +69,17 @@ TEST_CASE("structs lie in memory as the vertex shaders read them") {
   CHECK(members_of(mapped, "map_places") == 2);
   CHECK_OFFSET(found, "view", shader::ViewBlock, projection);
   CHECK_OFFSET(found, "view", shader::ViewBlock, ambient);
+  CHECK_OFFSET(found, "view", shader::ViewBlock, airlight);
   CHECK(found.at("View") == sizeof(shader::ViewBlock));
+}
+
+TEST_CASE("layers of transparent surfaces lie in memory as the shaders read them") {
+  const auto found = reflect("layers_resolve.frag");
+  CHECK_OFFSET(found, "nodes", shader::LayerNode, color);
+  CHECK_OFFSET(found, "nodes", shader::LayerNode, place);
+  CHECK(found.at("LayerNodes") == sizeof(shader::LayerNode));
+  CHECK_OFFSET(found, "band", shader::LayerBand, rows);
+  CHECK(found.at("LayerLists") == sizeof(shader::LayerBand) + sizeof(std::uint32_t));
 }
 
 TEST_CASE("structs lie in memory as the fragment shaders read them") {

@@ -42,21 +42,6 @@ TEST_CASE("clip rows project a point to the pixel that the pinhole names") {
   CHECK(std::abs((glm::dot(glm::dvec4(instance.clip_y), p) / w + 1) * 240 - v) < kRounding_px);
 }
 
-TEST_CASE("the farthest depth of a box is that of its farthest corner") {
-  View view = strip(640, 480, 500);
-  view.view_from_world = glm::rotate(moved(1, 2, 3), 0.4, glm::normalize(glm::dvec3(1, 2, 3)));
-  const glm::dmat4 world_from_mesh = glm::scale(moved(0.5, -1, 9), glm::dvec3(2, -3, 0.5));
-  const glm::dvec3 center(0.3, 0.7, -0.2), half(1, 0.25, 4);
-  double farthest = -1e300;
-  for (int corner = 0; corner < 8; ++corner) {
-    const glm::dvec3 sign(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
-    farthest = std::max(farthest, (view.view_from_world * world_from_mesh * glm::dvec4(center + sign * half, 1)).z);
-  }
-  // Some ten roundings of doubles of this size.
-  CHECK(farthest_depth(make_projection(view), make_box(world_from_mesh, center, half)) ==
-        doctest::Approx(farthest).epsilon(1e-14));
-}
-
 TEST_CASE("a strip is projected into a viewport with guard rows, and a point to the same pixel as without") {
   const View view = strip(4096, 2, 2048);
   REQUIRE(guard_rows(view) == 2047);

@@ -29,10 +29,16 @@ constexpr std::size_t kFewer = 1;
 constexpr std::string_view kMethods[] = {"nearest", "planar", "hybrid", "raycast"};
 #endif
 
+// Each with a light of its own, which is so declared in as many orders; ball and case are transparent.
 const std::vector<std::string> kParts = {
-    R"(<part file="room.gltf" name="ROOM" insert_at="ROOT" up="z" pose_offset="0 0 1.5 0 0 10"/>)",
-    R"(<part file="ball.gltf" name="BALL" insert_at="ROOT" up="z" pose_offset="2 0.4 1 0 0 0"/>)",
-    R"(<part file="case.gltf" name="CASE" insert_at="ROOT" up="z" pose_offset="1 -1.3 0.9 5 10 15"/>)"};
+    R"(<part file="room.gltf" name="ROOM" insert_at="ROOT" up="z" pose_offset="0 0 1.5 0 0 10"/>
+       <element type="light" name="ROOM_LIGHT" insert_at="ROOT" kind="directional" intensity="1.3" elevation="70"/>)",
+    R"(<part file="ball.gltf" name="BALL" insert_at="ROOT" up="z" pose_offset="2 0.4 1 0 0 0"/>
+       <element type="material" name="BALL_LOOK" insert_at="ROOT" part="BALL" red="0.7" opacity="0.7"/>
+       <element type="light" name="BALL_LIGHT" insert_at="ROOT" kind="point" intensity="3.7" x="0.3" z="2.1"/>)",
+    R"(<part file="case.gltf" name="CASE" insert_at="ROOT" up="z" pose_offset="1 -1.3 0.9 5 10 15"/>
+       <element type="material" name="CASE_LOOK" insert_at="ROOT" part="CASE" green="0.6" opacity="0.6"/>
+       <element type="light" name="CASE_LIGHT" insert_at="ROOT" kind="point" intensity="7.1" y="-0.3" z="2.3"/>)"};
 const std::vector<std::string> kSensors = {
     R"(<sensor type="laser_scanner" name="LEVEL" insert_at="ROOT" pose_offset="0.1 0 1 0 0 3"/>)",
     R"(<sensor type="laser_scanner" name="TILTED" insert_at="ROOT" pose_offset="0 0.2 1.3 10 20 30" samples="200"
@@ -143,7 +149,7 @@ TEST_CASE("parts and sensors declared in any order give the same bytes") {
     ++orders;
   } while (std::ranges::next_permutation(sensors).found);
   CHECK(first.size() == 1 + 3 * std::min(std::size(kMethods), orders));
-  add_line("orders of declaring 3 parts, 3 scanners and a camera", std::to_string(orders) + ", the same bytes");
+  add_line("orders of declaring 3 parts, 3 lights, 3 scanners and a camera", std::to_string(orders) + ", the same bytes");
 }
 
 TEST_CASE("other sensors in the scene change nothing in a sensor's bytes") {
