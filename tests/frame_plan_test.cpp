@@ -142,7 +142,8 @@ TEST_CASE("depth of masked surfaces: textures of masks are uploaded, others are 
   check_named(renderer, plan);
   const auto textures = std::ranges::count_if(
       plan.memory, [](const PlannedMemory& memory) { return memory.name.starts_with("texture"); });
-  CHECK(textures == 1);
+  REQUIRE(textures == 1);
+  REQUIRE(holds(plan, "texture four"));
   CHECK(std::ranges::find(plan.memory, "texture four", &PlannedMemory::name)->uploaded == 4 * 4);  // RGBA of 4 texels
   CHECK(!holds(plan, "colour"));
   CHECK(!holds(plan, "lights"));
