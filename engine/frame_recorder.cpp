@@ -43,7 +43,7 @@ void bind_run(const FrameContext& frame, const Pass& pass, const DrawRun& run, B
   const VkPipeline pipeline = frame.pipelines.get(key);
   if (frame.pipelines.made() > known) {
     ++frame.counters.pipelines_made;
-    frame.made.push_back(key.bits());
+    frame.made.meshes.push_back(key.bits());
   }
   if (pipeline != bound.pipeline) {
     vkCmdBindPipeline(frame.commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline);
@@ -218,7 +218,10 @@ void record_readback(const FrameContext& frame, const Pass& pass, const RenderTa
   if (pass.samples() > 1) {
     const std::size_t known = frame.average.made();
     frame.average.record(frame.commands, pass, target.average, target.color);
-    frame.counters.pipelines_made += frame.average.made() - known;
+    if (frame.average.made() > known) {
+      ++frame.counters.pipelines_made;
+      frame.made.means.push_back(SampleAverage::pipeline_key(pass));
+    }
     ++frame.counters.dispatches;
   }
   if (pass.color) copy_image(frame, target.color, target.color_readback);

@@ -14,6 +14,12 @@
 
 namespace simvis {
 
+/// The pipelines that a frame is the first to use.
+struct MadePipelines {
+  std::vector<std::uint32_t> meshes;  ///< PipelineKey::bits()
+  std::vector<std::uint32_t> means;   ///< SampleAverage::pipeline_key()
+};
+
 struct FrameContext {
   Device::Impl& device;
   VkCommandBuffer commands;
@@ -28,8 +34,8 @@ struct FrameContext {
   const FrameDraws& draws;
   const DrawList& list;
   FrameCounters& counters;
-  std::vector<std::uint64_t>& made;  ///< pipelines that this frame is the first to draw with: PipelineKey::bits()
-  GpuQueries* queries = nullptr;     ///< null unless the device is instrumented
+  MadePipelines& made;
+  GpuQueries* queries = nullptr;  ///< null unless the device is instrumented
 };
 
 /// Whether a view of the pass shows something transparent.

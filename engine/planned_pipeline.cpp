@@ -4,6 +4,8 @@
 #include <string>
 #include <string_view>
 
+#include "engine/sample_average.h"
+
 namespace simvis {
 namespace {
 
@@ -66,7 +68,7 @@ std::string reason_for(const PipelineKey& key) {
 }  // namespace
 
 std::vector<PlannedPipeline> pipelines_of(std::span<const DrawRun> runs, const Pass& pass,
-                                          std::span<const std::uint32_t> made) {
+                                          std::vector<std::uint32_t>& made) {
   std::vector<PlannedPipeline> planned;
   std::vector<std::uint32_t> known;  // planned[i] has the key known[i]
   for (const DrawRun& run : runs) {
@@ -78,7 +80,7 @@ std::vector<PlannedPipeline> pipelines_of(std::span<const DrawRun> runs, const P
       planned.push_back({.variant = variant_of(key),
                          .reason = reason_for(key),
                          .shades = key.shades(),
-                         .made = std::ranges::find(made, key.bits()) != made.end()});
+                         .made = std::erase(made, key.bits()) > 0});
     }
     ++planned[place].draws;
     if (key.topology == Topology::triangles) {
@@ -88,9 +90,10 @@ std::vector<PlannedPipeline> pipelines_of(std::span<const DrawRun> runs, const P
   return planned;
 }
 
-PlannedPipeline mean_in_words(const Pass& pass) {
+PlannedPipeline mean_pipeline(const Pass& pass, std::vector<std::uint32_t>& made) {
   return {.variant = "mean, grid " + std::to_string(pass.grid) + ", msaa " + std::to_string(pass.msaa),
-          .reason = std::to_string(pass.samples()) + " samples of each pixel"};
+          .reason = std::to_string(pass.samples()) + " samples of each pixel",
+          .made = std::erase(made, SampleAverage::pipeline_key(pass)) > 0};
 }
 
 }  // namespace simvis

@@ -10,11 +10,12 @@
 
 namespace simvis {
 
-/// Those of a view's draws, in the order of drawing; `made` are the PipelineKey::bits() of those that are new.
+/// Those of a view's draws, in the order of drawing. Where one is in `made`, of PipelineKey::bits(), it is taken out of
+/// there: the first who needs it has it made.
 std::vector<PlannedPipeline> pipelines_of(std::span<const DrawRun> runs, const Pass& pass,
-                                          std::span<const std::uint32_t> made);
+                                          std::vector<std::uint32_t>& made);
 
-/// The one that takes the mean of a pass's samples.
-PlannedPipeline mean_in_words(const Pass& pass);
+/// The one that takes the mean of a pass's samples; `made` likewise, of SampleAverage::pipeline_key().
+PlannedPipeline mean_pipeline(const Pass& pass, std::vector<std::uint32_t>& made);
 
 }  // namespace simvis

@@ -101,7 +101,7 @@ struct Renderer::Impl {
   std::vector<PassResult> results;
   std::vector<ViewCounts> view_counts;  // of all passes' views, in order
   FrameCounters counters;
-  std::vector<std::uint64_t> made;  // see FrameContext
+  MadePipelines made;  // by this frame
   std::optional<GpuQueries> queries;
   FrameCosts costs;
 };
@@ -118,7 +118,7 @@ std::span<const PassResult> Renderer::render(const DrawList& list, const FramePl
   r.results.clear();
   r.pass_targets.clear();
   r.draws.clear();
-  r.made.clear();
+  r.made = {};
   r.uploads.begin(VK_NULL_HANDLE);  // nothing has been uploaded yet
   if (plan.passes.empty()) return {};
   try {
@@ -249,15 +249,16 @@ void Renderer::complete(FramePlan& plan) const {
 const FrameCosts* Renderer::costs() const { return impl_->queries ? &impl_->costs : nullptr; }
 
 void Renderer::Impl::name_pipelines(FramePlan& plan) const {
+  MadePipelines unnamed = made;
   std::size_t drawn = 0;
   for (std::size_t i = 0; i < pass_targets.size(); ++i) {
     Pass& pass = plan.passes[i];
     pass.pipelines.clear();
-    if (pass.samples() > 1) pass.pipelines.push_back(mean_in_words(pass));
+    if (pass.samples() > 1) pass.pipelines.push_back(mean_pipeline(pass, unnamed.means));
     for (View& view : pass.views) {
       const ViewDraws& draw = draws.views()[drawn++];
       const auto runs = draws.runs().subspan(draw.first_run, draw.end_run - draw.first_run);
-      view.pipelines = pipelines_of(runs, pass, made);
+      view.pipelines = pipelines_of(runs, pass, unnamed.meshes);
     }
   }
 }

@@ -93,7 +93,7 @@ SampleAverage::Binding SampleAverage::bind(const GpuImage& samples, const GpuIma
 }
 
 VkPipeline SampleAverage::pipeline(const Pass& pass) {
-  Handle<VkPipeline>& known = pipelines_[pass.grid << 8 | pass.msaa];
+  Handle<VkPipeline>& known = pipelines_[pipeline_key(pass)];
   if (known) return known.get();
   const bool multisampled = pass.msaa > 1;
   const std::span<const std::uint32_t> words = multisampled

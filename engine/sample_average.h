@@ -26,6 +26,8 @@ class SampleAverage {
   void record(VkCommandBuffer commands, const Pass& pass, const Binding& binding, const GpuImage& mean);
 
   std::size_t made() const { return pipelines_.size(); }  ///< pipelines, so far
+  /// Which of them a pass takes.
+  static std::uint32_t pipeline_key(const Pass& pass) { return pass.grid << 8 | pass.msaa; }
 
  private:
   void make_layouts();
