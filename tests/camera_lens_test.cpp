@@ -122,8 +122,8 @@ double interpolation_bound(const glm::dvec3& ray, double pitch, int channel) {
       glm::normalize(glm::cross(ray, std::abs(ray.x) < 0.7 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0)));
   const glm::dvec3 b = glm::cross(ray, a);
   double most = 0;
-  for (int turn = 0; turn < 8; ++turn) {
-    const double angle = turn * 3.14159265358979 / 8;
+  for (int turn = 0; turn < 4; ++turn) {
+    const double angle = turn * 3.14159265358979 / 4;
     const glm::dvec3 step = 2 * pitch * (std::cos(angle) * a + std::sin(angle) * b);
     most = std::max(most, std::abs(true_color(ray + step, channel) - 2 * true_color(ray, channel) +
                                    true_color(ray - step, channel)));
