@@ -29,7 +29,8 @@ const EffectRegistration kRegistration({
     .source = "a lit material with a normal texture",
     .outputs = kShownInColor,
     .reference = "a surface that is really tilted; glTF 2.0, section 3.9.3",
-    .example = {.commands = R"(<part file="showcase/relief.glb" name="EFFECT" insert_at="ROOT" pose_offset="3 0 0 0 0 0"/>)"},
+    .example = {.commands =
+                    R"(<part file="showcase/relief.glb" name="EFFECT" insert_at="ROOT" pose_offset="3 0 0 0 0 0"/>)"},
     .called_for = called_for,
 });
 
