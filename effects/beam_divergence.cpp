@@ -39,7 +39,8 @@ const ScanEffectRegistration kRegistration(
               .sensors = "laser_scanner",
               .attributes = kAttributes,
               .example = {.attributes = R"(divergence="0.5" divergence_samples="16")",
-                          .off_attributes = R"(divergence="0" divergence_samples="16")"}},
+                          .off_attributes = R"(divergence="0" divergence_samples="16")",
+                          .knob_values = "4 16 64 256"}},
      .order = ScanOrder::spread,
      .create = create});
 

@@ -67,6 +67,9 @@ bool may_have(std::string_view sensor_type, const EffectType& effect);
 /// Commands of its example under names that no other effect's have.
 std::string example_commands(const EffectType& effect, std::string_view commands);
 
+/// Attributes of both, as XML; where both have one, that of `a`.
+std::string join_attributes(std::string_view a, std::string_view b);
+
 /// Adds to the plan what of the scene's effects the sensor shows, whose passes are those from `first_pass` on.
 void plan_scene_effects(const std::string& sensor, std::size_t first_pass, const DrawList& list, FramePlan& plan);
 

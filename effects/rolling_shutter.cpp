@@ -39,7 +39,8 @@ const CameraEffectRegistration kRegistration(
               .sensors = "camera",
               .attributes = kAttributes,
               .example = {.attributes = R"(row_time="2e-5" rows_per_pose="16")",
-                          .off_attributes = R"(row_time="0" rows_per_pose="16")"}},
+                          .off_attributes = R"(row_time="0" rows_per_pose="16")",
+                          .knob_values = "32 8 2 1"}},
      .order = CameraOrder::shutter,
      .create = create});
 

@@ -85,6 +85,9 @@ bool called_for(const DrawList& list) {
   });
 }
 
+#define MIRROR \
+  R"(<part file="../showcase/mirror.glb" name="EFFECT_MIRROR" insert_at="ROOT" pose_offset="0.2 0.3 0 0 0 -30"/>)"
+
 const ScanEffectRegistration kRegistration({
     .type = {.name = "specular_path",
              .summary = "beams that go on from mirrors and through panes of glass",
@@ -94,7 +97,15 @@ const ScanEffectRegistration kRegistration({
              .reference = "the law of reflection, Fresnel's equations",
              .sensors = "laser_scanner",
              .attributes = kAttributes,
-             .example = {.attributes = R"(path_depth="4")", .off_attributes = R"(path_depth="0")"}},
+             .example = {.attributes = R"(path_depth="4")",
+                         .commands = MIRROR
+                         R"(<element type="material" name="EFFECT" insert_at="ROOT" part="EFFECT_MIRROR" )"
+                         R"(mirror="1"/>)",
+                         .off_attributes = R"(path_depth="0")",
+                         .off_commands = MIRROR
+                         R"(<element type="material" name="EFFECT" insert_at="ROOT" part="EFFECT_MIRROR"/>)",
+                         .plain_commands = MIRROR,
+                         .knob_values = "1 2 4"}},
     .order = ScanOrder::path,
     .create = create,
     .called_for = called_for,

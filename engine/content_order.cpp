@@ -37,16 +37,29 @@ auto row_of(const Texture& texture) {
 }
 
 auto row_of(const Light& light) {
-  const auto& [kind, color, intensity, range_m, inner_cone_rad, outer_cone_rad, direction] = light;
+  const auto& [kind, color, intensity, range_m, inner_cone_rad, outer_cone_rad, direction, shadow_px] = light;
   return std::tuple(kind, bits(color), bits(intensity), bits(range_m), bits(inner_cone_rad), bits(outer_cone_rad),
-                    bits(direction));
+                    bits(direction), shadow_px);
+}
+
+auto bits(const glm::mat3x2& m) { return std::array{bits(m[0]), bits(m[1]), bits(m[2])}; }
+
+// But for the textures.
+auto row_of(const SurfaceMap& map) {
+  const auto& [texture, uv_set, uv_transform] = map;
+  return std::tuple(uv_set, bits(uv_transform));
 }
 
 auto row_of(const Material& material) {
-  const auto& [name, base_color, emissive, alpha_mode, alpha_cutoff, opacity, roughness, unlit, double_sided, texture,
-               uv_set, uv_transform] = material;
+  const auto& [name, base_color, emissive, alpha_mode, alpha_cutoff, opacity, roughness, metallic, unlit, double_sided,
+               reflectance, retro_reflectance, texture, uv_set, uv_transform, maps, normal_scale, occlusion_strength,
+               mirror, transmission, refractive_index] = material;
+  std::array<decltype(row_of(maps[0])), kMapKinds> map_rows;
+  std::ranges::transform(maps, map_rows.begin(), [](const SurfaceMap& map) { return row_of(map); });
   return std::tuple(bits(base_color), bits(emissive), alpha_mode, bits(alpha_cutoff), bits(opacity), bits(roughness),
-                    unlit, double_sided, uv_set, bits(uv_transform[0]), bits(uv_transform[1]), bits(uv_transform[2]));
+                    bits(metallic), unlit, double_sided, reflectance.has_value(), bits(reflectance.value_or(0)),
+                    bits(retro_reflectance), uv_set, bits(uv_transform), map_rows, bits(normal_scale),
+                    bits(occlusion_strength), bits(mirror), bits(transmission), bits(refractive_index));
 }
 
 int compare_content(const Texture* a, const Texture* b) {
@@ -86,6 +99,9 @@ int compare_content(const Mesh& a, const Mesh& b) {
 int compare_content(const Material& a, const Material& b) {
   if (&a == &b) return 0;
   if (const int order = compare_content(a.base_color_texture.get(), b.base_color_texture.get())) return order;
+  for (std::size_t kind = 0; kind < kMapKinds; ++kind) {
+    if (const int order = compare_content(a.maps[kind].texture.get(), b.maps[kind].texture.get())) return order;
+  }
   return sign(row_of(a) <=> row_of(b));
 }
 

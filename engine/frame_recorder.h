@@ -16,7 +16,7 @@ namespace simvis {
 
 /// The pipelines that a frame is the first to use.
 struct MadePipelines {
-  std::vector<std::uint32_t> meshes;  ///< PipelineKey::bits()
+  std::vector<std::uint64_t> meshes;  ///< PipelineKey::bits()
   std::vector<std::uint32_t> means;   ///< SampleAverage::pipeline_key()
 };
 

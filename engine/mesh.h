@@ -125,12 +125,11 @@ struct Material {
   std::array<SurfaceMap, kMapKinds> maps{};           ///< by MapKind; shown in colour only
   float normal_scale = 1;                             ///< factor of the normal map's x and y
   float occlusion_strength = 1;                       ///< [0, 1], how much of the occlusion map counts
+  float mirror = 0, transmission = 0;                 ///< [0, 1], for lasers
+  float refractive_index = 1.5f;                      ///< of a pane of glass, above 0
 
   const SurfaceMap& map(MapKind kind) const { return maps[static_cast<std::size_t>(kind)]; }
   SurfaceMap& map(MapKind kind) { return maps[static_cast<std::size_t>(kind)]; }
-
-  float mirror = 0, transmission = 0;  ///< [0, 1]
-  float refractive_index = 1.5f;       ///< of the pane, above 0
 
   bool operator==(const Material&) const = default;
 };

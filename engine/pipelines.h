@@ -35,7 +35,7 @@ struct PipelineKey {
   bool shadowed = false;     ///< something may stand in the way of its lights
   std::uint8_t samples = 1;  ///< of each pixel of the pass's targets: 1, 2, 4 or 8
 
-  bool shades() const { return !depth_only || surface == Surface::masked; }  ///< has a fragment shader
+  bool shades() const { return !depth_only || surface == Surface::masked || shadow_map; }  ///< has a fragment shader
   bool blends() const { return surface == Surface::blended || surface == Surface::faded; }
   std::uint64_t bits() const;
 };
@@ -77,8 +77,9 @@ class Pipelines {
   std::unordered_map<std::uint32_t, Handle<VkRenderPass>> render_passes_;
   Handle<VkShaderModule> depth_vert_, mask_vert_, color_vert_;
   Handle<VkShaderModule> mask_frag_[2];  // without and with a texture
+  Handle<VkShaderModule> color_frag_[3];  // likewise, and with maps
   Handle<VkShaderModule> mapped_vert_;
-  Handle<VkShaderModule> color_frag_[3], layer_frag_[3];  // likewise, and with maps
+  Handle<VkShaderModule> layer_frag_[3];  // as color_frag_, of transparent surfaces
   std::optional<ShadowPipelines> shadows_;
   std::unordered_map<std::uint64_t, Handle<VkPipeline>> pipelines_;
 };

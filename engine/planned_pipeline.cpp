@@ -1,6 +1,7 @@
 #include "engine/planned_pipeline.h"
 
 #include <algorithm>
+#include <bit>
 #include <string>
 #include <string_view>
 
@@ -51,7 +52,11 @@ std::string variant_of(const PipelineKey& key) {
   if (key.textured) text += ", textured";
   if (key.unlit) text += ", unlit";
   if (key.lights > 0) text += ", " + lights_text(key.lights);
-  if (key.glossy) text += ", glossy";
+  if (key.glossy) text += key.metallic ? ", metallic" : ", glossy";
+  if (key.maps != 0) text += ", " + std::to_string(std::popcount(key.maps)) + " maps";
+  if (key.shadowed) text += ", shadowed";
+  if (key.shadow_map) text += key.parallel ? ", for a shadow map from afar" : ", for a shadow map";
+  if (key.fog) text += ", in fog";
   if (key.cull_back) text += ", back faces culled";
   if (key.mirrored) text += ", mirrored";
   if (key.samples > 1) text += ", msaa " + std::to_string(key.samples);
@@ -68,9 +73,9 @@ std::string reason_for(const PipelineKey& key) {
 }  // namespace
 
 std::vector<PlannedPipeline> pipelines_of(std::span<const DrawRun> runs, const Pass& pass,
-                                          std::vector<std::uint32_t>& made) {
+                                          std::vector<std::uint64_t>& made) {
   std::vector<PlannedPipeline> planned;
-  std::vector<std::uint32_t> known;  // planned[i] has the key known[i]
+  std::vector<std::uint64_t> known;  // planned[i] has the key known[i]
   for (const DrawRun& run : runs) {
     PipelineKey key = run.key;
     key.samples = static_cast<std::uint8_t>(pass.msaa);

@@ -275,6 +275,8 @@ void Renderer::Impl::name_memory(FramePlan& plan) const {
     return found == pass_targets.end() ? nullptr : &plan.passes[static_cast<std::size_t>(found - pass_targets.begin())];
   };
   targets.name_memory(user, plan.memory);
+  layers.name_memory(uploads, plan.memory);
+  if (shadows) shadows->name_memory(uploads, plan.memory);
 }
 
 // What was recorded never ran: nothing of it counts as uploaded.

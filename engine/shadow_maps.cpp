@@ -119,4 +119,10 @@ void ShadowMaps::show(const GpuImage& atlas) {
   vkUpdateDescriptorSets(device_.device, 2, writes, 0, nullptr);
 }
 
+void ShadowMaps::name_memory(const Uploads& uploads, std::vector<PlannedMemory>& memory) const {
+  if (!blocks_) return;
+  memory.push_back({blocks_.desc().name, "where each view of colour finds the shadow maps of its lights",
+                    blocks_.memory_bytes(), uploads.bytes_to(blocks_)});
+}
+
 }  // namespace simvis

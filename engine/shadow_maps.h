@@ -22,6 +22,9 @@ class ShadowMaps {
   void write(const FramePlan& plan, const Pass& maps, Uploads& uploads);
   void show(const GpuImage& atlas);
 
+  /// Adds its buffer; the maps themselves are a pass's target.
+  void name_memory(const Uploads& uploads, std::vector<PlannedMemory>& memory) const;
+
   VkDescriptorSet set() const { return set_; }
   /// Where the blocks of the view lie that came as number `shadowed` of those that have any, in bytes.
   std::uint32_t offset(std::size_t shadowed) const { return offsets_[shadowed]; }

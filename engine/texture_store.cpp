@@ -125,8 +125,11 @@ void TextureStore::count(std::uint64_t& textures, std::uint64_t& bytes) const {
 void TextureStore::name_memory(const Uploads& uploads, const std::function<std::uint64_t(VkDescriptorSet)>& sampled,
                                std::vector<PlannedMemory>& memory) const {
   const std::size_t first = memory.size();
-  for (const auto& [texture, entry] : entries_) {
-    const std::uint64_t draws = sampled(entry.set);
+  for (const auto& [key, entry] : entries_) {
+    std::uint64_t draws = 0;
+    for (const auto& [textures, set] : sets_) {
+      if (std::ranges::find(textures, key.first) != textures.end()) draws += sampled(set);
+    }
     memory.push_back(
         {entry.image.desc().name,
          draws > 0 ? "sampled in " + std::to_string(draws) + " draws" : "a material shows it, in no view of this frame",

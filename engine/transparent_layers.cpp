@@ -261,4 +261,14 @@ VkPipeline TransparentLayers::resolve_pipeline(std::uint32_t samples) {
   return pipeline;
 }
 
+void TransparentLayers::name_memory(const Uploads& uploads, std::vector<PlannedMemory>& memory) const {
+  const auto add = [&](const Buffer& buffer, const char* reason) {
+    if (!buffer) return;
+    memory.push_back({buffer.desc().name, reason, buffer.memory_bytes(), uploads.bytes_to(buffer)});
+  };
+  add(lists_, "where the layers of each sample begin");
+  add(nodes_, "layers of transparent surfaces");
+  add(counts_, "how many layers each band has");
+}
+
 }  // namespace simvis

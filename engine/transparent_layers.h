@@ -16,6 +16,7 @@
 #include "engine/buffer.h"
 #include "engine/frame_plan.h"
 #include "engine/pipelines.h"
+#include "engine/uploads.h"
 
 namespace simvis {
 
@@ -46,6 +47,9 @@ class TransparentLayers {
   /// Once the frame is drawn: whether there was too little memory. There is more now, for another try.
   /// Throws MachineError where the device has no more.
   bool grow();
+
+  /// Adds its buffers.
+  void name_memory(const Uploads& uploads, std::vector<PlannedMemory>& memory) const;
 
   std::uint64_t found() const;  ///< layers of the frame
   std::uint64_t bytes() const;  ///< on the device

@@ -114,7 +114,7 @@ void measure_all_together(const Watcher& watcher, int frames) {
     if (!can_show(*effect, watcher)) continue;
     const Setting on = with_effect(*effect, watcher), off = without_effect(*effect);
     all.commands += on.commands;
-    all.attributes += on.attributes + ' ';
+    all.attributes = join_attributes(all.attributes, on.attributes);
     plain.commands += off.commands;
   }
   Trial with(watcher, all), without(watcher, plain);

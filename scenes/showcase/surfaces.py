@@ -22,23 +22,25 @@ def studs(side_px, count):
     return Texture("studs", side_px, side_px, bytes(pixels))
 
 
-def relief():
+def relief(bumps):
     """An upright panel of 1 x 1 m that faces -x, flat but for its normal map; the origin is in its middle."""
-    model = Model("relief")
-    model.add(Material("panel", CLAY, bumps=studs(128, 5), roughness=0.6), turned(picture(1, 1), "z", 180))
+    model = Model("relief" if bumps else "relief_flat")
+    model.add(Material("panel", CLAY, bumps=studs(128, 5) if bumps else None, roughness=0.6),
+              turned(picture(1, 1), "z", 180))
     return model
 
 
-def metal():
-    """Spheres: above metal, below a dielectric, polished to rough from left (+y) to right; faces -x."""
-    model = Model("metal")
+def metal(shines):
+    """Spheres: above metal, below a dielectric, polished to rough from left (+y) to right; faces -x. Or all matte."""
+    model = Model("metal" if shines else "metal_matte")
     for column, roughness in enumerate((0.1, 0.3, 0.5, 0.75, 1.0)):
         for z, name, color, metallic in ((0.22, "gold", GOLD, 1.0), (-0.22, "clay", CLAY, 0.0)):
-            material = Material(f"{name} {roughness}", color, roughness=roughness, metallic=metallic)
+            material = Material(f"{name} {roughness}", color, roughness=roughness if shines else 1.0,
+                                metallic=metallic if shines else 0.0)
             model.add(material, moved(sphere(0.2, 32, 20), 0, 0.88 - 0.44 * column, z))
-    model.add(Material("base", STEEL, roughness=0.4, metallic=1.0), rounded_box(0.5, 2.4, 0.06, 0.02), (0, 0, -0.45))
+    model.add(Material("base", STEEL, roughness=0.4 if shines else 1.0, metallic=1.0 if shines else 0.0), rounded_box(0.5, 2.4, 0.06, 0.02), (0, 0, -0.45))
     return model
 
 
 def models():
-    return [relief(), metal()]
+    return [relief(True), relief(False), metal(True), metal(False)]
