@@ -99,11 +99,11 @@ void MaterialElement::update(ParameterView values) {
                               .opacity = static_cast<float>(values[3]),
                               .roughness = static_cast<float>(values[4]),
                               .emission = glm::vec3(values[5], values[6], values[7]),
-                              .reflectance = reflectance_,
-                              .retro_reflectance = retro_reflectance_,
                               .mirror = static_cast<float>(values[8]),
                               .transmission = static_cast<float>(values[9]),
-                              .refractive_index = static_cast<float>(values[10])};
+                              .refractive_index = static_cast<float>(values[10]),
+                              .reflectance = reflectance_,
+                              .retro_reflectance = retro_reflectance_};
   for (const Changed& changed : changed_) changed.node->set_change(changed.number, change);
 }
 

@@ -153,4 +153,10 @@ bool outside(const ViewProjection& p, const WorldBox& box) {
   return false;
 }
 
+double farthest_depth(const ViewProjection& p, const WorldBox& box) {
+  double depth = transform_point(p.view_from_world, box.center).z;
+  for (const glm::dvec3& axis : box.axis) depth += std::abs((p.view_from_world * glm::dvec4(axis, 0)).z);
+  return depth;
+}
+
 }  // namespace simvis
