@@ -47,9 +47,10 @@ const ScanEffectRegistration kRegistration({
                          R"(<element type="material" name="EFFECT" insert_at="ROOT" part="EFFECT_SIGN" )"
                          R"(retro_reflectance="500"/>)",
                          .off_attributes = R"(intensity="off")",
-                         .off_commands = SIGN
-                         R"(<element type="material" name="EFFECT" insert_at="ROOT" part="EFFECT_SIGN"/>)",
-                         .plain_commands = SIGN}},
+                         .off_commands = SIGN R"(<element type="material" name="EFFECT" insert_at="ROOT" )"
+                                              R"(part="EFFECT_SIGN" retro_reflectance="0"/>)",
+                         .plain_commands = SIGN
+                         R"(<element type="material" name="EFFECT" insert_at="ROOT" part="EFFECT_SIGN"/>)"}},
     .order = ScanOrder::path,
     .create = [](const ScanEffectContext&) -> std::unique_ptr<ScanEffect> {
       return std::make_unique<RetroReflection>();

@@ -104,7 +104,8 @@ const ScanEffectRegistration kRegistration({
                          .off_attributes = R"(path_depth="0")",
                          .off_commands = MIRROR
                          R"(<element type="material" name="EFFECT" insert_at="ROOT" part="EFFECT_MIRROR"/>)",
-                         .plain_commands = MIRROR,
+                         .plain_commands = MIRROR
+                         R"(<element type="material" name="EFFECT" insert_at="ROOT" part="EFFECT_MIRROR"/>)",
                          .knob_values = "1 2 4"}},
     .order = ScanOrder::path,
     .create = create,

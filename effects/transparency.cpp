@@ -27,8 +27,10 @@ const EffectRegistration kRegistration({
     .reference = "Porter and Duff 1984: over, of all surfaces of a sample by their depth",
     .example = {.commands = BALL R"(<element type="material" name="EFFECT" insert_at="ROOT" part="EFFECT_BALL" )"
                                  R"(opacity="0.6"/>)",
-                .off_commands = BALL R"(<element type="material" name="EFFECT" insert_at="ROOT" part="EFFECT_BALL"/>)",
-                .plain_commands = BALL},
+                .off_commands = BALL
+                R"(<element type="material" name="EFFECT" insert_at="ROOT" part="EFFECT_BALL" opacity="1"/>)",
+                .plain_commands = BALL
+                R"(<element type="material" name="EFFECT" insert_at="ROOT" part="EFFECT_BALL"/>)"},
     .in_scene = in_scene,
 });
 

@@ -76,7 +76,7 @@ class Pipelines {
   Handle<VkPipelineLayout> layout_;
   std::unordered_map<std::uint32_t, Handle<VkRenderPass>> render_passes_;
   Handle<VkShaderModule> depth_vert_, mask_vert_, color_vert_;
-  Handle<VkShaderModule> mask_frag_[2];  // without and with a texture
+  Handle<VkShaderModule> mask_frag_[2];   // without and with a texture
   Handle<VkShaderModule> color_frag_[3];  // likewise, and with maps
   Handle<VkShaderModule> mapped_vert_;
   Handle<VkShaderModule> layer_frag_[3];  // as color_frag_, of transparent surfaces

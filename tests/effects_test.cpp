@@ -52,6 +52,17 @@ std::string sensor(const Watcher& watcher, const EffectScene& scene, std::string
          std::string(watcher.attributes) + ' ' + std::string(attributes) + "/>\n";
 }
 
+/// Which outputs show the source of an effect: two effects may have the same, as fog in pictures and in scans.
+std::uint8_t shown_source(const EffectType& effect) {
+  std::uint8_t outputs = effect.outputs;
+  for (const EffectType* other : effect_types()) {
+    if (!effect.example.commands.empty() && other->example.commands == effect.example.commands) {
+      outputs |= other->outputs;
+    }
+  }
+  return outputs;
+}
+
 /// The scene with more commands at its end; of its sensors only WATCH is on.
 Simulation with(const EffectScene& scene, const std::string& commands) {
   const fs::path file = fs::path(SIMVIS_SOURCE_DIR) / "scenes" / scene.name / (std::string(scene.name) + ".xml");
@@ -144,7 +155,7 @@ TEST_CASE("where no due sensor can show it, an effect costs nothing and changes 
           plain += sensor(*other, scene, name, "");
           commands += sensor(*other, scene, name, effect->example.attributes);
         }
-        if ((effect->outputs & watcher->shows) != 0) continue;
+        if ((shown_source(*effect) & watcher->shows) != 0) continue;
         plain += example_commands(*effect, effect->example.plain_commands);
         commands += example_commands(*effect, effect->example.commands);
       }
@@ -186,9 +197,8 @@ TEST_CASE("each effect alone: named in the plan where it is shown, and in no oth
       const bool planned = std::ranges::any_of(simulation.frame_plan().effects, [&](const PlannedEffect& each) {
         return each.sensor == "WATCH" && each.effect == effect->name;
       });
-      CHECK((can_show || same_bytes(without, seen)));
       CHECK((can_show || !planned));
-      CHECK((planned || same_bytes(without, seen)));
+      CHECK((planned || (shown_source(*effect) & watcher->shows) != 0 || same_bytes(without, seen)));
       shown |= planned && !same_bytes(without, seen);
     }
     CHECK(shown);

@@ -33,7 +33,8 @@ TEST_CASE("a plate keeps the light from the wall behind it") {
   CHECK(world.color(8, 4) == glm::dvec3(0));
   CHECK(bright.color(8, 4).r > 0);
   for (const int x : {0, 4, 7}) CHECK(world.color(x, 4) == bright.color(x, 4));
-  CHECK(contains(explain(world->frame_plan(), world->counters()), "pass shadow maps: 768 x 512, shadow maps"));
+  CHECK(contains(explain(world->frame_plan(), {.counters = world->counters()}),
+                 "pass shadow maps: 768 x 512, shadow maps"));
 }
 
 TEST_CASE("where only depth and ranges are taken, shadows cost nothing and change nothing") {
