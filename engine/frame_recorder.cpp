@@ -192,7 +192,8 @@ bool shows_layers(std::span<const ViewDraws> views) {
 
 void record_bindings(const FrameContext& frame) {
   bind_frame_set(frame, 0);
-  if (frame.geometry.positions() == VK_NULL_HANDLE) return;
+  // Without instances there are no draws: every view looks past the meshes.
+  if (frame.geometry.positions() == VK_NULL_HANDLE || frame.instances == VK_NULL_HANDLE) return;
   const VkBuffer buffers[] = {frame.geometry.positions(), frame.instances, frame.geometry.attributes()};
   const VkDeviceSize offsets[] = {0, 0, 0};
   vkCmdBindVertexBuffers(frame.commands, 0, buffers[2] == VK_NULL_HANDLE ? 2 : 3, buffers, offsets);
