@@ -149,7 +149,8 @@ TEST_CASE("parts and sensors declared in any order give the same bytes") {
     ++orders;
   } while (std::ranges::next_permutation(sensors).found);
   CHECK(first.size() == 1 + 3 * std::min(std::size(kMethods), orders));
-  add_line("orders of declaring 3 parts, 3 lights, 3 scanners and a camera", std::to_string(orders) + ", the same bytes");
+  add_line("orders of declaring 3 parts, 3 lights, 3 scanners and a camera",
+           std::to_string(orders) + ", the same bytes");
 }
 
 TEST_CASE("other sensors in the scene change nothing in a sensor's bytes") {
