@@ -42,7 +42,7 @@ struct PastPose {
 struct ScanMoment {
   FrameTime time;
   glm::dmat4 world_from_sensor{1.0};  ///< rigid, at time.time_ns, the end of the sweep
-  std::optional<PastPose> before;     ///< empty at the sensor's first measurement
+  std::optional<PastPose> before{};   ///< empty at the sensor's first measurement
   std::uint32_t rings = 0, columns = 0;
   double range_max_m = 0;
   Medium medium{};  ///< what fills the air

@@ -34,7 +34,7 @@ struct Scan {
   std::vector<double> elevation_rad;  ///< by ring
   std::vector<float> range_m;
   std::vector<float> error_bound_m;
-  std::vector<ScanChannel> channels;
+  std::vector<ScanChannel> channels{};
 
   /// Null where there is none of that name.
   const ScanChannel* channel(std::string_view name) const {

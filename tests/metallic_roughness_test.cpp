@@ -313,7 +313,8 @@ TEST_CASE("without a light neither relief nor roughness is read") {
 TEST_CASE("the plan names the effect where colour shows it, and just there") {
   const auto planned = [](const Scene& scene, EffectOutput output) {
     FramePlan plan;
-    plan_scene_effects("CAM", output, scene.list, plan);
+    plan.passes.push_back({.name = "CAM", .color = output == kShownInColor, .depth = output == kShownInDepth});
+    plan_scene_effects("CAM", 0, scene.list, plan);
     std::string names;
     for (const PlannedEffect& each : plan.effects) names += each.effect + ' ';
     return names;

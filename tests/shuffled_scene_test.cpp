@@ -138,7 +138,7 @@ FramePlan pictures() {
 /// What a ray meets, by content.
 struct Met {
   double range_m = 0, error_bound_m = 0;
-  std::string material;
+  std::string material{};
   glm::dvec3 normal{0};
   glm::vec4 color{0};
   bool operator==(const Met&) const = default;
