@@ -20,6 +20,24 @@ std::vector<const EffectType*> effect_types() { return registry().sorted(); }
 
 const EffectType* find_effect_type(std::string_view name) { return registry().find(name); }
 
+std::string describe_effect(const EffectType& type) {
+  std::string shown;
+  for (const auto& [output, name] :
+       {std::pair(kShownInColor, "colour"), {kShownInDepth, "depth"}, {kShownInRanges, "ranges"}}) {
+    if ((type.outputs & output) != 0) shown += (shown.empty() ? "" : ", ") + std::string(name);
+  }
+  std::string text = describe(type.name, type.summary, type.attributes);
+  const auto add = [&](std::string_view what, std::string_view value) {
+    if (!value.empty()) text += "  " + std::string(what) + ": " + std::string(value) + '\n';
+  };
+  add("called for by", type.source);
+  add("shown in", shown);
+  add("of sensors", type.sensors);
+  add("accuracy for time", type.knob);
+  add("held against", type.reference);
+  return text;
+}
+
 bool may_have(std::string_view sensor_type, const EffectType& effect) {
   const std::string types = ' ' + std::string(effect.sensors) + ' ';
   return types.find(' ' + std::string(sensor_type) + ' ') != std::string::npos;

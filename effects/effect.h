@@ -58,6 +58,9 @@ struct EffectRegistration {
 
 /// All of them, sorted by name.
 std::vector<const EffectType*> effect_types();
+/// As `--describe` prints it: what it is, what calls for it, what shows it, its knob and truth, and its attributes.
+std::string describe_effect(const EffectType& type);
+
 /// Null when there is none of that name.
 const EffectType* find_effect_type(std::string_view name);
 

@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "effects/effect.h"
 #include "elements/element.h"
 #include "simvis/atomic_file.h"
 #include "simvis/clock.h"
@@ -99,7 +100,7 @@ void declare_options(CLI::App& app, Options& options) {
       ->excludes("--method")
       ->excludes("--profile")
       ->excludes("--explain");
-  app.add_option("--describe", options.describe, "print the attributes of an element or sensor type, and exit")
+  app.add_option("--describe", options.describe, "print the attributes of an element, sensor or effect, and exit")
       ->type_name("TYPE");
   app.add_flag("--list-devices", options.list_devices, "print the Vulkan devices of this machine, and exit");
   app.set_version_flag("--version", "simvis-run " + std::string(version()), "print the version, and exit");
@@ -154,17 +155,20 @@ void print_devices() {
 void print_description(const std::string& type) {
   const ElementType* const element = find_element_type(type);
   const SensorType* const sensor = find_sensor_type(type);
+  const EffectType* const effect = find_effect_type(type);
   if (element != nullptr) std::cout << describe(element->name, element->summary, element->attributes) << '\n';
   if (sensor != nullptr) {
     std::cout << describe(sensor->name, sensor->summary, all_attributes(*sensor)) << describe_presets(*sensor) << '\n';
   }
-  if (element != nullptr || sensor != nullptr) return;
+  if (effect != nullptr) std::cout << describe_effect(*effect) << '\n';
+  if (element != nullptr || sensor != nullptr || effect != nullptr) return;
   std::vector<std::string_view> known;
   for (const ElementType* each : element_types()) known.push_back(each->name);
   for (const SensorType* each : sensor_types()) known.push_back(each->name);
+  for (const EffectType* each : effect_types()) known.push_back(each->name);
   std::string list;
   for (const std::string_view name : known) list += (list.empty() ? "" : ", ") + std::string(name);
-  throw InputError("--describe: there is no element or sensor type \"" + type + "\"" + suggestion(type, known) +
+  throw InputError("--describe: there is no element, sensor or effect type \"" + type + "\"" + suggestion(type, known) +
                    " (known: " + list + ")");
 }
 

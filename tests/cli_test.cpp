@@ -281,6 +281,11 @@ TEST_CASE("--explain, --profile, --quiet, --describe, --list-devices, --version,
   for (const char* name : {"width", "height", "hfov", "near", "outputs", "rate"}) {
     CHECK(described.out.find(name) != std::string::npos);
   }
+  const ProcessResult effect = run({"--describe", "beam_divergence"});
+  CHECK(effect.exit_code == 0);
+  for (const char* part : {"divergence_samples", "called for by", "shown in: ranges", "laser_scanner"}) {
+    CHECK(effect.out.find(part) != std::string::npos);
+  }
   const ProcessResult unknown = run({"--describe", "camra"});
   CHECK(unknown.exit_code == 2);
   CHECK(unknown.err.find("did you mean \"camera\"?") != std::string::npos);

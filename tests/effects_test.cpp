@@ -2,6 +2,7 @@
 // is named but off.
 #include <doctest/doctest.h>
 
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <map>
@@ -122,6 +123,11 @@ bool same_bytes(const std::vector<Seen>& a, const std::vector<Seen>& b) {
 }
 
 }  // namespace
+
+TEST_CASE("the generator makes what is committed of the showcase") {
+  const std::string command = "python3 \"" SIMVIS_SOURCE_DIR "/scenes/showcase/generate.py\" --check";
+  CHECK(std::system(command.c_str()) == 0);
+}
 
 TEST_CASE("every effect says what it is, what calls for it, and where its truth is from") {
   REQUIRE_FALSE(effect_types().empty());
