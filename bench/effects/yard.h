@@ -18,7 +18,8 @@ inline constexpr Watcher kYardCamera{
     "camera", R"(pose_offset="-5.2 -0.6 1.9 0 10 4" width="320" height="180" hfov="58" outputs="color")",
     kShownInColor};
 inline constexpr Watcher kYardScanner{
-    "laser_scanner", R"(pose_offset="-3 0 0.7 0 0 0" samples="361" min_angle="-60" max_angle="60")", kShownInRanges};
+    "laser_scanner", R"(pose_offset="-3 0 0.7 0 0 0" samples="361" min_angle="-60" max_angle="60" method="raycast")",
+    kShownInRanges};
 
 /// What is added to the scene, and to the sensor.
 struct Setting {
