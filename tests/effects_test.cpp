@@ -2,9 +2,11 @@
 // is named but off.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <iterator>
 #include <map>
 #include <string>
 #include <string_view>
@@ -161,7 +163,8 @@ TEST_CASE("where no due sensor can show it, an effect costs nothing and changes 
         // Sensors that have it, and are off.
         for (const Watcher* other : kWatchers) {
           if (!may_have(other->type, *effect)) continue;
-          const std::string name = "OFF_" + std::string(effect->name) + std::to_string(other - &kColor);
+          const std::string name = "OFF_" + std::string(effect->name) +
+                                   std::to_string(std::ranges::find(kWatchers, other) - std::begin(kWatchers));
           plain += sensor(*other, scene, name, "");
           commands += sensor(*other, scene, name, effect->example.attributes);
         }
