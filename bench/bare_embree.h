@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "engine/draw_list.h"
-#include "engine/embree_handles.h"
+#include "bench/embree_handles.h"
 
 namespace simvis::bench {
 

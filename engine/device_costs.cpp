@@ -62,8 +62,7 @@ std::filesystem::path device_costs_file(Device& device, const std::filesystem::p
   }
   std::snprintf(hex, sizeof hex, "-%04x-%04x-%08x-", properties.vendorID, properties.deviceID,
                 properties.driverVersion);
-  name += hex + std::to_string(std::thread::hardware_concurrency()) + "-" + std::string(version) +
-          (has_host_ray_caster() ? "-embree" : "");
+  name += hex + std::to_string(std::thread::hardware_concurrency()) + "-" + std::string(version);
   return folder / (name + ".txt");
 }
 

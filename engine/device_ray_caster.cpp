@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "engine/assert.h"
-#include "engine/bvh_cast.h"
+#include "engine/bundle_walk.h"
 #include "engine/device.h"
 #include "engine/frame_commands.h"
 #include "engine/ray_dispatch.h"
@@ -59,12 +59,11 @@ class DeviceRayCaster : public RayCaster {
                 std::span<const double> beyond_m);
   void decide(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions, std::span<RayHit> hits,
               std::span<const double> beyond_m);
-  RayHit decide(RayView& view, const CastRay& ray, double beyond_m, const shader::RayCandidates& candidates,
-                bool& walked) const;
+  RayHit decide(RayView& view, RayBundle& ray, const shader::RayCandidates& candidates, bool& walked) const;
 
   Device& device_;
   const DrawList* list_ = nullptr;
-  RayItems items_{[](std::shared_ptr<const Mesh> mesh) { return std::make_unique<BvhMesh>(std::move(mesh)); }};
+  RayItems items_;
   std::optional<DeviceWorld> world_;  // from the first cast on
   bool uploaded_ = false;             // in this cast
   std::vector<RayView> views_;        // of each thread
@@ -110,10 +109,9 @@ void DeviceRayCaster::cast_from(const glm::dmat4& world_from_sensor, std::span<c
         if (i == start + first || origins_m[i] != origins_m[i - 1]) {
           view.begin(*list_, items_, glm::translate(world_from_sensor, origins_m[i]));
         }
-        const CastRay ray(directions[i]);
-        NearestHit nearest{.beyond_m = beyond_m.empty() ? 0 : beyond_m[i]};
-        if (!items_.items().empty()) cast_into_items(view, world_->top.bvh(), ray, nearest);
-        hits[i] = view.finish(ray.sheared, nearest);
+        RayBundle ray(directions.subspan(i, 1), part_of(beyond_m, i, 1));
+        walk_bundle(view, world_->top.bvh(), ray);
+        finish_bundle(view, ray, &hits[i]);
       }
     });
     items_.counters.rays += served;
@@ -195,35 +193,34 @@ void DeviceRayCaster::decide(const glm::dmat4& world_from_sensor, std::span<cons
     views_[thread].begin(*list_, items_, world_from_sensor);
     for (std::size_t i = first; i < first + count; ++i) {
       bool by_host = false;
-      hits[i] =
-          decide(views_[thread], CastRay(directions[i]), beyond_m.empty() ? 0 : beyond_m[i], candidates[i], by_host);
+      RayBundle ray(directions.subspan(i, 1), part_of(beyond_m, i, 1));
+      hits[i] = decide(views_[thread], ray, candidates[i], by_host);
       walked[thread] += by_host;
     }
   });
   items_.counters.rays_walked += std::reduce(walked.begin(), walked.end());
 }
 
-RayHit DeviceRayCaster::decide(RayView& view, const CastRay& ray, double beyond_m,
-                               const shader::RayCandidates& candidates, bool& walked) const {
-  NearestHit nearest{.beyond_m = beyond_m};
+RayHit DeviceRayCaster::decide(RayView& view, RayBundle& ray, const shader::RayCandidates& candidates,
+                               bool& walked) const {
   for (std::uint32_t i = 0; i < candidates.count; ++i) {
     const std::uint32_t placed = world_->top.placed(candidates.found[i].x), primitive = candidates.found[i].y;
     if (primitive == SIMVIS_WHOLE_ITEM) {
-      cast_into_item(view, placed, ray, nearest);
+      walk_bundle(view, placed, ray);
       walked = true;
     } else {
-      const Mesh& mesh = *view.placed(placed).mesh->mesh();
-      view.try_triangle(ray.sheared, placed, primitive, place_corners(mesh, primitive, view.seen(placed).placement),
-                        nearest);
+      try_triangle(view, placed, primitive, ray);
     }
   }
   // What is left out lies farther away, or at complete_to_m at the nearest.
-  const bool complete = candidates.complete_to_m > SIMVIS_FAR_M || nearest.range_m < candidates.complete_to_m;
+  const bool complete = candidates.complete_to_m > SIMVIS_FAR_M || ray.farthest_m() < candidates.complete_to_m;
   if (!complete) {
-    cast_into_items(view, world_->top.bvh(), ray, nearest);
+    walk_bundle(view, world_->top.bvh(), ray);
     walked = true;
   }
-  return view.finish(ray.sheared, nearest);
+  RayHit hit;
+  finish_bundle(view, ray, &hit);
+  return hit;
 }
 
 }  // namespace

@@ -23,20 +23,22 @@ const SeenItem& RayView::seen(std::uint32_t placed) {
   if (item.cast != cast_) {
     item = see(items_->items()[placed], world_from_sensor_);
     item.cast = cast_;
+    item.solid = is_solid_throughout(*list_->materials[list_->items[items_->items()[placed].item].material]);
   }
   return item;
 }
 
-void RayView::try_triangle(const ShearedRay& ray, std::uint32_t placed, std::uint32_t primitive,
+bool RayView::try_triangle(const ShearedRay& ray, std::uint32_t placed, std::uint32_t primitive,
                            const std::array<glm::dvec3, 3>& corners, NearestHit& nearest) const {
   TriangleHit hit;
-  if (!intersect(ray, corners, hit) || hit.range_m > nearest.range_m || hit.range_m <= nearest.beyond_m) return;
-  if (hit.range_m == nearest.range_m && comes_before(nearest, placed, primitive)) return;
+  if (!intersect(ray, corners, hit) || hit.range_m > nearest.range_m || hit.range_m <= nearest.beyond_m) return false;
+  if (hit.range_m == nearest.range_m && comes_before(nearest, placed, primitive)) return false;
   const PlacedItem& item = items_->items()[placed];
   const Material& material = *list_->materials[list_->items[item.item].material];
   const double area = hit.weights.x + hit.weights.y + hit.weights.z;
-  if (!is_solid(material, *item.mesh->mesh(), primitive, hit.weights / area)) return;
+  if (!is_solid(material, *item.mesh->mesh(), primitive, hit.weights / area)) return false;
   nearest = {hit.range_m, placed, primitive, nearest.beyond_m};
+  return true;
 }
 
 bool RayView::comes_before(const NearestHit& nearest, std::uint32_t placed, std::uint32_t primitive) const {

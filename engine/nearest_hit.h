@@ -29,7 +29,7 @@ class RayView {
 
   /// Takes the triangle for the nearest hit if the ray meets it where it is solid, and nearer than `nearest`; at the
   /// same range, if its item comes first by content, see engine/content_order.h, or else its primitive.
-  void try_triangle(const ShearedRay& ray, std::uint32_t placed, std::uint32_t primitive,
+  bool try_triangle(const ShearedRay& ray, std::uint32_t placed, std::uint32_t primitive,
                     const std::array<glm::dvec3, 3>& corners, NearestHit& nearest) const;
 
   /// Range and bound of what was found.

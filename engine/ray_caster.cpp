@@ -5,7 +5,7 @@
 namespace simvis {
 
 std::unique_ptr<RayCaster> make_ray_caster(Device& device) {
-  if (device.is_cpu() && has_host_ray_caster()) return make_host_ray_caster();
+  if (device.is_cpu()) return make_host_ray_caster();
   return make_device_ray_caster(device);
 }
 

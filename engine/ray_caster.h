@@ -107,16 +107,15 @@ class RayCaster {
   virtual std::string_view engine() const = 0;
 };
 
-/// Embree on the host's cores. Null in a build without Embree.
+/// On the host's cores.
 std::unique_ptr<RayCaster> make_host_ray_caster();
-bool has_host_ray_caster();
 
 /// A compute shader on the device, which must outlive it; several share a device only from one thread, and with its
-/// renderers. Nothing is made before the first cast. Same hits as by Embree, to the bit.
+/// renderers. Nothing is made before the first cast. Same hits as by the host, to the bit.
 /// Errors   MachineError where the device cannot address trees of that size, or fails.
 std::unique_ptr<RayCaster> make_device_ray_caster(Device& device);
 
-/// The faster one: Embree where the device is the host's own cores, if it is there; else the device.
+/// The faster one: the host where the device is its own cores; else the device.
 std::unique_ptr<RayCaster> make_ray_caster(Device& device);
 
 }  // namespace simvis

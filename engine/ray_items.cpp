@@ -18,17 +18,6 @@ constexpr double kPlacingRoundings = 16 * 1.7320508;
 // roundings as VertexRounding counts.
 constexpr double kWorldRoundings = 3 * 4 * 1.7320508;
 
-// Whether an item is too thin, or too small for its distance, for its rays to be brought to its unit frame. What that
-// displaces them by, in radii, is (i) the inverse's own error, found from what is left of linear * inverse - 1 (and the
-// 4 u with which that is found) and enlarged by what the inverse stretches; (ii) the rounding of places at this
-// distance, 8 u each. Both together may take a sixteenth of the padding.
-bool is_thin(const glm::dmat3& linear, const glm::dmat3& inverse, double radius, double distance_m) {
-  const double stretch = frobenius(inverse), condition = frobenius(linear) * stretch;
-  const double residue = frobenius(linear * inverse - glm::dmat3(1.0));
-  const double displaced = condition * (residue + 4 * kUnit * condition) + 8 * kUnit * stretch * distance_m / radius;
-  return !(displaced <= kPadding / 16);
-}
-
 }  // namespace
 
 // What is nowhere, because a transform is not finite, is looked for everywhere, and not met.
@@ -48,17 +37,9 @@ double frobenius(const glm::dmat3& m) {
   return std::sqrt(glm::dot(m[0], m[0]) + glm::dot(m[1], m[1]) + glm::dot(m[2], m[2]));
 }
 
-RayMesh::RayMesh(std::shared_ptr<const Mesh> mesh)
-    : mesh_(std::move(mesh)), triangles_(static_cast<std::uint32_t>(mesh_->indices.size() / 3)) {
-  const glm::dvec3 low(mesh_->bounds_min), high(mesh_->bounds_max);
-  centre_ = 0.5 * (low + high);
-  radius_ = 0.5 * glm::length(high - low);
-  half_size_ = radius_ > 0 ? 0.5 * (high - low) / radius_ : glm::dvec3(0);
-}
-
 void RayItems::update(const DrawList& list, const glm::dvec3& world_sensor) {
   restructured_ = take_structure(list);
-  const bool moved_away = !anchored_ || !(glm::distance(world_sensor, origin_) <= kReach_m);
+  const bool moved_away = !anchored_ || !reaches(world_sensor);
   if (moved_away) origin_ = world_sensor;
   anchored_ = true;
   place(list, restructured_ || moved_away);
@@ -66,7 +47,7 @@ void RayItems::update(const DrawList& list, const glm::dvec3& world_sensor) {
 
 std::size_t RayItems::in_reach(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> places_m) const {
   const auto outside = [&](const glm::dvec3& place_m) {
-    return !(glm::distance(glm::dvec3(world_from_sensor * glm::dvec4(place_m, 1)), origin_) <= kReach_m);
+    return !reaches(glm::dvec3(world_from_sensor * glm::dvec4(place_m, 1)));
   };
   const auto end = std::find_if(places_m.begin() + 1, places_m.end(), outside);
   return static_cast<std::size_t>(end - places_m.begin());
@@ -83,7 +64,7 @@ bool RayItems::take_structure(const DrawList& list) {
     wanted.insert(mesh.get());
     std::unique_ptr<RayMesh>& made = meshes_[mesh.get()];
     if (made == nullptr) {
-      made = make_mesh_(mesh);
+      made = std::make_unique<RayMesh>(mesh);
       ++counters.meshes_built;
       counters.triangles_built += made->triangles();
     }
@@ -123,34 +104,11 @@ SeenItem see(const PlacedItem& item, const glm::dmat4& world_from_sensor) {
   const double distance_m = glm::length(seen.placement.offset);
   seen.corner_error_m = kUnit * (kPlacingRoundings * (reach_m + distance_m) +
                                  kWorldRoundings * (glm::length(place) + glm::length(sensor)));
+  seen.unit_linear = radius * seen.placement.linear;
   seen.centre = seen.placement.linear * item.mesh->centre() + seen.placement.offset;
-  const glm::dmat3 inverse = glm::inverse(seen.placement.linear);
-  seen.unit_from_sensor = inverse / radius;
-  seen.units_per_m = frobenius(seen.unit_from_sensor) / std::sqrt(3.0);
-  seen.one_by_one =
-      item.mesh->triangles() <= RayMesh::kFew || is_thin(seen.placement.linear, inverse, radius, reach_m + distance_m);
+  // The last term makes even what rounds here, in double, small beside kPadding.
+  seen.scale = 1 / (stretch * radius + glm::length(seen.centre) + 0x1p-20 * (reach_m + distance_m));
   return seen;
-}
-
-bool enter_mesh(const SeenItem& item, const RayMesh& mesh, const glm::dvec3& direction, double end_m, UnitRay& ray) {
-  const double middle_m = glm::dot(item.centre, direction);
-  const glm::dvec3 middle = item.unit_from_sensor * (middle_m * direction - item.centre);
-  const glm::dvec3 way = item.unit_from_sensor * direction;
-  double first = -middle_m, last = end_m - middle_m;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double half = mesh.half_size()[axis] + 2 * kPadding;
-    if (way[axis] == 0) {
-      if (std::abs(middle[axis]) > half) return false;
-      continue;
-    }
-    const double per_way = 1 / way[axis];
-    const double s = (-half - middle[axis]) * per_way, t = (half - middle[axis]) * per_way;
-    first = std::max(first, std::min(s, t));
-    last = std::min(last, std::max(s, t));
-  }
-  if (!(first * item.units_per_m <= last * item.units_per_m + kPadding)) return false;
-  ray = {.from = middle + first * way, .way = way / item.units_per_m, .start_m = middle_m + first};
-  return true;
 }
 
 }  // namespace simvis

@@ -32,10 +32,10 @@ Buffer make_buffer(Device::Impl& device, const char* name, VkDeviceSize size) {
 
 bool RayMeshPool::update(const RayItems& items, Uploads& uploads) {
   for (auto& [mesh, entry] : entries_) entry.wanted = false;
-  std::vector<const BvhMesh*> fresh;
+  std::vector<const RayMesh*> fresh;
   std::uint64_t nodes = 0, triangles = 0;
   for (const PlacedItem& item : items.items()) {
-    const auto& mesh = static_cast<const BvhMesh&>(*item.mesh);
+    const RayMesh& mesh = *item.mesh;
     const auto [found, added] = entries_.try_emplace(mesh.mesh().get());
     Entry& entry = found->second;
     entry.wanted = true;
@@ -49,7 +49,7 @@ bool RayMeshPool::update(const RayItems& items, Uploads& uploads) {
   }
   std::erase_if(entries_, [](const auto& entry) { return !entry.second.wanted; });
   const bool moved = make_room(nodes, triangles, uploads);
-  for (const BvhMesh* mesh : fresh) upload(*mesh, entries_.at(mesh->mesh().get()), uploads);
+  for (const RayMesh* mesh : fresh) upload(*mesh, entries_.at(mesh->mesh().get()), uploads);
   return moved;
 }
 
@@ -104,7 +104,7 @@ bool RayMeshPool::make_room(std::uint64_t nodes, std::uint64_t triangles, Upload
   return true;
 }
 
-void RayMeshPool::upload(const BvhMesh& mesh, Entry& entry, Uploads& uploads) {
+void RayMeshPool::upload(const RayMesh& mesh, Entry& entry, Uploads& uploads) {
   entry.first_node = nodes_used_;
   entry.first_triangle = triangles_used_;
   entry.resident = true;

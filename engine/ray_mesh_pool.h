@@ -3,7 +3,7 @@
 
 #include <unordered_map>
 
-#include "engine/bvh_mesh.h"
+#include "engine/ray_items.h"
 #include "engine/uploads.h"
 
 namespace simvis {
@@ -14,7 +14,7 @@ class RayMeshPool {
  public:
   explicit RayMeshPool(Device::Impl& device) : device_(device) {}
 
-  /// Makes the meshes of the items resident, all of them BvhMesh. True if any lies elsewhere than before.
+  /// Makes the meshes of the items resident. True if any lies elsewhere than before.
   /// Throws MachineError where the device cannot address so much.
   bool update(const RayItems& items, Uploads& uploads);
 
@@ -38,7 +38,7 @@ class RayMeshPool {
     bool resident = false, wanted = false;
   };
   bool make_room(std::uint64_t nodes, std::uint64_t triangles, Uploads& uploads);
-  void upload(const BvhMesh& mesh, Entry& entry, Uploads& uploads);
+  void upload(const RayMesh& mesh, Entry& entry, Uploads& uploads);
   std::uint64_t capacity(std::uint64_t needed, std::uint64_t stride) const;
 
   Device::Impl& device_;

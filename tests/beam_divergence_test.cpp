@@ -162,7 +162,7 @@ TEST_CASE("patterns belong to seed and beam, not to the frame") {
     const auto probe = std::make_shared<Probe>();
     ScanMoment moment = moment_of(beams);
     moment.time.index = frame;
-    const std::shared_ptr<RayCaster> caster = has_host_ray_caster() ? make_host_ray_caster() : device_engine().caster;
+    const std::shared_ptr<RayCaster> caster = make_host_ray_caster();
     trace(edge(0), std::vector(beams, kAhead), {divergence(2, seed), probe}, moment, *caster);
     std::vector<glm::dvec3> directions;
     for (const BeamRay& ray : probe->rays) directions.push_back(ray.direction);

@@ -1,4 +1,4 @@
-// Trees of boxes: what they hold, how deep they are, what refitting changes, and what a ray walks through.
+// Trees of boxes: what they hold, how deep they are, and what refitting changes.
 #include "engine/bvh.h"
 
 #include <doctest/doctest.h>
@@ -9,8 +9,6 @@
 #include <limits>
 #include <random>
 #include <vector>
-
-#include "engine/bvh_walk.h"
 
 using namespace simvis;
 
@@ -121,41 +119,4 @@ TEST_CASE("refitting keeps the tree right, and tells which nodes it has changed"
       CHECK((bvh.nodes[i] == before.nodes[i]) == !std::ranges::binary_search(changed, i));
     }
   }
-}
-
-TEST_CASE("a walk visits each box that the ray meets before its end") {
-  const std::vector<Box> boxes = random_boxes(7, 2000, 0.1f);
-  const Bvh bvh = build_bvh(boxes, 4);
-  std::mt19937 random(8);
-  std::uniform_real_distribution<double> unit(-1, 1);
-  std::size_t met = 0, visited = 0;
-  for (int i = 0; i < 2000; ++i) {
-    BvhRay ray{{unit(random), unit(random), unit(random)}, {unit(random), unit(random), unit(random)}};
-    if (i % 3 == 0) ray.way[i % 9 / 3] = 0;
-    if (i % 10 == 0) ray.from = glm::dvec3(boxes[i % 2000].low);  // from a corner
-    const double end = i % 4 == 0 ? std::numeric_limits<double>::infinity() : std::abs(unit(random));
-    std::vector<std::uint32_t> found;
-    walk_bvh(
-        bvh, ray, 1e-3, [&] { return end; }, [&](std::uint32_t thing) { found.push_back(thing); });
-    std::ranges::sort(found);
-    CHECK(std::ranges::adjacent_find(found) == found.end());
-    visited += found.size();
-    for (std::uint32_t thing = 0; thing < boxes.size(); ++thing) {
-      // A ray meets a box if some point of it lies within: the middle of its way through the planes.
-      double first = 0, last = end;
-      for (int axis = 0; axis < 3; ++axis) {
-        const double low = boxes[thing].low[axis], high = boxes[thing].high[axis];
-        if (ray.way[axis] == 0 && (ray.from[axis] < low || ray.from[axis] > high)) last = -1;
-        if (ray.way[axis] == 0) continue;
-        const double s = (low - ray.from[axis]) / ray.way[axis], t = (high - ray.from[axis]) / ray.way[axis];
-        first = std::max(first, std::min(s, t));
-        last = std::min(last, std::max(s, t));
-      }
-      if (first > last) continue;
-      ++met;
-      CHECK(std::ranges::binary_search(found, thing));
-    }
-  }
-  CHECK(met > 1000);
-  CHECK(visited < 8 * met);  // leaves hold up to 4, and boxes are padded
 }

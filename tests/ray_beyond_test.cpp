@@ -103,7 +103,7 @@ TEST_CASE("what is met at or before the given range is passed, and what lies bey
   CHECK(ray_device().validation_messages() == 0);
 }
 
-TEST_CASE("the engines agree to the bit on what lies beyond" * doctest::skip(!has_host_ray_caster())) {
+TEST_CASE("the engines agree to the bit on what lies beyond") {
   const RayEngine host = host_engine(), device = device_engine();
   std::mt19937 random(6);
   std::uniform_real_distribution<double> metres(0, 8);

@@ -97,7 +97,7 @@ TEST_CASE("which return is reported, and how many there are") {
   add_item(list, plate_mesh(50, {-5, -5}, {5, 5}), glm::dmat4(1));
   ScanMoment near = moment;
   near.range_max_m = 40;
-  const std::shared_ptr<RayCaster> caster = has_host_ray_caster() ? make_host_ray_caster() : device_engine().caster;
+  const std::shared_ptr<RayCaster> caster = make_host_ray_caster();
   const auto seen = [&] {
     const std::vector<Echo> detected = trace(list, {kAhead, -kAhead}, {returns(ReturnChoice::last)}, near, *caster);
     Scan scan;
@@ -225,7 +225,7 @@ TEST_CASE("wide beams through leaves against a count by the plain caster, at sev
   constexpr std::uint32_t kSamples = 32;
   const std::size_t beams = 4000 / kFewer;
   const std::vector<glm::dvec3> axes = into_leaves(beams, 0.85);
-  const std::shared_ptr<RayCaster> caster = has_host_ray_caster() ? make_host_ray_caster() : device_engine().caster;
+  const std::shared_ptr<RayCaster> caster = make_host_ray_caster();
   std::mt19937 random(9);
   std::uniform_real_distribution<double> unit(-1, 1);
   for (const Cover& cover : kCovers) {

@@ -71,7 +71,7 @@ DrawList wall(const glm::dvec3& normal, double distance_m, const glm::dvec3& cen
 }
 
 std::shared_ptr<RayCaster> a_caster() {
-  return has_host_ray_caster() ? make_host_ray_caster() : device_engine().caster;
+  return make_host_ray_caster();
 }
 
 struct Motion {

@@ -61,7 +61,7 @@ inline std::vector<Echo> trace(const DrawList& list, const std::vector<glm::dvec
 
 inline std::vector<Echo> trace(const DrawList& list, const std::vector<glm::dvec3>& directions,
                                const EffectList& effects) {
-  const std::shared_ptr<RayCaster> caster = has_host_ray_caster() ? make_host_ray_caster() : device_engine().caster;
+  const std::shared_ptr<RayCaster> caster = make_host_ray_caster();
   return trace(list, directions, effects, moment_of(directions.size()), *caster);
 }
 

@@ -1,0 +1,19 @@
+// Handles of Embree that let go.
+#pragma once
+
+#include <embree3/rtcore.h>
+
+#include <memory>
+
+namespace simvis {
+
+struct ReleaseEmbree {
+  void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
+  void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
+  void operator()(RTCGeometry geometry) const { rtcReleaseGeometry(geometry); }
+};
+using EmbreeDevice = std::unique_ptr<RTCDeviceTy, ReleaseEmbree>;
+using EmbreeScene = std::unique_ptr<RTCSceneTy, ReleaseEmbree>;
+using EmbreeGeometry = std::unique_ptr<RTCGeometryTy, ReleaseEmbree>;
+
+}  // namespace simvis

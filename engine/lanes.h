@@ -1,0 +1,35 @@
+// Numbers side by side, for loops that the compiler turns into one instruction each on whatever the machine has. Every
+// lane rounds as a number alone would: products and sums stay apart where -ffp-contract=off says so.
+#pragma once
+
+#include <cmath>
+
+#define SIMVIS_INLINE inline __attribute__((always_inline))
+
+// Compiled once for machines with AVX2 and once for all others; the machine chooses when the program starts.
+#if defined(__x86_64__) && !defined(__clang__)
+#define SIMVIS_FOR_EACH_MACHINE __attribute__((target_clones("arch=haswell", "default")))
+#else
+#define SIMVIS_FOR_EACH_MACHINE
+#endif
+
+namespace simvis {
+
+using Double4 = double __attribute__((vector_size(32)));
+using Mask4 = long long __attribute__((vector_size(32)));  ///< of each lane all bits, or none
+using Float8 = float __attribute__((vector_size(32)));
+
+SIMVIS_INLINE bool any(Mask4 mask) { return ((mask[0] | mask[1]) | (mask[2] | mask[3])) != 0; }
+
+SIMVIS_INLINE Double4 all4(double value) { return Double4{value, value, value, value}; }
+SIMVIS_INLINE Double4 least(Double4 a, Double4 b) { return b < a ? b : a; }
+SIMVIS_INLINE Double4 most(Double4 a, Double4 b) { return a < b ? b : a; }
+SIMVIS_INLINE Double4 abs4(Double4 a) { return a < all4(0) ? -a : a; }
+SIMVIS_INLINE Double4 sqrt4(Double4 a) { return Double4{std::sqrt(a[0]), std::sqrt(a[1]), std::sqrt(a[2]), std::sqrt(a[3])}; }
+
+SIMVIS_INLINE double greatest(Double4 a) {
+  const double first = a[0] < a[1] ? a[1] : a[0], second = a[2] < a[3] ? a[3] : a[2];
+  return first < second ? second : first;
+}
+
+}  // namespace simvis

@@ -1,0 +1,48 @@
+// Rays from one place that travel together: neighbours of a scan, that see much the same.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <limits>
+#include <span>
+
+#include "engine/lanes.h"
+#include "engine/ray_triangle.h"
+
+namespace simvis {
+
+/// Rays from the origin of the sensor frame whose directions have the same largest component, of the same sign. Sheared
+/// along it (see ray_triangle.h) each is a point of a plane, and the bundle a rectangle there.
+struct RayBundle {
+  static constexpr unsigned kLanes = 4, kBatches = 8, kMost = kLanes * kBatches;
+
+  /// From as many of the first rays as fit together, at least one. `beyond_m` is empty or as long.
+  RayBundle(std::span<const glm::dvec3> directions, std::span<const double> beyond_m);
+
+  ShearedRay ray(unsigned index) const;
+
+  /// Range of the farthest of the nearest hits, infinity while a ray has met nothing.
+  SIMVIS_INLINE double farthest_m() const {
+    Double4 farthest = range_m[0];
+    for (unsigned i = 1; i < batches; ++i) farthest = most(farthest, range_m[i]);
+    return greatest(farthest);
+  }
+
+  unsigned count = 0, batches = 0;
+  int x = 0, y = 1, z = 2;  ///< axes of the sensor frame; z: the largest component
+  double sign = 1;          ///< of that component
+  double least_per_z = 0;   ///< of the amounts of the rays' per_z
+
+  Double4 shear_x[kBatches], shear_y[kBatches], per_z[kBatches];
+  /// Nearest hits so far; what is met at or before `beyond_m` is passed. Lanes without a ray meet nothing.
+  Double4 range_m[kBatches], beyond_m[kBatches];
+  Mask4 placed[kBatches], primitive[kBatches];
+  double low_x[kBatches], high_x[kBatches], low_y[kBatches], high_y[kBatches];  ///< of the shears of a batch
+
+  /// What lies before all of these planes through the sensor, n . p >= 0, may be met: the sides, and the plane across
+  /// the largest component. The last is the direction that distances are counted along, turned round.
+  static constexpr unsigned kPlanes = 6;
+  glm::dvec3 normals[kPlanes];
+};
+
+}  // namespace simvis

@@ -1,0 +1,33 @@
+#include "engine/ray_mesh.h"
+
+#include <utility>
+#include <vector>
+
+namespace simvis {
+
+RayMesh::RayMesh(std::shared_ptr<const Mesh> mesh) : mesh_(std::move(mesh)) {
+  const glm::dvec3 low(mesh_->bounds_min), high(mesh_->bounds_max);
+  centre_ = 0.5 * (low + high);
+  radius_ = 0.5 * glm::length(high - low);
+  half_size_ = radius_ > 0 ? 0.5 * (high - low) / radius_ : glm::dvec3(0);
+  if (radius_ == 0) return;
+  constexpr std::uint32_t kMostInLeaf = 4;
+  std::vector<Box> boxes;
+  boxes.reserve(triangles());
+  for (std::uint32_t t = 0; t < triangles(); ++t) {
+    const auto [a, b, c] = unit_corners(t);
+    boxes.push_back({glm::min(a, glm::min(b, c)), glm::max(a, glm::max(b, c))});
+  }
+  bvh_ = build_bvh(boxes, kMostInLeaf);
+}
+
+std::array<glm::vec3, 3> RayMesh::unit_corners(std::uint32_t primitive) const {
+  std::array<glm::vec3, 3> corners;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const glm::dvec3 p(mesh_->positions[mesh_->indices[std::size_t{3} * primitive + k]]);
+    corners[k] = (p - centre_) / radius_;
+  }
+  return corners;
+}
+
+}  // namespace simvis

@@ -1,0 +1,36 @@
+// A mesh with a tree over its triangles, for casting rays on the host and on the device.
+#pragma once
+
+#include <array>
+#include <memory>
+
+#include "engine/bvh.h"
+#include "engine/mesh.h"
+
+namespace simvis {
+
+/// A mesh of triangles and its unit frame, in which it lies in the unit ball: (p - centre) / radius.
+class RayMesh {
+ public:
+  explicit RayMesh(std::shared_ptr<const Mesh> mesh);
+
+  const std::shared_ptr<const Mesh>& mesh() const { return mesh_; }
+  std::uint32_t triangles() const { return static_cast<std::uint32_t>(mesh_->indices.size() / 3); }
+  const glm::dvec3& centre() const { return centre_; }        ///< of the mesh's box
+  double radius() const { return radius_; }                   ///< half the box's diagonal; 0: no ray can meet it
+  const glm::dvec3& half_size() const { return half_size_; }  ///< of the box, in radii
+
+  /// Over the triangles in the unit frame, rounded to float32. Empty if the radius is 0.
+  const Bvh& bvh() const { return bvh_; }
+
+  /// A triangle's corners in the unit frame, rounded: off by up to 2^-25 per axis.
+  std::array<glm::vec3, 3> unit_corners(std::uint32_t primitive) const;
+
+ private:
+  std::shared_ptr<const Mesh> mesh_;
+  glm::dvec3 centre_, half_size_;
+  double radius_;
+  Bvh bvh_;
+};
+
+}  // namespace simvis
