@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 
 namespace simvis {
@@ -13,46 +14,42 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr Double4 kZero{0, 0, 0, 0};
 
-/// The planes of a bundle in the frame of a tree, for boxes: what of a box lies farthest inwards of plane i is inwards by
-/// d[i] + sum over axes of (outer * high + inner * low), outer and inner the positive and the negative of the normal.
-/// Lengths are scaled such that all numbers are of the order of 1, so that float32 rounds by less than `slack`: 22 half
-/// ulps at most, of nine roundings and sums of up to 2.5.
+SIMVIS_INLINE Float8 all8(float value) { return Float8{value, value, value, value, value, value, value, value}; }
+
+/// The planes of a bundle in the frame of a tree, for boxes: what of a box lies farthest inwards of plane i is inwards
+/// by d[i] + sum over axes of (outer * high + inner * low), outer and inner the positive and the negative of the normal.
+/// Float32 rounds that by less than `slack`: 15 half ulps for what it is made of and for itself, and sums of up to
+/// sqrt(2) times how far the tree's points lie from the sensor.
 struct TreePlanes {
+  static constexpr int kDistance = RayBundle::kPlanes - 1;
+
   Float8 outer[3], inner[3], d;
   float slack = 0;
-  double scale = 1;  // from metres
-
-  static constexpr int kDistance = RayBundle::kPlanes - 1;
+  double scale = 1;   // of lengths, from metres
+  float nearest = 0;  // d of the last plane but for the range at which rays end
+  float end = 0;
 
   SIMVIS_INLINE void end_at(double range_m) {
     end = static_cast<float>(range_m * scale * (1 + 0x1p-22));
     d[kDistance] = nearest + end;
   }
-  float nearest = 0;  // d of the last plane but for the range at which rays end
-  float end = 0;
 };
 
-/// `linear` and `centre`: point in the sensor frame = linear * p + centre.
-SIMVIS_INLINE TreePlanes planes_in(const RayBundle& bundle, const glm::dmat3& linear, const glm::dvec3& centre, double scale,
-                                   float slack) {
+/// `linear` and `centre`: scaled point in the sensor frame = linear * p + centre.
+SIMVIS_INLINE TreePlanes planes_in(const RayBundle& bundle, const glm::mat3& linear, const glm::vec3& centre,
+                                   double scale, float slack) {
   TreePlanes planes;
   planes.scale = scale;
   planes.slack = slack;
-  for (int i = 0; i < 8; ++i) {
-    const glm::dvec3& n = bundle.normals[std::min<int>(i, RayBundle::kPlanes - 1)];
-    for (int axis = 0; axis < 3; ++axis) {
-      const auto along = static_cast<float>(
-          scale * (n.x * linear[axis].x + n.y * linear[axis].y + n.z * linear[axis].z));
-      planes.outer[axis][i] = along > 0 ? along : 0;
-      planes.inner[axis][i] = along > 0 ? 0 : along;
-    }
-    planes.d[i] = static_cast<float>(scale * (n.x * centre.x + n.y * centre.y + n.z * centre.z));
+  const auto along = [&](const glm::vec3& v) __attribute__((always_inline)) {
+    return bundle.normal_x * all8(v.x) + bundle.normal_y * all8(v.y) + bundle.normal_z * all8(v.z);
+  };
+  for (int axis = 0; axis < 3; ++axis) {
+    const Float8 normal = along(linear[axis]);
+    planes.outer[axis] = normal > all8(0) ? normal : all8(0);
+    planes.inner[axis] = normal - planes.outer[axis];
   }
-  // Two lanes are left over: they let everything through.
-  for (int i = RayBundle::kPlanes; i < 8; ++i) {
-    for (int axis = 0; axis < 3; ++axis) planes.outer[axis][i] = planes.inner[axis][i] = 0;
-    planes.d[i] = 0;
-  }
+  planes.d = along(centre);
   planes.nearest = planes.d[TreePlanes::kDistance];
   return planes;
 }
@@ -62,9 +59,8 @@ SIMVIS_INLINE bool reaches(const TreePlanes& planes, const BvhNode& box, float& 
   const Float8 inwards = planes.d + planes.outer[0] * box.high.x + planes.inner[0] * box.low.x +
                          planes.outer[1] * box.high.y + planes.inner[1] * box.low.y + planes.outer[2] * box.high.z +
                          planes.inner[2] * box.low.z;
-  const float slack = -planes.slack;
   distance = planes.end - inwards[TreePlanes::kDistance];
-  return !any(reinterpret_cast<Mask4>(inwards < Float8{slack, slack, slack, slack, slack, slack, slack, slack}));
+  return !any(reinterpret_cast<Mask4>(inwards < all8(-planes.slack)));
 }
 
 struct Waiting {
@@ -182,7 +178,7 @@ class Walk {
     const glm::dmat3 turn = glm::transpose(glm::dmat3(view_.world_from_sensor()));
     const glm::dvec3 place = glm::dvec3(view_.world_from_sensor()[3]) - view_.items().origin();
     // Boxes of items are padded far beyond what rounds here.
-    TreePlanes planes = planes_in(bundle_, turn, -(turn * place), 1, 0);
+    TreePlanes planes = planes_in(bundle_, glm::mat3(turn), glm::vec3(-(turn * place)), 1, 0);
     planes.end_at(farthest_m_);
     walk_tree(items, planes, [&](std::uint32_t first, std::uint32_t count) __attribute__((always_inline)) {
       for (std::uint32_t k = first; k < first + count; ++k) into_item(items.order[k]);
@@ -194,7 +190,7 @@ class Walk {
     ++view_.item_tests;
     const SeenItem& item = view_.seen(placed);
     const RayMesh& mesh = *view_.placed(placed).mesh;
-    TreePlanes planes = planes_in(bundle_, item.unit_linear, item.centre, item.scale, static_cast<float>(kPadding));
+    TreePlanes planes = planes_in(bundle_, item.scaled_linear, item.scaled_centre, item.scale, static_cast<float>(kPadding));
     planes.end_at(farthest_m_);
     walk_tree(mesh.bvh(), planes, [&](std::uint32_t first, std::uint32_t count) __attribute__((always_inline)) {
       bool met = false;
@@ -226,11 +222,8 @@ class Walk {
       widen(y * per_z, extent.low_y, extent.high_y);
     }
     bool met = false;
-    for (unsigned batch = 0; batch < bundle_.batches; ++batch) {
-      if (extent.high_x < bundle_.low_x[batch] || extent.low_x > bundle_.high_x[batch] ||
-          extent.high_y < bundle_.low_y[batch] || extent.low_y > bundle_.high_y[batch]) {
-        continue;
-      }
+    for (unsigned batches = batches_in(extent); batches != 0; batches &= batches - 1) {
+      const auto batch = static_cast<unsigned>(std::countr_zero(batches));
       const BatchHit batch_hit = try_batch(bundle_, batch, x, y, z);
       if (batch_hit.unsure) {
         met |= try_one_by_one(batch, ~Mask4{}, placed, primitive, triangle.corners());
@@ -239,6 +232,18 @@ class Walk {
       }
     }
     return met;
+  }
+
+  // Bit i for batch i.
+  SIMVIS_INLINE unsigned batches_in(const ShearedExtent& extent) const {
+    unsigned bits = 0;
+    for (unsigned i = 0; i < RayBundle::kBatches / 4; ++i) {
+      // Not the other way round: what is not a number may be anywhere.
+      const Mask4 beside = (bundle_.low_x[i] > all4(extent.high_x)) | (bundle_.high_x[i] < all4(extent.low_x)) |
+                           (bundle_.low_y[i] > all4(extent.high_y)) | (bundle_.high_y[i] < all4(extent.low_y));
+      bits |= bits_of(~beside) << 4 * i;
+    }
+    return bits & ((1u << bundle_.batches) - 1);
   }
 
   SIMVIS_INLINE bool take(unsigned batch, const BatchHit& batch_hit, const SeenItem& item, std::uint32_t placed,

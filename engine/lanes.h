@@ -8,7 +8,7 @@
 
 // Compiled once for machines with AVX2 and once for all others; the machine chooses when the program starts.
 #if defined(__x86_64__) && !defined(__clang__)
-#define SIMVIS_FOR_EACH_MACHINE __attribute__((target_clones("arch=haswell", "default")))
+#define SIMVIS_FOR_EACH_MACHINE __attribute__((target_clones("avx2", "default")))
 #else
 #define SIMVIS_FOR_EACH_MACHINE
 #endif
@@ -19,7 +19,29 @@ using Double4 = double __attribute__((vector_size(32)));
 using Mask4 = long long __attribute__((vector_size(32)));  ///< of each lane all bits, or none
 using Float8 = float __attribute__((vector_size(32)));
 
-SIMVIS_INLINE bool any(Mask4 mask) { return ((mask[0] | mask[1]) | (mask[2] | mask[3])) != 0; }
+/// Bit i is set where lane i is.
+SIMVIS_INLINE unsigned bits_of(Mask4 mask) {
+#if defined(__SSE2__)
+  using Float4 = float __attribute__((vector_size(16)));
+  using Int8 = int __attribute__((vector_size(32)));
+  const Int8 words = reinterpret_cast<Int8>(mask);
+  return static_cast<unsigned>(
+      __builtin_ia32_movmskps(reinterpret_cast<Float4>(__builtin_shufflevector(words, words, 0, 2, 4, 6))));
+#else
+  return (mask[0] != 0) | (mask[1] != 0) << 1 | (mask[2] != 0) << 2 | (mask[3] != 0) << 3;
+#endif
+}
+
+SIMVIS_INLINE bool any(Mask4 mask) {
+  using Mask2 = long long __attribute__((vector_size(16)));
+  const Mask2 halves = __builtin_shufflevector(mask, mask, 0, 1) | __builtin_shufflevector(mask, mask, 2, 3);
+#if defined(__SSE2__)
+  using Float4 = float __attribute__((vector_size(16)));
+  return __builtin_ia32_movmskps(reinterpret_cast<Float4>(halves)) != 0;
+#else
+  return (halves[0] | halves[1]) != 0;
+#endif
+}
 
 SIMVIS_INLINE Double4 all4(double value) { return Double4{value, value, value, value}; }
 SIMVIS_INLINE Double4 least(Double4 a, Double4 b) { return b < a ? b : a; }

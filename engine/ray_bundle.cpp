@@ -8,6 +8,7 @@ namespace {
 
 // Rays farther apart than this do not see much the same any more: about 25 degrees.
 constexpr double kLeastCosine = 0.9;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
@@ -17,7 +18,7 @@ RayBundle::RayBundle(std::span<const glm::dvec3> directions, std::span<const dou
   y = first.y;
   z = first.z;
   sign = first.per_z < 0 ? -1 : 1;
-  least_per_z = std::numeric_limits<double>::infinity();
+  least_per_z = kInfinity;
   glm::dvec3 sum(0);
   const unsigned most = static_cast<unsigned>(std::min<std::size_t>(kMost, directions.size()));
   for (; count < most; ++count) {
@@ -36,36 +37,47 @@ RayBundle::RayBundle(std::span<const glm::dvec3> directions, std::span<const dou
     shear_y[i / kLanes][i % kLanes] = shear_y[(count - 1) / kLanes][(count - 1) % kLanes];
     per_z[i / kLanes][i % kLanes] = per_z[(count - 1) / kLanes][(count - 1) % kLanes];
   }
-  double low[2] = {least_per_z, least_per_z}, high[2] = {-least_per_z, -least_per_z};
+  double low[2] = {kInfinity, kInfinity}, high[2] = {-kInfinity, -kInfinity};
+  for (unsigned i = 0; i < kBatches / 4; ++i) {
+    low_x[i] = low_y[i] = all4(kInfinity);
+    high_x[i] = high_y[i] = all4(-kInfinity);
+  }
   for (unsigned batch = 0; batch < batches; ++batch) {
-    const auto bounds = [](const Double4& v, double& low_of, double& high_of) {
-      low_of = std::min({v[0], v[1], v[2], v[3]});
-      high_of = std::max({v[0], v[1], v[2], v[3]});
+    const auto bounds = [&](const Double4& v, Double4* lows, Double4* highs, int axis) {
+      const double low_of = std::min({v[0], v[1], v[2], v[3]}), high_of = std::max({v[0], v[1], v[2], v[3]});
+      lows[batch / 4][batch % 4] = low_of;
+      highs[batch / 4][batch % 4] = high_of;
+      low[axis] = std::min(low[axis], low_of);
+      high[axis] = std::max(high[axis], high_of);
     };
-    bounds(shear_x[batch], low_x[batch], high_x[batch]);
-    bounds(shear_y[batch], low_y[batch], high_y[batch]);
-    low[0] = std::min(low[0], low_x[batch]);
-    high[0] = std::max(high[0], high_x[batch]);
-    low[1] = std::min(low[1], low_y[batch]);
-    high[1] = std::max(high[1], high_y[batch]);
+    bounds(shear_x[batch], low_x, high_x, 0);
+    bounds(shear_y[batch], low_y, high_y, 1);
     for (unsigned lane = 0; lane < kLanes; ++lane) {
       const unsigned i = batch * kLanes + lane;
-      range_m[batch][lane] = i < count ? std::numeric_limits<double>::infinity() : -1;
+      range_m[batch][lane] = i < count ? kInfinity : -1;
       beyond_m[batch][lane] = i < count && !passed_m.empty() ? passed_m[i] : 0;
     }
     placed[batch] = primitive[batch] = Mask4{};
   }
-  for (glm::dvec3& normal : normals) normal = glm::dvec3(0);
-  normals[0][x] = sign;
-  normals[0][z] = -sign * low[0];
-  normals[1][x] = -sign;
-  normals[1][z] = sign * high[0];
-  normals[2][y] = sign;
-  normals[2][z] = -sign * low[1];
-  normals[3][y] = -sign;
-  normals[3][z] = sign * high[1];
+  glm::dvec3 normals[kPlanes];
+  const auto set_side = [&](int plane, int axis, double side, double shear) {
+    normals[plane] = glm::dvec3(0);
+    normals[plane][axis] = side * sign;
+    normals[plane][z] = -side * sign * shear;
+  };
+  set_side(0, x, 1, low[0]);
+  set_side(1, x, -1, high[0]);
+  set_side(2, y, 1, low[1]);
+  set_side(3, y, -1, high[1]);
+  normals[4] = glm::dvec3(0);
   normals[4][z] = sign;
   normals[5] = -glm::normalize(sum);
+  for (int i = 0; i < 8; ++i) {
+    const glm::dvec3 normal = i < kPlanes ? normals[i] : glm::dvec3(0);
+    normal_x[i] = static_cast<float>(normal.x);
+    normal_y[i] = static_cast<float>(normal.y);
+    normal_z[i] = static_cast<float>(normal.z);
+  }
 }
 
 ShearedRay RayBundle::ray(unsigned index) const {

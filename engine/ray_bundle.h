@@ -37,12 +37,14 @@ struct RayBundle {
   /// Nearest hits so far; what is met at or before `beyond_m` is passed. Lanes without a ray meet nothing.
   Double4 range_m[kBatches], beyond_m[kBatches];
   Mask4 placed[kBatches], primitive[kBatches];
-  double low_x[kBatches], high_x[kBatches], low_y[kBatches], high_y[kBatches];  ///< of the shears of a batch
+  /// Of the shears of each batch, four batches side by side.
+  Double4 low_x[kBatches / 4], high_x[kBatches / 4], low_y[kBatches / 4], high_y[kBatches / 4];
 
   /// What lies before all of these planes through the sensor, n . p >= 0, may be met: the sides, and the plane across
-  /// the largest component. The last is the direction that distances are counted along, turned round.
-  static constexpr unsigned kPlanes = 6;
-  glm::dvec3 normals[kPlanes];
+  /// the largest component. The last is the direction that distances are counted along, turned round. Normals are up to
+  /// sqrt(2) long.
+  static constexpr int kPlanes = 6;
+  Float8 normal_x, normal_y, normal_z;  ///< the two lanes that are left over are 0
 };
 
 }  // namespace simvis

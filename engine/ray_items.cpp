@@ -104,10 +104,11 @@ SeenItem see(const PlacedItem& item, const glm::dmat4& world_from_sensor) {
   const double distance_m = glm::length(seen.placement.offset);
   seen.corner_error_m = kUnit * (kPlacingRoundings * (reach_m + distance_m) +
                                  kWorldRoundings * (glm::length(place) + glm::length(sensor)));
-  seen.unit_linear = radius * seen.placement.linear;
-  seen.centre = seen.placement.linear * item.mesh->centre() + seen.placement.offset;
+  const glm::dvec3 centre = seen.placement.linear * item.mesh->centre() + seen.placement.offset;
   // The last term makes even what rounds here, in double, small beside kPadding.
-  seen.scale = 1 / (stretch * radius + glm::length(seen.centre) + 0x1p-20 * (reach_m + distance_m));
+  seen.scale = 1 / (stretch * radius + glm::length(centre) + 0x1p-20 * (reach_m + distance_m));
+  seen.scaled_linear = glm::mat3(seen.scale * radius * seen.placement.linear);
+  seen.scaled_centre = glm::vec3(seen.scale * centre);
   return seen;
 }
 

@@ -76,9 +76,10 @@ class RayItems {
 struct SeenItem {
   std::uint64_t cast = 0;  ///< the cast for which this was made
   MeshPlacement placement;
-  glm::dmat3 unit_linear{1.0};  ///< from the mesh's unit frame to the sensor's axes, in metres
-  glm::dvec3 centre{0};         ///< of the mesh's box, sensor frame
-  double scale = 1;             ///< the inverse of how far its points may lie from the sensor, in metres
+  /// From the mesh's unit frame to the sensor frame, lengths scaled such that its points come to lie in the unit ball.
+  glm::mat3 scaled_linear{1.0f};
+  glm::vec3 scaled_centre{0};
+  double scale = 1;  ///< of these lengths, from metres
   double corner_error_m = 0;    ///< by how much rounding may have displaced a corner
   bool solid = false;           ///< at every point
 };
