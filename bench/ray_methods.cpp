@@ -139,7 +139,7 @@ void time_rays(const char* name, Simulation& simulation, const std::vector<glm::
   const auto print = [&](const char* engine, double ms, double difference) {
     std::printf("%s,%s,%.1f,%.3f,%.3g\n", name, engine, per_ray * ms, ms / packets_ms, difference);
   };
-  print("caster by Embree", median(times_ms[0]), 0);
+  print("caster by host", median(times_ms[0]), 0);
   print("caster by compute shader", median(times_ms[3]), shader_hits == hits ? 0 : INFINITY);
   print("embree 1", median(times_ms[1]), worst_error(single_m, hits));
   print("embree 16", packets_ms, worst_error(packets_m, hits));

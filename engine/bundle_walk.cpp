@@ -6,6 +6,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstring>
 
 namespace simvis {
 
@@ -13,26 +14,23 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr Double4 kZero{0, 0, 0, 0};
+constexpr float kLargest = std::numeric_limits<float>::max();
+constexpr std::uint32_t kLastNode = 0x7fffffff;  // above are things: see WideNode
 
 SIMVIS_INLINE Float8 all8(float value) { return Float8{value, value, value, value, value, value, value, value}; }
 
-/// The planes of a bundle in the frame of a tree, for boxes: what of a box lies farthest inwards of plane i is inwards
-/// by d[i] + sum over axes of (outer * high + inner * low), outer and inner the positive and the negative of the normal.
-/// Float32 rounds that by less than `slack`: 15 half ulps for what it is made of and for itself, and sums of up to
-/// sqrt(2) times how far the tree's points lie from the sensor.
+/// The planes of a bundle in the frame of a tree, for boxes: what of a box lies farthest inwards of a plane is inwards
+/// by d + the normal . the corner that lies farthest along it. Float32 rounds that by less than `slack`: 15 half ulps
+/// for what it is made of and for itself, and sums of up to sqrt(2) times how far the tree's points lie from the sensor.
 struct TreePlanes {
-  static constexpr int kDistance = RayBundle::kPlanes - 1;
-
-  Float8 outer[3], inner[3], d;
+  Float8 normal[3];  // by axes; lanes are planes
+  Float8 d;
+  int corner[3][8];  // 1 where the farthest corner's coordinate is the high one
   float slack = 0;
-  double scale = 1;   // of lengths, from metres
-  float nearest = 0;  // d of the last plane but for the range at which rays end
-  float end = 0;
+  double scale = 1;  // of lengths, from metres
+  float end = 0;     // what lies farther away along the last plane's normal, turned round, is behind all nearest hits
 
-  SIMVIS_INLINE void end_at(double range_m) {
-    end = static_cast<float>(range_m * scale * (1 + 0x1p-22));
-    d[kDistance] = nearest + end;
-  }
+  SIMVIS_INLINE void end_at(double range_m) { end = static_cast<float>(range_m * scale * (1 + 0x1p-22)) + slack; }
 };
 
 /// `linear` and `centre`: scaled point in the sensor frame = linear * p + centre.
@@ -45,22 +43,30 @@ SIMVIS_INLINE TreePlanes planes_in(const RayBundle& bundle, const glm::mat3& lin
     return bundle.normal_x * all8(v.x) + bundle.normal_y * all8(v.y) + bundle.normal_z * all8(v.z);
   };
   for (int axis = 0; axis < 3; ++axis) {
-    const Float8 normal = along(linear[axis]);
-    planes.outer[axis] = normal > all8(0) ? normal : all8(0);
-    planes.inner[axis] = normal - planes.outer[axis];
+    planes.normal[axis] = along(linear[axis]);
+    const auto corners = -(planes.normal[axis] > all8(0));
+    std::memcpy(planes.corner[axis], &corners, sizeof corners);
   }
   planes.d = along(centre);
-  planes.nearest = planes.d[TreePlanes::kDistance];
   return planes;
 }
 
-/// False where no ray of the bundle can meet what is in the box. `distance`: of the box's nearest point, scaled.
-SIMVIS_INLINE bool reaches(const TreePlanes& planes, const BvhNode& box, float& distance) {
-  const Float8 inwards = planes.d + planes.outer[0] * box.high.x + planes.inner[0] * box.low.x +
-                         planes.outer[1] * box.high.y + planes.inner[1] * box.low.y + planes.outer[2] * box.high.z +
-                         planes.inner[2] * box.low.z;
-  distance = planes.end - inwards[TreePlanes::kDistance];
-  return !any(reinterpret_cast<Mask4>(inwards < all8(-planes.slack)));
+/// Which children of the node the bundle may meet, bit by bit; how far away the nearest point of each child's box is,
+/// scaled.
+SIMVIS_INLINE unsigned reached(const TreePlanes& planes, const WideNode& node, Float8& distance) {
+  const Float8* const corners[3][2] = {{&node.low[0], &node.high[0]},
+                                       {&node.low[1], &node.high[1]},
+                                       {&node.low[2], &node.high[2]}};
+  const auto inwards = [&](int plane) __attribute__((always_inline)) {
+    return all8(planes.d[plane]) + all8(planes.normal[0][plane]) * *corners[0][planes.corner[0][plane]] +
+           all8(planes.normal[1][plane]) * *corners[1][planes.corner[1][plane]] +
+           all8(planes.normal[2][plane]) * *corners[2][planes.corner[2][plane]];
+  };
+  constexpr int kDistance = RayBundle::kPlanes - 1;
+  distance = -inwards(kDistance);
+  Mask8 beyond = distance > all8(planes.end);
+  for (int plane = 0; plane < kDistance; ++plane) beyond |= inwards(plane) < all8(-planes.slack);
+  return ~bits_of(beyond) & ((1u << node.children) - 1);
 }
 
 struct Waiting {
@@ -68,35 +74,31 @@ struct Waiting {
   float distance;
 };
 
-/// Calls `visit(first, count)` for each leaf that may be met, nearer ones first as far as boxes tell; it may bring the
-/// planes' end nearer.
+/// Calls `visit` with each thing that may be met, nearer ones first as far as boxes tell. `visit` may bring the planes'
+/// end nearer.
 template <typename Visit>
-SIMVIS_INLINE void walk_tree(const Bvh& tree, const TreePlanes& planes, const Visit& visit) {
-  std::array<Waiting, Bvh::kMaxDepth + 1> stack;
-  std::size_t waiting = 0;
-  float distance = 0;
-  if (reaches(planes, tree.nodes[0], distance)) stack[waiting++] = {0, distance};
+SIMVIS_INLINE void walk_tree(const WideBvh& tree, const TreePlanes& planes, const Visit& visit) {
+  if (tree.nodes().empty()) return;
+  std::array<Waiting, Bvh::kMaxDepth * WideNode::kMost> stack;
+  std::size_t waiting = 1;
+  stack[0] = {0, -kLargest};
   while (waiting > 0) {
     const Waiting next = stack[--waiting];
-    if (next.distance > planes.end + planes.slack) continue;
-    const BvhNode* node = &tree.nodes[next.node];
-    while (node->count == 0) {
-      const std::uint32_t left = node->first;
-      float left_distance = 0, right_distance = 0;
-      const bool into_left = reaches(planes, tree.nodes[left], left_distance);
-      const bool into_right = reaches(planes, tree.nodes[left + 1], right_distance);
-      if (into_left && into_right) {
-        const bool left_first = left_distance <= right_distance;
-        stack[waiting++] = {left + left_first, left_first ? right_distance : left_distance};
-        node = &tree.nodes[left + !left_first];
-      } else if (into_left || into_right) {
-        node = &tree.nodes[left + into_right];
-      } else {
-        node = nullptr;
-        break;
-      }
+    if (next.distance > planes.end) continue;
+    if (next.node > kLastNode) {
+      visit(~next.node);
+      continue;
     }
-    if (node != nullptr) visit(node->first, node->count);
+    const WideNode& node = tree.nodes()[next.node];
+    Float8 distance;
+    const std::size_t below = waiting;
+    for (unsigned left = reached(planes, node, distance); left != 0; left &= left - 1) {
+      const auto lane = static_cast<unsigned>(std::countr_zero(left));
+      const Waiting child{node.child[lane], distance[lane]};
+      std::size_t at = waiting++;
+      for (; at > below && stack[at - 1].distance < child.distance; --at) stack[at] = stack[at - 1];
+      stack[at] = child;
+    }
   }
 }
 
@@ -174,14 +176,14 @@ class Walk {
  public:
   SIMVIS_INLINE Walk(RayView& view, RayBundle& bundle) : view_(view), bundle_(bundle), farthest_m_(bundle.farthest_m()) {}
 
-  SIMVIS_INLINE void into_items(const Bvh& items) {
+  SIMVIS_INLINE void into_items(const WideBvh& items) {
     const glm::dmat3 turn = glm::transpose(glm::dmat3(view_.world_from_sensor()));
     const glm::dvec3 place = glm::dvec3(view_.world_from_sensor()[3]) - view_.items().origin();
     // Boxes of items are padded far beyond what rounds here.
     TreePlanes planes = planes_in(bundle_, glm::mat3(turn), glm::vec3(-(turn * place)), 1, 0);
     planes.end_at(farthest_m_);
-    walk_tree(items, planes, [&](std::uint32_t first, std::uint32_t count) __attribute__((always_inline)) {
-      for (std::uint32_t k = first; k < first + count; ++k) into_item(items.order[k]);
+    walk_tree(items, planes, [&](std::uint32_t placed) __attribute__((always_inline)) {
+      into_item(placed);
       planes.end_at(farthest_m_);
     });
   }
@@ -192,10 +194,8 @@ class Walk {
     const RayMesh& mesh = *view_.placed(placed).mesh;
     TreePlanes planes = planes_in(bundle_, item.scaled_linear, item.scaled_centre, item.scale, static_cast<float>(kPadding));
     planes.end_at(farthest_m_);
-    walk_tree(mesh.bvh(), planes, [&](std::uint32_t first, std::uint32_t count) __attribute__((always_inline)) {
-      bool met = false;
-      for (std::uint32_t k = first; k < first + count; ++k) met |= try_triangle(item, mesh, placed, mesh.bvh().order[k]);
-      if (!met) return;
+    walk_tree(mesh.tree(), planes, [&](std::uint32_t primitive) __attribute__((always_inline)) {
+      if (!try_triangle(item, mesh, placed, primitive)) return;
       farthest_m_ = bundle_.farthest_m();
       planes.end_at(farthest_m_);
     });
@@ -365,8 +365,8 @@ SIMVIS_FOR_EACH_MACHINE void finish_bundle(RayView& view, const RayBundle& bundl
   for (unsigned batch = 0; batch < bundle.batches; ++batch) finish(view, bundle, batch, hits);
 }
 
-SIMVIS_FOR_EACH_MACHINE void walk_bundle(RayView& view, const Bvh& items, RayBundle& bundle) {
-  if (!items.nodes.empty()) Walk(view, bundle).into_items(items);
+SIMVIS_FOR_EACH_MACHINE void walk_bundle(RayView& view, const WideBvh& items, RayBundle& bundle) {
+  Walk(view, bundle).into_items(items);
 }
 
 SIMVIS_FOR_EACH_MACHINE void walk_bundle(RayView& view, std::uint32_t placed, RayBundle& bundle) {

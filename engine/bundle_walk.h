@@ -4,14 +4,14 @@
 
 #include <cstdint>
 
-#include "engine/bvh.h"
 #include "engine/nearest_hit.h"
 #include "engine/ray_bundle.h"
+#include "engine/wide_bvh.h"
 
 namespace simvis {
 
 /// Brings the bundle's nearest hits up to date with all items; `items` is a tree over their boxes.
-void walk_bundle(RayView& view, const Bvh& items, RayBundle& bundle);
+void walk_bundle(RayView& view, const WideBvh& items, RayBundle& bundle);
 
 /// The same with one item alone.
 void walk_bundle(RayView& view, std::uint32_t placed, RayBundle& bundle);

@@ -12,6 +12,7 @@
 #include "engine/bundle_walk.h"
 #include "engine/device.h"
 #include "engine/frame_commands.h"
+#include "engine/item_tree.h"
 #include "engine/ray_dispatch.h"
 #include "engine/ray_top.h"
 
@@ -64,6 +65,7 @@ class DeviceRayCaster : public RayCaster {
   Device& device_;
   const DrawList* list_ = nullptr;
   RayItems items_;
+  ItemTree tree_;  // for what the host walks
   std::optional<DeviceWorld> world_;  // from the first cast on
   bool uploaded_ = false;             // in this cast
   std::vector<RayView> views_;        // of each thread
@@ -88,6 +90,7 @@ void DeviceRayCaster::cast(const glm::dmat4& world_from_sensor, std::span<const 
 void DeviceRayCaster::update(const glm::dvec3& world_place) {
   if (!world_) world_.emplace(device_.impl());
   items_.update(*list_, world_place);
+  tree_.update(items_);
   uploaded_ = false;
 }
 
@@ -110,7 +113,7 @@ void DeviceRayCaster::cast_from(const glm::dmat4& world_from_sensor, std::span<c
           view.begin(*list_, items_, glm::translate(world_from_sensor, origins_m[i]));
         }
         RayBundle ray(directions.subspan(i, 1), part_of(beyond_m, i, 1));
-        walk_bundle(view, world_->top.bvh(), ray);
+        walk_bundle(view, tree_.tree(), ray);
         finish_bundle(view, ray, &hits[i]);
       }
     });
@@ -215,7 +218,7 @@ RayHit DeviceRayCaster::decide(RayView& view, RayBundle& ray, const shader::RayC
   // What is left out lies farther away, or at complete_to_m at the nearest.
   const bool complete = candidates.complete_to_m > SIMVIS_FAR_M || ray.farthest_m() < candidates.complete_to_m;
   if (!complete) {
-    walk_bundle(view, world_->top.bvh(), ray);
+    walk_bundle(view, tree_.tree(), ray);
     walked = true;
   }
   RayHit hit;

@@ -84,7 +84,7 @@ void HostRayCaster::cast_bundles(RayView& view, std::span<const glm::dvec3> dire
   for (std::size_t first = 0; first < directions.size();) {
     const std::size_t left = directions.size() - first;
     RayBundle bundle(directions.subspan(first), part_of(beyond_m, first, left));
-    walk_bundle(view, tree_.bvh(), bundle);
+    walk_bundle(view, tree_.tree(), bundle);
     finish_bundle(view, bundle, hits.data() + first);
     first += bundle.count;
   }
@@ -94,7 +94,9 @@ void HostRayCaster::update(const glm::dvec3& world_place) {
   if (current_ && items_.reaches(world_place)) return;
   current_ = false;
   items_.update(*list_, world_place);
-  tree_.update(items_);
+  const ItemTree::Change change = tree_.update(items_);
+  items_.counters.item_trees_refitted += change == ItemTree::Change::fitted;
+  items_.counters.item_trees_built += change == ItemTree::Change::built;
   current_ = true;
 }
 

@@ -17,6 +17,7 @@ namespace simvis {
 
 using Double4 = double __attribute__((vector_size(32)));
 using Mask4 = long long __attribute__((vector_size(32)));  ///< of each lane all bits, or none
+using Mask8 = int __attribute__((vector_size(32)));
 using Float8 = float __attribute__((vector_size(32)));
 
 /// Bit i is set where lane i is.
@@ -29,6 +30,20 @@ SIMVIS_INLINE unsigned bits_of(Mask4 mask) {
       __builtin_ia32_movmskps(reinterpret_cast<Float4>(__builtin_shufflevector(words, words, 0, 2, 4, 6))));
 #else
   return (mask[0] != 0) | (mask[1] != 0) << 1 | (mask[2] != 0) << 2 | (mask[3] != 0) << 3;
+#endif
+}
+
+SIMVIS_INLINE unsigned bits_of(Mask8 mask) {
+  using Mask4x32 = int __attribute__((vector_size(16)));
+#if defined(__SSE2__)
+  using Float4 = float __attribute__((vector_size(16)));
+  const Mask4x32 low = __builtin_shufflevector(mask, mask, 0, 1, 2, 3), high = __builtin_shufflevector(mask, mask, 4, 5, 6, 7);
+  return static_cast<unsigned>(__builtin_ia32_movmskps(reinterpret_cast<Float4>(low)) |
+                               __builtin_ia32_movmskps(reinterpret_cast<Float4>(high)) << 4);
+#else
+  unsigned bits = 0;
+  for (unsigned lane = 0; lane < 8; ++lane) bits |= (mask[lane] != 0u) << lane;
+  return bits;
 #endif
 }
 

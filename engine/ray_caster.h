@@ -58,9 +58,8 @@ struct RayCounters {
   std::uint64_t item_tests = 0, triangle_tests = 0;     ///< of a ray with an item, and with a triangle in double
   std::uint64_t meshes_built = 0, triangles_built = 0;  ///< trees made of meshes
   std::uint64_t items_placed = 0;                       ///< boxes computed for the tree over items
-  std::uint64_t item_trees_built = 0;
+  std::uint64_t item_trees_built = 0, item_trees_refitted = 0;
   // Of a device only:
-  std::uint64_t item_trees_refitted = 0;
   std::uint64_t bytes_uploaded = 0;  ///< of trees and items; a ray takes 16 more
   std::uint64_t dispatches = 0;
   std::uint64_t rays_walked = 0;  ///< for which the host had to look into trees itself

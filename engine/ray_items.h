@@ -16,6 +16,10 @@
 
 namespace simvis {
 
+/// A tree over items into which moved ones were fitted is built anew where a ray has to look into so many times the
+/// boxes that it had to when it was built.
+inline constexpr double kWorstVisits = 2;
+
 /// By how much boxes are padded, as a share of the size of the coordinates in play: 32 half ulps of a float32.
 inline constexpr double kPadding = 0x1p-19;
 

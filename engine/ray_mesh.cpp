@@ -1,7 +1,6 @@
 #include "engine/ray_mesh.h"
 
 #include <utility>
-#include <vector>
 
 namespace simvis {
 
@@ -10,15 +9,27 @@ RayMesh::RayMesh(std::shared_ptr<const Mesh> mesh) : mesh_(std::move(mesh)) {
   centre_ = 0.5 * (low + high);
   radius_ = 0.5 * glm::length(high - low);
   half_size_ = radius_ > 0 ? 0.5 * (high - low) / radius_ : glm::dvec3(0);
-  if (radius_ == 0) return;
+}
+
+const WideBvh& RayMesh::tree() const {
+  std::call_once(tree_made_, [this] { tree_ = WideBvh(boxes(), false); });
+  return tree_;
+}
+
+Bvh RayMesh::make_device_tree() const {
   constexpr std::uint32_t kMostInLeaf = 4;
+  return build_bvh(boxes(), kMostInLeaf);
+}
+
+std::vector<Box> RayMesh::boxes() const {
   std::vector<Box> boxes;
+  if (radius_ == 0) return boxes;
   boxes.reserve(triangles());
   for (std::uint32_t t = 0; t < triangles(); ++t) {
     const auto [a, b, c] = unit_corners(t);
     boxes.push_back({glm::min(a, glm::min(b, c)), glm::max(a, glm::max(b, c))});
   }
-  bvh_ = build_bvh(boxes, kMostInLeaf);
+  return boxes;
 }
 
 std::array<glm::vec3, 3> RayMesh::unit_corners(std::uint32_t primitive) const {

@@ -3,9 +3,11 @@
 
 #include <array>
 #include <memory>
+#include <mutex>
+#include <vector>
 
-#include "engine/bvh.h"
 #include "engine/mesh.h"
+#include "engine/wide_bvh.h"
 
 namespace simvis {
 
@@ -20,17 +22,24 @@ class RayMesh {
   double radius() const { return radius_; }                   ///< half the box's diagonal; 0: no ray can meet it
   const glm::dvec3& half_size() const { return half_size_; }  ///< of the box, in radii
 
-  /// Over the triangles in the unit frame, rounded to float32. Empty if the radius is 0.
-  const Bvh& bvh() const { return bvh_; }
+  /// Over the triangles in the unit frame, rounded to float32. Empty if the radius is 0. Made when first asked for, by
+  /// whichever thread.
+  const WideBvh& tree() const;
+
+  /// The same for a device, with up to four triangles in a leaf.
+  Bvh make_device_tree() const;
 
   /// A triangle's corners in the unit frame, rounded: off by up to 2^-25 per axis.
   std::array<glm::vec3, 3> unit_corners(std::uint32_t primitive) const;
 
  private:
+  std::vector<Box> boxes() const;
+
   std::shared_ptr<const Mesh> mesh_;
   glm::dvec3 centre_, half_size_;
   double radius_;
-  Bvh bvh_;
+  mutable std::once_flag tree_made_;
+  mutable WideBvh tree_;
 };
 
 }  // namespace simvis

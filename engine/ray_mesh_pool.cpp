@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <string>
+#include <utility>
 
 #include "engine/assert.h"
 #include "engine/error.h"
@@ -32,7 +33,7 @@ Buffer make_buffer(Device::Impl& device, const char* name, VkDeviceSize size) {
 
 bool RayMeshPool::update(const RayItems& items, Uploads& uploads) {
   for (auto& [mesh, entry] : entries_) entry.wanted = false;
-  std::vector<const RayMesh*> fresh;
+  std::vector<std::pair<const RayMesh*, Bvh>> fresh;
   std::uint64_t nodes = 0, triangles = 0;
   for (const PlacedItem& item : items.items()) {
     const RayMesh& mesh = *item.mesh;
@@ -41,15 +42,15 @@ bool RayMeshPool::update(const RayItems& items, Uploads& uploads) {
     entry.wanted = true;
     if (!added) continue;
     entry.mesh = mesh.mesh();
-    entry.nodes = mesh.bvh().nodes.size();
+    fresh.emplace_back(&mesh, mesh.make_device_tree());
+    entry.nodes = fresh.back().second.nodes.size();
     entry.triangles = mesh.triangles();
-    fresh.push_back(&mesh);
     nodes += entry.nodes;
     triangles += entry.triangles;
   }
   std::erase_if(entries_, [](const auto& entry) { return !entry.second.wanted; });
   const bool moved = make_room(nodes, triangles, uploads);
-  for (const RayMesh* mesh : fresh) upload(*mesh, entries_.at(mesh->mesh().get()), uploads);
+  for (const auto& [mesh, tree] : fresh) upload(*mesh, tree, entries_.at(mesh->mesh().get()), uploads);
   return moved;
 }
 
@@ -104,16 +105,16 @@ bool RayMeshPool::make_room(std::uint64_t nodes, std::uint64_t triangles, Upload
   return true;
 }
 
-void RayMeshPool::upload(const RayMesh& mesh, Entry& entry, Uploads& uploads) {
+void RayMeshPool::upload(const RayMesh& mesh, const Bvh& tree, Entry& entry, Uploads& uploads) {
   entry.first_node = nodes_used_;
   entry.first_triangle = triangles_used_;
   entry.resident = true;
   nodes_used_ += entry.nodes;
   triangles_used_ += entry.triangles;
-  uploads.write(nodes_, entry.first_node * sizeof(shader::TreeNode), std::as_bytes(std::span(mesh.bvh().nodes)));
+  uploads.write(nodes_, entry.first_node * sizeof(shader::TreeNode), std::as_bytes(std::span(tree.nodes)));
   std::vector<shader::RayTriangle> triangles;
   triangles.reserve(entry.triangles);
-  for (const std::uint32_t primitive : mesh.bvh().order) {
+  for (const std::uint32_t primitive : tree.order) {
     const auto [a, b, c] = mesh.unit_corners(primitive);
     triangles.push_back({glm::uvec4(bits_of(a), primitive), glm::vec4(b, 0), glm::vec4(c, 0)});
   }

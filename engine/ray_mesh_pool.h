@@ -38,7 +38,7 @@ class RayMeshPool {
     bool resident = false, wanted = false;
   };
   bool make_room(std::uint64_t nodes, std::uint64_t triangles, Uploads& uploads);
-  void upload(const RayMesh& mesh, Entry& entry, Uploads& uploads);
+  void upload(const RayMesh& mesh, const Bvh& tree, Entry& entry, Uploads& uploads);
   std::uint64_t capacity(std::uint64_t needed, std::uint64_t stride) const;
 
   Device::Impl& device_;

@@ -33,25 +33,42 @@ void write_entries(const Buffer& buffer, std::span<const T> table, std::span<con
 
 void RayTop::update(const DrawList& list, RayItems& items, const RayMeshPool& meshes, bool meshes_moved,
                     Uploads& uploads) {
-  const bool other_tree = tree_.update(items) || !made_;
-  made_ = false;
-  if (other_tree) {
-    upload_tree(uploads);
-  } else {
-    write_entries(nodes_, std::span<const BvhNode>(bvh().nodes), tree_.changed(), uploads);
+  const bool anew = !made_ || items.restructured();
+  bool reordered = anew;
+  if (anew) {
+    made_ = false;
+    boxes_.clear();
+    solid_.clear();
+    for (const PlacedItem& item : items.items()) {
+      boxes_.push_back(item.box);
+      solid_.push_back(is_solid_item(list, item));
+    }
+    build(items, uploads);
+  } else if (!items.moved().empty()) {
+    for (const std::uint32_t i : items.moved()) boxes_[i] = items.items()[i].box;
+    const std::vector<std::uint32_t> changed = refit(bvh_, boxes_);
+    ++items.counters.item_trees_refitted;
+    reordered = expected_visits(bvh_) > kWorstVisits * visits_when_built_;
+    if (reordered) {
+      build(items, uploads);
+    } else {
+      write_entries(nodes_, std::span<const BvhNode>(bvh_.nodes), changed, uploads);
+    }
   }
-  write_blocks(list, items, meshes, other_tree || meshes_moved, uploads);
+  write_blocks(list, items, meshes, reordered || meshes_moved, uploads);
   made_ = true;
 }
 
-void RayTop::upload_tree(Uploads& uploads) {
-  const std::vector<std::uint32_t>& order = bvh().order;
-  leaf_of_.resize(order.size());
-  for (std::uint32_t i = 0; i < order.size(); ++i) leaf_of_[order[i]] = i;
-  if (order.empty()) return;
-  reserve(nodes_, "ray top nodes", bvh().nodes.size() * sizeof(BvhNode));
-  reserve(block_buffer_, "ray items", order.size() * sizeof(shader::RayItem));
-  uploads.write(nodes_, 0, std::as_bytes(std::span(bvh().nodes)));
+void RayTop::build(RayItems& items, Uploads& uploads) {
+  bvh_ = build_bvh(boxes_, 1);
+  visits_when_built_ = expected_visits(bvh_);
+  leaf_of_.resize(boxes_.size());
+  for (std::uint32_t i = 0; i < bvh_.order.size(); ++i) leaf_of_[bvh_.order[i]] = i;
+  ++items.counters.item_trees_built;
+  if (boxes_.empty()) return;
+  reserve(nodes_, "ray top nodes", bvh_.nodes.size() * sizeof(BvhNode));
+  reserve(block_buffer_, "ray items", boxes_.size() * sizeof(shader::RayItem));
+  uploads.write(nodes_, 0, std::as_bytes(std::span(bvh_.nodes)));
 }
 
 // A material may change without anything moving.
@@ -59,7 +76,6 @@ void RayTop::write_blocks(const DrawList& list, const RayItems& items, const Ray
                           Uploads& uploads) {
   std::vector<std::uint32_t> leaves;
   const auto add = [&](std::uint32_t i) { leaves.push_back(leaf_of_[i]); };
-  solid_.resize(items.items().size());
   for (std::uint32_t i = 0; i < solid_.size(); ++i) {
     const bool solid = is_solid_item(list, items.items()[i]);
     if (all || solid != static_cast<bool>(solid_[i])) add(i);
@@ -92,7 +108,7 @@ void RayTop::reserve(Buffer& buffer, const char* name, VkDeviceSize size) {
 }
 
 void RayTop::clear() {
-  tree_.clear();
+  bvh_ = {};
   nodes_ = {};
   block_buffer_ = {};
   made_ = false;

@@ -1,0 +1,120 @@
+#include "engine/wide_bvh.h"
+
+#include <algorithm>
+
+namespace simvis {
+
+namespace {
+
+void set_box(WideNode& node, std::uint32_t lane, const glm::vec3& low, const glm::vec3& high) {
+  for (int axis = 0; axis < 3; ++axis) {
+    node.low[axis][lane] = low[axis];
+    node.high[axis][lane] = high[axis];
+  }
+}
+
+Box box_of(const WideNode& node, std::uint32_t lane) {
+  return {{node.low[0][lane], node.low[1][lane], node.low[2][lane]},
+          {node.high[0][lane], node.high[1][lane], node.high[2][lane]}};
+}
+
+Box box_around(const WideNode& node) {
+  Box box = box_of(node, 0);
+  for (std::uint32_t lane = 1; lane < node.children; ++lane) {
+    const Box other = box_of(node, lane);
+    box = {glm::min(box.low, other.low), glm::max(box.high, other.high)};
+  }
+  return box;
+}
+
+double half_area(const glm::vec3& low, const glm::vec3& high) {
+  const glm::dvec3 size = glm::dvec3(high) - glm::dvec3(low);
+  return size.x * size.y + size.y * size.z + size.z * size.x;
+}
+
+// The node's descendants that become children: the largest are opened until there are enough.
+std::vector<std::uint32_t> descendants(const Bvh& bvh, std::uint32_t node) {
+  if (bvh.nodes[node].count > 0) return {node};
+  std::vector<std::uint32_t> found{bvh.nodes[node].first, bvh.nodes[node].first + 1};
+  while (found.size() < WideNode::kMost) {
+    std::size_t largest = found.size();
+    double most = -1;
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      const BvhNode& n = bvh.nodes[found[i]];
+      if (n.count > 0 || half_area(n.low, n.high) <= most) continue;
+      most = half_area(n.low, n.high);
+      largest = i;
+    }
+    if (largest == found.size()) break;
+    const std::uint32_t opened = bvh.nodes[found[largest]].first;
+    found[largest] = opened;
+    found.insert(found.begin() + static_cast<std::ptrdiff_t>(largest) + 1, opened + 1);
+  }
+  return found;
+}
+
+}  // namespace
+
+WideBvh::WideBvh(std::span<const Box> boxes, bool refitted) {
+  if (boxes.empty()) return;
+  const Bvh bvh = build_bvh(boxes, 1);
+  add_node(bvh, 0, 0, 0);
+  nodes_.shrink_to_fit();
+  if (!refitted) return;
+  places_.resize(boxes.size());
+  for (std::uint32_t node = 0; node < nodes_.size(); ++node) {
+    for (std::uint32_t lane = 0; lane < nodes_[node].children; ++lane) {
+      const std::uint32_t thing = ~nodes_[node].child[lane];
+      if (thing < places_.size()) places_[thing] = {node, lane};
+    }
+  }
+}
+
+std::uint32_t WideBvh::add_node(const Bvh& bvh, std::uint32_t binary, std::uint32_t parent, std::uint32_t place) {
+  const auto index = static_cast<std::uint32_t>(nodes_.size());
+  const std::vector<std::uint32_t> children = descendants(bvh, binary);
+  WideNode node;
+  node.children = static_cast<std::uint32_t>(children.size());
+  node.parent = parent;
+  node.place = place;
+  for (std::uint32_t lane = 0; lane < WideNode::kMost; ++lane) {
+    const BvhNode& child = bvh.nodes[children[std::min(lane, node.children - 1)]];
+    set_box(node, lane, child.low, child.high);
+  }
+  nodes_.push_back(node);
+  for (std::uint32_t lane = 0; lane < children.size(); ++lane) {
+    const BvhNode& child = bvh.nodes[children[lane]];
+    const std::uint32_t to = child.count > 0 ? ~bvh.order[child.first] : add_node(bvh, children[lane], index, lane);
+    nodes_[index].child[lane] = to;
+  }
+  return index;
+}
+
+void WideBvh::move(std::uint32_t thing, const Box& box) {
+  Place at = places_[thing];
+  Box moved = box;
+  while (true) {
+    WideNode& node = nodes_[at.node];
+    if (box_of(node, at.lane) == moved) return;
+    set_box(node, at.lane, moved.low, moved.high);
+    if (at.node == 0) return;
+    moved = box_around(node);
+    at = {node.parent, node.place};
+  }
+}
+
+double WideBvh::expected_visits() const {
+  if (nodes_.empty()) return 0;
+  double sum = 0;
+  for (const WideNode& node : nodes_) {
+    for (std::uint32_t lane = 0; lane < node.children; ++lane) {
+      const Box box = box_of(node, lane);
+      sum += half_area(box.low, box.high);
+    }
+  }
+  const Box all = box_around(nodes_[0]);
+  const double root = half_area(all.low, all.high);
+  return root > 0 ? sum / root : 0;
+}
+
+}  // namespace simvis

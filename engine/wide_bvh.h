@@ -1,0 +1,48 @@
+// A tree of boxes whose nodes have up to eight children, for one core that looks at eight boxes at a time.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "engine/bvh.h"
+#include "engine/lanes.h"
+
+namespace simvis {
+
+/// The boxes of the children stand here. A child is a node, or ~thing.
+struct WideNode {
+  static constexpr unsigned kMost = 8;
+
+  Float8 low[3], high[3];  ///< by axes; a lane without a child holds some box
+  std::uint32_t child[kMost] = {};
+  std::uint32_t children = 0;
+  std::uint32_t parent = 0, place = 0;  ///< where this stands: lane `place` of `parent`. Of the root itself, lane 0
+};
+
+/// Empty where there is nothing; else nodes[0] is the root.
+class WideBvh {
+ public:
+  WideBvh() = default;
+  /// Boxes are finite. The same boxes give the same tree. It remembers where things are only if it is to be refitted.
+  WideBvh(std::span<const Box> boxes, bool refitted);
+
+  const std::vector<WideNode>& nodes() const { return nodes_; }
+
+  /// Moves a thing; the tree stays right, and gets slower where things have moved far.
+  void move(std::uint32_t thing, const Box& box);
+
+  /// How many boxes a random ray meets that meets the root's, by their surface areas.
+  double expected_visits() const;
+
+ private:
+  struct Place {
+    std::uint32_t node = 0, lane = 0;
+  };
+  std::uint32_t add_node(const Bvh& bvh, std::uint32_t binary, std::uint32_t parent, std::uint32_t place);
+
+  std::vector<WideNode> nodes_;
+  std::vector<Place> places_;  // of things
+};
+
+}  // namespace simvis
