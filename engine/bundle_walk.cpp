@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr Double4 kZero{0, 0, 0, 0};
+constexpr unsigned kAllLanes = (1u << RayBundle::kLanes) - 1;
 constexpr float kLargest = std::numeric_limits<float>::max();
 constexpr std::uint32_t kLastNode = 0x7fffffff;  // above are things: see WideNode
 
@@ -226,7 +227,7 @@ class Walk {
       const auto batch = static_cast<unsigned>(std::countr_zero(batches));
       const BatchHit batch_hit = try_batch(bundle_, batch, x, y, z);
       if (batch_hit.unsure) {
-        met |= try_one_by_one(batch, ~Mask4{}, placed, primitive, triangle.corners());
+        met |= try_one_by_one(batch, kAllLanes, placed, primitive, triangle.corners());
       } else if (any(batch_hit.hit)) {
         met |= take(batch, batch_hit, item, placed, primitive, triangle);
       }
@@ -251,7 +252,7 @@ class Walk {
     Double4& range_m = bundle_.range_m[batch];
     const Mask4 hit = batch_hit.hit;
     if (!item.solid || any(hit & (batch_hit.range_m == range_m))) {
-      return try_one_by_one(batch, hit, placed, primitive, triangle.corners());
+      return try_one_by_one(batch, bits_of(hit), placed, primitive, triangle.corners());
     }
     range_m = hit ? batch_hit.range_m : range_m;
     const auto of_item = static_cast<long long>(placed), of_mesh = static_cast<long long>(primitive);
@@ -260,7 +261,8 @@ class Walk {
     return true;
   }
 
-  bool try_one_by_one(unsigned batch, Mask4 lanes, std::uint32_t placed, std::uint32_t primitive,
+  // Bit i of `lanes` for lane i. Not a part of what is compiled for each machine: lanes themselves cannot be handed over.
+  bool try_one_by_one(unsigned batch, unsigned lanes, std::uint32_t placed, std::uint32_t primitive,
                       const std::array<glm::dvec3, 3>& corners);
 
   RayView& view_;
@@ -268,12 +270,12 @@ class Walk {
   double farthest_m_;
 };
 
-bool Walk::try_one_by_one(unsigned batch, Mask4 lanes, std::uint32_t placed, std::uint32_t primitive,
+bool Walk::try_one_by_one(unsigned batch, unsigned lanes, std::uint32_t placed, std::uint32_t primitive,
                           const std::array<glm::dvec3, 3>& corners) {
   bool met = false;
   for (unsigned lane = 0; lane < RayBundle::kLanes; ++lane) {
     const unsigned index = batch * RayBundle::kLanes + lane;
-    if (lanes[lane] == 0 || index >= bundle_.count) continue;
+    if (!(lanes >> lane & 1) || index >= bundle_.count) continue;
     NearestHit nearest{bundle_.range_m[batch][lane], static_cast<std::uint32_t>(bundle_.placed[batch][lane]),
                        static_cast<std::uint32_t>(bundle_.primitive[batch][lane]), bundle_.beyond_m[batch][lane]};
     if (!view_.try_triangle(bundle_.ray(index), placed, primitive, corners, nearest)) continue;

@@ -10,33 +10,46 @@ namespace {
 constexpr double kLeastCosine = 0.9;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
+// As ShearedRay has it.
+int largest_axis(const glm::dvec3& direction) {
+  const glm::dvec3 size = glm::abs(direction);
+  return size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+}
+
 }  // namespace
 
 RayBundle::RayBundle(std::span<const glm::dvec3> directions, std::span<const double> passed_m) {
-  const ShearedRay first(directions[0]);
-  x = first.x;
-  y = first.y;
-  z = first.z;
-  sign = first.per_z < 0 ? -1 : 1;
-  least_per_z = kInfinity;
+  z = largest_axis(directions[0]);
+  x = (z + 1) % 3;
+  y = (z + 2) % 3;
+  sign = directions[0][z] < 0 ? -1 : 1;
   glm::dvec3 sum(0);
+  Double4 along_z[kBatches];
+  const auto take = [&](unsigned index, const glm::dvec3& direction) {
+    const unsigned batch = index / kLanes, lane = index % kLanes;
+    shear_x[batch][lane] = direction[x];
+    shear_y[batch][lane] = direction[y];
+    along_z[batch][lane] = direction[z];
+  };
   const unsigned most = static_cast<unsigned>(std::min<std::size_t>(kMost, directions.size()));
   for (; count < most; ++count) {
-    const ShearedRay ray(directions[count]);
-    if (ray.z != z || ray.per_z * sign < 0 || glm::dot(directions[count], directions[0]) < kLeastCosine) break;
-    const unsigned batch = count / kLanes, lane = count % kLanes;
-    shear_x[batch][lane] = ray.shear_x;
-    shear_y[batch][lane] = ray.shear_y;
-    per_z[batch][lane] = ray.per_z;
-    least_per_z = std::min(least_per_z, std::abs(ray.per_z));
-    sum += directions[count];
+    const glm::dvec3& direction = directions[count];
+    if (largest_axis(direction) != z || direction[z] * sign < 0) break;
+    if (glm::dot(direction, directions[0]) < kLeastCosine) break;
+    take(count, direction);
+    sum += direction;
   }
   batches = (count + kLanes - 1) / kLanes;
-  for (unsigned i = count; i < batches * kLanes; ++i) {
-    shear_x[i / kLanes][i % kLanes] = shear_x[(count - 1) / kLanes][(count - 1) % kLanes];
-    shear_y[i / kLanes][i % kLanes] = shear_y[(count - 1) / kLanes][(count - 1) % kLanes];
-    per_z[i / kLanes][i % kLanes] = per_z[(count - 1) / kLanes][(count - 1) % kLanes];
+  for (unsigned i = count; i < batches * kLanes; ++i) take(i, directions[count - 1]);
+  // As ShearedRay does.
+  Double4 least_z = all4(kInfinity);
+  for (unsigned batch = 0; batch < batches; ++batch) {
+    per_z[batch] = all4(1) / along_z[batch];
+    shear_x[batch] /= along_z[batch];
+    shear_y[batch] /= along_z[batch];
+    least_z = least(least_z, abs4(per_z[batch]));
   }
+  least_per_z = -greatest(-least_z);
   double low[2] = {kInfinity, kInfinity}, high[2] = {-kInfinity, -kInfinity};
   for (unsigned i = 0; i < kBatches / 4; ++i) {
     low_x[i] = low_y[i] = all4(kInfinity);
