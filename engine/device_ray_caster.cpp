@@ -15,10 +15,14 @@
 #include "engine/item_tree.h"
 #include "engine/ray_dispatch.h"
 #include "engine/ray_top.h"
+#include "engine/worker_threads.h"
 
 namespace simvis {
 
 namespace {
+
+// What takes as long as to wake a thread.
+constexpr std::size_t kPiece = 256;
 
 float rounded_down(double value) {
   const auto rounded = static_cast<float>(value);
@@ -68,7 +72,8 @@ class DeviceRayCaster : public RayCaster {
   ItemTree tree_;  // for what the host walks
   std::optional<DeviceWorld> world_;  // from the first cast on
   bool uploaded_ = false;             // in this cast
-  std::vector<RayView> views_;        // of each thread
+  std::vector<RayView> views_ = std::vector<RayView>(WorkerThreads::count());  // of each thread
+  WorkerThreads threads_;
 };
 
 void DeviceRayCaster::cast(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions,
@@ -104,9 +109,7 @@ void DeviceRayCaster::cast_from(const glm::dmat4& world_from_sensor, std::span<c
     update(glm::dvec3(glm::translate(world_from_sensor, origins_m[start])[3]));
     served = items_.in_reach(world_from_sensor, origins_m.subspan(start));
     find_candidates(world_from_sensor, {}, {});
-    const std::size_t threads = ray_threads(served);
-    if (views_.size() < threads) views_.resize(threads);
-    share_rays(served, threads, [&](std::size_t thread, std::size_t first, std::size_t count) {
+    threads_.share(served, kPiece, [&](std::size_t thread, std::size_t first, std::size_t count) {
       RayView& view = views_[thread];
       for (std::size_t i = start + first; i < start + first + count; ++i) {
         if (i == start + first || origins_m[i] != origins_m[i - 1]) {
@@ -189,11 +192,9 @@ void DeviceRayCaster::decide(const glm::dmat4& world_from_sensor, std::span<cons
     return;
   }
   const std::span<const shader::RayCandidates> candidates = world_->dispatch.candidates(directions.size());
-  const std::size_t threads = ray_threads(directions.size());
-  if (views_.size() < threads) views_.resize(threads);
-  std::vector<std::uint64_t> walked(threads);
-  share_rays(directions.size(), threads, [&](std::size_t thread, std::size_t first, std::size_t count) {
-    views_[thread].begin(*list_, items_, world_from_sensor);
+  for (RayView& view : views_) view.begin(*list_, items_, world_from_sensor);
+  std::vector<std::uint64_t> walked(views_.size());
+  threads_.share(directions.size(), kPiece, [&](std::size_t thread, std::size_t first, std::size_t count) {
     for (std::size_t i = first; i < first + count; ++i) {
       bool by_host = false;
       RayBundle ray(directions.subspan(i, 1), part_of(beyond_m, i, 1));

@@ -8,10 +8,14 @@
 #include "engine/bundle_walk.h"
 #include "engine/item_tree.h"
 #include "engine/ray_caster.h"
+#include "engine/worker_threads.h"
 
 namespace simvis {
 
 namespace {
+
+// A few bundles: what takes as long as to wake a thread.
+constexpr std::size_t kPiece = 4 * std::size_t{RayBundle::kMost};
 
 // Of how many rays, from `first` on, the origins are the same.
 std::size_t together(std::span<const glm::dvec3> origins_m, std::size_t first) {
@@ -45,8 +49,9 @@ class HostRayCaster : public RayCaster {
   bool current_ = false;  // whether the trees are those of the list
   RayItems items_;
   ItemTree tree_;
-  std::vector<RayView> views_;  // of each thread
+  std::vector<RayView> views_ = std::vector<RayView>(WorkerThreads::count());  // of each thread
   std::uint64_t rays_ = 0;
+  WorkerThreads threads_;
 };
 
 void HostRayCaster::cast(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions,
@@ -54,8 +59,8 @@ void HostRayCaster::cast(const glm::dmat4& world_from_sensor, std::span<const gl
   SIMVIS_ASSERT(list_ != nullptr && hits.size() == directions.size());
   SIMVIS_ASSERT(beyond_m.empty() || beyond_m.size() == directions.size());
   update(glm::dvec3(world_from_sensor[3]));
+  for (RayView& view : views_) view.begin(*list_, items_, world_from_sensor);
   share(directions.size(), [&](RayView& view, std::size_t first, std::size_t count) {
-    view.begin(*list_, items_, world_from_sensor);
     cast_bundles(view, directions.subspan(first, count), hits.subspan(first, count), part_of(beyond_m, first, count));
   });
 }
@@ -101,10 +106,8 @@ void HostRayCaster::update(const glm::dvec3& world_place) {
 }
 
 void HostRayCaster::share(std::size_t rays, const Share& work) {
-  const std::size_t threads = ray_threads(rays);
-  if (views_.size() < threads) views_.resize(threads);
-  share_rays(rays, threads,
-             [&](std::size_t thread, std::size_t first, std::size_t count) { work(views_[thread], first, count); });
+  threads_.share(rays, kPiece,
+                 [&](std::size_t thread, std::size_t first, std::size_t count) { work(views_[thread], first, count); });
   rays_ += rays;
 }
 

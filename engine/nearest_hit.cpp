@@ -1,7 +1,6 @@
 #include "engine/nearest_hit.h"
 
 #include <algorithm>
-#include <thread>
 #include <utility>
 
 #include "engine/assert.h"
@@ -56,23 +55,6 @@ RayHit RayView::finish(const ShearedRay& ray, const NearestHit& nearest) {
   SIMVIS_ASSERT(intersect(ray, corners, hit));
   return {hit.range_m, range_error_bound(ray, corners, hit, item.corner_error_m), placed(nearest.placed).item,
           nearest.primitive};
-}
-
-std::size_t ray_threads(std::size_t rays) {
-  constexpr std::size_t kRaysPerThread = 4096;  // a thread costs about what some hundred rays do
-  return std::clamp<std::size_t>(rays / kRaysPerThread, 1, std::max(1u, std::thread::hardware_concurrency()));
-}
-
-void share_rays(std::size_t rays, std::size_t threads,
-                const std::function<void(std::size_t thread, std::size_t first, std::size_t count)>& work) {
-  const std::size_t share = (rays + threads - 1) / threads;
-  const auto work_on_share = [&](std::size_t thread) {
-    const std::size_t first = std::min(thread * share, rays);
-    work(thread, first, std::min(share, rays - first));
-  };
-  std::vector<std::jthread> others;
-  for (std::size_t thread = 1; thread < threads; ++thread) others.emplace_back(work_on_share, thread);
-  work_on_share(0);
 }
 
 }  // namespace simvis

@@ -1,7 +1,6 @@
 // The last word on what a ray meets, in double, the same for every engine of ray_caster.h: engines find candidates.
 #pragma once
 
-#include <functional>
 #include <span>
 #include <vector>
 
@@ -51,12 +50,5 @@ class RayView {
 inline std::span<const double> part_of(std::span<const double> beyond_m, std::size_t first, std::size_t count) {
   return beyond_m.empty() ? beyond_m : beyond_m.subspan(first, count);
 }
-
-/// On how many threads it is worth to work on so many rays.
-std::size_t ray_threads(std::size_t rays);
-
-/// Divides the rays among the threads, this one among them: `work(thread, first, count)`. Returns when all is done.
-void share_rays(std::size_t rays, std::size_t threads,
-                const std::function<void(std::size_t thread, std::size_t first, std::size_t count)>& work);
 
 }  // namespace simvis
