@@ -1,6 +1,8 @@
 #include "bench/scan_curves/coin_scene.h"
 
+#include <Inventor/SbViewportRegion.h>
 #include <Inventor/SoDB.h>
+#include <Inventor/actions/SoGetBoundingBoxAction.h>
 #include <Inventor/nodes/SoCoordinate3.h>
 #include <Inventor/nodes/SoIndexedFaceSet.h>
 #include <Inventor/nodes/SoLightModel.h>
@@ -63,12 +65,16 @@ CoinScene make_coin_scene(const DrawList& list) {
     auto* const placed = new SoSeparator;
     placed->renderCaching = SoSeparator::ON;
     placed->renderCulling = SoSeparator::ON;
+    placed->boundingBoxCaching = SoSeparator::ON;
+    placed->pickCulling = SoSeparator::ON;
     auto* const place = new SoMatrixTransform;
     place->matrix = to_coin(list.world_from_node[item.transform]);
     placed->addChild(place);
     placed->addChild(shape);
     root->addChild(placed);
   }
+  SoGetBoundingBoxAction boxes(SbViewportRegion(1, 1));  // culling is by boxes that are known
+  boxes.apply(root);
   return CoinScene(root);
 }
 

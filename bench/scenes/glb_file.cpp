@@ -1,6 +1,5 @@
 #include "bench/scenes/glb_file.h"
 
-#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <fstream>
@@ -76,10 +75,9 @@ void write_glb(const std::filesystem::path& file, std::span<const Mesh> meshes, 
   Json roots = Json::array();
   for (const PlacedMesh& item : placed) {
     roots.push_back(roots.size());
-    document.json["nodes"].push_back(
-        {{"mesh", item.mesh},
-         {"translation", {item.position_m.x, item.position_m.y, item.position_m.z}},
-         {"rotation", {0.0, 0.0, std::sin(item.yaw_rad / 2), std::cos(item.yaw_rad / 2)}}});
+    document.json["nodes"].push_back({{"mesh", item.mesh},
+                                      {"translation", {item.position_m.x, item.position_m.y, item.position_m.z}},
+                                      {"rotation", {item.turn.x, item.turn.y, item.turn.z, item.turn.w}}});
   }
   document.json["scenes"] = Json::array({{{"nodes", roots}}});
   write_glb(file, std::move(document));

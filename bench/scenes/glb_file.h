@@ -1,9 +1,10 @@
-// Meshes as a part that any scene can load: a glTF 2.0 binary file.
+// Meshes at places as a part that any scene can load: a glTF 2.0 binary file.
 #pragma once
 
 #include <cstddef>
 #include <filesystem>
 #include <glm/glm.hpp>
+#include <glm/gtc/quaternion.hpp>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string>
@@ -13,11 +14,10 @@
 
 namespace simvis::bench {
 
-/// A mesh at a place, turned about z.
 struct PlacedMesh {
   std::size_t mesh = 0;
   glm::dvec3 position_m{0};
-  double yaw_rad = 0;
+  glm::dquat turn{1, 0, 0, 0};
 };
 
 /// Positions, normals and indices as they are: the part's command says up="z". Throws std::runtime_error if the file

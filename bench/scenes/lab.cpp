@@ -31,11 +31,27 @@ struct Furniture {
   std::vector<Mesh> meshes;
   std::vector<PlacedMesh> placed;
 
-  void add(Mesh mesh, const glm::dvec3& position_m, double yaw_rad = 0) {
-    placed.push_back({meshes.size(), position_m, yaw_rad});
+  void add(Mesh mesh, const glm::dvec3& position_m, const glm::dquat& turn = {1, 0, 0, 0}) {
+    placed.push_back({meshes.size(), position_m, turn});
     meshes.push_back(std::move(mesh));
   }
 };
+
+/// That takes z to `to`, a unit vector.
+glm::dquat turn_of_z(const glm::dvec3& to) {
+  return to.z < -0.5 ? glm::dquat(0, 1, 0, 0) : glm::normalize(glm::dquat(1 + to.z, glm::cross({0, 0, 1}, to)));
+}
+
+void add_walls(Furniture& lab, double triangles) {
+  const glm::dvec3 middle(0, 0, kRoom_m.z / 2);
+  for (int side = 0; side < 6; ++side) {
+    const int axis = side / 2;
+    glm::dvec3 inwards(0);
+    inwards[axis] = side % 2 == 0 ? 1 : -1;
+    const glm::dvec3 width_m = glm::abs(glm::inverse(turn_of_z(inwards)) * kRoom_m);
+    lab.add(wall_of(glm::dvec2(width_m), triangles / 6), middle - inwards * kRoom_m / 2.0, turn_of_z(inwards));
+  }
+}
 
 class Chance {
  public:
@@ -56,7 +72,7 @@ class Chance {
 void add_item(Furniture& lab, std::size_t kind, double triangles, Chance& chance) {
   const double reach_m = chance.between(0.12, 0.4), height_m = chance.between(0.3, 1.6);
   glm::dvec3 at = chance.place(1.5 * reach_m);
-  const double yaw = chance.between(-kPi, kPi);
+  const glm::dquat yaw = glm::angleAxis(chance.between(-kPi, kPi), glm::dvec3(0, 0, 1));
   if (kind % 3 == 0) {
     at.z = height_m / 2;
     lab.add(box_of({2 * reach_m, chance.between(0.5, 2) * reach_m, height_m}, triangles), at, yaw);
@@ -73,7 +89,7 @@ Furniture furnished(std::size_t triangles) {
   Furniture lab;
   Chance chance;
   const auto all = static_cast<double>(triangles);
-  lab.add(room_of(kRoom_m, kWallShare * all), {0, 0, kRoom_m.z / 2});
+  add_walls(lab, kWallShare * all);
   const std::size_t items = std::min(kMostItems, triangles / kLeastPerItem);
   for (std::size_t i = 0; i < items; ++i) {
     add_item(lab, i, (1 - kWallShare) * all / static_cast<double>(items), chance);
@@ -122,13 +138,13 @@ std::filesystem::path write_store(const std::filesystem::path& folder, std::size
   store.meshes.push_back(box_of(glm::dvec3(kSize_m), 192));
   for (std::size_t i = 0; i < instances; ++i) {
     if (i < kStanding) {
-      store.placed.push_back({box, chance.place(kSize_m) + glm::dvec3(0, 0, kSize_m / 2), 0});
+      store.placed.push_back({box, chance.place(kSize_m) + glm::dvec3(0, 0, kSize_m / 2)});
       continue;
     }
     const std::size_t n = i - kStanding;
     const glm::dvec3 cell(n % kAcross, n / kAcross % kAcross, n / kAcross / kAcross);
     const glm::dvec3 middle(kAcross / 2.0, kAcross / 2.0, 0);
-    store.placed.push_back({box, (cell - middle) * kSpacing_m + glm::dvec3(0, 0, kAbove_m), 0});
+    store.placed.push_back({box, (cell - middle) * kSpacing_m + glm::dvec3(0, 0, kAbove_m)});
   }
   return write_scene(folder, store, kScanners);
 }

@@ -40,7 +40,9 @@ void add_grid(Mesh& mesh, int columns, int rows, const std::function<SurfacePoin
   }
 }
 
-Mesh box(const glm::dvec3& size_m, double triangles, double outwards) {
+}  // namespace
+
+Mesh box_of(const glm::dvec3& size_m, double triangles) {
   Mesh mesh;
   const int cells = at_least(1, std::sqrt(triangles / 12));
   for (int side = 0; side < 6; ++side) {
@@ -49,19 +51,23 @@ Mesh box(const glm::dvec3& size_m, double triangles, double outwards) {
     add_grid(mesh, cells, cells, [&](double u, double v) {
       glm::dvec3 at(0), normal(0);
       at[axis] = sign / 2;
-      at[(axis + 1) % 3] = (u - 0.5) * sign * outwards;
+      at[(axis + 1) % 3] = (u - 0.5) * sign;
       at[(axis + 2) % 3] = v - 0.5;
-      normal[axis] = sign * outwards;
+      normal[axis] = sign;
       return SurfacePoint{at * size_m, normal};
     });
   }
   return mesh;
 }
 
-}  // namespace
-
-Mesh box_of(const glm::dvec3& size_m, double triangles) { return box(size_m, triangles, 1); }
-Mesh room_of(const glm::dvec3& size_m, double triangles) { return box(size_m, triangles, -1); }
+Mesh wall_of(const glm::dvec2& size_m, double triangles) {
+  Mesh mesh;
+  const int cells = at_least(1, std::sqrt(triangles / 2));
+  add_grid(mesh, cells, cells, [&](double u, double v) {
+    return SurfacePoint{glm::dvec3((u - 0.5) * size_m.x, (v - 0.5) * size_m.y, 0), {0, 0, 1}};
+  });
+  return mesh;
+}
 
 Mesh sphere_of(double radius_m, double triangles) {
   Mesh mesh;

@@ -13,7 +13,7 @@ Mesh box_of(const glm::dvec3& size_m, double triangles);
 Mesh sphere_of(double radius_m, double triangles);
 /// About z; the ends are fans.
 Mesh cylinder_of(double radius_m, double height_m, double triangles);
-/// A box seen from inside.
-Mesh room_of(const glm::dvec3& size_m, double triangles);
+/// A rectangle in the plane z = 0 that looks along +z; not closed.
+Mesh wall_of(const glm::dvec2& size_m, double triangles);
 
 }  // namespace simvis::bench
