@@ -28,6 +28,7 @@ SERIES = {
 }
 CURVES = {"triangles": ("three scans of 361 beams in labs", "triangles"),
           "beams": ("one scan in a lab of 100,000 triangles", "beams")}
+HEIGHT_INCHES, LEGEND_INCHES = 4.8, 0.6
 
 
 def key(row):
@@ -47,13 +48,14 @@ def draw_curve(axes, rows, column):
 
 
 def draw(rows):
-    drawing, panels = subplots(1, 2, figsize=(9, 4.6), layout="constrained")
+    drawing, panels = subplots(1, 2, figsize=(9, HEIGHT_INCHES))
+    drawing.set_layout_engine("constrained", rect=(0, 0, 1, 1 - LEGEND_INCHES / HEIGHT_INCHES))
     for axes, (curve, (title, column)) in zip(panels, CURVES.items()):
         draw_curve(axes, [row for row in rows if row["curve"] == curve], column)
         axes.set_title(title, loc="left")
         axes.set_xlabel(column)
     panels[0].set_ylabel("median time per set in ms")
-    drawing.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
+    drawing.legend(*panels[0].get_legend_handles_labels(), loc="upper center", ncols=5, fontsize=7)
     return drawing
 
 

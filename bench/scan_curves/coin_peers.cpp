@@ -24,6 +24,7 @@ namespace {
 
 constexpr double kQuarter = std::numbers::pi / 2;
 constexpr double kNear_m = 0.05, kFar_m = 80;  // of both ways: what a scanner of SimVis has unless a scene says more
+constexpr int kUntilCached = 3;                // frames in which Coin may still make caches of what it draws
 constexpr float kNothing = std::numeric_limits<float>::infinity();
 
 /// An OpenGL context with a depth buffer and no window.
@@ -182,6 +183,7 @@ std::vector<float> pick(const CoinScene& scene, const std::vector<StillScan>& sc
 std::vector<Way> coin_ways(const DrawList& list, const std::vector<StillScan>& scans) {
   const auto scene = std::make_shared<CoinScene>(make_coin_scene(list));
   const auto views = std::make_shared<DepthViews>(*scene, scans);
+  for (int i = 0; i < kUntilCached; ++i) views->measure();
   const auto picked = std::make_shared<std::vector<float>>();
   std::vector<Way> ways;
   ways.push_back({.name = "coin depth",
