@@ -13,7 +13,7 @@ NAME = "targets.md"
 TEXT = """# Targets of speed
 
 Made from `scan_curves.csv`, `camera_peer.csv` and `scale.csv` by `bench/run speed`; the `.txt` files beside them say on
-what machine and of which commit. [How to read them](../README.md).
+what machine and of which commit, `bench/README.md` how to read them.
 
 {targets}
 
@@ -179,7 +179,7 @@ def crossing_text(curves):
         text = "; ".join(f"from about {number(float(f'{place:.1e}'))} {column} on `{way}`" for place, way in places)
         lines.append(f"* {where}, of `planar` and `raycast` the faster: " +
                      (text if text else f"`{last}` at every size") + ".")
-    return "\n".join(lines)
+    return "\n".join(lines) or "Not measured."
 
 
 def text(folder):
