@@ -1,6 +1,7 @@
 // Beams in world coordinates, for peers that know no robot: they measure where it stood at first.
 #pragma once
 
+#include <cmath>
 #include <glm/glm.hpp>
 #include <string>
 #include <vector>
