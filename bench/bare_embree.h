@@ -15,16 +15,18 @@
 
 namespace simvis::bench {
 
-/// Frames   rays start at the origin of the frame that the triangles are brought into, in double, before they are
-///          rounded to float32.
+/// Frames   rays start at `origin` in the frame that the triangles are brought into, in double, before they are rounded
+///          to float32.
 class BareEmbree {
  public:
   BareEmbree(const DrawList& list, const glm::dmat4& frame_from_world);
 
   /// One ray after the other. ranges_m[i] belongs to directions[i]; +infinity for nothing.
-  void cast_singly(std::span<const glm::vec3> directions, std::span<float> ranges_m) const;
+  void cast_singly(std::span<const glm::vec3> directions, std::span<float> ranges_m,
+                   const glm::vec3& origin = glm::vec3(0)) const;
   /// In packets of 16.
-  void cast_in_packets(std::span<const glm::vec3> directions, std::span<float> ranges_m) const;
+  void cast_in_packets(std::span<const glm::vec3> directions, std::span<float> ranges_m,
+                       const glm::vec3& origin = glm::vec3(0)) const;
 
  private:
   EmbreeDevice device_;
@@ -65,11 +67,15 @@ inline BareEmbree::BareEmbree(const DrawList& list, const glm::dmat4& frame_from
   rtcCommitScene(scene_.get());
 }
 
-inline void BareEmbree::cast_singly(std::span<const glm::vec3> directions, std::span<float> ranges_m) const {
+inline void BareEmbree::cast_singly(std::span<const glm::vec3> directions, std::span<float> ranges_m,
+                                    const glm::vec3& origin) const {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   for (std::size_t i = 0; i < directions.size(); ++i) {
     RTCRayHit ray{};
+    ray.ray.org_x = origin.x;
+    ray.ray.org_y = origin.y;
+    ray.ray.org_z = origin.z;
     ray.ray.dir_x = directions[i].x;
     ray.ray.dir_y = directions[i].y;
     ray.ray.dir_z = directions[i].z;
@@ -81,7 +87,8 @@ inline void BareEmbree::cast_singly(std::span<const glm::vec3> directions, std::
   }
 }
 
-inline void BareEmbree::cast_in_packets(std::span<const glm::vec3> directions, std::span<float> ranges_m) const {
+inline void BareEmbree::cast_in_packets(std::span<const glm::vec3> directions, std::span<float> ranges_m,
+                                        const glm::vec3& origin) const {
   constexpr std::size_t kPacket = 16;
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
@@ -92,6 +99,9 @@ inline void BareEmbree::cast_in_packets(std::span<const glm::vec3> directions, s
     RTCRayHit16 rays{};
     for (std::size_t lane = 0; lane < lanes; ++lane) {
       const glm::vec3& d = directions[first + lane];
+      rays.ray.org_x[lane] = origin.x;
+      rays.ray.org_y[lane] = origin.y;
+      rays.ray.org_z[lane] = origin.z;
       rays.ray.dir_x[lane] = d.x;
       rays.ray.dir_y[lane] = d.y;
       rays.ray.dir_z[lane] = d.z;

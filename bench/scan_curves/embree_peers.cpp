@@ -1,0 +1,109 @@
+#include "bench/scan_curves/embree_peers.h"
+
+#include <functional>
+#include <memory>
+#include <semaphore>
+#include <stop_token>
+#include <thread>
+
+#include "bench/bare_embree.h"
+
+namespace simvis::bench {
+
+namespace {
+
+/// A thread that waits for work.
+class Helper {
+ public:
+  ~Helper() {
+    thread_.request_stop();
+    begun_.release();
+  }
+
+  void begin(std::function<void()> work) {
+    work_ = std::move(work);
+    begun_.release();
+  }
+  void wait() { done_.acquire(); }
+
+ private:
+  void run(const std::stop_token& stop) {
+    for (begun_.acquire(); !stop.stop_requested(); begun_.acquire()) {
+      work_();
+      done_.release();
+    }
+  }
+
+  std::function<void()> work_;
+  std::binary_semaphore begun_{0}, done_{0};
+  std::jthread thread_{[this](const std::stop_token& stop) { run(stop); }};
+};
+
+/// The rays of all scans, and what they met.
+struct Rays {
+  struct OfScan {
+    glm::vec3 origin;
+    std::vector<glm::vec3> directions;
+    std::vector<float> ranges_m;
+  };
+  std::vector<OfScan> scans;
+
+  explicit Rays(const std::vector<StillScan>& still) {
+    for (const StillScan& scan : still) {
+      scans.push_back({glm::vec3(scan.world_from_sensor[3]),
+                       {scan.directions.begin(), scan.directions.end()},
+                       std::vector<float>(scan.directions.size())});
+    }
+  }
+
+  std::vector<float> all_ranges() const {
+    std::vector<float> all;
+    for (const OfScan& scan : scans) all.insert(all.end(), scan.ranges_m.begin(), scan.ranges_m.end());
+    return all;
+  }
+};
+
+using Cast = void (BareEmbree::*)(std::span<const glm::vec3>, std::span<float>, const glm::vec3&) const;
+
+/// Part `part` of `parts` of each scan, cut between packets.
+void cast_part(const BareEmbree& embree, Cast cast, Rays& rays, std::size_t part, std::size_t parts) {
+  constexpr std::size_t kPacket = 16;
+  for (Rays::OfScan& scan : rays.scans) {
+    const std::size_t packets = (scan.directions.size() + kPacket - 1) / kPacket;
+    const std::size_t first = packets * part / parts * kPacket;
+    const std::size_t end = std::min(packets * (part + 1) / parts * kPacket, scan.directions.size());
+    (embree.*cast)(std::span(scan.directions).subspan(first, end - first),
+                   std::span(scan.ranges_m).subspan(first, end - first), scan.origin);
+  }
+}
+
+}  // namespace
+
+std::vector<Way> embree_ways(const DrawList& list, const std::vector<StillScan>& scans) {
+  const auto embree = std::make_shared<BareEmbree>(list, glm::dmat4(1.0));
+  const auto rays = std::make_shared<Rays>(scans);
+  const auto helper = std::make_shared<Helper>();
+  std::vector<Way> ways;
+  for (const auto& [name, cast] : {std::pair<const char*, Cast>{"embree 1", &BareEmbree::cast_singly},
+                                   std::pair<const char*, Cast>{"embree 16", &BareEmbree::cast_in_packets}}) {
+    const auto ranges_m = [rays] { return rays->all_ranges(); };
+    ways.push_back({.name = name,
+                    .max_error_rel = {},
+                    .threads = 1,
+                    .set = [embree, rays, cast = cast] { cast_part(*embree, cast, *rays, 0, 1); },
+                    .ranges_m = ranges_m});
+    ways.push_back({.name = name,
+                    .max_error_rel = {},
+                    .threads = 2,
+                    .set =
+                        [embree, rays, helper, cast = cast] {
+                          helper->begin([&] { cast_part(*embree, cast, *rays, 1, 2); });
+                          cast_part(*embree, cast, *rays, 0, 2);
+                          helper->wait();
+                        },
+                    .ranges_m = ranges_m});
+  }
+  return ways;
+}
+
+}  // namespace simvis::bench

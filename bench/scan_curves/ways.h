@@ -1,0 +1,33 @@
+// The ways to a set of scans that are timed side by side, and how.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "bench/timing.h"
+#include "simvis/simulation.h"
+
+namespace simvis::bench {
+
+struct Way {
+  std::string name;           ///< the method, or who the peer is
+  std::string max_error_rel;  ///< as in a scene; empty: it has none
+  int threads = 0;            ///< of a peer; 0: SimVis, with as many as it likes
+  std::function<void()> begin_turn = [] {};
+  std::function<void()> move = [] {};              ///< before each set, not timed
+  std::function<void()> set{};                     ///< one set of scans
+  std::function<std::vector<float>()> ranges_m{};  ///< of the last set, where the robot stood at first
+  std::vector<Took> took{};
+};
+
+/// The ways of SimVis: each scanner of the list measures by each method. `move` takes the robot to its next place.
+/// The simulation must outlive them.
+std::vector<Way> simvis_ways(Simulation& simulation, const std::vector<std::string>& scanners,
+                             const std::function<void()>& move);
+
+/// Times all ways in turns, so that whatever else the machine does hits them alike, for about `seconds`. Each gets at
+/// most its share of the time, and one set at the least.
+void time_ways(std::vector<Way>& ways, double seconds);
+
+}  // namespace simvis::bench
