@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
 namespace simvis {
 namespace {
@@ -13,7 +14,7 @@ static_assert(sizeof(glm::vec3) == 3 * sizeof(float) && sizeof(VertexAttributes)
               "no padding, so that equal vertices have equal bytes");
 
 // The high bits, where products gather, come down after each word.
-std::uint64_t hash_of(const glm::vec3& position, const VertexAttributes& attributes) {
+std::uint32_t hash_of(const glm::vec3& position, const VertexAttributes& attributes) {
   std::uint64_t words[7];
   std::memcpy(words, &position, sizeof position);
   std::memcpy(reinterpret_cast<char*>(words) + sizeof position, &attributes, sizeof attributes);
@@ -22,7 +23,7 @@ std::uint64_t hash_of(const glm::vec3& position, const VertexAttributes& attribu
     hash = (hash ^ word) * 0x9e3779b97f4a7c15u;
     hash ^= hash >> 32;
   }
-  return hash;
+  return static_cast<std::uint32_t>(hash);
 }
 
 template <class T>
@@ -33,27 +34,33 @@ bool same_bits(const T& a, const T& b) {
 }  // namespace
 
 std::uint32_t VertexNumbers::add(Mesh& mesh, const glm::vec3& position, const VertexAttributes& attributes) {
-  if (2 * (mesh.positions.size() + 1) > slots_.size()) grow(mesh);
+  if (2 * (mesh.positions.size() + 1) > slots_.size()) grow();
+  const std::uint32_t hash = hash_of(position, attributes);
   const std::size_t mask = slots_.size() - 1;
-  for (std::size_t slot = hash_of(position, attributes) & mask;; slot = (slot + 1) & mask) {
-    std::uint32_t& number = slots_[slot];
-    if (number == kFree) {
-      number = static_cast<std::uint32_t>(mesh.positions.size());
+  for (std::size_t at = hash & mask;; at = (at + 1) & mask) {
+    Slot& slot = slots_[at];
+    if (slot.number == kFree) {
+      slot = {static_cast<std::uint32_t>(mesh.positions.size()), hash};
       mesh.positions.push_back(position);
       mesh.attributes.push_back(attributes);
-      return number;
+      return slot.number;
     }
-    if (same_bits(mesh.positions[number], position) && same_bits(mesh.attributes[number], attributes)) return number;
+    if (slot.hash == hash && same_bits(mesh.positions[slot.number], position) &&
+        same_bits(mesh.attributes[slot.number], attributes)) {
+      return slot.number;
+    }
   }
 }
 
-void VertexNumbers::grow(const Mesh& mesh) {
-  slots_.assign(std::max(kLeastSlots, 2 * slots_.size()), kFree);
+void VertexNumbers::grow() {
+  const std::vector<Slot> old = std::move(slots_);
+  slots_.assign(std::max(kLeastSlots, 4 * old.size()), {kFree, 0});
   const std::size_t mask = slots_.size() - 1;
-  for (std::uint32_t number = 0; number < mesh.positions.size(); ++number) {
-    std::size_t slot = hash_of(mesh.positions[number], mesh.attributes[number]) & mask;
-    while (slots_[slot] != kFree) slot = (slot + 1) & mask;
-    slots_[slot] = number;
+  for (const Slot& slot : old) {
+    if (slot.number == kFree) continue;
+    std::size_t at = slot.hash & mask;
+    while (slots_[at].number != kFree) at = (at + 1) & mask;
+    slots_[at] = slot;
   }
 }
 

@@ -8,17 +8,20 @@
 
 namespace simvis {
 
-/// Numbers the vertices of one mesh in the order in which they come. A table of numbers alone: what they stand for is
-/// looked up in the mesh, which nobody else may add to meanwhile.
+/// Numbers the vertices of one mesh in the order in which they come. The table holds numbers and hashes alone: what
+/// they stand for is looked up in the mesh, which nobody else may add to meanwhile.
 class VertexNumbers {
  public:
   /// The number of the vertex in `mesh`, to which it is added if no vertex has its bits.
   std::uint32_t add(Mesh& mesh, const glm::vec3& position, const VertexAttributes& attributes);
 
  private:
-  void grow(const Mesh& mesh);
+  struct Slot {
+    std::uint32_t number, hash;
+  };
+  void grow();
 
-  std::vector<std::uint32_t> slots_;  // a power of two of them, at most half of them taken
+  std::vector<Slot> slots_;  // a power of two of them, at most half of them taken
 };
 
 }  // namespace simvis
