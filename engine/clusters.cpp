@@ -83,27 +83,39 @@ void add_cluster_sizes(std::size_t triangles, std::vector<std::size_t>& sizes) {
 
 }  // namespace
 
-ClusteredIndices make_clusters(const Mesh& mesh) {
-  ClusteredIndices result;
-  if (mesh.topology != Topology::triangles || mesh.indices.size() <= 3 * kClusterTriangles) {
-    result.indices = mesh.indices;
-    result.clusters.push_back(make_cluster(mesh, result.indices, 0, result.indices.size()));
-    return result;
-  }
+std::vector<std::uint32_t> order_in_space(const Mesh& mesh) {
   std::vector<Placed> placed = place(mesh);
   sort_in_space(placed, std::max(1u, std::thread::hardware_concurrency()));
+  std::vector<std::uint32_t> order;
+  order.reserve(placed.size());
+  for (const Placed& each : placed) order.push_back(each.triangle);
+  return order;
+}
+
+ClusteredIndices clusters_in_order(const Mesh& mesh, std::span<const std::uint32_t> order) {
+  ClusteredIndices result;
   result.indices.reserve(mesh.indices.size());
-  for (const Placed& each : placed) {
-    for (int corner = 0; corner < 3; ++corner) result.indices.push_back(mesh.indices[3 * each.triangle + corner]);
+  for (const std::size_t triangle : order) {
+    for (int corner = 0; corner < 3; ++corner) result.indices.push_back(mesh.indices[3 * triangle + corner]);
   }
   std::vector<std::size_t> sizes;
-  add_cluster_sizes(placed.size(), sizes);
+  add_cluster_sizes(order.size(), sizes);
   result.clusters.reserve(sizes.size());
   std::size_t first = 0;
   for (const std::size_t size : sizes) {
     result.clusters.push_back(make_cluster(mesh, result.indices, 3 * first, 3 * (first + size)));
     first += size;
   }
+  return result;
+}
+
+ClusteredIndices make_clusters(const Mesh& mesh) {
+  if (mesh.topology == Topology::triangles && mesh.indices.size() > 3 * kClusterTriangles) {
+    return clusters_in_order(mesh, order_in_space(mesh));
+  }
+  ClusteredIndices result;
+  result.indices = mesh.indices;
+  result.clusters.push_back(make_cluster(mesh, result.indices, 0, result.indices.size()));
   return result;
 }
 
