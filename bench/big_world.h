@@ -44,7 +44,9 @@ GridMesh grid_mesh(std::uint32_t columns, std::uint32_t rows, const Surface& at)
 inline constexpr int kBalls = 10;
 
 inline std::vector<GridMesh> big_world_meshes(std::uint64_t triangles) {
-  const auto side = [](double quads) { return static_cast<std::uint32_t>(std::max(2.0, std::round(std::sqrt(quads)))); };
+  const auto side = [](double quads) {
+    return static_cast<std::uint32_t>(std::max(2.0, std::round(std::sqrt(quads))));
+  };
   const double ground_quads = static_cast<double>(triangles) / 4, ball_quads = ground_quads / kBalls;
   std::vector<GridMesh> meshes;
   meshes.push_back(grid_mesh(side(ground_quads), side(ground_quads), [](double u, double v) {
@@ -57,8 +59,8 @@ inline std::vector<GridMesh> big_world_meshes(std::uint64_t triangles) {
       const double azimuth = 6.283185307179586 * u, polar = 3.141592653589793 * (1 - v);
       const double radius = 2 + 0.1 * std::sin((5 + i) * azimuth) * std::sin(polar) * std::sin(9 * polar);
       return glm::dvec3(8 * std::cos(around), 8 * std::sin(around), 2) +
-             radius * glm::dvec3(std::sin(polar) * std::cos(azimuth), std::sin(polar) * std::sin(azimuth),
-                                 std::cos(polar));
+             radius *
+                 glm::dvec3(std::sin(polar) * std::cos(azimuth), std::sin(polar) * std::sin(azimuth), std::cos(polar));
     }));
   }
   return meshes;
@@ -86,9 +88,8 @@ inline std::uint64_t write_big_world(const std::filesystem::path& file, std::uin
       return "[" + std::to_string(v.x) + "," + std::to_string(v.y) + "," + std::to_string(v.z) + "]";
     };
     const std::string vec3 = R"("componentType":5126,"type":"VEC3")";
-    const std::string position =
-        add(mesh.positions.size() * 12, mesh.positions.size(),
-            vec3 + R"(,"min":)" + numbers(low) + R"(,"max":)" + numbers(high));
+    const std::string position = add(mesh.positions.size() * 12, mesh.positions.size(),
+                                     vec3 + R"(,"min":)" + numbers(low) + R"(,"max":)" + numbers(high));
     const std::string normal = add(mesh.normals.size() * 12, mesh.normals.size(), vec3);
     const std::string index =
         add(mesh.indices.size() * 4, mesh.indices.size(), R"("componentType":5125,"type":"SCALAR")");
@@ -109,7 +110,8 @@ inline std::uint64_t write_big_world(const std::filesystem::path& file, std::uin
     out.write(reinterpret_cast<const char*>(&narrow), 4);
   };
   const auto array = [&](const auto& values) {
-    out.write(reinterpret_cast<const char*>(values.data()), static_cast<std::streamsize>(values.size() * sizeof values[0]));
+    out.write(reinterpret_cast<const char*>(values.data()),
+              static_cast<std::streamsize>(values.size() * sizeof values[0]));
   };
   word(0x46546C67), word(2), word(12 + 8 + json.size() + 8 + bytes);
   word(json.size()), word(0x4E4F534A), array(json);
