@@ -1,6 +1,7 @@
 // A world of as many triangles as asked for, written as a glTF file: bumpy ground with bumpy balls on it.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>

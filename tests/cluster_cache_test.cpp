@@ -74,8 +74,14 @@ FramePlan plan_of(std::uint32_t width_px, std::uint32_t height_px) {
   return plan;
 }
 
+DeviceDesc with_cache(const fs::path& folder) {
+  DeviceDesc desc;
+  desc.cache_dir = folder.string();
+  return desc;
+}
+
 std::vector<float> depth_of(const DrawList& list, const fs::path& cache, const FramePlan& plan) {
-  Device device({.cache_dir = cache.string()});
+  Device device(with_cache(cache));
   Renderer renderer(device);
   const auto depth = renderer.render(list, plan)[0].depth;
   CHECK(device.validation_messages() == 0);
@@ -174,7 +180,7 @@ TEST_CASE("a picture has the same bytes with a cache and without; meshes that co
     });
   };
   CHECK(cached() == 1);
-  Device device({.cache_dir = folder.path().string()});
+  Device device(with_cache(folder.path()));
   Renderer renderer(device);
   renderer.render(list, plan_of(256, 2));
   Mesh moved = shuffled_sphere();
