@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <span>
 #include <vector>
 
 #include "engine/mesh.h"
@@ -27,5 +28,10 @@ struct ClusteredIndices {
 /// Halves the triangles along the longest side of their centres' box until no half has more than kClusterTriangles.
 /// Lines and points are one cluster, in their order.
 ClusteredIndices make_clusters(const Mesh& mesh);
+
+/// The two steps of it for triangles: the numbers of a mesh's triangles in their new order, which depends on nothing
+/// but the mesh; and the clusters of triangles that are in such an order.
+std::vector<std::uint32_t> order_in_space(const Mesh& mesh);
+ClusteredIndices clusters_in_order(const Mesh& mesh, std::span<const std::uint32_t> order);
 
 }  // namespace simvis

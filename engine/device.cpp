@@ -52,12 +52,16 @@ std::uint64_t Device::memory_bytes() const { return impl_->memory_bytes; }
 std::uint64_t Device::validation_messages() const { return impl_->instance.messages(); }
 
 Device::Impl::Impl(const DeviceDesc& desc)
-    : instance(wants_validation(desc)), physical(chosen(instance, desc.select)), instrumented(desc.instrumented) {
+    : instance(wants_validation(desc)),
+      physical(chosen(instance, desc.select)),
+      cache_folder(simvis::cache_folder(desc.cache_dir)),
+      progress(desc.progress),
+      instrumented(desc.instrumented) {
   vkGetPhysicalDeviceMemoryProperties(physical.handle, &memory);
   create_device();
   choose_upload();
   try {
-    pipeline_cache.emplace(device, physical.properties, cache_folder(desc.cache_dir));
+    pipeline_cache.emplace(device, physical.properties, cache_folder);
   } catch (...) {
     vkDestroyDevice(device, nullptr);
     throw;

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "engine/progress.h"
+
 namespace simvis {
 
 /// What is known of a Vulkan device before one is chosen.
@@ -33,10 +35,11 @@ struct DeviceDesc {
   std::string select;       ///< part of a name (any case) or an index of list_devices(); empty: the best one
                             ///< (discrete before integrated before virtual before CPU)
   bool validation = false;  ///< turn the Khronos validation layer on; its errors and warnings are then counted
-  std::string cache_dir;    ///< where the pipeline cache lies; empty: $XDG_CACHE_HOME/simvis or ~/.cache/simvis
+  std::string cache_dir;    ///< where caches lie; empty: $XDG_CACHE_HOME/simvis or ~/.cache/simvis
   /// Time and count what the device does, see FrameCosts. No result depends on it; without it nothing is asked of the
   /// device for this.
   bool instrumented = false;
+  ProgressCallback progress{};  ///< hears of meshes that are made ready to be drawn
 };
 
 /// A logical device with one queue. Environment: SIMVIS_VALIDATION=1 turns validation on as well, and every message

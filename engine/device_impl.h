@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <filesystem>
 #include <optional>
 #include <string_view>
 
@@ -58,7 +59,13 @@ struct Device::Impl {
   VkPhysicalDeviceMemoryProperties memory{};
   VkDevice device = VK_NULL_HANDLE;
   VkQueue queue = VK_NULL_HANDLE;
+  std::filesystem::path cache_folder;  ///< empty: nothing is kept on disk
   std::optional<PipelineCache> pipeline_cache;
+  ProgressCallback progress;
+
+  void report(const Progress& how_far) const {
+    if (progress) progress(how_far);
+  }
 
   /// The host writes straight into device memory: on CPU devices, and where the whole of the device's memory is
   /// visible to the host. Otherwise data goes through staging buffers and copies. Chosen once.

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "engine/assert.h"
+#include "engine/cluster_cache.h"
 #include "engine/error.h"
 
 namespace simvis {
@@ -15,12 +16,13 @@ constexpr VkBufferUsageFlags kCopied = VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUF
 constexpr VkBufferUsageFlags kVertexUsage = VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | kCopied;
 constexpr VkBufferUsageFlags kIndexUsage = VK_BUFFER_USAGE_INDEX_BUFFER_BIT | kCopied;
 
-// Half as much again, so that a scene that grows part by part is not moved each time.
-std::uint64_t capacity_for(std::uint64_t needed, std::uint64_t least) {
+// What is loaded at once gets what it needs. Half as much again once there is more to come, so that a scene that grows
+// part by part is not moved each time.
+std::uint64_t capacity_for(std::uint64_t needed, std::uint64_t least, bool grows) {
   if (needed > std::numeric_limits<std::int32_t>::max()) {
     throw MachineError("the scene's meshes hold more than 2^31 vertices or indices, which Vulkan cannot address");
   }
-  return std::max(least, needed + needed / 2);
+  return std::max(least, grows ? needed + needed / 2 : needed);
 }
 
 std::int16_t snorm16(float value) {
@@ -47,6 +49,7 @@ void check(const Mesh& mesh) {
 
 std::span<const MeshRange> GeometryPool::update(std::span<const std::shared_ptr<const Mesh>> meshes,
                                                 std::span<const MeshUse> uses, Uploads& uploads) {
+  const bool first_load = entries_.empty();
   for (auto& [mesh, entry] : entries_) entry.wanted = false;
   std::vector<Entry*> fresh;
   std::uint64_t vertices = 0, indices = 0;
@@ -64,7 +67,14 @@ std::span<const MeshRange> GeometryPool::update(std::span<const std::shared_ptr<
   std::erase_if(entries_, [](const auto& entry) { return !entry.second.wanted; });
   // What make_room() moves must have been uploaded, so the new ones get their places after it.
   make_room(vertices, indices, uploads);
-  for (Entry* entry : fresh) place(*entry, uploads);
+  // What comes later may be made anew for each frame, as moving meshes are: of that, nothing is kept on disk.
+  const std::filesystem::path cache = first_load ? device_.cache_folder : "";
+  std::uint64_t placed = 0;
+  for (Entry* entry : fresh) {
+    device_.report({"preparing meshes", placed, indices});
+    place(*entry, cache, uploads);
+    placed += entry->mesh->indices.size();
+  }
   ranges_.assign(meshes.size(), MeshRange{});
   for (std::size_t i = 0; i < meshes.size(); ++i) {
     const auto found = entries_.find(meshes[i].get());
@@ -91,8 +101,8 @@ void GeometryPool::make_room(std::uint64_t vertices, std::uint64_t indices, Uplo
     living_vertices += mesh->positions.size();
     living_indices += mesh->indices.size();
   }
-  const std::uint64_t vertex_capacity = capacity_for(living_vertices + vertices, kFirstVertices);
-  const std::uint64_t index_capacity = capacity_for(living_indices + indices, kFirstIndices);
+  const std::uint64_t vertex_capacity = capacity_for(living_vertices + vertices, kFirstVertices, !living.empty());
+  const std::uint64_t index_capacity = capacity_for(living_indices + indices, kFirstIndices, !living.empty());
   Buffer positions = make_buffer("mesh positions", vertex_capacity * sizeof(glm::vec3), kVertexUsage);
   Buffer index_buffer = make_buffer("mesh indices", index_capacity * sizeof(std::uint32_t), kIndexUsage);
   Buffer attributes;
@@ -126,7 +136,7 @@ void GeometryPool::make_room(std::uint64_t vertices, std::uint64_t indices, Uplo
   index_capacity_ = index_capacity;
 }
 
-void GeometryPool::place(Entry& entry, Uploads& uploads) {
+void GeometryPool::place(Entry& entry, const std::filesystem::path& cache, Uploads& uploads) {
   const Mesh& mesh = *entry.mesh;
   entry.first_vertex = vertices_used_;
   entry.first_index = indices_used_;
@@ -134,7 +144,7 @@ void GeometryPool::place(Entry& entry, Uploads& uploads) {
   vertices_used_ += mesh.positions.size();
   indices_used_ += mesh.indices.size();
   uploads.write(positions_, entry.first_vertex * sizeof(glm::vec3), std::as_bytes(std::span(mesh.positions)));
-  entry.clustered = make_clusters(mesh);
+  entry.clustered = make_clusters_cached(mesh, cache);
   uploads.write(indices_, entry.first_index * sizeof(std::uint32_t), std::as_bytes(std::span(entry.clustered.indices)));
 }
 
@@ -142,9 +152,17 @@ void GeometryPool::upload_attributes(Entry& entry, Uploads& uploads) {
   if (!attributes_) {
     attributes_ = make_buffer("mesh attributes", vertex_capacity_ * sizeof(PackedAttributes), kVertexUsage);
   }
-  packed_.clear();
-  for (const VertexAttributes& a : entry.mesh->attributes) packed_.push_back(pack(a));
-  uploads.write(attributes_, entry.first_vertex * sizeof(PackedAttributes), std::as_bytes(std::span(packed_)));
+  // Block by block, so that no second copy of them all is needed.
+  constexpr std::size_t kBlock = 1u << 16;
+  const std::span<const VertexAttributes> attributes = entry.mesh->attributes;
+  for (std::size_t first = 0; first < attributes.size(); first += kBlock) {
+    packed_.clear();
+    for (const VertexAttributes& a : attributes.subspan(first, std::min(kBlock, attributes.size() - first))) {
+      packed_.push_back(pack(a));
+    }
+    uploads.write(attributes_, (entry.first_vertex + first) * sizeof(PackedAttributes),
+                  std::as_bytes(std::span(packed_)));
+  }
   entry.has_attributes = true;
 }
 

@@ -1,6 +1,7 @@
 // All meshes of a draw list in three device buffers: positions, other attributes, indices.
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <span>
 #include <unordered_map>
@@ -69,7 +70,7 @@ class GeometryPool {
     bool resident = false, has_attributes = false, wanted = false;
   };
   void make_room(std::uint64_t vertices, std::uint64_t indices, Uploads& uploads);
-  void place(Entry& entry, Uploads& uploads);
+  void place(Entry& entry, const std::filesystem::path& cache, Uploads& uploads);
   void upload_attributes(Entry& entry, Uploads& uploads);
 
   Buffer make_buffer(const char* name, VkDeviceSize size, VkBufferUsageFlags usage);

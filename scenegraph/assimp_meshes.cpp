@@ -5,11 +5,11 @@
 #include <cstdint>
 #include <limits>
 #include <string>
-#include <unordered_map>
 #include <utility>
 
 #include "engine/srgb.h"
 #include "scenegraph/polygon.h"
+#include "scenegraph/vertex_numbers.h"
 
 namespace simvis {
 namespace {
@@ -73,40 +73,32 @@ class MeshBuilder {
     // Minus zero becomes zero, so that equal vertices have equal bits.
     vertex.position += 0.0f;
     vertex.attributes.normal += 0.0f;
-    const std::string key = bits_of(vertex);
-    const auto [entry, is_new] = known_.try_emplace(key, static_cast<std::uint32_t>(mesh_.positions.size()));
-    if (is_new) {
-      mesh_.positions.push_back(vertex.position);
-      mesh_.attributes.push_back(vertex.attributes);
-    }
-    mesh_.indices.push_back(entry->second);
+    mesh_.indices.push_back(numbers_.add(mesh_, vertex.position, vertex.attributes));
   }
 
   Mesh take() {
+    numbers_ = {};
+    mesh_.positions.shrink_to_fit();
+    mesh_.attributes.shrink_to_fit();
+    mesh_.indices.shrink_to_fit();
     compute_bounds(mesh_);
     return std::move(mesh_);
   }
 
  private:
-  static std::string bits_of(const Vertex& vertex) {
-    static_assert(sizeof(Vertex) == 14 * sizeof(float), "no padding, so that equal vertices have equal bytes");
-    return {reinterpret_cast<const char*>(&vertex), sizeof vertex};
-  }
-
   Mesh mesh_;
-  std::unordered_map<std::string, std::uint32_t> known_;
+  VertexNumbers numbers_;
 };
 
 using Corners = std::vector<Vertex>;
 
-Corners read_corners(const AssimpFile& file, const aiMesh& source, const aiFace& face) {
+void read_corners(const AssimpFile& file, const aiMesh& source, const aiFace& face, Corners& corners) {
   if (face.mNumIndices > kMaxPolygonCorners) {
     file.fail("a polygon has " + std::to_string(face.mNumIndices) + " corners, expected at most " +
               std::to_string(kMaxPolygonCorners));
   }
-  Corners corners;
+  corners.clear();
   for (unsigned i = 0; i < face.mNumIndices; ++i) corners.push_back(read_vertex(file, source, face.mIndices[i]));
-  return corners;
 }
 
 // A corner without a normal gets the one of its triangle.
@@ -120,6 +112,7 @@ void add_triangle(const std::array<Vertex, 3>& corners, MeshBuilder& builder) {
 }
 
 void add_polygon(const Corners& corners, MeshBuilder& builder) {
+  if (corners.size() == 3) return add_triangle({corners[0], corners[1], corners[2]}, builder);
   std::vector<glm::vec3> positions;
   for (const Vertex& corner : corners) positions.push_back(corner.position);
   for (const auto& [a, b, c] : triangles_of_polygon(positions)) {
@@ -149,7 +142,11 @@ std::vector<Mesh> convert_mesh(AssimpFile& file, const aiMesh& source) {
     if (corners.size() >= 3) return add_polygon(corners, triangles);
     add_corners(corners, corners.size() == 2 ? lines : points);
   };
-  for (unsigned f = 0; f < source.mNumFaces; ++f) add_face(read_corners(file, source, source.mFaces[f]));
+  Corners corners;
+  for (unsigned f = 0; f < source.mNumFaces; ++f) {
+    read_corners(file, source, source.mFaces[f], corners);
+    add_face(corners);
+  }
   // Assimp gives vertices without faces where a file has points alone.
   for (unsigned i = 0; source.mNumFaces == 0 && i < source.mNumVertices; ++i) {
     add_face({read_vertex(file, source, i)});

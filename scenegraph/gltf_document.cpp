@@ -81,7 +81,8 @@ void check_version(const json& root, const GltfDocument& document) {
   if (least != "2.0") document.fail("asset/minVersion is \"" + least + "\"; SimVis reads glTF 2.0");
 }
 
-void read_buffers(const json& root, const GltfChunks& chunks, GltfDocument& document) {
+// The binary chunk's buffer takes over the file's bytes: of a large file, there is no second copy.
+void read_buffers(const json& root, const GltfChunks& chunks, Bytes&& file_bytes, GltfDocument& document) {
   const auto buffers = root.find("buffers");
   if (buffers == root.end()) return;
   for (const json& buffer : *buffers) {
@@ -93,7 +94,10 @@ void read_buffers(const json& root, const GltfChunks& chunks, GltfDocument& docu
     if (uri != buffer.end()) {
       bytes = read_gltf_uri(uri->get_ref<const std::string&>(), document.file, place);
     } else if (index == 0 && chunks.has_binary) {
-      bytes.assign(chunks.binary.begin(), chunks.binary.end());
+      const std::ptrdiff_t first = chunks.binary.data() - file_bytes.data();
+      bytes = std::move(file_bytes);
+      bytes.erase(bytes.begin(), bytes.begin() + first);
+      bytes.resize(chunks.binary.size());
     } else {
       document.buffers.emplace_back();
       continue;
@@ -199,7 +203,7 @@ bool GltfDocument::uses(std::string_view extension) const { return is_one_of(ext
 GltfDocument read_gltf_document(const std::filesystem::path& file) {
   GltfDocument document;
   document.file = file;
-  const Bytes bytes = read_whole_file(file);
+  Bytes bytes = read_whole_file(file);
   const GltfChunks chunks = split_gltf(bytes, file);
   if (chunks.extra_bytes > 0) {
     document.warn(std::to_string(chunks.extra_bytes) + " bytes after the end of the .glb are left out");
@@ -209,7 +213,7 @@ GltfDocument read_gltf_document(const std::filesystem::path& file) {
   check_and_prune_gltf(root, file);
   check_version(root, document);
   check_node_transforms(root, document);
-  read_buffers(root, chunks, document);
+  read_buffers(root, chunks, std::move(bytes), document);
   read_images(root, document);
   read_animations(root, document);
   read_structure(root, document);

@@ -1,6 +1,7 @@
 #include "simvis/live_scene.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "simvis/default_light.h"
 
@@ -22,9 +23,10 @@ std::vector<AttributeOverride> checked(std::vector<AttributeOverride> overrides)
 
 }  // namespace
 
-LiveScene::LiveScene(std::vector<AttributeOverride> overrides, std::span<const Command> commands, std::uint64_t seed)
+LiveScene::LiveScene(std::vector<AttributeOverride> overrides, std::span<const Command> commands, std::uint64_t seed,
+                     ProgressCallback progress)
     : overrides_(checked(std::move(overrides))),
-      builder_(built, overrides_, seed),
+      builder_(built, overrides_, seed, std::move(progress)),
       default_light_(std::make_shared<Switch>()) {
   default_light_->add(std::make_shared<LightNode>(kDefaultLight));
   built.scene.insert_in_world(default_light_);

@@ -14,7 +14,8 @@ namespace simvis {
 class LiveScene {
  public:
   /// Throws InputError for a mistake in the commands, and for an override that no sensor of its type could have.
-  LiveScene(std::vector<AttributeOverride> overrides, std::span<const Command> commands, std::uint64_t seed = 0);
+  LiveScene(std::vector<AttributeOverride> overrides, std::span<const Command> commands, std::uint64_t seed = 0,
+            ProgressCallback progress = {});
   LiveScene(const LiveScene&) = delete;
   LiveScene& operator=(const LiveScene&) = delete;
 

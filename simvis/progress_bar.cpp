@@ -1,7 +1,6 @@
 #include "simvis/progress_bar.h"
 
 #include <cmath>
-#include <string>
 
 namespace simvis {
 
@@ -9,10 +8,14 @@ namespace {
 
 constexpr std::chrono::seconds kPatience{1};
 constexpr std::chrono::milliseconds kInterval{200};
-constexpr std::uint64_t kWidth = 40;
-constexpr const char* kClearLine = "\r\033[K";
 
 }  // namespace
+
+std::string bar_of(double part) {
+  constexpr std::size_t kWidth = 40;
+  const auto filled = static_cast<std::size_t>(part * static_cast<double>(kWidth));
+  return '[' + std::string(filled, '#') + std::string(kWidth - filled, ' ') + ']';
+}
 
 ProgressBar::ProgressBar(std::ostream& out, bool on, std::uint64_t frames, Time start)
     : out_(out), on_(on), frames_(frames), start_(start), next_(start + kPatience) {}
@@ -26,9 +29,7 @@ void ProgressBar::update(std::uint64_t frames_done, Time now) {
   next_ = now + kInterval;
   shown_ = true;
   const double part = static_cast<double>(frames_done) / static_cast<double>(frames_);
-  const auto filled = static_cast<std::size_t>(part * static_cast<double>(kWidth));
-  out_ << kClearLine << '[' << std::string(filled, '#') << std::string(kWidth - filled, ' ') << "] " << frames_done
-       << " of " << frames_ << " frames";
+  out_ << kClearLine << bar_of(part) << ' ' << frames_done << " of " << frames_ << " frames";
   if (frames_done > 0) {
     const double elapsed_s = std::chrono::duration<double>(now - start_).count();
     out_ << ", " << std::llround(elapsed_s * (1 - part) / part) << " s left";

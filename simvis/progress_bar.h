@@ -4,8 +4,15 @@
 #include <chrono>
 #include <cstdint>
 #include <ostream>
+#include <string>
 
 namespace simvis {
+
+/// Takes the cursor to the start of a terminal's line, and empties the line.
+inline constexpr const char* kClearLine = "\r\033[K";
+
+/// "[####    ]"; `part` from 0 to 1.
+std::string bar_of(double part);
 
 /// Shows itself once the work has taken more than a second, a few times a second, and clears its line when it ends.
 /// Off, it writes nothing at all.

@@ -14,6 +14,8 @@ namespace {
 // Deeper than anybody nests parts on purpose.
 constexpr std::size_t kMostNested = 64;
 
+constexpr std::string_view kReading = "reading the scene";
+
 template <typename Type>
 std::string unknown_type(std::string_view family, std::string_view seen, const std::vector<const Type*>& types) {
   std::vector<std::string_view> known;
@@ -81,8 +83,9 @@ void prefix_names(std::vector<Command>& commands, const PartContent& content, co
 
 }  // namespace
 
-SceneBuilder::SceneBuilder(BuiltScene& built, std::span<const AttributeOverride> overrides, std::uint64_t seed)
-    : built_(built), overrides_(overrides), seed_(seed) {
+SceneBuilder::SceneBuilder(BuiltScene& built, std::span<const AttributeOverride> overrides, std::uint64_t seed,
+                           ProgressCallback progress)
+    : built_(built), overrides_(overrides), seed_(seed), progress_(std::move(progress)) {
   for (const AttributeOverride& override : overrides) {
     if (find_sensor_type(override.sensor_type) == nullptr) {
       fail_at(origin(override), unknown_type("sensor", override.sensor_type, sensor_types()));
@@ -106,6 +109,7 @@ void SceneBuilder::all_or_nothing(const Action& action) {
 
 void SceneBuilder::execute(std::span<const Command> commands) {
   all_or_nothing([&] { run(commands); });
+  if (progress_ && !commands.empty()) progress_({kReading, commands.size(), commands.size()});
 }
 
 void SceneBuilder::add_variant(std::size_t sensor, const Command& command) {
@@ -128,6 +132,7 @@ void SceneBuilder::require(const TargetLimits& limits) {
 
 void SceneBuilder::run(std::span<const Command> commands) {
   for (std::size_t i = 0; i < commands.size(); ++i) {
+    if (progress_ && open_.empty()) progress_({kReading, i, commands.size()});
     check_order(commands[i], commands.subspan(i + 1));
     execute_one(commands[i]);
   }

@@ -47,7 +47,8 @@ struct BuiltScene {
 class SceneBuilder {
  public:
   /// Throws InputError for an override of a type that does not exist. `overrides` must live as long as the builder.
-  SceneBuilder(BuiltScene& built, std::span<const AttributeOverride> overrides, std::uint64_t seed = 0);
+  SceneBuilder(BuiltScene& built, std::span<const AttributeOverride> overrides, std::uint64_t seed = 0,
+               ProgressCallback progress = {});
 
   /// All or nothing: when it throws InputError, with the place, the scene is as it was.
   void execute(std::span<const Command> commands);
@@ -86,6 +87,7 @@ class SceneBuilder {
   BuiltScene& built_;
   std::span<const AttributeOverride> overrides_;
   std::uint64_t seed_;
+  ProgressCallback progress_;
   std::optional<TargetLimits> limits_;
   NameSet element_names_{"element"}, sensor_names_{"sensor"};
   std::set<std::filesystem::path> carriers_;  // files whose carried commands were executed before

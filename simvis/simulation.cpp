@@ -48,6 +48,13 @@ const Output& require(const Output* output, const BuiltSensor& sensor, std::stri
   throw InputError("sensor \"" + sensor.name + "\", a " + sensor.type + ", gives no " + std::string(what));
 }
 
+// The device reports to whom the simulation reports to.
+DeviceDesc device_desc(const SimulationDesc& desc) {
+  DeviceDesc device = desc.device;
+  if (desc.progress) device.progress = desc.progress;
+  return device;
+}
+
 }  // namespace
 
 struct Simulation::Impl : Observations {
@@ -96,9 +103,9 @@ struct Simulation::Impl : Observations {
 
 Simulation::Impl::Impl(const SimulationDesc& desc, std::span<const Command> commands)
     : clock(desc.rate_hz),
-      scene(desc.overrides, commands, desc.seed),
+      scene(desc.overrides, commands, desc.seed, desc.progress),
       cache(cache_folder(desc.device.cache_dir)),
-      device(desc.device),
+      device(device_desc(desc)),
       sensing(scene.built.scene.root(), Audience::sensors, device),
       instrumented(desc.device.instrumented) {
   scene.require(device.target_limits());

@@ -12,6 +12,7 @@
 
 #include "engine/device.h"
 #include "engine/error.h"
+#include "engine/progress.h"
 #include "engine/renderer.h"
 #include "scenegraph/command.h"
 #include "scenegraph/image.h"
@@ -34,6 +35,9 @@ struct SimulationDesc {
   std::uint64_t seed = 0;  ///< of all random numbers
   DeviceDesc device;
   std::vector<AttributeOverride> overrides;
+  /// Called while parts are read (load, execute) and while the meshes that a step shows for the first time are
+  /// prepared.
+  ProgressCallback progress{};
 };
 
 /// A sensor of the scene, as run.json and users see it.

@@ -19,6 +19,7 @@
 #include "simvis/atomic_file.h"
 #include "simvis/clock.h"
 #include "simvis/explain.h"
+#include "simvis/loading_bar.h"
 #include "simvis/output_writer.h"
 #include "simvis/plugin.h"
 #include "simvis/price.h"
@@ -198,7 +199,10 @@ std::vector<AttributeOverride> scanner_overrides(const Options& options) {
   return overrides;
 }
 
-Simulation load(const Options& options) {
+bool shows_progress(const Options& options) { return ::isatty(STDERR_FILENO) == 1 && !options.quiet; }
+
+/// Until it is reset, `loading` shows what the simulation loads.
+Simulation load(const Options& options, std::optional<LoadingBar>& loading) {
   if (options.scene.empty()) throw InputError("SCENE.xml is missing; --help says more");
   in_option("--frames", [&] {
     if (options.frames == 0) throw InputError("0 frames, expected 1 or more");
@@ -210,6 +214,9 @@ Simulation load(const Options& options) {
   desc.device.select = options.device;
   desc.device.instrumented = options.explain || !options.profile.empty();
   desc.overrides = scanner_overrides(options);
+  desc.progress = [&loading](const Progress& progress) {
+    if (loading) loading->update(progress);
+  };
   Simulation simulation = Simulation::load(options.scene, desc);
   for (const std::string& assignment : options.set) set_parameter(simulation, assignment);
   if (!options.sensors.empty()) {
@@ -258,17 +265,18 @@ void add_frame(Profile& profile, std::uint64_t frame, const Simulation& simulati
     profile.add(*plan, *simulation.visualization_costs());
 }
 
-/// Makes and writes all frames; fills in the report's times.
+/// Makes and writes all frames; fills in the report's times. The first frame ends the loading.
 void run_frames(const Options& options, Simulation& simulation, const std::optional<Trajectory>& trajectory,
-                OutputWriter& writer, RunReport& report, std::optional<Profile>& profile) {
-  const bool terminal = ::isatty(STDERR_FILENO) == 1;
-  ProgressBar progress(std::cerr, terminal && !options.quiet, options.frames, std::chrono::steady_clock::now());
+                OutputWriter& writer, RunReport& report, std::optional<Profile>& profile,
+                std::optional<LoadingBar>& loading) {
+  ProgressBar progress(std::cerr, shows_progress(options), options.frames, std::chrono::steady_clock::now());
   for (std::uint64_t frame = 0; frame < options.frames; ++frame) {
     const FrameTime time = simulation.next_frame();
     if (trajectory) trajectory->apply(static_cast<double>(time.time_ns) / 1e9, simulation.parameters());
     const std::int64_t start_ns = now_ns();
     simulation.step();
     const std::int64_t measured_ns = now_ns();
+    loading.reset();
     stop_if_asked_to();
     report.frame_ms.push_back(static_cast<double>(measured_ns - start_ns) / 1e6);
     write_results(simulation, time, writer);
@@ -290,7 +298,10 @@ void print_warnings(const Options& options, const Simulation& simulation) {
 }
 
 void run_scene(const Options& options, std::int64_t start_ns) {
-  Simulation simulation = load(options);
+  std::optional<LoadingBar> loading;
+  loading.emplace(std::cerr, shows_progress(options));
+  Simulation simulation = load(options, loading);
+  loading->clear_line();
   print_warnings(options, simulation);
   const std::optional<Trajectory> trajectory = read_trajectory(options, simulation);
   std::vector<std::string> writing;
@@ -306,7 +317,7 @@ void run_scene(const Options& options, std::int64_t start_ns) {
   report.rate_hz = options.rate_hz;
   std::optional<Profile> profile;
   if (!options.profile.empty()) profile.emplace(options.profile, simulation.device().name);
-  run_frames(options, simulation, trajectory, writer, report, profile);
+  run_frames(options, simulation, trajectory, writer, report, profile, loading);
   if (options.explain) print_explanation(simulation);
   writer.finish();
   if (profile) profile->commit();
@@ -329,7 +340,10 @@ void price_scene(const Options& options) {
   if (options.quiet && !options.names_out) {
     throw InputError("--price: --quiet leaves nothing to print, expected --out DIR with it");
   }
-  Simulation simulation = load(options);
+  std::optional<LoadingBar> loading;
+  loading.emplace(std::cerr, shows_progress(options));
+  Simulation simulation = load(options, loading);
+  loading->clear_line();
   check_priced(options, simulation);
   print_warnings(options, simulation);
   const std::optional<Trajectory> trajectory = read_trajectory(options, simulation);
@@ -337,12 +351,12 @@ void price_scene(const Options& options) {
   handle_signals();
   std::optional<AtomicFile> csv;
   std::optional<ProgressBar> progress;
-  const bool terminal = ::isatty(STDERR_FILENO) == 1;
   PriceDesc desc{.frames = options.frames, .rate_hz = options.rate_hz};
   if (trajectory) desc.trajectory = &*trajectory;
   desc.on_frame = [&, start = std::chrono::steady_clock::now()](std::uint64_t done, std::uint64_t all) {
     stop_if_asked_to();
-    if (!progress) progress.emplace(std::cerr, terminal && !options.quiet, all, start);
+    loading.reset();
+    if (!progress) progress.emplace(std::cerr, shows_progress(options), all, start);
     progress->update(done, std::chrono::steady_clock::now());
   };
   if (options.names_out) {
@@ -350,6 +364,7 @@ void price_scene(const Options& options) {
     csv.emplace(std::filesystem::path(options.out) / "price.csv");
   }
   const std::vector<ScannerPrice> prices = price_scanners(std::move(simulation), desc);
+  loading.reset();
   progress.reset();
   if (csv) {
     csv->write(to_csv(prices));

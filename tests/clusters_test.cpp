@@ -21,6 +21,25 @@ std::vector<std::array<std::uint32_t, 3>> sorted_triangles(const std::vector<std
   return triangles;
 }
 
+// Numbers alone are moved, one half after the other.
+void sort_plainly(const std::vector<glm::vec3>& centers, std::span<std::uint32_t> triangles) {
+  if (triangles.size() <= kClusterTriangles) return;
+  glm::vec3 low = centers[triangles[0]], high = low;
+  for (const std::uint32_t t : triangles) {
+    low = glm::min(low, centers[t]);
+    high = glm::max(high, centers[t]);
+  }
+  const glm::vec3 size = high - low;
+  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+  const std::size_t middle = triangles.size() / 2;
+  std::nth_element(triangles.begin(), triangles.begin() + static_cast<std::ptrdiff_t>(middle), triangles.end(),
+                   [&](std::uint32_t a, std::uint32_t b) {
+                     return centers[a][axis] != centers[b][axis] ? centers[a][axis] < centers[b][axis] : a < b;
+                   });
+  sort_plainly(centers, triangles.first(middle));
+  sort_plainly(centers, triangles.subspan(middle));
+}
+
 FramePlan plan_of(double yaw_rad, std::uint32_t width_px, std::uint32_t height_px) {
   View view;
   view.pinhole = {256, 256, width_px / 2.0, height_px / 2.0};
@@ -54,6 +73,18 @@ TEST_CASE("clusters hold every triangle once, few at a time, each within its box
     }
   }
   CHECK(next == mesh.indices.size());
+}
+
+TEST_CASE("several threads put triangles in the order of one that moves numbers alone") {
+  const Mesh mesh = sphere_mesh(2, 200);  // enough for more than one thread
+  std::vector<glm::vec3> centers(mesh.indices.size() / 3);
+  std::vector<std::uint32_t> expected(centers.size());
+  for (std::uint32_t t = 0; t < centers.size(); ++t) {
+    expected[t] = t;
+    for (int corner = 0; corner < 3; ++corner) centers[t] += mesh.positions[mesh.indices[3 * t + corner]] / 3.0f;
+  }
+  sort_plainly(centers, expected);
+  CHECK(order_in_space(mesh) == expected);
 }
 
 TEST_CASE("a mesh of many triangles in one place still ends in small clusters") {
