@@ -1,0 +1,72 @@
+#include "simvis/encoding_queue.h"
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+namespace simvis {
+
+namespace {
+
+// Encoding a picture takes some times as long as rendering it does: more would find nothing to do.
+constexpr unsigned kMostThreads = 8;
+// Where cores are few, encoding fills the time that rendering leaves them, and not the other way round.
+constexpr int kNiceness = 10;
+
+}  // namespace
+
+EncodingQueue::EncodingQueue() : cores_(std::clamp(std::thread::hardware_concurrency(), 1u, kMostThreads)) {}
+
+EncodingQueue::~EncodingQueue() {
+  {
+    const std::lock_guard lock(mutex_);
+    waiting_.clear();
+    ending_ = true;
+  }
+  changed_.notify_all();
+  for (std::thread& thread : threads_) thread.join();
+}
+
+void EncodingQueue::add(Encode encode, Put put) {
+  const auto ready = [](const Pending& job) {
+    return job.bytes.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+  };
+  while (!pending_.empty() && (pending_.size() >= most_pending() || ready(pending_.front()))) put_oldest();
+  while (threads_.size() < cores_) threads_.emplace_back([this] { work(); });
+  pending_.push_back({encode.get_future(), std::move(put)});
+  {
+    const std::lock_guard lock(mutex_);
+    waiting_.push_back(std::move(encode));
+  }
+  changed_.notify_one();
+}
+
+void EncodingQueue::finish() {
+  while (!pending_.empty()) put_oldest();
+}
+
+void EncodingQueue::put_oldest() {
+  Pending oldest = std::move(pending_.front());
+  pending_.pop_front();
+  oldest.put(oldest.bytes.get());
+}
+
+void EncodingQueue::work() {
+  ::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), kNiceness);  // on Linux: of this thread alone
+  while (true) {
+    Encode encode;
+    {
+      std::unique_lock lock(mutex_);
+      changed_.wait(lock, [this] { return ending_ || !waiting_.empty(); });
+      if (waiting_.empty()) return;
+      encode = std::move(waiting_.front());
+      waiting_.pop_front();
+    }
+    encode();
+  }
+}
+
+}  // namespace simvis
