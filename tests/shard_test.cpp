@@ -109,16 +109,16 @@ TEST_CASE("a share that is none, and scenes whose frames cannot be made apart") 
   check_refused({"--shard", ""}, kScene, {"--shard"});
   check_refused({"--shard", "6/7"}, kScene, {"--shard: 6/7 has no frame of 6"});
   check_refused({"--shard", "0/2", "--price"}, kScene, {"--shard", "--price"});
-  check_refused({"--shard", "0/2", "--method", "auto"}, kScene,
-                {"--shard: sensor \"SCAN\"", "(auto)", "another method"});
+  const std::string chooses = R"(<sensor type="laser_scanner" name="AUTO" insert_at="ROOT" method="auto"/>)";
+  check_refused({"--shard", "0/2"}, chooses, {"--shard: sensor \"AUTO\"", "(auto)", "expected another method"});
   const std::string view = R"(<sensor type="camera" name="VIEW" insert_at="ROOT" view="visualization"/>)";
   check_refused({"--shard", "0/2"}, view, {"--shard: sensor \"VIEW\"", "expected it to be off"});
 
   // One share of one is a whole run, and of what is off nothing depends.
   const TemporaryFolder folder;
-  const std::string scene = write_wall_scene(folder.path(), std::string(kScene) + view).string(),
+  const std::string scene = write_wall_scene(folder.path(), std::string(kScene) + view + chooses).string(),
                     out = (folder / "out").string();
-  CHECK(run({scene, "--out", out, "--shard", "0/1", "--method", "auto"}).exit_code == 0);
+  CHECK(run({scene, "--out", out, "--shard", "0/1"}).exit_code == 0);
   CHECK(run({scene, "--out", out, "--frames", "2", "--shard", "1/2", "--sensor", "PLANAR"}).exit_code == 0);
   CHECK(fs::exists(folder / "out/run-0-of-1.json"));
   CHECK(fs::exists(folder / "out/PLANAR-1-of-2.csv"));
