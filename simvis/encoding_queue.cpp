@@ -30,13 +30,15 @@ EncodingQueue::~EncodingQueue() {
   for (std::thread& thread : threads_) thread.join();
 }
 
-void EncodingQueue::add(Encode encode, Put put) {
+void EncodingQueue::add(Encode encode, std::size_t held_bytes, Put put) {
   const auto ready = [](const Pending& job) {
     return job.bytes.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
   };
-  while (!pending_.empty() && (pending_.size() >= most_pending() || ready(pending_.front()))) put_oldest();
+  const auto too_much = [&] { return pending_.size() >= most_pending() || held_bytes_ + held_bytes > kMostBytes; };
+  while (!pending_.empty() && (too_much() || ready(pending_.front()))) put_oldest();
   while (threads_.size() < cores_) threads_.emplace_back([this] { work(); });
-  pending_.push_back({encode.get_future(), std::move(put)});
+  pending_.push_back({encode.get_future(), held_bytes, std::move(put)});
+  held_bytes_ += held_bytes;
   {
     const std::lock_guard lock(mutex_);
     waiting_.push_back(std::move(encode));
@@ -51,6 +53,7 @@ void EncodingQueue::finish() {
 void EncodingQueue::put_oldest() {
   Pending oldest = std::move(pending_.front());
   pending_.pop_front();
+  held_bytes_ -= oldest.held_bytes;
   oldest.put(oldest.bytes.get());
 }
 

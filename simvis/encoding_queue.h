@@ -18,12 +18,13 @@ namespace simvis {
 /// in the order in which it was asked for. So files and rows come in their order, and errors too.
 ///
 /// Errors   what `encode` and `put` throw comes out of add() or finish(), the oldest first.
-/// Memory   of at most most_pending() jobs, with what they hold.
+/// Memory   of at most most_pending() jobs, which together hold at most kMostBytes: or of one that holds more.
 /// Threading  one thread calls; `encode` runs on any. Threads are started by the first add().
 class EncodingQueue {
  public:
   using Encode = std::packaged_task<std::string()>;
   using Put = std::function<void(std::string_view bytes)>;
+  static constexpr std::size_t kMostBytes = std::size_t{256} << 20;
 
   EncodingQueue();
   /// Drops what has not been put.
@@ -31,8 +32,9 @@ class EncodingQueue {
   EncodingQueue(const EncodingQueue&) = delete;
   EncodingQueue& operator=(const EncodingQueue&) = delete;
 
-  /// Puts what is ready; waits for the oldest where most_pending() are.
-  void add(Encode encode, Put put);
+  /// `held_bytes` are those of the copies that `encode` works on. Puts what is ready; where too much is pending, waits
+  /// for the oldest.
+  void add(Encode encode, std::size_t held_bytes, Put put);
   /// Puts all.
   void finish();
 
@@ -41,6 +43,7 @@ class EncodingQueue {
  private:
   struct Pending {
     std::future<std::string> bytes;
+    std::size_t held_bytes;
     Put put;
   };
   void put_oldest();
@@ -48,6 +51,7 @@ class EncodingQueue {
 
   std::size_t cores_;
   std::deque<Pending> pending_;  // of the caller's thread alone
+  std::size_t held_bytes_ = 0;   // by all of them
   std::mutex mutex_;             // of the two below
   std::deque<Encode> waiting_;
   bool ending_ = false;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 #include <optional>
+#include <utility>
 
 #include "engine/assert.h"
 #include "engine/error.h"
@@ -35,6 +36,8 @@ std::string frame_name(std::uint64_t frame) {
   return digits;
 }
 
+std::size_t bytes_of(const Image& image) { return image.pixels.size() * sizeof(float); }
+
 }  // namespace
 
 class OutputWriter::SensorSink : public OutputSink {
@@ -46,13 +49,16 @@ class OutputWriter::SensorSink : public OutputSink {
   void picture(const std::string& stem, const Image* color, const Image* depth) override {
     const auto copy = [](const Image* image) { return image ? std::make_shared<const Image>(*image) : nullptr; };
     const std::shared_ptr<const Image> own_color = copy(color), own_depth = copy(depth);
-    if (own_color) write_frame(stem, ".png", [own_color] { return encode_png(*own_color); });
+    const std::size_t color_bytes = own_color ? bytes_of(*own_color) : 0;
+    const std::size_t depth_bytes = own_depth ? bytes_of(*own_depth) : 0;
+    if (own_color) write_frame(stem, ".png", color_bytes, [own_color] { return encode_png(*own_color); });
     if (!own_color && !own_depth) return;
-    write_frame(stem, ".exr", [own_color, own_depth] { return encode_exr(own_color.get(), own_depth.get()); });
+    write_frame(stem, ".exr", color_bytes + depth_bytes,
+                [own_color, own_depth] { return encode_exr(own_color.get(), own_depth.get()); });
   }
 
   void plane(const std::string& stem, const std::string& channel, const Image& plane) override {
-    write_frame(stem, ".exr", [channel, plane] { return encode_exr_plane(channel, plane); });
+    write_frame(stem, ".exr", bytes_of(plane), [channel, plane] { return encode_exr_plane(channel, plane); });
   }
 
   void text(const std::string& stem, const std::string& extension, std::string_view text) override {
@@ -78,7 +84,7 @@ class OutputWriter::SensorSink : public OutputSink {
                                           copy = std::vector<double>(values.begin(), values.end())] {
                      return lines(time, copy, width, own_time);
                    }),
-                   [this](std::string_view bytes) { table_->add(bytes); });
+                   values.size_bytes(), [this](std::string_view bytes) { table_->add(bytes); });
   }
 
   void finish() {
@@ -105,12 +111,13 @@ class OutputWriter::SensorSink : public OutputSink {
 
   /// A file of this frame.
   template <typename Encode>
-  void write_frame(const std::string& stem, const std::string& extension, const Encode& encode) {
+  void write_frame(const std::string& stem, const std::string& extension, std::size_t held_bytes, Encode&& encode) {
     const std::filesystem::path folder = run_.folder / name(stem);
     claim(folder / ("*" + extension));
     make_folder(folder);
-    run_.queue.add(EncodingQueue::Encode(encode), [path = folder / (frame_name(time_.index) + extension)](
-                                                      std::string_view bytes) { write_file(path, bytes); });
+    run_.queue.add(
+        EncodingQueue::Encode(std::forward<Encode>(encode)), held_bytes,
+        [path = folder / (frame_name(time_.index) + extension)](std::string_view bytes) { write_file(path, bytes); });
   }
 
   /// Notes a result before it is written; true when it is new.

@@ -21,7 +21,7 @@ struct RunReport {
   std::optional<Shard> shard{};  ///< if the run is one
   double rate_hz = 15;
   double wall_s = 0;             ///< from the start of the program to its last file
-  std::vector<double> frame_ms;  ///< each step(), without writing files
+  std::vector<double> frame_ms;  ///< each step(), without writing files, which goes on beside it
   std::vector<SensorInfo> sensors;
 };
 

@@ -27,7 +27,7 @@ TEST_CASE("bytes are put in their order, on the caller's thread, and never more 
   const std::thread::id caller = std::this_thread::get_id();
   for (int i = 0; i < 200; ++i) {
     expected += std::to_string(i) + ' ';
-    queue.add(text_of(i), [&](std::string_view bytes) {
+    queue.add(text_of(i), 1, [&](std::string_view bytes) {
       CHECK(std::this_thread::get_id() == caller);
       all += bytes;
       ++put;
@@ -55,7 +55,7 @@ TEST_CASE("an error comes out once all before it have been put; of the rest noth
           all += bytes;
         };
         try {
-          queue.add(std::move(encode), put);
+          queue.add(std::move(encode), 1, put);
         } catch (const MachineError&) {
           failed = true;
           break;
@@ -67,11 +67,22 @@ TEST_CASE("an error comes out once all before it have been put; of the rest noth
   }
 }
 
+TEST_CASE("jobs that hold much are pending one at a time") {
+  EncodingQueue queue;
+  int put = 0;
+  for (int i = 0; i < 4; ++i) {
+    queue.add(text_of(i), EncodingQueue::kMostBytes - 1, [&](std::string_view) { ++put; });
+    CHECK(put == i);
+  }
+  queue.finish();
+  CHECK(put == 4);
+}
+
 TEST_CASE("what was not put when the queue goes never is") {
   bool put = false;
   {
     EncodingQueue queue;
-    queue.add(text_of(0), [&](std::string_view) { put = true; });
+    queue.add(text_of(0), 1, [&](std::string_view) { put = true; });
   }
   CHECK_FALSE(put);
 }
