@@ -49,7 +49,8 @@ struct SensorInfo {
   std::optional<double> number(std::string_view note) const;
 };
 
-/// One stage of a step, on the steady clock.
+/// One stage of a step, on the steady clock. "render" ends when the device has done, and what casts alone has cast;
+/// with step_async() the caller's own work lies in it.
 struct StageTime {
   std::string_view name;  ///< "elements", "flatten", "plan", "render", "collect" or "visualization"
   std::int64_t start_ns = 0, end_ns = 0;
