@@ -1,7 +1,6 @@
 #include "simvis/encoding_queue.h"
 
 #include <sys/resource.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
@@ -58,7 +57,7 @@ void EncodingQueue::put_oldest() {
 }
 
 void EncodingQueue::work() {
-  ::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), kNiceness);  // on Linux: of this thread alone
+  ::setpriority(PRIO_PROCESS, 0, ::getpriority(PRIO_PROCESS, 0) + kNiceness);  // on Linux: of this thread alone
   while (true) {
     Encode encode;
     {
