@@ -80,6 +80,9 @@ class ScanEffect {
   /// Whether it has a say only where another effect has beams followed.
   virtual bool only_traced() const { return false; }
 
+  /// Whether it asks for ScanMoment::before.
+  virtual bool looks_back() const { return false; }
+
   /// Into how many rays aim() splits each.
   virtual std::uint32_t rays_per_ray() const { return 1; }
 

@@ -25,6 +25,14 @@ FrameCommands::FrameCommands(Device::Impl& device) : device_(device) {
   fence_ = Handle<VkFence>(device, fence, "frame fence");
 }
 
+FrameCommands::~FrameCommands() {
+  if (!in_flight_) return;
+  const VkFence fence = fence_.get();
+  vkWaitForFences(device_.device, 1, &fence, VK_TRUE, UINT64_MAX);  // a lost device has finished too
+  device_.finished = device_.submitted;
+  device_.destroy_retired();
+}
+
 VkCommandBuffer FrameCommands::begin() {
   SIMVIS_ASSERT(!device_.recording && device_.submitted == device_.finished);
   vk_check(vkResetCommandPool(device_.device, pool_.get(), 0), "vkResetCommandPool");
@@ -37,7 +45,7 @@ VkCommandBuffer FrameCommands::begin() {
   return commands_;
 }
 
-void FrameCommands::submit_and_wait() {
+void FrameCommands::submit() {
   vk_check(vkEndCommandBuffer(commands_), "vkEndCommandBuffer");
   VkSubmitInfo info{};
   info.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO;
@@ -48,6 +56,13 @@ void FrameCommands::submit_and_wait() {
   vk_check(vkQueueSubmit(device_.queue, 1, &info, fence), "vkQueueSubmit");
   ++device_.submitted;
   device_.recording = false;
+  in_flight_ = true;
+}
+
+void FrameCommands::wait() {
+  SIMVIS_ASSERT(in_flight_);
+  const VkFence fence = fence_.get();
+  in_flight_ = false;
   const VkResult waited = vkWaitForFences(device_.device, 1, &fence, VK_TRUE, UINT64_MAX);
   device_.finished = device_.submitted;  // A lost device has finished too.
   vk_check(waited, "vkWaitForFences");

@@ -36,6 +36,7 @@ class HostRayCaster : public RayCaster {
                  std::span<const glm::dvec3> directions, std::span<RayHit> hits,
                  std::span<const double> beyond_m) override;
   RayCounters counters() const override;
+  bool on_host() const override { return true; }
   std::string_view engine() const override { return "the host"; }
 
  private:

@@ -102,6 +102,9 @@ class RayCaster {
   /// Adds all memory that it holds on the device.
   virtual void name_memory(std::vector<PlannedMemory>&) const {}
 
+  /// Whether it leaves the device alone, and so may cast while that renders.
+  virtual bool on_host() const { return false; }
+
   /// Who casts, for people.
   virtual std::string_view engine() const = 0;
 };

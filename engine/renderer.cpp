@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <optional>
+#include <utility>
 
 #include "engine/assert.h"
 #include "engine/device.h"
@@ -52,6 +53,11 @@ void check_pass(const Pass& pass, const TargetLimits& limits) {
   for (const View& view : pass.views) check_view(view, pass);
 }
 
+std::int64_t now_ns() {
+  const auto now = std::chrono::steady_clock::now().time_since_epoch();
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(now).count();
+}
+
 // Null where the plan has none.
 const Pass* find_shadow_maps(const FramePlan& plan) {
   const auto found = std::ranges::find(plan.passes, true, &Pass::shadow_maps);
@@ -75,11 +81,11 @@ struct Renderer::Impl {
     if (d.instrumented) queries.emplace(d);
   }
 
-  void draw_frame(const DrawList& list, const FramePlan& plan);
-  void submit_timed(const FramePlan& plan);
+  void start_frame(const DrawList& list, const FramePlan& plan);
+  void finish_frame(const FramePlan& plan);
   void prepare(const DrawList& list, const FramePlan& plan);
   void record(VkCommandBuffer commands, const DrawList& list, const FramePlan& plan);
-  void collect(const FramePlan& plan);
+  void take_results(const FramePlan& plan);
   void name_pipelines(FramePlan& plan) const;
   void name_memory(FramePlan& plan) const;
   void forget();
@@ -94,7 +100,9 @@ struct Renderer::Impl {
   SampleAverage average;
   TransparentLayers layers;
   RenderTargets targets;
-  std::optional<ShadowMaps> shadows;  // once a plan has any
+  std::optional<ShadowMaps> shadows;         // once a plan has any
+  const DrawList* submitted_list = nullptr;  // in flight; null: nothing is
+  const FramePlan* submitted_plan = nullptr;
   DrawTable table;
   FrameDraws draws;
   std::vector<RenderTarget*> pass_targets;
@@ -110,8 +118,9 @@ Renderer::Renderer(Device& device) : impl_(std::make_unique<Impl>(device.impl())
 Renderer::~Renderer() = default;
 const FrameCounters& Renderer::counters() const { return impl_->counters; }
 
-std::span<const PassResult> Renderer::render(const DrawList& list, const FramePlan& plan) {
+void Renderer::submit(const DrawList& list, const FramePlan& plan) {
   Impl& r = *impl_;
+  SIMVIS_ASSERT(r.submitted_plan == nullptr);
   for (const Pass& pass : plan.passes) check_pass(pass, r.device.physical.targets);
   r.counters = {};
   r.costs = {};
@@ -120,20 +129,36 @@ std::span<const PassResult> Renderer::render(const DrawList& list, const FramePl
   r.draws.clear();
   r.made = {};
   r.uploads.begin(VK_NULL_HANDLE);  // nothing has been uploaded yet
-  if (plan.passes.empty()) return {};
+  if (plan.passes.empty()) return;
   try {
-    do {
-      r.draw_frame(list, plan);
-    } while (r.layers.grow());
+    r.start_frame(list, plan);
   } catch (...) {
     r.forget();
     throw;
   }
-  r.collect(plan);
+  r.submitted_list = &list;
+  r.submitted_plan = &plan;
+}
+
+std::span<const PassResult> Renderer::collect() {
+  Impl& r = *impl_;
+  const FramePlan* const plan = std::exchange(r.submitted_plan, nullptr);
+  if (plan == nullptr) return {};
+  try {
+    r.finish_frame(*plan);
+    while (r.layers.grow()) {
+      r.start_frame(*r.submitted_list, *plan);
+      r.finish_frame(*plan);
+    }
+  } catch (...) {
+    r.forget();
+    throw;
+  }
+  r.take_results(*plan);
   return r.results;
 }
 
-void Renderer::Impl::draw_frame(const DrawList& list, const FramePlan& plan) {
+void Renderer::Impl::start_frame(const DrawList& list, const FramePlan& plan) {
   const VkCommandBuffer recorded = commands.begin();
   if (queries) queries->begin(recorded, plan);
   uploads.begin(recorded);
@@ -141,27 +166,20 @@ void Renderer::Impl::draw_frame(const DrawList& list, const FramePlan& plan) {
   uploads.finish();
   if (queries) queries->stamp(recorded);
   record(recorded, list, plan);
-  if (queries) {
-    submit_timed(plan);
-  } else {
-    commands.submit_and_wait();
-  }
-  uploads.release();
+  costs.submitted_ns = now_ns();
+  commands.submit();
   counters.bytes_uploaded += uploads.bytes();
-  counters.layers = layers.found();
   counters.layer_bytes = layers.bytes();
   geometry.count(counters.meshes_held, counters.mesh_bytes);
   textures.count(counters.textures_held, counters.texture_bytes);
 }
 
-void Renderer::Impl::submit_timed(const FramePlan& plan) {
-  const auto now_ns = [] {
-    const auto now = std::chrono::steady_clock::now().time_since_epoch();
-    return std::chrono::duration_cast<std::chrono::nanoseconds>(now).count();
-  };
-  const std::int64_t submitted_ns = now_ns();
-  commands.submit_and_wait();
-  const std::int64_t finished_ns = now_ns();
+void Renderer::Impl::finish_frame(const FramePlan& plan) {
+  commands.wait();
+  uploads.release();
+  counters.layers = layers.found();
+  if (!queries) return;
+  const std::int64_t submitted_ns = costs.submitted_ns, finished_ns = now_ns();
   costs = queries->costs(plan);
   costs.submitted_ns = submitted_ns;
   costs.finished_ns = finished_ns;
@@ -223,7 +241,7 @@ void Renderer::Impl::record(VkCommandBuffer recorded, const DrawList& list, cons
   record_end(frame);
 }
 
-void Renderer::Impl::collect(const FramePlan& plan) {
+void Renderer::Impl::take_results(const FramePlan& plan) {
   view_counts.clear();
   for (const ViewDraws& view : draws.views()) view_counts.push_back(view.counts);
   std::size_t first_view = 0;

@@ -39,7 +39,7 @@ struct ViewCounts {
   bool operator==(const ViewCounts&) const = default;
 };
 
-/// Where a pass's pixels lie. Valid until the next render() or the renderer's end.
+/// Where a pass's pixels lie. Valid until the next submit() or the renderer's end.
 struct PassResult {
   std::span<const float> depth;       ///< width * height, rows from the top, d = near / z; empty if not asked for
   std::span<const glm::vec4> color;   ///< width * height, rows from the top, linear RGBA; empty if not asked for
@@ -53,7 +53,7 @@ struct PassResult {
 /// Frames   see View. All products of transforms are formed in double and rounded once.
 /// Special  an empty plan submits nothing. A frame that shows more layers of transparent surfaces than there is memory
 ///          for is drawn again with more, and its counters count both.
-/// Errors   render() throws MachineError with the Vulkan result (device lost, out of memory), InputError if a pass is
+/// Errors   MachineError with the Vulkan result (device lost, out of memory); InputError from submit() if a pass is
 ///          larger than the device allows, or has more samples.
 /// Threading  one renderer, one thread. Several renderers may share a Device only from one thread.
 class Renderer {
@@ -63,17 +63,26 @@ class Renderer {
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;
 
-  /// Draws every pass of the plan; result i belongs to plan.passes[i].
-  std::span<const PassResult> render(const DrawList& list, const FramePlan& plan);
+  /// Hands every pass of the plan to the device, and returns while that draws. List and plan stay as they are until
+  /// collect().
+  void submit(const DrawList& list, const FramePlan& plan);
 
-  /// Of the last render().
+  /// Waits for what was submitted; result i belongs to plan.passes[i]. Once for each submit(), before the next.
+  std::span<const PassResult> collect();
+
+  std::span<const PassResult> render(const DrawList& list, const FramePlan& plan) {
+    submit(list, plan);
+    return collect();
+  }
+
+  /// Of the last collect().
   const FrameCounters& counters() const;
 
-  /// Adds to the plan of the last render() what it took to draw it: the pipelines of each view, and all memory that the
-  /// renderer holds on the device. Costs nothing unless it is called.
+  /// Adds to the plan of the last collect() what it took to draw it: the pipelines of each view, and all memory that
+  /// the renderer holds on the device. Costs nothing unless it is called.
   void complete(FramePlan& plan) const;
 
-  /// Of the last render(); null unless the device is instrumented.
+  /// Of the last collect(); null unless the device is instrumented.
   const FrameCosts* costs() const;
 
  private:

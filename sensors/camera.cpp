@@ -80,6 +80,17 @@ void Camera::check(const TargetLimits& limits) const {
   }
 }
 
+LooksBack Camera::looks_back() const {
+  const auto late = [](const CameraView& view) { return view.time_s != 0; };
+  if (desc_.visualization || std::ranges::none_of(views_.views, late)) return Sensor::looks_back();
+  return LooksBack::at_poses;
+}
+
+void Camera::pass_over(const FrameTime& time, const glm::dmat4& world_from_sensor) {
+  begin(time);
+  last_ = Past{time.time_ns, world_from_sensor};
+}
+
 // A frame that was not finished is tried again: what it measured is not the measurement before.
 void Camera::begin(const FrameTime& time) {
   time_ = time;

@@ -95,6 +95,16 @@ std::string LaserScanner::traced_for() const {
   return names;
 }
 
+LooksBack LaserScanner::looks_back() const {
+  if (desc_.method == ScanMethod::automatic) return LooksBack::at_measurements;
+  const auto asks = [](const ChosenScanEffect& each) { return each.effect->looks_back(); };
+  return std::ranges::any_of(desc_.effects, asks) ? LooksBack::at_poses : LooksBack::never;
+}
+
+void LaserScanner::pass_over(const FrameTime& time, const glm::dmat4& world_from_sensor) {
+  moment_.before = {time.time_ns, world_from_sensor};
+}
+
 void LaserScanner::take_costs(const std::function<const WorkTable&()>& costs) {
   if (desc_.method == ScanMethod::automatic) costs_ = costs();
 }

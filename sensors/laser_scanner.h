@@ -61,6 +61,9 @@ class LaserScanner : public Sensor {
  public:
   LaserScanner(std::string name, const LaserScannerDesc& desc);
 
+  /// `auto` at measurements: what it chose, and when it surveys, follows from the frames before.
+  LooksBack looks_back() const override;
+  void pass_over(const FrameTime& time, const glm::dmat4& world_from_sensor) override;
   void take_costs(const std::function<const WorkTable&()>& costs) override;
   void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
   void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override;

@@ -71,6 +71,10 @@ class OutputSink {
   virtual void rows(std::span<const TableColumn> columns, std::span<const double> values) = 0;
 };
 
+/// What of earlier frames a measurement depends on: nothing; where the sensor stood when it was due; what it, or
+/// others, measured then.
+enum class LooksBack : std::uint8_t { never, at_poses, at_measurements };
+
 /// Frames   the sensor frame: x forward, y left, z up (REP 103); a camera looks along +x.
 /// Life     made from its command; check(); then, in each frame in which it is due: begin(), plan(), collect() once
 ///          the frame has been rendered, and cast().
@@ -84,6 +88,12 @@ class Sensor {
   /// Once, before the first plan(): what chooses between ways to measure by their cost asks for the device's costs,
   /// which are measured when they are first asked for.
   virtual void take_costs(const std::function<const WorkTable&()>&) {}
+
+  /// Who is asked decides whether frames can be passed over, see Simulation::pass_over().
+  virtual LooksBack looks_back() const { return visualization() ? LooksBack::at_measurements : LooksBack::never; }
+
+  /// In place of begin() to cast(), in a frame that is due but passed over: only where it stands then is of interest.
+  virtual void pass_over(const FrameTime&, const glm::dmat4& /*world_from_sensor*/) {}
 
   /// The frame that is planned next.
   virtual void begin(const FrameTime&) {}

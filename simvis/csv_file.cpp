@@ -61,6 +61,28 @@ void append_number(std::string& text, const NumberFormat& format, double value) 
   text.append(number, end.ptr);
 }
 
+std::string format_rows(std::span<const NumberFormat> formats, std::span<const double> front,
+                        std::span<const double> values) {
+  SIMVIS_ASSERT(front.size() < formats.size());
+  const std::size_t width = formats.size() - front.size();
+  SIMVIS_ASSERT(values.size() % width == 0);
+  std::string start;
+  for (std::size_t c = 0; c < front.size(); ++c) {
+    append_number(start, formats[c], front[c]);
+    start += ',';
+  }
+  std::string lines;
+  for (std::size_t row = 0; row < values.size(); row += width) {
+    lines += start;
+    for (std::size_t c = 0; c < width; ++c) {
+      if (c > 0) lines += ',';
+      append_number(lines, formats[front.size() + c], values[row + c]);
+    }
+    lines += '\n';
+  }
+  return lines;
+}
+
 CsvFile::CsvFile(const std::filesystem::path& path, std::span<const TableColumn> columns) : file_(path) {
   for (const TableColumn& column : columns) {
     if (!formats_.empty()) buffer_ += ',';
@@ -70,24 +92,9 @@ CsvFile::CsvFile(const std::filesystem::path& path, std::span<const TableColumn>
   buffer_ += '\n';
 }
 
-void CsvFile::add_rows(std::span<const double> front, std::span<const double> values) {
-  SIMVIS_ASSERT(front.size() < formats_.size());
-  const std::size_t width = formats_.size() - front.size();
-  SIMVIS_ASSERT(values.size() % width == 0);
-  std::string start;
-  for (std::size_t c = 0; c < front.size(); ++c) {
-    append_number(start, formats_[c], front[c]);
-    start += ',';
-  }
-  for (std::size_t row = 0; row < values.size(); row += width) {
-    buffer_ += start;
-    for (std::size_t c = 0; c < width; ++c) {
-      if (c > 0) buffer_ += ',';
-      append_number(buffer_, formats_[front.size() + c], values[row + c]);
-    }
-    buffer_ += '\n';
-    if (buffer_.size() >= kFlushBytes) flush();
-  }
+void CsvFile::add(std::string_view lines) {
+  buffer_ += lines;
+  if (buffer_.size() >= kFlushBytes) flush();
 }
 
 void CsvFile::flush() {

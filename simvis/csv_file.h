@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "sensors/sensor.h"
@@ -24,13 +25,18 @@ NumberFormat number_format(const TableColumn& column);
 
 void append_number(std::string& text, const NumberFormat& format, double value);
 
+/// `values` as lines: whole rows, a multiple of the number of columns less `front.size()`, which stands before each.
+std::string format_rows(std::span<const NumberFormat> formats, std::span<const double> front,
+                        std::span<const double> values);
+
 /// Rows go to the disk as they come, under a temporary name (see AtomicFile, whose errors it throws).
 class CsvFile {
  public:
   CsvFile(const std::filesystem::path& path, std::span<const TableColumn> columns);
 
-  /// Whole rows: a multiple of the number of columns, less `front.size()`, which stands before every row.
-  void add_rows(std::span<const double> front, std::span<const double> values);
+  /// Of the columns, for format_rows().
+  const std::vector<NumberFormat>& formats() const { return formats_; }
+  void add(std::string_view lines);
   void commit();
 
  private:

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 #include <optional>
+#include <utility>
 
 #include "engine/assert.h"
 #include "engine/error.h"
@@ -35,26 +36,33 @@ std::string frame_name(std::uint64_t frame) {
   return digits;
 }
 
+std::size_t bytes_of(const Image& image) { return image.pixels.size() * sizeof(float); }
+
 }  // namespace
 
 class OutputWriter::SensorSink : public OutputSink {
  public:
-  SensorSink(const std::filesystem::path& folder, const std::string& sensor, Results& results)
-      : folder_(folder), sensor_(sensor), results_(results) {}
+  SensorSink(const std::string& sensor, Run& run) : sensor_(sensor), run_(run) {}
 
   void begin(const FrameTime& time) { time_ = time; }
 
   void picture(const std::string& stem, const Image* color, const Image* depth) override {
-    if (color != nullptr) write_frame(stem, ".png", encode_png(*color));
-    if (color != nullptr || depth != nullptr) write_frame(stem, ".exr", encode_exr(color, depth));
+    const auto copy = [](const Image* image) { return image ? std::make_shared<const Image>(*image) : nullptr; };
+    const std::shared_ptr<const Image> own_color = copy(color), own_depth = copy(depth);
+    const std::size_t color_bytes = own_color ? bytes_of(*own_color) : 0;
+    const std::size_t depth_bytes = own_depth ? bytes_of(*own_depth) : 0;
+    if (own_color) write_frame(stem, ".png", color_bytes, [own_color] { return encode_png(*own_color); });
+    if (!own_color && !own_depth) return;
+    write_frame(stem, ".exr", color_bytes + depth_bytes,
+                [own_color, own_depth] { return encode_exr(own_color.get(), own_depth.get()); });
   }
 
   void plane(const std::string& stem, const std::string& channel, const Image& plane) override {
-    write_frame(stem, ".exr", encode_exr_plane(channel, plane));
+    write_frame(stem, ".exr", bytes_of(plane), [channel, plane] { return encode_exr_plane(channel, plane); });
   }
 
   void text(const std::string& stem, const std::string& extension, std::string_view text) override {
-    const std::filesystem::path path = folder_ / (name(stem) + "." + extension);
+    const std::filesystem::path path = run_.folder / (name(stem) + "." + extension);
     if (!claim(path)) return;
     make_folder(path.parent_path());
     write_file(path, text);
@@ -67,19 +75,16 @@ class OutputWriter::SensorSink : public OutputSink {
     if (!table_) {
       std::vector<TableColumn> all = {{"frame", "%lld", true}, {"time_s", "%.9f"}};
       std::ranges::copy_if(columns, std::back_inserter(all), [](const auto& each) { return each.name != "time_s"; });
-      const std::filesystem::path path = folder_ / (sensor_ + ".csv");
+      const std::filesystem::path path = run_.folder / (sensor_ + run_.suffix + ".csv");
       claim(path);
       make_folder(path.parent_path());
       table_.emplace(path, all);
     }
-    const double front[] = {static_cast<double>(time_.index), static_cast<double>(time_.time_ns) / 1e9};
-    if (own_time == columns.size()) return table_->add_rows(front, values);
-    for (std::size_t row = 0; row < values.size(); row += columns.size()) {
-      std::vector<double> rest(&values[row], &values[row] + columns.size());
-      const double own_front[] = {front[0], rest[own_time]};
-      rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(own_time));
-      table_->add_rows(own_front, rest);
-    }
+    run_.queue.add(EncodingQueue::Encode([this, own_time, width = columns.size(), time = time_,
+                                          copy = std::vector<double>(values.begin(), values.end())] {
+                     return lines(time, copy, width, own_time);
+                   }),
+                   values.size_bytes(), [this](std::string_view bytes) { table_->add(bytes); });
   }
 
   void finish() {
@@ -89,40 +94,57 @@ class OutputWriter::SensorSink : public OutputSink {
  private:
   std::string name(const std::string& stem) const { return stem.empty() ? sensor_ : sensor_ + "_" + stem; }
 
+  /// Runs on other threads: of the table it reads its formats alone.
+  std::string lines(const FrameTime& time, const std::vector<double>& values, std::size_t width,
+                    std::size_t own_time) const {
+    const double front[] = {static_cast<double>(time.index), static_cast<double>(time.time_ns) / 1e9};
+    if (own_time == width) return format_rows(table_->formats(), front, values);
+    std::string all;
+    for (std::size_t row = 0; row < values.size(); row += width) {
+      std::vector<double> rest(&values[row], &values[row] + width);
+      const double own_front[] = {front[0], rest[own_time]};
+      rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(own_time));
+      all += format_rows(table_->formats(), own_front, rest);
+    }
+    return all;
+  }
+
   /// A file of this frame.
-  void write_frame(const std::string& stem, const std::string& extension, std::string_view bytes) {
-    const std::filesystem::path folder = folder_ / name(stem);
+  template <typename Encode>
+  void write_frame(const std::string& stem, const std::string& extension, std::size_t held_bytes, Encode&& encode) {
+    const std::filesystem::path folder = run_.folder / name(stem);
     claim(folder / ("*" + extension));
     make_folder(folder);
-    write_file(folder / (frame_name(time_.index) + extension), bytes);
+    run_.queue.add(
+        EncodingQueue::Encode(std::forward<Encode>(encode)), held_bytes,
+        [path = folder / (frame_name(time_.index) + extension)](std::string_view bytes) { write_file(path, bytes); });
   }
 
   /// Notes a result before it is written; true when it is new.
   bool claim(const std::filesystem::path& result) {
-    const auto [entry, fresh] = results_.sensor.try_emplace(result.string(), sensor_);
+    const auto [entry, fresh] = run_.results.sensor.try_emplace(result.string(), sensor_);
     if (entry->second != sensor_) {
       throw InputError("sensors \"" + entry->second + "\" and \"" + sensor_ + "\" would both write " + entry->first +
                        ": one of them needs another name");
     }
-    if (fresh) results_.names.push_back(entry->first);
+    if (fresh) run_.results.names.push_back(entry->first);
     return fresh;
   }
 
-  std::filesystem::path folder_;
   std::string sensor_;
-  Results& results_;
+  Run& run_;
   FrameTime time_;
   std::optional<CsvFile> table_;
 };
 
-OutputWriter::OutputWriter(std::filesystem::path folder, std::span<const std::string> sensors)
-    : folder_(std::move(folder)) {
+OutputWriter::OutputWriter(std::filesystem::path folder, std::span<const std::string> sensors, std::string suffix)
+    : run_{.folder = std::move(folder), .suffix = std::move(suffix)} {
   for (const std::string& sensor : sensors) {
     check_name(sensor);
-    sinks_[sensor] = std::make_unique<SensorSink>(folder_, sensor, results_);
+    sinks_[sensor] = std::make_unique<SensorSink>(sensor, run_);
   }
-  make_folder(folder_);
-  AtomicFile probe(folder_ / "run.json");  // better now than after the first frame
+  make_folder(run_.folder);
+  AtomicFile probe(run_.folder / "run.json");  // better now than after the first frame
 }
 
 OutputWriter::~OutputWriter() = default;
@@ -135,6 +157,7 @@ OutputSink& OutputWriter::sink(std::string_view sensor, const FrameTime& time) {
 }
 
 void OutputWriter::finish() {
+  run_.queue.finish();
   for (const auto& [name, sink] : sinks_) sink->finish();
 }
 

@@ -66,6 +66,9 @@ struct SrgbTable {
 
 const SrgbTable kSrgb;
 
+// "up": the best for smooth pictures at this speed, and no search for each row.
+[[maybe_unused]] const int kRowFilter = stbi_write_force_png_filter = 2;
+
 }  // namespace
 
 std::uint8_t srgb_code(float linear) {
@@ -83,7 +86,6 @@ std::string encode_png(const Image& color) {
   for (std::size_t i = 0; i < pixels; ++i) {
     for (std::size_t c = 0; c < 3; ++c) rgb[3 * i + c] = srgb_code(color.pixels[4 * i + c]);
   }
-  stbi_write_force_png_filter = 2;  // "up": the best for smooth pictures at this speed, and no search for each row
   int size = 0;
   const int width = static_cast<int>(color.width), height = static_cast<int>(color.height);
   unsigned char* const bytes = stbi_write_png_to_mem(rgb.data(), 3 * width, width, height, 3, &size);

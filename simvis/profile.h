@@ -22,7 +22,7 @@ struct ProfiledFrame {
   std::uint64_t index = 0;
   /// The frame is the time from the first of them to the last.
   std::span<const StageTime> stages{};
-  std::int64_t written_ns = 0;  ///< when the results were in files; 0: they were not written
+  std::int64_t written_ns = 0;  ///< when the results were handed over for files; 0: they were not
   std::span<const SensorCost> sensors{};
   const FrameCounters& counters;
   std::uint64_t device_memory_bytes = 0;

@@ -52,17 +52,17 @@ std::string to_json(const RunReport& report) {
       std::visit([&](const auto& value) { sensors[sensor.name][note.name] = value; }, note.value);
     }
   }
-  const Json json = {
-      {"scene", report.scene},
-      {"device", report.device.name},
-      {"driver", report.device.driver},
-      {"versions", {{"simvis", std::string(version())}, {"vulkan", report.device.api_version}}},
-      {"seed", report.seed},
-      {"wall_s", report.wall_s},
-      {"frames", report.frame_ms.size()},
-      {"rate_hz", report.rate_hz},
-      {"frame_ms", {{"median", percentile(report.frame_ms, 50)}, {"p99", percentile(report.frame_ms, 99)}}},
-      {"sensors", sensors}};
+  Json json = {{"scene", report.scene},
+               {"device", report.device.name},
+               {"driver", report.device.driver},
+               {"versions", {{"simvis", std::string(version())}, {"vulkan", report.device.api_version}}},
+               {"seed", report.seed},
+               {"wall_s", report.wall_s},
+               {"frames", report.frame_ms.size()},
+               {"rate_hz", report.rate_hz},
+               {"frame_ms", {{"median", percentile(report.frame_ms, 50)}, {"p99", percentile(report.frame_ms, 99)}}},
+               {"sensors", sensors}};
+  if (report.shard) json["shard"] = {{"index", report.shard->index}, {"count", report.shard->count}};
   return dump(json, 2);
 }
 

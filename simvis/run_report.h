@@ -2,11 +2,13 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "engine/device.h"
+#include "simvis/shard.h"
 #include "simvis/simulation.h"
 
 namespace simvis {
@@ -16,9 +18,10 @@ struct RunReport {
   std::string scene;  ///< as given
   DeviceInfo device;
   std::uint64_t seed = 0;
+  std::optional<Shard> shard{};  ///< if the run is one
   double rate_hz = 15;
   double wall_s = 0;             ///< from the start of the program to its last file
-  std::vector<double> frame_ms;  ///< each step(), without writing files
+  std::vector<double> frame_ms;  ///< each step(), without writing files, which goes on beside it
   std::vector<SensorInfo> sensors;
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <exception>
 #include <optional>
 #include <utility>
 
@@ -42,6 +43,12 @@ class Stages {
   std::vector<StageTime> stages_;
 };
 
+std::size_t count_views(const FramePlan& plan) {
+  std::size_t views = 0;
+  for (const Pass& pass : plan.passes) views += pass.views.size();
+  return views;
+}
+
 template <typename Output>
 const Output& require(const Output* output, const BuiltSensor& sensor, std::string_view what) {
   if (output != nullptr) return *output;
@@ -60,14 +67,18 @@ DeviceDesc device_desc(const SimulationDesc& desc) {
 struct Simulation::Impl : Observations {
   Impl(const SimulationDesc& desc, std::span<const Command> commands);
 
-  void step();
+  void start();
+  void finish();
+  void pass_over();
+  void require_passable() const;
+  Impl& idle();
   void update_elements();
   void show_to_people(const FrameTime& time);
   void plan_due_sensors(ViewLayer& layer, bool visualization, const FrameTime& time);
-  void collect(ViewLayer& layer, const FrameTime& time, std::span<const PassResult> results);
+  void render(ViewLayer& layer, const FrameTime& time);
+  void measure(ViewLayer& layer, const FrameTime& time, std::span<const PassResult> results);
+  void measure(ViewLayer& layer, ViewLayer::Entry& entry, const FrameTime& time, std::span<const PassResult> results);
   Duty duty(std::size_t sensor, const FrameTime& time);
-  void measure_timed(ViewLayer& layer, const BuiltSensor& sensor, const FrameTime& time,
-                     std::span<const PassResult> results);
   void take_new_sensors();
   ViewLayer& layer_of(const BuiltSensor& sensor) { return sensor.sensor->visualization() ? *people : sensing; }
   bool pose(const BuiltSensor& sensor, glm::dmat4& world_from_sensor);
@@ -93,8 +104,9 @@ struct Simulation::Impl : Observations {
   Device device;
   std::optional<WorkTable> device_costs;  // once a sensor has asked
   ViewLayer sensing;
-  std::optional<ViewLayer> people;  // while the scene has a visualization sensor
-  std::uint64_t next_frame = 0;
+  std::optional<ViewLayer> people;    // while the scene has a visualization sensor
+  std::uint64_t next_frame = 0;       // that is not under way
+  bool under_way = false;             // the frame before it, and the device may be at work
   std::vector<std::string> measured;  // names of the sensors that did in this frame
   Stages stages;
   bool instrumented;
@@ -132,10 +144,8 @@ const WorkTable& Simulation::Impl::costs() {
   return *device_costs;
 }
 
-void Simulation::Impl::step() {
+void Simulation::Impl::start() {
   const FrameTime time = clock.frame(next_frame);
-  measured.clear();
-  sensor_costs.clear();
   stages.clear();
   stages.begin("elements");
   update_elements();
@@ -144,15 +154,76 @@ void Simulation::Impl::step() {
   stages.begin("plan");
   plan_due_sensors(sensing, false, time);
   stages.begin("render");
-  const std::span<const PassResult> results = sensing.renderer.render(*sensing.list, sensing.plan);
-  stages.begin("collect");
-  collect(sensing, time, results);
+  sensing.renderer.submit(*sensing.list, sensing.plan);
+  ++next_frame;
+  under_way = true;
+}
+
+void Simulation::Impl::finish() {
+  if (!under_way) return;
+  under_way = false;
+  const FrameTime time = clock.frame(--next_frame);
+  measured.clear();
+  sensor_costs.clear();
+  render(sensing, time);
   if (people) {
     stages.begin("visualization");
     show_to_people(time);
   }
   stages.end();
   ++next_frame;
+}
+
+// What casts every beam, on the host, does so while the device draws what the others need.
+void Simulation::Impl::render(ViewLayer& layer, const FrameTime& time) {
+  layer.caster->set_world(*layer.list);
+  std::exception_ptr failed;
+  try {
+    for (ViewLayer::Entry& entry : layer.entries) {
+      const bool ready = !entry.draws && layer.caster->on_host();
+      if (entry.duty == Duty::due && ready) measure(layer, entry, time, {});
+    }
+  } catch (...) {
+    failed = std::current_exception();
+  }
+  const std::span<const PassResult> results = layer.renderer.collect();
+  if (failed) std::rethrow_exception(failed);
+  if (&layer == &sensing) stages.begin("collect");
+  measure(layer, time, results);
+}
+
+// Nothing is measured, so only where sensors stand has to be worked out.
+void Simulation::Impl::pass_over() {
+  require_passable();
+  const FrameTime time = clock.frame(next_frame);
+  bool looked_back_at = false;
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    looked_back_at |= states[i].enabled && scene.built.sensors[i].sensor->looks_back() != LooksBack::never;
+  }
+  if (looked_back_at) {
+    update_elements();
+    sensing.list = &sensing.flattener.update();
+    for (std::size_t i = 0; i < states.size(); ++i) {
+      if (duty(i, time) != Duty::due) continue;
+      scene.built.sensors[i].sensor->pass_over(time, states[i].world_from_sensor);
+    }
+  }
+  ++next_frame;
+}
+
+void Simulation::Impl::require_passable() const {
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    const BuiltSensor& built = scene.built.sensors[i];
+    if (!states[i].enabled || built.sensor->looks_back() != LooksBack::at_measurements) continue;
+    throw InputError("sensor \"" + built.name + "\", a " + built.type + " (" + built.sensor->method() +
+                     "), depends on what was measured in the frames before, so none can be passed over; expected " +
+                     (built.sensor->visualization() ? "it to be off" : "another method"));
+  }
+}
+
+Simulation::Impl& Simulation::Impl::idle() {
+  if (under_way) throw InputError("a frame is under way, expected finish() before this");
+  return *this;
 }
 
 void Simulation::Impl::show_to_people(const FrameTime& time) {
@@ -166,7 +237,8 @@ void Simulation::Impl::show_to_people(const FrameTime& time) {
     people->list = &people->flattener.update();
   }
   plan_due_sensors(*people, true, time);
-  collect(*people, time, people->renderer.render(*people->list, people->plan));
+  people->renderer.submit(*people->list, people->plan);
+  render(*people, time);
 }
 
 void Simulation::Impl::update_elements() {
@@ -186,8 +258,10 @@ void Simulation::Impl::plan_due_sensors(ViewLayer& layer, bool visualization, co
     ViewLayer::Entry entry{
         .sensor = i, .duty = duty(i, time), .first_pass = plan.passes.size(), .first_cast = plan.casts.size()};
     if (entry.duty == Duty::due) {
+      const std::size_t views = count_views(plan);
       sensor.begin(time);
       sensor.plan(states[i].world_from_sensor, *layer.list, plan);
+      entry.draws = count_views(plan) > views;
     }
     entry.end_pass = plan.passes.size();
     entry.end_cast = plan.casts.size();
@@ -210,39 +284,38 @@ Duty Simulation::Impl::duty(std::size_t sensor, const FrameTime& time) {
   return pose(built, states[sensor].world_from_sensor) ? Duty::due : Duty::hidden;
 }
 
-void Simulation::Impl::collect(ViewLayer& layer, const FrameTime& time, std::span<const PassResult> results) {
+void Simulation::Impl::measure(ViewLayer& layer, const FrameTime& time, std::span<const PassResult> results) {
   layer.rendered = true;
-  layer.caster->set_world(*layer.list);
-  for (const ViewLayer::Entry& entry : layer.entries) {
-    if (entry.duty != Duty::due) continue;
-    const BuiltSensor& sensor = scene.built.sensors[entry.sensor];
-    if (instrumented) {
-      measure_timed(layer, sensor, time, results);
-    } else {
-      sensor.sensor->collect(time, layer.plan, results);
-      sensor.sensor->cast(*layer.caster);
-    }
+  for (ViewLayer::Entry& entry : layer.entries) {
+    if (entry.duty == Duty::due && !entry.taken) measure(layer, entry, time, results);
   }
-  for (const ViewLayer::Entry& entry : layer.entries) {
+  for (ViewLayer::Entry& entry : layer.entries) {
     if (entry.duty != Duty::due) continue;
     ++states[entry.sensor].frames;
     measured.push_back(scene.built.sensors[entry.sensor].name);
+    if (instrumented) sensor_costs.push_back(std::move(entry.cost));
   }
 }
 
-void Simulation::Impl::measure_timed(ViewLayer& layer, const BuiltSensor& sensor, const FrameTime& time,
-                                     std::span<const PassResult> results) {
+void Simulation::Impl::measure(ViewLayer& layer, ViewLayer::Entry& entry, const FrameTime& time,
+                               std::span<const PassResult> results) {
+  const BuiltSensor& sensor = scene.built.sensors[entry.sensor];
+  entry.taken = true;
+  if (!instrumented) {
+    sensor.sensor->collect(time, layer.plan, results);
+    sensor.sensor->cast(*layer.caster);
+    return;
+  }
   const RayCounters before = layer.caster->counters();
-  SensorCost cost{.sensor = sensor.name, .start_ns = now_ns()};
+  entry.cost = {.sensor = sensor.name, .start_ns = now_ns()};
   sensor.sensor->collect(time, layer.plan, results);
-  cost.collected_ns = now_ns();
+  entry.cost.collected_ns = now_ns();
   sensor.sensor->cast(*layer.caster);
-  cost.end_ns = now_ns();
+  entry.cost.end_ns = now_ns();
   const RayCounters after = layer.caster->counters();
-  cost.rays = after.rays - before.rays;
-  cost.item_tests = after.item_tests - before.item_tests;
-  cost.triangle_tests = after.triangle_tests - before.triangle_tests;
-  sensor_costs.push_back(std::move(cost));
+  entry.cost.rays = after.rays - before.rays;
+  entry.cost.item_tests = after.item_tests - before.item_tests;
+  entry.cost.triangle_tests = after.triangle_tests - before.triangle_tests;
 }
 
 /// False where the sensor stands in a part that is switched off.
@@ -298,7 +371,7 @@ double Simulation::get(std::string_view element, std::string_view parameter) con
 }
 
 void Simulation::execute(std::string_view xml, const std::filesystem::path& folder, const std::string& name) {
-  impl_->scene.built.parameters.log_request(std::string(xml));
+  impl_->idle().scene.built.parameters.log_request(std::string(xml));
   impl_->scene.execute(parse_commands(xml, name, folder));
   impl_->take_new_sensors();
 }
@@ -306,13 +379,27 @@ void Simulation::execute(std::string_view xml, const std::filesystem::path& fold
 const Command& Simulation::command(std::string_view sensor) const { return impl_->sensor(sensor).command; }
 
 void Simulation::add_variant(std::string_view sensor, const Command& command) {
-  impl_->scene.add_variant(impl_->index(sensor), command);
+  impl_->idle().scene.add_variant(impl_->index(sensor), command);
   impl_->take_new_sensors();
 }
 
-void Simulation::enable(std::string_view sensor, bool on) { impl_->states[impl_->index(sensor)].enabled = on; }
+void Simulation::enable(std::string_view sensor, bool on) { impl_->idle().states[impl_->index(sensor)].enabled = on; }
 
-void Simulation::step() { impl_->step(); }
+void Simulation::step() {
+  finish();
+  impl_->measured.clear();
+  impl_->start();
+  finish();
+}
+
+void Simulation::step_async() {
+  finish();
+  impl_->start();
+}
+
+void Simulation::finish() { impl_->finish(); }
+void Simulation::pass_over() { impl_->idle().pass_over(); }
+void Simulation::require_passable() const { impl_->require_passable(); }
 
 FrameTime Simulation::next_frame() const { return impl_->clock.frame(impl_->next_frame); }
 
@@ -342,7 +429,7 @@ double Simulation::value(std::string_view sensor, std::string_view name) const {
 }
 
 std::optional<double> Simulation::find_value(std::string_view sensor, std::string_view name) const {
-  for (const NamedValue& value : impl_->sensor(sensor).sensor->values()) {
+  for (const NamedValue& value : impl_->idle().sensor(sensor).sensor->values()) {
     if (value.name == name) return value.value;
   }
   return {};
@@ -358,11 +445,12 @@ Parameters& Simulation::parameters() { return impl_->scene.built.parameters; }
 const Parameters& Simulation::parameters() const { return impl_->scene.built.parameters; }
 
 bool Simulation::sensor_pose(std::string_view sensor, glm::dmat4& world_from_sensor) const {
-  return impl_->pose(impl_->sensor(sensor), world_from_sensor);
+  return impl_->idle().pose(impl_->sensor(sensor), world_from_sensor);
 }
 
 std::vector<SensorInfo> Simulation::sensors() const {
   std::vector<SensorInfo> infos;
+  impl_->idle();
   for (std::size_t i = 0; i < impl_->scene.built.sensors.size(); ++i) {
     const BuiltSensor& sensor = impl_->scene.built.sensors[i];
     infos.push_back({sensor.name,
@@ -383,27 +471,29 @@ void Simulation::write(std::string_view sensor, OutputSink& sink) const { impl_-
 
 const std::vector<std::string>& Simulation::warnings() const { return impl_->scene.built.scene.warnings(); }
 const DeviceInfo& Simulation::device() const { return impl_->device.info(); }
-const FrameCounters& Simulation::counters() const { return impl_->sensing.renderer.counters(); }
-RayCounters Simulation::ray_counters() const { return impl_->sensing.caster->counters(); }
-const DrawList& Simulation::draw_list() const { return *impl_->sensing.list; }
-const FramePlan& Simulation::frame_plan() const { return impl_->sensing.complete_plan(impl_->scene.built.sensors); }
-const FrameCosts* Simulation::frame_costs() const { return impl_->sensing.renderer.costs(); }
+const FrameCounters& Simulation::counters() const { return impl_->idle().sensing.renderer.counters(); }
+RayCounters Simulation::ray_counters() const { return impl_->idle().sensing.caster->counters(); }
+const DrawList& Simulation::draw_list() const { return *impl_->idle().sensing.list; }
+const FramePlan& Simulation::frame_plan() const {
+  return impl_->idle().sensing.complete_plan(impl_->scene.built.sensors);
+}
+const FrameCosts* Simulation::frame_costs() const { return impl_->idle().sensing.renderer.costs(); }
 
 const FramePlan* Simulation::visualization_plan() const {
-  return impl_->people ? &impl_->people->complete_plan(impl_->scene.built.sensors) : nullptr;
+  return impl_->idle().people ? &impl_->people->complete_plan(impl_->scene.built.sensors) : nullptr;
 }
 
 const FrameCounters* Simulation::visualization_counters() const {
-  return impl_->people ? &impl_->people->renderer.counters() : nullptr;
+  return impl_->idle().people ? &impl_->people->renderer.counters() : nullptr;
 }
 
 const FrameCosts* Simulation::visualization_costs() const {
-  return impl_->people ? impl_->people->renderer.costs() : nullptr;
+  return impl_->idle().people ? impl_->people->renderer.costs() : nullptr;
 }
 
-std::span<const SensorCost> Simulation::sensor_costs() const { return impl_->sensor_costs; }
-std::uint64_t Simulation::device_memory_bytes() const { return impl_->device.memory_bytes(); }
-std::span<const StageTime> Simulation::stages() const { return impl_->stages.times(); }
+std::span<const SensorCost> Simulation::sensor_costs() const { return impl_->idle().sensor_costs; }
+std::uint64_t Simulation::device_memory_bytes() const { return impl_->idle().device.memory_bytes(); }
+std::span<const StageTime> Simulation::stages() const { return impl_->idle().stages.times(); }
 std::uint64_t Simulation::validation_messages() const { return impl_->device.validation_messages(); }
 
 std::string_view version() { return SIMVIS_VERSION; }

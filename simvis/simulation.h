@@ -53,7 +53,8 @@ struct SensorInfo {
   std::optional<double> number(std::string_view note) const;
 };
 
-/// One stage of a step, on the steady clock.
+/// One stage of a step, on the steady clock. "render" ends when the device has done, and what casts alone has cast;
+/// with step_async() the caller's own work lies in it.
 struct StageTime {
   std::string_view name;  ///< "elements", "flatten", "plan", "render", "collect" or "visualization"
   std::int64_t start_ns = 0, end_ns = 0;
@@ -65,7 +66,7 @@ struct StageTime {
 /// Time     frame k is taken at round(k * 10^9 / rate) nanoseconds; a sensor with `rate` f fires at the first frame at
 ///          or after each j / f.
 /// Errors   InputError for what the user gave (scene, names, values), MachineError for the device.
-/// Threading  one thread at a time.
+/// Threading  one thread at a time, of any.
 class Simulation {
  public:
   /// Throws InputError with FILE:LINE:COLUMN for any mistake in the scene or its parts, before anything is rendered;
@@ -107,7 +108,33 @@ class Simulation {
   /// empty, and each sensor holds a whole measurement, its last one or that of this frame. It can be tried again.
   void step();
 
-  /// Of the frame that step() will make next.
+  /// The first half of a step: all that comes before the device's work, which goes on when it returns. Frames made so
+  /// are to the byte those of step(). It begins with finish(), so that in
+  ///
+  ///   for (...) { simulation.set(...); simulation.step_async(); use(simulation.scan("FRONT")); }  simulation.finish();
+  ///
+  /// each scan is that of the frame before, and is used while the device draws the next. Until finish() there are
+  ///   set(), get(), parameters()  of the frame after: what they set takes effect at the next step
+  ///   next_frame()                the frame after
+  ///   measured(), scan(), color(), depth(), picture(), write()  of the frame before
+  /// and nothing else: other calls throw InputError.
+  void step_async();
+
+  /// Waits for the frame that is under way, if one is, casts what is cast and hands over the results. Throws as step():
+  /// the frame then counts as not made, is no longer under way, and can be tried again.
+  void finish();
+
+  /// Passes over the frame that step() would make next: nothing is rendered or measured, and results stay as they are.
+  /// Only sensors that look back at where they stood (`sweep`, `rolling_shutter`) take note of it; where none does,
+  /// this costs nothing. Frames made between others that are passed over are to the byte those of a run that makes all.
+  /// Throws InputError where they cannot be: see require_passable().
+  void pass_over();
+
+  /// Throws InputError naming a sensor that is on and looks back at what was measured before: a scanner of method
+  /// "auto", whose choices follow from the frames before, or a visualization camera.
+  void require_passable() const;
+
+  /// Of the frame that the next step makes.
   FrameTime next_frame() const;
 
   /// What a sensor last measured. Empty (no pixels, no ranges) before it first fired.

@@ -27,6 +27,7 @@
 #include "simvis/profile.h"
 #include "simvis/progress_bar.h"
 #include "simvis/run_report.h"
+#include "simvis/shard.h"
 #include "simvis/simulation.h"
 #include "simvis/trajectory.h"
 
@@ -36,7 +37,7 @@ namespace {
 constexpr int kExitDone = 0, kExitFailed = 1, kExitWrongInput = 2;
 
 struct Options {
-  std::string scene, out = "out", trajectory, method, max_error_m, device, profile, describe;
+  std::string scene, out = "out", trajectory, method, max_error_m, device, profile, describe, shard;
   std::vector<std::string> set, sensors, plugins;
   std::uint64_t frames = 1, seed = 0;
   double rate_hz = 15;
@@ -91,6 +92,11 @@ void declare_options(CLI::App& app, Options& options) {
   app.add_option("--profile", options.profile,
                  "write what each frame spent its time on, on the host and on the device, in Chrome's trace format")
       ->type_name("FILE.json");
+  app.add_option("--shard", options.shard,
+                 "only the frames k with k mod N = K; files are those of the whole run, tables and run.json have "
+                 "-K-of-N in their names")
+      ->type_name("K/N")
+      ->check(not_empty);
   app.add_flag("--explain", options.explain, "print what the last frame renders, why, and what it cost");
   app.add_flag("--quiet", options.quiet, "print errors only");
   app.add_flag("--price", options.price,
@@ -100,6 +106,7 @@ void declare_options(CLI::App& app, Options& options) {
                    "where --out is given")
       ->excludes("--method")
       ->excludes("--profile")
+      ->excludes("--shard")
       ->excludes("--explain");
   app.add_option("--describe", options.describe, "print the attributes of an element, sensor or effect, and exit")
       ->type_name("TYPE");
@@ -265,14 +272,35 @@ void add_frame(Profile& profile, std::uint64_t frame, const Simulation& simulati
     profile.add(*plan, *simulation.visualization_costs());
 }
 
+/// Empty without --shard.
+std::optional<Shard> wanted_shard(const Options& options, const Simulation& simulation) {
+  std::optional<Shard> shard;
+  if (options.shard.empty()) return shard;
+  in_option("--shard", [&] {
+    shard = parse_shard(options.shard);
+    if (shard->share_of(options.frames) == 0) {
+      throw InputError(options.shard + " has no frame of " + std::to_string(options.frames) +
+                       ", expected K below --frames");
+    }
+    if (shard->count > 1) simulation.require_passable();
+  });
+  return shard;
+}
+
 /// Makes and writes all frames; fills in the report's times. The first frame ends the loading.
 void run_frames(const Options& options, Simulation& simulation, const std::optional<Trajectory>& trajectory,
                 OutputWriter& writer, RunReport& report, std::optional<Profile>& profile,
                 std::optional<LoadingBar>& loading) {
-  ProgressBar progress(std::cerr, shows_progress(options), options.frames, std::chrono::steady_clock::now());
+  const Shard shard = report.shard.value_or(Shard{});
+  ProgressBar progress(std::cerr, shows_progress(options), shard.share_of(options.frames),
+                       std::chrono::steady_clock::now());
   for (std::uint64_t frame = 0; frame < options.frames; ++frame) {
     const FrameTime time = simulation.next_frame();
     if (trajectory) trajectory->apply(static_cast<double>(time.time_ns) / 1e9, simulation.parameters());
+    if (!shard.has(frame)) {
+      simulation.pass_over();
+      continue;
+    }
     const std::int64_t start_ns = now_ns();
     simulation.step();
     const std::int64_t measured_ns = now_ns();
@@ -282,14 +310,18 @@ void run_frames(const Options& options, Simulation& simulation, const std::optio
     write_results(simulation, time, writer);
     stop_if_asked_to();
     if (profile) add_frame(*profile, frame, simulation);
-    progress.update(frame + 1, std::chrono::steady_clock::now());
+    progress.update(report.frame_ms.size(), std::chrono::steady_clock::now());
   }
+}
+
+std::filesystem::path report_file(const Options& options, const RunReport& report) {
+  return std::filesystem::path(options.out) / ("run" + (report.shard ? report.shard->suffix() : "") + ".json");
 }
 
 void print_closing(const Options& options, const OutputWriter& writer, const RunReport& report) {
   std::cout << "wrote ";
   for (const std::string& result : writer.results()) std::cout << result << ", ";
-  std::cout << (std::filesystem::path(options.out) / "run.json").string() << '\n' << speed_line(report) << '\n';
+  std::cout << report_file(options, report).string() << '\n' << speed_line(report) << '\n';
 }
 
 void print_warnings(const Options& options, const Simulation& simulation) {
@@ -308,9 +340,10 @@ void run_scene(const Options& options, std::int64_t start_ns) {
   for (const SensorInfo& sensor : simulation.sensors()) {
     if (sensor.enabled) writing.push_back(sensor.name);
   }
-  handle_signals();
-  OutputWriter writer(options.out, writing);
   RunReport report;
+  report.shard = wanted_shard(options, simulation);
+  handle_signals();
+  OutputWriter writer(options.out, writing, report.shard ? report.shard->suffix() : "");
   report.scene = options.scene;
   report.device = simulation.device();
   report.seed = options.seed;
@@ -323,7 +356,7 @@ void run_scene(const Options& options, std::int64_t start_ns) {
   if (profile) profile->commit();
   report.sensors = with_bounds(simulation);
   report.wall_s = static_cast<double>(now_ns() - start_ns) / 1e9;
-  write_file(std::filesystem::path(options.out) / "run.json", to_json(report));
+  write_file(report_file(options, report), to_json(report));
   if (!options.quiet) print_closing(options, writer, report);
 }
 

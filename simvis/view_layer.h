@@ -12,6 +12,7 @@
 #include "engine/renderer.h"
 #include "scenegraph/flattener.h"
 #include "simvis/scene_builder.h"
+#include "simvis/sensor_cost.h"
 
 namespace simvis {
 
@@ -29,6 +30,9 @@ struct ViewLayer {
     std::size_t sensor = 0;  ///< index
     Duty duty = Duty::due;
     std::size_t first_pass = 0, end_pass = 0, first_cast = 0, end_cast = 0;  ///< in the plan
+    bool draws = false;  ///< it has views in the plan's passes, which may be others' too
+    bool taken = false;  ///< it has its results
+    SensorCost cost{};   ///< of that, where the device is instrumented
   };
 
   /// Starts the plan of the next frame.
