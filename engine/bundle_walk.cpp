@@ -22,7 +22,8 @@ SIMVIS_INLINE Float8 all8(float value) { return Float8{value, value, value, valu
 
 /// The planes of a bundle in the frame of a tree, for boxes: what of a box lies farthest inwards of a plane is inwards
 /// by d + the normal . the corner that lies farthest along it. Float32 rounds that by less than `slack`: 15 half ulps
-/// for what it is made of and for itself, and sums of up to sqrt(2) times how far the tree's points lie from the sensor.
+/// for what it is made of and for itself, and sums of up to sqrt(2) times how far the tree's points lie from the
+/// sensor.
 struct TreePlanes {
   Float8 normal[3];  // by axes; lanes are planes
   Float8 d;
@@ -55,9 +56,8 @@ SIMVIS_INLINE TreePlanes planes_in(const RayBundle& bundle, const glm::mat3& lin
 /// Which children of the node the bundle may meet, bit by bit; how far away the nearest point of each child's box is,
 /// scaled.
 SIMVIS_INLINE unsigned reached(const TreePlanes& planes, const WideNode& node, Float8& distance) {
-  const Float8* const corners[3][2] = {{&node.low[0], &node.high[0]},
-                                       {&node.low[1], &node.high[1]},
-                                       {&node.low[2], &node.high[2]}};
+  const Float8* const corners[3][2] = {
+      {&node.low[0], &node.high[0]}, {&node.low[1], &node.high[1]}, {&node.low[2], &node.high[2]}};
   const auto inwards = [&](int plane) __attribute__((always_inline)) {
     return all8(planes.d[plane]) + all8(planes.normal[0][plane]) * *corners[0][planes.corner[0][plane]] +
            all8(planes.normal[1][plane]) * *corners[1][planes.corner[1][plane]] +
@@ -175,7 +175,8 @@ SIMVIS_INLINE BatchHit try_batch(const RayBundle& bundle, unsigned batch, Double
 /// One bundle on its way through the world.
 class Walk {
  public:
-  SIMVIS_INLINE Walk(RayView& view, RayBundle& bundle) : view_(view), bundle_(bundle), farthest_m_(bundle.farthest_m()) {}
+  SIMVIS_INLINE Walk(RayView& view, RayBundle& bundle)
+      : view_(view), bundle_(bundle), farthest_m_(bundle.farthest_m()) {}
 
   SIMVIS_INLINE void into_items(const WideBvh& items) {
     const glm::dmat3 turn = glm::transpose(glm::dmat3(view_.world_from_sensor()));
@@ -183,23 +184,26 @@ class Walk {
     // Boxes of items are padded far beyond what rounds here.
     TreePlanes planes = planes_in(bundle_, glm::mat3(turn), glm::vec3(-(turn * place)), 1, 0);
     planes.end_at(farthest_m_);
-    walk_tree(items, planes, [&](std::uint32_t placed) __attribute__((always_inline)) {
-      into_item(placed);
-      planes.end_at(farthest_m_);
-    });
+    walk_tree(
+        items, planes, [&](std::uint32_t placed) __attribute__((always_inline)) {
+          into_item(placed);
+          planes.end_at(farthest_m_);
+        });
   }
 
   SIMVIS_INLINE void into_item(std::uint32_t placed) {
     ++view_.item_tests;
     const SeenItem& item = view_.seen(placed);
     const RayMesh& mesh = *view_.placed(placed).mesh;
-    TreePlanes planes = planes_in(bundle_, item.scaled_linear, item.scaled_centre, item.scale, static_cast<float>(kPadding));
+    TreePlanes planes =
+        planes_in(bundle_, item.scaled_linear, item.scaled_centre, item.scale, static_cast<float>(kPadding));
     planes.end_at(farthest_m_);
-    walk_tree(mesh.tree(), planes, [&](std::uint32_t primitive) __attribute__((always_inline)) {
-      if (!try_triangle(item, mesh, placed, primitive)) return;
-      farthest_m_ = bundle_.farthest_m();
-      planes.end_at(farthest_m_);
-    });
+    walk_tree(
+        mesh.tree(), planes, [&](std::uint32_t primitive) __attribute__((always_inline)) {
+          if (!try_triangle(item, mesh, placed, primitive)) return;
+          farthest_m_ = bundle_.farthest_m();
+          planes.end_at(farthest_m_);
+        });
   }
 
   SIMVIS_INLINE void into_triangle(std::uint32_t placed, std::uint32_t primitive) {
@@ -261,7 +265,8 @@ class Walk {
     return true;
   }
 
-  // Bit i of `lanes` for lane i. Not a part of what is compiled for each machine: lanes themselves cannot be handed over.
+  // Bit i of `lanes` for lane i. Not a part of what is compiled for each machine: lanes themselves cannot be handed
+  // over.
   bool try_one_by_one(unsigned batch, unsigned lanes, std::uint32_t placed, std::uint32_t primitive,
                       const std::array<glm::dvec3, 3>& corners);
 

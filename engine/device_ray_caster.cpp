@@ -69,9 +69,9 @@ class DeviceRayCaster : public RayCaster {
   Device& device_;
   const DrawList* list_ = nullptr;
   RayItems items_;
-  ItemTree tree_;  // for what the host walks
-  std::optional<DeviceWorld> world_;  // from the first cast on
-  bool uploaded_ = false;             // in this cast
+  ItemTree tree_;                                                              // for what the host walks
+  std::optional<DeviceWorld> world_;                                           // from the first cast on
+  bool uploaded_ = false;                                                      // in this cast
   std::vector<RayView> views_ = std::vector<RayView>(WorkerThreads::count());  // of each thread
   WorkerThreads threads_;
 };

@@ -37,7 +37,8 @@ SIMVIS_INLINE unsigned bits_of(Mask8 mask) {
   using Mask4x32 = int __attribute__((vector_size(16)));
 #if defined(__SSE2__)
   using Float4 = float __attribute__((vector_size(16)));
-  const Mask4x32 low = __builtin_shufflevector(mask, mask, 0, 1, 2, 3), high = __builtin_shufflevector(mask, mask, 4, 5, 6, 7);
+  const Mask4x32 low = __builtin_shufflevector(mask, mask, 0, 1, 2, 3),
+                 high = __builtin_shufflevector(mask, mask, 4, 5, 6, 7);
   return static_cast<unsigned>(__builtin_ia32_movmskps(reinterpret_cast<Float4>(low)) |
                                __builtin_ia32_movmskps(reinterpret_cast<Float4>(high)) << 4);
 #else
@@ -62,7 +63,9 @@ SIMVIS_INLINE Double4 all4(double value) { return Double4{value, value, value, v
 SIMVIS_INLINE Double4 least(Double4 a, Double4 b) { return b < a ? b : a; }
 SIMVIS_INLINE Double4 most(Double4 a, Double4 b) { return a < b ? b : a; }
 SIMVIS_INLINE Double4 abs4(Double4 a) { return a < all4(0) ? -a : a; }
-SIMVIS_INLINE Double4 sqrt4(Double4 a) { return Double4{std::sqrt(a[0]), std::sqrt(a[1]), std::sqrt(a[2]), std::sqrt(a[3])}; }
+SIMVIS_INLINE Double4 sqrt4(Double4 a) {
+  return Double4{std::sqrt(a[0]), std::sqrt(a[1]), std::sqrt(a[2]), std::sqrt(a[3])};
+}
 
 SIMVIS_INLINE double greatest(Double4 a) {
   const double first = a[0] < a[1] ? a[1] : a[0], second = a[2] < a[3] ? a[3] : a[2];

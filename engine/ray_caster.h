@@ -1,21 +1,19 @@
 // Casts rays into a draw list: what a laser meets, exact to the rounding of double.
 //
-// How it decides. There are two engines, Embree on the host and a compute shader on the device, and neither decides:
-// they only find candidates, in float32, with trees whose boxes are padded such that nothing that matters is missed.
-// Whether a ray meets a triangle, and where, is decided in double on the triangle itself (see ray_triangle.h), whose
-// vertices are the mesh's float32 positions, taken as exact, in the frame of the sensor. So the result is that of
-// testing every triangle in double, whatever the trees look like, and the same to the bit by either engine: the nearest
-// hit, and of several at one range the first primitive of the item that comes first by content (see content_order.h).
+// How it decides. There are two engines, the host's cores and a compute shader on the device, and neither decides: they
+// only find candidates, in float32, with trees whose boxes are padded such that nothing that matters is missed. Whether
+// a ray meets a triangle, and where, is decided in double on the triangle itself (see ray_triangle.h), whose vertices
+// are the mesh's float32 positions, taken as exact, in the frame of the sensor. So the result is that of testing every
+// triangle in double, whatever the trees look like, and the same to the bit by either engine: the nearest hit, and of
+// several at one range the first primitive of the item that comes first by content (see content_order.h).
 // ray_cast.comp says what its margins are.
 //
-// What is padded for Embree. Trees work in numbers of the order of 1. A mesh's tree is in the mesh's frame, its middle
-// at the origin, its half diagonal the unit; a ray is brought there in double and starts where it enters the mesh's
-// box. Rounded to float32 are the ray's start (1 half ulp of 1, per axis), its direction (2, over a way of at most 2),
-// the box (1), and in Embree's test products with the reciprocal direction (2) and that reciprocal itself (2 ulps over
-// a way of 2, so 8): at most 14, twice that where a rotated direction mixes axes; kPadding (in ray_items.h) is 32. The
-// tree over items has its origin near the sensor and pads by the same share of a box's distance. Where that does not
-// hold, because an item is flattened or far smaller than its distance (see is_thin() in ray_items.cpp), its triangles
-// are tested one by one.
+// How the host finds candidates. Neighbouring rays travel in bundles of up to 32, and a bundle is a pyramid: four sides
+// and how far its farthest nearest hit is. Trees have eight children to a node; all eight boxes are held against one
+// plane at a time. A mesh's tree is in the mesh's frame, its middle at the origin, its half diagonal the unit, and the
+// pyramid is brought there, scaled such that nothing is larger than about 1: float32 then rounds what decides by less
+// than kPadding (in ray_items.h; bundle_walk.cpp counts what rounds). The tree over items has its origin near the
+// sensor, and its boxes are padded by the same share of their distance. Double decides upon four rays at a time.
 //
 // Watertight. Rays through a shared edge or vertex of a mesh meet at least one of its triangles.
 //

@@ -83,9 +83,9 @@ struct SeenItem {
   /// From the mesh's unit frame to the sensor frame, lengths scaled such that its points come to lie in the unit ball.
   glm::mat3 scaled_linear{1.0f};
   glm::vec3 scaled_centre{0};
-  double scale = 1;  ///< of these lengths, from metres
-  double corner_error_m = 0;    ///< by how much rounding may have displaced a corner
-  bool solid = false;           ///< at every point
+  double scale = 1;           ///< of these lengths, from metres
+  double corner_error_m = 0;  ///< by how much rounding may have displaced a corner
+  bool solid = false;         ///< at every point
 };
 
 /// All but `cast` and `solid`. `world_from_sensor` is rigid.

@@ -37,8 +37,8 @@ class WorkerThreads {
     const Work* work = nullptr;
     std::size_t things = 0, piece = 0;
   } job_;
-  std::atomic<std::size_t> next_{0};         // the first thing that nobody has taken
-  std::atomic<std::uint32_t> number_{0};     // of the job
+  std::atomic<std::size_t> next_{0};          // the first thing that nobody has taken
+  std::atomic<std::uint32_t> number_{0};      // of the job
   std::atomic<std::uint32_t> unfinished_{0};  // threads that still work on it
   std::atomic<bool> stopped_{false};
   std::mutex failed_;

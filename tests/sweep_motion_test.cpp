@@ -70,9 +70,7 @@ DrawList wall(const glm::dvec3& normal, double distance_m, const glm::dvec3& cen
   return list;
 }
 
-std::shared_ptr<RayCaster> a_caster() {
-  return make_host_ray_caster();
-}
+std::shared_ptr<RayCaster> a_caster() { return make_host_ray_caster(); }
 
 struct Motion {
   std::string what;
