@@ -200,12 +200,7 @@ void FrameDraws::add_to_strip(const Drawable& d, std::uint32_t number, const Vie
   for (const Cluster& cluster : d.range.clusters) {
     if (outside(planes, cluster.center, cluster.half_size)) continue;
     counts_.triangles_examined += cluster.index_count / 3;
-    const std::uint32_t* corner = d.range.indices.data() + cluster.first_index;
-    for (const std::uint32_t* end = corner + cluster.index_count; corner != end; corner += 3) {
-      const auto& p = d.range.positions;
-      if (outside(planes, p[corner[0]], p[corner[1]], p[corner[2]])) continue;
-      strip_.add(corner, p[corner[0]], p[corner[1]], p[corner[2]]);
-    }
+    strip_.add(d.range.indices.subspan(cluster.first_index, cluster.index_count), d.range.positions);
   }
 }
 
@@ -237,8 +232,7 @@ void FrameDraws::draw_strip(std::span<const Drawable> items, const View& view, c
   PipelineKey key = key_in_view(*owner, view, list);
   key.picked = true;
   runs_.push_back({.key = key,
-                   .range = {.first_index = first,
-                             .index_count = static_cast<std::uint32_t>(picked_.size()) - first},
+                   .range = {.first_index = first, .index_count = static_cast<std::uint32_t>(picked_.size()) - first},
                    .instance_count = 1});
   last_group_ = kNoGroup;
 }

@@ -55,22 +55,17 @@ void StripSight::begin(const View& view) {
   cx_ = view.pinhole.cx_px;
   cy_ = view.pinhole.cy_px;
   take_columns(view);
-  hidden_below_.assign(u_.size(), 0);
+  hidden_below_.assign(columns_->centres_px().size(), 0);
 }
 
 void StripSight::take_columns(const View& view) {
-  if (reads_before_.size() == view.width_px + std::size_t{1} && columns_ == view.columns) return;
-  columns_ = view.columns;
-  reads_before_.assign(view.width_px + std::size_t{1}, 0);
-  for (std::uint32_t x = 0; x < view.width_px; ++x) reads_before_[x + 1] = columns_ ? 0 : 1;
-  if (columns_) {
-    for (const std::uint32_t x : *columns_) reads_before_[x + 1] = 1;
+  auto found = std::ranges::find_if(known_, [&](const StripColumns& each) { return each.are_of(view); });
+  if (found == known_.end()) {
+    std::erase_if(known_, [](const StripColumns& each) { return each.are_gone(); });
+    known_.emplace_back(view);
+    found = std::prev(known_.end());
   }
-  u_.clear();
-  for (std::uint32_t x = 0; x < view.width_px; ++x) {
-    if (reads_before_[x + 1] != 0) u_.push_back(static_cast<float>(x) + 0.5f);
-    reads_before_[x + 1] += reads_before_[x];
-  }
+  columns_ = &*found;
 }
 
 void StripSight::place(std::uint32_t owner, const glm::dmat4& view_from_mesh, double slack_m) {
@@ -79,15 +74,11 @@ void StripSight::place(std::uint32_t owner, const glm::dmat4& view_from_mesh, do
   row_x_ = fx_ * rows[0] + cx_ * rows[2];
   row_y_ = fy_ * rows[1] + cy_ * rows[2];
   row_z_ = rows[2];
+  slack_m_ = slack_m;
+  slack_x_ = slack_m * (std::abs(fx_) + std::abs(cx_) + width_);
+  slack_y_ = slack_m * (std::abs(fy_) + std::abs(cy_) + height_);
   // In a view that is cut at 45 degrees or less, a step in z moves a point as far as one across.
   least_z_m_ = std::max(near_m_, 2 * std::max(std::abs(fx_), std::abs(fy_)) * slack_m / kDisplaced_px);
-}
-
-// Pixels times depth, and depth.
-glm::dvec3 StripSight::place_of(const glm::vec3& p) const {
-  return {row_x_.x * p.x + row_x_.y * p.y + row_x_.z * p.z + row_x_.w,
-          row_y_.x * p.x + row_y_.y * p.y + row_y_.z * p.z + row_y_.w,
-          row_z_.x * p.x + row_z_.y * p.y + row_z_.z * p.z + row_z_.w};
 }
 
 // Where no side of the viewport, however rounded, cuts it off.
@@ -133,23 +124,58 @@ bool StripSight::cut(const glm::dvec3 (&triangle)[3], double outwards_px, Polygo
 
 // How many columns that are read have their centres before u.
 std::uint32_t StripSight::first_read(double u) const {
-  return reads_before_[static_cast<std::size_t>(std::clamp(std::ceil(u - 0.5), 0.0, width_))];
+  return columns_->before(static_cast<std::size_t>(std::clamp(std::ceil(u - 0.5), 0.0, width_)));
 }
 
-void StripSight::add(const std::uint32_t* corners, const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
+void StripSight::add(std::span<const std::uint32_t> corners, std::span<const glm::vec3> positions) {
+  const auto times = [](const glm::dvec4& row, const glm::vec3& p) {
+    return row.x * p.x + row.y * p.y + row.z * p.z + row.w;
+  };
+  for (std::size_t first = 0; first < corners.size(); first += 3) {
+    const glm::vec3 &a = positions[corners[first]], &b = positions[corners[first + 1]],
+                    &c = positions[corners[first + 2]];
+    // Most miss the rows.
+    glm::dvec3 triangle[3];
+    triangle[0].y = times(row_y_, a);
+    triangle[1].y = times(row_y_, b);
+    triangle[2].y = times(row_y_, c);
+    if (std::max({triangle[0].y, triangle[1].y, triangle[2].y}) < -slack_y_) continue;
+    triangle[0].z = times(row_z_, a);
+    triangle[1].z = times(row_z_, b);
+    triangle[2].z = times(row_z_, c);
+    const auto below = [&](const glm::dvec3& p) { return height_ * p.z - p.y < -slack_y_; };
+    if (below(triangle[0]) && below(triangle[1]) && below(triangle[2])) continue;
+    triangle[0].x = times(row_x_, a);
+    triangle[1].x = times(row_x_, b);
+    triangle[2].x = times(row_x_, c);
+    if (!misses(triangle)) add(&corners[first], triangle);
+  }
+}
+
+// Whether it lies beyond a side of the view, or between columns that are read.
+bool StripSight::misses(const glm::dvec3 (&triangle)[3]) const {
+  const auto all = [&](const auto& test) { return test(triangle[0]) && test(triangle[1]) && test(triangle[2]); };
+  if (all([&](const glm::dvec3& p) { return p.z < near_m_ - slack_m_; })) return true;
+  if (all([&](const glm::dvec3& p) { return p.x < -slack_x_; })) return true;
+  if (all([&](const glm::dvec3& p) { return width_ * p.z - p.x < -slack_x_; })) return true;
+  if (!all([&](const glm::dvec3& p) { return p.z > least_z_m_; })) return false;
+  const double a = triangle[0].x / triangle[0].z, b = triangle[1].x / triangle[1].z, c = triangle[2].x / triangle[2].z;
+  return first_read(std::min({a, b, c}) - kOutwards_px) == first_read(std::max({a, b, c}) + kOutwards_px);
+}
+
+void StripSight::add(const std::uint32_t* corners, const glm::dvec3 (&triangle)[3]) {
   Candidate candidate{.triangle = {owner_, corners},
                       .first = 0,
-                      .end = static_cast<std::uint32_t>(u_.size()),
+                      .end = static_cast<std::uint32_t>(hidden_below_.size()),
                       .most = kInfinity,
                       .slope = 0};
-  const glm::dvec3 places[3] = {place_of(a), place_of(b), place_of(c)};
   Polygon drawn, reach;
-  if (std::ranges::all_of(places, [this](const glm::dvec3& p) { return is_inside(p); })) {
+  if (is_inside(triangle[0]) && is_inside(triangle[1]) && is_inside(triangle[2])) {
     drawn.count = 3;
-    std::ranges::transform(places, drawn.corners, in_pixels<Corner>);
+    std::ranges::transform(triangle, drawn.corners, in_pixels<Corner>);
     look(candidate, drawn, drawn);
-  } else if (std::ranges::none_of(places, [this](const glm::dvec3& p) { return is_on_side(p); }) &&
-             cut(places, 0, drawn) && cut(places, kSide_px, reach)) {
+  } else if (std::ranges::none_of(triangle, [this](const glm::dvec3& p) { return is_on_side(p); }) &&
+             cut(triangle, 0, drawn) && cut(triangle, kSide_px, reach)) {
     look(candidate, drawn, reach);
   }
   if (candidate.first < candidate.end) candidates_.push_back(candidate);
@@ -208,9 +234,10 @@ void StripSight::look(Candidate& candidate, const Polygon& drawn, const Polygon&
   const Slant slant = slant_of(drawn);
   if (!slant.certain) return;
   const auto [lowest, highest] = std::ranges::minmax(drawn.all(), {}, &Corner::w);
-  const double off = kShift_px * slant.gradient + kRounding * highest.w +
+  // Along the columns w is taken to lie on or beside a line, which must not fall off where the hull ends.
+  const double slope = right->u - left->u > 1 ? (right->w - left->w) / (right->u - left->u) : 0;
+  const double off = kShift_px * (slant.gradient + std::abs(slope)) + kRounding * highest.w +
                      kSlope * slant.unfilled * (highest.w - lowest.w);
-  const double slope = right->u > left->u ? (right->w - left->w) / (right->u - left->u) : 0;
   double most = -std::numeric_limits<double>::infinity(), least = -most;
   for (const Corner* p = hull; p != hull + count; ++p) {
     most = std::max(most, p->w - slope * p->u);
@@ -239,15 +266,19 @@ void StripSight::hide_behind(const Polygon& drawn, double least, double slope) {
   if (!(first + 2 * kInwards_px < end)) return;
   const std::uint32_t first_column = first_read(first + kInwards_px), end_column = first_read(end - kInwards_px);
   const auto at_0 = static_cast<float>(least), per_px = static_cast<float>(slope);
+  const float* const u = columns_->centres_px().data();
+  float* const hidden = hidden_below_.data();
   for (std::uint32_t i = first_column; i < end_column; ++i) {
-    hidden_below_[i] = std::max(hidden_below_[i], at_0 + per_px * u_[i]);
+    const float w = at_0 + per_px * u[i];
+    hidden[i] = hidden[i] < w ? w : hidden[i];
   }
 }
 
 std::span<const StripTriangle> StripSight::seen() {
+  const float* const u = columns_->centres_px().data();
   for (const Candidate& each : candidates_) {
     for (std::uint32_t i = each.first; i < each.end; ++i) {
-      if (each.most + each.slope * u_[i] < hidden_below_[i]) continue;
+      if (each.most + each.slope * u[i] < hidden_below_[i]) continue;
       seen_.push_back(each.triangle);
       break;
     }

@@ -24,13 +24,14 @@
 #include <vector>
 
 #include "engine/frame_plan.h"
+#include "engine/strip_columns.h"
 
 namespace simvis {
 
 /// A triangle of a strip.
 struct StripTriangle {
   std::uint32_t owner = 0;                 ///< as given to place()
-  const std::uint32_t* corners = nullptr;  ///< three, as given to add()
+  const std::uint32_t* corners = nullptr;  ///< three, of those given to add()
 };
 
 /// Keeps its memory from view to view.
@@ -42,8 +43,8 @@ class StripSight {
   /// vertices by up to `slack_m`, in any direction.
   void place(std::uint32_t owner, const glm::dmat4& view_from_mesh, double slack_m);
 
-  /// A triangle without holes, in the mesh's frame, that may be drawn from either side.
-  void add(const std::uint32_t* corners, const glm::vec3& a, const glm::vec3& b, const glm::vec3& c);
+  /// Triangles without holes, three corners each, that are drawn from either side; positions are in the mesh's frame.
+  void add(std::span<const std::uint32_t> corners, std::span<const glm::vec3> positions);
 
   /// Those of all added that may be seen, in their order.
   std::span<const StripTriangle> seen();
@@ -72,7 +73,8 @@ class StripSight {
     float most = 0, slope = 0;
   };
   void take_columns(const View& view);
-  glm::dvec3 place_of(const glm::vec3& p) const;
+  bool misses(const glm::dvec3 (&triangle)[3]) const;
+  void add(const std::uint32_t* corners, const glm::dvec3 (&triangle)[3]);
   bool is_inside(const glm::dvec3& p) const;
   bool is_on_side(const glm::dvec3& p) const;
   bool cut(const glm::dvec3 (&triangle)[3], double outwards_px, Polygon& polygon) const;
@@ -83,13 +85,12 @@ class StripSight {
 
   double width_ = 0, height_ = 0, guard_ = 0, near_m_ = 0;
   double fx_ = 0, fy_ = 0, cx_ = 0, cy_ = 0;
-  std::vector<std::uint32_t> reads_before_;  // of each column: how many columns before it are read
-  std::vector<float> u_;                     // of each column that is read, its centre
-  std::vector<float> hidden_below_;          // what has a smaller w cannot be seen there
-  std::shared_ptr<const std::vector<std::uint32_t>> columns_;  // for which these stand
+  std::vector<StripColumns> known_;        // those of views that are still there
+  const StripColumns* columns_ = nullptr;  // of this view
+  std::vector<float> hidden_below_;        // by column that is read: what has a smaller w cannot be seen there
   std::uint32_t owner_ = 0;
   glm::dvec4 row_x_{0}, row_y_{0}, row_z_{0};  // u z, v z and z of a point of the mesh
-  double least_z_m_ = 0;
+  double slack_m_ = 0, slack_x_ = 0, slack_y_ = 0, least_z_m_ = 0;
   std::vector<Candidate> candidates_;
   std::vector<StripTriangle> seen_;
 };

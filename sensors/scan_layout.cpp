@@ -142,7 +142,8 @@ ScanLayout lay_out(const ScanPattern& pattern, double resolution_px) {
                             {focal_x_px, focal_y_px, 0.5 - first.x, 0.5 - first.y},
                             static_cast<std::uint32_t>(last.x - first.x + 1),
                             static_cast<std::uint32_t>(last.y - first.y + 1),
-                            beams[f]});
+                            beams[f],
+                            nullptr});
   }
   for (BeamTap& tap : layout.taps) {
     tap.face = number[tap.face];
