@@ -123,8 +123,9 @@ TEST_CASE("every scene gives the same bytes with culling and without, of every s
       simulation.step();
       comparison.add(renderer, simulation.draw_list(), simulation.frame_plan(), scene.file);
     }
-    MESSAGE(scene.file << ": " << comparison.culled << " of " << comparison.whole << " triangles drawn");
-    CHECK(comparison.culled < comparison.whole);
+    MESSAGE(std::string(scene.file) << ": " << comparison.culled << " of " << comparison.whole << " triangles drawn");
+    CHECK(comparison.culled <= comparison.whole);
+    if (scene.trajectory) CHECK(comparison.culled < comparison.whole * 2 / 3);  // the others stand before one camera
   }
 }
 
@@ -162,7 +163,7 @@ TEST_CASE("a strip draws what stands before a wall and not what stands behind it
     for (int i = 0; i < 3; ++i) add_item(list, sphere_mesh(0.3, 40), glm::translate(glm::dmat4(1.0), {6.0, i - 1, 0}));
     // Of one triangle, within the view of either face.
     Mesh screen;
-    screen.positions = {{3, 0, -40}, {3, -2.9, 40}, {3, 2.9, 40}};
+    screen.positions = {{3, 0, -2}, {3, -2.9, 2}, {3, 2.9, 2}};
     screen.indices = {0, 1, 2};
     if (wall) {
       for (const double turn : {-0.7, 0.0, 0.7}) {
