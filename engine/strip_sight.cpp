@@ -124,7 +124,9 @@ bool StripSight::cut(const glm::dvec3 (&triangle)[3], double outwards_px, Polygo
 
 // How many columns that are read have their centres before u.
 std::uint32_t StripSight::first_read(double u) const {
-  return columns_->before(static_cast<std::size_t>(std::clamp(std::ceil(u - 0.5), 0.0, width_)));
+  const double column = std::clamp(u - 0.5, 0.0, width_);
+  const auto whole = static_cast<std::uint32_t>(column);  // std::ceil is a call on plain x86-64
+  return columns_->before(whole + (column > whole));
 }
 
 void StripSight::add(std::span<const std::uint32_t> corners, std::span<const glm::vec3> positions) {
