@@ -120,6 +120,12 @@ void FrameBuffers::write_indices(std::span<const std::uint32_t> indices, Uploads
   uploads.write(indices_, 0, std::as_bytes(indices));
 }
 
+void FrameBuffers::write_picked(std::span<const shader::PickedVertex> vertices, Uploads& uploads) {
+  if (vertices.empty()) return;
+  reserve(picked_, "picked vertices", VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, vertices.size_bytes());
+  uploads.write(picked_, 0, std::as_bytes(vertices));
+}
+
 void FrameBuffers::write_lights(std::span<const shader::LightBlock> lights, Uploads& uploads) {
   reserve_lights(lights.size_bytes() + kLightsRange);  // the last view's range ends within the buffer
   uploads.write(lights_, 0, std::as_bytes(lights));
@@ -162,7 +168,8 @@ void FrameBuffers::name_memory(const Uploads& uploads, std::vector<PlannedMemory
     memory.push_back({buffer.desc().name, reason, buffer.memory_bytes(), uploads.bytes_to(buffer)});
   };
   add(instances_, "where each view sees what it draws");
-  add(indices_, "triangles that views one pixel high see, picked one by one");
+  add(indices_, "triangles with holes that strips see, picked one by one");
+  add(picked_, "triangles without holes that strips see, picked one by one");
   add(materials_.buffer, "what shaders read of surfaces: colour, and where alpha decides");
   add(map_places_.buffer, "where the maps of surfaces lie on them");
   add(lights_, "lights as each view of colour has them");

@@ -25,6 +25,7 @@ class FrameBuffers {
   void write_map_places(const DrawList& list, std::span<const std::uint8_t> shown, Uploads& uploads);
   void write_instances(std::span<const shader::Instance> instances, Uploads& uploads);
   void write_indices(std::span<const std::uint32_t> indices, Uploads& uploads);
+  void write_picked(std::span<const shader::PickedVertex> vertices, Uploads& uploads);
   /// For frames that show colour, also without lights: their shaders name the buffer.
   void write_lights(std::span<const shader::LightBlock> lights, Uploads& uploads);
 
@@ -33,6 +34,7 @@ class FrameBuffers {
 
   VkBuffer instances() const { return instances_.get(); }
   VkBuffer indices() const { return indices_.get(); }
+  VkBuffer picked() const { return picked_.get(); }
   VkDescriptorSet set() const { return set_; }
 
   /// Forgets which materials are up to date.
@@ -62,7 +64,7 @@ class FrameBuffers {
   Device::Impl& device_;
   Handle<VkDescriptorPool> pool_;
   VkDescriptorSet set_ = VK_NULL_HANDLE;  // freed with its pool
-  Buffer instances_, indices_, lights_;
+  Buffer instances_, indices_, picked_, lights_;
   Table materials_, map_places_;
 };
 

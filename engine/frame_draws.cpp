@@ -52,6 +52,7 @@ void FrameDraws::clear() {
   instances_.clear();
   lights_.clear();
   indices_.clear();
+  picked_.clear();
   shadowed_ = 0;
 }
 
@@ -89,17 +90,22 @@ void FrameDraws::add(const View& view, const Pass& pass, const DrawList& list, c
 void FrameDraws::add_items(std::span<const Drawable> items, const View& view, const ViewProjection& projection,
                            const DrawList& list, const DrawTable& table, FrameCounters& counters) {
   const std::size_t first_run = runs_.size();
+  const bool strip = view.culled && guard_rows(view) > 0;
+  if (strip) strip_.begin(view);
   for (const Drawable& d : items) {
     ++counts_.boxes_examined;
     if (!visible(d, view, projection, table, counters)) continue;
-    if (d.range.clusters.size() > 1 && guard_rows(view) > 0) {
-      draw_seen_triangles(d, view, projection, list, table.box(d.item));
-    } else if (d.range.clusters.size() > 1) {
-      draw_seen_clusters(d, view, projection, list, table.box(d.item), first_run);
-    } else {
+    if (strip && can_pick(d, view)) {
+      add_to_strip(d, static_cast<std::uint32_t>(&d - items.data()), projection, list, table.box(d.item));
+    } else if (!view.culled || d.range.clusters.size() == 1) {
       draw(d, view, projection, list, first_run);
+    } else if (strip) {
+      draw_seen_triangles(d, view, projection, list, table.box(d.item));
+    } else {
+      draw_seen_clusters(d, view, projection, list, table.box(d.item), first_run);
     }
   }
+  if (strip) draw_strip(items, view, projection, list);
 }
 
 std::uint32_t FrameDraws::add_lights(const View& view, const ViewProjection& projection, const DrawList& list,
@@ -122,7 +128,7 @@ std::uint32_t FrameDraws::add_lights(const View& view, const ViewProjection& pro
 bool FrameDraws::visible(const Drawable& d, const View& view, const ViewProjection& projection, const DrawTable& table,
                          FrameCounters& counters) const {
   if (d.key.topology != Topology::triangles && !view.sees_lines_and_points) return false;
-  if (!outside(projection, table.box(d.item))) return true;
+  if (!view.culled || !outside(projection, table.box(d.item))) return true;
   ++counters.items_culled;
   return false;
 }
@@ -176,6 +182,58 @@ void FrameDraws::draw_seen_triangles(const Drawable& d, const View& view, const 
                    .instance_count = 1,
                    .met = d.met,
                    .own_indices = true});
+  last_group_ = kNoGroup;
+}
+
+// Opaque triangles of depth, drawn from either side: of them all the nearest is what counts, in whatever order.
+bool FrameDraws::can_pick(const Drawable& d, const View& view) const {
+  return d.key.depth_only && !d.key.color && d.key.topology == Topology::triangles &&
+         d.key.surface == Surface::opaque && (view.sees_back_faces || !d.single_sided);
+}
+
+void FrameDraws::add_to_strip(const Drawable& d, std::uint32_t number, const ViewProjection& projection,
+                              const DrawList& list, const WorldBox& box) {
+  const glm::dmat4& world_from_mesh = list.world_from_node[d.transform];
+  const MeshPlanes planes = make_mesh_planes(projection, world_from_mesh, box);
+  strip_.place(number, projection.view_from_world * world_from_mesh, planes.slack);
+  counts_.boxes_examined += d.range.clusters.size();
+  for (const Cluster& cluster : d.range.clusters) {
+    if (outside(planes, cluster.center, cluster.half_size)) continue;
+    counts_.triangles_examined += cluster.index_count / 3;
+    strip_.add(d.range.indices.subspan(cluster.first_index, cluster.index_count), d.range.positions);
+  }
+}
+
+// One draw for all that was added.
+void FrameDraws::draw_strip(std::span<const Drawable> items, const View& view, const ViewProjection& projection,
+                            const DrawList& list) {
+  const std::span<const StripTriangle> seen = strip_.seen();
+  if (seen.empty()) return;
+  const auto first = static_cast<std::uint32_t>(picked_.size());
+  shader::PickedVertex vertex{};
+  const Drawable* owner = nullptr;
+  for (const StripTriangle& triangle : seen) {
+    if (owner != &items[triangle.owner]) {
+      owner = &items[triangle.owner];
+      shader::Instance instance{};
+      write_clip_rows(projection, list.world_from_node[owner->transform], instance);
+      vertex.clip_x = instance.clip_x;
+      vertex.clip_y = instance.clip_y;
+      vertex.clip_w = instance.clip_w;
+    }
+    for (int i = 0; i < 3; ++i) {
+      const glm::vec3& p = owner->range.positions[triangle.corners[i]];
+      vertex.x = p.x;
+      vertex.y = p.y;
+      vertex.z = p.z;
+      picked_.push_back(vertex);
+    }
+  }
+  PipelineKey key = key_in_view(*owner, view, list);
+  key.picked = true;
+  runs_.push_back({.key = key,
+                   .range = {.first_index = first, .index_count = static_cast<std::uint32_t>(picked_.size()) - first},
+                   .instance_count = 1});
   last_group_ = kNoGroup;
 }
 

@@ -8,6 +8,7 @@
 #include "engine/draw_table.h"
 #include "engine/frame_plan.h"
 #include "engine/renderer.h"
+#include "engine/strip_sight.h"
 #include "shaders/interop.h"
 
 namespace simvis {
@@ -19,7 +20,8 @@ struct DrawRun {
   MeshRange range;
   std::uint32_t first_instance = 0, instance_count = 0;
   bool met = true;           ///< by depth
-  bool own_indices = false;  ///< range.first_index counts in FrameDraws::indices(), not in the geometry pool
+  bool own_indices = false;  ///< range.first_index counts in FrameDraws::indices(), not in the geometry pool.
+                             ///< Where key.picked, it counts in FrameDraws::picked(), without indices
 };
 
 /// Which of a view's runs.
@@ -49,6 +51,7 @@ class FrameDraws {
   std::span<const shader::Instance> instances() const { return instances_; }
   std::span<const shader::LightBlock> lights() const { return lights_; }
   std::span<const std::uint32_t> indices() const { return indices_; }
+  std::span<const shader::PickedVertex> picked() const { return picked_; }
 
  private:
   std::uint32_t add_lights(const View& view, const ViewProjection& projection, const DrawList& list,
@@ -57,6 +60,11 @@ class FrameDraws {
                FrameCounters& counters) const;
   void draw(const Drawable& d, const View& view, const ViewProjection& projection, const DrawList& list,
             std::size_t first_run);
+  bool can_pick(const Drawable& d, const View& view) const;
+  void add_to_strip(const Drawable& d, std::uint32_t number, const ViewProjection& projection, const DrawList& list,
+                    const WorldBox& box);
+  void draw_strip(std::span<const Drawable> items, const View& view, const ViewProjection& projection,
+                  const DrawList& list);
   void draw_seen_clusters(const Drawable& d, const View& view, const ViewProjection& projection, const DrawList& list,
                           const WorldBox& box, std::size_t first_run);
   void draw_seen_triangles(const Drawable& d, const View& view, const ViewProjection& projection, const DrawList& list,
@@ -71,6 +79,8 @@ class FrameDraws {
   std::vector<shader::Instance> instances_;
   std::vector<shader::LightBlock> lights_;
   std::vector<std::uint32_t> indices_;
+  std::vector<shader::PickedVertex> picked_;
+  StripSight strip_;
   std::vector<MeshRange> seen_;
   std::uint32_t last_group_ = 0;
   std::size_t shadowed_ = 0;

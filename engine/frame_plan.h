@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -54,6 +55,9 @@ struct View {
   /// fy in pixels per metre, with depth d = (far_m - z) / (far_m - near_m). near_m may have either sign.
   bool parallel = false;
   double far_m = 0;
+  /// Of a strip of depth alone, the columns whose pixels are read, ascending: others may lack surfaces. Null: all.
+  std::shared_ptr<const std::vector<std::uint32_t>> columns{};
+  bool culled = true;  ///< false: what cannot be seen is drawn all the same; not a pixel that is read changes
   std::vector<ShadowUse> shadows{};          ///< of views of colour: where light may be in something's way
   std::vector<PlannedPipeline> pipelines{};  ///< in the order of drawing; see Renderer::complete
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 
 #include "engine/view_projection.h"
 
@@ -27,6 +28,7 @@ struct Bound {
   VkPipeline pipeline = VK_NULL_HANDLE;
   VkDescriptorSet texture = VK_NULL_HANDLE;
   VkBuffer indices = VK_NULL_HANDLE;
+  std::optional<bool> picked;  // which vertices: picked ones, or those of meshes
   std::uint32_t lights_offset = std::numeric_limits<std::uint32_t>::max();
 };
 
@@ -34,6 +36,16 @@ std::span<const DrawRun> share_of(const FrameContext& frame, const ViewDraws& dr
   const std::size_t ends[] = {draws.first_run, draws.first_layer, draws.first_met, draws.end_run};
   const auto i = static_cast<std::size_t>(share);
   return frame.draws.runs().subspan(ends[i], ends[i + 1] - ends[i]);
+}
+
+void bind_vertices(const FrameContext& frame, bool picked) {
+  const VkDeviceSize offsets[] = {0, 0, 0};
+  if (picked) {
+    vkCmdBindVertexBuffers(frame.commands, 0, 1, &frame.picked, offsets);
+    return;
+  }
+  const VkBuffer buffers[] = {frame.geometry.positions(), frame.instances, frame.geometry.attributes()};
+  vkCmdBindVertexBuffers(frame.commands, 0, buffers[2] == VK_NULL_HANDLE ? 2 : 3, buffers, offsets);
 }
 
 void bind_run(const FrameContext& frame, const Pass& pass, const DrawRun& run, Bound& bound) {
@@ -55,6 +67,11 @@ void bind_run(const FrameContext& frame, const Pass& pass, const DrawRun& run, B
                             &run.texture, 0, nullptr);
     bound.texture = run.texture;
   }
+  if (key.picked != bound.picked) {
+    bind_vertices(frame, key.picked);
+    bound.picked = key.picked;
+  }
+  if (key.picked) return;
   const VkBuffer indices = run.own_indices ? frame.frame_indices : frame.geometry.indices();
   if (indices != bound.indices) {
     vkCmdBindIndexBuffer(frame.commands, indices, 0, VK_INDEX_TYPE_UINT32);
@@ -63,8 +80,12 @@ void bind_run(const FrameContext& frame, const Pass& pass, const DrawRun& run, B
 }
 
 void draw_run(const FrameContext& frame, const DrawRun& run) {
-  vkCmdDrawIndexed(frame.commands, run.range.index_count, run.instance_count, run.range.first_index,
-                   run.range.vertex_offset, run.first_instance);
+  if (run.key.picked) {
+    vkCmdDraw(frame.commands, run.range.index_count, 1, run.range.first_index, 0);
+  } else {
+    vkCmdDrawIndexed(frame.commands, run.range.index_count, run.instance_count, run.range.first_index,
+                     run.range.vertex_offset, run.first_instance);
+  }
   ++frame.counters.draws;
   if (run.key.topology == Topology::triangles) {
     frame.counters.triangles += std::uint64_t{run.range.index_count / 3} * run.instance_count;
@@ -190,14 +211,7 @@ bool shows_layers(std::span<const ViewDraws> views) {
   return std::ranges::any_of(views, [](const ViewDraws& draws) { return draws.first_met > draws.first_layer; });
 }
 
-void record_bindings(const FrameContext& frame) {
-  bind_frame_set(frame, 0);
-  // Without instances there are no draws: every view looks past the meshes.
-  if (frame.geometry.positions() == VK_NULL_HANDLE || frame.instances == VK_NULL_HANDLE) return;
-  const VkBuffer buffers[] = {frame.geometry.positions(), frame.instances, frame.geometry.attributes()};
-  const VkDeviceSize offsets[] = {0, 0, 0};
-  vkCmdBindVertexBuffers(frame.commands, 0, buffers[2] == VK_NULL_HANDLE ? 2 : 3, buffers, offsets);
-}
+void record_bindings(const FrameContext& frame) { bind_frame_set(frame, 0); }
 
 void record_pass(const FrameContext& frame, const Pass& pass, const RenderTarget& target,
                  std::span<const ViewDraws> views) {

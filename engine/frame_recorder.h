@@ -31,6 +31,7 @@ struct FrameContext {
   const ShadowMaps* shadows;  ///< null where no view has any
   VkBuffer instances;
   VkBuffer frame_indices;  ///< null where no run has indices of its own
+  VkBuffer picked;         ///< null where no run has picked vertices
   const FrameDraws& draws;
   const DrawList& list;
   FrameCounters& counters;

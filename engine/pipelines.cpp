@@ -58,6 +58,25 @@ constexpr VkVertexInputAttributeDescription kMaskInputs[] = {kPosition, kClipX, 
 constexpr VkVertexInputAttributeDescription kColorInputs[] = {kPosition, kClipX, kClipY, kClipW, kMaterial,
                                                               kNormal,   kUv0,   kUv1,   kColor};
 
+// Of a vertex that carries the rows of its instance.
+constexpr VkVertexInputBindingDescription kPickedBinding{0, sizeof(shader::PickedVertex), VK_VERTEX_INPUT_RATE_VERTEX};
+constexpr std::uint32_t kRows = offsetof(shader::PickedVertex, clip_x);
+constexpr VkVertexInputAttributeDescription kPickedInputs[] = {
+    kPosition,
+    {SIMVIS_INSTANCE_CLIP_X, 0, kClipX.format, kRows + kClipX.offset},
+    {SIMVIS_INSTANCE_CLIP_Y, 0, kClipY.format, kRows + kClipY.offset},
+    {SIMVIS_INSTANCE_CLIP_W, 0, kClipW.format, kRows + kClipW.offset}};
+
+VkPipelineVertexInputStateCreateInfo picked_input() {
+  return {.sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO,
+          .pNext = nullptr,
+          .flags = 0,
+          .vertexBindingDescriptionCount = 1,
+          .pVertexBindingDescriptions = &kPickedBinding,
+          .vertexAttributeDescriptionCount = static_cast<std::uint32_t>(std::size(kPickedInputs)),
+          .pVertexAttributeDescriptions = kPickedInputs};
+}
+
 VkPipelineVertexInputStateCreateInfo vertex_input(std::span<const VkVertexInputAttributeDescription> inputs) {
   return {.sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO,
           .pNext = nullptr,
@@ -148,7 +167,7 @@ struct Constants {
 std::uint64_t PipelineKey::bits() const {
   std::uint64_t bits = static_cast<std::uint64_t>(topology) | static_cast<std::uint64_t>(surface) << 2;
   for (const bool flag : {color, depth_only, textured, unlit, glossy, metallic, cull_back, mirrored, shadow_map,
-                          parallel, shadowed, fog}) {
+                          parallel, shadowed, fog, picked}) {
     bits = bits << 1 | (flag ? 1u : 0u);
   }
   bits = bits << SIMVIS_TEXTURES | maps;
@@ -230,7 +249,9 @@ Pipelines::Program Pipelines::program(const PipelineKey& key, const VkSpecializa
             2,
             vertex_input(kMaskInputs)};
   }
-  return {{stage(VK_SHADER_STAGE_VERTEX_BIT, depth_vert_.get())}, 1, vertex_input(kDepthInputs)};
+  return {{stage(VK_SHADER_STAGE_VERTEX_BIT, depth_vert_.get())},
+          1,
+          key.picked ? picked_input() : vertex_input(kDepthInputs)};
 }
 
 Pipelines::Program Pipelines::shadow_map_program(const PipelineKey& key, const VkSpecializationInfo& constants) {

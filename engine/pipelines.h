@@ -33,6 +33,7 @@ struct PipelineKey {
   bool shadow_map = false;   ///< depth for a shadow map
   bool parallel = false;     ///< in light from afar
   bool shadowed = false;     ///< something may stand in the way of its lights
+  bool picked = false;       ///< vertices are shader::PickedVertex
   std::uint8_t samples = 1;  ///< of each pixel of the pass's targets: 1, 2, 4 or 8
 
   bool shades() const { return !depth_only || surface == Surface::masked || shadow_map; }  ///< has a fragment shader

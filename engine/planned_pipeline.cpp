@@ -59,6 +59,7 @@ std::string variant_of(const PipelineKey& key) {
   if (key.fog) text += ", in fog";
   if (key.cull_back) text += ", back faces culled";
   if (key.mirrored) text += ", mirrored";
+  if (key.picked) text += ", picked one by one";
   if (key.samples > 1) text += ", msaa " + std::to_string(key.samples);
   return text;
 }

@@ -196,6 +196,7 @@ void Renderer::Impl::prepare(const DrawList& list, const FramePlan& plan) {
   }
   buffers.write_instances(draws.instances(), uploads);
   buffers.write_indices(draws.indices(), uploads);
+  buffers.write_picked(draws.picked(), uploads);
   if (color) buffers.write_lights(draws.lights(), uploads);
   if (const Pass* const maps = find_shadow_maps(plan)) {
     if (!shadows) shadows.emplace(device, pipelines.shadows().set_layout.get());
@@ -227,6 +228,7 @@ void Renderer::Impl::record(VkCommandBuffer recorded, const DrawList& list, cons
                            .shadows = maps ? &*shadows : nullptr,
                            .instances = buffers.instances(),
                            .frame_indices = buffers.indices(),
+                           .picked = buffers.picked(),
                            .draws = draws,
                            .list = list,
                            .counters = counters,

@@ -80,10 +80,11 @@ Line judge(const std::array<double, 4>& differences, double noise, double believ
 class Cell {
  public:
   Cell(const FacePixels& pixels, const BeamTap& tap, const VertexRounding& rounding)
-      : pixels_(pixels),
-        tap_(tap),
-        rounding_(pixels.reach),
-        origin_(pixels.depth + std::size_t{tap.y} * pixels.stride_px + tap.x) {
+      : pixels_(pixels), tap_(tap), rounding_(pixels.reach) {
+    const float* row = pixels.depth + std::size_t{tap.y - kPixelsBefore} * pixels.stride_px + tap.x - kPixelsBefore;
+    for (int y = 0; y < kSide; ++y, row += pixels.stride_px) {
+      for (int x = 0; x < kSide; ++x) w_[y * kSide + x] = static_cast<double>(row[x]) / pixels.near_m;
+    }
     for (const double w : {at(0, 0), at(1, 0), at(0, 1), at(1, 1)}) {
       if (!(w > 0)) continue;
       const double displacement_m = rounding.at(tap.ray_per_depth / w);
@@ -99,7 +100,7 @@ class Cell {
   }
 
   double at(int x, int y) const {
-    return static_cast<double>(origin_[static_cast<std::ptrdiff_t>(y) * pixels_.stride_px + x]) / pixels_.near_m;
+    return w_[static_cast<std::size_t>((y + kPixelsBefore) * kSide + x + kPixelsBefore)];
   }
 
   bool lost() const { return place_x_.lost || place_y_.lost; }
@@ -221,7 +222,8 @@ class Cell {
   const FacePixels& pixels_;
   const BeamTap& tap_;
   PlaneRounding rounding_;  // of the set-up
-  const float* origin_;
+  static constexpr int kSide = kPixelsBefore + 1 + kPixelsAfter;
+  double w_[kSide * kSide];  // of the pixels around
   double most_displacement_m_ = 0, least_displacement_m_ = kInfinity;
   double row_x_ = 1, row_y_ = 1;  // lengths of the rows of clip x and y, in tangents
   Place place_x_, place_y_;

@@ -29,6 +29,7 @@ void RenderedScan::plan(const std::string& scanner, const std::string& purpose, 
     view.height_px = face.height_px;
     view.sees_back_faces = true;
     view.sees_lines_and_points = false;
+    view.columns = face.columns;
     places_.push_back(place_in_depth_atlas(plan, atlas, std::move(view)));
   }
 }

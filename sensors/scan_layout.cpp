@@ -85,6 +85,19 @@ class Faces {
   int level_count_;
 };
 
+void mark_columns(ScanLayout& layout) {
+  std::vector<std::vector<std::uint32_t>> columns(layout.faces.size());
+  for (const BeamTap& tap : layout.taps) {
+    for (std::uint32_t x = tap.x - kPixelsBefore; x <= tap.x + kPixelsAfter; ++x) columns[tap.face].push_back(x);
+  }
+  for (std::size_t f = 0; f < columns.size(); ++f) {
+    std::ranges::sort(columns[f]);
+    const auto repeated = std::ranges::unique(columns[f]);
+    columns[f].erase(repeated.begin(), repeated.end());
+    layout.faces[f].columns = std::make_shared<const std::vector<std::uint32_t>>(std::move(columns[f]));
+  }
+}
+
 }  // namespace
 
 std::vector<double> azimuths(const ScanPattern& pattern) {
@@ -129,7 +142,8 @@ ScanLayout lay_out(const ScanPattern& pattern, double resolution_px) {
                             {focal_x_px, focal_y_px, 0.5 - first.x, 0.5 - first.y},
                             static_cast<std::uint32_t>(last.x - first.x + 1),
                             static_cast<std::uint32_t>(last.y - first.y + 1),
-                            beams[f]});
+                            beams[f],
+                            nullptr});
   }
   for (BeamTap& tap : layout.taps) {
     tap.face = number[tap.face];
@@ -139,6 +153,7 @@ ScanLayout lay_out(const ScanPattern& pattern, double resolution_px) {
     tap.fraction_x = u - std::floor(u);
     tap.fraction_y = v - std::floor(v);
   }
+  mark_columns(layout);
   return layout;
 }
 

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <memory>
 #include <vector>
 
 #include "engine/frame_plan.h"
@@ -29,6 +30,7 @@ struct ScanFace {
   Pinhole pinhole;                   ///< fx = fy, or fy = kRowsPerPixel fx
   std::uint32_t width_px = 0, height_px = 0;
   std::uint32_t beams = 0;
+  std::shared_ptr<const std::vector<std::uint32_t>> columns;  ///< ascending: those that its beams' neighbourhoods have
 };
 
 /// Where a beam meets the pixel grid of its face: between the centres of pixels (x, y) and (x + 1, y + 1).

@@ -58,12 +58,19 @@ int VertexRounding::bin(double range_m) {
   return std::clamp(index - kFirst, 0, kBins - 1);
 }
 
-double VertexRounding::upper_limit(int bin) {
-  if (bin == kBins - 1) return std::numeric_limits<double>::infinity();
-  return std::bit_cast<float>((bin + 1 + kFirst) << kShift);
+const std::array<double, VertexRounding::kBins>& VertexRounding::upper_limits() {
+  static const auto limits = [] {
+    std::array<double, kBins> values;
+    for (int b = 0; b < kBins - 1; ++b) values[b] = std::bit_cast<float>((b + 1 + kFirst) << kShift);
+    values[kBins - 1] = std::numeric_limits<double>::infinity();
+    return values;
+  }();
+  return limits;
 }
 
 VertexRounding::VertexRounding(const DrawList& list, const glm::dmat4& sensor_from_world) {
+  const double* const limits = upper_limits().data();
+  double* const displacements = displacement_m_.data();
   for (const DrawItem& item : list.items) {
     const Mesh& mesh = *list.meshes[item.mesh];
     const glm::dmat4& world_from_mesh = list.world_from_node[item.transform];
@@ -82,11 +89,11 @@ VertexRounding::VertexRounding(const DrawList& list, const glm::dmat4& sensor_fr
     const double edge = mesh.longest_edge > 0 ? scale * mesh.longest_edge : 2 * radius;
     const int first = bin(std::max(nearest, 0x1p-12) * (1 - 1e-6)), last = bin(farthest * (1 + 1e-6));
     for (int b = first; b <= last; ++b) {
-      const double corner = std::min(upper_limit(b) + edge, farthest);  // of a triangle that is seen there
+      const double corner = std::min(limits[b] + edge, farthest);  // of a triangle that is seen there
       const double displacement = kFloatUnit * (kTransform * (std::min(reach, corner + distance) + distance) +
                                                 kCuts * (2 * edge + corner) + corner) +
                                   kDoubleRoundings * kDoubleUnit * offset;
-      displacement_m_[b] = std::max(displacement_m_[b], displacement);
+      displacements[b] = std::max(displacements[b], displacement);
     }
   }
 }

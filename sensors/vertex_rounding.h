@@ -38,7 +38,7 @@ class VertexRounding {
  private:
   static constexpr int kBins = 96;
   static int bin(double range_m);
-  static double upper_limit(int bin);
+  static const std::array<double, kBins>& upper_limits();
   std::array<double, kBins> displacement_m_{};
 };
 

@@ -105,6 +105,14 @@ struct Instance {
   vec4 clip_w;
   uint material;  // slot in the table of materials
 };
+
+// A vertex of a triangle that was picked by itself, with the rows of its mesh: triangles of many meshes are one draw.
+struct PickedVertex {
+  float x, y, z;  // in the mesh's frame
+  vec4 clip_x;    // as in Instance
+  vec4 clip_y;
+  vec4 clip_w;
+};
 #endif
 
 struct MaterialBlock {

@@ -291,7 +291,7 @@ TEST_CASE("a camera that is off, or in a part that is, renders nothing; the plan
   CHECK(text.find("sensor CAM, camera: not due, it is turned off; colour, depth\n") != std::string::npos);
   CHECK(text.find("sensor SCAN, laser_scanner: due, in every frame; ranges\n  pass SCAN.depth: ") != std::string::npos);
   CHECK(text.find("    view SCAN/face 0: ") != std::string::npos);
-  CHECK(text.find("      pipeline depth, triangles, opaque: ") != std::string::npos);
+  CHECK(text.find("      pipeline depth, triangles, opaque, picked one by one: ") != std::string::npos);
   CHECK(text.find("  cost on the host: ") != std::string::npos);
   CHECK(text.find("memory on the device: " + std::to_string(with->device_memory_bytes()) + " bytes\n") !=
         std::string::npos);
