@@ -23,28 +23,13 @@ struct Plate {
   float x = 4, left = 10, right = -10, bottom = -10, top = 10;
 };
 
-inline void add_plate(GltfBuilder& file, const Plate& p, int material) {
-  json& primitive = file.primitive({{"POSITION", file.accessor<float>("VEC3", {p.x, p.left, p.bottom,   //
-                                                                               p.x, p.right, p.bottom,  //
-                                                                               p.x, p.right, p.top,     //
-                                                                               p.x, p.left, p.top})},
-                                    {"TEXCOORD_0", file.accessor<float>("VEC2", {0, 1, 1, 1, 1, 0, 0, 0})}});
-  primitive["indices"] = file.accessor<std::uint16_t>("SCALAR", {0, 1, 2, 0, 2, 3});
-  primitive["material"] = material;
-}
+void add_plate(GltfBuilder& file, const Plate& p, int material);
 
 /// A matte material of this base colour.
-inline json painted(const std::string& name, const glm::vec4& color) {
-  return {{"name", name},
-          {"pbrMetallicRoughness", {{"baseColorFactor", {color.r, color.g, color.b, color.a}}, {"metallicFactor", 0}}}};
-}
+json painted(const std::string& name, const glm::vec4& color);
 
 /// The same, shown as it is.
-inline json unlit(const std::string& name, const glm::vec4& color) {
-  json material = painted(name, color);
-  material["extensions"]["KHR_materials_unlit"] = json::object();
-  return material;
-}
+json unlit(const std::string& name, const glm::vec4& color);
 
 /// Wide enough for a middle pixel, whose centre lies on the optical axis.
 inline constexpr int kSide_px = 9;
@@ -56,11 +41,8 @@ inline const std::string kDark =
 /// A simulation of part files and commands. Any message of the validation layers fails the test.
 class World {
  public:
-  explicit World(const std::vector<std::pair<std::string, GltfBuilder>>& files, const std::string& commands) {
-    for (const auto& [name, file] : files) write_text(folder_ / name, file.text());
-    simulation_.emplace(Simulation::from_string(commands, {}, folder_.path(), "s.xml"));
-  }
-  ~World() { CHECK(simulation_->validation_messages() == 0); }
+  explicit World(const std::vector<std::pair<std::string, GltfBuilder>>& files, const std::string& commands);
+  ~World();
   World(const World&) = delete;
   World& operator=(const World&) = delete;
 
@@ -68,17 +50,8 @@ class World {
   Simulation* operator->() { return &*simulation_; }
 
   /// After a change, what the camera CAM sees at a pixel; by default the middle one.
-  glm::dvec3 color(int x = kSide_px / 2, int y = kSide_px / 2) {
-    simulation_->step();
-    const Image& image = simulation_->color("CAM");
-    const float* const pixel =
-        &image.pixels[(static_cast<std::size_t>(y) * image.width + static_cast<std::size_t>(x)) * 4];
-    return {pixel[0], pixel[1], pixel[2]};
-  }
-  glm::dvec3 color_with(std::string_view element, std::string_view parameter, double value) {
-    simulation_->set(element, parameter, value);
-    return color();
-  }
+  glm::dvec3 color(int x = kSide_px / 2, int y = kSide_px / 2);
+  glm::dvec3 color_with(std::string_view element, std::string_view parameter, double value);
 
  private:
   TemporaryFolder folder_;
@@ -88,13 +61,6 @@ class World {
 /// Relative: normals are stored in 16 bits (1.5e-5 each way), the rest is some dozens of float32 operations of 6e-8.
 inline constexpr double kShading = 4e-5;
 
-inline void check_color(const glm::dvec3& seen, const glm::dvec3& expected, double relative = kShading) {
-  for (int c = 0; c < 3; ++c) {
-    CAPTURE(c);
-    CAPTURE(seen[c]);
-    CAPTURE(expected[c]);
-    CHECK(std::abs(seen[c] - expected[c]) <= relative * std::abs(expected[c]));
-  }
-}
+void check_color(const glm::dvec3& seen, const glm::dvec3& expected, double relative = kShading);
 
 }  // namespace simvis::test
