@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <bit>
+#include <future>
 #include <limits>
-#include <numeric>
+#include <thread>
+#include <vector>
 
 namespace simvis {
 
@@ -30,108 +32,148 @@ struct Split {
   int axis = 0, bin = 0;  // things up to this bin go first
 };
 
-class Builder {
- public:
-  Builder(std::span<const Box> boxes, std::uint32_t most_in_leaf, Bvh& bvh)
-      : boxes_(boxes), most_in_leaf_(most_in_leaf), bvh_(bvh) {}
+/// A thing on its way to its leaf: things stand together as their boxes do, so that memory is read from front to back.
+struct Thing {
+  Box box;
+  std::uint32_t number = 0;
 
-  void build(std::uint32_t node, std::uint32_t first, std::uint32_t count, std::uint32_t depth);
+  glm::dvec3 middle() const { return 0.5 * (glm::dvec3(box.low) + glm::dvec3(box.high)); }
+};
 
- private:
-  glm::dvec3 middle(std::uint32_t thing) const {
-    return 0.5 * (glm::dvec3(boxes_[thing].low) + glm::dvec3(boxes_[thing].high));
-  }
-  std::span<std::uint32_t> things(std::uint32_t first, std::uint32_t count) {
-    return std::span(bvh_.order).subspan(first, count);
-  }
-  int bin_of(std::uint32_t thing, int axis) const {
-    const double share = (middle(thing)[axis] - low_[axis]) / (high_[axis] - low_[axis]);
-    return std::clamp(static_cast<int>(share * kBins), 0, kBins - 1);
-  }
-  Split best_split(std::span<const std::uint32_t> things) const;
-  std::uint32_t divide(std::uint32_t first, std::uint32_t count, std::uint32_t depth, double area);
+/// Which bin a middle falls into.
+struct Bins {
+  glm::dvec3 low{0}, per_m{0};
 
-  std::span<const Box> boxes_;
-  std::uint32_t most_in_leaf_;
-  Bvh& bvh_;
-  glm::dvec3 low_{0}, high_{0};  // of the middles of the things that are being divided
+  Bins(const glm::dvec3& from, const glm::dvec3& to) : low(from) {
+    for (int axis = 0; axis < 3; ++axis) per_m[axis] = to[axis] > from[axis] ? kBins / (to[axis] - from[axis]) : 0;
+  }
+  int of(const glm::dvec3& middle, int axis) const {
+    return std::clamp(static_cast<int>((middle[axis] - low[axis]) * per_m[axis]), 0, kBins - 1);
+  }
 };
 
 // The cheapest border between two bins. The cost is in areas times things.
-Split Builder::best_split(std::span<const std::uint32_t> things) const {
-  Split best;
-  for (int axis = 0; axis < 3; ++axis) {
-    if (!(high_[axis] > low_[axis])) continue;
-    Box bins[kBins];
-    std::uint32_t counts[kBins] = {};
-    std::fill(std::begin(bins), std::end(bins), kNothing);
-    for (const std::uint32_t thing : things) {
-      const int bin = bin_of(thing, axis);
-      bins[bin] = joined(bins[bin], boxes_[thing]);
-      ++counts[bin];
-    }
-    double after[kBins];  // the cost of what lies behind each bin
+Split best_split(std::span<const Thing> things, const Bins& bins) {
+  struct Content {
     Box box = kNothing;
     std::uint32_t count = 0;
-    for (int bin = kBins - 1; bin > 0; --bin) {
-      box = joined(box, bins[bin]);
-      count += counts[bin];
-      after[bin - 1] = count == 0 ? std::numeric_limits<double>::infinity() : count * half_area(box);
+  };
+  Content content[3][kBins];
+  for (const Thing& thing : things) {
+    const glm::dvec3 middle = thing.middle();
+    for (int axis = 0; axis < 3; ++axis) {
+      Content& bin = content[axis][bins.of(middle, axis)];
+      bin.box = joined(bin.box, thing.box);
+      ++bin.count;
     }
-    box = kNothing;
-    count = 0;
+  }
+  Split best;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (bins.per_m[axis] == 0) continue;
+    double after[kBins];  // the cost of what lies behind each bin
+    Content rest;
+    for (int bin = kBins - 1; bin > 0; --bin) {
+      rest.box = joined(rest.box, content[axis][bin].box);
+      rest.count += content[axis][bin].count;
+      after[bin - 1] = rest.count == 0 ? std::numeric_limits<double>::infinity() : rest.count * half_area(rest.box);
+    }
+    rest = {};
     for (int bin = 0; bin + 1 < kBins; ++bin) {
-      box = joined(box, bins[bin]);
-      count += counts[bin];
-      if (count == 0) continue;
-      const double cost = count * half_area(box) + after[bin];
+      rest.box = joined(rest.box, content[axis][bin].box);
+      rest.count += content[axis][bin].count;
+      if (rest.count == 0) continue;
+      const double cost = rest.count * half_area(rest.box) + after[bin];
       if (cost < best.cost) best = {cost, axis, bin};
     }
   }
   return best;
 }
 
+/// Puts things into the order of the leaves; a subtree's nodes begin with its root.
+class Builder {
+ public:
+  Builder(std::vector<Thing>& things, std::uint32_t most_in_leaf) : things_(things), most_in_leaf_(most_in_leaf) {}
+
+  /// `threads`: on how many.
+  std::vector<BvhNode> build(std::uint32_t first, std::uint32_t count, std::uint32_t depth, unsigned threads) {
+    std::vector<BvhNode> nodes(1);
+    build(nodes, 0, first, count, depth, threads);
+    return nodes;
+  }
+
+ private:
+  void build(std::vector<BvhNode>& nodes, std::uint32_t node, std::uint32_t first, std::uint32_t count,
+             std::uint32_t depth, unsigned threads);
+  std::uint32_t divide(std::span<Thing> things, std::uint32_t depth, double area);
+
+  std::vector<Thing>& things_;
+  std::uint32_t most_in_leaf_;
+};
+
 // Puts a node's things into the order of its children; returns how many go to the first, 0 for a leaf.
-std::uint32_t Builder::divide(std::uint32_t first, std::uint32_t count, std::uint32_t depth, double area) {
+std::uint32_t Builder::divide(std::span<Thing> things, std::uint32_t depth, double area) {
+  const auto count = static_cast<std::uint32_t>(things.size());
   if (count == 1) return 0;
-  const std::span<std::uint32_t> things = this->things(first, count);
-  const Split split = best_split(things);
+  glm::dvec3 low(std::numeric_limits<double>::max()), high = -low;
+  for (const Thing& thing : things) {
+    low = glm::min(low, thing.middle());
+    high = glm::max(high, thing.middle());
+  }
+  const Bins bins(low, high);
+  const Split split = best_split(things, bins);
   if (count <= most_in_leaf_ && !(split.cost + kNodeCost * area < count * area)) return 0;
   if (split.cost < std::numeric_limits<double>::infinity()) {
-    const auto border = std::partition(things.begin(), things.end(),
-                                       [&](std::uint32_t thing) { return bin_of(thing, split.axis) <= split.bin; });
+    const auto border = std::partition(things.begin(), things.end(), [&](const Thing& thing) {
+      return bins.of(thing.middle(), split.axis) <= split.bin;
+    });
     const auto left = static_cast<std::uint32_t>(border - things.begin());
     // Dividing by halves from here on must still end above the deepest level.
     const auto halvings = static_cast<std::uint32_t>(std::bit_width(std::max(left, count - left) - 1));
     if (depth + 1 + halvings <= Bvh::kMaxDepth) return left;
   }
-  const glm::dvec3 size = high_ - low_;
+  const glm::dvec3 size = high - low;
   const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-  std::ranges::nth_element(things, things.begin() + count / 2, [&](std::uint32_t a, std::uint32_t b) {
-    const double at = middle(a)[axis], bt = middle(b)[axis];
-    return at < bt || (at == bt && a < b);
+  std::ranges::nth_element(things, things.begin() + count / 2, [&](const Thing& a, const Thing& b) {
+    const double at = a.middle()[axis], bt = b.middle()[axis];
+    return at < bt || (at == bt && a.number < b.number);
   });
   return count / 2;
 }
 
-void Builder::build(std::uint32_t node, std::uint32_t first, std::uint32_t count, std::uint32_t depth) {
+// A subtree's nodes but for its root go to the end of `nodes`, its root to `node`.
+void graft(std::vector<BvhNode>& nodes, std::uint32_t node, std::span<const BvhNode> subtree) {
+  const auto offset = static_cast<std::uint32_t>(nodes.size()) - 1;
+  const auto moved = [offset](BvhNode n) {
+    if (n.count == 0) n.first += offset;
+    return n;
+  };
+  nodes[node] = moved(subtree[0]);
+  for (const BvhNode& n : subtree.subspan(1)) nodes.push_back(moved(n));
+}
+
+void Builder::build(std::vector<BvhNode>& nodes, std::uint32_t node, std::uint32_t first, std::uint32_t count,
+                    std::uint32_t depth, unsigned threads) {
   Box box = kNothing;
-  low_ = glm::dvec3(std::numeric_limits<double>::max());
-  high_ = -low_;
-  for (const std::uint32_t thing : things(first, count)) {
-    box = joined(box, boxes_[thing]);
-    low_ = glm::min(low_, middle(thing));
-    high_ = glm::max(high_, middle(thing));
-  }
-  bvh_.nodes[node] = {box.low, first, box.high, count};
-  const std::uint32_t left = divide(first, count, depth, half_area(box));
+  const std::span<Thing> things = std::span(things_).subspan(first, count);
+  for (const Thing& thing : things) box = joined(box, thing.box);
+  nodes[node] = {box.low, first, box.high, count};
+  const std::uint32_t left = divide(things, depth, half_area(box));
   if (left == 0) return;
-  const auto children = static_cast<std::uint32_t>(bvh_.nodes.size());
-  bvh_.nodes[node].first = children;
-  bvh_.nodes[node].count = 0;
-  bvh_.nodes.resize(children + 2);
-  build(children, first, left, depth + 1);
-  build(children + 1, first + left, count - left, depth + 1);
+  const auto children = static_cast<std::uint32_t>(nodes.size());
+  nodes[node].first = children;
+  nodes[node].count = 0;
+  nodes.resize(children + 2);
+  constexpr std::uint32_t kFew = 50'000;  // a thread costs what dividing a thousand does
+  if (threads < 2 || count < kFew) {
+    build(nodes, children, first, left, depth + 1, threads);
+    build(nodes, children + 1, first + left, count - left, depth + 1, threads);
+    return;
+  }
+  std::future<std::vector<BvhNode>> before =
+      std::async(std::launch::async, [&] { return build(first, left, depth + 1, threads / 2); });
+  const std::vector<BvhNode> after = build(first + left, count - left, depth + 1, threads - threads / 2);
+  graft(nodes, children, before.get());
+  graft(nodes, children + 1, after);
 }
 
 }  // namespace
@@ -139,10 +181,12 @@ void Builder::build(std::uint32_t node, std::uint32_t first, std::uint32_t count
 Bvh build_bvh(std::span<const Box> boxes, std::uint32_t most_in_leaf) {
   Bvh bvh;
   if (boxes.empty()) return bvh;
-  bvh.order.resize(boxes.size());
-  std::iota(bvh.order.begin(), bvh.order.end(), 0u);
-  bvh.nodes.resize(1);
-  Builder(boxes, most_in_leaf, bvh).build(0, 0, static_cast<std::uint32_t>(boxes.size()), 0);
+  const auto count = static_cast<std::uint32_t>(boxes.size());
+  std::vector<Thing> things(count);
+  for (std::uint32_t i = 0; i < count; ++i) things[i] = {boxes[i], i};
+  bvh.nodes = Builder(things, most_in_leaf).build(0, count, 0, std::max(1u, std::thread::hardware_concurrency()));
+  bvh.order.reserve(count);
+  for (const Thing& thing : things) bvh.order.push_back(thing.number);
   return bvh;
 }
 

@@ -17,6 +17,9 @@ namespace simvis {
 
 namespace {
 
+// Another number whenever the counts in Work come to mean something else: costs measured before are not taken then.
+constexpr int kMeaning = 2;
+
 constexpr std::string_view kNames[kWorkKinds] = {"pass",      "view",   "item_drawn", "examined",     "draw",
                                                  "triangle",  "masked", "pixel",      "beam",         "cast",
                                                  "item_cast", "ray",    "item_test",  "triangle_test"};
@@ -54,7 +57,7 @@ double predict(const WorkTable& counts, const WorkTable& cost) {
 std::filesystem::path device_costs_file(Device& device, const std::filesystem::path& folder, std::string_view version) {
   if (folder.empty()) return {};
   const VkPhysicalDeviceProperties& properties = device.impl().physical.properties;
-  std::string name = "costs-";
+  std::string name = "costs-" + std::to_string(kMeaning) + "-";
   char hex[32];
   for (const std::uint8_t byte : properties.pipelineCacheUUID) {
     std::snprintf(hex, sizeof hex, "%02x", byte);

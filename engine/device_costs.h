@@ -29,8 +29,8 @@ enum class Work : std::uint8_t {
   cast,           ///< a call of RayCaster::cast()
   item_cast,      ///< an item in the draw list that rays are cast into
   ray,            ///< a ray on its way
-  item_test,      ///< of a ray with an item
-  triangle_test,  ///< of a ray with a triangle
+  item_test,      ///< of a bundle of rays with an item
+  triangle_test,  ///< of one with a triangle
 };
 inline constexpr std::size_t kWorkKinds = 14;
 

@@ -53,7 +53,7 @@ struct RayHit {
 /// What casting has cost since the caster was made, counted and not timed.
 struct RayCounters {
   std::uint64_t rays = 0;
-  std::uint64_t item_tests = 0, triangle_tests = 0;     ///< of a ray with an item, and with a triangle in double
+  std::uint64_t item_tests = 0, triangle_tests = 0;     ///< of a bundle of rays with an item, and with a triangle
   std::uint64_t meshes_built = 0, triangles_built = 0;  ///< trees made of meshes
   std::uint64_t items_placed = 0;                       ///< boxes computed for the tree over items
   std::uint64_t item_trees_built = 0, item_trees_refitted = 0;
