@@ -14,8 +14,8 @@ namespace simvis {
 
 namespace {
 
-// A few bundles: what takes as long as to wake a thread.
-constexpr std::size_t kPiece = 4 * std::size_t{RayBundle::kMost};
+// What takes several times as long as to wake a thread: a planar scan is cast by one.
+constexpr std::size_t kPiece = 16 * std::size_t{RayBundle::kMost};
 
 // Of how many rays, from `first` on, the origins are the same.
 std::size_t together(std::span<const glm::dvec3> origins_m, std::size_t first) {
