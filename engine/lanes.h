@@ -13,6 +13,10 @@
 #define SIMVIS_FOR_EACH_MACHINE
 #endif
 
+// Lanes are handed to functions that are inlined, and to no others: those would expect them where the machine's other
+// version does not put them.
+#pragma GCC diagnostic ignored "-Wpsabi"
+
 namespace simvis {
 
 using Double4 = double __attribute__((vector_size(32)));
