@@ -15,8 +15,7 @@
 namespace simvis {
 
 /// Work     pictures and rows are copied, and encoded on other cores (see EncodingQueue). The caller's thread writes
-/// the
-///          files, in their order, when it comes by again.
+///          the files, in their order, when it comes by again.
 /// Files    FOLDER/SENSOR/000000.png and 000000.exr per frame for pictures (FOLDER/SENSOR_STEM/ for a sensor with
 ///          several), FOLDER/SENSOR.csv for tables, with the columns `frame` and `time_s` put in front, and
 ///          FOLDER/SENSOR_STEM.EXTENSION for texts. Frame numbers have six digits, more when needed. Every file appears
