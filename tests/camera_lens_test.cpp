@@ -35,8 +35,8 @@ constexpr double kColorRounding = 2e-4;
 
 double color_at(const glm::dvec3& place_m, int channel) { return 0.5 + glm::dot(kSlope[channel], place_m); }
 
-test::Scene room() {
-  test::Scene scene;
+test::RendererScene room() {
+  test::RendererScene scene;
   Mesh mesh = box_mesh(glm::vec3(kHalfRoom_m));
   mesh.attributes.resize(mesh.positions.size());
   for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
@@ -177,7 +177,7 @@ const Lensed kBentFisheye{
 }  // namespace
 
 TEST_CASE("every pixel of a distorted image shows what its ray meets, across the borders of views too") {
-  const test::Scene scene = room();
+  const test::RendererScene scene = room();
   for (const Lensed& lens : {kBarrel, kFisheye, kBentFisheye}) {
     CAPTURE(static_cast<int>(lens.model.kind));
     Camera camera = lens_camera(lens);
@@ -197,7 +197,7 @@ TEST_CASE("every pixel of a distorted image shows what its ray meets, across the
 }
 
 TEST_CASE("oversampling buys accuracy: four times as much for twice the pixels each way") {
-  const test::Scene scene = room();
+  const test::RendererScene scene = room();
   double sum[2] = {0, 0};
   for (int i = 0; i < 2; ++i) {
     // Few pixels, so that interpolation errs much more than rounding.
@@ -224,7 +224,7 @@ TEST_CASE("oversampling buys accuracy: four times as much for twice the pixels e
 }
 
 TEST_CASE("a lens that bends nothing gives the picture of a pinhole") {
-  const test::Scene scene = room();
+  const test::RendererScene scene = room();
   const Lensed straight{{.pinhole = {150, 150, 100, 80}}};
   Camera camera = lens_camera(straight);
   Camera plain(
@@ -246,7 +246,7 @@ TEST_CASE("a lens that bends nothing gives the picture of a pinhole") {
 #ifdef SIMVIS_HAS_OPENCV
 
 TEST_CASE("OpenCV takes the distortion out again") {
-  const test::Scene scene = room();
+  const test::RendererScene scene = room();
   Camera camera = lens_camera(kBarrel);
   FramePlan plan;
   take(camera, scene.list, plan);

@@ -70,8 +70,8 @@ struct Edge {
   double distance_px(const glm::dvec2& p) const { return glm::dot(p - point, normal()); }
 };
 
-test::Scene scene_with(const Edge& edge) {
-  test::Scene scene;
+test::RendererScene scene_with(const Edge& edge) {
+  test::RendererScene scene;
   scene.list.environment.background = glm::vec3(0);
   // A pixel of plan_of(..., kSize_px, ...) is 1 / kSize_px of a metre at 1 m.
   const glm::dvec2 middle(kSize_px / 2.0), p = (edge.point - middle) / static_cast<double>(kSize_px);
@@ -197,7 +197,7 @@ TEST_CASE("a half covered white pixel on black is one half in linear light, 188 
 
 TEST_CASE("16 samples are the mean of 16 pictures taken at their places") {
   Renderer renderer(device());
-  test::Scene scene;
+  test::RendererScene scene;
   scene.list.environment.background = {0.1f, 0.2f, 0.4f};
   // Edges and borders of texels (at 3.3 + 2.35 k pixels across) keep clear of the samples, at odd eighths of a pixel.
   const auto metres = [](double px) { return static_cast<float>((px - kSize_px / 2.0) / kSize_px); };
@@ -227,7 +227,7 @@ TEST_CASE("16 samples are the mean of 16 pictures taken at their places") {
 
 TEST_CASE("views of one pass, and strips with rows of guard, keep to their rectangles") {
   Renderer renderer(device());
-  test::Scene scene;
+  test::RendererScene scene;
   scene.list.environment.background = glm::vec3(0);
   scene.add(test::rectangle(-0.25, -0.25, 0.25, 0.25), unlit({1, 1, 1, 1}), test::at(0, 0, 1));
   FramePlan plan = test::plan_of(32, 4, 32, true, false);

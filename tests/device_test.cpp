@@ -58,7 +58,7 @@ class ScopedVariable {
 void draw_once(const fs::path& cache) {
   Device device({.select = "", .validation = false, .cache_dir = cache.string()});
   Renderer renderer(device);
-  test::Scene scene;
+  test::RendererScene scene;
   scene.add(test::rectangle(-1, -1, 1, 1), {}, test::at(0, 0, 2));
   const auto results = renderer.render(scene.list, test::plan_of(8, 8, 4, false, true));
   CHECK(results[0].depth[4 * 8 + 4] > 0);

@@ -30,8 +30,8 @@ const glm::vec3 kAirlight{0.7f, 0.5f, 0.9f};
 
 FramePlan square_plan(bool color, bool depth) { return plan_of(kSize, kSize, kFocal_px, color, depth); }
 
-Scene foggy(double extinction_per_m) {
-  Scene scene = scene_with_ambient(0.5);
+RendererScene foggy(double extinction_per_m) {
+  RendererScene scene = scene_with_ambient(0.5);
   scene.list.medium.extinction_per_m = extinction_per_m;
   scene.list.medium.airlight = kAirlight;
   return scene;
@@ -60,7 +60,7 @@ TEST_CASE("radiance falls exponentially along the ray, and the air's own takes i
     for (const double depth : {0.5, 3.0, 20.0, 150.0}) {
       CAPTURE(extinction);
       CAPTURE(depth);
-      Scene scene = foggy(extinction);
+      RendererScene scene = foggy(extinction);
       scene.add(kWall, unlit(color), at(0, 0, depth));
       const std::vector<glm::vec4> seen = copy(renderer.render(scene.list, square_plan(true, false))[0].color);
       int wrong = 0;
@@ -79,10 +79,10 @@ TEST_CASE("radiance falls exponentially along the ray, and the air's own takes i
 TEST_CASE("lit surfaces and emission are weakened alike; the background is the airlight") {
   Renderer renderer(device());
   constexpr double kDepth_m = 7, kExtinction = 0.1;
-  Scene scene = foggy(kExtinction), clear = scene_with_ambient(0.5);
+  RendererScene scene = foggy(kExtinction), clear = scene_with_ambient(0.5);
   Material material = colored({0.8f, 0.1f, 0.3f, 1});
   material.emissive = {0.5f, 0.25f, 0};
-  for (Scene* each : {&scene, &clear}) {
+  for (RendererScene* each : {&scene, &clear}) {
     each->add(rectangle(-5, -5, 0, 5), material, at(0, 0, kDepth_m));
     each->add_light({.kind = LightKind::point, .intensity = 60}, at(1, 1, 2));
   }
@@ -106,7 +106,7 @@ TEST_CASE("transparent surfaces are seen through the fog before each of them") {
     float grey, alpha;
   };
   constexpr Layer kLayers[] = {{12, 0.9f, 0.75f}, {6, 0.1f, 0.5f}, {2, 0.4f, 0.25f}};
-  Scene scene = foggy(kExtinction);
+  RendererScene scene = foggy(kExtinction);
   for (const Layer& layer : kLayers) {
     Material material = unlit({layer.grey, layer.grey, layer.grey, layer.alpha});
     material.alpha_mode = AlphaMode::blend;
@@ -129,14 +129,14 @@ TEST_CASE("transparent surfaces are seen through the fog before each of them") {
 }
 
 TEST_CASE("depth does not see fog, and clear air leaves every byte and counter as it was") {
-  const auto frame = [](const Scene& scene, const FramePlan& plan) {
+  const auto frame = [](const RendererScene& scene, const FramePlan& plan) {
     Renderer renderer(device());
     const PassResult& result = renderer.render(scene.list, plan)[0];
     return std::tuple(copy(result.color), copy(result.depth), renderer.counters());
   };
-  Scene fog = foggy(0.2), clear = foggy(0), plain = scene_with_ambient(0.5);
+  RendererScene fog = foggy(0.2), clear = foggy(0), plain = scene_with_ambient(0.5);
   plain.list.medium = {};
-  for (Scene* scene : {&fog, &clear, &plain}) {
+  for (RendererScene* scene : {&fog, &clear, &plain}) {
     scene->add(rectangle(-5, -5, 0, 5), colored({0.8f, 0.1f, 0.3f, 1}), at(0, 0, 4));
     Material glass = colored({0.2f, 0.3f, 0.4f, 0.75f});
     glass.alpha_mode = AlphaMode::blend;

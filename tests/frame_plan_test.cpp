@@ -35,11 +35,11 @@ Device& instrumented() {
 FramePlan square(bool color, bool depth) { return plan_of(kSide_px, kSide_px, kSide_px / 2.0, color, depth); }
 
 /// A wall that fills the view, with a texture, under one light.
-Scene lit_wall(AlphaMode mode) {
+RendererScene lit_wall(AlphaMode mode) {
   Material material;
   material.alpha_mode = mode;
   material.base_color_texture = four_texels();
-  Scene scene = textured_wall(material);
+  RendererScene scene = textured_wall(material);
   scene.add_light({}, glm::dmat4(1));
   return scene;
 }
@@ -98,7 +98,7 @@ void check_named(const Renderer& renderer, const FramePlan& plan) {
 
 TEST_CASE("depth of opaque surfaces: no target of colour, no texture, no light, no fragment is shaded") {
   Renderer renderer(instrumented());
-  const Scene scene = lit_wall(AlphaMode::opaque);
+  const RendererScene scene = lit_wall(AlphaMode::opaque);
   FramePlan plan = square(false, true);
   renderer.render(scene.list, plan);
   renderer.complete(plan);
@@ -132,7 +132,7 @@ TEST_CASE("depth of opaque surfaces: no target of colour, no texture, no light, 
 
 TEST_CASE("depth of masked surfaces: textures of masks are uploaded, others are not") {
   Renderer renderer(instrumented());
-  Scene scene = lit_wall(AlphaMode::mask);
+  RendererScene scene = lit_wall(AlphaMode::mask);
   Material opaque;
   opaque.base_color_texture = std::make_shared<Texture>(*four_texels());
   scene.add(rectangle(-1, -1, 1, 1), opaque, at(0, 0, 2));
@@ -156,7 +156,7 @@ TEST_CASE("all memory of the device is in the plan, and all that is uploaded and
   Device device(instrumented_device());
   Renderer renderer(device);
   CHECK(device.memory_bytes() == 0);  // nothing is held before a frame needs it
-  const Scene scene = lit_wall(AlphaMode::mask);
+  const RendererScene scene = lit_wall(AlphaMode::mask);
   FramePlan averaged = square(true, false);
   averaged.passes[0].name = "averaged";
   averaged.passes[0].grid = 2;
@@ -182,7 +182,7 @@ TEST_CASE("all memory of the device is in the plan, and all that is uploaded and
 TEST_CASE("a ray caster on the device names its memory too") {
   Device device(instrumented_device());
   const std::unique_ptr<RayCaster> caster = make_device_ray_caster(device);
-  const Scene scene = lit_wall(AlphaMode::opaque);
+  const RendererScene scene = lit_wall(AlphaMode::opaque);
   const std::array<glm::dvec3, 3> directions{glm::dvec3{0, 0, 1}, {0, 0.1, 1}, {1, 0, 0}};
   std::array<RayHit, 3> hits;
   FramePlan plan;
@@ -198,7 +198,7 @@ TEST_CASE("a ray caster on the device names its memory too") {
 
 TEST_CASE("stretches of the device's time nest, and add up to no more than the pass") {
   Renderer renderer(instrumented());
-  const Scene scene = lit_wall(AlphaMode::opaque);
+  const RendererScene scene = lit_wall(AlphaMode::opaque);
   FramePlan plan = square(true, true);
   plan.passes[0].width_px = 2 * kSide_px;
   plan.passes[0].views.push_back(plan.passes[0].views[0]);

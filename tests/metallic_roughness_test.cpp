@@ -62,8 +62,8 @@ std::shared_ptr<Texture> texel(std::uint8_t r, std::uint8_t g, std::uint8_t b) {
 SurfaceMap map_of(std::shared_ptr<const Texture> texture) { return {.texture = std::move(texture)}; }
 
 /// A wall in this material, lit from `toward`.
-Scene wall(const Material& material, const glm::dvec3& toward, double ambient = 0, double lux = kLux) {
-  Scene scene = scene_with_ambient(ambient);
+RendererScene wall(const Material& material, const glm::dvec3& toward, double ambient = 0, double lux = kLux) {
+  RendererScene scene = scene_with_ambient(ambient);
   scene.add(rectangle(-5, -5, 5, 5), material, at(0, 0, 2));
   scene.add_light({.kind = LightKind::directional, .intensity = lux, .direction = -toward}, glm::dmat4(1));
   return scene;
@@ -75,7 +75,7 @@ glm::dvec3 to_eye(int x, int y) {
   return -glm::normalize(glm::dvec3((x - kSide_px / 2) / double{kFocal_px}, (y - kSide_px / 2) / double{kFocal_px}, 1));
 }
 
-glm::dvec3 seen(Renderer& renderer, const Scene& scene, int x = kSide_px / 2, int y = kSide_px / 2) {
+glm::dvec3 seen(Renderer& renderer, const RendererScene& scene, int x = kSide_px / 2, int y = kSide_px / 2) {
   return glm::dvec3(
       renderer.render(scene.list, wide(true, false))[0].color[static_cast<std::size_t>(y * kSide_px + x)]);
 }
@@ -100,7 +100,7 @@ TEST_CASE("lights are reflected as appendix B says, from dielectric to metal, fr
     for (const double roughness : {0.05, 0.3, 0.7, 1.0}) {
       if (metallic == 0 && roughness == 1) continue;  // Lambert's surface, see Material
       for (const glm::dvec3& toward : kToward) {
-        const Scene scene = wall(surface(metallic, roughness), toward);
+        const RendererScene scene = wall(surface(metallic, roughness), toward);
         for (const auto& [x, y] : {std::pair{8, 8}, {3, 8}, {0, 16}, {13, 5}}) {
           CAPTURE(metallic);
           CAPTURE(roughness);
@@ -145,10 +145,10 @@ TEST_CASE("a white surface disappears in a white furnace, metal or not, and no s
       CAPTURE(metallic);
       CAPTURE(roughness);
       // A light that is off: the pipeline is that of lit surfaces.
-      Scene scene = wall(surface(metallic, roughness, glm::dvec3(1)), kToward[1], kRadiance, 0);
+      RendererScene scene = wall(surface(metallic, roughness, glm::dvec3(1)), kToward[1], kRadiance, 0);
       CHECK(seen(renderer, scene) == glm::dvec3(kRadiance));
       CHECK(seen(renderer, scene, 0, 0) == glm::dvec3(kRadiance));
-      Scene colored_wall = wall(surface(metallic, roughness), kToward[1], kRadiance, 0);
+      RendererScene colored_wall = wall(surface(metallic, roughness), kToward[1], kRadiance, 0);
       check(seen(renderer, colored_wall), kBase * double{kRadiance}, 4 * 0x1p-24);
     }
   }
@@ -162,7 +162,7 @@ TEST_CASE("in a furnace of lights a rough surface reflects no more than arrives"
   for (const double metallic : {0.0, 1.0}) {
     CAPTURE(metallic);
     constexpr double kRoughness = 0.75;
-    Scene scene = scene_with_ambient(0);
+    RendererScene scene = scene_with_ambient(0);
     scene.add(rectangle(-5, -5, 5, 5), surface(metallic, kRoughness, glm::dvec3(1)), at(0, 0, 2));
     double expected = 0;
     for (int i = 0; i < kLights; ++i) {
@@ -184,7 +184,7 @@ TEST_CASE("of a furnace of lights the roughest metal reflects 1 - ln 2 straight 
   // from 0 to 1 this is. Its second derivative is at most 2: so far off is the sum at the middles of equal steps.
   constexpr int kLights = 32;
   constexpr double kSum = 2.0 / 24 / (kLights * kLights);
-  Scene scene = scene_with_ambient(0);
+  RendererScene scene = scene_with_ambient(0);
   scene.add(rectangle(-5, -5, 5, 5), surface(1, 1, glm::dvec3(1)), at(0, 0, 2));
   for (int i = 0; i < kLights; ++i) {
     const double cosine = (i + 0.5) / kLights;
@@ -215,7 +215,7 @@ TEST_CASE("an emission map is a colour and multiplies the emission") {
   material.emissive = {2, 4, 1};
   material.map(MapKind::emissive) = map_of(texel(188, 90, 0));
   const auto linear = [](int srgb) { return std::pow((srgb / 255.0 + 0.055) / 1.055, 2.4); };
-  Scene scene = scene_with_ambient(0.5);
+  RendererScene scene = scene_with_ambient(0.5);
   scene.add(rectangle(-5, -5, 5, 5), material, at(0, 0, 2));
   check(seen(renderer, scene), glm::dvec3(2 * linear(188), 4 * linear(90), 0), tolerance(1), 4 * kTexel);
 }
@@ -236,7 +236,7 @@ TEST_CASE("each map has its own set and transform of texture coordinates") {
   material.map(MapKind::occlusion) = map_of(texels);
   material.map(MapKind::occlusion).uv_set = 1;
   material.map(MapKind::occlusion).uv_transform[2].x = 0.25f;  // texel 2
-  Scene scene = scene_with_ambient(1);
+  RendererScene scene = scene_with_ambient(1);
   scene.add(mesh, material, at(0, 0, 2));
   const auto linear = [](int srgb) { return std::pow((srgb / 255.0 + 0.055) / 1.055, 2.4); };
   check(seen(renderer, scene), kBase * linear(kGrey[1]) * (kGrey[2] / 255.0) + linear(kGrey[0]), tolerance(1),
@@ -265,7 +265,7 @@ TEST_CASE("depth is the same, and costs the same, whatever the surface") {
     plain.base_color_texture = four_texels();
     plain.emissive = glm::vec3(1);
     Renderer one(device()), other(device());
-    const Scene simple = wall(plain, kToward[0]), rich = wall(with_all_maps(plain), kToward[0]);
+    const RendererScene simple = wall(plain, kToward[0]), rich = wall(with_all_maps(plain), kToward[0]);
     for (int frame = 0; frame < 2; ++frame) {
       const std::vector<float> depth = copy(one.render(simple.list, wide(false, true))[0].depth);
       CHECK(same_bytes<float>(depth, other.render(rich.list, wide(false, true))[0].depth));
@@ -289,7 +289,7 @@ TEST_CASE("maps that change nothing are not there: the same bytes and counters")
   unlit.unlit = unlit_plain.unlit = true;
   Renderer one(device()), other(device());
   for (const auto& [a, b] : {std::pair{plain, off}, std::pair{unlit_plain, unlit}}) {
-    const Scene simple = wall(a, kToward[1], 0.5), named = wall(b, kToward[1], 0.5);
+    const RendererScene simple = wall(a, kToward[1], 0.5), named = wall(b, kToward[1], 0.5);
     const std::vector<glm::vec4> color = copy(one.render(simple.list, wide(true, false))[0].color);
     CHECK(same_bytes<glm::vec4>(color, other.render(named.list, wide(true, false))[0].color));
     CHECK(one.counters() == other.counters());
@@ -301,7 +301,7 @@ TEST_CASE("without a light neither relief nor roughness is read") {
   Material shaped = surface(0, 1);
   shaped.map(MapKind::normal) = shaped.map(MapKind::metallic_roughness) = map_of(texel(10, 20, 30));
   shaped.metallic = 1;
-  Scene simple = wall(surface(0, 1), kToward[0], 0.5), named = wall(shaped, kToward[0], 0.5);
+  RendererScene simple = wall(surface(0, 1), kToward[0], 0.5), named = wall(shaped, kToward[0], 0.5);
   simple.list.lights.clear();
   named.list.lights.clear();
   const std::vector<glm::vec4> color = copy(one.render(simple.list, wide(true, false))[0].color);
@@ -311,7 +311,7 @@ TEST_CASE("without a light neither relief nor roughness is read") {
 }
 
 TEST_CASE("the plan names the effect where colour shows it, and just there") {
-  const auto planned = [](const Scene& scene, EffectOutput output) {
+  const auto planned = [](const RendererScene& scene, EffectOutput output) {
     FramePlan plan;
     plan.passes.push_back({.name = "CAM", .color = output == kShownInColor, .depth = output == kShownInDepth});
     plan_scene_effects("CAM", 0, scene.list, plan);

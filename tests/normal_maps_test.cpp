@@ -44,14 +44,14 @@ Material matte(const std::shared_ptr<const Texture>& normals = nullptr) {
 }
 
 /// The rectangle of renderer_scene.h: u runs along +x, v along +y, outwards is -z.
-Scene lit(const Mesh& mesh, const Material& material, const glm::dmat4& m, const glm::dvec3& toward) {
-  Scene scene = scene_with_ambient(0);
+RendererScene lit(const Mesh& mesh, const Material& material, const glm::dmat4& m, const glm::dvec3& toward) {
+  RendererScene scene = scene_with_ambient(0);
   scene.add(mesh, material, m);
   scene.add_light({.kind = LightKind::directional, .intensity = kLux, .direction = -toward}, glm::dmat4(1));
   return scene;
 }
 
-double seen(Renderer& renderer, const Scene& scene) {
+double seen(Renderer& renderer, const RendererScene& scene) {
   return renderer.render(scene.list, plan_of(17, 17, 8, true, false))[0].color[8 * 17 + 8].r;
 }
 

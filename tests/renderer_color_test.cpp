@@ -23,7 +23,7 @@ constexpr double kShading = 4e-5;  // relative
 constexpr double kVertexColor = 1.0 / 65535;
 // The driver may decode sRGB by a table or a polynomial: half a step of 8 bits in linear light at most.
 constexpr double kTexel = 0.5 / 255;
-glm::vec4 middle(Renderer& renderer, const Scene& scene, FramePlan plan = plan_of(17, 17, 8, true, false)) {
+glm::vec4 middle(Renderer& renderer, const RendererScene& scene, FramePlan plan = plan_of(17, 17, 8, true, false)) {
   const std::uint32_t width = plan.passes[0].width_px, height = plan.passes[0].height_px;
   return renderer.render(scene.list, plan)[0].color[height / 2 * width + width / 2];
 }
@@ -37,7 +37,7 @@ double linear(int srgb) {
 
 TEST_CASE("background, ambient light, emission and unlit surfaces") {
   Renderer renderer(device());
-  Scene scene = scene_with_ambient(0.5);
+  RendererScene scene = scene_with_ambient(0.5);
   CHECK(middle(renderer, scene) == glm::vec4(kBackground, kBackground, kBackground, 1));
   Material material = colored({0.8f, 0.4f, 0.2f, 1});
   material.emissive = {0.1f, 0.2f, 3.0f};
@@ -48,7 +48,7 @@ TEST_CASE("background, ambient light, emission and unlit surfaces") {
   CHECK(seen.b == doctest::Approx(0.5 * 0.2 + 3.0).epsilon(kShading));
   CHECK(seen.a == 1);
   material.unlit = true;
-  Scene bright = scene_with_ambient(0.5);
+  RendererScene bright = scene_with_ambient(0.5);
   bright.add(rectangle(-5, -5, 5, 5), material, at(0, 0, 2));
   bright.add_light({.kind = LightKind::directional, .intensity = 100, .direction = {0, 0, 1}}, glm::dmat4(1));
   CHECK(middle(renderer, bright) == glm::vec4(0.8f, 0.4f, 0.2f, 1));
@@ -56,7 +56,7 @@ TEST_CASE("background, ambient light, emission and unlit surfaces") {
 
 TEST_CASE("a directional light follows Lambert's law, in the light's own frame") {
   Renderer renderer(device());
-  Scene scene = scene_with_ambient(0.125);
+  RendererScene scene = scene_with_ambient(0.125);
   scene.add(rectangle(-5, -5, 5, 5), colored({0.5f, 0.5f, 0.5f, 1}), at(0, 0, 2));
   const double tilt = 0.6;
   // Turned about y, a light along z shines at an angle onto the wall.
@@ -75,7 +75,7 @@ TEST_CASE("a directional light follows Lambert's law, in the light's own frame")
 
 TEST_CASE("a point light falls off with the square of the distance and ends at its range") {
   Renderer renderer(device());
-  Scene scene = scene_with_ambient(0);
+  RendererScene scene = scene_with_ambient(0);
   scene.add(rectangle(-5, -5, 5, 5), colored({0.5f, 0.5f, 0.5f, 1}), at(0, 0, 3));
   const glm::dvec3 place(1, 0.5, 1), to_light = place - glm::dvec3(0, 0, 3);
   const double d = glm::length(to_light), cosine = 2 / d;
@@ -90,7 +90,7 @@ TEST_CASE("a point light falls off with the square of the distance and ends at i
 
 TEST_CASE("a spot light fades between its cones") {
   Renderer renderer(device());
-  Scene scene = scene_with_ambient(0);
+  RendererScene scene = scene_with_ambient(0);
   scene.add(rectangle(-5, -5, 5, 5), colored({1, 1, 1, 1}), at(0, 0, 3));
   // From (0, 0, 1) onto the middle of the wall; the axis is turned away by `away`.
   const auto seen = [&](double away) {
@@ -113,7 +113,7 @@ TEST_CASE("a spot light fades between its cones") {
 
 TEST_CASE("many lights add up, in any number of views") {
   Renderer renderer(device());
-  Scene scene = scene_with_ambient(0);
+  RendererScene scene = scene_with_ambient(0);
   scene.add(rectangle(-5, -5, 5, 5), colored({1, 1, 1, 1}), at(0, 0, 2));
   for (int i = 0; i < 100; ++i) {
     scene.add_light({.kind = LightKind::directional, .intensity = 0.5, .direction = {0, 0, 1}}, glm::dmat4(1));
@@ -132,7 +132,7 @@ TEST_CASE("many lights add up, in any number of views") {
 
 TEST_CASE("more lights than a view takes are refused, with their number and the limit") {
   Renderer renderer(device());
-  Scene scene = scene_with_ambient(0);
+  RendererScene scene = scene_with_ambient(0);
   scene.add(rectangle(-5, -5, 5, 5), colored({1, 1, 1, 1}), at(0, 0, 2));
   for (int i = 0; i < SIMVIS_MAX_LIGHTS + 1; ++i) {
     scene.add_light({.kind = LightKind::directional, .direction = {0, 0, 1}}, glm::dmat4(1));
@@ -150,7 +150,7 @@ TEST_CASE("normals survive scale that is mirrored and not uniform, and face the 
     for (const bool back : {false, true}) {
       CAPTURE(sx);
       CAPTURE(back);
-      Scene scene = scene_with_ambient(0);
+      RendererScene scene = scene_with_ambient(0);
       Material material = colored({1, 1, 1, 1});
       material.double_sided = true;
       // The wall is tilted in its own frame, then stretched: its normal does not turn like its points.
@@ -169,7 +169,7 @@ TEST_CASE("vertex colours multiply the base colour and are clamped to 1") {
   Renderer renderer(device());
   Mesh mesh = rectangle(-5, -5, 5, 5);
   for (VertexAttributes& a : mesh.attributes) a.color = {0.5f, 0.25f, 4.0f, 1};
-  Scene scene = scene_with_ambient(1);
+  RendererScene scene = scene_with_ambient(1);
   scene.add(mesh, colored({0.5f, 1, 1, 1}), at(0, 0, 2));
   const glm::vec4 seen = middle(renderer, scene);
   CHECK(std::abs(seen.r - 0.25) <= kVertexColor);
@@ -182,7 +182,7 @@ TEST_CASE("textures are decoded from sRGB and sampled where uv says") {
   Material material;
   material.base_color_texture = four_texels();
   const auto columns = [&](const Material& m) {
-    const Scene scene = textured_wall(m);
+    const RendererScene scene = textured_wall(m);
     const auto color = renderer.render(scene.list, wall_plan(true, false))[0].color;
     return std::array<float, 4>{color[0].r, color[5].r, color[10].r, color[15].r};
   };
@@ -216,7 +216,7 @@ TEST_CASE("the second set of texture coordinates is used when the material says 
     Material material;
     material.base_color_texture = four_texels();
     material.uv_set = set;
-    Scene scene = scene_with_ambient(1);
+    RendererScene scene = scene_with_ambient(1);
     scene.add(mesh, material, at(0, 0, 1));
     const auto color = renderer.render(scene.list, wall_plan(true, false))[0].color;
     CHECK(std::abs(color[0].r - linear(kGrey[set == 0 ? 3 : 0])) <= kTexel);
@@ -238,7 +238,7 @@ TEST_CASE("far away a mipmapped texture shows its mean, one without mips shows s
         .magnify = Filter::nearest, .minify = Filter::nearest, .between_mips = Filter::nearest, .mipmapped = mipmapped};
     Material material;
     material.base_color_texture = texture;
-    const Scene scene = textured_wall(material);
+    const RendererScene scene = textured_wall(material);
     return renderer.render(scene.list, wall_plan(true, false))[0].color[5].r;
   };
   // The mean is taken in linear light; each of the levels rounds to 8 bits of sRGB, half a step of 1/255 there, which
@@ -254,7 +254,7 @@ TEST_CASE("masked texels below the cutoff are holes, in colour and in depth") {
   material.alpha_mode = AlphaMode::mask;
   material.alpha_cutoff = 0.5f;
   material.base_color_texture = four_texels();  // alpha 0, 0.39, 0.78, 1
-  const Scene scene = textured_wall(material);
+  const RendererScene scene = textured_wall(material);
   for (const bool color : {false, true}) {
     const PassResult result = renderer.render(scene.list, wall_plan(color, true))[0];
     for (int x = 0; x < 4; ++x) {
@@ -273,7 +273,7 @@ TEST_CASE("without a texture, alpha of material and vertices decides what a mask
     Material material = colored({1, 1, 1, alpha});
     material.alpha_mode = AlphaMode::mask;
     material.alpha_cutoff = 0.4f;
-    Scene scene = scene_with_ambient(1);
+    RendererScene scene = scene_with_ambient(1);
     scene.add(mesh, material, at(0, 0, 1));
     CHECK((renderer.render(scene.list, wall_plan(false, true))[0].depth[5] > 0) == (alpha * 0.5f > 0.4f));
   }
@@ -289,7 +289,7 @@ TEST_CASE("blended surfaces lie over what is behind them, and depth meets the ha
   };
   Material wall = colored({0.1f, 0.1f, 0.1f, 1});
   wall.unlit = true;
-  Scene scene = scene_with_ambient(1);
+  RendererScene scene = scene_with_ambient(1);
   // In an order that is neither front to back nor back to front.
   scene.add(rectangle(-9, -9, 9, 9), glass(0.4f, 0.25f), at(0, 0, 2));
   scene.add(rectangle(-9, -9, 9, 9), wall, at(0, 0, 5));
@@ -321,7 +321,7 @@ TEST_CASE("a blended sky all around the view lies behind what is blended near it
   }
   for (const std::uint32_t index : behind.indices) sky.indices.push_back(index + 4);
   compute_bounds(sky);
-  Scene scene = scene_with_ambient(1);
+  RendererScene scene = scene_with_ambient(1);
   scene.add(rectangle(-9, -9, 9, 9), glass(0.8f), at(0, 0, 2));
   scene.add(sky, glass(0.2f), at(0, 0, 0));
   const double expected = (kBackground * 0.5 + 0.2 * 0.5) * 0.5 + 0.8 * 0.5;
@@ -331,7 +331,7 @@ TEST_CASE("a blended sky all around the view lies behind what is blended near it
 
 TEST_CASE("a colour pass gives the same depth as a depth pass") {
   Renderer renderer(device());
-  Scene scene = scene_with_ambient(1);
+  RendererScene scene = scene_with_ambient(1);
   for (int i = 0; i < 12; ++i) {
     const glm::dmat4 m = glm::rotate(at(i * 0.3 - 1.6, 0.1 * i - 0.5, 3), 0.2 * i, glm::dvec3(0.3, 1, 0.2));
     Material material;

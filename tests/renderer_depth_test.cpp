@@ -33,7 +33,7 @@ Mesh cube() {
   return mesh;
 }
 
-void add_random_cubes(Scene& scene, int count) {
+void add_random_cubes(RendererScene& scene, int count) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> place(-20, 20), angle(-3, 3), size(0.1, 1.5);
   const std::uint32_t mesh = scene.add_mesh(cube());
@@ -51,7 +51,7 @@ void add_random_cubes(Scene& scene, int count) {
 
 TEST_CASE("a wall at a known distance has depth near / z at every pixel") {
   Renderer renderer(device());
-  Scene scene;
+  RendererScene scene;
   scene.add(rectangle(-10, -10, 10, 10), {}, at(0, 0, 4));
   const FramePlan plan = plan_of(64, 48, 32, false, true);
   const auto results = renderer.render(scene.list, plan);
@@ -71,7 +71,7 @@ TEST_CASE("a wall at a known distance has depth near / z at every pixel") {
 
 TEST_CASE("depth is affine in the pixel on a slanted wall") {
   Renderer renderer(device());
-  Scene scene;
+  RendererScene scene;
   const double slant = 1.0;
   const glm::dmat4 turned = glm::rotate(at(0, 0, 5), slant, glm::dvec3(0, 1, 0));
   scene.add(rectangle(-100, -100, 100, 100), {}, turned);
@@ -99,7 +99,7 @@ TEST_CASE("depth is affine in the pixel on a slanted wall") {
 TEST_CASE("background is 0, nearer is greater, and the nearer surface wins in any order") {
   Renderer renderer(device());
   for (const bool near_first : {false, true}) {
-    Scene scene;
+    RendererScene scene;
     const double first = near_first ? 2 : 8, second = near_first ? 8 : 2;
     scene.add(rectangle(-1, -1, 1, 1), {}, at(0, 0, first));
     scene.add(rectangle(-1, -1, 1, 1), {}, at(0, 0, second));
@@ -111,7 +111,7 @@ TEST_CASE("background is 0, nearer is greater, and the nearer surface wins in an
 
 TEST_CASE("an edge falls where the pinhole says") {
   Renderer renderer(device());
-  Scene scene;
+  RendererScene scene;
   // Left edge at u = cx + fx * x / z = 20.25 + 40 * (-0.5) / 2 = 10.25, upper edge at v = 11.75 + 50 * 0.1 / 2 = 14.25.
   scene.add(rectangle(-0.5f, 0.1f, 9, 9), {}, at(0, 0, 2));
   FramePlan plan = plan_of(40, 30, 40, false, true);
@@ -137,7 +137,7 @@ TEST_CASE("an edge falls where the pinhole says") {
 
 TEST_CASE("views of one pass stay in their rectangles") {
   Renderer renderer(device());
-  Scene scene;
+  RendererScene scene;
   scene.add(rectangle(-100, -100, 100, 100), {}, at(0, 0, 4));
   FramePlan plan = plan_of(64, 8, 16, false, true);
   View& left = view_of(plan);
@@ -167,7 +167,7 @@ TEST_CASE("views of one pass stay in their rectangles") {
 
 TEST_CASE("items that share a mesh are one draw, and each stands at its place") {
   Renderer renderer(device());
-  Scene scene;
+  RendererScene scene;
   const std::uint32_t mesh = scene.add_mesh(rectangle(-0.4f, -0.4f, 0.4f, 0.4f));
   const std::uint32_t material = scene.add_material({});
   for (int i = 0; i < 8; ++i) scene.add(mesh, material, at(i - 3.5, 0, 4 + i));
@@ -196,7 +196,7 @@ TEST_CASE("back faces are dropped unless the view or the material asks for them,
           if (mirrored) m = glm::scale(m, glm::dvec3(-1, 1, 1));
           Material material;
           material.double_sided = double_sided;
-          Scene scene;
+          RendererScene scene;
           scene.add(rectangle(-1, -1, 1, 1), material, m);
           FramePlan plan = plan_of(16, 16, 16, false, true);
           view_of(plan).sees_back_faces = sees_back;
@@ -210,7 +210,7 @@ TEST_CASE("back faces are dropped unless the view or the material asks for them,
 
 TEST_CASE("culling saves draws and changes no byte") {
   Renderer renderer(device());
-  Scene scene;
+  RendererScene scene;
   add_random_cubes(scene, 400);
   FramePlan plan = plan_of(128, 4, 64, false, true);
   const std::vector<float> culled = copy(renderer.render(scene.list, plan)[0].depth);
@@ -231,7 +231,7 @@ TEST_CASE("culling saves draws and changes no byte") {
 TEST_CASE("a rectangle of a wider image is the same as the view of that rectangle") {
   // The strip's sides cut the scene elsewhere than the wide view's, so this holds up to what clipping rounds.
   Renderer renderer(device());
-  Scene scene;
+  RendererScene scene;
   add_random_cubes(scene, 400);
   const std::vector<float> wide = copy(renderer.render(scene.list, plan_of(128, 128, 64, false, true))[0].depth);
   FramePlan strip = plan_of(128, 1, 64, false, true);
@@ -250,7 +250,7 @@ TEST_CASE("a rectangle of a wider image is the same as the view of that rectangl
 TEST_CASE("an offset that cancels exactly changes no byte") {
   Renderer renderer(device());
   const double far = 1e7;
-  Scene here, there;
+  RendererScene here, there;
   for (int i = 0; i < 20; ++i) {
     const glm::dmat4 m = at(i * 0.25 - 2.5, (i % 5) * 0.5 - 1, 3 + i * 0.125);
     here.add(rectangle(-0.2f, -0.3f, 0.2f, 0.3f), {}, m);
@@ -265,7 +265,7 @@ TEST_CASE("an offset that cancels exactly changes no byte") {
 
 TEST_CASE("what stands before the near plane is clipped away") {
   Renderer renderer(device());
-  Scene scene;
+  RendererScene scene;
   scene.add(rectangle(-1, -1, 1, 1), {}, at(0, 0, 0.049));
   scene.add(rectangle(-1, -1, 1, 1), {}, at(0, 0, -2));
   const auto depth = renderer.render(scene.list, plan_of(16, 16, 8, false, true))[0].depth;
@@ -289,7 +289,7 @@ TEST_CASE("lines and points are drawn only for views that see them") {
   point.attributes.resize(1);
   point.indices = {0};
   compute_bounds(point);
-  Scene scene;
+  RendererScene scene;
   scene.add(line, {}, at(0, 0, 2));
   scene.add(point, {}, at(0, 0, 2));
   FramePlan plan = plan_of(32, 32, 16, false, true);
@@ -306,7 +306,7 @@ TEST_CASE("lines and points are drawn only for views that see them") {
 
 TEST_CASE("an empty plan submits nothing, an empty list clears") {
   Renderer renderer(device());
-  Scene scene;
+  RendererScene scene;
   scene.add(rectangle(-1, -1, 1, 1), {}, at(0, 0, 2));
   CHECK(renderer.render(scene.list, {}).empty());
   CHECK(renderer.counters() == FrameCounters{});
@@ -316,7 +316,7 @@ TEST_CASE("an empty plan submits nothing, an empty list clears") {
 
 TEST_CASE("a pass that is too large is the user's error, and the renderer lives on") {
   Renderer renderer(device());
-  Scene scene;
+  RendererScene scene;
   scene.add(rectangle(-1, -1, 1, 1), {}, at(0, 0, 2));
   FramePlan plan = plan_of(1u << 20, 16, 8, false, true);
   plan.passes[0].name = "HUGE";
@@ -342,7 +342,7 @@ TEST_CASE("meshes come and go, and what stays is neither uploaded again nor lost
     mesh.attributes.resize(mesh.positions.size());
     return mesh;
   };
-  Scene scene;
+  RendererScene scene;
   scene.add(grid(0), {}, at(0, 0, 9));
   for (int i = 8; i >= 2; --i) {
     scene.add(grid(1), {}, at(0, 0, i));

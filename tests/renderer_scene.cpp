@@ -39,8 +39,8 @@ FramePlan plan_of(std::uint32_t width, std::uint32_t height, double f_px, bool c
   return {{pass}};
 }
 
-Scene scene_with_ambient(double ambient) {
-  Scene scene;
+RendererScene scene_with_ambient(double ambient) {
+  RendererScene scene;
   scene.list.environment.ambient = glm::vec3(static_cast<float>(ambient));
   scene.list.environment.background = glm::vec3(kBackground);
   return scene;
@@ -66,38 +66,40 @@ std::shared_ptr<Texture> four_texels() {
   return texture;
 }
 
-Scene textured_wall(Material material) {
-  Scene scene = scene_with_ambient(1);
+RendererScene textured_wall(Material material) {
+  RendererScene scene = scene_with_ambient(1);
   scene.add(rectangle(-1, -1, 1, 1), material, at(0, 0, 1));
   return scene;
 }
 
-Scene::Scene() { list.world_from_node = {glm::dmat4(1)}; }
+RendererScene::RendererScene() { list.world_from_node = {glm::dmat4(1)}; }
 
-std::uint32_t Scene::add_mesh(Mesh mesh) {
+std::uint32_t RendererScene::add_mesh(Mesh mesh) {
   list.meshes.push_back(std::make_shared<const Mesh>(std::move(mesh)));
   return static_cast<std::uint32_t>(list.meshes.size() - 1);
 }
 
-std::uint32_t Scene::add_material(Material material) {
+std::uint32_t RendererScene::add_material(Material material) {
   list.materials.push_back(std::make_shared<const Material>(std::move(material)));
   list.material_revision.push_back(0);
   return static_cast<std::uint32_t>(list.materials.size() - 1);
 }
 
-std::uint32_t Scene::add_transform(const glm::dmat4& m) {
+std::uint32_t RendererScene::add_transform(const glm::dmat4& m) {
   list.world_from_node.push_back(m);
   return static_cast<std::uint32_t>(list.world_from_node.size() - 1);
 }
 
-void Scene::add(std::uint32_t mesh, std::uint32_t material, const glm::dmat4& m) {
+void RendererScene::add(std::uint32_t mesh, std::uint32_t material, const glm::dmat4& m) {
   list.items.push_back({mesh, material, add_transform(m)});
 }
 
-void Scene::add(Mesh mesh, Material material, const glm::dmat4& m) {
+void RendererScene::add(Mesh mesh, Material material, const glm::dmat4& m) {
   add(add_mesh(std::move(mesh)), add_material(std::move(material)), m);
 }
 
-void Scene::add_light(const Light& light, const glm::dmat4& m) { list.lights.push_back({light, add_transform(m)}); }
+void RendererScene::add_light(const Light& light, const glm::dmat4& m) {
+  list.lights.push_back({light, add_transform(m)});
+}
 
 }  // namespace simvis::test

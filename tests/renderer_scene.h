@@ -26,10 +26,10 @@ inline glm::dmat4 at(double x, double y, double z) {
 }
 
 /// A draw list that grows by whole items.
-struct Scene {
+struct RendererScene {
   DrawList list;
 
-  Scene();
+  RendererScene();
 
   std::uint32_t add_mesh(Mesh mesh);
   std::uint32_t add_material(Material material);
@@ -62,7 +62,7 @@ inline Device& device() {
 
 inline constexpr float kBackground = 0.25f;
 
-Scene scene_with_ambient(double ambient);
+RendererScene scene_with_ambient(double ambient);
 
 Material colored(glm::vec4 base);
 
@@ -71,7 +71,7 @@ inline constexpr int kGrey[4] = {30, 90, 170, 250}, kAlpha[4] = {0, 100, 200, 25
 std::shared_ptr<Texture> four_texels();
 
 // A wall that fills a 4 x 4 view: one texel of `four_texels` per column when uv runs from 0 to 1.
-Scene textured_wall(Material material);
+RendererScene textured_wall(Material material);
 
 inline FramePlan wall_plan(bool color, bool depth) { return plan_of(4, 4, 2, color, depth); }
 

@@ -16,7 +16,7 @@ TEST_CASE("only what a pass can show is uploaded, and only once") {
   large->rgba.resize(64 * 64 * 4, 200);
   Material painted, plain;
   painted.base_color_texture = large;
-  Scene scene = scene_with_ambient(1);
+  RendererScene scene = scene_with_ambient(1);
   scene.add(rectangle(-1, -1, 1, 1), painted, at(0, 0, 2));
   scene.add(rectangle(-1, -1, 1, 1), plain, at(0, 0, 3));
   constexpr std::uint64_t kPositions = 2 * (4 * 12 + 6 * 4), kAttributes = 2 * 4 * 32,
@@ -38,7 +38,7 @@ TEST_CASE("only what a pass can show is uploaded, and only once") {
 
 TEST_CASE("a changed material uploads its slot and nothing else") {
   Renderer renderer(device());
-  Scene scene = scene_with_ambient(1);
+  RendererScene scene = scene_with_ambient(1);
   auto material = std::make_shared<Material>(colored({0.5f, 0.5f, 0.5f, 1}));
   scene.add(rectangle(-1, -1, 1, 1), {}, at(0, 0, 1));
   scene.list.materials[0] = material;
@@ -65,7 +65,7 @@ TEST_CASE("staging copies bring the same as writing straight into device memory"
     Renderer renderer(own);
     Material material;
     material.base_color_texture = four_texels();
-    Scene scene = textured_wall(material);
+    RendererScene scene = textured_wall(material);
     std::vector<glm::vec4> pixels;
     // The second round has the buffers grow while they hold what stays.
     for (const int extra : {0, 5000}) {
@@ -86,7 +86,7 @@ TEST_CASE("staging copies bring the same as writing straight into device memory"
 TEST_CASE("lists of different origin are not mistaken for each other") {
   Renderer renderer(device());
   for (const float grey : {0.25f, 0.5f, 0.75f}) {
-    Scene scene = scene_with_ambient(1);
+    RendererScene scene = scene_with_ambient(1);
     scene.add(rectangle(-1, -1, 1, 1), colored({grey, grey, grey, 1}), at(0, 0, 1));
     CHECK(renderer.render(scene.list, wall_plan(true, false))[0].color[5].r == grey);
   }
@@ -101,16 +101,16 @@ TEST_CASE("a texture that is too large is the user's error, and the renderer liv
   wide->rgba.resize(std::size_t{4} << 18, 255);
   Material material;
   material.base_color_texture = wide;
-  const Scene scene = textured_wall(material);
+  const RendererScene scene = textured_wall(material);
   CHECK_THROWS_WITH_AS(renderer.render(scene.list, wall_plan(true, false)), doctest::Contains("WIDE"), InputError);
-  const Scene plain = textured_wall(colored({0.5f, 0.5f, 0.5f, 1}));
+  const RendererScene plain = textured_wall(colored({0.5f, 0.5f, 0.5f, 1}));
   CHECK(renderer.render(plain.list, wall_plan(true, false))[0].color[5].r == 0.5f);
   CHECK(renderer.render(scene.list, wall_plan(false, true))[0].depth[5] > 0);
 }
 
 TEST_CASE("passes of one plan have results of their own") {
   Renderer renderer(device());
-  Scene scene = scene_with_ambient(1);
+  RendererScene scene = scene_with_ambient(1);
   scene.add(rectangle(-9, -9, 9, 9), colored({0.5f, 0.5f, 0.5f, 1}), at(0, 0, 2));
   FramePlan plan = wall_plan(true, true);
   plan.passes.push_back(plan.passes[0]);
@@ -128,7 +128,7 @@ TEST_CASE("passes of one plan have results of their own") {
 
 TEST_CASE("a transform that becomes mirrored turns the winding of what is drawn") {
   Renderer renderer(device());
-  Scene scene = scene_with_ambient(1);
+  RendererScene scene = scene_with_ambient(1);
   scene.add(rectangle(-1, -1, 1, 1), {}, at(0, 0, 1));
   CHECK(renderer.render(scene.list, wall_plan(false, true))[0].depth[5] > 0);
   scene.list.world_from_node[1][0].x = -1;
@@ -140,7 +140,7 @@ TEST_CASE("each item shows its own texture, and textures that go leave nothing b
   Renderer renderer(device());
   std::uint64_t objects = 0;
   for (int round = 0; round < 40; ++round) {
-    Scene scene = scene_with_ambient(1);
+    RendererScene scene = scene_with_ambient(1);
     for (int i = 0; i < 4; ++i) {
       auto texture = std::make_shared<Texture>();
       texture->name = "grey";

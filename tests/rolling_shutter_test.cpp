@@ -22,8 +22,8 @@ constexpr double kSnap_px = 0.01;
 // A bright plate whose left edge stands straight before where the camera will be in the middle of its way.
 const double kEdge_m = kSpeed_m_s * kPeriod_s / 2;
 
-test::Scene plate() {
-  test::Scene scene;
+test::RendererScene plate() {
+  test::RendererScene scene;
   scene.list.environment.background = glm::vec3(0);
   Material bright;
   bright.unlit = bright.double_sided = true;
@@ -64,7 +64,7 @@ struct Barrel : CameraEffect {
 
 // The camera at rest at time 0, and at time kPeriod_s where it has moved to the right.
 struct Journey {
-  test::Scene scene = plate();
+  test::RendererScene scene = plate();
   Renderer renderer{test::device()};
 
   void take(Camera& camera, std::uint64_t frame) {

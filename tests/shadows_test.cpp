@@ -43,8 +43,8 @@ struct Floor {
   glm::dvec3 origin{0};  // what the rest is relative to
   std::uint32_t grid = 1, msaa = 1;
 
-  Scene scene() const {
-    Scene made = scene_with_ambient(kAmbient);
+  RendererScene scene() const {
+    RendererScene made = scene_with_ambient(kAmbient);
     glm::dmat4 upwards(1);
     upwards[1][1] = upwards[2][2] = -1;
     upwards[3] = glm::dvec4(origin, 1);
@@ -67,17 +67,17 @@ struct Floor {
   }
 };
 
-FramePlan with_shadows(const Scene& scene, FramePlan plan) {
+FramePlan with_shadows(const RendererScene& scene, FramePlan plan) {
   plan_shadows(scene.list, device().target_limits(), plan);
   return plan;
 }
 
-std::vector<glm::vec4> picture(const Scene& scene, const FramePlan& plan) {
+std::vector<glm::vec4> picture(const RendererScene& scene, const FramePlan& plan) {
   static Renderer renderer(device());
   return copy(renderer.render(scene.list, plan)[0].color);
 }
 
-std::vector<glm::vec4> picture_without(Scene scene, const FramePlan& plan) {
+std::vector<glm::vec4> picture_without(RendererScene scene, const FramePlan& plan) {
   for (LightItem& item : scene.list.lights) item.light.shadow_px = 0;
   return picture(scene, plan);
 }
@@ -137,7 +137,7 @@ struct Outcome {
 
 // Holds each pixel against the truth, unless that changes within `radius` texels.
 Outcome examine(const Floor& floor, double radius_texels) {
-  const Scene scene = floor.scene();
+  const RendererScene scene = floor.scene();
   const FramePlan plan = with_shadows(scene, floor.plan());
   REQUIRE(plan.passes.size() == 2);
   const std::vector<glm::vec4> seen = picture(scene, plan), bright = picture_without(scene, floor.plan());
@@ -253,7 +253,7 @@ TEST_CASE("no surface shades itself: grazing light on planes is to the bit what 
       CAPTURE(elevation);
       CAPTURE(azimuth);
       const Floor floor{.light = sun(azimuth, elevation, 64)};
-      const Scene scene = floor.scene();
+      const RendererScene scene = floor.scene();
       const std::vector<glm::vec4> seen = picture(scene, with_shadows(scene, floor.plan()));
       CHECK(same_bytes(std::span<const glm::vec4>(seen), {picture_without(scene, floor.plan())}));
     }
@@ -261,8 +261,8 @@ TEST_CASE("no surface shades itself: grazing light on planes is to the bit what 
 }
 
 // Two planes that meet at x = 0, rising by these angles to the left and to the right, seen from above.
-Scene folded(double left_deg, double right_deg, const Light& light) {
-  Scene scene = scene_with_ambient(kAmbient);
+RendererScene folded(double left_deg, double right_deg, const Light& light) {
+  RendererScene scene = scene_with_ambient(kAmbient);
   for (const double side : {-1.0, 1.0}) {
     const double angle = (side < 0 ? left_deg : right_deg) * kPi / 180;
     const glm::dvec3 along(side * std::cos(angle), 0, std::sin(angle)), across(0, 1, 0);
@@ -288,7 +288,7 @@ TEST_CASE("planes that meet do not shade each other where light falls on both: i
       const double e = fold.elevation_deg * kPi / 180;
       Light light = sun(0, 0, px);
       light.direction = glm::normalize(glm::dvec3(-std::cos(e), 0.2, -std::sin(e)));
-      const Scene scene = folded(fold.left_deg, fold.right_deg, light);
+      const RendererScene scene = folded(fold.left_deg, fold.right_deg, light);
       const FramePlan plan = Floor{}.plan();
       const std::vector<glm::vec4> seen = picture(scene, with_shadows(scene, plan)), lit = picture_without(scene, plan);
       const auto darker = std::ranges::mismatch(seen, lit).in1 - seen.begin();
@@ -298,7 +298,7 @@ TEST_CASE("planes that meet do not shade each other where light falls on both: i
 }
 
 TEST_CASE("a lamp in the eye lights all that is seen, across the seams of its cube") {
-  Scene scene = scene_with_ambient(kAmbient);
+  RendererScene scene = scene_with_ambient(kAmbient);
   Material wall = colored({1, 1, 1, 1});
   wall.double_sided = true;
   scene.add(box_mesh({8, 6, 5}), wall, at(0.3, -0.4, 0.2));
@@ -343,7 +343,7 @@ TEST_CASE("a lamp in the eye lights all that is seen, across the seams of its cu
 // A plate over the floor, of this material, in steep light: how much of its shadow's square is dark.
 std::vector<bool> shadow_of(const Material& material) {
   Floor floor{.light = sun(0, 60, 512)};
-  Scene scene = floor.scene();
+  RendererScene scene = floor.scene();
   scene.add(rectangle(-1, -1, 1, 1), material, at(0, 0, 1));
   const std::vector<glm::vec4> seen = picture(scene, with_shadows(scene, floor.plan()));
   // The middles of the texture's four columns, carried down along the light by the plate's height.
@@ -377,10 +377,10 @@ TEST_CASE("masks cast their holes, blended surfaces a shadow from half cover on"
 
 TEST_CASE("the order of lights and items does not matter; several samples a pixel see shadows too") {
   Floor floor{.blocks = {kStanding, {{2, -3, 0.3}, {3, 2, 0.9}}}, .light = sun(75, 35)};
-  Scene scene = floor.scene();
+  RendererScene scene = floor.scene();
   scene.add_light({.kind = LightKind::point, .intensity = 30, .shadow_px = 128}, at(-2, 3, 3));
   const std::vector<glm::vec4> seen = picture(scene, with_shadows(scene, floor.plan()));
-  Scene reversed = scene;
+  RendererScene reversed = scene;
   std::ranges::reverse(reversed.list.lights);
   std::ranges::reverse(reversed.list.items);
   const std::vector<glm::vec4> again = picture(reversed, with_shadows(reversed, floor.plan()));
@@ -400,7 +400,7 @@ TEST_CASE("the order of lights and items does not matter; several samples a pixe
 
 TEST_CASE("the texels of a directional light stand still in the world while the camera moves") {
   const Floor floor{.blocks = {kStanding}, .light = sun(75, 35)};
-  const Scene scene = floor.scene();
+  const RendererScene scene = floor.scene();
   FramePlan here = floor.plan(), there = floor.plan();
   view_of(there).view_from_world = view_of(here).view_from_world * at(0.123, -0.077, 0.05);
   here = with_shadows(scene, here);
@@ -415,7 +415,7 @@ TEST_CASE("the texels of a directional light stand still in the world while the 
 
 TEST_CASE("shadow maps are planned where colour sees what lights shine on, and nowhere else") {
   Floor floor{.blocks = {kStanding}, .light = sun(75, 35, 64)};
-  const Scene scene = floor.scene();
+  const RendererScene scene = floor.scene();
   FramePlan plan = with_shadows(scene, floor.plan());
   REQUIRE(plan.passes.size() == 2);
   CHECK(plan.passes[1].shadow_maps);
@@ -425,7 +425,7 @@ TEST_CASE("shadow maps are planned where colour sees what lights shine on, and n
   CHECK(plan.effects[0].effect == "shadows");
   CHECK(view_of(plan).shadows.size() == 1);
 
-  const auto unplanned = [](const Scene& unshaded, const FramePlan& asked) {
+  const auto unplanned = [](const RendererScene& unshaded, const FramePlan& asked) {
     const FramePlan made = with_shadows(unshaded, asked);
     return made.passes.size() == 1 && made.effects.empty() && made.passes[0].views[0].shadows.empty();
   };
@@ -433,7 +433,7 @@ TEST_CASE("shadow maps are planned where colour sees what lights shine on, and n
   depth.passes[0].color = false;
   depth.passes[0].depth = true;
   CHECK(unplanned(scene, depth));
-  Scene dark = scene, unlit = scene, away = scene, without = scene;
+  RendererScene dark = scene, unlit = scene, away = scene, without = scene;
   dark.list.lights[0].light.intensity = 0;
   CHECK(unplanned(dark, floor.plan()));
   unlit.list.materials.clear();
@@ -452,7 +452,7 @@ TEST_CASE("shadow maps are planned where colour sees what lights shine on, and n
 
 TEST_CASE("too many or too large shadow maps are refused with the limit") {
   Floor floor{.light = {.kind = LightKind::point, .intensity = 1, .shadow_px = 16}, .place = {0, 0, 3}};
-  Scene scene = floor.scene();
+  RendererScene scene = floor.scene();
   while (scene.list.lights.size() <= SIMVIS_MAX_SHADOWS) scene.list.lights.push_back(scene.list.lights[0]);
   CHECK_THROWS_WITH_AS(with_shadows(scene, floor.plan()), "view \"view\" shows shadows of 65 lights; 64 are allowed",
                        InputError);

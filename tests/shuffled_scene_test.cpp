@@ -72,8 +72,8 @@ Material named(const std::string& name, const glm::vec4& color, AlphaMode mode =
 
 /// A room with boxes whose faces lie in its floor's plane and in each other's, masked and transparent panes that cross,
 /// two of one mesh and material side by side and overlapping, and lights of all kinds.
-Scene crowded_room() {
-  Scene scene;
+RendererScene crowded_room() {
+  RendererScene scene;
   scene.list = random_room(7, 10, 12);
   scene.list.environment.ambient = glm::vec3(0.1f);
   Material leaf = named("leaf", {1, 1, 1, 1}, AlphaMode::mask);
@@ -170,7 +170,7 @@ std::vector<Met> cast(RayCaster& caster, const DrawList& list) {
 }  // namespace
 
 TEST_CASE("a scene in any order gives the same pictures, depth and hits, to the bit") {
-  const Scene scene = crowded_room();
+  const RendererScene scene = crowded_room();
   const FramePlan plan = pictures();
   Renderer renderer(device());
   const auto frame = [&](const DrawList& list) {
@@ -197,8 +197,8 @@ TEST_CASE("a scene in any order gives the same pictures, depth and hits, to the 
 
 // What moves, or is painted anew, must not leave the order of the frame before.
 TEST_CASE("a scene that has changed looks as if it had always been so") {
-  const Scene before = crowded_room();
-  Scene after = before;
+  const RendererScene before = crowded_room();
+  RendererScene after = before;
   for (std::size_t i = 5; i < after.list.items.size(); i += 2) {
     after.list.world_from_node[after.list.items[i].transform][3].x += 0.25;
   }

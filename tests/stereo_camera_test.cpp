@@ -53,8 +53,8 @@ StereoCameraDesc desc_of(std::uint32_t width_px) {
 }
 
 /// The plates in front of the left camera of a sensor that stands at `world_from_sensor`; black background.
-test::Scene plates_scene(const glm::dmat4& world_from_sensor, std::uint32_t width_px) {
-  test::Scene scene;
+test::RendererScene plates_scene(const glm::dmat4& world_from_sensor, std::uint32_t width_px) {
+  test::RendererScene scene;
   scene.list.environment.background = glm::vec3(0);
   Material bright;
   bright.unlit = bright.double_sided = true;

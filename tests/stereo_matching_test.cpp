@@ -162,8 +162,8 @@ std::shared_ptr<Texture> noise_texture(std::uint32_t size_px, const char* name) 
 }
 
 /// A wall, a floor and two plates before them, seen from the origin along +x.
-test::Scene textured_scene() {
-  test::Scene scene;
+test::RendererScene textured_scene() {
+  test::RendererScene scene;
   Material material;
   material.unlit = material.double_sided = true;
   material.base_color_texture = noise_texture(512, "noise");
@@ -196,7 +196,7 @@ TEST_CASE("semi-global matching finds the disparity of textured planes") {
                             .depth = true,
                             .disparity = true});
   Renderer renderer(test::device());
-  const test::Scene scene = textured_scene();
+  const test::RendererScene scene = textured_scene();
   FramePlan plan;
   camera.plan(glm::dmat4(1), scene.list, plan);
   camera.collect({}, plan, renderer.render(scene.list, plan));

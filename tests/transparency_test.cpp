@@ -49,8 +49,8 @@ std::vector<Glass> crossing() {
 
 const Mesh kPane = rectangle(-50, -50, 50, 50);
 
-Scene scene_of(const std::vector<Glass>& panes) {
-  Scene scene = scene_with_ambient(1);
+RendererScene scene_of(const std::vector<Glass>& panes) {
+  RendererScene scene = scene_with_ambient(1);
   for (const Glass& pane : panes) scene.add(kPane, glass_material(pane.color), pane.place);
   return scene;
 }
@@ -160,7 +160,7 @@ TEST_CASE("faces of one mesh lie over each other by depth, in whatever order the
       for (const std::uint32_t i : kPane.indices) mesh.indices.push_back(i + 4 * static_cast<std::uint32_t>(pane));
     }
     compute_bounds(mesh);
-    Scene scene = scene_with_ambient(1);
+    RendererScene scene = scene_with_ambient(1);
     scene.add(mesh, glass_material({1, 1, 1, 1}), glm::dmat4(1));
     return scene;
   };
@@ -184,7 +184,7 @@ TEST_CASE("panes at one depth are all there, in an order of their own; equal one
   Renderer renderer(device());
   std::array<glm::vec4, 3> colors{{{0.9f, 0.1f, 0.1f, 0.5f}, {0.1f, 0.9f, 0.1f, 0.25f}, {0.1f, 0.1f, 0.9f, 0.5f}}};
   const auto picture = [&](std::span<const glm::vec4> of) {
-    Scene scene = scene_with_ambient(1);
+    RendererScene scene = scene_with_ambient(1);
     for (const glm::vec4& color : of) scene.add(kPane, glass_material(color), at(0, 0, 3));
     return copy(renderer.render(scene.list, square_plan())[0].color);
   };
@@ -208,7 +208,7 @@ TEST_CASE("solid, masked and faded surfaces among panes") {
   Renderer renderer(device());
   const std::vector<Glass> panes = crossing();
   constexpr double kWall_m = 4;
-  Scene scene = scene_of(panes);
+  RendererScene scene = scene_of(panes);
   Material wall = colored(glm::vec4(kBackground, kBackground, kBackground, 1));
   wall.unlit = true;
   scene.add(kPane, wall, at(0, 0, kWall_m));
@@ -225,7 +225,7 @@ TEST_CASE("solid, masked and faded surfaces among panes") {
   leaf.opacity = 0.75f;
   leaf.unlit = true;
   leaf.base_color_texture = four_texels();
-  Scene faded = textured_wall(leaf);
+  RendererScene faded = textured_wall(leaf);
   faded.add(kPane, glass_material({0.5f, 0.5f, 0.5f, 0.5f}), at(0, 0, 2));
   const double behind = 0.5 * 0.5 + 0.5 * kBackground;
   // The driver may decode sRGB by a table or a polynomial: half a step of 8 bits in linear light at most.
@@ -264,7 +264,7 @@ TEST_CASE("views side by side keep their layers apart") {
 TEST_CASE("no layer is lost: a frame with more than there is memory for is drawn again") {
   constexpr std::uint32_t kWidth = 320, kHeight = 256, kPanes = 6;
   Renderer renderer(device());
-  Scene scene = scene_with_ambient(1);
+  RendererScene scene = scene_with_ambient(1);
   double expected = kBackground;
   for (std::uint32_t i = kPanes; i-- > 0;) {
     const float grey = 0.125f * static_cast<float>(i);
@@ -284,9 +284,9 @@ TEST_CASE("no layer is lost: a frame with more than there is memory for is drawn
 }
 
 TEST_CASE("what shows nothing transparent costs nothing for it") {
-  Scene plain = scene_with_ambient(1);
+  RendererScene plain = scene_with_ambient(1);
   plain.add(rectangle(-1, -1, 1, 1), colored({0.5f, 0.5f, 0.5f, 1}), at(0, 0, 3));
-  const auto counted = [](const Scene& scene, const FramePlan& plan) {
+  const auto counted = [](const RendererScene& scene, const FramePlan& plan) {
     Renderer renderer(device());
     renderer.render(scene.list, plan);
     return renderer.counters();
@@ -294,11 +294,11 @@ TEST_CASE("what shows nothing transparent costs nothing for it") {
   const FramePlan color = square_plan(), depth = plan_of(kSize, kSize, kSize / 2.0, false, true);
   CHECK(counted(plain, color).layer_bytes == 0);
 
-  Scene faded = plain;  // to nothing
+  RendererScene faded = plain;  // to nothing
   Material gone = glass_material({1, 1, 1, 1});
   gone.opacity = 0;
   faded.add(faded.list.items[0].mesh, faded.add_material(gone), at(0, 0, 2));
-  Scene behind = plain;  // the camera
+  RendererScene behind = plain;  // the camera
   behind.add(behind.list.items[0].mesh, behind.add_material(glass_material({1, 1, 1, 0.5f})), at(0, 0, -2));
   const FrameCounters alone = counted(plain, color);
   CHECK(counted(faded, color) == alone);
@@ -306,7 +306,7 @@ TEST_CASE("what shows nothing transparent costs nothing for it") {
   culled.items_culled += 1;
   culled.bytes_uploaded += sizeof(shader::MaterialBlock);
   CHECK(counted(behind, color) == culled);
-  Scene pane = plain;  // before the camera, which takes depth
+  RendererScene pane = plain;  // before the camera, which takes depth
   pane.add(pane.list.items[0].mesh, pane.add_material(glass_material({1, 1, 1, 0.25f})), at(0, 0, 2));
   CHECK(counted(pane, depth) == counted(plain, depth));
 }
