@@ -27,7 +27,7 @@ class Walk {
     TreePlanes planes = planes_in(bundle_, glm::mat3(turn), glm::vec3(-(turn * place)), 1, 0);
     planes.end_at(farthest_m_);
     walk_tree(
-        items, planes, [&](std::uint32_t placed) __attribute__((always_inline)) {
+        items, bundle_, planes, [&](std::uint32_t placed) __attribute__((always_inline)) {
           into_item(placed);
           planes.end_at(farthest_m_);
         });
@@ -41,9 +41,10 @@ class Walk {
         planes_in(bundle_, item.scaled_linear, item.scaled_centre, item.scale, static_cast<float>(kPadding));
     planes.end_at(farthest_m_);
     walk_tree(
-        mesh.tree(), planes, [&](std::uint32_t primitive) __attribute__((always_inline)) {
+        mesh.tree(), bundle_, planes, [&](std::uint32_t primitive) __attribute__((always_inline)) {
           if (!try_triangle(item, mesh, placed, primitive)) return;
           farthest_m_ = bundle_.farthest_m();
+          bundle_.take_ends();
           planes.end_at(farthest_m_);
         });
   }

@@ -72,6 +72,16 @@ RayBundle::RayBundle(std::span<const glm::dvec3> directions, std::span<const dou
     }
     placed[batch] = primitive[batch] = Mask4{};
   }
+  for (unsigned i = 0; i < kMost; ++i) {
+    const unsigned ray = std::min(i, count - 1);
+    shears[0][i / 8][i % 8] = static_cast<float>(shear_x[ray / kLanes][ray % kLanes]);
+    shears[1][i / 8][i % 8] = static_cast<float>(shear_y[ray / kLanes][ray % kLanes]);
+  }
+  for (int axis = 0; axis < 2; ++axis) {
+    low_shear[axis] = static_cast<float>(low[axis]);
+    high_shear[axis] = static_cast<float>(high[axis]);
+  }
+  take_ends();
   glm::dvec3 normals[kPlanes];
   const auto set_side = [&](int plane, int axis, double side, double shear) {
     normals[plane] = glm::dvec3(0);

@@ -40,6 +40,20 @@ struct RayBundle {
   /// Of the shears of each batch, four batches side by side.
   Double4 low_x[kBatches / 4], high_x[kBatches / 4], low_y[kBatches / 4], high_y[kBatches / 4];
 
+  /// Once more in float32, eight rays side by side: the shears along x and along y, and the range of the nearest hit,
+  /// rounded up. The last ray stands for those that are missing.
+  static constexpr unsigned kEights = kMost / 8;
+  Float8 shears[2][kEights], end_m[kEights];
+  float low_shear[2], high_shear[2];
+
+  /// After hits were found: end_m anew.
+  SIMVIS_INLINE void take_ends() {
+    for (unsigned i = 0; i < kMost; ++i) {
+      const unsigned ray = i < count ? i : count - 1;
+      end_m[i / 8][i % 8] = static_cast<float>(range_m[ray / kLanes][ray % kLanes] * (1 + 0x1p-22));
+    }
+  }
+
   /// What lies before all of these planes through the sensor, n . p >= 0, may be met: the sides, and the plane across
   /// the largest component. The last is the direction that distances are counted along, turned round. Normals are up to
   /// sqrt(2) long.
