@@ -126,21 +126,21 @@ struct WaitingBox {
   std::uint32_t rays;
 };
 
-/// Calls `visit` with each thing that may be met, nearer ones first as far as boxes tell. `visit` may bring the planes'
-/// end nearer.
+/// Of the bundle only `rays` count, bit by bit. Calls `visit` with each thing that may be met, and by which of them,
+/// nearer ones first as far as boxes tell. `visit` may bring the planes' end nearer.
 template <typename Visit>
-SIMVIS_INLINE void walk_tree(const WideBvh& tree, const RayBundle& bundle, const TreePlanes& planes,
+SIMVIS_INLINE void walk_tree(const WideBvh& tree, const RayBundle& bundle, std::uint32_t rays, const TreePlanes& planes,
                              const Visit& visit) {
   if (tree.nodes().empty()) return;
   std::array<WaitingBox, Bvh::kMaxDepth * WideNode::kMost> stack;
   std::size_t waiting = 1;
-  stack[0] = {0, -kFarthestBox, kAllRays};
+  stack[0] = {0, -kFarthestBox, rays};
   while (waiting > 0) {
     const WaitingBox next = stack[--waiting];
     if (next.distance > planes.end) continue;
     if (all_end_before(bundle, next.rays, (next.distance - planes.slack) * planes.m_per_length)) continue;
     if (next.node > kLastNode) {
-      visit(~next.node);
+      visit(~next.node, next.rays);
       continue;
     }
     const WideNode& node = tree.nodes()[next.node];
@@ -148,9 +148,9 @@ SIMVIS_INLINE void walk_tree(const WideBvh& tree, const RayBundle& bundle, const
     const std::size_t below = waiting;
     for (unsigned left = seen.reached; left != 0; left &= left - 1) {
       const auto lane = static_cast<unsigned>(std::countr_zero(left));
-      const std::uint32_t rays = rays_into(bundle, seen, lane) & next.rays;
-      if (rays == 0) continue;
-      const WaitingBox child{node.child[lane], seen.distance[lane], rays};
+      const std::uint32_t into = rays_into(bundle, seen, lane) & next.rays;
+      if (into == 0) continue;
+      const WaitingBox child{node.child[lane], seen.distance[lane], into};
       std::size_t at = waiting++;
       for (; at > below && stack[at - 1].distance < child.distance; --at) stack[at] = stack[at - 1];
       stack[at] = child;

@@ -27,13 +27,13 @@ class Walk {
     TreePlanes planes = planes_in(bundle_, glm::mat3(turn), glm::vec3(-(turn * place)), 1, 0);
     planes.end_at(farthest_m_);
     walk_tree(
-        items, bundle_, planes, [&](std::uint32_t placed) __attribute__((always_inline)) {
-          into_item(placed);
+        items, bundle_, kAllRays, planes, [&](std::uint32_t placed, std::uint32_t rays) __attribute__((always_inline)) {
+          into_item(placed, rays);
           planes.end_at(farthest_m_);
         });
   }
 
-  SIMVIS_INLINE void into_item(std::uint32_t placed) {
+  SIMVIS_INLINE void into_item(std::uint32_t placed, std::uint32_t rays) {
     ++view_.item_tests;
     const SeenItem& item = view_.seen(placed);
     const RayMesh& mesh = *view_.placed(placed).mesh;
@@ -41,7 +41,7 @@ class Walk {
         planes_in(bundle_, item.scaled_linear, item.scaled_centre, item.scale, static_cast<float>(kPadding));
     planes.end_at(farthest_m_);
     walk_tree(
-        mesh.tree(), bundle_, planes, [&](std::uint32_t primitive) __attribute__((always_inline)) {
+        mesh.tree(), bundle_, rays, planes, [&](std::uint32_t primitive, std::uint32_t) __attribute__((always_inline)) {
           if (!try_triangle(item, mesh, placed, primitive)) return;
           farthest_m_ = bundle_.farthest_m();
           bundle_.take_ends();
@@ -183,7 +183,7 @@ SIMVIS_FOR_EACH_MACHINE void walk_bundle(RayView& view, const WideBvh& items, Ra
 }
 
 SIMVIS_FOR_EACH_MACHINE void walk_bundle(RayView& view, std::uint32_t placed, RayBundle& bundle) {
-  Walk(view, bundle).into_item(placed);
+  Walk(view, bundle).into_item(placed, kAllRays);
 }
 
 }  // namespace simvis

@@ -81,6 +81,7 @@ RayBundle::RayBundle(std::span<const glm::dvec3> directions, std::span<const dou
     low_shear[axis] = static_cast<float>(low[axis]);
     high_shear[axis] = static_cast<float>(high[axis]);
   }
+  for (unsigned batch = batches; batch < kBatches; ++batch) range_m[batch] = all4(-1);
   take_ends();
   glm::dvec3 normals[kPlanes];
   const auto set_side = [&](int plane, int axis, double side, double shear) {

@@ -41,16 +41,18 @@ struct RayBundle {
   Double4 low_x[kBatches / 4], high_x[kBatches / 4], low_y[kBatches / 4], high_y[kBatches / 4];
 
   /// Once more in float32, eight rays side by side: the shears along x and along y, and the range of the nearest hit,
-  /// rounded up. The last ray stands for those that are missing.
+  /// rounded up.
   static constexpr unsigned kEights = kMost / 8;
   Float8 shears[2][kEights], end_m[kEights];
   float low_shear[2], high_shear[2];
 
   /// After hits were found: end_m anew.
   SIMVIS_INLINE void take_ends() {
-    for (unsigned i = 0; i < kMost; ++i) {
-      const unsigned ray = i < count ? i : count - 1;
-      end_m[i / 8][i % 8] = static_cast<float>(range_m[ray / kLanes][ray % kLanes] * (1 + 0x1p-22));
+    for (unsigned i = 0; i < kEights; ++i) {
+      using Float4 = float __attribute__((vector_size(16)));
+      const Float4 first = __builtin_convertvector(range_m[2 * i], Float4);
+      const Float4 second = __builtin_convertvector(range_m[2 * i + 1], Float4);
+      end_m[i] = __builtin_shufflevector(first, second, 0, 1, 2, 3, 4, 5, 6, 7) * (1 + 0x1p-22f);
     }
   }
 
