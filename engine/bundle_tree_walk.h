@@ -52,6 +52,7 @@ SIMVIS_INLINE TreePlanes planes_in(const RayBundle& bundle, const glm::mat3& lin
 /// The children of a node as the bundle sees them.
 struct SeenChildren {
   unsigned reached;        // bit by bit: which the bundle may meet
+  unsigned whole;          // and of which no ray of the bundle passes by, as far as shears tell
   Float8 distance;         // of the nearest point of each box, scaled
   Float8 depth;            // the least along the bundle's z, at the most; shears are known where it is above 0
   Float8 low[2], high[2];  // shears along x and y, at the most
@@ -71,13 +72,18 @@ SIMVIS_INLINE SeenChildren see_children(const RayBundle& bundle, const TreePlane
   seen.distance = -inwards(kDistance, 1);
   seen.depth = inwards(kAhead, 0) - slack;
   Mask8 beyond = (seen.distance > all8(planes.end)) | (inwards(kAhead, 1) < -slack);
+  const Float8 per_depth = all8(1) / seen.depth;
+  Mask8 whole = seen.depth > all8(0);
   for (int axis = 0; axis < 2; ++axis) {
     // On a ray's side of a plane x - low z >= 0 by `above` at the most: its shear is at most low + above / depth.
     const Float8 above = inwards(2 * axis, 1) + slack, below = inwards(2 * axis + 1, 1) + slack;
     beyond |= (above < all8(0)) | (below < all8(0));
-    seen.low[axis] = all8(bundle.high_shear[axis]) - below / seen.depth;
-    seen.high[axis] = all8(bundle.low_shear[axis]) + above / seen.depth;
+    const Float8 low_shear = all8(bundle.low_shear[axis]), high_shear = all8(bundle.high_shear[axis]);
+    seen.low[axis] = high_shear - below * per_depth;
+    seen.high[axis] = low_shear + above * per_depth;
+    whole &= (seen.low[axis] <= low_shear) & (seen.high[axis] >= high_shear);
   }
+  seen.whole = bits_of(whole | ~(seen.depth > all8(0)));
   seen.reached = ~bits_of(beyond) & ((1u << node.children) - 1);
   return seen;
 }
@@ -87,7 +93,7 @@ static_assert(RayBundle::kMost == 32);
 
 /// Which rays may meet a child, bit by bit.
 SIMVIS_INLINE std::uint32_t rays_into(const RayBundle& bundle, const SeenChildren& seen, unsigned lane) {
-  if (!(seen.depth[lane] > 0)) return kAllRays;
+  if (seen.whole >> lane & 1) return kAllRays;
   // Far beyond what float32 rounds of shears, which are at most 1.
   constexpr float kMargin = 0x1p-18f;
   const auto down = [](float v) { return v - kMargin * (1 + std::abs(v)); };
@@ -109,7 +115,6 @@ SIMVIS_INLINE bool all_end_before(const RayBundle& bundle, std::uint32_t rays, f
   return (rays & ~ended) == 0;
 }
 
-inline constexpr std::uint32_t kLastNode = 0x7fffffff;  // above are things: see WideNode
 inline constexpr float kFarthestBox = std::numeric_limits<float>::max();
 
 /// Has memory begin to bring what is needed soon.
@@ -121,40 +126,45 @@ SIMVIS_INLINE void fetch(const WideNode& node) {
 }
 
 struct WaitingBox {
-  std::uint32_t node;
+  std::uint32_t child, things;  // as WideNode has them
   float distance;
   std::uint32_t rays;
 };
 
-/// Of the bundle only `rays` count, bit by bit. Calls `visit` with each thing that may be met, and by which of them,
-/// nearer ones first as far as boxes tell. `visit` may bring the planes' end nearer.
-template <typename Visit>
+/// Of the bundle only `rays` count, bit by bit. Calls `visit` with each leaf that may be met, how many things it has,
+/// and by which of the rays it may be met, nearer ones first as far as boxes tell; `expect` some time before. `visit`
+/// may bring the planes' end nearer.
+template <typename Visit, typename Expect>
 SIMVIS_INLINE void walk_tree(const WideBvh& tree, const RayBundle& bundle, std::uint32_t rays, const TreePlanes& planes,
-                             const Visit& visit) {
+                             const Visit& visit, const Expect& expect) {
   if (tree.nodes().empty()) return;
   std::array<WaitingBox, Bvh::kMaxDepth * WideNode::kMost> stack;
   std::size_t waiting = 1;
-  stack[0] = {0, -kFarthestBox, rays};
+  stack[0] = {0, 0, -kFarthestBox, rays};
   while (waiting > 0) {
     const WaitingBox next = stack[--waiting];
     if (next.distance > planes.end) continue;
     if (all_end_before(bundle, next.rays, (next.distance - planes.slack) * planes.m_per_length)) continue;
-    if (next.node > kLastNode) {
-      visit(~next.node, next.rays);
+    if (next.things > 0) {
+      visit(next.child, next.things, next.rays);
       continue;
     }
-    const WideNode& node = tree.nodes()[next.node];
+    const WideNode& node = tree.nodes()[next.child];
     const SeenChildren seen = see_children(bundle, planes, node);
     const std::size_t below = waiting;
     for (unsigned left = seen.reached; left != 0; left &= left - 1) {
       const auto lane = static_cast<unsigned>(std::countr_zero(left));
       const std::uint32_t into = rays_into(bundle, seen, lane) & next.rays;
       if (into == 0) continue;
-      const WaitingBox child{node.child[lane], seen.distance[lane], into};
+      const WaitingBox child{node.child[lane], node.things[lane], seen.distance[lane], into};
       std::size_t at = waiting++;
       for (; at > below && stack[at - 1].distance < child.distance; --at) stack[at] = stack[at - 1];
       stack[at] = child;
-      if (child.node <= kLastNode) fetch(tree.nodes()[child.node]);
+      if (child.things == 0) {
+        fetch(tree.nodes()[child.child]);
+      } else {
+        expect(child.child);
+      }
     }
   }
 }

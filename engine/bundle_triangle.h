@@ -9,47 +9,72 @@
 
 #include "engine/ray_bundle.h"
 #include "engine/ray_triangle.h"
+#include "engine/wide_bvh.h"
 
 namespace simvis {
 
 inline constexpr Double4 kZero4{0, 0, 0, 0};
 
-/// A triangle's corners in the sensor frame: lane by lane, the last is the first once more.
-struct SeenTriangle {
-  Double4 axis[3];
+/// The triangles of a leaf, side by side: their corners in the sensor frame, by corner and axis.
+struct SeenTriangles {
+  Double4 at[3][3];
 
-  std::array<glm::dvec3, 3> corners() const {
-    const auto corner = [this](int k) { return glm::dvec3(axis[0][k], axis[1][k], axis[2][k]); };
+  std::array<glm::dvec3, 3> corners(unsigned lane) const {
+    const auto corner = [&](int k) { return glm::dvec3(at[k][0][lane], at[k][1][lane], at[k][2][lane]); };
     return {corner(0), corner(1), corner(2)};
   }
 };
 
 // As place_corners() does.
-SIMVIS_INLINE SeenTriangle see_triangle(const Mesh& mesh, std::uint32_t primitive, const MeshPlacement& placement) {
-  const std::uint32_t* const index = mesh.indices.data() + std::size_t{3} * primitive;
-  const glm::vec3 &a = mesh.positions[index[0]], &b = mesh.positions[index[1]], &c = mesh.positions[index[2]];
-  const Double4 x{a.x, b.x, c.x, a.x}, y{a.y, b.y, c.y, a.y}, z{a.z, b.z, c.z, a.z};
+SIMVIS_INLINE SeenTriangles see_triangles(const Mesh& mesh, const WideBvh::Leaf& leaf, const MeshPlacement& placement) {
+  using Float4 = float __attribute__((vector_size(16)));
   const glm::dmat3& m = placement.linear;
-  SeenTriangle seen;
-  for (int i = 0; i < 3; ++i) {
-    seen.axis[i] = all4(m[0][i]) * x + all4(m[1][i]) * y + all4(m[2][i]) * z + all4(placement.offset[i]);
+  const glm::vec3* const positions = mesh.positions.data();
+  const std::uint32_t* corners[4];
+  for (std::size_t lane = 0; lane < 4; ++lane) corners[lane] = mesh.indices.data() + std::size_t{3} * leaf[lane];
+  SeenTriangles seen;
+  for (int k = 0; k < 3; ++k) {
+    const glm::vec3 &a = positions[corners[0][k]], &b = positions[corners[1][k]], &c = positions[corners[2][k]],
+                    &d = positions[corners[3][k]];
+    const Double4 x = __builtin_convertvector((Float4{a.x, b.x, c.x, d.x}), Double4),
+                  y = __builtin_convertvector((Float4{a.y, b.y, c.y, d.y}), Double4),
+                  z = __builtin_convertvector((Float4{a.z, b.z, c.z, d.z}), Double4);
+    for (int i = 0; i < 3; ++i) {
+      seen.at[k][i] = all4(m[0][i]) * x + all4(m[1][i]) * y + all4(m[2][i]) * z + all4(placement.offset[i]);
+    }
   }
   return seen;
 }
 
-/// Where the sheared plane's point of the triangle is, if all of it lies ahead: from low to high.
-struct ShearedExtent {
-  double low_x = -std::numeric_limits<double>::infinity(), high_x = std::numeric_limits<double>::infinity(),
-         low_y = -std::numeric_limits<double>::infinity(), high_y = std::numeric_limits<double>::infinity();
+/// Where in the sheared plane triangles are, from low to high: everywhere if a corner is not ahead.
+struct ShearedExtents {
+  Double4 low[2], high[2];  ///< along x and y
+  Double4 nearest_m;        ///< no ray of the bundle meets them nearer than this
+  Mask4 ahead;              ///< whether any corner is
 };
 
-// Widened far beyond what double rounds.
-SIMVIS_INLINE void widen(Double4 v, double& low, double& high) {
-  low = std::min({v[0], v[1], v[2]});
-  high = std::max({v[0], v[1], v[2]});
-  const double slack = 0x1p-40 * (1 + std::max(std::abs(low), std::abs(high)));
-  low -= slack;
-  high += slack;
+SIMVIS_INLINE ShearedExtents extents_of(const RayBundle& bundle, const SeenTriangles& triangles) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  // Far beyond what double rounds.
+  constexpr double kSlack = 0x1p-40;
+  const Double4 z[3] = {triangles.at[0][bundle.z], triangles.at[1][bundle.z], triangles.at[2][bundle.z]};
+  const Double4 sign = all4(bundle.sign);
+  const Double4 ahead[3] = {z[0] * sign, z[1] * sign, z[2] * sign};
+  const Mask4 all = (ahead[0] > all4(0)) & (ahead[1] > all4(0)) & (ahead[2] > all4(0));
+  ShearedExtents extents;
+  extents.ahead = (ahead[0] > all4(0)) | (ahead[1] > all4(0)) | (ahead[2] > all4(0));
+  extents.nearest_m = all ? least(least(ahead[0], ahead[1]), ahead[2]) * all4(bundle.least_per_z) : all4(-kInfinity);
+  const Double4 per_z[3] = {all4(1) / z[0], all4(1) / z[1], all4(1) / z[2]};
+  for (int i = 0; i < 2; ++i) {
+    const int axis = i == 0 ? bundle.x : bundle.y;
+    const Double4 a = triangles.at[0][axis] * per_z[0], b = triangles.at[1][axis] * per_z[1],
+                  c = triangles.at[2][axis] * per_z[2];
+    const Double4 low = least(least(a, b), c), high = most(most(a, b), c);
+    const Double4 slack = all4(kSlack) * (all4(1) + most(abs4(low), abs4(high)));
+    extents.low[i] = all ? low - slack : all4(-kInfinity);
+    extents.high[i] = all ? high + slack : all4(kInfinity);
+  }
+  return extents;
 }
 
 /// What is done with rays that the four of a batch may meet.
@@ -59,11 +84,16 @@ struct BatchHit {
   bool unsure = false;  // an edge's sign needs more digits
 };
 
-SIMVIS_INLINE BatchHit try_batch(const RayBundle& bundle, unsigned batch, Double4 x, Double4 y, Double4 z) {
+/// One triangle, along the axes of a bundle.
+struct SpreadTriangle {
+  Double4 x[3], y[3], z[3];  ///< all lanes alike
+};
+
+SIMVIS_INLINE BatchHit try_batch(const RayBundle& bundle, unsigned batch, const SpreadTriangle& t) {
   const Double4 sx = bundle.shear_x[batch], sy = bundle.shear_y[batch], per_z = bundle.per_z[batch];
-  const Double4 ax = all4(x[0]) - sx * all4(z[0]), ay = all4(y[0]) - sy * all4(z[0]);
-  const Double4 bx = all4(x[1]) - sx * all4(z[1]), by = all4(y[1]) - sy * all4(z[1]);
-  const Double4 cx = all4(x[2]) - sx * all4(z[2]), cy = all4(y[2]) - sy * all4(z[2]);
+  const Double4 ax = t.x[0] - sx * t.z[0], ay = t.y[0] - sy * t.z[0];
+  const Double4 bx = t.x[1] - sx * t.z[1], by = t.y[1] - sy * t.z[1];
+  const Double4 cx = t.x[2] - sx * t.z[2], cy = t.y[2] - sy * t.z[2];
   const Double4 u1 = bx * cy, u2 = by * cx, v1 = cx * ay, v2 = cy * ax, w1 = ax * by, w2 = ay * bx;
   BatchHit result{};
   if (any((u1 == u2) | (v1 == v2) | (w1 == w2))) {
@@ -75,7 +105,7 @@ SIMVIS_INLINE BatchHit try_batch(const RayBundle& bundle, unsigned batch, Double
   result.hit = ~(below & above);
   if (!any(result.hit)) return result;
   const Double4 area = u + v + w;
-  const Double4 az = all4(z[0]) * per_z, bz = all4(z[1]) * per_z, cz = all4(z[2]) * per_z;
+  const Double4 az = t.z[0] * per_z, bz = t.z[1] * per_z, cz = t.z[2] * per_z;
   const Double4 range = (u * az + v * bz + w * cz) / area;
   const Double4 low = least(least(az, bz), cz), high = most(most(az, bz), cz);
   result.range_m = range < low ? low : high < range ? high : range;
@@ -84,14 +114,39 @@ SIMVIS_INLINE BatchHit try_batch(const RayBundle& bundle, unsigned batch, Double
   return result;
 }
 
-// As range_error_bound() does, of hits on triangles of their own.
-struct MetTriangles {
-  Double4 a[3], b[3], c[3];  // corners in the sensor frame, by axes
-  Double4 corner_error_m;
+struct MetTriangle {
+  std::array<glm::dvec3, 3> corners;  ///< in the sensor frame
+  double corner_error_m = 0;
 };
 
-SIMVIS_INLINE Double4 sheared_length(Double4 x, Double4 y) { return sqrt4(x * x + y * y); }
+/// The triangles that four rays have met.
+struct MetTriangles {
+  Double4 a[3], b[3], c[3];  ///< corners, by axes
+  Double4 corner_error_m;
 
+  SIMVIS_INLINE explicit MetTriangles(const MetTriangle& all) : corner_error_m(all4(all.corner_error_m)) {
+    for (int axis = 0; axis < 3; ++axis) {
+      a[axis] = all4(all.corners[0][axis]);
+      b[axis] = all4(all.corners[1][axis]);
+      c[axis] = all4(all.corners[2][axis]);
+    }
+  }
+
+  /// Of this lane and of those after it.
+  SIMVIS_INLINE void set_from(unsigned lane, const MetTriangle& t) {
+    const Mask4 here = Mask4{0, 1, 2, 3} >= static_cast<long long>(lane);
+    for (int axis = 0; axis < 3; ++axis) {
+      a[axis] = here ? all4(t.corners[0][axis]) : a[axis];
+      b[axis] = here ? all4(t.corners[1][axis]) : b[axis];
+      c[axis] = here ? all4(t.corners[2][axis]) : c[axis];
+    }
+    corner_error_m = here ? all4(t.corner_error_m) : corner_error_m;
+  }
+};
+
+SIMVIS_INLINE Double4 squared(Double4 x, Double4 y) { return x * x + y * y; }
+
+// As range_error_bound() does.
 SIMVIS_INLINE Double4 bounds_of_batch(const RayBundle& bundle, unsigned batch, const MetTriangles& t, bool& unsure) {
   constexpr double kUnit = 0x1p-53;
   const Double4 sx = bundle.shear_x[batch], sy = bundle.shear_y[batch], per_z = bundle.per_z[batch];
@@ -102,7 +157,7 @@ SIMVIS_INLINE Double4 bounds_of_batch(const RayBundle& bundle, unsigned batch, c
   const Double4 u1 = bx * cy, u2 = by * cx, v1 = cx * ay, v2 = cy * ax, w1 = ax * by, w2 = ay * bx;
   unsure = any((u1 == u2) | (v1 == v2) | (w1 == w2));
   const Double4 area = abs4((u1 - u2) + (v1 - v2) + (w1 - w2));
-  const Double4 farthest = most(most(sheared_length(ax, ay), sheared_length(bx, by)), sheared_length(cx, cy));
+  const Double4 farthest = sqrt4(most(most(squared(ax, ay), squared(bx, by)), squared(cx, cy)));
   const Double4 range = bundle.range_m[batch];
   const Double4 az = t.a[z] * per_z, bz = t.b[z] * per_z, cz = t.c[z] * per_z;
   const Double4 below = most(kZero4, most(most(range - az, range - bz), range - cz));

@@ -52,8 +52,9 @@ struct Bins {
   }
 };
 
-// The cheapest border between two bins. The cost is in areas times things.
-Split best_split(std::span<const Thing> things, const Bins& bins) {
+// The cheapest border between two bins. The cost is in areas times looks at things.
+Split best_split(std::span<const Thing> things, const Bins& bins, std::uint32_t at_once) {
+  const auto looks = [at_once](std::uint32_t count) { return (count + at_once - 1) / at_once; };
   struct Content {
     Box box = kNothing;
     std::uint32_t count = 0;
@@ -75,14 +76,15 @@ Split best_split(std::span<const Thing> things, const Bins& bins) {
     for (int bin = kBins - 1; bin > 0; --bin) {
       rest.box = joined(rest.box, content[axis][bin].box);
       rest.count += content[axis][bin].count;
-      after[bin - 1] = rest.count == 0 ? std::numeric_limits<double>::infinity() : rest.count * half_area(rest.box);
+      after[bin - 1] =
+          rest.count == 0 ? std::numeric_limits<double>::infinity() : looks(rest.count) * half_area(rest.box);
     }
     rest = {};
     for (int bin = 0; bin + 1 < kBins; ++bin) {
       rest.box = joined(rest.box, content[axis][bin].box);
       rest.count += content[axis][bin].count;
       if (rest.count == 0) continue;
-      const double cost = rest.count * half_area(rest.box) + after[bin];
+      const double cost = looks(rest.count) * half_area(rest.box) + after[bin];
       if (cost < best.cost) best = {cost, axis, bin};
     }
   }
@@ -92,7 +94,8 @@ Split best_split(std::span<const Thing> things, const Bins& bins) {
 /// Puts things into the order of the leaves; a subtree's nodes begin with its root.
 class Builder {
  public:
-  Builder(std::vector<Thing>& things, std::uint32_t most_in_leaf) : things_(things), most_in_leaf_(most_in_leaf) {}
+  Builder(std::vector<Thing>& things, std::uint32_t most_in_leaf, std::uint32_t at_once)
+      : things_(things), most_in_leaf_(most_in_leaf), at_once_(at_once) {}
 
   /// `threads`: on how many.
   std::vector<BvhNode> build(std::uint32_t first, std::uint32_t count, std::uint32_t depth, unsigned threads) {
@@ -107,7 +110,7 @@ class Builder {
   std::uint32_t divide(std::span<Thing> things, std::uint32_t depth, double area);
 
   std::vector<Thing>& things_;
-  std::uint32_t most_in_leaf_;
+  std::uint32_t most_in_leaf_, at_once_;
 };
 
 // Puts a node's things into the order of its children; returns how many go to the first, 0 for a leaf.
@@ -120,8 +123,9 @@ std::uint32_t Builder::divide(std::span<Thing> things, std::uint32_t depth, doub
     high = glm::max(high, thing.middle());
   }
   const Bins bins(low, high);
-  const Split split = best_split(things, bins);
-  if (count <= most_in_leaf_ && !(split.cost + kNodeCost * area < count * area)) return 0;
+  const Split split = best_split(things, bins, at_once_);
+  const std::uint32_t looks = (count + at_once_ - 1) / at_once_;
+  if (count <= most_in_leaf_ && !(split.cost + kNodeCost * area < looks * area)) return 0;
   if (split.cost < std::numeric_limits<double>::infinity()) {
     const auto border = std::partition(things.begin(), things.end(), [&](const Thing& thing) {
       return bins.of(thing.middle(), split.axis) <= split.bin;
@@ -178,13 +182,14 @@ void Builder::build(std::vector<BvhNode>& nodes, std::uint32_t node, std::uint32
 
 }  // namespace
 
-Bvh build_bvh(std::span<const Box> boxes, std::uint32_t most_in_leaf) {
+Bvh build_bvh(std::span<const Box> boxes, std::uint32_t most_in_leaf, std::uint32_t at_once) {
   Bvh bvh;
   if (boxes.empty()) return bvh;
   const auto count = static_cast<std::uint32_t>(boxes.size());
   std::vector<Thing> things(count);
   for (std::uint32_t i = 0; i < count; ++i) things[i] = {boxes[i], i};
-  bvh.nodes = Builder(things, most_in_leaf).build(0, count, 0, std::max(1u, std::thread::hardware_concurrency()));
+  bvh.nodes =
+      Builder(things, most_in_leaf, at_once).build(0, count, 0, std::max(1u, std::thread::hardware_concurrency()));
   bvh.order.reserve(count);
   for (const Thing& thing : things) bvh.order.push_back(thing.number);
   return bvh;

@@ -36,8 +36,9 @@ struct Bvh {
   std::vector<std::uint32_t> order;  ///< the things, as leaves hold them
 };
 
-/// Boxes are finite. The same boxes give the same tree.
-Bvh build_bvh(std::span<const Box> boxes, std::uint32_t most_in_leaf);
+/// Boxes are finite. The same boxes give the same tree. To look at up to `at_once` things of a leaf costs as much as to
+/// look at one.
+Bvh build_bvh(std::span<const Box> boxes, std::uint32_t most_in_leaf, std::uint32_t at_once = 1);
 
 /// Fits the tree to boxes that have changed: it stays right, and gets slower where things have moved far. Returns the
 /// nodes that are other than before, in ascending order.

@@ -18,7 +18,7 @@ namespace simvis {
 namespace {
 
 // Another number whenever the counts in Work come to mean something else: costs measured before are not taken then.
-constexpr int kMeaning = 2;
+constexpr int kMeaning = 3;
 
 constexpr std::string_view kNames[kWorkKinds] = {"pass",      "view",   "item_drawn", "examined",     "draw",
                                                  "triangle",  "masked", "pixel",      "beam",         "cast",

@@ -2,27 +2,24 @@
 // that it may meet first; the host decides upon them as ray_caster.h says, in double. Where the shader's list is not
 // complete up to what the host then finds, the host walks the same trees in double, from what it has found.
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
-#include <numeric>
 #include <optional>
 #include <utility>
 
 #include "engine/assert.h"
+#include "engine/bundle_caster.h"
 #include "engine/bundle_walk.h"
 #include "engine/device.h"
 #include "engine/frame_commands.h"
 #include "engine/item_tree.h"
 #include "engine/ray_dispatch.h"
 #include "engine/ray_top.h"
-#include "engine/worker_threads.h"
 
 namespace simvis {
 
 namespace {
-
-// What takes as long as to wake a thread.
-constexpr std::size_t kPiece = 256;
 
 float rounded_down(double value) {
   const auto rounded = static_cast<float>(value);
@@ -65,15 +62,15 @@ class DeviceRayCaster : public RayCaster {
   void decide(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions, std::span<RayHit> hits,
               std::span<const double> beyond_m);
   RayHit decide(RayView& view, RayBundle& ray, const shader::RayCandidates& candidates, bool& walked) const;
+  RayWorld world() const { return {*list_, items_, tree_.tree()}; }
 
   Device& device_;
   const DrawList* list_ = nullptr;
   RayItems items_;
-  ItemTree tree_;                                                              // for what the host walks
-  std::optional<DeviceWorld> world_;                                           // from the first cast on
-  bool uploaded_ = false;                                                      // in this cast
-  std::vector<RayView> views_ = std::vector<RayView>(WorkerThreads::count());  // of each thread
-  WorkerThreads threads_;
+  ItemTree tree_;                     // for what the host walks
+  std::optional<DeviceWorld> world_;  // from the first cast on
+  bool uploaded_ = false;             // in this cast
+  BundleCaster bundles_;
 };
 
 void DeviceRayCaster::cast(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions,
@@ -109,17 +106,8 @@ void DeviceRayCaster::cast_from(const glm::dmat4& world_from_sensor, std::span<c
     update(glm::dvec3(glm::translate(world_from_sensor, origins_m[start])[3]));
     served = items_.in_reach(world_from_sensor, origins_m.subspan(start));
     find_candidates(world_from_sensor, {}, {});
-    threads_.share(served, kPiece, [&](std::size_t thread, std::size_t first, std::size_t count) {
-      RayView& view = views_[thread];
-      for (std::size_t i = start + first; i < start + first + count; ++i) {
-        if (i == start + first || origins_m[i] != origins_m[i - 1]) {
-          view.begin(*list_, items_, glm::translate(world_from_sensor, origins_m[i]));
-        }
-        RayBundle ray(directions.subspan(i, 1), part_of(beyond_m, i, 1));
-        walk_bundle(view, tree_.tree(), ray);
-        finish_bundle(view, ray, &hits[i]);
-      }
-    });
+    bundles_.cast_from(world(), world_from_sensor, origins_m.subspan(start, served), directions.subspan(start, served),
+                       hits.subspan(start, served), part_of(beyond_m, start, served));
     items_.counters.rays += served;
     items_.counters.rays_walked += served;
   }
@@ -192,17 +180,19 @@ void DeviceRayCaster::decide(const glm::dmat4& world_from_sensor, std::span<cons
     return;
   }
   const std::span<const shader::RayCandidates> candidates = world_->dispatch.candidates(directions.size());
-  for (RayView& view : views_) view.begin(*list_, items_, world_from_sensor);
-  std::vector<std::uint64_t> walked(views_.size());
-  threads_.share(directions.size(), kPiece, [&](std::size_t thread, std::size_t first, std::size_t count) {
-    for (std::size_t i = first; i < first + count; ++i) {
-      bool by_host = false;
-      RayBundle ray(directions.subspan(i, 1), part_of(beyond_m, i, 1));
-      hits[i] = decide(views_[thread], ray, candidates[i], by_host);
-      walked[thread] += by_host;
-    }
-  });
-  items_.counters.rays_walked += std::reduce(walked.begin(), walked.end());
+  std::atomic<std::uint64_t> walked = 0;
+  bundles_.share(world(), world_from_sensor, directions.size(),
+                 [&](RayView& view, std::size_t first, std::size_t count) {
+                   std::uint64_t here = 0;
+                   for (std::size_t i = first; i < first + count; ++i) {
+                     bool by_host = false;
+                     RayBundle ray(directions.subspan(i, 1), part_of(beyond_m, i, 1));
+                     hits[i] = decide(view, ray, candidates[i], by_host);
+                     here += by_host;
+                   }
+                   walked += here;
+                 });
+  items_.counters.rays_walked += walked;
 }
 
 RayHit DeviceRayCaster::decide(RayView& view, RayBundle& ray, const shader::RayCandidates& candidates,

@@ -21,7 +21,7 @@ void ItemTree::build(const RayItems& items) {
   std::vector<Box> boxes;
   boxes.reserve(items.items().size());
   for (const PlacedItem& item : items.items()) boxes.push_back(item.box);
-  tree_ = WideBvh(boxes, true);
+  tree_ = WideBvh(boxes);
   visits_when_built_ = tree_.expected_visits();
   made_ = true;
 }

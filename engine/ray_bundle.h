@@ -7,6 +7,7 @@
 #include <span>
 
 #include "engine/lanes.h"
+#include "engine/ray_caster.h"
 #include "engine/ray_triangle.h"
 
 namespace simvis {
@@ -15,6 +16,7 @@ namespace simvis {
 /// along it (see ray_triangle.h) each is a point of a plane, and the bundle a rectangle there.
 struct RayBundle {
   static constexpr unsigned kLanes = 4, kBatches = 8, kMost = kLanes * kBatches;
+  static_assert(kMost == RayCaster::kTogether);
 
   /// From as many of the first rays as fit together, at least one. `beyond_m` is empty or as long.
   RayBundle(std::span<const glm::dvec3> directions, std::span<const double> beyond_m);
@@ -45,6 +47,7 @@ struct RayBundle {
   static constexpr unsigned kEights = kMost / 8;
   Float8 shears[2][kEights], end_m[kEights];
   float low_shear[2], high_shear[2];
+  double low[2], high[2];  ///< the same in double
 
   /// After hits were found: end_m anew.
   SIMVIS_INLINE void take_ends() {
@@ -61,6 +64,10 @@ struct RayBundle {
   /// sqrt(2) long.
   static constexpr int kPlanes = 6;
   Float8 normal_x, normal_y, normal_z;  ///< the two lanes that are left over are 0
+
+ private:
+  static void fill(RayBundle& bundle, std::span<const glm::dvec3> directions, std::span<const double> passed_m);
+  void place(std::span<const glm::dvec3> directions, std::span<const double> passed_m);
 };
 
 }  // namespace simvis

@@ -10,10 +10,11 @@
 //
 // How the host finds candidates. Neighbouring rays travel in bundles of up to 32, and a bundle is a pyramid: four sides
 // and how far its farthest nearest hit is. Trees have eight children to a node; all eight boxes are held against one
-// plane at a time. A mesh's tree is in the mesh's frame, its middle at the origin, its half diagonal the unit, and the
-// pyramid is brought there, scaled such that nothing is larger than about 1: float32 then rounds what decides by less
-// than kPadding (in ray_items.h; bundle_walk.cpp counts what rounds). The tree over items has its origin near the
-// sensor, and its boxes are padded by the same share of their distance. Double decides upon four rays at a time.
+// plane at a time, and the up to four triangles of a leaf against the bundle's. A mesh's tree is in the mesh's frame,
+// its middle at the origin, its half diagonal the unit, and the pyramid is brought there, scaled such that nothing is
+// larger than about 1: float32 then rounds what decides by less than kPadding (in ray_items.h; bundle_walk.cpp counts
+// what rounds). The tree over items has its origin near the sensor, and its boxes are padded by the same share of their
+// distance. Double decides upon four rays at a time.
 //
 // Watertight. Rays through a shared edge or vertex of a mesh meet at least one of its triangles.
 //
@@ -54,7 +55,7 @@ struct RayHit {
 struct RayCounters {
   std::uint64_t rays = 0;
   std::uint64_t item_tests = 0, triangle_tests = 0;     ///< of a bundle of rays with an item, and with a triangle
-  std::uint64_t meshes_built = 0, triangles_built = 0;  ///< trees made of meshes
+  std::uint64_t meshes_built = 0, triangles_built = 0;  ///< that rays can meet: trees are made when one comes near
   std::uint64_t items_placed = 0;                       ///< boxes computed for the tree over items
   std::uint64_t item_trees_built = 0, item_trees_refitted = 0;
   // Of a device only:
@@ -73,6 +74,9 @@ struct RayCounters {
 /// Threading  one thread at a time; cast() itself uses all cores for many rays, and gives the same on any number.
 class RayCaster {
  public:
+  /// Rays that follow one another are cast together, up to so many: it costs less where they are neighbours.
+  static constexpr std::uint32_t kTogether = 32;
+
   RayCaster() = default;
   virtual ~RayCaster() = default;
   RayCaster(const RayCaster&) = delete;

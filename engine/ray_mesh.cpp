@@ -11,9 +11,11 @@ RayMesh::RayMesh(std::shared_ptr<const Mesh> mesh) : mesh_(std::move(mesh)) {
   half_size_ = radius_ > 0 ? 0.5 * (high - low) / radius_ : glm::dvec3(0);
 }
 
-const WideBvh& RayMesh::tree() const {
-  std::call_once(tree_made_, [this] { tree_ = WideBvh(boxes(), false); });
-  return tree_;
+void RayMesh::make_tree() const {
+  const std::lock_guard lock(making_);
+  if (made_.load(std::memory_order_relaxed)) return;
+  tree_ = WideBvh(boxes(), leaves_);
+  made_.store(true, std::memory_order_release);
 }
 
 Bvh RayMesh::make_device_tree() const {

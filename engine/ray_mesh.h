@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <memory>
 #include <mutex>
 #include <vector>
@@ -22,9 +23,15 @@ class RayMesh {
   double radius() const { return radius_; }                   ///< half the box's diagonal; 0: no ray can meet it
   const glm::dvec3& half_size() const { return half_size_; }  ///< of the box, in radii
 
-  /// Over the triangles in the unit frame, rounded to float32. Empty if the radius is 0. Made when first asked for, by
-  /// whichever thread.
-  const WideBvh& tree() const;
+  /// Over the triangles in the unit frame, rounded to float32, leaf by leaf those of leaves(). Empty if the radius is
+  /// 0. Made when first asked for, by whichever thread.
+  const WideBvh& tree() const {
+    if (!made_.load(std::memory_order_acquire)) make_tree();
+    return tree_;
+  }
+
+  /// Primitives; after tree().
+  const std::vector<WideBvh::Leaf>& leaves() const { return leaves_; }
 
   /// The same for a device, with up to four triangles in a leaf.
   Bvh make_device_tree() const;
@@ -34,12 +41,15 @@ class RayMesh {
 
  private:
   std::vector<Box> boxes() const;
+  void make_tree() const;
 
   std::shared_ptr<const Mesh> mesh_;
   glm::dvec3 centre_, half_size_;
   double radius_;
-  mutable std::once_flag tree_made_;
+  mutable std::mutex making_;
+  mutable std::atomic<bool> made_ = false;
   mutable WideBvh tree_;
+  mutable std::vector<WideBvh::Leaf> leaves_;
 };
 
 }  // namespace simvis

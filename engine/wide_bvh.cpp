@@ -53,25 +53,11 @@ std::vector<std::uint32_t> descendants(const Bvh& bvh, std::uint32_t node) {
   return found;
 }
 
-}  // namespace
-
-WideBvh::WideBvh(std::span<const Box> boxes, bool refitted) {
-  if (boxes.empty()) return;
-  const Bvh bvh = build_bvh(boxes, 1);
-  add_node(bvh, 0, 0, 0);
-  nodes_.shrink_to_fit();
-  if (!refitted) return;
-  places_.resize(boxes.size());
-  for (std::uint32_t node = 0; node < nodes_.size(); ++node) {
-    for (std::uint32_t lane = 0; lane < nodes_[node].children; ++lane) {
-      const std::uint32_t thing = ~nodes_[node].child[lane];
-      if (thing < places_.size()) places_[thing] = {node, lane};
-    }
-  }
-}
-
-std::uint32_t WideBvh::add_node(const Bvh& bvh, std::uint32_t binary, std::uint32_t parent, std::uint32_t place) {
-  const auto index = static_cast<std::uint32_t>(nodes_.size());
+/// Makes a tree wide, from the root on: a node stands before what is below it.
+template <typename NumberLeaf>
+std::uint32_t add_node(std::vector<WideNode>& nodes, const Bvh& bvh, std::uint32_t binary, std::uint32_t parent,
+                       std::uint32_t place, const NumberLeaf& number_leaf) {
+  const auto index = static_cast<std::uint32_t>(nodes.size());
   const std::vector<std::uint32_t> children = descendants(bvh, binary);
   WideNode node;
   node.children = static_cast<std::uint32_t>(children.size());
@@ -81,13 +67,42 @@ std::uint32_t WideBvh::add_node(const Bvh& bvh, std::uint32_t binary, std::uint3
     const BvhNode& child = bvh.nodes[children[std::min(lane, node.children - 1)]];
     set_box(node, lane, child.low, child.high);
   }
-  nodes_.push_back(node);
+  nodes.push_back(node);
   for (std::uint32_t lane = 0; lane < children.size(); ++lane) {
     const BvhNode& child = bvh.nodes[children[lane]];
-    const std::uint32_t to = child.count > 0 ? ~bvh.order[child.first] : add_node(bvh, children[lane], index, lane);
-    nodes_[index].child[lane] = to;
+    const std::uint32_t to = child.count > 0 ? number_leaf(std::span(bvh.order).subspan(child.first, child.count))
+                                             : add_node(nodes, bvh, children[lane], index, lane, number_leaf);
+    nodes[index].child[lane] = to;
+    nodes[index].things[lane] = static_cast<std::uint8_t>(child.count);
   }
   return index;
+}
+
+}  // namespace
+
+WideBvh::WideBvh(std::span<const Box> boxes) : places_(boxes.size()) {
+  if (boxes.empty()) return;
+  add_node(nodes_, build_bvh(boxes, 1), 0, 0, 0, [](std::span<const std::uint32_t> things) { return things[0]; });
+  nodes_.shrink_to_fit();
+  for (std::uint32_t node = 0; node < nodes_.size(); ++node) {
+    for (std::uint32_t lane = 0; lane < nodes_[node].children; ++lane) {
+      if (nodes_[node].things[lane] > 0) places_[nodes_[node].child[lane]] = {node, lane};
+    }
+  }
+}
+
+WideBvh::WideBvh(std::span<const Box> boxes, std::vector<Leaf>& leaves) {
+  leaves.clear();
+  if (boxes.empty()) return;
+  constexpr auto kMost = static_cast<std::uint32_t>(std::tuple_size_v<Leaf>);
+  add_node(nodes_, build_bvh(boxes, kMost, kMost), 0, 0, 0, [&](std::span<const std::uint32_t> things) {
+    Leaf& leaf = leaves.emplace_back();
+    leaf.fill(things.back());
+    std::ranges::copy(things, leaf.begin());
+    return static_cast<std::uint32_t>(leaves.size() - 1);
+  });
+  nodes_.shrink_to_fit();
+  leaves.shrink_to_fit();
 }
 
 void WideBvh::move(std::uint32_t thing, const Box& box) {

@@ -1,6 +1,7 @@
 // A tree of boxes whose nodes have up to eight children, for one core that looks at eight boxes at a time.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -10,12 +11,13 @@
 
 namespace simvis {
 
-/// The boxes of the children stand here. A child is a node, or ~thing.
+/// The boxes of the children stand here. A child is a node, or a leaf.
 struct WideNode {
   static constexpr unsigned kMost = 8;
 
-  Float8 low[3], high[3];  ///< by axes; a lane without a child holds some box
-  std::uint32_t child[kMost] = {};
+  Float8 low[3], high[3];           ///< by axes; a lane without a child holds some box
+  std::uint32_t child[kMost] = {};  ///< the number of a node, or of a leaf
+  std::uint8_t things[kMost] = {};  ///< of a leaf; 0: a node
   std::uint32_t children = 0;
   std::uint32_t parent = 0, place = 0;  ///< where this stands: lane `place` of `parent`. Of the root itself, lane 0
 };
@@ -24,12 +26,19 @@ struct WideNode {
 class WideBvh {
  public:
   WideBvh() = default;
-  /// Boxes are finite. The same boxes give the same tree. It remembers where things are only if it is to be refitted.
-  WideBvh(std::span<const Box> boxes, bool refitted);
+  /// Boxes are finite. The same boxes give the same tree. Every thing is a leaf of its own, of its own number, and can
+  /// be moved.
+  explicit WideBvh(std::span<const Box> boxes);
+
+  /// Things of a leaf that are looked at together; where there are fewer, the last stands there again.
+  using Leaf = std::array<std::uint32_t, 4>;
+
+  /// The same with up to four things in a leaf; leaf i's are leaves[i].
+  WideBvh(std::span<const Box> boxes, std::vector<Leaf>& leaves);
 
   const std::vector<WideNode>& nodes() const { return nodes_; }
 
-  /// Moves a thing; the tree stays right, and gets slower where things have moved far.
+  /// The tree stays right, and gets slower where things have moved far.
   void move(std::uint32_t thing, const Box& box);
 
   /// How many boxes a random ray meets that meets the root's, by their surface areas.
@@ -39,10 +48,9 @@ class WideBvh {
   struct Place {
     std::uint32_t node = 0, lane = 0;
   };
-  std::uint32_t add_node(const Bvh& bvh, std::uint32_t binary, std::uint32_t parent, std::uint32_t place);
 
   std::vector<WideNode> nodes_;
-  std::vector<Place> places_;  // of things
+  std::vector<Place> places_;  // of things that can be moved
 };
 
 }  // namespace simvis

@@ -8,6 +8,7 @@
 
 #include "engine/assert.h"
 #include "scenegraph/pose.h"
+#include "sensors/casting_order.h"
 
 namespace simvis {
 
@@ -57,11 +58,17 @@ LaserScanner::LaserScanner(std::string name, const LaserScannerDesc& desc)
 
 void LaserScanner::make_directions() {
   if (!directions_.empty()) return;
-  for (const double e : scan_.elevation_rad) {
-    for (const double a : scan_.azimuth_rad) {
-      directions_.emplace_back(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e));
-    }
+  order_ = casting_order(desc_.pattern);
+  for (const std::uint32_t beam : order_) {
+    const double e = scan_.elevation_rad[beam / scan_.columns], a = scan_.azimuth_rad[beam % scan_.columns];
+    directions_.emplace_back(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e));
   }
+}
+
+std::vector<glm::dvec3> LaserScanner::directions_by_beam() const {
+  std::vector<glm::dvec3> directions(directions_.size());
+  for (std::size_t i = 0; i < order_.size(); ++i) directions[order_[i]] = directions_[i];
+  return directions;
 }
 
 // Looks at the scene only where something changed that effects look at.
@@ -82,7 +89,7 @@ void LaserScanner::take_effects(const DrawList& list) {
     return;
   }
   make_directions();
-  traced_ = std::make_unique<TracedScan>(directions_, effects_);
+  traced_ = std::make_unique<TracedScan>(directions_by_beam(), effects_);
 }
 
 // What in the scene has beams cast, other than the scanner's own attributes.
@@ -154,14 +161,18 @@ std::string LaserScanner::cast_reason() const {
 
 void LaserScanner::collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) {
   moment_.time = time;
-  beams_.clear();
+  to_cast_.clear();
   if (survey_) survey_->collect(plan, results, list_->items.size(), rounding_, limits_, tolerance_);
   if (!renders()) return;
   rendered_->collect(plan, results, rounding_);
   for (std::uint32_t beam = 0; beam < readings_.size(); ++beam) {
     const bool nearest = desc_.method == ScanMethod::nearest;
     readings_[beam] = read_range(nearest ? rendered_->nearest(beam) : rendered_->planar(beam), limits_);
-    if (casts(desc_.method) && !tolerance_.met(readings_[beam])) beams_.push_back(beam);
+  }
+  if (casts(desc_.method)) {
+    for (std::uint32_t i = 0; i < order_.size(); ++i) {
+      if (!tolerance_.met(readings_[order_[i]])) to_cast_.push_back(i);
+    }
   }
   if (!casts(desc_.method) && !traced_) hand_over();
 }
@@ -193,7 +204,7 @@ void LaserScanner::cast_beams(RayCaster& rays) {
   const bool every = !renders();
   if (!every) {
     cast_directions_.clear();
-    for (const std::uint32_t beam : beams_) cast_directions_.push_back(directions_[beam]);
+    for (const std::uint32_t i : to_cast_) cast_directions_.push_back(directions_[i]);
   }
   const std::span<const glm::dvec3> directions = every ? directions_ : cast_directions_;
   hits_.resize(directions.size());
@@ -207,11 +218,11 @@ void LaserScanner::cast_beams(RayCaster& rays) {
   ToleranceCheck check(tolerance_);
   for (std::size_t i = 0; i < hits_.size(); ++i) {
     const RangeEstimate range{hits_[i].range_m, hits_[i].error_bound_m};
-    Reading& reading = readings_[every ? i : beams_[i]];
+    Reading& reading = readings_[order_[every ? i : to_cast_[i]]];
     reading = read_range(range, limits_);
-    check.add(range, reading);
+    if (desc_.method != ScanMethod::raycast) check.add(range, reading);
   }
-  if (desc_.method != ScanMethod::raycast) check.require(name_);
+  check.require(name_);
   if (desc_.method == ScanMethod::automatic) choice_.measured(work, costs_);
 }
 
@@ -220,10 +231,11 @@ void LaserScanner::cast_survey(RayCaster& rays) {
   hits_.resize(directions_.size());
   survey_->cast(rays, list_->items.size(), moment_.world_from_sensor, directions_, hits_);
   ToleranceCheck check(tolerance_);
-  for (std::size_t beam = 0; beam < hits_.size(); ++beam) {
-    const RangeEstimate range{hits_[beam].range_m, hits_[beam].error_bound_m};
-    readings_[beam] = read_range(range, limits_);
-    check.add(range, readings_[beam]);
+  for (std::size_t i = 0; i < hits_.size(); ++i) {
+    const RangeEstimate range{hits_[i].range_m, hits_[i].error_bound_m};
+    Reading& reading = readings_[order_[i]];
+    reading = read_range(range, limits_);
+    check.add(range, reading);
   }
   check.require(name_);
   survey_->choose(readings_, costs_);

@@ -79,6 +79,7 @@ class LaserScanner : public Sensor {
  private:
   bool renders() const { return rendered_ != nullptr && survey_ == nullptr && traced_ == nullptr; }
   void make_directions();
+  std::vector<glm::dvec3> directions_by_beam() const;
   void take_effects(const DrawList& list);
   std::string traced_for() const;
   std::string cast_reason() const;
@@ -101,8 +102,9 @@ class LaserScanner : public Sensor {
   ScanMoment moment_;                      // of this frame
   const DrawList* list_ = nullptr;         // of this frame
   VertexRounding rounding_;                // of this frame's scene
-  std::vector<glm::dvec3> directions_;     // of all beams, once any is cast
-  std::vector<std::uint32_t> beams_;       // to be cast this frame, where something is rendered
+  std::vector<std::uint32_t> order_;       // in which beams are cast, once any is
+  std::vector<glm::dvec3> directions_;     // in that order
+  std::vector<std::uint32_t> to_cast_;     // of that order, in this frame, where something is rendered
   std::vector<glm::dvec3> cast_directions_;
   std::vector<RayHit> hits_;
   std::vector<Reading> readings_;  // of this frame, until all of them are there

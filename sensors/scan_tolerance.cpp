@@ -1,7 +1,9 @@
 #include "sensors/scan_tolerance.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <sstream>
 
@@ -10,6 +12,11 @@ namespace simvis {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+// The next float32, as std::nextafter() has it, of one that is not negative.
+float next_above(float value) {
+  return value == kInfinity ? value : std::bit_cast<float>(std::bit_cast<std::uint32_t>(value) + 1);
+}
 
 // Rounded up, so that who asks for what a message names is served.
 std::string rounded_up(double value) {
@@ -36,7 +43,7 @@ Reading read_range(const RangeEstimate& range, const RangeLimits& limits) {
   } else if (low < limits.min_m) {
     bound = std::max(bound, static_cast<double>(reading));
   }
-  return {reading, bound == 0 ? 0.0f : std::nextafter(static_cast<float>(bound), kInfinity)};
+  return {reading, bound == 0 ? 0.0f : next_above(static_cast<float>(bound))};
 }
 
 bool ScanTolerance::met(const Reading& reading) const {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <glm/gtc/matrix_transform.hpp>
 #include <limits>
+#include <utility>
 
 #include "effects/reflectance.h"
 #include "effects/returns.h"
@@ -30,8 +31,8 @@ void listen_until(double range_max_m, std::vector<Echo>& echoes) {
 
 }  // namespace
 
-TracedScan::TracedScan(std::span<const glm::dvec3> directions, std::span<const ChosenScanEffect> effects)
-    : directions_(directions), effects_(effects), pulse_length_m_(kPulseLength_m) {
+TracedScan::TracedScan(std::vector<glm::dvec3> directions, std::span<const ChosenScanEffect> effects)
+    : directions_(std::move(directions)), effects_(effects), pulse_length_m_(kPulseLength_m) {
   for (const ChosenScanEffect& each : effects)
     pulse_length_m_ = each.effect->pulse_length_m().value_or(pulse_length_m_);
 }

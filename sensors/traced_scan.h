@@ -17,8 +17,8 @@ inline constexpr std::uint32_t kMostTurns = 16;
 
 class TracedScan {
  public:
-  /// `directions` of the beams, unit vectors in the sensor frame; they and the effects must live as long.
-  TracedScan(std::span<const glm::dvec3> directions, std::span<const ChosenScanEffect> effects);
+  /// `directions` of the beams, unit vectors in the sensor frame; the effects must live as long.
+  TracedScan(std::vector<glm::dvec3> directions, std::span<const ChosenScanEffect> effects);
 
   /// What each beam reports, see Echo; valid until the next call. The caster's world is `list`.
   std::span<const Echo> trace(const ScanMoment& moment, const DrawList& list, RayCaster& caster);
@@ -32,7 +32,7 @@ class TracedScan {
   void meet(const ScanMoment& moment, const DrawList& list, const BeamRay& ray, const RayHit& hit);
   void detect(const ScanMoment& moment);
 
-  std::span<const glm::dvec3> directions_;
+  std::vector<glm::dvec3> directions_;
   std::span<const ChosenScanEffect> effects_;
   double pulse_length_m_;
   std::vector<BeamRay> rays_, onward_;
