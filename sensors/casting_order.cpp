@@ -14,7 +14,8 @@ std::uint32_t rings_together(const ScanPattern& pattern) {
   const double step = (pattern.max_azimuth_rad - pattern.min_azimuth_rad) / (pattern.samples - 1);
   const double ring_step = (pattern.max_elevation_rad - pattern.min_elevation_rad) / (pattern.rings - 1);
   std::uint32_t rings = 1;
-  while (2 * rings * ring_step <= RayCaster::kTogether / (2 * rings) * step) rings *= 2;
+  while (2 * rings <= RayCaster::kTogether && 2 * rings * ring_step <= RayCaster::kTogether / (2 * rings) * step)
+    rings *= 2;
   return rings;
 }
 
