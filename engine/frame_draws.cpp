@@ -44,7 +44,12 @@ PipelineKey key_in_view(const Drawable& d, const View& view, const DrawList& lis
   return key;
 }
 
+// So high that triangles are worth a look each.
+bool is_strip(const View& view) { return view.culled && guard_rows(view) > 0; }
+
 }  // namespace
+
+bool picks_opaque(const View& view) { return is_strip(view) && view.sees_back_faces; }
 
 void FrameDraws::clear() {
   views_.clear();
@@ -90,7 +95,7 @@ void FrameDraws::add(const View& view, const Pass& pass, const DrawList& list, c
 void FrameDraws::add_items(std::span<const Drawable> items, const View& view, const ViewProjection& projection,
                            const DrawList& list, const DrawTable& table, FrameCounters& counters) {
   const std::size_t first_run = runs_.size();
-  const bool strip = view.culled && guard_rows(view) > 0;
+  const bool strip = is_strip(view);
   if (strip) strip_.begin(view);
   for (const Drawable& d : items) {
     ++counts_.boxes_examined;

@@ -13,6 +13,9 @@
 
 namespace simvis {
 
+/// Whether the view draws no opaque triangle but such as are picked for it on the host: it needs no meshes on the device.
+bool picks_opaque(const View& view);
+
 /// One instanced draw.
 struct DrawRun {
   PipelineKey key;

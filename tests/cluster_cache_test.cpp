@@ -183,11 +183,11 @@ TEST_CASE("a picture has the same bytes with a cache and without; meshes that co
   CHECK(cached() == 1);
   Device device(with_cache(folder.path()));
   Renderer renderer(device);
-  renderer.render(list, plan_of(256, 2));
+  renderer.render(list, plan_of(256, 80));
   Mesh moved = shuffled_sphere();
   for (glm::vec3& position : moved.positions) position.x += 0.25f;
   add_item(list, std::move(moved), glm::dmat4(1.0));
-  renderer.render(list, plan_of(256, 2));
+  renderer.render(list, plan_of(256, 80));
   CHECK(renderer.counters().meshes_held == 2);
   CHECK(cached() == 1);
 }
