@@ -171,11 +171,12 @@ void FrameDraws::draw_seen_triangles(const Drawable& d, const View& view, const 
   for (const Cluster& cluster : d.range.clusters) {
     if (outside(planes, cluster.center, cluster.half_size)) continue;
     counts_.triangles_examined += cluster.index_count / 3;
-    const std::uint32_t* corner = d.range.indices.data() + cluster.first_index;
-    for (const std::uint32_t* end = corner + cluster.index_count; corner != end; corner += 3) {
+    const std::span<const std::uint32_t> vertices = d.range.clustering->vertices_of(cluster);
+    const std::span<const std::uint8_t> corners = d.range.clustering->corners_of(cluster);
+    for (std::size_t i = 0; i < corners.size(); i += 3) {
+      const std::uint32_t a = vertices[corners[i]], b = vertices[corners[i + 1]], c = vertices[corners[i + 2]];
       const auto& p = d.range.positions;
-      if (outside(planes, p[corner[0]], p[corner[1]], p[corner[2]])) continue;
-      indices_.insert(indices_.end(), corner, corner + 3);
+      if (!outside(planes, p[a], p[b], p[c])) indices_.insert(indices_.end(), {a, b, c});
     }
   }
   const auto count = static_cast<std::uint32_t>(indices_.size() - first);
@@ -205,7 +206,7 @@ void FrameDraws::add_to_strip(const Drawable& d, std::uint32_t number, const Vie
   for (const Cluster& cluster : d.range.clusters) {
     if (outside(planes, cluster.center, cluster.half_size)) continue;
     counts_.triangles_examined += cluster.index_count / 3;
-    strip_.add(d.range.indices.subspan(cluster.first_index, cluster.index_count), d.range.positions);
+    strip_.add(d.range.clustering->vertices_of(cluster), d.range.clustering->corners_of(cluster), d.range.positions);
   }
 }
 

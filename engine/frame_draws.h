@@ -13,7 +13,8 @@
 
 namespace simvis {
 
-/// Whether the view draws no opaque triangle but such as are picked for it on the host: it needs no meshes on the device.
+/// Whether the view draws no opaque triangles but those that are picked for it on the host: of these, it needs no copy
+/// on the device.
 bool picks_opaque(const View& view);
 
 /// One instanced draw.

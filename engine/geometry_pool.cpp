@@ -16,6 +16,9 @@ constexpr VkBufferUsageFlags kCopied = VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUF
 constexpr VkBufferUsageFlags kVertexUsage = VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | kCopied;
 constexpr VkBufferUsageFlags kIndexUsage = VK_BUFFER_USAGE_INDEX_BUFFER_BIT | kCopied;
 
+// What is uploaded in another form is made about so much at a time: no second copy of all is needed.
+constexpr std::size_t kBlock = 1u << 16;
+
 // What is loaded at once gets what it needs. Half as much again once there is more to come, so that a scene that grows
 // part by part is not moved each time.
 std::uint64_t capacity_for(std::uint64_t needed, std::uint64_t least, bool grows) {
@@ -74,8 +77,8 @@ std::span<const MeshRange> GeometryPool::update(std::span<const std::shared_ptr<
     ranges_[i] = {.first_index = static_cast<std::uint32_t>(entry.first_index),
                   .index_count = static_cast<std::uint32_t>(entry.mesh->indices.size()),
                   .vertex_offset = static_cast<std::int32_t>(entry.first_vertex),
-                  .clusters = entry.clustered.clusters,
-                  .indices = entry.clustered.indices,
+                  .clusters = entry.clustering.clusters,
+                  .clustering = &entry.clustering,
                   .positions = entry.mesh->positions};
   }
   return ranges_;
@@ -86,7 +89,7 @@ void GeometryPool::cut_into_clusters(std::span<Entry* const> fresh, const std::f
   for (const Entry* entry : fresh) indices += entry->mesh->indices.size();
   for (Entry* entry : fresh) {
     device_.report({"preparing meshes", done, indices});
-    entry->clustered = make_clusters_cached(*entry->mesh, cache);
+    entry->clustering = make_clusters_cached(*entry->mesh, cache);
     done += entry->mesh->indices.size();
   }
 }
@@ -161,15 +164,30 @@ void GeometryPool::place(Entry& entry, Uploads& uploads) {
   vertices_used_ += mesh.positions.size();
   indices_used_ += mesh.indices.size();
   uploads.write(positions_, entry.first_vertex * sizeof(glm::vec3), std::as_bytes(std::span(mesh.positions)));
-  uploads.write(indices_, entry.first_index * sizeof(std::uint32_t), std::as_bytes(std::span(entry.clustered.indices)));
+  upload_indices(entry, uploads);
+}
+
+void GeometryPool::upload_indices(const Entry& entry, Uploads& uploads) {
+  std::uint64_t place = entry.first_index;
+  const auto write = [&](std::span<const std::uint32_t> indices) {
+    uploads.write(indices_, place * sizeof(std::uint32_t), std::as_bytes(indices));
+    place += indices.size();
+  };
+  if (entry.mesh->topology != Topology::triangles) return write(entry.mesh->indices);
+  unpacked_.clear();
+  for (const Cluster& cluster : entry.clustering.clusters) {
+    const std::span<const std::uint32_t> vertices = entry.clustering.vertices_of(cluster);
+    for (const std::uint8_t corner : entry.clustering.corners_of(cluster)) unpacked_.push_back(vertices[corner]);
+    if (unpacked_.size() < kBlock && &cluster != &entry.clustering.clusters.back()) continue;
+    write(unpacked_);
+    unpacked_.clear();
+  }
 }
 
 void GeometryPool::upload_attributes(Entry& entry, Uploads& uploads) {
   if (!attributes_) {
     attributes_ = make_buffer("mesh attributes", vertex_capacity_ * sizeof(PackedAttributes), kVertexUsage);
   }
-  // Block by block, so that no second copy of them all is needed.
-  constexpr std::size_t kBlock = 1u << 16;
   const std::span<const VertexAttributes> attributes = entry.mesh->attributes;
   for (std::size_t first = 0; first < attributes.size(); first += kBlock) {
     packed_.clear();

@@ -19,9 +19,9 @@ namespace simvis {
 struct MeshRange {
   std::uint32_t first_index = 0, index_count = 0;
   std::int32_t vertex_offset = 0;
-  std::span<const Cluster> clusters{};       ///< their index numbers count from the mesh's first
-  std::span<const std::uint32_t> indices{};  ///< of the mesh's vertices, in the order of the clusters, in host memory
-  std::span<const glm::vec3> positions{};    ///< likewise
+  std::span<const Cluster> clusters{};  ///< their index numbers count from the mesh's first
+  const Clustering* clustering = nullptr;
+  std::span<const glm::vec3> positions{};  ///< in host memory
 };
 
 /// What a vertex carries besides its position, as the GPU reads it. Colours beyond 1 are clamped.
@@ -66,7 +66,7 @@ class GeometryPool {
  private:
   struct Entry {
     std::shared_ptr<const Mesh> mesh;  // keeps the address from being given to another mesh
-    ClusteredIndices clustered;
+    Clustering clustering;
     std::uint64_t first_vertex = 0, first_index = 0;
     bool resident = false, has_attributes = false;  // on the device
     MeshUse use = MeshUse::none;                    // by this list
@@ -77,6 +77,7 @@ class GeometryPool {
   void place_new(std::span<const std::shared_ptr<const Mesh>> meshes, Uploads& uploads);
   void make_room(std::uint64_t vertices, std::uint64_t indices, Uploads& uploads);
   void place(Entry& entry, Uploads& uploads);
+  void upload_indices(const Entry& entry, Uploads& uploads);
   void upload_attributes(Entry& entry, Uploads& uploads);
 
   Buffer make_buffer(const char* name, VkDeviceSize size, VkBufferUsageFlags usage);
@@ -87,7 +88,8 @@ class GeometryPool {
   std::uint64_t vertices_used_ = 0, indices_used_ = 0;
   std::unordered_map<const Mesh*, Entry> entries_;
   std::vector<MeshRange> ranges_;
-  std::vector<PackedAttributes> packed_;
+  std::vector<std::uint32_t> unpacked_;   // a block of what is being uploaded
+  std::vector<PackedAttributes> packed_;  // likewise
 };
 
 }  // namespace simvis
