@@ -105,7 +105,7 @@ void write(const std::filesystem::path& file, const ContentKey& key, const std::
 
 }  // namespace
 
-ClusteredIndices make_clusters_cached(const Mesh& mesh, const std::filesystem::path& folder) {
+Clustering make_clusters_cached(const Mesh& mesh, const std::filesystem::path& folder) {
   const std::size_t triangles = mesh.indices.size() / 3;
   if (folder.empty() || mesh.topology != Topology::triangles || triangles < kLeastCachedTriangles) {
     return make_clusters(mesh);

@@ -14,6 +14,6 @@ inline constexpr std::size_t kLeastCachedTriangles = 1u << 16;
 /// through before it is used: one that is missing, cut off or damaged, or that is of another version, is written anew;
 /// whatever it says, every triangle is there once, within its cluster's box. A folder that cannot be written, or an
 /// empty name of one, is no error: there is no cache then.
-ClusteredIndices make_clusters_cached(const Mesh& mesh, const std::filesystem::path& folder);
+Clustering make_clusters_cached(const Mesh& mesh, const std::filesystem::path& folder);
 
 }  // namespace simvis

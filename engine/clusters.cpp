@@ -18,17 +18,49 @@ struct Box {
   }
 };
 
-Cluster make_cluster(const Mesh& mesh, const std::vector<std::uint32_t>& indices, std::size_t first, std::size_t end) {
-  Box box;
-  for (std::size_t i = first; i < end; ++i) box.add(mesh.positions[indices[i]]);
+// All but what it is made of.
+Cluster cluster_in(const Box& box) {
   // Sums of float32 lose half an ulp each; two of the larger corner make up for it.
   constexpr float kOutwards = 2 * std::numeric_limits<float>::epsilon();
   const glm::vec3 slack = kOutwards * glm::max(glm::abs(box.low), glm::abs(box.high));
-  return {.first_index = static_cast<std::uint32_t>(first),
-          .index_count = static_cast<std::uint32_t>(end - first),
-          .center = 0.5f * (box.low + box.high),
-          .half_size = 0.5f * (box.high - box.low) + slack};
+  Cluster cluster;
+  cluster.center = 0.5f * (box.low + box.high);
+  cluster.half_size = 0.5f * (box.high - box.low) + slack;
+  return cluster;
 }
+
+class ClusterWriter {
+ public:
+  explicit ClusterWriter(const Mesh& mesh) : mesh_(mesh), place_(mesh.positions.size()) {}
+
+  void add(std::span<const std::uint32_t> triangles, Clustering& clustering) {
+    static_assert(3 * kClusterTriangles <= std::numeric_limits<std::uint8_t>::max() + 1);
+    std::vector<std::uint32_t>& vertices = clustering.vertices;
+    const auto first_index = static_cast<std::uint32_t>(clustering.corners.size());
+    const auto first_vertex = static_cast<std::uint32_t>(vertices.size());
+    Box box;
+    for (const std::size_t triangle : triangles) {
+      for (const std::uint32_t vertex : std::span(mesh_.indices).subspan(3 * triangle, 3)) {
+        std::uint32_t& place = place_[vertex];
+        if (place < first_vertex || place >= vertices.size() || vertices[place] != vertex) {
+          place = static_cast<std::uint32_t>(vertices.size());
+          vertices.push_back(vertex);
+          box.add(mesh_.positions[vertex]);
+        }
+        clustering.corners.push_back(static_cast<std::uint8_t>(place - first_vertex));
+      }
+    }
+    Cluster& cluster = clustering.clusters.emplace_back(cluster_in(box));
+    cluster.first_index = first_index;
+    cluster.index_count = static_cast<std::uint32_t>(clustering.corners.size()) - first_index;
+    cluster.first_vertex = first_vertex;
+    cluster.vertex_count = static_cast<std::uint32_t>(vertices.size()) - first_vertex;
+  }
+
+ private:
+  const Mesh& mesh_;
+  std::vector<std::uint32_t> place_;  // by vertex: where it was last named, if it is
+};
 
 // What is sorted, with all that sorting looks at: to follow numbers through memory would take most of the time.
 struct Placed {
@@ -92,30 +124,30 @@ std::vector<std::uint32_t> order_in_space(const Mesh& mesh) {
   return order;
 }
 
-ClusteredIndices clusters_in_order(const Mesh& mesh, std::span<const std::uint32_t> order) {
-  ClusteredIndices result;
-  result.indices.reserve(mesh.indices.size());
-  for (const std::size_t triangle : order) {
-    for (int corner = 0; corner < 3; ++corner) result.indices.push_back(mesh.indices[3 * triangle + corner]);
-  }
+Clustering clusters_in_order(const Mesh& mesh, std::span<const std::uint32_t> order) {
+  Clustering result;
   std::vector<std::size_t> sizes;
   add_cluster_sizes(order.size(), sizes);
   result.clusters.reserve(sizes.size());
+  result.corners.reserve(3 * order.size());
+  result.vertices.reserve(order.size());
+  ClusterWriter writer(mesh);
   std::size_t first = 0;
   for (const std::size_t size : sizes) {
-    result.clusters.push_back(make_cluster(mesh, result.indices, 3 * first, 3 * (first + size)));
+    writer.add(order.subspan(first, size), result);
     first += size;
   }
+  result.vertices.shrink_to_fit();
   return result;
 }
 
-ClusteredIndices make_clusters(const Mesh& mesh) {
-  if (mesh.topology == Topology::triangles && mesh.indices.size() > 3 * kClusterTriangles) {
-    return clusters_in_order(mesh, order_in_space(mesh));
-  }
-  ClusteredIndices result;
-  result.indices = mesh.indices;
-  result.clusters.push_back(make_cluster(mesh, result.indices, 0, result.indices.size()));
+Clustering make_clusters(const Mesh& mesh) {
+  if (mesh.topology == Topology::triangles) return clusters_in_order(mesh, order_in_space(mesh));
+  Box box;
+  for (const std::uint32_t vertex : mesh.indices) box.add(mesh.positions[vertex]);
+  Clustering result;
+  result.clusters.push_back(cluster_in(box));
+  result.clusters[0].index_count = static_cast<std::uint32_t>(mesh.indices.size());
   return result;
 }
 

@@ -15,7 +15,7 @@ namespace {
 using Surface = PipelineKey::Surface;
 
 auto state_of(const Drawable& d) {
-  return std::tuple(d.key.bits(), d.single_sided, d.mirrored, d.met, d.texture, d.range.first_index);
+  return std::tuple(d.key.bits(), d.single_sided, d.mirrored, d.met, d.texture, d.range.clusters.data());
 }
 
 // Whether a map, if it is there, changes what is seen.
@@ -35,8 +35,9 @@ bool has_effect(const Material& material, MapKind kind) {
 
 }  // namespace
 
-void DrawTable::update(const DrawList& list, bool color, GeometryPool& geometry, TextureStore& textures,
+void DrawTable::update(const DrawList& list, MeshUse use, GeometryPool& geometry, TextureStore& textures,
                        Uploads& uploads) {
+  const bool color = use == MeshUse::attributes;
   const bool new_tables = take_tables(list);
   bool recolored = false;
   const bool new_kinds = take_materials(list, recolored);
@@ -50,9 +51,9 @@ void DrawTable::update(const DrawList& list, bool color, GeometryPool& geometry,
   if (color) light_order_ = light_order(list);
   if (new_tables) mesh_ranks_ = content_ranks(meshes_);
   if (recolored) material_ranks_ = content_ranks(materials_);
-  if (new_tables || new_kinds || new_mirrors || new_lights || with_color_ < color) {
-    // What has once been made ready for colour stays so, until the scene changes.
-    with_color_ = color || (with_color_ && !new_tables);
+  if (new_tables || new_kinds || new_mirrors || new_lights || use_ < use) {
+    // What has once been made ready for more stays so, until the scene changes.
+    use_ = new_tables ? use : std::max(use_, use);
     lights_ = lights;
     rebuild(geometry, textures, uploads);
   }
@@ -142,9 +143,10 @@ void DrawTable::rebuild(GeometryPool& geometry, TextureStore& textures, Uploads&
   any_lit_ = false;
   for (const DrawItem& item : items_) {
     const MaterialKind& kind = kinds_[item.material];
-    if (!kind.met && !(with_color_ && kind.seen)) continue;
-    const bool read = with_color_ || kind.in_depth != Surface::opaque;
-    uses[item.mesh] = std::max(uses[item.mesh], read ? MeshUse::attributes : MeshUse::positions);
+    if (!kind.met && !(with_color() && kind.seen)) continue;
+    const bool read = with_color() || kind.in_depth != Surface::opaque;
+    const MeshUse least = meshes_[item.mesh]->topology == Topology::triangles ? use_ : MeshUse::positions;
+    uses[item.mesh] = std::max(uses[item.mesh], read ? MeshUse::attributes : least);
     materials_read_[item.material] |= read;
     any_lit_ |= !kind.unlit;
   }
@@ -168,7 +170,7 @@ void DrawTable::rebuild(GeometryPool& geometry, TextureStore& textures, Uploads&
     if (ranges_[items_[i].mesh].index_count == 0) continue;
     const MaterialKind& kind = kinds_[items_[i].material];
     if (kind.met) depth_.push_back(drawable(i, false));
-    if (!with_color_ || !kind.seen) continue;
+    if (!with_color() || !kind.seen) continue;
     const Drawable d = drawable(i, true);
     (d.key.blends() ? blended_ : solid_).push_back(d);
   }
@@ -176,7 +178,7 @@ void DrawTable::rebuild(GeometryPool& geometry, TextureStore& textures, Uploads&
 
 TextureSet DrawTable::shown(const MaterialKind& kind) const {
   TextureSet set = kind.textures;
-  if (!with_color_) std::fill(set.begin() + SIMVIS_FIRST_MAP, set.end(), nullptr);
+  if (!with_color()) std::fill(set.begin() + SIMVIS_FIRST_MAP, set.end(), nullptr);
   // Only lights show which way a surface faces, and how smooth it is.
   if (lights_ == 0) set[SIMVIS_NORMAL_MAP] = set[SIMVIS_METALLIC_ROUGHNESS_MAP] = nullptr;
   return set;

@@ -31,9 +31,9 @@ struct Drawable {
 /// that costs less than culling the same items once, and lists of different origin cannot be mistaken.
 class DrawTable {
  public:
-  /// Brings the table up to date. `color`: a pass of this frame shows colour; without, neither textures nor
-  /// attributes of what is opaque are uploaded.
-  void update(const DrawList& list, bool color, GeometryPool& geometry, TextureStore& textures, Uploads& uploads);
+  /// Brings the table up to date. `use`: what this frame needs of opaque triangles, at least their clusters; what needs
+  /// attributes shows colour, and without any that does neither textures nor attributes of what is opaque are uploaded.
+  void update(const DrawList& list, MeshUse use, GeometryPool& geometry, TextureStore& textures, Uploads& uploads);
 
   /// Everything, for passes without colour.
   std::span<const Drawable> depth() const { return depth_; }
@@ -68,12 +68,14 @@ class DrawTable {
   bool take_materials(const DrawList& list, bool& recolored);
   bool take_transforms(const DrawList& list);
   void rebuild(GeometryPool& geometry, TextureStore& textures, Uploads& uploads);
+  bool with_color() const { return use_ == MeshUse::attributes; }
   TextureSet shown(const MaterialKind& kind) const;
   Drawable drawable(std::uint32_t item, bool color) const;
   void sort_and_group(std::vector<Drawable>& drawables, const DrawList& list) const;
 
   bool made_ = false;
-  bool with_color_ = false, any_lit_ = false;
+  bool any_lit_ = false;
+  MeshUse use_ = MeshUse::none;  // of opaque triangles, by any frame so far
   std::uint16_t lights_ = 0;
   std::vector<DrawItem> items_;
   std::vector<std::shared_ptr<const Mesh>> meshes_;

@@ -44,7 +44,12 @@ PipelineKey key_in_view(const Drawable& d, const View& view, const DrawList& lis
   return key;
 }
 
+// So high that triangles are worth a look each.
+bool is_strip(const View& view) { return view.culled && guard_rows(view) > 0; }
+
 }  // namespace
+
+bool picks_opaque(const View& view) { return is_strip(view) && view.sees_back_faces; }
 
 void FrameDraws::clear() {
   views_.clear();
@@ -90,7 +95,7 @@ void FrameDraws::add(const View& view, const Pass& pass, const DrawList& list, c
 void FrameDraws::add_items(std::span<const Drawable> items, const View& view, const ViewProjection& projection,
                            const DrawList& list, const DrawTable& table, FrameCounters& counters) {
   const std::size_t first_run = runs_.size();
-  const bool strip = view.culled && guard_rows(view) > 0;
+  const bool strip = is_strip(view);
   if (strip) strip_.begin(view);
   for (const Drawable& d : items) {
     ++counts_.boxes_examined;
@@ -166,11 +171,12 @@ void FrameDraws::draw_seen_triangles(const Drawable& d, const View& view, const 
   for (const Cluster& cluster : d.range.clusters) {
     if (outside(planes, cluster.center, cluster.half_size)) continue;
     counts_.triangles_examined += cluster.index_count / 3;
-    const std::uint32_t* corner = d.range.indices.data() + cluster.first_index;
-    for (const std::uint32_t* end = corner + cluster.index_count; corner != end; corner += 3) {
+    const std::span<const std::uint32_t> vertices = d.range.clustering->vertices_of(cluster);
+    const std::span<const std::uint8_t> corners = d.range.clustering->corners_of(cluster);
+    for (std::size_t i = 0; i < corners.size(); i += 3) {
+      const std::uint32_t a = vertices[corners[i]], b = vertices[corners[i + 1]], c = vertices[corners[i + 2]];
       const auto& p = d.range.positions;
-      if (outside(planes, p[corner[0]], p[corner[1]], p[corner[2]])) continue;
-      indices_.insert(indices_.end(), corner, corner + 3);
+      if (!outside(planes, p[a], p[b], p[c])) indices_.insert(indices_.end(), {a, b, c});
     }
   }
   const auto count = static_cast<std::uint32_t>(indices_.size() - first);
@@ -200,7 +206,7 @@ void FrameDraws::add_to_strip(const Drawable& d, std::uint32_t number, const Vie
   for (const Cluster& cluster : d.range.clusters) {
     if (outside(planes, cluster.center, cluster.half_size)) continue;
     counts_.triangles_examined += cluster.index_count / 3;
-    strip_.add(d.range.indices.subspan(cluster.first_index, cluster.index_count), d.range.positions);
+    strip_.add(d.range.clustering->vertices_of(cluster), d.range.clustering->corners_of(cluster), d.range.positions);
   }
 }
 

@@ -13,6 +13,10 @@
 
 namespace simvis {
 
+/// Whether the view draws no opaque triangles but those that are picked for it on the host: of these, it needs no copy
+/// on the device.
+bool picks_opaque(const View& view);
+
 /// One instanced draw.
 struct DrawRun {
   PipelineKey key;

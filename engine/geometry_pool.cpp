@@ -16,6 +16,9 @@ constexpr VkBufferUsageFlags kCopied = VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUF
 constexpr VkBufferUsageFlags kVertexUsage = VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | kCopied;
 constexpr VkBufferUsageFlags kIndexUsage = VK_BUFFER_USAGE_INDEX_BUFFER_BIT | kCopied;
 
+// What is uploaded in another form is made about so much at a time: no second copy of all is needed.
+constexpr std::size_t kBlock = 1u << 16;
+
 // What is loaded at once gets what it needs. Half as much again once there is more to come, so that a scene that grows
 // part by part is not moved each time.
 std::uint64_t capacity_for(std::uint64_t needed, std::uint64_t least, bool grows) {
@@ -49,32 +52,22 @@ void check(const Mesh& mesh) {
 
 std::span<const MeshRange> GeometryPool::update(std::span<const std::shared_ptr<const Mesh>> meshes,
                                                 std::span<const MeshUse> uses, Uploads& uploads) {
-  const bool first_load = entries_.empty();
-  for (auto& [mesh, entry] : entries_) entry.wanted = false;
+  // What comes later may be made anew for each frame, as moving meshes are: of that, nothing is kept on disk.
+  const std::filesystem::path cache = entries_.empty() ? device_.cache_folder : "";
+  for (auto& [mesh, entry] : entries_) entry.use = MeshUse::none;
   std::vector<Entry*> fresh;
-  std::uint64_t vertices = 0, indices = 0;
   for (std::size_t i = 0; i < meshes.size(); ++i) {
     if (uses[i] == MeshUse::none || meshes[i]->indices.empty()) continue;
     const auto [found, added] = entries_.try_emplace(meshes[i].get());
-    found->second.wanted = true;
+    found->second.use = std::max(found->second.use, uses[i]);
     if (!added) continue;
     check(*meshes[i]);
     found->second.mesh = meshes[i];
     fresh.push_back(&found->second);
-    vertices += meshes[i]->positions.size();
-    indices += meshes[i]->indices.size();
   }
-  std::erase_if(entries_, [](const auto& entry) { return !entry.second.wanted; });
-  // What make_room() moves must have been uploaded, so the new ones get their places after it.
-  make_room(vertices, indices, uploads);
-  // What comes later may be made anew for each frame, as moving meshes are: of that, nothing is kept on disk.
-  const std::filesystem::path cache = first_load ? device_.cache_folder : "";
-  std::uint64_t placed = 0;
-  for (Entry* entry : fresh) {
-    device_.report({"preparing meshes", placed, indices});
-    place(*entry, cache, uploads);
-    placed += entry->mesh->indices.size();
-  }
+  std::erase_if(entries_, [](const auto& entry) { return entry.second.use == MeshUse::none; });
+  cut_into_clusters(fresh, cache);
+  place_new(meshes, uploads);
   ranges_.assign(meshes.size(), MeshRange{});
   for (std::size_t i = 0; i < meshes.size(); ++i) {
     const auto found = entries_.find(meshes[i].get());
@@ -84,11 +77,38 @@ std::span<const MeshRange> GeometryPool::update(std::span<const std::shared_ptr<
     ranges_[i] = {.first_index = static_cast<std::uint32_t>(entry.first_index),
                   .index_count = static_cast<std::uint32_t>(entry.mesh->indices.size()),
                   .vertex_offset = static_cast<std::int32_t>(entry.first_vertex),
-                  .clusters = entry.clustered.clusters,
-                  .indices = entry.clustered.indices,
+                  .clusters = entry.clustering.clusters,
+                  .clustering = &entry.clustering,
                   .positions = entry.mesh->positions};
   }
   return ranges_;
+}
+
+void GeometryPool::cut_into_clusters(std::span<Entry* const> fresh, const std::filesystem::path& cache) {
+  std::uint64_t indices = 0, done = 0;
+  for (const Entry* entry : fresh) indices += entry->mesh->indices.size();
+  for (Entry* entry : fresh) {
+    device_.report({"preparing meshes", done, indices});
+    entry->clustering = make_clusters_cached(*entry->mesh, cache);
+    done += entry->mesh->indices.size();
+  }
+}
+
+// In the order of the list, so that the same list gives the same layout.
+void GeometryPool::place_new(std::span<const std::shared_ptr<const Mesh>> meshes, Uploads& uploads) {
+  std::uint64_t vertices = 0, indices = 0;
+  for (const auto& [mesh, entry] : entries_) {
+    if (!entry.lacks_place()) continue;
+    vertices += mesh->positions.size();
+    indices += mesh->indices.size();
+  }
+  if (indices == 0) return;
+  // What make_room() moves must have been uploaded, so the new ones get their places after it.
+  make_room(vertices, indices, uploads);
+  for (const std::shared_ptr<const Mesh>& mesh : meshes) {
+    const auto found = entries_.find(mesh.get());
+    if (found != entries_.end() && found->second.lacks_place()) place(found->second, uploads);
+  }
 }
 
 void GeometryPool::make_room(std::uint64_t vertices, std::uint64_t indices, Uploads& uploads) {
@@ -136,7 +156,7 @@ void GeometryPool::make_room(std::uint64_t vertices, std::uint64_t indices, Uplo
   index_capacity_ = index_capacity;
 }
 
-void GeometryPool::place(Entry& entry, const std::filesystem::path& cache, Uploads& uploads) {
+void GeometryPool::place(Entry& entry, Uploads& uploads) {
   const Mesh& mesh = *entry.mesh;
   entry.first_vertex = vertices_used_;
   entry.first_index = indices_used_;
@@ -144,16 +164,30 @@ void GeometryPool::place(Entry& entry, const std::filesystem::path& cache, Uploa
   vertices_used_ += mesh.positions.size();
   indices_used_ += mesh.indices.size();
   uploads.write(positions_, entry.first_vertex * sizeof(glm::vec3), std::as_bytes(std::span(mesh.positions)));
-  entry.clustered = make_clusters_cached(mesh, cache);
-  uploads.write(indices_, entry.first_index * sizeof(std::uint32_t), std::as_bytes(std::span(entry.clustered.indices)));
+  upload_indices(entry, uploads);
+}
+
+void GeometryPool::upload_indices(const Entry& entry, Uploads& uploads) {
+  std::uint64_t place = entry.first_index;
+  const auto write = [&](std::span<const std::uint32_t> indices) {
+    uploads.write(indices_, place * sizeof(std::uint32_t), std::as_bytes(indices));
+    place += indices.size();
+  };
+  if (entry.mesh->topology != Topology::triangles) return write(entry.mesh->indices);
+  unpacked_.clear();
+  for (const Cluster& cluster : entry.clustering.clusters) {
+    const std::span<const std::uint32_t> vertices = entry.clustering.vertices_of(cluster);
+    for (const std::uint8_t corner : entry.clustering.corners_of(cluster)) unpacked_.push_back(vertices[corner]);
+    if (unpacked_.size() < kBlock && &cluster != &entry.clustering.clusters.back()) continue;
+    write(unpacked_);
+    unpacked_.clear();
+  }
 }
 
 void GeometryPool::upload_attributes(Entry& entry, Uploads& uploads) {
   if (!attributes_) {
     attributes_ = make_buffer("mesh attributes", vertex_capacity_ * sizeof(PackedAttributes), kVertexUsage);
   }
-  // Block by block, so that no second copy of them all is needed.
-  constexpr std::size_t kBlock = 1u << 16;
   const std::span<const VertexAttributes> attributes = entry.mesh->attributes;
   for (std::size_t first = 0; first < attributes.size(); first += kBlock) {
     packed_.clear();
@@ -171,16 +205,18 @@ Buffer GeometryPool::make_buffer(const char* name, VkDeviceSize size, VkBufferUs
 }
 
 void GeometryPool::count(std::uint64_t& meshes, std::uint64_t& bytes) const {
-  meshes = entries_.size();
-  bytes = 0;
+  meshes = bytes = 0;
   for (const auto& [mesh, entry] : entries_) {
+    if (!entry.resident) continue;
+    ++meshes;
     const std::size_t vertex = sizeof(glm::vec3) + (entry.has_attributes ? sizeof(PackedAttributes) : 0);
     bytes += mesh->positions.size() * vertex + mesh->indices.size() * sizeof(std::uint32_t);
   }
 }
 
 void GeometryPool::name_memory(const Uploads& uploads, std::vector<PlannedMemory>& memory) const {
-  const std::string meshes = std::to_string(entries_.size()) + " meshes";
+  const auto placed = std::ranges::count_if(entries_, [](const auto& entry) { return entry.second.resident; });
+  const std::string meshes = std::to_string(placed) + " meshes";
   const auto add = [&](const Buffer& buffer, const std::string& reason) {
     if (!buffer) return;
     memory.push_back({buffer.desc().name, reason, buffer.memory_bytes(), uploads.bytes_to(buffer)});

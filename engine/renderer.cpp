@@ -58,6 +58,14 @@ std::int64_t now_ns() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(now).count();
 }
 
+// What the plan needs of opaque triangles.
+MeshUse opaque_use(const FramePlan& plan) {
+  if (std::ranges::any_of(plan.passes, &Pass::color)) return MeshUse::attributes;
+  const bool picked =
+      std::ranges::all_of(plan.passes, [](const Pass& pass) { return std::ranges::all_of(pass.views, picks_opaque); });
+  return picked ? MeshUse::clusters : MeshUse::positions;
+}
+
 // Null where the plan has none.
 const Pass* find_shadow_maps(const FramePlan& plan) {
   const auto found = std::ranges::find(plan.passes, true, &Pass::shadow_maps);
@@ -186,8 +194,8 @@ void Renderer::Impl::finish_frame(const FramePlan& plan) {
 }
 
 void Renderer::Impl::prepare(const DrawList& list, const FramePlan& plan) {
-  const bool color = std::any_of(plan.passes.begin(), plan.passes.end(), [](const Pass& p) { return p.color; });
-  table.update(list, color, geometry, textures, uploads);
+  const bool color = std::ranges::any_of(plan.passes, &Pass::color);
+  table.update(list, opaque_use(plan), geometry, textures, uploads);
   buffers.write_materials(list, table.materials_read(), uploads);
   buffers.write_map_places(list, table.textures_shown(), uploads);
   draws.clear();

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/assert.h"
+#include "engine/clusters.h"
 #include "engine/view_projection.h"
 
 namespace simvis {
@@ -22,6 +24,8 @@ constexpr double kOutwards_px = 1, kInwards_px = 1;
 // What w is taken to be off by: of its gradient, of itself, and of its range over the triangle times the share of the
 // box around it that it does not fill.
 constexpr double kShift_px = 0.5, kRounding = 1e-4, kSlope = 50 * 0x1p-24;
+
+constexpr std::size_t kMostVertices = 3 * kClusterTriangles;
 
 template <typename Corner>
 Corner in_pixels(const glm::dvec3& place) {
@@ -129,28 +133,27 @@ std::uint32_t StripSight::first_read(double u) const {
   return columns_->before(whole + (column > whole));
 }
 
-void StripSight::add(std::span<const std::uint32_t> corners, std::span<const glm::vec3> positions) {
+void StripSight::add(std::span<const std::uint32_t> vertices, std::span<const std::uint8_t> corners,
+                     std::span<const glm::vec3> positions) {
   const auto times = [](const glm::dvec4& row, const glm::vec3& p) {
     return row.x * p.x + row.y * p.y + row.z * p.z + row.w;
   };
+  // A vertex belongs to several triangles, and most of these miss the rows.
+  double y[kMostVertices], z[kMostVertices];
+  SIMVIS_ASSERT(vertices.size() <= kMostVertices);
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    y[i] = times(row_y_, positions[vertices[i]]);
+    z[i] = times(row_z_, positions[vertices[i]]);
+  }
   for (std::size_t first = 0; first < corners.size(); first += 3) {
-    const glm::vec3 &a = positions[corners[first]], &b = positions[corners[first + 1]],
-                    &c = positions[corners[first + 2]];
-    // Most miss the rows.
-    glm::dvec3 triangle[3];
-    triangle[0].y = times(row_y_, a);
-    triangle[1].y = times(row_y_, b);
-    triangle[2].y = times(row_y_, c);
-    if (std::max({triangle[0].y, triangle[1].y, triangle[2].y}) < -slack_y_) continue;
-    triangle[0].z = times(row_z_, a);
-    triangle[1].z = times(row_z_, b);
-    triangle[2].z = times(row_z_, c);
-    const auto below = [&](const glm::dvec3& p) { return height_ * p.z - p.y < -slack_y_; };
-    if (below(triangle[0]) && below(triangle[1]) && below(triangle[2])) continue;
-    triangle[0].x = times(row_x_, a);
-    triangle[1].x = times(row_x_, b);
-    triangle[2].x = times(row_x_, c);
-    if (!misses(triangle)) add(&corners[first], triangle);
+    const std::uint8_t a = corners[first], b = corners[first + 1], c = corners[first + 2];
+    if (std::max({y[a], y[b], y[c]}) < -slack_y_) continue;
+    const auto below = [&](std::uint8_t i) { return height_ * z[i] - y[i] < -slack_y_; };
+    if (below(a) && below(b) && below(c)) continue;
+    const StripTriangle named{owner_, {vertices[a], vertices[b], vertices[c]}};
+    const auto seen = [&](std::uint8_t i) { return glm::dvec3(times(row_x_, positions[vertices[i]]), y[i], z[i]); };
+    const glm::dvec3 triangle[3] = {seen(a), seen(b), seen(c)};
+    if (!misses(triangle)) add(named, triangle);
   }
 }
 
@@ -165,8 +168,8 @@ bool StripSight::misses(const glm::dvec3 (&triangle)[3]) const {
   return first_read(std::min({a, b, c}) - kOutwards_px) == first_read(std::max({a, b, c}) + kOutwards_px);
 }
 
-void StripSight::add(const std::uint32_t* corners, const glm::dvec3 (&triangle)[3]) {
-  Candidate candidate{.triangle = {owner_, corners},
+void StripSight::add(const StripTriangle& named, const glm::dvec3 (&triangle)[3]) {
+  Candidate candidate{.triangle = named,
                       .first = 0,
                       .end = static_cast<std::uint32_t>(hidden_below_.size()),
                       .most = kInfinity,

@@ -30,8 +30,8 @@ namespace simvis {
 
 /// A triangle of a strip.
 struct StripTriangle {
-  std::uint32_t owner = 0;                 ///< as given to place()
-  const std::uint32_t* corners = nullptr;  ///< three, of those given to add()
+  std::uint32_t owner = 0;        ///< as given to place()
+  std::uint32_t corners[3] = {};  ///< numbers of positions given to add()
 };
 
 /// Keeps its memory from view to view.
@@ -43,8 +43,10 @@ class StripSight {
   /// vertices by up to `slack_m`, in any direction.
   void place(std::uint32_t owner, const glm::dmat4& view_from_mesh, double slack_m);
 
-  /// Triangles without holes, three corners each, that are drawn from either side; positions are in the mesh's frame.
-  void add(std::span<const std::uint32_t> corners, std::span<const glm::vec3> positions);
+  /// Triangles without holes that are drawn from either side, three corners each: which of `vertices`, whose numbers
+  /// are those of positions, in the mesh's frame.
+  void add(std::span<const std::uint32_t> vertices, std::span<const std::uint8_t> corners,
+           std::span<const glm::vec3> positions);
 
   /// Those of all added that may be seen, in their order.
   std::span<const StripTriangle> seen();
@@ -74,7 +76,7 @@ class StripSight {
   };
   void take_columns(const View& view);
   bool misses(const glm::dvec3 (&triangle)[3]) const;
-  void add(const std::uint32_t* corners, const glm::dvec3 (&triangle)[3]);
+  void add(const StripTriangle& named, const glm::dvec3 (&triangle)[3]);
   bool is_inside(const glm::dvec3& p) const;
   bool is_on_side(const glm::dvec3& p) const;
   bool cut(const glm::dvec3 (&triangle)[3], double outwards_px, Polygon& polygon) const;

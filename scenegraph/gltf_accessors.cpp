@@ -12,6 +12,9 @@ namespace {
 // An accessor without a buffer view holds zeros that no byte of the file stands for.
 constexpr std::size_t kMaxElementsWithoutBytes = 1u << 20;
 
+// Of how many elements the file's bytes lie in memory at once.
+constexpr std::size_t kBlock = 1u << 16;
+
 unsigned format_of(int component_type, bool normalized) {
   switch (component_type) {
     case TINYGLTF_COMPONENT_TYPE_BYTE:
@@ -109,6 +112,26 @@ bool view_has_data(const GltfDocument& document, int buffer_view) {
   return !document.buffers[static_cast<std::size_t>(view.buffer)].empty();
 }
 
+struct ViewPlace {
+  const GltfBuffer& buffer;
+  std::size_t first, size;
+};
+
+ViewPlace locate_view(const GltfDocument& document, int buffer_view, const std::string& place) {
+  const tinygltf::BufferView& view = document.model.bufferViews[static_cast<std::size_t>(buffer_view)];
+  const GltfBuffer& buffer = document.buffers[static_cast<std::size_t>(view.buffer)];
+  if (view.extensions.count("EXT_meshopt_compression") != 0 && buffer.empty()) {
+    document.fail(
+        place + " is compressed by EXT_meshopt_compression, which is not supported; save the file without compression");
+  }
+  if (view.byteOffset > buffer.size() || view.byteLength > buffer.size() - view.byteOffset) {
+    document.fail(place + " reads bufferViews/" + std::to_string(buffer_view) + ", which ends at byte " +
+                  std::to_string(view.byteOffset + view.byteLength) + " of buffers/" + std::to_string(view.buffer) +
+                  ", which has " + std::to_string(buffer.size()));
+  }
+  return {buffer, view.byteOffset, view.byteLength};
+}
+
 class AccessorReader {
  public:
   AccessorReader(const GltfDocument& document, int accessor, const char* use)
@@ -157,8 +180,12 @@ class AccessorReader {
     } else {
       const Elements elements = dense_elements();
       values.resize(count() * components_);
-      for (std::size_t i = 0; i < count(); ++i) {
-        copy_element(elements.first + i * elements.stride, values.data() + i * components_);
+      for (std::size_t first = 0; first < count(); first += kBlock) {
+        const std::size_t end = std::min(count(), first + kBlock);
+        const Bytes bytes = elements.read(first, end);
+        for (std::size_t i = first; i < end; ++i) {
+          copy_element(bytes.data() + (i - first) * elements.stride, values.data() + i * components_);
+        }
       }
     }
     if (accessor_.sparse.isSparse) replace_sparse(values);
@@ -171,9 +198,16 @@ class AccessorReader {
     return static_cast<std::size_t>(tinygltf::GetComponentSizeInBytes(static_cast<std::uint32_t>(component_type)));
   }
 
+  // Where elements lie in a buffer, from one to the next.
   struct Elements {
-    const std::uint8_t* first;
-    std::size_t stride;
+    const GltfBuffer& buffer;
+    std::size_t place, stride, element_bytes;
+
+    // Those from `first` up to `end`, the gaps between them too.
+    Bytes read(std::size_t first, std::size_t end) const {
+      if (first == end) return {};
+      return buffer.read(place + first * stride, (end - 1 - first) * stride + element_bytes);
+    }
   };
 
   Elements dense_elements() const {
@@ -184,12 +218,12 @@ class AccessorReader {
       fail("has elements of " + std::to_string(element_bytes) + " bytes, but the buffer view's byteStride is " +
            std::to_string(stride));
     }
-    return {locate(accessor_.bufferView, accessor_.byteOffset, count(), stride, element_bytes), stride};
+    return locate(accessor_.bufferView, accessor_.byteOffset, count(), stride, element_bytes);
   }
 
   struct SparseElements {
-    const std::uint8_t *indices, *values;
-    std::size_t count, index_bytes;
+    Elements indices, values;
+    std::size_t count;
     unsigned index_format;
   };
 
@@ -208,7 +242,7 @@ class AccessorReader {
                    index_bytes, index_bytes),
             locate(sparse.values.bufferView, static_cast<std::size_t>(sparse.values.byteOffset), replaced,
                    element_bytes, element_bytes),
-            replaced, index_bytes, format};
+            replaced, format};
   }
 
   template <class T>
@@ -222,30 +256,31 @@ class AccessorReader {
     }
   }
 
-  // The first of `count` elements within a buffer view. Sizes stay far below 2^64: see the ranges in gltf_schema.cpp.
-  const std::uint8_t* locate(int buffer_view, std::size_t offset, std::size_t count, std::size_t stride,
-                             std::size_t element_bytes) const {
-    const std::span<const std::uint8_t> bytes = view_bytes(document_, buffer_view, place_);
+  // `count` elements within a buffer view. Sizes stay far below 2^64: see the ranges in gltf_schema.cpp.
+  Elements locate(int buffer_view, std::size_t offset, std::size_t count, std::size_t stride,
+                  std::size_t element_bytes) const {
+    const ViewPlace view = locate_view(document_, buffer_view, place_);
     const std::size_t needed = offset + (count - 1) * stride + element_bytes;
-    if (needed > bytes.size()) {
+    if (needed > view.size) {
       fail("reaches to byte " + std::to_string(needed) + " of bufferViews/" + std::to_string(buffer_view) +
-           ", which has " + std::to_string(bytes.size()));
+           ", which has " + std::to_string(view.size));
     }
-    return bytes.data() + offset;
+    return {view.buffer, view.first + offset, stride, element_bytes};
   }
 
   template <class T>
   void replace_sparse(std::vector<T>& values) const {
     const SparseElements sparse = sparse_elements();
+    const Bytes indices = sparse.indices.read(0, sparse.count), replacing = sparse.values.read(0, sparse.count);
     std::int64_t last = -1;
     for (std::size_t i = 0; i < sparse.count; ++i) {
-      const std::uint32_t index = integer_component(sparse.indices + i * sparse.index_bytes, sparse.index_format);
+      const std::uint32_t index = integer_component(indices.data() + i * sparse.indices.stride, sparse.index_format);
       if (index >= count() || index <= last) {
         fail("has the sparse index " + std::to_string(index) + " after " + std::to_string(last) +
              "; expected increasing indices below " + std::to_string(count()));
       }
       last = index;
-      copy_element(sparse.values + i * component_bytes_ * components_, values.data() + index * components_);
+      copy_element(replacing.data() + i * sparse.values.stride, values.data() + index * components_);
     }
   }
 
@@ -299,19 +334,9 @@ void check_accessors(const GltfDocument& document) {
   }
 }
 
-std::span<const std::uint8_t> view_bytes(const GltfDocument& document, int buffer_view, const std::string& place) {
-  const tinygltf::BufferView& view = document.model.bufferViews[static_cast<std::size_t>(buffer_view)];
-  const Bytes& buffer = document.buffers[static_cast<std::size_t>(view.buffer)];
-  if (view.extensions.count("EXT_meshopt_compression") != 0 && buffer.empty()) {
-    document.fail(
-        place + " is compressed by EXT_meshopt_compression, which is not supported; save the file without compression");
-  }
-  if (view.byteOffset > buffer.size() || view.byteLength > buffer.size() - view.byteOffset) {
-    document.fail(place + " reads bufferViews/" + std::to_string(buffer_view) + ", which ends at byte " +
-                  std::to_string(view.byteOffset + view.byteLength) + " of buffers/" + std::to_string(view.buffer) +
-                  ", which has " + std::to_string(buffer.size()));
-  }
-  return {buffer.data() + view.byteOffset, view.byteLength};
+Bytes view_bytes(const GltfDocument& document, int buffer_view, const std::string& place) {
+  const ViewPlace view = locate_view(document, buffer_view, place);
+  return view.buffer.read(view.first, view.size);
 }
 
 }  // namespace simvis

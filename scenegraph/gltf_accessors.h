@@ -54,6 +54,6 @@ bool has_data(const GltfDocument& document, int accessor);
 void check_accessors(const GltfDocument& document);
 
 /// The bytes of a buffer view. Throws InputError when they do not lie within the buffer; `place` names who asks.
-std::span<const std::uint8_t> view_bytes(const GltfDocument& document, int buffer_view, const std::string& place);
+Bytes view_bytes(const GltfDocument& document, int buffer_view, const std::string& place);
 
 }  // namespace simvis

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <exception>
 #include <limits>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -81,8 +82,8 @@ void check_version(const json& root, const GltfDocument& document) {
   if (least != "2.0") document.fail("asset/minVersion is \"" + least + "\"; SimVis reads glTF 2.0");
 }
 
-// The binary chunk's buffer takes over the file's bytes: of a large file, there is no second copy.
-void read_buffers(const json& root, const GltfChunks& chunks, Bytes&& file_bytes, GltfDocument& document) {
+void open_buffers(const json& root, const GltfChunks& chunks, std::shared_ptr<const InputFile> input,
+                  GltfDocument& document) {
   const auto buffers = root.find("buffers");
   if (buffers == root.end()) return;
   for (const json& buffer : *buffers) {
@@ -90,24 +91,21 @@ void read_buffers(const json& root, const GltfChunks& chunks, Bytes&& file_bytes
     const std::string place = "buffers/" + std::to_string(index);
     const auto length = buffer.at("byteLength").get<std::size_t>();
     const auto uri = buffer.find("uri");
-    Bytes bytes;
+    GltfBuffer opened;
     if (uri != buffer.end()) {
-      bytes = read_gltf_uri(uri->get_ref<const std::string&>(), document.file, place);
+      opened = open_gltf_uri(uri->get_ref<const std::string&>(), document.file, place);
     } else if (index == 0 && chunks.has_binary) {
-      const std::ptrdiff_t first = chunks.binary.data() - file_bytes.data();
-      bytes = std::move(file_bytes);
-      bytes.erase(bytes.begin(), bytes.begin() + first);
-      bytes.resize(chunks.binary.size());
+      opened = GltfBuffer(input, chunks.binary_first, chunks.binary_size);
     } else {
       document.buffers.emplace_back();
       continue;
     }
-    if (bytes.size() < length) {
-      document.fail(place + " has " + std::to_string(bytes.size()) + " bytes; expected " + std::to_string(length) +
+    if (opened.size() < length) {
+      document.fail(place + " has " + std::to_string(opened.size()) + " bytes; expected " + std::to_string(length) +
                     " (byteLength)");
     }
-    bytes.resize(length);
-    document.buffers.push_back(std::move(bytes));
+    opened.cut(length);
+    document.buffers.push_back(std::move(opened));
   }
 }
 
@@ -203,17 +201,17 @@ bool GltfDocument::uses(std::string_view extension) const { return is_one_of(ext
 GltfDocument read_gltf_document(const std::filesystem::path& file) {
   GltfDocument document;
   document.file = file;
-  Bytes bytes = read_whole_file(file);
-  const GltfChunks chunks = split_gltf(bytes, file);
+  const auto input = std::make_shared<const InputFile>(file);
+  const GltfChunks chunks = split_gltf(*input, file);
   if (chunks.extra_bytes > 0) {
     document.warn(std::to_string(chunks.extra_bytes) + " bytes after the end of the .glb are left out");
   }
-  json root = parse_json(chunks.json, document);
+  json root = parse_json(chunks.text(), document);
   check_required_extensions(root, document);
   check_and_prune_gltf(root, file);
   check_version(root, document);
   check_node_transforms(root, document);
-  read_buffers(root, chunks, std::move(bytes), document);
+  open_buffers(root, chunks, input, document);
   read_images(root, document);
   read_animations(root, document);
   read_structure(root, document);

@@ -45,7 +45,7 @@ inline constexpr const char* kGltfIndices = "(indices)";
 struct GltfDocument {
   std::filesystem::path file;
   tinygltf::Model model;
-  std::vector<Bytes> buffers;  ///< byteLength bytes each, or none where the file leaves them out
+  std::vector<GltfBuffer> buffers;  ///< byteLength bytes each, or none where the file leaves them out
   std::vector<GltfImage> images;
   std::vector<GltfAnimation> animations;
   std::vector<std::string> warnings;

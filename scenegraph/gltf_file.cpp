@@ -1,12 +1,10 @@
 #include "scenegraph/gltf_file.h"
 
 #include <array>
-#include <cerrno>
-#include <cstring>
-#include <fstream>
+#include <cstdint>
 #include <optional>
-#include <system_error>
 
+#include "engine/assert.h"
 #include "engine/error.h"
 
 namespace simvis {
@@ -14,6 +12,9 @@ namespace {
 
 constexpr std::size_t kGlbHeaderBytes = 12, kChunkHeaderBytes = 8;
 constexpr std::uint32_t kGlbMagic = 0x46546C67, kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
+
+// A part may have more small buffers than a process may hold files open.
+constexpr std::size_t kWorthHoldingOpen = std::size_t{1} << 20;
 
 [[noreturn]] void fail(const std::filesystem::path& file, const std::string& what) {
   throw InputError(file.string() + ": error: " + what);
@@ -23,32 +24,34 @@ std::uint32_t little_endian_u32(const std::uint8_t* p) {
   return std::uint32_t{p[0]} | std::uint32_t{p[1]} << 8 | std::uint32_t{p[2]} << 16 | std::uint32_t{p[3]} << 24;
 }
 
-GltfChunks split_glb(std::span<const std::uint8_t> bytes, const std::filesystem::path& file) {
-  if (bytes.size() < kGlbHeaderBytes) fail(file, "the .glb header is cut off; expected 12 bytes");
-  const std::uint32_t version = little_endian_u32(bytes.data() + 4), length = little_endian_u32(bytes.data() + 8);
+GltfChunks split_glb(const InputFile& input, const std::filesystem::path& file) {
+  if (input.size() < kGlbHeaderBytes) fail(file, "the .glb header is cut off; expected 12 bytes");
+  const Bytes header = input.read(0, kGlbHeaderBytes);
+  const std::uint32_t version = little_endian_u32(header.data() + 4), length = little_endian_u32(header.data() + 8);
   if (version != 2) fail(file, "is binary glTF of version " + std::to_string(version) + "; expected version 2");
-  if (length > bytes.size()) {
+  if (length > input.size()) {
     fail(file, "the .glb header gives " + std::to_string(length) + " bytes, but the file has " +
-                   std::to_string(bytes.size()));
+                   std::to_string(input.size()));
   }
   GltfChunks chunks;
-  chunks.extra_bytes = bytes.size() - length;
-  bytes = bytes.first(length);
+  chunks.extra_bytes = input.size() - length;
   std::size_t at = kGlbHeaderBytes;
-  for (int index = 0; at < bytes.size(); ++index) {
+  for (int index = 0; at < length; ++index) {
     const std::string chunk = "chunk " + std::to_string(index) + " of the .glb";
-    if (bytes.size() - at < kChunkHeaderBytes) fail(file, "the header of " + chunk + " is cut off");
-    const std::uint32_t size = little_endian_u32(bytes.data() + at), type = little_endian_u32(bytes.data() + at + 4);
+    if (length - at < kChunkHeaderBytes) fail(file, "the header of " + chunk + " is cut off");
+    const Bytes head = input.read(at, kChunkHeaderBytes);
+    const std::uint32_t size = little_endian_u32(head.data()), type = little_endian_u32(head.data() + 4);
     at += kChunkHeaderBytes;
-    if (size > bytes.size() - at) {
-      fail(file, chunk + " claims " + std::to_string(size) + " bytes, but only " + std::to_string(bytes.size() - at) +
-                     " are left");
+    if (size > length - at) {
+      fail(file,
+           chunk + " claims " + std::to_string(size) + " bytes, but only " + std::to_string(length - at) + " are left");
     }
     if ((index == 0) != (type == kJsonChunk))
       fail(file, chunk + " is of the wrong type; expected first one JSON chunk");
-    if (index == 0) chunks.json = {reinterpret_cast<const char*>(bytes.data() + at), size};
+    if (index == 0) chunks.json = input.read(at, size);
     if (index == 1 && type == kBinaryChunk) {
-      chunks.binary = bytes.subspan(at, size);
+      chunks.binary_first = at;
+      chunks.binary_size = size;
       chunks.has_binary = true;
     }
     at += size;
@@ -137,37 +140,35 @@ std::filesystem::path relative_path(std::string_view uri, const std::filesystem:
 
 }  // namespace
 
-Bytes read_whole_file(const std::filesystem::path& file) {
-  std::error_code error;
-  const std::filesystem::file_status status = std::filesystem::status(file, error);
-  if (status.type() == std::filesystem::file_type::not_found) fail(file, "there is no such file");
-  if (error) fail(file, "cannot be read: " + error.message());
-  // A pipe or a device has no end that one could wait for.
-  if (status.type() != std::filesystem::file_type::regular) fail(file, "is not a regular file");
-  const std::uintmax_t size = std::filesystem::file_size(file, error);
-  if (error) fail(file, "cannot be read: " + error.message());
-  errno = 0;
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) fail(file, std::string("cannot be opened: ") + std::strerror(errno));
-  Bytes bytes(size);
-  stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
-  if (static_cast<std::uintmax_t>(stream.gcount()) != size) fail(file, "could not be read to its end");
-  return bytes;
+void GltfBuffer::cut(std::size_t size) {
+  size_ = size;
+  if (!file_) bytes_.resize(size);
 }
 
-GltfChunks split_gltf(std::span<const std::uint8_t> bytes, const std::filesystem::path& file) {
-  if (bytes.empty()) fail(file, "is empty; expected glTF 2.0");
-  const bool has_magic = bytes.size() >= 4 && little_endian_u32(bytes.data()) == kGlbMagic;
-  if (has_magic) return split_glb(bytes, file);
+Bytes GltfBuffer::read(std::size_t first, std::size_t count) const {
+  SIMVIS_ASSERT(first <= size_ && count <= size_ - first);
+  if (file_) return file_->read(first_ + first, count);
+  const auto begin = bytes_.begin() + static_cast<std::ptrdiff_t>(first);
+  return {begin, begin + static_cast<std::ptrdiff_t>(count)};
+}
+
+GltfChunks split_gltf(const InputFile& input, const std::filesystem::path& file) {
+  if (input.size() == 0) fail(file, "is empty; expected glTF 2.0");
+  if (input.size() >= 4 && little_endian_u32(input.read(0, 4).data()) == kGlbMagic) return split_glb(input, file);
   if (file.extension() == ".glb") fail(file, "does not begin with \"glTF\"; expected binary glTF 2.0");
-  return {{reinterpret_cast<const char*>(bytes.data()), bytes.size()}, {}, false, 0};
+  GltfChunks chunks;
+  chunks.json = input.read(0, input.size());
+  return chunks;
 }
 
-Bytes read_gltf_uri(std::string_view uri, const std::filesystem::path& file, const std::string& place) {
+GltfBuffer open_gltf_uri(std::string_view uri, const std::filesystem::path& file, const std::string& place) {
   if (!uri.starts_with("data:")) {
     const std::filesystem::path path = file.parent_path() / relative_path(uri, file, place);
     try {
-      return read_whole_file(path);
+      auto input = std::make_shared<const InputFile>(path);
+      const std::size_t size = input->size();
+      if (size < kWorthHoldingOpen) return GltfBuffer(input->read(0, size));
+      return {std::move(input), 0, size};
     } catch (const InputError& e) {
       fail(file, place + ": " + e.what());
     }
@@ -179,7 +180,7 @@ Bytes read_gltf_uri(std::string_view uri, const std::filesystem::path& file, con
   }
   std::optional<Bytes> bytes = decode_base64(uri.substr(comma + 1));
   if (!bytes) fail(file, place + " has a data URI that is not base64: " + shown(uri));
-  return std::move(*bytes);
+  return GltfBuffer(std::move(*bytes));
 }
 
 }  // namespace simvis

@@ -66,7 +66,8 @@ Texture decode_image(int index, const GltfDocument& document) {
   const std::string place = "images/" + std::to_string(index);
   const std::string subject = document.file.string() + ": error: " + place;
   if (image.buffer_view >= 0) return decode_picture(view_bytes(document, image.buffer_view, place), subject);
-  return decode_picture(read_gltf_uri(image.uri, document.file, place), subject);
+  const GltfBuffer buffer = open_gltf_uri(image.uri, document.file, place);
+  return decode_picture(buffer.read(0, buffer.size()), subject);
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 
 #include "engine/error.h"
 #include "scenegraph/foreign_scene.h"
-#include "scenegraph/gltf_file.h"
+#include "scenegraph/input_file.h"
 #include "scenegraph/inventor_reader.h"
 
 namespace simvis {

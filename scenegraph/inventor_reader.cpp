@@ -23,7 +23,7 @@
 #include <vector>
 
 #include "engine/error.h"
-#include "scenegraph/gltf_file.h"
+#include "scenegraph/input_file.h"
 #include "scenegraph/inventor_lights.h"
 #include "scenegraph/inventor_shapes.h"
 #include "scenegraph/picture_file.h"

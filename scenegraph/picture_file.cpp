@@ -7,7 +7,7 @@
 #include <memory>
 
 #include "engine/error.h"
-#include "scenegraph/gltf_file.h"
+#include "scenegraph/input_file.h"
 
 namespace simvis {
 namespace {

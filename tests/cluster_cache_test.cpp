@@ -35,8 +35,9 @@ Mesh shuffled_sphere() {
   return mesh;
 }
 
-bool same(const ClusteredIndices& a, const ClusteredIndices& b) {
-  return a.indices == b.indices && std::ranges::equal(a.clusters, b.clusters, [](const Cluster& x, const Cluster& y) {
+bool same(const Clustering& a, const Clustering& b) {
+  return a.vertices == b.vertices && a.corners == b.corners &&
+         std::ranges::equal(a.clusters, b.clusters, [](const Cluster& x, const Cluster& y) {
            return x.first_index == y.first_index && x.index_count == y.index_count && x.center == y.center &&
                   x.half_size == y.half_size;
          });
@@ -94,7 +95,7 @@ std::vector<float> depth_of(const DrawList& list, const fs::path& cache, const F
 TEST_CASE("the order of a mesh's clusters is kept, and a damaged file is made anew") {
   const TemporaryFolder folder;
   const Mesh mesh = shuffled_sphere();
-  const ClusteredIndices expected = make_clusters(mesh);
+  const Clustering expected = make_clusters(mesh);
   CHECK(same(make_clusters_cached(mesh, folder.path()), expected));
   REQUIRE(files_in(folder.path()).size() == 1);
   const fs::path file = files_in(folder.path())[0];
@@ -138,15 +139,17 @@ TEST_CASE("a cached order that is not the best one costs time, not triangles") {
   std::vector<std::uint32_t> order(mesh.indices.size() / 3);
   std::iota(order.begin(), order.end(), 0u);
   write_text(file, with_order(read(file), order));
-  const ClusteredIndices clustered = make_clusters_cached(mesh, folder.path());
-  CHECK(clustered.indices == mesh.indices);
-  for (const Cluster& cluster : clustered.clusters) {
-    for (std::uint32_t i = 0; i < cluster.index_count; ++i) {
-      const glm::vec3 position = mesh.positions[clustered.indices[cluster.first_index + i]];
-      const glm::dvec3 off = glm::abs(glm::dvec3(position) - glm::dvec3(cluster.center));
+  const Clustering clustering = make_clusters_cached(mesh, folder.path());
+  std::size_t next = 0;
+  for (const Cluster& cluster : clustering.clusters) {
+    const std::span<const std::uint32_t> vertices = clustering.vertices_of(cluster);
+    for (const std::uint8_t corner : clustering.corners_of(cluster)) {
+      if (vertices[corner] != mesh.indices[next++]) FAIL("not in the order that the file says");
+      const glm::dvec3 off = glm::abs(glm::dvec3(mesh.positions[vertices[corner]]) - glm::dvec3(cluster.center));
       if (!glm::all(glm::lessThanEqual(off, glm::dvec3(cluster.half_size)))) FAIL("a corner outside its cluster's box");
     }
   }
+  CHECK(next == mesh.indices.size());
 }
 
 TEST_CASE("each content has a file of its own; small meshes have none, and no folder is no error") {
@@ -183,11 +186,11 @@ TEST_CASE("a picture has the same bytes with a cache and without; meshes that co
   CHECK(cached() == 1);
   Device device(with_cache(folder.path()));
   Renderer renderer(device);
-  renderer.render(list, plan_of(256, 2));
+  renderer.render(list, plan_of(256, 80));
   Mesh moved = shuffled_sphere();
   for (glm::vec3& position : moved.positions) position.x += 0.25f;
   add_item(list, std::move(moved), glm::dmat4(1.0));
-  renderer.render(list, plan_of(256, 2));
+  renderer.render(list, plan_of(256, 80));
   CHECK(renderer.counters().meshes_held == 2);
   CHECK(cached() == 1);
 }

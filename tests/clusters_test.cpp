@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <glm/gtc/matrix_transform.hpp>
+#include <set>
 
 #include "engine/device.h"
 #include "engine/renderer.h"
@@ -19,6 +20,16 @@ std::vector<std::array<std::uint32_t, 3>> sorted_triangles(const std::vector<std
   for (std::size_t i = 0; i < indices.size(); i += 3) triangles.push_back({indices[i], indices[i + 1], indices[i + 2]});
   std::ranges::sort(triangles);
   return triangles;
+}
+
+// Of the mesh's vertices, cluster by cluster.
+std::vector<std::uint32_t> indices_of(const Clustering& clustering) {
+  std::vector<std::uint32_t> indices;
+  for (const Cluster& cluster : clustering.clusters) {
+    const std::span<const std::uint32_t> vertices = clustering.vertices_of(cluster);
+    for (const std::uint8_t corner : clustering.corners_of(cluster)) indices.push_back(vertices[corner]);
+  }
+  return indices;
 }
 
 // Numbers alone are moved, one half after the other.
@@ -58,21 +69,38 @@ FramePlan plan_of(double yaw_rad, std::uint32_t width_px, std::uint32_t height_p
 
 TEST_CASE("clusters hold every triangle once, few at a time, each within its box") {
   const Mesh mesh = sphere_mesh(2, 90);
-  const ClusteredIndices clustered = make_clusters(mesh);
-  REQUIRE(clustered.clusters.size() > 10);
-  CHECK(sorted_triangles(clustered.indices) == sorted_triangles(mesh.indices));
-  std::uint32_t next = 0;
-  for (const Cluster& cluster : clustered.clusters) {
+  const Clustering clustering = make_clusters(mesh);
+  REQUIRE(clustering.clusters.size() > 10);
+  const std::vector<std::uint32_t> indices = indices_of(clustering);
+  CHECK(sorted_triangles(indices) == sorted_triangles(mesh.indices));
+  std::uint32_t next = 0, next_vertex = 0;
+  for (const Cluster& cluster : clustering.clusters) {
     CHECK(cluster.first_index == next);
+    CHECK(cluster.first_vertex == next_vertex);
+    next_vertex += cluster.vertex_count;
     CHECK(cluster.index_count > 0);
     CHECK(cluster.index_count <= 3 * kClusterTriangles);
     next += cluster.index_count;
     for (std::uint32_t i = cluster.first_index; i < next; ++i) {
-      const glm::dvec3 off = glm::abs(glm::dvec3(mesh.positions[clustered.indices[i]]) - glm::dvec3(cluster.center));
+      const glm::dvec3 off = glm::abs(glm::dvec3(mesh.positions[indices[i]]) - glm::dvec3(cluster.center));
       CHECK(glm::all(glm::lessThanEqual(off, glm::dvec3(cluster.half_size))));
     }
   }
   CHECK(next == mesh.indices.size());
+  CHECK(next_vertex == clustering.vertices.size());
+}
+
+TEST_CASE("a cluster names each of its vertices once, and no list has room to spare") {
+  const Clustering clustering = make_clusters(sphere_mesh(2, 90));
+  for (const Cluster& cluster : clustering.clusters) {
+    const std::span<const std::uint32_t> vertices = clustering.vertices_of(cluster);
+    CHECK(std::set<std::uint32_t>(vertices.begin(), vertices.end()).size() == vertices.size());
+  }
+  // On a grid of triangles every vertex belongs to six of them: of 16 to 32 neighbours, no more than one each.
+  CHECK(clustering.vertices.size() <= clustering.corners.size() / 3);
+  CHECK(clustering.vertices.capacity() == clustering.vertices.size());
+  CHECK(clustering.corners.capacity() == clustering.corners.size());
+  CHECK(clustering.clusters.capacity() == clustering.clusters.size());
 }
 
 TEST_CASE("several threads put triangles in the order of one that moves numbers alone") {
@@ -99,9 +127,11 @@ TEST_CASE("lines are one cluster in their order") {
   mesh.topology = Topology::lines;
   mesh.positions = {{0, 0, 0}, {1, 0, 0}};
   for (int i = 0; i < 1000; ++i) mesh.indices.insert(mesh.indices.end(), {0, 1});
-  const ClusteredIndices clustered = make_clusters(mesh);
-  CHECK(clustered.clusters.size() == 1);
-  CHECK(clustered.indices == mesh.indices);
+  const Clustering clustering = make_clusters(mesh);
+  REQUIRE(clustering.clusters.size() == 1);
+  CHECK(clustering.clusters[0].index_count == mesh.indices.size());
+  CHECK(clustering.clusters[0].half_size.x >= 0.5f);
+  CHECK((clustering.vertices.empty() && clustering.corners.empty()));
 }
 
 TEST_CASE("drawing only what a view sees of a mesh gives the bytes of drawing every triangle by itself") {
