@@ -49,9 +49,9 @@ class DrawOrder {
   template <typename Less>
   void sort_among_rank(std::span<const std::uint32_t> moved, const Less& before);
 
-  std::vector<Drawable> drawables_;       // in the order of the items
-  std::vector<std::uint32_t> order_;      // numbers of drawables, by position
-  std::vector<std::uint32_t> position_;   // by item
+  std::vector<Drawable> drawables_;      // in the order of the items
+  std::vector<std::uint32_t> order_;     // numbers of drawables, by position
+  std::vector<std::uint32_t> position_;  // by item
   std::size_t solids_ = 0;
 };
 

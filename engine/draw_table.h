@@ -1,5 +1,5 @@
-// A draw list made ready for drawing, with all that a view needs of an item side by side. Remade only when the list's structure or a material's kind changes: not for
-// another colour.
+// A draw list made ready for drawing, with all that a view needs of an item side by side. Remade only when the list's
+// structure or a material's kind changes: not for another colour.
 #pragma once
 
 #include <memory>

@@ -61,8 +61,7 @@ class FrameDraws {
   bool can_pick(const Drawable& d, const View& view) const;
   void add_to_strip(const Drawable& d, std::uint32_t number, const ViewProjection& projection, const DrawList& list,
                     const WorldBox& box);
-  void draw_strip(const DrawOrder& items, const View& view, const ViewProjection& projection,
-                  const DrawList& list);
+  void draw_strip(const DrawOrder& items, const View& view, const ViewProjection& projection, const DrawList& list);
   void draw_seen_clusters(const Drawable& d, const View& view, const ViewProjection& projection, const DrawList& list,
                           const WorldBox& box, std::size_t first_run);
   void draw_seen_triangles(const Drawable& d, const View& view, const ViewProjection& projection, const DrawList& list,

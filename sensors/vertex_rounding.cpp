@@ -58,8 +58,8 @@ const std::array<double, VertexRounding::kBins>& VertexRounding::upper_limits() 
 /// What counts of an item, or at least as much as counts of any item of several.
 struct VertexRounding::Reach {
   ItemExtent extent;
-  double distance_m = 0;                   // of the mesh's origin
-  double nearest_m = 0, farthest_m = 0;    // of the mesh
+  double distance_m = 0;                 // of the mesh's origin
+  double nearest_m = 0, farthest_m = 0;  // of the mesh
   int first_bin = 0, last_bin = 0;
 
   void take_bins() {
@@ -71,8 +71,8 @@ struct VertexRounding::Reach {
     const double reach = extent.reach_m, edge = extent.edge_m;
     const double offset = extent.away_m + distance_m + reach;
     const double corner = std::min(limit_m + edge, farthest_m);  // of a triangle that is seen there
-    return kFloatUnit *
-               (kTransform * (std::min(reach, corner + distance_m) + distance_m) + kCuts * (2 * edge + corner) + corner) +
+    return kFloatUnit * (kTransform * (std::min(reach, corner + distance_m) + distance_m) +
+                         kCuts * (2 * edge + corner) + corner) +
            kDoubleRoundings * kDoubleUnit * offset;
   }
 };
@@ -152,7 +152,8 @@ void VertexRounding::find(int bin) const {
     const Waiting next = waiting[--count];
     if (!(next.most_m > found_m)) continue;
     const BvhNode& node = index.tree().nodes[next.node];
-    for (const std::uint32_t item : std::span(index.tree().order).subspan(node.count > 0 ? node.first : 0, node.count)) {
+    for (const std::uint32_t item :
+         std::span(index.tree().order).subspan(node.count > 0 ? node.first : 0, node.count)) {
       const Reach reach = reach_of(*list_, item, index.extent(item));
       if (in_bin(reach)) found_m = std::max(found_m, reach.displacement_m(limit_m));
     }

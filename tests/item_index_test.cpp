@@ -112,10 +112,10 @@ class Crowd {
   std::vector<Thing> things_;
   std::vector<std::shared_ptr<const Mesh>> meshes_{
       finished(box_mesh(glm::vec3(0.3f))), finished(box_mesh({1.5f, 0.1f, 0.1f})), finished(sphere_mesh(0.4, 16)),
-      finished(of({{9, 0, 0}, {9, 1, 0}, {9, 0, 1}})),
-      finished(of({{0, 0, 0}, {1, 0, 0}}), Topology::lines)};
-  std::vector<std::shared_ptr<const Material>> materials_{
-      painted({0.8f, 0.2f, 0.1f, 1}, false), painted({0.1f, 0.6f, 0.2f, 1}, true), painted({0, 0.2f, 0.9f, 0.5f}, true)};
+      finished(of({{9, 0, 0}, {9, 1, 0}, {9, 0, 1}})), finished(of({{0, 0, 0}, {1, 0, 0}}), Topology::lines)};
+  std::vector<std::shared_ptr<const Material>> materials_{painted({0.8f, 0.2f, 0.1f, 1}, false),
+                                                          painted({0.1f, 0.6f, 0.2f, 1}, true),
+                                                          painted({0, 0.2f, 0.9f, 0.5f}, true)};
 };
 
 const glm::dmat4 kCameraFromSensor({0, 0, 1, 0}, {-1, 0, 0, 0}, {0, -1, 0, 0}, {0, 0, 0, 1});
@@ -281,7 +281,9 @@ TEST_CASE("an account tells what has moved, and copies have none") {
 
 TEST_CASE("what moves takes its place in the order of drawing, as if all were sorted again") {
   std::mt19937 random(5);
-  const auto any = [&](std::uint32_t below) { return std::uniform_int_distribution<std::uint32_t>(0, below - 1)(random); };
+  const auto any = [&](std::uint32_t below) {
+    return std::uniform_int_distribution<std::uint32_t>(0, below - 1)(random);
+  };
   DrawList list;
   DrawOrder order, afresh;
   constexpr std::uint32_t kItems = 500;
