@@ -51,12 +51,16 @@ void DrawTable::update(const DrawList& list, bool color, GeometryPool& geometry,
   const bool new_lights = lights_ != lights;
   if (color) light_order_ = light_order(list);
   if (new_tables) mesh_ranks_ = content_ranks(meshes_);
-  if (recolored) material_ranks_ = content_ranks(materials_);
-  if (new_tables || new_kinds || new_mirrors || new_lights || with_color_ < color) {
+  const bool new_ranks = recolored && take_material_ranks();
+  const bool anew = new_tables || new_kinds || new_mirrors || new_lights || with_color_ < color;
+  if (anew) {
     // What has once been made ready for colour stays so, until the scene changes.
     with_color_ = color || (with_color_ && !new_tables);
     lights_ = lights;
     rebuild(geometry, textures, uploads);
+  }
+  if (anew || new_ranks) {
+    for (DrawOrder* drawables : {&depth_, &solid_, &blended_}) rank_and_group(drawables->drawables());
     all_moved_ = true;
   }
   for (DrawOrder* drawables : {&depth_, &solid_, &blended_}) sort(*drawables, list);
@@ -121,6 +125,13 @@ bool DrawTable::take_materials(const DrawList& list, bool& recolored) {
     changed = true;
   }
   return changed;
+}
+
+// Whether they are other than before.
+bool DrawTable::take_material_ranks() {
+  std::vector<std::uint32_t> ranks = content_ranks(materials_);
+  ranks.swap(material_ranks_);
+  return ranks != material_ranks_;
 }
 
 bool DrawTable::take_transforms(const DrawList& list) {
@@ -199,7 +210,6 @@ void DrawTable::rebuild(GeometryPool& geometry, TextureStore& textures, Uploads&
     const Drawable d = drawable(i, true);
     (d.key.blends() ? blended_ : solid_).add(d);
   }
-  for (DrawOrder* drawables : {&depth_, &solid_, &blended_}) rank_and_group(drawables->drawables());
 }
 
 TextureSet DrawTable::shown(const MaterialKind& kind) const {

@@ -58,6 +58,7 @@ class DrawTable {
   static MaterialKind kind_of(const Material& material);
   bool take_tables(const DrawList& list);
   bool take_materials(const DrawList& list, bool& recolored);
+  bool take_material_ranks();
   bool take_transforms(const DrawList& list);
   bool take_mirrored(const DrawList& list, std::uint32_t item);
   void rebuild(GeometryPool& geometry, TextureStore& textures, Uploads& uploads);
