@@ -8,6 +8,7 @@
 #include <memory>
 #include <vector>
 
+#include "engine/list_changes.h"
 #include "engine/mesh.h"
 
 namespace simvis {
@@ -85,6 +86,8 @@ struct DrawList {
     std::uint64_t structure = 0, transforms = 0, materials = 0, lights = 0;
     bool operator==(const Revisions&) const = default;
   } revisions;
+
+  ListChanges changes;  ///< of items, meshes, which materials there are, and transforms
 };
 
 /// Same content: items, lights, transforms to the bit, meshes and materials by value. Revisions do not count.

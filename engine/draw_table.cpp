@@ -1,8 +1,10 @@
 #include "engine/draw_table.h"
 
 #include <algorithm>
+#include <map>
 #include <string>
 #include <tuple>
+#include <utility>
 
 #include "engine/assert.h"
 #include "engine/content_order.h"
@@ -50,17 +52,24 @@ void DrawTable::update(const DrawList& list, MeshUse use, GeometryPool& geometry
   const bool new_lights = lights_ != lights;
   if (color) light_order_ = light_order(list);
   if (new_tables) mesh_ranks_ = content_ranks(meshes_);
-  if (recolored) material_ranks_ = content_ranks(materials_);
-  if (new_tables || new_kinds || new_mirrors || new_lights || use_ < use) {
+  const bool new_ranks = recolored && take_material_ranks();
+  const bool anew = new_tables || new_kinds || new_mirrors || new_lights || use_ < use;
+  if (anew) {
     // What has once been made ready for more stays so, until the scene changes.
     use_ = new_tables ? use : std::max(use_, use);
     lights_ = lights;
     rebuild(geometry, textures, uploads);
   }
-  for (std::vector<Drawable>* drawables : {&depth_, &solid_, &blended_}) sort_and_group(*drawables, list);
+  if (anew || new_ranks) {
+    for (DrawOrder* drawables : {&depth_, &solid_, &blended_}) rank_and_group(drawables->drawables());
+    all_moved_ = true;
+  }
+  for (DrawOrder* drawables : {&depth_, &solid_, &blended_}) sort(*drawables, list);
+  version_ = list.changes.version();
 }
 
 bool DrawTable::take_tables(const DrawList& list) {
+  if (made_ && list.changes.same_structure(version_)) return false;
   if (made_ && items_ == list.items && meshes_ == list.meshes && materials_.size() == list.materials.size())
     return false;
   SIMVIS_ASSERT(list.material_revision.size() == list.materials.size());
@@ -119,22 +128,53 @@ bool DrawTable::take_materials(const DrawList& list, bool& recolored) {
   return changed;
 }
 
+// Whether they are other than before.
+bool DrawTable::take_material_ranks() {
+  std::vector<std::uint32_t> ranks = content_ranks(materials_);
+  ranks.swap(material_ranks_);
+  return ranks != material_ranks_;
+}
+
 bool DrawTable::take_transforms(const DrawList& list) {
-  boxes_.resize(items_.size());
   mirrored_.resize(items_.size());
+  index_ = index_of(list);
+  moved_.clear();
+  const auto written = list.changes.moved_since(version_);
+  all_moved_ = !written;
   bool changed = false;
-  for (std::size_t i = 0; i < items_.size(); ++i) {
+  if (written) {
+    for (const TransformRange& entries : *written) {
+      const auto items = index_->standing_at(entries);
+      moved_.insert(moved_.end(), items.begin(), items.end());
+    }
+    for (const std::uint32_t item : moved_) changed |= take_mirrored(list, item);
+    return changed;
+  }
+  boxes_.resize(index_ ? 0 : items_.size());
+  for (std::uint32_t i = 0; i < items_.size(); ++i) {
     SIMVIS_ASSERT(items_[i].transform < list.world_from_node.size());
-    const glm::dmat4& world_from_mesh = list.world_from_node[items_[i].transform];
+    changed |= take_mirrored(list, i);
+    if (index_) continue;
     const Mesh& mesh = *meshes_[items_[i].mesh];
     const glm::dvec3 low(mesh.bounds_min), high(mesh.bounds_max);
-    boxes_[i] = make_box(world_from_mesh, (low + high) * 0.5, (high - low) * 0.5);
-    const glm::dvec3 x(world_from_mesh[0]), y(world_from_mesh[1]), z(world_from_mesh[2]);
-    const bool mirrored = glm::dot(glm::cross(x, y), z) < 0;
-    changed |= mirrored != static_cast<bool>(mirrored_[i]);
-    mirrored_[i] = mirrored;
+    boxes_[i] = make_box(list.world_from_node[items_[i].transform], (low + high) * 0.5, (high - low) * 0.5);
   }
   return changed;
+}
+
+// Whether it was not, or was, before.
+bool DrawTable::take_mirrored(const DrawList& list, std::uint32_t item) {
+  const glm::dmat3 world_from_mesh(list.world_from_node[items_[item].transform]);
+  const bool mirrored = glm::dot(glm::cross(world_from_mesh[0], world_from_mesh[1]), world_from_mesh[2]) < 0;
+  return std::exchange(mirrored_[item], mirrored) != mirrored;
+}
+
+std::uint64_t DrawTable::find_seen(const ViewProjection& projection, std::vector<std::uint32_t>& items) const {
+  if (index_) return index_->find_seen(projection, items);
+  for (std::uint32_t i = 0; i < boxes_.size(); ++i) {
+    if (!outside(projection, boxes_[i])) items.push_back(i);
+  }
+  return boxes_.size();
 }
 
 void DrawTable::rebuild(GeometryPool& geometry, TextureStore& textures, Uploads& uploads) {
@@ -163,16 +203,14 @@ void DrawTable::rebuild(GeometryPool& geometry, TextureStore& textures, Uploads&
     }
     if (textures_shown_[m] != 0) texture_sets_[m] = textures.require(set, uploads);
   }
-  depth_.clear();
-  solid_.clear();
-  blended_.clear();
+  for (DrawOrder* drawables : {&depth_, &solid_, &blended_}) drawables->clear(items_.size());
   for (std::uint32_t i = 0; i < items_.size(); ++i) {
     if (ranges_[items_[i].mesh].index_count == 0) continue;
     const MaterialKind& kind = kinds_[items_[i].material];
-    if (kind.met) depth_.push_back(drawable(i, false));
+    if (kind.met) depth_.add(drawable(i, false));
     if (!with_color() || !kind.seen) continue;
     const Drawable d = drawable(i, true);
-    (d.key.blends() ? blended_ : solid_).push_back(d);
+    (d.key.blends() ? blended_ : solid_).add(d);
   }
 }
 
@@ -211,21 +249,27 @@ Drawable DrawTable::drawable(std::uint32_t index, bool color) const {
   return d;
 }
 
-// What moves may change places with others of its kind.
-void DrawTable::sort_and_group(std::vector<Drawable>& drawables, const DrawList& list) const {
+void DrawTable::rank_and_group(std::span<Drawable> drawables) const {
   const auto rank_of = [this](const Drawable& d) {
     return std::tuple(d.key.bits(), d.single_sided, d.mirrored, d.met, mesh_ranks_[items_[d.item].mesh],
                       material_ranks_[d.material]);
   };
-  const auto before = [&](const Drawable& a, const Drawable& b) {
-    const auto rank_a = rank_of(a), rank_b = rank_of(b);
-    if (rank_a != rank_b) return rank_a < rank_b;
-    return compare_places(list.world_from_node[a.transform], list.world_from_node[b.transform]) < 0;
-  };
-  if (!std::ranges::is_sorted(drawables, before)) std::ranges::stable_sort(drawables, before);
-  if (!drawables.empty()) drawables[0].group = 0;
-  for (std::size_t i = 1; i < drawables.size(); ++i) {
-    drawables[i].group = drawables[i - 1].group + (state_of(drawables[i]) != state_of(drawables[i - 1]));
+  std::map<decltype(rank_of(drawables[0])), std::uint32_t> ranks;
+  std::map<decltype(state_of(drawables[0])), std::uint32_t> groups;
+  for (Drawable& d : drawables) {
+    ranks.try_emplace(rank_of(d));
+    d.group = groups.try_emplace(state_of(d), static_cast<std::uint32_t>(groups.size())).first->second;
+  }
+  std::uint32_t next = 0;
+  for (auto& [key, rank] : ranks) rank = next++;
+  for (Drawable& d : drawables) d.rank = ranks.at(rank_of(d));
+}
+
+void DrawTable::sort(DrawOrder& drawables, const DrawList& list) const {
+  if (all_moved_) {
+    drawables.sort(list);
+  } else {
+    drawables.sort(list, moved_);
   }
 }
 

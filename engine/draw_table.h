@@ -1,6 +1,5 @@
-// A draw list made ready for drawing: sorted by what the GPU would have to switch and then by content, with all that a
-// view needs of an item side by side. Remade only when the list's structure or a material's kind changes: not for
-// another colour.
+// A draw list made ready for drawing, with all that a view needs of an item side by side. Remade only when the list's
+// structure or a material's kind changes: not for another colour.
 #pragma once
 
 #include <memory>
@@ -8,27 +7,17 @@
 #include <vector>
 
 #include "engine/draw_list.h"
+#include "engine/draw_order.h"
 #include "engine/geometry_pool.h"
-#include "engine/pipelines.h"
+#include "engine/item_index.h"
 #include "engine/texture_store.h"
 #include "engine/uploads.h"
 #include "engine/view_projection.h"
 
 namespace simvis {
 
-/// An item as one kind of pass draws it.
-struct Drawable {
-  PipelineKey key;  ///< `cull_back` and `mirrored` are settled by the view
-  bool single_sided = false, mirrored = false;
-  bool met = true;  ///< depth meets it, at least where it is most solid
-  std::uint32_t item = 0, material = 0, transform = 0;
-  std::uint32_t group = 0;  ///< equal for neighbours that one instanced draw can take
-  VkDescriptorSet texture = VK_NULL_HANDLE;
-  MeshRange range;
-};
-
-/// The table compares what it was made from with the list that it is given instead of trusting `revisions.structure`:
-/// that costs less than culling the same items once, and lists of different origin cannot be mistaken.
+/// Of a list whose writer keeps account the table looks at what has changed, see ListChanges; it compares what it was
+/// made from with any other.
 class DrawTable {
  public:
   /// Brings the table up to date. `use`: what this frame needs of opaque triangles, at least their clusters; what needs
@@ -36,15 +25,18 @@ class DrawTable {
   void update(const DrawList& list, MeshUse use, GeometryPool& geometry, TextureStore& textures, Uploads& uploads);
 
   /// Everything, for passes without colour.
-  std::span<const Drawable> depth() const { return depth_; }
+  const DrawOrder& depth() const { return depth_; }
   /// For passes with colour: what is solid, and what is blended over it.
-  std::span<const Drawable> solid() const { return solid_; }
-  std::span<const Drawable> blended() const { return blended_; }
+  const DrawOrder& solid() const { return solid_; }
+  const DrawOrder& blended() const { return blended_; }
 
   /// The numbers of the list's lights in the order in which they are summed up, see engine/content_order.h.
   std::span<const std::uint32_t> lights() const { return light_order_; }
 
-  const WorldBox& box(std::uint32_t item) const { return boxes_[item]; }
+  /// Valid until the list changes.
+  const WorldBox& box(std::uint32_t item) const { return index_ ? index_->box(item) : boxes_[item]; }
+  /// Adds the items whose boxes are not outside the view, in any order; returns how many boxes that took to look at.
+  std::uint64_t find_seen(const ViewProjection& projection, std::vector<std::uint32_t>& items) const;
   /// By material: not 0 where what is drawn reads its block.
   std::span<const std::uint8_t> materials_read() const { return materials_read_; }
   /// By material: a sum of 1 << binding of the textures that are shown.
@@ -66,12 +58,15 @@ class DrawTable {
   static MaterialKind kind_of(const Material& material);
   bool take_tables(const DrawList& list);
   bool take_materials(const DrawList& list, bool& recolored);
+  bool take_material_ranks();
   bool take_transforms(const DrawList& list);
+  bool take_mirrored(const DrawList& list, std::uint32_t item);
   void rebuild(GeometryPool& geometry, TextureStore& textures, Uploads& uploads);
   bool with_color() const { return use_ == MeshUse::attributes; }
   TextureSet shown(const MaterialKind& kind) const;
   Drawable drawable(std::uint32_t item, bool color) const;
-  void sort_and_group(std::vector<Drawable>& drawables, const DrawList& list) const;
+  void rank_and_group(std::span<Drawable> drawables) const;
+  void sort(DrawOrder& drawables, const DrawList& list) const;
 
   bool made_ = false;
   bool any_lit_ = false;
@@ -82,13 +77,17 @@ class DrawTable {
   std::vector<std::shared_ptr<const Material>> materials_;
   std::vector<std::uint64_t> material_revision_;
   std::vector<MaterialKind> kinds_;
-  std::vector<WorldBox> boxes_;         // by item
+  ListVersion version_;                 // of the list as of the last update()
+  const ItemIndex* index_ = nullptr;    // of a list of which account is kept
+  std::vector<WorldBox> boxes_;         // by item, without
+  std::vector<std::uint32_t> moved_;    // items, by that account, since the update before
+  bool all_moved_ = true;               // or nobody knows which
   std::vector<std::uint8_t> mirrored_;  // by item
   std::vector<std::uint8_t> materials_read_, textures_shown_;
   std::vector<VkDescriptorSet> texture_sets_;  // by material
   std::vector<MeshRange> ranges_;              // by mesh
   std::vector<std::uint32_t> mesh_ranks_, material_ranks_, light_order_;
-  std::vector<Drawable> depth_, solid_, blended_;
+  DrawOrder depth_, solid_, blended_;
 };
 
 }  // namespace simvis

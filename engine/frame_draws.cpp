@@ -73,6 +73,8 @@ void FrameDraws::add(const View& view, const Pass& pass, const DrawList& list, c
   if (!view.shadows.empty()) draws.shadowed = shadowed_++;
   draws.first_run = runs_.size();
   counts_ = {};
+  seen_items_.clear();
+  if (view.culled) counts_.boxes_examined += table.find_seen(projection, seen_items_);
   add_items(pass.color ? table.solid() : table.depth(), view, projection, list, table, counters);
   draws.first_layer = runs_.size();
   if (pass.color) add_items(table.blended(), view, projection, list, table, counters);
@@ -92,16 +94,33 @@ void FrameDraws::add(const View& view, const Pass& pass, const DrawList& list, c
   views_.push_back(draws);
 }
 
-void FrameDraws::add_items(std::span<const Drawable> items, const View& view, const ViewProjection& projection,
+void FrameDraws::take_seen(const DrawOrder& items, const View& view, FrameCounters& counters) {
+  positions_.clear();
+  const auto take = [&](std::uint32_t position) {
+    if (position == DrawOrder::kNone) return;
+    if (view.sees_lines_and_points || items[position].key.topology == Topology::triangles) {
+      positions_.push_back(position);
+    }
+  };
+  if (!view.culled) {
+    for (std::uint32_t position = 0; position < items.size(); ++position) take(position);
+    return;
+  }
+  for (const std::uint32_t item : seen_items_) take(items.position(item));
+  std::ranges::sort(positions_);
+  counters.items_culled += (view.sees_lines_and_points ? items.size() : items.solids()) - positions_.size();
+}
+
+void FrameDraws::add_items(const DrawOrder& items, const View& view, const ViewProjection& projection,
                            const DrawList& list, const DrawTable& table, FrameCounters& counters) {
   const std::size_t first_run = runs_.size();
   const bool strip = is_strip(view);
   if (strip) strip_.begin(view);
-  for (const Drawable& d : items) {
-    ++counts_.boxes_examined;
-    if (!visible(d, view, projection, table, counters)) continue;
+  take_seen(items, view, counters);
+  for (const std::uint32_t position : positions_) {
+    const Drawable& d = items[position];
     if (strip && can_pick(d, view)) {
-      add_to_strip(d, static_cast<std::uint32_t>(&d - items.data()), projection, list, table.box(d.item));
+      add_to_strip(d, position, projection, list, table.box(d.item));
     } else if (!view.culled || d.range.clusters.size() == 1) {
       draw(d, view, projection, list, first_run);
     } else if (strip) {
@@ -128,14 +147,6 @@ std::uint32_t FrameDraws::add_lights(const View& view, const ViewProjection& pro
     lights_[first + static_cast<std::size_t>(place)].cone.z = static_cast<float>(i + 1);
   }
   return static_cast<std::uint32_t>(first * sizeof(shader::LightBlock));
-}
-
-bool FrameDraws::visible(const Drawable& d, const View& view, const ViewProjection& projection, const DrawTable& table,
-                         FrameCounters& counters) const {
-  if (d.key.topology != Topology::triangles && !view.sees_lines_and_points) return false;
-  if (!view.culled || !outside(projection, table.box(d.item))) return true;
-  ++counters.items_culled;
-  return false;
 }
 
 void FrameDraws::draw(const Drawable& d, const View& view, const ViewProjection& projection, const DrawList& list,
@@ -211,7 +222,7 @@ void FrameDraws::add_to_strip(const Drawable& d, std::uint32_t number, const Vie
 }
 
 // One draw for all that was added.
-void FrameDraws::draw_strip(std::span<const Drawable> items, const View& view, const ViewProjection& projection,
+void FrameDraws::draw_strip(const DrawOrder& items, const View& view, const ViewProjection& projection,
                             const DrawList& list) {
   const std::span<const StripTriangle> seen = strip_.seen();
   if (seen.empty()) return;

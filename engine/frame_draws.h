@@ -60,22 +60,20 @@ class FrameDraws {
  private:
   std::uint32_t add_lights(const View& view, const ViewProjection& projection, const DrawList& list,
                            const DrawTable& table);
-  bool visible(const Drawable& d, const View& view, const ViewProjection& projection, const DrawTable& table,
-               FrameCounters& counters) const;
   void draw(const Drawable& d, const View& view, const ViewProjection& projection, const DrawList& list,
             std::size_t first_run);
   bool can_pick(const Drawable& d, const View& view) const;
   void add_to_strip(const Drawable& d, std::uint32_t number, const ViewProjection& projection, const DrawList& list,
                     const WorldBox& box);
-  void draw_strip(std::span<const Drawable> items, const View& view, const ViewProjection& projection,
-                  const DrawList& list);
+  void draw_strip(const DrawOrder& items, const View& view, const ViewProjection& projection, const DrawList& list);
   void draw_seen_clusters(const Drawable& d, const View& view, const ViewProjection& projection, const DrawList& list,
                           const WorldBox& box, std::size_t first_run);
   void draw_seen_triangles(const Drawable& d, const View& view, const ViewProjection& projection, const DrawList& list,
                            const WorldBox& box);
   std::uint32_t add_instance(const Drawable& d, const ViewProjection& projection, const DrawList& list);
-  void add_items(std::span<const Drawable> items, const View& view, const ViewProjection& projection,
-                 const DrawList& list, const DrawTable& table, FrameCounters& counters);
+  void take_seen(const DrawOrder& items, const View& view, FrameCounters& counters);
+  void add_items(const DrawOrder& items, const View& view, const ViewProjection& projection, const DrawList& list,
+                 const DrawTable& table, FrameCounters& counters);
   void add_met(std::size_t first_layer, std::size_t end_layer);
 
   std::vector<ViewDraws> views_;
@@ -85,6 +83,8 @@ class FrameDraws {
   std::vector<std::uint32_t> indices_;
   std::vector<shader::PickedVertex> picked_;
   StripSight strip_;
+  std::vector<std::uint32_t> seen_items_;  // by the view that is being added, if it is culled
+  std::vector<std::uint32_t> positions_;   // of what it draws, in their order
   std::vector<MeshRange> seen_;
   std::uint32_t last_group_ = 0;
   std::size_t shadowed_ = 0;

@@ -22,6 +22,7 @@ class ItemTree {
 
   WideBvh tree_;
   double visits_when_built_ = 0;
+  std::size_t fitted_ = 0;  // items, since that was last looked at: to look costs as much as to fit all
   bool made_ = false;
 };
 

@@ -43,6 +43,7 @@ void RayItems::update(const DrawList& list, const glm::dvec3& world_sensor) {
   if (moved_away) origin_ = world_sensor;
   anchored_ = true;
   place(list, restructured_ || moved_away);
+  version_ = list.changes.version();
 }
 
 std::size_t RayItems::in_reach(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> places_m) const {
@@ -54,10 +55,12 @@ std::size_t RayItems::in_reach(const glm::dmat4& world_from_sensor, std::span<co
 }
 
 bool RayItems::take_structure(const DrawList& list) {
+  if (made_ && list.changes.same_structure(version_)) return false;
   if (made_ && list.items == list_items_ && list.meshes == list_meshes_) return false;
   made_ = false;  // until all is there: making a mesh's tree may throw
   items_.clear();
   std::unordered_set<const Mesh*> wanted;
+  std::vector<std::uint32_t> transforms;
   for (std::uint32_t i = 0; i < list.items.size(); ++i) {
     const std::shared_ptr<const Mesh>& mesh = list.meshes[list.items[i].mesh];
     if (mesh->topology != Topology::triangles || mesh->indices.size() < 3) continue;
@@ -68,8 +71,11 @@ bool RayItems::take_structure(const DrawList& list) {
       ++counters.meshes_built;
       counters.triangles_built += made->triangles();
     }
-    if (made->radius() > 0) items_.push_back({.item = i, .mesh = made.get()});
+    if (made->radius() <= 0) continue;
+    items_.push_back({.item = i, .mesh = made.get()});
+    transforms.push_back(list.items[i].transform);
   }
+  standing_ = StandingAt(transforms, list.world_from_node.size());
   std::erase_if(meshes_, [&](const auto& entry) { return !wanted.contains(entry.first); });
   list_items_ = list.items;
   list_meshes_ = list.meshes;
@@ -79,20 +85,29 @@ bool RayItems::take_structure(const DrawList& list) {
 
 void RayItems::place(const DrawList& list, bool everything) {
   moved_.clear();
-  for (std::uint32_t i = 0; i < items_.size(); ++i) {
-    PlacedItem& item = items_[i];
-    const glm::dmat4& world_from_mesh = list.world_from_node[list.items[item.item].transform];
-    if (!everything && world_from_mesh == item.world_from_mesh) continue;
-    item.world_from_mesh = world_from_mesh;
-    const glm::dmat3 linear(world_from_mesh);
-    const glm::dvec3 half = item.mesh->radius() * item.mesh->half_size();
-    const glm::dvec3 centre = glm::dvec3(world_from_mesh[3]) - origin_ + linear * item.mesh->centre();
-    const glm::dvec3 reach = glm::abs(linear[0]) * half.x + glm::abs(linear[1]) * half.y + glm::abs(linear[2]) * half.z;
-    const double farthest = glm::length(glm::abs(centre) + reach);
-    item.box = padded_box(centre - reach, centre + reach, kPadding * (farthest + kReach_m));
-    ++counters.items_placed;
-    moved_.push_back(i);
+  const auto look = [&](std::uint32_t i) {
+    const glm::dmat4& world_from_mesh = list.world_from_node[list.items[items_[i].item].transform];
+    if (everything || world_from_mesh != items_[i].world_from_mesh) place(i, world_from_mesh);
+  };
+  const auto written = everything ? std::nullopt : list.changes.moved_since(version_);
+  if (!written) {
+    for (std::uint32_t i = 0; i < items_.size(); ++i) look(i);
+    return;
   }
+  for (const TransformRange& entries : *written) std::ranges::for_each(standing_[entries], look);
+}
+
+void RayItems::place(std::uint32_t placed, const glm::dmat4& world_from_mesh) {
+  PlacedItem& item = items_[placed];
+  item.world_from_mesh = world_from_mesh;
+  const glm::dmat3 linear(world_from_mesh);
+  const glm::dvec3 half = item.mesh->radius() * item.mesh->half_size();
+  const glm::dvec3 centre = glm::dvec3(world_from_mesh[3]) - origin_ + linear * item.mesh->centre();
+  const glm::dvec3 reach = glm::abs(linear[0]) * half.x + glm::abs(linear[1]) * half.y + glm::abs(linear[2]) * half.z;
+  const double farthest = glm::length(glm::abs(centre) + reach);
+  item.box = padded_box(centre - reach, centre + reach, kPadding * (farthest + kReach_m));
+  ++counters.items_placed;
+  moved_.push_back(placed);
 }
 
 SeenItem see(const PlacedItem& item, const glm::dmat4& world_from_sensor) {

@@ -57,7 +57,7 @@ class RayItems {
   const std::vector<PlacedItem>& items() const { return items_; }
   const glm::dvec3& origin() const { return origin_; }
 
-  /// By the last update(): whether there are other items than before, and which stand elsewhere.
+  /// By the last update(): whether there are other items than before, and which stand elsewhere, in any order.
   bool restructured() const { return restructured_; }
   const std::vector<std::uint32_t>& moved() const { return moved_; }
 
@@ -66,12 +66,15 @@ class RayItems {
  private:
   bool take_structure(const DrawList& list);
   void place(const DrawList& list, bool everything);
+  void place(std::uint32_t placed, const glm::dmat4& world_from_mesh);
 
   std::unordered_map<const Mesh*, std::unique_ptr<RayMesh>> meshes_;
   std::vector<DrawItem> list_items_;
   std::vector<std::shared_ptr<const Mesh>> list_meshes_;
   std::vector<PlacedItem> items_;
+  StandingAt standing_;  // the numbers in items_
   std::vector<std::uint32_t> moved_;
+  ListVersion version_;  // of the list as of the last update()
   bool made_ = false, restructured_ = false, anchored_ = false;
   glm::dvec3 origin_{0};
 };

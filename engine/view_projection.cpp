@@ -153,6 +153,24 @@ bool outside(const ViewProjection& p, const WorldBox& box) {
   return false;
 }
 
+// What outside() takes for rounding is at most the slack here: a box within has its centre there, too, no farther in
+// the view's axes than the root of three times as far in the world's, and a radius below half the diagonal. Twice that,
+// as both round a little themselves.
+bool all_outside(const ViewProjection& p, const glm::dvec3& center, const glm::dvec3& half_size) {
+  const glm::dvec3 center_view = transform_point(p.view_from_world, center);
+  const glm::dvec3 c = glm::abs(center_view), w = glm::abs(center) + half_size;
+  const double slack =
+      2 * (kVertexRounding * (c.x + c.y + c.z + 2.75 * glm::length(half_size)) + kWorldRounding * (w.x + w.y + w.z));
+  const auto beyond = [&](double distance, const glm::dvec3& normal_world) {
+    return distance + glm::dot(glm::abs(normal_world), half_size) < -slack;
+  };
+  if (beyond(center_view.z - p.near_m, p.forward_world)) return true;
+  for (int i = 0; i < 4; ++i) {
+    if (beyond(glm::dot(p.side_view[i], center_view) + p.side_offset[i], p.side_world[i])) return true;
+  }
+  return false;
+}
+
 double farthest_depth(const ViewProjection& p, const WorldBox& box) {
   double depth = transform_point(p.view_from_world, box.center).z;
   for (const glm::dvec3& axis : box.axis) depth += std::abs((p.view_from_world * glm::dvec4(axis, 0)).z);

@@ -51,6 +51,9 @@ WorldBox make_box(const glm::dmat4& world_from_mesh, const glm::dvec3& mesh_cent
 /// the rounding of float32 vertices could take back.
 bool outside(const ViewProjection& projection, const WorldBox& box);
 
+/// Whether outside() is certain of every box that lies within this one, whose sides are along the world's axes.
+bool all_outside(const ViewProjection& projection, const glm::dvec3& center, const glm::dvec3& half_size);
+
 /// The planes of a view in the frame of a mesh, for its clusters.
 struct MeshPlanes {
   glm::dvec4 plane[5];  ///< top, bottom, left, right and near: plane . (p, 1) is the distance inwards, in metres

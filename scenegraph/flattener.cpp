@@ -93,6 +93,7 @@ void Flattener::rewrite_changed() {
         case NodeKind::shape:
           list_.meshes[slot] = static_cast<const Shape*>(node)->mesh();
           ++list_.revisions.structure;
+          list_.changes.restructured();
           ++counters_.meshes_written;
           break;
         default:
@@ -112,7 +113,9 @@ void Flattener::rewrite_transforms(std::vector<Range>& ranges) {
       list_.world_from_node[e] = list_.world_from_node[entries_[e].parent] * entries_[e].node->matrix();
       ++counters_.transforms_written;
     }
-    next = std::max(next, range.end);
+    if (range.end <= next) continue;
+    list_.changes.moved({std::max(range.first, next), range.end});
+    next = range.end;
   }
   ++list_.revisions.transforms;
 }
@@ -127,6 +130,7 @@ void Flattener::forget() {
   medium_node_ = nullptr;
   list_.medium = Medium();
   entries_.assign(1, Entry{nullptr, 0, 0});
+  list_.changes.restructured();
   list_.items.clear();
   list_.lights.clear();
   list_.world_from_node.assign(1, glm::dmat4(1.0));

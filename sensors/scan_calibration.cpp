@@ -69,7 +69,6 @@ DrawList make_room(int walls, std::uint32_t wall_columns, std::uint32_t things, 
     const glm::dvec3 place(away_m * std::cos(i * golden_rad), away_m * std::sin(i * golden_rad), std::sin(3.0 * i));
     add_ball(list, 1, 0.3, place);
   }
-  ++list.revisions.structure;
   return list;
 }
 
@@ -144,11 +143,12 @@ void Calibration::cast(DrawList& list, const ScanPattern& pattern) {
     }
   }
   std::vector<RayHit> hits(directions.size());
+  const auto last = static_cast<std::uint32_t>(list.world_from_node.size() - 1);
   TimedWork casting{.time_ns = std::numeric_limits<double>::infinity()};
   RayCounters before, after;
   for (int i = 0; i <= kRepetitions; ++i) {
     list.world_from_node.back()[3].z += 1e-3;
-    ++list.revisions.transforms;
+    list.changes.moved({last, last + 1});
     before = rays_.counters();
     const double start_ns = now_ns();
     rays_.set_world(list);
@@ -194,6 +194,8 @@ WorkTable measure_scan_costs(Device& device, RayCaster& rays) {
   DrawList boxes = make_room(1, 8, 400, 4), balls = make_room(1, 16, 60, 24);
   DrawList leaves = make_room(1, 8, 400, 12);
   make_masked(leaves);
+  // Account is kept of them, as of the lists that scenes become.
+  for (DrawList* const list : {&bare, &fine, &nested, &boxes, &balls, &leaves}) list->changes.restructured();
   Calibration calibration(device, rays);
   calibration.render(bare, half, 512);
   calibration.render(bare, half, 8000);

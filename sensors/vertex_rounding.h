@@ -5,6 +5,7 @@
 #include <glm/glm.hpp>
 
 #include "engine/draw_list.h"
+#include "engine/item_extent.h"
 
 namespace simvis {
 
@@ -26,10 +27,12 @@ namespace simvis {
 /// The rows themselves come from products of double matrices of entries up to the scene's offset from the world's
 /// origin.
 ///
-/// A surface seen at range r belongs to a mesh whose distances reach from near to far around r: only those count.
+/// A surface seen at range r belongs to a mesh whose distances reach from near to far around r: only those count. Of
+/// long lists of which account is kept, those that could count are looked for when a range is first asked for.
 class VertexRounding {
  public:
   VertexRounding() = default;  ///< of an empty scene
+  /// The list must stay as it is until the last at().
   VertexRounding(const DrawList& list, const glm::dmat4& sensor_from_world);
 
   /// Metres, for a surface seen at this range along the ray.
@@ -37,9 +40,19 @@ class VertexRounding {
 
  private:
   static constexpr int kBins = 96;
+  struct Reach;
   static int bin(double range_m);
   static const std::array<double, kBins>& upper_limits();
-  std::array<double, kBins> displacement_m_{};
+  Reach reach_of(const DrawList& list, std::uint32_t item, const ItemExtent& extent) const;
+  Reach reach_of_node(const ItemIndex& index, std::uint32_t node) const;
+  void find(int bin) const;
+
+  glm::dmat4 sensor_from_world_{1.0};
+  const DrawList* list_ = nullptr;  // in which bins are yet to be found; null: all are known
+  ListVersion version_;             // of it
+  glm::dvec3 sensor_{0};            // in the world
+  mutable std::array<bool, kBins> known_{};
+  mutable std::array<double, kBins> displacement_m_{};
 };
 
 }  // namespace simvis
