@@ -98,11 +98,11 @@ TEST_CASE("each parameter of point_cloud") {
 }
 
 TEST_CASE("sensors see no points") {
-  FileCloud cloud("0 0 0\n");
-  CHECK(cloud.points().size() == 1);
+  FileCloud file("0 0 0\n");
+  CHECK(file.points().size() == 1);
   PeopleView without("");
-  CHECK(same_content(cloud.view->sensors.update(), without.sensors.update()));
-  PeopleView scanned(::simvis::cloud("scanner='S'") + std::string(kScanner)), bare(kScanner);
+  CHECK(same_content(file.view->sensors.update(), without.sensors.update()));
+  PeopleView scanned(cloud("scanner='S'") + std::string(kScanner)), bare(kScanner);
   CHECK(same_content(scanned.sensors.update(), bare.sensors.update()));
 }
 

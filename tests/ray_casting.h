@@ -14,10 +14,11 @@
 #include "engine/ray_caster.h"
 #include "scenegraph/pose.h"
 #include "tests/random_room.h"
+#include "tests/renderer_scene.h"
 
 namespace simvis {
 
-inline glm::dmat4 at(double x, double y, double z) { return glm::translate(glm::dmat4(1.0), {x, y, z}); }
+using test::at;
 
 inline glm::dvec3 random_direction(std::mt19937& random) {
   std::normal_distribution<double> normal;

@@ -1,21 +1,12 @@
 #include "tests/wall_scene.h"
 
 #include <cstring>
+#include <vector>
 
+#include "tests/gltf_fixture.h"
 #include "tests/temporary_folder.h"
 
 namespace simvis {
-
-std::string base64(const std::vector<unsigned char>& bytes) {
-  static const char* const digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    unsigned group = 0;
-    for (std::size_t k = 0; k < 3; ++k) group = group << 8 | (i + k < bytes.size() ? bytes[i + k] : 0u);
-    for (std::size_t k = 0; k < 4; ++k) text += i + k <= bytes.size() ? digits[group >> (18 - 6 * k) & 63] : '=';
-  }
-  return text;
-}
 
 std::string wall_gltf() {
   const float corners[] = {4, -10, -10, 4, -10, 10, 4, 10, 10, 4, 10, -10};
@@ -33,7 +24,7 @@ std::string wall_gltf() {
                   {"bufferView": 1, "componentType": 5123, "count": 6, "type": "SCALAR"}],
     "bufferViews": [{"buffer": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 48, "byteLength": 12}],
     "buffers": [{"byteLength": 60, "uri": "data:application/octet-stream;base64,)" +
-         base64(bytes) + R"("}]})";
+         test::base64(bytes) + R"("}]})";
 }
 
 std::filesystem::path write_wall_scene(const std::filesystem::path& folder, std::string_view commands) {

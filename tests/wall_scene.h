@@ -4,13 +4,10 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "tests/temporary_folder.h"
 
 namespace simvis {
-
-std::string base64(const std::vector<unsigned char>& bytes);
 
 /// In glTF's own axes (y up; x stays x on import, y becomes z and z becomes -y): two triangles that face -x.
 std::string wall_gltf();
