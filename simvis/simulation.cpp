@@ -1,7 +1,6 @@
 #include "simvis/simulation.h"
 
 #include <algorithm>
-#include <chrono>
 #include <exception>
 #include <optional>
 #include <utility>
@@ -15,33 +14,12 @@
 #include "simvis/clock.h"
 #include "simvis/live_scene.h"
 #include "simvis/mount_frame.h"
+#include "simvis/step_stages.h"
 #include "simvis/view_layer.h"
 
 namespace simvis {
 
 namespace {
-
-std::int64_t now_ns() {
-  const auto now = std::chrono::steady_clock::now().time_since_epoch();
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(now).count();
-}
-
-/// Notes when the stages of a step begin and end: each ends where the next begins.
-class Stages {
- public:
-  void clear() { stages_.clear(); }
-  void begin(std::string_view name) {
-    end();
-    stages_.push_back({name, now_ns(), 0});
-  }
-  void end() {
-    if (!stages_.empty() && stages_.back().end_ns == 0) stages_.back().end_ns = now_ns();
-  }
-  std::span<const StageTime> times() const { return stages_; }
-
- private:
-  std::vector<StageTime> stages_;
-};
 
 std::size_t count_views(const FramePlan& plan) {
   std::size_t views = 0;
@@ -108,7 +86,7 @@ struct Simulation::Impl : Observations {
   std::uint64_t next_frame = 0;       // that is not under way
   bool under_way = false;             // the frame before it, and the device may be at work
   std::vector<std::string> measured;  // names of the sensors that did in this frame
-  Stages stages;
+  StepStages stages;
   bool instrumented;
   std::vector<SensorCost> sensor_costs;
 };
@@ -307,11 +285,11 @@ void Simulation::Impl::measure(ViewLayer& layer, ViewLayer::Entry& entry, const 
     return;
   }
   const RayCounters before = layer.caster->counters();
-  entry.cost = {.sensor = sensor.name, .start_ns = now_ns()};
+  entry.cost = {.sensor = sensor.name, .start_ns = StepStages::now_ns()};
   sensor.sensor->collect(time, layer.plan, results);
-  entry.cost.collected_ns = now_ns();
+  entry.cost.collected_ns = StepStages::now_ns();
   sensor.sensor->cast(*layer.caster);
-  entry.cost.end_ns = now_ns();
+  entry.cost.end_ns = StepStages::now_ns();
   const RayCounters after = layer.caster->counters();
   entry.cost.rays = after.rays - before.rays;
   entry.cost.item_tests = after.item_tests - before.item_tests;
