@@ -25,13 +25,13 @@ struct WideNode {
 /// Empty where there is nothing; else nodes[0] is the root.
 class WideBvh {
  public:
+  /// Things of a leaf that are looked at together; where there are fewer, the last stands there again.
+  using Leaf = std::array<std::uint32_t, 4>;
+
   WideBvh() = default;
   /// Boxes are finite. The same boxes give the same tree. Every thing is a leaf of its own, of its own number, and can
   /// be moved.
   explicit WideBvh(std::span<const Box> boxes);
-
-  /// Things of a leaf that are looked at together; where there are fewer, the last stands there again.
-  using Leaf = std::array<std::uint32_t, 4>;
 
   /// The same with up to four things in a leaf; leaf i's are leaves[i].
   WideBvh(std::span<const Box> boxes, std::vector<Leaf>& leaves);
