@@ -49,10 +49,10 @@ TEST_CASE("the beams of a single ring are cast one after another") {
 }
 
 TEST_CASE("beams that travel together are neighbours along and across the rings") {
-  // Rings 0.5 degrees apart, beams 0.25: two rings of 16 beams are 3.75 degrees wide and 0.5 high; four of eight would
-  // be 1.75 wide and 1.5 high, which is no higher than wide; eight of four would be higher.
+  // Rings 0.45 degrees apart, beams 0.25: four rings of eight beams take 2 degrees of width and 1.8 of height, eight of
+  // four would take 1 and 3.6.
   const ScanPattern pattern{
-      .samples = 1441, .rings = 8, .max_azimuth_rad = 2 * kPi, .max_elevation_rad = 7 * 0.5 * kPi / 180};
+      .samples = 1441, .rings = 8, .max_azimuth_rad = 2 * kPi, .max_elevation_rad = 7 * 0.45 * kPi / 180};
   const std::vector<std::uint32_t> order = casting_order(pattern);
   std::set<std::uint32_t> rings, columns;
   for (std::uint32_t i = 0; i < RayCaster::kTogether; ++i) {
