@@ -61,7 +61,19 @@ void ScanChoice::take(const ScanSurvey& survey, const ScanTolerance& tolerance) 
 }
 
 void ScanChoice::measured(const WorkTable& work, const WorkTable& cost) {
-  moved_ = frames_ > wait_ && candidates_.size() > 1 && has_moved(chosen().predicted_ns, predict(work, cost));
+  if (frames_ <= wait_) return;
+  const double now_ns = predict(work, cost);
+  moved_ = has_moved(chosen().predicted_ns, now_ns) && another_may_be_cheaper(now_ns);
+}
+
+// Another's cost may have gone the other way, by as much; by more is not looked for.
+bool ScanChoice::another_may_be_cheaper(double now_ns) const {
+  const auto [less_ns, more_ns] = std::minmax(chosen().predicted_ns, now_ns);
+  const double reached_ns = more_ns * (more_ns / less_ns);
+  for (std::size_t i = 0; i < candidates_.size(); ++i) {
+    if (i != chosen_ && candidates_[i].predicted_ns < reached_ns) return true;
+  }
+  return false;
 }
 
 std::string ScanChoice::text() const { return to_string(chosen()) + ", " + because_; }

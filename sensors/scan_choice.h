@@ -2,9 +2,11 @@
 //
 // A choice stands until the scene has changed enough: until the triangles of the draw list, or the predicted cost of
 // the chosen way in a frame, are more or fewer by kMoved than they were at the choice. Both are counts of what the
-// frame does anyway; nothing is timed. The next frame then surveys again. Where costs swing, as with a scanner that
-// tilts, surveys that choose the same again get rarer: after each the cost is not looked at for twice as many frames,
-// up to kLongestWait. So a choice is a function of the scene, of the poses so far and of the device's costs alone.
+// frame does anyway; nothing is timed. The next frame then surveys again, unless the next best way was dearer by so
+// much that it cannot have become the cheapest, had its cost moved the other way as far. Where costs swing, as with a
+// scanner that tilts, surveys that choose the same again get rarer: after each the cost is not looked at for twice as
+// many frames, up to kLongestWait. So a choice is a function of the scene, of the poses so far and of the device's
+// costs alone.
 #pragma once
 
 #include <cstdint>
@@ -39,6 +41,7 @@ class ScanChoice {
 
  private:
   const ScanCandidate& chosen() const { return candidates_[chosen_]; }
+  bool another_may_be_cheaper(double now_ns) const;
 
   std::vector<ScanCandidate> candidates_;  // as of the last survey
   std::size_t chosen_ = 0;
