@@ -7,6 +7,7 @@
 #include <deque>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string_view>
 
 #include "engine/device.h"
@@ -54,6 +55,10 @@ struct Device::Impl {
   void begin_label(VkCommandBuffer commands, std::string_view name) const;
   void end_label(VkCommandBuffer commands) const;
 
+  /// As vkCmdDrawIndexed for each, in this order, by one command where the device can.
+  void draw_indexed(VkCommandBuffer commands, std::span<const VkMultiDrawIndexedInfoEXT> draws,
+                    std::uint32_t instance_count, std::uint32_t first_instance) const;
+
   Instance instance;
   PhysicalDevice physical;
   VkPhysicalDeviceMemoryProperties memory{};
@@ -85,6 +90,7 @@ struct Device::Impl {
 
   std::deque<Retired> retired_;
   std::uint64_t live_objects_ = 0;
+  PFN_vkCmdDrawMultiIndexedEXT draw_many_ = nullptr;
   PFN_vkSetDebugUtilsObjectNameEXT set_name_ = nullptr;
   PFN_vkCmdBeginDebugUtilsLabelEXT begin_label_ = nullptr;
   PFN_vkCmdEndDebugUtilsLabelEXT end_label_ = nullptr;

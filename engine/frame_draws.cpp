@@ -257,11 +257,17 @@ void FrameDraws::draw_strip(const DrawOrder& items, const View& view, const View
 // One draw for each row of neighbouring clusters that the view sees; all of them are drawn like any mesh.
 void FrameDraws::draw_seen_clusters(const Drawable& d, const View& view, const ViewProjection& projection,
                                     const DrawList& list, const WorldBox& box, std::size_t first_run) {
-  const MeshPlanes planes = make_mesh_planes(projection, list.world_from_node[d.transform], box);
+  const glm::dmat4& world_from_mesh = list.world_from_node[d.transform];
+  const MeshPlanes planes = make_mesh_planes(projection, world_from_mesh, box);
+  const PipelineKey key = key_in_view(d, view, list);
+  const MeshEye eye(view, planes, projection.view_from_world * world_from_mesh, snap_px_);
+  const bool by_facing = key.cull_back && eye.knows() && !d.range.facing.empty();
   seen_.clear();
   counts_.boxes_examined += d.range.clusters.size();
-  for (const Cluster& cluster : d.range.clusters) {
+  for (std::size_t i = 0; i < d.range.clusters.size(); ++i) {
+    const Cluster& cluster = d.range.clusters[i];
     if (outside(planes, cluster.center, cluster.half_size)) continue;
+    if (by_facing && eye.sees_only_backs(cluster, d.range.facing[i])) continue;
     if (!seen_.empty() && seen_.back().first_index + seen_.back().index_count == cluster.first_index) {
       seen_.back().index_count += cluster.index_count;
     } else {
@@ -277,7 +283,7 @@ void FrameDraws::draw_seen_clusters(const Drawable& d, const View& view, const V
   for (MeshRange& part : seen_) {
     part.first_index += d.range.first_index;
     part.vertex_offset = d.range.vertex_offset;
-    runs_.push_back({.key = key_in_view(d, view, list),
+    runs_.push_back({.key = key,
                      .texture = d.texture,
                      .range = part,
                      .first_instance = instance,

@@ -45,6 +45,9 @@ struct ViewDraws {
 /// Keeps its memory from frame to frame.
 class FrameDraws {
  public:
+  /// `snap_px` as in PassResult.
+  explicit FrameDraws(double snap_px) : snap_px_(snap_px) {}
+
   void clear();
 
   /// Adds one view. Counts culled items.
@@ -76,6 +79,7 @@ class FrameDraws {
                  const DrawTable& table, FrameCounters& counters);
   void add_met(std::size_t first_layer, std::size_t end_layer);
 
+  double snap_px_;
   std::vector<ViewDraws> views_;
   std::vector<DrawRun> runs_;
   std::vector<shader::Instance> instances_;

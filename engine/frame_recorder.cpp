@@ -30,6 +30,7 @@ struct Bound {
   VkBuffer indices = VK_NULL_HANDLE;
   std::optional<bool> picked;  // which vertices: picked ones, or those of meshes
   std::uint32_t lights_offset = std::numeric_limits<std::uint32_t>::max();
+  std::vector<VkMultiDrawIndexedInfoEXT> parts{};  // memory for those of a draw
 };
 
 std::span<const DrawRun> share_of(const FrameContext& frame, const ViewDraws& draws, ViewShare share) {
@@ -79,15 +80,30 @@ void bind_run(const FrameContext& frame, const Pass& pass, const DrawRun& run, B
   }
 }
 
-void draw_run(const FrameContext& frame, const DrawRun& run) {
-  if (run.key.picked) {
-    vkCmdDraw(frame.commands, run.range.index_count, 1, run.range.first_index, 0);
+// How many runs, from the first on, are parts of one mesh in one place, and so differ in nothing but the part.
+std::size_t parts_together(std::span<const DrawRun> runs) {
+  const DrawRun& first = runs.front();
+  const auto other = [&first](const DrawRun& run) {
+    return run.first_instance != first.first_instance || run.key.picked || run.key.bits() != first.key.bits();
+  };
+  return static_cast<std::size_t>(std::find_if(runs.begin() + 1, runs.end(), other) - runs.begin());
+}
+
+// What bind_run() has bound serves all of them.
+void draw_together(const FrameContext& frame, std::span<const DrawRun> runs, Bound& bound) {
+  const DrawRun& first = runs.front();
+  if (first.key.picked) {
+    vkCmdDraw(frame.commands, first.range.index_count, 1, first.range.first_index, 0);
   } else {
-    vkCmdDrawIndexed(frame.commands, run.range.index_count, run.instance_count, run.range.first_index,
-                     run.range.vertex_offset, run.first_instance);
+    bound.parts.clear();
+    for (const DrawRun& run : runs) {
+      bound.parts.push_back({run.range.first_index, run.range.index_count, run.range.vertex_offset});
+    }
+    frame.device.draw_indexed(frame.commands, bound.parts, first.instance_count, first.first_instance);
   }
-  ++frame.counters.draws;
-  if (run.key.topology == Topology::triangles) {
+  frame.counters.draws += runs.size();
+  if (first.key.topology != Topology::triangles) return;
+  for (const DrawRun& run : runs) {
     frame.counters.triangles += std::uint64_t{run.range.index_count / 3} * run.instance_count;
   }
 }
@@ -119,10 +135,11 @@ void record_view(const FrameContext& frame, const Pass& pass, const View& view, 
   }
   if (!view.shadows.empty()) bind_shadow_set(frame, draws.shadowed);
   const auto number = static_cast<std::size_t>(&draws - frame.draws.views().data());
-  for (const DrawRun& run : runs) {
-    bind_run(frame, pass, run, bound);
-    if (frame.queries && &run == runs.data()) frame.queries->begin_draws(frame.commands, number, share);
-    draw_run(frame, run);
+  for (std::size_t first = 0, count = 0; first < runs.size(); first += count) {
+    count = parts_together(runs.subspan(first));
+    bind_run(frame, pass, runs[first], bound);
+    if (frame.queries && first == 0) frame.queries->begin_draws(frame.commands, number, share);
+    draw_together(frame, runs.subspan(first, count), bound);
   }
   if (frame.queries) frame.queries->end_draws(frame.commands);
   frame.device.end_label(frame.commands);

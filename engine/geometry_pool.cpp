@@ -79,6 +79,7 @@ std::span<const MeshRange> GeometryPool::update(std::span<const std::shared_ptr<
                   .vertex_offset = static_cast<std::int32_t>(entry.first_vertex),
                   .clusters = entry.clustering.clusters,
                   .clustering = &entry.clustering,
+                  .facing = entry.facing,
                   .positions = entry.mesh->positions};
   }
   return ranges_;
@@ -198,6 +199,7 @@ void GeometryPool::upload_attributes(Entry& entry, Uploads& uploads) {
                   std::as_bytes(std::span(packed_)));
   }
   entry.has_attributes = true;
+  if (entry.mesh->topology == Topology::triangles) entry.facing = facing_of(*entry.mesh, entry.clustering);
 }
 
 Buffer GeometryPool::make_buffer(const char* name, VkDeviceSize size, VkBufferUsageFlags usage) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "engine/buffer.h"
+#include "engine/cluster_facing.h"
 #include "engine/clusters.h"
 #include "engine/frame_plan.h"
 #include "engine/mesh.h"
@@ -21,7 +22,8 @@ struct MeshRange {
   std::int32_t vertex_offset = 0;
   std::span<const Cluster> clusters{};  ///< their index numbers count from the mesh's first
   const Clustering* clustering = nullptr;
-  std::span<const glm::vec3> positions{};  ///< in host memory
+  std::span<const ClusterFacing> facing{};  ///< of each cluster, of triangles that are shaded; else empty
+  std::span<const glm::vec3> positions{};   ///< in host memory
 };
 
 /// What a vertex carries besides its position, as the GPU reads it. Colours beyond 1 are clamped.
@@ -67,6 +69,7 @@ class GeometryPool {
   struct Entry {
     std::shared_ptr<const Mesh> mesh;  // keeps the address from being given to another mesh
     Clustering clustering;
+    std::vector<ClusterFacing> facing;
     std::uint64_t first_vertex = 0, first_index = 0;
     bool resident = false, has_attributes = false;  // on the device
     MeshUse use = MeshUse::none;                    // by this list

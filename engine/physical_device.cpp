@@ -128,6 +128,32 @@ std::vector<std::size_t> matches(const std::vector<DeviceInfo>& devices, const s
   return found;
 }
 
+// How many draws one command may hold.
+std::uint32_t most_draws(VkPhysicalDevice device) {
+  std::uint32_t count = 0;
+  vkEnumerateDeviceExtensionProperties(device, nullptr, &count, nullptr);
+  std::vector<VkExtensionProperties> extensions(count);
+  vkEnumerateDeviceExtensionProperties(device, nullptr, &count, extensions.data());
+  const bool offered = std::ranges::any_of(extensions, [](const VkExtensionProperties& extension) {
+    return std::string_view(extension.extensionName) == VK_EXT_MULTI_DRAW_EXTENSION_NAME;
+  });
+  if (!offered) return 1;
+  VkPhysicalDeviceMultiDrawFeaturesEXT multi_draw{};
+  multi_draw.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MULTI_DRAW_FEATURES_EXT;
+  VkPhysicalDeviceFeatures2 features{};
+  features.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2;
+  features.pNext = &multi_draw;
+  vkGetPhysicalDeviceFeatures2(device, &features);
+  if (multi_draw.multiDraw == VK_FALSE) return 1;
+  VkPhysicalDeviceMultiDrawPropertiesEXT limits{};
+  limits.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MULTI_DRAW_PROPERTIES_EXT;
+  VkPhysicalDeviceProperties2 properties{};
+  properties.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2;
+  properties.pNext = &limits;
+  vkGetPhysicalDeviceProperties2(device, &properties);
+  return limits.maxMultiDrawCount;
+}
+
 }  // namespace
 
 PhysicalDevice examine(VkPhysicalDevice handle) {
@@ -154,6 +180,7 @@ PhysicalDevice examine(VkPhysicalDevice handle) {
     properties.pNext = &driver;
     vkGetPhysicalDeviceProperties2(handle, &properties);
     device.info.driver = std::string(driver.driverName) + " " + driver.driverInfo;
+    device.most_draws = most_draws(handle);
     // It finds pixels from snapped vertices, planes from the vertices as they came (Mesa, lp_state_setup.c).
     if (driver.driverID == VK_DRIVER_ID_MESA_LLVMPIPE) device.depth_snap_px = 0;
   } else {

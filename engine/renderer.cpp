@@ -85,7 +85,8 @@ struct Renderer::Impl {
         buffers(d, pipelines.frame_set_layout()),
         average(d),
         layers(d, pipelines),
-        targets(d, pipelines, average) {
+        targets(d, pipelines, average),
+        draws(d.physical.snap_px) {
     if (d.instrumented) queries.emplace(d);
   }
 

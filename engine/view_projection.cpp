@@ -125,6 +125,13 @@ bool outside(const MeshPlanes& planes, const glm::dvec3& center, const glm::dvec
   return false;
 }
 
+bool inside(const MeshPlanes& planes, const glm::dvec3& center, const glm::dvec3& half_size) {
+  return std::ranges::all_of(planes.plane, [&](const glm::dvec4& plane) {
+    const glm::dvec3 normal(plane);
+    return glm::dot(normal, center) + plane.w - glm::dot(glm::abs(normal), half_size) > planes.slack;
+  });
+}
+
 bool outside(const MeshPlanes& planes, const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
   for (const glm::dvec4& plane : planes.plane) {
     const auto beyond = [&](const glm::vec3& p) {

@@ -66,6 +66,9 @@ MeshPlanes make_mesh_planes(const ViewProjection& projection, const glm::dmat4& 
 /// Whether nothing of a box in the mesh's frame can appear in the view.
 bool outside(const MeshPlanes& planes, const glm::dvec3& center, const glm::dvec3& half_size);
 
+/// Whether all of the box lies within the view, and would after rounding, too.
+bool inside(const MeshPlanes& planes, const glm::dvec3& center, const glm::dvec3& half_size);
+
 /// Depth along the optical axis of the farthest corner of the box, in metres.
 double farthest_depth(const ViewProjection& projection, const WorldBox& box);
 
