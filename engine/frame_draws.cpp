@@ -1,55 +1,17 @@
 #include "engine/frame_draws.h"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
 namespace simvis {
 namespace {
 
-using Surface = PipelineKey::Surface;
+// Boxes and triangles to look at that take several times as long as to wake a thread.
+constexpr std::uint64_t kWorthThreads = 4000;
 
-// The least difference of the cones' cosines, from KHR_lights_punctual.
-constexpr double kLeastConeWidth = 0.001;
-
-shader::LightBlock block_of(const Light& light, const glm::dmat4& view_from_light) {
-  shader::LightBlock block{};
-  const double placed = light.kind == LightKind::directional ? 0.0 : 1.0;
-  block.position = glm::vec4(glm::dvec4(glm::dvec3(view_from_light[3]) * placed, placed));
-  const glm::dvec3 direction = glm::dmat3(view_from_light) * light.direction;
-  const double length = glm::length(direction);
-  // A light that is scaled to nothing shines nowhere.
-  const glm::dvec3 unit = length > 0 ? direction / length : glm::dvec3(0);
-  block.direction = glm::vec4(glm::dvec4(unit, light.range_m > 0 ? 1 / light.range_m : 0.0));
-  block.intensity = glm::vec4(glm::dvec4(glm::dvec3(light.color) * light.intensity, 0));
-  block.cone = {0, 1, 0, 0};
-  if (light.kind == LightKind::spot) {
-    const double outer = std::cos(light.outer_cone_rad);
-    const double scale = 1 / std::max(kLeastConeWidth, std::cos(light.inner_cone_rad) - outer);
-    block.cone = glm::vec4(scale, -outer * scale, 0, 0);
-  }
-  return block;
+template <typename T>
+void append_to(std::vector<T>& all, std::span<const T> more) {
+  all.insert(all.end(), more.begin(), more.end());
 }
-
-// Of a run that no other instance may join.
-constexpr std::uint32_t kNoGroup = std::numeric_limits<std::uint32_t>::max();
-
-PipelineKey key_in_view(const Drawable& d, const View& view, const DrawList& list) {
-  PipelineKey key = d.key;
-  key.shadowed = key.lights > 0 && !view.shadows.empty();
-  key.fog = key.color && list.medium.extinction_per_m > 0;
-  if (key.topology != Topology::triangles) return key;
-  key.cull_back = d.single_sided && !view.sees_back_faces;
-  key.mirrored = d.mirrored && (key.cull_back || key.lights > 0);
-  return key;
-}
-
-// So high that triangles are worth a look each.
-bool is_strip(const View& view) { return view.culled && guard_rows(view) > 0; }
 
 }  // namespace
-
-bool picks_opaque(const View& view) { return is_strip(view) && view.sees_back_faces; }
 
 void FrameDraws::clear() {
   views_.clear();
@@ -61,252 +23,63 @@ void FrameDraws::clear() {
   shadowed_ = 0;
 }
 
-void FrameDraws::add(const View& view, const Pass& pass, const DrawList& list, const DrawTable& table,
-                     FrameCounters& counters) {
-  const ViewProjection projection = make_projection(view);
-  ViewDraws draws;
-  draws.block.projection =
-      glm::vec4(glm::dvec4(projection.scale_x, projection.shift_x, projection.scale_y, projection.shift_y));
-  draws.block.ambient = glm::vec4(list.environment.ambient, static_cast<float>(view.near_m));
-  draws.block.airlight = glm::vec4(list.medium.airlight, static_cast<float>(list.medium.extinction_per_m));
-  if (pass.color && table.any_lit()) draws.lights_offset = add_lights(view, projection, list, table);
-  if (!view.shadows.empty()) draws.shadowed = shadowed_++;
-  draws.first_run = runs_.size();
-  counts_ = {};
-  seen_items_.clear();
-  if (view.culled) counts_.boxes_examined += table.find_seen(projection, seen_items_);
-  add_items(pass.color ? table.solid() : table.depth(), view, projection, list, table, counters);
-  draws.first_layer = runs_.size();
-  if (pass.color) add_items(table.blended(), view, projection, list, table, counters);
-  draws.first_met = runs_.size();
-  if (pass.depth) add_met(draws.first_layer, draws.first_met);
-  draws.end_run = runs_.size();
-  for (std::size_t i = draws.first_run; i < draws.end_run; ++i) {
-    runs_[i].key.shadow_map = pass.shadow_maps;
-    runs_[i].key.parallel = view.parallel;
-    if (runs_[i].key.topology != Topology::triangles) continue;
-    const std::uint64_t triangles = std::uint64_t{runs_[i].range.index_count / 3} * runs_[i].instance_count;
-    counts_.triangles += triangles;
-    if (runs_[i].key.surface == Surface::masked) counts_.masked_triangles += triangles;
-  }
-  counts_.draws = draws.end_run - draws.first_run;
-  draws.counts = counts_;
-  views_.push_back(draws);
-}
-
-void FrameDraws::take_seen(const DrawOrder& items, const View& view, FrameCounters& counters) {
-  positions_.clear();
-  const auto take = [&](std::uint32_t position) {
-    if (position == DrawOrder::kNone) return;
-    if (view.sees_lines_and_points || items[position].key.topology == Topology::triangles) {
-      positions_.push_back(position);
-    }
+void FrameDraws::update(const FramePlan& plan, const DrawList& list, const DrawTable& table, FrameCounters& counters) {
+  struct Task {
+    const Pass& pass;
+    const View& view;
+    const StripColumns* columns;
+    ViewDrawing& drawing;
   };
-  if (!view.culled) {
-    for (std::uint32_t position = 0; position < items.size(); ++position) take(position);
-    return;
+  clear();
+  std::vector<Task> tasks;
+  for (const Pass& pass : plan.passes) {
+    for (const View& view : pass.views) {
+      if (tasks.size() == drawings_.size()) drawings_.emplace_back(snap_px_);
+      tasks.push_back({pass, view, is_strip(view) ? &columns_.of(view) : nullptr, drawings_[tasks.size()]});
+    }
   }
-  for (const std::uint32_t item : seen_items_) take(items.position(item));
-  std::ranges::sort(positions_);
-  counters.items_culled += (view.sees_lines_and_points ? items.size() : items.solids()) - positions_.size();
+  // What it took in the frame before is what it will take.
+  threads_.share(tasks.size(), looks_ >= kWorthThreads ? 1 : tasks.size(),
+                 [&](std::size_t, std::size_t first, std::size_t count) {
+                   for (const Task& task : std::span(tasks).subspan(first, count)) {
+                     task.drawing.update(task.view, task.pass, task.columns, list, table);
+                   }
+                 });
+  looks_ = 0;
+  for (const Task& task : tasks) {
+    const ViewCounts& counts = task.drawing.draws().counts;
+    looks_ += counts.boxes_examined + counts.triangles_examined;
+    append(task.drawing, !task.view.shadows.empty());
+    counters.items_culled += task.drawing.items_culled();
+  }
 }
 
-void FrameDraws::add_items(const DrawOrder& items, const View& view, const ViewProjection& projection,
-                           const DrawList& list, const DrawTable& table, FrameCounters& counters) {
-  const std::size_t first_run = runs_.size();
-  const bool strip = is_strip(view);
-  if (strip) strip_.begin(view);
-  take_seen(items, view, counters);
-  for (const std::uint32_t position : positions_) {
-    const Drawable& d = items[position];
-    if (strip && can_pick(d, view)) {
-      add_to_strip(d, position, projection, list, table.box(d.item));
-    } else if (!view.culled || d.range.clusters.size() == 1) {
-      draw(d, view, projection, list, first_run);
-    } else if (strip) {
-      draw_seen_triangles(d, view, projection, list, table.box(d.item));
+void FrameDraws::append(const ViewDrawing& drawing, bool shadowed) {
+  ViewDraws& draws = views_.emplace_back(drawing.draws());
+  for (std::size_t* const run : {&draws.first_run, &draws.first_layer, &draws.first_met, &draws.end_run}) {
+    *run += runs_.size();
+  }
+  for (DrawRun run : drawing.runs()) {
+    if (run.key.picked) {
+      run.range.first_index += static_cast<std::uint32_t>(picked_.size());
     } else {
-      draw_seen_clusters(d, view, projection, list, table.box(d.item), first_run);
+      run.first_instance += static_cast<std::uint32_t>(instances_.size());
+      if (run.own_indices) run.range.first_index += static_cast<std::uint32_t>(indices_.size());
     }
-  }
-  if (strip) draw_strip(items, view, projection, list);
-}
-
-std::uint32_t FrameDraws::add_lights(const View& view, const ViewProjection& projection, const DrawList& list,
-                                     const DrawTable& table) {
-  // The offset of a uniform buffer may have to be a multiple of as much as this many bytes (Vulkan's required limits).
-  constexpr std::size_t kAlignment = 256 / sizeof(shader::LightBlock);
-  lights_.resize((lights_.size() + kAlignment - 1) / kAlignment * kAlignment);
-  const std::size_t first = lights_.size();
-  for (const std::uint32_t light : table.lights()) {
-    const LightItem& item = list.lights[light];
-    lights_.push_back(block_of(item.light, projection.view_from_world * list.world_from_node[item.transform]));
-  }
-  for (std::size_t i = 0; i < view.shadows.size(); ++i) {
-    const auto place = std::ranges::find(table.lights(), view.shadows[i].light) - table.lights().begin();
-    lights_[first + static_cast<std::size_t>(place)].cone.z = static_cast<float>(i + 1);
-  }
-  return static_cast<std::uint32_t>(first * sizeof(shader::LightBlock));
-}
-
-void FrameDraws::draw(const Drawable& d, const View& view, const ViewProjection& projection, const DrawList& list,
-                      std::size_t first_run) {
-  const std::uint32_t instance = add_instance(d, projection, list);
-  if (runs_.size() > first_run && d.group == last_group_) {
-    ++runs_.back().instance_count;
-    return;
-  }
-  last_group_ = d.group;
-  runs_.push_back({.key = key_in_view(d, view, list),
-                   .texture = d.texture,
-                   .range = d.range,
-                   .first_instance = instance,
-                   .instance_count = 1,
-                   .met = d.met});
-}
-
-std::uint32_t FrameDraws::add_instance(const Drawable& d, const ViewProjection& projection, const DrawList& list) {
-  shader::Instance& instance = instances_.emplace_back();
-  write_clip_rows(projection, list.world_from_node[d.transform], instance);
-  instance.material = d.material;
-  return static_cast<std::uint32_t>(instances_.size() - 1);
-}
-
-// A strip meets few triangles even of the clusters that it sees, and each of the others costs the device more than a
-// look at it here: only those that may be met are drawn, in one draw with indices of its own.
-void FrameDraws::draw_seen_triangles(const Drawable& d, const View& view, const ViewProjection& projection,
-                                     const DrawList& list, const WorldBox& box) {
-  const MeshPlanes planes = make_mesh_planes(projection, list.world_from_node[d.transform], box);
-  const auto first = static_cast<std::uint32_t>(indices_.size());
-  counts_.boxes_examined += d.range.clusters.size();
-  for (const Cluster& cluster : d.range.clusters) {
-    if (outside(planes, cluster.center, cluster.half_size)) continue;
-    counts_.triangles_examined += cluster.index_count / 3;
-    const std::span<const std::uint32_t> vertices = d.range.clustering->vertices_of(cluster);
-    const std::span<const std::uint8_t> corners = d.range.clustering->corners_of(cluster);
-    for (std::size_t i = 0; i < corners.size(); i += 3) {
-      const std::uint32_t a = vertices[corners[i]], b = vertices[corners[i + 1]], c = vertices[corners[i + 2]];
-      const auto& p = d.range.positions;
-      if (!outside(planes, p[a], p[b], p[c])) indices_.insert(indices_.end(), {a, b, c});
-    }
-  }
-  const auto count = static_cast<std::uint32_t>(indices_.size() - first);
-  if (count == 0) return;
-  runs_.push_back({.key = key_in_view(d, view, list),
-                   .texture = d.texture,
-                   .range = {.first_index = first, .index_count = count, .vertex_offset = d.range.vertex_offset},
-                   .first_instance = add_instance(d, projection, list),
-                   .instance_count = 1,
-                   .met = d.met,
-                   .own_indices = true});
-  last_group_ = kNoGroup;
-}
-
-// Opaque triangles of depth, drawn from either side: of them all the nearest is what counts, in whatever order.
-bool FrameDraws::can_pick(const Drawable& d, const View& view) const {
-  return d.key.depth_only && !d.key.color && d.key.topology == Topology::triangles &&
-         d.key.surface == Surface::opaque && (view.sees_back_faces || !d.single_sided);
-}
-
-void FrameDraws::add_to_strip(const Drawable& d, std::uint32_t number, const ViewProjection& projection,
-                              const DrawList& list, const WorldBox& box) {
-  const glm::dmat4& world_from_mesh = list.world_from_node[d.transform];
-  const MeshPlanes planes = make_mesh_planes(projection, world_from_mesh, box);
-  strip_.place(number, projection.view_from_world * world_from_mesh, planes.slack);
-  counts_.boxes_examined += d.range.clusters.size();
-  for (const Cluster& cluster : d.range.clusters) {
-    if (outside(planes, cluster.center, cluster.half_size)) continue;
-    counts_.triangles_examined += cluster.index_count / 3;
-    strip_.add(d.range.clustering->vertices_of(cluster), d.range.clustering->corners_of(cluster), d.range.positions);
-  }
-}
-
-// One draw for all that was added.
-void FrameDraws::draw_strip(const DrawOrder& items, const View& view, const ViewProjection& projection,
-                            const DrawList& list) {
-  const std::span<const StripTriangle> seen = strip_.seen();
-  if (seen.empty()) return;
-  const auto first = static_cast<std::uint32_t>(picked_.size());
-  shader::PickedVertex vertex{};
-  const Drawable* owner = nullptr;
-  for (const StripTriangle& triangle : seen) {
-    if (owner != &items[triangle.owner]) {
-      owner = &items[triangle.owner];
-      shader::Instance instance{};
-      write_clip_rows(projection, list.world_from_node[owner->transform], instance);
-      vertex.clip_x = instance.clip_x;
-      vertex.clip_y = instance.clip_y;
-      vertex.clip_w = instance.clip_w;
-    }
-    for (int i = 0; i < 3; ++i) {
-      const glm::vec3& p = owner->range.positions[triangle.corners[i]];
-      vertex.x = p.x;
-      vertex.y = p.y;
-      vertex.z = p.z;
-      picked_.push_back(vertex);
-    }
-  }
-  PipelineKey key = key_in_view(*owner, view, list);
-  key.picked = true;
-  runs_.push_back({.key = key,
-                   .range = {.first_index = first, .index_count = static_cast<std::uint32_t>(picked_.size()) - first},
-                   .instance_count = 1});
-  last_group_ = kNoGroup;
-}
-
-// One draw for each row of neighbouring clusters that the view sees; all of them are drawn like any mesh.
-void FrameDraws::draw_seen_clusters(const Drawable& d, const View& view, const ViewProjection& projection,
-                                    const DrawList& list, const WorldBox& box, std::size_t first_run) {
-  const glm::dmat4& world_from_mesh = list.world_from_node[d.transform];
-  const MeshPlanes planes = make_mesh_planes(projection, world_from_mesh, box);
-  const PipelineKey key = key_in_view(d, view, list);
-  const MeshEye eye(view, planes, projection.view_from_world * world_from_mesh, snap_px_);
-  const bool by_facing = key.cull_back && eye.knows() && !d.range.facing.empty();
-  seen_.clear();
-  counts_.boxes_examined += d.range.clusters.size();
-  for (std::size_t i = 0; i < d.range.clusters.size(); ++i) {
-    const Cluster& cluster = d.range.clusters[i];
-    if (outside(planes, cluster.center, cluster.half_size)) continue;
-    if (by_facing && eye.sees_only_backs(cluster, d.range.facing[i])) continue;
-    if (!seen_.empty() && seen_.back().first_index + seen_.back().index_count == cluster.first_index) {
-      seen_.back().index_count += cluster.index_count;
-    } else {
-      seen_.push_back({.first_index = cluster.first_index, .index_count = cluster.index_count});
-    }
-  }
-  if (seen_.empty()) return;
-  if (seen_.front().index_count == d.range.index_count) {
-    draw(d, view, projection, list, first_run);
-    return;
-  }
-  const std::uint32_t instance = add_instance(d, projection, list);
-  for (MeshRange& part : seen_) {
-    part.first_index += d.range.first_index;
-    part.vertex_offset = d.range.vertex_offset;
-    runs_.push_back({.key = key,
-                     .texture = d.texture,
-                     .range = part,
-                     .first_instance = instance,
-                     .instance_count = 1,
-                     .met = d.met});
-  }
-  last_group_ = kNoGroup;
-}
-
-// Layers once more, for depth: what is solid enough to be met.
-void FrameDraws::add_met(std::size_t first_layer, std::size_t end_layer) {
-  for (std::size_t i = first_layer; i < end_layer; ++i) {
-    DrawRun run = runs_[i];
-    if (!run.met) continue;
-    const PipelineKey layer = run.key;
-    run.key = {.color = true,
-               .topology = layer.topology,
-               .surface = Surface::masked,
-               .textured = layer.textured,
-               .cull_back = layer.cull_back,
-               .mirrored = layer.mirrored && layer.cull_back};
     runs_.push_back(run);
   }
+  if (!drawing.lights().empty()) {
+    // The offset of a uniform buffer may have to be a multiple of as much as this many bytes (Vulkan's required
+    // limits).
+    constexpr std::size_t kAlignment = 256 / sizeof(shader::LightBlock);
+    lights_.resize((lights_.size() + kAlignment - 1) / kAlignment * kAlignment);
+    draws.lights_offset = static_cast<std::uint32_t>(lights_.size() * sizeof(shader::LightBlock));
+  }
+  if (shadowed) draws.shadowed = shadowed_++;
+  append_to(instances_, drawing.instances());
+  append_to(lights_, drawing.lights());
+  append_to(indices_, drawing.indices());
+  append_to(picked_, drawing.picked());
 }
 
 }  // namespace simvis

@@ -1,46 +1,15 @@
-// What each view of a frame draws, after culling: instances, lights, and runs of instanced draws.
+// What all views of a frame draw, in lists that they share.
 #pragma once
 
+#include <deque>
 #include <span>
 #include <vector>
 
-#include "engine/draw_list.h"
-#include "engine/draw_table.h"
-#include "engine/frame_plan.h"
-#include "engine/renderer.h"
-#include "engine/strip_sight.h"
-#include "shaders/interop.h"
+#include "engine/strip_columns.h"
+#include "engine/view_drawing.h"
+#include "engine/worker_threads.h"
 
 namespace simvis {
-
-/// Whether the view draws no opaque triangles but those that are picked for it on the host: of these, it needs no copy
-/// on the device.
-bool picks_opaque(const View& view);
-
-/// One instanced draw.
-struct DrawRun {
-  PipelineKey key;
-  VkDescriptorSet texture = VK_NULL_HANDLE;
-  MeshRange range;
-  std::uint32_t first_instance = 0, instance_count = 0;
-  bool met = true;           ///< by depth
-  bool own_indices = false;  ///< range.first_index counts in FrameDraws::indices(), not in the geometry pool.
-                             ///< Where key.picked, it counts in FrameDraws::picked(), without indices
-};
-
-/// Which of a view's runs.
-enum class ViewShare : std::uint8_t { solid, layers, met };
-inline constexpr std::uint32_t kViewShares = 3;
-
-/// One view's share of the runs: [first_run, first_layer) are solid, [first_layer, first_met) transparent, and
-/// [first_met, end_run) transparent ones once more, for depth.
-struct ViewDraws {
-  shader::ViewBlock block;
-  std::uint32_t lights_offset = 0;  ///< of the view's lights, in bytes
-  std::size_t shadowed = 0;         ///< where it has shadows: how many views before it have, see ShadowMaps::offset()
-  std::size_t first_run = 0, first_layer = 0, first_met = 0, end_run = 0;
-  ViewCounts counts;
-};
 
 /// Keeps its memory from frame to frame.
 class FrameDraws {
@@ -50,10 +19,10 @@ class FrameDraws {
 
   void clear();
 
-  /// Adds one view. Counts culled items.
-  void add(const View& view, const Pass& pass, const DrawList& list, const DrawTable& table, FrameCounters& counters);
+  /// Works out all views of all passes, on all cores where there is enough to do. Counts culled items.
+  void update(const FramePlan& plan, const DrawList& list, const DrawTable& table, FrameCounters& counters);
 
-  std::span<const ViewDraws> views() const { return views_; }  ///< in the order of add()
+  std::span<const ViewDraws> views() const { return views_; }  ///< in the order of the plan
   std::span<const DrawRun> runs() const { return runs_; }
   std::span<const shader::Instance> instances() const { return instances_; }
   std::span<const shader::LightBlock> lights() const { return lights_; }
@@ -61,23 +30,7 @@ class FrameDraws {
   std::span<const shader::PickedVertex> picked() const { return picked_; }
 
  private:
-  std::uint32_t add_lights(const View& view, const ViewProjection& projection, const DrawList& list,
-                           const DrawTable& table);
-  void draw(const Drawable& d, const View& view, const ViewProjection& projection, const DrawList& list,
-            std::size_t first_run);
-  bool can_pick(const Drawable& d, const View& view) const;
-  void add_to_strip(const Drawable& d, std::uint32_t number, const ViewProjection& projection, const DrawList& list,
-                    const WorldBox& box);
-  void draw_strip(const DrawOrder& items, const View& view, const ViewProjection& projection, const DrawList& list);
-  void draw_seen_clusters(const Drawable& d, const View& view, const ViewProjection& projection, const DrawList& list,
-                          const WorldBox& box, std::size_t first_run);
-  void draw_seen_triangles(const Drawable& d, const View& view, const ViewProjection& projection, const DrawList& list,
-                           const WorldBox& box);
-  std::uint32_t add_instance(const Drawable& d, const ViewProjection& projection, const DrawList& list);
-  void take_seen(const DrawOrder& items, const View& view, FrameCounters& counters);
-  void add_items(const DrawOrder& items, const View& view, const ViewProjection& projection, const DrawList& list,
-                 const DrawTable& table, FrameCounters& counters);
-  void add_met(std::size_t first_layer, std::size_t end_layer);
+  void append(const ViewDrawing& drawing, bool shadowed);
 
   double snap_px_;
   std::vector<ViewDraws> views_;
@@ -86,13 +39,11 @@ class FrameDraws {
   std::vector<shader::LightBlock> lights_;
   std::vector<std::uint32_t> indices_;
   std::vector<shader::PickedVertex> picked_;
-  StripSight strip_;
-  std::vector<std::uint32_t> seen_items_;  // by the view that is being added, if it is culled
-  std::vector<std::uint32_t> positions_;   // of what it draws, in their order
-  std::vector<MeshRange> seen_;
-  std::uint32_t last_group_ = 0;
   std::size_t shadowed_ = 0;
-  ViewCounts counts_;  // of the view that is being added
+  std::uint64_t looks_ = 0;           // of the frame before, see ViewCounts
+  std::deque<ViewDrawing> drawings_;  // of each view, and of those that earlier frames had more
+  KnownStripColumns columns_;
+  WorkerThreads threads_;
 };
 
 }  // namespace simvis

@@ -199,10 +199,7 @@ void Renderer::Impl::prepare(const DrawList& list, const FramePlan& plan) {
   table.update(list, opaque_use(plan), geometry, textures, uploads);
   buffers.write_materials(list, table.materials_read(), uploads);
   buffers.write_map_places(list, table.textures_shown(), uploads);
-  draws.clear();
-  for (const Pass& pass : plan.passes) {
-    for (const View& view : pass.views) draws.add(view, pass, list, table, counters);
-  }
+  draws.update(plan, list, table, counters);
   buffers.write_instances(draws.instances(), uploads);
   buffers.write_indices(draws.indices(), uploads);
   buffers.write_picked(draws.picked(), uploads);

@@ -1,5 +1,6 @@
 #include "engine/strip_columns.h"
 
+#include <algorithm>
 #include <numeric>
 
 #include "engine/assert.h"
@@ -18,6 +19,13 @@ StripColumns::StripColumns(const View& view) : numbers_(view.columns), before_(v
     if (before_[x + 1] != 0) centres_px_.push_back(static_cast<float>(x) + 0.5f);
   }
   std::partial_sum(before_.begin(), before_.end(), before_.begin());
+}
+
+const StripColumns& KnownStripColumns::of(const View& view) {
+  const auto found = std::ranges::find_if(known_, [&](const StripColumns& each) { return each.are_of(view); });
+  if (found != known_.end()) return *found;
+  known_.remove_if([](const StripColumns& each) { return each.are_gone(); });
+  return known_.emplace_back(view);
 }
 
 }  // namespace simvis

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <list>
 #include <memory>
 #include <span>
 #include <vector>
@@ -28,6 +29,16 @@ class StripColumns {
   std::shared_ptr<const std::vector<std::uint32_t>> numbers_;
   std::vector<std::uint32_t> before_;
   std::vector<float> centres_px_;
+};
+
+/// Those of views that are still there.
+class KnownStripColumns {
+ public:
+  /// Of the same address as long as the view's columns are there.
+  const StripColumns& of(const View& view);
+
+ private:
+  std::list<StripColumns> known_;
 };
 
 }  // namespace simvis

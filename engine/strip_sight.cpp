@@ -47,7 +47,7 @@ bool crosses(const Corner& a, const Corner& b, double v) {
 
 }  // namespace
 
-void StripSight::begin(const View& view) {
+void StripSight::begin(const View& view, const StripColumns& columns) {
   candidates_.clear();
   seen_.clear();
   width_ = view.width_px;
@@ -58,18 +58,8 @@ void StripSight::begin(const View& view) {
   fy_ = view.pinhole.fy_px;
   cx_ = view.pinhole.cx_px;
   cy_ = view.pinhole.cy_px;
-  take_columns(view);
+  columns_ = &columns;
   hidden_below_.assign(columns_->centres_px().size(), 0);
-}
-
-void StripSight::take_columns(const View& view) {
-  auto found = std::ranges::find_if(known_, [&](const StripColumns& each) { return each.are_of(view); });
-  if (found == known_.end()) {
-    std::erase_if(known_, [](const StripColumns& each) { return each.are_gone(); });
-    known_.emplace_back(view);
-    found = std::prev(known_.end());
-  }
-  columns_ = &*found;
 }
 
 void StripSight::place(std::uint32_t owner, const glm::dmat4& view_from_mesh, double slack_m) {

@@ -37,7 +37,8 @@ struct StripTriangle {
 /// Keeps its memory from view to view.
 class StripSight {
  public:
-  void begin(const View& view);
+  /// `columns`, those of the view, must stay until the next view.
+  void begin(const View& view, const StripColumns& columns);
 
   /// Triangles that are added from here on are those of this owner, in a mesh that is seen here; rounding moves its
   /// vertices by up to `slack_m`, in any direction.
@@ -74,7 +75,6 @@ class StripSight {
     std::uint32_t first = 0, end = 0;
     float most = 0, slope = 0;
   };
-  void take_columns(const View& view);
   bool misses(const glm::dvec3 (&triangle)[3]) const;
   void add(const StripTriangle& named, const glm::dvec3 (&triangle)[3]);
   bool is_inside(const glm::dvec3& p) const;
@@ -87,7 +87,6 @@ class StripSight {
 
   double width_ = 0, height_ = 0, guard_ = 0, near_m_ = 0;
   double fx_ = 0, fy_ = 0, cx_ = 0, cy_ = 0;
-  std::vector<StripColumns> known_;        // those of views that are still there
   const StripColumns* columns_ = nullptr;  // of this view
   std::vector<float> hidden_below_;        // by column that is read: what has a smaller w cannot be seen there
   std::uint32_t owner_ = 0;
