@@ -1,15 +1,20 @@
-// What SimVis adds to the device's work: a camera of 640 x 480, colour and depth, in scenes/marvin with the robot
-// driving, beside a bare Vulkan loop that does nothing but the same.
+// What SimVis adds to the device's work, and what it spares it: a camera of 640 x 480, colour and depth, in
+// scenes/marvin and in a lab of a million triangles with the robot driving, beside two bare Vulkan loops.
 //
-//   camera_peer [SCENE.xml [CAMERA [FRAMES]]]
+//   camera_peer [FRAMES]
 //
-// The bare loop knows no scene, plan or list: it submits the command buffer that SimVis has recorded for the frame
-// before, as it stands (the same triangles after the same culling, draws, shaders, targets, copies), waits for it, and
-// copies as many bytes as are read back into memory of its own. So it is the least that any program can take that lets
-// this device do this work; a loop that culls nothing takes longer. The commands are had by standing between SimVis and
-// the Vulkan loader: this program has functions of the loader's names, which pass everything on.
+// A bare loop knows no scene, plan or list: it submits a command buffer that was recorded before, waits for it, and
+// copies as many bytes as are read back into memory of its own.
 //
-// Prints CSV: for each the median of frames in turns, and the ratio to the bare loop.
+// bare        the commands that SimVis has recorded for the frame before, as they stand: the same triangles after the
+// same
+//             culling, draws, shaders, targets, copies. So it is the least that any program can take that lets this
+//             device do this work.
+// everything  the same picture with every triangle of the scene drawn, as a loop does that culls nothing
+//
+// The commands are had by standing between SimVis and the Vulkan loader: this program has functions of the loader's
+// names, which pass everything on. Prints CSV: for each scene the medians of frames in turns, and the ratio to the bare
+// loop.
 #include <dlfcn.h>
 #include <vulkan/vulkan.h>
 
@@ -17,10 +22,16 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <functional>
+#include <optional>
 #include <stdexcept>
 #include <vector>
 
+#include "bench/scenes/lab.h"
+#include "bench/scenes/scene_folder.h"
 #include "bench/timing.h"
+#include "engine/device.h"
+#include "engine/renderer.h"
 #include "simvis/simulation.h"
 #include "simvis/trajectory.h"
 
@@ -77,30 +88,30 @@ namespace {
 using namespace simvis;
 using bench::Took;
 
-/// Submits again what was last submitted.
+/// Submits again what was submitted, on the device of the submission that is the last when it is made.
 class BareLoop {
  public:
-  BareLoop() {
+  BareLoop() : device_(submitted.device) {
     const VkFenceCreateInfo info{.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO, .pNext = nullptr, .flags = 0};
-    check(vkCreateFence(submitted.device, &info, nullptr, &fence_));
+    check(vkCreateFence(device_, &info, nullptr, &fence_));
   }
-  ~BareLoop() { vkDestroyFence(submitted.device, fence_, nullptr); }
+  ~BareLoop() { vkDestroyFence(device_, fence_, nullptr); }
   BareLoop(const BareLoop&) = delete;
   BareLoop& operator=(const BareLoop&) = delete;
 
-  void frame(std::size_t bytes_read_back) {
+  void frame(const Submitted& work, std::size_t bytes_read_back) {
     if (bytes_read_back > from_.size()) {
       from_.resize(bytes_read_back);
       to_.resize(bytes_read_back);
     }
-    const std::vector<VkCommandBuffer> commands = submitted.commands;
+    const std::vector<VkCommandBuffer> commands = work.commands;
     VkSubmitInfo info{};
     info.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO;
     info.commandBufferCount = static_cast<uint32_t>(commands.size());
     info.pCommandBuffers = commands.data();
-    check(vkQueueSubmit(submitted.queue, 1, &info, fence_));
-    check(vkWaitForFences(submitted.device, 1, &fence_, VK_TRUE, UINT64_MAX));
-    check(vkResetFences(submitted.device, 1, &fence_));
+    check(vkQueueSubmit(work.queue, 1, &info, fence_));
+    check(vkWaitForFences(device_, 1, &fence_, VK_TRUE, UINT64_MAX));
+    check(vkResetFences(device_, 1, &fence_));
     std::memcpy(to_.data(), from_.data(), bytes_read_back);
   }
 
@@ -109,40 +120,92 @@ class BareLoop {
     if (result != VK_SUCCESS) throw std::runtime_error("Vulkan result " + std::to_string(result));
   }
 
+  VkDevice device_ = VK_NULL_HANDLE;
   VkFence fence_ = VK_NULL_HANDLE;
   std::vector<char> from_, to_;
 };
 
-void print(const char* loop, const Took& took, const Took& bare, const FrameCounters& counters) {
-  std::printf("%s,%.4f,%.4f,%.3f,%llu,%llu,%llu\n", loop, took.wall_ms, took.caller_ms, took.wall_ms / bare.wall_ms,
-              static_cast<unsigned long long>(counters.draws), static_cast<unsigned long long>(counters.triangles),
+/// What is drawn without culling, on a device of its own.
+class Everything {
+ public:
+  explicit Everything(const Simulation& simulation) {
+    FramePlan plan = simulation.frame_plan();
+    for (Pass& pass : plan.passes) {
+      for (View& view : pass.views) view.culled = false;
+    }
+    renderer_.render(simulation.draw_list(), plan);
+    renderer_.render(simulation.draw_list(), plan);  // the first one uploads, from what is then gone
+    work_ = submitted;
+    loop_.emplace();
+  }
+  void frame() { loop_->frame(work_, counters().bytes_read_back); }
+  const FrameCounters& counters() const { return renderer_.counters(); }
+
+ private:
+  Device device_;
+  Renderer renderer_{device_};
+  Submitted work_;
+  std::optional<BareLoop> loop_;
+};
+
+void print(const char* scene, const char* loop, const std::vector<Took>& took, const std::vector<Took>& bare,
+           const FrameCounters& counters) {
+  const Took median = bench::median(took);
+  std::printf("%s,%s,%.4f,%.4f,%.3f,%llu,%llu,%llu\n", scene, loop, median.wall_ms, median.caller_ms,
+              median.wall_ms / bench::median(bare).wall_ms, static_cast<unsigned long long>(counters.draws),
+              static_cast<unsigned long long>(counters.triangles),
               static_cast<unsigned long long>(counters.bytes_read_back));
+  std::fflush(stdout);
+}
+
+/// `drive(frame)` moves the robot. The scene's only camera that is on measures.
+void compare(const char* scene, Simulation& simulation, int frames, const std::function<void(int)>& drive) {
+  constexpr int kWarmUp = 10;
+  simulation.step();
+  BareLoop bare;
+  Everything everything(simulation);
+  std::vector<Took> simvis_took, bare_took, everything_took;
+  for (int frame = 0; frame < kWarmUp + frames; ++frame) {
+    drive(frame);
+    const Took whole = bench::time_work([&] { simulation.step(); });
+    const Submitted of_frame = submitted;
+    const Took alone = bench::time_work([&] { bare.frame(of_frame, simulation.counters().bytes_read_back); });
+    const Took all = bench::time_work([&] { everything.frame(); });
+    if (frame < kWarmUp) continue;
+    simvis_took.push_back(whole);
+    bare_took.push_back(alone);
+    everything_took.push_back(all);
+  }
+  print(scene, "simvis", simvis_took, bare_took, simulation.counters());
+  print(scene, "bare", bare_took, bare_took, simulation.counters());
+  print(scene, "everything", everything_took, bare_took, everything.counters());
+}
+
+void compare_in_marvin(int frames) {
+  const std::filesystem::path folder = SIMVIS_SOURCE_DIR "/scenes/marvin";
+  Simulation simulation = Simulation::load(folder / "marvin.xml");
+  for (const SensorInfo& sensor : simulation.sensors()) simulation.enable(sensor.name, sensor.name == "ROBOT_CAM");
+  const Trajectory trajectory(folder / "drive.csv", simulation.parameters());
+  compare("marvin", simulation, frames, [&](int) {
+    trajectory.apply(static_cast<double>(simulation.next_frame().time_ns) / 1e9, simulation.parameters());
+  });
+}
+
+void compare_in_lab(int frames) {
+  const bench::SceneFolder folder;
+  const char* const camera =
+      "<sensor type=\"camera\" name=\"CAMERA\" insert_at=\"ROBOT\" width=\"640\" height=\"480\" "
+      "outputs=\"color depth\" pose_offset=\"0 0 1.5 0 0 0\"/>";
+  Simulation simulation = Simulation::load(bench::write_lab(folder.path(), 1'000'000, camera));
+  compare("lab 1M", simulation, frames, [&](int frame) { bench::drive_lab(simulation, frame); });
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  const std::filesystem::path scene = argc > 1 ? argv[1] : SIMVIS_SOURCE_DIR "/scenes/marvin/marvin.xml";
-  const char* const camera = argc > 2 ? argv[2] : "ROBOT_CAM";
-  const int frames = argc > 3 ? std::max(1, std::atoi(argv[3])) : 200;
-  constexpr int kWarmUp = 10;
-
-  Simulation simulation = Simulation::load(scene);
-  for (const SensorInfo& sensor : simulation.sensors()) simulation.enable(sensor.name, sensor.name == camera);
-  const Trajectory drive(scene.parent_path() / "drive.csv", simulation.parameters());
-  simulation.step();
-  BareLoop bare;
-  std::vector<Took> simvis_took, bare_took;
-  for (int frame = 0; frame < kWarmUp + frames; ++frame) {
-    drive.apply(static_cast<double>(simulation.next_frame().time_ns) / 1e9, simulation.parameters());
-    const Took whole = bench::time_work([&] { simulation.step(); });
-    const Took alone = bench::time_work([&] { bare.frame(simulation.counters().bytes_read_back); });
-    if (frame < kWarmUp) continue;
-    simvis_took.push_back(whole);
-    bare_took.push_back(alone);
-  }
-  std::printf("loop,median_ms,caller_cpu_ms,ratio_to_bare,draws,triangles,bytes_read_back\n");
-  print("simvis", bench::median(simvis_took), bench::median(bare_took), simulation.counters());
-  print("bare", bench::median(bare_took), bench::median(bare_took), simulation.counters());
+  const int frames = argc > 1 ? std::max(1, std::atoi(argv[1])) : 200;
+  std::printf("scene,loop,median_ms,caller_cpu_ms,ratio_to_bare,draws,triangles,bytes_read_back\n");
+  compare_in_marvin(frames);
+  compare_in_lab(frames);
   return 0;
 }
