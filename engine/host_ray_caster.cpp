@@ -12,6 +12,7 @@ namespace {
 
 class HostRayCaster : public RayCaster {
  public:
+  explicit HostRayCaster(const std::filesystem::path& cache) : items_(cache) {}
   void set_world(const DrawList& list) override {
     list_ = &list;
     current_ = false;
@@ -77,6 +78,8 @@ RayCounters HostRayCaster::counters() const {
 
 }  // namespace
 
-std::unique_ptr<RayCaster> make_host_ray_caster() { return std::make_unique<HostRayCaster>(); }
+std::unique_ptr<RayCaster> make_host_ray_caster(const std::filesystem::path& cache) {
+  return std::make_unique<HostRayCaster>(cache);
+}
 
 }  // namespace simvis

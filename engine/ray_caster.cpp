@@ -1,11 +1,11 @@
 #include "engine/ray_caster.h"
 
-#include "engine/device.h"
+#include "engine/device_impl.h"
 
 namespace simvis {
 
 std::unique_ptr<RayCaster> make_ray_caster(Device& device) {
-  if (device.is_cpu()) return make_host_ray_caster();
+  if (device.is_cpu()) return make_host_ray_caster(device.impl().cache_folder);
   return make_device_ray_caster(device);
 }
 

@@ -27,6 +27,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <glm/glm.hpp>
 #include <limits>
 #include <memory>
@@ -111,8 +112,8 @@ class RayCaster {
   virtual std::string_view engine() const = 0;
 };
 
-/// On the host's cores.
-std::unique_ptr<RayCaster> make_host_ray_caster();
+/// On the host's cores. `cache`: a folder where trees of large meshes are kept between runs; empty: nowhere.
+std::unique_ptr<RayCaster> make_host_ray_caster(const std::filesystem::path& cache = {});
 
 /// A compute shader on the device, which must outlive it; several share a device only from one thread, and with its
 /// renderers. Nothing is made before the first cast. Same hits as by the host, to the bit.

@@ -58,6 +58,8 @@ bool RayItems::take_structure(const DrawList& list) {
   if (made_ && list.changes.same_structure(version_)) return false;
   if (made_ && list.items == list_items_ && list.meshes == list_meshes_) return false;
   made_ = false;  // until all is there: making a mesh's tree may throw
+  // What comes later may be made anew for each frame, as moving meshes are: of that, nothing is kept on disk.
+  const std::filesystem::path cache = meshes_.empty() ? cache_ : "";
   items_.clear();
   std::unordered_set<const Mesh*> wanted;
   std::vector<std::uint32_t> transforms;
@@ -67,7 +69,7 @@ bool RayItems::take_structure(const DrawList& list) {
     wanted.insert(mesh.get());
     std::unique_ptr<RayMesh>& made = meshes_[mesh.get()];
     if (made == nullptr) {
-      made = std::make_unique<RayMesh>(mesh);
+      made = std::make_unique<RayMesh>(mesh, cache);
       ++counters.meshes_built;
       counters.triangles_built += made->triangles();
     }

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <glm/glm.hpp>
 #include <limits>
 #include <memory>
 #include <span>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "engine/draw_list.h"
@@ -44,6 +46,9 @@ class RayItems {
  public:
   static constexpr double kReach_m = 1000;
 
+  /// `cache`: a folder where trees of large meshes are kept; empty: nowhere.
+  explicit RayItems(std::filesystem::path cache) : cache_(std::move(cache)) {}
+
   /// Brings everything up to date with the list, for a sensor at this place.
   void update(const DrawList& list, const glm::dvec3& world_sensor);
 
@@ -68,6 +73,7 @@ class RayItems {
   void place(const DrawList& list, bool everything);
   void place(std::uint32_t placed, const glm::dmat4& world_from_mesh);
 
+  std::filesystem::path cache_;
   std::unordered_map<const Mesh*, std::unique_ptr<RayMesh>> meshes_;
   std::vector<DrawItem> list_items_;
   std::vector<std::shared_ptr<const Mesh>> list_meshes_;

@@ -2,9 +2,12 @@
 
 #include <utility>
 
+#include "engine/tree_cache.h"
+
 namespace simvis {
 
-RayMesh::RayMesh(std::shared_ptr<const Mesh> mesh) : mesh_(std::move(mesh)) {
+RayMesh::RayMesh(std::shared_ptr<const Mesh> mesh, std::filesystem::path cache)
+    : mesh_(std::move(mesh)), cache_(std::move(cache)) {
   const glm::dvec3 low(mesh_->bounds_min), high(mesh_->bounds_max);
   centre_ = 0.5 * (low + high);
   radius_ = 0.5 * glm::length(high - low);
@@ -14,7 +17,7 @@ RayMesh::RayMesh(std::shared_ptr<const Mesh> mesh) : mesh_(std::move(mesh)) {
 void RayMesh::make_tree() const {
   const std::lock_guard lock(making_);
   if (made_.load(std::memory_order_relaxed)) return;
-  tree_ = WideBvh(boxes(), leaves_);
+  tree_ = make_tree_cached(*mesh_, boxes(), leaves_, cache_);
   made_.store(true, std::memory_order_release);
 }
 

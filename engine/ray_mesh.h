@@ -3,6 +3,7 @@
 
 #include <array>
 #include <atomic>
+#include <filesystem>
 #include <memory>
 #include <mutex>
 #include <vector>
@@ -15,7 +16,8 @@ namespace simvis {
 /// A mesh of triangles and its unit frame, in which it lies in the unit ball: (p - centre) / radius.
 class RayMesh {
  public:
-  explicit RayMesh(std::shared_ptr<const Mesh> mesh);
+  /// `cache`: a folder where the tree of a large mesh is kept; empty: nowhere.
+  RayMesh(std::shared_ptr<const Mesh> mesh, std::filesystem::path cache);
 
   const std::shared_ptr<const Mesh>& mesh() const { return mesh_; }
   std::uint32_t triangles() const { return static_cast<std::uint32_t>(mesh_->indices.size() / 3); }
@@ -44,6 +46,7 @@ class RayMesh {
   void make_tree() const;
 
   std::shared_ptr<const Mesh> mesh_;
+  std::filesystem::path cache_;
   glm::dvec3 centre_, half_size_;
   double radius_;
   mutable std::mutex making_;

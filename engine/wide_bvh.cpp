@@ -4,28 +4,27 @@
 
 namespace simvis {
 
-namespace {
-
-void set_box(WideNode& node, std::uint32_t lane, const glm::vec3& low, const glm::vec3& high) {
+void WideNode::set_box(std::uint32_t lane, const Box& box) {
   for (int axis = 0; axis < 3; ++axis) {
-    node.low[axis][lane] = low[axis];
-    node.high[axis][lane] = high[axis];
+    low[axis][lane] = box.low[axis];
+    high[axis][lane] = box.high[axis];
   }
 }
 
-Box box_of(const WideNode& node, std::uint32_t lane) {
-  return {{node.low[0][lane], node.low[1][lane], node.low[2][lane]},
-          {node.high[0][lane], node.high[1][lane], node.high[2][lane]}};
+Box WideNode::box(std::uint32_t lane) const {
+  return {{low[0][lane], low[1][lane], low[2][lane]}, {high[0][lane], high[1][lane], high[2][lane]}};
 }
 
-Box box_around(const WideNode& node) {
-  Box box = box_of(node, 0);
-  for (std::uint32_t lane = 1; lane < node.children; ++lane) {
-    const Box other = box_of(node, lane);
-    box = {glm::min(box.low, other.low), glm::max(box.high, other.high)};
+Box WideNode::box_around() const {
+  Box all = box(0);
+  for (std::uint32_t lane = 1; lane < children; ++lane) {
+    const Box other = box(lane);
+    all = {glm::min(all.low, other.low), glm::max(all.high, other.high)};
   }
-  return box;
+  return all;
 }
+
+namespace {
 
 double half_area(const glm::vec3& low, const glm::vec3& high) {
   const glm::dvec3 size = glm::dvec3(high) - glm::dvec3(low);
@@ -65,7 +64,7 @@ std::uint32_t add_node(std::vector<WideNode>& nodes, const Bvh& bvh, std::uint32
   node.place = place;
   for (std::uint32_t lane = 0; lane < WideNode::kMost; ++lane) {
     const BvhNode& child = bvh.nodes[children[std::min(lane, node.children - 1)]];
-    set_box(node, lane, child.low, child.high);
+    node.set_box(lane, {child.low, child.high});
   }
   nodes.push_back(node);
   for (std::uint32_t lane = 0; lane < children.size(); ++lane) {
@@ -110,10 +109,10 @@ void WideBvh::move(std::uint32_t thing, const Box& box) {
   Box moved = box;
   while (true) {
     WideNode& node = nodes_[at.node];
-    if (box_of(node, at.lane) == moved) return;
-    set_box(node, at.lane, moved.low, moved.high);
+    if (node.box(at.lane) == moved) return;
+    node.set_box(at.lane, moved);
     if (at.node == 0) return;
-    moved = box_around(node);
+    moved = node.box_around();
     at = {node.parent, node.place};
   }
 }
@@ -123,11 +122,11 @@ double WideBvh::expected_visits() const {
   double sum = 0;
   for (const WideNode& node : nodes_) {
     for (std::uint32_t lane = 0; lane < node.children; ++lane) {
-      const Box box = box_of(node, lane);
+      const Box box = node.box(lane);
       sum += half_area(box.low, box.high);
     }
   }
-  const Box all = box_around(nodes_[0]);
+  const Box all = nodes_[0].box_around();
   const double root = half_area(all.low, all.high);
   return root > 0 ? sum / root : 0;
 }

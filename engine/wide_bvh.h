@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "engine/bvh.h"
@@ -20,6 +21,10 @@ struct WideNode {
   std::uint8_t things[kMost] = {};  ///< of a leaf; 0: a node
   std::uint32_t children = 0;
   std::uint32_t parent = 0, place = 0;  ///< where this stands: lane `place` of `parent`. Of the root itself, lane 0
+
+  void set_box(std::uint32_t lane, const Box& box);
+  Box box(std::uint32_t lane) const;
+  Box box_around() const;  ///< all children
 };
 
 /// Empty where there is nothing; else nodes[0] is the root.
@@ -35,6 +40,9 @@ class WideBvh {
 
   /// The same with up to four things in a leaf; leaf i's are leaves[i].
   WideBvh(std::span<const Box> boxes, std::vector<Leaf>& leaves);
+
+  /// Of such nodes, of which nothing can be moved.
+  explicit WideBvh(std::vector<WideNode> nodes) : nodes_(std::move(nodes)) {}
 
   const std::vector<WideNode>& nodes() const { return nodes_; }
 

@@ -3,10 +3,10 @@
 
 #include <doctest/doctest.h>
 
-#include <algorithm>
-#include <functional>
 #include <random>
 #include <vector>
+
+#include "tests/tree_check.h"
 
 using namespace simvis;
 
@@ -22,52 +22,6 @@ std::vector<Box> scattered_boxes(std::mt19937& random, std::size_t count) {
   return boxes;
 }
 
-Box box_of(const WideNode& node, std::uint32_t lane) {
-  return {{node.low[0][lane], node.low[1][lane], node.low[2][lane]},
-          {node.high[0][lane], node.high[1][lane], node.high[2][lane]}};
-}
-
-Box around(const Box& a, const Box& b) { return {glm::min(a.low, b.low), glm::max(a.high, b.high)}; }
-
-/// `things_of` says what a leaf of a number holds. Every thing is in one leaf; each child's box is the smallest around
-/// the things below.
-void check_tree(const WideBvh& tree, const std::vector<Box>& boxes,
-                const std::function<std::vector<std::uint32_t>(std::uint32_t leaf)>& things_of) {
-  std::vector<int> seen(boxes.size());
-  std::size_t nodes = 0;
-  const std::function<Box(std::uint32_t)> visit = [&](std::uint32_t index) {
-    const WideNode& node = tree.nodes()[index];
-    ++nodes;
-    REQUIRE(node.children >= 1);
-    REQUIRE(node.children <= WideNode::kMost);
-    Box all = box_of(node, 0);
-    for (std::uint32_t lane = 0; lane < node.children; ++lane) {
-      Box below;
-      if (node.things[lane] == 0) {
-        REQUIRE(node.child[lane] > index);
-        REQUIRE(tree.nodes()[node.child[lane]].parent == index);
-        REQUIRE(tree.nodes()[node.child[lane]].place == lane);
-        below = visit(node.child[lane]);
-      } else {
-        const std::vector<std::uint32_t> things = things_of(node.child[lane]);
-        REQUIRE(things.size() >= node.things[lane]);
-        below = boxes[things[0]];
-        for (std::uint32_t k = 0; k < node.things[lane]; ++k) {
-          ++seen[things[k]];
-          below = around(below, boxes[things[k]]);
-        }
-        for (std::size_t k = node.things[lane]; k < things.size(); ++k) REQUIRE(things[k] == things[k - 1]);
-      }
-      REQUIRE(below == box_of(node, lane));
-      all = around(all, below);
-    }
-    return all;
-  };
-  visit(0);
-  CHECK(nodes == tree.nodes().size());
-  CHECK(std::ranges::all_of(seen, [](int times) { return times == 1; }));
-}
-
 std::vector<std::uint32_t> itself(std::uint32_t leaf) { return {leaf}; }
 
 }  // namespace
@@ -79,9 +33,7 @@ TEST_CASE("leaves of up to four things hold each thing once, in the smallest box
     const std::vector<Box> boxes = scattered_boxes(random, count);
     std::vector<WideBvh::Leaf> leaves;
     const WideBvh tree(boxes, leaves);
-    check_tree(tree, boxes, [&](std::uint32_t leaf) {
-      return std::vector<std::uint32_t>(leaves.at(leaf).begin(), leaves.at(leaf).end());
-    });
+    check_tree(tree, boxes, leaves);
     // A leaf costs as much as one thing, so there is no reason for many that hold less than half.
     CHECK(leaves.size() <= count / 2 + 1);
   }
