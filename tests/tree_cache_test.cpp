@@ -33,6 +33,12 @@ std::string with_words(const std::string& good, const std::vector<std::uint32_t>
   return bytes;
 }
 
+std::vector<std::uint32_t> words_of(const std::string& file) {
+  std::vector<std::uint32_t> words((file.size() - kHeaderBytes) / sizeof(std::uint32_t));
+  std::memcpy(words.data(), file.data() + kHeaderBytes, words.size() * sizeof words[0]);
+  return words;
+}
+
 bool same(const WideBvh& a, const WideBvh& b) {
   return std::ranges::equal(a.nodes(), b.nodes(), [](const WideNode& x, const WideNode& y) {
     bool equal = x.children == y.children && x.parent == y.parent && x.place == y.place;
@@ -108,8 +114,7 @@ TEST_CASE("whatever words a file holds, the tree is right") {
   CHECK(kept.had_as_made());
   const fs::path file = kept.folder / kept.file();
   const std::string good = read_text(file);
-  std::vector<std::uint32_t> words((good.size() - kHeaderBytes) / sizeof(std::uint32_t));
-  std::memcpy(words.data(), good.data() + kHeaderBytes, good.size() - kHeaderBytes);
+  const std::vector<std::uint32_t> words = words_of(good);
   std::mt19937 random(4);
   const auto below = [&](std::size_t count) {
     return std::uniform_int_distribution<std::size_t>(0, count - 1)(random);
@@ -124,6 +129,35 @@ TEST_CASE("whatever words a file holds, the tree is right") {
     if (change == 3) bad.insert(bad.begin() + static_cast<std::ptrdiff_t>(at), bad[below(bad.size())]);
     write_text(file, with_words(good, bad));
     kept.had_as_made();
+  }
+}
+
+TEST_CASE("a file that agrees with itself but holds something twice, or not at all, is not taken") {
+  const Kept kept;
+  CHECK(kept.had_as_made());
+  const fs::path file = kept.folder / kept.file();
+  const std::string good = read_text(file);
+  const std::vector<std::uint32_t> words = words_of(good);
+  // The first node with room for another child, and its first leaf.
+  std::size_t node = 2;
+  while (words[node] == WideNode::kMost) node += 1 + words[node];
+  std::size_t leaf = node + 1;
+  while (words[leaf] >> 29 == 0) ++leaf;
+  REQUIRE(leaf <= node + words[node]);
+  const auto with_child = [&](std::uint32_t word) {
+    std::vector<std::uint32_t> bad = words;
+    ++bad[node];
+    bad.insert(bad.begin() + static_cast<std::ptrdiff_t>(node) + 1, word);
+    return bad;
+  };
+  std::vector<std::uint32_t> less = words;
+  less[leaf] = (words[leaf] & ((1u << 29) - 1)) | 1u << 29;
+  std::uint32_t* const things = &less[words.size() - 4 * words[1] + 4 * (less[leaf] & ((1u << 29) - 1))];
+  std::fill(things + 1, things + 4, things[0]);
+  REQUIRE(words[leaf] >> 29 > 1);
+  for (const std::vector<std::uint32_t>& bad : {with_child(words[leaf]), with_child(0), less}) {
+    write_text(file, with_words(good, bad));
+    CHECK(kept.had_as_made());
   }
 }
 
