@@ -154,7 +154,7 @@ TEST_CASE("a file that agrees with itself but holds something twice, or not at a
   less[leaf] = (words[leaf] & ((1u << 29) - 1)) | 1u << 29;
   std::uint32_t* const things = &less[words.size() - 4 * words[1] + 4 * (less[leaf] & ((1u << 29) - 1))];
   std::fill(things + 1, things + 4, things[0]);
-  REQUIRE(words[leaf] >> 29 > 1);
+  REQUIRE((words[leaf] >> 29) > 1);
   for (const std::vector<std::uint32_t>& bad : {with_child(words[leaf]), with_child(0), less}) {
     write_text(file, with_words(good, bad));
     CHECK(kept.had_as_made());
