@@ -120,10 +120,15 @@ void FrameBuffers::write_indices(std::span<const std::uint32_t> indices, Uploads
   uploads.write(indices_, 0, std::as_bytes(indices));
 }
 
-void FrameBuffers::write_picked(std::span<const shader::PickedVertex> vertices, Uploads& uploads) {
-  if (vertices.empty()) return;
-  reserve(picked_, "picked vertices", VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, vertices.size_bytes());
-  uploads.write(picked_, 0, std::as_bytes(vertices));
+void FrameBuffers::write_picked(std::span<const std::span<const shader::PickedVertex>> vertices, Uploads& uploads) {
+  VkDeviceSize size = 0, written = 0;
+  for (const std::span<const shader::PickedVertex> each : vertices) size += each.size_bytes();
+  if (size == 0) return;
+  reserve(picked_, "picked vertices", VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, size);
+  for (const std::span<const shader::PickedVertex> each : vertices) {
+    uploads.write(picked_, written, std::as_bytes(each));
+    written += each.size_bytes();
+  }
 }
 
 void FrameBuffers::write_lights(std::span<const shader::LightBlock> lights, Uploads& uploads) {

@@ -25,7 +25,8 @@ class FrameBuffers {
   void write_map_places(const DrawList& list, std::span<const std::uint8_t> shown, Uploads& uploads);
   void write_instances(std::span<const shader::Instance> instances, Uploads& uploads);
   void write_indices(std::span<const std::uint32_t> indices, Uploads& uploads);
-  void write_picked(std::span<const shader::PickedVertex> vertices, Uploads& uploads);
+  /// Those of each span behind those of the one before.
+  void write_picked(std::span<const std::span<const shader::PickedVertex>> vertices, Uploads& uploads);
   /// For frames that show colour, also without lights: their shaders name the buffer.
   void write_lights(std::span<const shader::LightBlock> lights, Uploads& uploads);
 

@@ -20,6 +20,7 @@ void FrameDraws::clear() {
   lights_.clear();
   indices_.clear();
   picked_.clear();
+  picked_count_ = 0;
   shadowed_ = 0;
 }
 
@@ -40,9 +41,9 @@ void FrameDraws::update(const FramePlan& plan, const DrawList& list, const DrawT
   }
   // What it took in the frame before is what it will take.
   threads_.share(tasks.size(), looks_ >= kWorthThreads ? 1 : tasks.size(),
-                 [&](std::size_t, std::size_t first, std::size_t count) {
+                 [&](std::size_t thread, std::size_t first, std::size_t count) {
                    for (const Task& task : std::span(tasks).subspan(first, count)) {
-                     task.drawing.update(task.view, task.pass, task.columns, list, table);
+                     task.drawing.update(task.view, task.pass, task.columns, list, table, strips_[thread]);
                    }
                  });
   looks_ = 0;
@@ -61,7 +62,7 @@ void FrameDraws::append(const ViewDrawing& drawing, bool shadowed) {
   }
   for (DrawRun run : drawing.runs()) {
     if (run.key.picked) {
-      run.range.first_index += static_cast<std::uint32_t>(picked_.size());
+      run.range.first_index += static_cast<std::uint32_t>(picked_count_);
     } else {
       run.first_instance += static_cast<std::uint32_t>(instances_.size());
       if (run.own_indices) run.range.first_index += static_cast<std::uint32_t>(indices_.size());
@@ -79,7 +80,8 @@ void FrameDraws::append(const ViewDrawing& drawing, bool shadowed) {
   append_to(instances_, drawing.instances());
   append_to(lights_, drawing.lights());
   append_to(indices_, drawing.indices());
-  append_to(picked_, drawing.picked());
+  picked_.push_back(drawing.picked());
+  picked_count_ += drawing.picked().size();
 }
 
 }  // namespace simvis

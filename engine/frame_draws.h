@@ -27,7 +27,8 @@ class FrameDraws {
   std::span<const shader::Instance> instances() const { return instances_; }
   std::span<const shader::LightBlock> lights() const { return lights_; }
   std::span<const std::uint32_t> indices() const { return indices_; }
-  std::span<const shader::PickedVertex> picked() const { return picked_; }
+  /// Of each view, one after the other.
+  std::span<const std::span<const shader::PickedVertex>> picked() const { return picked_; }
 
  private:
   void append(const ViewDrawing& drawing, bool shadowed);
@@ -38,11 +39,13 @@ class FrameDraws {
   std::vector<shader::Instance> instances_;
   std::vector<shader::LightBlock> lights_;
   std::vector<std::uint32_t> indices_;
-  std::vector<shader::PickedVertex> picked_;
+  std::vector<std::span<const shader::PickedVertex>> picked_;  // in drawings_: too much to be copied
+  std::size_t picked_count_ = 0;
   std::size_t shadowed_ = 0;
   std::uint64_t looks_ = 0;           // of the frame before, see ViewCounts
   std::deque<ViewDrawing> drawings_;  // of each view, and of those that earlier frames had more
   KnownStripColumns columns_;
+  std::vector<StripSight> strips_ = std::vector<StripSight>(WorkerThreads::count());  // of each thread
   WorkerThreads threads_;
 };
 

@@ -50,7 +50,7 @@ bool is_strip(const View& view) { return view.culled && guard_rows(view) > 0; }
 bool picks_opaque(const View& view) { return is_strip(view) && view.sees_back_faces; }
 
 void ViewDrawing::update(const View& view, const Pass& pass, const StripColumns* columns, const DrawList& list,
-                         const DrawTable& table) {
+                         const DrawTable& table, StripSight& strip) {
   const ViewProjection projection = make_projection(view);
   draws_ = {};
   runs_.clear();
@@ -64,7 +64,8 @@ void ViewDrawing::update(const View& view, const Pass& pass, const StripColumns*
       glm::vec4(glm::dvec4(projection.scale_x, projection.shift_x, projection.scale_y, projection.shift_y));
   draws_.block.ambient = glm::vec4(list.environment.ambient, static_cast<float>(view.near_m));
   draws_.block.airlight = glm::vec4(list.medium.airlight, static_cast<float>(list.medium.extinction_per_m));
-  if (columns != nullptr) strip_.begin(view, *columns);
+  strip_ = columns != nullptr ? &strip : nullptr;
+  if (strip_) strip_->begin(view, *columns);
   if (pass.color && table.any_lit()) add_lights(view, projection, list, table);
   if (view.culled) draws_.counts.boxes_examined += table.find_seen(projection, seen_items_);
   add_items(pass.color ? table.solid() : table.depth(), view, projection, list, table);
@@ -104,7 +105,7 @@ void ViewDrawing::take_seen(const DrawOrder& items, const View& view) {
 void ViewDrawing::add_items(const DrawOrder& items, const View& view, const ViewProjection& projection,
                             const DrawList& list, const DrawTable& table) {
   const std::size_t first_run = runs_.size();
-  const bool strip = is_strip(view);
+  const bool strip = strip_ != nullptr;
   take_seen(items, view);
   for (const std::uint32_t position : positions_) {
     const Drawable& d = items[position];
@@ -196,19 +197,19 @@ void ViewDrawing::add_to_strip(const Drawable& d, std::uint32_t number, const Vi
                                const DrawList& list, const WorldBox& box) {
   const glm::dmat4& world_from_mesh = list.world_from_node[d.transform];
   const MeshPlanes planes = make_mesh_planes(projection, world_from_mesh, box);
-  strip_.place(number, projection.view_from_world * world_from_mesh, planes.slack);
+  strip_->place(number, projection.view_from_world * world_from_mesh, planes.slack);
   draws_.counts.boxes_examined += d.range.clusters.size();
   for (const Cluster& cluster : d.range.clusters) {
     if (outside(planes, cluster.center, cluster.half_size)) continue;
     draws_.counts.triangles_examined += cluster.index_count / 3;
-    strip_.add(d.range.clustering->vertices_of(cluster), d.range.clustering->corners_of(cluster), d.range.positions);
+    strip_->add(d.range.clustering->vertices_of(cluster), d.range.clustering->corners_of(cluster), d.range.positions);
   }
 }
 
 // One draw for all that was added.
 void ViewDrawing::draw_strip(const DrawOrder& items, const View& view, const ViewProjection& projection,
                              const DrawList& list) {
-  const std::span<const StripTriangle> seen = strip_.seen();
+  const std::span<const StripTriangle> seen = strip_->seen();
   if (seen.empty()) return;
   const auto first = static_cast<std::uint32_t>(picked_.size());
   shader::PickedVertex vertex{};

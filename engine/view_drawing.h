@@ -52,10 +52,10 @@ class ViewDrawing {
   /// `snap_px` as in PassResult.
   explicit ViewDrawing(double snap_px) : snap_px_(snap_px) {}
 
-  /// Works out one view, in the place of the one before. `columns` are those of the view if it is a strip, else null.
-  /// Several may do so side by side, of one list and table.
+  /// Works out one view, in the place of the one before. `columns` are those of the view if it is a strip, else null;
+  /// then `strip` is used. Several may do so side by side, of one list and table.
   void update(const View& view, const Pass& pass, const StripColumns* columns, const DrawList& list,
-              const DrawTable& table);
+              const DrawTable& table, StripSight& strip);
 
   const ViewDraws& draws() const { return draws_; }
   std::span<const DrawRun> runs() const { return runs_; }
@@ -91,7 +91,7 @@ class ViewDrawing {
   std::vector<std::uint32_t> indices_;
   std::vector<shader::PickedVertex> picked_;
   std::uint64_t items_culled_ = 0;
-  StripSight strip_;
+  StripSight* strip_ = nullptr;            // in update(), if the view is a strip
   std::vector<std::uint32_t> seen_items_;  // if the view is culled
   std::vector<std::uint32_t> positions_;   // of what it draws, in their order
   std::vector<MeshRange> seen_;
