@@ -73,14 +73,14 @@ std::vector<ClusterFacing> facing_of(const Mesh& mesh, const Clustering& cluster
 // How thin is too thin. Rounding moves a corner by up to s pixels along each axis. A triangle with the sides p and q
 // has the area 2 A = p x q in the picture; moved, it differs by at most 2 s (|p|1 + |q|1) + 8 s^2 <= 4 s E + 8 s^2,
 // where E is no less than any side's |.|1. As 2 A <= E^2, nothing turns over where 2 A > 6 s E.
-//   In space, with fx and fy the focal lengths and z the depths: 2 A >= fx fy (2 A0) D / zmax^3, where A0 is the area
-//   and
+//
+// In space, with fx and fy the focal lengths and z the depths: 2 A >= fx fy (2 A0) D / zmax^3, where A0 is the area and
 // D how far the eye lies behind the plane; and max(fx, fy) L W / zmin will do as E, where L is the longest side and
 // W^2 = 2 + (tx + ty)^2, tx and ty the tangents of the view's widest angles. 2 A0 / L is the triangle's height h, so
 //   min(fx, fy) h D zmin / (zmax^3 W) > 6 s
 // is enough. In whatever unit of length: here the mesh's.
-//   s is the grid's, and what float32 moves a vertex by in space, seen from zmin: no more than max(fx, fy) W / zmin
-//   times
+//
+// s is the grid's, and what float32 moves a vertex by in space, seen from zmin: at most max(fx, fy) W / zmin times
 // that. The grid moves by half a step; the other half is for the rounding of the viewport, some 2^-23 of its width.
 MeshEye::MeshEye(const View& view, const MeshPlanes& planes, const glm::dmat4& view_from_mesh, double snap_px)
     : planes_(planes) {

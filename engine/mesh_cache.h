@@ -20,7 +20,8 @@ inline constexpr std::size_t kLeastCachedTriangles = 1u << 13;
 /// cut off or damaged, or that is of another version, reads as nothing; a folder that cannot be written is no error.
 class MeshCacheFile {
  public:
-  /// `kind` is what it holds. `version`, a printable character, counts how that is written and made of a mesh.
+  /// `folder` is not empty. `kind` is what it holds. `version`, a printable character, counts how that is written and
+  /// made of a mesh.
   MeshCacheFile(const std::filesystem::path& folder, std::string_view kind, char version, const Mesh& mesh);
 
   /// What was written for such a mesh; else empty.

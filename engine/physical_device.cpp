@@ -128,6 +128,18 @@ std::vector<std::size_t> matches(const std::vector<DeviceInfo>& devices, const s
   return found;
 }
 
+// Of a device of Vulkan 1.1 or newer.
+template <typename Properties>
+Properties properties_of(VkPhysicalDevice device, VkStructureType type) {
+  Properties found{};
+  found.sType = type;
+  VkPhysicalDeviceProperties2 properties{};
+  properties.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2;
+  properties.pNext = &found;
+  vkGetPhysicalDeviceProperties2(device, &properties);
+  return found;
+}
+
 // How many draws one command may hold.
 std::uint32_t most_draws(VkPhysicalDevice device) {
   std::uint32_t count = 0;
@@ -145,13 +157,9 @@ std::uint32_t most_draws(VkPhysicalDevice device) {
   features.pNext = &multi_draw;
   vkGetPhysicalDeviceFeatures2(device, &features);
   if (multi_draw.multiDraw == VK_FALSE) return 1;
-  VkPhysicalDeviceMultiDrawPropertiesEXT limits{};
-  limits.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MULTI_DRAW_PROPERTIES_EXT;
-  VkPhysicalDeviceProperties2 properties{};
-  properties.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2;
-  properties.pNext = &limits;
-  vkGetPhysicalDeviceProperties2(device, &properties);
-  return limits.maxMultiDrawCount;
+  return properties_of<VkPhysicalDeviceMultiDrawPropertiesEXT>(
+             device, VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MULTI_DRAW_PROPERTIES_EXT)
+      .maxMultiDrawCount;
 }
 
 }  // namespace
@@ -173,12 +181,8 @@ PhysicalDevice examine(VkPhysicalDevice handle) {
   device.snap_px = std::ldexp(1.0, -static_cast<int>(device.properties.limits.subPixelPrecisionBits));
   device.depth_snap_px = device.snap_px;
   if (device.properties.apiVersion >= VK_API_VERSION_1_2) {
-    VkPhysicalDeviceDriverProperties driver{};
-    driver.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES;
-    VkPhysicalDeviceProperties2 properties{};
-    properties.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2;
-    properties.pNext = &driver;
-    vkGetPhysicalDeviceProperties2(handle, &properties);
+    const auto driver =
+        properties_of<VkPhysicalDeviceDriverProperties>(handle, VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES);
     device.info.driver = std::string(driver.driverName) + " " + driver.driverInfo;
     device.most_draws = most_draws(handle);
     // It finds pixels from snapped vertices, planes from the vertices as they came (Mesa, lp_state_setup.c).

@@ -54,7 +54,8 @@ def draw_frames(axes, rows, column, title, label):
     for method, color in COLORS.items():
         plot(axes, of(rows, "frames", method), column, method, color=color)
     axes.set(xscale="log", xlabel="frames", ylabel=label)
-    axes.set_ylim(bottom=0)
+    if axes.lines:
+        axes.set_ylim(0, 1.25 * axes.dataLim.y1)  # room for the legend
     axes.set_title(title, loc="left")
 
 
