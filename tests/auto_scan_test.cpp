@@ -20,6 +20,7 @@
 #include "tests/random_room.h"
 #include "tests/run_process.h"
 #include "tests/scan_truth.h"
+#include "tests/tested_build.h"
 #include "tests/wall_scene.h"
 
 using namespace simvis;
@@ -32,11 +33,7 @@ const fs::path kMarvin = fs::path(SIMVIS_SOURCE_DIR) / "scenes/marvin/marvin.xml
 constexpr const char* kScanners[] = {"FRONT_SCANNER", "REAR_SCANNER", "TILT_SCANNER"};
 
 // Sanitizers make the reference some twenty times slower.
-#ifdef __SANITIZE_ADDRESS__
-constexpr std::uint32_t kFewer = 8;
-#else
-constexpr std::uint32_t kFewer = 1;
-#endif
+const std::uint32_t kFewer = sanitized() ? 8 : 1;
 
 /// Costs where rendering, or casting, is almost for nothing.
 WorkTable made_up_costs(bool cheap_to_render) {

@@ -73,7 +73,7 @@ TEST_CASE("rays over a footprint: equal shares, within the cone, symmetric; one 
 // f's integral over r^2 by the midpoint rule in steps of 2 / N (of 1 / N about the axis, where N is odd). f is monotone
 // and at most 1: so that is off by at most 1 / N. What single turns are off averages out.
 TEST_CASE("the footprint at an edge: shares of the closed form, better than as many rays at random") {
-  constexpr std::size_t kBeams = 1000 / kFewer;
+  const std::size_t kBeams = 1000 / kFewer;
   // A root of a mean square is off by 1 / sqrt(kBeams) of itself, or less, where the kurtosis is below 5: as for one
   // ray in seven at the far edge.
   const double chance = 1 + kSigmas / std::sqrt(kBeams);
@@ -103,7 +103,7 @@ TEST_CASE("the footprint at an edge: shares of the closed form, better than as m
 }
 
 TEST_CASE("mixed ranges: power-weighted where a pulse spans both walls, one of the two where it does not") {
-  constexpr std::size_t kBeams = 2000 / kFewer;
+  const std::size_t kBeams = 2000 / kFewer;
   constexpr std::uint32_t kSamples = 256;
   const double longer = std::sqrt(1 + kSpread * kSpread);  // the way of a ray at the rim
   for (const double c : {-0.5, 0.0, 0.7}) {

@@ -11,6 +11,7 @@
 #include "engine/ray_caster.h"
 #include "tests/picture_files.h"
 #include "tests/run_process.h"
+#include "tests/tested_build.h"
 #include "tests/wall_scene.h"
 
 namespace simvis {
@@ -19,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 using Strings = std::vector<std::string>;
 
-const std::string kProgram = SIMVIS_BINARY_DIR "/bin/simvis-run";
+const std::string kProgram = tested_build() + "/bin/simvis-run";
 
 // The wall stands square to the camera and the scanner, 4 m and 3 m away.
 constexpr std::string_view kSensors = R"(

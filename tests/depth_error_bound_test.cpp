@@ -19,6 +19,7 @@
 #include "tests/error_of.h"
 #include "tests/random_room.h"
 #include "tests/reference_raycast.h"
+#include "tests/tested_build.h"
 #include "tests/wall_scene.h"
 
 using namespace simvis;
@@ -26,11 +27,7 @@ using namespace simvis;
 namespace {
 
 // Sanitizers make the reference some twenty times slower.
-#ifdef __SANITIZE_ADDRESS__
-constexpr int kFewer = 16;
-#else
-constexpr int kFewer = 1;
-#endif
+const int kFewer = sanitized() ? 16 : 1;
 
 // A corner is moved to the rasteriser's grid of 1/256 pixel, by up to half of that in x and in y, and an edge with it;
 // as much again for the rounding of its place in the image.

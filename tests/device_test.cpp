@@ -13,6 +13,7 @@
 #include "engine/error.h"
 #include "engine/vulkan_check.h"
 #include "tests/renderer_scene.h"
+#include "tests/tested_build.h"
 
 using namespace simvis;
 namespace fs = std::filesystem;
@@ -25,7 +26,7 @@ DeviceInfo info(const std::string& name, const std::string& type, const std::str
 
 // A new, empty folder in the build tree.
 fs::path fresh_folder(const std::string& name) {
-  const fs::path folder = fs::path(SIMVIS_BINARY_DIR) / "device_test" / name;
+  const fs::path folder = fs::path(tested_build()) / "device_test" / name;
   fs::remove_all(folder);
   fs::create_directories(folder);
   return folder;

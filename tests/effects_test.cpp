@@ -16,6 +16,7 @@
 #include "sensors/sensor.h"
 #include "simvis/simulation.h"
 #include "tests/temporary_folder.h"
+#include "tests/tested_build.h"
 
 using namespace simvis;
 
@@ -29,12 +30,11 @@ struct EffectScene {
 };
 constexpr EffectScene kYard{"showcase", "-4 -0.6 0.9 0 4 0"};
 // Sanitizers make pictures some ten times slower.
-#ifdef __SANITIZE_ADDRESS__
-constexpr EffectScene kScenes[] = {kYard};
-#else
-constexpr EffectScene kScenes[] = {
-    kYard, {"arm", "-0.7 -1.4 1.6 0 26 58"}, {"marvin", "1 1 0.6 0 0 30"}, {"ravon", "0 0 1.5 0 0 0"}};
-#endif
+const std::vector<EffectScene> kScenes =
+    sanitized()
+        ? std::vector{kYard}
+        : std::vector{
+              kYard, {"arm", "-0.7 -1.4 1.6 0 26 58"}, {"marvin", "1 1 0.6 0 0 30"}, {"ravon", "0 0 1.5 0 0 0"}};
 
 /// A sensor that shows one kind of output, as small as it can be and still show every effect.
 struct Watcher {
@@ -46,11 +46,8 @@ constexpr Watcher kDepth{"camera", R"(width="48" height="36" outputs="depth")", 
 constexpr Watcher kStereo{"stereo_camera", R"(width="32" height="24" baseline="0.1")", kShownInColor};
 constexpr Watcher kRanges{"laser_scanner", R"(samples="61" min_angle="-40" max_angle="40" method="raycast")",
                           kShownInRanges};
-#ifdef __SANITIZE_ADDRESS__
-constexpr const Watcher* kWatchers[] = {&kColor, &kRanges};
-#else
-constexpr const Watcher* kWatchers[] = {&kColor, &kDepth, &kStereo, &kRanges};
-#endif
+const std::vector<const Watcher*> kWatchers =
+    sanitized() ? std::vector{&kColor, &kRanges} : std::vector{&kColor, &kDepth, &kStereo, &kRanges};
 
 std::string sensor(const Watcher& watcher, const EffectScene& scene, std::string_view name,
                    std::string_view attributes) {

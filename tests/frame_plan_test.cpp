@@ -12,6 +12,7 @@
 #include "simvis/explain.h"
 #include "simvis/simulation.h"
 #include "tests/renderer_scene.h"
+#include "tests/tested_build.h"
 #include "tests/wall_scene.h"
 
 namespace simvis {
@@ -23,7 +24,7 @@ constexpr std::uint32_t kSide_px = 64;
 constexpr std::uint64_t kPixels = std::uint64_t{kSide_px} * kSide_px;
 
 DeviceDesc instrumented_device() {
-  return {.select = "", .validation = false, .cache_dir = SIMVIS_BINARY_DIR "/test_cache", .instrumented = true};
+  return {.select = "", .validation = false, .cache_dir = tested_build() + "/test_cache", .instrumented = true};
 }
 
 Device& instrumented() {

@@ -19,6 +19,7 @@
 #include "tests/random_room.h"
 #include "tests/ray_casting.h"
 #include "tests/scan_truth.h"
+#include "tests/tested_build.h"
 
 using namespace simvis;
 
@@ -31,11 +32,7 @@ constexpr double kMaxTightness = 20;  // and of the median bound over the median
 constexpr double kHalfUlp = 0x1p-24;  // of a float32, relative
 
 // Sanitizers make the reference some twenty times slower.
-#ifdef __SANITIZE_ADDRESS__
-constexpr int kFewer = 8;
-#else
-constexpr int kFewer = 1;
-#endif
+const int kFewer = sanitized() ? 8 : 1;
 
 const std::filesystem::path kMarvin = std::filesystem::path(SIMVIS_SOURCE_DIR) / "scenes/marvin/marvin.xml";
 constexpr const char* kScanners[] = {"FRONT_SCANNER", "REAR_SCANNER", "TILT_SCANNER"};

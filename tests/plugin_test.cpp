@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "tests/run_process.h"
+#include "tests/tested_build.h"
 
 namespace simvis {
 namespace {
@@ -13,7 +14,8 @@ namespace {
 // vertex, four of the plane's set-up and evaluation, one of the projection, one of the depth's storage.
 constexpr double kDistanceTolerance = 8 * 0x1p-24;
 
-const std::string kProgram = SIMVIS_BINARY_DIR "/bin/simvis-run";
+const std::string kProgram = tested_build() + "/bin/simvis-run";
+const std::string kPlugin = tested_build() + "/lib/libsimvis_example_plugin.so";
 
 constexpr std::string_view kScene = R"(<scene>
   <element type="plate" name="PLATE" insert_at="ROOT" x="2.5"/>
@@ -32,11 +34,11 @@ std::vector<std::string> last_column(const std::string& csv) {
 }  // namespace
 
 TEST_CASE("--describe knows the types of a plug-in") {
-  const ProcessResult plate = Process({kProgram, "--plugin", SIMVIS_PLUGIN, "--describe", "plate"}).wait();
+  const ProcessResult plate = Process({kProgram, "--plugin", kPlugin, "--describe", "plate"}).wait();
   CHECK(plate.exit_code == 0);
   CHECK(plate.out.find("a square plate across the x axis") != std::string::npos);
   CHECK(plate.out.find("length of its edges") != std::string::npos);
-  const ProcessResult probe = Process({kProgram, "--plugin", SIMVIS_PLUGIN, "--describe", "distance_probe"}).wait();
+  const ProcessResult probe = Process({kProgram, "--plugin", kPlugin, "--describe", "distance_probe"}).wait();
   CHECK(probe.exit_code == 0);
   CHECK(probe.out.find("what is nearer is not seen") != std::string::npos);
 }
@@ -46,7 +48,7 @@ TEST_CASE("a scene is run with the types of a plug-in") {
   write_text(folder / "scene.xml", kScene);
   write_text(folder / "move.csv", "time_s,PLATE.x\n0,2.5\n1,-5\n");
   const ProcessResult run =
-      Process({kProgram, "--plugin", SIMVIS_PLUGIN, "--frames", "2", "--rate", "1", "--trajectory",
+      Process({kProgram, "--plugin", kPlugin, "--frames", "2", "--rate", "1", "--trajectory",
                (folder / "move.csv").string(), "--out", (folder / "out").string(), (folder / "scene.xml").string()})
           .wait();
   CAPTURE(run.err);
@@ -69,7 +71,7 @@ TEST_CASE("the door of the README opens") {
   </scene>)");
   write_text(folder / "move.csv", "time_s,DOOR.open\n0,0\n1,50\n2,100\n");
   const ProcessResult run =
-      Process({kProgram, "--plugin", SIMVIS_PLUGIN, "--frames", "3", "--rate", "1", "--trajectory",
+      Process({kProgram, "--plugin", kPlugin, "--frames", "3", "--rate", "1", "--trajectory",
                (folder / "move.csv").string(), "--out", (folder / "out").string(), (folder / "scene.xml").string()})
           .wait();
   CAPTURE(run.err);

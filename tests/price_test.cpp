@@ -13,6 +13,7 @@
 #include "simvis/price_report.h"
 #include "tests/error_of.h"
 #include "tests/run_process.h"
+#include "tests/tested_build.h"
 #include "tests/wall_scene.h"
 
 namespace simvis {
@@ -21,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 using Strings = std::vector<std::string>;
 
-const std::string kProgram = SIMVIS_BINARY_DIR "/bin/simvis-run";
+const std::string kProgram = tested_build() + "/bin/simvis-run";
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // The wall ends 68 degrees to either side, so there are hits, misses, and beams that a raster method cannot tell.

@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "simvis/simulation.h"
+#include "tests/tested_build.h"
 #include "tests/wall_scene.h"
 
 namespace simvis {
@@ -118,7 +119,7 @@ TEST_CASE("the spans of a run nest on each track, and the device works while its
   const TemporaryFolder folder;
   write_text(folder / "wall.gltf", wall_gltf());
   SimulationDesc desc;
-  desc.device.cache_dir = SIMVIS_BINARY_DIR "/test_cache";
+  desc.device.cache_dir = tested_build() + "/test_cache";
   desc.device.instrumented = true;
   Simulation simulation = Simulation::from_string(std::string(kWallPart) + R"(
       <sensor type="camera" name="CAM" insert_at="ROOT" outputs="color depth" supersampling="4"/>

@@ -16,6 +16,7 @@
 #include "simvis/simulation.h"
 #include "tests/random_room.h"
 #include "tests/run_process.h"
+#include "tests/tested_build.h"
 #include "tests/wall_scene.h"
 
 using namespace simvis;
@@ -276,7 +277,7 @@ TEST_CASE("simvis-run writes a table, and its --seed reaches the noise") {
   const TemporaryFolder folder;
   const std::filesystem::path scene = write_wall_scene(folder.path(), kPsd);
   const auto table = [&](const std::string& out, const std::string& seed) {
-    const ProcessResult result = Process({SIMVIS_BINARY_DIR "/bin/simvis-run", "--quiet", "--frames", "2", "--out",
+    const ProcessResult result = Process({tested_build() + "/bin/simvis-run", "--quiet", "--frames", "2", "--out",
                                           (folder / out).string(), "--seed", seed, scene.string()})
                                      .wait();
     INFO(result.err);

@@ -11,17 +11,14 @@
 #include "scenegraph/flattener.h"
 #include "simvis/live_scene.h"
 #include "tests/stub_part.h"
+#include "tests/tested_build.h"
 
 namespace simvis {
 namespace {
 
-#if defined(__SANITIZE_ADDRESS__)
-constexpr int kSequences = 1000;  // the release run makes them all
-#else
-constexpr int kSequences = 10000;
-#endif
-constexpr int kSteps = 12;         // commands or changes of parameters in one sequence
-constexpr double kFarthest = 100;  // parameters are drawn within this, and within their limits
+const int kSequences = sanitized() ? 1000 : 10000;  // the release run makes them all
+constexpr int kSteps = 12;                          // commands or changes of parameters in one sequence
+constexpr double kFarthest = 100;                   // parameters are drawn within this, and within their limits
 
 class Sequence {
  public:

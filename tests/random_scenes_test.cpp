@@ -10,6 +10,7 @@
 #include "sensors/laser_scanner.h"
 #include "tests/random_room.h"
 #include "tests/reference_raycast.h"
+#include "tests/tested_build.h"
 
 using namespace simvis;
 
@@ -19,11 +20,7 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kMaxError = 1e-6;    // what the issue of record asks of every range, relative
 constexpr double kBesideEdge = 1e-6;  // rad: of beams nearer to an edge it asks nothing
 
-#ifdef __SANITIZE_ADDRESS__
-constexpr std::size_t kBeams = 20'000;
-#else
-constexpr std::size_t kBeams = 1'000'000;
-#endif
+const std::size_t kBeams = sanitized() ? 20'000 : 1'000'000;
 
 LaserScannerDesc random_scanner(std::mt19937& random, ScanMethod method) {
   std::uniform_real_distribution<double> unit(0, 1);

@@ -11,6 +11,7 @@
 #include "engine/ray_triangle.h"
 #include "tests/ray_casting.h"
 #include "tests/reference_raycast.h"
+#include "tests/tested_build.h"
 
 using namespace simvis;
 
@@ -20,11 +21,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kHalfUlp = 0x1p-24;  // of a float32, relative
 
 // Sanitizers make brute force some twenty times slower.
-#ifdef __SANITIZE_ADDRESS__
-constexpr int kFewer = 16;
-#else
-constexpr int kFewer = 1;
-#endif
+const int kFewer = sanitized() ? 16 : 1;
 
 /// What a ray meets, found by testing every triangle.
 RayHit brute_force(const DrawList& list, const glm::dmat4& world_from_sensor, const glm::dvec3& direction) {

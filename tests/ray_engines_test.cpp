@@ -12,16 +12,13 @@
 #include "shaders/interop.h"
 #include "simvis/simulation.h"
 #include "tests/ray_casting.h"
+#include "tests/tested_build.h"
 
 using namespace simvis;
 
 namespace {
 
-#ifdef __SANITIZE_ADDRESS__
-constexpr std::size_t kFewer = 16;
-#else
-constexpr std::size_t kFewer = 1;
-#endif
+const std::size_t kFewer = sanitized() ? 16 : 1;
 
 /// A masked material whose texels are there or not at random.
 std::shared_ptr<Material> leaves(std::mt19937& random) {

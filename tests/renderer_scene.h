@@ -13,6 +13,7 @@
 #include "engine/draw_list.h"
 #include "engine/frame_plan.h"
 #include "engine/renderer.h"
+#include "tests/tested_build.h"
 
 namespace simvis::test {
 
@@ -56,7 +57,7 @@ bool same_bytes(std::span<const T> a, std::span<const T> b) {
 
 /// The device of a test program, made once. Its cache lies in a folder of the build tree.
 inline Device& device() {
-  static Device instance({.select = "", .validation = false, .cache_dir = SIMVIS_BINARY_DIR "/test_cache"});
+  static Device instance({.select = "", .validation = false, .cache_dir = tested_build() + "/test_cache"});
   return instance;
 }
 

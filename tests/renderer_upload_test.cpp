@@ -4,6 +4,7 @@
 #include "engine/error.h"
 #include "shaders/interop.h"
 #include "tests/renderer_scene.h"
+#include "tests/tested_build.h"
 
 using namespace simvis;
 using namespace simvis::test;
@@ -59,7 +60,7 @@ TEST_CASE("a changed material uploads its slot and nothing else") {
 TEST_CASE("staging copies bring the same as writing straight into device memory") {
   std::vector<std::vector<glm::vec4>> seen;
   for (const bool direct : {true, false}) {
-    Device own({.select = "", .validation = false, .cache_dir = SIMVIS_BINARY_DIR "/test_cache"});
+    Device own({.select = "", .validation = false, .cache_dir = tested_build() + "/test_cache"});
     if (direct && !own.impl().direct_upload) MESSAGE("this device has no way but staging copies");
     own.impl().direct_upload = own.impl().direct_upload && direct;
     Renderer renderer(own);

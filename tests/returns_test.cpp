@@ -115,7 +115,7 @@ TEST_CASE("which return is reported, and how many there are") {
 TEST_CASE("through a fence: first the bars, last the wall, in shares of the closed form") {
   constexpr double kBars_m = 5, kWall_m = 9, kWidth_m = 0.02, kPitch_m = 0.06, kSpread = 0.02;
   constexpr std::uint32_t kSamples = 512;
-  constexpr std::size_t kBeams = 300 / kFewer;
+  const std::size_t kBeams = 300 / kFewer;
   DrawList list;
   double covered = 0;
   for (int bar = -5; bar <= 5; ++bar) {

@@ -13,6 +13,7 @@
 #include "simvis/simulation.h"
 #include "tests/random_room.h"
 #include "tests/scan_truth.h"
+#include "tests/tested_build.h"
 
 using namespace simvis;
 
@@ -24,11 +25,7 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kMedianError = 2e-7;
 
 // Sanitizers make the reference some twenty times slower, and look for other things than rare beams.
-#ifdef __SANITIZE_ADDRESS__
-constexpr int kFewer = 8;
-#else
-constexpr int kFewer = 1;
-#endif
+const int kFewer = sanitized() ? 8 : 1;
 
 std::string text(const ScanComparison& comparison) {
   std::ostringstream out;

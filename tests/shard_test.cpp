@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/run_process.h"
+#include "tests/tested_build.h"
 #include "tests/wall_scene.h"
 
 namespace simvis {
@@ -15,7 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 using Strings = std::vector<std::string>;
 
-const std::string kProgram = SIMVIS_BINARY_DIR "/bin/simvis-run";
+const std::string kProgram = tested_build() + "/bin/simvis-run";
 
 // All that a frame can take from others: where the camera with a rolling shutter and the scanner with a sweep stood
 // before (one of them at a rate of its own), noise, and a sensor that some shards never see fire.

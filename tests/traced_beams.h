@@ -11,15 +11,12 @@
 #include "effects/scan_effect.h"
 #include "sensors/traced_scan.h"
 #include "tests/ray_casting.h"
+#include "tests/tested_build.h"
 
 namespace simvis {
 
 /// Sanitizers make rays some twenty times slower.
-#ifdef __SANITIZE_ADDRESS__
-inline constexpr std::size_t kFewer = 20;
-#else
-inline constexpr std::size_t kFewer = 1;
-#endif
+inline const std::size_t kFewer = sanitized() ? 20 : 1;
 
 /// Reads what passes: the rays as they leave, and the echoes of each beam before any of them merge.
 struct Probe : ScanEffect {

@@ -12,6 +12,7 @@
 #include "tests/hard_cases/hard_case.h"
 #include "tests/hard_cases/shapes.h"
 #include "tests/ray_casting.h"
+#include "tests/tested_build.h"
 
 using namespace simvis;
 
@@ -21,11 +22,7 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kPlanarPixel_rad = 2 / kPlanarResolution, kRingsPixel_rad = 2 / kRingsResolution;
 
-#ifdef __SANITIZE_ADDRESS__
-constexpr std::uint32_t kBeams = 101, kRingBeams = 25;
-#else
-constexpr std::uint32_t kBeams = 401, kRingBeams = 50;
-#endif
+const std::uint32_t kBeams = sanitized() ? 101 : 401, kRingBeams = sanitized() ? 25 : 50;
 
 glm::dvec3 direction_of(double azimuth_rad, double elevation_rad) {
   return {std::cos(elevation_rad) * std::cos(azimuth_rad), std::cos(elevation_rad) * std::sin(azimuth_rad),
@@ -404,11 +401,7 @@ TEST_CASE("a pole thinner than a pixel and one of four pixels") {
 TEST_CASE("from which width on planar sees a pole, and is certain of it") {
   // A pixel's centre lies on whatever is a pixel wide, wherever it stands: some beam sees it. Three of them lie on what
   // is three pixels wide; then some beam has neighbours enough to be certain. The bound speaks of nothing thinner.
-#ifdef __SANITIZE_ADDRESS__
-  constexpr int kPlaces = 4;
-#else
-  constexpr int kPlaces = 16;
-#endif
+  const int kPlaces = sanitized() ? 4 : 16;
   for (const double resolution_px : {256.0, 512.0, 1024.0, 4096.0}) {
     const double pixel = pixel_m(resolution_px);
     double least_seen_px = kInfinity, least_certain_px = kInfinity;  // by some beam, wherever the pole stands

@@ -10,6 +10,7 @@
 #include "scenegraph/pose.h"
 #include "tests/hard_cases/hard_case.h"
 #include "tests/hard_cases/shapes.h"
+#include "tests/tested_build.h"
 
 using namespace simvis;
 
@@ -19,11 +20,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kPi = std::numbers::pi;
 constexpr double kCoarse_px = 512;  // what other simulators commonly take
 
-#ifdef __SANITIZE_ADDRESS__
-constexpr std::uint32_t kBeams = 101;
-#else
-constexpr std::uint32_t kBeams = 1001;
-#endif
+const std::uint32_t kBeams = sanitized() ? 101 : 1001;
 
 glm::dmat4 pose(const glm::dvec3& position_m, double roll_deg, double pitch_deg, double yaw_deg) {
   return matrix_from_degrees(position_m, roll_deg, pitch_deg, yaw_deg);

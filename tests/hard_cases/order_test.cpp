@@ -15,19 +15,17 @@
 #include "tests/hard_cases/hard_case.h"
 #include "tests/hard_cases/part_file.h"
 #include "tests/random_room.h"
+#include "tests/tested_build.h"
 
 using namespace simvis;
 
 namespace {
 
 // Sanitizers make a simulation some ten times slower to set up: fewer orders, and of the methods that which does all.
-#ifdef __SANITIZE_ADDRESS__
-constexpr std::size_t kFewer = 6;
-constexpr std::string_view kMethods[] = {"hybrid"};
-#else
-constexpr std::size_t kFewer = 1;
-constexpr std::string_view kMethods[] = {"nearest", "planar", "hybrid", "raycast"};
-#endif
+const std::size_t kFewer = sanitized() ? 6 : 1;
+const std::vector<std::string_view> kMethods =
+    sanitized() ? std::vector<std::string_view>{"hybrid"}
+                : std::vector<std::string_view>{"nearest", "planar", "hybrid", "raycast"};
 
 // Each with a light of its own, which is so declared in as many orders; ball and case are transparent.
 const std::vector<std::string> kParts = {

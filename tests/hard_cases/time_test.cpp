@@ -19,17 +19,14 @@
 #include "tests/hard_cases/hard_case.h"
 #include "tests/hard_cases/part_file.h"
 #include "tests/random_room.h"
+#include "tests/tested_build.h"
 
 using namespace simvis;
 
 namespace {
 
 // Sanitizers make steps some ten times slower.
-#ifdef __SANITIZE_ADDRESS__
-constexpr int kFewer = 10;
-#else
-constexpr int kFewer = 1;
-#endif
+const int kFewer = sanitized() ? 10 : 1;
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -123,7 +120,7 @@ TEST_CASE("a trajectory at 10^6 s") {
 }
 
 TEST_CASE("10^6 pose updates leave nothing behind") {
-  constexpr int kUpdates = 1'000'000, kSteps = 3000 / kFewer;
+  const int kUpdates = 1'000'000, kSteps = 3000 / kFewer;
   const Room room;
   Simulation worn = room.make(1e-6), fresh = room.make(1e-6);  // the scanners measure in each frame
   std::mt19937 random(1);

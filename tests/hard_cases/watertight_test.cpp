@@ -13,19 +13,16 @@
 
 #include "tests/hard_cases/hard_case.h"
 #include "tests/ray_casting.h"
+#include "tests/tested_build.h"
 
 using namespace simvis;
 
 namespace {
 
 // Sanitizers make each beam some thirty times slower.
-#ifdef __SANITIZE_ADDRESS__
-constexpr std::size_t kFewer = 100, kBeamsOfAPlace = 5'000;
-#else
-constexpr std::size_t kFewer = 1, kBeamsOfAPlace = 50'000;
-#endif
+const std::size_t kFewer = sanitized() ? 100 : 1, kBeamsOfAPlace = sanitized() ? 5'000 : 50'000;
 
-constexpr std::size_t kBeams = 10'000'000 / kFewer;
+const std::size_t kBeams = 10'000'000 / kFewer;
 constexpr double kPi = std::numbers::pi;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
