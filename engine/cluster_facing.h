@@ -2,11 +2,13 @@
 #pragma once
 
 #include <glm/glm.hpp>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "engine/clusters.h"
 #include "engine/mesh.h"
+#include "engine/sliver_limit.h"
 #include "engine/view_projection.h"
 
 namespace simvis {
@@ -30,21 +32,20 @@ std::vector<ClusterFacing> facing_of(const Mesh& mesh, const Clustering& cluster
 /// that could not happen, and where none of its triangles has to be cut at the view's sides.
 class MeshEye {
  public:
-  /// `snap_px` as in PassResult; `planes` must be those of the view and the mesh, and stay.
-  MeshEye(const View& view, const MeshPlanes& planes, const glm::dmat4& view_from_mesh, double snap_px);
+  /// `limit` and `planes` must be those of the view and of the mesh in it, and stay.
+  MeshEye(const SliverLimit& limit, const MeshPlanes& planes, const glm::dmat4& view_from_mesh);
 
   /// False for views and meshes that nothing can be told of: the view is parallel, or the mesh is not of the same scale
   /// along all axes.
-  bool knows() const { return unit_m_ > 0; }
+  bool knows() const { return limit_.knows() && eye_.has_value(); }
 
   bool sees_only_backs(const Cluster& cluster, const ClusterFacing& facing) const;
 
  private:
+  const SliverLimit& limit_;
   const MeshPlanes& planes_;
-  glm::dvec3 eye_{0};                 // in the mesh's frame and unit of length, as all that follows
-  double unit_m_ = 0;                 // that unit; 0: nothing can be told
-  glm::dvec4 depth_{0};               // depth_ . (p, 1) is the depth of p
-  double snapped_ = 0, rounded_ = 0;  // how thin is too thin, see the .cpp
+  std::optional<EyeInMesh> eye_;
+  glm::dvec4 depth_;  // depth_ . (p, 1) is the depth of p, in metres
 };
 
 }  // namespace simvis

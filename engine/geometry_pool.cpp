@@ -80,7 +80,9 @@ std::span<const MeshRange> GeometryPool::update(std::span<const std::shared_ptr<
                   .clusters = entry.clustering.clusters,
                   .clustering = &entry.clustering,
                   .facing = entry.facing,
-                  .positions = entry.mesh->positions};
+                  .positions = entry.mesh->positions,
+                  .walls = entry.walls,
+                  .flat = &entry.flat};
   }
   return ranges_;
 }
@@ -91,6 +93,10 @@ void GeometryPool::cut_into_clusters(std::span<Entry* const> fresh, const std::f
   for (Entry* entry : fresh) {
     device_.report({"preparing meshes", done, indices});
     entry->clustering = make_clusters_cached(*entry->mesh, cache);
+    if (entry->mesh->topology == Topology::triangles) {
+      entry->walls = walls_of(*entry->mesh, entry->clustering);
+      entry->flat = flat_sides_of(*entry->mesh, entry->clustering);
+    }
     done += entry->mesh->indices.size();
   }
 }

@@ -10,9 +10,11 @@
 #include "engine/buffer.h"
 #include "engine/cluster_facing.h"
 #include "engine/clusters.h"
+#include "engine/flat_sides.h"
 #include "engine/frame_plan.h"
 #include "engine/mesh.h"
 #include "engine/uploads.h"
+#include "engine/walls.h"
 
 namespace simvis {
 
@@ -24,6 +26,8 @@ struct MeshRange {
   const Clustering* clustering = nullptr;
   std::span<const ClusterFacing> facing{};  ///< of each cluster, of triangles that are shaded; else empty
   std::span<const glm::vec3> positions{};   ///< in host memory
+  std::span<const Wall> walls{};            ///< of triangles
+  const FlatSides* flat = nullptr;
 };
 
 /// What a vertex carries besides its position, as the GPU reads it. Colours beyond 1 are clamped.
@@ -69,6 +73,8 @@ class GeometryPool {
   struct Entry {
     std::shared_ptr<const Mesh> mesh;  // keeps the address from being given to another mesh
     Clustering clustering;
+    std::vector<Wall> walls;
+    FlatSides flat;
     std::vector<ClusterFacing> facing;
     std::uint64_t first_vertex = 0, first_index = 0;
     bool resident = false, has_attributes = false;  // on the device

@@ -5,16 +5,8 @@
 // that in all their columns are left out, and so are those that meet no column that is read. Depth is the nearest of
 // what is drawn, whatever the order, so neither changes a bit of it.
 //
-// What is left out is certain. With w = 1 / z, affine in pixels on a plane, and w smaller where it is farther away:
-//   place   A vertex is displaced by float32 and by the rasteriser's grid. Triangles whose corners may be displaced by
-//           more than an eighth of a pixel are not looked at any closer. Those of others are taken to reach a whole
-//           pixel farther than they do where they may be hidden, and half a pixel less far where they hide others.
-//   depth   The w of a triangle at a pixel is that of its plane but for what shifts by half a pixel and some roundings
-//           make of it: see plane_rounding.h in sensors/, whose terms are all in kShift_px, kRounding and kSlope.
-//           Triangles thinner than a pixel, whose slopes float32 may turn, are drawn and hide nothing.
-//   cuts    Where a side of the viewport cuts a triangle, the device puts others in its place, between any of the
-//           corners that are left. What is said of depth holds of each of those. Where a corner lies so near to a side
-//           that it may or may not be cut off, nothing is said.
+// What is left out is certain: see pixel_polygon.h. A triangle is taken to reach a whole pixel farther than it does
+// where it may be hidden, and less far where it hides others.
 #pragma once
 
 #include <cstdint>
@@ -24,6 +16,7 @@
 #include <vector>
 
 #include "engine/frame_plan.h"
+#include "engine/pixel_polygon.h"
 #include "engine/strip_columns.h"
 
 namespace simvis {
@@ -53,22 +46,6 @@ class StripSight {
   std::span<const StripTriangle> seen();
 
  private:
-  // A corner in pixels, and its w.
-  struct Corner {
-    double u = 0, v = 0, w = 0;
-  };
-  struct Polygon {
-    Corner corners[8];  // of a triangle, cut by five planes
-    int count = 0;
-
-    std::span<const Corner> all() const { return std::span(corners).first(static_cast<std::size_t>(count)); }
-  };
-  // What makes a plane's w at a pixel uncertain.
-  struct Slant {
-    bool certain = false;
-    double gradient = 0;  // |dw/du| + |dw/dv|
-    double unfilled = 0;  // the area of the box around the triangle over twice its own; the most of all
-  };
   // In the columns that are read, [first, end) of them: at u its w is at most most + slope * u.
   struct Candidate {
     StripTriangle triangle;
@@ -77,15 +54,12 @@ class StripSight {
   };
   bool misses(const glm::dvec3 (&triangle)[3]) const;
   void add(const StripTriangle& named, const glm::dvec3 (&triangle)[3]);
-  bool is_inside(const glm::dvec3& p) const;
-  bool is_on_side(const glm::dvec3& p) const;
-  bool cut(const glm::dvec3 (&triangle)[3], double outwards_px, Polygon& polygon) const;
-  Slant slant_of(const Polygon& drawn) const;
-  void look(Candidate& candidate, const Polygon& drawn, const Polygon& reach);
+  void look(Candidate& candidate, const PixelPolygon& drawn, const PixelPolygon& reach);
   std::uint32_t first_read(double u) const;
-  void hide_behind(const Polygon& drawn, double least, double slope);
+  void hide_behind(const PixelPolygon& drawn, double least, double slope);
 
-  double width_ = 0, height_ = 0, guard_ = 0, near_m_ = 0;
+  PixelSides sides_;
+  double width_ = 0, height_ = 0, near_m_ = 0;
   double fx_ = 0, fy_ = 0, cx_ = 0, cy_ = 0;
   const StripColumns* columns_ = nullptr;  // of this view
   std::vector<float> hidden_below_;        // by column that is read: what has a smaller w cannot be seen there

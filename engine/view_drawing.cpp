@@ -31,6 +31,9 @@ shader::LightBlock block_of(const Light& light, const glm::dmat4& view_from_ligh
   return block;
 }
 
+// Triangles that cost about as much to draw as it takes to find out what walls hide.
+constexpr std::uint64_t kWorthHiding = 2000;
+
 // Of a run that no other instance may join.
 constexpr std::uint32_t kNoGroup = std::numeric_limits<std::uint32_t>::max();
 
@@ -68,6 +71,11 @@ void ViewDrawing::update(const View& view, const Pass& pass, const StripColumns*
   if (strip_) strip_->begin(view, *columns);
   if (pass.color && table.any_lit()) add_lights(view, projection, list, table);
   if (view.culled) draws_.counts.boxes_examined += table.find_seen(projection, seen_items_);
+  limit_ = SliverLimit(view, snap_px_);
+  hidden_.begin(view, limit_);
+  if (view.culled && !strip_ && !view.parallel && !pass.shadow_maps) {
+    find_walls(pass.color ? table.solid() : table.depth(), view, projection, list, table);
+  }
   add_items(pass.color ? table.solid() : table.depth(), view, projection, list, table);
   draws_.first_layer = runs_.size();
   if (pass.color) add_items(table.blended(), view, projection, list, table);
@@ -111,6 +119,8 @@ void ViewDrawing::add_items(const DrawOrder& items, const View& view, const View
     const Drawable& d = items[position];
     if (strip && can_pick(d, view)) {
       add_to_strip(d, position, projection, list, table.box(d.item));
+    } else if (is_hidden(d, projection, list, table.box(d.item))) {
+      ++items_culled_;
     } else if (!view.culled || d.range.clusters.size() == 1) {
       draw(d, view, projection, list, first_run);
     } else if (strip) {
@@ -120,6 +130,34 @@ void ViewDrawing::add_items(const DrawOrder& items, const View& view, const View
     }
   }
   if (strip) draw_strip(items, view, projection, list);
+}
+
+// Where there is enough to draw that it may be worth it.
+void ViewDrawing::find_walls(const DrawOrder& items, const View& view, const ViewProjection& projection,
+                             const DrawList& list, const DrawTable& table) {
+  std::uint64_t triangles = 0;
+  for (const std::uint32_t item : seen_items_) {
+    const std::uint32_t position = items.position(item);
+    if (position != DrawOrder::kNone) triangles += items[position].range.index_count / 3;
+  }
+  if (triangles < kWorthHiding) return;
+  for (const std::uint32_t item : seen_items_) {
+    const std::uint32_t position = items.position(item);
+    if (position == DrawOrder::kNone) continue;
+    const Drawable& d = items[position];
+    if (d.range.walls.empty() || d.key.surface != Surface::opaque) continue;
+    const ViewBox box = view_box(projection, table.box(item));
+    if (!hidden_.may_hold_walls(box)) continue;
+    hidden_.add(d.range.walls, projection.view_from_world * list.world_from_node[d.transform], box.slack_m,
+                d.single_sided && !view.sees_back_faces, d.mirrored);
+  }
+}
+
+bool ViewDrawing::is_hidden(const Drawable& d, const ViewProjection& projection, const DrawList& list,
+                            const WorldBox& box) const {
+  return hidden_.any() && d.key.topology == Topology::triangles &&
+         hidden_.hides(view_box(projection, box), projection.view_from_world * list.world_from_node[d.transform],
+                       d.range);
 }
 
 void ViewDrawing::add_lights(const View& view, const ViewProjection& projection, const DrawList& list,
@@ -245,7 +283,8 @@ void ViewDrawing::draw_seen_clusters(const Drawable& d, const View& view, const 
   const glm::dmat4& world_from_mesh = list.world_from_node[d.transform];
   const MeshPlanes planes = make_mesh_planes(projection, world_from_mesh, box);
   const PipelineKey key = key_in_view(d, view, list);
-  const MeshEye eye(view, planes, projection.view_from_world * world_from_mesh, snap_px_);
+  const glm::dmat4 view_from_mesh = projection.view_from_world * world_from_mesh;
+  const MeshEye eye(limit_, planes, view_from_mesh);
   const bool by_facing = key.cull_back && eye.knows() && !d.range.facing.empty();
   seen_.clear();
   draws_.counts.boxes_examined += d.range.clusters.size();
@@ -253,6 +292,10 @@ void ViewDrawing::draw_seen_clusters(const Drawable& d, const View& view, const 
     const Cluster& cluster = d.range.clusters[i];
     if (outside(planes, cluster.center, cluster.half_size)) continue;
     if (by_facing && eye.sees_only_backs(cluster, d.range.facing[i])) continue;
+    if (hidden_.any() &&
+        hidden_.hides(view_box(view_from_mesh, cluster, planes.slack), view_from_mesh, d.range, cluster)) {
+      continue;
+    }
     if (!seen_.empty() && seen_.back().first_index + seen_.back().index_count == cluster.first_index) {
       seen_.back().index_count += cluster.index_count;
     } else {

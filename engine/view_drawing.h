@@ -7,6 +7,7 @@
 #include "engine/draw_list.h"
 #include "engine/draw_table.h"
 #include "engine/frame_plan.h"
+#include "engine/hidden_parts.h"
 #include "engine/renderer.h"
 #include "engine/strip_columns.h"
 #include "engine/strip_sight.h"
@@ -69,6 +70,9 @@ class ViewDrawing {
   void add_lights(const View& view, const ViewProjection& projection, const DrawList& list, const DrawTable& table);
   void draw(const Drawable& d, const View& view, const ViewProjection& projection, const DrawList& list,
             std::size_t first_run);
+  void find_walls(const DrawOrder& items, const View& view, const ViewProjection& projection, const DrawList& list,
+                  const DrawTable& table);
+  bool is_hidden(const Drawable& d, const ViewProjection& projection, const DrawList& list, const WorldBox& box) const;
   bool can_pick(const Drawable& d, const View& view) const;
   void add_to_strip(const Drawable& d, std::uint32_t number, const ViewProjection& projection, const DrawList& list,
                     const WorldBox& box);
@@ -92,6 +96,8 @@ class ViewDrawing {
   std::vector<shader::PickedVertex> picked_;
   std::uint64_t items_culled_ = 0;
   StripSight* strip_ = nullptr;            // in update(), if the view is a strip
+  SliverLimit limit_;                      // of the view
+  HiddenParts hidden_;                     // if it is none
   std::vector<std::uint32_t> seen_items_;  // if the view is culled
   std::vector<std::uint32_t> positions_;   // of what it draws, in their order
   std::vector<MeshRange> seen_;

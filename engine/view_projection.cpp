@@ -18,13 +18,12 @@ constexpr double kVertexRounding = 1e-6;
 // The same for our own arithmetic in double, relative to the world's coordinates.
 constexpr double kWorldRounding = 1e-14;
 
-// By how much rounding can move what lies in a box whose centre is seen here in the view frame, in metres.
+}  // namespace
+
 double rounding_of(const glm::dvec3& center_view, const WorldBox& box) {
   const glm::dvec3 c = glm::abs(center_view), w = glm::abs(box.center);
   return kVertexRounding * (c.x + c.y + c.z + box.radius) + kWorldRounding * (w.x + w.y + w.z);
 }
-
-}  // namespace
 
 std::uint32_t guard_rows(const View& view) {
   constexpr std::uint32_t kStrip = 8;  // times as wide as high, at least

@@ -45,6 +45,9 @@ struct WorldBox {
   double radius = 0;  ///< of the sphere around it
 };
 
+/// By how much rounding can move what lies in a box whose centre is seen here in the view frame, in metres.
+double rounding_of(const glm::dvec3& center_view, const WorldBox& box);
+
 WorldBox make_box(const glm::dmat4& world_from_mesh, const glm::dvec3& mesh_center, const glm::dvec3& mesh_half);
 
 /// Whether nothing of the box can appear in the view: it lies beyond a side or before the near plane, by more than

@@ -130,6 +130,7 @@ TEST_CASE("what is said to show only backs does so, from wherever it is seen, an
   const std::vector<ClusterFacing> facing = facing_of(mesh, clustering);
   const View view = camera(640, 480, 400);
   const ViewProjection projection = make_projection(view);
+  const SliverLimit limit(view, kSnap_px);
   std::size_t told = 0, true_backs = 0;
   for (int i = 0; i < 60; ++i) {
     // Before the camera and wholly seen; every third one mirrored, in sizes from a millimetre to ten metres.
@@ -139,7 +140,7 @@ TEST_CASE("what is said to show only backs does so, from wherever it is seen, an
                                       glm::scale(glm::dmat4(1.0), scale * glm::dvec3(i % 3 ? 1 : -1, 1, 1));
     const WorldBox box = make_box(view_from_mesh, glm::dvec3(0), glm::dvec3(1));
     const MeshPlanes planes = make_mesh_planes(projection, view_from_mesh, box);
-    const MeshEye eye(view, planes, view_from_mesh, kSnap_px);
+    const MeshEye eye(limit, planes, view_from_mesh);
     REQUIRE(eye.knows());
     const glm::dvec3 eye_in_mesh(glm::inverse(view_from_mesh)[3]);
     for (std::size_t c = 0; c < facing.size(); ++c) {
@@ -163,7 +164,8 @@ TEST_CASE("of meshes that are stretched, and in parallel views, nothing is told"
   const auto knows = [&](const glm::dmat4& view_from_mesh) {
     const WorldBox box = make_box(view_from_mesh, glm::dvec3(0), glm::dvec3(1));
     const MeshPlanes planes = make_mesh_planes(make_projection(view), view_from_mesh, box);
-    return MeshEye(view, planes, view_from_mesh, kSnap_px).knows();
+    const SliverLimit limit(view, kSnap_px);
+    return MeshEye(limit, planes, view_from_mesh).knows();
   };
   const glm::dmat4 ahead = glm::translate(glm::dmat4(1.0), {0, 0, 3});
   CHECK(knows(ahead));
