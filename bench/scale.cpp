@@ -8,9 +8,11 @@
 // as many to the frames of each method. What a curve does not measure stays empty.
 //
 // sensors    of 361 beams on one robot in a lab of 100,000 triangles
-// instances  of a box, in a store where only the first 100 are in any scanner's sight; three scanners
-// triangles  of a lab: open_s from the file to the first set of three scans, with an empty cache folder (cold) and
-// again frames     one scanner of 91 beams in a lab of 1,000 triangles; a line for each tenth of 10^6 (raycast) or 10^5
+// instances  of a box, in a store where only the first 100 are in any sensor's sight; three scanners, or a camera that
+//            would see many of the others but for the ceiling
+// triangles  of a lab: open_s from the file to the first set of three scans, with an empty cache folder (cold), and
+//            once more (warm)
+// frames     one scanner of 91 beams in a lab of 1,000 triangles; a line for each tenth of 10^6 (raycast) or 10^5
 //            (planar) frames, as far as the time reaches
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -123,7 +125,7 @@ void print(const Row& row, const Simulation& simulation) {
   std::fflush(stdout);
 }
 
-SimulationDesc by(const char* method) {
+SimulationDesc by(const std::string& method) {
   SimulationDesc desc;
   desc.overrides = {{"laser_scanner", "method", method, "METHOD"}};
   return desc;
@@ -178,13 +180,16 @@ void sensors(double seconds) {
   }
 }
 
+constexpr const char* kCamera = R"(<sensor type="camera" name="CAMERA" insert_at="ROBOT" pose_offset="0 0 1 0 0 0"/>)";
+
 void instances(double seconds) {
-  for (const char* method : {"planar", "raycast"}) {
+  for (const std::string method : {"planar", "raycast", "camera"}) {
     for (const std::size_t count : {100, 1'000, 10'000, 100'000}) {
       apart([&] {
         const SceneFolder folder;
-        Simulation simulation = Simulation::load(write_store(folder.path(), count), by(method));
-        Row row{.curve = "instances", .method = method, .size = static_cast<double>(count)};
+        Simulation simulation = method == "camera" ? Simulation::load(write_store(folder.path(), count, kCamera))
+                                                   : Simulation::load(write_store(folder.path(), count), by(method));
+        Row row{.curve = "instances", .method = method.c_str(), .size = static_cast<double>(count)};
         time_frames(simulation, seconds, row);
         print(row, simulation);
       });

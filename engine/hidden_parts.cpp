@@ -8,9 +8,9 @@
 namespace simvis {
 namespace {
 
-constexpr double kTile_px = 8;
-// What is smaller hides next to nothing.
-constexpr double kLeastWall_px2 = 16 * kTile_px * kTile_px;
+constexpr double kTile_px = 4;
+// Of the picture; what is smaller hides next to nothing.
+constexpr double kLeastShare = 1.0 / 256;
 // How far beyond its box something may be drawn, beside what displaces its corners.
 constexpr double kOutwards_px = 1;
 // Walls are looked at up to so far beyond the picture.
@@ -59,14 +59,13 @@ void HiddenParts::begin(const View& view, const SliverLimit& limit) {
   any_ = false;
   columns_ = static_cast<std::size_t>(std::ceil(width_ / kTile_px));
   rows_ = static_cast<std::size_t>(std::ceil(height_ / kTile_px));
-  hidden_below_.assign(columns_ * rows_, 0);
 }
 
 bool HiddenParts::may_hold_walls(const ViewBox& box) const {
   const double nearest = box.center.z - box.half_size.z;
   if (nearest <= 0) return true;
   const double size = 2 * glm::length(box.half_size);
-  return size * size * pinhole_.fx_px * pinhole_.fy_px >= kLeastWall_px2 * nearest * nearest;
+  return size * size * pinhole_.fx_px * pinhole_.fy_px >= kLeastShare * width_ * height_ * nearest * nearest;
 }
 
 void HiddenParts::add(std::span<const Wall> walls, const glm::dmat4& view_from_mesh, double slack_m, bool from_front,
@@ -104,6 +103,8 @@ void HiddenParts::add(std::span<const Wall> walls, const glm::dmat4& view_from_m
 // In the tiles that the shape fills, whose w is off by no less than `least_uncertain_w`.
 void HiddenParts::hide_behind(std::span<const glm::dvec3> corners, double least_z_m, const PixelSlant& slant,
                               double least_uncertain_w) {
+  if (!any_) hidden_below_.assign(columns_ * rows_, 0);
+  any_ = true;
   PixelPolygon reach;
   if (!sides_.keep(corners, least_z_m, reach) && !sides_.cut(corners, kBeyond_px, least_z_m, reach)) return;
   double bent = 0;
@@ -125,7 +126,6 @@ void HiddenParts::hide_behind(std::span<const glm::dvec3> corners, double least_
     for (std::size_t tile = first_tile; tile < end_tile; ++tile) {
       float& hidden = hidden_below_[row * columns_ + tile];
       hidden = std::max(hidden, static_cast<float>(at_0 + slant.du * kTile_px * static_cast<double>(tile)));
-      any_ = true;
     }
   }
 }
@@ -133,6 +133,7 @@ void HiddenParts::hide_behind(std::span<const glm::dvec3> corners, double least_
 // By how much the walls that hide all of the box are nearer than it, in w: as a multiple of what lies between the w of
 // its farthest and its nearest point. 0 where no walls hide it, or not all of it is in the picture.
 double HiddenParts::clearance(const ViewBox& box) const {
+  if (!any_) return 0;
   const double slack = box.slack_m;
   const glm::dvec3 low = box.center - box.half_size - slack, high = box.center + box.half_size + slack;
   if (!(low.z > sides_.least_z_m(slack))) return 0;

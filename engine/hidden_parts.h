@@ -45,6 +45,7 @@ class HiddenParts {
   void add(std::span<const Wall> walls, const glm::dmat4& view_from_mesh, double slack_m, bool from_front,
            bool mirrored);
 
+  /// Whether any wall was there that may hide something.
   bool any() const { return any_; }
 
   /// Whether all of a mesh's triangles, or a cluster's, that lie in the box are in the picture and behind walls.
@@ -54,7 +55,6 @@ class HiddenParts {
  private:
   void hide_behind(std::span<const glm::dvec3> corners, double least_z_m, const PixelSlant& slant,
                    double least_uncertain_w);
-
   double clearance(const ViewBox& box) const;
   double least_seen_m2(const ViewBox& box) const;
 
@@ -64,7 +64,7 @@ class HiddenParts {
   Pinhole pinhole_;
   bool any_ = false;
   std::size_t columns_ = 0, rows_ = 0;  // of tiles
-  std::vector<float> hidden_below_;     // by tile: what has a smaller w cannot be seen there
+  std::vector<float> hidden_below_;     // if any: by tile, what has a smaller w cannot be seen there
 };
 
 }  // namespace simvis

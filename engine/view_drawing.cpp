@@ -4,32 +4,12 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/light_block.h"
+
 namespace simvis {
 namespace {
 
 using Surface = PipelineKey::Surface;
-
-// The least difference of the cones' cosines, from KHR_lights_punctual.
-constexpr double kLeastConeWidth = 0.001;
-
-shader::LightBlock block_of(const Light& light, const glm::dmat4& view_from_light) {
-  shader::LightBlock block{};
-  const double placed = light.kind == LightKind::directional ? 0.0 : 1.0;
-  block.position = glm::vec4(glm::dvec4(glm::dvec3(view_from_light[3]) * placed, placed));
-  const glm::dvec3 direction = glm::dmat3(view_from_light) * light.direction;
-  const double length = glm::length(direction);
-  // A light that is scaled to nothing shines nowhere.
-  const glm::dvec3 unit = length > 0 ? direction / length : glm::dvec3(0);
-  block.direction = glm::vec4(glm::dvec4(unit, light.range_m > 0 ? 1 / light.range_m : 0.0));
-  block.intensity = glm::vec4(glm::dvec4(glm::dvec3(light.color) * light.intensity, 0));
-  block.cone = {0, 1, 0, 0};
-  if (light.kind == LightKind::spot) {
-    const double outer = std::cos(light.outer_cone_rad);
-    const double scale = 1 / std::max(kLeastConeWidth, std::cos(light.inner_cone_rad) - outer);
-    block.cone = glm::vec4(scale, -outer * scale, 0, 0);
-  }
-  return block;
-}
 
 // Triangles that cost about as much to draw as it takes to find out what walls hide.
 constexpr std::uint64_t kWorthHiding = 2000;
@@ -164,7 +144,7 @@ void ViewDrawing::add_lights(const View& view, const ViewProjection& projection,
                              const DrawTable& table) {
   for (const std::uint32_t light : table.lights()) {
     const LightItem& item = list.lights[light];
-    lights_.push_back(block_of(item.light, projection.view_from_world * list.world_from_node[item.transform]));
+    lights_.push_back(make_light_block(item.light, projection.view_from_world * list.world_from_node[item.transform]));
   }
   for (std::size_t i = 0; i < view.shadows.size(); ++i) {
     const auto place = std::ranges::find(table.lights(), view.shadows[i].light) - table.lights().begin();

@@ -9,7 +9,7 @@ from matplotlib.pyplot import subplots
 
 import figure
 
-COLORS = {"planar": "#0072b2", "raycast": "#d55e00"}
+COLORS = {"planar": "#0072b2", "raycast": "#d55e00", "camera": "#009e73"}
 
 
 def of(rows, curve, method, cache=""):
@@ -62,7 +62,7 @@ def draw_frames(axes, rows, column, title, label):
 def draw(rows):
     drawing, panels = subplots(3, 2, figsize=(9, 9), layout="constrained")
     draw_times(panels[0][0], rows, "sensors", "scanners, 100,000 triangles", "scanners")
-    draw_times(panels[0][1], rows, "instances", "instances, of which 100 are near", "instances")
+    draw_times(panels[0][1], rows, "instances", "instances, of which 100 are in sight", "instances")
     draw_opening(panels[1][0], rows)
     draw_memory(panels[1][1], rows)
     draw_frames(panels[2][0], rows, "median_ms", "time per frame as they add up", "ms")

@@ -85,11 +85,11 @@ void add_item(Furniture& lab, std::size_t kind, double triangles, Chance& chance
   }
 }
 
-Furniture furnished(std::size_t triangles) {
+Furniture furnished(std::size_t triangles, double wall_triangles) {
   Furniture lab;
   Chance chance;
   const auto all = static_cast<double>(triangles);
-  add_walls(lab, kWallShare * all);
+  add_walls(lab, wall_triangles);
   const std::size_t items = std::min(kMostItems, triangles / kLeastPerItem);
   for (std::size_t i = 0; i < items; ++i) {
     add_item(lab, i, (1 - kWallShare) * all / static_cast<double>(items), chance);
@@ -126,13 +126,18 @@ std::filesystem::path write_lab(const std::filesystem::path& folder, std::size_t
 
 std::filesystem::path write_lab(const std::filesystem::path& folder, std::size_t triangles,
                                 const std::string& sensors) {
-  return write_scene(folder, furnished(triangles), sensors);
+  return write_scene(folder, furnished(triangles, kWallShare * static_cast<double>(triangles)), sensors);
 }
 
 std::filesystem::path write_store(const std::filesystem::path& folder, std::size_t instances) {
-  constexpr std::size_t kBase = 10000, kStanding = 100, kAcross = 100;
+  return write_store(folder, instances, kScanners);
+}
+
+std::filesystem::path write_store(const std::filesystem::path& folder, std::size_t instances,
+                                  const std::string& sensors) {
+  constexpr std::size_t kBase = 10000, kWalls = 12, kStanding = 100, kAcross = 100;
   constexpr double kSize_m = 0.25, kSpacing_m = 0.5, kAbove_m = 6;
-  Furniture store = furnished(kBase);
+  Furniture store = furnished(kBase, kWalls);
   Chance chance;
   const std::size_t box = store.meshes.size();
   store.meshes.push_back(box_of(glm::dvec3(kSize_m), 192));
@@ -146,7 +151,7 @@ std::filesystem::path write_store(const std::filesystem::path& folder, std::size
     const glm::dvec3 middle(kAcross / 2.0, kAcross / 2.0, 0);
     store.placed.push_back({box, (cell - middle) * kSpacing_m + glm::dvec3(0, 0, kAbove_m)});
   }
-  return write_scene(folder, store, kScanners);
+  return write_scene(folder, store, sensors);
 }
 
 void drive_lab(Simulation& simulation, int frame) {

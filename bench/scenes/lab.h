@@ -19,9 +19,12 @@ namespace simvis::bench {
 std::filesystem::path write_lab(const std::filesystem::path& folder, std::size_t triangles);
 std::filesystem::path write_lab(const std::filesystem::path& folder, std::size_t triangles, const std::string& sensors);
 
-/// Writes a lab of about 10,000 triangles with `instances` of a box of 192 triangles: the first 100 stand around the
-/// robot, the others lie in rows above the ceiling, where none of its scanners looks.
+/// Writes a lab of about 10,000 triangles, of which each wall takes two, with `instances` of a box of 192 triangles:
+/// the first 100 stand around the robot, the others lie in rows above the ceiling, where none of its scanners looks and
+/// a camera would see them but for ceiling and walls.
 std::filesystem::path write_store(const std::filesystem::path& folder, std::size_t instances);
+std::filesystem::path write_store(const std::filesystem::path& folder, std::size_t instances,
+                                  const std::string& sensors);
 
 /// Sets R_POSE to where the robot is in a frame: once around a circle of 1 m in 360 frames.
 void drive_lab(Simulation& simulation, int frame);
