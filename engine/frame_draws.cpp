@@ -3,9 +3,6 @@
 namespace simvis {
 namespace {
 
-// Boxes and triangles to look at that take several times as long as to wake a thread.
-constexpr std::uint64_t kWorthThreads = 4000;
-
 template <typename T>
 void append_to(std::vector<T>& all, std::span<const T> more) {
   all.insert(all.end(), more.begin(), more.end());

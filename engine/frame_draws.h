@@ -11,6 +11,10 @@
 
 namespace simvis {
 
+/// Boxes and triangles to look at, in the frame before, that take several times as long as to wake a thread: see
+/// ViewCounts.
+inline constexpr std::uint64_t kWorthThreads = 4000;
+
 /// Keeps its memory from frame to frame.
 class FrameDraws {
  public:

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "engine/device.h"
+#include "engine/frame_draws.h"
 #include "engine/renderer.h"
 #include "engine/view_projection.h"
 #include "scenegraph/pose.h"
@@ -180,4 +181,30 @@ TEST_CASE("a strip draws what stands before a wall and not what stands behind it
   const std::uint64_t bare = triangles(false), behind = triangles(true);
   MESSAGE(bare << " triangles, with the wall " << behind);
   CHECK(behind < bare / 2);
+}
+
+// A renderer's first frame works its views out one after the other. Later ones do it on all cores, where the frame
+// before has shown that it is worth it.
+TEST_CASE("views that are worked out side by side draw the same as one after the other") {
+  Device device;
+  Renderer renderer(device);
+  std::mt19937 random(4);
+  const DrawList room = random_room(3, 60, 96);
+  FramePlan plan;
+  for (int i = 0; i < 5; ++i) {
+    RenderedScan scan(ring(i % 2 ? 361 : 91, std::numbers::pi / 2), 512);
+    scan.plan("scanner " + std::to_string(i), "", rigid_inverse(random_pose(random)), plan, "scanner");
+  }
+  const Picture first = draw(renderer, room, plan);
+  for (int frame = 0; frame < 3; ++frame) {
+    const Picture later = draw(renderer, room, plan);
+    CHECK(later.depth == first.depth);
+    CHECK(later.counters.triangles == first.counters.triangles);
+    CHECK(later.counters.draws == first.counters.draws);
+  }
+  std::uint64_t looks = 0;
+  for (const PassResult& result : renderer.render(room, plan)) {
+    for (const ViewCounts& counts : result.views) looks += counts.boxes_examined + counts.triangles_examined;
+  }
+  CHECK(looks >= kWorthThreads);
 }
