@@ -28,6 +28,8 @@ def draw_times(axes, rows, curve, title, label):
         plot(axes, of(rows, curve, method), "caller_cpu_ms", f"{method}, processor time of the caller", color=color,
              linestyle=":")
     axes.set(xscale="log", yscale="log", xlabel=label, ylabel="ms")
+    if axes.lines:
+        axes.set_ylim(axes.dataLim.y0 / 2, 50 * axes.dataLim.y1)  # room for the legend
     axes.set_title(title, loc="left")
 
 

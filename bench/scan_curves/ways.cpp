@@ -16,6 +16,9 @@ constexpr Method kMethods[] = {{"nearest", ""}, {"planar", ""},   {"hybrid", "1e
                                {"raycast", ""}, {"auto", "1e-4"}, {"auto", "1e-6"}};
 // After one that is not timed: the first frame of a way makes what the frames before it did not need.
 constexpr int kSetsPerTurn = 5;
+// For a median; but of what takes long one is enough.
+constexpr std::size_t kLeastSets = 5;
+constexpr double kLong = 10;  // times its share
 
 std::string variant_name(const std::string& scanner, const Method& method) {
   std::string name = scanner + "_" + method.name + method.max_error_rel;
@@ -65,16 +68,20 @@ std::vector<Way> simvis_ways(Simulation& simulation, const std::vector<std::stri
 void time_ways(std::vector<Way>& ways, double seconds) {
   const double share_ms = 1e3 * seconds / static_cast<double>(ways.size());
   std::vector<double> spent_ms(ways.size());
+  const auto is_done = [&](std::size_t i) {
+    const std::size_t sets = ways[i].took.size();
+    return spent_ms[i] >= share_ms && (sets >= kLeastSets || (sets > 0 && spent_ms[i] >= kLong * share_ms));
+  };
   for (bool any = true; any;) {
     any = false;
     for (std::size_t i = 0; i < ways.size(); ++i) {
-      if (spent_ms[i] >= share_ms) continue;
+      if (is_done(i)) continue;
       any = true;
       Way& way = ways[i];
       way.begin_turn();
       way.move();
       spent_ms[i] += time_work(way.set).wall_ms;
-      for (int set = 0; set < kSetsPerTurn && (set == 0 || spent_ms[i] < share_ms); ++set) {
+      for (int set = 0; set < kSetsPerTurn && !is_done(i); ++set) {
         way.move();
         way.took.push_back(time_work(way.set));
         spent_ms[i] += way.took.back().wall_ms;

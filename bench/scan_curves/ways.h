@@ -26,8 +26,8 @@ struct Way {
 std::vector<Way> simvis_ways(Simulation& simulation, const std::vector<std::string>& scanners,
                              const std::function<void()>& move);
 
-/// Times all ways in turns, so that whatever else the machine does hits them alike, for about `seconds`. Each gets at
-/// most its share of the time, and one set at the least.
+/// Times all ways in turns, so that whatever else the machine does hits them alike, for about `seconds`. Each gets its
+/// share of the time, and some sets at the least, or one if that takes many times as long.
 void time_ways(std::vector<Way>& ways, double seconds);
 
 }  // namespace simvis::bench
