@@ -46,13 +46,6 @@ Reading read_range(const RangeEstimate& range, const RangeLimits& limits) {
   return {reading, bound == 0 ? 0.0f : next_above(static_cast<float>(bound))};
 }
 
-bool ScanTolerance::met(const Reading& reading) const {
-  const double range = reading.range_m, bound = reading.error_bound_m;
-  if (bound == 0) return true;
-  if (!std::isfinite(bound)) return false;
-  return bound <= max_error_m.value_or(std::numeric_limits<double>::infinity()) && bound <= max_error_rel * range;
-}
-
 std::string to_string(const ScanTolerance& tolerance) {
   std::ostringstream text;
   if (tolerance.max_error_m) text << *tolerance.max_error_m << " m";
@@ -62,8 +55,7 @@ std::string to_string(const ScanTolerance& tolerance) {
   return text.str();
 }
 
-void ToleranceCheck::add(const RangeEstimate& cast, const Reading& reading) {
-  if (tolerance_.met(reading)) return;
+void ToleranceCheck::add_unmet(const RangeEstimate& cast) {
   const Reading unlimited = read_range(cast, {0, std::numeric_limits<double>::infinity()});
   if (tolerance_.met(unlimited) || cast.range_m <= cast.error_bound_m) return;
   met_ = false;

@@ -1,6 +1,7 @@
 // How exact the ranges of a scan have to be, and what a reading and its bound are.
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <string>
 
@@ -29,7 +30,11 @@ struct ScanTolerance {
   double max_error_rel = 1e-6;          ///< as a share of the range; infinity: none
   Location where_m{}, where_rel{};      ///< who asks for it, for messages
 
-  bool met(const Reading& reading) const;
+  bool met(const Reading& reading) const {
+    const double bound = reading.error_bound_m;
+    if (bound == 0) return true;
+    return bound <= max_error_rel * reading.range_m && std::isfinite(bound) && (!max_error_m || bound <= *max_error_m);
+  }
 };
 
 /// "0.001 m", "1e-06 of the range" or "0.001 m or 1e-06 of the range".
@@ -44,12 +49,16 @@ class ToleranceCheck {
  public:
   explicit ToleranceCheck(const ScanTolerance& tolerance) : tolerance_(tolerance) {}
 
-  void add(const RangeEstimate& cast, const Reading& reading);
+  void add(const RangeEstimate& cast, const Reading& reading) {
+    if (!tolerance_.met(reading)) add_unmet(cast);
+  }
 
   /// Throws InputError at the attribute if the tolerance was not met: it names the sensor and the best reachable.
   void require(const std::string& sensor) const;
 
  private:
+  void add_unmet(const RangeEstimate& cast);
+
   const ScanTolerance& tolerance_;
   double worst_m_ = 0, worst_rel_ = 0;  // of all beams that do not meet it
   bool met_ = true;
