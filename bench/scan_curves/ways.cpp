@@ -16,8 +16,8 @@ constexpr Method kMethods[] = {{"nearest", ""}, {"planar", ""},   {"hybrid", "1e
                                {"raycast", ""}, {"auto", "1e-4"}, {"auto", "1e-6"}};
 // After one that is not timed: the first frame of a way makes what the frames before it did not need.
 constexpr int kSetsPerTurn = 5;
-// For a median; but of what takes long one is enough.
-constexpr std::size_t kLeastSets = 5;
+// Of some turns, for a median; but of what takes long one is enough.
+constexpr std::size_t kLeastSets = 15;
 constexpr double kLong = 10;  // times its share
 
 std::string variant_name(const std::string& scanner, const Method& method) {
