@@ -62,15 +62,6 @@ Mesh hollow_mesh(double radius_m, int segments) {
   return mesh;
 }
 
-double between(std::mt19937& random, double low, double high) {
-  return std::uniform_real_distribution<double>(low, high)(random);
-}
-
-glm::dmat4 random_turn(std::mt19937& random) {
-  const glm::dvec3 axis(between(random, -1, 1), between(random, -1, 1), between(random, 0.1, 1));
-  return glm::rotate(glm::dmat4(1.0), between(random, -3, 3), glm::normalize(axis));
-}
-
 /// Draws what is before a camera, with culling and without, holds the pictures against each other, and returns how many
 /// triangles were drawn of how many.
 std::pair<std::uint64_t, std::uint64_t> compare(Renderer& renderer, const DrawList& list, const View& view) {

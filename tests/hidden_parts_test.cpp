@@ -70,15 +70,6 @@ Mesh rectangle(double half_width_m, double half_height_m, bool front) {
   return mesh;
 }
 
-double between(std::mt19937& random, double low, double high) {
-  return std::uniform_real_distribution<double>(low, high)(random);
-}
-
-glm::dmat4 random_turn(std::mt19937& random) {
-  const glm::dvec3 axis(between(random, -1, 1), between(random, -1, 1), between(random, 0.1, 1));
-  return glm::rotate(glm::dmat4(1.0), between(random, -3, 3), glm::normalize(axis));
-}
-
 /// Boxes and spheres, turned, in the depths from 6 to 12 m of the picture; of `triangles` or more.
 std::uint64_t add_things(DrawList& list, std::mt19937& random, std::uint64_t triangles) {
   std::uint64_t added = 0;

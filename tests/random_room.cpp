@@ -9,6 +9,15 @@
 
 namespace simvis {
 
+double between(std::mt19937& random, double low, double high) {
+  return std::uniform_real_distribution<double>(low, high)(random);
+}
+
+glm::dmat4 random_turn(std::mt19937& random) {
+  const glm::dvec3 axis(between(random, -1, 1), between(random, -1, 1), between(random, 0.1, 1));
+  return glm::rotate(glm::dmat4(1.0), between(random, -3, 3), glm::normalize(axis));
+}
+
 void add_item(DrawList& list, Mesh mesh, const glm::dmat4& world_from_mesh) {
   if (list.world_from_node.empty()) list.world_from_node.push_back(glm::dmat4(1.0));
   if (list.materials.empty()) {
@@ -53,9 +62,7 @@ Mesh sphere_mesh(double radius_m, int segments) {
 
 DrawList random_room(std::uint32_t seed, int things, int sphere_segments) {
   std::mt19937 random(seed);
-  const auto between = [&](double low, double high) {
-    return std::uniform_real_distribution<double>(low, high)(random);
-  };
+  const auto between = [&](double low, double high) { return simvis::between(random, low, high); };
   DrawList list;
   add_item(list, box_mesh({5, 4, 1.5}), glm::translate(glm::dmat4(1.0), {0, 0, 1.5}));
   for (int thing = 0; thing < things; ++thing) {

@@ -11,6 +11,11 @@
 
 namespace simvis {
 
+double between(std::mt19937& random, double low, double high);
+
+/// Turned by up to 3 rad either way about any axis.
+glm::dmat4 random_turn(std::mt19937& random);
+
 /// Adds triangles with a plain material; the mesh's bounds and attributes are filled in.
 void add_item(DrawList& list, Mesh mesh, const glm::dmat4& world_from_mesh);
 
