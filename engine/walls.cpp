@@ -1,6 +1,7 @@
 #include "engine/walls.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <span>
 

@@ -17,11 +17,11 @@ struct Wall {
   int count = 3;
 };
 
-/// Of a mesh of triangles at most kMostWalls / 2 to kMostWalls, of its largest triangles; none of them smaller than
-/// kLeastWall times the square of the diagonal of the mesh's box.
-std::vector<Wall> walls_of(const Mesh& mesh, const Clustering& clustering);
-
+/// So many of a mesh's triangles may be walls, or parts of walls, the largest first; none that is smaller than this
+/// share of the square of the diagonal of the mesh's box.
 inline constexpr std::size_t kMostWalls = 128;
 inline constexpr double kLeastWall = 1.0 / 4096;
+
+std::vector<Wall> walls_of(const Mesh& mesh, const Clustering& clustering);
 
 }  // namespace simvis
