@@ -34,10 +34,11 @@ void cast_bundles(RayView& view, const WideBvh& tree, std::span<const glm::dvec3
 
 void BundleCaster::cast(const RayWorld& world, const glm::dmat4& world_from_sensor,
                         std::span<const glm::dvec3> directions, std::span<RayHit> hits,
-                        std::span<const double> beyond_m) {
+                        std::span<const double> beyond_m, const HitsAreThere& there) {
   share(world, world_from_sensor, directions.size(), [&](RayView& view, std::size_t first, std::size_t count) {
     cast_bundles(view, world.tree, directions.subspan(first, count), hits.subspan(first, count),
                  part_of(beyond_m, first, count));
+    if (there) there(first, count);
   });
 }
 

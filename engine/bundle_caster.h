@@ -27,7 +27,7 @@ class BundleCaster {
 
   /// As RayCaster::cast().
   void cast(const RayWorld& world, const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions,
-            std::span<RayHit> hits, std::span<const double> beyond_m);
+            std::span<RayHit> hits, std::span<const double> beyond_m, const HitsAreThere& there);
 
   /// As RayCaster::cast_from(), from places that the world serves.
   void cast_from(const RayWorld& world, const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> origins_m,

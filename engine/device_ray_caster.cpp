@@ -44,7 +44,7 @@ class DeviceRayCaster : public RayCaster {
   explicit DeviceRayCaster(Device& device) : device_(device), items_(device.impl().cache_folder) {}
   void set_world(const DrawList& list) override { list_ = &list; }
   void cast(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions, std::span<RayHit> hits,
-            std::span<const double> beyond_m) override;
+            std::span<const double> beyond_m, const HitsAreThere& there) override;
   void cast_from(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> origins_m,
                  std::span<const glm::dvec3> directions, std::span<RayHit> hits,
                  std::span<const double> beyond_m) override;
@@ -74,7 +74,7 @@ class DeviceRayCaster : public RayCaster {
 };
 
 void DeviceRayCaster::cast(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions,
-                           std::span<RayHit> hits, std::span<const double> beyond_m) {
+                           std::span<RayHit> hits, std::span<const double> beyond_m, const HitsAreThere& there) {
   SIMVIS_ASSERT(list_ != nullptr && hits.size() == directions.size());
   SIMVIS_ASSERT(beyond_m.empty() || beyond_m.size() == directions.size());
   update(glm::dvec3(world_from_sensor[3]));
@@ -85,6 +85,7 @@ void DeviceRayCaster::cast(const glm::dmat4& world_from_sensor, std::span<const 
     const std::span<const double> part_beyond_m = part_of(beyond_m, first, count);
     find_candidates(world_from_sensor, directions.subspan(first, count), part_beyond_m);
     decide(world_from_sensor, directions.subspan(first, count), hits.subspan(first, count), part_beyond_m);
+    if (there && count > 0) there(first, count);
   }
   items_.counters.rays += directions.size();
 }

@@ -18,7 +18,7 @@ class HostRayCaster : public RayCaster {
     current_ = false;
   }
   void cast(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions, std::span<RayHit> hits,
-            std::span<const double> beyond_m) override;
+            std::span<const double> beyond_m, const HitsAreThere& there) override;
   void cast_from(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> origins_m,
                  std::span<const glm::dvec3> directions, std::span<RayHit> hits,
                  std::span<const double> beyond_m) override;
@@ -38,11 +38,11 @@ class HostRayCaster : public RayCaster {
 };
 
 void HostRayCaster::cast(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions,
-                         std::span<RayHit> hits, std::span<const double> beyond_m) {
+                         std::span<RayHit> hits, std::span<const double> beyond_m, const HitsAreThere& there) {
   SIMVIS_ASSERT(list_ != nullptr && hits.size() == directions.size());
   SIMVIS_ASSERT(beyond_m.empty() || beyond_m.size() == directions.size());
   update(glm::dvec3(world_from_sensor[3]));
-  bundles_.cast(world(), world_from_sensor, directions, hits, beyond_m);
+  bundles_.cast(world(), world_from_sensor, directions, hits, beyond_m, there);
   items_.counters.rays += directions.size();
 }
 

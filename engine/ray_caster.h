@@ -28,6 +28,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <glm/glm.hpp>
 #include <limits>
 #include <memory>
@@ -51,6 +52,10 @@ struct RayHit {
 
   bool operator==(const RayHit&) const = default;
 };
+
+/// Told that hits[first] to hits[first + count - 1] are there, by whichever thread has cast them: several may be told
+/// at a time, each of other hits, and all before cast() returns.
+using HitsAreThere = std::function<void(std::size_t first, std::size_t count)>;
 
 /// What casting has cost since the caster was made, counted and not timed.
 struct RayCounters {
@@ -89,9 +94,10 @@ class RayCaster {
 
   /// Casts from the sensor's origin. `world_from_sensor` is rigid; directions are unit vectors in the sensor frame;
   /// hits[i] belongs to directions[i]. What ray i meets at or before the range `beyond_m[i]`, in metres, it passes:
-  /// empty, or as long as directions, each 0 or from 10^-30 to 10^18.
+  /// empty, or as long as directions, each 0 or from 10^-30 to 10^18. `there`, if given, goes on with hits while others
+  /// are still cast.
   virtual void cast(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions, std::span<RayHit> hits,
-                    std::span<const double> beyond_m = {}) = 0;
+                    std::span<const double> beyond_m = {}, const HitsAreThere& there = {}) = 0;
 
   /// From many places: hits[i] is, to the bit, what cast() gives for directions[i] where the sensor stands at
   /// glm::translate(world_from_sensor, origins_m[i]). Costs less where rays of one origin follow one another. On a

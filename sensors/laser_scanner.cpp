@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <mutex>
 #include <numbers>
 #include <sstream>
 
@@ -209,18 +210,24 @@ void LaserScanner::cast_beams(RayCaster& rays) {
   const std::span<const glm::dvec3> directions = every ? directions_ : cast_directions_;
   hits_.resize(directions.size());
   WorkTable work = renders() ? rendered_->work(list_->items.size()) : WorkTable{};
+  ToleranceCheck check(tolerance_);
+  std::mutex checking;
+  const auto read = [&](std::size_t first, std::size_t count) {
+    ToleranceCheck checked(tolerance_);
+    for (std::size_t i = first; i < first + count; ++i) {
+      const RangeEstimate range{hits_[i].range_m, hits_[i].error_bound_m};
+      Reading& reading = readings_[order_[every ? i : to_cast_[i]]];
+      reading = read_range(range, limits_);
+      if (desc_.method != ScanMethod::raycast) checked.add(range, reading);
+    }
+    const std::lock_guard lock(checking);
+    check.add(checked);
+  };
   if (!directions.empty()) {
     const RayCounters before = rays.counters();
-    rays.cast(moment_.world_from_sensor, directions, hits_);
+    rays.cast(moment_.world_from_sensor, directions, hits_, {}, read);
     add_cast(work, list_->items.size());
     add_rays(work, before, rays.counters());
-  }
-  ToleranceCheck check(tolerance_);
-  for (std::size_t i = 0; i < hits_.size(); ++i) {
-    const RangeEstimate range{hits_[i].range_m, hits_[i].error_bound_m};
-    Reading& reading = readings_[order_[every ? i : to_cast_[i]]];
-    reading = read_range(range, limits_);
-    if (desc_.method != ScanMethod::raycast) check.add(range, reading);
   }
   check.require(name_);
   if (desc_.method == ScanMethod::automatic) choice_.measured(work, costs_);

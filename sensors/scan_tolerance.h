@@ -1,6 +1,7 @@
 // How exact the ranges of a scan have to be, and what a reading and its bound are.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <string>
@@ -51,6 +52,13 @@ class ToleranceCheck {
 
   void add(const RangeEstimate& cast, const Reading& reading) {
     if (!tolerance_.met(reading)) add_unmet(cast);
+  }
+
+  /// All that another has seen, too.
+  void add(const ToleranceCheck& other) {
+    met_ = met_ && other.met_;
+    worst_m_ = std::max(worst_m_, other.worst_m_);
+    worst_rel_ = std::max(worst_rel_, other.worst_rel_);
   }
 
   /// Throws InputError at the attribute if the tolerance was not met: it names the sensor and the best reachable.

@@ -331,3 +331,24 @@ TEST_CASE("the company that rays travel in changes nothing") {
   for (std::size_t i = 0; i < directions.size(); i += 1000)
     CHECK(engine.cast_one(list, directions[i], pose) == hits[i]);
 }
+
+TEST_CASE("who wants hits as they come is told of each once, of threads at a time, before the cast returns") {
+  const RayEngine engine = each_engine();
+  const DrawList list = random_room(9, 60, 24);
+  std::mt19937 random(8);
+  for (const std::size_t rays : {0, 1, 20000}) {
+    std::vector<glm::dvec3> directions(rays);
+    for (glm::dvec3& direction : directions) direction = random_direction(random);
+    std::vector<RayHit> hits(rays), told(rays);
+    std::vector<int> times(rays, 0);  // no two threads are told of the same
+    engine.caster->set_world(list);
+    engine.caster->cast(at(0, 0, 1.2), directions, hits, {}, [&](std::size_t first, std::size_t count) {
+      for (std::size_t i = first; i < first + count; ++i) {
+        told[i] = hits[i];
+        ++times[i];
+      }
+    });
+    CHECK(told == hits);
+    CHECK(std::ranges::count(times, 1) == static_cast<std::ptrdiff_t>(rays));
+  }
+}
