@@ -88,8 +88,8 @@ SoPerspectiveCamera* camera_at(const glm::dmat4& world_from_sensor, double azimu
 /// The paper's method: each view is one row of a depth buffer.
 class DepthViews {
  public:
-  DepthViews(const CoinScene& scene, const std::vector<StillScan>& scans) {
-    for (const StillScan& scan : scans) {
+  DepthViews(const CoinScene& scene, const std::vector<PeerScan>& scans) {
+    for (const PeerScan& scan : scans) {
       const auto [low, high] = std::ranges::minmax(scan.azimuth_rad);
       const int views = std::max(1, static_cast<int>(std::ceil((high - low) / kQuarter - 1e-9)));
       const auto width_px = static_cast<int>(scan.azimuth_rad.size());
@@ -141,7 +141,7 @@ class DepthViews {
     double range_per_depth;
   };
 
-  void add_beams(const StillScan& scan, double middle, int views, std::size_t first_view, int width_px) {
+  void add_beams(const PeerScan& scan, double middle, int views, std::size_t first_view, int width_px) {
     for (const double azimuth : scan.azimuth_rad) {
       const double from_first = (azimuth - middle) / kQuarter + views / 2.0;
       const int view = std::clamp(static_cast<int>(from_first), 0, views - 1);
@@ -163,13 +163,13 @@ class DepthViews {
   std::vector<float> depth_, ranges_m_;
 };
 
-std::vector<float> pick(const CoinScene& scene, const std::vector<StillScan>& scans) {
+std::vector<float> pick(const CoinScene& scene, const std::vector<PeerScan>& scans) {
   std::vector<float> ranges_m;
   SoRayPickAction ray(SbViewportRegion(1, 1));
-  for (const StillScan& scan : scans) {
+  for (const PeerScan& scan : scans) {
     const glm::dvec3 origin(scan.world_from_sensor[3]);
     for (const glm::dvec3& direction : scan.directions) {
-      ray.setRay(to_coin(origin), to_coin(direction), kNear_m, kFar_m);
+      ray.setRay(to_coin(origin), to_coin(glm::dmat3(scan.world_from_sensor) * direction), kNear_m, kFar_m);
       ray.apply(scene.get());
       const SoPickedPoint* const point = ray.getPickedPoint();
       ranges_m.push_back(point == nullptr ? kNothing : (point->getPoint() - to_coin(origin)).length());
@@ -180,7 +180,7 @@ std::vector<float> pick(const CoinScene& scene, const std::vector<StillScan>& sc
 
 }  // namespace
 
-std::vector<Way> coin_ways(const DrawList& list, const std::vector<StillScan>& scans) {
+std::vector<Way> coin_ways(const DrawList& list, const std::vector<PeerScan>& scans) {
   const auto scene = std::make_shared<CoinScene>(make_coin_scene(list));
   const auto views = std::make_shared<DepthViews>(*scene, scans);
   for (int i = 0; i < kUntilCached; ++i) views->measure();

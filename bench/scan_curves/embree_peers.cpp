@@ -39,7 +39,7 @@ class Helper {
   std::jthread thread_{[this](const std::stop_token& stop) { run(stop); }};
 };
 
-/// The rays of all scans, and what they met.
+/// The rays of all scans, in the world, and what they met.
 struct Rays {
   struct OfScan {
     glm::vec3 origin;
@@ -48,11 +48,16 @@ struct Rays {
   };
   std::vector<OfScan> scans;
 
-  explicit Rays(const std::vector<StillScan>& still) {
-    for (const StillScan& scan : still) {
-      scans.push_back({glm::vec3(scan.world_from_sensor[3]),
-                       {scan.directions.begin(), scan.directions.end()},
-                       std::vector<float>(scan.directions.size())});
+  void take(const std::vector<PeerScan>& peers) {
+    scans.resize(peers.size());
+    for (std::size_t i = 0; i < peers.size(); ++i) {
+      const glm::dmat4& pose = peers[i].world_from_sensor;
+      scans[i].origin = glm::vec3(pose[3]);
+      scans[i].directions.clear();
+      for (const glm::dvec3& direction : peers[i].directions) {
+        scans[i].directions.emplace_back(glm::dmat3(pose) * direction);
+      }
+      scans[i].ranges_m.resize(peers[i].directions.size());
     }
   }
 
@@ -79,22 +84,31 @@ void cast_part(const BareEmbree& embree, Cast cast, Rays& rays, std::size_t part
 
 }  // namespace
 
-std::vector<Way> embree_ways(const DrawList& list, const std::vector<StillScan>& scans) {
+std::vector<Way> embree_ways(const DrawList& list, PeerScans& scans) {
   const auto embree = std::make_shared<BareEmbree>(list, glm::dmat4(1.0));
-  const auto rays = std::make_shared<Rays>(scans);
+  const auto rays = std::make_shared<Rays>();
   const auto helper = std::make_shared<Helper>();
   std::vector<Way> ways;
   for (const auto& [name, cast] : {std::pair<const char*, Cast>{"embree 1", &BareEmbree::cast_singly},
                                    std::pair<const char*, Cast>{"embree 16", &BareEmbree::cast_in_packets}}) {
+    const auto rest = [&scans] { scans.rest(); };
+    const auto move = [&scans, rays](int frame) {
+      scans.go_to(frame);
+      rays->take(scans.scans());
+    };
     const auto ranges_m = [rays] { return rays->all_ranges(); };
     ways.push_back({.name = name,
                     .max_error_rel = {},
                     .threads = 1,
+                    .begin_turn = rest,
+                    .move = move,
                     .set = [embree, rays, cast = cast] { cast_part(*embree, cast, *rays, 0, 1); },
                     .ranges_m = ranges_m});
     ways.push_back({.name = name,
                     .max_error_rel = {},
                     .threads = 2,
+                    .begin_turn = rest,
+                    .move = move,
                     .set =
                         [embree, rays, helper, cast = cast] {
                           helper->begin([&] { cast_part(*embree, cast, *rays, 1, 2); });

@@ -4,9 +4,10 @@
 //   scan_curves [SECONDS [MOST_TRIANGLES]]
 //
 // Prints CSV, one line for each way at each point; SECONDS (10) go to each point, labs end at MOST_TRIANGLES (10^7). A
-// set is a whole frame of all scanners, from parameters to ranges in the caller's memory, with the robot moving; peers
-// measure the same beams from where it stood at first, and nothing moves for them. `caller_cpu_ms` is processor time of
-// the calling thread. `error_rel` is the median difference to the ranges of `raycast`, beams that hit nothing aside.
+// set is a whole frame of all scanners, from parameters to ranges in the caller's memory, with the robot moving. Embree
+// casts the same beams from where it is, in a scene in which nothing moves, Coin from where it was at first.
+// `caller_cpu_ms` is processor time of the calling thread. `error_rel` is the median difference to the ranges of
+// `raycast`, beams that hit nothing aside.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -17,7 +18,7 @@
 
 #include "bench/scan_curves/coin_peers.h"
 #include "bench/scan_curves/embree_peers.h"
-#include "bench/scan_curves/still_scans.h"
+#include "bench/scan_curves/peer_scans.h"
 #include "bench/scan_curves/ways.h"
 #include "bench/scenes/finer_part.h"
 #include "bench/scenes/lab.h"
@@ -43,7 +44,7 @@ struct Point {
   std::string curve;
   int rings = 1, samples = 361;
   std::vector<std::string> scanners;
-  std::function<void(Simulation&, int frame)> drive;
+  PeerScans::Drive drive;
   bool coin = false;
 };
 
@@ -72,26 +73,21 @@ void print(const Point& point, std::size_t triangles, const std::vector<Way>& wa
 }
 
 void measure(const Point& point, Simulation& simulation, double seconds) {
-  int frame = 0;
-  std::vector<Way> ways = simvis_ways(simulation, point.scanners, [&] { point.drive(simulation, ++frame); });
+  std::vector<Way> ways = simvis_ways(simulation, point.scanners, [&](int frame) { point.drive(simulation, frame); });
   const auto raycast = std::ranges::find(ways, "raycast", &Way::name) - ways.begin();
-  point.drive(simulation, 0);
-  for (const std::string& scanner : point.scanners) simulation.enable(scanner, true);
-  simulation.step();
-  const std::vector<StillScan> scans = still_scans(simulation, point.scanners);
-  for (const std::string& scanner : point.scanners) simulation.enable(scanner, false);
+  PeerScans scans(simulation, point.scanners, point.drive);
   for (Way& way : embree_ways(simulation.draw_list(), scans)) ways.push_back(std::move(way));
   const std::size_t triangles = triangles_of(simulation.draw_list());
   if (point.coin) {
-    for (Way& way : coin_ways(simulation.draw_list(), scans)) ways.push_back(std::move(way));
+    for (Way& way : coin_ways(simulation.draw_list(), scans.scans())) ways.push_back(std::move(way));
   }
   time_ways(ways, seconds);
 
   std::vector<std::vector<float>> ranges_m;
   for (Way& way : ways) {
     way.begin_turn();
-    if (way.threads == 0) {
-      point.drive(simulation, 0);
+    if (way.move) {
+      way.move(0);
       way.set();
     }
     ranges_m.push_back(way.ranges_m());

@@ -37,7 +37,7 @@ std::vector<float> all_ranges(const Simulation& simulation, const std::vector<st
 }  // namespace
 
 std::vector<Way> simvis_ways(Simulation& simulation, const std::vector<std::string>& scanners,
-                             const std::function<void()>& move) {
+                             const std::function<void(int frame)>& move) {
   for (const SensorInfo& sensor : simulation.sensors()) simulation.enable(sensor.name, false);
   const auto on = std::make_shared<std::vector<std::string>>();
   std::vector<Way> ways;
@@ -68,6 +68,11 @@ std::vector<Way> simvis_ways(Simulation& simulation, const std::vector<std::stri
 void time_ways(std::vector<Way>& ways, double seconds) {
   const double share_ms = 1e3 * seconds / static_cast<double>(ways.size());
   std::vector<double> spent_ms(ways.size());
+  int frame = 0;
+  const auto move_on = [&](const Way& way) {
+    ++frame;
+    if (way.move) way.move(frame);
+  };
   const auto is_done = [&](std::size_t i) {
     const std::size_t sets = ways[i].took.size();
     return spent_ms[i] >= share_ms && (sets >= kLeastSets || (sets > 0 && spent_ms[i] >= kLong * share_ms));
@@ -79,10 +84,10 @@ void time_ways(std::vector<Way>& ways, double seconds) {
       any = true;
       Way& way = ways[i];
       way.begin_turn();
-      way.move();
+      move_on(way);
       spent_ms[i] += time_work(way.set).wall_ms;
       for (int set = 0; set < kSetsPerTurn && !is_done(i); ++set) {
-        way.move();
+        move_on(way);
         way.took.push_back(time_work(way.set));
         spent_ms[i] += way.took.back().wall_ms;
       }
