@@ -19,11 +19,12 @@ std::size_t together(std::span<const glm::dvec3> origins_m, std::size_t first) {
   return end - first;
 }
 
+// No bundle has rays of two groups.
 void cast_bundles(RayView& view, const WideBvh& tree, std::span<const glm::dvec3> directions, std::span<RayHit> hits,
-                  std::span<const double> beyond_m) {
+                  std::span<const double> beyond_m, std::size_t group) {
   for (std::size_t first = 0; first < directions.size();) {
-    const std::size_t left = directions.size() - first;
-    RayBundle bundle(directions.subspan(first), part_of(beyond_m, first, left));
+    const std::size_t left = std::min(group - first % group, directions.size() - first);
+    RayBundle bundle(directions.subspan(first, left), part_of(beyond_m, first, left));
     walk_bundle(view, tree, bundle);
     finish_bundle(view, bundle, hits.data() + first);
     first += bundle.count;
@@ -35,9 +36,11 @@ void cast_bundles(RayView& view, const WideBvh& tree, std::span<const glm::dvec3
 void BundleCaster::cast(const RayWorld& world, const glm::dmat4& world_from_sensor,
                         std::span<const glm::dvec3> directions, std::span<RayHit> hits,
                         std::span<const double> beyond_m, const HitsAreThere& there) {
+  // Those who order many rays have neighbours in groups; else bundles are the fewer the longer they may run on.
+  const std::size_t group = directions.size() > kPiece ? RayCaster::kTogether : kPiece;
   share(world, world_from_sensor, directions.size(), [&](RayView& view, std::size_t first, std::size_t count) {
     cast_bundles(view, world.tree, directions.subspan(first, count), hits.subspan(first, count),
-                 part_of(beyond_m, first, count));
+                 part_of(beyond_m, first, count), group);
     if (there) there(first, count);
   });
 }
@@ -50,7 +53,7 @@ void BundleCaster::cast_from(const RayWorld& world, const glm::dmat4& world_from
       group = std::min(together(origins_m, ray), first + count - ray);
       view.begin(world.list, world.items, glm::translate(world_from_sensor, origins_m[ray]));
       cast_bundles(view, world.tree, directions.subspan(ray, group), hits.subspan(ray, group),
-                   part_of(beyond_m, ray, group));
+                   part_of(beyond_m, ray, group), group);
     }
   });
 }

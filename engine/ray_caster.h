@@ -80,7 +80,8 @@ struct RayCounters {
 /// Threading  one thread at a time; cast() itself uses all cores for many rays, and gives the same on any number.
 class RayCaster {
  public:
-  /// Rays that follow one another are cast together, up to so many: it costs less where they are neighbours.
+  /// Rays that follow one another are cast together, up to so many: it costs less where they are neighbours. Of very
+  /// many rays these are the first so many, the next so many, and so on.
   static constexpr std::uint32_t kTogether = 32;
 
   RayCaster() = default;

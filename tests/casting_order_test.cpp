@@ -50,17 +50,22 @@ TEST_CASE("the beams of a single ring are cast one after another") {
 
 TEST_CASE("beams that travel together are neighbours along and across the rings") {
   // Rings 0.45 degrees apart, beams 0.25: four rings of eight beams take 2 degrees of width and 1.8 of height, eight of
-  // four would take 1 and 3.6.
+  // four would take 1 and 3.6. One column is left over in each four of the rings.
   const ScanPattern pattern{
       .samples = 1441, .rings = 8, .max_azimuth_rad = 2 * kPi, .max_elevation_rad = 7 * 0.45 * kPi / 180};
   const std::vector<std::uint32_t> order = casting_order(pattern);
-  std::set<std::uint32_t> rings, columns;
-  for (std::uint32_t i = 0; i < RayCaster::kTogether; ++i) {
-    rings.insert(order[i] / pattern.samples);
-    columns.insert(order[i] % pattern.samples);
+  for (std::size_t first = 0; first < std::size_t{2 * 180} * RayCaster::kTogether; first += RayCaster::kTogether) {
+    CAPTURE(first);
+    std::set<std::uint32_t> rings, columns;
+    for (std::size_t i = first; i < first + RayCaster::kTogether; ++i) {
+      rings.insert(order[i] / pattern.samples);
+      columns.insert(order[i] % pattern.samples);
+    }
+    CHECK(rings.size() == 4);
+    CHECK(*rings.rbegin() - *rings.begin() == 3);
+    CHECK(columns.size() == 8);
+    CHECK(*columns.rbegin() - *columns.begin() == 7);
   }
-  CHECK(rings.size() == 4);
-  CHECK(columns.size() == 8);
 }
 
 }  // namespace
