@@ -53,15 +53,19 @@ struct Incident {
 };
 
 // Source: KHR_lights_punctual, "Range Property" and "Inner and Outer Cone Angles".
+//
+// Here and below nothing branches by a uniform's value alone: lavapipe compiles such a shader anew whenever the uniforms
+// are bound, which takes a millisecond for each view.
 Incident incident(LightBlock light) {
-  if (light.position.w == 0.0) return Incident(-light.direction.xyz, 1.0);
+  const bool directional = light.position.w == 0.0;
   const vec3 to_light = light.position.xyz - in_position;
   const float square = max(dot(to_light, to_light), kLeastSquare);
   const vec3 toward = to_light * inversesqrt(square);
   const float relative = square * light.direction.w * light.direction.w;  // (distance / range)^2
   const float window = clamp(1.0 - relative * relative, 0.0, 1.0);
   const float cone = clamp(-dot(toward, light.direction.xyz) * light.cone.x + light.cone.y, 0.0, 1.0);
-  return Incident(toward, window * cone * cone / square);
+  return Incident(mix(toward, -light.direction.xyz, bvec3(directional)),
+                  mix(window * cone * cone / square, 1.0, directional));
 }
 
 void shade() {
@@ -93,10 +97,13 @@ void shade() {
     vec3 sum = vec3(0.0);
     for (uint i = 0u; i < kLightCount; ++i) {
       Incident light = incident(lights[i]);
+      const float cosine = max(0.0, dot(normal, light.toward));
 #ifdef SHADOWED
-      if (lights[i].cone.z > 0.0) light.share *= free_share(shadows[uint(lights[i].cone.z) - 1u], plane_normal, reach);
+      if (min(lights[i].cone.z, cosine) > 0.0) {
+        light.share *= free_share(shadows[uint(lights[i].cone.z) - 1u], plane_normal, reach);
+      }
 #endif
-      const vec3 lux = lights[i].intensity.rgb * (light.share * max(0.0, dot(normal, light.toward)));
+      const vec3 lux = lights[i].intensity.rgb * (light.share * cosine);
       if (kGlossy) {
         const Reflected reflected =
             reflect_light(normal_reflectance, surface.roughness, normal, light.toward, -normalize(in_position));
