@@ -54,8 +54,8 @@ struct Incident {
 
 // Source: KHR_lights_punctual, "Range Property" and "Inner and Outer Cone Angles".
 //
-// Here and below nothing branches by a uniform's value alone: lavapipe compiles such a shader anew whenever the uniforms
-// are bound, which takes a millisecond for each view.
+// No branch here or below depends on uniforms at constant places alone: lavapipe would take these for constants, and
+// compile the shader anew whenever uniforms are bound, which takes a millisecond for each view.
 Incident incident(LightBlock light) {
   const bool directional = light.position.w == 0.0;
   const vec3 to_light = light.position.xyz - in_position;
@@ -99,6 +99,7 @@ void shade() {
       Incident light = incident(lights[i]);
       const float cosine = max(0.0, dot(normal, light.toward));
 #ifdef SHADOWED
+      // What is turned away from the light needs no look.
       if (min(lights[i].cone.z, cosine) > 0.0) {
         light.share *= free_share(shadows[uint(lights[i].cone.z) - 1u], plane_normal, reach);
       }

@@ -332,7 +332,23 @@ TEST_CASE("the company that rays travel in changes nothing") {
     CHECK(engine.cast_one(list, directions[i], pose) == hits[i]);
 }
 
-TEST_CASE("who wants hits as they come is told of each once, of threads at a time, before the cast returns") {
+TEST_CASE("of many rays those of one group travel together, and with no others") {
+  // Two boxes side by side. Groups of rays look at one and the other in turns; the first ray of all looks elsewhere.
+  DrawList list;
+  add_item(list, box_mesh({0.1, 0.1, 0.1}), at(2, 0.25, 0));
+  add_item(list, box_mesh({0.1, 0.1, 0.1}), at(2, -0.25, 0));
+  constexpr std::size_t kGroups = 64, kGroup = RayCaster::kTogether;
+  std::vector<glm::dvec3> directions;
+  for (std::size_t i = 0; i < kGroups * kGroup; ++i) {
+    const double side = i / kGroup % 2 == 0 ? 0.25 : -0.25;
+    directions.push_back(i == 0 ? glm::dvec3(-1, 0, 0) : glm::normalize(glm::dvec3(2, side, 1e-3 * (i % kGroup))));
+  }
+  const RayEngine host = host_engine();
+  host.cast(list, glm::dmat4(1.0), directions);
+  CHECK(host.caster->counters().item_tests == kGroups);
+}
+
+TEST_CASE("of each hit is told once, by whichever thread, before the cast returns") {
   const RayEngine engine = each_engine();
   const DrawList list = random_room(9, 60, 24);
   std::mt19937 random(8);

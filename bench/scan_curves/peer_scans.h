@@ -26,6 +26,7 @@ class PeerScans {
 
   /// Switches all sensors of the simulation off, so that go_to() measures nothing.
   void rest();
+  /// Takes the robot, and so the scanners, to where they are in a frame.
   void go_to(int frame);
 
   const std::vector<PeerScan>& scans() const { return scans_; }
