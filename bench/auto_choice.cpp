@@ -13,12 +13,12 @@
 #include <string>
 #include <vector>
 
-#include "engine/ray_caster.h"
-#include "scenegraph/pose.h"
-#include "sensors/laser_scanner.h"
-#include "sensors/scan_calibration.h"
-#include "simvis/simulation.h"
-#include "simvis/trajectory.h"
+#include <simvis/pose.h>
+#include <simvis/ray_caster.h>
+#include <simvis/simulation.h>
+#include <simvis/trajectory.h>
+#include "sensors/laser_scanner/laser_scanner.h"
+#include "sensors/laser_scanner/scan_calibration.h"
 
 namespace {
 

@@ -10,8 +10,8 @@
 #include <span>
 #include <vector>
 
+#include <simvis/draw_list.h>
 #include "bench/embree_handles.h"
-#include "engine/draw_list.h"
 
 namespace simvis::bench {
 

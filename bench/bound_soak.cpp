@@ -26,14 +26,14 @@
 #include <string>
 #include <vector>
 
+#include <simvis/device.h>
+#include <simvis/error.h>
+#include <simvis/ray_caster.h>
+#include <simvis/renderer.h>
 #include "bench/random_worlds.h"
-#include "engine/device.h"
-#include "engine/error.h"
-#include "engine/ray_caster.h"
-#include "engine/ray_triangle.h"
-#include "engine/renderer.h"
-#include "engine/view_projection.h"
-#include "sensors/laser_scanner.h"
+#include "engine/geometry/view_projection.h"
+#include "engine/raycast/ray_triangle.h"
+#include "sensors/laser_scanner/laser_scanner.h"
 
 namespace {
 

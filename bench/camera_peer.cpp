@@ -27,13 +27,13 @@
 #include <stdexcept>
 #include <vector>
 
+#include <simvis/device.h>
+#include <simvis/renderer.h>
+#include <simvis/simulation.h>
+#include <simvis/trajectory.h>
 #include "bench/scenes/lab.h"
 #include "bench/scenes/scene_folder.h"
 #include "bench/timing.h"
-#include "engine/device.h"
-#include "engine/renderer.h"
-#include "simvis/simulation.h"
-#include "simvis/trajectory.h"
 
 namespace {
 

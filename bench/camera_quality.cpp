@@ -16,8 +16,8 @@
 #include <string>
 #include <vector>
 
-#include "simvis/png_file.h"
-#include "simvis/simulation.h"
+#include <simvis/simulation.h>
+#include "simvis/output/png_file.h"
 
 namespace {
 

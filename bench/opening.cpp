@@ -16,8 +16,8 @@
 #include <cstdlib>
 #include <string>
 
+#include <simvis/simulation.h>
 #include "bench/big_world.h"
-#include "simvis/simulation.h"
 
 namespace {
 

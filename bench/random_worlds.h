@@ -14,10 +14,10 @@
 #include <random>
 #include <utility>
 
-#include "engine/draw_list.h"
-#include "scenegraph/pose.h"
-#include "scenegraph/primitive_meshes.h"
-#include "simvis/simulation.h"
+#include <simvis/draw_list.h>
+#include <simvis/pose.h>
+#include <simvis/simulation.h>
+#include "scenegraph/import/urdf/primitive_meshes.h"
 
 namespace simvis {
 

@@ -14,12 +14,12 @@
 #include <string>
 #include <vector>
 
+#include <simvis/device.h>
+#include <simvis/pose.h>
+#include <simvis/ray_caster.h>
+#include <simvis/simulation.h>
+#include <simvis/trajectory.h>
 #include "bench/bare_embree.h"
-#include "engine/device.h"
-#include "engine/ray_caster.h"
-#include "scenegraph/pose.h"
-#include "simvis/simulation.h"
-#include "simvis/trajectory.h"
 
 namespace {
 

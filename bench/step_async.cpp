@@ -13,8 +13,8 @@
 #include <string>
 #include <vector>
 
-#include "simvis/simulation.h"
-#include "simvis/trajectory.h"
+#include <simvis/simulation.h>
+#include <simvis/trajectory.h>
 
 namespace {
 

@@ -15,8 +15,8 @@
 #include <string>
 #include <vector>
 
-#include "simvis/simulation.h"
-#include "simvis/trajectory.h"
+#include <simvis/simulation.h>
+#include <simvis/trajectory.h>
 
 int main(int argc, char** argv) {
   using namespace simvis;

@@ -1,13 +1,11 @@
 # What `cmake --install` puts where, and what makes find_package(simvis) work.
-# Headers keep their folders under include/simvis, because they include one another from there ("engine/mesh.h").
 include(CMakePackageConfigHelpers)
 
 install(TARGETS simvis EXPORT simvisTargets)
 if(TARGET simvis-run)
   install(TARGETS simvis-run)
 endif()
-install(DIRECTORY engine scenegraph elements effects sensors simvis shaders DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/simvis
-        FILES_MATCHING PATTERN "*.h")
+install(DIRECTORY include/simvis DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/simvis)
 install(EXPORT simvisTargets NAMESPACE simvis:: DESTINATION ${package_folder})

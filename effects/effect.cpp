@@ -1,8 +1,8 @@
-#include "effects/effect.h"
+#include <simvis/effect.h>
 
 #include <algorithm>
 
-#include "scenegraph/type_registry.h"
+#include "scenegraph/language/type_registry.h"
 
 namespace simvis {
 namespace {

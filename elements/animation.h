@@ -9,7 +9,7 @@
 
 #include <memory>
 
-#include "elements/element.h"
+#include <simvis/element.h>
 #include "scenegraph/part_player.h"
 
 namespace simvis {

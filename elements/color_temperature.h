@@ -6,8 +6,8 @@
 //          (Rec. 709) stays what it was.
 #pragma once
 
-#include "elements/element.h"
-#include "scenegraph/node.h"
+#include <simvis/element.h>
+#include <simvis/node.h>
 
 namespace simvis {
 

@@ -1,6 +1,6 @@
-#include "elements/element.h"
+#include <simvis/element.h>
 
-#include "scenegraph/type_registry.h"
+#include "scenegraph/language/type_registry.h"
 
 namespace simvis {
 namespace {

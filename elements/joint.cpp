@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "scenegraph/pose.h"
+#include <simvis/pose.h>
 
 namespace simvis {
 namespace {

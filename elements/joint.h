@@ -9,9 +9,9 @@
 #include <functional>
 #include <vector>
 
-#include "elements/element.h"
+#include <simvis/element.h>
+#include <simvis/node.h>
 #include "elements/joint_motion.h"
-#include "scenegraph/node.h"
 
 namespace simvis {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scenegraph/pose.h"
+#include <simvis/pose.h>
 
 namespace simvis {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <glm/glm.hpp>
 
-#include "scenegraph/attributes.h"
+#include <simvis/attributes.h>
 
 namespace simvis {
 

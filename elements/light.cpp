@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "scenegraph/clone_graph.h"
-#include "scenegraph/pose.h"
+#include <simvis/clone_graph.h>
+#include <simvis/pose.h>
 #include "shaders/interop.h"
 
 namespace simvis {

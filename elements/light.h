@@ -13,8 +13,8 @@
 // Special  a scene with a light element is not lit by the built-in light.
 #pragma once
 
-#include "elements/element.h"
-#include "scenegraph/node.h"
+#include <simvis/element.h>
+#include <simvis/node.h>
 
 namespace simvis {
 

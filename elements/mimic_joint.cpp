@@ -1,9 +1,9 @@
 #include "elements/mimic_joint.h"
 
+#include <simvis/node.h>
+#include <simvis/pose.h>
 #include "elements/joint.h"
 #include "elements/joint_motion.h"
-#include "scenegraph/node.h"
-#include "scenegraph/pose.h"
 
 namespace simvis {
 namespace {

@@ -9,7 +9,7 @@
 // Parameters  none.
 #pragma once
 
-#include "elements/element.h"
+#include <simvis/element.h>
 
 namespace simvis {
 

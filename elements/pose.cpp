@@ -1,6 +1,6 @@
 #include "elements/pose.h"
 
-#include "scenegraph/pose.h"
+#include <simvis/pose.h>
 
 namespace simvis {
 namespace {

@@ -7,8 +7,8 @@
 // Parameters  x y z (m), roll pitch yaw (deg), all live. Angles of any size are reduced exactly.
 #pragma once
 
-#include "elements/element.h"
-#include "scenegraph/node.h"
+#include <simvis/element.h>
+#include <simvis/node.h>
 
 namespace simvis {
 

@@ -6,8 +6,8 @@
 //          what is mirrored would have a left-handed frame, and one on what is scaled to nothing none at all.
 #pragma once
 
-#include "elements/element.h"
-#include "scenegraph/node.h"
+#include <simvis/element.h>
+#include <simvis/node.h>
 
 namespace simvis {
 

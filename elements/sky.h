@@ -8,8 +8,8 @@
 // Several  the last in order of traversal counts.
 #pragma once
 
-#include "elements/element.h"
-#include "scenegraph/node.h"
+#include <simvis/element.h>
+#include <simvis/node.h>
 
 namespace simvis {
 

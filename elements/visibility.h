@@ -6,8 +6,8 @@
 //          between two rows. Hidden within hidden stays hidden. Sensors that follow keep measuring.
 #pragma once
 
-#include "elements/element.h"
-#include "scenegraph/node.h"
+#include <simvis/element.h>
+#include <simvis/node.h>
 
 namespace simvis {
 

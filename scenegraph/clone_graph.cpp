@@ -1,8 +1,8 @@
-#include "scenegraph/clone_graph.h"
+#include <simvis/clone_graph.h>
 
 #include <unordered_set>
 
-#include "engine/assert.h"
+#include "engine/base/assert.h"
 
 namespace simvis {
 namespace {

@@ -1,4 +1,4 @@
-#include "scenegraph/content_pool.h"
+#include <simvis/content_pool.h>
 
 #include <algorithm>
 #include <cstring>

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <unordered_set>
 
-#include "engine/assert.h"
-#include "engine/error.h"
+#include <simvis/error.h>
+#include "engine/base/assert.h"
 
 namespace simvis {
 

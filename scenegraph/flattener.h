@@ -6,8 +6,8 @@
 #include <unordered_map>
 #include <vector>
 
-#include "engine/draw_list.h"
-#include "scenegraph/node.h"
+#include <simvis/draw_list.h>
+#include <simvis/node.h>
 
 namespace simvis {
 

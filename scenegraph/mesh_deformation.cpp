@@ -1,11 +1,11 @@
-#include "scenegraph/mesh_deformation.h"
+#include <simvis/mesh_deformation.h>
 
 #include <cmath>
 #include <limits>
 #include <numeric>
 #include <utility>
 
-#include "engine/assert.h"
+#include "engine/base/assert.h"
 
 namespace simvis {
 namespace {

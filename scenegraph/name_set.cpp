@@ -1,4 +1,4 @@
-#include "scenegraph/name_set.h"
+#include <simvis/name_set.h>
 
 namespace simvis {
 

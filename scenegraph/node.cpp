@@ -1,9 +1,9 @@
-#include "scenegraph/node.h"
+#include <simvis/node.h>
 
 #include <algorithm>
 #include <iterator>
 
-#include "engine/assert.h"
+#include "engine/base/assert.h"
 
 namespace simvis {
 

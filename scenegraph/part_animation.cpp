@@ -1,4 +1,4 @@
-#include "scenegraph/part_animation.h"
+#include <simvis/part_animation.h>
 
 #include <algorithm>
 #include <cmath>

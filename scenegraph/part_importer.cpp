@@ -1,10 +1,10 @@
-#include "scenegraph/part_importer.h"
+#include <simvis/part_importer.h>
 
 #include <algorithm>
 #include <map>
 #include <utility>
 
-#include "engine/assert.h"
+#include "engine/base/assert.h"
 
 namespace simvis {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "engine/assert.h"
+#include "engine/base/assert.h"
 
 namespace simvis {
 namespace {

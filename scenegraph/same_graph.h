@@ -1,7 +1,7 @@
 // Whether two graphs hold the same, so that one can stand for both.
 #pragma once
 
-#include "scenegraph/node.h"
+#include <simvis/node.h>
 
 namespace simvis {
 

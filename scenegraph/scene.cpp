@@ -1,11 +1,11 @@
-#include "scenegraph/scene.h"
+#include <simvis/scene.h>
 
 #include <algorithm>
 
-#include "engine/assert.h"
-#include "scenegraph/attributes.h"
-#include "scenegraph/part_importer.h"
-#include "scenegraph/pose_attribute.h"
+#include <simvis/attributes.h>
+#include <simvis/part_importer.h>
+#include "engine/base/assert.h"
+#include "scenegraph/language/pose_attribute.h"
 #include "scenegraph/same_graph.h"
 
 namespace simvis {

@@ -1,7 +1,7 @@
-#include "sensors/sensor.h"
+#include <simvis/sensor.h>
 
-#include "effects/effect.h"
-#include "scenegraph/type_registry.h"
+#include <simvis/effect.h>
+#include "scenegraph/language/type_registry.h"
 
 namespace simvis {
 namespace {

@@ -1,9 +1,9 @@
-#include "sensors/sensor_preset.h"
+#include <simvis/sensor_preset.h>
 
 #include <algorithm>
 #include <vector>
 
-#include "sensors/sensor.h"
+#include <simvis/sensor.h>
 
 namespace simvis {
 

@@ -5,8 +5,8 @@
 #include <optional>
 #include <string>
 
-#include "engine/assert.h"
-#include "engine/error.h"
+#include <simvis/error.h>
+#include "engine/base/assert.h"
 
 namespace simvis {
 

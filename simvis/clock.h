@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "sensors/sensor.h"
+#include <simvis/sensor.h>
 
 namespace simvis {
 

@@ -3,7 +3,7 @@
 
 #include <numbers>
 
-#include "engine/draw_list.h"
+#include <simvis/draw_list.h>
 
 namespace simvis {
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "scenegraph/command.h"
+#include <simvis/command.h>
 #include "simvis/scene_builder.h"
 
 namespace simvis {

@@ -1,10 +1,10 @@
-#include "simvis/parameters.h"
+#include <simvis/parameters.h>
 
 #include <algorithm>
 
-#include "engine/assert.h"
-#include "engine/error.h"
-#include "scenegraph/location.h"
+#include <simvis/error.h>
+#include <simvis/location.h>
+#include "engine/base/assert.h"
 
 namespace simvis {
 

@@ -1,10 +1,10 @@
-#include "simvis/plugin.h"
+#include <simvis/plugin.h>
 
 #include <dlfcn.h>
 
 #include <string>
 
-#include "engine/error.h"
+#include <simvis/error.h>
 
 namespace simvis {
 

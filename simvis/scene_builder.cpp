@@ -5,8 +5,8 @@
 #include <optional>
 #include <utility>
 
-#include "engine/assert.h"
-#include "scenegraph/pose_attribute.h"
+#include "engine/base/assert.h"
+#include "scenegraph/language/pose_attribute.h"
 
 namespace simvis {
 namespace {

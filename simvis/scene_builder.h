@@ -10,13 +10,13 @@
 #include <string_view>
 #include <vector>
 
-#include "elements/element.h"
-#include "scenegraph/command.h"
-#include "scenegraph/name_set.h"
-#include "scenegraph/scene.h"
-#include "sensors/sensor.h"
-#include "simvis/parameters.h"
-#include "simvis/simulation.h"
+#include <simvis/command.h>
+#include <simvis/element.h>
+#include <simvis/name_set.h>
+#include <simvis/parameters.h>
+#include <simvis/scene.h>
+#include <simvis/sensor.h>
+#include <simvis/simulation.h>
 
 namespace simvis {
 

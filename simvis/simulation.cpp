@@ -1,16 +1,16 @@
-#include "simvis/simulation.h"
+#include <simvis/simulation.h>
 
 #include <algorithm>
 #include <exception>
 #include <optional>
 #include <utility>
 
-#include "effects/effect.h"
-#include "effects/shadows.h"
-#include "engine/assert.h"
-#include "engine/cache_file.h"
-#include "engine/device_costs.h"
-#include "sensors/scan_calibration.h"
+#include <simvis/device_costs.h>
+#include <simvis/effect.h>
+#include "effects/scene/shadows.h"
+#include "engine/base/assert.h"
+#include "engine/base/cache_file.h"
+#include "sensors/laser_scanner/scan_calibration.h"
 #include "simvis/clock.h"
 #include "simvis/live_scene.h"
 #include "simvis/mount_frame.h"

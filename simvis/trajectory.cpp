@@ -1,11 +1,11 @@
-#include "simvis/trajectory.h"
+#include <simvis/trajectory.h>
 
 #include <algorithm>
 #include <cmath>
 #include <string>
 #include <string_view>
 
-#include "scenegraph/source_text.h"
+#include "scenegraph/language/source_text.h"
 
 namespace simvis {
 namespace {

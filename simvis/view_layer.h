@@ -6,13 +6,13 @@
 #include <span>
 #include <vector>
 
-#include "engine/device.h"
-#include "engine/frame_plan.h"
-#include "engine/ray_caster.h"
-#include "engine/renderer.h"
+#include <simvis/device.h>
+#include <simvis/frame_plan.h>
+#include <simvis/ray_caster.h>
+#include <simvis/renderer.h>
+#include <simvis/sensor_cost.h>
 #include "scenegraph/flattener.h"
 #include "simvis/scene_builder.h"
-#include "simvis/sensor_cost.h"
 
 namespace simvis {
 

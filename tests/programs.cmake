@@ -4,8 +4,7 @@ if(SIMVIS_SANITIZE MATCHES "undefined")
   add_compile_options(-fno-sanitize=undefined)
 endif()
 
-file(GLOB shared CONFIGURE_DEPENDS *.cpp)
-list(REMOVE_ITEM shared ${tests})
+file(GLOB shared CONFIGURE_DEPENDS support/*.cpp)
 add_library(simvis_test_main STATIC ${shared})
 target_link_libraries(simvis_test_main PUBLIC simvis OpenEXR::OpenEXR nlohmann_json::nlohmann_json PkgConfig::stb
                                               ${CMAKE_DL_LIBS})
@@ -24,7 +23,7 @@ foreach(source IN LISTS tests)
   elseif(SIMVIS_PRECOMPILE)
     set(first ${name})
     target_precompile_headers(${name} PRIVATE <doctest/doctest.h> <filesystem> <fstream> <glm/gtc/matrix_transform.hpp>
-                                              <random> <sstream> gltf_fixture.h ${PROJECT_SOURCE_DIR}/simvis/simulation.h)
+                                              <random> <sstream> support/gltf_fixture.h <simvis/simulation.h>)
   endif()
 endforeach()
 

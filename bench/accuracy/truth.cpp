@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "scenegraph/pose.h"
+#include <simvis/pose.h>
 
 namespace simvis::bench {
 

@@ -10,8 +10,8 @@
 #include <span>
 #include <vector>
 
-#include "engine/ray_caster.h"
-#include "scenegraph/scan.h"
+#include <simvis/ray_caster.h>
+#include <simvis/scan.h>
 
 namespace simvis::bench {
 

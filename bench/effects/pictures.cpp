@@ -5,7 +5,7 @@
 #include <fstream>
 
 #include "bench/effects/yard.h"
-#include "simvis/png_file.h"
+#include "simvis/output/png_file.h"
 
 namespace simvis::bench {
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <string_view>
 
-#include "effects/effect.h"
-#include "simvis/simulation.h"
+#include <simvis/effect.h>
+#include <simvis/simulation.h>
 
 namespace simvis::bench {
 

@@ -7,7 +7,7 @@
 #include <glm/glm.hpp>
 #include <memory>
 
-#include "engine/draw_list.h"
+#include <simvis/draw_list.h>
 
 namespace simvis::bench {
 

@@ -3,9 +3,9 @@
 
 #include <vector>
 
+#include <simvis/draw_list.h>
 #include "bench/scan_curves/peer_scans.h"
 #include "bench/scan_curves/ways.h"
-#include "engine/draw_list.h"
 
 namespace simvis::bench {
 

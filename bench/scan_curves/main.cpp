@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include <simvis/trajectory.h>
 #include "bench/scan_curves/coin_peers.h"
 #include "bench/scan_curves/embree_peers.h"
 #include "bench/scan_curves/peer_scans.h"
@@ -23,7 +24,6 @@
 #include "bench/scenes/finer_part.h"
 #include "bench/scenes/lab.h"
 #include "bench/scenes/scene_folder.h"
-#include "simvis/trajectory.h"
 
 namespace {
 

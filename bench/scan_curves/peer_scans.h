@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "simvis/simulation.h"
+#include <simvis/simulation.h>
 
 namespace simvis::bench {
 

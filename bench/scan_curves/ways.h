@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include <simvis/simulation.h>
 #include "bench/timing.h"
-#include "simvis/simulation.h"
 
 namespace simvis::bench {
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/mesh.h"
+#include <simvis/mesh.h>
 
 namespace simvis::bench {
 

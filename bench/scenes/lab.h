@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <string>
 
-#include "simvis/simulation.h"
+#include <simvis/simulation.h>
 
 namespace simvis::bench {
 

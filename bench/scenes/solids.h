@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <glm/glm.hpp>
 
-#include "engine/mesh.h"
+#include <simvis/mesh.h>
 
 namespace simvis::bench {
 

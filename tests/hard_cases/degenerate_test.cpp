@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "engine/device.h"
-#include "engine/renderer.h"
-#include "sensors/camera.h"
+#include <simvis/device.h>
+#include <simvis/renderer.h>
+#include "sensors/camera/camera.h"
 #include "tests/hard_cases/hard_case.h"
-#include "tests/random_room.h"
+#include "tests/support/random_room.h"
 
 using namespace simvis;
 

@@ -8,11 +8,11 @@
 #include <random>
 #include <sstream>
 
-#include "scenegraph/pose.h"
+#include <simvis/pose.h>
 #include "tests/hard_cases/hard_case.h"
 #include "tests/hard_cases/shapes.h"
-#include "tests/ray_casting.h"
-#include "tests/tested_build.h"
+#include "tests/support/ray_casting.h"
+#include "tests/support/tested_build.h"
 
 using namespace simvis;
 

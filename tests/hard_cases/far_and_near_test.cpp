@@ -8,14 +8,14 @@
 #include <string>
 #include <vector>
 
-#include "engine/device.h"
-#include "engine/renderer.h"
-#include "scenegraph/pose.h"
-#include "sensors/camera.h"
-#include "simvis/simulation.h"
+#include <simvis/device.h>
+#include <simvis/pose.h>
+#include <simvis/renderer.h>
+#include <simvis/simulation.h>
+#include "sensors/camera/camera.h"
 #include "tests/hard_cases/hard_case.h"
 #include "tests/hard_cases/part_file.h"
-#include "tests/random_room.h"
+#include "tests/support/random_room.h"
 
 using namespace simvis;
 

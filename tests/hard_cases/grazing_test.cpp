@@ -7,10 +7,10 @@
 #include <limits>
 #include <numbers>
 
-#include "scenegraph/pose.h"
+#include <simvis/pose.h>
 #include "tests/hard_cases/hard_case.h"
 #include "tests/hard_cases/shapes.h"
-#include "tests/tested_build.h"
+#include "tests/support/tested_build.h"
 
 using namespace simvis;
 

@@ -6,8 +6,8 @@
 #include <cstdio>
 #include <vector>
 
-#include "engine/device.h"
-#include "engine/renderer.h"
+#include <simvis/device.h>
+#include <simvis/renderer.h>
 
 namespace simvis {
 

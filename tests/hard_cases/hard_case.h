@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "engine/draw_list.h"
-#include "sensors/laser_scanner.h"
+#include <simvis/draw_list.h>
+#include "sensors/laser_scanner/laser_scanner.h"
 
 namespace simvis {
 

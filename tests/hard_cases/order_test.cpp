@@ -10,12 +10,12 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/ray_caster.h"
-#include "simvis/simulation.h"
+#include <simvis/ray_caster.h>
+#include <simvis/simulation.h>
 #include "tests/hard_cases/hard_case.h"
 #include "tests/hard_cases/part_file.h"
-#include "tests/random_room.h"
-#include "tests/tested_build.h"
+#include "tests/support/random_room.h"
+#include "tests/support/tested_build.h"
 
 using namespace simvis;
 

@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <vector>
 
-#include "engine/mesh.h"
-#include "tests/gltf_fixture.h"
+#include <simvis/mesh.h>
+#include "tests/support/gltf_fixture.h"
 
 namespace simvis {
 

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <set>
 
-#include "sensors/scan_layout.h"
+#include "sensors/laser_scanner/scan_layout.h"
 #include "tests/hard_cases/hard_case.h"
 #include "tests/hard_cases/shapes.h"
 

@@ -12,9 +12,9 @@
 #include <utility>
 #include <vector>
 
-#include "engine/assert.h"
+#include "engine/base/assert.h"
 #include "tests/hard_cases/hard_case.h"
-#include "tests/random_room.h"
+#include "tests/support/random_room.h"
 
 namespace simvis {
 

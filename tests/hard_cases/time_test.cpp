@@ -11,15 +11,15 @@
 #include <utility>
 #include <vector>
 
-#include "engine/ray_caster.h"
-#include "scenegraph/pose.h"
+#include <simvis/pose.h>
+#include <simvis/ray_caster.h>
+#include <simvis/simulation.h>
+#include <simvis/trajectory.h>
 #include "simvis/clock.h"
-#include "simvis/simulation.h"
-#include "simvis/trajectory.h"
 #include "tests/hard_cases/hard_case.h"
 #include "tests/hard_cases/part_file.h"
-#include "tests/random_room.h"
-#include "tests/tested_build.h"
+#include "tests/support/random_room.h"
+#include "tests/support/tested_build.h"
 
 using namespace simvis;
 

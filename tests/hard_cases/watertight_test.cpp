@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "tests/hard_cases/hard_case.h"
-#include "tests/ray_casting.h"
-#include "tests/tested_build.h"
+#include "tests/support/ray_casting.h"
+#include "tests/support/tested_build.h"
 
 using namespace simvis;
 

@@ -5,8 +5,8 @@
 // Output  NAME.csv with the column distance_m: metres along x, inf where nothing is hit.
 #include <limits>
 
-#include "scenegraph/pose.h"
-#include "sensors/sensor.h"
+#include <simvis/pose.h>
+#include <simvis/sensor.h>
 
 namespace simvis {
 namespace {

@@ -1,6 +1,6 @@
 // door.cpp: an element that turns what follows its insertion point about the z axis, as a door on its hinge.
-#include <elements/element.h>
-#include <scenegraph/pose.h>
+#include <simvis/element.h>
+#include <simvis/pose.h>
 
 namespace {
 

@@ -3,7 +3,7 @@
 //     <element type="plate" name="PLATE" insert_at="ROOT" x="3" size="2"/>
 //
 // Parameter  x: where it stands, in metres. Its size cannot change while the scene runs.
-#include "elements/element.h"
+#include <simvis/element.h>
 
 namespace simvis {
 namespace {

@@ -1,5 +1,5 @@
 // A program outside SimVis with an element of its own: a wall that can be pushed away. A laser scanner looks at it.
-#include <elements/element.h>
+#include <simvis/element.h>
 #include <simvis/simulation.h>
 
 #include <cmath>

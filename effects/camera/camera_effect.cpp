@@ -1,0 +1,44 @@
+#include <simvis/camera_effect.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace simvis {
+namespace {
+
+std::map<std::string_view, CameraEffectType>& registry() {
+  static std::map<std::string_view, CameraEffectType> types;
+  return types;
+}
+
+}  // namespace
+
+double CameraLayout::axis_cosine(std::uint32_t x, std::uint32_t y) const {
+  if (!rays.empty()) return rays[std::size_t{y} * width_px + x].z;
+  const double tx = (x + 0.5 - pinhole.cx_px) / pinhole.fx_px, ty = (y + 0.5 - pinhole.cy_px) / pinhole.fy_px;
+  return 1 / std::sqrt(1 + tx * tx + ty * ty);
+}
+
+CameraEffectRegistration::CameraEffectRegistration(const CameraEffectType& type) {
+  const EffectRegistration in_catalogue(type.type);
+  registry().emplace(type.type.name, type);
+}
+
+std::vector<ChosenCameraEffect> camera_effects(std::string_view sensor_type, const CameraEffectContext& context) {
+  std::vector<const CameraEffectType*> types;
+  for (const auto& [name, type] : registry()) {
+    if (may_have(sensor_type, type.type)) types.push_back(&type);
+  }
+  std::ranges::stable_sort(types, {}, &CameraEffectType::order);
+  std::vector<ChosenCameraEffect> chosen;
+  for (const CameraEffectType* type : types) {
+    // Made even where no output shows it: its attributes may be wrong.
+    std::shared_ptr<const CameraEffect> effect = type->create(context);
+    const bool shown = (type->type.outputs & context.outputs) != 0;
+    if (effect && shown) chosen.push_back({find_effect_type(type->type.name), std::move(effect)});
+  }
+  return chosen;
+}
+
+}  // namespace simvis

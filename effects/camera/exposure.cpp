@@ -1,0 +1,42 @@
+#include "effects/camera/exposure.h"
+
+namespace simvis {
+
+namespace {
+
+constexpr AttributeSpec kAttributes[] = {
+    {.name = "exposure",
+     .default_value = "1",
+     .text = "time of exposure, over that at which a radiance of 1 is an image of 1",
+     .min = 0,
+     .max = 1e6,
+     .open_min = true},
+};
+
+std::unique_ptr<CameraEffect> create(const CameraEffectContext& context) {
+  const double factor = context.attributes.number("exposure");
+  return factor == 1 ? nullptr : std::make_unique<Exposure>(factor);
+}
+
+const CameraEffectRegistration kRegistration(
+    {.type = {.name = "exposure",
+              .summary = "More or less light: the linear image, scaled.",
+              .source = "attribute exposure other than 1",
+              .outputs = kShownInColor,
+              .reference = "light collected is irradiance times time: EMVA Standard 1288, release 4.0, section 2",
+              .sensors = "camera stereo_camera",
+              .attributes = kAttributes,
+              .example = {.attributes = R"(exposure="2")", .off_attributes = R"(exposure="1")"}},
+     .order = CameraOrder::exposure,
+     .create = create});
+
+}  // namespace
+
+void Exposure::develop(const FrameTime&, const CameraLayout&, Image& color) const {
+  for (std::size_t i = 0; i < color.pixels.size(); ++i) {
+    float& value = color.pixels[i];
+    if (i % color.channels < 3) value = static_cast<float>(factor_ * static_cast<double>(value));
+  }
+}
+
+}  // namespace simvis

@@ -1,0 +1,20 @@
+// How much light a camera collects: its linear image, scaled.
+//
+//   <sensor type="camera" ... exposure="2"/>
+#pragma once
+
+#include <simvis/camera_effect.h>
+
+namespace simvis {
+
+class Exposure : public CameraEffect {
+ public:
+  explicit Exposure(double factor) : factor_(factor) {}
+
+  void develop(const FrameTime&, const CameraLayout&, Image& color) const override;
+
+ private:
+  double factor_;
+};
+
+}  // namespace simvis

@@ -1,0 +1,61 @@
+#include "effects/camera/rolling_shutter.h"
+
+#include <glm/gtc/quaternion.hpp>
+
+namespace simvis {
+
+namespace {
+
+constexpr AttributeSpec kAttributes[] = {
+    {.name = "row_time",
+     .default_value = "0",
+     .unit = "s",
+     .text = "from one row of the image to the next; 0: all at once",
+     .min = 0,
+     .max = 1},
+    {.name = "rows_per_pose",
+     .kind = AttributeKind::integer,
+     .default_value = "8",
+     .text = "rows seen from one pose, that of their middle; 1 is exact",
+     .min = 1,
+     .max = 16384},
+};
+
+std::unique_ptr<CameraEffect> create(const CameraEffectContext& context) {
+  const double row_time_s = context.attributes.number("row_time");
+  if (row_time_s == 0) return nullptr;
+  return std::make_unique<RollingShutter>(row_time_s,
+                                          static_cast<std::uint32_t>(context.attributes.integer("rows_per_pose")));
+}
+
+const CameraEffectRegistration kRegistration(
+    {.type = {.name = "rolling_shutter",
+              .summary = "Rows that are exposed one after the other while the camera moves.",
+              .source = "attribute row_time above 0",
+              .outputs = kShownInColor | kShownInDepth,
+              .knob = "rows_per_pose",
+              .reference = "each row from the camera's pose at its time; Meingast, Geyer, Sastry, Geometric models of "
+                           "rolling-shutter cameras, OMNIVIS 2005",
+              .sensors = "camera",
+              .attributes = kAttributes,
+              .example = {.attributes = R"(row_time="2e-5" rows_per_pose="16")",
+                          .off_attributes = R"(row_time="0" rows_per_pose="16")",
+                          .knob_values = "32 8 2 1"}},
+     .order = CameraOrder::shutter,
+     .create = create});
+
+}  // namespace
+
+glm::dmat4 pose_between(const glm::dmat4& first, const glm::dmat4& last, double share) {
+  const glm::dquat from = glm::quat_cast(glm::dmat3(first)), to = glm::quat_cast(glm::dmat3(last));
+  glm::dmat4 pose(glm::mat3_cast(glm::normalize(glm::slerp(from, to, share))));
+  pose[3] = first[3] + share * (last[3] - first[3]);
+  return pose;
+}
+
+void RollingShutter::lay_out(CameraLayout& layout) const {
+  layout.row_time_s = row_time_s_;
+  layout.rows_per_pose = rows_per_pose_;
+}
+
+}  // namespace simvis

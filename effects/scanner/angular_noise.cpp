@@ -1,0 +1,49 @@
+#include "effects/scanner/angular_noise.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace simvis {
+namespace {
+
+constexpr AttributeSpec kAttributes[] = {
+    {.name = "angular_noise",
+     .default_value = "0",
+     .unit = "deg",
+     .text = "standard deviation of a beam's azimuth and of its elevation",
+     .min = 0,
+     .max = 90},
+};
+
+std::unique_ptr<ScanEffect> create(const ScanEffectContext& context) {
+  const double deviation_deg = context.attributes.number("angular_noise");
+  if (deviation_deg == 0) return nullptr;
+  return std::make_unique<AngularNoise>(glm::radians(deviation_deg), context.random("angular_noise"));
+}
+
+const ScanEffectRegistration kRegistration(
+    {.type = {.name = "angular_noise",
+              .summary = "Beams go out at angles that are off by Gaussian noise.",
+              .source = "attribute angular_noise above 0",
+              .outputs = kShownInRanges,
+              .reference = "moments of the normal distribution",
+              .sensors = "laser_scanner",
+              .attributes = kAttributes,
+              .example = {.attributes = R"(angular_noise="0.1")", .off_attributes = R"(angular_noise="0")"}},
+     .order = ScanOrder::direction,
+     .create = create});
+
+}  // namespace
+
+void AngularNoise::aim(const ScanMoment& moment, std::vector<BeamRay>& rays) const {
+  for (BeamRay& ray : rays) {
+    const glm::dvec3& d = ray.direction;
+    const double azimuth = std::atan2(d.y, d.x) + deviation_rad_ * random_.gaussian(moment.time.index, ray.beam, 0);
+    const double elevation =
+        std::asin(std::clamp(d.z, -1.0, 1.0)) + deviation_rad_ * random_.gaussian(moment.time.index, ray.beam, 1);
+    ray.direction = {std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
+                     std::sin(elevation)};
+  }
+}
+
+}  // namespace simvis

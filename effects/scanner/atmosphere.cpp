@@ -1,0 +1,123 @@
+#include "effects/scanner/atmosphere.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <simvis/scan_effect.h>
+
+namespace simvis {
+namespace {
+
+constexpr AttributeSpec kAttributes[] = {
+    {.name = "least_power",
+     .unit = "1/m^2",
+     .text = "weather: weaker echoes are lost; 1 is a white matte wall at 1 m, square on; of reflectance 0.1 at "
+             "range_max if not given",
+     .min = 0,
+     .open_min = true},
+    {.name = "beam_diameter",
+     .default_value = "0.01",
+     .unit = "m",
+     .text = "rain: of the beam in which drops are met",
+     .min = 0,
+     .max = 10,
+     .open_min = true},
+};
+
+// What is left of light that has gone there and back.
+double there_and_back(const Medium& medium, double range_m) {
+  return std::exp(-2 * medium.laser_extinction_per_m * range_m);
+}
+
+class Atmosphere : public ScanEffect {
+ public:
+  Atmosphere(const ScanEffectContext& context, double least_power)
+      : random_(context.random("atmosphere")),
+        sight_{.least_power = least_power, .beam_diameter_m = context.attributes.number("beam_diameter")} {}
+
+  bool traces() const override { return true; }
+
+  void receive(const ScanMoment& moment, std::uint32_t beam, std::vector<Echo>& echoes) const override {
+    const double end_m = echoes.empty() ? moment.range_max_m : echoes.back().range_m;
+    for (Echo& echo : echoes) echo.power *= there_and_back(moment.medium, echo.range_m);
+    std::erase_if(echoes, [&](const Echo& echo) { return echo.power < sight_.least_power; });
+    add_air(moment.medium, end_m, echoes);
+    add_drops(moment, beam, end_m, echoes);
+    std::ranges::stable_sort(echoes, {}, &Echo::range_m);
+  }
+
+ private:
+  void add_air(const Medium& medium, double end_m, std::vector<Echo>& echoes) const {
+    const double power = std::numbers::pi * kPulse_m * medium.backscatter_per_m_sr *
+                         there_and_back(medium, kAirFrom_m) / (kAirFrom_m * kAirFrom_m);
+    if (end_m <= kAirFrom_m || power < sight_.least_power) return;
+    echoes.push_back({.range_m = kAirFrom_m, .power = power});
+  }
+
+  // Poisson processes are thinned (Lewis and Shedler, Naval Res. Logist. Q. 26, 1979): the rate falls with range, so in
+  // each stretch that at its beginning is never exceeded. Stretches grow with range, and the rate in one does not fall
+  // by so much that many candidates would be drawn in vain.
+  void add_drops(const ScanMoment& moment, std::uint32_t beam, double end_m, std::vector<Echo>& echoes) const {
+    constexpr double kGrowth = 1.4142135623730951;
+    const Medium& medium = moment.medium;
+    if (medium.particles_per_m3 == 0) return;
+    std::uint32_t draws = 0;
+    const auto uniform = [&] { return random_.uniform(moment.time.index, beam, draws++); };
+    const auto exponential = [&] { return -std::log1p(-uniform()); };
+    double wait = exponential();
+    for (double from_m = kAirFrom_m; from_m < end_m; from_m *= kGrowth) {
+      const double rate = sight_.rate_per_m(medium, from_m), to_m = std::min(from_m * kGrowth, end_m);
+      if (rate == 0) return;
+      double range_m = from_m + wait / rate;
+      for (; range_m < to_m; range_m += (wait = exponential()) / rate) {
+        if (uniform() * rate >= sight_.rate_per_m(medium, range_m)) continue;
+        const double share = (sight_.least_diameter_m(medium, range_m) + medium.particle_diameter_m * exponential()) /
+                             sight_.beam_diameter_m;
+        const double power = kDropReflectance * std::min(share * share, 1.0) * there_and_back(medium, range_m);
+        echoes.push_back({.range_m = range_m, .power = power / (range_m * range_m)});
+      }
+      wait = (range_m - to_m) * rate;
+    }
+  }
+
+  SensorRandom random_;
+  DropSight sight_;
+};
+
+std::unique_ptr<ScanEffect> create(const ScanEffectContext& context) {
+  const AttributeValues& a = context.attributes;
+  const double range_max_m = a.number("range_max");
+  return std::make_unique<Atmosphere>(
+      context, a.is_set("least_power") ? a.number("least_power") : 0.1 / (range_max_m * range_max_m));
+}
+
+const ScanEffectRegistration kRegistration({
+    .type = {.name = "atmosphere",
+             .summary = "echoes weakened and lost in fog, rain and dust, and false ones of the air and of drops",
+             .source = "an element fog",
+             .outputs = kShownInRanges,
+             .reference = "Beer and Lambert; Koschmieder 1924, Kim et al. 2001, Marshall and Palmer 1948",
+             .sensors = "laser_scanner",
+             .attributes = kAttributes,
+             .example = {.commands = R"(<element type="fog" name="EFFECT" insert_at="ROOT" visibility="20"/>)",
+                         .off_commands =
+                             R"(<element type="fog" name="EFFECT" insert_at="ROOT" kind="rain" rain_rate="0"/>)"}},
+    .order = ScanOrder::medium,
+    .create = create,
+    .called_for = [](const DrawList& list) { return list.medium.laser_extinction_per_m > 0; },
+});
+
+}  // namespace
+
+double DropSight::least_diameter_m(const Medium& medium, double range_m) const {
+  const double share = least_power * range_m * range_m / (kDropReflectance * there_and_back(medium, range_m));
+  return share <= 1 ? beam_diameter_m * std::sqrt(share) : std::numeric_limits<double>::infinity();
+}
+
+double DropSight::rate_per_m(const Medium& medium, double range_m) const {
+  const double area_m2 = std::numbers::pi / 4 * beam_diameter_m * beam_diameter_m;
+  return medium.particles_per_m3 * area_m2 * std::exp(-least_diameter_m(medium, range_m) / medium.particle_diameter_m);
+}
+
+}  // namespace simvis

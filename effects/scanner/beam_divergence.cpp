@@ -1,0 +1,85 @@
+#include "effects/scanner/beam_divergence.h"
+
+#include <cmath>
+#include <numbers>
+
+namespace simvis {
+namespace {
+
+constexpr AttributeSpec kAttributes[] = {
+    {.name = "divergence",
+     .default_value = "0",
+     .unit = "deg",
+     .text = "full angle of the cone of light; 0: a beam is a line",
+     .min = 0,
+     .max = 30},
+    {.name = "divergence_samples",
+     .kind = AttributeKind::integer,
+     .default_value = "32",
+     .text = "rays over the footprint of each beam",
+     .min = 1,
+     .max = 65536},
+};
+
+std::unique_ptr<ScanEffect> create(const ScanEffectContext& context) {
+  const AttributeValues& a = context.attributes;
+  if (a.number("divergence") == 0) return nullptr;
+  return std::make_unique<BeamDivergence>(glm::radians(a.number("divergence")),
+                                          static_cast<std::uint32_t>(a.integer("divergence_samples")),
+                                          context.random("beam_divergence"));
+}
+
+const ScanEffectRegistration kRegistration(
+    {.type = {.name = "beam_divergence",
+              .summary = "Beams are cones: what they meet is a patch, and ranges mix at edges.",
+              .source = "attribute divergence above 0",
+              .outputs = kShownInRanges,
+              .knob = "divergence_samples",
+              .reference = "area ratios of a disc cut by a line",
+              .sensors = "laser_scanner",
+              .attributes = kAttributes,
+              .example = {.attributes = R"(divergence="0.5" divergence_samples="16")",
+                          .off_attributes = R"(divergence="0" divergence_samples="16")",
+                          .knob_values = "4 16 64 256"}},
+     .order = ScanOrder::spread,
+     .create = create});
+
+}  // namespace
+
+std::vector<glm::dvec2> disc_samples(std::uint32_t count) {
+  std::vector<glm::dvec2> places;
+  if (count % 2 == 1) places.emplace_back(0, 0);
+  for (std::uint32_t pair = 0; places.size() < count; ++pair) {
+    // The middle, by area, of the ring that stands for the two.
+    const double radius = std::sqrt((static_cast<double>(places.size()) + 1) / count);
+    const double angle = std::numbers::pi * std::fmod(pair * (std::numbers::phi - 1), 1.0);
+    const glm::dvec2 place = radius * glm::dvec2(std::cos(angle), std::sin(angle));
+    places.push_back(place);
+    places.push_back(-place);
+  }
+  return places;
+}
+
+BeamDivergence::BeamDivergence(double full_angle_rad, std::uint32_t samples, SensorRandom random)
+    : spread_(std::tan(full_angle_rad / 2)), samples_(disc_samples(samples)), random_(random) {}
+
+void BeamDivergence::aim(const ScanMoment&, std::vector<BeamRay>& rays) const {
+  std::vector<BeamRay> split;
+  split.reserve(rays.size() * samples_.size());
+  for (const BeamRay& ray : rays) {
+    const glm::dvec3& axis = ray.direction;
+    const glm::dvec3 across =
+        glm::normalize(glm::cross(std::abs(axis.z) < 0.75 ? glm::dvec3(0, 0, 1) : glm::dvec3(1, 0, 0), axis));
+    const double turn = 2 * std::numbers::pi * random_.uniform(0, ray.beam, 0);
+    const glm::dvec3 x = std::cos(turn) * across + std::sin(turn) * glm::cross(axis, across);
+    const glm::dvec3 y = glm::cross(axis, x);
+    for (const glm::dvec2& place : samples_) {
+      BeamRay& part = split.emplace_back(ray);
+      part.direction = glm::normalize(axis + spread_ * (place.x * x + place.y * y));
+      part.share = ray.share / static_cast<double>(samples_.size());
+    }
+  }
+  rays.swap(split);
+}
+
+}  // namespace simvis

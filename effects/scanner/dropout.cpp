@@ -1,0 +1,97 @@
+// Beams that are lost: for want of light, and by chance.
+//
+// Law      a receiver reports an echo whose amplitude, with the Gaussian noise of the receiver on it, is above a
+//          threshold. So an echo of power P (see Echo) is lost with the probability
+//              erfc((P - T) / (s T sqrt(2))) / 2,    T = dropout_power,  s = dropout_noise
+//          which is one half at P = T and falls from 0.98 to 0.02 within 2 s T on either side; with s = 0 it is a
+//          step. As P = reflectance x cosine / range^2, what is dark, slanted or far is lost first. A data sheet's
+//          "10 % reflectance up to 10 m" is T = 0.1 / 10^2 = 0.001 1/m^2.
+//          After that each reading is lost with the probability `dropout`, whatever it met.
+// Several  echoes of one beam are lost or kept each for itself: what is left may be a weaker one.
+// Special  a lost beam reads inf, with a bound of 0, as a beam that met nothing does. A blocked beam keeps its 0.
+// Reference  R. D. Richmond, S. C. Cain, Direct-Detection LADAR Systems, SPIE Tutorial Texts TT85 (2010): probability
+//          of detection of a pulse in Gaussian noise.
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <simvis/scan_effect.h>
+
+namespace simvis {
+namespace {
+
+constexpr AttributeSpec kAttributes[] = {
+    {.name = "dropout",
+     .default_value = "0",
+     .text = "probability that a beam is lost, whatever it meets",
+     .min = 0,
+     .max = 1},
+    {.name = "dropout_power",
+     .default_value = "0",
+     .unit = "1/m^2",
+     .text = "half of the echoes of this power are lost; reflectance x cosine / range^2; 0: none",
+     .min = 0},
+    {.name = "dropout_noise",
+     .default_value = "0.1",
+     .text = "of the receiver, standard deviation as a share of dropout_power; 0: a sharp threshold",
+     .min = 0},
+};
+
+class Dropout : public ScanEffect {
+ public:
+  explicit Dropout(const ScanEffectContext& context)
+      : by_chance_(context.attributes.number("dropout")),
+        threshold_(context.attributes.number("dropout_power")),
+        noise_(context.attributes.number("dropout_noise")),
+        random_(context.random("dropout")) {}
+
+  bool traces() const override { return threshold_ > 0; }
+
+  void receive(const ScanMoment& moment, std::uint32_t beam, std::vector<Echo>& echoes) const override {
+    if (threshold_ == 0) return;
+    std::uint32_t draw = 0;  // 0 is the reading's
+    std::erase_if(
+        echoes, [&](const Echo& echo) { return random_.uniform(moment.time.index, beam, ++draw) < loss(echo.power); });
+  }
+
+  void finish(const ScanMoment& moment, std::span<const Echo>, Scan& scan) const override {
+    if (by_chance_ == 0) return;
+    for (std::uint32_t beam = 0; beam < scan.range_m.size(); ++beam) {
+      if (scan.range_m[beam] == 0) continue;
+      if (random_.uniform(moment.time.index, beam, 0) >= by_chance_) continue;
+      scan.range_m[beam] = std::numeric_limits<float>::infinity();
+      scan.error_bound_m[beam] = 0;
+    }
+  }
+
+ private:
+  double loss(double power) const {
+    if (noise_ == 0) return power < threshold_ ? 1 : 0;
+    return std::erfc((power - threshold_) / (noise_ * threshold_ * std::numbers::sqrt2)) / 2;
+  }
+
+  double by_chance_, threshold_, noise_;
+  SensorRandom random_;
+};
+
+const ScanEffectRegistration kRegistration({
+    .type = {.name = "dropout",
+             .summary = "beams are lost: for want of light, and by chance",
+             .source = "attribute dropout or dropout_power above 0",
+             .outputs = kShownInRanges,
+             .reference = "detection of a pulse in Gaussian noise: Richmond and Cain, Direct-Detection LADAR Systems "
+                          "(SPIE 2010)",
+             .sensors = "laser_scanner",
+             .attributes = kAttributes,
+             .example = {.attributes = R"(dropout="0.1" dropout_power="0.01")",
+                         .off_attributes = R"(dropout="0" dropout_power="0")"}},
+    .order = ScanOrder::disturbance,
+    .create = [](const ScanEffectContext& context) -> std::unique_ptr<ScanEffect> {
+      const AttributeValues& a = context.attributes;
+      if (a.number("dropout") == 0 && a.number("dropout_power") == 0) return nullptr;
+      return std::make_unique<Dropout>(context);
+    },
+});
+
+}  // namespace
+}  // namespace simvis

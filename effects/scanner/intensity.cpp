@@ -1,0 +1,60 @@
+// How much light came back: a column beside the range.
+//
+// Channel  "intensity", in 1/m^2: share x reflectance x cosine / range^2 of the echo that is reported (see Echo), where
+//          a white matte wall at 1 m, square to the beam, is 1. What a real scanner reports is this times a constant of
+//          the device, often compressed or with range^2 taken out: both are functions of two columns.
+// Special  NaN, an empty cell, where there is no range: 0 and inf.
+// Reference  the lidar equation of an extended Lambertian target: A. V. Jelalian, Laser Radar Systems (Artech House
+//          1992), ch. 1. What fills the air, and how wide the beam is, have effects of their own.
+#include <cmath>
+#include <limits>
+
+#include <simvis/scan_effect.h>
+#include "engine/base/assert.h"
+
+namespace simvis {
+namespace {
+
+constexpr AttributeSpec kAttributes[] = {
+    {.name = "intensity",
+     .kind = AttributeKind::choice,
+     .default_value = "off",
+     .text = "a column intensity (1/m^2): reflectance x cosine / range^2",
+     .choices = "off on"},
+};
+
+class Intensity : public ScanEffect {
+ public:
+  bool traces() const override { return true; }
+
+  void finish(const ScanMoment&, std::span<const Echo> detected, Scan& scan) const override {
+    SIMVIS_ASSERT(detected.size() == scan.range_m.size());
+    ScanChannel channel{.name = "intensity", .values = {}};
+    channel.values.reserve(detected.size());
+    for (std::size_t beam = 0; beam < detected.size(); ++beam) {
+      const bool measured = scan.range_m[beam] > 0 && std::isfinite(scan.range_m[beam]);
+      channel.values.push_back(measured ? detected[beam].power : std::numeric_limits<double>::quiet_NaN());
+    }
+    scan.channels.push_back(std::move(channel));
+  }
+};
+
+// After all that may lose a beam.
+const ScanEffectRegistration kRegistration({
+    .type = {.name = "intensity",
+             .summary = "how much light came back, as a column beside the range",
+             .source = "attribute intensity=\"on\"",
+             .outputs = kShownInRanges,
+             .reference = "the lidar equation of an extended Lambertian target: Jelalian, Laser Radar Systems (1992)",
+             .sensors = "laser_scanner",
+             .attributes = kAttributes,
+             .example = {.attributes = R"(intensity="on")", .off_attributes = R"(intensity="off")"}},
+    .order = ScanOrder::rounding,
+    .create = [](const ScanEffectContext& context) -> std::unique_ptr<ScanEffect> {
+      if (context.attributes.choice("intensity") != "on") return nullptr;
+      return std::make_unique<Intensity>();
+    },
+});
+
+}  // namespace
+}  // namespace simvis

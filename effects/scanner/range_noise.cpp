@@ -1,0 +1,70 @@
+// Noise of the range: Gaussian, with mean 0, of each beam for itself.
+//
+// Law      range_m + g sqrt(range_noise^2 + (range_noise_rel range_m)^2), with g normally distributed: the two causes,
+//          of the clock and of the path, are independent, so their variances add up. Rounded to float32 once.
+// Special  a beam that met nothing keeps its inf, one that is blocked its 0. A reading is no length below 0: a range
+//          that the noise takes there reads 0.
+// Limits   range_min and range_max say what the scanner meets, not what it reads: noise may lead past either.
+// Bound    error_bound_m is of the range before the noise.
+#include <algorithm>
+#include <cmath>
+
+#include <simvis/scan_effect.h>
+
+namespace simvis {
+namespace {
+
+constexpr AttributeSpec kAttributes[] = {
+    {.name = "range_noise",
+     .default_value = "0",
+     .unit = "m",
+     .text = "standard deviation of the range, Gaussian",
+     .min = 0},
+    {.name = "range_noise_rel",
+     .default_value = "0",
+     .text = "the same as a share of the range; the variances of both add up",
+     .min = 0},
+};
+
+class RangeNoise : public ScanEffect {
+ public:
+  explicit RangeNoise(const ScanEffectContext& context)
+      : sigma_m_(context.attributes.number("range_noise")),
+        sigma_rel_(context.attributes.number("range_noise_rel")),
+        random_(context.random("range_noise")) {}
+
+  void finish(const ScanMoment& moment, std::span<const Echo>, Scan& scan) const override {
+    for (std::uint32_t beam = 0; beam < scan.range_m.size(); ++beam) {
+      const double range_m = scan.range_m[beam];
+      if (range_m == 0 || std::isinf(range_m)) continue;
+      const double sigma_m = std::hypot(sigma_m_, sigma_rel_ * range_m);
+      const double noisy_m = range_m + sigma_m * random_.gaussian(moment.time.index, beam, 0);
+      scan.range_m[beam] = static_cast<float>(std::max(noisy_m, 0.0));
+    }
+  }
+
+ private:
+  double sigma_m_, sigma_rel_;
+  SensorRandom random_;
+};
+
+const ScanEffectRegistration kRegistration({
+    .type = {.name = "range_noise",
+             .summary = "Gaussian noise of the range, absolute and relative",
+             .source = "attribute range_noise or range_noise_rel above 0",
+             .outputs = kShownInRanges,
+             .reference = "the normal distribution, by Box and Muller, Ann. Math. Statist. 29 (1958)",
+             .sensors = "laser_scanner",
+             .attributes = kAttributes,
+             .example = {.attributes = R"(range_noise="0.02" range_noise_rel="0.001")",
+                         .off_attributes = R"(range_noise="0" range_noise_rel="0")"}},
+    .order = ScanOrder::disturbance,
+    .create = [](const ScanEffectContext& context) -> std::unique_ptr<ScanEffect> {
+      const AttributeValues& a = context.attributes;
+      if (a.number("range_noise") == 0 && a.number("range_noise_rel") == 0) return nullptr;
+      return std::make_unique<RangeNoise>(context);
+    },
+});
+
+}  // namespace
+}  // namespace simvis

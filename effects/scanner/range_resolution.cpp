@@ -1,0 +1,61 @@
+// The step in which a scanner reports ranges.
+//
+// Law      the nearest multiple of the step, halves up; as the float32 nearest to that multiple.
+// Special  0 and inf stay. What is nearer than half a step reads 0.
+// Bound    error_bound_m grows by what rounding moved the range, so it still holds where there is no noise.
+#include <cmath>
+#include <limits>
+
+#include <simvis/scan_effect.h>
+
+namespace simvis {
+namespace {
+
+constexpr AttributeSpec kAttributes[] = {
+    {.name = "range_resolution",
+     .default_value = "0",
+     .unit = "m",
+     .text = "ranges are rounded to multiples of this; 0: they are not",
+     .min = 0},
+};
+
+class RangeResolution : public ScanEffect {
+ public:
+  explicit RangeResolution(double step_m) : step_m_(step_m) {}
+
+  void finish(const ScanMoment&, std::span<const Echo>, Scan& scan) const override {
+    for (std::size_t beam = 0; beam < scan.range_m.size(); ++beam) {
+      const double range_m = scan.range_m[beam];
+      if (std::isinf(range_m)) continue;
+      const auto rounded_m = static_cast<float>(std::floor(range_m / step_m_ + 0.5) * step_m_);
+      scan.range_m[beam] = rounded_m;
+      const double moved_m = std::abs(static_cast<double>(rounded_m) - range_m);
+      if (moved_m == 0) continue;
+      float& bound_m = scan.error_bound_m[beam];
+      bound_m = std::nextafter(static_cast<float>(bound_m + moved_m), std::numeric_limits<float>::infinity());
+    }
+  }
+
+ private:
+  double step_m_;
+};
+
+const ScanEffectRegistration kRegistration({
+    .type = {.name = "range_resolution",
+             .summary = "ranges in steps",
+             .source = "attribute range_resolution above 0",
+             .outputs = kShownInRanges,
+             .reference = "the nearest multiple, halves up",
+             .sensors = "laser_scanner",
+             .attributes = kAttributes,
+             .example = {.attributes = R"(range_resolution="0.01")", .off_attributes = R"(range_resolution="0")"}},
+    .order = ScanOrder::rounding,
+    .create = [](const ScanEffectContext& context) -> std::unique_ptr<ScanEffect> {
+      const double step_m = context.attributes.number("range_resolution");
+      if (step_m == 0) return nullptr;
+      return std::make_unique<RangeResolution>(step_m);
+    },
+});
+
+}  // namespace
+}  // namespace simvis

@@ -1,0 +1,62 @@
+// Retro-reflectors: sheeting and corner cubes that send light back to where it came from, at whatever slant.
+//
+// Law      within 40 degrees of square, the echo's power is share x retro_reflectance / range^2: the material's gain
+//          stands for reflectance x cosine. Beyond, the surface is matte as any other. A gain of 1 is a white matte
+//          wall square on; of sheeting it is pi R_A, with R_A the coefficient of retroreflection in cd/(lx m^2).
+// Entrance the largest angle for which EN 12899-1 states R_A; prisms fall off fast beyond it.
+// Reference  ASTM E808 (terms), EN 12899-1:2007 table 3 and 4 (R_A of classes RA1, RA2).
+#include <algorithm>
+#include <cmath>
+#include <glm/glm.hpp>
+
+#include <simvis/scan_effect.h>
+
+namespace simvis {
+namespace {
+
+const double kLeastCosine = std::cos(glm::radians(40.0));
+
+class RetroReflection : public ScanEffect {
+ public:
+  bool only_traced() const override { return true; }
+
+  void meet(const ScanMoment&, const BeamRay& ray, const SurfacePoint& surface, Echo& echo,
+            std::vector<BeamRay>&) const override {
+    const double gain = surface.material->retro_reflectance;
+    if (gain == 0 || -glm::dot(surface.normal, ray.direction) < kLeastCosine) return;
+    echo.power = ray.share * gain / (echo.range_m * echo.range_m);
+  }
+};
+
+bool has_reflectors(const DrawList& list) {
+  return std::ranges::any_of(list.materials, [](const auto& material) { return material->retro_reflectance > 0; });
+}
+
+#define SIGN \
+  R"(<part file="../showcase/sign.glb" name="EFFECT_SIGN" insert_at="ROOT" pose_offset="2.3 -0.4 0.8 0 0 0"/>)"
+
+const ScanEffectRegistration kRegistration({
+    .type = {.name = "retro_reflection",
+             .summary = "retro-reflectors send a laser's light back at whatever slant",
+             .source = "a material with retro_reflectance above 0",
+             .outputs = kShownInRanges,
+             .reference = "coefficient of retroreflection: ASTM E808, EN 12899-1",
+             .sensors = "laser_scanner",
+             .example = {.attributes = R"(intensity="on")",
+                         .commands = SIGN
+                         R"(<element type="material" name="EFFECT" insert_at="ROOT" part="EFFECT_SIGN" )"
+                         R"(retro_reflectance="500"/>)",
+                         .off_attributes = R"(intensity="off")",
+                         .off_commands = SIGN R"(<element type="material" name="EFFECT" insert_at="ROOT" )"
+                                              R"(part="EFFECT_SIGN" retro_reflectance="0"/>)",
+                         .plain_commands = SIGN
+                         R"(<element type="material" name="EFFECT" insert_at="ROOT" part="EFFECT_SIGN"/>)"}},
+    .order = ScanOrder::path,
+    .create = [](const ScanEffectContext&) -> std::unique_ptr<ScanEffect> {
+      return std::make_unique<RetroReflection>();
+    },
+    .called_for = has_reflectors,
+});
+
+}  // namespace
+}  // namespace simvis

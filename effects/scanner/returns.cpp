@@ -1,0 +1,97 @@
+#include "effects/scanner/returns.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace simvis {
+namespace {
+
+constexpr double kReflectanceRounding = 0x1p-24;
+
+Echo merged(std::span<const Echo> echoes) {
+  double power = 0, largest_error_m = 0, weight_error = kReflectanceRounding;
+  for (const Echo& echo : echoes) {
+    power += echo.power;
+    largest_error_m = std::max(largest_error_m, echo.error_bound_m);
+    weight_error = std::max(weight_error, kReflectanceRounding + 2 * echo.error_bound_m / echo.range_m);
+  }
+  const double nearest_m = echoes.front().range_m, spread_m = echoes.back().range_m - nearest_m;
+  const bool even = !(power > 0) || std::isinf(power);
+  double beyond_m = 0;
+  for (const Echo& echo : echoes) {
+    beyond_m += (even ? 1 / static_cast<double>(echoes.size()) : echo.power / power) * (echo.range_m - nearest_m);
+  }
+  return {.range_m = nearest_m + std::min(beyond_m, spread_m),
+          .error_bound_m = largest_error_m + weight_error * spread_m,
+          .power = power};
+}
+
+constexpr AttributeSpec kAttributes[] = {
+    {.name = "return",
+     .kind = AttributeKind::choice,
+     .default_value = "strongest",
+     .text = "which of a beam's returns is reported",
+     .choices = "strongest first last"},
+    {.name = "pulse_length",
+     .unit = "m",
+     .text = "echoes that follow more closely are one return: half the way of light in a pulse; 0.75 if not given",
+     .min = 0},
+};
+
+std::unique_ptr<ScanEffect> create(const ScanEffectContext& context) {
+  const AttributeValues& a = context.attributes;
+  const std::string& choice = a.choice("return");
+  if (choice == "strongest" && !a.is_set("pulse_length")) return nullptr;
+  return std::make_unique<Returns>(choice == "first"  ? ReturnChoice::first
+                                   : choice == "last" ? ReturnChoice::last
+                                                      : ReturnChoice::strongest,
+                                   a.is_set("pulse_length") ? a.number("pulse_length") : kPulseLength_m);
+}
+
+const ScanEffectRegistration kRegistration(
+    {.type = {.name = "returns",
+              .summary = "First, last or strongest of the returns of a beam, and how many there are.",
+              .source = "attribute return first or last, or pulse_length",
+              .outputs = kShownInRanges,
+              .reference = "overlapping echoes are one pulse: c T / 2; its range the mean, weighted by power",
+              .sensors = "laser_scanner",
+              .attributes = kAttributes,
+              .example = {.attributes = R"(return="last" pulse_length="0.5")",
+                          .off_attributes = R"(return="strongest")"}},
+     .order = ScanOrder::detection,
+     .create = create});
+
+}  // namespace
+
+void merge_pulses(double pulse_length_m, std::vector<Echo>& echoes) {
+  std::size_t pulses = 0;
+  for (std::size_t first = 0, end = 0; first < echoes.size(); first = end) {
+    for (end = first + 1; end < echoes.size(); ++end) {
+      if (echoes[end].range_m - echoes[end - 1].range_m > pulse_length_m) break;
+    }
+    if (end - first > 1) {
+      echoes[pulses++] = merged(std::span(echoes).subspan(first, end - first));
+    } else {
+      echoes[pulses++] = echoes[first];
+    }
+  }
+  echoes.resize(pulses);
+}
+
+bool Returns::detect(const ScanMoment&, std::uint32_t, std::span<const Echo> echoes, Echo& detected) const {
+  if (echoes.empty()) return false;
+  detected = choice_ == ReturnChoice::first  ? echoes.front()
+             : choice_ == ReturnChoice::last ? echoes.back()
+                                             : *std::ranges::max_element(echoes, {}, &Echo::power);
+  detected.returns = static_cast<std::uint32_t>(echoes.size());
+  return true;
+}
+
+void Returns::finish(const ScanMoment& moment, std::span<const Echo> detected, Scan& scan) const {
+  ScanChannel& count = scan.channels.emplace_back();
+  count.name = "return_count";
+  count.format = "%.0f";
+  for (const Echo& echo : detected) count.values.push_back(echo.range_m > moment.range_max_m ? 0 : echo.returns);
+}
+
+}  // namespace simvis

@@ -1,0 +1,134 @@
+#include "effects/scanner/specular_path.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <simvis/scan_effect.h>
+#include "effects/scanner/reflectance.h"
+
+namespace simvis {
+namespace {
+
+constexpr double kUnit = 0x1p-53;
+
+constexpr AttributeSpec kAttributes[] = {
+    {.name = "path_depth",
+     .kind = AttributeKind::integer,
+     .default_value = "0",
+     .text = "how often a beam goes on from a mirror or through glass; 0: they are surfaces like others",
+     .min = 0,
+     .max = 16},
+};
+
+// Two faces that each reflect `face`, and whatever goes to and fro between them.
+double both_faces(double face) { return 2 * face / (1 + face); }
+
+class SpecularPath : public ScanEffect {
+ public:
+  explicit SpecularPath(std::uint32_t depth) : depth_(depth) {}
+
+  bool traces() const override { return true; }
+
+  void meet(const ScanMoment&, const BeamRay& ray, const SurfacePoint& surface, Echo& echo,
+            std::vector<BeamRay>& onward) const override {
+    const double cosine = -glm::dot(surface.normal, ray.direction);
+    if (!(cosine > 0)) return;
+    const Material& material = *surface.material;
+    if (material.mirror == 0 && material.transmission == 0) return;
+    const double error_m = echo.error_bound_m;
+    const SurfaceShares shares = surface_shares(material, reflectance(surface), cosine);
+    echo.power *= shares.matte;
+    if (shares.matte == 0) echo.range_m = std::numeric_limits<double>::infinity();
+    if (ray.turns >= depth_) return;
+    if (shares.reflected > 0) onward.push_back(reflected(ray, surface, cosine, shares.reflected, error_m));
+    if (shares.passed > 0) onward.push_back(passed(ray, surface, shares.passed));
+  }
+
+ private:
+  static BeamRay reflected(const BeamRay& ray, const SurfacePoint& surface, double cosine, double share,
+                           double error_m) {
+    BeamRay onward = ray;
+    onward.origin_m = ray.origin_m + surface.range_m * ray.direction;
+    onward.direction = glm::normalize(ray.direction + 2 * cosine * surface.normal);
+    onward.share = ray.share * share * share;
+    onward.travelled_m = ray.travelled_m + surface.range_m;
+    const double rounding_m = 8 * kUnit * glm::length(onward.origin_m);
+    onward.error_m = error_m;
+    onward.origin_error_m = ray.origin_error_m + ray.error_rad * surface.range_m + error_m + rounding_m;
+    onward.error_rad = ray.error_rad + 2 * surface.normal_error_rad + 8 * kUnit;
+    onward.beyond_m = 2 * (5 * surface.error_bound_m + rounding_m) / cosine;
+    ++onward.turns;
+    return onward;
+  }
+
+  // Two triangles of a pane that meet under the ray are one: their ranges are each off by at most the bound.
+  static BeamRay passed(const BeamRay& ray, const SurfacePoint& surface, double share) {
+    BeamRay onward = ray;
+    onward.share = ray.share * share * share;
+    onward.beyond_m = surface.range_m + 2 * surface.error_bound_m;
+    ++onward.turns;
+    return onward;
+  }
+
+  std::uint32_t depth_;
+};
+
+std::unique_ptr<ScanEffect> create(const ScanEffectContext& context) {
+  const std::int64_t depth = context.attributes.integer("path_depth");
+  return depth == 0 ? nullptr : std::make_unique<SpecularPath>(static_cast<std::uint32_t>(depth));
+}
+
+bool called_for(const DrawList& list) {
+  return std::ranges::any_of(list.items, [&](const DrawItem& item) {
+    const Material& material = *list.materials[item.material];
+    return material.mirror > 0 || material.transmission > 0;
+  });
+}
+
+#define MIRROR \
+  R"(<part file="../showcase/mirror.glb" name="EFFECT_MIRROR" insert_at="ROOT" pose_offset="0.2 0.3 0 0 0 -30"/>)"
+
+const ScanEffectRegistration kRegistration({
+    .type = {.name = "specular_path",
+             .summary = "beams that go on from mirrors and through panes of glass",
+             .source = "attribute path_depth above 0, and a material with mirror or transmission above 0",
+             .outputs = kShownInRanges,
+             .knob = "path_depth",
+             .reference = "the law of reflection, Fresnel's equations",
+             .sensors = "laser_scanner",
+             .attributes = kAttributes,
+             .example = {.attributes = R"(path_depth="4")",
+                         .commands = MIRROR
+                         R"(<element type="material" name="EFFECT" insert_at="ROOT" part="EFFECT_MIRROR" )"
+                         R"(mirror="1"/>)",
+                         .off_attributes = R"(path_depth="0")",
+                         .off_commands = MIRROR
+                         R"(<element type="material" name="EFFECT" insert_at="ROOT" part="EFFECT_MIRROR"/>)",
+                         .plain_commands = MIRROR
+                         R"(<element type="material" name="EFFECT" insert_at="ROOT" part="EFFECT_MIRROR"/>)",
+                         .knob_values = "1 2 4"}},
+    .order = ScanOrder::path,
+    .create = create,
+    .called_for = called_for,
+});
+
+}  // namespace
+
+double pane_reflectance(double refractive_index, double cosine) {
+  const double sine = std::sqrt(std::max(0.0, 1 - cosine * cosine)) / refractive_index;
+  if (sine >= 1) return 1;
+  const double inside = std::sqrt(1 - sine * sine);
+  const double across = (cosine - refractive_index * inside) / (cosine + refractive_index * inside);
+  const double along = (refractive_index * cosine - inside) / (refractive_index * cosine + inside);
+  return (both_faces(across * across) + both_faces(along * along)) / 2;
+}
+
+SurfaceShares surface_shares(const Material& material, double reflectance, double cosine) {
+  const double mirror = material.mirror, glass = (1 - mirror) * material.transmission;
+  const double pane = glass > 0 ? pane_reflectance(material.refractive_index, cosine) : 0;
+  return {.matte = (1 - mirror) * (1 - static_cast<double>(material.transmission)),
+          .reflected = mirror + glass * pane,
+          .passed = glass * (1 - pane) * reflectance};
+}
+
+}  // namespace simvis

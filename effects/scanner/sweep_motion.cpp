@@ -1,0 +1,80 @@
+#include "effects/scanner/sweep_motion.h"
+
+#include <algorithm>
+#include <glm/gtc/quaternion.hpp>
+
+namespace simvis {
+namespace {
+
+// In u = 2^-53. A direction: product of two rotations (6), to a quaternion (6), slerp (6) and its length (3), the
+// turned direction (8). An origin, as a share of its length: the difference of two places (1), turned (6), scaled (1).
+constexpr double kDirectionError = 29 * 0x1p-53, kOriginError = 8 * 0x1p-53;
+
+constexpr AttributeSpec kAttributes[] = {
+    {.name = "sweep",
+     .default_value = "0",
+     .unit = "s",
+     .text = "from a scan's first beam to its last, which leaves at the frame's time; 0: all leave at once",
+     .min = 0},
+    {.name = "sweep_direction",
+     .kind = AttributeKind::choice,
+     .default_value = "ccw",
+     .text = "from min_angle to max_angle: ccw; the other way: cw",
+     .choices = "ccw cw"},
+};
+
+std::unique_ptr<ScanEffect> create(const ScanEffectContext& context) {
+  const AttributeValues& a = context.attributes;
+  if (a.number("sweep") == 0) return nullptr;
+  return std::make_unique<SweepMotion>(a.number("sweep"), a.choice("sweep_direction") == "cw");
+}
+
+const ScanEffectRegistration kRegistration(
+    {.type = {.name = "sweep_motion",
+              .summary = "Each beam leaves at its own time, from where the sensor was then.",
+              .source = "attribute sweep above 0",
+              .outputs = kShownInRanges,
+              .reference = "closed form of a scanner that moves past a wall, towards it, and turns",
+              .sensors = "laser_scanner",
+              .attributes = kAttributes,
+              .example = {.attributes = R"(sweep="0.02" sweep_direction="cw")", .off_attributes = R"(sweep="0")"}},
+     .order = ScanOrder::pose,
+     .create = create});
+
+}  // namespace
+
+double SweepMotion::age_s(std::uint32_t column, std::uint32_t columns) const {
+  const std::uint32_t after = clockwise_ ? column : columns - 1 - column;
+  return columns == 1 ? 0 : sweep_s_ * after / (columns - 1);
+}
+
+void SweepMotion::aim(const ScanMoment& moment, std::vector<BeamRay>& rays) const {
+  if (!moment.before || moment.before->time_ns >= moment.time.time_ns) return;
+  const double interval_s = static_cast<double>(moment.time.time_ns - moment.before->time_ns) / 1e9;
+  const glm::dmat4 &now = moment.world_from_sensor, &before = moment.before->world_from_sensor;
+  const glm::dmat3 sensor_from_world = glm::transpose(glm::dmat3(now));
+  const glm::dvec3 moved_m = sensor_from_world * (glm::dvec3(before[3]) - glm::dvec3(now[3]));
+  const glm::dquat turned = glm::quat_cast(sensor_from_world * glm::dmat3(before));
+  for (BeamRay& ray : rays) {
+    const double back = age_s(ray.beam % moment.columns, moment.columns) / interval_s;
+    const glm::dquat turn = glm::normalize(glm::slerp(glm::dquat(1, 0, 0, 0), turned, back));
+    ray.origin_m = back * moved_m;
+    ray.direction = turn * ray.direction;
+    ray.origin_error_m = kOriginError * glm::length(ray.origin_m);
+    ray.error_rad = kDirectionError;
+  }
+  // Rays of one place side by side, as casters like them.
+  std::ranges::stable_sort(rays, {}, [&](const BeamRay& ray) { return ray.beam % moment.columns; });
+}
+
+void SweepMotion::finish(const ScanMoment& moment, std::span<const Echo>, Scan& scan) const {
+  ScanChannel& time = scan.channels.emplace_back();
+  time.name = "time_s";
+  time.format = "%.9f";
+  for (std::size_t beam = 0; beam < scan.range_m.size(); ++beam) {
+    const auto column = static_cast<std::uint32_t>(beam % scan.columns);
+    time.values.push_back(static_cast<double>(moment.time.time_ns) / 1e9 - age_s(column, scan.columns));
+  }
+}
+
+}  // namespace simvis

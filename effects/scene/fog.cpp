@@ -1,0 +1,23 @@
+// Fog and haze in pictures: each surface, transparent ones too, is seen as shaders/fog.glsl says over its own distance
+// along the ray, the background as if infinitely far away. Depth is not changed. What the air does to lasers is another
+// effect.
+#include <simvis/effect.h>
+
+namespace simvis {
+namespace {
+
+bool in_scene(const DrawList& list) { return list.medium.extinction_per_m > 0; }
+
+const EffectRegistration kRegistration({
+    .name = "fog",
+    .summary = "surfaces fade into the airlight with their distance",
+    .source = "air that weakens visible light: element fog",
+    .outputs = kShownInColor,
+    .reference = "Koschmieder 1924: radiance = surface x t + airlight x (1 - t), t = exp(-extinction x distance)",
+    .example = {.commands = R"(<element type="fog" name="EFFECT" insert_at="ROOT" visibility="20"/>)",
+                .off_commands = R"(<element type="fog" name="EFFECT" insert_at="ROOT" kind="rain" rain_rate="0"/>)"},
+    .in_scene = in_scene,
+});
+
+}  // namespace
+}  // namespace simvis

@@ -1,0 +1,43 @@
+// Normal maps: relief that the mesh does not have, shown by how it takes the light.
+//
+// glTF 2.0, section 3.9.3: rgb from 0 to 1 is a vector from -1 to 1, its x and y times the material's scale, along the
+// directions in which u grows and v falls, and outwards. The directions are taken from the derivatives of place and
+// texture coordinates within the picture (Schueler, Normal Mapping without Precomputed Tangents, ShaderX5, 2006), not
+// from the file's TANGENT: on flat triangles they are the same, mirrored coordinates too, and no vertex, of whatever
+// mesh, has to carry them. Where corners differ the file's tangents would be blended from corner to corner.
+// Only lights show normals: without one no map is uploaded.
+#include <algorithm>
+
+#include <simvis/effect.h>
+
+namespace simvis {
+namespace {
+
+bool is_relief(const DrawItem& item, const DrawList& list) {
+  const Material& material = *list.materials[item.material];
+  return !material.unlit && material.normal_scale != 0 && material.map(MapKind::normal).texture != nullptr;
+}
+
+bool in_scene(const DrawList& list) {
+  return !list.lights.empty() &&
+         std::ranges::any_of(list.items, [&](const DrawItem& item) { return is_relief(item, list); });
+}
+
+const EffectRegistration kRegistration({
+    .name = "normal_maps",
+    .summary = "Light falls as on the relief that a picture describes.",
+    .source = "a lit material with a normal texture",
+    .outputs = kShownInColor,
+    .reference = "a surface that is really tilted; glTF 2.0, section 3.9.3",
+    .example =
+        {.commands =
+             R"(<part file="../showcase/relief.glb" name="EFFECT" insert_at="ROOT" pose_offset="-2 0.4 1 0 0 0"/>)",
+         .off_commands =
+             R"(<part file="../showcase/relief_flat.glb" name="EFFECT" insert_at="ROOT" pose_offset="-2 0.4 1 0 0 0"/>)",
+         .plain_commands =
+             R"(<part file="../showcase/relief_flat.glb" name="EFFECT" insert_at="ROOT" pose_offset="-2 0.4 1 0 0 0"/>)"},
+    .in_scene = in_scene,
+});
+
+}  // namespace
+}  // namespace simvis

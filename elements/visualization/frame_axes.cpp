@@ -1,0 +1,40 @@
+#include "elements/visualization/frame_axes.h"
+
+namespace simvis {
+namespace {
+
+constexpr AttributeSpec kAttributes[] = {
+    marker_size_row("length", "0.5", "of each arrow; 0: none are drawn"),
+    marker_size_row("width", "0.02", "thickness of an arrow's shaft; 0: none are drawn"),
+};
+
+const ElementRegistration kRegistration({
+    .name = "frame_axes",
+    .summary = "arrows along the axes at its insertion point (x red, y green, z blue), for visualization cameras only",
+    .attributes = kAttributes,
+    .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
+      return std::make_unique<FrameAxesElement>(context);
+    },
+});
+
+// Linear RGB: clear on light and on dark ground, none of them dazzling.
+constexpr glm::vec4 kAxisColor[3] = {{0.8f, 0.02f, 0.02f, 1}, {0.02f, 0.5f, 0.02f, 1}, {0.03f, 0.1f, 0.9f, 1}};
+
+}  // namespace
+
+FrameAxesElement::FrameAxesElement(const ElementContext& context)
+    : name_(context.command.require("name").value), nodes_(make_marker_nodes(name_)) {
+  context.scene.insert(context.command, nodes_.separator);
+}
+
+void FrameAxesElement::update(ParameterView values) {
+  MarkerMesh markers;
+  for (int axis = 0; axis < 3; ++axis) {
+    glm::dvec3 tip{0};
+    tip[axis] = values[0];
+    markers.add_arrow(glm::dvec3(0), tip, values[1], kAxisColor[axis]);
+  }
+  nodes_.shape->set_mesh(markers.take(name_));
+}
+
+}  // namespace simvis

@@ -1,0 +1,145 @@
+#include "elements/visualization/graph.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <string_view>
+
+#include <simvis/pose.h>
+
+namespace simvis {
+namespace {
+
+constexpr AttributeSpec kAttributes[] = {
+    {.name = "nodes",
+     .kind = AttributeKind::text,
+     .unit = "m",
+     .text = "the place of each node, \"x y z, x y z, ...\"; then live as x0 y0 z0 x1 y1 z1 ..."},
+    {.name = "edges",
+     .kind = AttributeKind::text,
+     .text = "which nodes are joined, \"0-1, 1-2, ...\", the first node being 0; none if not given"},
+    marker_size_row("size", "0.25", "of a node; 0: none are drawn"),
+    marker_size_row("width", "0.05", "thickness of an edge; 0: none are drawn"),
+    color_row("red", "1", "red of the nodes"),
+    color_row("green", "0.35", "green of the nodes"),
+    color_row("blue", "0", "blue of the nodes"),
+    color_row("edge_red", "0.9", "red of the edges"),
+    color_row("edge_green", "0.75", "green of the edges"),
+    color_row("edge_blue", "0.05", "blue of the edges"),
+};
+constexpr std::size_t kFirstCoordinate = 8;  // among the live rows
+
+const ElementRegistration kRegistration({
+    .name = "graph",
+    .summary = "nodes and edges of a map, for visualization cameras only",
+    .attributes = kAttributes,
+    .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
+      return std::make_unique<GraphElement>(context);
+    },
+});
+
+std::string_view trimmed(std::string_view text) {
+  constexpr std::string_view kSpaces = " \t\r\n";
+  const std::size_t begin = text.find_first_not_of(kSpaces);
+  if (begin == text.npos) return {};
+  return text.substr(begin, text.find_last_not_of(kSpaces) - begin + 1);
+}
+
+// What stands between the commas, at least one entry.
+std::vector<std::string_view> entries_of(std::string_view list) {
+  std::vector<std::string_view> entries;
+  while (true) {
+    const std::size_t comma = list.find(',');
+    entries.push_back(trimmed(list.substr(0, comma)));
+    if (comma == list.npos) return entries;
+    list.remove_prefix(comma + 1);
+  }
+}
+
+[[noreturn]] void refuse(const CommandAttribute& attribute, std::size_t entry, std::string_view seen,
+                         const std::string& expected) {
+  fail_at(attribute.where, "attribute " + in_quotes(attribute.name) + ", entry " + std::to_string(entry) + ": " +
+                               in_quotes(seen) + " is not allowed, expected " + expected);
+}
+
+bool parse_index(std::string_view text, std::size_t& index) {
+  text = trimmed(text);
+  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), index);
+  return error == std::errc() && stop == text.data() + text.size();
+}
+
+}  // namespace
+
+GraphElement::GraphElement(const ElementContext& context)
+    : name_(context.command.require("name").value), nodes_(make_marker_nodes(name_)) {
+  read_nodes(context.command.require("nodes"));
+  if (const CommandAttribute* edges = context.command.find("edges")) read_edges(*edges);
+  context.scene.insert(context.command, nodes_.separator);
+}
+
+void GraphElement::read_nodes(const CommandAttribute& attribute) {
+  std::size_t index = 0;
+  for (const std::string_view entry : entries_of(attribute.value)) {
+    double place[3];
+    const auto too_far = [](double value) { return !(std::abs(value) <= kMaxCoordinate_m); };
+    if (!parse_numbers(entry, place) || std::ranges::any_of(place, too_far)) {
+      refuse(attribute, index, entry, "\"x y z\", three numbers of at most 1e15 either way (m)");
+    }
+    const std::string number = std::to_string(index++);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      coordinates_.push_back({std::string(1, "xyz"[axis]) + number, format_number(place[axis]),
+                              std::string(1, "xyz"[axis]) + " of node " + number});
+    }
+  }
+}
+
+void GraphElement::read_edges(const CommandAttribute& attribute) {
+  const std::size_t nodes = coordinates_.size() / 3;
+  for (const std::string_view entry : entries_of(attribute.value)) {
+    const std::size_t dash = entry.find('-');
+    Edge edge{};
+    const bool read = dash != entry.npos && parse_index(entry.substr(0, dash), edge.from) &&
+                      parse_index(entry.substr(dash + 1), edge.to);
+    if (!read || edge.from >= nodes || edge.to >= nodes || edge.from == edge.to) {
+      refuse(attribute, edges_.size(), entry,
+             "\"A-B\", the numbers of two different nodes" +
+                 (nodes > 1 ? " from 0 to " + std::to_string(nodes - 1) : " (there is but one)"));
+    }
+    edges_.push_back(edge);
+  }
+}
+
+void GraphElement::adapt_parameters(std::vector<AttributeSpec>& live_rows) const {
+  for (const Coordinate& each : coordinates_) {
+    live_rows.push_back({.name = each.name,
+                         .kind = AttributeKind::number,
+                         .default_value = each.default_value,
+                         .unit = "m",
+                         .text = each.text,
+                         .min = -kMaxCoordinate_m,
+                         .max = kMaxCoordinate_m,
+                         .live = true});
+  }
+}
+
+void GraphElement::update(ParameterView values) {
+  const auto place = [&](std::size_t node) {
+    const double* at = &values[kFirstCoordinate + 3 * node];
+    return glm::dvec3(at[0], at[1], at[2]);
+  };
+  const glm::vec4 node_color(values[2], values[3], values[4], 1), edge_color(values[5], values[6], values[7], 1);
+  const glm::dvec3 origin = place(0);  // maps may lie far out
+  MarkerMesh markers;
+  for (const Edge& edge : edges_) {
+    markers.add_line(place(edge.from) - origin, place(edge.to) - origin, values[1], edge_color);
+  }
+  for (std::size_t node = 0; node < coordinates_.size() / 3; ++node) {
+    markers.add_point(place(node) - origin, values[0], node_color);
+  }
+  glm::dmat4 frame_from_mesh{1.0};
+  frame_from_mesh[3] = {origin, 1};
+  nodes_.place->set_matrix(frame_from_mesh);
+  nodes_.shape->set_mesh(markers.take(name_));
+}
+
+}  // namespace simvis

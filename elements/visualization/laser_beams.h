@@ -1,0 +1,36 @@
+// The element `laser_beams`: draws the beams of a scanner and the points that they hit, for people.
+//
+//   <element type="laser_beams" name="BEAMS" insert_at="ROOT" scanner="FRONT_SCANNER" red="1" opacity="0.5"/>
+//
+// Only cameras with view="visualization" see them. They start where the scanner stood when it measured; where the
+// element is inserted makes no difference.
+// Parameters  width, size, miss_length (m), every, opacity, red green blue (linear), all live.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include <simvis/element.h>
+#include "elements/visualization/marker_mesh.h"
+
+namespace simvis {
+
+class LaserBeamsElement : public Element {
+ public:
+  explicit LaserBeamsElement(const ElementContext& context);
+  void update(ParameterView values) override;
+  void observe(const Observations& seen) override;
+
+ private:
+  void draw(const Scan& scan);
+
+  std::string name_, scanner_;
+  MarkerNodes nodes_;
+  double width_m_ = 0, size_m_ = 0, miss_length_m_ = 0;
+  std::size_t every_ = 1;
+  glm::vec4 color_{1};       // of the beams; the hits are opaque
+  std::uint64_t drawn_ = 0;  // ObservedScan::count of what the mesh shows
+  bool stale_ = false;       // a parameter changed since it was made
+};
+
+}  // namespace simvis

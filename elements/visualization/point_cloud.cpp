@@ -1,0 +1,152 @@
+#include "elements/visualization/point_cloud.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "elements/visualization/scan_hits.h"
+
+namespace simvis {
+namespace {
+
+constexpr AttributeSpec kAttributes[] = {
+    {.name = "file",
+     .kind = AttributeKind::text,
+     .text = "a .csv or .xyz file of points, \"x y z\" or \"x y z r g b\""},
+    {.name = "scanner", .kind = AttributeKind::sensor, .text = "the scanner whose hits are drawn; instead of a file"},
+    {.name = "count",
+     .kind = AttributeKind::number,
+     .default_value = "1000000",
+     .text = "how many points of the file, or of each scan, are drawn, the first; rounded down",
+     .min = 0,
+     .max = kMostPoints,
+     .live = true},
+    marker_size_row("size", "0.04", "of a point; 0: none are drawn"),
+    {.name = "keep",
+     .kind = AttributeKind::number,
+     .default_value = "1",
+     .text = "how many of the scanner's scans are drawn, the last; rounded down",
+     .min = 1,
+     .max = 10000,
+     .live = true},
+    color_row("red", "0", "red of points that have no colour of their own"),
+    color_row("green", "0.6", "green of points that have no colour of their own"),
+    color_row("blue", "0.9", "blue of points that have no colour of their own"),
+};
+
+const ElementRegistration kRegistration({
+    .name = "point_cloud",
+    .summary = "points from a file, or where a scanner's beams hit, for visualization cameras only",
+    .attributes = kAttributes,
+    .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
+      return std::make_unique<PointCloudElement>(context);
+    },
+});
+
+std::filesystem::path find_point_file(const ElementContext& context) {
+  const CommandAttribute& file = context.command.require("file");
+  const std::filesystem::path path = context.command.folder / file.value;
+  const std::string ending = path.extension().string();
+  if (ending != ".csv" && ending != ".xyz") {
+    fail_at(file.where,
+            "point file " + in_quotes(path.string()) + " is of an unknown kind, expected one of: .csv, .xyz");
+  }
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) {
+    fail_at(file.where, "there is no point file " + in_quotes(path.string()));
+  }
+  return path;
+}
+
+}  // namespace
+
+PointCloudElement::PointCloudElement(const ElementContext& context)
+    : name_(context.command.require("name").value), separator_(std::make_shared<VisualSeparator>()) {
+  const Command& command = context.command;
+  const CommandAttribute* const scanner = command.find("scanner");
+  if ((scanner != nullptr) == (command.find("file") != nullptr)) {
+    fail_at(command.where, "a point cloud needs either the attribute \"file\" or \"scanner\"");
+  }
+  separator_->name = name_;
+  separator_->add(std::make_shared<MaterialNode>(marker_material(AlphaMode::opaque)));
+  if (scanner != nullptr) {
+    scanner_ = scanner->value;
+    context.scene.insert_in_world(command, separator_);
+  } else {
+    add_file(context);
+    context.scene.insert(command, separator_);
+  }
+}
+
+void PointCloudElement::add_file(const ElementContext& context) {
+  PointFile file = read_point_file(find_point_file(context));
+  has_colors_ = file.has_colors;
+  const glm::dvec3 origin = file.points.front().position_m;  // maps may lie far out
+  for (FilePoint& point : file.points) point.position_m -= origin;
+  Batch& batch = add_batch();
+  batch.points = std::move(file.points);
+  glm::dmat4 frame_from_mesh{1.0};
+  frame_from_mesh[3] = {origin, 1};
+  batch.place->set_matrix(frame_from_mesh);
+}
+
+PointCloudElement::Batch& PointCloudElement::add_batch() {
+  Batch& batch = batches_.emplace_back(Batch{.separator = std::make_shared<Separator>(),
+                                             .place = std::make_shared<Transform>(),
+                                             .shape = std::make_shared<Shape>(MarkerMesh().take(name_)),
+                                             .points = {}});
+  batch.separator->add(batch.place);
+  batch.separator->add(batch.shape);
+  separator_->add(batch.separator);
+  return batch;
+}
+
+void PointCloudElement::update(ParameterView values) {
+  count_ = static_cast<std::size_t>(values[0]);
+  size_m_ = values[1];
+  keep_ = static_cast<std::size_t>(values[2]);
+  color_ = {values[3], values[4], values[5]};
+  for (; batches_.size() > keep_; batches_.pop_front()) separator_->remove(*batches_.front().separator);
+  stale_ = true;
+}
+
+// Meshes are made here, so that a scene which nobody watches pays for none.
+void PointCloudElement::observe(const Observations& seen) {
+  if (stale_) {
+    for (Batch& batch : batches_) draw(batch);
+    stale_ = false;
+  }
+  if (scanner_.empty()) return;
+  const ObservedScan observed = seen.scan(scanner_);
+  if (observed.scan == nullptr || observed.count == seen_) return;
+  take_scan(observed);
+  seen_ = observed.count;
+}
+
+void PointCloudElement::take_scan(const ObservedScan& observed) {
+  if (batches_.size() < keep_) {
+    add_batch();
+  } else {
+    // The oldest makes room: its nodes stay in the graph, whose structure need not change then.
+    batches_.push_back(std::move(batches_.front()));
+    batches_.pop_front();
+  }
+  Batch& newest = batches_.back();
+  newest.place->set_matrix(observed.world_from_sensor);
+  newest.points.clear();
+  for_each_beam(*observed.scan, 1, [&](const glm::dvec3& direction, double range_m) {
+    if (is_hit(range_m)) newest.points.push_back({.position_m = range_m * direction});
+  });
+  draw(newest);
+}
+
+void PointCloudElement::draw(Batch& batch) {
+  MarkerMesh markers;
+  const std::size_t count = std::min(count_, batch.points.size());
+  for (std::size_t i = 0; i < count; ++i) {
+    const FilePoint& point = batch.points[i];
+    markers.add_point(point.position_m, size_m_, {has_colors_ ? point.color : color_, 1});
+  }
+  batch.shape->set_mesh(markers.take(name_));
+}
+
+}  // namespace simvis

@@ -1,0 +1,54 @@
+// The element `point_cloud`: points from a file, or where the beams of a scanner hit, for people.
+//
+//   <element type="point_cloud" name="MAP" insert_at="ROOT" file="points.csv"/>
+//   <element type="point_cloud" name="HITS" insert_at="ROOT" scanner="TILT_SCANNER" keep="50"/>
+//
+// Only cameras with view="visualization" see it.
+// Frames   a file's points are in the frame of the insertion point; see point_file.h for the format. A scan's points
+//          stay in the world where they were measured; where the element is inserted makes no difference to them.
+// Parameters  count, size (m), keep, red green blue (linear), all live.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <string>
+#include <vector>
+
+#include <simvis/element.h>
+#include "elements/visualization/marker_mesh.h"
+#include "elements/visualization/point_file.h"
+
+namespace simvis {
+
+class PointCloudElement : public Element {
+ public:
+  /// Throws InputError: neither a file nor a scanner or both, and what is wrong with the file.
+  explicit PointCloudElement(const ElementContext& context);
+  void update(ParameterView values) override;
+  void observe(const Observations& seen) override;
+
+ private:
+  // The points of the file or of one scan, near an origin of their own: separator { place, shape }.
+  struct Batch {
+    std::shared_ptr<Separator> separator;
+    std::shared_ptr<Transform> place;
+    std::shared_ptr<Shape> shape;
+    std::vector<FilePoint> points;  // relative to `place`
+  };
+  void add_file(const ElementContext& context);
+  Batch& add_batch();
+  void take_scan(const ObservedScan& observed);
+  void draw(Batch& batch);
+
+  std::string name_, scanner_;  // no scanner: a file
+  std::shared_ptr<VisualSeparator> separator_;
+  std::deque<Batch> batches_;  // of scans the newest last
+  bool has_colors_ = false;    // of their own
+  std::size_t count_ = 0, keep_ = 1;
+  double size_m_ = 0;
+  glm::vec3 color_{1};
+  bool stale_ = false;      // a parameter changed since the meshes were made
+  std::uint64_t seen_ = 0;  // ObservedScan::count of the newest batch
+};
+
+}  // namespace simvis

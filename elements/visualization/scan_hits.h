@@ -1,0 +1,32 @@
+// Where the beams of a scan go.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <glm/glm.hpp>
+
+#include <simvis/scan.h>
+
+namespace simvis {
+
+/// Of unit length, in the sensor frame.
+inline glm::dvec3 beam_direction(const Scan& scan, std::size_t ring, std::size_t beam) {
+  const double azimuth = scan.azimuth_rad[beam], elevation = scan.elevation_rad[ring];
+  return {std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth), std::sin(elevation)};
+}
+
+/// Calls `visit(direction, range_m)` for every `every`-th beam of each ring. The range is infinite where the beam met
+/// nothing and 0 where it was blocked too near to be measured.
+template <typename Visit>
+void for_each_beam(const Scan& scan, std::size_t every, const Visit& visit) {
+  for (std::size_t ring = 0; ring < scan.rings; ++ring) {
+    for (std::size_t beam = 0; beam < scan.columns; beam += every) {
+      visit(beam_direction(scan, ring, beam), static_cast<double>(scan.range_m[ring * scan.columns + beam]));
+    }
+  }
+}
+
+/// Whether a range is that of a surface.
+inline bool is_hit(double range_m) { return range_m > 0 && std::isfinite(range_m); }
+
+}  // namespace simvis

@@ -1,0 +1,222 @@
+#include "engine/geometry/bvh.h"
+
+#include <algorithm>
+#include <bit>
+#include <future>
+#include <limits>
+#include <thread>
+#include <vector>
+
+namespace simvis {
+
+namespace {
+
+constexpr int kBins = 16;
+// What it costs to look into a node, where to look at one thing costs 1.
+constexpr double kNodeCost = 1;
+
+constexpr Box kNothing{glm::vec3(std::numeric_limits<float>::max()), glm::vec3(-std::numeric_limits<float>::max())};
+
+Box joined(const Box& a, const Box& b) { return {glm::min(a.low, b.low), glm::max(a.high, b.high)}; }
+
+// In double: boxes may be 10^18 m wide.
+double half_area(const Box& box) {
+  const glm::dvec3 size = glm::dvec3(box.high) - glm::dvec3(box.low);
+  return size.x * size.y + size.y * size.z + size.z * size.x;
+}
+
+Box box_of(const BvhNode& node) { return {node.low, node.high}; }
+
+struct Split {
+  double cost = std::numeric_limits<double>::infinity();
+  int axis = 0, bin = 0;  // things up to this bin go first
+};
+
+/// A thing on its way to its leaf: things stand together as their boxes do, so that memory is read from front to back.
+struct Thing {
+  Box box;
+  std::uint32_t number = 0;
+
+  glm::dvec3 middle() const { return 0.5 * (glm::dvec3(box.low) + glm::dvec3(box.high)); }
+};
+
+/// Which bin a middle falls into.
+struct Bins {
+  glm::dvec3 low{0}, per_m{0};
+
+  Bins(const glm::dvec3& from, const glm::dvec3& to) : low(from) {
+    for (int axis = 0; axis < 3; ++axis) per_m[axis] = to[axis] > from[axis] ? kBins / (to[axis] - from[axis]) : 0;
+  }
+  int of(const glm::dvec3& middle, int axis) const {
+    return std::clamp(static_cast<int>((middle[axis] - low[axis]) * per_m[axis]), 0, kBins - 1);
+  }
+};
+
+// The cheapest border between two bins. The cost is in areas times looks at things.
+Split best_split(std::span<const Thing> things, const Bins& bins, std::uint32_t at_once) {
+  const auto looks = [at_once](std::uint32_t count) { return (count + at_once - 1) / at_once; };
+  struct Content {
+    Box box = kNothing;
+    std::uint32_t count = 0;
+  };
+  Content content[3][kBins];
+  for (const Thing& thing : things) {
+    const glm::dvec3 middle = thing.middle();
+    for (int axis = 0; axis < 3; ++axis) {
+      Content& bin = content[axis][bins.of(middle, axis)];
+      bin.box = joined(bin.box, thing.box);
+      ++bin.count;
+    }
+  }
+  Split best;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (bins.per_m[axis] == 0) continue;
+    double after[kBins];  // the cost of what lies behind each bin
+    Content rest;
+    for (int bin = kBins - 1; bin > 0; --bin) {
+      rest.box = joined(rest.box, content[axis][bin].box);
+      rest.count += content[axis][bin].count;
+      after[bin - 1] =
+          rest.count == 0 ? std::numeric_limits<double>::infinity() : looks(rest.count) * half_area(rest.box);
+    }
+    rest = {};
+    for (int bin = 0; bin + 1 < kBins; ++bin) {
+      rest.box = joined(rest.box, content[axis][bin].box);
+      rest.count += content[axis][bin].count;
+      if (rest.count == 0) continue;
+      const double cost = looks(rest.count) * half_area(rest.box) + after[bin];
+      if (cost < best.cost) best = {cost, axis, bin};
+    }
+  }
+  return best;
+}
+
+/// Puts things into the order of the leaves; a subtree's nodes begin with its root.
+class Builder {
+ public:
+  Builder(std::vector<Thing>& things, std::uint32_t most_in_leaf, std::uint32_t at_once)
+      : things_(things), most_in_leaf_(most_in_leaf), at_once_(at_once) {}
+
+  /// `threads`: on how many.
+  std::vector<BvhNode> build(std::uint32_t first, std::uint32_t count, std::uint32_t depth, unsigned threads) {
+    std::vector<BvhNode> nodes(1);
+    build(nodes, 0, first, count, depth, threads);
+    return nodes;
+  }
+
+ private:
+  void build(std::vector<BvhNode>& nodes, std::uint32_t node, std::uint32_t first, std::uint32_t count,
+             std::uint32_t depth, unsigned threads);
+  std::uint32_t divide(std::span<Thing> things, std::uint32_t depth, double area);
+
+  std::vector<Thing>& things_;
+  std::uint32_t most_in_leaf_, at_once_;
+};
+
+// Puts a node's things into the order of its children; returns how many go to the first, 0 for a leaf.
+std::uint32_t Builder::divide(std::span<Thing> things, std::uint32_t depth, double area) {
+  const auto count = static_cast<std::uint32_t>(things.size());
+  if (count == 1) return 0;
+  glm::dvec3 low(std::numeric_limits<double>::max()), high = -low;
+  for (const Thing& thing : things) {
+    low = glm::min(low, thing.middle());
+    high = glm::max(high, thing.middle());
+  }
+  const Bins bins(low, high);
+  const Split split = best_split(things, bins, at_once_);
+  const std::uint32_t looks = (count + at_once_ - 1) / at_once_;
+  if (count <= most_in_leaf_ && !(split.cost + kNodeCost * area < looks * area)) return 0;
+  if (split.cost < std::numeric_limits<double>::infinity()) {
+    const auto border = std::partition(things.begin(), things.end(), [&](const Thing& thing) {
+      return bins.of(thing.middle(), split.axis) <= split.bin;
+    });
+    const auto left = static_cast<std::uint32_t>(border - things.begin());
+    // Dividing by halves from here on must still end above the deepest level.
+    const auto halvings = static_cast<std::uint32_t>(std::bit_width(std::max(left, count - left) - 1));
+    if (depth + 1 + halvings <= Bvh::kMaxDepth) return left;
+  }
+  const glm::dvec3 size = high - low;
+  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+  std::ranges::nth_element(things, things.begin() + count / 2, [&](const Thing& a, const Thing& b) {
+    const double at = a.middle()[axis], bt = b.middle()[axis];
+    return at < bt || (at == bt && a.number < b.number);
+  });
+  return count / 2;
+}
+
+// A subtree's nodes but for its root go to the end of `nodes`, its root to `node`.
+void graft(std::vector<BvhNode>& nodes, std::uint32_t node, std::span<const BvhNode> subtree) {
+  const auto offset = static_cast<std::uint32_t>(nodes.size()) - 1;
+  const auto moved = [offset](BvhNode n) {
+    if (n.count == 0) n.first += offset;
+    return n;
+  };
+  nodes[node] = moved(subtree[0]);
+  for (const BvhNode& n : subtree.subspan(1)) nodes.push_back(moved(n));
+}
+
+void Builder::build(std::vector<BvhNode>& nodes, std::uint32_t node, std::uint32_t first, std::uint32_t count,
+                    std::uint32_t depth, unsigned threads) {
+  Box box = kNothing;
+  const std::span<Thing> things = std::span(things_).subspan(first, count);
+  for (const Thing& thing : things) box = joined(box, thing.box);
+  nodes[node] = {box.low, first, box.high, count};
+  const std::uint32_t left = divide(things, depth, half_area(box));
+  if (left == 0) return;
+  const auto children = static_cast<std::uint32_t>(nodes.size());
+  nodes[node].first = children;
+  nodes[node].count = 0;
+  nodes.resize(children + 2);
+  constexpr std::uint32_t kFew = 50'000;  // a thread costs what dividing a thousand does
+  if (threads < 2 || count < kFew) {
+    build(nodes, children, first, left, depth + 1, threads);
+    build(nodes, children + 1, first + left, count - left, depth + 1, threads);
+    return;
+  }
+  std::future<std::vector<BvhNode>> before =
+      std::async(std::launch::async, [&] { return build(first, left, depth + 1, threads / 2); });
+  const std::vector<BvhNode> after = build(first + left, count - left, depth + 1, threads - threads / 2);
+  graft(nodes, children, before.get());
+  graft(nodes, children + 1, after);
+}
+
+}  // namespace
+
+Bvh build_bvh(std::span<const Box> boxes, std::uint32_t most_in_leaf, std::uint32_t at_once) {
+  Bvh bvh;
+  if (boxes.empty()) return bvh;
+  const auto count = static_cast<std::uint32_t>(boxes.size());
+  std::vector<Thing> things(count);
+  for (std::uint32_t i = 0; i < count; ++i) things[i] = {boxes[i], i};
+  bvh.nodes =
+      Builder(things, most_in_leaf, at_once).build(0, count, 0, std::max(1u, std::thread::hardware_concurrency()));
+  bvh.order.reserve(count);
+  for (const Thing& thing : things) bvh.order.push_back(thing.number);
+  return bvh;
+}
+
+std::vector<std::uint32_t> refit(Bvh& bvh, std::span<const Box> boxes) {
+  std::vector<std::uint32_t> changed;
+  for (std::size_t i = bvh.nodes.size(); i-- > 0;) {
+    BvhNode& node = bvh.nodes[i];
+    Box box = kNothing;
+    for (std::uint32_t k = 0; k < node.count; ++k) box = joined(box, boxes[bvh.order[node.first + k]]);
+    if (node.count == 0) box = joined(box_of(bvh.nodes[node.first]), box_of(bvh.nodes[node.first + 1]));
+    if (box == box_of(node)) continue;
+    node.low = box.low;
+    node.high = box.high;
+    changed.push_back(static_cast<std::uint32_t>(i));
+  }
+  std::ranges::reverse(changed);
+  return changed;
+}
+
+double expected_visits(const Bvh& bvh) {
+  if (bvh.nodes.empty()) return 0;
+  double sum = 0;
+  for (const BvhNode& node : bvh.nodes) sum += half_area(box_of(node));
+  const double root = half_area(box_of(bvh.nodes[0]));
+  return root > 0 ? sum / root : 0;
+}
+
+}  // namespace simvis

@@ -1,0 +1,36 @@
+#include "engine/geometry/cluster_cache.h"
+
+#include <vector>
+
+namespace simvis {
+namespace {
+
+// Of what order_in_space() makes of a mesh.
+constexpr char kVersion = '1';
+
+bool holds_each_once(const std::vector<std::uint32_t>& order) {
+  std::vector<bool> seen(order.size());
+  for (const std::uint32_t triangle : order) {
+    if (triangle >= order.size() || seen[triangle]) return false;
+    seen[triangle] = true;
+  }
+  return true;
+}
+
+}  // namespace
+
+Clustering make_clusters_cached(const Mesh& mesh, const std::filesystem::path& folder) {
+  const std::size_t triangles = mesh.indices.size() / 3;
+  if (folder.empty() || mesh.topology != Topology::triangles || triangles < kLeastCachedTriangles) {
+    return make_clusters(mesh);
+  }
+  const MeshCacheFile file(folder, "clusters", kVersion, mesh);
+  std::vector<std::uint32_t> order = file.read();
+  if (order.size() != triangles || !holds_each_once(order)) {
+    order = order_in_space(mesh);
+    file.write(order);
+  }
+  return clusters_in_order(mesh, order);
+}
+
+}  // namespace simvis

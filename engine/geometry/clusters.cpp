@@ -1,0 +1,154 @@
+#include "engine/geometry/clusters.h"
+
+#include <algorithm>
+#include <future>
+#include <limits>
+#include <span>
+#include <thread>
+
+namespace simvis {
+namespace {
+
+struct Box {
+  glm::vec3 low{std::numeric_limits<float>::infinity()}, high{-std::numeric_limits<float>::infinity()};
+
+  void add(const glm::vec3& p) {
+    low = glm::min(low, p);
+    high = glm::max(high, p);
+  }
+};
+
+// All but what it is made of.
+Cluster cluster_in(const Box& box) {
+  // Sums of float32 lose half an ulp each; two of the larger corner make up for it.
+  constexpr float kOutwards = 2 * std::numeric_limits<float>::epsilon();
+  const glm::vec3 slack = kOutwards * glm::max(glm::abs(box.low), glm::abs(box.high));
+  Cluster cluster;
+  cluster.center = 0.5f * (box.low + box.high);
+  cluster.half_size = 0.5f * (box.high - box.low) + slack;
+  return cluster;
+}
+
+class ClusterWriter {
+ public:
+  explicit ClusterWriter(const Mesh& mesh) : mesh_(mesh), place_(mesh.positions.size()) {}
+
+  void add(std::span<const std::uint32_t> triangles, Clustering& clustering) {
+    static_assert(3 * kClusterTriangles <= std::numeric_limits<std::uint8_t>::max() + 1);
+    std::vector<std::uint32_t>& vertices = clustering.vertices;
+    const auto first_index = static_cast<std::uint32_t>(clustering.corners.size());
+    const auto first_vertex = static_cast<std::uint32_t>(vertices.size());
+    Box box;
+    for (const std::size_t triangle : triangles) {
+      for (const std::uint32_t vertex : std::span(mesh_.indices).subspan(3 * triangle, 3)) {
+        std::uint32_t& place = place_[vertex];
+        if (place < first_vertex || place >= vertices.size() || vertices[place] != vertex) {
+          place = static_cast<std::uint32_t>(vertices.size());
+          vertices.push_back(vertex);
+          box.add(mesh_.positions[vertex]);
+        }
+        clustering.corners.push_back(static_cast<std::uint8_t>(place - first_vertex));
+      }
+    }
+    Cluster& cluster = clustering.clusters.emplace_back(cluster_in(box));
+    cluster.first_index = first_index;
+    cluster.index_count = static_cast<std::uint32_t>(clustering.corners.size()) - first_index;
+    cluster.first_vertex = first_vertex;
+    cluster.vertex_count = static_cast<std::uint32_t>(vertices.size()) - first_vertex;
+  }
+
+ private:
+  const Mesh& mesh_;
+  std::vector<std::uint32_t> place_;  // by vertex: where it was last named, if it is
+};
+
+// What is sorted, with all that sorting looks at: to follow numbers through memory would take most of the time.
+struct Placed {
+  glm::vec3 center{0};
+  std::uint32_t triangle = 0;
+};
+
+std::vector<Placed> place(const Mesh& mesh) {
+  std::vector<Placed> placed(mesh.indices.size() / 3);
+  for (std::size_t t = 0; t < placed.size(); ++t) {
+    placed[t].triangle = static_cast<std::uint32_t>(t);
+    for (int corner = 0; corner < 3; ++corner) {
+      placed[t].center += mesh.positions[mesh.indices[3 * t + corner]] / 3.0f;
+    }
+  }
+  return placed;
+}
+
+// Puts the smaller half, along the longest side of the centres' box, in front of the larger one.
+void halve(std::span<Placed> placed) {
+  Box box;
+  for (const Placed& each : placed) box.add(each.center);
+  const glm::vec3 size = box.high - box.low;
+  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+  std::nth_element(placed.begin(), placed.begin() + static_cast<std::ptrdiff_t>(placed.size() / 2), placed.end(),
+                   [axis](const Placed& a, const Placed& b) {
+                     return a.center[axis] != b.center[axis] ? a.center[axis] < b.center[axis]
+                                                             : a.triangle < b.triangle;
+                   });
+}
+
+// A half has nothing to do with the other one: however many threads sort them, the order is the same.
+void sort_in_space(std::span<Placed> placed, unsigned threads) {
+  if (placed.size() <= kClusterTriangles) return;
+  halve(placed);
+  const std::span<Placed> front = placed.first(placed.size() / 2), back = placed.subspan(placed.size() / 2);
+  constexpr std::size_t kWorthAThread = 1u << 14;
+  std::future<void> other;
+  if (threads > 1 && placed.size() >= kWorthAThread) {
+    other = std::async(std::launch::async, [back, threads] { sort_in_space(back, threads / 2); });
+  }
+  sort_in_space(front, threads - threads / 2);
+  if (!other.valid()) sort_in_space(back, 1);
+}
+
+// How many triangles each cluster has, in order, follows from how many there are in all.
+void add_cluster_sizes(std::size_t triangles, std::vector<std::size_t>& sizes) {
+  if (triangles <= kClusterTriangles) return sizes.push_back(triangles);
+  add_cluster_sizes(triangles / 2, sizes);
+  add_cluster_sizes(triangles - triangles / 2, sizes);
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> order_in_space(const Mesh& mesh) {
+  std::vector<Placed> placed = place(mesh);
+  sort_in_space(placed, std::max(1u, std::thread::hardware_concurrency()));
+  std::vector<std::uint32_t> order;
+  order.reserve(placed.size());
+  for (const Placed& each : placed) order.push_back(each.triangle);
+  return order;
+}
+
+Clustering clusters_in_order(const Mesh& mesh, std::span<const std::uint32_t> order) {
+  Clustering result;
+  std::vector<std::size_t> sizes;
+  add_cluster_sizes(order.size(), sizes);
+  result.clusters.reserve(sizes.size());
+  result.corners.reserve(3 * order.size());
+  result.vertices.reserve(order.size());
+  ClusterWriter writer(mesh);
+  std::size_t first = 0;
+  for (const std::size_t size : sizes) {
+    writer.add(order.subspan(first, size), result);
+    first += size;
+  }
+  result.vertices.shrink_to_fit();
+  return result;
+}
+
+Clustering make_clusters(const Mesh& mesh) {
+  if (mesh.topology == Topology::triangles) return clusters_in_order(mesh, order_in_space(mesh));
+  Box box;
+  for (const std::uint32_t vertex : mesh.indices) box.add(mesh.positions[vertex]);
+  Clustering result;
+  result.clusters.push_back(cluster_in(box));
+  result.clusters[0].index_count = static_cast<std::uint32_t>(mesh.indices.size());
+  return result;
+}
+
+}  // namespace simvis

@@ -1,0 +1,142 @@
+#include "engine/geometry/tree_cache.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+
+#include "engine/base/assert.h"
+
+namespace simvis {
+namespace {
+
+// Of the words below, and of what WideBvh makes of a mesh.
+constexpr char kVersion = '1';
+
+// A file holds who is whose child, and no boxes. Of each node how many children it has, and of each child its number
+// and, in the highest bits, how many things it holds as a leaf. Then the things of each leaf.
+constexpr std::uint32_t kThingsShift = 29, kMostNumber = (1u << kThingsShift) - 1;
+constexpr std::uint32_t kThingsOfLeaf = std::tuple_size_v<WideBvh::Leaf>;
+static_assert(kThingsOfLeaf < 1u << (32 - kThingsShift));
+
+std::vector<std::uint32_t> words_of(const WideBvh& tree, const std::vector<WideBvh::Leaf>& leaves) {
+  std::vector<std::uint32_t> words{static_cast<std::uint32_t>(tree.nodes().size()),
+                                   static_cast<std::uint32_t>(leaves.size())};
+  for (const WideNode& node : tree.nodes()) {
+    words.push_back(node.children);
+    for (std::uint32_t lane = 0; lane < node.children; ++lane) {
+      SIMVIS_ASSERT(node.child[lane] <= kMostNumber);
+      words.push_back(node.child[lane] | std::uint32_t{node.things[lane]} << kThingsShift);
+    }
+  }
+  for (const WideBvh::Leaf& leaf : leaves) words.insert(words.end(), leaf.begin(), leaf.end());
+  return words;
+}
+
+/// Reads the words and trusts none of them.
+class TreeReader {
+ public:
+  TreeReader(std::span<const std::uint32_t> words, std::span<const Box> boxes) : words_(words), boxes_(boxes) {}
+
+  std::optional<WideBvh> read(std::vector<WideBvh::Leaf>& leaves) {
+    const std::uint32_t node_count = next(), leaf_count = next();
+    if (node_count == 0 || node_count > words_.size() || leaf_count > words_.size()) return {};
+    nodes_.resize(node_count);
+    depth_.assign(node_count, 0);
+    things_.assign(leaf_count, 0);
+    for (std::uint32_t i = 0; i < node_count; ++i) {
+      if (!read_node(i)) return {};
+    }
+    if (!read_leaves(leaves)) return {};
+    fit(leaves);
+    return WideBvh(std::move(nodes_));
+  }
+
+ private:
+  // 0, which nothing here may be, when there are no more.
+  std::uint32_t next() { return at_ < words_.size() ? words_[at_++] : 0; }
+
+  // Every node but the root has been a child before, once.
+  bool read_node(std::uint32_t index) {
+    WideNode& node = nodes_[index];
+    node.children = next();
+    if (node.children == 0 || node.children > WideNode::kMost || (index > 0 && depth_[index] == 0)) return false;
+    for (std::uint32_t lane = 0; lane < node.children; ++lane) {
+      const std::uint32_t word = next(), things = word >> kThingsShift, number = word & kMostNumber;
+      node.child[lane] = number;
+      node.things[lane] = static_cast<std::uint8_t>(things);
+      if (things > 0) {
+        if (things > kThingsOfLeaf || number >= things_.size() || things_[number] > 0) return false;
+        things_[number] = node.things[lane];
+        continue;
+      }
+      if (number <= index || number >= nodes_.size() || depth_[number] > 0) return false;
+      depth_[number] = depth_[index] + 1;
+      if (depth_[number] > Bvh::kMaxDepth) return false;
+      nodes_[number].parent = index;
+      nodes_[number].place = lane;
+    }
+    return true;
+  }
+
+  bool read_leaves(std::vector<WideBvh::Leaf>& leaves) {
+    const std::size_t left = words_.size() - at_;
+    if (left != things_.size() * kThingsOfLeaf) return false;
+    leaves.resize(things_.size());
+    std::vector<bool> seen(boxes_.size());
+    std::size_t held = 0;
+    for (std::size_t i = 0; i < leaves.size(); ++i) {
+      for (std::uint32_t k = 0; k < kThingsOfLeaf; ++k) {
+        const std::uint32_t thing = words_[at_++];
+        if (k >= things_[i] ? k == 0 || thing != leaves[i][k - 1] : thing >= boxes_.size() || seen[thing]) return false;
+        if (k < things_[i]) {
+          seen[thing] = true;
+          ++held;
+        }
+        leaves[i][k] = thing;
+      }
+    }
+    return held == boxes_.size();
+  }
+
+  // What is below a node stands behind it.
+  void fit(const std::vector<WideBvh::Leaf>& leaves) {
+    for (std::size_t i = nodes_.size(); i-- > 0;) {
+      WideNode& node = nodes_[i];
+      Box box;
+      for (std::uint32_t lane = 0; lane < WideNode::kMost; ++lane) {
+        if (lane < node.children) box = box_below(node, lane, leaves);
+        node.set_box(lane, box);
+      }
+    }
+  }
+
+  Box box_below(const WideNode& node, std::uint32_t lane, const std::vector<WideBvh::Leaf>& leaves) const {
+    if (node.things[lane] == 0) return nodes_[node.child[lane]].box_around();
+    Box box = boxes_[leaves[node.child[lane]][0]];
+    for (const std::uint32_t thing : leaves[node.child[lane]]) {
+      box = {glm::min(box.low, boxes_[thing].low), glm::max(box.high, boxes_[thing].high)};
+    }
+    return box;
+  }
+
+  std::span<const std::uint32_t> words_;
+  std::span<const Box> boxes_;
+  std::size_t at_ = 0;
+  std::vector<WideNode> nodes_;
+  std::vector<std::uint32_t> depth_;  // by node; 0: nobody's child yet
+  std::vector<std::uint8_t> things_;  // by leaf; 0: nobody's child yet
+};
+
+}  // namespace
+
+WideBvh make_tree_cached(const Mesh& mesh, std::span<const Box> boxes, std::vector<WideBvh::Leaf>& leaves,
+                         const std::filesystem::path& folder) {
+  if (folder.empty() || boxes.size() < kLeastCachedTriangles) return WideBvh(boxes, leaves);
+  const MeshCacheFile file(folder, "tree", kVersion, mesh);
+  if (std::optional<WideBvh> kept = TreeReader(file.read(), boxes).read(leaves)) return std::move(*kept);
+  WideBvh tree(boxes, leaves);
+  file.write(words_of(tree, leaves));
+  return tree;
+}
+
+}  // namespace simvis

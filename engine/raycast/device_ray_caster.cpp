@@ -1,0 +1,225 @@
+// Casts rays on a Vulkan device. A compute shader walks the trees in float32 and hands back, of each ray, the triangles
+// that it may meet first; the host decides upon them as ray_caster.h says, in double. Where the shader's list is not
+// complete up to what the host then finds, the host walks the same trees in double, from what it has found.
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
+#include <optional>
+#include <utility>
+
+#include <simvis/device.h>
+#include "engine/base/assert.h"
+#include "engine/raycast/bundle_caster.h"
+#include "engine/raycast/bundle_walk.h"
+#include "engine/raycast/item_tree.h"
+#include "engine/raycast/ray_dispatch.h"
+#include "engine/raycast/ray_top.h"
+#include "engine/vulkan/frame_commands.h"
+
+namespace simvis {
+
+namespace {
+
+float rounded_down(double value) {
+  const auto rounded = static_cast<float>(value);
+  return rounded <= value ? rounded : std::nextafter(rounded, 0.0f);
+}
+
+/// What is on the device.
+struct DeviceWorld {
+  explicit DeviceWorld(Device::Impl& device)
+      : commands(device), uploads(device), meshes(device), top(device), dispatch(device) {}
+
+  FrameCommands commands;
+  Uploads uploads;
+  RayMeshPool meshes;
+  RayTop top;
+  RayDispatch dispatch;
+  bool current = false;  // as RayItems is, but for its last changes
+};
+
+class DeviceRayCaster : public RayCaster {
+ public:
+  explicit DeviceRayCaster(Device& device) : device_(device), items_(device.impl().cache_folder) {}
+  void set_world(const DrawList& list) override { list_ = &list; }
+  void cast(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions, std::span<RayHit> hits,
+            std::span<const double> beyond_m, const HitsAreThere& there) override;
+  void cast_from(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> origins_m,
+                 std::span<const glm::dvec3> directions, std::span<RayHit> hits,
+                 std::span<const double> beyond_m) override;
+  RayCounters counters() const override { return items_.counters; }
+  void name_memory(std::vector<PlannedMemory>& memory) const override;
+  std::string_view engine() const override { return "a compute shader"; }
+
+ private:
+  void update(const glm::dvec3& world_place);
+  void find_candidates(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions,
+                       std::span<const double> beyond_m);
+  void upload(VkCommandBuffer commands);
+  void dispatch(VkCommandBuffer commands, const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions,
+                std::span<const double> beyond_m);
+  void decide(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions, std::span<RayHit> hits,
+              std::span<const double> beyond_m);
+  RayHit decide(RayView& view, RayBundle& ray, const shader::RayCandidates& candidates, bool& walked) const;
+  RayWorld world() const { return {*list_, items_, tree_.tree()}; }
+
+  Device& device_;
+  const DrawList* list_ = nullptr;
+  RayItems items_;
+  ItemTree tree_;                     // for what the host walks
+  std::optional<DeviceWorld> world_;  // from the first cast on
+  bool uploaded_ = false;             // in this cast
+  BundleCaster bundles_;
+};
+
+void DeviceRayCaster::cast(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions,
+                           std::span<RayHit> hits, std::span<const double> beyond_m, const HitsAreThere& there) {
+  SIMVIS_ASSERT(list_ != nullptr && hits.size() == directions.size());
+  SIMVIS_ASSERT(beyond_m.empty() || beyond_m.size() == directions.size());
+  update(glm::dvec3(world_from_sensor[3]));
+  const std::size_t most = world_->dispatch.most_rays();
+  // Once, but for very many rays; what has changed is uploaded even for none.
+  for (std::size_t first = 0; first < directions.size() || !uploaded_; first += most) {
+    const std::size_t count = std::min(most, directions.size() - first);
+    const std::span<const double> part_beyond_m = part_of(beyond_m, first, count);
+    find_candidates(world_from_sensor, directions.subspan(first, count), part_beyond_m);
+    decide(world_from_sensor, directions.subspan(first, count), hits.subspan(first, count), part_beyond_m);
+    if (there && count > 0) there(first, count);
+  }
+  items_.counters.rays += directions.size();
+}
+
+void DeviceRayCaster::update(const glm::dvec3& world_place) {
+  if (!world_) world_.emplace(device_.impl());
+  items_.update(*list_, world_place);
+  tree_.update(items_);
+  uploaded_ = false;
+}
+
+// One dispatch per origin would cost more than the host takes for its few rays. The trees have to be up to date.
+void DeviceRayCaster::cast_from(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> origins_m,
+                                std::span<const glm::dvec3> directions, std::span<RayHit> hits,
+                                std::span<const double> beyond_m) {
+  SIMVIS_ASSERT(beyond_m.empty() || beyond_m.size() == directions.size());
+  SIMVIS_ASSERT(list_ != nullptr && hits.size() == directions.size() && origins_m.size() == directions.size());
+  for (std::size_t start = 0, served = 0; start < directions.size(); start += served) {
+    update(glm::dvec3(glm::translate(world_from_sensor, origins_m[start])[3]));
+    served = items_.in_reach(world_from_sensor, origins_m.subspan(start));
+    find_candidates(world_from_sensor, {}, {});
+    bundles_.cast_from(world(), world_from_sensor, origins_m.subspan(start, served), directions.subspan(start, served),
+                       hits.subspan(start, served), part_of(beyond_m, start, served));
+    items_.counters.rays += served;
+    items_.counters.rays_walked += served;
+  }
+}
+
+void DeviceRayCaster::name_memory(std::vector<PlannedMemory>& memory) const {
+  if (!world_) return;
+  const auto add = [&](const Buffer& buffer, const char* reason) {
+    if (!buffer) return;
+    memory.push_back({buffer.desc().name, reason, buffer.memory_bytes(), world_->uploads.bytes_to(buffer)});
+  };
+  add(world_->meshes.nodes(), "the tree of each mesh that rays can meet");
+  add(world_->meshes.triangles(), "the triangles of each mesh that rays can meet");
+  add(world_->top.nodes(), "the tree over items");
+  add(world_->top.blocks(), "where items are");
+  for (const Buffer* const buffer : world_->dispatch.buffers()) add(*buffer, "rays on their way, and what they met");
+}
+
+void DeviceRayCaster::find_candidates(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions,
+                                      std::span<const double> beyond_m) {
+  try {
+    const VkCommandBuffer commands = world_->commands.begin();
+    if (!uploaded_) upload(commands);
+    if (!directions.empty() && !items_.items().empty()) {
+      dispatch(commands, world_from_sensor, directions, beyond_m);
+    }
+    world_->commands.submit_and_wait();
+    world_->uploads.release();
+  } catch (...) {
+    // What was recorded never ran: nothing of it counts as uploaded.
+    world_->commands.abandon();
+    world_->uploads.release();
+    world_->meshes.clear();
+    world_->top.clear();
+    world_->current = false;
+    throw;
+  }
+}
+
+void DeviceRayCaster::upload(VkCommandBuffer commands) {
+  DeviceWorld& world = *world_;
+  world.uploads.begin(commands);
+  const bool other_meshes = items_.restructured() || !world.current;
+  const bool meshes_moved = other_meshes && world.meshes.update(items_, world.uploads);
+  world.top.update(*list_, items_, world.meshes, meshes_moved, world.uploads);
+  world.uploads.finish();
+  items_.counters.bytes_uploaded += world.uploads.bytes();
+  world.current = uploaded_ = true;
+}
+
+void DeviceRayCaster::dispatch(VkCommandBuffer commands, const glm::dmat4& world_from_sensor,
+                               std::span<const glm::dvec3> directions, std::span<const double> beyond_m) {
+  DeviceWorld& world = *world_;
+  const std::span<glm::vec4> world_directions = world.dispatch.directions(directions.size());
+  const glm::dmat3 turn(world_from_sensor);
+  for (std::size_t i = 0; i < directions.size(); ++i) {
+    const float passed_m = beyond_m.empty() ? 0 : rounded_down(beyond_m[i]);
+    world_directions[i] = glm::vec4(glm::vec3(turn * directions[i]), passed_m);
+  }
+  world.dispatch.record(
+      commands, {world.top.nodes(), world.top.blocks(), world.meshes.nodes(), world.meshes.triangles()},
+      block_of(glm::dvec3(world_from_sensor[3]), items_.origin(), static_cast<std::uint32_t>(directions.size())));
+  ++items_.counters.dispatches;
+}
+
+void DeviceRayCaster::decide(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions,
+                             std::span<RayHit> hits, std::span<const double> beyond_m) {
+  if (directions.empty() || items_.items().empty()) {
+    std::ranges::fill(hits, RayHit{});
+    return;
+  }
+  const std::span<const shader::RayCandidates> candidates = world_->dispatch.candidates(directions.size());
+  std::atomic<std::uint64_t> walked = 0;
+  bundles_.share(world(), world_from_sensor, directions.size(),
+                 [&](RayView& view, std::size_t first, std::size_t count) {
+                   std::uint64_t here = 0;
+                   for (std::size_t i = first; i < first + count; ++i) {
+                     bool by_host = false;
+                     RayBundle ray(directions.subspan(i, 1), part_of(beyond_m, i, 1));
+                     hits[i] = decide(view, ray, candidates[i], by_host);
+                     here += by_host;
+                   }
+                   walked += here;
+                 });
+  items_.counters.rays_walked += walked;
+}
+
+RayHit DeviceRayCaster::decide(RayView& view, RayBundle& ray, const shader::RayCandidates& candidates,
+                               bool& walked) const {
+  for (std::uint32_t i = 0; i < candidates.count; ++i) {
+    const std::uint32_t placed = world_->top.placed(candidates.found[i].x), primitive = candidates.found[i].y;
+    if (primitive == SIMVIS_WHOLE_ITEM) {
+      walk_bundle(view, placed, ray);
+      walked = true;
+    } else {
+      try_triangle(view, placed, primitive, ray);
+    }
+  }
+  // What is left out lies farther away, or at complete_to_m at the nearest.
+  const bool complete = candidates.complete_to_m > SIMVIS_FAR_M || ray.farthest_m() < candidates.complete_to_m;
+  if (!complete) {
+    walk_bundle(view, tree_.tree(), ray);
+    walked = true;
+  }
+  RayHit hit;
+  finish_bundle(view, ray, &hit);
+  return hit;
+}
+
+}  // namespace
+
+std::unique_ptr<RayCaster> make_device_ray_caster(Device& device) { return std::make_unique<DeviceRayCaster>(device); }
+
+}  // namespace simvis

@@ -1,0 +1,85 @@
+// Casts rays on the host's cores.
+#include <glm/gtc/matrix_transform.hpp>
+
+#include <simvis/ray_caster.h>
+#include "engine/base/assert.h"
+#include "engine/raycast/bundle_caster.h"
+#include "engine/raycast/item_tree.h"
+
+namespace simvis {
+
+namespace {
+
+class HostRayCaster : public RayCaster {
+ public:
+  explicit HostRayCaster(const std::filesystem::path& cache) : items_(cache) {}
+  void set_world(const DrawList& list) override {
+    list_ = &list;
+    current_ = false;
+  }
+  void cast(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions, std::span<RayHit> hits,
+            std::span<const double> beyond_m, const HitsAreThere& there) override;
+  void cast_from(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> origins_m,
+                 std::span<const glm::dvec3> directions, std::span<RayHit> hits,
+                 std::span<const double> beyond_m) override;
+  RayCounters counters() const override;
+  bool on_host() const override { return true; }
+  std::string_view engine() const override { return "the host"; }
+
+ private:
+  void update(const glm::dvec3& world_place);
+  RayWorld world() const { return {*list_, items_, tree_.tree()}; }
+
+  const DrawList* list_ = nullptr;
+  bool current_ = false;  // whether the trees are those of the list
+  RayItems items_;
+  ItemTree tree_;
+  BundleCaster bundles_;
+};
+
+void HostRayCaster::cast(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions,
+                         std::span<RayHit> hits, std::span<const double> beyond_m, const HitsAreThere& there) {
+  SIMVIS_ASSERT(list_ != nullptr && hits.size() == directions.size());
+  SIMVIS_ASSERT(beyond_m.empty() || beyond_m.size() == directions.size());
+  update(glm::dvec3(world_from_sensor[3]));
+  bundles_.cast(world(), world_from_sensor, directions, hits, beyond_m, there);
+  items_.counters.rays += directions.size();
+}
+
+void HostRayCaster::cast_from(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> origins_m,
+                              std::span<const glm::dvec3> directions, std::span<RayHit> hits,
+                              std::span<const double> beyond_m) {
+  SIMVIS_ASSERT(beyond_m.empty() || beyond_m.size() == directions.size());
+  SIMVIS_ASSERT(list_ != nullptr && hits.size() == directions.size() && origins_m.size() == directions.size());
+  for (std::size_t start = 0, served = 0; start < directions.size(); start += served) {
+    update(glm::dvec3(glm::translate(world_from_sensor, origins_m[start])[3]));
+    served = items_.in_reach(world_from_sensor, origins_m.subspan(start));
+    bundles_.cast_from(world(), world_from_sensor, origins_m.subspan(start, served), directions.subspan(start, served),
+                       hits.subspan(start, served), part_of(beyond_m, start, served));
+  }
+  items_.counters.rays += directions.size();
+}
+
+void HostRayCaster::update(const glm::dvec3& world_place) {
+  if (current_ && items_.reaches(world_place)) return;
+  current_ = false;
+  items_.update(*list_, world_place);
+  const ItemTree::Change change = tree_.update(items_);
+  items_.counters.item_trees_refitted += change == ItemTree::Change::fitted;
+  items_.counters.item_trees_built += change == ItemTree::Change::built;
+  current_ = true;
+}
+
+RayCounters HostRayCaster::counters() const {
+  RayCounters counters = items_.counters;
+  bundles_.count(counters);
+  return counters;
+}
+
+}  // namespace
+
+std::unique_ptr<RayCaster> make_host_ray_caster(const std::filesystem::path& cache) {
+  return std::make_unique<HostRayCaster>(cache);
+}
+
+}  // namespace simvis

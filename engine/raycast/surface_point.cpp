@@ -1,0 +1,35 @@
+#include <simvis/surface_point.h>
+
+#include <array>
+
+#include "engine/base/assert.h"
+#include "engine/draw/surface_alpha.h"
+#include "engine/raycast/ray_triangle.h"
+
+namespace simvis {
+
+SurfacePoint surface_point(const DrawList& list, const glm::dmat4& world_from_sensor, const glm::dvec3& direction,
+                           const RayHit& hit) {
+  const DrawItem& item = list.items[hit.item];
+  const Mesh& mesh = *list.meshes[item.mesh];
+  const Material& material = *list.materials[item.material];
+  const MeshPlacement placement = place_mesh(list.world_from_node[item.transform], world_from_sensor);
+  const std::array<glm::dvec3, 3> corners = place_corners(mesh, hit.primitive, placement);
+  TriangleHit met;
+  SIMVIS_ASSERT(intersect(ShearedRay(direction), corners, met));
+  const glm::dvec3 weights = met.weights / (met.weights.x + met.weights.y + met.weights.z);
+  const glm::dvec3 edge = corners[1] - corners[0], other = corners[2] - corners[0], across = glm::cross(edge, other);
+  const glm::dvec3 normal = glm::normalize(across);
+  // Corners are off by less than the range is: edges by twice that.
+  const double turned = 2 * hit.error_bound_m * (glm::length(edge) + glm::length(other)) / glm::length(across);
+  return {.range_m = hit.range_m,
+          .error_bound_m = hit.error_bound_m,
+          .normal = glm::dot(normal, direction) > 0 ? -normal : normal,
+          .normal_error_rad = turned,
+          .base_color = glm::vec4(surface_color(material, mesh, hit.primitive, weights)),
+          .material = &material,
+          .item = hit.item,
+          .primitive = hit.primitive};
+}
+
+}  // namespace simvis

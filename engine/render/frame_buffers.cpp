@@ -1,0 +1,183 @@
+#include "engine/render/frame_buffers.h"
+
+#include <algorithm>
+#include <cstring>
+#include <string>
+
+#include <simvis/error.h>
+#include "engine/vulkan/vulkan_check.h"
+
+namespace simvis {
+namespace {
+
+constexpr VkDeviceSize kFirstSize = 16384;
+// What a view may read from its offset on.
+constexpr VkDeviceSize kLightsRange = SIMVIS_MAX_LIGHTS * sizeof(shader::LightBlock);
+
+// The least alpha that is there: an opaque surface is, whatever its texture says.
+float cutoff_of(const Material& m) {
+  switch (m.alpha_mode) {
+    case AlphaMode::opaque:
+      return 0;
+    case AlphaMode::mask:
+      return m.alpha_cutoff;
+    case AlphaMode::blend:
+      return kLeastMetAlpha;
+  }
+  return 0;
+}
+
+shader::MaterialBlock block_of(const Material& m) {
+  const auto& t = m.uv_transform;
+  glm::vec4 base = m.base_color;
+  if (m.alpha_mode == AlphaMode::blend) base.a *= m.opacity;
+  return {.base_color = base,
+          .emissive_cutoff = glm::vec4(m.emissive, cutoff_of(m)),
+          .uv_row_u = {t[0][0], t[1][0], t[2][0], m.uv_set},
+          .uv_row_v = {t[0][1], t[1][1], t[2][1], m.occlusion_strength},
+          .finish = {std::max(m.roughness, kLeastRoughness), m.opacity, m.metallic, m.normal_scale}};
+}
+static_assert(kLeastRoughness == static_cast<float>(SIMVIS_LEAST_ROUGHNESS));
+
+shader::MapPlacesBlock map_places_of(const Material& m) {
+  shader::MapPlacesBlock block{};
+  for (std::size_t i = 0; i < kMapKinds; ++i) {
+    const auto& t = m.maps[i].uv_transform;
+    block.row_u[i] = {t[0][0], t[1][0], t[2][0], m.maps[i].uv_set};
+    block.row_v[i] = {t[0][1], t[1][1], t[2][1], 0};
+  }
+  return block;
+}
+
+}  // namespace
+
+FrameBuffers::FrameBuffers(Device::Impl& device, VkDescriptorSetLayout set_layout) : device_(device) {
+  const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 2},
+                                        {VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC, 1}};
+  const VkDescriptorPoolCreateInfo pool_info{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
+                                             .pNext = nullptr,
+                                             .flags = 0,
+                                             .maxSets = 1,
+                                             .poolSizeCount = 2,
+                                             .pPoolSizes = sizes};
+  VkDescriptorPool pool = VK_NULL_HANDLE;
+  vk_check(vkCreateDescriptorPool(device.device, &pool_info, nullptr, &pool), "vkCreateDescriptorPool");
+  pool_ = Handle<VkDescriptorPool>(device, pool, "frame set");
+  const VkDescriptorSetAllocateInfo allocation{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
+                                               .pNext = nullptr,
+                                               .descriptorPool = pool,
+                                               .descriptorSetCount = 1,
+                                               .pSetLayouts = &set_layout};
+  vk_check(vkAllocateDescriptorSets(device.device, &allocation, &set_), "vkAllocateDescriptorSets");
+}
+
+bool FrameBuffers::reserve(Buffer& buffer, const char* name, VkBufferUsageFlags usage, VkDeviceSize size) {
+  if (buffer && size <= buffer.size()) return false;
+  buffer = Buffer(device_, {.name = name,
+                            .size = std::max({kFirstSize, size, buffer ? 2 * buffer.size() : 0}),
+                            .usage = usage,
+                            .memory = MemoryKind::dynamic});
+  return true;
+}
+
+void FrameBuffers::describe(std::uint32_t binding, VkDescriptorType type, const Buffer& buffer, VkDeviceSize range) {
+  const VkDescriptorBufferInfo info{.buffer = buffer.get(), .offset = 0, .range = range};
+  VkWriteDescriptorSet write{};
+  write.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
+  write.dstSet = set_;
+  write.dstBinding = binding;
+  write.descriptorCount = 1;
+  write.descriptorType = type;
+  write.pBufferInfo = &info;
+  vkUpdateDescriptorSets(device_.device, 1, &write, 0, nullptr);
+}
+
+bool FrameBuffers::reserve_table(Table& table, const char* name, std::uint32_t binding, VkDeviceSize size) {
+  const VkDeviceSize limit = device_.limits().maxStorageBufferRange;
+  if (size > limit) {
+    throw MachineError("a frame needs " + std::to_string(size) + " bytes of " + name + "; " +
+                       device_.physical.info.name + " allows " + std::to_string(limit));
+  }
+  if (!reserve(table.buffer, name, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, size)) return false;
+  describe(binding, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, table.buffer, std::min(limit, table.buffer.size()));
+  return true;
+}
+
+void FrameBuffers::reserve_lights(VkDeviceSize size) {
+  if (!reserve(lights_, "lights", VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, size)) return;
+  describe(SIMVIS_LIGHTS, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC, lights_, kLightsRange);
+}
+
+void FrameBuffers::write_instances(std::span<const shader::Instance> instances, Uploads& uploads) {
+  if (instances.empty()) return;
+  reserve(instances_, "instances", VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, instances.size_bytes());
+  uploads.write(instances_, 0, std::as_bytes(instances));
+}
+
+void FrameBuffers::write_indices(std::span<const std::uint32_t> indices, Uploads& uploads) {
+  if (indices.empty()) return;
+  reserve(indices_, "indices of the frame", VK_BUFFER_USAGE_INDEX_BUFFER_BIT, indices.size_bytes());
+  uploads.write(indices_, 0, std::as_bytes(indices));
+}
+
+void FrameBuffers::write_picked(std::span<const std::span<const shader::PickedVertex>> vertices, Uploads& uploads) {
+  VkDeviceSize size = 0, written = 0;
+  for (const std::span<const shader::PickedVertex> each : vertices) size += each.size_bytes();
+  if (size == 0) return;
+  reserve(picked_, "picked vertices", VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, size);
+  for (const std::span<const shader::PickedVertex> each : vertices) {
+    uploads.write(picked_, written, std::as_bytes(each));
+    written += each.size_bytes();
+  }
+}
+
+void FrameBuffers::write_lights(std::span<const shader::LightBlock> lights, Uploads& uploads) {
+  reserve_lights(lights.size_bytes() + kLightsRange);  // the last view's range ends within the buffer
+  uploads.write(lights_, 0, std::as_bytes(lights));
+}
+
+template <typename Wanted, typename BlockOf>
+void FrameBuffers::write_table(Table& table, const DrawList& list, const Wanted& wanted, const BlockOf& block_of,
+                               Uploads& uploads) {
+  table.slots.resize(list.materials.size());
+  for (std::size_t m = 0; m < table.slots.size(); ++m) {
+    Slot& slot = table.slots[m];
+    if (!wanted(m) || (slot.material == list.materials[m] && slot.revision == list.material_revision[m])) continue;
+    const auto block = block_of(*list.materials[m]);
+    uploads.write(table.buffer, m * sizeof block, std::as_bytes(std::span(&block, 1)));
+    slot = {list.materials[m], list.material_revision[m]};
+  }
+}
+
+void FrameBuffers::write_materials(const DrawList& list, std::span<const std::uint8_t> wanted, Uploads& uploads) {
+  if (std::ranges::find_if(wanted, [](std::uint8_t read) { return read != 0; }) == wanted.end()) return;
+  const VkDeviceSize size = list.materials.size() * sizeof(shader::MaterialBlock);
+  if (reserve_table(materials_, "materials", SIMVIS_MATERIALS, size)) materials_.slots.clear();
+  write_table(
+      materials_, list, [&](std::size_t m) { return wanted[m] != 0; }, block_of, uploads);
+}
+
+void FrameBuffers::write_map_places(const DrawList& list, std::span<const std::uint8_t> shown, Uploads& uploads) {
+  const auto has_maps = [&](std::size_t m) { return shown[m] >> SIMVIS_FIRST_MAP != 0; };
+  std::size_t end = list.materials.size();
+  while (end > 0 && !has_maps(end - 1)) --end;
+  if (end == 0) return;
+  const VkDeviceSize size = end * sizeof(shader::MapPlacesBlock);
+  if (reserve_table(map_places_, "places of maps", SIMVIS_MAP_PLACES, size)) map_places_.slots.clear();
+  write_table(map_places_, list, has_maps, map_places_of, uploads);
+}
+
+void FrameBuffers::name_memory(const Uploads& uploads, std::vector<PlannedMemory>& memory) const {
+  const auto add = [&](const Buffer& buffer, const char* reason) {
+    if (!buffer) return;
+    memory.push_back({buffer.desc().name, reason, buffer.memory_bytes(), uploads.bytes_to(buffer)});
+  };
+  add(instances_, "where each view sees what it draws");
+  add(indices_, "triangles with holes that strips see, picked one by one");
+  add(picked_, "triangles without holes that strips see, picked one by one");
+  add(materials_.buffer, "what shaders read of surfaces: colour, and where alpha decides");
+  add(map_places_.buffer, "where the maps of surfaces lie on them");
+  add(lights_, "lights as each view of colour has them");
+}
+
+}  // namespace simvis

@@ -1,0 +1,272 @@
+#include "engine/render/frame_recorder.h"
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+
+#include "engine/geometry/view_projection.h"
+
+namespace simvis {
+namespace {
+
+VkPipelineLayout layout(const FrameContext& frame) { return frame.pipelines.layout(); }
+
+void bind_frame_set(const FrameContext& frame, std::uint32_t lights_offset) {
+  vkCmdBindDescriptorSets(frame.commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout(frame), SIMVIS_FRAME_SET, 1,
+                          &frame.frame_set, 1, &lights_offset);
+}
+
+void bind_shadow_set(const FrameContext& frame, std::size_t shadowed) {
+  const VkDescriptorSet set = frame.shadows->set();
+  const std::uint32_t offset = frame.shadows->offset(shadowed);
+  vkCmdBindDescriptorSets(frame.commands, VK_PIPELINE_BIND_POINT_GRAPHICS, frame.pipelines.shadows().layout.get(),
+                          SIMVIS_SHADOW_SET, 1, &set, 1, &offset);
+}
+
+// The state that a run may change.
+struct Bound {
+  VkPipeline pipeline = VK_NULL_HANDLE;
+  VkDescriptorSet texture = VK_NULL_HANDLE;
+  VkBuffer indices = VK_NULL_HANDLE;
+  std::optional<bool> picked;  // which vertices: picked ones, or those of meshes
+  std::uint32_t lights_offset = std::numeric_limits<std::uint32_t>::max();
+  std::vector<VkMultiDrawIndexedInfoEXT> parts{};  // memory for those of a draw
+};
+
+std::span<const DrawRun> share_of(const FrameContext& frame, const ViewDraws& draws, ViewShare share) {
+  const std::size_t ends[] = {draws.first_run, draws.first_layer, draws.first_met, draws.end_run};
+  const auto i = static_cast<std::size_t>(share);
+  return frame.draws.runs().subspan(ends[i], ends[i + 1] - ends[i]);
+}
+
+void bind_vertices(const FrameContext& frame, bool picked) {
+  const VkDeviceSize offsets[] = {0, 0, 0};
+  if (picked) {
+    vkCmdBindVertexBuffers(frame.commands, 0, 1, &frame.picked, offsets);
+    return;
+  }
+  const VkBuffer buffers[] = {frame.geometry.positions(), frame.instances, frame.geometry.attributes()};
+  vkCmdBindVertexBuffers(frame.commands, 0, buffers[2] == VK_NULL_HANDLE ? 2 : 3, buffers, offsets);
+}
+
+void bind_run(const FrameContext& frame, const Pass& pass, const DrawRun& run, Bound& bound) {
+  PipelineKey key = run.key;
+  key.samples = static_cast<std::uint8_t>(pass.msaa);
+  const std::size_t known = frame.pipelines.made();
+  const VkPipeline pipeline = frame.pipelines.get(key);
+  if (frame.pipelines.made() > known) {
+    ++frame.counters.pipelines_made;
+    frame.made.meshes.push_back(key.bits());
+  }
+  if (pipeline != bound.pipeline) {
+    vkCmdBindPipeline(frame.commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline);
+    bound.pipeline = pipeline;
+    ++frame.counters.pipelines_bound;
+  }
+  if (run.texture != VK_NULL_HANDLE && run.texture != bound.texture) {
+    vkCmdBindDescriptorSets(frame.commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout(frame), SIMVIS_TEXTURE_SET, 1,
+                            &run.texture, 0, nullptr);
+    bound.texture = run.texture;
+  }
+  if (key.picked != bound.picked) {
+    bind_vertices(frame, key.picked);
+    bound.picked = key.picked;
+  }
+  if (key.picked) return;
+  const VkBuffer indices = run.own_indices ? frame.frame_indices : frame.geometry.indices();
+  if (indices != bound.indices) {
+    vkCmdBindIndexBuffer(frame.commands, indices, 0, VK_INDEX_TYPE_UINT32);
+    bound.indices = indices;
+  }
+}
+
+// How many runs, from the first on, are parts of one mesh in one place, and so differ in nothing but the part.
+std::size_t parts_together(std::span<const DrawRun> runs) {
+  const DrawRun& first = runs.front();
+  const auto other = [&first](const DrawRun& run) {
+    return run.first_instance != first.first_instance || run.key.picked || run.key.bits() != first.key.bits();
+  };
+  return static_cast<std::size_t>(std::find_if(runs.begin() + 1, runs.end(), other) - runs.begin());
+}
+
+// What bind_run() has bound serves all of them.
+void draw_together(const FrameContext& frame, std::span<const DrawRun> runs, Bound& bound) {
+  const DrawRun& first = runs.front();
+  if (first.key.picked) {
+    vkCmdDraw(frame.commands, first.range.index_count, 1, first.range.first_index, 0);
+  } else {
+    bound.parts.clear();
+    for (const DrawRun& run : runs) {
+      bound.parts.push_back({run.range.first_index, run.range.index_count, run.range.vertex_offset});
+    }
+    frame.device.draw_indexed(frame.commands, bound.parts, first.instance_count, first.first_instance);
+  }
+  frame.counters.draws += runs.size();
+  if (first.key.topology != Topology::triangles) return;
+  for (const DrawRun& run : runs) {
+    frame.counters.triangles += std::uint64_t{run.range.index_count / 3} * run.instance_count;
+  }
+}
+
+// Of the view what lies in these rows of the pass's targets.
+void record_view(const FrameContext& frame, const Pass& pass, const View& view, const ViewDraws& draws, ViewShare share,
+                 const LayerRows& rows, Bound& bound) {
+  const std::span<const DrawRun> runs = share_of(frame, draws, share);
+  const std::uint32_t top = std::max(pass.grid * view.y_px, rows.first);
+  const std::uint32_t bottom = std::min(pass.grid * (view.y_px + view.height_px), rows.first + rows.count);
+  if (runs.empty() || top >= bottom) return;
+  const auto grid = static_cast<float>(pass.grid), guard = grid * static_cast<float>(guard_rows(view));
+  const VkViewport viewport{.x = grid * static_cast<float>(view.x_px),
+                            .y = grid * static_cast<float>(view.y_px) - guard,
+                            .width = grid * static_cast<float>(view.width_px),
+                            .height = grid * static_cast<float>(view.height_px) + 2 * guard,
+                            .minDepth = 0,
+                            .maxDepth = 1};
+  const VkRect2D scissor{{static_cast<std::int32_t>(pass.grid * view.x_px), static_cast<std::int32_t>(top)},
+                         {pass.grid * view.width_px, bottom - top}};
+  frame.device.begin_label(frame.commands, view.name);
+  vkCmdSetViewport(frame.commands, 0, 1, &viewport);
+  vkCmdSetScissor(frame.commands, 0, 1, &scissor);
+  vkCmdPushConstants(frame.commands, layout(frame), VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, 0,
+                     sizeof draws.block, &draws.block);
+  if (pass.color && draws.lights_offset != bound.lights_offset) {
+    bind_frame_set(frame, draws.lights_offset);
+    bound.lights_offset = draws.lights_offset;
+  }
+  if (!view.shadows.empty()) bind_shadow_set(frame, draws.shadowed);
+  const auto number = static_cast<std::size_t>(&draws - frame.draws.views().data());
+  for (std::size_t first = 0, count = 0; first < runs.size(); first += count) {
+    count = parts_together(runs.subspan(first));
+    bind_run(frame, pass, runs[first], bound);
+    if (frame.queries && first == 0) frame.queries->begin_draws(frame.commands, number, share);
+    draw_together(frame, runs.subspan(first, count), bound);
+  }
+  if (frame.queries) frame.queries->end_draws(frame.commands);
+  frame.device.end_label(frame.commands);
+}
+
+// A render pass: one of those that make up a pass.
+class RenderPassScope {
+ public:
+  RenderPassScope(const FrameContext& frame, const Pass& pass, const RenderTarget& target, bool resumed, bool continued)
+      : frame_(frame), pass_(pass) {
+    const Medium& medium = frame.list.medium;
+    // Infinitely far away nothing but the air is seen.
+    const glm::vec3& background = medium.extinction_per_m > 0 ? medium.airlight : frame.list.environment.background;
+    VkClearValue clear[2]{};
+    clear[0].depthStencil = {0, 0};
+    clear[1].color = {{background.r, background.g, background.b, 1}};
+    const VkRenderPassBeginInfo info{.sType = VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO,
+                                     .pNext = nullptr,
+                                     .renderPass = frame.pipelines.render_pass({.color = pass.color,
+                                                                                .keep_depth = pass.depth,
+                                                                                .sampled = pass.shadow_maps,
+                                                                                .averaged = pass.samples() > 1,
+                                                                                .resumed = resumed,
+                                                                                .continued = continued,
+                                                                                .samples = pass.msaa}),
+                                     .framebuffer = target.framebuffer.get(),
+                                     .renderArea = {{0, 0}, {pass.grid * pass.width_px, pass.grid * pass.height_px}},
+                                     .clearValueCount = pass.color ? 2u : 1u,
+                                     .pClearValues = clear};
+    vkCmdBeginRenderPass(frame.commands, &info, VK_SUBPASS_CONTENTS_INLINE);
+    ++frame.counters.passes;
+  }
+  ~RenderPassScope() { vkCmdEndRenderPass(frame_.commands); }
+  RenderPassScope(const RenderPassScope&) = delete;
+  RenderPassScope& operator=(const RenderPassScope&) = delete;
+
+  /// `stamped`: each view's end is noted.
+  void record(std::span<const ViewDraws> views, ViewShare share, const LayerRows& rows, bool stamped = false) {
+    for (std::size_t i = 0; i < views.size(); ++i) {
+      record_view(frame_, pass_, pass_.views[i], views[i], share, rows, bound_);
+      if (stamped && frame_.queries) frame_.queries->stamp(frame_.commands);
+    }
+  }
+
+ private:
+  const FrameContext& frame_;
+  const Pass& pass_;
+  Bound bound_;
+};
+
+// Band by band: the layers of all views; then what they show, over the solid. Last, what depth meets of them.
+void record_layers(const FrameContext& frame, const Pass& pass, const RenderTarget& target,
+                   std::span<const ViewDraws> views, const LayerRows& all) {
+  const std::vector<LayerRows> bands = frame.layers.bands(pass);
+  for (std::size_t i = 0; i < bands.size(); ++i) {
+    const bool last = i + 1 == bands.size();
+    frame.layers.record_begin(frame.commands, pass, bands[i]);
+    {
+      RenderPassScope drawn(frame, pass, target, i > 0, true);
+      if (i == 0) drawn.record(views, ViewShare::solid, all);
+      drawn.record(views, ViewShare::layers, bands[i]);
+    }
+    frame.layers.record_end(frame.commands);
+    RenderPassScope resolved(frame, pass, target, true, !last);
+    frame.layers.record_resolve(frame.commands, pass, bands[i]);
+    ++frame.counters.draws;
+    ++frame.counters.pipelines_bound;
+    if (last) resolved.record(views, ViewShare::met, all, true);
+  }
+}
+
+void copy_image(const FrameContext& frame, const GpuImage& image, const Buffer& buffer) {
+  const VkBufferImageCopy region{.bufferOffset = 0,
+                                 .bufferRowLength = 0,
+                                 .bufferImageHeight = 0,
+                                 .imageSubresource = {image.desc().aspect, 0, 0, 1},
+                                 .imageOffset = {0, 0, 0},
+                                 .imageExtent = {image.desc().width, image.desc().height, 1}};
+  vkCmdCopyImageToBuffer(frame.commands, image.get(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, buffer.get(), 1, &region);
+  frame.counters.bytes_read_back += buffer.size();
+}
+
+}  // namespace
+
+bool shows_layers(std::span<const ViewDraws> views) {
+  return std::ranges::any_of(views, [](const ViewDraws& draws) { return draws.first_met > draws.first_layer; });
+}
+
+void record_bindings(const FrameContext& frame) { bind_frame_set(frame, 0); }
+
+void record_pass(const FrameContext& frame, const Pass& pass, const RenderTarget& target,
+                 std::span<const ViewDraws> views) {
+  const LayerRows all{0, pass.grid * pass.height_px};
+  if (frame.queries) frame.queries->stamp(frame.commands);
+  frame.device.begin_label(frame.commands, pass.name);
+  if (shows_layers(views)) {
+    record_layers(frame, pass, target, views, all);
+  } else {
+    RenderPassScope(frame, pass, target, false, false).record(views, ViewShare::solid, all, true);
+  }
+  if (frame.queries) frame.queries->stamp(frame.commands);
+  frame.device.end_label(frame.commands);
+  frame.counters.views += views.size();
+}
+
+void record_readback(const FrameContext& frame, const Pass& pass, const RenderTarget& target) {
+  if (pass.depth) copy_image(frame, target.depth, target.depth_readback);
+  if (pass.samples() > 1) {
+    const std::size_t known = frame.average.made();
+    frame.average.record(frame.commands, pass, target.average, target.color);
+    if (frame.average.made() > known) {
+      ++frame.counters.pipelines_made;
+      frame.made.means.push_back(SampleAverage::pipeline_key(pass));
+    }
+    ++frame.counters.dispatches;
+  }
+  if (pass.color) copy_image(frame, target.color, target.color_readback);
+  if (frame.queries) frame.queries->stamp(frame.commands);
+}
+
+void record_end(const FrameContext& frame) {
+  const VkMemoryBarrier read_back{.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER,
+                                  .pNext = nullptr,
+                                  .srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT,
+                                  .dstAccessMask = VK_ACCESS_HOST_READ_BIT};
+  vkCmdPipelineBarrier(frame.commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &read_back, 0,
+                       nullptr, 0, nullptr);
+}
+
+}  // namespace simvis

@@ -1,0 +1,312 @@
+#include "engine/render/pipelines.h"
+
+#include <bit>
+#include <cstddef>
+#include <iterator>
+#include <span>
+#include <string>
+
+#include "engine/base/assert.h"
+#include "engine/render/geometry_pool.h"
+#include "engine/vulkan/pipeline_parts.h"
+#include "engine/vulkan/vulkan_check.h"
+#include "shaders/interop.h"
+#include "shaders/mesh_color.frag.h"
+#include "shaders/mesh_color.vert.h"
+#include "shaders/mesh_color_mapped.frag.h"
+#include "shaders/mesh_color_mapped.vert.h"
+#include "shaders/mesh_color_textured.frag.h"
+#include "shaders/mesh_depth.vert.h"
+#include "shaders/mesh_layer.frag.h"
+#include "shaders/mesh_layer_mapped.frag.h"
+#include "shaders/mesh_layer_textured.frag.h"
+#include "shaders/mesh_mask.frag.h"
+#include "shaders/mesh_mask.vert.h"
+#include "shaders/mesh_mask_textured.frag.h"
+
+namespace simvis {
+namespace {
+
+using Surface = PipelineKey::Surface;
+
+// Vertex buffers: positions, instances, and for what needs them the other attributes.
+constexpr VkVertexInputBindingDescription kBindings[] = {{0, sizeof(glm::vec3), VK_VERTEX_INPUT_RATE_VERTEX},
+                                                         {1, sizeof(shader::Instance), VK_VERTEX_INPUT_RATE_INSTANCE},
+                                                         {2, sizeof(PackedAttributes), VK_VERTEX_INPUT_RATE_VERTEX}};
+
+// Exactly what each vertex shader reads.
+constexpr VkVertexInputAttributeDescription kPosition{SIMVIS_POSITION, 0, VK_FORMAT_R32G32B32_SFLOAT, 0};
+constexpr VkVertexInputAttributeDescription kNormal{SIMVIS_NORMAL, 2, VK_FORMAT_R16G16B16A16_SNORM,
+                                                    offsetof(PackedAttributes, normal)};
+constexpr VkVertexInputAttributeDescription kUv0{SIMVIS_UV_0, 2, VK_FORMAT_R32G32_SFLOAT,
+                                                 offsetof(PackedAttributes, uv)};
+constexpr VkVertexInputAttributeDescription kUv1{SIMVIS_UV_1, 2, VK_FORMAT_R32G32_SFLOAT,
+                                                 offsetof(PackedAttributes, uv) + 2 * sizeof(float)};
+constexpr VkVertexInputAttributeDescription kColor{SIMVIS_COLOR, 2, VK_FORMAT_R16G16B16A16_UNORM,
+                                                   offsetof(PackedAttributes, color)};
+constexpr VkVertexInputAttributeDescription kClipX{SIMVIS_INSTANCE_CLIP_X, 1, VK_FORMAT_R32G32B32A32_SFLOAT,
+                                                   offsetof(shader::Instance, clip_x)};
+constexpr VkVertexInputAttributeDescription kClipY{SIMVIS_INSTANCE_CLIP_Y, 1, VK_FORMAT_R32G32B32A32_SFLOAT,
+                                                   offsetof(shader::Instance, clip_y)};
+constexpr VkVertexInputAttributeDescription kClipW{SIMVIS_INSTANCE_CLIP_W, 1, VK_FORMAT_R32G32B32A32_SFLOAT,
+                                                   offsetof(shader::Instance, clip_w)};
+constexpr VkVertexInputAttributeDescription kMaterial{SIMVIS_INSTANCE_MATERIAL, 1, VK_FORMAT_R32_UINT,
+                                                      offsetof(shader::Instance, material)};
+constexpr VkVertexInputAttributeDescription kDepthInputs[] = {kPosition, kClipX, kClipY, kClipW};
+constexpr VkVertexInputAttributeDescription kMaskInputs[] = {kPosition, kClipX, kClipY, kClipW,
+                                                             kMaterial, kUv0,   kUv1,   kColor};
+constexpr VkVertexInputAttributeDescription kColorInputs[] = {kPosition, kClipX, kClipY, kClipW, kMaterial,
+                                                              kNormal,   kUv0,   kUv1,   kColor};
+
+// Of a vertex that carries the rows of its instance.
+constexpr VkVertexInputBindingDescription kPickedBinding{0, sizeof(shader::PickedVertex), VK_VERTEX_INPUT_RATE_VERTEX};
+constexpr std::uint32_t kRows = offsetof(shader::PickedVertex, clip_x);
+constexpr VkVertexInputAttributeDescription kPickedInputs[] = {
+    kPosition,
+    {SIMVIS_INSTANCE_CLIP_X, 0, kClipX.format, kRows + kClipX.offset},
+    {SIMVIS_INSTANCE_CLIP_Y, 0, kClipY.format, kRows + kClipY.offset},
+    {SIMVIS_INSTANCE_CLIP_W, 0, kClipW.format, kRows + kClipW.offset}};
+
+VkPipelineVertexInputStateCreateInfo picked_input() {
+  return {.sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO,
+          .pNext = nullptr,
+          .flags = 0,
+          .vertexBindingDescriptionCount = 1,
+          .pVertexBindingDescriptions = &kPickedBinding,
+          .vertexAttributeDescriptionCount = static_cast<std::uint32_t>(std::size(kPickedInputs)),
+          .pVertexAttributeDescriptions = kPickedInputs};
+}
+
+VkPipelineVertexInputStateCreateInfo vertex_input(std::span<const VkVertexInputAttributeDescription> inputs) {
+  return {.sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO,
+          .pNext = nullptr,
+          .flags = 0,
+          .vertexBindingDescriptionCount = inputs.size() > std::size(kDepthInputs) ? 3u : 2u,
+          .pVertexBindingDescriptions = kBindings,
+          .vertexAttributeDescriptionCount = static_cast<std::uint32_t>(inputs.size()),
+          .pVertexAttributeDescriptions = inputs.data()};
+}
+
+VkPrimitiveTopology primitive(Topology topology) {
+  switch (topology) {
+    case Topology::triangles:
+      return VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
+    case Topology::lines:
+      return VK_PRIMITIVE_TOPOLOGY_LINE_LIST;
+    case Topology::points:
+      return VK_PRIMITIVE_TOPOLOGY_POINT_LIST;
+  }
+  return VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
+}
+
+VkPipelineRasterizationStateCreateInfo rasterization(const PipelineKey& key) {
+  VkPipelineRasterizationStateCreateInfo info{};
+  info.sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO;
+  info.polygonMode = VK_POLYGON_MODE_FILL;
+  info.cullMode = key.cull_back ? VK_CULL_MODE_BACK_BIT : VK_CULL_MODE_NONE;
+  info.frontFace = key.mirrored ? VK_FRONT_FACE_CLOCKWISE : VK_FRONT_FACE_COUNTER_CLOCKWISE;
+  info.lineWidth = 1;
+  return info;
+}
+
+VkPipelineDepthStencilStateCreateInfo depth_stencil(const PipelineKey& key) {
+  VkPipelineDepthStencilStateCreateInfo info{};
+  info.sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO;
+  info.depthTestEnable = VK_TRUE;
+  info.depthWriteEnable = !key.blends();
+  info.depthCompareOp = VK_COMPARE_OP_GREATER;
+  return info;
+}
+
+// Alpha stays what it was cleared to, 1. What is transparent is kept as layers instead.
+VkPipelineColorBlendAttachmentState color_blend(const PipelineKey& key) {
+  VkPipelineColorBlendAttachmentState state{};
+  if (!key.depth_only && !key.blends()) {
+    state.colorWriteMask = VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT;
+  }
+  return state;
+}
+
+VkPipelineShaderStageCreateInfo stage(VkShaderStageFlagBits bit, VkShaderModule module,
+                                      const VkSpecializationInfo* constants = nullptr) {
+  return {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
+          .pNext = nullptr,
+          .flags = 0,
+          .stage = bit,
+          .module = module,
+          .pName = "main",
+          .pSpecializationInfo = constants};
+}
+
+// Of a shader's constants each is 4 bytes, in the order of their numbers.
+struct Constants {
+  static constexpr std::uint32_t kCount = 10;
+  std::uint32_t values[kCount];
+  VkSpecializationMapEntry entries[kCount];
+  VkSpecializationInfo info{kCount, entries, sizeof values, values};
+
+  explicit Constants(const PipelineKey& key) {
+    values[SIMVIS_MASKED] = key.surface == Surface::masked || key.surface == Surface::faded;
+    values[SIMVIS_UNLIT] = key.unlit;
+    values[SIMVIS_LIGHT_COUNT] = key.lights;
+    values[SIMVIS_FADED] = key.surface == Surface::faded;
+    values[SIMVIS_GLOSSY] = key.glossy;
+    values[SIMVIS_SHADOWED] = key.shadowed;
+    values[SIMVIS_PARALLEL] = key.parallel;
+    values[SIMVIS_METALLIC] = key.metallic;
+    values[SIMVIS_MAPS] = key.maps == 0 ? 0u : key.maps | (key.textured ? 1u << SIMVIS_BASE_COLOR_TEXTURE : 0u);
+    values[SIMVIS_FOG] = key.fog;
+    constexpr std::uint32_t kSize = sizeof values[0];
+    for (std::uint32_t i = 0; i < kCount; ++i) entries[i] = {i, i * kSize, kSize};
+  }
+  Constants(const Constants&) = delete;
+};
+
+}  // namespace
+
+std::uint64_t PipelineKey::bits() const {
+  std::uint64_t bits = static_cast<std::uint64_t>(topology) | static_cast<std::uint64_t>(surface) << 2;
+  for (const bool flag : {color, depth_only, textured, unlit, glossy, metallic, cull_back, mirrored, shadow_map,
+                          parallel, shadowed, fog, picked}) {
+    bits = bits << 1 | (flag ? 1u : 0u);
+  }
+  bits = bits << SIMVIS_TEXTURES | maps;
+  return (bits << 16 | lights) << 3 | static_cast<std::uint64_t>(std::countr_zero(samples));
+}
+
+Pipelines::Pipelines(Device::Impl& device)
+    : device_(device),
+      depth_vert_(make_module(device, mesh_depth_vert, "mesh_depth.vert")),
+      mask_vert_(make_module(device, mesh_mask_vert, "mesh_mask.vert")),
+      color_vert_(make_module(device, mesh_color_vert, "mesh_color.vert")),
+      mask_frag_{make_module(device, mesh_mask_frag, "mesh_mask.frag"),
+                 make_module(device, mesh_mask_textured_frag, "mesh_mask_textured.frag")},
+      color_frag_{make_module(device, mesh_color_frag, "mesh_color.frag"),
+                  make_module(device, mesh_color_textured_frag, "mesh_color_textured.frag"),
+                  make_module(device, mesh_color_mapped_frag, "mesh_color_mapped.frag")},
+      mapped_vert_(make_module(device, mesh_color_mapped_vert, "mesh_color_mapped.vert")),
+      layer_frag_{make_module(device, mesh_layer_frag, "mesh_layer.frag"),
+                  make_module(device, mesh_layer_textured_frag, "mesh_layer_textured.frag"),
+                  make_module(device, mesh_layer_mapped_frag, "mesh_layer_mapped.frag")} {
+  const VkDescriptorSetLayoutBinding frame_bindings[] = {
+      buffer_binding(SIMVIS_MATERIALS, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_SHADER_STAGE_VERTEX_BIT),
+      buffer_binding(SIMVIS_LIGHTS, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC, VK_SHADER_STAGE_FRAGMENT_BIT),
+      buffer_binding(SIMVIS_MAP_PLACES, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_SHADER_STAGE_VERTEX_BIT)};
+  frame_set_layout_ = make_set_layout(device, frame_bindings, "frame set layout");
+  VkDescriptorSetLayoutBinding texture_bindings[SIMVIS_TEXTURES];
+  for (std::uint32_t binding = 0; binding < SIMVIS_TEXTURES; ++binding) {
+    texture_bindings[binding] = {.binding = binding,
+                                 .descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
+                                 .descriptorCount = 1,
+                                 .stageFlags = VK_SHADER_STAGE_FRAGMENT_BIT,
+                                 .pImmutableSamplers = nullptr};
+  }
+  texture_set_layout_ = make_set_layout(device, texture_bindings, "texture set layout");
+
+  const VkDescriptorSetLayoutBinding layer_bindings[] = {
+      buffer_binding(SIMVIS_LAYER_LISTS, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_SHADER_STAGE_FRAGMENT_BIT),
+      buffer_binding(SIMVIS_LAYER_NODES, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_SHADER_STAGE_FRAGMENT_BIT)};
+  layers_set_layout_ = make_set_layout(device, layer_bindings, "layers set layout");
+
+  const VkDescriptorSetLayout sets[] = {frame_set_layout_.get(), texture_set_layout_.get(), layers_set_layout_.get()};
+  layout_ = make_mesh_layout(device, sets, "mesh pipeline layout");
+}
+
+VkRenderPass Pipelines::render_pass(const RenderPassKind& kind) {
+  const auto [place, added] = render_passes_.try_emplace(kind.bits());
+  if (!place->second) place->second = make_render_pass(device_, kind);
+  return place->second.get();
+}
+
+const ShadowPipelines& Pipelines::shadows() {
+  if (!shadows_) {
+    const VkDescriptorSetLayout sets[] = {frame_set_layout_.get(), texture_set_layout_.get(), layers_set_layout_.get()};
+    shadows_.emplace(device_, sets);
+  }
+  return *shadows_;
+}
+
+VkPipeline Pipelines::get(const PipelineKey& key) {
+  const auto [place, added] = pipelines_.try_emplace(key.bits());
+  if (!place->second) place->second = make(key);
+  return place->second.get();
+}
+
+Pipelines::Program Pipelines::program(const PipelineKey& key, const VkSpecializationInfo& constants) {
+  if (key.shadow_map) return shadow_map_program(key, constants);
+  if (!key.depth_only) {
+    const std::size_t look = key.maps != 0 ? 2 : key.textured ? 1 : 0;
+    const Handle<VkShaderModule>& fragments = key.blends() ? (key.shadowed ? shadows().layer_frag : layer_frag_)[look]
+                                                           : (key.shadowed ? shadows().color_frag : color_frag_)[look];
+    return {{stage(VK_SHADER_STAGE_VERTEX_BIT, key.maps != 0 ? mapped_vert_.get() : color_vert_.get(), &constants),
+             stage(VK_SHADER_STAGE_FRAGMENT_BIT, fragments.get(), &constants)},
+            2,
+            vertex_input(kColorInputs)};
+  }
+  if (key.surface == Surface::masked) {
+    return {{stage(VK_SHADER_STAGE_VERTEX_BIT, mask_vert_.get()),
+             stage(VK_SHADER_STAGE_FRAGMENT_BIT, mask_frag_[key.textured].get())},
+            2,
+            vertex_input(kMaskInputs)};
+  }
+  return {{stage(VK_SHADER_STAGE_VERTEX_BIT, depth_vert_.get())},
+          1,
+          key.picked ? picked_input() : vertex_input(kDepthInputs)};
+}
+
+Pipelines::Program Pipelines::shadow_map_program(const PipelineKey& key, const VkSpecializationInfo& constants) {
+  const bool masked = key.surface == Surface::masked;
+  const VkShaderModule vertices = masked ? mask_vert_.get() : depth_vert_.get();
+  const VkShaderModule fragments = masked ? shadows().map_mask_frag[key.textured].get() : shadows().map_frag.get();
+  return {{stage(VK_SHADER_STAGE_VERTEX_BIT, vertices, &constants), stage(VK_SHADER_STAGE_FRAGMENT_BIT, fragments)},
+          2,
+          masked ? vertex_input(kMaskInputs) : vertex_input(kDepthInputs)};
+}
+
+Handle<VkPipeline> Pipelines::make(const PipelineKey& key) {
+  const Constants constants(key);
+  const Program shaders = program(key, constants.info);
+  SIMVIS_ASSERT((shaders.stage_count == 2) == key.shades());
+  VkPipelineInputAssemblyStateCreateInfo assembly{};
+  assembly.sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO;
+  assembly.topology = primitive(key.topology);
+  VkPipelineViewportStateCreateInfo viewport{};
+  viewport.sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO;
+  viewport.viewportCount = viewport.scissorCount = 1;
+  VkPipelineMultisampleStateCreateInfo multisample{};
+  multisample.sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO;
+  multisample.rasterizationSamples = static_cast<VkSampleCountFlagBits>(key.samples);
+  const VkPipelineRasterizationStateCreateInfo raster = rasterization(key);
+  const VkPipelineDepthStencilStateCreateInfo depth = depth_stencil(key);
+  const VkPipelineColorBlendAttachmentState attachment = color_blend(key);
+  VkPipelineColorBlendStateCreateInfo blend{};
+  blend.sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO;
+  blend.attachmentCount = key.color ? 1 : 0;
+  blend.pAttachments = &attachment;
+  const VkDynamicState states[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
+  VkPipelineDynamicStateCreateInfo dynamic{};
+  dynamic.sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO;
+  dynamic.dynamicStateCount = 2;
+  dynamic.pDynamicStates = states;
+
+  VkGraphicsPipelineCreateInfo info{};
+  info.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO;
+  info.stageCount = shaders.stage_count;
+  info.pStages = shaders.stages;
+  info.pVertexInputState = &shaders.input;
+  info.pInputAssemblyState = &assembly;
+  info.pViewportState = &viewport;
+  info.pRasterizationState = &raster;
+  info.pMultisampleState = &multisample;
+  info.pDepthStencilState = &depth;
+  info.pColorBlendState = &blend;
+  info.pDynamicState = &dynamic;
+  info.layout = key.shadowed ? shadows().layout.get() : layout_.get();
+  info.renderPass = render_pass({.color = key.color, .sampled = key.shadow_map, .samples = key.samples});
+  VkPipeline pipeline = VK_NULL_HANDLE;
+  vk_check(vkCreateGraphicsPipelines(device_.device, device_.pipeline_cache->get(), 1, &info, nullptr, &pipeline),
+           "vkCreateGraphicsPipelines");
+  return Handle<VkPipeline>(device_, pipeline, "mesh pipeline " + std::to_string(key.bits()));
+}
+
+}  // namespace simvis

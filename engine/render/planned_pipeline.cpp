@@ -1,0 +1,105 @@
+#include "engine/render/planned_pipeline.h"
+
+#include <algorithm>
+#include <bit>
+#include <string>
+#include <string_view>
+
+#include "engine/render/sample_average.h"
+
+namespace simvis {
+namespace {
+
+using Surface = PipelineKey::Surface;
+
+std::string_view to_string(Topology topology) {
+  switch (topology) {
+    case Topology::triangles:
+      return "triangles";
+    case Topology::lines:
+      return "lines";
+    case Topology::points:
+      return "points";
+  }
+  return "";
+}
+
+std::string_view to_string(Surface surface) {
+  constexpr std::string_view kNames[] = {"opaque", "masked", "blended", "faded"};
+  return kNames[static_cast<std::size_t>(surface)];
+}
+
+std::string_view what_is_drawn(Surface surface) {
+  switch (surface) {
+    case Surface::opaque:
+      return "surfaces without holes";
+    case Surface::masked:
+      return "alpha decides where there is a surface";
+    case Surface::blended:
+      return "surfaces that one sees through, over what lies behind";
+    case Surface::faded:
+      return "surfaces with holes that are faded as a whole, over what lies behind";
+  }
+  return "";
+}
+
+std::string lights_text(std::uint16_t lights) { return std::to_string(lights) + (lights == 1 ? " light" : " lights"); }
+
+std::string variant_of(const PipelineKey& key) {
+  std::string text = key.depth_only ? "depth" : "colour";
+  if (key.depth_only && key.color) text += " only, in a pass of colour";
+  text += ", " + std::string(to_string(key.topology)) + ", " + std::string(to_string(key.surface));
+  if (key.textured) text += ", textured";
+  if (key.unlit) text += ", unlit";
+  if (key.lights > 0) text += ", " + lights_text(key.lights);
+  if (key.glossy) text += key.metallic ? ", metallic" : ", glossy";
+  if (key.maps != 0) text += ", " + std::to_string(std::popcount(key.maps)) + " maps";
+  if (key.shadowed) text += ", shadowed";
+  if (key.shadow_map) text += key.parallel ? ", for a shadow map from afar" : ", for a shadow map";
+  if (key.fog) text += ", in fog";
+  if (key.cull_back) text += ", back faces culled";
+  if (key.mirrored) text += ", mirrored";
+  if (key.picked) text += ", picked one by one";
+  if (key.samples > 1) text += ", msaa " + std::to_string(key.samples);
+  return text;
+}
+
+std::string reason_for(const PipelineKey& key) {
+  std::string text(what_is_drawn(key.surface));
+  if (key.depth_only) return text + (key.shades() ? "" : ": no fragment shader");
+  if (key.unlit) return text + ", as bright as they are";
+  return text + (key.lights > 0 ? ", lit by " + lights_text(key.lights) : ", in ambient light");
+}
+
+}  // namespace
+
+std::vector<PlannedPipeline> pipelines_of(std::span<const DrawRun> runs, const Pass& pass,
+                                          std::vector<std::uint64_t>& made) {
+  std::vector<PlannedPipeline> planned;
+  std::vector<std::uint64_t> known;  // planned[i] has the key known[i]
+  for (const DrawRun& run : runs) {
+    PipelineKey key = run.key;
+    key.samples = static_cast<std::uint8_t>(pass.msaa);
+    const auto place = static_cast<std::size_t>(std::ranges::find(known, key.bits()) - known.begin());
+    if (place == known.size()) {
+      known.push_back(key.bits());
+      planned.push_back({.variant = variant_of(key),
+                         .reason = reason_for(key),
+                         .shades = key.shades(),
+                         .made = std::erase(made, key.bits()) > 0});
+    }
+    ++planned[place].draws;
+    if (key.topology == Topology::triangles) {
+      planned[place].triangles += std::uint64_t{run.range.index_count / 3} * run.instance_count;
+    }
+  }
+  return planned;
+}
+
+PlannedPipeline mean_pipeline(const Pass& pass, std::vector<std::uint32_t>& made) {
+  return {.variant = "mean, grid " + std::to_string(pass.grid) + ", msaa " + std::to_string(pass.msaa),
+          .reason = std::to_string(pass.samples()) + " samples of each pixel",
+          .made = std::erase(made, SampleAverage::pipeline_key(pass)) > 0};
+}
+
+}  // namespace simvis

@@ -1,0 +1,120 @@
+#include "engine/render/render_targets.h"
+
+#include "engine/vulkan/formats.h"
+#include "engine/vulkan/vulkan_check.h"
+
+namespace simvis {
+namespace {
+
+// A sensor that fires at 1 Hz among others at 100 Hz keeps its targets.
+constexpr std::uint64_t kFramesKept = 256;
+
+Buffer make_readback(Device::Impl& device, const RenderTarget& target, VkDeviceSize bytes_per_pixel, const char* name) {
+  return Buffer(device, {.name = name,
+                         .size = VkDeviceSize{target.width} * target.height * bytes_per_pixel,
+                         .usage = VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+                         .memory = MemoryKind::readback});
+}
+
+}  // namespace
+
+void RenderTargets::begin_frame() {
+  ++frame_;
+  std::erase_if(targets_, [this](const auto& target) { return target->last_frame + kFramesKept < frame_; });
+}
+
+RenderTarget& RenderTargets::acquire(const Pass& pass) {
+  RenderTarget* target = nullptr;
+  for (const auto& known : targets_) {
+    const bool fits = known->width == pass.width_px && known->height == pass.height_px && known->grid == pass.grid &&
+                      known->msaa == pass.msaa && known->shadow_maps == pass.shadow_maps &&
+                      static_cast<bool>(known->color) == pass.color;
+    if (fits && known->last_frame != frame_) {
+      target = known.get();
+      break;
+    }
+  }
+  if (!target) target = targets_.emplace_back(make(pass)).get();
+  target->last_frame = frame_;
+  if (pass.depth && !target->depth_readback) {
+    target->depth_readback = make_readback(device_, *target, sizeof(float), "depth readback");
+  }
+  if (pass.color && !target->color_readback) {
+    target->color_readback = make_readback(device_, *target, 4 * sizeof(float), "colour readback");
+  }
+  return *target;
+}
+
+void RenderTargets::name_memory(const std::function<const Pass*(const RenderTarget&)>& user,
+                                std::vector<PlannedMemory>& memory) const {
+  for (const auto& target : targets_) {
+    const Pass* const pass = user(*target);
+    const auto add = [&](const std::string& name, std::uint64_t bytes, const char* what) {
+      if (bytes == 0) return;
+      const std::string size = std::to_string(target->width) + " x " + std::to_string(target->height);
+      memory.push_back({pass != nullptr ? pass->name + "/" + name : name,
+                        pass != nullptr ? what : "kept for a pass of " + size + " that is not in this frame", bytes,
+                        0});
+    };
+    add("depth", target->depth.memory_bytes(), "what hides what");
+    add("colour samples", target->color_samples.memory_bytes(), "several samples of each pixel");
+    add("colour", target->color.memory_bytes(), "colour is asked for");
+    add("depth readback", target->depth_readback.memory_bytes(), "depth is asked for");
+    add("colour readback", target->color_readback.memory_bytes(), "colour is asked for");
+  }
+}
+
+GpuImage RenderTargets::make_image(const Pass& pass, const char* what, VkFormat format, VkImageUsageFlags usage,
+                                   bool samples) const {
+  const std::uint32_t grid = samples ? pass.grid : 1;
+  return GpuImage(device_, {.name = pass.name + what,
+                            .width = pass.width_px * grid,
+                            .height = pass.height_px * grid,
+                            .format = format,
+                            .usage = usage,
+                            .samples = samples ? pass.msaa : 1,
+                            .aspect = static_cast<VkImageAspectFlags>(
+                                format == kDepthFormat ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT)});
+}
+
+std::unique_ptr<RenderTarget> RenderTargets::make(const Pass& pass) const {
+  auto target = std::make_unique<RenderTarget>();
+  target->width = pass.width_px;
+  target->height = pass.height_px;
+  target->grid = pass.grid;
+  target->msaa = pass.msaa;
+  target->shadow_maps = pass.shadow_maps;
+  const bool averaged = pass.samples() > 1;
+  const VkImageUsageFlags depth_read = averaged           ? 0
+                                       : pass.shadow_maps ? VK_IMAGE_USAGE_SAMPLED_BIT
+                                                          : VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
+  target->depth =
+      make_image(pass, "/depth", kDepthFormat, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | depth_read, true);
+  if (averaged) {
+    target->color_samples = make_image(pass, "/colour samples", kColorFormat,
+                                       VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT, true);
+    target->color =
+        make_image(pass, "/colour", kColorFormat, VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT, false);
+    target->average = average_.bind(target->color_samples, target->color);
+  } else if (pass.color) {
+    target->color = make_image(pass, "/colour", kColorFormat,
+                               VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT, false);
+  }
+  const VkImageView views[] = {target->depth.view(), averaged ? target->color_samples.view() : target->color.view()};
+  const VkFramebufferCreateInfo info{
+      .sType = VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO,
+      .pNext = nullptr,
+      .flags = 0,
+      .renderPass = pipelines_.render_pass({.color = pass.color, .sampled = pass.shadow_maps, .samples = pass.msaa}),
+      .attachmentCount = pass.color ? 2u : 1u,
+      .pAttachments = views,
+      .width = pass.width_px * pass.grid,
+      .height = pass.height_px * pass.grid,
+      .layers = 1};
+  VkFramebuffer framebuffer = VK_NULL_HANDLE;
+  vk_check(vkCreateFramebuffer(device_.device, &info, nullptr, &framebuffer), "vkCreateFramebuffer");
+  target->framebuffer = Handle<VkFramebuffer>(device_, framebuffer, pass.name + " framebuffer");
+  return target;
+}
+
+}  // namespace simvis

@@ -1,0 +1,320 @@
+#include <simvis/renderer.h>
+
+#include <algorithm>
+#include <chrono>
+#include <optional>
+#include <utility>
+
+#include <simvis/device.h>
+#include <simvis/error.h>
+#include "engine/base/assert.h"
+#include "engine/render/draw_table.h"
+#include "engine/render/frame_buffers.h"
+#include "engine/render/frame_draws.h"
+#include "engine/render/frame_recorder.h"
+#include "engine/render/geometry_pool.h"
+#include "engine/render/gpu_queries.h"
+#include "engine/render/pipelines.h"
+#include "engine/render/planned_pipeline.h"
+#include "engine/render/render_targets.h"
+#include "engine/render/sample_average.h"
+#include "engine/render/texture_store.h"
+#include "engine/render/transparent_layers.h"
+#include "engine/vulkan/frame_commands.h"
+#include "engine/vulkan/uploads.h"
+
+namespace simvis {
+namespace {
+
+void check_view(const View& view, const Pass& pass) {
+  SIMVIS_ASSERT(view.width_px > 0 && view.height_px > 0);
+  SIMVIS_ASSERT(std::uint64_t{view.x_px} + view.width_px <= pass.width_px);
+  SIMVIS_ASSERT(std::uint64_t{view.y_px} + view.height_px <= pass.height_px);
+  SIMVIS_ASSERT(view.parallel ? view.far_m > view.near_m : view.near_m > 0);
+  SIMVIS_ASSERT(view.pinhole.fx_px != 0 && view.pinhole.fy_px != 0);
+}
+
+void check_pass(const Pass& pass, const TargetLimits& limits) {
+  SIMVIS_ASSERT(pass.width_px > 0 && pass.height_px > 0);
+  SIMVIS_ASSERT(pass.shadow_maps ? !pass.color && !pass.depth : pass.color || pass.depth);
+  SIMVIS_ASSERT(pass.grid == 1 || pass.grid == 2 || pass.grid == 4);
+  SIMVIS_ASSERT(pass.samples() == 1 || (pass.color && !pass.depth));
+  const std::uint32_t width = limits.width_px / pass.grid, height = limits.height_px / pass.grid;
+  if (pass.width_px > width || pass.height_px > height) {
+    throw InputError("pass \"" + pass.name + "\" has " + std::to_string(pass.width_px) + " x " +
+                     std::to_string(pass.height_px) + " pixels" +
+                     (pass.grid > 1 ? " of " + std::to_string(pass.grid * pass.grid) + " samples" : "") +
+                     "; this device allows " + std::to_string(width) + " x " + std::to_string(height));
+  }
+  if (std::ranges::find(limits.msaa, pass.msaa) == limits.msaa.end()) {
+    throw InputError("pass \"" + pass.name + "\" asks for msaa " + std::to_string(pass.msaa) +
+                     "; this device allows up to " + std::to_string(limits.msaa.back()));
+  }
+  for (const View& view : pass.views) check_view(view, pass);
+}
+
+std::int64_t now_ns() {
+  const auto now = std::chrono::steady_clock::now().time_since_epoch();
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(now).count();
+}
+
+// What the plan needs of opaque triangles.
+MeshUse opaque_use(const FramePlan& plan) {
+  if (std::ranges::any_of(plan.passes, &Pass::color)) return MeshUse::attributes;
+  const bool picked =
+      std::ranges::all_of(plan.passes, [](const Pass& pass) { return std::ranges::all_of(pass.views, picks_opaque); });
+  return picked ? MeshUse::clusters : MeshUse::positions;
+}
+
+// Null where the plan has none.
+const Pass* find_shadow_maps(const FramePlan& plan) {
+  const auto found = std::ranges::find(plan.passes, true, &Pass::shadow_maps);
+  return found == plan.passes.end() ? nullptr : &*found;
+}
+
+}  // namespace
+
+struct Renderer::Impl {
+  explicit Impl(Device::Impl& d)
+      : device(d),
+        commands(d),
+        uploads(d),
+        pipelines(d),
+        geometry(d),
+        textures(d, pipelines.texture_set_layout()),
+        buffers(d, pipelines.frame_set_layout()),
+        average(d),
+        layers(d, pipelines),
+        targets(d, pipelines, average),
+        draws(d.physical.snap_px) {
+    if (d.instrumented) queries.emplace(d);
+  }
+
+  void start_frame(const DrawList& list, const FramePlan& plan);
+  void finish_frame(const FramePlan& plan);
+  void prepare(const DrawList& list, const FramePlan& plan);
+  void record(VkCommandBuffer commands, const DrawList& list, const FramePlan& plan);
+  void take_results(const FramePlan& plan);
+  void name_pipelines(FramePlan& plan) const;
+  void name_memory(FramePlan& plan) const;
+  void forget();
+
+  Device::Impl& device;
+  FrameCommands commands;
+  Uploads uploads;
+  Pipelines pipelines;
+  GeometryPool geometry;
+  TextureStore textures;
+  FrameBuffers buffers;
+  SampleAverage average;
+  TransparentLayers layers;
+  RenderTargets targets;
+  std::optional<ShadowMaps> shadows;         // once a plan has any
+  const DrawList* submitted_list = nullptr;  // in flight; null: nothing is
+  const FramePlan* submitted_plan = nullptr;
+  DrawTable table;
+  FrameDraws draws;
+  std::vector<RenderTarget*> pass_targets;
+  std::vector<PassResult> results;
+  std::vector<ViewCounts> view_counts;  // of all passes' views, in order
+  FrameCounters counters;
+  MadePipelines made;  // by this frame
+  std::optional<GpuQueries> queries;
+  FrameCosts costs;
+};
+
+Renderer::Renderer(Device& device) : impl_(std::make_unique<Impl>(device.impl())) {}
+Renderer::~Renderer() = default;
+const FrameCounters& Renderer::counters() const { return impl_->counters; }
+
+void Renderer::submit(const DrawList& list, const FramePlan& plan) {
+  Impl& r = *impl_;
+  SIMVIS_ASSERT(r.submitted_plan == nullptr);
+  for (const Pass& pass : plan.passes) check_pass(pass, r.device.physical.targets);
+  r.counters = {};
+  r.costs = {};
+  r.results.clear();
+  r.pass_targets.clear();
+  r.draws.clear();
+  r.made = {};
+  r.uploads.begin(VK_NULL_HANDLE);  // nothing has been uploaded yet
+  if (plan.passes.empty()) return;
+  try {
+    r.start_frame(list, plan);
+  } catch (...) {
+    r.forget();
+    throw;
+  }
+  r.submitted_list = &list;
+  r.submitted_plan = &plan;
+}
+
+std::span<const PassResult> Renderer::collect() {
+  Impl& r = *impl_;
+  const FramePlan* const plan = std::exchange(r.submitted_plan, nullptr);
+  if (plan == nullptr) return {};
+  try {
+    r.finish_frame(*plan);
+    while (r.layers.grow()) {
+      r.start_frame(*r.submitted_list, *plan);
+      r.finish_frame(*plan);
+    }
+  } catch (...) {
+    r.forget();
+    throw;
+  }
+  r.take_results(*plan);
+  return r.results;
+}
+
+void Renderer::Impl::start_frame(const DrawList& list, const FramePlan& plan) {
+  const VkCommandBuffer recorded = commands.begin();
+  if (queries) queries->begin(recorded, plan);
+  uploads.begin(recorded);
+  prepare(list, plan);
+  uploads.finish();
+  if (queries) queries->stamp(recorded);
+  record(recorded, list, plan);
+  costs.submitted_ns = now_ns();
+  commands.submit();
+  counters.bytes_uploaded += uploads.bytes();
+  counters.layer_bytes = layers.bytes();
+  geometry.count(counters.meshes_held, counters.mesh_bytes);
+  textures.count(counters.textures_held, counters.texture_bytes);
+}
+
+void Renderer::Impl::finish_frame(const FramePlan& plan) {
+  commands.wait();
+  uploads.release();
+  counters.layers = layers.found();
+  if (!queries) return;
+  const std::int64_t submitted_ns = costs.submitted_ns, finished_ns = now_ns();
+  costs = queries->costs(plan);
+  costs.submitted_ns = submitted_ns;
+  costs.finished_ns = finished_ns;
+}
+
+void Renderer::Impl::prepare(const DrawList& list, const FramePlan& plan) {
+  const bool color = std::ranges::any_of(plan.passes, &Pass::color);
+  table.update(list, opaque_use(plan), geometry, textures, uploads);
+  buffers.write_materials(list, table.materials_read(), uploads);
+  buffers.write_map_places(list, table.textures_shown(), uploads);
+  draws.update(plan, list, table, counters);
+  buffers.write_instances(draws.instances(), uploads);
+  buffers.write_indices(draws.indices(), uploads);
+  buffers.write_picked(draws.picked(), uploads);
+  if (color) buffers.write_lights(draws.lights(), uploads);
+  if (const Pass* const maps = find_shadow_maps(plan)) {
+    if (!shadows) shadows.emplace(device, pipelines.shadows().set_layout.get());
+    shadows->write(plan, *maps, uploads);
+  }
+}
+
+void Renderer::Impl::record(VkCommandBuffer recorded, const DrawList& list, const FramePlan& plan) {
+  targets.begin_frame();
+  pass_targets.clear();
+  for (const Pass& pass : plan.passes) pass_targets.push_back(&targets.acquire(pass));
+  const Pass* const maps = find_shadow_maps(plan);
+  if (maps) shadows->show(pass_targets[static_cast<std::size_t>(maps - plan.passes.data())]->depth);
+
+  std::vector<const Pass*> layered;
+  for (const DrawnPass& drawn : drawing_order(plan)) {
+    const Pass& pass = plan.passes[drawn.pass];
+    if (shows_layers(draws.views().subspan(drawn.first_view, pass.views.size()))) layered.push_back(&pass);
+  }
+  layers.begin_frame(layered);
+
+  const FrameContext frame{.device = device,
+                           .commands = recorded,
+                           .pipelines = pipelines,
+                           .average = average,
+                           .layers = layers,
+                           .geometry = geometry,
+                           .frame_set = buffers.set(),
+                           .shadows = maps ? &*shadows : nullptr,
+                           .instances = buffers.instances(),
+                           .frame_indices = buffers.indices(),
+                           .picked = buffers.picked(),
+                           .draws = draws,
+                           .list = list,
+                           .counters = counters,
+                           .made = made,
+                           .queries = queries ? &*queries : nullptr};
+  record_bindings(frame);
+  for (const DrawnPass& drawn : drawing_order(plan)) {
+    const Pass& pass = plan.passes[drawn.pass];
+    record_pass(frame, pass, *pass_targets[drawn.pass], draws.views().subspan(drawn.first_view, pass.views.size()));
+  }
+  for (std::size_t i = 0; i < plan.passes.size(); ++i) record_readback(frame, plan.passes[i], *pass_targets[i]);
+  record_end(frame);
+}
+
+void Renderer::Impl::take_results(const FramePlan& plan) {
+  view_counts.clear();
+  for (const ViewDraws& view : draws.views()) view_counts.push_back(view.counts);
+  std::size_t first_view = 0;
+  for (std::size_t i = 0; i < plan.passes.size(); ++i) {
+    const Pass& pass = plan.passes[i];
+    const RenderTarget& target = *pass_targets[i];
+    const std::size_t pixels = std::size_t{pass.width_px} * pass.height_px;
+    PassResult& result = results.emplace_back();
+    if (pass.depth) result.depth = {reinterpret_cast<const float*>(target.depth_readback.mapped()), pixels};
+    if (pass.color) result.color = {reinterpret_cast<const glm::vec4*>(target.color_readback.mapped()), pixels};
+    result.snap_px = device.physical.snap_px;
+    result.depth_snap_px = device.physical.depth_snap_px;
+    result.views = std::span(view_counts).subspan(first_view, pass.views.size());
+    first_view += pass.views.size();
+  }
+}
+
+void Renderer::complete(FramePlan& plan) const {
+  impl_->name_pipelines(plan);
+  impl_->name_memory(plan);
+}
+
+const FrameCosts* Renderer::costs() const { return impl_->queries ? &impl_->costs : nullptr; }
+
+void Renderer::Impl::name_pipelines(FramePlan& plan) const {
+  MadePipelines unnamed = made;
+  std::size_t drawn = 0;
+  for (std::size_t i = 0; i < pass_targets.size(); ++i) {
+    Pass& pass = plan.passes[i];
+    pass.pipelines.clear();
+    if (pass.samples() > 1) pass.pipelines.push_back(mean_pipeline(pass, unnamed.means));
+    for (View& view : pass.views) {
+      const ViewDraws& draw = draws.views()[drawn++];
+      const auto runs = draws.runs().subspan(draw.first_run, draw.end_run - draw.first_run);
+      view.pipelines = pipelines_of(runs, pass, unnamed.meshes);
+    }
+  }
+}
+
+void Renderer::Impl::name_memory(FramePlan& plan) const {
+  buffers.name_memory(uploads, plan.memory);
+  geometry.name_memory(uploads, plan.memory);
+  const auto sampled = [this](VkDescriptorSet set) {
+    return static_cast<std::uint64_t>(std::ranges::count(draws.runs(), set, &DrawRun::texture));
+  };
+  textures.name_memory(uploads, sampled, plan.memory);
+  const auto user = [&](const RenderTarget& target) -> const Pass* {
+    const auto found = std::ranges::find(pass_targets, &target);
+    return found == pass_targets.end() ? nullptr : &plan.passes[static_cast<std::size_t>(found - pass_targets.begin())];
+  };
+  targets.name_memory(user, plan.memory);
+  layers.name_memory(uploads, plan.memory);
+  if (shadows) shadows->name_memory(uploads, plan.memory);
+}
+
+// What was recorded never ran: nothing of it counts as uploaded.
+void Renderer::Impl::forget() {
+  commands.abandon();
+  uploads.release();
+  pass_targets.clear();
+  draws.clear();
+  table.clear();
+  geometry.clear();
+  textures.clear();
+  buffers.clear();
+}
+
+}  // namespace simvis

@@ -1,0 +1,128 @@
+#include "engine/render/shadow_maps.h"
+
+#include <algorithm>
+
+#include "engine/base/assert.h"
+#include "engine/vulkan/vulkan_check.h"
+
+namespace simvis {
+namespace {
+
+// What a view may read from its offset on.
+constexpr VkDeviceSize kRange = SIMVIS_MAX_SHADOWS * sizeof(shader::ShadowBlock);
+// The offset of a uniform buffer may have to be a multiple of as much as 256 bytes (Vulkan's required limits): 8 blocks
+// are three times that.
+constexpr std::size_t kAlignment = 8;
+static_assert(kAlignment * sizeof(shader::ShadowBlock) % 256 == 0);
+
+glm::dmat4 inverse_of_rigid(const glm::dmat4& m) {
+  const glm::dmat3 back = glm::transpose(glm::dmat3(m));
+  glm::dmat4 inverse(back);
+  inverse[3] = glm::dvec4(-(back * glm::dvec3(m[3])), 1);
+  return inverse;
+}
+
+shader::ShadowBlock block_of(const ShadowUse& use, const Pass& maps, const glm::dmat4& world_from_view) {
+  const View& map = maps.views[use.first_view];
+  const glm::dmat4 map_from_view = map.view_from_world * world_from_view;
+  const glm::dmat4 rows = glm::transpose(map_from_view);
+  const Pinhole& k = map.pinhole;
+  const double inverse_depth = map.parallel ? 1 / (map.far_m - map.near_m) : 0;
+  const double first = map.parallel ? map.far_m : map.near_m, apart = glm::length(glm::dvec3(map_from_view[3]));
+  return {.row_x = glm::vec4(rows[0]),
+          .row_y = glm::vec4(rows[1]),
+          .row_z = glm::vec4(rows[2]),
+          .projection = glm::vec4(glm::dvec4(k.fx_px, k.fy_px, k.cx_px, k.cy_px)),
+          .depth = glm::vec4(glm::dvec4(first, inverse_depth, apart, use.views > 1 ? 1 : 0)),
+          .place = glm::vec4(map.x_px, map.y_px, map.width_px, map.height_px)};
+}
+
+}  // namespace
+
+std::vector<shader::ShadowBlock> shadow_blocks(const View& view, const Pass& maps) {
+  SIMVIS_ASSERT(view.shadows.size() <= SIMVIS_MAX_SHADOWS);
+  const glm::dmat4 world_from_view = inverse_of_rigid(view.view_from_world);
+  std::vector<shader::ShadowBlock> blocks;
+  for (const ShadowUse& use : view.shadows) {
+    SIMVIS_ASSERT(use.first_view + use.views <= maps.views.size());
+    blocks.push_back(block_of(use, maps, world_from_view));
+  }
+  return blocks;
+}
+
+ShadowMaps::ShadowMaps(Device::Impl& device, VkDescriptorSetLayout set_layout) : device_(device) {
+  const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC, 1},
+                                        {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1}};
+  const VkDescriptorPoolCreateInfo pool_info{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
+                                             .pNext = nullptr,
+                                             .flags = 0,
+                                             .maxSets = 1,
+                                             .poolSizeCount = 2,
+                                             .pPoolSizes = sizes};
+  VkDescriptorPool pool = VK_NULL_HANDLE;
+  vk_check(vkCreateDescriptorPool(device.device, &pool_info, nullptr, &pool), "vkCreateDescriptorPool");
+  pool_ = Handle<VkDescriptorPool>(device, pool, "shadow set");
+  const VkDescriptorSetAllocateInfo allocation{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
+                                               .pNext = nullptr,
+                                               .descriptorPool = pool,
+                                               .descriptorSetCount = 1,
+                                               .pSetLayouts = &set_layout};
+  vk_check(vkAllocateDescriptorSets(device.device, &allocation, &set_), "vkAllocateDescriptorSets");
+  // Texels are fetched by number: it filters nothing.
+  VkSamplerCreateInfo sampler_info{};
+  sampler_info.sType = VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO;
+  VkSampler sampler = VK_NULL_HANDLE;
+  vk_check(vkCreateSampler(device.device, &sampler_info, nullptr, &sampler), "vkCreateSampler");
+  sampler_ = Handle<VkSampler>(device, sampler, "shadow sampler");
+}
+
+void ShadowMaps::write(const FramePlan& plan, const Pass& maps, Uploads& uploads) {
+  std::vector<shader::ShadowBlock> blocks;
+  offsets_.clear();
+  for (const Pass& pass : plan.passes) {
+    for (const View& view : pass.views) {
+      if (view.shadows.empty()) continue;
+      blocks.resize((blocks.size() + kAlignment - 1) / kAlignment * kAlignment);
+      offsets_.push_back(static_cast<std::uint32_t>(blocks.size() * sizeof(shader::ShadowBlock)));
+      const std::vector<shader::ShadowBlock> added = shadow_blocks(view, maps);
+      blocks.insert(blocks.end(), added.begin(), added.end());
+    }
+  }
+  const std::span<const std::byte> bytes = std::as_bytes(std::span(blocks));
+  const VkDeviceSize size = bytes.size() + kRange;  // the last view's range ends within the buffer
+  if (!blocks_ || blocks_.size() < size) {
+    blocks_ = Buffer(device_, {.name = "shadows",
+                               .size = blocks_ ? std::max(size, 2 * blocks_.size()) : size,
+                               .usage = VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
+                               .memory = MemoryKind::dynamic});
+  }
+  uploads.write(blocks_, 0, bytes);
+}
+
+void ShadowMaps::show(const GpuImage& atlas) {
+  const VkDescriptorBufferInfo buffer{.buffer = blocks_.get(), .offset = 0, .range = kRange};
+  const VkDescriptorImageInfo image{.sampler = sampler_.get(),
+                                    .imageView = atlas.view(),
+                                    .imageLayout = VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL};
+  VkWriteDescriptorSet writes[2]{};
+  for (VkWriteDescriptorSet& write : writes) {
+    write.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
+    write.dstSet = set_;
+    write.descriptorCount = 1;
+  }
+  writes[0].dstBinding = SIMVIS_SHADOWS;
+  writes[0].descriptorType = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC;
+  writes[0].pBufferInfo = &buffer;
+  writes[1].dstBinding = SIMVIS_SHADOW_ATLAS;
+  writes[1].descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
+  writes[1].pImageInfo = &image;
+  vkUpdateDescriptorSets(device_.device, 2, writes, 0, nullptr);
+}
+
+void ShadowMaps::name_memory(const Uploads& uploads, std::vector<PlannedMemory>& memory) const {
+  if (!blocks_) return;
+  memory.push_back({blocks_.desc().name, "where each view of colour finds the shadow maps of its lights",
+                    blocks_.memory_bytes(), uploads.bytes_to(blocks_)});
+}
+
+}  // namespace simvis

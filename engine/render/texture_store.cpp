@@ -1,0 +1,196 @@
+#include "engine/render/texture_store.h"
+
+#include <algorithm>
+#include <bit>
+#include <set>
+#include <string>
+
+#include <simvis/error.h>
+#include "engine/base/assert.h"
+#include "engine/vulkan/formats.h"
+#include "engine/vulkan/vulkan_check.h"
+
+namespace simvis {
+namespace {
+
+constexpr std::uint32_t kSetsPerPool = 64;
+
+VkSamplerAddressMode address_mode(Wrap wrap) {
+  switch (wrap) {
+    case Wrap::repeat:
+      return VK_SAMPLER_ADDRESS_MODE_REPEAT;
+    case Wrap::mirrored_repeat:
+      return VK_SAMPLER_ADDRESS_MODE_MIRRORED_REPEAT;
+    case Wrap::clamp_to_edge:
+      return VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
+  }
+  return VK_SAMPLER_ADDRESS_MODE_REPEAT;
+}
+
+VkFilter filter(Filter filter) { return filter == Filter::linear ? VK_FILTER_LINEAR : VK_FILTER_NEAREST; }
+
+VkFormat format_of(std::uint32_t binding) {
+  const bool color = binding == SIMVIS_BASE_COLOR_TEXTURE || binding == SIMVIS_EMISSIVE_MAP;
+  return color ? kTextureFormat : kMapFormat;
+}
+
+GpuImage make_image(Device::Impl& device, const Texture& texture, VkFormat format) {
+  SIMVIS_ASSERT(texture.width > 0 && texture.height > 0);
+  SIMVIS_ASSERT(texture.rgba.size() == std::size_t{4} * texture.width * texture.height);
+  const std::uint32_t limit = device.limits().maxImageDimension2D, side = std::max(texture.width, texture.height);
+  if (side > limit) {
+    throw InputError("texture \"" + texture.name + "\" has " + std::to_string(texture.width) + " x " +
+                     std::to_string(texture.height) + " pixels; this device allows " + std::to_string(limit) +
+                     " on a side");
+  }
+  const auto levels = static_cast<std::uint32_t>(std::bit_width(side));
+  return GpuImage(device, {.name = "texture " + texture.name,
+                           .width = texture.width,
+                           .height = texture.height,
+                           .mip_levels = texture.sampler.mipmapped ? levels : 1,
+                           .format = format,
+                           .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT |
+                                    VK_IMAGE_USAGE_TRANSFER_SRC_BIT});
+}
+
+}  // namespace
+
+VkDescriptorSet TextureStore::require(const TextureSet& textures, Uploads& uploads) {
+  std::array<const Texture*, SIMVIS_TEXTURES> key{};
+  std::ranges::transform(textures, key.begin(), [](const auto& texture) { return texture.get(); });
+  if (const auto found = sets_.find(key); found != sets_.end()) return found->second;
+  // What is not shown is not read either: any image of the set fills its place.
+  const auto shown = std::ranges::find_if(textures, [](const auto& texture) { return texture != nullptr; });
+  SIMVIS_ASSERT(shown != textures.end());
+  const auto filler = static_cast<std::uint32_t>(shown - textures.begin());
+  VkDescriptorImageInfo images[SIMVIS_TEXTURES];
+  for (std::uint32_t binding = 0; binding < SIMVIS_TEXTURES; ++binding) {
+    const std::uint32_t source = textures[binding] ? binding : filler;
+    const Entry& entry = resident(textures[source], format_of(source), uploads);
+    images[binding] = {.sampler = sampler(textures[source]->sampler),
+                       .imageView = entry.image.view(),
+                       .imageLayout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
+  }
+  VkWriteDescriptorSet write{};
+  write.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
+  write.dstSet = free_set();
+  write.dstBinding = 0;
+  write.descriptorCount = 1;
+  write.descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
+  for (; write.dstBinding < SIMVIS_TEXTURES; ++write.dstBinding) {
+    write.pImageInfo = &images[write.dstBinding];
+    vkUpdateDescriptorSets(device_.device, 1, &write, 0, nullptr);
+  }
+  return sets_.emplace(key, write.dstSet).first->second;
+}
+
+const TextureStore::Entry& TextureStore::resident(const std::shared_ptr<const Texture>& texture, VkFormat format,
+                                                  Uploads& uploads) {
+  const std::pair key(texture.get(), format);
+  if (const auto found = entries_.find(key); found != entries_.end()) return found->second;
+  Entry entry{.texture = texture, .image = make_image(device_, *texture, format)};
+  uploads.write(entry.image, std::as_bytes(std::span(texture->rgba)));
+  return entries_.emplace(key, std::move(entry)).first->second;
+}
+
+void TextureStore::keep_only(const std::vector<std::shared_ptr<const Material>>& materials) {
+  std::set<const Texture*> wanted{nullptr};
+  for (const auto& material : materials) {
+    wanted.insert(material->base_color_texture.get());
+    for (const SurfaceMap& map : material->maps) wanted.insert(map.texture.get());
+  }
+  std::erase_if(sets_, [&](const auto& set) {
+    if (std::ranges::all_of(set.first, [&](const Texture* texture) { return wanted.contains(texture); })) return false;
+    free_sets_.push_back(set.second);
+    return true;
+  });
+  std::erase_if(entries_, [&](const auto& entry) { return !wanted.contains(entry.first.first); });
+}
+
+void TextureStore::count(std::uint64_t& textures, std::uint64_t& bytes) const {
+  textures = entries_.size();
+  bytes = 0;
+  for (const auto& [key, entry] : entries_) {
+    const Texture& texture = *entry.texture;
+    std::uint64_t width = texture.width, height = texture.height;
+    bytes += 4 * width * height;
+    while (texture.sampler.mipmapped && (width > 1 || height > 1)) {
+      width = std::max<std::uint64_t>(width / 2, 1);
+      height = std::max<std::uint64_t>(height / 2, 1);
+      bytes += 4 * width * height;
+    }
+  }
+}
+
+void TextureStore::name_memory(const Uploads& uploads, const std::function<std::uint64_t(VkDescriptorSet)>& sampled,
+                               std::vector<PlannedMemory>& memory) const {
+  const std::size_t first = memory.size();
+  for (const auto& [key, entry] : entries_) {
+    std::uint64_t draws = 0;
+    for (const auto& [textures, set] : sets_) {
+      if (std::ranges::find(textures, key.first) != textures.end()) draws += sampled(set);
+    }
+    memory.push_back(
+        {entry.image.desc().name,
+         draws > 0 ? "sampled in " + std::to_string(draws) + " draws" : "a material shows it, in no view of this frame",
+         entry.image.memory_bytes(), uploads.bytes_to(entry.image)});
+  }
+  std::sort(memory.begin() + static_cast<std::ptrdiff_t>(first), memory.end(),
+            [](const PlannedMemory& a, const PlannedMemory& b) { return a.name < b.name; });
+}
+
+void TextureStore::clear() { keep_only({}); }
+
+VkSampler TextureStore::sampler(const Sampler& wanted) {
+  for (const auto& [known, handle] : samplers_) {
+    if (known == wanted) return handle.get();
+  }
+  VkSamplerCreateInfo info{};
+  info.sType = VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO;
+  info.magFilter = filter(wanted.magnify);
+  info.minFilter = filter(wanted.minify);
+  info.mipmapMode =
+      wanted.between_mips == Filter::linear ? VK_SAMPLER_MIPMAP_MODE_LINEAR : VK_SAMPLER_MIPMAP_MODE_NEAREST;
+  info.addressModeU = address_mode(wanted.wrap_u);
+  info.addressModeV = address_mode(wanted.wrap_v);
+  info.addressModeW = VK_SAMPLER_ADDRESS_MODE_REPEAT;
+  info.maxLod = VK_LOD_CLAMP_NONE;
+  if (!wanted.mipmapped) {
+    // As the Vulkan specification says of samplers without mips: with nearest mips and a largest level of a quarter,
+    // the minification filter is still told from the other.
+    info.mipmapMode = VK_SAMPLER_MIPMAP_MODE_NEAREST;
+    info.maxLod = 0.25f;
+  }
+  VkSampler sampler = VK_NULL_HANDLE;
+  vk_check(vkCreateSampler(device_.device, &info, nullptr, &sampler), "vkCreateSampler");
+  samplers_.emplace_back(wanted, Handle<VkSampler>(device_, sampler, "texture sampler"));
+  return sampler;
+}
+
+VkDescriptorSet TextureStore::free_set() {
+  if (free_sets_.empty()) {
+    const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, kSetsPerPool * SIMVIS_TEXTURES};
+    const VkDescriptorPoolCreateInfo info{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
+                                          .pNext = nullptr,
+                                          .flags = 0,
+                                          .maxSets = kSetsPerPool,
+                                          .poolSizeCount = 1,
+                                          .pPoolSizes = &size};
+    VkDescriptorPool pool = VK_NULL_HANDLE;
+    vk_check(vkCreateDescriptorPool(device_.device, &info, nullptr, &pool), "vkCreateDescriptorPool");
+    pools_.emplace_back(device_, pool, "texture sets");
+    const std::vector<VkDescriptorSetLayout> layouts(kSetsPerPool, set_layout_);
+    const VkDescriptorSetAllocateInfo allocation{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
+                                                 .pNext = nullptr,
+                                                 .descriptorPool = pool,
+                                                 .descriptorSetCount = kSetsPerPool,
+                                                 .pSetLayouts = layouts.data()};
+    free_sets_.resize(kSetsPerPool);
+    vk_check(vkAllocateDescriptorSets(device_.device, &allocation, free_sets_.data()), "vkAllocateDescriptorSets");
+  }
+  const VkDescriptorSet set = free_sets_.back();
+  free_sets_.pop_back();
+  return set;
+}
+
+}  // namespace simvis

@@ -1,0 +1,40 @@
+// A two-dimensional image with its own memory and a view of the whole.
+#pragma once
+
+#include <string>
+
+#include "engine/vulkan/handle.h"
+#include "engine/vulkan/held_bytes.h"
+
+namespace simvis {
+
+struct GpuImageDesc {
+  std::string name;
+  std::uint32_t width = 0, height = 0;  ///< pixels, above 0
+  std::uint32_t mip_levels = 1;
+  VkFormat format = VK_FORMAT_UNDEFINED;
+  VkImageUsageFlags usage = 0;
+  std::uint32_t samples = 1;  ///< of each pixel
+  VkImageAspectFlags aspect = VK_IMAGE_ASPECT_COLOR_BIT;
+};
+
+class GpuImage {
+ public:
+  GpuImage() = default;
+  GpuImage(Device::Impl& device, GpuImageDesc desc);
+
+  VkImage get() const { return image_.get(); }
+  VkImageView view() const { return view_.get(); }
+  const GpuImageDesc& desc() const { return desc_; }
+  std::uint64_t memory_bytes() const { return held_.bytes(); }  ///< that it takes, the device's rounding included
+  explicit operator bool() const { return static_cast<bool>(image_); }
+
+ private:
+  GpuImageDesc desc_;
+  HeldBytes held_;
+  Handle<VkDeviceMemory> memory_;  // outlives the image
+  Handle<VkImage> image_;          // outlives the view
+  Handle<VkImageView> view_;
+};
+
+}  // namespace simvis

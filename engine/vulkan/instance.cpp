@@ -1,0 +1,115 @@
+#include "engine/vulkan/instance.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstring>
+#include <string>
+
+#include <simvis/error.h>
+#include "engine/vulkan/vulkan_check.h"
+
+namespace simvis {
+namespace {
+
+constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
+constexpr const char* kInstallDriver =
+    "no Vulkan driver was found. Install one: on Debian the package mesa-vulkan-drivers (it renders on the CPU where "
+    "there is no GPU), or the driver of the GPU's maker";
+
+VKAPI_ATTR VkBool32 VKAPI_CALL print_message(VkDebugUtilsMessageSeverityFlagBitsEXT severity,
+                                             VkDebugUtilsMessageTypeFlagsEXT,
+                                             const VkDebugUtilsMessengerCallbackDataEXT* data, void* user) {
+  ++*static_cast<std::atomic<std::uint64_t>*>(user);
+  const bool error = severity == VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
+  std::fprintf(stderr, "Vulkan validation %s: %s\n", error ? "error" : "warning", data->pMessage);
+  return VK_FALSE;
+}
+
+bool layer_present() {
+  std::uint32_t count = 0;
+  vk_check(vkEnumerateInstanceLayerProperties(&count, nullptr), "vkEnumerateInstanceLayerProperties");
+  std::vector<VkLayerProperties> layers(count);
+  vk_check(vkEnumerateInstanceLayerProperties(&count, layers.data()), "vkEnumerateInstanceLayerProperties");
+  return std::any_of(layers.begin(), layers.end(),
+                     [](const VkLayerProperties& layer) { return !std::strcmp(layer.layerName, kValidationLayer); });
+}
+
+template <typename Function>
+Function instance_function(VkInstance instance, const char* name) {
+  return reinterpret_cast<Function>(vkGetInstanceProcAddr(instance, name));
+}
+
+}  // namespace
+
+Instance::Instance(bool validation) {
+  if (validation && !layer_present()) {
+    throw MachineError(std::string("the Vulkan validation layer was asked for, but ") + kValidationLayer +
+                       " is not installed (on Debian: the package vulkan-validationlayers)");
+  }
+  const VkApplicationInfo application{.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO,
+                                      .pNext = nullptr,
+                                      .pApplicationName = "SimVis",
+                                      .applicationVersion = 0,
+                                      .pEngineName = "SimVis",
+                                      .engineVersion = 0,
+                                      .apiVersion = VK_API_VERSION_1_2};
+  const VkDebugUtilsMessengerCreateInfoEXT messenger{
+      .sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT,
+      .pNext = nullptr,
+      .flags = 0,
+      .messageSeverity =
+          VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT,
+      .messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT,
+      .pfnUserCallback = print_message,
+      .pUserData = &messages_};
+  const VkValidationFeatureEnableEXT synchronization = VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT;
+  const VkValidationFeaturesEXT features{.sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT,
+                                         .pNext = &messenger,
+                                         .enabledValidationFeatureCount = 1,
+                                         .pEnabledValidationFeatures = &synchronization,
+                                         .disabledValidationFeatureCount = 0,
+                                         .pDisabledValidationFeatures = nullptr};
+  const char* extensions[] = {VK_EXT_DEBUG_UTILS_EXTENSION_NAME, VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME};
+  const VkInstanceCreateInfo info{.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
+                                  .pNext = validation ? &features : nullptr,
+                                  .flags = 0,
+                                  .pApplicationInfo = &application,
+                                  .enabledLayerCount = validation ? 1u : 0u,
+                                  .ppEnabledLayerNames = &kValidationLayer,
+                                  .enabledExtensionCount = validation ? 2u : 0u,
+                                  .ppEnabledExtensionNames = extensions};
+  const VkResult result = vkCreateInstance(&info, nullptr, &instance_);
+  if (result == VK_ERROR_INCOMPATIBLE_DRIVER) {
+    throw MachineError(std::string("vkCreateInstance: VK_ERROR_INCOMPATIBLE_DRIVER: ") + kInstallDriver);
+  }
+  vk_check(result, "vkCreateInstance");
+  if (!validation) return;
+  const auto create =
+      instance_function<PFN_vkCreateDebugUtilsMessengerEXT>(instance_, "vkCreateDebugUtilsMessengerEXT");
+  const VkResult created = create(instance_, &messenger, nullptr, &messenger_);
+  if (created != VK_SUCCESS) vkDestroyInstance(instance_, nullptr);
+  vk_check(created, "vkCreateDebugUtilsMessengerEXT");
+}
+
+Instance::~Instance() {
+  if (messenger_ != VK_NULL_HANDLE) {
+    instance_function<PFN_vkDestroyDebugUtilsMessengerEXT>(instance_, "vkDestroyDebugUtilsMessengerEXT")(
+        instance_, messenger_, nullptr);
+  }
+  vkDestroyInstance(instance_, nullptr);
+}
+
+std::vector<VkPhysicalDevice> Instance::physical_devices() const {
+  std::uint32_t count = 0;
+  const VkResult result = vkEnumeratePhysicalDevices(instance_, &count, nullptr);
+  // Drivers that are installed but find no device of theirs answer with either of these.
+  if (result == VK_ERROR_INITIALIZATION_FAILED || (result == VK_SUCCESS && count == 0)) {
+    throw MachineError(std::string("vkEnumeratePhysicalDevices: no device: ") + kInstallDriver);
+  }
+  vk_check(result, "vkEnumeratePhysicalDevices");
+  std::vector<VkPhysicalDevice> devices(count);
+  vk_check(vkEnumeratePhysicalDevices(instance_, &count, devices.data()), "vkEnumeratePhysicalDevices");
+  return devices;
+}
+
+}  // namespace simvis

@@ -1,0 +1,67 @@
+#include "engine/vulkan/render_pass.h"
+
+#include "engine/vulkan/formats.h"
+#include "engine/vulkan/vulkan_check.h"
+
+namespace simvis {
+
+Handle<VkRenderPass> make_render_pass(Device::Impl& device, const RenderPassKind& kind) {
+  VkAttachmentDescription attachments[2]{};
+  VkAttachmentDescription& depth = attachments[0];
+  depth.format = kDepthFormat;
+  depth.samples = static_cast<VkSampleCountFlagBits>(kind.samples);
+  depth.loadOp = kind.resumed ? VK_ATTACHMENT_LOAD_OP_LOAD : VK_ATTACHMENT_LOAD_OP_CLEAR;
+  depth.storeOp = kind.keep_depth || kind.continued || kind.sampled ? VK_ATTACHMENT_STORE_OP_STORE
+                                                                    : VK_ATTACHMENT_STORE_OP_DONT_CARE;
+  depth.stencilLoadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE;
+  depth.stencilStoreOp = VK_ATTACHMENT_STORE_OP_DONT_CARE;
+  depth.initialLayout = kind.resumed ? VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL : VK_IMAGE_LAYOUT_UNDEFINED;
+  depth.finalLayout = kind.sampled                         ? VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL
+                      : kind.keep_depth && !kind.continued ? VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL
+                                                           : VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
+  attachments[1] = depth;
+  attachments[1].format = kColorFormat;
+  attachments[1].storeOp = VK_ATTACHMENT_STORE_OP_STORE;
+  attachments[1].initialLayout = kind.resumed ? VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL : VK_IMAGE_LAYOUT_UNDEFINED;
+  attachments[1].finalLayout = kind.continued  ? VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL
+                               : kind.averaged ? VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL
+                                               : VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
+
+  const VkAttachmentReference depth_reference{0, VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL};
+  const VkAttachmentReference color_reference{1, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL};
+  VkSubpassDescription subpass{};
+  subpass.pipelineBindPoint = VK_PIPELINE_BIND_POINT_GRAPHICS;
+  subpass.colorAttachmentCount = kind.color ? 1 : 0;
+  subpass.pColorAttachments = &color_reference;
+  subpass.pDepthStencilAttachment = &depth_reference;
+
+  // Nothing runs before the pass that it must wait for: each frame is waited for, and a pass that goes on waits by a
+  // barrier (see TransparentLayers). The copies and averages after it do. The same for all passes: dependencies, too,
+  // make passes compatible.
+  VkSubpassDependency used{};
+  used.srcSubpass = 0;
+  used.dstSubpass = VK_SUBPASS_EXTERNAL;
+  used.srcStageMask = VK_PIPELINE_STAGE_LATE_FRAGMENT_TESTS_BIT | VK_PIPELINE_STAGE_EARLY_FRAGMENT_TESTS_BIT |
+                      VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT;
+  used.dstStageMask = VK_PIPELINE_STAGE_TRANSFER_BIT | VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT;
+  used.srcAccessMask = VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT | VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT;
+  used.dstAccessMask = VK_ACCESS_TRANSFER_READ_BIT | VK_ACCESS_SHADER_READ_BIT;
+  if (kind.sampled) {
+    used.dstStageMask = VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT;
+    used.dstAccessMask = VK_ACCESS_SHADER_READ_BIT;
+  }
+
+  VkRenderPassCreateInfo info{};
+  info.sType = VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO;
+  info.attachmentCount = kind.color ? 2 : 1;
+  info.pAttachments = attachments;
+  info.subpassCount = 1;
+  info.pSubpasses = &subpass;
+  info.dependencyCount = 1;
+  info.pDependencies = &used;
+  VkRenderPass pass = VK_NULL_HANDLE;
+  vk_check(vkCreateRenderPass(device.device, &info, nullptr, &pass), "vkCreateRenderPass");
+  return Handle<VkRenderPass>(device, pass, kind.color ? "colour and depth pass" : "depth pass");
+}
+
+}  // namespace simvis

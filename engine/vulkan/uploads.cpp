@@ -1,0 +1,152 @@
+#include "engine/vulkan/uploads.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace simvis {
+namespace {
+
+constexpr VkDeviceSize kStagingSize = 4u << 20;
+constexpr VkDeviceSize kStagingAlignment = 16;  // Copies to images start at multiples of a texel, 4 bytes.
+
+VkImageMemoryBarrier barrier(const GpuImage& image, std::uint32_t first_level, std::uint32_t levels,
+                             VkImageLayout old_layout, VkImageLayout new_layout, VkAccessFlags from, VkAccessFlags to) {
+  return {.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER,
+          .pNext = nullptr,
+          .srcAccessMask = from,
+          .dstAccessMask = to,
+          .oldLayout = old_layout,
+          .newLayout = new_layout,
+          .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+          .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+          .image = image.get(),
+          .subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, first_level, levels, 0, 1}};
+}
+
+void record(VkCommandBuffer commands, VkPipelineStageFlags from, VkPipelineStageFlags to,
+            const VkImageMemoryBarrier& image_barrier) {
+  vkCmdPipelineBarrier(commands, from, to, 0, 0, nullptr, 0, nullptr, 1, &image_barrier);
+}
+
+VkOffset3D corner(const GpuImageDesc& desc, std::uint32_t level) {
+  return {static_cast<std::int32_t>(std::max(1u, desc.width >> level)),
+          static_cast<std::int32_t>(std::max(1u, desc.height >> level)), 1};
+}
+
+}  // namespace
+
+void Uploads::begin(VkCommandBuffer commands) {
+  commands_ = commands;
+  bytes_ = 0;
+  written_.clear();
+  copies_ = false;
+}
+
+void Uploads::count(std::uint64_t target, std::uint64_t bytes) {
+  bytes_ += bytes;
+  // Mostly the same as before, or one of a few.
+  for (auto written = written_.rbegin(); written != written_.rend(); ++written) {
+    if (written->target != target) continue;
+    written->bytes += bytes;
+    return;
+  }
+  written_.push_back({target, bytes});
+}
+
+std::uint64_t Uploads::bytes_to(std::uint64_t target) const {
+  for (const Written& written : written_) {
+    if (written.target == target) return written.bytes;
+  }
+  return 0;
+}
+
+Uploads::Staged Uploads::stage(std::span<const std::byte> data) {
+  VkDeviceSize offset = (used_ + kStagingAlignment - 1) / kStagingAlignment * kStagingAlignment;
+  if (staging_.empty() || offset + data.size() > staging_.back().size()) {
+    staging_.emplace_back(device_, BufferDesc{.name = "staging",
+                                              .size = std::max<VkDeviceSize>(kStagingSize, data.size()),
+                                              .usage = VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
+                                              .memory = MemoryKind::staging});
+    offset = 0;
+  }
+  std::memcpy(staging_.back().mapped() + offset, data.data(), data.size());
+  used_ = offset + data.size();
+  return {staging_.back().get(), offset};
+}
+
+void Uploads::write(const Buffer& target, VkDeviceSize offset, std::span<const std::byte> data) {
+  if (data.empty()) return;
+  count(reinterpret_cast<std::uint64_t>(target.get()), data.size());
+  if (target.mapped()) {
+    std::memcpy(target.mapped() + offset, data.data(), data.size());
+    return;
+  }
+  const Staged staged = stage(data);
+  const VkBufferCopy region{.srcOffset = staged.offset, .dstOffset = offset, .size = data.size()};
+  vkCmdCopyBuffer(commands_, staged.buffer, target.get(), 1, &region);
+  copies_ = true;
+}
+
+void Uploads::write(const GpuImage& target, std::span<const std::byte> rgba) {
+  count(reinterpret_cast<std::uint64_t>(target.get()), rgba.size());
+  const Staged staged = stage(rgba);
+  const GpuImageDesc& desc = target.desc();
+  record(commands_, VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT,
+         barrier(target, 0, desc.mip_levels, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 0,
+                 VK_ACCESS_TRANSFER_WRITE_BIT));
+  const VkBufferImageCopy region{.bufferOffset = staged.offset,
+                                 .bufferRowLength = 0,
+                                 .bufferImageHeight = 0,
+                                 .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
+                                 .imageOffset = {0, 0, 0},
+                                 .imageExtent = {desc.width, desc.height, 1}};
+  vkCmdCopyBufferToImage(commands_, staged.buffer, target.get(), VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
+  make_mips(target);
+}
+
+void Uploads::make_mips(const GpuImage& image) {
+  const GpuImageDesc& desc = image.desc();
+  const std::uint32_t last = desc.mip_levels - 1;
+  for (std::uint32_t level = 0; level < last; ++level) {
+    record(commands_, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT,
+           barrier(image, level, 1, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+                   VK_ACCESS_TRANSFER_WRITE_BIT, VK_ACCESS_TRANSFER_READ_BIT));
+    const VkImageBlit blit{.srcSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, level, 0, 1},
+                           .srcOffsets = {{0, 0, 0}, corner(desc, level)},
+                           .dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, level + 1, 0, 1},
+                           .dstOffsets = {{0, 0, 0}, corner(desc, level + 1)}};
+    vkCmdBlitImage(commands_, image.get(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, image.get(),
+                   VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &blit, VK_FILTER_LINEAR);
+  }
+  constexpr VkPipelineStageFlags kFrom = VK_PIPELINE_STAGE_TRANSFER_BIT, kTo = VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT;
+  if (last > 0) {
+    record(commands_, kFrom, kTo,
+           barrier(image, 0, last, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
+                   VK_ACCESS_TRANSFER_READ_BIT, VK_ACCESS_SHADER_READ_BIT));
+  }
+  record(commands_, kFrom, kTo,
+         barrier(image, last, 1, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
+                 VK_ACCESS_TRANSFER_WRITE_BIT, VK_ACCESS_SHADER_READ_BIT));
+}
+
+void Uploads::copy(const Buffer& from, const Buffer& to, VkDeviceSize from_offset, VkDeviceSize to_offset,
+                   VkDeviceSize size) {
+  if (size == 0) return;
+  const VkBufferCopy region{.srcOffset = from_offset, .dstOffset = to_offset, .size = size};
+  vkCmdCopyBuffer(commands_, from.get(), to.get(), 1, &region);
+  copies_ = true;
+}
+
+void Uploads::finish() {
+  if (!copies_) return;
+  const VkMemoryBarrier copied{
+      .sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER,
+      .pNext = nullptr,
+      .srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT,
+      .dstAccessMask = VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT | VK_ACCESS_INDEX_READ_BIT | VK_ACCESS_SHADER_READ_BIT};
+  vkCmdPipelineBarrier(commands_, VK_PIPELINE_STAGE_TRANSFER_BIT,
+                       VK_PIPELINE_STAGE_VERTEX_INPUT_BIT | VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, 0, 1, &copied, 0,
+                       nullptr, 0, nullptr);
+}
+
+}  // namespace simvis

@@ -1,0 +1,43 @@
+#include "engine/vulkan/vulkan_check.h"
+
+#include <string>
+
+#include <simvis/error.h>
+
+namespace simvis {
+
+const char* result_name(VkResult result) {
+  switch (result) {
+#define SIMVIS_RESULT(name) \
+  case name:                \
+    return #name;
+    SIMVIS_RESULT(VK_SUCCESS)
+    SIMVIS_RESULT(VK_NOT_READY)
+    SIMVIS_RESULT(VK_TIMEOUT)
+    SIMVIS_RESULT(VK_INCOMPLETE)
+    SIMVIS_RESULT(VK_ERROR_OUT_OF_HOST_MEMORY)
+    SIMVIS_RESULT(VK_ERROR_OUT_OF_DEVICE_MEMORY)
+    SIMVIS_RESULT(VK_ERROR_INITIALIZATION_FAILED)
+    SIMVIS_RESULT(VK_ERROR_DEVICE_LOST)
+    SIMVIS_RESULT(VK_ERROR_MEMORY_MAP_FAILED)
+    SIMVIS_RESULT(VK_ERROR_LAYER_NOT_PRESENT)
+    SIMVIS_RESULT(VK_ERROR_EXTENSION_NOT_PRESENT)
+    SIMVIS_RESULT(VK_ERROR_FEATURE_NOT_PRESENT)
+    SIMVIS_RESULT(VK_ERROR_INCOMPATIBLE_DRIVER)
+    SIMVIS_RESULT(VK_ERROR_TOO_MANY_OBJECTS)
+    SIMVIS_RESULT(VK_ERROR_FORMAT_NOT_SUPPORTED)
+    SIMVIS_RESULT(VK_ERROR_FRAGMENTED_POOL)
+    SIMVIS_RESULT(VK_ERROR_OUT_OF_POOL_MEMORY)
+    SIMVIS_RESULT(VK_ERROR_FRAGMENTATION)
+#undef SIMVIS_RESULT
+    default:
+      return "a Vulkan error without a known name";
+  }
+}
+
+void vk_check(VkResult result, const char* call) {
+  if (result == VK_SUCCESS) return;
+  throw MachineError(std::string(call) + ": " + result_name(result) + " (" + std::to_string(result) + ")");
+}
+
+}  // namespace simvis

@@ -1,0 +1,63 @@
+// A glTF file in memory: its structure, checked, and its buffers.
+#pragma once
+
+#include <tiny_gltf.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "scenegraph/import/gltf/gltf_file.h"
+
+namespace simvis {
+
+/// Where a picture's file lies: behind a URI or in a buffer view.
+struct GltfImage {
+  std::string name, uri;
+  int buffer_view = -1;
+};
+
+/// An animation as the file describes it: the indices of accessors and nodes exist, all else is to be checked.
+struct GltfAnimation {
+  struct Channel {
+    std::size_t sampler = 0;
+    int node = -1;  ///< -1: none
+    std::string path;
+  };
+  struct Sampler {
+    int input = 0, output = 0;
+    std::string interpolation;
+  };
+  std::string name;
+  std::vector<Channel> channels;
+  std::vector<Sampler> samplers;
+};
+
+/// The key under which a primitive's indices stand among its attributes: tinygltf 2.7 refuses indices without a buffer
+/// view, which glTF allows, and so does not get to see them. No attribute's name begins like this.
+inline constexpr const char* kGltfIndices = "(indices)";
+
+/// Every index in `model` points to something that exists, every number is in its range; what the bytes hold is checked
+/// by whoever reads them. tinygltf is given nothing but checked structure: `model` has no buffers, images, cameras or
+/// animations.
+struct GltfDocument {
+  std::filesystem::path file;
+  tinygltf::Model model;
+  std::vector<GltfBuffer> buffers;  ///< byteLength bytes each, or none where the file leaves them out
+  std::vector<GltfImage> images;
+  std::vector<GltfAnimation> animations;
+  std::vector<std::string> warnings;
+
+  /// Throws InputError "FILE: error: WHAT".
+  [[noreturn]] void fail(const std::string& what) const;
+  /// Adds "FILE: warning: WHAT", once.
+  void warn(const std::string& what);
+  bool uses(std::string_view extension) const;
+};
+
+/// Throws InputError naming the file.
+GltfDocument read_gltf_document(const std::filesystem::path& file);
+
+}  // namespace simvis

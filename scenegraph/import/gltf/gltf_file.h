@@ -1,0 +1,58 @@
+// From a .gltf or .glb file to its JSON text and its bytes: containers, URIs, data URIs.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "scenegraph/import/mesh/input_file.h"
+
+namespace simvis {
+
+/// The bytes of a glTF buffer: in memory, or in a file and read when they are asked for, so that they need not all lie
+/// beside what is made of them.
+class GltfBuffer {
+ public:
+  GltfBuffer() = default;
+  explicit GltfBuffer(Bytes bytes) : bytes_(std::move(bytes)), size_(bytes_.size()) {}
+  GltfBuffer(std::shared_ptr<const InputFile> file, std::size_t first, std::size_t size)
+      : file_(std::move(file)), first_(first), size_(size) {}
+
+  std::size_t size() const { return size_; }
+  bool empty() const { return size_ == 0; }
+  std::size_t bytes_held() const { return bytes_.size(); }
+
+  /// Keeps the first `size` bytes, as many as it has or fewer.
+  void cut(std::size_t size);
+
+  /// `count` bytes that it has, from `first` on. Throws InputError as InputFile::read().
+  Bytes read(std::size_t first, std::size_t count) const;
+
+ private:
+  Bytes bytes_;
+  std::shared_ptr<const InputFile> file_;  // null: they are here
+  std::size_t first_ = 0, size_ = 0;
+};
+
+/// The two chunks of a .glb, or the text of a .gltf.
+struct GltfChunks {
+  Bytes json;
+  std::size_t binary_first = 0, binary_size = 0;  ///< where the binary chunk lies in the file
+  bool has_binary = false;
+
+  std::string_view text() const { return {reinterpret_cast<const char*>(json.data()), json.size()}; }
+  std::size_t extra_bytes = 0;  ///< after the end that the .glb gives for itself
+};
+
+/// Throws InputError naming `file`, which `input` is: not glTF 2 binary, lengths that do not fit each other or the
+/// file.
+GltfChunks split_gltf(const InputFile& input, const std::filesystem::path& file);
+
+/// The bytes behind a URI of the glTF `file`: a base64 data URI, or a relative path at or below the file's folder,
+/// percent-encoded or not. Throws InputError naming `file`, `place` (such as "buffers/0") and what is wrong.
+GltfBuffer open_gltf_uri(std::string_view uri, const std::filesystem::path& file, const std::string& place);
+
+}  // namespace simvis

@@ -1,0 +1,54 @@
+#include "scenegraph/import/mesh/input_file.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <string>
+#include <system_error>
+
+#include <simvis/error.h>
+
+namespace simvis {
+namespace {
+
+[[noreturn]] void fail(const std::filesystem::path& file, const std::string& what) {
+  throw InputError(file.string() + ": error: " + what);
+}
+
+}  // namespace
+
+InputFile::InputFile(const std::filesystem::path& file) : file_(file) {
+  std::error_code error;
+  const std::filesystem::file_status status = std::filesystem::status(file, error);
+  if (status.type() == std::filesystem::file_type::not_found) fail(file, "there is no such file");
+  if (error) fail(file, "cannot be read: " + error.message());
+  // A pipe or a device has no end that one could wait for.
+  if (status.type() != std::filesystem::file_type::regular) fail(file, "is not a regular file");
+  size_ = std::filesystem::file_size(file, error);
+  if (error) fail(file, "cannot be read: " + error.message());
+  descriptor_ = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor_ < 0) fail(file, std::string("cannot be opened: ") + std::strerror(errno));
+}
+
+InputFile::~InputFile() { ::close(descriptor_); }
+
+Bytes InputFile::read(std::size_t first, std::size_t count) const {
+  Bytes bytes(count);
+  for (std::size_t done = 0; done < count;) {
+    const ssize_t got = ::pread(descriptor_, bytes.data() + done, count - done, static_cast<off_t>(first + done));
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) fail(file_, std::string("cannot be read: ") + std::strerror(errno));
+    if (got == 0) fail(file_, "could not be read to its end");
+    done += static_cast<std::size_t>(got);
+  }
+  return bytes;
+}
+
+Bytes read_whole_file(const std::filesystem::path& file) {
+  const InputFile input(file);
+  return input.read(0, input.size());
+}
+
+}  // namespace simvis

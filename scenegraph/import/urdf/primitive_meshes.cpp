@@ -1,0 +1,105 @@
+#include "scenegraph/import/urdf/primitive_meshes.h"
+
+#include <utility>
+
+#include <simvis/pose.h>
+
+namespace simvis {
+namespace {
+
+std::uint32_t add_vertex(Mesh& mesh, const glm::dvec3& position, const glm::dvec3& normal, double u, double v) {
+  mesh.positions.emplace_back(position);
+  VertexAttributes attributes;
+  attributes.normal = glm::vec3(normal);
+  attributes.uv[0] = attributes.uv[1] = {u, v};
+  mesh.attributes.push_back(attributes);
+  return static_cast<std::uint32_t>(mesh.positions.size() - 1);
+}
+
+SinCos side_angle(int side) { return sincos_deg(360.0 * side / kSidesAround); }
+
+// A disc at height `z` that faces up or down.
+void add_disc(Mesh& mesh, double radius_m, double z, double up) {
+  const std::uint32_t middle = add_vertex(mesh, {0, 0, z}, {0, 0, up}, 0.5, 0.5);
+  for (int i = 0; i < kSidesAround; ++i) {
+    const auto [s, c] = side_angle(i);
+    add_vertex(mesh, {radius_m * c, radius_m * s, z}, {0, 0, up}, 0.5 + 0.5 * c, 0.5 - 0.5 * up * s);
+  }
+  for (std::uint32_t i = 0; i < kSidesAround; ++i) {
+    const std::uint32_t here = middle + 1 + i, next = middle + 1 + (i + 1) % kSidesAround;
+    mesh.indices.insert(mesh.indices.end(), {middle, up > 0 ? here : next, up > 0 ? next : here});
+  }
+}
+
+}  // namespace
+
+Mesh box_mesh(const glm::dvec3& size_m) {
+  Mesh mesh;
+  mesh.name = "box";
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double side : {-1.0, 1.0}) {
+      // u, v and the normal are right-handed.
+      const int u_axis = (axis + (side > 0 ? 1 : 2)) % 3, v_axis = (axis + (side > 0 ? 2 : 1)) % 3;
+      std::uint32_t first = 0;
+      for (const auto& [u, v] : {std::pair{0, 0}, {1, 0}, {1, 1}, {0, 1}}) {
+        glm::dvec3 position{0}, normal{0};
+        normal[axis] = side;
+        position[axis] = side * size_m[axis] / 2;
+        position[u_axis] = (u - 0.5) * size_m[u_axis];
+        position[v_axis] = (v - 0.5) * size_m[v_axis];
+        first = add_vertex(mesh, position, normal, u, 1 - v) - 3;
+      }
+      mesh.indices.insert(mesh.indices.end(), {first, first + 1, first + 2, first, first + 2, first + 3});
+    }
+  }
+  compute_bounds(mesh);
+  return mesh;
+}
+
+Mesh cylinder_mesh(double radius_m, double length_m) {
+  Mesh mesh;
+  mesh.name = "cylinder";
+  std::uint32_t rows[2] = {0, 0};
+  for (int row = 0; row < 2; ++row) {
+    rows[row] = static_cast<std::uint32_t>(mesh.positions.size());
+    for (int i = 0; i <= kSidesAround; ++i) {
+      const auto [s, c] = side_angle(i);
+      add_vertex(mesh, {radius_m * c, radius_m * s, (row - 0.5) * length_m}, {c, s, 0}, double(i) / kSidesAround,
+                 1 - row);
+    }
+  }
+  for (std::uint32_t i = 0; i < kSidesAround; ++i) {
+    const std::uint32_t a = rows[0] + i, d = rows[1] + i;
+    mesh.indices.insert(mesh.indices.end(), {a, a + 1, d + 1, a, d + 1, d});
+  }
+  add_disc(mesh, radius_m, -length_m / 2, -1);
+  add_disc(mesh, radius_m, length_m / 2, 1);
+  compute_bounds(mesh);
+  return mesh;
+}
+
+Mesh sphere_mesh(double radius_m) {
+  constexpr int kRows = kSidesAround / 2;
+  Mesh mesh;
+  mesh.name = "sphere";
+  for (int row = 0; row <= kRows; ++row) {
+    const auto [up, out] = sincos_deg(-90 + 180.0 * row / kRows);
+    for (int i = 0; i <= kSidesAround; ++i) {
+      const auto [s, c] = side_angle(i);
+      const glm::dvec3 normal{out * c, out * s, up};
+      add_vertex(mesh, radius_m * normal, normal, double(i) / kSidesAround, 1 - double(row) / kRows);
+    }
+  }
+  constexpr std::uint32_t kInRow = kSidesAround + 1;
+  for (std::uint32_t row = 0; row < kRows; ++row) {
+    for (std::uint32_t i = 0; i < kSidesAround; ++i) {
+      const std::uint32_t a = row * kInRow + i, b = a + 1, c = b + kInRow, d = a + kInRow;
+      if (row > 0) mesh.indices.insert(mesh.indices.end(), {a, b, c});  // the other one is a point at the pole
+      if (row + 1 < kRows) mesh.indices.insert(mesh.indices.end(), {a, c, d});
+    }
+  }
+  compute_bounds(mesh);
+  return mesh;
+}
+
+}  // namespace simvis

@@ -1,0 +1,121 @@
+#include "scenegraph/import/urdf/urdf_file.h"
+
+#include <console_bridge/console.h>
+#include <urdf_parser/urdf_parser.h>
+
+#include <algorithm>
+#include <exception>
+#include <mutex>
+#include <set>
+#include <utility>
+#include <vector>
+
+namespace simvis {
+namespace {
+
+// Takes what liburdfdom says, which otherwise goes to the standard error stream. Its outlet is one for the process.
+class UrdfMessages : public console_bridge::OutputHandler {
+ public:
+  UrdfMessages() : lock_(mutex()), before_(console_bridge::getOutputHandler()), level_(console_bridge::getLogLevel()) {
+    console_bridge::useOutputHandler(this);
+    console_bridge::setLogLevel(console_bridge::CONSOLE_BRIDGE_LOG_WARN);
+  }
+  ~UrdfMessages() override {
+    console_bridge::setLogLevel(level_);
+    console_bridge::useOutputHandler(before_);
+  }
+  UrdfMessages(const UrdfMessages&) = delete;
+  UrdfMessages& operator=(const UrdfMessages&) = delete;
+
+  void log(const std::string& text, console_bridge::LogLevel level, const char*, int) override {
+    if (level != console_bridge::CONSOLE_BRIDGE_LOG_ERROR) return;
+    if (!errors_.empty()) errors_ += "; ";
+    errors_ += text;
+  }
+  const std::string& errors() const { return errors_; }
+
+ private:
+  static std::mutex& mutex() {
+    static std::mutex one;
+    return one;
+  }
+  std::lock_guard<std::mutex> lock_;
+  console_bridge::OutputHandler* before_;
+  console_bridge::LogLevel level_;
+  std::string errors_;
+};
+
+std::string on_one_line(std::string text) {
+  std::ranges::replace_if(
+      text, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }, ' ');
+  return text;
+}
+
+void refuse_xacro(const XmlText& text) {
+  struct Walker : pugi::xml_tree_walker {
+    bool for_each(pugi::xml_node& node) override {
+      if (std::string_view(node.name()).starts_with("xacro:")) found = node;
+      return !found;
+    }
+    pugi::xml_node found;
+  } walker;
+  pugi::xml_node document = text.document();
+  document.traverse(walker);
+  if (walker.found) {
+    fail_at(text.at(walker.found), in_quotes(walker.found.name()) + " is xacro, expected URDF: expand it with xacro");
+  }
+}
+
+std::shared_ptr<const urdf::ModelInterface> parse(const XmlText& text) {
+  UrdfMessages messages;
+  std::string reason;
+  try {
+    if (const auto robot = urdf::parseURDF(text.source().text())) {
+      // Some of its errors leave a robot behind that lacks what was wrong.
+      if (messages.errors().empty()) return robot;
+    }
+    reason = messages.errors();
+  } catch (const std::exception& error) {
+    reason = messages.errors() + (messages.errors().empty() ? "" : "; ") + error.what();
+  }
+  fail_at({.file = text.source().file()}, reason.empty() ? "is no URDF robot" : on_one_line(reason));
+}
+
+// liburdfdom lets a link have two joints above it, and links hang in a ring beside the tree.
+void check_tree(const UrdfFile& file) {
+  std::set<const urdf::Link*> reached;
+  std::vector<const urdf::Link*> open{file.robot->getRoot().get()};
+  while (!open.empty()) {
+    const urdf::Link* link = open.back();
+    open.pop_back();
+    if (!reached.insert(link).second) file.fail("link", link->name, "has two joints above it, expected one");
+    for (const auto& child : link->child_links) open.push_back(child.get());
+  }
+  for (const auto& [name, link] : file.robot->links_) {
+    if (reached.count(link.get()) == 0) file.fail("link", name, "is in a ring of joints, expected a tree");
+  }
+}
+
+}  // namespace
+
+Location UrdfFile::at(std::string_view tag, std::string_view name) const {
+  for (const pugi::xml_node& node : text.document().child("robot").children()) {
+    if (tag == node.name() && name == node.attribute("name").value()) return text.at(node);
+  }
+  return {.file = text.source().file()};
+}
+
+void UrdfFile::fail(std::string_view tag, std::string_view name, const std::string& message) const {
+  fail_at(at(tag, name), std::string(tag) + " " + in_quotes(name) + " " + message);
+}
+
+UrdfFile read_urdf(const std::filesystem::path& file) {
+  XmlText text = XmlText::read(file);
+  refuse_xacro(text);
+  std::shared_ptr<const urdf::ModelInterface> robot = parse(text);
+  UrdfFile urdf{std::move(text), std::move(robot)};
+  check_tree(urdf);
+  return urdf;
+}
+
+}  // namespace simvis

@@ -1,0 +1,103 @@
+#include <algorithm>
+#include <array>
+
+#include <simvis/attributes.h>
+
+namespace simvis {
+namespace {
+
+constexpr std::size_t kWidth = 120;
+constexpr std::size_t kNarrowestText = 30;
+constexpr std::size_t kColumns = 6;  // name, kind, default, unit, allowed, live; the text comes after them
+using Row = std::array<std::string, kColumns>;
+
+std::string_view kind_text(AttributeKind kind) {
+  switch (kind) {
+    case AttributeKind::number:
+      return "number";
+    case AttributeKind::integer:
+      return "integer";
+    case AttributeKind::choice:
+      return "choice";
+    case AttributeKind::flags:
+      return "flags";
+    case AttributeKind::text:
+      return "text";
+    case AttributeKind::part:
+      return "part";
+    case AttributeKind::element:
+      return "element";
+    case AttributeKind::sensor:
+      return "sensor";
+    case AttributeKind::vector:
+      return "3 numbers";
+  }
+  return "";
+}
+
+// "0 < . < 180", "0 .. 10", "> 0", or the choices.
+std::string allowed_text(const AttributeSpec& spec) {
+  if (!spec.choices.empty()) {
+    std::string text(spec.choices);
+    std::ranges::replace(text, ' ', '|');
+    return text;
+  }
+  const bool has_min = spec.min != -kNoLimit, has_max = spec.max != kNoLimit;
+  const std::string min = (spec.open_min ? "> " : ">= ") + format_number(spec.min);
+  const std::string max = (spec.open_max ? "< " : "<= ") + format_number(spec.max);
+  if (has_min && has_max) return min + ", " + max;
+  return has_min ? min : has_max ? max : "";
+}
+
+void pad(std::string& line, std::size_t width) { line.resize(std::max(line.size(), width), ' '); }
+
+void end_line(std::string& page, std::string line) {
+  line.erase(line.find_last_not_of(' ') + 1);
+  page += line + "\n";
+}
+
+// Adds one row to the page; its text is broken between words and goes on below itself.
+void add_row(std::string& page, const Row& row, const std::array<std::size_t, kColumns>& widths,
+             std::string_view text) {
+  std::string line;
+  std::size_t indent = 0;
+  for (std::size_t c = 0; c < kColumns; ++c) {
+    line += row[c];
+    indent += widths[c] + 2;
+    pad(line, indent);
+  }
+  const std::size_t room = std::max(kWidth - std::min(kWidth, indent), kNarrowestText);
+  while (text.size() > room) {
+    std::size_t cut = text.rfind(' ', room);
+    if (cut == std::string_view::npos) cut = std::min(text.find(' '), text.size());
+    end_line(page, line + std::string(text.substr(0, cut)));
+    text.remove_prefix(std::min(cut + 1, text.size()));
+    line.assign(indent, ' ');
+  }
+  end_line(page, line + std::string(text));
+}
+
+}  // namespace
+
+std::string describe(std::string_view type, std::string_view summary, AttributeTable table) {
+  std::string page = std::string(type) + ": " + std::string(summary) + "\n";
+  if (table.empty()) return page;
+  std::vector<Row> rows{{"name", "kind", "default", "unit", "allowed", "live"}};
+  for (const AttributeSpec& spec : table) {
+    rows.push_back({std::string(spec.name), std::string(kind_text(spec.kind)), std::string(spec.default_value),
+                    std::string(spec.unit), allowed_text(spec), spec.live ? "yes" : ""});
+  }
+  std::array<std::size_t, kColumns> widths{};
+  for (const Row& row : rows) {
+    for (std::size_t c = 0; c < kColumns; ++c) widths[c] = std::max(widths[c], row[c].size());
+  }
+  page += "\n";
+  add_row(page, rows[0], widths, "meaning");
+  for (std::size_t i = 0; i < table.size(); ++i) add_row(page, rows[i + 1], widths, table[i].text);
+  if (std::ranges::any_of(table, &AttributeSpec::live)) {
+    page += "\nlive: a parameter, ELEMENT.NAME, that can change while the scene runs\n";
+  }
+  return page;
+}
+
+}  // namespace simvis

@@ -1,0 +1,17 @@
+// The attribute pose_offset="x y z roll pitch yaw" of parts and sensors.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <optional>
+
+#include <simvis/command.h>
+
+namespace simvis {
+
+inline constexpr std::string_view kPoseOffset = "pose_offset";
+
+/// parent_from_child of the command's pose_offset: six finite numbers, metres and degrees. Nothing if it was not
+/// written. Throws InputError at the attribute.
+std::optional<glm::dmat4> pose_offset(const Command& command);
+
+}  // namespace simvis

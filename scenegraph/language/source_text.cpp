@@ -1,0 +1,76 @@
+#include "scenegraph/language/source_text.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdint>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+
+namespace simvis {
+namespace {
+
+unsigned char byte_at(std::string_view text, std::size_t i) {
+  return i < text.size() ? static_cast<unsigned char>(text[i]) : 0;
+}
+
+// The length of the UTF-8 sequence that starts at `i` and stands for a character of text; 0 if there is none.
+std::size_t character_length(std::string_view text, std::size_t i) {
+  const unsigned char first = byte_at(text, i);
+  if (first < 0x80) return first >= 0x20 || first == '\t' || first == '\n' || first == '\r' ? 1 : 0;
+  const std::size_t length = first >= 0xf0 ? 4 : first >= 0xe0 ? 3 : 2;
+  if (first < 0xc2 || first > 0xf4) return 0;
+  std::uint32_t code = first & (0xff >> (length + 1));
+  for (std::size_t k = 1; k < length; ++k) {
+    const unsigned char next = byte_at(text, i + k);
+    if ((next & 0xc0) != 0x80) return 0;
+    code = code << 6 | (next & 0x3f);
+  }
+  const bool overlong = (length == 3 && code < 0x800) || (length == 4 && code < 0x10000);
+  const bool surrogate = code >= 0xd800 && code <= 0xdfff;
+  return overlong || surrogate || code > 0x10ffff ? 0 : length;
+}
+
+}  // namespace
+
+SourceText::SourceText(std::string_view text, std::string file) : file_(std::move(file)), line_starts_{0} {
+  if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
+  text_ = text;
+  std::size_t i = 0;
+  while (i < text.size()) {
+    const std::size_t length = character_length(text, i);
+    if (length == 0) {
+      static constexpr char kDigits[] = "0123456789abcdef";
+      const unsigned char byte = byte_at(text, i);
+      fail_at(at(i), std::string("byte 0x") + kDigits[byte >> 4] + kDigits[byte & 15] +
+                         " is no character of UTF-8 text, expected a file of UTF-8 text");
+    }
+    const bool line_end = text[i] == '\n' || (text[i] == '\r' && byte_at(text, i + 1) != '\n');
+    i += length;
+    if (line_end) line_starts_.push_back(i);
+  }
+}
+
+SourceText SourceText::read(const std::filesystem::path& file) {
+  const auto refuse = [&](std::string_view reason) {
+    fail_at({.file = file.string()}, "cannot be read: " + std::string(reason));
+  };
+  std::error_code error;
+  if (std::filesystem::is_directory(file, error)) refuse("it is a folder");
+  errno = 0;
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) refuse(std::strerror(errno));
+  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  if (stream.bad()) refuse(std::strerror(errno));
+  return SourceText(text, file.string());
+}
+
+Location SourceText::at(std::size_t offset) const {
+  offset = std::min(offset, text_.size());
+  const auto line = std::upper_bound(line_starts_.begin(), line_starts_.end(), offset) - 1;
+  return {.file = file_,
+          .line = static_cast<int>(line - line_starts_.begin()) + 1,
+          .column = static_cast<int>(offset - *line) + 1};
+}
+
+}  // namespace simvis

@@ -1,0 +1,28 @@
+// An XML file and where its elements stand: looked at before it goes to a library whose messages know no places.
+#pragma once
+
+#include <filesystem>
+#include <pugixml.hpp>
+#include <string_view>
+
+#include "scenegraph/language/source_text.h"
+
+namespace simvis {
+
+class XmlText {
+ public:
+  /// Throws InputError with the place: cannot be read, not UTF-8 text, malformed, or elements nested deeper than
+  /// anybody writes (libraries recurse).
+  static XmlText read(const std::filesystem::path& file);
+
+  const SourceText& source() const { return source_; }
+  const pugi::xml_document& document() const { return document_; }
+  Location at(const pugi::xml_node& node) const;
+
+ private:
+  explicit XmlText(SourceText source);
+  SourceText source_;
+  pugi::xml_document document_;
+};
+
+}  // namespace simvis

@@ -1,0 +1,218 @@
+#include "sensors/camera/camera.h"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include <simvis/pose.h>
+#include "effects/camera/rolling_shutter.h"
+#include "engine/base/assert.h"
+#include "sensors/camera/camera_info.h"
+#include "sensors/camera/resampled_image.h"
+
+namespace simvis {
+
+namespace {
+
+constexpr AttributeSpec kAttributes[] = {
+    kWidthAttribute,
+    kHeightAttribute,
+    kHfovAttribute,
+    kNearAttribute,
+    {.name = "outputs",
+     .kind = AttributeKind::flags,
+     .default_value = "color",
+     .text = "what the camera delivers",
+     .choices = "color depth"},
+    kSupersamplingAttribute,
+    kMsaaAttribute,
+    {.name = "view",
+     .kind = AttributeKind::choice,
+     .default_value = "simulation",
+     .text = "what it sees: the simulated world, or also what elements draw for people (beams, paths, graphs)",
+     .choices = "simulation visualization"},
+    kRateAttribute,
+};
+
+std::unique_ptr<Sensor> create(const SensorContext& context) {
+  const AttributeValues& a = context.attributes;
+  CameraDesc desc{.width_px = static_cast<std::uint32_t>(a.integer("width")),
+                  .height_px = static_cast<std::uint32_t>(a.integer("height")),
+                  .hfov_rad = glm::radians(a.number("hfov")),
+                  .near_m = a.number("near"),
+                  .color = a.flag("outputs", "color"),
+                  .depth = a.flag("outputs", "depth"),
+                  .sampling = color_sampling(a),
+                  .visualization = a.choice("view") == "visualization"};
+  desc.effects = camera_effects("camera", {a, context.seed, context.name, shown_outputs(desc.color, desc.depth)});
+  return std::make_unique<Camera>(context.name, desc);
+}
+
+// Views of a pinhole cut its image into rows: their pass is the image.
+View whole_image(const Pass& pass) {
+  View view = pass.views[0];
+  view.y_px = 0;
+  view.height_px = pass.height_px;
+  return view;
+}
+
+const SensorRegistration kRegistration({"camera", "A pinhole camera: colour, depth or both.", kAttributes, create});
+
+}  // namespace
+
+Camera::Camera(std::string name, const CameraDesc& desc)
+    : name_(std::move(name)),
+      desc_(desc),
+      layout_(camera_layout(desc.width_px, desc.height_px, desc.hfov_rad, desc.effects)),
+      views_(camera_views(layout_, desc.color ? desc.sampling.grid : 1)) {}
+
+void Camera::check(const TargetLimits& limits) const {
+  if (desc_.color) check_sampling(desc_.sampling, desc_.width_px, desc_.height_px, limits);
+  if (!resamples()) return;
+  const std::uint32_t grid = desc_.color ? desc_.sampling.grid : 1;
+  for (const glm::uvec2& size : views_.pass_size_px) {
+    if (size.x * grid <= limits.width_px && size.y * grid <= limits.height_px) continue;
+    fail_at(layout_.oversampling_at, "attribute \"lens_oversampling\": with " + format_number(layout_.oversampling) +
+                                         " this lens needs a view of " + std::to_string(size.x * grid) + " x " +
+                                         std::to_string(size.y * grid) + " samples, expected at most " +
+                                         std::to_string(limits.width_px) + " x " + std::to_string(limits.height_px) +
+                                         " on this device");
+  }
+}
+
+LooksBack Camera::looks_back() const {
+  const auto late = [](const CameraView& view) { return view.time_s != 0; };
+  if (desc_.visualization || std::ranges::none_of(views_.views, late)) return Sensor::looks_back();
+  return LooksBack::at_poses;
+}
+
+void Camera::pass_over(const FrameTime& time, const glm::dmat4& world_from_sensor) {
+  begin(time);
+  last_ = Past{time.time_ns, world_from_sensor};
+}
+
+// A frame that was not finished is tried again: what it measured is not the measurement before.
+void Camera::begin(const FrameTime& time) {
+  time_ = time;
+  if (last_ && last_->time_ns < time.time_ns) before_ = last_;
+}
+
+glm::dmat4 Camera::world_from_camera(double time_s) const {
+  if (!before_ || time_s == 0) return world_from_sensor_;
+  const double between_s = static_cast<double>(time_.time_ns - before_->time_ns) / 1e9;
+  SIMVIS_ASSERT(between_s > 0);
+  return pose_between(before_->world_from_sensor, world_from_sensor_, 1 + time_s / between_s);
+}
+
+void Camera::add_passes(bool color, bool depth, const std::string& what, const char* why, FramePlan& plan) const {
+  const std::size_t first = plan.passes.size();
+  for (const glm::uvec2& size : views_.pass_size_px) {
+    plan.passes.push_back({.name = name_,
+                           .width_px = size.x,
+                           .height_px = size.y,
+                           .color = color,
+                           .depth = depth,
+                           .views = {},
+                           .grid = color ? desc_.sampling.grid : 1,
+                           .msaa = color ? desc_.sampling.msaa : 1});
+  }
+  const bool several = views_.views.size() > 1;
+  for (std::size_t i = 0; i < views_.views.size(); ++i) {
+    const CameraView& seen = views_.views[i];
+    View view;
+    view.name = several ? name_ + "/view " + std::to_string(i) : name_;
+    view.reason = what + " of camera " + name_ + why;
+    if (seen.rows < desc_.height_px) {
+      const double before_s = std::round(-seen.time_s * 1e9) / 1e9;
+      view.reason += ": rows " + std::to_string(seen.first_row) + " to " +
+                     std::to_string(seen.first_row + seen.rows - 1) + ", " + format_number(before_s) + " s before";
+    }
+    view.pinhole = seen.pinhole;
+    view.near_m = desc_.near_m;
+    view.view_from_world = rigid_inverse(world_from_camera(seen.time_s) * sensor_from_view() *
+                                         glm::dmat4(glm::transpose(seen.face_from_view)));
+    view.x_px = seen.x_px;
+    view.y_px = seen.y_px;
+    view.width_px = seen.width_px;
+    view.height_px = seen.height_px;
+    plan.passes[first + seen.pass].views.push_back(std::move(view));
+  }
+}
+
+void Camera::plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) {
+  world_from_sensor_ = world_from_sensor;
+  color_pass_ = depth_pass_ = plan.passes.size();
+  if (desc_.color && desc_.depth && desc_.sampling.several()) {
+    add_passes(true, false, "colour", "", plan);
+    depth_pass_ = plan.passes.size();
+    add_passes(false, true, "depth", kDepthApart, plan);
+  } else {
+    add_passes(desc_.color, desc_.depth,
+               desc_.color && desc_.depth ? "colour and depth"
+               : desc_.color              ? "colour"
+                                          : "depth",
+               "", plan);
+  }
+  plan_effects(name_, desc_.effects, plan);
+  depth_views_.clear();
+  if (!desc_.depth) return;
+  for (const Pass& pass : std::span(plan.passes).subspan(depth_pass_, views_.pass_size_px.size())) {
+    for (const View& view : pass.views) depth_views_.push_back(depth_view(view, list));
+  }
+}
+
+void Camera::collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) {
+  const auto own = [&](const auto& all, std::size_t first) {
+    return std::span(all).subspan(first, views_.pass_size_px.size());
+  };
+  if (desc_.color) {
+    const std::span<const Pass> passes = own(plan.passes, color_pass_);
+    if (resamples()) {
+      resample_color(layout_, views_, passes, own(results, color_pass_), color_);
+    } else {
+      take_color(passes[0], whole_image(passes[0]), results[color_pass_], color_);
+    }
+    develop(desc_.effects, time, layout_, color_);
+  }
+  if (desc_.depth) collect_depth(own(plan.passes, depth_pass_), own(results, depth_pass_));
+  last_ = Past{time.time_ns, world_from_sensor_};
+}
+
+void Camera::collect_depth(std::span<const Pass> passes, std::span<const PassResult> results) {
+  for (DepthView& view : depth_views_) view.reach.depth_snap_px = results[0].depth_snap_px;
+  if (resamples()) {
+    bound_.value = resample_depth(layout_, views_, passes, results, depth_views_, depth_);
+  } else {
+    take_depth(passes[0], whole_image(passes[0]), results[0], depth_);
+    bound_due_ = true;
+  }
+}
+
+std::span<const NamedValue> Camera::values() const {
+  if (!desc_.depth) return {};
+  if (bound_due_) {
+    bound_.value = 0;
+    for (std::size_t i = 0; i < views_.views.size(); ++i) {
+      const CameraView& view = views_.views[i];
+      const auto first = depth_.pixels.begin() + std::ptrdiff_t{view.first_row} * depth_.width;
+      const Image rows{depth_.width, view.rows, 1, {first, first + std::ptrdiff_t{view.rows} * depth_.width}};
+      bound_.value = std::max(bound_.value, depth_error_bound(rows, depth_views_[i]));
+    }
+  }
+  bound_due_ = false;
+  return {&bound_, 1};
+}
+
+void Camera::write(OutputSink& sink) const {
+  sink.picture("", color(), depth());
+  if (!resamples()) return;
+  sink.text("", "yaml",
+            camera_info_yaml({.name = name_,
+                              .width_px = layout_.width_px,
+                              .height_px = layout_.height_px,
+                              .pinhole = layout_.pinhole,
+                              .distortion_model = layout_.distortion_model,
+                              .distortion_coefficients = layout_.distortion_coefficients}));
+}
+
+}  // namespace simvis

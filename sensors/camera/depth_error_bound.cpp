@@ -1,0 +1,100 @@
+#include "sensors/camera/depth_error_bound.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+namespace simvis {
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// Of w, once more: Z is rounded to float32.
+constexpr double kStored = 0x1p-24;
+
+// How much of its slope a round surface may lose from one pixel to the next; steps and poles lose more.
+constexpr double kSmooth = 0.5;
+
+// w = 1 / Z of an image, 0 where nothing is hit and outside it.
+class InverseDepth {
+ public:
+  explicit InverseDepth(const Image& depth) : width_(depth.width), height_(depth.height), w_(depth.pixels.size()) {
+    std::ranges::transform(depth.pixels, w_.begin(), [](float z) { return 1 / static_cast<double>(z); });
+  }
+
+  double at(std::int64_t x, std::int64_t y) const {
+    const bool inside = x >= 0 && y >= 0 && x < width_ && y < height_;
+    return inside ? w_[static_cast<std::size_t>(y * width_ + x)] : 0;
+  }
+
+  // The largest difference to a neighbour along (dx, dy).
+  double step(std::int64_t x, std::int64_t y, std::int64_t dx, std::int64_t dy) const {
+    double largest = 0;
+    for (const double neighbour : {at(x - dx, y - dy), at(x + dx, y + dy)}) {
+      if (neighbour != 0) largest = std::max(largest, std::abs(neighbour - at(x, y)));
+    }
+    return largest;
+  }
+
+  // The steepest slope of w, per pixel, of those lines of three pixels along (dx, dy) that hold (x, y) and whose second
+  // difference is at most `straight`; of none, of those that bend smoothly; of none of those either, 0.
+  double slope(std::int64_t x, std::int64_t y, std::int64_t dx, std::int64_t dy, double straight) const {
+    double of_straight = -1, of_smooth = 0;
+    for (int first = -2; first <= 0; ++first) {
+      const double a = at(x + first * dx, y + first * dy), b = at(x + (first + 1) * dx, y + (first + 1) * dy),
+                   c = at(x + (first + 2) * dx, y + (first + 2) * dy);
+      if (a == 0 || b == 0 || c == 0) continue;
+      const double steepest = std::max(std::abs(b - a), std::abs(c - b)), bend = std::abs(a - 2 * b + c);
+      if (bend <= straight) of_straight = std::max(of_straight, steepest);
+      if (bend <= kSmooth * steepest) of_smooth = std::max(of_smooth, steepest);
+    }
+    return of_straight >= 0 ? of_straight : of_smooth;
+  }
+
+ private:
+  std::int64_t width_, height_;
+  std::vector<double> w_;
+};
+
+double pixel_bound(const InverseDepth& image, std::int64_t x, std::int64_t y, const DepthView& view) {
+  const double w = image.at(x, y);
+  if (w == 0) return 0;
+  const Pinhole& k = view.pinhole;
+  const double tx = std::abs((static_cast<double>(x) + 0.5 - k.cx_px) / k.fx_px);
+  const double ty = std::abs((static_cast<double>(y) + 0.5 - k.cy_px) / k.fy_px);
+  const double displacement_m = view.rounding.at(std::sqrt(1 + tx * tx + ty * ty) / w);
+  // |m| <= w + |mx| (1 + |tx|) + |my| (1 + |ty|) with mx = gx fx and my = gy fy: so dw <= flat + rx |gx| + ry |gy|. The
+  // slopes are known to 2 dw each, which is what the divisor is for.
+  const PlaneRounding rounding(view.reach);
+  const double flat = w * displacement_m * w + (rounding.per_w + kStored) * w;
+  const double rx = w * displacement_m * k.fx_px * (1 + tx) + rounding.per_gx;
+  const double ry = w * displacement_m * k.fy_px * (1 + ty) + rounding.per_gy;
+  const double divisor = 1 - 2 * (rx + ry);
+  if (!(divisor > 0)) return kInfinity;
+  // The surface's own slopes are among the steps to the neighbours; its second difference is four dw at the most.
+  const double straight = 4 * (flat + rx * image.step(x, y, 1, 0) + ry * image.step(x, y, 0, 1)) / divisor;
+  const double gx = image.slope(x, y, 1, 0, straight), gy = image.slope(x, y, 0, 1, straight);
+  const double dw = (flat + rx * gx + ry * gy) / divisor;
+  return dw < w ? dw / (w * (w - dw)) : kInfinity;
+}
+
+}  // namespace
+
+DepthView depth_view(const View& view, const DrawList& list) {
+  return {
+      .pinhole = view.pinhole, .rounding = VertexRounding(list, view.view_from_world), .reach = raster_reach(view, 0)};
+}
+
+double depth_error_bound(const Image& depth, const DepthView& view) {
+  const InverseDepth image(depth);
+  double bound_m = 0;
+  for (std::uint32_t y = 0; y < depth.height; ++y) {
+    for (std::uint32_t x = 0; x < depth.width; ++x) bound_m = std::max(bound_m, pixel_bound(image, x, y, view));
+  }
+  return bound_m;
+}
+
+}  // namespace simvis

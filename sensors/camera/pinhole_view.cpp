@@ -1,0 +1,99 @@
+#include "sensors/camera/pinhole_view.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+namespace simvis {
+
+namespace {
+
+void resize(Image& image, const View& view, std::uint32_t channels) {
+  image.width = view.width_px;
+  image.height = view.height_px;
+  image.channels = channels;
+  image.pixels.resize(std::size_t{view.width_px} * view.height_px * channels);
+}
+
+std::size_t first_of_row(const Pass& pass, const View& view, std::uint32_t row) {
+  return std::size_t{view.y_px + row} * pass.width_px + view.x_px;
+}
+
+}  // namespace
+
+ColorSampling color_sampling(const AttributeValues& attributes) {
+  const std::string& supersampling = attributes.choice(kSupersamplingAttribute.name);
+  return {.grid = supersampling == "16"  ? 4u
+                  : supersampling == "4" ? 2u
+                                         : 1u,
+          .msaa = static_cast<std::uint32_t>(std::stoul(attributes.choice(kMsaaAttribute.name))),
+          .supersampling_at = attributes.where(kSupersamplingAttribute.name),
+          .msaa_at = attributes.where(kMsaaAttribute.name)};
+}
+
+void check_sampling(const ColorSampling& sampling, std::uint32_t width_px, std::uint32_t height_px,
+                    const TargetLimits& limits) {
+  if (std::ranges::find(limits.msaa, sampling.msaa) == limits.msaa.end()) {
+    std::string allowed;
+    for (const std::uint32_t count : limits.msaa) allowed += (allowed.empty() ? "" : ", ") + std::to_string(count);
+    fail_at(sampling.msaa_at, "attribute \"msaa\": this device cannot take " + std::to_string(sampling.msaa) +
+                                  " samples, expected one of " + allowed);
+  }
+  const std::uint32_t widest = limits.width_px / sampling.grid, highest = limits.height_px / sampling.grid;
+  if (width_px > widest || height_px > highest) {
+    fail_at(sampling.supersampling_at,
+            "attribute \"supersampling\": with " + std::to_string(sampling.grid * sampling.grid) +
+                " this device can take pictures of up to " + std::to_string(widest) + " x " + std::to_string(highest) +
+                " pixels, not of " + std::to_string(width_px) + " x " + std::to_string(height_px));
+  }
+}
+
+Pinhole centred_pinhole(std::uint32_t width_px, std::uint32_t height_px, double hfov_rad) {
+  const double focal_px = width_px / (2 * std::tan(hfov_rad / 2));
+  return {focal_px, focal_px, width_px / 2.0, height_px / 2.0};
+}
+
+void take_color(const Pass& pass, const View& view, const PassResult& result, Image& image) {
+  resize(image, view, 4);
+  for (std::uint32_t row = 0; row < view.height_px; ++row) {
+    const auto seen = result.color.subspan(first_of_row(pass, view, row), view.width_px);
+    std::memcpy(image.pixels.data() + std::size_t{row} * view.width_px * 4, seen.data(), seen.size_bytes());
+  }
+}
+
+void take_depth(const Pass& pass, const View& view, const PassResult& result, Image& image) {
+  resize(image, view, 1);
+  for (std::uint32_t row = 0; row < view.height_px; ++row) {
+    const auto seen = result.depth.subspan(first_of_row(pass, view, row), view.width_px);
+    std::ranges::transform(seen, image.pixels.begin() + std::ptrdiff_t{row} * view.width_px,
+                           [near_m = view.near_m](float d) {
+                             return d > 0 ? static_cast<float>(near_m / d) : std::numeric_limits<float>::infinity();
+                           });
+  }
+}
+
+std::uint8_t shown_outputs(bool color, bool depth) {
+  return static_cast<std::uint8_t>((color ? kShownInColor : 0) | (depth ? kShownInDepth : 0));
+}
+
+CameraLayout camera_layout(std::uint32_t width_px, std::uint32_t height_px, double hfov_rad,
+                           std::span<const ChosenCameraEffect> effects) {
+  CameraLayout layout{
+      .width_px = width_px, .height_px = height_px, .pinhole = centred_pinhole(width_px, height_px, hfov_rad)};
+  for (const ChosenCameraEffect& each : effects) each.effect->lay_out(layout);
+  return layout;
+}
+
+void plan_effects(const std::string& sensor, std::span<const ChosenCameraEffect> effects, FramePlan& plan) {
+  for (const ChosenCameraEffect& each : effects) {
+    plan.effects.push_back({sensor, std::string(each.type->name), std::string(each.type->source)});
+  }
+}
+
+void develop(std::span<const ChosenCameraEffect> effects, const FrameTime& time, const CameraLayout& layout,
+             Image& color) {
+  for (const ChosenCameraEffect& each : effects) each.effect->develop(time, layout, color);
+}
+
+}  // namespace simvis

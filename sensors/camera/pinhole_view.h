@@ -1,0 +1,102 @@
+// What sensors with pinhole cameras share: their attributes, their geometry, their pictures out of a pass, and their
+// effects.
+#pragma once
+
+#include <span>
+#include <string>
+
+#include <simvis/attributes.h>
+#include <simvis/camera_effect.h>
+#include <simvis/device.h>
+#include <simvis/frame_plan.h>
+#include <simvis/image.h>
+#include <simvis/renderer.h>
+
+namespace simvis {
+
+inline constexpr AttributeSpec kWidthAttribute{.name = "width",
+                                               .kind = AttributeKind::integer,
+                                               .default_value = "640",
+                                               .unit = "px",
+                                               .text = "columns of the image",
+                                               .min = 1,
+                                               .max = 16384};
+inline constexpr AttributeSpec kHeightAttribute{.name = "height",
+                                                .kind = AttributeKind::integer,
+                                                .default_value = "480",
+                                                .unit = "px",
+                                                .text = "rows of the image",
+                                                .min = 1,
+                                                .max = 16384};
+inline constexpr AttributeSpec kHfovAttribute{
+    .name = "hfov",
+    .default_value = "60",
+    .unit = "deg",
+    .text = "horizontal field of view, from the left edge of the image to the right",
+    .min = 0,
+    .max = 180,
+    .open_min = true,
+    .open_max = true};
+inline constexpr AttributeSpec kNearAttribute{.name = "near",
+                                              .default_value = "0.05",
+                                              .unit = "m",
+                                              .text = "what is nearer along the optical axis is not seen",
+                                              .min = 0,
+                                              .open_min = true};
+
+inline constexpr AttributeSpec kSupersamplingAttribute{
+    .name = "supersampling",
+    .kind = AttributeKind::choice,
+    .default_value = "1",
+    .text = "samples of colour per pixel, on a regular grid; depth is always that of the pixel's centre",
+    .choices = "1 4 16"};
+inline constexpr AttributeSpec kMsaaAttribute{
+    .name = "msaa",
+    .kind = AttributeKind::choice,
+    .default_value = "1",
+    .text = "samples of coverage per sample of colour: smooth edges of shapes; how many depends on the device",
+    .choices = "1 2 4 8"};
+
+/// How many samples the colour of a pixel is the mean of, see Pass.
+struct ColorSampling {
+  std::uint32_t grid = 1;  ///< supersampling is its square
+  std::uint32_t msaa = 1;
+  Location supersampling_at, msaa_at;  ///< where they were written, for messages
+
+  bool several() const { return grid > 1 || msaa > 1; }
+};
+
+/// Added to the reason of a view that is drawn for depth alone beside one for colour.
+inline constexpr const char* kDepthApart = ", apart: at the centres of pixels, of which colour takes several samples";
+
+ColorSampling color_sampling(const AttributeValues& attributes);
+
+/// Throws InputError, with the place and what is allowed, where the device lacks that many samples, or cannot render to
+/// a target that holds the samples of an image of this size.
+void check_sampling(const ColorSampling& sampling, std::uint32_t width_px, std::uint32_t height_px,
+                    const TargetLimits& limits);
+
+/// Square pixels; the optical axis goes through the middle of the image. `hfov_rad` is in (0, pi), from edge to edge.
+Pinhole centred_pinhole(std::uint32_t width_px, std::uint32_t height_px, double hfov_rad);
+
+/// The picture of one view of a pass: linear RGBA.
+void take_color(const Pass& pass, const View& view, const PassResult& result, Image& image);
+
+/// The same for depth: metres along the optical axis, +infinity where nothing is hit.
+void take_depth(const Pass& pass, const View& view, const PassResult& result, Image& image);
+
+/// Of EffectOutput.
+std::uint8_t shown_outputs(bool color, bool depth);
+
+/// A pinhole's, as its effects lay it out. Throws InputError where one of them cannot.
+CameraLayout camera_layout(std::uint32_t width_px, std::uint32_t height_px, double hfov_rad,
+                           std::span<const ChosenCameraEffect> effects);
+
+/// Names in the plan what a camera has.
+void plan_effects(const std::string& sensor, std::span<const ChosenCameraEffect> effects, FramePlan& plan);
+
+/// What effects make of an image of colour.
+void develop(std::span<const ChosenCameraEffect> effects, const FrameTime& time, const CameraLayout& layout,
+             Image& color);
+
+}  // namespace simvis

@@ -1,0 +1,195 @@
+#include "sensors/camera/stereo_camera.h"
+
+#include <algorithm>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include <simvis/pose.h>
+#include "engine/base/assert.h"
+#include "sensors/camera/camera_info.h"
+
+namespace simvis {
+
+namespace {
+
+// Both views share a pass where they fit side by side into what every Vulkan device can render to.
+constexpr std::uint32_t kMaxWidth_px = 4096;
+
+constexpr AttributeSpec kAttributes[] = {
+    kWidthAttribute,
+    kHeightAttribute,
+    kHfovAttribute,
+    kNearAttribute,
+    {.name = "baseline",
+     .default_value = "0.12",
+     .unit = "m",
+     .text = "how far the right camera stands to the right of the left one",
+     .min = 0,
+     .open_min = true},
+    {.name = "outputs",
+     .kind = AttributeKind::flags,
+     .default_value = "color disparity",
+     .text = "what it delivers: colour and depth of both views, disparity of the left",
+     .choices = "color depth disparity"},
+    kSupersamplingAttribute,
+    kMsaaAttribute,
+    kRateAttribute,
+};
+
+std::unique_ptr<Sensor> create(const SensorContext& context) {
+  const AttributeValues& a = context.attributes;
+  StereoCameraDesc desc{.width_px = static_cast<std::uint32_t>(a.integer("width")),
+                        .height_px = static_cast<std::uint32_t>(a.integer("height")),
+                        .hfov_rad = glm::radians(a.number("hfov")),
+                        .near_m = a.number("near"),
+                        .baseline_m = a.number("baseline"),
+                        .color = a.flag("outputs", "color"),
+                        .depth = a.flag("outputs", "depth"),
+                        .disparity = a.flag("outputs", "disparity"),
+                        .sampling = color_sampling(a)};
+  const auto effects = [&](const char* side) {
+    return camera_effects("stereo_camera",
+                          {a, context.seed, context.name + side, shown_outputs(desc.color, desc.depth)});
+  };
+  desc.left_effects = effects("/left");
+  desc.right_effects = effects("/right");
+  return std::make_unique<StereoCamera>(context.name, desc);
+}
+
+const SensorRegistration kRegistration({"stereo_camera",
+                                        "Two rectified pinhole cameras side by side, and their true disparity.",
+                                        kAttributes, create});
+
+}  // namespace
+
+StereoCamera::StereoCamera(std::string name, const StereoCameraDesc& desc)
+    : name_(std::move(name)),
+      desc_(desc),
+      pinhole_(centred_pinhole(desc.width_px, desc.height_px, desc.hfov_rad)),
+      layout_(camera_layout(desc.width_px, desc.height_px, desc.hfov_rad, desc_.left_effects)) {
+  SIMVIS_ASSERT(layout_.rays.empty() && layout_.row_time_s == 0);
+  left_.effects = desc_.left_effects;
+  right_.effects = desc_.right_effects;
+}
+
+void StereoCamera::check(const TargetLimits& limits) const {
+  if (desc_.color) check_sampling(desc_.sampling, desc_.width_px, desc_.height_px, limits);
+}
+
+View StereoCamera::make_view(const char* side, const glm::dmat4& world_from_camera, const char* why) const {
+  View view;
+  view.name = name_ + "_" + side;
+  view.reason = std::string(side) + " view of stereo camera " + name_ + why;
+  view.pinhole = pinhole_;
+  view.near_m = desc_.near_m;
+  view.view_from_world = rigid_inverse(world_from_camera * sensor_from_view());
+  view.width_px = desc_.width_px;
+  view.height_px = desc_.height_px;
+  return view;
+}
+
+// One pass with both views side by side, or one each where that is too wide; disparity alone needs the left one only.
+StereoCamera::Eyes StereoCamera::plan_eyes(const glm::dmat4& world_from_sensor, bool color, bool depth, const char* why,
+                                           FramePlan& plan) const {
+  const Pass pass{.name = name_,
+                  .width_px = desc_.width_px,
+                  .height_px = desc_.height_px,
+                  .color = color,
+                  .depth = depth,
+                  .views = {},
+                  .grid = color ? desc_.sampling.grid : 1,
+                  .msaa = color ? desc_.sampling.msaa : 1};
+  const std::size_t first = plan.passes.size();
+  plan.passes.push_back(pass);
+  plan.passes.back().views.push_back(make_view("left", world_from_sensor, why));
+  Eyes eyes{.left = {first, 0}, .right = {}};
+  if (!color && !desc_.depth) return eyes;
+
+  View right = make_view("right", glm::translate(world_from_sensor, {0, -desc_.baseline_m, 0}), why);
+  if (2 * desc_.width_px * pass.grid <= kMaxWidth_px) {
+    right.x_px = desc_.width_px;
+    plan.passes.back().width_px = 2 * desc_.width_px;
+    eyes.right = {first, 1};
+  } else {
+    plan.passes.push_back(pass);
+    plan.passes.back().depth = depth && desc_.depth;
+    eyes.right = {first + 1, 0};
+  }
+  plan.passes.back().views.push_back(std::move(right));
+  return eyes;
+}
+
+void StereoCamera::plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) {
+  const bool depth = desc_.depth || desc_.disparity;
+  const bool apart = desc_.color && depth && desc_.sampling.several();
+  const Eyes first = plan_eyes(world_from_sensor, desc_.color, depth && !apart, "", plan);
+  const Eyes second = apart ? plan_eyes(world_from_sensor, false, true, kDepthApart, plan) : first;
+  left_.color_at = first.left;
+  left_.depth_at = second.left;
+  right_.color_at = first.right;
+  right_.depth_at = second.right;
+  plan_effects(name_, desc_.left_effects, plan);
+  if (!desc_.depth) return;
+  for (Eye* const eye : {&left_, &right_}) {
+    eye->depth_view = depth_view(plan.passes[eye->depth_at.pass].views[eye->depth_at.view], list);
+  }
+}
+
+void StereoCamera::collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) {
+  for (Eye* const eye : {&left_, &right_}) {
+    const Pass &color = plan.passes[eye->color_at.pass], &depth = plan.passes[eye->depth_at.pass];
+    if (desc_.color) {
+      take_color(color, color.views[eye->color_at.view], results[eye->color_at.pass], eye->color);
+      develop(eye->effects, time, layout_, eye->color);
+    }
+    if (desc_.depth) take_depth(depth, depth.views[eye->depth_at.view], results[eye->depth_at.pass], eye->depth);
+    eye->depth_view.reach.depth_snap_px = results[eye->depth_at.pass].depth_snap_px;
+  }
+  if (desc_.disparity) collect_disparity(plan, results);
+  bound_due_ = desc_.depth;
+}
+
+std::span<const NamedValue> StereoCamera::values() const {
+  if (!desc_.depth) return {};
+  if (bound_due_) {
+    bound_.value =
+        std::max(depth_error_bound(left_.depth, left_.depth_view), depth_error_bound(right_.depth, right_.depth_view));
+  }
+  bound_due_ = false;
+  return {&bound_, 1};
+}
+
+// Reversed depth is d = near / Z, so the disparity is d times a constant.
+void StereoCamera::collect_disparity(const FramePlan& plan, std::span<const PassResult> results) {
+  const std::uint32_t stride_px = plan.passes[left_.depth_at.pass].width_px;
+  const double disparity_per_d = pinhole_.fx_px * desc_.baseline_m / desc_.near_m;
+  disparity_ = {desc_.width_px, desc_.height_px, 1, std::move(disparity_.pixels)};
+  disparity_.pixels.clear();
+  for (std::uint32_t row = 0; row < desc_.height_px; ++row) {
+    for (const float d : results[left_.depth_at.pass].depth.subspan(std::size_t{row} * stride_px, desc_.width_px)) {
+      disparity_.pixels.push_back(static_cast<float>(disparity_per_d * static_cast<double>(d)));
+    }
+  }
+}
+
+const Image* StereoCamera::picture(std::string_view name) const {
+  if (name == "left") return color();
+  if (name == "right") return desc_.color ? &right_.color : nullptr;
+  if (name == "left_depth") return depth();
+  if (name == "right_depth") return desc_.depth ? &right_.depth : nullptr;
+  if (name == "disparity") return desc_.disparity ? &disparity_ : nullptr;
+  return nullptr;
+}
+
+void StereoCamera::write(OutputSink& sink) const {
+  sink.picture("left", color(), depth());
+  sink.picture("right", picture("right"), picture("right_depth"));
+  if (desc_.disparity) sink.plane("disparity", "disparity", disparity_);
+  CameraInfo info{
+      .name = name_ + "_left", .width_px = desc_.width_px, .height_px = desc_.height_px, .pinhole = pinhole_};
+  sink.text("left", "yaml", camera_info_yaml(info));
+  info.name = name_ + "_right";
+  info.baseline_m = desc_.baseline_m;
+  sink.text("right", "yaml", camera_info_yaml(info));
+}
+
+}  // namespace simvis

@@ -1,0 +1,80 @@
+// A stereo camera: two pinhole views, rectified, and the true disparity between them.
+//
+//   <sensor type="stereo_camera" name="EYES" insert_at="ROBOT" baseline="0.12" outputs="color disparity"/>
+//
+// Frames   the sensor frame is the left camera's: it looks along +x; image x to the right, y down. The right camera
+//          stands `baseline` to its right, at (0, -baseline, 0), and looks the same way: rows of both pictures agree.
+// Disparity  of the left picture, in pixels, positive: the point seen at column u there is seen at u - disparity in the
+//          right one. disparity = fx * baseline / Z with the true depth Z; 0 where nothing is hit. What the right
+//          camera cannot see has its disparity all the same.
+// Samples  as for a camera: colour may be a mean over the pixel, depth and disparity are those of its centre.
+// Effects  see effects/camera_effect.h; noise of the left and the right camera is unrelated.
+// Names    color() and depth() are the left camera's. picture() knows "left" and "right" (colour), "left_depth" and
+//          "right_depth", and "disparity" (one channel).
+// Values   as for a camera, over the depth of both views.
+// Files    SENSOR_left and SENSOR_right hold pictures as a camera writes them, SENSOR_disparity EXR pictures with the
+//          one channel `disparity`; SENSOR_left.yaml and SENSOR_right.yaml hold the intrinsics (see camera_info.h).
+#pragma once
+
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <simvis/sensor.h>
+#include "sensors/camera/depth_error_bound.h"
+#include "sensors/camera/pinhole_view.h"
+
+namespace simvis {
+
+struct StereoCameraDesc {
+  std::uint32_t width_px = 640, height_px = 480;  ///< of each view
+  double hfov_rad = 1;                            ///< (0, pi)
+  double near_m = 0.05;
+  double baseline_m = 0.12;  ///< above 0
+  bool color = true, depth = false, disparity = true;
+  ColorSampling sampling{};
+  std::vector<ChosenCameraEffect> left_effects{}, right_effects{};  ///< none of them lays out
+};
+
+class StereoCamera : public Sensor {
+ public:
+  StereoCamera(std::string name, const StereoCameraDesc& desc);
+
+  void check(const TargetLimits& limits) const override;
+  void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
+  void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override;
+  const Image* color() const override { return desc_.color ? &left_.color : nullptr; }
+  const Image* depth() const override { return desc_.depth ? &left_.depth : nullptr; }
+  const Image* picture(std::string_view name) const override;
+  std::span<const NamedValue> values() const override;
+  void write(OutputSink& sink) const override;
+  std::string method() const override { return "rasterised"; }
+
+ private:
+  struct Place {
+    std::size_t pass = 0, view = 0;  // of this frame's plan
+  };
+  struct Eye {
+    Place color_at, depth_at;
+    Image color, depth;
+    DepthView depth_view;
+    std::span<const ChosenCameraEffect> effects;  // of desc_
+  };
+  struct Eyes {
+    Place left, right;
+  };
+  View make_view(const char* side, const glm::dmat4& world_from_camera, const char* why) const;
+  Eyes plan_eyes(const glm::dmat4& world_from_sensor, bool color, bool depth, const char* why, FramePlan& plan) const;
+  void collect_disparity(const FramePlan& plan, std::span<const PassResult> results);
+
+  std::string name_;
+  StereoCameraDesc desc_;
+  Pinhole pinhole_;
+  CameraLayout layout_;  // of both views
+  Eye left_, right_;
+  Image disparity_;
+  mutable bool bound_due_ = false;  // the value is older than the images
+  mutable NamedValue bound_{kDepthErrorBound, std::numeric_limits<double>::quiet_NaN()};
+};
+
+}  // namespace simvis

@@ -1,0 +1,306 @@
+#include "sensors/laser_scanner/laser_scanner.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <mutex>
+#include <numbers>
+#include <sstream>
+
+#include <simvis/pose.h>
+#include "engine/base/assert.h"
+#include "sensors/laser_scanner/casting_order.h"
+
+namespace simvis {
+
+namespace {
+
+// Whether a rendered range can be exact enough.
+bool can_render(const LaserScannerDesc& desc) {
+  return !casts(desc.method) || (desc.method != ScanMethod::raycast && desc.max_error_rel >= least_planar_bound());
+}
+
+std::vector<double> resolutions(const LaserScannerDesc& desc) {
+  if (!can_render(desc)) return {};
+  if (desc.resolution_px > 0) return {desc.resolution_px};
+  if (desc.method != ScanMethod::automatic) return {desc.pattern.rings == 1 ? kPlanarResolution : kRingsResolution};
+  if (desc.pattern.rings == 1) return {std::begin(kPlanarResolutions), std::end(kPlanarResolutions)};
+  return {std::begin(kRingsResolutions), std::end(kRingsResolutions)};
+}
+
+}  // namespace
+
+std::string_view to_string(ScanMethod method) {
+  constexpr std::string_view kNames[] = {"nearest", "planar", "hybrid", "raycast", "auto"};
+  return kNames[static_cast<std::size_t>(method)];
+}
+
+LaserScanner::LaserScanner(std::string name, const LaserScannerDesc& desc)
+    : name_(std::move(name)),
+      desc_(desc),
+      limits_{desc.range_min_m, desc.range_max_m},
+      tolerance_{desc.max_error_m, desc.max_error_rel, desc.where_max_error_m, desc.where_max_error_rel} {
+  if (desc.method != ScanMethod::automatic && can_render(desc)) {
+    rendered_ = std::make_unique<RenderedScan>(desc.pattern, resolutions(desc).front());
+  }
+  scan_.rings = desc.pattern.rings;
+  scan_.columns = desc.pattern.samples;
+  scan_.azimuth_rad = azimuths(desc.pattern);
+  scan_.elevation_rad = elevations(desc.pattern);
+  readings_.resize(std::size_t{scan_.rings} * scan_.columns);
+  moment_.rings = scan_.rings;
+  moment_.columns = scan_.columns;
+  moment_.range_max_m = desc.range_max_m;
+  if (casts(desc.method)) make_directions();
+  for (const ChosenScanEffect& each : desc_.effects) {
+    SIMVIS_ASSERT(each.called_for != nullptr || !each.effect->traces() || desc.method == ScanMethod::raycast);
+  }
+}
+
+void LaserScanner::make_directions() {
+  if (!directions_.empty()) return;
+  order_ = casting_order(desc_.pattern);
+  for (const std::uint32_t beam : order_) {
+    const double e = scan_.elevation_rad[beam / scan_.columns], a = scan_.azimuth_rad[beam % scan_.columns];
+    directions_.emplace_back(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e));
+  }
+}
+
+std::vector<glm::dvec3> LaserScanner::directions_by_beam() const {
+  std::vector<glm::dvec3> directions(directions_.size());
+  for (std::size_t i = 0; i < order_.size(); ++i) directions[order_[i]] = directions_[i];
+  return directions;
+}
+
+// Looks at the scene only where something changed that effects look at.
+void LaserScanner::take_effects(const DrawList& list) {
+  const bool same = list_ == &list && list.revisions.structure == effects_of_.structure &&
+                    list.revisions.materials == effects_of_.materials && list.medium == moment_.medium;
+  if (same) return;
+  list_ = &list;
+  effects_of_ = list.revisions;
+  moment_.medium = list.medium;
+  effects_.clear();
+  std::ranges::copy_if(desc_.effects, std::back_inserter(effects_), [&](const ChosenScanEffect& each) {
+    return each.called_for == nullptr || each.called_for(list);
+  });
+  traced_.reset();
+  if (std::ranges::none_of(effects_, [](const ChosenScanEffect& each) { return each.effect->traces(); })) {
+    std::erase_if(effects_, [](const ChosenScanEffect& each) { return each.effect->only_traced(); });
+    return;
+  }
+  make_directions();
+  traced_ = std::make_unique<TracedScan>(directions_by_beam(), effects_);
+}
+
+// What in the scene has beams cast, other than the scanner's own attributes.
+std::string LaserScanner::traced_for() const {
+  std::string names;
+  for (const ChosenScanEffect& each : effects_) {
+    if (each.called_for == nullptr || !each.effect->traces()) continue;
+    names += (names.empty() ? "" : " ") + std::string(each.type->name);
+  }
+  return names;
+}
+
+LooksBack LaserScanner::looks_back() const {
+  if (desc_.method == ScanMethod::automatic) return LooksBack::at_measurements;
+  const auto asks = [](const ChosenScanEffect& each) { return each.effect->looks_back(); };
+  return std::ranges::any_of(desc_.effects, asks) ? LooksBack::at_poses : LooksBack::never;
+}
+
+void LaserScanner::pass_over(const FrameTime& time, const glm::dmat4& world_from_sensor) {
+  moment_.before = {time.time_ns, world_from_sensor};
+}
+
+void LaserScanner::take_costs(const std::function<const WorkTable&()>& costs) {
+  if (desc_.method == ScanMethod::automatic) costs_ = costs();
+}
+
+void LaserScanner::plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) {
+  moment_.world_from_sensor = world_from_sensor;
+  take_effects(list);
+  const glm::dmat4 sensor_from_world = rigid_inverse(world_from_sensor);
+  survey_.reset();
+  if (desc_.method == ScanMethod::automatic && !traced_ && choice_.is_due(list)) {
+    SIMVIS_ASSERT(costs_ != WorkTable{});
+    survey_ = std::make_unique<ScanSurvey>(desc_.pattern, resolutions(desc_));
+    if (can_render(desc_)) rounding_ = VertexRounding(list, sensor_from_world);
+    survey_->plan(name_, sensor_from_world, plan);
+  } else if (renders()) {
+    rounding_ = VertexRounding(list, sensor_from_world);
+    rendered_->plan(name_, desc_.method == ScanMethod::automatic ? ", by " + choice_.text() : "", sensor_from_world,
+                    plan, name_);
+  }
+  if (casts(desc_.method) || traced_) {
+    std::uint64_t most_rays = directions_.size();
+    for (const ChosenScanEffect& each : effects_) most_rays *= each.effect->rays_per_ray();
+    plan.casts.push_back({.name = name_, .reason = cast_reason(), .most_rays = most_rays});
+  }
+  for (const ChosenScanEffect& each : effects_) {
+    plan.effects.push_back({name_, std::string(each.type->name), std::string(each.type->source)});
+  }
+}
+
+std::string LaserScanner::cast_reason() const {
+  std::ostringstream reason;
+  reason << (renders() ? "beams" : "every beam") << " of laser scanner " << name_;
+  if (traced_) {
+    if (const std::string names = traced_for(); !names.empty()) reason << ", for " << names;
+    return reason.str();
+  }
+  if (survey_) {
+    reason << ", to see what it would cost";
+  } else if (renders()) {
+    reason << " whose bound is above " << to_string(tolerance_);
+  } else if (!can_render(desc_) && desc_.method != ScanMethod::raycast) {
+    reason << ": no rendered range has a bound below " << least_planar_bound() << " of itself";
+  }
+  if (!survey_ && desc_.method == ScanMethod::automatic) reason << ", by " << choice_.text();
+  return reason.str();
+}
+
+void LaserScanner::collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) {
+  moment_.time = time;
+  to_cast_.clear();
+  if (survey_) survey_->collect(plan, results, list_->items.size(), rounding_, limits_, tolerance_);
+  if (!renders()) return;
+  rendered_->collect(plan, results, rounding_);
+  for (std::uint32_t beam = 0; beam < readings_.size(); ++beam) {
+    const bool nearest = desc_.method == ScanMethod::nearest;
+    readings_[beam] = read_range(nearest ? rendered_->nearest(beam) : rendered_->planar(beam), limits_);
+  }
+  if (casts(desc_.method)) {
+    for (std::uint32_t i = 0; i < order_.size(); ++i) {
+      if (!tolerance_.met(readings_[order_[i]])) to_cast_.push_back(i);
+    }
+  }
+  if (!casts(desc_.method) && !traced_) hand_over();
+}
+
+void LaserScanner::cast(RayCaster& rays) {
+  if (traced_) return cast_traced(rays);
+  if (!casts(desc_.method)) return;
+  if (survey_) {
+    cast_survey(rays);
+  } else {
+    cast_beams(rays);
+  }
+  hand_over();
+}
+
+void LaserScanner::cast_traced(RayCaster& rays) {
+  const std::span<const Echo> detected = traced_->trace(moment_, *list_, rays);
+  ToleranceCheck check(tolerance_);
+  for (std::size_t beam = 0; beam < detected.size(); ++beam) {
+    const RangeEstimate range{detected[beam].range_m, detected[beam].error_bound_m};
+    readings_[beam] = read_range(range, limits_);
+    check.add(range, readings_[beam]);
+  }
+  if (casts(desc_.method) && desc_.method != ScanMethod::raycast) check.require(name_);
+  hand_over(detected);
+}
+
+void LaserScanner::cast_beams(RayCaster& rays) {
+  const bool every = !renders();
+  if (!every) {
+    cast_directions_.clear();
+    for (const std::uint32_t i : to_cast_) cast_directions_.push_back(directions_[i]);
+  }
+  const std::span<const glm::dvec3> directions = every ? directions_ : cast_directions_;
+  hits_.resize(directions.size());
+  WorkTable work = renders() ? rendered_->work(list_->items.size()) : WorkTable{};
+  ToleranceCheck check(tolerance_);
+  std::mutex checking;
+  const auto read = [&](std::size_t first, std::size_t count) {
+    ToleranceCheck checked(tolerance_);
+    for (std::size_t i = first; i < first + count; ++i) {
+      const RangeEstimate range{hits_[i].range_m, hits_[i].error_bound_m};
+      Reading& reading = readings_[order_[every ? i : to_cast_[i]]];
+      reading = read_range(range, limits_);
+      if (desc_.method != ScanMethod::raycast) checked.add(range, reading);
+    }
+    const std::lock_guard lock(checking);
+    check.add(checked);
+  };
+  if (!directions.empty()) {
+    const RayCounters before = rays.counters();
+    rays.cast(moment_.world_from_sensor, directions, hits_, {}, read);
+    add_cast(work, list_->items.size());
+    add_rays(work, before, rays.counters());
+  }
+  check.require(name_);
+  if (desc_.method == ScanMethod::automatic) choice_.measured(work, costs_);
+}
+
+// Takes the most exact of what it has seen: every beam as cast.
+void LaserScanner::cast_survey(RayCaster& rays) {
+  hits_.resize(directions_.size());
+  survey_->cast(rays, list_->items.size(), moment_.world_from_sensor, directions_, hits_);
+  ToleranceCheck check(tolerance_);
+  for (std::size_t i = 0; i < hits_.size(); ++i) {
+    const RangeEstimate range{hits_[i].range_m, hits_[i].error_bound_m};
+    Reading& reading = readings_[order_[i]];
+    reading = read_range(range, limits_);
+    check.add(range, reading);
+  }
+  check.require(name_);
+  survey_->choose(readings_, costs_);
+  choice_.take(*survey_, tolerance_);
+  rendered_ = survey_->take_rendered();
+  survey_.reset();
+}
+
+// Only here does the scan that users see change, so that it is always a whole one.
+void LaserScanner::hand_over(std::span<const Echo> detected) {
+  scan_.range_m.resize(readings_.size());
+  scan_.error_bound_m.resize(readings_.size());
+  for (std::size_t beam = 0; beam < readings_.size(); ++beam) {
+    scan_.range_m[beam] = readings_[beam].range_m;
+    scan_.error_bound_m[beam] = readings_[beam].error_bound_m;
+  }
+  scan_.channels.clear();
+  for (const ChosenScanEffect& each : effects_) each.effect->finish(moment_, detected, scan_);
+  moment_.before = {moment_.time.time_ns, moment_.world_from_sensor};
+}
+
+void LaserScanner::write(OutputSink& sink) const {
+  std::vector<TableColumn> columns{{"ring", "%lld", true},    {"beam", "%lld", true}, {"azimuth_deg", "%.9g"},
+                                   {"elevation_deg", "%.9g"}, {"range_m", "%.9g"},    {"error_bound_m", "%.9g"},
+                                   {"x_m", "%.9g"},           {"y_m", "%.9g"},        {"z_m", "%.9g"}};
+  for (const ScanChannel& channel : scan_.channels) columns.push_back({channel.name, channel.format});
+  constexpr double kDegrees = 180 / std::numbers::pi;
+  std::vector<double> values;
+  values.reserve(scan_.range_m.size() * columns.size());
+  for (std::uint32_t ring = 0; ring < scan_.rings; ++ring) {
+    const double e = scan_.elevation_rad[ring];
+    for (std::uint32_t beam = 0; beam < scan_.columns; ++beam) {
+      const double a = scan_.azimuth_rad[beam];
+      const std::size_t index = std::size_t{ring} * scan_.columns + beam;
+      if (index >= scan_.range_m.size()) return;
+      const double range = scan_.range_m[index];
+      const double r = std::isfinite(range) ? range : std::numeric_limits<double>::quiet_NaN();
+      values.insert(values.end(), {static_cast<double>(ring), static_cast<double>(beam), a * kDegrees, e * kDegrees,
+                                   range, static_cast<double>(scan_.error_bound_m[index]),
+                                   r * std::cos(e) * std::cos(a), r * std::cos(e) * std::sin(a), r * std::sin(e)});
+      for (const ScanChannel& channel : scan_.channels) values.push_back(channel.values[index]);
+    }
+  }
+  sink.rows(columns, values);
+}
+
+SensorReport LaserScanner::report() const {
+  SensorReport report;
+  if (const std::string names = traced_for(); !names.empty()) report.notes.push_back({"cast_for", names});
+  if (const std::optional<double> share = cast_share()) report.notes.push_back({"cast_share", *share});
+  if (desc_.method == ScanMethod::automatic) choice_.report(name_, report);
+  return report;
+}
+
+std::optional<double> LaserScanner::cast_share() const {
+  if (traced_) return 1;
+  if (!casts(desc_.method)) return {};
+  return static_cast<double>(hits_.size()) / static_cast<double>(directions_.size());
+}
+
+}  // namespace simvis

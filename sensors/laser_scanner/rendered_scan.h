@@ -1,0 +1,50 @@
+// The beams of a scanner as pixels: virtual cameras of one resolution, and the ranges taken from their depth.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <simvis/device_costs.h>
+#include <simvis/frame_plan.h>
+#include <simvis/renderer.h>
+#include "sensors/laser_scanner/scan_layout.h"
+#include "sensors/raster_depth/depth_atlas.h"
+#include "sensors/raster_depth/depth_range.h"
+#include "sensors/raster_depth/vertex_rounding.h"
+
+namespace simvis {
+
+class RenderedScan {
+ public:
+  RenderedScan(const ScanPattern& pattern, double resolution_px);
+
+  /// Adds the views to the depth atlas of this name. `purpose` follows "N beams of laser scanner NAME" in their
+  /// reasons.
+  void plan(const std::string& scanner, const std::string& purpose, const glm::dmat4& sensor_from_world,
+            FramePlan& plan, const std::string& atlas);
+
+  /// Takes what the views of plan() became; valid as long as `results` are.
+  void collect(const FramePlan& plan, std::span<const PassResult> results, const VertexRounding& rounding);
+
+  /// Of the beam [ring * samples + beam].
+  RangeEstimate planar(std::size_t beam) const;
+  RangeEstimate nearest(std::size_t beam) const;
+
+  /// The work of the collected frame, in a pass of its own.
+  WorkTable work(std::size_t list_items) const;
+
+  const ScanLayout& layout() const { return layout_; }
+  double resolution_px() const { return resolution_px_; }
+
+ private:
+  double resolution_px_;
+  ScanLayout layout_;
+  std::vector<AtlasPlace> places_;  // of each face, this frame
+  std::vector<FacePixels> pixels_;
+  VertexRounding rounding_;
+  ViewCounts counts_;  // of all faces
+};
+
+}  // namespace simvis

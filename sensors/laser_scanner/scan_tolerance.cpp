@@ -1,0 +1,79 @@
+#include "sensors/laser_scanner/scan_tolerance.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <sstream>
+
+namespace simvis {
+
+namespace {
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+// The next float32, as std::nextafter() has it, of one that is not negative.
+float next_above(float value) {
+  return value == kInfinity ? value : std::bit_cast<float>(std::bit_cast<std::uint32_t>(value) + 1);
+}
+
+// Rounded up, so that who asks for what a message names is served.
+std::string rounded_up(double value) {
+  if (!std::isfinite(value)) return "inf";
+  const double unit = std::pow(10, std::floor(std::log10(value)) - 2);
+  std::ostringstream text;
+  text << std::ceil(value / unit) * unit;
+  return text.str();
+}
+
+}  // namespace
+
+Reading read_range(const RangeEstimate& range, const RangeLimits& limits) {
+  const double low = range.range_m - range.error_bound_m, high = range.range_m + range.error_bound_m;
+  float reading = range.range_m < limits.min_m ? 0 : static_cast<float>(range.range_m);
+  double bound = range.error_bound_m + std::abs(static_cast<double>(reading) - range.range_m);
+  if (range.range_m > limits.max_m) {
+    reading = kInfinity;
+    bound = low > limits.max_m || range.error_bound_m == 0 ? 0 : kInfinity;
+  } else if (high > limits.max_m) {
+    bound = kInfinity;
+  } else if (range.range_m < limits.min_m) {
+    bound = high < limits.min_m ? 0 : high;
+  } else if (low < limits.min_m) {
+    bound = std::max(bound, static_cast<double>(reading));
+  }
+  return {reading, bound == 0 ? 0.0f : next_above(static_cast<float>(bound))};
+}
+
+std::string to_string(const ScanTolerance& tolerance) {
+  std::ostringstream text;
+  if (tolerance.max_error_m) text << *tolerance.max_error_m << " m";
+  if (std::isfinite(tolerance.max_error_rel)) {
+    text << (tolerance.max_error_m ? " or " : "") << tolerance.max_error_rel << " of the range";
+  }
+  return text.str();
+}
+
+void ToleranceCheck::add_unmet(const RangeEstimate& cast) {
+  const Reading unlimited = read_range(cast, {0, std::numeric_limits<double>::infinity()});
+  if (tolerance_.met(unlimited) || cast.range_m <= cast.error_bound_m) return;
+  met_ = false;
+  const double bound = unlimited.error_bound_m;
+  worst_m_ = std::max(worst_m_, bound);
+  worst_rel_ = std::max(worst_rel_, bound / static_cast<double>(unlimited.range_m));
+}
+
+void ToleranceCheck::require(const std::string& sensor) const {
+  if (met_) return;
+  const bool absolute = tolerance_.max_error_m && worst_m_ > *tolerance_.max_error_m;
+  std::ostringstream message;
+  message << "attribute \"" << (absolute ? "max_error_m" : "max_error_rel")
+          << "\": " << (absolute ? *tolerance_.max_error_m : tolerance_.max_error_rel)
+          << " is met by no method for sensor " << in_quotes(sensor)
+          << " in this frame; the best that can be reached, with every beam cast, is "
+          << rounded_up(absolute ? worst_m_ : worst_rel_) << (absolute ? " m" : " of the range");
+  fail_at(absolute ? tolerance_.where_m : tolerance_.where_rel, message.str());
+}
+
+}  // namespace simvis

@@ -1,0 +1,111 @@
+#include "sensors/laser_scanner/traced_scan.h"
+
+#include <algorithm>
+#include <glm/gtc/matrix_transform.hpp>
+#include <limits>
+#include <utility>
+
+#include "effects/scanner/reflectance.h"
+#include "effects/scanner/returns.h"
+
+namespace simvis {
+namespace {
+
+// By how much the place where a ray ends may be off, besides what the caster says: that moves the range by as much over
+// the cosine of the incidence. An origin comes into the world as a sum of three products and the sensor's place, 4 u of
+// each component (u = 2^-53), so 4 sqrt(3) u of either's length, and once more sqrt(3) of the former's.
+double displacement_m(const ScanMoment& moment, const BeamRay& ray, double range_m) {
+  constexpr double kPlacing = 12 * 0x1p-53;
+  const double placed_m =
+      ray.origin_m == glm::dvec3(0)
+          ? 0
+          : kPlacing * (glm::length(ray.origin_m) + glm::length(glm::dvec3(moment.world_from_sensor[3])));
+  return placed_m + ray.origin_error_m + ray.error_rad * range_m;
+}
+
+// What lies beyond the range within which the receiver listens counts only where there is nothing else.
+void listen_until(double range_max_m, std::vector<Echo>& echoes) {
+  const auto beyond = std::ranges::upper_bound(echoes, range_max_m, {}, &Echo::range_m);
+  if (beyond != echoes.begin()) echoes.erase(beyond, echoes.end());
+}
+
+}  // namespace
+
+TracedScan::TracedScan(std::vector<glm::dvec3> directions, std::span<const ChosenScanEffect> effects)
+    : directions_(std::move(directions)), effects_(effects), pulse_length_m_(kPulseLength_m) {
+  for (const ChosenScanEffect& each : effects)
+    pulse_length_m_ = each.effect->pulse_length_m().value_or(pulse_length_m_);
+}
+
+std::span<const Echo> TracedScan::trace(const ScanMoment& moment, const DrawList& list, RayCaster& caster) {
+  rays_cast_ = 0;
+  rays_.clear();
+  for (std::uint32_t beam = 0; beam < directions_.size(); ++beam) {
+    rays_.push_back({.beam = beam, .direction = directions_[beam]});
+  }
+  for (const ChosenScanEffect& each : effects_) each.effect->aim(moment, rays_);
+  echoes_.resize(directions_.size());
+  for (std::vector<Echo>& echoes : echoes_) echoes.clear();
+  for (std::uint32_t turns = 0; turns <= kMostTurns && !rays_.empty(); ++turns) follow(moment, list, caster);
+  detect(moment);
+  return detected_;
+}
+
+// One stretch of every ray.
+void TracedScan::follow(const ScanMoment& moment, const DrawList& list, RayCaster& caster) {
+  cast(moment.world_from_sensor, caster);
+  onward_.clear();
+  for (std::size_t i = 0; i < rays_.size(); ++i) meet(moment, list, rays_[i], hits_[i]);
+  rays_.swap(onward_);
+}
+
+void TracedScan::cast(const glm::dmat4& world_from_sensor, RayCaster& caster) {
+  hits_.resize(rays_.size());
+  cast_origins_m_.clear();
+  cast_directions_.clear();
+  cast_beyond_m_.clear();
+  for (const BeamRay& ray : rays_) {
+    cast_origins_m_.push_back(ray.origin_m);
+    cast_directions_.push_back(ray.direction);
+    if (ray.beyond_m > 0) cast_beyond_m_.resize(rays_.size());
+  }
+  for (std::size_t i = 0; i < cast_beyond_m_.size(); ++i) cast_beyond_m_[i] = rays_[i].beyond_m;
+  const glm::dvec3& origin_m = cast_origins_m_.front();
+  if (std::ranges::all_of(cast_origins_m_, [&](const glm::dvec3& each) { return each == origin_m; })) {
+    caster.cast(glm::translate(world_from_sensor, origin_m), cast_directions_, hits_, cast_beyond_m_);
+  } else {
+    caster.cast_from(world_from_sensor, cast_origins_m_, cast_directions_, hits_, cast_beyond_m_);
+  }
+  rays_cast_ += rays_.size();
+}
+
+void TracedScan::meet(const ScanMoment& moment, const DrawList& list, const BeamRay& ray, const RayHit& hit) {
+  if (hit.range_m == std::numeric_limits<double>::infinity()) return;
+  const SurfacePoint surface =
+      surface_point(list, glm::translate(moment.world_from_sensor, ray.origin_m), ray.direction, hit);
+  const double range_m = ray.travelled_m + hit.range_m;
+  const double cosine = -glm::dot(surface.normal, ray.direction);
+  const double displaced_m = displacement_m(moment, ray, hit.range_m);
+  Echo echo{.range_m = range_m,
+            .error_bound_m = ray.error_m + hit.error_bound_m + (displaced_m > 0 ? displaced_m / cosine : 0),
+            .power = ray.share * reflectance(surface) * cosine / (range_m * range_m)};
+  for (const ChosenScanEffect& each : effects_) each.effect->meet(moment, ray, surface, echo, onward_);
+  if (echo.range_m < std::numeric_limits<double>::infinity()) echoes_[ray.beam].push_back(echo);
+}
+
+void TracedScan::detect(const ScanMoment& moment) {
+  detected_.assign(directions_.size(), {});
+  for (std::uint32_t beam = 0; beam < directions_.size(); ++beam) {
+    std::vector<Echo>& echoes = echoes_[beam];
+    std::ranges::stable_sort(echoes, {}, &Echo::range_m);
+    for (const ChosenScanEffect& each : effects_) each.effect->receive(moment, beam, echoes);
+    listen_until(moment.range_max_m, echoes);
+    merge_pulses(pulse_length_m_, echoes);
+    const bool found = std::ranges::any_of(effects_, [&](const ChosenScanEffect& each) {
+      return each.effect->detect(moment, beam, echoes, detected_[beam]);
+    });
+    if (!found && !echoes.empty()) detected_[beam] = *std::ranges::max_element(echoes, {}, &Echo::power);
+  }
+}
+
+}  // namespace simvis

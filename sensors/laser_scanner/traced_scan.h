@@ -1,0 +1,47 @@
+// The beams of a scan followed one by one, for effects that a range alone does not show: where they go, what they meet,
+// how much comes back.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <simvis/draw_list.h>
+#include <simvis/ray_caster.h>
+#include <simvis/scan_effect.h>
+
+namespace simvis {
+
+/// How often a ray may be turned or let through; what goes on after that returns nothing.
+inline constexpr std::uint32_t kMostTurns = 16;
+
+class TracedScan {
+ public:
+  /// `directions` of the beams, unit vectors in the sensor frame; the effects must live as long.
+  TracedScan(std::vector<glm::dvec3> directions, std::span<const ChosenScanEffect> effects);
+
+  /// What each beam reports, see Echo; valid until the next call. The caster's world is `list`.
+  std::span<const Echo> trace(const ScanMoment& moment, const DrawList& list, RayCaster& caster);
+
+  /// In the last trace().
+  std::uint64_t rays() const { return rays_cast_; }
+
+ private:
+  void follow(const ScanMoment& moment, const DrawList& list, RayCaster& caster);
+  void cast(const glm::dmat4& world_from_sensor, RayCaster& caster);
+  void meet(const ScanMoment& moment, const DrawList& list, const BeamRay& ray, const RayHit& hit);
+  void detect(const ScanMoment& moment);
+
+  std::vector<glm::dvec3> directions_;
+  std::span<const ChosenScanEffect> effects_;
+  double pulse_length_m_;
+  std::vector<BeamRay> rays_, onward_;
+  std::vector<glm::dvec3> cast_origins_m_, cast_directions_;  // of rays_
+  std::vector<double> cast_beyond_m_;                         // likewise; empty where all are 0
+  std::vector<RayHit> hits_;
+  std::vector<std::vector<Echo>> echoes_;  // by beam
+  std::vector<Echo> detected_;
+  std::uint64_t rays_cast_ = 0;
+};
+
+}  // namespace simvis

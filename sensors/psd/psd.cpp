@@ -1,0 +1,142 @@
+#include "sensors/psd/psd.h"
+
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include <simvis/pose.h>
+#include "sensors/camera/pinhole_view.h"
+
+namespace simvis {
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+
+// What touches the device is still seen.
+constexpr double kNear_m = 1e-3;
+
+constexpr AttributeSpec kAttributes[] = {
+    {.name = "opening",
+     .default_value = "5",
+     .unit = "deg",
+     .text = "of the cone of light, from side to side",
+     .min = 0,
+     .max = 90,
+     .open_min = true},
+    {.name = "resolution",
+     .kind = AttributeKind::integer,
+     .default_value = "16",
+     .unit = "px",
+     .text = "pixels of the depth view across the cone",
+     .min = 2,
+     .max = 1024},
+    {.name = "curve",
+     .kind = AttributeKind::text,
+     .default_value = "gp2y0a21yk",
+     .text = "voltage over range: gp2y0a21yk for the curve of that device, or points RANGE_M:VOLT"},
+    {.name = "range_min",
+     .default_value = "0.1",
+     .unit = "m",
+     .text = "what is nearer along the axis reads 0 in range_m",
+     .min = 0},
+    {.name = "range_max",
+     .default_value = "0.8",
+     .unit = "m",
+     .text = "what is farther along the axis reads inf in range_m",
+     .min = 0,
+     .open_min = true},
+    {.name = "noise", .default_value = "0", .unit = "V", .text = "standard deviation of the voltage", .min = 0},
+    kRateAttribute,
+};
+
+std::unique_ptr<Sensor> create(const SensorContext& context) {
+  const AttributeValues& a = context.attributes;
+  if (a.number("range_min") > a.number("range_max")) {
+    fail_at(a.where("range_max"), "attribute \"range_max\": " + format_number(a.number("range_max")) +
+                                      " is not allowed with range_min=\"" + format_number(a.number("range_min")) +
+                                      "\", expected that or more");
+  }
+  std::optional<VoltageCurve> curve = parse_voltage_curve(a.text("curve"));
+  if (!curve) {
+    fail_at(a.where("curve"), "attribute \"curve\": \"" + a.text("curve") +
+                                  "\" is not allowed, expected gp2y0a21yk or two points or more, as " +
+                                  "RANGE_M:VOLT, with increasing ranges above 0");
+  }
+  return std::make_unique<Psd>(context.name,
+                               PsdDesc{.opening_rad = glm::radians(a.number("opening")),
+                                       .resolution_px = static_cast<std::uint32_t>(a.integer("resolution")),
+                                       .range_min_m = a.number("range_min"),
+                                       .range_max_m = a.number("range_max"),
+                                       .noise_v = a.number("noise"),
+                                       .seed = context.seed},
+                               *std::move(curve));
+}
+
+const SensorRegistration kRegistration({"psd", "An infrared distance sensor with an analogue voltage, as Sharp makes.",
+                                        kAttributes, create});
+
+}  // namespace
+
+Psd::Psd(std::string name, const PsdDesc& desc, VoltageCurve curve)
+    : name_(std::move(name)),
+      desc_(desc),
+      curve_(std::move(curve)),
+      random_(desc.seed, name_),
+      pinhole_(centred_pinhole(desc.resolution_px, desc.resolution_px, desc.opening_rad)),
+      values_{NamedValue{"range_m", kUnknown}, NamedValue{"voltage_v", kUnknown}} {}
+
+// A pass of its own: where a view lies in its target has a say in the last bit of its depth, and what else stands in
+// the scene is not to.
+void Psd::plan(const glm::dmat4& world_from_sensor, const DrawList&, FramePlan& plan) {
+  View view;
+  view.name = name_;
+  view.reason = "cone of light of distance sensor " + name_;
+  view.pinhole = pinhole_;
+  view.near_m = kNear_m;
+  view.view_from_world = rigid_inverse(world_from_sensor * sensor_from_view());
+  view.width_px = view.height_px = desc_.resolution_px;
+  view.sees_back_faces = true;
+  view.sees_lines_and_points = false;
+  pass_ = plan.passes.size();
+  plan.passes.push_back({.name = name_,
+                         .width_px = view.width_px,
+                         .height_px = view.height_px,
+                         .color = false,
+                         .depth = true,
+                         .views = {}});
+  plan.passes.back().views.push_back(std::move(view));
+}
+
+// With c the cosine of a pixel's angle from the axis, its solid angle is proportional to c^3 and 1 / r = c / Z.
+double Psd::range_of(std::span<const float> depth) const {
+  const double rim = std::tan(desc_.opening_rad / 2);
+  double light = 0, moment = 0;
+  for (std::uint32_t y = 0; y < desc_.resolution_px; ++y) {
+    for (std::uint32_t x = 0; x < desc_.resolution_px; ++x) {
+      const double u = (x + 0.5 - pinhole_.cx_px) / pinhole_.fx_px, v = (y + 0.5 - pinhole_.cy_px) / pinhole_.fy_px;
+      if (u * u + v * v > rim * rim) continue;
+      const double per_depth = static_cast<double>(depth[std::size_t{y} * desc_.resolution_px + x]) / kNear_m;
+      const double cosine = 1 / std::sqrt(1 + u * u + v * v);
+      const double returned = std::pow(cosine, 5) * per_depth * per_depth;
+      light += returned;
+      moment += returned * per_depth;
+    }
+  }
+  return light > 0 ? light / moment : kInfinity;
+}
+
+void Psd::collect(const FrameTime& time, const FramePlan&, std::span<const PassResult> results) {
+  const double range_m = range_of(results[pass_].depth);
+  values_[0].value = range_m < desc_.range_min_m ? 0 : range_m > desc_.range_max_m ? kInfinity : range_m;
+  values_[1].value = curve_.at(range_m) + desc_.noise_v * random_.gaussian(time.index, 0, 0);
+}
+
+void Psd::write(OutputSink& sink) const {
+  static const std::vector<TableColumn> columns{{"range_m", "%.9g"}, {"voltage_v", "%.9g"}};
+  const double row[] = {values_[0].value, values_[1].value};
+  sink.rows(columns, row);
+}
+
+}  // namespace simvis

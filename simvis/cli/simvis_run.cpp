@@ -1,0 +1,467 @@
+// simvis-run: a scene file becomes pictures and scans. One of the two places that catch exceptions (the tests are the
+// other), and the only one that prints.
+#include <signal.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <chrono>
+#include <csignal>
+#include <cstring>
+#include <exception>
+#include <iostream>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <simvis/effect.h>
+#include <simvis/element.h>
+#include <simvis/plugin.h>
+#include <simvis/simulation.h>
+#include <simvis/trajectory.h>
+#include "simvis/cli/loading_bar.h"
+#include "simvis/cli/progress_bar.h"
+#include "simvis/clock.h"
+#include "simvis/output/atomic_file.h"
+#include "simvis/output/output_writer.h"
+#include "simvis/report/explain.h"
+#include "simvis/report/price.h"
+#include "simvis/report/price_report.h"
+#include "simvis/report/profile.h"
+#include "simvis/report/run_report.h"
+#include "simvis/report/shard.h"
+
+namespace simvis {
+namespace {
+
+constexpr int kExitDone = 0, kExitFailed = 1, kExitWrongInput = 2;
+
+struct Options {
+  std::string scene, out = "out", trajectory, method, max_error_m, device, profile, describe, shard;
+  std::vector<std::string> set, sensors, plugins;
+  std::uint64_t frames = 1, seed = 0;
+  double rate_hz = 15;
+  bool list_devices = false, explain = false, quiet = false;
+  bool price = false, names_out = false;
+};
+
+/// CLI11 would take -3 for 2^64 - 3, and the largest number for what is larger.
+std::string whole_number(const std::string& text) {
+  std::uint64_t number = 0;
+  const char* const end = text.data() + text.size();
+  const auto [rest, error] = std::from_chars(text.data(), end, number);
+  return rest == end && error == std::errc() ? "" : "\"" + text + "\" is not a whole number from 0 to 2^64 - 1";
+}
+
+std::string not_empty(const std::string& text) { return text.empty() ? "nothing is given" : ""; }
+
+void declare_options(CLI::App& app, Options& options) {
+  app.add_option("SCENE.xml", options.scene, "the scene to run");
+  app.add_option("--out", options.out, "where results go")->type_name("DIR")->capture_default_str();
+  app.add_option("--frames", options.frames, "how many frames")
+      ->type_name("N")
+      ->check(whole_number)
+      ->capture_default_str();
+  app.add_option("--rate", options.rate_hz, "frames per simulated second")->type_name("HZ")->capture_default_str();
+  app.add_option("--set", options.set, "a parameter, from the first frame on (repeatable)")
+      ->type_name("ELEMENT.PARAM=VALUE")
+      ->allow_extra_args(false);
+  app.add_option("--trajectory", options.trajectory,
+                 "parameters over time: first column time_s, further columns ELEMENT.PARAM; linear between rows")
+      ->type_name("FILE.csv");
+  app.add_option("--sensor", options.sensors, "only this sensor (repeatable)")
+      ->type_name("NAME")
+      ->allow_extra_args(false);
+  app.add_option("--method", options.method, "for every laser scanner, over the scene's own")
+      ->type_name("M")
+      ->check(not_empty);
+  app.add_option("--max-error", options.max_error_m,
+                 "bound on the error of every laser scanner's ranges, in metres; by method auto unless --method says "
+                 "auto or hybrid")
+      ->type_name("M")
+      ->check(not_empty);
+  app.add_option("--seed", options.seed, "of all random numbers")
+      ->type_name("N")
+      ->check(whole_number)
+      ->capture_default_str();
+  app.add_option("--device", options.device, "the Vulkan device to use: part of its name, or its index")
+      ->type_name("NAME|INDEX");
+  app.add_option("--plugin", options.plugins, "a library with more elements and sensors (repeatable)")
+      ->type_name("FILE.so")
+      ->allow_extra_args(false);
+  app.add_option("--profile", options.profile,
+                 "write what each frame spent its time on, on the host and on the device, in Chrome's trace format")
+      ->type_name("FILE.json");
+  app.add_option("--shard", options.shard,
+                 "only the frames k with k mod N = K; files are those of the whole run, tables and run.json have "
+                 "-K-of-N in their names")
+      ->type_name("K/N")
+      ->check(not_empty);
+  app.add_flag("--explain", options.explain, "print what the last frame renders, why, and what it cost");
+  app.add_flag("--quiet", options.quiet, "print errors only");
+  app.add_flag("--price", options.price,
+               "print what each method of each laser scanner costs and is worth in this scene; --frames of each (" +
+                   std::to_string(PriceDesc().frames) +
+                   "), along the trajectory if there is one; also as DIR/price.csv "
+                   "where --out is given")
+      ->excludes("--method")
+      ->excludes("--profile")
+      ->excludes("--shard")
+      ->excludes("--explain");
+  app.add_option("--describe", options.describe, "print the attributes of an element, sensor or effect, and exit")
+      ->type_name("TYPE");
+  app.add_flag("--list-devices", options.list_devices, "print the Vulkan devices of this machine, and exit");
+  app.set_version_flag("--version", "simvis-run " + std::string(version()), "print the version, and exit");
+  app.set_help_flag("--help", "print this help, and exit");
+  app.footer(
+      "Results: DIR/CAMERA/000000.png and .exr, DIR/SCANNER.csv, DIR/run.json.\n"
+      "Exit status: 0 done; 1 it could not be done; 2 the command line or the scene is wrong.");
+}
+
+volatile std::sig_atomic_t received_signal = 0;
+
+/// From here on, a wish to stop ends the run between two frames, so that no temporary file stays. A second one ends it
+/// at once. A file beyond the allowed size and a reader who went away become errors of the write.
+void handle_signals() {
+  struct sigaction action {};
+  action.sa_handler = [](int number) { received_signal = number; };
+  action.sa_flags = static_cast<int>(SA_RESETHAND) | SA_RESTART;
+  for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction before {};
+    ::sigaction(number, nullptr, &before);
+    if (before.sa_handler != SIG_IGN) ::sigaction(number, &action, nullptr);
+  }
+  ::signal(SIGXFSZ, SIG_IGN);
+  ::signal(SIGPIPE, SIG_IGN);
+}
+
+void stop_if_asked_to() {
+  const int number = received_signal;
+  if (number != 0) throw MachineError(std::string("stopped by a signal (") + ::strsignal(number) + ")");
+}
+
+/// Runs `action`; what is wrong is said to be in this part of the command line.
+template <typename Action>
+void in_option(const std::string& option, const Action& action) {
+  try {
+    action();
+  } catch (const InputError& error) {
+    throw InputError(option + ": " + error.what());
+  }
+}
+
+void print_devices() {
+  const std::vector<DeviceInfo> devices = list_devices();
+  for (std::size_t i = 0; i < devices.size(); ++i) {
+    const DeviceInfo& device = devices[i];
+    std::cout << i << ": " << device.name << ", " << device.type << ", driver " << device.driver << ", Vulkan "
+              << device.api_version << ", "
+              << (device.unusable.empty() ? std::string("usable") : "not usable: " + device.unusable) << '\n';
+  }
+}
+
+void print_description(const std::string& type) {
+  const ElementType* const element = find_element_type(type);
+  const SensorType* const sensor = find_sensor_type(type);
+  const EffectType* const effect = find_effect_type(type);
+  if (element != nullptr) std::cout << describe(element->name, element->summary, element->attributes) << '\n';
+  if (sensor != nullptr) {
+    std::cout << describe(sensor->name, sensor->summary, all_attributes(*sensor)) << describe_presets(*sensor) << '\n';
+  }
+  if (effect != nullptr) std::cout << describe_effect(*effect) << '\n';
+  if (element != nullptr || sensor != nullptr || effect != nullptr) return;
+  std::vector<std::string_view> known;
+  for (const ElementType* each : element_types()) known.push_back(each->name);
+  for (const SensorType* each : sensor_types()) known.push_back(each->name);
+  for (const EffectType* each : effect_types()) known.push_back(each->name);
+  std::string list;
+  for (const std::string_view name : known) list += (list.empty() ? "" : ", ") + std::string(name);
+  throw InputError("--describe: there is no element, sensor or effect type \"" + type + "\"" + suggestion(type, known) +
+                   " (known: " + list + ")");
+}
+
+void set_parameter(Simulation& simulation, const std::string& assignment) {
+  in_option("--set " + assignment, [&] {
+    const std::size_t equals = assignment.find('=');
+    const std::size_t dot = assignment.rfind('.', equals);
+    double value = 0;
+    if (equals == std::string::npos || dot == std::string::npos) throw InputError("expected ELEMENT.PARAM=VALUE");
+    const std::string number = assignment.substr(equals + 1);
+    if (!parse_number(number, value)) throw InputError("\"" + number + "\" is not a finite number");
+    simulation.set(assignment.substr(0, dot), assignment.substr(dot + 1, equals - dot - 1), value);
+  });
+}
+
+std::vector<AttributeOverride> scanner_overrides(const Options& options) {
+  std::vector<AttributeOverride> overrides;
+  if (!options.method.empty()) overrides.push_back({"laser_scanner", "method", options.method, "--method"});
+  if (options.max_error_m.empty()) return overrides;
+  if (options.method == "nearest" || options.method == "planar" || options.method == "raycast") {
+    throw InputError("--max-error: --method " + options.method +
+                     " does not look at it, expected --method auto, --method hybrid or no --method");
+  }
+  if (options.method.empty()) overrides.push_back({"laser_scanner", "method", "auto", "--max-error"});
+  overrides.push_back({"laser_scanner", "max_error_m", options.max_error_m, "--max-error"});
+  overrides.push_back({"laser_scanner", "max_error_rel", {}, "--max-error"});
+  return overrides;
+}
+
+bool shows_progress(const Options& options) { return ::isatty(STDERR_FILENO) == 1 && !options.quiet; }
+
+/// Until it is reset, `loading` shows what the simulation loads.
+Simulation load(const Options& options, std::optional<LoadingBar>& loading) {
+  if (options.scene.empty()) throw InputError("SCENE.xml is missing; --help says more");
+  in_option("--frames", [&] {
+    if (options.frames == 0) throw InputError("0 frames, expected 1 or more");
+  });
+  in_option("--rate", [&] { Clock(options.rate_hz).frame(options.frames - 1); });
+  SimulationDesc desc;
+  desc.rate_hz = options.rate_hz;
+  desc.seed = options.seed;
+  desc.device.select = options.device;
+  desc.device.instrumented = options.explain || !options.profile.empty();
+  desc.overrides = scanner_overrides(options);
+  desc.progress = [&loading](const Progress& progress) {
+    if (loading) loading->update(progress);
+  };
+  Simulation simulation = Simulation::load(options.scene, desc);
+  for (const std::string& assignment : options.set) set_parameter(simulation, assignment);
+  if (!options.sensors.empty()) {
+    for (const SensorInfo& sensor : simulation.sensors()) simulation.enable(sensor.name, false);
+    for (const std::string& name : options.sensors) {
+      in_option("--sensor", [&] { simulation.enable(name, true); });
+    }
+  }
+  return simulation;
+}
+
+std::optional<Trajectory> read_trajectory(const Options& options, const Simulation& simulation) {
+  if (options.trajectory.empty()) return std::nullopt;
+  return Trajectory(options.trajectory, simulation.parameters());
+}
+
+std::int64_t now_ns() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+void write_results(const Simulation& simulation, const FrameTime& time, OutputWriter& writer) {
+  for (const std::string& sensor : simulation.measured()) simulation.write(sensor, writer.sink(sensor, time));
+}
+
+void print_explanation(const Simulation& simulation) {
+  std::cout << explain(simulation.frame_plan(),
+                       {simulation.counters(), simulation.frame_costs(), simulation.sensor_costs()});
+  for (const SensorInfo& sensor : simulation.sensors()) std::cout << sensor.report.explanation;
+  const FramePlan* const visualization = simulation.visualization_plan();
+  if (visualization == nullptr) return;
+  std::cout << "visualization, drawn apart:\n"
+            << explain(*visualization, {*simulation.visualization_counters(), simulation.visualization_costs(),
+                                        simulation.sensor_costs()});
+}
+
+void add_frame(Profile& profile, std::uint64_t frame, const Simulation& simulation) {
+  profile.add({.index = frame,
+               .stages = simulation.stages(),
+               .written_ns = now_ns(),
+               .sensors = simulation.sensor_costs(),
+               .counters = simulation.counters(),
+               .device_memory_bytes = simulation.device_memory_bytes()});
+  profile.add(simulation.frame_plan(), *simulation.frame_costs());
+  if (const FramePlan* const plan = simulation.visualization_plan())
+    profile.add(*plan, *simulation.visualization_costs());
+}
+
+/// Empty without --shard.
+std::optional<Shard> wanted_shard(const Options& options, const Simulation& simulation) {
+  std::optional<Shard> shard;
+  if (options.shard.empty()) return shard;
+  in_option("--shard", [&] {
+    shard = parse_shard(options.shard);
+    if (shard->share_of(options.frames) == 0) {
+      throw InputError(options.shard + " has no frame of " + std::to_string(options.frames) +
+                       ", expected K below --frames");
+    }
+    if (shard->count > 1) simulation.require_passable();
+  });
+  return shard;
+}
+
+/// Makes and writes all frames; fills in the report's times. The first frame ends the loading.
+void run_frames(const Options& options, Simulation& simulation, const std::optional<Trajectory>& trajectory,
+                OutputWriter& writer, RunReport& report, std::optional<Profile>& profile,
+                std::optional<LoadingBar>& loading) {
+  const Shard shard = report.shard.value_or(Shard{});
+  ProgressBar progress(std::cerr, shows_progress(options), shard.share_of(options.frames),
+                       std::chrono::steady_clock::now());
+  for (std::uint64_t frame = 0; frame < options.frames; ++frame) {
+    const FrameTime time = simulation.next_frame();
+    if (trajectory) trajectory->apply(static_cast<double>(time.time_ns) / 1e9, simulation.parameters());
+    if (!shard.has(frame)) {
+      simulation.pass_over();
+      continue;
+    }
+    const std::int64_t start_ns = now_ns();
+    simulation.step();
+    const std::int64_t measured_ns = now_ns();
+    loading.reset();
+    stop_if_asked_to();
+    report.frame_ms.push_back(static_cast<double>(measured_ns - start_ns) / 1e6);
+    write_results(simulation, time, writer);
+    stop_if_asked_to();
+    if (profile) add_frame(*profile, frame, simulation);
+    progress.update(report.frame_ms.size(), std::chrono::steady_clock::now());
+  }
+}
+
+std::filesystem::path report_file(const Options& options, const RunReport& report) {
+  return std::filesystem::path(options.out) / ("run" + (report.shard ? report.shard->suffix() : "") + ".json");
+}
+
+void print_closing(const Options& options, const OutputWriter& writer, const RunReport& report) {
+  std::cout << "wrote ";
+  for (const std::string& result : writer.results()) std::cout << result << ", ";
+  std::cout << report_file(options, report).string() << '\n' << speed_line(report) << '\n';
+}
+
+void print_warnings(const Options& options, const Simulation& simulation) {
+  if (options.quiet) return;
+  for (const std::string& warning : simulation.warnings()) std::cerr << "warning: " << warning << '\n';
+}
+
+void run_scene(const Options& options, std::int64_t start_ns) {
+  std::optional<LoadingBar> loading;
+  loading.emplace(std::cerr, shows_progress(options));
+  Simulation simulation = load(options, loading);
+  loading->clear_line();
+  print_warnings(options, simulation);
+  const std::optional<Trajectory> trajectory = read_trajectory(options, simulation);
+  std::vector<std::string> writing;
+  for (const SensorInfo& sensor : simulation.sensors()) {
+    if (sensor.enabled) writing.push_back(sensor.name);
+  }
+  RunReport report;
+  report.shard = wanted_shard(options, simulation);
+  handle_signals();
+  OutputWriter writer(options.out, writing, report.shard ? report.shard->suffix() : "");
+  report.scene = options.scene;
+  report.device = simulation.device();
+  report.seed = options.seed;
+  report.rate_hz = options.rate_hz;
+  std::optional<Profile> profile;
+  if (!options.profile.empty()) profile.emplace(options.profile, simulation.device().name);
+  run_frames(options, simulation, trajectory, writer, report, profile, loading);
+  if (options.explain) print_explanation(simulation);
+  writer.finish();
+  if (profile) profile->commit();
+  report.sensors = with_bounds(simulation);
+  report.wall_s = static_cast<double>(now_ns() - start_ns) / 1e9;
+  write_file(report_file(options, report), to_json(report));
+  if (!options.quiet) print_closing(options, writer, report);
+}
+
+/// Cameras have no price list, so naming one is a mistake.
+void check_priced(const Options& options, const Simulation& simulation) {
+  for (const SensorInfo& sensor : simulation.sensors()) {
+    if (options.sensors.empty() || !sensor.enabled || sensor.type == "laser_scanner") continue;
+    throw InputError("--sensor " + sensor.name + ": --price lists laser scanners, and this is a " + sensor.type);
+  }
+  in_option("--price", [&] { scanners_to_price(simulation); });
+}
+
+void price_scene(const Options& options) {
+  if (options.quiet && !options.names_out) {
+    throw InputError("--price: --quiet leaves nothing to print, expected --out DIR with it");
+  }
+  std::optional<LoadingBar> loading;
+  loading.emplace(std::cerr, shows_progress(options));
+  Simulation simulation = load(options, loading);
+  loading->clear_line();
+  check_priced(options, simulation);
+  print_warnings(options, simulation);
+  const std::optional<Trajectory> trajectory = read_trajectory(options, simulation);
+  const std::string device = simulation.device().name;
+  handle_signals();
+  std::optional<AtomicFile> csv;
+  std::optional<ProgressBar> progress;
+  PriceDesc desc{.frames = options.frames, .rate_hz = options.rate_hz};
+  if (trajectory) desc.trajectory = &*trajectory;
+  desc.on_frame = [&, start = std::chrono::steady_clock::now()](std::uint64_t done, std::uint64_t all) {
+    stop_if_asked_to();
+    loading.reset();
+    if (!progress) progress.emplace(std::cerr, shows_progress(options), all, start);
+    progress->update(done, std::chrono::steady_clock::now());
+  };
+  if (options.names_out) {
+    make_folder(options.out);
+    csv.emplace(std::filesystem::path(options.out) / "price.csv");
+  }
+  const std::vector<ScannerPrice> prices = price_scanners(std::move(simulation), desc);
+  loading.reset();
+  progress.reset();
+  if (csv) {
+    csv->write(to_csv(prices));
+    csv->commit();
+  }
+  if (options.quiet) return;
+  std::cout << "on " << device << (trajectory ? "" : "; the scene stands still: --trajectory prices what moves")
+            << "\n\n";
+  for (const ScannerPrice& price : prices) std::cout << to_table(price) << '\n';
+  std::cout << price_legend();
+  if (csv) std::cout << "wrote " << csv->path().string() << '\n';
+}
+
+int main_or_throw(int argc, char** argv) {
+  const std::int64_t start_ns = now_ns();
+  Options options;
+  CLI::App app("Simulates what a robot's optical sensors see.", "simvis-run");
+  declare_options(app, options);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& wish) {
+    return app.exit(wish);
+  } catch (const CLI::ParseError& error) {
+    throw InputError(std::string(error.what()) + "; --help says more");
+  }
+  for (const std::string& plugin : options.plugins) load_plugin(plugin);
+  if (options.list_devices) {
+    print_devices();
+  } else if (!options.describe.empty()) {
+    print_description(options.describe);
+  } else if (options.price) {
+    options.names_out = app.count("--out") > 0;
+    if (app.count("--frames") == 0) options.frames = PriceDesc().frames;
+    price_scene(options);
+  } else {
+    run_scene(options, start_ns);
+  }
+  if (!std::cout.flush()) throw MachineError("standard output cannot be written");
+  return kExitDone;
+}
+
+/// What has a place in a file reads as compilers write it; the rest says who speaks.
+void print_error(const std::exception& error) {
+  const std::string text = error.what();
+  if (text.starts_with("--")) {
+    std::cerr << "simvis-run: " << text << '\n';
+  } else if (text.find(": error: ") != std::string::npos) {
+    std::cerr << text << '\n';
+  } else {
+    std::cerr << "simvis-run: error: " << text << '\n';
+  }
+}
+
+}  // namespace
+}  // namespace simvis
+
+int main(int argc, char** argv) {
+  try {
+    return simvis::main_or_throw(argc, argv);
+  } catch (const simvis::InputError& error) {
+    simvis::print_error(error);
+    return simvis::kExitWrongInput;
+  } catch (const std::exception& error) {
+    simvis::print_error(error);
+    return simvis::kExitFailed;
+  }
+}

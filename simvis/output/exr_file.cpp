@@ -1,0 +1,98 @@
+#include "simvis/output/exr_file.h"
+
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfIO.h>
+#include <OpenEXR/ImfOutputFile.h>
+
+#include <cstring>
+#include <exception>
+#include <span>
+#include <vector>
+
+#include <simvis/error.h>
+#include "engine/base/assert.h"
+
+namespace simvis {
+
+namespace {
+
+/// OpenEXR's way to write, into memory: so that files are written, and their errors found, in one place.
+class MemoryStream : public Imf::OStream {
+ public:
+  MemoryStream() : Imf::OStream("picture") {}
+
+  void write(const char bytes[], int count) override {
+    const std::size_t end = position_ + static_cast<std::size_t>(count);
+    if (end > bytes_.size()) bytes_.resize(end);
+    std::memcpy(bytes_.data() + position_, bytes, static_cast<std::size_t>(count));
+    position_ = end;
+  }
+  std::uint64_t tellp() override { return position_; }
+  void seekp(std::uint64_t position) override { position_ = position; }
+
+  std::string take() { return std::move(bytes_); }
+
+ private:
+  std::string bytes_;
+  std::size_t position_ = 0;
+};
+
+/// One channel of a file, and where its values come from.
+struct NamedChannel {
+  const char* name;
+  const Image* image;
+  std::size_t channel;
+};
+
+void add_channel(const NamedChannel& from, Imf::Header& header, Imf::FrameBuffer& pixels) {
+  const Image& image = *from.image;
+  SIMVIS_ASSERT(image.pixels.size() == std::size_t{image.width} * image.height * image.channels);
+  const std::size_t stride = sizeof(float) * image.channels;
+  // OpenEXR takes a pointer to what it does not change.
+  auto* const first = const_cast<char*>(reinterpret_cast<const char*>(image.pixels.data() + from.channel));
+  header.channels().insert(from.name, Imf::Channel(Imf::FLOAT));
+  pixels.insert(from.name, Imf::Slice(Imf::FLOAT, first, stride, stride * image.width));
+}
+
+std::string encode(std::span<const NamedChannel> channels) {
+  const Image& size = *channels.front().image;
+  try {
+    Imf::Header header(static_cast<int>(size.width), static_cast<int>(size.height));
+    header.compression() = Imf::ZIP_COMPRESSION;
+    header.zipCompressionLevel() = 1;  // float pictures hardly shrink further
+    Imf::FrameBuffer pixels;
+    for (const NamedChannel& each : channels) add_channel(each, header, pixels);
+    MemoryStream stream;
+    {
+      // The table of lines is written when the file ends.
+      Imf::OutputFile file(stream, header, 0);
+      file.setFrameBuffer(pixels);
+      file.writePixels(static_cast<int>(size.height));
+    }
+    return stream.take();
+  } catch (const std::exception& error) {
+    throw MachineError(std::string("an EXR picture cannot be encoded: ") + error.what());
+  }
+}
+
+}  // namespace
+
+std::string encode_exr(const Image* color, const Image* depth) {
+  SIMVIS_ASSERT(color != nullptr || depth != nullptr);
+  SIMVIS_ASSERT(color == nullptr || depth == nullptr ||
+                (depth->width == color->width && depth->height == color->height));
+  std::vector<NamedChannel> channels;
+  if (color != nullptr) channels = {{"R", color, 0}, {"G", color, 1}, {"B", color, 2}};
+  if (depth != nullptr) channels.push_back({"Z", depth, 0});
+  return encode(channels);
+}
+
+std::string encode_exr_plane(const std::string& channel, const Image& plane) {
+  SIMVIS_ASSERT(plane.channels == 1);
+  const NamedChannel channels[] = {{channel.c_str(), &plane, 0}};
+  return encode(channels);
+}
+
+}  // namespace simvis

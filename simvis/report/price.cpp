@@ -1,0 +1,232 @@
+#include "simvis/report/price.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+#include "engine/base/assert.h"
+#include "simvis/clock.h"
+#include "simvis/report/run_report.h"
+
+namespace simvis {
+
+namespace {
+
+constexpr double kSamePrice = 1.05;
+constexpr double kNone = VariantPrice::kNone;
+
+using SteadyClock = std::chrono::steady_clock;
+
+bool is_range(float reading_m) { return reading_m > 0 && std::isfinite(reading_m); }
+
+/// Largest of what came; none before.
+void raise(double& largest, double value) {
+  if (!(largest >= value)) largest = value;
+}
+
+/// What one variant's frames add up to.
+struct Tally {
+  std::vector<double> times_ms, medians_m, medians_rel;
+  double beams = 0, cast = 0, unbounded = 0, wrong_kind = 0;
+};
+
+void take_bounds(const Scan& scan, Tally& tally, VariantPrice& price) {
+  std::vector<double> bounds_m, bounds_rel;
+  for (std::size_t i = 0; i < scan.range_m.size(); ++i) {
+    const double range_m = scan.range_m[i], bound_m = scan.error_bound_m[i];
+    if (!std::isfinite(bound_m)) {
+      ++tally.unbounded;
+      continue;
+    }
+    raise(price.bound_largest_m, bound_m);
+    raise(price.bound_largest_rel, bound_m == 0 ? 0 : bound_m / range_m);
+    if (!is_range(scan.range_m[i])) continue;
+    bounds_m.push_back(bound_m);
+    bounds_rel.push_back(bound_m / range_m);
+  }
+  tally.beams += static_cast<double>(scan.range_m.size());
+  if (bounds_m.empty()) return;
+  tally.medians_m.push_back(percentile(bounds_m, 50));
+  tally.medians_rel.push_back(percentile(bounds_rel, 50));
+}
+
+void take_differences(const Scan& scan, const Scan& reference, Tally& tally, VariantPrice& price) {
+  for (std::size_t i = 0; i < scan.range_m.size(); ++i) {
+    const float seen_m = scan.range_m[i], true_m = reference.range_m[i];
+    if (seen_m == true_m && !is_range(seen_m)) continue;
+    if (!is_range(seen_m) || !is_range(true_m)) {
+      ++tally.wrong_kind;
+      continue;
+    }
+    const double difference_m = std::abs(static_cast<double>(seen_m) - static_cast<double>(true_m));
+    if (!std::isfinite(scan.error_bound_m[i])) {
+      raise(price.unbounded_difference_m, difference_m);
+    } else {
+      raise(price.difference_largest_m, difference_m);
+      raise(price.difference_largest_rel, difference_m / static_cast<double>(true_m));
+    }
+  }
+}
+
+/// The variants of one scanner, as sensors of the simulation.
+struct PricedScanner {
+  std::string name;
+  std::vector<std::string> sensors;  // by variant
+  std::optional<std::size_t> reference;
+  std::vector<VariantPrice> prices;
+  std::vector<Tally> tallies;
+};
+
+class Pricing {
+ public:
+  Pricing(Simulation simulation, const PriceDesc& desc)
+      : simulation_(std::move(simulation)), desc_(desc), clock_(desc.rate_hz) {
+    const std::vector<std::string> names = scanners_to_price(simulation_);
+    for (const SensorInfo& sensor : simulation_.sensors()) simulation_.enable(sensor.name, false);
+    for (const std::string& name : names) add(name);
+  }
+
+  std::vector<ScannerPrice> run() {
+    std::vector<ScannerPrice> prices;
+    for (PricedScanner& scanner : scanners_) prices.push_back(price(scanner));
+    return prices;
+  }
+
+ private:
+  void add(const std::string& name) {
+    PricedScanner scanner{.name = name, .sensors = {}, .reference = {}, .prices = {}, .tallies = {}};
+    const Command command = simulation_.command(name);
+    const ScanVariant own = variant_of(command);
+    for (const ScanVariant& variant : priced_variants(command)) {
+      // No name in a scene has a dot.
+      scanner.sensors.push_back(name + "." + std::to_string(scanner.sensors.size()));
+      simulation_.add_variant(name, with_variant(command, variant, scanner.sensors.back()));
+      simulation_.enable(scanner.sensors.back(), false);
+      if (variant.method == "raycast") scanner.reference = scanner.prices.size();
+      scanner.prices.push_back({.variant = variant, .in_scene = variant == own});
+    }
+    scanner.tallies.resize(scanner.prices.size());
+    all_frames_ += 2 * (desc_.warm_up + desc_.frames) * scanner.sensors.size();
+    scanners_.push_back(std::move(scanner));
+  }
+
+  ScannerPrice price(PricedScanner& scanner) {
+    for (std::uint64_t turn = 0; turn < desc_.warm_up; ++turn) measure(scanner, 1, turn);
+    for (Tally& tally : scanner.tallies) tally = {};
+    for (std::uint64_t frame = 1; frame <= desc_.frames; ++frame) {
+      measure(scanner, frame, frame);
+      for (std::size_t i = 0; i < scanner.sensors.size(); ++i) judge(scanner, i);
+    }
+    double least_ms = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < scanner.prices.size(); ++i) {
+      sum_up(scanner.tallies[i], scanner.reference.has_value(), scanner.prices[i]);
+      least_ms = std::min(least_ms, scanner.prices[i].median_ms);
+    }
+    for (VariantPrice& each : scanner.prices) each.ratio = each.median_ms / least_ms;
+    const Scan& scan = simulation_.scan(scanner.sensors.front());
+    return {.scanner = scanner.name,
+            .rings = scan.rings,
+            .beams = scan.rings * scan.columns,
+            .frames = desc_.frames,
+            .variants = scanner.prices};
+  }
+
+  /// All variants measure `frame`, each after it has measured the frame before.
+  void measure(PricedScanner& scanner, std::uint64_t frame, std::uint64_t turn) {
+    const std::size_t count = scanner.sensors.size();
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t variant = (i + turn) % count;  // none is always first
+      const std::string& sensor = scanner.sensors[variant];
+      simulation_.enable(sensor, true);
+      step(frame - 1);
+      if (simulation_.measured().empty()) {
+        throw InputError("laser scanner \"" + scanner.name + "\" has no price: the part it stands in is switched off");
+      }
+      scanner.tallies[variant].times_ms.push_back(step(frame));
+      simulation_.enable(sensor, false);
+    }
+  }
+
+  double step(std::uint64_t frame) {
+    if (desc_.trajectory != nullptr) {
+      desc_.trajectory->apply(static_cast<double>(clock_.frame(frame).time_ns) / 1e9, simulation_.parameters());
+    }
+    const SteadyClock::time_point start = SteadyClock::now();
+    simulation_.step();
+    const double time_ms = std::chrono::duration<double, std::milli>(SteadyClock::now() - start).count();
+    ++frames_done_;
+    if (desc_.on_frame) desc_.on_frame(frames_done_, all_frames_);
+    return time_ms;
+  }
+
+  void judge(PricedScanner& scanner, std::size_t variant) {
+    Tally& tally = scanner.tallies[variant];
+    const Scan& scan = simulation_.scan(scanner.sensors[variant]);
+    take_bounds(scan, tally, scanner.prices[variant]);
+    if (scanner.reference) {
+      take_differences(scan, simulation_.scan(scanner.sensors[*scanner.reference]), tally, scanner.prices[variant]);
+    }
+    tally.cast += cast_share(scanner.sensors[variant]) * static_cast<double>(scan.range_m.size());
+  }
+
+  double cast_share(const std::string& name) const {
+    const std::vector<SensorInfo> sensors = simulation_.sensors();
+    const auto sensor = std::ranges::find(sensors, name, &SensorInfo::name);
+    SIMVIS_ASSERT(sensor != sensors.end());
+    return sensor->number("cast_share").value_or(0);
+  }
+
+  static void sum_up(const Tally& tally, bool compared, VariantPrice& price) {
+    price.median_ms = percentile(tally.times_ms, 50);
+    price.cast_share = tally.cast / tally.beams;
+    price.unbounded_share = tally.unbounded / tally.beams;
+    if (compared) price.wrong_kind_share = tally.wrong_kind / tally.beams;
+    if (tally.medians_m.empty()) return;
+    price.bound_median_m = percentile(tally.medians_m, 50);
+    price.bound_median_rel = percentile(tally.medians_rel, 50);
+  }
+
+  Simulation simulation_;
+  const PriceDesc& desc_;
+  Clock clock_;
+  std::vector<PricedScanner> scanners_;
+  std::uint64_t frames_done_ = 0, all_frames_ = 0;
+};
+
+}  // namespace
+
+bool VariantPrice::meets(double tolerance_rel) const {
+  return unbounded_share == 0 && bound_largest_rel <= tolerance_rel && !(difference_largest_rel > tolerance_rel) &&
+         !(wrong_kind_share > 0);
+}
+
+std::optional<std::size_t> cheapest_for(const ScannerPrice& price, double tolerance_rel) {
+  double least_ms = std::numeric_limits<double>::infinity();
+  for (const VariantPrice& each : price.variants) {
+    if (each.meets(tolerance_rel)) least_ms = std::min(least_ms, each.median_ms);
+  }
+  std::optional<std::size_t> found;
+  for (std::size_t i = 0; i < price.variants.size(); ++i) {
+    const VariantPrice& each = price.variants[i];
+    if (!each.meets(tolerance_rel) || each.median_ms > kSamePrice * least_ms) continue;
+    if (!found || each.bound_largest_rel < price.variants[*found].bound_largest_rel) found = i;
+  }
+  return found;
+}
+
+std::vector<std::string> scanners_to_price(const Simulation& simulation) {
+  std::vector<std::string> names;
+  for (const SensorInfo& sensor : simulation.sensors()) {
+    if (sensor.enabled && sensor.type == "laser_scanner") names.push_back(sensor.name);
+  }
+  if (names.empty()) throw InputError("no laser scanner is there to price");
+  return names;
+}
+
+std::vector<ScannerPrice> price_scanners(Simulation simulation, const PriceDesc& desc) {
+  SIMVIS_ASSERT(desc.frames > 0);
+  return Pricing(std::move(simulation), desc).run();
+}
+
+}  // namespace simvis

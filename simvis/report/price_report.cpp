@@ -1,0 +1,172 @@
+#include "simvis/report/price_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <simvis/attributes.h>
+#include "engine/base/assert.h"
+#include "simvis/output/csv_file.h"
+
+namespace simvis {
+
+namespace {
+
+using Style = NumberFormat::Style;
+using Cells = std::vector<std::string>;
+
+constexpr NumberFormat kTime{Style::fixed, 3}, kRatio{Style::fixed, 2}, kPercent{Style::general, 3};
+constexpr NumberFormat kLength{Style::scientific, 1}, kExact{Style::general, 9};
+
+std::string formatted(const NumberFormat& format, double value) {
+  std::string text;
+  append_number(text, format, value);
+  return text;
+}
+
+/// For people: nothing is a dash, and 0 is no 0.0e+00.
+std::string shown(const NumberFormat& format, double value) {
+  if (std::isnan(value)) return "-";
+  return value == 0 && format.style != Style::fixed ? "0" : formatted(format, value);
+}
+
+std::string shown(std::optional<double> value) { return value ? format_number(*value) : "-"; }
+
+/// Columns side by side: the first and the last to the left, the others to the right.
+std::string aligned(const std::vector<Cells>& rows) {
+  std::vector<std::size_t> widths(rows.front().size());
+  for (const Cells& row : rows) {
+    SIMVIS_ASSERT(row.size() == widths.size());
+    for (std::size_t c = 0; c < row.size(); ++c) widths[c] = std::max(widths[c], row[c].size());
+  }
+  std::string text;
+  for (const Cells& row : rows) {
+    std::string line = row.front() + std::string(widths.front() - row.front().size(), ' ');
+    for (std::size_t c = 1; c + 1 < row.size(); ++c)
+      line += "  " + std::string(widths[c] - row[c].size(), ' ') + row[c];
+    line += "  " + row.back();
+    line.erase(line.find_last_not_of(' ') + 1);
+    text += line + '\n';
+  }
+  return text;
+}
+
+/// The tolerances that this variant is the one to take for: "0.001 1e-04".
+std::string cheapest_of(const ScannerPrice& price, std::size_t variant) {
+  std::string text;
+  for (const double tolerance : kPriceTolerances_rel) {
+    if (cheapest_for(price, tolerance) == variant) text += (text.empty() ? "" : " ") + format_number(tolerance);
+  }
+  return text;
+}
+
+std::string joined(const std::vector<double>& tolerances) {
+  std::string text;
+  for (std::size_t i = 0; i < tolerances.size(); ++i) {
+    text += (i == 0 ? "" : i + 1 == tolerances.size() ? " and " : ", ") + format_number(tolerances[i]);
+  }
+  return text;
+}
+
+std::string quoted(const std::string& cell) {
+  if (cell.find_first_of(",\"") == std::string::npos) return cell;
+  std::string text = "\"";
+  for (const char c : cell) text += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return text + '"';
+}
+
+/// Where nothing meets a tolerance: the variant with the fewest beams without a bound, and of those the smallest one.
+const VariantPrice& surest(const ScannerPrice& price) {
+  return *std::ranges::min_element(price.variants, [](const VariantPrice& a, const VariantPrice& b) {
+    if (a.unbounded_share != b.unbounded_share) return a.unbounded_share < b.unbounded_share;
+    return a.bound_largest_rel < b.bound_largest_rel;
+  });
+}
+
+}  // namespace
+
+std::string to_table(const ScannerPrice& price) {
+  const std::uint32_t columns = price.beams / price.rings;
+  std::string title = price.scanner + ": " + std::to_string(columns) + " beams";
+  if (price.rings > 1) title += " x " + std::to_string(price.rings) + " rings";
+  title += ", " + std::to_string(price.frames) + (price.frames == 1 ? " frame" : " frames") + " of each\n";
+  std::vector<Cells> rows = {
+      {"", "", "", "", "", "", "median", "bound", "largest", "bound", "no", "error", "", "error of", "wrong", ""},
+      {"method", "resolution", "max_error_rel", "ms", "ratio", "cast %", "m", "rel", "m", "rel", "bound %", "m", "rel",
+       "unbounded", "kind %", "cheapest for"}};
+  for (std::size_t i = 0; i < price.variants.size(); ++i) {
+    const VariantPrice& v = price.variants[i];
+    rows.push_back(
+        {v.variant.method + (v.in_scene ? " *" : ""), shown(v.variant.resolution_px), shown(v.variant.max_error_rel),
+         shown(kTime, v.median_ms), shown(kRatio, v.ratio), shown(kPercent, 100 * v.cast_share),
+         shown(kLength, v.bound_median_m), shown(kLength, v.bound_median_rel), shown(kLength, v.bound_largest_m),
+         shown(kLength, v.bound_largest_rel), shown(kPercent, 100 * v.unbounded_share),
+         shown(kLength, v.difference_largest_m), shown(kLength, v.difference_largest_rel),
+         shown(kLength, v.unbounded_difference_m), shown(kPercent, 100 * v.wrong_kind_share), cheapest_of(price, i)});
+  }
+  return title + aligned(rows) + price_advice(price) + '\n';
+}
+
+std::string price_legend() {
+  return "ms: the median frame in which only that scanner measures; ratio: of that to the cheapest; cast: beams for "
+         "which a ray was cast.\n"
+         "bound: what a range says of its own error, where it has one; it speaks of surfaces at least three pixels "
+         "wide.\n"
+         "error: how far a range was from raycast. m: metres; rel: share of the range. *: as the scene has it.\n"
+         "wrong kind: beams that hit, miss or meet something too near where raycast says another of these.\n"
+         "cheapest for: the least dear whose bound and error are within that share of the range for every beam.\n";
+}
+
+std::string price_advice(const ScannerPrice& price) {
+  std::string text;
+  const auto say = [&](const std::string& clause) { text += (text.empty() ? ": " : "; ") + clause; };
+  std::vector<double> pending;
+  std::optional<std::size_t> chosen;
+  const auto say_pending = [&] {
+    if (pending.empty()) return;
+    if (chosen) {
+      const VariantPrice& variant = price.variants[*chosen];
+      say("for " + joined(pending) + " write " + attributes_of(variant.variant) + " (" +
+          formatted(kTime, variant.median_ms) + " ms)");
+    } else {
+      const VariantPrice& best = surest(price);
+      say("nothing meets " + joined(pending) + ", nearest is " + attributes_of(best.variant) + " with bounds up to " +
+          shown(kLength, best.bound_largest_rel) + " and none for " + shown(kPercent, 100 * best.unbounded_share) +
+          " % of the beams");
+    }
+    pending.clear();
+  };
+  for (const double tolerance : kPriceTolerances_rel) {
+    const std::optional<std::size_t> variant = cheapest_for(price, tolerance);
+    if (variant != chosen) say_pending();
+    chosen = variant;
+    pending.push_back(tolerance);
+  }
+  say_pending();
+  return price.scanner + text;
+}
+
+std::string to_csv(std::span<const ScannerPrice> prices) {
+  std::string text =
+      "scanner,beams,frames,method,resolution_px,max_error_rel,in_scene,median_ms,ratio,cast_share,bound_median_m,"
+      "bound_median_rel,bound_largest_m,bound_largest_rel,unbounded_share,difference_largest_m,difference_largest_rel,"
+      "unbounded_difference_m,wrong_kind_share,cheapest_for\n";
+  for (const ScannerPrice& price : prices) {
+    for (std::size_t i = 0; i < price.variants.size(); ++i) {
+      const VariantPrice& v = price.variants[i];
+      text += quoted(price.scanner) + ',' + std::to_string(price.beams) + ',' + std::to_string(price.frames) + ',' +
+              v.variant.method;
+      for (const double value : {v.variant.resolution_px.value_or(VariantPrice::kNone),
+                                 v.variant.max_error_rel.value_or(VariantPrice::kNone), v.in_scene ? 1.0 : 0.0,
+                                 v.median_ms, v.ratio, v.cast_share, v.bound_median_m, v.bound_median_rel,
+                                 v.bound_largest_m, v.bound_largest_rel, v.unbounded_share, v.difference_largest_m,
+                                 v.difference_largest_rel, v.unbounded_difference_m, v.wrong_kind_share}) {
+        text += ',' + formatted(kExact, value);
+      }
+      text += ',' + cheapest_of(price, i) + '\n';
+    }
+  }
+  return text;
+}
+
+}  // namespace simvis

@@ -1,0 +1,79 @@
+#include "simvis/report/run_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "engine/base/assert.h"
+#include "sensors/camera/depth_error_bound.h"
+
+namespace simvis {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Names and paths are whatever bytes the user gave: what is not UTF-8 is replaced.
+std::string dump(const Json& json, int indent) {
+  return json.dump(indent, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace
+
+double percentile(std::span<const double> values, double p) {
+  SIMVIS_ASSERT(p > 0 && p <= 100);
+  if (values.empty()) return 0;
+  std::vector<double> sorted(values.begin(), values.end());
+  std::sort(sorted.begin(), sorted.end());
+  const double rank = std::ceil(p / 100 * static_cast<double>(sorted.size()));
+  return sorted[static_cast<std::size_t>(rank) - 1];
+}
+
+std::vector<SensorInfo> with_bounds(const Simulation& simulation) {
+  std::vector<SensorInfo> sensors = simulation.sensors();
+  for (SensorInfo& sensor : sensors) {
+    sensor.depth_error_bound_m = simulation.find_value(sensor.name, kDepthErrorBound);
+  }
+  return sensors;
+}
+
+std::string to_json(const RunReport& report) {
+  Json sensors = Json::object();
+  for (const SensorInfo& sensor : report.sensors) {
+    sensors[sensor.name] = {
+        {"type", sensor.type}, {"method", sensor.method}, {"frames", sensor.frames}, {"effects", sensor.effects}};
+    if (sensor.depth_error_bound_m) {
+      // JSON has no infinity.
+      const bool finite = std::isfinite(*sensor.depth_error_bound_m);
+      sensors[sensor.name][kDepthErrorBound] = finite ? Json(*sensor.depth_error_bound_m) : Json(nullptr);
+    }
+    for (const SensorNote& note : sensor.report.notes) {
+      std::visit([&](const auto& value) { sensors[sensor.name][note.name] = value; }, note.value);
+    }
+  }
+  Json json = {{"scene", report.scene},
+               {"device", report.device.name},
+               {"driver", report.device.driver},
+               {"versions", {{"simvis", std::string(version())}, {"vulkan", report.device.api_version}}},
+               {"seed", report.seed},
+               {"wall_s", report.wall_s},
+               {"frames", report.frame_ms.size()},
+               {"rate_hz", report.rate_hz},
+               {"frame_ms", {{"median", percentile(report.frame_ms, 50)}, {"p99", percentile(report.frame_ms, 99)}}},
+               {"sensors", sensors}};
+  if (report.shard) json["shard"] = {{"index", report.shard->index}, {"count", report.shard->count}};
+  return dump(json, 2);
+}
+
+std::string speed_line(const RunReport& report) {
+  const double median_ms = percentile(report.frame_ms, 50);
+  const double speed_hz = 1000 / std::max(median_ms, 1e-6);
+  const std::size_t frames = report.frame_ms.size();
+  char text[160];
+  std::snprintf(text, sizeof text, "%zu frame%s, %.2f ms a frame: %.1f Hz, %.2f x real time at %g Hz", frames,
+                frames == 1 ? "" : "s", median_ms, speed_hz, speed_hz / report.rate_hz, report.rate_hz);
+  return text;
+}
+
+}  // namespace simvis

@@ -1,0 +1,214 @@
+// The effect atmosphere against the physics that its header states, computed here: echoes without a cast.
+#include "effects/scanner/atmosphere.h"
+
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "tests/support/scan_effects.h"
+#include "tests/support/tested_build.h"
+
+namespace simvis {
+namespace {
+
+const std::uint32_t kFewer = sanitized() ? 16 : 1;
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kUnit = 0x1p-53;
+// A count of mean m is off by more than 5 sqrt(m) with a probability of 6e-7.
+constexpr double kSigmas = 5;
+
+std::shared_ptr<const ScanEffect> atmosphere(const std::string& attributes, const std::string& sensor = "S",
+                                             std::uint64_t seed = 0) {
+  return effects_of(attributes, "atmosphere", sensor, seed).at(0).effect;
+}
+
+ScanMoment moment_in(const Medium& medium, double range_max_m = 80) {
+  ScanMoment moment;
+  moment.range_max_m = range_max_m;
+  moment.medium = medium;
+  return moment;
+}
+
+// Rain of 20 mm/h: 8000 drops per m3 and mm of diameter, exp(-D / D0).
+Medium heavy_rain() {
+  const double d0_mm = std::pow(20.0, 0.21) / 4.1;
+  return {.laser_extinction_per_m = kPi * 8000e3 * std::pow(d0_mm * 1e-3, 3),
+          .particles_per_m3 = 8000 * d0_mm,
+          .particle_diameter_m = d0_mm * 1e-3};
+}
+
+constexpr double kLeastPower = 2e-5, kBeam_m = 0.012;
+const std::string kSight = "least_power='2e-5' beam_diameter='0.012'";
+
+// Of a drop at r, by the law of its echo solved for the diameter.
+double least_diameter(const Medium& rain, double r) {
+  return kBeam_m * r * std::sqrt(kLeastPower / 0.024) * std::exp(rain.laser_extinction_per_m * r);
+}
+double rate(const Medium& rain, double r) {
+  const double diameter = least_diameter(rain, r);
+  if (diameter > kBeam_m) return 0;
+  return rain.particles_per_m3 * kPi * kBeam_m * kBeam_m / 4 * std::exp(-diameter / rain.particle_diameter_m);
+}
+
+// Simpson's rule; the rate is smooth on the scale of metres, so that steps of a centimetre leave less than 1e-9 of it.
+double expected_drops(const Medium& rain, double from_m, double to_m) {
+  const int steps = 2 * static_cast<int>(50 * (to_m - from_m));
+  const double h = (to_m - from_m) / steps;
+  double sum = rate(rain, from_m) + rate(rain, to_m);
+  for (int i = 1; i < steps; ++i) sum += (i % 2 == 0 ? 2 : 4) * rate(rain, from_m + i * h);
+  return sum * h / 3;
+}
+
+}  // namespace
+
+TEST_CASE("echoes are weakened as Beer and Lambert have it, to rounding") {
+  const auto effect = atmosphere("least_power='1e-30'");
+  for (const double extinction : {1e-5, 3e-3, 0.1}) {
+    std::vector<Echo> echoes;
+    for (double r = 0.25; r < 200; r *= 1.7) echoes.push_back({.range_m = r, .power = 0.4 / (r * r)});
+    const std::vector<Echo> before = echoes;
+    effect->receive(moment_in({.laser_extinction_per_m = extinction}), 0, echoes);
+    REQUIRE(echoes.size() == before.size());
+    for (std::size_t i = 0; i < echoes.size(); ++i) {
+      const double depth = 2 * extinction * before[i].range_m, expected = before[i].power * std::exp(-depth);
+      // Three roundings of the exponent, here and there, and a few of the result.
+      CHECK(std::abs(echoes[i].power - expected) <= (6 * depth + 6) * kUnit * expected);
+      CHECK(echoes[i].range_m == before[i].range_m);
+    }
+  }
+}
+
+TEST_CASE("what is weaker than the least power is lost; by default that is reflectance 0.1 at range_max") {
+  const Medium fog{.laser_extinction_per_m = 0.05};
+  // A wall of reflectance 0.5 at r returns as much as the least power where 0.5 exp(-2 k r) / r^2 is that.
+  const auto detected = [&](const std::string& attributes, double r) {
+    std::vector<Echo> echoes{{.range_m = r, .power = 0.5 / (r * r)}};
+    atmosphere(attributes)->receive(moment_in(fog), 0, echoes);
+    return !echoes.empty();
+  };
+  for (const auto& [attributes, least] :
+       {std::pair("least_power='1e-4'", 1e-4), std::pair("", 0.1 / 6400), std::pair("range_max='20'", 0.1 / 400)}) {
+    double low = 0.1, high = 1000;
+    for (int i = 0; i < 200; ++i) {
+      const double middle = (low + high) / 2;
+      (0.5 * std::exp(-0.1 * middle) / (middle * middle) > least ? low : high) = middle;
+    }
+    CAPTURE(low);
+    // The power falls by more than a share of 0.1 per metre: rounding moves the place by far less than this share.
+    constexpr double kPlace = 1e-12;
+    CHECK(detected(attributes, low * (1 - kPlace)));
+    CHECK(!detected(attributes, low * (1 + kPlace)));
+  }
+}
+
+TEST_CASE("the air's own echo stands where the receiver begins to see the beam") {
+  const Medium fog{.laser_extinction_per_m = 0.2, .backscatter_per_m_sr = 0.01};
+  const double expected = kPi * 0.75 * 0.01 * std::exp(-0.4);
+  const auto echoes_with = [&](const std::string& attributes, double wall_m) {
+    std::vector<Echo> echoes{{.range_m = wall_m, .power = 1 / (wall_m * wall_m)}};
+    atmosphere(attributes)->receive(moment_in(fog), 0, echoes);
+    return echoes;
+  };
+  const std::vector<Echo> both = echoes_with("least_power='1e-6'", 3);
+  REQUIRE(both.size() == 2);
+  CHECK(both[0].range_m == 1);
+  CHECK(std::abs(both[0].power - expected) <= 16 * kUnit * expected);
+  CHECK(both[1].range_m == 3);
+  CHECK(echoes_with("least_power='0.0158'", 3).size() == 1 + (expected >= 0.0158));
+  CHECK(echoes_with("least_power='0.0157'", 3).size() == 2);
+  CHECK(echoes_with("least_power='0.0159'", 3).size() == 1);
+  CHECK(echoes_with("least_power='1e-6'", 0.9).size() == 1);  // the wall is nearer
+}
+
+TEST_CASE("drops: a million beams have as many, where, and as large, as a Poisson process has") {
+  const std::uint32_t kBeams = 1000000 / kFewer;
+  constexpr double kEnd_m = 15;
+  const Medium rain = heavy_rain();
+  const auto effect = atmosphere(kSight);
+  const ScanMoment moment = moment_in(rain, kEnd_m);
+  std::array<std::uint64_t, 4> beams_with{};  // no drop, one, two, more
+  std::array<std::uint64_t, 7> in_stretch{};  // of 2 m
+  std::uint64_t drops = 0, large = 0;
+  double sum_of_sizes = 0;
+  std::vector<Echo> echoes;
+  for (std::uint32_t beam = 0; beam < kBeams; ++beam) {
+    echoes.clear();
+    effect->receive(moment, beam, echoes);
+    ++beams_with[std::min<std::size_t>(echoes.size(), 3)];
+    for (const Echo& echo : echoes) {
+      ++drops;
+      ++in_stretch.at(static_cast<std::size_t>((echo.range_m - 1) / 2));
+      const double r = echo.range_m;
+      if (echo.power < kLeastPower * (1 - 1e-12)) FAIL("a drop too weak to be detected");
+      // The diameter, from the power; in units of the mean, beyond the least one.
+      const double diameter = kBeam_m * r * std::sqrt(echo.power / 0.024) * std::exp(rain.laser_extinction_per_m * r);
+      const double size = (diameter - least_diameter(rain, r)) / rain.particle_diameter_m;
+      sum_of_sizes += size;
+      large += size > 1;
+    }
+  }
+  const double mean = expected_drops(rain, 1, kEnd_m), all = kBeams * mean;
+  MESSAGE(mean << " drops per beam expected, " << static_cast<double>(drops) / kBeams << " met");
+  CHECK(mean > 0.1);
+  CHECK(std::abs(static_cast<double>(drops) - all) <= kSigmas * std::sqrt(all));
+  const double none = std::exp(-mean);
+  const std::array<double, 4> shares{none, none * mean, none * mean * mean / 2,
+                                     1 - none * (1 + mean + mean * mean / 2)};
+  for (std::size_t k = 0; k < 4; ++k) {
+    const double expected = kBeams * shares[k];
+    CAPTURE(k);
+    CHECK(std::abs(static_cast<double>(beams_with[k]) - expected) <= kSigmas * std::sqrt(expected * (1 - shares[k])));
+  }
+  for (std::size_t k = 0; k < 7; ++k) {
+    const double from_m = 1 + 2 * static_cast<double>(k), expected = kBeams * expected_drops(rain, from_m, from_m + 2);
+    CAPTURE(from_m);
+    CHECK(std::abs(static_cast<double>(in_stretch[k]) - expected) <= kSigmas * std::sqrt(expected));
+  }
+  // Unit exponentials: mean 1, variance 1, above 1 with probability 1 / e. What is wider than the beam counts as wide
+  // as it: e^-10 of them, and less of their mean.
+  const double n = static_cast<double>(drops), above = 1 / std::numbers::e;
+  CHECK(std::abs(sum_of_sizes / n - 1) <= kSigmas / std::sqrt(n));
+  CHECK(std::abs(static_cast<double>(large) - n * above) <= kSigmas * std::sqrt(n * above * (1 - above)));
+}
+
+TEST_CASE("drops are those of sensor, seed, frame and beam, whoever is asked first, and none lies beyond a surface") {
+  const auto drops = [](const ScanEffect& effect, std::uint64_t frame, double wall_m) {
+    std::map<std::uint32_t, std::vector<double>> found;
+    ScanMoment moment = moment_in(heavy_rain(), 15);
+    moment.time.index = frame;
+    for (std::uint32_t i = 0; i < 3000; ++i) {
+      const std::uint32_t beam = frame % 2 == 0 ? i : 2999 - i;
+      std::vector<Echo> echoes;
+      if (wall_m > 0) echoes.push_back({.range_m = wall_m, .power = 1});
+      effect.receive(moment, beam, echoes);
+      for (const Echo& echo : echoes) {
+        CHECK((wall_m == 0 || echo.range_m <= wall_m));
+        if (echo.range_m != wall_m) found[beam].push_back(echo.range_m);
+      }
+    }
+    return found;
+  };
+  const auto effect = atmosphere(kSight), again = atmosphere(kSight);
+  const auto first = drops(*effect, 1, 0);
+  CHECK(drops(*effect, 2, 0) != first);
+  CHECK(drops(*again, 1, 0) == first);
+  CHECK(drops(*atmosphere(kSight, "T"), 1, 0) != first);
+  CHECK(drops(*atmosphere(kSight, "S", 1), 1, 0) != first);
+  // A surface takes away what lies beyond it, and moves no drop before it.
+  auto before_wall = first;
+  for (auto& [beam, ranges] : before_wall) std::erase_if(ranges, [](double range_m) { return range_m > 6; });
+  std::erase_if(before_wall, [](const auto& each) { return each.second.empty(); });
+  CHECK(drops(*effect, 1, 6) == before_wall);
+}
+
+TEST_CASE("a drop returns as much as geometric optics says") {
+  const double n = 1.33, face = std::pow((n - 1) / (n + 1), 2);
+  const double of_mirror = face + face * std::pow(1 - face, 2) * std::pow(n / (2 - n), 2);
+  CHECK(std::abs(kDropReflectance - of_mirror / 4) <= 0.5e-4);  // its last digit
+}
+
+}  // namespace simvis

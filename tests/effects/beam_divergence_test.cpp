@@ -1,0 +1,179 @@
+// The effect `beam_divergence`: what shares of a beam's footprint lie on either side of an edge, how that converges,
+// and which ranges mix.
+#include "effects/scanner/beam_divergence.h"
+
+#include <doctest/doctest.h>
+
+#include "effects/scanner/returns.h"
+#include "tests/support/traced_beams.h"
+
+namespace simvis {
+namespace {
+
+constexpr double kFull_rad = 0.04;  // from side to side
+const double kSpread = std::tan(kFull_rad / 2);
+const glm::dvec3 kAhead(1, 0, 0);
+
+std::shared_ptr<const BeamDivergence> divergence(std::uint32_t samples, std::uint64_t seed = 0) {
+  return std::make_shared<BeamDivergence>(kFull_rad, samples, SensorRandom(seed, "S/beam_divergence"));
+}
+
+constexpr double kNear_m = 4, kFar_m = 10;
+
+/// A plate whose edge cuts the footprint of a beam ahead at `c` of its radius, before a wall.
+DrawList edge(double c) {
+  DrawList list;
+  add_item(list, plate_mesh(kNear_m, {c * kNear_m * kSpread, -2}, {2, 2}), glm::dmat4(1));
+  add_item(list, plate_mesh(kFar_m, {-5, -5}, {5, 5}), glm::dmat4(1));
+  return list;
+}
+
+/// Of each of many beams the share of rays that meet what is in front.
+std::vector<double> shares_in_front(double c, std::uint32_t samples, std::size_t beams) {
+  const auto probe = std::make_shared<Probe>();
+  trace(edge(c), std::vector(beams, kAhead), {divergence(samples), probe});
+  std::vector<double> shares;
+  for (const std::vector<Echo>& echoes : probe->echoes) {
+    const auto near = std::ranges::count_if(echoes, [](const Echo& echo) { return echo.range_m < 7; });
+    shares.push_back(static_cast<double>(near) / samples);
+  }
+  return shares;
+}
+
+TEST_CASE("rays over a footprint: equal shares, within the cone, symmetric; one is the beam itself") {
+  for (const std::uint32_t samples : {1u, 2u, 5u, 32u, 101u}) {
+    CAPTURE(samples);
+    const auto probe = std::make_shared<Probe>();
+    const glm::dvec3 axis = glm::normalize(glm::dvec3(1, -2, 2));
+    trace(edge(0), {kAhead, axis}, {divergence(samples), probe});
+    REQUIRE(probe->rays.size() == 2 * samples);
+    double energy = 0;
+    glm::dvec3 middle(0);
+    std::size_t within_half_area = 0;
+    for (std::size_t i = samples; i < 2 * samples; ++i) {
+      const BeamRay& ray = probe->rays[i];
+      CHECK(ray.beam == 1);
+      energy += ray.share;
+      middle += ray.direction / glm::dot(ray.direction, axis);
+      const double tangent = glm::length(glm::cross(axis, ray.direction)) / glm::dot(axis, ray.direction);
+      CHECK(tangent < kSpread);
+      within_half_area += tangent < kSpread * std::sqrt(0.5);
+    }
+    // Sums of as many doubles.
+    const double rounding = 4 * samples * 0x1p-53;
+    CHECK(std::abs(energy - 1) <= rounding);
+    CHECK(glm::distance(middle / static_cast<double>(samples), axis) <= rounding);
+    // A ring of two rays may lie on that circle, or an odd one be on its inner side.
+    CHECK(std::abs(static_cast<double>(within_half_area) - samples / 2.0) <= 1);
+    if (samples == 1) CHECK(glm::distance(probe->rays[1].direction, axis) <= rounding);
+  }
+}
+
+// Averaged over turns, rays at radius r lie above c with probability f(r^2) = acos(c / r) / pi, and the pattern takes
+// f's integral over r^2 by the midpoint rule in steps of 2 / N (of 1 / N about the axis, where N is odd). f is monotone
+// and at most 1: so that is off by at most 1 / N. What single turns are off averages out.
+TEST_CASE("the footprint at an edge: shares of the closed form, better than as many rays at random") {
+  const std::size_t kBeams = 1000 / kFewer;
+  // A root of a mean square is off by 1 / sqrt(kBeams) of itself, or less, where the kurtosis is below 5: as for one
+  // ray in seven at the far edge.
+  const double chance = 1 + kSigmas / std::sqrt(kBeams);
+  for (const double c : {-0.7, 0.0, 0.3, 0.9}) {
+    CAPTURE(c);
+    const double expected = disc_share_above(c);
+    double before = 1;
+    for (const std::uint32_t samples : {8u, 32u, 33u, 128u, 512u}) {
+      CAPTURE(samples);
+      Moments shares, errors;
+      for (const double share : shares_in_front(c, samples, kBeams)) {
+        shares.add(share);
+        errors.add((share - expected) * (share - expected));
+      }
+      CHECK(std::abs(shares.mean() - expected) <= 1.0 / samples + kSigmas * shares.standard_error());
+      const double rms = std::sqrt(errors.mean()), at_random = std::sqrt(expected * (1 - expected) / samples);
+      MESSAGE("edge at " << c << ", " << samples << " rays: share off by " << rms << " (at random " << at_random
+                         << ")");
+      CHECK(rms <= at_random * chance);
+      if (samples % 2 == 0) {
+        // Four times the rays: at least half the error, as rays at random would have it.
+        if (samples > 8) CHECK(rms <= before / 2 * chance);
+        before = rms;
+      }
+    }
+  }
+}
+
+TEST_CASE("mixed ranges: power-weighted where a pulse spans both walls, one of the two where it does not") {
+  const std::size_t kBeams = 2000 / kFewer;
+  constexpr std::uint32_t kSamples = 256;
+  const double longer = std::sqrt(1 + kSpread * kSpread);  // the way of a ray at the rim
+  for (const double c : {-0.5, 0.0, 0.7}) {
+    CAPTURE(c);
+    const double share = disc_share_above(c);
+    const double near_power = share / (kNear_m * kNear_m), far_power = (1 - share) / (kFar_m * kFar_m);
+    const double mixed_m = (near_power * kNear_m + far_power * kFar_m) / (near_power + far_power);
+    // d range / d share, and half the second derivative, for what the variance of shares adds to the mean.
+    const double a = 1 / (kNear_m * kNear_m), b = 1 / (kFar_m * kFar_m), power = near_power + far_power;
+    const double slope_m = a * b * (kFar_m - kNear_m) / (power * power), curve_m = slope_m * (a - b) / power;
+    Moments ranges, shares;
+    for (const Echo& echo : trace(edge(c), std::vector(kBeams, kAhead),
+                                  {divergence(kSamples), std::make_shared<Returns>(ReturnChoice::strongest, 6.1)})) {
+      ranges.add(echo.range_m);
+      // Powers of the two walls, of rays up to `longer` away and inclined as much.
+      CHECK(echo.power < a);
+      CHECK(echo.power > b / std::pow(longer, 3));
+    }
+    for (const double each : shares_in_front(c, kSamples, kBeams)) shares.add(each);
+    const double tolerance_m = kSigmas * ranges.standard_error() + slope_m / kSamples +
+                               2 * curve_m * shares.variance() + kFar_m * (std::pow(longer, 4) - 1);
+    MESSAGE("edge at " << c << ": range " << ranges.mean() << " m, expected " << mixed_m << " m, tolerance "
+                       << tolerance_m << " m");
+    CHECK(std::abs(ranges.mean() - mixed_m) <= tolerance_m);
+    // By default, pulses are shorter than that.
+    const double strongest_m = near_power > far_power ? kNear_m : kFar_m;
+    for (const Echo& echo : trace(edge(c), {kAhead, kAhead}, {divergence(kSamples)})) {
+      CHECK(echo.range_m >= strongest_m);
+      CHECK(echo.range_m <= strongest_m * longer);
+    }
+  }
+}
+
+// Rays in pairs opposite of each other: at a plane of slope s their places along the axis are h / (1 -+ s t).
+TEST_CASE("a slanted plane has its own range in the middle, but for the second order of the cone") {
+  DrawList list;
+  const double slope = 3;  // x falls by 3 m per metre of y
+  Mesh wall;
+  wall.positions = {{10, 0, -4}, {10, 0, 4}, {7, 1, 4}, {7, 1, -4}, {13, -1, 4}, {13, -1, -4}};
+  wall.indices = {0, 1, 2, 0, 2, 3, 0, 1, 4, 0, 4, 5};
+  add_item(list, wall, glm::dmat4(1));
+  for (const std::uint32_t samples : {2u, 3u, 16u}) {
+    const std::vector<Echo> echoes =
+        trace(list, std::vector(50, kAhead), {divergence(samples), std::make_shared<Returns>(ReturnChoice::first, 2)});
+    for (const Echo& echo : echoes) {
+      // Of s t = u: range u^2, power 1/range^2 and cosine mix to within a few u^2; 8 is above all of them together.
+      const double u = slope * kSpread;
+      CHECK(std::abs(echo.range_m - 10) <= 10 * 8 * u * u);
+      CHECK(echo.error_bound_m < 1e-6);
+    }
+  }
+}
+
+TEST_CASE("patterns belong to seed and beam, not to the frame") {
+  const auto places = [](std::uint64_t seed, std::uint64_t frame, std::size_t beams) {
+    const auto probe = std::make_shared<Probe>();
+    ScanMoment moment = moment_of(beams);
+    moment.time.index = frame;
+    const std::shared_ptr<RayCaster> caster = make_host_ray_caster();
+    trace(edge(0), std::vector(beams, kAhead), {divergence(2, seed), probe}, moment, *caster);
+    std::vector<glm::dvec3> directions;
+    for (const BeamRay& ray : probe->rays) directions.push_back(ray.direction);
+    return directions;
+  };
+  const std::vector<glm::dvec3> here = places(1, 0, 3);
+  CHECK(places(1, 7, 3) == here);
+  CHECK(places(2, 0, 3) != here);
+  CHECK(here[0] != here[2]);
+  CHECK(std::vector(here.begin(), here.begin() + 2) == places(1, 0, 1));
+}
+
+}  // namespace
+}  // namespace simvis

@@ -1,0 +1,327 @@
+// Pictures through lenses: of a room whose colour is an affine function of the place, so that every pixel's colour and
+// depth follow from its ray.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
+#include <limits>
+#include <sstream>
+
+#include <simvis/pose.h>
+#include <simvis/simulation.h>
+#include "effects/camera/lens_distortion.h"
+#include "sensors/camera/camera.h"
+#include "tests/support/error_of.h"
+#include "tests/support/random_room.h"
+#include "tests/support/renderer_scene.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/support/wall_scene.h"
+
+#ifdef SIMVIS_HAS_OPENCV
+#include <opencv2/calib3d.hpp>
+#endif
+
+using namespace simvis;
+
+namespace {
+
+const glm::dvec3 kHalfRoom_m(5, 4, 3);
+const glm::dvec3 kSlope[3] = {{0.05, 0.02, -0.03}, {-0.02, 0.06, 0.03}, {0.01, -0.04, 0.08}};  // of R, G and B, 1/m
+
+// Rounding of vertices (10 m at the most) and of interpolation in float32, some ten operations each, on colours of at
+// most 1 whose slope is 0.1 per metre and 3 per radian in the worst place; snapping moves no colour on lavapipe, and
+// elsewhere by 1/256 pixel of 1/100 radian.
+constexpr double kColorRounding = 2e-4;
+
+double color_at(const glm::dvec3& place_m, int channel) { return 0.5 + glm::dot(kSlope[channel], place_m); }
+
+test::RendererScene room() {
+  test::RendererScene scene;
+  Mesh mesh = box_mesh(glm::vec3(kHalfRoom_m));
+  mesh.attributes.resize(mesh.positions.size());
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    for (int c = 0; c < 3; ++c) mesh.attributes[i].color[c] = static_cast<float>(color_at(mesh.positions[i], c));
+  }
+  compute_bounds(mesh);
+  Material material;
+  material.unlit = material.double_sided = true;
+  scene.add(std::move(mesh), material, glm::dmat4(1));
+  return scene;
+}
+
+// Nothing of the room is square to the camera.
+const glm::dmat4 kWorldFromCamera = to_matrix({{0.7, -0.4, 0.3}, 0.2, 0.3, 0.5});
+
+// Where a ray of the view frame meets the room.
+glm::dvec3 met(const glm::dvec3& ray) {
+  const glm::dvec3 eye(kWorldFromCamera[3]);
+  const glm::dvec3 direction = glm::dmat3(kWorldFromCamera * sensor_from_view()) * ray;
+  double range_m = std::numeric_limits<double>::infinity();
+  for (int axis = 0; axis < 3; ++axis) {
+    const double wall = direction[axis] > 0 ? kHalfRoom_m[axis] : -kHalfRoom_m[axis];
+    if (direction[axis] != 0) range_m = std::min(range_m, (wall - eye[axis]) / direction[axis]);
+  }
+  return eye + range_m * direction;
+}
+
+double true_color(const glm::dvec3& ray, int channel) { return color_at(met(ray), channel); }
+
+double true_depth(const glm::dvec3& ray) {
+  const glm::dmat4 view_from_world = rigid_inverse(kWorldFromCamera * sensor_from_view());
+  return (view_from_world * glm::dvec4(met(ray), 1)).z;
+}
+
+struct Lensed {
+  LensModel model;
+  double oversampling = 1;
+  std::uint32_t width_px = 200, height_px = 160;
+};
+
+ChosenCameraEffect lens_effect(const Lensed& l) {
+  std::ostringstream xml;
+  xml.precision(17);
+  const bool fisheye = l.model.kind == LensKind::kannala_brandt;
+  xml << R"(<sensor type="camera" name="C" insert_at="ROOT" distortion=")"
+      << (fisheye ? "kannala_brandt" : "brown_conrady") << "\" fx=\"" << l.model.pinhole.fx_px << "\" fy=\""
+      << l.model.pinhole.fy_px << "\" cx=\"" << l.model.pinhole.cx_px - 0.5 << "\" cy=\"" << l.model.pinhole.cy_px - 0.5
+      << '"';
+  for (int i = 0; i < 4; ++i) xml << " k" << i + 1 << "=\"" << l.model.k[i] << '"';
+  xml << " p1=\"" << l.model.p1 << "\" p2=\"" << l.model.p2 << "\" lens_oversampling=\"" << l.oversampling << "\"/>";
+  const std::vector<Command> commands = parse_commands(xml.str(), "test", ".");
+  const std::vector<AttributeSpec> table = all_attributes(*find_sensor_type("camera"));
+  const AttributeValues values(commands[0], table, kSensorCommonAttributes);
+  return {find_effect_type("lens_distortion"), std::make_shared<LensDistortion>(values)};
+}
+
+Camera lens_camera(const Lensed& l) {
+  return {
+      "C",
+      {.width_px = l.width_px, .height_px = l.height_px, .color = true, .depth = true, .effects = {lens_effect(l)}}};
+}
+
+void take(Camera& camera, const DrawList& list, FramePlan& plan) {
+  static Renderer renderer(test::device());
+  camera.begin({});
+  camera.plan(kWorldFromCamera, list, plan);
+  camera.collect({}, plan, renderer.render(list, plan));
+}
+
+struct Errors {
+  double color = 0;         // the largest
+  double color_excess = 0;  // the largest above what interpolation may do
+  double depth_m = 0, depth_excess_m = 0;
+  std::size_t pixels = 0, beside_steps = 0;
+};
+
+// Interpolation between the pixels of a view, whose pitch is at most `pitch` radians, errs by at most an eighth of the
+// second difference over two pitches along each axis, wherever in the pixel. Second differences of the truth are taken
+// about the ray itself over twice the pitch, which is four times as much where the truth is smooth, and where it has a
+// kink no less than the kink gives within a pitch.
+double interpolation_bound(const glm::dvec3& ray, double pitch, int channel) {
+  const glm::dvec3 a =
+      glm::normalize(glm::cross(ray, std::abs(ray.x) < 0.7 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0)));
+  const glm::dvec3 b = glm::cross(ray, a);
+  double most = 0;
+  for (int turn = 0; turn < 4; ++turn) {
+    const double angle = turn * 3.14159265358979 / 4;
+    const glm::dvec3 step = 2 * pitch * (std::cos(angle) * a + std::sin(angle) * b);
+    most = std::max(most, std::abs(true_color(ray + step, channel) - 2 * true_color(ray, channel) +
+                                   true_color(ray - step, channel)));
+  }
+  return 2 * most;  // of two axes
+}
+
+Errors compare(const Camera& camera, const Lensed& l) {
+  const Lens lens(l.model);
+  Errors e;
+  const double bound_m = camera.values()[0].value;
+  for (std::uint32_t y = 0; y < l.height_px; ++y) {
+    for (std::uint32_t x = 0; x < l.width_px; ++x) {
+      const std::size_t i = std::size_t{y} * l.width_px + x;
+      const float* const pixel = camera.color()->pixels.data() + 4 * i;
+      const float depth_m = camera.depth()->pixels[i];
+      const glm::dvec3 ray = lens.direction({x + 0.5, y + 0.5}).value();
+      CHECK(pixel[3] == 1);
+      if (ray == glm::dvec3(0)) {
+        if (pixel[0] != 0 || pixel[1] != 0 || pixel[2] != 0 || depth_m != std::numeric_limits<float>::infinity()) {
+          FAIL("a pixel beyond the lens shows something");
+        }
+        continue;
+      }
+      ++e.pixels;
+      const double pitch = 1 / (l.oversampling * std::min(l.model.pinhole.fx_px, l.model.pinhole.fy_px));
+      for (int c = 0; c < 3; ++c) {
+        const double off = std::abs(static_cast<double>(pixel[c]) - true_color(ray, c));
+        e.color = std::max(e.color, off);
+        e.color_excess = std::max(e.color_excess, off - interpolation_bound(ray, pitch, c));
+      }
+      const double depth_off_m = std::abs(static_cast<double>(depth_m) - true_depth(ray));
+      e.depth_m = std::max(e.depth_m, depth_off_m);
+      // The room's edges are creases, at which the view tells no more than that.
+      if (depth_off_m > bound_m) ++e.beside_steps;
+    }
+  }
+  return e;
+}
+
+const Lensed kBarrel{{.kind = LensKind::brown_conrady,
+                      .pinhole = {150, 145, 101.25, 78.75},
+                      .k = {-0.28, 0.09, -0.01, 0},
+                      .p1 = 1e-3,
+                      .p2 = -2e-3}};
+// 220 degrees in a circle of 192 pixels.
+const Lensed kFisheye{{.kind = LensKind::kannala_brandt, .pinhole = {50, 50, 100, 80}, .k = {0, 0, 0, 0}}};
+const Lensed kBentFisheye{
+    {.kind = LensKind::kannala_brandt, .pinhole = {60, 58, 96.2, 83.1}, .k = {-0.02, 0.003, -0.0005, 0}}};
+
+}  // namespace
+
+TEST_CASE("every pixel of a distorted image shows what its ray meets, across the borders of views too") {
+  const test::RendererScene scene = room();
+  for (const Lensed& lens : {kBarrel, kFisheye, kBentFisheye}) {
+    CAPTURE(static_cast<int>(lens.model.kind));
+    Camera camera = lens_camera(lens);
+    FramePlan plan;
+    take(camera, scene.list, plan);
+    CHECK(plan.passes.size() == 1);
+    CHECK(plan.passes[0].views.size() == (lens.model.kind == LensKind::brown_conrady ? 1 : 5));
+    const Errors e = compare(camera, lens);
+    CHECK(e.pixels > 20'000);
+    CHECK(e.color_excess <= kColorRounding);
+    // No step is in the room: each depth has its bound, but for pixels where three walls meet.
+    CHECK(e.beside_steps <= 16);
+    MESSAGE("largest error of colour " << e.color << ", of depth " << e.depth_m << " m, bound "
+                                       << camera.values()[0].value << " m, beside " << e.beside_steps);
+  }
+  CHECK(test::device().validation_messages() == 0);
+}
+
+TEST_CASE("oversampling buys accuracy: four times as much for twice the pixels each way") {
+  const test::RendererScene scene = room();
+  double sum[2] = {0, 0};
+  for (int i = 0; i < 2; ++i) {
+    // Few pixels, so that interpolation errs much more than rounding.
+    Lensed lens{{.kind = LensKind::kannala_brandt, .pinhole = {12.5, 12.5, 25, 20}}, 0, 50, 40};
+    lens.oversampling = i == 0 ? 2 : 4;
+    Camera camera = lens_camera(lens);
+    FramePlan plan;
+    take(camera, scene.list, plan);
+    const Lens model(lens.model);
+    for (std::uint32_t y = 0; y < lens.height_px; ++y) {
+      for (std::uint32_t x = 0; x < lens.width_px; ++x) {
+        const glm::dvec3 ray = model.direction({x + 0.5, y + 0.5}).value();
+        if (ray == glm::dvec3(0)) continue;
+        const double off =
+            static_cast<double>(camera.color()->pixels[4 * (std::size_t{y} * lens.width_px + x)]) - true_color(ray, 0);
+        sum[i] += std::abs(off);
+      }
+    }
+  }
+  MESSAGE("mean error falls by a factor of " << sum[0] / sum[1]);
+  // Second order gives four, first order two. (From an oversampling of 1 it would be less than four: there the rays in
+  // the middle meet the pixels' centres.)
+  CHECK(sum[0] / sum[1] > 3);
+}
+
+TEST_CASE("a lens that bends nothing gives the picture of a pinhole") {
+  const test::RendererScene scene = room();
+  const Lensed straight{{.pinhole = {150, 150, 100, 80}}};
+  Camera camera = lens_camera(straight);
+  Camera plain(
+      "P", {.width_px = 200, .height_px = 160, .hfov_rad = 2 * std::atan(100.0 / 150), .color = true, .depth = true});
+  FramePlan plan, plain_plan;
+  take(camera, scene.list, plan);
+  take(plain, scene.list, plain_plan);
+  double color = 0, depth = 0;
+  for (std::size_t i = 0; i < camera.color()->pixels.size(); ++i) {
+    color = std::max(color, std::abs(static_cast<double>(camera.color()->pixels[i] - plain.color()->pixels[i])));
+  }
+  for (std::size_t i = 0; i < camera.depth()->pixels.size(); ++i) {
+    depth = std::max(depth, std::abs(static_cast<double>(camera.depth()->pixels[i] - plain.depth()->pixels[i])));
+  }
+  CHECK(color <= kColorRounding);
+  CHECK(depth <= camera.values()[0].value + plain.values()[0].value);
+}
+
+#ifdef SIMVIS_HAS_OPENCV
+
+TEST_CASE("OpenCV takes the distortion out again") {
+  const test::RendererScene scene = room();
+  Camera camera = lens_camera(kBarrel);
+  FramePlan plan;
+  take(camera, scene.list, plan);
+  const Image& image = *camera.color();
+  const Pinhole& p = kBarrel.model.pinhole;
+  const double *k = kBarrel.model.k, cx = p.cx_px - 0.5, cy = p.cy_px - 0.5;
+  const cv::Matx33d matrix(p.fx_px, 0, cx, 0, p.fy_px, cy, 0, 0, 1);
+  cv::Mat from_x, from_y;
+  cv::initUndistortRectifyMap(matrix, std::vector<double>{k[0], k[1], kBarrel.model.p1, kBarrel.model.p2, k[2]},
+                              cv::noArray(), matrix, {200, 160}, CV_32FC1, from_x, from_y);
+  // Of the distorted image, interpolated in turn: its own error, and an eighth of its second differences per axis,
+  // which grow by the lens's magnification, below 1.3 here. The map is rounded to 2^-17 pixels.
+  double worst = 0;
+  std::size_t pixels = 0;
+  for (int y = 0; y < 160; ++y) {
+    for (int x = 0; x < 200; ++x) {
+      const double u = from_x.at<float>(y, x), v = from_y.at<float>(y, x);
+      if (!(u >= 0 && v >= 0 && u < 199 && v < 159)) continue;
+      ++pixels;
+      const auto column = static_cast<std::size_t>(u), row = static_cast<std::size_t>(v);
+      const double fx = u - static_cast<double>(column), fy = v - static_cast<double>(row);
+      const glm::dvec3 ray = glm::normalize(glm::dvec3((x - cx) / p.fx_px, (y - cy) / p.fy_px, 1));
+      for (std::size_t c = 0; c < 3; ++c) {
+        const auto at = [&](std::size_t dx, std::size_t dy) {
+          return static_cast<double>(image.pixels[4 * ((row + dy) * 200 + column + dx) + c]);
+        };
+        const double seen =
+            (1 - fy) * ((1 - fx) * at(0, 0) + fx * at(1, 0)) + fy * ((1 - fx) * at(0, 1) + fx * at(1, 1));
+        const auto channel = static_cast<int>(c);
+        const double allowed = 2 * interpolation_bound(ray, 1.3 / 145, channel);
+        worst = std::max(worst, std::abs(seen - true_color(ray, channel)) - allowed);
+      }
+    }
+  }
+  CHECK(pixels > 25'000);
+  CHECK(worst <= kColorRounding);
+}
+
+#endif
+
+TEST_CASE("what a lens cannot show is an error with its place") {
+  const TemporaryFolder folder;
+  const auto error = [&](const std::string& attributes) {
+    const auto scene =
+        write_wall_scene(folder.path(), R"(<sensor type="camera" name="C" insert_at="ROOT" )" + attributes + "/>");
+    return error_of([&] { Simulation::load(scene); });
+  };
+  const std::string folds = error(R"(hfov="90" distortion="brown_conrady" k1="-0.3")");
+  CHECK(contains(folds,
+                 "scene.xml:3:59: error: attribute \"distortion\": with these coefficients the lens shows nothing "
+                 "at column 0 of row 0, expected a lens that fills the image: this one folds at 224.8"));
+  CHECK(contains(error(R"(distortion="kannala_brandt" k1="-0.3")"), "the lens shows nothing at column"));
+  CHECK(contains(error(R"(fx="500")"), "attribute \"fx\" is not allowed with distortion=\"none\""));
+  CHECK(contains(error(R"(distortion="brown" k1="1")"), "none, brown_conrady, kannala_brandt"));
+  CHECK(contains(error(R"(distortion="brown_conrady" width="6000" height="4000" lens_oversampling="16")"),
+                 "attribute \"lens_oversampling\": with 16 this lens needs a view of"));
+}
+
+TEST_CASE("intrinsics and coefficients are written as ROS reads them") {
+  struct Sink : OutputSink {
+    void picture(const std::string&, const Image*, const Image*) override {}
+    void plane(const std::string&, const std::string&, const Image&) override {}
+    void text(const std::string& stem, const std::string& extension, std::string_view text) override {
+      CHECK(stem.empty());
+      CHECK(extension == "yaml");
+      written = text;
+    }
+    void rows(std::span<const TableColumn>, std::span<const double>) override {}
+    std::string written;
+  } sink;
+  lens_camera(kBarrel).write(sink);
+  CHECK(contains(sink.written, "data: [150, 0, 100.75, 0, 145, 78.25, 0, 0, 1]"));
+  CHECK(contains(sink.written, "distortion_model: plumb_bob\n"));
+  CHECK(contains(sink.written, "cols: 5\n  data: [-0.28, 0.09, 0.001, -0.002, -0.01]"));
+  lens_camera(kBentFisheye).write(sink);
+  CHECK(contains(sink.written, "distortion_model: equidistant\n"));
+  CHECK(contains(sink.written, "cols: 4\n  data: [-0.02, 0.003, -5.0e-04, 0]"));
+}

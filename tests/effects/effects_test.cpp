@@ -1,0 +1,216 @@
+// The catalogue of effects, as a whole: every effect in every scene, where it is shown, where it is not, and where it
+// is named but off.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <iterator>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <simvis/effect.h>
+#include <simvis/sensor.h>
+#include <simvis/simulation.h>
+#include "tests/support/temporary_folder.h"
+#include "tests/support/tested_build.h"
+
+using namespace simvis;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A scene, and where the test's own sensors stand in it.
+struct EffectScene {
+  std::string_view name, pose_offset;
+};
+constexpr EffectScene kYard{"showcase", "-4 -0.6 0.9 0 4 0"};
+// Sanitizers make pictures some ten times slower.
+const std::vector<EffectScene> kScenes =
+    sanitized()
+        ? std::vector{kYard}
+        : std::vector{
+              kYard, {"arm", "-0.7 -1.4 1.6 0 26 58"}, {"marvin", "1 1 0.6 0 0 30"}, {"ravon", "0 0 1.5 0 0 0"}};
+
+/// A sensor that shows one kind of output, as small as it can be and still show every effect.
+struct Watcher {
+  std::string_view type, attributes;
+  std::uint8_t shows;
+};
+constexpr Watcher kColor{"camera", R"(width="48" height="36" outputs="color")", kShownInColor};
+constexpr Watcher kDepth{"camera", R"(width="48" height="36" outputs="depth")", kShownInDepth};
+constexpr Watcher kStereo{"stereo_camera", R"(width="32" height="24" baseline="0.1")", kShownInColor};
+constexpr Watcher kRanges{"laser_scanner", R"(samples="61" min_angle="-40" max_angle="40" method="raycast")",
+                          kShownInRanges};
+const std::vector<const Watcher*> kWatchers =
+    sanitized() ? std::vector{&kColor, &kRanges} : std::vector{&kColor, &kDepth, &kStereo, &kRanges};
+
+std::string sensor(const Watcher& watcher, const EffectScene& scene, std::string_view name,
+                   std::string_view attributes) {
+  return "<sensor type=\"" + std::string(watcher.type) + "\" name=\"" + std::string(name) +
+         "\" insert_at=\"ROOT\" pose_offset=\"" + std::string(scene.pose_offset) + "\" " +
+         std::string(watcher.attributes) + ' ' + std::string(attributes) + "/>\n";
+}
+
+/// Which outputs show the source of an effect: two effects may have the same, as fog in pictures and in scans.
+std::uint8_t shown_source(const EffectType& effect) {
+  std::uint8_t outputs = effect.outputs;
+  for (const EffectType* other : effect_types()) {
+    if (!effect.example.commands.empty() && other->example.commands == effect.example.commands) {
+      outputs |= other->outputs;
+    }
+  }
+  return outputs;
+}
+
+/// The scene with more commands at its end; of its sensors only WATCH is on.
+Simulation with(const EffectScene& scene, const std::string& commands) {
+  const fs::path file = fs::path(SIMVIS_SOURCE_DIR) / "scenes" / scene.name / (std::string(scene.name) + ".xml");
+  std::string xml = read_text(file);
+  xml.insert(xml.rfind("</simvis>"), commands);
+  SimulationDesc desc;
+  desc.seed = 3;
+  Simulation simulation = Simulation::from_string(xml, desc, file.parent_path(), file.string());
+  for (const SensorInfo& each : simulation.sensors()) simulation.enable(each.name, each.name == "WATCH");
+  return simulation;
+}
+
+/// What WATCH gives and what it costs.
+struct Seen {
+  std::vector<char> bytes;
+  FrameCounters counters;
+  bool operator==(const Seen&) const = default;
+};
+
+template <typename Value>
+void append(std::vector<char>& bytes, const std::vector<Value>& values) {
+  const std::size_t size = bytes.size();
+  bytes.resize(size + values.size() * sizeof(Value));
+  if (!values.empty()) std::memcpy(bytes.data() + size, values.data(), values.size() * sizeof(Value));
+}
+
+/// Two frames: the first uploads, the second is as any other.
+std::vector<Seen> look(Simulation& simulation, const Watcher& watcher) {
+  std::vector<Seen> frames;
+  for (int frame = 0; frame < 2; ++frame) {
+    simulation.step();
+    Seen& seen = frames.emplace_back();
+    seen.counters = simulation.counters();
+    if (watcher.shows == kShownInRanges) {
+      const Scan& scan = simulation.scan("WATCH");
+      append(seen.bytes, scan.range_m);
+      append(seen.bytes, scan.error_bound_m);
+      for (const ScanChannel& channel : scan.channels) append(seen.bytes, channel.values);
+    } else if (watcher.shows == kShownInDepth) {
+      append(seen.bytes, simulation.depth("WATCH").pixels);
+    } else {
+      append(seen.bytes, simulation.color("WATCH").pixels);
+      if (watcher.type == kStereo.type) append(seen.bytes, simulation.picture("WATCH", "right").pixels);
+    }
+  }
+  return frames;
+}
+
+std::vector<Seen> look_at(const EffectScene& scene, const Watcher& watcher, const std::string& commands,
+                          std::string_view attributes) {
+  Simulation simulation = with(scene, commands + sensor(watcher, scene, "WATCH", attributes));
+  return look(simulation, watcher);
+}
+
+bool same_bytes(const std::vector<Seen>& a, const std::vector<Seen>& b) {
+  return std::ranges::equal(a, b, {}, &Seen::bytes, &Seen::bytes);
+}
+
+}  // namespace
+
+TEST_CASE("the generator makes what is committed of the showcase") {
+  const std::string command = "python3 \"" SIMVIS_SOURCE_DIR "/scenes/showcase/generate.py\" --check";
+  CHECK(std::system(command.c_str()) == 0);
+}
+
+TEST_CASE("every effect says what it is, what calls for it, and where its truth is from") {
+  REQUIRE_FALSE(effect_types().empty());
+  for (const EffectType* effect : effect_types()) {
+    CAPTURE(effect->name);
+    CHECK_FALSE(effect->summary.empty());
+    CHECK_FALSE(effect->source.empty());
+    CHECK_FALSE(effect->reference.empty());
+    CHECK(effect->outputs != 0);
+    CHECK_FALSE((effect->example.attributes.empty() && effect->example.commands.empty()));
+    CHECK(effect->example.attributes.empty() == effect->example.off_attributes.empty());
+    CHECK(effect->example.commands.empty() == effect->example.off_commands.empty());
+    CHECK(effect->knob.empty() == effect->example.knob_values.empty());
+    CHECK((effect->attributes.empty() || !effect->sensors.empty()));
+    const std::string text = std::string(effect->example.attributes) + std::string(effect->example.commands);
+    CHECK((effect->knob.empty() || text.find(std::string(effect->knob) + "=\"") != std::string::npos));
+  }
+}
+
+TEST_CASE("where no due sensor can show it, an effect costs nothing and changes no byte") {
+  for (const EffectScene& scene : kScenes) {
+    CAPTURE(scene.name);
+    for (const Watcher* watcher : kWatchers) {
+      CAPTURE(watcher->attributes);
+      std::string plain, commands;
+      for (const EffectType* effect : effect_types()) {
+        // Sensors that have it, and are off.
+        for (const Watcher* other : kWatchers) {
+          if (!may_have(other->type, *effect)) continue;
+          const std::string name = "OFF_" + std::string(effect->name) +
+                                   std::to_string(std::ranges::find(kWatchers, other) - std::begin(kWatchers));
+          plain += sensor(*other, scene, name, "");
+          commands += sensor(*other, scene, name, effect->example.attributes);
+        }
+        if ((shown_source(*effect) & watcher->shows) != 0) continue;
+        plain += example_commands(*effect, effect->example.plain_commands);
+        commands += example_commands(*effect, effect->example.commands);
+      }
+      CHECK(look_at(scene, *watcher, plain, "") == look_at(scene, *watcher, commands, ""));
+    }
+  }
+}
+
+TEST_CASE("an effect that is named but off changes no byte and costs nothing") {
+  for (const EffectScene& scene : kScenes) {
+    CAPTURE(scene.name);
+    for (const Watcher* watcher : kWatchers) {
+      CAPTURE(watcher->attributes);
+      std::string plain, commands, attributes;
+      for (const EffectType* effect : effect_types()) {
+        if (may_have(watcher->type, *effect)) attributes = join_attributes(attributes, effect->example.off_attributes);
+        plain += example_commands(*effect, effect->example.plain_commands);
+        commands += example_commands(*effect, effect->example.off_commands);
+      }
+      CHECK(look_at(scene, *watcher, plain, "") == look_at(scene, *watcher, commands, attributes));
+    }
+  }
+}
+
+TEST_CASE("each effect alone: named in the plan where it is shown, and in no other sensor's bytes") {
+  for (const EffectType* effect : effect_types()) {
+    CAPTURE(effect->name);
+    bool shown = false;
+    for (const Watcher* watcher : kWatchers) {
+      CAPTURE(watcher->attributes);
+      const bool carries = may_have(watcher->type, *effect);
+      if (!effect->attributes.empty() && !carries) continue;
+      const std::string plain = example_commands(*effect, effect->example.plain_commands);
+      const std::string commands = example_commands(*effect, effect->example.commands);
+      const std::string_view attributes = carries ? effect->example.attributes : "";
+      Simulation simulation = with(kYard, commands + sensor(*watcher, kYard, "WATCH", attributes));
+      const std::vector<Seen> without = look_at(kYard, *watcher, plain, ""), seen = look(simulation, *watcher);
+      const bool can_show = (effect->outputs & watcher->shows) != 0;
+      const bool planned = std::ranges::any_of(simulation.frame_plan().effects, [&](const PlannedEffect& each) {
+        return each.sensor == "WATCH" && each.effect == effect->name;
+      });
+      CHECK((can_show || !planned));
+      CHECK((planned || (shown_source(*effect) & watcher->shows) != 0 || same_bytes(without, seen)));
+      shown |= planned && !same_bytes(without, seen);
+    }
+    CHECK(shown);
+  }
+}

@@ -1,0 +1,72 @@
+// Effects on where beams go, off: the bytes and counters of a scanner that never names them.
+#include <doctest/doctest.h>
+
+#include <simvis/effect.h>
+#include "tests/support/element_scene.h"
+
+namespace simvis::test {
+namespace {
+
+const std::string kParts = R"(<part file="wall.gltf" name="WALL" insert_at="ROOT" up="z"/>
+  <element type="pose" name="P" insert_at="ROOT"/>)";
+
+std::string scanner(std::string_view attributes) {
+  return R"(<sensor type="laser_scanner" name="SCAN" insert_at="ROOT" samples="91" )" + std::string(attributes) + "/>";
+}
+
+struct Seen {
+  Scan scan;
+  FrameCounters counters;
+  std::uint64_t rays = 0, planned_rays = 0;
+  std::vector<std::string> effects;
+  std::string method;
+};
+
+Seen see(std::string_view attributes) {
+  GltfBuilder file;
+  add_plate(file, {}, file.append("materials", unlit("Wall", {1, 1, 1, 1})));
+  World world({{"wall.gltf", file}}, kParts + scanner(attributes));
+  for (int frame = 0; frame < 2; ++frame) {
+    world->set("P", "x", frame);
+    world->step();
+  }
+  Seen seen{.scan = world->scan("SCAN"),
+            .counters = world->counters(),
+            .rays = world->ray_counters().rays,
+            .effects = {},
+            .method = world->sensors().at(0).method};
+  for (const RayCast& each : world->frame_plan().casts) seen.planned_rays += each.most_rays;
+  for (const PlannedEffect& each : world->frame_plan().effects) seen.effects.push_back(each.effect);
+  return seen;
+}
+
+TEST_CASE("named without effect, they cost nothing and change nothing; on, they cast every beam") {
+  const Seen plain = see("");
+  for (const char* const name : {"angular_noise", "beam_divergence", "returns", "sweep_motion"}) {
+    CAPTURE(name);
+    const EffectType* const type = find_effect_type(name);
+    REQUIRE(type != nullptr);
+    const Seen off = see(type->example.off_attributes);
+    CHECK(off.scan.range_m == plain.scan.range_m);
+    CHECK(off.scan.error_bound_m == plain.scan.error_bound_m);
+    CHECK(off.scan.channels.empty());
+    CHECK(off.counters == plain.counters);
+    CHECK(off.rays == 0);
+    CHECK(off.effects.empty());
+    CHECK(off.method == "planar");
+    const Seen on = see(type->example.attributes);
+    CHECK(on.scan.range_m.size() == plain.scan.range_m.size());
+    CHECK(on.effects == std::vector<std::string>{name});
+    CHECK(on.counters.draws == 0);
+    CHECK(on.rays == 2 * on.planned_rays);
+    CHECK(on.rays == 2 * 91 * (std::string_view(name) == "beam_divergence" ? 16 : 1));
+    CHECK(on.method == "raycast");
+  }
+}
+
+TEST_CASE("a method that renders cannot show them") {
+  CHECK(contains(error_of([] { see(R"(method="planar" sweep="0.01")"); }), "cannot show \"sweep_motion\""));
+}
+
+}  // namespace
+}  // namespace simvis::test

@@ -1,0 +1,78 @@
+// The attribute shadows of the element light in whole scenes: what it refuses, and what it costs where none can be
+// seen.
+#include <doctest/doctest.h>
+
+#include "simvis/report/explain.h"
+#include "simvis/scene_builder.h"
+#include "tests/support/element_scene.h"
+
+namespace simvis::test {
+namespace {
+
+// A wall at x = 4 with a plate before it, and these sensors.
+World shaded_wall(const std::string& light, const std::string& sensors) {
+  GltfBuilder file;
+  const int paint = file.append("materials", painted("Paint", glm::vec4(1)));
+  add_plate(file, {}, paint);
+  add_plate(file, {.x = 2, .left = 0.5, .right = -0.5, .bottom = -0.5, .top = 0.5}, paint);
+  return World({{"wall.gltf", file}}, R"(<part file="wall.gltf" name="WALL" insert_at="ROOT" up="z"/>)" + kDark +
+                                          R"(<element type="light" name="LAMP" insert_at="ROOT" kind="point" )" +
+                                          light + "/>" + sensors);
+}
+
+const std::string kScanner =
+    R"(<sensor type="laser_scanner" name="SCAN" insert_at="ROOT" samples="31" min_angle="-40" max_angle="40"/>)";
+const std::string kDepthCamera =
+    R"(<sensor type="camera" name="CAM" insert_at="ROOT" width="9" height="9" hfov="60" outputs="depth"/>)";
+
+TEST_CASE("a plate keeps the light from the wall behind it") {
+  // From (0, 3, 0) the plate, y from -0.5 to 0.5 m half way to the wall, shades y from -4 to -2 m there.
+  World world = shaded_wall(R"(y="3" intensity="50" shadows="yes" shadow_resolution="256")", kCamera);
+  World bright = shaded_wall(R"(y="3" intensity="50")", kCamera);
+  // At 4 m the pixels of the middle row are 4 * tan(30 deg) * 2 / 9 = 0.513 m apart; pixel 8 stands at y = -2.05 m.
+  CHECK(world.color(8, 4) == glm::dvec3(0));
+  CHECK(bright.color(8, 4).r > 0);
+  for (const int x : {0, 4, 7}) CHECK(world.color(x, 4) == bright.color(x, 4));
+  CHECK(contains(explain(world->frame_plan(), {.counters = world->counters()}),
+                 "pass shadow maps: 768 x 512, shadow maps"));
+}
+
+TEST_CASE("where only depth and ranges are taken, shadows cost nothing and change nothing") {
+  const std::string lamp = R"(y="3" intensity="50")";
+  World with = shaded_wall(lamp + R"( shadows="yes")", kScanner + kDepthCamera);
+  World without = shaded_wall(lamp, kScanner + kDepthCamera);
+  for (int frame = 0; frame < 2; ++frame) {
+    with->step();
+    without->step();
+    CHECK(with->counters() == without->counters());
+    CHECK(with->frame_plan().passes.size() == without->frame_plan().passes.size());
+    CHECK(with->scan("SCAN").range_m == without->scan("SCAN").range_m);
+    CHECK(with->depth("CAM").pixels == without->depth("CAM").pixels);
+  }
+}
+
+TEST_CASE("shadows=\"no\" is as if it had not been said") {
+  World off = shaded_wall(R"(y="3" intensity="50" shadows="no")", kCamera);
+  World unsaid = shaded_wall(R"(y="3" intensity="50")", kCamera);
+  off->step();
+  unsaid->step();
+  CHECK(off->counters() == unsaid->counters());
+  CHECK(off->color("CAM").pixels == unsaid->color("CAM").pixels);
+  CHECK(content_hash(off->draw_list()) == content_hash(unsaid->draw_list()));
+}
+
+TEST_CASE("mistakes are refused with their place") {
+  const auto build = [](const std::string& commands) { build_scene(parse_commands(commands, "s.xml", "")); };
+  const std::string lamp = "<element type='light' insert_at='ROOT' ";
+  CHECK(error_of([&] { build(lamp + "name='L' shadow_resolution='64'/>"); }) ==
+        "s.xml:1:49: error: attribute \"shadow_resolution\": the light has no shadows");
+  CHECK(contains(error_of([&] { build(lamp + "name='L' shadows='yes' shadow_resolution='8'/>"); }), "16"));
+  CHECK(contains(error_of([&] { build(lamp + "name='L' shadows='maybe'/>"); }), "no, yes"));
+  std::string many;
+  for (int i = 0; i < 65; ++i) many += lamp + "name='L" + std::to_string(i) + "' shadows='yes'/>\n";
+  CHECK(error_of([&] { build(many); }) ==
+        "s.xml:65:51: error: attribute \"shadows\": one light too many has shadows; 64 are allowed");
+}
+
+}  // namespace
+}  // namespace simvis::test

@@ -1,0 +1,230 @@
+// The element material: what a camera and a laser then see of a part, and what they see of another part of its file.
+#include "scenegraph/flattener.h"
+#include "shaders/interop.h"
+#include "simvis/scene_builder.h"
+#include "tests/support/element_scene.h"
+
+namespace simvis::test {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+const glm::dvec3 kPaint(0.8, 0.4, 0.2), kBackground(0.55, 0.68, 0.85);
+constexpr double kIrradiance_lux = 2;
+
+// Two plates in one file, 4 m ahead: to the left in paint, to the right in metal.
+GltfBuilder two_plates() {
+  GltfBuilder file;
+  const int paint = file.append("materials", painted("Paint", glm::vec4(kPaint, 1)));
+  const int metal = file.append("materials", painted("Metal", {0.5f, 0.5f, 0.5f, 1}));
+  add_plate(file, {.right = -0.5}, paint);
+  add_plate(file, {.left = -0.5}, metal);
+  return file;
+}
+
+// The camera's middle pixel sees the paint, its rightmost column the metal. Light comes from behind the camera.
+const std::string kTwoPlates = R"(<part file="plates.gltf" name="PLATES" insert_at="ROOT" up="z"/>)";
+const std::string kSun =
+    R"(<element type="light" name="SUN" insert_at="ROOT" azimuth="180" elevation="0" intensity="2"/>)";
+const std::string kScanner = R"(<sensor type="laser_scanner" name="SCAN" insert_at="ROOT" samples="1" min_angle="0"/>)";
+
+std::string changed(const std::string& attributes, const std::string& name = "M") {
+  return "<element type='material' name='" + name + "' insert_at='ROOT' part='PLATES' " + attributes + "/>";
+}
+World plates(const std::string& commands) {
+  return World({{"plates.gltf", two_plates()}}, kTwoPlates + kDark + kSun + kCamera + commands);
+}
+
+TEST_CASE("without attributes a material stays as the file has it, to the bit") {
+  World plain = plates(""), same = plates(changed(""));
+  CHECK(plain.color() == same.color());
+  CHECK(same->draw_list().materials.at(0)->roughness == 1);
+}
+
+TEST_CASE("colours are factors, emission is added, each channel for itself") {
+  World world = plates(changed(""));
+  const glm::dvec3 matte = kPaint / kPi * kIrradiance_lux;
+  check_color(world.color(), matte);
+  check_color(world.color_with("M", "red", 0.5), matte * glm::dvec3(0.5, 1, 1));
+  check_color(world.color_with("M", "green", 0.25), matte * glm::dvec3(0.5, 0.25, 1));
+  check_color(world.color_with("M", "blue", 3), matte * glm::dvec3(0.5, 0.25, 3));
+  const glm::dvec3 dyed = matte * glm::dvec3(0.5, 0.25, 3);
+  check_color(world.color_with("M", "emission_red", 0.1), dyed + glm::dvec3(0.1, 0, 0));
+  check_color(world.color_with("M", "emission_green", 2), dyed + glm::dvec3(0.1, 2, 0));
+  check_color(world.color_with("M", "emission_blue", 0.3), dyed + glm::dvec3(0.1, 2, 0.3));
+}
+
+TEST_CASE("a change of colour uploads that material's block and nothing else") {
+  World world = plates(changed("material='Paint'"));
+  world.color();
+  world.color();
+  const std::uint64_t still = world->counters().bytes_uploaded;
+  world.color_with("M", "red", 0.5);
+  CHECK(world->counters().bytes_uploaded == still + sizeof(shader::MaterialBlock));
+}
+
+TEST_CASE("a named material alone changes; the colour multiplies the texture") {
+  World world = plates(changed("material='Metal' red='0'"));
+  check_color(world.color(), kPaint / kPi * kIrradiance_lux);
+  check_color(world.color(kSide_px - 1), glm::dvec3(0, 0.5, 0.5) / kPi * kIrradiance_lux);
+
+  GltfBuilder file;
+  const int image =
+      file.append("images", {{"uri", "data:image/png;base64," + base64(png(1, 1, 8, 2, {{188, 188, 188}}))}});
+  json material = unlit("Print", {0.5f, 1, 1, 1});
+  material["pbrMetallicRoughness"]["baseColorTexture"]["index"] = file.append("textures", {{"source", image}});
+  add_plate(file, {}, file.append("materials", material));
+  World printed({{"plates.gltf", file}}, kTwoPlates + kCamera + changed("red='0.5' green='0.5'"));
+  // The driver may decode sRGB by a table or a polynomial: half a step of 8 bits in linear light at most.
+  constexpr double kTexel = 0.5 / 255;
+  const double texel = std::pow((188 / 255.0 + 0.055) / 1.055, 2.4);
+  const glm::dvec3 seen = printed.color();
+  CHECK(std::abs(seen.r - 0.25 * texel) <= kTexel);
+  CHECK(std::abs(seen.g - 0.5 * texel) <= kTexel);
+  CHECK(std::abs(seen.b - texel) <= kTexel);
+}
+
+TEST_CASE("below an opacity of 1 what lies behind shows, below one half sensors of depth look through, 0 is nothing") {
+  World world = plates(changed("material='Paint'") + kScanner);
+  const glm::dvec3 matte = kPaint / kPi * kIrradiance_lux;
+  const auto depth = [&] { return world->depth("CAM").pixels[kSide_px * kSide_px / 2]; };
+  // Depth and range of a wall square to the beam: float32 throughout, and the scanner's bound says its own.
+  constexpr double kDepth_m = 4 * 16 * 0x1p-24;
+  for (const double opacity : {1.0, 0.75, 0.5, 0.4, 0.1}) {
+    CAPTURE(opacity);
+    check_color(world.color_with("M", "opacity", opacity), matte * opacity + kBackground * (1 - opacity));
+    const Scan& scan = world->scan("SCAN");
+    if (opacity >= 0.5) {
+      CHECK(std::abs(depth() - 4) <= kDepth_m);
+      CHECK(std::abs(scan.range_m[0] - 4) <= scan.error_bound_m[0]);
+    } else {
+      CHECK(std::isinf(depth()));
+      CHECK(std::isinf(scan.range_m[0]));
+    }
+  }
+  world->enable("SCAN", false);
+  check_color(world.color_with("M", "opacity", 0), kBackground);
+  CHECK(world->counters().draws == 1);  // the metal
+  CHECK(world->counters().triangles == 2);
+}
+
+// Radiance by one light of irradiance `lux` on a surface square to it, in double: glTF 2.0, appendix B, with the
+// visibility of Heitz (2014). Unit vectors.
+glm::dvec3 glossy(const glm::dvec3& albedo, double roughness, const glm::dvec3& n, const glm::dvec3& l,
+                  const glm::dvec3& v, double lux) {
+  const glm::dvec3 h = glm::normalize(l + v);
+  const double alpha = roughness * roughness, a2 = alpha * alpha;
+  const double nl = glm::dot(n, l), nv = glm::dot(n, v), nh = glm::dot(n, h);
+  const double d = a2 / (kPi * std::pow(nh * nh * (a2 - 1) + 1, 2));
+  const double visible = 0.5 / (nl * std::sqrt(nv * nv * (1 - a2) + a2) + nv * std::sqrt(nl * nl * (1 - a2) + a2));
+  const double f = 0.04 + 0.96 * std::pow(1 - glm::dot(v, h), 5);
+  return lux * nl * ((1 - f) * albedo / kPi + glm::dvec3(f * d * visible));
+}
+
+TEST_CASE("below a roughness of 1 lights have the highlight of glTF's dielectric") {
+  World world = plates(changed("material='Paint'") +
+                       R"(<element type="light" name="LAMP" insert_at="ROOT" kind="point" intensity="0"/>)");
+  const glm::dvec3 n(-1, 0, 0);
+  const double step = 2 * std::tan(30 * kPi / 180) / kSide_px;
+  for (const double roughness : {0.9, 0.5, 0.2, 0.05}) {
+    // float32 turns the directions by some 16 u; the distribution's logarithm has at most the slope 2 / alpha.
+    const double tolerance = kShading + 2 / (roughness * roughness) * 16 * 0x1p-24;
+    world->set("M", "roughness", roughness);
+    for (const double azimuth_deg : {180.0, 150.0, 110.0}) {
+      for (const int x : {4, 3, 1}) {
+        CAPTURE(roughness);
+        CAPTURE(azimuth_deg);
+        CAPTURE(x);
+        world->set("SUN", "azimuth", azimuth_deg);
+        const double a = azimuth_deg * kPi / 180;
+        const glm::dvec3 l(std::cos(a), std::sin(a), 0);
+        const glm::dvec3 v = -glm::normalize(glm::dvec3(1, (4 - x) * step, 0));
+        check_color(world.color(x, 4), glossy(kPaint, roughness, n, l, v, kIrradiance_lux), tolerance);
+      }
+    }
+  }
+  // A lamp with a place, at (2, 1, 0): the wall's point (4, 0, 0) is sqrt(5) m away.
+  world->set("SUN", "intensity", 0);
+  world->set("LAMP", "intensity", 10);
+  world->set("LAMP", "x", 2);
+  world->set("LAMP", "y", 1);
+  const glm::dvec3 seen = world.color_with("M", "roughness", 0.4);
+  const glm::dvec3 l = glm::normalize(glm::dvec3(-2, 1, 0));
+  check_color(seen, glossy(kPaint, 0.4, n, l, n, 10 / 5.0), kShading + 2 / 0.16 * 16 * 0x1p-24);
+}
+
+TEST_CASE("smoother than the least roughness is as the least, and only what is glossy pays for it") {
+  World world = plates(changed("material='Paint'"));
+  world.color();
+  const std::uint64_t pipelines = world->counters().pipelines_bound;
+  CHECK(pipelines == 1);  // both plates are drawn alike
+  const glm::dvec3 least = world.color_with("M", "roughness", kLeastRoughness);
+  CHECK(world->counters().pipelines_bound == 2);
+  CHECK(world.color_with("M", "roughness", 0) == least);
+  check_color(world.color(kSide_px - 1), glm::dvec3(0.5) / kPi * kIrradiance_lux);
+}
+
+TEST_CASE("another part of the same file keeps its look") {
+  World world({{"plates.gltf", two_plates()}},
+              kTwoPlates +
+                  R"(<part file="plates.gltf" name="BEHIND" insert_at="ROOT" up="z" pose_offset="1 0 0 0 0 0"/>)" +
+                  kDark + kSun + kCamera + changed("opacity='0'"));
+  check_color(world.color(), kPaint / kPi * kIrradiance_lux);
+  CHECK(world->depth("CAM").pixels[kSide_px * kSide_px / 2] == doctest::Approx(5));
+}
+
+// The draw list of a scene whose two elements were set in this order.
+DrawList after(BuiltScene& built, std::vector<std::pair<std::string, double>> red) {
+  for (const auto& [element, value] : red) {
+    built.parameters.set(built.parameters.index(element, "red"), value);
+    for (const std::size_t i : built.parameters.take_changed_elements()) {
+      const ElementDescriptor& each = built.parameters.elements()[i];
+      built.elements[i]->update(built.parameters.values().subspan(each.first_value, each.parameters.size()));
+    }
+  }
+  return Flattener(built.scene.root()).update();
+}
+
+struct PlatesOnDisk {
+  PlatesOnDisk() { write_text(folder / "plates.gltf", two_plates().text()); }
+  BuiltScene build(const std::string& commands) const {
+    return build_scene(parse_commands(kTwoPlates + commands, "s.xml", folder.path()));
+  }
+  TemporaryFolder folder;
+};
+
+TEST_CASE("several elements on one part act together, whichever was changed last") {
+  const PlatesOnDisk plates;
+  const std::string both =
+      changed("opacity='0.5' emission_red='1'", "A") + changed("material='Paint' opacity='0.5' emission_red='2'", "B");
+  BuiltScene one = plates.build(both), other = plates.build(both);
+  const DrawList list = after(one, {{"A", 0.25}, {"B", 0.5}});
+  CHECK(same_content(list, after(other, {{"B", 0.5}, {"A", 0.25}})));
+  const Material& paint = *list.materials.at(0);
+  const Material& metal = *list.materials.at(1);
+  CHECK(paint.base_color.r == static_cast<float>(static_cast<double>(0.8f) * 0.125));
+  CHECK(paint.opacity == 0.25f);
+  CHECK(paint.emissive == glm::vec3(3, 0, 0));
+  CHECK(metal.base_color.r == 0.125f);
+  CHECK(metal.opacity == 0.5f);
+}
+
+TEST_CASE("mistakes are refused and leave the part as it was") {
+  const PlatesOnDisk plates;
+  const auto error = [&](const std::string& commands) { return error_of([&] { plates.build(commands); }); };
+  CHECK(contains(error(changed("material='Paimt'")),
+                 "there is no material \"Paimt\" in part \"PLATES\", did you mean \"Paint\"? (expected the name"));
+  CHECK(
+      contains(error("<element type='material' name='M' insert_at='ROOT' part='PLATE'/>"), "did you mean \"PLATES\""));
+  CHECK(contains(error("<element type='material' name='M' insert_at='ROOT'/>"), "part"));
+  CHECK(contains(error(changed("opacity='1.5'")), "\"opacity\": 1.5 is not allowed, expected a number from 0 to 1"));
+  BuiltScene built;
+  SceneBuilder builder(built, {});
+  builder.execute(parse_commands(kTwoPlates, "s.xml", plates.folder.path()));
+  const DrawList before = Flattener(built.scene.root()).update();
+  const std::vector<Command> wrong = parse_commands(changed("red='0'") + changed("red='0'"), "s.xml", "");
+  CHECK_THROWS_AS(builder.execute(wrong), InputError);
+  CHECK(same_content(before, Flattener(built.scene.root()).update()));
+}
+
+}  // namespace
+}  // namespace simvis::test

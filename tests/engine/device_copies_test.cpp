@@ -1,0 +1,146 @@
+// A mesh has a copy on the device only where a frame draws from it: strips pick their triangles on the host.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <glm/gtc/matrix_transform.hpp>
+#include <string>
+#include <vector>
+
+#include <simvis/device.h>
+#include <simvis/renderer.h>
+#include <simvis/simulation.h>
+#include "tests/support/random_room.h"
+#include "tests/support/renderer_scene.h"
+#include "tests/support/wall_scene.h"
+
+namespace simvis {
+namespace {
+
+using namespace test;
+
+constexpr std::uint32_t kWidth_px = 256, kStrip_px = 2, kPicture_px = 80;
+
+FramePlan depth_plan(std::uint32_t height_px) {
+  FramePlan plan = plan_of(kWidth_px, height_px, kWidth_px / 2.0, false, true);
+  view_of(plan).sees_back_faces = true;
+  return plan;
+}
+
+std::vector<float> depth_of(Renderer& renderer, const DrawList& list, const FramePlan& plan) {
+  return copy(renderer.render(list, plan)[0].depth);
+}
+
+DrawList room() { return random_room(7, 12, 24); }
+
+std::uint64_t bytes_of(const DrawList& list) {
+  std::uint64_t bytes = 0;
+  for (const auto& mesh : list.meshes) {
+    bytes += mesh->positions.size() * sizeof(glm::vec3) + mesh->indices.size() * sizeof(std::uint32_t);
+  }
+  return bytes;
+}
+
+bool names_meshes(const FramePlan& plan) {
+  return std::ranges::any_of(plan.memory, [](const auto& memory) { return memory.name.starts_with("mesh "); });
+}
+
+TEST_CASE("what only strips see has no copy on the device until something else draws it, and then one") {
+  const DrawList list = room();
+  Renderer renderer(device());
+  FramePlan strip = depth_plan(kStrip_px), picture = depth_plan(kPicture_px);
+
+  const std::vector<float> seen = depth_of(renderer, list, strip);
+  CHECK(std::ranges::count(seen, 0.0f) < std::ssize(seen));
+  CHECK(renderer.counters().meshes_held == 0);
+  CHECK(renderer.counters().mesh_bytes == 0);
+  renderer.complete(strip);
+  CHECK(!names_meshes(strip));
+
+  Renderer fresh(device());
+  const std::vector<float> expected = depth_of(fresh, list, picture);
+  CHECK(depth_of(renderer, list, picture) == expected);
+  CHECK(renderer.counters().meshes_held == list.meshes.size());
+  CHECK(renderer.counters().mesh_bytes == bytes_of(list));
+  CHECK(renderer.counters().bytes_uploaded >= bytes_of(list));
+  renderer.complete(picture);
+  CHECK(names_meshes(picture));
+
+  CHECK(depth_of(renderer, list, strip) == seen);
+  CHECK(depth_of(renderer, list, picture) == expected);
+  CHECK(renderer.counters().bytes_uploaded < bytes_of(list));  // not once more
+}
+
+TEST_CASE("strips that draw from the device show the same bytes") {
+  const DrawList list = room();
+  Renderer renderer(device());
+  const std::vector<float> picked = depth_of(renderer, list, depth_plan(kStrip_px));
+  CHECK(renderer.counters().meshes_held == 0);
+  FramePlan whole = depth_plan(kStrip_px);
+  view_of(whole).culled = false;
+  CHECK(depth_of(renderer, list, whole) == picked);
+  CHECK(renderer.counters().meshes_held == list.meshes.size());
+  // Back faces are the device's to leave out.
+  Renderer other(device());
+  FramePlan fronts = depth_plan(kStrip_px);
+  view_of(fronts).sees_back_faces = false;
+  other.render(list, fronts);
+  CHECK(other.counters().meshes_held == list.meshes.size());
+}
+
+TEST_CASE("of a strip's scene, what has holes is on the device, with its attributes, and nothing else") {
+  RendererScene scene;
+  Material holes;
+  holes.alpha_mode = AlphaMode::mask;
+  holes.base_color_texture = four_texels();
+  const Mesh far = rectangle(-9, -9, 9, 9), near = rectangle(-1, -1, 1, 1);
+  scene.add(far, Material{}, at(0, 0, 5));
+  scene.add(near, holes, at(0, 0, 2));
+  Renderer renderer(device());
+  FramePlan plan = depth_plan(kStrip_px);
+  const std::vector<float> seen = depth_of(renderer, scene.list, plan);
+  CHECK(renderer.counters().meshes_held == 1);
+  constexpr std::uint64_t kPackedAttributes = 32;
+  CHECK(renderer.counters().mesh_bytes ==
+        near.positions.size() * (sizeof(glm::vec3) + kPackedAttributes) + near.indices.size() * sizeof(std::uint32_t));
+  view_of(plan).culled = false;
+  CHECK(depth_of(renderer, scene.list, plan) == seen);
+}
+
+TEST_CASE("meshes that come and go between strips and pictures keep their places on the device apart") {
+  DrawList list = room();
+  Renderer renderer(device());
+  depth_of(renderer, list, depth_plan(kPicture_px));
+  for (int i = 0; i < 3; ++i) {
+    // One that only strips have seen stands between those that are there and those to come.
+    add_item(list, sphere_mesh(0.3 + 0.1 * i, 40), glm::translate(glm::dmat4(1.0), {0.4 * i, 0.3, 2}));
+    const std::size_t held = list.meshes.size() - 1;
+    depth_of(renderer, list, depth_plan(kStrip_px));
+    CHECK(renderer.counters().meshes_held == held);
+    Renderer fresh(device());
+    CHECK(depth_of(renderer, list, depth_plan(kPicture_px)) == depth_of(fresh, list, depth_plan(kPicture_px)));
+    CHECK(renderer.counters().meshes_held == held + 1);
+    CHECK(renderer.counters().mesh_bytes == bytes_of(list));
+  }
+}
+
+TEST_CASE("planar scanners alone keep no mesh on the device, with a camera it is there, and the ranges are the same") {
+  const auto scan_of = [](const std::string& camera, std::uint64_t meshes) {
+    const TemporaryFolder folder;
+    const std::filesystem::path scene = write_wall_scene(
+        folder.path(), camera + R"(<sensor type="laser_scanner" name="SCANNER" insert_at="ROOT" method="planar"/>)");
+    Simulation simulation = Simulation::load(scene);
+    simulation.step();
+    CHECK(simulation.counters().meshes_held == meshes);
+    CHECK(names_meshes(simulation.frame_plan()) == (meshes > 0));
+    const Scan& scan = simulation.scan("SCANNER");
+    CHECK(std::ranges::any_of(scan.range_m, [](float range_m) { return std::isfinite(range_m); }));
+    return std::vector<float>(scan.range_m.begin(), scan.range_m.end());
+  };
+  const std::vector<float> alone = scan_of("", 0);
+  CHECK(scan_of(R"(<sensor type="camera" name="CAM" insert_at="ROOT"/>)", 1) == alone);
+}
+
+}  // namespace
+}  // namespace simvis

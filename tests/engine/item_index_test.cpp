@@ -1,0 +1,318 @@
+// Who keeps account of a draw list spares its readers the look at what has not changed, and changes nothing of what
+// they make of it: worlds of many things, some of which move, come and go, held against copies of the same list, of
+// which nobody keeps account.
+#include "engine/geometry/item_index.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <glm/gtc/matrix_transform.hpp>
+#include <memory>
+#include <random>
+#include <vector>
+
+#include "engine/render/draw_order.h"
+#include "scenegraph/flattener.h"
+#include "sensors/laser_scanner/rendered_scan.h"
+#include "sensors/raster_depth/vertex_rounding.h"
+#include "tests/support/ray_casting.h"
+#include "tests/support/renderer_scene.h"
+
+using namespace simvis;
+
+namespace {
+
+std::shared_ptr<const Mesh> finished(Mesh mesh, Topology topology = Topology::triangles) {
+  mesh.attributes.resize(mesh.positions.size());
+  mesh.topology = topology;
+  compute_bounds(mesh);
+  return std::make_shared<const Mesh>(std::move(mesh));
+}
+
+/// One primitive.
+Mesh of(std::vector<glm::vec3> corners) {
+  Mesh mesh;
+  for (std::uint32_t i = 0; i < corners.size(); ++i) mesh.indices.push_back(i);
+  mesh.positions = std::move(corners);
+  return mesh;
+}
+
+std::shared_ptr<const Material> painted(const glm::vec4& color, bool double_sided) {
+  Material material;
+  material.base_color = color;
+  material.double_sided = double_sided;
+  if (color.a < 1) material.alpha_mode = AlphaMode::blend;
+  return std::make_shared<const Material>(material);
+}
+
+/// Groups of things of few kinds, all of which can be moved, alone or as a group.
+class Crowd {
+ public:
+  Crowd(int groups, int things, double size_m, const glm::dvec3& middle) : size_m_(size_m) {
+    root_->add(std::make_shared<Transform>(glm::translate(glm::dmat4(1.0), middle)));
+    for (int g = 0; g < groups; ++g) {
+      groups_.push_back({std::make_shared<Separator>(), std::make_shared<Transform>(glm::dmat4(1.0))});
+      groups_.back().holder->add(groups_.back().place);
+      root_->add(groups_.back().holder);
+    }
+    for (int t = 0; t < things; ++t) add();
+  }
+
+  GroupPtr root() const { return root_; }
+
+  void add() {
+    std::uniform_int_distribution<std::size_t> group(0, groups_.size() - 1), kind(0, 999);
+    Thing thing{std::make_shared<Separator>(), std::make_shared<Transform>(place()), group(random_)};
+    thing.holder->add(thing.place);
+    thing.holder->add(std::make_shared<MaterialNode>(materials_[kind(random_) % materials_.size()]));
+    thing.holder->add(std::make_shared<Shape>(meshes_[kind(random_) % meshes_.size()]));
+    groups_[thing.group].holder->add(thing.holder);
+    things_.push_back(thing);
+  }
+
+  void remove() {
+    const Thing thing = things_[any(things_.size())];
+    groups_[thing.group].holder->remove(*thing.holder);
+    std::erase_if(things_, [&](const Thing& each) { return each.holder == thing.holder; });
+  }
+
+  void move() { things_[any(things_.size())].place->set_matrix(place()); }
+  void move_a_little() {
+    const std::shared_ptr<Transform>& place = things_[any(things_.size())].place;
+    place->set_matrix(glm::translate(glm::dmat4(1.0), {0.01, 0, 0}) * place->matrix());
+  }
+  void move_group() { groups_[any(groups_.size())].place->set_matrix(random_pose(random_, 1)); }
+
+ private:
+  struct Parent {
+    std::shared_ptr<Separator> holder;
+    std::shared_ptr<Transform> place;
+  };
+  struct Thing {
+    std::shared_ptr<Separator> holder;
+    std::shared_ptr<Transform> place;
+    std::size_t group = 0;
+  };
+
+  std::size_t any(std::size_t count) { return std::uniform_int_distribution<std::size_t>(0, count - 1)(random_); }
+  glm::dmat4 place() {
+    const glm::dvec3 scales[] = {{1, 1, 1}, {1, 1, 1}, {-1, 1, 1}, {1, 3, 0.5}, {1, 1, 0}};
+    const glm::dvec3 scale = scales[any(std::size(scales))];
+    std::uniform_real_distribution<double> unit(-1, 1);
+    const glm::dvec3 where = size_m_ * glm::dvec3(unit(random_), unit(random_), 0.2 * unit(random_));
+    const bool turned = any(2) == 0;  // unturned things of a kind differ in their places alone
+    return glm::translate(glm::dmat4(1.0), where) * (turned ? random_pose(random_, 0) : glm::dmat4(1.0)) *
+           glm::scale(glm::dmat4(1.0), scale);
+  }
+
+  double size_m_;
+  std::mt19937 random_{7};
+  GroupPtr root_ = std::make_shared<Separator>();
+  std::vector<Parent> groups_;
+  std::vector<Thing> things_;
+  std::vector<std::shared_ptr<const Mesh>> meshes_{
+      finished(box_mesh(glm::vec3(0.3f))), finished(box_mesh({1.5f, 0.1f, 0.1f})), finished(sphere_mesh(0.4, 16)),
+      finished(of({{9, 0, 0}, {9, 1, 0}, {9, 0, 1}})), finished(of({{0, 0, 0}, {1, 0, 0}}), Topology::lines)};
+  std::vector<std::shared_ptr<const Material>> materials_{painted({0.8f, 0.2f, 0.1f, 1}, false),
+                                                          painted({0.1f, 0.6f, 0.2f, 1}, true),
+                                                          painted({0, 0.2f, 0.9f, 0.5f}, true)};
+};
+
+const glm::dmat4 kCameraFromSensor({0, 0, 1, 0}, {-1, 0, 0, 0}, {0, -1, 0, 0}, {0, 0, 0, 1});
+
+/// A picture with depth, and a planar scan.
+FramePlan picture_and_scan(const glm::dmat4& sensor_from_world, RenderedScan& scan) {
+  FramePlan plan = test::plan_of(48, 32, 30, true, true);
+  test::view_of(plan).view_from_world = kCameraFromSensor * sensor_from_world;
+  scan.plan("scanner", "", sensor_from_world, plan, "scanner");
+  return plan;
+}
+
+void check_same_bytes(Renderer& accounted, const DrawList& list, Renderer& compared, const DrawList& copy,
+                      const FramePlan& plan) {
+  const std::span<const PassResult> a = accounted.render(list, plan), b = compared.render(copy, plan);
+  REQUIRE(a.size() == b.size());
+  for (std::size_t pass = 0; pass < a.size(); ++pass) {
+    CHECK(test::same_bytes(a[pass].depth, b[pass].depth));
+    CHECK(test::same_bytes(a[pass].color, b[pass].color));
+    for (std::size_t view = 0; view < a[pass].views.size(); ++view) {
+      ViewCounts counts = a[pass].views[view];
+      counts.boxes_examined = b[pass].views[view].boxes_examined;
+      CHECK(counts == b[pass].views[view]);
+    }
+  }
+  CHECK(accounted.counters() == compared.counters());
+}
+
+void check_same_rounding(const DrawList& list, const DrawList& copy, const glm::dmat4& sensor_from_world) {
+  const VertexRounding accounted(list, sensor_from_world), compared(copy, sensor_from_world);
+  for (double range_m = 0x1p-13; range_m < 0x1p13; range_m *= 1.09) {
+    REQUIRE(accounted.at(range_m) == compared.at(range_m));
+  }
+}
+
+void check_same_sight(const DrawList& list, const View& view) {
+  const ViewProjection projection = make_projection(view);
+  const ItemIndex& index = *index_of(list);
+  std::vector<std::uint32_t> found, seen;
+  index.find_seen(projection, found);
+  std::ranges::sort(found);
+  for (std::uint32_t item = 0; item < list.items.size(); ++item) {
+    const Mesh& mesh = *list.meshes[list.items[item].mesh];
+    const glm::dvec3 low(mesh.bounds_min), high(mesh.bounds_max);
+    const WorldBox box =
+        make_box(list.world_from_node[list.items[item].transform], 0.5 * (low + high), 0.5 * (high - low));
+    if (!outside(projection, box)) seen.push_back(item);
+  }
+  REQUIRE(found == seen);
+}
+
+}  // namespace
+
+TEST_CASE("things that move, come and go: the same draws, hits and roundings as of a list that is compared") {
+  std::mt19937 random(3);
+  for (const double away_m : {0.0, 1e7}) {
+    const glm::dvec3 middle(away_m, -away_m, 0.5 * away_m);
+    Crowd crowd(20, 2000, 30, middle);
+    Flattener flattener(crowd.root());
+    Renderer accounted(test::device()), compared(test::device());
+    const RayEngine caster{make_host_ray_caster()};
+    RenderedScan scan({.samples = 61, .rings = 1, .min_azimuth_rad = -1.5, .max_azimuth_rad = 1.5}, 256);
+    std::vector<glm::dvec3> directions;
+    for (int ray = 0; ray < 200; ++ray) directions.push_back(random_direction(random));
+    for (int frame = 0; frame < 12; ++frame) {
+      CAPTURE(frame);
+      for (int i = 0; i < 15; ++i) crowd.move();
+      for (int i = 0; i < 15; ++i) crowd.move_a_little();
+      if (frame % 3 == 1) crowd.move_group();
+      if (frame == 5) {
+        for (int i = 0; i < 4000; ++i) crowd.move();
+      }
+      if (frame % 4 == 2) {
+        for (int i = 0; i < 40; ++i) crowd.remove();
+        for (int i = 0; i < 50; ++i) crowd.add();
+      }
+      const DrawList& list = flattener.update();
+      const DrawList copy = list;
+      REQUIRE(list.changes.kept());
+      REQUIRE(!copy.changes.kept());
+      const glm::dmat4 world_from_sensor = glm::translate(glm::dmat4(1.0), middle) * random_pose(random, 10);
+      const glm::dmat4 sensor_from_world = rigid_inverse(world_from_sensor);
+      const FramePlan plan = picture_and_scan(sensor_from_world, scan);
+      if (frame % 5 == 4) continue;  // who has not looked for a while is told of all that has happened since
+      for (const Pass& pass : plan.passes) check_same_sight(list, pass.views[0]);
+      check_same_bytes(accounted, list, compared, copy, plan);
+      check_same_rounding(list, copy, sensor_from_world);
+      const RayEngine afresh{make_host_ray_caster()};
+      CHECK(caster.cast(list, world_from_sensor, directions) == afresh.cast(copy, world_from_sensor, directions));
+    }
+  }
+}
+
+TEST_CASE("what nobody sees is hardly looked at, and what stands still not at all") {
+  // The same things around the sensor; ten times as many of them beyond.
+  std::uint64_t looked_at[2] = {}, items[2] = {};
+  for (const int more : {0, 1}) {
+    Crowd crowd(1, 1000, 20, {0, 0, 0});
+    Crowd beyond(1, more * 10000 + 1, 20, {-1000, 0, 0});
+    const auto world = std::make_shared<Separator>();
+    world->add(crowd.root());
+    world->add(beyond.root());
+    Flattener flattener(world);
+    const DrawList& list = flattener.update();
+    View view = test::plan_of(48, 32, 30, true, true).passes[0].views[0];
+    view.view_from_world = kCameraFromSensor;
+    std::vector<std::uint32_t> seen;
+    looked_at[more] = index_of(list)->find_seen(make_projection(view), seen);
+    items[more] = list.items.size();
+    CHECK(seen.size() > 50);
+
+    const RayEngine caster{make_host_ray_caster()};
+    caster.cast_one(list, {1, 0, 0});
+    RayCounters expected = caster.caster->counters();
+    crowd.move();
+    flattener.update();
+    caster.cast_one(list, {1, 0, 0});
+    ++expected.items_placed;
+    ++expected.item_trees_refitted;
+    expected.rays = 2;
+    expected.item_tests = caster.caster->counters().item_tests;
+    expected.triangle_tests = caster.caster->counters().triangle_tests;
+    CHECK(caster.caster->counters() == expected);
+  }
+  MESSAGE(looked_at[0] << " boxes of " << items[0] << " items, " << looked_at[1] << " of " << items[1]);
+  CHECK(looked_at[1] <= looked_at[0] + 2 * Bvh::kMaxDepth);  // the way down to those around
+}
+
+TEST_CASE("an account tells what has moved, and copies have none") {
+  DrawList list;
+  CHECK(!list.changes.kept());
+  CHECK(!list.changes.same_structure(list.changes.version()));
+  list.changes.restructured();
+  const ListVersion first = list.changes.version();
+  CHECK(list.changes.same_structure(first));
+  CHECK(list.changes.moved_since(first)->empty());
+  list.changes.moved({2, 3});
+  list.changes.moved({5, 9});
+  const ListVersion second = list.changes.version();
+  list.changes.moved({1, 2});
+  REQUIRE(list.changes.moved_since(first)->size() == 3);
+  CHECK(list.changes.moved_since(first)->front().first == 2);
+  REQUIRE(list.changes.moved_since(second)->size() == 1);
+  CHECK(list.changes.moved_since(second)->front().end == 2);
+  CHECK(!list.changes.moved_since({}));
+
+  const DrawList copy = list;
+  CHECK(!copy.changes.kept());
+  CHECK(!copy.changes.moved_since(second));
+  CHECK(index_of(copy) == nullptr);
+
+  DrawList other;
+  other.changes.restructured();
+  CHECK(!other.changes.same_structure(first));
+  for (int i = 0; i < 200'000; ++i) list.changes.moved({7, 8});  // more than it remembers
+  CHECK(!list.changes.moved_since(second));
+  CHECK(list.changes.moved_since(list.changes.version())->empty());
+  other = list;
+  CHECK(!other.changes.kept());
+  list.changes.restructured();
+  CHECK(!list.changes.same_structure(second));
+}
+
+TEST_CASE("what moves takes its place in the order of drawing, as if all were sorted again") {
+  std::mt19937 random(5);
+  const auto any = [&](std::uint32_t below) {
+    return std::uniform_int_distribution<std::uint32_t>(0, below - 1)(random);
+  };
+  DrawList list;
+  DrawOrder order, afresh;
+  constexpr std::uint32_t kItems = 500;
+  std::vector<Drawable> drawables;
+  for (std::uint32_t item = 0; item < kItems; ++item) {
+    list.world_from_node.push_back(test::at(any(20), 0, 0));
+    if (item % 7 == 0) continue;
+    Drawable& drawable = drawables.emplace_back();
+    drawable.item = drawable.transform = item;
+    drawable.rank = any(6);
+  }
+  const auto fill = [&](DrawOrder& filled) {
+    filled.clear(kItems);
+    for (const Drawable& drawable : drawables) filled.add(drawable);
+    filled.sort(list);
+  };
+  fill(order);
+  for (int frame = 0; frame < 200; ++frame) {
+    std::vector<std::uint32_t> moved;
+    for (std::uint32_t i = any(12); i-- > 0;) {
+      moved.push_back(any(kItems));  // some of them twice
+      list.world_from_node[moved.back()] = test::at(any(20), 0, 0);
+    }
+    order.sort(list, moved);
+    fill(afresh);
+    for (std::uint32_t p = 0; p < drawables.size(); ++p) {
+      REQUIRE(order[p].item == afresh[p].item);
+      REQUIRE(order.position(order[p].item) == p);
+    }
+    CHECK(order.position(0) == DrawOrder::kNone);
+  }
+}

@@ -1,0 +1,108 @@
+// Every sample model, against bounds and triangle counts from an independent reader.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include <simvis/error.h>
+#include "tests/support/gltf_fixture.h"
+
+using namespace simvis;
+using namespace simvis::test;
+
+namespace {
+
+struct Totals {
+  std::size_t triangles = 0, other_primitives = 0;
+  glm::dvec3 min{INFINITY}, max{-INFINITY};  // of the corners of triangles, world frame
+};
+
+Totals total(const DrawList& list) {
+  Totals totals;
+  for (const DrawItem& item : list.items) {
+    const Mesh& mesh = *list.meshes[item.mesh];
+    if (mesh.topology != Topology::triangles) {
+      ++totals.other_primitives;
+      continue;
+    }
+    totals.triangles += mesh.indices.size() / 3;
+    for (const std::uint32_t index : mesh.indices) {
+      const glm::dvec3 p(list.world_from_node[item.transform] * glm::dvec4(mesh.positions[index], 1));
+      totals.min = glm::min(totals.min, p);
+      totals.max = glm::max(totals.max, p);
+    }
+  }
+  return totals;
+}
+
+// The expected bounds are printed with six decimals; a skinned vertex is rounded to float32 once more, a vertex that
+// went through a few float32 matrices in the other reader some more times.
+double tolerance_m(const json& aabb) {
+  constexpr double kPrinted_m = 0.5e-6;
+  constexpr double kRoundings = 4;
+  double largest_m = 0;
+  for (const json& corner : aabb) {
+    for (const json& x : corner) largest_m = std::max(largest_m, std::abs(x.get<double>()));
+  }
+  return kPrinted_m + kRoundings * 0x1p-24 * largest_m;
+}
+
+void check_bounds(const Totals& totals, const json& aabb, double extra_tolerance_m) {
+  const double tolerance = tolerance_m(aabb) + extra_tolerance_m;
+  for (int i = 0; i < 3; ++i) {
+    const auto axis = static_cast<std::size_t>(i);
+    CHECK(std::abs(totals.min[i] - aabb[0][axis].get<double>()) <= tolerance);
+    CHECK(std::abs(totals.max[i] - aabb[1][axis].get<double>()) <= tolerance);
+  }
+}
+
+// Where the expected values mean something else than what SimVis shows:
+// how many instances EXT_mesh_gpu_instancing makes of each mesh, which they leave out;
+constexpr std::size_t kSimpleInstances = 125;
+// the rotation in Cameras.gltf, printed with five digits: they take it as it is, its length is 1 + 1.54e-6, and SimVis
+// makes it 1, which changes the entries of its matrix by twice that;
+constexpr double kCamerasTolerance_m = 2 * 1.54e-6;
+// the morph weights (0.5, 0.5) in SimpleMorph.gltf, which lift the tip at y = 0.5 by half of 1 twice.
+const json kSimpleMorphBounds{{0.0, 0.0, 0.0}, {1.0, 1.5, 0.0}};
+
+}  // namespace
+
+TEST_CASE("the sample models have the triangles and bounds that others found") {
+  const std::filesystem::path folder = std::filesystem::path(SIMVIS_SHARED_DATA) / "gltf";
+  if (!std::filesystem::exists(folder / "expected.json")) {
+    std::cout << "skipped: no sample models in " << folder << "\n";
+    return;
+  }
+  const json expected = json::parse(std::ifstream(folder / "expected.json")).at("files");
+  std::size_t compared = 0;
+  for (const auto& [name, values] : expected.items()) {
+    CAPTURE(name);
+    ContentPool pool;
+    const json required = values.value("extensionsRequired", json::array());
+    if (std::find(required.begin(), required.end(), "KHR_draco_mesh_compression") != required.end()) {
+      CHECK_THROWS_WITH_AS(import_part(folder / name, pool), doctest::Contains("KHR_draco_mesh_compression"),
+                           InputError);
+      continue;
+    }
+    const LoadedPart part = load_unturned(folder / name, pool);
+    const Totals totals = total(part.list);
+    const bool instanced = name.find("SimpleInstancing") != std::string::npos;
+    CHECK(totals.triangles == values.at("triangles").get<std::size_t>() * (instanced ? kSimpleInstances : 1));
+    CHECK(totals.other_primitives == values.at("nontri").get<std::size_t>());
+    if (instanced) continue;
+    const double extra_m = name.starts_with("Cameras/") ? kCamerasTolerance_m : 0;
+    if (name.starts_with("SimpleMorph/")) {
+      check_bounds(totals, kSimpleMorphBounds, 0);
+    } else if (values.contains("aabb_skinned")) {
+      check_bounds(totals, values.at("aabb_skinned"), 0);
+    } else if (values.contains("aabb")) {
+      check_bounds(totals, values.at("aabb"), extra_m);
+    }
+    ++compared;
+  }
+  CHECK(compared > 50);
+}

@@ -1,0 +1,237 @@
+// Broken Inventor and VRML files, and other people's: each is read as Coin reads it or refused, none crashes or hangs.
+#include <doctest/doctest.h>
+
+#include <chrono>
+#include <fstream>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "tests/support/inventor_fixture.h"
+#include "tests/support/random_numbers.h"
+
+using namespace simvis;
+using namespace simvis::test;
+
+namespace {
+
+constexpr double kLongest_s = 10;
+constexpr int kBrokenFiles = 100;
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+std::string error_in(InventorFiles& files, const std::string& nodes) {
+  const std::string error = error_of([&] { files.iv(nodes); });
+  CHECK(error.starts_with((files.folder / "part.iv").string() + ": error: "));
+  return error;
+}
+
+// Cut off, with flipped bits, or (most often, as nothing else gets past the grammar) with other digits.
+std::string broken(std::string text, Random& random) {
+  const std::uint64_t kind = random.below(4);
+  if (kind == 0) return text.substr(0, random.below(text.size()));
+  for (int change = 0; change < 3;) {
+    char& c = text[random.below(text.size())];
+    if (kind == 1) {
+      c = static_cast<char>(c ^ (1 << random.below(8)));
+    } else if (c >= '0' && c <= '9') {
+      c = "-0123456789"[random.below(11)];
+    } else {
+      continue;
+    }
+    ++change;
+  }
+  return text;
+}
+
+// The reference counts filled triangles whatever the style, reads no included files of VRML 1.0, and its boxes forget
+// what stands before a ResetTransform.
+bool differs_by_design(const std::string& text) {
+  for (const char* node : {"DrawStyle", "WWWInline", "ResetTransform"}) {
+    if (text.find(node) != std::string::npos) return true;
+  }
+  return false;
+}
+
+bool close(double a, double b, double tolerance) { return std::abs(a - b) <= tolerance; }
+
+// Compares with what Coin's own actions say. The box is made of boxes of shapes (a sphere's even of its radius), so
+// that it holds the vertices, and no more can be said of a shape that is curved or turned.
+void check_against_coin(const nlohmann::json& expected, const LoadedPart& part) {
+  // The file has six significant digits.
+  constexpr double kWritten = 1e-5;
+  const PartMeasure seen = measure(part.list);
+  CHECK(seen.triangles == expected["triangles"].get<std::size_t>());
+  CHECK(seen.lines == expected["line_segments"].get<std::size_t>());
+  CHECK(seen.points == expected["points"].get<std::size_t>());
+  const double area = expected["triangle_area"];
+  CHECK(close(seen.area, area, kWritten * area));
+  if (expected["curved_or_text"] || part.list.items.empty() || !expected.contains("aabb")) return;
+  double size = 0;
+  for (int i = 0; i < 3; ++i) {
+    size = std::max(
+        {size, std::abs(expected["aabb"][0][i].get<double>()), std::abs(expected["aabb"][1][i].get<double>())});
+  }
+  for (int i = 0; i < 3; ++i) {
+    CHECK(seen.min[i] >= expected["aabb"][0][i].get<double>() - kWritten * size);
+    CHECK(seen.max[i] <= expected["aabb"][1][i].get<double>() + kWritten * size);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("an error says what is wrong and in which line") {
+  if (!has_coin()) return;
+  InventorFiles files;
+  CHECK(contains(error_in(files, "Cube {\n width }"), "line   4"));
+  CHECK(contains(error_in(files, "Cube { width 1"), "Coin cannot read it"));
+  for (const std::string node : {"File { name", "WWWInline { name", "VRMLInline { url"}) {
+    CHECK(contains(error_in(files, node + " \"none.iv\" }"), "none.iv"));
+  }
+  const auto error_of_file = [&](const std::string& text) { return error_of([&] { files.load("other.wrl", text); }); };
+  CHECK(contains(error_of_file(""), "is empty"));
+  CHECK(contains(error_of_file("Shape { geometry Box { } }"), "Not a valid Inventor file"));
+  CHECK(contains(error_of_file(kVrml97Header + "Shape { geometry Box { } } }"), "Coin cannot read all of it"));
+  CHECK(contains(error_of([&] { import_part(files.folder / "none.iv", files.pool); }), "there is no such file"));
+}
+
+TEST_CASE("a file that is cut off anywhere is not taken by half") {
+  if (!has_coin()) return;
+  InventorFiles files;
+  const std::string whole = kInventorHeader +
+                            "Separator {\n Coordinate3 { point [ 0 0 0, 1 0 0, 0 1 0 ] }\n"
+                            " IndexedFaceSet { coordIndex [ 0, 1, 2, -1 ] }\n}";
+  CHECK(files.load("whole.iv", whole).list.items.size() == 1);
+  for (std::size_t size = kInventorHeader.size() + 1; size < whole.size(); size += 7) {
+    CAPTURE(whole.substr(0, size));
+    CHECK_THROWS_AS(files.load("cut.iv", whole.substr(0, size)), InputError);
+  }
+}
+
+TEST_CASE("numbers that are not finite are refused, be they written or computed") {
+  if (!has_coin()) return;
+  InventorFiles files;
+  const std::string face = " IndexedFaceSet { coordIndex [ 0, 1, 2, -1 ] }";
+  for (const std::string number : {"1e39", "nan", "inf"}) {
+    error_in(files, "Coordinate3 { point [ " + number + " 0 0, 1 0 0, 0 1 0 ] }" + face);
+    error_in(files, "Translation { translation " + number + " 0 0 } Cube { }");
+  }
+  const std::string huge = "Scale { scaleFactor 1e30 1e30 1e30 } Scale { scaleFactor 1e30 1e30 1e30 } ";
+  CHECK(contains(error_in(files, huge + "Cube { }"), "a transform that is not finite"));
+  CHECK(contains(error_in(files, huge + "PointLight { }"), "a light with"));
+  CHECK(contains(error_in(files, "MatrixTransform { matrix 1 0 0 0.5  0 1 0 0  0 0 1 0  0 0 0 1 } Cube { }"),
+                 "not affine"));
+}
+
+TEST_CASE("indices and counts beyond what a file holds are refused") {
+  if (!has_coin()) return;
+  InventorFiles files;
+  const std::string points = "Coordinate3 { point [ 0 0 0, 1 0 0, 0 1 0 ] } ";
+  for (const std::string shape :
+       {"IndexedFaceSet { coordIndex [ 0, 1, 4, -1 ] }", "IndexedLineSet { coordIndex [ 0, 9, -1 ] }",
+        "IndexedTriangleStripSet { coordIndex [ 0, 1, 9, -1 ] }", "LineSet { numVertices 5 }",
+        "PointSet { numPoints 7 }", "TriangleStripSet { numVertices 5 }",
+        "QuadMesh { verticesPerColumn 2 verticesPerRow 2 }"}) {
+    CAPTURE(shape);
+    CHECK(contains(error_in(files, points + shape), "a shape uses the coordinate"));
+  }
+  const std::string face = "IndexedFaceSet { coordIndex [ 0, 1, 2, -1 ] ";
+  CHECK(contains(error_in(files, points + "Normal { vector 0 0 1 } NormalBinding { value PER_VERTEX_INDEXED } " + face +
+                                     "normalIndex [ 0, 5, 0, -1 ] }"),
+                 "a shape uses the normal 5"));
+  const std::string lines = "IndexedLineSet { coord Coordinate { point [ 0 0 0 ] } coordIndex [ 0 1 -1 ] }";
+  CHECK(contains(error_of([&] { files.vrml("Shape { geometry " + lines + " }"); }), "a shape uses the coordinate 1"));
+  // Colours and texture coordinates are no reason to refuse a shape.
+  const LoadedPart colored =
+      files.iv("Material { diffuseColor [ 1 0 0, 0 1 0 ] } MaterialBinding { value PER_FACE_INDEXED } " + points +
+               face + "materialIndex [ 90 ] }");
+  CHECK(material_of(colored, 0).base_color == glm::vec4(0, 1, 0, 1));
+  const LoadedPart textured = files.iv("Texture2 { image 1 1 1 0 } TextureCoordinate2 { point [ 1 1 ] } " + points +
+                                       face + "textureCoordIndex [ 0, 7, 0, -1 ] }");
+  CHECK(mesh_of(textured, 0).attributes[0].uv[0] == glm::vec2(0, 0));
+  REQUIRE(textured.content.warnings.size() == 1);
+  CHECK(contains(textured.content.warnings[0], "texture coordinates beyond"));
+}
+
+TEST_CASE("a file that takes too long is given up, and so is one that includes itself") {
+  if (!has_coin()) return;
+  InventorFiles files;
+  // 10^9 cubes
+  write_text(files.folder / "huge.iv", kInventorHeader +
+                                           "Array { numElements1 1000 numElements2 1000 numElements3 1000 "
+                                           "origin CENTER Separator { DrawStyle { style INVISIBLE } Cube { } } }\n");
+  const auto start = std::chrono::steady_clock::now();
+  const std::string error =
+      error_of([&] { import_inventor({files.folder / "huge.iv"}, files.pool, std::chrono::milliseconds(300)); });
+  CHECK(contains(error, "huge.iv: error: Coin did not finish it within 300 ms"));
+  CHECK(seconds_since(start) < kLongest_s);
+  CHECK_THROWS_AS(files.load("self.iv", kInventorHeader + "Separator { Cube { } File { name \"self.iv\" } }\n"),
+                  InputError);
+}
+
+TEST_CASE("flipped bits and cuts are read or refused") {
+  if (!has_coin()) return;
+  InventorFiles files;
+  const std::string seed = kInventorHeader + R"(Separator {
+    Material { diffuseColor [ 1 0 0, 0 1 0 ] transparency 0.5 }
+    MaterialBinding { value PER_FACE_INDEXED }
+    Texture2 { image 2 2 3 0xff0000 0x00ff00 0x0000ff 0xffffff }
+    DEF S IndexedFaceSet { vertexProperty VertexProperty { vertex [ 0 0 0, 1 0 0, 1 1 0, 0 1 0 ] }
+      coordIndex [ 0, 1, 2, -1, 0, 2, 3, -1 ] materialIndex [ 0, 1 ] }
+    Switch { whichChild 0 Separator { RotationXYZ { axis X angle 1 } USE S } }
+    SpotLight { } Info { string "<element/>" } })";
+  Random random;
+  int loaded = 0;
+  for (int i = 0; i < kBrokenFiles; ++i) {
+    const std::string text = broken(seed, random);
+    CAPTURE(i);
+    const auto start = std::chrono::steady_clock::now();
+    try {
+      files.load("broken.iv", text);
+      ++loaded;
+    } catch (const InputError& e) {
+      CHECK(std::string(e.what()).starts_with((files.folder / "broken.iv").string() + ": error: "));
+    }
+    CHECK(seconds_since(start) < kLongest_s + 1);
+  }
+  CHECK(loaded > 0);
+  CHECK(loaded < kBrokenFiles);
+}
+
+TEST_CASE("other people's files are read as Coin reads them, each in time") {
+  if (!has_coin()) return;
+  const std::filesystem::path folder = std::filesystem::path(SIMVIS_SHARED_DATA) / "iv_vrml";
+  std::ifstream stream(folder / "expected_coin.json");
+  if (!stream) {
+    std::cout << "skipped: no Inventor files in " << folder << "\n";
+    return;
+  }
+  const nlohmann::json reference = nlohmann::json::parse(stream);
+  int compared = 0, refused = 0;
+  for (const auto& [name, expected] : reference["files"].items()) {
+    CAPTURE(name);
+    const bool is_read = expected.contains("triangles");
+    const auto start = std::chrono::steady_clock::now();
+    ContentPool pool;
+    LoadedPart part;
+    try {
+      part.content = import_part(folder / name, pool);
+      part.list = flatten(part.content);
+    } catch (const InputError& e) {
+      CHECK(std::string(e.what()).starts_with((folder / name).string() + ": error: "));
+      CHECK((!is_read || expected["read_errors"] != 0));
+      ++refused;
+      continue;
+    }
+    CHECK(seconds_since(start) < kLongest_s);
+    CHECK(is_read);
+    if (differs_by_design(read_text(folder / name))) continue;
+    check_against_coin(expected, part);
+    ++compared;
+  }
+  std::cout << compared << " files agree with Coin, " << refused << " are refused\n";
+  CHECK(compared > 130);
+}

@@ -1,0 +1,303 @@
+// The two engines of the ray caster against each other, to the bit; and what only the one on the device has: candidates
+// that overflow, and uploads.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <vector>
+
+#include <simvis/simulation.h>
+#include "engine/draw/content_order.h"
+#include "shaders/interop.h"
+#include "tests/support/ray_casting.h"
+#include "tests/support/tested_build.h"
+
+using namespace simvis;
+
+namespace {
+
+const std::size_t kFewer = sanitized() ? 16 : 1;
+
+/// A masked material whose texels are there or not at random.
+std::shared_ptr<Material> leaves(std::mt19937& random) {
+  auto texture = std::make_shared<Texture>();
+  texture->width = texture->height = 16;
+  for (int i = 0; i < 4 * 16 * 16; ++i) texture->rgba.push_back(static_cast<std::uint8_t>(random() % 256));
+  auto material = std::make_shared<Material>();
+  material->alpha_mode = AlphaMode::mask;
+  material->base_color_texture = texture;
+  return material;
+}
+
+/// A square of 2 x 2 m across x whose texture repeats every half metre.
+Mesh leaf_mesh() {
+  Mesh mesh;
+  mesh.positions = {{0, 1, 1}, {0, -1, 1}, {0, -1, -1}, {0, 1, -1}};
+  mesh.indices = {0, 1, 2, 0, 2, 3};
+  mesh.attributes.resize(4);
+  const glm::vec2 uvs[] = {{0, 0}, {4, 0}, {4, 4}, {0, 4}};
+  for (std::size_t i = 0; i < 4; ++i) mesh.attributes[i].uv[0] = uvs[i];
+  return mesh;
+}
+
+void compare(const RayEngine& host, const RayEngine& device, const DrawList& list, const glm::dmat4& pose,
+             const std::vector<glm::dvec3>& directions) {
+  const std::vector<RayHit> expected = host.cast(list, pose, directions), hits = device.cast(list, pose, directions);
+  std::size_t other = 0;
+  for (std::size_t i = 0; i < hits.size(); ++i) other += !(hits[i] == expected[i]);
+  CHECK(other == 0);
+}
+
+/// Half of them at random, half towards points of the list's triangles: corners, edges, or within.
+std::vector<glm::dvec3> directions_into(const DrawList& list, const glm::dmat4& pose, std::size_t count,
+                                        std::mt19937& random) {
+  std::uniform_real_distribution<double> unit(0, 1);
+  const glm::dmat4 sensor_from_world = rigid_inverse(pose);
+  std::vector<glm::dvec3> directions;
+  while (directions.size() < count) {
+    directions.push_back(random_direction(random));
+    const DrawItem& item = list.items[random() % list.items.size()];
+    const Mesh& mesh = *list.meshes[item.mesh];
+    if (mesh.topology != Topology::triangles || mesh.indices.size() < 3) continue;
+    const std::size_t triangle = random() % (mesh.indices.size() / 3);
+    double weights[3] = {unit(random), unit(random), unit(random)};
+    for (double& weight : weights) weight = random() % 3 == 0 ? 0 : weight;
+    const double sum = weights[0] + weights[1] + weights[2];
+    glm::dvec3 point(0);
+    for (std::size_t k = 0; k < 3 && sum > 0; ++k) {
+      point += weights[k] / sum * glm::dvec3(mesh.positions[mesh.indices[3 * triangle + k]]);
+    }
+    const glm::dvec3 way(sensor_from_world * (list.world_from_node[item.transform] * glm::dvec4(point, 1)));
+    if (glm::length(way) > 0) directions.push_back(glm::normalize(way));
+  }
+  return directions;
+}
+
+/// What rays from the origin meet by casting into each item alone: of those the nearest, of equals the first.
+std::vector<RayHit> nearest_of_each(const DrawList& list, const std::vector<glm::dvec3>& directions) {
+  const RayEngine device = device_engine();
+  std::vector<RayHit> nearest(directions.size());
+  for (std::uint32_t item = 0; item < list.items.size(); ++item) {
+    DrawList alone = list;
+    alone.items = {list.items[item]};
+    const std::vector<RayHit> hits = device.cast(alone, glm::dmat4(1.0), directions);
+    for (std::size_t i = 0; i < directions.size(); ++i) {
+      if (hits[i].range_m >= nearest[i].range_m) continue;
+      nearest[i] = hits[i];
+      nearest[i].item = item;
+    }
+  }
+  return nearest;
+}
+
+}  // namespace
+
+TEST_CASE("random rooms with leaves, mirrored, stretched and flattened things, up to 10^7 m away") {
+  const RayEngine host = host_engine(), device = device_engine();
+  std::mt19937 random(1);
+  std::size_t rays = 0;
+  for (int room = 0; room < 20; ++room) {
+    DrawList list = random_room(static_cast<std::uint32_t>(room), 40, room % 4 == 0 ? 64 : 16);
+    list.materials.push_back(leaves(random));
+    list.material_revision.push_back(0);
+    for (int i = 0; i < 12; ++i) {
+      add_item(list, leaf_mesh(), at(0, 0, 1.2) * random_pose(random, 2));
+      list.items.back().material = 1;
+    }
+    const glm::dvec3 scales[] = {{1, 1, 1},    {-1, 1, 1},    {1, 2, 0.01},       {1e-6, 1e-6, 1e-6},
+                                 {1, 1, 0},    {1, 1e-9, 1},  {1, 1e-3, 1},       {-2, -2, -2},
+                                 {1, 1e-5, 1}, {0.1, 10, 10}, {1e-3, 1e-3, 1e-3}, {1, 1, 1}};
+    for (std::size_t i = 1; i < list.items.size(); ++i) {
+      glm::dmat4& pose = list.world_from_node[list.items[i].transform];
+      pose = glm::scale(pose, scales[i % std::size(scales)]);
+    }
+    const double offset_m = room % 5 == 0 ? 0 : std::pow(10, 2 + room % 6);
+    const glm::dmat4 offset = at(0.9 * offset_m, -0.7 * offset_m, 0.2 * offset_m);
+    for (std::size_t t = 1; t < list.world_from_node.size(); ++t) {
+      list.world_from_node[t] = offset * list.world_from_node[t];
+    }
+    const glm::dmat4 pose = offset * at(0, 0, 1.2) * random_pose(random, 0.5);
+    const std::vector<glm::dvec3> directions = directions_into(list, pose, 10000 / kFewer, random);
+    compare(host, device, list, pose, directions);
+    rays += directions.size();
+  }
+  const RayCounters counters = device.caster->counters();
+  MESSAGE(rays << " rays, " << counters.rays_walked << " of them walked by the host");
+  CHECK(counters.dispatches == 20);
+  CHECK(counters.rays_walked < rays / 2);  // flattened things are
+}
+
+TEST_CASE("the marvin laboratory from the robot and from afar") {
+  const RayEngine host = host_engine(), device = device_engine();
+  Simulation simulation = Simulation::load(std::filesystem::path(SIMVIS_SOURCE_DIR) / "scenes/marvin/marvin.xml");
+  std::mt19937 random(2);
+  for (int turn = 0; turn < 4; ++turn) {
+    simulation.set("R_POSE", "yaw", 77.0 * turn);
+    simulation.step();
+    glm::dmat4 pose(1.0);
+    REQUIRE(simulation.sensor_pose("FRONT_SCANNER", pose));
+    if (turn == 3) pose = at(300, 200, 100) * pose;
+    compare(host, device, simulation.draw_list(), pose,
+            directions_into(simulation.draw_list(), pose, 10000 / kFewer, random));
+  }
+  CHECK(device.caster->counters().rays_walked * 100 < device.caster->counters().rays);
+}
+
+TEST_CASE("more candidates than a ray can carry: leaves behind leaves, many surfaces at one place") {
+  const RayEngine device = device_engine();
+  std::mt19937 random(3);
+  DrawList list;
+  add_item(list, box_mesh({1, 40, 40}), at(50, 0, 0));
+  list.materials.push_back(leaves(random));
+  list.material_revision.push_back(0);
+  constexpr int kCurtains = 4 * SIMVIS_MOST_CANDIDATES;
+  for (int i = 0; i < kCurtains; ++i) {
+    // In no order, every fourth in the place of another.
+    add_item(list, leaf_mesh(), at(2 + 0.1 * ((i - i % 4 / 3) * 11 % kCurtains), 0, 0));
+    list.items.back().material = 1;
+  }
+  for (int i = 0; i < 3 * SIMVIS_MOST_CANDIDATES; ++i) add_item(list, sphere_mesh(0.5, 16), at(1, 3, 0));
+  std::vector<glm::dvec3> directions;
+  for (int i = 0; i < 2000; ++i) {
+    const double y = 0.4 * std::cos(0.7 * i), z = 0.4 * std::sin(0.013 * i);
+    directions.push_back(glm::normalize(i % 2 == 0 ? glm::dvec3(1, y, z) : glm::dvec3(1, 3 + 0.5 * y, 0.5 * z)));
+  }
+  const std::vector<RayHit> hits = device.cast(list, glm::dmat4(1.0), directions);
+  for (std::size_t i = 0; i < directions.size(); i += kFewer) {
+    CHECK(std::isfinite(hits[i].range_m));
+    if (i % 2 == 1) CHECK(hits[i].item == kCurtains + 1);
+  }
+  CHECK(hits == nearest_of_each(list, directions));
+  CHECK(device.caster->counters().rays_walked > 100);
+}
+
+TEST_CASE("of faces in one plane always the same item's is met, in whatever order they are come upon or declared") {
+  // The second item's face lies in the plane of the first's, and its box, for a corner far from all rays, is entered
+  // first; the third is a thousand times as large and turned about the axis through the plane. Across that axis all
+  // corners have one depth, which is then the range's, to the bit.
+  DrawList list;
+  add_item(list, box_mesh({1, 1, 1}), at(3, 0, 0));
+  Mesh face;
+  face.positions = {{0, -3, 0}, {0, 3, -4}, {0, 3, 4}, {-1.5f, 30, 0}};
+  face.indices = {0, 1, 2, 1, 2, 3};
+  add_item(list, face, at(2, 0, 0));
+  add_item(list, box_mesh({1000, 1000, 1000}), glm::rotate(at(1002, 0, 0), 0.3, {1, 0, 0}));
+  std::mt19937 random(9);
+  std::uniform_real_distribution<double> unit(-0.9, 0.9);
+  std::vector<glm::dvec3> directions;
+  for (int i = 0; i < 3000; ++i) directions.push_back(glm::normalize(glm::dvec3(2, unit(random), unit(random))));
+  const std::vector<RayHit> hits = device_engine().cast(list, glm::dmat4(1.0), directions);
+  const std::uint32_t first = compare_content(list, list.items[0], list.items[1]) < 0 ? 0 : 1;
+  for (const RayHit& hit : hits) CHECK(hit.item == first);
+  std::swap(list.items[0], list.items[1]);
+  const std::vector<RayHit> swapped = device_engine().cast(list, glm::dmat4(1.0), directions);
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    CHECK(swapped[i].item == 1 - first);
+    CHECK(swapped[i].range_m == hits[i].range_m);
+  }
+}
+
+TEST_CASE("what has faded below one half lets rays pass, whoever casts; nothing need move for that") {
+  const RayEngine engine = each_engine();
+  DrawList list;
+  add_item(list, box_mesh({1, 40, 40}), at(6, 0, 0));
+  add_item(list, box_mesh({1, 1, 1}), at(3, 0, 0));
+  list.items[1].material = 1;
+  list.materials.resize(2);
+  list.material_revision.push_back(0);
+  const auto range_with = [&](float opacity, AlphaMode mode, float alpha) {
+    Material material;
+    material.opacity = opacity;
+    material.alpha_mode = mode;
+    material.base_color.a = alpha;
+    list.materials[1] = std::make_shared<Material>(material);
+    return engine.cast_one(list, {1, 0, 0}).range_m;
+  };
+  CHECK(range_with(1, AlphaMode::opaque, 1) == 2);
+  CHECK(range_with(0.49f, AlphaMode::opaque, 1) == 5);
+  CHECK(range_with(0.5f, AlphaMode::opaque, 1) == 2);
+  CHECK(range_with(0.49f, AlphaMode::mask, 1) == 5);
+  CHECK(range_with(0.75f, AlphaMode::blend, 0.6f) == 5);
+  CHECK(range_with(0.75f, AlphaMode::blend, 0.7f) == 2);
+}
+
+TEST_CASE("of 1,000 parts one that moves costs its block and the nodes above it; nothing else is uploaded") {
+  DrawList list;
+  add_item(list, closed_sphere_mesh(0.1, 32), at(0, 0, 0));
+  for (int i = 1; i < 1000; ++i) {
+    list.items.push_back({0, 0, static_cast<std::uint32_t>(list.world_from_node.size())});
+    list.world_from_node.push_back(at(0.3 * (i % 100), 0.3 * (i / 100), 0));
+  }
+  const RayEngine device = device_engine();
+  CHECK(device.caster->counters() == RayCounters{});
+  const auto cost_of = [&](const auto& change) {
+    const RayCounters before = device.caster->counters();
+    change();
+    device.cast_one(list, {0, 0, -1}, at(3, 0.3, 1));
+    RayCounters cost = device.caster->counters();
+    CHECK(cost.dispatches == before.dispatches + 1);
+    cost.meshes_built -= before.meshes_built;
+    cost.item_trees_built -= before.item_trees_built;
+    cost.item_trees_refitted -= before.item_trees_refitted;
+    cost.bytes_uploaded -= before.bytes_uploaded;
+    return cost;
+  };
+  const std::uint64_t block = sizeof(shader::RayItem), node = sizeof(shader::TreeNode);
+  const RayCounters first = cost_of([] {});
+  CHECK(first.meshes_built == 1);
+  CHECK(first.bytes_uploaded > list.meshes[0]->indices.size() / 3 * sizeof(shader::RayTriangle));
+  CHECK(cost_of([] {}).bytes_uploaded == 0);
+  const RayCounters moved = cost_of([&] { list.world_from_node[list.items[500].transform] = at(0.1, 1.5, 0.3); });
+  CHECK(moved.meshes_built == 0);
+  CHECK(moved.item_trees_built == 0);
+  CHECK(moved.item_trees_refitted == 1);
+  CHECK(moved.bytes_uploaded >= block + node);
+  CHECK(moved.bytes_uploaded <= block + node * SIMVIS_TREE_DEPTH);
+  // All of them, far from where the tree was built for: it is built anew, of 2 * 1000 - 1 nodes.
+  const RayCounters mixed = cost_of([&] {
+    for (std::size_t i = 0; i < 1000; ++i) {
+      const double place = static_cast<double>(i * 389 % 1000);
+      list.world_from_node[list.items[i].transform] = at(0.3 * std::fmod(place, 10), 0.3 * std::floor(place / 10), 0);
+    }
+  });
+  CHECK(mixed.meshes_built == 0);
+  CHECK(mixed.item_trees_built == 1);
+  CHECK(mixed.bytes_uploaded == 1000 * block + 1999 * node);
+}
+
+TEST_CASE("what stands nowhere is not met, and hides nothing") {
+  const RayEngine engine = each_engine();
+  DrawList list;
+  for (const double nowhere : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    add_item(list, sphere_mesh(1, 16), at(nowhere, 0, 0));
+    add_item(list, sphere_mesh(1, 16), glm::scale(at(3, 0, 0), glm::dvec3(1, nowhere, 1)));
+  }
+  add_item(list, box_mesh({1, 1, 1}), at(3, 0, 0));
+  const RayHit hit = engine.cast_one(list, {1, 0, 0});
+  CHECK(hit.range_m == 2);
+  CHECK(hit.item == 4);
+}
+
+TEST_CASE("meshes come and go, as animation has it") {
+  const RayEngine device = device_engine();
+  std::mt19937 random(4);
+  DrawList list = random_room(3, 12, 32);
+  std::vector<glm::dvec3> directions;
+  for (int i = 0; i < 500; ++i) directions.push_back(random_direction(random));
+  const std::vector<RayHit> expected = device.cast(list, at(0, 0, 1.2), directions);
+  for (int frame = 0; frame < 40; ++frame) {
+    auto& mesh = list.meshes[static_cast<std::size_t>(frame) % list.meshes.size()];
+    mesh = std::make_shared<Mesh>(*mesh);
+    REQUIRE(device.cast(list, at(0, 0, 1.2), directions) == expected);
+  }
+  CHECK(device.cast(DrawList{}, glm::dmat4(1.0), directions) == std::vector<RayHit>(directions.size()));
+  CHECK(device.cast(list, at(0, 0, 1.2), directions) == expected);
+  CHECK(ray_device().validation_messages() == 0);
+}
+
+TEST_CASE("the engine is the host where the device is its own cores; else the device") {
+  CHECK(make_ray_caster(ray_device())->engine() == (ray_device().is_cpu() ? "the host" : "a compute shader"));
+  CHECK(device_engine().caster->engine() == "a compute shader");
+}

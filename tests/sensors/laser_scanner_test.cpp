@@ -1,0 +1,200 @@
+// Rendered scans of worlds whose ranges follow from geometry.
+#include "sensors/laser_scanner/laser_scanner.h"
+
+#include <doctest/doctest.h>
+
+#include <glm/gtc/matrix_transform.hpp>
+#include <numbers>
+
+#include <simvis/device.h>
+#include <simvis/pose.h>
+#include <simvis/renderer.h>
+#include "tests/support/random_room.h"
+
+using namespace simvis;
+
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+// float32 from vertex to range, relative to the largest coordinate of the surface met: vertex rounding, plane set-up
+// and storing are some sixteen half-ulps of it, see depth_range.h. What a test multiplies it by is that coordinate over
+// the range, and the slant.
+constexpr double kRounding = 16 * 0x1p-24;
+
+glm::dmat4 at(double x, double y, double z) { return glm::translate(glm::dmat4(1.0), {x, y, z}); }
+
+struct Stage {
+  Device device;
+  Renderer renderer{device};
+  DrawList list;
+
+  const Scan& scan(LaserScanner& scanner, const glm::dmat4& world_from_sensor = glm::dmat4(1.0)) {
+    FramePlan plan;
+    scanner.plan(world_from_sensor, list, plan);
+    scanner.collect({}, plan, renderer.render(list, plan));
+    return *scanner.scan();
+  }
+
+  ~Stage() { CHECK(device.validation_messages() == 0); }
+};
+
+LaserScannerDesc fan(std::uint32_t samples, double min_deg, double max_deg) {
+  return {.pattern = {
+              .samples = samples, .min_azimuth_rad = glm::radians(min_deg), .max_azimuth_rad = glm::radians(max_deg)}};
+}
+
+}  // namespace
+
+TEST_CASE("a wall ahead: range = distance / cos(azimuth), for nearest within half a pixel, for planar to rounding") {
+  Stage stage;
+  add_item(stage.list, box_mesh({0.5, 40, 3}), at(4.5, 0, 0));
+  for (const ScanMethod method : {ScanMethod::planar, ScanMethod::nearest}) {
+    LaserScannerDesc desc = fan(161, -80, 80);
+    desc.method = method;
+    LaserScanner scanner("S", desc);
+    const Scan& scan = stage.scan(scanner);
+    REQUIRE(scan.range_m.size() == 161);
+    for (std::size_t beam = 0; beam < 161; ++beam) {
+      const double a = scan.azimuth_rad[beam], expected = 4 / std::cos(a);
+      // A pixel spans at most 2 / 4096 of tangent; half of one turns into that times the slant tan(a), to first order.
+      const double half_pixel =
+          method == ScanMethod::nearest ? 1.01 * expected * (1 + std::abs(std::tan(a))) / 4096 : 0;
+      // The wall's corners are 40 m away, and its plane stands at the slant 1 / cos(a) to the beam.
+      CHECK(std::abs(scan.range_m[beam] - expected) <= kRounding * 40 / std::cos(a) + half_pixel);
+      CHECK(std::abs(scan.range_m[beam] - expected) <= scan.error_bound_m[beam]);
+    }
+  }
+}
+
+TEST_CASE("range_min and range_max are limits along the ray, not clip planes") {
+  Stage stage;
+  add_item(stage.list, box_mesh({0.01, 0.05, 1}), at(0.2, 0, 0));  // a plate close by, across azimuth 0
+  add_item(stage.list, box_mesh({0.5, 40, 3}), at(10.5, 0, 0));    // the wall that it hides
+  LaserScannerDesc desc = fan(3, -60, 60);
+  desc.range_min_m = 1;
+  desc.range_max_m = 15;
+  LaserScanner scanner("S", desc);
+  const Scan& scan = stage.scan(scanner);
+  CHECK(scan.range_m[0] == kInfinity);  // 10 / cos 60 = 20 m
+  CHECK(scan.error_bound_m[0] == 0);
+  CHECK(scan.range_m[1] == 0);  // the plate blocks the beam
+  CHECK(scan.error_bound_m[1] == 0);
+  CHECK(scan.range_m[2] == kInfinity);
+}
+
+TEST_CASE("a surface a millimetre away still blocks the beam") {
+  Stage stage;
+  add_item(stage.list, box_mesh({0.0005, 1, 1}), at(0.0015, 0, 0));
+  LaserScanner scanner("S", fan(1, 0, 0));
+  CHECK(stage.scan(scanner).range_m[0] == 0);
+}
+
+TEST_CASE("a full turn: the first beam and the last agree within their bounds, and so do all at the borders of faces") {
+  Stage stage;
+  add_item(stage.list, box_mesh({3, 2, 1.5}), at(0.4, -0.3, 0.2));
+  LaserScanner scanner("S", fan(721, -180, 180));
+  const Scan& scan = stage.scan(scanner, to_matrix({{0, 0, 0}, 0.1, -0.05, 0.3}));
+  CHECK(std::abs(scan.range_m.front() - scan.range_m.back()) <= scan.error_bound_m.front() + scan.error_bound_m.back());
+  CHECK(scan.error_bound_m.front() < 2e-4);  // rounding, no step
+  // The same beams from scanners whose faces lie elsewhere.
+  LaserScanner half("H", fan(361, -90, 90));
+  const Scan& other = stage.scan(half, to_matrix({{0, 0, 0}, 0.1, -0.05, 0.3}));
+  for (std::size_t beam = 0; beam < 361; ++beam) {
+    CHECK(std::abs(scan.range_m[beam + 180] - other.range_m[beam]) <=
+          scan.error_bound_m[beam + 180] + other.error_bound_m[beam]);
+  }
+}
+
+TEST_CASE("a lidar inside a box, from straight down to straight up") {
+  Stage stage;
+  const glm::dvec3 half(3, 2, 1.5);
+  add_item(stage.list, box_mesh(half), glm::dmat4(1.0));
+  LaserScannerDesc desc = fan(73, -180, 180);
+  desc.pattern.rings = 37;
+  desc.pattern.min_elevation_rad = -kPi / 2;
+  desc.pattern.max_elevation_rad = kPi / 2;
+  LaserScanner scanner("S", desc);
+  const Scan& scan = stage.scan(scanner);
+  int certain = 0;
+  for (std::uint32_t ring = 0; ring < scan.rings; ++ring) {
+    for (std::uint32_t beam = 0; beam < scan.columns; ++beam) {
+      const double e = scan.elevation_rad[ring], a = scan.azimuth_rad[beam];
+      const glm::dvec3 d = glm::abs(glm::dvec3(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e)));
+      const double expected = std::min({half.x / d.x, half.y / d.y, half.z / d.z});
+      const std::size_t index = ring * scan.columns + beam;
+      CHECK(std::abs(scan.range_m[index] - expected) <= scan.error_bound_m[index]);
+      if (scan.error_bound_m[index] == kInfinity) continue;
+      ++certain;
+      // The box's corners are 3.9 m away, its nearest walls 1.5 m: under four times the range.
+      CHECK(std::abs(scan.range_m[index] - expected) <= 4 * kRounding * expected);
+    }
+  }
+  CHECK(certain > 0.95 * 73 * 37);
+}
+
+TEST_CASE("a tilted scanner over flat ground: a straight line, and nothing below the ground") {
+  Stage stage;
+  add_item(stage.list, box_mesh({200, 200, 0.5}), at(0, 0, -0.5));
+  const glm::dmat4 pose = to_matrix({{0, 0, 1}, 0, glm::radians(20.0), 0});
+  // The corners of the ground, 283 m away, are rounded to their half-ulp some four times over; the plane that they
+  // carry is displaced by that, which relative to the sensor's height of 1 m is the relative error of every range.
+  constexpr double kGround_m = 4 * 283 * 0x1p-24;
+  LaserScanner scanner("S", fan(121, -60, 60));
+  const Scan& scan = stage.scan(scanner, pose);
+  for (std::size_t beam = 0; beam < 121; ++beam) {
+    const double a = scan.azimuth_rad[beam];
+    const glm::dvec3 direction = glm::dmat3(pose) * glm::dvec3(std::cos(a), std::sin(a), 0);
+    const double expected = -1 / direction.z;
+    CHECK(std::abs(scan.range_m[beam] - expected) <= scan.error_bound_m[beam]);
+    CHECK(std::abs(scan.range_m[beam] - expected) <= kGround_m * expected);
+    CHECK(scan.range_m[beam] * direction.z >= -1 - kGround_m);
+  }
+}
+
+TEST_CASE("a laser meets a single-sided surface from behind, and passes what is mostly transparent") {
+  Stage stage;
+  Mesh pane;
+  pane.positions = {{2, -1, -1}, {2, 1, -1}, {2, 0, 1}};
+  pane.indices = {0, 1, 2};
+  for (const bool flipped : {false, true}) {
+    stage.list = DrawList();
+    if (flipped) std::swap(pane.indices[1], pane.indices[2]);
+    add_item(stage.list, pane, glm::dmat4(1.0));
+    LaserScanner scanner("S", fan(1, 0, 0));
+    CHECK(stage.scan(scanner).range_m[0] == doctest::Approx(2).epsilon(1e-6));
+  }
+  auto glass = std::make_shared<Material>();
+  glass->alpha_mode = AlphaMode::blend;
+  glass->base_color = {1, 1, 1, 0.3f};
+  stage.list.materials[0] = glass;
+  ++stage.list.revisions.structure;
+  LaserScanner scanner("S", fan(1, 0, 0));
+  CHECK(stage.scan(scanner).range_m[0] == kInfinity);
+}
+
+TEST_CASE("an empty scene reads infinity everywhere") {
+  Stage stage;
+  stage.list.world_from_node.push_back(glm::dmat4(1.0));
+  LaserScanner scanner("S", fan(361, -90, 90));
+  for (const float range : stage.scan(scanner).range_m) CHECK(range == kInfinity);
+}
+
+TEST_CASE("far from the world's origin a scan is the same to 1e-6") {
+  Stage stage;
+  LaserScanner scanner("S", fan(361, -180, 180));
+  const auto scan_at = [&](const glm::dvec3& offset) {
+    stage.list = random_room(3, 40, 16);
+    for (glm::dmat4& m : stage.list.world_from_node) m = glm::translate(glm::dmat4(1.0), offset) * m;
+    return stage.scan(scanner, at(offset.x, offset.y, offset.z + 1));
+  };
+  const Scan home = scan_at({0, 0, 0}), away = scan_at({1.2e6, -7.6e6, 300});
+  int compared = 0;
+  for (std::size_t beam = 0; beam < 361; ++beam) {
+    if (home.error_bound_m[beam] == kInfinity) continue;
+    ++compared;
+    CHECK(std::abs(home.range_m[beam] - away.range_m[beam]) <= 1e-6 * home.range_m[beam]);
+  }
+  CHECK(compared > 300);
+}

@@ -1,0 +1,143 @@
+// Laser scanners that one can buy: their presets against the numbers of the data sheets, and how they mix with what a
+// command says itself.
+#include <algorithm>
+#include <map>
+
+#include <simvis/simulation.h>
+#include "sensors/laser_scanner/laser_scanner.h"
+#include "simvis/report/scan_variant.h"
+#include "tests/support/element_scene.h"
+
+namespace simvis::test {
+namespace {
+
+std::string scanner(const std::string& attributes) {
+  return R"(<sensor type="laser_scanner" name="SCAN" insert_at="ROOT" )" + attributes + "/>";
+}
+
+Simulation simulation_of(const std::string& attributes, double rate_hz = 15) {
+  SimulationDesc desc;
+  desc.rate_hz = rate_hz;
+  return Simulation::from_string(scanner(attributes), desc, ".", "s.xml");
+}
+
+double attribute(const Simulation& simulation, std::string_view name) {
+  double value = 0;
+  REQUIRE(parse_number(simulation.command("SCAN").require(name).value, value));
+  return value;
+}
+
+// The data sheets' numbers once more: a slip of the pen would have to be made twice.
+struct DataSheet {
+  const char* preset;
+  std::uint32_t rings, columns;
+  double first_deg, step_deg, lowest_deg, ring_step_deg;
+  double range_min_m, range_max_m, resolution_m, sigma_m, rate_hz;
+};
+constexpr DataSheet kDataSheets[] = {
+    {"sick_lms200", 1, 361, -90, 0.5, 0, 0, 0.05, 80, 0.01, 0.005, 37.5},
+    {"hokuyo_utm30lx", 1, 1081, -135, 360.0 / 1440, 0, 0, 0.1, 30, 0.001, 0.01, 40},
+    {"velodyne_vlp16", 16, 1800, -180, 0.2, -15, 2, 1, 100, 0.002, 0.03, 10},
+};
+
+}  // namespace
+
+TEST_CASE("each preset has the beams, the limits, the noise and the rate of its data sheet") {
+  CHECK(find_sensor_type("laser_scanner")->presets.size() == std::size(kDataSheets));
+  constexpr double kRounding_deg = 360 * 0x1p-50;
+  for (const DataSheet& sheet : kDataSheets) {
+    CAPTURE(sheet.preset);
+    Simulation simulation = simulation_of("preset='" + std::string(sheet.preset) + "'", 2 * sheet.rate_hz);
+    simulation.step();
+    const Scan& scan = simulation.scan("SCAN");
+    REQUIRE(scan.rings == sheet.rings);
+    REQUIRE(scan.columns == sheet.columns);
+    for (const std::uint32_t i : {0u, 1u, sheet.columns / 2, sheet.columns - 1}) {
+      CHECK(std::abs(glm::degrees(scan.azimuth_rad[i]) - (sheet.first_deg + i * sheet.step_deg)) <= kRounding_deg);
+    }
+    for (std::uint32_t i = 0; i < sheet.rings; ++i) {
+      CHECK(std::abs(glm::degrees(scan.elevation_rad[i]) - (sheet.lowest_deg + i * sheet.ring_step_deg)) <=
+            kRounding_deg);
+    }
+    CHECK(attribute(simulation, "range_min") == sheet.range_min_m);
+    CHECK(attribute(simulation, "range_max") == sheet.range_max_m);
+    CHECK(attribute(simulation, "range_resolution") == sheet.resolution_m);
+    CHECK(attribute(simulation, "range_noise") == sheet.sigma_m);
+    for (int frame = 1; frame < 5; ++frame) simulation.step();
+    CHECK(simulation.sensors().at(0).frames == 3);  // of five frames at twice the rate
+  }
+}
+
+TEST_CASE("noise and resolution of a preset show in its ranges") {
+  World world({{"plates.gltf",
+                [] {
+                  GltfBuilder file;
+                  add_plate(file, {.x = 4}, file.append("materials", painted("Paint", {1, 1, 1, 1})));
+                  return file;
+                }()}},
+              R"(<part file="plates.gltf" name="PLATES" insert_at="ROOT" up="z"/>)" +
+                  scanner("preset='sick_lms200' min_angle='0' max_angle='0' samples='1000'"));
+  world->step();
+  const Scan& scan = world->scan("SCAN");
+  std::map<float, int> readings;
+  for (const float range_m : scan.range_m) ++readings[range_m];
+  for (const auto& [range_m, count] : readings) {
+    CHECK(range_m == static_cast<float>(std::llround(range_m * 100.0) * 0.01));
+  }
+  // Within half a step of 4 m, which is one standard deviation, lies P(|X| < 1) = 0.6827 of a normal distribution; of
+  // 1000 that scatters by 14.7, and 4.9 times that holds for all but one in a million.
+  CHECK(std::abs(readings[4.0f] - 682.7) <= 4.9 * 14.7);
+}
+
+TEST_CASE("what a command says itself, and what the command line says, goes before the preset") {
+  Simulation own = simulation_of("preset='hokuyo_utm30lx' samples='5' range_noise='0'");
+  own.step();
+  CHECK(own.scan("SCAN").columns == 5);
+  CHECK(attribute(own, "range_noise") == 0);
+  CHECK(attribute(own, "range_max") == 30);
+  SimulationDesc desc;
+  desc.overrides = {{"laser_scanner", "rate", "5", "--rate"}};
+  const Simulation overridden = Simulation::from_string(scanner("preset='hokuyo_utm30lx'"), desc);
+  CHECK(attribute(overridden, "rate") == 5);
+  CHECK(attribute(overridden, "samples") == 1081);
+  // The log has the command as it was written: executed again, it means the same.
+  CHECK(own.parameters().changes().back().find("preset=\"hokuyo_utm30lx\"") != std::string::npos);
+  CHECK(own.parameters().changes().back().find("range_max") == std::string::npos);
+}
+
+TEST_CASE("a variant of a preset keeps its beams and measures in every frame") {
+  Simulation simulation = simulation_of("preset='velodyne_vlp16' samples='90'", 20);
+  const Command command = simulation.command("SCAN");
+  CHECK(variant_of(command).resolution_px == kRingsResolution);
+  simulation.add_variant("SCAN", with_variant(command, {"nearest", 256, {}}, "SCAN.0"));
+  for (int frame = 0; frame < 4; ++frame) simulation.step();
+  CHECK(simulation.scan("SCAN.0").rings == 16);
+  CHECK(simulation.sensors().at(0).frames == 2);
+  CHECK(simulation.sensors().at(1).frames == 4);
+}
+
+TEST_CASE("mistakes are told with their place") {
+  CHECK(error_of([] { simulation_of("preset='sick_lms20'"); }) ==
+        R"(s.xml:1:59: error: attribute "preset": "sick_lms20" is not allowed, expected one of: sick_lms200, )"
+        R"(hokuyo_utm30lx, velodyne_vlp16, did you mean "sick_lms200"?)");
+  CHECK(contains(error_of([] { simulation_of("preset=''"); }), "\"\" is not allowed"));
+  // What contradicts the preset is told at the preset.
+  CHECK(contains(error_of([] { simulation_of("preset='hokuyo_utm30lx' min_angle='140'"); }),
+                 R"(s.xml:1:59: error: attribute "max_angle": 135 is not allowed with min_angle="140")"));
+  CHECK(contains(error_of([] {
+                   Simulation::from_string(R"(<sensor type="psd" name="IR" insert_at="ROOT" preset="gp2y0a21yk"/>)");
+                 }),
+                 "unknown attribute \"preset\""));
+}
+
+TEST_CASE("--describe shows presets with their devices, data sheets and attributes") {
+  const std::string page = describe_presets(*find_sensor_type("laser_scanner"));
+  for (const SensorPreset& preset : find_sensor_type("laser_scanner")->presets) {
+    CHECK(contains(page, "preset " + std::string(preset.name) + ": "));
+    CHECK(contains(page, std::string(preset.source)));
+  }
+  CHECK(contains(page, "vertical_min_angle=\"-15\""));
+  CHECK(describe_presets(*find_sensor_type("psd")).empty());
+}
+
+}  // namespace simvis::test

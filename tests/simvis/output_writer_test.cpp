@@ -1,0 +1,222 @@
+// The files of a run: their names, what is in them, and that none is ever half there.
+#include "simvis/output/output_writer.h"
+
+#include <doctest/doctest.h>
+
+#include <bit>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <limits>
+#include <string>
+
+#include <simvis/error.h>
+#include "simvis/output/atomic_file.h"
+#include "simvis/output/csv_file.h"
+#include "simvis/output/png_file.h"
+#include "tests/support/picture_files.h"
+#include "tests/support/temporary_folder.h"
+
+namespace simvis {
+namespace {
+
+const float kInfinity = std::numeric_limits<float>::infinity();
+const double kNan = std::numeric_limits<double>::quiet_NaN();
+
+int srgb_by_definition(double linear) {
+  if (linear <= 0) return 0;
+  if (linear >= 1) return 255;
+  const double s = linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
+  return static_cast<int>(std::lround(255 * s));
+}
+
+TEST_CASE("sRGB codes are the rounded transfer function for every float") {
+  // Every 37th float from 0 to 1 and both sides of every step: a prime, so that all low bits occur.
+  std::uint64_t wrong = 0;
+  for (std::uint32_t bits = 0; bits <= std::bit_cast<std::uint32_t>(1.0f); bits += 37) {
+    const float value = std::bit_cast<float>(bits);
+    wrong += srgb_code(value) != srgb_by_definition(value);
+  }
+  CHECK(wrong == 0);
+  for (int code = 1; code < 256; ++code) {
+    const double s = (code - 0.5) / 255;
+    const double step = s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
+    // A float apart from the step is enough: 10^-7 relative against 10^-16 of the two formulas.
+    const float at = static_cast<float>(step);
+    CHECK(srgb_code(std::nextafter(at, 0.0f)) == code - 1);
+    CHECK(srgb_code(std::nextafter(at, 1.0f)) == code);
+  }
+  CHECK(srgb_code(-1) == 0);
+  CHECK(srgb_code(-kInfinity) == 0);
+  CHECK(srgb_code(std::nanf("")) == 0);
+  CHECK(srgb_code(7) == 255);
+  CHECK(srgb_code(kInfinity) == 255);
+}
+
+Image gradient(std::uint32_t width, std::uint32_t height) {
+  Image image{width, height, 4, {}};
+  for (std::uint32_t y = 0; y < height; ++y) {
+    for (std::uint32_t x = 0; x < width; ++x) {
+      const float u = static_cast<float>(x) / static_cast<float>(width),
+                  v = static_cast<float>(y) / static_cast<float>(height);
+      image.pixels.insert(image.pixels.end(), {u, v, 0.25f * (u + v), 1});
+    }
+  }
+  return image;
+}
+
+TEST_CASE("pictures of a frame") {
+  const TemporaryFolder folder;
+  const std::vector<std::string> sensors = {"CAM"};
+  OutputWriter writer(folder / "out", sensors);
+  const Image color = gradient(37, 5);
+  Image depth{37, 5, 1, std::vector<float>(37 * 5, kInfinity)};
+  depth.pixels[3] = 4.000001f;
+
+  writer.sink("CAM", {.index = 0}).picture("", &color, nullptr);
+  writer.sink("CAM", {.index = 12}).picture("", nullptr, &depth);
+  writer.sink("CAM", {.index = 1234567}).picture("", &color, &depth);
+  writer.sink("CAM", {.index = 1}).picture("left", nullptr, &depth);
+  writer.finish();
+  CHECK(files_below(folder / "out") == std::vector<std::string>{"CAM/000000.exr", "CAM/000000.png", "CAM/000012.exr",
+                                                                "CAM/1234567.exr", "CAM/1234567.png",
+                                                                "CAM_left/000001.exr"});
+  const std::string cam = (folder / "out/CAM").string();
+  CHECK(writer.results() == std::vector<std::string>{cam + "/*.png", cam + "/*.exr", cam + "_left/*.exr"});
+
+  const PngPicture png = read_png(folder / "out/CAM/000000.png");
+  CHECK(png.width == 37);
+  CHECK(png.height == 5);
+  REQUIRE(png.channels == 3);
+  bool equal = true;
+  for (std::size_t i = 0; i < 37 * 5; ++i) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      equal = equal && png.pixels[3 * i + c] == srgb_by_definition(color.pixels[4 * i + c]);
+    }
+  }
+  CHECK(equal);
+
+  const ExrPicture only_color = read_exr(folder / "out/CAM/000000.exr");
+  CHECK(only_color.compression == Imf::ZIP_COMPRESSION);
+  REQUIRE(only_color.channels.size() == 3);
+  CHECK(only_color.channels.at("G")[37 * 2 + 5] == color.pixels[4 * (37 * 2 + 5) + 1]);
+  const ExrPicture only_depth = read_exr(folder / "out/CAM/000012.exr");
+  REQUIRE(only_depth.channels.size() == 1);
+  CHECK(only_depth.channels.at("Z") == depth.pixels);
+  const ExrPicture both = read_exr(folder / "out/CAM/1234567.exr");
+  CHECK(both.width == 37);
+  CHECK(both.height == 5);
+  REQUIRE(both.channels.size() == 4);
+  CHECK(both.channels.at("Z") == depth.pixels);
+  CHECK(both.channels.at("R")[36] == color.pixels[4 * 36]);
+  CHECK(both.channels.at("B")[36] == color.pixels[4 * 36 + 2]);
+}
+
+TEST_CASE("tables carry frame and time in front and appear with finish") {
+  const TemporaryFolder folder;
+  const std::vector<std::string> sensors = {"SCAN"};
+  const std::vector<TableColumn> columns = {{"beam", "%lld", true}, {"range_m", "%.9g"}, {"x_m", "%.9g"}};
+  OutputWriter writer(folder.path(), sensors);
+  const double first[] = {0, 4.0000010000001, -1.5, 1, kInfinity, kNan};
+  const double second[] = {0, 0.1f, 1e-12};
+  writer.sink("SCAN", {.index = 0, .time_ns = 0}).rows(columns, first);
+  writer.sink("SCAN", {.index = 1, .time_ns = 66'666'667}).rows(columns, second);
+  CHECK_FALSE(std::filesystem::exists(folder / "SCAN.csv"));
+  writer.finish();
+  CHECK(read_text(folder / "SCAN.csv") ==
+        "frame,time_s,beam,range_m,x_m\n"
+        "0,0.000000000,0,4.000001,-1.5\n"
+        "0,0.000000000,1,inf,\n"
+        "1,0.066666667,0,0.100000001,1e-12\n");
+  CHECK(writer.results() == std::vector<std::string>{(folder / "SCAN.csv").string()});
+
+  // A sensor of a part that stands in the scene twice.
+  const std::vector<std::string> inner = {"LEFT/SCAN"};
+  OutputWriter second_writer(folder.path(), inner);
+  second_writer.sink("LEFT/SCAN", {}).rows(columns, second);
+  second_writer.finish();
+  CHECK(std::filesystem::exists(folder / "LEFT/SCAN.csv"));
+}
+
+std::string printed(const char* format, double value) {
+  char text[512];
+  std::snprintf(text, sizeof text, format, value);
+  return text;
+}
+
+TEST_CASE("numbers read as printf writes them") {
+  std::uint64_t state = 1, wrong = 0;
+  const NumberFormat g = number_format({"c", "%.9g"}), f = number_format({"c", "%.9f"}),
+                     e = number_format({"c", "%.3e"});
+  for (int i = 0; i < 200'000; ++i) {
+    state = state * 6364136223846793005u + 1442695040888963407u;
+    const double value = std::bit_cast<double>(state);
+    const float narrow = std::bit_cast<float>(static_cast<std::uint32_t>(state >> 32));
+    if (!std::isfinite(value) || !std::isfinite(narrow)) continue;
+    std::string text;
+    append_number(text, g, value);
+    wrong += text != printed("%.9g", value);
+    text.clear();
+    append_number(text, f, value);
+    wrong += text != printed("%.9f", value);
+    text.clear();
+    append_number(text, e, value);
+    wrong += text != printed("%.3e", value);
+    text.clear();
+    append_number(text, g, narrow);
+    wrong += std::strtof(text.c_str(), nullptr) != narrow;
+  }
+  CHECK(wrong == 0);
+  std::string text;
+  append_number(text, number_format({"c", "%lld", true}), -131072);
+  append_number(text, g, -kInfinity);
+  CHECK(text == "-131072-inf");
+  for (const char* bad : {"%s", "%d", "%.9g%n", "%.99g", "%.g", "9g", "%.9", "%.-1g", ""}) {
+    CHECK_THROWS_AS(number_format({"c", bad}), InputError);
+  }
+  CHECK_THROWS_AS(number_format({"c", "%.9g", true}), InputError);
+}
+
+TEST_CASE("nothing half-written stays") {
+  const TemporaryFolder folder;
+  const std::vector<std::string> sensors = {"SCAN"};
+  const std::vector<TableColumn> columns = {{"beam", "%lld", true}};
+  write_text(folder / "SCAN.csv", "of an earlier run");
+  {
+    OutputWriter writer(folder.path(), sensors);
+    const double row[] = {1};
+    writer.sink("SCAN", {}).rows(columns, row);
+    CHECK(files_below(folder.path()).size() == 2);  // the old one and a temporary
+  }
+  CHECK(files_below(folder.path()) == std::vector<std::string>{"SCAN.csv"});
+  CHECK(read_text(folder / "SCAN.csv") == "of an earlier run");
+}
+
+std::string failure(const std::filesystem::path& folder, const std::vector<std::string>& sensors) {
+  try {
+    OutputWriter writer(folder, sensors);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST_CASE("folders and names that cannot be written") {
+  const TemporaryFolder folder;
+  write_text(folder / "file", "");
+  CHECK(failure(folder / "file", {}).starts_with((folder / "file").string() + ": error: "));
+  CHECK(failure(folder / "file/out", {}).find("Not a directory") != std::string::npos);
+  CHECK(failure("/proc", {}).starts_with("/proc/run.json: error: cannot be created: "));
+  for (const char* name : {"", ".", "..", "../x", "a/../b", "a//b", "/a", "a/", ".hidden"}) {
+    CHECK(failure(folder.path(), {name}).find("cannot name its files") != std::string::npos);
+  }
+  CHECK(files_below(folder.path()) == std::vector<std::string>{"file"});
+
+  // The name is taken by a folder: the rename fails, and the temporary goes.
+  std::filesystem::create_directory(folder / "taken");
+  CHECK_THROWS_AS(write_file(folder / "taken", "text"), MachineError);
+  CHECK(files_below(folder.path()) == std::vector<std::string>{"file"});
+}
+
+}  // namespace
+}  // namespace simvis

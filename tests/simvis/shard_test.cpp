@@ -1,0 +1,147 @@
+// `--shard K/N`: what several processes make together is, to the byte, what one makes alone.
+#include "simvis/report/shard.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/run_process.h"
+#include "tests/support/tested_build.h"
+#include "tests/support/wall_scene.h"
+
+namespace simvis {
+namespace {
+
+namespace fs = std::filesystem;
+using Strings = std::vector<std::string>;
+
+const std::string kProgram = tested_build() + "/bin/simvis-run";
+
+// All that a frame can take from others: where the camera with a rolling shutter and the scanner with a sweep stood
+// before (one of them at a rate of its own), noise, and a sensor that some shards never see fire.
+constexpr std::string_view kScene = R"(
+<element type="pose" name="MOVE" insert_at="ROOT"/>
+<sensor type="camera" name="CAM" insert_at="ROOT" width="32" height="24" outputs="color depth" row_time="0.002"
+        read_noise_e="5"/>
+<sensor type="laser_scanner" name="SCAN" insert_at="ROOT" samples="31" min_angle="-60" max_angle="60" sweep="0.05"
+        range_noise="0.01" rate="7"/>
+<sensor type="laser_scanner" name="PLANAR" insert_at="ROOT" samples="11" min_angle="-60" max_angle="60"/>
+<sensor type="camera" name="SLOW" insert_at="ROOT" width="8" height="8" rate="1"/>)";
+
+// As the README joins them.
+constexpr const char* kJoin =
+    "cd \"$1\" && for first in *-0-of-\"$2\".csv; do table=${first%-0-of-*}; "
+    "(head -n 1 \"$first\"; tail -qn +2 \"$table\"-*-of-\"$2\".csv | sort -snt, -k1,1) > \"$table.csv\"; done";
+
+ProcessResult run(Strings arguments) {
+  arguments.insert(arguments.begin(), kProgram);
+  return Process(arguments).wait();
+}
+
+void write_drive(const fs::path& file) {
+  write_text(file, "time_s,MOVE.x,MOVE.y,MOVE.yaw\n0,0,0,-10\n0.4,1,-0.5,20\n0.8,1.5,0.2,-5\n");
+}
+
+bool is_run_file(const std::string& name) { return name.starts_with("run") && name.ends_with(".json"); }
+
+TEST_CASE("the files of all shards are those of one run, to the byte") {
+  const TemporaryFolder folder;
+  const std::string scene = write_wall_scene(folder.path(), kScene).string();
+  write_drive(folder / "drive.csv");
+  const Strings options = {scene, "--frames", "10", "--trajectory", (folder / "drive.csv").string(), "--seed", "3"};
+  const auto make = [&](const std::string& out, const Strings& more) {
+    Strings arguments = options;
+    arguments.insert(arguments.end(), {"--out", (folder / out).string()});
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const ProcessResult result = run(arguments);
+    INFO(result.err);
+    REQUIRE(result.exit_code == 0);
+    return result.out;
+  };
+  make("one", {});
+  CHECK(make("three", {"--shard", "2/3"}).find("three/run-2-of-3.json") != std::string::npos);
+  CHECK(files_below(folder / "three") == Strings{"CAM/000002.exr", "CAM/000002.png", "CAM/000005.exr", "CAM/000005.png",
+                                                 "CAM/000008.exr", "CAM/000008.png", "PLANAR-2-of-3.csv",
+                                                 "SCAN-2-of-3.csv", "run-2-of-3.json"});
+  make("three", {"--shard", "0/3"});
+  make("three", {"--shard", "1/3"});
+  for (const int k : {0, 1, 2}) {
+    const auto json = nlohmann::json::parse(read_text(folder / ("three/run-" + std::to_string(k) + "-of-3.json")));
+    CHECK(json["shard"]["index"] == k);
+    CHECK(json["shard"]["count"] == 3);
+    CHECK(json["frames"] == (k == 0 ? 4 : 3));
+  }
+  CHECK_FALSE(nlohmann::json::parse(read_text(folder / "one/run.json")).contains("shard"));
+
+  REQUIRE(Process({"/bin/sh", "-c", kJoin, "sh", (folder / "three").string(), "3"}).wait().exit_code == 0);
+  std::size_t compared = 0;
+  for (const std::string& name : files_below(folder / "one")) {
+    if (is_run_file(name)) continue;
+    INFO(name);
+    REQUIRE(fs::exists(folder / ("three/" + name)));
+    CHECK(read_text(folder / ("three/" + name)) == read_text(folder / ("one/" + name)));
+    ++compared;
+  }
+  CHECK(compared == 10 * 2 + 1 * 2 + 2);  // pictures of both cameras, and the tables
+  for (const std::string& name : files_below(folder / "three")) {
+    const bool own = is_run_file(name) || name.find("-of-3.csv") != std::string::npos;
+    CHECK_MESSAGE((own || fs::exists(folder / ("one/" + name))), name);
+  }
+}
+
+void check_refused(const Strings& options, std::string_view commands, const Strings& expected) {
+  const TemporaryFolder folder;
+  Strings arguments = {write_wall_scene(folder.path(), commands).string(), "--frames", "6", "--out",
+                       (folder / "out").string()};
+  arguments.insert(arguments.end(), options.begin(), options.end());
+  const ProcessResult result = run(arguments);
+  INFO(result.err);
+  CHECK(result.exit_code == 2);
+  CHECK(result.err.starts_with("simvis-run: "));
+  for (const std::string& text : expected) CHECK_MESSAGE(result.err.find(text) != std::string::npos, text);
+  CHECK_FALSE(fs::exists(folder / "out"));
+}
+
+TEST_CASE("a share that is none, and scenes whose frames cannot be made apart") {
+  for (const char* wrong : {"3/3", "1", "1/", "/2", "-1/2", "0/0", "1/2/3", "a/b", "1 /2", "1/99999999999999999999"}) {
+    check_refused({"--shard", wrong}, kScene, {"--shard: ", wrong, "expected K/N with K from 0 to N - 1"});
+  }
+  check_refused({"--shard", ""}, kScene, {"--shard"});
+  check_refused({"--shard", "6/7"}, kScene, {"--shard: 6/7 has no frame of 6"});
+  check_refused({"--shard", "0/2", "--price"}, kScene, {"--shard", "--price"});
+  const std::string chooses = R"(<sensor type="laser_scanner" name="AUTO" insert_at="ROOT" method="auto"/>)";
+  check_refused({"--shard", "0/2"}, chooses, {"--shard: sensor \"AUTO\"", "(auto)", "expected another method"});
+  const std::string view = R"(<sensor type="camera" name="VIEW" insert_at="ROOT" view="visualization"/>)";
+  check_refused({"--shard", "0/2"}, view, {"--shard: sensor \"VIEW\"", "expected it to be off"});
+
+  // One share of one is a whole run, and of what is off nothing depends.
+  const TemporaryFolder folder;
+  const std::string scene = write_wall_scene(folder.path(), std::string(kScene) + view + chooses).string(),
+                    out = (folder / "out").string();
+  CHECK(run({scene, "--out", out, "--shard", "0/1"}).exit_code == 0);
+  CHECK(run({scene, "--out", out, "--frames", "2", "--shard", "1/2", "--sensor", "PLANAR"}).exit_code == 0);
+  CHECK(fs::exists(folder / "out/run-0-of-1.json"));
+  CHECK(fs::exists(folder / "out/PLANAR-1-of-2.csv"));
+  CHECK(run({"--help"}).out.find("--shard K/N") != std::string::npos);
+}
+
+TEST_CASE("shares of a run cover its frames once") {
+  for (const std::uint64_t frames : {1u, 2u, 7u, 24u}) {
+    for (const std::uint64_t count : {1u, 2u, 5u, 30u}) {
+      std::uint64_t all = 0;
+      for (std::uint64_t index = 0; index < count; ++index) {
+        const Shard shard = parse_shard(std::to_string(index) + "/" + std::to_string(count));
+        std::uint64_t own = 0;
+        for (std::uint64_t frame = 0; frame < frames; ++frame) own += shard.has(frame);
+        CHECK(own == shard.share_of(frames));
+        all += own;
+      }
+      CHECK(all == frames);
+    }
+  }
+  CHECK(Shard{3, 8}.suffix() == "-3-of-8");
+}
+
+}  // namespace
+}  // namespace simvis

@@ -1,0 +1,85 @@
+// Trajectory files: values between rows, and where each mistake is reported.
+#include <simvis/trajectory.h>
+
+#include <doctest/doctest.h>
+
+#include "tests/support/error_of.h"
+#include "tests/support/temporary_folder.h"
+
+namespace simvis {
+namespace {
+
+struct Stage {
+  Stage() {
+    const AttributeSpec x{.name = "x", .default_value = "0", .unit = "m", .live = true};
+    const AttributeSpec h{.name = "h", .default_value = "0", .unit = "m", .min = 0, .max = 3, .live = true};
+    const double values[] = {0, 0};
+    parameters.add_element({.name = "P", .type = "t", .insertion_point = "ROOT", .parameters = {x, h}}, values);
+  }
+  Trajectory read(std::string_view text) const {
+    write_text(folder / "t.csv", text);
+    return Trajectory(folder / "t.csv", parameters);
+  }
+  // The message, with the folder's name left out.
+  std::string error(std::string_view text) const {
+    const std::string message = error_of([&] { read(text); });
+    const std::string prefix = folder.path().string() + "/";
+    return message.starts_with(prefix) ? message.substr(prefix.size()) : message;
+  }
+  TemporaryFolder folder;
+  Parameters parameters;
+};
+
+TEST_CASE("linear between rows, the first and last row's values outside") {
+  Stage stage;
+  for (const char* text :
+       {"time_s,P.h,P.x\n1,0,10\n3,2,20\n4,3,-4\n", "\xef\xbb\xbftime_s, P.h ,P.x\r\n1,0,10\r\n3 ,2, 20\r\n4,3,-4",
+        "time_s,P.h,P.x\r1,0,10\r3,2,20\r4,3,-4\r\r"}) {
+    const Trajectory trajectory = stage.read(text);
+    const auto at = [&](double time_s) {
+      trajectory.apply(time_s, stage.parameters);
+      return std::vector<double>(stage.parameters.values().begin(), stage.parameters.values().end());
+    };
+    CHECK(at(-5) == std::vector<double>{10, 0});
+    CHECK(at(1) == std::vector<double>{10, 0});
+    CHECK(at(1.5) == std::vector<double>{12.5, 0.5});
+    CHECK(at(3) == std::vector<double>{20, 2});
+    CHECK(at(3.5) == std::vector<double>{8, 2.5});
+    CHECK(at(4) == std::vector<double>{-4, 3});
+    CHECK(at(1e9) == std::vector<double>{-4, 3});
+  }
+}
+
+TEST_CASE("one row holds for ever") {
+  Stage stage;
+  const Trajectory trajectory = stage.read("time_s,P.x\n2,5\n");
+  for (const double time_s : {0.0, 2.0, 3.0}) {
+    trajectory.apply(time_s, stage.parameters);
+    CHECK(stage.parameters.values()[0] == 5);
+  }
+}
+
+TEST_CASE("mistakes are reported where they stand") {
+  const Stage stage;
+  CHECK(stage.error("") == "t.csv:1:1: error: no header, expected \"time_s,ELEMENT.PARAM,...\"");
+  CHECK(contains(stage.error("time_s,P.x\n"), "error: no rows, expected at least one"));
+  CHECK(stage.error("time,P.x\n0,1") == "t.csv:1:1: error: column \"time\", expected \"time_s\" first");
+  CHECK(stage.error("time_s,Px\n0,1") == "t.csv:1:8: error: column \"Px\", expected ELEMENT.PARAM");
+  CHECK(stage.error("time_s,P.x,P.hh\n0,1,1") ==
+        "t.csv:1:12: error: column \"P.hh\": element \"P\" has no parameter \"hh\" (expected one of: x, h)");
+  CHECK(contains(stage.error("time_s,Q.x\n0,1"), "t.csv:1:8: error: column \"Q.x\": there is no element \"Q\""));
+  CHECK(stage.error("time_s,P.x,P.x\n0,1,1") == "t.csv:1:12: error: column \"P.x\" is given twice, expected once");
+  CHECK(stage.error("time_s,P.x\n0,1\n1,2,3\n") == "t.csv:3:1: error: 3 cells, expected 2 as in the header");
+  CHECK(contains(stage.error("time_s,P.x\n\n0,1\n"), "t.csv:2:1: error: 1 cells, expected 2"));
+  CHECK(stage.error("time_s,P.x\n0,\n") == "t.csv:2:3: error: empty cell, expected a finite number");
+  CHECK(stage.error("time_s,P.x\n0,abc\n") == "t.csv:2:3: error: \"abc\" is not allowed, expected a finite number");
+  CHECK(contains(stage.error("time_s,P.x\nnan,1\n"), "t.csv:2:1: error: \"nan\" is not allowed"));
+  CHECK(stage.error("time_s,P.x\n0,1\n0,2\n") == "t.csv:3:1: error: time 0 is not allowed, expected one after 0 (s)");
+  CHECK(stage.error("time_s,P.h\n0,3.5\n") ==
+        "t.csv:2:3: error: P.h: 3.5 is not allowed, expected a number from 0 to 3 (m)");
+  CHECK(contains(error_of([&] { Trajectory(stage.folder / "none.csv", stage.parameters); }),
+                 "none.csv: error: cannot be read: No such file or directory"));
+}
+
+}  // namespace
+}  // namespace simvis
