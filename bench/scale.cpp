@@ -133,11 +133,11 @@ SimulationDesc by(const std::string& method) {
 
 /// Medians of frames with the robot driving, for about so long; and of the stages of these frames.
 void time_frames(Simulation& simulation, double seconds, Row& row) {
-  constexpr int kWarmUp = 3, kLeast = 5;
+  constexpr int kWarmUp = 3, kMin = 5;
   std::vector<Took> took;
   std::vector<std::pair<std::string, std::vector<double>>> stages;
   double spent_ms = 0;
-  for (int frame = 0; frame < kWarmUp + kLeast || spent_ms < 1e3 * seconds; ++frame) {
+  for (int frame = 0; frame < kWarmUp + kMin || spent_ms < 1e3 * seconds; ++frame) {
     drive_lab(simulation, frame);
     const Took one = time_work([&] { simulation.step(); });
     if (frame < kWarmUp) continue;

@@ -30,7 +30,7 @@ namespace {
 using namespace simvis;
 using namespace simvis::bench;
 
-constexpr std::size_t kMostOfCoin = 1'000'000;  // triangles; of more, one set of picks takes minutes
+constexpr std::size_t kMaxOfCoin = 1'000'000;  // triangles; of more, one set of picks takes minutes
 
 struct Pattern {
   const char* name;
@@ -104,7 +104,7 @@ void measure_three(const std::filesystem::path& folder, std::size_t triangles, d
   measure({.curve = "triangles",
            .scanners = {"FRONT_SCANNER", "REAR_SCANNER", "TILT_SCANNER"},
            .drive = drive_lab,
-           .coin = triangles <= kMostOfCoin},
+           .coin = triangles <= kMaxOfCoin},
           simulation, seconds);
 }
 

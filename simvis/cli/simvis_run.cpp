@@ -282,7 +282,7 @@ std::optional<Shard> wanted_shard(const Options& options, const Simulation& simu
       throw InputError(options.shard + " has no frame of " + std::to_string(options.frames) +
                        ", expected K below --frames");
     }
-    if (shard->count > 1) simulation.require_passable();
+    if (shard->count > 1) simulation.require_skippable();
   });
   return shard;
 }
@@ -298,7 +298,7 @@ void run_frames(const Options& options, Simulation& simulation, const std::optio
     const FrameTime time = simulation.next_frame();
     if (trajectory) trajectory->apply(static_cast<double>(time.time_ns) / 1e9, simulation.parameters());
     if (!shard.has(frame)) {
-      simulation.pass_over();
+      simulation.skip_frame();
       continue;
     }
     const std::int64_t start_ns = now_ns();

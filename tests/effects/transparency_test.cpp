@@ -79,9 +79,9 @@ std::optional<glm::dvec3> over(const std::vector<Glass>& panes, const glm::dvec2
 }
 
 constexpr std::uint32_t kSize = 48;
-FramePlan square_plan(std::uint32_t grid = 1, std::uint32_t msaa = 1) {
+FramePlan square_plan(std::uint32_t supersampling = 1, std::uint32_t msaa = 1) {
   FramePlan plan = plan_of(kSize, kSize, kSize / 2.0, true, false);
-  plan.passes[0].grid = grid;
+  plan.passes[0].supersampling = grid;
   plan.passes[0].msaa = msaa;
   return plan;
 }
@@ -91,7 +91,7 @@ glm::dvec2 ray_of(double x_px, double y_px) {
 }
 
 /// Where the samples of a pixel lie in it. Four samples: Vulkan's standard locations.
-std::vector<glm::dvec2> sample_places(std::uint32_t grid, std::uint32_t msaa) {
+std::vector<glm::dvec2> sample_places(std::uint32_t supersampling, std::uint32_t msaa) {
   const std::vector<glm::dvec2> within =
       msaa == 4 ? std::vector<glm::dvec2>{{0.375, 0.125}, {0.875, 0.375}, {0.125, 0.625}, {0.625, 0.875}}
                 : std::vector<glm::dvec2>{{0.5, 0.5}};
@@ -103,8 +103,9 @@ std::vector<glm::dvec2> sample_places(std::uint32_t grid, std::uint32_t msaa) {
 }
 
 /// How many pixels differ from "over" by more than rounding, and how many could be compared.
-std::pair<int, int> compare(std::span<const glm::vec4> seen, const std::vector<Glass>& panes, std::uint32_t grid,
-                            std::uint32_t msaa, double solid_at_m = std::numeric_limits<double>::infinity()) {
+std::pair<int, int> compare(std::span<const glm::vec4> seen, const std::vector<Glass>& panes,
+                            std::uint32_t supersampling, std::uint32_t msaa,
+                            double solid_at_m = std::numeric_limits<double>::infinity()) {
   int wrong = 0, compared = 0;
   const std::vector<glm::dvec2> places = sample_places(grid, msaa);
   for (std::uint32_t i = 0; i < kSize * kSize; ++i) {

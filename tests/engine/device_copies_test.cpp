@@ -75,11 +75,11 @@ TEST_CASE("what only strips see has no copy on the device until something else d
 TEST_CASE("strips that draw from the device show the same bytes") {
   const DrawList list = room();
   Renderer renderer(device());
-  const std::vector<float> picked = depth_of(renderer, list, depth_plan(kStrip_px));
+  const std::vector<float> cpu_selected = depth_of(renderer, list, depth_plan(kStrip_px));
   CHECK(renderer.counters().meshes_held == 0);
   FramePlan whole = depth_plan(kStrip_px);
   view_of(whole).culled = false;
-  CHECK(depth_of(renderer, list, whole) == picked);
+  CHECK(depth_of(renderer, list, whole) == cpu_selected);
   CHECK(renderer.counters().meshes_held == list.meshes.size());
   // Back faces are the device's to leave out.
   Renderer other(device());

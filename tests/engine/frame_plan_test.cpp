@@ -160,7 +160,7 @@ TEST_CASE("all memory of the device is in the plan, and all that is uploaded and
   const RendererScene scene = lit_wall(AlphaMode::mask);
   FramePlan averaged = square(true, false);
   averaged.passes[0].name = "averaged";
-  averaged.passes[0].grid = 2;
+  averaged.passes[0].supersampling = 2;
   FramePlan both = square(true, true);
   both.passes.push_back(averaged.passes[0]);
   for (FramePlan plan : {square(false, true), both, square(true, false), both, FramePlan{}}) {
@@ -268,7 +268,7 @@ TEST_CASE("a sensor at 1 Hz in a run of 15 Hz renders in one frame of 15") {
     const bool due = frame % 15 == 0;
     CHECK(slow->counters().views == due);
     CHECK(slow->counters().bytes_read_back == (due ? 4 * sizeof(float) * kPixels : 0));
-    CHECK(sensor_of(slow->frame_plan(), "SLOW").duty == (due ? Duty::due : Duty::waiting));
+    CHECK(sensor_of(slow->frame_plan(), "SLOW").due_state == (due ? DueState::due : DueState::waiting));
     CHECK(slow->frame_plan().passes.size() == due);
     CHECK(both->counters().views == alone->counters().views + due);
     CHECK(both->counters().draws == alone->counters().draws + due);
@@ -284,8 +284,8 @@ TEST_CASE("a camera that is off, or in a part that is, renders nothing; the plan
   CHECK(with->counters() == without->counters());
   CHECK(with->device_memory_bytes() == without->device_memory_bytes());
   const FramePlan& plan = with->frame_plan();
-  CHECK(sensor_of(plan, "CAM").duty == Duty::off);
-  CHECK(sensor_of(plan, "SCAN").duty == Duty::due);
+  CHECK(sensor_of(plan, "CAM").due_state == DueState::off);
+  CHECK(sensor_of(plan, "SCAN").due_state == DueState::due);
   CHECK(sensor_of(plan, "SCAN").end_pass == 1);
   const std::string text = explain(plan, {with->counters(), with->frame_costs(), with->sensor_costs()});
   INFO(text);
@@ -320,14 +320,14 @@ TEST_CASE("both audiences together hold what the device holds") {
   simulation->step();
   REQUIRE(simulation->visualization_plan() != nullptr);
   CHECK(memory_of({&simulation->frame_plan(), simulation->visualization_plan()}) == simulation->device_memory_bytes());
-  CHECK(sensor_of(*simulation->visualization_plan(), "PEOPLE").duty == Duty::due);
+  CHECK(sensor_of(*simulation->visualization_plan(), "PEOPLE").due_state == DueState::due);
   CHECK(simulation->visualization_costs()->passes.size() == 1);
   CHECK(simulation->sensor_costs().size() == 3);
   simulation->enable("PEOPLE", false);
   simulation->step();
   CHECK(simulation->visualization_plan()->passes.empty());
   CHECK(simulation->visualization_counters()->draws == 0);
-  CHECK(sensor_of(*simulation->visualization_plan(), "PEOPLE").duty == Duty::off);
+  CHECK(sensor_of(*simulation->visualization_plan(), "PEOPLE").due_state == DueState::off);
 }
 
 TEST_CASE("instrumentation changes no byte of results, no counter and no memory; without it there are no costs") {
@@ -353,7 +353,7 @@ TEST_CASE("a step that fails leaves a plan that can be read") {
   WallSimulation simulation(camera("CAM", "") + R"(<sensor type="laser_scanner" name="EXACT" insert_at="ROOT"
     samples="3" method="hybrid" max_error_m="1e-30"/>)");
   CHECK_THROWS_AS(simulation->step(), InputError);
-  CHECK(sensor_of(simulation->frame_plan(), "CAM").duty == Duty::due);
+  CHECK(sensor_of(simulation->frame_plan(), "CAM").due_state == DueState::due);
   simulation->enable("EXACT", false);
   simulation->step();
   CHECK(simulation->frame_plan().passes.size() == 1);

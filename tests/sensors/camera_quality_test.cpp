@@ -44,7 +44,7 @@ std::vector<glm::dvec2> standard_places(std::uint32_t msaa) {
   }
 }
 
-std::vector<glm::dvec2> sample_places(std::uint32_t grid, std::uint32_t msaa) {
+std::vector<glm::dvec2> sample_places(std::uint32_t supersampling, std::uint32_t msaa) {
   std::vector<glm::dvec2> places;
   for (std::uint32_t y = 0; y < grid; ++y) {
     for (std::uint32_t x = 0; x < grid; ++x) {
@@ -82,9 +82,9 @@ test::RendererScene scene_with(const Edge& edge) {
   return scene;
 }
 
-std::vector<glm::vec4> picture(Renderer& renderer, const DrawList& list, FramePlan plan, std::uint32_t grid,
+std::vector<glm::vec4> picture(Renderer& renderer, const DrawList& list, FramePlan plan, std::uint32_t supersampling,
                                std::uint32_t msaa) {
-  plan.passes[0].grid = grid;
+  plan.passes[0].supersampling = grid;
   plan.passes[0].msaa = msaa;
   return test::copy(renderer.render(list, plan)[0].color);
 }
@@ -111,9 +111,9 @@ double covered_share(const Edge& edge, const glm::dvec2& corner) {
 
 // Along each of the grid's rows (columns, for edges that lie more than stand) the count of samples is half a sample off
 // at the most, and the two rows in which the edge leaves the pixel cut a corner of at most an eighth of a sample each.
-double grid_quantum(std::uint32_t grid) { return 0.5 / grid + 2 * 0.125 / (grid * grid); }
+double grid_quantum(std::uint32_t supersampling) { return 0.5 / grid + 2 * 0.125 / (grid * grid); }
 
-void check_edge(Renderer& renderer, const Edge& edge, std::uint32_t grid, std::uint32_t msaa) {
+void check_edge(Renderer& renderer, const Edge& edge, std::uint32_t supersampling, std::uint32_t msaa) {
   const std::vector<glm::vec4> seen = picture(renderer, scene_with(edge).list, square_plan(), grid, msaa);
   const std::vector<glm::dvec2> places = sample_places(grid, msaa);
   const auto count = static_cast<double>(places.size());
@@ -170,7 +170,7 @@ TEST_CASE(
   for (int e = 0; e < 24; ++e) {
     const Edge edge{{kSize_px / 2.0 + 4 * unit(random), kSize_px / 2.0 + 4 * unit(random)},
                     e % 4 == 0 ? e / 4 * std::numbers::pi / 2 : 2 * std::numbers::pi * unit(random)};
-    for (const std::uint32_t grid : {1u, 2u, 4u}) {
+    for (const std::uint32_t supersampling : {1u, 2u, 4u}) {
       for (const std::uint32_t msaa : device().target_limits().msaa) {
         CAPTURE(e);
         CAPTURE(grid);
@@ -186,7 +186,7 @@ TEST_CASE("a half covered white pixel on black is one half in linear light, 188 
   Renderer renderer(device());
   const std::size_t middle = (kSize_px / 2) * kSize_px + 7;
   const DrawList list = scene_with({{7.5, 12}, 0}).list;
-  for (const std::uint32_t grid : {2u, 4u}) {
+  for (const std::uint32_t supersampling : {2u, 4u}) {
     const std::vector<glm::vec4> seen = picture(renderer, list, square_plan(), grid, 1);
     CHECK(seen[middle - 1].r == 0);
     CHECK(seen[middle].r == 0.5f);
@@ -236,7 +236,7 @@ TEST_CASE("views of one pass, and strips with rows of guard, keep to their recta
   plan.passes[0].views[1].y_px = 4;
   plan.passes[0].views[1].pinhole.cx_px += 8;
   const std::vector<glm::vec4> plain = picture(renderer, scene.list, plan, 1, 1);
-  for (const std::uint32_t grid : {2u, 4u}) {
+  for (const std::uint32_t supersampling : {2u, 4u}) {
     const std::vector<glm::vec4> seen = picture(renderer, scene.list, plan, grid, 1);
     CHECK(test::same_bytes(std::span<const glm::vec4>(seen), std::span<const glm::vec4>(plain)));
   }
@@ -286,7 +286,7 @@ TEST_CASE("a stereo camera: colour is averaged, depth and disparity are not") {
   for (const std::uint32_t width : {96u, 1100u}) {  // 2 x 2 x 1100 is too wide for both views in one pass
     StereoCameraDesc desc{.width_px = width, .height_px = 64, .depth = true};
     StereoCamera plain("EYES", desc);
-    desc.sampling.grid = 2;
+    desc.sampling.supersampling = 2;
     StereoCamera several("EYES", desc);
     for (StereoCamera* const camera : {&plain, &several}) {
       FramePlan plan;

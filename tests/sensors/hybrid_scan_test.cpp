@@ -215,7 +215,7 @@ TEST_CASE("hybrid unless told otherwise: no rendered range has such a bound, so 
     const Scan& rendered = planar.scan(name);
     for (std::size_t beam = 0; beam < rendered.range_m.size(); ++beam) {
       REQUIRE(std::isfinite(rendered.range_m[beam]));
-      CHECK(rendered.error_bound_m[beam] >= (least_planar_bound() - kHalfUlp) * rendered.range_m[beam]);
+      CHECK(rendered.error_bound_m[beam] >= (min_planar_bound() - kHalfUlp) * rendered.range_m[beam]);
     }
   }
   CHECK(hybrid.counters().passes == 0);

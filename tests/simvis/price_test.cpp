@@ -228,7 +228,7 @@ TEST_CASE("each row says what a normal run of it says; errors lie within bounds;
     const VariantPrice& exact = price.variants.back();
     CHECK(std::ranges::count(price.variants, true, &VariantPrice::in_scene) == 1);
     CHECK(std::ranges::min(price.variants, {}, &VariantPrice::ratio).ratio == 1);
-    double most_unbounded = 0;
+    double max_unbounded = 0;
     for (const VariantPrice& row : price.variants) {
       CAPTURE(attributes_of(row.variant));
       const NormalRun normal(scene, row.variant, desc.frames, drives);
@@ -243,7 +243,7 @@ TEST_CASE("each row says what a normal run of it says; errors lie within bounds;
       CHECK(row.bound_largest_rel == normal.largest_rel);
       CHECK(row.unbounded_share == normal.unbounded);
       CHECK(row.cast_share == doctest::Approx(normal.cast).epsilon(1e-12));  // another order of sums
-      most_unbounded = std::max(most_unbounded, row.unbounded_share);
+      max_unbounded = std::max(max_unbounded, row.unbounded_share);
       CHECK(row.difference_largest_m <= row.bound_largest_m + exact.bound_largest_m);
       CHECK(row.difference_largest_rel <= row.bound_largest_rel + exact.bound_largest_rel);
       CHECK(std::isnan(row.unbounded_difference_m) == !(row.unbounded_share > 0));
@@ -251,7 +251,7 @@ TEST_CASE("each row says what a normal run of it says; errors lie within bounds;
       CHECK(row.wrong_kind_share <= row.unbounded_share);
       if (row.variant.max_error_rel) CHECK(row.meets(*row.variant.max_error_rel));
     }
-    CHECK(most_unbounded > 0);
+    CHECK(max_unbounded > 0);
     CHECK(exact.variant == ScanVariant{"raycast", {}, {}});
     CHECK(exact.cast_share == 1);
     CHECK(exact.difference_largest_m == 0);

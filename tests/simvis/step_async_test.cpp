@@ -122,7 +122,7 @@ TEST_CASE("while a frame is under way: what is there, and what has to wait for f
   };
   CHECK(refused([&] { simulation.execute(""); }));
   CHECK(refused([&] { simulation.enable("CAM", false); }));
-  CHECK(refused([&] { simulation.pass_over(); }));
+  CHECK(refused([&] { simulation.skip_frame(); }));
   CHECK(refused([&] { simulation.value("CAM", "depth_error_bound_m"); }));
   CHECK(refused([&] { simulation.sensors(); }));
   CHECK(refused([&] { simulation.counters(); }));
