@@ -29,10 +29,10 @@
 #include <simvis/device.h>
 #include <simvis/error.h>
 #include <simvis/ray_caster.h>
-#include <simvis/renderer.h>
 #include "bench/random_worlds.h"
 #include "engine/geometry/view_projection.h"
 #include "engine/raycast/ray_triangle.h"
+#include "engine/render/renderer.h"
 #include "sensors/laser_scanner/laser_scanner.h"
 
 namespace {

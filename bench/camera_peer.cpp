@@ -28,12 +28,12 @@
 #include <vector>
 
 #include <simvis/device.h>
-#include <simvis/renderer.h>
 #include <simvis/simulation.h>
 #include <simvis/trajectory.h>
 #include "bench/scenes/lab.h"
 #include "bench/scenes/scene_folder.h"
 #include "bench/timing.h"
+#include "engine/render/renderer.h"
 
 namespace {
 

@@ -9,8 +9,8 @@
 #include <simvis/device.h>
 #include <simvis/frame_plan.h>
 #include <simvis/ray_caster.h>
-#include <simvis/renderer.h>
 #include <simvis/sensor_cost.h>
+#include "engine/render/renderer.h"
 #include "scenegraph/flattener.h"
 #include "simvis/scene_builder.h"
 

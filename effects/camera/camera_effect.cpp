@@ -14,12 +14,6 @@ std::map<std::string_view, CameraEffectType>& registry() {
 
 }  // namespace
 
-double CameraLayout::axis_cosine(std::uint32_t x, std::uint32_t y) const {
-  if (!rays.empty()) return rays[std::size_t{y} * width_px + x].z;
-  const double tx = (x + 0.5 - pinhole.cx_px) / pinhole.fx_px, ty = (y + 0.5 - pinhole.cy_px) / pinhole.fy_px;
-  return 1 / std::sqrt(1 + tx * tx + ty * ty);
-}
-
 CameraEffectRegistration::CameraEffectRegistration(const CameraEffectType& type) {
   const EffectRegistration in_catalogue(type.type);
   registry().emplace(type.type.name, type);

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include <simvis/device.h>
 #include <simvis/frame_plan.h>
+#include <simvis/target_limits.h>
 
 namespace simvis {
 

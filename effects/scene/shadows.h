@@ -18,9 +18,9 @@
 // Cost     nothing where no view of colour is due, or none that the light reaches.
 #pragma once
 
-#include <simvis/device.h>
 #include <simvis/draw_list.h>
 #include <simvis/frame_plan.h>
+#include <simvis/target_limits.h>
 
 namespace simvis {
 

@@ -12,11 +12,11 @@
 
 #include <simvis/frame_plan.h>
 #include "engine/culling/facing_tolerance.h"
+#include "engine/culling/mesh_range.h"
 #include "engine/culling/occluders.h"
 #include "engine/culling/pixel_polygon.h"
 #include "engine/geometry/clusters.h"
 #include "engine/geometry/view_projection.h"
-#include "engine/render/geometry_pool.h"
 
 namespace simvis {
 

@@ -6,7 +6,7 @@
 //           more than kDisplaced_px nothing is said. Others are sure to fill what lies a whole pixel within their
 //           edges.
 //   depth   The w of a triangle at a pixel is that of its plane but for what shifts by half a pixel and some roundings
-//           make of it: see plane_rounding.h in sensors/, whose terms are all in kShift_px, kRounding and kSlope.
+//           make of it: see engine/geometry/plane_rounding.h, whose terms are all in kShift_px, kRounding and kSlope.
 //           Of triangles thinner than a pixel, whose slopes float32 may turn, nothing is said.
 //   cuts    Where a side of the viewport cuts a triangle, the device puts others in its place, between any of the
 //           corners that are left. What is said of depth holds of each of those. Where a corner lies so near to a side

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "engine/base/assert.h"
-#include "engine/raycast/ray_instances.h"
+#include "engine/geometry/box_padding.h"
 
 namespace simvis {
 

@@ -20,19 +20,6 @@ constexpr double kWorldRoundings = 3 * 4 * 1.7320508;
 
 }  // namespace
 
-// What is nowhere, because a transform is not finite, is looked for everywhere, and not met.
-Box padded_box(const glm::dvec3& low, const glm::dvec3& high, double padding) {
-  const auto cut = [](double place, double otherwise) {
-    return std::isnan(place) ? otherwise : std::clamp(place, -kFarthest, kFarthest);
-  };
-  Box box;
-  for (int axis = 0; axis < 3; ++axis) {
-    box.low[axis] = static_cast<float>(cut(low[axis] - padding, -kFarthest));
-    box.high[axis] = static_cast<float>(cut(high[axis] + padding, kFarthest));
-  }
-  return box;
-}
-
 double frobenius(const glm::dmat3& m) {
   return std::sqrt(glm::dot(m[0], m[0]) + glm::dot(m[1], m[1]) + glm::dot(m[2], m[2]));
 }

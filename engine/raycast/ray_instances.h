@@ -13,23 +13,11 @@
 
 #include <simvis/draw_list.h>
 #include <simvis/ray_caster.h>
+#include "engine/geometry/box_padding.h"
 #include "engine/raycast/blas.h"
 #include "engine/raycast/ray_triangle.h"
 
 namespace simvis {
-
-/// A tree over items into which moved ones were fitted is built anew where a ray has to look into so many times the
-/// boxes that it had to when it was built.
-inline constexpr double kMaxSahCostRatio = 2;
-
-/// By how much boxes are padded, as a share of the size of the coordinates in play: 32 half ulps of a float32.
-inline constexpr double kPadding = 0x1p-19;
-
-/// Boxes are cut here, so that products of their coordinates stay within float32.
-inline constexpr double kFarthest = 1e18;
-
-/// The box from `low` to `high`, grown by `padding` on every side.
-Box padded_box(const glm::dvec3& low, const glm::dvec3& high, double padding);
 
 double frobenius(const glm::dmat3& m);
 

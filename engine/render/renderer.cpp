@@ -1,4 +1,4 @@
-#include <simvis/renderer.h>
+#include "engine/render/renderer.h"
 
 #include <algorithm>
 #include <chrono>

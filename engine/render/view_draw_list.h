@@ -6,7 +6,7 @@
 
 #include <simvis/draw_list.h>
 #include <simvis/frame_plan.h>
-#include <simvis/renderer.h>
+#include <simvis/frame_results.h>
 #include "engine/culling/column_occlusion_buffer.h"
 #include "engine/culling/occlusion_culler.h"
 #include "engine/culling/strip_columns.h"

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <simvis/progress.h>
+#include <simvis/target_limits.h>
 
 namespace simvis {
 
@@ -23,13 +24,6 @@ struct DeviceInfo {
 /// All Vulkan devices of this machine, in the driver's order.
 /// Throws MachineError when there is no Vulkan loader or driver; the message says what to install.
 std::vector<DeviceInfo> list_devices();
-
-/// What a device can render to.
-struct TargetLimits {
-  std::uint32_t width_px = 0, height_px = 0;  ///< the largest target
-  std::vector<std::uint32_t>
-      msaa;  ///< how many samples a pixel of colour may have, ascending: 1, and 2, 4, 8 as it can
-};
 
 struct DeviceDesc {
   std::string select;       ///< part of a name (any case) or an index of list_devices(); empty: the best one

@@ -18,6 +18,9 @@ struct Pinhole {
   bool operator==(const Pinhole&) const = default;
 };
 
+/// Square pixels; the optical axis goes through the middle of the image. `hfov_rad` is in (0, pi), from edge to edge.
+Pinhole centred_pinhole(std::uint32_t width_px, std::uint32_t height_px, double hfov_rad);
+
 /// A pipeline that a view or a pass binds: shaders and fixed functions made for one kind of work.
 struct PlannedPipeline {
   std::string variant;  ///< what it is made for

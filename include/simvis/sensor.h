@@ -18,14 +18,14 @@
 #include <simvis/attributes.h>
 #include <simvis/command.h>
 #include <simvis/cost_model.h>
-#include <simvis/device.h>
 #include <simvis/frame_plan.h>
+#include <simvis/frame_results.h>
 #include <simvis/frame_time.h>
 #include <simvis/image.h>
 #include <simvis/ray_caster.h>
-#include <simvis/renderer.h>
 #include <simvis/scan.h>
 #include <simvis/sensor_preset.h>
+#include <simvis/target_limits.h>
 
 namespace simvis {
 

@@ -13,10 +13,10 @@
 #include <simvis/command.h>
 #include <simvis/device.h>
 #include <simvis/error.h>
+#include <simvis/frame_results.h>
 #include <simvis/image.h>
 #include <simvis/parameters.h>
 #include <simvis/progress.h>
-#include <simvis/renderer.h>
 #include <simvis/scan.h>
 #include <simvis/sensor.h>
 #include <simvis/sensor_cost.h>

@@ -20,7 +20,7 @@
 
 #include <simvis/camera_effect.h>
 #include <simvis/frame_plan.h>
-#include "sensors/laser_scanner/scan_layout.h"
+#include "sensors/raster_depth/beam_tap.h"
 
 namespace simvis {
 

@@ -20,7 +20,7 @@
 
 #include <simvis/frame_plan.h>
 #include <simvis/image.h>
-#include "sensors/raster_depth/plane_rounding.h"
+#include "engine/geometry/plane_rounding.h"
 #include "sensors/raster_depth/vertex_rounding.h"
 
 namespace simvis {

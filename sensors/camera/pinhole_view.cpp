@@ -50,11 +50,6 @@ void check_sampling(const ColorSampling& sampling, std::uint32_t width_px, std::
   }
 }
 
-Pinhole centred_pinhole(std::uint32_t width_px, std::uint32_t height_px, double hfov_rad) {
-  const double focal_px = width_px / (2 * std::tan(hfov_rad / 2));
-  return {focal_px, focal_px, width_px / 2.0, height_px / 2.0};
-}
-
 void read_color(const Pass& pass, const View& view, const PassResult& result, Image& image) {
   resize(image, view, 4);
   for (std::uint32_t row = 0; row < view.height_px; ++row) {

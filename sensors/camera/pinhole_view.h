@@ -7,10 +7,10 @@
 
 #include <simvis/attributes.h>
 #include <simvis/camera_effect.h>
-#include <simvis/device.h>
 #include <simvis/frame_plan.h>
+#include <simvis/frame_results.h>
 #include <simvis/image.h>
-#include <simvis/renderer.h>
+#include <simvis/target_limits.h>
 
 namespace simvis {
 
@@ -75,9 +75,6 @@ ColorSampling color_sampling(const AttributeValues& attributes);
 /// a target that holds the samples of an image of this size.
 void check_sampling(const ColorSampling& sampling, std::uint32_t width_px, std::uint32_t height_px,
                     const TargetLimits& limits);
-
-/// Square pixels; the optical axis goes through the middle of the image. `hfov_rad` is in (0, pi), from edge to edge.
-Pinhole centred_pinhole(std::uint32_t width_px, std::uint32_t height_px, double hfov_rad);
 
 /// The picture of one view of a pass: linear RGBA.
 void read_color(const Pass& pass, const View& view, const PassResult& result, Image& image);

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include <simvis/frame_plan.h>
+#include <simvis/frame_results.h>
 #include <simvis/image.h>
-#include <simvis/renderer.h>
 #include "sensors/camera/camera_views.h"
 #include "sensors/camera/depth_error_bound.h"
 

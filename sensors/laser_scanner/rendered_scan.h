@@ -8,7 +8,7 @@
 
 #include <simvis/cost_model.h>
 #include <simvis/frame_plan.h>
-#include <simvis/renderer.h>
+#include <simvis/frame_results.h>
 #include "sensors/laser_scanner/scan_layout.h"
 #include "sensors/raster_depth/depth_atlas.h"
 #include "sensors/raster_depth/depth_range.h"

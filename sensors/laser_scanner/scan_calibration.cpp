@@ -9,7 +9,7 @@
 #include <numbers>
 
 #include <simvis/pose.h>
-#include <simvis/renderer.h>
+#include "engine/render/renderer.h"
 #include "sensors/laser_scanner/method_survey.h"
 #include "sensors/laser_scanner/rendered_scan.h"
 

@@ -5,7 +5,6 @@
 #include <optional>
 
 #include <simvis/pose.h>
-#include "sensors/camera/pinhole_view.h"
 
 namespace simvis {
 

@@ -10,7 +10,7 @@
 #include <string>
 
 #include <simvis/frame_plan.h>
-#include <simvis/renderer.h>
+#include <simvis/frame_results.h>
 
 namespace simvis {
 

@@ -41,9 +41,9 @@
 
 #include <cstdint>
 
-#include <simvis/renderer.h>
-#include "sensors/laser_scanner/scan_layout.h"
-#include "sensors/raster_depth/plane_rounding.h"
+#include <simvis/frame_results.h>
+#include "engine/geometry/plane_rounding.h"
+#include "sensors/raster_depth/beam_tap.h"
 #include "sensors/raster_depth/vertex_rounding.h"
 
 namespace simvis {

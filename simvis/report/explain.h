@@ -6,7 +6,7 @@
 
 #include <simvis/frame_costs.h>
 #include <simvis/frame_plan.h>
-#include <simvis/renderer.h>
+#include <simvis/frame_results.h>
 #include <simvis/sensor_cost.h>
 
 namespace simvis {

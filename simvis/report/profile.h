@@ -10,7 +10,7 @@
 
 #include <simvis/frame_costs.h>
 #include <simvis/frame_plan.h>
-#include <simvis/renderer.h>
+#include <simvis/frame_results.h>
 #include <simvis/sensor_cost.h>
 #include <simvis/simulation.h>
 #include "simvis/output/atomic_file.h"

@@ -15,11 +15,11 @@
 
 #include <simvis/device.h>
 #include <simvis/pose.h>
-#include <simvis/renderer.h>
 #include <simvis/simulation.h>
 #include <simvis/trajectory.h>
 #include "engine/geometry/view_projection.h"
 #include "engine/render/frame_draw_lists.h"
+#include "engine/render/renderer.h"
 #include "sensors/laser_scanner/rendered_scan.h"
 #include "tests/support/random_room.h"
 #include "tests/support/tested_build.h"

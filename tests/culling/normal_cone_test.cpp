@@ -8,7 +8,7 @@
 #include <random>
 
 #include <simvis/device.h>
-#include <simvis/renderer.h>
+#include "engine/render/renderer.h"
 #include "engine/vulkan/device_impl.h"
 #include "tests/support/random_room.h"
 

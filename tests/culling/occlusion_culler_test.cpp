@@ -9,8 +9,8 @@
 #include <random>
 
 #include <simvis/device.h>
-#include <simvis/renderer.h>
 #include "engine/culling/normal_cone.h"
+#include "engine/render/renderer.h"
 #include "tests/support/random_room.h"
 
 using namespace simvis;
@@ -163,7 +163,7 @@ TEST_CASE("a wall's tiles hide what lies behind all of them, and nothing that ma
   const FacingTolerance limit(view, kSnap_px);
   hidden.begin(view, limit);
   // A cube that holds a square across the optical axis, which is seen as anything but a sliver.
-  const auto hides = [&](const glm::dvec3& center, double half) {
+  const auto is_occluded = [&](const glm::dvec3& center, double half) {
     const FacePlanes flat{.sides = {{.normal = {0, 0, 1}, .offset = 0, .min_height = half}}};
     return hidden.is_occluded({.center = center, .half_size = glm::dvec3(half), .slack_m = 0},
                               glm::translate(glm::dmat4(1.0), center), {.flat = &flat});

@@ -58,7 +58,7 @@ struct Floor {
   }
   FramePlan plan() const {
     FramePlan made = plan_of(kSide_px, kSide_px, kSide_px / 2.0, true, false);
-    made.passes[0].supersampling = grid;
+    made.passes[0].supersampling = supersampling;
     made.passes[0].msaa = msaa;
     glm::dmat4 down(1);
     down[1][1] = down[2][2] = -1;

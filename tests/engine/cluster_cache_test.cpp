@@ -9,8 +9,8 @@
 #include <random>
 
 #include <simvis/device.h>
-#include <simvis/renderer.h>
 #include "engine/base/cache_file.h"
+#include "engine/render/renderer.h"
 #include "tests/support/random_room.h"
 #include "tests/support/temporary_folder.h"
 

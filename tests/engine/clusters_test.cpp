@@ -8,7 +8,7 @@
 #include <set>
 
 #include <simvis/device.h>
-#include <simvis/renderer.h>
+#include "engine/render/renderer.h"
 #include "tests/support/random_room.h"
 
 using namespace simvis;

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include <simvis/device.h>
-#include <simvis/renderer.h>
 #include <simvis/simulation.h>
+#include "engine/render/renderer.h"
 #include "tests/support/random_room.h"
 #include "tests/support/renderer_scene.h"
 #include "tests/support/wall_scene.h"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include <simvis/device.h>
-#include <simvis/renderer.h>
+#include "engine/render/renderer.h"
 #include "sensors/camera/camera.h"
 #include "tests/hard_cases/hard_case.h"
 #include "tests/support/random_room.h"

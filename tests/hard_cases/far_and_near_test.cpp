@@ -10,8 +10,8 @@
 
 #include <simvis/device.h>
 #include <simvis/pose.h>
-#include <simvis/renderer.h>
 #include <simvis/simulation.h>
+#include "engine/render/renderer.h"
 #include "sensors/camera/camera.h"
 #include "tests/hard_cases/hard_case.h"
 #include "tests/hard_cases/part_file.h"

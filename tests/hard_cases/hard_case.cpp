@@ -7,7 +7,7 @@
 #include <vector>
 
 #include <simvis/device.h>
-#include <simvis/renderer.h>
+#include "engine/render/renderer.h"
 
 namespace simvis {
 

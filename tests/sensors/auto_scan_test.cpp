@@ -10,9 +10,9 @@
 #include <simvis/cost_model.h>
 #include <simvis/device.h>
 #include <simvis/pose.h>
-#include <simvis/renderer.h>
 #include <simvis/simulation.h>
 #include "engine/base/cache_file.h"
+#include "engine/render/renderer.h"
 #include "sensors/laser_scanner/laser_scanner.h"
 #include "sensors/laser_scanner/scan_calibration.h"
 #include "simvis/report/run_report.h"

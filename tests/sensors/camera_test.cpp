@@ -7,7 +7,7 @@
 
 #include <simvis/device.h>
 #include <simvis/pose.h>
-#include <simvis/renderer.h>
+#include "engine/render/renderer.h"
 #include "tests/support/random_room.h"
 
 using namespace simvis;

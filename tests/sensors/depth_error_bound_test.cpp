@@ -12,8 +12,8 @@
 
 #include <simvis/device.h>
 #include <simvis/pose.h>
-#include <simvis/renderer.h>
 #include <simvis/simulation.h>
+#include "engine/render/renderer.h"
 #include "sensors/camera/camera.h"
 #include "simvis/report/run_report.h"
 #include "tests/support/error_of.h"

@@ -9,8 +9,8 @@
 
 #include <simvis/device.h>
 #include <simvis/pose.h>
-#include <simvis/renderer.h>
 #include <simvis/simulation.h>
+#include "engine/render/renderer.h"
 #include "sensors/laser_scanner/laser_scanner.h"
 #include "sensors/raster_depth/depth_range.h"
 #include "simvis/report/explain.h"

@@ -12,8 +12,8 @@
 
 #include <simvis/device.h>
 #include <simvis/pose.h>
-#include <simvis/renderer.h>
 #include <simvis/simulation.h>
+#include "engine/render/renderer.h"
 #include "tests/support/random_room.h"
 #include "tests/support/run_process.h"
 #include "tests/support/tested_build.h"

@@ -8,8 +8,8 @@
 
 #include <simvis/device.h>
 #include <simvis/pose.h>
-#include <simvis/renderer.h>
 #include <simvis/simulation.h>
+#include "engine/render/renderer.h"
 #include "sensors/laser_scanner/laser_scanner.h"
 #include "tests/support/random_room.h"
 #include "tests/support/scan_truth.h"

@@ -11,8 +11,8 @@
 #include <set>
 
 #include <simvis/pose.h>
-#include <simvis/renderer.h>
 #include <simvis/simulation.h>
+#include "engine/render/renderer.h"
 #include "simvis/output/output_writer.h"
 #include "tests/support/picture_files.h"
 #include "tests/support/renderer_scene.h"

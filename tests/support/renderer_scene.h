@@ -12,7 +12,7 @@
 #include <simvis/device.h>
 #include <simvis/draw_list.h>
 #include <simvis/frame_plan.h>
-#include <simvis/renderer.h>
+#include "engine/render/renderer.h"
 #include "tests/support/tested_build.h"
 
 namespace simvis::test {

@@ -1,4 +1,4 @@
-#include "sensors/raster_depth/plane_rounding.h"
+#include "engine/geometry/plane_rounding.h"
 
 #include <algorithm>
 

@@ -1,0 +1,21 @@
+#include "engine/geometry/box_padding.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace simvis {
+
+// What is nowhere, because a transform is not finite, is looked for everywhere, and not met.
+Box padded_box(const glm::dvec3& low, const glm::dvec3& high, double padding) {
+  const auto cut = [](double place, double otherwise) {
+    return std::isnan(place) ? otherwise : std::clamp(place, -kFarthest, kFarthest);
+  };
+  Box box;
+  for (int axis = 0; axis < 3; ++axis) {
+    box.low[axis] = static_cast<float>(cut(low[axis] - padding, -kFarthest));
+    box.high[axis] = static_cast<float>(cut(high[axis] + padding, kFarthest));
+  }
+  return box;
+}
+
+}  // namespace simvis

@@ -1,0 +1,13 @@
+#include <simvis/camera_layout.h>
+
+#include <cmath>
+
+namespace simvis {
+
+double CameraLayout::axis_cosine(std::uint32_t x, std::uint32_t y) const {
+  if (!rays.empty()) return rays[std::size_t{y} * width_px + x].z;
+  const double tx = (x + 0.5 - pinhole.cx_px) / pinhole.fx_px, ty = (y + 0.5 - pinhole.cy_px) / pinhole.fy_px;
+  return 1 / std::sqrt(1 + tx * tx + ty * ty);
+}
+
+}  // namespace simvis
