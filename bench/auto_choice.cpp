@@ -106,7 +106,7 @@ int main(int argc, char** argv) {
   for (int pose_number = 0; pose_number < poses; ++pose_number) {
     drive.apply(2.0 * pose_number, simulation.parameters());
     simulation.step();
-    DrawList list = simulation.draw_list();
+    DrawList list = simulation.diagnostics().draw_list();
     for (const SensorInfo& sensor : simulation.sensors()) {
       glm::dmat4 pose(1.0);
       if (!sensor.enabled || !simulation.sensor_pose(sensor.name, pose)) continue;

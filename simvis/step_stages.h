@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include <simvis/simulation.h>
+#include <simvis/diagnostics.h>
 
 namespace simvis {
 

@@ -47,7 +47,7 @@ std::vector<Way> simvis_ways(Simulation& simulation, const std::vector<std::stri
       ScanVariant variant{.method = method.name, .resolution_px = {}, .max_error_rel = {}};
       if (*method.max_error_rel != 0) variant.max_error_rel = std::strtod(method.max_error_rel, nullptr);
       names.push_back(variant_name(scanner, method));
-      simulation.add_variant(scanner, with_variant(simulation.command(scanner), variant, names.back()));
+      simulation.add_variant(scanner, with_variant(simulation.diagnostics().command(scanner), variant, names.back()));
       simulation.enable(names.back(), false);
     }
     ways.push_back({.name = method.name,

@@ -10,25 +10,19 @@
 #include <string_view>
 #include <vector>
 
+#include <simvis/attribute_override.h>
 #include <simvis/command.h>
 #include <simvis/device.h>
+#include <simvis/diagnostics.h>
 #include <simvis/error.h>
-#include <simvis/frame_results.h>
 #include <simvis/image.h>
 #include <simvis/parameters.h>
 #include <simvis/progress.h>
 #include <simvis/scan.h>
 #include <simvis/sensor.h>
-#include <simvis/sensor_cost.h>
+#include <simvis/sensor_info.h>
 
 namespace simvis {
-
-/// An attribute written over those of all sensors of one type, before the scene is built.
-struct AttributeOverride {
-  std::string sensor_type, attribute;
-  std::optional<std::string> value;  ///< nothing: what the scene says is dropped, so that the default counts
-  std::string origin;                ///< who asks for it, for messages: "--method"; empty: "SENSOR_TYPE.ATTRIBUTE"
-};
 
 struct SimulationDesc {
   double rate_hz = 15;     ///< frames per simulated second, finite and above 0
@@ -40,25 +34,7 @@ struct SimulationDesc {
   ProgressCallback progress{};
 };
 
-/// A sensor of the scene, as run.json and users see it.
-struct SensorInfo {
-  std::string name, type, method;
-  std::uint64_t frames = 0;  ///< how often it has measured
-  bool enabled = true;
-  SensorReport report{};                        ///< of its last measurement
-  std::optional<double> depth_error_bound_m{};  ///< of its last depth image; empty unless asked for, see with_bounds()
-  std::vector<std::string> effects{};           ///< that any of its measurements had, as the plan named them
-
-  /// A note of the report that is a number, by its name; empty if there is none.
-  std::optional<double> number(std::string_view note) const;
-};
-
-/// One stage of a step, on the steady clock. "render" ends when the device has done, and what casts alone has cast;
-/// with step_async() the caller's own work lies in it.
-struct StageTime {
-  std::string_view name;  ///< "elements", "flatten", "plan", "render", "collect" or "visualization"
-  std::int64_t start_ns = 0, end_ns = 0;
-};
+struct SimulationImpl;
 
 /// A running simulation. All sensors are enabled at load; what is off is not rendered.
 ///
@@ -90,10 +66,6 @@ class Simulation {
   /// Relative file names start at `folder`, and `name` stands for the text in messages. All or nothing: when it throws
   /// InputError, with the place, the scene is as it was. The text is logged in parameters().change_requests().
   void execute(std::string_view xml, const std::filesystem::path& folder = ".", const std::string& name = "<string>");
-
-  /// The command that made a sensor, as it was executed: with overrides, its preset written out, and with its names and
-  /// insertion point as the part that carries it has given them. Throws InputError when there is no such sensor.
-  const Command& command(std::string_view sensor) const;
 
   /// Adds a sensor that stands where `sensor` does, whatever moves that one, and measures as `command` says; overrides
   /// do not touch it. To see one thing by several methods: `command` is that of `sensor` with another name and other
@@ -164,29 +136,13 @@ class Simulation {
   void write(std::string_view sensor, OutputSink& sink) const;
 
   const std::vector<std::string>& warnings() const;
-  const DeviceInfo& device() const;
-  const FrameCounters& counters() const;  ///< of the last step()
-  RayCounters ray_counters() const;       ///< of all steps
-  const DrawList& draw_list() const;      ///< of the last step()
-  const FramePlan& frame_plan() const;    ///< of the last step(), complete: see engine/frame_plan.h
-  /// Of the last step(); null unless SimulationDesc::device is instrumented.
-  const FrameCosts* frame_costs() const;
-  /// The same of what visualization cameras saw. Null while the scene has none.
-  const FramePlan* visualization_plan() const;
-  const FrameCounters* visualization_counters() const;
-  const FrameCosts* visualization_costs() const;
-  /// Of the sensors that measured in the last step(), in this order; empty unless the device is instrumented.
-  std::span<const SensorCost> sensor_costs() const;
-  /// All that SimVis holds of the device's memory: what the plans name, and nothing else.
-  std::uint64_t device_memory_bytes() const;
-  /// The stages of the last step(), in order. Empty before the first.
-  std::span<const StageTime> stages() const;
-  std::uint64_t validation_messages() const;
+
+  /// How the last step was planned, drawn and paid for. The view is valid as long as the simulation.
+  Diagnostics diagnostics() const;
 
  private:
-  struct Impl;
-  explicit Simulation(std::unique_ptr<Impl> impl);
-  std::unique_ptr<Impl> impl_;
+  explicit Simulation(std::unique_ptr<SimulationImpl> impl);
+  std::unique_ptr<SimulationImpl> impl_;
 };
 
 /// SimVis's version, "MAJOR.MINOR.PATCH".

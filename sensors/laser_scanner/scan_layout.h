@@ -24,9 +24,6 @@ struct ScanPattern {
 std::vector<double> azimuths(const ScanPattern& pattern);
 std::vector<double> elevations(const ScanPattern& pattern);
 
-/// Pixels kept around the outermost beams, so that each beam has its neighbourhood: 2 before its pixel, 3 after.
-inline constexpr int kPixelsBefore = 2, kPixelsAfter = 3;
-
 /// How many rows of a single horizontal ring are as high as a pixel is wide.
 inline constexpr double kRowsPerPixel = 4;
 

@@ -28,4 +28,7 @@ struct BeamTap {
   double ray_per_depth = 1;               ///< range along the ray = ray_per_depth * depth along Z
 };
 
+/// Pixels kept around the outermost beams, so that each beam has its neighbourhood: 2 before its pixel, 3 after.
+inline constexpr int kPixelsBefore = 2, kPixelsAfter = 3;
+
 }  // namespace simvis

@@ -96,7 +96,7 @@ class Pricing {
  private:
   void add(const std::string& name) {
     PricedScanner scanner{.name = name, .sensors = {}, .reference = {}, .prices = {}, .tallies = {}};
-    const Command command = simulation_.command(name);
+    const Command command = simulation_.diagnostics().command(name);
     const ScanVariant own = variant_of(command);
     for (const ScanVariant& variant : priced_variants(command)) {
       // No name in a scene has a dot.

@@ -126,7 +126,7 @@ TEST_CASE("every scene gives the same bytes with culling and without, of every s
     for (const double time_s : scene.times_s) {
       if (trajectory) trajectory->apply(time_s, simulation.parameters());
       simulation.step();
-      comparison.add(renderer, simulation.draw_list(), simulation.frame_plan(), scene.file);
+      comparison.add(renderer, simulation.diagnostics().draw_list(), simulation.diagnostics().frame_plan(), scene.file);
     }
     MESSAGE(std::string(scene.file) << ": " << comparison.culled << " of " << comparison.whole << " triangles drawn");
     CHECK(comparison.culled <= comparison.whole);

@@ -71,8 +71,8 @@ Run run(const std::string& type, const std::string& attributes, const std::strin
   const bool color = attributes.find("outputs=\"depth\"") == std::string::npos;
   if (color) result.color = simulation.color("C");
   result.depth = simulation.depth("C");
-  result.counters = simulation.counters();
-  result.plan = simulation.frame_plan();
+  result.counters = simulation.diagnostics().counters();
+  result.plan = simulation.diagnostics().frame_plan();
   if (type == "stereo_camera" && color) result.more.push_back(simulation.picture("C", "right"));
   return result;
 }

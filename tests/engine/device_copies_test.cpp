@@ -132,8 +132,8 @@ TEST_CASE("planar scanners alone keep no mesh on the device, with a camera it is
         folder.path(), camera + R"(<sensor type="laser_scanner" name="SCANNER" insert_at="ROOT" method="planar"/>)");
     Simulation simulation = Simulation::load(scene);
     simulation.step();
-    CHECK(simulation.counters().meshes_held == meshes);
-    CHECK(names_meshes(simulation.frame_plan()) == (meshes > 0));
+    CHECK(simulation.diagnostics().counters().meshes_held == meshes);
+    CHECK(names_meshes(simulation.diagnostics().frame_plan()) == (meshes > 0));
     const Scan& scan = simulation.scan("SCANNER");
     CHECK(std::ranges::any_of(scan.range_m, [](float range_m) { return std::isfinite(range_m); }));
     return std::vector<float>(scan.range_m.begin(), scan.range_m.end());

@@ -139,8 +139,8 @@ TEST_CASE("the marvin laboratory from the robot and from afar") {
     glm::dmat4 pose(1.0);
     REQUIRE(simulation.sensor_pose("FRONT_SCANNER", pose));
     if (turn == 3) pose = at(300, 200, 100) * pose;
-    compare(host, device, simulation.draw_list(), pose,
-            directions_into(simulation.draw_list(), pose, 10000 / kFewer, random));
+    compare(host, device, simulation.diagnostics().draw_list(), pose,
+            directions_into(simulation.diagnostics().draw_list(), pose, 10000 / kFewer, random));
   }
   CHECK(device.caster->counters().rays_walked * 100 < device.caster->counters().rays);
 }

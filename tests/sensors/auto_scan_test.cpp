@@ -184,7 +184,7 @@ TEST_CASE("in the marvin laboratory, too, while the robot drives") {
           const bool absolute = attribute == std::string("max_error_m");
           CHECK(scan.error_bound_m[beam] <= 3e-4 * (absolute ? 1 : static_cast<double>(scan.range_m[beam])));
         }
-        compare(scan, reference::RayCaster(simulation.draw_list(), rigid_inverse(world_from_sensor)), 0.05, 80,
+        compare(scan, reference::RayCaster(simulation.diagnostics().draw_list(), rigid_inverse(world_from_sensor)), 0.05, 80,
                 2.0 / 512, comparison);
         CHECK(chosen(simulation, name).starts_with("hybrid"));
       }
@@ -303,7 +303,7 @@ TEST_CASE("it looks again when the scene grows, and not when the scanner moves a
     simulation.set("MOVE", "yaw", 0.1 * frame);
     simulation.step();
     CHECK(surveys() == "1");
-    CHECK(simulation.counters().passes == (frame == 0 ? std::size(kPlanarResolutions) : 1));
+    CHECK(simulation.diagnostics().counters().passes == (frame == 0 ? std::size(kPlanarResolutions) : 1));
   }
   std::string more;
   for (int i = 1; i < 10; ++i) {
@@ -397,11 +397,11 @@ TEST_CASE("who does not choose pays nothing: no costs are measured, and nothing 
   Simulation simulation = marvin(cache.path(), {{"method", "planar"}});
   simulation.step();
   for (const std::string& file : files_below(cache.path())) CHECK_FALSE(file.starts_with("costs-"));
-  REQUIRE(simulation.frame_plan().passes.size() == std::size(kScanners));
+  REQUIRE(simulation.diagnostics().frame_plan().passes.size() == std::size(kScanners));
   for (std::size_t i = 0; i < std::size(kScanners); ++i) {
-    CHECK(simulation.frame_plan().passes[i].name == kScanners[i] + std::string(".depth"));
+    CHECK(simulation.diagnostics().frame_plan().passes[i].name == kScanners[i] + std::string(".depth"));
   }
-  CHECK(simulation.frame_plan().casts.empty());
+  CHECK(simulation.diagnostics().frame_plan().casts.empty());
   const SensorReport report = sensor(simulation, "FRONT_SCANNER").report;
   CHECK(report.notes.empty());
   CHECK(report.explanation.empty());

@@ -248,9 +248,9 @@ TEST_CASE("views of one pass, and strips with rows of guard, keep to their recta
 
 TEST_CASE("depth is never averaged: the same bytes whatever the samples, and the plan says why it is apart") {
   const Simulation plain = robot_cam(1, 1, "color depth", 320, 240);
-  REQUIRE(plain.frame_plan().passes.size() == 1);
-  CHECK(plain.counters().dispatches == 0);
-  CHECK(plain.counters().bytes_read_back == 320 * 240 * (16 + 4));
+  REQUIRE(plain.diagnostics().frame_plan().passes.size() == 1);
+  CHECK(plain.diagnostics().counters().dispatches == 0);
+  CHECK(plain.diagnostics().counters().bytes_read_back == 320 * 240 * (16 + 4));
   struct Variant {
     int supersampling, msaa;
   };
@@ -258,19 +258,19 @@ TEST_CASE("depth is never averaged: the same bytes whatever the samples, and the
     const Simulation several = robot_cam(supersampling, msaa, "color depth", 320, 240);
     CHECK(several.depth("ROBOT_CAM").pixels == plain.depth("ROBOT_CAM").pixels);
     CHECK(several.color("ROBOT_CAM").pixels != plain.color("ROBOT_CAM").pixels);
-    REQUIRE(several.frame_plan().passes.size() == 2);
-    CHECK(several.counters().passes == 2);
-    CHECK(several.counters().dispatches == 1);
-    CHECK(several.counters().bytes_read_back == plain.counters().bytes_read_back);
-    const std::string text = explain(several.frame_plan(), {several.counters()});
+    REQUIRE(several.diagnostics().frame_plan().passes.size() == 2);
+    CHECK(several.diagnostics().counters().passes == 2);
+    CHECK(several.diagnostics().counters().dispatches == 1);
+    CHECK(several.diagnostics().counters().bytes_read_back == plain.diagnostics().counters().bytes_read_back);
+    const std::string text = explain(several.diagnostics().frame_plan(), {several.diagnostics().counters()});
     CHECK(contains(text, "the mean of " + std::to_string(supersampling * msaa) + " samples a pixel"));
     CHECK(contains(text, "depth of camera ROBOT_CAM, apart"));
-    CHECK(several.validation_messages() == 0);
+    CHECK(several.diagnostics().validation_messages() == 0);
     const Simulation colour = robot_cam(supersampling, msaa, "color", 320, 240);
-    CHECK(colour.counters().passes == 1);
+    CHECK(colour.diagnostics().counters().passes == 1);
     CHECK(colour.color("ROBOT_CAM").pixels == several.color("ROBOT_CAM").pixels);
     const Simulation depth = robot_cam(supersampling, msaa, "depth", 320, 240);
-    CHECK(depth.counters().dispatches == 0);
+    CHECK(depth.diagnostics().counters().dispatches == 0);
     CHECK(depth.depth("ROBOT_CAM").pixels == plain.depth("ROBOT_CAM").pixels);
   }
 }

@@ -1,0 +1,35 @@
+#include <simvis/diagnostics.h>
+
+#include "simvis/simulation_impl.h"
+
+namespace simvis {
+
+const Command& Diagnostics::command(std::string_view sensor) const { return impl_->sensor(sensor).command; }
+
+const DeviceInfo& Diagnostics::device() const { return impl_->device.info(); }
+const FrameCounters& Diagnostics::counters() const { return impl_->idle().sensing.renderer.counters(); }
+RayCounters Diagnostics::ray_counters() const { return impl_->idle().sensing.caster->counters(); }
+const DrawList& Diagnostics::draw_list() const { return *impl_->idle().sensing.list; }
+const FramePlan& Diagnostics::frame_plan() const {
+  return impl_->idle().sensing.complete_plan(impl_->scene.built.sensors);
+}
+const FrameCosts* Diagnostics::frame_costs() const { return impl_->idle().sensing.renderer.costs(); }
+
+const FramePlan* Diagnostics::visualization_plan() const {
+  return impl_->idle().people ? &impl_->people->complete_plan(impl_->scene.built.sensors) : nullptr;
+}
+
+const FrameCounters* Diagnostics::visualization_counters() const {
+  return impl_->idle().people ? &impl_->people->renderer.counters() : nullptr;
+}
+
+const FrameCosts* Diagnostics::visualization_costs() const {
+  return impl_->idle().people ? impl_->people->renderer.costs() : nullptr;
+}
+
+std::span<const SensorCost> Diagnostics::sensor_costs() const { return impl_->idle().sensor_costs; }
+std::uint64_t Diagnostics::device_memory_bytes() const { return impl_->idle().device.memory_bytes(); }
+std::span<const StageTime> Diagnostics::stages() const { return impl_->idle().stages.times(); }
+std::uint64_t Diagnostics::validation_messages() const { return impl_->device.validation_messages(); }
+
+}  // namespace simvis

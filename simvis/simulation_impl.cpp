@@ -1,0 +1,269 @@
+#include "simvis/simulation_impl.h"
+
+#include <algorithm>
+#include <exception>
+#include <utility>
+
+#include <simvis/cost_model.h>
+#include <simvis/effect.h>
+#include "effects/scene/shadows.h"
+#include "engine/base/cache_file.h"
+#include "sensors/laser_scanner/scan_calibration.h"
+#include "simvis/mount_frame.h"
+
+namespace simvis {
+
+namespace {
+
+std::size_t count_views(const FramePlan& plan) {
+  std::size_t views = 0;
+  for (const Pass& pass : plan.passes) views += pass.views.size();
+  return views;
+}
+
+// The device reports to whom the simulation reports to.
+DeviceDesc device_desc(const SimulationDesc& desc) {
+  DeviceDesc device = desc.device;
+  if (desc.progress) device.progress = desc.progress;
+  return device;
+}
+
+}  // namespace
+
+SimulationImpl::SimulationImpl(const SimulationDesc& desc, std::span<const Command> commands)
+    : clock(desc.rate_hz),
+      scene(desc.overrides, commands, desc.seed, desc.progress),
+      cache(cache_folder(desc.device.cache_dir)),
+      device(device_desc(desc)),
+      sensing(scene.built.scene.root(), Audience::sensors, device),
+      instrumented(desc.device.instrumented) {
+  scene.require(device.target_limits());
+  add_new_sensors();
+}
+
+void SimulationImpl::add_new_sensors() {
+  for (std::size_t i = states.size(); i < scene.built.sensors.size(); ++i) {
+    scene.built.sensors[i].sensor->use_cost_model([this]() -> const CostModel& { return costs(); });
+  }
+  states.resize(scene.built.sensors.size());
+  const bool wanted = std::ranges::any_of(scene.built.sensors,
+                                          [](const BuiltSensor& sensor) { return sensor.sensor->visualization(); });
+  if (wanted && !people) people.emplace(scene.built.scene.root(), Audience::people, device);
+}
+
+const CostModel& SimulationImpl::costs() {
+  if (!device_costs) {
+    const std::filesystem::path file = cost_model_file(device, cache, version());
+    device_costs = load_cost_model(file);
+    const std::unique_ptr<RayCaster> rays = make_ray_caster(device);
+    if (!device_costs) device_costs = save_cost_model(file, measure_scan_costs(device, *rays));
+  }
+  return *device_costs;
+}
+
+void SimulationImpl::start() {
+  const FrameTime time = clock.frame(next_frame);
+  stages.clear();
+  stages.begin("elements");
+  update_elements();
+  stages.begin("flatten");
+  sensing.list = &sensing.flattener.update();
+  stages.begin("plan");
+  plan_due_sensors(sensing, false, time);
+  stages.begin("render");
+  sensing.renderer.submit(*sensing.list, sensing.plan);
+  ++next_frame;
+  under_way = true;
+}
+
+void SimulationImpl::finish() {
+  if (!under_way) return;
+  under_way = false;
+  const FrameTime time = clock.frame(--next_frame);
+  measured.clear();
+  sensor_costs.clear();
+  render(sensing, time);
+  if (people) {
+    stages.begin("visualization");
+    show_to_people(time);
+  }
+  stages.end();
+  ++next_frame;
+}
+
+// What casts every beam, on the host, does so while the device draws what the others need.
+void SimulationImpl::render(ViewLayer& layer, const FrameTime& time) {
+  layer.caster->set_world(*layer.list);
+  std::exception_ptr failed;
+  try {
+    for (ViewLayer::Entry& entry : layer.entries) {
+      const bool ready = !entry.draws && layer.caster->on_host();
+      if (entry.due_state == DueState::due && ready) measure(layer, entry, time, {});
+    }
+  } catch (...) {
+    failed = std::current_exception();
+  }
+  const std::span<const PassResult> results = layer.renderer.collect();
+  if (failed) std::rethrow_exception(failed);
+  if (&layer == &sensing) stages.begin("collect");
+  measure(layer, time, results);
+}
+
+// Nothing is measured, so only where sensors stand has to be worked out.
+void SimulationImpl::skip_frame() {
+  require_skippable();
+  const FrameTime time = clock.frame(next_frame);
+  bool looked_back_at = false;
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    looked_back_at |=
+        states[i].enabled && scene.built.sensors[i].sensor->history_dependence() != HistoryDependence::none;
+  }
+  if (looked_back_at) {
+    update_elements();
+    sensing.list = &sensing.flattener.update();
+    for (std::size_t i = 0; i < states.size(); ++i) {
+      if (due_state(i, time) != DueState::due) continue;
+      scene.built.sensors[i].sensor->skip_frame(time, states[i].world_from_sensor);
+    }
+  }
+  ++next_frame;
+}
+
+void SimulationImpl::require_skippable() const {
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    const BuiltSensor& built = scene.built.sensors[i];
+    if (!states[i].enabled || built.sensor->history_dependence() != HistoryDependence::measurements) continue;
+    throw InputError("sensor \"" + built.name + "\", a " + built.type + " (" + built.sensor->method() +
+                     "), depends on what was measured in the frames before, so none can be passed over; expected " +
+                     (built.sensor->visualization() ? "it to be off" : "another method"));
+  }
+}
+
+SimulationImpl& SimulationImpl::idle() {
+  if (under_way) throw InputError("a frame is under way, expected finish() before this");
+  return *this;
+}
+
+void SimulationImpl::show_to_people(const FrameTime& time) {
+  bool anybody = false;
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    anybody |= states[i].enabled && scene.built.sensors[i].sensor->visualization();
+  }
+  if (anybody) {
+    people->list = &people->flattener.update();
+    for (const std::unique_ptr<Element>& element : scene.built.elements) element->observe(*this);
+    people->list = &people->flattener.update();
+  }
+  plan_due_sensors(*people, true, time);
+  people->renderer.submit(*people->list, people->plan);
+  render(*people, time);
+}
+
+void SimulationImpl::update_elements() {
+  Parameters& parameters = scene.built.parameters;
+  for (const std::size_t i : parameters.drain_changed_elements()) {
+    const ElementDescriptor& element = parameters.elements()[i];
+    scene.built.elements[i]->update(parameters.values().subspan(element.first_value, element.parameters.size()));
+  }
+}
+
+void SimulationImpl::plan_due_sensors(ViewLayer& layer, bool visualization, const FrameTime& time) {
+  layer.begin_plan();
+  FramePlan& plan = layer.plan;
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    Sensor& sensor = *scene.built.sensors[i].sensor;
+    if (sensor.visualization() != visualization) continue;
+    ViewLayer::Entry entry{.sensor = i,
+                           .due_state = due_state(i, time),
+                           .first_pass = plan.passes.size(),
+                           .first_cast = plan.casts.size()};
+    if (entry.due_state == DueState::due) {
+      const std::size_t views = count_views(plan);
+      sensor.begin(time);
+      sensor.plan(states[i].world_from_sensor, *layer.list, plan);
+      entry.draws = count_views(plan) > views;
+    }
+    entry.end_pass = plan.passes.size();
+    entry.end_cast = plan.casts.size();
+    layer.entries.push_back(entry);
+    plan_scene_effects(scene.built.sensors[i].name, entry.first_pass, *layer.list, plan);
+  }
+  plan_shadows(*layer.list, device.target_limits(), plan);
+  for (RayCast& cast : plan.casts) cast.engine = layer.caster->engine();
+  for (const PlannedEffect& planned : plan.effects) {
+    std::vector<std::string>& effects = states[index(planned.sensor)].effects;
+    if (std::ranges::find(effects, planned.effect) == effects.end()) effects.push_back(planned.effect);
+  }
+}
+
+// Of a sensor that is due, its pose is known then.
+DueState SimulationImpl::due_state(std::size_t sensor, const FrameTime& time) {
+  const BuiltSensor& built = scene.built.sensors[sensor];
+  if (!states[sensor].enabled) return DueState::off;
+  if (!clock.fires(built.sensor->rate_hz, time.index)) return DueState::waiting;
+  return pose(built, states[sensor].world_from_sensor) ? DueState::due : DueState::hidden;
+}
+
+void SimulationImpl::measure(ViewLayer& layer, const FrameTime& time, std::span<const PassResult> results) {
+  layer.rendered = true;
+  for (ViewLayer::Entry& entry : layer.entries) {
+    if (entry.due_state == DueState::due && !entry.taken) measure(layer, entry, time, results);
+  }
+  for (ViewLayer::Entry& entry : layer.entries) {
+    if (entry.due_state != DueState::due) continue;
+    ++states[entry.sensor].frames;
+    measured.push_back(scene.built.sensors[entry.sensor].name);
+    if (instrumented) sensor_costs.push_back(std::move(entry.cost));
+  }
+}
+
+void SimulationImpl::measure(ViewLayer& layer, ViewLayer::Entry& entry, const FrameTime& time,
+                             std::span<const PassResult> results) {
+  const BuiltSensor& sensor = scene.built.sensors[entry.sensor];
+  entry.taken = true;
+  if (!instrumented) {
+    sensor.sensor->collect(time, layer.plan, results);
+    sensor.sensor->cast(*layer.caster);
+    return;
+  }
+  const RayCounters before = layer.caster->counters();
+  entry.cost = {.sensor = sensor.name, .start_ns = StepStages::now_ns()};
+  sensor.sensor->collect(time, layer.plan, results);
+  entry.cost.collected_ns = StepStages::now_ns();
+  sensor.sensor->cast(*layer.caster);
+  entry.cost.end_ns = StepStages::now_ns();
+  const RayCounters after = layer.caster->counters();
+  entry.cost.rays = after.rays - before.rays;
+  entry.cost.item_tests = after.item_tests - before.item_tests;
+  entry.cost.triangle_tests = after.triangle_tests - before.triangle_tests;
+}
+
+/// False where the sensor stands in a part that is switched off.
+bool SimulationImpl::pose(const BuiltSensor& sensor, glm::dmat4& world_from_sensor) {
+  glm::dmat4 world_from_mount;
+  if (!layer_of(sensor).flattener.find_mount(*sensor.mount, world_from_mount)) return false;
+  if (rigid_mount_frame(world_from_mount, world_from_sensor)) return true;
+  throw InputError("sensor \"" + sensor.name +
+                   "\" has no direction: what it stands on is scaled to nothing, or is infinitely far away");
+}
+
+std::size_t SimulationImpl::index(std::string_view name) const {
+  std::vector<std::string_view> known;
+  for (std::size_t i = 0; i < scene.built.sensors.size(); ++i) {
+    if (scene.built.sensors[i].name == name) return i;
+    known.push_back(scene.built.sensors[i].name);
+  }
+  throw InputError("there is no sensor \"" + std::string(name) + "\"" + suggestion(name, known));
+}
+
+ObservedScan SimulationImpl::scan(std::string_view name) const {
+  const std::size_t i = index(name);
+  if (states[i].frames == 0) return {};
+  return {scene.built.sensors[i].sensor->scan(), states[i].world_from_sensor, states[i].frames};
+}
+
+bool SimulationImpl::find_mount(const Mount& mount, glm::dmat4& world_from_mount) const {
+  return people->flattener.find_mount(mount, world_from_mount);
+}
+
+}  // namespace simvis

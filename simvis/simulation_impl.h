@@ -1,0 +1,70 @@
+// What a simulation holds, and how it makes a frame.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <simvis/device.h>
+#include <simvis/simulation.h>
+#include "simvis/clock.h"
+#include "simvis/live_scene.h"
+#include "simvis/step_stages.h"
+#include "simvis/view_layer.h"
+
+namespace simvis {
+
+struct SimulationImpl : Observations {
+  SimulationImpl(const SimulationDesc& desc, std::span<const Command> commands);
+
+  void start();
+  void finish();
+  void skip_frame();
+  void require_skippable() const;
+  SimulationImpl& idle();
+  void update_elements();
+  void show_to_people(const FrameTime& time);
+  void plan_due_sensors(ViewLayer& layer, bool visualization, const FrameTime& time);
+  void render(ViewLayer& layer, const FrameTime& time);
+  void measure(ViewLayer& layer, const FrameTime& time, std::span<const PassResult> results);
+  void measure(ViewLayer& layer, ViewLayer::Entry& entry, const FrameTime& time, std::span<const PassResult> results);
+  DueState due_state(std::size_t sensor, const FrameTime& time);
+  void add_new_sensors();
+  ViewLayer& layer_of(const BuiltSensor& sensor) { return sensor.sensor->visualization() ? *people : sensing; }
+  bool pose(const BuiltSensor& sensor, glm::dmat4& world_from_sensor);
+  std::size_t index(std::string_view sensor) const;
+  const BuiltSensor& sensor(std::string_view name) const { return scene.built.sensors[index(name)]; }
+
+  ObservedScan scan(std::string_view name) const override;
+  bool find_mount(const Mount& mount, glm::dmat4& world_from_mount) const override;
+
+  struct State {
+    bool enabled = true;
+    std::uint64_t frames = 0;
+    glm::dmat4 world_from_sensor{1.0};  // when it last measured
+    std::vector<std::string> effects;   // that it has had
+  };
+
+  const CostModel& costs();
+
+  Clock clock;
+  LiveScene scene;
+  std::vector<State> states;  // as long as scene.built.sensors
+  std::filesystem::path cache;
+  Device device;
+  std::optional<CostModel> device_costs;  // once a sensor has asked
+  ViewLayer sensing;
+  std::optional<ViewLayer> people;    // while the scene has a visualization sensor
+  std::uint64_t next_frame = 0;       // that is not under way
+  bool under_way = false;             // the frame before it, and the device may be at work
+  std::vector<std::string> measured;  // names of the sensors that did in this frame
+  StepStages stages;
+  bool instrumented;
+  std::vector<SensorCost> sensor_costs;
+};
+
+}  // namespace simvis
