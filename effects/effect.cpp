@@ -14,7 +14,8 @@ TypeRegistry<EffectType>& registry() {
 
 }  // namespace
 
-EffectRegistration::EffectRegistration(const EffectType& type) { registry().add(type); }
+EffectRegistration::EffectRegistration(const EffectType& type, std::string_view built_for)
+    : accepted(registry().add(type, built_for)) {}
 
 std::vector<const EffectType*> effect_types() { return registry().sorted(); }
 

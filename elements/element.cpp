@@ -12,7 +12,9 @@ TypeRegistry<ElementType>& registry() {
 
 }  // namespace
 
-ElementRegistration::ElementRegistration(const ElementType& type) { registry().add(type); }
+ElementRegistration::ElementRegistration(const ElementType& type, std::string_view built_for) {
+  registry().add(type, built_for);
+}
 
 const ElementType* find_element_type(std::string_view name) { return registry().find(name); }
 

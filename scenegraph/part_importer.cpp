@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <map>
-#include <utility>
 
 #include "engine/base/assert.h"
+#include "scenegraph/language/registrations.h"
 
 namespace simvis {
 namespace {
@@ -23,11 +23,19 @@ std::string lower_case(std::string text) {
 
 }  // namespace
 
-PartImporterRegistration::PartImporterRegistration(std::vector<std::string> endings, PartImporter importer) {
+PartImporterRegistration::PartImporterRegistration(std::vector<std::string> endings, PartImporter importer,
+                                                   std::string_view built_for) {
   SIMVIS_ASSERT(importer != nullptr);
-  for (std::string& ending : endings) {
-    const bool is_new = importers().emplace(std::move(ending), importer).second;
-    SIMVIS_ASSERT(is_new);
+  Registrations& registrations = Registrations::instance();
+  for (const std::string& ending : endings) {
+    std::string wrong = Registrations::check_version(built_for);
+    if (wrong.empty() && importers().contains(ending)) wrong = "another format has this ending already";
+    if (!wrong.empty()) {
+      registrations.refuse("part format \"" + ending + "\": " + wrong);
+      continue;
+    }
+    importers().emplace(ending, importer);
+    registrations.accept([ending] { importers().erase(ending); });
   }
 }
 

@@ -13,7 +13,9 @@ TypeRegistry<SensorType>& registry() {
 
 }  // namespace
 
-SensorRegistration::SensorRegistration(const SensorType& type) { registry().add(type); }
+SensorRegistration::SensorRegistration(const SensorType& type, std::string_view built_for) {
+  registry().add(type, built_for);
+}
 
 const SensorType* find_sensor_type(std::string_view name) { return registry().find(name); }
 

@@ -5,14 +5,37 @@
 #include <string>
 
 #include <simvis/error.h>
+#include "scenegraph/language/registrations.h"
 
 namespace simvis {
+namespace {
+
+[[noreturn]] void refuse(const std::filesystem::path& file, const std::string& reason) {
+  throw InputError(file.string() + ": error: this plug-in cannot be loaded: " + reason);
+}
+
+}  // namespace
 
 void load_plugin(const std::filesystem::path& file) {
-  // An absolute name: a bare one would be looked for among the system's libraries.
+  // The loader searches the system's folders for a bare name, so it gets an absolute one.
   const std::string path = std::filesystem::absolute(file).string();
-  if (::dlopen(path.c_str(), RTLD_NOW | RTLD_GLOBAL) != nullptr) return;
-  throw InputError(file.string() + ": error: this plug-in cannot be loaded: " + ::dlerror());
+  if (::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NOLOAD) != nullptr) return;
+  Registrations& registrations = Registrations::instance();
+  const std::size_t accepted = registrations.accepted(), refused = registrations.refused().size();
+  void* const library = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (library == nullptr) refuse(file, ::dlerror());
+
+  std::string reason;
+  for (std::size_t i = refused; i < registrations.refused().size(); ++i) {
+    reason += (reason.empty() ? "" : "; ") + registrations.refused()[i];
+  }
+  if (reason.empty() && registrations.accepted() == accepted) {
+    reason = "it registers no element, sensor, effect or part format with this SimVis";
+  }
+  if (reason.empty()) return;
+  registrations.roll_back(accepted, refused);
+  ::dlclose(library);
+  refuse(file, reason);
 }
 
 }  // namespace simvis

@@ -7,6 +7,8 @@
 
 #include "engine/base/assert.h"
 #include "scenegraph/language/pose_attribute.h"
+#include "scenegraph/language/registrations.h"
+#include "simvis/library_of.h"
 
 namespace simvis {
 namespace {
@@ -15,6 +17,23 @@ namespace {
 constexpr std::size_t kMaxNested = 64;
 
 constexpr std::string_view kReading = "reading the scene";
+
+// Makes an element or a sensor. Whatever the constructor of a plug-in's type throws is an error at the command.
+template <typename Type, typename Create>
+auto create(const Type& type, const Command& command, const Create& make) {
+  std::string reason = "it returned nothing";
+  try {
+    if (auto made = make()) return made;
+  } catch (const Error&) {
+    throw;
+  } catch (const std::exception& error) {
+    reason = error.what();
+  } catch (...) {
+    reason = "it threw something that is no std::exception";
+  }
+  fail_at(command.where, "type " + in_quotes(type.name) + " of " +
+                             library_of(reinterpret_cast<const void*>(type.create)) + " could not be made: " + reason);
+}
 
 template <typename Type>
 std::string unknown_type(std::string_view family, std::string_view seen, const std::vector<const Type*>& types) {
@@ -86,6 +105,7 @@ void prefix_names(std::vector<Command>& commands, const PartContent& content, co
 SceneBuilder::SceneBuilder(BuiltScene& built, std::span<const AttributeOverride> overrides, std::uint64_t seed,
                            ProgressCallback progress)
     : built_(built), overrides_(overrides), seed_(seed), progress_(std::move(progress)) {
+  Registrations::instance().require_none_refused();
   for (const AttributeOverride& override : overrides) {
     if (find_sensor_type(override.sensor_type) == nullptr) {
       fail_at(origin(override), unknown_type("sensor", override.sensor_type, sensor_types()));
@@ -295,11 +315,12 @@ void SceneBuilder::insert_element(const Command& command) {
   check_references(attributes, type->attributes);
   element_names_.claim(name);
   built_.scene.undo().add([this, key = name.value] { element_names_.release(key); });
-  std::unique_ptr<Element> element =
-      type->create({.command = command,
-                    .attributes = attributes,
-                    .scene = built_.scene,
-                    .find_element = [this](std::string_view other) { return find_element(other); }});
+  std::unique_ptr<Element> element = create(*type, command, [&] {
+    return type->create({.command = command,
+                         .attributes = attributes,
+                         .scene = built_.scene,
+                         .find_element = [this](std::string_view other) { return find_element(other); }});
+  });
 
   ElementDescriptor descriptor{
       .name = name.value, .type = type_name.value, .insertion_point = insert_at.value, .parameters = {}};
@@ -352,7 +373,11 @@ BuiltSensor SceneBuilder::make_sensor(const Command& written) {
       .name = name.value,
       .type = type_name.value,
       .command = command,
-      .sensor = type->create({.command = command, .attributes = attributes, .name = name.value, .seed = seed_}),
+      .sensor = create(*type, command,
+                       [&] {
+                         return type->create(
+                             {.command = command, .attributes = attributes, .name = name.value, .seed = seed_});
+                       }),
       .mount = nullptr};
   if (limits_) sensor.sensor->check(*limits_);
   if (std::ranges::count(type->attributes, kRateAttribute.name, &AttributeSpec::name) == 1 &&

@@ -10,14 +10,13 @@
 #include <string_view>
 #include <vector>
 
-#include <simvis/attribute_override.h>
 #include <simvis/command.h>
 #include <simvis/element.h>
 #include <simvis/name_set.h>
 #include <simvis/parameters.h>
-#include <simvis/progress.h>
 #include <simvis/scene.h>
 #include <simvis/sensor.h>
+#include <simvis/simulation_desc.h>
 
 namespace simvis {
 

@@ -141,6 +141,4 @@ void Simulation::write(std::string_view sensor, OutputSink& sink) const { impl_-
 const std::vector<std::string>& Simulation::warnings() const { return impl_->scene.built.scene.warnings(); }
 Diagnostics Simulation::diagnostics() const { return Diagnostics(*impl_); }
 
-std::string_view version() { return SIMVIS_VERSION; }
-
 }  // namespace simvis

@@ -6,6 +6,7 @@
 
 #include <simvis/cost_model.h>
 #include <simvis/effect.h>
+#include <simvis/version.h>
 #include "effects/scene/shadows.h"
 #include "engine/base/cache_file.h"
 #include "sensors/laser_scanner/scan_calibration.h"

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include <simvis/device.h>
-#include <simvis/simulation.h>
+#include <simvis/simulation_desc.h>
 #include "simvis/clock.h"
 #include "simvis/live_scene.h"
 #include "simvis/step_stages.h"

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include <simvis/diagnostics.h>
+#include <simvis/stage_time.h>
 
 namespace simvis {
 

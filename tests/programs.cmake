@@ -35,6 +35,7 @@ if(SIMVIS_PRECOMPILE)
 endif()
 
 add_dependencies(plugin_test simvis-run simvis_example_plugin)
+add_dependencies(refused_plugin_test ${refused_plugin_targets})
 add_dependencies(cli_test simvis-run)
 add_dependencies(price_test simvis-run)
 add_dependencies(psd_test simvis-run)

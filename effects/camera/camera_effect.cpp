@@ -4,6 +4,8 @@
 #include <cmath>
 #include <map>
 
+#include "scenegraph/language/registrations.h"
+
 namespace simvis {
 namespace {
 
@@ -14,9 +16,10 @@ std::map<std::string_view, CameraEffectType>& registry() {
 
 }  // namespace
 
-CameraEffectRegistration::CameraEffectRegistration(const CameraEffectType& type) {
-  const EffectRegistration in_catalogue(type.type);
+CameraEffectRegistration::CameraEffectRegistration(const CameraEffectType& type, std::string_view built_for) {
+  if (!EffectRegistration(type.type, built_for).accepted) return;
   registry().emplace(type.type.name, type);
+  Registrations::instance().accept([name = type.type.name] { registry().erase(name); });
 }
 
 std::vector<ChosenCameraEffect> camera_effects(std::string_view sensor_type, const CameraEffectContext& context) {

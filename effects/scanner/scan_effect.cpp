@@ -4,6 +4,8 @@
 #include <map>
 #include <tuple>
 
+#include "scenegraph/language/registrations.h"
+
 namespace simvis {
 namespace {
 
@@ -14,9 +16,10 @@ std::map<std::string_view, ScanEffectType>& registry() {
 
 }  // namespace
 
-ScanEffectRegistration::ScanEffectRegistration(const ScanEffectType& type) {
-  const EffectRegistration in_catalogue(type.type);
+ScanEffectRegistration::ScanEffectRegistration(const ScanEffectType& type, std::string_view built_for) {
+  if (!EffectRegistration(type.type, built_for).accepted) return;
   registry().emplace(type.type.name, type);
+  Registrations::instance().accept([name = type.type.name] { registry().erase(name); });
 }
 
 std::vector<ChosenScanEffect> scan_effects(const ScanEffectContext& context) {

@@ -59,7 +59,7 @@ struct CameraEffectType {
 
 /// As EffectRegistration.
 struct CameraEffectRegistration {
-  explicit CameraEffectRegistration(const CameraEffectType& type);
+  explicit CameraEffectRegistration(const CameraEffectType& type, std::string_view built_for = kHeaderVersion);
 };
 
 /// An effect that a camera has.

@@ -13,17 +13,11 @@
 #include <simvis/frame_results.h>
 #include <simvis/ray_caster.h>
 #include <simvis/sensor_cost.h>
+#include <simvis/stage_time.h>
 
 namespace simvis {
 
 struct SimulationImpl;
-
-/// One stage of a step, on the steady clock. "render" ends when the device has done, and what casts alone has cast;
-/// with step_async() the caller's own work lies in it.
-struct StageTime {
-  std::string_view name;  ///< "elements", "flatten", "plan", "render", "collect" or "visualization"
-  std::int64_t start_ns = 0, end_ns = 0;
-};
 
 /// A view of a simulation for tests, benchmarks and reports. No measurement depends on it.
 ///

@@ -17,6 +17,7 @@
 #include <simvis/attributes.h>
 #include <simvis/draw_list.h>
 #include <simvis/frame_plan.h>
+#include <simvis/version.h>
 
 namespace simvis {
 
@@ -51,9 +52,13 @@ struct EffectType {
 };
 
 /// A static object of this type adds an effect to the catalogue; strings and tables must live as long.
-/// Two effects of one name, or a table with a mistake in it: the program stops with a message naming it.
+/// A type whose name is taken, whose table has a mistake, or that was compiled with headers of another version is not
+/// made known: load_plugin() refuses the plug-in that has it, and Simulation::load() throws InputError for one of the
+/// program itself.
 struct EffectRegistration {
-  explicit EffectRegistration(const EffectType& type);
+  explicit EffectRegistration(const EffectType& type, std::string_view built_for = kHeaderVersion);
+
+  bool accepted;
 };
 
 /// All of them, sorted by name.

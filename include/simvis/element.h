@@ -17,6 +17,7 @@
 #include <simvis/command.h>
 #include <simvis/scan.h>
 #include <simvis/scene.h>
+#include <simvis/version.h>
 
 namespace simvis {
 
@@ -76,9 +77,11 @@ struct ElementType {
 inline constexpr std::string_view kElementCommonAttributes[] = {"type", "name", "insert_at"};
 
 /// A static object of this type makes an element type known; the strings and the table must live as long.
-/// Two types of one name, or a table with a mistake in it: the program stops with a message naming it.
+/// A type whose name is taken, whose table has a mistake, or that was compiled with headers of another version is not
+/// made known: load_plugin() refuses the plug-in that has it, and Simulation::load() throws InputError for one of the
+/// program itself.
 struct ElementRegistration {
-  explicit ElementRegistration(const ElementType& type);
+  explicit ElementRegistration(const ElementType& type, std::string_view built_for = kHeaderVersion);
 };
 
 /// Null when there is none of that name.

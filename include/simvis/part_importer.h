@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <simvis/scene.h>
+#include <simvis/version.h>
 
 namespace simvis {
 
@@ -23,9 +24,11 @@ struct ImportRequest {
 /// Throws InputError, "FILE: error: what is wrong, and what was expected", and never crashes on a broken file.
 using PartImporter = PartContent (*)(const ImportRequest& request, ContentPool& pool);
 
-/// A static object of this type makes a format known. `endings` are lower case with the dot: {".gltf", ".glb"}.
+/// A static object of this type makes a format known. `endings` are lower case with the dot: {".gltf", ".glb"}. An
+/// ending that is taken is refused as a type is, see ElementRegistration.
 struct PartImporterRegistration {
-  PartImporterRegistration(std::vector<std::string> endings, PartImporter importer);
+  PartImporterRegistration(std::vector<std::string> endings, PartImporter importer,
+                           std::string_view built_for = kHeaderVersion);
 };
 
 /// The importer for a file, by its ending in any case. Null when there is none.

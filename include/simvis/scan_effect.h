@@ -138,7 +138,7 @@ struct ScanEffectType {
 
 /// As EffectRegistration.
 struct ScanEffectRegistration {
-  explicit ScanEffectRegistration(const ScanEffectType& type);
+  explicit ScanEffectRegistration(const ScanEffectType& type, std::string_view built_for = kHeaderVersion);
 };
 
 /// An effect that a scanner has.

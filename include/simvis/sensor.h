@@ -26,6 +26,7 @@
 #include <simvis/scan.h>
 #include <simvis/sensor_preset.h>
 #include <simvis/target_limits.h>
+#include <simvis/version.h>
 
 namespace simvis {
 
@@ -162,9 +163,11 @@ inline constexpr AttributeSpec kRateAttribute{.name = "rate",
 inline constexpr std::string_view kSensorCommonAttributes[] = {"type", "name", "insert_at", "pose_offset"};
 
 /// A static object of this type makes a sensor type known; the strings and the table must live as long.
-/// Two types of one name, or a table with a mistake in it: the program stops with a message naming it.
+/// A type whose name is taken, whose table has a mistake, or that was compiled with headers of another version is not
+/// made known: load_plugin() refuses the plug-in that has it, and Simulation::load() throws InputError for one of the
+/// program itself.
 struct SensorRegistration {
-  explicit SensorRegistration(const SensorType& type);
+  explicit SensorRegistration(const SensorType& type, std::string_view built_for = kHeaderVersion);
 };
 
 /// Null when there is none of that name.

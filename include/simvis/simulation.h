@@ -10,7 +10,6 @@
 #include <string_view>
 #include <vector>
 
-#include <simvis/attribute_override.h>
 #include <simvis/command.h>
 #include <simvis/device.h>
 #include <simvis/diagnostics.h>
@@ -21,18 +20,10 @@
 #include <simvis/scan.h>
 #include <simvis/sensor.h>
 #include <simvis/sensor_info.h>
+#include <simvis/simulation_desc.h>
+#include <simvis/version.h>
 
 namespace simvis {
-
-struct SimulationDesc {
-  double rate_hz = 15;     ///< frames per simulated second, finite and above 0
-  std::uint64_t seed = 0;  ///< of all random numbers
-  DeviceDesc device;
-  std::vector<AttributeOverride> overrides;
-  /// Called while parts are read (load, execute) and while the meshes that a step shows for the first time are
-  /// prepared.
-  ProgressCallback progress{};
-};
 
 struct SimulationImpl;
 
@@ -144,8 +135,5 @@ class Simulation {
   explicit Simulation(std::unique_ptr<SimulationImpl> impl);
   std::unique_ptr<SimulationImpl> impl_;
 };
-
-/// SimVis's version, "MAJOR.MINOR.PATCH".
-std::string_view version();
 
 }  // namespace simvis

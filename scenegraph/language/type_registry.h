@@ -1,14 +1,13 @@
 // The types of one family, elements or sensors, by name: what their registrations fill.
 #pragma once
 
-#include <cstdio>
-#include <cstdlib>
 #include <map>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include <simvis/attributes.h>
+#include "scenegraph/language/registrations.h"
 
 namespace simvis {
 
@@ -19,11 +18,21 @@ class TypeRegistry {
  public:
   explicit TypeRegistry(std::string_view family) : family_(family) {}
 
-  /// Stops the program if the name is taken or the table has a mistake in it: both are bugs of whoever wrote the type.
-  void add(const Type& type) {
-    const std::string wrong = check_table(type.attributes);
-    if (!wrong.empty()) stop(type, wrong);
-    if (!types_.emplace(type.name, type).second) stop(type, "registered twice");
+  /// Makes the type known. A type that was built for another version, whose name is taken or whose table has a
+  /// mistake is refused, and the result is false: see Registrations.
+  bool add(const Type& type, std::string_view built_for) {
+    Registrations& registrations = Registrations::instance();
+    const std::string what = std::string(family_) + " type \"" + std::string(type.name) + "\": ";
+    std::string wrong = Registrations::check_version(built_for);
+    if (wrong.empty()) wrong = check_table(type.attributes);
+    if (wrong.empty() && types_.contains(type.name)) wrong = "there is a type of that name already";
+    if (!wrong.empty()) {
+      registrations.refuse(what + wrong);
+      return false;
+    }
+    types_.emplace(type.name, type);
+    registrations.accept([this, name = type.name] { types_.erase(name); });
+    return true;
   }
 
   const Type* find(std::string_view name) const {
@@ -38,12 +47,6 @@ class TypeRegistry {
   }
 
  private:
-  [[noreturn]] void stop(const Type& type, const std::string& reason) const {
-    std::fprintf(stderr, "SimVis: %s type \"%s\": %s\n", std::string(family_).c_str(), std::string(type.name).c_str(),
-                 reason.c_str());
-    std::abort();
-  }
-
   std::string_view family_;
   std::map<std::string_view, Type> types_;
 };

@@ -1,0 +1,17 @@
+// A plug-in whose types cannot be made: one constructor throws what is no simvis::Error, the other returns nothing.
+#include <simvis/element.h>
+
+#include <memory>
+#include <stdexcept>
+
+namespace simvis {
+namespace {
+
+std::unique_ptr<Element> fail(const ElementContext&) { throw std::out_of_range("index 7 of 3"); }
+std::unique_ptr<Element> nothing(const ElementContext&) { return nullptr; }
+
+const ElementRegistration kThrowing({.name = "throwing", .summary = "throws", .attributes = {}, .create = fail});
+const ElementRegistration kEmpty({.name = "empty", .summary = "returns nothing", .attributes = {}, .create = nothing});
+
+}  // namespace
+}  // namespace simvis
