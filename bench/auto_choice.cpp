@@ -17,6 +17,7 @@
 #include <simvis/ray_caster.h>
 #include <simvis/simulation.h>
 #include <simvis/trajectory.h>
+#include "engine/render/renderer.h"
 #include "sensors/laser_scanner/laser_scanner.h"
 #include "sensors/laser_scanner/scan_calibration.h"
 

@@ -169,7 +169,8 @@ void compare(const char* scene, Simulation& simulation, int frames, const std::f
     drive(frame);
     const Took whole = bench::time_work([&] { simulation.step(); });
     const Submitted of_frame = submitted;
-    const Took alone = bench::time_work([&] { bare.frame(of_frame, simulation.diagnostics().counters().bytes_read_back); });
+    const Took alone =
+        bench::time_work([&] { bare.frame(of_frame, simulation.diagnostics().counters().bytes_read_back); });
     const Took all = bench::time_work([&] { everything.frame(); });
     if (frame < kWarmUp) continue;
     simvis_took.push_back(whole);

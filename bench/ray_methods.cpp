@@ -80,7 +80,7 @@ void time_sets(const std::filesystem::path& scene, int frames) {
   for (std::size_t m = 0; m < kMethodCount; ++m) {
     std::printf("%s,%s,%.4f,%.3f,%.3f,%llu\n", kMethods[m].name, kMethods[m].max_error_rel, median(times_ms[m]),
                 median(times_ms[m]) / median(times_ms[0]), median(shares[m]),
-                static_cast<unsigned long long>(simulations[m].counters().passes));
+                static_cast<unsigned long long>(simulations[m].diagnostics().counters().passes));
   }
 }
 

@@ -120,8 +120,9 @@ void print(const Row& row, const Simulation& simulation) {
   number(row.frame.wall_ms, ",");
   number(row.frame.caller_ms, ",");
   const double device_mb = static_cast<double>(simulation.diagnostics().device_memory_bytes()) / kMega;
-  std::printf("%.1f,%.1f,%.2f,%.2f,%.2f,%s\n", resident_mb(), peak_mb(), device_mb, targets_mb(simulation.diagnostics().frame_plan()),
-              data_mb(simulation.diagnostics().draw_list()), row.stages.c_str());
+  std::printf("%.1f,%.1f,%.2f,%.2f,%.2f,%s\n", resident_mb(), peak_mb(), device_mb,
+              targets_mb(simulation.diagnostics().frame_plan()), data_mb(simulation.diagnostics().draw_list()),
+              row.stages.c_str());
   std::fflush(stdout);
 }
 
@@ -232,7 +233,9 @@ void memory() {
     Simulation simulation = Simulation::load(SIMVIS_SOURCE_DIR "/scenes/marvin/marvin.xml");
     simulation.enable("VIEW_CAM", false);
     simulation.step();
-    print({.curve = "memory", .method = "", .size = static_cast<double>(triangles_of(simulation.diagnostics().draw_list()))},
+    print({.curve = "memory",
+           .method = "",
+           .size = static_cast<double>(triangles_of(simulation.diagnostics().draw_list()))},
           simulation);
   });
 }

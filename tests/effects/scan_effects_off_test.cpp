@@ -31,12 +31,12 @@ Seen see(std::string_view attributes) {
     world->step();
   }
   Seen seen{.scan = world->scan("SCAN"),
-            .counters = world->counters(),
-            .rays = world->ray_counters().rays,
+            .counters = world->diagnostics().counters(),
+            .rays = world->diagnostics().ray_counters().rays,
             .effects = {},
             .method = world->sensors().at(0).method};
-  for (const RayCast& each : world->frame_plan().casts) seen.planned_rays += each.max_rays;
-  for (const PlannedEffect& each : world->frame_plan().effects) seen.effects.push_back(each.effect);
+  for (const RayCast& each : world->diagnostics().frame_plan().casts) seen.planned_rays += each.max_rays;
+  for (const PlannedEffect& each : world->diagnostics().frame_plan().effects) seen.effects.push_back(each.effect);
   return seen;
 }
 

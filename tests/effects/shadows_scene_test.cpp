@@ -33,7 +33,7 @@ TEST_CASE("a plate keeps the light from the wall behind it") {
   CHECK(world.color(8, 4) == glm::dvec3(0));
   CHECK(bright.color(8, 4).r > 0);
   for (const int x : {0, 4, 7}) CHECK(world.color(x, 4) == bright.color(x, 4));
-  CHECK(contains(explain(world->frame_plan(), {.counters = world->counters()}),
+  CHECK(contains(explain(world->diagnostics().frame_plan(), {.counters = world->diagnostics().counters()}),
                  "pass shadow maps: 768 x 512, shadow maps"));
 }
 
@@ -44,8 +44,8 @@ TEST_CASE("where only depth and ranges are taken, shadows cost nothing and chang
   for (int frame = 0; frame < 2; ++frame) {
     with->step();
     without->step();
-    CHECK(with->counters() == without->counters());
-    CHECK(with->frame_plan().passes.size() == without->frame_plan().passes.size());
+    CHECK(with->diagnostics().counters() == without->diagnostics().counters());
+    CHECK(with->diagnostics().frame_plan().passes.size() == without->diagnostics().frame_plan().passes.size());
     CHECK(with->scan("SCAN").range_m == without->scan("SCAN").range_m);
     CHECK(with->depth("CAM").pixels == without->depth("CAM").pixels);
   }
@@ -56,9 +56,9 @@ TEST_CASE("shadows=\"no\" is as if it had not been said") {
   World unsaid = shaded_wall(R"(y="3" intensity="50")", kCamera);
   off->step();
   unsaid->step();
-  CHECK(off->counters() == unsaid->counters());
+  CHECK(off->diagnostics().counters() == unsaid->diagnostics().counters());
   CHECK(off->color("CAM").pixels == unsaid->color("CAM").pixels);
-  CHECK(content_hash(off->draw_list()) == content_hash(unsaid->draw_list()));
+  CHECK(content_hash(off->diagnostics().draw_list()) == content_hash(unsaid->diagnostics().draw_list()));
 }
 
 TEST_CASE("mistakes are refused with their place") {

@@ -30,7 +30,7 @@ TEST_CASE("shares of several elements follow upon each other; the index is a fac
                            material("mirror='0.5' refractive_index='1.2'", "B"));
   world->step();
   const auto of_plate = [&]() -> const Material& {
-    return *world->draw_list().materials.at(world->draw_list().items.at(0).material);
+    return *world->diagnostics().draw_list().materials.at(world->diagnostics().draw_list().items.at(0).material);
   };
   CHECK(of_plate().mirror == 0.75f);
   CHECK(of_plate().transmission == 0.25f);
@@ -43,7 +43,7 @@ TEST_CASE("shares of several elements follow upon each other; the index is a fac
   World plain(files(), kParts), same(files(), kParts + material(""));
   plain->step();
   same->step();
-  CHECK(*plain->draw_list().materials.at(0) == *same->draw_list().materials.at(0));
+  CHECK(*plain->diagnostics().draw_list().materials.at(0) == *same->diagnostics().draw_list().materials.at(0));
 }
 
 TEST_CASE("glTF: transmission and index of refraction") {
@@ -52,7 +52,7 @@ TEST_CASE("glTF: transmission and index of refraction") {
     glass["extensions"] = extensions;
     World world(files(glass), kParts);
     world->step();
-    return *world->draw_list().materials.at(world->draw_list().items.at(0).material);
+    return *world->diagnostics().draw_list().materials.at(world->diagnostics().draw_list().items.at(0).material);
   };
   const json transmission = {{"transmissionFactor", 0.75}};
   CHECK(of_plate(json::object()).transmission == 0);
@@ -83,10 +83,10 @@ Frame frame_of(World& world) {
   const Scan& scan = world->scan("SCAN");
   return {scan.range_m,
           scan.error_bound_m,
-          world->counters(),
-          world->ray_counters(),
-          world->frame_plan().casts.size(),
-          world->frame_plan().effects.size()};
+          world->diagnostics().counters(),
+          world->diagnostics().ray_counters(),
+          world->diagnostics().frame_plan().casts.size(),
+          world->diagnostics().frame_plan().effects.size()};
 }
 
 TEST_CASE("without mirrors, path_depth costs nothing; without path_depth, mirrors do not") {
@@ -119,15 +119,15 @@ TEST_CASE("a plate turns to glass and back: its beams go on in those frames, and
   constexpr double kStored_m = 8 * 0x1p-24;  // float32 of up to 8 m
   CHECK(std::abs(range(0.95, 1) - 5) <= kStored_m);
   CHECK(std::abs(range(0.95, 0) - 5 / std::cos(10 * std::numbers::pi / 180)) <= kStored_m);
-  REQUIRE(world->frame_plan().effects.size() == 1);
-  CHECK(world->frame_plan().effects[0].effect == "specular_path");
-  CHECK(contains(world->frame_plan().casts.at(0).reason, "for specular_path"));
+  REQUIRE(world->diagnostics().frame_plan().effects.size() == 1);
+  CHECK(world->diagnostics().frame_plan().effects[0].effect == "specular_path");
+  CHECK(contains(world->diagnostics().frame_plan().casts.at(0).reason, "for specular_path"));
   // The pane's own return is (1 - s) / 4, the wall's (0.923 s)^2 / 25: equal at s = 0.892.
   CHECK(std::abs(range(0.88, 1) - 2) <= kStored_m);
   CHECK(std::abs(range(0.9, 1) - 5) <= kStored_m);
   world->set("M", "transmission", 0);
   CHECK(frame_of(world).range_m == opaque.range_m);
-  CHECK(world->frame_plan().effects.empty());
+  CHECK(world->diagnostics().frame_plan().effects.empty());
 }
 
 }  // namespace

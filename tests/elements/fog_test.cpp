@@ -15,7 +15,7 @@ std::string fog(const std::string& attributes, const std::string& name = "FOG") 
 
 const Medium& medium_of(World& world) {
   world->step();
-  return world->draw_list().medium;
+  return world->diagnostics().draw_list().medium;
 }
 
 void check(double seen, double expected, double relative = kRounding) {
@@ -129,10 +129,10 @@ Frame frame_of(World& world) {
   const Scan& scan = world->scan("SCAN");
   return {scan.range_m,
           scan.error_bound_m,
-          world->counters(),
-          world->ray_counters(),
-          world->frame_plan().casts.size(),
-          world->frame_plan().effects.size()};
+          world->diagnostics().counters(),
+          world->diagnostics().ray_counters(),
+          world->diagnostics().frame_plan().casts.size(),
+          world->diagnostics().frame_plan().effects.size()};
 }
 
 TEST_CASE("a scene without weather and one that only names it are measured alike, at the same cost, by every method") {
@@ -153,15 +153,15 @@ TEST_CASE("in weather beams are cast, whatever the method, and plan and report s
     const Frame clear = frame_of(world);
     CHECK(clear.effects == 0);
     world->set("FOG", "rain_rate", 0.1);
-    const std::uint64_t rays = world->ray_counters().rays;
+    const std::uint64_t rays = world->diagnostics().ray_counters().rays;
     const Frame wet = frame_of(world);
-    const FramePlan& plan = world->frame_plan();
+    const FramePlan& plan = world->diagnostics().frame_plan();
     CHECK(plan.passes.empty());
     REQUIRE(plan.casts.size() == 1);
     CHECK(contains(plan.casts[0].reason, "every beam of laser scanner SCAN, for atmosphere"));
     REQUIRE(plan.effects.size() == 1);
     CHECK(plan.effects[0].effect == "atmosphere");
-    CHECK(world->ray_counters().rays == rays + 91);
+    CHECK(world->diagnostics().ray_counters().rays == rays + 91);
     const std::vector<SensorNote> notes = world->sensors()[0].report.notes;
     REQUIRE(!notes.empty());
     CHECK(notes[0].name == "cast_for");
@@ -175,7 +175,7 @@ TEST_CASE("in weather beams are cast, whatever the method, and plan and report s
     world->set("FOG", "rain_rate", 0);
     const Frame again = frame_of(world);
     if (std::string_view(method) != "auto") CHECK(again.range_m == clear.range_m);  // auto surveys in its first frame
-    CHECK(world->frame_plan().effects.empty());
+    CHECK(world->diagnostics().frame_plan().effects.empty());
   }
 }
 

@@ -101,24 +101,24 @@ TEST_CASE("at 100 % leaves cost nothing: no draw, no triangle, for any sensor") 
   }
   check_beam(world, 3, kWall_m);
   // The camera draws trunk and wall; the scanner the wall, whose strip the trunk does not reach.
-  const FrameCounters gone = world->counters();
+  const FrameCounters gone = world->diagnostics().counters();
   world->set("LEAVES", "transparency", 0);
   world->step();
-  CHECK(world->counters().draws == gone.draws + 2);
-  CHECK(world->counters().triangles == gone.triangles + 4);
+  CHECK(world->diagnostics().counters().draws == gone.draws + 2);
+  CHECK(world->diagnostics().counters().triangles == gone.triangles + 4);
   world->enable("SCAN", false);
   world->set("LEAVES", "transparency", 100);
   world->step();
-  CHECK(world->counters().draws == 2);
-  CHECK(world->counters().triangles == 4);
+  CHECK(world->diagnostics().counters().draws == 2);
+  CHECK(world->diagnostics().counters().triangles == 4);
   // Between, the camera draws them once for colour, lays them over the rest in another draw, and draws them once more
   // for depth where depth meets them.
   world->set("LEAVES", "transparency", 60);
   world->step();
-  CHECK(world->counters().draws == 4);
+  CHECK(world->diagnostics().counters().draws == 4);
   world->set("LEAVES", "transparency", 40);
   world->step();
-  CHECK(world->counters().draws == 5);
+  CHECK(world->diagnostics().counters().draws == 5);
 }
 
 TEST_CASE("blended leaves fade by their alpha, and depth sees what still covers one half") {

@@ -36,15 +36,15 @@ TEST_CASE("a directional light comes from its azimuth and elevation and lights b
   check_color(world.color_with("LAMP", "green", 2), kAlbedo / kPi * 5.0 * cosine * glm::dvec3(0.5, 2, 1));
   check_color(world.color_with("LAMP", "blue", 0.25), kAlbedo / kPi * 5.0 * cosine * glm::dvec3(0.5, 2, 0.25));
   CHECK(world.color_with("LAMP", "azimuth", 0) == glm::dvec3(0));  // from beyond the wall
-  CHECK(world->draw_list().lights.size() == 1);                    // the built-in light is out
+  CHECK(world->diagnostics().draw_list().lights.size() == 1);                    // the built-in light is out
 }
 
 TEST_CASE("a sun in the zenith lights the floor, not the wall") {
   World world = lit_wall(R"(elevation="90")");
   // The sine of 90 degrees is 1 to the bit, and so its cosine 0.
   CHECK(world.color() == glm::dvec3(0));
-  const LightItem& item = world->draw_list().lights.at(0);
-  CHECK(glm::dmat3(world->draw_list().world_from_node[item.transform]) * item.light.direction == glm::dvec3(0, 0, -1));
+  const LightItem& item = world->diagnostics().draw_list().lights.at(0);
+  CHECK(glm::dmat3(world->diagnostics().draw_list().world_from_node[item.transform]) * item.light.direction == glm::dvec3(0, 0, -1));
 }
 
 // Radiance of the wall's point (4, 0, 0) by a light of 1 candela at `place`, KHR_lights_punctual.
@@ -97,9 +97,9 @@ TEST_CASE("a spot light shines along +x, is aimed by yaw and pitch, and fades be
 TEST_CASE("spots turn as poses do, and a pose before a light carries it") {
   World world = lit_wall(R"(kind="spot" outer_cone="20" x="1" yaw="30" pitch="-10")");
   world->step();
-  const LightItem& item = world->draw_list().lights.at(0);
+  const LightItem& item = world->diagnostics().draw_list().lights.at(0);
   const glm::dmat4 frame = matrix_from_degrees({1, 0, 0}, 0, -10, 30);
-  CHECK(world->draw_list().world_from_node[item.transform] == frame);
+  CHECK(world->diagnostics().draw_list().world_from_node[item.transform] == frame);
   CHECK(item.light.direction == glm::dvec3(1, 0, 0));
 
   World carried = lit_wall(R"(kind="point")", R"(<element type="pose" name="AT" insert_at="ROOT" x="2.5"/>)");

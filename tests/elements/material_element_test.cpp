@@ -37,7 +37,7 @@ World plates(const std::string& commands) {
 TEST_CASE("without attributes a material stays as the file has it, to the bit") {
   World plain = plates(""), same = plates(changed(""));
   CHECK(plain.color() == same.color());
-  CHECK(same->draw_list().materials.at(0)->roughness == 1);
+  CHECK(same->diagnostics().draw_list().materials.at(0)->roughness == 1);
 }
 
 TEST_CASE("colours are factors, emission is added, each channel for itself") {
@@ -57,9 +57,9 @@ TEST_CASE("a change of colour uploads that material's block and nothing else") {
   World world = plates(changed("material='Paint'"));
   world.color();
   world.color();
-  const std::uint64_t still = world->counters().bytes_uploaded;
+  const std::uint64_t still = world->diagnostics().counters().bytes_uploaded;
   world.color_with("M", "red", 0.5);
-  CHECK(world->counters().bytes_uploaded == still + sizeof(shader::MaterialBlock));
+  CHECK(world->diagnostics().counters().bytes_uploaded == still + sizeof(shader::MaterialBlock));
 }
 
 TEST_CASE("a named material alone changes; the colour multiplies the texture") {
@@ -103,8 +103,8 @@ TEST_CASE("below an opacity of 1 what lies behind shows, below one half sensors 
   }
   world->enable("SCAN", false);
   check_color(world.color_with("M", "opacity", 0), kBackground);
-  CHECK(world->counters().draws == 1);  // the metal
-  CHECK(world->counters().triangles == 2);
+  CHECK(world->diagnostics().counters().draws == 1);  // the metal
+  CHECK(world->diagnostics().counters().triangles == 2);
 }
 
 // Radiance by one light of irradiance `lux` on a surface square to it, in double: glTF 2.0, appendix B, with the
@@ -155,10 +155,10 @@ TEST_CASE("below a roughness of 1 lights have the highlight of glTF's dielectric
 TEST_CASE("smoother than the least roughness is as the least, and only what is glossy pays for it") {
   World world = plates(changed("material='Paint'"));
   world.color();
-  const std::uint64_t pipelines = world->counters().pipelines_bound;
+  const std::uint64_t pipelines = world->diagnostics().counters().pipelines_bound;
   CHECK(pipelines == 1);  // both plates are drawn alike
   const glm::dvec3 least = world.color_with("M", "roughness", kMinRoughness);
-  CHECK(world->counters().pipelines_bound == 2);
+  CHECK(world->diagnostics().counters().pipelines_bound == 2);
   CHECK(world.color_with("M", "roughness", 0) == least);
   check_color(world.color(kSide_px - 1), glm::dvec3(0.5) / kPi * kIrradiance_lux);
 }

@@ -29,8 +29,8 @@ TEST_CASE("visibility hides shapes and lights that follow; sensors keep measurin
   // The plate is gone, and so is the light on the wall behind it: the built-in one is no stand-in.
   CHECK(world.color_with("SHOW", "visible", 0) == glm::dvec3(0));
   CHECK(std::abs(world->scan("SCAN").range_m[0] - 6) <= world->scan("SCAN").error_bound_m[0]);
-  CHECK(world->draw_list().items.size() == 1);
-  CHECK(world->draw_list().lights.empty());
+  CHECK(world->diagnostics().draw_list().items.size() == 1);
+  CHECK(world->diagnostics().draw_list().lights.empty());
   check_color(world.color_with("SHOW", "visible", 0.5), kPaint / std::numbers::pi * 2.0);
   CHECK(world.color_with("SHOW", "visible", 0.49) == glm::dvec3(0));
 }

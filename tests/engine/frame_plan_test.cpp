@@ -266,12 +266,12 @@ TEST_CASE("a sensor at 1 Hz in a run of 15 Hz renders in one frame of 15") {
   for (std::uint64_t frame = 0; frame < 31; ++frame) {
     for (WallSimulation* simulation : {&slow, &both, &alone}) (*simulation)->step();
     const bool due = frame % 15 == 0;
-    CHECK(slow->counters().views == due);
-    CHECK(slow->counters().bytes_read_back == (due ? 4 * sizeof(float) * kPixels : 0));
+    CHECK(slow->diagnostics().counters().views == due);
+    CHECK(slow->diagnostics().counters().bytes_read_back == (due ? 4 * sizeof(float) * kPixels : 0));
     CHECK(sensor_of(slow->diagnostics().frame_plan(), "SLOW").due_state == (due ? DueState::due : DueState::waiting));
     CHECK(slow->diagnostics().frame_plan().passes.size() == due);
-    CHECK(both->counters().views == alone->counters().views + due);
-    CHECK(both->counters().draws == alone->counters().draws + due);
+    CHECK(both->diagnostics().counters().views == alone->diagnostics().counters().views + due);
+    CHECK(both->diagnostics().counters().draws == alone->diagnostics().counters().draws + due);
     CHECK(both->scan("SCAN").range_m == alone->scan("SCAN").range_m);
   }
 }
@@ -281,13 +281,13 @@ TEST_CASE("a camera that is off, or in a part that is, renders nothing; the plan
   with->enable("CAM", false);
   without->step();
   with->step();
-  CHECK(with->counters() == without->counters());
+  CHECK(with->diagnostics().counters() == without->diagnostics().counters());
   CHECK(with->diagnostics().device_memory_bytes() == without->diagnostics().device_memory_bytes());
   const FramePlan& plan = with->diagnostics().frame_plan();
   CHECK(sensor_of(plan, "CAM").due_state == DueState::off);
   CHECK(sensor_of(plan, "SCAN").due_state == DueState::due);
   CHECK(sensor_of(plan, "SCAN").end_pass == 1);
-  const std::string text = explain(plan, {with->counters(), with->diagnostics().frame_costs(), with->diagnostics().sensor_costs()});
+  const std::string text = explain(plan, {with->diagnostics().counters(), with->diagnostics().frame_costs(), with->diagnostics().sensor_costs()});
   INFO(text);
   CHECK(text.find("sensor CAM, camera: not due, it is turned off; colour, depth\n") != std::string::npos);
   CHECK(text.find("sensor SCAN, laser_scanner: due, in every frame; ranges\n  pass SCAN.depth: ") != std::string::npos);
@@ -340,13 +340,13 @@ TEST_CASE("instrumentation changes no byte of results, no counter and no memory;
     CHECK(with->depth("CAM").pixels == without->depth("CAM").pixels);
     CHECK(with->scan("SCAN").range_m == without->scan("SCAN").range_m);
     CHECK(with->scan("SCAN").error_bound_m == without->scan("SCAN").error_bound_m);
-    CHECK(with->counters() == without->counters());
+    CHECK(with->diagnostics().counters() == without->diagnostics().counters());
     CHECK(with->diagnostics().device_memory_bytes() == without->diagnostics().device_memory_bytes());
   }
   CHECK(with->diagnostics().frame_costs() != nullptr);
   CHECK(without->diagnostics().frame_costs() == nullptr);
   CHECK(without->diagnostics().sensor_costs().empty());
-  CHECK(with->validation_messages() == 0);
+  CHECK(with->diagnostics().validation_messages() == 0);
 }
 
 TEST_CASE("a step that fails leaves a plan that can be read") {

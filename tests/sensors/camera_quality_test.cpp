@@ -46,10 +46,10 @@ std::vector<glm::dvec2> standard_places(std::uint32_t msaa) {
 
 std::vector<glm::dvec2> sample_places(std::uint32_t supersampling, std::uint32_t msaa) {
   std::vector<glm::dvec2> places;
-  for (std::uint32_t y = 0; y < grid; ++y) {
-    for (std::uint32_t x = 0; x < grid; ++x) {
+  for (std::uint32_t y = 0; y < supersampling; ++y) {
+    for (std::uint32_t x = 0; x < supersampling; ++x) {
       for (const glm::dvec2& place : standard_places(msaa)) {
-        places.push_back((glm::dvec2(x, y) + place) / static_cast<double>(grid));
+        places.push_back((glm::dvec2(x, y) + place) / static_cast<double>(supersampling));
       }
     }
   }
@@ -84,7 +84,7 @@ test::RendererScene scene_with(const Edge& edge) {
 
 std::vector<glm::vec4> picture(Renderer& renderer, const DrawList& list, FramePlan plan, std::uint32_t supersampling,
                                std::uint32_t msaa) {
-  plan.passes[0].supersampling = grid;
+  plan.passes[0].supersampling = supersampling;
   plan.passes[0].msaa = msaa;
   return test::copy(renderer.render(list, plan)[0].color);
 }
@@ -111,11 +111,11 @@ double covered_share(const Edge& edge, const glm::dvec2& corner) {
 
 // Along each of the grid's rows (columns, for edges that lie more than stand) the count of samples is half a sample off
 // at the most, and the two rows in which the edge leaves the pixel cut a corner of at most an eighth of a sample each.
-double grid_quantum(std::uint32_t supersampling) { return 0.5 / grid + 2 * 0.125 / (grid * grid); }
+double grid_quantum(std::uint32_t supersampling) { return 0.5 / supersampling + 2 * 0.125 / (supersampling * supersampling); }
 
 void check_edge(Renderer& renderer, const Edge& edge, std::uint32_t supersampling, std::uint32_t msaa) {
-  const std::vector<glm::vec4> seen = picture(renderer, scene_with(edge).list, square_plan(), grid, msaa);
-  const std::vector<glm::dvec2> places = sample_places(grid, msaa);
+  const std::vector<glm::vec4> seen = picture(renderer, scene_with(edge).list, square_plan(), supersampling, msaa);
+  const std::vector<glm::dvec2> places = sample_places(supersampling, msaa);
   const auto count = static_cast<double>(places.size());
   int wrong = 0, uncovered = 0;
   for (std::uint32_t y = 0; y < kSize_px; ++y) {
@@ -133,7 +133,7 @@ void check_edge(Renderer& renderer, const Edge& edge, std::uint32_t supersamplin
                  color.a == 1);
       if (msaa == 1) {
         const double on_edge = (most - least) / count;
-        uncovered += !(std::abs(color.r - covered_share(edge, corner)) <= grid_quantum(grid) + on_edge);
+        uncovered += !(std::abs(color.r - covered_share(edge, corner)) <= grid_quantum(supersampling) + on_edge);
       }
     }
   }
@@ -173,9 +173,9 @@ TEST_CASE(
     for (const std::uint32_t supersampling : {1u, 2u, 4u}) {
       for (const std::uint32_t msaa : device().target_limits().msaa) {
         CAPTURE(e);
-        CAPTURE(grid);
+        CAPTURE(supersampling);
         CAPTURE(msaa);
-        check_edge(renderer, edge, grid, msaa);
+        check_edge(renderer, edge, supersampling, msaa);
       }
     }
   }
@@ -187,7 +187,7 @@ TEST_CASE("a half covered white pixel on black is one half in linear light, 188 
   const std::size_t middle = (kSize_px / 2) * kSize_px + 7;
   const DrawList list = scene_with({{7.5, 12}, 0}).list;
   for (const std::uint32_t supersampling : {2u, 4u}) {
-    const std::vector<glm::vec4> seen = picture(renderer, list, square_plan(), grid, 1);
+    const std::vector<glm::vec4> seen = picture(renderer, list, square_plan(), supersampling, 1);
     CHECK(seen[middle - 1].r == 0);
     CHECK(seen[middle].r == 0.5f);
     CHECK(seen[middle + 1].r == 1);
@@ -237,7 +237,7 @@ TEST_CASE("views of one pass, and strips with rows of guard, keep to their recta
   plan.passes[0].views[1].pinhole.cx_px += 8;
   const std::vector<glm::vec4> plain = picture(renderer, scene.list, plan, 1, 1);
   for (const std::uint32_t supersampling : {2u, 4u}) {
-    const std::vector<glm::vec4> seen = picture(renderer, scene.list, plan, grid, 1);
+    const std::vector<glm::vec4> seen = picture(renderer, scene.list, plan, supersampling, 1);
     CHECK(test::same_bytes(std::span<const glm::vec4>(seen), std::span<const glm::vec4>(plain)));
   }
   CHECK(plain[16].r == 1);

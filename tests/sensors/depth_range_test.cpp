@@ -1,5 +1,6 @@
 // Ranges from made-up depth: no renderer, so every number is known.
 #include "sensors/raster_depth/depth_range.h"
+#include "sensors/laser_scanner/scan_layout.h"
 
 #include <doctest/doctest.h>
 

@@ -226,7 +226,7 @@ TEST_CASE("the same scene gives the same bytes") {
     CHECK(first->color("CAM").pixels == second->color("CAM").pixels);
     CHECK(first->depth("CAM").pixels == second->depth("CAM").pixels);
   }
-  CHECK(first->validation_messages() == 0);
+  CHECK(first->diagnostics().validation_messages() == 0);
 }
 
 }  // namespace
