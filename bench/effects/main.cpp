@@ -2,7 +2,6 @@
 // to the scene without; and the error of each value of a knob against the most exact one.
 //
 //   effects [FRAMES]
-//   effects --pictures FOLDER    what each looks like, off and on: see pictures.h
 //
 // Prints one CSV row per effect, sensor and value of its knob. Frames with and without an effect are taken in turns.
 // error: of colour, the RMS difference of linear radiance; of depth and ranges, the RMS difference in metres where both
@@ -18,7 +17,6 @@
 #include <string_view>
 #include <vector>
 
-#include "bench/effects/pictures.h"
 #include "bench/effects/yard.h"
 
 namespace {
@@ -125,17 +123,12 @@ void measure_all_together(const Watcher& watcher, int frames) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const bool pictures = argc == 3 && std::string_view(argv[1]) == "--pictures";
   const int frames = argc == 2 ? std::atoi(argv[1]) : 15;
-  if (!pictures && (argc > 2 || frames < 1)) {
-    std::fputs("usage: effects [FRAMES], or effects --pictures FOLDER\n", stderr);
+  if (argc > 2 || frames < 1) {
+    std::fputs("usage: effects [FRAMES]\n", stderr);
     return 2;
   }
   try {
-    if (pictures) {
-      write_effect_pictures(argv[2]);
-      return 0;
-    }
     std::puts("effect,sensor,knob,value,median_ms,without_ms,ratio,error");
     for (const Watcher& watcher : {kYardCamera, kYardScanner}) {
       for (const EffectType* effect : effect_types()) {

@@ -59,9 +59,10 @@ def draw_series(axes, rows, statistic, key):
     axes.plot(times, errors, color=color, linewidth=1, zorder=2)
     axes.scatter(times, errors, s=sizes, color=color, marker=marker, linewidths=1, zorder=3)
     if key == ("planar", ""):  # of the others only the size of the markers tells
-        for row, time, error in (*zip(rows[:1], times, errors), (rows[-1], times[-1], errors[-1])):
-            axes.annotate(row["resolution_px"], (time, error), xytext=(0, 6), textcoords="offset points",
-                          fontsize=6.5, color=color, horizontalalignment="center")
+        ends = sorted(((times[i], errors[i], rows[i]["resolution_px"]) for i in (0, -1)))
+        for (time, error, width_px), side, offset in zip(ends, ("right", "left"), (-6, 6)):
+            axes.annotate(f"{width_px} px", (time, error), xytext=(offset, 2), textcoords="offset points", fontsize=6.5,
+                          color=color, horizontalalignment=side)
 
 
 def note_masks(axes, rows, statistic):
