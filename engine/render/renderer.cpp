@@ -1,13 +1,13 @@
 #include <simvis/renderer.h>
 
 #include <algorithm>
-#include <chrono>
 #include <optional>
 #include <utility>
 
 #include <simvis/device.h>
 #include <simvis/error.h>
 #include "engine/base/assert.h"
+#include "engine/base/now_ns.h"
 #include "engine/render/draw_table.h"
 #include "engine/render/frame_buffers.h"
 #include "engine/render/frame_draws.h"
@@ -51,11 +51,6 @@ void check_pass(const Pass& pass, const TargetLimits& limits) {
                      "; this device allows up to " + std::to_string(limits.msaa.back()));
   }
   for (const View& view : pass.views) check_view(view, pass);
-}
-
-std::int64_t now_ns() {
-  const auto now = std::chrono::steady_clock::now().time_since_epoch();
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(now).count();
 }
 
 // What the plan needs of opaque triangles.
