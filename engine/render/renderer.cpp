@@ -200,7 +200,7 @@ void Renderer::Impl::prepare(const DrawList& list, const FramePlan& plan) {
   buffers.write_picked(draws.picked(), uploads);
   if (color) buffers.write_lights(draws.lights(), uploads);
   if (const Pass* const maps = find_shadow_maps(plan)) {
-    if (!shadows) shadows.emplace(device, pipelines.shadows().set_layout.get());
+    if (!shadows) shadows.emplace(device, pipelines.shadows().set_layout);
     shadows->write(plan, *maps, uploads);
   }
 }
