@@ -37,7 +37,7 @@ DeviceMemory::DeviceMemory(VkDevice device, const VkPhysicalDeviceMemoryProperti
     : device_(device),
       memory_(memory),
       non_coherent_atom_(limits.nonCoherentAtomSize),
-      most_allocations_(limits.maxMemoryAllocationCount),
+      max_allocations_(limits.maxMemoryAllocationCount),
       calls_(calls) {}
 
 DeviceMemory::~DeviceMemory() { SIMVIS_ASSERT(allocations_ == 0 && bytes_ == 0); }
@@ -73,7 +73,7 @@ void DeviceMemory::give_back(const MemoryRange& range) {
 
 bool DeviceMemory::gets_own(const MemoryRequest& request) const {
   // A preference only concerns speed. It must not use up the allocations that other resources need.
-  return request.requires_own || (request.prefers_own && allocations_ < most_allocations_ / 2);
+  return request.requires_own || (request.prefers_own && allocations_ < max_allocations_ / 2);
 }
 
 // Memory that is not coherent is flushed and invalidated by whole atoms, which no two ranges may share.
@@ -113,7 +113,7 @@ MemoryBlock& DeviceMemory::add_block(Pool& pool, const MemoryRequest& request) {
 }
 
 VkResult DeviceMemory::allocate(Pool& pool, const MemoryRequest& request, VkDeviceSize size, bool own) {
-  if (allocations_ >= most_allocations_) return VK_ERROR_TOO_MANY_OBJECTS;
+  if (allocations_ >= max_allocations_) return VK_ERROR_TOO_MANY_OBJECTS;
   if (size > memory_.memoryHeaps[memory_.memoryTypes[request.type].heapIndex].size) {
     return VK_ERROR_OUT_OF_DEVICE_MEMORY;
   }
@@ -146,7 +146,7 @@ void DeviceMemory::check(VkResult result, const MemoryRequest& request) const {
            std::to_string(request.needs.size) + " bytes for \"" + std::string(request.name) + "\" of heap " +
                std::to_string(heap) + " with " + std::to_string(memory_.memoryHeaps[heap].size) + " bytes; held are " +
                std::to_string(bytes_) + " bytes in " + std::to_string(allocations_) + " allocations of the " +
-               std::to_string(most_allocations_) + " that the device allows");
+               std::to_string(max_allocations_) + " that the device allows");
 }
 
 void DeviceMemory::free_if_empty(MemoryBlock& block) {

@@ -91,7 +91,7 @@ class DeviceMemory {
   VkDevice device_;
   VkPhysicalDeviceMemoryProperties memory_;
   VkDeviceSize non_coherent_atom_;
-  std::uint64_t most_allocations_;
+  std::uint64_t max_allocations_;
   MemoryCalls calls_;
   std::map<std::pair<std::uint32_t, bool>, Pool> pools_;  // by memory type, and whether they hold images
   std::uint64_t allocations_ = 0, bytes_ = 0;

@@ -54,7 +54,7 @@ MemorySlice::MemorySlice(Device::Impl& device, VkImage image, std::string_view n
 void MemorySlice::take(const MemoryRequest& request) {
   range_ = device_->device_memory->take(request);
   device_->adopt_memory();
-  held_ = HeldBytes(device_->memory_bytes, request.needs.size);
+  held_ = MemoryLedger(device_->memory_bytes, request.needs.size);
 }
 
 void MemorySlice::retire() {

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "engine/vulkan/device_impl.h"
-#include "engine/vulkan/held_bytes.h"
+#include "engine/vulkan/memory_ledger.h"
 
 namespace simvis {
 
@@ -41,7 +41,7 @@ class MemorySlice {
 
   Device::Impl* device_ = nullptr;
   MemoryRange range_;
-  HeldBytes held_;
+  MemoryLedger held_;
 };
 
 }  // namespace simvis
