@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "engine/base/fnv1a.h"
+
 namespace simvis {
 namespace {
 
@@ -41,10 +43,10 @@ class ContentHash {
  private:
   // FNV-1a by words of 8 bytes; the shift brings the high bits, where products gather, down again.
   void mix(std::uint64_t word) {
-    state_ = (state_ ^ word) * 0x100000001b3u;
+    state_ = fnv1a_step(state_, word);
     state_ ^= state_ >> 29;
   }
-  std::uint64_t state_ = 0xcbf29ce484222325u;
+  std::uint64_t state_ = kFnv1aStart;
 };
 
 template <class T>

@@ -9,6 +9,7 @@
 #include <simvis/version.h>
 #include "effects/scene/shadows.h"
 #include "engine/base/cache_file.h"
+#include "engine/base/now_ns.h"
 #include "sensors/laser_scanner/scan_calibration.h"
 #include "simvis/mount_frame.h"
 
@@ -228,11 +229,11 @@ void SimulationImpl::measure(ViewLayer& layer, ViewLayer::Entry& entry, const Fr
     return;
   }
   const RayCounters before = layer.caster->counters();
-  entry.cost = {.sensor = sensor.name, .start_ns = StepStages::now_ns()};
+  entry.cost = {.sensor = sensor.name, .start_ns = now_ns()};
   sensor.sensor->collect(time, layer.plan, results);
-  entry.cost.collected_ns = StepStages::now_ns();
+  entry.cost.collected_ns = now_ns();
   sensor.sensor->cast(*layer.caster);
-  entry.cost.end_ns = StepStages::now_ns();
+  entry.cost.end_ns = now_ns();
   const RayCounters after = layer.caster->counters();
   entry.cost.rays = after.rays - before.rays;
   entry.cost.item_tests = after.item_tests - before.item_tests;

@@ -6,6 +6,8 @@
 #include <fstream>
 #include <system_error>
 
+#include "engine/base/fnv1a.h"
+
 namespace simvis {
 
 std::filesystem::path cache_folder(const std::string& wish) {
@@ -26,10 +28,6 @@ void write_cache_file(const std::filesystem::path& file, std::string_view conten
   if (!out || failure) std::filesystem::remove(temporary, failure);
 }
 
-std::uint64_t cache_checksum(std::string_view content) {
-  std::uint64_t hash = 0xcbf29ce484222325ull;
-  for (const char c : content) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3ull;
-  return hash;
-}
+std::uint64_t cache_checksum(std::string_view content) { return fnv1a(content); }
 
 }  // namespace simvis

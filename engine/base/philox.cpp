@@ -3,15 +3,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "engine/base/fnv1a.h"
+
 namespace simvis {
 
 namespace {
-
-std::uint64_t fnv1a(std::string_view text) {
-  std::uint64_t hash = 0xcbf29ce484222325u;
-  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
-  return hash;
-}
 
 std::array<std::uint32_t, 2> halves(std::uint64_t value) {
   return {static_cast<std::uint32_t>(value), static_cast<std::uint32_t>(value >> 32)};

@@ -6,16 +6,14 @@
 #include <string_view>
 #include <type_traits>
 
+#include "engine/base/fnv1a.h"
+
 namespace simvis {
 namespace {
 
-// FNV-1a, 64 bits (Fowler, Noll, Vo).
-class Fnv1a {
+class ListHash {
  public:
-  void bytes(const void* data, std::size_t size) {
-    const auto* byte = static_cast<const unsigned char*>(data);
-    for (std::size_t i = 0; i < size; ++i) hash_ = (hash_ ^ byte[i]) * 0x100000001b3ull;
-  }
+  void bytes(const void* data, std::size_t size) { hash_ = fnv1a(data, size, hash_); }
   template <typename T>
   void bits(const T& value) {
     static_assert(std::is_arithmetic_v<T> || std::is_enum_v<T>);
@@ -35,10 +33,10 @@ class Fnv1a {
   std::uint64_t value() const { return hash_; }
 
  private:
-  std::uint64_t hash_ = 0xcbf29ce484222325ull;
+  std::uint64_t hash_ = kFnv1aStart;
 };
 
-void add(Fnv1a& hash, const Mesh& mesh) {
+void add(ListHash& hash, const Mesh& mesh) {
   hash.text(mesh.name);
   hash.bits(mesh.topology);
   hash.bits(mesh.positions.size());
@@ -56,7 +54,7 @@ void add(Fnv1a& hash, const Mesh& mesh) {
   hash.vector(mesh.bounds_max);
 }
 
-void add(Fnv1a& hash, const Texture* texture) {
+void add(ListHash& hash, const Texture* texture) {
   hash.bits(texture != nullptr);
   if (!texture) return;
   hash.text(texture->name);
@@ -73,7 +71,7 @@ void add(Fnv1a& hash, const Texture* texture) {
   hash.bits(s.mipmapped);
 }
 
-void add(Fnv1a& hash, const Material& material) {
+void add(ListHash& hash, const Material& material) {
   hash.text(material.name);
   hash.vector(material.base_color);
   hash.vector(material.emissive);
@@ -114,7 +112,7 @@ void add(Fnv1a& hash, const Material& material) {
   if (material.occlusion_strength != 1) hash.number(material.occlusion_strength);
 }
 
-void add(Fnv1a& hash, const LightItem& item) {
+void add(ListHash& hash, const LightItem& item) {
   const Light& light = item.light;
   hash.bits(light.kind);
   hash.vector(light.color);
@@ -241,7 +239,7 @@ bool same_content(const DrawList& a, const DrawList& b) {
 }
 
 std::uint64_t content_hash(const DrawList& list) {
-  Fnv1a hash;
+  ListHash hash;
   hash.bits(list.items.size());
   for (const DrawItem& item : list.items) {
     hash.bits(item.mesh);

@@ -37,16 +37,16 @@ void barrier(VkCommandBuffer commands, VkPipelineStageFlags from, VkAccessFlags 
 RayDispatch::RayDispatch(Device::Impl& device) : device_(device) {
   check_limits(device);
   make_pipeline();
-  make_set();
+  set_ = DescriptorSets(device, set_layout_, 1, "ray set");
 }
 
 void RayDispatch::make_pipeline() {
   module_ = make_module(device_, ray_cast_comp, "ray_cast.comp");
   std::array<VkDescriptorSetLayoutBinding, SIMVIS_RAY_BINDINGS> bindings;
   for (std::uint32_t i = 0; i < SIMVIS_RAY_BINDINGS; ++i) {
-    bindings[i] = buffer_binding(i, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_SHADER_STAGE_COMPUTE_BIT);
+    bindings[i] = descriptor_binding(i, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_SHADER_STAGE_COMPUTE_BIT);
   }
-  set_layout_ = make_set_layout(device_, bindings, "ray set layout");
+  set_layout_ = DescriptorLayout(device_, bindings, "ray set layout");
   const VkDescriptorSetLayout set_layout = set_layout_.get();
   const VkPushConstantRange constants{
       .stageFlags = VK_SHADER_STAGE_COMPUTE_BIT, .offset = 0, .size = sizeof(shader::RayCastBlock)};
@@ -71,26 +71,6 @@ void RayDispatch::make_pipeline() {
   vk_check(vkCreateComputePipelines(device_.device, device_.pipeline_cache->get(), 1, &info, nullptr, &pipeline),
            "vkCreateComputePipelines");
   pipeline_ = Handle<VkPipeline>(device_, pipeline, "ray pipeline");
-}
-
-void RayDispatch::make_set() {
-  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, SIMVIS_RAY_BINDINGS};
-  const VkDescriptorPoolCreateInfo pool_info{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
-                                             .pNext = nullptr,
-                                             .flags = 0,
-                                             .maxSets = 1,
-                                             .poolSizeCount = 1,
-                                             .pPoolSizes = &size};
-  VkDescriptorPool pool = VK_NULL_HANDLE;
-  vk_check(vkCreateDescriptorPool(device_.device, &pool_info, nullptr, &pool), "vkCreateDescriptorPool");
-  pool_ = Handle<VkDescriptorPool>(device_, pool, "ray set");
-  const VkDescriptorSetLayout set_layout = set_layout_.get();
-  const VkDescriptorSetAllocateInfo allocation{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
-                                               .pNext = nullptr,
-                                               .descriptorPool = pool,
-                                               .descriptorSetCount = 1,
-                                               .pSetLayouts = &set_layout};
-  vk_check(vkAllocateDescriptorSets(device_.device, &allocation, &set_), "vkAllocateDescriptorSets");
 }
 
 std::size_t RayDispatch::max_rays() const {
@@ -121,22 +101,10 @@ void RayDispatch::reserve(Buffer& buffer, const char* name, VkDeviceSize size, V
 
 // Nothing is in flight: the set may be written.
 void RayDispatch::describe(const std::array<const Buffer*, SIMVIS_RAY_BINDINGS>& buffers) {
-  std::array<VkDescriptorBufferInfo, SIMVIS_RAY_BINDINGS> infos;
-  std::array<VkWriteDescriptorSet, SIMVIS_RAY_BINDINGS> writes;
   for (std::uint32_t i = 0; i < SIMVIS_RAY_BINDINGS; ++i) {
-    infos[i] = {.buffer = buffers[i]->get(), .offset = 0, .range = buffers[i]->size()};
-    writes[i] = {.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
-                 .pNext = nullptr,
-                 .dstSet = set_,
-                 .dstBinding = i,
-                 .dstArrayElement = 0,
-                 .descriptorCount = 1,
-                 .descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
-                 .pImageInfo = nullptr,
-                 .pBufferInfo = &infos[i],
-                 .pTexelBufferView = nullptr};
+    write_descriptor(device_, set_layout_, set_.get(), i,
+                     {.buffer = buffers[i]->get(), .offset = 0, .range = buffers[i]->size()});
   }
-  vkUpdateDescriptorSets(device_.device, SIMVIS_RAY_BINDINGS, writes.data(), 0, nullptr);
 }
 
 void RayDispatch::record(VkCommandBuffer commands, const RayBuffers& buffers, const shader::RayCastBlock& block) {
@@ -150,7 +118,8 @@ void RayDispatch::record(VkCommandBuffer commands, const RayBuffers& buffers, co
   describe(bound);
   device_.begin_label(commands, "rays");
   vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline_.get());
-  vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout_.get(), 0, 1, &set_, 0, nullptr);
+  const VkDescriptorSet set = set_.get();
+  vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout_.get(), 0, 1, &set, 0, nullptr);
   vkCmdPushConstants(commands, layout_.get(), VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof block, &block);
   vkCmdDispatch(commands, (block.rays.x + SIMVIS_RAY_GROUP - 1) / SIMVIS_RAY_GROUP, 1, 1);
   barrier(commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_WRITE_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT,

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "engine/vulkan/buffer.h"
+#include "engine/vulkan/descriptor_sets.h"
 #include "shaders/interop.h"
 
 namespace simvis {
@@ -38,16 +39,14 @@ class RayDispatch {
  private:
   void reserve(Buffer& buffer, const char* name, VkDeviceSize size, VkBufferUsageFlags usage, MemoryKind memory);
   void make_pipeline();
-  void make_set();
   void describe(const std::array<const Buffer*, SIMVIS_RAY_BINDINGS>& buffers);
 
   Device::Impl& device_;
   Handle<VkShaderModule> module_;
-  Handle<VkDescriptorSetLayout> set_layout_;
+  DescriptorLayout set_layout_;
   Handle<VkPipelineLayout> layout_;
   Handle<VkPipeline> pipeline_;
-  Handle<VkDescriptorPool> pool_;
-  VkDescriptorSet set_ = VK_NULL_HANDLE;  // freed with its pool
+  DescriptorSets set_;
   Buffer directions_, candidates_, readback_;
 };
 

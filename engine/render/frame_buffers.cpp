@@ -5,7 +5,6 @@
 #include <string>
 
 #include <simvis/error.h>
-#include "engine/vulkan/vulkan_check.h"
 
 namespace simvis {
 namespace {
@@ -51,26 +50,6 @@ shader::MapPlacesBlock map_places_of(const Material& m) {
 
 }  // namespace
 
-FrameBuffers::FrameBuffers(Device::Impl& device, VkDescriptorSetLayout set_layout) : device_(device) {
-  const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 2},
-                                        {VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC, 1}};
-  const VkDescriptorPoolCreateInfo pool_info{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
-                                             .pNext = nullptr,
-                                             .flags = 0,
-                                             .maxSets = 1,
-                                             .poolSizeCount = 2,
-                                             .pPoolSizes = sizes};
-  VkDescriptorPool pool = VK_NULL_HANDLE;
-  vk_check(vkCreateDescriptorPool(device.device, &pool_info, nullptr, &pool), "vkCreateDescriptorPool");
-  pool_ = Handle<VkDescriptorPool>(device, pool, "frame set");
-  const VkDescriptorSetAllocateInfo allocation{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
-                                               .pNext = nullptr,
-                                               .descriptorPool = pool,
-                                               .descriptorSetCount = 1,
-                                               .pSetLayouts = &set_layout};
-  vk_check(vkAllocateDescriptorSets(device.device, &allocation, &set_), "vkAllocateDescriptorSets");
-}
-
 bool FrameBuffers::reserve(Buffer& buffer, const char* name, VkBufferUsageFlags usage, VkDeviceSize size) {
   if (buffer && size <= buffer.size()) return false;
   buffer = Buffer(device_, {.name = name,
@@ -80,16 +59,8 @@ bool FrameBuffers::reserve(Buffer& buffer, const char* name, VkBufferUsageFlags 
   return true;
 }
 
-void FrameBuffers::describe(std::uint32_t binding, VkDescriptorType type, const Buffer& buffer, VkDeviceSize range) {
-  const VkDescriptorBufferInfo info{.buffer = buffer.get(), .offset = 0, .range = range};
-  VkWriteDescriptorSet write{};
-  write.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
-  write.dstSet = set_;
-  write.dstBinding = binding;
-  write.descriptorCount = 1;
-  write.descriptorType = type;
-  write.pBufferInfo = &info;
-  vkUpdateDescriptorSets(device_.device, 1, &write, 0, nullptr);
+void FrameBuffers::describe(std::uint32_t binding, const Buffer& buffer, VkDeviceSize range) {
+  write_descriptor(device_, set_layout_, set_.get(), binding, {.buffer = buffer.get(), .offset = 0, .range = range});
 }
 
 bool FrameBuffers::reserve_table(Table& table, const char* name, std::uint32_t binding, VkDeviceSize size) {
@@ -99,13 +70,13 @@ bool FrameBuffers::reserve_table(Table& table, const char* name, std::uint32_t b
                        device_.physical.info.name + " allows " + std::to_string(limit));
   }
   if (!reserve(table.buffer, name, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, size)) return false;
-  describe(binding, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, table.buffer, std::min(limit, table.buffer.size()));
+  describe(binding, table.buffer, std::min(limit, table.buffer.size()));
   return true;
 }
 
 void FrameBuffers::reserve_lights(VkDeviceSize size) {
   if (!reserve(lights_, "lights", VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, size)) return;
-  describe(SIMVIS_LIGHTS, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC, lights_, kLightsRange);
+  describe(SIMVIS_LIGHTS, lights_, kLightsRange);
 }
 
 void FrameBuffers::write_instances(std::span<const shader::Instance> instances, Uploads& uploads) {

@@ -8,6 +8,7 @@
 #include <simvis/draw_list.h>
 #include <simvis/frame_plan.h>
 #include "engine/vulkan/buffer.h"
+#include "engine/vulkan/descriptor_sets.h"
 #include "engine/vulkan/uploads.h"
 #include "shaders/interop.h"
 
@@ -17,7 +18,8 @@ namespace simvis {
 /// written anew in each frame; a material's slot only when the material has changed.
 class FrameBuffers {
  public:
-  FrameBuffers(Device::Impl& device, VkDescriptorSetLayout set_layout);
+  FrameBuffers(Device::Impl& device, const DescriptorLayout& set_layout)
+      : device_(device), set_layout_(set_layout), set_(device, set_layout, 1, "frame set") {}
 
   /// Brings slot m up to date with list.materials[m], for each m with wanted[m] != 0.
   void write_materials(const DrawList& list, std::span<const std::uint8_t> wanted, Uploads& uploads);
@@ -36,7 +38,7 @@ class FrameBuffers {
   VkBuffer instances() const { return instances_.get(); }
   VkBuffer indices() const { return indices_.get(); }
   VkBuffer cpu_selected() const { return cpu_selected_.get(); }
-  VkDescriptorSet set() const { return set_; }
+  VkDescriptorSet set() const { return set_.get(); }
 
   /// Forgets which materials are up to date.
   void clear() {
@@ -60,11 +62,11 @@ class FrameBuffers {
   template <typename Wanted, typename BlockOf>
   void write_table(Table& table, const DrawList& list, const Wanted& wanted, const BlockOf& block_of, Uploads& uploads);
   void reserve_lights(VkDeviceSize size);
-  void describe(std::uint32_t binding, VkDescriptorType type, const Buffer& buffer, VkDeviceSize range);
+  void describe(std::uint32_t binding, const Buffer& buffer, VkDeviceSize range);
 
   Device::Impl& device_;
-  Handle<VkDescriptorPool> pool_;
-  VkDescriptorSet set_ = VK_NULL_HANDLE;  // freed with its pool
+  const DescriptorLayout& set_layout_;
+  DescriptorSets set_;
   Buffer instances_, indices_, cpu_selected_, lights_;
   Table materials_, map_places_;
 };

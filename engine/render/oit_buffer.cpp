@@ -50,37 +50,11 @@ void OitBuffer::reserve_nodes(std::uint64_t nodes) {
                             .memory = MemoryKind::device});
 }
 
-void OitBuffer::make_set() {
-  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 2};
-  const VkDescriptorPoolCreateInfo pool_info{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
-                                             .pNext = nullptr,
-                                             .flags = 0,
-                                             .maxSets = 1,
-                                             .poolSizeCount = 1,
-                                             .pPoolSizes = &size};
-  VkDescriptorPool pool = VK_NULL_HANDLE;
-  vk_check(vkCreateDescriptorPool(device_.device, &pool_info, nullptr, &pool), "vkCreateDescriptorPool");
-  pool_ = Handle<VkDescriptorPool>(device_, pool, "layers set");
-  const VkDescriptorSetLayout layout = pipelines_.layers_set_layout();
-  const VkDescriptorSetAllocateInfo allocation{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
-                                               .pNext = nullptr,
-                                               .descriptorPool = pool,
-                                               .descriptorSetCount = 1,
-                                               .pSetLayouts = &layout};
-  vk_check(vkAllocateDescriptorSets(device_.device, &allocation, &set_), "vkAllocateDescriptorSets");
-}
-
 void OitBuffer::describe() {
-  const VkDescriptorBufferInfo buffers[] = {{lists_.get(), 0, VK_WHOLE_SIZE}, {nodes_.get(), 0, VK_WHOLE_SIZE}};
-  static_assert(SIMVIS_LAYER_LISTS == 0 && SIMVIS_LAYER_NODES == 1);
-  VkWriteDescriptorSet write{};
-  write.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
-  write.dstSet = set_;
-  write.dstBinding = SIMVIS_LAYER_LISTS;
-  write.descriptorCount = 2;  // goes on in the next binding
-  write.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
-  write.pBufferInfo = buffers;
-  vkUpdateDescriptorSets(device_.device, 1, &write, 0, nullptr);
+  const DescriptorLayout& layout = pipelines_.layers_set_layout();
+  if (!set_) set_ = DescriptorSets(device_, layout, 1, "layers set");
+  write_descriptor(device_, layout, set_.get(), SIMVIS_LAYER_LISTS, {lists_.get(), 0, VK_WHOLE_SIZE});
+  write_descriptor(device_, layout, set_.get(), SIMVIS_LAYER_NODES, {nodes_.get(), 0, VK_WHOLE_SIZE});
 }
 
 void OitBuffer::begin_frame(std::span<const Pass* const> passes) {
@@ -98,7 +72,6 @@ void OitBuffer::begin_frame(std::span<const Pass* const> passes) {
     lists = std::max(lists, list_bytes(*pass, cut.front().count));
     bands_in_all += cut.size();
   }
-  if (!pool_) make_set();
   if (!nodes_) reserve_nodes(std::min(kFirstNodes, max_nodes()));
   if (!lists_ || lists_.size() < lists) {
     lists_ = Buffer(device_, {.name = "lists of transparent layers",
@@ -139,8 +112,9 @@ void OitBuffer::record_begin(VkCommandBuffer commands, const Pass& pass, const L
   vkCmdFillBuffer(commands, lists_.get(), sizeof band, list_bytes(pass, rows.count) - sizeof band, 0);
   barrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT,
           VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT);
-  vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelines_.layout(), SIMVIS_LAYERS_SET, 1, &set_,
-                          0, nullptr);
+  const VkDescriptorSet set = set_.get();
+  vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelines_.layout(), SIMVIS_LAYERS_SET, 1, &set, 0,
+                          nullptr);
 }
 
 void OitBuffer::record_end(VkCommandBuffer commands) {

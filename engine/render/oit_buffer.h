@@ -55,7 +55,6 @@ class OitBuffer {
   std::uint64_t bytes() const;  ///< on the device
 
  private:
-  void make_set();
   void describe();
   void reserve_nodes(std::uint64_t nodes);
   std::uint64_t max_nodes() const;
@@ -63,8 +62,7 @@ class OitBuffer {
 
   Device::Impl& device_;
   Pipelines& pipelines_;
-  Handle<VkDescriptorPool> pool_;
-  VkDescriptorSet set_ = VK_NULL_HANDLE;  // freed with its pool
+  DescriptorSets set_;
   Handle<VkShaderModule> resolve_vert_, resolve_frag_;
   std::unordered_map<std::uint32_t, Handle<VkPipeline>> resolve_;
   Buffer lists_, nodes_, counts_;

@@ -190,24 +190,21 @@ Pipelines::Pipelines(Device::Impl& device)
                   make_module(device, mesh_layer_textured_frag, "mesh_layer_textured.frag"),
                   make_module(device, mesh_layer_mapped_frag, "mesh_layer_mapped.frag")} {
   const VkDescriptorSetLayoutBinding frame_bindings[] = {
-      buffer_binding(SIMVIS_MATERIALS, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_SHADER_STAGE_VERTEX_BIT),
-      buffer_binding(SIMVIS_LIGHTS, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC, VK_SHADER_STAGE_FRAGMENT_BIT),
-      buffer_binding(SIMVIS_MAP_PLACES, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_SHADER_STAGE_VERTEX_BIT)};
-  frame_set_layout_ = make_set_layout(device, frame_bindings, "frame set layout");
+      descriptor_binding(SIMVIS_MATERIALS, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_SHADER_STAGE_VERTEX_BIT),
+      descriptor_binding(SIMVIS_LIGHTS, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC, VK_SHADER_STAGE_FRAGMENT_BIT),
+      descriptor_binding(SIMVIS_MAP_PLACES, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_SHADER_STAGE_VERTEX_BIT)};
+  frame_set_layout_ = DescriptorLayout(device, frame_bindings, "frame set layout");
   VkDescriptorSetLayoutBinding texture_bindings[SIMVIS_TEXTURES];
   for (std::uint32_t binding = 0; binding < SIMVIS_TEXTURES; ++binding) {
-    texture_bindings[binding] = {.binding = binding,
-                                 .descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
-                                 .descriptorCount = 1,
-                                 .stageFlags = VK_SHADER_STAGE_FRAGMENT_BIT,
-                                 .pImmutableSamplers = nullptr};
+    texture_bindings[binding] =
+        descriptor_binding(binding, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, VK_SHADER_STAGE_FRAGMENT_BIT);
   }
-  texture_set_layout_ = make_set_layout(device, texture_bindings, "texture set layout");
+  texture_set_layout_ = DescriptorLayout(device, texture_bindings, "texture set layout");
 
   const VkDescriptorSetLayoutBinding layer_bindings[] = {
-      buffer_binding(SIMVIS_LAYER_LISTS, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_SHADER_STAGE_FRAGMENT_BIT),
-      buffer_binding(SIMVIS_LAYER_NODES, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_SHADER_STAGE_FRAGMENT_BIT)};
-  layers_set_layout_ = make_set_layout(device, layer_bindings, "layers set layout");
+      descriptor_binding(SIMVIS_LAYER_LISTS, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_SHADER_STAGE_FRAGMENT_BIT),
+      descriptor_binding(SIMVIS_LAYER_NODES, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_SHADER_STAGE_FRAGMENT_BIT)};
+  layers_set_layout_ = DescriptorLayout(device, layer_bindings, "layers set layout");
 
   const VkDescriptorSetLayout sets[] = {frame_set_layout_.get(), texture_set_layout_.get(), layers_set_layout_.get()};
   layout_ = make_mesh_layout(device, sets, "mesh pipeline layout");

@@ -51,9 +51,9 @@ class Pipelines {
   std::size_t made() const { return pipelines_.size(); }  ///< so far
 
   VkPipelineLayout layout() const { return layout_.get(); }
-  VkDescriptorSetLayout frame_set_layout() const { return frame_set_layout_.get(); }
-  VkDescriptorSetLayout texture_set_layout() const { return texture_set_layout_.get(); }
-  VkDescriptorSetLayout layers_set_layout() const { return layers_set_layout_.get(); }
+  const DescriptorLayout& frame_set_layout() const { return frame_set_layout_; }
+  const DescriptorLayout& texture_set_layout() const { return texture_set_layout_; }
+  const DescriptorLayout& layers_set_layout() const { return layers_set_layout_; }
 
   /// Made on first use.
   const ShadowPipelines& shadows();
@@ -73,7 +73,7 @@ class Pipelines {
   Handle<VkPipeline> make(const PipelineKey& key);
 
   Device::Impl& device_;
-  Handle<VkDescriptorSetLayout> frame_set_layout_, texture_set_layout_, layers_set_layout_;
+  DescriptorLayout frame_set_layout_, texture_set_layout_, layers_set_layout_;
   Handle<VkPipelineLayout> layout_;
   std::unordered_map<std::uint32_t, Handle<VkRenderPass>> render_passes_;
   Handle<VkShaderModule> depth_vert_, mask_vert_, color_vert_;

@@ -1,13 +1,13 @@
 #include "engine/render/renderer.h"
 
 #include <algorithm>
-#include <chrono>
 #include <optional>
 #include <utility>
 
 #include <simvis/device.h>
 #include <simvis/error.h>
 #include "engine/base/assert.h"
+#include "engine/base/now_ns.h"
 #include "engine/render/draw_cache.h"
 #include "engine/render/frame_buffers.h"
 #include "engine/render/frame_draw_lists.h"
@@ -52,11 +52,6 @@ void check_pass(const Pass& pass, const TargetLimits& limits) {
                      "; this device allows up to " + std::to_string(limits.msaa.back()));
   }
   for (const View& view : pass.views) check_view(view, pass);
-}
-
-std::int64_t now_ns() {
-  const auto now = std::chrono::steady_clock::now().time_since_epoch();
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(now).count();
 }
 
 // What the plan needs of opaque triangles.
@@ -206,7 +201,7 @@ void Renderer::Impl::prepare(const DrawList& list, const FramePlan& plan) {
   buffers.write_cpu_selected(draws.cpu_selected(), uploads);
   if (color) buffers.write_lights(draws.lights(), uploads);
   if (const Pass* const maps = find_shadow_maps(plan)) {
-    if (!shadows) shadows.emplace(device, pipelines.shadows().set_layout.get());
+    if (!shadows) shadows.emplace(device, pipelines.shadows().set_layout);
     shadows->write(plan, *maps, uploads);
   }
 }

@@ -4,6 +4,7 @@
 #include <unordered_map>
 
 #include <simvis/frame_plan.h>
+#include "engine/vulkan/descriptor_sets.h"
 #include "engine/vulkan/gpu_image.h"
 
 namespace simvis {
@@ -15,10 +16,7 @@ class ResolvePass {
   explicit ResolvePass(Device::Impl& device) : device_(device) {}
 
   /// A pair of images as the shader sees it; it must not outlive them.
-  struct Binding {
-    Handle<VkDescriptorPool> pool;
-    VkDescriptorSet set = VK_NULL_HANDLE;  // freed with its pool
-  };
+  using Binding = DescriptorSets;
   /// `samples` has been made for VK_IMAGE_USAGE_SAMPLED_BIT, `mean` for VK_IMAGE_USAGE_STORAGE_BIT.
   Binding bind(const GpuImage& samples, const GpuImage& mean);
 
@@ -34,7 +32,7 @@ class ResolvePass {
   VkPipeline pipeline(const Pass& pass);
 
   Device::Impl& device_;
-  Handle<VkDescriptorSetLayout> set_layout_;
+  DescriptorLayout set_layout_;
   Handle<VkPipelineLayout> layout_;
   std::unordered_map<std::uint32_t, Handle<VkPipeline>> pipelines_;
 };

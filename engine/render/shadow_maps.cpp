@@ -50,24 +50,8 @@ std::vector<shader::ShadowBlock> shadow_blocks(const View& view, const Pass& map
   return blocks;
 }
 
-ShadowMaps::ShadowMaps(Device::Impl& device, VkDescriptorSetLayout set_layout) : device_(device) {
-  const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC, 1},
-                                        {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1}};
-  const VkDescriptorPoolCreateInfo pool_info{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
-                                             .pNext = nullptr,
-                                             .flags = 0,
-                                             .maxSets = 1,
-                                             .poolSizeCount = 2,
-                                             .pPoolSizes = sizes};
-  VkDescriptorPool pool = VK_NULL_HANDLE;
-  vk_check(vkCreateDescriptorPool(device.device, &pool_info, nullptr, &pool), "vkCreateDescriptorPool");
-  pool_ = Handle<VkDescriptorPool>(device, pool, "shadow set");
-  const VkDescriptorSetAllocateInfo allocation{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
-                                               .pNext = nullptr,
-                                               .descriptorPool = pool,
-                                               .descriptorSetCount = 1,
-                                               .pSetLayouts = &set_layout};
-  vk_check(vkAllocateDescriptorSets(device.device, &allocation, &set_), "vkAllocateDescriptorSets");
+ShadowMaps::ShadowMaps(Device::Impl& device, const DescriptorLayout& set_layout)
+    : device_(device), set_layout_(set_layout), set_(device, set_layout, 1, "shadow set") {
   // Texels are fetched by number: it filters nothing.
   VkSamplerCreateInfo sampler_info{};
   sampler_info.sType = VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO;
@@ -100,23 +84,12 @@ void ShadowMaps::write(const FramePlan& plan, const Pass& maps, Uploads& uploads
 }
 
 void ShadowMaps::show(const GpuImage& atlas) {
-  const VkDescriptorBufferInfo buffer{.buffer = blocks_.get(), .offset = 0, .range = kRange};
-  const VkDescriptorImageInfo image{.sampler = sampler_.get(),
-                                    .imageView = atlas.view(),
-                                    .imageLayout = VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL};
-  VkWriteDescriptorSet writes[2]{};
-  for (VkWriteDescriptorSet& write : writes) {
-    write.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
-    write.dstSet = set_;
-    write.descriptorCount = 1;
-  }
-  writes[0].dstBinding = SIMVIS_SHADOWS;
-  writes[0].descriptorType = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC;
-  writes[0].pBufferInfo = &buffer;
-  writes[1].dstBinding = SIMVIS_SHADOW_ATLAS;
-  writes[1].descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
-  writes[1].pImageInfo = &image;
-  vkUpdateDescriptorSets(device_.device, 2, writes, 0, nullptr);
+  write_descriptor(device_, set_layout_, set(), SIMVIS_SHADOWS,
+                   {.buffer = blocks_.get(), .offset = 0, .range = kRange});
+  write_descriptor(device_, set_layout_, set(), SIMVIS_SHADOW_ATLAS,
+                   {.sampler = sampler_.get(),
+                    .imageView = atlas.view(),
+                    .imageLayout = VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL});
 }
 
 void ShadowMaps::name_memory(const Uploads& uploads, std::vector<PlannedMemory>& memory) const {

@@ -71,17 +71,11 @@ VkDescriptorSet TextureStore::require(const TextureSet& textures, Uploads& uploa
                        .imageView = entry.image.view(),
                        .imageLayout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
   }
-  VkWriteDescriptorSet write{};
-  write.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
-  write.dstSet = free_set();
-  write.dstBinding = 0;
-  write.descriptorCount = 1;
-  write.descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
-  for (; write.dstBinding < SIMVIS_TEXTURES; ++write.dstBinding) {
-    write.pImageInfo = &images[write.dstBinding];
-    vkUpdateDescriptorSets(device_.device, 1, &write, 0, nullptr);
+  const VkDescriptorSet set = free_set();
+  for (std::uint32_t binding = 0; binding < SIMVIS_TEXTURES; ++binding) {
+    write_descriptor(device_, set_layout_, set, binding, images[binding]);
   }
-  return sets_.emplace(key, write.dstSet).first->second;
+  return sets_.emplace(key, set).first->second;
 }
 
 const TextureStore::Entry& TextureStore::resident(const std::shared_ptr<const Texture>& texture, VkFormat format,
@@ -169,24 +163,9 @@ VkSampler TextureStore::sampler(const Sampler& wanted) {
 
 VkDescriptorSet TextureStore::free_set() {
   if (free_sets_.empty()) {
-    const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, kSetsPerPool * SIMVIS_TEXTURES};
-    const VkDescriptorPoolCreateInfo info{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
-                                          .pNext = nullptr,
-                                          .flags = 0,
-                                          .maxSets = kSetsPerPool,
-                                          .poolSizeCount = 1,
-                                          .pPoolSizes = &size};
-    VkDescriptorPool pool = VK_NULL_HANDLE;
-    vk_check(vkCreateDescriptorPool(device_.device, &info, nullptr, &pool), "vkCreateDescriptorPool");
-    pools_.emplace_back(device_, pool, "texture sets");
-    const std::vector<VkDescriptorSetLayout> layouts(kSetsPerPool, set_layout_);
-    const VkDescriptorSetAllocateInfo allocation{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
-                                                 .pNext = nullptr,
-                                                 .descriptorPool = pool,
-                                                 .descriptorSetCount = kSetsPerPool,
-                                                 .pSetLayouts = layouts.data()};
-    free_sets_.resize(kSetsPerPool);
-    vk_check(vkAllocateDescriptorSets(device_.device, &allocation, free_sets_.data()), "vkAllocateDescriptorSets");
+    const std::span<const VkDescriptorSet> sets =
+        made_sets_.emplace_back(device_, set_layout_, kSetsPerPool, "texture sets").all();
+    free_sets_.assign(sets.begin(), sets.end());
   }
   const VkDescriptorSet set = free_sets_.back();
   free_sets_.pop_back();

@@ -10,6 +10,7 @@
 
 #include <simvis/frame_plan.h>
 #include <simvis/mesh.h>
+#include "engine/vulkan/descriptor_sets.h"
 #include "engine/vulkan/gpu_image.h"
 #include "engine/vulkan/uploads.h"
 #include "shaders/interop.h"
@@ -22,7 +23,7 @@ using TextureSet = std::array<std::shared_ptr<const Texture>, SIMVIS_TEXTURES>;
 /// Textures are told apart by identity, uploaded on first need, and forgotten once a list no longer holds them.
 class TextureStore {
  public:
-  TextureStore(Device::Impl& device, VkDescriptorSetLayout set_layout) : device_(device), set_layout_(set_layout) {}
+  TextureStore(Device::Impl& device, const DescriptorLayout& set_layout) : device_(device), set_layout_(set_layout) {}
 
   /// The descriptor set of some textures, at least one; uploads those that are not resident.
   /// Throws InputError when one is larger than the device allows.
@@ -50,11 +51,11 @@ class TextureStore {
   VkDescriptorSet free_set();
 
   Device::Impl& device_;
-  VkDescriptorSetLayout set_layout_;
+  const DescriptorLayout& set_layout_;
   std::map<std::pair<const Texture*, VkFormat>, Entry> entries_;
   std::map<std::array<const Texture*, SIMVIS_TEXTURES>, VkDescriptorSet> sets_;
   std::vector<std::pair<Sampler, Handle<VkSampler>>> samplers_;
-  std::vector<Handle<VkDescriptorPool>> pools_;
+  std::vector<DescriptorSets> made_sets_;
   std::vector<VkDescriptorSet> free_sets_;
 };
 

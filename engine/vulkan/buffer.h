@@ -1,11 +1,11 @@
-// A buffer with its own memory, mapped for as long as it lives where the host may see it.
+// A buffer and its memory, mapped for as long as it lives where the host may see it.
 #pragma once
 
 #include <cstddef>
 #include <string>
 
 #include "engine/vulkan/handle.h"
-#include "engine/vulkan/memory_ledger.h"
+#include "engine/vulkan/memory_slice.h"
 
 namespace simvis {
 
@@ -24,16 +24,14 @@ class Buffer {
   VkBuffer get() const { return buffer_.get(); }
   VkDeviceSize size() const { return desc_.size; }
   const BufferDesc& desc() const { return desc_; }
-  std::uint64_t memory_bytes() const { return held_.bytes(); }  ///< that it takes, the device's rounding included
-  std::byte* mapped() const { return mapped_; }                 ///< null where the host does not see it
+  std::uint64_t memory_bytes() const { return memory_.bytes(); }  ///< that it takes, the device's rounding included
+  std::byte* mapped() const { return memory_.mapped(); }          ///< null where the host does not see it
   explicit operator bool() const { return static_cast<bool>(buffer_); }
 
  private:
   BufferDesc desc_;
-  MemoryLedger held_;
-  Handle<VkDeviceMemory> memory_;  // outlives the buffer
+  MemorySlice memory_;  // outlives the buffer
   Handle<VkBuffer> buffer_;
-  std::byte* mapped_ = nullptr;
 };
 
 }  // namespace simvis

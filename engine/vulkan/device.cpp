@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <string>
+#include <utility>
 
 #include <simvis/error.h>
 #include "engine/base/assert.h"
@@ -59,6 +60,7 @@ Device::Impl::Impl(const DeviceDesc& desc)
       instrumented(desc.instrumented) {
   vkGetPhysicalDeviceMemoryProperties(physical.handle, &memory);
   create_device();
+  device_memory.emplace(device, memory, limits());
   choose_upload();
   try {
     pipeline_cache.emplace(device, physical.properties, cache_folder);
@@ -178,15 +180,15 @@ void Device::Impl::adopt(VkObjectType type, std::uint64_t handle, std::string_vi
   set_name_(device, &info);
 }
 
-void Device::Impl::retire(Retired object) {
-  object.serial = recording ? submitted + 1 : submitted;
-  retired_.push_back(object);
-  if (object.serial <= finished) destroy_retired();
+void Device::Impl::retire(std::function<void()> destroy) {
+  const std::uint64_t serial = recording ? submitted + 1 : submitted;
+  retired_.push_back({std::move(destroy), serial});
+  if (serial <= finished) destroy_retired();
 }
 
 void Device::Impl::destroy_retired() {
   while (!retired_.empty() && retired_.front().serial <= finished) {
-    retired_.front().destroy(device, retired_.front().handle);
+    retired_.front().destroy();
     retired_.pop_front();
     --live_objects_;
   }

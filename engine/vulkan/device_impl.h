@@ -6,11 +6,13 @@
 #include <cstdint>
 #include <deque>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string_view>
 
 #include <simvis/device.h>
+#include "engine/vulkan/device_memory.h"
 #include "engine/vulkan/instance.h"
 #include "engine/vulkan/physical_device.h"
 #include "engine/vulkan/pipeline_cache.h"
@@ -28,8 +30,7 @@ enum class MemoryKind : std::uint8_t {
 
 /// An object that nobody owns any more.
 struct Retired {
-  std::uint64_t handle = 0;
-  void (*destroy)(VkDevice, std::uint64_t) = nullptr;
+  std::function<void()> destroy;
   std::uint64_t serial = 0;  ///< the last submission that may use it
 };
 
@@ -44,9 +45,11 @@ struct Device::Impl {
   /// Throws MachineError when no type of `allowed_types` (a bit per type) serves.
   std::uint32_t memory_type(std::uint32_t allowed_types, MemoryKind kind) const;
 
-  /// Every object that Handle owns passes through these two.
+  /// Every object that Handle owns passes through adopt() and retire(), every MemorySlice through adopt_memory() and
+  /// retire().
   void adopt(VkObjectType type, std::uint64_t handle, std::string_view name);
-  void retire(Retired object);
+  void adopt_memory() { ++live_objects_; }
+  void retire(std::function<void()> destroy);
   /// Destroys what no unfinished submission may use.
   void destroy_retired();
   std::uint64_t live_objects() const { return live_objects_; }
@@ -65,6 +68,7 @@ struct Device::Impl {
   VkDevice device = VK_NULL_HANDLE;
   VkQueue queue = VK_NULL_HANDLE;
   std::filesystem::path cache_folder;  ///< empty: nothing is kept on disk
+  std::optional<DeviceMemory> device_memory;
   std::optional<PipelineCache> pipeline_cache;
   ProgressCallback progress;
 

@@ -19,20 +19,9 @@ GpuImage::GpuImage(Device::Impl& device, GpuImageDesc desc) : desc_(std::move(de
   info.usage = desc_.usage;
   info.initialLayout = VK_IMAGE_LAYOUT_UNDEFINED;
   VkImage image = VK_NULL_HANDLE;
-  vk_check(vkCreateImage(device.device, &info, nullptr, &image), "vkCreateImage");
+  vk_check(vkCreateImage(device.device, &info, nullptr, &image), "vkCreateImage", desc_.name);
   image_ = Handle<VkImage>(device, image, desc_.name);
-
-  VkMemoryRequirements needs;
-  vkGetImageMemoryRequirements(device.device, image, &needs);
-  const VkMemoryAllocateInfo allocation{.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
-                                        .pNext = nullptr,
-                                        .allocationSize = needs.size,
-                                        .memoryTypeIndex = device.memory_type(needs.memoryTypeBits, MemoryKind::image)};
-  VkDeviceMemory memory = VK_NULL_HANDLE;
-  vk_check(vkAllocateMemory(device.device, &allocation, nullptr, &memory), "vkAllocateMemory");
-  memory_ = Handle<VkDeviceMemory>(device, memory, desc_.name + " memory");
-  held_ = MemoryLedger(device.memory_bytes, needs.size);
-  vk_check(vkBindImageMemory(device.device, image, memory, 0), "vkBindImageMemory");
+  memory_ = MemorySlice(device, image, desc_.name);
 
   VkImageViewCreateInfo view_info{};
   view_info.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO;

@@ -1,10 +1,10 @@
-// A two-dimensional image with its own memory and a view of the whole.
+// A two-dimensional image, its memory and a view of the whole.
 #pragma once
 
 #include <string>
 
 #include "engine/vulkan/handle.h"
-#include "engine/vulkan/memory_ledger.h"
+#include "engine/vulkan/memory_slice.h"
 
 namespace simvis {
 
@@ -26,14 +26,13 @@ class GpuImage {
   VkImage get() const { return image_.get(); }
   VkImageView view() const { return view_.get(); }
   const GpuImageDesc& desc() const { return desc_; }
-  std::uint64_t memory_bytes() const { return held_.bytes(); }  ///< that it takes, the device's rounding included
+  std::uint64_t memory_bytes() const { return memory_.bytes(); }  ///< that it takes, the device's rounding included
   explicit operator bool() const { return static_cast<bool>(image_); }
 
  private:
   GpuImageDesc desc_;
-  MemoryLedger held_;
-  Handle<VkDeviceMemory> memory_;  // outlives the image
-  Handle<VkImage> image_;          // outlives the view
+  MemorySlice memory_;     // outlives the image
+  Handle<VkImage> image_;  // outlives the view
   Handle<VkImageView> view_;
 };
 

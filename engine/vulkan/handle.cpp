@@ -13,7 +13,6 @@ struct Traits;
     static void destroy(VkDevice device, Vk##Type handle) { destroy_function(device, handle, nullptr); } \
   };
 SIMVIS_VULKAN_OBJECT(Buffer, BUFFER, vkDestroyBuffer)
-SIMVIS_VULKAN_OBJECT(DeviceMemory, DEVICE_MEMORY, vkFreeMemory)
 SIMVIS_VULKAN_OBJECT(Image, IMAGE, vkDestroyImage)
 SIMVIS_VULKAN_OBJECT(ImageView, IMAGE_VIEW, vkDestroyImageView)
 SIMVIS_VULKAN_OBJECT(Sampler, SAMPLER, vkDestroySampler)
@@ -39,15 +38,11 @@ Handle<T>::Handle(Device::Impl& device, T handle, std::string_view name) : devic
 template <typename T>
 void Handle<T>::retire() {
   if (handle_ == VK_NULL_HANDLE) return;
-  const auto destroy = [](VkDevice device, std::uint64_t handle) {
-    Traits<T>::destroy(device, reinterpret_cast<T>(handle));
-  };
-  device_->retire({.handle = reinterpret_cast<std::uint64_t>(handle_), .destroy = destroy});
+  device_->retire([device = device_->device, handle = handle_] { Traits<T>::destroy(device, handle); });
   handle_ = VK_NULL_HANDLE;
 }
 
 template class Handle<VkBuffer>;
-template class Handle<VkDeviceMemory>;
 template class Handle<VkImage>;
 template class Handle<VkImageView>;
 template class Handle<VkSampler>;

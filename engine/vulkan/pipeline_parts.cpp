@@ -16,27 +16,6 @@ Handle<VkShaderModule> make_module(Device::Impl& device, std::span<const std::ui
   return Handle<VkShaderModule>(device, module, name);
 }
 
-Handle<VkDescriptorSetLayout> make_set_layout(Device::Impl& device,
-                                              std::span<const VkDescriptorSetLayoutBinding> bindings,
-                                              const char* name) {
-  const VkDescriptorSetLayoutCreateInfo info{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
-                                             .pNext = nullptr,
-                                             .flags = 0,
-                                             .bindingCount = static_cast<std::uint32_t>(bindings.size()),
-                                             .pBindings = bindings.data()};
-  VkDescriptorSetLayout layout = VK_NULL_HANDLE;
-  vk_check(vkCreateDescriptorSetLayout(device.device, &info, nullptr, &layout), "vkCreateDescriptorSetLayout");
-  return Handle<VkDescriptorSetLayout>(device, layout, name);
-}
-
-VkDescriptorSetLayoutBinding buffer_binding(std::uint32_t binding, VkDescriptorType type, VkShaderStageFlags stages) {
-  return {.binding = binding,
-          .descriptorType = type,
-          .descriptorCount = 1,
-          .stageFlags = stages,
-          .pImmutableSamplers = nullptr};
-}
-
 Handle<VkPipelineLayout> make_mesh_layout(Device::Impl& device, std::span<const VkDescriptorSetLayout> sets,
                                           const char* name) {
   const VkPushConstantRange constants{.stageFlags = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT,

@@ -10,11 +10,6 @@ namespace simvis {
 
 Handle<VkShaderModule> make_module(Device::Impl& device, std::span<const std::uint32_t> words, const char* name);
 
-VkDescriptorSetLayoutBinding buffer_binding(std::uint32_t binding, VkDescriptorType type, VkShaderStageFlags stages);
-
-Handle<VkDescriptorSetLayout> make_set_layout(Device::Impl& device,
-                                              std::span<const VkDescriptorSetLayoutBinding> bindings, const char* name);
-
 /// For all pipelines that draw meshes: these sets, and a ViewBlock of push constants.
 Handle<VkPipelineLayout> make_mesh_layout(Device::Impl& device, std::span<const VkDescriptorSetLayout> sets,
                                           const char* name);

@@ -35,9 +35,11 @@ const char* result_name(VkResult result) {
   }
 }
 
-void vk_check(VkResult result, const char* call) {
+void vk_check(VkResult result, const char* call, std::string_view purpose) {
   if (result == VK_SUCCESS) return;
-  throw MachineError(std::string(call) + ": " + result_name(result) + " (" + std::to_string(result) + ")");
+  std::string message = std::string(call) + ": " + result_name(result) + " (" + std::to_string(result) + ")";
+  if (!purpose.empty()) message.append(": ").append(purpose);
+  throw MachineError(message);
 }
 
 }  // namespace simvis

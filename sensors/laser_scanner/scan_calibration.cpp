@@ -1,14 +1,15 @@
 #include "sensors/laser_scanner/scan_calibration.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <glm/gtc/matrix_transform.hpp>
 #include <limits>
 #include <memory>
 #include <numbers>
 
 #include <simvis/pose.h>
+#include "engine/base/now_ns.h"
 #include "engine/render/renderer.h"
 #include "sensors/laser_scanner/method_survey.h"
 #include "sensors/laser_scanner/rendered_scan.h"
@@ -19,10 +20,6 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr int kRepetitions = 5;
-
-double now_ns() {
-  return std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 // A sphere of radius 1 about the origin; of 4 columns and 2 rows, an octahedron.
 std::shared_ptr<const Mesh> make_ball(std::uint32_t columns, std::uint32_t rows) {
@@ -117,16 +114,16 @@ void Calibration::render(const DrawList& list, const ScanPattern& pattern, doubl
   double sum_m = 0;
   for (int i = 0; i <= kRepetitions; ++i) {
     FramePlan plan;
-    const double start_ns = now_ns();
+    const std::int64_t start_ns = now_ns();
     const VertexRounding rounding(list, glm::dmat4(1.0));
     scan.plan("calibration", "", glm::dmat4(1.0), plan, "calibration");
     const std::span<const PassResult> results = renderer_.render(list, plan);
-    const double rendered_ns = now_ns();
+    const std::int64_t rendered_ns = now_ns();
     scan.collect(plan, results, rounding);
     for (std::size_t beam = 0; beam < beams; ++beam) sum_m += scan.planar(beam).error_bound_m;
     if (i == 0) continue;  // uploads, pipelines
-    drawing.time_ns = std::min(drawing.time_ns, rendered_ns - start_ns);
-    taking.time_ns = std::min(taking.time_ns, now_ns() - rendered_ns);
+    drawing.time_ns = std::min(drawing.time_ns, static_cast<double>(rendered_ns - start_ns));
+    taking.time_ns = std::min(taking.time_ns, static_cast<double>(now_ns() - rendered_ns));
   }
   drawing.work = scan.work(list.items.size());
   std::swap(drawing.work[CostTerm::beam], taking.work[CostTerm::beam]);
@@ -150,10 +147,10 @@ void Calibration::cast(DrawList& list, const ScanPattern& pattern) {
     list.world_from_node.back()[3].z += 1e-3;
     list.changes.mark_transforms_dirty({last, last + 1});
     before = rays_.counters();
-    const double start_ns = now_ns();
+    const std::int64_t start_ns = now_ns();
     rays_.set_world(list);
     rays_.cast(glm::dmat4(1.0), directions, hits);
-    if (i > 0) casting.time_ns = std::min(casting.time_ns, now_ns() - start_ns);
+    if (i > 0) casting.time_ns = std::min(casting.time_ns, static_cast<double>(now_ns() - start_ns));
     after = rays_.counters();
   }
   add_cast(casting.work, list.items.size());

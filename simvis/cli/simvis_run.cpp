@@ -19,6 +19,7 @@
 #include <simvis/plugin.h>
 #include <simvis/simulation.h>
 #include <simvis/trajectory.h>
+#include "engine/base/now_ns.h"
 #include "simvis/cli/loading_bar.h"
 #include "simvis/cli/progress_bar.h"
 #include "simvis/clock.h"
@@ -238,11 +239,6 @@ Simulation load(const Options& options, std::optional<LoadingBar>& loading) {
 std::optional<Trajectory> read_trajectory(const Options& options, const Simulation& simulation) {
   if (options.trajectory.empty()) return std::nullopt;
   return Trajectory(options.trajectory, simulation.parameters());
-}
-
-std::int64_t now_ns() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
-      .count();
 }
 
 void write_results(const Simulation& simulation, const FrameTime& time, OutputWriter& writer) {

@@ -15,7 +15,6 @@
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -24,6 +23,7 @@
 #include <simvis/ray_caster.h>
 #include <simvis/simulation.h>
 #include <simvis/trajectory.h>
+#include "engine/base/fnv1a.h"
 
 using namespace simvis;
 
@@ -58,19 +58,16 @@ constexpr ScanHash kScans[] = {
 constexpr int kFrames[] = {0, 37, 151};
 constexpr double kRate_hz = 15;
 
-/// FNV-1a, 64 bits (Fowler, Noll, Vo).
 class Hash {
  public:
   template <typename T>
   void add(const std::vector<T>& values) {
-    for (const std::byte byte : std::as_bytes(std::span(values))) {
-      value_ = (value_ ^ static_cast<std::uint64_t>(byte)) * 0x100000001b3;
-    }
+    value_ = fnv1a(values.data(), values.size() * sizeof(T), value_);
   }
   std::uint64_t value() const { return value_; }
 
  private:
-  std::uint64_t value_ = 0xcbf29ce484222325;
+  std::uint64_t value_ = kFnv1aStart;
 };
 
 std::string hex(std::uint64_t hash) {

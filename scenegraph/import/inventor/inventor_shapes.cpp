@@ -13,6 +13,8 @@
 #include <cstring>
 #include <utility>
 
+#include "engine/base/fnv1a.h"
+
 namespace simvis {
 namespace {
 
@@ -55,8 +57,8 @@ std::size_t InventorShapes::HashBits::operator()(const Vertex& vertex) const {
   static_assert(sizeof(Vertex) % sizeof(std::uint32_t) == 0);
   std::uint32_t words[sizeof(Vertex) / sizeof(std::uint32_t)];
   std::memcpy(words, &vertex, sizeof vertex);
-  std::uint64_t hash = 0xCBF29CE484222325u;  // FNV-1a, a word at a time
-  for (const std::uint32_t word : words) hash = (hash ^ word) * 0x100000001B3u;
+  std::uint64_t hash = kFnv1aStart;
+  for (const std::uint32_t word : words) hash = fnv1a_step(hash, word);
   return hash ^ hash >> 32;
 }
 

@@ -1,0 +1,66 @@
+#include "engine/vulkan/memory_slice.h"
+
+#include "engine/vulkan/vulkan_check.h"
+
+namespace simvis {
+namespace {
+
+struct Requirements {
+  VkMemoryDedicatedRequirements dedicated{.sType = VK_STRUCTURE_TYPE_MEMORY_DEDICATED_REQUIREMENTS,
+                                          .pNext = nullptr,
+                                          .prefersDedicatedAllocation = VK_FALSE,
+                                          .requiresDedicatedAllocation = VK_FALSE};
+  VkMemoryRequirements2 all{
+      .sType = VK_STRUCTURE_TYPE_MEMORY_REQUIREMENTS_2, .pNext = &dedicated, .memoryRequirements = {}};
+
+  MemoryRequest request(std::string_view name) const {
+    return {.name = name,
+            .needs = all.memoryRequirements,
+            .requires_own = dedicated.requiresDedicatedAllocation == VK_TRUE,
+            .prefers_own = dedicated.prefersDedicatedAllocation == VK_TRUE};
+  }
+};
+
+}  // namespace
+
+MemorySlice::MemorySlice(Device::Impl& device, VkBuffer buffer, MemoryKind kind, std::string_view name)
+    : MemorySlice() {
+  device_ = &device;
+  const VkBufferMemoryRequirementsInfo2 info{
+      .sType = VK_STRUCTURE_TYPE_BUFFER_MEMORY_REQUIREMENTS_INFO_2, .pNext = nullptr, .buffer = buffer};
+  Requirements requirements;
+  vkGetBufferMemoryRequirements2(device.device, &info, &requirements.all);
+  MemoryRequest request = requirements.request(name);
+  request.type = device.memory_type(request.needs.memoryTypeBits, kind);
+  request.mapped = kind != MemoryKind::device || device.direct_upload;
+  request.buffer = buffer;
+  take(request);
+  vk_check(vkBindBufferMemory(device.device, buffer, range_.memory, range_.offset), "vkBindBufferMemory", name);
+}
+
+MemorySlice::MemorySlice(Device::Impl& device, VkImage image, std::string_view name) : MemorySlice() {
+  device_ = &device;
+  const VkImageMemoryRequirementsInfo2 info{
+      .sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_REQUIREMENTS_INFO_2, .pNext = nullptr, .image = image};
+  Requirements requirements;
+  vkGetImageMemoryRequirements2(device.device, &info, &requirements.all);
+  MemoryRequest request = requirements.request(name);
+  request.type = device.memory_type(request.needs.memoryTypeBits, MemoryKind::image);
+  request.image = image;
+  take(request);
+  vk_check(vkBindImageMemory(device.device, image, range_.memory, range_.offset), "vkBindImageMemory", name);
+}
+
+void MemorySlice::take(const MemoryRequest& request) {
+  range_ = device_->device_memory->take(request);
+  device_->adopt_memory();
+  held_ = MemoryLedger(device_->memory_bytes, request.needs.size);
+}
+
+void MemorySlice::retire() {
+  if (range_.block == nullptr) return;
+  device_->retire([&memory = *device_->device_memory, range = range_] { memory.give_back(range); });
+  range_ = {};
+}
+
+}  // namespace simvis

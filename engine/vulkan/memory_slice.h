@@ -1,0 +1,47 @@
+// The memory of one buffer or image.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+#include <utility>
+
+#include "engine/vulkan/device_impl.h"
+#include "engine/vulkan/memory_ledger.h"
+
+namespace simvis {
+
+/// A move-only owner. After its destruction the range serves other resources as soon as the submission that may still
+/// use it has finished. It must outlive the resource's handle.
+class MemorySlice {
+ public:
+  MemorySlice() = default;
+  /// Both bind the resource to its memory and throw MachineError when there is none left. `name` is for messages.
+  MemorySlice(Device::Impl& device, VkBuffer buffer, MemoryKind kind, std::string_view name);
+  MemorySlice(Device::Impl& device, VkImage image, std::string_view name);
+  ~MemorySlice() { retire(); }
+  MemorySlice(MemorySlice&& other) noexcept
+      : device_(other.device_), range_(std::exchange(other.range_, {})), held_(std::move(other.held_)) {}
+  MemorySlice& operator=(MemorySlice&& other) noexcept {
+    if (this != &other) {
+      retire();
+      device_ = other.device_;
+      range_ = std::exchange(other.range_, {});
+      held_ = std::move(other.held_);
+    }
+    return *this;
+  }
+
+  std::uint64_t bytes() const { return held_.bytes(); }  ///< that the device asked for
+  std::byte* mapped() const { return range_.mapped; }    ///< null where the host does not see it
+
+ private:
+  void take(const MemoryRequest& request);
+  void retire();
+
+  Device::Impl* device_ = nullptr;
+  MemoryRange range_;
+  MemoryLedger held_;
+};
+
+}  // namespace simvis
