@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <map>
+#include <mutex>
+#include <shared_mutex>
 #include <utility>
 
 #include "engine/base/assert.h"
@@ -9,10 +11,15 @@
 namespace simvis {
 namespace {
 
+struct Importers {
+  std::shared_mutex mutex;  // of by_ending: a plug-in may be loaded while other threads read parts
+  std::map<std::string, PartImporter> by_ending;
+};
+
 // A function's static, so that it exists before the first registration of any other file.
-std::map<std::string, PartImporter>& importers() {
-  static std::map<std::string, PartImporter> map;
-  return map;
+Importers& importers() {
+  static Importers all;
+  return all;
 }
 
 std::string lower_case(std::string text) {
@@ -25,20 +32,23 @@ std::string lower_case(std::string text) {
 
 PartImporterRegistration::PartImporterRegistration(std::vector<std::string> endings, PartImporter importer) {
   SIMVIS_ASSERT(importer != nullptr);
+  const std::lock_guard lock(importers().mutex);
   for (std::string& ending : endings) {
-    const bool is_new = importers().emplace(std::move(ending), importer).second;
+    const bool is_new = importers().by_ending.emplace(std::move(ending), importer).second;
     SIMVIS_ASSERT(is_new);
   }
 }
 
 PartImporter find_part_importer(const std::filesystem::path& file) {
-  const auto found = importers().find(lower_case(file.extension().string()));
-  return found == importers().end() ? nullptr : found->second;
+  const std::shared_lock lock(importers().mutex);
+  const auto found = importers().by_ending.find(lower_case(file.extension().string()));
+  return found == importers().by_ending.end() ? nullptr : found->second;
 }
 
 std::vector<std::string> known_part_endings() {
+  const std::shared_lock lock(importers().mutex);
   std::vector<std::string> endings;
-  for (const auto& [ending, importer] : importers()) endings.push_back(ending);
+  for (const auto& [ending, importer] : importers().by_ending) endings.push_back(ending);
   return endings;
 }
 

@@ -95,7 +95,7 @@ Simulation::Impl::Impl(const SimulationDesc& desc, std::span<const Command> comm
     : clock(desc.rate_hz),
       scene(desc.overrides, commands, desc.seed, desc.progress),
       cache(cache_folder(desc.device.cache_dir)),
-      device(device_desc(desc)),
+      device(device_desc(desc), desc.threads),
       sensing(scene.built.scene.root(), Audience::sensors, device),
       instrumented(desc.device.instrumented) {
   scene.require(device.target_limits());

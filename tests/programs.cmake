@@ -39,6 +39,8 @@ add_dependencies(cli_test simvis-run)
 add_dependencies(price_test simvis-run)
 add_dependencies(psd_test simvis-run)
 add_dependencies(shard_test simvis-run)
+add_dependencies(side_by_side_test simvis_example_plugin)
+add_dependencies(threads_option_test simvis-run)
 
 # OpenCV's semi-global matching and lens models, where they are there. Debian has these two libraries apart from the package of all of
 # OpenCV, which is the one that carries the CMake files.

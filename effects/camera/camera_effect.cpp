@@ -3,12 +3,29 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <mutex>
+#include <shared_mutex>
 
 namespace simvis {
 namespace {
 
-std::map<std::string_view, CameraEffectType>& registry() {
-  static std::map<std::string_view, CameraEffectType> types;
+struct Registry {
+  std::shared_mutex mutex;  // of types: a plug-in may be loaded while other threads make sensors
+  std::map<std::string_view, CameraEffectType> types;
+};
+
+Registry& registry() {
+  static Registry all;
+  return all;
+}
+
+std::vector<const CameraEffectType*> types_in_order(std::string_view sensor_type) {
+  const std::shared_lock lock(registry().mutex);
+  std::vector<const CameraEffectType*> types;
+  for (const auto& [name, type] : registry().types) {
+    if (may_have(sensor_type, type.type)) types.push_back(&type);
+  }
+  std::ranges::stable_sort(types, {}, &CameraEffectType::order);
   return types;
 }
 
@@ -22,17 +39,13 @@ double CameraLayout::axis_cosine(std::uint32_t x, std::uint32_t y) const {
 
 CameraEffectRegistration::CameraEffectRegistration(const CameraEffectType& type) {
   const EffectRegistration in_catalogue(type.type);
-  registry().emplace(type.type.name, type);
+  const std::lock_guard lock(registry().mutex);
+  registry().types.emplace(type.type.name, type);
 }
 
 std::vector<ChosenCameraEffect> camera_effects(std::string_view sensor_type, const CameraEffectContext& context) {
-  std::vector<const CameraEffectType*> types;
-  for (const auto& [name, type] : registry()) {
-    if (may_have(sensor_type, type.type)) types.push_back(&type);
-  }
-  std::ranges::stable_sort(types, {}, &CameraEffectType::order);
   std::vector<ChosenCameraEffect> chosen;
-  for (const CameraEffectType* type : types) {
+  for (const CameraEffectType* type : types_in_order(sensor_type)) {
     // Made even where no output shows it: its attributes may be wrong.
     std::shared_ptr<const CameraEffect> effect = type->create(context);
     const bool shown = (type->type.outputs & context.outputs) != 0;

@@ -2,13 +2,28 @@
 
 #include <algorithm>
 #include <map>
+#include <mutex>
+#include <shared_mutex>
 #include <tuple>
 
 namespace simvis {
 namespace {
 
-std::map<std::string_view, ScanEffectType>& registry() {
-  static std::map<std::string_view, ScanEffectType> types;
+struct Registry {
+  std::shared_mutex mutex;  // of types: a plug-in may be loaded while other threads make sensors
+  std::map<std::string_view, ScanEffectType> types;
+};
+
+Registry& registry() {
+  static Registry all;
+  return all;
+}
+
+std::vector<const ScanEffectType*> types_in_order() {
+  const std::shared_lock lock(registry().mutex);
+  std::vector<const ScanEffectType*> types;
+  for (const auto& [name, type] : registry().types) types.push_back(&type);
+  std::ranges::stable_sort(types, {}, &ScanEffectType::order);
   return types;
 }
 
@@ -16,15 +31,13 @@ std::map<std::string_view, ScanEffectType>& registry() {
 
 ScanEffectRegistration::ScanEffectRegistration(const ScanEffectType& type) {
   const EffectRegistration in_catalogue(type.type);
-  registry().emplace(type.type.name, type);
+  const std::lock_guard lock(registry().mutex);
+  registry().types.emplace(type.type.name, type);
 }
 
 std::vector<ChosenScanEffect> scan_effects(const ScanEffectContext& context) {
-  std::vector<const ScanEffectType*> types;
-  for (const auto& [name, type] : registry()) types.push_back(&type);
-  std::ranges::stable_sort(types, {}, &ScanEffectType::order);
   std::vector<ChosenScanEffect> chosen;
-  for (const ScanEffectType* type : types) {
+  for (const ScanEffectType* type : types_in_order()) {
     if (std::shared_ptr<const ScanEffect> effect = type->create(context)) {
       chosen.push_back({find_effect_type(type->type.name), std::move(effect), type->called_for});
     }

@@ -79,9 +79,10 @@ std::uint32_t add_node(std::vector<WideNode>& nodes, const Bvh& bvh, std::uint32
 
 }  // namespace
 
-WideBvh::WideBvh(std::span<const Box> boxes) : places_(boxes.size()) {
+WideBvh::WideBvh(std::span<const Box> boxes, ThreadPool* pool) : places_(boxes.size()) {
   if (boxes.empty()) return;
-  add_node(nodes_, build_bvh(boxes, 1), 0, 0, 0, [](std::span<const std::uint32_t> things) { return things[0]; });
+  add_node(nodes_, build_bvh(boxes, 1, 1, pool), 0, 0, 0,
+           [](std::span<const std::uint32_t> things) { return things[0]; });
   nodes_.shrink_to_fit();
   for (std::uint32_t node = 0; node < nodes_.size(); ++node) {
     for (std::uint32_t lane = 0; lane < nodes_[node].children; ++lane) {
@@ -90,11 +91,11 @@ WideBvh::WideBvh(std::span<const Box> boxes) : places_(boxes.size()) {
   }
 }
 
-WideBvh::WideBvh(std::span<const Box> boxes, std::vector<Leaf>& leaves) {
+WideBvh::WideBvh(std::span<const Box> boxes, std::vector<Leaf>& leaves, ThreadPool* pool) {
   leaves.clear();
   if (boxes.empty()) return;
   constexpr auto kMost = static_cast<std::uint32_t>(std::tuple_size_v<Leaf>);
-  add_node(nodes_, build_bvh(boxes, kMost, kMost), 0, 0, 0, [&](std::span<const std::uint32_t> things) {
+  add_node(nodes_, build_bvh(boxes, kMost, kMost, pool), 0, 0, 0, [&](std::span<const std::uint32_t> things) {
     Leaf& leaf = leaves.emplace_back();
     leaf.fill(things.back());
     std::ranges::copy(things, leaf.begin());

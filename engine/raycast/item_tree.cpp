@@ -24,7 +24,7 @@ void ItemTree::build(const RayItems& items) {
   std::vector<Box> boxes;
   boxes.reserve(items.items().size());
   for (const PlacedItem& item : items.items()) boxes.push_back(item.box);
-  tree_ = WideBvh(boxes);
+  tree_ = WideBvh(boxes, &items.threads());
   visits_when_built_ = tree_.expected_visits();
   fitted_ = 0;
   made_ = true;

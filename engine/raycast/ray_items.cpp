@@ -69,7 +69,7 @@ bool RayItems::take_structure(const DrawList& list) {
     wanted.insert(mesh.get());
     std::unique_ptr<RayMesh>& made = meshes_[mesh.get()];
     if (made == nullptr) {
-      made = std::make_unique<RayMesh>(mesh, cache);
+      made = std::make_unique<RayMesh>(mesh, cache, pool_);
       ++counters.meshes_built;
       counters.triangles_built += made->triangles();
     }

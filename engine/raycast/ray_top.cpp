@@ -60,7 +60,7 @@ void RayTop::update(const DrawList& list, RayItems& items, const RayMeshPool& me
 }
 
 void RayTop::build(RayItems& items, Uploads& uploads) {
-  bvh_ = build_bvh(boxes_, 1);
+  bvh_ = build_bvh(boxes_, 1, 1, &items.threads());
   visits_when_built_ = expected_visits(bvh_);
   leaf_of_.resize(boxes_.size());
   for (std::uint32_t i = 0; i < bvh_.order.size(); ++i) leaf_of_[bvh_.order[i]] = i;

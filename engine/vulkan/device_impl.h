@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <deque>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -16,6 +17,8 @@
 #include "engine/vulkan/pipeline_cache.h"
 
 namespace simvis {
+
+class ThreadPool;
 
 /// What memory is for; the device picks the best type that it has.
 enum class MemoryKind : std::uint8_t {
@@ -34,7 +37,7 @@ struct Retired {
 };
 
 struct Device::Impl {
-  explicit Impl(const DeviceDesc& desc);
+  Impl(const DeviceDesc& desc, unsigned pool_size);
   ~Impl();
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
@@ -66,6 +69,7 @@ struct Device::Impl {
   VkQueue queue = VK_NULL_HANDLE;
   std::filesystem::path cache_folder;  ///< empty: nothing is kept on disk
   std::optional<PipelineCache> pipeline_cache;
+  std::shared_ptr<ThreadPool> threads;  ///< of all that works on the host for this device
   ProgressCallback progress;
 
   void report(const Progress& how_far) const {

@@ -33,6 +33,11 @@ struct AttributeOverride {
 struct SimulationDesc {
   double rate_hz = 15;     ///< frames per simulated second, finite and above 0
   std::uint64_t seed = 0;  ///< of all random numbers
+  /// On how many threads a step works, the calling one among them: SimVis casts rays, culls views and prepares meshes
+  /// on them. 0: as many as the machine has; at most 1024, else InputError. Simulations of a process that give the same
+  /// number share one pool of so many threads. Results are the same bytes for every number. The threads of the Vulkan
+  /// driver are its own.
+  unsigned threads = 0;
   DeviceDesc device;
   std::vector<AttributeOverride> overrides;
   /// Called while parts are read (load, execute) and while the meshes that a step shows for the first time are
@@ -66,7 +71,8 @@ struct StageTime {
 /// Time     frame k is taken at round(k * 10^9 / rate) nanoseconds; a sensor with `rate` f fires at the first frame at
 ///          or after each j / f.
 /// Errors   InputError for what the user gave (scene, names, values), MachineError for the device.
-/// Threading  one thread at a time, of any.
+/// Threads  one thread at a time, of any. Several simulations may load and run in different threads at once, and others
+///          may load plug-ins meanwhile; each gives the same bytes as alone.
 class Simulation {
  public:
   /// Throws InputError with FILE:LINE:COLUMN for any mistake in the scene or its parts, before anything is rendered;

@@ -4,6 +4,8 @@
 #include <cstdio>
 #include <cstdlib>
 #include <map>
+#include <mutex>
+#include <shared_mutex>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,7 +15,9 @@
 namespace simvis {
 
 /// `Type` has `name` and `attributes`. Use one as a function's static, so that it exists before the first registration
-/// of any file or plug-in.
+/// of any file or plug-in. Types are never removed, so pointers to them stay valid.
+///
+/// Threads  all functions from any thread: one may load a plug-in while others look types up.
 template <typename Type>
 class TypeRegistry {
  public:
@@ -23,15 +27,18 @@ class TypeRegistry {
   void add(const Type& type) {
     const std::string wrong = check_table(type.attributes);
     if (!wrong.empty()) stop(type, wrong);
+    const std::lock_guard lock(mutex_);
     if (!types_.emplace(type.name, type).second) stop(type, "registered twice");
   }
 
   const Type* find(std::string_view name) const {
+    const std::shared_lock lock(mutex_);
     const auto found = types_.find(name);
     return found == types_.end() ? nullptr : &found->second;
   }
 
   std::vector<const Type*> sorted() const {
+    const std::shared_lock lock(mutex_);
     std::vector<const Type*> types;
     for (const auto& [name, type] : types_) types.push_back(&type);
     return types;
@@ -45,6 +52,7 @@ class TypeRegistry {
   }
 
   std::string_view family_;
+  mutable std::shared_mutex mutex_;  // of types_
   std::map<std::string_view, Type> types_;
 };
 
