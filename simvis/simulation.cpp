@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <mutex>
 #include <optional>
 #include <utility>
 
@@ -114,6 +115,9 @@ void Simulation::Impl::take_new_sensors() {
 
 const WorkTable& Simulation::Impl::costs() {
   if (!device_costs) {
+    // Simulations that measure at the same time would disturb one another; with a cache, one measurement serves all.
+    static std::mutex measuring;
+    const std::lock_guard lock(measuring);
     const std::filesystem::path file = device_costs_file(device, cache, version());
     device_costs = load_device_costs(file);
     const std::unique_ptr<RayCaster> rays = make_ray_caster(device);

@@ -2,13 +2,17 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <memory>
+#include <random>
 #include <thread>
+#include <vector>
 
+#include <simvis/ray_caster.h>
 #include "engine/base/thread_pool.h"
 #include "engine/geometry/clusters.h"
 #include "engine/geometry/wide_bvh.h"
-#include "tests/support/ray_casting.h"
 
 namespace simvis {
 namespace {
@@ -50,13 +54,24 @@ DrawList one_item(Mesh mesh) {
 
 std::vector<glm::dvec3> random_directions(std::size_t count) {
   std::mt19937 random(7);
+  std::normal_distribution<double> normal;
   std::vector<glm::dvec3> directions;
-  while (directions.size() < count) directions.push_back(random_direction(random));
+  while (directions.size() < count) {
+    const double x = normal(random), y = normal(random), z = normal(random);
+    directions.push_back(glm::normalize(glm::dvec3(x, y, z)));
+  }
   return directions;
 }
 
+std::vector<RayHit> hits_of(RayCaster& caster, const DrawList& list, const std::vector<glm::dvec3>& directions) {
+  std::vector<RayHit> hits(directions.size());
+  caster.set_world(list);
+  caster.cast(glm::dmat4(1.0), directions, hits);
+  return hits;
+}
+
 std::vector<RayHit> cast_with(unsigned threads, const DrawList& list, const std::vector<glm::dvec3>& directions) {
-  return RayEngine{make_host_ray_caster({}, threads)}.cast(list, glm::dmat4(1.0), directions);
+  return hits_of(*make_host_ray_caster({}, threads), list, directions);
 }
 
 TEST_CASE("hits are the same on any number of threads") {
@@ -80,8 +95,8 @@ TEST_CASE("casters in different threads do not disturb one another") {
     std::vector<std::jthread> callers;
     for (int& mine : same) {
       callers.emplace_back([&] {
-        const RayEngine engine{make_host_ray_caster({}, threads)};
-        for (int round = 0; round < 5; ++round) mine += engine.cast(list, glm::dmat4(1.0), directions) == expected;
+        const std::unique_ptr<RayCaster> caster = make_host_ray_caster({}, threads);
+        for (int round = 0; round < 5; ++round) mine += hits_of(*caster, list, directions) == expected;
       });
     }
     callers.clear();
