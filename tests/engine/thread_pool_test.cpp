@@ -101,8 +101,8 @@ TEST_CASE("loops within loops end, however few threads there are") {
         });
       }
     });
-    CHECK(done == 5 * 6 * 7);
-    CHECK(sum(pool, 0, 3000) == 3000 * 2999 / 2);
+    CHECK(done.load() == 5 * 6 * 7);
+    CHECK(sum(pool, 0, 3000) == 3000u * 2999 / 2);
   }
 }
 
@@ -120,7 +120,7 @@ TEST_CASE("what waits for a thread of the pool helps it") {
         pool.notify();
       }
       pool.help_while([&] { return state.load() == 1; });
-      CHECK(made == 2000 * 1999 / 2);
+      CHECK(made == 2000u * 1999 / 2);
     });
   }
 }
