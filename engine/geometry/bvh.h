@@ -40,7 +40,7 @@ struct Bvh {
 
 /// Boxes are finite. The same boxes give the same tree. To look at up to `at_once` things of a leaf costs as much as to
 /// look at one. `pool`: the threads to build it on, null for the caller's alone; the tree is the same.
-Bvh build_bvh(std::span<const Box> boxes, std::uint32_t most_in_leaf, std::uint32_t at_once = 1,
+Bvh build_bvh(std::span<const Box> boxes, std::uint32_t max_leaf_size, std::uint32_t at_once = 1,
               ThreadPool* pool = nullptr);
 
 /// Fits the tree to boxes that have changed: it stays right, and gets slower where things have moved far. Returns the
@@ -48,6 +48,6 @@ Bvh build_bvh(std::span<const Box> boxes, std::uint32_t most_in_leaf, std::uint3
 std::vector<std::uint32_t> refit(Bvh& bvh, std::span<const Box> boxes);
 
 /// How many boxes a random ray meets that meets the root's, by their surface areas. 0 for an empty tree.
-double expected_visits(const Bvh& bvh);
+double sah_cost(const Bvh& bvh);
 
 }  // namespace simvis
