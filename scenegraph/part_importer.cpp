@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <map>
+#include <mutex>
+#include <shared_mutex>
 
 #include "engine/base/assert.h"
 #include "scenegraph/language/registrations.h"
@@ -9,10 +11,15 @@
 namespace simvis {
 namespace {
 
+struct Importers {
+  std::shared_mutex mutex;  // of by_ending: a plug-in may be loaded while other threads read parts
+  std::map<std::string, PartImporter> by_ending;
+};
+
 // A function's static, so that it exists before the first registration of any other file.
-std::map<std::string, PartImporter>& importers() {
-  static std::map<std::string, PartImporter> map;
-  return map;
+Importers& importers() {
+  static Importers all;
+  return all;
 }
 
 std::string lower_case(std::string text) {
@@ -29,24 +36,33 @@ PartImporterRegistration::PartImporterRegistration(std::vector<std::string> endi
   Registrations& registrations = Registrations::instance();
   for (const std::string& ending : endings) {
     std::string wrong = Registrations::check_version(built_for);
-    if (wrong.empty() && importers().contains(ending)) wrong = "another format has this ending already";
+    {
+      const std::lock_guard lock(importers().mutex);
+      if (wrong.empty() && !importers().by_ending.emplace(ending, importer).second) {
+        wrong = "another format has this ending already";
+      }
+    }
     if (!wrong.empty()) {
       registrations.refuse("part format \"" + ending + "\": " + wrong);
       continue;
     }
-    importers().emplace(ending, importer);
-    registrations.accept([ending] { importers().erase(ending); });
+    registrations.accept([ending] {
+      const std::lock_guard lock(importers().mutex);
+      importers().by_ending.erase(ending);
+    });
   }
 }
 
 PartImporter find_part_importer(const std::filesystem::path& file) {
-  const auto found = importers().find(lower_case(file.extension().string()));
-  return found == importers().end() ? nullptr : found->second;
+  const std::shared_lock lock(importers().mutex);
+  const auto found = importers().by_ending.find(lower_case(file.extension().string()));
+  return found == importers().by_ending.end() ? nullptr : found->second;
 }
 
 std::vector<std::string> known_part_endings() {
+  const std::shared_lock lock(importers().mutex);
   std::vector<std::string> endings;
-  for (const auto& [ending, importer] : importers()) endings.push_back(ending);
+  for (const auto& [ending, importer] : importers().by_ending) endings.push_back(ending);
   return endings;
 }
 

@@ -3,6 +3,7 @@
 #include <dlfcn.h>
 
 #include <string>
+#include <vector>
 
 #include <simvis/error.h>
 #include "scenegraph/language/registrations.h"
@@ -26,9 +27,8 @@ void load_plugin(const std::filesystem::path& file) {
   if (library == nullptr) refuse(file, ::dlerror());
 
   std::string reason;
-  for (std::size_t i = refused; i < registrations.refused().size(); ++i) {
-    reason += (reason.empty() ? "" : "; ") + registrations.refused()[i];
-  }
+  const std::vector<std::string> reasons = registrations.refused();
+  for (std::size_t i = refused; i < reasons.size(); ++i) reason += (reason.empty() ? "" : "; ") + reasons[i];
   if (reason.empty() && registrations.accepted() == accepted) {
     reason = "it registers no element, sensor, effect or part format with this SimVis";
   }

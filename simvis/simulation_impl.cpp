@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <mutex>
 #include <utility>
 
 #include <simvis/cost_model.h>
@@ -36,7 +37,7 @@ SimulationImpl::SimulationImpl(const SimulationDesc& desc, std::span<const Comma
     : clock(desc.rate_hz),
       scene(desc.overrides, commands, desc.seed, desc.progress),
       cache(cache_folder(desc.device.cache_dir)),
-      device(device_desc(desc)),
+      device(device_desc(desc), desc.threads),
       sensing(scene.built.scene.root(), Audience::sensors, device),
       instrumented(desc.device.instrumented) {
   scene.require(device.target_limits());
@@ -55,6 +56,9 @@ void SimulationImpl::add_new_sensors() {
 
 const CostModel& SimulationImpl::costs() {
   if (!device_costs) {
+    // Simulations that measure at the same time would disturb one another; with a cache, one measurement serves all.
+    static std::mutex measuring;
+    const std::lock_guard lock(measuring);
     const std::filesystem::path file = cost_model_file(device, cache, version());
     device_costs = load_cost_model(file);
     const std::unique_ptr<RayCaster> rays = make_ray_caster(device);

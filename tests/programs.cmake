@@ -13,9 +13,26 @@ target_compile_definitions(simvis_test_main PUBLIC
   SIMVIS_SOURCE_DIR="${PROJECT_SOURCE_DIR}" SIMVIS_BINARY_DIR="${PROJECT_BINARY_DIR}"
   SIMVIS_SHARED_DATA="${PROJECT_SOURCE_DIR}/../shared/data")
 
+# For the thread sanitizer host_thread_tests are built with no more than what they test, so that this takes a minute.
+if(SIMVIS_SANITIZE MATCHES "thread")
+  file(GLOB host_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/engine/base/*.cpp ${PROJECT_SOURCE_DIR}/engine/draw/*.cpp
+                                           ${PROJECT_SOURCE_DIR}/engine/geometry/*.cpp
+                                           ${PROJECT_SOURCE_DIR}/engine/raycast/*.cpp)
+  list(FILTER host_sources EXCLUDE REGEX "/raycast/(device_.*|ray_block|ray_caster|ray_dispatch|ray_mesh_pool|ray_top).cpp$")
+  add_library(simvis_host_threads STATIC EXCLUDE_FROM_ALL
+              ${host_sources} ${PROJECT_SOURCE_DIR}/simvis/output/encoding_queue.cpp support/test_main.cpp
+              support/temporary_folder.cpp)
+  target_include_directories(simvis_host_threads PUBLIC ${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR})
+  target_link_libraries(simvis_host_threads PUBLIC glm::glm Threads::Threads)
+endif()
+
 foreach(source IN LISTS tests)
   get_filename_component(name ${source} NAME_WE)
   add_executable(${name} ${source})
+  if(SIMVIS_SANITIZE MATCHES "thread" AND name IN_LIST host_thread_tests)
+    target_link_libraries(${name} PRIVATE simvis_host_threads)
+    continue()
+  endif()
   target_link_libraries(${name} PRIVATE simvis_test_main)
   target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)  # compiles in two thirds of the time
   if(SIMVIS_PRECOMPILE AND first)
@@ -40,6 +57,8 @@ add_dependencies(cli_test simvis-run)
 add_dependencies(price_test simvis-run)
 add_dependencies(psd_test simvis-run)
 add_dependencies(shard_test simvis-run)
+add_dependencies(side_by_side_test simvis_example_plugin)
+add_dependencies(threads_option_test simvis-run)
 
 # OpenCV's semi-global matching and lens models, where they are there. Debian has these two libraries apart from the package of all of
 # OpenCV, which is the one that carries the CMake files.
@@ -54,3 +73,6 @@ if(SIMVIS_OPENCV_INCLUDE AND SIMVIS_OPENCV_CALIB3D AND SIMVIS_OPENCV_CORE)
     target_compile_definitions(${name} PRIVATE SIMVIS_HAS_OPENCV)
   endforeach()
 endif()
+
+add_custom_target(host_thread_tests DEPENDS ${host_thread_tests})
+add_custom_target(thread_tests DEPENDS ${thread_tests})

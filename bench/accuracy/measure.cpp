@@ -48,7 +48,10 @@ class Measurement {
 };
 
 Measurement::Measurement(Simulation& simulation, const AccuracyScanner& scanner, std::vector<Variant> variants)
-    : simulation_(simulation), scanner_(scanner), variants_(std::move(variants)), truth_(simulation.diagnostics().draw_list()) {
+    : simulation_(simulation),
+      scanner_(scanner),
+      variants_(std::move(variants)),
+      truth_(simulation.diagnostics().draw_list()) {
   for (const Variant& v : variants_) results_.push_back({v.method, v.max_error_rel, v.resolution_px});
 }
 

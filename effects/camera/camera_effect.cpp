@@ -3,14 +3,31 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <mutex>
+#include <shared_mutex>
 
 #include "scenegraph/language/registrations.h"
 
 namespace simvis {
 namespace {
 
-std::map<std::string_view, CameraEffectType>& registry() {
-  static std::map<std::string_view, CameraEffectType> types;
+struct Registry {
+  std::shared_mutex mutex;  // of types: a plug-in may be loaded while other threads make sensors
+  std::map<std::string_view, CameraEffectType> types;
+};
+
+Registry& registry() {
+  static Registry all;
+  return all;
+}
+
+std::vector<const CameraEffectType*> types_in_order(std::string_view sensor_type) {
+  const std::shared_lock lock(registry().mutex);
+  std::vector<const CameraEffectType*> types;
+  for (const auto& [name, type] : registry().types) {
+    if (may_have(sensor_type, type.type)) types.push_back(&type);
+  }
+  std::ranges::stable_sort(types, {}, &CameraEffectType::order);
   return types;
 }
 
@@ -18,18 +35,19 @@ std::map<std::string_view, CameraEffectType>& registry() {
 
 CameraEffectRegistration::CameraEffectRegistration(const CameraEffectType& type, std::string_view built_for) {
   if (!EffectRegistration(type.type, built_for).accepted) return;
-  registry().emplace(type.type.name, type);
-  Registrations::instance().accept([name = type.type.name] { registry().erase(name); });
+  {
+    const std::lock_guard lock(registry().mutex);
+    registry().types.emplace(type.type.name, type);
+  }
+  Registrations::instance().accept([name = type.type.name] {
+    const std::lock_guard lock(registry().mutex);
+    registry().types.erase(name);
+  });
 }
 
 std::vector<ChosenCameraEffect> camera_effects(std::string_view sensor_type, const CameraEffectContext& context) {
-  std::vector<const CameraEffectType*> types;
-  for (const auto& [name, type] : registry()) {
-    if (may_have(sensor_type, type.type)) types.push_back(&type);
-  }
-  std::ranges::stable_sort(types, {}, &CameraEffectType::order);
   std::vector<ChosenCameraEffect> chosen;
-  for (const CameraEffectType* type : types) {
+  for (const CameraEffectType* type : types_in_order(sensor_type)) {
     // Made even where no output shows it: its attributes may be wrong.
     std::shared_ptr<const CameraEffect> effect = type->create(context);
     const bool shown = (type->type.outputs & context.outputs) != 0;

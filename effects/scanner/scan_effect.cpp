@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <map>
+#include <mutex>
+#include <shared_mutex>
 #include <tuple>
 
 #include "scenegraph/language/registrations.h"
@@ -9,8 +11,21 @@
 namespace simvis {
 namespace {
 
-std::map<std::string_view, ScanEffectType>& registry() {
-  static std::map<std::string_view, ScanEffectType> types;
+struct Registry {
+  std::shared_mutex mutex;  // of types: a plug-in may be loaded while other threads make sensors
+  std::map<std::string_view, ScanEffectType> types;
+};
+
+Registry& registry() {
+  static Registry all;
+  return all;
+}
+
+std::vector<const ScanEffectType*> types_in_order() {
+  const std::shared_lock lock(registry().mutex);
+  std::vector<const ScanEffectType*> types;
+  for (const auto& [name, type] : registry().types) types.push_back(&type);
+  std::ranges::stable_sort(types, {}, &ScanEffectType::order);
   return types;
 }
 
@@ -18,16 +33,19 @@ std::map<std::string_view, ScanEffectType>& registry() {
 
 ScanEffectRegistration::ScanEffectRegistration(const ScanEffectType& type, std::string_view built_for) {
   if (!EffectRegistration(type.type, built_for).accepted) return;
-  registry().emplace(type.type.name, type);
-  Registrations::instance().accept([name = type.type.name] { registry().erase(name); });
+  {
+    const std::lock_guard lock(registry().mutex);
+    registry().types.emplace(type.type.name, type);
+  }
+  Registrations::instance().accept([name = type.type.name] {
+    const std::lock_guard lock(registry().mutex);
+    registry().types.erase(name);
+  });
 }
 
 std::vector<ChosenScanEffect> scan_effects(const ScanEffectContext& context) {
-  std::vector<const ScanEffectType*> types;
-  for (const auto& [name, type] : registry()) types.push_back(&type);
-  std::ranges::stable_sort(types, {}, &ScanEffectType::order);
   std::vector<ChosenScanEffect> chosen;
-  for (const ScanEffectType* type : types) {
+  for (const ScanEffectType* type : types_in_order()) {
     if (std::shared_ptr<const ScanEffect> effect = type->create(context)) {
       chosen.push_back({find_effect_type(type->type.name), std::move(effect), type->called_for});
     }

@@ -1,12 +1,11 @@
 #include "engine/base/cache_file.h"
 
-#include <unistd.h>
-
 #include <cstdlib>
 #include <fstream>
 #include <system_error>
 
 #include "engine/base/fnv1a.h"
+#include "engine/base/temporary_name.h"
 
 namespace simvis {
 
@@ -20,7 +19,7 @@ std::filesystem::path cache_folder(const std::string& wish) {
 void write_cache_file(const std::filesystem::path& file, std::string_view content) {
   std::error_code failure;
   std::filesystem::create_directories(file.parent_path(), failure);
-  const std::filesystem::path temporary = file.string() + "." + std::to_string(getpid());
+  const std::filesystem::path temporary = file.string() + "." + temporary_name();
   std::ofstream out(temporary, std::ios::binary);
   out.write(content.data(), static_cast<std::streamsize>(content.size()));
   out.close();

@@ -13,8 +13,8 @@ namespace simvis {
 /// cache on disk) when none of them is known.
 std::filesystem::path cache_folder(const std::string& wish);
 
-/// First under another name, then renamed. A folder that cannot be written is no error: there is no file then, or the
-/// old one.
+/// First under another name, then renamed: several threads and processes may write one file at once. A folder that
+/// cannot be written is no error: there is no file then, or the old one.
 void write_cache_file(const std::filesystem::path& file, std::string_view content);
 
 /// A 64-bit FNV-1a hash, by which a reader knows that a file is as it was written.

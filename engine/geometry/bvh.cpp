@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <bit>
-#include <future>
 #include <limits>
-#include <thread>
 #include <vector>
+
+#include "engine/base/thread_pool.h"
 
 namespace simvis {
 
@@ -94,23 +94,23 @@ Split best_split(std::span<const Primitive> primitives, const Bins& bins, std::u
 /// Puts things into the order of the leaves; a subtree's nodes begin with its root.
 class Builder {
  public:
-  Builder(std::vector<Primitive>& primitives, std::uint32_t max_leaf_size, std::uint32_t at_once)
-      : primitives_(primitives), max_leaf_size_(max_leaf_size), at_once_(at_once) {}
+  Builder(std::vector<Primitive>& primitives, std::uint32_t max_leaf_size, std::uint32_t at_once, ThreadPool* pool)
+      : primitives_(primitives), max_leaf_size_(max_leaf_size), at_once_(at_once), pool_(pool) {}
 
-  /// `threads`: on how many.
-  std::vector<BvhNode> build(std::uint32_t first, std::uint32_t count, std::uint32_t depth, unsigned threads) {
+  std::vector<BvhNode> build(std::uint32_t first, std::uint32_t count, std::uint32_t depth) {
     std::vector<BvhNode> nodes(1);
-    build(nodes, 0, first, count, depth, threads);
+    build(nodes, 0, first, count, depth);
     return nodes;
   }
 
  private:
   void build(std::vector<BvhNode>& nodes, std::uint32_t node, std::uint32_t first, std::uint32_t count,
-             std::uint32_t depth, unsigned threads);
+             std::uint32_t depth);
   std::uint32_t divide(std::span<Primitive> primitives, std::uint32_t depth, double area);
 
   std::vector<Primitive>& primitives_;
   std::uint32_t max_leaf_size_, at_once_;
+  ThreadPool* pool_;  // null: the caller's thread alone
 };
 
 // Puts a node's things into the order of its children; returns how many go to the first, 0 for a leaf.
@@ -156,7 +156,7 @@ void graft(std::vector<BvhNode>& nodes, std::uint32_t node, std::span<const BvhN
 }
 
 void Builder::build(std::vector<BvhNode>& nodes, std::uint32_t node, std::uint32_t first, std::uint32_t count,
-                    std::uint32_t depth, unsigned threads) {
+                    std::uint32_t depth) {
   Box box = kNothing;
   const std::span<Primitive> primitives = std::span(primitives_).subspan(first, count);
   for (const Primitive& primitive : primitives) box = joined(box, primitive.box);
@@ -167,29 +167,28 @@ void Builder::build(std::vector<BvhNode>& nodes, std::uint32_t node, std::uint32
   nodes[node].first = children;
   nodes[node].count = 0;
   nodes.resize(children + 2);
-  constexpr std::uint32_t kFew = 50'000;  // a thread costs what dividing a thousand does
-  if (threads < 2 || count < kFew) {
-    build(nodes, children, first, left, depth + 1, threads);
-    build(nodes, children + 1, first + left, count - left, depth + 1, threads);
+  constexpr std::uint32_t kFew = 50'000;  // to wake a thread costs less than to divide a thousand
+  if (pool_ == nullptr || pool_->size() == 1 || count < kFew) {
+    build(nodes, children, first, left, depth + 1);
+    build(nodes, children + 1, first + left, count - left, depth + 1);
     return;
   }
-  std::future<std::vector<BvhNode>> before =
-      std::async(std::launch::async, [&] { return build(first, left, depth + 1, threads / 2); });
-  const std::vector<BvhNode> after = build(first + left, count - left, depth + 1, threads - threads / 2);
-  graft(nodes, children, before.get());
+  std::vector<BvhNode> before, after;
+  pool_->parallel_both([&] { before = build(first, left, depth + 1); },
+                       [&] { after = build(first + left, count - left, depth + 1); });
+  graft(nodes, children, before);
   graft(nodes, children + 1, after);
 }
 
 }  // namespace
 
-Bvh build_bvh(std::span<const Box> boxes, std::uint32_t max_leaf_size, std::uint32_t at_once) {
+Bvh build_bvh(std::span<const Box> boxes, std::uint32_t max_leaf_size, std::uint32_t at_once, ThreadPool* pool) {
   Bvh bvh;
   if (boxes.empty()) return bvh;
   const auto count = static_cast<std::uint32_t>(boxes.size());
   std::vector<Primitive> primitives(count);
   for (std::uint32_t i = 0; i < count; ++i) primitives[i] = {boxes[i], i};
-  bvh.nodes =
-      Builder(primitives, max_leaf_size, at_once).build(0, count, 0, std::max(1u, std::thread::hardware_concurrency()));
+  bvh.nodes = Builder(primitives, max_leaf_size, at_once, pool).build(0, count, 0);
   bvh.order.reserve(count);
   for (const Primitive& primitive : primitives) bvh.order.push_back(primitive.number);
   return bvh;

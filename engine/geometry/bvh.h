@@ -11,6 +11,8 @@
 
 namespace simvis {
 
+class ThreadPool;
+
 struct Box {
   glm::vec3 low{0}, high{0};
 
@@ -37,8 +39,9 @@ struct Bvh {
 };
 
 /// Boxes are finite. The same boxes give the same tree. To look at up to `at_once` things of a leaf costs as much as to
-/// look at one.
-Bvh build_bvh(std::span<const Box> boxes, std::uint32_t max_leaf_size, std::uint32_t at_once = 1);
+/// look at one. `pool`: the threads to build it on, null for the caller's alone; the tree is the same.
+Bvh build_bvh(std::span<const Box> boxes, std::uint32_t max_leaf_size, std::uint32_t at_once = 1,
+              ThreadPool* pool = nullptr);
 
 /// Fits the tree to boxes that have changed: it stays right, and gets slower where things have moved far. Returns the
 /// nodes that are other than before, in ascending order.

@@ -19,15 +19,15 @@ bool holds_each_once(const std::vector<std::uint32_t>& order) {
 
 }  // namespace
 
-Clustering make_clusters_cached(const Mesh& mesh, const std::filesystem::path& folder) {
+Clustering make_clusters_cached(const Mesh& mesh, const std::filesystem::path& folder, ThreadPool* pool) {
   const std::size_t triangles = mesh.indices.size() / 3;
   if (folder.empty() || mesh.topology != Topology::triangles || triangles < kMinCachedTriangles) {
-    return make_clusters(mesh);
+    return make_clusters(mesh, pool);
   }
   const MeshCacheFile file(folder, "clusters", kVersion, mesh);
   std::vector<std::uint32_t> order = file.read();
   if (order.size() != triangles || !holds_each_once(order)) {
-    order = order_in_space(mesh);
+    order = order_in_space(mesh, pool);
     file.write(order);
   }
   return clusters_in_order(mesh, order);

@@ -1,10 +1,10 @@
 #include "engine/geometry/clusters.h"
 
 #include <algorithm>
-#include <future>
 #include <limits>
 #include <span>
-#include <thread>
+
+#include "engine/base/thread_pool.h"
 
 namespace simvis {
 namespace {
@@ -93,17 +93,16 @@ void halve(std::span<Placed> placed) {
 }
 
 // A half has nothing to do with the other one: however many threads sort them, the order is the same.
-void sort_in_space(std::span<Placed> placed, unsigned threads) {
+void sort_in_space(std::span<Placed> placed, ThreadPool* pool) {
   if (placed.size() <= kClusterTriangles) return;
   halve(placed);
   const std::span<Placed> front = placed.first(placed.size() / 2), back = placed.subspan(placed.size() / 2);
   constexpr std::size_t kWorthAThread = 1u << 14;
-  std::future<void> other;
-  if (threads > 1 && placed.size() >= kWorthAThread) {
-    other = std::async(std::launch::async, [back, threads] { sort_in_space(back, threads / 2); });
+  if (pool != nullptr && placed.size() >= kWorthAThread) {
+    return pool->parallel_both([&] { sort_in_space(front, pool); }, [&] { sort_in_space(back, pool); });
   }
-  sort_in_space(front, threads - threads / 2);
-  if (!other.valid()) sort_in_space(back, 1);
+  sort_in_space(front, nullptr);
+  sort_in_space(back, nullptr);
 }
 
 // How many triangles each cluster has, in order, follows from how many there are in all.
@@ -115,9 +114,9 @@ void add_cluster_sizes(std::size_t triangles, std::vector<std::size_t>& sizes) {
 
 }  // namespace
 
-std::vector<std::uint32_t> order_in_space(const Mesh& mesh) {
+std::vector<std::uint32_t> order_in_space(const Mesh& mesh, ThreadPool* pool) {
   std::vector<Placed> placed = place(mesh);
-  sort_in_space(placed, std::max(1u, std::thread::hardware_concurrency()));
+  sort_in_space(placed, pool);
   std::vector<std::uint32_t> order;
   order.reserve(placed.size());
   for (const Placed& each : placed) order.push_back(each.triangle);
@@ -141,8 +140,8 @@ Clustering clusters_in_order(const Mesh& mesh, std::span<const std::uint32_t> or
   return result;
 }
 
-Clustering make_clusters(const Mesh& mesh) {
-  if (mesh.topology == Topology::triangles) return clusters_in_order(mesh, order_in_space(mesh));
+Clustering make_clusters(const Mesh& mesh, ThreadPool* pool) {
+  if (mesh.topology == Topology::triangles) return clusters_in_order(mesh, order_in_space(mesh, pool));
   Box box;
   for (const std::uint32_t vertex : mesh.indices) box.add(mesh.positions[vertex]);
   Clustering result;

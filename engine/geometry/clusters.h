@@ -10,6 +10,8 @@
 
 namespace simvis {
 
+class ThreadPool;
+
 /// A run of triangles and the box that they fill, in the mesh's frame.
 struct Cluster {
   std::uint32_t first_index = 0, index_count = 0;
@@ -40,11 +42,12 @@ struct Clustering {
 };
 
 /// Halves the triangles along the longest side of their centres' box until no half has more than kClusterTriangles.
-Clustering make_clusters(const Mesh& mesh);
+/// `pool`: the threads to do it on, null for the caller's alone; the result is the same.
+Clustering make_clusters(const Mesh& mesh, ThreadPool* pool = nullptr);
 
 /// The two steps of it for triangles: the numbers of a mesh's triangles in their new order, which depends on nothing
 /// but the mesh; and the clusters of triangles that are in such an order.
-std::vector<std::uint32_t> order_in_space(const Mesh& mesh);
+std::vector<std::uint32_t> order_in_space(const Mesh& mesh, ThreadPool* pool = nullptr);
 Clustering clusters_in_order(const Mesh& mesh, std::span<const std::uint32_t> order);
 
 }  // namespace simvis

@@ -132,11 +132,11 @@ class TreeReader {
 }  // namespace
 
 WideBvh make_tree_cached(const Mesh& mesh, std::span<const Box> boxes, std::vector<WideBvh::Leaf>& leaves,
-                         const std::filesystem::path& folder) {
-  if (folder.empty() || boxes.size() < kMinCachedTriangles) return WideBvh(boxes, leaves);
+                         const std::filesystem::path& folder, ThreadPool* pool) {
+  if (folder.empty() || boxes.size() < kMinCachedTriangles) return WideBvh(boxes, leaves, pool);
   const MeshCacheFile file(folder, "tree", kVersion, mesh);
   if (std::optional<WideBvh> kept = TreeReader(file.read(), boxes).read(leaves)) return std::move(*kept);
-  WideBvh tree(boxes, leaves);
+  WideBvh tree(boxes, leaves, pool);
   file.write(words_of(tree, leaves));
   return tree;
 }

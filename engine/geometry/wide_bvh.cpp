@@ -79,9 +79,9 @@ std::uint32_t add_node(std::vector<WideNode>& nodes, const Bvh& bvh, std::uint32
 
 }  // namespace
 
-WideBvh::WideBvh(std::span<const Box> boxes) : places_(boxes.size()) {
+WideBvh::WideBvh(std::span<const Box> boxes, ThreadPool* pool) : places_(boxes.size()) {
   if (boxes.empty()) return;
-  add_node(nodes_, build_bvh(boxes, 1), 0, 0, 0,
+  add_node(nodes_, build_bvh(boxes, 1, 1, pool), 0, 0, 0,
            [](std::span<const std::uint32_t> primitives) { return primitives[0]; });
   nodes_.shrink_to_fit();
   for (std::uint32_t node = 0; node < nodes_.size(); ++node) {
@@ -91,11 +91,11 @@ WideBvh::WideBvh(std::span<const Box> boxes) : places_(boxes.size()) {
   }
 }
 
-WideBvh::WideBvh(std::span<const Box> boxes, std::vector<Leaf>& leaves) {
+WideBvh::WideBvh(std::span<const Box> boxes, std::vector<Leaf>& leaves, ThreadPool* pool) {
   leaves.clear();
   if (boxes.empty()) return;
   constexpr auto kMax = static_cast<std::uint32_t>(std::tuple_size_v<Leaf>);
-  add_node(nodes_, build_bvh(boxes, kMax, kMax), 0, 0, 0, [&](std::span<const std::uint32_t> primitives) {
+  add_node(nodes_, build_bvh(boxes, kMax, kMax, pool), 0, 0, 0, [&](std::span<const std::uint32_t> primitives) {
     Leaf& leaf = leaves.emplace_back();
     leaf.fill(primitives.back());
     std::ranges::copy(primitives, leaf.begin());

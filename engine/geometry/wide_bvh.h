@@ -34,12 +34,12 @@ class WideBvh {
   using Leaf = std::array<std::uint32_t, 4>;
 
   WideBvh() = default;
-  /// Boxes are finite. The same boxes give the same tree. Every thing is a leaf of its own, of its own number, and can
-  /// be moved.
-  explicit WideBvh(std::span<const Box> boxes);
+  /// Boxes are finite. The same boxes give the same tree. `pool` as for build_bvh(). Every thing is a leaf of its own,
+  /// of its own number, and can be moved.
+  explicit WideBvh(std::span<const Box> boxes, ThreadPool* pool = nullptr);
 
   /// The same with up to four things in a leaf; leaf i's are leaves[i].
-  WideBvh(std::span<const Box> boxes, std::vector<Leaf>& leaves);
+  WideBvh(std::span<const Box> boxes, std::vector<Leaf>& leaves, ThreadPool* pool = nullptr);
 
   /// Of such nodes, of which nothing can be moved.
   explicit WideBvh(std::vector<WideNode> nodes) : nodes_(std::move(nodes)) {}

@@ -2,12 +2,13 @@
 
 #include <utility>
 
+#include "engine/base/thread_pool.h"
 #include "engine/geometry/tree_cache.h"
 
 namespace simvis {
 
-Blas::Blas(std::shared_ptr<const Mesh> mesh, std::filesystem::path cache)
-    : mesh_(std::move(mesh)), cache_(std::move(cache)) {
+Blas::Blas(std::shared_ptr<const Mesh> mesh, std::filesystem::path cache, std::shared_ptr<ThreadPool> pool)
+    : mesh_(std::move(mesh)), cache_(std::move(cache)), pool_(std::move(pool)) {
   const glm::dvec3 low(mesh_->bounds_min), high(mesh_->bounds_max);
   centre_ = 0.5 * (low + high);
   radius_ = 0.5 * glm::length(high - low);
@@ -15,15 +16,30 @@ Blas::Blas(std::shared_ptr<const Mesh> mesh, std::filesystem::path cache)
 }
 
 void Blas::make_tree() const {
-  const std::lock_guard lock(making_);
-  if (made_.load(std::memory_order_relaxed)) return;
-  tree_ = make_tree_cached(*mesh_, boxes(), leaves_, cache_);
-  made_.store(true, std::memory_order_release);
+  State state = State::none;
+  while (!state_.compare_exchange_strong(state, State::making, std::memory_order_acquire)) {
+    if (state == State::made) return;
+    // To wait for a lock instead would take the builder's helpers away.
+    pool_->help_while([this] { return state_.load(std::memory_order_acquire) == State::making; });
+    state = State::none;
+  }
+  try {
+    tree_ = make_tree_cached(*mesh_, boxes(), leaves_, cache_, pool_.get());
+  } catch (...) {
+    end_making(State::none);
+    throw;
+  }
+  end_making(State::made);
+}
+
+void Blas::end_making(State state) const {
+  state_.store(state, std::memory_order_release);
+  pool_->notify();
 }
 
 Bvh Blas::make_device_tree() const {
   constexpr std::uint32_t kMaxLeafSize = 4;
-  return build_bvh(boxes(), kMaxLeafSize);
+  return build_bvh(boxes(), kMaxLeafSize, 1, pool_.get());
 }
 
 std::vector<Box> Blas::boxes() const {

@@ -5,7 +5,6 @@
 #include <atomic>
 #include <filesystem>
 #include <memory>
-#include <mutex>
 #include <vector>
 
 #include <simvis/mesh.h>
@@ -16,8 +15,8 @@ namespace simvis {
 /// A mesh of triangles and its unit frame, in which it lies in the unit ball: (p - centre) / radius.
 class Blas {
  public:
-  /// `cache`: a folder where the tree of a large mesh is kept; empty: nowhere.
-  Blas(std::shared_ptr<const Mesh> mesh, std::filesystem::path cache);
+  /// `cache`: a folder where the tree of a large mesh is kept; empty: nowhere. `pool`: on which trees are built.
+  Blas(std::shared_ptr<const Mesh> mesh, std::filesystem::path cache, std::shared_ptr<ThreadPool> pool);
 
   const std::shared_ptr<const Mesh>& mesh() const { return mesh_; }
   std::uint32_t triangles() const { return static_cast<std::uint32_t>(mesh_->indices.size() / 3); }
@@ -26,9 +25,9 @@ class Blas {
   const glm::dvec3& half_size() const { return half_size_; }  ///< of the box, in radii
 
   /// Over the triangles in the unit frame, rounded to float32, leaf by leaf those of leaves(). Empty if the radius is
-  /// 0. Made when first asked for, by whichever thread.
+  /// 0. Made when first asked for, by whichever thread; others that ask meanwhile help.
   const WideBvh& tree() const {
-    if (!made_.load(std::memory_order_acquire)) make_tree();
+    if (state_.load(std::memory_order_acquire) != State::made) make_tree();
     return tree_;
   }
 
@@ -42,15 +41,17 @@ class Blas {
   std::array<glm::vec3, 3> unit_corners(std::uint32_t primitive) const;
 
  private:
+  enum class State : std::uint32_t { none, making, made };
   std::vector<Box> boxes() const;
   void make_tree() const;
+  void end_making(State state) const;
 
   std::shared_ptr<const Mesh> mesh_;
   std::filesystem::path cache_;
   glm::dvec3 centre_, half_size_;
   double radius_;
-  mutable std::mutex making_;
-  mutable std::atomic<bool> made_ = false;
+  std::shared_ptr<ThreadPool> pool_;
+  mutable std::atomic<State> state_ = State::none;  // of the two below
   mutable WideBvh tree_;
   mutable std::vector<WideBvh::Leaf> leaves_;
 };

@@ -7,10 +7,10 @@
 #include <iterator>
 #include <sstream>
 #include <string>
-#include <thread>
 
 #include <simvis/ray_caster.h>
 #include "engine/base/cache_file.h"
+#include "engine/base/thread_pool.h"
 #include "engine/vulkan/device_impl.h"
 
 namespace simvis {
@@ -65,7 +65,7 @@ std::filesystem::path cost_model_file(Device& device, const std::filesystem::pat
   }
   std::snprintf(hex, sizeof hex, "-%04x-%04x-%08x-", properties.vendorID, properties.deviceID,
                 properties.driverVersion);
-  name += hex + std::to_string(std::thread::hardware_concurrency()) + "-" + std::string(version);
+  name += hex + std::to_string(device.impl().threads->size()) + "-" + std::string(version);
   return folder / (name + ".txt");
 }
 

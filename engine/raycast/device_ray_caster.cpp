@@ -41,7 +41,8 @@ struct DeviceWorld {
 
 class DeviceRayCaster : public RayCaster {
  public:
-  explicit DeviceRayCaster(Device& device) : device_(device), items_(device.impl().cache_folder) {}
+  explicit DeviceRayCaster(Device& device)
+      : device_(device), items_(device.impl().cache_folder, device.impl().threads), bundles_(device.impl().threads) {}
   void set_world(const DrawList& list) override { list_ = &list; }
   void cast(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions, std::span<RayHit> hits,
             std::span<const double> t_min_m, const HitsReady& there) override;

@@ -12,7 +12,8 @@ namespace {
 
 class HostRayCaster : public RayCaster {
  public:
-  explicit HostRayCaster(const std::filesystem::path& cache) : items_(cache) {}
+  HostRayCaster(const std::filesystem::path& cache, const std::shared_ptr<ThreadPool>& pool)
+      : items_(cache, pool), bundles_(pool) {}
   void set_world(const DrawList& list) override {
     list_ = &list;
     current_ = false;
@@ -78,8 +79,8 @@ RayCounters HostRayCaster::counters() const {
 
 }  // namespace
 
-std::unique_ptr<RayCaster> make_host_ray_caster(const std::filesystem::path& cache) {
-  return std::make_unique<HostRayCaster>(cache);
+std::unique_ptr<RayCaster> make_host_ray_caster(const std::filesystem::path& cache, unsigned threads) {
+  return std::make_unique<HostRayCaster>(cache, shared_thread_pool(threads));
 }
 
 }  // namespace simvis

@@ -24,7 +24,7 @@ void ItemTree::build(const RayInstances& items) {
   std::vector<Box> boxes;
   boxes.reserve(items.items().size());
   for (const RayInstance& item : items.items()) boxes.push_back(item.box);
-  tree_ = WideBvh(boxes);
+  tree_ = WideBvh(boxes, &items.threads());
   sah_cost_when_built_ = tree_.sah_cost();
   fitted_ = 0;
   made_ = true;

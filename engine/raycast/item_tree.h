@@ -11,7 +11,7 @@ class ItemTree {
  public:
   enum class Change { none, fitted, built };
 
-  /// After items.update(), each time.
+  /// After items.update(), each time. Builds on the threads of the items.
   Change update(const RayInstances& items);
 
   /// Over RayInstances::items().

@@ -65,8 +65,8 @@ void PacketCaster::share(const RayWorld& world, const glm::dmat4& world_from_sen
 }
 
 void PacketCaster::share(std::size_t rays, const Work& work) {
-  threads_.share(rays, kPiece,
-                 [&](std::size_t thread, std::size_t first, std::size_t count) { work(views_[thread], first, count); });
+  pool_->parallel_for(
+      rays, kPiece, [&](std::size_t slot, std::size_t first, std::size_t count) { work(views_[slot], first, count); });
 }
 
 void PacketCaster::count(RayCounters& counters) const {

@@ -3,11 +3,13 @@
 
 #include <functional>
 #include <glm/glm.hpp>
+#include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <simvis/ray_caster.h>
-#include "engine/base/worker_threads.h"
+#include "engine/base/thread_pool.h"
 #include "engine/geometry/wide_bvh.h"
 #include "engine/raycast/closest_hit.h"
 
@@ -20,10 +22,12 @@ struct RayWorld {
   const WideBvh& tree;  ///< over the items
 };
 
-/// One thread at a time; each call uses all cores for many rays.
+/// One thread at a time; each call uses all threads of the pool for many rays.
 class PacketCaster {
  public:
   using Work = std::function<void(RayView& view, std::size_t first, std::size_t count)>;
+
+  explicit PacketCaster(std::shared_ptr<ThreadPool> pool) : pool_(std::move(pool)), views_(pool_->size()) {}
 
   /// As RayCaster::cast().
   void cast(const RayWorld& world, const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions,
@@ -42,8 +46,8 @@ class PacketCaster {
  private:
   void share(std::size_t rays, const Work& work);
 
-  std::vector<RayView> views_ = std::vector<RayView>(WorkerThreads::count());  // of each thread
-  WorkerThreads threads_;
+  std::shared_ptr<ThreadPool> pool_;
+  std::vector<RayView> views_;  // of each thread
 };
 
 }  // namespace simvis

@@ -56,7 +56,7 @@ bool RayInstances::update_structure(const DrawList& list) {
     wanted.insert(mesh.get());
     std::unique_ptr<Blas>& made = meshes_[mesh.get()];
     if (made == nullptr) {
-      made = std::make_unique<Blas>(mesh, cache);
+      made = std::make_unique<Blas>(mesh, cache, pool_);
       ++counters.meshes_built;
       counters.triangles_built += made->triangles();
     }

@@ -34,8 +34,11 @@ class RayInstances {
  public:
   static constexpr double kReach_m = 1000;
 
-  /// `cache`: a folder where trees of large meshes are kept; empty: nowhere.
-  explicit RayInstances(std::filesystem::path cache) : cache_(std::move(cache)) {}
+  /// `cache`: a folder where trees of large meshes are kept; empty: nowhere. `pool`: on which trees are built.
+  RayInstances(std::filesystem::path cache, std::shared_ptr<ThreadPool> pool)
+      : cache_(std::move(cache)), pool_(std::move(pool)) {}
+
+  ThreadPool& threads() const { return *pool_; }
 
   /// Brings everything up to date with the list, for a sensor at this place.
   void update(const DrawList& list, const glm::dvec3& world_sensor);
@@ -62,6 +65,7 @@ class RayInstances {
   void place(std::uint32_t placed, const glm::dmat4& world_from_mesh);
 
   std::filesystem::path cache_;
+  std::shared_ptr<ThreadPool> pool_;
   std::unordered_map<const Mesh*, std::unique_ptr<Blas>> meshes_;
   std::vector<DrawItem> list_items_;
   std::vector<std::shared_ptr<const Mesh>> list_meshes_;

@@ -60,7 +60,7 @@ void Tlas::update(const DrawList& list, RayInstances& items, const BlasPool& mes
 }
 
 void Tlas::build(RayInstances& items, Uploads& uploads) {
-  bvh_ = build_bvh(boxes_, 1);
+  bvh_ = build_bvh(boxes_, 1, 1, &items.threads());
   sah_cost_when_built_ = sah_cost(bvh_);
   leaf_of_.resize(boxes_.size());
   for (std::uint32_t i = 0; i < bvh_.order.size(); ++i) leaf_of_[bvh_.order[i]] = i;

@@ -38,12 +38,12 @@ void FrameDrawLists::update(const FramePlan& plan, const DrawList& list, const D
     }
   }
   // What it took in the frame before is what it will take.
-  threads_.share(tasks.size(), looks_ >= kWorthThreads ? 1 : tasks.size(),
-                 [&](std::size_t thread, std::size_t first, std::size_t count) {
-                   for (const Task& task : std::span(tasks).subspan(first, count)) {
-                     task.drawing.update(task.view, task.pass, task.columns, list, table, strips_[thread]);
-                   }
-                 });
+  pool_->parallel_for(tasks.size(), looks_ >= kWorthThreads ? 1 : tasks.size(),
+                      [&](std::size_t slot, std::size_t first, std::size_t count) {
+                        for (const Task& task : std::span(tasks).subspan(first, count)) {
+                          task.drawing.update(task.view, task.pass, task.columns, list, table, strips_[slot]);
+                        }
+                      });
   looks_ = 0;
   for (const Task& task : tasks) {
     const ViewCounts& counts = task.drawing.draws().counts;

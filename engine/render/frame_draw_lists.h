@@ -2,10 +2,12 @@
 #pragma once
 
 #include <deque>
+#include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
-#include "engine/base/worker_threads.h"
+#include "engine/base/thread_pool.h"
 #include "engine/culling/strip_columns.h"
 #include "engine/render/view_draw_list.h"
 
@@ -19,11 +21,12 @@ inline constexpr std::uint64_t kWorthThreads = 4000;
 class FrameDrawLists {
  public:
   /// `snap_px` as in PassResult.
-  explicit FrameDrawLists(double snap_px) : snap_px_(snap_px) {}
+  FrameDrawLists(double snap_px, std::shared_ptr<ThreadPool> pool)
+      : snap_px_(snap_px), pool_(std::move(pool)), strips_(pool_->size()) {}
 
   void clear();
 
-  /// Works out all views of all passes, on all cores where there is enough to do. Counts culled items.
+  /// Works out all views of all passes, on all threads of the pool where there is enough to do. Counts culled items.
   void update(const FramePlan& plan, const DrawList& list, const DrawCache& table, FrameCounters& counters);
 
   std::span<const ViewDraws> views() const { return views_; }  ///< in the order of the plan
@@ -38,6 +41,7 @@ class FrameDrawLists {
   void append(const ViewDrawList& drawing, bool shadowed);
 
   double snap_px_;
+  std::shared_ptr<ThreadPool> pool_;
   std::vector<ViewDraws> views_;
   std::vector<DrawRun> runs_;
   std::vector<shader::Instance> instances_;
@@ -49,9 +53,7 @@ class FrameDrawLists {
   std::uint64_t looks_ = 0;            // of the frame before, see ViewCounts
   std::deque<ViewDrawList> drawings_;  // of each view, and of those that earlier frames had more
   KnownStripColumns columns_;
-  std::vector<ColumnOcclusionBuffer> strips_ =
-      std::vector<ColumnOcclusionBuffer>(WorkerThreads::count());  // of each thread
-  WorkerThreads threads_;
+  std::vector<ColumnOcclusionBuffer> strips_;  // of each thread
 };
 
 }  // namespace simvis

@@ -92,7 +92,7 @@ void GeometryPool::cut_into_clusters(std::span<Entry* const> fresh, const std::f
   for (const Entry* entry : fresh) indices += entry->mesh->indices.size();
   for (Entry* entry : fresh) {
     device_.report({"preparing meshes", done, indices});
-    entry->clustering = make_clusters_cached(*entry->mesh, cache);
+    entry->clustering = make_clusters_cached(*entry->mesh, cache, device_.threads.get());
     if (entry->mesh->topology == Topology::triangles) {
       entry->occluders = extract_occluders(*entry->mesh, entry->clustering);
       entry->flat = face_planes_of(*entry->mesh, entry->clustering);

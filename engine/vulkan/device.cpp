@@ -8,6 +8,7 @@
 #include <simvis/error.h>
 #include "engine/base/assert.h"
 #include "engine/base/cache_file.h"
+#include "engine/base/thread_pool.h"
 #include "engine/vulkan/device_impl.h"
 #include "engine/vulkan/vulkan_check.h"
 
@@ -44,7 +45,7 @@ constexpr VkMemoryPropertyFlags kCached = VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
 
 std::vector<DeviceInfo> list_devices() { return infos(examine_all(Instance(wants_validation({})))); }
 
-Device::Device(const DeviceDesc& desc) : impl_(std::make_unique<Impl>(desc)) {}
+Device::Device(const DeviceDesc& desc, unsigned threads) : impl_(std::make_unique<Impl>(desc, threads)) {}
 Device::~Device() = default;
 const DeviceInfo& Device::info() const { return impl_->physical.info; }
 bool Device::is_cpu() const { return impl_->physical.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU; }
@@ -52,10 +53,11 @@ const TargetLimits& Device::target_limits() const { return impl_->physical.targe
 std::uint64_t Device::memory_bytes() const { return impl_->memory_bytes; }
 std::uint64_t Device::validation_messages() const { return impl_->instance.messages(); }
 
-Device::Impl::Impl(const DeviceDesc& desc)
+Device::Impl::Impl(const DeviceDesc& desc, unsigned pool_size)
     : instance(wants_validation(desc)),
       physical(chosen(instance, desc.select)),
       cache_folder(simvis::cache_folder(desc.cache_dir)),
+      threads(shared_thread_pool(pool_size)),
       progress(desc.progress),
       instrumented(desc.instrumented) {
   vkGetPhysicalDeviceMemoryProperties(physical.handle, &memory);

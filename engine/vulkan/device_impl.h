@@ -7,6 +7,7 @@
 #include <deque>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -18,6 +19,8 @@
 #include "engine/vulkan/pipeline_cache.h"
 
 namespace simvis {
+
+class ThreadPool;
 
 /// What memory is for; the device picks the best type that it has.
 enum class MemoryKind : std::uint8_t {
@@ -35,7 +38,7 @@ struct Retired {
 };
 
 struct Device::Impl {
-  explicit Impl(const DeviceDesc& desc);
+  Impl(const DeviceDesc& desc, unsigned pool_size);
   ~Impl();
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
@@ -70,6 +73,7 @@ struct Device::Impl {
   std::filesystem::path cache_folder;  ///< empty: nothing is kept on disk
   std::optional<DeviceMemory> device_memory;
   std::optional<PipelineCache> pipeline_cache;
+  std::shared_ptr<ThreadPool> threads;  ///< of all that works on the host for this device
   ProgressCallback progress;
 
   void report(const Progress& how_far) const {

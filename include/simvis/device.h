@@ -41,7 +41,8 @@ struct DeviceDesc {
 /// Throws MachineError with the reason per device when none fits, InputError when `select` matches none.
 class Device {
  public:
-  explicit Device(const DeviceDesc& desc = {});
+  /// `threads` as SimulationDesc::threads.
+  explicit Device(const DeviceDesc& desc = {}, unsigned threads = 0);
   ~Device();
   Device(const Device&) = delete;
   Device& operator=(const Device&) = delete;

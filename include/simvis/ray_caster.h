@@ -77,7 +77,8 @@ struct RayCounters {
 /// 10^18 m is not met.
 ///
 /// Errors   MachineError where memory runs out.
-/// Threading  one thread at a time; cast() itself uses all cores for many rays, and gives the same on any number.
+/// Threads  one at a time calls; cast() itself uses all threads of its pool for many rays, and gives the same bytes on
+///          any number. Casters that cast in different threads at once share the pool.
 class RayCaster {
  public:
   /// Rays that follow one another are cast together, up to so many: it costs less where they are neighbours. Of very
@@ -119,8 +120,9 @@ class RayCaster {
   virtual std::string_view engine() const = 0;
 };
 
-/// On the host's cores. `cache`: a folder where trees of large meshes are kept between runs; empty: nowhere.
-std::unique_ptr<RayCaster> make_host_ray_caster(const std::filesystem::path& cache = {});
+/// On the host's cores. `cache`: a folder where trees of large meshes are kept between runs; empty: nowhere. `threads`
+/// as SimulationDesc::threads.
+std::unique_ptr<RayCaster> make_host_ray_caster(const std::filesystem::path& cache = {}, unsigned threads = 0);
 
 /// A compute shader on the device, which must outlive it; several share a device only from one thread, and with its
 /// renderers. Nothing is made before the first cast. Same hits as by the host, to the bit.

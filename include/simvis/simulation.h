@@ -33,7 +33,8 @@ struct SimulationImpl;
 /// Time     frame k is taken at round(k * 10^9 / rate) nanoseconds; a sensor with `rate` f fires at the first frame at
 ///          or after each j / f.
 /// Errors   InputError for what the user gave (scene, names, values), MachineError for the device.
-/// Threading  one thread at a time, of any.
+/// Threads  one thread at a time, of any. Several simulations may load and run in different threads at once, and others
+///          may load plug-ins meanwhile; each gives the same bytes as alone.
 class Simulation {
  public:
   /// Throws InputError with FILE:LINE:COLUMN for any mistake in the scene or its parts, before anything is rendered;

@@ -21,6 +21,10 @@ struct AttributeOverride {
 struct SimulationDesc {
   double rate_hz = 15;     ///< frames per simulated second, finite and above 0
   std::uint64_t seed = 0;  ///< of all random numbers
+  /// How many threads a step works on, the calling thread included: SimVis casts rays, culls views and prepares meshes
+  /// on them. 0: as many as the machine has; above 1024: InputError. Simulations of one process that give the same
+  /// number share one pool. Results are the same bytes for every number. The Vulkan driver has threads of its own.
+  unsigned threads = 0;
   DeviceDesc device;
   std::vector<AttributeOverride> overrides;
   /// Called while parts are read (load, execute) and while the meshes that a step shows for the first time are

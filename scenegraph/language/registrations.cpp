@@ -1,5 +1,7 @@
 #include "scenegraph/language/registrations.h"
 
+#include <utility>
+
 #include <simvis/error.h>
 #include <simvis/version.h>
 
@@ -21,15 +23,37 @@ std::string Registrations::check_version(std::string_view built_for) {
   return "it was built for SimVis " + std::string(built_for) + ", and this is SimVis " + std::string(kHeaderVersion);
 }
 
+void Registrations::accept(std::function<void()> undo) {
+  const std::lock_guard lock(mutex_);
+  undo_.push_back(std::move(undo));
+}
+
+void Registrations::refuse(std::string reason) {
+  const std::lock_guard lock(mutex_);
+  refused_.push_back(std::move(reason));
+}
+
+std::size_t Registrations::accepted() const {
+  const std::lock_guard lock(mutex_);
+  return undo_.size();
+}
+
+std::vector<std::string> Registrations::refused() const {
+  const std::lock_guard lock(mutex_);
+  return refused_;
+}
+
 void Registrations::roll_back(std::size_t accepted, std::size_t refused) {
+  const std::lock_guard lock(mutex_);
   for (; undo_.size() > accepted; undo_.pop_back()) undo_.back()();
   refused_.resize(refused);
 }
 
 void Registrations::require_none_refused() const {
-  if (refused_.empty()) return;
+  const std::vector<std::string> reasons = refused();
+  if (reasons.empty()) return;
   std::string text = "this program registers types that are refused:";
-  for (const std::string& reason : refused_) text += "\n  " + reason;
+  for (const std::string& reason : reasons) text += "\n  " + reason;
   throw InputError(text);
 }
 

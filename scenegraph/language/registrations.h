@@ -7,12 +7,14 @@
 
 #include <cstddef>
 #include <functional>
+#include <mutex>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace simvis {
 
+/// All functions may be called from any thread.
 class Registrations {
  public:
   /// The one of this process. It exists before the first registration of any file.
@@ -22,13 +24,13 @@ class Registrations {
   static std::string check_version(std::string_view built_for);
 
   /// Notes that a type was accepted; `undo` takes it out again.
-  void accept(std::function<void()> undo) { undo_.push_back(std::move(undo)); }
+  void accept(std::function<void()> undo);
   /// Notes that a type was refused, and why.
-  void refuse(std::string reason) { refused_.push_back(std::move(reason)); }
+  void refuse(std::string reason);
 
   /// How many types were accepted, and why others were refused, since the start of the process.
-  std::size_t accepted() const { return undo_.size(); }
-  const std::vector<std::string>& refused() const { return refused_; }
+  std::size_t accepted() const;
+  std::vector<std::string> refused() const;
 
   /// Takes out what was accepted after the first `accepted` registrations, the newest first, and forgets what was
   /// refused after the first `refused`.
@@ -38,6 +40,7 @@ class Registrations {
   void require_none_refused() const;
 
  private:
+  mutable std::mutex mutex_;  // of the lists
   std::vector<std::function<void()>> undo_;
   std::vector<std::string> refused_;
 };

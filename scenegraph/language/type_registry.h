@@ -2,6 +2,8 @@
 #pragma once
 
 #include <map>
+#include <mutex>
+#include <shared_mutex>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -12,7 +14,10 @@
 namespace simvis {
 
 /// `Type` has `name` and `attributes`. Use one as a function's static, so that it exists before the first registration
-/// of any file or plug-in.
+/// of any file or plug-in. A type is removed only when the
+/// plug-in that has it is refused, so pointers to the types of loaded plug-ins stay valid.
+///
+/// Threads  all functions from any thread: one may load a plug-in while others look types up.
 template <typename Type>
 class TypeRegistry {
  public:
@@ -22,32 +27,41 @@ class TypeRegistry {
   /// mistake is refused, and the result is false: see Registrations.
   bool add(const Type& type, std::string_view built_for) {
     Registrations& registrations = Registrations::instance();
-    const std::string what = std::string(family_) + " type \"" + std::string(type.name) + "\": ";
     std::string wrong = Registrations::check_version(built_for);
     if (wrong.empty()) wrong = check_table(type.attributes);
-    if (wrong.empty() && types_.contains(type.name)) wrong = "there is a type of that name already";
+    if (wrong.empty() && !insert(type)) wrong = "there is a type of that name already";
     if (!wrong.empty()) {
-      registrations.refuse(what + wrong);
+      registrations.refuse(std::string(family_) + " type \"" + std::string(type.name) + "\": " + wrong);
       return false;
     }
-    types_.emplace(type.name, type);
-    registrations.accept([this, name = type.name] { types_.erase(name); });
+    registrations.accept([this, name = type.name] {
+      const std::lock_guard lock(mutex_);
+      types_.erase(name);
+    });
     return true;
   }
 
   const Type* find(std::string_view name) const {
+    const std::shared_lock lock(mutex_);
     const auto found = types_.find(name);
     return found == types_.end() ? nullptr : &found->second;
   }
 
   std::vector<const Type*> sorted() const {
+    const std::shared_lock lock(mutex_);
     std::vector<const Type*> types;
     for (const auto& [name, type] : types_) types.push_back(&type);
     return types;
   }
 
  private:
+  bool insert(const Type& type) {
+    const std::lock_guard lock(mutex_);
+    return types_.emplace(type.name, type).second;
+  }
+
   std::string_view family_;
+  mutable std::shared_mutex mutex_;  // of types_
   std::map<std::string_view, Type> types_;
 };
 

@@ -20,6 +20,7 @@
 #include <simvis/simulation.h>
 #include <simvis/trajectory.h>
 #include "engine/base/now_ns.h"
+#include "engine/base/thread_pool.h"
 #include "simvis/cli/loading_bar.h"
 #include "simvis/cli/progress_bar.h"
 #include "simvis/clock.h"
@@ -41,6 +42,7 @@ struct Options {
   std::string scene, out = "out", trajectory, method, max_error_m, device, profile, describe, shard;
   std::vector<std::string> set, sensors, plugins;
   std::uint64_t frames = 1, seed = 0;
+  unsigned threads = 0;
   double rate_hz = 15;
   bool list_devices = false, explain = false, quiet = false;
   bool price = false, names_out = false;
@@ -87,6 +89,14 @@ void declare_options(CLI::App& app, Options& options) {
       ->capture_default_str();
   app.add_option("--device", options.device, "the Vulkan device to use: part of its name, or its index")
       ->type_name("NAME|INDEX");
+  app.add_option(
+         "--threads", options.threads,
+         "on how many threads SimVis casts rays, culls views and prepares meshes, up to 1024; 0: as many as the "
+         "machine has. Pictures are encoded on up to 8 more of low priority, none for 1. Results do not depend "
+         "on it. The Vulkan driver has threads of its own")
+      ->type_name("N")
+      ->check(whole_number)
+      ->capture_default_str();
   app.add_option("--plugin", options.plugins, "a library with more elements and sensors (repeatable)")
       ->type_name("FILE.so")
       ->allow_extra_args(false);
@@ -216,9 +226,11 @@ Simulation load(const Options& options, std::optional<LoadingBar>& loading) {
     if (options.frames == 0) throw InputError("0 frames, expected 1 or more");
   });
   in_option("--rate", [&] { Clock(options.rate_hz).frame(options.frames - 1); });
+  in_option("--threads", [&] { shared_thread_pool(options.threads); });
   SimulationDesc desc;
   desc.rate_hz = options.rate_hz;
   desc.seed = options.seed;
+  desc.threads = options.threads;
   desc.device.select = options.device;
   desc.device.instrumented = options.explain || !options.profile.empty();
   desc.overrides = scanner_overrides(options);
@@ -247,13 +259,15 @@ void write_results(const Simulation& simulation, const FrameTime& time, OutputWr
 
 void print_explanation(const Simulation& simulation) {
   std::cout << explain(simulation.diagnostics().frame_plan(),
-                       {simulation.diagnostics().counters(), simulation.diagnostics().frame_costs(), simulation.diagnostics().sensor_costs()});
+                       {simulation.diagnostics().counters(), simulation.diagnostics().frame_costs(),
+                        simulation.diagnostics().sensor_costs()});
   for (const SensorInfo& sensor : simulation.sensors()) std::cout << sensor.report.explanation;
   const FramePlan* const visualization = simulation.diagnostics().visualization_plan();
   if (visualization == nullptr) return;
   std::cout << "visualization, drawn apart:\n"
-            << explain(*visualization, {*simulation.diagnostics().visualization_counters(), simulation.diagnostics().visualization_costs(),
-                                        simulation.diagnostics().sensor_costs()});
+            << explain(*visualization,
+                       {*simulation.diagnostics().visualization_counters(),
+                        simulation.diagnostics().visualization_costs(), simulation.diagnostics().sensor_costs()});
 }
 
 void add_frame(Profile& profile, std::uint64_t frame, const Simulation& simulation) {
@@ -339,7 +353,7 @@ void run_scene(const Options& options, std::int64_t start_ns) {
   RunReport report;
   report.shard = wanted_shard(options, simulation);
   handle_signals();
-  OutputWriter writer(options.out, writing, report.shard ? report.shard->suffix() : "");
+  OutputWriter writer(options.out, writing, report.shard ? report.shard->suffix() : "", options.threads);
   report.scene = options.scene;
   report.device = simulation.diagnostics().device();
   report.seed = options.seed;

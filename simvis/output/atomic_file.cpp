@@ -4,12 +4,12 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <climits>
 #include <cstdio>
 #include <system_error>
 
 #include <simvis/error.h>
 #include "engine/base/assert.h"
+#include "engine/base/temporary_name.h"
 
 namespace simvis {
 
@@ -22,11 +22,7 @@ namespace {
 }  // namespace
 
 AtomicFile::AtomicFile(std::filesystem::path path) : path_(std::move(path)) {
-  // Two runs that write to one folder, on one machine or on two that share it, are kept apart.
-  char machine[HOST_NAME_MAX + 1] = "";
-  ::gethostname(machine, sizeof machine - 1);
-  temporary_ = path_.parent_path() /
-               ("." + path_.filename().string() + "." + machine + "." + std::to_string(::getpid()) + ".tmp");
+  temporary_ = path_.parent_path() / ("." + path_.filename().string() + "." + temporary_name() + ".tmp");
   descriptor_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
   if (descriptor_ < 0) fail(path_, "cannot be created", errno);
 }

@@ -7,6 +7,7 @@
 
 #include <simvis/error.h>
 #include "engine/base/assert.h"
+#include "engine/base/thread_pool.h"
 #include "simvis/output/atomic_file.h"
 #include "simvis/output/csv_file.h"
 #include "simvis/output/exr_file.h"
@@ -137,8 +138,11 @@ class OutputWriter::SensorSink : public OutputSink {
   std::optional<CsvFile> table_;
 };
 
-OutputWriter::OutputWriter(std::filesystem::path folder, std::span<const std::string> sensors, std::string suffix)
-    : run_{.folder = std::move(folder), .suffix = std::move(suffix)} {
+OutputWriter::OutputWriter(std::filesystem::path folder, std::span<const std::string> sensors, std::string suffix,
+                           unsigned threads)
+    : run_{.folder = std::move(folder),
+           .suffix = std::move(suffix),
+           .queue = EncodingQueue(shared_thread_pool(threads))} {
   for (const std::string& sensor : sensors) {
     check_name(sensor);
     sinks_[sensor] = std::make_unique<SensorSink>(sensor, run_);

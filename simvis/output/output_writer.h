@@ -14,7 +14,7 @@
 
 namespace simvis {
 
-/// Work     pictures and rows are copied, and encoded on other cores (see EncodingQueue). The caller's thread writes
+/// Work     pictures and rows are copied, and encoded in the background (see EncodingQueue). The caller's thread writes
 ///          the files, in their order, when it comes by again.
 /// Files    FOLDER/SENSOR/000000.png and 000000.exr per frame for pictures (FOLDER/SENSOR_STEM/ for a sensor with
 ///          several), FOLDER/SENSOR.csv for tables, with the columns `frame` and `time_s` put in front, and
@@ -26,7 +26,9 @@ class OutputWriter {
  public:
   /// Makes the folder where it is missing and makes sure that files can be made in it. `sensors` are all that will
   /// write. `suffix` is put to the names of tables: "-3-of-8" where other processes write to the same folder.
-  OutputWriter(std::filesystem::path folder, std::span<const std::string> sensors, std::string suffix = "");
+  /// `threads` as SimulationDesc::threads.
+  OutputWriter(std::filesystem::path folder, std::span<const std::string> sensors, std::string suffix = "",
+               unsigned threads = 0);
   ~OutputWriter();
 
   /// Where one of the sensors writes what it measured in a frame. Valid until the next call.
@@ -48,7 +50,7 @@ class OutputWriter {
     std::filesystem::path folder;
     std::string suffix;
     Results results{};
-    EncodingQueue queue{};
+    EncodingQueue queue;
   };
   std::map<std::string, std::unique_ptr<SensorSink>, std::less<>> sinks_;
   Run run_;  // goes before the sinks, to which it puts

@@ -82,8 +82,8 @@ class Explanation {
     if (pass.depth) out_ << " depth";
     if (pass.shadow_maps) out_ << " shadow maps";
     if (pass.samples() > 1) {
-      out_ << ", the mean of " << pass.samples() << " samples a pixel: " << pass.supersampling << " x " << pass.supersampling
-           << " of msaa " << pass.msaa;
+      out_ << ", the mean of " << pass.samples() << " samples a pixel: " << pass.supersampling << " x "
+           << pass.supersampling << " of msaa " << pass.msaa;
     }
     out_ << '\n';
     const PassCost* const cost =

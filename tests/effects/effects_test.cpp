@@ -204,9 +204,9 @@ TEST_CASE("each effect alone: named in the plan where it is shown, and in no oth
       Simulation simulation = with(kYard, commands + sensor(*watcher, kYard, "WATCH", attributes));
       const std::vector<Seen> without = look_at(kYard, *watcher, plain, ""), seen = look(simulation, *watcher);
       const bool can_show = (effect->outputs & watcher->shows) != 0;
-      const bool planned = std::ranges::any_of(simulation.diagnostics().frame_plan().effects, [&](const PlannedEffect& each) {
-        return each.sensor == "WATCH" && each.effect == effect->name;
-      });
+      const bool planned = std::ranges::any_of(
+          simulation.diagnostics().frame_plan().effects,
+          [&](const PlannedEffect& each) { return each.sensor == "WATCH" && each.effect == effect->name; });
       CHECK((can_show || !planned));
       CHECK((planned || (shown_source(*effect) & watcher->shows) != 0 || same_bytes(without, seen)));
       shown |= planned && !same_bytes(without, seen);

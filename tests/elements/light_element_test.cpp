@@ -36,7 +36,7 @@ TEST_CASE("a directional light comes from its azimuth and elevation and lights b
   check_color(world.color_with("LAMP", "green", 2), kAlbedo / kPi * 5.0 * cosine * glm::dvec3(0.5, 2, 1));
   check_color(world.color_with("LAMP", "blue", 0.25), kAlbedo / kPi * 5.0 * cosine * glm::dvec3(0.5, 2, 0.25));
   CHECK(world.color_with("LAMP", "azimuth", 0) == glm::dvec3(0));  // from beyond the wall
-  CHECK(world->diagnostics().draw_list().lights.size() == 1);                    // the built-in light is out
+  CHECK(world->diagnostics().draw_list().lights.size() == 1);      // the built-in light is out
 }
 
 TEST_CASE("a sun in the zenith lights the floor, not the wall") {
@@ -44,7 +44,8 @@ TEST_CASE("a sun in the zenith lights the floor, not the wall") {
   // The sine of 90 degrees is 1 to the bit, and so its cosine 0.
   CHECK(world.color() == glm::dvec3(0));
   const LightItem& item = world->diagnostics().draw_list().lights.at(0);
-  CHECK(glm::dmat3(world->diagnostics().draw_list().world_from_node[item.transform]) * item.light.direction == glm::dvec3(0, 0, -1));
+  CHECK(glm::dmat3(world->diagnostics().draw_list().world_from_node[item.transform]) * item.light.direction ==
+        glm::dvec3(0, 0, -1));
 }
 
 // Radiance of the wall's point (4, 0, 0) by a light of 1 candela at `place`, KHR_lights_punctual.

@@ -287,7 +287,8 @@ TEST_CASE("a camera that is off, or in a part that is, renders nothing; the plan
   CHECK(sensor_of(plan, "CAM").due_state == DueState::off);
   CHECK(sensor_of(plan, "SCAN").due_state == DueState::due);
   CHECK(sensor_of(plan, "SCAN").end_pass == 1);
-  const std::string text = explain(plan, {with->diagnostics().counters(), with->diagnostics().frame_costs(), with->diagnostics().sensor_costs()});
+  const std::string text = explain(
+      plan, {with->diagnostics().counters(), with->diagnostics().frame_costs(), with->diagnostics().sensor_costs()});
   INFO(text);
   CHECK(text.find("sensor CAM, camera: not due, it is turned off; colour, depth\n") != std::string::npos);
   CHECK(text.find("sensor SCAN, laser_scanner: due, in every frame; ranges\n  pass SCAN.depth: ") != std::string::npos);
@@ -319,7 +320,8 @@ TEST_CASE("both audiences together hold what the device holds") {
   CHECK(simulation->diagnostics().device_memory_bytes() == 0);
   simulation->step();
   REQUIRE(simulation->diagnostics().visualization_plan() != nullptr);
-  CHECK(memory_of({&simulation->diagnostics().frame_plan(), simulation->diagnostics().visualization_plan()}) == simulation->diagnostics().device_memory_bytes());
+  CHECK(memory_of({&simulation->diagnostics().frame_plan(), simulation->diagnostics().visualization_plan()}) ==
+        simulation->diagnostics().device_memory_bytes());
   CHECK(sensor_of(*simulation->diagnostics().visualization_plan(), "PEOPLE").due_state == DueState::due);
   CHECK(simulation->diagnostics().visualization_costs()->passes.size() == 1);
   CHECK(simulation->diagnostics().sensor_costs().size() == 3);

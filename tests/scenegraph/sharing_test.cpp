@@ -51,8 +51,8 @@ Seen look(const std::filesystem::path& folder, const std::vector<std::string>& c
   for (const std::string& command : commands) xml += command;
   Simulation simulation = Simulation::from_string(xml + kCamera, {}, folder);
   simulation.step();
-  return {simulation.diagnostics().counters(), simulation.diagnostics().draw_list().meshes.size(), simulation.diagnostics().draw_list().materials.size(),
-          simulation.depth("CAM").pixels};
+  return {simulation.diagnostics().counters(), simulation.diagnostics().draw_list().meshes.size(),
+          simulation.diagnostics().draw_list().materials.size(), simulation.depth("CAM").pixels};
 }
 
 // What one square costs: flat shading gives each triangle corners of its own, so six vertices of position and of

@@ -67,8 +67,9 @@ TEST_CASE("the furnished house runs with a lidar and a camera") {
   glm::dmat4 world_from_sensor(1.0);
   REQUIRE(simulation.sensor_pose("LIDAR", world_from_sensor));
   ScanComparison comparison;
-  compare(simulation.scan("LIDAR"), reference::RayCaster(simulation.diagnostics().draw_list(), rigid_inverse(world_from_sensor)),
-          0.05, 80, 2 / kRingsResolution, comparison);
+  compare(simulation.scan("LIDAR"),
+          reference::RayCaster(simulation.diagnostics().draw_list(), rigid_inverse(world_from_sensor)), 0.05, 80,
+          2 / kRingsResolution, comparison);
   std::ostringstream text;
   text << comparison;
   MESSAGE(text.str());

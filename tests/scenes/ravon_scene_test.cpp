@@ -172,7 +172,8 @@ TEST_CASE("the overview draws at least 200,000 triangles, with masked leaves of 
   CHECK(simulation.warnings().empty());
   for (const SensorInfo& sensor : simulation.sensors()) simulation.enable(sensor.name, sensor.name == "WORLD_CAM");
   simulation.step();
-  MESSAGE(simulation.diagnostics().counters().triangles << " triangles in " << simulation.diagnostics().counters().draws << " draws");
+  MESSAGE(simulation.diagnostics().counters().triangles << " triangles in " << simulation.diagnostics().counters().draws
+                                                        << " draws");
   CHECK(simulation.diagnostics().counters().triangles >= 200'000);
   const auto& materials = simulation.diagnostics().draw_list().materials;
   CHECK(std::count_if(materials.begin(), materials.end(), [](const auto& material) {

@@ -184,8 +184,8 @@ TEST_CASE("in the marvin laboratory, too, while the robot drives") {
           const bool absolute = attribute == std::string("max_error_m");
           CHECK(scan.error_bound_m[beam] <= 3e-4 * (absolute ? 1 : static_cast<double>(scan.range_m[beam])));
         }
-        compare(scan, reference::RayCaster(simulation.diagnostics().draw_list(), rigid_inverse(world_from_sensor)), 0.05, 80,
-                2.0 / 512, comparison);
+        compare(scan, reference::RayCaster(simulation.diagnostics().draw_list(), rigid_inverse(world_from_sensor)),
+                0.05, 80, 2.0 / 512, comparison);
         CHECK(chosen(simulation, name).starts_with("hybrid"));
       }
     }

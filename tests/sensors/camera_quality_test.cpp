@@ -111,7 +111,9 @@ double covered_share(const Edge& edge, const glm::dvec2& corner) {
 
 // Along each of the grid's rows (columns, for edges that lie more than stand) the count of samples is half a sample off
 // at the most, and the two rows in which the edge leaves the pixel cut a corner of at most an eighth of a sample each.
-double grid_quantum(std::uint32_t supersampling) { return 0.5 / supersampling + 2 * 0.125 / (supersampling * supersampling); }
+double grid_quantum(std::uint32_t supersampling) {
+  return 0.5 / supersampling + 2 * 0.125 / (supersampling * supersampling);
+}
 
 void check_edge(Renderer& renderer, const Edge& edge, std::uint32_t supersampling, std::uint32_t msaa) {
   const std::vector<glm::vec4> seen = picture(renderer, scene_with(edge).list, square_plan(), supersampling, msaa);

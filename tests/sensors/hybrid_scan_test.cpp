@@ -104,8 +104,9 @@ TEST_CASE("raycast in the marvin laboratory while the robot drives") {
     for (const char* name : kScanners) {
       glm::dmat4 world_from_sensor(1.0);
       REQUIRE(simulation.sensor_pose(name, world_from_sensor));
-      compare(simulation.scan(name), reference::RayCaster(simulation.diagnostics().draw_list(), rigid_inverse(world_from_sensor)),
-              0.05, 80, 0, comparison);
+      compare(simulation.scan(name),
+              reference::RayCaster(simulation.diagnostics().draw_list(), rigid_inverse(world_from_sensor)), 0.05, 80, 0,
+              comparison);
       CHECK(cast_share(simulation, name) == 1);
     }
   }
@@ -220,8 +221,8 @@ TEST_CASE("hybrid unless told otherwise: no rendered range has such a bound, so 
   }
   CHECK(hybrid.diagnostics().counters().passes == 0);
   const std::string explained = explain(hybrid.diagnostics().frame_plan(), {hybrid.diagnostics().counters()});
-  CHECK(
-      contains(explained, "cast FRONT_SCANNER: up to 361 rays by " + hybrid.diagnostics().frame_plan().casts[0].engine + ": every"));
+  CHECK(contains(explained, "cast FRONT_SCANNER: up to 361 rays by " +
+                                hybrid.diagnostics().frame_plan().casts[0].engine + ": every"));
   CHECK(!hybrid.diagnostics().frame_plan().casts[0].engine.empty());
 }
 

@@ -159,7 +159,8 @@ TEST_CASE("overrides are in a sensor's command, and do not touch a variant") {
   CHECK(variant_of(simulation.diagnostics().command("SCAN")) == ScanVariant{"nearest", 512, {}});
   simulation.add_variant("SCAN", with_variant(simulation.diagnostics().command("SCAN"), {"planar", 64, {}}, "SCAN.0"));
   CHECK(simulation.sensors().back().method == "planar");
-  CHECK(error_of([&] { simulation.diagnostics().command("SCAM"); }).find("did you mean \"SCAN\"?") != std::string::npos);
+  CHECK(error_of([&] { simulation.diagnostics().command("SCAM"); }).find("did you mean \"SCAN\"?") !=
+        std::string::npos);
 }
 
 TEST_CASE("a variant that cannot be leaves the simulation as it was") {

@@ -14,7 +14,10 @@ inline std::string tested_build() {
   return folder ? folder : SIMVIS_BINARY_DIR;
 }
 
-/// Whether the address sanitizer is there. Beams are then some twenty times slower, pictures some ten times.
-inline bool sanitized() { return ::dlsym(RTLD_DEFAULT, "__asan_init") != nullptr; }
+/// Whether the address or the thread sanitizer is there. Beams are then some twenty times slower, pictures some ten
+/// times.
+inline bool sanitized() {
+  return ::dlsym(RTLD_DEFAULT, "__asan_init") != nullptr || ::dlsym(RTLD_DEFAULT, "__tsan_init") != nullptr;
+}
 
 }  // namespace simvis

@@ -46,7 +46,8 @@ TEST_CASE("a lab has as many triangles as asked for, and no hole") {
     const double per_item = 0.9 * static_cast<double>(asked) / std::min(200.0, static_cast<double>(asked) / 45);
     const double cells = std::sqrt(per_item / 12);
     const double most = std::pow(1 + 0.5 / cells, 2), least = std::pow(1 - 0.5 / cells, 2);
-    const double met = static_cast<double>(triangles_of(simulation.diagnostics().draw_list())) / static_cast<double>(asked);
+    const double met =
+        static_cast<double>(triangles_of(simulation.diagnostics().draw_list())) / static_cast<double>(asked);
     CHECK(met < most);
     CHECK(met > least);
     CHECK(std::ranges::all_of(simulation.scan("LIDAR").range_m, [](float r) { return r > 0 && std::isfinite(r); }));

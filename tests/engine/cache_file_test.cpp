@@ -1,0 +1,61 @@
+// Files of the cache, written by several threads at once, are whole.
+#include "engine/base/cache_file.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <mutex>
+#include <set>
+#include <thread>
+#include <vector>
+
+#include "engine/base/temporary_name.h"
+#include "tests/support/temporary_folder.h"
+
+namespace simvis {
+namespace {
+
+constexpr int kThreads = 4;
+
+template <typename Work>
+void in_threads(const Work& work) {
+  std::vector<std::jthread> threads;
+  for (int i = 0; i < kThreads; ++i) threads.emplace_back([&work, i] { work(i); });
+}
+
+TEST_CASE("no temporary name is given twice") {
+  constexpr std::size_t kEach = 500;
+  std::mutex mutex;
+  std::set<std::string> names;
+  in_threads([&](int) {
+    for (std::size_t i = 0; i < kEach; ++i) {
+      const std::string name = temporary_name();
+      const std::lock_guard lock(mutex);
+      names.insert(name);
+    }
+  });
+  CHECK(names.size() == kThreads * kEach);
+}
+
+TEST_CASE("of several threads that write one file, one has written all of it; no other file stays") {
+  const TemporaryFolder folder;
+  constexpr std::size_t kBytes = 200'000;
+  int broken = 0;
+  std::mutex mutex;
+  in_threads([&](int thread) {
+    const std::string content(kBytes * static_cast<std::size_t>(thread + 1), static_cast<char>('a' + thread));
+    for (int round = 0; round < 25; ++round) {
+      write_cache_file(folder / "file", content);
+      const std::string read = read_text(folder / "file");
+      const bool whole = !read.empty() && read.size() == kBytes * static_cast<std::size_t>(read[0] - 'a' + 1) &&
+                         std::ranges::count(read, read[0]) == static_cast<std::ptrdiff_t>(read.size());
+      const std::lock_guard lock(mutex);
+      broken += !whole;
+    }
+  });
+  CHECK(broken == 0);
+  CHECK(files_below(folder.path()) == std::vector<std::string>{"file"});
+}
+
+}  // namespace
+}  // namespace simvis
