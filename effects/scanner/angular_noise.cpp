@@ -28,8 +28,7 @@ const ScanEffectRegistration kRegistration(
               .outputs = kShownInRanges,
               .reference = "moments of the normal distribution",
               .sensors = "laser_scanner",
-              .attributes = kAttributes,
-              .example = {.attributes = R"(angular_noise="0.1")", .off_attributes = R"(angular_noise="0")"}},
+              .attributes = kAttributes},
      .order = ScanOrder::direction,
      .create = create});
 

@@ -24,8 +24,9 @@ const std::map<std::string, std::set<std::string>, std::less<>> kAllowed = {
     {"effects", {"scenegraph", "engine", "shaders"}},
     {"sensors", {"effects", "scenegraph", "engine", "shaders"}},
     {"simvis", {"elements", "effects", "sensors", "scenegraph", "engine", "shaders"}},
-    {"bench", {"simvis", "elements", "effects", "sensors", "scenegraph", "engine", "shaders"}},
-    {"tests", {"simvis", "elements", "effects", "sensors", "scenegraph", "engine", "shaders"}},
+    {"scenes", {}},  // data that bench and tests share
+    {"bench", {"scenes", "simvis", "elements", "effects", "sensors", "scenegraph", "engine", "shaders"}},
+    {"tests", {"scenes", "simvis", "elements", "effects", "sensors", "scenegraph", "engine", "shaders"}},
 };
 
 constexpr std::string_view kLeaf = "shaders/interop.h";
