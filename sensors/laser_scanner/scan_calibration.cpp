@@ -10,6 +10,7 @@
 
 #include <simvis/pose.h>
 #include <simvis/renderer.h>
+#include <simvis/scan.h>
 #include "sensors/laser_scanner/rendered_scan.h"
 #include "sensors/laser_scanner/scan_survey.h"
 
@@ -139,7 +140,7 @@ void Calibration::cast(DrawList& list, const ScanPattern& pattern) {
   std::vector<glm::dvec3> directions;
   for (const double e : elevations(pattern)) {
     for (const double a : azimuths(pattern)) {
-      directions.emplace_back(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e));
+      directions.push_back(beam_direction(a, e));
     }
   }
   std::vector<RayHit> hits(directions.size());
