@@ -19,6 +19,7 @@
 #include <simvis/plugin.h>
 #include <simvis/simulation.h>
 #include <simvis/trajectory.h>
+#include "sensors/laser_scanner/laser_scanner.h"
 #include "simvis/cli/loading_bar.h"
 #include "simvis/cli/progress_bar.h"
 #include "simvis/clock.h"
@@ -40,7 +41,7 @@ struct Options {
   std::string scene, out = "out", trajectory, method, max_error_m, device, profile, describe, shard;
   std::vector<std::string> set, sensors, plugins;
   std::uint64_t frames = 1, seed = 0;
-  double rate_hz = 15;
+  double rate_hz = SimulationDesc{}.rate_hz;
   bool list_devices = false, explain = false, quiet = false;
   bool price = false, names_out = false;
 };
@@ -76,8 +77,8 @@ void declare_options(CLI::App& app, Options& options) {
       ->type_name("M")
       ->check(not_empty);
   app.add_option("--max-error", options.max_error_m,
-                 "bound on the error of every laser scanner's ranges, in metres; by method auto unless --method says "
-                 "auto or hybrid")
+                 "bound on the error of every laser scanner's ranges, in metres; by method hybrid unless --method says "
+                 "auto")
       ->type_name("M")
       ->check(not_empty);
   app.add_option("--seed", options.seed, "of all random numbers")
@@ -194,15 +195,24 @@ void set_parameter(Simulation& simulation, const std::string& assignment) {
 
 std::vector<AttributeOverride> scanner_overrides(const Options& options) {
   std::vector<AttributeOverride> overrides;
-  if (!options.method.empty()) overrides.push_back({"laser_scanner", "method", options.method, "--method"});
-  if (options.max_error_m.empty()) return overrides;
-  if (options.method == "nearest" || options.method == "planar" || options.method == "raycast") {
-    throw InputError("--max-error: --method " + options.method +
-                     " does not look at it, expected --method auto, --method hybrid or no --method");
+  const auto set = [&](const char* attribute, std::optional<std::string> value, const char* origin) {
+    overrides.push_back({"laser_scanner", attribute, std::move(value), origin});
+  };
+  const std::optional<ScanMethod> method = find_scan_method(options.method);
+  const bool takes_none = method && !takes_tolerance(*method);
+  if (!options.method.empty()) set("method", options.method, "--method");
+  if (!options.max_error_m.empty()) {
+    if (takes_none) {
+      throw InputError("--max-error: --method " + options.method +
+                       " does not look at it, expected --method auto, --method hybrid or no --method");
+    }
+    if (options.method.empty()) set("method", {}, "--max-error");  // a tolerance alone means hybrid
+    set("max_error_m", options.max_error_m, "--max-error");
+    set("max_error_rel", {}, "--max-error");
+  } else if (takes_none) {  // the scene's tolerances belong to the methods that --method replaces
+    set("max_error_m", {}, "--method");
+    set("max_error_rel", {}, "--method");
   }
-  if (options.method.empty()) overrides.push_back({"laser_scanner", "method", "auto", "--max-error"});
-  overrides.push_back({"laser_scanner", "max_error_m", options.max_error_m, "--max-error"});
-  overrides.push_back({"laser_scanner", "max_error_rel", {}, "--max-error"});
   return overrides;
 }
 

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <vector>
 
+#include <simvis/attributes.h>
 #include <simvis/device.h>
 #include <simvis/renderer.h>
 
@@ -116,6 +117,12 @@ void check(const HardCase& hard, const HardResults& results) {
 }
 
 }  // namespace
+
+std::string method_attributes(std::string_view method) {
+  std::string text = "method=\"" + std::string(method) + '"';
+  if (method == to_string(ScanMethod::hybrid)) text += " max_error_rel=\"" + format_number(kHybridError) + '"';
+  return text;
+}
 
 HardResult measure(const HardCase& hard, ScanMethod method) {
   LaserScannerDesc desc = hard.scanner;

@@ -9,6 +9,7 @@
 #include <functional>
 #include <glm/glm.hpp>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <simvis/draw_list.h>
@@ -22,6 +23,9 @@ using ClosedForm = std::function<double(const glm::dvec3& direction)>;
 /// `hybrid` is measured with this max_error_rel, if a case has no other: with its default it would render nothing and
 /// be `raycast`.
 inline constexpr double kHybridError = 1e-4;
+
+/// A scanner's attributes in XML: the method, and for `hybrid` kHybridError, so that it renders, and casts.
+std::string method_attributes(std::string_view method);
 
 struct HardCase {
   std::string name;  ///< for the table
