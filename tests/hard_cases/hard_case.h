@@ -60,6 +60,8 @@ inline constexpr double kCastError = 1e-6;
 
 /// Measures the case by every method, adds its line to the table, and checks what every case has to keep:
 ///   - the truth lies within the bound, for every method (for raster methods not where `narrow`);
+///   - no method's error, and no method's count of wrong hits and misses, is above twice what is committed of it in
+///     committed_errors.h;
 ///   - raycast: every range within kCastError of the truth, no hit for a miss, no miss for a hit, no infinite bound;
 ///   - hybrid: every range within kHybridError, and where not `narrow` no wrong hit or miss.
 /// Both allow truth_error_rel besides. The results are for what a case checks beyond that.
@@ -71,8 +73,9 @@ std::vector<HardResults> measure_together(const std::string& name, const std::ve
 /// One scan of the case by one method, without checks.
 HardResult measure(const HardCase& hard, ScanMethod method);
 
-/// The raster methods of the case at this many pixels across 90 degrees: a line below the case's own. Other simulators
-/// commonly take 256 or 512. Checks that the truth lies within the bounds (not where `narrow`).
+/// The raster methods of the case (held against committed_errors.h likewise) at this many pixels across 90 degrees: a
+/// line below the case's own. Other simulators commonly take 256 or 512. Checks that the truth lies within the bounds
+/// (not where `narrow`).
 void measure_raster(const HardCase& hard, double resolution_px);
 
 /// Adds a line of another measure than the relative error, which the name has to say: cells for nearest, planar,
