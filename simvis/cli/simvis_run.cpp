@@ -31,6 +31,7 @@
 #include "simvis/report/profile.h"
 #include "simvis/report/run_report.h"
 #include "simvis/report/shard.h"
+#include "simvis/report/summary.h"
 
 namespace simvis {
 namespace {
@@ -43,7 +44,7 @@ struct Options {
   std::uint64_t frames = 1, seed = 0;
   double rate_hz = SimulationDesc{}.rate_hz;
   bool list_devices = false, explain = false, quiet = false;
-  bool price = false, names_out = false;
+  bool price = false, summary = false, names_out = false;
 };
 
 /// CLI11 would take -3 for 2^64 - 3, and the largest number for what is larger.
@@ -109,6 +110,13 @@ void declare_options(CLI::App& app, Options& options) {
       ->excludes("--profile")
       ->excludes("--shard")
       ->excludes("--explain");
+  app.add_flag(
+         "--summary", options.summary,
+         "after the run, print the speed of the laser scanners, the share of a frame that the other sensors take, "
+         "what each method costs the first scanner and how large its error is, and which files to open first")
+      ->excludes("--price")
+      ->excludes("--shard")
+      ->excludes("--quiet");
   app.add_option("--describe", options.describe, "print the attributes of an element, sensor or effect, and exit")
       ->type_name("TYPE");
   app.add_flag("--list-devices", options.list_devices, "print the Vulkan devices of this machine, and exit");
@@ -334,6 +342,15 @@ void print_closing(const Options& options, const OutputWriter& writer, const Run
   std::cout << report_file(options, report).string() << '\n' << speed_line(report) << '\n';
 }
 
+void print_summary(const Options& options, Simulation simulation, const std::optional<Trajectory>& trajectory,
+                   const RunReport& report) {
+  std::cout << to_text(summarize(std::move(simulation), {.rate_hz = options.rate_hz,
+                                                         .frame_ms = percentile(report.frame_ms, 50),
+                                                         .out = options.out,
+                                                         .trajectory = trajectory ? &*trajectory : nullptr,
+                                                         .on_frame = stop_if_asked_to}));
+}
+
 void print_warnings(const Options& options, const Simulation& simulation) {
   if (options.quiet) return;
   for (const std::string& warning : simulation.warnings()) std::cerr << "warning: " << warning << '\n';
@@ -368,6 +385,7 @@ void run_scene(const Options& options, std::int64_t start_ns) {
   report.wall_s = static_cast<double>(now_ns() - start_ns) / 1e9;
   write_file(report_file(options, report), to_json(report));
   if (!options.quiet) print_closing(options, writer, report);
+  if (options.summary) print_summary(options, std::move(simulation), trajectory, report);
 }
 
 /// Cameras have no price list, so naming one is a mistake.

@@ -30,6 +30,8 @@ struct PriceDesc {
   std::uint64_t warm_up = 1;                  ///< turns at frame 1 before that
   double rate_hz = SimulationDesc{}.rate_hz;  ///< of frames along the trajectory
   const Trajectory* trajectory = nullptr;
+  /// What to price of a scanner, given its command.
+  std::vector<ScanVariant> (*variants)(const Command& scanner) = priced_variants;
   /// Called after every frame; what it throws ends the pricing.
   std::function<void(std::uint64_t done, std::uint64_t all)> on_frame{};
 };

@@ -15,6 +15,7 @@ namespace {
 
 constexpr double kStripResolutions_px[] = {512, 1024, 2048, 4096, 8192};  // of one ring: two rows of pixels
 constexpr double kAreaResolutions_px[] = {256, 512, 1024, 2048};          // of several rings: whole faces
+constexpr double kBetweenMethods_rel = 1e-4;                              // of hybrid: renders, and casts
 constexpr double kTolerances_rel[] = {1e-3, 1e-4, 1e-5};                  // of hybrid
 
 /// Without what the method does not look at: a hybrid that trusts no pixel renders nothing.
@@ -92,6 +93,19 @@ std::vector<ScanVariant> priced_variants(const Command& scanner) {
   }
   add({"raycast", {}, {}});
   add(own);
+  return variants;
+}
+
+std::vector<ScanVariant> variants_by_method(const Command& scanner) {
+  LaserScannerDesc desc = read_scanner(scanner);
+  if (beam_following_effect(desc) != nullptr) return {variant_of(desc)};
+  desc.max_error_m.reset();
+  desc.max_error_rel = kBetweenMethods_rel;
+  std::vector<ScanVariant> variants;
+  for (const ScanMethod method : {ScanMethod::nearest, ScanMethod::planar, ScanMethod::hybrid, ScanMethod::raycast}) {
+    desc.method = method;
+    variants.push_back(variant_of(desc));
+  }
   return variants;
 }
 

@@ -27,6 +27,10 @@ ScanVariant variant_of(const Command& scanner);
 /// among them, and so is what it asks for. Where an effect of the scanner follows beams, raycast alone can measure.
 std::vector<ScanVariant> priced_variants(const Command& scanner);
 
+/// One of each method but auto, at the resolution that the command asks for; hybrid with a tolerance at which it
+/// renders and casts. Where an effect of the scanner follows beams, raycast alone.
+std::vector<ScanVariant> variants_by_method(const Command& scanner);
+
 /// As one writes it in the scene: `method="planar" resolution="4096"`.
 std::string attributes_of(const ScanVariant& variant);
 

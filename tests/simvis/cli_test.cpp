@@ -273,6 +273,28 @@ TEST_CASE("--max-error: hybrid over the scene's own method; the price list of au
   CHECK(files_below(folder / "none").empty());
 }
 
+TEST_CASE("--summary adds lines at the end and changes no result") {
+  const TemporaryFolder folder;
+  const fs::path scene = write_wall_scene(folder.path(), kSensors);
+  const std::string out = (folder / "out").string();
+  const ProcessResult plain = run({scene.string(), "--out", (folder / "plain").string()});
+  const ProcessResult result = run({scene.string(), "--out", out, "--summary"});
+  INFO(result.err);
+  REQUIRE(plain.exit_code == 0);
+  REQUIRE(result.exit_code == 0);
+  for (const char* text : {"scanners: 1 with 5 beams", "cameras: ", "what accuracy costs SCAN", "\n  nearest ",
+                           "\n  planar ", "\n  hybrid ", "\n  raycast "}) {
+    CHECK_MESSAGE(result.out.find(text) != std::string::npos, text);
+  }
+  CHECK(result.out.ends_with("/SCAN.csv, " + out + "/run.json\n"));
+  CHECK(plain.out.find("open first") == std::string::npos);
+  CHECK(files_below(out) == files_below(folder / "plain"));
+  CHECK(read_text(folder / "out/SCAN.csv") == read_text(folder / "plain/SCAN.csv"));
+  for (const char* other : {"--quiet", "--price"}) {
+    check_refused({"--summary", other}, std::string(kSensors), {"--summary", other});
+  }
+}
+
 TEST_CASE("--explain, --profile, --quiet, --describe, --list-devices, --version, --help") {
   const TemporaryFolder folder;
   const fs::path scene = write_wall_scene(folder.path(), kSensors);
@@ -321,7 +343,7 @@ TEST_CASE("--explain, --profile, --quiet, --describe, --list-devices, --version,
   CHECK(help.exit_code == 0);
   for (const char* option : {"--out", "--frames", "--rate", "--set", "--trajectory", "--sensor", "--method",
                              "--max-error", "--seed", "--device", "--list-devices", "--explain", "--profile", "--quiet",
-                             "--describe", "--plugin", "--version", "--help"}) {
+                             "--summary", "--describe", "--plugin", "--version", "--help"}) {
     CHECK_MESSAGE(help.out.find(option) != std::string::npos, option);
   }
 }
