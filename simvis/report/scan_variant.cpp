@@ -26,7 +26,7 @@ ScanVariant normal(ScanVariant variant) {
     variant.max_error_m.reset();
     variant.max_error_rel.reset();
   }
-  const bool trusts_no_pixel = variant.max_error_rel && *variant.max_error_rel < least_planar_bound();
+  const bool trusts_no_pixel = variant.max_error_rel && *variant.max_error_rel < min_planar_bound();
   if (*method == ScanMethod::raycast || trusts_no_pixel) variant.resolution_px.reset();
   return variant;
 }

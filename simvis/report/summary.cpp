@@ -63,7 +63,7 @@ std::vector<std::filesystem::path> first_files(const Simulation& simulation, con
   for (const SensorInfo& sensor : simulation.sensors()) {
     if (!sensor.enabled) continue;
     const std::filesystem::path png = out / sensor.name / "000000.png", csv = out / (sensor.name + ".csv");
-    const CommandAttribute* const view = simulation.command(sensor.name).find("view");
+    const CommandAttribute* const view = simulation.diagnostics().command(sensor.name).find("view");
     const bool for_people = view != nullptr && view->value == "visualization";
     if ((picture.empty() || for_people) && std::filesystem::exists(png)) picture = png;
     if (scan.empty() && sensor.type == kScanner && std::filesystem::exists(csv)) scan = csv;

@@ -19,7 +19,7 @@ std::vector<glm::dvec3> noisy(std::size_t beams, const ScanEffect& effect, std::
   std::vector<BeamRay> rays(beams);
   for (std::uint32_t beam = 0; beam < beams; ++beam)
     rays[beam] = {.beam = beam, .direction = reference::beam_direction(0.5, 0.7)};
-  ScanMoment moment = moment_of(beams);
+  ScanContext moment = moment_of(beams);
   moment.time.index = frame;
   effect.aim(moment, rays);
   std::vector<glm::dvec3> directions;

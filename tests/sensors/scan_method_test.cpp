@@ -131,7 +131,7 @@ TEST_CASE("the price list has what the scene asks for, with its tolerance") {
   for (const char* attributes : {"", "max_error_m='0.01'", "method='auto' max_error_m='0.01'", "sweep='0.01'"}) {
     CAPTURE(attributes);
     Simulation simulation = load(attributes);
-    const Command command = simulation.command("SCAN");
+    const Command command = simulation.diagnostics().command("SCAN");
     for (const ScanVariant& variant : priced_variants(command)) {
       CHECK_NOTHROW(simulation.add_variant("SCAN", with_variant(command, variant, "OTHER" + attributes_of(variant))));
     }

@@ -23,7 +23,9 @@ namespace {
 // Each reads all fields of a struct by structured binding, which does not compile when a field is added and not looked
 // at here. Places of attributes and effects have no default but none.
 
-bool same(const ColorSampling& a, const ColorSampling& b) { return a.grid == b.grid && a.msaa == b.msaa; }
+bool same(const ColorSampling& a, const ColorSampling& b) {
+  return a.supersampling == b.supersampling && a.msaa == b.msaa;
+}
 
 bool same(const ScanPattern& a, const ScanPattern& b) {
   const auto& [samples, rings, min_azimuth, max_azimuth, min_elevation, max_elevation] = a;
@@ -116,14 +118,14 @@ TEST_CASE("a scene without a sky has the environment that an element of type sky
   Simulation with = Simulation::from_string(R"(<element type="sky" name="SKY" insert_at="ROOT"/>)");
   without.step();
   with.step();
-  CHECK(without.draw_list().environment == with.draw_list().environment);
+  CHECK(without.diagnostics().draw_list().environment == with.diagnostics().draw_list().environment);
 }
 
 TEST_CASE("fog without attributes scatters the light that a default-made medium does") {
   Simulation foggy = Simulation::from_string(R"(<element type="fog" name="FOG" insert_at="ROOT"/>)");
   foggy.step();
-  CHECK(foggy.draw_list().medium.extinction_per_m > 0);
-  CHECK(foggy.draw_list().medium.airlight == Medium{}.airlight);
+  CHECK(foggy.diagnostics().draw_list().medium.extinction_per_m > 0);
+  CHECK(foggy.diagnostics().draw_list().medium.airlight == Medium{}.airlight);
 }
 
 }  // namespace simvis
