@@ -28,7 +28,6 @@ using Clock = std::chrono::steady_clock;
 
 constexpr double kTolerances_m[] = {0.03, 0.003, 0.0003};
 constexpr double kNoLimitRel = std::numeric_limits<double>::infinity();
-constexpr double kPi = std::numbers::pi;
 
 struct Machine {
   Device device;
@@ -112,7 +111,8 @@ int main(int argc, char** argv) {
       glm::dmat4 pose(1.0);
       if (!sensor.enabled || !simulation.sensor_pose(sensor.name, pose)) continue;
       LaserScannerDesc desc;
-      desc.pattern = {.samples = 361, .min_azimuth_rad = -kPi / 2, .max_azimuth_rad = kPi / 2};
+      desc.pattern = {
+          .samples = 361, .min_azimuth_rad = -std::numbers::pi / 2, .max_azimuth_rad = std::numbers::pi / 2};
       desc.max_error_rel = kNoLimitRel;
       for (const double tolerance_m : kTolerances_m) {
         desc.max_error_m = tolerance_m;

@@ -39,8 +39,6 @@ namespace {
 
 using namespace simvis;
 
-constexpr double kPi = std::numbers::pi;
-
 /// Of positive numbers, each kept to one part in 45.
 class Quantiles {
  public:
@@ -257,7 +255,7 @@ Setting random_setting(std::mt19937& random) {
   using random_worlds::between;
   Setting setting;
   ScanPattern& pattern = setting.pattern;
-  const double half = kPi * (random() % 2 == 0 ? 1 : between(random, 0.1, 1));
+  const double half = std::numbers::pi * (random() % 2 == 0 ? 1 : between(random, 0.1, 1));
   pattern.min_azimuth_rad = -half;
   pattern.max_azimuth_rad = half;
   if (random() % 2 == 0) {
@@ -266,7 +264,7 @@ Setting random_setting(std::mt19937& random) {
   } else {
     pattern.rings = random() % 2 == 0 ? 16 : 64;
     pattern.samples = 24000 / pattern.rings + 1;
-    const double up = random() % 4 == 0 ? kPi / 2 : between(random, 0.02, 0.5);
+    const double up = random() % 4 == 0 ? std::numbers::pi / 2 : between(random, 0.02, 0.5);
     pattern.min_elevation_rad = -up;
     pattern.max_elevation_rad = up * between(random, 0.3, 1);
     setting.resolution_px = std::array{256.0, 720.0, 1024.0}[random() % 3];

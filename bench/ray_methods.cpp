@@ -90,7 +90,7 @@ std::vector<glm::dvec3> directions_of(int samples, double half_width_rad, int ri
     const double e = rings == 1 ? 0 : half_height_rad * (2.0 * ring / (rings - 1) - 1);
     for (int beam = 0; beam < samples; ++beam) {
       const double a = half_width_rad * (2.0 * beam / (samples - 1) - 1);
-      directions.emplace_back(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e));
+      directions.push_back(beam_direction(a, e));
     }
   }
   return directions;
@@ -154,8 +154,7 @@ int main(int argc, char** argv) {
   Simulation simulation = Simulation::load(scene);
   simulation.step();
   std::printf("rays,engine,median_ns,ratio_to_packets,worst_relative_difference\n");
-  constexpr double kPi = std::numbers::pi;
-  time_rays("361", simulation, directions_of(361, kPi / 2, 1, 0), frames);
-  time_rays("64 x 2048", simulation, directions_of(2048, kPi, 64, kPi / 12), frames / 30 + 1);
+  time_rays("361", simulation, directions_of(361, std::numbers::pi / 2, 1, 0), frames);
+  time_rays("64 x 2048", simulation, directions_of(2048, std::numbers::pi, 64, std::numbers::pi / 12), frames / 30 + 1);
   return 0;
 }

@@ -3,6 +3,7 @@
 //
 //   three_scanners [SCENE.xml [FRAMES [METHOD]]]
 //
+// All scanners measure by METHOD, which is planar if not given: the paper's way, through depth images.
 // Prints one CSV line per measured run: what was measured, in sets per second, milliseconds and megabytes. A set is a
 // whole frame: parameters, flattening, planning, rendering, and results in the caller's memory; no files.
 #include <sys/resource.h>
@@ -26,7 +27,7 @@ int main(int argc, char** argv) {
   const std::filesystem::path scene = argc > 1 ? argv[1] : SIMVIS_SOURCE_DIR "/scenes/marvin/marvin.xml";
   const int frames = argc > 2 ? std::atoi(argv[2]) : 300;
   SimulationDesc desc;
-  if (argc > 3) desc.overrides = {{"laser_scanner", "method", argv[3], "METHOD"}};
+  desc.overrides = {{"laser_scanner", "method", argc > 3 ? argv[3] : "planar", "METHOD"}};
 
   Simulation simulation = Simulation::load(scene, desc);
   for (const SensorInfo& sensor : simulation.sensors()) simulation.enable(sensor.name, sensor.type == "laser_scanner");

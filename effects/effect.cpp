@@ -44,29 +44,6 @@ bool may_have(std::string_view sensor_type, const EffectType& effect) {
   return types.find(' ' + std::string(sensor_type) + ' ') != std::string::npos;
 }
 
-std::string example_commands(const EffectType& effect, std::string_view commands) {
-  constexpr std::string_view kMark = "EFFECT";
-  const std::string name = std::string(kMark) + '_' + std::string(effect.name);
-  std::string text(commands);
-  for (std::size_t at = text.find(kMark); at != text.npos; at = text.find(kMark, at + name.size())) {
-    text.replace(at, kMark.size(), name);
-  }
-  return text;
-}
-
-std::string join_attributes(std::string_view a, std::string_view b) {
-  std::string joined(a);
-  while (true) {
-    const std::size_t name = b.find_first_not_of(' '), equals = b.find('='), open = b.find('"');
-    const std::size_t close = open == b.npos ? b.npos : b.find('"', open + 1);
-    if (close == b.npos) return joined;
-    const std::string written = ' ' + std::string(b.substr(name, equals - name)) + '=';
-    if ((' ' + joined).find(written) == std::string::npos)
-      joined += ' ' + std::string(b.substr(name, close + 1 - name));
-    b.remove_prefix(close + 1);
-  }
-}
-
 void plan_scene_effects(const std::string& sensor, std::size_t first_pass, const DrawList& list, FramePlan& plan) {
   const auto first = plan.passes.begin() + static_cast<std::ptrdiff_t>(first_pass);
   if (std::none_of(first, plan.passes.end(), [](const Pass& pass) { return pass.color; })) return;

@@ -93,7 +93,7 @@ void take_turns(Trial& with, Trial& without, int frames) {
 
 void measure(const EffectType& effect, const Watcher& watcher, int frames) {
   std::fprintf(stderr, "effects: %s, %s\n", std::string(effect.name).c_str(), std::string(watcher.type).c_str());
-  std::vector<std::string> values = words(effect.example.knob_values);
+  std::vector<std::string> values = words(example_of(effect).knob_values);
   if (values.empty()) values.emplace_back();
   const Setting plain = without_effect(effect);
   const Trial reference(watcher, with_effect(effect, watcher, values.back()));

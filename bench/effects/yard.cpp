@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <stdexcept>
 
 namespace simvis::bench {
 
@@ -22,15 +23,23 @@ std::string with_knob(std::string_view example, std::string_view knob, std::stri
 
 }  // namespace
 
+const EffectExample& example_of(const EffectType& effect) {
+  const EffectExample* const example = find_effect_example(effect.name);
+  if (example == nullptr) throw std::logic_error("no example of the effect " + std::string(effect.name));
+  return *example;
+}
+
 Setting with_effect(const EffectType& effect, const Watcher& watcher, std::string_view value) {
-  Setting setting{example_commands(effect, with_knob(effect.example.commands, effect.knob, value))};
-  if (may_have(watcher.type, effect)) {
-    setting.attributes = with_knob(effect.example.attributes, effect.knob, value);
-  }
+  const EffectExample& example = example_of(effect);
+  Setting setting{example_commands(example, with_knob(example.commands, effect.knob, value))};
+  if (may_have(watcher.type, effect)) setting.attributes = with_knob(example.attributes, effect.knob, value);
   return setting;
 }
 
-Setting without_effect(const EffectType& effect) { return {example_commands(effect, effect.example.plain_commands)}; }
+Setting without_effect(const EffectType& effect) {
+  const EffectExample& example = example_of(effect);
+  return {example_commands(example, example.plain_commands)};
+}
 
 bool can_show(const EffectType& effect, const Watcher& watcher) {
   return (effect.outputs & watcher.shows) != 0 && (effect.attributes.empty() || may_have(watcher.type, effect));

@@ -6,6 +6,7 @@
 
 #include <simvis/effect.h>
 #include <simvis/simulation.h>
+#include "scenes/showcase/effect_examples.h"
 
 namespace simvis::bench {
 
@@ -25,6 +26,9 @@ inline constexpr Watcher kYardScanner{
 struct Setting {
   std::string commands{}, attributes{};
 };
+
+/// Every registered effect has one.
+const EffectExample& example_of(const EffectType& effect);
 
 /// With the example of the effect. `value`: of its knob; empty: as the example says.
 Setting with_effect(const EffectType& effect, const Watcher& watcher, std::string_view value = {});

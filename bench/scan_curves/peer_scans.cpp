@@ -15,7 +15,7 @@ PeerScans::PeerScans(Simulation& simulation, const std::vector<std::string>& sca
     scans_[i].azimuth_rad = scan.azimuth_rad;
     for (const double e : scan.elevation_rad) {
       for (const double a : scan.azimuth_rad) {
-        scans_[i].directions.emplace_back(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e));
+        scans_[i].directions.push_back(beam_direction(a, e));
       }
     }
   }

@@ -19,7 +19,6 @@ constexpr glm::dvec3 kRoom_m(16, 12, 3);
 constexpr double kFree_m = 2;  // around the middle, for the robot
 constexpr double kWallShare = 0.1;
 constexpr std::size_t kMaxItems = 200, kMinPerItem = 45;
-constexpr double kPi = std::numbers::pi;
 
 constexpr const char* kScanners = R"(
   <sensor type="laser_scanner" name="FRONT_SCANNER" insert_at="ROBOT" pose_offset="0.33 0 0.1 0 0 0"/>
@@ -72,7 +71,7 @@ class Chance {
 void add_item(Furniture& lab, std::size_t kind, double triangles, Chance& chance) {
   const double reach_m = chance.between(0.12, 0.4), height_m = chance.between(0.3, 1.6);
   glm::dvec3 at = chance.place(1.5 * reach_m);
-  const glm::dquat yaw = glm::angleAxis(chance.between(-kPi, kPi), glm::dvec3(0, 0, 1));
+  const glm::dquat yaw = glm::angleAxis(chance.between(-std::numbers::pi, std::numbers::pi), glm::dvec3(0, 0, 1));
   if (kind % 3 == 0) {
     at.z = height_m / 2;
     lab.add(box_of({2 * reach_m, chance.between(0.5, 2) * reach_m, height_m}, triangles), at, yaw);
@@ -155,7 +154,7 @@ std::filesystem::path write_store(const std::filesystem::path& folder, std::size
 }
 
 void drive_lab(Simulation& simulation, int frame) {
-  const double angle_deg = frame % 360, angle = angle_deg * kPi / 180;
+  const double angle_deg = frame % 360, angle = angle_deg * std::numbers::pi / 180;
   simulation.set("R_POSE", "x", std::cos(angle));
   simulation.set("R_POSE", "y", std::sin(angle));
   simulation.set("R_POSE", "yaw", angle_deg + 90);

@@ -25,8 +25,7 @@ const CameraEffectRegistration kRegistration(
               .outputs = kShownInColor,
               .reference = "light collected is irradiance times time: EMVA Standard 1288, release 4.0, section 2",
               .sensors = "camera stereo_camera",
-              .attributes = kAttributes,
-              .example = {.attributes = R"(exposure="2")", .off_attributes = R"(exposure="1")"}},
+              .attributes = kAttributes},
      .order = CameraOrder::exposure,
      .create = create});
 

@@ -57,10 +57,7 @@ const CameraEffectRegistration kRegistration(
               .knob = "lens_oversampling",
               .reference = "OpenCV 4.6, Camera Calibration and 3D Reconstruction, and its fisheye model",
               .sensors = "camera",
-              .attributes = kAttributes,
-              .example = {.attributes = R"(distortion="brown_conrady" k1="-0.2" k2="0.05" lens_oversampling="2")",
-                          .off_attributes = R"(distortion="none" k1="-0.2" k2="0.05")",
-                          .knob_values = "1 2 4 8"}},
+              .attributes = kAttributes},
      .order = CameraOrder::lens,
      .create = create});
 

@@ -37,10 +37,7 @@ const CameraEffectRegistration kRegistration(
               .reference = "each row from the camera's pose at its time; Meingast, Geyer, Sastry, Geometric models of "
                            "rolling-shutter cameras, OMNIVIS 2005",
               .sensors = "camera",
-              .attributes = kAttributes,
-              .example = {.attributes = R"(row_time="2e-5" rows_per_pose="16")",
-                          .off_attributes = R"(row_time="0" rows_per_pose="16")",
-                          .knob_values = "32 8 2 1"}},
+              .attributes = kAttributes},
      .order = CameraOrder::shutter,
      .create = create});
 

@@ -54,9 +54,7 @@ const CameraEffectRegistration kRegistration(
               .outputs = kShownInColor,
               .reference = "EMVA Standard 1288, release 4.0, section 2",
               .sensors = "camera stereo_camera",
-              .attributes = kAttributes,
-              .example = {.attributes = R"(full_well_e="10000" read_noise_e="4" adc_bits="10")",
-                          .off_attributes = R"(full_well_e="0" read_noise_e="4" adc_bits="10")"}},
+              .attributes = kAttributes},
      .order = CameraOrder::electronics,
      .create = create});
 

@@ -33,8 +33,7 @@ const CameraEffectRegistration kRegistration(
               .outputs = kShownInColor,
               .reference = "cos^4: Kang and Weiss, ECCV 2000; polynomial: Goldman, PAMI 32, 2010",
               .sensors = "camera stereo_camera",
-              .attributes = kAttributes,
-              .example = {.attributes = R"(vignetting="natural")", .off_attributes = R"(vignetting="none" v1="-0.3")"}},
+              .attributes = kAttributes},
      .order = CameraOrder::aperture,
      .create = create});
 

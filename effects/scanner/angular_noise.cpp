@@ -28,8 +28,7 @@ const ScanEffectRegistration kRegistration(
               .outputs = kShownInRanges,
               .reference = "moments of the normal distribution",
               .sensors = "laser_scanner",
-              .attributes = kAttributes,
-              .example = {.attributes = R"(angular_noise="0.1")", .off_attributes = R"(angular_noise="0")"}},
+              .attributes = kAttributes},
      .order = ScanOrder::direction,
      .create = create});
 
@@ -41,8 +40,7 @@ void AngularNoise::aim(const ScanContext& moment, std::vector<BeamRay>& rays) co
     const double azimuth = std::atan2(d.y, d.x) + deviation_rad_ * random_.gaussian(moment.time.index, ray.beam, 0);
     const double elevation =
         std::asin(std::clamp(d.z, -1.0, 1.0)) + deviation_rad_ * random_.gaussian(moment.time.index, ray.beam, 1);
-    ray.direction = {std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
-                     std::sin(elevation)};
+    ray.direction = beam_direction(azimuth, elevation);
   }
 }
 

@@ -99,10 +99,7 @@ const ScanEffectRegistration kRegistration({
              .outputs = kShownInRanges,
              .reference = "Beer and Lambert; Koschmieder 1924, Kim et al. 2001, Marshall and Palmer 1948",
              .sensors = "laser_scanner",
-             .attributes = kAttributes,
-             .example = {.commands = R"(<element type="fog" name="EFFECT" insert_at="ROOT" visibility="20"/>)",
-                         .off_commands =
-                             R"(<element type="fog" name="EFFECT" insert_at="ROOT" kind="rain" rain_rate="0"/>)"}},
+             .attributes = kAttributes},
     .order = ScanOrder::medium,
     .create = create,
     .called_for = [](const DrawList& list) { return list.medium.laser_extinction_per_m > 0; },

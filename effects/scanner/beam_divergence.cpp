@@ -37,10 +37,7 @@ const ScanEffectRegistration kRegistration(
               .knob = "divergence_samples",
               .reference = "area ratios of a disc cut by a line",
               .sensors = "laser_scanner",
-              .attributes = kAttributes,
-              .example = {.attributes = R"(divergence="0.5" divergence_samples="16")",
-                          .off_attributes = R"(divergence="0" divergence_samples="16")",
-                          .knob_values = "4 16 64 256"}},
+              .attributes = kAttributes},
      .order = ScanOrder::spread,
      .create = create});
 

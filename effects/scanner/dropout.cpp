@@ -82,9 +82,7 @@ const ScanEffectRegistration kRegistration({
              .reference = "detection of a pulse in Gaussian noise: Richmond and Cain, Direct-Detection LADAR Systems "
                           "(SPIE 2010)",
              .sensors = "laser_scanner",
-             .attributes = kAttributes,
-             .example = {.attributes = R"(dropout="0.1" dropout_power="0.01")",
-                         .off_attributes = R"(dropout="0" dropout_power="0")"}},
+             .attributes = kAttributes},
     .order = ScanOrder::disturbance,
     .create = [](const ScanEffectContext& context) -> std::unique_ptr<ScanEffect> {
       const AttributeValues& a = context.attributes;

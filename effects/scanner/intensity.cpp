@@ -47,8 +47,7 @@ const ScanEffectRegistration kRegistration({
              .outputs = kShownInRanges,
              .reference = "the lidar equation of an extended Lambertian target: Jelalian, Laser Radar Systems (1992)",
              .sensors = "laser_scanner",
-             .attributes = kAttributes,
-             .example = {.attributes = R"(intensity="on")", .off_attributes = R"(intensity="off")"}},
+             .attributes = kAttributes},
     .order = ScanOrder::rounding,
     .create = [](const ScanEffectContext& context) -> std::unique_ptr<ScanEffect> {
       if (context.attributes.choice("intensity") != "on") return nullptr;

@@ -55,9 +55,7 @@ const ScanEffectRegistration kRegistration({
              .outputs = kShownInRanges,
              .reference = "the normal distribution, by Box and Muller, Ann. Math. Statist. 29 (1958)",
              .sensors = "laser_scanner",
-             .attributes = kAttributes,
-             .example = {.attributes = R"(range_noise="0.02" range_noise_rel="0.001")",
-                         .off_attributes = R"(range_noise="0" range_noise_rel="0")"}},
+             .attributes = kAttributes},
     .order = ScanOrder::disturbance,
     .create = [](const ScanEffectContext& context) -> std::unique_ptr<ScanEffect> {
       const AttributeValues& a = context.attributes;

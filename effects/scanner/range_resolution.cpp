@@ -47,8 +47,7 @@ const ScanEffectRegistration kRegistration({
              .outputs = kShownInRanges,
              .reference = "the nearest multiple, halves up",
              .sensors = "laser_scanner",
-             .attributes = kAttributes,
-             .example = {.attributes = R"(range_resolution="0.01")", .off_attributes = R"(range_resolution="0")"}},
+             .attributes = kAttributes},
     .order = ScanOrder::rounding,
     .create = [](const ScanEffectContext& context) -> std::unique_ptr<ScanEffect> {
       const double step_m = context.attributes.number("range_resolution");

@@ -55,9 +55,7 @@ const ScanEffectRegistration kRegistration(
               .outputs = kShownInRanges,
               .reference = "overlapping echoes are one pulse: c T / 2; its range the mean, weighted by power",
               .sensors = "laser_scanner",
-              .attributes = kAttributes,
-              .example = {.attributes = R"(return="last" pulse_length="0.5")",
-                          .off_attributes = R"(return="strongest")"}},
+              .attributes = kAttributes},
      .order = ScanOrder::detection,
      .create = create});
 

@@ -85,9 +85,6 @@ bool called_for(const DrawList& list) {
   });
 }
 
-#define MIRROR \
-  R"(<part file="../showcase/mirror.glb" name="EFFECT_MIRROR" insert_at="ROOT" pose_offset="0.2 0.3 0 0 0 -30"/>)"
-
 const ScanEffectRegistration kRegistration({
     .type = {.name = "specular_path",
              .summary = "beams that go on from mirrors and through panes of glass",
@@ -96,17 +93,7 @@ const ScanEffectRegistration kRegistration({
              .knob = "path_depth",
              .reference = "the law of reflection, Fresnel's equations",
              .sensors = "laser_scanner",
-             .attributes = kAttributes,
-             .example = {.attributes = R"(path_depth="4")",
-                         .commands = MIRROR
-                         R"(<element type="material" name="EFFECT" insert_at="ROOT" part="EFFECT_MIRROR" )"
-                         R"(mirror="1"/>)",
-                         .off_attributes = R"(path_depth="0")",
-                         .off_commands = MIRROR
-                         R"(<element type="material" name="EFFECT" insert_at="ROOT" part="EFFECT_MIRROR"/>)",
-                         .plain_commands = MIRROR
-                         R"(<element type="material" name="EFFECT" insert_at="ROOT" part="EFFECT_MIRROR"/>)",
-                         .knob_values = "1 2 4"}},
+             .attributes = kAttributes},
     .order = ScanOrder::path,
     .create = create,
     .called_for = called_for,

@@ -36,8 +36,7 @@ const ScanEffectRegistration kRegistration(
               .outputs = kShownInRanges,
               .reference = "closed form of a scanner that moves past a wall, towards it, and turns",
               .sensors = "laser_scanner",
-              .attributes = kAttributes,
-              .example = {.attributes = R"(sweep="0.02" sweep_direction="cw")", .off_attributes = R"(sweep="0")"}},
+              .attributes = kAttributes},
      .order = ScanOrder::pose,
      .create = create});
 

@@ -14,8 +14,6 @@ const EffectRegistration kRegistration({
     .source = "air that weakens visible light: element fog",
     .outputs = kShownInColor,
     .reference = "Koschmieder 1924: radiance = surface x t + airlight x (1 - t), t = exp(-extinction x distance)",
-    .example = {.commands = R"(<element type="fog" name="EFFECT" insert_at="ROOT" visibility="20"/>)",
-                .off_commands = R"(<element type="fog" name="EFFECT" insert_at="ROOT" kind="rain" rain_rate="0"/>)"},
     .in_scene = in_scene,
 });
 

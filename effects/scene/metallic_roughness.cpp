@@ -36,13 +36,6 @@ const EffectRegistration kRegistration({
     .source = "a material that is metallic or smoother than 1, or has a texture of that, of occlusion or of emission",
     .outputs = kShownInColor,
     .reference = "the formulas of glTF 2.0, appendix B; a white furnace",
-    .example =
-        {.commands =
-             R"(<part file="../showcase/metal.glb" name="EFFECT" insert_at="ROOT" pose_offset="-1.6 0 0.7 0 0 0"/>)",
-         .off_commands =
-             R"(<part file="../showcase/metal_matte.glb" name="EFFECT" insert_at="ROOT" pose_offset="-1.6 0 0.7 0 0 0"/>)",
-         .plain_commands =
-             R"(<part file="../showcase/metal_matte.glb" name="EFFECT" insert_at="ROOT" pose_offset="-1.6 0 0.7 0 0 0"/>)"},
     .in_scene = in_scene,
 });
 

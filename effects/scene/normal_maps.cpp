@@ -29,13 +29,6 @@ const EffectRegistration kRegistration({
     .source = "a lit material with a normal texture",
     .outputs = kShownInColor,
     .reference = "a surface that is really tilted; glTF 2.0, section 3.9.3",
-    .example =
-        {.commands =
-             R"(<part file="../showcase/relief.glb" name="EFFECT" insert_at="ROOT" pose_offset="-2 0.4 1 0 0 0"/>)",
-         .off_commands =
-             R"(<part file="../showcase/relief_flat.glb" name="EFFECT" insert_at="ROOT" pose_offset="-2 0.4 1 0 0 0"/>)",
-         .plain_commands =
-             R"(<part file="../showcase/relief_flat.glb" name="EFFECT" insert_at="ROOT" pose_offset="-2 0.4 1 0 0 0"/>)"},
     .in_scene = in_scene,
 });
 

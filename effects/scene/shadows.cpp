@@ -21,14 +21,6 @@ const EffectRegistration kRegistration({
     .outputs = kShownInColor,
     .knob = "shadow_resolution",
     .reference = "projective geometry; Williams, Casting Curved Shadows on Curved Surfaces (1978)",
-    .example =
-        {.commands =
-             R"(<element type="light" name="EFFECT" insert_at="ROOT" azimuth="-142" elevation="38" shadows="yes" )"
-             R"(shadow_resolution="1024"/>)",
-         .off_commands =
-             R"(<element type="light" name="EFFECT" insert_at="ROOT" azimuth="-142" elevation="38" shadows="no"/>)",
-         .plain_commands = R"(<element type="light" name="EFFECT" insert_at="ROOT" azimuth="-142" elevation="38"/>)",
-         .knob_values = "256 512 1024 2048 4096"},
 });
 
 // Of a spot: what one pinhole view sees well. Beyond it a cube's sides have the finer texels.

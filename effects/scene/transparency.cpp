@@ -16,21 +16,12 @@ bool in_scene(const DrawList& list) {
                              [&](const DrawItem& item) { return is_transparent(*list.materials[item.material]); });
 }
 
-#define BALL \
-  R"(<part file="../showcase/ball.glb" name="EFFECT_BALL" insert_at="ROOT" pose_offset="-1.5 -0.4 1 0 0 0"/>)"
-
 const EffectRegistration kRegistration({
     .name = "transparency",
     .summary = "what lies behind blended and faded surfaces shows through them",
     .source = "a part with a material that is blended, or whose opacity is below 1",
     .outputs = kShownInColor,
     .reference = "Porter and Duff 1984: over, of all surfaces of a sample by their depth",
-    .example = {.commands = BALL R"(<element type="material" name="EFFECT" insert_at="ROOT" part="EFFECT_BALL" )"
-                                 R"(opacity="0.6"/>)",
-                .off_commands = BALL
-                R"(<element type="material" name="EFFECT" insert_at="ROOT" part="EFFECT_BALL" opacity="1"/>)",
-                .plain_commands = BALL
-                R"(<element type="material" name="EFFECT" insert_at="ROOT" part="EFFECT_BALL"/>)"},
     .in_scene = in_scene,
 });
 

@@ -11,8 +11,7 @@ namespace simvis {
 
 /// Of unit length, in the sensor frame.
 inline glm::dvec3 beam_direction(const Scan& scan, std::size_t ring, std::size_t beam) {
-  const double azimuth = scan.azimuth_rad[beam], elevation = scan.elevation_rad[ring];
-  return {std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth), std::sin(elevation)};
+  return beam_direction(scan.azimuth_rad[beam], scan.elevation_rad[ring]);
 }
 
 /// Calls `visit(direction, range_m)` for every `every`-th beam of each ring. The range is infinite where the beam met

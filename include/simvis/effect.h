@@ -6,7 +6,8 @@
 // To add one: a pair of files here (and its shader part, if it has one) with one static registration: of a
 // ScanEffectType (scan_effect.h), of a CameraEffectType (camera_effect.h), or, where the source is in the scene and the
 // renderer does the work, of a plain EffectType. Everything that has to know of all effects loops over the catalogue:
-// the check of the XML, --describe, the frame plan, the tests and bench/effects.
+// the check of the XML, --describe, the frame plan, the tests and bench/effects. The latter two need an example of
+// each, which stands in scenes/showcase/effect_examples.h.
 #pragma once
 
 #include <cstdint>
@@ -24,18 +25,6 @@ namespace simvis {
 /// What a sensor puts out. An effect says which of them can show it, as a sum of these.
 enum EffectOutput : std::uint8_t { kShownInColor = 1, kShownInDepth = 2, kShownInRanges = 4 };
 
-/// How a scene has an effect, and how it names it without having it: for the tests and the benchmark, which put this
-/// into every scene. As XML: attributes of a sensor of each type in EffectType::sensors, and whole commands, whose
-/// names begin with EFFECT.
-struct EffectExample {
-  std::string_view attributes{};      ///< `range_noise="0.02"`
-  std::string_view commands{};        ///< `<element type="fog" name="EFFECT" insert_at="ROOT" visibility="20"/>`
-  std::string_view off_attributes{};  ///< the same things named, at values at which there is no effect
-  std::string_view off_commands{};
-  std::string_view plain_commands{};  ///< what `commands` are without the effect, if not nothing: a light is a light
-  std::string_view knob_values{};     ///< of the knob, separated by spaces, ever more exact; the last is the reference
-};
-
 struct EffectType {
   std::string_view name;       ///< "range_noise"
   std::string_view summary;    ///< one sentence for people
@@ -45,7 +34,6 @@ struct EffectType {
   std::string_view reference;  ///< what it is held against: formula, publication, data sheet
   std::string_view sensors{};  ///< types, separated by spaces, whose commands may carry `attributes`
   AttributeTable attributes{};
-  EffectExample example{};
   /// Of an effect of colour whose source is in the scene alone: whether it is there. Null where a sensor says so, or
   /// where who plans it says so.
   bool (*in_scene)(const DrawList& list) = nullptr;
@@ -71,12 +59,6 @@ const EffectType* find_effect_type(std::string_view name);
 
 /// Whether sensors of this type may carry its attributes.
 bool may_have(std::string_view sensor_type, const EffectType& effect);
-
-/// Commands of its example under names that no other effect's have.
-std::string example_commands(const EffectType& effect, std::string_view commands);
-
-/// Attributes of both, as XML; where both have one, that of `a`.
-std::string join_attributes(std::string_view a, std::string_view b);
 
 /// Adds to the plan what of the scene's effects the sensor shows, whose passes are those from `first_pass` on.
 void plan_scene_effects(const std::string& sensor, std::size_t first_pass, const DrawList& list, FramePlan& plan);

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <glm/glm.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,10 +18,16 @@ struct ScanChannel {
   std::vector<double> values;   ///< as Scan::range_m; NaN: none
 };
 
+/// Unit vector in the sensor frame: azimuth counter-clockwise from +x about +z, elevation positive upwards.
+inline glm::dvec3 beam_direction(double azimuth_rad, double elevation_rad) {
+  return {std::cos(elevation_rad) * std::cos(azimuth_rad), std::cos(elevation_rad) * std::sin(azimuth_rad),
+          std::sin(elevation_rad)};
+}
+
 /// Ranges of one sweep.
 ///
 /// Frames   S = sensor: x forward, y left, z up. Azimuth is counter-clockwise from +x about +z, elevation positive
-///          upwards: the beam's direction is (cos e cos a, cos e sin a, sin e).
+///          upwards: see beam_direction().
 /// Shape    range_m[ring * columns + beam]; rings by increasing elevation, beams by increasing azimuth as configured.
 /// Units    metres along the ray (not the Z depth of the virtual camera that produced it).
 /// Special  +infinity: nothing within range_max; 0: what the beam meets is nearer than range_min.

@@ -35,17 +35,7 @@ constexpr AttributeSpec kAttributes[] = {
 };
 
 std::unique_ptr<Sensor> create(const SensorContext& context) {
-  const AttributeValues& a = context.attributes;
-  CameraDesc desc{.width_px = static_cast<std::uint32_t>(a.integer("width")),
-                  .height_px = static_cast<std::uint32_t>(a.integer("height")),
-                  .hfov_rad = glm::radians(a.number("hfov")),
-                  .near_m = a.number("near"),
-                  .color = a.flag("outputs", "color"),
-                  .depth = a.flag("outputs", "depth"),
-                  .sampling = color_sampling(a),
-                  .visualization = a.choice("view") == "visualization"};
-  desc.effects = camera_effects("camera", {a, context.seed, context.name, shown_outputs(desc.color, desc.depth)});
-  return std::make_unique<Camera>(context.name, desc);
+  return std::make_unique<Camera>(context.name, camera_desc(context));
 }
 
 // Views of a pinhole cut its image into rows: their pass is the image.
@@ -59,6 +49,20 @@ View whole_image(const Pass& pass) {
 const SensorRegistration kRegistration({"camera", "A pinhole camera: colour, depth or both.", kAttributes, create});
 
 }  // namespace
+
+CameraDesc camera_desc(const SensorContext& context) {
+  const AttributeValues& a = context.attributes;
+  CameraDesc desc{.width_px = static_cast<std::uint32_t>(a.integer("width")),
+                  .height_px = static_cast<std::uint32_t>(a.integer("height")),
+                  .hfov_rad = glm::radians(a.number("hfov")),
+                  .near_m = a.number("near"),
+                  .color = a.flag("outputs", "color"),
+                  .depth = a.flag("outputs", "depth"),
+                  .sampling = color_sampling(a),
+                  .visualization = a.choice("view") == "visualization"};
+  desc.effects = camera_effects("camera", {a, context.seed, context.name, shown_outputs(desc.color, desc.depth)});
+  return desc;
+}
 
 Camera::Camera(std::string name, const CameraDesc& desc)
     : name_(std::move(name)),

@@ -32,13 +32,16 @@ namespace simvis {
 
 struct CameraDesc {
   std::uint32_t width_px = 640, height_px = 480;
-  double hfov_rad = 1;  ///< (0, pi)
+  double hfov_rad = glm::radians(60.0);  ///< (0, pi)
   double near_m = 0.05;
   bool color = true, depth = false;
   ColorSampling sampling{};
   bool visualization = false;  ///< for people: sees beams, paths and the like, which no simulated sensor sees
   std::vector<ChosenCameraEffect> effects{};
 };
+
+/// What the attributes of a camera ask for. Throws InputError at an attribute that another one does not allow.
+CameraDesc camera_desc(const SensorContext& context);
 
 class Camera : public Sensor {
  public:

@@ -36,6 +36,16 @@ constexpr AttributeSpec kAttributes[] = {
 };
 
 std::unique_ptr<Sensor> create(const SensorContext& context) {
+  return std::make_unique<StereoCamera>(context.name, stereo_camera_desc(context));
+}
+
+const SensorRegistration kRegistration({"stereo_camera",
+                                        "Two rectified pinhole cameras side by side, and their true disparity.",
+                                        kAttributes, create});
+
+}  // namespace
+
+StereoCameraDesc stereo_camera_desc(const SensorContext& context) {
   const AttributeValues& a = context.attributes;
   StereoCameraDesc desc{.width_px = static_cast<std::uint32_t>(a.integer("width")),
                         .height_px = static_cast<std::uint32_t>(a.integer("height")),
@@ -52,14 +62,8 @@ std::unique_ptr<Sensor> create(const SensorContext& context) {
   };
   desc.left_effects = effects("/left");
   desc.right_effects = effects("/right");
-  return std::make_unique<StereoCamera>(context.name, desc);
+  return desc;
 }
-
-const SensorRegistration kRegistration({"stereo_camera",
-                                        "Two rectified pinhole cameras side by side, and their true disparity.",
-                                        kAttributes, create});
-
-}  // namespace
 
 StereoCamera::StereoCamera(std::string name, const StereoCameraDesc& desc)
     : name_(std::move(name)),

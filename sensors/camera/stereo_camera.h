@@ -28,13 +28,16 @@ namespace simvis {
 
 struct StereoCameraDesc {
   std::uint32_t width_px = 640, height_px = 480;  ///< of each view
-  double hfov_rad = 1;                            ///< (0, pi)
+  double hfov_rad = glm::radians(60.0);           ///< (0, pi)
   double near_m = 0.05;
   double baseline_m = 0.12;  ///< above 0
   bool color = true, depth = false, disparity = true;
   ColorSampling sampling{};
   std::vector<ChosenCameraEffect> left_effects{}, right_effects{};  ///< none of them lays out
 };
+
+/// What the attributes of a stereo camera ask for. Throws InputError at an attribute that another one does not allow.
+StereoCameraDesc stereo_camera_desc(const SensorContext& context);
 
 class StereoCamera : public Sensor {
  public:

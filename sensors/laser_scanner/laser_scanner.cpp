@@ -15,6 +15,9 @@ namespace simvis {
 
 namespace {
 
+// In the order of ScanMethod.
+constexpr std::string_view kMethodNames[] = {"nearest", "planar", "hybrid", "raycast", "auto"};
+
 // Whether a rendered range can be exact enough.
 bool can_render(const LaserScannerDesc& desc) {
   return !casts(desc.method) || (desc.method != ScanMethod::raycast && desc.max_error_rel >= min_planar_bound());
@@ -23,16 +26,25 @@ bool can_render(const LaserScannerDesc& desc) {
 std::vector<double> resolutions(const LaserScannerDesc& desc) {
   if (!can_render(desc)) return {};
   if (desc.resolution_px > 0) return {desc.resolution_px};
-  if (desc.method != ScanMethod::automatic) return {desc.pattern.rings == 1 ? kPlanarResolution : kRingsResolution};
+  if (desc.method != ScanMethod::automatic) return {default_resolution_px(desc.pattern)};
   if (desc.pattern.rings == 1) return {std::begin(kPlanarResolutions), std::end(kPlanarResolutions)};
   return {std::begin(kRingsResolutions), std::end(kRingsResolutions)};
 }
 
 }  // namespace
 
-std::string_view to_string(ScanMethod method) {
-  constexpr std::string_view kNames[] = {"nearest", "planar", "hybrid", "raycast", "auto"};
-  return kNames[static_cast<std::size_t>(method)];
+std::string_view to_string(ScanMethod method) { return kMethodNames[static_cast<std::size_t>(method)]; }
+
+std::optional<ScanMethod> find_scan_method(std::string_view name) {
+  const auto found = std::ranges::find(kMethodNames, name);
+  if (found == std::end(kMethodNames)) return std::nullopt;
+  return static_cast<ScanMethod>(found - std::begin(kMethodNames));
+}
+
+const EffectType* beam_following_effect(const LaserScannerDesc& desc) {
+  const auto found = std::ranges::find_if(
+      desc.effects, [](const auto& each) { return each.called_for == nullptr && each.effect->traces(); });
+  return found == desc.effects.end() ? nullptr : found->type;
 }
 
 LaserScanner::LaserScanner(std::string name, const LaserScannerDesc& desc)
@@ -52,17 +64,15 @@ LaserScanner::LaserScanner(std::string name, const LaserScannerDesc& desc)
   moment_.columns = scan_.columns;
   moment_.range_max_m = desc.range_max_m;
   if (casts(desc.method)) make_directions();
-  for (const ChosenScanEffect& each : desc_.effects) {
-    SIMVIS_ASSERT(each.called_for != nullptr || !each.effect->traces() || desc.method == ScanMethod::raycast);
-  }
+  SIMVIS_ASSERT(desc.method == ScanMethod::raycast || beam_following_effect(desc) == nullptr);
 }
 
 void LaserScanner::make_directions() {
   if (!directions_.empty()) return;
   order_ = casting_order(desc_.pattern);
   for (const std::uint32_t beam : order_) {
-    const double e = scan_.elevation_rad[beam / scan_.columns], a = scan_.azimuth_rad[beam % scan_.columns];
-    directions_.emplace_back(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e));
+    directions_.push_back(
+        beam_direction(scan_.azimuth_rad[beam % scan_.columns], scan_.elevation_rad[beam / scan_.columns]));
   }
 }
 

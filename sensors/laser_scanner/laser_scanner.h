@@ -2,6 +2,7 @@
 //
 //   <sensor type="laser_scanner" name="FRONT" insert_at="ROBOT" pose_offset="0.3 0 0.1 0 0 0" samples="361"/>
 //
+// `raycast` is the default; a scanner with a tolerance (max_error_m, max_error_rel) and no method is `hybrid`.
 // `nearest` and `planar` cover the field of view with virtual cameras of at most 90 degrees and take ranges from their
 // reversed depth: see depth_range.h for how, and for what the error bound says. `raycast` renders nothing and casts
 // every beam: see ray_caster.h. `hybrid` renders as `planar` does and casts the beams whose bound is above the
@@ -15,6 +16,7 @@
 #pragma once
 
 #include <memory>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <vector>
@@ -37,22 +39,40 @@ enum class ScanMethod : std::uint8_t { nearest, planar, hybrid, raycast, automat
 /// "nearest", ..., "auto".
 std::string_view to_string(ScanMethod method);
 
+/// The inverse of to_string(); empty where no method has this name.
+std::optional<ScanMethod> find_scan_method(std::string_view name);
+
+/// Whether the method reads max_error_m and max_error_rel. With any other method a tolerance is an error.
+constexpr bool takes_tolerance(ScanMethod method) {
+  return method == ScanMethod::hybrid || method == ScanMethod::automatic;
+}
+
 /// Whether the method needs a ray caster.
 constexpr bool casts(ScanMethod method) { return method >= ScanMethod::hybrid; }
 
 struct LaserScannerDesc {
-  ScanPattern pattern;
+  ScanPattern pattern{
+      .samples = 361, .min_azimuth_rad = -std::numbers::pi / 2, .max_azimuth_rad = std::numbers::pi / 2};
   double range_min_m = 0.05, range_max_m = 80;  ///< along the ray; a nearer surface blocks the beam and reads 0
-  ScanMethod method = ScanMethod::planar;
-  double max_error_rel = 1e-6;          ///< hybrid, auto: of no bound, as a share of its range; infinity: any
-  double resolution_px = 0;             ///< pixels across 90 degrees; 0: see below
-  std::optional<double> max_error_m{};  ///< hybrid, auto: of no bound, along the ray
+  ScanMethod method = ScanMethod::raycast;
+  double max_error_rel = kDefaultMaxErrorRel;  ///< hybrid, auto: of no bound, as a share of its range; infinity: any
+  double resolution_px = 0;                    ///< pixels across 90 degrees; 0: see below
+  std::optional<double> max_error_m{};         ///< hybrid, auto: of no bound, along the ray
   Location where_max_error_m{}, where_max_error_rel{};  ///< where a scene says so, for messages
   std::vector<ChosenScanEffect> effects{};              ///< if one traces, whatever the scene, `method` is raycast
 };
 
+/// What the attributes of a scanner ask for. Throws InputError at an attribute that another one does not allow.
+LaserScannerDesc laser_scanner_desc(const SensorContext& context);
+
+/// The first effect of the scanner itself that follows beams, so that only `raycast` can measure; null if none does.
+const EffectType* beam_following_effect(const LaserScannerDesc& desc);
+
 /// Pixels across 90 degrees where a scene does not say: of one ring, and of several (whose faces are areas).
 inline constexpr double kPlanarResolution = 4096, kRingsResolution = 1024;
+constexpr double default_resolution_px(const ScanPattern& pattern) {
+  return pattern.rings == 1 ? kPlanarResolution : kRingsResolution;
+}
 /// Those that `auto` chooses from. A face of the largest fits targets of 8192 pixels with its margin.
 inline constexpr double kPlanarResolutions[] = {512, 1024, 2048, 4096, 8000};
 inline constexpr double kRingsResolutions[] = {256, 512, 1024, 2048};

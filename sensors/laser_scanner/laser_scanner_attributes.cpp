@@ -1,8 +1,8 @@
 // What a laser_scanner of a scene can be given.
-#include <algorithm>
 #include <limits>
 #include <sstream>
 
+#include "engine/base/assert.h"
 #include "sensors/laser_scanner/laser_scanner.h"
 #include "sensors/laser_scanner/laser_scanner_presets.h"
 
@@ -60,8 +60,8 @@ constexpr AttributeSpec kAttributes[] = {
      .open_min = true},
     {.name = "method",
      .kind = AttributeKind::choice,
-     .default_value = "planar",
-     .text = "how depth becomes ranges",
+     .default_value = "raycast",
+     .text = "how ranges are measured; with a max_error and no method: hybrid",
      .choices = "nearest planar hybrid raycast auto"},
     {.name = "max_error_m",
      .unit = "m",
@@ -81,26 +81,67 @@ constexpr AttributeSpec kAttributes[] = {
     kPresetAttribute,
 };
 
-ScanMethod method_named(std::string_view name) {
-  constexpr ScanMethod kMethods[] = {ScanMethod::nearest, ScanMethod::planar, ScanMethod::hybrid, ScanMethod::raycast,
-                                     ScanMethod::automatic};
-  return *std::ranges::find(kMethods, name, [](ScanMethod method) { return to_string(method); });
+constexpr std::string_view kToleranceAttributes[] = {"max_error_m", "max_error_rel"};
+
+// The tolerance that the scene writes, for messages: null if it writes none.
+const CommandAttribute* written_tolerance(const Command& command) {
+  for (const std::string_view name : kToleranceAttributes) {
+    if (const CommandAttribute* const written = command.find(name)) return written;
+  }
+  return nullptr;
 }
 
-// An effect that follows beams needs them cast: so they are, unless the scene says that they shall be rendered.
-void cast_what_effects_trace(const Command& command, LaserScannerDesc& desc) {
-  const auto tracing = std::ranges::find_if(
-      desc.effects, [](const auto& each) { return each.called_for == nullptr && each.effect->traces(); });
-  if (tracing == desc.effects.end() || desc.method == ScanMethod::raycast) return;
+// A tolerance without a method means the method that keeps it and casts only where it has to.
+ScanMethod scan_method(const Command& command, const AttributeValues& attributes) {
+  if (command.find("method") == nullptr && written_tolerance(command) != nullptr) return ScanMethod::hybrid;
+  const std::optional<ScanMethod> method = find_scan_method(attributes.choice("method"));
+  SIMVIS_ASSERT(method.has_value());
+  return *method;
+}
+
+// A tolerance that the method ignores would promise what nobody checks.
+void refuse_ignored_tolerance(const Command& command, ScanMethod method) {
+  const CommandAttribute* const tolerance = written_tolerance(command);
+  if (tolerance == nullptr || takes_tolerance(method)) return;
+  fail_at(tolerance->where, "attribute " + in_quotes(tolerance->name) + ": method " + in_quotes(to_string(method)) +
+                                " does not look at it, expected method hybrid or auto, or none, which is hybrid here");
+}
+
+// An effect that follows beams needs every beam cast, which only `raycast` does, and `raycast` keeps no tolerance.
+void refuse_other_than_raycast(const Command& command, const EffectType& effect) {
+  const std::string needed =
+      " cannot show " + in_quotes(effect.name) + " (" + std::string(effect.source) + "), expected ";
   if (const CommandAttribute* const method = command.find("method")) {
-    fail_at(method->where, "attribute \"method\": " + in_quotes(method->value) + " cannot show " +
-                               in_quotes(tracing->type->name) + " (" + std::string(tracing->type->source) +
-                               "), expected raycast, or none, which is raycast here");
+    if (method->value == to_string(ScanMethod::raycast)) return;
+    fail_at(method->where,
+            "attribute \"method\": " + in_quotes(method->value) + needed + "raycast, or none, which is raycast here");
   }
-  desc.method = ScanMethod::raycast;
+  if (const CommandAttribute* const tolerance = written_tolerance(command)) {
+    fail_at(tolerance->where,
+            "attribute " + in_quotes(tolerance->name) + ": a scanner that keeps a tolerance" + needed + "no tolerance");
+  }
+}
+
+void check_order(const AttributeValues& a, const char* low, const char* high, double limit) {
+  const double span = a.number(high) - a.number(low);
+  if (span >= 0 && span <= limit) return;
+  std::ostringstream message;
+  message << "attribute \"" << high << "\": " << a.number(high) << " is not allowed with " << low << "=\""
+          << a.number(low) << "\", expected from " << a.number(low) << " to " << a.number(low) + limit;
+  fail_at(a.where(high), message.str());
 }
 
 std::unique_ptr<Sensor> create(const SensorContext& context) {
+  return std::make_unique<LaserScanner>(context.name, laser_scanner_desc(context));
+}
+
+const SensorRegistration kRegistration({"laser_scanner",
+                                        "A laser scanner: ranges along beams, each with an error bound.", kAttributes,
+                                        create, laser_scanner_presets()});
+
+}  // namespace
+
+LaserScannerDesc laser_scanner_desc(const SensorContext& context) {
   const AttributeValues& a = context.attributes;
   LaserScannerDesc desc;
   desc.pattern = {.samples = static_cast<std::uint32_t>(a.integer("samples")),
@@ -111,7 +152,7 @@ std::unique_ptr<Sensor> create(const SensorContext& context) {
                   .max_elevation_rad = glm::radians(a.number("vertical_max_angle"))};
   desc.range_min_m = a.number("range_min");
   desc.range_max_m = a.number("range_max");
-  desc.method = method_named(a.choice("method"));
+  desc.method = scan_method(context.command, a);
   if (a.is_set("max_error_m")) {
     desc.max_error_m = a.number("max_error_m");
     desc.max_error_rel = std::numeric_limits<double>::infinity();
@@ -120,27 +161,16 @@ std::unique_ptr<Sensor> create(const SensorContext& context) {
   desc.where_max_error_m = a.where("max_error_m");
   desc.where_max_error_rel = a.where("max_error_rel");
   if (a.is_set("resolution")) desc.resolution_px = a.number("resolution");
-
   desc.effects = scan_effects({a, desc.pattern.rings, desc.pattern.samples, context.seed, context.name});
-  cast_what_effects_trace(context.command, desc);
 
-  const auto ordered = [&](const char* low, const char* high, double limit) {
-    const double span = a.number(high) - a.number(low);
-    if (span >= 0 && span <= limit) return;
-    std::ostringstream message;
-    message << "attribute \"" << high << "\": " << a.number(high) << " is not allowed with " << low << "=\""
-            << a.number(low) << "\", expected from " << a.number(low) << " to " << a.number(low) + limit;
-    fail_at(a.where(high), message.str());
-  };
-  ordered("min_angle", "max_angle", 360);
-  ordered("vertical_min_angle", "vertical_max_angle", 180);
-  ordered("range_min", "range_max", std::numeric_limits<double>::infinity());
-  return std::make_unique<LaserScanner>(context.name, desc);
+  if (const EffectType* const effect = beam_following_effect(desc)) {
+    refuse_other_than_raycast(context.command, *effect);
+  }
+  refuse_ignored_tolerance(context.command, desc.method);
+  check_order(a, "min_angle", "max_angle", 360);
+  check_order(a, "vertical_min_angle", "vertical_max_angle", 180);
+  check_order(a, "range_min", "range_max", std::numeric_limits<double>::infinity());
+  return desc;
 }
 
-const SensorRegistration kRegistration({"laser_scanner",
-                                        "A laser scanner: ranges along beams, each with an error bound.", kAttributes,
-                                        create, laser_scanner_presets()});
-
-}  // namespace
 }  // namespace simvis

@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include <simvis/pose.h>
+#include <simvis/scan.h>
 #include "engine/base/now_ns.h"
 #include "engine/render/renderer.h"
 #include "sensors/laser_scanner/method_survey.h"
@@ -136,7 +137,7 @@ void Calibration::cast(DrawList& list, const ScanPattern& pattern) {
   std::vector<glm::dvec3> directions;
   for (const double e : elevations(pattern)) {
     for (const double a : azimuths(pattern)) {
-      directions.emplace_back(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e));
+      directions.push_back(beam_direction(a, e));
     }
   }
   std::vector<RayHit> hits(directions.size());

@@ -14,9 +14,10 @@ namespace simvis {
 /// The directions that a scanner measures.
 ///
 /// Frames   sensor frame: azimuth counter-clockwise from +x about +z, elevation positive upwards.
+/// Default  one beam along +x. What a scanner has where a scene says nothing stands in LaserScannerDesc.
 /// Shape    beam i of a ring lies at min + i * (max - min) / (samples - 1), both ends included; a single one at min.
 struct ScanPattern {
-  std::uint32_t samples = 361, rings = 1;
+  std::uint32_t samples = 1, rings = 1;
   double min_azimuth_rad = 0, max_azimuth_rad = 0;      ///< max - min within [0, 2 pi]
   double min_elevation_rad = 0, max_elevation_rad = 0;  ///< within [-pi/2, pi/2]
 };

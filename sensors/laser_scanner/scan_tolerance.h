@@ -25,11 +25,14 @@ struct Reading {
 /// bound says how far that would be: infinitely, beyond the farther one.
 Reading read_range(const RangeEstimate& range, const RangeLimits& limits);
 
+/// The share of the range that `hybrid` and `auto` keep where a scene gives no tolerance.
+inline constexpr double kDefaultMaxErrorRel = 1e-6;
+
 /// Both hold where both are given.
 struct ScanTolerance {
-  std::optional<double> max_error_m{};  ///< along the ray
-  double max_error_rel = 1e-6;          ///< as a share of the range; infinity: none
-  Location where_m{}, where_rel{};      ///< who asks for it, for messages
+  std::optional<double> max_error_m{};         ///< along the ray
+  double max_error_rel = kDefaultMaxErrorRel;  ///< as a share of the range; infinity: none
+  Location where_m{}, where_rel{};             ///< who asks for it, for messages
 
   bool met(const Reading& reading) const {
     const double bound = reading.error_bound_m;

@@ -52,31 +52,35 @@ constexpr AttributeSpec kAttributes[] = {
 
 std::unique_ptr<Sensor> create(const SensorContext& context) {
   const AttributeValues& a = context.attributes;
-  if (a.number("range_min") > a.number("range_max")) {
-    fail_at(a.where("range_max"), "attribute \"range_max\": " + format_number(a.number("range_max")) +
-                                      " is not allowed with range_min=\"" + format_number(a.number("range_min")) +
-                                      "\", expected that or more");
-  }
+  const PsdDesc desc = psd_desc(context);
   std::optional<VoltageCurve> curve = parse_voltage_curve(a.text("curve"));
   if (!curve) {
     fail_at(a.where("curve"), "attribute \"curve\": \"" + a.text("curve") +
                                   "\" is not allowed, expected gp2y0a21yk or two points or more, as " +
                                   "RANGE_M:VOLT, with increasing ranges above 0");
   }
-  return std::make_unique<Psd>(context.name,
-                               PsdDesc{.opening_rad = glm::radians(a.number("opening")),
-                                       .resolution_px = static_cast<std::uint32_t>(a.integer("resolution")),
-                                       .range_min_m = a.number("range_min"),
-                                       .range_max_m = a.number("range_max"),
-                                       .noise_v = a.number("noise"),
-                                       .seed = context.seed},
-                               *std::move(curve));
+  return std::make_unique<Psd>(context.name, desc, *std::move(curve));
 }
 
 const SensorRegistration kRegistration({"psd", "An infrared distance sensor with an analogue voltage, as Sharp makes.",
                                         kAttributes, create});
 
 }  // namespace
+
+PsdDesc psd_desc(const SensorContext& context) {
+  const AttributeValues& a = context.attributes;
+  if (a.number("range_min") > a.number("range_max")) {
+    fail_at(a.where("range_max"), "attribute \"range_max\": " + format_number(a.number("range_max")) +
+                                      " is not allowed with range_min=\"" + format_number(a.number("range_min")) +
+                                      "\", expected that or more");
+  }
+  return {.opening_rad = glm::radians(a.number("opening")),
+          .resolution_px = static_cast<std::uint32_t>(a.integer("resolution")),
+          .range_min_m = a.number("range_min"),
+          .range_max_m = a.number("range_max"),
+          .noise_v = a.number("noise"),
+          .seed = context.seed};
+}
 
 Psd::Psd(std::string name, const PsdDesc& desc, VoltageCurve curve)
     : name_(std::move(name)),

@@ -28,12 +28,15 @@
 namespace simvis {
 
 struct PsdDesc {
-  double opening_rad = 0.087;        ///< of the cone, from side to side, (0, pi/2]
-  std::uint32_t resolution_px = 16;  ///< pixels of the depth view across the cone
+  double opening_rad = glm::radians(5.0);  ///< of the cone, from side to side, (0, pi/2]
+  std::uint32_t resolution_px = 16;        ///< pixels of the depth view across the cone
   double range_min_m = 0.1, range_max_m = 0.8;
   double noise_v = 0;  ///< standard deviation
   std::uint64_t seed = 0;
 };
+
+/// What the attributes of a psd ask for. Throws InputError at a range_max below range_min.
+PsdDesc psd_desc(const SensorContext& context);
 
 class Psd : public Sensor {
  public:

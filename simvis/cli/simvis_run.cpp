@@ -21,6 +21,7 @@
 #include <simvis/trajectory.h>
 #include "engine/base/now_ns.h"
 #include "engine/base/thread_pool.h"
+#include "sensors/laser_scanner/laser_scanner.h"
 #include "simvis/cli/loading_bar.h"
 #include "simvis/cli/progress_bar.h"
 #include "simvis/clock.h"
@@ -32,6 +33,7 @@
 #include "simvis/report/profile.h"
 #include "simvis/report/run_report.h"
 #include "simvis/report/shard.h"
+#include "simvis/report/summary.h"
 
 namespace simvis {
 namespace {
@@ -43,9 +45,9 @@ struct Options {
   std::vector<std::string> set, sensors, plugins;
   std::uint64_t frames = 1, seed = 0;
   unsigned threads = 0;
-  double rate_hz = 15;
+  double rate_hz = SimulationDesc{}.rate_hz;
   bool list_devices = false, explain = false, quiet = false;
-  bool price = false, names_out = false;
+  bool price = false, summary = false, names_out = false;
 };
 
 /// CLI11 would take -3 for 2^64 - 3, and the largest number for what is larger.
@@ -79,8 +81,8 @@ void declare_options(CLI::App& app, Options& options) {
       ->type_name("M")
       ->check(not_empty);
   app.add_option("--max-error", options.max_error_m,
-                 "bound on the error of every laser scanner's ranges, in metres; by method auto unless --method says "
-                 "auto or hybrid")
+                 "bound on the error of every laser scanner's ranges, in metres; by method hybrid unless --method says "
+                 "auto")
       ->type_name("M")
       ->check(not_empty);
   app.add_option("--seed", options.seed, "of all random numbers")
@@ -119,6 +121,13 @@ void declare_options(CLI::App& app, Options& options) {
       ->excludes("--profile")
       ->excludes("--shard")
       ->excludes("--explain");
+  app.add_flag(
+         "--summary", options.summary,
+         "after the run, print the speed of the laser scanners, the share of a frame that the other sensors take, "
+         "what each method costs the first scanner and how large its error is, and which files to open first")
+      ->excludes("--price")
+      ->excludes("--shard")
+      ->excludes("--quiet");
   app.add_option("--describe", options.describe, "print the attributes of an element, sensor or effect, and exit")
       ->type_name("TYPE");
   app.add_flag("--list-devices", options.list_devices, "print the Vulkan devices of this machine, and exit");
@@ -205,15 +214,24 @@ void set_parameter(Simulation& simulation, const std::string& assignment) {
 
 std::vector<AttributeOverride> scanner_overrides(const Options& options) {
   std::vector<AttributeOverride> overrides;
-  if (!options.method.empty()) overrides.push_back({"laser_scanner", "method", options.method, "--method"});
-  if (options.max_error_m.empty()) return overrides;
-  if (options.method == "nearest" || options.method == "planar" || options.method == "raycast") {
-    throw InputError("--max-error: --method " + options.method +
-                     " does not look at it, expected --method auto, --method hybrid or no --method");
+  const auto set = [&](const char* attribute, std::optional<std::string> value, const char* origin) {
+    overrides.push_back({"laser_scanner", attribute, std::move(value), origin});
+  };
+  const std::optional<ScanMethod> method = find_scan_method(options.method);
+  const bool takes_none = method && !takes_tolerance(*method);
+  if (!options.method.empty()) set("method", options.method, "--method");
+  if (!options.max_error_m.empty()) {
+    if (takes_none) {
+      throw InputError("--max-error: --method " + options.method +
+                       " does not look at it, expected --method auto, --method hybrid or no --method");
+    }
+    if (options.method.empty()) set("method", {}, "--max-error");  // a tolerance alone means hybrid
+    set("max_error_m", options.max_error_m, "--max-error");
+    set("max_error_rel", {}, "--max-error");
+  } else if (takes_none) {  // the scene's tolerances belong to the methods that --method replaces
+    set("max_error_m", {}, "--method");
+    set("max_error_rel", {}, "--method");
   }
-  if (options.method.empty()) overrides.push_back({"laser_scanner", "method", "auto", "--max-error"});
-  overrides.push_back({"laser_scanner", "max_error_m", options.max_error_m, "--max-error"});
-  overrides.push_back({"laser_scanner", "max_error_rel", {}, "--max-error"});
   return overrides;
 }
 
@@ -334,6 +352,15 @@ void print_closing(const Options& options, const OutputWriter& writer, const Run
   std::cout << report_file(options, report).string() << '\n' << speed_line(report) << '\n';
 }
 
+void print_summary(const Options& options, Simulation simulation, const std::optional<Trajectory>& trajectory,
+                   const RunReport& report) {
+  std::cout << to_text(summarize(std::move(simulation), {.rate_hz = options.rate_hz,
+                                                         .frame_ms = percentile(report.frame_ms, 50),
+                                                         .out = options.out,
+                                                         .trajectory = trajectory ? &*trajectory : nullptr,
+                                                         .on_frame = stop_if_asked_to}));
+}
+
 void print_warnings(const Options& options, const Simulation& simulation) {
   if (options.quiet) return;
   for (const std::string& warning : simulation.warnings()) std::cerr << "warning: " << warning << '\n';
@@ -368,6 +395,7 @@ void run_scene(const Options& options, std::int64_t start_ns) {
   report.wall_s = static_cast<double>(now_ns() - start_ns) / 1e9;
   write_file(report_file(options, report), to_json(report));
   if (!options.quiet) print_closing(options, writer, report);
+  if (options.summary) print_summary(options, std::move(simulation), trajectory, report);
 }
 
 /// Cameras have no price list, so naming one is a mistake.

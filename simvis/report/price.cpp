@@ -98,7 +98,7 @@ class Pricing {
     PricedScanner scanner{.name = name, .sensors = {}, .reference = {}, .prices = {}, .tallies = {}};
     const Command command = simulation_.diagnostics().command(name);
     const ScanVariant own = variant_of(command);
-    for (const ScanVariant& variant : priced_variants(command)) {
+    for (const ScanVariant& variant : desc_.variants(command)) {
       // No name in a scene has a dot.
       scanner.sensors.push_back(name + "." + std::to_string(scanner.sensors.size()));
       simulation_.add_variant(name, with_variant(command, variant, scanner.sensors.back()));

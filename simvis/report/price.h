@@ -26,10 +26,12 @@
 namespace simvis {
 
 struct PriceDesc {
-  std::uint64_t frames = 15;  ///< that each variant is timed in: 1 to `frames` of a run; at least 1
-  std::uint64_t warm_up = 1;  ///< turns at frame 1 before that
-  double rate_hz = 15;        ///< of frames along the trajectory
+  std::uint64_t frames = 15;                  ///< that each variant is timed in: 1 to `frames` of a run; at least 1
+  std::uint64_t warm_up = 1;                  ///< turns at frame 1 before that
+  double rate_hz = SimulationDesc{}.rate_hz;  ///< of frames along the trajectory
   const Trajectory* trajectory = nullptr;
+  /// What to price of a scanner, given its command.
+  std::vector<ScanVariant> (*variants)(const Command& scanner) = priced_variants;
   /// Called after every frame; what it throws ends the pricing.
   std::function<void(std::uint64_t done, std::uint64_t all)> on_frame{};
 };

@@ -91,18 +91,19 @@ std::string to_table(const ScannerPrice& price) {
   if (price.rings > 1) title += " x " + std::to_string(price.rings) + " rings";
   title += ", " + std::to_string(price.frames) + (price.frames == 1 ? " frame" : " frames") + " of each\n";
   std::vector<Cells> rows = {
-      {"", "", "", "", "", "", "median", "bound", "largest", "bound", "no", "error", "", "error of", "wrong", ""},
-      {"method", "resolution", "max_error_rel", "ms", "ratio", "cast %", "m", "rel", "m", "rel", "bound %", "m", "rel",
-       "unbounded", "kind %", "cheapest for"}};
+      {"", "", "", "", "", "", "", "median", "bound", "largest", "bound", "no", "error", "", "error of", "wrong", ""},
+      {"method", "resolution", "max_error_rel", "max_error_m", "ms", "ratio", "cast %", "m", "rel", "m", "rel",
+       "bound %", "m", "rel", "unbounded", "kind %", "cheapest for"}};
   for (std::size_t i = 0; i < price.variants.size(); ++i) {
     const VariantPrice& v = price.variants[i];
-    rows.push_back(
-        {v.variant.method + (v.in_scene ? " *" : ""), shown(v.variant.resolution_px), shown(v.variant.max_error_rel),
-         shown(kTime, v.median_ms), shown(kRatio, v.ratio), shown(kPercent, 100 * v.cast_share),
-         shown(kLength, v.bound_median_m), shown(kLength, v.bound_median_rel), shown(kLength, v.bound_largest_m),
-         shown(kLength, v.bound_largest_rel), shown(kPercent, 100 * v.unbounded_share),
-         shown(kLength, v.difference_largest_m), shown(kLength, v.difference_largest_rel),
-         shown(kLength, v.unbounded_difference_m), shown(kPercent, 100 * v.wrong_kind_share), cheapest_of(price, i)});
+    rows.push_back({v.variant.method + (v.in_scene ? " *" : ""), shown(v.variant.resolution_px),
+                    shown(v.variant.max_error_rel), shown(v.variant.max_error_m), shown(kTime, v.median_ms),
+                    shown(kRatio, v.ratio), shown(kPercent, 100 * v.cast_share), shown(kLength, v.bound_median_m),
+                    shown(kLength, v.bound_median_rel), shown(kLength, v.bound_largest_m),
+                    shown(kLength, v.bound_largest_rel), shown(kPercent, 100 * v.unbounded_share),
+                    shown(kLength, v.difference_largest_m), shown(kLength, v.difference_largest_rel),
+                    shown(kLength, v.unbounded_difference_m), shown(kPercent, 100 * v.wrong_kind_share),
+                    cheapest_of(price, i)});
   }
   return title + aligned(rows) + price_advice(price) + '\n';
 }
@@ -148,7 +149,8 @@ std::string price_advice(const ScannerPrice& price) {
 
 std::string to_csv(std::span<const ScannerPrice> prices) {
   std::string text =
-      "scanner,beams,frames,method,resolution_px,max_error_rel,in_scene,median_ms,ratio,cast_share,bound_median_m,"
+      "scanner,beams,frames,method,resolution_px,max_error_rel,max_error_m,in_scene,median_ms,ratio,cast_share,bound_"
+      "median_m,"
       "bound_median_rel,bound_largest_m,bound_largest_rel,unbounded_share,difference_largest_m,difference_largest_rel,"
       "unbounded_difference_m,wrong_kind_share,cheapest_for\n";
   for (const ScannerPrice& price : prices) {
@@ -156,11 +158,12 @@ std::string to_csv(std::span<const ScannerPrice> prices) {
       const VariantPrice& v = price.variants[i];
       text += quoted(price.scanner) + ',' + std::to_string(price.beams) + ',' + std::to_string(price.frames) + ',' +
               v.variant.method;
-      for (const double value : {v.variant.resolution_px.value_or(VariantPrice::kNone),
-                                 v.variant.max_error_rel.value_or(VariantPrice::kNone), v.in_scene ? 1.0 : 0.0,
-                                 v.median_ms, v.ratio, v.cast_share, v.bound_median_m, v.bound_median_rel,
-                                 v.bound_largest_m, v.bound_largest_rel, v.unbounded_share, v.difference_largest_m,
-                                 v.difference_largest_rel, v.unbounded_difference_m, v.wrong_kind_share}) {
+      for (const double value :
+           {v.variant.resolution_px.value_or(VariantPrice::kNone),
+            v.variant.max_error_rel.value_or(VariantPrice::kNone), v.variant.max_error_m.value_or(VariantPrice::kNone),
+            v.in_scene ? 1.0 : 0.0, v.median_ms, v.ratio, v.cast_share, v.bound_median_m, v.bound_median_rel,
+            v.bound_largest_m, v.bound_largest_rel, v.unbounded_share, v.difference_largest_m, v.difference_largest_rel,
+            v.unbounded_difference_m, v.wrong_kind_share}) {
         text += ',' + formatted(kExact, value);
       }
       text += ',' + cheapest_of(price, i) + '\n';

@@ -19,7 +19,7 @@ struct RunReport {
   DeviceInfo device;
   std::uint64_t seed = 0;
   std::optional<Shard> shard{};  ///< if the run is one
-  double rate_hz = 15;
+  double rate_hz = 0;
   double wall_s = 0;             ///< from the start of the program to its last file
   std::vector<double> frame_ms;  ///< each step(), without writing files, which goes on beside it
   std::vector<SensorInfo> sensors;

@@ -1,6 +1,7 @@
 #include "simvis/report/scan_variant.h"
 
 #include <algorithm>
+#include <cmath>
 #include <initializer_list>
 #include <utility>
 
@@ -14,20 +15,19 @@ namespace {
 
 constexpr double kStripResolutions_px[] = {512, 1024, 2048, 4096, 8192};  // of one ring: two rows of pixels
 constexpr double kAreaResolutions_px[] = {256, 512, 1024, 2048};          // of several rings: whole faces
+constexpr double kBetweenMethods_rel = 1e-4;                              // of hybrid: renders, and casts
 constexpr double kTolerances_rel[] = {1e-3, 1e-4, 1e-5};                  // of hybrid
-
-AttributeValues read_scanner(const Command& scanner) {
-  const SensorType* const type = find_sensor_type("laser_scanner");
-  SIMVIS_ASSERT(type != nullptr);
-  return AttributeValues(scanner, all_attributes(*type), kSensorCommonAttributes);
-}
 
 /// Without what the method does not look at: a hybrid that trusts no pixel renders nothing.
 ScanVariant normal(ScanVariant variant) {
-  if (variant.method != "hybrid") variant.max_error_rel.reset();
-  if (variant.method == "raycast" || (variant.max_error_rel && *variant.max_error_rel < min_planar_bound())) {
-    variant.resolution_px.reset();
+  const std::optional<ScanMethod> method = find_scan_method(variant.method);
+  SIMVIS_ASSERT(method.has_value());
+  if (!takes_tolerance(*method)) {
+    variant.max_error_m.reset();
+    variant.max_error_rel.reset();
   }
+  const bool trusts_no_pixel = variant.max_error_rel && *variant.max_error_rel < min_planar_bound();
+  if (*method == ScanMethod::raycast || trusts_no_pixel) variant.resolution_px.reset();
   return variant;
 }
 
@@ -38,39 +38,47 @@ std::vector<double> with(const double (&listed)[N], std::optional<double> own) {
   return all;
 }
 
-double own_tolerance(const AttributeValues& scanner) {
-  return scanner.is_set("max_error_rel") ? scanner.number("max_error_rel") : LaserScannerDesc{}.max_error_rel;
+/// What the scene writes, or what it gets where it writes nothing.
+ScanVariant variant_of(const LaserScannerDesc& desc) {
+  ScanVariant variant{.method = std::string(to_string(desc.method)), .resolution_px = {}, .max_error_rel = {}};
+  if (desc.resolution_px > 0) {
+    variant.resolution_px = desc.resolution_px;
+  } else if (desc.method != ScanMethod::automatic) {  // which chooses one itself
+    variant.resolution_px = default_resolution_px(desc.pattern);
+  }
+  if (std::isfinite(desc.max_error_rel)) variant.max_error_rel = desc.max_error_rel;
+  variant.max_error_m = desc.max_error_m;
+  return normal(variant);
+}
+
+LaserScannerDesc read_scanner(const Command& scanner) {
+  const SensorType* const type = find_sensor_type("laser_scanner");
+  SIMVIS_ASSERT(type != nullptr);
+  const AttributeValues attributes(scanner, all_attributes(*type), kSensorCommonAttributes);
+  return laser_scanner_desc({.command = scanner, .attributes = attributes, .name = {}, .seed = 0});
 }
 
 std::vector<std::pair<const char*, std::string>> written(const ScanVariant& variant) {
   std::vector<std::pair<const char*, std::string>> attributes = {{"method", variant.method}};
   if (variant.resolution_px) attributes.emplace_back("resolution", format_number(*variant.resolution_px));
+  if (variant.max_error_m) attributes.emplace_back("max_error_m", format_number(*variant.max_error_m));
   if (variant.max_error_rel) attributes.emplace_back("max_error_rel", format_number(*variant.max_error_rel));
   return attributes;
 }
 
 }  // namespace
 
-ScanVariant variant_of(const Command& scanner) {
-  const AttributeValues a = read_scanner(scanner);
-  const bool one_ring = a.integer("vertical_samples") == 1;
-  return normal({.method = a.choice("method"),
-                 .resolution_px = a.is_set("resolution") ? a.number("resolution")
-                                  : one_ring             ? kPlanarResolution
-                                                         : kRingsResolution,
-                 .max_error_rel = own_tolerance(a)});
-}
+ScanVariant variant_of(const Command& scanner) { return variant_of(read_scanner(scanner)); }
 
 std::vector<ScanVariant> priced_variants(const Command& scanner) {
-  const ScanVariant own = variant_of(scanner);
-  const AttributeValues a = read_scanner(scanner);
-  const bool one_ring = a.integer("vertical_samples") == 1;
+  const LaserScannerDesc desc = read_scanner(scanner);
+  const ScanVariant own = variant_of(desc);
+  if (beam_following_effect(desc) != nullptr) return {own};
+  const std::optional<double> own_px = desc.resolution_px > 0 ? std::optional(desc.resolution_px) : std::nullopt;
   std::vector<double> resolutions_px =
-      one_ring ? with(kStripResolutions_px, own.resolution_px) : with(kAreaResolutions_px, own.resolution_px);
+      desc.pattern.rings == 1 ? with(kStripResolutions_px, own_px) : with(kAreaResolutions_px, own_px);
   std::ranges::sort(resolutions_px);
-  const bool says_one = scanner.find("max_error_rel") != nullptr;
-  std::vector<double> tolerances_rel =
-      with(kTolerances_rel, says_one ? std::optional(a.number("max_error_rel")) : own.max_error_rel);
+  std::vector<double> tolerances_rel = with(kTolerances_rel, own.max_error_rel);
   std::ranges::sort(tolerances_rel, std::greater<>());
 
   std::vector<ScanVariant> variants;
@@ -85,6 +93,19 @@ std::vector<ScanVariant> priced_variants(const Command& scanner) {
   }
   add({"raycast", {}, {}});
   add(own);
+  return variants;
+}
+
+std::vector<ScanVariant> variants_by_method(const Command& scanner) {
+  LaserScannerDesc desc = read_scanner(scanner);
+  if (beam_following_effect(desc) != nullptr) return {variant_of(desc)};
+  desc.max_error_m.reset();
+  desc.max_error_rel = kBetweenMethods_rel;
+  std::vector<ScanVariant> variants;
+  for (const ScanMethod method : {ScanMethod::nearest, ScanMethod::planar, ScanMethod::hybrid, ScanMethod::raycast}) {
+    desc.method = method;
+    variants.push_back(variant_of(desc));
+  }
   return variants;
 }
 

@@ -13,7 +13,8 @@ namespace simvis {
 struct ScanVariant {
   std::string method;                   ///< as in the scene
   std::optional<double> resolution_px;  ///< across 90 degrees
-  std::optional<double> max_error_rel;  ///< hybrid
+  std::optional<double> max_error_rel;  ///< hybrid, auto
+  std::optional<double> max_error_m{};  ///< hybrid, auto: only where the scene itself asks for it
 
   bool operator==(const ScanVariant&) const = default;
 };
@@ -23,8 +24,12 @@ ScanVariant variant_of(const Command& scanner);
 
 /// All that are worth a price: nearest, planar and hybrid at several resolutions, the last with several tolerances, and
 /// raycast; methods that cast only in a build that can. Resolutions and tolerances that the command itself gives are
-/// among them, and so is what it asks for.
+/// among them, and so is what it asks for. Where an effect of the scanner follows beams, raycast alone can measure.
 std::vector<ScanVariant> priced_variants(const Command& scanner);
+
+/// One of each method but auto, at the resolution that the command asks for; hybrid with a tolerance at which it
+/// renders and casts. Where an effect of the scanner follows beams, raycast alone.
+std::vector<ScanVariant> variants_by_method(const Command& scanner);
 
 /// As one writes it in the scene: `method="planar" resolution="4096"`.
 std::string attributes_of(const ScanVariant& variant);

@@ -3,6 +3,7 @@
 
 #include <doctest/doctest.h>
 
+#include "tests/support/reference_directions.h"
 #include "tests/support/traced_beams.h"
 
 namespace simvis {
@@ -14,13 +15,10 @@ std::shared_ptr<const AngularNoise> noise(std::uint64_t seed = 0, const std::str
   return std::make_shared<AngularNoise>(kDeviation_rad, SensorRandom(seed, sensor + "/angular_noise"));
 }
 
-glm::dvec3 towards(double azimuth, double elevation) {
-  return {std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth), std::sin(elevation)};
-}
-
 std::vector<glm::dvec3> noisy(std::size_t beams, const ScanEffect& effect, std::uint64_t frame = 0) {
   std::vector<BeamRay> rays(beams);
-  for (std::uint32_t beam = 0; beam < beams; ++beam) rays[beam] = {.beam = beam, .direction = towards(0.5, 0.7)};
+  for (std::uint32_t beam = 0; beam < beams; ++beam)
+    rays[beam] = {.beam = beam, .direction = reference::beam_direction(0.5, 0.7)};
   ScanContext moment = moment_of(beams);
   moment.time.index = frame;
   effect.aim(moment, rays);
@@ -68,7 +66,8 @@ TEST_CASE("ranges at a slanted wall scatter as its slope says") {
   DrawList list;
   add_item(list, plate_mesh(kWall_m, {-30, -30}, {30, 30}), glm::dmat4(1));
   Moments ranges;
-  for (const Echo& echo : trace(list, std::vector(beams, towards(kAzimuth, 0)), {noise()})) ranges.add(echo.range_m);
+  for (const Echo& echo : trace(list, std::vector(beams, reference::beam_direction(kAzimuth, 0)), {noise()}))
+    ranges.add(echo.range_m);
   const double t = std::tan(kAzimuth), range_m = kWall_m / std::cos(kAzimuth), v = kDeviation_rad * kDeviation_rad;
   // Azimuth: r' = r t, r'' = r (1 + 2 t^2); elevation: r'' = r, r' = 0.
   const double mean_m = range_m * (1 + v / 2 * (1 + 2 * t * t) + v / 2), deviation_m = range_m * t * kDeviation_rad;

@@ -8,6 +8,7 @@
 #include <map>
 #include <numbers>
 
+#include "tests/support/reference_directions.h"
 #include "tests/support/scan_effects.h"
 #include "tests/support/tested_build.h"
 
@@ -16,7 +17,6 @@ namespace {
 
 const std::uint32_t kFewer = sanitized() ? 16 : 1;
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kUnit = 0x1p-53;
 // A count of mean m is off by more than 5 sqrt(m) with a probability of 6e-7.
 constexpr double kSigmas = 5;

@@ -11,6 +11,7 @@
 #include "effects/camera/exposure.h"
 #include "effects/camera/sensor_noise.h"
 #include "effects/camera/vignetting.h"
+#include "scenes/showcase/effect_examples.h"
 #include "tests/support/error_of.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/wall_scene.h"
@@ -197,11 +198,13 @@ TEST_CASE("vignetting follows its law, exposure scales") {
 TEST_CASE("an effect that is off, or that nothing shows, leaves bytes and counters as they are") {
   for (const EffectType* effect : effect_types()) {
     for (const std::string type : {"camera", "stereo_camera"}) {
-      if (!may_have(type, *effect) || !effect->example.commands.empty()) continue;
+      const EffectExample* const example = find_effect_example(effect->name);
+      REQUIRE(example != nullptr);
+      if (!may_have(type, *effect) || !example->commands.empty()) continue;
       CAPTURE(effect->name);
       CAPTURE(type);
-      const std::string both = R"(outputs="color depth" )", on(effect->example.attributes);
-      const Run plain = run(type, both), off = run(type, both + std::string(effect->example.off_attributes));
+      const std::string both = R"(outputs="color depth" )", on(example->attributes);
+      const Run plain = run(type, both), off = run(type, both + std::string(example->off_attributes));
       check_same(plain, off);
       CHECK(off.plan.effects.empty());
       const Run shown = run(type, both + on);

@@ -15,6 +15,7 @@
 #include <simvis/effect.h>
 #include <simvis/sensor.h>
 #include <simvis/simulation.h>
+#include "scenes/showcase/effect_examples.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/tested_build.h"
 
@@ -56,11 +57,18 @@ std::string sensor(const Watcher& watcher, const EffectScene& scene, std::string
          std::string(watcher.attributes) + ' ' + std::string(attributes) + "/>\n";
 }
 
+const EffectExample& example_of(const EffectType& effect) {
+  const EffectExample* const example = find_effect_example(effect.name);
+  if (example == nullptr) FAIL("no example in scenes/showcase/effect_examples.h: " << effect.name);
+  return *example;
+}
+
 /// Which outputs show the source of an effect: two effects may have the same, as fog in pictures and in scans.
 std::uint8_t shown_source(const EffectType& effect) {
   std::uint8_t outputs = effect.outputs;
   for (const EffectType* other : effect_types()) {
-    if (!effect.example.commands.empty() && other->example.commands == effect.example.commands) {
+    const std::string_view commands = example_of(effect).commands;
+    if (!commands.empty() && example_of(*other).commands == commands) {
       outputs |= other->outputs;
     }
   }
@@ -132,7 +140,7 @@ TEST_CASE("the generator makes what is committed of the showcase") {
   CHECK(std::system(command.c_str()) == 0);
 }
 
-TEST_CASE("every effect says what it is, what calls for it, and where its truth is from") {
+TEST_CASE("every effect says what it is, what calls for it, and where its truth is from, and has an example") {
   REQUIRE_FALSE(effect_types().empty());
   for (const EffectType* effect : effect_types()) {
     CAPTURE(effect->name);
@@ -140,13 +148,19 @@ TEST_CASE("every effect says what it is, what calls for it, and where its truth 
     CHECK_FALSE(effect->source.empty());
     CHECK_FALSE(effect->reference.empty());
     CHECK(effect->outputs != 0);
-    CHECK_FALSE((effect->example.attributes.empty() && effect->example.commands.empty()));
-    CHECK(effect->example.attributes.empty() == effect->example.off_attributes.empty());
-    CHECK(effect->example.commands.empty() == effect->example.off_commands.empty());
-    CHECK(effect->knob.empty() == effect->example.knob_values.empty());
+    const EffectExample& example = example_of(*effect);
+    CHECK_FALSE((example.attributes.empty() && example.commands.empty()));
+    CHECK(example.attributes.empty() == example.off_attributes.empty());
+    CHECK(example.commands.empty() == example.off_commands.empty());
+    CHECK(effect->knob.empty() == example.knob_values.empty());
     CHECK((effect->attributes.empty() || !effect->sensors.empty()));
-    const std::string text = std::string(effect->example.attributes) + std::string(effect->example.commands);
+    const std::string text = std::string(example.attributes) + std::string(example.commands);
     CHECK((effect->knob.empty() || text.find(std::string(effect->knob) + "=\"") != std::string::npos));
+  }
+  for (const EffectExample& example : kEffectExamples) {
+    CAPTURE(example.effect);
+    CHECK(find_effect_type(example.effect) != nullptr);
+    CHECK(find_effect_example(example.effect) == &example);
   }
 }
 
@@ -163,11 +177,11 @@ TEST_CASE("where no due sensor can show it, an effect costs nothing and changes 
           const std::string name = "OFF_" + std::string(effect->name) +
                                    std::to_string(std::ranges::find(kWatchers, other) - std::begin(kWatchers));
           plain += sensor(*other, scene, name, "");
-          commands += sensor(*other, scene, name, effect->example.attributes);
+          commands += sensor(*other, scene, name, example_of(*effect).attributes);
         }
         if ((shown_source(*effect) & watcher->shows) != 0) continue;
-        plain += example_commands(*effect, effect->example.plain_commands);
-        commands += example_commands(*effect, effect->example.commands);
+        plain += example_commands(example_of(*effect), example_of(*effect).plain_commands);
+        commands += example_commands(example_of(*effect), example_of(*effect).commands);
       }
       CHECK(look_at(scene, *watcher, plain, "") == look_at(scene, *watcher, commands, ""));
     }
@@ -181,9 +195,10 @@ TEST_CASE("an effect that is named but off changes no byte and costs nothing") {
       CAPTURE(watcher->attributes);
       std::string plain, commands, attributes;
       for (const EffectType* effect : effect_types()) {
-        if (may_have(watcher->type, *effect)) attributes = join_attributes(attributes, effect->example.off_attributes);
-        plain += example_commands(*effect, effect->example.plain_commands);
-        commands += example_commands(*effect, effect->example.off_commands);
+        if (may_have(watcher->type, *effect))
+          attributes = join_attributes(attributes, example_of(*effect).off_attributes);
+        plain += example_commands(example_of(*effect), example_of(*effect).plain_commands);
+        commands += example_commands(example_of(*effect), example_of(*effect).off_commands);
       }
       CHECK(look_at(scene, *watcher, plain, "") == look_at(scene, *watcher, commands, attributes));
     }
@@ -198,9 +213,9 @@ TEST_CASE("each effect alone: named in the plan where it is shown, and in no oth
       CAPTURE(watcher->attributes);
       const bool carries = may_have(watcher->type, *effect);
       if (!effect->attributes.empty() && !carries) continue;
-      const std::string plain = example_commands(*effect, effect->example.plain_commands);
-      const std::string commands = example_commands(*effect, effect->example.commands);
-      const std::string_view attributes = carries ? effect->example.attributes : "";
+      const std::string plain = example_commands(example_of(*effect), example_of(*effect).plain_commands);
+      const std::string commands = example_commands(example_of(*effect), example_of(*effect).commands);
+      const std::string_view attributes = carries ? example_of(*effect).attributes : "";
       Simulation simulation = with(kYard, commands + sensor(*watcher, kYard, "WATCH", attributes));
       const std::vector<Seen> without = look_at(kYard, *watcher, plain, ""), seen = look(simulation, *watcher);
       const bool can_show = (effect->outputs & watcher->shows) != 0;

@@ -6,11 +6,10 @@
 
 #include <simvis/simulation.h>
 #include "tests/support/element_scene.h"
+#include "tests/support/reference_directions.h"
 
 namespace simvis::test {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 // Base colours are float32, and so is their product with vertex colours and textures: a few roundings of 2^-24. The
 // rest is double: of ranges, and of normals of corners that float32 has exactly.

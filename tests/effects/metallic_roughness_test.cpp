@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include <simvis/effect.h>
+#include "tests/support/reference_directions.h"
 #include "tests/support/renderer_scene.h"
 
 using namespace simvis;
@@ -13,7 +14,6 @@ using namespace simvis::test;
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 const glm::dvec3 kBase(0.9, 0.5, 0.1);
 constexpr double kLux = 3;
 

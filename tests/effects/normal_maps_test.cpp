@@ -5,6 +5,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <numbers>
 
+#include "tests/support/reference_directions.h"
 #include "tests/support/renderer_scene.h"
 
 using namespace simvis;
@@ -12,7 +13,6 @@ using namespace simvis::test;
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kAlbedo = 0.5, kLux = 3;
 
 // Relative to the light's irradiance. Normals of vertices are stored in 16 bits (1.5e-5 each way); directions in the

@@ -129,7 +129,7 @@ const std::string kScanner =
     R"(<sensor type="laser_scanner" name="SCAN" insert_at="ROOT" samples="31" min_angle="-60" max_angle="60" )"
     R"(range_noise="0.05" range_noise_rel="0.001"/>)";
 const std::string kOthers =
-    R"(<sensor type="laser_scanner" name="SCAN_2" insert_at="ROOT" range_noise="0.01"/>
+    R"(<sensor type="laser_scanner" name="SCAN_2" insert_at="ROOT" method="planar" range_noise="0.01"/>
        <sensor type="camera" name="CAM" insert_at="ROOT" width="16" height="12"/>)";
 
 constexpr int kFrames = 4;

@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <simvis/effect.h>
+#include "scenes/showcase/effect_examples.h"
 #include "tests/support/element_scene.h"
 
 namespace simvis::test {
@@ -41,12 +42,13 @@ Seen see(std::string_view attributes) {
 }
 
 TEST_CASE("named without effect, they cost nothing and change nothing; on, they cast every beam") {
-  const Seen plain = see("");
+  const std::string planar = R"(method="planar" )";
+  const Seen plain = see(planar);
   for (const char* const name : {"angular_noise", "beam_divergence", "returns", "sweep_motion"}) {
     CAPTURE(name);
-    const EffectType* const type = find_effect_type(name);
-    REQUIRE(type != nullptr);
-    const Seen off = see(type->example.off_attributes);
+    const EffectExample* const example = find_effect_example(name);
+    REQUIRE(example != nullptr);
+    const Seen off = see(planar + std::string(example->off_attributes));
     CHECK(off.scan.range_m == plain.scan.range_m);
     CHECK(off.scan.error_bound_m == plain.scan.error_bound_m);
     CHECK(off.scan.channels.empty());
@@ -54,7 +56,7 @@ TEST_CASE("named without effect, they cost nothing and change nothing; on, they 
     CHECK(off.rays == 0);
     CHECK(off.effects.empty());
     CHECK(off.method == "planar");
-    const Seen on = see(type->example.attributes);
+    const Seen on = see(example->attributes);
     CHECK(on.scan.range_m.size() == plain.scan.range_m.size());
     CHECK(on.effects == std::vector<std::string>{name});
     CHECK(on.counters.draws == 0);

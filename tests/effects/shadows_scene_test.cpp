@@ -21,7 +21,8 @@ World shaded_wall(const std::string& light, const std::string& sensors) {
 }
 
 const std::string kScanner =
-    R"(<sensor type="laser_scanner" name="SCAN" insert_at="ROOT" samples="31" min_angle="-40" max_angle="40"/>)";
+    R"(<sensor type="laser_scanner" name="SCAN" insert_at="ROOT" samples="31" min_angle="-40" max_angle="40"
+          method="planar"/>)";
 const std::string kDepthCamera =
     R"(<sensor type="camera" name="CAM" insert_at="ROOT" width="9" height="9" hfov="60" outputs="depth"/>)";
 

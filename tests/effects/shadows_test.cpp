@@ -10,12 +10,11 @@
 #include "effects/scene/shadows.h"
 #include "scenegraph/import/urdf/primitive_meshes.h"
 #include "shaders/interop.h"
+#include "tests/support/reference_directions.h"
 #include "tests/support/renderer_scene.h"
 
 namespace simvis::test {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 // An edge is decided at the centres of square texels: nothing is farther from one than this, in texels.
 constexpr double kEdge_texels = std::numbers::sqrt2 / 2;

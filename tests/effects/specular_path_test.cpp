@@ -6,12 +6,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "tests/support/reference_directions.h"
 #include "tests/support/scan_effects.h"
 
 namespace simvis {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kUnit = 0x1p-53;
 
 Material mirror(float share = 1) {

@@ -9,6 +9,7 @@
 
 #include "simvis/output/output_writer.h"
 #include "tests/support/element_scene.h"
+#include "tests/support/reference_directions.h"
 #include "tests/support/traced_beams.h"
 
 namespace simvis {
@@ -22,7 +23,7 @@ std::vector<glm::dvec3> fan(std::uint32_t rings = 1) {
   for (std::uint32_t ring = 0; ring < rings; ++ring) {
     for (std::uint32_t column = 0; column < kColumns; ++column) {
       const double a = glm::radians(static_cast<double>(column) - 90), e = 0.1 * ring;
-      directions.emplace_back(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e));
+      directions.push_back(reference::beam_direction(a, e));
     }
   }
   return directions;

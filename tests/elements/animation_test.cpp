@@ -233,7 +233,7 @@ TEST_CASE("sensors see the part as it is at each time") {
   Simulation simulation = Simulation::from_string(R"(
     <part file="strip.gltf" name="STRIP" insert_at="ROOT" up="z"/>
     <element type="animation" name="BEND" insert_at="ROOT" part="STRIP"/>
-    <sensor type="laser_scanner" name="SCAN" insert_at="ROOT" samples="3" min_angle="-10" max_angle="10"
+    <sensor type="laser_scanner" name="SCAN" insert_at="ROOT" samples="3" min_angle="-10" max_angle="10" method="planar"
             pose_offset="0 0 1.5 0 0 0"/>
     <sensor type="camera" name="EYE" insert_at="ROOT" width="8" height="8" hfov="20" outputs="depth"
             pose_offset="0 0 1 0 0 0"/>)",

@@ -46,7 +46,7 @@ const std::string kParts = R"(<part file="tree.gltf" name="TREE" insert_at="ROOT
 // The scanner's beams meet the middles of the two right texels: 0.25 m and 0.75 m to the right at 2 m.
 const std::string kSensors = R"(
   <sensor type="camera" name="CAM" insert_at="ROOT" width="4" height="4" hfov="53.13010235415598" outputs="color depth"/>
-  <sensor type="laser_scanner" name="SCAN" insert_at="ROOT" samples="2"
+  <sensor type="laser_scanner" name="SCAN" insert_at="ROOT" samples="2" method="planar"
           min_angle="-20.556045219583467" max_angle="-7.125016348901798"/>)";
 
 World forest(const GltfBuilder& tree, const std::string& attributes = "") {

@@ -10,6 +10,7 @@
 #include <simvis/pose.h>
 #include "tests/support/error_of.h"
 #include "tests/support/people_view.h"
+#include "tests/support/reference_directions.h"
 
 namespace simvis {
 namespace {
@@ -33,7 +34,7 @@ Scan some_scan() {
 
 glm::dvec3 end_of(const Scan& scan, std::size_t ring, std::size_t beam, double length_m) {
   const double a = scan.azimuth_rad[beam], e = scan.elevation_rad[ring];
-  return length_m * glm::dvec3(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e));
+  return length_m * reference::beam_direction(a, e);
 }
 
 struct Beams : PeopleView {

@@ -5,11 +5,11 @@
 #include "elements/color_temperature.h"
 #include "simvis/scene_builder.h"
 #include "tests/support/element_scene.h"
+#include "tests/support/reference_directions.h"
 
 namespace simvis::test {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kWall_m = 4;
 const glm::dvec3 kAlbedo(0.8, 0.4, 0.2);
 

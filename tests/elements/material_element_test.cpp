@@ -3,11 +3,11 @@
 #include "shaders/interop.h"
 #include "simvis/scene_builder.h"
 #include "tests/support/element_scene.h"
+#include "tests/support/reference_directions.h"
 
 namespace simvis::test {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 const glm::dvec3 kPaint(0.8, 0.4, 0.2), kBackground(0.55, 0.68, 0.85);
 constexpr double kIrradiance_lux = 2;
 
@@ -25,7 +25,8 @@ GltfBuilder two_plates() {
 const std::string kTwoPlates = R"(<part file="plates.gltf" name="PLATES" insert_at="ROOT" up="z"/>)";
 const std::string kSun =
     R"(<element type="light" name="SUN" insert_at="ROOT" azimuth="180" elevation="0" intensity="2"/>)";
-const std::string kScanner = R"(<sensor type="laser_scanner" name="SCAN" insert_at="ROOT" samples="1" min_angle="0"/>)";
+const std::string kScanner =
+    R"(<sensor type="laser_scanner" name="SCAN" insert_at="ROOT" samples="1" min_angle="0" method="planar"/>)";
 
 std::string changed(const std::string& attributes, const std::string& name = "M") {
   return "<element type='material' name='" + name + "' insert_at='ROOT' part='PLATES' " + attributes + "/>";

@@ -15,7 +15,7 @@ GltfBuilder plate(const Plate& shape, const json& material) {
 }
 const std::string kPlate = R"(<part file="plate.gltf" name="PLATE" insert_at="ROOT" up="z"/>)";
 const std::string kScanner =
-    R"(<sensor type="laser_scanner" name="SCAN" insert_at="PLATE" samples="1" min_angle="0"/>)";
+    R"(<sensor type="laser_scanner" name="SCAN" insert_at="PLATE" samples="1" min_angle="0" method="planar"/>)";
 
 TEST_CASE("visibility hides shapes and lights that follow; sensors keep measuring") {
   World world({{"plate.gltf", plate({}, painted("Paint", glm::vec4(kPaint, 1)))},

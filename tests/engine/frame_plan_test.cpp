@@ -253,7 +253,8 @@ std::string camera(const std::string& name, const std::string& more) {
 }
 
 const std::string kScanner =
-    R"(<sensor type="laser_scanner" name="SCAN" insert_at="ROOT" samples="31" min_angle="-45" max_angle="45"/>)";
+    R"(<sensor type="laser_scanner" name="SCAN" insert_at="ROOT" samples="31" min_angle="-45" max_angle="45"
+            method="planar"/>)";
 
 const PlannedSensor& sensor_of(const FramePlan& plan, std::string_view name) {
   const auto found = std::ranges::find(plan.sensors, name, &PlannedSensor::name);

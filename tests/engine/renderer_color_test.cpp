@@ -8,14 +8,13 @@
 
 #include <simvis/error.h>
 #include "shaders/interop.h"
+#include "tests/support/reference_directions.h"
 #include "tests/support/renderer_scene.h"
 
 using namespace simvis;
 using namespace simvis::test;
 
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 // Normals are stored in 16 bits (1.5e-5 each way), the rest is some dozens of float32 operations of 6e-8 each.
 constexpr double kShading = 4e-5;  // relative

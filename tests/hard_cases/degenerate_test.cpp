@@ -13,12 +13,12 @@
 #include "sensors/camera/camera.h"
 #include "tests/hard_cases/hard_case.h"
 #include "tests/support/random_room.h"
+#include "tests/support/reference_directions.h"
 
 using namespace simvis;
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 glm::dmat4 at(double x, double y, double z) { return glm::translate(glm::dmat4(1.0), {x, y, z}); }

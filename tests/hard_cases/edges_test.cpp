@@ -12,13 +12,13 @@
 #include "tests/hard_cases/hard_case.h"
 #include "tests/hard_cases/shapes.h"
 #include "tests/support/ray_casting.h"
+#include "tests/support/reference_directions.h"
 #include "tests/support/tested_build.h"
 
 using namespace simvis;
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kPlanarPixel_rad = 2 / kPlanarResolution, kRingsPixel_rad = 2 / kRingsResolution;
 

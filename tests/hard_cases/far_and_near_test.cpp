@@ -16,12 +16,12 @@
 #include "tests/hard_cases/hard_case.h"
 #include "tests/hard_cases/part_file.h"
 #include "tests/support/random_room.h"
+#include "tests/support/reference_directions.h"
 
 using namespace simvis;
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 glm::dmat4 at(const glm::dvec3& place) { return glm::translate(glm::dmat4(1.0), place); }
@@ -92,8 +92,8 @@ TEST_CASE("a simulation 10^7 m from the origin") {
     std::string xml = "<element type=\"pose\" name=\"AWAY\" insert_at=\"ROOT\" x=\"" + x + "\" y=\"" + y +
                       "\"/><part file=\"room.gltf\" name=\"ROOM\" insert_at=\"ROOT\" up=\"z\"/>";
     for (const std::string& method : methods) {
-      xml += "<sensor type=\"laser_scanner\" name=\"" + method + "\" method=\"" + method +
-             "\" max_error_rel=\"1e-4\" insert_at=\"ROOM\" pose_offset=\"0.3 -0.2 0.1 0 0 0\" min_angle=\"-180\" "
+      xml += "<sensor type=\"laser_scanner\" name=\"" + method + "\" " + method_attributes(method) +
+             " insert_at=\"ROOM\" pose_offset=\"0.3 -0.2 0.1 0 0 0\" min_angle=\"-180\" "
              "max_angle=\"180\"/>";
     }
     Simulation simulation = Simulation::from_string(xml, {}, folder.path());

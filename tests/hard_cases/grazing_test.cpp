@@ -10,6 +10,7 @@
 #include <simvis/pose.h>
 #include "tests/hard_cases/hard_case.h"
 #include "tests/hard_cases/shapes.h"
+#include "tests/support/reference_directions.h"
 #include "tests/support/tested_build.h"
 
 using namespace simvis;
@@ -17,7 +18,6 @@ using namespace simvis;
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kPi = std::numbers::pi;
 constexpr double kCoarse_px = 512;  // what other simulators commonly take
 
 const std::uint32_t kBeams = sanitized() ? 101 : 1001;
@@ -140,8 +140,7 @@ double farthest_from_ground(const glm::dmat4& world_from_sensor, const Scan& sca
   for (std::size_t index = 0; index < scan.range_m.size(); ++index) {
     const double range = scan.range_m[index];
     const double a = scan.azimuth_rad[index % scan.columns], e = scan.elevation_rad[index / scan.columns];
-    const glm::dvec3 direction =
-        glm::dmat3(world_from_sensor) * glm::dvec3(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e));
+    const glm::dvec3 direction = glm::dmat3(world_from_sensor) * reference::beam_direction(a, e);
     if (!std::isfinite(range)) continue;
     const double height_m = kGround_m + range * direction.z;
     const double bound_m = std::min<double>(scan.error_bound_m[index], share_of_range * range);

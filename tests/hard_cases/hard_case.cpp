@@ -2,12 +2,17 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <iterator>
 #include <vector>
 
+#include <simvis/attributes.h>
 #include <simvis/device.h>
 #include "engine/render/renderer.h"
+#include "tests/hard_cases/committed_errors.h"
+#include "tests/support/reference_directions.h"
 
 namespace simvis {
 
@@ -47,16 +52,38 @@ std::string cell(const HardResult& result) {
   return cell(result.worst_error_rel, result.wrong_kind, result.scan.range_m.size());
 }
 
-std::string cell(const std::vector<HardResults>& all, HardResult HardResults::*method) {
-  double worst_error_rel = 0;
-  std::size_t wrong_kind = 0, beams = 0;
+/// The worst error of several scans, and their wrong hits and misses together.
+HardResult together(const std::vector<HardResults>& all, HardResult HardResults::*method) {
+  HardResult sum;
   for (const HardResults& results : all) {
     const HardResult& result = results.*method;
-    worst_error_rel = std::max(worst_error_rel, result.worst_error_rel);
-    wrong_kind += result.wrong_kind;
-    beams += result.scan.range_m.size();
+    sum.worst_error_rel = std::max(sum.worst_error_rel, result.worst_error_rel);
+    sum.wrong_kind += result.wrong_kind;
+    sum.scan.range_m.insert(sum.scan.range_m.end(), result.scan.range_m.begin(), result.scan.range_m.end());
   }
-  return cell(worst_error_rel, wrong_kind, beams);
+  return sum;
+}
+
+/// The driver's rounding differs from machine to machine; nothing else does.
+constexpr double kOfCommitted = 2;
+/// Where next to nothing is committed: what rounding a range to float32 takes, relative.
+constexpr double kHalfUlp = 0x1p-24;
+
+void check_committed(const std::string& name, const std::string& method, const HardResult& result,
+                     const CommittedError& committed) {
+  CAPTURE(name);
+  CAPTURE(method);
+  CHECK(result.worst_error_rel <= kOfCommitted * std::max(committed.error_rel, kHalfUlp));
+  CHECK(static_cast<double>(result.wrong_kind) <= kOfCommitted * static_cast<double>(committed.wrong_kind));
+}
+
+/// The row of the table of what is committed. A new case needs a new row.
+const CommittedErrors& committed(const std::string& name) {
+  static constexpr CommittedErrors kNothing{};
+  const auto found = std::ranges::find(kCommittedErrors, name, &CommittedErrors::name);
+  if (found != std::end(kCommittedErrors)) return *found;
+  FAIL_CHECK("no row in tests/hard_cases/committed_errors.h: " << name);
+  return kNothing;
 }
 
 /// What all cases of a program share.
@@ -83,7 +110,7 @@ void hold_against_truth(const HardCase& hard, HardResult& result) {
     for (std::uint32_t beam = 0; beam < scan.columns; ++beam) {
       const double a = scan.azimuth_rad[beam];
       const std::size_t index = std::size_t{ring} * scan.columns + beam;
-      const double truth_m = hard.truth({std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e)});
+      const double truth_m = hard.truth(reference::beam_direction(a, e));
       const double expected = reading_of(truth_m, hard.scanner), range = scan.range_m[index];
       const double bound = scan.error_bound_m[index];
       const bool same_kind = std::isfinite(expected) == std::isfinite(range) && (expected == 0) == (range == 0);
@@ -117,6 +144,12 @@ void check(const HardCase& hard, const HardResults& results) {
 
 }  // namespace
 
+std::string method_attributes(std::string_view method) {
+  std::string text = "method=\"" + std::string(method) + '"';
+  if (method == to_string(ScanMethod::hybrid)) text += " max_error_rel=\"" + format_number(kHybridError) + '"';
+  return text;
+}
+
 HardResult measure(const HardCase& hard, ScanMethod method) {
   LaserScannerDesc desc = hard.scanner;
   desc.method = method;
@@ -145,8 +178,14 @@ std::vector<HardResults> measure_together(const std::string& name, const std::ve
                    measure(hard, ScanMethod::hybrid), measure(hard, ScanMethod::raycast)});
     check(hard, all.back());
   }
-  add_line(name, {cell(all, &HardResults::nearest), cell(all, &HardResults::planar), cell(all, &HardResults::hybrid),
-                  cell(all, &HardResults::raycast)});
+  const HardResult nearest = together(all, &HardResults::nearest), planar = together(all, &HardResults::planar),
+                   hybrid = together(all, &HardResults::hybrid), raycast = together(all, &HardResults::raycast);
+  const CommittedErrors& row = committed(name);
+  check_committed(name, "nearest", nearest, row.nearest);
+  check_committed(name, "planar", planar, row.planar);
+  check_committed(name, "hybrid", hybrid, row.hybrid);
+  check_committed(name, "raycast", raycast, row.raycast);
+  add_line(name, {cell(nearest), cell(planar), cell(hybrid), cell(raycast)});
   return all;
 }
 
@@ -157,6 +196,9 @@ void measure_raster(const HardCase& hard, double resolution_px) {
   char name[128];
   std::snprintf(name, sizeof name, "  the same with %g pixels across 90 degrees", resolution_px);
   add_line(name, {cell(nearest), cell(planar), "", ""});
+  const std::string key = hard.name + ": " + format_number(resolution_px) + " px";
+  check_committed(key, "nearest", nearest, committed(key).nearest);
+  check_committed(key, "planar", planar, committed(key).planar);
   if (hard.narrow) return;
   CHECK(nearest.violations == 0);
   CHECK(planar.violations == 0);

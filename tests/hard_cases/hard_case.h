@@ -9,6 +9,7 @@
 #include <functional>
 #include <glm/glm.hpp>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <simvis/draw_list.h>
@@ -22,6 +23,9 @@ using ClosedForm = std::function<double(const glm::dvec3& direction)>;
 /// `hybrid` is measured with this max_error_rel, if a case has no other: with its default it would render nothing and
 /// be `raycast`.
 inline constexpr double kHybridError = 1e-4;
+
+/// A scanner's attributes in XML: the method, and for `hybrid` kHybridError, so that it renders, and casts.
+std::string method_attributes(std::string_view method);
 
 struct HardCase {
   std::string name;  ///< for the table
@@ -56,6 +60,8 @@ inline constexpr double kCastError = 1e-6;
 
 /// Measures the case by every method, adds its line to the table, and checks what every case has to keep:
 ///   - the truth lies within the bound, for every method (for raster methods not where `narrow`);
+///   - no method's error, and no method's count of wrong hits and misses, is above twice what is committed of it in
+///     committed_errors.h;
 ///   - raycast: every range within kCastError of the truth, no hit for a miss, no miss for a hit, no infinite bound;
 ///   - hybrid: every range within kHybridError, and where not `narrow` no wrong hit or miss.
 /// Both allow truth_error_rel besides. The results are for what a case checks beyond that.
@@ -67,8 +73,9 @@ std::vector<HardResults> measure_together(const std::string& name, const std::ve
 /// One scan of the case by one method, without checks.
 HardResult measure(const HardCase& hard, ScanMethod method);
 
-/// The raster methods of the case at this many pixels across 90 degrees: a line below the case's own. Other simulators
-/// commonly take 256 or 512. Checks that the truth lies within the bounds (not where `narrow`).
+/// The raster methods of the case (held against committed_errors.h likewise) at this many pixels across 90 degrees: a
+/// line below the case's own. Other simulators commonly take 256 or 512. Checks that the truth lies within the bounds
+/// (not where `narrow`).
 void measure_raster(const HardCase& hard, double resolution_px);
 
 /// Adds a line of another measure than the relative error, which the name has to say: cells for nearest, planar,

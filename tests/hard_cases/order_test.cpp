@@ -78,6 +78,12 @@ bool same_bytes(const Readings& a, const Readings& b) {
       a, b, [](const auto& x, const auto& y) { return x.first == y.first && same_bytes(x.second, y.second); });
 }
 
+std::string with_method(std::string sensor, std::string_view method) {
+  constexpr std::string_view kScanner = "<sensor type=\"laser_scanner\"";
+  if (!sensor.starts_with(kScanner)) return sensor;
+  return sensor.insert(kScanner.size(), ' ' + method_attributes(method));
+}
+
 /// The files of the parts, and simulations of them.
 class Stage {
  public:
@@ -87,12 +93,11 @@ class Stage {
     write_part(folder_ / "case.gltf", box_mesh({0.2, 0.3, 0.4}));
   }
   Simulation make(const std::vector<std::string>& commands, std::string_view method = {}) const {
-    SimulationDesc desc;
-    desc.overrides = {{"laser_scanner", "max_error_rel", "1e-4", "this test"}};  // hybrid renders, and casts
-    if (!method.empty()) desc.overrides.push_back({"laser_scanner", "method", std::string(method), "this test"});
     std::string xml;
-    for (const std::string& command : commands) xml += command + "\n";
-    return Simulation::from_string(xml, desc, folder_.path());
+    for (const std::string& command : commands) {
+      xml += (method.empty() ? command : with_method(command, method)) + "\n";
+    }
+    return Simulation::from_string(xml, {}, folder_.path());
   }
 
  private:
@@ -102,12 +107,6 @@ class Stage {
 /// The method of a scanner in the order of this number: over the orders, each has all.
 std::string_view method_in(std::size_t order, std::size_t sensor) {
   return kMethods[(order / kFewer + sensor) % std::size(kMethods)];
-}
-
-std::string with_method(std::string sensor, std::string_view method) {
-  constexpr std::string_view kScanner = "<sensor type=\"laser_scanner\"";
-  if (!sensor.starts_with(kScanner)) return sensor;
-  return sensor.insert(kScanner.size(), " method=\"" + std::string(method) + "\"");
 }
 
 std::vector<std::string> joined(std::vector<std::string> first, const std::vector<std::string>& second) {

@@ -10,12 +10,12 @@
 #include "sensors/laser_scanner/scan_layout.h"
 #include "tests/hard_cases/hard_case.h"
 #include "tests/hard_cases/shapes.h"
+#include "tests/support/reference_directions.h"
 
 using namespace simvis;
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 HardCase in_skew_room(const ScanPattern& pattern, double resolution_px = 0) {

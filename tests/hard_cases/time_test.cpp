@@ -19,6 +19,7 @@
 #include "tests/hard_cases/hard_case.h"
 #include "tests/hard_cases/part_file.h"
 #include "tests/support/random_room.h"
+#include "tests/support/reference_directions.h"
 #include "tests/support/tested_build.h"
 
 using namespace simvis;
@@ -28,7 +29,6 @@ namespace {
 // Sanitizers make steps some ten times slower.
 const int kFewer = sanitized() ? 10 : 1;
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 const glm::dvec3 kRoomHalf_m(5, 4, 1.5);
 
@@ -50,8 +50,8 @@ class Room {
     std::string xml = R"(<part file="room.gltf" name="ROOM" insert_at="ROOT" up="z"/>
       <element type="pose" name="DRIVE" insert_at="ROOT"/><element type="joint" name="TURN" insert_at="ROOT"/>)";
     for (const std::string& method : methods()) {
-      xml += "<sensor type=\"laser_scanner\" name=\"" + method + "\" method=\"" + method +
-             "\" max_error_rel=\"1e-4\" insert_at=\"ROOT\" rate=\"1e-6\"/>";
+      xml += "<sensor type=\"laser_scanner\" name=\"" + method + "\" " + method_attributes(method) +
+             " insert_at=\"ROOT\" rate=\"1e-6\"/>";
     }
     return Simulation::from_string(xml, {.rate_hz = rate_hz, .device = {}, .overrides = {}}, folder_.path());
   }

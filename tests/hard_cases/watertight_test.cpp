@@ -13,6 +13,7 @@
 
 #include "tests/hard_cases/hard_case.h"
 #include "tests/support/ray_casting.h"
+#include "tests/support/reference_directions.h"
 #include "tests/support/tested_build.h"
 
 using namespace simvis;
@@ -23,7 +24,6 @@ namespace {
 const std::size_t kFewer = sanitized() ? 100 : 1, kBeamsOfAPlace = sanitized() ? 5'000 : 50'000;
 
 const std::size_t kBeams = 10'000'000 / kFewer;
-constexpr double kPi = std::numbers::pi;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// A box of half the size `half_m` whose sides are cut into `cells` x `cells` squares, each of two triangles. Vertices

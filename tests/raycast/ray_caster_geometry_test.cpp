@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tests/support/ray_casting.h"
+#include "tests/support/reference_directions.h"
 
 using namespace simvis;
 
@@ -27,7 +28,7 @@ TEST_CASE("grazing a floor 0.1 m below, out to an incidence of 89.9999 degrees")
   for (const double incidence_deg : {0.0, 60.0, 89.0, 89.9, 89.99, 89.999, 89.9999}) {
     for (const double azimuth : {0.0, 0.3, 2.0, 4.5}) {
       const double e = glm::radians(incidence_deg - 90);
-      const glm::dvec3 direction(std::cos(e) * std::cos(azimuth), std::cos(e) * std::sin(azimuth), std::sin(e));
+      const glm::dvec3 direction = reference::beam_direction(azimuth, e);
       const RayHit hit = engine.cast_one(list, direction, at(0, 0, height_m));
       const double expected = height_m / -direction.z;
       CHECK(std::abs(hit.range_m - expected) <= hit.error_bound_m);

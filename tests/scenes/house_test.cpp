@@ -40,7 +40,7 @@ std::string scene_from_parts(const std::filesystem::path& csv) {
   xml << "<sensor type=\"laser_scanner\" name=\"LIDAR\" insert_at=\"ROOT\" pose_offset=\"1 1 0.6 0 0 0\" "
          "samples=\"1024\""
          " min_angle=\"-180\" max_angle=\"180\" vertical_samples=\"16\" vertical_min_angle=\"-15\""
-         " vertical_max_angle=\"15\"/>\n"
+         " vertical_max_angle=\"15\" method=\"planar\"/>\n"
          "<sensor type=\"camera\" name=\"CAM\" insert_at=\"ROOT\" pose_offset=\"1 1 1.4 0 10 180\" hfov=\"80\""
          " outputs=\"color depth\"/>\n";
   return xml.str();

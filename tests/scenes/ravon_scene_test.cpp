@@ -208,7 +208,7 @@ TEST_CASE("the front scanner measures the ground before the robot") {
          <part file="robot.glb" name="ROBOT" insert_at="GROUND"/>
          <element type="pose" name="R_POSE" insert_at="ROBOT"/>
          <sensor type="laser_scanner" name="SCAN" insert_at="ROBOT" pose_offset=")" +
-          mount + R"(" samples="361" min_angle="-90" max_angle="90"/>)",
+          mount + R"(" samples="361" min_angle="-90" max_angle="90" method="planar"/>)",
       {}, kFolder);
   const Rows rows = read_table(kFolder / "drive.csv", kDriveHeader);
   ScanCheck check;

@@ -18,6 +18,7 @@
 #include "simvis/report/run_report.h"
 #include "tests/support/error_of.h"
 #include "tests/support/random_room.h"
+#include "tests/support/reference_directions.h"
 #include "tests/support/run_process.h"
 #include "tests/support/scan_truth.h"
 #include "tests/support/tested_build.h"
@@ -28,7 +29,6 @@ using namespace simvis;
 namespace {
 
 namespace fs = std::filesystem;
-constexpr double kPi = std::numbers::pi;
 const fs::path kMarvin = fs::path(SIMVIS_SOURCE_DIR) / "scenes/marvin/marvin.xml";
 constexpr const char* kScanners[] = {"FRONT_SCANNER", "REAR_SCANNER", "TILT_SCANNER"};
 

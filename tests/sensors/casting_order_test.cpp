@@ -9,11 +9,10 @@
 #include <vector>
 
 #include <simvis/ray_caster.h>
+#include "tests/support/reference_directions.h"
 
 namespace simvis {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 std::vector<std::uint32_t> sorted(std::vector<std::uint32_t> order) {
   std::ranges::sort(order);

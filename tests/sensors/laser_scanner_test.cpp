@@ -10,12 +10,12 @@
 #include <simvis/pose.h>
 #include "engine/render/renderer.h"
 #include "tests/support/random_room.h"
+#include "tests/support/reference_directions.h"
 
 using namespace simvis;
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 // float32 from vertex to range, relative to the largest coordinate of the surface met: vertex rounding, plane set-up
@@ -41,8 +41,10 @@ struct Stage {
 };
 
 LaserScannerDesc fan(std::uint32_t samples, double min_deg, double max_deg) {
-  return {.pattern = {
-              .samples = samples, .min_azimuth_rad = glm::radians(min_deg), .max_azimuth_rad = glm::radians(max_deg)}};
+  return {.pattern = {.samples = samples,
+                      .min_azimuth_rad = glm::radians(min_deg),
+                      .max_azimuth_rad = glm::radians(max_deg)},
+          .method = ScanMethod::planar};
 }
 
 }  // namespace
@@ -121,7 +123,7 @@ TEST_CASE("a lidar inside a box, from straight down to straight up") {
   for (std::uint32_t ring = 0; ring < scan.rings; ++ring) {
     for (std::uint32_t beam = 0; beam < scan.columns; ++beam) {
       const double e = scan.elevation_rad[ring], a = scan.azimuth_rad[beam];
-      const glm::dvec3 d = glm::abs(glm::dvec3(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e)));
+      const glm::dvec3 d = glm::abs(reference::beam_direction(a, e));
       const double expected = std::min({half.x / d.x, half.y / d.y, half.z / d.z});
       const std::size_t index = ring * scan.columns + beam;
       CHECK(std::abs(scan.range_m[index] - expected) <= scan.error_bound_m[index]);

@@ -242,7 +242,7 @@ namespace {
 // 30 cm before the wall at x = 4 m.
 const std::string kPsd = R"(<sensor type="psd" name="IR" insert_at="ROOT" pose_offset="3.7 0 0 0 0 0" noise="0.01"/>)";
 const std::string kOthers =
-    R"(<sensor type="laser_scanner" name="SCAN" insert_at="ROOT"/>
+    R"(<sensor type="laser_scanner" name="SCAN" insert_at="ROOT" method="planar"/>
        <sensor type="psd" name="IR_2" insert_at="ROOT" noise="0.01" pose_offset="3.7 0 0 0 0 0"/>
        <sensor type="camera" name="CAM" insert_at="ROOT" width="64" height="48"/>)";
 

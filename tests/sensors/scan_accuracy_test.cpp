@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <glm/gtc/matrix_transform.hpp>
+#include <optional>
 #include <random>
 #include <sstream>
 
@@ -12,6 +13,7 @@
 #include "engine/render/renderer.h"
 #include "sensors/laser_scanner/laser_scanner.h"
 #include "tests/support/random_room.h"
+#include "tests/support/reference_directions.h"
 #include "tests/support/scan_truth.h"
 #include "tests/support/tested_build.h"
 
@@ -19,10 +21,26 @@ using namespace simvis;
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
-// What the issue of record asks of `planar`, relative: three roundings of float32.
+// Relative: half of all beams by `planar` lie on one surface, where depth, plane and range are each rounded to float32
+// once, by at most 2^-24 = 6e-8. That is 1.8e-7 in all.
 constexpr double kMedianError = 2e-7;
+
+// What is published of a method in README, "Figures"; empty where nothing is. Errors are relative, shares are of beams.
+// A beam on a wrong surface is off by more than 1e-3. Where fewer than 1 % of the beams are, the 99th percentile is
+// below that, and where fewer than 0.1 % are, the 99.9th.
+struct Published {
+  std::optional<double> median_error, p99_error, p999_error;
+  std::optional<double> uncertain_share;      ///< of beams with an infinite bound
+  std::optional<double> wrong_surface_share;  ///< of beams that read another surface, or a hit for a miss
+};
+constexpr Published kPlanarRooms{5.8e-8, 3.5e-7, 1e-3, 0.009, 0.0005};
+constexpr Published kNearestRooms{3.4e-5, 3.9e-4, {}, {}, {}};
+constexpr Published kLidarRooms{7.3e-8, 1e-3, {}, 0.040, 0.008};
+constexpr Published kPlanarMarvin{6.3e-8, 9e-5, {}, 0.034, 0.0018};
+
+// Rooms, poses and beams are the same in each run, so that only the driver's rounding moves a figure. It moves a beam
+// from one side of a threshold to the other where that is as near as rounding is, which few beams are.
+constexpr double kOfPublished = 1.25;
 
 // Sanitizers make the reference some twenty times slower, and look for other things than rare beams.
 const int kFewer = sanitized() ? 8 : 1;
@@ -31,6 +49,22 @@ std::string text(const ScanComparison& comparison) {
   std::ostringstream out;
   out << comparison;
   return out.str();
+}
+
+void check_published(const ScanComparison& comparison, const Published& published) {
+  if (sanitized()) return;  // an eighth of the beams has tails of its own
+  const auto error = [&](double quantile) { return ScanComparison::quantile(comparison.relative_errors, quantile); };
+  const auto share = [&](std::size_t beams) {
+    return static_cast<double>(beams) / static_cast<double>(comparison.beams);
+  };
+  const auto check = [](double measured, const std::optional<double>& limit) {
+    if (limit) CHECK(measured <= kOfPublished * *limit);
+  };
+  check(error(0.5), published.median_error);
+  check(error(0.99), published.p99_error);
+  check(error(0.999), published.p999_error);
+  check(share(comparison.uncertain), published.uncertain_share);
+  check(share(comparison.wrong_surface), published.wrong_surface_share);
 }
 
 void scan_once(Renderer& renderer, const DrawList& list, const glm::dmat4& world_from_sensor, LaserScanner& scanner) {
@@ -51,7 +85,7 @@ glm::dmat4 somewhere(std::mt19937& random, bool level) {
   return to_matrix(pose);
 }
 
-void check_rooms(const LaserScannerDesc& desc, int rooms) {
+void check_rooms(const LaserScannerDesc& desc, int rooms, const Published& published) {
   Device device;
   Renderer renderer(device);
   ScanComparison comparison;
@@ -62,12 +96,12 @@ void check_rooms(const LaserScannerDesc& desc, int rooms) {
     LaserScanner scanner("S", desc);
     scan_once(renderer, list, pose, scanner);
     compare(*scanner.scan(), reference::RayCaster(list, rigid_inverse(pose)), desc.range_min_m, desc.range_max_m,
-            2 / (desc.pattern.rings == 1 ? kPlanarResolution : kRingsResolution), comparison);
+            2 / default_resolution_px(desc.pattern), comparison);
   }
   MESSAGE(text(comparison));
   CHECK(comparison.violations == 0);
   CHECK(comparison.narrow == 0);
-  CHECK(comparison.uncertain < comparison.beams / 10);
+  check_published(comparison, published);
   CHECK(comparison.relative_errors.size() > comparison.beams / 2);
   if (desc.method == ScanMethod::planar) CHECK(comparison.median_error() <= kMedianError);
   CHECK(device.validation_messages() == 0);
@@ -89,13 +123,15 @@ TEST_CASE("the reference: its hierarchy finds what brute force finds") {
 }
 
 TEST_CASE("planar scans of random rooms: 400,000 beams") {
-  check_rooms({.pattern = {.samples = 10001, .min_azimuth_rad = -kPi / 2, .max_azimuth_rad = kPi / 2}}, 40);
+  check_rooms({.pattern = {.samples = 10001, .min_azimuth_rad = -kPi / 2, .max_azimuth_rad = kPi / 2},
+               .method = ScanMethod::planar},
+              40, kPlanarRooms);
 }
 
 TEST_CASE("nearest scans of random rooms: the bound holds as well") {
   check_rooms({.pattern = {.samples = 10001, .min_azimuth_rad = -kPi / 2, .max_azimuth_rad = kPi / 2},
                .method = ScanMethod::nearest},
-              20);
+              20, kNearestRooms);
 }
 
 TEST_CASE("a lidar of 32 rings over a full turn in random rooms: 300,000 beams") {
@@ -104,13 +140,15 @@ TEST_CASE("a lidar of 32 rings over a full turn in random rooms: 300,000 beams")
                            .min_azimuth_rad = -kPi,
                            .max_azimuth_rad = kPi,
                            .min_elevation_rad = -0.35,
-                           .max_elevation_rad = 0.35}},
-              10);
+                           .max_elevation_rad = 0.35},
+               .method = ScanMethod::planar},
+              10, kLidarRooms);
 }
 
 TEST_CASE("planar scans of the marvin laboratory while the robot drives: 300,000 beams") {
   SimulationDesc desc;
-  desc.overrides = {{"laser_scanner", "samples", "5001", "this test"}};
+  desc.overrides = {{"laser_scanner", "samples", "5001", "this test"},
+                    {"laser_scanner", "method", "planar", "this test"}};
   Simulation simulation = Simulation::load(std::filesystem::path(SIMVIS_SOURCE_DIR) / "scenes/marvin/marvin.xml", desc);
   for (const SensorInfo& sensor : simulation.sensors()) simulation.enable(sensor.name, sensor.type == "laser_scanner");
   ScanComparison comparison;
@@ -129,7 +167,7 @@ TEST_CASE("planar scans of the marvin laboratory while the robot drives: 300,000
   MESSAGE(text(comparison));
   CHECK(comparison.violations == 0);
   CHECK(comparison.narrow == 0);
-  CHECK(comparison.uncertain < comparison.beams / 10);
+  check_published(comparison, kPlanarMarvin);
   CHECK(comparison.median_error() <= kMedianError);
   CHECK(simulation.diagnostics().validation_messages() == 0);
 }

@@ -4,12 +4,11 @@
 
 #include <cmath>
 #include <numbers>
+#include "tests/support/reference_directions.h"
 
 using namespace simvis;
 
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 // Directions are made of a few double operations on numbers below 10: a dozen ulps of 10.
 constexpr double kDirectionTolerance = 12 * 10 * 0x1p-53;

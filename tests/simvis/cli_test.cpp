@@ -106,7 +106,7 @@ TEST_CASE("a run writes pictures, scans and run.json, and says where") {
   CHECK(json["sensors"]["CAM"]["type"] == "camera");
   CHECK(json["sensors"]["CAM"]["frames"] == 3);
   CHECK(json["sensors"]["SLOW"]["frames"] == 1);
-  CHECK(json["sensors"]["SCAN"]["method"] == "planar");
+  CHECK(json["sensors"]["SCAN"]["method"] == "raycast");
   CHECK(json["sensors"]["SCAN"]["effects"].empty());
 }
 
@@ -149,7 +149,8 @@ TEST_CASE("pictures and ranges of a wall are where geometry puts them") {
     CHECK(cell[3] == std::to_string(beam));
     CHECK(std::stod(cell[4]) == doctest::Approx(azimuth_deg));
     CHECK(std::stod(cell[5]) == 0);
-    const double range_m = std::stod(cell[6]), bound_m = std::stod(cell[7]);
+    // Nine digits read back to the same float, of which the bound speaks.
+    const double range_m = std::stof(cell[6]), bound_m = std::stod(cell[7]);
     CHECK(std::abs(range_m - 3 / std::cos(azimuth_deg * M_PI / 180)) <= bound_m);
     CHECK(bound_m < 1e-3);
     // The point follows from the range, both printed with nine digits.
@@ -202,14 +203,33 @@ TEST_CASE("--method is put over the scene's own and reported") {
   check_refused({"--method", "sonar"}, "", {"--method", "sonar"});  // also where there is no scanner
 }
 
-TEST_CASE("--max-error: the cheapest way within it, the price list, and what run.json says") {
+TEST_CASE("--method drops a scene's tolerance that it does not look at") {
+  const TemporaryFolder folder;
+  const fs::path scene = write_wall_scene(
+      folder.path(), R"(<sensor type="laser_scanner" name="SCAN" insert_at="ROOT" max_error_m="0.01"/>)");
+  for (const std::string method : {"nearest", "planar", "hybrid", "raycast"}) {
+    const ProcessResult result = run({scene.string(), "--out", (folder / "out").string(), "--method", method});
+    INFO(result.err);
+    REQUIRE(result.exit_code == 0);
+    CHECK(nlohmann::json::parse(read_text(folder / "out/run.json"))["sensors"]["SCAN"]["method"] == method);
+  }
+}
+
+TEST_CASE("--max-error: hybrid over the scene's own method; the price list of auto, and what run.json says") {
   const TemporaryFolder folder;
   const Strings cache{"XDG_CACHE_HOME=" + (folder / "cache").string()};
   const fs::path scene = write_wall_scene(
       folder.path(), std::string(kSensors) + R"(<sensor type="laser_scanner" name="NEAREST" insert_at="ROOT"
-                         method="nearest" max_error_rel="1e-30"/>)");
+                         method="nearest"/>)");
   const std::string out = (folder / "out").string();
-  const ProcessResult result = run({scene.string(), "--out", out, "--max-error", "0.001", "--explain"}, cache);
+  REQUIRE(run({scene.string(), "--out", out, "--max-error", "0.001"}, cache).exit_code == 0);
+  for (const char* name : {"SCAN", "NEAREST"}) {
+    CHECK(nlohmann::json::parse(read_text(folder / "out/run.json"))["sensors"][name]["method"] == "hybrid");
+  }
+  for (const Strings& row : read_csv(folder / "out/SCAN.csv").rows) CHECK(std::stod(row[7]) <= 0.001);
+
+  const ProcessResult result =
+      run({scene.string(), "--out", out, "--max-error", "0.001", "--method", "auto", "--explain"}, cache);
   INFO(result.err);
   REQUIRE(result.exit_code == 0);
   const auto json = nlohmann::json::parse(read_text(folder / "out/run.json"));
@@ -251,6 +271,28 @@ TEST_CASE("--max-error: the cheapest way within it, the price list, and what run
   CHECK(unreachable.err.find("simvis-run: --max-error: error: attribute \"max_error_m\": 1e-09 is met by no method "
                              "for sensor \"SCAN\"") != std::string::npos);
   CHECK(files_below(folder / "none").empty());
+}
+
+TEST_CASE("--summary adds lines at the end and changes no result") {
+  const TemporaryFolder folder;
+  const fs::path scene = write_wall_scene(folder.path(), kSensors);
+  const std::string out = (folder / "out").string();
+  const ProcessResult plain = run({scene.string(), "--out", (folder / "plain").string()});
+  const ProcessResult result = run({scene.string(), "--out", out, "--summary"});
+  INFO(result.err);
+  REQUIRE(plain.exit_code == 0);
+  REQUIRE(result.exit_code == 0);
+  for (const char* text : {"scanners: 1 with 5 beams", "cameras: ", "what accuracy costs SCAN", "\n  nearest ",
+                           "\n  planar ", "\n  hybrid ", "\n  raycast "}) {
+    CHECK_MESSAGE(result.out.find(text) != std::string::npos, text);
+  }
+  CHECK(result.out.ends_with("/SCAN.csv, " + out + "/run.json\n"));
+  CHECK(plain.out.find("open first") == std::string::npos);
+  CHECK(files_below(out) == files_below(folder / "plain"));
+  CHECK(read_text(folder / "out/SCAN.csv") == read_text(folder / "plain/SCAN.csv"));
+  for (const char* other : {"--quiet", "--price"}) {
+    check_refused({"--summary", other}, std::string(kSensors), {"--summary", other});
+  }
 }
 
 TEST_CASE("--explain, --profile, --quiet, --describe, --list-devices, --version, --help") {
@@ -301,7 +343,7 @@ TEST_CASE("--explain, --profile, --quiet, --describe, --list-devices, --version,
   CHECK(help.exit_code == 0);
   for (const char* option : {"--out", "--frames", "--rate", "--set", "--trajectory", "--sensor", "--method",
                              "--max-error", "--seed", "--device", "--list-devices", "--explain", "--profile", "--quiet",
-                             "--describe", "--plugin", "--version", "--help"}) {
+                             "--summary", "--describe", "--plugin", "--version", "--help"}) {
     CHECK_MESSAGE(help.out.find(option) != std::string::npos, option);
   }
 }

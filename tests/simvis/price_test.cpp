@@ -188,8 +188,9 @@ TEST_CASE("variants: what a scanner asks for is among them, once, and what is th
   const auto scanner = [](const std::string& attributes) {
     return parse_commands(R"(<sensor type="laser_scanner" name="S" insert_at="ROOT" )" + attributes + "/>", "", "")[0];
   };
-  CHECK(variant_of(scanner("")) == ScanVariant{"planar", kPlanarResolution, {}});
-  CHECK(variant_of(scanner("vertical_samples=\"2\"")) == ScanVariant{"planar", kRingsResolution, {}});
+  CHECK(variant_of(scanner("")) == ScanVariant{"raycast", {}, {}});
+  CHECK(variant_of(scanner("method=\"planar\"")) == ScanVariant{"planar", kPlanarResolution, {}});
+  CHECK(variant_of(scanner("method=\"planar\" vertical_samples=\"2\"")) == ScanVariant{"planar", kRingsResolution, {}});
   CHECK(attributes_of({"hybrid", 512, 1e-3}) == R"(method="hybrid" resolution="512" max_error_rel="0.001")");
   CHECK(attributes_of({"raycast", {}, {}}) == R"(method="raycast")");
   constexpr std::size_t per_resolution = 5, casting = 1;
@@ -233,7 +234,7 @@ TEST_CASE("each row says what a normal run of it says; errors lie within bounds;
     for (const VariantPrice& row : price.variants) {
       CAPTURE(attributes_of(row.variant));
       const NormalRun normal(scene, row.variant, desc.frames, drives);
-      CHECK(row.in_scene == (row.variant == ScanVariant{"planar", 4096, {}}));
+      CHECK(row.in_scene == (row.variant == ScanVariant{"raycast", {}, {}}));
       CHECK(normal.method == row.variant.method);
       CHECK(row.median_ms > 0);
       CHECK(std::isfinite(row.ratio));
@@ -323,11 +324,12 @@ TEST_CASE("a table of aligned columns, and CSV that reads back") {
   const Strings csv = lines_of(to_csv({&price, 1}));
   REQUIRE(csv.size() == 3);
   CHECK(csv[0] ==
-        "scanner,beams,frames,method,resolution_px,max_error_rel,in_scene,median_ms,ratio,cast_share,bound_median_m,"
+        "scanner,beams,frames,method,resolution_px,max_error_rel,max_error_m,in_scene,median_ms,ratio,cast_share,bound_"
+        "median_m,"
         "bound_median_rel,bound_largest_m,bound_largest_rel,unbounded_share,difference_largest_m,"
         "difference_largest_rel,unbounded_difference_m,wrong_kind_share,cheapest_for");
-  CHECK(csv[1] == "\"MADE, UP\",20,1,hybrid,512,0.001,1,1.25,0,0,,,,0.001,0,,,,,0.001");
-  CHECK(csv[2] == "\"MADE, UP\",20,1,planar,513,,0,2.5,0,0,,,,1e-07,0.125,,,,,");
+  CHECK(csv[1] == "\"MADE, UP\",20,1,hybrid,512,0.001,,1,1.25,0,0,,,,0.001,0,,,,,0.001");
+  CHECK(csv[2] == "\"MADE, UP\",20,1,planar,513,,,0,2.5,0,0,,,,1e-07,0.125,,,,,");
   price.scanner = "A \"B\"";
   CHECK(lines_of(to_csv({&price, 1}))[1].starts_with("\"A \"\"B\"\"\",20,"));
 }
@@ -397,7 +399,7 @@ TEST_CASE("simvis-run --price prints tables, and writes price.csv where --out is
   REQUIRE(printed.exit_code == 0);
   CHECK(printed.err == "");
   CHECK(contains(printed.out, "SCAN: 721 beams, 2 frames of each\n"));
-  CHECK(contains(printed.out, "\nplanar * "));
+  CHECK(contains(printed.out, "\nraycast * "));
   CHECK(contains(printed.out, price_legend()));
   CHECK(files_below(scene.folder.path()) == Strings{"drive.csv", "scene.xml", "wall.gltf"});
 
@@ -407,7 +409,7 @@ TEST_CASE("simvis-run --price prints tables, and writes price.csv where --out is
   CHECK(files_below(out) == Strings{"price.csv"});
   const Strings csv = lines_of(read_text(scene.folder / "new/out/price.csv"));
   REQUIRE(csv.size() == 27);
-  for (const std::string& line : csv) CHECK(std::ranges::count(line, ',') == 19);
+  for (const std::string& line : csv) CHECK(std::ranges::count(line, ',') == 20);
   for (std::size_t i = 1; i < csv.size(); ++i) CHECK(csv[i].starts_with("SCAN,721,2,"));
 
   written.push_back("--quiet");

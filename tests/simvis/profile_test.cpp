@@ -123,7 +123,7 @@ TEST_CASE("the spans of a run nest on each track, and the device works while its
   desc.device.instrumented = true;
   Simulation simulation = Simulation::from_string(std::string(kWallPart) + R"(
       <sensor type="camera" name="CAM" insert_at="ROOT" outputs="color depth" supersampling="4"/>
-      <sensor type="laser_scanner" name="SCAN" insert_at="ROOT"/>
+      <sensor type="laser_scanner" name="SCAN" insert_at="ROOT" method="planar"/>
       <sensor type="laser_scanner" name="CAST" insert_at="ROOT" method="raycast"/>)",
                                                   desc, folder.path());
   constexpr std::uint64_t kFrames = 3;

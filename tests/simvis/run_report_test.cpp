@@ -31,6 +31,7 @@ RunReport example() {
   report.device.driver = "Mesa";
   report.device.api_version = "1.3.230";
   report.seed = 18446744073709551615u;
+  report.rate_hz = 15;
   report.wall_s = 1.25;
   report.frame_ms = {10, 2, 2.5};
   report.sensors = {{"B_CAM", "camera", "rasterised", 3, true}, {"A_SCAN", "laser_scanner", "planar", 1, true}};

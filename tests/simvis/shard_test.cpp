@@ -26,7 +26,7 @@ constexpr std::string_view kScene = R"(
         read_noise_e="5"/>
 <sensor type="laser_scanner" name="SCAN" insert_at="ROOT" samples="31" min_angle="-60" max_angle="60" sweep="0.05"
         range_noise="0.01" rate="7"/>
-<sensor type="laser_scanner" name="PLANAR" insert_at="ROOT" samples="11" min_angle="-60" max_angle="60"/>
+<sensor type="laser_scanner" name="PLANAR" insert_at="ROOT" method="planar" samples="11" min_angle="-60" max_angle="60"/>
 <sensor type="camera" name="SLOW" insert_at="ROOT" width="8" height="8" rate="1"/>)";
 
 // As the README joins them.

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <random>
 #include <utility>
+#include "tests/support/reference_directions.h"
 
 namespace simvis {
 
@@ -44,14 +45,12 @@ Mesh box_mesh(const glm::vec3& half_size) {
 }
 
 Mesh sphere_mesh(double radius_m, int segments) {
-  constexpr double kPi = std::numbers::pi;
   Mesh mesh;
   const int rows = segments / 2;
   for (int r = 0; r <= rows; ++r) {
     for (int s = 0; s <= segments; ++s) {
       const double e = kPi * r / rows - kPi / 2, a = 2 * kPi * (s % segments) / segments;
-      mesh.positions.push_back(radius_m *
-                               glm::dvec3(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e)));
+      mesh.positions.push_back(radius_m * reference::beam_direction(a, e));
       if (r == rows || s == segments) continue;
       const auto i = static_cast<std::uint32_t>(r * (segments + 1) + s), above = i + segments + 1;
       mesh.indices.insert(mesh.indices.end(), {i, i + 1, above, i + 1, above + 1, above});

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <simvis/scan.h>
+#include "tests/support/reference_directions.h"
 #include "tests/support/reference_raycast.h"
 
 namespace simvis {
@@ -42,17 +43,15 @@ inline double expected_reading(double range_m, double range_min_m, double range_
 /// the elevation. It is followed in quarters of a pixel until the range departs from its plane.
 inline bool is_narrow(const reference::RayCaster& truth, double azimuth, double elevation, bool rings,
                       double pixel_rad) {
-  const auto direction = [](double a, double e) {
-    return glm::dvec3(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e));
-  };
-  const reference::Hit hit = truth.cast(direction(azimuth, elevation));
+  const reference::Hit hit = truth.cast(reference::beam_direction(azimuth, elevation));
   if (!std::isfinite(hit.range_m)) return false;
   for (int axis = 0; axis <= (rings ? 1 : 0); ++axis) {
     int quarters = 0;
     for (const int side : {-1, 1}) {
       for (int k = 1; k <= 12; ++k, ++quarters) {
         const double turn = side * k * pixel_rad / 4;
-        const glm::dvec3 d = direction(azimuth + (axis == 0 ? turn : 0), elevation + (axis == 1 ? turn : 0));
+        const glm::dvec3 d =
+            reference::beam_direction(azimuth + (axis == 0 ? turn : 0), elevation + (axis == 1 ? turn : 0));
         const double expected = truth.range_of_plane(hit.triangle, d);
         if (!(std::abs(truth.cast(d).range_m - expected) <= 1e-9 * std::abs(expected))) break;
       }
@@ -69,7 +68,7 @@ inline void compare(const Scan& scan, const reference::RayCaster& truth, double 
     const double e = scan.elevation_rad[ring];
     for (std::uint32_t beam = 0; beam < scan.columns; ++beam) {
       const double a = scan.azimuth_rad[beam];
-      const glm::dvec3 direction(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e));
+      const glm::dvec3 direction = reference::beam_direction(a, e);
       const double expected = expected_reading(truth.cast(direction).range_m, range_min_m, range_max_m);
       const std::size_t index = std::size_t{ring} * scan.columns + beam;
       const double range = scan.range_m[index], bound = scan.error_bound_m[index];

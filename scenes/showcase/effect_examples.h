@@ -1,0 +1,149 @@
+// How a scene has each effect: for the tests and the benchmark, which put these into every scene. Data only.
+//
+// File names start at the folder of a scene beside this one.
+#pragma once
+
+#include <algorithm>
+#include <iterator>
+#include <string>
+#include <string_view>
+
+namespace simvis {
+
+/// An effect as XML: attributes of a sensor of each type that may have it, and whole commands. Names in the commands
+/// begin with EFFECT, which example_commands() makes unique.
+struct EffectExample {
+  std::string_view effect;
+  std::string_view attributes{};      ///< with which a sensor has the effect
+  std::string_view off_attributes{};  ///< the same attributes at values at which there is no effect
+  std::string_view parts{};           ///< commands that stand before each of the following three
+  std::string_view commands{};        ///< with which the scene has the effect
+  std::string_view off_commands{};    ///< the same commands at values at which there is no effect
+  std::string_view plain_commands{};  ///< the same commands with nothing that names the effect
+  std::string_view knob_values{};     ///< of EffectType::knob, separated by spaces; the last one is the most exact
+};
+
+inline constexpr EffectExample kEffectExamples[] = {
+    // Of scanners.
+    {.effect = "angular_noise", .attributes = R"(angular_noise="0.1")", .off_attributes = R"(angular_noise="0")"},
+    {.effect = "atmosphere",
+     .commands = R"(<element type="fog" name="EFFECT" insert_at="ROOT" visibility="20"/>)",
+     .off_commands = R"(<element type="fog" name="EFFECT" insert_at="ROOT" kind="rain" rain_rate="0"/>)"},
+    {.effect = "beam_divergence",
+     .attributes = R"(divergence="0.5" divergence_samples="16")",
+     .off_attributes = R"(divergence="0" divergence_samples="16")",
+     .knob_values = "4 16 64 256"},
+    {.effect = "dropout",
+     .attributes = R"(dropout="0.1" dropout_power="0.01")",
+     .off_attributes = R"(dropout="0" dropout_power="0")"},
+    {.effect = "intensity", .attributes = R"(intensity="on")", .off_attributes = R"(intensity="off")"},
+    {.effect = "range_noise",
+     .attributes = R"(range_noise="0.02" range_noise_rel="0.001")",
+     .off_attributes = R"(range_noise="0" range_noise_rel="0")"},
+    {.effect = "range_resolution",
+     .attributes = R"(range_resolution="0.01")",
+     .off_attributes = R"(range_resolution="0")"},
+    {.effect = "retro_reflection",
+     .attributes = R"(intensity="on")",
+     .off_attributes = R"(intensity="off")",
+     .parts =
+         R"(<part file="../showcase/sign.glb" name="EFFECT_SIGN" insert_at="ROOT" pose_offset="2.3 -0.4 0.8 0 0 0"/>)",
+     .commands = R"(<element type="material" name="EFFECT" insert_at="ROOT" part="EFFECT_SIGN" )"
+                 R"(retro_reflectance="500"/>)",
+     .off_commands = R"(<element type="material" name="EFFECT" insert_at="ROOT" part="EFFECT_SIGN" )"
+                     R"(retro_reflectance="0"/>)",
+     .plain_commands = R"(<element type="material" name="EFFECT" insert_at="ROOT" part="EFFECT_SIGN"/>)"},
+    {.effect = "returns",
+     .attributes = R"(return="last" pulse_length="0.5")",
+     .off_attributes = R"(return="strongest")"},
+    {.effect = "specular_path",
+     .attributes = R"(path_depth="4")",
+     .off_attributes = R"(path_depth="0")",
+     .parts =
+         R"(<part file="../showcase/mirror.glb" name="EFFECT_MIRROR" insert_at="ROOT" pose_offset="0.2 0.3 0 0 0 -30"/>)",
+     .commands = R"(<element type="material" name="EFFECT" insert_at="ROOT" part="EFFECT_MIRROR" mirror="1"/>)",
+     .off_commands = R"(<element type="material" name="EFFECT" insert_at="ROOT" part="EFFECT_MIRROR"/>)",
+     .plain_commands = R"(<element type="material" name="EFFECT" insert_at="ROOT" part="EFFECT_MIRROR"/>)",
+     .knob_values = "1 2 4"},
+    {.effect = "sweep_motion", .attributes = R"(sweep="0.02" sweep_direction="cw")", .off_attributes = R"(sweep="0")"},
+    // Of cameras.
+    {.effect = "exposure", .attributes = R"(exposure="2")", .off_attributes = R"(exposure="1")"},
+    {.effect = "lens_distortion",
+     .attributes = R"(distortion="brown_conrady" k1="-0.2" k2="0.05" lens_oversampling="2")",
+     .off_attributes = R"(distortion="none" k1="-0.2" k2="0.05")",
+     .knob_values = "1 2 4 8"},
+    {.effect = "rolling_shutter",
+     .attributes = R"(row_time="2e-5" rows_per_pose="16")",
+     .off_attributes = R"(row_time="0" rows_per_pose="16")",
+     .knob_values = "32 8 2 1"},
+    {.effect = "sensor_noise",
+     .attributes = R"(full_well_e="10000" read_noise_e="4" adc_bits="10")",
+     .off_attributes = R"(full_well_e="0" read_noise_e="4" adc_bits="10")"},
+    {.effect = "vignetting",
+     .attributes = R"(vignetting="natural")",
+     .off_attributes = R"(vignetting="none" v1="-0.3")"},
+    // Of the scene.
+    {.effect = "fog",
+     .commands = R"(<element type="fog" name="EFFECT" insert_at="ROOT" visibility="20"/>)",
+     .off_commands = R"(<element type="fog" name="EFFECT" insert_at="ROOT" kind="rain" rain_rate="0"/>)"},
+    {.effect = "metallic_roughness",
+     .commands =
+         R"(<part file="../showcase/metal.glb" name="EFFECT" insert_at="ROOT" pose_offset="-1.6 0 0.7 0 0 0"/>)",
+     .off_commands =
+         R"(<part file="../showcase/metal_matte.glb" name="EFFECT" insert_at="ROOT" pose_offset="-1.6 0 0.7 0 0 0"/>)",
+     .plain_commands =
+         R"(<part file="../showcase/metal_matte.glb" name="EFFECT" insert_at="ROOT" pose_offset="-1.6 0 0.7 0 0 0"/>)"},
+    {.effect = "normal_maps",
+     .commands = R"(<part file="../showcase/relief.glb" name="EFFECT" insert_at="ROOT" pose_offset="-2 0.4 1 0 0 0"/>)",
+     .off_commands =
+         R"(<part file="../showcase/relief_flat.glb" name="EFFECT" insert_at="ROOT" pose_offset="-2 0.4 1 0 0 0"/>)",
+     .plain_commands =
+         R"(<part file="../showcase/relief_flat.glb" name="EFFECT" insert_at="ROOT" pose_offset="-2 0.4 1 0 0 0"/>)"},
+    {.effect = "shadows",
+     .commands = R"(<element type="light" name="EFFECT" insert_at="ROOT" azimuth="-142" elevation="38" shadows="yes" )"
+                 R"(shadow_resolution="1024"/>)",
+     .off_commands =
+         R"(<element type="light" name="EFFECT" insert_at="ROOT" azimuth="-142" elevation="38" shadows="no"/>)",
+     .plain_commands = R"(<element type="light" name="EFFECT" insert_at="ROOT" azimuth="-142" elevation="38"/>)",
+     .knob_values = "256 512 1024 2048 4096"},
+    {.effect = "transparency",
+     .parts =
+         R"(<part file="../showcase/ball.glb" name="EFFECT_BALL" insert_at="ROOT" pose_offset="-1.5 -0.4 1 0 0 0"/>)",
+     .commands = R"(<element type="material" name="EFFECT" insert_at="ROOT" part="EFFECT_BALL" opacity="0.6"/>)",
+     .off_commands = R"(<element type="material" name="EFFECT" insert_at="ROOT" part="EFFECT_BALL" opacity="1"/>)",
+     .plain_commands = R"(<element type="material" name="EFFECT" insert_at="ROOT" part="EFFECT_BALL"/>)"},
+};
+
+/// The example of the effect of this name, as EffectType::name has it; null where there is none.
+inline const EffectExample* find_effect_example(std::string_view effect) {
+  const auto found = std::ranges::find(kEffectExamples, effect, &EffectExample::effect);
+  return found == std::end(kEffectExamples) ? nullptr : &*found;
+}
+
+/// `commands`, which are of the example, behind its parts, under names that no other effect's commands have.
+inline std::string example_commands(const EffectExample& example, std::string_view commands) {
+  constexpr std::string_view kMark = "EFFECT";
+  const std::string name = std::string(kMark) + '_' + std::string(example.effect);
+  std::string text = std::string(example.parts) + std::string(commands);
+  for (std::size_t at = text.find(kMark); at != text.npos; at = text.find(kMark, at + name.size())) {
+    text.replace(at, kMark.size(), name);
+  }
+  return text;
+}
+
+/// Attributes of both, as XML; where both have one, that of `a`.
+inline std::string join_attributes(std::string_view a, std::string_view b) {
+  std::string joined(a);
+  while (true) {
+    const std::size_t name = b.find_first_not_of(' '), equals = b.find('='), open = b.find('"');
+    const std::size_t close = open == b.npos ? b.npos : b.find('"', open + 1);
+    if (close == b.npos) return joined;
+    const std::string written = ' ' + std::string(b.substr(name, equals - name)) + '=';
+    if ((' ' + joined).find(written) == std::string::npos) {
+      joined += ' ' + std::string(b.substr(name, close + 1 - name));
+    }
+    b.remove_prefix(close + 1);
+  }
+}
+
+}  // namespace simvis
