@@ -1,4 +1,4 @@
-#include "scenegraph/import/mesh/collada_shapes.h"
+#include "scenegraph/import/helper/collada_shapes.h"
 
 #include <algorithm>
 #include <map>

@@ -1,20 +1,22 @@
-#include "scenegraph/import/mesh/assimp_file.h"
+#include "scenegraph/import/helper/assimp_file.h"
 
 #include <assimp/DefaultIOSystem.h>
 #include <assimp/config.h>
 
 #include <algorithm>
 #include <cstdint>
+#include <exception>
 #include <fstream>
+#include <new>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
 
 #include <simvis/location.h>
-#include "scenegraph/import/mesh/collada_check.h"
-#include "scenegraph/import/mesh/collada_shapes.h"
-#include "scenegraph/import/mesh/ply_check.h"
-#include "scenegraph/import/mesh/stl_check.h"
+#include "scenegraph/import/helper/collada_check.h"
+#include "scenegraph/import/helper/collada_shapes.h"
+#include "scenegraph/import/helper/ply_check.h"
+#include "scenegraph/import/helper/stl_check.h"
 #include "scenegraph/language/xml_text.h"
 
 namespace simvis {
@@ -95,6 +97,17 @@ void check_indices(const AssimpFile& read) {
   }
 }
 
+// Assimp turns every exception into a text.
+void throw_if_memory_ran_out(const Assimp::Importer& importer) {
+  if (!importer.GetException()) return;
+  try {
+    std::rethrow_exception(importer.GetException());
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (...) {
+  }
+}
+
 }  // namespace
 
 void AssimpFile::fail(const std::string& message) const { fail_at({.file = file.string()}, message); }
@@ -127,6 +140,7 @@ AssimpFile read_assimp_file(const std::filesystem::path& file, bool ignore_up_ax
     read.scene = read.importer->ReadFile(file.string(), kNoSteps);
   }
   read.importer->SetIOHandler(nullptr);
+  throw_if_memory_ran_out(*read.importer);
   if (read.scene == nullptr) read.fail(on_one_line(read.importer->GetErrorString()));
   for (const std::string& name : missing) read.warn("there is no material file " + in_quotes(name));
   if (read.scene->mRootNode == nullptr) read.fail("holds nothing to draw");

@@ -1,4 +1,4 @@
-#include "scenegraph/import/mesh/assimp_meshes.h"
+#include "scenegraph/import/helper/assimp_meshes.h"
 
 #include <array>
 #include <cmath>
@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "engine/base/srgb.h"
-#include "scenegraph/import/mesh/polygon.h"
-#include "scenegraph/import/mesh/vertex_numbers.h"
+#include "scenegraph/import/helper/polygon.h"
+#include "scenegraph/import/helper/vertex_numbers.h"
 
 namespace simvis {
 namespace {
@@ -81,7 +81,6 @@ class MeshBuilder {
     mesh_.positions.shrink_to_fit();
     mesh_.attributes.shrink_to_fit();
     mesh_.indices.shrink_to_fit();
-    compute_bounds(mesh_);
     return std::move(mesh_);
   }
 

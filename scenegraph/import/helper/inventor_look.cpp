@@ -1,4 +1,4 @@
-#include "scenegraph/import/inventor/inventor_look.h"
+#include "scenegraph/import/helper/inventor_look.h"
 
 #include <Inventor/SoFullPath.h>
 #include <Inventor/VRMLnodes/SoVRMLAppearance.h>
@@ -122,7 +122,7 @@ glm::vec4 InventorLooks::color(SoCallbackAction& action, const InventorLook& loo
   return {to_linear(SoLazyElement::getDiffuse(state, index)), alpha};
 }
 
-std::uint32_t InventorLooks::add(ForeignMaterial&& material) {
+std::uint32_t InventorLooks::add(ImportedMaterial&& material) {
   const std::uint32_t texture = material.texture;
   kept_.push_back(pool_.intern(Material(material.material)));
   const auto [entry, is_new] =
@@ -142,7 +142,7 @@ void InventorLooks::add_texture(SoCallbackAction& action, const SoShape& shape, 
   if (pixels == nullptr || size[0] <= 0 || size[1] <= 0 || components < 1 || components > 4) return;
   if (size[2] > 1) return warn("textures with three dimensions are left out");
   const KnownTexture known = texture(action, pixels, size, components);
-  ForeignMaterial& material = look.material;
+  ImportedMaterial& material = look.material;
   material.texture = known.number;
   material.material.alpha_mode = known.alpha;
   material.material.uv_transform = uv_transform_of(action.getTextureMatrix());
@@ -164,7 +164,8 @@ InventorLooks::KnownTexture InventorLooks::texture(SoCallbackAction& action, con
   const auto [wrap_u, wrap_v] = wraps_of(action);
   const auto [entry, is_new] = textures_.try_emplace({pixels, size[0], size[1], components, wrap_u, wrap_v});
   if (!is_new) return entry->second;
-  Texture texture;
+  ImportedTexture imported;
+  Texture& texture = imported.texture;
   texture.width = static_cast<std::uint32_t>(size[0]);
   texture.height = static_cast<std::uint32_t>(size[1]);
   texture.rgba = rgba_of(pixels, texture.width, texture.height, components);
@@ -172,7 +173,7 @@ InventorLooks::KnownTexture InventorLooks::texture(SoCallbackAction& action, con
   texture.sampler.wrap_v = wrap_v;
   entry->second.number = static_cast<std::uint32_t>(scene_.textures.size());
   entry->second.alpha = alpha_mode_of(texture.rgba);
-  scene_.textures.push_back(std::move(texture));
+  scene_.textures.push_back(std::move(imported));
   return entry->second;
 }
 

@@ -15,8 +15,8 @@
 #include <vector>
 
 #include <simvis/content_pool.h>
-#include "scenegraph/import/inventor/foreign_scene.h"
-#include "scenegraph/import/inventor/inventor_look.h"
+#include "scenegraph/import/helper/inventor_look.h"
+#include "scenegraph/import/sandbox/imported_scene.h"
 
 namespace simvis {
 
@@ -29,7 +29,7 @@ class InventorShapes {
   /// More corners than this in one file are refused: 10 million triangles.
   static constexpr std::size_t kMaxCorners = 30'000'000;
 
-  explicit InventorShapes(ForeignScene& scene) : scene_(scene), looks_(scene) {}
+  explicit InventorShapes(ImportedScene& scene) : scene_(scene), looks_(scene) {}
 
   void begin(const SoShape& shape);
   void triangle(SoCallbackAction& action, const SoPrimitiveVertex* const (&corners)[3]);
@@ -67,7 +67,7 @@ class InventorShapes {
   void finish(SoCallbackAction& action, Growing& growing);
   std::uint32_t number_of(Mesh&& mesh);
 
-  ForeignScene& scene_;
+  ImportedScene& scene_;
   InventorLooks looks_;
   const SoShape* shape_ = nullptr;
   std::optional<InventorLook> look_;  // of the current shape, from its first primitive on

@@ -1,4 +1,4 @@
-#include "scenegraph/import/mesh/ply_check.h"
+#include "scenegraph/import/helper/ply_check.h"
 
 #include <algorithm>
 #include <cmath>

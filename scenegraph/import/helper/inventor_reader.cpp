@@ -1,5 +1,4 @@
-#include "scenegraph/import/inventor/inventor_reader.h"
-
+// Inventor and VRML files, read with Coin, as imported scenes.
 #include <Inventor/SbImage.h>
 #include <Inventor/SoDB.h>
 #include <Inventor/SoInput.h>
@@ -18,37 +17,43 @@
 #include <Inventor/nodes/SoWWWInline.h>
 #include <stb_image.h>
 
+#include <algorithm>
 #include <set>
 #include <utility>
 #include <vector>
 
 #include <simvis/error.h>
-#include "scenegraph/import/inventor/inventor_lights.h"
-#include "scenegraph/import/inventor/inventor_shapes.h"
+#include "scenegraph/import/helper/inventor_lights.h"
+#include "scenegraph/import/helper/inventor_shapes.h"
+#include "scenegraph/import/helper/part_reader.h"
 #include "scenegraph/import/mesh/input_file.h"
 #include "scenegraph/import/mesh/picture_file.h"
 
 namespace simvis {
 namespace {
 
-void log_line(void* log, char kind, const std::string& text) { static_cast<ChildLog*>(log)->add(kind + text); }
-
-void hear_error(const SoError* error, void* log) { log_line(log, kInventorError, error->getDebugString().getString()); }
-
-// Coin goes on without a texture, and so do we.
-void hear_read_error(const SoError* error, void* log) {
-  const std::string text = error->getDebugString().getString();
-  const bool of_texture = text.find("Could not read texture file") != std::string::npos;
-  log_line(log, of_texture ? kInventorWarning : kInventorError, text);
+void report(void* answer, AnswerKind kind, const std::string& text) {
+  static_cast<AnswerWriter*>(answer)->add(kind, text);
 }
 
-void hear_debug_error(const SoError* error, void* log) {
+void hear_error(const SoError* error, void* answer) {
+  report(answer, AnswerKind::error, error->getDebugString().getString());
+}
+
+// Coin goes on without a texture, and so do we.
+void hear_read_error(const SoError* error, void* answer) {
+  const std::string text = error->getDebugString().getString();
+  const bool of_texture = text.find("Could not read texture file") != std::string::npos;
+  report(answer, of_texture ? AnswerKind::warning : AnswerKind::error, text);
+}
+
+void hear_debug_error(const SoError* error, void* answer) {
   const auto severity = static_cast<const SoDebugError*>(error)->getSeverity();
-  if (severity != SoDebugError::INFO) log_line(log, kInventorWarning, error->getDebugString().getString());
+  if (severity != SoDebugError::INFO) report(answer, AnswerKind::warning, error->getDebugString().getString());
 }
 
 // Coin asks for pictures here, and reports itself what it does not get; only why is missing from that.
-SbBool read_picture(const SbString& name, SbImage* image, void* log) {
+SbBool read_picture(const SbString& name, SbImage* image, void* answer) {
   const std::filesystem::path file(name.getString());
   try {
     if (file.empty()) return FALSE;
@@ -70,20 +75,20 @@ SbBool read_picture(const SbString& name, SbImage* image, void* log) {
                     pixels.data());
     return TRUE;
   } catch (const InputError& e) {
-    log_line(log, kInventorWarning, e.what());
+    report(answer, AnswerKind::warning, e.what());
     return FALSE;
   }
 }
 
-void start_coin(ChildLog& log) {
+void start_coin(AnswerWriter& answer) {
   SoDB::init();
   SoNodeKit::init();
   SoInteraction::init();
-  SoError::setHandlerCallback(hear_error, &log);
-  SoReadError::setHandlerCallback(hear_read_error, &log);
-  SoMemoryError::setHandlerCallback(hear_error, &log);
-  SoDebugError::setHandlerCallback(hear_debug_error, &log);
-  SbImage::addReadImageCB(read_picture, &log);
+  SoError::setHandlerCallback(hear_error, &answer);
+  SoReadError::setHandlerCallback(hear_read_error, &answer);
+  SoMemoryError::setHandlerCallback(hear_error, &answer);
+  SoDebugError::setHandlerCallback(hear_debug_error, &answer);
+  SbImage::addReadImageCB(read_picture, &answer);
   SoVRMLImageTexture::setDelayFetchURL(FALSE);
   // Both read files from disk then. Without a callback, which is not called, WWWInline does not even look at its name.
   SoVRMLInline::setReadAsSoFile(TRUE);
@@ -99,7 +104,7 @@ class Collector {
  public:
   Collector() : shapes_(scene_) {}
 
-  ForeignScene collect(SoNode& root) {
+  ImportedScene collect(SoNode& root) {
     SoCallbackAction action;
     action.addPreCallback(SoShape::getClassTypeId(), begin_shape, this);
     action.addPostCallback(SoShape::getClassTypeId(), end_shape, this);
@@ -115,6 +120,9 @@ class Collector {
       throw InputError("it makes more than " + std::to_string(InventorShapes::kMaxCorners / 3) + " triangles");
     }
     if (!shapes_.fault().empty()) throw InputError(shapes_.fault());
+    // Lights stand before shapes, as in the draw list.
+    std::stable_partition(scene_.nodes.begin(), scene_.nodes.end(),
+                          [](const ImportedNode& node) { return node.light.has_value(); });
     return std::move(scene_);
   }
 
@@ -166,17 +174,17 @@ class Collector {
     }
   }
 
-  ForeignScene scene_;
+  ImportedScene scene_;
   InventorShapes shapes_;
   std::set<const SoNode*> heard_;
 };
 
 }  // namespace
 
-ForeignScene read_with_coin(const std::filesystem::path& file, ChildLog& log) {
-  start_coin(log);
+ImportedScene read_part(const ReadRequest& request, AnswerWriter& answer) {
+  start_coin(answer);
   SoInput input;
-  if (!input.openFile(file.c_str())) throw InputError("Coin cannot open it");
+  if (!input.openFile(std::filesystem::absolute(request.file).c_str())) throw InputError("Coin cannot open it");
   SoSeparator* const root = SoDB::readAll(&input);
   if (root == nullptr) throw InputError("Coin cannot read it");
   root->ref();

@@ -1,4 +1,4 @@
-#include "scenegraph/import/mesh/stl_check.h"
+#include "scenegraph/import/helper/stl_check.h"
 
 #include <array>
 #include <cstdint>

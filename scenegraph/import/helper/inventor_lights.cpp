@@ -1,4 +1,4 @@
-#include "scenegraph/import/inventor/inventor_lights.h"
+#include "scenegraph/import/helper/inventor_lights.h"
 
 #include <Inventor/VRMLnodes/SoVRMLDirectionalLight.h>
 #include <Inventor/VRMLnodes/SoVRMLPointLight.h>
@@ -12,8 +12,8 @@
 #include <numbers>
 #include <utility>
 
-#include "scenegraph/import/inventor/inventor_look.h"
-#include "scenegraph/import/inventor/inventor_shapes.h"
+#include "scenegraph/import/helper/inventor_look.h"
+#include "scenegraph/import/helper/inventor_shapes.h"
 
 namespace simvis {
 namespace {
@@ -76,7 +76,7 @@ bool convert(const SoVRMLLight& source, Light& light, glm::dvec3& place) {
 }
 
 template <class AnyLight>
-void add(SoCallbackAction& action, const AnyLight& source, ForeignScene& scene) {
+void add(SoCallbackAction& action, const AnyLight& source, ImportedScene& scene) {
   if (source.on.getValue() == 0) return;
   Light light;
   glm::dvec3 place(0);
@@ -85,16 +85,20 @@ void add(SoCallbackAction& action, const AnyLight& source, ForeignScene& scene) 
   light.color = linear_of_display_color({color[0], color[1], color[2]});
   light.intensity = kLuxPerIntensity * std::max(0.0, static_cast<double>(source.intensity.getValue()));
   const glm::dmat4 part_from_light = glm::translate(matrix_of(action.getModelMatrix()), place);
-  scene.lights.push_back({innermost_name(action), part_from_light, light});
+  ImportedNode node;
+  node.name = innermost_name(action);
+  node.parent_from_node = part_from_light;
+  node.light = light;
+  scene.nodes.push_back(std::move(node));
 }
 
 }  // namespace
 
-void add_inventor_light(SoCallbackAction& action, const SoLight& light, ForeignScene& scene) {
+void add_inventor_light(SoCallbackAction& action, const SoLight& light, ImportedScene& scene) {
   add(action, light, scene);
 }
 
-void add_inventor_light(SoCallbackAction& action, const SoVRMLLight& light, ForeignScene& scene) {
+void add_inventor_light(SoCallbackAction& action, const SoVRMLLight& light, ImportedScene& scene) {
   add(action, light, scene);
 }
 

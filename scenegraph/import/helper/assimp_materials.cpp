@@ -1,15 +1,13 @@
-#include "scenegraph/import/mesh/assimp_materials.h"
+#include "scenegraph/import/helper/assimp_materials.h"
 
 #include <assimp/material.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <filesystem>
 
 #include <simvis/location.h>
 #include "engine/base/srgb.h"
-#include "scenegraph/import/mesh/picture_file.h"
 
 namespace simvis {
 namespace {
@@ -42,21 +40,23 @@ glm::vec3 linear_color(const AssimpFile& file, const aiColor4D& color, const std
 
 }  // namespace
 
-NodePtr AssimpMaterials::get(unsigned index, bool shaded) {
-  const auto known = nodes_.find({index, shaded});
-  if (known != nodes_.end()) return known->second;
+std::uint32_t AssimpMaterials::get(unsigned index, bool shaded) {
+  const auto [known, is_new] =
+      numbers_.try_emplace({index, shaded}, static_cast<std::uint32_t>(scene_.materials.size()));
+  if (!is_new) return known->second;
   const aiMaterial& source = *file_.scene->mMaterials[index];
   const bool is_default = std::strcmp(source.GetName().C_Str(), AI_DEFAULT_MATERIAL_NAME) == 0;
-  Material material = is_default || source.GetName().length == 0 ? *fallback_ : convert(source);
-  material.unlit = material.unlit || !shaded;
-  auto node = std::make_shared<MaterialNode>(pool_.intern(std::move(material)));
-  node->name = node->material()->name;
-  nodes_.emplace(std::pair(index, shaded), node);
-  return node;
+  ImportedMaterial imported;
+  imported.is_fallback = is_default || source.GetName().length == 0;
+  if (!imported.is_fallback) imported = convert(source);
+  imported.material.unlit = !shaded;
+  scene_.materials.push_back(std::move(imported));
+  return known->second;
 }
 
-Material AssimpMaterials::convert(const aiMaterial& source) {
-  Material material;
+ImportedMaterial AssimpMaterials::convert(const aiMaterial& source) {
+  ImportedMaterial imported;
+  Material& material = imported.material;
   material.name = source.GetName().C_Str();
   material.double_sided = true;
   const std::string subject = "material " + in_quotes(material.name);
@@ -71,11 +71,12 @@ Material AssimpMaterials::convert(const aiMaterial& source) {
   aiColor4D emissive(0, 0, 0, 1);
   source.Get(AI_MATKEY_COLOR_EMISSIVE, emissive);
   material.emissive = linear_color(file_, emissive, subject);
-  if (source.GetTextureCount(aiTextureType_DIFFUSE) > 0) set_picture(source, material);
-  return material;
+  if (source.GetTextureCount(aiTextureType_DIFFUSE) > 0) set_picture(source, imported);
+  return imported;
 }
 
-void AssimpMaterials::set_picture(const aiMaterial& source, Material& material) {
+void AssimpMaterials::set_picture(const aiMaterial& source, ImportedMaterial& imported) {
+  Material& material = imported.material;
   const std::string subject = "material " + in_quotes(material.name);
   const std::string name = picture_name(source, aiTextureType_DIFFUSE);
   if (source.GetTextureCount(aiTextureType_DIFFUSE) > 1)
@@ -93,7 +94,7 @@ void AssimpMaterials::set_picture(const aiMaterial& source, Material& material) 
   const Sampler sampler{.wrap_u = wrap_of(static_cast<aiTextureMapMode>(wrap_u)),
                         .wrap_v = wrap_of(static_cast<aiTextureMapMode>(wrap_v))};
   material.uv_set = uv_set;
-  material.base_color_texture = picture(name, sampler);
+  imported.texture = picture(name, sampler);
   // COLLADA has either a colour or a picture; Assimp then gives a grey that nobody wrote.
   if (file_.is_collada) material.base_color = glm::vec4(1, 1, 1, material.base_color.a);
   const std::string cut_out = picture_name(source, aiTextureType_OPACITY);
@@ -104,15 +105,20 @@ void AssimpMaterials::set_picture(const aiMaterial& source, Material& material) 
   }
 }
 
-std::shared_ptr<const Texture> AssimpMaterials::picture(const std::string& name, const Sampler& sampler) {
+std::uint32_t AssimpMaterials::picture(const std::string& name, const Sampler& sampler) {
   if (name.starts_with('*')) file_.fail("has a picture within the file, expected pictures in files of their own");
   // Assimp leaves the spaces in that stand at the end of a line.
   std::string path = name.substr(0, name.find_last_not_of(" \t\r") + 1);
   std::ranges::replace(path, '\\', '/');
-  Texture texture = read_picture_file(file_.file.parent_path() / path);
-  texture.name = path;
-  texture.sampler = sampler;
-  return pool_.intern(std::move(texture));
+  if (path.empty()) file_.fail("has a picture without a name");
+  const auto [known, is_new] =
+      pictures_.try_emplace({path, sampler.wrap_u, sampler.wrap_v}, static_cast<std::uint32_t>(scene_.textures.size()));
+  if (!is_new) return known->second;
+  ImportedTexture texture;
+  texture.file = texture.texture.name = path;
+  texture.texture.sampler = sampler;
+  scene_.textures.push_back(std::move(texture));
+  return known->second;
 }
 
 }  // namespace simvis

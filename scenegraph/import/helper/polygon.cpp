@@ -1,4 +1,4 @@
-#include "scenegraph/import/mesh/polygon.h"
+#include "scenegraph/import/helper/polygon.h"
 
 #include <cmath>
 #include <cstddef>

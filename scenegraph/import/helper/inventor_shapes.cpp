@@ -1,4 +1,4 @@
-#include "scenegraph/import/inventor/inventor_shapes.h"
+#include "scenegraph/import/helper/inventor_shapes.h"
 
 #include <Inventor/SoFullPath.h>
 #include <Inventor/VRMLnodes/SoVRMLVertexLine.h>
@@ -199,7 +199,7 @@ void InventorShapes::end(SoCallbackAction& action) {
 
 void InventorShapes::finish(SoCallbackAction& action, Growing& growing) {
   Mesh& mesh = growing.mesh;
-  ForeignMaterial material = look_->material;
+  ImportedMaterial material = look_->material;
   const glm::vec4 first = mesh.attributes.front().color;
   bool one_color = true, transparent = false;
   for (const VertexAttributes& attributes : mesh.attributes) {
@@ -212,12 +212,12 @@ void InventorShapes::finish(SoCallbackAction& action, Growing& growing) {
     for (VertexAttributes& attributes : mesh.attributes) attributes.color = glm::vec4(1);
   }
   if (transparent) material.material.alpha_mode = AlphaMode::blend;
-  ForeignShape shape;
-  shape.name = innermost_name(action);
-  shape.part_from_shape = matrix_of(action.getModelMatrix());
-  shape.material = looks_.add(std::move(material));
-  shape.mesh = number_of(std::move(mesh));
-  scene_.shapes.push_back(std::move(shape));
+  ImportedNode node;
+  node.name = innermost_name(action);
+  node.parent_from_node = matrix_of(action.getModelMatrix());
+  const std::uint32_t look = looks_.add(std::move(material));
+  node.shapes.push_back({number_of(std::move(mesh)), look});
+  scene_.nodes.push_back(std::move(node));
 }
 
 std::uint32_t InventorShapes::number_of(Mesh&& mesh) {

@@ -5,12 +5,12 @@
 #include <Inventor/actions/SoCallbackAction.h>
 #include <Inventor/nodes/SoLight.h>
 
-#include "scenegraph/import/inventor/foreign_scene.h"
+#include "scenegraph/import/sandbox/imported_scene.h"
 
 namespace simvis {
 
 /// Adds the light, if it is on and of a kind that SimVis has.
-void add_inventor_light(SoCallbackAction& action, const SoLight& light, ForeignScene& scene);
-void add_inventor_light(SoCallbackAction& action, const SoVRMLLight& light, ForeignScene& scene);
+void add_inventor_light(SoCallbackAction& action, const SoLight& light, ImportedScene& scene);
+void add_inventor_light(SoCallbackAction& action, const SoVRMLLight& light, ImportedScene& scene);
 
 }  // namespace simvis

@@ -1,4 +1,4 @@
-#include "scenegraph/import/inventor/foreign_scene.h"
+#include "scenegraph/import/sandbox/imported_scene.h"
 
 #include <cmath>
 #include <cstring>
@@ -80,7 +80,7 @@ class Unpacker {
   }
 
  private:
-  [[noreturn]] void fail() const { throw InputError(subject_ + "the process that read it left a malformed result"); }
+  [[noreturn]] void fail() const { throw InputError(subject_ + "the program that read it gave a malformed answer"); }
 
   const std::uint8_t* take(std::size_t size) {
     if (size > bytes_.size()) fail();
@@ -96,6 +96,7 @@ class Unpacker {
 // One description of the layout serves both ways.
 template <class Archive>
 void walk_mesh(Archive& a, Mesh& mesh) {
+  a.array(mesh.name);
   a.choice(mesh.topology, Topology::points);
   a.array(mesh.positions);
   a.array(mesh.attributes);
@@ -103,55 +104,68 @@ void walk_mesh(Archive& a, Mesh& mesh) {
 }
 
 template <class Archive>
-void walk_texture(Archive& a, Texture& texture) {
-  a.plain(texture.width);
-  a.plain(texture.height);
-  a.array(texture.rgba);
-  a.choice(texture.sampler.wrap_u, Wrap::clamp_to_edge);
-  a.choice(texture.sampler.wrap_v, Wrap::clamp_to_edge);
+void walk_texture(Archive& a, ImportedTexture& texture) {
+  a.array(texture.file);
+  a.array(texture.texture.name);
+  a.plain(texture.texture.width);
+  a.plain(texture.texture.height);
+  a.array(texture.texture.rgba);
+  a.choice(texture.texture.sampler.wrap_u, Wrap::clamp_to_edge);
+  a.choice(texture.texture.sampler.wrap_v, Wrap::clamp_to_edge);
 }
 
 template <class Archive>
-void walk_material(Archive& a, ForeignMaterial& material) {
+void walk_material(Archive& a, ImportedMaterial& material) {
   Material& m = material.material;
+  a.array(m.name);
   a.plain(m.base_color);
   a.plain(m.emissive);
   a.choice(m.alpha_mode, AlphaMode::blend);
   a.flag(m.unlit);
   a.flag(m.double_sided);
+  a.plain(m.uv_set);
   a.plain(m.uv_transform);
+  a.flag(material.is_fallback);
   a.plain(material.texture);
 }
 
 template <class Archive>
-void walk_shape(Archive& a, ForeignShape& shape) {
-  a.array(shape.name);
-  a.plain(shape.part_from_shape);
+void walk_shape(Archive& a, ImportedShape& shape) {
   a.plain(shape.mesh);
   a.plain(shape.material);
 }
 
 template <class Archive>
-void walk_light(Archive& a, ForeignLight& light) {
-  a.array(light.name);
-  a.plain(light.part_from_light);
-  a.choice(light.light.kind, LightKind::spot);
-  a.plain(light.light.color);
-  a.plain(light.light.intensity);
-  a.plain(light.light.range_m);
-  a.plain(light.light.inner_cone_rad);
-  a.plain(light.light.outer_cone_rad);
-  a.plain(light.light.direction);
+void walk_light(Archive& a, std::optional<Light>& light) {
+  bool is_there = light.has_value();
+  a.flag(is_there);
+  if (!is_there) return;
+  if (!light) light.emplace();
+  a.choice(light->kind, LightKind::spot);
+  a.plain(light->color);
+  a.plain(light->intensity);
+  a.plain(light->range_m);
+  a.plain(light->inner_cone_rad);
+  a.plain(light->outer_cone_rad);
+  a.plain(light->direction);
 }
 
 template <class Archive>
-void walk_scene(Archive& a, ForeignScene& scene) {
+void walk_node(Archive& a, ImportedNode& node) {
+  a.array(node.name);
+  a.plain(node.parent);
+  a.plain(node.parent_from_node);
+  a.list(node.shapes, walk_shape<Archive>);
+  walk_light(a, node.light);
+}
+
+template <class Archive>
+void walk_scene(Archive& a, ImportedScene& scene) {
   const auto text = [](Archive& archive, std::string& t) { archive.array(t); };
   a.list(scene.meshes, walk_mesh<Archive>);
   a.list(scene.textures, walk_texture<Archive>);
   a.list(scene.materials, walk_material<Archive>);
-  a.list(scene.shapes, walk_shape<Archive>);
-  a.list(scene.lights, walk_light<Archive>);
+  a.list(scene.nodes, walk_node<Archive>);
   a.list(scene.commands, text);
   a.list(scene.warnings, text);
 }
@@ -204,41 +218,62 @@ std::string fault_of(const Mesh& mesh) {
   return {};
 }
 
-std::string fault_of(const ForeignScene& scene) {
-  for (const Mesh& mesh : scene.meshes) {
-    if (std::string fault = fault_of(mesh); !fault.empty()) return fault;
-  }
-  for (const Texture& texture : scene.textures) {
-    const std::uint64_t pixels = std::uint64_t{texture.width} * texture.height;
-    if (pixels == 0 || texture.rgba.size() % 4 != 0 || texture.rgba.size() / 4 != pixels) return "a torn texture";
-  }
-  for (const ForeignMaterial& m : scene.materials) {
-    if (m.texture != kNoForeignTexture && m.texture >= scene.textures.size()) return "a material without its texture";
-    if (!is_finite(m.material.base_color) || !is_finite(m.material.emissive)) return "a colour that is not finite";
-    if (!is_finite(m.material.uv_transform)) return "a texture transform that is not finite";
-  }
-  for (const ForeignShape& shape : scene.shapes) {
+std::string fault_of(const ImportedTexture& texture) {
+  const Texture& t = texture.texture;
+  const std::uint64_t pixels = std::uint64_t{t.width} * t.height;
+  if (!texture.file.empty()) return pixels == 0 && t.rgba.empty() ? "" : "a texture with two pictures";
+  return pixels == 0 || t.rgba.size() % 4 != 0 || t.rgba.size() / 4 != pixels ? "a torn texture" : "";
+}
+
+std::string fault_of(const ImportedMaterial& m, const ImportedScene& scene) {
+  if (m.texture != kNoTexture && m.texture >= scene.textures.size()) return "a material without its texture";
+  if (m.material.uv_set != 0 && m.material.uv_set != 1) return "a material with a third set of texture coordinates";
+  if (!is_finite(m.material.base_color) || !is_finite(m.material.emissive)) return "a colour that is not finite";
+  if (!is_finite(m.material.uv_transform)) return "a texture transform that is not finite";
+  return {};
+}
+
+// Parents come first, so that there are no cycles.
+std::string fault_of(const ImportedNode& node, std::size_t number, const ImportedScene& scene) {
+  if (node.parent != kNoParent && node.parent >= number) return "a node before its parent";
+  for (const ImportedShape& shape : node.shapes) {
     if (shape.mesh >= scene.meshes.size() || shape.material >= scene.materials.size()) return "a shape without content";
-    if (!is_affine(shape.part_from_shape)) return "a transform that is not finite or not affine";
   }
-  for (const ForeignLight& light : scene.lights) {
-    if (!is_affine(light.part_from_light) || !is_finite(light.light))
-      return "a light with a number or a place that is not finite";
+  const bool is_placed = is_affine(node.parent_from_node);
+  if (node.light && (!is_placed || !is_finite(*node.light))) {
+    return "a light with a number or a place that is not finite";
+  }
+  return is_placed ? "" : "a transform that is not finite or not affine";
+}
+
+std::string fault_of(const ImportedScene& scene) {
+  std::string fault;
+  for (const Mesh& mesh : scene.meshes) {
+    if (fault = fault_of(mesh); !fault.empty()) return fault;
+  }
+  for (const ImportedTexture& texture : scene.textures) {
+    if (fault = fault_of(texture); !fault.empty()) return fault;
+  }
+  for (const ImportedMaterial& material : scene.materials) {
+    if (fault = fault_of(material, scene); !fault.empty()) return fault;
+  }
+  for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
+    if (fault = fault_of(scene.nodes[i], i, scene); !fault.empty()) return fault;
   }
   return {};
 }
 
 }  // namespace
 
-std::vector<std::uint8_t> pack_foreign_scene(ForeignScene scene) {
+std::vector<std::uint8_t> pack_imported_scene(ImportedScene scene) {
   Packer packer;
   walk_scene(packer, scene);
   return std::move(packer.bytes);
 }
 
-ForeignScene unpack_foreign_scene(std::span<const std::uint8_t> bytes, const std::string& subject) {
+ImportedScene unpack_imported_scene(std::span<const std::uint8_t> bytes, const std::string& subject) {
   Unpacker unpacker(bytes, subject);
-  ForeignScene scene;
+  ImportedScene scene;
   walk_scene(unpacker, scene);
   unpacker.expect_end();
   const std::string fault = fault_of(scene);

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include <simvis/mesh.h>
-#include "scenegraph/import/mesh/assimp_file.h"
+#include "scenegraph/import/helper/assimp_file.h"
 
 namespace simvis {
 
