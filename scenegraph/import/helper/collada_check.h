@@ -1,4 +1,5 @@
-// Whether a COLLADA file's numbers fit together. Assimp 5.2 reads beyond its arrays where they do not.
+// Whether a COLLADA file's numbers fit together. Assimp 5.2 reads beyond its arrays where they do not: it crashes, or
+// gives a geometry that nobody wrote.
 #pragma once
 
 #include "scenegraph/language/xml_text.h"

@@ -1,5 +1,6 @@
-// Whether a PLY file holds what its header says. Assimp 5.2 believes the header and the indices, and writes beyond its
-// buffers where they are wrong; so a file is walked through before it gets there.
+// Whether a PLY file holds what its header says. Assimp 5.2 believes the header and the indices; where they are wrong
+// it may crash, but may as well give a geometry that nobody wrote. So a file is checked first, which also tells the
+// place.
 #pragma once
 
 #include <filesystem>

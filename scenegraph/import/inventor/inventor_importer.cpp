@@ -6,9 +6,9 @@
 
 #include <simvis/error.h>
 #include <simvis/node.h>
+#include "scenegraph/import/mesh/imported_graph.h"
 #include "scenegraph/import/mesh/input_file.h"
 #include "scenegraph/import/sandbox/import_program.h"
-#include "scenegraph/import/sandbox/imported_graph.h"
 #include "scenegraph/import/sandbox/sandboxed_import.h"
 
 namespace simvis {

@@ -7,8 +7,8 @@
 
 #include <simvis/node.h>
 #include <simvis/part_importer.h>
+#include "scenegraph/import/mesh/imported_graph.h"
 #include "scenegraph/import/sandbox/import_program.h"
-#include "scenegraph/import/sandbox/imported_graph.h"
 #include "scenegraph/import/sandbox/sandboxed_import.h"
 
 namespace simvis {

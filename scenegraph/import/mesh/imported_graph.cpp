@@ -1,4 +1,4 @@
-#include "scenegraph/import/sandbox/imported_graph.h"
+#include "scenegraph/import/mesh/imported_graph.h"
 
 #include <memory>
 #include <utility>
