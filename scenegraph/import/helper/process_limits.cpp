@@ -4,6 +4,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <fstream>
 
@@ -13,8 +14,11 @@ namespace simvis {
 namespace {
 
 void set_limit(__rlimit_resource resource, rlim_t value) {
-  const rlimit limit{value, value};
-  if (::setrlimit(resource, &limit) != 0) throw MachineError("cannot limit what reading a part file takes");
+  rlimit limit{};
+  bool is_set = ::getrlimit(resource, &limit) == 0;
+  limit.rlim_cur = limit.rlim_max = std::min(value, limit.rlim_max);  // a stricter one stays
+  is_set = is_set && ::setrlimit(resource, &limit) == 0;
+  if (!is_set) throw MachineError("cannot limit what reading a part file takes");
 }
 
 void limit_memory([[maybe_unused]] std::size_t more_bytes) {
