@@ -221,7 +221,8 @@ std::string fault_of(const Mesh& mesh) {
 std::string fault_of(const ImportedTexture& texture) {
   const Texture& t = texture.texture;
   const std::uint64_t pixels = std::uint64_t{t.width} * t.height;
-  if (!texture.file.empty()) return pixels == 0 && t.rgba.empty() ? "" : "a texture with two pictures";
+  if (!texture.file.empty())
+    return t.width == 0 && t.height == 0 && t.rgba.empty() ? "" : "a texture with two pictures";
   return pixels == 0 || t.rgba.size() % 4 != 0 || t.rgba.size() / 4 != pixels ? "a torn texture" : "";
 }
 
