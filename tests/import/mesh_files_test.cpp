@@ -13,7 +13,7 @@
 
 #include <simvis/error.h>
 #include "engine/base/srgb.h"
-#include "scenegraph/import/mesh/polygon.h"
+#include "scenegraph/import/helper/polygon.h"
 #include "tests/support/box_files.h"
 #include "tests/support/error_of.h"
 #include "tests/support/gltf_fixture.h"

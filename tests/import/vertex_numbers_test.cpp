@@ -1,4 +1,4 @@
-#include "scenegraph/import/mesh/vertex_numbers.h"
+#include "scenegraph/import/helper/vertex_numbers.h"
 
 #include <doctest/doctest.h>
 

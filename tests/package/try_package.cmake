@@ -20,8 +20,21 @@ run(${CMAKE_COMMAND} -G Ninja -S ${SOURCE_DIR}/outside -B ${build} -DCMAKE_PREFI
 run(${CMAKE_COMMAND} --build ${build})
 run(${build}/outside)
 message("${output}")
-# The installed program finds the installed library beside it.
+# The installed program finds the installed library beside it, and that the installed import programs: with them gone, it
+# says which one is missing.
 run(${prefix}/bin/simvis-run --version)
 if(NOT output MATCHES "${VERSION}")
   message(FATAL_ERROR "the installed simvis-run says \"${output}\", expected version ${VERSION}")
+endif()
+set(scene ${BINARY_DIR}/package_test/scene.xml)
+file(WRITE ${BINARY_DIR}/package_test/wall.obj "v 3 -1 -1\nv 3 1 -1\nv 3 0 1\nf 1 2 3\n")
+file(WRITE ${scene} "<simvis><part file='wall.obj' name='WALL' insert_at='ROOT'/>"
+     "<sensor type='laser_scanner' name='SCANNER' insert_at='ROOT' samples='3' min_angle='-5' max_angle='5'/></simvis>")
+set(command ${prefix}/bin/simvis-run --quiet --out ${BINARY_DIR}/package_test/out ${scene})
+run(${command})
+file(GLOB_RECURSE program ${prefix}/*/simvis-import-mesh)
+file(RENAME ${program} ${program}-gone)
+execute_process(COMMAND ${command} RESULT_VARIABLE status ERROR_VARIABLE output)
+if(status EQUAL 0 OR NOT output MATCHES "simvis-import-mesh, which reads part files: No such file or directory")
+  message(FATAL_ERROR "without simvis-import-mesh, simvis-run ends with ${status} and says \"${output}\"")
 endif()

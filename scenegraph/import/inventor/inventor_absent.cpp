@@ -1,4 +1,4 @@
-// Stands in for all other files inventor_*.cpp where there is no Coin.
+// Stands in for inventor_importer.cpp where there is no Coin.
 #include <simvis/error.h>
 #include "scenegraph/import/inventor/inventor_importer.h"
 

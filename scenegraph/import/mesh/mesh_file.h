@@ -22,7 +22,8 @@ bool is_mesh_file(const std::filesystem::path& file);
 
 /// Everything under one separator: a separator per node of the file, each with its meshes. COLLADA's <unit> counts.
 /// Cameras and lights of a file are not taken. `fallback` is the material of whatever has none of its own.
-/// Throws InputError naming the file, and a place where there is one; never crashes on a broken file.
+/// Throws InputError naming the file, and a place where there is one; never crashes on a broken file. Throws
+/// MachineError when the program simvis-import-mesh is missing.
 PartContent read_mesh_file(const std::filesystem::path& file, MeshFileAxes axes,
                            std::shared_ptr<const Material> fallback, ContentPool& pool);
 

@@ -1,0 +1,45 @@
+# The programs that SimVis starts to read part files with other projects' libraries, which may crash or hang on broken
+# files: simvis-import-mesh (Assimp) and, where there is Coin, simvis-import-inventor. Two programs, because Coin brings
+# libraries of X11 and OpenGL along, whose loading would be most of the time that it takes to read a small mesh.
+#
+# They stand in the folder `simvis` beside the library, in the build tree as where they are installed.
+set(SIMVIS_IMPORT_FOLDER simvis)
+
+# What they share with the library; both compile it, so that starting a program does not load all of SimVis.
+set(import_shared
+    engine/draw/mesh.cpp
+    scenegraph/content_pool.cpp
+    scenegraph/import/helper/process_limits.cpp
+    scenegraph/import/mesh/input_file.cpp
+    scenegraph/import/mesh/picture_file.cpp
+    scenegraph/import/sandbox/import_answer.cpp
+    scenegraph/import/sandbox/imported_scene.cpp
+    scenegraph/language/attributes.cpp
+    scenegraph/language/command.cpp
+    scenegraph/language/location.cpp
+    scenegraph/language/nearest_name.cpp
+    scenegraph/language/source_text.cpp
+    scenegraph/language/xml_text.cpp)
+add_library(simvis_import_shared STATIC ${import_shared})
+target_include_directories(simvis_import_shared PUBLIC ${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR})
+target_link_libraries(simvis_import_shared PUBLIC glm::glm pugixml::pugixml PkgConfig::stb)
+
+function(simvis_import_program kind library)
+  file(GLOB sources CONFIGURE_DEPENDS ${ARGN})
+  add_library(simvis_import_${kind} STATIC ${sources})
+  target_link_libraries(simvis_import_${kind} PUBLIC simvis_import_shared ${library})
+  add_executable(simvis-import-${kind} ${PROJECT_SOURCE_DIR}/scenegraph/import/helper/import_main.cpp)
+  target_link_libraries(simvis-import-${kind} PRIVATE simvis_import_${kind})
+  set_target_properties(simvis-import-${kind} PROPERTIES
+                        RUNTIME_OUTPUT_DIRECTORY ${CMAKE_LIBRARY_OUTPUT_DIRECTORY}/${SIMVIS_IMPORT_FOLDER})
+  install(TARGETS simvis-import-${kind} RUNTIME DESTINATION ${CMAKE_INSTALL_LIBDIR}/${SIMVIS_IMPORT_FOLDER})
+  # Whatever is linked with the library can read every kind of part.
+  add_dependencies(simvis simvis-import-${kind})
+endfunction()
+
+set(helper ${PROJECT_SOURCE_DIR}/scenegraph/import/helper)
+simvis_import_program(mesh PkgConfig::assimp ${helper}/assimp_*.cpp ${helper}/collada_*.cpp ${helper}/mesh_reader.cpp
+                      ${helper}/ply_check.cpp ${helper}/polygon.cpp ${helper}/stl_check.cpp ${helper}/vertex_numbers.cpp)
+if(Coin_FOUND)
+  simvis_import_program(inventor Coin::Coin ${helper}/inventor_*.cpp)
+endif()

@@ -1,0 +1,46 @@
+// The main() of the programs simvis-import-mesh and simvis-import-inventor, which SimVis starts to read a part file:
+//   simvis-import-... MEMORY_BYTES FILE [--ignore-up-axis]
+// The answer goes to the descriptor kAnswerDescriptor.
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <new>
+#include <string>
+#include <string_view>
+
+#include "scenegraph/import/helper/part_reader.h"
+#include "scenegraph/import/helper/process_limits.h"
+#include "scenegraph/import/sandbox/sandbox_process.h"
+
+namespace {
+
+using namespace simvis;
+
+void answer_request(const ReadRequest& request, std::size_t memory_bytes) {
+  AnswerWriter answer(kAnswerDescriptor);
+  try {
+    limit_process(memory_bytes);
+    answer.add(AnswerKind::scene, pack_imported_scene(read_part(request, answer)));
+  } catch (const std::bad_alloc&) {
+    answer.add(AnswerKind::refusal, "it takes more than " + std::to_string(memory_bytes >> 20) + " MiB of memory");
+  } catch (const std::exception& e) {
+    answer.add(AnswerKind::refusal, e.what());
+  } catch (...) {
+    answer.add(AnswerKind::refusal, "an unknown exception");
+  }
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+  if (count < 3 || count > 4 || ::fcntl(kAnswerDescriptor, F_GETFD) < 0) {
+    std::fputs("This program reads part files for SimVis, which starts it; it does nothing by itself.\n", stderr);
+    return 2;
+  }
+  const bool ignore_up_axis = count == 4 && std::string_view(arguments[3]) == "--ignore-up-axis";
+  answer_request({arguments[2], ignore_up_axis}, std::strtoull(arguments[1], nullptr, 10));
+  ::_exit(0);  // the libraries' own clearing up may crash, and is of no use
+}

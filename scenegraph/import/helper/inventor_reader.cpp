@@ -1,0 +1,194 @@
+// Inventor and VRML files, read with Coin, as imported scenes.
+#include <Inventor/SbImage.h>
+#include <Inventor/SoDB.h>
+#include <Inventor/SoInput.h>
+#include <Inventor/SoInteraction.h>
+#include <Inventor/VRMLnodes/SoVRMLImageTexture.h>
+#include <Inventor/VRMLnodes/SoVRMLInline.h>
+#include <Inventor/VRMLnodes/SoVRMLWorldInfo.h>
+#include <Inventor/actions/SoCallbackAction.h>
+#include <Inventor/errors/SoDebugError.h>
+#include <Inventor/errors/SoMemoryError.h>
+#include <Inventor/errors/SoReadError.h>
+#include <Inventor/fields/SoSFTime.h>
+#include <Inventor/nodekits/SoNodeKit.h>
+#include <Inventor/nodes/SoInfo.h>
+#include <Inventor/nodes/SoSeparator.h>
+#include <Inventor/nodes/SoWWWInline.h>
+#include <stb_image.h>
+
+#include <algorithm>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include <simvis/error.h>
+#include "scenegraph/import/helper/inventor_lights.h"
+#include "scenegraph/import/helper/inventor_shapes.h"
+#include "scenegraph/import/helper/part_reader.h"
+#include "scenegraph/import/mesh/input_file.h"
+#include "scenegraph/import/mesh/picture_file.h"
+
+namespace simvis {
+namespace {
+
+void report(void* answer, AnswerKind kind, const std::string& text) {
+  static_cast<AnswerWriter*>(answer)->add(kind, text);
+}
+
+void hear_error(const SoError* error, void* answer) {
+  report(answer, AnswerKind::error, error->getDebugString().getString());
+}
+
+// Coin goes on without a texture, and so do we.
+void hear_read_error(const SoError* error, void* answer) {
+  const std::string text = error->getDebugString().getString();
+  const bool of_texture = text.find("Could not read texture file") != std::string::npos;
+  report(answer, of_texture ? AnswerKind::warning : AnswerKind::error, text);
+}
+
+void hear_debug_error(const SoError* error, void* answer) {
+  const auto severity = static_cast<const SoDebugError*>(error)->getSeverity();
+  if (severity != SoDebugError::INFO) report(answer, AnswerKind::warning, error->getDebugString().getString());
+}
+
+// Coin asks for pictures here, and reports itself what it does not get; only why is missing from that.
+SbBool read_picture(const SbString& name, SbImage* image, void* answer) {
+  const std::filesystem::path file(name.getString());
+  try {
+    if (file.empty()) return FALSE;
+    const Bytes bytes = read_whole_file(file);
+    const Texture picture = decode_picture(bytes, file.string());
+    int width = 0, height = 0, components = 4;
+    stbi_info_from_memory(bytes.data(), static_cast<int>(bytes.size()), &width, &height, &components);
+    // Coin's rows begin at the bottom, and its components say whether a picture is grey.
+    std::vector<unsigned char> pixels;
+    pixels.reserve(picture.rgba.size());
+    for (std::size_t y = picture.height; y-- > 0;) {
+      for (std::size_t x = 0; x < picture.width; ++x) {
+        const std::uint8_t* const rgba = picture.rgba.data() + (y * picture.width + x) * 4;
+        for (int c = 0; c < (components <= 2 ? 1 : 3); ++c) pixels.push_back(rgba[c]);
+        if (components % 2 == 0) pixels.push_back(rgba[3]);
+      }
+    }
+    image->setValue(SbVec2s(static_cast<short>(picture.width), static_cast<short>(picture.height)), components,
+                    pixels.data());
+    return TRUE;
+  } catch (const InputError& e) {
+    report(answer, AnswerKind::warning, e.what());
+    return FALSE;
+  }
+}
+
+void start_coin(AnswerWriter& answer) {
+  SoDB::init();
+  SoNodeKit::init();
+  SoInteraction::init();
+  SoError::setHandlerCallback(hear_error, &answer);
+  SoReadError::setHandlerCallback(hear_read_error, &answer);
+  SoMemoryError::setHandlerCallback(hear_error, &answer);
+  SoDebugError::setHandlerCallback(hear_debug_error, &answer);
+  SbImage::addReadImageCB(read_picture, &answer);
+  SoVRMLImageTexture::setDelayFetchURL(FALSE);
+  // Both read files from disk then. Without a callback, which is not called, WWWInline does not even look at its name.
+  SoVRMLInline::setReadAsSoFile(TRUE);
+  SoWWWInline::setReadAsSoFile(TRUE);
+  SoWWWInline::setFetchURLCallBack([](const SbString&, void*, SoWWWInline*) {}, nullptr);
+  // Clocks stand still, so that a file is the same scene whenever it is read.
+  SoDB::enableRealTimeSensor(FALSE);
+  static_cast<SoSFTime*>(SoDB::getGlobalField("realTime"))->setValue(SbTime::zero());
+}
+
+// One traversal of the graph.
+class Collector {
+ public:
+  Collector() : shapes_(scene_) {}
+
+  ImportedScene collect(SoNode& root) {
+    SoCallbackAction action;
+    action.addPreCallback(SoShape::getClassTypeId(), begin_shape, this);
+    action.addPostCallback(SoShape::getClassTypeId(), end_shape, this);
+    action.addTriangleCallback(SoShape::getClassTypeId(), add_triangle, this);
+    action.addLineSegmentCallback(SoShape::getClassTypeId(), add_line, this);
+    action.addPointCallback(SoShape::getClassTypeId(), add_point, this);
+    action.addPreCallback(SoLight::getClassTypeId(), add_light<SoLight>, this);
+    action.addPreCallback(SoVRMLLight::getClassTypeId(), add_light<SoVRMLLight>, this);
+    action.addPreCallback(SoInfo::getClassTypeId(), add_info, this);
+    action.addPreCallback(SoVRMLWorldInfo::getClassTypeId(), add_world_info, this);
+    action.apply(&root);
+    if (shapes_.has_too_many()) {
+      throw InputError("it makes more than " + std::to_string(InventorShapes::kMaxCorners / 3) + " triangles");
+    }
+    if (!shapes_.fault().empty()) throw InputError(shapes_.fault());
+    // Lights stand before shapes, as in the draw list.
+    std::stable_partition(scene_.nodes.begin(), scene_.nodes.end(),
+                          [](const ImportedNode& node) { return node.light.has_value(); });
+    return std::move(scene_);
+  }
+
+ private:
+  using Action = SoCallbackAction;
+  using Vertex = SoPrimitiveVertex;
+
+  static Collector& of(void* self) { return *static_cast<Collector*>(self); }
+
+  static Action::Response begin_shape(void* self, Action*, const SoNode* node) {
+    of(self).shapes_.begin(*static_cast<const SoShape*>(node));
+    return of(self).shapes_.has_too_many() ? Action::ABORT : Action::CONTINUE;
+  }
+  static Action::Response end_shape(void* self, Action* action, const SoNode*) {
+    of(self).shapes_.end(*action);
+    return Action::CONTINUE;
+  }
+  static void add_triangle(void* self, Action* action, const Vertex* a, const Vertex* b, const Vertex* c) {
+    of(self).shapes_.triangle(*action, {a, b, c});
+  }
+  static void add_line(void* self, Action* action, const Vertex* a, const Vertex* b) {
+    of(self).shapes_.line(*action, {a, b});
+  }
+  static void add_point(void* self, Action* action, const Vertex* vertex) { of(self).shapes_.point(*action, *vertex); }
+  template <class AnyLight>
+  static Action::Response add_light(void* self, Action* action, const SoNode* node) {
+    add_inventor_light(*action, *static_cast<const AnyLight*>(node), of(self).scene_);
+    return Action::CONTINUE;
+  }
+  static Action::Response add_info(void* self, Action*, const SoNode* node) {
+    const SoSFString& text = static_cast<const SoInfo*>(node)->string;
+    // What a node without a string says by default begins with '<' too.
+    if (!text.isDefault()) of(self).add_commands(*node, {text.getValue().getString()});
+    return Action::CONTINUE;
+  }
+  static Action::Response add_world_info(void* self, Action*, const SoNode* node) {
+    const SoMFString& info = static_cast<const SoVRMLWorldInfo*>(node)->info;
+    std::vector<std::string> texts;
+    for (int i = 0; i < info.getNum(); ++i) texts.emplace_back(info[i].getString());
+    of(self).add_commands(*node, texts);
+    return Action::CONTINUE;
+  }
+  // A node that stands in several places says what it says once.
+  void add_commands(const SoNode& node, const std::vector<std::string>& texts) {
+    if (!heard_.insert(&node).second) return;
+    for (const std::string& text : texts) {
+      const std::size_t start = text.find_first_not_of(" \t\r\n");
+      if (start != std::string::npos && text[start] == '<') scene_.commands.push_back(text);
+    }
+  }
+
+  ImportedScene scene_;
+  InventorShapes shapes_;
+  std::set<const SoNode*> heard_;
+};
+
+}  // namespace
+
+ImportedScene read_part(const ReadRequest& request, AnswerWriter& answer) {
+  start_coin(answer);
+  SoInput input;
+  if (!input.openFile(std::filesystem::absolute(request.file).c_str())) throw InputError("Coin cannot open it");
+  SoSeparator* const root = SoDB::readAll(&input);
+  if (root == nullptr) throw InputError("Coin cannot read it");
+  root->ref();
+  return Collector().collect(*root);
+}
+
+}  // namespace simvis

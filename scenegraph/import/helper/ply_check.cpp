@@ -1,0 +1,254 @@
+#include "scenegraph/import/helper/ply_check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <simvis/attributes.h>
+#include <simvis/location.h>
+
+namespace simvis {
+namespace {
+
+struct Type {
+  std::string_view name, alias;
+  std::size_t bytes;
+  bool is_signed, is_float;
+};
+constexpr Type kTypes[] = {{"char", "int8", 1, true, false},    {"uchar", "uint8", 1, false, false},
+                           {"short", "int16", 2, true, false},  {"ushort", "uint16", 2, false, false},
+                           {"int", "int32", 4, true, false},    {"uint", "uint32", 4, false, false},
+                           {"float", "float32", 4, true, true}, {"double", "float64", 8, true, true}};
+
+struct Property {
+  std::string_view name;
+  const Type* type = nullptr;
+  const Type* count = nullptr;  // of a list
+};
+
+struct Element {
+  std::string_view name;
+  std::uint64_t count = 0;
+  std::vector<Property> properties;
+};
+
+enum class Encoding { text, little_endian, big_endian };
+
+std::vector<std::string_view> words_of(std::string_view line) {
+  std::vector<std::string_view> words;
+  std::size_t i = 0;
+  while ((i = line.find_first_not_of(" \t\r", i)) != std::string_view::npos) {
+    const std::size_t end = std::min(line.find_first_of(" \t\r", i), line.size());
+    words.push_back(line.substr(i, end - i));
+    i = end;
+  }
+  return words;
+}
+
+bool is_index_list(const Property& property) {
+  return property.name == "vertex_indices" || property.name == "vertex_index";
+}
+
+class PlyCheck {
+ public:
+  PlyCheck(std::string_view bytes, std::string file) : bytes_(bytes), file_(std::move(file)) {}
+
+  void run() {
+    read_header();
+    check_elements();
+    for (const Element& element : elements_) {
+      for (std::uint64_t i = 0; i < element.count; ++i) check_instance(element, i);
+    }
+    while (encoding_ == Encoding::text && at_ < bytes_.size()) {
+      if (!words_of(next_line()).empty()) fail("text after the last element, expected the end of the file");
+    }
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& message) const { fail_at({.file = file_, .line = line_}, message); }
+
+  std::string_view next_line() {
+    if (at_ >= bytes_.size()) fail("the file ends too early");
+    const std::size_t end = bytes_.find('\n', at_);
+    const std::string_view line = bytes_.substr(at_, end == std::string_view::npos ? end : end - at_);
+    at_ = end == std::string_view::npos ? bytes_.size() : end + 1;
+    ++line_;
+    return line;
+  }
+
+  const Type* type_of(std::string_view name) const {
+    for (const Type& type : kTypes) {
+      if (name == type.name || name == type.alias) return &type;
+    }
+    fail("unknown type " + in_quotes(name) + ", expected one of char, uchar, short, ushort, int, uint, float, double");
+  }
+
+  void read_header() {
+    if (words_of(next_line()) != std::vector<std::string_view>{"ply"}) fail("expected a file that begins with \"ply\"");
+    bool has_format = false;
+    while (true) {
+      const std::vector<std::string_view> words = words_of(next_line());
+      if (words.empty()) fail("an empty line in the header");
+      if (words[0] == "comment" || words[0] == "obj_info") continue;
+      if (words[0] == "end_header" && words.size() == 1) break;
+      if (words[0] == "format" && words.size() == 3 && words[2] == "1.0" && !has_format) {
+        has_format = true;
+        read_format(words[1]);
+      } else if (words[0] == "element" && words.size() == 3) {
+        add_element(words);
+      } else if (words[0] == "property" && !elements_.empty() && (words.size() == 3 || words.size() == 5)) {
+        add_property(words);
+      } else {
+        fail("the header has a line that is not understood, beginning with " + in_quotes(words[0]));
+      }
+    }
+    if (!has_format) fail("the header names no format, expected \"format ascii|binary_..._endian 1.0\"");
+  }
+
+  void read_format(std::string_view name) {
+    if (name == "ascii") {
+      encoding_ = Encoding::text;
+    } else if (name == "binary_little_endian") {
+      encoding_ = Encoding::little_endian;
+    } else if (name == "binary_big_endian") {
+      encoding_ = Encoding::big_endian;
+    } else {
+      fail("unknown format " + in_quotes(name) + ", expected ascii, binary_little_endian or binary_big_endian");
+    }
+  }
+
+  void add_element(const std::vector<std::string_view>& words) {
+    double count = 0;
+    // No element takes less than a byte of the file, so larger counts are never walked through.
+    if (!parse_number(words[2], count) || count != std::floor(count) || count < 0 ||
+        count > static_cast<double>(bytes_.size())) {
+      fail("element " + in_quotes(words[1]) + " has the count " + in_quotes(words[2]) + ", expected a whole number " +
+           "that the file can hold");
+    }
+    if (std::ranges::count(elements_, words[1], &Element::name) != 0) {
+      fail("element " + in_quotes(words[1]) + " is declared twice");
+    }
+    if (words[1] == "tristrips" || words[1] == "material") {
+      fail("element " + in_quotes(words[1]) + " is not supported, expected faces without materials");
+    }
+    elements_.push_back({words[1], static_cast<std::uint64_t>(count), {}});
+  }
+
+  void add_property(const std::vector<std::string_view>& words) {
+    Element& element = elements_.back();
+    Property property{words.back(), type_of(words[words.size() - 2])};
+    if (words.size() == 5) {
+      if (words[1] != "list") fail("a property with too many words");
+      property.count = type_of(words[2]);
+      if (property.count->is_float) fail("a list whose length is no whole number");
+    }
+    if (std::ranges::count(element.properties, words.back(), &Property::name) != 0) {
+      fail("property " + in_quotes(words.back()) + " is declared twice");
+    }
+    element.properties.push_back(property);
+  }
+
+  void check_elements() {
+    if (elements_.empty() || elements_[0].name != "vertex") fail("expected the element vertex before all others");
+    const Element& vertex = elements_[0];
+    for (const std::string_view axis : {"x", "y", "z"}) {
+      const auto found = std::ranges::find(vertex.properties, axis, &Property::name);
+      if (found == vertex.properties.end() || !found->type->is_float || found->count != nullptr) {
+        fail("element vertex has no " + std::string(axis) + " that is float or double");
+      }
+    }
+    for (const Property& property : vertex.properties) {
+      if (property.count != nullptr) fail("element vertex has the list " + in_quotes(property.name));
+    }
+    for (const Element& element : elements_) {
+      if (element.properties.empty()) fail("element " + in_quotes(element.name) + " has no properties");
+      if (element.name == "face") check_face(element);
+    }
+  }
+
+  void check_face(const Element& face) {
+    if (std::ranges::count_if(face.properties, is_index_list) != 1) {
+      fail("element face has no list vertex_indices, or two of them");
+    }
+    for (const Property& property : face.properties) {
+      const bool wants_list = is_index_list(property);
+      if (wants_list && (property.count == nullptr || property.type->is_float)) {
+        fail("property " + in_quotes(property.name) + " is no list of whole numbers");
+      }
+    }
+  }
+
+  void check_instance(const Element& element, std::uint64_t index) {
+    std::vector<std::string_view> words;
+    std::size_t used = 0;
+    if (encoding_ == Encoding::text) words = words_of(next_line());
+    const auto subject = [&] { return "element " + std::string(element.name) + " " + std::to_string(index); };
+    const auto next = [&](const Type& type) {
+      if (encoding_ != Encoding::text) return binary_value(type);
+      double value = 0;
+      if (used >= words.size()) fail(subject() + " has too few values");
+      if (!parse_number(words[used++], value)) fail(subject() + " has a value that is no finite number");
+      if (!type.is_float && value != std::floor(value)) fail(subject() + " has a value that is no whole number");
+      return value;
+    };
+    std::uint64_t corners = 0, coordinates = 0;
+    for (const Property& property : element.properties) {
+      const double values = property.count == nullptr ? 1 : next(*property.count);
+      if (values < 0) fail(subject() + " has a list of negative length");
+      for (double k = 0; k < values; ++k) {
+        const double value = next(*property.type);
+        if (element.name != "face" || !is_index_list(property)) continue;
+        if (value < 0 || value >= static_cast<double>(elements_[0].count)) {
+          fail(subject() + " has the vertex " + format_number(value) + ", but there are " +
+               std::to_string(elements_[0].count));
+        }
+      }
+      if (is_index_list(property)) corners = static_cast<std::uint64_t>(values);
+      if (property.name == "texcoord" && property.count != nullptr) coordinates = static_cast<std::uint64_t>(values);
+    }
+    if (used < words.size()) fail(subject() + " has too many values");
+    if (element.name != "face") return;
+    if (corners < 3) fail(subject() + " has " + std::to_string(corners) + " vertices, expected at least 3");
+    if (coordinates != 0 && coordinates != 2 * corners) fail(subject() + " has texture coordinates that do not fit");
+  }
+
+  double binary_value(const Type& type) {
+    if (bytes_.size() - at_ < type.bytes) {
+      fail_at({.file = file_}, "the file ends too early: its header claims more");
+    }
+    std::uint64_t bits = 0;
+    for (std::size_t i = 0; i < type.bytes; ++i) {
+      const std::size_t place = encoding_ == Encoding::little_endian ? i : type.bytes - 1 - i;
+      bits |= std::uint64_t{static_cast<unsigned char>(bytes_[at_ + i])} << (8 * place);
+    }
+    at_ += type.bytes;
+    if (type.is_float) return 0;  // the mesh checks its own numbers
+    const unsigned unused = 64 - 8 * static_cast<unsigned>(type.bytes);
+    return type.is_signed ? static_cast<double>(static_cast<std::int64_t>(bits << unused) >> unused)
+                          : static_cast<double>(bits);
+  }
+
+  std::string_view bytes_;
+  std::string file_;
+  std::size_t at_ = 0;
+  int line_ = 0;
+  Encoding encoding_ = Encoding::text;
+  std::vector<Element> elements_;
+};
+
+}  // namespace
+
+void check_ply(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) fail_at({.file = file.string()}, "cannot be read");
+  const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
+  PlyCheck(bytes, file.string()).run();
+}
+
+}  // namespace simvis

@@ -1,0 +1,40 @@
+#include "scenegraph/import/helper/process_limits.h"
+
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <fstream>
+
+#include <simvis/error.h>
+
+namespace simvis {
+namespace {
+
+void set_limit(__rlimit_resource resource, rlim_t value) {
+  rlimit limit{};
+  bool is_set = ::getrlimit(resource, &limit) == 0;
+  limit.rlim_cur = limit.rlim_max = std::min(value, limit.rlim_max);  // a stricter one stays
+  is_set = is_set && ::setrlimit(resource, &limit) == 0;
+  if (!is_set) throw MachineError("cannot limit what reading a part file takes");
+}
+
+void limit_memory([[maybe_unused]] std::size_t more_bytes) {
+#ifndef __SANITIZE_ADDRESS__
+  std::size_t pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;
+  set_limit(RLIMIT_AS, pages * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE)) + more_bytes);
+#endif
+}
+
+}  // namespace
+
+void limit_process(std::size_t more_bytes) {
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  set_limit(RLIMIT_CORE, 0);
+  limit_memory(more_bytes);
+}
+
+}  // namespace simvis

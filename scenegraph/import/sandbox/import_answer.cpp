@@ -1,0 +1,110 @@
+#include "scenegraph/import/sandbox/import_answer.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <functional>
+
+#include <simvis/error.h>
+#include "scenegraph/language/source_text.h"
+
+namespace simvis {
+namespace {
+
+// Sixteen bytes, which change when the layout of a scene does: a program of another version is refused, not misread.
+constexpr std::string_view kGreeting = "simvis-import-1\n";
+constexpr std::size_t kHeadBytes = 1 + sizeof(std::uint64_t);
+
+std::span<const std::uint8_t> bytes_of(std::string_view text) {
+  return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
+}
+
+void write_all(int descriptor, std::span<const std::uint8_t> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) ::_exit(1);
+    bytes = bytes.subspan(static_cast<std::size_t>(written));
+  }
+}
+
+bool is_ascii(char c) { return static_cast<unsigned char>(c) < 0x80; }
+
+bool is_control(char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }
+
+bool is_utf8(const std::string& text) {
+  try {
+    SourceText(text, {});
+    return true;
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
+std::string on_one_line(std::span<const std::uint8_t> bytes) {
+  std::string text(bytes.begin(), bytes.end());
+  std::replace_if(text.begin(), text.end(), is_control, ' ');
+  return text;
+}
+
+// Libraries quote what stands in the file, whatever that is.
+std::string printable(std::span<const std::uint8_t> bytes) {
+  std::string text = on_one_line(bytes);
+  if (!is_utf8(text)) std::replace_if(text.begin(), text.end(), std::not_fn(is_ascii), '?');
+  return text;
+}
+
+void add_once(std::vector<std::string>& texts, std::string text) {
+  if (std::find(texts.begin(), texts.end(), text) == texts.end()) texts.push_back(std::move(text));
+}
+
+}  // namespace
+
+AnswerWriter::AnswerWriter(int descriptor) : descriptor_(descriptor) { write_all(descriptor_, bytes_of(kGreeting)); }
+
+void AnswerWriter::add(AnswerKind kind, std::span<const std::uint8_t> bytes) {
+  if (kind == AnswerKind::error || kind == AnswerKind::warning) {
+    if (message_bytes_ + bytes.size() > kMaxMessageBytes) return;
+    message_bytes_ += bytes.size();
+  }
+  std::array<std::uint8_t, kHeadBytes> head;
+  const std::uint64_t size = bytes.size();
+  head[0] = static_cast<std::uint8_t>(kind);
+  std::memcpy(head.data() + 1, &size, sizeof size);
+  write_all(descriptor_, head);
+  write_all(descriptor_, bytes);
+}
+
+void AnswerWriter::add(AnswerKind kind, std::string_view text) { add(kind, bytes_of(text)); }
+
+ImportAnswer read_import_answer(std::span<const std::uint8_t> bytes) {
+  ImportAnswer answer;
+  const auto greeting = bytes_of(kGreeting);
+  if (bytes.size() < greeting.size() || !std::equal(greeting.begin(), greeting.end(), bytes.begin())) return answer;
+  bytes = bytes.subspan(greeting.size());
+  std::size_t message_bytes = 0;
+  while (bytes.size() >= kHeadBytes) {
+    const auto kind = static_cast<AnswerKind>(bytes[0]);
+    std::uint64_t size = 0;
+    std::memcpy(&size, bytes.data() + 1, sizeof size);
+    bytes = bytes.subspan(kHeadBytes);
+    if (size > bytes.size()) break;
+    const std::span<const std::uint8_t> content = bytes.first(size);
+    bytes = bytes.subspan(size);
+    if (kind == AnswerKind::scene) {
+      answer.scene = content;
+      continue;
+    }
+    message_bytes += content.size();
+    if (message_bytes > kMaxMessageBytes) continue;
+    if (kind == AnswerKind::error) add_once(answer.errors, printable(content));
+    if (kind == AnswerKind::warning) add_once(answer.warnings, printable(content));
+    if (kind == AnswerKind::refusal) answer.refusal = on_one_line(content);
+  }
+  return answer;
+}
+
+}  // namespace simvis

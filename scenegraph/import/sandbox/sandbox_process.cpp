@@ -1,0 +1,186 @@
+#include "scenegraph/import/sandbox/sandbox_process.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <optional>
+#include <thread>
+
+#include <simvis/error.h>
+
+namespace simvis {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr int kNotStarted = 127;  // the exit status of a program whose shared libraries are missing
+
+[[noreturn]] void fail_to_start(const std::filesystem::path& program, const std::string& why) {
+  throw MachineError("cannot start the program " + program.string() + ", which reads part files: " + why);
+}
+
+class Descriptor {
+ public:
+  explicit Descriptor(int number) : number_(number) {}
+  ~Descriptor() { close(); }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+
+  int number() const { return number_; }
+  void close() {
+    if (number_ >= 0) ::close(number_);
+    number_ = -1;
+  }
+
+ private:
+  int number_;
+};
+
+// What the program finds as it starts: this side's signal handlers, masks and open files are not its business.
+class StartConditions {
+ public:
+  explicit StartConditions(int answer) {
+    ::posix_spawn_file_actions_init(&files_);
+    for (int stream = 0; stream < kAnswerDescriptor; ++stream) {
+      ::posix_spawn_file_actions_addopen(&files_, stream, "/dev/null", O_RDWR, 0);
+    }
+    ::posix_spawn_file_actions_adddup2(&files_, answer, kAnswerDescriptor);
+    ::posix_spawn_file_actions_addclosefrom_np(&files_, kAnswerDescriptor + 1);
+    ::posix_spawnattr_init(&attributes_);
+    sigset_t none, all;
+    ::sigemptyset(&none);
+    ::sigfillset(&all);
+    ::posix_spawnattr_setsigmask(&attributes_, &none);
+    ::posix_spawnattr_setsigdefault(&attributes_, &all);
+    ::posix_spawnattr_setflags(&attributes_, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
+  }
+  ~StartConditions() {
+    ::posix_spawn_file_actions_destroy(&files_);
+    ::posix_spawnattr_destroy(&attributes_);
+  }
+  StartConditions(const StartConditions&) = delete;
+  StartConditions& operator=(const StartConditions&) = delete;
+
+  const posix_spawn_file_actions_t* files() const { return &files_; }
+  const posix_spawnattr_t* attributes() const { return &attributes_; }
+
+ private:
+  posix_spawn_file_actions_t files_;
+  posix_spawnattr_t attributes_;
+};
+
+class Process {
+ public:
+  Process(const SandboxCall& call, int answer) {
+    std::vector<char*> arguments{const_cast<char*>(call.program.c_str())};
+    for (const std::string& argument : call.arguments) arguments.push_back(const_cast<char*>(argument.c_str()));
+    arguments.push_back(nullptr);
+    const StartConditions start(answer);
+    const int error =
+        ::posix_spawn(&id_, call.program.c_str(), start.files(), start.attributes(), arguments.data(), ::environ);
+    if (error != 0) fail_to_start(call.program, std::strerror(error));
+  }
+  ~Process() { kill(); }
+  Process(const Process&) = delete;
+  Process& operator=(const Process&) = delete;
+
+  // The status of a process that ends in time. A host that ignores SIGCHLD leaves none to ask for; the answer then
+  // says whether all went well.
+  std::optional<int> wait_until(Clock::time_point deadline) {
+    constexpr std::chrono::microseconds kShortest{50}, kLongest{5'000};
+    int status = 0;
+    for (auto pause = kShortest;; pause = std::min(pause * 2, kLongest)) {
+      const pid_t ended = ::waitpid(id_, &status, WNOHANG);
+      const bool is_gone = ended < 0 && errno == ECHILD;
+      if (ended == id_ || is_gone) {
+        id_ = 0;
+        return is_gone ? 0 : status;
+      }
+      if (Clock::now() >= deadline) return std::nullopt;
+      std::this_thread::sleep_for(pause);
+    }
+  }
+
+  void kill() {
+    if (id_ == 0) return;
+    ::kill(id_, SIGKILL);
+    int status = 0;
+    while (::waitpid(id_, &status, 0) < 0 && errno == EINTR) {
+    }
+    id_ = 0;
+  }
+
+ private:
+  pid_t id_ = 0;
+};
+
+// Reads until the other end is closed, `bytes` is full to `most`, or it is too late. Says which one stopped it.
+SandboxEnd read_answer(int pipe, std::size_t most, Clock::time_point deadline, std::vector<std::uint8_t>& bytes) {
+  constexpr std::size_t kFirstBytes = std::size_t{1} << 16;
+  std::size_t size = 0;
+  SandboxEnd end = SandboxEnd::took_too_long;
+  while (true) {
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now());
+    pollfd waiting{pipe, POLLIN, 0};
+    if (left.count() <= 0) break;
+    if (::poll(&waiting, 1, static_cast<int>(left.count())) <= 0) continue;
+    if (size == bytes.size()) bytes.resize(std::min(std::max(kFirstBytes, 2 * size), most));
+    if (size == bytes.size()) {
+      end = SandboxEnd::answered_without_end;
+      break;
+    }
+    const ssize_t got = ::read(pipe, bytes.data() + size, bytes.size() - size);
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) {
+      end = SandboxEnd::finished;
+      break;
+    }
+    size += static_cast<std::size_t>(got);
+  }
+  bytes.resize(size);
+  return end;
+}
+
+}  // namespace
+
+SandboxReport run_in_sandbox(const SandboxCall& call) {
+  const Clock::time_point deadline = Clock::now() + call.time;
+  int ends[2];
+  if (::pipe2(ends, O_CLOEXEC) != 0) fail_to_start(call.program, std::strerror(errno));
+  const Descriptor reading(ends[0]);
+  Descriptor first_writing(ends[1]);
+  // Above all numbers that the program is given, so that none of them is written over.
+  Descriptor writing(::fcntl(ends[1], F_DUPFD_CLOEXEC, kAnswerDescriptor + 1));
+  if (writing.number() < 0) fail_to_start(call.program, std::strerror(errno));
+  first_writing.close();
+  constexpr int kPipeBytes = 1 << 20;
+  ::fcntl(reading.number(), F_SETPIPE_SZ, kPipeBytes);  // only faster
+  Process process(call, writing.number());
+  writing.close();
+  SandboxReport report;
+  report.end = read_answer(reading.number(), call.answer_bytes, deadline, report.answer);
+  if (report.end != SandboxEnd::finished) return report;
+  const std::optional<int> status = process.wait_until(deadline);
+  if (!status) {
+    report.end = SandboxEnd::took_too_long;
+  } else if (WIFSIGNALED(*status)) {
+    report.end = SandboxEnd::crashed;
+    report.reason = ::strsignal(WTERMSIG(*status));
+  } else if (WEXITSTATUS(*status) != 0) {
+    report.end = SandboxEnd::crashed;
+    report.reason = "exit status " + std::to_string(WEXITSTATUS(*status));
+    if (WEXITSTATUS(*status) == kNotStarted && report.answer.empty()) {
+      fail_to_start(call.program, report.reason + ", probably a shared library is missing");
+    }
+  }
+  return report;
+}
+
+}  // namespace simvis

@@ -1,0 +1,58 @@
+#include "scenegraph/import/sandbox/sandboxed_import.h"
+
+#include <algorithm>
+
+#include <simvis/error.h>
+#include "scenegraph/import/sandbox/import_answer.h"
+#include "scenegraph/import/sandbox/sandbox_process.h"
+
+namespace simvis {
+namespace {
+
+constexpr std::size_t kMaxMessages = 5;
+
+// Readers of text formats name the file themselves, with the place.
+[[noreturn]] void fail(const std::filesystem::path& file, const std::string& what, const ImportAnswer& answer) {
+  const std::vector<std::string>& said = answer.errors.empty() ? answer.warnings : answer.errors;
+  std::string text = what.starts_with(file.string() + ":") ? what : file.string() + ": error: " + what;
+  for (std::size_t i = 0; i < std::min(said.size(), kMaxMessages); ++i) text += "; " + said[i];
+  if (said.size() > kMaxMessages) text += "; and " + std::to_string(said.size() - kMaxMessages) + " more messages";
+  throw InputError(text);
+}
+
+SandboxCall call_of(const SandboxedImport& import) {
+  SandboxCall call;
+  call.program = import.program;
+  call.arguments = {std::to_string(import.memory_bytes), import.file.string()};
+  if (import.ignore_up_axis) call.arguments.emplace_back("--ignore-up-axis");
+  call.time = import.time;
+  call.answer_bytes = import.memory_bytes;
+  return call;
+}
+
+}  // namespace
+
+ImportedScene import_in_sandbox(const SandboxedImport& import) {
+  const SandboxReport report = run_in_sandbox(call_of(import));
+  const ImportAnswer answer = read_import_answer(report.answer);
+  switch (report.end) {
+    case SandboxEnd::finished:
+      break;
+    case SandboxEnd::crashed:
+      fail(import.file, import.library + " crashed on it (" + report.reason + ")", answer);
+    case SandboxEnd::took_too_long:
+      fail(import.file, import.library + " did not finish it within " + std::to_string(import.time.count()) + " ms",
+           answer);
+    case SandboxEnd::answered_without_end:
+      fail(import.file, "it makes more than " + std::to_string(import.memory_bytes >> 20) + " MiB of content", answer);
+  }
+  if (answer.refusal) fail(import.file, *answer.refusal, answer);
+  // A library may go on after an error, with a part of the file.
+  if (!answer.errors.empty()) fail(import.file, import.library + " cannot read all of it", answer);
+  if (!answer.scene) fail(import.file, "the program that read it gave no answer", answer);
+  ImportedScene scene = unpack_imported_scene(*answer.scene, import.file.string() + ": error: ");
+  scene.warnings.insert(scene.warnings.begin(), answer.warnings.begin(), answer.warnings.end());
+  return scene;
+}
+
+}  // namespace simvis

@@ -1,0 +1,399 @@
+// Part files are read by a program of its own: whatever becomes of it, the caller gets an error in time.
+#include <doctest/doctest.h>
+
+#include <link.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstring>
+#include <filesystem>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "scenegraph/import/sandbox/import_answer.h"
+#include "scenegraph/import/sandbox/import_program.h"
+#include "scenegraph/import/sandbox/imported_scene.h"
+#include "scenegraph/import/sandbox/sandbox_process.h"
+#include "scenegraph/import/sandbox/sandboxed_import.h"
+#include "tests/support/box_files.h"
+#include "tests/support/error_of.h"
+#include "tests/support/gltf_fixture.h"
+#include "tests/support/random_numbers.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/support/tested_build.h"
+
+using namespace simvis;
+using namespace simvis::test;
+
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+ImportedScene triangle_scene() {
+  ImportedScene scene;
+  Mesh mesh;
+  mesh.name = "M";
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  mesh.attributes.resize(3);
+  mesh.indices = {0, 1, 2};
+  scene.meshes = {mesh};
+  ImportedTexture pixels, picture;
+  pixels.texture.width = pixels.texture.height = 1;
+  pixels.texture.rgba = {1, 2, 3, 4};
+  pixels.texture.sampler.wrap_v = Wrap::mirrored_repeat;
+  picture.file = picture.texture.name = "wood.png";
+  scene.textures = {pixels, picture};
+  ImportedMaterial material, fallback;
+  material.material.name = "blue";
+  material.material.base_color = {0.1f, 0.2f, 0.3f, 0.4f};
+  material.material.double_sided = true;
+  material.material.uv_set = 1;
+  material.texture = 0;
+  fallback.is_fallback = true;
+  scene.materials = {material, fallback};
+  ImportedNode shape, light;
+  shape.name = "S";
+  shape.parent_from_node = glm::dmat4(2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 1, 2, 3, 1);
+  shape.shapes = {{0, 1}};
+  light.parent = 0;
+  light.light = Light{.kind = LightKind::spot, .intensity = 5};
+  scene.nodes = {shape, light};
+  scene.commands = {"<part/>"};
+  scene.warnings = {"careful"};
+  return scene;
+}
+
+std::string fault_after(void (*change)(ImportedScene&)) {
+  ImportedScene scene = triangle_scene();
+  change(scene);
+  return error_of([&] { unpack_imported_scene(pack_imported_scene(scene), "a.iv: error: "); });
+}
+
+// Whether the bytes are taken for a scene; if they are, it is sound.
+bool is_taken(std::span<const std::uint8_t> bytes) {
+  try {
+    const ImportedScene scene = unpack_imported_scene(bytes, "");
+    for (const Mesh& mesh : scene.meshes) {
+      for (const std::uint32_t index : mesh.indices) REQUIRE(index < mesh.positions.size());
+    }
+    return true;
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
+// What a program would answer with the scene and some messages.
+Bytes answer_of(const ImportedScene& scene) {
+  int ends[2];
+  REQUIRE(::pipe(ends) == 0);
+  AnswerWriter writer(ends[1]);
+  writer.add(AnswerKind::warning, "mind the gap");
+  writer.add(AnswerKind::scene, pack_imported_scene(scene));
+  ::close(ends[1]);
+  Bytes bytes(std::size_t{1} << 16);
+  bytes.resize(static_cast<std::size_t>(::read(ends[0], bytes.data(), bytes.size())));
+  ::close(ends[0]);
+  return bytes;
+}
+
+// A program that does what the shell commands say.
+std::filesystem::path script(const TemporaryFolder& folder, const std::string& commands) {
+  static int number = 0;
+  const std::filesystem::path file = folder / ("program_" + std::to_string(++number));
+  write_text(file, "#!/bin/sh\n" + commands + "\n");
+  std::filesystem::permissions(file, std::filesystem::perms::owner_all);
+  return file;
+}
+
+SandboxReport run(const std::filesystem::path& program, std::chrono::milliseconds time = std::chrono::seconds(10)) {
+  return run_in_sandbox({.program = program, .arguments = {}, .time = time});
+}
+
+std::string text_of(const Bytes& bytes) { return {bytes.begin(), bytes.end()}; }
+
+SandboxedImport import_with(const std::filesystem::path& program) {
+  SandboxedImport import;
+  import.program = program;
+  import.library = "Assimp";
+  import.file = "part.stl";
+  return import;
+}
+
+// A text STL with so many facets.
+std::string large_stl(int facets) {
+  std::string text = "solid large\n";
+  for (int i = 0; i < facets; ++i) {
+    const std::string x = std::to_string(i);
+    text += "facet normal 0 0 1\nouter loop\nvertex " + x + " 0 0\nvertex " + x + " 1 0\nvertex " + x +
+            " 0 1\nendloop\nendfacet\n";
+  }
+  return text + "endsolid large\n";
+}
+
+}  // namespace
+
+TEST_CASE("what a program answers arrives, however much it is") {
+  const TemporaryFolder folder;
+  const SandboxReport report = run(script(folder, "head -c 3000000 /dev/zero >&3"));
+  CHECK(report.end == SandboxEnd::finished);
+  CHECK(report.answer == Bytes(3'000'000, 0));
+}
+
+TEST_CASE("a program has no files open but its answer, and hears of no signal mask") {
+  const TemporaryFolder folder;
+  const int leak = ::dup(STDOUT_FILENO);  // an open file without close-on-exec, as hosts have them
+  const SandboxReport report =
+      run(script(folder, "ls /proc/self/fd >&3; read line || echo none >&3; echo out; echo err >&2"));
+  ::close(leak);
+  // The last one is the folder that ls reads.
+  CHECK(text_of(report.answer) == "0\n1\n2\n3\n4\nnone\n");
+}
+
+TEST_CASE("a program that crashes, fails or hangs is reported as that, with what it answered before") {
+  const TemporaryFolder folder;
+  const SandboxReport crashed = run(script(folder, "printf before >&3; kill -SEGV $$"));
+  CHECK(crashed.end == SandboxEnd::crashed);
+  CHECK(contains(crashed.reason, "Segmentation fault"));
+  CHECK(text_of(crashed.answer) == "before");
+
+  const SandboxReport failed = run(script(folder, "exit 3"));
+  CHECK(failed.end == SandboxEnd::crashed);
+  CHECK(failed.reason == "exit status 3");
+
+  // It would never end; the machine may be busy.
+  constexpr std::chrono::seconds kPatience{10};
+  for (const char* hanging : {"printf before >&3; exec sleep 1000", "printf before >&3; exec 3>&-; exec sleep 1000"}) {
+    const auto start = std::chrono::steady_clock::now();
+    const SandboxReport hung = run(script(folder, hanging), std::chrono::milliseconds(500));
+    CHECK(hung.end == SandboxEnd::took_too_long);
+    CHECK(text_of(hung.answer) == "before");
+    CHECK(std::chrono::steady_clock::now() - start < kPatience);
+  }
+}
+
+TEST_CASE("an answer without end is given up") {
+  const TemporaryFolder folder;
+  SandboxCall call{.program = script(folder, "exec cat /dev/zero >&3"), .arguments = {}};
+  call.answer_bytes = 1'000'000;
+  const SandboxReport report = run_in_sandbox(call);
+  CHECK(report.end == SandboxEnd::answered_without_end);
+  CHECK(report.answer.size() == call.answer_bytes);
+}
+
+TEST_CASE("a program that is missing, or cannot run, is named") {
+  const TemporaryFolder folder;
+  const auto error = [&](const std::filesystem::path& program) {
+    try {
+      import_in_sandbox(import_with(program));
+    } catch (const MachineError& e) {
+      return std::string(e.what());
+    }
+    return std::string("nothing was thrown");
+  };
+  CHECK(error(folder / "none") == "cannot start the program " + (folder / "none").string() +
+                                      ", which reads part files: No such file or directory");
+  write_text(folder / "plain", "text");
+  CHECK(contains(error(folder / "plain"), "plain, which reads part files: Permission denied"));
+  CHECK(contains(error(script(folder, "exit 127")), "a shared library is missing"));
+}
+
+TEST_CASE("the programs of the tested build stand beside its library") {
+  const std::filesystem::path program = import_program("simvis-import-mesh");
+  CHECK(std::filesystem::exists(program));
+  CHECK(program == std::filesystem::canonical(tested_build()) / "lib" / "simvis" / "simvis-import-mesh");
+}
+
+TEST_CASE("the library brings neither Assimp nor Coin into the programs that use it") {
+  std::vector<std::string> loaded;
+  ::dl_iterate_phdr(
+      [](dl_phdr_info* library, std::size_t, void* names) {
+        static_cast<std::vector<std::string>*>(names)->emplace_back(library->dlpi_name);
+        return 0;
+      },
+      &loaded);
+  const auto has = [&](const char* part) {
+    return std::any_of(loaded.begin(), loaded.end(),
+                       [&](const std::string& name) { return name.find(part) != std::string::npos; });
+  };
+  CHECK(has("libsimvis"));
+  CHECK_FALSE(has("libassimp"));
+  CHECK_FALSE(has("libCoin"));
+}
+
+TEST_CASE("a program that crashes, hangs or answers nonsense is an error with the file's name") {
+  const TemporaryFolder folder;
+  SandboxedImport import = import_with(script(folder, "kill -SEGV $$"));
+  const auto error = [&] { return error_of([&] { import_in_sandbox(import); }); };
+  CHECK(error() == "part.stl: error: Assimp crashed on it (Segmentation fault)");
+  import.program = script(folder, "exec sleep 1000");
+  import.time = std::chrono::milliseconds(100);
+  CHECK(error() == "part.stl: error: Assimp did not finish it within 100 ms");
+  import.time = std::chrono::seconds(10);
+  import.program = script(folder, "exec cat /dev/zero >&3");
+  import.memory_bytes = std::size_t{8} << 20;
+  CHECK(error() == "part.stl: error: it makes more than 8 MiB of content");
+}
+
+TEST_CASE("messages are kept on one line, once, and within limits") {
+  int ends[2];
+  REQUIRE(::pipe(ends) == 0);
+  AnswerWriter writer(ends[1]);
+  for (const char* text : {"one\ntwo", "one\ntwo", "\xff\xc3\xa9"}) writer.add(AnswerKind::warning, text);
+  const std::string line(1000, 'x');
+  constexpr int kLines = 60;  // fit into the pipe, which nobody reads yet
+  for (int i = 0; i < kLines; ++i) writer.add(AnswerKind::error, std::to_string(i) + line);
+  writer.add(AnswerKind::error, std::string(kMaxMessageBytes, 'y'));
+  writer.add(AnswerKind::refusal, "no");
+  ::close(ends[1]);
+  Bytes bytes(std::size_t{1} << 17);
+  bytes.resize(static_cast<std::size_t>(::read(ends[0], bytes.data(), bytes.size())));
+  ::close(ends[0]);
+  const ImportAnswer answer = read_import_answer(bytes);
+  CHECK(answer.warnings == std::vector<std::string>{"one two", "???"});
+  CHECK(answer.errors.size() == kLines);
+  CHECK(answer.refusal == "no");
+  CHECK_FALSE(answer.scene);
+}
+
+TEST_CASE("a file that takes more memory or time than allowed is an error with its name") {
+  const TemporaryFolder folder;
+  write_text(folder / "large.stl", large_stl(300'000));
+  SandboxedImport import = import_with(import_program("simvis-import-mesh"));
+  import.file = folder / "large.stl";
+  const std::string name = import.file.string();
+  import.time = std::chrono::milliseconds(1);
+  CHECK(error_of([&] { import_in_sandbox(import); }) == name + ": error: Assimp did not finish it within 1 ms");
+  if (sanitized()) return;  // its memory is not limited
+  import.time = std::chrono::seconds(60);
+  import.memory_bytes = std::size_t{16} << 20;
+  CHECK(error_of([&] { import_in_sandbox(import); }) == name + ": error: it takes more than 16 MiB of memory");
+}
+
+TEST_CASE("several threads read files side by side") {
+  const TemporaryFolder folder;
+  write_text(folder / "box.stl", stl_box(true));
+  constexpr int kThreads = 4, kFiles = 5;
+  std::vector<std::size_t> triangles(kThreads);
+  std::vector<std::thread> threads;
+  for (int i = 0; i < kThreads; ++i) {
+    threads.emplace_back([&, i] {
+      for (int k = 0; k < kFiles; ++k) {
+        SandboxedImport import = import_with(import_program("simvis-import-mesh"));
+        import.file = folder / "box.stl";
+        triangles[i] += import_in_sandbox(import).meshes.at(0).indices.size() / 3;
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  CHECK(triangles == std::vector<std::size_t>(kThreads, kFiles * 12));
+}
+
+TEST_CASE("a scene comes out of its bytes as it went in") {
+  const ImportedScene scene = unpack_imported_scene(pack_imported_scene(triangle_scene()), "");
+  const ImportedScene expected = triangle_scene();
+  CHECK(scene.meshes == expected.meshes);
+  REQUIRE(scene.textures.size() == 2);
+  CHECK(scene.textures[0].texture == expected.textures[0].texture);
+  CHECK(scene.textures[1].texture == expected.textures[1].texture);
+  CHECK(scene.textures[1].file == "wood.png");
+  REQUIRE(scene.materials.size() == 2);
+  CHECK(scene.materials[0].material == expected.materials[0].material);
+  CHECK(scene.materials[0].texture == 0);
+  CHECK_FALSE(scene.materials[0].is_fallback);
+  CHECK(scene.materials[1].is_fallback);
+  REQUIRE(scene.nodes.size() == 2);
+  CHECK(scene.nodes[0].name == "S");
+  CHECK(scene.nodes[0].parent == kNoParent);
+  CHECK(scene.nodes[0].parent_from_node == expected.nodes[0].parent_from_node);
+  REQUIRE(scene.nodes[0].shapes.size() == 1);
+  CHECK(scene.nodes[0].shapes[0].material == 1);
+  CHECK(scene.nodes[1].parent == 0);
+  REQUIRE(scene.nodes[1].light);
+  CHECK(*scene.nodes[1].light == *expected.nodes[1].light);
+  CHECK(scene.commands == expected.commands);
+  CHECK(scene.warnings == expected.warnings);
+}
+
+TEST_CASE("a scene with a fault is refused") {
+  using Scene = ImportedScene;
+  CHECK(contains(fault_after([](Scene& s) { s.meshes[0].positions[1].y = NAN; }), "not finite"));
+  CHECK(contains(fault_after([](Scene& s) { s.meshes[0].attributes[0].normal.x = INFINITY; }), "not finite"));
+  CHECK(contains(fault_after([](Scene& s) { s.meshes[0].indices[0] = 3; }), "index"));
+  CHECK(contains(fault_after([](Scene& s) { s.meshes[0].indices.pop_back(); }), "half a primitive"));
+  CHECK(contains(fault_after([](Scene& s) { s.meshes[0].attributes.pop_back(); }), "attributes"));
+  CHECK(contains(fault_after([](Scene& s) { s.textures[0].texture.width = 2; }), "torn texture"));
+  CHECK(contains(fault_after([](Scene& s) { s.textures[1].texture.width = 2; }), "two pictures"));
+  CHECK(contains(fault_after([](Scene& s) { s.materials[0].texture = 2; }), "without its texture"));
+  CHECK(contains(fault_after([](Scene& s) { s.materials[0].material.uv_set = 2; }), "third set"));
+  CHECK(contains(fault_after([](Scene& s) { s.nodes[0].shapes[0].mesh = 1; }), "content"));
+  CHECK(contains(fault_after([](Scene& s) { s.nodes[0].shapes[0].material = 2; }), "content"));
+  CHECK(contains(fault_after([](Scene& s) { s.nodes[0].parent_from_node[0][3] = 1; }), "not affine"));
+  CHECK(contains(fault_after([](Scene& s) { s.nodes[1].parent = 1; }), "before its parent"));
+  CHECK(contains(fault_after([](Scene& s) { s.nodes[1].light->intensity = NAN; }), "not finite"));
+}
+
+TEST_CASE("cut and flipped bytes of an answer are refused or harmless") {
+  const Bytes whole = pack_imported_scene(triangle_scene());
+  for (std::size_t size = 0; size < whole.size(); ++size) {
+    CHECK_THROWS_AS(unpack_imported_scene({whole.data(), size}, ""), InputError);
+  }
+  int refused = 0;
+  for (std::size_t bit = 0; bit < whole.size() * 8; ++bit) {
+    Bytes bytes = whole;
+    bytes[bit / 8] = static_cast<std::uint8_t>(bytes[bit / 8] ^ (1u << (bit % 8)));
+    refused += !is_taken(bytes);
+  }
+  CHECK(refused > 0);
+}
+
+TEST_CASE("whatever bytes an answer has, reading it does no harm") {
+  constexpr int kAnswers = 20'000;
+  Random random;
+  const Bytes whole = answer_of(triangle_scene());
+  CHECK(read_import_answer(whole).scene);
+  int with_scene = 0, taken = 0;
+  for (int i = 0; i < kAnswers; ++i) {
+    Bytes bytes = whole;
+    for (std::uint64_t change = 1 + random.below(4); change > 0; --change) {
+      const std::size_t at = random.below(bytes.size());
+      if (random.below(3) == 0) {
+        // A size or an index of any magnitude, where one may stand.
+        const std::uint64_t number = (std::uint64_t{1} << random.below(64)) - random.below(2);
+        std::memcpy(bytes.data() + at, &number, std::min(sizeof number, bytes.size() - at));
+      } else {
+        bytes[at] = static_cast<std::uint8_t>(random.below(256));
+      }
+    }
+    if (random.below(8) == 0) bytes.resize(random.below(bytes.size()));
+    const ImportAnswer answer = read_import_answer(bytes);
+    if (!answer.scene) continue;
+    ++with_scene;
+    taken += is_taken(*answer.scene);
+  }
+  // Both parsers were reached, and both outcomes seen.
+  CHECK(with_scene > kAnswers / 10);
+  CHECK(taken > 0);
+  CHECK(taken < with_scene);
+}
+
+TEST_CASE("an answer of another version, a missing answer and a torn one are errors with the file's name") {
+  const TemporaryFolder folder;
+  const auto error_after = [&](const Bytes& answer) {
+    write_bytes(folder / "answer", answer);
+    return error_of(
+        [&] { import_in_sandbox(import_with(script(folder, "cat '" + (folder / "answer").string() + "' >&3"))); });
+  };
+  const Bytes whole = answer_of(triangle_scene());
+  CHECK(error_after(whole) == "nothing was thrown");
+  Bytes other = whole;
+  other[0] ^= 1;
+  CHECK(error_after(other) == "part.stl: error: the program that read it gave no answer");
+  CHECK(error_after({}) == "part.stl: error: the program that read it gave no answer");
+  CHECK(error_after({whole.begin(), whole.end() - 1}) ==
+        "part.stl: error: the program that read it gave no answer; mind the gap");
+  Bytes torn = whole;
+  torn.back() ^= 1;  // the last byte of a warning's text: harmless
+  CHECK(error_after(torn) == "nothing was thrown");
+}
