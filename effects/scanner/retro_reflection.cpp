@@ -36,21 +36,23 @@ bool has_reflectors(const DrawList& list) {
   R"(<part file="../showcase/sign.glb" name="EFFECT_SIGN" insert_at="ROOT" pose_offset="2.3 -0.4 0.8 0 0 0"/>)"
 
 const ScanEffectRegistration kRegistration({
-    .type = {.name = "retro_reflection",
-             .summary = "retro-reflectors send a laser's light back at whatever slant",
-             .source = "a material with retro_reflectance above 0",
-             .outputs = kShownInRanges,
-             .reference = "coefficient of retroreflection: ASTM E808, EN 12899-1",
-             .sensors = "laser_scanner",
-             .example = {.attributes = R"(intensity="on")",
-                         .commands = SIGN
-                         R"(<element type="material" name="EFFECT" insert_at="ROOT" part="EFFECT_SIGN" )"
-                         R"(retro_reflectance="500"/>)",
-                         .off_attributes = R"(intensity="off")",
-                         .off_commands = SIGN R"(<element type="material" name="EFFECT" insert_at="ROOT" )"
-                                              R"(part="EFFECT_SIGN" retro_reflectance="0"/>)",
-                         .plain_commands = SIGN
-                         R"(<element type="material" name="EFFECT" insert_at="ROOT" part="EFFECT_SIGN"/>)"}},
+    .type =
+        {.name = "retro_reflection",
+         .summary = "Retro-reflectors send laser light back to the scanner.",
+         .notes = "A material with retro_reflectance (see the element material) has that gain within 40 degrees of the "
+                  "perpendicular. It counts in scans whose effects follow beams; it has no attributes of its own.",
+         .source = "a material with retro_reflectance above 0",
+         .outputs = kShownInRanges,
+         .reference = "coefficient of retroreflection: ASTM E808, EN 12899-1",
+         .sensors = "laser_scanner",
+         .example = {.attributes = R"(intensity="on")",
+                     .commands = SIGN R"(<element type="material" name="EFFECT" insert_at="ROOT" part="EFFECT_SIGN" )"
+                                      R"(retro_reflectance="500"/>)",
+                     .off_attributes = R"(intensity="off")",
+                     .off_commands = SIGN R"(<element type="material" name="EFFECT" insert_at="ROOT" )"
+                                          R"(part="EFFECT_SIGN" retro_reflectance="0"/>)",
+                     .plain_commands = SIGN
+                     R"(<element type="material" name="EFFECT" insert_at="ROOT" part="EFFECT_SIGN"/>)"}},
     .order = ScanOrder::path,
     .create = [](const ScanEffectContext&) -> std::unique_ptr<ScanEffect> {
       return std::make_unique<RetroReflection>();
