@@ -97,12 +97,6 @@ std::string check_table(AttributeTable table);
 std::string describe(std::string_view type, std::string_view summary, AttributeTable table,
                      std::string_view notes = {});
 
-/// The same facts as a Markdown table. Empty for an empty table.
-std::string markdown_table(AttributeTable table);
-
-/// `text` with those characters escaped that Markdown would take for markup.
-std::string markdown_text(std::string_view text);
-
 /// The known name most like `seen`, or an empty string when none is near.
 std::string nearest_name(std::string_view seen, std::span<const std::string_view> known);
 

@@ -2,6 +2,7 @@
 #include <array>
 
 #include <simvis/attributes.h>
+#include "scenegraph/language/markdown.h"
 
 namespace simvis {
 namespace {

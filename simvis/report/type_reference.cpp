@@ -6,6 +6,7 @@
 #include <simvis/effect.h>
 #include <simvis/element.h>
 #include <simvis/sensor.h>
+#include "scenegraph/language/markdown.h"
 
 namespace simvis {
 namespace {
