@@ -1,11 +1,11 @@
 // Attribute tables: defaults, ranges, choices, and the messages for what is not allowed.
 #include <simvis/attributes.h>
-#include "scenegraph/language/markdown.h"
 
 #include <doctest/doctest.h>
 
 #include <cmath>
 
+#include "scenegraph/language/markdown.h"
 #include "tests/support/error_of.h"
 
 namespace simvis {
