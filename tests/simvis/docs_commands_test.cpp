@@ -145,7 +145,9 @@ TEST_CASE("scenes that no command runs can be loaded") {
       if (block.language != "xml" || block.mark("not run") || (file && names_file(blocks, *file))) continue;
       const std::string where = place(page, block);
       CAPTURE(where);
-      CHECK_NOTHROW(Simulation::from_string(block.text, {}, kRoot, where));
+      const auto same = block.mark("same as");
+      const fs::path folder = same ? (kRoot / *same).parent_path() : kRoot;
+      CHECK_NOTHROW(Simulation::from_string(block.text, {}, folder, where));
     }
   }
 }
