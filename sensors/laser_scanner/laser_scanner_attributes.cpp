@@ -61,7 +61,7 @@ constexpr AttributeSpec kAttributes[] = {
     {.name = "method",
      .kind = AttributeKind::choice,
      .default_value = "planar",
-     .text = "how ranges are measured",
+     .text = "how depth becomes ranges",
      .choices = "nearest planar hybrid raycast auto"},
     {.name = "max_error_m", .unit = "m", .text = "hybrid and auto: largest error bound", .min = 0, .open_min = true},
     {.name = "max_error_rel",
