@@ -72,7 +72,10 @@ void run_page(const fs::path& page) {
   ProcessResult last;
   for (const MarkdownBlock& block : markdown_blocks(page)) {
     CAPTURE(place(page, block));
-    if (const auto file = block.mark("file")) write_text(folder.path() / *file, block.text);
+    if (const auto file = block.mark("file")) {
+      fs::create_directories((folder.path() / *file).parent_path());
+      write_text(folder.path() / *file, block.text);
+    }
     if (block.mark("output")) CHECK(missing_line(last.out + last.err, block.text) == "");
     if (block.language != "sh") continue;
     if (const auto reason = block.mark("not run")) {
