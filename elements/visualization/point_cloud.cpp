@@ -16,7 +16,7 @@ constexpr AttributeSpec kAttributes[] = {
      .default_value = "1000000",
      .text = "number of points of the file or of each scan that are drawn, from the first; rounded down",
      .min = 0,
-     .max = kMostPoints,
+     .max = kMaxPoints,
      .live = true},
     marker_size_row("size", "0.04", "size of a point; 0: not drawn"),
     {.name = "keep",
@@ -120,11 +120,11 @@ void PointCloudElement::observe(const Observations& seen) {
   if (scanner_.empty()) return;
   const ObservedScan observed = seen.scan(scanner_);
   if (observed.scan == nullptr || observed.count == seen_) return;
-  take_scan(observed);
+  read_scan(observed);
   seen_ = observed.count;
 }
 
-void PointCloudElement::take_scan(const ObservedScan& observed) {
+void PointCloudElement::read_scan(const ObservedScan& observed) {
   if (batches_.size() < keep_) {
     add_batch();
   } else {
