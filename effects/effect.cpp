@@ -21,21 +21,24 @@ std::vector<const EffectType*> effect_types() { return registry().sorted(); }
 
 const EffectType* find_effect_type(std::string_view name) { return registry().find(name); }
 
-std::string describe_effect(const EffectType& type) {
+std::vector<EffectFact> effect_facts(const EffectType& type) {
   std::string shown;
   for (const auto& [output, name] :
        {std::pair(kShownInColor, "colour"), {kShownInDepth, "depth"}, {kShownInRanges, "ranges"}}) {
     if ((type.outputs & output) != 0) shown += (shown.empty() ? "" : ", ") + std::string(name);
   }
-  std::string text = describe(type.name, type.summary, type.attributes);
-  const auto add = [&](std::string_view what, std::string_view value) {
-    if (!value.empty()) text += "  " + std::string(what) + ": " + std::string(value) + '\n';
-  };
-  add("called for by", type.source);
-  add("shown in", shown);
-  add("of sensors", type.sensors);
-  add("accuracy for time", type.knob);
-  add("held against", type.reference);
+  std::vector<EffectFact> facts{{"called for by", std::string(type.source)},
+                                {"shown in", shown},
+                                {"sensors", std::string(type.sensors)},
+                                {"accuracy knob", std::string(type.knob)},
+                                {"compared with", std::string(type.reference)}};
+  std::erase_if(facts, [](const EffectFact& fact) { return fact.value.empty(); });
+  return facts;
+}
+
+std::string describe_effect(const EffectType& type) {
+  std::string text = describe(type.name, type.summary, type.attributes, type.notes);
+  for (const EffectFact& fact : effect_facts(type)) text += "  " + std::string(fact.label) + ": " + fact.value + '\n';
   return text;
 }
 

@@ -13,20 +13,20 @@ namespace {
 constexpr double kMaxTime_s = 1e9;
 
 constexpr AttributeSpec kAttributes[] = {
-    {.name = "part", .kind = AttributeKind::part, .text = "whose animation it is"},
+    {.name = "part", .kind = AttributeKind::part, .text = "required: the part that is animated"},
     {.name = "clip",
      .kind = AttributeKind::text,
-     .text = "the animation's name in the file or its number, from 0; the first if not given"},
+     .text = "name of the animation in the file, or its number from 0; default: the first"},
     {.name = "repeat",
      .kind = AttributeKind::choice,
      .default_value = "loop",
-     .text = "begins anew at its end, or stays there",
+     .text = "at the end: loop starts again, once stays at the last pose",
      .choices = "loop once"},
     {.name = "time",
      .kind = AttributeKind::number,
      .default_value = "0",
      .unit = "s",
-     .text = "time since the animation's start",
+     .text = "time since the start of the animation",
      .min = -kMaxTime_s,
      .max = kMaxTime_s,
      .live = true},
@@ -34,7 +34,8 @@ constexpr AttributeSpec kAttributes[] = {
 
 const ElementRegistration kRegistration({
     .name = "animation",
-    .summary = "plays a glTF animation of a part",
+    .summary = "Plays a glTF animation of a part, skinned and morphed meshes included.",
+    .notes = "Two animation elements may play clips of one part if the clips change different nodes and meshes.",
     .attributes = kAttributes,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<AnimationElement>(context);

@@ -9,11 +9,11 @@ namespace simvis {
 namespace {
 
 constexpr AttributeSpec kAttributes[] = {
-    {.name = "light", .kind = AttributeKind::element, .text = "the light element to colour"},
+    {.name = "light", .kind = AttributeKind::element, .text = "required: the light element"},
     {.name = "kelvin",
      .default_value = "6500",
      .unit = "K",
-     .text = "temperature of the black body whose colour the light takes; candle 1900, lamp 2850, noon 5800",
+     .text = "temperature of the black body; candle 1900, lamp 2850, noon 5800",
      .min = 1000,
      .max = 40000,
      .live = true},
@@ -21,7 +21,9 @@ constexpr AttributeSpec kAttributes[] = {
 
 const ElementRegistration kRegistration({
     .name = "color_temperature",
-    .summary = "gives a light the colour of a black body",
+    .summary = "Gives a light element the colour of a black body.",
+    .notes = "The colour follows from Planck's law and the CIE 1931 colour matching functions. The luminance of the "
+             "light stays the same; channels below 0 are set to 0.",
     .attributes = kAttributes,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<ColorTemperatureElement>(context);

@@ -20,19 +20,19 @@ constexpr AttributeSpec kAttributes[] = {
     {.name = "kind",
      .kind = AttributeKind::choice,
      .default_value = "fog",
-     .text = "what is in the air: dry haze, droplets of fog, rain, dust",
+     .text = "dry haze, droplets of fog, rain or dust",
      .choices = "haze fog rain dust"},
     {.name = "visibility",
      .default_value = "200",
      .unit = "m",
-     .text = "haze, fog, dust: where contrast has fallen to 0.02",
+     .text = "haze, fog, dust: distance at which contrast has fallen to 0.02",
      .min = 1,
      .max = 1e6,
      .live = true},
     {.name = "rain_rate",
      .default_value = "10",
      .unit = "mm/h",
-     .text = "rain: how much falls; 0 is clear air",
+     .text = "rain: rate of rainfall; 0 is clear air",
      .min = 0,
      .max = 500,
      .live = true},
@@ -43,7 +43,9 @@ constexpr AttributeSpec kAttributes[] = {
 
 const ElementRegistration kRegistration({
     .name = "fog",
-    .summary = "fills the air with haze, fog, rain or dust",
+    .summary = "Fills the air of the whole scene with haze, fog, rain or dust.",
+    .notes = "Of several fog elements the last one counts. Cameras then show the effect fog, laser scanners the effect "
+             "atmosphere. Each kind has only the parameters that it needs.",
     .attributes = kAttributes,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<FogElement>(context);

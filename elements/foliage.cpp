@@ -4,11 +4,13 @@ namespace simvis {
 namespace {
 
 constexpr AttributeSpec kAttributes[] = {
-    {.name = "part", .kind = AttributeKind::part, .text = "the part whose masked and blended materials are leaves"},
+    {.name = "part",
+     .kind = AttributeKind::part,
+     .text = "required: the part whose masked and blended materials are leaves"},
     {.name = "transparency",
      .default_value = "0",
      .unit = "%",
-     .text = "how much of what lies behind a leaf is seen; depth sensors look through above 50, at 100 leaves are gone",
+     .text = "0: as in the file; depth sensors see through leaves above 50; 100: leaves are not drawn",
      .min = 0,
      .max = 100,
      .live = true},
@@ -16,7 +18,9 @@ constexpr AttributeSpec kAttributes[] = {
 
 const ElementRegistration kRegistration({
     .name = "foliage",
-    .summary = "fades the leaves of a part",
+    .summary = "Fades the leaves of a part: its masked and blended materials.",
+    .notes =
+        "Depth cameras and laser scanners see masked leaves up to a transparency of 50 %. At 100 % nothing is drawn.",
     .attributes = kAttributes,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<FoliageElement>(context);

@@ -13,20 +13,20 @@ constexpr AttributeSpec kAttributes[] = {
     {.name = "lower",
      .kind = AttributeKind::number,
      .unit = "deg or m",
-     .text = "lower limit of value; none if not given",
+     .text = "lower limit of value; default: no limit",
      .min = -kMaxCoordinate_m,
      .max = kMaxCoordinate_m},
     {.name = "upper",
      .kind = AttributeKind::number,
      .unit = "deg or m",
-     .text = "upper limit of value; none if not given",
+     .text = "upper limit of value; default: no limit",
      .min = -kMaxCoordinate_m,
      .max = kMaxCoordinate_m},
     {.name = "value",
      .kind = AttributeKind::number,
      .default_value = "0",
      .unit = "deg or m",
-     .text = "how far it is turned or slid",
+     .text = "angle or length by which the joint is moved",
      .min = -kMaxCoordinate_m,
      .max = kMaxCoordinate_m,
      .live = true},
@@ -34,7 +34,9 @@ constexpr AttributeSpec kAttributes[] = {
 
 const ElementRegistration kRegistration({
     .name = "joint",
-    .summary = "turns what follows its insertion point about an axis, or slides it along one",
+    .summary = "Turns what follows its insertion point about an axis, or slides it along one.",
+    .notes = "The axis passes through the origin of the insertion point. A revolute joint has its value and limits in "
+             "degrees, a prismatic one in metres.",
     .attributes = kAttributes,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<JointElement>(context);

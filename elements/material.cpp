@@ -20,31 +20,32 @@ constexpr AttributeSpec emission(std::string_view name) {
 }
 
 constexpr AttributeSpec kAttributes[] = {
-    {.name = "part", .kind = AttributeKind::part, .text = "the part to change"},
+    {.name = "part", .kind = AttributeKind::part, .text = "required: the part to change"},
     {.name = "material",
      .kind = AttributeKind::text,
-     .text = "only materials of this name in the part's file; all of them if not given"},
+     .text = "only materials of this name in the part's file; default: all materials"},
     color("red"),
     color("green"),
     color("blue"),
-    live("opacity", "1", "factor of the file's; depth sensors meet what stays at least one half", 1),
-    live("roughness", "1", "factor of the file's, which is 1 and matte if it says none; 0 is polished", 1),
+    live("opacity", "1", "factor of the file's opacity; below 0.5 depth cameras and scanners see through; 0: not drawn",
+         1),
+    live("roughness", "1", "factor of the file's roughness, which is 1 by default; 1 is matte, 0 is polished", 1),
     emission("emission_red"),
     emission("emission_green"),
     emission("emission_blue"),
     {.name = "reflectance",
-     .text = "share of a laser's light that it gives back; the mean of its linear base colour if not given",
+     .text = "share of laser light that is reflected; default: the mean of the linear base colour",
      .min = 0,
      .max = 1},
     {.name = "retro_reflectance",
-     .text = "gain of a retro-reflector for lasers, where a white matte wall is 1: pi R_A; it is none if not given",
+     .text = "gain of a retro-reflector for lasers, pi R_A; a white matte wall is 1; default: no retro-reflector",
      .min = 0,
      .max = kMaxGain},
-    live("mirror", "0", "lasers: this share of what is no mirror yet becomes one", 1),
-    live("transmission", "0", "lasers: this share of what is no glass yet becomes a thin pane", 1),
+    live("mirror", "0", "lasers: share of the remaining surface that becomes a mirror", 1),
+    live("transmission", "0", "lasers: share of the remaining surface that becomes a thin pane of glass", 1),
     {.name = "refractive_index",
      .default_value = "1",
-     .text = "factor of the file's, which is 1.5 if it says none",
+     .text = "factor of the file's refractive index, which is 1.5 by default",
      .min = 0.1,
      .max = 10,
      .live = true},
@@ -52,7 +53,9 @@ constexpr AttributeSpec kAttributes[] = {
 
 const ElementRegistration kRegistration({
     .name = "material",
-    .summary = "changes colour, opacity, roughness and emission of a part, and how lasers meet it",
+    .summary = "Changes how one part looks and how it reflects laser light.",
+    .notes = "Other parts from the same file keep their look. An attribute that is not given leaves the file's value. "
+             "Roughness and emission have no effect on unlit materials.",
     .attributes = kAttributes,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<MaterialElement>(context);

@@ -9,7 +9,9 @@ namespace simvis {
 namespace {
 
 constexpr AttributeSpec kAttributes[] = {
-    {.name = "leader", .kind = AttributeKind::element, .text = "the joint that it follows, inserted before"},
+    {.name = "leader",
+     .kind = AttributeKind::element,
+     .text = "required: the joint that this one follows; it stands before this one in the scene"},
     {.name = "multiplier",
      .kind = AttributeKind::number,
      .default_value = "1",
@@ -21,7 +23,7 @@ constexpr AttributeSpec kAttributes[] = {
      .kind = AttributeKind::number,
      .default_value = "0",
      .unit = "deg or m",
-     .text = "its value where the leader's is 0",
+     .text = "value where the leader's value is 0",
      .min = -kMaxCoordinate_m,
      .max = kMaxCoordinate_m},
     kAxisAttribute,
@@ -30,7 +32,7 @@ constexpr AttributeSpec kAttributes[] = {
 
 const ElementRegistration kRegistration({
     .name = "mimic_joint",
-    .summary = "a joint that follows another one: multiplier * leader + offset",
+    .summary = "A joint that follows another joint: its value is multiplier * leader + offset.",
     .attributes = kAttributes,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<MimicJointElement>(context);

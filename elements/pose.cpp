@@ -24,14 +24,15 @@ constexpr AttributeSpec kAttributes[] = {
     length("x", "forward"),
     length("y", "to the left"),
     length("z", "up"),
-    angle("roll", "turn about x, the first of the three"),
-    angle("pitch", "turn about y, the second; the nose goes down"),
-    angle("yaw", "turn about z, the last; to the left"),
+    angle("roll", "turn about x, first"),
+    angle("pitch", "turn about y, second; positive is nose down"),
+    angle("yaw", "turn about z, last; positive is to the left"),
 };
 
 const ElementRegistration kRegistration({
     .name = "pose",
-    .summary = "moves and turns what follows its insertion point",
+    .summary = "Moves and turns what follows its insertion point.",
+    .notes = "x is forward, y left, z up. The rotation is R = Rz(yaw) Ry(pitch) Rx(roll).",
     .attributes = kAttributes,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<PoseElement>(context);

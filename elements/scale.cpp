@@ -8,14 +8,14 @@ constexpr AttributeSpec factor(std::string_view name, std::string_view text) {
 }
 
 constexpr AttributeSpec kAttributes[] = {
-    factor("x", "factor of lengths forward"),
-    factor("y", "factor of lengths to the left"),
-    factor("z", "factor of lengths upward"),
+    factor("x", "factor of lengths along x"),
+    factor("y", "factor of lengths along y"),
+    factor("z", "factor of lengths along z"),
 };
 
 const ElementRegistration kRegistration({
     .name = "scale",
-    .summary = "makes what follows its insertion point larger or smaller",
+    .summary = "Makes what follows its insertion point larger or smaller.",
     .attributes = kAttributes,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<ScaleElement>(context);

@@ -21,7 +21,8 @@ constexpr AttributeSpec kAttributes[] = {
 
 const ElementRegistration kRegistration({
     .name = "sky",
-    .summary = "sets the background and the ambient light",
+    .summary = "Sets the background and the ambient light.",
+    .notes = "Of several sky elements the last one counts.",
     .attributes = kAttributes,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<SkyElement>(context);

@@ -4,17 +4,13 @@ namespace simvis {
 namespace {
 
 constexpr AttributeSpec kAttributes[] = {
-    {.name = "visible",
-     .default_value = "1",
-     .text = "1 is there, 0 is not; there from one half up",
-     .min = 0,
-     .max = 1,
-     .live = true},
+    {.name = "visible", .default_value = "1", .text = "visible from 0.5 upwards", .min = 0, .max = 1, .live = true},
 };
 
 const ElementRegistration kRegistration({
     .name = "visibility",
-    .summary = "shows or hides what follows its insertion point",
+    .summary = "Shows or hides the shapes and lights that follow its insertion point.",
+    .notes = "Sensors that follow keep measuring.",
     .attributes = kAttributes,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<VisibilityElement>(context);

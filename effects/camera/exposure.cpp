@@ -7,7 +7,7 @@ namespace {
 constexpr AttributeSpec kAttributes[] = {
     {.name = "exposure",
      .default_value = "1",
-     .text = "time of exposure, over that at which a radiance of 1 is an image of 1",
+     .text = "exposure time, relative to that at which a radiance of 1 gives an image of 1",
      .min = 0,
      .max = 1e6,
      .open_min = true},
@@ -20,7 +20,7 @@ std::unique_ptr<CameraEffect> create(const CameraEffectContext& context) {
 
 const CameraEffectRegistration kRegistration(
     {.type = {.name = "exposure",
-              .summary = "More or less light: the linear image, scaled.",
+              .summary = "A longer or shorter exposure: the linear image is scaled.",
               .source = "attribute exposure other than 1",
               .outputs = kShownInColor,
               .reference = "light collected is irradiance times time: EMVA Standard 1288, release 4.0, section 2",

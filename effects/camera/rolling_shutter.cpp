@@ -10,13 +10,13 @@ constexpr AttributeSpec kAttributes[] = {
     {.name = "row_time",
      .default_value = "0",
      .unit = "s",
-     .text = "from one row of the image to the next; 0: all at once",
+     .text = "time from one row to the next; 0: all rows at once",
      .min = 0,
      .max = 1},
     {.name = "rows_per_pose",
      .kind = AttributeKind::integer,
      .default_value = "8",
-     .text = "rows seen from one pose, that of their middle; 1 is exact",
+     .text = "rows that share a pose, that of the middle row; 1 is exact",
      .min = 1,
      .max = 16384},
 };
@@ -31,6 +31,8 @@ std::unique_ptr<CameraEffect> create(const CameraEffectContext& context) {
 const CameraEffectRegistration kRegistration(
     {.type = {.name = "rolling_shutter",
               .summary = "Rows that are exposed one after the other while the camera moves.",
+              .notes = "The last row is exposed at the time of the frame. Poses are interpolated between the last "
+                       "measurement and this one. All other things stand as at the time of the frame.",
               .source = "attribute row_time above 0",
               .outputs = kShownInColor | kShownInDepth,
               .knob = "rows_per_pose",

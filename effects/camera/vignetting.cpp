@@ -11,11 +11,11 @@ constexpr AttributeSpec kAttributes[] = {
     {.name = "vignetting",
      .kind = AttributeKind::choice,
      .default_value = "none",
-     .text = "how the image grows darker towards its corners: cos^4 of the angle, or a polynomial of v1, v2, v3",
+     .text = "none, cos^4 of the angle, or a polynomial",
      .choices = "none natural polynomial"},
-    {.name = "v1", .default_value = "0", .text = "of r^2, with r = 1 at half the image's diagonal"},
-    {.name = "v2", .default_value = "0", .text = "of r^4"},
-    {.name = "v3", .default_value = "0", .text = "of r^6"},
+    {.name = "v1", .default_value = "0", .text = "coefficient of r^2"},
+    {.name = "v2", .default_value = "0", .text = "coefficient of r^4"},
+    {.name = "v3", .default_value = "0", .text = "coefficient of r^6"},
 };
 
 std::unique_ptr<CameraEffect> create(const CameraEffectContext& context) {
@@ -29,6 +29,8 @@ std::unique_ptr<CameraEffect> create(const CameraEffectContext& context) {
 const CameraEffectRegistration kRegistration(
     {.type = {.name = "vignetting",
               .summary = "An image that grows darker towards its corners.",
+              .notes = "natural is cos^4 of the angle to the optical axis; polynomial is 1 + v1 r^2 + v2 r^4 + v3 r^6 "
+                       "with r = 1 at half the diagonal.",
               .source = "attribute vignetting other than none",
               .outputs = kShownInColor,
               .reference = "cos^4: Kang and Weiss, ECCV 2000; polynomial: Goldman, PAMI 32, 2010",

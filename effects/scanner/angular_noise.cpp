@@ -10,7 +10,7 @@ constexpr AttributeSpec kAttributes[] = {
     {.name = "angular_noise",
      .default_value = "0",
      .unit = "deg",
-     .text = "standard deviation of a beam's azimuth and of its elevation",
+     .text = "standard deviation of azimuth and of elevation",
      .min = 0,
      .max = 90},
 };
@@ -21,16 +21,16 @@ std::unique_ptr<ScanEffect> create(const ScanEffectContext& context) {
   return std::make_unique<AngularNoise>(glm::radians(deviation_deg), context.random("angular_noise"));
 }
 
-const ScanEffectRegistration kRegistration(
-    {.type = {.name = "angular_noise",
-              .summary = "Beams go out at angles that are off by Gaussian noise.",
-              .source = "attribute angular_noise above 0",
-              .outputs = kShownInRanges,
-              .reference = "moments of the normal distribution",
-              .sensors = "laser_scanner",
-              .attributes = kAttributes},
-     .order = ScanOrder::direction,
-     .create = create});
+const ScanEffectRegistration kRegistration({.type = {.name = "angular_noise",
+                                                     .summary = "Beams leave at angles with Gaussian noise.",
+                                                     .notes = "The scan reports the nominal angles.",
+                                                     .source = "attribute angular_noise above 0",
+                                                     .outputs = kShownInRanges,
+                                                     .reference = "moments of the normal distribution",
+                                                     .sensors = "laser_scanner",
+                                                     .attributes = kAttributes},
+                                            .order = ScanOrder::direction,
+                                            .create = create});
 
 }  // namespace
 

@@ -12,14 +12,14 @@ namespace {
 constexpr AttributeSpec kAttributes[] = {
     {.name = "least_power",
      .unit = "1/m^2",
-     .text = "weather: weaker echoes are lost; 1 is a white matte wall at 1 m, square on; of reflectance 0.1 at "
-             "range_max if not given",
+     .text = "weather: weaker echoes are lost; a white matte wall at 1 m, perpendicular, has 1; default: a surface of "
+             "reflectance 0.1 at range_max",
      .min = 0,
      .open_min = true},
     {.name = "beam_diameter",
      .default_value = "0.01",
      .unit = "m",
-     .text = "rain: of the beam in which drops are met",
+     .text = "rain: diameter of the beam in which drops are hit",
      .min = 0,
      .max = 10,
      .open_min = true},
@@ -94,7 +94,10 @@ std::unique_ptr<ScanEffect> create(const ScanEffectContext& context) {
 
 const ScanEffectRegistration kRegistration({
     .type = {.name = "atmosphere",
-             .summary = "echoes weakened and lost in fog, rain and dust, and false ones of the air and of drops",
+             .summary = "Echoes are weakened and lost in fog, rain and dust; air and drops return false ones.",
+             .notes = "An echo fades by exp(-2 extinction range). Weak echoes are lost. The air itself and single "
+                      "drops return false echoes. While there is weather every beam is cast, whatever the method; "
+                      "run.json says so in cast_for.",
              .source = "an element fog",
              .outputs = kShownInRanges,
              .reference = "Beer and Lambert; Koschmieder 1924, Kim et al. 2001, Marshall and Palmer 1948",

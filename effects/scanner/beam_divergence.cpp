@@ -10,13 +10,13 @@ constexpr AttributeSpec kAttributes[] = {
     {.name = "divergence",
      .default_value = "0",
      .unit = "deg",
-     .text = "full angle of the cone of light; 0: a beam is a line",
+     .text = "full angle of the cone of light; 0: the beam is a line",
      .min = 0,
      .max = 30},
     {.name = "divergence_samples",
      .kind = AttributeKind::integer,
      .default_value = "32",
-     .text = "rays over the footprint of each beam",
+     .text = "rays over the cross-section of each beam",
      .min = 1,
      .max = 65536},
 };
@@ -31,7 +31,10 @@ std::unique_ptr<ScanEffect> create(const ScanEffectContext& context) {
 
 const ScanEffectRegistration kRegistration(
     {.type = {.name = "beam_divergence",
-              .summary = "Beams are cones: what they meet is a patch, and ranges mix at edges.",
+              .summary = "Beams are cones of light: each one meets a patch, and ranges mix at edges.",
+              .notes = "Rays of equal shares sample the disc evenly. Ranges mix at edges because the beam is wide, "
+                       "never by interpolation. The pattern differs from beam to beam and stays the same from frame to "
+                       "frame. Four times as many samples leave about a third of the error.",
               .source = "attribute divergence above 0",
               .outputs = kShownInRanges,
               .knob = "divergence_samples",

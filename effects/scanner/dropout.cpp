@@ -23,17 +23,17 @@ namespace {
 constexpr AttributeSpec kAttributes[] = {
     {.name = "dropout",
      .default_value = "0",
-     .text = "probability that a beam is lost, whatever it meets",
+     .text = "probability that a beam is lost, whatever it hits",
      .min = 0,
      .max = 1},
     {.name = "dropout_power",
      .default_value = "0",
      .unit = "1/m^2",
-     .text = "half of the echoes of this power are lost; reflectance x cosine / range^2; 0: none",
+     .text = "half of the echoes of this power, reflectance x cosine / range^2, are lost; 0: none",
      .min = 0},
     {.name = "dropout_noise",
      .default_value = "0.1",
-     .text = "of the receiver, standard deviation as a share of dropout_power; 0: a sharp threshold",
+     .text = "standard deviation of the receiver's noise as a share of dropout_power; 0: a sharp threshold",
      .min = 0},
 };
 
@@ -75,14 +75,19 @@ class Dropout : public ScanEffect {
 };
 
 const ScanEffectRegistration kRegistration({
-    .type = {.name = "dropout",
-             .summary = "beams are lost: for want of light, and by chance",
-             .source = "attribute dropout or dropout_power above 0",
-             .outputs = kShownInRanges,
-             .reference = "detection of a pulse in Gaussian noise: Richmond and Cain, Direct-Detection LADAR Systems "
-                          "(SPIE 2010)",
-             .sensors = "laser_scanner",
-             .attributes = kAttributes},
+    .type =
+        {.name = "dropout",
+         .summary = "Beams are lost because too little light returns, or by chance.",
+         .notes =
+             "An echo of power P is lost with the probability erfc((P - T) / (s T sqrt 2)) / 2, where T is "
+             "dropout_power and s is dropout_noise: an amplitude with Gaussian noise against a threshold. "
+             "dropout_power follows beams. A target of 10 % reflectance that is detected up to 10 m means T = 0.001.",
+         .source = "attribute dropout or dropout_power above 0",
+         .outputs = kShownInRanges,
+         .reference = "detection of a pulse in Gaussian noise: Richmond and Cain, Direct-Detection LADAR Systems "
+                      "(SPIE 2010)",
+         .sensors = "laser_scanner",
+         .attributes = kAttributes},
     .order = ScanOrder::disturbance,
     .create = [](const ScanEffectContext& context) -> std::unique_ptr<ScanEffect> {
       const AttributeValues& a = context.attributes;

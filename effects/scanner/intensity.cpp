@@ -19,7 +19,7 @@ constexpr AttributeSpec kAttributes[] = {
     {.name = "intensity",
      .kind = AttributeKind::choice,
      .default_value = "off",
-     .text = "a column intensity (1/m^2): reflectance x cosine / range^2",
+     .text = "on: a column intensity in 1/m^2, reflectance x cosine / range^2",
      .choices = "off on"},
 };
 
@@ -42,7 +42,10 @@ class Intensity : public ScanEffect {
 // After all that may lose a beam.
 const ScanEffectRegistration kRegistration({
     .type = {.name = "intensity",
-             .summary = "how much light came back, as a column beside the range",
+             .summary = "Adds a column with the light that came back from each echo.",
+             .notes = "A white matte wall at a distance of 1 m, perpendicular to the beam, has the intensity 1. The "
+                      "cell is empty without a range. Follows beams. Reflectance is that of the material element, or "
+                      "the mean of the linear base colour.",
              .source = "attribute intensity=\"on\"",
              .outputs = kShownInRanges,
              .reference = "the lidar equation of an extended Lambertian target: Jelalian, Laser Radar Systems (1992)",

@@ -15,14 +15,10 @@ namespace simvis {
 namespace {
 
 constexpr AttributeSpec kAttributes[] = {
-    {.name = "range_noise",
-     .default_value = "0",
-     .unit = "m",
-     .text = "standard deviation of the range, Gaussian",
-     .min = 0},
+    {.name = "range_noise", .default_value = "0", .unit = "m", .text = "standard deviation of the range", .min = 0},
     {.name = "range_noise_rel",
      .default_value = "0",
-     .text = "the same as a share of the range; the variances of both add up",
+     .text = "standard deviation as a share of the range; the two variances add up",
      .min = 0},
 };
 
@@ -50,7 +46,8 @@ class RangeNoise : public ScanEffect {
 
 const ScanEffectRegistration kRegistration({
     .type = {.name = "range_noise",
-             .summary = "Gaussian noise of the range, absolute and relative",
+             .summary = "Gaussian noise of the range, absolute and relative.",
+             .notes = "The error bound refers to the range before noise. Ranges of 0 and inf stay as they are.",
              .source = "attribute range_noise or range_noise_rel above 0",
              .outputs = kShownInRanges,
              .reference = "the normal distribution, by Box and Muller, Ann. Math. Statist. 29 (1958)",

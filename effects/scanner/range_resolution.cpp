@@ -15,7 +15,7 @@ constexpr AttributeSpec kAttributes[] = {
     {.name = "range_resolution",
      .default_value = "0",
      .unit = "m",
-     .text = "ranges are rounded to multiples of this; 0: they are not",
+     .text = "ranges are rounded to multiples of this; 0: no rounding",
      .min = 0},
 };
 
@@ -42,7 +42,8 @@ class RangeResolution : public ScanEffect {
 
 const ScanEffectRegistration kRegistration({
     .type = {.name = "range_resolution",
-             .summary = "ranges in steps",
+             .summary = "Ranges in steps.",
+             .notes = "Rounding happens after noise; the error bound grows by as much as the range moved.",
              .source = "attribute range_resolution above 0",
              .outputs = kShownInRanges,
              .reference = "the nearest multiple, halves up",

@@ -34,7 +34,10 @@ bool has_reflectors(const DrawList& list) {
 
 const ScanEffectRegistration kRegistration({
     .type = {.name = "retro_reflection",
-             .summary = "retro-reflectors send a laser's light back at whatever slant",
+             .summary = "Retro-reflectors send laser light back to the scanner.",
+             .notes =
+                 "A material with retro_reflectance (see the element material) has that gain within 40 degrees of the "
+                 "perpendicular. It counts in scans whose effects follow beams; it has no attributes of its own.",
              .source = "a material with retro_reflectance above 0",
              .outputs = kShownInRanges,
              .reference = "coefficient of retroreflection: ASTM E808, EN 12899-1",

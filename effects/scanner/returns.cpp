@@ -30,11 +30,11 @@ constexpr AttributeSpec kAttributes[] = {
     {.name = "return",
      .kind = AttributeKind::choice,
      .default_value = "strongest",
-     .text = "which of a beam's returns is reported",
+     .text = "the return that is reported",
      .choices = "strongest first last"},
     {.name = "pulse_length",
      .unit = "m",
-     .text = "echoes that follow more closely are one return: half the way of light in a pulse; 0.75 if not given",
+     .text = "c T / 2 of a pulse of duration T; echoes closer than this are one return; default: 0.75",
      .min = 0},
 };
 
@@ -50,7 +50,10 @@ std::unique_ptr<ScanEffect> create(const ScanEffectContext& context) {
 
 const ScanEffectRegistration kRegistration(
     {.type = {.name = "returns",
-              .summary = "First, last or strongest of the returns of a beam, and how many there are.",
+              .summary = "First, last or strongest return of a beam, and how many there are.",
+              .notes = "Adds the column return_count. Echoes without a gap of one pulse length are one return, at "
+                       "their mean range weighted by power. Without this effect a scan reports the strongest return, "
+                       "with pulses of 0.75 m (5 ns).",
               .source = "attribute return first or last, or pulse_length",
               .outputs = kShownInRanges,
               .reference = "overlapping echoes are one pulse: c T / 2; its range the mean, weighted by power",

@@ -15,7 +15,7 @@ constexpr AttributeSpec kAttributes[] = {
     {.name = "path_depth",
      .kind = AttributeKind::integer,
      .default_value = "0",
-     .text = "how often a beam goes on from a mirror or through glass; 0: they are surfaces like others",
+     .text = "number of times a beam continues; 0: mirrors and glass are surfaces like others",
      .min = 0,
      .max = 16},
 };
@@ -87,7 +87,9 @@ bool called_for(const DrawList& list) {
 
 const ScanEffectRegistration kRegistration({
     .type = {.name = "specular_path",
-             .summary = "beams that go on from mirrors and through panes of glass",
+             .summary = "Beams continue from mirrors and through panes of glass.",
+             .notes = "Mirrors and glass are materials with mirror or transmission (see the element material), or with "
+                      "glTF's KHR_materials_transmission. The range is the length of the whole path.",
              .source = "attribute path_depth above 0, and a material with mirror or transmission above 0",
              .outputs = kShownInRanges,
              .knob = "path_depth",

@@ -14,12 +14,12 @@ constexpr AttributeSpec kAttributes[] = {
     {.name = "sweep",
      .default_value = "0",
      .unit = "s",
-     .text = "from a scan's first beam to its last, which leaves at the frame's time; 0: all leave at once",
+     .text = "time from the first beam of a scan to the last; 0: all beams leave at once",
      .min = 0},
     {.name = "sweep_direction",
      .kind = AttributeKind::choice,
      .default_value = "ccw",
-     .text = "from min_angle to max_angle: ccw; the other way: cw",
+     .text = "ccw: from min_angle to max_angle; cw: the other way",
      .choices = "ccw cw"},
 };
 
@@ -32,6 +32,10 @@ std::unique_ptr<ScanEffect> create(const ScanEffectContext& context) {
 const ScanEffectRegistration kRegistration(
     {.type = {.name = "sweep_motion",
               .summary = "Each beam leaves at its own time, from where the sensor was then.",
+              .notes = "The last beam leaves at the time of the frame. The sensor is taken to move evenly since its "
+                       "previous measurement; at its first measurement it stands still. Ranges and x, y, z are in the "
+                       "frame at the time of emission; the column time_s has the time of each beam. All other things "
+                       "stand as at the time of the frame.",
               .source = "attribute sweep above 0",
               .outputs = kShownInRanges,
               .reference = "closed form of a scanner that moves past a wall, towards it, and turns",

@@ -10,7 +10,10 @@ bool in_scene(const DrawList& list) { return list.medium.extinction_per_m > 0; }
 
 const EffectRegistration kRegistration({
     .name = "fog",
-    .summary = "surfaces fade into the airlight with their distance",
+    .summary = "Surfaces fade into the airlight with distance.",
+    .notes =
+        "A surface at the distance d along its ray has the radiance x t + airlight (1 - t), where t = exp(-extinction "
+        "d). The contrast at the visibility is 0.02. The background is the airlight. Depth does not change.",
     .source = "air that weakens visible light: element fog",
     .outputs = kShownInColor,
     .reference = "Koschmieder 1924: radiance = surface x t + airlight x (1 - t), t = exp(-extinction x distance)",

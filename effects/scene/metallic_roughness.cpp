@@ -32,7 +32,10 @@ bool in_scene(const DrawList& list) {
 
 const EffectRegistration kRegistration({
     .name = "metallic_roughness",
-    .summary = "Surfaces reflect as metals and as smooth or rough dielectrics do.",
+    .summary = "Surfaces reflect light like metals and like smooth or rough dielectrics.",
+    .notes = "The formulas are those of glTF 2.0, appendix B, with metallic-roughness, occlusion and emissive "
+             "textures. A material whose file gives neither metalness nor roughness is matte. Ambient light shows base "
+             "colour times ambient light on metal as well.",
     .source = "a material that is metallic or smoother than 1, or has a texture of that, of occlusion or of emission",
     .outputs = kShownInColor,
     .reference = "the formulas of glTF 2.0, appendix B; a white furnace",

@@ -25,7 +25,9 @@ bool in_scene(const DrawList& list) {
 
 const EffectRegistration kRegistration({
     .name = "normal_maps",
-    .summary = "Light falls as on the relief that a picture describes.",
+    .summary = "Light falls on a surface as on the relief that a glTF normal texture describes.",
+    .notes = "The tangent frame follows the texture coordinates in the picture, mirrored ones included. The attribute "
+             "TANGENT is not read.",
     .source = "a lit material with a normal texture",
     .outputs = kShownInColor,
     .reference = "a surface that is really tilted; glTF 2.0, section 3.9.3",

@@ -16,7 +16,12 @@ namespace {
 
 const EffectRegistration kRegistration({
     .name = "shadows",
-    .summary = "what stands in a light's way keeps it from what lies behind",
+    .summary = "Objects cast shadows in the light of lights with shadows=\"yes\".",
+    .notes = "An edge of a shadow is off by at most half a texel of the shadow map along each axis. Edges are not "
+             "smoothed, and surfaces do not shade themselves. A point light has a cube of maps, a spot light one map "
+             "(or a cube for cones beyond 60 degrees to a side), and a directional light one map for each view, whose "
+             "texels stand still in the world. Surfaces that a laser hits cast shadows. A view takes at most 64 lights "
+             "with shadows. There are no cascades.",
     .source = "a light element with shadows=\"yes\"",
     .outputs = kShownInColor,
     .knob = "shadow_resolution",

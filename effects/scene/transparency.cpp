@@ -18,7 +18,10 @@ bool in_scene(const DrawList& list) {
 
 const EffectRegistration kRegistration({
     .name = "transparency",
-    .summary = "what lies behind blended and faded surfaces shows through them",
+    .summary = "Surfaces behind blended and faded surfaces show through them.",
+    .notes = "Layers are composited by depth, sample by sample, in whatever order parts and faces are drawn. Crossing "
+             "panes are exact, and a shuffled scene file gives the same bytes. Every layer is kept, at 32 bytes each; "
+             "a frame that needs more memory is drawn again with more. This effect is slow on lavapipe.",
     .source = "a part with a material that is blended, or whose opacity is below 1",
     .outputs = kShownInColor,
     .reference = "Porter and Duff 1984: over, of all surfaces of a sample by their depth",

@@ -4,13 +4,14 @@ namespace simvis {
 namespace {
 
 constexpr AttributeSpec kAttributes[] = {
-    marker_size_row("length", "0.5", "of each arrow; 0: none are drawn"),
-    marker_size_row("width", "0.02", "thickness of an arrow's shaft; 0: none are drawn"),
+    marker_size_row("length", "0.5", "length of each arrow; 0: not drawn"),
+    marker_size_row("width", "0.02", "thickness of the shafts; 0: not drawn"),
 };
 
 const ElementRegistration kRegistration({
     .name = "frame_axes",
-    .summary = "arrows along the axes at its insertion point (x red, y green, z blue), for visualization cameras only",
+    .summary = "Arrows along the axes of the frame at its insertion point: x red, y green, z blue.",
+    .notes = "Only cameras with view=\"visualization\" show it; simulated sensors never see it.",
     .attributes = kAttributes,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<FrameAxesElement>(context);

@@ -14,12 +14,12 @@ constexpr AttributeSpec kAttributes[] = {
     {.name = "nodes",
      .kind = AttributeKind::text,
      .unit = "m",
-     .text = "the place of each node, \"x y z, x y z, ...\"; then live as x0 y0 z0 x1 y1 z1 ..."},
+     .text = "required: positions of the nodes, \"x y z, x y z, ...\""},
     {.name = "edges",
      .kind = AttributeKind::text,
-     .text = "which nodes are joined, \"0-1, 1-2, ...\", the first node being 0; none if not given"},
-    marker_size_row("size", "0.25", "of a node; 0: none are drawn"),
-    marker_size_row("width", "0.05", "thickness of an edge; 0: none are drawn"),
+     .text = "pairs of nodes, \"0-1, 1-2, ...\"; the first node is 0; default: no edges"},
+    marker_size_row("size", "0.25", "size of a node; 0: not drawn"),
+    marker_size_row("width", "0.05", "thickness of an edge; 0: not drawn"),
     color_row("red", "1", "red of the nodes"),
     color_row("green", "0.35", "green of the nodes"),
     color_row("blue", "0", "blue of the nodes"),
@@ -31,7 +31,9 @@ constexpr std::size_t kFirstCoordinate = 8;  // among the live rows
 
 const ElementRegistration kRegistration({
     .name = "graph",
-    .summary = "nodes and edges of a map, for visualization cameras only",
+    .summary = "Nodes and edges of a map, in the frame of its insertion point.",
+    .notes = "Only cameras with view=\"visualization\" show it; simulated sensors never see it.\nEach coordinate of a "
+             "node is a live parameter: x0, y0, z0, x1 and so on.",
     .attributes = kAttributes,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<GraphElement>(context);

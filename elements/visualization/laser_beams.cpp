@@ -7,13 +7,15 @@ namespace simvis {
 namespace {
 
 constexpr AttributeSpec kAttributes[] = {
-    {.name = "scanner", .kind = AttributeKind::sensor, .text = "the scanner whose beams are drawn"},
-    marker_size_row("width", "0.01", "thickness of a beam; 0: none are drawn"),
-    marker_size_row("size", "0.04", "of the points where beams hit; 0: none are drawn"),
+    {.name = "scanner",
+     .kind = AttributeKind::sensor,
+     .text = "required: name of the laser scanner; it may stand later in the scene"},
+    marker_size_row("width", "0.01", "thickness of a beam; 0: not drawn"),
+    marker_size_row("size", "0.04", "size of the points where beams hit; 0: not drawn"),
     {.name = "every",
      .kind = AttributeKind::number,
      .default_value = "1",
-     .text = "each how many-th beam of a ring is drawn, with its hit; rounded down",
+     .text = "N: every N-th beam of a ring is drawn, with its hit; rounded down",
      .min = 1,
      .max = 1e6,
      .live = true},
@@ -21,14 +23,14 @@ constexpr AttributeSpec kAttributes[] = {
      .kind = AttributeKind::number,
      .default_value = "0",
      .unit = "m",
-     .text = "how far beams that hit nothing are drawn; 0: not at all",
+     .text = "length of beams that hit nothing; 0: not drawn",
      .min = 0,
      .max = kMaxCoordinate_m,
      .live = true},
     {.name = "opacity",
      .kind = AttributeKind::number,
      .default_value = "0.3",
-     .text = "of the beams; the hits are opaque",
+     .text = "opacity of the beams; the hits are opaque",
      .min = 0,
      .max = 1,
      .live = true},
@@ -39,7 +41,9 @@ constexpr AttributeSpec kAttributes[] = {
 
 const ElementRegistration kRegistration({
     .name = "laser_beams",
-    .summary = "draws a scanner's beams and the points that they hit, for visualization cameras only",
+    .summary = "Draws the beams of a laser scanner and the points that they hit.",
+    .notes = "Only cameras with view=\"visualization\" show it; simulated sensors never see it.\nThe beams start where "
+             "the scanner stood when it measured. The insertion point does not matter.",
     .attributes = kAttributes,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<LaserBeamsElement>(context);

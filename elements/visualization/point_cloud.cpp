@@ -9,22 +9,20 @@ namespace simvis {
 namespace {
 
 constexpr AttributeSpec kAttributes[] = {
-    {.name = "file",
-     .kind = AttributeKind::text,
-     .text = "a .csv or .xyz file of points, \"x y z\" or \"x y z r g b\""},
-    {.name = "scanner", .kind = AttributeKind::sensor, .text = "the scanner whose hits are drawn; instead of a file"},
+    {.name = "file", .kind = AttributeKind::text, .text = ".csv or .xyz file with points \"x y z\" or \"x y z r g b\""},
+    {.name = "scanner", .kind = AttributeKind::sensor, .text = "name of a laser scanner, instead of file"},
     {.name = "count",
      .kind = AttributeKind::number,
      .default_value = "1000000",
-     .text = "how many points of the file, or of each scan, are drawn, the first; rounded down",
+     .text = "number of points of the file or of each scan that are drawn, from the first; rounded down",
      .min = 0,
      .max = kMaxPoints,
      .live = true},
-    marker_size_row("size", "0.04", "of a point; 0: none are drawn"),
+    marker_size_row("size", "0.04", "size of a point; 0: not drawn"),
     {.name = "keep",
      .kind = AttributeKind::number,
      .default_value = "1",
-     .text = "how many of the scanner's scans are drawn, the last; rounded down",
+     .text = "number of the scanner's last scans that are drawn; rounded down",
      .min = 1,
      .max = 10000,
      .live = true},
@@ -35,7 +33,11 @@ constexpr AttributeSpec kAttributes[] = {
 
 const ElementRegistration kRegistration({
     .name = "point_cloud",
-    .summary = "points from a file, or where a scanner's beams hit, for visualization cameras only",
+    .summary = "Draws points from a file, or the points that a laser scanner hit.",
+    .notes = "Only cameras with view=\"visualization\" show it; simulated sensors never see it.\nA scene gives either "
+             "file or scanner. Points of a file stand in the frame of the insertion point, points of a scanner in the "
+             "world. A file has at most a million lines \"x y z\" or \"x y z r g b\" (metres; sRGB from 0 to 255), "
+             "separated by spaces or commas.",
     .attributes = kAttributes,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<PointCloudElement>(context);

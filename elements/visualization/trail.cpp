@@ -6,20 +6,20 @@ namespace simvis {
 namespace {
 
 constexpr AttributeSpec kAttributes[] = {
-    {.name = "part", .kind = AttributeKind::part, .text = "the part whose path is drawn"},
-    marker_size_row("width", "0.03", "thickness of the line; 0: none is drawn"),
+    {.name = "part", .kind = AttributeKind::part, .text = "required: name of the part"},
+    marker_size_row("width", "0.03", "thickness of the line; 0: not drawn"),
     {.name = "step",
      .kind = AttributeKind::number,
      .default_value = "0.05",
      .unit = "m",
-     .text = "how far the part must be from the path's last point for another",
+     .text = "distance from the last point at which the next point is added",
      .min = 0.001,
      .max = kMaxMarker_m,
      .live = true},
     {.name = "keep",
      .kind = AttributeKind::number,
      .default_value = "2000",
-     .text = "how many points of the path are kept, the newest; rounded down",
+     .text = "number of newest points that are kept; rounded down",
      .min = 2,
      .max = 100000,
      .live = true},
@@ -30,7 +30,9 @@ constexpr AttributeSpec kAttributes[] = {
 
 const ElementRegistration kRegistration({
     .name = "trail",
-    .summary = "the path that a part has come, for visualization cameras only",
+    .summary = "Draws the path that a part has travelled.",
+    .notes = "Only cameras with view=\"visualization\" show it; simulated sensors never see it.\nThe path takes in "
+             "every movement of the part. The insertion point does not matter.",
     .attributes = kAttributes,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<TrailElement>(context);

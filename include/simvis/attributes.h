@@ -92,8 +92,10 @@ std::string check_number(const AttributeSpec& spec, double value);
 /// a live row that is no number or has no default. For the registries, which stop the program on it.
 std::string check_table(AttributeTable table);
 
-/// The table as `--describe` prints it: one row per attribute, aligned.
-std::string describe(std::string_view type, std::string_view summary, AttributeTable table);
+/// The type as `--describe` prints it: its summary, its notes (paragraphs, separated by '\n'), then one aligned row per
+/// attribute. Lines are at most 120 columns wide.
+std::string describe(std::string_view type, std::string_view summary, AttributeTable table,
+                     std::string_view notes = {});
 
 /// The known name most like `seen`, or an empty string when none is near.
 std::string nearest_name(std::string_view seen, std::span<const std::string_view> known);

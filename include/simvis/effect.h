@@ -27,11 +27,12 @@ enum EffectOutput : std::uint8_t { kShownInColor = 1, kShownInDepth = 2, kShownI
 
 struct EffectType {
   std::string_view name;       ///< "range_noise"
-  std::string_view summary;    ///< one sentence for people
-  std::string_view source;     ///< what in a scene calls for it, for people: "attribute range_noise above 0"
+  std::string_view summary;    ///< one sentence
+  std::string_view notes{};    ///< what the table does not say: paragraphs, separated by '\n'; may be empty
+  std::string_view source;     ///< what in a scene calls for it: "attribute range_noise above 0"
   std::uint8_t outputs = 0;    ///< of EffectOutput
   std::string_view knob{};     ///< the attribute that buys accuracy with time; empty: it is exact
-  std::string_view reference;  ///< what it is held against: formula, publication, data sheet
+  std::string_view reference;  ///< what its tests compare it with: formula, publication, data sheet
   std::string_view sensors{};  ///< types, separated by spaces, whose commands may carry `attributes`
   AttributeTable attributes{};
   /// Of an effect of colour whose source is in the scene alone: whether it is there. Null where a sensor says so, or
@@ -51,7 +52,16 @@ struct EffectRegistration {
 
 /// All of them, sorted by name.
 std::vector<const EffectType*> effect_types();
-/// As `--describe` prints it: what it is, what calls for it, what shows it, its knob and truth, and its attributes.
+/// One fact of an effect besides its attributes, with the label under which `--describe` prints it.
+struct EffectFact {
+  std::string_view label;  ///< "shown in"
+  std::string value;       ///< never empty
+};
+
+/// What calls for the effect, which outputs show it, its knob and what its tests compare it with.
+std::vector<EffectFact> effect_facts(const EffectType& type);
+
+/// As `--describe` prints it: summary, notes, attributes and facts.
 std::string describe_effect(const EffectType& type);
 
 /// Null when there is none of that name.

@@ -68,7 +68,8 @@ struct ElementContext {
 
 struct ElementType {
   std::string_view name;     ///< the command's `type`
-  std::string_view summary;  ///< one sentence for people
+  std::string_view summary;  ///< one sentence
+  std::string_view notes{};  ///< what the table does not say: paragraphs, separated by '\n'; may be empty
   AttributeTable attributes;
   std::unique_ptr<Element> (*create)(const ElementContext& context);
 };

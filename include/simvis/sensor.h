@@ -145,7 +145,8 @@ struct SensorContext {
 
 struct SensorType {
   std::string_view name;      ///< the command's `type`
-  std::string_view summary;   ///< one sentence for people
+  std::string_view summary;   ///< one sentence
+  std::string_view notes{};   ///< what the table does not say: paragraphs, separated by '\n'; may be empty
   AttributeTable attributes;  ///< its own: all_attributes() has those of its effects besides
   std::unique_ptr<Sensor> (*create)(const SensorContext& context);
   std::span<const SensorPreset> presets{};  ///< a type with some has the row kPresetAttribute
@@ -155,7 +156,7 @@ struct SensorType {
 inline constexpr AttributeSpec kRateAttribute{.name = "rate",
                                               .kind = AttributeKind::number,
                                               .unit = "Hz",
-                                              .text = "how often the sensor measures; every frame if not given",
+                                              .text = "measurements per second; default: every frame",
                                               .min = 0,
                                               .open_min = true};
 

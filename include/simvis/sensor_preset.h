@@ -27,7 +27,7 @@ struct SensorPreset {
 inline constexpr AttributeSpec kPresetAttribute{
     .name = "preset",
     .kind = AttributeKind::text,
-    .text = "a device, see below: what it says of attributes that are not written; none if not given"};
+    .text = "a device, see below, whose values hold for attributes that are not given; default: none"};
 
 /// The command without its attribute `preset`, and with what this says of attributes that the command does not write
 /// itself; their place is that of `preset`. Throws InputError there: the type has no preset of that name.

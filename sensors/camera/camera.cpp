@@ -22,14 +22,15 @@ constexpr AttributeSpec kAttributes[] = {
     {.name = "outputs",
      .kind = AttributeKind::flags,
      .default_value = "color",
-     .text = "what the camera delivers",
+     .text = "what the camera measures",
      .choices = "color depth"},
     kSupersamplingAttribute,
     kMsaaAttribute,
     {.name = "view",
      .kind = AttributeKind::choice,
      .default_value = "simulation",
-     .text = "what it sees: the simulated world, or also what elements draw for people (beams, paths, graphs)",
+     .text =
+         "simulation: the simulated world; visualization: also what elements draw for people (beams, paths, graphs)",
      .choices = "simulation visualization"},
     kRateAttribute,
 };
@@ -46,7 +47,17 @@ View whole_image(const Pass& pass) {
   return view;
 }
 
-const SensorRegistration kRegistration({"camera", "A pinhole camera: colour, depth or both.", kAttributes, create});
+const SensorRegistration kRegistration(
+    {.name = "camera",
+     .summary = "A pinhole camera: colour, depth or both.",
+     .notes = "The camera looks along +x of its sensor frame; image x runs to the right, y downwards. Depth is "
+              "measured in metres along the optical axis and is inf where nothing is hit. Pixels are square.\nmsaa "
+              "smooths the edges of shapes only, not masks, highlights or textures. supersampling smooths all of them. "
+              "Depth is always that of pixel centres; next to averaged colour it needs a pass of its own.\nThe C++ "
+              "call value(\"CAMERA\", \"depth_error_bound_m\") bounds the error of the last depth image; "
+              "sensors/camera/depth_error_bound.h derives the bound.",
+     .attributes = kAttributes,
+     .create = create});
 
 }  // namespace
 

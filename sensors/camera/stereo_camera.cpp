@@ -22,13 +22,13 @@ constexpr AttributeSpec kAttributes[] = {
     {.name = "baseline",
      .default_value = "0.12",
      .unit = "m",
-     .text = "how far the right camera stands to the right of the left one",
+     .text = "distance from the left to the right camera",
      .min = 0,
      .open_min = true},
     {.name = "outputs",
      .kind = AttributeKind::flags,
      .default_value = "color disparity",
-     .text = "what it delivers: colour and depth of both views, disparity of the left",
+     .text = "what the cameras measure: colour and depth of both views, disparity of the left view",
      .choices = "color depth disparity"},
     kSupersamplingAttribute,
     kMsaaAttribute,
@@ -39,9 +39,13 @@ std::unique_ptr<Sensor> create(const SensorContext& context) {
   return std::make_unique<StereoCamera>(context.name, stereo_camera_desc(context));
 }
 
-const SensorRegistration kRegistration({"stereo_camera",
-                                        "Two rectified pinhole cameras side by side, and their true disparity.",
-                                        kAttributes, create});
+const SensorRegistration kRegistration(
+    {.name = "stereo_camera",
+     .summary = "Two rectified pinhole cameras side by side, and their true disparity.",
+     .notes = "The sensor frame is that of the left camera. The right camera stands baseline to its right (-y). "
+              "Disparity is fx * baseline / Z of the left picture in pixels, and 0 where nothing is hit.",
+     .attributes = kAttributes,
+     .create = create});
 
 }  // namespace
 

@@ -20,7 +20,7 @@ constexpr AttributeSpec kAttributes[] = {
     {.name = "opening",
      .default_value = "5",
      .unit = "deg",
-     .text = "of the cone of light, from side to side",
+     .text = "full angle of the cone of light",
      .min = 0,
      .max = 90,
      .open_min = true},
@@ -28,25 +28,29 @@ constexpr AttributeSpec kAttributes[] = {
      .kind = AttributeKind::integer,
      .default_value = "16",
      .unit = "px",
-     .text = "pixels of the depth view across the cone",
+     .text = "pixels of the depth image across the cone",
      .min = 2,
      .max = 1024},
     {.name = "curve",
      .kind = AttributeKind::text,
      .default_value = "gp2y0a21yk",
-     .text = "voltage over range: gp2y0a21yk for the curve of that device, or points RANGE_M:VOLT"},
+     .text = "voltage over range: gp2y0a21yk for that device, or points RANGE_M:VOLT"},
     {.name = "range_min",
      .default_value = "0.1",
      .unit = "m",
-     .text = "what is nearer along the axis reads 0 in range_m",
+     .text = "a surface nearer than this along the axis reads 0 in range_m",
      .min = 0},
     {.name = "range_max",
      .default_value = "0.8",
      .unit = "m",
-     .text = "what is farther along the axis reads inf in range_m",
+     .text = "a surface farther than this along the axis reads inf in range_m",
      .min = 0,
      .open_min = true},
-    {.name = "noise", .default_value = "0", .unit = "V", .text = "standard deviation of the voltage", .min = 0},
+    {.name = "noise",
+     .default_value = "0",
+     .unit = "V",
+     .text = "standard deviation of the Gaussian noise of the voltage",
+     .min = 0},
     kRateAttribute,
 };
 
@@ -62,8 +66,15 @@ std::unique_ptr<Sensor> create(const SensorContext& context) {
   return std::make_unique<Psd>(context.name, desc, *std::move(curve));
 }
 
-const SensorRegistration kRegistration({"psd", "An infrared distance sensor with an analogue voltage, as Sharp makes.",
-                                        kAttributes, create});
+const SensorRegistration kRegistration(
+    {.name = "psd",
+     .summary = "An infrared distance sensor (position-sensitive detector, PSD) with an analogue voltage, like those "
+                "made by Sharp.",
+     .notes = "The sensor measures along +x, from a small depth image of its cone; sensors/psd/psd.h says how. The "
+              "reading does not depend on the colour or the slant of the surface. A curve of points is linear in 1 / "
+              "range between its points.",
+     .attributes = kAttributes,
+     .create = create});
 
 }  // namespace
 

@@ -14,8 +14,6 @@
 #include <string>
 #include <vector>
 
-#include <simvis/effect.h>
-#include <simvis/element.h>
 #include <simvis/plugin.h>
 #include <simvis/simulation.h>
 #include <simvis/trajectory.h>
@@ -34,6 +32,7 @@
 #include "simvis/report/run_report.h"
 #include "simvis/report/shard.h"
 #include "simvis/report/summary.h"
+#include "simvis/report/type_reference.h"
 
 namespace simvis {
 namespace {
@@ -47,7 +46,7 @@ struct Options {
   unsigned threads = 0;
   double rate_hz = SimulationDesc{}.rate_hz;
   bool list_devices = false, explain = false, quiet = false;
-  bool price = false, summary = false, names_out = false;
+  bool price = false, summary = false, names_out = false, markdown = false;
 };
 
 /// CLI11 would take -3 for 2^64 - 3, and the largest number for what is larger.
@@ -128,8 +127,11 @@ void declare_options(CLI::App& app, Options& options) {
       ->excludes("--price")
       ->excludes("--shard")
       ->excludes("--quiet");
-  app.add_option("--describe", options.describe, "print the attributes of an element, sensor or effect, and exit")
-      ->type_name("TYPE");
+  CLI::Option* const describe =
+      app.add_option("--describe", options.describe,
+                     "print what an element, sensor or effect does and its attributes, and exit; all: of every one")
+          ->type_name("TYPE");
+  app.add_flag("--markdown", options.markdown, "with --describe: as Markdown")->needs(describe);
   app.add_flag("--list-devices", options.list_devices, "print the Vulkan devices of this machine, and exit");
   app.set_version_flag("--version", "simvis-run " + std::string(version()), "print the version, and exit");
   app.set_help_flag("--help", "print this help, and exit");
@@ -180,24 +182,10 @@ void print_devices() {
   }
 }
 
-void print_description(const std::string& type) {
-  const ElementType* const element = find_element_type(type);
-  const SensorType* const sensor = find_sensor_type(type);
-  const EffectType* const effect = find_effect_type(type);
-  if (element != nullptr) std::cout << describe(element->name, element->summary, element->attributes) << '\n';
-  if (sensor != nullptr) {
-    std::cout << describe(sensor->name, sensor->summary, all_attributes(*sensor)) << describe_presets(*sensor) << '\n';
-  }
-  if (effect != nullptr) std::cout << describe_effect(*effect) << '\n';
-  if (element != nullptr || sensor != nullptr || effect != nullptr) return;
-  std::vector<std::string_view> known;
-  for (const ElementType* each : element_types()) known.push_back(each->name);
-  for (const SensorType* each : sensor_types()) known.push_back(each->name);
-  for (const EffectType* each : effect_types()) known.push_back(each->name);
-  std::string list;
-  for (const std::string_view name : known) list += (list.empty() ? "" : ", ") + std::string(name);
-  throw InputError("--describe: there is no element, sensor or effect type \"" + type + "\"" + suggestion(type, known) +
-                   " (known: " + list + ")");
+void print_description(const Options& options) {
+  in_option("--describe", [&] {
+    std::cout << type_reference(options.describe, options.markdown ? ReferenceFormat::markdown : ReferenceFormat::text);
+  });
 }
 
 void set_parameter(Simulation& simulation, const std::string& assignment) {
@@ -465,7 +453,7 @@ int main_or_throw(int argc, char** argv) {
   if (options.list_devices) {
     print_devices();
   } else if (!options.describe.empty()) {
-    print_description(options.describe);
+    print_description(options);
   } else if (options.price) {
     options.names_out = app.count("--out") > 0;
     if (app.count("--frames") == 0) options.frames = PriceDesc().frames;

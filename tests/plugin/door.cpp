@@ -1,4 +1,4 @@
-// door.cpp: an element that turns what follows its insertion point about the z axis, as a door on its hinge.
+// door.cpp: an element that turns what follows its insertion point about the z axis, like a door on its hinge.
 #include <simvis/element.h>
 #include <simvis/pose.h>
 
@@ -13,7 +13,7 @@ class Door : public simvis::Element {
   explicit Door(const simvis::ElementContext& context) : hinge_(std::make_shared<simvis::Transform>()) {
     context.scene.insert(context.command, hinge_);
   }
-  void update(simvis::ParameterView values) override {  // each time that a live parameter has changed
+  void update(simvis::ParameterView values) override {  // called when a live parameter has changed
     hinge_->set_matrix(simvis::matrix_from_degrees({0, 0, 0}, 0, 0, 0.9 * values[0]));
   }
 
@@ -23,7 +23,7 @@ class Door : public simvis::Element {
 
 const simvis::ElementRegistration kRegistration({
     .name = "door",
-    .summary = "turns what follows about the z axis, as a door on its hinge",
+    .summary = "Turns what follows its insertion point about the z axis, like a door on its hinge.",
     .attributes = kAttributes,
     .create = [](const simvis::ElementContext& context) -> std::unique_ptr<simvis::Element> {
       return std::make_unique<Door>(context);

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "scenegraph/language/markdown.h"
 #include "tests/support/error_of.h"
 
 namespace simvis {
@@ -149,6 +150,21 @@ TEST_CASE("the description shows every row within 120 columns") {
     CHECK(end - begin <= 120);
     begin = end + 1;
   }
+}
+
+TEST_CASE("notes stand between the summary and the table, as paragraphs") {
+  CHECK(contains(describe("t", "s", kTable, "one\ntwo"), "t: s\n\none\n\ntwo\n\nname "));
+  CHECK(describe("t", "s", {}, "one") == "t: s\n\none\n");
+}
+
+TEST_CASE("a Markdown table has a line for each attribute, and no markup of the texts") {
+  const AttributeSpec row{
+      .name = "kind", .kind = AttributeKind::choice, .default_value = "a", .text = "a * b [c]", .choices = "a b"};
+  CHECK(markdown_table({&row, 1}) ==
+        "| name | kind | default | unit | allowed | live | meaning |\n"
+        "|---|---|---|---|---|---|---|\n"
+        "| `kind` | choice | a | | a\\|b | | a \\* b \\[c] |\n");
+  CHECK(markdown_table({}) == "");
 }
 
 TEST_CASE("a table with a mistake in it is found out") {

@@ -61,7 +61,7 @@ TEST_CASE("a scene is run with the types of a plug-in") {
   CHECK(distances[2] == "inf");
 }
 
-TEST_CASE("the door of the README opens") {
+TEST_CASE("the door of the tutorial opens") {
   const TemporaryFolder folder;
   // The probe stands before the hinge and stays; the plate 2 m ahead turns with the door.
   write_text(folder / "scene.xml", R"(<scene>

@@ -29,7 +29,7 @@ constexpr std::string_view kScene = R"(
 <sensor type="laser_scanner" name="PLANAR" insert_at="ROOT" method="planar" samples="11" min_angle="-60" max_angle="60"/>
 <sensor type="camera" name="SLOW" insert_at="ROOT" width="8" height="8" rate="1"/>)";
 
-// As the README joins them.
+// As docs/command-line.md joins them.
 constexpr const char* kJoin =
     "cd \"$1\" && for first in *-0-of-\"$2\".csv; do table=${first%-0-of-*}; "
     "(head -n 1 \"$first\"; tail -qn +2 \"$table\"-*-of-\"$2\".csv | sort -snt, -k1,1) > \"$table.csv\"; done";

@@ -1,0 +1,96 @@
+// README.md and docs/ are complete and current: length, links, the generated reference.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <regex>
+#include <string>
+
+#include <simvis/effect.h>
+#include <simvis/element.h>
+#include <simvis/sensor.h>
+#include "scenegraph/language/markdown.h"
+#include "tests/support/markdown.h"
+#include "tests/support/run_process.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/support/tested_build.h"
+
+namespace simvis {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::ptrdiff_t kReadmeLines = 200, kExampleLines = 40;
+
+const fs::path kRoot = SIMVIS_SOURCE_DIR;
+const std::string kProgram = tested_build() + "/bin/simvis-run";
+
+std::string described(const std::string& type) {
+  const ProcessResult result = Process({kProgram, "--describe", type, "--markdown"}).wait();
+  REQUIRE(result.exit_code == 0);
+  return result.out;
+}
+
+}  // namespace
+
+TEST_CASE("docs/reference.md is what the program prints") {
+  INFO("to make it anew: build/release/bin/simvis-run --describe all --markdown > docs/reference.md");
+  // Not one CHECK of two long texts: doctest would print both.
+  const bool current = read_text(kRoot / "docs/reference.md") == described("all");
+  CHECK(current);
+}
+
+TEST_CASE("the reference has every type with its summary, notes and attributes") {
+  const std::string page = described("all");
+  const auto check = [&](const std::string& heading, const auto& type) {
+    CAPTURE(heading);
+    const std::size_t start = page.find("### " + heading + " `" + std::string(type.name) + "`\n");
+    REQUIRE(start != page.npos);
+    const std::string section = page.substr(start, page.find("\n### ", start) - start);
+    CHECK(section.find(markdown_text(type.summary)) != section.npos);
+    CHECK(section.find(markdown_text(type.notes.substr(0, type.notes.find('\n')))) != section.npos);
+    for (const AttributeSpec& row : type.attributes) {
+      CAPTURE(row.name);
+      CHECK(section.find("| `" + std::string(row.name) + "` |") != section.npos);
+    }
+  };
+  for (const ElementType* type : element_types()) check("Element", *type);
+  for (const SensorType* type : sensor_types()) check("Sensor", *type);
+  for (const EffectType* type : effect_types()) check("Effect", *type);
+}
+
+TEST_CASE("--describe gives the notes of a type within 120 columns, and as Markdown its section") {
+  const ProcessResult text = Process({kProgram, "--describe", "fog"}).wait();
+  CHECK(text.out.find("Of several fog elements the last one counts.") != std::string::npos);
+  std::istringstream lines(text.out);
+  for (std::string line; std::getline(lines, line);) CHECK(line.size() <= 120);
+  const std::string section = described("fog");
+  CHECK(section.starts_with("### Element `fog`\n"));
+  CHECK(section.find("### Effect `fog`\n") != section.npos);
+  CHECK(described("all").find(section.substr(0, section.find("### Effect"))) != std::string::npos);
+  CHECK(Process({kProgram, "--markdown"}).wait().exit_code == 2);
+}
+
+TEST_CASE("README.md is short, and so is the example of an element") {
+  CHECK(std::ranges::count(read_text(kRoot / "README.md"), '\n') <= kReadmeLines);
+  CHECK(std::ranges::count(read_text(kRoot / "tests/plugin/door.cpp"), '\n') < kExampleLines);
+}
+
+TEST_CASE("the tutorial shows the plug-in that the tests compile and run") {
+  const auto blocks = markdown_blocks(kRoot / "docs/tutorial.md");
+  CHECK(std::ranges::any_of(
+      blocks, [](const MarkdownBlock& block) { return block.mark("same as") == "tests/plugin/door.cpp"; }));
+}
+
+TEST_CASE("links within the documentation lead to files") {
+  const std::regex link(R"(\]\(([^)#:]+)(#[^)]*)?\))");
+  for (const fs::path& page : documentation_pages()) {
+    const std::string text = read_text(page);
+    for (auto at = std::sregex_iterator(text.begin(), text.end(), link); at != std::sregex_iterator(); ++at) {
+      CAPTURE(page.string());
+      CAPTURE((*at)[1].str());
+      CHECK(fs::exists(page.parent_path() / (*at)[1].str()));
+    }
+  }
+}
+
+}  // namespace simvis
