@@ -12,7 +12,7 @@ namespace {
 // Thirty years: at the far ends a double still tells a tenth of a microsecond.
 constexpr double kMaxTime_s = 1e9;
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kAnimationAttributes[] = {
     {.name = "part", .kind = AttributeKind::part, .text = "whose animation it is"},
     {.name = "clip",
      .kind = AttributeKind::text,
@@ -32,10 +32,10 @@ constexpr AttributeSpec kAttributes[] = {
      .live = true},
 };
 
-const ElementRegistration kRegistration({
+const ElementRegistration kAnimationRegistration({
     .name = "animation",
     .summary = "plays a glTF animation of a part",
-    .attributes = kAttributes,
+    .attributes = kAnimationAttributes,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<AnimationElement>(context);
     },

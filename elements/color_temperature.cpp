@@ -8,7 +8,7 @@
 namespace simvis {
 namespace {
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kColorTemperatureAttributes[] = {
     {.name = "light", .kind = AttributeKind::element, .text = "the light element to colour"},
     {.name = "kelvin",
      .default_value = "6500",
@@ -19,10 +19,10 @@ constexpr AttributeSpec kAttributes[] = {
      .live = true},
 };
 
-const ElementRegistration kRegistration({
+const ElementRegistration kColorTemperatureRegistration({
     .name = "color_temperature",
     .summary = "gives a light the colour of a black body",
-    .attributes = kAttributes,
+    .attributes = kColorTemperatureAttributes,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<ColorTemperatureElement>(context);
     },

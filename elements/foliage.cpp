@@ -3,7 +3,7 @@
 namespace simvis {
 namespace {
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kFoliageAttributes[] = {
     {.name = "part", .kind = AttributeKind::part, .text = "the part whose masked and blended materials are leaves"},
     {.name = "transparency",
      .default_value = "0",
@@ -14,10 +14,10 @@ constexpr AttributeSpec kAttributes[] = {
      .live = true},
 };
 
-const ElementRegistration kRegistration({
+const ElementRegistration kFoliageRegistration({
     .name = "foliage",
     .summary = "fades the leaves of a part",
-    .attributes = kAttributes,
+    .attributes = kFoliageAttributes,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<FoliageElement>(context);
     },

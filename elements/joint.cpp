@@ -7,7 +7,7 @@
 namespace simvis {
 namespace {
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kJointAttributes[] = {
     kAxisAttribute,
     kJointKindAttribute,
     {.name = "lower",
@@ -32,10 +32,10 @@ constexpr AttributeSpec kAttributes[] = {
      .live = true},
 };
 
-const ElementRegistration kRegistration({
+const ElementRegistration kJointRegistration({
     .name = "joint",
     .summary = "turns what follows its insertion point about an axis, or slides it along one",
-    .attributes = kAttributes,
+    .attributes = kJointAttributes,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<JointElement>(context);
     },

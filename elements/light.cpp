@@ -11,38 +11,39 @@ namespace {
 
 constexpr double kMostColor = 1e6, kMostIntensity = 1e12;
 
-constexpr AttributeSpec live(std::string_view name, std::string_view by_default, std::string_view unit,
-                             std::string_view text, double min = -kNoLimit, double max = kNoLimit) {
+constexpr AttributeSpec light_row(std::string_view name, std::string_view by_default, std::string_view unit,
+                                  std::string_view text, double min = -kNoLimit, double max = kNoLimit) {
   return {.name = name, .default_value = by_default, .unit = unit, .text = text, .min = min, .max = max, .live = true};
 }
-constexpr AttributeSpec color(std::string_view name) {
-  return live(name, "1", "", "linear colour, multiplies the intensity", 0, kMostColor);
+constexpr AttributeSpec light_color(std::string_view name) {
+  return light_row(name, "1", "", "linear colour, multiplies the intensity", 0, kMostColor);
 }
 constexpr AttributeSpec place(std::string_view name, std::string_view text) {
-  return live(name, "0", "m", text, -kMaxCoordinate_m, kMaxCoordinate_m);
+  return light_row(name, "0", "m", text, -kMaxCoordinate_m, kMaxCoordinate_m);
 }
 
 // Live rows in the order in which update() takes them; each kind has a part of them.
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kLightAttributes[] = {
     {.name = "kind",
      .kind = AttributeKind::choice,
      .default_value = "directional",
      .text = "directional as the sun; point, alike to all sides; spot, a cone along +x",
      .choices = "directional point spot"},
-    color("red"),
-    color("green"),
-    color("blue"),
-    live("intensity", "1", "lux or cd", "lux for directional, candela for point and spot", 0, kMostIntensity),
-    live("azimuth", "0", "deg", "directional: where the light comes from, counter-clockwise from +x about +z"),
-    live("elevation", "45", "deg", "directional: where the light comes from, above the horizon", -90, 90),
+    light_color("red"),
+    light_color("green"),
+    light_color("blue"),
+    light_row("intensity", "1", "lux or cd", "lux for directional, candela for point and spot", 0, kMostIntensity),
+    light_row("azimuth", "0", "deg", "directional: where the light comes from, counter-clockwise from +x about +z"),
+    light_row("elevation", "45", "deg", "directional: where the light comes from, above the horizon", -90, 90),
     place("x", "point, spot: forward"),
     place("y", "point, spot: to the left"),
     place("z", "point, spot: up"),
-    live("range", "0", "m", "point, spot: the light ends there; 0 is no limit", 0, kMaxCoordinate_m),
-    live("yaw", "0", "deg", "spot: turns its axis to the left"),
-    live("pitch", "0", "deg", "spot: turns its axis down, before yaw"),
-    live("inner_cone", "0", "deg", "spot: full intensity within this angle from the axis", 0, 90),
-    live("outer_cone", "45", "deg", "spot: dark beyond this angle; a sharp edge where inner_cone reaches it", 0, 90),
+    light_row("range", "0", "m", "point, spot: the light ends there; 0 is no limit", 0, kMaxCoordinate_m),
+    light_row("yaw", "0", "deg", "spot: turns its axis to the left"),
+    light_row("pitch", "0", "deg", "spot: turns its axis down, before yaw"),
+    light_row("inner_cone", "0", "deg", "spot: full intensity within this angle from the axis", 0, 90),
+    light_row("outer_cone", "45", "deg", "spot: dark beyond this angle; a sharp edge where inner_cone reaches it", 0,
+              90),
     {.name = "shadows",
      .kind = AttributeKind::choice,
      .default_value = "no",
@@ -59,10 +60,10 @@ constexpr AttributeSpec kAttributes[] = {
      .max = 8192},
 };
 
-const ElementRegistration kRegistration({
+const ElementRegistration kLightRegistration({
     .name = "light",
     .summary = "a directional, point or spot light",
-    .attributes = kAttributes,
+    .attributes = kLightAttributes,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<LightElement>(context);
     },
@@ -73,7 +74,7 @@ LightKind kind_of(const AttributeValues& attributes) {
   return kind == "directional" ? LightKind::directional : kind == "point" ? LightKind::point : LightKind::spot;
 }
 
-bool has(LightKind kind, std::string_view attribute) {
+bool light_has(LightKind kind, std::string_view attribute) {
   constexpr std::string_view kOfDirectional[] = {"azimuth", "elevation"};
   constexpr std::string_view kOfPlaced[] = {"x", "y", "z", "range"};
   constexpr std::string_view kOfSpot[] = {"yaw", "pitch", "inner_cone", "outer_cone"};
@@ -113,7 +114,7 @@ LightElement::LightElement(const ElementContext& context)
       place_(std::make_shared<Transform>()),
       light_(std::make_shared<LightNode>(Light{.kind = kind_, .shadow_px = shadow_px_})) {
   for (const CommandAttribute& attribute : context.command.attributes) {
-    if (has(kind_, attribute.name)) continue;
+    if (light_has(kind_, attribute.name)) continue;
     fail_at(attribute.where, "attribute " + in_quotes(attribute.name) + ": a light of the kind " +
                                  in_quotes(context.attributes.choice("kind")) + " has none");
   }
@@ -125,7 +126,7 @@ LightElement::LightElement(const ElementContext& context)
 }
 
 void LightElement::adapt_parameters(std::vector<AttributeSpec>& live_rows) const {
-  std::erase_if(live_rows, [this](const AttributeSpec& row) { return !has(kind_, row.name); });
+  std::erase_if(live_rows, [this](const AttributeSpec& row) { return !light_has(kind_, row.name); });
   std::ranges::find(live_rows, "intensity", &AttributeSpec::name)->unit =
       kind_ == LightKind::directional ? "lux" : "cd";
 }

@@ -19,7 +19,7 @@ constexpr AttributeSpec emission(std::string_view name) {
   return live(name, "0", "linear radiance, added to the file's", kMostEmission);
 }
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kMaterialAttributes[] = {
     {.name = "part", .kind = AttributeKind::part, .text = "the part to change"},
     {.name = "material",
      .kind = AttributeKind::text,
@@ -50,10 +50,10 @@ constexpr AttributeSpec kAttributes[] = {
      .live = true},
 };
 
-const ElementRegistration kRegistration({
+const ElementRegistration kMaterialRegistration({
     .name = "material",
     .summary = "changes colour, opacity, roughness and emission of a part, and how lasers meet it",
-    .attributes = kAttributes,
+    .attributes = kMaterialAttributes,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<MaterialElement>(context);
     },

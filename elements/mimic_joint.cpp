@@ -8,7 +8,7 @@
 namespace simvis {
 namespace {
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kMimicJointAttributes[] = {
     {.name = "leader", .kind = AttributeKind::element, .text = "the joint that it follows, inserted before"},
     {.name = "multiplier",
      .kind = AttributeKind::number,
@@ -28,10 +28,10 @@ constexpr AttributeSpec kAttributes[] = {
     kJointKindAttribute,
 };
 
-const ElementRegistration kRegistration({
+const ElementRegistration kMimicJointRegistration({
     .name = "mimic_joint",
     .summary = "a joint that follows another one: multiplier * leader + offset",
-    .attributes = kAttributes,
+    .attributes = kMimicJointAttributes,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<MimicJointElement>(context);
     },

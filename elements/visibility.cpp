@@ -3,7 +3,7 @@
 namespace simvis {
 namespace {
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kVisibilityAttributes[] = {
     {.name = "visible",
      .default_value = "1",
      .text = "1 is there, 0 is not; there from one half up",
@@ -12,10 +12,10 @@ constexpr AttributeSpec kAttributes[] = {
      .live = true},
 };
 
-const ElementRegistration kRegistration({
+const ElementRegistration kVisibilityRegistration({
     .name = "visibility",
     .summary = "shows or hides what follows its insertion point",
-    .attributes = kAttributes,
+    .attributes = kVisibilityAttributes,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<VisibilityElement>(context);
     },

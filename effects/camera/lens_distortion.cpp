@@ -6,7 +6,7 @@ namespace simvis {
 
 namespace {
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kLensDistortionAttributes[] = {
     {.name = "distortion",
      .kind = AttributeKind::choice,
      .default_value = "none",
@@ -43,13 +43,13 @@ void require_distortion(const AttributeValues& attributes) {
   }
 }
 
-std::unique_ptr<CameraEffect> create(const CameraEffectContext& context) {
+std::unique_ptr<CameraEffect> create_lens_distortion(const CameraEffectContext& context) {
   if (context.attributes.choice("distortion") != "none") return std::make_unique<LensDistortion>(context.attributes);
   require_distortion(context.attributes);
   return nullptr;
 }
 
-const CameraEffectRegistration kRegistration(
+const CameraEffectRegistration kLensDistortionRegistration(
     {.type = {.name = "lens_distortion",
               .summary = "A lens that bends straight lines, up to a fisheye of 220 degrees.",
               .source = "attribute distortion other than none",
@@ -57,12 +57,12 @@ const CameraEffectRegistration kRegistration(
               .knob = "lens_oversampling",
               .reference = "OpenCV 4.6, Camera Calibration and 3D Reconstruction, and its fisheye model",
               .sensors = "camera",
-              .attributes = kAttributes,
+              .attributes = kLensDistortionAttributes,
               .example = {.attributes = R"(distortion="brown_conrady" k1="-0.2" k2="0.05" lens_oversampling="2")",
                           .off_attributes = R"(distortion="none" k1="-0.2" k2="0.05")",
                           .knob_values = "1 2 4 8"}},
      .order = CameraOrder::lens,
-     .create = create});
+     .create = create_lens_distortion});
 
 }  // namespace
 

@@ -6,7 +6,7 @@
 namespace simvis {
 namespace {
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kAngularNoiseAttributes[] = {
     {.name = "angular_noise",
      .default_value = "0",
      .unit = "deg",
@@ -15,23 +15,23 @@ constexpr AttributeSpec kAttributes[] = {
      .max = 90},
 };
 
-std::unique_ptr<ScanEffect> create(const ScanEffectContext& context) {
+std::unique_ptr<ScanEffect> create_angular_noise(const ScanEffectContext& context) {
   const double deviation_deg = context.attributes.number("angular_noise");
   if (deviation_deg == 0) return nullptr;
   return std::make_unique<AngularNoise>(glm::radians(deviation_deg), context.random("angular_noise"));
 }
 
-const ScanEffectRegistration kRegistration(
+const ScanEffectRegistration kAngularNoiseRegistration(
     {.type = {.name = "angular_noise",
               .summary = "Beams go out at angles that are off by Gaussian noise.",
               .source = "attribute angular_noise above 0",
               .outputs = kShownInRanges,
               .reference = "moments of the normal distribution",
               .sensors = "laser_scanner",
-              .attributes = kAttributes,
+              .attributes = kAngularNoiseAttributes,
               .example = {.attributes = R"(angular_noise="0.1")", .off_attributes = R"(angular_noise="0")"}},
      .order = ScanOrder::direction,
-     .create = create});
+     .create = create_angular_noise});
 
 }  // namespace
 

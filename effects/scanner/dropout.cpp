@@ -20,7 +20,7 @@
 namespace simvis {
 namespace {
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kDropoutAttributes[] = {
     {.name = "dropout",
      .default_value = "0",
      .text = "probability that a beam is lost, whatever it meets",
@@ -74,7 +74,7 @@ class Dropout : public ScanEffect {
   SensorRandom random_;
 };
 
-const ScanEffectRegistration kRegistration({
+const ScanEffectRegistration kDropoutRegistration({
     .type = {.name = "dropout",
              .summary = "beams are lost: for want of light, and by chance",
              .source = "attribute dropout or dropout_power above 0",
@@ -82,7 +82,7 @@ const ScanEffectRegistration kRegistration({
              .reference = "detection of a pulse in Gaussian noise: Richmond and Cain, Direct-Detection LADAR Systems "
                           "(SPIE 2010)",
              .sensors = "laser_scanner",
-             .attributes = kAttributes,
+             .attributes = kDropoutAttributes,
              .example = {.attributes = R"(dropout="0.1" dropout_power="0.01")",
                          .off_attributes = R"(dropout="0" dropout_power="0")"}},
     .order = ScanOrder::disturbance,

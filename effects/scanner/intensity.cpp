@@ -15,7 +15,7 @@
 namespace simvis {
 namespace {
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kIntensityAttributes[] = {
     {.name = "intensity",
      .kind = AttributeKind::choice,
      .default_value = "off",
@@ -40,14 +40,14 @@ class Intensity : public ScanEffect {
 };
 
 // After all that may lose a beam.
-const ScanEffectRegistration kRegistration({
+const ScanEffectRegistration kIntensityRegistration({
     .type = {.name = "intensity",
              .summary = "how much light came back, as a column beside the range",
              .source = "attribute intensity=\"on\"",
              .outputs = kShownInRanges,
              .reference = "the lidar equation of an extended Lambertian target: Jelalian, Laser Radar Systems (1992)",
              .sensors = "laser_scanner",
-             .attributes = kAttributes,
+             .attributes = kIntensityAttributes,
              .example = {.attributes = R"(intensity="on")", .off_attributes = R"(intensity="off")"}},
     .order = ScanOrder::rounding,
     .create = [](const ScanEffectContext& context) -> std::unique_ptr<ScanEffect> {

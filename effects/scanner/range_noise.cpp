@@ -14,7 +14,7 @@
 namespace simvis {
 namespace {
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kRangeNoiseAttributes[] = {
     {.name = "range_noise",
      .default_value = "0",
      .unit = "m",
@@ -48,14 +48,14 @@ class RangeNoise : public ScanEffect {
   SensorRandom random_;
 };
 
-const ScanEffectRegistration kRegistration({
+const ScanEffectRegistration kRangeNoiseRegistration({
     .type = {.name = "range_noise",
              .summary = "Gaussian noise of the range, absolute and relative",
              .source = "attribute range_noise or range_noise_rel above 0",
              .outputs = kShownInRanges,
              .reference = "the normal distribution, by Box and Muller, Ann. Math. Statist. 29 (1958)",
              .sensors = "laser_scanner",
-             .attributes = kAttributes,
+             .attributes = kRangeNoiseAttributes,
              .example = {.attributes = R"(range_noise="0.02" range_noise_rel="0.001")",
                          .off_attributes = R"(range_noise="0" range_noise_rel="0")"}},
     .order = ScanOrder::disturbance,

@@ -11,7 +11,7 @@
 namespace simvis {
 namespace {
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kRangeResolutionAttributes[] = {
     {.name = "range_resolution",
      .default_value = "0",
      .unit = "m",
@@ -40,14 +40,14 @@ class RangeResolution : public ScanEffect {
   double step_m_;
 };
 
-const ScanEffectRegistration kRegistration({
+const ScanEffectRegistration kRangeResolutionRegistration({
     .type = {.name = "range_resolution",
              .summary = "ranges in steps",
              .source = "attribute range_resolution above 0",
              .outputs = kShownInRanges,
              .reference = "the nearest multiple, halves up",
              .sensors = "laser_scanner",
-             .attributes = kAttributes,
+             .attributes = kRangeResolutionAttributes,
              .example = {.attributes = R"(range_resolution="0.01")", .off_attributes = R"(range_resolution="0")"}},
     .order = ScanOrder::rounding,
     .create = [](const ScanEffectContext& context) -> std::unique_ptr<ScanEffect> {

@@ -35,7 +35,7 @@ bool has_reflectors(const DrawList& list) {
 #define SIGN \
   R"(<part file="../showcase/sign.glb" name="EFFECT_SIGN" insert_at="ROOT" pose_offset="2.3 -0.4 0.8 0 0 0"/>)"
 
-const ScanEffectRegistration kRegistration({
+const ScanEffectRegistration kRetroReflectionRegistration({
     .type = {.name = "retro_reflection",
              .summary = "retro-reflectors send a laser's light back at whatever slant",
              .source = "a material with retro_reflectance above 0",

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kUnit = 0x1p-53;
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kSpecularPathAttributes[] = {
     {.name = "path_depth",
      .kind = AttributeKind::integer,
      .default_value = "0",
@@ -73,7 +73,7 @@ class SpecularPath : public ScanEffect {
   std::uint32_t depth_;
 };
 
-std::unique_ptr<ScanEffect> create(const ScanEffectContext& context) {
+std::unique_ptr<ScanEffect> create_specular_path(const ScanEffectContext& context) {
   const std::int64_t depth = context.attributes.integer("path_depth");
   return depth == 0 ? nullptr : std::make_unique<SpecularPath>(static_cast<std::uint32_t>(depth));
 }
@@ -88,7 +88,7 @@ bool called_for(const DrawList& list) {
 #define MIRROR \
   R"(<part file="../showcase/mirror.glb" name="EFFECT_MIRROR" insert_at="ROOT" pose_offset="0.2 0.3 0 0 0 -30"/>)"
 
-const ScanEffectRegistration kRegistration({
+const ScanEffectRegistration kSpecularPathRegistration({
     .type = {.name = "specular_path",
              .summary = "beams that go on from mirrors and through panes of glass",
              .source = "attribute path_depth above 0, and a material with mirror or transmission above 0",
@@ -96,7 +96,7 @@ const ScanEffectRegistration kRegistration({
              .knob = "path_depth",
              .reference = "the law of reflection, Fresnel's equations",
              .sensors = "laser_scanner",
-             .attributes = kAttributes,
+             .attributes = kSpecularPathAttributes,
              .example = {.attributes = R"(path_depth="4")",
                          .commands = MIRROR
                          R"(<element type="material" name="EFFECT" insert_at="ROOT" part="EFFECT_MIRROR" )"
@@ -108,7 +108,7 @@ const ScanEffectRegistration kRegistration({
                          R"(<element type="material" name="EFFECT" insert_at="ROOT" part="EFFECT_MIRROR"/>)",
                          .knob_values = "1 2 4"}},
     .order = ScanOrder::path,
-    .create = create,
+    .create = create_specular_path,
     .called_for = called_for,
 });
 

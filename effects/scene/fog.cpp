@@ -6,9 +6,9 @@
 namespace simvis {
 namespace {
 
-bool in_scene(const DrawList& list) { return list.medium.extinction_per_m > 0; }
+bool fog_in_scene(const DrawList& list) { return list.medium.extinction_per_m > 0; }
 
-const EffectRegistration kRegistration({
+const EffectRegistration kFogRegistration({
     .name = "fog",
     .summary = "surfaces fade into the airlight with their distance",
     .source = "air that weakens visible light: element fog",
@@ -16,7 +16,7 @@ const EffectRegistration kRegistration({
     .reference = "Koschmieder 1924: radiance = surface x t + airlight x (1 - t), t = exp(-extinction x distance)",
     .example = {.commands = R"(<element type="fog" name="EFFECT" insert_at="ROOT" visibility="20"/>)",
                 .off_commands = R"(<element type="fog" name="EFFECT" insert_at="ROOT" kind="rain" rain_rate="0"/>)"},
-    .in_scene = in_scene,
+    .in_scene = fog_in_scene,
 });
 
 }  // namespace

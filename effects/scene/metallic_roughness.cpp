@@ -26,11 +26,11 @@ bool is_called_for(const DrawItem& item, const DrawList& list) {
          (has(MapKind::emissive) && m.emissive != glm::vec3(0));
 }
 
-bool in_scene(const DrawList& list) {
+bool metallic_roughness_in_scene(const DrawList& list) {
   return std::ranges::any_of(list.items, [&](const DrawItem& item) { return is_called_for(item, list); });
 }
 
-const EffectRegistration kRegistration({
+const EffectRegistration kMetallicRoughnessRegistration({
     .name = "metallic_roughness",
     .summary = "Surfaces reflect as metals and as smooth or rough dielectrics do.",
     .source = "a material that is metallic or smoother than 1, or has a texture of that, of occlusion or of emission",
@@ -43,7 +43,7 @@ const EffectRegistration kRegistration({
              R"(<part file="../showcase/metal_matte.glb" name="EFFECT" insert_at="ROOT" pose_offset="-1.6 0 0.7 0 0 0"/>)",
          .plain_commands =
              R"(<part file="../showcase/metal_matte.glb" name="EFFECT" insert_at="ROOT" pose_offset="-1.6 0 0.7 0 0 0"/>)"},
-    .in_scene = in_scene,
+    .in_scene = metallic_roughness_in_scene,
 });
 
 }  // namespace

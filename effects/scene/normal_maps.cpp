@@ -18,12 +18,12 @@ bool is_relief(const DrawItem& item, const DrawList& list) {
   return !material.unlit && material.normal_scale != 0 && material.map(MapKind::normal).texture != nullptr;
 }
 
-bool in_scene(const DrawList& list) {
+bool normal_maps_in_scene(const DrawList& list) {
   return !list.lights.empty() &&
          std::ranges::any_of(list.items, [&](const DrawItem& item) { return is_relief(item, list); });
 }
 
-const EffectRegistration kRegistration({
+const EffectRegistration kNormalMapsRegistration({
     .name = "normal_maps",
     .summary = "Light falls as on the relief that a picture describes.",
     .source = "a lit material with a normal texture",
@@ -36,7 +36,7 @@ const EffectRegistration kRegistration({
              R"(<part file="../showcase/relief_flat.glb" name="EFFECT" insert_at="ROOT" pose_offset="-2 0.4 1 0 0 0"/>)",
          .plain_commands =
              R"(<part file="../showcase/relief_flat.glb" name="EFFECT" insert_at="ROOT" pose_offset="-2 0.4 1 0 0 0"/>)"},
-    .in_scene = in_scene,
+    .in_scene = normal_maps_in_scene,
 });
 
 }  // namespace

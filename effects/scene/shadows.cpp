@@ -14,7 +14,7 @@
 namespace simvis {
 namespace {
 
-const EffectRegistration kRegistration({
+const EffectRegistration kShadowsRegistration({
     .name = "shadows",
     .summary = "what stands in a light's way keeps it from what lies behind",
     .source = "a light element with shadows=\"yes\"",

@@ -11,7 +11,7 @@ bool is_transparent(const Material& material) {
   return material.opacity > 0 && (material.opacity < 1 || material.alpha_mode == AlphaMode::blend);
 }
 
-bool in_scene(const DrawList& list) {
+bool transparency_in_scene(const DrawList& list) {
   return std::ranges::any_of(list.items,
                              [&](const DrawItem& item) { return is_transparent(*list.materials[item.material]); });
 }
@@ -19,7 +19,7 @@ bool in_scene(const DrawList& list) {
 #define BALL \
   R"(<part file="../showcase/ball.glb" name="EFFECT_BALL" insert_at="ROOT" pose_offset="-1.5 -0.4 1 0 0 0"/>)"
 
-const EffectRegistration kRegistration({
+const EffectRegistration kTransparencyRegistration({
     .name = "transparency",
     .summary = "what lies behind blended and faded surfaces shows through them",
     .source = "a part with a material that is blended, or whose opacity is below 1",
@@ -31,7 +31,7 @@ const EffectRegistration kRegistration({
                 R"(<element type="material" name="EFFECT" insert_at="ROOT" part="EFFECT_BALL" opacity="1"/>)",
                 .plain_commands = BALL
                 R"(<element type="material" name="EFFECT" insert_at="ROOT" part="EFFECT_BALL"/>)"},
-    .in_scene = in_scene,
+    .in_scene = transparency_in_scene,
 });
 
 }  // namespace

@@ -3,15 +3,15 @@
 namespace simvis {
 namespace {
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kFrameAxesAttributes[] = {
     marker_size_row("length", "0.5", "of each arrow; 0: none are drawn"),
     marker_size_row("width", "0.02", "thickness of an arrow's shaft; 0: none are drawn"),
 };
 
-const ElementRegistration kRegistration({
+const ElementRegistration kFrameAxesRegistration({
     .name = "frame_axes",
     .summary = "arrows along the axes at its insertion point (x red, y green, z blue), for visualization cameras only",
-    .attributes = kAttributes,
+    .attributes = kFrameAxesAttributes,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<FrameAxesElement>(context);
     },

@@ -10,7 +10,7 @@
 namespace simvis {
 namespace {
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kGraphAttributes[] = {
     {.name = "nodes",
      .kind = AttributeKind::text,
      .unit = "m",
@@ -29,10 +29,10 @@ constexpr AttributeSpec kAttributes[] = {
 };
 constexpr std::size_t kFirstCoordinate = 8;  // among the live rows
 
-const ElementRegistration kRegistration({
+const ElementRegistration kGraphRegistration({
     .name = "graph",
     .summary = "nodes and edges of a map, for visualization cameras only",
-    .attributes = kAttributes,
+    .attributes = kGraphAttributes,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<GraphElement>(context);
     },

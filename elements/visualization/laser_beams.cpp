@@ -6,7 +6,7 @@
 namespace simvis {
 namespace {
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kLaserBeamsAttributes[] = {
     {.name = "scanner", .kind = AttributeKind::sensor, .text = "the scanner whose beams are drawn"},
     marker_size_row("width", "0.01", "thickness of a beam; 0: none are drawn"),
     marker_size_row("size", "0.04", "of the points where beams hit; 0: none are drawn"),
@@ -37,10 +37,10 @@ constexpr AttributeSpec kAttributes[] = {
     color_row("blue", "0.02", "blue of beams and hits"),
 };
 
-const ElementRegistration kRegistration({
+const ElementRegistration kLaserBeamsRegistration({
     .name = "laser_beams",
     .summary = "draws a scanner's beams and the points that they hit, for visualization cameras only",
-    .attributes = kAttributes,
+    .attributes = kLaserBeamsAttributes,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<LaserBeamsElement>(context);
     },

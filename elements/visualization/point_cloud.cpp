@@ -8,7 +8,7 @@
 namespace simvis {
 namespace {
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kPointCloudAttributes[] = {
     {.name = "file",
      .kind = AttributeKind::text,
      .text = "a .csv or .xyz file of points, \"x y z\" or \"x y z r g b\""},
@@ -33,10 +33,10 @@ constexpr AttributeSpec kAttributes[] = {
     color_row("blue", "0.9", "blue of points that have no colour of their own"),
 };
 
-const ElementRegistration kRegistration({
+const ElementRegistration kPointCloudRegistration({
     .name = "point_cloud",
     .summary = "points from a file, or where a scanner's beams hit, for visualization cameras only",
-    .attributes = kAttributes,
+    .attributes = kPointCloudAttributes,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<PointCloudElement>(context);
     },

@@ -5,7 +5,7 @@
 namespace simvis {
 namespace {
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kTrailAttributes[] = {
     {.name = "part", .kind = AttributeKind::part, .text = "the part whose path is drawn"},
     marker_size_row("width", "0.03", "thickness of the line; 0: none is drawn"),
     {.name = "step",
@@ -28,10 +28,10 @@ constexpr AttributeSpec kAttributes[] = {
     color_row("blue", "0.9", "blue of the line"),
 };
 
-const ElementRegistration kRegistration({
+const ElementRegistration kTrailRegistration({
     .name = "trail",
     .summary = "the path that a part has come, for visualization cameras only",
-    .attributes = kAttributes,
+    .attributes = kTrailAttributes,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<TrailElement>(context);
     },

@@ -14,7 +14,7 @@ namespace simvis {
 
 namespace {
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kCameraAttributes[] = {
     kWidthAttribute,
     kHeightAttribute,
     kHfovAttribute,
@@ -34,7 +34,7 @@ constexpr AttributeSpec kAttributes[] = {
     kRateAttribute,
 };
 
-std::unique_ptr<Sensor> create(const SensorContext& context) {
+std::unique_ptr<Sensor> create_camera(const SensorContext& context) {
   const AttributeValues& a = context.attributes;
   CameraDesc desc{.width_px = static_cast<std::uint32_t>(a.integer("width")),
                   .height_px = static_cast<std::uint32_t>(a.integer("height")),
@@ -56,7 +56,8 @@ View whole_image(const Pass& pass) {
   return view;
 }
 
-const SensorRegistration kRegistration({"camera", "A pinhole camera: colour, depth or both.", kAttributes, create});
+const SensorRegistration kCameraRegistration({"camera", "A pinhole camera: colour, depth or both.", kCameraAttributes,
+                                              create_camera});
 
 }  // namespace
 

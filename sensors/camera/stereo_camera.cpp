@@ -14,7 +14,7 @@ namespace {
 // Both views share a pass where they fit side by side into what every Vulkan device can render to.
 constexpr std::uint32_t kMaxWidth_px = 4096;
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kStereoCameraAttributes[] = {
     kWidthAttribute,
     kHeightAttribute,
     kHfovAttribute,
@@ -35,7 +35,7 @@ constexpr AttributeSpec kAttributes[] = {
     kRateAttribute,
 };
 
-std::unique_ptr<Sensor> create(const SensorContext& context) {
+std::unique_ptr<Sensor> create_stereo_camera(const SensorContext& context) {
   const AttributeValues& a = context.attributes;
   StereoCameraDesc desc{.width_px = static_cast<std::uint32_t>(a.integer("width")),
                         .height_px = static_cast<std::uint32_t>(a.integer("height")),
@@ -55,9 +55,9 @@ std::unique_ptr<Sensor> create(const SensorContext& context) {
   return std::make_unique<StereoCamera>(context.name, desc);
 }
 
-const SensorRegistration kRegistration({"stereo_camera",
-                                        "Two rectified pinhole cameras side by side, and their true disparity.",
-                                        kAttributes, create});
+const SensorRegistration kStereoCameraRegistration(
+    {"stereo_camera", "Two rectified pinhole cameras side by side, and their true disparity.", kStereoCameraAttributes,
+     create_stereo_camera});
 
 }  // namespace
 

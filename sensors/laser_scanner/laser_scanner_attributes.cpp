@@ -10,7 +10,7 @@ namespace simvis {
 
 namespace {
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kLaserScannerAttributes[] = {
     {.name = "samples",
      .kind = AttributeKind::integer,
      .default_value = "361",
@@ -100,7 +100,7 @@ void cast_what_effects_trace(const Command& command, LaserScannerDesc& desc) {
   desc.method = ScanMethod::raycast;
 }
 
-std::unique_ptr<Sensor> create(const SensorContext& context) {
+std::unique_ptr<Sensor> create_laser_scanner(const SensorContext& context) {
   const AttributeValues& a = context.attributes;
   LaserScannerDesc desc;
   desc.pattern = {.samples = static_cast<std::uint32_t>(a.integer("samples")),
@@ -138,9 +138,10 @@ std::unique_ptr<Sensor> create(const SensorContext& context) {
   return std::make_unique<LaserScanner>(context.name, desc);
 }
 
-const SensorRegistration kRegistration({"laser_scanner",
-                                        "A laser scanner: ranges along beams, each with an error bound.", kAttributes,
-                                        create, laser_scanner_presets()});
+const SensorRegistration kLaserScannerRegistration({"laser_scanner",
+                                                    "A laser scanner: ranges along beams, each with an error bound.",
+                                                    kLaserScannerAttributes, create_laser_scanner,
+                                                    laser_scanner_presets()});
 
 }  // namespace
 }  // namespace simvis

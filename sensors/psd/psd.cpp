@@ -17,7 +17,7 @@ constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 // What touches the device is still seen.
 constexpr double kNear_m = 1e-3;
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kPsdAttributes[] = {
     {.name = "opening",
      .default_value = "5",
      .unit = "deg",
@@ -51,7 +51,7 @@ constexpr AttributeSpec kAttributes[] = {
     kRateAttribute,
 };
 
-std::unique_ptr<Sensor> create(const SensorContext& context) {
+std::unique_ptr<Sensor> create_psd(const SensorContext& context) {
   const AttributeValues& a = context.attributes;
   if (a.number("range_min") > a.number("range_max")) {
     fail_at(a.where("range_max"), "attribute \"range_max\": " + format_number(a.number("range_max")) +
@@ -74,8 +74,9 @@ std::unique_ptr<Sensor> create(const SensorContext& context) {
                                *std::move(curve));
 }
 
-const SensorRegistration kRegistration({"psd", "An infrared distance sensor with an analogue voltage, as Sharp makes.",
-                                        kAttributes, create});
+const SensorRegistration kPsdRegistration({"psd",
+                                           "An infrared distance sensor with an analogue voltage, as Sharp makes.",
+                                           kPsdAttributes, create_psd});
 
 }  // namespace
 
