@@ -5,6 +5,8 @@
 
 #include "tests/support/traced_beams.h"
 
+TEST_SUITE_BEGIN("effects");
+
 namespace simvis {
 namespace {
 
@@ -81,3 +83,5 @@ TEST_CASE("ranges at a slanted wall scatter as its slope says") {
 
 }  // namespace
 }  // namespace simvis
+
+TEST_SUITE_END();

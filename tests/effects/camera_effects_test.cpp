@@ -15,6 +15,8 @@
 #include "tests/support/temporary_folder.h"
 #include "tests/support/wall_scene.h"
 
+TEST_SUITE_BEGIN("effects");
+
 using namespace simvis;
 
 namespace {
@@ -218,3 +220,5 @@ TEST_CASE("an effect that is off, or that nothing shows, leaves bytes and counte
     }
   }
 }
+
+TEST_SUITE_END();

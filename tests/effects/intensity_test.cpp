@@ -7,6 +7,8 @@
 #include <simvis/simulation.h>
 #include "tests/support/element_scene.h"
 
+TEST_SUITE_BEGIN("effects");
+
 namespace simvis::test {
 namespace {
 
@@ -234,3 +236,5 @@ TEST_CASE("where there is no range there is no intensity; it is the table's last
 }
 
 }  // namespace simvis::test
+
+TEST_SUITE_END();

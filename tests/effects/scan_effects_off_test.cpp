@@ -4,6 +4,8 @@
 #include <simvis/effect.h>
 #include "tests/support/element_scene.h"
 
+TEST_SUITE_BEGIN("effects");
+
 namespace simvis::test {
 namespace {
 
@@ -70,3 +72,5 @@ TEST_CASE("a method that renders cannot show them") {
 
 }  // namespace
 }  // namespace simvis::test
+
+TEST_SUITE_END();

@@ -12,6 +12,8 @@
 #include "shaders/interop.h"
 #include "tests/support/renderer_scene.h"
 
+TEST_SUITE_BEGIN("effects");
+
 namespace simvis::test {
 namespace {
 
@@ -464,3 +466,5 @@ TEST_CASE("too many or too large shadow maps are refused with the limit") {
 
 }  // namespace
 }  // namespace simvis::test
+
+TEST_SUITE_END();

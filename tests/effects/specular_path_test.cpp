@@ -8,6 +8,8 @@
 
 #include "tests/support/scan_effects.h"
 
+TEST_SUITE_BEGIN("effects");
+
 namespace simvis {
 namespace {
 
@@ -279,3 +281,5 @@ TEST_CASE("surfaces without a share are none of this effect's business: the same
 }
 
 }  // namespace simvis
+
+TEST_SUITE_END();

@@ -11,6 +11,8 @@
 #include "tests/support/element_scene.h"
 #include "tests/support/traced_beams.h"
 
+TEST_SUITE_BEGIN("effects");
+
 namespace simvis {
 namespace {
 
@@ -202,3 +204,5 @@ TEST_CASE("in a simulation: ranges of a robot that drives at a wall, and each be
 
 }  // namespace
 }  // namespace simvis
+
+TEST_SUITE_END();

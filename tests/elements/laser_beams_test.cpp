@@ -11,6 +11,8 @@
 #include "tests/support/error_of.h"
 #include "tests/support/people_view.h"
 
+TEST_SUITE_BEGIN("elements");
+
 namespace simvis {
 namespace {
 
@@ -159,3 +161,5 @@ TEST_CASE("mistakes in laser_beams") {
 
 }  // namespace
 }  // namespace simvis
+
+TEST_SUITE_END();

@@ -6,6 +6,8 @@
 #include "simvis/scene_builder.h"
 #include "tests/support/element_scene.h"
 
+TEST_SUITE_BEGIN("elements");
+
 namespace simvis::test {
 namespace {
 
@@ -198,3 +200,5 @@ TEST_CASE("mistakes in a colour temperature leave the light as it is") {
 
 }  // namespace
 }  // namespace simvis::test
+
+TEST_SUITE_END();

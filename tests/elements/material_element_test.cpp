@@ -4,6 +4,8 @@
 #include "simvis/scene_builder.h"
 #include "tests/support/element_scene.h"
 
+TEST_SUITE_BEGIN("elements");
+
 namespace simvis::test {
 namespace {
 
@@ -228,3 +230,5 @@ TEST_CASE("mistakes are refused and leave the part as it was") {
 
 }  // namespace
 }  // namespace simvis::test
+
+TEST_SUITE_END();

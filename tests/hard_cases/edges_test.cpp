@@ -14,6 +14,8 @@
 #include "tests/support/ray_casting.h"
 #include "tests/support/tested_build.h"
 
+TEST_SUITE_BEGIN("hard_cases");
+
 using namespace simvis;
 
 namespace {
@@ -441,3 +443,5 @@ TEST_CASE("from which width on planar sees a pole, and is certain of it") {
     add_line(name.str(), outcome.str());
   }
 }
+
+TEST_SUITE_END();

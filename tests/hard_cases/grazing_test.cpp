@@ -12,6 +12,8 @@
 #include "tests/hard_cases/shapes.h"
 #include "tests/support/tested_build.h"
 
+TEST_SUITE_BEGIN("hard_cases");
+
 using namespace simvis;
 
 namespace {
@@ -190,3 +192,5 @@ TEST_CASE("tilted and rolled scanners over flat ground: a straight line stays st
               cell(measure(hard, ScanMethod::planar).scan, kInfinity), "", ""});
   }
 }
+
+TEST_SUITE_END();

@@ -11,6 +11,8 @@
 #include "tests/hard_cases/hard_case.h"
 #include "tests/hard_cases/shapes.h"
 
+TEST_SUITE_BEGIN("hard_cases");
+
 using namespace simvis;
 
 namespace {
@@ -209,3 +211,5 @@ TEST_CASE("a lidar's borders of faces: steps of elevation, corners of the cube, 
     }
   }
 }
+
+TEST_SUITE_END();

@@ -13,6 +13,8 @@
 #include "tests/support/error_of.h"
 #include "tests/support/tested_build.h"
 
+TEST_SUITE_BEGIN("scenegraph/import");
+
 using namespace simvis;
 
 namespace {
@@ -169,3 +171,5 @@ TEST_CASE("cut and flipped bytes of a scene are refused or harmless") {
   }
   CHECK(refused > 0);
 }
+
+TEST_SUITE_END();

@@ -12,6 +12,8 @@
 #include "tests/support/gltf_fixture.h"
 #include "tests/support/random_numbers.h"
 
+TEST_SUITE_BEGIN("scenegraph/import");
+
 using namespace simvis;
 using namespace simvis::test;
 
@@ -151,3 +153,5 @@ TEST_CASE("files cut off or with flipped bits are loaded or refused, and what lo
     CHECK(loaded < files);
   }
 }
+
+TEST_SUITE_END();

@@ -12,6 +12,8 @@
 #include "tests/support/reference_raycast.h"
 #include "tests/support/tested_build.h"
 
+TEST_SUITE_BEGIN("engine/raycast");
+
 using namespace simvis;
 
 namespace {
@@ -103,3 +105,5 @@ TEST_CASE("a million beams, raycast and hybrid: no error above 1e-6, no wrong hi
   CHECK(beyond_bound == 0);
   CHECK(worst > 0);
 }
+
+TEST_SUITE_END();

@@ -7,6 +7,8 @@
 
 #include "tests/support/error_of.h"
 
+TEST_SUITE_BEGIN("scenegraph");
+
 namespace simvis {
 namespace {
 
@@ -164,3 +166,5 @@ TEST_CASE("a table with a mistake in it is found out") {
 
 }  // namespace
 }  // namespace simvis
+
+TEST_SUITE_END();

@@ -17,6 +17,8 @@
 #include <simvis/pose.h>
 #include <simvis/simulation.h>
 
+TEST_SUITE_BEGIN("scenes");
+
 namespace {
 
 using namespace simvis;
@@ -225,3 +227,5 @@ TEST_CASE("the front scanner measures the ground before the robot") {
   CHECK(check.on_fringe > 10);
   CHECK(simulation.validation_messages() == 0);
 }
+
+TEST_SUITE_END();

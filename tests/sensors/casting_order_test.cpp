@@ -10,6 +10,8 @@
 
 #include <simvis/ray_caster.h>
 
+TEST_SUITE_BEGIN("sensors");
+
 namespace simvis {
 namespace {
 
@@ -70,3 +72,5 @@ TEST_CASE("beams that travel together are neighbours along and across the rings"
 
 }  // namespace
 }  // namespace simvis
+
+TEST_SUITE_END();

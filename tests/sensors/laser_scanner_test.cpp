@@ -11,6 +11,8 @@
 #include <simvis/renderer.h>
 #include "tests/support/random_room.h"
 
+TEST_SUITE_BEGIN("sensors");
+
 using namespace simvis;
 
 namespace {
@@ -198,3 +200,5 @@ TEST_CASE("far from the world's origin a scan is the same to 1e-6") {
   }
   CHECK(compared > 300);
 }
+
+TEST_SUITE_END();

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+TEST_SUITE_BEGIN("sensors");
+
 using namespace simvis;
 
 namespace {
@@ -103,3 +105,5 @@ TEST_CASE("a face is only as wide as its beams need") {
   // Tangents up to 0.01 at 1000 pixels each: 10 pixels to either side, and the neighbourhood.
   CHECK(layout.faces[0].width_px <= 2 * 11 + kPixelsBefore + kPixelsAfter + 1);
 }
+
+TEST_SUITE_END();

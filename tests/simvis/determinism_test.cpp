@@ -25,6 +25,8 @@
 #include <simvis/simulation.h>
 #include <simvis/trajectory.h>
 
+TEST_SUITE_BEGIN("simvis");
+
 using namespace simvis;
 
 namespace {
@@ -164,3 +166,5 @@ TEST_CASE("scans of marvin by each method") {
     CHECK_MESSAGE(hash.value() == expected.hash, advice(found, hash.value(), "kScans"));
   }
 }
+
+TEST_SUITE_END();

@@ -9,6 +9,8 @@
 
 #include <simvis/error.h>
 
+TEST_SUITE_BEGIN("simvis");
+
 namespace simvis {
 namespace {
 
@@ -89,3 +91,5 @@ TEST_CASE("what was not put when the queue goes never is") {
 
 }  // namespace
 }  // namespace simvis
+
+TEST_SUITE_END();

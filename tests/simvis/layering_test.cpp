@@ -11,6 +11,8 @@
 #include <string_view>
 #include <vector>
 
+TEST_SUITE_BEGIN("simvis");
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -165,3 +167,5 @@ TEST_CASE("include lines are read however they are spaced") {
   CHECK_FALSE(parse_include("#include SOME_MACRO", include));
   CHECK_FALSE(parse_include("", include));
 }
+
+TEST_SUITE_END();

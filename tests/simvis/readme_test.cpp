@@ -9,6 +9,8 @@
 #include <simvis/sensor.h>
 #include "tests/support/temporary_folder.h"
 
+TEST_SUITE_BEGIN("simvis");
+
 namespace simvis {
 namespace {
 
@@ -54,3 +56,5 @@ TEST_CASE("every effect stands in the README with its attributes") {
 }
 
 }  // namespace simvis
+
+TEST_SUITE_END();

@@ -8,6 +8,8 @@
 #include "scenegraph/import/inventor/foreign_scene.h"
 #include "scenegraph/import/inventor/guarded_child.h"
 
+TEST_SUITE_BEGIN("simvis");
+
 using namespace simvis;
 
 namespace {
@@ -38,3 +40,5 @@ TEST_CASE("undefined: a bool is read that is neither true nor false") {
     pack_foreign_scene(scene);
   }));
 }
+
+TEST_SUITE_END();
