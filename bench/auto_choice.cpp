@@ -33,7 +33,7 @@ struct Machine {
   Device device;
   Renderer renderer{device};
   std::unique_ptr<RayCaster> caster = make_host_ray_caster();
-  WorkTable costs = measure_scan_costs(device, *make_host_ray_caster());
+  CostModel costs = measure_scan_costs(device, *make_host_ray_caster());
 };
 
 double scan_ms(Machine& machine, LaserScanner& scanner, DrawList& list, const glm::dmat4& pose) {
@@ -50,7 +50,7 @@ double scan_ms(Machine& machine, LaserScanner& scanner, DrawList& list, const gl
 
 std::vector<ScanCandidate> survey(Machine& machine, const LaserScannerDesc& desc, const DrawList& list,
                                   const glm::dmat4& pose) {
-  ScanSurvey survey(desc.pattern, kPlanarResolutions);
+  MethodSurvey survey(desc.pattern, kPlanarResolutions);
   const glm::dmat4 sensor_from_world = rigid_inverse(pose);
   const RangeLimits limits{desc.range_min_m, desc.range_max_m};
   FramePlan plan;
@@ -92,8 +92,8 @@ int main(int argc, char** argv) {
   const std::filesystem::path scene = argc > 1 ? argv[1] : SIMVIS_SOURCE_DIR "/scenes/marvin/marvin.xml";
   const int poses = argc > 2 ? std::atoi(argv[2]) : 5, repetitions = argc > 3 ? std::atoi(argv[3]) : 20;
   Machine machine;
-  for (std::size_t i = 0; i < kWorkKinds; ++i) {
-    std::printf("# %s %.2g ns\n", std::string(to_string(static_cast<Work>(i))).c_str(), machine.costs.of[i]);
+  for (std::size_t i = 0; i < kCostTerms; ++i) {
+    std::printf("# %s %.2g ns\n", std::string(to_string(static_cast<CostTerm>(i))).c_str(), machine.costs.of[i]);
   }
   Simulation simulation = Simulation::load(scene);
   for (const SensorInfo& sensor : simulation.sensors()) {
@@ -106,7 +106,7 @@ int main(int argc, char** argv) {
   for (int pose_number = 0; pose_number < poses; ++pose_number) {
     drive.apply(2.0 * pose_number, simulation.parameters());
     simulation.step();
-    DrawList list = simulation.draw_list();
+    DrawList list = simulation.diagnostics().draw_list();
     for (const SensorInfo& sensor : simulation.sensors()) {
       glm::dmat4 pose(1.0);
       if (!sensor.enabled || !simulation.sensor_pose(sensor.name, pose)) continue;

@@ -36,7 +36,7 @@ class BareEmbree {
 /// What a laser passes everywhere, textures and vertex colours aside: it is left out of the flat mesh.
 inline bool lets_pass(const Material& material) {
   const float alpha = material.alpha_mode == AlphaMode::blend ? material.base_color.a : 1;
-  return material.opacity * alpha < kLeastMetAlpha;
+  return material.opacity * alpha < kMinDepthVisibleAlpha;
 }
 
 inline std::vector<glm::vec3> flat_corners(const DrawList& list, const glm::dmat4& frame_from_world) {

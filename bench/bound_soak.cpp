@@ -346,7 +346,7 @@ std::size_t scan_all(const RandomWorld& world, std::mt19937& random, Renderer& r
       continue;  // even cast beams have no such bound here: at 10^7 m from the origin, say
     }
     const bool renders = !plan.passes.empty();
-    const ScanLayout layout = renders ? lay_out(desc.pattern, desc.resolution_px) : ScanLayout{};
+    const ScanLayout layout = renders ? make_scan_layout(desc.pattern, desc.resolution_px) : ScanLayout{};
     const Surroundings surroundings(world.list, caster, pose, layout);
     const std::uint64_t before = tallies[m].violations;
     const auto at_contour = [&](std::size_t beam) {

@@ -129,12 +129,12 @@ class BareLoop {
 class Everything {
  public:
   explicit Everything(const Simulation& simulation) {
-    FramePlan plan = simulation.frame_plan();
+    FramePlan plan = simulation.diagnostics().frame_plan();
     for (Pass& pass : plan.passes) {
       for (View& view : pass.views) view.culled = false;
     }
-    renderer_.render(simulation.draw_list(), plan);
-    renderer_.render(simulation.draw_list(), plan);  // the first one uploads, from what is then gone
+    renderer_.render(simulation.diagnostics().draw_list(), plan);
+    renderer_.render(simulation.diagnostics().draw_list(), plan);  // the first one uploads, from what is then gone
     work_ = submitted;
     loop_.emplace();
   }
@@ -169,15 +169,15 @@ void compare(const char* scene, Simulation& simulation, int frames, const std::f
     drive(frame);
     const Took whole = bench::time_work([&] { simulation.step(); });
     const Submitted of_frame = submitted;
-    const Took alone = bench::time_work([&] { bare.frame(of_frame, simulation.counters().bytes_read_back); });
+    const Took alone = bench::time_work([&] { bare.frame(of_frame, simulation.diagnostics().counters().bytes_read_back); });
     const Took all = bench::time_work([&] { everything.frame(); });
     if (frame < kWarmUp) continue;
     simvis_took.push_back(whole);
     bare_took.push_back(alone);
     everything_took.push_back(all);
   }
-  print(scene, "simvis", simvis_took, bare_took, simulation.counters());
-  print(scene, "bare", bare_took, bare_took, simulation.counters());
+  print(scene, "simvis", simvis_took, bare_took, simulation.diagnostics().counters());
+  print(scene, "bare", bare_took, bare_took, simulation.diagnostics().counters());
   print(scene, "everything", everything_took, bare_took, everything.counters());
 }
 

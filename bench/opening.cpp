@@ -45,8 +45,8 @@ Opening open_once(const std::string& xml, const std::filesystem::path& folder) {
     {
       Simulation simulation = Simulation::from_string(xml, desc, folder);
       simulation.step();
-      const FrameCounters& counters = simulation.counters();
-      const std::uint64_t bytes[] = {counters.mesh_bytes + counters.texture_bytes, simulation.device_memory_bytes()};
+      const FrameCounters& counters = simulation.diagnostics().counters();
+      const std::uint64_t bytes[] = {counters.mesh_bytes + counters.texture_bytes, simulation.diagnostics().device_memory_bytes()};
       if (write(ends[1], bytes, sizeof bytes) != sizeof bytes) _exit(1);
     }
     _exit(0);

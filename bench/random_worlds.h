@@ -225,7 +225,7 @@ inline RandomWorld foliage(std::mt19937&) {
     Simulation simulation = Simulation::load(std::filesystem::path(SIMVIS_SOURCE_DIR) / "scenes/ravon/ravon.xml");
     for (const SensorInfo& sensor : simulation.sensors()) simulation.enable(sensor.name, false);
     simulation.step();
-    return RandomWorld{simulation.draw_list(), inside({-11.2, -3.2, 1}, {6, 1.5, 0.8})};
+    return RandomWorld{simulation.diagnostics().draw_list(), inside({-11.2, -3.2, 1}, {6, 1.5, 0.8})};
   }();
   return kWorld;
 }

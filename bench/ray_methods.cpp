@@ -112,12 +112,12 @@ void time_rays(const char* name, Simulation& simulation, const std::vector<glm::
   std::vector<RayHit> hits(directions.size());
   std::vector<float> single_m(directions.size()), packets_m(directions.size());
   const std::unique_ptr<RayCaster> caster = make_host_ray_caster();
-  caster->set_world(simulation.draw_list());
+  caster->set_world(simulation.diagnostics().draw_list());
   Device vulkan;
   const std::unique_ptr<RayCaster> shader = make_device_ray_caster(vulkan);
-  shader->set_world(simulation.draw_list());
+  shader->set_world(simulation.diagnostics().draw_list());
   std::vector<RayHit> shader_hits(directions.size());
-  const bench::BareEmbree embree(simulation.draw_list(), rigid_inverse(world_from_sensor));
+  const bench::BareEmbree embree(simulation.diagnostics().draw_list(), rigid_inverse(world_from_sensor));
   const std::vector<glm::vec3> single(directions.begin(), directions.end());
   std::vector<double> times_ms[4];
   for (int r = 0; r < repetitions; ++r) {

@@ -119,9 +119,9 @@ void print(const Row& row, const Simulation& simulation) {
   number(row.open_s, ",");
   number(row.frame.wall_ms, ",");
   number(row.frame.caller_ms, ",");
-  const double device_mb = static_cast<double>(simulation.device_memory_bytes()) / kMega;
-  std::printf("%.1f,%.1f,%.2f,%.2f,%.2f,%s\n", resident_mb(), peak_mb(), device_mb, targets_mb(simulation.frame_plan()),
-              data_mb(simulation.draw_list()), row.stages.c_str());
+  const double device_mb = static_cast<double>(simulation.diagnostics().device_memory_bytes()) / kMega;
+  std::printf("%.1f,%.1f,%.2f,%.2f,%.2f,%s\n", resident_mb(), peak_mb(), device_mb, targets_mb(simulation.diagnostics().frame_plan()),
+              data_mb(simulation.diagnostics().draw_list()), row.stages.c_str());
   std::fflush(stdout);
 }
 
@@ -133,18 +133,18 @@ SimulationDesc by(const std::string& method) {
 
 /// Medians of frames with the robot driving, for about so long; and of the stages of these frames.
 void time_frames(Simulation& simulation, double seconds, Row& row) {
-  constexpr int kWarmUp = 3, kLeast = 5;
+  constexpr int kWarmUp = 3, kMin = 5;
   std::vector<Took> took;
   std::vector<std::pair<std::string, std::vector<double>>> stages;
   double spent_ms = 0;
-  for (int frame = 0; frame < kWarmUp + kLeast || spent_ms < 1e3 * seconds; ++frame) {
+  for (int frame = 0; frame < kWarmUp + kMin || spent_ms < 1e3 * seconds; ++frame) {
     drive_lab(simulation, frame);
     const Took one = time_work([&] { simulation.step(); });
     if (frame < kWarmUp) continue;
     spent_ms += one.wall_ms;
     took.push_back(one);
-    for (std::size_t i = 0; i < simulation.stages().size(); ++i) {
-      const StageTime& stage = simulation.stages()[i];
+    for (std::size_t i = 0; i < simulation.diagnostics().stages().size(); ++i) {
+      const StageTime& stage = simulation.diagnostics().stages()[i];
       if (stages.size() <= i) stages.push_back({std::string(stage.name), {}});
       stages[i].second.push_back(static_cast<double>(stage.end_ns - stage.start_ns) / kMega);
     }
@@ -216,7 +216,7 @@ void triangles(double seconds) {
           });
           Row row{.curve = "triangles",
                   .method = method,
-                  .size = static_cast<double>(triangles_of(simulation->draw_list())),
+                  .size = static_cast<double>(triangles_of(simulation->diagnostics().draw_list())),
                   .open_s = opened.wall_ms / 1e3,
                   .cache = cache};
           time_frames(*simulation, seconds, row);
@@ -232,7 +232,7 @@ void memory() {
     Simulation simulation = Simulation::load(SIMVIS_SOURCE_DIR "/scenes/marvin/marvin.xml");
     simulation.enable("VIEW_CAM", false);
     simulation.step();
-    print({.curve = "memory", .method = "", .size = static_cast<double>(triangles_of(simulation.draw_list()))},
+    print({.curve = "memory", .method = "", .size = static_cast<double>(triangles_of(simulation.diagnostics().draw_list()))},
           simulation);
   });
 }

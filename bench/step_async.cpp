@@ -37,7 +37,7 @@ void work(double ms) {
 }
 
 double stage_ms(const Simulation& simulation, std::string_view name) {
-  for (const simvis::StageTime& stage : simulation.stages()) {
+  for (const simvis::StageTime& stage : simulation.diagnostics().stages()) {
     if (stage.name == name) return static_cast<double>(stage.end_ns - stage.start_ns) / 1e6;
   }
   return 0;

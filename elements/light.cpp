@@ -9,14 +9,14 @@
 namespace simvis {
 namespace {
 
-constexpr double kMostColor = 1e6, kMostIntensity = 1e12;
+constexpr double kMaxColor = 1e6, kMaxIntensity = 1e12;
 
 constexpr AttributeSpec light_row(std::string_view name, std::string_view by_default, std::string_view unit,
                                   std::string_view text, double min = -kNoLimit, double max = kNoLimit) {
   return {.name = name, .default_value = by_default, .unit = unit, .text = text, .min = min, .max = max, .live = true};
 }
 constexpr AttributeSpec light_color(std::string_view name) {
-  return light_row(name, "1", "", "linear colour, multiplies the intensity", 0, kMostColor);
+  return light_row(name, "1", "", "linear colour, multiplies the intensity", 0, kMaxColor);
 }
 constexpr AttributeSpec place(std::string_view name, std::string_view text) {
   return light_row(name, "0", "m", text, -kMaxCoordinate_m, kMaxCoordinate_m);
@@ -32,7 +32,7 @@ constexpr AttributeSpec kLightAttributes[] = {
     light_color("red"),
     light_color("green"),
     light_color("blue"),
-    light_row("intensity", "1", "lux or cd", "lux for directional, candela for point and spot", 0, kMostIntensity),
+    light_row("intensity", "1", "lux or cd", "lux for directional, candela for point and spot", 0, kMaxIntensity),
     light_row("azimuth", "0", "deg", "directional: where the light comes from, counter-clockwise from +x about +z"),
     light_row("elevation", "45", "deg", "directional: where the light comes from, above the horizon", -90, 90),
     place("x", "point, spot: forward"),

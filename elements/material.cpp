@@ -6,17 +6,17 @@ namespace simvis {
 namespace {
 
 // Products of a few of these, and of a light's intensity, are finite as float32.
-constexpr double kMostFactor = 1000, kMostEmission = 1e12;
-constexpr double kMostGain = 1e9;  // far above corner cubes
+constexpr double kMaxFactor = 1000, kMaxEmission = 1e12;
+constexpr double kMaxGain = 1e9;  // far above corner cubes
 
 constexpr AttributeSpec live(std::string_view name, std::string_view by_default, std::string_view text, double max) {
   return {.name = name, .default_value = by_default, .text = text, .min = 0, .max = max, .live = true};
 }
 constexpr AttributeSpec color(std::string_view name) {
-  return live(name, "1", "factor of the file's base colour, linear", kMostFactor);
+  return live(name, "1", "factor of the file's base colour, linear", kMaxFactor);
 }
 constexpr AttributeSpec emission(std::string_view name) {
-  return live(name, "0", "linear radiance, added to the file's", kMostEmission);
+  return live(name, "0", "linear radiance, added to the file's", kMaxEmission);
 }
 
 constexpr AttributeSpec kMaterialAttributes[] = {
@@ -39,7 +39,7 @@ constexpr AttributeSpec kMaterialAttributes[] = {
     {.name = "retro_reflectance",
      .text = "gain of a retro-reflector for lasers, where a white matte wall is 1: pi R_A; it is none if not given",
      .min = 0,
-     .max = kMostGain},
+     .max = kMaxGain},
     live("mirror", "0", "lasers: this share of what is no mirror yet becomes one", 1),
     live("transmission", "0", "lasers: this share of what is no glass yet becomes a thin pane", 1),
     {.name = "refractive_index",

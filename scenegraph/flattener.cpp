@@ -93,7 +93,7 @@ void Flattener::rewrite_changed() {
         case NodeKind::shape:
           list_.meshes[slot] = static_cast<const Shape*>(node)->mesh();
           ++list_.revisions.structure;
-          list_.changes.restructured();
+          list_.changes.mark_structure_dirty();
           ++counters_.meshes_written;
           break;
         default:
@@ -114,7 +114,7 @@ void Flattener::rewrite_transforms(std::vector<Range>& ranges) {
       ++counters_.transforms_written;
     }
     if (range.end <= next) continue;
-    list_.changes.moved({std::max(range.first, next), range.end});
+    list_.changes.mark_transforms_dirty({std::max(range.first, next), range.end});
     next = range.end;
   }
   ++list_.revisions.transforms;
@@ -130,7 +130,7 @@ void Flattener::forget() {
   medium_node_ = nullptr;
   list_.medium = Medium();
   entries_.assign(1, Entry{nullptr, 0, 0});
-  list_.changes.restructured();
+  list_.changes.mark_structure_dirty();
   list_.items.clear();
   list_.lights.clear();
   list_.world_from_node.assign(1, glm::dmat4(1.0));

@@ -39,7 +39,7 @@ layout(location = 0) out vec4 out_color;
 #endif
 
 const float kInversePi = 0.3183098861837907;
-const float kLeastSquare = 1e-20;  // keeps divisions finite, in m^2
+const float kMinSquare = 1e-20;  // keeps divisions finite, in m^2
 
 #include "shaders/surface.glsl"
 
@@ -59,7 +59,7 @@ struct Incident {
 Incident incident(LightBlock light) {
   const bool directional = light.position.w == 0.0;
   const vec3 to_light = light.position.xyz - in_position;
-  const float square = max(dot(to_light, to_light), kLeastSquare);
+  const float square = max(dot(to_light, to_light), kMinSquare);
   const vec3 toward = to_light * inversesqrt(square);
   const float relative = square * light.direction.w * light.direction.w;  // (distance / range)^2
   const float window = clamp(1.0 - relative * relative, 0.0, 1.0);

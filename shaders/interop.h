@@ -80,7 +80,7 @@ using uint = std::uint32_t;
 #define SIMVIS_FADED 3
 #define SIMVIS_GLOSSY 4
 #define SIMVIS_SHADOWED 5
-#define SIMVIS_PARALLEL 6
+#define SIMVIS_ORTHOGRAPHIC 6
 #define SIMVIS_METALLIC 7
 #define SIMVIS_MAPS 8  // a sum of 1 << binding of the textures that are there
 #define SIMVIS_FOG 9
@@ -107,7 +107,7 @@ struct Instance {
 };
 
 // A vertex of a triangle that was picked by itself, with the rows of its mesh: triangles of many meshes are one draw.
-struct PickedVertex {
+struct CpuSelectedVertex {
   float x, y, z;  // in the mesh's frame
   vec4 clip_x;    // as in Instance
   vec4 clip_y;
@@ -184,7 +184,7 @@ struct RayTriangle {
 
 // An item in the top tree's frame. A point at `apart` from its centre has unit coordinates scale * (row . apart); the
 // rows together have the length sqrt(3). A ray's line in the unit frame is off by at most slack + slack_per_unit * D
-// there, D the sensor's distance in units: see engine/ray_block.h.
+// there, D the sensor's distance in units: see engine/gpu_ray_instance.h.
 struct RayItem {
   vec4 row_x;        // w: scale, 1/m
   vec4 row_y;        // w: slack

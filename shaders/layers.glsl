@@ -1,4 +1,4 @@
-// Transparent surfaces of a band of rows, a list for each sample: see engine/transparent_layers.h.
+// Transparent surfaces of a band of rows, a list for each sample: see engine/oit_buffer.h.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/interop.h"
 

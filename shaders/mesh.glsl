@@ -7,7 +7,7 @@ layout(std430, set = SIMVIS_FRAME_SET, binding = SIMVIS_MATERIALS) readonly buff
   MaterialBlock materials[];
 };
 
-layout(constant_id = SIMVIS_PARALLEL) const bool kParallel = false;
+layout(constant_id = SIMVIS_ORTHOGRAPHIC) const bool kParallel = false;
 
 layout(location = SIMVIS_POSITION) in vec3 in_position;
 layout(location = SIMVIS_INSTANCE_CLIP_X) in vec4 instance_clip_x;

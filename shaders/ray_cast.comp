@@ -2,7 +2,7 @@
 //
 // Nothing here is exact, and nothing that matters is lost. All is in float32, as Vulkan allows it to be: a sum or a
 // product is off by 1 ulp, a quotient by 2.5, an inverse root by 2, fused or not, in whatever direction (e = 2^-23 is 1
-// ulp, relative). Each margin below is the sum of what the operations before it may be off by; engine/ray_block.h adds
+// ulp, relative). Each margin below is the sum of what the operations before it may be off by; engine/gpu_ray_instance.h adds
 // up what bringing a ray into an item's unit frame costs. `precise` stands where a compiler that distributes a product
 // over a difference would lose more than that.
 //

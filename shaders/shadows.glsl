@@ -15,7 +15,7 @@ const float kVertexRounding = 1e-6;
 // Of a depth: at most five roundings of 2^-24 each, in the plane's terms and sums.
 const float kDepthRounding = 3e-7;
 // Light that comes along a plane to within this cosine does not light it.
-const float kLeastCosine = 1e-6;
+const float kMinCosine = 1e-6;
 
 // The unit normal of the triangle itself, to either side.
 vec3 normal_of_plane() {
@@ -43,20 +43,20 @@ float free_share(ShadowBlock map, vec3 plane_normal, float reach) {
       corner.y += map.place.w;
     }
   }
-  const bool parallel = map.depth.y > 0.0;
-  if (!parallel && p.z <= 0.0) return 1.0;  // behind a spot, where its cone is not
-  const vec2 seen = map.projection.xy * (parallel ? p.xy : p.xy / p.z) + map.projection.zw;
+  const bool orthographic = map.depth.y > 0.0;
+  if (!orthographic && p.z <= 0.0) return 1.0;  // behind a spot, where its cone is not
+  const vec2 seen = map.projection.xy * (orthographic ? p.xy : p.xy / p.z) + map.projection.zw;
   const vec2 texel = clamp(floor(seen), vec2(0.0), map.place.zw - 1.0);
   const vec2 center = (texel + 0.5 - map.projection.zw) / map.projection.xy;
   // The ray through the texel's centre meets the point's plane at start + z * way, for way.z = 1.
-  const vec3 start = parallel ? vec3(center, 0.0) : vec3(0.0);
-  const vec3 way = parallel ? vec3(0.0, 0.0, 1.0) : vec3(center, 1.0);
+  const vec3 start = orthographic ? vec3(center, 0.0) : vec3(0.0);
+  const vec3 way = orthographic ? vec3(0.0, 0.0, 1.0) : vec3(center, 1.0);
   const float along = dot(n, way);
-  const float divisor = along < 0.0 ? min(along, -kLeastCosine) : max(along, kLeastCosine);
+  const float divisor = along < 0.0 ? min(along, -kMinCosine) : max(along, kMinCosine);
   // Of the vertices in both views, and of p.
   const float rounding = kVertexRounding * (3.0 * reach + 2.0 * map.depth.z);
   const float z = min(p.z, dot(n, p - start) / divisor) - rounding / abs(divisor);
   const float met = texelFetch(shadow_atlas, ivec2(corner + texel), 0).r;
-  if (parallel) return met <= (map.depth.x - z) * map.depth.y + kDepthRounding ? 1.0 : 0.0;
+  if (orthographic) return met <= (map.depth.x - z) * map.depth.y + kDepthRounding ? 1.0 : 0.0;
   return met * z <= map.depth.x * (1.0 + kDepthRounding) ? 1.0 : 0.0;
 }

@@ -51,7 +51,7 @@ vec3 bent_normal(vec3 outward, vec3 bend) {
 
 Surface surface_here() {
   Surface s;
-  s.normal = in_normal * inversesqrt(max(dot(in_normal, in_normal), kLeastSquare));
+  s.normal = in_normal * inversesqrt(max(dot(in_normal, in_normal), kMinSquare));
   s.roughness = in_finish.x;
   s.metallic = in_finish.z;
   s.occlusion = 1.0;
@@ -84,16 +84,16 @@ struct Reflected {
 // Sources: glTF 2.0, appendix B; Heitz, Understanding the Masking-Shadowing Function in Microfacet-Based BRDFs (2014).
 Reflected reflect_light(vec3 normal_reflectance, float roughness, vec3 normal, vec3 toward, vec3 to_eye) {
   const vec3 sum = toward + to_eye;
-  const vec3 half_way = sum * inversesqrt(max(dot(sum, sum), kLeastSquare));
+  const vec3 half_way = sum * inversesqrt(max(dot(sum, sum), kMinSquare));
   const float alpha = roughness * roughness, square = alpha * alpha;
   const float to_light = max(dot(normal, toward), 0.0), eye = max(dot(normal, to_eye), 0.0);
   // Lagrange's identity gives 1 - cos^2 without cancellation.
   const vec3 across = cross(normal, half_way);
   const float along = max(dot(normal, half_way), 0.0) * alpha;
-  const float density = alpha / max(dot(across, across) + along * along, kLeastSquare);
+  const float density = alpha / max(dot(across, across) + along * along, kMinSquare);
   const float masking = to_light * sqrt(eye * eye * (1.0 - square) + square) +
                         eye * sqrt(to_light * to_light * (1.0 - square) + square);
   const float grazing = 1.0 - clamp(dot(to_eye, half_way), 0.0, 1.0), twice = grazing * grazing;
   const vec3 fresnel = normal_reflectance + (1.0 - normal_reflectance) * twice * twice * grazing;
-  return Reflected(fresnel, fresnel * kInversePi * density * density * 0.5 / max(masking, kLeastSquare));
+  return Reflected(fresnel, fresnel * kInversePi * density * density * 0.5 / max(masking, kMinSquare));
 }

@@ -73,7 +73,7 @@ void Parameters::remove_last_element() {
   element_changed_.pop_back();
 }
 
-std::vector<std::size_t> Parameters::take_changed_elements() {
+std::vector<std::size_t> Parameters::drain_changed_elements() {
   std::vector<std::size_t> changed;
   for (std::size_t i = 0; i < element_changed_.size(); ++i) {
     if (element_changed_[i]) changed.push_back(i);

@@ -12,7 +12,7 @@ namespace simvis {
 namespace {
 
 // Deeper than anybody nests parts on purpose.
-constexpr std::size_t kMostNested = 64;
+constexpr std::size_t kMaxNested = 64;
 
 constexpr std::string_view kReading = "reading the scene";
 
@@ -121,7 +121,7 @@ void SceneBuilder::add_variant(std::size_t sensor, const Command& command) {
       fail_at(command.where, "a variant of sensor " + in_quotes(of.name) + " is of another type or view than it");
     }
     variant.mount = of.mount;
-    take_sensor(std::move(variant));
+    add_sensor(std::move(variant));
   });
 }
 
@@ -208,13 +208,13 @@ bool SceneBuilder::clashes(std::span<const Command> carried, const PartContent& 
 void SceneBuilder::run_carried(const Command& part, const PartContent& content, const std::string& prefix) {
   open_.push_back(content.file);
   const bool repeats = std::ranges::count(open_, content.file) > 1;
-  if (repeats || open_.size() > kMostNested) {
+  if (repeats || open_.size() > kMaxNested) {
     std::string chain;
     for (const std::filesystem::path& file : open_) chain += (chain.empty() ? "" : " > ") + file.filename().string();
     fail_at(part.where,
             "part file " + in_quotes(content.file.string()) +
                 (repeats ? " inserts itself: "
-                         : " is nested deeper than " + std::to_string(kMostNested) + " files, which is not allowed: ") +
+                         : " is nested deeper than " + std::to_string(kMaxNested) + " files, which is not allowed: ") +
                 chain);
   }
   std::vector<Command> commands = carried_commands(part, content);
@@ -362,7 +362,7 @@ BuiltSensor SceneBuilder::make_sensor(const Command& written) {
   return sensor;
 }
 
-void SceneBuilder::take_sensor(BuiltSensor sensor) {
+void SceneBuilder::add_sensor(BuiltSensor sensor) {
   built_.sensors.push_back(std::move(sensor));
   built_.scene.undo().add([this] { built_.sensors.pop_back(); });
 }
@@ -380,7 +380,7 @@ void SceneBuilder::insert_sensor(const Command& command) {
   if (offset) separator->add(std::make_shared<Transform>(*offset));
   separator->add(sensor.mount);
   built_.scene.insert(command, separator);
-  take_sensor(std::move(sensor));
+  add_sensor(std::move(sensor));
   log_change(command);
 }
 

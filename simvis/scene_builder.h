@@ -80,7 +80,7 @@ class SceneBuilder {
   void insert_element(const Command& command);
   void insert_sensor(const Command& command);
   BuiltSensor make_sensor(const Command& written);
-  void take_sensor(BuiltSensor sensor);
+  void add_sensor(BuiltSensor sensor);
   Command overridden(Command command) const;
   Element* find_element(std::string_view name) const;
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <utility>
 
-#include <simvis/device_costs.h>
+#include <simvis/cost_model.h>
 #include <simvis/effect.h>
 #include "effects/scene/shadows.h"
 #include "engine/base/assert.h"
@@ -47,8 +47,8 @@ struct Simulation::Impl : Observations {
 
   void start();
   void finish();
-  void pass_over();
-  void require_passable() const;
+  void skip_frame();
+  void require_skippable() const;
   Impl& idle();
   void update_elements();
   void show_to_people(const FrameTime& time);
@@ -56,8 +56,8 @@ struct Simulation::Impl : Observations {
   void render(ViewLayer& layer, const FrameTime& time);
   void measure(ViewLayer& layer, const FrameTime& time, std::span<const PassResult> results);
   void measure(ViewLayer& layer, ViewLayer::Entry& entry, const FrameTime& time, std::span<const PassResult> results);
-  Duty duty(std::size_t sensor, const FrameTime& time);
-  void take_new_sensors();
+  DueState due_state(std::size_t sensor, const FrameTime& time);
+  void add_new_sensors();
   ViewLayer& layer_of(const BuiltSensor& sensor) { return sensor.sensor->visualization() ? *people : sensing; }
   bool pose(const BuiltSensor& sensor, glm::dmat4& world_from_sensor);
   std::size_t index(std::string_view sensor) const;
@@ -73,14 +73,14 @@ struct Simulation::Impl : Observations {
     std::vector<std::string> effects;   // that it has had
   };
 
-  const WorkTable& costs();
+  const CostModel& costs();
 
   Clock clock;
   LiveScene scene;
   std::vector<State> states;  // as long as scene.built.sensors
   std::filesystem::path cache;
   Device device;
-  std::optional<WorkTable> device_costs;  // once a sensor has asked
+  std::optional<CostModel> device_costs;  // once a sensor has asked
   ViewLayer sensing;
   std::optional<ViewLayer> people;    // while the scene has a visualization sensor
   std::uint64_t next_frame = 0;       // that is not under way
@@ -99,12 +99,12 @@ Simulation::Impl::Impl(const SimulationDesc& desc, std::span<const Command> comm
       sensing(scene.built.scene.root(), Audience::sensors, device),
       instrumented(desc.device.instrumented) {
   scene.require(device.target_limits());
-  take_new_sensors();
+  add_new_sensors();
 }
 
-void Simulation::Impl::take_new_sensors() {
+void Simulation::Impl::add_new_sensors() {
   for (std::size_t i = states.size(); i < scene.built.sensors.size(); ++i) {
-    scene.built.sensors[i].sensor->take_costs([this]() -> const WorkTable& { return costs(); });
+    scene.built.sensors[i].sensor->use_cost_model([this]() -> const CostModel& { return costs(); });
   }
   states.resize(scene.built.sensors.size());
   const bool wanted = std::ranges::any_of(scene.built.sensors,
@@ -112,12 +112,12 @@ void Simulation::Impl::take_new_sensors() {
   if (wanted && !people) people.emplace(scene.built.scene.root(), Audience::people, device);
 }
 
-const WorkTable& Simulation::Impl::costs() {
+const CostModel& Simulation::Impl::costs() {
   if (!device_costs) {
-    const std::filesystem::path file = device_costs_file(device, cache, version());
-    device_costs = load_device_costs(file);
+    const std::filesystem::path file = cost_model_file(device, cache, version());
+    device_costs = load_cost_model(file);
     const std::unique_ptr<RayCaster> rays = make_ray_caster(device);
-    if (!device_costs) device_costs = save_device_costs(file, measure_scan_costs(device, *rays));
+    if (!device_costs) device_costs = save_cost_model(file, measure_scan_costs(device, *rays));
   }
   return *device_costs;
 }
@@ -159,7 +159,7 @@ void Simulation::Impl::render(ViewLayer& layer, const FrameTime& time) {
   try {
     for (ViewLayer::Entry& entry : layer.entries) {
       const bool ready = !entry.draws && layer.caster->on_host();
-      if (entry.duty == Duty::due && ready) measure(layer, entry, time, {});
+      if (entry.due_state == DueState::due && ready) measure(layer, entry, time, {});
     }
   } catch (...) {
     failed = std::current_exception();
@@ -171,28 +171,29 @@ void Simulation::Impl::render(ViewLayer& layer, const FrameTime& time) {
 }
 
 // Nothing is measured, so only where sensors stand has to be worked out.
-void Simulation::Impl::pass_over() {
-  require_passable();
+void Simulation::Impl::skip_frame() {
+  require_skippable();
   const FrameTime time = clock.frame(next_frame);
   bool looked_back_at = false;
   for (std::size_t i = 0; i < states.size(); ++i) {
-    looked_back_at |= states[i].enabled && scene.built.sensors[i].sensor->looks_back() != LooksBack::never;
+    looked_back_at |=
+        states[i].enabled && scene.built.sensors[i].sensor->history_dependence() != HistoryDependence::none;
   }
   if (looked_back_at) {
     update_elements();
     sensing.list = &sensing.flattener.update();
     for (std::size_t i = 0; i < states.size(); ++i) {
-      if (duty(i, time) != Duty::due) continue;
-      scene.built.sensors[i].sensor->pass_over(time, states[i].world_from_sensor);
+      if (due_state(i, time) != DueState::due) continue;
+      scene.built.sensors[i].sensor->skip_frame(time, states[i].world_from_sensor);
     }
   }
   ++next_frame;
 }
 
-void Simulation::Impl::require_passable() const {
+void Simulation::Impl::require_skippable() const {
   for (std::size_t i = 0; i < states.size(); ++i) {
     const BuiltSensor& built = scene.built.sensors[i];
-    if (!states[i].enabled || built.sensor->looks_back() != LooksBack::at_measurements) continue;
+    if (!states[i].enabled || built.sensor->history_dependence() != HistoryDependence::measurements) continue;
     throw InputError("sensor \"" + built.name + "\", a " + built.type + " (" + built.sensor->method() +
                      "), depends on what was measured in the frames before, so none can be passed over; expected " +
                      (built.sensor->visualization() ? "it to be off" : "another method"));
@@ -221,7 +222,7 @@ void Simulation::Impl::show_to_people(const FrameTime& time) {
 
 void Simulation::Impl::update_elements() {
   Parameters& parameters = scene.built.parameters;
-  for (const std::size_t i : parameters.take_changed_elements()) {
+  for (const std::size_t i : parameters.drain_changed_elements()) {
     const ElementDescriptor& element = parameters.elements()[i];
     scene.built.elements[i]->update(parameters.values().subspan(element.first_value, element.parameters.size()));
   }
@@ -233,9 +234,11 @@ void Simulation::Impl::plan_due_sensors(ViewLayer& layer, bool visualization, co
   for (std::size_t i = 0; i < states.size(); ++i) {
     Sensor& sensor = *scene.built.sensors[i].sensor;
     if (sensor.visualization() != visualization) continue;
-    ViewLayer::Entry entry{
-        .sensor = i, .duty = duty(i, time), .first_pass = plan.passes.size(), .first_cast = plan.casts.size()};
-    if (entry.duty == Duty::due) {
+    ViewLayer::Entry entry{.sensor = i,
+                           .due_state = due_state(i, time),
+                           .first_pass = plan.passes.size(),
+                           .first_cast = plan.casts.size()};
+    if (entry.due_state == DueState::due) {
       const std::size_t views = count_views(plan);
       sensor.begin(time);
       sensor.plan(states[i].world_from_sensor, *layer.list, plan);
@@ -255,20 +258,20 @@ void Simulation::Impl::plan_due_sensors(ViewLayer& layer, bool visualization, co
 }
 
 // Of a sensor that is due, its pose is known then.
-Duty Simulation::Impl::duty(std::size_t sensor, const FrameTime& time) {
+DueState Simulation::Impl::due_state(std::size_t sensor, const FrameTime& time) {
   const BuiltSensor& built = scene.built.sensors[sensor];
-  if (!states[sensor].enabled) return Duty::off;
-  if (!clock.fires(built.sensor->rate_hz, time.index)) return Duty::waiting;
-  return pose(built, states[sensor].world_from_sensor) ? Duty::due : Duty::hidden;
+  if (!states[sensor].enabled) return DueState::off;
+  if (!clock.fires(built.sensor->rate_hz, time.index)) return DueState::waiting;
+  return pose(built, states[sensor].world_from_sensor) ? DueState::due : DueState::hidden;
 }
 
 void Simulation::Impl::measure(ViewLayer& layer, const FrameTime& time, std::span<const PassResult> results) {
   layer.rendered = true;
   for (ViewLayer::Entry& entry : layer.entries) {
-    if (entry.duty == Duty::due && !entry.taken) measure(layer, entry, time, results);
+    if (entry.due_state == DueState::due && !entry.taken) measure(layer, entry, time, results);
   }
   for (ViewLayer::Entry& entry : layer.entries) {
-    if (entry.duty != Duty::due) continue;
+    if (entry.due_state != DueState::due) continue;
     ++states[entry.sensor].frames;
     measured.push_back(scene.built.sensors[entry.sensor].name);
     if (instrumented) sensor_costs.push_back(std::move(entry.cost));
@@ -351,14 +354,14 @@ double Simulation::get(std::string_view element, std::string_view parameter) con
 void Simulation::execute(std::string_view xml, const std::filesystem::path& folder, const std::string& name) {
   impl_->idle().scene.built.parameters.log_request(std::string(xml));
   impl_->scene.execute(parse_commands(xml, name, folder));
-  impl_->take_new_sensors();
+  impl_->add_new_sensors();
 }
 
 const Command& Simulation::command(std::string_view sensor) const { return impl_->sensor(sensor).command; }
 
 void Simulation::add_variant(std::string_view sensor, const Command& command) {
   impl_->idle().scene.add_variant(impl_->index(sensor), command);
-  impl_->take_new_sensors();
+  impl_->add_new_sensors();
 }
 
 void Simulation::enable(std::string_view sensor, bool on) { impl_->idle().states[impl_->index(sensor)].enabled = on; }
@@ -376,8 +379,8 @@ void Simulation::step_async() {
 }
 
 void Simulation::finish() { impl_->finish(); }
-void Simulation::pass_over() { impl_->idle().pass_over(); }
-void Simulation::require_passable() const { impl_->require_passable(); }
+void Simulation::skip_frame() { impl_->idle().skip_frame(); }
+void Simulation::require_skippable() const { impl_->require_skippable(); }
 
 FrameTime Simulation::next_frame() const { return impl_->clock.frame(impl_->next_frame); }
 

@@ -33,7 +33,7 @@ const FramePlan& ViewLayer::complete_plan(std::span<const BuiltSensor> sensors) 
     const BuiltSensor& sensor = sensors[entry.sensor];
     plan.sensors.push_back({.name = sensor.name,
                             .type = sensor.type,
-                            .duty = entry.duty,
+                            .due_state = entry.due_state,
                             .rate_hz = sensor.sensor->rate_hz,
                             .outputs = outputs_of(*sensor.sensor),
                             .first_pass = entry.first_pass,

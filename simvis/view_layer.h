@@ -28,7 +28,7 @@ struct ViewLayer {
   /// A sensor of this audience in this frame.
   struct Entry {
     std::size_t sensor = 0;  ///< index
-    Duty duty = Duty::due;
+    DueState due_state = DueState::due;
     std::size_t first_pass = 0, end_pass = 0, first_cast = 0, end_cast = 0;  ///< in the plan
     bool draws = false;  ///< it has views in the plan's passes, which may be others' too
     bool taken = false;  ///< it has its results

@@ -75,7 +75,7 @@ void measure_scene(const AccuracyScene& scene, int every) {
     for (Result& result : results) {
       if (!result.peer) cheapest_ms = std::min(cheapest_ms, quantile(result.times_ms, 0.5));
     }
-    const bool masks = has_masks(simulation->draw_list());
+    const bool masks = has_masks(simulation->diagnostics().draw_list());
     for (Result& result : results) print(scene, scanner, result, cheapest_ms, masks);
     std::fflush(stdout);
   }

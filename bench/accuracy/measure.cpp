@@ -48,7 +48,7 @@ class Measurement {
 };
 
 Measurement::Measurement(Simulation& simulation, const AccuracyScanner& scanner, std::vector<Variant> variants)
-    : simulation_(simulation), scanner_(scanner), variants_(std::move(variants)), truth_(simulation.draw_list()) {
+    : simulation_(simulation), scanner_(scanner), variants_(std::move(variants)), truth_(simulation.diagnostics().draw_list()) {
   for (const Variant& v : variants_) results_.push_back({v.method, v.max_error_rel, v.resolution_px});
 }
 
@@ -61,7 +61,7 @@ void Measurement::move_to(const Turn& turn, std::size_t heading) {
 
 double scan_ms(const Simulation& simulation) {
   std::int64_t ns = 0;
-  for (const StageTime& stage : simulation.stages()) {
+  for (const StageTime& stage : simulation.diagnostics().stages()) {
     if (stage.name == "plan" || stage.name == "render" || stage.name == "collect") ns += stage.end_ns - stage.start_ns;
   }
   return static_cast<double>(ns) * 1e-6;
@@ -171,7 +171,7 @@ std::vector<Variant> mount(Simulation& simulation, const AccuracyScanner& scanne
     simulation.enable(variant.sensor, true);
     simulation.step();
     simulation.enable(variant.sensor, false);
-    if (simulation.frame_plan().passes.empty()) promised_by_none.insert(variant.max_error_rel);
+    if (simulation.diagnostics().frame_plan().passes.empty()) promised_by_none.insert(variant.max_error_rel);
   }
   std::erase_if(variants, [&](const Variant& variant) { return promised_by_none.contains(variant.max_error_rel); });
   return variants;
@@ -187,7 +187,7 @@ std::vector<Result> measure(Simulation& simulation, const AccuracyScene& scene, 
   for (std::size_t s = 0; s < stations; s += static_cast<std::size_t>(every)) {
     Turn turn{.station_m = scene.stations_m[s]};
     if (scanner.lidar) turn.station_m.z += scene.lidar_above_m;
-    const BareEmbree embree(simulation.draw_list(), glm::translate(glm::dmat4(1.0), -turn.station_m));
+    const BareEmbree embree(simulation.diagnostics().draw_list(), glm::translate(glm::dmat4(1.0), -turn.station_m));
     for (int h = 0; h < headings; h += every) {
       // Turned by a little more at each station, so that no beam of one is parallel to one of another.
       turn.headings_deg.push_back(360.0 * h / headings + 0.7310585786 * static_cast<double>(s + 1));

@@ -35,7 +35,7 @@ class Trial {
   void step() {
     simulation_.step();
     std::int64_t ns = 0;
-    for (const StageTime& stage : simulation_.stages()) ns += stage.end_ns - stage.start_ns;
+    for (const StageTime& stage : simulation_.diagnostics().stages()) ns += stage.end_ns - stage.start_ns;
     times_ms_.push_back(static_cast<double>(ns) / 1e6);
   }
 

@@ -30,7 +30,7 @@ namespace {
 using namespace simvis;
 using namespace simvis::bench;
 
-constexpr std::size_t kMostOfCoin = 1'000'000;  // triangles; of more, one set of picks takes minutes
+constexpr std::size_t kMaxOfCoin = 1'000'000;  // triangles; of more, one set of picks takes minutes
 
 struct Pattern {
   const char* name;
@@ -76,10 +76,10 @@ void measure(const Point& point, Simulation& simulation, double seconds) {
   std::vector<Way> ways = simvis_ways(simulation, point.scanners, [&](int frame) { point.drive(simulation, frame); });
   const auto raycast = std::ranges::find(ways, "raycast", &Way::name) - ways.begin();
   PeerScans scans(simulation, point.scanners, point.drive);
-  for (Way& way : embree_ways(simulation.draw_list(), scans)) ways.push_back(std::move(way));
-  const std::size_t triangles = triangles_of(simulation.draw_list());
+  for (Way& way : embree_ways(simulation.diagnostics().draw_list(), scans)) ways.push_back(std::move(way));
+  const std::size_t triangles = triangles_of(simulation.diagnostics().draw_list());
   if (point.coin) {
-    for (Way& way : coin_ways(simulation.draw_list(), scans.scans())) ways.push_back(std::move(way));
+    for (Way& way : coin_ways(simulation.diagnostics().draw_list(), scans.scans())) ways.push_back(std::move(way));
   }
   time_ways(ways, seconds);
 
@@ -104,7 +104,7 @@ void measure_three(const std::filesystem::path& folder, std::size_t triangles, d
   measure({.curve = "triangles",
            .scanners = {"FRONT_SCANNER", "REAR_SCANNER", "TILT_SCANNER"},
            .drive = drive_lab,
-           .coin = triangles <= kMostOfCoin},
+           .coin = triangles <= kMaxOfCoin},
           simulation, seconds);
 }
 

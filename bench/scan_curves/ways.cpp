@@ -17,7 +17,7 @@ constexpr Method kMethods[] = {{"nearest", ""}, {"planar", ""},   {"hybrid", "1e
 // After one that is not timed: the first frame of a way makes what the frames before it did not need.
 constexpr int kSetsPerTurn = 5;
 // Of some turns, for a median; but of what takes long one is enough.
-constexpr std::size_t kLeastSets = 15;
+constexpr std::size_t kMinSets = 15;
 constexpr double kLong = 10;  // times its share
 
 std::string variant_name(const std::string& scanner, const Method& method) {
@@ -47,7 +47,7 @@ std::vector<Way> simvis_ways(Simulation& simulation, const std::vector<std::stri
       ScanVariant variant{.method = method.name, .resolution_px = {}, .max_error_rel = {}};
       if (*method.max_error_rel != 0) variant.max_error_rel = std::strtod(method.max_error_rel, nullptr);
       names.push_back(variant_name(scanner, method));
-      simulation.add_variant(scanner, with_variant(simulation.command(scanner), variant, names.back()));
+      simulation.add_variant(scanner, with_variant(simulation.diagnostics().command(scanner), variant, names.back()));
       simulation.enable(names.back(), false);
     }
     ways.push_back({.name = method.name,
@@ -75,7 +75,7 @@ void time_ways(std::vector<Way>& ways, double seconds) {
   };
   const auto is_done = [&](std::size_t i) {
     const std::size_t sets = ways[i].took.size();
-    return spent_ms[i] >= share_ms && (sets >= kLeastSets || (sets > 0 && spent_ms[i] >= kLong * share_ms));
+    return spent_ms[i] >= share_ms && (sets >= kMinSets || (sets > 0 && spent_ms[i] >= kLong * share_ms));
   };
   for (bool any = true; any;) {
     any = false;

@@ -18,7 +18,7 @@ namespace {
 constexpr glm::dvec3 kRoom_m(16, 12, 3);
 constexpr double kFree_m = 2;  // around the middle, for the robot
 constexpr double kWallShare = 0.1;
-constexpr std::size_t kMostItems = 200, kLeastPerItem = 45;
+constexpr std::size_t kMaxItems = 200, kMinPerItem = 45;
 constexpr double kPi = std::numbers::pi;
 
 constexpr const char* kScanners = R"(
@@ -90,7 +90,7 @@ Furniture furnished(std::size_t triangles, double wall_triangles) {
   Chance chance;
   const auto all = static_cast<double>(triangles);
   add_walls(lab, wall_triangles);
-  const std::size_t items = std::min(kMostItems, triangles / kLeastPerItem);
+  const std::size_t items = std::min(kMaxItems, triangles / kMinPerItem);
   for (std::size_t i = 0; i < items; ++i) {
     add_item(lab, i, (1 - kWallShare) * all / static_cast<double>(items), chance);
   }

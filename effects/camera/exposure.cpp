@@ -32,7 +32,7 @@ const CameraEffectRegistration kExposureRegistration(
 
 }  // namespace
 
-void Exposure::develop(const FrameTime&, const CameraLayout&, Image& color) const {
+void Exposure::post_process(const FrameTime&, const CameraLayout&, Image& color) const {
   for (std::size_t i = 0; i < color.pixels.size(); ++i) {
     float& value = color.pixels[i];
     if (i % color.channels < 3) value = static_cast<float>(factor_ * static_cast<double>(value));

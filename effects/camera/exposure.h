@@ -11,7 +11,7 @@ class Exposure : public CameraEffect {
  public:
   explicit Exposure(double factor) : factor_(factor) {}
 
-  void develop(const FrameTime&, const CameraLayout&, Image& color) const override;
+  void post_process(const FrameTime&, const CameraLayout&, Image& color) const override;
 
  private:
   double factor_;

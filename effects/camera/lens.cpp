@@ -14,7 +14,7 @@ constexpr double kPinholeLimit_rad = std::numbers::pi / 2 - 1e-4;
 
 // In focal lengths: 1e-9 pixels at a focal length of 1000. Rounding leaves a thousandth of it.
 constexpr double kResidual = 1e-12;
-constexpr int kMostSteps = 200;
+constexpr int kMaxSteps = 200;
 
 double odd_polynomial(double x, std::span<const double> k) {
   const double s = x * x;
@@ -87,7 +87,7 @@ std::optional<glm::dvec2> Lens::undistorted(const glm::dvec2& target) const {
   const double farthest = std::tan(fold_rad_);
   glm::dvec2 tangents = target * std::min(1.0, 0.9 * farthest / std::max(glm::length(target), 1e-300));
   glm::dvec2 off = distorted(tangents) - target;
-  for (int i = 0; i < kMostSteps && glm::length(off) > 0; ++i) {
+  for (int i = 0; i < kMaxSteps && glm::length(off) > 0; ++i) {
     const glm::dvec2 step = glm::inverse(jacobian(tangents)) * off;
     bool nearer = false;
     for (double share = 1; share > 1e-6 && !nearer; share /= 2) {
@@ -108,7 +108,7 @@ std::optional<glm::dvec2> Lens::undistorted(const glm::dvec2& target) const {
 std::optional<double> Lens::angle(double target) const {
   double low = 0, high = fold_rad_, angle_rad = std::min(target, fold_rad_ / 2);
   if (target > radius(high)) return {};
-  for (int i = 0; i < kMostSteps; ++i) {
+  for (int i = 0; i < kMaxSteps; ++i) {
     const double off = radius(angle_rad) - target;
     (off > 0 ? high : low) = angle_rad;
     const double next = angle_rad - off / slope(angle_rad);

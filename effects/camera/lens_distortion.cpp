@@ -79,7 +79,7 @@ LensDistortion::LensDistortion(const AttributeValues& a)
   given_ = {given("fx"), given("fy"), given("cx"), given("cy")};
 }
 
-void LensDistortion::lay_out(CameraLayout& layout) const {
+void LensDistortion::configure_rays(CameraLayout& layout) const {
   LensModel model = model_;
   Pinhole& pinhole = layout.pinhole;
   pinhole.fx_px = given_.fx_px.value_or(pinhole.fx_px);

@@ -16,7 +16,7 @@ class LensDistortion : public CameraEffect {
 
   /// Rays of all pixels, and the intrinsics. Throws InputError, with the place, where the model sends no ray to some
   /// pixel of the image.
-  void lay_out(CameraLayout& layout) const override;
+  void configure_rays(CameraLayout& layout) const override;
 
  private:
   LensModel model_;  // its pinhole as far as given_

@@ -53,7 +53,7 @@ glm::dmat4 pose_between(const glm::dmat4& first, const glm::dmat4& last, double 
   return pose;
 }
 
-void RollingShutter::lay_out(CameraLayout& layout) const {
+void RollingShutter::configure_rays(CameraLayout& layout) const {
   layout.row_time_s = row_time_s_;
   layout.rows_per_pose = rows_per_pose_;
 }

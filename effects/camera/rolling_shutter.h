@@ -23,7 +23,7 @@ class RollingShutter : public CameraEffect {
   RollingShutter(double row_time_s, std::uint32_t rows_per_pose)
       : row_time_s_(row_time_s), rows_per_pose_(rows_per_pose) {}
 
-  void lay_out(CameraLayout& layout) const override;
+  void configure_rays(CameraLayout& layout) const override;
 
  private:
   double row_time_s_;

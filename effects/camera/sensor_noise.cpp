@@ -74,7 +74,7 @@ double SensorNoise::measured(double light, std::uint64_t frame, std::uint32_t pi
   return std::round(std::clamp(value, 0.0, 1.0) * levels) / levels;
 }
 
-void SensorNoise::develop(const FrameTime& time, const CameraLayout&, Image& color) const {
+void SensorNoise::post_process(const FrameTime& time, const CameraLayout&, Image& color) const {
   const std::uint32_t pixels = color.width * color.height;
   for (std::uint32_t pixel = 0; pixel < pixels; ++pixel) {
     for (std::uint32_t channel = 0; channel < 3; ++channel) {

@@ -31,7 +31,7 @@ class SensorNoise : public CameraEffect {
   SensorNoise(const PixelElectronics& electronics, const SensorRandom& random)
       : electronics_(electronics), random_(random) {}
 
-  void develop(const FrameTime& time, const CameraLayout&, Image& color) const override;
+  void post_process(const FrameTime& time, const CameraLayout&, Image& color) const override;
 
  private:
   double measured(double light, std::uint64_t frame, std::uint32_t pixel, std::uint32_t channel) const;

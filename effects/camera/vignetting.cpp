@@ -51,7 +51,7 @@ double Vignetting::factor(const CameraLayout& layout, std::uint32_t x, std::uint
   return 1 + r2 * (v_[0] + r2 * (v_[1] + r2 * v_[2]));
 }
 
-void Vignetting::lay_out(CameraLayout& layout) const {
+void Vignetting::configure_rays(CameraLayout& layout) const {
   if (law_ == VignettingLaw::natural) return;
   for (std::uint32_t y = 0; y < layout.height_px; ++y) {
     for (std::uint32_t x = 0; x < layout.width_px; ++x) {
@@ -64,7 +64,7 @@ void Vignetting::lay_out(CameraLayout& layout) const {
   }
 }
 
-void Vignetting::develop(const FrameTime&, const CameraLayout& layout, Image& color) const {
+void Vignetting::post_process(const FrameTime&, const CameraLayout& layout, Image& color) const {
   for (std::uint32_t y = 0; y < color.height; ++y) {
     for (std::uint32_t x = 0; x < color.width; ++x) {
       const double factor = this->factor(layout, x, y);

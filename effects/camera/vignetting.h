@@ -23,8 +23,8 @@ class Vignetting : public CameraEffect {
       : law_(law), v_(v), where_(std::move(where)) {}
 
   /// Throws InputError, with the place, where a polynomial is below 0 within the image.
-  void lay_out(CameraLayout& layout) const override;
-  void develop(const FrameTime&, const CameraLayout& layout, Image& color) const override;
+  void configure_rays(CameraLayout& layout) const override;
+  void post_process(const FrameTime&, const CameraLayout& layout, Image& color) const override;
 
   /// What a pixel's light is multiplied by.
   double factor(const CameraLayout& layout, std::uint32_t x, std::uint32_t y) const;

@@ -35,7 +35,7 @@ const ScanEffectRegistration kAngularNoiseRegistration(
 
 }  // namespace
 
-void AngularNoise::aim(const ScanMoment& moment, std::vector<BeamRay>& rays) const {
+void AngularNoise::aim(const ScanContext& moment, std::vector<BeamRay>& rays) const {
   for (BeamRay& ray : rays) {
     const glm::dvec3& d = ray.direction;
     const double azimuth = std::atan2(d.y, d.x) + deviation_rad_ * random_.gaussian(moment.time.index, ray.beam, 0);

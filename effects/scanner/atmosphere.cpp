@@ -38,7 +38,7 @@ class Atmosphere : public ScanEffect {
 
   bool traces() const override { return true; }
 
-  void receive(const ScanMoment& moment, std::uint32_t beam, std::vector<Echo>& echoes) const override {
+  void receive(const ScanContext& moment, std::uint32_t beam, std::vector<Echo>& echoes) const override {
     const double end_m = echoes.empty() ? moment.range_max_m : echoes.back().range_m;
     for (Echo& echo : echoes) echo.power *= there_and_back(moment.medium, echo.range_m);
     std::erase_if(echoes, [&](const Echo& echo) { return echo.power < sight_.least_power; });
@@ -58,7 +58,7 @@ class Atmosphere : public ScanEffect {
   // Poisson processes are thinned (Lewis and Shedler, Naval Res. Logist. Q. 26, 1979): the rate falls with range, so in
   // each stretch that at its beginning is never exceeded. Stretches grow with range, and the rate in one does not fall
   // by so much that many candidates would be drawn in vain.
-  void add_drops(const ScanMoment& moment, std::uint32_t beam, double end_m, std::vector<Echo>& echoes) const {
+  void add_drops(const ScanContext& moment, std::uint32_t beam, double end_m, std::vector<Echo>& echoes) const {
     constexpr double kGrowth = 1.4142135623730951;
     const Medium& medium = moment.medium;
     if (medium.particles_per_m3 == 0) return;
@@ -72,7 +72,7 @@ class Atmosphere : public ScanEffect {
       double range_m = from_m + wait / rate;
       for (; range_m < to_m; range_m += (wait = exponential()) / rate) {
         if (uniform() * rate >= sight_.rate_per_m(medium, range_m)) continue;
-        const double share = (sight_.least_diameter_m(medium, range_m) + medium.particle_diameter_m * exponential()) /
+        const double share = (sight_.min_diameter_m(medium, range_m) + medium.particle_diameter_m * exponential()) /
                              sight_.beam_diameter_m;
         const double power = kDropReflectance * std::min(share * share, 1.0) * there_and_back(medium, range_m);
         echoes.push_back({.range_m = range_m, .power = power / (range_m * range_m)});
@@ -110,14 +110,14 @@ const ScanEffectRegistration kAtmosphereRegistration({
 
 }  // namespace
 
-double DropSight::least_diameter_m(const Medium& medium, double range_m) const {
+double DropSight::min_diameter_m(const Medium& medium, double range_m) const {
   const double share = least_power * range_m * range_m / (kDropReflectance * there_and_back(medium, range_m));
   return share <= 1 ? beam_diameter_m * std::sqrt(share) : std::numeric_limits<double>::infinity();
 }
 
 double DropSight::rate_per_m(const Medium& medium, double range_m) const {
   const double area_m2 = std::numbers::pi / 4 * beam_diameter_m * beam_diameter_m;
-  return medium.particles_per_m3 * area_m2 * std::exp(-least_diameter_m(medium, range_m) / medium.particle_diameter_m);
+  return medium.particles_per_m3 * area_m2 * std::exp(-min_diameter_m(medium, range_m) / medium.particle_diameter_m);
 }
 
 }  // namespace simvis

@@ -38,7 +38,7 @@ struct DropSight {
   double beam_diameter_m = 0;  ///< w
 
   /// +infinity where no drop that fits into the beam is detected.
-  double least_diameter_m(const Medium& medium, double range_m) const;
+  double min_diameter_m(const Medium& medium, double range_m) const;
 
   /// Detected drops per metre of beam.
   double rate_per_m(const Medium& medium, double range_m) const;

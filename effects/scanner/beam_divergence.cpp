@@ -63,7 +63,7 @@ std::vector<glm::dvec2> disc_samples(std::uint32_t count) {
 BeamDivergence::BeamDivergence(double full_angle_rad, std::uint32_t samples, SensorRandom random)
     : spread_(std::tan(full_angle_rad / 2)), samples_(disc_samples(samples)), random_(random) {}
 
-void BeamDivergence::aim(const ScanMoment&, std::vector<BeamRay>& rays) const {
+void BeamDivergence::aim(const ScanContext&, std::vector<BeamRay>& rays) const {
   std::vector<BeamRay> split;
   split.reserve(rays.size() * samples_.size());
   for (const BeamRay& ray : rays) {

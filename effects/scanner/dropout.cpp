@@ -47,14 +47,14 @@ class Dropout : public ScanEffect {
 
   bool traces() const override { return threshold_ > 0; }
 
-  void receive(const ScanMoment& moment, std::uint32_t beam, std::vector<Echo>& echoes) const override {
+  void receive(const ScanContext& moment, std::uint32_t beam, std::vector<Echo>& echoes) const override {
     if (threshold_ == 0) return;
     std::uint32_t draw = 0;  // 0 is the reading's
     std::erase_if(
         echoes, [&](const Echo& echo) { return random_.uniform(moment.time.index, beam, ++draw) < loss(echo.power); });
   }
 
-  void finish(const ScanMoment& moment, std::span<const Echo>, Scan& scan) const override {
+  void finish(const ScanContext& moment, std::span<const Echo>, Scan& scan) const override {
     if (by_chance_ == 0) return;
     for (std::uint32_t beam = 0; beam < scan.range_m.size(); ++beam) {
       if (scan.range_m[beam] == 0) continue;

@@ -27,7 +27,7 @@ class Intensity : public ScanEffect {
  public:
   bool traces() const override { return true; }
 
-  void finish(const ScanMoment&, std::span<const Echo> detected, Scan& scan) const override {
+  void finish(const ScanContext&, std::span<const Echo> detected, Scan& scan) const override {
     SIMVIS_ASSERT(detected.size() == scan.range_m.size());
     ScanChannel channel{.name = "intensity", .values = {}};
     channel.values.reserve(detected.size());

@@ -33,7 +33,7 @@ class RangeNoise : public ScanEffect {
         sigma_rel_(context.attributes.number("range_noise_rel")),
         random_(context.random("range_noise")) {}
 
-  void finish(const ScanMoment& moment, std::span<const Echo>, Scan& scan) const override {
+  void finish(const ScanContext& moment, std::span<const Echo>, Scan& scan) const override {
     for (std::uint32_t beam = 0; beam < scan.range_m.size(); ++beam) {
       const double range_m = scan.range_m[beam];
       if (range_m == 0 || std::isinf(range_m)) continue;

@@ -23,7 +23,7 @@ class RangeResolution : public ScanEffect {
  public:
   explicit RangeResolution(double step_m) : step_m_(step_m) {}
 
-  void finish(const ScanMoment&, std::span<const Echo>, Scan& scan) const override {
+  void finish(const ScanContext&, std::span<const Echo>, Scan& scan) const override {
     for (std::size_t beam = 0; beam < scan.range_m.size(); ++beam) {
       const double range_m = scan.range_m[beam];
       if (std::isinf(range_m)) continue;

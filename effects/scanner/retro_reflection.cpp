@@ -14,16 +14,16 @@
 namespace simvis {
 namespace {
 
-const double kLeastCosine = std::cos(glm::radians(40.0));
+const double kMinCosine = std::cos(glm::radians(40.0));
 
 class RetroReflection : public ScanEffect {
  public:
   bool only_traced() const override { return true; }
 
-  void meet(const ScanMoment&, const BeamRay& ray, const SurfacePoint& surface, Echo& echo,
+  void meet(const ScanContext&, const BeamRay& ray, const SurfacePoint& surface, Echo& echo,
             std::vector<BeamRay>&) const override {
     const double gain = surface.material->retro_reflectance;
-    if (gain == 0 || -glm::dot(surface.normal, ray.direction) < kLeastCosine) return;
+    if (gain == 0 || -glm::dot(surface.normal, ray.direction) < kMinCosine) return;
     echo.power = ray.share * gain / (echo.range_m * echo.range_m);
   }
 };

@@ -17,11 +17,11 @@ Echo merged(std::span<const Echo> echoes) {
   }
   const double nearest_m = echoes.front().range_m, spread_m = echoes.back().range_m - nearest_m;
   const bool even = !(power > 0) || std::isinf(power);
-  double beyond_m = 0;
+  double t_min_m = 0;
   for (const Echo& echo : echoes) {
-    beyond_m += (even ? 1 / static_cast<double>(echoes.size()) : echo.power / power) * (echo.range_m - nearest_m);
+    t_min_m += (even ? 1 / static_cast<double>(echoes.size()) : echo.power / power) * (echo.range_m - nearest_m);
   }
-  return {.range_m = nearest_m + std::min(beyond_m, spread_m),
+  return {.range_m = nearest_m + std::min(t_min_m, spread_m),
           .error_bound_m = largest_error_m + weight_error * spread_m,
           .power = power};
 }
@@ -78,7 +78,7 @@ void merge_pulses(double pulse_length_m, std::vector<Echo>& echoes) {
   echoes.resize(pulses);
 }
 
-bool Returns::detect(const ScanMoment&, std::uint32_t, std::span<const Echo> echoes, Echo& detected) const {
+bool Returns::detect(const ScanContext&, std::uint32_t, std::span<const Echo> echoes, Echo& detected) const {
   if (echoes.empty()) return false;
   detected = choice_ == ReturnChoice::first  ? echoes.front()
              : choice_ == ReturnChoice::last ? echoes.back()
@@ -87,7 +87,7 @@ bool Returns::detect(const ScanMoment&, std::uint32_t, std::span<const Echo> ech
   return true;
 }
 
-void Returns::finish(const ScanMoment& moment, std::span<const Echo> detected, Scan& scan) const {
+void Returns::finish(const ScanContext& moment, std::span<const Echo> detected, Scan& scan) const {
   ScanChannel& count = scan.channels.emplace_back();
   count.name = "return_count";
   count.format = "%.0f";

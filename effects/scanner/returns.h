@@ -36,11 +36,11 @@ class Returns : public ScanEffect {
 
   bool traces() const override { return true; }
   std::optional<double> pulse_length_m() const override { return pulse_length_m_; }
-  bool detect(const ScanMoment& moment, std::uint32_t beam, std::span<const Echo> echoes,
+  bool detect(const ScanContext& moment, std::uint32_t beam, std::span<const Echo> echoes,
               Echo& detected) const override;
 
   /// Adds the channel "return_count": how many returns there are within range_max, 0 for none.
-  void finish(const ScanMoment& moment, std::span<const Echo> detected, Scan& scan) const override;
+  void finish(const ScanContext& moment, std::span<const Echo> detected, Scan& scan) const override;
 
  private:
   ReturnChoice choice_;

@@ -29,7 +29,7 @@ class SpecularPath : public ScanEffect {
 
   bool traces() const override { return true; }
 
-  void meet(const ScanMoment&, const BeamRay& ray, const SurfacePoint& surface, Echo& echo,
+  void meet(const ScanContext&, const BeamRay& ray, const SurfacePoint& surface, Echo& echo,
             std::vector<BeamRay>& onward) const override {
     const double cosine = -glm::dot(surface.normal, ray.direction);
     if (!(cosine > 0)) return;
@@ -56,7 +56,7 @@ class SpecularPath : public ScanEffect {
     onward.error_m = error_m;
     onward.origin_error_m = ray.origin_error_m + ray.error_rad * surface.range_m + error_m + rounding_m;
     onward.error_rad = ray.error_rad + 2 * surface.normal_error_rad + 8 * kUnit;
-    onward.beyond_m = 2 * (5 * surface.error_bound_m + rounding_m) / cosine;
+    onward.t_min_m = 2 * (5 * surface.error_bound_m + rounding_m) / cosine;
     ++onward.turns;
     return onward;
   }
@@ -65,7 +65,7 @@ class SpecularPath : public ScanEffect {
   static BeamRay passed(const BeamRay& ray, const SurfacePoint& surface, double share) {
     BeamRay onward = ray;
     onward.share = ray.share * share * share;
-    onward.beyond_m = surface.range_m + 2 * surface.error_bound_m;
+    onward.t_min_m = surface.range_m + 2 * surface.error_bound_m;
     ++onward.turns;
     return onward;
   }

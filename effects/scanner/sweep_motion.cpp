@@ -48,7 +48,7 @@ double SweepMotion::age_s(std::uint32_t column, std::uint32_t columns) const {
   return columns == 1 ? 0 : sweep_s_ * after / (columns - 1);
 }
 
-void SweepMotion::aim(const ScanMoment& moment, std::vector<BeamRay>& rays) const {
+void SweepMotion::aim(const ScanContext& moment, std::vector<BeamRay>& rays) const {
   if (!moment.before || moment.before->time_ns >= moment.time.time_ns) return;
   const double interval_s = static_cast<double>(moment.time.time_ns - moment.before->time_ns) / 1e9;
   const glm::dmat4 &now = moment.world_from_sensor, &before = moment.before->world_from_sensor;
@@ -67,7 +67,7 @@ void SweepMotion::aim(const ScanMoment& moment, std::vector<BeamRay>& rays) cons
   std::ranges::stable_sort(rays, {}, [&](const BeamRay& ray) { return ray.beam % moment.columns; });
 }
 
-void SweepMotion::finish(const ScanMoment& moment, std::span<const Echo>, Scan& scan) const {
+void SweepMotion::finish(const ScanContext& moment, std::span<const Echo>, Scan& scan) const {
   ScanChannel& time = scan.channels.emplace_back();
   time.name = "time_s";
   time.format = "%.9f";

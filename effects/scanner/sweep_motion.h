@@ -24,10 +24,10 @@ class SweepMotion : public ScanEffect {
   SweepMotion(double sweep_s, bool clockwise) : sweep_s_(sweep_s), clockwise_(clockwise) {}
 
   bool traces() const override { return true; }
-  bool looks_back() const override { return true; }
-  void aim(const ScanMoment& moment, std::vector<BeamRay>& rays) const override;
+  bool uses_previous_pose() const override { return true; }
+  void aim(const ScanContext& moment, std::vector<BeamRay>& rays) const override;
   /// Adds the channel "time_s".
-  void finish(const ScanMoment& moment, std::span<const Echo> detected, Scan& scan) const override;
+  void finish(const ScanContext& moment, std::span<const Echo> detected, Scan& scan) const override;
 
  private:
   double age_s(std::uint32_t column, std::uint32_t columns) const;

@@ -52,7 +52,7 @@ std::vector<Body> bodies_of(const DrawList& list) {
     const float cover = material.opacity * (material.alpha_mode == AlphaMode::blend ? material.base_color.a : 1);
     bodies.push_back({.box = make_box(list.world_from_node[item.transform], (low + high) * 0.5, (high - low) * 0.5),
                       .lit = !material.unlit && cover > 0,
-                      .casts = mesh.topology == Topology::triangles && cover >= kLeastMetAlpha});
+                      .casts = mesh.topology == Topology::triangles && cover >= kMinDepthVisibleAlpha});
   }
   return bodies;
 }
@@ -175,7 +175,7 @@ std::optional<View> directional_view(const Light& light, const glm::dvec3& forwa
   if (depth.empty()) return {};
 
   View view = map_view(light.shadow_px, map_from_world, {});
-  view.parallel = true;
+  view.orthographic = true;
   view.near_m = depth.low - kDepthMargin * reach;
   view.far_m = depth.high + kDepthMargin * reach;
   // One texel is left for what snapping to the lattice adds.

@@ -1,5 +1,5 @@
 // Transparent surfaces in pictures: resolved for each sample by depth, in whatever order parts and faces are drawn, see
-// engine/transparent_layers.h.
+// engine/oit_buffer.h.
 #include <algorithm>
 
 #include <simvis/effect.h>

@@ -18,7 +18,7 @@ constexpr AttributeSpec kPointCloudAttributes[] = {
      .default_value = "1000000",
      .text = "how many points of the file, or of each scan, are drawn, the first; rounded down",
      .min = 0,
-     .max = kMostPoints,
+     .max = kMaxPoints,
      .live = true},
     marker_size_row("size", "0.04", "of a point; 0: none are drawn"),
     {.name = "keep",
@@ -118,11 +118,11 @@ void PointCloudElement::observe(const Observations& seen) {
   if (scanner_.empty()) return;
   const ObservedScan observed = seen.scan(scanner_);
   if (observed.scan == nullptr || observed.count == seen_) return;
-  take_scan(observed);
+  read_scan(observed);
   seen_ = observed.count;
 }
 
-void PointCloudElement::take_scan(const ObservedScan& observed) {
+void PointCloudElement::read_scan(const ObservedScan& observed) {
   if (batches_.size() < keep_) {
     add_batch();
   } else {

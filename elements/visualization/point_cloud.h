@@ -37,7 +37,7 @@ class PointCloudElement : public Element {
   };
   void add_file(const ElementContext& context);
   Batch& add_batch();
-  void take_scan(const ObservedScan& observed);
+  void read_scan(const ObservedScan& observed);
   void draw(Batch& batch);
 
   std::string name_, scanner_;  // no scanner: a file

@@ -24,7 +24,7 @@ struct Line {
 };
 
 // False at the end of the text; `next` is where the following line starts.
-bool take_line(std::string_view text, std::size_t& next, Line& line) {
+bool read_line(std::string_view text, std::size_t& next, Line& line) {
   if (next >= text.size()) return false;
   line.offset = next;
   const std::size_t end = std::min(text.find_first_of("\r\n", next), text.size());
@@ -55,7 +55,7 @@ class PointReader {
     const std::string_view text = source_.text();
     Line line;
     bool first = true;
-    for (std::size_t next = 0; take_line(text, next, line);) {
+    for (std::size_t next = 0; read_line(text, next, line);) {
       if (line.words.empty() || line.words[0].starts_with('#')) continue;
       if (!std::exchange(first, false) || !is_header(line)) add(line);
     }
@@ -75,8 +75,8 @@ class PointReader {
                                            " a colour after points with" + (count == 6 ? "out" : "") +
                                            " one, expected each to have one or none");
     }
-    if (file_.points.size() == kMostPoints) {
-      fail_at(source_.at(line.offset), "more points than " + std::to_string(kMostPoints) + ", which is not allowed");
+    if (file_.points.size() == kMaxPoints) {
+      fail_at(source_.at(line.offset), "more points than " + std::to_string(kMaxPoints) + ", which is not allowed");
     }
     FilePoint point;
     for (int i = 0; i < 3; ++i) point.position_m[i] = number(line, i, -kMaxCoordinate_m, kMaxCoordinate_m);

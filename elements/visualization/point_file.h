@@ -18,7 +18,7 @@ struct PointFile {
 };
 
 /// A file may hold as many.
-inline constexpr std::size_t kMostPoints = 1'000'000;
+inline constexpr std::size_t kMaxPoints = 1'000'000;
 
 /// One point a line: "x y z" or "x y z r g b", separated by spaces, commas or both; metres, and colours from 0 to 255
 /// as pictures have them (sRGB). Either each line has a colour or none. Empty lines and lines that start with '#' are

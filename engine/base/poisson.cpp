@@ -8,7 +8,7 @@ namespace simvis {
 double poisson(const SensorRandom& random, double mean, std::uint64_t frame, std::uint32_t element,
                std::uint32_t draw) {
   if (!(mean > 0)) return 0;
-  if (mean > kMostExactMean) {
+  if (mean > kMaxExactMean) {
     const double z = random.gaussian(frame, element, draw);
     return std::max(0.0, std::round(mean + std::sqrt(mean) * z + (z * z - 1) / 6));
   }

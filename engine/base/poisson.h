@@ -8,10 +8,10 @@
 namespace simvis {
 
 /// Up to this mean poisson() is exact.
-inline constexpr double kMostExactMean = 64;
+inline constexpr double kMaxExactMean = 64;
 
 /// A whole number from Poisson's distribution of this mean (0 to 1e15), named as SensorRandom's numbers are. Up to
-/// kMostExactMean its distribution function is inverted, exact to the 2^-53 of uniform(). Beyond, a Gaussian of the
+/// kMaxExactMean its distribution function is inverted, exact to the 2^-53 of uniform(). Beyond, a Gaussian of the
 /// same mean, variance and skewness is rounded: mean + sqrt(mean) z + (z^2 - 1) / 6 (E. A. Cornish and R. A. Fisher,
 /// Revue de l'Institut International de Statistique 5, 1938), whose distribution function is off by less than 0.1 /
 /// mean.

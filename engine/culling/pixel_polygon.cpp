@@ -65,36 +65,34 @@ PixelSides::PixelSides(const View& view)
       focal_px_(std::max(std::abs(view.pinhole.fx_px), std::abs(view.pinhole.fy_px))) {}
 
 // In a view that is cut at 45 degrees or less, a step in z moves a point as far as one across.
-double PixelSides::least_z_m(double slack_m) const {
-  return std::max(near_m_, 2 * focal_px_ * slack_m / kDisplaced_px);
-}
+double PixelSides::min_z_m(double slack_m) const { return std::max(near_m_, 2 * focal_px_ * slack_m / kDisplaced_px); }
 
 // Where no side, however rounded, cuts it off.
-bool PixelSides::keeps(const glm::dvec3& p, double least_z_m) const {
-  return p.z > least_z_m && p.x > kSide_px * p.z && p.x < (width_ - kSide_px) * p.z &&
-         p.y > (kSide_px - guard_) * p.z && p.y < (height_ + guard_ - kSide_px) * p.z;
+bool PixelSides::keeps(const glm::dvec3& p, double min_z_m) const {
+  return p.z > min_z_m && p.x > kSide_px * p.z && p.x < (width_ - kSide_px) * p.z && p.y > (kSide_px - guard_) * p.z &&
+         p.y < (height_ + guard_ - kSide_px) * p.z;
 }
 
-bool PixelSides::keep(std::span<const glm::dvec3> corners, double least_z_m, PixelPolygon& whole) const {
-  if (!std::ranges::all_of(corners, [&](const glm::dvec3& p) { return keeps(p, least_z_m); })) return false;
+bool PixelSides::keep(std::span<const glm::dvec3> corners, double min_z_m, PixelPolygon& whole) const {
+  if (!std::ranges::all_of(corners, [&](const glm::dvec3& p) { return keeps(p, min_z_m); })) return false;
   std::ranges::transform(corners, whole.corners, in_pixels);
   whole.count = static_cast<int>(corners.size());
   return true;
 }
 
 // So near to a side that rounding decides.
-bool PixelSides::may_cut(const glm::dvec3& p, double least_z_m) const {
-  const double near = kSide_px * std::max(p.z, least_z_m);
+bool PixelSides::may_cut(const glm::dvec3& p, double min_z_m) const {
+  const double near = kSide_px * std::max(p.z, min_z_m);
   return std::abs(p.x) < near || std::abs(p.x - width_ * p.z) < near || std::abs(p.y + guard_ * p.z) < near ||
          std::abs(p.y - (height_ + guard_) * p.z) < near;
 }
 
-bool PixelSides::cut(std::span<const glm::dvec3> whole, double outwards_px, double least_z_m,
+bool PixelSides::cut(std::span<const glm::dvec3> whole, double outwards_px, double min_z_m,
                      PixelPolygon& polygon) const {
-  constexpr int kMost = PixelPolygon::kMostCorners;
-  SIMVIS_ASSERT(whole.size() <= kMost - 5);
-  if (std::ranges::any_of(whole, [&](const glm::dvec3& p) { return may_cut(p, least_z_m); })) return false;
-  glm::dvec3 corners[kMost], left[kMost];
+  constexpr int kMax = PixelPolygon::kMaxCorners;
+  SIMVIS_ASSERT(whole.size() <= kMax - 5);
+  if (std::ranges::any_of(whole, [&](const glm::dvec3& p) { return may_cut(p, min_z_m); })) return false;
+  glm::dvec3 corners[kMax], left[kMax];
   std::ranges::copy(whole, corners);
   auto count = static_cast<int>(whole.size());
   const auto cut_by = [&](const auto& inwards) {
@@ -115,7 +113,7 @@ bool PixelSides::cut(std::span<const glm::dvec3> whole, double outwards_px, doub
   cut_by([&](const glm::dvec3& p) { return (height_ + guard_ + outwards_px) * p.z - p.y; });
   polygon.count = count;
   for (int i = 0; i < count; ++i) {
-    if (!(corners[i].z > least_z_m)) return false;
+    if (!(corners[i].z > min_z_m)) return false;
     polygon.corners[i] = in_pixels(corners[i]);
   }
   return count >= 3;

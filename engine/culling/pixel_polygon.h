@@ -55,8 +55,8 @@ struct PixelSpan {
 };
 
 struct PixelPolygon {
-  static constexpr int kMostCorners = 9;  ///< four, cut by five planes
-  PixelCorner corners[kMostCorners];
+  static constexpr int kMaxCorners = 9;  ///< four, cut by five planes
+  PixelCorner corners[kMaxCorners];
   int count = 0;
 
   std::span<const PixelCorner> all() const { return std::span(corners).first(static_cast<std::size_t>(count)); }
@@ -85,17 +85,17 @@ class PixelSides {
   explicit PixelSides(const View& view);
 
   /// Nearer points, of what is displaced by up to `slack_m` in any direction, are displaced too far in the picture.
-  double least_z_m(double slack_m) const;
+  double min_z_m(double slack_m) const;
 
   /// The shape, if no side, however rounded, cuts it.
-  bool keep(std::span<const glm::dvec3> corners, double least_z_m, PixelPolygon& whole) const;
+  bool keep(std::span<const glm::dvec3> corners, double min_z_m, PixelPolygon& whole) const;
   /// What is left of a triangle or quadrangle that sides cut, were they moved outwards by so much. False if that is
   /// nothing, or if it cannot be told.
-  bool cut(std::span<const glm::dvec3> corners, double outwards_px, double least_z_m, PixelPolygon& left) const;
+  bool cut(std::span<const glm::dvec3> corners, double outwards_px, double min_z_m, PixelPolygon& left) const;
 
  private:
-  bool keeps(const glm::dvec3& p, double least_z_m) const;
-  bool may_cut(const glm::dvec3& p, double least_z_m) const;
+  bool keeps(const glm::dvec3& p, double min_z_m) const;
+  bool may_cut(const glm::dvec3& p, double min_z_m) const;
 
   double width_ = 0, height_ = 0, guard_ = 0, near_m_ = 0, focal_px_ = 0;
 };

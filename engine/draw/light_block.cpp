@@ -7,7 +7,7 @@ namespace simvis {
 namespace {
 
 // The least difference of the cones' cosines, from KHR_lights_punctual.
-constexpr double kLeastConeWidth = 0.001;
+constexpr double kMinConeWidth = 0.001;
 
 }  // namespace
 
@@ -24,7 +24,7 @@ shader::LightBlock make_light_block(const Light& light, const glm::dmat4& view_f
   block.cone = {0, 1, 0, 0};
   if (light.kind == LightKind::spot) {
     const double outer = std::cos(light.outer_cone_rad);
-    const double scale = 1 / std::max(kLeastConeWidth, std::cos(light.inner_cone_rad) - outer);
+    const double scale = 1 / std::max(kMinConeWidth, std::cos(light.inner_cone_rad) - outer);
     block.cone = glm::vec4(scale, -outer * scale, 0, 0);
   }
   return block;

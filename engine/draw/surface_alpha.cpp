@@ -97,15 +97,15 @@ glm::dvec4 surface_color(const Material& material, const Mesh& mesh, std::uint32
 
 bool is_solid(const Material& material, const Mesh& mesh, std::uint32_t primitive, const glm::dvec3& weights) {
   if (material.alpha_mode == AlphaMode::blend) {
-    return material.opacity * surface_alpha(material, mesh, primitive, weights) >= kLeastMetAlpha;
+    return material.opacity * surface_alpha(material, mesh, primitive, weights) >= kMinDepthVisibleAlpha;
   }
-  if (material.opacity < kLeastMetAlpha) return false;
+  if (material.opacity < kMinDepthVisibleAlpha) return false;
   return material.alpha_mode == AlphaMode::opaque ||
          surface_alpha(material, mesh, primitive, weights) >= material.alpha_cutoff;
 }
 
 bool is_solid_throughout(const Material& material) {
-  return material.alpha_mode == AlphaMode::opaque && material.opacity >= kLeastMetAlpha;
+  return material.alpha_mode == AlphaMode::opaque && material.opacity >= kMinDepthVisibleAlpha;
 }
 
 }  // namespace simvis

@@ -33,7 +33,7 @@ struct Split {
 };
 
 /// A thing on its way to its leaf: things stand together as their boxes do, so that memory is read from front to back.
-struct Thing {
+struct Primitive {
   Box box;
   std::uint32_t number = 0;
 
@@ -53,18 +53,18 @@ struct Bins {
 };
 
 // The cheapest border between two bins. The cost is in areas times looks at things.
-Split best_split(std::span<const Thing> things, const Bins& bins, std::uint32_t at_once) {
+Split best_split(std::span<const Primitive> primitives, const Bins& bins, std::uint32_t at_once) {
   const auto looks = [at_once](std::uint32_t count) { return (count + at_once - 1) / at_once; };
   struct Content {
     Box box = kNothing;
     std::uint32_t count = 0;
   };
   Content content[3][kBins];
-  for (const Thing& thing : things) {
-    const glm::dvec3 middle = thing.middle();
+  for (const Primitive& primitive : primitives) {
+    const glm::dvec3 middle = primitive.middle();
     for (int axis = 0; axis < 3; ++axis) {
       Content& bin = content[axis][bins.of(middle, axis)];
-      bin.box = joined(bin.box, thing.box);
+      bin.box = joined(bin.box, primitive.box);
       ++bin.count;
     }
   }
@@ -94,8 +94,8 @@ Split best_split(std::span<const Thing> things, const Bins& bins, std::uint32_t 
 /// Puts things into the order of the leaves; a subtree's nodes begin with its root.
 class Builder {
  public:
-  Builder(std::vector<Thing>& things, std::uint32_t most_in_leaf, std::uint32_t at_once)
-      : things_(things), most_in_leaf_(most_in_leaf), at_once_(at_once) {}
+  Builder(std::vector<Primitive>& primitives, std::uint32_t max_leaf_size, std::uint32_t at_once)
+      : primitives_(primitives), max_leaf_size_(max_leaf_size), at_once_(at_once) {}
 
   /// `threads`: on how many.
   std::vector<BvhNode> build(std::uint32_t first, std::uint32_t count, std::uint32_t depth, unsigned threads) {
@@ -107,37 +107,37 @@ class Builder {
  private:
   void build(std::vector<BvhNode>& nodes, std::uint32_t node, std::uint32_t first, std::uint32_t count,
              std::uint32_t depth, unsigned threads);
-  std::uint32_t divide(std::span<Thing> things, std::uint32_t depth, double area);
+  std::uint32_t divide(std::span<Primitive> primitives, std::uint32_t depth, double area);
 
-  std::vector<Thing>& things_;
-  std::uint32_t most_in_leaf_, at_once_;
+  std::vector<Primitive>& primitives_;
+  std::uint32_t max_leaf_size_, at_once_;
 };
 
 // Puts a node's things into the order of its children; returns how many go to the first, 0 for a leaf.
-std::uint32_t Builder::divide(std::span<Thing> things, std::uint32_t depth, double area) {
-  const auto count = static_cast<std::uint32_t>(things.size());
+std::uint32_t Builder::divide(std::span<Primitive> primitives, std::uint32_t depth, double area) {
+  const auto count = static_cast<std::uint32_t>(primitives.size());
   if (count == 1) return 0;
   glm::dvec3 low(std::numeric_limits<double>::max()), high = -low;
-  for (const Thing& thing : things) {
-    low = glm::min(low, thing.middle());
-    high = glm::max(high, thing.middle());
+  for (const Primitive& primitive : primitives) {
+    low = glm::min(low, primitive.middle());
+    high = glm::max(high, primitive.middle());
   }
   const Bins bins(low, high);
-  const Split split = best_split(things, bins, at_once_);
+  const Split split = best_split(primitives, bins, at_once_);
   const std::uint32_t looks = (count + at_once_ - 1) / at_once_;
-  if (count <= most_in_leaf_ && !(split.cost + kNodeCost * area < looks * area)) return 0;
+  if (count <= max_leaf_size_ && !(split.cost + kNodeCost * area < looks * area)) return 0;
   if (split.cost < std::numeric_limits<double>::infinity()) {
-    const auto border = std::partition(things.begin(), things.end(), [&](const Thing& thing) {
-      return bins.of(thing.middle(), split.axis) <= split.bin;
+    const auto border = std::partition(primitives.begin(), primitives.end(), [&](const Primitive& primitive) {
+      return bins.of(primitive.middle(), split.axis) <= split.bin;
     });
-    const auto left = static_cast<std::uint32_t>(border - things.begin());
+    const auto left = static_cast<std::uint32_t>(border - primitives.begin());
     // Dividing by halves from here on must still end above the deepest level.
     const auto halvings = static_cast<std::uint32_t>(std::bit_width(std::max(left, count - left) - 1));
     if (depth + 1 + halvings <= Bvh::kMaxDepth) return left;
   }
   const glm::dvec3 size = high - low;
   const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-  std::ranges::nth_element(things, things.begin() + count / 2, [&](const Thing& a, const Thing& b) {
+  std::ranges::nth_element(primitives, primitives.begin() + count / 2, [&](const Primitive& a, const Primitive& b) {
     const double at = a.middle()[axis], bt = b.middle()[axis];
     return at < bt || (at == bt && a.number < b.number);
   });
@@ -158,10 +158,10 @@ void graft(std::vector<BvhNode>& nodes, std::uint32_t node, std::span<const BvhN
 void Builder::build(std::vector<BvhNode>& nodes, std::uint32_t node, std::uint32_t first, std::uint32_t count,
                     std::uint32_t depth, unsigned threads) {
   Box box = kNothing;
-  const std::span<Thing> things = std::span(things_).subspan(first, count);
-  for (const Thing& thing : things) box = joined(box, thing.box);
+  const std::span<Primitive> primitives = std::span(primitives_).subspan(first, count);
+  for (const Primitive& primitive : primitives) box = joined(box, primitive.box);
   nodes[node] = {box.low, first, box.high, count};
-  const std::uint32_t left = divide(things, depth, half_area(box));
+  const std::uint32_t left = divide(primitives, depth, half_area(box));
   if (left == 0) return;
   const auto children = static_cast<std::uint32_t>(nodes.size());
   nodes[node].first = children;
@@ -182,16 +182,16 @@ void Builder::build(std::vector<BvhNode>& nodes, std::uint32_t node, std::uint32
 
 }  // namespace
 
-Bvh build_bvh(std::span<const Box> boxes, std::uint32_t most_in_leaf, std::uint32_t at_once) {
+Bvh build_bvh(std::span<const Box> boxes, std::uint32_t max_leaf_size, std::uint32_t at_once) {
   Bvh bvh;
   if (boxes.empty()) return bvh;
   const auto count = static_cast<std::uint32_t>(boxes.size());
-  std::vector<Thing> things(count);
-  for (std::uint32_t i = 0; i < count; ++i) things[i] = {boxes[i], i};
+  std::vector<Primitive> primitives(count);
+  for (std::uint32_t i = 0; i < count; ++i) primitives[i] = {boxes[i], i};
   bvh.nodes =
-      Builder(things, most_in_leaf, at_once).build(0, count, 0, std::max(1u, std::thread::hardware_concurrency()));
+      Builder(primitives, max_leaf_size, at_once).build(0, count, 0, std::max(1u, std::thread::hardware_concurrency()));
   bvh.order.reserve(count);
-  for (const Thing& thing : things) bvh.order.push_back(thing.number);
+  for (const Primitive& primitive : primitives) bvh.order.push_back(primitive.number);
   return bvh;
 }
 
@@ -211,7 +211,7 @@ std::vector<std::uint32_t> refit(Bvh& bvh, std::span<const Box> boxes) {
   return changed;
 }
 
-double expected_visits(const Bvh& bvh) {
+double sah_cost(const Bvh& bvh) {
   if (bvh.nodes.empty()) return 0;
   double sum = 0;
   for (const BvhNode& node : bvh.nodes) sum += half_area(box_of(node));

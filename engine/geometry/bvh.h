@@ -38,13 +38,13 @@ struct Bvh {
 
 /// Boxes are finite. The same boxes give the same tree. To look at up to `at_once` things of a leaf costs as much as to
 /// look at one.
-Bvh build_bvh(std::span<const Box> boxes, std::uint32_t most_in_leaf, std::uint32_t at_once = 1);
+Bvh build_bvh(std::span<const Box> boxes, std::uint32_t max_leaf_size, std::uint32_t at_once = 1);
 
 /// Fits the tree to boxes that have changed: it stays right, and gets slower where things have moved far. Returns the
 /// nodes that are other than before, in ascending order.
 std::vector<std::uint32_t> refit(Bvh& bvh, std::span<const Box> boxes);
 
 /// How many boxes a random ray meets that meets the root's, by their surface areas. 0 for an empty tree.
-double expected_visits(const Bvh& bvh);
+double sah_cost(const Bvh& bvh);
 
 }  // namespace simvis

@@ -21,7 +21,7 @@ bool holds_each_once(const std::vector<std::uint32_t>& order) {
 
 Clustering make_clusters_cached(const Mesh& mesh, const std::filesystem::path& folder) {
   const std::size_t triangles = mesh.indices.size() / 3;
-  if (folder.empty() || mesh.topology != Topology::triangles || triangles < kLeastCachedTriangles) {
+  if (folder.empty() || mesh.topology != Topology::triangles || triangles < kMinCachedTriangles) {
     return make_clusters(mesh);
   }
   const MeshCacheFile file(folder, "clusters", kClustersVersion, mesh);

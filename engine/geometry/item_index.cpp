@@ -4,14 +4,14 @@
 #include <utility>
 
 #include "engine/base/assert.h"
-#include "engine/raycast/ray_items.h"
+#include "engine/raycast/ray_instances.h"
 
 namespace simvis {
 
 namespace {
 
 // To look at a few boxes costs less than a node more.
-constexpr std::uint32_t kMostInLeaf = 4;
+constexpr std::uint32_t kMaxLeafSize = 4;
 // Of the items that move more at once, all nodes are fitted from the leaves up, instead of each one's way to the root.
 constexpr double kMany = 1.0 / 16;
 
@@ -80,8 +80,8 @@ void ItemIndex::place(const DrawList& list, std::uint32_t item) {
 }
 
 void ItemIndex::build_tree() {
-  tree_ = build_bvh(tree_boxes_, kMostInLeaf);
-  visits_when_built_ = expected_visits(tree_);
+  tree_ = build_bvh(tree_boxes_, kMaxLeafSize);
+  sah_cost_when_built_ = sah_cost(tree_);
   fitted_ = 0;
   parents_.assign(tree_.nodes.size(), 0);
   leaves_.resize(boxes_.size());
@@ -129,7 +129,7 @@ void ItemIndex::fit(std::span<const std::uint32_t> items) {
   fitted_ += items.size();
   if (fitted_ == 0 || fitted_ < boxes_.size()) return;
   fitted_ = 0;
-  if (expected_visits(tree_) > kWorstVisits * visits_when_built_) build_tree();
+  if (sah_cost(tree_) > kMaxSahCostRatio * sah_cost_when_built_) build_tree();
 }
 
 std::uint64_t ItemIndex::find_seen(const ViewProjection& projection, std::vector<std::uint32_t>& items) const {

@@ -14,7 +14,7 @@
 namespace simvis {
 
 /// Of a list whose writer keeps account: see index_of(). Items that move are fitted into the tree, which then holds,
-/// and gets slower to walk; where that is by more than kWorstVisits, it is built anew.
+/// and gets slower to walk; where that is by more than kMaxSahCostRatio, it is built anew.
 class ItemIndex {
  public:
   const WorldBox& box(std::uint32_t item) const { return boxes_[item]; }
@@ -51,7 +51,7 @@ class ItemIndex {
   std::vector<std::uint32_t> parents_;  // by node
   std::vector<std::uint32_t> leaves_;   // by item
   std::vector<ItemExtent> longest_below_;
-  double visits_when_built_ = 0;
+  double sah_cost_when_built_ = 0;
   std::size_t fitted_ = 0;  // items, since the tree was last looked at: to look costs as much as to fit all
 };
 

@@ -14,7 +14,7 @@
 namespace simvis {
 
 /// Of meshes with fewer triangles all is made in a few milliseconds.
-inline constexpr std::size_t kLeastCachedTriangles = 1u << 13;
+inline constexpr std::size_t kMinCachedTriangles = 1u << 13;
 
 /// A file that is named by what it holds and by what the mesh holds, its positions and indices. One that is missing,
 /// cut off or damaged, or that is of another version, reads as nothing; a folder that cannot be written is no error.

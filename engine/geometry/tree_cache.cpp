@@ -14,9 +14,9 @@ constexpr char kTreeVersion = '1';
 
 // A file holds who is whose child, and no boxes. Of each node how many children it has, and of each child its number
 // and, in the highest bits, how many things it holds as a leaf. Then the things of each leaf.
-constexpr std::uint32_t kThingsShift = 29, kMostNumber = (1u << kThingsShift) - 1;
-constexpr std::uint32_t kThingsOfLeaf = std::tuple_size_v<WideBvh::Leaf>;
-static_assert(kThingsOfLeaf < 1u << (32 - kThingsShift));
+constexpr std::uint32_t kPrimitivesShift = 29, kMaxNumber = (1u << kPrimitivesShift) - 1;
+constexpr std::uint32_t kPrimitivesOfLeaf = std::tuple_size_v<WideBvh::Leaf>;
+static_assert(kPrimitivesOfLeaf < 1u << (32 - kPrimitivesShift));
 
 std::vector<std::uint32_t> words_of(const WideBvh& tree, const std::vector<WideBvh::Leaf>& leaves) {
   std::vector<std::uint32_t> words{static_cast<std::uint32_t>(tree.nodes().size()),
@@ -24,8 +24,8 @@ std::vector<std::uint32_t> words_of(const WideBvh& tree, const std::vector<WideB
   for (const WideNode& node : tree.nodes()) {
     words.push_back(node.children);
     for (std::uint32_t lane = 0; lane < node.children; ++lane) {
-      SIMVIS_ASSERT(node.child[lane] <= kMostNumber);
-      words.push_back(node.child[lane] | std::uint32_t{node.things[lane]} << kThingsShift);
+      SIMVIS_ASSERT(node.child[lane] <= kMaxNumber);
+      words.push_back(node.child[lane] | std::uint32_t{node.primitives[lane]} << kPrimitivesShift);
     }
   }
   for (const WideBvh::Leaf& leaf : leaves) words.insert(words.end(), leaf.begin(), leaf.end());
@@ -42,7 +42,7 @@ class TreeReader {
     if (node_count == 0 || node_count > words_.size() || leaf_count > words_.size()) return {};
     nodes_.resize(node_count);
     depth_.assign(node_count, 0);
-    things_.assign(leaf_count, 0);
+    primitives_.assign(leaf_count, 0);
     for (std::uint32_t i = 0; i < node_count; ++i) {
       if (!read_node(i)) return {};
     }
@@ -59,14 +59,14 @@ class TreeReader {
   bool read_node(std::uint32_t index) {
     WideNode& node = nodes_[index];
     node.children = next();
-    if (node.children == 0 || node.children > WideNode::kMost || (index > 0 && depth_[index] == 0)) return false;
+    if (node.children == 0 || node.children > WideNode::kMax || (index > 0 && depth_[index] == 0)) return false;
     for (std::uint32_t lane = 0; lane < node.children; ++lane) {
-      const std::uint32_t word = next(), things = word >> kThingsShift, number = word & kMostNumber;
+      const std::uint32_t word = next(), primitives = word >> kPrimitivesShift, number = word & kMaxNumber;
       node.child[lane] = number;
-      node.things[lane] = static_cast<std::uint8_t>(things);
-      if (things > 0) {
-        if (things > kThingsOfLeaf || number >= things_.size() || things_[number] > 0) return false;
-        things_[number] = node.things[lane];
+      node.primitives[lane] = static_cast<std::uint8_t>(primitives);
+      if (primitives > 0) {
+        if (primitives > kPrimitivesOfLeaf || number >= primitives_.size() || primitives_[number] > 0) return false;
+        primitives_[number] = node.primitives[lane];
         continue;
       }
       if (number <= index || number >= nodes_.size() || depth_[number] > 0) return false;
@@ -80,19 +80,21 @@ class TreeReader {
 
   bool read_leaves(std::vector<WideBvh::Leaf>& leaves) {
     const std::size_t left = words_.size() - at_;
-    if (left != things_.size() * kThingsOfLeaf) return false;
-    leaves.resize(things_.size());
+    if (left != primitives_.size() * kPrimitivesOfLeaf) return false;
+    leaves.resize(primitives_.size());
     std::vector<bool> seen(boxes_.size());
     std::size_t held = 0;
     for (std::size_t i = 0; i < leaves.size(); ++i) {
-      for (std::uint32_t k = 0; k < kThingsOfLeaf; ++k) {
-        const std::uint32_t thing = words_[at_++];
-        if (k >= things_[i] ? k == 0 || thing != leaves[i][k - 1] : thing >= boxes_.size() || seen[thing]) return false;
-        if (k < things_[i]) {
-          seen[thing] = true;
+      for (std::uint32_t k = 0; k < kPrimitivesOfLeaf; ++k) {
+        const std::uint32_t primitive = words_[at_++];
+        if (k >= primitives_[i] ? k == 0 || primitive != leaves[i][k - 1]
+                                : primitive >= boxes_.size() || seen[primitive])
+          return false;
+        if (k < primitives_[i]) {
+          seen[primitive] = true;
           ++held;
         }
-        leaves[i][k] = thing;
+        leaves[i][k] = primitive;
       }
     }
     return held == boxes_.size();
@@ -103,7 +105,7 @@ class TreeReader {
     for (std::size_t i = nodes_.size(); i-- > 0;) {
       WideNode& node = nodes_[i];
       Box box;
-      for (std::uint32_t lane = 0; lane < WideNode::kMost; ++lane) {
+      for (std::uint32_t lane = 0; lane < WideNode::kMax; ++lane) {
         if (lane < node.children) box = box_below(node, lane, leaves);
         node.set_box(lane, box);
       }
@@ -111,10 +113,10 @@ class TreeReader {
   }
 
   Box box_below(const WideNode& node, std::uint32_t lane, const std::vector<WideBvh::Leaf>& leaves) const {
-    if (node.things[lane] == 0) return nodes_[node.child[lane]].box_around();
+    if (node.primitives[lane] == 0) return nodes_[node.child[lane]].box_around();
     Box box = boxes_[leaves[node.child[lane]][0]];
-    for (const std::uint32_t thing : leaves[node.child[lane]]) {
-      box = {glm::min(box.low, boxes_[thing].low), glm::max(box.high, boxes_[thing].high)};
+    for (const std::uint32_t primitive : leaves[node.child[lane]]) {
+      box = {glm::min(box.low, boxes_[primitive].low), glm::max(box.high, boxes_[primitive].high)};
     }
     return box;
   }
@@ -123,15 +125,15 @@ class TreeReader {
   std::span<const Box> boxes_;
   std::size_t at_ = 0;
   std::vector<WideNode> nodes_;
-  std::vector<std::uint32_t> depth_;  // by node; 0: nobody's child yet
-  std::vector<std::uint8_t> things_;  // by leaf; 0: nobody's child yet
+  std::vector<std::uint32_t> depth_;      // by node; 0: nobody's child yet
+  std::vector<std::uint8_t> primitives_;  // by leaf; 0: nobody's child yet
 };
 
 }  // namespace
 
 WideBvh make_tree_cached(const Mesh& mesh, std::span<const Box> boxes, std::vector<WideBvh::Leaf>& leaves,
                          const std::filesystem::path& folder) {
-  if (folder.empty() || boxes.size() < kLeastCachedTriangles) return WideBvh(boxes, leaves);
+  if (folder.empty() || boxes.size() < kMinCachedTriangles) return WideBvh(boxes, leaves);
   const MeshCacheFile file(folder, "tree", kTreeVersion, mesh);
   if (std::optional<WideBvh> kept = TreeReader(file.read(), boxes).read(leaves)) return std::move(*kept);
   WideBvh tree(boxes, leaves);

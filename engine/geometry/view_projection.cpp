@@ -27,7 +27,7 @@ double rounding_of(const glm::dvec3& center_view, const WorldBox& box) {
 
 std::uint32_t guard_rows(const View& view) {
   constexpr std::uint32_t kStrip = 8;  // times as wide as high, at least
-  return !view.parallel && view.width_px >= kStrip * view.height_px ? (view.width_px - view.height_px) / 2 : 0;
+  return !view.orthographic && view.width_px >= kStrip * view.height_px ? (view.width_px - view.height_px) / 2 : 0;
 }
 
 ViewProjection make_projection(const View& view) {
@@ -43,7 +43,7 @@ ViewProjection make_projection(const View& view) {
   p.shift_y = 2 * (k.cy_px + guard) / (height + 2 * guard) - 1;
   // A side holds the points with 0 = u, u = width, 0 = v or v = height, times z.
   // Or, of a parallel view, its x and y alone.
-  const double eye = view.parallel ? 0 : 1;
+  const double eye = view.orthographic ? 0 : 1;
   const double offsets[4] = {k.cx_px, width - k.cx_px, k.cy_px, height - k.cy_px};
   const glm::dvec3 sides[4] = {{k.fx_px, 0, eye * offsets[0]},
                                {-k.fx_px, 0, eye * offsets[1]},
@@ -56,8 +56,8 @@ ViewProjection make_projection(const View& view) {
     p.side_world[i] = world_from_view_axes * p.side_view[i];
   }
   p.forward_world = world_from_view_axes[2];
-  if (view.parallel) {
-    p.parallel = true;
+  if (view.orthographic) {
+    p.orthographic = true;
     p.depth_scale = -1 / (view.far_m - view.near_m);
     p.depth_shift = -view.far_m * p.depth_scale;
   }
@@ -73,7 +73,7 @@ void write_clip_rows(const ViewProjection& p, const glm::dmat4& world_from_mesh,
       row[r][c] = v[0][r] * column.x + v[1][r] * column.y + v[2][r] * column.z + (c == 3 ? v[3][r] : 0.0);
     }
   }
-  if (p.parallel) {
+  if (p.orthographic) {
     instance.clip_x = rounded(p.scale_x * row[0] + glm::dvec4(0, 0, 0, p.shift_x));
     instance.clip_y = rounded(p.scale_y * row[1] + glm::dvec4(0, 0, 0, p.shift_y));
     instance.clip_w = rounded(p.depth_scale * row[2] + glm::dvec4(0, 0, 0, p.depth_shift));

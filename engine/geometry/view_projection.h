@@ -18,7 +18,7 @@ struct ViewProjection {
   double scale_x = 0, shift_x = 0, scale_y = 0, shift_y = 0;
   /// Of parallel views instead: clip.x = scale_x * x + shift_x, clip.y likewise, clip.z = depth_scale * z +
   /// depth_shift, clip.w = 1.
-  bool parallel = false;
+  bool orthographic = false;
   double depth_scale = 0, depth_shift = 0;
   /// Unit normals, pointing inwards, of the planes that the rectangle's sides lie in, in the view frame, and the same
   /// turned into the world's axes; how far inwards the eye lies, in metres: 0 unless the view is parallel.

@@ -35,7 +35,7 @@ double box_half_area(const glm::vec3& low, const glm::vec3& high) {
 std::vector<std::uint32_t> descendants(const Bvh& bvh, std::uint32_t node) {
   if (bvh.nodes[node].count > 0) return {node};
   std::vector<std::uint32_t> found{bvh.nodes[node].first, bvh.nodes[node].first + 1};
-  while (found.size() < WideNode::kMost) {
+  while (found.size() < WideNode::kMax) {
     std::size_t largest = found.size();
     double most = -1;
     for (std::size_t i = 0; i < found.size(); ++i) {
@@ -62,7 +62,7 @@ std::uint32_t add_node(std::vector<WideNode>& nodes, const Bvh& bvh, std::uint32
   node.children = static_cast<std::uint32_t>(children.size());
   node.parent = parent;
   node.place = place;
-  for (std::uint32_t lane = 0; lane < WideNode::kMost; ++lane) {
+  for (std::uint32_t lane = 0; lane < WideNode::kMax; ++lane) {
     const BvhNode& child = bvh.nodes[children[std::min(lane, node.children - 1)]];
     node.set_box(lane, {child.low, child.high});
   }
@@ -72,7 +72,7 @@ std::uint32_t add_node(std::vector<WideNode>& nodes, const Bvh& bvh, std::uint32
     const std::uint32_t to = child.count > 0 ? number_leaf(std::span(bvh.order).subspan(child.first, child.count))
                                              : add_node(nodes, bvh, children[lane], index, lane, number_leaf);
     nodes[index].child[lane] = to;
-    nodes[index].things[lane] = static_cast<std::uint8_t>(child.count);
+    nodes[index].primitives[lane] = static_cast<std::uint8_t>(child.count);
   }
   return index;
 }
@@ -81,11 +81,12 @@ std::uint32_t add_node(std::vector<WideNode>& nodes, const Bvh& bvh, std::uint32
 
 WideBvh::WideBvh(std::span<const Box> boxes) : places_(boxes.size()) {
   if (boxes.empty()) return;
-  add_node(nodes_, build_bvh(boxes, 1), 0, 0, 0, [](std::span<const std::uint32_t> things) { return things[0]; });
+  add_node(nodes_, build_bvh(boxes, 1), 0, 0, 0,
+           [](std::span<const std::uint32_t> primitives) { return primitives[0]; });
   nodes_.shrink_to_fit();
   for (std::uint32_t node = 0; node < nodes_.size(); ++node) {
     for (std::uint32_t lane = 0; lane < nodes_[node].children; ++lane) {
-      if (nodes_[node].things[lane] > 0) places_[nodes_[node].child[lane]] = {node, lane};
+      if (nodes_[node].primitives[lane] > 0) places_[nodes_[node].child[lane]] = {node, lane};
     }
   }
 }
@@ -93,19 +94,19 @@ WideBvh::WideBvh(std::span<const Box> boxes) : places_(boxes.size()) {
 WideBvh::WideBvh(std::span<const Box> boxes, std::vector<Leaf>& leaves) {
   leaves.clear();
   if (boxes.empty()) return;
-  constexpr auto kMost = static_cast<std::uint32_t>(std::tuple_size_v<Leaf>);
-  add_node(nodes_, build_bvh(boxes, kMost, kMost), 0, 0, 0, [&](std::span<const std::uint32_t> things) {
+  constexpr auto kMax = static_cast<std::uint32_t>(std::tuple_size_v<Leaf>);
+  add_node(nodes_, build_bvh(boxes, kMax, kMax), 0, 0, 0, [&](std::span<const std::uint32_t> primitives) {
     Leaf& leaf = leaves.emplace_back();
-    leaf.fill(things.back());
-    std::ranges::copy(things, leaf.begin());
+    leaf.fill(primitives.back());
+    std::ranges::copy(primitives, leaf.begin());
     return static_cast<std::uint32_t>(leaves.size() - 1);
   });
   nodes_.shrink_to_fit();
   leaves.shrink_to_fit();
 }
 
-void WideBvh::move(std::uint32_t thing, const Box& box) {
-  Place at = places_[thing];
+void WideBvh::move(std::uint32_t primitive, const Box& box) {
+  Place at = places_[primitive];
   Box moved = box;
   while (true) {
     WideNode& node = nodes_[at.node];
@@ -117,7 +118,7 @@ void WideBvh::move(std::uint32_t thing, const Box& box) {
   }
 }
 
-double WideBvh::expected_visits() const {
+double WideBvh::sah_cost() const {
   if (nodes_.empty()) return 0;
   double sum = 0;
   for (const WideNode& node : nodes_) {

@@ -8,17 +8,17 @@
 #include <vector>
 
 #include "engine/geometry/bvh.h"
-#include "engine/geometry/lanes.h"
+#include "engine/geometry/simd.h"
 
 namespace simvis {
 
 /// The boxes of the children stand here. A child is a node, or a leaf.
 struct WideNode {
-  static constexpr unsigned kMost = 8;
+  static constexpr unsigned kMax = 8;
 
-  Float8 low[3], high[3];           ///< by axes; a lane without a child holds some box
-  std::uint32_t child[kMost] = {};  ///< the number of a node, or of a leaf
-  std::uint8_t things[kMost] = {};  ///< of a leaf; 0: a node
+  Float8 low[3], high[3];              ///< by axes; a lane without a child holds some box
+  std::uint32_t child[kMax] = {};      ///< the number of a node, or of a leaf
+  std::uint8_t primitives[kMax] = {};  ///< of a leaf; 0: a node
   std::uint32_t children = 0;
   std::uint32_t parent = 0, place = 0;  ///< where this stands: lane `place` of `parent`. Of the root itself, lane 0
 
@@ -47,10 +47,10 @@ class WideBvh {
   const std::vector<WideNode>& nodes() const { return nodes_; }
 
   /// The tree stays right, and gets slower where things have moved far.
-  void move(std::uint32_t thing, const Box& box);
+  void move(std::uint32_t primitive, const Box& box);
 
   /// How many boxes a random ray meets that meets the root's, by their surface areas.
-  double expected_visits() const;
+  double sah_cost() const;
 
  private:
   struct Place {

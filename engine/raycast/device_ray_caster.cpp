@@ -10,11 +10,11 @@
 
 #include <simvis/device.h>
 #include "engine/base/assert.h"
-#include "engine/raycast/bundle_caster.h"
-#include "engine/raycast/bundle_walk.h"
 #include "engine/raycast/item_tree.h"
+#include "engine/raycast/packet_cast.h"
+#include "engine/raycast/packet_caster.h"
 #include "engine/raycast/ray_dispatch.h"
-#include "engine/raycast/ray_top.h"
+#include "engine/raycast/tlas.h"
 #include "engine/vulkan/frame_commands.h"
 
 namespace simvis {
@@ -33,10 +33,10 @@ struct DeviceWorld {
 
   FrameCommands commands;
   Uploads uploads;
-  RayMeshPool meshes;
-  RayTop top;
+  BlasPool meshes;
+  Tlas top;
   RayDispatch dispatch;
-  bool current = false;  // as RayItems is, but for its last changes
+  bool current = false;  // as RayInstances is, but for its last changes
 };
 
 class DeviceRayCaster : public RayCaster {
@@ -44,10 +44,10 @@ class DeviceRayCaster : public RayCaster {
   explicit DeviceRayCaster(Device& device) : device_(device), items_(device.impl().cache_folder) {}
   void set_world(const DrawList& list) override { list_ = &list; }
   void cast(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions, std::span<RayHit> hits,
-            std::span<const double> beyond_m, const HitsAreThere& there) override;
+            std::span<const double> t_min_m, const HitsReady& there) override;
   void cast_from(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> origins_m,
                  std::span<const glm::dvec3> directions, std::span<RayHit> hits,
-                 std::span<const double> beyond_m) override;
+                 std::span<const double> t_min_m) override;
   RayCounters counters() const override { return items_.counters; }
   void name_memory(std::vector<PlannedMemory>& memory) const override;
   std::string_view engine() const override { return "a compute shader"; }
@@ -55,34 +55,34 @@ class DeviceRayCaster : public RayCaster {
  private:
   void update(const glm::dvec3& world_place);
   void find_candidates(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions,
-                       std::span<const double> beyond_m);
+                       std::span<const double> t_min_m);
   void upload(VkCommandBuffer commands);
   void dispatch(VkCommandBuffer commands, const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions,
-                std::span<const double> beyond_m);
+                std::span<const double> t_min_m);
   void decide(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions, std::span<RayHit> hits,
-              std::span<const double> beyond_m);
-  RayHit decide(RayView& view, RayBundle& ray, const shader::RayCandidates& candidates, bool& walked) const;
+              std::span<const double> t_min_m);
+  RayHit decide(RayView& view, RayPacket& ray, const shader::RayCandidates& candidates, bool& walked) const;
   RayWorld world() const { return {*list_, items_, tree_.tree()}; }
 
   Device& device_;
   const DrawList* list_ = nullptr;
-  RayItems items_;
+  RayInstances items_;
   ItemTree tree_;                     // for what the host walks
   std::optional<DeviceWorld> world_;  // from the first cast on
   bool uploaded_ = false;             // in this cast
-  BundleCaster bundles_;
+  PacketCaster bundles_;
 };
 
 void DeviceRayCaster::cast(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions,
-                           std::span<RayHit> hits, std::span<const double> beyond_m, const HitsAreThere& there) {
+                           std::span<RayHit> hits, std::span<const double> t_min_m, const HitsReady& there) {
   SIMVIS_ASSERT(list_ != nullptr && hits.size() == directions.size());
-  SIMVIS_ASSERT(beyond_m.empty() || beyond_m.size() == directions.size());
+  SIMVIS_ASSERT(t_min_m.empty() || t_min_m.size() == directions.size());
   update(glm::dvec3(world_from_sensor[3]));
-  const std::size_t most = world_->dispatch.most_rays();
+  const std::size_t most = world_->dispatch.max_rays();
   // Once, but for very many rays; what has changed is uploaded even for none.
   for (std::size_t first = 0; first < directions.size() || !uploaded_; first += most) {
     const std::size_t count = std::min(most, directions.size() - first);
-    const std::span<const double> part_beyond_m = part_of(beyond_m, first, count);
+    const std::span<const double> part_beyond_m = part_of(t_min_m, first, count);
     find_candidates(world_from_sensor, directions.subspan(first, count), part_beyond_m);
     decide(world_from_sensor, directions.subspan(first, count), hits.subspan(first, count), part_beyond_m);
     if (there && count > 0) there(first, count);
@@ -100,15 +100,15 @@ void DeviceRayCaster::update(const glm::dvec3& world_place) {
 // One dispatch per origin would cost more than the host takes for its few rays. The trees have to be up to date.
 void DeviceRayCaster::cast_from(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> origins_m,
                                 std::span<const glm::dvec3> directions, std::span<RayHit> hits,
-                                std::span<const double> beyond_m) {
-  SIMVIS_ASSERT(beyond_m.empty() || beyond_m.size() == directions.size());
+                                std::span<const double> t_min_m) {
+  SIMVIS_ASSERT(t_min_m.empty() || t_min_m.size() == directions.size());
   SIMVIS_ASSERT(list_ != nullptr && hits.size() == directions.size() && origins_m.size() == directions.size());
   for (std::size_t start = 0, served = 0; start < directions.size(); start += served) {
     update(glm::dvec3(glm::translate(world_from_sensor, origins_m[start])[3]));
     served = items_.in_reach(world_from_sensor, origins_m.subspan(start));
     find_candidates(world_from_sensor, {}, {});
     bundles_.cast_from(world(), world_from_sensor, origins_m.subspan(start, served), directions.subspan(start, served),
-                       hits.subspan(start, served), part_of(beyond_m, start, served));
+                       hits.subspan(start, served), part_of(t_min_m, start, served));
     items_.counters.rays += served;
     items_.counters.rays_walked += served;
   }
@@ -128,12 +128,12 @@ void DeviceRayCaster::name_memory(std::vector<PlannedMemory>& memory) const {
 }
 
 void DeviceRayCaster::find_candidates(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions,
-                                      std::span<const double> beyond_m) {
+                                      std::span<const double> t_min_m) {
   try {
     const VkCommandBuffer commands = world_->commands.begin();
     if (!uploaded_) upload(commands);
     if (!directions.empty() && !items_.items().empty()) {
-      dispatch(commands, world_from_sensor, directions, beyond_m);
+      dispatch(commands, world_from_sensor, directions, t_min_m);
     }
     world_->commands.submit_and_wait();
     world_->uploads.release();
@@ -151,7 +151,7 @@ void DeviceRayCaster::find_candidates(const glm::dmat4& world_from_sensor, std::
 void DeviceRayCaster::upload(VkCommandBuffer commands) {
   DeviceWorld& world = *world_;
   world.uploads.begin(commands);
-  const bool other_meshes = items_.restructured() || !world.current;
+  const bool other_meshes = items_.structure_changed() || !world.current;
   const bool meshes_moved = other_meshes && world.meshes.update(items_, world.uploads);
   world.top.update(*list_, items_, world.meshes, meshes_moved, world.uploads);
   world.uploads.finish();
@@ -160,12 +160,12 @@ void DeviceRayCaster::upload(VkCommandBuffer commands) {
 }
 
 void DeviceRayCaster::dispatch(VkCommandBuffer commands, const glm::dmat4& world_from_sensor,
-                               std::span<const glm::dvec3> directions, std::span<const double> beyond_m) {
+                               std::span<const glm::dvec3> directions, std::span<const double> t_min_m) {
   DeviceWorld& world = *world_;
   const std::span<glm::vec4> world_directions = world.dispatch.directions(directions.size());
   const glm::dmat3 turn(world_from_sensor);
   for (std::size_t i = 0; i < directions.size(); ++i) {
-    const float passed_m = beyond_m.empty() ? 0 : rounded_down(beyond_m[i]);
+    const float passed_m = t_min_m.empty() ? 0 : rounded_down(t_min_m[i]);
     world_directions[i] = glm::vec4(glm::vec3(turn * directions[i]), passed_m);
   }
   world.dispatch.record(
@@ -175,7 +175,7 @@ void DeviceRayCaster::dispatch(VkCommandBuffer commands, const glm::dmat4& world
 }
 
 void DeviceRayCaster::decide(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions,
-                             std::span<RayHit> hits, std::span<const double> beyond_m) {
+                             std::span<RayHit> hits, std::span<const double> t_min_m) {
   if (directions.empty() || items_.items().empty()) {
     std::ranges::fill(hits, RayHit{});
     return;
@@ -187,7 +187,7 @@ void DeviceRayCaster::decide(const glm::dmat4& world_from_sensor, std::span<cons
                    std::uint64_t here = 0;
                    for (std::size_t i = first; i < first + count; ++i) {
                      bool by_host = false;
-                     RayBundle ray(directions.subspan(i, 1), part_of(beyond_m, i, 1));
+                     RayPacket ray(directions.subspan(i, 1), part_of(t_min_m, i, 1));
                      hits[i] = decide(view, ray, candidates[i], by_host);
                      here += by_host;
                    }
@@ -196,7 +196,7 @@ void DeviceRayCaster::decide(const glm::dmat4& world_from_sensor, std::span<cons
   items_.counters.rays_walked += walked;
 }
 
-RayHit DeviceRayCaster::decide(RayView& view, RayBundle& ray, const shader::RayCandidates& candidates,
+RayHit DeviceRayCaster::decide(RayView& view, RayPacket& ray, const shader::RayCandidates& candidates,
                                bool& walked) const {
   for (std::uint32_t i = 0; i < candidates.count; ++i) {
     const std::uint32_t placed = world_->top.placed(candidates.found[i].x), primitive = candidates.found[i].y;

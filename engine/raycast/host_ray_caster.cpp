@@ -3,8 +3,8 @@
 
 #include <simvis/ray_caster.h>
 #include "engine/base/assert.h"
-#include "engine/raycast/bundle_caster.h"
 #include "engine/raycast/item_tree.h"
+#include "engine/raycast/packet_caster.h"
 
 namespace simvis {
 
@@ -18,10 +18,10 @@ class HostRayCaster : public RayCaster {
     current_ = false;
   }
   void cast(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions, std::span<RayHit> hits,
-            std::span<const double> beyond_m, const HitsAreThere& there) override;
+            std::span<const double> t_min_m, const HitsReady& there) override;
   void cast_from(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> origins_m,
                  std::span<const glm::dvec3> directions, std::span<RayHit> hits,
-                 std::span<const double> beyond_m) override;
+                 std::span<const double> t_min_m) override;
   RayCounters counters() const override;
   bool on_host() const override { return true; }
   std::string_view engine() const override { return "the host"; }
@@ -32,30 +32,30 @@ class HostRayCaster : public RayCaster {
 
   const DrawList* list_ = nullptr;
   bool current_ = false;  // whether the trees are those of the list
-  RayItems items_;
+  RayInstances items_;
   ItemTree tree_;
-  BundleCaster bundles_;
+  PacketCaster bundles_;
 };
 
 void HostRayCaster::cast(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions,
-                         std::span<RayHit> hits, std::span<const double> beyond_m, const HitsAreThere& there) {
+                         std::span<RayHit> hits, std::span<const double> t_min_m, const HitsReady& there) {
   SIMVIS_ASSERT(list_ != nullptr && hits.size() == directions.size());
-  SIMVIS_ASSERT(beyond_m.empty() || beyond_m.size() == directions.size());
+  SIMVIS_ASSERT(t_min_m.empty() || t_min_m.size() == directions.size());
   update(glm::dvec3(world_from_sensor[3]));
-  bundles_.cast(world(), world_from_sensor, directions, hits, beyond_m, there);
+  bundles_.cast(world(), world_from_sensor, directions, hits, t_min_m, there);
   items_.counters.rays += directions.size();
 }
 
 void HostRayCaster::cast_from(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> origins_m,
                               std::span<const glm::dvec3> directions, std::span<RayHit> hits,
-                              std::span<const double> beyond_m) {
-  SIMVIS_ASSERT(beyond_m.empty() || beyond_m.size() == directions.size());
+                              std::span<const double> t_min_m) {
+  SIMVIS_ASSERT(t_min_m.empty() || t_min_m.size() == directions.size());
   SIMVIS_ASSERT(list_ != nullptr && hits.size() == directions.size() && origins_m.size() == directions.size());
   for (std::size_t start = 0, served = 0; start < directions.size(); start += served) {
     update(glm::dvec3(glm::translate(world_from_sensor, origins_m[start])[3]));
     served = items_.in_reach(world_from_sensor, origins_m.subspan(start));
     bundles_.cast_from(world(), world_from_sensor, origins_m.subspan(start, served), directions.subspan(start, served),
-                       hits.subspan(start, served), part_of(beyond_m, start, served));
+                       hits.subspan(start, served), part_of(t_min_m, start, served));
   }
   items_.counters.rays += directions.size();
 }

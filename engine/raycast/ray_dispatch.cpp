@@ -15,7 +15,7 @@ namespace {
 
 constexpr VkDeviceSize kFirstSize = 16384;
 // More at once would gain nothing, and take memory.
-constexpr std::size_t kMostRays = std::size_t{1} << 20;
+constexpr std::size_t kMaxRays = std::size_t{1} << 20;
 
 void check_limits(const Device::Impl& device) {
   const std::uint32_t offered = device.limits().maxPerStageDescriptorStorageBuffers;
@@ -93,14 +93,14 @@ void RayDispatch::make_set() {
   vk_check(vkAllocateDescriptorSets(device_.device, &allocation, &set_), "vkAllocateDescriptorSets");
 }
 
-std::size_t RayDispatch::most_rays() const {
+std::size_t RayDispatch::max_rays() const {
   const VkPhysicalDeviceLimits& limits = device_.limits();
-  return std::min({kMostRays, std::size_t{limits.maxStorageBufferRange} / sizeof(shader::RayCandidates),
+  return std::min({kMaxRays, std::size_t{limits.maxStorageBufferRange} / sizeof(shader::RayCandidates),
                    std::size_t{limits.maxComputeWorkGroupCount[0]} * SIMVIS_RAY_GROUP});
 }
 
 std::span<glm::vec4> RayDispatch::directions(std::size_t rays) {
-  SIMVIS_ASSERT(rays > 0 && rays <= most_rays());
+  SIMVIS_ASSERT(rays > 0 && rays <= max_rays());
   reserve(directions_, "ray directions", rays * sizeof(glm::vec4), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
           MemoryKind::dynamic);
   const VkDeviceSize size = rays * sizeof(shader::RayCandidates);

@@ -23,7 +23,7 @@ class RayDispatch {
   std::array<const Buffer*, 3> buffers() const { return {&directions_, &candidates_, &readback_}; }
 
   /// How many rays one dispatch may take.
-  std::size_t most_rays() const;
+  std::size_t max_rays() const;
 
   /// Where the directions of so many rays are to be written while nothing is in flight: xyz, unit vectors in the
   /// world; w, what the ray meets at or before this range it passes, rounded down.

@@ -22,7 +22,7 @@ float cutoff_of(const Material& m) {
     case AlphaMode::mask:
       return m.alpha_cutoff;
     case AlphaMode::blend:
-      return kLeastMetAlpha;
+      return kMinDepthVisibleAlpha;
   }
   return 0;
 }
@@ -35,9 +35,9 @@ shader::MaterialBlock block_of(const Material& m) {
           .emissive_cutoff = glm::vec4(m.emissive, cutoff_of(m)),
           .uv_row_u = {t[0][0], t[1][0], t[2][0], m.uv_set},
           .uv_row_v = {t[0][1], t[1][1], t[2][1], m.occlusion_strength},
-          .finish = {std::max(m.roughness, kLeastRoughness), m.opacity, m.metallic, m.normal_scale}};
+          .finish = {std::max(m.roughness, kMinRoughness), m.opacity, m.metallic, m.normal_scale}};
 }
-static_assert(kLeastRoughness == static_cast<float>(SIMVIS_LEAST_ROUGHNESS));
+static_assert(kMinRoughness == static_cast<float>(SIMVIS_LEAST_ROUGHNESS));
 
 shader::MapPlacesBlock map_places_of(const Material& m) {
   shader::MapPlacesBlock block{};
@@ -120,13 +120,14 @@ void FrameBuffers::write_indices(std::span<const std::uint32_t> indices, Uploads
   uploads.write(indices_, 0, std::as_bytes(indices));
 }
 
-void FrameBuffers::write_picked(std::span<const std::span<const shader::PickedVertex>> vertices, Uploads& uploads) {
+void FrameBuffers::write_cpu_selected(std::span<const std::span<const shader::CpuSelectedVertex>> vertices,
+                                      Uploads& uploads) {
   VkDeviceSize size = 0, written = 0;
-  for (const std::span<const shader::PickedVertex> each : vertices) size += each.size_bytes();
+  for (const std::span<const shader::CpuSelectedVertex> each : vertices) size += each.size_bytes();
   if (size == 0) return;
-  reserve(picked_, "picked vertices", VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, size);
-  for (const std::span<const shader::PickedVertex> each : vertices) {
-    uploads.write(picked_, written, std::as_bytes(each));
+  reserve(cpu_selected_, "picked vertices", VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, size);
+  for (const std::span<const shader::CpuSelectedVertex> each : vertices) {
+    uploads.write(cpu_selected_, written, std::as_bytes(each));
     written += each.size_bytes();
   }
 }
@@ -174,7 +175,7 @@ void FrameBuffers::name_memory(const Uploads& uploads, std::vector<PlannedMemory
   };
   add(instances_, "where each view sees what it draws");
   add(indices_, "triangles with holes that strips see, picked one by one");
-  add(picked_, "triangles without holes that strips see, picked one by one");
+  add(cpu_selected_, "triangles without holes that strips see, picked one by one");
   add(materials_.buffer, "what shaders read of surfaces: colour, and where alpha decides");
   add(map_places_.buffer, "where the maps of surfaces lie on them");
   add(lights_, "lights as each view of colour has them");

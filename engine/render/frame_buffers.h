@@ -21,12 +21,12 @@ class FrameBuffers {
 
   /// Brings slot m up to date with list.materials[m], for each m with wanted[m] != 0.
   void write_materials(const DrawList& list, std::span<const std::uint8_t> wanted, Uploads& uploads);
-  /// Likewise the places of its maps, where shown[m] names some (see DrawTable::textures_shown()).
+  /// Likewise the places of its maps, where shown[m] names some (see DrawCache::textures_shown()).
   void write_map_places(const DrawList& list, std::span<const std::uint8_t> shown, Uploads& uploads);
   void write_instances(std::span<const shader::Instance> instances, Uploads& uploads);
   void write_indices(std::span<const std::uint32_t> indices, Uploads& uploads);
   /// Those of each span behind those of the one before.
-  void write_picked(std::span<const std::span<const shader::PickedVertex>> vertices, Uploads& uploads);
+  void write_cpu_selected(std::span<const std::span<const shader::CpuSelectedVertex>> vertices, Uploads& uploads);
   /// For frames that show colour, also without lights: their shaders name the buffer.
   void write_lights(std::span<const shader::LightBlock> lights, Uploads& uploads);
 
@@ -35,7 +35,7 @@ class FrameBuffers {
 
   VkBuffer instances() const { return instances_.get(); }
   VkBuffer indices() const { return indices_.get(); }
-  VkBuffer picked() const { return picked_.get(); }
+  VkBuffer cpu_selected() const { return cpu_selected_.get(); }
   VkDescriptorSet set() const { return set_; }
 
   /// Forgets which materials are up to date.
@@ -65,7 +65,7 @@ class FrameBuffers {
   Device::Impl& device_;
   Handle<VkDescriptorPool> pool_;
   VkDescriptorSet set_ = VK_NULL_HANDLE;  // freed with its pool
-  Buffer instances_, indices_, picked_, lights_;
+  Buffer instances_, indices_, cpu_selected_, lights_;
   Table materials_, map_places_;
 };
 

@@ -28,21 +28,21 @@ struct Bound {
   VkPipeline pipeline = VK_NULL_HANDLE;
   VkDescriptorSet texture = VK_NULL_HANDLE;
   VkBuffer indices = VK_NULL_HANDLE;
-  std::optional<bool> picked;  // which vertices: picked ones, or those of meshes
+  std::optional<bool> cpu_selected;  // which vertices: picked ones, or those of meshes
   std::uint32_t lights_offset = std::numeric_limits<std::uint32_t>::max();
   std::vector<VkMultiDrawIndexedInfoEXT> parts{};  // memory for those of a draw
 };
 
-std::span<const DrawRun> share_of(const FrameContext& frame, const ViewDraws& draws, ViewShare share) {
-  const std::size_t ends[] = {draws.first_run, draws.first_layer, draws.first_met, draws.end_run};
+std::span<const DrawRun> share_of(const FrameContext& frame, const ViewDraws& draws, DrawPhase share) {
+  const std::size_t ends[] = {draws.first_run, draws.first_layer, draws.first_depth_visible, draws.end_run};
   const auto i = static_cast<std::size_t>(share);
   return frame.draws.runs().subspan(ends[i], ends[i + 1] - ends[i]);
 }
 
-void bind_vertices(const FrameContext& frame, bool picked) {
+void bind_vertices(const FrameContext& frame, bool cpu_selected) {
   const VkDeviceSize offsets[] = {0, 0, 0};
-  if (picked) {
-    vkCmdBindVertexBuffers(frame.commands, 0, 1, &frame.picked, offsets);
+  if (cpu_selected) {
+    vkCmdBindVertexBuffers(frame.commands, 0, 1, &frame.cpu_selected, offsets);
     return;
   }
   const VkBuffer buffers[] = {frame.geometry.positions(), frame.instances, frame.geometry.attributes()};
@@ -68,11 +68,11 @@ void bind_run(const FrameContext& frame, const Pass& pass, const DrawRun& run, B
                             &run.texture, 0, nullptr);
     bound.texture = run.texture;
   }
-  if (key.picked != bound.picked) {
-    bind_vertices(frame, key.picked);
-    bound.picked = key.picked;
+  if (key.cpu_selected != bound.cpu_selected) {
+    bind_vertices(frame, key.cpu_selected);
+    bound.cpu_selected = key.cpu_selected;
   }
-  if (key.picked) return;
+  if (key.cpu_selected) return;
   const VkBuffer indices = run.own_indices ? frame.frame_indices : frame.geometry.indices();
   if (indices != bound.indices) {
     vkCmdBindIndexBuffer(frame.commands, indices, 0, VK_INDEX_TYPE_UINT32);
@@ -84,7 +84,7 @@ void bind_run(const FrameContext& frame, const Pass& pass, const DrawRun& run, B
 std::size_t parts_together(std::span<const DrawRun> runs) {
   const DrawRun& first = runs.front();
   const auto other = [&first](const DrawRun& run) {
-    return run.first_instance != first.first_instance || run.key.picked || run.key.bits() != first.key.bits();
+    return run.first_instance != first.first_instance || run.key.cpu_selected || run.key.bits() != first.key.bits();
   };
   return static_cast<std::size_t>(std::find_if(runs.begin() + 1, runs.end(), other) - runs.begin());
 }
@@ -92,7 +92,7 @@ std::size_t parts_together(std::span<const DrawRun> runs) {
 // What bind_run() has bound serves all of them.
 void draw_together(const FrameContext& frame, std::span<const DrawRun> runs, Bound& bound) {
   const DrawRun& first = runs.front();
-  if (first.key.picked) {
+  if (first.key.cpu_selected) {
     vkCmdDraw(frame.commands, first.range.index_count, 1, first.range.first_index, 0);
   } else {
     bound.parts.clear();
@@ -109,21 +109,22 @@ void draw_together(const FrameContext& frame, std::span<const DrawRun> runs, Bou
 }
 
 // Of the view what lies in these rows of the pass's targets.
-void record_view(const FrameContext& frame, const Pass& pass, const View& view, const ViewDraws& draws, ViewShare share,
+void record_view(const FrameContext& frame, const Pass& pass, const View& view, const ViewDraws& draws, DrawPhase share,
                  const LayerRows& rows, Bound& bound) {
   const std::span<const DrawRun> runs = share_of(frame, draws, share);
-  const std::uint32_t top = std::max(pass.grid * view.y_px, rows.first);
-  const std::uint32_t bottom = std::min(pass.grid * (view.y_px + view.height_px), rows.first + rows.count);
+  const std::uint32_t top = std::max(pass.supersampling * view.y_px, rows.first);
+  const std::uint32_t bottom = std::min(pass.supersampling * (view.y_px + view.height_px), rows.first + rows.count);
   if (runs.empty() || top >= bottom) return;
-  const auto grid = static_cast<float>(pass.grid), guard = grid * static_cast<float>(guard_rows(view));
-  const VkViewport viewport{.x = grid * static_cast<float>(view.x_px),
-                            .y = grid * static_cast<float>(view.y_px) - guard,
-                            .width = grid * static_cast<float>(view.width_px),
-                            .height = grid * static_cast<float>(view.height_px) + 2 * guard,
+  const auto supersampling = static_cast<float>(pass.supersampling),
+             guard = supersampling * static_cast<float>(guard_rows(view));
+  const VkViewport viewport{.x = supersampling * static_cast<float>(view.x_px),
+                            .y = supersampling * static_cast<float>(view.y_px) - guard,
+                            .width = supersampling * static_cast<float>(view.width_px),
+                            .height = supersampling * static_cast<float>(view.height_px) + 2 * guard,
                             .minDepth = 0,
                             .maxDepth = 1};
-  const VkRect2D scissor{{static_cast<std::int32_t>(pass.grid * view.x_px), static_cast<std::int32_t>(top)},
-                         {pass.grid * view.width_px, bottom - top}};
+  const VkRect2D scissor{{static_cast<std::int32_t>(pass.supersampling * view.x_px), static_cast<std::int32_t>(top)},
+                         {pass.supersampling * view.width_px, bottom - top}};
   frame.device.begin_label(frame.commands, view.name);
   vkCmdSetViewport(frame.commands, 0, 1, &viewport);
   vkCmdSetScissor(frame.commands, 0, 1, &scissor);
@@ -156,19 +157,20 @@ class RenderPassScope {
     VkClearValue clear[2]{};
     clear[0].depthStencil = {0, 0};
     clear[1].color = {{background.r, background.g, background.b, 1}};
-    const VkRenderPassBeginInfo info{.sType = VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO,
-                                     .pNext = nullptr,
-                                     .renderPass = frame.pipelines.render_pass({.color = pass.color,
-                                                                                .keep_depth = pass.depth,
-                                                                                .sampled = pass.shadow_maps,
-                                                                                .averaged = pass.samples() > 1,
-                                                                                .resumed = resumed,
-                                                                                .continued = continued,
-                                                                                .samples = pass.msaa}),
-                                     .framebuffer = target.framebuffer.get(),
-                                     .renderArea = {{0, 0}, {pass.grid * pass.width_px, pass.grid * pass.height_px}},
-                                     .clearValueCount = pass.color ? 2u : 1u,
-                                     .pClearValues = clear};
+    const VkRenderPassBeginInfo info{
+        .sType = VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO,
+        .pNext = nullptr,
+        .renderPass = frame.pipelines.render_pass({.color = pass.color,
+                                                   .keep_depth = pass.depth,
+                                                   .sampled = pass.shadow_maps,
+                                                   .averaged = pass.samples() > 1,
+                                                   .resumed = resumed,
+                                                   .continued = continued,
+                                                   .samples = pass.msaa}),
+        .framebuffer = target.framebuffer.get(),
+        .renderArea = {{0, 0}, {pass.supersampling * pass.width_px, pass.supersampling * pass.height_px}},
+        .clearValueCount = pass.color ? 2u : 1u,
+        .pClearValues = clear};
     vkCmdBeginRenderPass(frame.commands, &info, VK_SUBPASS_CONTENTS_INLINE);
     ++frame.counters.passes;
   }
@@ -177,7 +179,7 @@ class RenderPassScope {
   RenderPassScope& operator=(const RenderPassScope&) = delete;
 
   /// `stamped`: each view's end is noted.
-  void record(std::span<const ViewDraws> views, ViewShare share, const LayerRows& rows, bool stamped = false) {
+  void record(std::span<const ViewDraws> views, DrawPhase share, const LayerRows& rows, bool stamped = false) {
     for (std::size_t i = 0; i < views.size(); ++i) {
       record_view(frame_, pass_, pass_.views[i], views[i], share, rows, bound_);
       if (stamped && frame_.queries) frame_.queries->stamp(frame_.commands);
@@ -199,15 +201,15 @@ void record_layers(const FrameContext& frame, const Pass& pass, const RenderTarg
     frame.layers.record_begin(frame.commands, pass, bands[i]);
     {
       RenderPassScope drawn(frame, pass, target, i > 0, true);
-      if (i == 0) drawn.record(views, ViewShare::solid, all);
-      drawn.record(views, ViewShare::layers, bands[i]);
+      if (i == 0) drawn.record(views, DrawPhase::solid, all);
+      drawn.record(views, DrawPhase::layers, bands[i]);
     }
     frame.layers.record_end(frame.commands);
     RenderPassScope resolved(frame, pass, target, true, !last);
     frame.layers.record_resolve(frame.commands, pass, bands[i]);
     ++frame.counters.draws;
     ++frame.counters.pipelines_bound;
-    if (last) resolved.record(views, ViewShare::met, all, true);
+    if (last) resolved.record(views, DrawPhase::depth_visible, all, true);
   }
 }
 
@@ -225,20 +227,21 @@ void copy_image(const FrameContext& frame, const GpuImage& image, const Buffer& 
 }  // namespace
 
 bool shows_layers(std::span<const ViewDraws> views) {
-  return std::ranges::any_of(views, [](const ViewDraws& draws) { return draws.first_met > draws.first_layer; });
+  return std::ranges::any_of(views,
+                             [](const ViewDraws& draws) { return draws.first_depth_visible > draws.first_layer; });
 }
 
 void record_bindings(const FrameContext& frame) { bind_frame_set(frame, 0); }
 
 void record_pass(const FrameContext& frame, const Pass& pass, const RenderTarget& target,
                  std::span<const ViewDraws> views) {
-  const LayerRows all{0, pass.grid * pass.height_px};
+  const LayerRows all{0, pass.supersampling * pass.height_px};
   if (frame.queries) frame.queries->stamp(frame.commands);
   frame.device.begin_label(frame.commands, pass.name);
   if (shows_layers(views)) {
     record_layers(frame, pass, target, views, all);
   } else {
-    RenderPassScope(frame, pass, target, false, false).record(views, ViewShare::solid, all, true);
+    RenderPassScope(frame, pass, target, false, false).record(views, DrawPhase::solid, all, true);
   }
   if (frame.queries) frame.queries->stamp(frame.commands);
   frame.device.end_label(frame.commands);
@@ -252,7 +255,7 @@ void record_readback(const FrameContext& frame, const Pass& pass, const RenderTa
     frame.average.record(frame.commands, pass, target.average, target.color);
     if (frame.average.made() > known) {
       ++frame.counters.pipelines_made;
-      frame.made.means.push_back(SampleAverage::pipeline_key(pass));
+      frame.made.means.push_back(ResolvePass::pipeline_key(pass));
     }
     ++frame.counters.dispatches;
   }

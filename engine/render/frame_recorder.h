@@ -4,35 +4,35 @@
 #include <span>
 #include <vector>
 
-#include "engine/render/frame_draws.h"
+#include "engine/render/frame_draw_lists.h"
 #include "engine/render/geometry_pool.h"
 #include "engine/render/gpu_queries.h"
+#include "engine/render/oit_buffer.h"
 #include "engine/render/pipelines.h"
 #include "engine/render/render_targets.h"
 #include "engine/render/shadow_maps.h"
-#include "engine/render/transparent_layers.h"
 
 namespace simvis {
 
 /// The pipelines that a frame is the first to use.
 struct MadePipelines {
   std::vector<std::uint64_t> meshes;  ///< PipelineKey::bits()
-  std::vector<std::uint32_t> means;   ///< SampleAverage::pipeline_key()
+  std::vector<std::uint32_t> means;   ///< ResolvePass::pipeline_key()
 };
 
 struct FrameContext {
   Device::Impl& device;
   VkCommandBuffer commands;
   Pipelines& pipelines;
-  SampleAverage& average;
-  TransparentLayers& layers;
+  ResolvePass& average;
+  OitBuffer& layers;
   const GeometryPool& geometry;
   VkDescriptorSet frame_set;
   const ShadowMaps* shadows;  ///< null where no view has any
   VkBuffer instances;
   VkBuffer frame_indices;  ///< null where no run has indices of its own
-  VkBuffer picked;         ///< null where no run has picked vertices
-  const FrameDraws& draws;
+  VkBuffer cpu_selected;   ///< null where no run has picked vertices
+  const FrameDrawLists& draws;
   const DrawList& list;
   FrameCounters& counters;
   MadePipelines& made;

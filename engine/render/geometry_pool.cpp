@@ -81,7 +81,7 @@ std::span<const MeshRange> GeometryPool::update(std::span<const std::shared_ptr<
                   .clustering = &entry.clustering,
                   .facing = entry.facing,
                   .positions = entry.mesh->positions,
-                  .walls = entry.walls,
+                  .occluders = entry.occluders,
                   .flat = &entry.flat};
   }
   return ranges_;
@@ -94,8 +94,8 @@ void GeometryPool::cut_into_clusters(std::span<Entry* const> fresh, const std::f
     device_.report({"preparing meshes", done, indices});
     entry->clustering = make_clusters_cached(*entry->mesh, cache);
     if (entry->mesh->topology == Topology::triangles) {
-      entry->walls = walls_of(*entry->mesh, entry->clustering);
-      entry->flat = flat_sides_of(*entry->mesh, entry->clustering);
+      entry->occluders = extract_occluders(*entry->mesh, entry->clustering);
+      entry->flat = face_planes_of(*entry->mesh, entry->clustering);
     }
     done += entry->mesh->indices.size();
   }
@@ -205,7 +205,7 @@ void GeometryPool::upload_attributes(Entry& entry, Uploads& uploads) {
                   std::as_bytes(std::span(packed_)));
   }
   entry.has_attributes = true;
-  if (entry.mesh->topology == Topology::triangles) entry.facing = facing_of(*entry.mesh, entry.clustering);
+  if (entry.mesh->topology == Topology::triangles) entry.facing = normal_cones_of(*entry.mesh, entry.clustering);
 }
 
 Buffer GeometryPool::make_buffer(const char* name, VkDeviceSize size, VkBufferUsageFlags usage) {

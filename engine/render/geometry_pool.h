@@ -9,9 +9,9 @@
 
 #include <simvis/frame_plan.h>
 #include <simvis/mesh.h>
-#include "engine/culling/cluster_facing.h"
-#include "engine/culling/flat_sides.h"
-#include "engine/culling/walls.h"
+#include "engine/culling/face_planes.h"
+#include "engine/culling/normal_cone.h"
+#include "engine/culling/occluders.h"
 #include "engine/geometry/clusters.h"
 #include "engine/vulkan/buffer.h"
 #include "engine/vulkan/uploads.h"
@@ -24,10 +24,10 @@ struct MeshRange {
   std::int32_t vertex_offset = 0;
   std::span<const Cluster> clusters{};  ///< their index numbers count from the mesh's first
   const Clustering* clustering = nullptr;
-  std::span<const ClusterFacing> facing{};  ///< of each cluster, of triangles that are shaded; else empty
-  std::span<const glm::vec3> positions{};   ///< in host memory
-  std::span<const Wall> walls{};            ///< of triangles
-  const FlatSides* flat = nullptr;
+  std::span<const NormalCone> facing{};    ///< of each cluster, of triangles that are shaded; else empty
+  std::span<const glm::vec3> positions{};  ///< in host memory
+  std::span<const Occluder> occluders{};   ///< of triangles
+  const FacePlanes* flat = nullptr;
 };
 
 /// What a vertex carries besides its position, as the GPU reads it. Colours beyond 1 are clamped.
@@ -73,9 +73,9 @@ class GeometryPool {
   struct Entry {
     std::shared_ptr<const Mesh> mesh;  // keeps the address from being given to another mesh
     Clustering clustering;
-    std::vector<Wall> walls;
-    FlatSides flat;
-    std::vector<ClusterFacing> facing;
+    std::vector<Occluder> occluders;
+    FacePlanes flat;
+    std::vector<NormalCone> facing;
     std::uint64_t first_vertex = 0, first_index = 0;
     bool resident = false, has_attributes = false;  // on the device
     MeshUse use = MeshUse::none;                    // by this list

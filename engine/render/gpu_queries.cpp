@@ -49,7 +49,7 @@ void GpuQueries::begin(VkCommandBuffer commands, const FramePlan& plan) {
   if (timed_ && stamps > stamps_held_) {
     stamps_ = make_pool(device_, VK_QUERY_TYPE_TIMESTAMP, stamps_held_ = 2 * stamps, "frame stamps");
   }
-  const std::uint32_t counts = kViewShares * views;
+  const std::uint32_t counts = kDrawPhases * views;
   if (counted_ && counts > counts_held_) {
     statistics_ = make_pool(device_, VK_QUERY_TYPE_PIPELINE_STATISTICS, counts_held_ = 2 * counts, "view statistics");
   }
@@ -66,8 +66,8 @@ void GpuQueries::stamp(VkCommandBuffer commands) {
   ++stamp_;
 }
 
-void GpuQueries::begin_draws(VkCommandBuffer commands, std::size_t view, ViewShare share) {
-  const std::size_t query = kViewShares * view + static_cast<std::size_t>(share);
+void GpuQueries::begin_draws(VkCommandBuffer commands, std::size_t view, DrawPhase share) {
+  const std::size_t query = kDrawPhases * view + static_cast<std::size_t>(share);
   if (!counted_ || drawn_[query]) return;
   drawn_[query] = 1;
   counting_ = static_cast<std::uint32_t>(query);
@@ -95,7 +95,7 @@ std::vector<std::int64_t> GpuQueries::times() const {
 
 PipelineStatistics GpuQueries::statistics(std::size_t view) const {
   std::array<std::uint64_t, kCounts> sums{};
-  for (std::size_t query = kViewShares * view; query < kViewShares * (view + 1); ++query) {
+  for (std::size_t query = kDrawPhases * view; query < kDrawPhases * (view + 1); ++query) {
     if (!drawn_[query]) continue;
     std::array<std::uint64_t, kCounts> counts;
     read(device_, statistics_.get(), static_cast<std::uint32_t>(query), 1, counts);

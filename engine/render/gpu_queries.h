@@ -6,7 +6,7 @@
 
 #include <simvis/frame_costs.h>
 #include <simvis/frame_plan.h>
-#include "engine/render/frame_draws.h"
+#include "engine/render/frame_draw_lists.h"
 #include "engine/vulkan/handle.h"
 
 namespace simvis {
@@ -25,9 +25,9 @@ class GpuQueries {
   void stamp(VkCommandBuffer commands);
 
   /// What is recorded between the two is counted for a view, by its number among all views of the plan, each share of
-  /// it (see ViewShare) once: of layers that are drawn in bands the first band's. The first of its pipelines is bound
+  /// it (see DrawPhase) once: of layers that are drawn in bands the first band's. The first of its pipelines is bound
   /// by then: Mesa's lavapipe 22.3 crashes where a query begins without one.
-  void begin_draws(VkCommandBuffer commands, std::size_t view, ViewShare share);
+  void begin_draws(VkCommandBuffer commands, std::size_t view, DrawPhase share);
   void end_draws(VkCommandBuffer commands);
 
   /// Of the frame that was begun last, once its submission has finished.

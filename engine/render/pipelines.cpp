@@ -59,22 +59,23 @@ constexpr VkVertexInputAttributeDescription kColorInputs[] = {kPosition, kClipX,
                                                               kNormal,   kUv0,   kUv1,   kColor};
 
 // Of a vertex that carries the rows of its instance.
-constexpr VkVertexInputBindingDescription kPickedBinding{0, sizeof(shader::PickedVertex), VK_VERTEX_INPUT_RATE_VERTEX};
-constexpr std::uint32_t kRows = offsetof(shader::PickedVertex, clip_x);
-constexpr VkVertexInputAttributeDescription kPickedInputs[] = {
+constexpr VkVertexInputBindingDescription kCpuSelectedBinding{0, sizeof(shader::CpuSelectedVertex),
+                                                              VK_VERTEX_INPUT_RATE_VERTEX};
+constexpr std::uint32_t kRows = offsetof(shader::CpuSelectedVertex, clip_x);
+constexpr VkVertexInputAttributeDescription kCpuSelectedInputs[] = {
     kPosition,
     {SIMVIS_INSTANCE_CLIP_X, 0, kClipX.format, kRows + kClipX.offset},
     {SIMVIS_INSTANCE_CLIP_Y, 0, kClipY.format, kRows + kClipY.offset},
     {SIMVIS_INSTANCE_CLIP_W, 0, kClipW.format, kRows + kClipW.offset}};
 
-VkPipelineVertexInputStateCreateInfo picked_input() {
+VkPipelineVertexInputStateCreateInfo cpu_selected_input() {
   return {.sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO,
           .pNext = nullptr,
           .flags = 0,
           .vertexBindingDescriptionCount = 1,
-          .pVertexBindingDescriptions = &kPickedBinding,
-          .vertexAttributeDescriptionCount = static_cast<std::uint32_t>(std::size(kPickedInputs)),
-          .pVertexAttributeDescriptions = kPickedInputs};
+          .pVertexBindingDescriptions = &kCpuSelectedBinding,
+          .vertexAttributeDescriptionCount = static_cast<std::uint32_t>(std::size(kCpuSelectedInputs)),
+          .pVertexAttributeDescriptions = kCpuSelectedInputs};
 }
 
 VkPipelineVertexInputStateCreateInfo vertex_input(std::span<const VkVertexInputAttributeDescription> inputs) {
@@ -152,7 +153,7 @@ struct Constants {
     values[SIMVIS_FADED] = key.surface == Surface::faded;
     values[SIMVIS_GLOSSY] = key.glossy;
     values[SIMVIS_SHADOWED] = key.shadowed;
-    values[SIMVIS_PARALLEL] = key.parallel;
+    values[SIMVIS_ORTHOGRAPHIC] = key.orthographic;
     values[SIMVIS_METALLIC] = key.metallic;
     values[SIMVIS_MAPS] = key.maps == 0 ? 0u : key.maps | (key.textured ? 1u << SIMVIS_BASE_COLOR_TEXTURE : 0u);
     values[SIMVIS_FOG] = key.fog;
@@ -167,7 +168,7 @@ struct Constants {
 std::uint64_t PipelineKey::bits() const {
   std::uint64_t bits = static_cast<std::uint64_t>(topology) | static_cast<std::uint64_t>(surface) << 2;
   for (const bool flag : {color, depth_only, textured, unlit, glossy, metallic, cull_back, mirrored, shadow_map,
-                          parallel, shadowed, fog, picked}) {
+                          orthographic, shadowed, fog, cpu_selected}) {
     bits = bits << 1 | (flag ? 1u : 0u);
   }
   bits = bits << SIMVIS_TEXTURES | maps;
@@ -251,7 +252,7 @@ Pipelines::Program Pipelines::program(const PipelineKey& key, const VkSpecializa
   }
   return {{stage(VK_SHADER_STAGE_VERTEX_BIT, depth_vert_.get())},
           1,
-          key.picked ? picked_input() : vertex_input(kDepthInputs)};
+          key.cpu_selected ? cpu_selected_input() : vertex_input(kDepthInputs)};
 }
 
 Pipelines::Program Pipelines::shadow_map_program(const PipelineKey& key, const VkSpecializationInfo& constants) {

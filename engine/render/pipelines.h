@@ -28,13 +28,13 @@ struct PipelineKey {
   std::uint8_t maps = 0;     ///< a sum of 1 << binding of the maps that are shown, from SIMVIS_FIRST_MAP on
   std::uint16_t lights = 0;  ///< how many light it, up to SIMVIS_MAX_LIGHTS
   bool cull_back = false;
-  bool fog = false;          ///< seen through air that is not clear
-  bool mirrored = false;     ///< the transform turns the winding of triangles
-  bool shadow_map = false;   ///< depth for a shadow map
-  bool parallel = false;     ///< in light from afar
-  bool shadowed = false;     ///< something may stand in the way of its lights
-  bool picked = false;       ///< vertices are shader::PickedVertex
-  std::uint8_t samples = 1;  ///< of each pixel of the pass's targets: 1, 2, 4 or 8
+  bool fog = false;           ///< seen through air that is not clear
+  bool mirrored = false;      ///< the transform turns the winding of triangles
+  bool shadow_map = false;    ///< depth for a shadow map
+  bool orthographic = false;  ///< in light from afar
+  bool shadowed = false;      ///< something may stand in the way of its lights
+  bool cpu_selected = false;  ///< vertices are shader::CpuSelectedVertex
+  std::uint8_t samples = 1;   ///< of each pixel of the pass's targets: 1, 2, 4 or 8
 
   bool shades() const { return !depth_only || surface == Surface::masked || shadow_map; }  ///< has a fragment shader
   bool blends() const { return surface == Surface::blended || surface == Surface::faded; }

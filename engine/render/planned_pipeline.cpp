@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "engine/render/sample_average.h"
+#include "engine/render/resolve_pass.h"
 
 namespace simvis {
 namespace {
@@ -55,11 +55,11 @@ std::string variant_of(const PipelineKey& key) {
   if (key.glossy) text += key.metallic ? ", metallic" : ", glossy";
   if (key.maps != 0) text += ", " + std::to_string(std::popcount(key.maps)) + " maps";
   if (key.shadowed) text += ", shadowed";
-  if (key.shadow_map) text += key.parallel ? ", for a shadow map from afar" : ", for a shadow map";
+  if (key.shadow_map) text += key.orthographic ? ", for a shadow map from afar" : ", for a shadow map";
   if (key.fog) text += ", in fog";
   if (key.cull_back) text += ", back faces culled";
   if (key.mirrored) text += ", mirrored";
-  if (key.picked) text += ", picked one by one";
+  if (key.cpu_selected) text += ", picked one by one";
   if (key.samples > 1) text += ", msaa " + std::to_string(key.samples);
   return text;
 }
@@ -73,8 +73,8 @@ std::string reason_for(const PipelineKey& key) {
 
 }  // namespace
 
-std::vector<PlannedPipeline> pipelines_of(std::span<const DrawRun> runs, const Pass& pass,
-                                          std::vector<std::uint64_t>& made) {
+std::vector<PlannedPipeline> describe_pipelines(std::span<const DrawRun> runs, const Pass& pass,
+                                                std::vector<std::uint64_t>& made) {
   std::vector<PlannedPipeline> planned;
   std::vector<std::uint64_t> known;  // planned[i] has the key known[i]
   for (const DrawRun& run : runs) {
@@ -97,9 +97,9 @@ std::vector<PlannedPipeline> pipelines_of(std::span<const DrawRun> runs, const P
 }
 
 PlannedPipeline mean_pipeline(const Pass& pass, std::vector<std::uint32_t>& made) {
-  return {.variant = "mean, grid " + std::to_string(pass.grid) + ", msaa " + std::to_string(pass.msaa),
+  return {.variant = "mean, grid " + std::to_string(pass.supersampling) + ", msaa " + std::to_string(pass.msaa),
           .reason = std::to_string(pass.samples()) + " samples of each pixel",
-          .made = std::erase(made, SampleAverage::pipeline_key(pass)) > 0};
+          .made = std::erase(made, ResolvePass::pipeline_key(pass)) > 0};
 }
 
 }  // namespace simvis

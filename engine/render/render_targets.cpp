@@ -26,9 +26,9 @@ void RenderTargets::begin_frame() {
 RenderTarget& RenderTargets::acquire(const Pass& pass) {
   RenderTarget* target = nullptr;
   for (const auto& known : targets_) {
-    const bool fits = known->width == pass.width_px && known->height == pass.height_px && known->grid == pass.grid &&
-                      known->msaa == pass.msaa && known->shadow_maps == pass.shadow_maps &&
-                      static_cast<bool>(known->color) == pass.color;
+    const bool fits = known->width == pass.width_px && known->height == pass.height_px &&
+                      known->supersampling == pass.supersampling && known->msaa == pass.msaa &&
+                      known->shadow_maps == pass.shadow_maps && static_cast<bool>(known->color) == pass.color;
     if (fits && known->last_frame != frame_) {
       target = known.get();
       break;
@@ -66,10 +66,10 @@ void RenderTargets::name_memory(const std::function<const Pass*(const RenderTarg
 
 GpuImage RenderTargets::make_image(const Pass& pass, const char* what, VkFormat format, VkImageUsageFlags usage,
                                    bool samples) const {
-  const std::uint32_t grid = samples ? pass.grid : 1;
+  const std::uint32_t supersampling = samples ? pass.supersampling : 1;
   return GpuImage(device_, {.name = pass.name + what,
-                            .width = pass.width_px * grid,
-                            .height = pass.height_px * grid,
+                            .width = pass.width_px * supersampling,
+                            .height = pass.height_px * supersampling,
                             .format = format,
                             .usage = usage,
                             .samples = samples ? pass.msaa : 1,
@@ -81,7 +81,7 @@ std::unique_ptr<RenderTarget> RenderTargets::make(const Pass& pass) const {
   auto target = std::make_unique<RenderTarget>();
   target->width = pass.width_px;
   target->height = pass.height_px;
-  target->grid = pass.grid;
+  target->supersampling = pass.supersampling;
   target->msaa = pass.msaa;
   target->shadow_maps = pass.shadow_maps;
   const bool averaged = pass.samples() > 1;
@@ -108,8 +108,8 @@ std::unique_ptr<RenderTarget> RenderTargets::make(const Pass& pass) const {
       .renderPass = pipelines_.render_pass({.color = pass.color, .sampled = pass.shadow_maps, .samples = pass.msaa}),
       .attachmentCount = pass.color ? 2u : 1u,
       .pAttachments = views,
-      .width = pass.width_px * pass.grid,
-      .height = pass.height_px * pass.grid,
+      .width = pass.width_px * pass.supersampling,
+      .height = pass.height_px * pass.supersampling,
       .layers = 1};
   VkFramebuffer framebuffer = VK_NULL_HANDLE;
   vk_check(vkCreateFramebuffer(device_.device, &info, nullptr, &framebuffer), "vkCreateFramebuffer");

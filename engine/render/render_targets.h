@@ -7,19 +7,19 @@
 
 #include <simvis/frame_plan.h>
 #include "engine/render/pipelines.h"
-#include "engine/render/sample_average.h"
+#include "engine/render/resolve_pass.h"
 #include "engine/vulkan/buffer.h"
 #include "engine/vulkan/gpu_image.h"
 
 namespace simvis {
 
 struct RenderTarget {
-  std::uint32_t width = 0, height = 0, grid = 1, msaa = 1;  ///< as the pass's
+  std::uint32_t width = 0, height = 0, supersampling = 1, msaa = 1;  ///< as the pass's
   bool shadow_maps = false;
-  GpuImage depth;                  ///< of each sample
-  GpuImage color;                  ///< of each pixel; none for depth passes
-  GpuImage color_samples;          ///< of each sample, for passes with more than one a pixel
-  SampleAverage::Binding average;  ///< of the latter to the former
+  GpuImage depth;                ///< of each sample
+  GpuImage color;                ///< of each pixel; none for depth passes
+  GpuImage color_samples;        ///< of each sample, for passes with more than one a pixel
+  ResolvePass::Binding average;  ///< of the latter to the former
   Handle<VkFramebuffer> framebuffer;
   Buffer depth_readback, color_readback;  ///< made when first wanted
   std::uint64_t last_frame = 0;
@@ -27,7 +27,7 @@ struct RenderTarget {
 
 class RenderTargets {
  public:
-  RenderTargets(Device::Impl& device, Pipelines& pipelines, SampleAverage& average)
+  RenderTargets(Device::Impl& device, Pipelines& pipelines, ResolvePass& average)
       : device_(device), pipelines_(pipelines), average_(average) {}
 
   /// Starts a frame: all targets are free again. Those that no frame has wanted for long are given up.
@@ -46,7 +46,7 @@ class RenderTargets {
 
   Device::Impl& device_;
   Pipelines& pipelines_;
-  SampleAverage& average_;
+  ResolvePass& average_;
   std::vector<std::unique_ptr<RenderTarget>> targets_;
   std::uint64_t frame_ = 0;
 };

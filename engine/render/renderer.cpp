@@ -8,18 +8,18 @@
 #include <simvis/device.h>
 #include <simvis/error.h>
 #include "engine/base/assert.h"
-#include "engine/render/draw_table.h"
+#include "engine/render/draw_cache.h"
 #include "engine/render/frame_buffers.h"
-#include "engine/render/frame_draws.h"
+#include "engine/render/frame_draw_lists.h"
 #include "engine/render/frame_recorder.h"
 #include "engine/render/geometry_pool.h"
 #include "engine/render/gpu_queries.h"
+#include "engine/render/oit_buffer.h"
 #include "engine/render/pipelines.h"
 #include "engine/render/planned_pipeline.h"
 #include "engine/render/render_targets.h"
-#include "engine/render/sample_average.h"
+#include "engine/render/resolve_pass.h"
 #include "engine/render/texture_store.h"
-#include "engine/render/transparent_layers.h"
 #include "engine/vulkan/frame_commands.h"
 #include "engine/vulkan/uploads.h"
 
@@ -30,21 +30,22 @@ void check_view(const View& view, const Pass& pass) {
   SIMVIS_ASSERT(view.width_px > 0 && view.height_px > 0);
   SIMVIS_ASSERT(std::uint64_t{view.x_px} + view.width_px <= pass.width_px);
   SIMVIS_ASSERT(std::uint64_t{view.y_px} + view.height_px <= pass.height_px);
-  SIMVIS_ASSERT(view.parallel ? view.far_m > view.near_m : view.near_m > 0);
+  SIMVIS_ASSERT(view.orthographic ? view.far_m > view.near_m : view.near_m > 0);
   SIMVIS_ASSERT(view.pinhole.fx_px != 0 && view.pinhole.fy_px != 0);
 }
 
 void check_pass(const Pass& pass, const TargetLimits& limits) {
   SIMVIS_ASSERT(pass.width_px > 0 && pass.height_px > 0);
   SIMVIS_ASSERT(pass.shadow_maps ? !pass.color && !pass.depth : pass.color || pass.depth);
-  SIMVIS_ASSERT(pass.grid == 1 || pass.grid == 2 || pass.grid == 4);
+  SIMVIS_ASSERT(pass.supersampling == 1 || pass.supersampling == 2 || pass.supersampling == 4);
   SIMVIS_ASSERT(pass.samples() == 1 || (pass.color && !pass.depth));
-  const std::uint32_t width = limits.width_px / pass.grid, height = limits.height_px / pass.grid;
+  const std::uint32_t width = limits.width_px / pass.supersampling, height = limits.height_px / pass.supersampling;
   if (pass.width_px > width || pass.height_px > height) {
-    throw InputError("pass \"" + pass.name + "\" has " + std::to_string(pass.width_px) + " x " +
-                     std::to_string(pass.height_px) + " pixels" +
-                     (pass.grid > 1 ? " of " + std::to_string(pass.grid * pass.grid) + " samples" : "") +
-                     "; this device allows " + std::to_string(width) + " x " + std::to_string(height));
+    throw InputError(
+        "pass \"" + pass.name + "\" has " + std::to_string(pass.width_px) + " x " + std::to_string(pass.height_px) +
+        " pixels" +
+        (pass.supersampling > 1 ? " of " + std::to_string(pass.supersampling * pass.supersampling) + " samples" : "") +
+        "; this device allows " + std::to_string(width) + " x " + std::to_string(height));
   }
   if (std::ranges::find(limits.msaa, pass.msaa) == limits.msaa.end()) {
     throw InputError("pass \"" + pass.name + "\" asks for msaa " + std::to_string(pass.msaa) +
@@ -61,9 +62,9 @@ std::int64_t now_ns() {
 // What the plan needs of opaque triangles.
 MeshUse opaque_use(const FramePlan& plan) {
   if (std::ranges::any_of(plan.passes, &Pass::color)) return MeshUse::attributes;
-  const bool picked =
-      std::ranges::all_of(plan.passes, [](const Pass& pass) { return std::ranges::all_of(pass.views, picks_opaque); });
-  return picked ? MeshUse::clusters : MeshUse::positions;
+  const bool cpu_selected = std::ranges::all_of(
+      plan.passes, [](const Pass& pass) { return std::ranges::all_of(pass.views, cpu_selects_opaque); });
+  return cpu_selected ? MeshUse::clusters : MeshUse::positions;
 }
 
 // Null where the plan has none.
@@ -94,7 +95,7 @@ struct Renderer::Impl {
   void finish_frame(const FramePlan& plan);
   void prepare(const DrawList& list, const FramePlan& plan);
   void record(VkCommandBuffer commands, const DrawList& list, const FramePlan& plan);
-  void take_results(const FramePlan& plan);
+  void read_results(const FramePlan& plan);
   void name_pipelines(FramePlan& plan) const;
   void name_memory(FramePlan& plan) const;
   void forget();
@@ -106,14 +107,14 @@ struct Renderer::Impl {
   GeometryPool geometry;
   TextureStore textures;
   FrameBuffers buffers;
-  SampleAverage average;
-  TransparentLayers layers;
+  ResolvePass average;
+  OitBuffer layers;
   RenderTargets targets;
   std::optional<ShadowMaps> shadows;         // once a plan has any
   const DrawList* submitted_list = nullptr;  // in flight; null: nothing is
   const FramePlan* submitted_plan = nullptr;
-  DrawTable table;
-  FrameDraws draws;
+  DrawCache table;
+  FrameDrawLists draws;
   std::vector<RenderTarget*> pass_targets;
   std::vector<PassResult> results;
   std::vector<ViewCounts> view_counts;  // of all passes' views, in order
@@ -163,7 +164,7 @@ std::span<const PassResult> Renderer::collect() {
     r.forget();
     throw;
   }
-  r.take_results(*plan);
+  r.read_results(*plan);
   return r.results;
 }
 
@@ -202,7 +203,7 @@ void Renderer::Impl::prepare(const DrawList& list, const FramePlan& plan) {
   draws.update(plan, list, table, counters);
   buffers.write_instances(draws.instances(), uploads);
   buffers.write_indices(draws.indices(), uploads);
-  buffers.write_picked(draws.picked(), uploads);
+  buffers.write_cpu_selected(draws.cpu_selected(), uploads);
   if (color) buffers.write_lights(draws.lights(), uploads);
   if (const Pass* const maps = find_shadow_maps(plan)) {
     if (!shadows) shadows.emplace(device, pipelines.shadows().set_layout.get());
@@ -234,7 +235,7 @@ void Renderer::Impl::record(VkCommandBuffer recorded, const DrawList& list, cons
                            .shadows = maps ? &*shadows : nullptr,
                            .instances = buffers.instances(),
                            .frame_indices = buffers.indices(),
-                           .picked = buffers.picked(),
+                           .cpu_selected = buffers.cpu_selected(),
                            .draws = draws,
                            .list = list,
                            .counters = counters,
@@ -249,7 +250,7 @@ void Renderer::Impl::record(VkCommandBuffer recorded, const DrawList& list, cons
   record_end(frame);
 }
 
-void Renderer::Impl::take_results(const FramePlan& plan) {
+void Renderer::Impl::read_results(const FramePlan& plan) {
   view_counts.clear();
   for (const ViewDraws& view : draws.views()) view_counts.push_back(view.counts);
   std::size_t first_view = 0;
@@ -284,7 +285,7 @@ void Renderer::Impl::name_pipelines(FramePlan& plan) const {
     for (View& view : pass.views) {
       const ViewDraws& draw = draws.views()[drawn++];
       const auto runs = draws.runs().subspan(draw.first_run, draw.end_run - draw.first_run);
-      view.pipelines = pipelines_of(runs, pass, unnamed.meshes);
+      view.pipelines = describe_pipelines(runs, pass, unnamed.meshes);
     }
   }
 }

@@ -27,8 +27,8 @@ shader::ShadowBlock shadow_block_of(const ShadowUse& use, const Pass& maps, cons
   const glm::dmat4 map_from_view = map.view_from_world * world_from_view;
   const glm::dmat4 rows = glm::transpose(map_from_view);
   const Pinhole& k = map.pinhole;
-  const double inverse_depth = map.parallel ? 1 / (map.far_m - map.near_m) : 0;
-  const double first = map.parallel ? map.far_m : map.near_m, apart = glm::length(glm::dvec3(map_from_view[3]));
+  const double inverse_depth = map.orthographic ? 1 / (map.far_m - map.near_m) : 0;
+  const double first = map.orthographic ? map.far_m : map.near_m, apart = glm::length(glm::dvec3(map_from_view[3]));
   return {.row_x = glm::vec4(rows[0]),
           .row_y = glm::vec4(rows[1]),
           .row_z = glm::vec4(rows[2]),

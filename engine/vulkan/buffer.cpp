@@ -28,7 +28,7 @@ Buffer::Buffer(Device::Impl& device, BufferDesc desc) : desc_(std::move(desc)) {
   VkDeviceMemory memory = VK_NULL_HANDLE;
   vk_check(vkAllocateMemory(device.device, &allocation, nullptr, &memory), "vkAllocateMemory");
   memory_ = Handle<VkDeviceMemory>(device, memory, desc_.name + " memory");
-  held_ = HeldBytes(device.memory_bytes, needs.size);
+  held_ = MemoryLedger(device.memory_bytes, needs.size);
   vk_check(vkBindBufferMemory(device.device, buffer, memory, 0), "vkBindBufferMemory");
 
   const auto flags = device.memory.memoryTypes[allocation.memoryTypeIndex].propertyFlags;

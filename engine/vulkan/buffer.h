@@ -5,7 +5,7 @@
 #include <string>
 
 #include "engine/vulkan/handle.h"
-#include "engine/vulkan/held_bytes.h"
+#include "engine/vulkan/memory_ledger.h"
 
 namespace simvis {
 
@@ -30,7 +30,7 @@ class Buffer {
 
  private:
   BufferDesc desc_;
-  HeldBytes held_;
+  MemoryLedger held_;
   Handle<VkDeviceMemory> memory_;  // outlives the buffer
   Handle<VkBuffer> buffer_;
   std::byte* mapped_ = nullptr;

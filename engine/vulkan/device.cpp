@@ -100,14 +100,14 @@ void Device::Impl::create_device() {
   multi_draw.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MULTI_DRAW_FEATURES_EXT;
   multi_draw.multiDraw = VK_TRUE;
   const char* const extension = VK_EXT_MULTI_DRAW_EXTENSION_NAME;
-  if (physical.most_draws > 1) {
+  if (physical.max_draws > 1) {
     info.pNext = &multi_draw;
     info.enabledExtensionCount = 1;
     info.ppEnabledExtensionNames = &extension;
   }
   vk_check(vkCreateDevice(physical.handle, &info, nullptr, &device), "vkCreateDevice");
   vkGetDeviceQueue(device, physical.queue_family, 0, &queue);
-  if (physical.most_draws > 1) {
+  if (physical.max_draws > 1) {
     draw_many_ =
         reinterpret_cast<PFN_vkCmdDrawMultiIndexedEXT>(vkGetDeviceProcAddr(device, "vkCmdDrawMultiIndexedEXT"));
   }
@@ -208,14 +208,14 @@ void Device::Impl::end_label(VkCommandBuffer commands) const {
 
 void Device::Impl::draw_indexed(VkCommandBuffer commands, std::span<const VkMultiDrawIndexedInfoEXT> draws,
                                 std::uint32_t instance_count, std::uint32_t first_instance) const {
-  if (physical.most_draws == 1 || draws.size() == 1) {
+  if (physical.max_draws == 1 || draws.size() == 1) {
     for (const VkMultiDrawIndexedInfoEXT& d : draws) {
       vkCmdDrawIndexed(commands, d.indexCount, instance_count, d.firstIndex, d.vertexOffset, first_instance);
     }
     return;
   }
-  for (std::size_t first = 0; first < draws.size(); first += physical.most_draws) {
-    const std::size_t count = std::min<std::size_t>(physical.most_draws, draws.size() - first);
+  for (std::size_t first = 0; first < draws.size(); first += physical.max_draws) {
+    const std::size_t count = std::min<std::size_t>(physical.max_draws, draws.size() - first);
     draw_many_(commands, static_cast<std::uint32_t>(count), &draws[first], instance_count, first_instance,
                sizeof draws[0], nullptr);
   }

@@ -31,7 +31,7 @@ GpuImage::GpuImage(Device::Impl& device, GpuImageDesc desc) : desc_(std::move(de
   VkDeviceMemory memory = VK_NULL_HANDLE;
   vk_check(vkAllocateMemory(device.device, &allocation, nullptr, &memory), "vkAllocateMemory");
   memory_ = Handle<VkDeviceMemory>(device, memory, desc_.name + " memory");
-  held_ = HeldBytes(device.memory_bytes, needs.size);
+  held_ = MemoryLedger(device.memory_bytes, needs.size);
   vk_check(vkBindImageMemory(device.device, image, memory, 0), "vkBindImageMemory");
 
   VkImageViewCreateInfo view_info{};

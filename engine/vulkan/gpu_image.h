@@ -4,7 +4,7 @@
 #include <string>
 
 #include "engine/vulkan/handle.h"
-#include "engine/vulkan/held_bytes.h"
+#include "engine/vulkan/memory_ledger.h"
 
 namespace simvis {
 
@@ -31,7 +31,7 @@ class GpuImage {
 
  private:
   GpuImageDesc desc_;
-  HeldBytes held_;
+  MemoryLedger held_;
   Handle<VkDeviceMemory> memory_;  // outlives the image
   Handle<VkImage> image_;          // outlives the view
   Handle<VkImageView> view_;

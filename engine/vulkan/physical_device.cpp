@@ -141,7 +141,7 @@ Properties properties_of(VkPhysicalDevice device, VkStructureType type) {
 }
 
 // How many draws one command may hold.
-std::uint32_t most_draws(VkPhysicalDevice device) {
+std::uint32_t max_draws(VkPhysicalDevice device) {
   std::uint32_t count = 0;
   vkEnumerateDeviceExtensionProperties(device, nullptr, &count, nullptr);
   std::vector<VkExtensionProperties> extensions(count);
@@ -184,7 +184,7 @@ PhysicalDevice examine(VkPhysicalDevice handle) {
     const auto driver =
         properties_of<VkPhysicalDeviceDriverProperties>(handle, VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES);
     device.info.driver = std::string(driver.driverName) + " " + driver.driverInfo;
-    device.most_draws = most_draws(handle);
+    device.max_draws = max_draws(handle);
     // It finds pixels from snapped vertices, planes from the vertices as they came (Mesa, lp_state_setup.c).
     if (driver.driverID == VK_DRIVER_ID_MESA_LLVMPIPE) device.depth_snap_px = 0;
   } else {

@@ -18,7 +18,7 @@ struct PhysicalDevice {
   TargetLimits targets;
   double snap_px = 0, depth_snap_px = 0;  ///< see PassResult
   bool counts_invocations = false;        ///< has pipeline statistics
-  std::uint32_t most_draws = 1;           ///< by one command (VK_EXT_multi_draw)
+  std::uint32_t max_draws = 1;            ///< by one command (VK_EXT_multi_draw)
   std::uint32_t timestamp_bits = 0;       ///< of `queue_family`; 0: it has no clock
   std::uint32_t queue_family = 0;         ///< with graphics and compute; meaningless when `info.unusable` says so
   DeviceInfo info;

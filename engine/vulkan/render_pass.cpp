@@ -36,7 +36,7 @@ Handle<VkRenderPass> make_render_pass(Device::Impl& device, const RenderPassKind
   subpass.pDepthStencilAttachment = &depth_reference;
 
   // Nothing runs before the pass that it must wait for: each frame is waited for, and a pass that goes on waits by a
-  // barrier (see TransparentLayers). The copies and averages after it do. The same for all passes: dependencies, too,
+  // barrier (see OitBuffer). The copies and averages after it do. The same for all passes: dependencies, too,
   // make passes compatible.
   VkSubpassDependency used{};
   used.srcSubpass = 0;

@@ -10,7 +10,7 @@ struct RenderPassKind {
   bool color = false;
   bool keep_depth = true;     ///< depth is copied afterwards
   bool sampled = false;       ///< depth is read by the fragments of later passes; such passes are a kind of their own
-  bool averaged = false;      ///< the colour is read by SampleAverage afterwards; otherwise it is copied
+  bool averaged = false;      ///< the colour is read by ResolvePass afterwards; otherwise it is copied
   bool resumed = false;       ///< goes on where a pass of the same targets stopped
   bool continued = false;     ///< such a pass comes next, before anything is copied
   std::uint32_t samples = 1;  ///< of each pixel of the targets

@@ -47,10 +47,10 @@ class CameraEffect {
  public:
   virtual ~CameraEffect() = default;
 
-  virtual void lay_out(CameraLayout&) const {}
+  virtual void configure_rays(CameraLayout&) const {}
 
   /// `color` as Image says; alpha stays 1.
-  virtual void develop(const FrameTime&, const CameraLayout&, Image& /*color*/) const {}
+  virtual void post_process(const FrameTime&, const CameraLayout&, Image& /*color*/) const {}
 };
 
 /// In which order effects are called at each stage: as light passes them. Those of one place by their names.

@@ -8,7 +8,7 @@
 #include <memory>
 #include <vector>
 
-#include <simvis/list_changes.h>
+#include <simvis/draw_list_delta.h>
 #include <simvis/mesh.h>
 
 namespace simvis {
@@ -87,7 +87,7 @@ struct DrawList {
     bool operator==(const Revisions&) const = default;
   } revisions;
 
-  ListChanges changes;  ///< of items, meshes, which materials there are, and transforms
+  DrawListDelta changes;  ///< of items, meshes, which materials there are, and transforms
 };
 
 /// Same content: items, lights, transforms to the bit, meshes and materials by value. Revisions do not count.

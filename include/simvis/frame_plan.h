@@ -53,7 +53,7 @@ struct View {
   bool sees_lines_and_points = true;
   /// Rays are parallel to z instead of meeting in the eye: (x, y, z) is seen at pixel (cx + fx x, cy + fy y), fx and
   /// fy in pixels per metre, with depth d = (far_m - z) / (far_m - near_m). near_m may have either sign.
-  bool parallel = false;
+  bool orthographic = false;
   double far_m = 0;
   /// Of a strip of depth alone, the columns whose pixels are read, ascending: others may lack surfaces. Null: all.
   std::shared_ptr<const std::vector<std::uint32_t>> columns{};
@@ -73,25 +73,25 @@ struct View {
 struct Pass {
   std::string name;
   std::uint32_t width_px = 0, height_px = 0;
-  bool color = false;         ///< lit colour is wanted; false: no colour target exists and no light is evaluated
-  bool depth = false;         ///< depth is read back
-  std::vector<View> views{};  ///< rectangles do not overlap; in pixels, not samples
-  std::uint32_t grid = 1;     ///< 1, 2 or 4
-  std::uint32_t msaa = 1;     ///< one of the device's TargetLimits::msaa
+  bool color = false;               ///< lit colour is wanted; false: no colour target exists and no light is evaluated
+  bool depth = false;               ///< depth is read back
+  std::vector<View> views{};        ///< rectangles do not overlap; in pixels, not samples
+  std::uint32_t supersampling = 1;  ///< 1, 2 or 4
+  std::uint32_t msaa = 1;           ///< one of the device's TargetLimits::msaa
   std::vector<PlannedPipeline> pipelines{};  ///< of the whole: the mean of its samples; see Renderer::complete
   /// Shadow maps: neither colour nor depth is read back; the depth stays on the device, where the views of other
   /// passes read it as View::shadows says. One pass of a plan at most; drawn before the others, wherever it stands.
   bool shadow_maps = false;
 
-  std::uint32_t samples() const { return grid * grid * msaa; }  ///< of each pixel
+  std::uint32_t samples() const { return supersampling * supersampling * msaa; }  ///< of each pixel
 };
 
 /// Rays that a sensor casts after the passes are there.
 struct RayCast {
   std::string name;
   std::string reason;
-  std::uint64_t most_rays = 0;  ///< how many it casts at the most: which, it may learn from the passes
-  std::string engine{};         ///< who casts them: see RayCaster. Known to who runs the plan
+  std::uint64_t max_rays = 0;  ///< how many it casts at the most: which, it may learn from the passes
+  std::string engine{};        ///< who casts them: see RayCaster. Known to who runs the plan
 };
 
 /// An effect that a due sensor shows this frame.
@@ -102,7 +102,7 @@ struct PlannedEffect {
 };
 
 /// Whether a sensor measures in a frame, and why not.
-enum class Duty : std::uint8_t {
+enum class DueState : std::uint8_t {
   due,
   off,      ///< it is turned off
   waiting,  ///< for its rate
@@ -112,7 +112,7 @@ enum class Duty : std::uint8_t {
 /// A sensor of the scene, due or not.
 struct PlannedSensor {
   std::string name, type;
-  Duty duty = Duty::due;
+  DueState due_state = DueState::due;
   double rate_hz = 0;                        ///< 0: every frame
   std::vector<std::string> outputs{};        ///< that are taken
   std::size_t first_pass = 0, end_pass = 0;  ///< its passes are these of the plan's

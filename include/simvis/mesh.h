@@ -85,19 +85,19 @@ struct SurfaceMap {
 enum class AlphaMode : std::uint8_t { opaque, mask, blend };
 
 /// What a depth camera and a laser scanner meet covers at least this share of what lies behind it.
-inline constexpr float kLeastMetAlpha = 0.5f;
+inline constexpr float kMinDepthVisibleAlpha = 0.5f;
 
 /// A smoother surface shows a light as this rough a one does: its image would be smaller than any pixel.
-inline constexpr float kLeastRoughness = 0.05f;
+inline constexpr float kMinRoughness = 0.05f;
 
 /// How a surface looks. One uniform block: to change it touches nothing else.
 ///
 /// A depth camera and a laser scanner see a `mask` texel whose alpha is at least `alpha_cutoff`, and a `blend` texel
-/// whose alpha is at least kLeastMetAlpha; what is more transparent lets them pass.
+/// whose alpha is at least kMinDepthVisibleAlpha; what is more transparent lets them pass.
 ///
 /// `opacity` fades the whole surface, whatever its mode: opaque and kept texels cover that share of what lies behind
-/// them, those of `blend` their alpha times it, and this share is what kLeastMetAlpha is held against. What the cutoff
-/// takes away stays away, however faded the rest is. At 0 nothing is drawn.
+/// them, those of `blend` their alpha times it, and this share is what kMinDepthVisibleAlpha is held against. What the
+/// cutoff takes away stays away, however faded the rest is. At 0 nothing is drawn.
 ///
 /// `roughness` 1 of what is no metal is Lambert's matte surface. All else reflects lights as glTF 2.0 says (appendix
 /// B): reflectance at normal incidence 0.04, and base colour with the metallic share; what is metal has no diffuse

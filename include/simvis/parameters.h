@@ -51,7 +51,7 @@ class Parameters {
   void remove_last_change() { changes_.pop_back(); }
 
   /// Indices into elements() of those with a changed value since the last call, ascending.
-  std::vector<std::size_t> take_changed_elements();
+  std::vector<std::size_t> drain_changed_elements();
 
  private:
   std::size_t element_of(std::size_t index) const;

@@ -5,16 +5,16 @@
 // a ray meets a triangle, and where, is decided in double on the triangle itself (see ray_triangle.h), whose vertices
 // are the mesh's float32 positions, taken as exact, in the frame of the sensor. So the result is that of testing every
 // triangle in double, whatever the trees look like, and the same to the bit by either engine: the nearest hit, and of
-// several at one range the first primitive of the item that comes first by content (see content_order.h).
+// several at one range the first primitive of the item that comes first by content (see canonical_order.h).
 // ray_cast.comp says what its margins are.
 //
 // How the host finds candidates. Neighbouring rays travel in bundles of up to 32, and a bundle is a pyramid: four sides
 // and how far its farthest nearest hit is. Trees have eight children to a node; all eight boxes are held against one
 // plane at a time, and the up to four triangles of a leaf against the bundle's. A mesh's tree is in the mesh's frame,
 // its middle at the origin, its half diagonal the unit, and the pyramid is brought there, scaled such that nothing is
-// larger than about 1: float32 then rounds what decides by less than kPadding (in ray_items.h; bundle_walk.cpp counts
-// what rounds). The tree over items has its origin near the sensor, and its boxes are padded by the same share of their
-// distance. Double decides upon four rays at a time.
+// larger than about 1: float32 then rounds what decides by less than kPadding (in ray_instances.h; packet_cast.cpp
+// counts what rounds). The tree over items has its origin near the sensor, and its boxes are padded by the same share
+// of their distance. Double decides upon four rays at a time.
 //
 // Watertight. Rays through a shared edge or vertex of a mesh meet at least one of its triangles.
 //
@@ -55,7 +55,7 @@ struct RayHit {
 
 /// Told that hits[first] to hits[first + count - 1] are there, by whichever thread has cast them: several may be told
 /// at a time, each of other hits, and all before cast() returns.
-using HitsAreThere = std::function<void(std::size_t first, std::size_t count)>;
+using HitsReady = std::function<void(std::size_t first, std::size_t count)>;
 
 /// What casting has cost since the caster was made, counted and not timed.
 struct RayCounters {
@@ -82,7 +82,7 @@ class RayCaster {
  public:
   /// Rays that follow one another are cast together, up to so many: it costs less where they are neighbours. Of very
   /// many rays these are the first so many, the next so many, and so on.
-  static constexpr std::uint32_t kTogether = 32;
+  static constexpr std::uint32_t kPacketSize = 32;
 
   RayCaster() = default;
   virtual ~RayCaster() = default;
@@ -94,18 +94,18 @@ class RayCaster {
   virtual void set_world(const DrawList& list) = 0;
 
   /// Casts from the sensor's origin. `world_from_sensor` is rigid; directions are unit vectors in the sensor frame;
-  /// hits[i] belongs to directions[i]. What ray i meets at or before the range `beyond_m[i]`, in metres, it passes:
+  /// hits[i] belongs to directions[i]. What ray i meets at or before the range `t_min_m[i]`, in metres, it passes:
   /// empty, or as long as directions, each 0 or from 10^-30 to 10^18. `there`, if given, goes on with hits while others
   /// are still cast.
   virtual void cast(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions, std::span<RayHit> hits,
-                    std::span<const double> beyond_m = {}, const HitsAreThere& there = {}) = 0;
+                    std::span<const double> t_min_m = {}, const HitsReady& there = {}) = 0;
 
   /// From many places: hits[i] is, to the bit, what cast() gives for directions[i] where the sensor stands at
   /// glm::translate(world_from_sensor, origins_m[i]). Costs less where rays of one origin follow one another. On a
   /// device they are cast by the host, in double.
   virtual void cast_from(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> origins_m,
                          std::span<const glm::dvec3> directions, std::span<RayHit> hits,
-                         std::span<const double> beyond_m = {}) = 0;
+                         std::span<const double> t_min_m = {}) = 0;
 
   virtual RayCounters counters() const = 0;
 

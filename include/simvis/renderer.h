@@ -24,8 +24,8 @@ struct FrameCounters {
   std::uint64_t items_culled = 0;
   std::uint64_t meshes_held = 0, textures_held = 0;  ///< on the device, after the frame
   std::uint64_t mesh_bytes = 0, texture_bytes = 0;   ///< that they take there
-  std::uint64_t layers = 0;       ///< of transparent surfaces, over all samples: see TransparentLayers
-  std::uint64_t layer_bytes = 0;  ///< of memory for them, on the device after the frame
+  std::uint64_t layers = 0;                          ///< of transparent surfaces, over all samples: see OitBuffer
+  std::uint64_t layer_bytes = 0;                     ///< of memory for them, on the device after the frame
 
   bool operator==(const FrameCounters&) const = default;
 };

@@ -39,7 +39,7 @@ struct PastPose {
 };
 
 /// The scan that is being taken.
-struct ScanMoment {
+struct ScanContext {
   FrameTime time;
   glm::dmat4 world_from_sensor{1.0};  ///< rigid, at time.time_ns, the end of the sweep
   std::optional<PastPose> before{};   ///< empty at the sensor's first measurement
@@ -58,7 +58,7 @@ struct BeamRay {
   double error_m = 0;             ///< by how much that may be off
   double origin_error_m = 0;      ///< by how much its origin may be off, across the way too
   double error_rad = 0;           ///< by how much its direction may be off
-  double beyond_m = 0;            ///< what it meets at or before this range from its origin it passes
+  double t_min_m = 0;             ///< what it meets at or before this range from its origin it passes
   std::uint32_t turns = 0;        ///< how often it was turned or let through since it left
 };
 
@@ -80,33 +80,33 @@ class ScanEffect {
   /// Whether it has a say only where another effect has beams followed.
   virtual bool only_traced() const { return false; }
 
-  /// Whether it asks for ScanMoment::before.
-  virtual bool looks_back() const { return false; }
+  /// Whether it asks for ScanContext::before.
+  virtual bool uses_previous_pose() const { return false; }
 
   /// Into how many rays aim() splits each.
   virtual std::uint32_t rays_per_ray() const { return 1; }
 
   /// `rays` come with one ray per beam, in order; later effects get what earlier ones made of them.
-  virtual void aim(const ScanMoment&, std::vector<BeamRay>&) const {}
+  virtual void aim(const ScanContext&, std::vector<BeamRay>&) const {}
 
   /// `echo` is what a matte surface returns; with an infinite range none comes back. Rays added to `onward` are
   /// followed as well.
-  virtual void meet(const ScanMoment&, const BeamRay&, const SurfacePoint&, Echo&,
+  virtual void meet(const ScanContext&, const BeamRay&, const SurfacePoint&, Echo&,
                     std::vector<BeamRay>& /*onward*/) const {}
 
   /// `echoes` of one beam by range, as they have to stay; without an echo: empty.
-  virtual void receive(const ScanMoment&, std::uint32_t /*beam*/, std::vector<Echo>& /*echoes*/) const {}
+  virtual void receive(const ScanContext&, std::uint32_t /*beam*/, std::vector<Echo>& /*echoes*/) const {}
 
   /// How far apart echoes have to be for the receiver to tell them apart; empty: leaves that to others.
   virtual std::optional<double> pulse_length_m() const { return {}; }
 
   /// Takes one of the echoes, by range, or makes one of several; false: leaves that to others.
-  virtual bool detect(const ScanMoment&, std::uint32_t /*beam*/, std::span<const Echo>, Echo& /*detected*/) const {
+  virtual bool detect(const ScanContext&, std::uint32_t /*beam*/, std::span<const Echo>, Echo& /*detected*/) const {
     return false;
   }
 
   /// `detected` by beam as the scan; empty unless beams were traced. A range that is 0 or infinite stays so.
-  virtual void finish(const ScanMoment&, std::span<const Echo> /*detected*/, Scan&) const {}
+  virtual void finish(const ScanContext&, std::span<const Echo> /*detected*/, Scan&) const {}
 };
 
 /// In which order effects are called at each stage; those of one place by their names.

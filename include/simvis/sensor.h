@@ -17,8 +17,8 @@
 
 #include <simvis/attributes.h>
 #include <simvis/command.h>
+#include <simvis/cost_model.h>
 #include <simvis/device.h>
-#include <simvis/device_costs.h>
 #include <simvis/frame_plan.h>
 #include <simvis/frame_time.h>
 #include <simvis/image.h>
@@ -73,7 +73,7 @@ class OutputSink {
 
 /// What of earlier frames a measurement depends on: nothing; where the sensor stood when it was due; what it, or
 /// others, measured then.
-enum class LooksBack : std::uint8_t { never, at_poses, at_measurements };
+enum class HistoryDependence : std::uint8_t { none, poses, measurements };
 
 /// Frames   the sensor frame: x forward, y left, z up (REP 103); a camera looks along +x.
 /// Life     made from its command; check(); then, in each frame in which it is due: begin(), plan(), collect() once
@@ -87,13 +87,15 @@ class Sensor {
 
   /// Once, before the first plan(): what chooses between ways to measure by their cost asks for the device's costs,
   /// which are measured when they are first asked for.
-  virtual void take_costs(const std::function<const WorkTable&()>&) {}
+  virtual void use_cost_model(const std::function<const CostModel&()>&) {}
 
-  /// Who is asked decides whether frames can be passed over, see Simulation::pass_over().
-  virtual LooksBack looks_back() const { return visualization() ? LooksBack::at_measurements : LooksBack::never; }
+  /// Who is asked decides whether frames can be passed over, see Simulation::skip_frame().
+  virtual HistoryDependence history_dependence() const {
+    return visualization() ? HistoryDependence::measurements : HistoryDependence::none;
+  }
 
   /// In place of begin() to cast(), in a frame that is due but passed over: only where it stands then is of interest.
-  virtual void pass_over(const FrameTime&, const glm::dmat4& /*world_from_sensor*/) {}
+  virtual void skip_frame(const FrameTime&, const glm::dmat4& /*world_from_sensor*/) {}
 
   /// The frame that is planned next.
   virtual void begin(const FrameTime&) {}

@@ -127,12 +127,12 @@ class Simulation {
   /// Passes over the frame that step() would make next: nothing is rendered or measured, and results stay as they are.
   /// Only sensors that look back at where they stood (`sweep`, `rolling_shutter`) take note of it; where none does,
   /// this costs nothing. Frames made between others that are passed over are to the byte those of a run that makes all.
-  /// Throws InputError where they cannot be: see require_passable().
-  void pass_over();
+  /// Throws InputError where they cannot be: see require_skippable().
+  void skip_frame();
 
   /// Throws InputError naming a sensor that is on and looks back at what was measured before: a scanner of method
   /// "auto", whose choices follow from the frames before, or a visualization camera.
-  void require_passable() const;
+  void require_skippable() const;
 
   /// Of the frame that the next step makes.
   FrameTime next_frame() const;

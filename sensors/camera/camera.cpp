@@ -65,29 +65,29 @@ Camera::Camera(std::string name, const CameraDesc& desc)
     : name_(std::move(name)),
       desc_(desc),
       layout_(camera_layout(desc.width_px, desc.height_px, desc.hfov_rad, desc.effects)),
-      views_(camera_views(layout_, desc.color ? desc.sampling.grid : 1)) {}
+      views_(camera_views(layout_, desc.color ? desc.sampling.supersampling : 1)) {}
 
 void Camera::check(const TargetLimits& limits) const {
   if (desc_.color) check_sampling(desc_.sampling, desc_.width_px, desc_.height_px, limits);
   if (!resamples()) return;
-  const std::uint32_t grid = desc_.color ? desc_.sampling.grid : 1;
+  const std::uint32_t supersampling = desc_.color ? desc_.sampling.supersampling : 1;
   for (const glm::uvec2& size : views_.pass_size_px) {
-    if (size.x * grid <= limits.width_px && size.y * grid <= limits.height_px) continue;
+    if (size.x * supersampling <= limits.width_px && size.y * supersampling <= limits.height_px) continue;
     fail_at(layout_.oversampling_at, "attribute \"lens_oversampling\": with " + format_number(layout_.oversampling) +
-                                         " this lens needs a view of " + std::to_string(size.x * grid) + " x " +
-                                         std::to_string(size.y * grid) + " samples, expected at most " +
-                                         std::to_string(limits.width_px) + " x " + std::to_string(limits.height_px) +
-                                         " on this device");
+                                         " this lens needs a view of " + std::to_string(size.x * supersampling) +
+                                         " x " + std::to_string(size.y * supersampling) +
+                                         " samples, expected at most " + std::to_string(limits.width_px) + " x " +
+                                         std::to_string(limits.height_px) + " on this device");
   }
 }
 
-LooksBack Camera::looks_back() const {
+HistoryDependence Camera::history_dependence() const {
   const auto late = [](const CameraView& view) { return view.time_s != 0; };
-  if (desc_.visualization || std::ranges::none_of(views_.views, late)) return Sensor::looks_back();
-  return LooksBack::at_poses;
+  if (desc_.visualization || std::ranges::none_of(views_.views, late)) return Sensor::history_dependence();
+  return HistoryDependence::poses;
 }
 
-void Camera::pass_over(const FrameTime& time, const glm::dmat4& world_from_sensor) {
+void Camera::skip_frame(const FrameTime& time, const glm::dmat4& world_from_sensor) {
   begin(time);
   last_ = Past{time.time_ns, world_from_sensor};
 }
@@ -114,7 +114,7 @@ void Camera::add_passes(bool color, bool depth, const std::string& what, const c
                            .color = color,
                            .depth = depth,
                            .views = {},
-                           .grid = color ? desc_.sampling.grid : 1,
+                           .supersampling = color ? desc_.sampling.supersampling : 1,
                            .msaa = color ? desc_.sampling.msaa : 1});
   }
   const bool several = views_.views.size() > 1;
@@ -171,9 +171,9 @@ void Camera::collect(const FrameTime& time, const FramePlan& plan, std::span<con
     if (resamples()) {
       resample_color(layout_, views_, passes, own(results, color_pass_), color_);
     } else {
-      take_color(passes[0], whole_image(passes[0]), results[color_pass_], color_);
+      read_color(passes[0], whole_image(passes[0]), results[color_pass_], color_);
     }
-    develop(desc_.effects, time, layout_, color_);
+    post_process(desc_.effects, time, layout_, color_);
   }
   if (desc_.depth) collect_depth(own(plan.passes, depth_pass_), own(results, depth_pass_));
   last_ = Past{time.time_ns, world_from_sensor_};
@@ -184,7 +184,7 @@ void Camera::collect_depth(std::span<const Pass> passes, std::span<const PassRes
   if (resamples()) {
     bound_.value = resample_depth(layout_, views_, passes, results, depth_views_, depth_);
   } else {
-    take_depth(passes[0], whole_image(passes[0]), results[0], depth_);
+    read_depth(passes[0], whole_image(passes[0]), results[0], depth_);
     bound_due_ = true;
   }
 }

@@ -45,8 +45,8 @@ class Camera : public Sensor {
   Camera(std::string name, const CameraDesc& desc);
 
   void check(const TargetLimits& limits) const override;
-  LooksBack looks_back() const override;
-  void pass_over(const FrameTime& time, const glm::dmat4& world_from_sensor) override;
+  HistoryDependence history_dependence() const override;
+  void skip_frame(const FrameTime& time, const glm::dmat4& world_from_sensor) override;
   void begin(const FrameTime& time) override;
   void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
   void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override;

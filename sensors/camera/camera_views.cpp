@@ -77,10 +77,10 @@ class Resampling {
   }
 
   // Puts them side by side, in rows, into as few passes as that takes.
-  CameraViews packed(std::uint32_t grid) {
+  CameraViews packed(std::uint32_t supersampling) {
     glm::uvec2 next(0);
     std::uint32_t row_height = 0;
-    const std::uint32_t limit = kMaxSide / grid;
+    const std::uint32_t limit = kMaxSide / supersampling;
     for (CameraView& view : made_.views) {
       if (next.x > 0 && next.x + view.width_px > limit) {
         next = {0, next.y + row_height};
@@ -112,7 +112,7 @@ class Resampling {
     }
     if (extent.empty()) return true;
     const glm::dvec2 size = (extent.most - extent.least) * focal_px_ / layout_.oversampling;
-    return size.x * size.y <= kMostSpread * layout_.width_px * layout_.height_px;
+    return size.x * size.y <= kMaxSpread * layout_.width_px * layout_.height_px;
   }
 
   template <typename Action>
@@ -188,7 +188,7 @@ BeamTap beam_tap(const PixelTap& tap, const Pinhole& pinhole) {
   return beam;
 }
 
-CameraViews camera_views(const CameraLayout& layout, std::uint32_t grid) {
+CameraViews camera_views(const CameraLayout& layout, std::uint32_t supersampling) {
   if (layout.rays.empty()) {
     CameraViews made;
     made.pass_size_px.emplace_back(layout.width_px, layout.height_px);
@@ -197,7 +197,7 @@ CameraViews camera_views(const CameraLayout& layout, std::uint32_t grid) {
   }
   Resampling resampling(layout);
   for_groups(layout, [&](auto... group) { resampling.add_rows(group...); });
-  return resampling.packed(grid);
+  return resampling.packed(supersampling);
 }
 
 }  // namespace simvis

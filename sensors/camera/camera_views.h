@@ -4,7 +4,7 @@
 // Direct     An image without rays of its own is what a pinhole sees: one view of it, or, with a row time, one for each
 //            group of rows that share a pose. The views' pixels are the image's.
 // Resampled  An image with rays is covered, for each group of rows, by one view along the optical axis as long as that
-//            takes at most kMostSpread times the image's pixels; otherwise by up to six views along the axes of a cube,
+//            takes at most kMaxSpread times the image's pixels; otherwise by up to six views along the axes of a cube,
 //            each of which takes the rays that are nearest to its axis. All have `oversampling` times the image's focal
 //            length and are cut down to the pixels that are looked at and their neighbourhood, neighbours beyond
 //            another view's border included. So what a pixel shows is interpolated in one view, of pixels that show the
@@ -25,7 +25,7 @@
 namespace simvis {
 
 /// How many times the image's pixels one view may have, so that it is taken instead of a cube's.
-inline constexpr double kMostSpread = 4;
+inline constexpr double kMaxSpread = 4;
 
 /// One rendered view.
 ///
@@ -57,6 +57,6 @@ struct CameraViews {
 };
 
 /// `grid` as in Pass: views are put together into passes of up to 4096 samples each way, unless one alone is larger.
-CameraViews camera_views(const CameraLayout& layout, std::uint32_t grid);
+CameraViews camera_views(const CameraLayout& layout, std::uint32_t supersampling);
 
 }  // namespace simvis

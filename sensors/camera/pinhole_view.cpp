@@ -24,9 +24,9 @@ std::size_t first_of_row(const Pass& pass, const View& view, std::uint32_t row) 
 
 ColorSampling color_sampling(const AttributeValues& attributes) {
   const std::string& supersampling = attributes.choice(kSupersamplingAttribute.name);
-  return {.grid = supersampling == "16"  ? 4u
-                  : supersampling == "4" ? 2u
-                                         : 1u,
+  return {.supersampling = supersampling == "16"  ? 4u
+                           : supersampling == "4" ? 2u
+                                                  : 1u,
           .msaa = static_cast<std::uint32_t>(std::stoul(attributes.choice(kMsaaAttribute.name))),
           .supersampling_at = attributes.where(kSupersamplingAttribute.name),
           .msaa_at = attributes.where(kMsaaAttribute.name)};
@@ -40,10 +40,11 @@ void check_sampling(const ColorSampling& sampling, std::uint32_t width_px, std::
     fail_at(sampling.msaa_at, "attribute \"msaa\": this device cannot take " + std::to_string(sampling.msaa) +
                                   " samples, expected one of " + allowed);
   }
-  const std::uint32_t widest = limits.width_px / sampling.grid, highest = limits.height_px / sampling.grid;
+  const std::uint32_t widest = limits.width_px / sampling.supersampling,
+                      highest = limits.height_px / sampling.supersampling;
   if (width_px > widest || height_px > highest) {
     fail_at(sampling.supersampling_at,
-            "attribute \"supersampling\": with " + std::to_string(sampling.grid * sampling.grid) +
+            "attribute \"supersampling\": with " + std::to_string(sampling.supersampling * sampling.supersampling) +
                 " this device can take pictures of up to " + std::to_string(widest) + " x " + std::to_string(highest) +
                 " pixels, not of " + std::to_string(width_px) + " x " + std::to_string(height_px));
   }
@@ -54,7 +55,7 @@ Pinhole centred_pinhole(std::uint32_t width_px, std::uint32_t height_px, double 
   return {focal_px, focal_px, width_px / 2.0, height_px / 2.0};
 }
 
-void take_color(const Pass& pass, const View& view, const PassResult& result, Image& image) {
+void read_color(const Pass& pass, const View& view, const PassResult& result, Image& image) {
   resize(image, view, 4);
   for (std::uint32_t row = 0; row < view.height_px; ++row) {
     const auto seen = result.color.subspan(first_of_row(pass, view, row), view.width_px);
@@ -62,7 +63,7 @@ void take_color(const Pass& pass, const View& view, const PassResult& result, Im
   }
 }
 
-void take_depth(const Pass& pass, const View& view, const PassResult& result, Image& image) {
+void read_depth(const Pass& pass, const View& view, const PassResult& result, Image& image) {
   resize(image, view, 1);
   for (std::uint32_t row = 0; row < view.height_px; ++row) {
     const auto seen = result.depth.subspan(first_of_row(pass, view, row), view.width_px);
@@ -81,7 +82,7 @@ CameraLayout camera_layout(std::uint32_t width_px, std::uint32_t height_px, doub
                            std::span<const ChosenCameraEffect> effects) {
   CameraLayout layout{
       .width_px = width_px, .height_px = height_px, .pinhole = centred_pinhole(width_px, height_px, hfov_rad)};
-  for (const ChosenCameraEffect& each : effects) each.effect->lay_out(layout);
+  for (const ChosenCameraEffect& each : effects) each.effect->configure_rays(layout);
   return layout;
 }
 
@@ -91,9 +92,9 @@ void plan_effects(const std::string& sensor, std::span<const ChosenCameraEffect>
   }
 }
 
-void develop(std::span<const ChosenCameraEffect> effects, const FrameTime& time, const CameraLayout& layout,
-             Image& color) {
-  for (const ChosenCameraEffect& each : effects) each.effect->develop(time, layout, color);
+void post_process(std::span<const ChosenCameraEffect> effects, const FrameTime& time, const CameraLayout& layout,
+                  Image& color) {
+  for (const ChosenCameraEffect& each : effects) each.effect->post_process(time, layout, color);
 }
 
 }  // namespace simvis

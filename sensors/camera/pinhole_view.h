@@ -59,11 +59,11 @@ inline constexpr AttributeSpec kMsaaAttribute{
 
 /// How many samples the colour of a pixel is the mean of, see Pass.
 struct ColorSampling {
-  std::uint32_t grid = 1;  ///< supersampling is its square
+  std::uint32_t supersampling = 1;  ///< supersampling is its square
   std::uint32_t msaa = 1;
   Location supersampling_at, msaa_at;  ///< where they were written, for messages
 
-  bool several() const { return grid > 1 || msaa > 1; }
+  bool several() const { return supersampling > 1 || msaa > 1; }
 };
 
 /// Added to the reason of a view that is drawn for depth alone beside one for colour.
@@ -80,10 +80,10 @@ void check_sampling(const ColorSampling& sampling, std::uint32_t width_px, std::
 Pinhole centred_pinhole(std::uint32_t width_px, std::uint32_t height_px, double hfov_rad);
 
 /// The picture of one view of a pass: linear RGBA.
-void take_color(const Pass& pass, const View& view, const PassResult& result, Image& image);
+void read_color(const Pass& pass, const View& view, const PassResult& result, Image& image);
 
 /// The same for depth: metres along the optical axis, +infinity where nothing is hit.
-void take_depth(const Pass& pass, const View& view, const PassResult& result, Image& image);
+void read_depth(const Pass& pass, const View& view, const PassResult& result, Image& image);
 
 /// Of EffectOutput.
 std::uint8_t shown_outputs(bool color, bool depth);
@@ -96,7 +96,7 @@ CameraLayout camera_layout(std::uint32_t width_px, std::uint32_t height_px, doub
 void plan_effects(const std::string& sensor, std::span<const ChosenCameraEffect> effects, FramePlan& plan);
 
 /// What effects make of an image of colour.
-void develop(std::span<const ChosenCameraEffect> effects, const FrameTime& time, const CameraLayout& layout,
-             Image& color);
+void post_process(std::span<const ChosenCameraEffect> effects, const FrameTime& time, const CameraLayout& layout,
+                  Image& color);
 
 }  // namespace simvis

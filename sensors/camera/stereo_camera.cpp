@@ -96,7 +96,7 @@ StereoCamera::Eyes StereoCamera::plan_eyes(const glm::dmat4& world_from_sensor, 
                   .color = color,
                   .depth = depth,
                   .views = {},
-                  .grid = color ? desc_.sampling.grid : 1,
+                  .supersampling = color ? desc_.sampling.supersampling : 1,
                   .msaa = color ? desc_.sampling.msaa : 1};
   const std::size_t first = plan.passes.size();
   plan.passes.push_back(pass);
@@ -105,7 +105,7 @@ StereoCamera::Eyes StereoCamera::plan_eyes(const glm::dmat4& world_from_sensor, 
   if (!color && !desc_.depth) return eyes;
 
   View right = make_view("right", glm::translate(world_from_sensor, {0, -desc_.baseline_m, 0}), why);
-  if (2 * desc_.width_px * pass.grid <= kMaxWidth_px) {
+  if (2 * desc_.width_px * pass.supersampling <= kMaxWidth_px) {
     right.x_px = desc_.width_px;
     plan.passes.back().width_px = 2 * desc_.width_px;
     eyes.right = {first, 1};
@@ -138,10 +138,10 @@ void StereoCamera::collect(const FrameTime& time, const FramePlan& plan, std::sp
   for (Eye* const eye : {&left_, &right_}) {
     const Pass &color = plan.passes[eye->color_at.pass], &depth = plan.passes[eye->depth_at.pass];
     if (desc_.color) {
-      take_color(color, color.views[eye->color_at.view], results[eye->color_at.pass], eye->color);
-      develop(eye->effects, time, layout_, eye->color);
+      read_color(color, color.views[eye->color_at.view], results[eye->color_at.pass], eye->color);
+      post_process(eye->effects, time, layout_, eye->color);
     }
-    if (desc_.depth) take_depth(depth, depth.views[eye->depth_at.view], results[eye->depth_at.pass], eye->depth);
+    if (desc_.depth) read_depth(depth, depth.views[eye->depth_at.view], results[eye->depth_at.pass], eye->depth);
     eye->depth_view.reach.depth_snap_px = results[eye->depth_at.pass].depth_snap_px;
   }
   if (desc_.disparity) collect_disparity(plan, results);

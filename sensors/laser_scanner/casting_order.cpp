@@ -14,7 +14,7 @@ std::uint32_t rings_together(const ScanPattern& pattern) {
   const double step = (pattern.max_azimuth_rad - pattern.min_azimuth_rad) / (pattern.samples - 1);
   const double ring_step = (pattern.max_elevation_rad - pattern.min_elevation_rad) / (pattern.rings - 1);
   std::uint32_t rings = 1;
-  while (2 * rings <= RayCaster::kTogether && 2 * rings * ring_step <= RayCaster::kTogether / (2 * rings) * step)
+  while (2 * rings <= RayCaster::kPacketSize && 2 * rings * ring_step <= RayCaster::kPacketSize / (2 * rings) * step)
     rings *= 2;
   return rings;
 }
@@ -22,7 +22,7 @@ std::uint32_t rings_together(const ScanPattern& pattern) {
 }  // namespace
 
 std::vector<std::uint32_t> casting_order(const ScanPattern& pattern) {
-  const std::uint32_t height = rings_together(pattern), width = RayCaster::kTogether / height;
+  const std::uint32_t height = rings_together(pattern), width = RayCaster::kPacketSize / height;
   std::vector<std::uint32_t> order, rest;
   order.reserve(std::size_t{pattern.rings} * pattern.samples);
   for (std::uint32_t bottom = 0; bottom < pattern.rings; bottom += height) {
@@ -30,7 +30,7 @@ std::vector<std::uint32_t> casting_order(const ScanPattern& pattern) {
     for (std::uint32_t first = 0; first < pattern.samples; first += width) {
       const std::uint32_t end = std::min(first + width, pattern.samples);
       // What is no whole group stands behind all that are: each of those then begins at a multiple of their size.
-      std::vector<std::uint32_t>& group = (top - bottom) * (end - first) == RayCaster::kTogether ? order : rest;
+      std::vector<std::uint32_t>& group = (top - bottom) * (end - first) == RayCaster::kPacketSize ? order : rest;
       for (std::uint32_t ring = bottom; ring < top; ++ring) {
         for (std::uint32_t beam = first; beam < end; ++beam) group.push_back(ring * pattern.samples + beam);
       }

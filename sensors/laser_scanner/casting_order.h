@@ -8,8 +8,8 @@
 
 namespace simvis {
 
-/// All beams, [ring * samples + beam]: each RayCaster::kTogether of them are neighbours along and across the rings, so
-/// that they see much the same; what is left over at the ends of rings comes last. A single ring's are in their own
+/// All beams, [ring * samples + beam]: each RayCaster::kPacketSize of them are neighbours along and across the rings,
+/// so that they see much the same; what is left over at the ends of rings comes last. A single ring's are in their own
 /// order.
 std::vector<std::uint32_t> casting_order(const ScanPattern& pattern);
 

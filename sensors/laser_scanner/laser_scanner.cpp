@@ -17,7 +17,7 @@ namespace {
 
 // Whether a rendered range can be exact enough.
 bool can_render(const LaserScannerDesc& desc) {
-  return !casts(desc.method) || (desc.method != ScanMethod::raycast && desc.max_error_rel >= least_planar_bound());
+  return !casts(desc.method) || (desc.method != ScanMethod::raycast && desc.max_error_rel >= min_planar_bound());
 }
 
 std::vector<double> resolutions(const LaserScannerDesc& desc) {
@@ -73,7 +73,7 @@ std::vector<glm::dvec3> LaserScanner::directions_by_beam() const {
 }
 
 // Looks at the scene only where something changed that effects look at.
-void LaserScanner::take_effects(const DrawList& list) {
+void LaserScanner::update_effects(const DrawList& list) {
   const bool same = list_ == &list && list.revisions.structure == effects_of_.structure &&
                     list.revisions.materials == effects_of_.materials && list.medium == moment_.medium;
   if (same) return;
@@ -103,28 +103,28 @@ std::string LaserScanner::traced_for() const {
   return names;
 }
 
-LooksBack LaserScanner::looks_back() const {
-  if (desc_.method == ScanMethod::automatic) return LooksBack::at_measurements;
-  const auto asks = [](const ChosenScanEffect& each) { return each.effect->looks_back(); };
-  return std::ranges::any_of(desc_.effects, asks) ? LooksBack::at_poses : LooksBack::never;
+HistoryDependence LaserScanner::history_dependence() const {
+  if (desc_.method == ScanMethod::automatic) return HistoryDependence::measurements;
+  const auto asks = [](const ChosenScanEffect& each) { return each.effect->uses_previous_pose(); };
+  return std::ranges::any_of(desc_.effects, asks) ? HistoryDependence::poses : HistoryDependence::none;
 }
 
-void LaserScanner::pass_over(const FrameTime& time, const glm::dmat4& world_from_sensor) {
+void LaserScanner::skip_frame(const FrameTime& time, const glm::dmat4& world_from_sensor) {
   moment_.before = {time.time_ns, world_from_sensor};
 }
 
-void LaserScanner::take_costs(const std::function<const WorkTable&()>& costs) {
+void LaserScanner::use_cost_model(const std::function<const CostModel&()>& costs) {
   if (desc_.method == ScanMethod::automatic) costs_ = costs();
 }
 
 void LaserScanner::plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) {
   moment_.world_from_sensor = world_from_sensor;
-  take_effects(list);
+  update_effects(list);
   const glm::dmat4 sensor_from_world = rigid_inverse(world_from_sensor);
   survey_.reset();
   if (desc_.method == ScanMethod::automatic && !traced_ && choice_.is_due(list)) {
-    SIMVIS_ASSERT(costs_ != WorkTable{});
-    survey_ = std::make_unique<ScanSurvey>(desc_.pattern, resolutions(desc_));
+    SIMVIS_ASSERT(costs_ != CostModel{});
+    survey_ = std::make_unique<MethodSurvey>(desc_.pattern, resolutions(desc_));
     if (can_render(desc_)) rounding_ = VertexRounding(list, sensor_from_world);
     survey_->plan(name_, sensor_from_world, plan);
   } else if (renders()) {
@@ -133,9 +133,9 @@ void LaserScanner::plan(const glm::dmat4& world_from_sensor, const DrawList& lis
                     plan, name_);
   }
   if (casts(desc_.method) || traced_) {
-    std::uint64_t most_rays = directions_.size();
-    for (const ChosenScanEffect& each : effects_) most_rays *= each.effect->rays_per_ray();
-    plan.casts.push_back({.name = name_, .reason = cast_reason(), .most_rays = most_rays});
+    std::uint64_t max_rays = directions_.size();
+    for (const ChosenScanEffect& each : effects_) max_rays *= each.effect->rays_per_ray();
+    plan.casts.push_back({.name = name_, .reason = cast_reason(), .max_rays = max_rays});
   }
   for (const ChosenScanEffect& each : effects_) {
     plan.effects.push_back({name_, std::string(each.type->name), std::string(each.type->source)});
@@ -154,7 +154,7 @@ std::string LaserScanner::cast_reason() const {
   } else if (renders()) {
     reason << " whose bound is above " << to_string(tolerance_);
   } else if (!can_render(desc_) && desc_.method != ScanMethod::raycast) {
-    reason << ": no rendered range has a bound below " << least_planar_bound() << " of itself";
+    reason << ": no rendered range has a bound below " << min_planar_bound() << " of itself";
   }
   if (!survey_ && desc_.method == ScanMethod::automatic) reason << ", by " << choice_.text();
   return reason.str();
@@ -175,7 +175,7 @@ void LaserScanner::collect(const FrameTime& time, const FramePlan& plan, std::sp
       if (!tolerance_.met(readings_[order_[i]])) to_cast_.push_back(i);
     }
   }
-  if (!casts(desc_.method) && !traced_) hand_over();
+  if (!casts(desc_.method) && !traced_) publish();
 }
 
 void LaserScanner::cast(RayCaster& rays) {
@@ -186,7 +186,7 @@ void LaserScanner::cast(RayCaster& rays) {
   } else {
     cast_beams(rays);
   }
-  hand_over();
+  publish();
 }
 
 void LaserScanner::cast_traced(RayCaster& rays) {
@@ -198,7 +198,7 @@ void LaserScanner::cast_traced(RayCaster& rays) {
     check.add(range, readings_[beam]);
   }
   if (casts(desc_.method) && desc_.method != ScanMethod::raycast) check.require(name_);
-  hand_over(detected);
+  publish(detected);
 }
 
 void LaserScanner::cast_beams(RayCaster& rays) {
@@ -209,7 +209,7 @@ void LaserScanner::cast_beams(RayCaster& rays) {
   }
   const std::span<const glm::dvec3> directions = every ? directions_ : cast_directions_;
   hits_.resize(directions.size());
-  WorkTable work = renders() ? rendered_->work(list_->items.size()) : WorkTable{};
+  CostModel work = renders() ? rendered_->work(list_->items.size()) : CostModel{};
   ToleranceCheck check(tolerance_);
   std::mutex checking;
   const auto read = [&](std::size_t first, std::size_t count) {
@@ -247,12 +247,12 @@ void LaserScanner::cast_survey(RayCaster& rays) {
   check.require(name_);
   survey_->choose(readings_, costs_);
   choice_.take(*survey_, tolerance_);
-  rendered_ = survey_->take_rendered();
+  rendered_ = survey_->release_rendered();
   survey_.reset();
 }
 
 // Only here does the scan that users see change, so that it is always a whole one.
-void LaserScanner::hand_over(std::span<const Echo> detected) {
+void LaserScanner::publish(std::span<const Echo> detected) {
   scan_.range_m.resize(readings_.size());
   scan_.error_bound_m.resize(readings_.size());
   for (std::size_t beam = 0; beam < readings_.size(); ++beam) {

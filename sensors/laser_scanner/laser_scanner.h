@@ -7,11 +7,11 @@
 // every beam: see ray_caster.h. `hybrid` renders as `planar` does and casts the beams whose bound is above the
 // tolerance; where that is too small for any rendered range, as it is unless a scene says more, it renders nothing.
 // `auto` is whatever of `hybrid`, at some resolutions, and `raycast` costs the least in this scene and pose: see
-// scan_survey.h for what it chooses from, and scan_choice.h for when. A frame in which it surveys casts every beam.
-// The scans of `hybrid` and `auto` keep the tolerance with every beam, or there is an error that names what can be
-// kept. With an effect that traces (see effects/scan_effect.h) every beam is cast, by any method in those frames whose
-// scene calls for the effect. A laser meets matter from either side; what is blended below one half or masked out lets
-// it pass; lines and points are not there for it.
+// method_survey.h for what it chooses from, and method_selector.h for when. A frame in which it surveys casts every
+// beam. The scans of `hybrid` and `auto` keep the tolerance with every beam, or there is an error that names what can
+// be kept. With an effect that traces (see effects/scan_effect.h) every beam is cast, by any method in those frames
+// whose scene calls for the effect. A laser meets matter from either side; what is blended below one half or masked out
+// lets it pass; lines and points are not there for it.
 #pragma once
 
 #include <memory>
@@ -22,10 +22,10 @@
 #include <simvis/location.h>
 #include <simvis/scan_effect.h>
 #include <simvis/sensor.h>
+#include "sensors/laser_scanner/method_selector.h"
+#include "sensors/laser_scanner/method_survey.h"
 #include "sensors/laser_scanner/rendered_scan.h"
-#include "sensors/laser_scanner/scan_choice.h"
 #include "sensors/laser_scanner/scan_layout.h"
-#include "sensors/laser_scanner/scan_survey.h"
 #include "sensors/laser_scanner/scan_tolerance.h"
 #include "sensors/laser_scanner/traced_scan.h"
 #include "sensors/raster_depth/vertex_rounding.h"
@@ -62,9 +62,9 @@ class LaserScanner : public Sensor {
   LaserScanner(std::string name, const LaserScannerDesc& desc);
 
   /// `auto` at measurements: what it chose, and when it surveys, follows from the frames before.
-  LooksBack looks_back() const override;
-  void pass_over(const FrameTime& time, const glm::dmat4& world_from_sensor) override;
-  void take_costs(const std::function<const WorkTable&()>& costs) override;
+  HistoryDependence history_dependence() const override;
+  void skip_frame(const FrameTime& time, const glm::dmat4& world_from_sensor) override;
+  void use_cost_model(const std::function<const CostModel&()>& costs) override;
   void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
   void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override;
   void cast(RayCaster& rays) override;
@@ -80,26 +80,26 @@ class LaserScanner : public Sensor {
   bool renders() const { return rendered_ != nullptr && survey_ == nullptr && traced_ == nullptr; }
   void make_directions();
   std::vector<glm::dvec3> directions_by_beam() const;
-  void take_effects(const DrawList& list);
+  void update_effects(const DrawList& list);
   std::string traced_for() const;
   std::string cast_reason() const;
   void cast_beams(RayCaster& rays);
   void cast_survey(RayCaster& rays);
   void cast_traced(RayCaster& rays);
-  void hand_over(std::span<const Echo> detected = {});
+  void publish(std::span<const Echo> detected = {});
 
   std::string name_;
   LaserScannerDesc desc_;
   RangeLimits limits_;
   ScanTolerance tolerance_;
   std::unique_ptr<RenderedScan> rendered_;  // null where nothing is, but for surveys
-  std::unique_ptr<ScanSurvey> survey_;      // of this frame, if it has one
-  ScanChoice choice_;
-  WorkTable costs_;
+  std::unique_ptr<MethodSurvey> survey_;    // of this frame, if it has one
+  MethodSelector choice_;
+  CostModel costs_;
   std::vector<ChosenScanEffect> effects_;  // those that this frame's scene calls for
   DrawList::Revisions effects_of_;         // of the list for which they were chosen
   std::unique_ptr<TracedScan> traced_;     // where one of them traces
-  ScanMoment moment_;                      // of this frame
+  ScanContext moment_;                     // of this frame
   const DrawList* list_ = nullptr;         // of this frame
   VertexRounding rounding_;                // of this frame's scene
   std::vector<std::uint32_t> order_;       // in which beams are cast, once any is

@@ -12,7 +12,7 @@ constexpr double kNear_m = 1e-4;
 }  // namespace
 
 RenderedScan::RenderedScan(const ScanPattern& pattern, double resolution_px)
-    : resolution_px_(resolution_px), layout_(lay_out(pattern, resolution_px)) {}
+    : resolution_px_(resolution_px), layout_(make_scan_layout(pattern, resolution_px)) {}
 
 void RenderedScan::plan(const std::string& scanner, const std::string& purpose, const glm::dmat4& sensor_from_world,
                         FramePlan& plan, const std::string& atlas) {
@@ -61,17 +61,17 @@ RangeEstimate RenderedScan::nearest(std::size_t beam) const {
   return nearest_range(pixels_[tap.face], tap, layout_.faces[tap.face], planar(beam));
 }
 
-WorkTable RenderedScan::work(std::size_t list_items) const {
-  WorkTable work;
-  work[Work::pass] = 1;
-  work[Work::view] = static_cast<double>(layout_.faces.size());
-  work[Work::item_drawn] = static_cast<double>(list_items);
-  work[Work::examined] = static_cast<double>(counts_.boxes_examined + counts_.triangles_examined);
-  work[Work::draw] = static_cast<double>(counts_.draws);
-  work[Work::triangle] = static_cast<double>(counts_.triangles - counts_.masked_triangles);
-  work[Work::masked] = static_cast<double>(counts_.masked_triangles);
-  for (const ScanFace& face : layout_.faces) work[Work::pixel] += 1.0 * face.width_px * face.height_px;
-  work[Work::beam] = static_cast<double>(layout_.taps.size());
+CostModel RenderedScan::work(std::size_t list_items) const {
+  CostModel work;
+  work[CostTerm::pass] = 1;
+  work[CostTerm::view] = static_cast<double>(layout_.faces.size());
+  work[CostTerm::item_drawn] = static_cast<double>(list_items);
+  work[CostTerm::examined] = static_cast<double>(counts_.boxes_examined + counts_.triangles_examined);
+  work[CostTerm::draw] = static_cast<double>(counts_.draws);
+  work[CostTerm::triangle] = static_cast<double>(counts_.triangles - counts_.masked_triangles);
+  work[CostTerm::masked] = static_cast<double>(counts_.masked_triangles);
+  for (const ScanFace& face : layout_.faces) work[CostTerm::pixel] += 1.0 * face.width_px * face.height_px;
+  work[CostTerm::beam] = static_cast<double>(layout_.taps.size());
   return work;
 }
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include <simvis/device_costs.h>
+#include <simvis/cost_model.h>
 #include <simvis/frame_plan.h>
 #include <simvis/renderer.h>
 #include "sensors/laser_scanner/scan_layout.h"
@@ -33,7 +33,7 @@ class RenderedScan {
   RangeEstimate nearest(std::size_t beam) const;
 
   /// The work of the collected frame, in a pass of its own.
-  WorkTable work(std::size_t list_items) const;
+  CostModel work(std::size_t list_items) const;
 
   const ScanLayout& layout() const { return layout_; }
   double resolution_px() const { return resolution_px_; }

@@ -10,8 +10,8 @@
 
 #include <simvis/pose.h>
 #include <simvis/renderer.h>
+#include "sensors/laser_scanner/method_survey.h"
 #include "sensors/laser_scanner/rendered_scan.h"
-#include "sensors/laser_scanner/scan_survey.h"
 
 namespace simvis {
 
@@ -102,7 +102,7 @@ class Calibration {
 
   void render(const DrawList& list, const ScanPattern& pattern, double resolution_px);
   void cast(DrawList& list, const ScanPattern& pattern);
-  WorkTable costs() const { return fit_costs(measurements_); }
+  CostModel costs() const { return fit_costs(measurements_); }
 
  private:
   Renderer renderer_;
@@ -129,7 +129,7 @@ void Calibration::render(const DrawList& list, const ScanPattern& pattern, doubl
     taking.time_ns = std::min(taking.time_ns, now_ns() - rendered_ns);
   }
   drawing.work = scan.work(list.items.size());
-  std::swap(drawing.work[Work::beam], taking.work[Work::beam]);
+  std::swap(drawing.work[CostTerm::beam], taking.work[CostTerm::beam]);
   measurements_.insert(measurements_.end(), {drawing, taking});
   static_cast<void>(sum_m);
 }
@@ -148,7 +148,7 @@ void Calibration::cast(DrawList& list, const ScanPattern& pattern) {
   RayCounters before, after;
   for (int i = 0; i <= kRepetitions; ++i) {
     list.world_from_node.back()[3].z += 1e-3;
-    list.changes.moved({last, last + 1});
+    list.changes.mark_transforms_dirty({last, last + 1});
     before = rays_.counters();
     const double start_ns = now_ns();
     rays_.set_world(list);
@@ -163,31 +163,31 @@ void Calibration::cast(DrawList& list, const ScanPattern& pattern) {
 
 }  // namespace
 
-WorkTable fit_costs(std::span<const TimedWork> measurements) {
+CostModel fit_costs(std::span<const TimedWork> measurements) {
   // The normal equations of sum over measurements of (work . cost / time - 1)^2.
-  double matrix[kWorkKinds][kWorkKinds] = {}, right[kWorkKinds] = {};
+  double matrix[kCostTerms][kCostTerms] = {}, right[kCostTerms] = {};
   for (const TimedWork& each : measurements) {
-    for (std::size_t i = 0; i < kWorkKinds; ++i) {
+    for (std::size_t i = 0; i < kCostTerms; ++i) {
       right[i] += each.work.of[i] / each.time_ns;
-      for (std::size_t j = 0; j < kWorkKinds; ++j) {
+      for (std::size_t j = 0; j < kCostTerms; ++j) {
         matrix[i][j] += each.work.of[i] * each.work.of[j] / (each.time_ns * each.time_ns);
       }
     }
   }
   constexpr int kSweeps = 20000;  // far more than the last digit that is kept needs
-  WorkTable cost;
+  CostModel cost;
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
-    for (std::size_t i = 0; i < kWorkKinds; ++i) {
+    for (std::size_t i = 0; i < kCostTerms; ++i) {
       if (matrix[i][i] == 0) continue;
       double rest = right[i];
-      for (std::size_t j = 0; j < kWorkKinds; ++j) rest -= i == j ? 0 : matrix[i][j] * cost.of[j];
+      for (std::size_t j = 0; j < kCostTerms; ++j) rest -= i == j ? 0 : matrix[i][j] * cost.of[j];
       cost.of[i] = std::max(0.0, rest / matrix[i][i]);
     }
   }
   return cost;
 }
 
-WorkTable measure_scan_costs(Device& device, RayCaster& rays) {
+CostModel measure_scan_costs(Device& device, RayCaster& rays) {
   const ScanPattern half = rings(361, 1, kPi / 2), full = rings(1001, 1, kPi), few = rings(25, 1, kPi / 2);
   const ScanPattern lidar = rings(128, 16, kPi);
   DrawList bare = make_room(1, 8, 0, 4), fine = make_room(1, 64, 0, 4), nested = make_room(12, 4, 0, 4);
@@ -195,7 +195,7 @@ WorkTable measure_scan_costs(Device& device, RayCaster& rays) {
   DrawList leaves = make_room(1, 8, 400, 12);
   make_masked(leaves);
   // Account is kept of them, as of the lists that scenes become.
-  for (DrawList* const list : {&bare, &fine, &nested, &boxes, &balls, &leaves}) list->changes.restructured();
+  for (DrawList* const list : {&bare, &fine, &nested, &boxes, &balls, &leaves}) list->changes.mark_structure_dirty();
   Calibration calibration(device, rays);
   calibration.render(bare, half, 512);
   calibration.render(bare, half, 8000);

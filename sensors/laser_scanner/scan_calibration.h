@@ -9,22 +9,22 @@
 #include <span>
 #include <vector>
 
+#include <simvis/cost_model.h>
 #include <simvis/device.h>
-#include <simvis/device_costs.h>
 #include <simvis/ray_caster.h>
 
 namespace simvis {
 
 /// One measurement: this work took this long.
 struct TimedWork {
-  WorkTable work{};
+  CostModel work{};
   double time_ns = 0;
 };
 
 /// The costs of the kinds that occur in them, none negative; of others 0.
-WorkTable fit_costs(std::span<const TimedWork> measurements);
+CostModel fit_costs(std::span<const TimedWork> measurements);
 
 /// Takes some tenths of a second. Throws MachineError as a Renderer does.
-WorkTable measure_scan_costs(Device& device, RayCaster& rays);
+CostModel measure_scan_costs(Device& device, RayCaster& rays);
 
 }  // namespace simvis

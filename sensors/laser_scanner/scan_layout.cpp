@@ -107,7 +107,7 @@ std::vector<double> elevations(const ScanPattern& pattern) {
   return spread(pattern.min_elevation_rad, pattern.max_elevation_rad, pattern.rings);
 }
 
-ScanLayout lay_out(const ScanPattern& pattern, double resolution_px) {
+ScanLayout make_scan_layout(const ScanPattern& pattern, double resolution_px) {
   SIMVIS_ASSERT(pattern.samples >= 1 && pattern.rings >= 1 && resolution_px >= 1);
   const bool level = pattern.rings == 1 && pattern.min_elevation_rad == 0;
   const double focal_x_px = resolution_px / 2;  // 90 degrees: tangents from -1 to 1

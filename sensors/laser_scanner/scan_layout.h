@@ -59,6 +59,6 @@ struct ScanLayout {
 };
 
 /// `resolution_px`: pixels across 90 degrees, at least 1.
-ScanLayout lay_out(const ScanPattern& pattern, double resolution_px);
+ScanLayout make_scan_layout(const ScanPattern& pattern, double resolution_px);
 
 }  // namespace simvis

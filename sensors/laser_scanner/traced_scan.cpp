@@ -14,7 +14,7 @@ namespace {
 // By how much the place where a ray ends may be off, besides what the caster says: that moves the range by as much over
 // the cosine of the incidence. An origin comes into the world as a sum of three products and the sensor's place, 4 u of
 // each component (u = 2^-53), so 4 sqrt(3) u of either's length, and once more sqrt(3) of the former's.
-double displacement_m(const ScanMoment& moment, const BeamRay& ray, double range_m) {
+double displacement_m(const ScanContext& moment, const BeamRay& ray, double range_m) {
   constexpr double kPlacing = 12 * 0x1p-53;
   const double placed_m =
       ray.origin_m == glm::dvec3(0)
@@ -37,7 +37,7 @@ TracedScan::TracedScan(std::vector<glm::dvec3> directions, std::span<const Chose
     pulse_length_m_ = each.effect->pulse_length_m().value_or(pulse_length_m_);
 }
 
-std::span<const Echo> TracedScan::trace(const ScanMoment& moment, const DrawList& list, RayCaster& caster) {
+std::span<const Echo> TracedScan::trace(const ScanContext& moment, const DrawList& list, RayCaster& caster) {
   rays_cast_ = 0;
   rays_.clear();
   for (std::uint32_t beam = 0; beam < directions_.size(); ++beam) {
@@ -46,13 +46,13 @@ std::span<const Echo> TracedScan::trace(const ScanMoment& moment, const DrawList
   for (const ChosenScanEffect& each : effects_) each.effect->aim(moment, rays_);
   echoes_.resize(directions_.size());
   for (std::vector<Echo>& echoes : echoes_) echoes.clear();
-  for (std::uint32_t turns = 0; turns <= kMostTurns && !rays_.empty(); ++turns) follow(moment, list, caster);
+  for (std::uint32_t turns = 0; turns <= kMaxTurns && !rays_.empty(); ++turns) follow(moment, list, caster);
   detect(moment);
   return detected_;
 }
 
 // One stretch of every ray.
-void TracedScan::follow(const ScanMoment& moment, const DrawList& list, RayCaster& caster) {
+void TracedScan::follow(const ScanContext& moment, const DrawList& list, RayCaster& caster) {
   cast(moment.world_from_sensor, caster);
   onward_.clear();
   for (std::size_t i = 0; i < rays_.size(); ++i) meet(moment, list, rays_[i], hits_[i]);
@@ -67,9 +67,9 @@ void TracedScan::cast(const glm::dmat4& world_from_sensor, RayCaster& caster) {
   for (const BeamRay& ray : rays_) {
     cast_origins_m_.push_back(ray.origin_m);
     cast_directions_.push_back(ray.direction);
-    if (ray.beyond_m > 0) cast_beyond_m_.resize(rays_.size());
+    if (ray.t_min_m > 0) cast_beyond_m_.resize(rays_.size());
   }
-  for (std::size_t i = 0; i < cast_beyond_m_.size(); ++i) cast_beyond_m_[i] = rays_[i].beyond_m;
+  for (std::size_t i = 0; i < cast_beyond_m_.size(); ++i) cast_beyond_m_[i] = rays_[i].t_min_m;
   const glm::dvec3& origin_m = cast_origins_m_.front();
   if (std::ranges::all_of(cast_origins_m_, [&](const glm::dvec3& each) { return each == origin_m; })) {
     caster.cast(glm::translate(world_from_sensor, origin_m), cast_directions_, hits_, cast_beyond_m_);
@@ -79,7 +79,7 @@ void TracedScan::cast(const glm::dmat4& world_from_sensor, RayCaster& caster) {
   rays_cast_ += rays_.size();
 }
 
-void TracedScan::meet(const ScanMoment& moment, const DrawList& list, const BeamRay& ray, const RayHit& hit) {
+void TracedScan::meet(const ScanContext& moment, const DrawList& list, const BeamRay& ray, const RayHit& hit) {
   if (hit.range_m == std::numeric_limits<double>::infinity()) return;
   const SurfacePoint surface =
       surface_point(list, glm::translate(moment.world_from_sensor, ray.origin_m), ray.direction, hit);
@@ -93,7 +93,7 @@ void TracedScan::meet(const ScanMoment& moment, const DrawList& list, const Beam
   if (echo.range_m < std::numeric_limits<double>::infinity()) echoes_[ray.beam].push_back(echo);
 }
 
-void TracedScan::detect(const ScanMoment& moment) {
+void TracedScan::detect(const ScanContext& moment) {
   detected_.assign(directions_.size(), {});
   for (std::uint32_t beam = 0; beam < directions_.size(); ++beam) {
     std::vector<Echo>& echoes = echoes_[beam];

@@ -13,7 +13,7 @@
 namespace simvis {
 
 /// How often a ray may be turned or let through; what goes on after that returns nothing.
-inline constexpr std::uint32_t kMostTurns = 16;
+inline constexpr std::uint32_t kMaxTurns = 16;
 
 class TracedScan {
  public:
@@ -21,16 +21,16 @@ class TracedScan {
   TracedScan(std::vector<glm::dvec3> directions, std::span<const ChosenScanEffect> effects);
 
   /// What each beam reports, see Echo; valid until the next call. The caster's world is `list`.
-  std::span<const Echo> trace(const ScanMoment& moment, const DrawList& list, RayCaster& caster);
+  std::span<const Echo> trace(const ScanContext& moment, const DrawList& list, RayCaster& caster);
 
   /// In the last trace().
   std::uint64_t rays() const { return rays_cast_; }
 
  private:
-  void follow(const ScanMoment& moment, const DrawList& list, RayCaster& caster);
+  void follow(const ScanContext& moment, const DrawList& list, RayCaster& caster);
   void cast(const glm::dmat4& world_from_sensor, RayCaster& caster);
-  void meet(const ScanMoment& moment, const DrawList& list, const BeamRay& ray, const RayHit& hit);
-  void detect(const ScanMoment& moment);
+  void meet(const ScanContext& moment, const DrawList& list, const BeamRay& ray, const RayHit& hit);
+  void detect(const ScanContext& moment);
 
   std::vector<glm::dvec3> directions_;
   std::span<const ChosenScanEffect> effects_;

@@ -88,8 +88,8 @@ class Cell {
     for (const double w : {at(0, 0), at(1, 0), at(0, 1), at(1, 1)}) {
       if (!(w > 0)) continue;
       const double displacement_m = rounding.at(tap.ray_per_depth / w);
-      most_displacement_m_ = std::max(most_displacement_m_, displacement_m);
-      least_displacement_m_ = std::min(least_displacement_m_, displacement_m);
+      max_displacement_m_ = std::max(max_displacement_m_, displacement_m);
+      min_displacement_m_ = std::min(min_displacement_m_, displacement_m);
     }
     const double hx = pixels.middle_tangent_x, hy = pixels.middle_tangent_y;
     row_x_ = std::sqrt(1 + hx * hx);
@@ -133,8 +133,8 @@ class Cell {
 
   // A surface that all pixels of the cell show counts at the range of each, so its displacement is the least found
   // there. Where they show several, each has its own, and that of a far one must not make a step look like a plane.
-  double noise(double w, double gx, double gy) const { return noise(w, gx, gy, most_displacement_m_); }
-  double believed_noise(double w, double gx, double gy) const { return noise(w, gx, gy, least_displacement_m_); }
+  double noise(double w, double gx, double gy) const { return noise(w, gx, gy, max_displacement_m_); }
+  double believed_noise(double w, double gx, double gy) const { return noise(w, gx, gy, min_displacement_m_); }
 
   // The error of each pixel on a plane with these gradients that has w in the cell.
   double noise(double w, double gx, double gy, double displacement_m) const {
@@ -224,7 +224,7 @@ class Cell {
   PlaneRounding rounding_;  // of the set-up
   static constexpr int kSide = kPixelsBefore + 1 + kPixelsAfter;
   double w_[kSide * kSide];  // of the pixels around
-  double most_displacement_m_ = 0, least_displacement_m_ = kInfinity;
+  double max_displacement_m_ = 0, min_displacement_m_ = kInfinity;
   double row_x_ = 1, row_y_ = 1;  // lengths of the rows of clip x and y, in tangents
   Place place_x_, place_y_;
 };
@@ -283,7 +283,7 @@ FacePixels face_pixels(const PassResult& result, const Pass& pass, const View& v
 
 // A surface seen at range r is displaced by at least (5 + 3 + 1) u r (see VertexRounding), and |mx| + |my| + w' is no
 // less than w. Half a pixel from the surface's last one, twice the noise.
-double least_planar_bound() { return 2 * (9 + PlaneRounding::kValue) * kFloatUnit; }
+double min_planar_bound() { return 2 * (9 + PlaneRounding::kValue) * kFloatUnit; }
 
 RangeEstimate planar_range(const FacePixels& pixels, const BeamTap& tap, const VertexRounding& rounding) {
   const Cell cell(pixels, tap, rounding);

@@ -72,7 +72,7 @@ struct RangeEstimate {
 RangeEstimate planar_range(const FacePixels& pixels, const BeamTap& tap, const VertexRounding& rounding);
 
 /// No bound that planar_range() gives a finite range is below this share of it.
-double least_planar_bound();
+double min_planar_bound();
 
 /// The range of the pixel that the beam falls in, along that pixel's own ray: what other simulators report.
 /// `planar` is what planar_range() found: the bound is their difference and its bound.

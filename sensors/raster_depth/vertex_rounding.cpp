@@ -141,7 +141,7 @@ void VertexRounding::find(int bin) const {
   const auto in_bin = [bin](const Reach& reach) { return reach.first_bin <= bin && bin <= reach.last_bin; };
   struct Waiting {
     std::uint32_t node = 0;
-    double most_m = 0;
+    double max_m = 0;
   };
   const auto promise = [&](std::uint32_t node) -> Waiting {
     const Reach reach = reach_of_node(index, node);
@@ -150,7 +150,7 @@ void VertexRounding::find(int bin) const {
   Waiting waiting[Bvh::kMaxDepth + 2] = {promise(0)};
   for (std::size_t count = 1; count > 0;) {
     const Waiting next = waiting[--count];
-    if (!(next.most_m > found_m)) continue;
+    if (!(next.max_m > found_m)) continue;
     const BvhNode& node = index.tree().nodes[next.node];
     for (const std::uint32_t item :
          std::span(index.tree().order).subspan(node.count > 0 ? node.first : 0, node.count)) {
@@ -159,7 +159,7 @@ void VertexRounding::find(int bin) const {
     }
     if (node.count > 0) continue;
     Waiting first = promise(node.first), second = promise(node.first + 1);
-    if (first.most_m > second.most_m) std::swap(first, second);
+    if (first.max_m > second.max_m) std::swap(first, second);
     waiting[count++] = first;
     waiting[count++] = second;
   }

@@ -250,26 +250,26 @@ void write_results(const Simulation& simulation, const FrameTime& time, OutputWr
 }
 
 void print_explanation(const Simulation& simulation) {
-  std::cout << explain(simulation.frame_plan(),
-                       {simulation.counters(), simulation.frame_costs(), simulation.sensor_costs()});
+  std::cout << explain(simulation.diagnostics().frame_plan(),
+                       {simulation.diagnostics().counters(), simulation.diagnostics().frame_costs(), simulation.diagnostics().sensor_costs()});
   for (const SensorInfo& sensor : simulation.sensors()) std::cout << sensor.report.explanation;
-  const FramePlan* const visualization = simulation.visualization_plan();
+  const FramePlan* const visualization = simulation.diagnostics().visualization_plan();
   if (visualization == nullptr) return;
   std::cout << "visualization, drawn apart:\n"
-            << explain(*visualization, {*simulation.visualization_counters(), simulation.visualization_costs(),
-                                        simulation.sensor_costs()});
+            << explain(*visualization, {*simulation.diagnostics().visualization_counters(), simulation.diagnostics().visualization_costs(),
+                                        simulation.diagnostics().sensor_costs()});
 }
 
 void add_frame(Profile& profile, std::uint64_t frame, const Simulation& simulation) {
   profile.add({.index = frame,
-               .stages = simulation.stages(),
+               .stages = simulation.diagnostics().stages(),
                .written_ns = now_ns(),
-               .sensors = simulation.sensor_costs(),
-               .counters = simulation.counters(),
-               .device_memory_bytes = simulation.device_memory_bytes()});
-  profile.add(simulation.frame_plan(), *simulation.frame_costs());
-  if (const FramePlan* const plan = simulation.visualization_plan())
-    profile.add(*plan, *simulation.visualization_costs());
+               .sensors = simulation.diagnostics().sensor_costs(),
+               .counters = simulation.diagnostics().counters(),
+               .device_memory_bytes = simulation.diagnostics().device_memory_bytes()});
+  profile.add(simulation.diagnostics().frame_plan(), *simulation.diagnostics().frame_costs());
+  if (const FramePlan* const plan = simulation.diagnostics().visualization_plan())
+    profile.add(*plan, *simulation.diagnostics().visualization_costs());
 }
 
 /// Empty without --shard.
@@ -282,7 +282,7 @@ std::optional<Shard> wanted_shard(const Options& options, const Simulation& simu
       throw InputError(options.shard + " has no frame of " + std::to_string(options.frames) +
                        ", expected K below --frames");
     }
-    if (shard->count > 1) simulation.require_passable();
+    if (shard->count > 1) simulation.require_skippable();
   });
   return shard;
 }
@@ -298,7 +298,7 @@ void run_frames(const Options& options, Simulation& simulation, const std::optio
     const FrameTime time = simulation.next_frame();
     if (trajectory) trajectory->apply(static_cast<double>(time.time_ns) / 1e9, simulation.parameters());
     if (!shard.has(frame)) {
-      simulation.pass_over();
+      simulation.skip_frame();
       continue;
     }
     const std::int64_t start_ns = now_ns();
@@ -345,11 +345,11 @@ void run_scene(const Options& options, std::int64_t start_ns) {
   handle_signals();
   OutputWriter writer(options.out, writing, report.shard ? report.shard->suffix() : "");
   report.scene = options.scene;
-  report.device = simulation.device();
+  report.device = simulation.diagnostics().device();
   report.seed = options.seed;
   report.rate_hz = options.rate_hz;
   std::optional<Profile> profile;
-  if (!options.profile.empty()) profile.emplace(options.profile, simulation.device().name);
+  if (!options.profile.empty()) profile.emplace(options.profile, simulation.diagnostics().device().name);
   run_frames(options, simulation, trajectory, writer, report, profile, loading);
   if (options.explain) print_explanation(simulation);
   writer.finish();
@@ -380,7 +380,7 @@ void price_scene(const Options& options) {
   check_priced(options, simulation);
   print_warnings(options, simulation);
   const std::optional<Trajectory> trajectory = read_trajectory(options, simulation);
-  const std::string device = simulation.device().name;
+  const std::string device = simulation.diagnostics().device().name;
   handle_signals();
   std::optional<AtomicFile> csv;
   std::optional<ProgressBar> progress;

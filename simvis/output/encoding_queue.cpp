@@ -11,13 +11,13 @@ namespace simvis {
 namespace {
 
 // Encoding a picture takes some times as long as rendering it does: more would find nothing to do.
-constexpr unsigned kMostThreads = 8;
+constexpr unsigned kMaxThreads = 8;
 // Where cores are few, encoding fills the time that rendering leaves them, and not the other way round.
 constexpr int kNiceness = 10;
 
 }  // namespace
 
-EncodingQueue::EncodingQueue() : cores_(std::clamp(std::thread::hardware_concurrency(), 1u, kMostThreads)) {}
+EncodingQueue::EncodingQueue() : cores_(std::clamp(std::thread::hardware_concurrency(), 1u, kMaxThreads)) {}
 
 EncodingQueue::~EncodingQueue() {
   {
@@ -33,7 +33,7 @@ void EncodingQueue::add(Encode encode, std::size_t held_bytes, Put put) {
   const auto ready = [](const Pending& job) {
     return job.bytes.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
   };
-  const auto too_much = [&] { return pending_.size() >= most_pending() || held_bytes_ + held_bytes > kMostBytes; };
+  const auto too_much = [&] { return pending_.size() >= max_pending() || held_bytes_ + held_bytes > kMaxBytes; };
   while (!pending_.empty() && (too_much() || ready(pending_.front()))) put_oldest();
   while (threads_.size() < cores_) threads_.emplace_back([this] { work(); });
   pending_.push_back({encode.get_future(), held_bytes, std::move(put)});

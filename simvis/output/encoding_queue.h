@@ -18,13 +18,13 @@ namespace simvis {
 /// in the order in which it was asked for. So files and rows come in their order, and errors too.
 ///
 /// Errors   what `encode` and `put` throw comes out of add() or finish(), the oldest first.
-/// Memory   of at most most_pending() jobs, which together hold at most kMostBytes: or of one that holds more.
+/// Memory   of at most most_pending() jobs, which together hold at most kMaxBytes: or of one that holds more.
 /// Threading  one thread calls; `encode` runs on any. Threads are started by the first add().
 class EncodingQueue {
  public:
   using Encode = std::packaged_task<std::string()>;
   using Put = std::function<void(std::string_view bytes)>;
-  static constexpr std::size_t kMostBytes = std::size_t{256} << 20;
+  static constexpr std::size_t kMaxBytes = std::size_t{256} << 20;
 
   EncodingQueue();
   /// Drops what has not been put.
@@ -38,7 +38,7 @@ class EncodingQueue {
   /// Puts all.
   void finish();
 
-  std::size_t most_pending() const { return 2 * cores_; }
+  std::size_t max_pending() const { return 2 * cores_; }
 
  private:
   struct Pending {

@@ -54,16 +54,16 @@ class Explanation {
 
   static std::string why(const PlannedSensor& sensor) {
     std::ostringstream text;
-    switch (sensor.duty) {
-      case Duty::due:
+    switch (sensor.due_state) {
+      case DueState::due:
         text << "due, ";
         break;
-      case Duty::off:
+      case DueState::off:
         return "not due, it is turned off";
-      case Duty::waiting:
+      case DueState::waiting:
         text << "not due in this frame, ";
         break;
-      case Duty::hidden:
+      case DueState::hidden:
         return "not due, it stands in a part that is switched off";
     }
     if (sensor.rate_hz > 0) {
@@ -82,8 +82,8 @@ class Explanation {
     if (pass.depth) out_ << " depth";
     if (pass.shadow_maps) out_ << " shadow maps";
     if (pass.samples() > 1) {
-      out_ << ", the mean of " << pass.samples() << " samples a pixel: " << pass.grid << " x " << pass.grid
-           << " of msaa " << pass.msaa;
+      out_ << ", the mean of " << pass.samples() << " samples a pixel: " << pass.supersampling << " x "
+           << pass.supersampling << " of msaa " << pass.msaa;
     }
     out_ << '\n';
     const PassCost* const cost =
@@ -129,7 +129,7 @@ class Explanation {
 
   void explain_cast(std::size_t index, const std::string& indent) {
     const RayCast& cast = plan_.casts[index];
-    out_ << indent << "cast " << cast.name << ": up to " << cast.most_rays << " rays by " << cast.engine << ": "
+    out_ << indent << "cast " << cast.name << ": up to " << cast.max_rays << " rays by " << cast.engine << ": "
          << cast.reason << '\n';
   }
 

@@ -96,7 +96,7 @@ class Pricing {
  private:
   void add(const std::string& name) {
     PricedScanner scanner{.name = name, .sensors = {}, .reference = {}, .prices = {}, .tallies = {}};
-    const Command command = simulation_.command(name);
+    const Command command = simulation_.diagnostics().command(name);
     const ScanVariant own = variant_of(command);
     for (const ScanVariant& variant : priced_variants(command)) {
       // No name in a scene has a dot.
@@ -118,12 +118,12 @@ class Pricing {
       measure(scanner, frame, frame);
       for (std::size_t i = 0; i < scanner.sensors.size(); ++i) judge(scanner, i);
     }
-    double least_ms = std::numeric_limits<double>::infinity();
+    double min_ms = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < scanner.prices.size(); ++i) {
       sum_up(scanner.tallies[i], scanner.reference.has_value(), scanner.prices[i]);
-      least_ms = std::min(least_ms, scanner.prices[i].median_ms);
+      min_ms = std::min(min_ms, scanner.prices[i].median_ms);
     }
-    for (VariantPrice& each : scanner.prices) each.ratio = each.median_ms / least_ms;
+    for (VariantPrice& each : scanner.prices) each.ratio = each.median_ms / min_ms;
     const Scan& scan = simulation_.scan(scanner.sensors.front());
     return {.scanner = scanner.name,
             .rings = scan.rings,
@@ -202,14 +202,14 @@ bool VariantPrice::meets(double tolerance_rel) const {
 }
 
 std::optional<std::size_t> cheapest_for(const ScannerPrice& price, double tolerance_rel) {
-  double least_ms = std::numeric_limits<double>::infinity();
+  double min_ms = std::numeric_limits<double>::infinity();
   for (const VariantPrice& each : price.variants) {
-    if (each.meets(tolerance_rel)) least_ms = std::min(least_ms, each.median_ms);
+    if (each.meets(tolerance_rel)) min_ms = std::min(min_ms, each.median_ms);
   }
   std::optional<std::size_t> found;
   for (std::size_t i = 0; i < price.variants.size(); ++i) {
     const VariantPrice& each = price.variants[i];
-    if (!each.meets(tolerance_rel) || each.median_ms > kSamePrice * least_ms) continue;
+    if (!each.meets(tolerance_rel) || each.median_ms > kSamePrice * min_ms) continue;
     if (!found || each.bound_largest_rel < price.variants[*found].bound_largest_rel) found = i;
   }
   return found;

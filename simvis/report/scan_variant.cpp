@@ -25,7 +25,7 @@ AttributeValues read_scanner(const Command& scanner) {
 /// Without what the method does not look at: a hybrid that trusts no pixel renders nothing.
 ScanVariant normal(ScanVariant variant) {
   if (variant.method != "hybrid") variant.max_error_rel.reset();
-  if (variant.method == "raycast" || (variant.max_error_rel && *variant.max_error_rel < least_planar_bound())) {
+  if (variant.method == "raycast" || (variant.max_error_rel && *variant.max_error_rel < min_planar_bound())) {
     variant.resolution_px.reset();
   }
   return variant;

@@ -1,5 +1,6 @@
 // What is left out because a view cannot see it changes no byte of what is seen: every scene that comes with SimVis,
-// driven along, and rooms full of things, with culling and without. See engine/strip_sight.h and engine/clusters.h.
+// driven along, and rooms full of things, with culling and without. See engine/column_occlusion_buffer.h and
+// engine/clusters.h.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -18,7 +19,7 @@
 #include <simvis/simulation.h>
 #include <simvis/trajectory.h>
 #include "engine/geometry/view_projection.h"
-#include "engine/render/frame_draws.h"
+#include "engine/render/frame_draw_lists.h"
 #include "sensors/laser_scanner/rendered_scan.h"
 #include "tests/support/random_room.h"
 #include "tests/support/tested_build.h"
@@ -127,7 +128,7 @@ TEST_CASE("every scene gives the same bytes with culling and without, of every s
     for (const double time_s : scene.times_s) {
       if (trajectory) trajectory->apply(time_s, simulation.parameters());
       simulation.step();
-      comparison.add(renderer, simulation.draw_list(), simulation.frame_plan(), scene.file);
+      comparison.add(renderer, simulation.diagnostics().draw_list(), simulation.diagnostics().frame_plan(), scene.file);
     }
     MESSAGE(std::string(scene.file) << ": " << comparison.culled << " of " << comparison.whole << " triangles drawn");
     CHECK(comparison.culled <= comparison.whole);

@@ -23,7 +23,7 @@ glm::dvec3 towards(double azimuth, double elevation) {
 std::vector<glm::dvec3> noisy(std::size_t beams, const ScanEffect& effect, std::uint64_t frame = 0) {
   std::vector<BeamRay> rays(beams);
   for (std::uint32_t beam = 0; beam < beams; ++beam) rays[beam] = {.beam = beam, .direction = towards(0.5, 0.7)};
-  ScanMoment moment = moment_of(beams);
+  ScanContext moment = moment_of(beams);
   moment.time.index = frame;
   effect.aim(moment, rays);
   std::vector<glm::dvec3> directions;

@@ -28,8 +28,8 @@ std::shared_ptr<const ScanEffect> atmosphere(const std::string& attributes, cons
   return effects_of(attributes, "atmosphere", sensor, seed).at(0).effect;
 }
 
-ScanMoment moment_in(const Medium& medium, double range_max_m = 80) {
-  ScanMoment moment;
+ScanContext moment_in(const Medium& medium, double range_max_m = 80) {
+  ScanContext moment;
   moment.range_max_m = range_max_m;
   moment.medium = medium;
   return moment;
@@ -43,15 +43,15 @@ Medium heavy_rain() {
           .particle_diameter_m = d0_mm * 1e-3};
 }
 
-constexpr double kLeastPower = 2e-5, kBeam_m = 0.012;
+constexpr double kMinPower = 2e-5, kBeam_m = 0.012;
 const std::string kSight = "least_power='2e-5' beam_diameter='0.012'";
 
 // Of a drop at r, by the law of its echo solved for the diameter.
-double least_diameter(const Medium& rain, double r) {
-  return kBeam_m * r * std::sqrt(kLeastPower / 0.024) * std::exp(rain.laser_extinction_per_m * r);
+double min_diameter(const Medium& rain, double r) {
+  return kBeam_m * r * std::sqrt(kMinPower / 0.024) * std::exp(rain.laser_extinction_per_m * r);
 }
 double rate(const Medium& rain, double r) {
-  const double diameter = least_diameter(rain, r);
+  const double diameter = min_diameter(rain, r);
   if (diameter > kBeam_m) return 0;
   return rain.particles_per_m3 * kPi * kBeam_m * kBeam_m / 4 * std::exp(-diameter / rain.particle_diameter_m);
 }
@@ -131,7 +131,7 @@ TEST_CASE("drops: a million beams have as many, where, and as large, as a Poisso
   constexpr double kEnd_m = 15;
   const Medium rain = heavy_rain();
   const auto effect = atmosphere(kSight);
-  const ScanMoment moment = moment_in(rain, kEnd_m);
+  const ScanContext moment = moment_in(rain, kEnd_m);
   std::array<std::uint64_t, 4> beams_with{};  // no drop, one, two, more
   std::array<std::uint64_t, 7> in_stretch{};  // of 2 m
   std::uint64_t drops = 0, large = 0;
@@ -145,10 +145,10 @@ TEST_CASE("drops: a million beams have as many, where, and as large, as a Poisso
       ++drops;
       ++in_stretch.at(static_cast<std::size_t>((echo.range_m - 1) / 2));
       const double r = echo.range_m;
-      if (echo.power < kLeastPower * (1 - 1e-12)) FAIL("a drop too weak to be detected");
+      if (echo.power < kMinPower * (1 - 1e-12)) FAIL("a drop too weak to be detected");
       // The diameter, from the power; in units of the mean, beyond the least one.
       const double diameter = kBeam_m * r * std::sqrt(echo.power / 0.024) * std::exp(rain.laser_extinction_per_m * r);
-      const double size = (diameter - least_diameter(rain, r)) / rain.particle_diameter_m;
+      const double size = (diameter - min_diameter(rain, r)) / rain.particle_diameter_m;
       sum_of_sizes += size;
       large += size > 1;
     }
@@ -180,7 +180,7 @@ TEST_CASE("drops: a million beams have as many, where, and as large, as a Poisso
 TEST_CASE("drops are those of sensor, seed, frame and beam, whoever is asked first, and none lies beyond a surface") {
   const auto drops = [](const ScanEffect& effect, std::uint64_t frame, double wall_m) {
     std::map<std::uint32_t, std::vector<double>> found;
-    ScanMoment moment = moment_in(heavy_rain(), 15);
+    ScanContext moment = moment_in(heavy_rain(), 15);
     moment.time.index = frame;
     for (std::uint32_t i = 0; i < 3000; ++i) {
       const std::uint32_t beam = frame % 2 == 0 ? i : 2999 - i;

@@ -162,7 +162,7 @@ TEST_CASE("a slanted plane has its own range in the middle, but for the second o
 TEST_CASE("patterns belong to seed and beam, not to the frame") {
   const auto places = [](std::uint64_t seed, std::uint64_t frame, std::size_t beams) {
     const auto probe = std::make_shared<Probe>();
-    ScanMoment moment = moment_of(beams);
+    ScanContext moment = moment_of(beams);
     moment.time.index = frame;
     const std::shared_ptr<RayCaster> caster = make_host_ray_caster();
     trace(edge(0), std::vector(beams, kAhead), {divergence(2, seed), probe}, moment, *caster);

@@ -73,8 +73,8 @@ Run run(const std::string& type, const std::string& attributes, const std::strin
   const bool color = attributes.find("outputs=\"depth\"") == std::string::npos;
   if (color) result.color = simulation.color("C");
   result.depth = simulation.depth("C");
-  result.counters = simulation.counters();
-  result.plan = simulation.frame_plan();
+  result.counters = simulation.diagnostics().counters();
+  result.plan = simulation.diagnostics().frame_plan();
   if (type == "stereo_camera" && color) result.more.push_back(simulation.picture("C", "right"));
   return result;
 }
@@ -101,7 +101,7 @@ TEST_CASE("noise has the mean and the variance of a linear camera") {
                         {0.25, {.full_well_e = 1000, .read_noise_e = 20, .gain = 2, .adc_bits = 8}}};
   for (const Case& c : cases) {
     Image image = flat(c.light);
-    SensorNoise(c.electronics, SensorRandom(3, "noise")).develop({}, layout(), image);
+    SensorNoise(c.electronics, SensorRandom(3, "noise")).post_process({}, layout(), image);
     const Moments m = moments(image);
     const PixelElectronics& e = c.electronics;
     const double scale = e.gain / e.full_well_e;
@@ -126,9 +126,9 @@ TEST_CASE("noise has the mean and the variance of a linear camera") {
 TEST_CASE("a full pixel stays full, and dark ones are cut off only by a converter") {
   Image bright = flat(1e30), dark = flat(0);
   const PixelElectronics electronics{.full_well_e = 1000, .read_noise_e = 5};
-  SensorNoise({.full_well_e = 1000}, SensorRandom(3, "noise")).develop({}, layout(), bright);
+  SensorNoise({.full_well_e = 1000}, SensorRandom(3, "noise")).post_process({}, layout(), bright);
   CHECK(std::ranges::count(bright.pixels, 1.0f) == std::ssize(bright.pixels));
-  SensorNoise(electronics, SensorRandom(3, "noise")).develop({}, layout(), dark);
+  SensorNoise(electronics, SensorRandom(3, "noise")).post_process({}, layout(), dark);
   CHECK(std::abs(moments(dark).mean) <= kSigmas * 0.005 / std::sqrt(kSamples));
   CHECK(*std::ranges::min_element(dark.pixels) < 0);
 }
@@ -137,7 +137,7 @@ TEST_CASE("frames, channels and eyes have noise of their own, and other sensors 
   const PixelElectronics electronics{.full_well_e = 1000};
   const auto noise = [&](const char* camera, std::uint64_t frame) {
     Image image = flat(0.5);
-    SensorNoise(electronics, SensorRandom(3, camera)).develop({.index = frame}, layout(), image);
+    SensorNoise(electronics, SensorRandom(3, camera)).post_process({.index = frame}, layout(), image);
     return image;
   };
   const Image a = noise("A", 1), b = noise("B", 1), later = noise("A", 2);
@@ -170,9 +170,9 @@ TEST_CASE("vignetting follows its law, exposure scales") {
   constexpr double kRounding = 0x1p-23;
   const CameraLayout l = layout();
   Image natural = flat(0.8), polynomial = flat(0.8), longer = flat(0.8);
-  Vignetting(VignettingLaw::natural, {}, {}).develop({}, l, natural);
-  Vignetting(VignettingLaw::polynomial, {-0.3, 0.1, -0.05}, {}).develop({}, l, polynomial);
-  Exposure(2.5).develop({}, l, longer);
+  Vignetting(VignettingLaw::natural, {}, {}).post_process({}, l, natural);
+  Vignetting(VignettingLaw::polynomial, {-0.3, 0.1, -0.05}, {}).post_process({}, l, polynomial);
+  Exposure(2.5).post_process({}, l, longer);
   double worst = 0;
   for (std::uint32_t y = 0; y < kHeight_px; ++y) {
     for (std::uint32_t x = 0; x < kWidth_px; ++x) {

@@ -101,7 +101,7 @@ std::vector<Seen> look(Simulation& simulation, const Watcher& watcher) {
   for (int frame = 0; frame < 2; ++frame) {
     simulation.step();
     Seen& seen = frames.emplace_back();
-    seen.counters = simulation.counters();
+    seen.counters = simulation.diagnostics().counters();
     if (watcher.shows == kShownInRanges) {
       const Scan& scan = simulation.scan("WATCH");
       append(seen.bytes, scan.range_m);
@@ -206,7 +206,7 @@ TEST_CASE("each effect alone: named in the plan where it is shown, and in no oth
       Simulation simulation = with(kYard, commands + sensor(*watcher, kYard, "WATCH", attributes));
       const std::vector<Seen> without = look_at(kYard, *watcher, plain, ""), seen = look(simulation, *watcher);
       const bool can_show = (effect->outputs & watcher->shows) != 0;
-      const bool planned = std::ranges::any_of(simulation.frame_plan().effects, [&](const PlannedEffect& each) {
+      const bool planned = std::ranges::any_of(simulation.diagnostics().frame_plan().effects, [&](const PlannedEffect& each) {
         return each.sensor == "WATCH" && each.effect == effect->name;
       });
       CHECK((can_show || !planned));

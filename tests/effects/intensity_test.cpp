@@ -153,8 +153,8 @@ struct Result {
 Result result_of(const std::string& commands) {
   World world({{"wall.gltf", wall({1, 1, 1, 1})}}, kPart + commands);
   world->step();
-  Result result{world->scan("SCAN"), world->counters(), {}};
-  for (const PlannedEffect& each : world->frame_plan().effects) result.effects.push_back(each.effect);
+  Result result{world->scan("SCAN"), world->diagnostics().counters(), {}};
+  for (const PlannedEffect& each : world->diagnostics().frame_plan().effects) result.effects.push_back(each.effect);
   return result;
 }
 

@@ -132,11 +132,11 @@ TEST_CASE("a map says how metallic and how rough a surface is, as factors, in li
     check(seen(renderer, wall(material, toward), 5, 8),
           reflected(kBase, metallic, roughness, kNormal, toward, to_eye(5, 8), kLux), tolerance(roughness));
   }
-  // Of a dielectric too; and no smoother than kLeastRoughness.
+  // Of a dielectric too; and no smoother than kMinRoughness.
   material.metallic = 0;
   material.map(MapKind::metallic_roughness) = map_of(texel(0, 0, 255));
   check(seen(renderer, wall(material, kToward[0])),
-        reflected(kBase, 0, kLeastRoughness, kNormal, kToward[0], to_eye(8, 8), kLux), tolerance(kLeastRoughness));
+        reflected(kBase, 0, kMinRoughness, kNormal, kToward[0], to_eye(8, 8), kLux), tolerance(kMinRoughness));
 }
 
 TEST_CASE("a white surface disappears in a white furnace, metal or not, and no surface shines in it") {

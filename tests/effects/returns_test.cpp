@@ -81,7 +81,7 @@ TEST_CASE("the bound of a pulse holds for all that its echoes may be off") {
 
 TEST_CASE("which return is reported, and how many there are") {
   const std::vector<Echo> echoes{echo(3, 1), echo(5, 4), echo(9, 2)};
-  const ScanMoment moment = moment_of(2);
+  const ScanContext moment = moment_of(2);
   const auto choice = [&](ReturnChoice choice) {
     Echo detected;
     CHECK(returns(choice)->detect(moment, 0, echoes, detected));
@@ -97,7 +97,7 @@ TEST_CASE("which return is reported, and how many there are") {
   // What lies beyond range_max counts only where there is nothing else, and then as a miss.
   DrawList list;
   add_item(list, plate_mesh(50, {-5, -5}, {5, 5}), glm::dmat4(1));
-  ScanMoment near = moment;
+  ScanContext near = moment;
   near.range_max_m = 40;
   const std::shared_ptr<RayCaster> caster = make_host_ray_caster();
   const auto seen = [&] {

@@ -54,7 +54,7 @@ struct Barrel : CameraEffect {
     return Lens({.pinhole = {kFocal_px, kFocal_px, kWidth_px / 2.0, kHeight_px / 2.0}, .k = {-0.2, 0.03, 0, 0}});
   }
 
-  void lay_out(CameraLayout& layout) const override {
+  void configure_rays(CameraLayout& layout) const override {
     layout.oversampling = kOversampling;
     for (std::uint32_t y = 0; y < layout.height_px; ++y) {
       for (std::uint32_t x = 0; x < layout.width_px; ++x) {

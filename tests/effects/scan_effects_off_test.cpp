@@ -37,7 +37,7 @@ Seen see(std::string_view attributes) {
             .rays = world->ray_counters().rays,
             .effects = {},
             .method = world->sensors().at(0).method};
-  for (const RayCast& each : world->frame_plan().casts) seen.planned_rays += each.most_rays;
+  for (const RayCast& each : world->frame_plan().casts) seen.planned_rays += each.max_rays;
   for (const PlannedEffect& each : world->frame_plan().effects) seen.effects.push_back(each.effect);
   return seen;
 }

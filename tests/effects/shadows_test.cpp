@@ -43,7 +43,7 @@ struct Floor {
   Light light{};
   glm::dvec3 place{0};   // of the light
   glm::dvec3 origin{0};  // what the rest is relative to
-  std::uint32_t grid = 1, msaa = 1;
+  std::uint32_t supersampling = 1, msaa = 1;
 
   RendererScene scene() const {
     RendererScene made = scene_with_ambient(kAmbient);
@@ -60,7 +60,7 @@ struct Floor {
   }
   FramePlan plan() const {
     FramePlan made = plan_of(kSide_px, kSide_px, kSide_px / 2.0, true, false);
-    made.passes[0].grid = grid;
+    made.passes[0].supersampling = supersampling;
     made.passes[0].msaa = msaa;
     glm::dmat4 down(1);
     down[1][1] = down[2][2] = -1;
@@ -112,15 +112,15 @@ glm::dvec3 to_light(const Floor& floor, const glm::dvec3& point) {
 glm::dvec3 on_floor(const Floor& floor, const View& map, const glm::dvec2& uv) {
   const glm::dmat4 world_from_map = glm::inverse(map.view_from_world);
   const glm::dvec2 xy((uv.x - map.pinhole.cx_px) / map.pinhole.fx_px, (uv.y - map.pinhole.cy_px) / map.pinhole.fy_px);
-  const glm::dvec3 start(world_from_map * (map.parallel ? glm::dvec4(xy, 0, 1) : glm::dvec4(0, 0, 0, 1)));
-  const glm::dvec3 way = glm::dmat3(world_from_map) * (map.parallel ? glm::dvec3(0, 0, 1) : glm::dvec3(xy, 1));
+  const glm::dvec3 start(world_from_map * (map.orthographic ? glm::dvec4(xy, 0, 1) : glm::dvec4(0, 0, 0, 1)));
+  const glm::dvec3 way = glm::dmat3(world_from_map) * (map.orthographic ? glm::dvec3(0, 0, 1) : glm::dvec3(xy, 1));
   const glm::dvec3 local = start - floor.origin;
   return local - way * (local.z / way.z);
 }
 
 glm::dvec2 in_map(const Floor& floor, const View& map, const glm::dvec3& point) {
   const glm::dvec3 p(map.view_from_world * glm::dvec4(point + floor.origin, 1));
-  const double w = map.parallel ? 1 : p.z;
+  const double w = map.orthographic ? 1 : p.z;
   return {map.pinhole.cx_px + map.pinhole.fx_px * p.x / w, map.pinhole.cy_px + map.pinhole.fy_px * p.y / w};
 }
 
@@ -388,7 +388,7 @@ TEST_CASE("the order of lights and items does not matter; several samples a pixe
   const std::vector<glm::vec4> again = picture(reversed, with_shadows(reversed, floor.plan()));
   CHECK(same_bytes(std::span<const glm::vec4>(seen), {again}));
 
-  floor.grid = 2;
+  floor.supersampling = 2;
   floor.msaa = device().target_limits().msaa.back();
   const std::vector<glm::vec4> mean = picture(scene, with_shadows(scene, floor.plan()));
   // The mean of sixteen: rounding. Only pixels with an edge in them differ by more.

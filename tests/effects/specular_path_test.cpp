@@ -144,7 +144,7 @@ TEST_CASE("a corner of three mirrors sends every beam back the way it came, wher
       local.push_back(d);
       directions.push_back(glm::dmat3(turn) * d);
     }
-    ScanMoment moment;
+    ScanContext moment;
     moment.range_max_m = 1000;
     for (const int turns : {2, 3}) {
       const auto log = std::make_shared<EchoLog>();

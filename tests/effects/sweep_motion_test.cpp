@@ -30,8 +30,8 @@ std::vector<glm::dvec3> fan(std::uint32_t rings = 1) {
   return directions;
 }
 
-ScanMoment moment_from(const glm::dmat4& before, const glm::dmat4& now, std::uint32_t rings = 1) {
-  ScanMoment moment = moment_of(kColumns);
+ScanContext moment_from(const glm::dmat4& before, const glm::dmat4& now, std::uint32_t rings = 1) {
+  ScanContext moment = moment_of(kColumns);
   moment.rings = rings;
   moment.time.time_ns = 1'000'000'000;
   moment.world_from_sensor = now;
@@ -105,7 +105,7 @@ TEST_CASE("a scanner that drives towards a wall, past it, and turns: ranges of t
             return pose(turn * turned(motion.turn_axis, -motion.turn_rad_s * kInterval_s * share),
                         place - share * kInterval_s * motion.velocity_m_s);
           };
-          const ScanMoment moment = moment_from(pose_back(1), pose_back(0));
+          const ScanContext moment = moment_from(pose_back(1), pose_back(0));
           const std::vector<Echo> echoes =
               trace(list, directions, {std::make_shared<SweepMotion>(sweep_s, clockwise)}, moment, *caster);
           std::size_t met = 0;
@@ -138,7 +138,7 @@ TEST_CASE("the first scan stands; the last beam leaves at the frame's pose; ring
   const DrawList list = wall({1, 0, 0}, 7, {0, 0, 0});
   const std::shared_ptr<RayCaster> caster = a_caster();
   const glm::dmat4 before = pose(glm::dmat3(1), {-1, 0, 0});
-  ScanMoment moment = moment_from(before, glm::dmat4(1), 2);
+  ScanContext moment = moment_from(before, glm::dmat4(1), 2);
   const std::vector<Echo> still = trace(list, directions, {std::make_shared<Probe>()}, moment, *caster);
   const auto probe = std::make_shared<Probe>();
   const std::vector<Echo> moving =

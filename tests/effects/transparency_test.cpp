@@ -81,9 +81,9 @@ std::optional<glm::dvec3> over(const std::vector<Glass>& panes, const glm::dvec2
 }
 
 constexpr std::uint32_t kSize = 48;
-FramePlan square_plan(std::uint32_t grid = 1, std::uint32_t msaa = 1) {
+FramePlan square_plan(std::uint32_t supersampling = 1, std::uint32_t msaa = 1) {
   FramePlan plan = plan_of(kSize, kSize, kSize / 2.0, true, false);
-  plan.passes[0].grid = grid;
+  plan.passes[0].supersampling = supersampling;
   plan.passes[0].msaa = msaa;
   return plan;
 }
@@ -93,22 +93,24 @@ glm::dvec2 ray_of(double x_px, double y_px) {
 }
 
 /// Where the samples of a pixel lie in it. Four samples: Vulkan's standard locations.
-std::vector<glm::dvec2> sample_places(std::uint32_t grid, std::uint32_t msaa) {
+std::vector<glm::dvec2> sample_places(std::uint32_t supersampling, std::uint32_t msaa) {
   const std::vector<glm::dvec2> within =
       msaa == 4 ? std::vector<glm::dvec2>{{0.375, 0.125}, {0.875, 0.375}, {0.125, 0.625}, {0.625, 0.875}}
                 : std::vector<glm::dvec2>{{0.5, 0.5}};
   std::vector<glm::dvec2> places;
-  for (std::uint32_t i = 0; i < grid * grid; ++i) {
-    for (const glm::dvec2& p : within) places.push_back((glm::dvec2(i % grid, i / grid) + p) / double(grid));
+  for (std::uint32_t i = 0; i < supersampling * supersampling; ++i) {
+    for (const glm::dvec2& p : within)
+      places.push_back((glm::dvec2(i % supersampling, i / supersampling) + p) / double(supersampling));
   }
   return places;
 }
 
 /// How many pixels differ from "over" by more than rounding, and how many could be compared.
-std::pair<int, int> compare(std::span<const glm::vec4> seen, const std::vector<Glass>& panes, std::uint32_t grid,
-                            std::uint32_t msaa, double solid_at_m = std::numeric_limits<double>::infinity()) {
+std::pair<int, int> compare(std::span<const glm::vec4> seen, const std::vector<Glass>& panes,
+                            std::uint32_t supersampling, std::uint32_t msaa,
+                            double solid_at_m = std::numeric_limits<double>::infinity()) {
   int wrong = 0, compared = 0;
-  const std::vector<glm::dvec2> places = sample_places(grid, msaa);
+  const std::vector<glm::dvec2> places = sample_places(supersampling, msaa);
   for (std::uint32_t i = 0; i < kSize * kSize; ++i) {
     glm::dvec3 mean(0);
     bool clear = true;
@@ -130,19 +132,22 @@ std::pair<int, int> compare(std::span<const glm::vec4> seen, const std::vector<G
 TEST_CASE("crossing panes lie over each other by depth, pixel by pixel and sample by sample, in any order") {
   const std::vector<Glass> panes = crossing();
   Renderer renderer(device());
-  for (const auto& [grid, msaa] : {std::pair{1u, 1u}, {2u, 1u}, {4u, 1u}, {1u, 4u}, {2u, 4u}}) {
+  for (const auto& [supersampling, msaa] : {std::pair{1u, 1u}, {2u, 1u}, {4u, 1u}, {1u, 4u}, {2u, 4u}}) {
     if (std::ranges::find(device().target_limits().msaa, msaa) == device().target_limits().msaa.end()) continue;
-    CAPTURE(grid);
+    CAPTURE(supersampling);
     CAPTURE(msaa);
-    const std::vector<glm::vec4> first = copy(renderer.render(scene_of(panes).list, square_plan(grid, msaa))[0].color);
-    const auto [wrong, compared] = compare(first, panes, grid, msaa);
+    const std::vector<glm::vec4> first =
+        copy(renderer.render(scene_of(panes).list, square_plan(supersampling, msaa))[0].color);
+    const auto [wrong, compared] = compare(first, panes, supersampling, msaa);
     CHECK(wrong == 0);
     CHECK(compared > int(kSize * kSize * 9 / 10));
-    CHECK(renderer.counters().layers == std::uint64_t{kSize} * kSize * grid * grid * msaa * panes.size());
+    CHECK(renderer.counters().layers ==
+          std::uint64_t{kSize} * kSize * supersampling * supersampling * msaa * panes.size());
     std::vector<Glass> turned = panes;
     for (int order = 0; order < 4; ++order) {
       std::rotate(turned.begin(), turned.begin() + 1 + order % 2, turned.end());
-      CHECK(same_bytes<glm::vec4>(first, renderer.render(scene_of(turned).list, square_plan(grid, msaa))[0].color));
+      CHECK(same_bytes<glm::vec4>(first,
+                                  renderer.render(scene_of(turned).list, square_plan(supersampling, msaa))[0].color));
     }
   }
 }

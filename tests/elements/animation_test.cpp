@@ -447,10 +447,10 @@ TEST_CASE("a thousand steps leave nothing behind, on the device neither") {
   for (int i = 0; i < kSteps; ++i) {
     simulation.set("BEND", "time", 0.001 * (i + 1));
     simulation.step();
-    REQUIRE(simulation.draw_list().meshes.size() == 1);
-    shown.emplace_back(simulation.draw_list().meshes[0]);
+    REQUIRE(simulation.diagnostics().draw_list().meshes.size() == 1);
+    shown.emplace_back(simulation.diagnostics().draw_list().meshes[0]);
     // The first two fill what later frames find there.
-    const FrameCounters& counters = simulation.counters();
+    const FrameCounters& counters = simulation.diagnostics().counters();
     CHECK(counters.meshes_held == 1);
     if (i == 2) uploaded = counters.bytes_uploaded;
     if (i == 2) bytes_held = counters.mesh_bytes;

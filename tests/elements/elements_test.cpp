@@ -47,7 +47,7 @@ BuiltScene build_alone(std::string_view type) {
 // Changes one parameter as a step does.
 void change(BuiltScene& built, std::string_view parameter, double value) {
   built.parameters.set(built.parameters.index("E", parameter), value);
-  for (const std::size_t i : built.parameters.take_changed_elements()) {
+  for (const std::size_t i : built.parameters.drain_changed_elements()) {
     const ElementDescriptor& element = built.parameters.elements()[i];
     built.elements[i]->update(built.parameters.values().subspan(element.first_value, element.parameters.size()));
   }

@@ -159,7 +159,7 @@ TEST_CASE("smoother than the least roughness is as the least, and only what is g
   world.color();
   const std::uint64_t pipelines = world->counters().pipelines_bound;
   CHECK(pipelines == 1);  // both plates are drawn alike
-  const glm::dvec3 least = world.color_with("M", "roughness", kLeastRoughness);
+  const glm::dvec3 least = world.color_with("M", "roughness", kMinRoughness);
   CHECK(world->counters().pipelines_bound == 2);
   CHECK(world.color_with("M", "roughness", 0) == least);
   check_color(world.color(kSide_px - 1), glm::dvec3(0.5) / kPi * kIrradiance_lux);
@@ -178,7 +178,7 @@ TEST_CASE("another part of the same file keeps its look") {
 DrawList after(BuiltScene& built, std::vector<std::pair<std::string, double>> red) {
   for (const auto& [element, value] : red) {
     built.parameters.set(built.parameters.index(element, "red"), value);
-    for (const std::size_t i : built.parameters.take_changed_elements()) {
+    for (const std::size_t i : built.parameters.drain_changed_elements()) {
       const ElementDescriptor& each = built.parameters.elements()[i];
       built.elements[i]->update(built.parameters.values().subspan(each.first_value, each.parameters.size()));
     }

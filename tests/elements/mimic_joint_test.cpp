@@ -23,7 +23,7 @@ std::string pair(const std::string& leader, const std::string& follower) {
 // The follower's matrix, after the leader has gone to `value` as a step makes it.
 glm::dmat4 followed(BuiltScene& built, double value) {
   built.parameters.set(built.parameters.index("A", "value"), value);
-  for (const std::size_t i : built.parameters.take_changed_elements()) {
+  for (const std::size_t i : built.parameters.drain_changed_elements()) {
     const ElementDescriptor& element = built.parameters.elements()[i];
     built.elements[i]->update(built.parameters.values().subspan(element.first_value, element.parameters.size()));
   }

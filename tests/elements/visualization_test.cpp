@@ -64,7 +64,7 @@ void check_same_for_sensors(const Simulation& a, const Simulation& b) {
   CHECK(same_bytes(a.scan("SCAN").error_bound_m, b.scan("SCAN").error_bound_m));
   CHECK(same_bytes(a.color("CAM").pixels, b.color("CAM").pixels));
   CHECK(same_bytes(a.depth("DEPTH").pixels, b.depth("DEPTH").pixels));
-  CHECK(a.counters() == b.counters());
+  CHECK(a.diagnostics().counters() == b.diagnostics().counters());
 }
 
 glm::vec3 pixel(const Image& image, int x, int y) {
@@ -109,7 +109,7 @@ TEST_CASE("without a visualization camera the helpers cost nothing") {
     plain.step();
     shown.step();
     check_same_for_sensors(plain, shown);
-    CHECK(same_content(plain.draw_list(), shown.draw_list()));
+    CHECK(same_content(plain.diagnostics().draw_list(), shown.diagnostics().draw_list()));
   }
 }
 

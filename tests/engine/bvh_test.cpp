@@ -28,14 +28,14 @@ std::vector<Box> random_boxes(std::uint32_t seed, std::size_t count, float size)
 }
 
 /// Every thing is in one leaf; a node's box is the smallest around what it holds; leaves and depth are within limits.
-void check_tree(const Bvh& bvh, const std::vector<Box>& boxes, std::uint32_t most_in_leaf) {
+void check_tree(const Bvh& bvh, const std::vector<Box>& boxes, std::uint32_t max_leaf_size) {
   std::vector<int> seen(boxes.size());
   std::size_t nodes = 0;
   const std::function<Box(std::uint32_t, std::uint32_t)> visit = [&](std::uint32_t i, std::uint32_t depth) {
     const BvhNode& node = bvh.nodes[i];
     ++nodes;
     REQUIRE(depth <= Bvh::kMaxDepth);
-    REQUIRE(node.count <= most_in_leaf);
+    REQUIRE(node.count <= max_leaf_size);
     Box box;
     if (node.count == 0) {
       REQUIRE(node.first > i);
@@ -44,9 +44,9 @@ void check_tree(const Bvh& bvh, const std::vector<Box>& boxes, std::uint32_t mos
     } else {
       box = boxes[bvh.order[node.first]];
       for (std::uint32_t k = 0; k < node.count; ++k) {
-        const std::uint32_t thing = bvh.order[node.first + k];
-        ++seen[thing];
-        box = {glm::min(box.low, boxes[thing].low), glm::max(box.high, boxes[thing].high)};
+        const std::uint32_t primitive = bvh.order[node.first + k];
+        ++seen[primitive];
+        box = {glm::min(box.low, boxes[primitive].low), glm::max(box.high, boxes[primitive].high)};
       }
     }
     REQUIRE(box == Box{node.low, node.high});
@@ -61,12 +61,12 @@ void check_tree(const Bvh& bvh, const std::vector<Box>& boxes, std::uint32_t mos
 
 TEST_CASE("trees hold each thing once, in the smallest boxes") {
   CHECK(build_bvh({}, 4).nodes.empty());
-  for (const std::uint32_t most_in_leaf : {1u, 4u}) {
+  for (const std::uint32_t max_leaf_size : {1u, 4u}) {
     for (const std::size_t count : {1, 2, 3, 5, 100, 3000}) {
       const std::vector<Box> boxes = random_boxes(static_cast<std::uint32_t>(count), count, 0.1f);
-      const Bvh bvh = build_bvh(boxes, most_in_leaf);
-      check_tree(bvh, boxes, most_in_leaf);
-      CHECK(bvh.nodes == build_bvh(boxes, most_in_leaf).nodes);
+      const Bvh bvh = build_bvh(boxes, max_leaf_size);
+      check_tree(bvh, boxes, max_leaf_size);
+      CHECK(bvh.nodes == build_bvh(boxes, max_leaf_size).nodes);
     }
   }
 }
@@ -98,11 +98,11 @@ TEST_CASE("a tree over clusters costs a fraction of one over their things in any
   Bvh bvh = build_bvh(boxes, 1);
   // The clusters' boxes are 2 m wide in a world of 300 m: a ray looks into few but the 2 * 64 nodes above them, whose
   // areas halve, or better, with each level.
-  CHECK(expected_visits(bvh) < 64);
+  CHECK(sah_cost(bvh) < 64);
   std::mt19937 random(1);
   std::ranges::shuffle(boxes, random);
   refit(bvh, boxes);
-  CHECK(expected_visits(bvh) > 1000);  // nearly every node is as large as the world
+  CHECK(sah_cost(bvh) > 1000);  // nearly every node is as large as the world
 }
 
 TEST_CASE("refitting keeps the tree right, and tells which nodes it has changed") {

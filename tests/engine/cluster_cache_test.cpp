@@ -28,7 +28,7 @@ Mesh shuffled_sphere() {
   constexpr int kSegments = 258;
   Mesh mesh = sphere_mesh(3, kSegments);
   std::vector<std::uint32_t> order(mesh.indices.size() / 3), indices;
-  REQUIRE(order.size() >= kLeastCachedTriangles);
+  REQUIRE(order.size() >= kMinCachedTriangles);
   std::iota(order.begin(), order.end(), 0u);
   std::shuffle(order.begin(), order.end(), std::mt19937(7));
   for (const std::size_t t : order)

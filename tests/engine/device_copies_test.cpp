@@ -77,11 +77,11 @@ TEST_CASE("what only strips see has no copy on the device until something else d
 TEST_CASE("strips that draw from the device show the same bytes") {
   const DrawList list = room();
   Renderer renderer(device());
-  const std::vector<float> picked = depth_of(renderer, list, depth_plan(kStrip_px));
+  const std::vector<float> cpu_selected = depth_of(renderer, list, depth_plan(kStrip_px));
   CHECK(renderer.counters().meshes_held == 0);
   FramePlan whole = depth_plan(kStrip_px);
   view_of(whole).culled = false;
-  CHECK(depth_of(renderer, list, whole) == picked);
+  CHECK(depth_of(renderer, list, whole) == cpu_selected);
   CHECK(renderer.counters().meshes_held == list.meshes.size());
   // Back faces are the device's to leave out.
   Renderer other(device());
@@ -134,8 +134,8 @@ TEST_CASE("planar scanners alone keep no mesh on the device, with a camera it is
         folder.path(), camera + R"(<sensor type="laser_scanner" name="SCANNER" insert_at="ROOT" method="planar"/>)");
     Simulation simulation = Simulation::load(scene);
     simulation.step();
-    CHECK(simulation.counters().meshes_held == meshes);
-    CHECK(names_meshes(simulation.frame_plan()) == (meshes > 0));
+    CHECK(simulation.diagnostics().counters().meshes_held == meshes);
+    CHECK(names_meshes(simulation.diagnostics().frame_plan()) == (meshes > 0));
     const Scan& scan = simulation.scan("SCANNER");
     CHECK(std::ranges::any_of(scan.range_m, [](float range_m) { return std::isfinite(range_m); }));
     return std::vector<float>(scan.range_m.begin(), scan.range_m.end());

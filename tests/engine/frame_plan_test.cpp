@@ -162,7 +162,7 @@ TEST_CASE("all memory of the device is in the plan, and all that is uploaded and
   const RendererScene scene = lit_wall(AlphaMode::mask);
   FramePlan averaged = square(true, false);
   averaged.passes[0].name = "averaged";
-  averaged.passes[0].grid = 2;
+  averaged.passes[0].supersampling = 2;
   FramePlan both = square(true, true);
   both.passes.push_back(averaged.passes[0]);
   for (FramePlan plan : {square(false, true), both, square(true, false), both, FramePlan{}}) {
@@ -270,8 +270,8 @@ TEST_CASE("a sensor at 1 Hz in a run of 15 Hz renders in one frame of 15") {
     const bool due = frame % 15 == 0;
     CHECK(slow->counters().views == due);
     CHECK(slow->counters().bytes_read_back == (due ? 4 * sizeof(float) * kPixels : 0));
-    CHECK(sensor_of(slow->frame_plan(), "SLOW").duty == (due ? Duty::due : Duty::waiting));
-    CHECK(slow->frame_plan().passes.size() == due);
+    CHECK(sensor_of(slow->diagnostics().frame_plan(), "SLOW").due_state == (due ? DueState::due : DueState::waiting));
+    CHECK(slow->diagnostics().frame_plan().passes.size() == due);
     CHECK(both->counters().views == alone->counters().views + due);
     CHECK(both->counters().draws == alone->counters().draws + due);
     CHECK(both->scan("SCAN").range_m == alone->scan("SCAN").range_m);
@@ -284,19 +284,19 @@ TEST_CASE("a camera that is off, or in a part that is, renders nothing; the plan
   without->step();
   with->step();
   CHECK(with->counters() == without->counters());
-  CHECK(with->device_memory_bytes() == without->device_memory_bytes());
-  const FramePlan& plan = with->frame_plan();
-  CHECK(sensor_of(plan, "CAM").duty == Duty::off);
-  CHECK(sensor_of(plan, "SCAN").duty == Duty::due);
+  CHECK(with->diagnostics().device_memory_bytes() == without->diagnostics().device_memory_bytes());
+  const FramePlan& plan = with->diagnostics().frame_plan();
+  CHECK(sensor_of(plan, "CAM").due_state == DueState::off);
+  CHECK(sensor_of(plan, "SCAN").due_state == DueState::due);
   CHECK(sensor_of(plan, "SCAN").end_pass == 1);
-  const std::string text = explain(plan, {with->counters(), with->frame_costs(), with->sensor_costs()});
+  const std::string text = explain(plan, {with->counters(), with->diagnostics().frame_costs(), with->diagnostics().sensor_costs()});
   INFO(text);
   CHECK(text.find("sensor CAM, camera: not due, it is turned off; colour, depth\n") != std::string::npos);
   CHECK(text.find("sensor SCAN, laser_scanner: due, in every frame; ranges\n  pass SCAN.depth: ") != std::string::npos);
   CHECK(text.find("    view SCAN/face 0: ") != std::string::npos);
   CHECK(text.find("      pipeline depth, triangles, opaque, picked one by one: ") != std::string::npos);
   CHECK(text.find("  cost on the host: ") != std::string::npos);
-  CHECK(text.find("memory on the device: " + std::to_string(with->device_memory_bytes()) + " bytes\n") !=
+  CHECK(text.find("memory on the device: " + std::to_string(with->diagnostics().device_memory_bytes()) + " bytes\n") !=
         std::string::npos);
 }
 
@@ -304,12 +304,12 @@ TEST_CASE("an output that nobody takes is neither rendered nor read back") {
   const auto read_back = [](const char* outputs) {
     WallSimulation simulation(camera("CAM", std::string("outputs=\"") + outputs + "\""));
     simulation->step();
-    const FramePlan& plan = simulation->frame_plan();
+    const FramePlan& plan = simulation->diagnostics().frame_plan();
     CHECK(plan.passes.size() == 1);
-    CHECK(memory_of({&plan}) == simulation->device_memory_bytes());
+    CHECK(memory_of({&plan}) == simulation->diagnostics().device_memory_bytes());
     CHECK(holds(plan, "colour") == (std::string_view(outputs) != "depth"));
     CHECK(holds(plan, "depth readback") == (std::string_view(outputs) != "color"));
-    return simulation->counters().bytes_read_back;
+    return simulation->diagnostics().counters().bytes_read_back;
   };
   CHECK(read_back("color") == 4 * sizeof(float) * kPixels);
   CHECK(read_back("depth") == sizeof(float) * kPixels);
@@ -318,18 +318,18 @@ TEST_CASE("an output that nobody takes is neither rendered nor read back") {
 
 TEST_CASE("both audiences together hold what the device holds") {
   WallSimulation simulation(camera("CAM", "") + camera("PEOPLE", R"(view="visualization")") + kScanner);
-  CHECK(simulation->device_memory_bytes() == 0);
+  CHECK(simulation->diagnostics().device_memory_bytes() == 0);
   simulation->step();
-  REQUIRE(simulation->visualization_plan() != nullptr);
-  CHECK(memory_of({&simulation->frame_plan(), simulation->visualization_plan()}) == simulation->device_memory_bytes());
-  CHECK(sensor_of(*simulation->visualization_plan(), "PEOPLE").duty == Duty::due);
-  CHECK(simulation->visualization_costs()->passes.size() == 1);
-  CHECK(simulation->sensor_costs().size() == 3);
+  REQUIRE(simulation->diagnostics().visualization_plan() != nullptr);
+  CHECK(memory_of({&simulation->diagnostics().frame_plan(), simulation->diagnostics().visualization_plan()}) == simulation->diagnostics().device_memory_bytes());
+  CHECK(sensor_of(*simulation->diagnostics().visualization_plan(), "PEOPLE").due_state == DueState::due);
+  CHECK(simulation->diagnostics().visualization_costs()->passes.size() == 1);
+  CHECK(simulation->diagnostics().sensor_costs().size() == 3);
   simulation->enable("PEOPLE", false);
   simulation->step();
-  CHECK(simulation->visualization_plan()->passes.empty());
-  CHECK(simulation->visualization_counters()->draws == 0);
-  CHECK(sensor_of(*simulation->visualization_plan(), "PEOPLE").duty == Duty::off);
+  CHECK(simulation->diagnostics().visualization_plan()->passes.empty());
+  CHECK(simulation->diagnostics().visualization_counters()->draws == 0);
+  CHECK(sensor_of(*simulation->diagnostics().visualization_plan(), "PEOPLE").due_state == DueState::off);
 }
 
 TEST_CASE("instrumentation changes no byte of results, no counter and no memory; without it there are no costs") {
@@ -343,11 +343,11 @@ TEST_CASE("instrumentation changes no byte of results, no counter and no memory;
     CHECK(with->scan("SCAN").range_m == without->scan("SCAN").range_m);
     CHECK(with->scan("SCAN").error_bound_m == without->scan("SCAN").error_bound_m);
     CHECK(with->counters() == without->counters());
-    CHECK(with->device_memory_bytes() == without->device_memory_bytes());
+    CHECK(with->diagnostics().device_memory_bytes() == without->diagnostics().device_memory_bytes());
   }
-  CHECK(with->frame_costs() != nullptr);
-  CHECK(without->frame_costs() == nullptr);
-  CHECK(without->sensor_costs().empty());
+  CHECK(with->diagnostics().frame_costs() != nullptr);
+  CHECK(without->diagnostics().frame_costs() == nullptr);
+  CHECK(without->diagnostics().sensor_costs().empty());
   CHECK(with->validation_messages() == 0);
 }
 
@@ -355,10 +355,10 @@ TEST_CASE("a step that fails leaves a plan that can be read") {
   WallSimulation simulation(camera("CAM", "") + R"(<sensor type="laser_scanner" name="EXACT" insert_at="ROOT"
     samples="3" method="hybrid" max_error_m="1e-30"/>)");
   CHECK_THROWS_AS(simulation->step(), InputError);
-  CHECK(sensor_of(simulation->frame_plan(), "CAM").duty == Duty::due);
+  CHECK(sensor_of(simulation->diagnostics().frame_plan(), "CAM").due_state == DueState::due);
   simulation->enable("EXACT", false);
   simulation->step();
-  CHECK(simulation->frame_plan().passes.size() == 1);
+  CHECK(simulation->diagnostics().frame_plan().passes.size() == 1);
 }
 
 }  // namespace

@@ -11,7 +11,7 @@
 #include <random>
 #include <vector>
 
-#include "engine/render/draw_order.h"
+#include "engine/render/render_queue.h"
 #include "scenegraph/flattener.h"
 #include "sensors/laser_scanner/rendered_scan.h"
 #include "sensors/raster_depth/vertex_rounding.h"
@@ -50,37 +50,37 @@ std::shared_ptr<const Material> painted(const glm::vec4& color, bool double_side
 /// Groups of things of few kinds, all of which can be moved, alone or as a group.
 class Crowd {
  public:
-  Crowd(int groups, int things, double size_m, const glm::dvec3& middle) : size_m_(size_m) {
+  Crowd(int groups, int primitives, double size_m, const glm::dvec3& middle) : size_m_(size_m) {
     root_->add(std::make_shared<Transform>(glm::translate(glm::dmat4(1.0), middle)));
     for (int g = 0; g < groups; ++g) {
       groups_.push_back({std::make_shared<Separator>(), std::make_shared<Transform>(glm::dmat4(1.0))});
       groups_.back().holder->add(groups_.back().place);
       root_->add(groups_.back().holder);
     }
-    for (int t = 0; t < things; ++t) add();
+    for (int t = 0; t < primitives; ++t) add();
   }
 
   GroupPtr root() const { return root_; }
 
   void add() {
     std::uniform_int_distribution<std::size_t> group(0, groups_.size() - 1), kind(0, 999);
-    Thing thing{std::make_shared<Separator>(), std::make_shared<Transform>(place()), group(random_)};
-    thing.holder->add(thing.place);
-    thing.holder->add(std::make_shared<MaterialNode>(materials_[kind(random_) % materials_.size()]));
-    thing.holder->add(std::make_shared<Shape>(meshes_[kind(random_) % meshes_.size()]));
-    groups_[thing.group].holder->add(thing.holder);
-    things_.push_back(thing);
+    Primitive primitive{std::make_shared<Separator>(), std::make_shared<Transform>(place()), group(random_)};
+    primitive.holder->add(primitive.place);
+    primitive.holder->add(std::make_shared<MaterialNode>(materials_[kind(random_) % materials_.size()]));
+    primitive.holder->add(std::make_shared<Shape>(meshes_[kind(random_) % meshes_.size()]));
+    groups_[primitive.group].holder->add(primitive.holder);
+    primitives_.push_back(primitive);
   }
 
   void remove() {
-    const Thing thing = things_[any(things_.size())];
-    groups_[thing.group].holder->remove(*thing.holder);
-    std::erase_if(things_, [&](const Thing& each) { return each.holder == thing.holder; });
+    const Primitive primitive = primitives_[any(primitives_.size())];
+    groups_[primitive.group].holder->remove(*primitive.holder);
+    std::erase_if(primitives_, [&](const Primitive& each) { return each.holder == primitive.holder; });
   }
 
-  void move() { things_[any(things_.size())].place->set_matrix(place()); }
+  void move() { primitives_[any(primitives_.size())].place->set_matrix(place()); }
   void move_a_little() {
-    const std::shared_ptr<Transform>& place = things_[any(things_.size())].place;
+    const std::shared_ptr<Transform>& place = primitives_[any(primitives_.size())].place;
     place->set_matrix(glm::translate(glm::dmat4(1.0), {0.01, 0, 0}) * place->matrix());
   }
   void move_group() { groups_[any(groups_.size())].place->set_matrix(random_pose(random_, 1)); }
@@ -90,7 +90,7 @@ class Crowd {
     std::shared_ptr<Separator> holder;
     std::shared_ptr<Transform> place;
   };
-  struct Thing {
+  struct Primitive {
     std::shared_ptr<Separator> holder;
     std::shared_ptr<Transform> place;
     std::size_t group = 0;
@@ -111,7 +111,7 @@ class Crowd {
   std::mt19937 random_{7};
   GroupPtr root_ = std::make_shared<Separator>();
   std::vector<Parent> groups_;
-  std::vector<Thing> things_;
+  std::vector<Primitive> primitives_;
   std::vector<std::shared_ptr<const Mesh>> meshes_{
       finished(box_mesh(glm::vec3(0.3f))), finished(box_mesh({1.5f, 0.1f, 0.1f})), finished(sphere_mesh(0.4, 16)),
       finished(of({{9, 0, 0}, {9, 1, 0}, {9, 0, 1}})), finished(of({{0, 0, 0}, {1, 0, 0}}), Topology::lines)};
@@ -250,14 +250,14 @@ TEST_CASE("an account tells what has moved, and copies have none") {
   DrawList list;
   CHECK(!list.changes.kept());
   CHECK(!list.changes.same_structure(list.changes.version()));
-  list.changes.restructured();
+  list.changes.mark_structure_dirty();
   const ListVersion first = list.changes.version();
   CHECK(list.changes.same_structure(first));
   CHECK(list.changes.moved_since(first)->empty());
-  list.changes.moved({2, 3});
-  list.changes.moved({5, 9});
+  list.changes.mark_transforms_dirty({2, 3});
+  list.changes.mark_transforms_dirty({5, 9});
   const ListVersion second = list.changes.version();
-  list.changes.moved({1, 2});
+  list.changes.mark_transforms_dirty({1, 2});
   REQUIRE(list.changes.moved_since(first)->size() == 3);
   CHECK(list.changes.moved_since(first)->front().first == 2);
   REQUIRE(list.changes.moved_since(second)->size() == 1);
@@ -270,14 +270,14 @@ TEST_CASE("an account tells what has moved, and copies have none") {
   CHECK(index_of(copy) == nullptr);
 
   DrawList other;
-  other.changes.restructured();
+  other.changes.mark_structure_dirty();
   CHECK(!other.changes.same_structure(first));
-  for (int i = 0; i < 200'000; ++i) list.changes.moved({7, 8});  // more than it remembers
+  for (int i = 0; i < 200'000; ++i) list.changes.mark_transforms_dirty({7, 8});  // more than it remembers
   CHECK(!list.changes.moved_since(second));
   CHECK(list.changes.moved_since(list.changes.version())->empty());
   other = list;
   CHECK(!other.changes.kept());
-  list.changes.restructured();
+  list.changes.mark_structure_dirty();
   CHECK(!list.changes.same_structure(second));
 }
 
@@ -287,7 +287,7 @@ TEST_CASE("what moves takes its place in the order of drawing, as if all were so
     return std::uniform_int_distribution<std::uint32_t>(0, below - 1)(random);
   };
   DrawList list;
-  DrawOrder order, afresh;
+  RenderQueue order, afresh;
   constexpr std::uint32_t kItems = 500;
   std::vector<Drawable> drawables;
   for (std::uint32_t item = 0; item < kItems; ++item) {
@@ -297,7 +297,7 @@ TEST_CASE("what moves takes its place in the order of drawing, as if all were so
     drawable.item = drawable.transform = item;
     drawable.rank = any(6);
   }
-  const auto fill = [&](DrawOrder& filled) {
+  const auto fill = [&](RenderQueue& filled) {
     filled.clear(kItems);
     for (const Drawable& drawable : drawables) filled.add(drawable);
     filled.sort(list);
@@ -315,7 +315,7 @@ TEST_CASE("what moves takes its place in the order of drawing, as if all were so
       REQUIRE(order[p].item == afresh[p].item);
       REQUIRE(order.position(order[p].item) == p);
     }
-    CHECK(order.position(0) == DrawOrder::kNone);
+    CHECK(order.position(0) == RenderQueue::kNone);
   }
 }
 

@@ -65,7 +65,7 @@ ChiSquare chi_square(const std::vector<double>& values, double mean) {
 }  // namespace
 
 TEST_CASE("small means are exact: chi-square over a million counts") {
-  for (const double mean : {0.3, 4.0, 30.0, kMostExactMean}) {
+  for (const double mean : {0.3, 4.0, 30.0, kMaxExactMean}) {
     CAPTURE(mean);
     const ChiSquare chi = chi_square(counts(mean), mean);
     // Chi-square of n degrees of freedom has the mean n and the variance 2 n.
@@ -80,7 +80,7 @@ TEST_CASE("mean, variance and skewness are Poisson's, small and large") {
     // Standard errors of n samples: of the mean sqrt(s / n), of the variance sqrt((m4 - s^2) / n) with Poisson's fourth
     // moment m4 = 3 s^2 + s; of the skewness, for distributions near a Gaussian, sqrt(6 / n). Rounding adds 1 / 12 of
     // variance beyond the exact means, and the term (z^2 - 1) / 6 adds 2 / 36.
-    const double n = kSamples, added = mean > kMostExactMean ? 1.0 / 12 + 2.0 / 36 : 0;
+    const double n = kSamples, added = mean > kMaxExactMean ? 1.0 / 12 + 2.0 / 36 : 0;
     CHECK(std::abs(m.mean - mean) <= kSigmas * std::sqrt(mean / n));
     CHECK(std::abs(m.variance - mean - added) <= kSigmas * std::sqrt((2 * mean * mean + mean) / n));
     // A small mean's skewness is far from a Gaussian's, and so is its error.
@@ -89,7 +89,7 @@ TEST_CASE("mean, variance and skewness are Poisson's, small and large") {
 }
 
 TEST_CASE("beyond the exact means the distribution function is off by less than 0.1 / mean") {
-  const double mean = kMostExactMean + 1;
+  const double mean = kMaxExactMean + 1;
   std::vector<double> seen(300);
   for (const double v : counts(mean)) ++seen.at(static_cast<std::size_t>(v));
   double have = 0, expected = 0, worst = 0;

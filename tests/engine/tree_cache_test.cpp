@@ -45,7 +45,7 @@ bool same(const WideBvh& a, const WideBvh& b) {
   return std::ranges::equal(a.nodes(), b.nodes(), [](const WideNode& x, const WideNode& y) {
     bool equal = x.children == y.children && x.parent == y.parent && x.place == y.place;
     for (std::uint32_t lane = 0; lane < x.children; ++lane) {
-      equal &= x.child[lane] == y.child[lane] && x.things[lane] == y.things[lane] && x.box(lane) == y.box(lane);
+      equal &= x.child[lane] == y.child[lane] && x.primitives[lane] == y.primitives[lane] && x.box(lane) == y.box(lane);
     }
     return equal;
   });
@@ -65,8 +65,8 @@ struct Kept {
                       &c = mesh.positions[mesh.indices[i + 2]];
       boxes.push_back({glm::min(a, glm::min(b, c)), glm::max(a, glm::max(b, c))});
     }
-    REQUIRE(boxes.size() >= kLeastCachedTriangles);
-    REQUIRE(boxes.size() < kLeastCachedTriangles * 5 / 4);
+    REQUIRE(boxes.size() >= kMinCachedTriangles);
+    REQUIRE(boxes.size() < kMinCachedTriangles * 5 / 4);
     made = WideBvh(boxes, leaves);
   }
   std::string file() const {
@@ -142,7 +142,7 @@ TEST_CASE("a file that agrees with itself but holds something twice, or not at a
   const std::vector<std::uint32_t> words = words_of(good);
   // The first node with room for another child, and its first leaf.
   std::size_t node = 2;
-  while (words[node] == WideNode::kMost) node += 1 + words[node];
+  while (words[node] == WideNode::kMax) node += 1 + words[node];
   std::size_t leaf = node + 1;
   while (words[leaf] >> 29 == 0) ++leaf;
   REQUIRE(leaf <= node + words[node]);
@@ -154,8 +154,8 @@ TEST_CASE("a file that agrees with itself but holds something twice, or not at a
   };
   std::vector<std::uint32_t> less = words;
   less[leaf] = (words[leaf] & ((1u << 29) - 1)) | 1u << 29;
-  std::uint32_t* const things = &less[words.size() - 4 * words[1] + 4 * (less[leaf] & ((1u << 29) - 1))];
-  std::fill(things + 1, things + 4, things[0]);
+  std::uint32_t* const primitives = &less[words.size() - 4 * words[1] + 4 * (less[leaf] & ((1u << 29) - 1))];
+  std::fill(primitives + 1, primitives + 4, primitives[0]);
   REQUIRE((words[leaf] >> 29) > 1);
   for (const std::vector<std::uint32_t>& bad : {with_child(words[leaf]), with_child(0), less}) {
     write_text(file, with_words(good, bad));
@@ -172,10 +172,10 @@ TEST_CASE("a tree that is right, but deeper than those that walk it allow, is no
   const auto words_of_chain = [&](std::uint32_t length) {
     std::vector<std::vector<std::uint32_t>> nodes;
     std::vector<std::uint32_t> leaves;
-    const auto leaf = [&](std::uint32_t first, std::uint32_t things) {
+    const auto leaf = [&](std::uint32_t first, std::uint32_t primitives) {
       const auto number = static_cast<std::uint32_t>(leaves.size() / 4);
-      for (std::uint32_t k = 0; k < 4; ++k) leaves.push_back(first + std::min(k, things - 1));
-      return number | things << 29;
+      for (std::uint32_t k = 0; k < 4; ++k) leaves.push_back(first + std::min(k, primitives - 1));
+      return number | primitives << 29;
     };
     const std::function<std::uint32_t(std::uint32_t, std::uint32_t, std::uint32_t)> node =
         [&](std::uint32_t first, std::uint32_t count, std::uint32_t chain) {

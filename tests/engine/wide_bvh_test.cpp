@@ -50,13 +50,13 @@ TEST_CASE("a tree whose things can be moved holds them in the smallest boxes whe
     check_tree(tree, boxes, itself);
     for (int round = 0; round < 5; ++round) {
       const std::vector<Box> others = scattered_boxes(random, count);
-      for (std::uint32_t thing = 0; thing < count; thing += 3) {
-        boxes[thing] = others[thing];
-        tree.move(thing, boxes[thing]);
+      for (std::uint32_t primitive = 0; primitive < count; primitive += 3) {
+        boxes[primitive] = others[primitive];
+        tree.move(primitive, boxes[primitive]);
       }
       check_tree(tree, boxes, itself);
     }
-    CHECK(tree.expected_visits() > 0);
+    CHECK(tree.sah_cost() > 0);
   }
 }
 

@@ -406,7 +406,7 @@ TEST_CASE("from which width on planar sees a pole, and is certain of it") {
   const int kPlaces = sanitized() ? 4 : 16;
   for (const double resolution_px : {256.0, 512.0, 1024.0, 4096.0}) {
     const double pixel = pixel_m(resolution_px);
-    double least_seen_px = kInfinity, least_certain_px = kInfinity;  // by some beam, wherever the pole stands
+    double min_seen_px = kInfinity, min_certain_px = kInfinity;  // by some beam, wherever the pole stands
     for (const double width_px : {4.0, 3.0, 2.75, 2.0, 1.0, 0.75, 0.25, 0.0625}) {
       int seen = 0, certain = 0;
       for (int place = 0; place < kPlaces; ++place) {
@@ -430,16 +430,16 @@ TEST_CASE("from which width on planar sees a pole, and is certain of it") {
         seen += is_seen;
         certain += is_certain;
       }
-      if (seen == kPlaces) least_seen_px = width_px;
-      if (certain == kPlaces) least_certain_px = width_px;
+      if (seen == kPlaces) min_seen_px = width_px;
+      if (certain == kPlaces) min_certain_px = width_px;
     }
-    CHECK(least_seen_px == 1);
-    CHECK(least_certain_px == 3);
+    CHECK(min_seen_px == 1);
+    CHECK(min_certain_px == 3);
     std::ostringstream name, outcome;
     name << "pole 8 m away, " << resolution_px << " pixels across 90 degrees";
     outcome.precision(3);
-    outcome << "planar sees it from " << 1000 * least_seen_px * pixel << " mm, is certain from "
-            << 1000 * least_certain_px * pixel << " mm; raycast sees any";
+    outcome << "planar sees it from " << 1000 * min_seen_px * pixel << " mm, is certain from "
+            << 1000 * min_certain_px * pixel << " mm; raycast sees any";
     add_line(name.str(), outcome.str());
   }
 }

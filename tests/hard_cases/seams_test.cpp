@@ -194,7 +194,7 @@ TEST_CASE("a lidar's borders of faces: steps of elevation, corners of the cube, 
   for (const double elevation : {edge, -edge, corner, -corner}) {
     cases.push_back(in_skew_room(rings_around(elevation, 9)));
     // Both a level and an upright face are asked within these three neighbouring numbers.
-    const ScanLayout layout = lay_out(cases.back().scanner.pattern, kRingsResolution);
+    const ScanLayout layout = make_scan_layout(cases.back().scanner.pattern, kRingsResolution);
     std::set<bool> upright;
     for (std::uint32_t ring = 0; ring < 3; ++ring) {
       const std::size_t beam = ring * 9 + (std::abs(elevation) == edge ? 1 : 2);  // middle of a face; between two

@@ -52,7 +52,7 @@ class UrdfScene {
   }
   void set(const std::string& element, double value, const std::string& parameter = "value") {
     built_.parameters.set(built_.parameters.index(element, parameter), value);
-    for (const std::size_t i : built_.parameters.take_changed_elements()) {
+    for (const std::size_t i : built_.parameters.drain_changed_elements()) {
       const ElementDescriptor& changed = built_.parameters.elements()[i];
       built_.elements[i]->update(built_.parameters.values().subspan(changed.first_value, changed.parameters.size()));
     }

@@ -339,7 +339,7 @@ TEST_CASE("of many rays those of one group travel together, and with no others")
   DrawList list;
   add_item(list, box_mesh({0.1, 0.1, 0.1}), at(2, 0.25, 0));
   add_item(list, box_mesh({0.1, 0.1, 0.1}), at(2, -0.25, 0));
-  constexpr std::size_t kGroups = 64, kGroup = RayCaster::kTogether;
+  constexpr std::size_t kGroups = 64, kGroup = RayCaster::kPacketSize;
   std::vector<glm::dvec3> directions;
   for (std::size_t i = 0; i < kGroups * kGroup; ++i) {
     const double side = i / kGroup % 2 == 0 ? 0.25 : -0.25;

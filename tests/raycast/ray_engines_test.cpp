@@ -9,7 +9,7 @@
 #include <vector>
 
 #include <simvis/simulation.h>
-#include "engine/draw/content_order.h"
+#include "engine/draw/canonical_order.h"
 #include "shaders/interop.h"
 #include "tests/support/ray_casting.h"
 #include "tests/support/tested_build.h"
@@ -141,8 +141,8 @@ TEST_CASE("the marvin laboratory from the robot and from afar") {
     glm::dmat4 pose(1.0);
     REQUIRE(simulation.sensor_pose("FRONT_SCANNER", pose));
     if (turn == 3) pose = at(300, 200, 100) * pose;
-    compare(host, device, simulation.draw_list(), pose,
-            directions_into(simulation.draw_list(), pose, 10000 / kFewer, random));
+    compare(host, device, simulation.diagnostics().draw_list(), pose,
+            directions_into(simulation.diagnostics().draw_list(), pose, 10000 / kFewer, random));
   }
   CHECK(device.caster->counters().rays_walked * 100 < device.caster->counters().rays);
 }
@@ -191,7 +191,7 @@ TEST_CASE("of faces in one plane always the same item's is met, in whatever orde
   std::vector<glm::dvec3> directions;
   for (int i = 0; i < 3000; ++i) directions.push_back(glm::normalize(glm::dvec3(2, unit(random), unit(random))));
   const std::vector<RayHit> hits = device_engine().cast(list, glm::dmat4(1.0), directions);
-  const std::uint32_t first = compare_content(list, list.items[0], list.items[1]) < 0 ? 0 : 1;
+  const std::uint32_t first = canonical_compare(list, list.items[0], list.items[1]) < 0 ? 0 : 1;
   for (const RayHit& hit : hits) CHECK(hit.item == first);
   std::swap(list.items[0], list.items[1]);
   const std::vector<RayHit> swapped = device_engine().cast(list, glm::dmat4(1.0), directions);

@@ -111,7 +111,7 @@ class Sequence {
 
   static void apply(LiveScene& scene) {
     Parameters& parameters = scene.built.parameters;
-    for (const std::size_t i : parameters.take_changed_elements()) {
+    for (const std::size_t i : parameters.drain_changed_elements()) {
       const ElementDescriptor& element = parameters.elements()[i];
       scene.built.elements[i]->update(parameters.values().subspan(element.first_value, element.parameters.size()));
     }

@@ -53,7 +53,7 @@ Seen look(const std::filesystem::path& folder, const std::vector<std::string>& c
   for (const std::string& command : commands) xml += command;
   Simulation simulation = Simulation::from_string(xml + kCamera, {}, folder);
   simulation.step();
-  return {simulation.counters(), simulation.draw_list().meshes.size(), simulation.draw_list().materials.size(),
+  return {simulation.diagnostics().counters(), simulation.diagnostics().draw_list().meshes.size(), simulation.diagnostics().draw_list().materials.size(),
           simulation.depth("CAM").pixels};
 }
 

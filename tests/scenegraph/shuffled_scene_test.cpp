@@ -132,7 +132,7 @@ FramePlan pictures() {
   view_of(plan).view_from_world = glm::inverse(kEye * sensor_from_view);
   plan.passes.push_back(plan.passes[0]);
   plan.passes[1].depth = false;
-  plan.passes[1].grid = 2;
+  plan.passes[1].supersampling = 2;
   plan.passes[1].msaa = device().target_limits().msaa.back() >= 4 ? 4 : 1;
   return plan;
 }

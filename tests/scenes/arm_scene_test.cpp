@@ -182,7 +182,7 @@ TEST_CASE("the right finger follows the left one; both show one mesh") {
   Flattener flattener(built.scene.root());
   for (const double grip_m : {0.0, 0.015, 0.04}) {
     built.parameters.set(built.parameters.index("GRIP", "value"), grip_m);
-    for (const std::size_t i : built.parameters.take_changed_elements()) {
+    for (const std::size_t i : built.parameters.drain_changed_elements()) {
       const ElementDescriptor& element = built.parameters.elements()[i];
       built.elements[i]->update(built.parameters.values().subspan(element.first_value, element.parameters.size()));
     }

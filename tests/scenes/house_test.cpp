@@ -57,7 +57,7 @@ TEST_CASE("test data: the furnished house runs with a lidar and a camera") {
   Simulation simulation = Simulation::from_string(scene_from_parts(house / "parts.csv"), {}, house, "house.xml");
   simulation.step();
   // 87 instances of 62 files, 145,844 triangles, says the folder's own list, of which two balls are no files.
-  CHECK(simulation.draw_list().items.size() >= 85);
+  CHECK(simulation.diagnostics().draw_list().items.size() >= 85);
 
   const Image& depth = simulation.depth("CAM");
   std::size_t seen = 0;
@@ -67,7 +67,7 @@ TEST_CASE("test data: the furnished house runs with a lidar and a camera") {
   glm::dmat4 world_from_sensor(1.0);
   REQUIRE(simulation.sensor_pose("LIDAR", world_from_sensor));
   ScanComparison comparison;
-  compare(simulation.scan("LIDAR"), reference::RayCaster(simulation.draw_list(), rigid_inverse(world_from_sensor)),
+  compare(simulation.scan("LIDAR"), reference::RayCaster(simulation.diagnostics().draw_list(), rigid_inverse(world_from_sensor)),
           0.05, 80, 2 / kRingsResolution, comparison);
   std::ostringstream text;
   text << comparison;
@@ -76,7 +76,7 @@ TEST_CASE("test data: the furnished house runs with a lidar and a camera") {
   // Chandelier arms and cupboard mouldings are finer than a pixel at some metres: the stated limit, not many beams.
   CHECK(comparison.narrow < comparison.beams / 1000);
   CHECK(comparison.median_error() <= 2e-7);
-  CHECK(simulation.validation_messages() == 0);
+  CHECK(simulation.diagnostics().validation_messages() == 0);
 }
 
 TEST_SUITE_END();

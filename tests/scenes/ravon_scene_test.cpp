@@ -174,14 +174,14 @@ TEST_CASE("the overview draws at least 200,000 triangles, with masked leaves of 
   CHECK(simulation.warnings().empty());
   for (const SensorInfo& sensor : simulation.sensors()) simulation.enable(sensor.name, sensor.name == "WORLD_CAM");
   simulation.step();
-  MESSAGE(simulation.counters().triangles << " triangles in " << simulation.counters().draws << " draws");
-  CHECK(simulation.counters().triangles >= 200'000);
-  const auto& materials = simulation.draw_list().materials;
+  MESSAGE(simulation.diagnostics().counters().triangles << " triangles in " << simulation.diagnostics().counters().draws << " draws");
+  CHECK(simulation.diagnostics().counters().triangles >= 200'000);
+  const auto& materials = simulation.diagnostics().draw_list().materials;
   CHECK(std::count_if(materials.begin(), materials.end(), [](const auto& material) {
           return material->alpha_mode == AlphaMode::mask && material->base_color_texture &&
                  material->base_color_texture->width >= 1024;
         }) >= 5);
-  CHECK(simulation.validation_messages() == 0);
+  CHECK(simulation.diagnostics().validation_messages() == 0);
 }
 
 TEST_CASE("the robot's wheels stand on the ground all along the drive, and where the scene puts it") {
@@ -225,7 +225,7 @@ TEST_CASE("the front scanner measures the ground before the robot") {
   MESSAGE(check.on_earth << " beams on the ground, " << check.on_fringe << " on the last blades of turf");
   CHECK(check.on_earth > 500);
   CHECK(check.on_fringe > 10);
-  CHECK(simulation.validation_messages() == 0);
+  CHECK(simulation.diagnostics().validation_messages() == 0);
 }
 
 TEST_SUITE_END();

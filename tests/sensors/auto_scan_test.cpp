@@ -7,8 +7,8 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <nlohmann/json.hpp>
 
+#include <simvis/cost_model.h>
 #include <simvis/device.h>
-#include <simvis/device_costs.h>
 #include <simvis/pose.h>
 #include <simvis/renderer.h>
 #include <simvis/simulation.h>
@@ -38,10 +38,10 @@ constexpr const char* kScanners[] = {"FRONT_SCANNER", "REAR_SCANNER", "TILT_SCAN
 const std::uint32_t kFewer = sanitized() ? 8 : 1;
 
 /// Costs where rendering, or casting, is almost for nothing.
-WorkTable made_up_costs(bool cheap_to_render) {
-  WorkTable cost;
-  for (std::size_t i = 0; i < kWorkKinds; ++i) {
-    const bool casting = i >= static_cast<std::size_t>(Work::cast);
+CostModel made_up_costs(bool cheap_to_render) {
+  CostModel cost;
+  for (std::size_t i = 0; i < kCostTerms; ++i) {
+    const bool casting = i >= static_cast<std::size_t>(CostTerm::cast);
     cost.of[i] = casting == cheap_to_render ? 1000 : 0.001;
   }
   return cost;
@@ -60,8 +60,8 @@ Machine& machine() {
 
 /// A folder whose cache says that this device has these costs.
 struct CostsFolder {
-  explicit CostsFolder(const WorkTable& cost) : file(device_costs_file(machine().device, folder.path(), version())) {
-    save_device_costs(file, cost);
+  explicit CostsFolder(const CostModel& cost) : file(cost_model_file(machine().device, folder.path(), version())) {
+    save_cost_model(file, cost);
   }
   TemporaryFolder folder;
   fs::path file;
@@ -76,9 +76,9 @@ void measure(LaserScanner& scanner, const DrawList& list, const glm::dmat4& worl
 }
 
 LaserScanner make_scanner(const LaserScannerDesc& desc, bool cheap_to_render) {
-  const WorkTable cost = made_up_costs(cheap_to_render);
+  const CostModel cost = made_up_costs(cheap_to_render);
   LaserScanner scanner("S", desc);
-  scanner.take_costs([&]() -> const WorkTable& { return cost; });
+  scanner.use_cost_model([&]() -> const CostModel& { return cost; });
   return scanner;
 }
 
@@ -161,7 +161,7 @@ TEST_CASE("every beam keeps the tolerance, whatever is chosen") {
         check_kept(scanner, desc, list, to_matrix(pose));
         measure(scanner, list, to_matrix(pose));
         check_kept(scanner, desc, list, to_matrix(pose));
-        const bool renders = cheap_to_render && desc.max_error_rel >= least_planar_bound();
+        const bool renders = cheap_to_render && desc.max_error_rel >= min_planar_bound();
         CHECK(noted(scanner.report(), "chosen").starts_with(renders ? "hybrid" : "raycast"));
         CHECK((*scanner.cast_share() < 1) == renders);
       }
@@ -186,7 +186,7 @@ TEST_CASE("in the marvin laboratory, too, while the robot drives") {
           const bool absolute = attribute == std::string("max_error_m");
           CHECK(scan.error_bound_m[beam] <= 3e-4 * (absolute ? 1 : static_cast<double>(scan.range_m[beam])));
         }
-        compare(scan, reference::RayCaster(simulation.draw_list(), rigid_inverse(world_from_sensor)), 0.05, 80,
+        compare(scan, reference::RayCaster(simulation.diagnostics().draw_list(), rigid_inverse(world_from_sensor)), 0.05, 80,
                 2.0 / 512, comparison);
         CHECK(chosen(simulation, name).starts_with("hybrid"));
       }
@@ -305,7 +305,7 @@ TEST_CASE("it looks again when the scene grows, and not when the scanner moves a
     simulation.set("MOVE", "yaw", 0.1 * frame);
     simulation.step();
     CHECK(surveys() == "1");
-    CHECK(simulation.counters().passes == (frame == 0 ? std::size(kPlanarResolutions) : 1));
+    CHECK(simulation.diagnostics().counters().passes == (frame == 0 ? std::size(kPlanarResolutions) : 1));
   }
   std::string more;
   for (int i = 1; i < 10; ++i) {
@@ -321,20 +321,20 @@ TEST_CASE("it looks again when the scene grows, and not when the scanner moves a
 
 TEST_CASE("when the chosen way's cost moves it looks again, the rarer the less that changes") {
   const std::vector<double> none;
-  ScanSurvey survey({.samples = 2}, std::vector<double>{512});
-  WorkTable cost;
-  cost[Work::beam] = 1;
-  ScanChoice choice;
+  MethodSurvey survey({.samples = 2}, std::vector<double>{512});
+  CostModel cost;
+  cost[CostTerm::beam] = 1;
+  MethodSelector choice;
   DrawList list;
   const std::vector<Reading> readings(2);
   CHECK(choice.is_due(list));
   survey.choose(readings, cost);
   choice.take(survey, {});
-  WorkTable work;  // the survey's own: nothing was collected, so all of it costs nothing
+  CostModel work;  // the survey's own: nothing was collected, so all of it costs nothing
   CHECK_FALSE(choice.is_due(list));
   choice.measured(work, cost);
   CHECK_FALSE(choice.is_due(list));
-  work[Work::beam] = 3;
+  work[CostTerm::beam] = 3;
   int waited = 0;
   std::vector<int> waits;
   while (waits.size() < 4) {
@@ -355,11 +355,11 @@ TEST_CASE("it looks again only where another way may have become the cheapest") 
   desc.pattern = {.samples = 181, .min_azimuth_rad = -1, .max_azimuth_rad = 1};
   desc.method = ScanMethod::automatic;
   desc.max_error_rel = 1e-4;
-  WorkTable cost;
-  cost[Work::pass] = 1e15;  // far dearer than casting: no item is tested so often
-  cost[Work::item_test] = 1;
+  CostModel cost;
+  cost[CostTerm::pass] = 1e15;  // far dearer than casting: no item is tested so often
+  cost[CostTerm::item_test] = 1;
   LaserScanner scanner("S", desc);
-  scanner.take_costs([&]() -> const WorkTable& { return cost; });
+  scanner.use_cost_model([&]() -> const CostModel& { return cost; });
   // From the room's middle to far outside, from where the room is narrow: what casting costs, the tests of items,
   // swings.
   for (const double x_m : {0.0, -60.0, 0.0, -60.0, 0.0, -60.0}) {
@@ -399,11 +399,11 @@ TEST_CASE("who does not choose pays nothing: no costs are measured, and nothing 
   Simulation simulation = marvin(cache.path(), {{"method", "planar"}});
   simulation.step();
   for (const std::string& file : files_below(cache.path())) CHECK_FALSE(file.starts_with("costs-"));
-  REQUIRE(simulation.frame_plan().passes.size() == std::size(kScanners));
+  REQUIRE(simulation.diagnostics().frame_plan().passes.size() == std::size(kScanners));
   for (std::size_t i = 0; i < std::size(kScanners); ++i) {
-    CHECK(simulation.frame_plan().passes[i].name == kScanners[i] + std::string(".depth"));
+    CHECK(simulation.diagnostics().frame_plan().passes[i].name == kScanners[i] + std::string(".depth"));
   }
-  CHECK(simulation.frame_plan().casts.empty());
+  CHECK(simulation.diagnostics().frame_plan().casts.empty());
   const SensorReport report = sensor(simulation, "FRONT_SCANNER").report;
   CHECK(report.notes.empty());
   CHECK(report.explanation.empty());
@@ -411,15 +411,15 @@ TEST_CASE("who does not choose pays nothing: no costs are measured, and nothing 
 
 TEST_CASE("a file of costs is taken only as it was written") {
   const TemporaryFolder folder;
-  WorkTable cost;
-  for (std::size_t i = 0; i < kWorkKinds; ++i) cost.of[i] = 1.23456e-4 * std::pow(10, i);
+  CostModel cost;
+  for (std::size_t i = 0; i < kCostTerms; ++i) cost.of[i] = 1.23456e-4 * std::pow(10, i);
   const fs::path file = folder / "costs-x.txt";
-  CHECK_FALSE(load_device_costs(file));
-  const WorkTable written = save_device_costs(file, cost);
-  CHECK(written[Work::pass] == 1e-3);  // the least
-  CHECK(written[Work::item_test] == 1.2e8);
-  CHECK(written[Work::triangle_test] == 1e9);  // the most
-  CHECK(load_device_costs(file) == written);
+  CHECK_FALSE(load_cost_model(file));
+  const CostModel written = save_cost_model(file, cost);
+  CHECK(written[CostTerm::pass] == 1e-3);  // the least
+  CHECK(written[CostTerm::item_test] == 1.2e8);
+  CHECK(written[CostTerm::triangle_test] == 1e9);  // the most
+  CHECK(load_cost_model(file) == written);
   CHECK(files_below(folder.path()).size() == 1);  // no temporary file
 
   const std::string text = read_text(file);
@@ -427,49 +427,49 @@ TEST_CASE("a file of costs is taken only as it was written") {
     std::string broken = text;
     broken[i] = static_cast<char>(broken[i] ^ 1);
     write_text(file, broken);
-    CHECK_FALSE(load_device_costs(file));
+    CHECK_FALSE(load_cost_model(file));
   }
   for (const std::string& broken : {std::string(), text + "\n", text.substr(0, text.size() / 2), text + text}) {
     write_text(file, broken);
-    CHECK_FALSE(load_device_costs(file));
+    CHECK_FALSE(load_cost_model(file));
   }
   write_text(folder / "costs-y.txt", text);  // of another device
-  CHECK_FALSE(load_device_costs(folder / "costs-y.txt"));
-  CHECK(save_device_costs("/proc/no/such/costs-x.txt", cost) == written);
-  CHECK(save_device_costs({}, cost) == written);
+  CHECK_FALSE(load_cost_model(folder / "costs-y.txt"));
+  CHECK(save_cost_model("/proc/no/such/costs-x.txt", cost) == written);
+  CHECK(save_cost_model({}, cost) == written);
 }
 
 TEST_CASE("a broken file of costs is made anew") {
   const CostsFolder cache(made_up_costs(true));
   write_text(cache.file, "nonsense");
   Simulation simulation = marvin(cache.folder.path(), {{"method", "auto"}});
-  const std::optional<WorkTable> cost = load_device_costs(cache.file);
+  const std::optional<CostModel> cost = load_cost_model(cache.file);
   REQUIRE(cost);
   CHECK(*cost != made_up_costs(true));
-  CHECK((*cost)[Work::ray] + (*cost)[Work::item_test] + (*cost)[Work::triangle_test] > 1);
-  CHECK((*cost)[Work::pass] + (*cost)[Work::view] > 1000);
+  CHECK((*cost)[CostTerm::ray] + (*cost)[CostTerm::item_test] + (*cost)[CostTerm::triangle_test] > 1);
+  CHECK((*cost)[CostTerm::pass] + (*cost)[CostTerm::view] > 1000);
 }
 
 TEST_CASE("costs are found from counts and times") {
-  WorkTable truth;
-  truth[Work::pass] = 1e5;
-  truth[Work::triangle] = 200;
-  truth[Work::pixel] = 0;
-  truth[Work::ray] = 300;
+  CostModel truth;
+  truth[CostTerm::pass] = 1e5;
+  truth[CostTerm::triangle] = 200;
+  truth[CostTerm::pixel] = 0;
+  truth[CostTerm::ray] = 300;
   std::vector<TimedWork> measurements;
   for (int i = 0; i < 6; ++i) {
     TimedWork drawing, casting;
-    drawing.work[Work::pass] = 1;
-    drawing.work[Work::triangle] = 100 * i * i;
-    drawing.work[Work::pixel] = 1000 * i;
+    drawing.work[CostTerm::pass] = 1;
+    drawing.work[CostTerm::triangle] = 100 * i * i;
+    drawing.work[CostTerm::pixel] = 1000 * i;
     drawing.time_ns = predict(drawing.work, truth);
-    casting.work[Work::ray] = 1 + i;
+    casting.work[CostTerm::ray] = 1 + i;
     casting.time_ns = predict(casting.work, truth);
     measurements.insert(measurements.end(), {drawing, casting});
   }
-  const WorkTable found = fit_costs(measurements);
+  const CostModel found = fit_costs(measurements);
   constexpr double kConverged = 1e-6;  // relative; a thousandth of what the rounding to two digits takes is more
-  for (std::size_t i = 0; i < kWorkKinds; ++i) {
+  for (std::size_t i = 0; i < kCostTerms; ++i) {
     CHECK(std::abs(found.of[i] - truth.of[i]) <= kConverged * std::max(truth.of[i], 1.0));
   }
 }

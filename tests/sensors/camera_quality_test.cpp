@@ -46,12 +46,12 @@ std::vector<glm::dvec2> standard_places(std::uint32_t msaa) {
   }
 }
 
-std::vector<glm::dvec2> sample_places(std::uint32_t grid, std::uint32_t msaa) {
+std::vector<glm::dvec2> sample_places(std::uint32_t supersampling, std::uint32_t msaa) {
   std::vector<glm::dvec2> places;
-  for (std::uint32_t y = 0; y < grid; ++y) {
-    for (std::uint32_t x = 0; x < grid; ++x) {
+  for (std::uint32_t y = 0; y < supersampling; ++y) {
+    for (std::uint32_t x = 0; x < supersampling; ++x) {
       for (const glm::dvec2& place : standard_places(msaa)) {
-        places.push_back((glm::dvec2(x, y) + place) / static_cast<double>(grid));
+        places.push_back((glm::dvec2(x, y) + place) / static_cast<double>(supersampling));
       }
     }
   }
@@ -84,9 +84,9 @@ test::RendererScene scene_with(const Edge& edge) {
   return scene;
 }
 
-std::vector<glm::vec4> picture(Renderer& renderer, const DrawList& list, FramePlan plan, std::uint32_t grid,
+std::vector<glm::vec4> picture(Renderer& renderer, const DrawList& list, FramePlan plan, std::uint32_t supersampling,
                                std::uint32_t msaa) {
-  plan.passes[0].grid = grid;
+  plan.passes[0].supersampling = supersampling;
   plan.passes[0].msaa = msaa;
   return test::copy(renderer.render(list, plan)[0].color);
 }
@@ -113,11 +113,13 @@ double covered_share(const Edge& edge, const glm::dvec2& corner) {
 
 // Along each of the grid's rows (columns, for edges that lie more than stand) the count of samples is half a sample off
 // at the most, and the two rows in which the edge leaves the pixel cut a corner of at most an eighth of a sample each.
-double grid_quantum(std::uint32_t grid) { return 0.5 / grid + 2 * 0.125 / (grid * grid); }
+double grid_quantum(std::uint32_t supersampling) {
+  return 0.5 / supersampling + 2 * 0.125 / (supersampling * supersampling);
+}
 
-void check_edge(Renderer& renderer, const Edge& edge, std::uint32_t grid, std::uint32_t msaa) {
-  const std::vector<glm::vec4> seen = picture(renderer, scene_with(edge).list, square_plan(), grid, msaa);
-  const std::vector<glm::dvec2> places = sample_places(grid, msaa);
+void check_edge(Renderer& renderer, const Edge& edge, std::uint32_t supersampling, std::uint32_t msaa) {
+  const std::vector<glm::vec4> seen = picture(renderer, scene_with(edge).list, square_plan(), supersampling, msaa);
+  const std::vector<glm::dvec2> places = sample_places(supersampling, msaa);
   const auto count = static_cast<double>(places.size());
   int wrong = 0, uncovered = 0;
   for (std::uint32_t y = 0; y < kSize_px; ++y) {
@@ -135,7 +137,7 @@ void check_edge(Renderer& renderer, const Edge& edge, std::uint32_t grid, std::u
                  color.a == 1);
       if (msaa == 1) {
         const double on_edge = (most - least) / count;
-        uncovered += !(std::abs(color.r - covered_share(edge, corner)) <= grid_quantum(grid) + on_edge);
+        uncovered += !(std::abs(color.r - covered_share(edge, corner)) <= grid_quantum(supersampling) + on_edge);
       }
     }
   }
@@ -172,12 +174,12 @@ TEST_CASE(
   for (int e = 0; e < 24; ++e) {
     const Edge edge{{kSize_px / 2.0 + 4 * unit(random), kSize_px / 2.0 + 4 * unit(random)},
                     e % 4 == 0 ? e / 4 * std::numbers::pi / 2 : 2 * std::numbers::pi * unit(random)};
-    for (const std::uint32_t grid : {1u, 2u, 4u}) {
+    for (const std::uint32_t supersampling : {1u, 2u, 4u}) {
       for (const std::uint32_t msaa : device().target_limits().msaa) {
         CAPTURE(e);
-        CAPTURE(grid);
+        CAPTURE(supersampling);
         CAPTURE(msaa);
-        check_edge(renderer, edge, grid, msaa);
+        check_edge(renderer, edge, supersampling, msaa);
       }
     }
   }
@@ -188,8 +190,8 @@ TEST_CASE("a half covered white pixel on black is one half in linear light, 188 
   Renderer renderer(device());
   const std::size_t middle = (kSize_px / 2) * kSize_px + 7;
   const DrawList list = scene_with({{7.5, 12}, 0}).list;
-  for (const std::uint32_t grid : {2u, 4u}) {
-    const std::vector<glm::vec4> seen = picture(renderer, list, square_plan(), grid, 1);
+  for (const std::uint32_t supersampling : {2u, 4u}) {
+    const std::vector<glm::vec4> seen = picture(renderer, list, square_plan(), supersampling, 1);
     CHECK(seen[middle - 1].r == 0);
     CHECK(seen[middle].r == 0.5f);
     CHECK(seen[middle + 1].r == 1);
@@ -238,8 +240,8 @@ TEST_CASE("views of one pass, and strips with rows of guard, keep to their recta
   plan.passes[0].views[1].y_px = 4;
   plan.passes[0].views[1].pinhole.cx_px += 8;
   const std::vector<glm::vec4> plain = picture(renderer, scene.list, plan, 1, 1);
-  for (const std::uint32_t grid : {2u, 4u}) {
-    const std::vector<glm::vec4> seen = picture(renderer, scene.list, plan, grid, 1);
+  for (const std::uint32_t supersampling : {2u, 4u}) {
+    const std::vector<glm::vec4> seen = picture(renderer, scene.list, plan, supersampling, 1);
     CHECK(test::same_bytes(std::span<const glm::vec4>(seen), std::span<const glm::vec4>(plain)));
   }
   CHECK(plain[16].r == 1);
@@ -250,9 +252,9 @@ TEST_CASE("views of one pass, and strips with rows of guard, keep to their recta
 
 TEST_CASE("depth is never averaged: the same bytes whatever the samples, and the plan says why it is apart") {
   const Simulation plain = robot_cam(1, 1, "color depth", 320, 240);
-  REQUIRE(plain.frame_plan().passes.size() == 1);
-  CHECK(plain.counters().dispatches == 0);
-  CHECK(plain.counters().bytes_read_back == 320 * 240 * (16 + 4));
+  REQUIRE(plain.diagnostics().frame_plan().passes.size() == 1);
+  CHECK(plain.diagnostics().counters().dispatches == 0);
+  CHECK(plain.diagnostics().counters().bytes_read_back == 320 * 240 * (16 + 4));
   struct Variant {
     int supersampling, msaa;
   };
@@ -260,19 +262,19 @@ TEST_CASE("depth is never averaged: the same bytes whatever the samples, and the
     const Simulation several = robot_cam(supersampling, msaa, "color depth", 320, 240);
     CHECK(several.depth("ROBOT_CAM").pixels == plain.depth("ROBOT_CAM").pixels);
     CHECK(several.color("ROBOT_CAM").pixels != plain.color("ROBOT_CAM").pixels);
-    REQUIRE(several.frame_plan().passes.size() == 2);
-    CHECK(several.counters().passes == 2);
-    CHECK(several.counters().dispatches == 1);
-    CHECK(several.counters().bytes_read_back == plain.counters().bytes_read_back);
-    const std::string text = explain(several.frame_plan(), {several.counters()});
+    REQUIRE(several.diagnostics().frame_plan().passes.size() == 2);
+    CHECK(several.diagnostics().counters().passes == 2);
+    CHECK(several.diagnostics().counters().dispatches == 1);
+    CHECK(several.diagnostics().counters().bytes_read_back == plain.diagnostics().counters().bytes_read_back);
+    const std::string text = explain(several.diagnostics().frame_plan(), {several.diagnostics().counters()});
     CHECK(contains(text, "the mean of " + std::to_string(supersampling * msaa) + " samples a pixel"));
     CHECK(contains(text, "depth of camera ROBOT_CAM, apart"));
-    CHECK(several.validation_messages() == 0);
+    CHECK(several.diagnostics().validation_messages() == 0);
     const Simulation colour = robot_cam(supersampling, msaa, "color", 320, 240);
-    CHECK(colour.counters().passes == 1);
+    CHECK(colour.diagnostics().counters().passes == 1);
     CHECK(colour.color("ROBOT_CAM").pixels == several.color("ROBOT_CAM").pixels);
     const Simulation depth = robot_cam(supersampling, msaa, "depth", 320, 240);
-    CHECK(depth.counters().dispatches == 0);
+    CHECK(depth.diagnostics().counters().dispatches == 0);
     CHECK(depth.depth("ROBOT_CAM").pixels == plain.depth("ROBOT_CAM").pixels);
   }
 }
@@ -288,7 +290,7 @@ TEST_CASE("a stereo camera: colour is averaged, depth and disparity are not") {
   for (const std::uint32_t width : {96u, 1100u}) {  // 2 x 2 x 1100 is too wide for both views in one pass
     StereoCameraDesc desc{.width_px = width, .height_px = 64, .depth = true};
     StereoCamera plain("EYES", desc);
-    desc.sampling.grid = 2;
+    desc.sampling.supersampling = 2;
     StereoCamera several("EYES", desc);
     for (StereoCamera* const camera : {&plain, &several}) {
       FramePlan plan;

@@ -56,10 +56,10 @@ TEST_CASE("beams that travel together are neighbours along and across the rings"
   const ScanPattern pattern{
       .samples = 1441, .rings = 8, .max_azimuth_rad = 2 * kPi, .max_elevation_rad = 7 * 0.45 * kPi / 180};
   const std::vector<std::uint32_t> order = casting_order(pattern);
-  for (std::size_t first = 0; first < std::size_t{2 * 180} * RayCaster::kTogether; first += RayCaster::kTogether) {
+  for (std::size_t first = 0; first < std::size_t{2 * 180} * RayCaster::kPacketSize; first += RayCaster::kPacketSize) {
     CAPTURE(first);
     std::set<std::uint32_t> rings, columns;
-    for (std::size_t i = first; i < first + RayCaster::kTogether; ++i) {
+    for (std::size_t i = first; i < first + RayCaster::kPacketSize; ++i) {
       rings.insert(order[i] / pattern.samples);
       columns.insert(order[i] % pattern.samples);
     }

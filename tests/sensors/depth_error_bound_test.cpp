@@ -163,12 +163,12 @@ TEST_CASE("the marvin laboratory while the robot turns: 900,000 pixels") {
   for (int frame = 0; frame < 3; ++frame) {
     simulation.set("R_POSE", "yaw", 120.0 * frame);
     simulation.step();
-    const View& view = simulation.frame_plan().passes[0].views[0];
+    const View& view = simulation.diagnostics().frame_plan().passes[0].views[0];
     compare(simulation.depth("ROBOT_CAM"), simulation.value("ROBOT_CAM", kDepthErrorBound), view.pinhole,
-            reference::RayCaster(simulation.draw_list(), view.view_from_world), comparison);
+            reference::RayCaster(simulation.diagnostics().draw_list(), view.view_from_world), comparison);
   }
   check(comparison);
-  CHECK(simulation.validation_messages() == 0);
+  CHECK(simulation.diagnostics().validation_messages() == 0);
 }
 
 TEST_CASE("a wall that faces the camera: the bound follows from its distance alone") {

@@ -38,7 +38,7 @@ struct Picture {
   double snap_px = 0, depth_snap_px = 0;
 
   Picture(const ScanPattern& pattern, double resolution_px, const World& world)
-      : layout(lay_out(pattern, resolution_px)) {
+      : layout(make_scan_layout(pattern, resolution_px)) {
     for (const ScanFace& face : layout.faces) {
       std::vector<float>& pixels = faces.emplace_back();
       for (std::uint32_t y = 0; y < face.height_px; ++y) {

@@ -102,11 +102,11 @@ TEST_CASE("raycast in the marvin laboratory while the robot drives") {
   ScanComparison comparison;
   for (int frame = 0; frame < 10; frame += kFewer) {
     drive(simulation, frame);
-    CHECK(simulation.counters() == FrameCounters{});  // nothing is rendered, uploaded or held
+    CHECK(simulation.diagnostics().counters() == FrameCounters{});  // nothing is rendered, uploaded or held
     for (const char* name : kScanners) {
       glm::dmat4 world_from_sensor(1.0);
       REQUIRE(simulation.sensor_pose(name, world_from_sensor));
-      compare(simulation.scan(name), reference::RayCaster(simulation.draw_list(), rigid_inverse(world_from_sensor)),
+      compare(simulation.scan(name), reference::RayCaster(simulation.diagnostics().draw_list(), rigid_inverse(world_from_sensor)),
               0.05, 80, 0, comparison);
       CHECK(cast_share(simulation, name) == 1);
     }
@@ -147,7 +147,7 @@ TEST_CASE("hybrid casts what is above its bound, and agrees with raycast within 
   for (int frame = 0; frame < 10; frame += kFewer) {
     drive(hybrid, frame);
     drive(raycast, frame);
-    CHECK(hybrid.counters().passes == 3);
+    CHECK(hybrid.diagnostics().counters().passes == 3);
     for (const char* name : kScanners) {
       const Scan &a = hybrid.scan(name), &b = raycast.scan(name);
       for (std::size_t beam = 0; beam < a.range_m.size(); ++beam) {
@@ -165,7 +165,7 @@ TEST_CASE("hybrid casts what is above its bound, and agrees with raycast within 
                                   << " % of its beams, and departs from raycast by at most " << worst);
   CHECK(share > 0);
   CHECK(share < 0.2 * scans);
-  CHECK(hybrid.validation_messages() == 0);
+  CHECK(hybrid.diagnostics().validation_messages() == 0);
 }
 
 TEST_CASE("hybrid leaves no beam in doubt: beside a silhouette before nothing, across a limit of the range") {
@@ -217,26 +217,26 @@ TEST_CASE("hybrid unless told otherwise: no rendered range has such a bound, so 
     const Scan& rendered = planar.scan(name);
     for (std::size_t beam = 0; beam < rendered.range_m.size(); ++beam) {
       REQUIRE(std::isfinite(rendered.range_m[beam]));
-      CHECK(rendered.error_bound_m[beam] >= (least_planar_bound() - kHalfUlp) * rendered.range_m[beam]);
+      CHECK(rendered.error_bound_m[beam] >= (min_planar_bound() - kHalfUlp) * rendered.range_m[beam]);
     }
   }
-  CHECK(hybrid.counters().passes == 0);
-  const std::string explained = explain(hybrid.frame_plan(), {hybrid.counters()});
+  CHECK(hybrid.diagnostics().counters().passes == 0);
+  const std::string explained = explain(hybrid.diagnostics().frame_plan(), {hybrid.diagnostics().counters()});
   CHECK(
-      contains(explained, "cast FRONT_SCANNER: up to 361 rays by " + hybrid.frame_plan().casts[0].engine + ": every"));
-  CHECK(!hybrid.frame_plan().casts[0].engine.empty());
+      contains(explained, "cast FRONT_SCANNER: up to 361 rays by " + hybrid.diagnostics().frame_plan().casts[0].engine + ": every"));
+  CHECK(!hybrid.diagnostics().frame_plan().casts[0].engine.empty());
 }
 
 TEST_CASE("who does not cast pays nothing; who does builds each mesh once, and a drive moves boxes only") {
   Simulation planar = marvin({{"method", "planar"}}), raycast = marvin({{"method", "raycast"}});
   drive(planar, 0);
-  CHECK(planar.ray_counters() == RayCounters{});
+  CHECK(planar.diagnostics().ray_counters() == RayCounters{});
   CHECK(cast_share(planar, "FRONT_SCANNER") == -1);
   CHECK(json_of(planar).find("cast_share") == std::string::npos);
   CHECK(json_of(raycast).find("\"cast_share\": 0.0") != std::string::npos);
 
   drive(raycast, 0);
-  const RayCounters first = raycast.ray_counters();
+  const RayCounters first = raycast.diagnostics().ray_counters();
   CHECK(first.rays == 3 * 361);
   CHECK(first.meshes_built > 0);
   CHECK(first.item_trees_built == 1);
@@ -244,14 +244,14 @@ TEST_CASE("who does not cast pays nothing; who does builds each mesh once, and a
     return counters.item_trees_built + counters.item_trees_refitted;
   };
   drive(raycast, 1);
-  const RayCounters second = raycast.ray_counters();
+  const RayCounters second = raycast.diagnostics().ray_counters();
   CHECK(second.meshes_built == first.meshes_built);
   CHECK(second.triangles_built == first.triangles_built);
   CHECK(trees_of(second) == 2);
   CHECK(second.items_placed > first.items_placed);
   CHECK(second.items_placed - first.items_placed < first.items_placed);  // the robot, not the laboratory
   raycast.step();
-  CHECK(trees_of(raycast.ray_counters()) == 2);
+  CHECK(trees_of(raycast.diagnostics().ray_counters()) == 2);
 }
 
 TEST_CASE("two runs give the same bytes") {

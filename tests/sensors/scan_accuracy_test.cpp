@@ -123,7 +123,7 @@ TEST_CASE("planar scans of the marvin laboratory while the robot drives: 300,000
     for (const char* name : {"FRONT_SCANNER", "REAR_SCANNER", "TILT_SCANNER"}) {
       glm::dmat4 world_from_sensor(1.0);
       REQUIRE(simulation.sensor_pose(name, world_from_sensor));
-      compare(simulation.scan(name), reference::RayCaster(simulation.draw_list(), rigid_inverse(world_from_sensor)),
+      compare(simulation.scan(name), reference::RayCaster(simulation.diagnostics().draw_list(), rigid_inverse(world_from_sensor)),
               0.05, 80, 2 / kPlanarResolution, comparison);
     }
   }
@@ -132,7 +132,7 @@ TEST_CASE("planar scans of the marvin laboratory while the robot drives: 300,000
   CHECK(comparison.narrow == 0);
   CHECK(comparison.uncertain < comparison.beams / 10);
   CHECK(comparison.median_error() <= kMedianError);
-  CHECK(simulation.validation_messages() == 0);
+  CHECK(simulation.diagnostics().validation_messages() == 0);
 }
 
 TEST_SUITE_END();

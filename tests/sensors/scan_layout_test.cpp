@@ -25,7 +25,7 @@ glm::dvec3 direction(const ScanLayout& layout, const BeamTap& tap) {
 }
 
 void check_layout(const ScanPattern& pattern, double resolution_px) {
-  const ScanLayout layout = lay_out(pattern, resolution_px);
+  const ScanLayout layout = make_scan_layout(pattern, resolution_px);
   const auto a = azimuths(pattern), e = elevations(pattern);
   REQUIRE(layout.taps.size() == a.size() * e.size());
   for (std::size_t ring = 0; ring < e.size(); ++ring) {
@@ -87,20 +87,22 @@ TEST_CASE("taps point along their beams, inside their faces") {
 
 TEST_CASE("a half circle takes two faces, a full turn four, the sphere six; a planar strip has two rows") {
   const double quarter = kPi / 2;
-  CHECK(lay_out({.samples = 361, .min_azimuth_rad = -quarter, .max_azimuth_rad = quarter}, 4096).faces.size() == 2);
-  CHECK(lay_out({.samples = 361, .min_azimuth_rad = -kPi, .max_azimuth_rad = kPi}, 4096).faces.size() == 4);
-  CHECK(lay_out({.samples = 361,
-                 .rings = 181,
-                 .min_azimuth_rad = -kPi,
-                 .max_azimuth_rad = kPi,
-                 .min_elevation_rad = -quarter,
-                 .max_elevation_rad = quarter},
-                256)
+  CHECK(
+      make_scan_layout({.samples = 361, .min_azimuth_rad = -quarter, .max_azimuth_rad = quarter}, 4096).faces.size() ==
+      2);
+  CHECK(make_scan_layout({.samples = 361, .min_azimuth_rad = -kPi, .max_azimuth_rad = kPi}, 4096).faces.size() == 4);
+  CHECK(make_scan_layout({.samples = 361,
+                          .rings = 181,
+                          .min_azimuth_rad = -kPi,
+                          .max_azimuth_rad = kPi,
+                          .min_elevation_rad = -quarter,
+                          .max_elevation_rad = quarter},
+                         256)
             .faces.size() == 6);
 }
 
 TEST_CASE("a face is only as wide as its beams need") {
-  const ScanLayout layout = lay_out({.samples = 3, .min_azimuth_rad = -0.01, .max_azimuth_rad = 0.01}, 2000);
+  const ScanLayout layout = make_scan_layout({.samples = 3, .min_azimuth_rad = -0.01, .max_azimuth_rad = 0.01}, 2000);
   REQUIRE(layout.faces.size() == 1);
   // Tangents up to 0.01 at 1000 pixels each: 10 pixels to either side, and the neighbourhood.
   CHECK(layout.faces[0].width_px <= 2 * 11 + kPixelsBefore + kPixelsAfter + 1);

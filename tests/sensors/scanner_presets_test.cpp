@@ -25,7 +25,7 @@ Simulation simulation_of(const std::string& attributes, double rate_hz = 15) {
 
 double attribute(const Simulation& simulation, std::string_view name) {
   double value = 0;
-  REQUIRE(parse_number(simulation.command("SCAN").require(name).value, value));
+  REQUIRE(parse_number(simulation.diagnostics().command("SCAN").require(name).value, value));
   return value;
 }
 
@@ -109,7 +109,7 @@ TEST_CASE("what a command says itself, and what the command line says, goes befo
 
 TEST_CASE("a variant of a preset keeps its beams and measures in every frame") {
   Simulation simulation = simulation_of("preset='velodyne_vlp16' samples='90'", 20);
-  const Command command = simulation.command("SCAN");
+  const Command command = simulation.diagnostics().command("SCAN");
   CHECK(variant_of(command).resolution_px == kRingsResolution);
   simulation.add_variant("SCAN", with_variant(command, {"nearest", 256, {}}, "SCAN.0"));
   for (int frame = 0; frame < 4; ++frame) simulation.step();

@@ -130,7 +130,7 @@ TEST_CASE("draw lists of the scenes that come with SimVis") {
     Hash hash;
     for (const int frame : kFrames) {
       drive(simulation, trajectory, frame);
-      hash.add(std::vector{content_hash(rounded(simulation.draw_list()))});
+      hash.add(std::vector{content_hash(rounded(simulation.diagnostics().draw_list()))});
     }
     CHECK_MESSAGE(hash.value() == expected.hash,
                   advice("the draw lists of " + std::string(expected.scene), hash.value(), "kDrawLists"));
@@ -157,7 +157,7 @@ TEST_CASE("scans of marvin by each method") {
         hash.add(in_micrometres(scan.error_bound_m));
       }
     }
-    const DeviceInfo& device = simulation.device();
+    const DeviceInfo& device = simulation.diagnostics().device();
     const std::string found = "marvin's scans by " + method + " on " + device.name + ", " + device.driver;
     if (!expected.device.empty() && (device.name != expected.device || device.driver != expected.driver)) {
       MESSAGE(found << " hash to " << hex(hash.value()) << ". No hash is known for this driver: not compared");

@@ -34,7 +34,7 @@ TEST_CASE("bytes are put in their order, on the caller's thread, and never more 
       all += bytes;
       ++put;
     });
-    CHECK(static_cast<std::size_t>(i) + 1 - put <= queue.most_pending());
+    CHECK(static_cast<std::size_t>(i) + 1 - put <= queue.max_pending());
   }
   queue.finish();
   CHECK(all == expected);
@@ -73,7 +73,7 @@ TEST_CASE("jobs that hold much are pending one at a time") {
   EncodingQueue queue;
   int put = 0;
   for (int i = 0; i < 4; ++i) {
-    queue.add(text_of(i), EncodingQueue::kMostBytes - 1, [&](std::string_view) { ++put; });
+    queue.add(text_of(i), EncodingQueue::kMaxBytes - 1, [&](std::string_view) { ++put; });
     CHECK(put == i);
   }
   queue.finish();

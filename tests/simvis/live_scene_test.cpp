@@ -129,7 +129,7 @@ TEST_CASE("insertion points within a part take commands; the second time their n
   CHECK(parameters.elements()[1].name == "R/TILT");
   CHECK(parameters.elements()[1].insertion_point == "R/HAND");
   parameters.set(parameters.index("R/TILT", "value"), 90);
-  for (const std::size_t i : parameters.take_changed_elements()) {
+  for (const std::size_t i : parameters.drain_changed_elements()) {
     scene.built.elements[i]->update(parameters.values().subspan(parameters.elements()[i].first_value, 1));
   }
   Flattener flattener(scene.built.scene.root());

@@ -53,19 +53,19 @@ TEST_CASE("a value that is not allowed is refused and the old one kept") {
   CHECK(contains(error_of([&] { p.set(3, 0); }), "there is no parameter of index 3, expected one below 3"));
   CHECK(p.values()[0] == 5);
   CHECK(p.values()[1] == 1);
-  CHECK(p.take_changed_elements().empty());
+  CHECK(p.drain_changed_elements().empty());
 }
 
 TEST_CASE("only changed values count as changes, once") {
   Parameters p = make();
-  CHECK(p.take_changed_elements().empty());
+  CHECK(p.drain_changed_elements().empty());
   p.set(2, 7);
-  CHECK(p.take_changed_elements().empty());
+  CHECK(p.drain_changed_elements().empty());
   p.set(2, 8);
   p.set(0, 1);
   p.set(1, 2);
-  CHECK(p.take_changed_elements() == std::vector<std::size_t>{0, 2});
-  CHECK(p.take_changed_elements().empty());
+  CHECK(p.drain_changed_elements() == std::vector<std::size_t>{0, 2});
+  CHECK(p.drain_changed_elements().empty());
 }
 
 TEST_CASE("the logs keep what they are told, in order") {

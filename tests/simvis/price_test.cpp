@@ -135,12 +135,12 @@ Strings lines_of(const std::string& text) {
 TEST_CASE("a variant stands where its sensor stands, moves with it, and measures as the sensor itself would") {
   const WallScene scene;
   Simulation simulation = scene.load();
-  Command command = simulation.command("SCAN");
+  Command command = simulation.diagnostics().command("SCAN");
   for (CommandAttribute& attribute : command.attributes) {
     if (attribute.name == "name") attribute.value = "SCAN.2";
   }
   simulation.add_variant("SCAN", command);
-  const std::size_t items = simulation.draw_list().items.size();
+  const std::size_t items = simulation.diagnostics().draw_list().items.size();
   for (int frame = 0; frame < 3; ++frame) {
     simulation.set("MOVE", "x", 0.3 * frame);
     simulation.set("MOVE", "yaw", 10.0 * frame);
@@ -149,32 +149,32 @@ TEST_CASE("a variant stands where its sensor stands, moves with it, and measures
     CHECK(simulation.scan("SCAN.2").range_m == simulation.scan("SCAN").range_m);
     CHECK(simulation.scan("SCAN.2").error_bound_m == simulation.scan("SCAN").error_bound_m);
   }
-  CHECK(simulation.draw_list().items.size() == items);
+  CHECK(simulation.diagnostics().draw_list().items.size() == items);
   simulation.enable("SCAN.2", false);
   CHECK(simulation.sensors().back().enabled == false);
-  CHECK(simulation.validation_messages() == 0);
+  CHECK(simulation.diagnostics().validation_messages() == 0);
 }
 
 TEST_CASE("overrides are in a sensor's command, and do not touch a variant") {
   const WallScene scene;
   Simulation simulation = scene.load(overridden({"nearest", 512, {}}));
-  CHECK(variant_of(simulation.command("SCAN")) == ScanVariant{"nearest", 512, {}});
-  simulation.add_variant("SCAN", with_variant(simulation.command("SCAN"), {"planar", 64, {}}, "SCAN.0"));
+  CHECK(variant_of(simulation.diagnostics().command("SCAN")) == ScanVariant{"nearest", 512, {}});
+  simulation.add_variant("SCAN", with_variant(simulation.diagnostics().command("SCAN"), {"planar", 64, {}}, "SCAN.0"));
   CHECK(simulation.sensors().back().method == "planar");
-  CHECK(error_of([&] { simulation.command("SCAM"); }).find("did you mean \"SCAN\"?") != std::string::npos);
+  CHECK(error_of([&] { simulation.diagnostics().command("SCAM"); }).find("did you mean \"SCAN\"?") != std::string::npos);
 }
 
 TEST_CASE("a variant that cannot be leaves the simulation as it was") {
   const WallScene scene;
   Simulation simulation = scene.load();
-  const Command command = simulation.command("SCAN");
+  const Command command = simulation.diagnostics().command("SCAN");
   const auto refused = [&](const Command& wrong, const std::string& why) {
     return contains(error_of([&] { simulation.add_variant("SCAN", wrong); }), why);
   };
   CHECK(refused(command, "\"SCAN\""));  // the name is taken
   CHECK(refused(with_variant(command, {"sonar", 512, {}}, "A"), "sonar"));
   CHECK(refused(with_variant(command, {"planar", 1, {}}, "A"), "resolution"));
-  Command camera = simulation.command("CAM");
+  Command camera = simulation.diagnostics().command("CAM");
   camera.attributes[1].value = "A";
   REQUIRE(camera.attributes[1].name == "name");
   CHECK(refused(camera, "another type"));
@@ -230,7 +230,7 @@ TEST_CASE("each row says what a normal run of it says; errors lie within bounds;
     const VariantPrice& exact = price.variants.back();
     CHECK(std::ranges::count(price.variants, true, &VariantPrice::in_scene) == 1);
     CHECK(std::ranges::min(price.variants, {}, &VariantPrice::ratio).ratio == 1);
-    double most_unbounded = 0;
+    double max_unbounded = 0;
     for (const VariantPrice& row : price.variants) {
       CAPTURE(attributes_of(row.variant));
       const NormalRun normal(scene, row.variant, desc.frames, drives);
@@ -245,7 +245,7 @@ TEST_CASE("each row says what a normal run of it says; errors lie within bounds;
       CHECK(row.bound_largest_rel == normal.largest_rel);
       CHECK(row.unbounded_share == normal.unbounded);
       CHECK(row.cast_share == doctest::Approx(normal.cast).epsilon(1e-12));  // another order of sums
-      most_unbounded = std::max(most_unbounded, row.unbounded_share);
+      max_unbounded = std::max(max_unbounded, row.unbounded_share);
       CHECK(row.difference_largest_m <= row.bound_largest_m + exact.bound_largest_m);
       CHECK(row.difference_largest_rel <= row.bound_largest_rel + exact.bound_largest_rel);
       CHECK(std::isnan(row.unbounded_difference_m) == !(row.unbounded_share > 0));
@@ -253,7 +253,7 @@ TEST_CASE("each row says what a normal run of it says; errors lie within bounds;
       CHECK(row.wrong_kind_share <= row.unbounded_share);
       if (row.variant.max_error_rel) CHECK(row.meets(*row.variant.max_error_rel));
     }
-    CHECK(most_unbounded > 0);
+    CHECK(max_unbounded > 0);
     CHECK(exact.variant == ScanVariant{"raycast", {}, {}});
     CHECK(exact.cast_share == 1);
     CHECK(exact.difference_largest_m == 0);

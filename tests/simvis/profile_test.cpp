@@ -131,16 +131,16 @@ TEST_CASE("the spans of a run nest on each track, and the device works while its
   constexpr std::uint64_t kFrames = 3;
   bool timed = false;
   {
-    Profile profile(folder / "p.json", simulation.device().name);
+    Profile profile(folder / "p.json", simulation.diagnostics().device().name);
     for (std::uint64_t frame = 0; frame < kFrames; ++frame) {
       simulation.step();
       profile.add({.index = frame,
-                   .stages = simulation.stages(),
-                   .sensors = simulation.sensor_costs(),
-                   .counters = simulation.counters(),
-                   .device_memory_bytes = simulation.device_memory_bytes()});
-      profile.add(simulation.frame_plan(), *simulation.frame_costs());
-      timed = simulation.frame_costs()->timed;
+                   .stages = simulation.diagnostics().stages(),
+                   .sensors = simulation.diagnostics().sensor_costs(),
+                   .counters = simulation.diagnostics().counters(),
+                   .device_memory_bytes = simulation.diagnostics().device_memory_bytes()});
+      profile.add(simulation.diagnostics().frame_plan(), *simulation.diagnostics().frame_costs());
+      timed = simulation.diagnostics().frame_costs()->timed;
     }
     profile.commit();
   }

@@ -14,7 +14,7 @@ TEST_SUITE_BEGIN("simvis");
 namespace simvis {
 namespace {
 
-constexpr std::ptrdiff_t kMostLines = 40;  // of the example that shows how to write an element
+constexpr std::ptrdiff_t kMaxLines = 40;  // of the example that shows how to write an element
 
 const std::string kReadme = read_text(SIMVIS_SOURCE_DIR "/README.md");
 
@@ -42,7 +42,7 @@ void check_documented(const Type& type, AttributeTable attributes) {
 TEST_CASE("the element in the README is the one that is compiled and run, and short") {
   const std::string code = read_text(SIMVIS_SOURCE_DIR "/tests/plugin/door.cpp");
   REQUIRE_FALSE(code.empty());
-  CHECK(std::ranges::count(code, '\n') < kMostLines);
+  CHECK(std::ranges::count(code, '\n') < kMaxLines);
   CHECK(kReadme.find("```cpp\n" + code + "```") != std::string::npos);
 }
 

@@ -145,9 +145,9 @@ TEST_CASE("only enabled sensors that are due are rendered") {
   simulation->enable("SCAN", false);
   simulation->step();
   CHECK(simulation->measured().empty());
-  CHECK(simulation->frame_plan().passes.empty());
-  CHECK(simulation->counters().draws == 0);
-  CHECK(simulation->counters().bytes_read_back == 0);
+  CHECK(simulation->diagnostics().frame_plan().passes.empty());
+  CHECK(simulation->diagnostics().counters().draws == 0);
+  CHECK(simulation->diagnostics().counters().bytes_read_back == 0);
   const std::vector<SensorInfo> sensors = simulation->sensors();
   REQUIRE(sensors.size() == 2);
   CHECK(sensors[0].name == "SCAN");
@@ -182,12 +182,12 @@ TEST_CASE("a scaled or mirrored sensor stays a sensor, a flattened one is refuse
 
 TEST_CASE("a step's stages follow each other") {
   WallSimulation simulation(kScanner);
-  CHECK(simulation->stages().empty());
+  CHECK(simulation->diagnostics().stages().empty());
   simulation->step();
   simulation->step();
   std::string names;
   std::int64_t last_ns = 0;
-  for (const StageTime& stage : simulation->stages()) {
+  for (const StageTime& stage : simulation->diagnostics().stages()) {
     names += std::string(stage.name) + " ";
     CHECK(stage.start_ns >= last_ns);
     CHECK(stage.end_ns >= stage.start_ns);
@@ -198,9 +198,9 @@ TEST_CASE("a step's stages follow each other") {
 
 TEST_CASE("a scene without a light gets one, and a scene with one does not") {
   WallSimulation dark("");
-  REQUIRE(dark->draw_list().lights.size() == 1);
-  CHECK(dark->draw_list().lights[0].light == kDefaultLight);
-  CHECK(dark->draw_list().lights[0].transform == 0);
+  REQUIRE(dark->diagnostics().draw_list().lights.size() == 1);
+  CHECK(dark->diagnostics().draw_list().lights[0].light == kDefaultLight);
+  CHECK(dark->diagnostics().draw_list().lights[0].transform == 0);
 
   const TemporaryFolder folder;
   write_text(folder / "lamp.gltf",
@@ -210,8 +210,8 @@ TEST_CASE("a scene without a light gets one, and a scene with one does not") {
                  "nodes": [{"extensions": {"KHR_lights_punctual": {"light": 0}}}]})");
   const Simulation lit =
       Simulation::from_string(R"(<part file="lamp.gltf" name="LAMP" insert_at="ROOT"/>)", {}, folder.path());
-  REQUIRE(lit.draw_list().lights.size() == 1);
-  CHECK(lit.draw_list().lights[0].light.kind == LightKind::point);
+  REQUIRE(lit.diagnostics().draw_list().lights.size() == 1);
+  CHECK(lit.diagnostics().draw_list().lights[0].light.kind == LightKind::point);
 }
 
 TEST_CASE("the same scene gives the same bytes") {

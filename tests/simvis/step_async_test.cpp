@@ -63,8 +63,8 @@ void check_same_frames(int frames, const std::vector<std::string>& cameras, cons
   CHECK(results(apart, cameras) == expected.back());
   apart.finish();  // nothing is under way
   CHECK(results(apart, cameras) == expected.back());
-  CHECK(together.counters() == apart.counters());
-  CHECK(apart.validation_messages() == 0);
+  CHECK(together.diagnostics().counters() == apart.diagnostics().counters());
+  CHECK(apart.diagnostics().validation_messages() == 0);
 }
 
 TEST_CASE("twenty frames of marvin as he drives, by each method") {
@@ -124,12 +124,12 @@ TEST_CASE("while a frame is under way: what is there, and what has to wait for f
   };
   CHECK(refused([&] { simulation.execute(""); }));
   CHECK(refused([&] { simulation.enable("CAM", false); }));
-  CHECK(refused([&] { simulation.pass_over(); }));
+  CHECK(refused([&] { simulation.skip_frame(); }));
   CHECK(refused([&] { simulation.value("CAM", "depth_error_bound_m"); }));
   CHECK(refused([&] { simulation.sensors(); }));
-  CHECK(refused([&] { simulation.counters(); }));
-  CHECK(refused([&] { simulation.frame_plan(); }));
-  CHECK(refused([&] { simulation.draw_list(); }));
+  CHECK(refused([&] { simulation.diagnostics().counters(); }));
+  CHECK(refused([&] { simulation.diagnostics().frame_plan(); }));
+  CHECK(refused([&] { simulation.diagnostics().draw_list(); }));
   glm::dmat4 pose;
   CHECK(refused([&] { simulation.sensor_pose("CAM", pose); }));
 
@@ -173,7 +173,7 @@ TEST_CASE("an error of a frame that is under way comes out of what finishes it, 
   CHECK(error_of([&] { simulation.finish(); }).find("KEEPS") != std::string::npos);
   simulation.finish();  // no longer under way
   CHECK(simulation.next_frame().index == 2);
-  CHECK(simulation.validation_messages() == 0);
+  CHECK(simulation.diagnostics().validation_messages() == 0);
 }
 
 }  // namespace

@@ -60,7 +60,7 @@ PlayedPart::PlayedPart(const std::filesystem::path& file, const std::string& att
 
 const DrawList& PlayedPart::at(double time_s) {
   built_.parameters.set(built_.parameters.index("WALK", "time"), time_s);
-  for (const std::size_t i : built_.parameters.take_changed_elements()) {
+  for (const std::size_t i : built_.parameters.drain_changed_elements()) {
     built_.elements[i]->update(built_.parameters.values().subspan(built_.parameters.elements()[i].first_value));
   }
   return flattener_->update();

@@ -40,7 +40,7 @@ inline Scan even_scan(float range_m, std::uint32_t columns = kSamples) {
 
 /// The scan when all effects are through with it, in frame `frame`.
 inline Scan finished(const std::vector<ChosenScanEffect>& effects, Scan scan, std::uint64_t frame = 0) {
-  const ScanMoment moment{.time = {.index = frame}, .rings = 1, .columns = scan.columns};
+  const ScanContext moment{.time = {.index = frame}, .rings = 1, .columns = scan.columns};
   for (const ChosenScanEffect& each : effects) each.effect->finish(moment, {}, scan);
   return scan;
 }

@@ -29,7 +29,7 @@ class PeopleView : public Observations {
 
   /// A frame, as a simulation with a visualization camera makes it; then what people see.
   const DrawList& frame() {
-    for (const std::size_t i : built.parameters.take_changed_elements()) {
+    for (const std::size_t i : built.parameters.drain_changed_elements()) {
       const ElementDescriptor& element = built.parameters.elements()[i];
       built.elements[i]->update(built.parameters.values().subspan(element.first_value, element.parameters.size()));
     }

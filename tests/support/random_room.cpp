@@ -60,19 +60,19 @@ Mesh sphere_mesh(double radius_m, int segments) {
   return mesh;
 }
 
-DrawList random_room(std::uint32_t seed, int things, int sphere_segments) {
+DrawList random_room(std::uint32_t seed, int primitives, int sphere_segments) {
   std::mt19937 random(seed);
   const auto between = [&](double low, double high) { return simvis::between(random, low, high); };
   DrawList list;
   add_item(list, box_mesh({5, 4, 1.5}), glm::translate(glm::dmat4(1.0), {0, 0, 1.5}));
-  for (int thing = 0; thing < things; ++thing) {
+  for (int primitive = 0; primitive < primitives; ++primitive) {
     glm::dvec3 place;
     do {
       place = {between(-4.5, 4.5), between(-3.5, 3.5), between(0.2, 2.5)};
     } while (std::hypot(place.x, place.y) < 1);
     const glm::dvec3 axis = glm::normalize(glm::dvec3(between(-1, 1), between(-1, 1), between(0.1, 1)));
     const glm::dmat4 pose = glm::rotate(glm::translate(glm::dmat4(1.0), place), between(0, 6), axis);
-    if (thing % 2) {
+    if (primitive % 2) {
       add_item(list, box_mesh({between(0.05, 0.3), between(0.05, 0.3), between(0.05, 0.3)}), pose);
     } else {
       add_item(list, sphere_mesh(between(0.1, 0.4), sphere_segments), pose);

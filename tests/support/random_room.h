@@ -27,6 +27,6 @@ Mesh sphere_mesh(double radius_m, int segments);
 
 /// A room of 10 x 8 x 3 m with its floor at z = 0 and its middle at the origin, with turned boxes and spheres at
 /// random places, none within half a metre of the middle.
-DrawList random_room(std::uint32_t seed, int things, int sphere_segments);
+DrawList random_room(std::uint32_t seed, int primitives, int sphere_segments);
 
 }  // namespace simvis

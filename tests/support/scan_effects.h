@@ -29,7 +29,7 @@ inline std::vector<ChosenScanEffect> effects_of(const std::string& attributes, s
 /// Keeps what came back along each beam.
 class EchoLog : public ScanEffect {
  public:
-  void receive(const ScanMoment&, std::uint32_t beam, std::vector<Echo>& echoes) const override {
+  void receive(const ScanContext&, std::uint32_t beam, std::vector<Echo>& echoes) const override {
     log_->resize(std::max<std::size_t>(log_->size(), beam + 1));
     (*log_)[beam] = echoes;
   }
@@ -44,7 +44,7 @@ inline std::vector<std::vector<Echo>> echoes_of(const DrawList& list, const std:
                                                 std::vector<ChosenScanEffect> effects, RayCaster& caster) {
   const auto log = std::make_shared<EchoLog>();
   effects.push_back({nullptr, log});
-  ScanMoment moment{.time = {}, .before = {}, .rings = 1, .columns = static_cast<std::uint32_t>(directions.size())};
+  ScanContext moment{.time = {}, .before = {}, .rings = 1, .columns = static_cast<std::uint32_t>(directions.size())};
   moment.range_max_m = 1000;
   moment.medium = list.medium;
   caster.set_world(list);

@@ -23,8 +23,8 @@ struct Probe : ScanEffect {
   mutable std::vector<BeamRay> rays;
   mutable std::vector<std::vector<Echo>> echoes;
 
-  void aim(const ScanMoment&, std::vector<BeamRay>& all) const override { rays = all; }
-  void receive(const ScanMoment&, std::uint32_t beam, std::vector<Echo>& all) const override {
+  void aim(const ScanContext&, std::vector<BeamRay>& all) const override { rays = all; }
+  void receive(const ScanContext&, std::uint32_t beam, std::vector<Echo>& all) const override {
     if (beam == 0) echoes.clear();
     echoes.push_back(all);
   }
@@ -39,8 +39,8 @@ inline std::vector<ChosenScanEffect> chosen(const EffectList& effects) {
 }
 
 /// A moment of a scanner with one ring, which stands at the world's origin.
-inline ScanMoment moment_of(std::size_t beams) {
-  ScanMoment moment;
+inline ScanContext moment_of(std::size_t beams) {
+  ScanContext moment;
   moment.rings = 1;
   moment.columns = static_cast<std::uint32_t>(beams);
   moment.range_max_m = 1000;
@@ -48,7 +48,7 @@ inline ScanMoment moment_of(std::size_t beams) {
 }
 
 inline std::vector<Echo> trace(const DrawList& list, const std::vector<glm::dvec3>& directions,
-                               const EffectList& effects, const ScanMoment& moment, RayCaster& caster) {
+                               const EffectList& effects, const ScanContext& moment, RayCaster& caster) {
   const std::vector<ChosenScanEffect> all = chosen(effects);
   TracedScan scan(directions, all);
   caster.set_world(list);

@@ -22,24 +22,25 @@ inline void check_tree(const WideBvh& tree, const std::vector<Box>& boxes,
     const WideNode& node = tree.nodes()[index];
     ++nodes;
     REQUIRE(node.children >= 1);
-    REQUIRE(node.children <= WideNode::kMost);
+    REQUIRE(node.children <= WideNode::kMax);
     Box all = node.box(0);
     for (std::uint32_t lane = 0; lane < node.children; ++lane) {
       Box below;
-      if (node.things[lane] == 0) {
+      if (node.primitives[lane] == 0) {
         REQUIRE(node.child[lane] > index);
         REQUIRE(tree.nodes()[node.child[lane]].parent == index);
         REQUIRE(tree.nodes()[node.child[lane]].place == lane);
         below = visit(node.child[lane]);
       } else {
-        const std::vector<std::uint32_t> things = things_of(node.child[lane]);
-        REQUIRE(things.size() >= node.things[lane]);
-        below = boxes[things[0]];
-        for (std::uint32_t k = 0; k < node.things[lane]; ++k) {
-          ++seen[things[k]];
-          below = {glm::min(below.low, boxes[things[k]].low), glm::max(below.high, boxes[things[k]].high)};
+        const std::vector<std::uint32_t> primitives = things_of(node.child[lane]);
+        REQUIRE(primitives.size() >= node.primitives[lane]);
+        below = boxes[primitives[0]];
+        for (std::uint32_t k = 0; k < node.primitives[lane]; ++k) {
+          ++seen[primitives[k]];
+          below = {glm::min(below.low, boxes[primitives[k]].low), glm::max(below.high, boxes[primitives[k]].high)};
         }
-        for (std::size_t k = node.things[lane]; k < things.size(); ++k) REQUIRE(things[k] == things[k - 1]);
+        for (std::size_t k = node.primitives[lane]; k < primitives.size(); ++k)
+          REQUIRE(primitives[k] == primitives[k - 1]);
       }
       REQUIRE(below == node.box(lane));
       all = {glm::min(all.low, below.low), glm::max(all.high, below.high)};

@@ -28,7 +28,7 @@ std::vector<float> scan_part(const std::filesystem::path& folder, const std::str
               vertical_max_angle="70"/>)",
                                                   {}, folder);
   simulation.step();
-  triangles = triangles_of(simulation.draw_list());
+  triangles = triangles_of(simulation.diagnostics().draw_list());
   return simulation.scan("LIDAR").range_m;
 }
 
@@ -46,7 +46,7 @@ TEST_CASE("a lab has as many triangles as asked for, and no hole") {
     const double per_item = 0.9 * static_cast<double>(asked) / std::min(200.0, static_cast<double>(asked) / 45);
     const double cells = std::sqrt(per_item / 12);
     const double most = std::pow(1 + 0.5 / cells, 2), least = std::pow(1 - 0.5 / cells, 2);
-    const double met = static_cast<double>(triangles_of(simulation.draw_list())) / static_cast<double>(asked);
+    const double met = static_cast<double>(triangles_of(simulation.diagnostics().draw_list())) / static_cast<double>(asked);
     CHECK(met < most);
     CHECK(met > least);
     CHECK(std::ranges::all_of(simulation.scan("LIDAR").range_m, [](float r) { return r > 0 && std::isfinite(r); }));
@@ -59,7 +59,7 @@ TEST_CASE("labs are the same each time, and their robot drives") {
   for (std::uint64_t& hash : hashes) {
     Simulation simulation = Simulation::load(write_lab(folder.path(), 2'000));
     simulation.step();
-    hash = content_hash(simulation.draw_list());
+    hash = content_hash(simulation.diagnostics().draw_list());
     glm::dmat4 before(1.0), after(1.0);
     simulation.sensor_pose("FRONT_SCANNER", before);
     drive_lab(simulation, 90);
@@ -75,7 +75,7 @@ TEST_CASE("a store holds its instances as one mesh, out of sight but for the fir
   const SceneFolder folder;
   Simulation simulation = Simulation::load(write_store(folder.path(), kInstances));
   simulation.step();
-  const DrawList& list = simulation.draw_list();
+  const DrawList& list = simulation.diagnostics().draw_list();
   std::vector<std::size_t> uses(list.meshes.size()), low(list.meshes.size());
   for (const DrawItem& item : list.items) {
     ++uses[item.mesh];

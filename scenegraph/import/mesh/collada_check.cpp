@@ -61,16 +61,16 @@ class ColladaCheck : public pugi::xml_tree_walker {
   }
 
   void check_accessor(const pugi::xml_node& accessor) const {
-    constexpr double kMost = 4294967295;
+    constexpr double kMax = 4294967295;
     const std::string_view source = accessor.attribute("source").value();
     const auto array = source.starts_with('#') ? arrays_.find(source.substr(1)) : arrays_.end();
     if (array == arrays_.end()) {
       fail_at(text_.at(accessor), "accessor of " + in_quotes(source) + ", expected the id of an array of the file");
     }
-    const double has = whole_number(array->second, "count", "", kMost);
-    const double stride = whole_number(accessor, "stride", "1", kMost);
-    const double count = whole_number(accessor, "count", "", kMost);
-    const double offset = whole_number(accessor, "offset", "0", kMost);
+    const double has = whole_number(array->second, "count", "", kMax);
+    const double stride = whole_number(accessor, "stride", "1", kMax);
+    const double count = whole_number(accessor, "count", "", kMax);
+    const double offset = whole_number(accessor, "offset", "0", kMax);
     const auto parameters = accessor.children("param");
     const auto used = static_cast<double>(std::distance(parameters.begin(), parameters.end()));
     if (used > stride || offset + count * stride > has) {
@@ -79,11 +79,11 @@ class ColladaCheck : public pugi::xml_tree_walker {
   }
 
   void check_primitives(const pugi::xml_node& node) const {
-    constexpr double kMostInputs = 63;
+    constexpr double kMaxInputs = 63;
     int vertices = 0;
     for (const pugi::xml_node& input : node.children("input")) {
-      whole_number(input, "offset", "", kMostInputs);
-      whole_number(input, "set", "0", kMostInputs);
+      whole_number(input, "offset", "", kMaxInputs);
+      whole_number(input, "set", "0", kMaxInputs);
       vertices += input.attribute("semantic").value() == std::string_view("VERTEX");
     }
     if (vertices != 1 && node.child("p")) {

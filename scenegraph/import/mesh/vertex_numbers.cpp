@@ -8,7 +8,7 @@ namespace simvis {
 namespace {
 
 constexpr std::uint32_t kFree = ~0u;
-constexpr std::size_t kLeastSlots = 64;
+constexpr std::size_t kMinSlots = 64;
 
 static_assert(sizeof(glm::vec3) == 3 * sizeof(float) && sizeof(VertexAttributes) == 11 * sizeof(float),
               "no padding, so that equal vertices have equal bytes");
@@ -54,7 +54,7 @@ std::uint32_t VertexNumbers::add(Mesh& mesh, const glm::vec3& position, const Ve
 
 void VertexNumbers::grow() {
   const std::vector<Slot> old = std::move(slots_);
-  slots_.assign(std::max(kLeastSlots, 4 * old.size()), {kFree, 0});
+  slots_.assign(std::max(kMinSlots, 4 * old.size()), {kFree, 0});
   const std::size_t mask = slots_.size() - 1;
   for (const Slot& slot : old) {
     if (slot.number == kFree) continue;

@@ -83,7 +83,7 @@ PartContent import_urdf(const ImportRequest& request, ContentPool& pool) {
   PartContent content;
   content.commands = urdf_joint_commands(file);
   content.root = build_links(file, visuals);
-  content.warnings = visuals.take_warnings();
+  content.warnings = visuals.release_warnings();
   return content;
 }
 

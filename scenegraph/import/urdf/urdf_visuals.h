@@ -25,7 +25,7 @@ class UrdfVisuals {
   /// Throws InputError at the link: files that are missing or broken, sizes that are not above 0.
   NodePtr make(const urdf::Link& link, const urdf::Visual& visual);
 
-  std::vector<std::string> take_warnings() { return std::move(warnings_); }
+  std::vector<std::string> release_warnings() { return std::move(warnings_); }
 
  private:
   std::shared_ptr<const Material> material_of(const urdf::Link& link, const urdf::Visual& visual);

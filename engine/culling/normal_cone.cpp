@@ -1,0 +1,94 @@
+#include "engine/culling/normal_cone.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace simvis {
+namespace {
+
+// Of a float32 that was rounded once, and of sums in double: far more than either.
+constexpr double kRoom = 1e-6;
+
+// Its normal has the length of twice its area.
+struct Triangle {
+  glm::dvec3 a, normal;
+  double longest = 0;  // side
+};
+
+Triangle triangle_at(const Mesh& mesh, std::span<const std::uint32_t> vertices, std::span<const std::uint8_t> corners) {
+  const glm::dvec3 a(mesh.positions[vertices[corners[0]]]), b(mesh.positions[vertices[corners[1]]]),
+      c(mesh.positions[vertices[corners[2]]]);
+  return {a, glm::cross(b - a, c - a), std::max({glm::distance(a, b), glm::distance(b, c), glm::distance(c, a)})};
+}
+
+// What has two corners in one place has none of its own to show, however it is rounded.
+bool is_line(const Mesh& mesh, std::span<const std::uint32_t> vertices, std::span<const std::uint8_t> corners) {
+  const glm::vec3 &a = mesh.positions[vertices[corners[0]]], &b = mesh.positions[vertices[corners[1]]],
+                  &c = mesh.positions[vertices[corners[2]]];
+  return a == b || b == c || c == a;
+}
+
+NormalCone normal_cones_of(const Mesh& mesh, const Clustering& clustering, const Cluster& cluster) {
+  const std::span<const std::uint32_t> vertices = clustering.vertices_of(cluster);
+  const std::span<const std::uint8_t> corners = clustering.corners_of(cluster);
+  const auto each = [&](const auto& look) {
+    for (std::size_t i = 0; i < corners.size(); i += 3) {
+      const std::span<const std::uint8_t> three = corners.subspan(i, 3);
+      if (!is_line(mesh, vertices, three)) look(triangle_at(mesh, vertices, three));
+    }
+  };
+  glm::dvec3 sum(0);
+  each([&](const Triangle& t) {
+    if (const double length = glm::length(t.normal); length > 0) sum += t.normal / length;
+  });
+  NormalCone facing;
+  if (!(glm::length(sum) > 0)) return facing;
+  facing.axis = glm::vec3(glm::normalize(sum));
+  const glm::dvec3 axis(facing.axis), center(cluster.center);
+  double cosine = 1, apex_offset = -std::numeric_limits<double>::infinity(),
+         height = std::numeric_limits<double>::infinity();
+  each([&](const Triangle& t) {
+    const double length = glm::length(t.normal);
+    height = std::min(height, length / t.longest);
+    if (!(length > 0)) return;
+    cosine = std::min(cosine, glm::dot(t.normal, axis) / length);
+    apex_offset = std::max(apex_offset, glm::dot(t.normal, center - t.a) / length);
+  });
+  const double size = glm::length(glm::dvec3(cluster.half_size));
+  facing.cutoff = static_cast<float>(cosine - kRoom);
+  facing.apex_offset = static_cast<float>(apex_offset + kRoom * (size + std::abs(apex_offset)));
+  facing.min_height = static_cast<float>(height * (1 - kRoom));
+  return facing;
+}
+
+}  // namespace
+
+std::vector<NormalCone> normal_cones_of(const Mesh& mesh, const Clustering& clustering) {
+  std::vector<NormalCone> facing;
+  facing.reserve(clustering.clusters.size());
+  for (const Cluster& cluster : clustering.clusters) facing.push_back(normal_cones_of(mesh, clustering, cluster));
+  return facing;
+}
+
+NormalConeCuller::NormalConeCuller(const FacingTolerance& limit, const MeshPlanes& planes,
+                                   const glm::dmat4& view_from_mesh)
+    : limit_(limit), planes_(planes), eye_(eye_in(view_from_mesh)), depth_(glm::transpose(view_from_mesh)[2]) {}
+
+bool NormalConeCuller::is_backfacing(const Cluster& cluster, const NormalCone& facing) const {
+  const double cosine = facing.cutoff;
+  if (cosine <= 0 || facing.min_height <= 0) return false;
+  const glm::dvec3 center(cluster.center), half(cluster.half_size), way = center - eye_->place, axis(facing.axis);
+  const double along = glm::dot(way, axis);
+  if (along <= 0) return false;
+  const double across = std::sqrt(std::max(0.0, glm::dot(way, way) - along * along));
+  const double behind = along * cosine - across * std::sqrt(1 - cosine * cosine) - facing.apex_offset;
+  const double depth = glm::dot(glm::dvec3(depth_), center) + depth_.w,
+               extent = glm::dot(glm::abs(glm::dvec3(depth_)), half);
+  const double nearest = depth - extent, farthest = depth + extent;
+  if (!(behind > 0 && nearest > 0)) return false;
+  const double seen_m2 = facing.min_height * behind * eye_->unit_m * eye_->unit_m;
+  return seen_m2 > limit_.min_m2(nearest, farthest, planes_.slack) && inside(planes_, center, half);
+}
+
+}  // namespace simvis

@@ -1,0 +1,59 @@
+#include <simvis/draw_list_delta.h>
+
+#include <algorithm>
+#include <atomic>
+
+#include "engine/base/assert.h"
+
+namespace simvis {
+
+namespace {
+
+// To read more costs no less than to compare everything.
+constexpr std::size_t kMaxRemembered = 1 << 16;
+
+}  // namespace
+
+DrawListDelta& DrawListDelta::operator=(const DrawListDelta& other) {
+  if (this == &other) return *this;
+  now_ = {};
+  log_.clear();
+  index_.reset();
+  return *this;
+}
+
+void DrawListDelta::mark_structure_dirty() {
+  static std::atomic<std::uint64_t> last = 0;
+  now_ = {++last, 0};
+  log_.clear();
+}
+
+void DrawListDelta::mark_transforms_dirty(TransformRange entries) {
+  SIMVIS_ASSERT(kept() && entries.first <= entries.end);
+  if (log_.size() == kMaxRemembered) log_.erase(log_.begin(), log_.begin() + kMaxRemembered / 2);
+  log_.push_back(entries);
+  ++now_.moves;
+}
+
+std::optional<std::span<const TransformRange>> DrawListDelta::moved_since(const ListVersion& seen) const {
+  if (!same_structure(seen)) return {};
+  const std::uint64_t missed = now_.moves - seen.moves;
+  if (missed > log_.size()) return {};
+  return std::span(log_).last(static_cast<std::size_t>(missed));
+}
+
+StandingAt::StandingAt(std::span<const std::uint32_t> transform_of, std::size_t transforms)
+    : first_(transforms + 1), things_(transform_of.size()) {
+  for (const std::uint32_t transform : transform_of) ++first_[transform + 1];
+  for (std::size_t t = 0; t < transforms; ++t) first_[t + 1] += first_[t];
+  std::vector<std::uint32_t> next = first_;
+  for (std::uint32_t thing = 0; thing < transform_of.size(); ++thing) things_[next[transform_of[thing]]++] = thing;
+}
+
+std::span<const std::uint32_t> StandingAt::operator[](TransformRange entries) const {
+  const std::size_t last = first_.size() - 1;
+  const std::uint32_t first = first_[std::min<std::size_t>(entries.first, last)];
+  return std::span(things_).subspan(first, first_[std::min<std::size_t>(entries.end, last)] - first);
+}
+
+}  // namespace simvis

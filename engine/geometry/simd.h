@@ -1,0 +1,80 @@
+// Numbers side by side, for loops that the compiler turns into one instruction each on whatever the machine has. Every
+// lane rounds as a number alone would: products and sums stay apart where -ffp-contract=off says so.
+#pragma once
+
+#include <cmath>
+
+#define SIMVIS_INLINE inline __attribute__((always_inline))
+
+// Compiled once for machines with AVX2 and once for all others; the machine chooses when the program starts. With the
+// address sanitizer only for all others, so that tests run that, too, wherever they run.
+#if defined(__x86_64__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
+#define SIMVIS_FOR_EACH_MACHINE __attribute__((target_clones("avx2", "default")))
+#else
+#define SIMVIS_FOR_EACH_MACHINE
+#endif
+
+// Lanes are handed to functions that are inlined, and to no others: those would expect them where the machine's other
+// version does not put them.
+#pragma GCC diagnostic ignored "-Wpsabi"
+
+namespace simvis {
+
+using Double4 = double __attribute__((vector_size(32)));
+using Mask4 = long long __attribute__((vector_size(32)));  ///< of each lane all bits, or none
+using Mask8 = int __attribute__((vector_size(32)));
+using Float8 = float __attribute__((vector_size(32)));
+
+/// Bit i is set where lane i is.
+SIMVIS_INLINE unsigned bits_of(Mask4 mask) {
+#if defined(__SSE2__)
+  using Float4 = float __attribute__((vector_size(16)));
+  using Int8 = int __attribute__((vector_size(32)));
+  const Int8 words = reinterpret_cast<Int8>(mask);
+  return static_cast<unsigned>(
+      __builtin_ia32_movmskps(reinterpret_cast<Float4>(__builtin_shufflevector(words, words, 0, 2, 4, 6))));
+#else
+  return (mask[0] != 0) | (mask[1] != 0) << 1 | (mask[2] != 0) << 2 | (mask[3] != 0) << 3;
+#endif
+}
+
+SIMVIS_INLINE unsigned bits_of(Mask8 mask) {
+  using Mask4x32 = int __attribute__((vector_size(16)));
+#if defined(__SSE2__)
+  using Float4 = float __attribute__((vector_size(16)));
+  const Mask4x32 low = __builtin_shufflevector(mask, mask, 0, 1, 2, 3),
+                 high = __builtin_shufflevector(mask, mask, 4, 5, 6, 7);
+  return static_cast<unsigned>(__builtin_ia32_movmskps(reinterpret_cast<Float4>(low)) |
+                               __builtin_ia32_movmskps(reinterpret_cast<Float4>(high)) << 4);
+#else
+  unsigned bits = 0;
+  for (unsigned lane = 0; lane < 8; ++lane) bits |= (mask[lane] != 0u) << lane;
+  return bits;
+#endif
+}
+
+SIMVIS_INLINE bool any(Mask4 mask) {
+  using Mask2 = long long __attribute__((vector_size(16)));
+  const Mask2 halves = __builtin_shufflevector(mask, mask, 0, 1) | __builtin_shufflevector(mask, mask, 2, 3);
+#if defined(__SSE2__)
+  using Float4 = float __attribute__((vector_size(16)));
+  return __builtin_ia32_movmskps(reinterpret_cast<Float4>(halves)) != 0;
+#else
+  return (halves[0] | halves[1]) != 0;
+#endif
+}
+
+SIMVIS_INLINE Double4 splat4(double value) { return Double4{value, value, value, value}; }
+SIMVIS_INLINE Double4 min(Double4 a, Double4 b) { return b < a ? b : a; }
+SIMVIS_INLINE Double4 max(Double4 a, Double4 b) { return a < b ? b : a; }
+SIMVIS_INLINE Double4 abs4(Double4 a) { return a < splat4(0) ? -a : a; }
+SIMVIS_INLINE Double4 sqrt4(Double4 a) {
+  return Double4{std::sqrt(a[0]), std::sqrt(a[1]), std::sqrt(a[2]), std::sqrt(a[3])};
+}
+
+SIMVIS_INLINE double hmax(Double4 a) {
+  const double first = a[0] < a[1] ? a[1] : a[0], second = a[2] < a[3] ? a[3] : a[2];
+  return first < second ? second : first;
+}
+
+}  // namespace simvis

@@ -1,0 +1,51 @@
+// The trees and triangles of all meshes that rays can meet, in two device buffers.
+#pragma once
+
+#include <unordered_map>
+
+#include "engine/raycast/ray_instances.h"
+#include "engine/vulkan/uploads.h"
+
+namespace simvis {
+
+/// Meshes are told apart by identity, uploaded once, and forgotten once no item shows them. The buffers are filled from
+/// the front; when the end is reached, what still lives moves to the front of larger ones, within the device.
+class BlasPool {
+ public:
+  explicit BlasPool(Device::Impl& device) : device_(device) {}
+
+  /// Makes the meshes of the items resident. True if any lies elsewhere than before.
+  /// Throws MachineError where the device cannot address so much.
+  bool update(const RayInstances& items, Uploads& uploads);
+
+  struct Place {
+    std::uint32_t first_node = 0, first_triangle = 0;
+  };
+  Place place(const Blas& mesh) const;
+
+  /// Without a handle where there are no items.
+  const Buffer& nodes() const { return nodes_; }
+  const Buffer& triangles() const { return triangles_; }
+
+  /// Forgets everything.
+  void clear();
+
+ private:
+  struct Entry {
+    std::shared_ptr<const Mesh> mesh;  // keeps the address from being given to another mesh
+    std::uint64_t nodes = 0, triangles = 0;
+    std::uint64_t first_node = 0, first_triangle = 0;
+    bool resident = false, wanted = false;
+  };
+  bool make_room(std::uint64_t nodes, std::uint64_t triangles, Uploads& uploads);
+  void upload(const Blas& mesh, const Bvh& tree, Entry& entry, Uploads& uploads);
+  std::uint64_t capacity(std::uint64_t needed, std::uint64_t stride) const;
+
+  Device::Impl& device_;
+  Buffer nodes_, triangles_;
+  std::uint64_t node_capacity_ = 0, triangle_capacity_ = 0;
+  std::uint64_t nodes_used_ = 0, triangles_used_ = 0;
+  std::unordered_map<const Mesh*, Entry> entries_;
+};
+
+}  // namespace simvis

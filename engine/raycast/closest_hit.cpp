@@ -1,0 +1,60 @@
+#include "engine/raycast/closest_hit.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "engine/base/assert.h"
+#include "engine/draw/canonical_order.h"
+#include "engine/draw/surface_alpha.h"
+
+namespace simvis {
+
+void RayView::begin(const DrawList& list, const RayInstances& items, const glm::dmat4& world_from_sensor) {
+  list_ = &list;
+  items_ = &items;
+  world_from_sensor_ = world_from_sensor;
+  ++cast_;
+  seen_.resize(items.items().size());
+}
+
+const SeenItem& RayView::seen(std::uint32_t placed) {
+  SeenItem& item = seen_[placed];
+  if (item.cast != cast_) {
+    item = see(items_->items()[placed], world_from_sensor_);
+    item.cast = cast_;
+    item.solid = is_solid_throughout(*list_->materials[list_->items[items_->items()[placed].item].material]);
+  }
+  return item;
+}
+
+bool RayView::try_triangle(const ShearedRay& ray, std::uint32_t placed, std::uint32_t primitive,
+                           const std::array<glm::dvec3, 3>& corners, ClosestHit& nearest) const {
+  TriangleHit hit;
+  if (!intersect(ray, corners, hit) || hit.range_m > nearest.range_m || hit.range_m <= nearest.t_min_m) return false;
+  if (hit.range_m == nearest.range_m && comes_before(nearest, placed, primitive)) return false;
+  const RayInstance& item = items_->items()[placed];
+  const Material& material = *list_->materials[list_->items[item.item].material];
+  const double area = hit.weights.x + hit.weights.y + hit.weights.z;
+  if (!is_solid(material, *item.mesh->mesh(), primitive, hit.weights / area)) return false;
+  nearest = {hit.range_m, placed, primitive, nearest.t_min_m};
+  return true;
+}
+
+bool RayView::comes_before(const ClosestHit& nearest, std::uint32_t placed, std::uint32_t primitive) const {
+  if (nearest.placed == placed) return nearest.primitive < primitive;
+  const int order = canonical_compare(*list_, list_->items[this->placed(nearest.placed).item],
+                                      list_->items[this->placed(placed).item]);
+  return order != 0 ? order < 0 : std::pair(nearest.primitive, nearest.placed) < std::pair(primitive, placed);
+}
+
+RayHit RayView::finish(const ShearedRay& ray, const ClosestHit& nearest) {
+  if (nearest.range_m == std::numeric_limits<double>::infinity()) return {};
+  const SeenItem& item = seen(nearest.placed);
+  const auto corners = place_corners(*placed(nearest.placed).mesh->mesh(), nearest.primitive, item.placement);
+  TriangleHit hit;
+  SIMVIS_ASSERT(intersect(ray, corners, hit));
+  return {hit.range_m, range_error_bound(ray, corners, hit, item.corner_error_m), placed(nearest.placed).item,
+          nearest.primitive};
+}
+
+}  // namespace simvis

@@ -1,0 +1,230 @@
+#include "engine/raycast/packet_cast.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+
+#include "engine/raycast/packet_traversal.h"
+#include "engine/raycast/packet_triangle.h"
+
+namespace simvis {
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr unsigned kAllLanes = (1u << RayPacket::kLanes) - 1;
+
+/// One bundle on its way through the world.
+class Walk {
+ public:
+  SIMVIS_INLINE Walk(RayView& view, RayPacket& packet)
+      : view_(view), bundle_(packet), farthest_m_(packet.farthest_m()) {}
+
+  SIMVIS_INLINE void into_items(const WideBvh& items) {
+    const glm::dmat3 turn = glm::transpose(glm::dmat3(view_.world_from_sensor()));
+    const glm::dvec3 place = glm::dvec3(view_.world_from_sensor()[3]) - view_.items().origin();
+    // Boxes of items are padded far beyond what rounds here.
+    TreePlanes planes = planes_in(bundle_, glm::mat3(turn), glm::vec3(-(turn * place)), 1, 0);
+    planes.end_at(farthest_m_);
+    traverse(
+        items, bundle_, kAllRays, planes,
+        [&](std::uint32_t placed, std::uint32_t, std::uint32_t rays) __attribute__((always_inline)) {
+          into_item(placed, rays);
+          planes.end_at(farthest_m_);
+        },
+        [](std::uint32_t) {});
+  }
+
+  SIMVIS_INLINE void into_item(std::uint32_t placed, std::uint32_t rays) {
+    ++view_.item_tests;
+    const SeenItem& item = view_.seen(placed);
+    const Blas& mesh = *view_.placed(placed).mesh;
+    TreePlanes planes =
+        planes_in(bundle_, item.scaled_linear, item.scaled_centre, item.scale, static_cast<float>(kPadding));
+    planes.end_at(farthest_m_);
+    const WideBvh& tree = mesh.tree();
+    const WideBvh::Leaf* const leaves = mesh.leaves().data();
+    traverse(
+        tree, bundle_, rays, planes,
+        [&](std::uint32_t leaf, std::uint32_t count, std::uint32_t into) __attribute__((always_inline)) {
+          if (!try_leaf(item, mesh, placed, leaves[leaf], count, into)) return;
+          bundle_.update_ends();
+          planes.end_at(farthest_m_);
+        },
+        [&](std::uint32_t leaf) { __builtin_prefetch(&leaves[leaf]); });
+  }
+
+  SIMVIS_INLINE void into_triangle(std::uint32_t placed, std::uint32_t primitive) {
+    const Blas& mesh = *view_.placed(placed).mesh;
+    try_leaf(view_.seen(placed), mesh, placed, {primitive, primitive, primitive, primitive}, 1, kAllRays);
+  }
+
+ private:
+  // Its first `count` triangles.
+  SIMVIS_INLINE bool try_leaf(const SeenItem& item, const Blas& mesh, std::uint32_t placed, const WideBvh::Leaf& leaf,
+                              std::uint32_t count, std::uint32_t rays) {
+    const SeenTriangles triangles = see_triangles(*mesh.mesh(), leaf, item.placement);
+    const ShearedExtents extents = extents_of(bundle_, triangles);
+    // Not the other way round: what is not a number may be anywhere.
+    Mask4 beside = ~extents.ahead | (extents.nearest_m > splat4(farthest_m_));
+    for (int i = 0; i < 2; ++i) {
+      beside |= (extents.low[i] > splat4(bundle_.high[i])) | (extents.high[i] < splat4(bundle_.low[i]));
+    }
+    bool met = false;
+    for (unsigned left = ~bits_of(beside) & ((1u << count) - 1); left != 0; left &= left - 1) {
+      const auto lane = static_cast<unsigned>(std::countr_zero(left));
+      if (extents.nearest_m[lane] > farthest_m_) continue;
+      if (!try_triangle(item, placed, leaf[lane], triangles, lane, batches_in(extents, lane) & batches_of(rays))) {
+        continue;
+      }
+      farthest_m_ = bundle_.farthest_m();
+      met = true;
+    }
+    return met;
+  }
+
+  SIMVIS_INLINE bool try_triangle(const SeenItem& item, std::uint32_t placed, std::uint32_t primitive,
+                                  const SeenTriangles& triangles, unsigned lane, unsigned batches) {
+    if (batches == 0) return false;
+    ++view_.triangle_tests;
+    SpreadTriangle triangle;
+    for (int k = 0; k < 3; ++k) {
+      triangle.x[k] = splat4(triangles.at[k][bundle_.x][lane]);
+      triangle.y[k] = splat4(triangles.at[k][bundle_.y][lane]);
+      triangle.z[k] = splat4(triangles.at[k][bundle_.z][lane]);
+    }
+    bool met = false;
+    for (; batches != 0; batches &= batches - 1) {
+      const auto batch = static_cast<unsigned>(std::countr_zero(batches));
+      const BatchHit batch_hit = try_batch(bundle_, batch, triangle);
+      if (batch_hit.unsure) {
+        met |= try_one_by_one(batch, kAllLanes, placed, primitive, triangles.corners(lane));
+      } else if (any(batch_hit.hit)) {
+        met |= take(batch, batch_hit, item, placed, primitive, triangles, lane);
+      }
+    }
+    return met;
+  }
+
+  // Bit i for batch i.
+  SIMVIS_INLINE unsigned batches_in(const ShearedExtents& extents, unsigned lane) const {
+    const Double4 low_x = splat4(extents.low[0][lane]), high_x = splat4(extents.high[0][lane]);
+    const Double4 low_y = splat4(extents.low[1][lane]), high_y = splat4(extents.high[1][lane]);
+    unsigned bits = 0;
+    for (unsigned i = 0; i < RayPacket::kBatches / 4; ++i) {
+      const Mask4 beside = (bundle_.low_x[i] > high_x) | (bundle_.high_x[i] < low_x) | (bundle_.low_y[i] > high_y) |
+                           (bundle_.high_y[i] < low_y);
+      bits |= bits_of(~beside) << 4 * i;
+    }
+    return bits & ((1u << bundle_.batches) - 1);
+  }
+
+  SIMVIS_INLINE bool take(unsigned batch, const BatchHit& batch_hit, const SeenItem& item, std::uint32_t placed,
+                          std::uint32_t primitive, const SeenTriangles& triangles, unsigned lane) {
+    Double4& range_m = bundle_.range_m[batch];
+    const Mask4 hit = batch_hit.hit;
+    if (!item.solid || any(hit & (batch_hit.range_m == range_m))) {
+      return try_one_by_one(batch, bits_of(hit), placed, primitive, triangles.corners(lane));
+    }
+    range_m = hit ? batch_hit.range_m : range_m;
+    const auto of_item = static_cast<long long>(placed), of_mesh = static_cast<long long>(primitive);
+    bundle_.placed[batch] = hit ? Mask4{of_item, of_item, of_item, of_item} : bundle_.placed[batch];
+    bundle_.primitive[batch] = hit ? Mask4{of_mesh, of_mesh, of_mesh, of_mesh} : bundle_.primitive[batch];
+    return true;
+  }
+
+  // Those with any of these rays, bit i for batch i.
+  SIMVIS_INLINE static unsigned batches_of(std::uint32_t rays) {
+    static_assert(RayPacket::kLanes == 4 && RayPacket::kBatches == 8);
+    std::uint32_t each = rays | rays >> 2;
+    each = (each | each >> 1) & 0x11111111;
+    each = (each | each >> 3) & 0x03030303;
+    each = (each | each >> 6) & 0x000f000f;
+    return (each | each >> 12) & 0xff;
+  }
+
+  // Bit i of `lanes` for lane i. Not a part of what is compiled for each machine: lanes themselves cannot be handed
+  // over.
+  bool try_one_by_one(unsigned batch, unsigned lanes, std::uint32_t placed, std::uint32_t primitive,
+                      const std::array<glm::dvec3, 3>& corners);
+
+  RayView& view_;
+  RayPacket& bundle_;
+  double farthest_m_;
+};
+
+bool Walk::try_one_by_one(unsigned batch, unsigned lanes, std::uint32_t placed, std::uint32_t primitive,
+                          const std::array<glm::dvec3, 3>& corners) {
+  bool met = false;
+  for (unsigned lane = 0; lane < RayPacket::kLanes; ++lane) {
+    const unsigned index = batch * RayPacket::kLanes + lane;
+    if (!(lanes >> lane & 1) || index >= bundle_.count) continue;
+    ClosestHit nearest{bundle_.range_m[batch][lane], static_cast<std::uint32_t>(bundle_.placed[batch][lane]),
+                       static_cast<std::uint32_t>(bundle_.primitive[batch][lane]), bundle_.t_min_m[batch][lane]};
+    if (!view_.try_triangle(bundle_.ray(index), placed, primitive, corners, nearest)) continue;
+    bundle_.range_m[batch][lane] = nearest.range_m;
+    bundle_.placed[batch][lane] = nearest.placed;
+    bundle_.primitive[batch][lane] = nearest.primitive;
+    met = true;
+  }
+  return met;
+}
+
+SIMVIS_INLINE void finish(RayView& view, const RayPacket& packet, unsigned batch, RayHit* hits) {
+  const unsigned first = batch * RayPacket::kLanes, lanes = std::min(RayPacket::kLanes, packet.count - first);
+  const Mask4 &placed = packet.placed[batch], &primitive = packet.primitive[batch];
+  unsigned seen = 0;  // the last lane whose triangle was looked at
+  while (seen < lanes && packet.range_m[batch][seen] == kInfinity) ++seen;
+  if (seen == lanes) {
+    std::fill_n(hits + first, lanes, RayHit{});
+    return;
+  }
+  const auto see = [&](unsigned lane) __attribute__((always_inline)) {
+    const auto of_item = static_cast<std::uint32_t>(placed[lane]),
+               of_mesh = static_cast<std::uint32_t>(primitive[lane]);
+    const SeenItem& item = view.seen(of_item);
+    return MetTriangle{place_corners(*view.placed(of_item).mesh->mesh(), of_mesh, item.placement), item.corner_error_m};
+  };
+  MetTriangles met(see(seen));  // of lanes that have met nothing: some other's
+  for (unsigned lane = seen + 1; lane < lanes; ++lane) {
+    if (packet.range_m[batch][lane] == kInfinity) continue;
+    if (placed[lane] == placed[seen] && primitive[lane] == primitive[seen]) continue;
+    met.set_from(lane, see(lane));
+    seen = lane;
+  }
+  bool unsure = false;
+  const Double4 bounds = bounds_of_batch(packet, batch, met, unsure);
+  for (unsigned lane = 0; lane < lanes; ++lane) {
+    const double range_m = packet.range_m[batch][lane];
+    const auto of_item = static_cast<std::uint32_t>(placed[lane]),
+               of_mesh = static_cast<std::uint32_t>(primitive[lane]);
+    if (range_m == kInfinity) {
+      hits[first + lane] = {};
+    } else if (unsure) {
+      hits[first + lane] = view.finish(packet.ray(first + lane), {range_m, of_item, of_mesh});
+    } else {
+      hits[first + lane] = {range_m, bounds[lane], view.placed(of_item).item, of_mesh};
+    }
+  }
+}
+
+}  // namespace
+
+SIMVIS_FOR_EACH_MACHINE void try_triangle(RayView& view, std::uint32_t placed, std::uint32_t primitive,
+                                          RayPacket& packet) {
+  Walk(view, packet).into_triangle(placed, primitive);
+}
+
+SIMVIS_FOR_EACH_MACHINE void finish_bundle(RayView& view, const RayPacket& packet, RayHit* hits) {
+  for (unsigned batch = 0; batch < packet.batches; ++batch) finish(view, packet, batch, hits);
+}
+
+SIMVIS_FOR_EACH_MACHINE void walk_bundle(RayView& view, const WideBvh& items, RayPacket& packet) {
+  Walk(view, packet).into_items(items);
+}
+
+SIMVIS_FOR_EACH_MACHINE void walk_bundle(RayView& view, std::uint32_t placed, RayPacket& packet) {
+  Walk(view, packet).into_item(placed, kAllRays);
+}
+
+}  // namespace simvis

@@ -1,0 +1,159 @@
+#include "engine/raycast/ray_packet.h"
+
+#include <algorithm>
+#include <bit>
+
+namespace simvis {
+
+namespace {
+
+// Rays farther apart than this do not see much the same any more: about 25 degrees.
+constexpr double kMinCosine = 0.9;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// As ShearedRay has it.
+int largest_axis(const glm::dvec3& direction) {
+  const glm::dvec3 size = glm::abs(direction);
+  return size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+}
+
+/// Four rows and columns, turned about their diagonal.
+SIMVIS_INLINE void transpose(const Double4* rows, Double4 (&columns)[4]) {
+  const Double4 a = __builtin_shufflevector(rows[0], rows[1], 0, 4, 2, 6),
+                b = __builtin_shufflevector(rows[0], rows[1], 1, 5, 3, 7),
+                c = __builtin_shufflevector(rows[2], rows[3], 0, 4, 2, 6),
+                d = __builtin_shufflevector(rows[2], rows[3], 1, 5, 3, 7);
+  columns[0] = __builtin_shufflevector(a, c, 0, 1, 4, 5);
+  columns[1] = __builtin_shufflevector(b, d, 0, 1, 4, 5);
+  columns[2] = __builtin_shufflevector(a, c, 2, 3, 6, 7);
+  columns[3] = __builtin_shufflevector(b, d, 2, 3, 6, 7);
+}
+
+SIMVIS_INLINE double hmin(Double4 v) { return -hmax(-v); }
+
+}  // namespace
+
+RayPacket::RayPacket(std::span<const glm::dvec3> directions, std::span<const double> passed_m) {
+  fill(*this, directions, passed_m);
+}
+
+SIMVIS_FOR_EACH_MACHINE void RayPacket::fill(RayPacket& packet, std::span<const glm::dvec3> directions,
+                                             std::span<const double> passed_m) {
+  packet.place(directions, passed_m);
+}
+
+SIMVIS_INLINE void RayPacket::place(std::span<const glm::dvec3> directions, std::span<const double> passed_m) {
+  const glm::dvec3& leading = directions[0];
+  z = largest_axis(leading);
+  x = (z + 1) % 3;
+  y = (z + 2) % 3;
+  sign = leading[z] < 0 ? -1 : 1;
+  // Of equal components the first is the largest.
+  const Mask4 x_loses_ties = splat4(x) > splat4(z), y_loses_ties = splat4(y) > splat4(z);
+  const auto most = static_cast<unsigned>(std::min<std::size_t>(kMax, directions.size()));
+  Double4 sum[3] = {splat4(0), splat4(0), splat4(0)}, min_z = splat4(kInfinity);
+  while (count < most) {
+    const unsigned batch = count / kLanes, lanes = std::min(kLanes, most - count);
+    const auto ray = [&](unsigned lane) -> const glm::dvec3& { return directions[count + std::min(lane, lanes - 1)]; };
+    const glm::dvec3 &a = ray(0), &b = ray(1), &c = ray(2), &d = ray(3);
+    Double4 along_x{a[x], b[x], c[x], d[x]}, along_y{a[y], b[y], c[y], d[y]}, along_z{a[z], b[z], c[z], d[z]};
+    const Double4 size_x = abs4(along_x), size_y = abs4(along_y), size_z = abs4(along_z);
+    const Mask4 same_axis = ((size_z > size_x) | ((size_z == size_x) & x_loses_ties)) &
+                            ((size_z > size_y) | ((size_z == size_y) & y_loses_ties));
+    const Double4 cosine = splat4(leading[x]) * along_x + splat4(leading[y]) * along_y + splat4(leading[z]) * along_z;
+    const Mask4 together = same_axis & (along_z * splat4(sign) > splat4(0)) & (cosine >= splat4(kMinCosine));
+    const unsigned taken = std::min(lanes, static_cast<unsigned>(std::countr_one(bits_of(together))));
+    if (taken == 0) break;
+    if (taken < kLanes) {
+      const glm::dvec3& last = ray(taken - 1);
+      for (unsigned lane = taken; lane < kLanes; ++lane) {
+        along_x[lane] = last[x];
+        along_y[lane] = last[y];
+        along_z[lane] = last[z];
+      }
+    }
+    // As ShearedRay does.
+    per_z[batch] = splat4(1) / along_z;
+    shear_x[batch] = along_x / along_z;
+    shear_y[batch] = along_y / along_z;
+    min_z = min(min_z, abs4(per_z[batch]));
+    sum[0] += along_x;
+    sum[1] += along_y;
+    sum[2] += along_z;
+    t_min_m[batch] = splat4(0);
+    range_m[batch] = splat4(kInfinity);
+    for (unsigned lane = taken; lane < kLanes; ++lane) range_m[batch][lane] = -1;
+    if (!passed_m.empty()) {
+      for (unsigned lane = 0; lane < taken; ++lane) t_min_m[batch][lane] = passed_m[count + lane];
+    }
+    placed[batch] = primitive[batch] = Mask4{};
+    count += taken;
+    ++batches;
+    if (taken < kLanes) break;
+  }
+  min_per_z = hmin(min_z);
+  for (unsigned batch = batches; batch < kBatches; ++batch) {
+    range_m[batch] = splat4(-1);
+    shear_x[batch] = shear_x[batches - 1];
+    shear_y[batch] = shear_y[batches - 1];
+  }
+  const auto bounds = [&](const Double4* shears, Double4* lows, Double4* highs, Float8* floats, int axis)
+      __attribute__((always_inline)) {
+    using Float4 = float __attribute__((vector_size(16)));
+    for (unsigned i = 0; i < kBatches / 4; ++i) {
+      Double4 columns[4];
+      transpose(shears + 4 * i, columns);
+      lows[i] = min(min(columns[0], columns[1]), min(columns[2], columns[3]));
+      highs[i] = simvis::max(simvis::max(columns[0], columns[1]), simvis::max(columns[2], columns[3]));
+    }
+    for (unsigned i = 0; i < kEights; ++i) {
+      const Float4 first = __builtin_convertvector(shears[2 * i], Float4),
+                   second = __builtin_convertvector(shears[2 * i + 1], Float4);
+      floats[i] = __builtin_shufflevector(first, second, 0, 1, 2, 3, 4, 5, 6, 7);
+    }
+    low[axis] = hmin(min(lows[0], lows[1]));
+    high[axis] = hmax(simvis::max(highs[0], highs[1]));
+    low_shear[axis] = static_cast<float>(low[axis]);
+    high_shear[axis] = static_cast<float>(high[axis]);
+  };
+  static_assert(kBatches == 8);
+  bounds(shear_x, low_x, high_x, shears[0], 0);
+  bounds(shear_y, low_y, high_y, shears[1], 1);
+  update_ends();
+  glm::dvec3 middle;
+  middle[x] = sum[0][0] + sum[0][1] + sum[0][2] + sum[0][3];
+  middle[y] = sum[1][0] + sum[1][1] + sum[1][2] + sum[1][3];
+  middle[z] = sum[2][0] + sum[2][1] + sum[2][2] + sum[2][3];
+  glm::dvec3 normals[kPlanes];
+  const auto set_side = [&](int plane, int axis, double side, double shear) {
+    normals[plane] = glm::dvec3(0);
+    normals[plane][axis] = side * sign;
+    normals[plane][z] = -side * sign * shear;
+  };
+  set_side(0, x, 1, low[0]);
+  set_side(1, x, -1, high[0]);
+  set_side(2, y, 1, low[1]);
+  set_side(3, y, -1, high[1]);
+  normals[4] = glm::dvec3(0);
+  normals[4][z] = sign;
+  normals[5] = -glm::normalize(middle);
+  for (int i = 0; i < 8; ++i) {
+    const glm::dvec3 normal = i < kPlanes ? normals[i] : glm::dvec3(0);
+    normal_x[i] = static_cast<float>(normal.x);
+    normal_y[i] = static_cast<float>(normal.y);
+    normal_z[i] = static_cast<float>(normal.z);
+  }
+}
+
+ShearedRay RayPacket::ray(unsigned index) const {
+  ShearedRay ray;
+  ray.x = x;
+  ray.y = y;
+  ray.z = z;
+  ray.shear_x = shear_x[index / kLanes][index % kLanes];
+  ray.shear_y = shear_y[index / kLanes][index % kLanes];
+  ray.per_z = per_z[index / kLanes][index % kLanes];
+  return ray;
+}
+
+}  // namespace simvis

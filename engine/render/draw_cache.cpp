@@ -1,0 +1,276 @@
+#include "engine/render/draw_cache.h"
+
+#include <algorithm>
+#include <map>
+#include <string>
+#include <tuple>
+#include <utility>
+
+#include <simvis/error.h>
+#include "engine/base/assert.h"
+#include "engine/draw/canonical_order.h"
+#include "shaders/interop.h"
+
+namespace simvis {
+namespace {
+
+using Surface = PipelineKey::Surface;
+
+auto state_of(const Drawable& d) {
+  return std::tuple(d.key.bits(), d.single_sided, d.mirrored, d.depth_visible, d.texture, d.range.clusters.data());
+}
+
+// Whether a map, if it is there, changes what is seen.
+bool has_effect(const Material& material, MapKind kind) {
+  switch (kind) {
+    case MapKind::normal:
+      return material.normal_scale != 0;
+    case MapKind::metallic_roughness:
+      return true;
+    case MapKind::occlusion:
+      return material.occlusion_strength > 0;
+    case MapKind::emissive:
+      return material.emissive != glm::vec3(0);
+  }
+  return true;
+}
+
+}  // namespace
+
+void DrawCache::update(const DrawList& list, MeshUse use, GeometryPool& geometry, TextureStore& textures,
+                       Uploads& uploads) {
+  const bool color = use == MeshUse::attributes;
+  const bool new_tables = update_tables(list);
+  bool recolored = false;
+  const bool new_kinds = update_materials(list, recolored);
+  const bool new_mirrors = update_transforms(list);
+  if (color && list.lights.size() > SIMVIS_MAX_LIGHTS) {
+    throw InputError("the scene has " + std::to_string(list.lights.size()) + " lights, " +
+                     std::to_string(SIMVIS_MAX_LIGHTS) + " are allowed");
+  }
+  const auto lights = static_cast<std::uint16_t>(std::min<std::size_t>(list.lights.size(), SIMVIS_MAX_LIGHTS));
+  const bool new_lights = lights_ != lights;
+  if (color) light_order_ = light_order(list);
+  if (new_tables) mesh_ranks_ = canonical_ranks(meshes_);
+  const bool new_ranks = recolored && update_material_ranks();
+  const bool anew = new_tables || new_kinds || new_mirrors || new_lights || use_ < use;
+  if (anew) {
+    // What has once been made ready for more stays so, until the scene changes.
+    use_ = new_tables ? use : std::max(use_, use);
+    lights_ = lights;
+    rebuild(geometry, textures, uploads);
+  }
+  if (anew || new_ranks) {
+    for (RenderQueue* drawables : {&depth_, &solid_, &blended_}) rank_and_group(drawables->drawables());
+    all_moved_ = true;
+  }
+  for (RenderQueue* drawables : {&depth_, &solid_, &blended_}) sort(*drawables, list);
+  version_ = list.changes.version();
+}
+
+bool DrawCache::update_tables(const DrawList& list) {
+  if (made_ && list.changes.same_structure(version_)) return false;
+  if (made_ && items_ == list.items && meshes_ == list.meshes && materials_.size() == list.materials.size())
+    return false;
+  SIMVIS_ASSERT(list.material_revision.size() == list.materials.size());
+  for (const DrawItem& item : list.items) {
+    SIMVIS_ASSERT(item.mesh < list.meshes.size() && item.material < list.materials.size());
+  }
+  made_ = true;
+  items_ = list.items;
+  meshes_ = list.meshes;
+  materials_ = list.materials;
+  kinds_.clear();
+  return true;
+}
+
+DrawCache::MaterialKind DrawCache::kind_of(const Material& material) {
+  MaterialKind kind;
+  const bool blend = material.alpha_mode == AlphaMode::blend, faded = material.opacity < 1;
+  if (material.alpha_mode != AlphaMode::opaque) kind.in_color = kind.in_depth = Surface::masked;
+  if (faded) kind.in_color = Surface::faded;
+  if (blend) kind.in_color = Surface::blended;
+  // Textures and vertices only lower it.
+  const float max_solid = material.opacity * (blend ? material.base_color.a : 1);
+  kind.seen = max_solid > 0;
+  kind.depth_visible = max_solid >= kMinDepthVisibleAlpha;
+  kind.unlit = material.unlit;
+  kind.metallic = material.metallic > 0;
+  kind.glossy = material.roughness < 1 || kind.metallic || material.map(MapKind::metallic_roughness).texture != nullptr;
+  kind.double_sided = material.double_sided;
+  kind.textures[SIMVIS_BASE_COLOR_TEXTURE] = material.base_color_texture;
+  for (std::size_t i = 0; i < kMapKinds && !material.unlit; ++i) {
+    if (has_effect(material, static_cast<MapKind>(i))) {
+      kind.textures[SIMVIS_FIRST_MAP + i] = material.maps[i].texture;
+    }
+  }
+  return kind;
+}
+
+// `recolored`: a material is another than before, of whatever kind.
+bool DrawCache::update_materials(const DrawList& list, bool& recolored) {
+  SIMVIS_ASSERT(list.material_revision.size() == materials_.size());
+  if (kinds_.size() == materials_.size() && materials_ == list.materials &&
+      material_revision_ == list.material_revision) {
+    return false;
+  }
+  recolored = true;
+  materials_ = list.materials;
+  material_revision_ = list.material_revision;
+  kinds_.resize(materials_.size());
+  bool changed = false;
+  for (std::size_t m = 0; m < materials_.size(); ++m) {
+    MaterialKind kind = kind_of(*materials_[m]);
+    if (kinds_[m] == kind) continue;
+    kinds_[m] = std::move(kind);
+    changed = true;
+  }
+  return changed;
+}
+
+// Whether they are other than before.
+bool DrawCache::update_material_ranks() {
+  std::vector<std::uint32_t> ranks = canonical_ranks(materials_);
+  ranks.swap(material_ranks_);
+  return ranks != material_ranks_;
+}
+
+bool DrawCache::update_transforms(const DrawList& list) {
+  mirrored_.resize(items_.size());
+  index_ = index_of(list);
+  moved_.clear();
+  const auto written = list.changes.moved_since(version_);
+  all_moved_ = !written;
+  bool changed = false;
+  if (written) {
+    for (const TransformRange& entries : *written) {
+      const auto items = index_->standing_at(entries);
+      moved_.insert(moved_.end(), items.begin(), items.end());
+    }
+    for (const std::uint32_t item : moved_) changed |= update_mirrored(list, item);
+    return changed;
+  }
+  boxes_.resize(index_ ? 0 : items_.size());
+  for (std::uint32_t i = 0; i < items_.size(); ++i) {
+    SIMVIS_ASSERT(items_[i].transform < list.world_from_node.size());
+    changed |= update_mirrored(list, i);
+    if (index_) continue;
+    const Mesh& mesh = *meshes_[items_[i].mesh];
+    const glm::dvec3 low(mesh.bounds_min), high(mesh.bounds_max);
+    boxes_[i] = make_box(list.world_from_node[items_[i].transform], (low + high) * 0.5, (high - low) * 0.5);
+  }
+  return changed;
+}
+
+// Whether it was not, or was, before.
+bool DrawCache::update_mirrored(const DrawList& list, std::uint32_t item) {
+  const glm::dmat3 world_from_mesh(list.world_from_node[items_[item].transform]);
+  const bool mirrored = glm::dot(glm::cross(world_from_mesh[0], world_from_mesh[1]), world_from_mesh[2]) < 0;
+  return std::exchange(mirrored_[item], mirrored) != mirrored;
+}
+
+std::uint64_t DrawCache::find_seen(const ViewProjection& projection, std::vector<std::uint32_t>& items) const {
+  if (index_) return index_->find_seen(projection, items);
+  for (std::uint32_t i = 0; i < boxes_.size(); ++i) {
+    if (!outside(projection, boxes_[i])) items.push_back(i);
+  }
+  return boxes_.size();
+}
+
+void DrawCache::rebuild(GeometryPool& geometry, TextureStore& textures, Uploads& uploads) {
+  std::vector<MeshUse> uses(meshes_.size(), MeshUse::none);
+  materials_read_.assign(materials_.size(), 0);
+  any_lit_ = false;
+  for (const DrawItem& item : items_) {
+    const MaterialKind& kind = kinds_[item.material];
+    if (!kind.depth_visible && !(with_color() && kind.seen)) continue;
+    const bool read = with_color() || kind.in_depth != Surface::opaque;
+    const MeshUse least = meshes_[item.mesh]->topology == Topology::triangles ? use_ : MeshUse::positions;
+    uses[item.mesh] = std::max(uses[item.mesh], read ? MeshUse::attributes : least);
+    materials_read_[item.material] |= read;
+    any_lit_ |= !kind.unlit;
+  }
+  const std::span<const MeshRange> ranges = geometry.update(meshes_, uses, uploads);
+  ranges_.assign(ranges.begin(), ranges.end());
+  textures.keep_only(materials_);
+  texture_sets_.assign(materials_.size(), VK_NULL_HANDLE);
+  textures_shown_.assign(materials_.size(), 0);
+  for (std::size_t m = 0; m < materials_.size(); ++m) {
+    if (!materials_read_[m]) continue;
+    const TextureSet set = shown(kinds_[m]);
+    for (std::size_t binding = 0; binding < set.size(); ++binding) {
+      textures_shown_[m] |= static_cast<std::uint8_t>((set[binding] != nullptr) << binding);
+    }
+    if (textures_shown_[m] != 0) texture_sets_[m] = textures.require(set, uploads);
+  }
+  for (RenderQueue* drawables : {&depth_, &solid_, &blended_}) drawables->clear(items_.size());
+  for (std::uint32_t i = 0; i < items_.size(); ++i) {
+    if (ranges_[items_[i].mesh].index_count == 0) continue;
+    const MaterialKind& kind = kinds_[items_[i].material];
+    if (kind.depth_visible) depth_.add(drawable(i, false));
+    if (!with_color() || !kind.seen) continue;
+    const Drawable d = drawable(i, true);
+    (d.key.blends() ? blended_ : solid_).add(d);
+  }
+}
+
+TextureSet DrawCache::shown(const MaterialKind& kind) const {
+  TextureSet set = kind.textures;
+  if (!with_color()) std::fill(set.begin() + SIMVIS_FIRST_MAP, set.end(), nullptr);
+  // Only lights show which way a surface faces, and how smooth it is.
+  if (lights_ == 0) set[SIMVIS_NORMAL_MAP] = set[SIMVIS_METALLIC_ROUGHNESS_MAP] = nullptr;
+  return set;
+}
+
+Drawable DrawCache::drawable(std::uint32_t index, bool color) const {
+  const DrawItem& item = items_[index];
+  const MaterialKind& kind = kinds_[item.material];
+  Drawable d;
+  d.item = index;
+  d.material = item.material;
+  d.transform = item.transform;
+  d.range = ranges_[item.mesh];
+  d.single_sided = !kind.double_sided;
+  d.mirrored = mirrored_[index] != 0;
+  d.depth_visible = kind.depth_visible;
+  d.key.color = color;
+  d.key.depth_only = !color;
+  d.key.topology = meshes_[item.mesh]->topology;
+  d.key.surface = color ? kind.in_color : kind.in_depth;
+  constexpr std::uint8_t kBase = 1u << SIMVIS_BASE_COLOR_TEXTURE;
+  const std::uint8_t shown = textures_shown_[item.material];
+  d.key.textured = (shown & kBase) != 0 && (color || d.key.surface != Surface::opaque);
+  d.key.maps = color ? shown & ~kBase : 0;
+  if (d.key.textured || d.key.maps != 0) d.texture = texture_sets_[item.material];
+  d.key.unlit = color && kind.unlit;
+  d.key.lights = color && !kind.unlit ? lights_ : 0;
+  d.key.glossy = kind.glossy && d.key.lights > 0;
+  d.key.metallic = kind.metallic && d.key.glossy;
+  return d;
+}
+
+void DrawCache::rank_and_group(std::span<Drawable> drawables) const {
+  const auto rank_of = [this](const Drawable& d) {
+    return std::tuple(d.key.bits(), d.single_sided, d.mirrored, d.depth_visible, mesh_ranks_[items_[d.item].mesh],
+                      material_ranks_[d.material]);
+  };
+  std::map<decltype(rank_of(drawables[0])), std::uint32_t> ranks;
+  std::map<decltype(state_of(drawables[0])), std::uint32_t> groups;
+  for (Drawable& d : drawables) {
+    ranks.try_emplace(rank_of(d));
+    d.group = groups.try_emplace(state_of(d), static_cast<std::uint32_t>(groups.size())).first->second;
+  }
+  std::uint32_t next = 0;
+  for (auto& [key, rank] : ranks) rank = next++;
+  for (Drawable& d : drawables) d.rank = ranks.at(rank_of(d));
+}
+
+void DrawCache::sort(RenderQueue& drawables, const DrawList& list) const {
+  if (all_moved_) {
+    drawables.sort(list);
+  } else {
+    drawables.sort(list, moved_);
+  }
+}
+
+}  // namespace simvis

@@ -1,0 +1,85 @@
+#include "engine/render/frame_draw_lists.h"
+
+namespace simvis {
+namespace {
+
+template <typename T>
+void append_to(std::vector<T>& all, std::span<const T> more) {
+  all.insert(all.end(), more.begin(), more.end());
+}
+
+}  // namespace
+
+void FrameDrawLists::clear() {
+  views_.clear();
+  runs_.clear();
+  instances_.clear();
+  lights_.clear();
+  indices_.clear();
+  cpu_selected_.clear();
+  cpu_selected_count_ = 0;
+  shadowed_ = 0;
+}
+
+void FrameDrawLists::update(const FramePlan& plan, const DrawList& list, const DrawCache& table,
+                            FrameCounters& counters) {
+  struct Task {
+    const Pass& pass;
+    const View& view;
+    const StripColumns* columns;
+    ViewDrawList& drawing;
+  };
+  clear();
+  std::vector<Task> tasks;
+  for (const Pass& pass : plan.passes) {
+    for (const View& view : pass.views) {
+      if (tasks.size() == drawings_.size()) drawings_.emplace_back(snap_px_);
+      tasks.push_back({pass, view, is_strip(view) ? &columns_.of(view) : nullptr, drawings_[tasks.size()]});
+    }
+  }
+  // What it took in the frame before is what it will take.
+  threads_.share(tasks.size(), looks_ >= kWorthThreads ? 1 : tasks.size(),
+                 [&](std::size_t thread, std::size_t first, std::size_t count) {
+                   for (const Task& task : std::span(tasks).subspan(first, count)) {
+                     task.drawing.update(task.view, task.pass, task.columns, list, table, strips_[thread]);
+                   }
+                 });
+  looks_ = 0;
+  for (const Task& task : tasks) {
+    const ViewCounts& counts = task.drawing.draws().counts;
+    looks_ += counts.boxes_examined + counts.triangles_examined;
+    append(task.drawing, !task.view.shadows.empty());
+    counters.items_culled += task.drawing.items_culled();
+  }
+}
+
+void FrameDrawLists::append(const ViewDrawList& drawing, bool shadowed) {
+  ViewDraws& draws = views_.emplace_back(drawing.draws());
+  for (std::size_t* const run : {&draws.first_run, &draws.first_layer, &draws.first_depth_visible, &draws.end_run}) {
+    *run += runs_.size();
+  }
+  for (DrawRun run : drawing.runs()) {
+    if (run.key.cpu_selected) {
+      run.range.first_index += static_cast<std::uint32_t>(cpu_selected_count_);
+    } else {
+      run.first_instance += static_cast<std::uint32_t>(instances_.size());
+      if (run.own_indices) run.range.first_index += static_cast<std::uint32_t>(indices_.size());
+    }
+    runs_.push_back(run);
+  }
+  if (!drawing.lights().empty()) {
+    // The offset of a uniform buffer may have to be a multiple of as much as this many bytes (Vulkan's required
+    // limits).
+    constexpr std::size_t kAlignment = 256 / sizeof(shader::LightBlock);
+    lights_.resize((lights_.size() + kAlignment - 1) / kAlignment * kAlignment);
+    draws.lights_offset = static_cast<std::uint32_t>(lights_.size() * sizeof(shader::LightBlock));
+  }
+  if (shadowed) draws.shadowed = shadowed_++;
+  append_to(instances_, drawing.instances());
+  append_to(lights_, drawing.lights());
+  append_to(indices_, drawing.indices());
+  cpu_selected_.push_back(drawing.cpu_selected());
+  cpu_selected_count_ += drawing.cpu_selected().size();
+}
+
+}  // namespace simvis

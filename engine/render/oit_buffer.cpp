@@ -1,0 +1,276 @@
+#include "engine/render/oit_buffer.h"
+
+#include <algorithm>
+#include <string>
+
+#include <simvis/error.h>
+#include "engine/vulkan/pipeline_parts.h"
+#include "engine/vulkan/vulkan_check.h"
+#include "shaders/interop.h"
+#include "shaders/layers_resolve.frag.h"
+#include "shaders/layers_resolve.vert.h"
+
+namespace simvis {
+namespace {
+
+constexpr std::uint64_t kFirstNodes = 1u << 16;
+constexpr std::uint64_t kLayersFramesKept = 256;  // as RenderTargets keeps its images
+
+std::uint32_t rows_of(const Pass& pass) { return pass.supersampling * pass.height_px; }
+std::uint32_t columns_of(const Pass& pass) { return pass.supersampling * pass.width_px; }
+VkDeviceSize list_bytes(const Pass& pass, std::uint32_t rows) {
+  return sizeof(shader::LayerBand) + sizeof(std::uint32_t) * VkDeviceSize{columns_of(pass)} * pass.msaa * rows;
+}
+
+void layers_barrier(VkCommandBuffer commands, VkPipelineStageFlags from, VkAccessFlags written, VkPipelineStageFlags to,
+                    VkAccessFlags used) {
+  const VkMemoryBarrier memory{
+      .sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER, .pNext = nullptr, .srcAccessMask = written, .dstAccessMask = used};
+  vkCmdPipelineBarrier(commands, from, to, 0, 1, &memory, 0, nullptr, 0, nullptr);
+}
+
+constexpr VkPipelineStageFlags kTargets = VK_PIPELINE_STAGE_EARLY_FRAGMENT_TESTS_BIT |
+                                          VK_PIPELINE_STAGE_LATE_FRAGMENT_TESTS_BIT |
+                                          VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT;
+constexpr VkAccessFlags kTargetsWritten =
+    VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT | VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT;
+constexpr VkAccessFlags kTargetsUsed =
+    kTargetsWritten | VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_READ_BIT | VK_ACCESS_COLOR_ATTACHMENT_READ_BIT;
+
+}  // namespace
+
+std::uint64_t OitBuffer::max_nodes() const {
+  return device_.limits().maxStorageBufferRange / sizeof(shader::LayerNode);
+}
+
+void OitBuffer::reserve_nodes(std::uint64_t nodes) {
+  nodes_ = Buffer(device_, {.name = "transparent layers",
+                            .size = nodes * sizeof(shader::LayerNode),
+                            .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+                            .memory = MemoryKind::device});
+}
+
+void OitBuffer::make_set() {
+  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 2};
+  const VkDescriptorPoolCreateInfo pool_info{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
+                                             .pNext = nullptr,
+                                             .flags = 0,
+                                             .maxSets = 1,
+                                             .poolSizeCount = 1,
+                                             .pPoolSizes = &size};
+  VkDescriptorPool pool = VK_NULL_HANDLE;
+  vk_check(vkCreateDescriptorPool(device_.device, &pool_info, nullptr, &pool), "vkCreateDescriptorPool");
+  pool_ = Handle<VkDescriptorPool>(device_, pool, "layers set");
+  const VkDescriptorSetLayout layout = pipelines_.layers_set_layout();
+  const VkDescriptorSetAllocateInfo allocation{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
+                                               .pNext = nullptr,
+                                               .descriptorPool = pool,
+                                               .descriptorSetCount = 1,
+                                               .pSetLayouts = &layout};
+  vk_check(vkAllocateDescriptorSets(device_.device, &allocation, &set_), "vkAllocateDescriptorSets");
+}
+
+void OitBuffer::describe() {
+  const VkDescriptorBufferInfo buffers[] = {{lists_.get(), 0, VK_WHOLE_SIZE}, {nodes_.get(), 0, VK_WHOLE_SIZE}};
+  static_assert(SIMVIS_LAYER_LISTS == 0 && SIMVIS_LAYER_NODES == 1);
+  VkWriteDescriptorSet write{};
+  write.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
+  write.dstSet = set_;
+  write.dstBinding = SIMVIS_LAYER_LISTS;
+  write.descriptorCount = 2;  // goes on in the next binding
+  write.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+  write.pBufferInfo = buffers;
+  vkUpdateDescriptorSets(device_.device, 1, &write, 0, nullptr);
+}
+
+void OitBuffer::begin_frame(std::span<const Pass* const> passes) {
+  bands_drawn_ = 0;
+  if (passes.empty()) {
+    if (++frames_idle_ <= kLayersFramesKept) return;
+    for (Buffer* buffer : {&lists_, &nodes_, &counts_}) *buffer = Buffer();
+    cuts_ = 1;
+    return;
+  }
+  frames_idle_ = 0;
+  VkDeviceSize lists = 0, bands_in_all = 0;
+  for (const Pass* pass : passes) {
+    const std::vector<LayerRows> cut = bands(*pass);
+    lists = std::max(lists, list_bytes(*pass, cut.front().count));
+    bands_in_all += cut.size();
+  }
+  if (!pool_) make_set();
+  if (!nodes_) reserve_nodes(std::min(kFirstNodes, max_nodes()));
+  if (!lists_ || lists_.size() < lists) {
+    lists_ = Buffer(device_, {.name = "lists of transparent layers",
+                              .size = lists,
+                              .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT |
+                                       VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
+                              .memory = MemoryKind::device});
+  }
+  const VkDeviceSize counts = bands_in_all * sizeof(std::uint32_t);
+  if (!counts_ || counts_.size() < counts) {
+    counts_ = Buffer(device_, {.name = "numbers of transparent layers",
+                               .size = counts,
+                               .usage = VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+                               .memory = MemoryKind::readback});
+  }
+  describe();
+}
+
+std::vector<LayerRows> OitBuffer::bands(const Pass& pass) const {
+  const VkDeviceSize limit = device_.limits().maxStorageBufferRange - sizeof(shader::LayerBand);
+  const std::uint32_t rows = rows_of(pass);
+  const auto addressed = static_cast<std::uint32_t>(
+      std::clamp<VkDeviceSize>(limit / (list_bytes(pass, 1) - sizeof(shader::LayerBand)), 1, rows));
+  const std::uint32_t height = std::clamp((rows + cuts_ - 1) / cuts_, 1u, addressed);
+  std::vector<LayerRows> bands;
+  for (std::uint32_t first = 0; first < rows; first += height) {
+    bands.push_back({first, std::min(height, rows - first)});
+  }
+  return bands;
+}
+
+void OitBuffer::record_begin(VkCommandBuffer commands, const Pass& pass, const LayerRows& rows) {
+  // The band before this one has been resolved and counted, its colour drawn.
+  layers_barrier(commands, kTargets | VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT,
+                 kTargetsWritten, kTargets | VK_PIPELINE_STAGE_TRANSFER_BIT,
+                 kTargetsUsed | VK_ACCESS_TRANSFER_WRITE_BIT);
+  const shader::LayerBand band{.rows = {0, columns_of(pass), rows.first, pass.msaa}};
+  vkCmdUpdateBuffer(commands, lists_.get(), 0, sizeof band, &band);
+  vkCmdFillBuffer(commands, lists_.get(), sizeof band, list_bytes(pass, rows.count) - sizeof band, 0);
+  layers_barrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT,
+                 VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT, VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT);
+  vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelines_.layout(), SIMVIS_LAYERS_SET, 1, &set_,
+                          0, nullptr);
+}
+
+void OitBuffer::record_end(VkCommandBuffer commands) {
+  layers_barrier(commands, kTargets | VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT,
+                 kTargetsWritten | VK_ACCESS_SHADER_WRITE_BIT,
+                 kTargets | VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT,
+                 kTargetsUsed | VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_TRANSFER_READ_BIT);
+  const VkBufferCopy count{
+      .srcOffset = 0, .dstOffset = bands_drawn_++ * sizeof(std::uint32_t), .size = sizeof(std::uint32_t)};
+  vkCmdCopyBuffer(commands, lists_.get(), counts_.get(), 1, &count);
+}
+
+void OitBuffer::record_resolve(VkCommandBuffer commands, const Pass& pass, const LayerRows& rows) {
+  const VkViewport viewport{.x = 0,
+                            .y = 0,
+                            .width = static_cast<float>(columns_of(pass)),
+                            .height = static_cast<float>(rows_of(pass)),
+                            .minDepth = 0,
+                            .maxDepth = 1};
+  const VkRect2D scissor{{0, static_cast<std::int32_t>(rows.first)}, {columns_of(pass), rows.count}};
+  vkCmdSetViewport(commands, 0, 1, &viewport);
+  vkCmdSetScissor(commands, 0, 1, &scissor);
+  vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, resolve_pipeline(pass.msaa));
+  vkCmdDraw(commands, 3, 1, 0, 0);
+}
+
+std::uint64_t OitBuffer::found() const {
+  std::uint64_t sum = 0;
+  const auto* counts = reinterpret_cast<const std::uint32_t*>(counts_.mapped());
+  for (std::uint32_t i = 0; i < bands_drawn_; ++i) sum += counts[i];
+  return sum;
+}
+
+std::uint64_t OitBuffer::bytes() const { return (lists_ ? lists_.size() : 0) + (nodes_ ? nodes_.size() : 0); }
+
+bool OitBuffer::grow() {
+  const auto* counts = reinterpret_cast<const std::uint32_t*>(counts_.mapped());
+  const std::uint64_t most = bands_drawn_ > 0 ? *std::max_element(counts, counts + bands_drawn_) : 0;
+  if (most == 0 || most * sizeof(shader::LayerNode) <= nodes_.size()) return false;
+  const std::uint64_t limit = max_nodes();
+  if (most > limit) {
+    if (cuts_ >= device_.physical.targets.height_px) {
+      throw MachineError("one row of a picture shows " + std::to_string(most) + " layers of transparent surfaces; " +
+                         device_.physical.info.name + " can keep " + std::to_string(limit) + " apart");
+    }
+    cuts_ *= static_cast<std::uint32_t>((most + limit - 1) / limit);
+  }
+  nodes_ = Buffer();                                // before there is another
+  reserve_nodes(std::min(limit, most + most / 4));  // what moves may show some more in the next frame
+  return true;
+}
+
+VkPipeline OitBuffer::resolve_pipeline(std::uint32_t samples) {
+  Handle<VkPipeline>& known = resolve_[samples];
+  if (known) return known.get();
+  if (!resolve_vert_) {
+    resolve_vert_ = make_module(device_, layers_resolve_vert, "layers_resolve.vert");
+    resolve_frag_ = make_module(device_, layers_resolve_frag, "layers_resolve.frag");
+  }
+  VkPipelineShaderStageCreateInfo stages[2]{};
+  for (VkPipelineShaderStageCreateInfo& stage : stages) {
+    stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
+    stage.pName = "main";
+  }
+  stages[0].stage = VK_SHADER_STAGE_VERTEX_BIT;
+  stages[0].module = resolve_vert_.get();
+  stages[1].stage = VK_SHADER_STAGE_FRAGMENT_BIT;
+  stages[1].module = resolve_frag_.get();
+  VkPipelineVertexInputStateCreateInfo input{};
+  input.sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO;
+  VkPipelineInputAssemblyStateCreateInfo assembly{};
+  assembly.sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO;
+  assembly.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
+  VkPipelineViewportStateCreateInfo viewport{};
+  viewport.sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO;
+  viewport.viewportCount = viewport.scissorCount = 1;
+  VkPipelineRasterizationStateCreateInfo raster{};
+  raster.sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO;
+  raster.lineWidth = 1;
+  VkPipelineMultisampleStateCreateInfo multisample{};
+  multisample.sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO;
+  multisample.rasterizationSamples = static_cast<VkSampleCountFlagBits>(samples);
+  VkPipelineDepthStencilStateCreateInfo depth{};
+  depth.sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO;
+  // layers + through * what is behind; alpha stays 1
+  VkPipelineColorBlendAttachmentState attachment{};
+  attachment.blendEnable = VK_TRUE;
+  attachment.srcColorBlendFactor = VK_BLEND_FACTOR_ONE;
+  attachment.dstColorBlendFactor = VK_BLEND_FACTOR_SRC_ALPHA;
+  attachment.colorWriteMask = VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT;
+  VkPipelineColorBlendStateCreateInfo blend{};
+  blend.sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO;
+  blend.attachmentCount = 1;
+  blend.pAttachments = &attachment;
+  const VkDynamicState states[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
+  VkPipelineDynamicStateCreateInfo dynamic{};
+  dynamic.sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO;
+  dynamic.dynamicStateCount = 2;
+  dynamic.pDynamicStates = states;
+
+  VkGraphicsPipelineCreateInfo info{};
+  info.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO;
+  info.stageCount = 2;
+  info.pStages = stages;
+  info.pVertexInputState = &input;
+  info.pInputAssemblyState = &assembly;
+  info.pViewportState = &viewport;
+  info.pRasterizationState = &raster;
+  info.pMultisampleState = &multisample;
+  info.pDepthStencilState = &depth;
+  info.pColorBlendState = &blend;
+  info.pDynamicState = &dynamic;
+  info.layout = pipelines_.layout();
+  info.renderPass = pipelines_.render_pass({.color = true, .samples = samples});
+  VkPipeline pipeline = VK_NULL_HANDLE;
+  vk_check(vkCreateGraphicsPipelines(device_.device, device_.pipeline_cache->get(), 1, &info, nullptr, &pipeline),
+           "vkCreateGraphicsPipelines");
+  known = Handle<VkPipeline>(device_, pipeline, "resolve of transparent layers");
+  return pipeline;
+}
+
+void OitBuffer::name_memory(const Uploads& uploads, std::vector<PlannedMemory>& memory) const {
+  const auto add = [&](const Buffer& buffer, const char* reason) {
+    if (!buffer) return;
+    memory.push_back({buffer.desc().name, reason, buffer.memory_bytes(), uploads.bytes_to(buffer)});
+  };
+  add(lists_, "where the layers of each sample begin");
+  add(nodes_, "layers of transparent surfaces");
+  add(counts_, "how many layers each band has");
+}
+
+}  // namespace simvis

@@ -1,0 +1,146 @@
+#include "engine/render/resolve_pass.h"
+
+#include <span>
+
+#include "engine/vulkan/vulkan_check.h"
+#include "shaders/interop.h"
+#include "shaders/resolve_pass.comp.h"
+#include "shaders/resolve_pass_multisampled.comp.h"
+
+namespace simvis {
+namespace {
+
+VkImageMemoryBarrier barrier(const GpuImage& image, VkImageLayout from, VkImageLayout to, VkAccessFlags before,
+                             VkAccessFlags after) {
+  return {.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER,
+          .pNext = nullptr,
+          .srcAccessMask = before,
+          .dstAccessMask = after,
+          .oldLayout = from,
+          .newLayout = to,
+          .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+          .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+          .image = image.get(),
+          .subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1}};
+}
+
+VkDescriptorSetLayoutBinding image_binding(std::uint32_t binding, VkDescriptorType type) {
+  return {.binding = binding,
+          .descriptorType = type,
+          .descriptorCount = 1,
+          .stageFlags = VK_SHADER_STAGE_COMPUTE_BIT,
+          .pImmutableSamplers = nullptr};
+}
+
+}  // namespace
+
+void ResolvePass::make_layouts() {
+  const VkDescriptorSetLayoutBinding bindings[] = {
+      image_binding(SIMVIS_AVERAGE_SAMPLES, VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE),
+      image_binding(SIMVIS_AVERAGE_MEAN, VK_DESCRIPTOR_TYPE_STORAGE_IMAGE)};
+  const VkDescriptorSetLayoutCreateInfo set_info{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
+                                                 .pNext = nullptr,
+                                                 .flags = 0,
+                                                 .bindingCount = 2,
+                                                 .pBindings = bindings};
+  VkDescriptorSetLayout set_layout = VK_NULL_HANDLE;
+  vk_check(vkCreateDescriptorSetLayout(device_.device, &set_info, nullptr, &set_layout), "vkCreateDescriptorSetLayout");
+  set_layout_ = Handle<VkDescriptorSetLayout>(device_, set_layout, "sample average set layout");
+  const VkPipelineLayoutCreateInfo info{.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
+                                        .pNext = nullptr,
+                                        .flags = 0,
+                                        .setLayoutCount = 1,
+                                        .pSetLayouts = &set_layout,
+                                        .pushConstantRangeCount = 0,
+                                        .pPushConstantRanges = nullptr};
+  VkPipelineLayout layout = VK_NULL_HANDLE;
+  vk_check(vkCreatePipelineLayout(device_.device, &info, nullptr, &layout), "vkCreatePipelineLayout");
+  layout_ = Handle<VkPipelineLayout>(device_, layout, "sample average layout");
+}
+
+ResolvePass::Binding ResolvePass::bind(const GpuImage& samples, const GpuImage& mean) {
+  if (!layout_) make_layouts();
+  const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE, 1}, {VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, 1}};
+  const VkDescriptorPoolCreateInfo pool_info{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
+                                             .pNext = nullptr,
+                                             .flags = 0,
+                                             .maxSets = 1,
+                                             .poolSizeCount = 2,
+                                             .pPoolSizes = sizes};
+  VkDescriptorPool pool = VK_NULL_HANDLE;
+  vk_check(vkCreateDescriptorPool(device_.device, &pool_info, nullptr, &pool), "vkCreateDescriptorPool");
+  Binding binding{Handle<VkDescriptorPool>(device_, pool, "sample average set")};
+  const VkDescriptorSetLayout set_layout = set_layout_.get();
+  const VkDescriptorSetAllocateInfo allocation{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
+                                               .pNext = nullptr,
+                                               .descriptorPool = pool,
+                                               .descriptorSetCount = 1,
+                                               .pSetLayouts = &set_layout};
+  vk_check(vkAllocateDescriptorSets(device_.device, &allocation, &binding.set), "vkAllocateDescriptorSets");
+  const VkDescriptorImageInfo images[] = {{VK_NULL_HANDLE, samples.view(), VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL},
+                                          {VK_NULL_HANDLE, mean.view(), VK_IMAGE_LAYOUT_GENERAL}};
+  VkWriteDescriptorSet writes[2]{};
+  for (std::uint32_t i = 0; i < 2; ++i) {
+    writes[i].sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
+    writes[i].dstSet = binding.set;
+    writes[i].dstBinding = i == 0 ? SIMVIS_AVERAGE_SAMPLES : SIMVIS_AVERAGE_MEAN;
+    writes[i].descriptorCount = 1;
+    writes[i].descriptorType = i == 0 ? VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE : VK_DESCRIPTOR_TYPE_STORAGE_IMAGE;
+    writes[i].pImageInfo = &images[i];
+  }
+  vkUpdateDescriptorSets(device_.device, 2, writes, 0, nullptr);
+  return binding;
+}
+
+VkPipeline ResolvePass::pipeline(const Pass& pass) {
+  Handle<VkPipeline>& known = pipelines_[pipeline_key(pass)];
+  if (known) return known.get();
+  const bool multisampled = pass.msaa > 1;
+  const std::span<const std::uint32_t> words = multisampled
+                                                   ? std::span<const std::uint32_t>(resolve_pass_multisampled_comp)
+                                                   : std::span<const std::uint32_t>(resolve_pass_comp);
+  const VkShaderModuleCreateInfo module_info{.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
+                                             .pNext = nullptr,
+                                             .flags = 0,
+                                             .codeSize = words.size_bytes(),
+                                             .pCode = words.data()};
+  VkShaderModule module = VK_NULL_HANDLE;
+  vk_check(vkCreateShaderModule(device_.device, &module_info, nullptr, &module), "vkCreateShaderModule");
+  const Handle<VkShaderModule> owned(device_, module, "resolve_pass.comp");
+
+  const std::uint32_t values[] = {pass.supersampling, pass.msaa};
+  const VkSpecializationMapEntry entries[] = {{SIMVIS_AVERAGE_GRID, 0, sizeof values[0]},
+                                              {SIMVIS_AVERAGE_MSAA, sizeof values[0], sizeof values[0]}};
+  const VkSpecializationInfo constants{2, entries, sizeof values, values};
+  VkComputePipelineCreateInfo info{};
+  info.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO;
+  info.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
+  info.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
+  info.stage.module = module;
+  info.stage.pName = "main";
+  info.stage.pSpecializationInfo = &constants;
+  info.layout = layout_.get();
+  VkPipeline pipeline = VK_NULL_HANDLE;
+  vk_check(vkCreateComputePipelines(device_.device, device_.pipeline_cache->get(), 1, &info, nullptr, &pipeline),
+           "vkCreateComputePipelines");
+  known = Handle<VkPipeline>(device_, pipeline, "mean of " + std::to_string(pass.samples()) + " samples");
+  return pipeline;
+}
+
+void ResolvePass::record(VkCommandBuffer commands, const Pass& pass, const Binding& binding, const GpuImage& mean) {
+  // What it held before was read in an earlier submission, which has been waited for.
+  const VkImageMemoryBarrier writable =
+      barrier(mean, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_GENERAL, 0, VK_ACCESS_SHADER_WRITE_BIT);
+  vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, 0, 0, nullptr,
+                       0, nullptr, 1, &writable);
+  vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline(pass));
+  vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout_.get(), 0, 1, &binding.set, 0, nullptr);
+  const auto groups = [](std::uint32_t pixels) { return (pixels + SIMVIS_AVERAGE_GROUP - 1) / SIMVIS_AVERAGE_GROUP; };
+  vkCmdDispatch(commands, groups(pass.width_px), groups(pass.height_px), 1);
+  const VkImageMemoryBarrier readable = barrier(mean, VK_IMAGE_LAYOUT_GENERAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+                                                VK_ACCESS_SHADER_WRITE_BIT, VK_ACCESS_TRANSFER_READ_BIT);
+  vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT, 0, 0, nullptr, 0,
+                       nullptr, 1, &readable);
+}
+
+}  // namespace simvis

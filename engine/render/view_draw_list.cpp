@@ -1,0 +1,321 @@
+#include "engine/render/view_draw_list.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "engine/draw/light_block.h"
+
+namespace simvis {
+namespace {
+
+using Surface = PipelineKey::Surface;
+
+// Triangles that cost about as much to draw as it takes to find out what walls hide.
+constexpr std::uint64_t kWorthHiding = 2000;
+
+// Of a run that no other instance may join.
+constexpr std::uint32_t kNoGroup = std::numeric_limits<std::uint32_t>::max();
+
+PipelineKey key_in_view(const Drawable& d, const View& view, const DrawList& list) {
+  PipelineKey key = d.key;
+  key.shadowed = key.lights > 0 && !view.shadows.empty();
+  key.fog = key.color && list.medium.extinction_per_m > 0;
+  if (key.topology != Topology::triangles) return key;
+  key.cull_back = d.single_sided && !view.sees_back_faces;
+  key.mirrored = d.mirrored && (key.cull_back || key.lights > 0);
+  return key;
+}
+
+}  // namespace
+
+bool is_strip(const View& view) { return view.culled && guard_rows(view) > 0; }
+bool cpu_selects_opaque(const View& view) { return is_strip(view) && view.sees_back_faces; }
+
+void ViewDrawList::update(const View& view, const Pass& pass, const StripColumns* columns, const DrawList& list,
+                          const DrawCache& table, ColumnOcclusionBuffer& strip) {
+  const ViewProjection projection = make_projection(view);
+  draws_ = {};
+  runs_.clear();
+  instances_.clear();
+  lights_.clear();
+  indices_.clear();
+  cpu_selected_.clear();
+  seen_items_.clear();
+  items_culled_ = 0;
+  draws_.block.projection =
+      glm::vec4(glm::dvec4(projection.scale_x, projection.shift_x, projection.scale_y, projection.shift_y));
+  draws_.block.ambient = glm::vec4(list.environment.ambient, static_cast<float>(view.near_m));
+  draws_.block.airlight = glm::vec4(list.medium.airlight, static_cast<float>(list.medium.extinction_per_m));
+  strip_ = columns != nullptr ? &strip : nullptr;
+  if (strip_) strip_->begin(view, *columns);
+  if (pass.color && table.any_lit()) add_lights(view, projection, list, table);
+  if (view.culled) draws_.counts.boxes_examined += table.find_seen(projection, seen_items_);
+  limit_ = FacingTolerance(view, snap_px_);
+  hidden_.begin(view, limit_);
+  if (view.culled && !strip_ && !view.orthographic && !pass.shadow_maps) {
+    find_occluders(pass.color ? table.solid() : table.depth(), view, projection, list, table);
+  }
+  add_items(pass.color ? table.solid() : table.depth(), view, projection, list, table);
+  draws_.first_layer = runs_.size();
+  if (pass.color) add_items(table.blended(), view, projection, list, table);
+  draws_.first_depth_visible = runs_.size();
+  if (pass.depth) add_depth_visible(draws_.first_layer, draws_.first_depth_visible);
+  draws_.end_run = runs_.size();
+  for (DrawRun& run : runs_) {
+    run.key.shadow_map = pass.shadow_maps;
+    run.key.orthographic = view.orthographic;
+    if (run.key.topology != Topology::triangles) continue;
+    const std::uint64_t triangles = std::uint64_t{run.range.index_count / 3} * run.instance_count;
+    draws_.counts.triangles += triangles;
+    if (run.key.surface == Surface::masked) draws_.counts.masked_triangles += triangles;
+  }
+  draws_.counts.draws = runs_.size();
+}
+
+void ViewDrawList::append_visible(const RenderQueue& items, const View& view) {
+  positions_.clear();
+  const auto take = [&](std::uint32_t position) {
+    if (position == RenderQueue::kNone) return;
+    if (view.sees_lines_and_points || items[position].key.topology == Topology::triangles) {
+      positions_.push_back(position);
+    }
+  };
+  if (!view.culled) {
+    for (std::uint32_t position = 0; position < items.size(); ++position) take(position);
+    return;
+  }
+  for (const std::uint32_t item : seen_items_) take(items.position(item));
+  std::ranges::sort(positions_);
+  items_culled_ += (view.sees_lines_and_points ? items.size() : items.solids()) - positions_.size();
+}
+
+void ViewDrawList::add_items(const RenderQueue& items, const View& view, const ViewProjection& projection,
+                             const DrawList& list, const DrawCache& table) {
+  const std::size_t first_run = runs_.size();
+  const bool strip = strip_ != nullptr;
+  append_visible(items, view);
+  for (const std::uint32_t position : positions_) {
+    const Drawable& d = items[position];
+    if (strip && can_cpu_select(d, view)) {
+      add_to_strip(d, position, projection, list, table.box(d.item));
+    } else if (is_hidden(d, projection, list, table.box(d.item))) {
+      ++items_culled_;
+    } else if (!view.culled || d.range.clusters.size() == 1) {
+      draw(d, view, projection, list, first_run);
+    } else if (strip) {
+      draw_seen_triangles(d, view, projection, list, table.box(d.item));
+    } else {
+      draw_seen_clusters(d, view, projection, list, table.box(d.item), first_run);
+    }
+  }
+  if (strip) draw_strip(items, view, projection, list);
+}
+
+// Where there is enough to draw that it may be worth it.
+void ViewDrawList::find_occluders(const RenderQueue& items, const View& view, const ViewProjection& projection,
+                                  const DrawList& list, const DrawCache& table) {
+  std::uint64_t triangles = 0;
+  for (const std::uint32_t item : seen_items_) {
+    const std::uint32_t position = items.position(item);
+    if (position != RenderQueue::kNone) triangles += items[position].range.index_count / 3;
+  }
+  if (triangles < kWorthHiding) return;
+  for (const std::uint32_t item : seen_items_) {
+    const std::uint32_t position = items.position(item);
+    if (position == RenderQueue::kNone) continue;
+    const Drawable& d = items[position];
+    if (d.range.occluders.empty() || d.key.surface != Surface::opaque) continue;
+    const ViewBox box = view_box(projection, table.box(item));
+    if (!hidden_.may_hold_occluders(box)) continue;
+    hidden_.add(d.range.occluders, projection.view_from_world * list.world_from_node[d.transform], box.slack_m,
+                d.single_sided && !view.sees_back_faces, d.mirrored);
+  }
+}
+
+bool ViewDrawList::is_hidden(const Drawable& d, const ViewProjection& projection, const DrawList& list,
+                             const WorldBox& box) const {
+  return hidden_.any() && d.key.topology == Topology::triangles &&
+         hidden_.is_occluded(view_box(projection, box), projection.view_from_world * list.world_from_node[d.transform],
+                             d.range);
+}
+
+void ViewDrawList::add_lights(const View& view, const ViewProjection& projection, const DrawList& list,
+                              const DrawCache& table) {
+  for (const std::uint32_t light : table.lights()) {
+    const LightItem& item = list.lights[light];
+    lights_.push_back(make_light_block(item.light, projection.view_from_world * list.world_from_node[item.transform]));
+  }
+  for (std::size_t i = 0; i < view.shadows.size(); ++i) {
+    const auto place = std::ranges::find(table.lights(), view.shadows[i].light) - table.lights().begin();
+    lights_[static_cast<std::size_t>(place)].cone.z = static_cast<float>(i + 1);
+  }
+}
+
+void ViewDrawList::draw(const Drawable& d, const View& view, const ViewProjection& projection, const DrawList& list,
+                        std::size_t first_run) {
+  const std::uint32_t instance = add_instance(d, projection, list);
+  if (runs_.size() > first_run && d.group == last_group_) {
+    ++runs_.back().instance_count;
+    return;
+  }
+  last_group_ = d.group;
+  runs_.push_back({.key = key_in_view(d, view, list),
+                   .texture = d.texture,
+                   .range = d.range,
+                   .first_instance = instance,
+                   .instance_count = 1,
+                   .depth_visible = d.depth_visible});
+}
+
+std::uint32_t ViewDrawList::add_instance(const Drawable& d, const ViewProjection& projection, const DrawList& list) {
+  shader::Instance& instance = instances_.emplace_back();
+  write_clip_rows(projection, list.world_from_node[d.transform], instance);
+  instance.material = d.material;
+  return static_cast<std::uint32_t>(instances_.size() - 1);
+}
+
+// A strip meets few triangles even of the clusters that it sees, and each of the others costs the device more than a
+// look at it here: only those that may be met are drawn, in one draw with indices of its own.
+void ViewDrawList::draw_seen_triangles(const Drawable& d, const View& view, const ViewProjection& projection,
+                                       const DrawList& list, const WorldBox& box) {
+  const MeshPlanes planes = make_mesh_planes(projection, list.world_from_node[d.transform], box);
+  const auto first = static_cast<std::uint32_t>(indices_.size());
+  draws_.counts.boxes_examined += d.range.clusters.size();
+  for (const Cluster& cluster : d.range.clusters) {
+    if (outside(planes, cluster.center, cluster.half_size)) continue;
+    draws_.counts.triangles_examined += cluster.index_count / 3;
+    const std::span<const std::uint32_t> vertices = d.range.clustering->vertices_of(cluster);
+    const std::span<const std::uint8_t> corners = d.range.clustering->corners_of(cluster);
+    for (std::size_t i = 0; i < corners.size(); i += 3) {
+      const std::uint32_t a = vertices[corners[i]], b = vertices[corners[i + 1]], c = vertices[corners[i + 2]];
+      const auto& p = d.range.positions;
+      if (!outside(planes, p[a], p[b], p[c])) indices_.insert(indices_.end(), {a, b, c});
+    }
+  }
+  const auto count = static_cast<std::uint32_t>(indices_.size() - first);
+  if (count == 0) return;
+  runs_.push_back({.key = key_in_view(d, view, list),
+                   .texture = d.texture,
+                   .range = {.first_index = first, .index_count = count, .vertex_offset = d.range.vertex_offset},
+                   .first_instance = add_instance(d, projection, list),
+                   .instance_count = 1,
+                   .depth_visible = d.depth_visible,
+                   .own_indices = true});
+  last_group_ = kNoGroup;
+}
+
+// Opaque triangles of depth, drawn from either side: of them all the nearest is what counts, in whatever order.
+bool ViewDrawList::can_cpu_select(const Drawable& d, const View& view) const {
+  return d.key.depth_only && !d.key.color && d.key.topology == Topology::triangles &&
+         d.key.surface == Surface::opaque && (view.sees_back_faces || !d.single_sided);
+}
+
+void ViewDrawList::add_to_strip(const Drawable& d, std::uint32_t number, const ViewProjection& projection,
+                                const DrawList& list, const WorldBox& box) {
+  const glm::dmat4& world_from_mesh = list.world_from_node[d.transform];
+  const MeshPlanes planes = make_mesh_planes(projection, world_from_mesh, box);
+  strip_->place(number, projection.view_from_world * world_from_mesh, planes.slack);
+  draws_.counts.boxes_examined += d.range.clusters.size();
+  for (const Cluster& cluster : d.range.clusters) {
+    if (outside(planes, cluster.center, cluster.half_size)) continue;
+    draws_.counts.triangles_examined += cluster.index_count / 3;
+    strip_->add(d.range.clustering->vertices_of(cluster), d.range.clustering->corners_of(cluster), d.range.positions);
+  }
+}
+
+// One draw for all that was added.
+void ViewDrawList::draw_strip(const RenderQueue& items, const View& view, const ViewProjection& projection,
+                              const DrawList& list) {
+  const std::span<const StripTriangle> seen = strip_->visible();
+  if (seen.empty()) return;
+  const auto first = static_cast<std::uint32_t>(cpu_selected_.size());
+  shader::CpuSelectedVertex vertex{};
+  const Drawable* owner = nullptr;
+  for (const StripTriangle& triangle : seen) {
+    if (owner != &items[triangle.owner]) {
+      owner = &items[triangle.owner];
+      shader::Instance instance{};
+      write_clip_rows(projection, list.world_from_node[owner->transform], instance);
+      vertex.clip_x = instance.clip_x;
+      vertex.clip_y = instance.clip_y;
+      vertex.clip_w = instance.clip_w;
+    }
+    for (int i = 0; i < 3; ++i) {
+      const glm::vec3& p = owner->range.positions[triangle.corners[i]];
+      vertex.x = p.x;
+      vertex.y = p.y;
+      vertex.z = p.z;
+      cpu_selected_.push_back(vertex);
+    }
+  }
+  PipelineKey key = key_in_view(*owner, view, list);
+  key.cpu_selected = true;
+  runs_.push_back(
+      {.key = key,
+       .range = {.first_index = first, .index_count = static_cast<std::uint32_t>(cpu_selected_.size()) - first},
+       .instance_count = 1});
+  last_group_ = kNoGroup;
+}
+
+// One draw for each row of neighbouring clusters that the view sees; all of them are drawn like any mesh.
+void ViewDrawList::draw_seen_clusters(const Drawable& d, const View& view, const ViewProjection& projection,
+                                      const DrawList& list, const WorldBox& box, std::size_t first_run) {
+  const glm::dmat4& world_from_mesh = list.world_from_node[d.transform];
+  const MeshPlanes planes = make_mesh_planes(projection, world_from_mesh, box);
+  const PipelineKey key = key_in_view(d, view, list);
+  const glm::dmat4 view_from_mesh = projection.view_from_world * world_from_mesh;
+  const NormalConeCuller eye(limit_, planes, view_from_mesh);
+  const bool by_facing = key.cull_back && eye.is_usable() && !d.range.facing.empty();
+  seen_.clear();
+  draws_.counts.boxes_examined += d.range.clusters.size();
+  for (std::size_t i = 0; i < d.range.clusters.size(); ++i) {
+    const Cluster& cluster = d.range.clusters[i];
+    if (outside(planes, cluster.center, cluster.half_size)) continue;
+    if (by_facing && eye.is_backfacing(cluster, d.range.facing[i])) continue;
+    if (hidden_.any() &&
+        hidden_.is_occluded(view_box(view_from_mesh, cluster, planes.slack), view_from_mesh, d.range, cluster)) {
+      continue;
+    }
+    if (!seen_.empty() && seen_.back().first_index + seen_.back().index_count == cluster.first_index) {
+      seen_.back().index_count += cluster.index_count;
+    } else {
+      seen_.push_back({.first_index = cluster.first_index, .index_count = cluster.index_count});
+    }
+  }
+  if (seen_.empty()) return;
+  if (seen_.front().index_count == d.range.index_count) {
+    draw(d, view, projection, list, first_run);
+    return;
+  }
+  const std::uint32_t instance = add_instance(d, projection, list);
+  for (MeshRange& part : seen_) {
+    part.first_index += d.range.first_index;
+    part.vertex_offset = d.range.vertex_offset;
+    runs_.push_back({.key = key,
+                     .texture = d.texture,
+                     .range = part,
+                     .first_instance = instance,
+                     .instance_count = 1,
+                     .depth_visible = d.depth_visible});
+  }
+  last_group_ = kNoGroup;
+}
+
+// Layers once more, for depth: what is solid enough to be met.
+void ViewDrawList::add_depth_visible(std::size_t first_layer, std::size_t end_layer) {
+  for (std::size_t i = first_layer; i < end_layer; ++i) {
+    DrawRun run = runs_[i];
+    if (!run.depth_visible) continue;
+    const PipelineKey layer = run.key;
+    run.key = {.color = true,
+               .topology = layer.topology,
+               .surface = Surface::masked,
+               .textured = layer.textured,
+               .cull_back = layer.cull_back,
+               .mirrored = layer.mirrored && layer.cull_back};
+    runs_.push_back(run);
+  }
+}
+
+}  // namespace simvis

@@ -1,0 +1,107 @@
+// What one view draws, after culling: instances, lights, and runs of instanced draws.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include <simvis/draw_list.h>
+#include <simvis/frame_plan.h>
+#include <simvis/renderer.h>
+#include "engine/culling/column_occlusion_buffer.h"
+#include "engine/culling/occlusion_culler.h"
+#include "engine/culling/strip_columns.h"
+#include "engine/render/draw_cache.h"
+#include "shaders/interop.h"
+
+namespace simvis {
+
+/// Whether the view is so high that triangles are worth a look each.
+bool is_strip(const View& view);
+
+/// Whether the view draws no opaque triangles but those that are picked for it on the host: of these, it needs no copy
+/// on the device.
+bool cpu_selects_opaque(const View& view);
+
+/// One instanced draw.
+struct DrawRun {
+  PipelineKey key;
+  VkDescriptorSet texture = VK_NULL_HANDLE;
+  MeshRange range;
+  std::uint32_t first_instance = 0, instance_count = 0;
+  bool depth_visible = true;  ///< by depth
+  bool own_indices = false;   ///< range.first_index counts in indices(), not in the geometry pool.
+                              ///< Where key.picked, it counts in picked(), without indices
+};
+
+/// Which of a view's runs.
+enum class DrawPhase : std::uint8_t { solid, layers, depth_visible };
+inline constexpr std::uint32_t kDrawPhases = 3;
+
+/// One view's runs: [first_run, first_layer) are solid, [first_layer, first_met) transparent, and [first_met, end_run)
+/// transparent ones once more, for depth.
+struct ViewDraws {
+  shader::ViewBlock block;
+  std::uint32_t lights_offset = 0;  ///< of the view's lights, in bytes
+  std::size_t shadowed = 0;         ///< where it has shadows: how many views before it have, see ShadowMaps::offset()
+  std::size_t first_run = 0, first_layer = 0, first_depth_visible = 0, end_run = 0;
+  ViewCounts counts;
+};
+
+/// Keeps its memory from view to view. All numbers count in its own lists.
+class ViewDrawList {
+ public:
+  /// `snap_px` as in PassResult.
+  explicit ViewDrawList(double snap_px) : snap_px_(snap_px) {}
+
+  /// Works out one view, in the place of the one before. `columns` are those of the view if it is a strip, else null;
+  /// then `strip` is used. Several may do so side by side, of one list and table.
+  void update(const View& view, const Pass& pass, const StripColumns* columns, const DrawList& list,
+              const DrawCache& table, ColumnOcclusionBuffer& strip);
+
+  const ViewDraws& draws() const { return draws_; }
+  std::span<const DrawRun> runs() const { return runs_; }
+  std::span<const shader::Instance> instances() const { return instances_; }
+  std::span<const shader::LightBlock> lights() const { return lights_; }
+  std::span<const std::uint32_t> indices() const { return indices_; }
+  std::span<const shader::CpuSelectedVertex> cpu_selected() const { return cpu_selected_; }
+  std::uint64_t items_culled() const { return items_culled_; }
+
+ private:
+  void add_lights(const View& view, const ViewProjection& projection, const DrawList& list, const DrawCache& table);
+  void draw(const Drawable& d, const View& view, const ViewProjection& projection, const DrawList& list,
+            std::size_t first_run);
+  void find_occluders(const RenderQueue& items, const View& view, const ViewProjection& projection,
+                      const DrawList& list, const DrawCache& table);
+  bool is_hidden(const Drawable& d, const ViewProjection& projection, const DrawList& list, const WorldBox& box) const;
+  bool can_cpu_select(const Drawable& d, const View& view) const;
+  void add_to_strip(const Drawable& d, std::uint32_t number, const ViewProjection& projection, const DrawList& list,
+                    const WorldBox& box);
+  void draw_strip(const RenderQueue& items, const View& view, const ViewProjection& projection, const DrawList& list);
+  void draw_seen_clusters(const Drawable& d, const View& view, const ViewProjection& projection, const DrawList& list,
+                          const WorldBox& box, std::size_t first_run);
+  void draw_seen_triangles(const Drawable& d, const View& view, const ViewProjection& projection, const DrawList& list,
+                           const WorldBox& box);
+  std::uint32_t add_instance(const Drawable& d, const ViewProjection& projection, const DrawList& list);
+  void append_visible(const RenderQueue& items, const View& view);
+  void add_items(const RenderQueue& items, const View& view, const ViewProjection& projection, const DrawList& list,
+                 const DrawCache& table);
+  void add_depth_visible(std::size_t first_layer, std::size_t end_layer);
+
+  double snap_px_;
+  ViewDraws draws_;
+  std::vector<DrawRun> runs_;
+  std::vector<shader::Instance> instances_;
+  std::vector<shader::LightBlock> lights_;
+  std::vector<std::uint32_t> indices_;
+  std::vector<shader::CpuSelectedVertex> cpu_selected_;
+  std::uint64_t items_culled_ = 0;
+  ColumnOcclusionBuffer* strip_ = nullptr;  // in update(), if the view is a strip
+  FacingTolerance limit_;                   // of the view
+  OcclusionCuller hidden_;                  // if it is none
+  std::vector<std::uint32_t> seen_items_;   // if the view is culled
+  std::vector<std::uint32_t> positions_;    // of what it draws, in their order
+  std::vector<MeshRange> seen_;
+  std::uint32_t last_group_ = 0;
+};
+
+}  // namespace simvis
