@@ -17,5 +17,7 @@ function(simvis_embed_shaders target)
       DEPENDS ${shader} ${includes}
       COMMENT "Compiling shaders/${file}" VERBATIM)
     target_sources(${target} PRIVATE ${output})
+    list(APPEND outputs ${output})
   endforeach()
+  add_custom_target(simvis_shaders DEPENDS ${outputs})  # what a look at the sources alone needs first
 endfunction()

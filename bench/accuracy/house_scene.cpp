@@ -40,7 +40,7 @@ std::string parts_xml(std::istream& csv) {
 }  // namespace
 
 std::optional<Simulation> load_house() {
-  const std::filesystem::path folder = std::filesystem::path(SIMVIS_SHARED_DATA) / "house";
+  const std::filesystem::path folder = std::filesystem::path(SIMVIS_TEST_DATA) / "house";
   std::ifstream csv(folder / "parts.csv");
   if (!csv) return {};
   return Simulation::from_string(parts_xml(csv), {}, folder, "house.xml");

@@ -14,7 +14,7 @@
 namespace simvis {
 namespace {
 
-const EffectRegistration kRegistration({
+const EffectRegistration kShadowsRegistration({
     .name = "shadows",
     .summary = "Objects cast shadows in the light of lights with shadows=\"yes\".",
     .notes = "An edge of a shadow is off by at most half a texel of the shadow map along each axis. Edges are not "

@@ -13,7 +13,7 @@ namespace {
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 // By how far a triangle is taken to reach beyond its edges.
-constexpr double kOutwards_px = 1;
+constexpr double kStripOutwards_px = 1;
 
 constexpr std::size_t kMaxVertices = 3 * kClusterTriangles;
 
@@ -85,7 +85,7 @@ bool ColumnOcclusionBuffer::misses(const glm::dvec3 (&triangle)[3]) const {
   if (all([&](const glm::dvec3& p) { return width_ * p.z - p.x < -slack_x_; })) return true;
   if (!all([&](const glm::dvec3& p) { return p.z > min_z_m_; })) return false;
   const double a = triangle[0].x / triangle[0].z, b = triangle[1].x / triangle[1].z, c = triangle[2].x / triangle[2].z;
-  return first_read(std::min({a, b, c}) - kOutwards_px) == first_read(std::max({a, b, c}) + kOutwards_px);
+  return first_read(std::min({a, b, c}) - kStripOutwards_px) == first_read(std::max({a, b, c}) + kStripOutwards_px);
 }
 
 void ColumnOcclusionBuffer::add(const StripTriangle& named, const glm::dvec3 (&triangle)[3]) {
@@ -105,7 +105,7 @@ void ColumnOcclusionBuffer::add(const StripTriangle& named, const glm::dvec3 (&t
 
 void ColumnOcclusionBuffer::test_and_insert(Candidate& candidate, const PixelPolygon& drawn,
                                             const PixelPolygon& reach) {
-  const double top = -kOutwards_px, bottom = height_ + kOutwards_px;
+  const double top = -kStripOutwards_px, bottom = height_ + kStripOutwards_px;
   // What of it lies in the rows is the hull of these.
   PixelCorner hull[12];
   int count = 0;
@@ -124,8 +124,8 @@ void ColumnOcclusionBuffer::test_and_insert(Candidate& candidate, const PixelPol
     if (p->u < left->u) left = p;
     if (p->u > right->u) right = p;
   }
-  candidate.first = first_read(left->u - kOutwards_px);
-  candidate.end = first_read(right->u + kOutwards_px);
+  candidate.first = first_read(left->u - kStripOutwards_px);
+  candidate.end = first_read(right->u + kStripOutwards_px);
   if (candidate.first >= candidate.end) return;
 
   const PixelSlant slant = slant_of(drawn);

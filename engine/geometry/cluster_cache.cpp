@@ -6,7 +6,7 @@ namespace simvis {
 namespace {
 
 // Of what order_in_space() makes of a mesh.
-constexpr char kVersion = '1';
+constexpr char kClustersVersion = '1';
 
 bool holds_each_once(const std::vector<std::uint32_t>& order) {
   std::vector<bool> seen(order.size());
@@ -24,7 +24,7 @@ Clustering make_clusters_cached(const Mesh& mesh, const std::filesystem::path& f
   if (folder.empty() || mesh.topology != Topology::triangles || triangles < kMinCachedTriangles) {
     return make_clusters(mesh, pool);
   }
-  const MeshCacheFile file(folder, "clusters", kVersion, mesh);
+  const MeshCacheFile file(folder, "clusters", kClustersVersion, mesh);
   std::vector<std::uint32_t> order = file.read();
   if (order.size() != triangles || !holds_each_once(order)) {
     order = order_in_space(mesh, pool);

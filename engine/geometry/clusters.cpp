@@ -9,7 +9,7 @@
 namespace simvis {
 namespace {
 
-struct Box {
+struct PointBox {
   glm::vec3 low{std::numeric_limits<float>::infinity()}, high{-std::numeric_limits<float>::infinity()};
 
   void add(const glm::vec3& p) {
@@ -19,7 +19,7 @@ struct Box {
 };
 
 // All but what it is made of.
-Cluster cluster_in(const Box& box) {
+Cluster cluster_in(const PointBox& box) {
   // Sums of float32 lose half an ulp each; two of the larger corner make up for it.
   constexpr float kOutwards = 2 * std::numeric_limits<float>::epsilon();
   const glm::vec3 slack = kOutwards * glm::max(glm::abs(box.low), glm::abs(box.high));
@@ -38,7 +38,7 @@ class ClusterWriter {
     std::vector<std::uint32_t>& vertices = clustering.vertices;
     const auto first_index = static_cast<std::uint32_t>(clustering.corners.size());
     const auto first_vertex = static_cast<std::uint32_t>(vertices.size());
-    Box box;
+    PointBox box;
     for (const std::size_t triangle : triangles) {
       for (const std::uint32_t vertex : std::span(mesh_.indices).subspan(3 * triangle, 3)) {
         std::uint32_t& place = place_[vertex];
@@ -81,7 +81,7 @@ std::vector<Placed> place(const Mesh& mesh) {
 
 // Puts the smaller half, along the longest side of the centres' box, in front of the larger one.
 void halve(std::span<Placed> placed) {
-  Box box;
+  PointBox box;
   for (const Placed& each : placed) box.add(each.center);
   const glm::vec3 size = box.high - box.low;
   const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
@@ -142,7 +142,7 @@ Clustering clusters_in_order(const Mesh& mesh, std::span<const std::uint32_t> or
 
 Clustering make_clusters(const Mesh& mesh, ThreadPool* pool) {
   if (mesh.topology == Topology::triangles) return clusters_in_order(mesh, order_in_space(mesh, pool));
-  Box box;
+  PointBox box;
   for (const std::uint32_t vertex : mesh.indices) box.add(mesh.positions[vertex]);
   Clustering result;
   result.clusters.push_back(cluster_in(box));

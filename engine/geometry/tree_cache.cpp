@@ -10,7 +10,7 @@ namespace simvis {
 namespace {
 
 // Of the words below, and of what WideBvh makes of a mesh.
-constexpr char kVersion = '1';
+constexpr char kTreeVersion = '1';
 
 // A file holds who is whose child, and no boxes. Of each node how many children it has, and of each child its number
 // and, in the highest bits, how many things it holds as a leaf. Then the things of each leaf.
@@ -134,7 +134,7 @@ class TreeReader {
 WideBvh make_tree_cached(const Mesh& mesh, std::span<const Box> boxes, std::vector<WideBvh::Leaf>& leaves,
                          const std::filesystem::path& folder, ThreadPool* pool) {
   if (folder.empty() || boxes.size() < kMinCachedTriangles) return WideBvh(boxes, leaves, pool);
-  const MeshCacheFile file(folder, "tree", kVersion, mesh);
+  const MeshCacheFile file(folder, "tree", kTreeVersion, mesh);
   if (std::optional<WideBvh> kept = TreeReader(file.read(), boxes).read(leaves)) return std::move(*kept);
   WideBvh tree(boxes, leaves, pool);
   file.write(words_of(tree, leaves));

@@ -26,7 +26,7 @@ Box WideNode::box_around() const {
 
 namespace {
 
-double half_area(const glm::vec3& low, const glm::vec3& high) {
+double box_half_area(const glm::vec3& low, const glm::vec3& high) {
   const glm::dvec3 size = glm::dvec3(high) - glm::dvec3(low);
   return size.x * size.y + size.y * size.z + size.z * size.x;
 }
@@ -40,8 +40,8 @@ std::vector<std::uint32_t> descendants(const Bvh& bvh, std::uint32_t node) {
     double most = -1;
     for (std::size_t i = 0; i < found.size(); ++i) {
       const BvhNode& n = bvh.nodes[found[i]];
-      if (n.count > 0 || half_area(n.low, n.high) <= most) continue;
-      most = half_area(n.low, n.high);
+      if (n.count > 0 || box_half_area(n.low, n.high) <= most) continue;
+      most = box_half_area(n.low, n.high);
       largest = i;
     }
     if (largest == found.size()) break;
@@ -124,11 +124,11 @@ double WideBvh::sah_cost() const {
   for (const WideNode& node : nodes_) {
     for (std::uint32_t lane = 0; lane < node.children; ++lane) {
       const Box box = node.box(lane);
-      sum += half_area(box.low, box.high);
+      sum += box_half_area(box.low, box.high);
     }
   }
   const Box all = nodes_[0].box_around();
-  const double root = half_area(all.low, all.high);
+  const double root = box_half_area(all.low, all.high);
   return root > 0 ? sum / root : 0;
 }
 

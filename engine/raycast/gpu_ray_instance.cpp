@@ -7,7 +7,7 @@ namespace simvis {
 namespace {
 
 constexpr double kUlp = 0x1p-23;  // of a float32, relative
-constexpr double kUnit = 0x1p-53;
+constexpr double kBlockUnit = 0x1p-53;
 
 // For what these bounds themselves lose when they are rounded to float32.
 constexpr double kRoundedUp = 1.001;
@@ -24,7 +24,7 @@ shader::RayItem block_of(const RayInstance& item, const glm::dvec3& origin, cons
   const glm::dmat3 linear(item.world_from_mesh), inverse = glm::inverse(linear);
   const glm::dvec3 centre = glm::dvec3(item.world_from_mesh[3]) - origin + linear * item.mesh->centre();
   const double condition = frobenius(linear) * frobenius(inverse);
-  const double inverse_error = condition * (frobenius(linear * inverse - glm::dmat3(1.0)) + 4 * kUnit * condition);
+  const double inverse_error = condition * (frobenius(linear * inverse - glm::dmat3(1.0)) + 4 * kBlockUnit * condition);
   const double stretch = frobenius(inverse) / item.mesh->radius(), scale = stretch / std::sqrt(3.0);
   const double lengths_m = frobenius(linear) * (glm::length(item.mesh->centre()) + item.mesh->radius()) +
                            glm::length(centre) + 2 * RayInstances::kReach_m;

@@ -9,7 +9,7 @@ namespace simvis {
 
 namespace {
 
-constexpr double kUnit = 0x1p-53;
+constexpr double kItemUnit = 0x1p-53;
 // Per component 7 u (|linear| |p|) + 4 u |offset|: a product of two matrices (3), its product with a point and the sum
 // (4), the difference of two places and its rotation (4). Then 3 u (|x| + |z|) for the shear, and again as much for
 // the direction, whose components are products of cosines. In all 16 u (reach + distance), times sqrt(3).
@@ -106,8 +106,8 @@ SeenItem see(const RayInstance& item, const glm::dmat4& world_from_sensor) {
   const double radius = item.mesh->radius(), stretch = frobenius(seen.placement.linear);
   const double reach_m = stretch * (glm::length(item.mesh->centre()) + radius);
   const double distance_m = glm::length(seen.placement.offset);
-  seen.corner_error_m = kUnit * (kPlacingRoundings * (reach_m + distance_m) +
-                                 kWorldRoundings * (glm::length(place) + glm::length(sensor)));
+  seen.corner_error_m = kItemUnit * (kPlacingRoundings * (reach_m + distance_m) +
+                                     kWorldRoundings * (glm::length(place) + glm::length(sensor)));
   const glm::dvec3 centre = seen.placement.linear * item.mesh->centre() + seen.placement.offset;
   // The last term makes even what rounds here, in double, small beside kPadding.
   seen.scale = 1 / (stretch * radius + glm::length(centre) + 0x1p-20 * (reach_m + distance_m));

@@ -10,7 +10,7 @@ namespace simvis {
 
 namespace {
 
-constexpr VkDeviceSize kFirstSize = 4096;
+constexpr VkDeviceSize kFirstTopSize = 4096;
 
 // Where every point is solid, what lies behind needs no look.
 bool is_solid_item(const DrawList& list, const RayInstance& item) {
@@ -102,7 +102,7 @@ void Tlas::reserve(Buffer& buffer, const char* name, VkDeviceSize size) {
   }
   if (buffer && buffer.size() >= size) return;
   buffer = Buffer(device_, {.name = name,
-                            .size = std::min(most, std::max(kFirstSize, size + size / 2)),
+                            .size = std::min(most, std::max(kFirstTopSize, size + size / 2)),
                             .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
                             .memory = MemoryKind::device});
 }

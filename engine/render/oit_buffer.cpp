@@ -14,7 +14,7 @@ namespace simvis {
 namespace {
 
 constexpr std::uint64_t kFirstNodes = 1u << 16;
-constexpr std::uint64_t kFramesKept = 256;  // as RenderTargets keeps its images
+constexpr std::uint64_t kLayersFramesKept = 256;  // as RenderTargets keeps its images
 
 std::uint32_t rows_of(const Pass& pass) { return pass.supersampling * pass.height_px; }
 std::uint32_t columns_of(const Pass& pass) { return pass.supersampling * pass.width_px; }
@@ -22,7 +22,7 @@ VkDeviceSize list_bytes(const Pass& pass, std::uint32_t rows) {
   return sizeof(shader::LayerBand) + sizeof(std::uint32_t) * VkDeviceSize{columns_of(pass)} * pass.msaa * rows;
 }
 
-void barrier(VkCommandBuffer commands, VkPipelineStageFlags from, VkAccessFlags written, VkPipelineStageFlags to,
+void layers_barrier(VkCommandBuffer commands, VkPipelineStageFlags from, VkAccessFlags written, VkPipelineStageFlags to,
              VkAccessFlags used) {
   const VkMemoryBarrier memory{
       .sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER, .pNext = nullptr, .srcAccessMask = written, .dstAccessMask = used};
@@ -60,7 +60,7 @@ void OitBuffer::describe() {
 void OitBuffer::begin_frame(std::span<const Pass* const> passes) {
   bands_drawn_ = 0;
   if (passes.empty()) {
-    if (++frames_idle_ <= kFramesKept) return;
+    if (++frames_idle_ <= kLayersFramesKept) return;
     for (Buffer* buffer : {&lists_, &nodes_, &counts_}) *buffer = Buffer();
     cuts_ = 1;
     return;
@@ -105,12 +105,12 @@ std::vector<LayerRows> OitBuffer::bands(const Pass& pass) const {
 
 void OitBuffer::record_begin(VkCommandBuffer commands, const Pass& pass, const LayerRows& rows) {
   // The band before this one has been resolved and counted, its colour drawn.
-  barrier(commands, kTargets | VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT, kTargetsWritten,
+  layers_barrier(commands, kTargets | VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT, kTargetsWritten,
           kTargets | VK_PIPELINE_STAGE_TRANSFER_BIT, kTargetsUsed | VK_ACCESS_TRANSFER_WRITE_BIT);
   const shader::LayerBand band{.rows = {0, columns_of(pass), rows.first, pass.msaa}};
   vkCmdUpdateBuffer(commands, lists_.get(), 0, sizeof band, &band);
   vkCmdFillBuffer(commands, lists_.get(), sizeof band, list_bytes(pass, rows.count) - sizeof band, 0);
-  barrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT,
+  layers_barrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT,
           VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT);
   const VkDescriptorSet set = set_.get();
   vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelines_.layout(), SIMVIS_LAYERS_SET, 1, &set, 0,
@@ -118,7 +118,7 @@ void OitBuffer::record_begin(VkCommandBuffer commands, const Pass& pass, const L
 }
 
 void OitBuffer::record_end(VkCommandBuffer commands) {
-  barrier(commands, kTargets | VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT, kTargetsWritten | VK_ACCESS_SHADER_WRITE_BIT,
+  layers_barrier(commands, kTargets | VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT, kTargetsWritten | VK_ACCESS_SHADER_WRITE_BIT,
           kTargets | VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT,
           kTargetsUsed | VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_TRANSFER_READ_BIT);
   const VkBufferCopy count{

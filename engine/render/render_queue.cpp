@@ -71,17 +71,18 @@ void RenderQueue::sort(const DrawList& list, std::span<const std::uint32_t> move
 template <typename Less>
 void RenderQueue::sort_among_rank(std::span<const std::uint32_t> moved, const Less& before) {
   const auto rank_of = [&](std::uint32_t drawable) { return drawables_[drawable].rank; };
-  const auto all = std::ranges::equal_range(order_, rank_of(moved.front()), {}, rank_of);
+  const auto first = std::ranges::lower_bound(order_, rank_of(moved.front()), {}, rank_of),
+             last = std::ranges::upper_bound(order_, rank_of(moved.front()), {}, rank_of);
   for (const std::uint32_t drawable : moved) order_[position_[drawables_[drawable].item]] = kNone;
-  auto rest = std::remove(all.begin(), all.end(), kNone);
-  auto end = all.end();
+  auto rest = std::remove(first, last, kNone);
+  auto end = last;
   for (std::size_t i = moved.size(); i-- > 0;) {
-    const auto at = std::upper_bound(all.begin(), rest, moved[i], before);
+    const auto at = std::upper_bound(first, rest, moved[i], before);
     end = std::move_backward(at, rest, end);
     *--end = moved[i];
     rest = at;
   }
-  for (auto p = all.begin(); p != all.end(); ++p) {
+  for (auto p = first; p != last; ++p) {
     position_[drawables_[*p].item] = static_cast<std::uint32_t>(p - order_.begin());
   }
 }

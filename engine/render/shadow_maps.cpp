@@ -22,7 +22,7 @@ glm::dmat4 inverse_of_rigid(const glm::dmat4& m) {
   return inverse;
 }
 
-shader::ShadowBlock block_of(const ShadowUse& use, const Pass& maps, const glm::dmat4& world_from_view) {
+shader::ShadowBlock shadow_block_of(const ShadowUse& use, const Pass& maps, const glm::dmat4& world_from_view) {
   const View& map = maps.views[use.first_view];
   const glm::dmat4 map_from_view = map.view_from_world * world_from_view;
   const glm::dmat4 rows = glm::transpose(map_from_view);
@@ -45,7 +45,7 @@ std::vector<shader::ShadowBlock> shadow_blocks(const View& view, const Pass& map
   std::vector<shader::ShadowBlock> blocks;
   for (const ShadowUse& use : view.shadows) {
     SIMVIS_ASSERT(use.first_view + use.views <= maps.views.size());
-    blocks.push_back(block_of(use, maps, world_from_view));
+    blocks.push_back(shadow_block_of(use, maps, world_from_view));
   }
   return blocks;
 }

@@ -151,7 +151,8 @@ inline std::vector<DrawnPass> drawing_order(const FramePlan& plan) {
   for (std::size_t pass = 0, view = 0; pass < plan.passes.size(); view += plan.passes[pass++].views.size()) {
     order.push_back({pass, view});
   }
-  std::ranges::stable_partition(order, [&](const DrawnPass& drawn) { return plan.passes[drawn.pass].shadow_maps; });
+  std::stable_partition(order.begin(), order.end(),
+                        [&](const DrawnPass& drawn) { return plan.passes[drawn.pass].shadow_maps; });
   return order;
 }
 

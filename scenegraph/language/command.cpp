@@ -10,7 +10,7 @@ namespace simvis {
 namespace {
 
 constexpr std::string_view kCommandNames[] = {"part", "element", "sensor"};  // in the order of CommandKind
-constexpr std::string_view kSpaces = " \t\r\n";
+constexpr std::string_view kCommandSpaces = " \t\r\n";
 
 bool is_command(std::string_view tag) { return std::ranges::find(kCommandNames, tag) != std::end(kCommandNames); }
 
@@ -24,7 +24,7 @@ std::vector<std::size_t> attribute_offsets(const pugi::xml_node& node, std::stri
   std::vector<std::size_t> offsets;
   std::size_t i = static_cast<std::size_t>(node.offset_debug()) + std::string_view(node.name()).size();
   while (true) {
-    i = text.find_first_not_of(kSpaces, i);
+    i = text.find_first_not_of(kCommandSpaces, i);
     if (i == std::string_view::npos || text[i] == '>' || text[i] == '/') return offsets;
     offsets.push_back(i);
     i = text.find_first_of("\"'", i);
@@ -40,7 +40,7 @@ void check_name(const CommandAttribute& name, CommandKind kind) {
     fail_at(name.where,
             "attribute \"name\": " + in_quotes(name.value) + " is not allowed, expected " + std::string(expected));
   };
-  if (name.value.find_first_not_of(kSpaces) == std::string::npos) refuse("a name that is not empty");
+  if (name.value.find_first_not_of(kCommandSpaces) == std::string::npos) refuse("a name that is not empty");
   const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
   if (std::ranges::any_of(name.value, is_control)) refuse("a name without control characters");
   if (kind != CommandKind::part && name.value.find_first_of("./") != std::string::npos) {
@@ -86,8 +86,8 @@ pugi::xml_node find_root(const pugi::xml_document& document) {
 
 [[noreturn]] void refuse_text(const pugi::xml_node& node, const SourceText& source) {
   std::string_view text = node.value();
-  const std::size_t spaces = std::min(text.find_first_not_of(kSpaces), text.size());
-  text = text.substr(spaces, text.find_last_not_of(kSpaces) + 1 - spaces);
+  const std::size_t spaces = std::min(text.find_first_not_of(kCommandSpaces), text.size());
+  text = text.substr(spaces, text.find_last_not_of(kCommandSpaces) + 1 - spaces);
   fail_at(source.at(static_cast<std::size_t>(node.offset_debug()) + spaces),
           "text " + in_quotes(text) + " between commands, expected commands only");
 }

@@ -92,8 +92,7 @@ void mark_columns(ScanLayout& layout) {
   }
   for (std::size_t f = 0; f < columns.size(); ++f) {
     std::ranges::sort(columns[f]);
-    const auto repeated = std::ranges::unique(columns[f]);
-    columns[f].erase(repeated.begin(), repeated.end());
+    columns[f].erase(std::unique(columns[f].begin(), columns[f].end()), columns[f].end());
     layout.faces[f].columns = std::make_shared<const std::vector<std::uint32_t>>(std::move(columns[f]));
   }
 }

@@ -15,7 +15,7 @@ namespace simvis {
 
 namespace {
 
-constexpr double kFloatUnit = 0x1p-24, kDoubleUnit = 0x1p-53;
+constexpr double kFloatRounding = 0x1p-24, kDoubleUnit = 0x1p-53;
 constexpr double kTransform = 5, kCuts = 3;
 // Three matrix products (world, view, clip), four roundings an entry each.
 constexpr double kDoubleRoundings = 3 * 4;
@@ -71,8 +71,8 @@ struct VertexRounding::Reach {
     const double reach = extent.reach_m, edge = extent.edge_m;
     const double offset = extent.away_m + distance_m + reach;
     const double corner = std::min(limit_m + edge, farthest_m);  // of a triangle that is seen there
-    return kFloatUnit * (kTransform * (std::min(reach, corner + distance_m) + distance_m) +
-                         kCuts * (2 * edge + corner) + corner) +
+    return kFloatRounding * (kTransform * (std::min(reach, corner + distance_m) + distance_m) +
+                             kCuts * (2 * edge + corner) + corner) +
            kDoubleRoundings * kDoubleUnit * offset;
   }
 };

@@ -5,7 +5,7 @@
 namespace simvis {
 namespace {
 
-constexpr std::chrono::milliseconds kInterval{200};
+constexpr std::chrono::milliseconds kLoadingInterval{200};
 
 }  // namespace
 
@@ -39,7 +39,7 @@ void LoadingBar::wait_and_paint(std::chrono::milliseconds patience) {
   std::chrono::milliseconds wait = patience;
   while (!ended_.wait_for(lock, wait, [this] { return has_ended_; })) {
     paint();
-    wait = kInterval;
+    wait = kLoadingInterval;
   }
 }
 

@@ -24,6 +24,8 @@
 #include "tests/support/random_room.h"
 #include "tests/support/tested_build.h"
 
+TEST_SUITE_BEGIN("engine/culling");
+
 using namespace simvis;
 
 namespace {
@@ -209,3 +211,5 @@ TEST_CASE("views that are worked out side by side draw the same as one after the
   }
   CHECK(looks >= kWorthThreads);
 }
+
+TEST_SUITE_END();

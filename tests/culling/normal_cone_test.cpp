@@ -12,6 +12,8 @@
 #include "engine/vulkan/device_impl.h"
 #include "tests/support/random_room.h"
 
+TEST_SUITE_BEGIN("engine/culling");
+
 using namespace simvis;
 
 namespace {
@@ -246,3 +248,5 @@ TEST_CASE("a device that takes one draw at a time, or few, draws the same as one
     CHECK(device.validation_messages() == 0);
   }
 }
+
+TEST_SUITE_END();

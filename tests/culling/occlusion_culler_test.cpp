@@ -13,6 +13,8 @@
 #include "engine/render/renderer.h"
 #include "tests/support/random_room.h"
 
+TEST_SUITE_BEGIN("engine/culling");
+
 using namespace simvis;
 
 namespace {
@@ -327,3 +329,5 @@ TEST_CASE("what is seen edge-on behind a wall gives the same bytes") {
   // With planes half a centimetre in every metre off, two of the five decades, they are thick enough to be told.
   CHECK(drawn < all * 2 / 3);
 }
+
+TEST_SUITE_END();

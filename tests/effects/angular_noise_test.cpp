@@ -6,6 +6,8 @@
 #include "tests/support/reference_directions.h"
 #include "tests/support/traced_beams.h"
 
+TEST_SUITE_BEGIN("effects");
+
 namespace simvis {
 namespace {
 
@@ -80,3 +82,5 @@ TEST_CASE("ranges at a slanted wall scatter as its slope says") {
 
 }  // namespace
 }  // namespace simvis
+
+TEST_SUITE_END();

@@ -12,6 +12,8 @@
 #include "tests/support/scan_effects.h"
 #include "tests/support/tested_build.h"
 
+TEST_SUITE_BEGIN("effects");
+
 namespace simvis {
 namespace {
 
@@ -212,3 +214,5 @@ TEST_CASE("a drop returns as much as geometric optics says") {
 }
 
 }  // namespace simvis
+
+TEST_SUITE_END();

@@ -7,6 +7,8 @@
 #include "effects/scanner/returns.h"
 #include "tests/support/traced_beams.h"
 
+TEST_SUITE_BEGIN("effects");
+
 namespace simvis {
 namespace {
 
@@ -177,3 +179,5 @@ TEST_CASE("patterns belong to seed and beam, not to the frame") {
 
 }  // namespace
 }  // namespace simvis
+
+TEST_SUITE_END();

@@ -16,6 +16,8 @@
 #include "tests/support/temporary_folder.h"
 #include "tests/support/wall_scene.h"
 
+TEST_SUITE_BEGIN("effects");
+
 using namespace simvis;
 
 namespace {
@@ -221,3 +223,5 @@ TEST_CASE("an effect that is off, or that nothing shows, leaves bytes and counte
     }
   }
 }
+
+TEST_SUITE_END();

@@ -21,6 +21,8 @@
 #include <opencv2/calib3d.hpp>
 #endif
 
+TEST_SUITE_BEGIN("effects");
+
 using namespace simvis;
 
 namespace {
@@ -325,3 +327,5 @@ TEST_CASE("intrinsics and coefficients are written as ROS reads them") {
   CHECK(contains(sink.written, "distortion_model: equidistant\n"));
   CHECK(contains(sink.written, "cols: 4\n  data: [-0.02, 0.003, -5.0e-04, 0]"));
 }
+
+TEST_SUITE_END();

@@ -8,6 +8,8 @@
 #include "tests/support/made_up_scan.h"
 #include "tests/support/wall_scene.h"
 
+TEST_SUITE_BEGIN("effects");
+
 namespace simvis::test {
 namespace {
 
@@ -111,3 +113,5 @@ TEST_CASE("so what is dark, slanted or far is lost first") {
 }
 
 }  // namespace simvis::test
+
+TEST_SUITE_END();

@@ -19,6 +19,8 @@
 #include "tests/support/temporary_folder.h"
 #include "tests/support/tested_build.h"
 
+TEST_SUITE_BEGIN("effects");
+
 using namespace simvis;
 
 namespace {
@@ -229,3 +231,5 @@ TEST_CASE("each effect alone: named in the plan where it is shown, and in no oth
     CHECK(shown);
   }
 }
+
+TEST_SUITE_END();

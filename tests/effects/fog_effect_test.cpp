@@ -7,6 +7,8 @@
 #include <simvis/effect.h>
 #include "tests/support/renderer_scene.h"
 
+TEST_SUITE_BEGIN("effects");
+
 using namespace simvis;
 using namespace simvis::test;
 
@@ -158,3 +160,5 @@ TEST_CASE("the catalogue knows what calls for it") {
 }
 
 TEST_CASE("the validation layer has nothing to say") { CHECK(device().validation_messages() == 0); }
+
+TEST_SUITE_END();

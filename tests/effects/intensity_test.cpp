@@ -8,6 +8,8 @@
 #include "tests/support/element_scene.h"
 #include "tests/support/reference_directions.h"
 
+TEST_SUITE_BEGIN("effects");
+
 namespace simvis::test {
 namespace {
 
@@ -233,3 +235,5 @@ TEST_CASE("where there is no range there is no intensity; it is the table's last
 }
 
 }  // namespace simvis::test
+
+TEST_SUITE_END();

@@ -12,6 +12,8 @@
 #include <opencv2/calib3d.hpp>
 #endif
 
+TEST_SUITE_BEGIN("effects");
+
 using namespace simvis;
 
 namespace {
@@ -166,3 +168,5 @@ TEST_CASE("OpenCV sees directions at the same pixels") {
 }
 
 #endif
+
+TEST_SUITE_END();

@@ -9,6 +9,8 @@
 #include "tests/support/reference_directions.h"
 #include "tests/support/renderer_scene.h"
 
+TEST_SUITE_BEGIN("effects");
+
 using namespace simvis;
 using namespace simvis::test;
 
@@ -328,3 +330,5 @@ TEST_CASE("the plan names the effect where colour shows it, and just there") {
 }
 
 TEST_CASE("the validation layer has nothing to say") { CHECK(device().validation_messages() == 0); }
+
+TEST_SUITE_END();

@@ -8,6 +8,8 @@
 #include "tests/support/reference_directions.h"
 #include "tests/support/renderer_scene.h"
 
+TEST_SUITE_BEGIN("effects");
+
 using namespace simvis;
 using namespace simvis::test;
 
@@ -174,3 +176,5 @@ TEST_CASE("highlights follow the relief") {
 }
 
 TEST_CASE("the validation layer has nothing to say") { CHECK(device().validation_messages() == 0); }
+
+TEST_SUITE_END();

@@ -9,6 +9,8 @@
 #include "tests/support/made_up_scan.h"
 #include "tests/support/wall_scene.h"
 
+TEST_SUITE_BEGIN("effects");
+
 namespace simvis::test {
 namespace {
 
@@ -204,3 +206,5 @@ TEST_CASE("noise comes before rounding") {
 }
 
 }  // namespace simvis::test
+
+TEST_SUITE_END();

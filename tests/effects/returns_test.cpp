@@ -8,6 +8,8 @@
 #include "effects/scanner/beam_divergence.h"
 #include "tests/support/traced_beams.h"
 
+TEST_SUITE_BEGIN("effects");
+
 namespace simvis {
 namespace {
 
@@ -278,3 +280,5 @@ TEST_CASE("wide beams through leaves against a count by the plain caster, at sev
 
 }  // namespace
 }  // namespace simvis
+
+TEST_SUITE_END();

@@ -10,6 +10,8 @@
 #include "sensors/camera/camera.h"
 #include "tests/support/renderer_scene.h"
 
+TEST_SUITE_BEGIN("effects");
+
 using namespace simvis;
 
 namespace {
@@ -171,3 +173,5 @@ TEST_CASE("a frame that is tried again is not its own past") {
   journey.take(camera, 1);
   CHECK(camera.color()->pixels == first.pixels);
 }
+
+TEST_SUITE_END();

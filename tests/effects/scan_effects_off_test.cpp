@@ -5,6 +5,8 @@
 #include "scenes/showcase/effect_examples.h"
 #include "tests/support/element_scene.h"
 
+TEST_SUITE_BEGIN("effects");
+
 namespace simvis::test {
 namespace {
 
@@ -72,3 +74,5 @@ TEST_CASE("a method that renders cannot show them") {
 
 }  // namespace
 }  // namespace simvis::test
+
+TEST_SUITE_END();

@@ -6,6 +6,8 @@
 #include "simvis/scene_builder.h"
 #include "tests/support/element_scene.h"
 
+TEST_SUITE_BEGIN("effects");
+
 namespace simvis::test {
 namespace {
 
@@ -77,3 +79,5 @@ TEST_CASE("mistakes are refused with their place") {
 
 }  // namespace
 }  // namespace simvis::test
+
+TEST_SUITE_END();

@@ -13,6 +13,8 @@
 #include "tests/support/reference_directions.h"
 #include "tests/support/renderer_scene.h"
 
+TEST_SUITE_BEGIN("effects");
+
 namespace simvis::test {
 namespace {
 
@@ -463,3 +465,5 @@ TEST_CASE("too many or too large shadow maps are refused with the limit") {
 
 }  // namespace
 }  // namespace simvis::test
+
+TEST_SUITE_END();

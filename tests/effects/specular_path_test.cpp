@@ -9,6 +9,8 @@
 #include "tests/support/reference_directions.h"
 #include "tests/support/scan_effects.h"
 
+TEST_SUITE_BEGIN("effects");
+
 namespace simvis {
 namespace {
 
@@ -279,3 +281,5 @@ TEST_CASE("surfaces without a share are none of this effect's business: the same
 }
 
 }  // namespace simvis
+
+TEST_SUITE_END();

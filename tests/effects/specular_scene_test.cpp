@@ -1,6 +1,8 @@
 // Mirrors and glass in scenes: the element material, glTF files, and scanners that look for them or do not.
 #include "tests/support/element_scene.h"
 
+TEST_SUITE_BEGIN("effects");
+
 namespace simvis::test {
 namespace {
 
@@ -132,3 +134,5 @@ TEST_CASE("a plate turns to glass and back: its beams go on in those frames, and
 
 }  // namespace
 }  // namespace simvis::test
+
+TEST_SUITE_END();

@@ -12,6 +12,8 @@
 #include "tests/support/reference_directions.h"
 #include "tests/support/traced_beams.h"
 
+TEST_SUITE_BEGIN("effects");
+
 namespace simvis {
 namespace {
 
@@ -203,3 +205,5 @@ TEST_CASE("in a simulation: ranges of a robot that drives at a wall, and each be
 
 }  // namespace
 }  // namespace simvis
+
+TEST_SUITE_END();

@@ -13,6 +13,8 @@
 #include "shaders/interop.h"
 #include "tests/support/renderer_scene.h"
 
+TEST_SUITE_BEGIN("effects");
+
 using namespace simvis;
 using namespace simvis::test;
 
@@ -143,7 +145,7 @@ TEST_CASE("crossing panes lie over each other by depth, pixel by pixel and sampl
           std::uint64_t{kSize} * kSize * supersampling * supersampling * msaa * panes.size());
     std::vector<Glass> turned = panes;
     for (int order = 0; order < 4; ++order) {
-      std::ranges::rotate(turned, turned.begin() + 1 + order % 2);
+      std::rotate(turned.begin(), turned.begin() + 1 + order % 2, turned.end());
       CHECK(same_bytes<glm::vec4>(first,
                                   renderer.render(scene_of(turned).list, square_plan(supersampling, msaa))[0].color));
     }
@@ -179,7 +181,7 @@ TEST_CASE("faces of one mesh lie over each other by depth, in whatever order the
   REQUIRE(expected);
   for (int c = 0; c < 3; ++c) CHECK(std::abs(seen[c] - (*expected)[c]) < kVertexColor + over_rounding(5));
   for (int i = 0; i < 6; ++i) {
-    std::ranges::rotate(order, order.begin() + 1);
+    std::rotate(order.begin(), order.begin() + 1, order.end());
     std::swap(order[0], order[2]);
     CHECK(same_bytes<glm::vec4>(first, renderer.render(scene_in(order).list, square_plan())[0].color));
   }
@@ -328,3 +330,5 @@ TEST_CASE("the catalogue knows what calls for it") {
 }
 
 TEST_CASE("the validation layer has nothing to say") { CHECK(device().validation_messages() == 0); }
+
+TEST_SUITE_END();

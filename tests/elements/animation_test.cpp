@@ -13,6 +13,8 @@
 #include "tests/support/animated_part.h"
 #include "tests/support/error_of.h"
 
+TEST_SUITE_BEGIN("elements");
+
 using namespace simvis;
 using namespace simvis::test;
 
@@ -460,3 +462,5 @@ TEST_CASE("a thousand steps leave nothing behind, on the device neither") {
   for (const auto& mesh : shown) alive += mesh.expired() ? 0 : 1;
   CHECK(alive == 1);
 }
+
+TEST_SUITE_END();

@@ -12,6 +12,8 @@
 #include "tests/support/error_of.h"
 #include "tests/support/stub_part.h"
 
+TEST_SUITE_BEGIN("elements");
+
 namespace simvis {
 namespace {
 
@@ -196,3 +198,5 @@ TEST_CASE("mistakes in a joint") {
 
 }  // namespace
 }  // namespace simvis
+
+TEST_SUITE_END();

@@ -3,6 +3,8 @@
 
 #include "tests/support/element_scene.h"
 
+TEST_SUITE_BEGIN("elements");
+
 namespace simvis::test {
 namespace {
 
@@ -209,3 +211,5 @@ TEST_CASE("where no surface is, fog shows itself if it is dense enough; else a m
 
 }  // namespace
 }  // namespace simvis::test
+
+TEST_SUITE_END();

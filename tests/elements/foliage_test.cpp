@@ -2,6 +2,8 @@
 #include "simvis/scene_builder.h"
 #include "tests/support/element_scene.h"
 
+TEST_SUITE_BEGIN("elements");
+
 namespace simvis::test {
 namespace {
 
@@ -176,3 +178,5 @@ TEST_CASE("a part without leaves is refused") {
 
 }  // namespace
 }  // namespace simvis::test
+
+TEST_SUITE_END();

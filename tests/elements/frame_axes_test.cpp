@@ -9,6 +9,8 @@
 #include "tests/support/error_of.h"
 #include "tests/support/people_view.h"
 
+TEST_SUITE_BEGIN("elements");
+
 namespace simvis {
 namespace {
 
@@ -81,3 +83,5 @@ TEST_CASE("mistakes in frame_axes") {
 
 }  // namespace
 }  // namespace simvis
+
+TEST_SUITE_END();

@@ -9,6 +9,8 @@
 #include "tests/support/error_of.h"
 #include "tests/support/people_view.h"
 
+TEST_SUITE_BEGIN("elements");
+
 namespace simvis {
 namespace {
 
@@ -125,3 +127,5 @@ TEST_CASE("mistakes in graph") {
 
 }  // namespace
 }  // namespace simvis
+
+TEST_SUITE_END();

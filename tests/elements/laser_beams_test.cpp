@@ -12,6 +12,8 @@
 #include "tests/support/people_view.h"
 #include "tests/support/reference_directions.h"
 
+TEST_SUITE_BEGIN("elements");
+
 namespace simvis {
 namespace {
 
@@ -160,3 +162,5 @@ TEST_CASE("mistakes in laser_beams") {
 
 }  // namespace
 }  // namespace simvis
+
+TEST_SUITE_END();

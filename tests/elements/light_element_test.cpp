@@ -7,6 +7,8 @@
 #include "tests/support/element_scene.h"
 #include "tests/support/reference_directions.h"
 
+TEST_SUITE_BEGIN("elements");
+
 namespace simvis::test {
 namespace {
 
@@ -199,3 +201,5 @@ TEST_CASE("mistakes in a colour temperature leave the light as it is") {
 
 }  // namespace
 }  // namespace simvis::test
+
+TEST_SUITE_END();

@@ -8,6 +8,8 @@
 #include <tuple>
 #include <utility>
 
+TEST_SUITE_BEGIN("elements");
+
 namespace simvis {
 namespace {
 
@@ -131,3 +133,5 @@ TEST_CASE("nothing is nothing") {
 
 }  // namespace
 }  // namespace simvis
+
+TEST_SUITE_END();

@@ -5,6 +5,8 @@
 #include "tests/support/element_scene.h"
 #include "tests/support/reference_directions.h"
 
+TEST_SUITE_BEGIN("elements");
+
 namespace simvis::test {
 namespace {
 
@@ -229,3 +231,5 @@ TEST_CASE("mistakes are refused and leave the part as it was") {
 
 }  // namespace
 }  // namespace simvis::test
+
+TEST_SUITE_END();

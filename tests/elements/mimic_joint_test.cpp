@@ -8,6 +8,8 @@
 #include "simvis/scene_builder.h"
 #include "tests/support/error_of.h"
 
+TEST_SUITE_BEGIN("elements");
+
 namespace simvis {
 namespace {
 
@@ -73,3 +75,5 @@ TEST_CASE("a mimic joint that is taken back is followed no more") {
 
 }  // namespace
 }  // namespace simvis
+
+TEST_SUITE_END();

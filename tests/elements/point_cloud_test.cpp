@@ -12,6 +12,8 @@
 #include "tests/support/people_view.h"
 #include "tests/support/temporary_folder.h"
 
+TEST_SUITE_BEGIN("elements");
+
 namespace simvis {
 namespace {
 
@@ -228,3 +230,5 @@ TEST_CASE("mistakes in point_cloud") {
 
 }  // namespace
 }  // namespace simvis
+
+TEST_SUITE_END();

@@ -10,6 +10,8 @@
 #include "tests/support/people_view.h"
 #include "tests/support/stub_part.h"
 
+TEST_SUITE_BEGIN("elements");
+
 namespace simvis {
 namespace {
 
@@ -142,3 +144,5 @@ TEST_CASE("mistakes in trail") {
 
 }  // namespace
 }  // namespace simvis
+
+TEST_SUITE_END();

@@ -10,6 +10,8 @@
 #include <simvis/simulation.h>
 #include "tests/support/wall_scene.h"
 
+TEST_SUITE_BEGIN("elements");
+
 namespace simvis {
 namespace {
 
@@ -192,3 +194,5 @@ TEST_CASE("a beam stays where it was measured while its scanner is off") {
 
 }  // namespace
 }  // namespace simvis
+
+TEST_SUITE_END();

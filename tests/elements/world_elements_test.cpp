@@ -1,6 +1,8 @@
 // The elements visibility, scale and sky: what sensors see after each of their parameters is set.
 #include "tests/support/element_scene.h"
 
+TEST_SUITE_BEGIN("elements");
+
 namespace simvis::test {
 namespace {
 
@@ -92,3 +94,5 @@ TEST_CASE("the sky is background and ambient light") {
 
 }  // namespace
 }  // namespace simvis::test
+
+TEST_SUITE_END();

@@ -10,6 +10,8 @@
 #include <random>
 #include <vector>
 
+TEST_SUITE_BEGIN("engine");
+
 using namespace simvis;
 
 namespace {
@@ -120,3 +122,5 @@ TEST_CASE("refitting keeps the tree right, and tells which nodes it has changed"
     }
   }
 }
+
+TEST_SUITE_END();

@@ -12,6 +12,8 @@
 #include "engine/base/temporary_name.h"
 #include "tests/support/temporary_folder.h"
 
+TEST_SUITE_BEGIN("engine");
+
 namespace simvis {
 namespace {
 
@@ -59,3 +61,5 @@ TEST_CASE("of several threads that write one file, one has written all of it; no
 
 }  // namespace
 }  // namespace simvis
+
+TEST_SUITE_END();

@@ -14,6 +14,8 @@
 #include "tests/support/random_room.h"
 #include "tests/support/temporary_folder.h"
 
+TEST_SUITE_BEGIN("engine");
+
 using namespace simvis;
 namespace fs = std::filesystem;
 
@@ -216,3 +218,5 @@ TEST_CASE("what is loaded at once takes no more of the device than it has bytes,
     CHECK(ratio() <= 1.5 + kRounding);
   }
 }
+
+TEST_SUITE_END();

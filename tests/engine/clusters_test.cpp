@@ -11,6 +11,8 @@
 #include "engine/render/renderer.h"
 #include "tests/support/random_room.h"
 
+TEST_SUITE_BEGIN("engine");
+
 using namespace simvis;
 
 namespace {
@@ -163,3 +165,5 @@ TEST_CASE("drawing only what a view sees of a mesh gives the bytes of drawing ev
   }
   CHECK(device.validation_messages() == 0);
 }
+
+TEST_SUITE_END();

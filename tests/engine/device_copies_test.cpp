@@ -15,6 +15,8 @@
 #include "tests/support/renderer_scene.h"
 #include "tests/support/wall_scene.h"
 
+TEST_SUITE_BEGIN("engine");
+
 namespace simvis {
 namespace {
 
@@ -144,3 +146,5 @@ TEST_CASE("planar scanners alone keep no mesh on the device, with a camera it is
 
 }  // namespace
 }  // namespace simvis
+
+TEST_SUITE_END();

@@ -18,6 +18,8 @@
 #include "tests/support/random_numbers.h"
 #include "tests/support/tested_build.h"
 
+TEST_SUITE_BEGIN("engine");
+
 using namespace simvis;
 
 namespace {
@@ -391,3 +393,5 @@ TEST_CASE("a buffer for which there is no memory leaves nothing behind") {
   CHECK(impl.live_objects() == objects);
   CHECK(real_device().validation_messages() == 0);
 }
+
+TEST_SUITE_END();

@@ -15,6 +15,8 @@
 #include "tests/support/renderer_scene.h"
 #include "tests/support/tested_build.h"
 
+TEST_SUITE_BEGIN("engine");
+
 using namespace simvis;
 namespace fs = std::filesystem;
 
@@ -212,3 +214,5 @@ TEST_CASE("the cache folder follows the environment") {
   const ScopedVariable home("HOME", "/home/somebody");
   CHECK(cache_folder("") == "/home/somebody/.cache/simvis");
 }
+
+TEST_SUITE_END();

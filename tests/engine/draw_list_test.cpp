@@ -5,6 +5,8 @@
 #include <functional>
 #include <sstream>
 
+TEST_SUITE_BEGIN("engine");
+
 using namespace simvis;
 
 namespace {
@@ -151,3 +153,5 @@ TEST_CASE("a list prints what it holds") {
     CHECK(text.find(part) != std::string::npos);
   }
 }
+
+TEST_SUITE_END();

@@ -15,6 +15,8 @@
 #include "tests/support/tested_build.h"
 #include "tests/support/wall_scene.h"
 
+TEST_SUITE_BEGIN("engine");
+
 namespace simvis {
 namespace {
 
@@ -364,3 +366,5 @@ TEST_CASE("a step that fails leaves a plan that can be read") {
 
 }  // namespace
 }  // namespace simvis
+
+TEST_SUITE_END();

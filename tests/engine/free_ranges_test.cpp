@@ -8,6 +8,8 @@
 
 #include "tests/support/random_numbers.h"
 
+TEST_SUITE_BEGIN("engine");
+
 using namespace simvis;
 
 namespace {
@@ -118,3 +120,5 @@ TEST_CASE("a hundred thousand random calls never hand a byte out twice, and find
   CHECK(free.count() == 1);
   CHECK(free.take(kSize, kSize) == 0u);
 }
+
+TEST_SUITE_END();

@@ -9,6 +9,8 @@
 #include <string>
 #include <type_traits>
 
+TEST_SUITE_BEGIN("engine");
+
 using namespace simvis;
 
 namespace {
@@ -130,3 +132,5 @@ TEST_CASE("shadow blocks lie in memory as the fragment shaders read them") {
   CHECK(found.at("Shadows") == SIMVIS_MAX_SHADOWS * sizeof(shader::ShadowBlock));
   CHECK(members_of(found, "shadows") == 6);
 }
+
+TEST_SUITE_END();

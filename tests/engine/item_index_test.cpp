@@ -18,6 +18,8 @@
 #include "tests/support/ray_casting.h"
 #include "tests/support/renderer_scene.h"
 
+TEST_SUITE_BEGIN("engine");
+
 using namespace simvis;
 
 namespace {
@@ -316,3 +318,5 @@ TEST_CASE("what moves takes its place in the order of drawing, as if all were so
     CHECK(order.position(0) == RenderQueue::kNone);
   }
 }
+
+TEST_SUITE_END();

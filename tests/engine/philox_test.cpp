@@ -7,6 +7,8 @@
 #include <numbers>
 #include <vector>
 
+TEST_SUITE_BEGIN("engine");
+
 using namespace simvis;
 
 namespace {
@@ -98,3 +100,5 @@ TEST_CASE("a million numbers fill equally probable bins equally (chi-square)") {
   // Mean kBins - 1, variance 2 (kBins - 1). Bins that are filled too evenly are wrong as well.
   CHECK(std::abs(chi_square - (kBins - 1)) <= kSigmas * std::sqrt(2.0 * (kBins - 1)));
 }
+
+TEST_SUITE_END();

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <vector>
 
+TEST_SUITE_BEGIN("engine");
+
 using namespace simvis;
 
 namespace {
@@ -110,3 +112,5 @@ TEST_CASE("nothing, or less than nothing, sets no electron free") {
   CHECK(poisson(random, -1, 1, 2, 3) == 0);
   CHECK(poisson(random, 5, 1, 2, 3) == poisson(random, 5, 1, 2, 3));
 }
+
+TEST_SUITE_END();

@@ -11,6 +11,8 @@
 #include "tests/support/reference_directions.h"
 #include "tests/support/renderer_scene.h"
 
+TEST_SUITE_BEGIN("engine");
+
 using namespace simvis;
 using namespace simvis::test;
 
@@ -346,3 +348,5 @@ TEST_CASE("a colour pass gives the same depth as a depth pass") {
 }
 
 TEST_CASE("the validation layer has nothing to say") { CHECK(device().validation_messages() == 0); }
+
+TEST_SUITE_END();

@@ -9,6 +9,8 @@
 #include "shaders/interop.h"
 #include "tests/support/renderer_scene.h"
 
+TEST_SUITE_BEGIN("engine");
+
 using namespace simvis;
 using namespace simvis::test;
 
@@ -357,3 +359,5 @@ TEST_CASE("meshes come and go, and what stays is neither uploaded again nor lost
 }
 
 TEST_CASE("the validation layer has nothing to say") { CHECK(device().validation_messages() == 0); }
+
+TEST_SUITE_END();

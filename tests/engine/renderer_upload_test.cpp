@@ -6,6 +6,8 @@
 #include "tests/support/renderer_scene.h"
 #include "tests/support/tested_build.h"
 
+TEST_SUITE_BEGIN("engine");
+
 using namespace simvis;
 using namespace simvis::test;
 
@@ -161,3 +163,5 @@ TEST_CASE("each item shows its own texture, and textures that go leave nothing b
 }
 
 TEST_CASE("the validation layer has nothing to say") { CHECK(device().validation_messages() == 0); }
+
+TEST_SUITE_END();

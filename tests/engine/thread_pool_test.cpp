@@ -12,6 +12,8 @@
 
 #include <simvis/error.h>
 
+TEST_SUITE_BEGIN("engine");
+
 namespace simvis {
 namespace {
 
@@ -220,3 +222,5 @@ TEST_CASE("those that ask for the same number of threads share a pool for as lon
 
 }  // namespace
 }  // namespace simvis
+
+TEST_SUITE_END();

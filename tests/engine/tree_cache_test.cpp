@@ -16,6 +16,8 @@
 #include "tests/support/temporary_folder.h"
 #include "tests/support/tree_check.h"
 
+TEST_SUITE_BEGIN("engine");
+
 using namespace simvis;
 namespace fs = std::filesystem;
 
@@ -237,3 +239,5 @@ TEST_CASE("meshes of a scene's first frame are kept, those that come later are n
     CHECK(files_below(folder.path()).size() == 1);
   }
 }
+
+TEST_SUITE_END();

@@ -7,6 +7,8 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <random>
 
+TEST_SUITE_BEGIN("engine");
+
 using namespace simvis;
 
 namespace {
@@ -104,3 +106,5 @@ TEST_CASE("what lies before the near plane or behind the eye is culled") {
   CHECK(!gone(0.41));
   CHECK(!gone(3));
 }
+
+TEST_SUITE_END();

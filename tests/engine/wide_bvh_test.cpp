@@ -8,6 +8,8 @@
 
 #include "tests/support/tree_check.h"
 
+TEST_SUITE_BEGIN("engine");
+
 using namespace simvis;
 
 namespace {
@@ -64,3 +66,5 @@ TEST_CASE("a tree over nothing is empty") {
   CHECK(leaves.empty());
   CHECK(WideBvh(std::vector<Box>{}).nodes().empty());
 }
+
+TEST_SUITE_END();

@@ -15,6 +15,8 @@
 #include "tests/support/random_room.h"
 #include "tests/support/reference_directions.h"
 
+TEST_SUITE_BEGIN("hard_cases");
+
 using namespace simvis;
 
 namespace {
@@ -289,3 +291,5 @@ TEST_CASE("pictures of what is degenerate hold numbers") {
   for (const float depth_m : camera.depth()->pixels) REQUIRE(depth_m > 0);
   CHECK(device.validation_messages() == 0);
 }
+
+TEST_SUITE_END();

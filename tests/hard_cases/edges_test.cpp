@@ -15,6 +15,8 @@
 #include "tests/support/reference_directions.h"
 #include "tests/support/tested_build.h"
 
+TEST_SUITE_BEGIN("hard_cases");
+
 using namespace simvis;
 
 namespace {
@@ -441,3 +443,5 @@ TEST_CASE("from which width on planar sees a pole, and is certain of it") {
     add_line(name.str(), outcome.str());
   }
 }
+
+TEST_SUITE_END();

@@ -18,6 +18,8 @@
 #include "tests/support/random_room.h"
 #include "tests/support/reference_directions.h"
 
+TEST_SUITE_BEGIN("hard_cases");
+
 using namespace simvis;
 
 namespace {
@@ -253,3 +255,5 @@ TEST_CASE("what is far does not touch the depth of what is near") {
   CHECK(device.validation_messages() == 0);
   add_line("things 10 km and 1000 km away: ranges and depth of near ones", "the same to the bit");
 }
+
+TEST_SUITE_END();

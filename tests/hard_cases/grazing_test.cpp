@@ -13,6 +13,8 @@
 #include "tests/support/reference_directions.h"
 #include "tests/support/tested_build.h"
 
+TEST_SUITE_BEGIN("hard_cases");
+
 using namespace simvis;
 
 namespace {
@@ -189,3 +191,5 @@ TEST_CASE("tilted and rolled scanners over flat ground: a straight line stays st
               cell(measure(hard, ScanMethod::planar).scan, kInfinity), "", ""});
   }
 }
+
+TEST_SUITE_END();

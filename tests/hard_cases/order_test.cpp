@@ -17,6 +17,8 @@
 #include "tests/support/random_room.h"
 #include "tests/support/tested_build.h"
 
+TEST_SUITE_BEGIN("hard_cases");
+
 using namespace simvis;
 
 namespace {
@@ -211,3 +213,5 @@ TEST_CASE("one frame alone is frame k of a run") {
   }
   add_line("one frame alone and frame k of a run", "the same bytes");
 }
+
+TEST_SUITE_END();

@@ -12,6 +12,8 @@
 #include "tests/hard_cases/shapes.h"
 #include "tests/support/reference_directions.h"
 
+TEST_SUITE_BEGIN("hard_cases");
+
 using namespace simvis;
 
 namespace {
@@ -209,3 +211,5 @@ TEST_CASE("a lidar's borders of faces: steps of elevation, corners of the cube, 
     }
   }
 }
+
+TEST_SUITE_END();

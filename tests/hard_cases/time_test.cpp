@@ -22,6 +22,8 @@
 #include "tests/support/reference_directions.h"
 #include "tests/support/tested_build.h"
 
+TEST_SUITE_BEGIN("hard_cases");
+
 using namespace simvis;
 
 namespace {
@@ -219,3 +221,5 @@ TEST_CASE("a pitch of exactly 90 degrees, up and down") {
     measure(hard);
   }
 }
+
+TEST_SUITE_END();

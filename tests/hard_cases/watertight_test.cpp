@@ -16,6 +16,8 @@
 #include "tests/support/reference_directions.h"
 #include "tests/support/tested_build.h"
 
+TEST_SUITE_BEGIN("hard_cases");
+
 using namespace simvis;
 
 namespace {
@@ -238,3 +240,5 @@ TEST_CASE("no beam inside a closed mesh reads inf") {
     CHECK(results.planar.wrong_kind == 0);
   }
 }
+
+TEST_SUITE_END();

@@ -7,6 +7,8 @@
 #include "tests/support/animated_part.h"
 #include "tests/support/error_of.h"
 
+TEST_SUITE_BEGIN("scenegraph/import");
+
 using namespace simvis;
 using namespace simvis::test;
 
@@ -52,3 +54,5 @@ TEST_CASE("what fails later takes the animation back") {
   execute(play);
   CHECK(flattener.update().meshes != before.meshes);
 }
+
+TEST_SUITE_END();

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <fstream>
 #include <functional>
-#include <iostream>
 #include <sstream>
 #include <string>
 
@@ -13,6 +12,9 @@
 #include "tests/support/animated_part.h"
 #include "tests/support/error_of.h"
 #include "tests/support/random_numbers.h"
+#include "tests/support/skip.h"
+
+TEST_SUITE_BEGIN("scenegraph/import");
 
 using namespace simvis;
 using namespace simvis::test;
@@ -286,13 +288,11 @@ TEST_CASE("broken animations are refused, or play with every vertex and node fin
   CHECK(played > kFiles / 10);
 }
 
-TEST_CASE("other people's valid animations load") {
-  const std::filesystem::path folder = std::filesystem::path(SIMVIS_SHARED_DATA) / "malformed";
-  std::ifstream index(folder / "INDEX.csv");
-  if (!index) {
-    std::cout << "skipped: no validator's files in " << folder << "\n";
-    return;
-  }
+TEST_CASE("test data: other people's valid animations load") {
+  const auto index_file = test::test_data("malformed/INDEX.csv");
+  if (!index_file) return;
+  const std::filesystem::path folder = index_file->parent_path();
+  std::ifstream index(*index_file);
   int valid = 0;
   std::string line;
   while (std::getline(index, line)) {
@@ -308,8 +308,7 @@ TEST_CASE("other people's valid animations load") {
   CHECK(valid > 4);
 }
 
-TEST_CASE("sample models play: finite, within reach, and moving") {
-  const std::filesystem::path folder = std::filesystem::path(SIMVIS_SHARED_DATA) / "gltf";
+TEST_CASE("test data: sample models play: finite, within reach, and moving") {
   const char* const models[] = {
       "AnimatedTriangle/glTF-Embedded/AnimatedTriangle.gltf", "BoxAnimated/glTF-Binary/BoxAnimated.glb",
       "CesiumMilkTruck/glTF-Binary/CesiumMilkTruck.glb",      "Fox/glTF-Binary/Fox.glb",
@@ -317,11 +316,9 @@ TEST_CASE("sample models play: finite, within reach, and moving") {
       "SimpleMorph/glTF-Embedded/SimpleMorph.gltf",           "SimpleSkin/glTF/SimpleSkin.gltf"};
   for (const char* model : models) {
     CAPTURE(model);
-    if (!std::filesystem::exists(folder / model)) {
-      std::cout << "skipped: no sample model " << folder / model << "\n";
-      continue;
-    }
-    PlayedPart part(folder / model, "repeat='once'");
+    const auto file = test::test_data(std::string("gltf/") + model);
+    if (!file) continue;
+    PlayedPart part(*file, "repeat='once'");
     CHECK(part.built().scene.warnings().empty());
     const double duration_s = part.duration_s();
     CHECK(duration_s > 0);
@@ -338,3 +335,5 @@ TEST_CASE("sample models play: finite, within reach, and moving") {
     CHECK(moves);
   }
 }
+
+TEST_SUITE_END();

@@ -8,6 +8,8 @@
 #include <simvis/error.h>
 #include "tests/support/gltf_fixture.h"
 
+TEST_SUITE_BEGIN("scenegraph/import");
+
 using namespace simvis;
 using namespace simvis::test;
 
@@ -320,3 +322,5 @@ TEST_CASE("whole files: missing, empty, no JSON, broken .glb") {
   refused("part.glb", changed(16, 'X'), "expected first one JSON chunk");
   refused("part.glb", ByteString(good.begin(), good.end() - 4), "but the file has");
 }
+
+TEST_SUITE_END();

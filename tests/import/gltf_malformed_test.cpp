@@ -5,13 +5,15 @@
 #include <cmath>
 #include <cstdint>
 #include <fstream>
-#include <iostream>
 #include <string>
 #include <vector>
 
 #include <simvis/error.h>
 #include "tests/support/gltf_fixture.h"
 #include "tests/support/random_numbers.h"
+#include "tests/support/skip.h"
+
+TEST_SUITE_BEGIN("scenegraph/import");
 
 using namespace simvis;
 using namespace simvis::test;
@@ -150,13 +152,11 @@ TEST_CASE("ten thousand truncated and bit-flipped files are loaded or refused") 
   CHECK(loaded < kBrokenFiles / 2);
 }
 
-TEST_CASE("other people's broken files are loaded or refused, each in time") {
-  const std::filesystem::path folder = std::filesystem::path(SIMVIS_SHARED_DATA) / "malformed";
-  std::ifstream index(folder / "INDEX.csv");
-  if (!index) {
-    std::cout << "skipped: no malformed files in " << folder << "\n";
-    return;
-  }
+TEST_CASE("test data: other people's broken files are loaded or refused, each in time") {
+  const auto index_file = test::test_data("malformed/INDEX.csv");
+  if (!index_file) return;
+  const std::filesystem::path folder = index_file->parent_path();
+  std::ifstream index(*index_file);
   TemporaryFolder scratch;
   int files = 0;
   std::string line;
@@ -181,3 +181,5 @@ TEST_CASE("other people's broken files are loaded or refused, each in time") {
   }
   CHECK(files > 500);
 }
+
+TEST_SUITE_END();

@@ -8,6 +8,8 @@
 #include <simvis/error.h>
 #include "tests/support/gltf_fixture.h"
 
+TEST_SUITE_BEGIN("scenegraph/import");
+
 using namespace simvis;
 using namespace simvis::test;
 
@@ -291,3 +293,5 @@ TEST_CASE("what cannot be shown is said: pictures of other formats, further UV s
   builder.root["textures"][0].erase("source");
   CHECK(warned("without a PNG or JPEG").base_color_texture == nullptr);
 }
+
+TEST_SUITE_END();

@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <iostream>
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include <simvis/error.h>
 #include "tests/support/gltf_fixture.h"
+#include "tests/support/skip.h"
+
+TEST_SUITE_BEGIN("scenegraph/import");
 
 using namespace simvis;
 using namespace simvis::test;
@@ -71,13 +73,11 @@ const json kSimpleMorphBounds{{0.0, 0.0, 0.0}, {1.0, 1.5, 0.0}};
 
 }  // namespace
 
-TEST_CASE("the sample models have the triangles and bounds that others found") {
-  const std::filesystem::path folder = std::filesystem::path(SIMVIS_SHARED_DATA) / "gltf";
-  if (!std::filesystem::exists(folder / "expected.json")) {
-    std::cout << "skipped: no sample models in " << folder << "\n";
-    return;
-  }
-  const json expected = json::parse(std::ifstream(folder / "expected.json")).at("files");
+TEST_CASE("test data: the sample models have the triangles and bounds that others found") {
+  const auto expected_file = test::test_data("gltf/expected.json");
+  if (!expected_file) return;
+  const std::filesystem::path folder = expected_file->parent_path();
+  const json expected = json::parse(std::ifstream(*expected_file)).at("files");
   std::size_t compared = 0;
   for (const auto& [name, values] : expected.items()) {
     CAPTURE(name);
@@ -106,3 +106,5 @@ TEST_CASE("the sample models have the triangles and bounds that others found") {
   }
   CHECK(compared > 50);
 }
+
+TEST_SUITE_END();

@@ -11,6 +11,8 @@
 #include <simvis/error.h>
 #include "tests/support/gltf_fixture.h"
 
+TEST_SUITE_BEGIN("scenegraph/import");
+
 using namespace simvis;
 using namespace simvis::test;
 
@@ -482,3 +484,5 @@ TEST_CASE("known endings") {
   CHECK((find_part_importer("a/b.txt") == nullptr));
   CHECK((find_part_importer("gltf") == nullptr));
 }
+
+TEST_SUITE_END();

@@ -12,6 +12,8 @@
 #include "scenegraph/import/gltf/gltf_document.h"
 #include "tests/support/gltf_fixture.h"
 
+TEST_SUITE_BEGIN("scenegraph/import");
+
 using namespace simvis;
 using namespace simvis::test;
 namespace fs = std::filesystem;
@@ -121,3 +123,5 @@ TEST_CASE("elements that are read in several parts are all there, in their place
     CHECK(mesh.indices == std::vector<std::uint32_t>{kVertices - 3, kVertices - 2, kVertices - 1});
   }
 }
+
+TEST_SUITE_END();

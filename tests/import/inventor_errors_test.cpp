@@ -10,6 +10,9 @@
 
 #include "tests/support/inventor_fixture.h"
 #include "tests/support/random_numbers.h"
+#include "tests/support/skip.h"
+
+TEST_SUITE_BEGIN("scenegraph/import");
 
 using namespace simvis;
 using namespace simvis::test;
@@ -201,14 +204,12 @@ TEST_CASE("flipped bits and cuts are read or refused") {
   CHECK(loaded < kBrokenFiles);
 }
 
-TEST_CASE("other people's files are read as Coin reads them, each in time") {
+TEST_CASE("test data: files are read as Coin reads them, each in time") {
   if (!has_coin()) return;
-  const std::filesystem::path folder = std::filesystem::path(SIMVIS_SHARED_DATA) / "iv_vrml";
-  std::ifstream stream(folder / "expected_coin.json");
-  if (!stream) {
-    std::cout << "skipped: no Inventor files in " << folder << "\n";
-    return;
-  }
+  const auto expected_file = test::test_data("iv_vrml/expected_coin.json");
+  if (!expected_file) return;
+  const std::filesystem::path folder = expected_file->parent_path();
+  std::ifstream stream(*expected_file);
   const nlohmann::json reference = nlohmann::json::parse(stream);
   int compared = 0, refused = 0;
   for (const auto& [name, expected] : reference["files"].items()) {
@@ -235,3 +236,5 @@ TEST_CASE("other people's files are read as Coin reads them, each in time") {
   std::cout << compared << " files agree with Coin, " << refused << " are refused\n";
   CHECK(compared > 130);
 }
+
+TEST_SUITE_END();

@@ -7,6 +7,8 @@
 
 #include "tests/support/inventor_fixture.h"
 
+TEST_SUITE_BEGIN("scenegraph/import");
+
 using namespace simvis;
 using namespace simvis::test;
 
@@ -223,3 +225,5 @@ TEST_CASE("lights shine as bright as Inventor says, in lux and candela") {
   CHECK(vrml.list.lights[2].light.inner_cone_rad == doctest::Approx(0.2));
   CHECK(vrml.list.lights[2].light.outer_cone_rad == doctest::Approx(0.5));
 }
+
+TEST_SUITE_END();

@@ -7,6 +7,8 @@
 
 #include "tests/support/inventor_fixture.h"
 
+TEST_SUITE_BEGIN("scenegraph/import");
+
 using namespace simvis;
 using namespace simvis::test;
 
@@ -277,3 +279,5 @@ TEST_CASE("a texture that cannot be read is left out with a warning") {
     CHECK(contains(warning_of(vrml), name));
   }
 }
+
+TEST_SUITE_END();

@@ -10,6 +10,8 @@
 #include "simvis/cli/loading_bar.h"
 #include "tests/support/temporary_folder.h"
 
+TEST_SUITE_BEGIN("scenegraph/import");
+
 using namespace simvis;
 
 namespace {
@@ -92,3 +94,5 @@ TEST_CASE("a bar of work that is soon done writes nothing") {
   }
   CHECK(read(folder / "terminal").empty());
 }
+
+TEST_SUITE_END();

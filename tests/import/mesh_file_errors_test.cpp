@@ -12,6 +12,8 @@
 #include "tests/support/gltf_fixture.h"
 #include "tests/support/random_numbers.h"
 
+TEST_SUITE_BEGIN("scenegraph/import");
+
 using namespace simvis;
 using namespace simvis::test;
 
@@ -153,3 +155,5 @@ TEST_CASE("files cut off or with flipped bits are loaded or refused, and what lo
     CHECK(crashed == 0);  // what Assimp would fall over is refused with a reason
   }
 }
+
+TEST_SUITE_END();

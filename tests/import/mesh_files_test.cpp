@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <iostream>
 #include <numbers>
 #include <sstream>
 #include <string>
@@ -18,6 +17,9 @@
 #include "tests/support/error_of.h"
 #include "tests/support/gltf_fixture.h"
 #include "tests/support/random_numbers.h"
+#include "tests/support/skip.h"
+
+TEST_SUITE_BEGIN("scenegraph/import");
 
 using namespace simvis;
 using namespace simvis::test;
@@ -247,15 +249,14 @@ TEST_CASE("identical meshes, textures and materials of two files are one") {
   CHECK(list.materials.size() == 1);
 }
 
-TEST_CASE("other people's OBJ files") {
-  const std::filesystem::path folder = std::filesystem::path(SIMVIS_SHARED_DATA) / "peer_refs/drake/meshes";
-  if (!std::filesystem::exists(folder)) {
-    std::cout << "skipped: no mesh files in " << folder << "\n";
-    return;
-  }
+TEST_CASE("test data: other people's OBJ files") {
+  const auto folder = test::test_data("peer_refs/drake/meshes");
+  if (!folder) return;
   for (const char* name : {"box.obj", "rainbow_box.obj"}) {
-    const Totals totals = total(load(folder / name).list);
+    const Totals totals = total(load(*folder / name).list);
     MESSAGE(std::string(name) << ": " << totals.triangles << " triangles");
     CHECK(totals.triangles >= 12);
   }
 }
+
+TEST_SUITE_END();

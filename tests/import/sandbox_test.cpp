@@ -24,6 +24,8 @@
 #include "tests/support/temporary_folder.h"
 #include "tests/support/tested_build.h"
 
+TEST_SUITE_BEGIN("scenegraph/import");
+
 using namespace simvis;
 using namespace simvis::test;
 
@@ -397,3 +399,5 @@ TEST_CASE("an answer of another version, a missing answer and a torn one are err
   torn.back() ^= 1;  // the last byte of a warning's text: harmless
   CHECK(error_after(torn) == "nothing was thrown");
 }
+
+TEST_SUITE_END();

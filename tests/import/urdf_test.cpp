@@ -17,6 +17,8 @@
 #include "tests/support/error_of.h"
 #include "tests/support/gltf_fixture.h"
 
+TEST_SUITE_BEGIN("scenegraph/import");
+
 using namespace simvis;
 using namespace simvis::test;
 
@@ -379,3 +381,5 @@ TEST_CASE("robots cut off or with changed letters are loaded or refused") {
   CHECK(loaded > 0);
   CHECK(loaded < kFiles / 2);
 }
+
+TEST_SUITE_END();

@@ -7,6 +7,8 @@
 #include <map>
 #include <random>
 
+TEST_SUITE_BEGIN("scenegraph/import");
+
 using namespace simvis;
 
 namespace {
@@ -54,3 +56,5 @@ TEST_CASE("minus zero is another vertex than zero: bits count") {
   CHECK(numbers.add(mesh, {-0.0f, 0, 0}, {}) == 1);
   CHECK(numbers.add(mesh, {0, 0, 0}, {}) == 0);
 }
+
+TEST_SUITE_END();

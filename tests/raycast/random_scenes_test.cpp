@@ -13,6 +13,8 @@
 #include "tests/support/reference_raycast.h"
 #include "tests/support/tested_build.h"
 
+TEST_SUITE_BEGIN("engine/raycast");
+
 using namespace simvis;
 
 namespace {
@@ -105,3 +107,5 @@ TEST_CASE("a million beams, raycast and hybrid: no error above 1e-6, no wrong hi
   CHECK(worst > 0);
   CHECK(worst <= kPublishedMaximum);
 }
+
+TEST_SUITE_END();

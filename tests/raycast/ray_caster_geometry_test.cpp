@@ -8,6 +8,8 @@
 #include "tests/support/ray_casting.h"
 #include "tests/support/reference_directions.h"
 
+TEST_SUITE_BEGIN("engine/raycast");
+
 using namespace simvis;
 
 namespace {
@@ -155,3 +157,5 @@ TEST_CASE("nothing, lines and points are not met; a list may be empty") {
   CHECK(engine.cast_one(list, {1, 0, 0}) == RayHit{});
   CHECK(engine.cast(list, glm::dmat4(1.0), {}).empty());
 }
+
+TEST_SUITE_END();

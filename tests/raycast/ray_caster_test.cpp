@@ -13,6 +13,8 @@
 #include "tests/support/reference_raycast.h"
 #include "tests/support/tested_build.h"
 
+TEST_SUITE_BEGIN("engine/raycast");
+
 using namespace simvis;
 
 namespace {
@@ -368,3 +370,5 @@ TEST_CASE("of each hit is told once, by whichever thread, before the cast return
     CHECK(std::ranges::count(times, 1) == static_cast<std::ptrdiff_t>(rays));
   }
 }
+
+TEST_SUITE_END();

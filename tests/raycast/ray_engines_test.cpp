@@ -14,6 +14,8 @@
 #include "tests/support/ray_casting.h"
 #include "tests/support/tested_build.h"
 
+TEST_SUITE_BEGIN("engine/raycast");
+
 using namespace simvis;
 
 namespace {
@@ -301,3 +303,5 @@ TEST_CASE("the engine is the host where the device is its own cores; else the de
   CHECK(make_ray_caster(ray_device())->engine() == (ray_device().is_cpu() ? "the host" : "a compute shader"));
   CHECK(device_engine().caster->engine() == "a compute shader");
 }
+
+TEST_SUITE_END();

@@ -9,6 +9,8 @@
 #include "engine/raycast/ray_triangle.h"
 #include "tests/support/ray_casting.h"
 
+TEST_SUITE_BEGIN("engine/raycast");
+
 namespace simvis {
 namespace {
 
@@ -132,3 +134,5 @@ TEST_CASE("the engines agree to the bit on what lies beyond") {
 }
 
 }  // namespace simvis
+
+TEST_SUITE_END();

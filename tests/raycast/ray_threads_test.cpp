@@ -14,6 +14,8 @@
 #include "engine/geometry/clusters.h"
 #include "engine/geometry/wide_bvh.h"
 
+TEST_SUITE_BEGIN("engine/raycast");
+
 namespace simvis {
 namespace {
 
@@ -125,3 +127,5 @@ TEST_CASE("trees and orders of triangles are the same on any number of threads")
 
 }  // namespace
 }  // namespace simvis
+
+TEST_SUITE_END();

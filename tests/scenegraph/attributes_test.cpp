@@ -8,6 +8,8 @@
 #include "scenegraph/language/markdown.h"
 #include "tests/support/error_of.h"
 
+TEST_SUITE_BEGIN("scenegraph");
+
 namespace simvis {
 namespace {
 
@@ -180,3 +182,5 @@ TEST_CASE("a table with a mistake in it is found out") {
 
 }  // namespace
 }  // namespace simvis
+
+TEST_SUITE_END();

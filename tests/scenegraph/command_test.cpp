@@ -6,6 +6,8 @@
 #include "tests/support/error_of.h"
 #include "tests/support/temporary_folder.h"
 
+TEST_SUITE_BEGIN("scenegraph");
+
 namespace simvis {
 namespace {
 
@@ -116,3 +118,5 @@ TEST_CASE("files") {
 
 }  // namespace
 }  // namespace simvis
+
+TEST_SUITE_END();

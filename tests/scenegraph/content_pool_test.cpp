@@ -5,6 +5,8 @@
 
 #include <simvis/content_pool.h>
 
+TEST_SUITE_BEGIN("scenegraph");
+
 using namespace simvis;
 
 namespace {
@@ -124,3 +126,5 @@ TEST_CASE("many contents that come and go keep their identity") {
     CHECK(pool.intern(std::move(mesh)) == kept[k]);
   }
 }
+
+TEST_SUITE_END();

@@ -7,6 +7,8 @@
 
 #include <simvis/error.h>
 
+TEST_SUITE_BEGIN("scenegraph");
+
 using namespace simvis;
 
 namespace {
@@ -292,3 +294,5 @@ TEST_CASE("after any changes the list equals one flattened afresh") {
   CHECK(flattener.update().items.size() > 100);
   CHECK(flattener.counters().transforms_written > 0);
 }
+
+TEST_SUITE_END();

@@ -9,6 +9,8 @@
 #include "scenegraph/language/pose_attribute.h"
 #include "tests/support/error_of.h"
 
+TEST_SUITE_BEGIN("scenegraph");
+
 namespace simvis {
 namespace {
 
@@ -107,3 +109,5 @@ TEST_CASE("the attribute pose_offset") {
 
 }  // namespace
 }  // namespace simvis
+
+TEST_SUITE_END();

@@ -13,6 +13,8 @@
 #include "tests/support/stub_part.h"
 #include "tests/support/tested_build.h"
 
+TEST_SUITE_BEGIN("scenegraph");
+
 namespace simvis {
 namespace {
 
@@ -150,3 +152,5 @@ TEST_CASE("what grew step by step equals what is built at once") {
 }
 
 }  // namespace simvis
+
+TEST_SUITE_END();

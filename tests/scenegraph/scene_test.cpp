@@ -8,6 +8,8 @@
 #include "tests/support/error_of.h"
 #include "tests/support/stub_part.h"
 
+TEST_SUITE_BEGIN("scenegraph");
+
 namespace simvis {
 namespace {
 
@@ -251,3 +253,5 @@ TEST_CASE("overrides replace attributes of all sensors of a type, carried ones t
 
 }  // namespace
 }  // namespace simvis
+
+TEST_SUITE_END();

@@ -9,6 +9,8 @@
 #include <simvis/simulation.h>
 #include "tests/support/gltf_fixture.h"
 
+TEST_SUITE_BEGIN("scenegraph");
+
 namespace simvis {
 namespace {
 
@@ -114,3 +116,5 @@ TEST_CASE("the order of commands makes no difference to cost or picture") {
 }
 
 }  // namespace simvis
+
+TEST_SUITE_END();

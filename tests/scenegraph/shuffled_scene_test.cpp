@@ -13,6 +13,8 @@
 #include "tests/support/random_room.h"
 #include "tests/support/renderer_scene.h"
 
+TEST_SUITE_BEGIN("scenegraph");
+
 using namespace simvis;
 using namespace simvis::test;
 
@@ -216,3 +218,5 @@ TEST_CASE("a scene that has changed looks as if it had always been so") {
 }
 
 TEST_CASE("the validation layer has nothing to say") { CHECK(device().validation_messages() == 0); }
+
+TEST_SUITE_END();

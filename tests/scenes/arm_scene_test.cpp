@@ -18,6 +18,8 @@
 #include "simvis/scene_builder.h"
 #include "tests/support/temporary_folder.h"
 
+TEST_SUITE_BEGIN("scenes");
+
 namespace {
 
 using namespace simvis;
@@ -245,3 +247,5 @@ TEST_CASE("reach.csv: joints stay within their limits, and the hand carries the 
   }
   CHECK(carried > 30);
 }
+
+TEST_SUITE_END();

@@ -3,7 +3,6 @@
 
 #include <filesystem>
 #include <fstream>
-#include <iostream>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -12,6 +11,9 @@
 #include <simvis/simulation.h>
 #include "sensors/laser_scanner/laser_scanner.h"
 #include "tests/support/scan_truth.h"
+#include "tests/support/skip.h"
+
+TEST_SUITE_BEGIN("scenes");
 
 using namespace simvis;
 
@@ -48,12 +50,10 @@ std::string scene_from_parts(const std::filesystem::path& csv) {
 
 }  // namespace
 
-TEST_CASE("the furnished house runs with a lidar and a camera") {
-  const std::filesystem::path house = std::filesystem::path(SIMVIS_SHARED_DATA) / "house";
-  if (!std::filesystem::exists(house / "parts.csv")) {
-    std::cout << "skipped: the shared data with the house is not here\n";
-    return;
-  }
+TEST_CASE("test data: the furnished house runs with a lidar and a camera") {
+  const auto data = test::test_data("house/parts.csv");
+  if (!data) return;
+  const std::filesystem::path house = data->parent_path();
   Simulation simulation = Simulation::from_string(scene_from_parts(house / "parts.csv"), {}, house, "house.xml");
   simulation.step();
   // 87 instances of 62 files, 145,844 triangles, says the folder's own list, of which two balls are no files.
@@ -79,3 +79,5 @@ TEST_CASE("the furnished house runs with a lidar and a camera") {
   CHECK(comparison.median_error() <= 2e-7);
   CHECK(simulation.diagnostics().validation_messages() == 0);
 }
+
+TEST_SUITE_END();

@@ -18,6 +18,8 @@
 #include <simvis/scene.h>
 #include "scenegraph/flattener.h"
 
+TEST_SUITE_BEGIN("scenes");
+
 namespace {
 
 using namespace simvis;
@@ -212,3 +214,5 @@ TEST_CASE("the drive begins where the scene puts the robot, and ends there after
   CHECK(rows.back()[2] == rows.front()[2]);
   CHECK(rows.back()[3] == doctest::Approx(rows.front()[3] + 360));
 }
+
+TEST_SUITE_END();

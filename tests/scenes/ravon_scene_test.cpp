@@ -17,6 +17,8 @@
 #include <simvis/pose.h>
 #include <simvis/simulation.h>
 
+TEST_SUITE_BEGIN("scenes");
+
 namespace {
 
 using namespace simvis;
@@ -226,3 +228,5 @@ TEST_CASE("the front scanner measures the ground before the robot") {
   CHECK(check.on_fringe > 10);
   CHECK(simulation.diagnostics().validation_messages() == 0);
 }
+
+TEST_SUITE_END();

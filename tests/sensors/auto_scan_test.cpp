@@ -24,6 +24,8 @@
 #include "tests/support/tested_build.h"
 #include "tests/support/wall_scene.h"
 
+TEST_SUITE_BEGIN("sensors");
+
 using namespace simvis;
 
 namespace {
@@ -503,3 +505,5 @@ TEST_CASE("a sensor that touches a surface breaks no tolerance: that range is al
   near.add({1e-9, 7e-13}, read_range({1e-9, 7e-13}, limits));
   CHECK_FALSE(error_of([&] { near.require("S"); }).empty());
 }
+
+TEST_SUITE_END();

@@ -18,6 +18,8 @@
 #include "tests/support/random_room.h"
 #include "tests/support/renderer_scene.h"
 
+TEST_SUITE_BEGIN("sensors");
+
 using namespace simvis;
 
 namespace {
@@ -371,3 +373,5 @@ TEST_CASE("what the device lacks is refused at load, with the place and what is 
                    "supersampling"));
   }
 }
+
+TEST_SUITE_END();

@@ -10,6 +10,8 @@
 #include "engine/render/renderer.h"
 #include "tests/support/random_room.h"
 
+TEST_SUITE_BEGIN("sensors");
+
 using namespace simvis;
 
 namespace {
@@ -84,3 +86,5 @@ TEST_CASE("a camera turned and moved sees what geometry says") {
   constexpr double kSagitta_m = 0.5 * 3.1e-4 * 2;
   CHECK(std::abs(camera.depth()->pixels[50 * 101 + 50] - 4.5) <= kSagitta_m);
 }
+
+TEST_SUITE_END();

@@ -3,6 +3,8 @@
 
 #include "tests/support/ray_casting.h"
 
+TEST_SUITE_BEGIN("sensors");
+
 namespace simvis {
 namespace {
 
@@ -37,3 +39,5 @@ TEST_CASE("rays from many places meet what a sensor there meets, to the bit") {
 
 }  // namespace
 }  // namespace simvis
+
+TEST_SUITE_END();

@@ -11,6 +11,8 @@
 #include <simvis/ray_caster.h>
 #include "tests/support/reference_directions.h"
 
+TEST_SUITE_BEGIN("sensors");
+
 namespace simvis {
 namespace {
 
@@ -69,3 +71,5 @@ TEST_CASE("beams that travel together are neighbours along and across the rings"
 
 }  // namespace
 }  // namespace simvis
+
+TEST_SUITE_END();

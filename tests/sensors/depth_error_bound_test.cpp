@@ -22,6 +22,8 @@
 #include "tests/support/tested_build.h"
 #include "tests/support/wall_scene.h"
 
+TEST_SUITE_BEGIN("sensors");
+
 using namespace simvis;
 
 namespace {
@@ -199,3 +201,5 @@ TEST_CASE("a wall that faces the camera: the bound follows from its distance alo
   CHECK(sensors["FAR"]["depth_error_bound_m"].is_null());
   CHECK_FALSE(sensors["COLOR"].contains("depth_error_bound_m"));
 }
+
+TEST_SUITE_END();

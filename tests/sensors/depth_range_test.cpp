@@ -12,6 +12,8 @@
 #include <random>
 #include <vector>
 
+TEST_SUITE_BEGIN("sensors");
+
 using namespace simvis;
 
 namespace {
@@ -294,3 +296,5 @@ TEST_CASE("depth that a device takes from snapped vertices stays within the boun
     CHECK(worst_use > 0.1);  // without the term for snapping it would be far above 1
   }
 }
+
+TEST_SUITE_END();

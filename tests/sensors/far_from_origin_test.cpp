@@ -10,6 +10,8 @@
 #include <simvis/simulation.h>
 #include "simvis/output/png_file.h"
 
+TEST_SUITE_BEGIN("sensors");
+
 using namespace simvis;
 
 namespace {
@@ -54,3 +56,5 @@ TEST_CASE("moved by (1.2e6, -7.6e6, 300) m the laboratory gives the same ranges 
   CHECK(largest <= 1);
   CHECK(home.diagnostics().validation_messages() + away.diagnostics().validation_messages() == 0);
 }
+
+TEST_SUITE_END();

@@ -22,6 +22,8 @@
 #include "tests/support/scan_truth.h"
 #include "tests/support/tested_build.h"
 
+TEST_SUITE_BEGIN("sensors");
+
 using namespace simvis;
 
 namespace {
@@ -354,3 +356,5 @@ TEST_CASE("limits along the ray: nearer reads 0, farther and nothing inf") {
   CHECK(away.scan()->range_m[0] == kInfinity);
   CHECK(away.scan()->error_bound_m[0] == 0);
 }
+
+TEST_SUITE_END();

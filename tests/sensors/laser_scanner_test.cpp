@@ -12,6 +12,8 @@
 #include "tests/support/random_room.h"
 #include "tests/support/reference_directions.h"
 
+TEST_SUITE_BEGIN("sensors");
+
 using namespace simvis;
 
 namespace {
@@ -200,3 +202,5 @@ TEST_CASE("far from the world's origin a scan is the same to 1e-6") {
   }
   CHECK(compared > 300);
 }
+
+TEST_SUITE_END();

@@ -19,6 +19,8 @@
 #include "tests/support/tested_build.h"
 #include "tests/support/wall_scene.h"
 
+TEST_SUITE_BEGIN("sensors");
+
 using namespace simvis;
 
 namespace {
@@ -297,3 +299,5 @@ TEST_CASE("limits that contradict each other are refused") {
                        "expected that or more",
                        InputError);
 }
+
+TEST_SUITE_END();

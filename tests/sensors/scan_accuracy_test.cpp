@@ -17,6 +17,8 @@
 #include "tests/support/scan_truth.h"
 #include "tests/support/tested_build.h"
 
+TEST_SUITE_BEGIN("sensors");
+
 using namespace simvis;
 
 namespace {
@@ -171,3 +173,5 @@ TEST_CASE("planar scans of the marvin laboratory while the robot drives: 300,000
   CHECK(comparison.median_error() <= kMedianError);
   CHECK(simulation.diagnostics().validation_messages() == 0);
 }
+
+TEST_SUITE_END();

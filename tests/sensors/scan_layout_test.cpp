@@ -6,6 +6,8 @@
 #include <numbers>
 #include "tests/support/reference_directions.h"
 
+TEST_SUITE_BEGIN("sensors");
+
 using namespace simvis;
 
 namespace {
@@ -104,3 +106,5 @@ TEST_CASE("a face is only as wide as its beams need") {
   // Tangents up to 0.01 at 1000 pixels each: 10 pixels to either side, and the neighbourhood.
   CHECK(layout.faces[0].width_px <= 2 * 11 + kPixelsBefore + kPixelsAfter + 1);
 }
+
+TEST_SUITE_END();

@@ -11,6 +11,8 @@
 #include "tests/support/stub_part.h"
 #include "tests/support/temporary_folder.h"
 
+TEST_SUITE_BEGIN("sensors");
+
 namespace simvis::test {
 namespace {
 
@@ -139,3 +141,5 @@ TEST_CASE("the price list has what the scene asks for, with its tolerance") {
 }
 
 }  // namespace simvis::test
+
+TEST_SUITE_END();

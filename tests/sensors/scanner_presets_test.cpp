@@ -8,6 +8,8 @@
 #include "simvis/report/scan_variant.h"
 #include "tests/support/element_scene.h"
 
+TEST_SUITE_BEGIN("sensors");
+
 namespace simvis::test {
 namespace {
 
@@ -141,3 +143,5 @@ TEST_CASE("--describe shows presets with their devices, data sheets and attribut
 }
 
 }  // namespace simvis::test
+
+TEST_SUITE_END();

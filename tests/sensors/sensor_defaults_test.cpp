@@ -17,6 +17,8 @@
 #include "sensors/laser_scanner/laser_scanner.h"
 #include "sensors/psd/psd.h"
 
+TEST_SUITE_BEGIN("sensors");
+
 namespace simvis {
 namespace {
 
@@ -129,3 +131,5 @@ TEST_CASE("fog without attributes scatters the light that a default-made medium 
 }
 
 }  // namespace simvis
+
+TEST_SUITE_END();

@@ -18,6 +18,8 @@
 #include "tests/support/renderer_scene.h"
 #include "tests/support/wall_scene.h"
 
+TEST_SUITE_BEGIN("sensors");
+
 using namespace simvis;
 
 namespace {
@@ -306,3 +308,5 @@ TEST_CASE("two sensors never write the same files") {
     CHECK(std::string(error.what()).starts_with("sensors \"EYES\" and \"EYES_left\" would both write "));
   }
 }
+
+TEST_SUITE_END();

@@ -3,12 +3,14 @@
 #include <doctest/doctest.h>
 
 #include <filesystem>
-#include <iostream>
+
+#include "tests/support/skip.h"
+
+TEST_SUITE_BEGIN("sensors");
 
 #ifndef SIMVIS_HAS_OPENCV
 
-// CTest reads this line and counts the test as skipped.
-TEST_CASE("stereo matching") { std::cout << "SKIPPED: OpenCV's calib3d was not found when this was built\n"; }
+TEST_CASE("stereo matching") { simvis::test::skip("OpenCV's calib3d was not found when this was built"); }
 
 #else
 
@@ -233,3 +235,5 @@ TEST_CASE("semi-global matching in the outdoor scene, as its leaves fade") {
 }
 
 #endif
+
+TEST_SUITE_END();

@@ -14,6 +14,8 @@
 #include "tests/support/tested_build.h"
 #include "tests/support/wall_scene.h"
 
+TEST_SUITE_BEGIN("simvis");
+
 namespace simvis {
 namespace {
 
@@ -536,3 +538,5 @@ TEST_CASE("a signal ends the run and leaves nothing half-written") {
 
 }  // namespace
 }  // namespace simvis
+
+TEST_SUITE_END();

@@ -11,6 +11,8 @@
 
 #include <simvis/error.h>
 
+TEST_SUITE_BEGIN("simvis");
+
 namespace simvis {
 namespace {
 
@@ -121,3 +123,5 @@ TEST_CASE("rates that make no sense are refused") {
 
 }  // namespace
 }  // namespace simvis
+
+TEST_SUITE_END();

@@ -25,6 +25,8 @@
 #include <simvis/trajectory.h>
 #include "engine/base/fnv1a.h"
 
+TEST_SUITE_BEGIN("simvis");
+
 using namespace simvis;
 
 namespace {
@@ -162,3 +164,5 @@ TEST_CASE("scans of marvin by each method") {
     CHECK_MESSAGE(hash.value() == expected.hash, advice(found, hash.value(), "kScans"));
   }
 }
+
+TEST_SUITE_END();

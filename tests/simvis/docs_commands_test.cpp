@@ -13,6 +13,8 @@
 #include "tests/support/temporary_folder.h"
 #include "tests/support/tested_build.h"
 
+TEST_SUITE_BEGIN("simvis");
+
 namespace simvis {
 namespace {
 
@@ -181,3 +183,5 @@ TEST_CASE("output is compared line by line, with dots for what differs from run 
 }
 
 }  // namespace simvis
+
+TEST_SUITE_END();

@@ -14,6 +14,8 @@
 #include "tests/support/temporary_folder.h"
 #include "tests/support/tested_build.h"
 
+TEST_SUITE_BEGIN("simvis");
+
 namespace simvis {
 namespace {
 
@@ -94,3 +96,5 @@ TEST_CASE("links within the documentation lead to files") {
 }
 
 }  // namespace simvis
+
+TEST_SUITE_END();

@@ -10,6 +10,8 @@
 #include <simvis/error.h>
 #include "engine/base/thread_pool.h"
 
+TEST_SUITE_BEGIN("simvis");
+
 namespace simvis {
 namespace {
 
@@ -103,3 +105,5 @@ TEST_CASE("what was not put when the queue goes never is") {
 
 }  // namespace
 }  // namespace simvis
+
+TEST_SUITE_END();

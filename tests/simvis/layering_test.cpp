@@ -13,6 +13,8 @@
 #include <string_view>
 #include <vector>
 
+TEST_SUITE_BEGIN("simvis");
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -293,3 +295,5 @@ TEST_CASE("include lines are read however they are spaced") {
   CHECK_FALSE(parse_include("#include SOME_MACRO", include));
   CHECK_FALSE(parse_include("", include));
 }
+
+TEST_SUITE_END();

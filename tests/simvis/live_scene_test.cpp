@@ -8,6 +8,8 @@
 #include "tests/support/error_of.h"
 #include "tests/support/stub_part.h"
 
+TEST_SUITE_BEGIN("simvis");
+
 namespace simvis {
 namespace {
 
@@ -239,3 +241,5 @@ TEST_CASE("files of identical content hold one graph") {
 }
 
 }  // namespace simvis
+
+TEST_SUITE_END();

@@ -9,6 +9,8 @@
 
 #include <simvis/pose.h>
 
+TEST_SUITE_BEGIN("simvis");
+
 namespace simvis {
 namespace {
 
@@ -75,3 +77,5 @@ TEST_CASE("a mount without a direction is refused") {
 
 }  // namespace
 }  // namespace simvis
+
+TEST_SUITE_END();

@@ -17,6 +17,8 @@
 #include "tests/support/picture_files.h"
 #include "tests/support/temporary_folder.h"
 
+TEST_SUITE_BEGIN("simvis");
+
 namespace simvis {
 namespace {
 
@@ -220,3 +222,5 @@ TEST_CASE("folders and names that cannot be written") {
 
 }  // namespace
 }  // namespace simvis
+
+TEST_SUITE_END();

@@ -7,6 +7,8 @@
 
 #include "tests/support/error_of.h"
 
+TEST_SUITE_BEGIN("simvis");
+
 namespace simvis {
 namespace {
 
@@ -77,3 +79,5 @@ TEST_CASE("the logs keep what they are told, in order") {
 
 }  // namespace
 }  // namespace simvis
+
+TEST_SUITE_END();

@@ -7,6 +7,8 @@
 #include "tests/support/run_process.h"
 #include "tests/support/tested_build.h"
 
+TEST_SUITE_BEGIN("simvis");
+
 namespace simvis {
 namespace {
 
@@ -95,3 +97,5 @@ TEST_CASE("without its plug-in, a scene is refused") {
 }
 
 }  // namespace simvis
+
+TEST_SUITE_END();

@@ -16,6 +16,8 @@
 #include "tests/support/tested_build.h"
 #include "tests/support/wall_scene.h"
 
+TEST_SUITE_BEGIN("simvis");
+
 namespace simvis {
 namespace {
 
@@ -452,3 +454,5 @@ TEST_CASE("simvis-run --price with what makes no sense") {
 }
 
 }  // namespace simvis
+
+TEST_SUITE_END();

@@ -12,6 +12,8 @@
 #include "tests/support/tested_build.h"
 #include "tests/support/wall_scene.h"
 
+TEST_SUITE_BEGIN("simvis");
+
 namespace simvis {
 namespace {
 
@@ -182,3 +184,5 @@ TEST_CASE("the spans of a run nest on each track, and the device works while its
 
 }  // namespace
 }  // namespace simvis
+
+TEST_SUITE_END();

@@ -11,6 +11,8 @@
 #include "tests/support/error_of.h"
 #include "tests/support/tested_build.h"
 
+TEST_SUITE_BEGIN("simvis");
+
 namespace simvis {
 namespace {
 
@@ -82,3 +84,5 @@ TEST_CASE("an element that cannot be made is an error at its command that names 
 }
 
 }  // namespace simvis
+
+TEST_SUITE_END();

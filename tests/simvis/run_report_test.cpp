@@ -9,6 +9,8 @@
 #include "simvis/cli/progress_bar.h"
 #include "simvis/report/explain.h"
 
+TEST_SUITE_BEGIN("simvis");
+
 namespace simvis {
 namespace {
 
@@ -108,3 +110,5 @@ TEST_CASE("the progress bar waits a second, and is silent when off") {
 
 }  // namespace
 }  // namespace simvis
+
+TEST_SUITE_END();

@@ -11,6 +11,8 @@
 #include "engine/base/cache_file.h"
 #include "scenegraph/import/sandbox/imported_scene.h"
 
+TEST_SUITE_BEGIN("simvis");
+
 using namespace simvis;
 
 namespace {
@@ -45,3 +47,5 @@ TEST_CASE("undefined: a bool is read that is neither true nor false") {
     pack_imported_scene(scene);
   }));
 }
+
+TEST_SUITE_END();

@@ -10,6 +10,8 @@
 #include "tests/support/tested_build.h"
 #include "tests/support/wall_scene.h"
 
+TEST_SUITE_BEGIN("simvis");
+
 namespace simvis {
 namespace {
 
@@ -145,3 +147,5 @@ TEST_CASE("shares of a run cover its frames once") {
 
 }  // namespace
 }  // namespace simvis
+
+TEST_SUITE_END();

@@ -15,6 +15,8 @@
 #include "tests/support/tested_build.h"
 #include "tests/support/wall_scene.h"
 
+TEST_SUITE_BEGIN("simvis");
+
 namespace simvis {
 namespace {
 
@@ -135,3 +137,5 @@ TEST_CASE("more threads than are allowed are an error") {
 }
 
 }  // namespace simvis
+
+TEST_SUITE_END();

@@ -12,6 +12,8 @@
 #include "simvis/default_light.h"
 #include "tests/support/wall_scene.h"
 
+TEST_SUITE_BEGIN("simvis");
+
 namespace simvis {
 namespace {
 
@@ -231,3 +233,5 @@ TEST_CASE("the same scene gives the same bytes") {
 
 }  // namespace
 }  // namespace simvis
+
+TEST_SUITE_END();

@@ -11,6 +11,8 @@
 #include "tests/support/error_of.h"
 #include "tests/support/wall_scene.h"
 
+TEST_SUITE_BEGIN("simvis");
+
 namespace simvis {
 namespace {
 
@@ -177,3 +179,5 @@ TEST_CASE("an error of a frame that is under way comes out of what finishes it, 
 
 }  // namespace
 }  // namespace simvis
+
+TEST_SUITE_END();

@@ -10,6 +10,8 @@
 #include "tests/support/temporary_folder.h"
 #include "tests/support/wall_scene.h"
 
+TEST_SUITE_BEGIN("simvis");
+
 namespace simvis {
 namespace {
 
@@ -107,3 +109,5 @@ TEST_CASE("the lines") {
 }
 
 }  // namespace simvis
+
+TEST_SUITE_END();

@@ -8,6 +8,8 @@
 #include "tests/support/tested_build.h"
 #include "tests/support/wall_scene.h"
 
+TEST_SUITE_BEGIN("simvis");
+
 namespace simvis {
 namespace {
 
@@ -60,3 +62,5 @@ TEST_CASE("--threads takes a whole number up to 1024") {
 }
 
 }  // namespace simvis
+
+TEST_SUITE_END();

@@ -6,6 +6,8 @@
 #include "tests/support/error_of.h"
 #include "tests/support/temporary_folder.h"
 
+TEST_SUITE_BEGIN("simvis");
+
 namespace simvis {
 namespace {
 
@@ -83,3 +85,5 @@ TEST_CASE("mistakes are reported where they stand") {
 
 }  // namespace
 }  // namespace simvis
+
+TEST_SUITE_END();

@@ -3,19 +3,19 @@
 
 #include <cmath>
 #include <filesystem>
-#include <iostream>
 #include <string>
 
 #include "scenegraph/import/inventor/inventor_importer.h"
 #include "tests/support/error_of.h"
 #include "tests/support/gltf_fixture.h"
+#include "tests/support/skip.h"
 #include "tests/support/temporary_folder.h"
 
 namespace simvis::test {
 
 inline const std::string kInventorHeader = "#Inventor V2.1 ascii\n", kVrml97Header = "#VRML V2.0 utf8\n";
 
-/// Whether this build reads Inventor. Says so once if it does not.
+/// Whether this build reads Inventor; skip() if it does not.
 inline bool has_coin() {
   static const bool has = [] {
     TemporaryFolder folder;
@@ -25,11 +25,11 @@ inline bool has_coin() {
       import_inventor({folder / "empty.iv"}, pool);
     } catch (const InputError& e) {
       if (std::string(e.what()).find("has no Coin") == std::string::npos) throw;
-      std::cout << "skipped: this build has no Coin\n";
       return false;
     }
     return true;
   }();
+  if (!has) skip("this build has no Coin");
   return has;
 }
 

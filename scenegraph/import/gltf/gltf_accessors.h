@@ -22,6 +22,11 @@ inline constexpr unsigned kGltfU8n = 128;
 inline constexpr unsigned kGltfI16n = 256;
 inline constexpr unsigned kGltfU16n = 512;
 
+/// Types that a use allows.
+inline constexpr int kGltfScalar[] = {TINYGLTF_TYPE_SCALAR};
+inline constexpr int kGltfVec3[] = {TINYGLTF_TYPE_VEC3};
+inline constexpr int kGltfVec4[] = {TINYGLTF_TYPE_VEC4};
+
 /// What an accessor is read for, and what glTF allows there.
 struct GltfUse {
   const char* name;                ///< for messages: "POSITION"

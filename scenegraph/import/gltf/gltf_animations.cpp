@@ -11,16 +11,13 @@
 namespace simvis {
 namespace {
 
-constexpr int kScalar[] = {TINYGLTF_TYPE_SCALAR};
-constexpr int kVec3[] = {TINYGLTF_TYPE_VEC3};
-constexpr int kVec4[] = {TINYGLTF_TYPE_VEC4};
 constexpr unsigned kUnitFormats = kGltfF32 | kGltfI8n | kGltfU8n | kGltfI16n | kGltfU16n;
-constexpr GltfUse kTimes{"times of an animation", kScalar, kGltfF32};
+constexpr GltfUse kTimes{"times of an animation", kGltfScalar, kGltfF32};
 // In the order of AnimatedProperty.
-constexpr GltfUse kValues[] = {{"translations", kVec3, kGltfF32},
-                               {"rotations", kVec4, kUnitFormats},
-                               {"scales", kVec3, kGltfF32},
-                               {"morph weights", kScalar, kUnitFormats}};
+constexpr GltfUse kValues[] = {{"translations", kGltfVec3, kGltfF32},
+                               {"rotations", kGltfVec4, kUnitFormats},
+                               {"scales", kGltfVec3, kGltfF32},
+                               {"morph weights", kGltfScalar, kUnitFormats}};
 constexpr const char* kPaths[] = {"translation", "rotation", "scale", "weights"};
 constexpr const char* kInterpolations[] = {"STEP", "LINEAR", "CUBICSPLINE"};
 

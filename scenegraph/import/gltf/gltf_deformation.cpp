@@ -9,13 +9,11 @@
 namespace simvis {
 namespace {
 
-constexpr int kVec3[] = {TINYGLTF_TYPE_VEC3};
-constexpr int kVec4[] = {TINYGLTF_TYPE_VEC4};
-constexpr GltfUse kMorphPosition{"POSITION of a morph target", kVec3, kGltfF32,
+constexpr GltfUse kMorphPosition{"POSITION of a morph target", kGltfVec3, kGltfF32,
                                  kGltfI8 | kGltfI16 | kGltfI8n | kGltfI16n};
-constexpr GltfUse kMorphNormal{"NORMAL of a morph target", kVec3, kGltfF32, kGltfI8n | kGltfI16n};
-constexpr GltfUse kJoints{"JOINTS", kVec4, kGltfU8 | kGltfU16};
-constexpr GltfUse kWeights{"WEIGHTS", kVec4, kGltfF32 | kGltfU8n | kGltfU16n};
+constexpr GltfUse kMorphNormal{"NORMAL of a morph target", kGltfVec3, kGltfF32, kGltfI8n | kGltfI16n};
+constexpr GltfUse kJoints{"JOINTS", kGltfVec4, kGltfU8 | kGltfU16};
+constexpr GltfUse kWeights{"WEIGHTS", kGltfVec4, kGltfF32 | kGltfU8n | kGltfU16n};
 constexpr std::size_t kJointsPerSet = 4;
 
 void check_count(const GltfDocument& document, int accessor, const char* use, std::size_t count, std::size_t vertices) {

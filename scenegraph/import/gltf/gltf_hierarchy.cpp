@@ -125,9 +125,8 @@ GltfHierarchy read_hierarchy(const GltfDocument& document) {
 }
 
 std::vector<glm::dmat4> read_instances(const GltfDocument& document, int node) {
-  constexpr int kVec3[] = {TINYGLTF_TYPE_VEC3}, kVec4[] = {TINYGLTF_TYPE_VEC4};
-  const GltfUse kTranslation{"TRANSLATION", kVec3, kGltfF32}, kScale{"SCALE", kVec3, kGltfF32};
-  const GltfUse kRotation{"ROTATION", kVec4, kGltfF32 | kGltfI8n | kGltfI16n};
+  const GltfUse kTranslation{"TRANSLATION", kGltfVec3, kGltfF32}, kScale{"SCALE", kGltfVec3, kGltfF32};
+  const GltfUse kRotation{"ROTATION", kGltfVec4, kGltfF32 | kGltfI8n | kGltfI16n};
   const auto index = static_cast<std::size_t>(node);
   const tinygltf::ExtensionMap& extensions = document.model.nodes[index].extensions;
   const auto extension = extensions.find("EXT_mesh_gpu_instancing");

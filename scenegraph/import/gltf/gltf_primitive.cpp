@@ -12,15 +12,13 @@
 namespace simvis {
 namespace {
 
-constexpr int kScalar[] = {TINYGLTF_TYPE_SCALAR};
 constexpr int kVec2[] = {TINYGLTF_TYPE_VEC2};
-constexpr int kVec3[] = {TINYGLTF_TYPE_VEC3};
 constexpr int kColorTypes[] = {TINYGLTF_TYPE_VEC3, TINYGLTF_TYPE_VEC4};
 
-constexpr GltfUse kIndices{"indices", kScalar, kGltfU8 | kGltfU16 | kGltfU32};
-constexpr GltfUse kPosition{"POSITION", kVec3, kGltfF32,
+constexpr GltfUse kIndices{"indices", kGltfScalar, kGltfU8 | kGltfU16 | kGltfU32};
+constexpr GltfUse kPosition{"POSITION", kGltfVec3, kGltfF32,
                             kGltfI8 | kGltfU8 | kGltfI16 | kGltfU16 | kGltfI8n | kGltfU8n | kGltfI16n | kGltfU16n};
-constexpr GltfUse kNormal{"NORMAL", kVec3, kGltfF32, kGltfI8n | kGltfI16n};
+constexpr GltfUse kNormal{"NORMAL", kGltfVec3, kGltfF32, kGltfI8n | kGltfI16n};
 constexpr unsigned kUvFormats = kGltfF32 | kGltfU8n | kGltfU16n;
 constexpr unsigned kQuantizedUvFormats = kGltfI8 | kGltfU8 | kGltfI16 | kGltfU16 | kGltfI8n | kGltfI16n;
 constexpr GltfUse kUv[] = {{"TEXCOORD_0", kVec2, kUvFormats, kQuantizedUvFormats},

@@ -32,7 +32,7 @@ enum class Kind {
   commands     // `extras`, of which only the strings of a member `simvis` are ours
 };
 
-constexpr double kFloatMax = std::numeric_limits<float>::max();
+constexpr double kFieldMax = std::numeric_limits<float>::max();
 constexpr double kInt32Max = std::numeric_limits<std::int32_t>::max();
 constexpr double kMaxOffset = 1e15;  // bytes; sums of a few such numbers still fit 64 bits
 
@@ -40,7 +40,7 @@ struct Field {
   std::string_view name;
   Kind kind;
   bool required = false;
-  double min = -kFloatMax, max = kFloatMax;
+  double min = -kFieldMax, max = kFieldMax;
   std::string_view of = {};
   std::span<const Field> fields = {};
   std::size_t length = 0;
@@ -52,10 +52,10 @@ constexpr Field texts(std::string_view name) { return {name, Kind::texts}; }
 constexpr Field integer(std::string_view name, double min, double max = kInt32Max) {
   return {name, Kind::integer, false, min, max};
 }
-constexpr Field number(std::string_view name, double min = -kFloatMax, double max = kFloatMax) {
+constexpr Field number(std::string_view name, double min = -kFieldMax, double max = kFieldMax) {
   return {name, Kind::number, false, min, max};
 }
-constexpr Field numbers(std::string_view name, std::size_t length, double min = -kFloatMax, double max = kFloatMax) {
+constexpr Field numbers(std::string_view name, std::size_t length, double min = -kFieldMax, double max = kFieldMax) {
   return {name, Kind::numbers, false, min, max, {}, {}, length};
 }
 constexpr Field index(std::string_view name, std::string_view of) {

@@ -45,7 +45,7 @@ std::map<std::string, std::string> sources_of(const pugi::xml_node& collada) {
   std::map<std::string, std::string> sources;
   for (const pugi::xml_node& controller : collada.child("library_controllers").children("controller")) {
     const pugi::xml_node skin = controller.child("skin"), morph = controller.child("morph");
-    sources["#" + std::string(controller.attribute("id").value())] = (skin ? skin : morph).attribute("source").value();
+    sources[std::string("#") + controller.attribute("id").value()] = (skin ? skin : morph).attribute("source").value();
   }
   return sources;
 }

@@ -13,7 +13,13 @@ std::filesystem::path import_program(std::string_view name) {
   if (::dladdr(&kInLibrary, &library) != 0) file = library.dli_fname;
   std::error_code error;
   const std::filesystem::path real = std::filesystem::canonical(file, error);
-  return (error ? file : real).parent_path() / "simvis" / name;
+  const std::filesystem::path folder = (error ? file : real).parent_path();
+  const std::filesystem::path beside_library = folder / "simvis" / name;
+  // A program that the library's objects are linked into stands in a folder beside that of the libraries.
+  const std::filesystem::path beside_program = folder.parent_path() / "lib" / "simvis" / name;
+  return !std::filesystem::exists(beside_library, error) && std::filesystem::exists(beside_program, error)
+             ? beside_program
+             : beside_library;
 }
 
 }  // namespace simvis
