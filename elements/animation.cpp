@@ -12,7 +12,7 @@ namespace {
 // Thirty years: at the far ends a double still tells a tenth of a microsecond.
 constexpr double kMaxTime_s = 1e9;
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kAnimationAttributes[] = {
     {.name = "part", .kind = AttributeKind::part, .text = "required: the part that is animated"},
     {.name = "clip",
      .kind = AttributeKind::text,
@@ -32,11 +32,11 @@ constexpr AttributeSpec kAttributes[] = {
      .live = true},
 };
 
-const ElementRegistration kRegistration({
+const ElementRegistration kAnimationRegistration({
     .name = "animation",
     .summary = "Plays a glTF animation of a part, skinned and morphed meshes included.",
     .notes = "Two animation elements may play clips of one part if the clips change different nodes and meshes.",
-    .attributes = kAttributes,
+    .attributes = kAnimationAttributes,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<AnimationElement>(context);
     },

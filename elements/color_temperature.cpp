@@ -8,7 +8,7 @@
 namespace simvis {
 namespace {
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kColorTemperatureAttributes[] = {
     {.name = "light", .kind = AttributeKind::element, .text = "required: the light element"},
     {.name = "kelvin",
      .default_value = "6500",
@@ -19,12 +19,12 @@ constexpr AttributeSpec kAttributes[] = {
      .live = true},
 };
 
-const ElementRegistration kRegistration({
+const ElementRegistration kColorTemperatureRegistration({
     .name = "color_temperature",
     .summary = "Gives a light element the colour of a black body.",
     .notes = "The colour follows from Planck's law and the CIE 1931 colour matching functions. The luminance of the "
              "light stays the same; channels below 0 are set to 0.",
-    .attributes = kAttributes,
+    .attributes = kColorTemperatureAttributes,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<ColorTemperatureElement>(context);
     },

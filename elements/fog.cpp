@@ -16,7 +16,7 @@ constexpr AttributeSpec airlight(std::string_view name) {
 }
 
 // Live rows in the order in which update() takes them; each kind has one of the first two.
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kFogAttributes[] = {
     {.name = "kind",
      .kind = AttributeKind::choice,
      .default_value = "fog",
@@ -41,12 +41,12 @@ constexpr AttributeSpec kAttributes[] = {
     airlight("airlight_blue"),
 };
 
-const ElementRegistration kRegistration({
+const ElementRegistration kFogRegistration({
     .name = "fog",
     .summary = "Fills the air of the whole scene with haze, fog, rain or dust.",
     .notes = "Of several fog elements the last one counts. Cameras then show the effect fog, laser scanners the effect "
              "atmosphere. Each kind has only the parameters that it needs.",
-    .attributes = kAttributes,
+    .attributes = kFogAttributes,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<FogElement>(context);
     },

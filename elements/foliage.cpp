@@ -3,7 +3,7 @@
 namespace simvis {
 namespace {
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kFoliageAttributes[] = {
     {.name = "part",
      .kind = AttributeKind::part,
      .text = "required: the part whose masked and blended materials are leaves"},
@@ -16,12 +16,12 @@ constexpr AttributeSpec kAttributes[] = {
      .live = true},
 };
 
-const ElementRegistration kRegistration({
+const ElementRegistration kFoliageRegistration({
     .name = "foliage",
     .summary = "Fades the leaves of a part: its masked and blended materials.",
     .notes =
         "Depth cameras and laser scanners see masked leaves up to a transparency of 50 %. At 100 % nothing is drawn.",
-    .attributes = kAttributes,
+    .attributes = kFoliageAttributes,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<FoliageElement>(context);
     },

@@ -7,7 +7,7 @@
 namespace simvis {
 namespace {
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kJointAttributes[] = {
     kAxisAttribute,
     kJointKindAttribute,
     {.name = "lower",
@@ -32,12 +32,12 @@ constexpr AttributeSpec kAttributes[] = {
      .live = true},
 };
 
-const ElementRegistration kRegistration({
+const ElementRegistration kJointRegistration({
     .name = "joint",
     .summary = "Turns what follows its insertion point about an axis, or slides it along one.",
     .notes = "The axis passes through the origin of the insertion point. A revolute joint has its value and limits in "
              "degrees, a prismatic one in metres.",
-    .attributes = kAttributes,
+    .attributes = kJointAttributes,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<JointElement>(context);
     },

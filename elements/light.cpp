@@ -15,7 +15,7 @@ constexpr AttributeSpec live(std::string_view name, std::string_view by_default,
                              std::string_view text, double min = -kNoLimit, double max = kNoLimit) {
   return {.name = name, .default_value = by_default, .unit = unit, .text = text, .min = min, .max = max, .live = true};
 }
-constexpr AttributeSpec color(std::string_view name) {
+constexpr AttributeSpec light_color(std::string_view name) {
   return live(name, "1", "", "linear colour, multiplies the intensity", 0, kMaxColor);
 }
 constexpr AttributeSpec place(std::string_view name, std::string_view text) {
@@ -23,15 +23,15 @@ constexpr AttributeSpec place(std::string_view name, std::string_view text) {
 }
 
 // Live rows in the order in which update() takes them; each kind has a part of them.
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kLightAttributes[] = {
     {.name = "kind",
      .kind = AttributeKind::choice,
      .default_value = "directional",
      .text = "directional: like the sun; point: equal to all sides; spot: a cone along +x",
      .choices = "directional point spot"},
-    color("red"),
-    color("green"),
-    color("blue"),
+    light_color("red"),
+    light_color("green"),
+    light_color("blue"),
     live("intensity", "1", "lux or cd", "lux for directional, candela for point and spot", 0, kMaxIntensity),
     live("azimuth", "0", "deg", "directional: direction of the light source, counter-clockwise from +x about +z"),
     live("elevation", "45", "deg", "directional: height of the light source above the horizon", -90, 90),
@@ -57,13 +57,13 @@ constexpr AttributeSpec kAttributes[] = {
      .max = 8192},
 };
 
-const ElementRegistration kRegistration({
+const ElementRegistration kLightRegistration({
     .name = "light",
     .summary = "A directional, point or spot light.",
     .notes = "Units are those of KHR_lights_punctual. A white surface with the irradiance E shows the radiance E / pi. "
              "A light has only the parameters of its kind; kind, shadows and shadow_resolution cannot change while the "
              "scene runs. The built-in light shines as long as a scene has no other light.",
-    .attributes = kAttributes,
+    .attributes = kLightAttributes,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<LightElement>(context);
     },

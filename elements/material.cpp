@@ -12,21 +12,21 @@ constexpr double kMaxGain = 1e9;  // far above corner cubes
 constexpr AttributeSpec live(std::string_view name, std::string_view by_default, std::string_view text, double max) {
   return {.name = name, .default_value = by_default, .text = text, .min = 0, .max = max, .live = true};
 }
-constexpr AttributeSpec color(std::string_view name) {
+constexpr AttributeSpec factor_color(std::string_view name) {
   return live(name, "1", "factor of the file's base colour, linear", kMaxFactor);
 }
 constexpr AttributeSpec emission(std::string_view name) {
   return live(name, "0", "linear radiance, added to the file's", kMaxEmission);
 }
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kMaterialAttributes[] = {
     {.name = "part", .kind = AttributeKind::part, .text = "required: the part to change"},
     {.name = "material",
      .kind = AttributeKind::text,
      .text = "only materials of this name in the part's file; default: all materials"},
-    color("red"),
-    color("green"),
-    color("blue"),
+    factor_color("red"),
+    factor_color("green"),
+    factor_color("blue"),
     live("opacity", "1", "factor of the file's opacity; below 0.5 depth cameras and scanners see through; 0: not drawn",
          1),
     live("roughness", "1", "factor of the file's roughness, which is 1 by default; 1 is matte, 0 is polished", 1),
@@ -51,12 +51,12 @@ constexpr AttributeSpec kAttributes[] = {
      .live = true},
 };
 
-const ElementRegistration kRegistration({
+const ElementRegistration kMaterialRegistration({
     .name = "material",
     .summary = "Changes how one part looks and how it reflects laser light.",
     .notes = "Other parts from the same file keep their look. An attribute that is not given leaves the file's value. "
              "Roughness and emission have no effect on unlit materials.",
-    .attributes = kAttributes,
+    .attributes = kMaterialAttributes,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<MaterialElement>(context);
     },

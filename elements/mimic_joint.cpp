@@ -8,7 +8,7 @@
 namespace simvis {
 namespace {
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kMimicJointAttributes[] = {
     {.name = "leader",
      .kind = AttributeKind::element,
      .text = "required: the joint that this one follows; it stands before this one in the scene"},
@@ -30,10 +30,10 @@ constexpr AttributeSpec kAttributes[] = {
     kJointKindAttribute,
 };
 
-const ElementRegistration kRegistration({
+const ElementRegistration kMimicJointRegistration({
     .name = "mimic_joint",
     .summary = "A joint that follows another joint: its value is multiplier * leader + offset.",
-    .attributes = kAttributes,
+    .attributes = kMimicJointAttributes,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<MimicJointElement>(context);
     },

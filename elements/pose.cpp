@@ -20,7 +20,7 @@ constexpr AttributeSpec angle(std::string_view name, std::string_view text) {
   return {.name = name, .kind = AttributeKind::number, .default_value = "0", .unit = "deg", .text = text, .live = true};
 }
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kPoseAttributes[] = {
     length("x", "forward"),
     length("y", "to the left"),
     length("z", "up"),
@@ -29,11 +29,11 @@ constexpr AttributeSpec kAttributes[] = {
     angle("yaw", "turn about z, last; positive is to the left"),
 };
 
-const ElementRegistration kRegistration({
+const ElementRegistration kPoseRegistration({
     .name = "pose",
     .summary = "Moves and turns what follows its insertion point.",
     .notes = "x is forward, y left, z up. The rotation is R = Rz(yaw) Ry(pitch) Rx(roll).",
-    .attributes = kAttributes,
+    .attributes = kPoseAttributes,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<PoseElement>(context);
     },

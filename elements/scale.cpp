@@ -7,16 +7,16 @@ constexpr AttributeSpec factor(std::string_view name, std::string_view text) {
   return {.name = name, .default_value = "1", .text = text, .min = 1e-6, .max = 1e6, .live = true};
 }
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kScaleAttributes[] = {
     factor("x", "factor of lengths along x"),
     factor("y", "factor of lengths along y"),
     factor("z", "factor of lengths along z"),
 };
 
-const ElementRegistration kRegistration({
+const ElementRegistration kScaleRegistration({
     .name = "scale",
     .summary = "Makes what follows its insertion point larger or smaller.",
-    .attributes = kAttributes,
+    .attributes = kScaleAttributes,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<ScaleElement>(context);
     },

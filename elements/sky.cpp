@@ -14,16 +14,16 @@ constexpr AttributeSpec ambient(std::string_view name) {
 }
 
 // The defaults are those of Environment.
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kSkyAttributes[] = {
     background("red", "0.55"), background("green", "0.68"), background("blue", "0.85"),
     ambient("ambient_red"),    ambient("ambient_green"),    ambient("ambient_blue"),
 };
 
-const ElementRegistration kRegistration({
+const ElementRegistration kSkyRegistration({
     .name = "sky",
     .summary = "Sets the background and the ambient light.",
     .notes = "Of several sky elements the last one counts.",
-    .attributes = kAttributes,
+    .attributes = kSkyAttributes,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<SkyElement>(context);
     },

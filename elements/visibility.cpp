@@ -3,15 +3,15 @@
 namespace simvis {
 namespace {
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kVisibilityAttributes[] = {
     {.name = "visible", .default_value = "1", .text = "visible from 0.5 upwards", .min = 0, .max = 1, .live = true},
 };
 
-const ElementRegistration kRegistration({
+const ElementRegistration kVisibilityRegistration({
     .name = "visibility",
     .summary = "Shows or hides the shapes and lights that follow its insertion point.",
     .notes = "Sensors that follow keep measuring.",
-    .attributes = kAttributes,
+    .attributes = kVisibilityAttributes,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<VisibilityElement>(context);
     },

@@ -4,7 +4,7 @@ namespace simvis {
 
 namespace {
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kExposureAttributes[] = {
     {.name = "exposure",
      .default_value = "1",
      .text = "exposure time, relative to that at which a radiance of 1 gives an image of 1",
@@ -13,21 +13,21 @@ constexpr AttributeSpec kAttributes[] = {
      .open_min = true},
 };
 
-std::unique_ptr<CameraEffect> create(const CameraEffectContext& context) {
+std::unique_ptr<CameraEffect> create_exposure(const CameraEffectContext& context) {
   const double factor = context.attributes.number("exposure");
   return factor == 1 ? nullptr : std::make_unique<Exposure>(factor);
 }
 
-const CameraEffectRegistration kRegistration(
+const CameraEffectRegistration kExposureRegistration(
     {.type = {.name = "exposure",
               .summary = "A longer or shorter exposure: the linear image is scaled.",
               .source = "attribute exposure other than 1",
               .outputs = kShownInColor,
               .reference = "light collected is irradiance times time: EMVA Standard 1288, release 4.0, section 2",
               .sensors = "camera stereo_camera",
-              .attributes = kAttributes},
+              .attributes = kExposureAttributes},
      .order = CameraOrder::exposure,
-     .create = create});
+     .create = create_exposure});
 
 }  // namespace
 

@@ -6,7 +6,7 @@ namespace simvis {
 
 namespace {
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kLensDistortionAttributes[] = {
     {.name = "distortion",
      .kind = AttributeKind::choice,
      .default_value = "none",
@@ -39,13 +39,13 @@ void require_distortion(const AttributeValues& attributes) {
   }
 }
 
-std::unique_ptr<CameraEffect> create(const CameraEffectContext& context) {
+std::unique_ptr<CameraEffect> create_lens_distortion(const CameraEffectContext& context) {
   if (context.attributes.choice("distortion") != "none") return std::make_unique<LensDistortion>(context.attributes);
   require_distortion(context.attributes);
   return nullptr;
 }
 
-const CameraEffectRegistration kRegistration(
+const CameraEffectRegistration kLensDistortionRegistration(
     {.type = {.name = "lens_distortion",
               .summary = "A lens that bends straight lines, up to a fisheye of 220 degrees.",
               .notes = "Models and coefficients are OpenCV's, so that cv::undistort reverses the distortion. The scene "
@@ -58,9 +58,9 @@ const CameraEffectRegistration kRegistration(
               .knob = "lens_oversampling",
               .reference = "OpenCV 4.6, Camera Calibration and 3D Reconstruction, and its fisheye model",
               .sensors = "camera",
-              .attributes = kAttributes},
+              .attributes = kLensDistortionAttributes},
      .order = CameraOrder::lens,
-     .create = create});
+     .create = create_lens_distortion});
 
 }  // namespace
 

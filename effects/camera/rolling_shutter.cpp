@@ -6,7 +6,7 @@ namespace simvis {
 
 namespace {
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kRollingShutterAttributes[] = {
     {.name = "row_time",
      .default_value = "0",
      .unit = "s",
@@ -21,14 +21,14 @@ constexpr AttributeSpec kAttributes[] = {
      .max = 16384},
 };
 
-std::unique_ptr<CameraEffect> create(const CameraEffectContext& context) {
+std::unique_ptr<CameraEffect> create_rolling_shutter(const CameraEffectContext& context) {
   const double row_time_s = context.attributes.number("row_time");
   if (row_time_s == 0) return nullptr;
   return std::make_unique<RollingShutter>(row_time_s,
                                           static_cast<std::uint32_t>(context.attributes.integer("rows_per_pose")));
 }
 
-const CameraEffectRegistration kRegistration(
+const CameraEffectRegistration kRollingShutterRegistration(
     {.type = {.name = "rolling_shutter",
               .summary = "Rows that are exposed one after the other while the camera moves.",
               .notes = "The last row is exposed at the time of the frame. Poses are interpolated between the last "
@@ -39,9 +39,9 @@ const CameraEffectRegistration kRegistration(
               .reference = "each row from the camera's pose at its time; Meingast, Geyer, Sastry, Geometric models of "
                            "rolling-shutter cameras, OMNIVIS 2005",
               .sensors = "camera",
-              .attributes = kAttributes},
+              .attributes = kRollingShutterAttributes},
      .order = CameraOrder::shutter,
-     .create = create});
+     .create = create_rolling_shutter});
 
 }  // namespace
 

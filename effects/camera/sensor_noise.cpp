@@ -9,7 +9,7 @@ namespace simvis {
 
 namespace {
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kSensorNoiseAttributes[] = {
     {.name = "full_well_e",
      .default_value = "0",
      .unit = "electrons",
@@ -36,7 +36,7 @@ constexpr AttributeSpec kAttributes[] = {
      .max = 24},
 };
 
-std::unique_ptr<CameraEffect> create(const CameraEffectContext& context) {
+std::unique_ptr<CameraEffect> create_sensor_noise(const CameraEffectContext& context) {
   const AttributeValues& a = context.attributes;
   const PixelElectronics electronics{
       .full_well_e = a.number("full_well_e"),
@@ -47,7 +47,7 @@ std::unique_ptr<CameraEffect> create(const CameraEffectContext& context) {
   return std::make_unique<SensorNoise>(electronics, context.random("sensor_noise"));
 }
 
-const CameraEffectRegistration kRegistration(
+const CameraEffectRegistration kSensorNoiseRegistration(
     {.type = {.name = "sensor_noise",
               .summary = "Shot noise and read noise in electrons, gain, and the levels of the converter.",
               .notes = "Follows vignetting and exposure, for each channel by itself. The two pictures of a stereo "
@@ -56,9 +56,9 @@ const CameraEffectRegistration kRegistration(
               .outputs = kShownInColor,
               .reference = "EMVA Standard 1288, release 4.0, section 2",
               .sensors = "camera stereo_camera",
-              .attributes = kAttributes},
+              .attributes = kSensorNoiseAttributes},
      .order = CameraOrder::electronics,
-     .create = create});
+     .create = create_sensor_noise});
 
 }  // namespace
 

@@ -7,7 +7,7 @@ namespace simvis {
 
 namespace {
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kVignettingAttributes[] = {
     {.name = "vignetting",
      .kind = AttributeKind::choice,
      .default_value = "none",
@@ -18,7 +18,7 @@ constexpr AttributeSpec kAttributes[] = {
     {.name = "v3", .default_value = "0", .text = "coefficient of r^6"},
 };
 
-std::unique_ptr<CameraEffect> create(const CameraEffectContext& context) {
+std::unique_ptr<CameraEffect> create_vignetting(const CameraEffectContext& context) {
   const AttributeValues& a = context.attributes;
   if (a.choice("vignetting") == "none") return nullptr;
   const VignettingLaw law = a.choice("vignetting") == "natural" ? VignettingLaw::natural : VignettingLaw::polynomial;
@@ -26,7 +26,7 @@ std::unique_ptr<CameraEffect> create(const CameraEffectContext& context) {
                                       a.where("vignetting"));
 }
 
-const CameraEffectRegistration kRegistration(
+const CameraEffectRegistration kVignettingRegistration(
     {.type = {.name = "vignetting",
               .summary = "An image that grows darker towards its corners.",
               .notes = "natural is cos^4 of the angle to the optical axis; polynomial is 1 + v1 r^2 + v2 r^4 + v3 r^6 "
@@ -35,9 +35,9 @@ const CameraEffectRegistration kRegistration(
               .outputs = kShownInColor,
               .reference = "cos^4: Kang and Weiss, ECCV 2000; polynomial: Goldman, PAMI 32, 2010",
               .sensors = "camera stereo_camera",
-              .attributes = kAttributes},
+              .attributes = kVignettingAttributes},
      .order = CameraOrder::aperture,
-     .create = create});
+     .create = create_vignetting});
 
 }  // namespace
 

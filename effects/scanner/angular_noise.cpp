@@ -6,7 +6,7 @@
 namespace simvis {
 namespace {
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kAngularNoiseAttributes[] = {
     {.name = "angular_noise",
      .default_value = "0",
      .unit = "deg",
@@ -15,22 +15,23 @@ constexpr AttributeSpec kAttributes[] = {
      .max = 90},
 };
 
-std::unique_ptr<ScanEffect> create(const ScanEffectContext& context) {
+std::unique_ptr<ScanEffect> create_angular_noise(const ScanEffectContext& context) {
   const double deviation_deg = context.attributes.number("angular_noise");
   if (deviation_deg == 0) return nullptr;
   return std::make_unique<AngularNoise>(glm::radians(deviation_deg), context.random("angular_noise"));
 }
 
-const ScanEffectRegistration kRegistration({.type = {.name = "angular_noise",
-                                                     .summary = "Beams leave at angles with Gaussian noise.",
-                                                     .notes = "The scan reports the nominal angles.",
-                                                     .source = "attribute angular_noise above 0",
-                                                     .outputs = kShownInRanges,
-                                                     .reference = "moments of the normal distribution",
-                                                     .sensors = "laser_scanner",
-                                                     .attributes = kAttributes},
-                                            .order = ScanOrder::direction,
-                                            .create = create});
+const ScanEffectRegistration kAngularNoiseRegistration(
+    {.type = {.name = "angular_noise",
+              .summary = "Beams leave at angles with Gaussian noise.",
+              .notes = "The scan reports the nominal angles.",
+              .source = "attribute angular_noise above 0",
+              .outputs = kShownInRanges,
+              .reference = "moments of the normal distribution",
+              .sensors = "laser_scanner",
+              .attributes = kAngularNoiseAttributes},
+     .order = ScanOrder::direction,
+     .create = create_angular_noise});
 
 }  // namespace
 

@@ -9,7 +9,7 @@
 namespace simvis {
 namespace {
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kAtmosphereAttributes[] = {
     {.name = "least_power",
      .unit = "1/m^2",
      .text = "weather: weaker echoes are lost; a white matte wall at 1 m, perpendicular, has 1; default: a surface of "
@@ -85,14 +85,14 @@ class Atmosphere : public ScanEffect {
   DropSight sight_;
 };
 
-std::unique_ptr<ScanEffect> create(const ScanEffectContext& context) {
+std::unique_ptr<ScanEffect> create_atmosphere(const ScanEffectContext& context) {
   const AttributeValues& a = context.attributes;
   const double range_max_m = a.number("range_max");
   return std::make_unique<Atmosphere>(
       context, a.is_set("least_power") ? a.number("least_power") : 0.1 / (range_max_m * range_max_m));
 }
 
-const ScanEffectRegistration kRegistration({
+const ScanEffectRegistration kAtmosphereRegistration({
     .type = {.name = "atmosphere",
              .summary = "Echoes are weakened and lost in fog, rain and dust; air and drops return false ones.",
              .notes = "An echo fades by exp(-2 extinction range). Weak echoes are lost. The air itself and single "
@@ -102,9 +102,9 @@ const ScanEffectRegistration kRegistration({
              .outputs = kShownInRanges,
              .reference = "Beer and Lambert; Koschmieder 1924, Kim et al. 2001, Marshall and Palmer 1948",
              .sensors = "laser_scanner",
-             .attributes = kAttributes},
+             .attributes = kAtmosphereAttributes},
     .order = ScanOrder::medium,
-    .create = create,
+    .create = create_atmosphere,
     .called_for = [](const DrawList& list) { return list.medium.laser_extinction_per_m > 0; },
 });
 

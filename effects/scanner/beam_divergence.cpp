@@ -6,7 +6,7 @@
 namespace simvis {
 namespace {
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kBeamDivergenceAttributes[] = {
     {.name = "divergence",
      .default_value = "0",
      .unit = "deg",
@@ -21,7 +21,7 @@ constexpr AttributeSpec kAttributes[] = {
      .max = 65536},
 };
 
-std::unique_ptr<ScanEffect> create(const ScanEffectContext& context) {
+std::unique_ptr<ScanEffect> create_beam_divergence(const ScanEffectContext& context) {
   const AttributeValues& a = context.attributes;
   if (a.number("divergence") == 0) return nullptr;
   return std::make_unique<BeamDivergence>(glm::radians(a.number("divergence")),
@@ -29,7 +29,7 @@ std::unique_ptr<ScanEffect> create(const ScanEffectContext& context) {
                                           context.random("beam_divergence"));
 }
 
-const ScanEffectRegistration kRegistration(
+const ScanEffectRegistration kBeamDivergenceRegistration(
     {.type = {.name = "beam_divergence",
               .summary = "Beams are cones of light: each one meets a patch, and ranges mix at edges.",
               .notes = "Rays of equal shares sample the disc evenly. Ranges mix at edges because the beam is wide, "
@@ -40,9 +40,9 @@ const ScanEffectRegistration kRegistration(
               .knob = "divergence_samples",
               .reference = "area ratios of a disc cut by a line",
               .sensors = "laser_scanner",
-              .attributes = kAttributes},
+              .attributes = kBeamDivergenceAttributes},
      .order = ScanOrder::spread,
-     .create = create});
+     .create = create_beam_divergence});
 
 }  // namespace
 

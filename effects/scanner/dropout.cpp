@@ -20,7 +20,7 @@
 namespace simvis {
 namespace {
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kDropoutAttributes[] = {
     {.name = "dropout",
      .default_value = "0",
      .text = "probability that a beam is lost, whatever it hits",
@@ -74,7 +74,7 @@ class Dropout : public ScanEffect {
   SensorRandom random_;
 };
 
-const ScanEffectRegistration kRegistration({
+const ScanEffectRegistration kDropoutRegistration({
     .type =
         {.name = "dropout",
          .summary = "Beams are lost because too little light returns, or by chance.",
@@ -87,7 +87,7 @@ const ScanEffectRegistration kRegistration({
          .reference = "detection of a pulse in Gaussian noise: Richmond and Cain, Direct-Detection LADAR Systems "
                       "(SPIE 2010)",
          .sensors = "laser_scanner",
-         .attributes = kAttributes},
+         .attributes = kDropoutAttributes},
     .order = ScanOrder::disturbance,
     .create = [](const ScanEffectContext& context) -> std::unique_ptr<ScanEffect> {
       const AttributeValues& a = context.attributes;

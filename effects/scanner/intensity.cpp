@@ -15,7 +15,7 @@
 namespace simvis {
 namespace {
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kIntensityAttributes[] = {
     {.name = "intensity",
      .kind = AttributeKind::choice,
      .default_value = "off",
@@ -40,7 +40,7 @@ class Intensity : public ScanEffect {
 };
 
 // After all that may lose a beam.
-const ScanEffectRegistration kRegistration({
+const ScanEffectRegistration kIntensityRegistration({
     .type = {.name = "intensity",
              .summary = "Adds a column with the light that came back from each echo.",
              .notes = "A white matte wall at a distance of 1 m, perpendicular to the beam, has the intensity 1. The "
@@ -50,7 +50,7 @@ const ScanEffectRegistration kRegistration({
              .outputs = kShownInRanges,
              .reference = "the lidar equation of an extended Lambertian target: Jelalian, Laser Radar Systems (1992)",
              .sensors = "laser_scanner",
-             .attributes = kAttributes},
+             .attributes = kIntensityAttributes},
     .order = ScanOrder::rounding,
     .create = [](const ScanEffectContext& context) -> std::unique_ptr<ScanEffect> {
       if (context.attributes.choice("intensity") != "on") return nullptr;

@@ -14,7 +14,7 @@
 namespace simvis {
 namespace {
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kRangeNoiseAttributes[] = {
     {.name = "range_noise", .default_value = "0", .unit = "m", .text = "standard deviation of the range", .min = 0},
     {.name = "range_noise_rel",
      .default_value = "0",
@@ -44,7 +44,7 @@ class RangeNoise : public ScanEffect {
   SensorRandom random_;
 };
 
-const ScanEffectRegistration kRegistration({
+const ScanEffectRegistration kRangeNoiseRegistration({
     .type = {.name = "range_noise",
              .summary = "Gaussian noise of the range, absolute and relative.",
              .notes = "The error bound refers to the range before noise. Ranges of 0 and inf stay as they are.",
@@ -52,7 +52,7 @@ const ScanEffectRegistration kRegistration({
              .outputs = kShownInRanges,
              .reference = "the normal distribution, by Box and Muller, Ann. Math. Statist. 29 (1958)",
              .sensors = "laser_scanner",
-             .attributes = kAttributes},
+             .attributes = kRangeNoiseAttributes},
     .order = ScanOrder::disturbance,
     .create = [](const ScanEffectContext& context) -> std::unique_ptr<ScanEffect> {
       const AttributeValues& a = context.attributes;

@@ -11,7 +11,7 @@
 namespace simvis {
 namespace {
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kRangeResolutionAttributes[] = {
     {.name = "range_resolution",
      .default_value = "0",
      .unit = "m",
@@ -40,7 +40,7 @@ class RangeResolution : public ScanEffect {
   double step_m_;
 };
 
-const ScanEffectRegistration kRegistration({
+const ScanEffectRegistration kRangeResolutionRegistration({
     .type = {.name = "range_resolution",
              .summary = "Ranges in steps.",
              .notes = "Rounding happens after noise; the error bound grows by as much as the range moved.",
@@ -48,7 +48,7 @@ const ScanEffectRegistration kRegistration({
              .outputs = kShownInRanges,
              .reference = "the nearest multiple, halves up",
              .sensors = "laser_scanner",
-             .attributes = kAttributes},
+             .attributes = kRangeResolutionAttributes},
     .order = ScanOrder::rounding,
     .create = [](const ScanEffectContext& context) -> std::unique_ptr<ScanEffect> {
       const double step_m = context.attributes.number("range_resolution");

@@ -32,7 +32,7 @@ bool has_reflectors(const DrawList& list) {
   return std::ranges::any_of(list.materials, [](const auto& material) { return material->retro_reflectance > 0; });
 }
 
-const ScanEffectRegistration kRegistration({
+const ScanEffectRegistration kRetroReflectionRegistration({
     .type = {.name = "retro_reflection",
              .summary = "Retro-reflectors send laser light back to the scanner.",
              .notes =

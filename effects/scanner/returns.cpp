@@ -26,7 +26,7 @@ Echo merged(std::span<const Echo> echoes) {
           .power = power};
 }
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kReturnsAttributes[] = {
     {.name = "return",
      .kind = AttributeKind::choice,
      .default_value = "strongest",
@@ -38,7 +38,7 @@ constexpr AttributeSpec kAttributes[] = {
      .min = 0},
 };
 
-std::unique_ptr<ScanEffect> create(const ScanEffectContext& context) {
+std::unique_ptr<ScanEffect> create_returns(const ScanEffectContext& context) {
   const AttributeValues& a = context.attributes;
   const std::string& choice = a.choice("return");
   if (choice == "strongest" && !a.is_set("pulse_length")) return nullptr;
@@ -48,7 +48,7 @@ std::unique_ptr<ScanEffect> create(const ScanEffectContext& context) {
                                    a.is_set("pulse_length") ? a.number("pulse_length") : kPulseLength_m);
 }
 
-const ScanEffectRegistration kRegistration(
+const ScanEffectRegistration kReturnsRegistration(
     {.type = {.name = "returns",
               .summary = "First, last or strongest return of a beam, and how many there are.",
               .notes = "Adds the column return_count. Echoes without a gap of one pulse length are one return, at "
@@ -58,9 +58,9 @@ const ScanEffectRegistration kRegistration(
               .outputs = kShownInRanges,
               .reference = "overlapping echoes are one pulse: c T / 2; its range the mean, weighted by power",
               .sensors = "laser_scanner",
-              .attributes = kAttributes},
+              .attributes = kReturnsAttributes},
      .order = ScanOrder::detection,
-     .create = create});
+     .create = create_returns});
 
 }  // namespace
 

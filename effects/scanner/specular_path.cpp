@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kUnit = 0x1p-53;
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kSpecularPathAttributes[] = {
     {.name = "path_depth",
      .kind = AttributeKind::integer,
      .default_value = "0",
@@ -73,7 +73,7 @@ class SpecularPath : public ScanEffect {
   std::uint32_t depth_;
 };
 
-std::unique_ptr<ScanEffect> create(const ScanEffectContext& context) {
+std::unique_ptr<ScanEffect> create_specular_path(const ScanEffectContext& context) {
   const std::int64_t depth = context.attributes.integer("path_depth");
   return depth == 0 ? nullptr : std::make_unique<SpecularPath>(static_cast<std::uint32_t>(depth));
 }
@@ -85,7 +85,7 @@ bool called_for(const DrawList& list) {
   });
 }
 
-const ScanEffectRegistration kRegistration({
+const ScanEffectRegistration kSpecularPathRegistration({
     .type = {.name = "specular_path",
              .summary = "Beams continue from mirrors and through panes of glass.",
              .notes = "Mirrors and glass are materials with mirror or transmission (see the element material), or with "
@@ -95,9 +95,9 @@ const ScanEffectRegistration kRegistration({
              .knob = "path_depth",
              .reference = "the law of reflection, Fresnel's equations",
              .sensors = "laser_scanner",
-             .attributes = kAttributes},
+             .attributes = kSpecularPathAttributes},
     .order = ScanOrder::path,
-    .create = create,
+    .create = create_specular_path,
     .called_for = called_for,
 });
 

@@ -10,7 +10,7 @@ namespace {
 // turned direction (8). An origin, as a share of its length: the difference of two places (1), turned (6), scaled (1).
 constexpr double kDirectionError = 29 * 0x1p-53, kOriginError = 8 * 0x1p-53;
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kSweepMotionAttributes[] = {
     {.name = "sweep",
      .default_value = "0",
      .unit = "s",
@@ -23,13 +23,13 @@ constexpr AttributeSpec kAttributes[] = {
      .choices = "ccw cw"},
 };
 
-std::unique_ptr<ScanEffect> create(const ScanEffectContext& context) {
+std::unique_ptr<ScanEffect> create_sweep_motion(const ScanEffectContext& context) {
   const AttributeValues& a = context.attributes;
   if (a.number("sweep") == 0) return nullptr;
   return std::make_unique<SweepMotion>(a.number("sweep"), a.choice("sweep_direction") == "cw");
 }
 
-const ScanEffectRegistration kRegistration(
+const ScanEffectRegistration kSweepMotionRegistration(
     {.type = {.name = "sweep_motion",
               .summary = "Each beam leaves at its own time, from where the sensor was then.",
               .notes = "The last beam leaves at the time of the frame. The sensor is taken to move evenly since its "
@@ -40,9 +40,9 @@ const ScanEffectRegistration kRegistration(
               .outputs = kShownInRanges,
               .reference = "closed form of a scanner that moves past a wall, towards it, and turns",
               .sensors = "laser_scanner",
-              .attributes = kAttributes},
+              .attributes = kSweepMotionAttributes},
      .order = ScanOrder::pose,
-     .create = create});
+     .create = create_sweep_motion});
 
 }  // namespace
 

@@ -6,9 +6,9 @@
 namespace simvis {
 namespace {
 
-bool in_scene(const DrawList& list) { return list.medium.extinction_per_m > 0; }
+bool fog_in_scene(const DrawList& list) { return list.medium.extinction_per_m > 0; }
 
-const EffectRegistration kRegistration({
+const EffectRegistration kFogRegistration({
     .name = "fog",
     .summary = "Surfaces fade into the airlight with distance.",
     .notes =
@@ -17,7 +17,7 @@ const EffectRegistration kRegistration({
     .source = "air that weakens visible light: element fog",
     .outputs = kShownInColor,
     .reference = "Koschmieder 1924: radiance = surface x t + airlight x (1 - t), t = exp(-extinction x distance)",
-    .in_scene = in_scene,
+    .in_scene = fog_in_scene,
 });
 
 }  // namespace

@@ -26,11 +26,11 @@ bool is_called_for(const DrawItem& item, const DrawList& list) {
          (has(MapKind::emissive) && m.emissive != glm::vec3(0));
 }
 
-bool in_scene(const DrawList& list) {
+bool metallic_roughness_in_scene(const DrawList& list) {
   return std::ranges::any_of(list.items, [&](const DrawItem& item) { return is_called_for(item, list); });
 }
 
-const EffectRegistration kRegistration({
+const EffectRegistration kMetallicRoughnessRegistration({
     .name = "metallic_roughness",
     .summary = "Surfaces reflect light like metals and like smooth or rough dielectrics.",
     .notes = "The formulas are those of glTF 2.0, appendix B, with metallic-roughness, occlusion and emissive "
@@ -39,7 +39,7 @@ const EffectRegistration kRegistration({
     .source = "a material that is metallic or smoother than 1, or has a texture of that, of occlusion or of emission",
     .outputs = kShownInColor,
     .reference = "the formulas of glTF 2.0, appendix B; a white furnace",
-    .in_scene = in_scene,
+    .in_scene = metallic_roughness_in_scene,
 });
 
 }  // namespace

@@ -18,12 +18,12 @@ bool is_relief(const DrawItem& item, const DrawList& list) {
   return !material.unlit && material.normal_scale != 0 && material.map(MapKind::normal).texture != nullptr;
 }
 
-bool in_scene(const DrawList& list) {
+bool normal_maps_in_scene(const DrawList& list) {
   return !list.lights.empty() &&
          std::ranges::any_of(list.items, [&](const DrawItem& item) { return is_relief(item, list); });
 }
 
-const EffectRegistration kRegistration({
+const EffectRegistration kNormalMapsRegistration({
     .name = "normal_maps",
     .summary = "Light falls on a surface as on the relief that a glTF normal texture describes.",
     .notes = "The tangent frame follows the texture coordinates in the picture, mirrored ones included. The attribute "
@@ -31,7 +31,7 @@ const EffectRegistration kRegistration({
     .source = "a lit material with a normal texture",
     .outputs = kShownInColor,
     .reference = "a surface that is really tilted; glTF 2.0, section 3.9.3",
-    .in_scene = in_scene,
+    .in_scene = normal_maps_in_scene,
 });
 
 }  // namespace

@@ -11,12 +11,12 @@ bool is_transparent(const Material& material) {
   return material.opacity > 0 && (material.opacity < 1 || material.alpha_mode == AlphaMode::blend);
 }
 
-bool in_scene(const DrawList& list) {
+bool transparency_in_scene(const DrawList& list) {
   return std::ranges::any_of(list.items,
                              [&](const DrawItem& item) { return is_transparent(*list.materials[item.material]); });
 }
 
-const EffectRegistration kRegistration({
+const EffectRegistration kTransparencyRegistration({
     .name = "transparency",
     .summary = "Surfaces behind blended and faded surfaces show through them.",
     .notes = "Layers are composited by depth, sample by sample, in whatever order parts and faces are drawn. Crossing "
@@ -25,7 +25,7 @@ const EffectRegistration kRegistration({
     .source = "a part with a material that is blended, or whose opacity is below 1",
     .outputs = kShownInColor,
     .reference = "Porter and Duff 1984: over, of all surfaces of a sample by their depth",
-    .in_scene = in_scene,
+    .in_scene = transparency_in_scene,
 });
 
 }  // namespace

@@ -3,16 +3,16 @@
 namespace simvis {
 namespace {
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kFrameAxesAttributes[] = {
     marker_size_row("length", "0.5", "length of each arrow; 0: not drawn"),
     marker_size_row("width", "0.02", "thickness of the shafts; 0: not drawn"),
 };
 
-const ElementRegistration kRegistration({
+const ElementRegistration kFrameAxesRegistration({
     .name = "frame_axes",
     .summary = "Arrows along the axes of the frame at its insertion point: x red, y green, z blue.",
     .notes = "Only cameras with view=\"visualization\" show it; simulated sensors never see it.",
-    .attributes = kAttributes,
+    .attributes = kFrameAxesAttributes,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<FrameAxesElement>(context);
     },

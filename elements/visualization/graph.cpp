@@ -10,7 +10,7 @@
 namespace simvis {
 namespace {
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kGraphAttributes[] = {
     {.name = "nodes",
      .kind = AttributeKind::text,
      .unit = "m",
@@ -29,12 +29,12 @@ constexpr AttributeSpec kAttributes[] = {
 };
 constexpr std::size_t kFirstCoordinate = 8;  // among the live rows
 
-const ElementRegistration kRegistration({
+const ElementRegistration kGraphRegistration({
     .name = "graph",
     .summary = "Nodes and edges of a map, in the frame of its insertion point.",
     .notes = "Only cameras with view=\"visualization\" show it; simulated sensors never see it.\nEach coordinate of a "
              "node is a live parameter: x0, y0, z0, x1 and so on.",
-    .attributes = kAttributes,
+    .attributes = kGraphAttributes,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<GraphElement>(context);
     },

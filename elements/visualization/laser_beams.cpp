@@ -6,7 +6,7 @@
 namespace simvis {
 namespace {
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kLaserBeamsAttributes[] = {
     {.name = "scanner",
      .kind = AttributeKind::sensor,
      .text = "required: name of the laser scanner; it may stand later in the scene"},
@@ -39,12 +39,12 @@ constexpr AttributeSpec kAttributes[] = {
     color_row("blue", "0.02", "blue of beams and hits"),
 };
 
-const ElementRegistration kRegistration({
+const ElementRegistration kLaserBeamsRegistration({
     .name = "laser_beams",
     .summary = "Draws the beams of a laser scanner and the points that they hit.",
     .notes = "Only cameras with view=\"visualization\" show it; simulated sensors never see it.\nThe beams start where "
              "the scanner stood when it measured. The insertion point does not matter.",
-    .attributes = kAttributes,
+    .attributes = kLaserBeamsAttributes,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<LaserBeamsElement>(context);
     },

@@ -8,7 +8,7 @@
 namespace simvis {
 namespace {
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kPointCloudAttributes[] = {
     {.name = "file", .kind = AttributeKind::text, .text = ".csv or .xyz file with points \"x y z\" or \"x y z r g b\""},
     {.name = "scanner", .kind = AttributeKind::sensor, .text = "name of a laser scanner, instead of file"},
     {.name = "count",
@@ -31,14 +31,14 @@ constexpr AttributeSpec kAttributes[] = {
     color_row("blue", "0.9", "blue of points that have no colour of their own"),
 };
 
-const ElementRegistration kRegistration({
+const ElementRegistration kPointCloudRegistration({
     .name = "point_cloud",
     .summary = "Draws points from a file, or the points that a laser scanner hit.",
     .notes = "Only cameras with view=\"visualization\" show it; simulated sensors never see it.\nA scene gives either "
              "file or scanner. Points of a file stand in the frame of the insertion point, points of a scanner in the "
              "world. A file has at most a million lines \"x y z\" or \"x y z r g b\" (metres; sRGB from 0 to 255), "
              "separated by spaces or commas.",
-    .attributes = kAttributes,
+    .attributes = kPointCloudAttributes,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<PointCloudElement>(context);
     },

@@ -5,7 +5,7 @@
 namespace simvis {
 namespace {
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kTrailAttributes[] = {
     {.name = "part", .kind = AttributeKind::part, .text = "required: name of the part"},
     marker_size_row("width", "0.03", "thickness of the line; 0: not drawn"),
     {.name = "step",
@@ -28,12 +28,12 @@ constexpr AttributeSpec kAttributes[] = {
     color_row("blue", "0.9", "blue of the line"),
 };
 
-const ElementRegistration kRegistration({
+const ElementRegistration kTrailRegistration({
     .name = "trail",
     .summary = "Draws the path that a part has travelled.",
     .notes = "Only cameras with view=\"visualization\" show it; simulated sensors never see it.\nThe path takes in "
              "every movement of the part. The insertion point does not matter.",
-    .attributes = kAttributes,
+    .attributes = kTrailAttributes,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<TrailElement>(context);
     },

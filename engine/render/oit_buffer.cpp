@@ -23,7 +23,7 @@ VkDeviceSize list_bytes(const Pass& pass, std::uint32_t rows) {
 }
 
 void layers_barrier(VkCommandBuffer commands, VkPipelineStageFlags from, VkAccessFlags written, VkPipelineStageFlags to,
-             VkAccessFlags used) {
+                    VkAccessFlags used) {
   const VkMemoryBarrier memory{
       .sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER, .pNext = nullptr, .srcAccessMask = written, .dstAccessMask = used};
   vkCmdPipelineBarrier(commands, from, to, 0, 1, &memory, 0, nullptr, 0, nullptr);
@@ -105,22 +105,24 @@ std::vector<LayerRows> OitBuffer::bands(const Pass& pass) const {
 
 void OitBuffer::record_begin(VkCommandBuffer commands, const Pass& pass, const LayerRows& rows) {
   // The band before this one has been resolved and counted, its colour drawn.
-  layers_barrier(commands, kTargets | VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT, kTargetsWritten,
-          kTargets | VK_PIPELINE_STAGE_TRANSFER_BIT, kTargetsUsed | VK_ACCESS_TRANSFER_WRITE_BIT);
+  layers_barrier(commands, kTargets | VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT,
+                 kTargetsWritten, kTargets | VK_PIPELINE_STAGE_TRANSFER_BIT,
+                 kTargetsUsed | VK_ACCESS_TRANSFER_WRITE_BIT);
   const shader::LayerBand band{.rows = {0, columns_of(pass), rows.first, pass.msaa}};
   vkCmdUpdateBuffer(commands, lists_.get(), 0, sizeof band, &band);
   vkCmdFillBuffer(commands, lists_.get(), sizeof band, list_bytes(pass, rows.count) - sizeof band, 0);
-  layers_barrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT,
-          VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT);
+  layers_barrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT,
+                 VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT, VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT);
   const VkDescriptorSet set = set_.get();
   vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelines_.layout(), SIMVIS_LAYERS_SET, 1, &set, 0,
                           nullptr);
 }
 
 void OitBuffer::record_end(VkCommandBuffer commands) {
-  layers_barrier(commands, kTargets | VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT, kTargetsWritten | VK_ACCESS_SHADER_WRITE_BIT,
-          kTargets | VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT,
-          kTargetsUsed | VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_TRANSFER_READ_BIT);
+  layers_barrier(commands, kTargets | VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT,
+                 kTargetsWritten | VK_ACCESS_SHADER_WRITE_BIT,
+                 kTargets | VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT,
+                 kTargetsUsed | VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_TRANSFER_READ_BIT);
   const VkBufferCopy count{
       .srcOffset = 0, .dstOffset = bands_drawn_++ * sizeof(std::uint32_t), .size = sizeof(std::uint32_t)};
   vkCmdCopyBuffer(commands, lists_.get(), counts_.get(), 1, &count);

@@ -14,7 +14,7 @@ namespace simvis {
 
 namespace {
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kCameraAttributes[] = {
     kWidthAttribute,
     kHeightAttribute,
     kHfovAttribute,
@@ -35,7 +35,7 @@ constexpr AttributeSpec kAttributes[] = {
     kRateAttribute,
 };
 
-std::unique_ptr<Sensor> create(const SensorContext& context) {
+std::unique_ptr<Sensor> create_camera(const SensorContext& context) {
   return std::make_unique<Camera>(context.name, camera_desc(context));
 }
 
@@ -47,7 +47,7 @@ View whole_image(const Pass& pass) {
   return view;
 }
 
-const SensorRegistration kRegistration(
+const SensorRegistration kCameraRegistration(
     {.name = "camera",
      .summary = "A pinhole camera: colour, depth or both.",
      .notes = "The camera looks along +x of its sensor frame; image x runs to the right, y downwards. Depth is "
@@ -56,8 +56,8 @@ const SensorRegistration kRegistration(
               "Depth is always that of pixel centres; next to averaged colour it needs a pass of its own.\nThe C++ "
               "call value(\"CAMERA\", \"depth_error_bound_m\") bounds the error of the last depth image; "
               "sensors/camera/depth_error_bound.h derives the bound.",
-     .attributes = kAttributes,
-     .create = create});
+     .attributes = kCameraAttributes,
+     .create = create_camera});
 
 }  // namespace
 

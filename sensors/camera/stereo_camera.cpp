@@ -14,7 +14,7 @@ namespace {
 // Both views share a pass where they fit side by side into what every Vulkan device can render to.
 constexpr std::uint32_t kMaxWidth_px = 4096;
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kStereoCameraAttributes[] = {
     kWidthAttribute,
     kHeightAttribute,
     kHfovAttribute,
@@ -35,17 +35,17 @@ constexpr AttributeSpec kAttributes[] = {
     kRateAttribute,
 };
 
-std::unique_ptr<Sensor> create(const SensorContext& context) {
+std::unique_ptr<Sensor> create_stereo_camera(const SensorContext& context) {
   return std::make_unique<StereoCamera>(context.name, stereo_camera_desc(context));
 }
 
-const SensorRegistration kRegistration(
+const SensorRegistration kStereoCameraRegistration(
     {.name = "stereo_camera",
      .summary = "Two rectified pinhole cameras side by side, and their true disparity.",
      .notes = "The sensor frame is that of the left camera. The right camera stands baseline to its right (-y). "
               "Disparity is fx * baseline / Z of the left picture in pixels, and 0 where nothing is hit.",
-     .attributes = kAttributes,
-     .create = create});
+     .attributes = kStereoCameraAttributes,
+     .create = create_stereo_camera});
 
 }  // namespace
 

@@ -10,7 +10,7 @@ namespace simvis {
 
 namespace {
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kLaserScannerAttributes[] = {
     {.name = "samples",
      .kind = AttributeKind::integer,
      .default_value = "361",
@@ -128,11 +128,11 @@ void check_order(const AttributeValues& a, const char* low, const char* high, do
   fail_at(a.where(high), message.str());
 }
 
-std::unique_ptr<Sensor> create(const SensorContext& context) {
+std::unique_ptr<Sensor> create_laser_scanner(const SensorContext& context) {
   return std::make_unique<LaserScanner>(context.name, laser_scanner_desc(context));
 }
 
-const SensorRegistration kRegistration(
+const SensorRegistration kLaserScannerRegistration(
     {.name = "laser_scanner",
      .summary = "A laser scanner: ranges along beams, each with an error bound.",
      .notes =
@@ -149,8 +149,8 @@ const SensorRegistration kRegistration(
          "tolerance without a method means hybrid. A tolerance with nearest, planar or raycast is an error.\nEffects "
          "that follow beams cast every beam: method is then raycast, or not given.\nPresets cite the data sheets of "
          "devices. Steps, ring angles and firing cycles were checked; check the other values against your device.",
-     .attributes = kAttributes,
-     .create = create,
+     .attributes = kLaserScannerAttributes,
+     .create = create_laser_scanner,
      .presets = laser_scanner_presets()});
 
 }  // namespace

@@ -16,7 +16,7 @@ constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 // What touches the device is still seen.
 constexpr double kNear_m = 1e-3;
 
-constexpr AttributeSpec kAttributes[] = {
+constexpr AttributeSpec kPsdAttributes[] = {
     {.name = "opening",
      .default_value = "5",
      .unit = "deg",
@@ -54,7 +54,7 @@ constexpr AttributeSpec kAttributes[] = {
     kRateAttribute,
 };
 
-std::unique_ptr<Sensor> create(const SensorContext& context) {
+std::unique_ptr<Sensor> create_psd(const SensorContext& context) {
   const AttributeValues& a = context.attributes;
   const PsdDesc desc = psd_desc(context);
   std::optional<VoltageCurve> curve = parse_voltage_curve(a.text("curve"));
@@ -66,15 +66,15 @@ std::unique_ptr<Sensor> create(const SensorContext& context) {
   return std::make_unique<Psd>(context.name, desc, *std::move(curve));
 }
 
-const SensorRegistration kRegistration(
+const SensorRegistration kPsdRegistration(
     {.name = "psd",
      .summary = "An infrared distance sensor (position-sensitive detector, PSD) with an analogue voltage, like those "
                 "made by Sharp.",
      .notes = "The sensor measures along +x, from a small depth image of its cone; sensors/psd/psd.h says how. The "
               "reading does not depend on the colour or the slant of the surface. A curve of points is linear in 1 / "
               "range between its points.",
-     .attributes = kAttributes,
-     .create = create});
+     .attributes = kPsdAttributes,
+     .create = create_psd});
 
 }  // namespace
 
