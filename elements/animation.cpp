@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 #include <vector>
+#include "scenegraph/part_animation.h"
 
 namespace simvis {
 namespace {

@@ -1,4 +1,5 @@
 #include "elements/foliage.h"
+#include "scenegraph/clone_graph.h"
 
 namespace simvis {
 namespace {

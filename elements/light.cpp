@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include <simvis/clone_graph.h>
 #include <simvis/pose.h>
+#include "scenegraph/clone_graph.h"
 #include "shaders/interop.h"
 
 namespace simvis {

@@ -1,6 +1,7 @@
 #include "elements/material.h"
 
 #include <algorithm>
+#include "scenegraph/clone_graph.h"
 
 namespace simvis {
 namespace {

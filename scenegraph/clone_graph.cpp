@@ -1,4 +1,4 @@
-#include <simvis/clone_graph.h>
+#include "scenegraph/clone_graph.h"
 
 #include <unordered_set>
 

@@ -1,4 +1,4 @@
-#include <simvis/mesh_deformation.h>
+#include "scenegraph/mesh_deformation.h"
 
 #include <cmath>
 #include <limits>

@@ -1,4 +1,4 @@
-#include <simvis/name_set.h>
+#include "scenegraph/name_set.h"
 
 namespace simvis {
 

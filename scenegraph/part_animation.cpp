@@ -1,4 +1,4 @@
-#include <simvis/part_animation.h>
+#include "scenegraph/part_animation.h"
 
 #include <algorithm>
 #include <cmath>

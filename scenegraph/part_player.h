@@ -4,8 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include <simvis/clone_graph.h>
-#include <simvis/part_animation.h>
+#include "scenegraph/clone_graph.h"
+#include "scenegraph/part_animation.h"
 
 namespace simvis {
 

@@ -2,7 +2,7 @@
 
 #include <unordered_map>
 
-#include <simvis/clone_graph.h>
+#include "scenegraph/clone_graph.h"
 
 namespace simvis {
 namespace {

@@ -5,7 +5,9 @@
 #include <simvis/attributes.h>
 #include <simvis/part_importer.h>
 #include "engine/base/assert.h"
+#include "scenegraph/clone_graph.h"
 #include "scenegraph/language/pose_attribute.h"
+#include "scenegraph/name_set.h"
 #include "scenegraph/same_graph.h"
 
 namespace simvis {
@@ -60,14 +62,18 @@ void rethrow_from_part(const Command& part, const InputError& error) {
   fail_at(part.where, "part " + part.require("name").value + ": " + without_error_word(error.what()));
 }
 
-Scene::Scene() : root_(std::make_shared<Group>()) {
+Scene::Scene() : root_(std::make_shared<Group>()), part_names_(std::make_unique<NameSet>("part")) {
   root_->name = "ROOT";
   const auto point = std::make_shared<InsertionPoint>();
   point->name = root_->name;
   root_->add(point);
   places_[root_->name] = {root_.get(), point.get()};
-  part_names_.reserve(root_->name);
+  part_names_->reserve(root_->name);
 }
+
+Scene::Scene(Scene&&) noexcept = default;
+Scene& Scene::operator=(Scene&&) noexcept = default;
+Scene::~Scene() = default;
 
 const PartContent& Scene::insert_part(const Command& command, const std::string& prefix) {
   const CommandAttribute& name = command.require("name");
@@ -92,10 +98,10 @@ const PartContent& Scene::insert_part(const Command& command, const std::string&
 }
 
 void Scene::add_place(const CommandAttribute& name, const Place& place) {
-  part_names_.claim(name);
+  part_names_->claim(name);
   places_[name.value] = place;
   undo_.add([this, key = name.value] {
-    part_names_.release(key);
+    part_names_->release(key);
     places_.erase(key);
   });
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "scenegraph/clone_graph.h"
 #include "simvis/default_light.h"
 
 namespace simvis {

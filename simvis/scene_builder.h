@@ -12,7 +12,7 @@
 
 #include <simvis/command.h>
 #include <simvis/element.h>
-#include <simvis/name_set.h>
+#include "scenegraph/name_set.h"
 #include <simvis/parameters.h>
 #include <simvis/scene.h>
 #include <simvis/sensor.h>

@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include <simvis/draw_list.h>
@@ -243,5 +244,8 @@ class Mount : public Node {
  public:
   Mount() : Node(NodeKind::mount) {}
 };
+
+/// From the nodes of a graph to those of its copy.
+using NodeMap = std::unordered_map<const Node*, NodePtr>;
 
 }  // namespace simvis

@@ -8,15 +8,15 @@
 #include <string_view>
 #include <vector>
 
-#include <simvis/clone_graph.h>
 #include <simvis/command.h>
 #include <simvis/content_pool.h>
-#include <simvis/name_set.h>
 #include <simvis/node.h>
-#include <simvis/part_animation.h>
 #include <simvis/undo_log.h>
 
 namespace simvis {
+
+class NameSet;
+struct PartAnimations;
 
 /// What a part file became.
 struct PartContent {
@@ -42,6 +42,9 @@ struct OwnPart {
 class Scene {
  public:
   Scene();
+  Scene(Scene&&) noexcept;
+  Scene& operator=(Scene&&) noexcept;
+  ~Scene();
 
   const GroupPtr& root() const { return root_; }
 
@@ -111,7 +114,7 @@ class Scene {
 
   GroupPtr root_;
   std::map<std::string, Place, std::less<>> places_;
-  NameSet part_names_{"part"};
+  std::unique_ptr<NameSet> part_names_;
   std::map<std::string, Part, std::less<>> parts_;
   std::map<std::string, NodePtr, std::less<>> nodes_;  // of elements, by name
   std::map<std::string, PartContent> contents_;        // by canonical path and up axis: one file is read once

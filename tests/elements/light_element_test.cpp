@@ -3,6 +3,7 @@
 
 #include <simvis/pose.h>
 #include "elements/color_temperature.h"
+#include "scenegraph/clone_graph.h"
 #include "simvis/scene_builder.h"
 #include "tests/support/element_scene.h"
 #include "tests/support/reference_directions.h"

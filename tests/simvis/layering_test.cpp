@@ -90,8 +90,8 @@ const std::map<std::string, std::string, std::less<>> kPublic = [] {
   add("engine/vulkan", {"device"});
   add("engine/raycast", {"cost_model", "ray_caster", "surface_point"});
   add("scenegraph/language", {"attributes", "command", "location", "pose"});
-  add("scenegraph", {"camera_layout", "clone_graph", "content_pool", "frame_time", "image", "mesh_deformation",
-                     "name_set", "node", "part_animation", "part_importer", "scan", "scene", "undo_log"});
+  add("scenegraph",
+      {"camera_layout", "content_pool", "frame_time", "image", "node", "part_importer", "scan", "scene", "undo_log"});
   add("elements", {"element"});
   add("effects", {"effect"});
   add("effects/camera", {"camera_effect"});

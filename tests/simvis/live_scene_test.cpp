@@ -3,6 +3,7 @@
 
 #include <doctest/doctest.h>
 
+#include "scenegraph/clone_graph.h"
 #include "scenegraph/flattener.h"
 #include "scenegraph/same_graph.h"
 #include "tests/support/error_of.h"

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <utility>
+#include "scenegraph/part_animation.h"
 
 namespace simvis::test {
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include <simvis/part_animation.h>
+#include "scenegraph/part_animation.h"
 
 namespace simvis {
 

@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include <simvis/part_animation.h>
+#include "scenegraph/part_animation.h"
 #include "scenegraph/import/gltf/gltf_document.h"
 #include "scenegraph/import/gltf/gltf_hierarchy.h"
 

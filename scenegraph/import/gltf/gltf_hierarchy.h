@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include <simvis/part_animation.h>
+#include "scenegraph/part_animation.h"
 #include "scenegraph/import/gltf/gltf_document.h"
 
 namespace simvis {

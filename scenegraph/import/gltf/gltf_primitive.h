@@ -4,7 +4,7 @@
 #include <span>
 
 #include <simvis/mesh.h>
-#include <simvis/mesh_deformation.h>
+#include "scenegraph/mesh_deformation.h"
 #include "scenegraph/import/gltf/gltf_document.h"
 
 namespace simvis {

@@ -7,9 +7,6 @@
 
 namespace simvis {
 
-/// From the nodes of a graph to those of its copy.
-using NodeMap = std::unordered_map<const Node*, NodePtr>;
-
 /// Copies every node below `root`, and `root`; what the nodes hold (meshes, materials, textures) stays shared. A node
 /// that stands in several places is copied once. `clone_of` gets an entry for each node.
 NodePtr clone_graph(const NodePtr& root, NodeMap& clone_of);

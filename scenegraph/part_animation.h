@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include <simvis/mesh_deformation.h>
 #include <simvis/node.h>
+#include "scenegraph/mesh_deformation.h"
 
 namespace simvis {
 
