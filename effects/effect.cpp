@@ -56,6 +56,12 @@ void plan_scene_effects(const std::string& sensor, std::size_t first_pass, const
   }
 }
 
+void plan_frame_effects(const DrawList& list, const TargetLimits& limits, FramePlan& plan) {
+  for (const EffectType* effect : effect_types()) {
+    if (effect->plan_frame != nullptr) effect->plan_frame(list, limits, plan);
+  }
+}
+
 std::vector<AttributeSpec> with_effect_attributes(std::string_view sensor_type, AttributeTable own) {
   std::vector<AttributeSpec> table(own.begin(), own.end());
   for (const EffectType* effect : effect_types()) {

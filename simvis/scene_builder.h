@@ -12,11 +12,11 @@
 
 #include <simvis/command.h>
 #include <simvis/element.h>
-#include "scenegraph/name_set.h"
 #include <simvis/parameters.h>
 #include <simvis/scene.h>
 #include <simvis/sensor.h>
 #include <simvis/simulation_desc.h>
+#include "scenegraph/name_set.h"
 
 namespace simvis {
 

@@ -8,10 +8,8 @@
 #include <simvis/cost_model.h>
 #include <simvis/effect.h>
 #include <simvis/version.h>
-#include "effects/scene/shadows.h"
 #include "engine/base/cache_file.h"
 #include "engine/base/now_ns.h"
-#include "sensors/laser_scanner/scan_calibration.h"
 #include "simvis/mount_frame.h"
 
 namespace simvis {
@@ -46,7 +44,10 @@ SimulationImpl::SimulationImpl(const SimulationDesc& desc, std::span<const Comma
 
 void SimulationImpl::add_new_sensors() {
   for (std::size_t i = states.size(); i < scene.built.sensors.size(); ++i) {
-    scene.built.sensors[i].sensor->use_cost_model([this]() -> const CostModel& { return costs(); });
+    const SensorType* const type = find_sensor_type(scene.built.sensors[i].type);
+    if (type->measure_costs == nullptr) continue;
+    const auto model = [this, type]() -> const CostModel& { return costs(*type); };
+    scene.built.sensors[i].sensor->use_cost_model(model);
   }
   states.resize(scene.built.sensors.size());
   const bool wanted = std::ranges::any_of(scene.built.sensors,
@@ -54,7 +55,7 @@ void SimulationImpl::add_new_sensors() {
   if (wanted && !people) people.emplace(scene.built.scene.root(), Audience::people, device);
 }
 
-const CostModel& SimulationImpl::costs() {
+const CostModel& SimulationImpl::costs(const SensorType& type) {
   if (!device_costs) {
     // Simulations that measure at the same time would disturb one another; with a cache, one measurement serves all.
     static std::mutex measuring;
@@ -62,7 +63,7 @@ const CostModel& SimulationImpl::costs() {
     const std::filesystem::path file = cost_model_file(device, cache, version());
     device_costs = load_cost_model(file);
     const std::unique_ptr<RayCaster> rays = make_ray_caster(device);
-    if (!device_costs) device_costs = save_cost_model(file, measure_scan_costs(device, *rays));
+    if (!device_costs) device_costs = save_cost_model(file, type.measure_costs(device, *rays));
   }
   return *device_costs;
 }
@@ -194,7 +195,7 @@ void SimulationImpl::plan_due_sensors(ViewLayer& layer, bool visualization, cons
     layer.entries.push_back(entry);
     plan_scene_effects(scene.built.sensors[i].name, entry.first_pass, *layer.list, plan);
   }
-  plan_shadows(*layer.list, device.target_limits(), plan);
+  plan_frame_effects(*layer.list, device.target_limits(), plan);
   for (RayCast& cast : plan.casts) cast.engine = layer.caster->engine();
   for (const PlannedEffect& planned : plan.effects) {
     std::vector<std::string>& effects = states[index(planned.sensor)].effects;

@@ -49,7 +49,7 @@ struct SimulationImpl : Observations {
     std::vector<std::string> effects;   // that it has had
   };
 
-  const CostModel& costs();
+  const CostModel& costs(const SensorType& type);
 
   Clock clock;
   LiveScene scene;

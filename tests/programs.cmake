@@ -30,6 +30,9 @@ endif()
 file(WRITE ${CMAKE_CURRENT_BINARY_DIR}/program.cpp "")
 foreach(room IN LISTS rooms)
   add_executable(${room}_tests ${CMAKE_CURRENT_BINARY_DIR}/program.cpp)
+  if(room STREQUAL public)
+    continue()
+  endif()
   if(SIMVIS_TESTS_FROM)
     foreach(objects IN LISTS simvis_objects ITEMS simvis_output simvis_report)
       target_sources(${room}_tests PRIVATE $<TARGET_OBJECTS:${objects}>)
@@ -59,9 +62,25 @@ foreach(room IN LISTS rooms)
   target_link_libraries(${room}_tests PRIVATE simvis_internals
                         $<LINK_LIBRARY:WHOLE_ARCHIVE,simvis_${room}_test_objects> simvis_test_support ${opencv_${room}})
 endforeach()
+# public/ tests what other programs and plug-ins see: it uses the shared library, and of support/ what needs no more.
+if(SIMVIS_TESTS_FROM)
+  set(public_objects ${archives}/libsimvis_public_test_objects.a)
+else()
+  file(GLOB sources CONFIGURE_DEPENDS public/*.cpp)
+  add_library(simvis_public_test_objects STATIC ${sources} support/test_main.cpp support/gltf_fixture.cpp
+                                                support/temporary_folder.cpp support/wall_scene.cpp)
+  target_include_directories(simvis_public_test_objects PRIVATE ${PROJECT_SOURCE_DIR})
+  target_link_libraries(simvis_public_test_objects PUBLIC simvis nlohmann_json::nlohmann_json PkgConfig::stb)
+  target_compile_definitions(simvis_public_test_objects
+    PRIVATE SIMVIS_SOURCE_DIR="${PROJECT_SOURCE_DIR}" SIMVIS_BINARY_DIR="${PROJECT_BINARY_DIR}")
+  set(public_objects simvis_public_test_objects)
+endif()
+target_link_libraries(public_tests PRIVATE $<LINK_LIBRARY:WHOLE_ARCHIVE,${public_objects}> simvis Threads::Threads ${CMAKE_DL_LIBS})
+add_dependencies(public_tests simvis_example_plugin ${refused_plugin_targets})
+
 # Parts of the import program that no file reaches in every way.
 target_link_libraries(import_tests PRIVATE simvis_import_mesh)
-add_dependencies(simvis_tests simvis-run simvis_example_plugin ${refused_plugin_targets})
+add_dependencies(simvis_tests simvis-run simvis_example_plugin)
 add_dependencies(sensors_tests simvis-run)
 
 # For the thread sanitizer: what runs on several threads of the host, built with no more than that, so that it takes a

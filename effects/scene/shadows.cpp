@@ -26,6 +26,7 @@ const EffectRegistration kShadowsRegistration({
     .outputs = kShownInColor,
     .knob = "shadow_resolution",
     .reference = "projective geometry; Williams, Casting Curved Shadows on Curved Surfaces (1978)",
+    .plan_frame = plan_shadows,
 });
 
 // Of a spot: what one pinhole view sees well. Beyond it a cube's sides have the finer texels.

@@ -18,6 +18,7 @@
 #include <simvis/attributes.h>
 #include <simvis/draw_list.h>
 #include <simvis/frame_plan.h>
+#include <simvis/target_limits.h>
 #include <simvis/version.h>
 
 namespace simvis {
@@ -38,6 +39,9 @@ struct EffectType {
   /// Of an effect of colour whose source is in the scene alone: whether it is there. Null where a sensor says so, or
   /// where who plans it says so.
   bool (*in_scene)(const DrawList& list) = nullptr;
+  /// Adds to the plan of a frame what the effect needs once all sensors have planned, such as shadow maps. Null:
+  /// nothing.
+  void (*plan_frame)(const DrawList& list, const TargetLimits& limits, FramePlan& plan) = nullptr;
 };
 
 /// A static object of this type adds an effect to the catalogue; strings and tables must live as long.
@@ -69,6 +73,9 @@ const EffectType* find_effect_type(std::string_view name);
 
 /// Whether sensors of this type may carry its attributes.
 bool may_have(std::string_view sensor_type, const EffectType& effect);
+
+/// Calls EffectType::plan_frame of all effects, in the order of their names.
+void plan_frame_effects(const DrawList& list, const TargetLimits& limits, FramePlan& plan);
 
 /// Adds to the plan what of the scene's effects the sensor shows, whose passes are those from `first_pass` on.
 void plan_scene_effects(const std::string& sensor, std::size_t first_pass, const DrawList& list, FramePlan& plan);

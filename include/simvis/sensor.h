@@ -30,6 +30,8 @@
 
 namespace simvis {
 
+class Device;
+
 /// One column of a table that a sensor writes, and how its numbers are printed (a printf format for one double, or
 /// for one long long where `integer`). A value that is NaN is printed as an empty cell.
 struct TableColumn {
@@ -86,8 +88,8 @@ class Sensor {
   /// Throws InputError, with the place, where the device cannot do what the sensor's command asks for.
   virtual void check(const TargetLimits&) const {}
 
-  /// Once, before the first plan(): what chooses between ways to measure by their cost asks for the device's costs,
-  /// which are measured when they are first asked for.
+  /// Called once before the first plan(), where the sensor's type has measure_costs. Sensors that choose a method by
+  /// predicted cost call the function; the first call measures the device or reads its costs from the cache.
   virtual void use_cost_model(const std::function<const CostModel&()>&) {}
 
   /// Who is asked decides whether frames can be passed over, see Simulation::skip_frame().
@@ -150,6 +152,9 @@ struct SensorType {
   AttributeTable attributes;  ///< its own: all_attributes() has those of its effects besides
   std::unique_ptr<Sensor> (*create)(const SensorContext& context);
   std::span<const SensorPreset> presets{};  ///< a type with some has the row kPresetAttribute
+  /// Measures on this device what each term of the cost model costs, in nanoseconds, for sensors that choose a method
+  /// by predicted cost. It takes about 0.3 s. Null: the sensors of this type do not choose.
+  CostModel (*measure_costs)(Device& device, RayCaster& rays) = nullptr;
 };
 
 /// The row `rate`, for the table of a sensor type.

@@ -5,6 +5,7 @@
 #include "engine/base/assert.h"
 #include "sensors/laser_scanner/laser_scanner.h"
 #include "sensors/laser_scanner/laser_scanner_presets.h"
+#include "sensors/laser_scanner/scan_calibration.h"
 
 namespace simvis {
 
@@ -151,7 +152,8 @@ const SensorRegistration kLaserScannerRegistration(
          "devices. Steps, ring angles and firing cycles were checked; check the other values against your device.",
      .attributes = kLaserScannerAttributes,
      .create = create_laser_scanner,
-     .presets = laser_scanner_presets()});
+     .presets = laser_scanner_presets(),
+     .measure_costs = measure_scan_costs});
 
 }  // namespace
 

@@ -207,23 +207,6 @@ TEST_CASE("the programs of the tested build stand beside its library") {
   CHECK(program == std::filesystem::canonical(tested_build()) / "lib" / "simvis" / "simvis-import-mesh");
 }
 
-TEST_CASE("the library brings neither Assimp nor Coin into the programs that use it") {
-  std::vector<std::string> loaded;
-  ::dl_iterate_phdr(
-      [](dl_phdr_info* library, std::size_t, void* names) {
-        static_cast<std::vector<std::string>*>(names)->emplace_back(library->dlpi_name);
-        return 0;
-      },
-      &loaded);
-  const auto has = [&](const char* part) {
-    return std::any_of(loaded.begin(), loaded.end(),
-                       [&](const std::string& name) { return name.find(part) != std::string::npos; });
-  };
-  CHECK(has("libsimvis"));
-  CHECK_FALSE(has("libassimp"));
-  CHECK_FALSE(has("libCoin"));
-}
-
 TEST_CASE("a program that crashes, hangs or answers nonsense is an error with the file's name") {
   const TemporaryFolder folder;
   SandboxedImport import = import_with(script(folder, "kill -SEGV $$"));

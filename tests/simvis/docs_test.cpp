@@ -55,7 +55,11 @@ TEST_CASE("the reference has every type with its summary, notes and attributes")
       CHECK(section.find("| `" + std::string(row.name) + "` |") != section.npos);
     }
   };
-  for (const ElementType* type : element_types()) check("Element", *type);
+  // Types that other files of this test program register are not SimVis's.
+  constexpr std::string_view kOfTests[] = {"painter", "test_scale"};
+  for (const ElementType* type : element_types()) {
+    if (std::ranges::find(kOfTests, type->name) == std::end(kOfTests)) check("Element", *type);
+  }
   for (const SensorType* type : sensor_types()) check("Sensor", *type);
   for (const EffectType* type : effect_types()) check("Effect", *type);
 }

@@ -38,14 +38,16 @@ const std::map<std::string, std::set<std::string>, std::less<>> kAllowed = [] {
   allowed["engine/raycast"] = {"engine/base", "engine/draw", "engine/vulkan", "engine/geometry", "shaders"};
   allowed["engine/render"] = joined(allowed["engine/raycast"], {"engine/culling"});
   allowed["scenegraph"] = {"engine/base", "engine/draw", "scenegraph/language"};
-  allowed["scenegraph/import/mesh"] = joined(allowed["scenegraph"], {"scenegraph"});
-  for (const char* format : {"gltf", "inventor", "urdf"}) {
-    allowed["scenegraph/import/" + std::string(format)] =
+  allowed["scenegraph/import/sandbox"] = joined(allowed["scenegraph"], {"scenegraph"});
+  allowed["scenegraph/import/mesh"] = joined(allowed["scenegraph/import/sandbox"], {"scenegraph/import/sandbox"});
+  // The last are the programs that read part files with other projects' libraries.
+  for (const char* room : {"gltf", "inventor", "urdf", "helper"}) {
+    allowed["scenegraph/import/" + std::string(room)] =
         joined(allowed["scenegraph/import/mesh"], {"scenegraph/import/mesh"});
   }
   allowed["elements"] = joined(allowed["scenegraph"], {"scenegraph", "shaders"});
   allowed["elements/visualization"] = joined(allowed["elements"], {"elements"});
-  allowed["effects"] = {"engine/draw", "scenegraph/language"};
+  allowed["effects"] = {"engine/base", "engine/draw", "scenegraph/language"};
   allowed["effects/camera"] = {"engine/base", "engine/draw", "scenegraph/language", "scenegraph", "effects"};
   allowed["effects/scene"] = joined(allowed["effects/camera"], {"engine/geometry"});
   allowed["effects/scanner"] = joined(allowed["effects/camera"], {"engine/raycast"});

@@ -4,9 +4,9 @@
 #include <memory>
 #include <vector>
 
-#include "scenegraph/part_animation.h"
 #include "scenegraph/import/gltf/gltf_document.h"
 #include "scenegraph/import/gltf/gltf_hierarchy.h"
+#include "scenegraph/part_animation.h"
 
 namespace simvis {
 

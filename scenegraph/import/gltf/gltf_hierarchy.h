@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "scenegraph/part_animation.h"
 #include "scenegraph/import/gltf/gltf_document.h"
+#include "scenegraph/part_animation.h"
 
 namespace simvis {
 

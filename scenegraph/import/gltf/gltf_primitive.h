@@ -4,8 +4,8 @@
 #include <span>
 
 #include <simvis/mesh.h>
-#include "scenegraph/mesh_deformation.h"
 #include "scenegraph/import/gltf/gltf_document.h"
+#include "scenegraph/mesh_deformation.h"
 
 namespace simvis {
 

@@ -18,6 +18,7 @@
 #include <stb_image.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <set>
 #include <utility>
 #include <vector>
@@ -81,6 +82,8 @@ SbBool read_picture(const SbString& name, SbImage* image, void* answer) {
 }
 
 void start_coin(AnswerWriter& answer) {
+  // Coin draws text with its built-in font: the fonts of the machine must not change the triangles of a part.
+  ::setenv("COIN_FORCE_FREETYPE_OFF", "1", 1);
   SoDB::init();
   SoNodeKit::init();
   SoInteraction::init();

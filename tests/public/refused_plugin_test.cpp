@@ -11,7 +11,7 @@
 #include "tests/support/error_of.h"
 #include "tests/support/tested_build.h"
 
-TEST_SUITE_BEGIN("simvis");
+TEST_SUITE_BEGIN("public");
 
 namespace simvis {
 namespace {

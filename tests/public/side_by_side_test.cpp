@@ -15,7 +15,7 @@
 #include "tests/support/tested_build.h"
 #include "tests/support/wall_scene.h"
 
-TEST_SUITE_BEGIN("simvis");
+TEST_SUITE_BEGIN("public");
 
 namespace simvis {
 namespace {
