@@ -1,4 +1,4 @@
-// SIMVIS_ASSERT states what our own code guarantees. It is on in every build: a wrong range is worse than a stop.
+// SIMVIS_ASSERT checks invariants of SimVis's own code in every build: an abort is better than wrong measurements.
 #pragma once
 
 #include <cstdio>

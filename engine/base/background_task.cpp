@@ -25,7 +25,7 @@ void BackgroundTask::cancel() {
   wait();
 }
 
-// What the work holds goes with it: that may be a whole picture.
+// Releases what the work holds, which may be a whole image.
 void BackgroundTask::end() {
   work_ = nullptr;
   state_.store(kDone, std::memory_order_release);

@@ -1,4 +1,4 @@
-// Work that nobody waits for yet.
+// A task that runs in the background until its result is needed.
 #pragma once
 
 #include <atomic>
@@ -10,7 +10,7 @@
 namespace simvis {
 
 /// Work that runs once, on a background thread of a ThreadPool or in finish(), whichever comes first.
-/// Threads  all functions from any thread; finish() and cancel() from one.
+/// Threads  all functions from any thread; finish() and cancel() from one thread only.
 class BackgroundTask {
  public:
   explicit BackgroundTask(std::function<void()> work) : work_(std::move(work)) {}
@@ -20,10 +20,11 @@ class BackgroundTask {
 
   bool done() const { return state_.load(std::memory_order_acquire) == kDone; }
 
-  /// Returns when the work is done, and runs it on this thread if no other has begun it. Rethrows what it threw.
+  /// Returns when the work is done; runs it on this thread if no other thread has begun it. Rethrows the exception that
+  /// the work threw.
   void finish();
 
-  /// The work does not begin any more. Waits for it where it has begun, and ignores what it threw.
+  /// Prevents the work from beginning. If it has begun, waits for it and ignores what it throws.
   void cancel();
 
  private:

@@ -1,4 +1,4 @@
-// The hash FNV-1a, 64 bits (Fowler, Noll, Vo): quick for short keys, and the same on every machine.
+// The 64-bit hash FNV-1a (Fowler, Noll, Vo). It is fast for short keys and the same on every machine.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,7 @@ namespace simvis {
 
 inline constexpr std::uint64_t kFnv1aStart = 0xcbf29ce484222325u;
 
-/// The hash after one more word. FNV-1a itself has words of one byte. Larger words are faster and give a different
+/// The hash after one more word. FNV-1a proper has words of one byte; larger words are faster and give a different
 /// hash.
 constexpr std::uint64_t fnv1a_step(std::uint64_t hash, std::uint64_t word) { return (hash ^ word) * 0x100000001b3u; }
 

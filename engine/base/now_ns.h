@@ -1,4 +1,4 @@
-// The clock that durations are measured by.
+// The monotonic clock for measuring durations.
 #pragma once
 
 #include <chrono>
@@ -6,7 +6,7 @@
 
 namespace simvis {
 
-/// Nanoseconds since a moment that stays the same within a process. It never goes back.
+/// Nanoseconds since a fixed time of the process. The value never decreases.
 inline std::int64_t now_ns() {
   const auto now = std::chrono::steady_clock::now().time_since_epoch();
   return std::chrono::duration_cast<std::chrono::nanoseconds>(now).count();

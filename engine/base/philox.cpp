@@ -13,7 +13,7 @@ std::array<std::uint32_t, 2> halves(std::uint64_t value) {
   return {static_cast<std::uint32_t>(value), static_cast<std::uint32_t>(value >> 32)};
 }
 
-/// [0, 1), a multiple of 2^-53, from the upper 27 and 26 bits.
+/// A number in [0, 1), a multiple of 2^-53, from the upper 27 bits of `upper` and the upper 26 bits of `lower`.
 double unit_interval(std::uint32_t upper, std::uint32_t lower) {
   return (static_cast<double>(upper >> 5) * 0x1p26 + static_cast<double>(lower >> 6)) * 0x1p-53;
 }
@@ -46,7 +46,7 @@ double SensorRandom::uniform(std::uint64_t frame, std::uint32_t element, std::ui
 
 double SensorRandom::gaussian(std::uint64_t frame, std::uint32_t element, std::uint32_t draw) const {
   const std::array<std::uint32_t, 4> bits = this->bits(frame, element, draw);
-  // Box and Muller; 1 - u lies in (0, 1].
+  // Box-Muller transform; 1 - u lies in (0, 1].
   const double radius = std::sqrt(-2 * std::log(1 - unit_interval(bits[0], bits[1])));
   return radius * std::cos(2 * std::numbers::pi * unit_interval(bits[2], bits[3]));
 }

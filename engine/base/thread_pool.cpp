@@ -16,11 +16,11 @@ namespace simvis {
 
 namespace {
 
-// The casts of one frame follow one another within this time, some 20 microseconds: waking a thread takes longer.
+// The casts of one frame follow one another within this time, about 20 microseconds; waking a thread takes longer.
 constexpr int kSpins = 1000;
-// Encoding a picture takes some times as long as rendering it does: more would find nothing to do.
+// Encoding an image takes a few times as long as rendering it, so more threads would be idle.
 constexpr unsigned kMaxBackground = 8;
-// Where cores are few, tasks fill the time that loops leave them, and not the other way round.
+// On a machine with few cores, tasks use the time that loops leave over, and loops are not delayed by tasks.
 constexpr int kNiceness = 10;
 
 void pause_briefly() {
@@ -31,7 +31,7 @@ void pause_briefly() {
 #endif
 }
 
-/// Returns once the value is another.
+/// Returns as soon as the value differs from `old`.
 void wait_while(const std::atomic<std::uint32_t>& value, std::uint32_t old) {
   for (int i = 0; i < kSpins; ++i) {
     if (value.load(std::memory_order_acquire) != old) return;
@@ -40,7 +40,7 @@ void wait_while(const std::atomic<std::uint32_t>& value, std::uint32_t old) {
   value.wait(old, std::memory_order_acquire);
 }
 
-/// As many of `count` threads as the machine gives.
+/// Starts `count` threads, or as many as the machine provides.
 template <typename Start>
 void start_threads(std::vector<std::thread>& threads, std::size_t count, const Start& start) {
   threads.reserve(count);
@@ -56,11 +56,11 @@ struct ThreadPool::Loop {
   Kind kind;
   std::size_t count, piece;
   const LoopBody& body;
-  std::size_t slots = 1;                 // given out, with the caller's; under mutex_
-  std::atomic<std::size_t> next{0};      // the first piece that no thread has taken
-  std::atomic<std::uint32_t> active{0};  // threads that have joined and not left
+  std::size_t slots = 1;                 // number of assigned slots, the caller's included; protected by mutex_
+  std::atomic<std::size_t> next{0};      // index of the first piece that no thread has taken
+  std::atomic<std::uint32_t> active{0};  // number of threads that have joined and not left
   std::atomic<bool> failed{false};
-  std::exception_ptr failure{};  // of the thread that has set `failed`
+  std::exception_ptr failure{};  // exception of the thread that has set `failed`
 
   bool open() const { return next.load(std::memory_order_relaxed) < count; }
 };
@@ -138,7 +138,7 @@ void ThreadPool::notify() {
   changes_.notify_all();
 }
 
-// The last that was begun comes first: it is within the others, or as new as they are.
+// The loop that began last comes first: it is nested in the others, or as new as they are.
 ThreadPool::Loop* ThreadPool::join(bool only_both, std::size_t& slot) {
   const std::lock_guard lock(mutex_);
   for (std::size_t i = loops_.size(); i-- > 0;) {
@@ -162,7 +162,7 @@ void ThreadPool::work_on(Loop& loop, std::size_t slot) {
   }
 }
 
-// The loop is gone as soon as the last thread has left it.
+// The loop no longer exists as soon as the last thread has left it.
 void ThreadPool::leave(Loop& loop) {
   const bool both = loop.kind == Kind::both;
   loop.active.fetch_sub(1, std::memory_order_release);
@@ -212,14 +212,14 @@ std::shared_ptr<BackgroundTask> ThreadPool::run_in_background(std::function<void
     if (background_.empty()) {
       start_threads(background_, background_threads(), [this] { return std::thread([this] { serve_tasks(); }); });
     }
-    if (!background_.empty()) tasks_.push_back(task);  // else finish() runs it
+    if (!background_.empty()) tasks_.push_back(task);  // otherwise finish() runs the task
   }
   tasks_changed_.notify_one();
   return task;
 }
 
 void ThreadPool::serve_tasks() {
-  ::setpriority(PRIO_PROCESS, 0, ::getpriority(PRIO_PROCESS, 0) + kNiceness);  // on Linux: of this thread alone
+  ::setpriority(PRIO_PROCESS, 0, ::getpriority(PRIO_PROCESS, 0) + kNiceness);  // on Linux this affects this thread only
   while (true) {
     std::shared_ptr<BackgroundTask> task;
     {

@@ -12,7 +12,7 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-// By how far a triangle is taken to reach beyond its edges.
+// A triangle is assumed to reach this far beyond its edges.
 constexpr double kStripOutwards_px = 1;
 
 constexpr std::size_t kMaxVertices = 3 * kClusterTriangles;
@@ -46,7 +46,7 @@ void ColumnOcclusionBuffer::place(std::uint32_t owner, const glm::dmat4& view_fr
   min_z_m_ = sides_.min_z_m(slack_m);
 }
 
-// How many columns that are read have their centres before u.
+// Returns the number of read columns whose centres lie to the left of u.
 std::uint32_t ColumnOcclusionBuffer::first_read(double u) const {
   const double column = std::clamp(u - 0.5, 0.0, width_);
   const auto whole = static_cast<std::uint32_t>(column);  // std::ceil is a call on plain x86-64
@@ -58,7 +58,7 @@ void ColumnOcclusionBuffer::add(std::span<const std::uint32_t> vertices, std::sp
   const auto times = [](const glm::dvec4& row, const glm::vec3& p) {
     return row.x * p.x + row.y * p.y + row.z * p.z + row.w;
   };
-  // A vertex belongs to several triangles, and most of these miss the rows.
+  // Each vertex is transformed once: it belongs to several triangles, and most of these miss the rows.
   double y[kMaxVertices], z[kMaxVertices];
   SIMVIS_ASSERT(vertices.size() <= kMaxVertices);
   for (std::size_t i = 0; i < vertices.size(); ++i) {
@@ -77,7 +77,7 @@ void ColumnOcclusionBuffer::add(std::span<const std::uint32_t> vertices, std::sp
   }
 }
 
-// Whether it lies beyond a side of the view, or between columns that are read.
+// Returns whether the triangle lies beyond a side of the view, or between two adjacent read columns.
 bool ColumnOcclusionBuffer::misses(const glm::dvec3 (&triangle)[3]) const {
   const auto all = [&](const auto& test) { return test(triangle[0]) && test(triangle[1]) && test(triangle[2]); };
   if (all([&](const glm::dvec3& p) { return p.z < near_m_ - slack_m_; })) return true;
@@ -106,7 +106,7 @@ void ColumnOcclusionBuffer::add(const StripTriangle& named, const glm::dvec3 (&t
 void ColumnOcclusionBuffer::test_and_insert(Candidate& candidate, const PixelPolygon& drawn,
                                             const PixelPolygon& reach) {
   const double top = -kStripOutwards_px, bottom = height_ + kStripOutwards_px;
-  // What of it lies in the rows is the hull of these.
+  // The part of the polygon in the rows is the hull of these points.
   PixelCorner hull[12];
   int count = 0;
   for (int i = 0; i < reach.count; ++i) {
@@ -130,7 +130,8 @@ void ColumnOcclusionBuffer::test_and_insert(Candidate& candidate, const PixelPol
 
   const PixelSlant slant = slant_of(drawn);
   if (!slant.certain) return;
-  // Along the columns w is taken to lie on or beside a line, which must not fall off where the hull ends.
+  // w is bounded by two parallel lines over u. Their slope must not let the bounds fall off beyond the ends of the
+  // hull, so a hull at most one pixel wide has slope 0.
   const double slope = right->u - left->u > 1 ? (right->w - left->w) / (right->u - left->u) : 0;
   const double off = slant.uncertain_w + kShift_px * std::abs(slope);
   double most = -std::numeric_limits<double>::infinity(), least = -most;
@@ -143,7 +144,7 @@ void ColumnOcclusionBuffer::test_and_insert(Candidate& candidate, const PixelPol
   add_occluder(drawn, least - off, slope);
 }
 
-// Where the triangle fills all rows.
+// Raises the limit of w in the columns where the triangle fills all rows.
 void ColumnOcclusionBuffer::add_occluder(const PixelPolygon& drawn, double least, double slope) {
   double first = -std::numeric_limits<double>::infinity(), end = -first;
   for (const double v : {0.0, height_}) {

@@ -1,12 +1,12 @@
-// Which triangles the depth of a strip can show: a look along its columns, before the device draws any of them.
+// Occlusion culling of single triangles for strip views of depth, column by column, before the device draws them.
 //
-// A strip is a few rows high, so what it sees is nearly a function of the column. In a first round every triangle that
-// fills a column from top to bottom says how far one can see there at the most; in a second one, those that lie behind
-// that in all their columns are left out, and so are those that meet no column that is read. Depth is the nearest of
-// what is drawn, whatever the order, so neither changes a bit of it.
+// A strip is a few rows high, so its depth is nearly a function of the column. In the first pass, every triangle that
+// fills a column from top to bottom lowers that column's far limit. In the second pass, a triangle is culled if it lies
+// behind the limit in all of its columns, or if it meets no column that is read. Depth is the nearest surface drawn, in
+// any order, so culling changes no bit of the depth that is read.
 //
-// What is left out is certain: see pixel_polygon.h. A triangle is taken to reach a whole pixel farther than it does
-// where it may be hidden, and less far where it hides others.
+// A culled triangle is certainly invisible: see pixel_polygon.h. Occludees are grown by one pixel, occluders are
+// shrunk.
 #pragma once
 
 #include <cstdint>
@@ -21,32 +21,32 @@
 
 namespace simvis {
 
-/// A triangle of a strip.
+/// A triangle in a strip view.
 struct StripTriangle {
-  std::uint32_t owner = 0;        ///< as given to place()
-  std::uint32_t corners[3] = {};  ///< numbers of positions given to add()
+  std::uint32_t owner = 0;        ///< the owner given to place()
+  std::uint32_t corners[3] = {};  ///< indices into the positions given to add()
 };
 
-/// Keeps its memory from view to view.
+/// Reuses its memory from view to view.
 class ColumnOcclusionBuffer {
  public:
-  /// `columns`, those of the view, must stay until the next view.
+  /// Starts a view without triangles. `columns` are the view's and must stay alive until the next begin().
   void begin(const View& view, const StripColumns& columns);
 
-  /// Triangles that are added from here on are those of this owner, in a mesh that is seen here; rounding moves its
-  /// vertices by up to `slack_m`, in any direction.
+  /// Sets the owner and the transform of the triangles that are added next. Rounding moves the mesh's vertices by up to
+  /// `slack_m`, in any direction.
   void place(std::uint32_t owner, const glm::dmat4& view_from_mesh, double slack_m);
 
-  /// Triangles without holes that are drawn from either side, three corners each: which of `vertices`, whose numbers
-  /// are those of positions, in the mesh's frame.
+  /// Adds triangles without holes that are drawn from both sides. `corners` holds three indices into `vertices` for
+  /// each triangle; `vertices` holds indices into `positions`, which are in the mesh's frame.
   void add(std::span<const std::uint32_t> vertices, std::span<const std::uint8_t> corners,
            std::span<const glm::vec3> positions);
 
-  /// Those of all added that may be seen, in their order.
+  /// The added triangles that may be visible, in the order in which they were added. Valid until the next begin().
   std::span<const StripTriangle> visible();
 
  private:
-  // In the columns that are read, [first, end) of them: at u its w is at most most + slope * u.
+  // The triangle covers the read columns [first, end). At u its w is at most most + slope * u.
   struct Candidate {
     StripTriangle triangle;
     std::uint32_t first = 0, end = 0;
@@ -61,10 +61,10 @@ class ColumnOcclusionBuffer {
   PixelSides sides_;
   double width_ = 0, height_ = 0, near_m_ = 0;
   double fx_ = 0, fy_ = 0, cx_ = 0, cy_ = 0;
-  const StripColumns* columns_ = nullptr;  // of this view
-  std::vector<float> hidden_below_;        // by column that is read: what has a smaller w cannot be seen there
+  const StripColumns* columns_ = nullptr;  // those of the current view
+  std::vector<float> hidden_below_;        // by read column: a surface with a smaller w is invisible there
   std::uint32_t owner_ = 0;
-  glm::dvec4 row_x_{0}, row_y_{0}, row_z_{0};  // u z, v z and z of a point of the mesh
+  glm::dvec4 row_x_{0}, row_y_{0}, row_z_{0};  // dot products with (p, 1) give u z, v z and z of a point p
   double slack_m_ = 0, slack_x_ = 0, slack_y_ = 0, min_z_m_ = 0;
   std::vector<Candidate> candidates_;
   std::vector<StripTriangle> seen_;

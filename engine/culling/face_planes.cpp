@@ -6,8 +6,8 @@
 namespace simvis {
 namespace {
 
-// Of unit normals, and of distances to the size of the mesh and its way from the origin: some hundred times what
-// float32 makes of a grid of a hundred squares.
+// Tolerance of unit normals, and of distances relative to the distance of the mesh's farthest corner from its origin:
+// some hundred times the float32 rounding errors on a grid of a hundred squares.
 constexpr double kFlat = 1e-4;
 
 }  // namespace

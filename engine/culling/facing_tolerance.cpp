@@ -6,29 +6,31 @@
 namespace simvis {
 namespace {
 
-// By how much axes may differ in length, and be off a right angle, relative to their length.
+// Largest difference of the axes' lengths, and largest deviation from right angles, relative to the length.
 constexpr double kUneven = 1e-6;
 
 }  // namespace
 
-// Rounding moves a corner by up to s pixels along each axis. A triangle with the sides p and q has the area 2 A = p x q
-// in the picture; moved, it differs by at most 2 s (|p|1 + |q|1) + 8 s^2 <= 4 s E + 8 s^2, where E is no less than any
-// side's |.|1. As 2 A <= E^2, nothing turns over where 2 A > 6 s E.
+// Rounding moves a corner by up to s pixels along each axis. A triangle with the sides p and q has the area A in the
+// image, with 2 A = p x q. The moved triangle's 2 A differs by at most 2 s (|p|1 + |q|1) + 8 s^2 <= 4 s E + 8 s^2,
+// where E is an upper bound of |.|1 of all sides. Because 2 A <= E^2, the winding does not reverse where 2 A > 6 s E.
 //
-// In space, with fx and fy the focal lengths and z the depths: 2 A >= fx fy (2 A0) D / zmax^3, where A0 is the area and
-// D how far the eye lies from the plane; and max(fx, fy) L W / zmin will do as E, where L is the longest side and
-// W^2 = 2 + (tx + ty)^2, tx and ty the tangents of the view's widest angles. 2 A0 / L is the triangle's height h, so
+// In space, let fx and fy be the focal lengths and z the depths along Z. Then 2 A >= fx fy (2 A0) D / zmax^3, where A0
+// is the triangle's area and D the distance of the eye from its plane. A valid E is max(fx, fy) L W / zmin, where L is
+// the longest side, W^2 = 2 + (tx + ty)^2, and tx and ty are the tangents of the view's widest angles. 2 A0 / L is the
+// triangle's height h, so this condition is sufficient:
 //   min(fx, fy) h D zmin / (zmax^3 W) > 6 s
-// is enough.
 //
-// s is the grid's, and what float32 moves a vertex by in space, seen from zmin: at most max(fx, fy) W / zmin times
-// that. The grid moves by half a step; the other half is for the rounding of the viewport, some 2^-23 of its width.
+// s is the step of the snapping grid, plus the distance by which float32 moves a vertex in space as seen from zmin. The
+// latter is at most max(fx, fy) W / zmin times the distance in space. Snapping moves a vertex by half a step; the other
+// half is for the rounding of the viewport transform, some 2^-23 of the viewport's width.
 //
-// Depth: with d what lies between the two w, and 2 A > k 6 s E: the gradient of w on a triangle has |dw/du| + |dw/dv|
-// <= d (|p|1 + |q|1) / (2 A) <= 2 d E / (k 6 s E). What is covered lies at most s, along each axis, outside of the
-// triangle whose plane is taken, so w is off by d / (3 k) there. In float32 the triangle's area is off by some
-// 2^-22 E / (k 6 s) of itself, and w by as much of d again for each of the plane's three terms: together less than
-// another d / k while a picture is no wider than 16,384 pixels and s no finer than 2^-8.
+// Depth: let d be the difference between the w of the two depths, and 2 A > k 6 s E. The gradient of w on a triangle
+// has |dw/du| + |dw/dv| <= d (|p|1 + |q|1) / (2 A) <= 2 d E / (k 6 s E). A covered point lies at most s, along each
+// axis, outside of the triangle whose plane is evaluated, so w is off by d / (3 k) there. In float32 the relative error
+// of the triangle's area is some 2^-22 E / (k 6 s), and each of the plane's three terms adds to w an error of that
+// share of d. Together these errors are below another d / k while an image is no wider than 16,384 pixels and s no
+// finer than 2^-8.
 FacingTolerance::FacingTolerance(const View& view, double snap_px) {
   const Pinhole& k = view.pinhole;
   if (view.orthographic || !(k.fx_px > 0 && k.fy_px > 0)) return;

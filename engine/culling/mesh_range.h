@@ -1,4 +1,4 @@
-// What drawing and culling need to know of one mesh.
+// The data of one mesh that drawing and culling use.
 #pragma once
 
 #include <cstdint>
@@ -12,15 +12,15 @@
 
 namespace simvis {
 
-/// Where a mesh lies, in the terms of vkCmdDrawIndexed, if it is on the device; and its clusters.
+/// The location of a mesh in the terms of vkCmdDrawIndexed, if it is on the device, and its clusters.
 struct MeshRange {
   std::uint32_t first_index = 0, index_count = 0;
   std::int32_t vertex_offset = 0;
-  std::span<const Cluster> clusters{};  ///< their index numbers count from the mesh's first
+  std::span<const Cluster> clusters{};  ///< first_index counts from the mesh's first index
   const Clustering* clustering = nullptr;
-  std::span<const NormalCone> facing{};    ///< of each cluster, of triangles that are shaded; else empty
+  std::span<const NormalCone> facing{};    ///< by cluster, for shaded triangles; else empty
   std::span<const glm::vec3> positions{};  ///< in host memory
-  std::span<const Occluder> occluders{};   ///< of triangles
+  std::span<const Occluder> occluders{};   ///< for triangles
   const FacePlanes* flat = nullptr;
 };
 

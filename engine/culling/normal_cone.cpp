@@ -7,13 +7,13 @@
 namespace simvis {
 namespace {
 
-// Of a float32 that was rounded once, and of sums in double: far more than either.
+// Relative margin for one rounding to float32 and for sums in double. It is much larger than both errors.
 constexpr double kRoom = 1e-6;
 
-// Its normal has the length of twice its area.
+// The length of `normal` is twice the triangle's area.
 struct Triangle {
   glm::dvec3 a, normal;
-  double longest = 0;  // side
+  double longest = 0;  // the longest side
 };
 
 Triangle triangle_at(const Mesh& mesh, std::span<const std::uint32_t> vertices, std::span<const std::uint8_t> corners) {
@@ -22,7 +22,7 @@ Triangle triangle_at(const Mesh& mesh, std::span<const std::uint32_t> vertices, 
   return {a, glm::cross(b - a, c - a), std::max({glm::distance(a, b), glm::distance(b, c), glm::distance(c, a)})};
 }
 
-// What has two corners in one place has none of its own to show, however it is rounded.
+// A triangle with two corners at one position is never drawn, however it is rounded.
 bool is_line(const Mesh& mesh, std::span<const std::uint32_t> vertices, std::span<const std::uint8_t> corners) {
   const glm::vec3 &a = mesh.positions[vertices[corners[0]]], &b = mesh.positions[vertices[corners[1]]],
                   &c = mesh.positions[vertices[corners[2]]];

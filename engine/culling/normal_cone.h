@@ -1,4 +1,4 @@
-// Which way a mesh's clusters face: what turns its back to a view need not be drawn where back faces are not.
+// Normal cones of a mesh's clusters. A cluster of back faces need not be drawn where back faces are culled.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -13,30 +13,29 @@
 
 namespace simvis {
 
-/// How a cluster's triangles face, in the mesh's frame. The front of a triangle is where its corners run
-/// counterclockwise.
+/// The directions that a cluster's triangles face, in the mesh's frame. The corners of a triangle run counterclockwise
+/// when seen from the front.
 struct NormalCone {
-  glm::vec3 axis{0};      ///< unit length: the mean of the normals
-  float cutoff = -1;      ///< of the angle of a normal to the axis, rounded down; 0 or less: culls nothing
-  float apex_offset = 0;  ///< the cluster's centre lies at most so far in front of a triangle's plane, rounded up
-  float min_height = 0;   ///< of its triangles, each over its longest side, rounded down
+  glm::vec3 axis{0};      ///< unit length: the mean direction of the normals
+  float cutoff = -1;      ///< smallest cosine between a normal and the axis, rounded down; 0 or less: culls nothing
+  float apex_offset = 0;  ///< largest distance of the cluster's centre in front of a triangle's plane, rounded up
+  float min_height = 0;   ///< smallest height of its triangles, each over the longest side, rounded down
 };
 
-/// Of each cluster of triangles, in their order.
+/// One cone for each cluster of triangles, in the order of the clusters.
 std::vector<NormalCone> normal_cones_of(const Mesh& mesh, const Clustering& clustering);
 
-/// A view as it stands to a mesh, for its clusters' facing.
+/// Tests the normal cones of one mesh in one view.
 ///
-/// Conservative down to the pixel: a device decides upon what it has rounded, so a triangle that truly shows its back
-/// could show its front there, if it is seen so thin that rounding turns it over. A cluster faces away only where even
-/// that could not happen, and where none of its triangles has to be cut at the view's sides.
+/// The test is conservative to the pixel. A device decides on rounded coordinates. If a triangle appears so thin that
+/// rounding can reverse its winding, it may show its front there although it truly shows its back. A cluster counts as
+/// back-facing only if this cannot happen and if no side of the view clips any of its triangles.
 class NormalConeCuller {
  public:
-  /// `limit` and `planes` must be those of the view and of the mesh in it, and stay.
+  /// `limit` is that of the view, and `planes` are those of the mesh in the view. Both must outlive this object.
   NormalConeCuller(const FacingTolerance& limit, const MeshPlanes& planes, const glm::dmat4& view_from_mesh);
 
-  /// False for views and meshes that nothing can be told of: the view is parallel, or the mesh is not of the same scale
-  /// along all axes.
+  /// False if the view is orthographic, or if the mesh is not scaled equally along all axes.
   bool is_usable() const { return limit_.is_usable() && eye_.has_value(); }
 
   bool is_backfacing(const Cluster& cluster, const NormalCone& facing) const;
@@ -45,7 +44,7 @@ class NormalConeCuller {
   const FacingTolerance& limit_;
   const MeshPlanes& planes_;
   std::optional<EyeInMesh> eye_;
-  glm::dvec4 depth_;  // depth_ . (p, 1) is the depth of p, in metres
+  glm::dvec4 depth_;  // dot(depth_, (p, 1)) is the depth of p along Z, in metres
 };
 
 }  // namespace simvis

@@ -8,7 +8,7 @@
 namespace simvis {
 namespace {
 
-// Of the fourth corner over the plane of the other three, to the longest side.
+// Largest distance of the fourth corner from the plane of the other three, relative to the longest side.
 constexpr double kWallFlatness = 1e-4;
 
 struct Face {
@@ -25,7 +25,7 @@ std::vector<Face> largest_faces(const Mesh& mesh, const Clustering& clustering) 
   std::vector<Face> faces;
   if (!(least > 0)) return faces;
   for (const Cluster& cluster : clustering.clusters) {
-    // No triangle is larger than half the square of its box's diagonal.
+    // No triangle has more area than half the squared diagonal of its box.
     if (2 * glm::dot(glm::dvec3(cluster.half_size), glm::dvec3(cluster.half_size)) < least) continue;
     const auto vertices = clustering.vertices_of(cluster);
     const auto corners = clustering.corners_of(cluster);
@@ -41,7 +41,7 @@ std::vector<Face> largest_faces(const Mesh& mesh, const Clustering& clustering) 
   return faces;
 }
 
-// Whether b continues a beyond one of its sides, flat and convex.
+// Joins b to a at a common side. Empty unless the result is a flat convex quadrangle.
 std::optional<Occluder> joined(const Face& a, const Face& b) {
   for (int i = 0; i < 3; ++i) {
     for (int k = 0; k < 3; ++k) {

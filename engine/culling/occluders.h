@@ -1,4 +1,4 @@
-// The large flat faces of a mesh, behind which other things can hide.
+// The large flat faces of a mesh, which can occlude other objects.
 #pragma once
 
 #include <array>
@@ -10,15 +10,15 @@
 
 namespace simvis {
 
-/// A triangle, or two with a side in common that make a convex quadrangle: corners 0, 1, 2 and 0, 2, 3. In the mesh's
-/// frame; from the front they run counterclockwise.
+/// A triangle, or two triangles with a common side that form a convex quadrangle: corners 0, 1, 2 and 0, 2, 3. The
+/// corners are in the mesh's frame and run counterclockwise when seen from the front.
 struct Occluder {
   std::array<glm::vec3, 4> corners{};
   int count = 3;
 };
 
-/// So many of a mesh's triangles may be walls, or parts of walls, the largest first; none that is smaller than this
-/// share of the square of the diagonal of the mesh's box.
+/// The largest triangles of a mesh, at most kMaxOccluders, become occluders or parts of occluders. The area of each is
+/// at least kMinOccluderShare of the squared diagonal of the mesh's box.
 inline constexpr std::size_t kMaxOccluders = 128;
 inline constexpr double kMinOccluderShare = 1.0 / 4096;
 

@@ -9,15 +9,14 @@ namespace simvis {
 namespace {
 
 constexpr double kTile_px = 4;
-// Of the picture; what is smaller hides next to nothing.
+// Smallest share of the image for an occluder's box; a smaller occluder hides next to nothing.
 constexpr double kMinShare = 1.0 / 256;
-// How far beyond its box something may be drawn, beside what displaces its corners.
+// How far beyond its box an object may be drawn, in addition to the displacement of its corners.
 constexpr double kOutwards_px = 1;
-// Walls are looked at up to so far beyond the picture.
+// Occluders are clipped at this distance beyond the image.
 constexpr double kBeyond_px = 2 * kInwards_px;
 
-// Whether each triangle of the cluster is seen less thin than that: in the terms of FacingTolerance, in the mesh's
-// unit.
+// Returns whether h D of each triangle of the cluster is larger than `least`, in the mesh's unit: see FacingTolerance.
 bool shows_all(const EyeInMesh& eye, double least, const MeshRange& mesh, const Cluster& cluster) {
   const std::span<const std::uint32_t> vertices = mesh.clustering->vertices_of(cluster);
   const std::span<const std::uint8_t> corners = mesh.clustering->corners_of(cluster);
@@ -27,7 +26,7 @@ bool shows_all(const EyeInMesh& eye, double least, const MeshRange& mesh, const 
     const glm::dvec3 a(p), ab = glm::dvec3(q) - a, ac = glm::dvec3(r) - a, bc = ac - ab;
     const double volume = glm::dot(glm::cross(ab, ac), eye.place - a);  // h D times the longest side
     const double square = std::max({glm::dot(ab, ab), glm::dot(ac, ac), glm::dot(bc, bc)});
-    // What has two corners in one place is never drawn.
+    // A triangle with two corners at one position is never drawn.
     if (!(volume * volume > least * least * square) && p != q && q != r && r != p) return false;
   }
   return true;
@@ -82,7 +81,7 @@ void OcclusionCuller::add(std::span<const Occluder> occluders, const glm::dmat4&
     }
     const double volume = glm::dot(glm::cross(corners[1] - corners[0], corners[2] - corners[0]), corners[0]);
     if (from_front && (volume > 0) != mirrored) continue;
-    // The device cuts each triangle on its own, and each must be certain.
+    // The device clips each triangle separately, and each must be certain.
     const glm::dvec3 halves[2][3] = {{seen[0], seen[1], seen[2]}, {seen[0], seen[2], seen[3]}};
     PixelSlant slants[2];
     for (std::size_t i = 0; i + 2 < count; ++i) {
@@ -101,7 +100,7 @@ void OcclusionCuller::add(std::span<const Occluder> occluders, const glm::dmat4&
   }
 }
 
-// In the tiles that the shape fills, whose w is off by no less than `least_uncertain_w`.
+// Raises the limit of w in the tiles that the shape fills. The error of its w is at least `min_uncertain_w`.
 void OcclusionCuller::add_occluder(std::span<const glm::dvec3> corners, double min_z_m, const PixelSlant& slant,
                                    double min_uncertain_w) {
   if (!any_) hidden_below_.assign(columns_ * rows_, 0);
@@ -131,8 +130,9 @@ void OcclusionCuller::add_occluder(std::span<const glm::dvec3> corners, double m
   }
 }
 
-// By how much the walls that hide all of the box are nearer than it, in w: as a multiple of what lies between the w of
-// its farthest and its nearest point. 0 where no walls hide it, or not all of it is in the picture.
+// Returns how much nearer, in w, the occluders in front of the box are than the box: a multiple of the difference
+// between the w of its nearest and of its farthest point. 0 if no occluders hide the whole box, or if the box is not
+// entirely within the image.
 double OcclusionCuller::clearance(const ViewBox& box) const {
   if (!any_) return 0;
   const double slack = box.slack_m;
@@ -157,8 +157,8 @@ double OcclusionCuller::clearance(const ViewBox& box) const {
   return (farthest_wall - behind) / (nearest - farthest);
 }
 
-// As little must be seen, in the terms of FacingTolerance, of each triangle in the box for walls to hide it. Infinite
-// where they do not.
+// Returns the threshold of h D, see FacingTolerance, that each triangle in the box must exceed to be occluded. Infinite
+// if the box is not occluded.
 double OcclusionCuller::min_seen_m2(const ViewBox& box) const {
   const double clear = clearance(box);
   if (!(clear > 0 && limit_.is_usable())) return std::numeric_limits<double>::infinity();

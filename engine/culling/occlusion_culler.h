@@ -1,9 +1,10 @@
-// What of a view lies behind walls, and so need not be drawn.
+// Conservative tiled occlusion culling for one view.
 //
-// The picture is cut into tiles. Each wall that fills a tile says how far one can see there at the most; what lies
-// behind that in all the tiles that it touches is hidden. What is said is certain, with the device's rounding: see
-// pixel_polygon.h for walls. What hides is taken to reach a pixel farther than it does, and in w = 1 / z nearer by
-// twice what lies between its nearest and its farthest point: see NormalConeCuller::sees_slivers().
+// The image is divided into tiles. An opaque occluder that covers a whole tile lowers the tile's far limit. An object
+// is culled if, in every tile that its screen bounds touch, it lies behind that limit. No pixel that the device would
+// draw is lost, with the device's rounding included: pixel_polygon.h describes how occluders are shrunk. Occludees are
+// grown by one pixel, and in w = 1 / z they are assumed to be nearer by the excess that FacingTolerance::min_m2()
+// bounds.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -23,32 +24,33 @@ namespace simvis {
 /// A box in the view frame.
 struct ViewBox {
   glm::dvec3 center{0}, half_size{0};
-  double slack_m = 0;  ///< by so much rounding may move what is in it, in any direction
+  double slack_m = 0;  ///< rounding may move the content by this much, in any direction
 };
 
 ViewBox view_box(const ViewProjection& projection, const WorldBox& box);
-/// Of a cluster of a mesh that is seen here.
+/// The box of a cluster of a mesh with this transform.
 ViewBox view_box(const glm::dmat4& view_from_mesh, const Cluster& cluster, double slack_m);
 
-/// Keeps its memory from view to view. Not of parallel views.
+/// Reuses its memory from view to view. Orthographic views are not supported.
 class OcclusionCuller {
  public:
-  /// Nothing is hidden. `limit` is the view's.
+  /// Starts a view without occluders. `limit` is the view's.
   void begin(const View& view, const FacingTolerance& limit);
 
-  /// Whether a face of what lies in the box could be large enough to hide anything worth the while.
+  /// Returns whether a face of an object in the box could be large enough to be a useful occluder.
   bool may_hold_occluders(const ViewBox& box) const;
 
-  /// Opaque walls of a mesh that is seen here; rounding moves its vertices by up to `slack_m`, in any direction.
-  /// Of those drawn `from_front` alone, the ones that show their backs hide nothing; `mirrored`: view_from_mesh turns
-  /// right-handed axes into left-handed ones.
+  /// Adds opaque occluders of a mesh with this transform. Rounding moves the mesh's vertices by up to `slack_m`, in any
+  /// direction. With `from_front`, only front faces are drawn, so occluders that show their backs are skipped.
+  /// `mirrored`: view_from_mesh turns right-handed axes into left-handed ones.
   void add(std::span<const Occluder> occluders, const glm::dmat4& view_from_mesh, double slack_m, bool from_front,
            bool mirrored);
 
-  /// Whether any wall was there that may hide something.
+  /// Returns whether any occluder was added that may hide something.
   bool any() const { return any_; }
 
-  /// Whether all of a mesh's triangles, or a cluster's, that lie in the box are in the picture and behind walls.
+  /// Returns whether all triangles of the mesh, or of the cluster, are within the image and behind occluders. The
+  /// triangles lie in the box.
   bool is_occluded(const ViewBox& box, const glm::dmat4& view_from_mesh, const MeshRange& mesh) const;
   bool is_occluded(const ViewBox& box, const glm::dmat4& view_from_mesh, const MeshRange& mesh,
                    const Cluster& cluster) const;
@@ -64,8 +66,8 @@ class OcclusionCuller {
   double width_ = 0, height_ = 0;
   Pinhole pinhole_;
   bool any_ = false;
-  std::size_t columns_ = 0, rows_ = 0;  // of tiles
-  std::vector<float> hidden_below_;     // if any: by tile, what has a smaller w cannot be seen there
+  std::size_t columns_ = 0, rows_ = 0;  // number of tiles along each axis
+  std::vector<float> hidden_below_;     // if any_, by tile: a surface with a smaller w is invisible there
 };
 
 }  // namespace simvis

@@ -10,7 +10,7 @@
 namespace simvis {
 namespace {
 
-// A triangle that thin may be turned by rounding.
+// Rounding may turn the slope of a triangle that is at most this thin.
 constexpr double kThin_px = 1;
 
 }  // namespace
@@ -39,7 +39,7 @@ PixelSlant slant_of(const PixelPolygon& polygon) {
       const double signed_area = du1 * dv2 - du2 * dv1, area = std::abs(signed_area);
       const double box_u = std::max({a.u, b.u, c.u}) - std::min({a.u, b.u, c.u});
       const double box_v = std::max({a.v, b.v, c.v}) - std::min({a.v, b.v, c.v});
-      // No side is longer than the box's sides together.
+      // No side is longer than the sum of the box's sides.
       if (!(area > kThin_px * (box_u + box_v))) return {};
       unfilled = std::max(unfilled, box_u * box_v / area);
       if (area <= largest) continue;
@@ -64,10 +64,11 @@ PixelSides::PixelSides(const View& view)
       near_m_(view.near_m),
       focal_px_(std::max(std::abs(view.pinhole.fx_px), std::abs(view.pinhole.fy_px))) {}
 
-// In a view that is cut at 45 degrees or less, a step in z moves a point as far as one across.
+// The factor 2 is for displacements across the view and along z. In a view of at most 45 degrees to each side, a
+// displacement along z moves the image of a point no farther than one across.
 double PixelSides::min_z_m(double slack_m) const { return std::max(near_m_, 2 * focal_px_ * slack_m / kDisplaced_px); }
 
-// Where no side, however rounded, cuts it off.
+// Returns whether no side, with any rounding, clips the point.
 bool PixelSides::keeps(const glm::dvec3& p, double min_z_m) const {
   return p.z > min_z_m && p.x > kSide_px * p.z && p.x < (width_ - kSide_px) * p.z && p.y > (kSide_px - guard_) * p.z &&
          p.y < (height_ + guard_ - kSide_px) * p.z;
@@ -80,7 +81,7 @@ bool PixelSides::keep(std::span<const glm::dvec3> corners, double min_z_m, Pixel
   return true;
 }
 
-// So near to a side that rounding decides.
+// Returns whether the point lies so near to a side that rounding decides whether it is clipped.
 bool PixelSides::may_cut(const glm::dvec3& p, double min_z_m) const {
   const double near = kSide_px * std::max(p.z, min_z_m);
   return std::abs(p.x) < near || std::abs(p.x - width_ * p.z) < near || std::abs(p.y + guard_ * p.z) < near ||

@@ -1,16 +1,15 @@
-// Flat convex shapes as the pixels of a view see them, cut where the device cuts them; and how far its rounding lets
-// one be certain of them.
+// Flat convex polygons in pixel coordinates, clipped as the device clips them, with bounds for the device's rounding.
 //
-// With w = 1 / z, affine in pixels on a plane, and w smaller where it is farther away:
-//   place   A vertex is displaced by float32 and by the rasteriser's grid. Of shapes whose corners may be displaced by
-//           more than kDisplaced_px nothing is said. Others are sure to fill what lies a whole pixel within their
-//           edges.
-//   depth   The w of a triangle at a pixel is that of its plane but for what shifts by half a pixel and some roundings
-//           make of it: see engine/geometry/plane_rounding.h, whose terms are all in kShift_px, kRounding and kSlope.
-//           Of triangles thinner than a pixel, whose slopes float32 may turn, nothing is said.
-//   cuts    Where a side of the viewport cuts a triangle, the device puts others in its place, between any of the
-//           corners that are left. What is said of depth holds of each of those. Where a corner lies so near to a side
-//           that it may or may not be cut off, nothing is said.
+// w = 1 / z is affine in pixel coordinates on a plane, and smaller at larger depth along Z.
+//   place     Float32 and the rasteriser's snapping displace a vertex. A shape whose corners may be displaced by more
+//             than kDisplaced_px is not certain. Any other shape certainly fills the area that lies a whole pixel
+//             within its edges.
+//   depth     The w of a triangle at a pixel is that of its plane, except for shifts by half a pixel and for some
+//             roundings: see engine/geometry/plane_rounding.h. kShift_px, kRounding and kSlope include all terms given
+//             there. A triangle thinner than a pixel is not certain, because float32 may turn its slope.
+//   clipping  Where a side of the viewport clips a triangle, the device replaces it by triangles between any of the
+//             remaining corners. The bound of the depth holds for each of those. If a corner lies so near to a side
+//             that it may or may not be clipped, the shape is not certain.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -20,14 +19,14 @@
 
 namespace simvis {
 
-/// What a corner may be displaced by at the most, so that the rest holds.
+/// The largest displacement of a corner for which the bounds of this file hold.
 inline constexpr double kDisplaced_px = 0.125;
-/// A corner that lies so far from a side of the viewport is cut off, or it is not, whatever rounding makes of it.
+/// A corner at this distance from a side of the viewport is certainly clipped or certainly kept, whatever the rounding.
 inline constexpr double kSide_px = 1;
-/// By how much less far than its edges a shape is taken to reach.
+/// The distance by which the edges of an occluder are moved inwards.
 inline constexpr double kInwards_px = 1;
-/// What w is taken to be off by: of its gradient, of itself, and of its range over the triangle times the share of the
-/// box around it that it does not fill.
+/// The bound of the error of w has three terms: kShift_px times the gradient of w; kRounding times w; and kSlope times
+/// the range of w over the triangle, times the area of the box around the triangle over twice the triangle's own area.
 inline constexpr double kShift_px = 0.5, kRounding = 1e-4, kSlope = 50 * 0x1p-24;
 
 /// A corner at pixel (u, v).
@@ -35,7 +34,7 @@ struct PixelCorner {
   double u = 0, v = 0, w = 0;
 };
 
-/// Where (u z, v z, z) is seen.
+/// The pixel coordinates of the point (u z, v z, z).
 inline PixelCorner in_pixels(const glm::dvec3& point) {
   const double w = 1 / point.z;
   return {point.x * w, point.y * w, w};
@@ -43,19 +42,19 @@ inline PixelCorner in_pixels(const glm::dvec3& point) {
 
 inline bool crosses(const PixelCorner& a, const PixelCorner& b, double v) { return (a.v < v) != (b.v < v); }
 
-/// Where the edge from a to b crosses the row v, if it does.
+/// Where the edge from a to b crosses the row v. Requires crosses(a, b, v).
 inline PixelCorner crossing(const PixelCorner& a, const PixelCorner& b, double v) {
   const double share = (v - a.v) / (b.v - a.v);
   return {a.u + share * (b.u - a.u), v, a.w + share * (b.w - a.w)};
 }
 
-/// What lies between two edges in a row; first > end where there is nothing.
+/// The part of a row between two edges; first > end if it is empty.
 struct PixelSpan {
   double first = 0, end = 0;
 };
 
 struct PixelPolygon {
-  static constexpr int kMaxCorners = 9;  ///< four, cut by five planes
+  static constexpr int kMaxCorners = 9;  ///< four corners, clipped by five planes
   PixelCorner corners[kMaxCorners];
   int count = 0;
 
@@ -63,34 +62,36 @@ struct PixelPolygon {
   PixelSpan at_row(double v) const;
 };
 
-/// How w runs on a polygon.
+/// The gradient of w on a polygon, and a bound of its error.
 struct PixelSlant {
   bool certain = false;
-  PixelCorner anchor{};    ///< a corner
-  double du = 0, dv = 0;   ///< per pixel
+  PixelCorner anchor{};    ///< a corner of the polygon
+  double du = 0, dv = 0;   ///< change of w per pixel
   double gradient = 0;     ///< |du| + |dv|
-  double uncertain_w = 0;  ///< what w may be off by where the device draws it
+  double uncertain_w = 0;  ///< bound of the error of w where the device draws the polygon
 
-  /// w there, on its plane.
+  /// w at `p` on the polygon's plane.
   double at(const PixelCorner& p) const { return anchor.w + du * (p.u - anchor.u) + dv * (p.v - anchor.v); }
 };
 
-/// Of all triangles between the polygon's corners that have one of its sides.
+/// Bounds that hold for every triangle of the polygon's corners that has one of the polygon's sides. They are not
+/// `certain` if one of these triangles is thinner than a pixel.
 PixelSlant slant_of(const PixelPolygon& polygon);
 
-/// The sides of a view's viewport. Points are (u z, v z, z), in pixels times metres and metres.
+/// Clips shapes at the sides of a view's viewport. Points are (u z, v z, z), in pixels times metres and metres.
 class PixelSides {
  public:
   PixelSides() = default;
   explicit PixelSides(const View& view);
 
-  /// Nearer points, of what is displaced by up to `slack_m` in any direction, are displaced too far in the picture.
+  /// The smallest depth along Z, in metres, for points that are displaced by up to `slack_m` in any direction: nearer
+  /// points may be displaced by more than kDisplaced_px in the image.
   double min_z_m(double slack_m) const;
 
-  /// The shape, if no side, however rounded, cuts it.
+  /// Converts the shape to pixels. Returns false if a side, with any rounding, may clip it.
   bool keep(std::span<const glm::dvec3> corners, double min_z_m, PixelPolygon& whole) const;
-  /// What is left of a triangle or quadrangle that sides cut, were they moved outwards by so much. False if that is
-  /// nothing, or if it cannot be told.
+  /// Clips a triangle or quadrangle at the sides, which are moved outwards by `outwards_px`. Returns false if nothing
+  /// is left, or if the result depends on rounding.
   bool cut(std::span<const glm::dvec3> corners, double outwards_px, double min_z_m, PixelPolygon& left) const;
 
  private:

@@ -1,4 +1,4 @@
-// Which columns of a strip are read: made once for a view that many frames show.
+// The columns of a strip view that are read, computed once for a view that appears in many frames.
 #pragma once
 
 #include <cstdint>
@@ -15,14 +15,14 @@ class StripColumns {
  public:
   explicit StripColumns(const View& view);
 
-  /// Whether they would be the same of this view.
+  /// Returns whether this view has the same columns.
   bool are_of(const View& view) const { return numbers_ == view.columns && before_.size() == view.width_px + 1ull; }
-  /// Whether no view can name them any more.
+  /// Returns whether no view refers to the list of columns any more.
   bool are_gone() const { return numbers_ != nullptr && numbers_.use_count() == 1; }
 
-  /// How many of the first x columns are read, x <= the view's width.
+  /// The number of read columns among the first x columns, x <= the view's width.
   std::uint32_t before(std::size_t x) const { return before_[x]; }
-  /// Of those that are read, where their centres lie, in pixels from the view's left.
+  /// The centres of the read columns, in pixels from the view's left side.
   std::span<const float> centres_px() const { return centres_px_; }
 
  private:
@@ -31,10 +31,10 @@ class StripColumns {
   std::vector<float> centres_px_;
 };
 
-/// Those of views that are still there.
+/// Cache of the columns of views that still exist.
 class KnownStripColumns {
  public:
-  /// Of the same address as long as the view's columns are there.
+  /// The address of the result does not change while the view's list of columns exists.
   const StripColumns& of(const View& view);
 
  private:

@@ -19,7 +19,7 @@ int compare_bytes(const std::vector<T>& a, const std::vector<T>& b) {
   return a.empty() ? 0 : std::memcmp(a.data(), b.data(), a.size() * sizeof(T));
 }
 
-// Bits are a total order of numbers, NaN and both zeros among them.
+// Bit patterns give a total order of numbers, including NaN and both zeros.
 std::uint32_t bits(float value) { return std::bit_cast<std::uint32_t>(value); }
 std::uint64_t bits(double value) { return std::bit_cast<std::uint64_t>(value); }
 template <glm::length_t L, typename T>
@@ -29,7 +29,7 @@ auto bits(const glm::vec<L, T>& v) {
   return all;
 }
 
-// Bindings name every member: one that is added to a struct stops the compiler here.
+// The bindings name every member, so that this code does not compile when a member is added to a struct.
 auto row_of(const Texture& texture) {
   const auto& [name, width, height, rgba, sampler] = texture;
   const auto& [wrap_u, wrap_v, magnify, minify, between_mips, mipmapped] = sampler;
@@ -44,7 +44,7 @@ auto row_of(const Light& light) {
 
 auto bits(const glm::mat3x2& m) { return std::array{bits(m[0]), bits(m[1]), bits(m[2])}; }
 
-// But for the textures.
+// All members except the textures.
 auto row_of(const SurfaceMap& map) {
   const auto& [texture, uv_set, uv_transform] = map;
   return std::tuple(uv_set, bits(uv_transform));

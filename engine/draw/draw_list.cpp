@@ -19,7 +19,7 @@ class ListHash {
     static_assert(std::is_arithmetic_v<T> || std::is_enum_v<T>);
     bytes(&value, sizeof value);
   }
-  // Adding zero turns -0 into 0: values that compare equal hash equal.
+  // Adding zero turns -0 into 0, so that values that compare equal have equal hashes.
   void number(float value) { bits(value + 0.0f); }
   void number(double value) { bits(value + 0.0); }
   template <glm::length_t L, typename T>
@@ -125,7 +125,7 @@ void add(ListHash& hash, const LightItem& item) {
   if (light.shadow_px > 0) hash.bits(light.shadow_px);
 }
 
-// Identity first: shared content is the common case.
+// Pointers are compared first, because shared content is the common case.
 template <typename T>
 bool same_value(const std::shared_ptr<const T>& a, const std::shared_ptr<const T>& b) {
   return a == b || (a && b && *a == *b);

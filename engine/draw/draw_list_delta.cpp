@@ -9,7 +9,7 @@ namespace simvis {
 
 namespace {
 
-// To read more costs no less than to compare everything.
+// Reading more entries costs at least as much as comparing everything.
 constexpr std::size_t kMaxRemembered = 1 << 16;
 
 }  // namespace

@@ -6,7 +6,7 @@
 namespace simvis {
 namespace {
 
-// The least difference of the cones' cosines, from KHR_lights_punctual.
+// The smallest difference of the cones' cosines, from KHR_lights_punctual.
 constexpr double kMinConeWidth = 0.001;
 
 }  // namespace
@@ -17,7 +17,7 @@ shader::LightBlock make_light_block(const Light& light, const glm::dmat4& view_f
   block.position = glm::vec4(glm::dvec4(glm::dvec3(view_from_light[3]) * placed, placed));
   const glm::dvec3 direction = glm::dmat3(view_from_light) * light.direction;
   const double length = glm::length(direction);
-  // A light that is scaled to nothing shines nowhere.
+  // A light that is scaled to zero has no direction and lights nothing.
   const glm::dvec3 unit = length > 0 ? direction / length : glm::dvec3(0);
   block.direction = glm::vec4(glm::dvec4(unit, light.range_m > 0 ? 1 / light.range_m : 0.0));
   block.intensity = glm::vec4(glm::dvec4(glm::dvec3(light.color) * light.intensity, 0));

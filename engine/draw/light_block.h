@@ -1,4 +1,4 @@
-// A light as the shaders read it.
+// The data of a light in the layout that the shaders read.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -8,7 +8,7 @@
 
 namespace simvis {
 
-/// Of a light whose frame is seen here.
+/// The block of a light with this transform from its frame to the view frame.
 shader::LightBlock make_light_block(const Light& light, const glm::dmat4& view_from_light);
 
 }  // namespace simvis

@@ -10,7 +10,7 @@ namespace simvis {
 
 namespace {
 
-// A texture coordinate within two periods, which is what wrapping distinguishes at the most.
+// A texture coordinate reduced to two periods, which is all that any wrapping distinguishes.
 double reduced(double coordinate, Wrap wrap) {
   if (!std::isfinite(coordinate)) return 0;
   return wrap == Wrap::clamp_to_edge ? std::clamp(coordinate, -1.0, 2.0) : coordinate - 2 * std::floor(coordinate / 2);
@@ -23,8 +23,8 @@ std::int64_t wrapped(std::int64_t texel, std::int64_t size, Wrap wrap) {
   return inside < size ? inside : period - 1 - inside;
 }
 
-// The texture at its largest level, filtered and wrapped as its sampler says; `value` makes a number or a vector of the
-// four bytes of a texel.
+// The texture at its largest level, filtered and wrapped as its sampler specifies. `value` converts the four bytes of a
+// texel to a number or a vector.
 template <typename Value>
 auto sample(const Texture& texture, const glm::dvec2& uv, const Value& value) {
   const Sampler& sampler = texture.sampler;
@@ -46,7 +46,7 @@ auto sample(const Texture& texture, const glm::dvec2& uv, const Value& value) {
 
 double alpha_of(const std::uint8_t* rgba) { return rgba[3] / 255.0; }
 
-// A texel's colour. Rays ask for four of them each: what decode_srgb() makes of a byte is kept.
+// The linear colour of a texel. Each ray reads four texels, so the results of decode_srgb() for all bytes are kept.
 glm::dvec4 color_of(const std::uint8_t* rgba) {
   static const std::array<double, 256> linear = [] {
     std::array<double, 256> values{};
@@ -57,7 +57,7 @@ glm::dvec4 color_of(const std::uint8_t* rgba) {
   return {linear[rgba[0]], linear[rgba[1]], linear[rgba[2]], rgba[3] / 255.0};
 }
 
-/// A point of a primitive as materials see it.
+/// The interpolated attributes of a point of a primitive that its material uses.
 struct SurfaceVertex {
   glm::dvec4 color{0};
   glm::dvec2 uv{0};

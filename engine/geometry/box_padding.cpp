@@ -5,7 +5,7 @@
 
 namespace simvis {
 
-// What is nowhere, because a transform is not finite, is looked for everywhere, and not met.
+// An item whose transform is not finite has no place: its box covers everything, and no ray hits the item itself.
 Box padded_box(const glm::dvec3& low, const glm::dvec3& high, double padding) {
   const auto cut = [](double place, double otherwise) {
     return std::isnan(place) ? otherwise : std::clamp(place, -kFarthest, kFarthest);

@@ -1,4 +1,4 @@
-// How far the boxes of trees over items are padded, and when such a tree is built anew: the same for every tree.
+// The padding of boxes in trees over items, and the threshold for rebuilding such a tree; both are common to all trees.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -7,14 +7,14 @@
 
 namespace simvis {
 
-/// A tree over items into which moved ones were fitted is built anew where a ray has to look into so many times the
-/// boxes that it had to when it was built.
+/// A tree over items that was refitted to moved items is rebuilt when its sah_cost() exceeds this multiple of the cost
+/// at the last build.
 inline constexpr double kMaxSahCostRatio = 2;
 
-/// By how much boxes are padded, as a share of the size of the coordinates in play: 32 half ulps of a float32.
+/// Padding of boxes, relative to the size of the coordinates involved: 32 half ulps of a float32.
 inline constexpr double kPadding = 0x1p-19;
 
-/// Boxes are cut here, so that products of their coordinates stay within float32.
+/// Coordinates of boxes are clamped to this magnitude, so that their products stay within float32.
 inline constexpr double kFarthest = 1e18;
 
 /// The box from `low` to `high`, grown by `padding` on every side.

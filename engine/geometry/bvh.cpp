@@ -12,14 +12,14 @@ namespace simvis {
 namespace {
 
 constexpr int kBins = 16;
-// What it costs to look into a node, where to look at one thing costs 1.
+// The cost of visiting a node, relative to the cost of testing one primitive.
 constexpr double kNodeCost = 1;
 
 constexpr Box kNothing{glm::vec3(std::numeric_limits<float>::max()), glm::vec3(-std::numeric_limits<float>::max())};
 
 Box joined(const Box& a, const Box& b) { return {glm::min(a.low, b.low), glm::max(a.high, b.high)}; }
 
-// In double: boxes may be 10^18 m wide.
+// In double, because boxes may be 10^18 m wide.
 double half_area(const Box& box) {
   const glm::dvec3 size = glm::dvec3(box.high) - glm::dvec3(box.low);
   return size.x * size.y + size.y * size.z + size.z * size.x;
@@ -29,10 +29,10 @@ Box box_of(const BvhNode& node) { return {node.low, node.high}; }
 
 struct Split {
   double cost = std::numeric_limits<double>::infinity();
-  int axis = 0, bin = 0;  // things up to this bin go first
+  int axis = 0, bin = 0;  // primitives up to this bin go to the first child
 };
 
-/// A thing on its way to its leaf: things stand together as their boxes do, so that memory is read from front to back.
+/// A primitive during the build. Primitives are ordered together with their boxes, so that memory is read sequentially.
 struct Primitive {
   Box box;
   std::uint32_t number = 0;
@@ -40,7 +40,7 @@ struct Primitive {
   glm::dvec3 middle() const { return 0.5 * (glm::dvec3(box.low) + glm::dvec3(box.high)); }
 };
 
-/// Which bin a middle falls into.
+/// Assigns the middles of boxes to bins.
 struct Bins {
   glm::dvec3 low{0}, per_m{0};
 
@@ -52,7 +52,7 @@ struct Bins {
   }
 };
 
-// The cheapest border between two bins. The cost is in areas times looks at things.
+// Returns the cheapest border between two bins. The cost is in areas times tests of primitives.
 Split best_split(std::span<const Primitive> primitives, const Bins& bins, std::uint32_t at_once) {
   const auto looks = [at_once](std::uint32_t count) { return (count + at_once - 1) / at_once; };
   struct Content {
@@ -71,7 +71,7 @@ Split best_split(std::span<const Primitive> primitives, const Bins& bins, std::u
   Split best;
   for (int axis = 0; axis < 3; ++axis) {
     if (bins.per_m[axis] == 0) continue;
-    double after[kBins];  // the cost of what lies behind each bin
+    double after[kBins];  // the cost of the primitives after each bin
     Content rest;
     for (int bin = kBins - 1; bin > 0; --bin) {
       rest.box = joined(rest.box, content[axis][bin].box);
@@ -91,7 +91,7 @@ Split best_split(std::span<const Primitive> primitives, const Bins& bins, std::u
   return best;
 }
 
-/// Puts things into the order of the leaves; a subtree's nodes begin with its root.
+/// Orders the primitives as the leaves hold them. The nodes of a subtree begin with its root.
 class Builder {
  public:
   Builder(std::vector<Primitive>& primitives, std::uint32_t max_leaf_size, std::uint32_t at_once, ThreadPool* pool)
@@ -110,10 +110,10 @@ class Builder {
 
   std::vector<Primitive>& primitives_;
   std::uint32_t max_leaf_size_, at_once_;
-  ThreadPool* pool_;  // null: the caller's thread alone
+  ThreadPool* pool_;  // null: only the calling thread
 };
 
-// Puts a node's things into the order of its children; returns how many go to the first, 0 for a leaf.
+// Orders a node's primitives by child. Returns how many belong to the first child; 0 for a leaf.
 std::uint32_t Builder::divide(std::span<Primitive> primitives, std::uint32_t depth, double area) {
   const auto count = static_cast<std::uint32_t>(primitives.size());
   if (count == 1) return 0;
@@ -131,7 +131,7 @@ std::uint32_t Builder::divide(std::span<Primitive> primitives, std::uint32_t dep
       return bins.of(primitive.middle(), split.axis) <= split.bin;
     });
     const auto left = static_cast<std::uint32_t>(border - primitives.begin());
-    // Dividing by halves from here on must still end above the deepest level.
+    // Halving from here on must still end within kMaxDepth.
     const auto halvings = static_cast<std::uint32_t>(std::bit_width(std::max(left, count - left) - 1));
     if (depth + 1 + halvings <= Bvh::kMaxDepth) return left;
   }
@@ -144,7 +144,7 @@ std::uint32_t Builder::divide(std::span<Primitive> primitives, std::uint32_t dep
   return count / 2;
 }
 
-// A subtree's nodes but for its root go to the end of `nodes`, its root to `node`.
+// Copies a subtree: its root to `node`, its other nodes to the end of `nodes`.
 void graft(std::vector<BvhNode>& nodes, std::uint32_t node, std::span<const BvhNode> subtree) {
   const auto offset = static_cast<std::uint32_t>(nodes.size()) - 1;
   const auto moved = [offset](BvhNode n) {
@@ -167,7 +167,7 @@ void Builder::build(std::vector<BvhNode>& nodes, std::uint32_t node, std::uint32
   nodes[node].first = children;
   nodes[node].count = 0;
   nodes.resize(children + 2);
-  constexpr std::uint32_t kFew = 50'000;  // to wake a thread costs less than to divide a thousand
+  constexpr std::uint32_t kFew = 50'000;  // waking a thread costs less than dividing a thousand primitives
   if (pool_ == nullptr || pool_->size() == 1 || count < kFew) {
     build(nodes, children, first, left, depth + 1);
     build(nodes, children + 1, first + left, count - left, depth + 1);

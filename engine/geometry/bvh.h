@@ -1,7 +1,7 @@
-// A tree of boxes over things that have boxes: plain data, built and refitted on the host.
+// A bounding volume hierarchy over primitives that have boxes: plain data, built and refitted on the host.
 //
-// Built from the top, by the surface-area heuristic over bins: Wald, "On fast Construction of SAH-based Bounding Volume
-// Hierarchies", IEEE Symposium on Interactive Ray Tracing, 2007.
+// It is built from the top, by the surface-area heuristic over bins: Wald, "On fast Construction of SAH-based Bounding
+// Volume Hierarchies", IEEE Symposium on Interactive Ray Tracing, 2007.
 #pragma once
 
 #include <cstdint>
@@ -19,35 +19,37 @@ struct Box {
   bool operator==(const Box&) const = default;
 };
 
-/// The children of an inner node stand side by side, after their parent. A leaf holds things of Bvh::order.
+/// The two children of an inner node are adjacent and come after their parent. A leaf holds primitives of Bvh::order.
 struct BvhNode {
   glm::vec3 low{0};
-  std::uint32_t first = 0;  ///< inner: the first of two children; leaf: an index of Bvh::order
+  std::uint32_t first = 0;  ///< inner: index of the first of two children; leaf: an index into Bvh::order
   glm::vec3 high{0};
-  std::uint32_t count = 0;  ///< of a leaf's things; 0: an inner node
+  std::uint32_t count = 0;  ///< number of a leaf's primitives; 0: an inner node
 
   bool operator==(const BvhNode&) const = default;
 };
 
-/// Empty where there is nothing; else nodes[0] is the root.
+/// Empty if there are no primitives; else nodes[0] is the root.
 struct Bvh {
-  /// From the root to a leaf there are at most so many steps, whatever the boxes: up to 2^32 things fit.
+  /// The largest number of steps from the root to a leaf, for any boxes; the tree can hold up to 2^32 primitives.
   static constexpr std::uint32_t kMaxDepth = 32;
 
   std::vector<BvhNode> nodes;
-  std::vector<std::uint32_t> order;  ///< the things, as leaves hold them
+  std::vector<std::uint32_t> order;  ///< numbers of the primitives, in the order of the leaves
 };
 
-/// Boxes are finite. The same boxes give the same tree. To look at up to `at_once` things of a leaf costs as much as to
-/// look at one. `pool`: the threads to build it on, null for the caller's alone; the tree is the same.
+/// Builds a tree over finite boxes. The same boxes give the same tree. The cost model assumes that testing up to
+/// `at_once` primitives of a leaf costs as much as testing one. `pool` has the threads of the build, null for the
+/// calling thread alone; the tree does not depend on it.
 Bvh build_bvh(std::span<const Box> boxes, std::uint32_t max_leaf_size, std::uint32_t at_once = 1,
               ThreadPool* pool = nullptr);
 
-/// Fits the tree to boxes that have changed: it stays right, and gets slower where things have moved far. Returns the
-/// nodes that are other than before, in ascending order.
+/// Fits the tree to boxes that have changed. The tree stays correct, but traversal becomes slower if primitives have
+/// moved far. Returns the changed nodes in ascending order.
 std::vector<std::uint32_t> refit(Bvh& bvh, std::span<const Box> boxes);
 
-/// How many boxes a random ray meets that meets the root's, by their surface areas. 0 for an empty tree.
+/// The expected number of boxes hit by a random ray that hits the root's box, from their surface areas. 0 for an empty
+/// tree.
 double sah_cost(const Bvh& bvh);
 
 }  // namespace simvis

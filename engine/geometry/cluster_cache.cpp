@@ -5,7 +5,7 @@
 namespace simvis {
 namespace {
 
-// Of what order_in_space() makes of a mesh.
+// The version of the result of order_in_space().
 constexpr char kClustersVersion = '1';
 
 bool holds_each_once(const std::vector<std::uint32_t>& order) {

@@ -8,9 +8,9 @@
 
 namespace simvis {
 
-/// make_clusters() with what it takes longest for kept in a MeshCacheFile. That is looked through before it is used,
-/// and written anew where it will not do; whatever it says, every triangle is there once, within its cluster's box.
-/// `folder`: empty for no cache. `pool` as for make_clusters().
+/// make_clusters() with its slowest step cached in a MeshCacheFile. The cached order is checked before it is used, and
+/// computed and written again if it is not valid. For any content of the file, every triangle is in the result once,
+/// within its cluster's box. `folder`: empty for no cache. `pool` as for make_clusters().
 Clustering make_clusters_cached(const Mesh& mesh, const std::filesystem::path& folder, ThreadPool* pool = nullptr);
 
 }  // namespace simvis

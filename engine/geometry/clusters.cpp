@@ -18,9 +18,9 @@ struct PointBox {
   }
 };
 
-// All but what it is made of.
+// A cluster with this box and without triangles.
 Cluster cluster_in(const PointBox& box) {
-  // Sums of float32 lose half an ulp each; two of the larger corner make up for it.
+  // Each float32 sum loses half an ulp; two ulps of the larger corner compensate for that.
   constexpr float kOutwards = 2 * std::numeric_limits<float>::epsilon();
   const glm::vec3 slack = kOutwards * glm::max(glm::abs(box.low), glm::abs(box.high));
   Cluster cluster;
@@ -59,10 +59,10 @@ class ClusterWriter {
 
  private:
   const Mesh& mesh_;
-  std::vector<std::uint32_t> place_;  // by vertex: where it was last named, if it is
+  std::vector<std::uint32_t> place_;  // by vertex: its last position in Clustering::vertices, if it has one
 };
 
-// What is sorted, with all that sorting looks at: to follow numbers through memory would take most of the time.
+// An element to sort, with all data that sorting reads: indirect memory accesses would take most of the time.
 struct Placed {
   glm::vec3 center{0};
   std::uint32_t triangle = 0;
@@ -79,7 +79,7 @@ std::vector<Placed> place(const Mesh& mesh) {
   return placed;
 }
 
-// Puts the smaller half, along the longest side of the centres' box, in front of the larger one.
+// Moves the half with the smaller coordinates, along the longest side of the centres' box, in front of the other half.
 void halve(std::span<Placed> placed) {
   PointBox box;
   for (const Placed& each : placed) box.add(each.center);
@@ -92,7 +92,7 @@ void halve(std::span<Placed> placed) {
                    });
 }
 
-// A half has nothing to do with the other one: however many threads sort them, the order is the same.
+// The halves are independent, so the order does not depend on the number of threads that sort them.
 void sort_in_space(std::span<Placed> placed, ThreadPool* pool) {
   if (placed.size() <= kClusterTriangles) return;
   halve(placed);
@@ -105,7 +105,7 @@ void sort_in_space(std::span<Placed> placed, ThreadPool* pool) {
   sort_in_space(back, nullptr);
 }
 
-// How many triangles each cluster has, in order, follows from how many there are in all.
+// Appends the number of triangles of each cluster, in order. It depends only on the total number of triangles.
 void add_cluster_sizes(std::size_t triangles, std::vector<std::size_t>& sizes) {
   if (triangles <= kClusterTriangles) return sizes.push_back(triangles);
   add_cluster_sizes(triangles / 2, sizes);

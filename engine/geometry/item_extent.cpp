@@ -7,7 +7,7 @@ namespace simvis {
 
 namespace {
 
-// At least the largest factor by which a matrix stretches a vector: exact where its columns are orthogonal.
+// An upper bound of the largest factor by which a matrix stretches a vector; exact if its columns are orthogonal.
 double stretch(const glm::dmat3& m) {
   const glm::dvec3 length = lengths_of(m);
   return is_orthogonal(m) ? std::max({length.x, length.y, length.z}) * (1 + 2 * kOrthogonal) : glm::length(length);

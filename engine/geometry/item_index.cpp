@@ -10,9 +10,9 @@ namespace simvis {
 
 namespace {
 
-// To look at a few boxes costs less than a node more.
+// Testing a few boxes costs less than one more node.
 constexpr std::uint32_t kMaxLeafSize = 4;
-// Of the items that move more at once, all nodes are fitted from the leaves up, instead of each one's way to the root.
+// If more than this share of the items moves at once, all nodes are refitted, instead of each item's path to the root.
 constexpr double kMany = 1.0 / 16;
 
 Box tree_box(const WorldBox& box, const glm::dvec3& origin) {
@@ -35,7 +35,7 @@ const ItemIndex* index_of(const DrawList& list) {
 }
 
 void ItemIndex::update(const DrawList& list) {
-  const ListVersion seen = std::exchange(version_, {});  // nothing, until all is there
+  const ListVersion seen = std::exchange(version_, {});  // empty until the update is complete
   const auto written = list.changes.moved_since(seen);
   if (written) {
     std::vector<std::uint32_t> moved;
@@ -94,7 +94,7 @@ void ItemIndex::build_tree() {
   }
 }
 
-// From below. Whether it has changed.
+// Fits the node to its children or its items. Returns whether the node has changed.
 bool ItemIndex::fit_node(std::uint32_t node) {
   BvhNode& n = tree_.nodes[node];
   Box box;
@@ -135,7 +135,7 @@ void ItemIndex::fit(std::span<const std::uint32_t> items) {
 std::uint64_t ItemIndex::find_seen(const ViewProjection& projection, std::vector<std::uint32_t>& items) const {
   if (tree_.nodes.empty()) return 0;
   std::uint64_t looked_at = 0;
-  // Of each step down from the root at most one child waits.
+  // At most one child is waiting for each level below the root.
   std::uint32_t waiting[Bvh::kMaxDepth + 2] = {0};
   for (std::size_t count = 1; count > 0;) {
     const BvhNode& node = tree_.nodes[waiting[--count]];

@@ -1,4 +1,4 @@
-// Where the items of a draw list are: a tree over their boxes, so that who looks for some of them need not look at all.
+// Spatial index of a draw list: a tree over its items' boxes, so that a search need not test all items.
 #pragma once
 
 #include <cstdint>
@@ -13,22 +13,24 @@
 
 namespace simvis {
 
-/// Of a list whose writer keeps account: see index_of(). Items that move are fitted into the tree, which then holds,
-/// and gets slower to walk; where that is by more than kMaxSahCostRatio, it is built anew.
+/// The index of a list that has a change log: see index_of(). The tree is refitted to items that move. It stays
+/// correct, but traversal becomes slower; if the cost exceeds kMaxSahCostRatio times the cost at the build, the tree is
+/// rebuilt.
 class ItemIndex {
  public:
   const WorldBox& box(std::uint32_t item) const { return boxes_[item]; }
   const ItemExtent& extent(std::uint32_t item) const { return extents_[item]; }
   std::span<const std::uint32_t> standing_at(TransformRange entries) const { return standing_[entries]; }
 
-  /// Adds the items whose boxes are not outside the view, in any order; returns how many boxes that took to look at.
+  /// Appends the items whose boxes are not outside the view, in any order. Returns how many boxes were tested.
   std::uint64_t find_seen(const ViewProjection& projection, std::vector<std::uint32_t>& items) const;
 
-  /// Boxes hold those of the items whole, some with room to spare; their coordinates are the world's, less origin().
-  /// Things are items. Where a place is not finite, the box is that of everything.
+  /// The tree over the items; its primitives are numbers of items. Its boxes contain the items' boxes, some with
+  /// padding; their coordinates are in the world frame, relative to origin(). An item whose place is not finite has a
+  /// box that covers everything.
   const Bvh& tree() const { return tree_; }
   const glm::dvec3& origin() const { return origin_; }
-  /// Of the items below a node.
+  /// The largest lengths of the items below a node.
   const ItemExtent& longest_below(std::uint32_t node) const { return longest_below_[node]; }
 
  private:
@@ -52,10 +54,11 @@ class ItemIndex {
   std::vector<std::uint32_t> leaves_;   // by item
   std::vector<ItemExtent> longest_below_;
   double sah_cost_when_built_ = 0;
-  std::size_t fitted_ = 0;  // items, since the tree was last looked at: to look costs as much as to fit all
+  std::size_t fitted_ = 0;  // items refitted since the last cost check, which costs as much as refitting all
 };
 
-/// Up to date with the list, and valid until that is written or gone. Null where nobody keeps account of the list.
+/// Returns the index, up to date with the list. It is valid until the list is written or destroyed. Null if the list
+/// has no change log.
 const ItemIndex* index_of(const DrawList& list);
 
 }  // namespace simvis

@@ -13,8 +13,8 @@ namespace {
 
 using ContentKey = std::array<std::uint64_t, 2>;
 
-// Two chains of multiplications that differ in their factor; the shift brings the high bits, where products gather,
-// down again.
+// Two chains of multiplications with different factors. The shift moves the high bits, where products accumulate, down
+// again.
 template <class T>
 void add_to(ContentKey& key, const std::vector<T>& values) {
   const auto mix = [&key](std::uint64_t word) {

@@ -1,4 +1,4 @@
-// What takes long to work out of a mesh, kept on disk between runs.
+// Results of long computations on a mesh, kept on disk between runs.
 #pragma once
 
 #include <array>
@@ -13,18 +13,18 @@
 
 namespace simvis {
 
-/// Of meshes with fewer triangles all is made in a few milliseconds.
+/// Meshes with fewer triangles are not cached, because everything is computed from them in a few milliseconds.
 inline constexpr std::size_t kMinCachedTriangles = 1u << 13;
 
-/// A file that is named by what it holds and by what the mesh holds, its positions and indices. One that is missing,
-/// cut off or damaged, or that is of another version, reads as nothing; a folder that cannot be written is no error.
+/// A file that is named by the kind of its content and by the mesh's positions and indices. A file that is missing,
+/// truncated, damaged or of another version reads as empty. A folder that cannot be written is no error.
 class MeshCacheFile {
  public:
-  /// `folder` is not empty. `kind` is what it holds. `version`, a printable character, counts how that is written and
-  /// made of a mesh.
+  /// `folder` is not empty. `kind` names the content. `version`, a printable character, identifies the file format and
+  /// the computation.
   MeshCacheFile(const std::filesystem::path& folder, std::string_view kind, char version, const Mesh& mesh);
 
-  /// What was written for such a mesh; else empty.
+  /// The content written for an equal mesh; else empty.
   std::vector<std::uint32_t> read() const;
 
   void write(std::span<const std::uint32_t> words) const;

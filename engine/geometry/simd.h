@@ -1,31 +1,33 @@
-// Numbers side by side, for loops that the compiler turns into one instruction each on whatever the machine has. Every
-// lane rounds as a number alone would: products and sums stay apart where -ffp-contract=off says so.
+// SIMD vectors for loops that the compiler turns into one vector instruction for each operation, as far as the machine
+// has it. Every lane rounds like a scalar: products and sums stay separate in files that are compiled with
+// -ffp-contract=off.
 #pragma once
 
 #include <cmath>
 
 #define SIMVIS_INLINE inline __attribute__((always_inline))
 
-// Compiled once for machines with AVX2 and once for all others; the machine chooses when the program starts. With the
-// address sanitizer only for all others, so that tests run that, too, wherever they run.
+// Marks a function that is compiled once for machines with AVX2 and once for all others; the version is selected when
+// the program starts. With the address sanitizer there is only the version for all others, so that tests cover it on
+// every machine.
 #if defined(__x86_64__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
 #define SIMVIS_FOR_EACH_MACHINE __attribute__((target_clones("avx2", "default")))
 #else
 #define SIMVIS_FOR_EACH_MACHINE
 #endif
 
-// Lanes are handed to functions that are inlined, and to no others: those would expect them where the machine's other
-// version does not put them.
+// SIMD vectors are passed only to functions that are inlined. Other functions could expect them in other registers,
+// depending on the version that the machine selects.
 #pragma GCC diagnostic ignored "-Wpsabi"
 
 namespace simvis {
 
 using Double4 = double __attribute__((vector_size(32)));
-using Mask4 = long long __attribute__((vector_size(32)));  ///< of each lane all bits, or none
+using Mask4 = long long __attribute__((vector_size(32)));  ///< each lane has all bits set, or none
 using Mask8 = int __attribute__((vector_size(32)));
 using Float8 = float __attribute__((vector_size(32)));
 
-/// Bit i is set where lane i is.
+/// Bit i of the result is set if lane i is set.
 SIMVIS_INLINE unsigned bits_of(Mask4 mask) {
 #if defined(__SSE2__)
   using Float4 = float __attribute__((vector_size(16)));

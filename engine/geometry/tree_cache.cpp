@@ -9,11 +9,12 @@
 namespace simvis {
 namespace {
 
-// Of the words below, and of what WideBvh makes of a mesh.
+// The version of the file format below and of the trees that WideBvh builds.
 constexpr char kTreeVersion = '1';
 
-// A file holds who is whose child, and no boxes. Of each node how many children it has, and of each child its number
-// and, in the highest bits, how many things it holds as a leaf. Then the things of each leaf.
+// A file holds the topology of the tree and no boxes. For each node it holds the number of children, and for each child
+// its number and, in the highest bits, the number of primitives that it holds as a leaf. The primitives of each leaf
+// follow.
 constexpr std::uint32_t kPrimitivesShift = 29, kMaxNumber = (1u << kPrimitivesShift) - 1;
 constexpr std::uint32_t kPrimitivesOfLeaf = std::tuple_size_v<WideBvh::Leaf>;
 static_assert(kPrimitivesOfLeaf < 1u << (32 - kPrimitivesShift));
@@ -32,7 +33,7 @@ std::vector<std::uint32_t> words_of(const WideBvh& tree, const std::vector<WideB
   return words;
 }
 
-/// Reads the words and trusts none of them.
+/// Builds a tree from the words of a file and checks every word.
 class TreeReader {
  public:
   TreeReader(std::span<const std::uint32_t> words, std::span<const Box> boxes) : words_(words), boxes_(boxes) {}
@@ -52,10 +53,10 @@ class TreeReader {
   }
 
  private:
-  // 0, which nothing here may be, when there are no more.
+  // Returns the next word. After the last word it returns 0, which is valid nowhere.
   std::uint32_t next() { return at_ < words_.size() ? words_[at_++] : 0; }
 
-  // Every node but the root has been a child before, once.
+  // Every node except the root has occurred exactly once as a child before.
   bool read_node(std::uint32_t index) {
     WideNode& node = nodes_[index];
     node.children = next();
@@ -100,7 +101,7 @@ class TreeReader {
     return held == boxes_.size();
   }
 
-  // What is below a node stands behind it.
+  // The descendants of a node come after it.
   void fit(const std::vector<WideBvh::Leaf>& leaves) {
     for (std::size_t i = nodes_.size(); i-- > 0;) {
       WideNode& node = nodes_[i];
@@ -125,8 +126,8 @@ class TreeReader {
   std::span<const Box> boxes_;
   std::size_t at_ = 0;
   std::vector<WideNode> nodes_;
-  std::vector<std::uint32_t> depth_;      // by node; 0: nobody's child yet
-  std::vector<std::uint8_t> primitives_;  // by leaf; 0: nobody's child yet
+  std::vector<std::uint32_t> depth_;      // by node; 0: not yet a child
+  std::vector<std::uint8_t> primitives_;  // by leaf; 0: not yet a child
 };
 
 }  // namespace

@@ -11,9 +11,9 @@
 
 namespace simvis {
 
-/// WideBvh(boxes, leaves) of the mesh's triangles, whose boxes these are; which triangles are together is kept in a
-/// MeshCacheFile. That is looked through before it is used, and written anew where it will not do; whatever it says,
-/// every triangle is in one leaf, and each box is that of what is below it. `folder`: empty for no cache.
+/// WideBvh(boxes, leaves) over the mesh's triangles, which have these boxes. A MeshCacheFile keeps the topology of the
+/// tree. It is checked before it is used, and computed and written again if it is not valid. For any content of the
+/// file, every triangle is in one leaf, and each box is that of the content below it. `folder`: empty for no cache.
 /// `pool` as for build_bvh().
 WideBvh make_tree_cached(const Mesh& mesh, std::span<const Box> boxes, std::vector<WideBvh::Leaf>& leaves,
                          const std::filesystem::path& folder, ThreadPool* pool = nullptr);

@@ -12,10 +12,10 @@ glm::dvec3 transform_point(const glm::dmat4& m, const glm::dvec3& p) {
   return glm::dvec3(m[0]) * p.x + glm::dvec3(m[1]) * p.y + glm::dvec3(m[2]) * p.z + glm::dvec3(m[3]);
 }
 
-// How far a vertex's float32 clip coordinates can be off, relative to the length of the path to it: three products
-// and sums of rounded numbers, 8 * 2^-24 at most, with room to spare.
+// Bound of the error of a vertex's float32 clip coordinates, relative to the length of the path to the vertex: three
+// products and sums of rounded numbers, 8 * 2^-24 at most, with a margin.
 constexpr double kVertexRounding = 1e-6;
-// The same for our own arithmetic in double, relative to the world's coordinates.
+// The same bound for this file's arithmetic in double, relative to the world coordinates.
 constexpr double kWorldRounding = 1e-14;
 
 }  // namespace
@@ -26,7 +26,7 @@ double rounding_of(const glm::dvec3& center_view, const WorldBox& box) {
 }
 
 std::uint32_t guard_rows(const View& view) {
-  constexpr std::uint32_t kStrip = 8;  // times as wide as high, at least
+  constexpr std::uint32_t kStrip = 8;  // a strip is at least this many times as wide as high
   return !view.orthographic && view.width_px >= kStrip * view.height_px ? (view.width_px - view.height_px) / 2 : 0;
 }
 
@@ -41,8 +41,8 @@ ViewProjection make_projection(const View& view) {
   const double guard = guard_rows(view);
   p.scale_y = 2 * k.fy_px / (height + 2 * guard);
   p.shift_y = 2 * (k.cy_px + guard) / (height + 2 * guard) - 1;
-  // A side holds the points with 0 = u, u = width, 0 = v or v = height, times z.
-  // Or, of a parallel view, its x and y alone.
+  // A side contains the points with u = 0, u = width, v = 0 or v = height, times z. In an orthographic view the factor
+  // z is absent.
   const double eye = view.orthographic ? 0 : 1;
   const double offsets[4] = {k.cx_px, width - k.cx_px, k.cy_px, height - k.cy_px};
   const glm::dvec3 sides[4] = {{k.fx_px, 0, eye * offsets[0]},
@@ -88,7 +88,7 @@ WorldBox make_box(const glm::dmat4& world_from_mesh, const glm::dvec3& mesh_cent
   WorldBox box;
   box.center = transform_point(world_from_mesh, mesh_center);
   for (int i = 0; i < 3; ++i) box.axis[i] = glm::dvec3(world_from_mesh[i]) * mesh_half[i];
-  // The farthest corner: four of the eight, the others lie opposite.
+  // The farthest corner: four of the eight are tested, and the others are opposite.
   double square = 0;
   for (const double a : {-1.0, 1.0}) {
     for (const double b : {-1.0, 1.0}) {
@@ -104,7 +104,7 @@ MeshPlanes make_mesh_planes(const ViewProjection& p, const glm::dmat4& world_fro
   MeshPlanes planes;
   const glm::dmat4 view_from_mesh = p.view_from_world * world_from_mesh;
   const glm::dmat4 rows = glm::transpose(view_from_mesh);
-  // Top and bottom first: they are what most misses of a strip.
+  // Top and bottom come first, because most content misses a strip there.
   constexpr int kOrder[4] = {2, 3, 0, 1};
   for (int i = 0; i < 4; ++i) {
     const glm::dvec3& n = p.side_view[kOrder[i]];
@@ -144,7 +144,8 @@ bool outside(const MeshPlanes& planes, const glm::vec3& a, const glm::vec3& b, c
 bool outside(const ViewProjection& p, const WorldBox& box) {
   const glm::dvec3 center = transform_point(p.view_from_world, box.center);
   const double slack = rounding_of(center, box);
-  // A sphere first, it settles most; then the box, which knows that a floor is flat.
+  // The sphere comes first, because it decides most cases; then the box, which is tighter for flat content such as a
+  // floor.
   const auto beyond = [&](double distance, const glm::dvec3& normal_world) {
     if (distance >= -slack) return false;
     if (distance < -box.radius - slack) return true;
@@ -159,9 +160,9 @@ bool outside(const ViewProjection& p, const WorldBox& box) {
   return false;
 }
 
-// What outside() takes for rounding is at most the slack here: a box within has its centre there, too, no farther in
-// the view's axes than the root of three times as far in the world's, and a radius below half the diagonal. Twice that,
-// as both round a little themselves.
+// The rounding that outside() assumes is at most the slack here. The centre of a box within this box is also within it,
+// so in the view's axes the sum of its coordinates is larger by at most sqrt(3) * length(half_size). The radius of that
+// box is at most length(half_size), half the diagonal. The slack is twice the sum, because both functions also round.
 bool all_outside(const ViewProjection& p, const glm::dvec3& center, const glm::dvec3& half_size) {
   const glm::dvec3 center_view = transform_point(p.view_from_world, center);
   const glm::dvec3 c = glm::abs(center_view), w = glm::abs(center) + half_size;

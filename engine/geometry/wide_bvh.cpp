@@ -31,7 +31,8 @@ double box_half_area(const glm::vec3& low, const glm::vec3& high) {
   return size.x * size.y + size.y * size.z + size.z * size.x;
 }
 
-// The node's descendants that become children: the largest are opened until there are enough.
+// The descendants of a binary node that become children of the wide node: the largest inner node is opened repeatedly
+// until there are kMax children.
 std::vector<std::uint32_t> descendants(const Bvh& bvh, std::uint32_t node) {
   if (bvh.nodes[node].count > 0) return {node};
   std::vector<std::uint32_t> found{bvh.nodes[node].first, bvh.nodes[node].first + 1};
@@ -52,7 +53,7 @@ std::vector<std::uint32_t> descendants(const Bvh& bvh, std::uint32_t node) {
   return found;
 }
 
-/// Makes a tree wide, from the root on: a node stands before what is below it.
+/// Converts a binary tree to a wide one, from the root on; a node comes before its descendants.
 template <typename NumberLeaf>
 std::uint32_t add_node(std::vector<WideNode>& nodes, const Bvh& bvh, std::uint32_t binary, std::uint32_t parent,
                        std::uint32_t place, const NumberLeaf& number_leaf) {
