@@ -19,7 +19,7 @@ void Blas::make_tree() const {
   State state = State::none;
   while (!state_.compare_exchange_strong(state, State::making, std::memory_order_acquire)) {
     if (state == State::made) return;
-    // To wait for a lock instead would take the builder's helpers away.
+    // This thread helps the pool. Waiting for a lock instead would take helpers away from the thread that builds.
     pool_->help_while([this] { return state_.load(std::memory_order_acquire) == State::making; });
     state = State::none;
   }

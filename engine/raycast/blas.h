@@ -1,4 +1,4 @@
-// A mesh with a tree over its triangles, for casting rays on the host and on the device.
+// A mesh with a tree over its triangles, for ray casting on the host and on the device.
 #pragma once
 
 #include <array>
@@ -12,32 +12,34 @@
 
 namespace simvis {
 
-/// A mesh of triangles and its unit frame, in which it lies in the unit ball: (p - centre) / radius.
+/// A triangle mesh and its unit frame. A point p of the mesh is (p - centre) / radius in the unit frame, so that the
+/// mesh lies in the unit ball.
 class Blas {
  public:
-  /// `cache`: a folder where the tree of a large mesh is kept; empty: nowhere. `pool`: on which trees are built.
+  /// `cache`: folder that keeps the trees of large meshes; empty for none. `pool`: threads that build trees.
   Blas(std::shared_ptr<const Mesh> mesh, std::filesystem::path cache, std::shared_ptr<ThreadPool> pool);
 
   const std::shared_ptr<const Mesh>& mesh() const { return mesh_; }
   std::uint32_t triangles() const { return static_cast<std::uint32_t>(mesh_->indices.size() / 3); }
-  const glm::dvec3& centre() const { return centre_; }        ///< of the mesh's box
-  double radius() const { return radius_; }                   ///< half the box's diagonal; 0: no ray can meet it
-  const glm::dvec3& half_size() const { return half_size_; }  ///< of the box, in radii
+  const glm::dvec3& centre() const { return centre_; }        ///< centre of the mesh's box
+  double radius() const { return radius_; }                   ///< half the diagonal of the box; 0: no ray can hit it
+  const glm::dvec3& half_size() const { return half_size_; }  ///< half the size of the box, in radii
 
-  /// Over the triangles in the unit frame, rounded to float32, leaf by leaf those of leaves(). Empty if the radius is
-  /// 0. Made when first asked for, by whichever thread; others that ask meanwhile help.
+  /// Tree over the triangles in the unit frame, rounded to float32. Leaf i holds the primitives leaves()[i]. The tree
+  /// is empty if the radius is 0. The first call builds it, on any thread; threads that call meanwhile help with the
+  /// work of the pool.
   const WideBvh& tree() const {
     if (state_.load(std::memory_order_acquire) != State::made) make_tree();
     return tree_;
   }
 
-  /// Primitives; after tree().
+  /// Primitives of each leaf; valid after tree().
   const std::vector<WideBvh::Leaf>& leaves() const { return leaves_; }
 
-  /// The same for a device, with up to four triangles in a leaf.
+  /// Builds the tree for a device, with up to four triangles in a leaf.
   Bvh make_device_tree() const;
 
-  /// A triangle's corners in the unit frame, rounded: off by up to 2^-25 per axis.
+  /// Corners of a triangle in the unit frame. Rounding moves each by up to 2^-25 per axis.
   std::array<glm::vec3, 3> unit_corners(std::uint32_t primitive) const;
 
  private:
@@ -51,7 +53,7 @@ class Blas {
   glm::dvec3 centre_, half_size_;
   double radius_;
   std::shared_ptr<ThreadPool> pool_;
-  mutable std::atomic<State> state_ = State::none;  // of the two below
+  mutable std::atomic<State> state_ = State::none;  // state of tree_ and leaves_
   mutable WideBvh tree_;
   mutable std::vector<WideBvh::Leaf> leaves_;
 };

@@ -61,7 +61,7 @@ BlasPool::Place BlasPool::place(const Blas& mesh) const {
           static_cast<std::uint32_t>(found->second.first_triangle)};
 }
 
-// Half as much again, so that a scene that grows part by part is not moved each time.
+// Adds half of the needed size, so that a scene that grows part by part is not copied each time.
 std::uint64_t BlasPool::capacity(std::uint64_t needed, std::uint64_t stride) const {
   const std::uint64_t most = device_.limits().maxStorageBufferRange / stride;
   if (needed > most) {
@@ -85,7 +85,7 @@ bool BlasPool::make_room(std::uint64_t nodes, std::uint64_t triangles, Uploads& 
   const std::uint64_t triangle_capacity = capacity(living_triangles + triangles, sizeof(shader::RayTriangle));
   Buffer new_nodes = make_buffer(device_, "ray mesh nodes", node_capacity * sizeof(shader::TreeNode));
   Buffer new_triangles = make_buffer(device_, "ray triangles", triangle_capacity * sizeof(shader::RayTriangle));
-  // In their old order, so that the same history gives the same layout.
+  // The meshes keep their order, so that the same history gives the same layout.
   std::ranges::sort(living, {}, &Entry::first_node);
   nodes_used_ = triangles_used_ = 0;
   for (Entry* entry : living) {

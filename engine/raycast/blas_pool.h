@@ -1,4 +1,4 @@
-// The trees and triangles of all meshes that rays can meet, in two device buffers.
+// The trees and triangles of all meshes that rays can hit, in two device buffers.
 #pragma once
 
 #include <unordered_map>
@@ -8,14 +8,14 @@
 
 namespace simvis {
 
-/// Meshes are told apart by identity, uploaded once, and forgotten once no item shows them. The buffers are filled from
-/// the front; when the end is reached, what still lives moves to the front of larger ones, within the device.
+/// Meshes are identified by address, uploaded once, and dropped when no item uses them. The buffers are filled from the
+/// front. When the end is reached, the meshes in use are copied to the front of new buffers, within the device.
 class BlasPool {
  public:
   explicit BlasPool(Device::Impl& device) : device_(device) {}
 
-  /// Makes the meshes of the items resident. True if any lies elsewhere than before.
-  /// Throws MachineError where the device cannot address so much.
+  /// Makes the meshes of the items resident. Returns true if meshes that were resident before may have moved. Throws
+  /// MachineError if a buffer would exceed the device's maxStorageBufferRange.
   bool update(const RayInstances& items, Uploads& uploads);
 
   struct Place {
@@ -23,16 +23,16 @@ class BlasPool {
   };
   Place place(const Blas& mesh) const;
 
-  /// Without a handle where there are no items.
+  /// The buffers have no handle before the first item.
   const Buffer& nodes() const { return nodes_; }
   const Buffer& triangles() const { return triangles_; }
 
-  /// Forgets everything.
+  /// Drops all meshes and both buffers.
   void clear();
 
  private:
   struct Entry {
-    std::shared_ptr<const Mesh> mesh;  // keeps the address from being given to another mesh
+    std::shared_ptr<const Mesh> mesh;  // keeps the address from being reused by another mesh
     std::uint64_t nodes = 0, triangles = 0;
     std::uint64_t first_node = 0, first_triangle = 0;
     bool resident = false, wanted = false;

@@ -1,4 +1,5 @@
-// The last word on what a ray meets, in double, the same for every engine of ray_caster.h: engines find candidates.
+// Decides in double which triangle a ray hits first. Every engine of ray_caster.h only finds candidates and uses this
+// code.
 #pragma once
 
 #include <span>
@@ -11,14 +12,15 @@ namespace simvis {
 /// The nearest hit so far.
 struct ClosestHit {
   double range_m = std::numeric_limits<double>::infinity();
-  std::uint32_t placed = 0, primitive = 0;  ///< of RayInstances::items()
-  double t_min_m = 0;                       ///< what is met at or before this range is passed
+  std::uint32_t placed = 0, primitive = 0;  ///< `placed` is an index into RayInstances::items()
+  double t_min_m = 0;                       ///< hits at or before this range are skipped
 };
 
-/// The world as one sensor sees it. One per thread: items are brought to the sensor when a ray comes near.
+/// The world as one sensor sees it. Each thread has its own: it transforms an item to the sensor frame when the first
+/// ray comes near the item.
 class RayView {
  public:
-  /// For another cast: what was made for the last one is made anew.
+  /// Starts a new cast. Items that were transformed for the last cast are transformed again on demand.
   void begin(const DrawList& list, const RayInstances& items, const glm::dmat4& world_from_sensor);
 
   const glm::dmat4& world_from_sensor() const { return world_from_sensor_; }
@@ -26,15 +28,16 @@ class RayView {
   const RayInstance& placed(std::uint32_t index) const { return items_->items()[index]; }
   const SeenItem& seen(std::uint32_t placed);
 
-  /// Takes the triangle for the nearest hit if the ray meets it where it is solid, and nearer than `nearest`; at the
-  /// same range, if its item comes first by content, see engine/canonical_order.h, or else its primitive.
+  /// Makes the triangle the nearest hit if the ray hits it at a solid point, beyond `nearest.t_min_m` and before
+  /// `nearest`. Of two hits at the same range, the item that is first in canonical order wins (see
+  /// engine/draw/canonical_order.h), then the lower primitive. Returns whether `nearest` changed.
   bool try_triangle(const ShearedRay& ray, std::uint32_t placed, std::uint32_t primitive,
                     const std::array<glm::dvec3, 3>& corners, ClosestHit& nearest) const;
 
-  /// Range and bound of what was found.
+  /// The hit with its range along the ray and its error bound.
   RayHit finish(const ShearedRay& ray, const ClosestHit& nearest);
 
-  std::uint64_t item_tests = 0, triangle_tests = 0;  ///< of all casts, as the engine counts them: see RayCounters
+  std::uint64_t item_tests = 0, triangle_tests = 0;  ///< totals of all casts, see RayCounters
 
  private:
   bool comes_before(const ClosestHit& nearest, std::uint32_t placed, std::uint32_t primitive) const;
@@ -46,7 +49,7 @@ class RayView {
   std::vector<SeenItem> seen_;
 };
 
-/// Of a cast's `t_min_m`, which may be empty.
+/// Part of a cast's `t_min_m`; empty if `t_min_m` is empty.
 inline std::span<const double> part_of(std::span<const double> t_min_m, std::size_t first, std::size_t count) {
   return t_min_m.empty() ? t_min_m : t_min_m.subspan(first, count);
 }

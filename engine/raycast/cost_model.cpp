@@ -17,7 +17,7 @@ namespace simvis {
 
 namespace {
 
-// Another number whenever the counts in Work come to mean something else: costs measured before are not taken then.
+// Version of the meaning of CostTerm. A new number makes SimVis ignore the costs that were measured before.
 constexpr int kMeaning = 3;
 
 constexpr std::string_view kNames[kCostTerms] = {"pass",      "view",   "item_drawn", "examined",     "draw",
@@ -31,7 +31,7 @@ double rounded(double cost_ns) {
   return std::strtod(text, nullptr);
 }
 
-// The whole of the file: a reader takes it only if its numbers, written again, give the same text.
+// The text of the whole file. A reader accepts a file only if its numbers, written again, give the same text.
 std::string text_of(std::string_view key, const CostModel& cost) {
   std::string text = std::string(key) + "\n";
   for (std::size_t i = 0; i < kCostTerms; ++i) {

@@ -1,6 +1,8 @@
-// Casts rays on a Vulkan device. A compute shader walks the trees in float32 and hands back, of each ray, the triangles
-// that it may meet first; the host decides upon them as ray_caster.h says, in double. Where the shader's list is not
-// complete up to what the host then finds, the host walks the same trees in double, from what it has found.
+// Casts rays on a Vulkan device.
+//
+// A compute shader traverses the trees in float32 and returns, for each ray, the triangles that it may hit first. The
+// host decides among them in double, as ray_caster.h says. If the shader's list is not complete up to the hit that the
+// host finds, the host traverses its own trees for that ray and starts from this hit.
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -26,7 +28,7 @@ float rounded_down(double value) {
   return rounded <= value ? rounded : std::nextafter(rounded, 0.0f);
 }
 
-/// What is on the device.
+/// The data of the world on the device.
 struct DeviceWorld {
   explicit DeviceWorld(Device::Impl& device)
       : commands(device), uploads(device), meshes(device), top(device), dispatch(device) {}
@@ -36,7 +38,7 @@ struct DeviceWorld {
   BlasPool meshes;
   Tlas top;
   RayDispatch dispatch;
-  bool current = false;  // as RayInstances is, but for its last changes
+  bool current = false;  // up to date with RayInstances except for its last changes
 };
 
 class DeviceRayCaster : public RayCaster {
@@ -68,9 +70,9 @@ class DeviceRayCaster : public RayCaster {
   Device& device_;
   const DrawList* list_ = nullptr;
   RayInstances items_;
-  ItemTree tree_;                     // for what the host walks
-  std::optional<DeviceWorld> world_;  // from the first cast on
-  bool uploaded_ = false;             // in this cast
+  ItemTree tree_;                     // for rays that the host traverses
+  std::optional<DeviceWorld> world_;  // exists from the first cast on
+  bool uploaded_ = false;             // whether the changes are uploaded in this cast
   PacketCaster bundles_;
 };
 
@@ -80,7 +82,7 @@ void DeviceRayCaster::cast(const glm::dmat4& world_from_sensor, std::span<const 
   SIMVIS_ASSERT(t_min_m.empty() || t_min_m.size() == directions.size());
   update(glm::dvec3(world_from_sensor[3]));
   const std::size_t most = world_->dispatch.max_rays();
-  // Once, but for very many rays; what has changed is uploaded even for none.
+  // One pass, except for more than max_rays() rays. Changes are uploaded even if there are no rays.
   for (std::size_t first = 0; first < directions.size() || !uploaded_; first += most) {
     const std::size_t count = std::min(most, directions.size() - first);
     const std::span<const double> part_beyond_m = part_of(t_min_m, first, count);
@@ -98,7 +100,8 @@ void DeviceRayCaster::update(const glm::dvec3& world_place) {
   uploaded_ = false;
 }
 
-// One dispatch per origin would cost more than the host takes for its few rays. The trees have to be up to date.
+// The host casts these rays: one dispatch per origin would cost more than the host needs for the few rays of an origin.
+// The call of find_candidates() without rays keeps the trees on the device up to date.
 void DeviceRayCaster::cast_from(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> origins_m,
                                 std::span<const glm::dvec3> directions, std::span<RayHit> hits,
                                 std::span<const double> t_min_m) {
@@ -139,7 +142,7 @@ void DeviceRayCaster::find_candidates(const glm::dmat4& world_from_sensor, std::
     world_->commands.submit_and_wait();
     world_->uploads.release();
   } catch (...) {
-    // What was recorded never ran: nothing of it counts as uploaded.
+    // The recorded commands never ran, so none of their uploads count.
     world_->commands.abandon();
     world_->uploads.release();
     world_->meshes.clear();
@@ -208,7 +211,7 @@ RayHit DeviceRayCaster::decide(RayView& view, RayPacket& ray, const shader::RayC
       try_triangle(view, placed, primitive, ray);
     }
   }
-  // What is left out lies farther away, or at complete_to_m at the nearest.
+  // A triangle that is not in the list lies at complete_to_m or farther.
   const bool complete = candidates.complete_to_m > SIMVIS_FAR_M || ray.farthest_m() < candidates.complete_to_m;
   if (!complete) {
     walk_bundle(view, tree_.tree(), ray);

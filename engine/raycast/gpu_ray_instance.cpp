@@ -6,10 +6,10 @@ namespace simvis {
 
 namespace {
 
-constexpr double kUlp = 0x1p-23;  // of a float32, relative
+constexpr double kUlp = 0x1p-23;  // ulp of a float32, relative
 constexpr double kBlockUnit = 0x1p-53;
 
-// For what these bounds themselves lose when they are rounded to float32.
+// Covers the rounding of these bounds themselves to float32.
 constexpr double kRoundedUp = 1.001;
 
 struct HighLow {
@@ -30,7 +30,7 @@ shader::RayItem block_of(const RayInstance& item, const glm::dvec3& origin, cons
                            glm::length(centre) + 2 * RayInstances::kReach_m;
   const double slack = kUlp * (24 * condition + 45) + 6 * inverse_error + 0x1p-44 * lengths_m * stretch;
   const double slack_per_unit = kUlp * (11 * condition + 8) + 2 * inverse_error;
-  constexpr double kMinScale = 1e-18;  // and its inverse: what float32 can square, nearly
+  constexpr double kMinScale = 1e-18;  // float32 can just square this value and its inverse
   const bool placed = slack + slack_per_unit <= SIMVIS_MOST_SLACK && scale >= kMinScale && scale <= 1 / kMinScale;
   shader::RayItem block{};
   block.tree.w = !placed;

@@ -1,16 +1,17 @@
-// An item as ray_cast.comp reads it, and how exactly its unit frame is found there.
+// An item as ray_cast.comp reads it, and the error bounds of a ray in the item's unit frame.
 //
-// The shader brings a ray's line into the unit frame in float32 (e = 2^-23; see ray_cast.comp for what an operation may
-// be off by). Let D be the sensor's distance in radii, k the condition of the mesh's transform (product of the
-// Frobenius norms of it and its inverse), over a way of up to D + 6 radii:
-//   the sensor's place      7 e k D   (difference 2, row 0.5, product of three 3, scale 1.5)
-//   the ray's start           e (D + 3)
-//   the ray's direction     (4 e k + 2 e) (D + 6): row 0.5, direction 0.5, product of three 3; then made a unit vector
-//   its length              5 e (D + 6)
-// in all e ((11 k + 8) D + 24 k + 45). The inverse itself, formed in double, is off by a share of E: D E for the place
-// and (D + 6) E for the direction. Places are rounded to two floats each: 2^-44 of all lengths in play covers that, and
-// what double rounds. A range, which is way over the length that a metre has there, is off by a share of
-// e (4 k + 9) + E; 16 instead of 9 leave room for the shader's bookkeeping.
+// The shader transforms a ray into the unit frame in float32 (e = 2^-23; ray_cast.comp states the error of each
+// operation). Let D be the distance of the sensor in radii, and k the condition number of the mesh's transform (the
+// product of the Frobenius norms of the matrix and its inverse). Over a length of up to D + 6 radii the errors are:
+//   position of the sensor    7 e k D   (difference 2, row 0.5, product of three 3, scale 1.5)
+//   start of the ray            e (D + 3)
+//   direction of the ray      (4 e k + 2 e) (D + 6): row 0.5, direction 0.5, product of three 3; then normalisation
+//   length of the direction   5 e (D + 6)
+// Their sum is e ((11 k + 8) D + 24 k + 45). The inverse matrix is computed in double with a relative error E. This
+// adds D E to the position and (D + 6) E to the direction. Each position is stored as two floats. 2^-44 times the sum
+// of all lengths involved covers this rounding and the roundings in double. A range along the ray is the length in the
+// unit frame divided by the length of one metre there. Its relative error is e (4 k + 9) + E; the code uses 16 instead
+// of 9, which leaves room for the shader's other operations.
 #pragma once
 
 #include "engine/raycast/ray_instances.h"
@@ -18,16 +19,16 @@
 
 namespace simvis {
 
-/// What stands in RayItem::tree.
+/// The contents of RayItem::tree.
 struct RayItemTree {
   std::uint32_t root = 0, first_triangle = 0;
   bool solid = false;
 };
 
-/// `origin` is the top tree's, in the world.
+/// `origin` is RayInstances::origin(), in the world frame.
 shader::RayItem block_of(const RayInstance& item, const glm::dvec3& origin, const RayItemTree& tree);
 
-/// For a cast of so many rays.
+/// Push constants for a cast of `rays` rays from `world_sensor`.
 shader::RayCastBlock block_of(const glm::dvec3& world_sensor, const glm::dvec3& origin, std::uint32_t rays);
 
 }  // namespace simvis

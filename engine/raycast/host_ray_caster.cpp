@@ -32,7 +32,7 @@ class HostRayCaster : public RayCaster {
   RayWorld world() const { return {*list_, items_, tree_.tree()}; }
 
   const DrawList* list_ = nullptr;
-  bool current_ = false;  // whether the trees are those of the list
+  bool current_ = false;  // whether the trees are up to date with the list
   RayInstances items_;
   ItemTree tree_;
   PacketCaster bundles_;

@@ -7,7 +7,7 @@ namespace simvis {
 ItemTree::Change ItemTree::update(const RayInstances& items) {
   if (made_ && !items.structure_changed()) {
     if (items.moved_items().empty()) return Change::none;
-    made_ = false;  // until it is whole
+    made_ = false;  // until all moved items are refitted
     for (const std::uint32_t i : items.moved_items()) tree_.move(i, items.items()[i].box);
     fitted_ += items.moved_items().size();
     const bool looks = fitted_ >= items.items().size();

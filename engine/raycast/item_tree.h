@@ -1,4 +1,4 @@
-// The tree over the items that rays can meet, on the host.
+// The host's tree over the items that rays can hit.
 #pragma once
 
 #include "engine/geometry/wide_bvh.h"
@@ -6,15 +6,16 @@
 
 namespace simvis {
 
-/// Items that move are fitted into the tree, which then holds, and gets slower to walk: see kMaxSahCostRatio.
+/// Moved items are refitted into the tree. The tree stays correct, but its traversal becomes slower; beyond
+/// kMaxSahCostRatio it is built again.
 class ItemTree {
  public:
   enum class Change { none, fitted, built };
 
-  /// After items.update(), each time. Builds on the threads of the items.
+  /// Must follow each items.update(). Builds on items.threads().
   Change update(const RayInstances& items);
 
-  /// Over RayInstances::items().
+  /// Tree over RayInstances::items().
   const WideBvh& tree() const { return tree_; }
 
  private:
@@ -22,7 +23,7 @@ class ItemTree {
 
   WideBvh tree_;
   double sah_cost_when_built_ = 0;
-  std::size_t fitted_ = 0;  // items, since that was last looked at: to look costs as much as to fit all
+  std::size_t fitted_ = 0;  // items refitted since the last cost check, which costs as much as to refit all
   bool made_ = false;
 };
 

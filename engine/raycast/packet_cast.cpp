@@ -14,7 +14,7 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr unsigned kAllLanes = (1u << RayPacket::kLanes) - 1;
 
-/// One bundle on its way through the world.
+/// The traversal of the world by one packet.
 class Walk {
  public:
   SIMVIS_INLINE Walk(RayView& view, RayPacket& packet)
@@ -23,7 +23,7 @@ class Walk {
   SIMVIS_INLINE void into_items(const WideBvh& items) {
     const glm::dmat3 turn = glm::transpose(glm::dmat3(view_.world_from_sensor()));
     const glm::dvec3 place = glm::dvec3(view_.world_from_sensor()[3]) - view_.items().origin();
-    // Boxes of items are padded far beyond what rounds here.
+    // The padding of item boxes is much larger than the rounding errors here.
     TreePlanes planes = planes_in(bundle_, glm::mat3(turn), glm::vec3(-(turn * place)), 1, 0);
     planes.end_at(farthest_m_);
     traverse(
@@ -60,12 +60,12 @@ class Walk {
   }
 
  private:
-  // Its first `count` triangles.
+  // Tests the first `count` triangles of the leaf.
   SIMVIS_INLINE bool try_leaf(const SeenItem& item, const Blas& mesh, std::uint32_t placed, const WideBvh::Leaf& leaf,
                               std::uint32_t count, std::uint32_t rays) {
     const SeenTriangles triangles = see_triangles(*mesh.mesh(), leaf, item.placement);
     const ShearedExtents extents = extents_of(bundle_, triangles);
-    // Not the other way round: what is not a number may be anywhere.
+    // The comparisons say which triangles to skip, so that a triangle with NaN extents is tested.
     Mask4 beside = ~extents.ahead | (extents.nearest_m > splat4(farthest_m_));
     for (int i = 0; i < 2; ++i) {
       beside |= (extents.low[i] > splat4(bundle_.high[i])) | (extents.high[i] < splat4(bundle_.low[i]));
@@ -106,7 +106,7 @@ class Walk {
     return met;
   }
 
-  // Bit i for batch i.
+  // The batches that may hit this triangle: bit i for batch i.
   SIMVIS_INLINE unsigned batches_in(const ShearedExtents& extents, unsigned lane) const {
     const Double4 low_x = splat4(extents.low[0][lane]), high_x = splat4(extents.high[0][lane]);
     const Double4 low_y = splat4(extents.low[1][lane]), high_y = splat4(extents.high[1][lane]);
@@ -133,7 +133,7 @@ class Walk {
     return true;
   }
 
-  // Those with any of these rays, bit i for batch i.
+  // The batches that contain any of these rays: bit i for batch i.
   SIMVIS_INLINE static unsigned batches_of(std::uint32_t rays) {
     static_assert(RayPacket::kLanes == 4 && RayPacket::kBatches == 8);
     std::uint32_t each = rays | rays >> 2;
@@ -143,8 +143,8 @@ class Walk {
     return (each | each >> 12) & 0xff;
   }
 
-  // Bit i of `lanes` for lane i. Not a part of what is compiled for each machine: lanes themselves cannot be handed
-  // over.
+  // Bit i of `lanes` selects lane i. This function is not compiled for each machine (see SIMVIS_FOR_EACH_MACHINE), so
+  // SIMD vectors cannot be passed to it.
   bool try_one_by_one(unsigned batch, unsigned lanes, std::uint32_t placed, std::uint32_t primitive,
                       const std::array<glm::dvec3, 3>& corners);
 
@@ -173,7 +173,7 @@ bool Walk::try_one_by_one(unsigned batch, unsigned lanes, std::uint32_t placed, 
 SIMVIS_INLINE void finish(RayView& view, const RayPacket& packet, unsigned batch, RayHit* hits) {
   const unsigned first = batch * RayPacket::kLanes, lanes = std::min(RayPacket::kLanes, packet.count - first);
   const Mask4 &placed = packet.placed[batch], &primitive = packet.primitive[batch];
-  unsigned seen = 0;  // the last lane whose triangle was looked at
+  unsigned seen = 0;  // the last lane whose triangle was loaded
   while (seen < lanes && packet.range_m[batch][seen] == kInfinity) ++seen;
   if (seen == lanes) {
     std::fill_n(hits + first, lanes, RayHit{});
@@ -185,7 +185,7 @@ SIMVIS_INLINE void finish(RayView& view, const RayPacket& packet, unsigned batch
     const SeenItem& item = view.seen(of_item);
     return MetTriangle{place_corners(*view.placed(of_item).mesh->mesh(), of_mesh, item.placement), item.corner_error_m};
   };
-  MetTriangles met(see(seen));  // of lanes that have met nothing: some other's
+  MetTriangles met(see(seen));  // lanes without a hit hold the triangle of another lane
   for (unsigned lane = seen + 1; lane < lanes; ++lane) {
     if (packet.range_m[batch][lane] == kInfinity) continue;
     if (placed[lane] == placed[seen] && primitive[lane] == primitive[seen]) continue;

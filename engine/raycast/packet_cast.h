@@ -1,5 +1,5 @@
-// Takes bundles of rays through trees of boxes, in float32, to the triangles that they may meet; whether and where they
-// do is decided in double, see ray_caster.h.
+// Casts ray packets: trees of boxes are traversed in float32, and the triangles that are reached are tested in double,
+// see ray_caster.h.
 #pragma once
 
 #include <cstdint>
@@ -10,16 +10,16 @@
 
 namespace simvis {
 
-/// Brings the bundle's nearest hits up to date with all items; `items` is a tree over their boxes.
+/// Updates the packet's nearest hits with all items; `items` is a tree over their boxes.
 void walk_bundle(RayView& view, const WideBvh& items, RayPacket& packet);
 
-/// The same with one item alone.
+/// Updates the packet's nearest hits with one item.
 void walk_bundle(RayView& view, std::uint32_t placed, RayPacket& packet);
 
-/// The same with one triangle of an item.
+/// Updates the packet's nearest hits with one triangle of an item.
 void try_triangle(RayView& view, std::uint32_t placed, std::uint32_t primitive, RayPacket& packet);
 
-/// What each ray has met, with its bound: hits[i] is ray i's.
+/// Writes the nearest hit of each ray, with its error bound: hits[i] belongs to ray i.
 void finish_bundle(RayView& view, const RayPacket& packet, RayHit* hits);
 
 }  // namespace simvis

@@ -9,17 +9,17 @@ namespace simvis {
 
 namespace {
 
-// What takes several times as long as to wake a thread: a planar scan is cast by one.
+// A piece takes several times as long as waking a thread. One thread therefore casts a whole planar scan.
 constexpr std::size_t kPiece = 16 * std::size_t{RayPacket::kMax};
 
-// Of how many rays, from `first` on, the origins are the same.
+// The number of consecutive rays, from `first` on, that have the same origin.
 std::size_t together(std::span<const glm::dvec3> origins_m, std::size_t first) {
   std::size_t end = first + 1;
   while (end < origins_m.size() && origins_m[end] == origins_m[first]) ++end;
   return end - first;
 }
 
-// No bundle has rays of two groups.
+// No packet has rays of two groups.
 void cast_bundles(RayView& view, const WideBvh& tree, std::span<const glm::dvec3> directions, std::span<RayHit> hits,
                   std::span<const double> t_min_m, std::size_t group) {
   for (std::size_t first = 0; first < directions.size();) {
@@ -36,7 +36,8 @@ void cast_bundles(RayView& view, const WideBvh& tree, std::span<const glm::dvec3
 void PacketCaster::cast(const RayWorld& world, const glm::dmat4& world_from_sensor,
                         std::span<const glm::dvec3> directions, std::span<RayHit> hits, std::span<const double> t_min_m,
                         const HitsReady& there) {
-  // Those who order many rays have neighbours in groups; else bundles are the fewer the longer they may run on.
+  // Callers order many rays so that each group of kPacketSize rays holds neighbours (see RayCaster::kPacketSize). For
+  // fewer rays, a longer group gives fewer packets.
   const std::size_t group = directions.size() > kPiece ? RayCaster::kPacketSize : kPiece;
   share(world, world_from_sensor, directions.size(), [&](RayView& view, std::size_t first, std::size_t count) {
     cast_bundles(view, world.tree, directions.subspan(first, count), hits.subspan(first, count),

@@ -1,4 +1,4 @@
-// Casts rays on the host's cores, in bundles.
+// Casts rays on the host's cores, in packets.
 #pragma once
 
 #include <functional>
@@ -15,14 +15,14 @@
 
 namespace simvis {
 
-/// What is cast into: all of it up to date, for sensors at the places in question.
+/// The world that rays are cast into. All parts are up to date and serve sensors at the positions of the cast.
 struct RayWorld {
   const DrawList& list;
   const RayInstances& items;
   const WideBvh& tree;  ///< over the items
 };
 
-/// One thread at a time; each call uses all threads of the pool for many rays.
+/// One thread at a time may call it. A call with many rays uses all threads of the pool.
 class PacketCaster {
  public:
   using Work = std::function<void(RayView& view, std::size_t first, std::size_t count)>;
@@ -33,21 +33,21 @@ class PacketCaster {
   void cast(const RayWorld& world, const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions,
             std::span<RayHit> hits, std::span<const double> t_min_m, const HitsReady& there);
 
-  /// As RayCaster::cast_from(), from places that the world serves.
+  /// As RayCaster::cast_from(). All origins must be in reach, see RayInstances::in_reach().
   void cast_from(const RayWorld& world, const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> origins_m,
                  std::span<const glm::dvec3> directions, std::span<RayHit> hits, std::span<const double> t_min_m);
 
-  /// Has this done for all rays of a sensor, piece by piece.
+  /// Calls `work` for all rays of a sensor, piece by piece, on the threads of the pool.
   void share(const RayWorld& world, const glm::dmat4& world_from_sensor, std::size_t rays, const Work& work);
 
-  /// Adds what only those who walk know.
+  /// Adds the item tests and triangle tests of all threads.
   void count(RayCounters& counters) const;
 
  private:
   void share(std::size_t rays, const Work& work);
 
   std::shared_ptr<ThreadPool> pool_;
-  std::vector<RayView> views_;  // of each thread
+  std::vector<RayView> views_;  // one for each thread
 };
 
 }  // namespace simvis

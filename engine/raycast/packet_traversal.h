@@ -1,4 +1,4 @@
-// A bundle of rays on its way through a tree of boxes, in float32. Part of packet_cast.cpp.
+// Traversal of a tree of boxes by a ray packet, in float32. Part of packet_cast.cpp.
 #pragma once
 
 #include <array>
@@ -14,18 +14,19 @@ namespace simvis {
 
 SIMVIS_INLINE Float8 splat8(float value) { return Float8{value, value, value, value, value, value, value, value}; }
 
-/// The planes of a bundle in the frame of a tree, for boxes: what of a box lies farthest inwards of a plane is inwards
-/// by d + the normal . the corner that lies farthest along it. Float32 rounds that by less than `slack`: 15 half ulps
-/// for what it is made of and for itself, and sums of up to sqrt(2) times how far the tree's points lie from the
-/// sensor.
+/// The planes of a packet in the frame of a tree, for tests against boxes. The largest value of a plane function in a
+/// box is d + normal . c, where c is the corner of the box that is farthest along the normal. The rounding error of
+/// this value in float32 is less than `slack`: 15 half ulps, for the inputs and for the expression itself, of sums of
+/// up to sqrt(2) times the distance of the tree's points from the sensor.
 struct TreePlanes {
-  Float8 normal[3];  // by axes; lanes are planes
+  Float8 normal[3];  // indexed by axis; each SIMD lane is a plane
   Float8 d;
-  int corner[3][8];  // 1 where the farthest corner's coordinate is the high one
+  int corner[3][8];  // 1 where the farthest corner has the high coordinate
   float slack = 0;
-  double scale = 1;        // of lengths, from metres
-  float m_per_length = 1;  // rounded down
-  float end = 0;  // what lies farther away along the last plane's normal, turned round, is behind all nearest hits
+  double scale = 1;        // factor from metres to lengths in the tree's frame
+  float m_per_length = 1;  // metres for each of these lengths, rounded down
+  // Boxes farther than this along the negated normal of the last plane are behind all nearest hits.
+  float end = 0;
 
   SIMVIS_INLINE void end_at(double range_m) { end = static_cast<float>(range_m * scale * (1 + 0x1p-22)) + slack; }
 };
@@ -49,13 +50,13 @@ SIMVIS_INLINE TreePlanes planes_in(const RayPacket& packet, const glm::mat3& lin
   return planes;
 }
 
-/// The children of a node as the bundle sees them.
+/// The children of a node as the packet sees them.
 struct SeenChildren {
-  unsigned reached;        // bit by bit: which the bundle may meet
-  unsigned whole;          // and of which no ray of the bundle passes by, as far as shears tell
-  Float8 distance;         // of the nearest point of each box, scaled
-  Float8 depth;            // the least along the bundle's z, at the most; shears are known where it is above 0
-  Float8 low[2], high[2];  // shears along x and y, at the most
+  unsigned reached;        // bit i: the packet may hit child i
+  unsigned whole;          // bit i: the shears rule out no ray of the packet for child i
+  Float8 distance;         // distance of the nearest point of each box, scaled
+  Float8 depth;            // lower bound of the depth along the packet's z; the shears are known where it is above 0
+  Float8 low[2], high[2];  // bounds of the shears along x and y
 };
 
 SIMVIS_INLINE SeenChildren see_children(const RayPacket& packet, const TreePlanes& planes, const WideNode& node) {
@@ -76,7 +77,8 @@ SIMVIS_INLINE SeenChildren see_children(const RayPacket& packet, const TreePlane
   const Float8 per_depth = splat8(1) / seen.depth;
   Mask8 whole = seen.depth > splat8(0);
   for (int axis = 0; axis < 2; ++axis) {
-    // On a ray's side of a plane x - low z >= 0 by `above` at the most: its shear is at most low + above / depth.
+    // Points of the box lie at most `above` inside the plane x - low z >= 0, so their shear is at most low + above /
+    // depth.
     const Float8 above = inwards(2 * axis, 1) + slack, below = inwards(2 * axis + 1, 1) + slack;
     beyond |= (above < splat8(0)) | (below < splat8(0));
     const Float8 low_shear = splat8(packet.low_shear[axis]), high_shear = splat8(packet.high_shear[axis]);
@@ -92,10 +94,10 @@ SIMVIS_INLINE SeenChildren see_children(const RayPacket& packet, const TreePlane
 inline constexpr std::uint32_t kAllRays = ~std::uint32_t{0};
 static_assert(RayPacket::kMax == 32);
 
-/// Which rays may meet a child, bit by bit.
+/// Which rays may hit a child: bit i for ray i.
 SIMVIS_INLINE std::uint32_t rays_into(const RayPacket& packet, const SeenChildren& seen, unsigned lane) {
   if (seen.whole >> lane & 1) return kAllRays;
-  // Far beyond what float32 rounds of shears, which are at most 1.
+  // Much larger than the float32 rounding errors of the shears, which are at most 1.
   constexpr float kMargin = 0x1p-18f;
   const auto down = [](float v) { return v - kMargin * (1 + std::abs(v)); };
   const auto up = [](float v) { return v + kMargin * (1 + std::abs(v)); };
@@ -109,7 +111,7 @@ SIMVIS_INLINE std::uint32_t rays_into(const RayPacket& packet, const SeenChildre
   return ~beside;
 }
 
-/// Whether all of these rays have met something nearer than this distance, in metres.
+/// Whether all of `rays` have a hit nearer than `distance_m`.
 SIMVIS_INLINE bool all_end_before(const RayPacket& packet, std::uint32_t rays, float distance_m) {
   std::uint32_t ended = 0;
   for (unsigned i = 0; i < RayPacket::kEights; ++i) ended |= bits_of(packet.end_m[i] < splat8(distance_m)) << 8 * i;
@@ -118,7 +120,7 @@ SIMVIS_INLINE bool all_end_before(const RayPacket& packet, std::uint32_t rays, f
 
 inline constexpr float kFarthestBox = std::numeric_limits<float>::max();
 
-/// Has memory begin to bring what is needed soon.
+/// Prefetches the boxes of a node that is needed soon.
 SIMVIS_INLINE void fetch(const WideNode& node) {
   for (int axis = 0; axis < 3; axis += 2) {
     __builtin_prefetch(&node.low[axis]);
@@ -127,14 +129,14 @@ SIMVIS_INLINE void fetch(const WideNode& node) {
 }
 
 struct WaitingBox {
-  std::uint32_t child, primitives;  // as WideNode has them
+  std::uint32_t child, primitives;  // as in WideNode
   float distance;
   std::uint32_t rays;
 };
 
-/// Of the bundle only `rays` count, bit by bit. Calls `visit` with each leaf that may be met, how many things it has,
-/// and by which of the rays it may be met, nearer ones first as far as boxes tell; `expect` some time before. `visit`
-/// may bring the planes' end nearer.
+/// Traverses the tree with the rays of the packet whose bits are set in `rays`. Calls `visit` with each leaf that a ray
+/// may hit, the number of its primitives, and the bits of the rays that may hit it. Nearer children of
+/// a node are visited first. Calls `expect` for a leaf some time before `visit`. `visit` may lower planes.end.
 template <typename Visit, typename Expect>
 SIMVIS_INLINE void traverse(const WideBvh& tree, const RayPacket& packet, std::uint32_t rays, const TreePlanes& planes,
                             const Visit& visit, const Expect& expect) {

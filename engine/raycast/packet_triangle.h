@@ -1,5 +1,6 @@
-// A bundle of rays and a triangle, in double, four rays at a time: the arithmetic of ray_triangle.cpp once more, to the
-// bit the same. Part of packet_cast.cpp, which is compiled without contracting products and sums into one rounding.
+// Tests of a ray packet against triangles in double, four rays at a time, with results that are bit-identical to those
+// of ray_triangle.cpp. Part of packet_cast.cpp, which is compiled without contraction of products and sums
+// (-ffp-contract=off).
 #pragma once
 
 #include <algorithm>
@@ -15,7 +16,7 @@ namespace simvis {
 
 inline constexpr Double4 kZero4{0, 0, 0, 0};
 
-/// The triangles of a leaf, side by side: their corners in the sensor frame, by corner and axis.
+/// The triangles of a leaf, one in each SIMD lane: corners in the sensor frame, indexed by corner and axis.
 struct SeenTriangles {
   Double4 at[3][3];
 
@@ -25,7 +26,7 @@ struct SeenTriangles {
   }
 };
 
-// As place_corners() does.
+// Same arithmetic as place_corners().
 SIMVIS_INLINE SeenTriangles see_triangles(const Mesh& mesh, const WideBvh::Leaf& leaf, const MeshPlacement& placement) {
   using Float4 = float __attribute__((vector_size(16)));
   const glm::dmat3& m = placement.linear;
@@ -46,16 +47,16 @@ SIMVIS_INLINE SeenTriangles see_triangles(const Mesh& mesh, const WideBvh::Leaf&
   return seen;
 }
 
-/// Where in the sheared plane triangles are, from low to high: everywhere if a corner is not ahead.
+/// Extents of triangles in the sheared plane; infinite if a corner is not ahead of the sensor.
 struct ShearedExtents {
   Double4 low[2], high[2];  ///< along x and y
-  Double4 nearest_m;        ///< no ray of the bundle meets them nearer than this
-  Mask4 ahead;              ///< whether any corner is
+  Double4 nearest_m;        ///< lower bound of the range of a hit
+  Mask4 ahead;              ///< whether any corner is ahead of the sensor
 };
 
 SIMVIS_INLINE ShearedExtents extents_of(const RayPacket& packet, const SeenTriangles& triangles) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  // Far beyond what double rounds.
+  // Much larger than the rounding errors in double.
   constexpr double kSlack = 0x1p-40;
   const Double4 z[3] = {triangles.at[0][packet.z], triangles.at[1][packet.z], triangles.at[2][packet.z]};
   const Double4 sign = splat4(packet.sign);
@@ -77,16 +78,16 @@ SIMVIS_INLINE ShearedExtents extents_of(const RayPacket& packet, const SeenTrian
   return extents;
 }
 
-/// What is done with rays that the four of a batch may meet.
+/// The result of testing a triangle against the four rays of a batch.
 struct BatchHit {
   Mask4 hit;
   Double4 range_m;
-  bool unsure = false;  // an edge's sign needs more digits
+  bool unsure = false;  // the sign of an edge function needs more digits
 };
 
-/// One triangle, along the axes of a bundle.
+/// One triangle, with its coordinates along the axes of a packet.
 struct SpreadTriangle {
-  Double4 x[3], y[3], z[3];  ///< all lanes alike
+  Double4 x[3], y[3], z[3];  ///< by corner; all SIMD lanes hold the same value
 };
 
 SIMVIS_INLINE BatchHit try_batch(const RayPacket& packet, unsigned batch, const SpreadTriangle& t) {
@@ -119,9 +120,9 @@ struct MetTriangle {
   double corner_error_m = 0;
 };
 
-/// The triangles that four rays have met.
+/// The triangles that four rays have hit, one in each SIMD lane.
 struct MetTriangles {
-  Double4 a[3], b[3], c[3];  ///< corners, by axes
+  Double4 a[3], b[3], c[3];  ///< corners, indexed by axis
   Double4 corner_error_m;
 
   SIMVIS_INLINE explicit MetTriangles(const MetTriangle& all) : corner_error_m(splat4(all.corner_error_m)) {
@@ -132,7 +133,7 @@ struct MetTriangles {
     }
   }
 
-  /// Of this lane and of those after it.
+  /// Sets the triangle of this SIMD lane and of all lanes after it.
   SIMVIS_INLINE void set_from(unsigned lane, const MetTriangle& t) {
     const Mask4 here = Mask4{0, 1, 2, 3} >= static_cast<long long>(lane);
     for (int axis = 0; axis < 3; ++axis) {
@@ -146,7 +147,7 @@ struct MetTriangles {
 
 SIMVIS_INLINE Double4 squared(Double4 x, Double4 y) { return x * x + y * y; }
 
-// As range_error_bound() does.
+// Same arithmetic as range_error_bound().
 SIMVIS_INLINE Double4 bounds_of_batch(const RayPacket& packet, unsigned batch, const MetTriangles& t, bool& unsure) {
   constexpr double kUnit = 0x1p-53;
   const Double4 sx = packet.shear_x[batch], sy = packet.shear_y[batch], per_z = packet.per_z[batch];

@@ -14,7 +14,7 @@ namespace simvis {
 namespace {
 
 constexpr VkDeviceSize kFirstSize = 16384;
-// More at once would gain nothing, and take memory.
+// A larger dispatch is not faster and takes more memory.
 constexpr std::size_t kMaxRays = std::size_t{1} << 20;
 
 void check_limits(const Device::Impl& device) {
@@ -99,7 +99,7 @@ void RayDispatch::reserve(Buffer& buffer, const char* name, VkDeviceSize size, V
       {.name = name, .size = std::min(most, std::max(kFirstSize, size + size / 2)), .usage = usage, .memory = memory});
 }
 
-// Nothing is in flight: the set may be written.
+// No submission is in flight, so the set may be written.
 void RayDispatch::describe(const std::array<const Buffer*, SIMVIS_RAY_BINDINGS>& buffers) {
   for (std::uint32_t i = 0; i < SIMVIS_RAY_BINDINGS; ++i) {
     write_descriptor(device_, set_layout_, set_.get(), i,

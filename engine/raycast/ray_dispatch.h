@@ -1,4 +1,4 @@
-// Runs ray_cast.comp: pipeline, descriptors, and the buffers that rays and candidates travel in.
+// Runs ray_cast.comp: its pipeline, its descriptors, and the buffers of rays and candidates.
 #pragma once
 
 #include <array>
@@ -10,30 +10,31 @@
 
 namespace simvis {
 
-/// What rays are cast into.
+/// The buffers of the world that rays are cast into.
 struct RayBuffers {
   const Buffer &top_nodes, &items, &mesh_nodes, &triangles;
 };
 
 class RayDispatch {
  public:
-  /// Throws MachineError where the device offers a shader too few storage buffers.
+  /// Throws MachineError if the device offers a shader too few storage buffers.
   explicit RayDispatch(Device::Impl& device);
 
-  /// What it holds; without a handle where nothing was cast yet.
+  /// All buffers that it holds. They have no handle before the first cast.
   std::array<const Buffer*, 3> buffers() const { return {&directions_, &candidates_, &readback_}; }
 
-  /// How many rays one dispatch may take.
+  /// Largest number of rays in one dispatch.
   std::size_t max_rays() const;
 
-  /// Where the directions of so many rays are to be written while nothing is in flight: xyz, unit vectors in the
-  /// world; w, what the ray meets at or before this range it passes, rounded down.
+  /// Memory for `rays` rays, which the caller fills while no submission is in flight. xyz is the direction, a unit
+  /// vector in the world frame. w is a range in metres, rounded down: hits at or before it are skipped. Valid until the
+  /// next call.
   std::span<glm::vec4> directions(std::size_t rays);
 
-  /// Casts as many rays as `block` says. Nothing is in flight.
+  /// Records the cast of block.rays.x rays. No submission may be in flight.
   void record(VkCommandBuffer commands, const RayBuffers& buffers, const shader::RayCastBlock& block);
 
-  /// Of each ray, once the submission has finished. Valid until the next directions().
+  /// The candidates of each ray, after the submission has finished. Valid until the next directions().
   std::span<const shader::RayCandidates> candidates(std::size_t rays) const;
 
  private:

@@ -10,12 +10,13 @@ namespace simvis {
 namespace {
 
 constexpr double kItemUnit = 0x1p-53;
-// Per component 7 u (|linear| |p|) + 4 u |offset|: a product of two matrices (3), its product with a point and the sum
-// (4), the difference of two places and its rotation (4). Then 3 u (|x| + |z|) for the shear, and again as much for
-// the direction, whose components are products of cosines. In all 16 u (reach + distance), times sqrt(3).
+// The rounding of a placed corner, in units of u = 2^-53. Each component has an error of up to 7 u (|linear| |p|) + 4 u
+// |offset|: the product of two matrices (3), its product with a point and the sum (4), the difference of two positions
+// and its rotation (4). The shear adds 3 u (|x| + |z|). The direction, whose components are products of cosines, adds
+// the same amount again. The total is 16 u (reach + distance), times sqrt(3).
 constexpr double kPlacingRoundings = 16 * 1.7320508;
-// World transforms come out of products of matrices with entries up to the offset from the world's origin: as many
-// roundings as VertexRounding counts.
+// World transforms are products of matrices with entries up to the offset from the world's origin. The number of
+// roundings is the one in VertexRounding.
 constexpr double kWorldRoundings = 3 * 4 * 1.7320508;
 
 }  // namespace
@@ -44,8 +45,8 @@ std::size_t RayInstances::in_reach(const glm::dmat4& world_from_sensor, std::spa
 bool RayInstances::update_structure(const DrawList& list) {
   if (made_ && list.changes.same_structure(version_)) return false;
   if (made_ && list.items == list_items_ && list.meshes == list_meshes_) return false;
-  made_ = false;  // until all is there: making a mesh's tree may throw
-  // What comes later may be made anew for each frame, as moving meshes are: of that, nothing is kept on disk.
+  made_ = false;  // until the update is complete: the code below may throw
+  // Only the first meshes are cached on disk. Later meshes may be new for each frame, as deforming meshes are.
   const std::filesystem::path cache = meshes_.empty() ? cache_ : "";
   items_.clear();
   std::unordered_set<const Mesh*> wanted;
@@ -109,7 +110,7 @@ SeenItem see(const RayInstance& item, const glm::dmat4& world_from_sensor) {
   seen.corner_error_m = kItemUnit * (kPlacingRoundings * (reach_m + distance_m) +
                                      kWorldRoundings * (glm::length(place) + glm::length(sensor)));
   const glm::dvec3 centre = seen.placement.linear * item.mesh->centre() + seen.placement.offset;
-  // The last term makes even what rounds here, in double, small beside kPadding.
+  // The last term makes sure that even the rounding errors in double here are small compared with kPadding.
   seen.scale = 1 / (stretch * radius + glm::length(centre) + 0x1p-20 * (reach_m + distance_m));
   seen.scaled_linear = glm::mat3(seen.scale * radius * seen.placement.linear);
   seen.scaled_centre = glm::vec3(seen.scale * centre);

@@ -1,4 +1,4 @@
-// What rays can meet of a draw list: its items at their places, the same for every engine of ray_caster.h.
+// The items of a draw list that rays can hit, with their transforms and boxes, for every engine of ray_caster.h.
 #pragma once
 
 #include <cstdint>
@@ -23,41 +23,43 @@ double frobenius(const glm::dmat3& m);
 
 /// An item in the world.
 struct RayInstance {
-  std::uint32_t item = 0;  ///< of the draw list
+  std::uint32_t item = 0;  ///< index into DrawList::items
   const Blas* mesh = nullptr;
   glm::dmat4 world_from_mesh{1.0};
-  Box box{};  ///< padded; world frame, its origin moved to RayInstances::origin()
+  Box box{};  ///< padded; in the world frame with its origin moved to RayInstances::origin()
 };
 
-/// Boxes are in the world frame with its origin moved to near the sensors: at most kReach_m away from whoever casts.
+/// Boxes are in the world frame with its origin moved near the sensors: every sensor that casts is at most kReach_m
+/// away from it.
 class RayInstances {
  public:
   static constexpr double kReach_m = 1000;
 
-  /// `cache`: a folder where trees of large meshes are kept; empty: nowhere. `pool`: on which trees are built.
+  /// `cache`: folder that keeps the trees of large meshes; empty for none. `pool`: threads that build trees.
   RayInstances(std::filesystem::path cache, std::shared_ptr<ThreadPool> pool)
       : cache_(std::move(cache)), pool_(std::move(pool)) {}
 
   ThreadPool& threads() const { return *pool_; }
 
-  /// Brings everything up to date with the list, for a sensor at this place.
+  /// Updates all instances to the list, for a sensor at `world_sensor`, in metres in the world frame.
   void update(const DrawList& list, const glm::dvec3& world_sensor);
 
-  /// Whether, after update(), a sensor at this place is served by it, too.
+  /// Whether the last update() also serves a sensor at this position.
   bool reaches(const glm::dvec3& world_sensor) const { return glm::distance(world_sensor, origin_) <= kReach_m; }
 
-  /// After update() for the first of these places in the frame of a sensor: how many of them, without a gap, it serves.
+  /// How many of the leading positions in `places_m`, given in the frame of a sensor, the last update() serves. That
+  /// update() must have been for the first of them.
   std::size_t in_reach(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> places_m) const;
 
   /// In the order of the list's items.
   const std::vector<RayInstance>& items() const { return items_; }
   const glm::dvec3& origin() const { return origin_; }
 
-  /// By the last update(): whether there are other items than before, and which stand elsewhere, in any order.
+  /// Results of the last update(): whether the set of items changed, and the indices of the moved items, in any order.
   bool structure_changed() const { return structure_changed_; }
   const std::vector<std::uint32_t>& moved_items() const { return moved_; }
 
-  RayCounters counters;  ///< what is the engine's own, the engine counts
+  RayCounters counters;  ///< each engine adds its own counts
 
  private:
   bool update_structure(const DrawList& list);
@@ -70,26 +72,27 @@ class RayInstances {
   std::vector<DrawItem> list_items_;
   std::vector<std::shared_ptr<const Mesh>> list_meshes_;
   std::vector<RayInstance> items_;
-  StandingAt standing_;  // the numbers in items_
+  StandingAt standing_;  // indices into items_ for each transform
   std::vector<std::uint32_t> moved_;
-  ListVersion version_;  // of the list as of the last update()
+  ListVersion version_;  // version of the list at the last update()
   bool made_ = false, structure_changed_ = false, anchored_ = false;
   glm::dvec3 origin_{0};
 };
 
 /// An item as one sensor sees it.
 struct SeenItem {
-  std::uint64_t cast = 0;  ///< the cast for which this was made
+  std::uint64_t cast = 0;  ///< number of the cast that these values belong to
   MeshPlacement placement;
-  /// From the mesh's unit frame to the sensor frame, lengths scaled such that its points come to lie in the unit ball.
+  /// From the mesh's unit frame to the sensor frame, with lengths scaled so that all points of the item lie in the unit
+  /// ball.
   glm::mat3 scaled_linear{1.0f};
   glm::vec3 scaled_centre{0};
-  double scale = 1;           ///< of these lengths, from metres
-  double corner_error_m = 0;  ///< by how much rounding may have displaced a corner
-  bool solid = false;         ///< at every point
+  double scale = 1;           ///< factor from metres to these lengths
+  double corner_error_m = 0;  ///< largest displacement of a corner by rounding
+  bool solid = false;         ///< whether the item is solid at every point
 };
 
-/// All but `cast` and `solid`. `world_from_sensor` is rigid.
+/// Sets all fields except `cast` and `solid`. `world_from_sensor` is rigid.
 SeenItem see(const RayInstance& item, const glm::dmat4& world_from_sensor);
 
 }  // namespace simvis

@@ -7,17 +7,17 @@ namespace simvis {
 
 namespace {
 
-// Rays farther apart than this do not see much the same any more: about 25 degrees.
+// Rays at a larger angle to the first ray than this, about 25 degrees, no longer visit mostly the same boxes.
 constexpr double kMinCosine = 0.9;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// As ShearedRay has it.
+// Same choice as in ShearedRay.
 int largest_axis(const glm::dvec3& direction) {
   const glm::dvec3 size = glm::abs(direction);
   return size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
 }
 
-/// Four rows and columns, turned about their diagonal.
+/// Transposes a 4x4 matrix.
 SIMVIS_INLINE void transpose(const Double4* rows, Double4 (&columns)[4]) {
   const Double4 a = __builtin_shufflevector(rows[0], rows[1], 0, 4, 2, 6),
                 b = __builtin_shufflevector(rows[0], rows[1], 1, 5, 3, 7),
@@ -48,7 +48,7 @@ SIMVIS_INLINE void RayPacket::place(std::span<const glm::dvec3> directions, std:
   x = (z + 1) % 3;
   y = (z + 2) % 3;
   sign = leading[z] < 0 ? -1 : 1;
-  // Of equal components the first is the largest.
+  // If components are equal, the first one counts as the largest.
   const Mask4 x_loses_ties = splat4(x) > splat4(z), y_loses_ties = splat4(y) > splat4(z);
   const auto most = static_cast<unsigned>(std::min<std::size_t>(kMax, directions.size()));
   Double4 sum[3] = {splat4(0), splat4(0), splat4(0)}, min_z = splat4(kInfinity);
@@ -72,7 +72,7 @@ SIMVIS_INLINE void RayPacket::place(std::span<const glm::dvec3> directions, std:
         along_z[lane] = last[z];
       }
     }
-    // As ShearedRay does.
+    // Same arithmetic as in ShearedRay.
     per_z[batch] = splat4(1) / along_z;
     shear_x[batch] = along_x / along_z;
     shear_y[batch] = along_y / along_z;

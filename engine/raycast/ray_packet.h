@@ -1,4 +1,4 @@
-// Rays from one place that travel together: neighbours of a scan, that see much the same.
+// A packet of rays from one position, neighbours of a scan, that traverse trees together.
 #pragma once
 
 #include <cstdint>
@@ -12,18 +12,20 @@
 
 namespace simvis {
 
-/// Rays from the origin of the sensor frame whose directions have the same largest component, of the same sign. Sheared
-/// along it (see ray_triangle.h) each is a point of a plane, and the bundle a rectangle there.
+/// Rays from the origin of the sensor frame whose directions have the same largest component, with the same sign.
+/// Sheared along this component (see ray_triangle.h), each ray is a point of a plane, and a rectangle of that plane
+/// bounds the packet.
 struct RayPacket {
   static constexpr unsigned kLanes = 4, kBatches = 8, kMax = kLanes * kBatches;
   static_assert(kMax == RayCaster::kPacketSize);
 
-  /// From as many of the first rays as fit together, at least one. `t_min_m` is empty or as long.
+  /// Takes as many of the first rays as fit into one packet, at least one. `t_min_m` is empty or as long as
+  /// `directions`.
   RayPacket(std::span<const glm::dvec3> directions, std::span<const double> t_min_m);
 
   ShearedRay ray(unsigned index) const;
 
-  /// Range of the farthest of the nearest hits, infinity while a ray has met nothing.
+  /// Largest range of the rays' nearest hits; infinity while a ray has no hit.
   SIMVIS_INLINE double farthest_m() const {
     Double4 farthest = range_m[0];
     for (unsigned i = 1; i < batches; ++i) farthest = max(farthest, range_m[i]);
@@ -32,24 +34,24 @@ struct RayPacket {
 
   unsigned count = 0, batches = 0;
   int x = 0, y = 1, z = 2;  ///< axes of the sensor frame; z: the largest component
-  double sign = 1;          ///< of that component
-  double min_per_z = 0;     ///< of the amounts of the rays' per_z
+  double sign = 1;          ///< sign of that component
+  double min_per_z = 0;     ///< smallest absolute value of the rays' per_z
 
   Double4 shear_x[kBatches], shear_y[kBatches], per_z[kBatches];
-  /// Nearest hits so far; what is met at or before `t_min_m` is passed. Lanes without a ray meet nothing.
+  /// Nearest hits so far; hits at or before `t_min_m` are skipped. SIMD lanes without a ray hit nothing.
   Double4 range_m[kBatches], t_min_m[kBatches];
   Mask4 placed[kBatches], primitive[kBatches];
-  /// Of the shears of each batch, four batches side by side.
+  /// Bounds of the shears of each batch, four batches in one vector.
   Double4 low_x[kBatches / 4], high_x[kBatches / 4], low_y[kBatches / 4], high_y[kBatches / 4];
 
-  /// Once more in float32, eight rays side by side: the shears along x and along y, and the range of the nearest hit,
-  /// rounded up.
+  /// The same in float32, eight rays in one vector: the shears along x and along y, the range of the nearest hit,
+  /// rounded up, and the bounds of all shears.
   static constexpr unsigned kEights = kMax / 8;
   Float8 shears[2][kEights], end_m[kEights];
   float low_shear[2], high_shear[2];
-  double low[2], high[2];  ///< the same in double
+  double low[2], high[2];  ///< bounds of all shears in double
 
-  /// After hits were found: end_m anew.
+  /// Computes end_m again after new hits.
   SIMVIS_INLINE void update_ends() {
     for (unsigned i = 0; i < kEights; ++i) {
       using Float4 = float __attribute__((vector_size(16)));
@@ -59,11 +61,11 @@ struct RayPacket {
     }
   }
 
-  /// What lies before all of these planes through the sensor, n . p >= 0, may be met: the sides, and the plane across
-  /// the largest component. The last is the direction that distances are counted along, turned round. Normals are up to
-  /// sqrt(2) long.
+  /// Planes through the sensor: the four sides, and the plane perpendicular to the largest component. A ray can only
+  /// hit points p with n . p >= 0 for each of these five. The sixth normal is the negated direction along which
+  /// distances are measured. Normals are up to sqrt(2) long.
   static constexpr int kPlanes = 6;
-  Float8 normal_x, normal_y, normal_z;  ///< the two lanes that are left over are 0
+  Float8 normal_x, normal_y, normal_z;  ///< the two unused SIMD lanes are 0
 
  private:
   static void fill(RayPacket& packet, std::span<const glm::dvec3> directions, std::span<const double> passed_m);

@@ -1,5 +1,5 @@
-// Compiled without contracting products and sums into one rounding: signs of shared edges must be each other's
-// opposite.
+// This file is compiled without contraction of products and sums (-ffp-contract=off), because the two triangles at a
+// shared edge must compute opposite signs for it.
 #include "engine/raycast/ray_triangle.h"
 
 #include <algorithm>
@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kUnit = 0x1p-53;
 
-// p x q, of exact sign: where the products differ once rounded, they differ the same way unrounded.
+// p x q with an exact sign. If the rounded products differ, the exact products differ in the same direction.
 double cross_of(const glm::dvec2& p, const glm::dvec2& q) {
   const double a = p.x * q.y, b = p.y * q.x;
   if (a != b) return a - b;
@@ -60,7 +60,8 @@ bool intersect(const ShearedRay& ray, const std::array<glm::dvec3, 3>& corners, 
   if (area == 0) return false;
   const double az = corners[0][ray.z] * ray.per_z, bz = corners[1][ray.z] * ray.per_z,
                cz = corners[2][ray.z] * ray.per_z;
-  // A mean of the corners' ranges: rounding in an edge-on triangle's weights cannot take it past them.
+  // The range is a weighted mean of the corners' ranges. The clamp keeps it between them when the weights of a nearly
+  // edge-on triangle are rounded.
   const double range = std::clamp((u * az + v * bz + w * cz) / area, std::min({az, bz, cz}), std::max({az, bz, cz}));
   if (!(range > 0)) return false;
   hit = {range, {u, v, w}};

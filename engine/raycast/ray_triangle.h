@@ -1,10 +1,10 @@
-// Whether and where a ray from the origin meets a triangle, in double, watertight.
+// Watertight intersection of a ray from the origin with a triangle, in double.
 //
-// Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013, with signs that are exact: corners
-// are sheared so that the ray runs along one axis; then the ray meets the triangle if the origin of the plane across
-// lies in the sheared triangle, edges included. A corner's sheared place depends on nothing but the corner and the ray,
-// and on which side of an edge the origin lies is decided without rounding. So triangles that share vertices share
-// borders, and no ray passes between them.
+// The method is that of Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013, with exact
+// signs. The corners are sheared so that the ray runs along one axis. The ray then hits the triangle if the origin of
+// the plane perpendicular to that axis lies in the sheared triangle, edges included. The sheared position of a corner
+// depends only on the corner and the ray, and the side of an edge on which the origin lies is decided without rounding.
+// Triangles that share vertices therefore share borders, and no ray passes between them.
 #pragma once
 
 #include <array>
@@ -21,7 +21,8 @@ struct MeshPlacement {
   glm::dvec3 offset{0};
 };
 
-/// `world_from_sensor` is rigid. Places far from the world's origin are subtracted before anything else.
+/// `world_from_sensor` is rigid. The two positions, which may be far from the world's origin, are subtracted before any
+/// other operation.
 MeshPlacement place_mesh(const glm::dmat4& world_from_mesh, const glm::dmat4& world_from_sensor);
 
 /// The corners of a primitive in the sensor frame.
@@ -38,13 +39,14 @@ struct ShearedRay {
 
 struct TriangleHit {
   double range_m = 0;
-  glm::dvec3 weights{0};  ///< of the corners, of one sign, not normalised: their sum is the sheared area, doubled
+  /// Weights of the corners, all of one sign, not normalised: their sum is twice the sheared area.
+  glm::dvec3 weights{0};
 };
 
-/// False where the ray misses, meets the triangle edge-on, or at no positive range.
+/// Returns false if the ray misses the triangle, meets it edge-on, or meets it at a range that is not positive.
 bool intersect(const ShearedRay& ray, const std::array<glm::dvec3, 3>& corners, TriangleHit& hit);
 
-/// How far a hit's range may be off when each corner may be displaced by `corner_error_m`. See ray_caster.h.
+/// Error bound of a hit's range if each corner is displaced by up to `corner_error_m`. See ray_caster.h.
 double range_error_bound(const ShearedRay& ray, const std::array<glm::dvec3, 3>& corners, const TriangleHit& hit,
                          double corner_error_m);
 

@@ -20,7 +20,8 @@ SurfacePoint surface_point(const DrawList& list, const glm::dmat4& world_from_se
   const glm::dvec3 weights = met.weights / (met.weights.x + met.weights.y + met.weights.z);
   const glm::dvec3 edge = corners[1] - corners[0], other = corners[2] - corners[0], across = glm::cross(edge, other);
   const glm::dvec3 normal = glm::normalize(across);
-  // Corners are off by less than the range is: edges by twice that.
+  // The error of a corner is less than the error bound of the range; the error of an edge is less than twice that
+  // bound.
   const double turned = 2 * hit.error_bound_m * (glm::length(edge) + glm::length(other)) / glm::length(across);
   return {.range_m = hit.range_m,
           .error_bound_m = hit.error_bound_m,

@@ -12,12 +12,13 @@ namespace {
 
 constexpr VkDeviceSize kFirstTopSize = 4096;
 
-// Where every point is solid, what lies behind needs no look.
+// Nothing behind an item that is solid at every point needs a test.
 bool is_solid_item(const DrawList& list, const RayInstance& item) {
   return is_solid_throughout(*list.materials[list.items[item.item].material]);
 }
 
-/// Uploads of a table the entries whose numbers are given, in ascending order: neighbours together.
+/// Uploads the entries of a table that have the given indices, in ascending order. Adjacent entries are uploaded
+/// together.
 template <typename T>
 void write_entries(const Buffer& buffer, std::span<const T> table, std::span<const std::uint32_t> entries,
                    Uploads& uploads) {
@@ -71,7 +72,7 @@ void Tlas::build(RayInstances& items, Uploads& uploads) {
   uploads.write(nodes_, 0, std::as_bytes(std::span(bvh_.nodes)));
 }
 
-// A material may change without anything moving.
+// Checks all items, because a material may change although no item moves.
 void Tlas::write_blocks(const DrawList& list, const RayInstances& items, const BlasPool& meshes, bool all,
                         Uploads& uploads) {
   std::vector<std::uint32_t> leaves;

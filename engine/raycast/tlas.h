@@ -1,4 +1,4 @@
-// The tree over items, on the host and on the device, and what the shader reads of each item.
+// The tree over items, on the host and on the device, and the data of each item that the shader reads.
 #pragma once
 
 #include <vector>
@@ -8,24 +8,25 @@
 
 namespace simvis {
 
-/// Items that move are refitted into the tree, which then holds, and gets slower to walk. It is built anew where there
-/// are other items, and where a ray has to look into twice as many boxes as when it was built.
+/// Moved items are refitted into the tree. The tree stays correct, but its traversal becomes slower. It is built again
+/// when the set of items changes, and when a ray has to visit more than twice as many boxes as when it was built.
 class Tlas {
  public:
   explicit Tlas(Device::Impl& device) : device_(device) {}
 
-  /// After items.update() and meshes.update(), whose result `meshes_moved` is. Uploads what has changed.
+  /// Must follow items.update() and meshes.update(); `meshes_moved` is the result of the latter. Uploads the changes.
   void update(const DrawList& list, RayInstances& items, const BlasPool& meshes, bool meshes_moved, Uploads& uploads);
 
-  /// Over RayInstances::items(), one in a leaf.
+  /// Tree over RayInstances::items(), with one item in each leaf.
   const Bvh& bvh() const { return bvh_; }
-  /// Of the items that the shader names, which stand in the order of the tree's leaves.
+  /// Index into RayInstances::items() of an item that the shader names. The shader numbers items in the order of the
+  /// tree's leaves.
   std::uint32_t placed(std::uint32_t shader_item) const { return bvh_.order[shader_item]; }
 
   const Buffer& nodes() const { return nodes_; }
   const Buffer& blocks() const { return block_buffer_; }
 
-  /// Forgets everything.
+  /// Drops the tree and its buffers.
   void clear();
 
  private:
@@ -37,7 +38,7 @@ class Tlas {
   Device::Impl& device_;
   Bvh bvh_;
   std::vector<Box> boxes_;
-  std::vector<std::uint32_t> leaf_of_;  // of each item: its place in the tree's order
+  std::vector<std::uint32_t> leaf_of_;  // position of each item in the tree's order
   double sah_cost_when_built_ = 0;
   std::vector<std::uint8_t> solid_;
   std::vector<shader::RayItem> blocks_;

@@ -1,4 +1,4 @@
-// A buffer and its memory, mapped for as long as it lives where the host may see it.
+// A buffer and its memory. Memory that the host accesses stays mapped for the lifetime of the buffer.
 #pragma once
 
 #include <cstddef>
@@ -24,8 +24,8 @@ class Buffer {
   VkBuffer get() const { return buffer_.get(); }
   VkDeviceSize size() const { return desc_.size; }
   const BufferDesc& desc() const { return desc_; }
-  std::uint64_t memory_bytes() const { return memory_.bytes(); }  ///< that it takes, the device's rounding included
-  std::byte* mapped() const { return memory_.mapped(); }          ///< null where the host does not see it
+  std::uint64_t memory_bytes() const { return memory_.bytes(); }  ///< with the device's rounding
+  std::byte* mapped() const { return memory_.mapped(); }          ///< null if the memory is not mapped
   explicit operator bool() const { return static_cast<bool>(buffer_); }
 
  private:

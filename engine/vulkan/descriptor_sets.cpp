@@ -54,7 +54,7 @@ DescriptorSets::DescriptorSets(Device::Impl& device, const DescriptorLayout& lay
     : sets_(count) {
   SIMVIS_ASSERT(count > 0);
   std::vector<VkDescriptorPoolSize> sizes;
-  for (const VkDescriptorType type : layout.types()) sizes.push_back({type, count});  // a type may come several times
+  for (const VkDescriptorType type : layout.types()) sizes.push_back({type, count});  // a type may occur several times
   const VkDescriptorPoolCreateInfo pool_info{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
                                              .pNext = nullptr,
                                              .flags = 0,

@@ -1,4 +1,4 @@
-// Descriptor sets: their layouts, their pools, and the buffers and images that they refer to.
+// Descriptor sets with their layouts, their pools, and the buffers and images that they refer to.
 #pragma once
 
 #include <vulkan/vulkan.h>
@@ -21,7 +21,7 @@ class DescriptorLayout {
   DescriptorLayout(Device::Impl& device, std::span<const VkDescriptorSetLayoutBinding> bindings, const char* name);
 
   VkDescriptorSetLayout get() const { return layout_.get(); }
-  std::span<const VkDescriptorType> types() const { return types_; }  ///< of each binding
+  std::span<const VkDescriptorType> types() const { return types_; }  ///< type of each binding
   explicit operator bool() const { return static_cast<bool>(layout_); }
 
  private:
@@ -29,7 +29,7 @@ class DescriptorLayout {
   std::vector<VkDescriptorType> types_;
 };
 
-/// Sets of one layout, and the pool of just these sets. They are freed together.
+/// Sets of one layout and the pool that holds only these sets. Sets and pool are freed together.
 class DescriptorSets {
  public:
   DescriptorSets() = default;

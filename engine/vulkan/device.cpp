@@ -125,7 +125,7 @@ void Device::Impl::create_device() {
 }
 
 void Device::Impl::choose_upload() {
-  // A small window into the device's memory does not count: geometry may not fit into it.
+  // A small host-visible part of the device's memory is not enough, because geometry may not fit into it.
   VkDeviceSize largest = 0, visible = 0;
   for (std::uint32_t i = 0; i < memory.memoryHeapCount; ++i) {
     if (memory.memoryHeaps[i].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT) {

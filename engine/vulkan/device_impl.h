@@ -1,4 +1,4 @@
-// The inside of Device, for the engine's own files.
+// The implementation of Device, for the engine's own files.
 #pragma once
 
 #include <vulkan/vulkan.h>
@@ -22,16 +22,16 @@ namespace simvis {
 
 class ThreadPool;
 
-/// What memory is for; the device picks the best type that it has.
+/// The use of memory. The device selects its best memory type for it.
 enum class MemoryKind : std::uint8_t {
   device,    ///< written once, read often by the GPU; mapped where `direct_upload`
   image,     ///< for images, never mapped
   dynamic,   ///< written by the host each frame, read by the GPU; mapped
-  staging,   ///< written by the host, copied from; mapped
-  readback,  ///< copied to, read by the host; mapped
+  staging,   ///< written by the host, source of copies; mapped
+  readback,  ///< target of copies, read by the host; mapped
 };
 
-/// An object that nobody owns any more.
+/// An object without an owner, to be destroyed later.
 struct Retired {
   std::function<void()> destroy;
   std::uint64_t serial = 0;  ///< the last submission that may use it
@@ -45,15 +45,16 @@ struct Device::Impl {
 
   const VkPhysicalDeviceLimits& limits() const { return physical.properties.limits; }
 
-  /// Throws MachineError when no type of `allowed_types` (a bit per type) serves.
+  /// Index of the memory type for `kind`. Throws MachineError if no type of `allowed_types` (one bit per type) is
+  /// suitable.
   std::uint32_t memory_type(std::uint32_t allowed_types, MemoryKind kind) const;
 
-  /// Every object that Handle owns passes through adopt() and retire(), every MemorySlice through adopt_memory() and
-  /// retire().
+  /// Every object that a Handle owns passes through adopt() and retire(). Every MemorySlice passes through
+  /// adopt_memory() and retire().
   void adopt(VkObjectType type, std::uint64_t handle, std::string_view name);
   void adopt_memory() { ++live_objects_; }
   void retire(std::function<void()> destroy);
-  /// Destroys what no unfinished submission may use.
+  /// Destroys the retired objects that no unfinished submission may use.
   void destroy_retired();
   std::uint64_t live_objects() const { return live_objects_; }
 
@@ -61,7 +62,7 @@ struct Device::Impl {
   void begin_label(VkCommandBuffer commands, std::string_view name) const;
   void end_label(VkCommandBuffer commands) const;
 
-  /// As vkCmdDrawIndexed for each, in this order, by one command where the device can.
+  /// Same as vkCmdDrawIndexed for each of `draws`, in this order. Uses VK_EXT_multi_draw if the device supports it.
   void draw_indexed(VkCommandBuffer commands, std::span<const VkMultiDrawIndexedInfoEXT> draws,
                     std::uint32_t instance_count, std::uint32_t first_instance) const;
 
@@ -73,22 +74,23 @@ struct Device::Impl {
   std::filesystem::path cache_folder;  ///< empty: nothing is kept on disk
   std::optional<DeviceMemory> device_memory;
   std::optional<PipelineCache> pipeline_cache;
-  std::shared_ptr<ThreadPool> threads;  ///< of all that works on the host for this device
+  std::shared_ptr<ThreadPool> threads;  ///< for all host work of this device
   ProgressCallback progress;
 
   void report(const Progress& how_far) const {
     if (progress) progress(how_far);
   }
 
-  /// The host writes straight into device memory: on CPU devices, and where the whole of the device's memory is
-  /// visible to the host. Otherwise data goes through staging buffers and copies. Chosen once.
+  /// Whether the host writes directly into device memory. It does so on CPU devices and wherever the host can access
+  /// all of the device's memory. Otherwise, data goes through staging buffers and copies. Set once by the constructor.
   bool direct_upload = false;
 
-  /// Times and counts what the device does, see DeviceDesc. Without: no query pool exists.
+  /// Whether queries time and count the device's work, see DeviceDesc. If false, no query pool exists.
   bool instrumented = false;
-  std::uint64_t memory_bytes = 0;  ///< of all buffers and images that live
+  std::uint64_t memory_bytes = 0;  ///< of all existing buffers and images
 
-  // Submissions are numbered from 1. While commands are recorded, what is retired may be used by the next one.
+  // Submissions are numbered from 1. While commands are recorded, the next submission may still use an object that is
+  // retired.
   std::uint64_t submitted = 0, finished = 0;
   bool recording = false;
 

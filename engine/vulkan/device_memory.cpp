@@ -13,7 +13,8 @@ namespace {
 
 constexpr VkDeviceSize kSmallestBlock = VkDeviceSize{1} << 20, kLargestBlock = VkDeviceSize{64} << 20;
 constexpr VkDeviceSize kBlocksPerHeap = 64;
-// A block larger than the smallest is at most this part of what the pool holds already, which bounds the idle memory.
+// A block larger than kSmallestBlock is at most 1 / kGrowth of the memory that the pool already holds. This bounds the
+// idle memory.
 constexpr VkDeviceSize kGrowth = 4;
 
 VkDeviceSize round_up(VkDeviceSize size, VkDeviceSize step) { return (size + step - 1) / step * step; }
@@ -76,7 +77,7 @@ bool DeviceMemory::gets_own(const MemoryRequest& request) const {
   return request.requires_own || (request.prefers_own && allocations_ < max_allocations_ / 2);
 }
 
-// Memory that is not coherent is flushed and invalidated by whole atoms, which no two ranges may share.
+// Memory that is not coherent is flushed and invalidated in whole atoms. No two ranges may share an atom.
 VkDeviceSize DeviceMemory::step(std::uint32_t type) const {
   constexpr VkMemoryPropertyFlags kHost = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
   const bool by_atoms = (memory_.memoryTypes[type].propertyFlags & kHost) == VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT;
@@ -101,8 +102,8 @@ MemoryRange DeviceMemory::cut(Pool& pool, const MemoryRequest& request) {
   return {};
 }
 
-// A block with room for other resources if the request allows it and the heap has room; otherwise one of exactly the
-// size that was asked for.
+// Adds a block with room for other resources if the request allows it and the heap has room; otherwise a block of
+// exactly the requested size.
 MemoryBlock& DeviceMemory::add_block(Pool& pool, const MemoryRequest& request) {
   const bool own = gets_own(request);
   const VkDeviceSize size = block_size(pool, request.type);

@@ -1,4 +1,4 @@
-// The device's memory: a few large allocations, out of which buffers and images get ranges.
+// The device's memory: a few large allocations from which buffers and images get ranges.
 #pragma once
 
 #include <vulkan/vulkan.h>
@@ -15,9 +15,9 @@
 
 namespace simvis {
 
-/// What one buffer or image asks for.
+/// The memory request of one buffer or image.
 struct MemoryRequest {
-  std::string_view name;  ///< of the resource, for messages
+  std::string_view name;  ///< name of the resource, for messages
   VkMemoryRequirements needs{};
   std::uint32_t type = 0;                          ///< one of needs.memoryTypeBits
   bool mapped = false;                             ///< the host reads or writes it
@@ -33,10 +33,10 @@ struct MemoryRange {
   MemoryBlock* block = nullptr;
   VkDeviceMemory memory = VK_NULL_HANDLE;
   VkDeviceSize offset = 0, size = 0;
-  std::byte* mapped = nullptr;  ///< where the request asked for it
+  std::byte* mapped = nullptr;  ///< null unless the request asked for mapped memory
 };
 
-/// The calls that take and return memory; tests have their own.
+/// The Vulkan calls that allocate, free and map memory. Tests replace them.
 struct MemoryCalls {
   PFN_vkAllocateMemory allocate;
   PFN_vkFreeMemory free;
@@ -46,7 +46,8 @@ struct MemoryCalls {
 /// Many GPUs allow no more than 4,096 allocations, and each one is slow. Memory is therefore allocated in blocks, which
 /// grow with what is already held: from 1 MiB to 64 MiB, and to at most a 64th of the heap. A resource that would fill
 /// more than half of a block gets an allocation of exactly its size, and so does one for which the device asks for
-/// that. A block goes back to the device as soon as it is empty. It is mapped from the host's first request until then.
+/// that. A block goes back to the device as soon as it is empty. It is mapped from the first request for mapped memory
+/// until then.
 ///
 /// Images never share a block with buffers: their distance always satisfies bufferImageGranularity. Ranges begin at
 /// multiples of kHostAlignment.
@@ -60,18 +61,18 @@ class DeviceMemory {
   DeviceMemory(VkDevice device, const VkPhysicalDeviceMemoryProperties& memory, const VkPhysicalDeviceLimits& limits);
   DeviceMemory(VkDevice device, const VkPhysicalDeviceMemoryProperties& memory, const VkPhysicalDeviceLimits& limits,
                const MemoryCalls& calls);
-  /// All ranges have been given back.
+  /// All ranges must have been given back.
   ~DeviceMemory();
   DeviceMemory(const DeviceMemory&) = delete;
   DeviceMemory& operator=(const DeviceMemory&) = delete;
 
-  /// Throws MachineError with Vulkan's result and what was asked for when the heap is exhausted or the device allows
-  /// no further allocation.
+  /// Throws MachineError, whose message holds Vulkan's result and the request, when the heap is exhausted or the device
+  /// allows no further allocation.
   MemoryRange take(const MemoryRequest& request);
   void give_back(const MemoryRange& range);
 
-  std::uint64_t allocations() const { return allocations_; }  ///< that are held
-  std::uint64_t bytes() const { return bytes_; }              ///< of these allocations
+  std::uint64_t allocations() const { return allocations_; }  ///< number of allocations held
+  std::uint64_t bytes() const { return bytes_; }              ///< size of these allocations
 
  private:
   // Blocks of one memory type for one kind of resource, the oldest first.

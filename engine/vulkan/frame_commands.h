@@ -1,4 +1,4 @@
-// The one command buffer of a frame: recorded, submitted, waited for.
+// The single command buffer of a frame: it is recorded, submitted and waited for.
 #pragma once
 
 #include "engine/vulkan/handle.h"
@@ -8,22 +8,22 @@ namespace simvis {
 class FrameCommands {
  public:
   explicit FrameCommands(Device::Impl& device);
-  /// Waits for what is in flight.
+  /// Waits for the submission in flight, if there is one.
   ~FrameCommands();
   FrameCommands(const FrameCommands&) = delete;
   FrameCommands& operator=(const FrameCommands&) = delete;
 
-  /// Starts recording. Nothing is in flight.
+  /// Starts recording. No submission may be in flight.
   VkCommandBuffer begin();
-  /// Submits what was recorded.
+  /// Submits the recorded commands.
   void submit();
-  /// Waits until the device has done it; then destroys what was retired.
+  /// Waits until the device has finished the submission, then destroys the retired objects.
   void wait();
   void submit_and_wait() {
     submit();
     wait();
   }
-  /// Gives up what was recorded, after an exception. What was submitted before has to be waited for.
+  /// Discards the recorded commands after an exception. Earlier submissions must still be waited for.
   void abandon();
 
  private:

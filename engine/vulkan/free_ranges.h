@@ -1,4 +1,4 @@
-// Which ranges of a block of memory are free.
+// Keeps track of the free ranges of a block of memory.
 #pragma once
 
 #include <cstdint>
@@ -9,23 +9,23 @@
 
 namespace simvis {
 
-/// Bookkeeping only: it touches no memory. Best fit: the smallest free range that fits is taken, and the first one of
-/// several of that size, so that the same calls always give the same places. Time is logarithmic in the number of free
-/// ranges unless alignment rules many of them out.
+/// The class does not access the memory itself. Best fit: it takes the smallest free range that fits, and the first one
+/// of several with that size, so that the same calls always give the same positions. Time is logarithmic in the number
+/// of free ranges unless alignment rules many of them out.
 class FreeRanges {
  public:
-  /// One free range of `size` bytes, above 0.
+  /// Starts with one free range of `size` bytes, above 0.
   explicit FreeRanges(std::uint64_t size);
 
-  /// Takes `size` bytes, above 0, at a multiple of `alignment`, a power of two. Returns where they begin; nothing when
-  /// no free range holds them.
+  /// Takes `size` bytes, above 0, at a multiple of `alignment`, a power of two. Returns the first byte; nothing if no
+  /// free range is large enough.
   std::optional<std::uint64_t> take(std::uint64_t size, std::uint64_t alignment);
-  /// Gives back what take() returned; `size` as it was asked for. Joins free neighbours.
+  /// Gives back a range that take() returned, with the `size` of that call. Joins adjacent free ranges.
   void give_back(std::uint64_t first, std::uint64_t size);
 
   bool all_free() const { return free_bytes_ == size_; }
   std::uint64_t free_bytes() const { return free_bytes_; }
-  std::size_t count() const { return by_place_.size(); }  ///< of free ranges, none of which touch
+  std::size_t count() const { return by_place_.size(); }  ///< number of free ranges; no two of them are adjacent
 
  private:
   void add(std::uint64_t first, std::uint64_t size);

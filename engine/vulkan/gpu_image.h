@@ -1,4 +1,4 @@
-// A two-dimensional image, its memory and a view of the whole.
+// A two-dimensional image with its memory and a view of the whole image.
 #pragma once
 
 #include <string>
@@ -14,7 +14,7 @@ struct GpuImageDesc {
   std::uint32_t mip_levels = 1;
   VkFormat format = VK_FORMAT_UNDEFINED;
   VkImageUsageFlags usage = 0;
-  std::uint32_t samples = 1;  ///< of each pixel
+  std::uint32_t samples = 1;  ///< per pixel
   VkImageAspectFlags aspect = VK_IMAGE_ASPECT_COLOR_BIT;
 };
 
@@ -26,7 +26,7 @@ class GpuImage {
   VkImage get() const { return image_.get(); }
   VkImageView view() const { return view_.get(); }
   const GpuImageDesc& desc() const { return desc_; }
-  std::uint64_t memory_bytes() const { return memory_.bytes(); }  ///< that it takes, the device's rounding included
+  std::uint64_t memory_bytes() const { return memory_.bytes(); }  ///< with the device's rounding
   explicit operator bool() const { return static_cast<bool>(image_); }
 
  private:

@@ -1,5 +1,5 @@
-// A move-only owner of one Vulkan object. When it goes, the object is put on the device's retire list, and destroyed
-// once the submission that may still use it has finished. handle.cpp says for which types it exists.
+// A move-only owner of one Vulkan object. Its destructor puts the object on the device's retire list. The device
+// destroys the object when the submission that may still use it has finished. handle.cpp lists the supported types.
 #pragma once
 
 #include <vulkan/vulkan.h>
@@ -16,7 +16,7 @@ template <typename T>
 class Handle {
  public:
   Handle() = default;
-  /// Takes over `handle`. The name shows in messages of the validation layer and in debuggers.
+  /// Takes ownership of `handle`. The name appears in messages of the validation layer and in debuggers.
   Handle(Device::Impl& device, T handle, std::string_view name);
   ~Handle() { retire(); }
   Handle(Handle&& other) noexcept : device_(other.device_), handle_(std::exchange(other.handle_, VK_NULL_HANDLE)) {}

@@ -102,7 +102,7 @@ Instance::~Instance() {
 std::vector<VkPhysicalDevice> Instance::physical_devices() const {
   std::uint32_t count = 0;
   const VkResult result = vkEnumeratePhysicalDevices(instance_, &count, nullptr);
-  // Drivers that are installed but find no device of theirs answer with either of these.
+  // Installed drivers that find no device of their own return either of these results.
   if (result == VK_ERROR_INITIALIZATION_FAILED || (result == VK_SUCCESS && count == 0)) {
     throw MachineError(std::string("vkEnumeratePhysicalDevices: no device: ") + kInstallDriver);
   }

@@ -1,4 +1,4 @@
-// The Vulkan instance, with the validation layer and its messenger when they are asked for.
+// The Vulkan instance, with the validation layer and its messenger if they are requested.
 #pragma once
 
 #include <vulkan/vulkan.h>
@@ -11,8 +11,8 @@ namespace simvis {
 
 class Instance {
  public:
-  /// Throws MachineError when there is no Vulkan driver, or no validation layer although it is asked for; the message
-  /// says what to install.
+  /// Throws MachineError if there is no Vulkan driver, or if the validation layer is requested but not installed. The
+  /// message says what to install.
   explicit Instance(bool validation);
   ~Instance();
   Instance(const Instance&) = delete;
@@ -22,7 +22,7 @@ class Instance {
   bool validation() const { return messenger_ != VK_NULL_HANDLE; }
   std::uint64_t messages() const { return messages_; }
 
-  /// Never empty: throws MachineError when there is no device.
+  /// Never empty: throws MachineError if there is no device.
   std::vector<VkPhysicalDevice> physical_devices() const;
 
  private:

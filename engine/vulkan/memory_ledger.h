@@ -1,4 +1,4 @@
-// Bytes that are counted for as long as their owner lives.
+// Bytes that are part of a total for the lifetime of their owner.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@ namespace simvis {
 class MemoryLedger {
  public:
   MemoryLedger() = default;
-  /// `total` must live longer.
+  /// Adds `bytes` to `total`, which must outlive this object.
   MemoryLedger(std::uint64_t& total, std::uint64_t bytes) : total_(&total), bytes_(bytes) { total += bytes; }
   ~MemoryLedger() { release(); }
   MemoryLedger(MemoryLedger&& other) noexcept : total_(other.total_), bytes_(std::exchange(other.bytes_, 0)) {}

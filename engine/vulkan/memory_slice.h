@@ -11,12 +11,12 @@
 
 namespace simvis {
 
-/// A move-only owner. After its destruction the range serves other resources as soon as the submission that may still
-/// use it has finished. It must outlive the resource's handle.
+/// A move-only owner of a memory range, which must outlive the handle of the resource. After its destruction, other
+/// resources can use the range as soon as the submission that may still use it has finished.
 class MemorySlice {
  public:
   MemorySlice() = default;
-  /// Both bind the resource to its memory and throw MachineError when there is none left. `name` is for messages.
+  /// Both bind the resource to its memory and throw MachineError if no memory is left. `name` is for messages.
   MemorySlice(Device::Impl& device, VkBuffer buffer, MemoryKind kind, std::string_view name);
   MemorySlice(Device::Impl& device, VkImage image, std::string_view name);
   ~MemorySlice() { retire(); }
@@ -32,8 +32,8 @@ class MemorySlice {
     return *this;
   }
 
-  std::uint64_t bytes() const { return held_.bytes(); }  ///< that the device asked for
-  std::byte* mapped() const { return range_.mapped; }    ///< null where the host does not see it
+  std::uint64_t bytes() const { return held_.bytes(); }  ///< size that the device requires
+  std::byte* mapped() const { return range_.mapped; }    ///< null if the memory is not mapped
 
  private:
   void take(const MemoryRequest& request);

@@ -12,7 +12,7 @@
 namespace simvis {
 namespace {
 
-// In the order of preference.
+// The most preferred type comes first.
 constexpr const char* kTypes[] = {"discrete GPU", "integrated GPU", "virtual GPU", "CPU", "other"};
 
 const char* type_name(VkPhysicalDeviceType type) {
@@ -47,7 +47,7 @@ std::vector<VkQueueFamilyProperties> queue_families(VkPhysicalDevice device) {
   return families;
 }
 
-// Wherever there is a family for graphics, there is one for graphics and compute (Vulkan 1.2, section 5.1).
+// A device with a queue family for graphics has one for graphics and compute (Vulkan 1.2, section 5.1).
 std::optional<std::uint32_t> graphics_queue_family(VkPhysicalDevice device) {
   const std::vector<VkQueueFamilyProperties> families = queue_families(device);
   constexpr VkQueueFlags kNeeded = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
@@ -105,7 +105,7 @@ TargetLimits target_limits(VkPhysicalDevice device, const VkPhysicalDeviceLimits
   const VkSampleCountFlags counts =
       sample_counts(device, kColorFormat, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT) &
       sample_counts(device, kDepthFormat, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT);
-  // Each flag is its count.
+  // The value of each flag is its sample count.
   for (const std::uint32_t count : {2u, 4u, 8u}) {
     if (counts & count) targets.msaa.push_back(count);
   }
@@ -117,7 +117,7 @@ std::string lower(std::string text) {
   return text;
 }
 
-// Which devices `select` means: an index of the list, or else a part of the name.
+// The devices that `select` matches. It is an index into the list or, if it is not, a part of the name.
 std::vector<std::size_t> matches(const std::vector<DeviceInfo>& devices, const std::string& select) {
   const bool digits = !select.empty() && select.find_first_not_of("0123456789") == std::string::npos;
   if (digits && select.size() < 10 && std::stoul(select) < devices.size()) return {std::stoul(select)};
@@ -128,7 +128,7 @@ std::vector<std::size_t> matches(const std::vector<DeviceInfo>& devices, const s
   return found;
 }
 
-// Of a device of Vulkan 1.1 or newer.
+// The device must support Vulkan 1.1 or newer.
 template <typename Properties>
 Properties properties_of(VkPhysicalDevice device, VkStructureType type) {
   Properties found{};
@@ -140,7 +140,7 @@ Properties properties_of(VkPhysicalDevice device, VkStructureType type) {
   return found;
 }
 
-// How many draws one command may hold.
+// Largest number of draws in one command.
 std::uint32_t max_draws(VkPhysicalDevice device) {
   std::uint32_t count = 0;
   vkEnumerateDeviceExtensionProperties(device, nullptr, &count, nullptr);
@@ -185,7 +185,7 @@ PhysicalDevice examine(VkPhysicalDevice handle) {
         properties_of<VkPhysicalDeviceDriverProperties>(handle, VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES);
     device.info.driver = std::string(driver.driverName) + " " + driver.driverInfo;
     device.max_draws = max_draws(handle);
-    // It finds pixels from snapped vertices, planes from the vertices as they came (Mesa, lp_state_setup.c).
+    // llvmpipe computes coverage from snapped vertices, but planes from the original vertices (Mesa, lp_state_setup.c).
     if (driver.driverID == VK_DRIVER_ID_MESA_LLVMPIPE) device.depth_snap_px = 0;
   } else {
     device.info.driver = "driver version " + std::to_string(device.properties.driverVersion);

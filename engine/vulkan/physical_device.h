@@ -1,4 +1,4 @@
-// Judging and choosing among the Vulkan devices of a machine.
+// Examines the Vulkan devices of a machine and chooses one of them.
 #pragma once
 
 #include <vulkan/vulkan.h>
@@ -17,18 +17,18 @@ struct PhysicalDevice {
   VkPhysicalDeviceProperties properties{};
   TargetLimits targets;
   double snap_px = 0, depth_snap_px = 0;  ///< see PassResult
-  bool counts_invocations = false;        ///< has pipeline statistics
-  std::uint32_t max_draws = 1;            ///< by one command (VK_EXT_multi_draw)
-  std::uint32_t timestamp_bits = 0;       ///< of `queue_family`; 0: it has no clock
-  std::uint32_t queue_family = 0;         ///< with graphics and compute; meaningless when `info.unusable` says so
+  bool counts_invocations = false;        ///< supports pipeline statistics queries
+  std::uint32_t max_draws = 1;            ///< most draws in one command (VK_EXT_multi_draw)
+  std::uint32_t timestamp_bits = 0;       ///< of `queue_family`; 0 if it has no timestamps
+  std::uint32_t queue_family = 0;  ///< for graphics and compute; meaningless if `info.unusable` says that there is none
   DeviceInfo info;
 };
 
-/// Asks the driver and judges: `info.unusable` tells why SimVis cannot run on it.
+/// Queries the driver. `info.unusable` says why SimVis cannot run on the device.
 PhysicalDevice examine(VkPhysicalDevice handle);
 
-/// The index of the device to take, see DeviceDesc::select.
-/// Throws InputError when `select` matches none, MachineError with each device's reason when none that it matches fits.
+/// Index of the device to use, see DeviceDesc::select. Throws InputError if `select` matches no device. Throws
+/// MachineError, with the reason for each device, if no matching device is usable.
 std::size_t choose_device(const std::vector<DeviceInfo>& devices, const std::string& select);
 
 }  // namespace simvis

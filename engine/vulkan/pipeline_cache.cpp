@@ -11,8 +11,8 @@
 namespace simvis {
 namespace {
 
-// What stands before the driver's data in the file. The driver's own header has no checksum, and drivers have been
-// known to trust what they are given.
+// The file's header, before the driver's data. The driver's own header has no checksum, and some drivers do not check
+// the data that they are given.
 struct FileHeader {
   char magic[8];
   std::uint32_t vendor, device, driver_version, unused;
@@ -45,7 +45,7 @@ std::string file_name(const VkPhysicalDeviceProperties& properties) {
   return name + hex + ".bin";
 }
 
-// The driver's data in the file, or nothing unless all of it is as it was written by this device and driver.
+// The driver's data in the file. Empty unless the file is unchanged since this device and driver wrote it.
 std::vector<char> read(const std::filesystem::path& file, const VkPhysicalDeviceProperties& properties) {
   std::ifstream in(file, std::ios::binary);
   FileHeader header;

@@ -10,8 +10,9 @@
 
 namespace simvis {
 
-/// Loads the file of this device and driver; a file that is missing, corrupt or foreign counts as empty. save() writes
-/// it anew if the driver's data has changed, first under another name. A folder that cannot be written is no error.
+/// Loads the file of this device and driver. A file that is missing, corrupt or of another device or driver counts as
+/// empty. save() writes the file again if the driver's data has changed, first under a temporary name. A folder that
+/// cannot be written is no error.
 class PipelineCache {
  public:
   PipelineCache(VkDevice device, const VkPhysicalDeviceProperties& properties, const std::filesystem::path& folder);
@@ -25,7 +26,7 @@ class PipelineCache {
  private:
   VkDevice device_;
   VkPhysicalDeviceProperties properties_;
-  std::filesystem::path file_;  // empty: nothing is kept
+  std::filesystem::path file_;  // empty: nothing is kept on disk
   VkPipelineCache cache_ = VK_NULL_HANDLE;
   std::vector<char> loaded_;
 };

@@ -1,4 +1,4 @@
-// What pipelines of every kind are made of.
+// Shader modules and layouts for pipelines of every kind.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@ namespace simvis {
 
 Handle<VkShaderModule> make_module(Device::Impl& device, std::span<const std::uint32_t> words, const char* name);
 
-/// For all pipelines that draw meshes: these sets, and a ViewBlock of push constants.
+/// The layout of all pipelines that draw meshes: these sets, and a ViewBlock of push constants.
 Handle<VkPipelineLayout> make_mesh_layout(Device::Impl& device, std::span<const VkDescriptorSetLayout> sets,
                                           const char* name);
 

@@ -35,9 +35,9 @@ Handle<VkRenderPass> make_render_pass(Device::Impl& device, const RenderPassKind
   subpass.pColorAttachments = &color_reference;
   subpass.pDepthStencilAttachment = &depth_reference;
 
-  // Nothing runs before the pass that it must wait for: each frame is waited for, and a pass that goes on waits by a
-  // barrier (see OitBuffer). The copies and averages after it do. The same for all passes: dependencies, too,
-  // make passes compatible.
+  // The pass waits for no earlier commands: the host waits for each frame, and a resumed pass waits by a barrier (see
+  // OitBuffer). The copies and the ResolvePass after it wait by this dependency. It is the same for all passes that are
+  // not `sampled`, because compatible passes need equal dependencies.
   VkSubpassDependency used{};
   used.srcSubpass = 0;
   used.dstSubpass = VK_SUBPASS_EXTERNAL;

@@ -7,7 +7,7 @@ namespace simvis {
 namespace {
 
 constexpr VkDeviceSize kStagingSize = 4u << 20;
-constexpr VkDeviceSize kStagingAlignment = 16;  // Copies to images start at multiples of a texel, 4 bytes.
+constexpr VkDeviceSize kStagingAlignment = 16;  // copies to images start at a multiple of a texel, 4 bytes
 
 VkImageMemoryBarrier barrier(const GpuImage& image, std::uint32_t first_level, std::uint32_t levels,
                              VkImageLayout old_layout, VkImageLayout new_layout, VkAccessFlags from, VkAccessFlags to) {
@@ -44,7 +44,7 @@ void Uploads::begin(VkCommandBuffer commands) {
 
 void Uploads::count(std::uint64_t target, std::uint64_t bytes) {
   bytes_ += bytes;
-  // Mostly the same as before, or one of a few.
+  // The target is usually the same as before, or one of a few.
   for (auto written = written_.rbegin(); written != written_.rend(); ++written) {
     if (written->target != target) continue;
     written->bytes += bytes;

@@ -1,4 +1,4 @@
-// Brings data of the host to the device, within the frame's command buffer.
+// Uploads host data to the device within the frame's command buffer.
 #pragma once
 
 #include <cstddef>
@@ -10,8 +10,8 @@
 
 namespace simvis {
 
-/// One way for buffers, chosen by the device: straight into mapped memory, or by staging buffers and copies. Textures
-/// always go through staging buffers.
+/// Data for a mapped buffer is written directly into its memory; data for other buffers is copied from staging buffers.
+/// Textures always use staging buffers.
 class Uploads {
  public:
   explicit Uploads(Device::Impl& device) : device_(device) {}
@@ -20,21 +20,21 @@ class Uploads {
 
   void write(const Buffer& target, VkDeviceSize offset, std::span<const std::byte> data);
 
-  /// Fills the first level with `rgba` (rows from the top) and makes the others from it; the image is then ready for
-  /// sampling.
+  /// Fills the first mip level with `rgba` (rows from the top) and generates the other levels from it. The image is
+  /// then ready for sampling.
   void write(const GpuImage& target, std::span<const std::byte> rgba);
 
-  /// Copies within the device; counts no byte as uploaded.
+  /// Copies within the device. These bytes do not count as uploaded.
   void copy(const Buffer& from, const Buffer& to, VkDeviceSize from_offset, VkDeviceSize to_offset, VkDeviceSize size);
 
-  /// Makes all of it visible to what is recorded afterwards.
+  /// Makes all uploads visible to the commands recorded afterwards.
   void finish();
 
-  /// Lets the staging memory go, once the submission has finished.
+  /// Frees the staging memory. The submission must have finished.
   void release() { staging_.clear(); }
 
-  std::uint64_t bytes() const { return bytes_; }  ///< since begin()
-  /// Of them, those that went to one buffer or image.
+  std::uint64_t bytes() const { return bytes_; }  ///< uploaded since begin()
+  /// The part of bytes() that went to one buffer or image.
   std::uint64_t bytes_to(const Buffer& target) const { return bytes_to(reinterpret_cast<std::uint64_t>(target.get())); }
   std::uint64_t bytes_to(const GpuImage& target) const {
     return bytes_to(reinterpret_cast<std::uint64_t>(target.get()));
@@ -56,7 +56,7 @@ class Uploads {
   Device::Impl& device_;
   VkCommandBuffer commands_ = VK_NULL_HANDLE;
   std::vector<Buffer> staging_;
-  VkDeviceSize used_ = 0;  // of the last staging buffer
+  VkDeviceSize used_ = 0;  // bytes used of the last staging buffer
   std::uint64_t bytes_ = 0;
   std::vector<Written> written_;
   bool copies_ = false;

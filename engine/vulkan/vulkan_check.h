@@ -7,11 +7,11 @@
 
 namespace simvis {
 
-/// "VK_ERROR_DEVICE_LOST", ...; a phrase that says so for a code that is not known here.
+/// The name of a result, such as "VK_ERROR_DEVICE_LOST"; a general phrase for an unknown code.
 const char* result_name(VkResult result);
 
-/// Throws MachineError "CALL: VK_ERROR_... (CODE)" unless the result is VK_SUCCESS; where it is known what the call was
-/// for, ": PURPOSE" follows.
+/// Throws MachineError "CALL: VK_ERROR_... (CODE)" unless the result is VK_SUCCESS. If `purpose` is given, ": PURPOSE"
+/// follows.
 void vk_check(VkResult result, const char* call, std::string_view purpose = {});
 
 }  // namespace simvis
