@@ -11,8 +11,8 @@ namespace simvis {
 
 class XmlText {
  public:
-  /// Throws InputError with the place if the file cannot be read, is not UTF-8 text, is malformed, or nests elements
-  /// deeper than kMaxDepth. The depth is limited because libraries recurse.
+  /// Throws InputError with the place if the file cannot be read, is not UTF-8 text, is malformed or nests elements too
+  /// deeply. The depth is limited because libraries recurse.
   static XmlText read(const std::filesystem::path& file);
 
   const SourceText& source() const { return source_; }
