@@ -23,7 +23,7 @@ struct ImportedTexture {
 
 struct ImportedMaterial {
   Material material;         ///< base_color_texture is left null
-  bool is_fallback = false;  ///< the file gives no material; the importer replaces all but `unlit`
+  bool is_fallback = false;  ///< no material in the file: the fallback is used; only `unlit` is read
   std::uint32_t texture = kNoTexture;
 };
 
