@@ -10,7 +10,7 @@
 namespace simvis {
 namespace {
 
-// Thirty years: at the far ends a double still tells a tenth of a microsecond.
+// About thirty years. Near this limit a double still resolves a tenth of a microsecond.
 constexpr double kMaxTime_s = 1e9;
 
 constexpr AttributeSpec kAnimationAttributes[] = {
@@ -43,7 +43,8 @@ const ElementRegistration kAnimationRegistration({
     },
 });
 
-// Stands in a part that is played, so that another element finds out what is taken. Named like the element.
+// A marker in an animated part that lists the nodes an animation element changes, so that another element can detect a
+// conflict. It has the name of the element.
 class PlayedMark : public Group {
  public:
   explicit PlayedMark(std::vector<const Node*> driven) : driven_(std::move(driven)) {}

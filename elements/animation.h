@@ -1,10 +1,11 @@
-// The element `animation`: plays an animation that a part's file brings along.
+// The element `animation`: plays an animation that is stored in a part's file.
 //
 //   <element type="animation" name="WALK" insert_at="ROOT" part="PERSON" clip="Walk" time="0.5"/>
 //
-// Moves the part's nodes and bends its skinned and morphed meshes, in this insertion of the part alone. Several
-// elements may play clips of one part at once, as long as no two of them change the same node or mesh: that is refused.
-// Parameters  time (s), live: where in the clip the part is. At equal times it looks the same, to the last bit.
+// The element moves the part's nodes and deforms its skinned and morphed meshes. It changes this insertion of the part
+// only. Several elements may play clips of one part at the same time if no two of them change the same node or mesh. An
+// element that changes a node or mesh of another one is refused.
+// Parameters  time (s), live: the position in the clip. Equal times give identical poses, to the last bit.
 #pragma once
 
 #include <memory>

@@ -30,7 +30,8 @@ const ElementRegistration kColorTemperatureRegistration({
     },
 });
 
-// One lobe of the fit: a bell of height 1 around a wavelength, with a slope of its own on either side. All in nm.
+// One lobe of the fit: a bell curve of height 1 around `center`, with a different slope on each side. Wavelengths are
+// in nm, slopes in 1/nm.
 double lobe(double wavelength, double center, double slope_below, double slope_above) {
   const double t = (wavelength - center) * (wavelength < center ? slope_below : slope_above);
   return std::exp(-0.5 * t * t);
@@ -43,8 +44,8 @@ glm::dvec3 color_matching(double nm) {
           1.217 * lobe(nm, 437.0, 0.0845, 0.0278) + 0.681 * lobe(nm, 459.0, 0.0385, 0.0725)};
 }
 
-// CIE XYZ up to a factor. The integrand is smooth and vanishes towards both ends, where the trapezoidal rule converges
-// faster than any power of the step.
+// Returns CIE XYZ up to a factor. The integrand is smooth and vanishes towards both ends. For such an integrand the
+// trapezoidal rule converges faster than any power of the step.
 glm::dvec3 planckian_xyz(double temperature_k) {
   constexpr double kSecondRadiation_nm_k = 1.438776877e7;  // h c / k, CODATA 2018
   constexpr int kFirst_nm = 360, kLast_nm = 830;
@@ -60,7 +61,7 @@ glm::dvec3 planckian_xyz(double temperature_k) {
 }  // namespace
 
 glm::dvec3 black_body_color(double temperature_k) {
-  // By rows; from the chromaticities of Rec. 709 and of D65.
+  // In rows, computed from the chromaticities of Rec. 709 and D65.
   constexpr double kRgbFromXyz[3][3] = {
       {3.2404542, -1.5371385, -0.4985314}, {-0.9692660, 1.8760108, 0.0415560}, {0.0556434, -0.2040259, 1.0572252}};
   glm::dvec3 xyz = planckian_xyz(temperature_k);
@@ -81,11 +82,11 @@ ColorTemperatureElement::ColorTemperatureElement(const ElementContext& context) 
                             " is no light, expected the name of a light element");
   }
   light_ = light->node();
-  // No black body is exactly as white as this.
+  // A tint other than white is set: no black body has exactly the colour (1, 1, 1).
   if (light_->tint() != glm::vec3(1)) {
     fail_at(name.where, "attribute \"light\": " + in_quotes(name.value) + " has a colour temperature already");
   }
-  // A node of its own, so that the element stands somewhere: it draws nothing.
+  // An empty node that marks the position of the element in the graph.
   context.scene.insert(context.command, std::make_shared<Separator>());
   context.scene.undo().add([light = light_] { light->set_tint(glm::vec3(1)); });
 }

@@ -2,8 +2,8 @@
 //
 //   <element type="color_temperature" name="DUSK" insert_at="ROOT" light="SUN" kelvin="3500"/>
 //
-// Parameters  kelvin (live). The light's own colour is multiplied by the body's, so that both can change; its luminance
-//          (Rec. 709) stays what it was.
+// Parameters  kelvin (live). The light's own colour is multiplied by the black body's colour, so that both can change.
+//          The black body's colour has luminance 1 (Rec. 709), so a white light keeps its luminance.
 #pragma once
 
 #include <simvis/element.h>
@@ -11,17 +11,19 @@
 
 namespace simvis {
 
-/// The colour of a black body: linear sRGB (Rec. 709 primaries, white point D65) of luminance 1, that is
-/// 0.2126 r + 0.7152 g + 0.0722 b = 1 before channels below 0 are cut to 0. Below about 1900 K blue is cut: such a
-/// red lies outside sRGB. 1000 K to 40000 K; chromaticities x and y are within 0.003 of tables from 2000 K up.
+/// Returns the colour of a black body as linear sRGB (Rec. 709 primaries, white point D65). Its luminance is 1, that is
+/// 0.2126 r + 0.7152 g + 0.0722 b = 1, before negative channels are set to 0. Below about 1900 K blue is negative,
+/// because such a red lies outside sRGB. Valid from 1000 K to 40000 K. From 2000 K up the chromaticities x and y are
+/// within 0.003 of tables.
 ///
-/// Planck's law is integrated with the CIE 1931 colour matching functions as fitted by Wyman, Sloan and Shirley,
-/// Simple Analytic Approximations to the CIE XYZ Color Matching Functions, JCGT 2 (2), 2013 (multi-lobe fit).
+/// Planck's law is integrated with the CIE 1931 colour matching functions in the multi-lobe fit of Wyman, Sloan and
+/// Shirley, Simple Analytic Approximations to the CIE XYZ Color Matching Functions, JCGT 2 (2), 2013.
 glm::dvec3 black_body_color(double temperature_k);
 
 class ColorTemperatureElement : public Element {
  public:
-  /// Throws InputError at the attribute: no such element, one that is no light, one that has a temperature already.
+  /// Throws InputError at the attribute if the element does not exist, is not a light or has a colour temperature
+  /// already.
   explicit ColorTemperatureElement(const ElementContext& context);
   void update(ParameterView values) override;
 

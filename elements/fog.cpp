@@ -15,7 +15,7 @@ constexpr AttributeSpec airlight(std::string_view name) {
           .live = true};
 }
 
-// Live rows in the order in which update() takes them; each kind has one of the first two.
+// Live rows in the order in which update() reads them. Each kind has one of the first two.
 constexpr AttributeSpec kFogAttributes[] = {
     {.name = "kind",
      .kind = AttributeKind::choice,
@@ -58,7 +58,7 @@ bool has(std::string_view kind, std::string_view attribute) {
   return true;
 }
 
-// Kim's exponent of the wavelength.
+// The exponent q of the wavelength after Kim et al.
 double wavelength_exponent(double visibility_m) {
   const double v = visibility_m / 1000;
   if (v > 50) return 1.6;
@@ -107,7 +107,7 @@ void FogElement::adapt_parameters(std::vector<AttributeSpec>& live_rows) const {
   std::erase_if(live_rows, [this](const AttributeSpec& row) { return !has(kind_, row.name); });
 }
 
-// Clear air is that of a scene without this element.
+// Clear air is the default Medium, as in a scene without this element.
 void FogElement::update(ParameterView values) {
   Medium medium = kind_ == "rain" ? rain(values[0]) : aerosol(kind_, values[0]);
   if (medium.extinction_per_m > 0) medium.airlight = glm::vec3(values[1], values[2], values[3]);

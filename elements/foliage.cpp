@@ -32,7 +32,7 @@ const ElementRegistration kFoliageRegistration({
 
 FoliageElement::FoliageElement(const ElementContext& context) {
   const CommandAttribute& part = context.command.require("part");
-  // A node of its own, so that the element stands somewhere: it draws nothing.
+  // An empty node that marks the position of the element in the graph.
   context.scene.insert(context.command, std::make_shared<Separator>());
   for (const NodePtr& node : nodes_of(context.scene.own_part(part.value, part.where).root)) {
     if (node->kind() != NodeKind::material) continue;

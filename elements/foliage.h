@@ -1,15 +1,14 @@
-// The element `foliage`: lets the leaves of a part fade, to see what they hide and what they do to a sensor.
+// The element `foliage`: fades the leaves of a part, to show what they hide and how they affect a sensor.
 //
 //   <element type="foliage" name="LEAVES" insert_at="ROOT" part="TREE" transparency="60"/>
 //
-// Leaves   the part's materials of the alpha modes mask and blend: what has holes is cut out of a picture, as leaves
-// are.
-//          Trunks, of opaque materials, stay as they are.
-//          Parts that were inserted at the tree keep theirs; several elements on one part act together.
-// Parameters  transparency (live): in %. At 0 leaves are as in the file. Between, a masked leaf is blended, all that
-//          its cutoff keeps alike: it covers 1 - transparency of what lies behind; a blended one covers its alpha times
-//          that. Depth cameras and scanners meet what covers at least one half. At 100 leaves are gone: nothing is
-//          drawn.
+// Leaves   All materials of the part with the alpha mode mask or blend count as leaves, because leaves are usually cut
+//          out of a picture. Opaque materials, such as those of trunks, do not change. Parts that were inserted at the
+//          tree keep their leaves. The factors of several elements on one part multiply.
+// Parameters  transparency (live), in %. At 0 leaves look as in the file. Between 0 and 100 a masked leaf is blended:
+//          each texel that passes the alpha cutoff covers 1 - transparency of the background. A blended leaf covers its
+//          alpha times that share. Depth cameras and scanners measure a leaf that covers at least one half. At 100
+//          leaves are not drawn.
 #pragma once
 
 #include <simvis/element.h>
@@ -19,12 +18,12 @@ namespace simvis {
 
 class FoliageElement : public Element {
  public:
-  /// Throws InputError at the attribute: no such part, a part without masked or blended materials.
+  /// Throws InputError at the attribute if the part does not exist or has no masked or blended materials.
   explicit FoliageElement(const ElementContext& context);
   void update(ParameterView values) override;
 
  private:
-  // A material of leaves, and which of its changes is this element's.
+  // A leaf material, and the number of this element's change in it.
   struct Leaves {
     std::shared_ptr<MaterialNode> material;
     std::size_t number;

@@ -1,9 +1,9 @@
-// The element `joint`: turns what follows its insertion point about an axis, or slides it along one.
+// The element `joint`: turns everything after its insertion point about an axis, or slides it along an axis.
 //
 //   <element type="joint" name="TILT" insert_at="HEAD" axis="0 1 0" lower="-30" upper="60" value="10"/>
 //
-// Frames   the axis goes through the origin of the insertion point's frame; the turn is right-handed about it.
-// Parameters  value (live): deg for kind revolute, m for kind prismatic, within lower and upper.
+// Frames   the axis passes through the origin of the insertion point's frame; the rotation is right-handed about it.
+// Parameters  value (live), from `lower` to `upper`: degrees for the kind revolute, metres for the kind prismatic.
 #pragma once
 
 #include <functional>
@@ -17,14 +17,14 @@ namespace simvis {
 
 class JointElement : public Element {
  public:
-  /// Throws InputError at the attribute: an axis of zero length, `lower` above `upper`.
+  /// Throws InputError at the attribute if the axis has zero length or `lower` is above `upper`.
   explicit JointElement(const ElementContext& context);
   void update(ParameterView values) override;
   void adapt_parameters(std::vector<AttributeSpec>& live_rows) const override;
 
-  /// `follower` is called with every value from now on, beginning with the present one.
+  /// Calls `follower` with the present value now, and with every new value later.
   void follow(std::function<void(double value)> follower);
-  /// Takes the last one back.
+  /// Removes the follower that was added last.
   void remove_last_follower() { followers_.pop_back(); }
 
  private:

@@ -14,11 +14,11 @@ glm::dvec3 read_axis(const AttributeValues& attributes) {
   if (largest == 0) {
     fail_at(attributes.where("axis"), "attribute \"axis\": 0 0 0 is not allowed, expected a vector that is not zero");
   }
-  // Divided by its largest part first, so that no square overflows or vanishes.
+  // The division by the largest component keeps the squares from overflow and underflow.
   return glm::normalize(glm::dvec3(v[0] / largest, v[1] / largest, v[2] / largest));
 }
 
-// Rodrigues' formula; the axis is of unit length.
+// Rodrigues' rotation formula. The axis has unit length.
 glm::dmat4 turn_about(const glm::dvec3& axis, double angle_deg) {
   const auto [s, c] = sincos_deg(angle_deg);
   glm::dmat4 m{1.0};

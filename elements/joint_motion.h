@@ -1,4 +1,4 @@
-// What a joint does to what follows it, for all elements that are joints.
+// The motion of a joint, shared by all joint elements.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -7,7 +7,7 @@
 
 namespace simvis {
 
-/// Rows of the tables of such elements.
+/// Rows for the attribute tables of joint elements.
 inline constexpr AttributeSpec kAxisAttribute{
     .name = "axis",
     .kind = AttributeKind::vector,
@@ -19,16 +19,16 @@ inline constexpr AttributeSpec kJointKindAttribute{.name = "kind",
                                                    .text = "turns about the axis, or slides along it",
                                                    .choices = "revolute prismatic"};
 
-/// A turn about an axis through the origin, right-handed, or a slide along it.
+/// A right-handed rotation about an axis through the origin, or a translation along it.
 struct JointMotion {
   glm::dvec3 axis{0, 0, 1};  ///< unit length
   bool revolute = true;
 
-  /// `value` in degrees (revolute) or metres (prismatic).
+  /// Returns the transform at `value`, in degrees (revolute) or metres (prismatic).
   glm::dmat4 at(double value) const;
 };
 
-/// From the rows above. Throws InputError at an axis of zero length.
+/// Reads the motion from the rows above. Throws InputError if the axis has zero length.
 JointMotion read_joint_motion(const AttributeValues& attributes);
 
 }  // namespace simvis

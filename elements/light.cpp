@@ -22,7 +22,7 @@ constexpr AttributeSpec place(std::string_view name, std::string_view text) {
   return live(name, "0", "m", text, -kMaxCoordinate_m, kMaxCoordinate_m);
 }
 
-// Live rows in the order in which update() takes them; each kind has a part of them.
+// Live rows in the order in which update() reads them. Each kind has some of them.
 constexpr AttributeSpec kLightAttributes[] = {
     {.name = "kind",
      .kind = AttributeKind::choice,
@@ -100,7 +100,7 @@ std::uint32_t shadow_px_of(const ElementContext& context) {
   return static_cast<std::uint32_t>(context.attributes.integer("shadow_resolution"));
 }
 
-// Against the way from which the light comes.
+// Returns the direction in which the light travels from this position in the sky.
 glm::dvec3 direction_from_sky(double azimuth_deg, double elevation_deg) {
   const SinCos a = sincos_deg(azimuth_deg), e = sincos_deg(elevation_deg);
   return {-e.cos * a.cos, -e.cos * a.sin, -e.sin};

@@ -6,9 +6,9 @@
 namespace simvis {
 namespace {
 
-// Products of a few of these, and of a light's intensity, are finite as float32.
+// Products of a few of these limits and a light's intensity are finite as float32.
 constexpr double kMaxFactor = 1000, kMaxEmission = 1e12;
-constexpr double kMaxGain = 1e9;  // far above corner cubes
+constexpr double kMaxGain = 1e9;  // far above the gain of corner cubes
 
 constexpr AttributeSpec live(std::string_view name, std::string_view by_default, std::string_view text, double max) {
   return {.name = name, .default_value = by_default, .text = text, .min = 0, .max = max, .live = true};
@@ -89,7 +89,7 @@ MaterialElement::MaterialElement(const ElementContext& context) {
     if (node->kind() == NodeKind::material) materials.push_back(std::static_pointer_cast<MaterialNode>(node));
   }
   check_name(attributes, materials);
-  // A node of its own, so that the element stands somewhere: it draws nothing.
+  // An empty node that marks the position of the element in the graph.
   context.scene.insert(context.command, std::make_shared<Separator>());
   for (const auto& node : materials) {
     if (attributes.is_set("material") && node->name != attributes.text("material")) continue;

@@ -1,11 +1,11 @@
-// The element `mimic_joint`: a joint that follows another one, as the second finger of a gripper does.
+// The element `mimic_joint`: a joint that follows another joint, as the second finger of a gripper does.
 //
 //   <element type="mimic_joint" name="FINGER_2" insert_at="FINGER_2_LINK" leader="FINGER_1" multiplier="-1"/>
 //
-// Its value is multiplier * leader + offset, each in its own unit: a turn in degrees, a slide in metres. Where the two
-// are of different kinds, the multiplier is in m/deg or deg/m. The value has no limits but those that follow from the
-// leader's.
-// Frames   as for `joint`.
+// Its value is multiplier * leader + offset, with each value in its own unit: degrees for a rotation, metres for a
+// slide. If the two joints are of different kinds, the multiplier is in m/deg or deg/m. The limits of the leader are
+// the only limits of the value.
+// Frames   the same as for `joint`.
 // Parameters  none.
 #pragma once
 
@@ -15,7 +15,7 @@ namespace simvis {
 
 class MimicJointElement : public Element {
  public:
-  /// Throws InputError at the attribute: an axis of zero length, a leader that is no element of type joint.
+  /// Throws InputError at the attribute if the axis has zero length or the leader is not an element of the type joint.
   explicit MimicJointElement(const ElementContext& context);
   void update(ParameterView) override {}
 };

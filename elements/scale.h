@@ -1,9 +1,10 @@
-// The element `scale`: makes what follows its insertion point larger or smaller.
+// The element `scale`: makes everything after its insertion point larger or smaller.
 //
 //   <element type="scale" name="GROW" insert_at="PLANT" x="2" y="2" z="2"/>
 //
-// Parameters  x y z (live): factors along the axes of the insertion point's frame. Above 0: a sensor that stands on
-//          what is mirrored would have a left-handed frame, and one on what is scaled to nothing none at all.
+// Parameters  x y z (live): factors along the axes of the insertion point's frame. They are above 0: with a negative
+//          factor a sensor after the element would have a left-handed frame, and with a factor of 0 it would have no
+//          frame.
 #pragma once
 
 #include <simvis/element.h>

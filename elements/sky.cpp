@@ -13,7 +13,7 @@ constexpr AttributeSpec ambient(std::string_view name) {
   return radiance(name, "0.3", "linear radiance that arrives from all around");
 }
 
-// The defaults are those of Environment.
+// The defaults are the values of Environment.
 constexpr AttributeSpec kSkyAttributes[] = {
     background("red", "0.55"), background("green", "0.68"), background("blue", "0.85"),
     ambient("ambient_red"),    ambient("ambient_green"),    ambient("ambient_blue"),

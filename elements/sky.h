@@ -1,11 +1,10 @@
-// The element `sky`: what is seen where nothing is hit, and the light that comes from all around.
+// The element `sky`: sets the background where no surface is hit, and the ambient light.
 //
 //   <element type="sky" name="SKY" insert_at="ROOT" red="0.2" green="0.4" blue="0.9" ambient_blue="0.5"/>
 //
-// Parameters  red green blue, ambient_red ambient_green ambient_blue (live): linear radiance. A surface of base colour
-// c
-//          shows c times the ambient radiance. The defaults are those of a scene without this element.
-// Several  the last in order of traversal counts.
+// Parameters  red green blue, ambient_red ambient_green ambient_blue (live): linear radiance. A surface with the base
+//          colour c shows c times the ambient radiance. The defaults are the values of a scene without this element.
+// Several  If a scene has several sky elements, the last one in traversal order applies.
 #pragma once
 
 #include <simvis/element.h>

@@ -7,7 +7,7 @@
 namespace simvis {
 namespace {
 
-// Without the children.
+// Copies the node without its children.
 NodePtr copy_of(const Node& node) {
   switch (node.kind()) {
     case NodeKind::group:

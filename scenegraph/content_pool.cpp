@@ -11,7 +11,7 @@
 namespace simvis {
 namespace {
 
-// Values are hashed and compared by their bits: a NaN then equals itself, and equal values always have equal hashes.
+// Values are hashed and compared by their bits, so a NaN equals itself and equal values always have equal hashes.
 class ContentHash {
  public:
   void add_bytes(const void* data, std::size_t size) {
@@ -41,7 +41,8 @@ class ContentHash {
   std::uint64_t value() const { return state_; }
 
  private:
-  // FNV-1a by words of 8 bytes; the shift brings the high bits, where products gather, down again.
+  // FNV-1a with words of 8 bytes. The shift mixes the high bits, which hold most of the product's information, into the
+  // low bits.
   void mix(std::uint64_t word) {
     state_ = fnv1a_step(state_, word);
     state_ ^= state_ >> 29;
@@ -59,7 +60,7 @@ bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
   return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
 }
 
-// What is compared by bits must have no padding.
+// Types that are compared by bits must have no padding.
 static_assert(sizeof(VertexAttributes) == 11 * sizeof(float));
 static_assert(sizeof(glm::vec3) == 3 * sizeof(float) && sizeof(glm::mat3x2) == 6 * sizeof(float));
 
@@ -144,7 +145,7 @@ bool same(const Material& a, const Material& b) {
 template <class T>
 using Table = std::unordered_multimap<std::uint64_t, std::weak_ptr<const T>>;
 
-// Forgets what expired whenever the table is about to grow: each entry is then looked at a bounded number of times.
+// Removes expired entries when the table is about to grow, so that each entry is checked a bounded number of times.
 template <class T>
 void forget_expired(Table<T>& table) {
   const double room = static_cast<double>(table.bucket_count()) * static_cast<double>(table.max_load_factor());

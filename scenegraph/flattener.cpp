@@ -10,7 +10,7 @@ namespace simvis {
 
 namespace {
 
-// Numbers for the pointers that the tables of a DrawList hold, in order of first use.
+// Assigns slots of a DrawList table to pointers, in order of first use.
 template <typename T>
 class Slots {
  public:
@@ -105,7 +105,7 @@ void Flattener::rewrite_changed() {
 }
 
 void Flattener::rewrite_transforms(std::vector<Range>& ranges) {
-  // Ranges are nested or disjoint, so in order of their starts each entry is written once.
+  // Ranges are nested or disjoint. Sorted by their starts, each entry is written once.
   std::ranges::sort(ranges, {}, &Range::first);
   std::uint32_t next = 0;
   for (const Range& range : ranges) {
@@ -138,7 +138,7 @@ void Flattener::forget() {
   list_.materials.clear();
 }
 
-// One walk over the whole graph, filling the tables of a flattener that has forgotten everything.
+// One traversal of the whole graph that fills the empty tables of a flattener.
 class Flattener::Traversal {
  public:
   explicit Traversal(Flattener& flattener) : f_(flattener), meshes_(f_.list_.meshes), materials_(f_.list_.materials) {}
@@ -156,19 +156,19 @@ class Flattener::Traversal {
   }
 
  private:
-  // What goes from node to node and a separator restores.
+  // The state that passes from node to node. A separator restores it.
   struct State {
-    std::uint32_t entry = 0;                      // of world_from_node, in force
+    std::uint32_t entry = 0;                      // entry of world_from_node in force
     const MaterialNode* material_node = nullptr;  // in force; null: the default material
     bool visible = true;
   };
 
-  // A group on the way from the root to the node at hand.
+  // A group on the path from the root to the current node.
   struct Level {
     const Group* group;
     std::size_t next, end;  // children still to visit
     State saved;
-    std::size_t open;  // entries whose end was not yet known when the group began
+    std::size_t open;  // number of entries without a known end when the group began
   };
 
   void visit(const NodePtr& node) {
@@ -281,7 +281,7 @@ class Flattener::Traversal {
     return slots.front();
   }
 
-  // Where this node's numbers are kept; the first time, the flattener begins to hear of its changes.
+  // Returns the list of this node's entries or slots. The first call attaches the flattener as the node's observer.
   std::vector<std::uint32_t>& occurrences_of(const NodePtr& node) {
     const auto [found, is_new] = f_.occurrences_.try_emplace(node.get());
     if (is_new) {
@@ -296,7 +296,7 @@ class Flattener::Traversal {
   Slots<Material> materials_;
   State state_;
   std::vector<Level> path_;
-  std::vector<std::uint32_t> open_;  // entries that govern whatever comes next
+  std::vector<std::uint32_t> open_;  // entries without a known end, which govern the next nodes
   std::unordered_set<const Group*> on_path_;
 };
 

@@ -1,4 +1,4 @@
-// Turns the graph into a DrawList, and keeps it up to date at the cost of what changed.
+// Turns the scene graph into a DrawList and updates only the changed parts.
 #pragma once
 
 #include <cstdint>
@@ -11,9 +11,9 @@
 
 namespace simvis {
 
-/// What update() had to do, counted since the flattener was made.
+/// The work done by update(), counted since the flattener was made.
 struct FlattenCounters {
-  std::uint64_t rebuilds = 0;            ///< whole traversals, after a change of structure
+  std::uint64_t rebuilds = 0;            ///< full traversals, after a change of structure
   std::uint64_t nodes_visited = 0;       ///< in traversals
   std::uint64_t transforms_written = 0;  ///< entries of world_from_node
   std::uint64_t materials_written = 0, lights_written = 0, meshes_written = 0;
@@ -21,13 +21,14 @@ struct FlattenCounters {
   bool operator==(const FlattenCounters&) const = default;
 };
 
-/// Who looks at the world: sensors, or people, who see VisualSeparators too.
+/// The viewers of the world: sensors, or people. Only people see VisualSeparators.
 enum class Audience : std::uint8_t { sensors, people };
 
-/// How it works: a traversal gives each occurrence of a Transform an entry of world_from_node whose parent is the
-/// entry in force before it. All that such an entry governs, entries, items and lights, lies between it and the end of
-/// the enclosing separator, so a changed transform rewrites one contiguous range and nothing else. A changed light or
-/// material rewrites its slot. Nothing changed costs nothing. Traversal uses an explicit stack: depth is no limit.
+/// A traversal gives each occurrence of a Transform an entry of world_from_node. The parent of the entry is the entry
+/// in force before it. All entries, items and lights that an entry governs lie between it and the end of the enclosing
+/// separator, so a changed transform rewrites one contiguous range and nothing else. A changed light or material
+/// rewrites its slot. An unchanged graph costs nothing. The traversal uses an explicit stack, so the depth of the graph
+/// is not limited.
 class Flattener : public NodeObserver {
  public:
   explicit Flattener(GroupPtr root, Audience audience = Audience::sensors);
@@ -35,11 +36,11 @@ class Flattener : public NodeObserver {
   Flattener(const Flattener&) = delete;
   Flattener& operator=(const Flattener&) = delete;
 
-  /// The list, up to date. Valid until the next update(). Throws InputError when the graph has a cycle.
+  /// Updates the list and returns it. It is valid until the next update(). Throws InputError if the graph has a cycle.
   const DrawList& update();
 
-  /// Where a mount stands, as of the last update(): world_from_mount of its first occurrence. The mount must have been
-  /// reached; false otherwise (it is in a part switched off).
+  /// Gives the pose of a mount as of the last update(): world_from_mount of its first occurrence. Returns false if the
+  /// traversal did not reach the mount, for example below a switch that is off.
   bool find_mount(const Mount& mount, glm::dmat4& world_from_mount) const;
 
   const FlattenCounters& counters() const { return counters_; }
@@ -48,9 +49,9 @@ class Flattener : public NodeObserver {
   void structure_changed() override;
 
  private:
-  struct Entry {            // an occurrence of a Transform
+  struct Entry {            // one occurrence of a Transform
     const Transform* node;  // null: the identity, entry 0
-    std::uint32_t parent;   // the entry in force before
+    std::uint32_t parent;   // the entry in force before this one
     std::uint32_t end;      // one past the last entry that it governs
   };
   struct Range {
@@ -71,9 +72,9 @@ class Flattener : public NodeObserver {
   std::unordered_map<const Node*, std::vector<std::uint32_t>>
       occurrences_;  // entries, slots of materials or meshes, or lights
   std::unordered_map<const Mount*, std::uint32_t> mounts_;
-  const EnvironmentNode* environment_node_ = nullptr;  // the one that counts
-  const MediumNode* medium_node_ = nullptr;            // likewise
-  std::vector<NodePtr> attached_;                      // held, so that a changed node is there when update() comes
+  const EnvironmentNode* environment_node_ = nullptr;  // the last one in traversal order
+  const MediumNode* medium_node_ = nullptr;            // the last one in traversal order
+  std::vector<NodePtr> attached_;                      // keeps changed nodes alive until update()
   std::vector<Node*> changed_;
   bool structure_changed_ = true;
 };

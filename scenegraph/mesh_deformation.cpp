@@ -34,7 +34,8 @@ void add_targets(const DeformableMesh& source, std::span<const double> weights, 
   }
 }
 
-// What carries normals along: the transposed inverse times the determinant's size, which the length does not show.
+// Returns the matrix that transforms normals: the transposed inverse times the absolute value of the determinant. This
+// factor changes only the length of a normal.
 glm::dmat3 normal_matrix(const glm::dmat3& m) {
   const glm::dmat3 cofactors(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1]));
   return glm::dot(m[0], cofactors[0]) < 0 ? -cofactors : cofactors;
@@ -53,12 +54,12 @@ void bend(const DeformableMesh& source, std::span<const glm::dmat4> joint_matric
     move += weight * glm::dvec3(joint[3]);
     sum += weight;
   }
-  // Weights sum to one up to their own rounding, which the division takes out.
+  // Weights sum to one except for rounding. The division removes the rounding error.
   vertex.position = (turn * vertex.position + move) / sum;
   vertex.normal = normal_matrix(turn) * vertex.normal;
 }
 
-// Gives each triangle vertices and a normal of its own.
+// Gives each triangle its own vertices and its own normal.
 void set_flat_normals(Mesh& mesh) {
   std::vector<glm::vec3> positions;
   std::vector<VertexAttributes> attributes;

@@ -105,7 +105,7 @@ void MaterialNode::set_change(std::size_t number, const MaterialChange& change) 
   tell_content_changed();
 }
 
-// Taken together in double, in the order of their numbers, and rounded once.
+// Applies the changes in double precision, in the order of their numbers, and rounds once.
 void MaterialNode::show() {
   glm::dvec3 color(1), emission(material_->emissive);
   double opacity = material_->opacity, roughness = material_->roughness;

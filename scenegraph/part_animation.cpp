@@ -6,7 +6,7 @@
 namespace simvis {
 namespace {
 
-// Sine and arc tangent of the chords keep all digits, for small angles too.
+// The angle comes from the arc tangent of the chords, which is accurate for small angles too.
 glm::dvec4 slerp(const glm::dvec4& from, const glm::dvec4& to, double part) {
   const glm::dvec4 target = glm::dot(from, to) < 0 ? -to : to;
   const double angle = 2 * std::atan2(glm::length(from - target), glm::length(from + target));
@@ -26,7 +26,7 @@ void store(const glm::dvec4& q, std::span<double> value) {
   for (std::size_t i = 0; i < 4; ++i) value[i] = q[static_cast<int>(i)];
 }
 
-// The values between two keys of a sampler, `part` of the way.
+// The interpolation between two keys of a sampler. `part` is the fraction of the interval, 0 to 1.
 class Segment {
  public:
   Segment(const AnimationSampler& sampler, std::size_t key, double part)
@@ -48,7 +48,7 @@ class Segment {
     for (std::size_t i = 0; i < width_; ++i) value[i] = (1 - part_) * value_[i] + part_ * next[i];
   }
 
-  // Hermite's; the tangents are per second.
+  // Cubic Hermite interpolation. The tangents are per second.
   void cubic(bool rotation, double length_s, std::span<double> value) const {
     const float *const out_tangent = value_ + width_, *const in_tangent = first_ + stride_;
     const float* const next = value_ + stride_;
@@ -84,7 +84,6 @@ void sample_animation(const AnimationSampler& sampler, AnimatedProperty property
                       std::span<double> value) {
   const std::vector<float>& times = *sampler.times_s;
   const bool rotation = property == AnimatedProperty::rotation;
-  // The first key later than the time.
   const auto later = std::upper_bound(times.begin(), times.end(), time_s,
                                       [](double time, float key) { return time < static_cast<double>(key); });
   if (later == times.begin()) return Segment(sampler, 0, 0).hold(rotation, value);

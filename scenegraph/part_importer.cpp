@@ -12,11 +12,11 @@ namespace simvis {
 namespace {
 
 struct Importers {
-  std::shared_mutex mutex;  // of by_ending: a plug-in may be loaded while other threads read parts
+  std::shared_mutex mutex;  // guards by_ending: a plug-in may be loaded while other threads read parts
   std::map<std::string, PartImporter> by_ending;
 };
 
-// A function's static, so that it exists before the first registration of any other file.
+// A static variable of a function, so that it exists before the first registration of any other file.
 Importers& importers() {
   static Importers all;
   return all;

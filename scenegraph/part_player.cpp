@@ -111,7 +111,7 @@ void PartPlayer::sample_channels(double time_s) {
   }
 }
 
-// Parents come before their children, so one pass does.
+// Parents come before their children, so one pass is enough.
 void PartPlayer::update_joints() {
   for (std::size_t i = 0; i < root_from_node_.size(); ++i) {
     const int parent = animations_->nodes[i].parent;

@@ -1,4 +1,4 @@
-// Puts one part into the poses of one of its animations.
+// Sets one part to the poses of one of its animations.
 #pragma once
 
 #include <memory>
@@ -9,23 +9,24 @@
 
 namespace simvis {
 
-/// Every pose is computed from the pose at rest and the time alone: no error grows from one to the next. What a pose
-/// leaves as it was is not touched.
+/// Every pose is computed only from the rest pose and the time, so errors do not accumulate. Nodes that a pose does not
+/// change are not written.
 class PartPlayer {
  public:
-  /// `clone_of` leads from the nodes of the part's content to those that are moved.
+  /// `clone_of` maps the nodes of the part's content to the nodes that are moved.
   PartPlayer(std::shared_ptr<const PartAnimations> animations, std::size_t clip, const NodeMap& clone_of);
 
   double duration_s() const { return clip_->duration_s; }
 
-  /// The transforms and shapes that the clip changes. Players of one part that have none in common do not disturb each
-  /// other.
+  /// Returns the transforms and shapes that the clip changes. Players of one part do not affect each other if they have
+  /// none in common.
   std::vector<const Node*> driven() const;
 
-  /// Poses the part as at this time of the clip: before its first key as there, after its last key as there.
+  /// Sets the part to the pose at this time of the clip. Before the first key it is the pose of the first key, and
+  /// after the last key the pose of the last key.
   void show(double time_s);
 
-  /// Poses it as its file does without a clip.
+  /// Sets the part to the rest pose of its file.
   void show_rest();
 
  private:
@@ -34,7 +35,7 @@ class PartPlayer {
     std::size_t node;
     std::shared_ptr<Transform> transform;  // null: not in the graph
   };
-  // A shape that the clip deforms, and what its mesh was last made from.
+  // A shape that the clip deforms, and the weights and joint matrices of its present mesh.
   struct Deformed {
     const AnimatedShape* source;
     std::shared_ptr<Shape> shape;
@@ -52,8 +53,8 @@ class PartPlayer {
   std::vector<Mover> movers_;
   std::vector<Deformed> deformed_;
   bool has_skins_ = false;
-  std::vector<double> sampled_;                                // room for one value
-  std::vector<LocalPose> poses_;                               // by node; of movers
+  std::vector<double> sampled_;                                // scratch space for one value
+  std::vector<LocalPose> poses_;                               // by node; used for movers
   std::vector<std::vector<double>> weights_;                   // by node
   std::vector<glm::dmat4> parent_from_node_, root_from_node_;  // by node
   std::vector<std::vector<glm::dmat4>> joint_matrices_;        // by skin

@@ -12,7 +12,7 @@ const T& as(const NodePtr& node) {
   return static_cast<const T&>(*node);
 }
 
-// The nodes themselves, without what is below them.
+// Compares the nodes without their children.
 bool same_node(const NodePtr& a, const NodePtr& b) {
   if (a->kind() != b->kind()) return false;
   switch (a->kind()) {

@@ -1,12 +1,13 @@
-// Whether two graphs hold the same, so that one can stand for both.
+// Compares two graphs, so that one can replace the other.
 #pragma once
 
 #include <simvis/node.h>
 
 namespace simvis {
 
-/// Same nodes in the same order with the same names (but for the topmost's, often the file's), matrices, lights and
-/// sharing; meshes and materials by identity, so they should come from one ContentPool.
+/// Returns whether both graphs have the same nodes in the same order, with the same names, matrices, lights and
+/// sharing. The name of the root is not compared, because it is often the name of the file. Meshes and materials are
+/// compared by identity, so they should come from one ContentPool.
 bool same_graph(const NodePtr& a, const NodePtr& b);
 
 }  // namespace simvis

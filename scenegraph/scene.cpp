@@ -41,7 +41,7 @@ PartImporter find_importer(const std::filesystem::path& path, const Location& wh
   fail_at(where, "part file " + in_quotes(path.string()) + " is of an unknown kind, expected one of: " + known);
 }
 
-// "world.glb: error: no buffers" -> "world.glb: no buffers", to stand behind another "error:".
+// "world.glb: error: no buffers" -> "world.glb: no buffers", for use after another "error:".
 std::string without_error_word(std::string message) {
   constexpr std::string_view kWord = ": error: ";
   const std::size_t at = message.find(kWord);
@@ -141,7 +141,7 @@ void Scene::insert_in_world(NodePtr node) {
 }
 
 void Scene::insert_in_world(const Command& command, NodePtr node) {
-  place(command);  // throws where there is none
+  place(command);  // throws if the place does not exist
   insert_in_world(node);
   remember(command, node);
 }
@@ -150,11 +150,12 @@ void Scene::insert_behind_point(std::string_view part, NodePtr node) {
   SIMVIS_ASSERT(has_part(part));
   const Place& at = places_.find(part)->second;
   const auto next = std::ranges::find(at.parent->children(), at.point, &NodePtr::get) + 1;
-  at.parent->insert_before(**next, node);  // the part's content, if nothing else, stands there
+  at.parent->insert_before(**next, node);  // `next` exists: the part's content always follows the point
   undo_.add([parent = at.parent, node] { parent->remove(*node); });
 }
 
-// Files of identical content hold one graph, but for those with animations, which know the nodes of their own.
+// Files with identical content share one graph. Files with animations do not, because animations refer to their own
+// nodes.
 void Scene::share_graph(PartContent& content) const {
   if (content.animations != nullptr) return;
   for (const auto& [key, known] : contents_) {

@@ -18,7 +18,7 @@ const ElementRegistration kFrameAxesRegistration({
     },
 });
 
-// Linear RGB: clear on light and on dark ground, none of them dazzling.
+// Linear RGBA. The colours are visible on light and dark backgrounds and are not too bright.
 constexpr glm::vec4 kAxisColor[3] = {{0.8f, 0.02f, 0.02f, 1}, {0.02f, 0.5f, 0.02f, 1}, {0.03f, 0.1f, 0.9f, 1}};
 
 }  // namespace

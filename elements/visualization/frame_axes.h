@@ -1,10 +1,9 @@
-// The element `frame_axes`: arrows along the axes of the frame at its insertion point, for people: x red, y green, z
-// blue.
+// The element `frame_axes`: shows the axes of the frame at its insertion point as arrows: x red, y green, z blue.
 //
 //   <element type="frame_axes" name="AXES" insert_at="ROBOT" length="0.5"/>
 //
-// Only cameras with view="visualization" see them. They stand in the frame that the elements inserted before them make,
-// and move with it.
+// Only cameras with view="visualization" see the arrows. The arrows show the frame after all elements that were
+// inserted before them, and move with it.
 // Parameters  length, width (m), both live.
 #pragma once
 

@@ -27,7 +27,7 @@ constexpr AttributeSpec kGraphAttributes[] = {
     color_row("edge_green", "0.75", "green of the edges"),
     color_row("edge_blue", "0.05", "blue of the edges"),
 };
-constexpr std::size_t kFirstCoordinate = 8;  // among the live rows
+constexpr std::size_t kFirstCoordinate = 8;  // index among the live rows
 
 const ElementRegistration kGraphRegistration({
     .name = "graph",
@@ -47,7 +47,7 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(begin, text.find_last_not_of(kSpaces) - begin + 1);
 }
 
-// What stands between the commas, at least one entry.
+// Splits the list at its commas. Returns at least one entry.
 std::vector<std::string_view> entries_of(std::string_view list) {
   std::vector<std::string_view> entries;
   while (true) {
@@ -130,7 +130,7 @@ void GraphElement::update(ParameterView values) {
     return glm::dvec3(at[0], at[1], at[2]);
   };
   const glm::vec4 node_color(values[2], values[3], values[4], 1), edge_color(values[5], values[6], values[7], 1);
-  const glm::dvec3 origin = place(0);  // maps may lie far out
+  const glm::dvec3 origin = place(0);  // maps may lie far from the origin
   MarkerMesh markers;
   for (const Edge& edge : edges_) {
     markers.add_line(place(edge.from) - origin, place(edge.to) - origin, values[1], edge_color);

@@ -1,10 +1,10 @@
-// The element `graph`: nodes and edges of a map, for people.
+// The element `graph`: draws the nodes and edges of a map.
 //
 //   <element type="graph" name="MAP" insert_at="ROOT" nodes="0 0 0.1, 2 0 0.1, 2 3 0.1" edges="0-1, 1-2"/>
 //
 // Only cameras with view="visualization" see it.
-// Frames   places are in the frame of the insertion point.
-// Parameters  size, width (m), red green blue of the nodes, edge_red edge_green edge_blue (linear), and the place of
+// Frames   positions are in the frame of the insertion point.
+// Parameters  size, width (m), red green blue of the nodes, edge_red edge_green edge_blue (linear), and the position of
 //          each node, x0 y0 z0 x1 y1 z1 ... (m); all live.
 #pragma once
 
@@ -18,7 +18,7 @@ namespace simvis {
 
 class GraphElement : public Element {
  public:
-  /// Throws InputError at the attribute: a node that is not three numbers, an edge that does not join two of the nodes.
+  /// Throws InputError at the attribute if a node is not three numbers or an edge does not join two of the nodes.
   explicit GraphElement(const ElementContext& context);
   void update(ParameterView values) override;
   void adapt_parameters(std::vector<AttributeSpec>& live_rows) const override;
@@ -27,7 +27,7 @@ class GraphElement : public Element {
   struct Edge {
     std::size_t from, to;
   };
-  // The texts of a row for one coordinate of a node.
+  // The strings of the attribute row for one coordinate of a node.
   struct Coordinate {
     std::string name, default_value, text;
   };

@@ -1,9 +1,9 @@
-// The element `laser_beams`: draws the beams of a scanner and the points that they hit, for people.
+// The element `laser_beams`: draws the beams of a scanner and the points that they hit.
 //
 //   <element type="laser_beams" name="BEAMS" insert_at="ROOT" scanner="FRONT_SCANNER" red="1" opacity="0.5"/>
 //
-// Only cameras with view="visualization" see them. They start where the scanner stood when it measured; where the
-// element is inserted makes no difference.
+// Only cameras with view="visualization" see them. The beams start at the position of the scanner at the time of the
+// scan. The insertion point of the element has no effect.
 // Parameters  width, size, miss_length (m), every, opacity, red green blue (linear), all live.
 #pragma once
 
@@ -29,8 +29,8 @@ class LaserBeamsElement : public Element {
   double width_m_ = 0, size_m_ = 0, miss_length_m_ = 0;
   std::size_t every_ = 1;
   glm::vec4 color_{1};       // of the beams; the hits are opaque
-  std::uint64_t drawn_ = 0;  // ObservedScan::count of what the mesh shows
-  bool stale_ = false;       // a parameter changed since it was made
+  std::uint64_t drawn_ = 0;  // ObservedScan::count of the scan in the mesh
+  bool stale_ = false;       // a parameter changed after the mesh was made
 };
 
 }  // namespace simvis

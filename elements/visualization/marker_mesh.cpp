@@ -10,12 +10,13 @@ namespace {
 
 constexpr std::uint32_t kLineSides = 3, kConeSides = 12;
 
-// Of an arrow's head, in widths of its line.
+// Size of an arrow's head as multiples of its line width.
 constexpr double kHeadLength = 5, kHeadRadius = 1.6;
 
 glm::vec3 rounded(const glm::dvec3& v) { return {v}; }
 
-// A direction square to a unit vector: the level one to the left, but of what is nearly upright.
+// Returns a unit vector perpendicular to a unit vector: the horizontal one to the left, unless `axis` is nearly
+// vertical.
 glm::dvec3 square_to(const glm::dvec3& axis) {
   const glm::dvec3 other = std::abs(axis.z) < 0.9 ? glm::dvec3(0, 0, 1) : glm::dvec3(1, 0, 0);
   return glm::normalize(glm::cross(other, axis));
@@ -38,8 +39,8 @@ void MarkerMesh::add_point(const glm::dvec3& center, double size_m, const glm::v
     add_vertex(center + half, color);
     add_vertex(center - half, color);
   }
-  // One face per octant, its corners on +x or -x, +y or -y, +z or -z: counter-clockwise from outside where an even
-  // number of them is negative.
+  // One face per octant, with corners on +x or -x, +y or -y, +z or -z. This order is counter-clockwise from outside if
+  // an even number of them is negative.
   for (std::uint32_t octant = 0; octant < 8; ++octant) {
     const std::uint32_t x = octant & 1, y = octant >> 1 & 1, z = octant >> 2;
     const bool even = (x + y + z) % 2 == 0;
@@ -48,20 +49,21 @@ void MarkerMesh::add_point(const glm::dvec3& center, double size_m, const glm::v
   }
 }
 
-// Corners around an axis of unit length, counter-clockwise as seen from where it points. Returns the first one's index.
+// Adds corners around `axis`, a unit vector, counter-clockwise as seen from its tip. Returns the index of the first
+// corner.
 std::uint32_t MarkerMesh::add_ring(const glm::dvec3& center, const glm::dvec3& axis, double radius_m,
                                    std::uint32_t corners, const glm::vec4& color) {
   const auto first = static_cast<std::uint32_t>(mesh_.positions.size());
   const glm::dvec3 u = square_to(axis), v = glm::cross(axis, u);
   for (std::uint32_t i = 0; i < corners; ++i) {
-    // The first corner of a level line is its upper one.
+    // The first corner of a horizontal line is its upper one.
     const double turn = std::numbers::pi * (0.5 + 2.0 * i / corners);
     add_vertex(center + radius_m * (std::cos(turn) * u + std::sin(turn) * v), color);
   }
   return first;
 }
 
-// Closes a ring, to be seen from where its axis points or from the other side.
+// Closes a ring. `front`: the cap is visible from the tip of the ring's axis, otherwise from the other side.
 void MarkerMesh::add_cap(std::uint32_t ring, std::uint32_t corners, bool front) {
   for (std::uint32_t i = 1; i + 1 < corners; ++i) {
     mesh_.indices.insert(mesh_.indices.end(), {ring, ring + (front ? i : i + 1), ring + (front ? i + 1 : i)});
@@ -71,7 +73,7 @@ void MarkerMesh::add_cap(std::uint32_t ring, std::uint32_t corners, bool front) 
 void MarkerMesh::add_line(const glm::dvec3& from, const glm::dvec3& to, double width_m, const glm::vec4& color) {
   if (width_m == 0 || from == to) return;
   const glm::dvec3 axis = glm::normalize(to - from);
-  const double radius_m = width_m / std::numbers::sqrt3;  // of the circle around a triangle with such sides
+  const double radius_m = width_m / std::numbers::sqrt3;  // circumradius of a triangle with sides of width_m
   const std::uint32_t start = add_ring(from, axis, radius_m, kLineSides, color);
   const std::uint32_t end = add_ring(to, axis, radius_m, kLineSides, color);
   for (std::uint32_t i = 0; i < kLineSides; ++i) {

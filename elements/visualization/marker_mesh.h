@@ -1,8 +1,9 @@
-// Markers for people: points, lines and arrows in plain colours, gathered into one mesh.
+// Markers for visualization: points, lines and arrows in plain colours, collected in one mesh.
 //
-// Frames   the mesh's own. Meshes are float32, so what may lie anywhere in the world hangs below a Transform that holds
-//          an origin nearby in double, and is given here relative to that. Each corner is rounded once.
-// Colours  linear RGBA, kept in the vertices; the material is white and unlit.
+// Frames   the mesh's own frame. Meshes are float32. Markers that may lie anywhere in the world therefore stand below a
+//          Transform that holds a nearby origin in double precision, and their coordinates are relative to that origin.
+//          Each corner is rounded once.
+// Colours  linear RGBA, stored in the vertices; the material is white and unlit.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -19,14 +20,14 @@ namespace simvis {
 
 class MarkerMesh {
  public:
-  /// An octahedron whose opposite corners are `size_m` apart; none for 0.
+  /// Adds an octahedron whose opposite corners are `size_m` apart. Adds nothing for the size 0.
   void add_point(const glm::dvec3& center, double size_m, const glm::vec4& color);
-  /// A bar of three sides, each `width_m` wide; none for 0 or between equal points.
+  /// Adds a bar with three sides, each `width_m` wide. Adds nothing for the width 0 or between equal points.
   void add_line(const glm::dvec3& from, const glm::dvec3& to, double width_m, const glm::vec4& color);
-  /// A line with a cone at its end, whose tip is at `to`.
+  /// Adds a line with a cone at its end. The tip of the cone is at `to`.
   void add_arrow(const glm::dvec3& from, const glm::dvec3& to, double width_m, const glm::vec4& color);
 
-  /// What was added; nothing is kept.
+  /// Returns a mesh of all added markers, and clears this object.
   std::shared_ptr<const Mesh> take(const std::string& name);
 
  private:
@@ -39,20 +40,20 @@ class MarkerMesh {
   Mesh mesh_;
 };
 
-/// The part of the graph that shows a mesh of markers: separator { material, place, shape }, for people only.
-/// The material is the opaque one.
+/// The subgraph that shows a mesh of markers: separator { material, place, shape }. Only visualization cameras see it.
+/// The material is opaque.
 struct MarkerNodes {
   std::shared_ptr<VisualSeparator> separator;
   std::shared_ptr<MaterialNode> material;
-  std::shared_ptr<Transform> place;  ///< of the mesh's origin
-  std::shared_ptr<Shape> shape;      ///< with no mesh in it yet: an empty one
+  std::shared_ptr<Transform> place;  ///< position of the mesh's origin
+  std::shared_ptr<Shape> shape;      ///< holds an empty mesh at first
 };
 MarkerNodes make_marker_nodes(const std::string& name);
 
-/// White and unlit; blended where vertices may be transparent.
+/// Returns a white and unlit material. `mode` is blend if vertices may be transparent.
 std::shared_ptr<const Material> marker_material(AlphaMode mode);
 
-/// A live row for one part of a linear RGB colour.
+/// A live row for one channel of a linear RGB colour.
 constexpr AttributeSpec color_row(std::string_view name, std::string_view default_value, std::string_view text) {
   return {.name = name,
           .kind = AttributeKind::number,
@@ -63,7 +64,7 @@ constexpr AttributeSpec color_row(std::string_view name, std::string_view defaul
           .live = true};
 }
 
-/// No marker is larger, in metres.
+/// The largest size of a marker in metres.
 inline constexpr double kMaxMarker_m = 10000;
 
 /// A live row for the size of a marker.

@@ -82,7 +82,7 @@ PointCloudElement::PointCloudElement(const ElementContext& context)
 void PointCloudElement::add_file(const ElementContext& context) {
   PointFile file = read_point_file(find_point_file(context));
   has_colors_ = file.has_colors;
-  const glm::dvec3 origin = file.points.front().position_m;  // maps may lie far out
+  const glm::dvec3 origin = file.points.front().position_m;  // maps may lie far from the origin
   for (FilePoint& point : file.points) point.position_m -= origin;
   Batch& batch = add_batch();
   batch.points = std::move(file.points);
@@ -111,7 +111,7 @@ void PointCloudElement::update(ParameterView values) {
   stale_ = true;
 }
 
-// Meshes are made here, so that a scene which nobody watches pays for none.
+// Meshes are made here, so that a scene without visualization cameras has no cost.
 void PointCloudElement::observe(const Observations& seen) {
   if (stale_) {
     for (Batch& batch : batches_) draw(batch);
@@ -128,7 +128,7 @@ void PointCloudElement::read_scan(const ObservedScan& observed) {
   if (batches_.size() < keep_) {
     add_batch();
   } else {
-    // The oldest makes room: its nodes stay in the graph, whose structure need not change then.
+    // Reuse the nodes of the oldest batch, so that the structure of the graph does not change.
     batches_.push_back(std::move(batches_.front()));
     batches_.pop_front();
   }

@@ -1,11 +1,11 @@
-// The element `point_cloud`: points from a file, or where the beams of a scanner hit, for people.
+// The element `point_cloud`: shows points from a file, or the points that a scanner's beams hit.
 //
 //   <element type="point_cloud" name="MAP" insert_at="ROOT" file="points.csv"/>
 //   <element type="point_cloud" name="HITS" insert_at="ROOT" scanner="TILT_SCANNER" keep="50"/>
 //
 // Only cameras with view="visualization" see it.
-// Frames   a file's points are in the frame of the insertion point; see point_file.h for the format. A scan's points
-//          stay in the world where they were measured; where the element is inserted makes no difference to them.
+// Frames   the points of a file are in the frame of the insertion point; see point_file.h for the format. The points of
+//          a scan stay at their world positions, and the insertion point has no effect on them.
 // Parameters  count, size (m), keep, red green blue (linear), all live.
 #pragma once
 
@@ -22,13 +22,13 @@ namespace simvis {
 
 class PointCloudElement : public Element {
  public:
-  /// Throws InputError: neither a file nor a scanner or both, and what is wrong with the file.
+  /// Throws InputError unless exactly one of file and scanner is given, and if the file has an error.
   explicit PointCloudElement(const ElementContext& context);
   void update(ParameterView values) override;
   void observe(const Observations& seen) override;
 
  private:
-  // The points of the file or of one scan, near an origin of their own: separator { place, shape }.
+  // The points of the file or of one scan, with an origin near them: separator { place, shape }.
   struct Batch {
     std::shared_ptr<Separator> separator;
     std::shared_ptr<Transform> place;
@@ -40,14 +40,14 @@ class PointCloudElement : public Element {
   void read_scan(const ObservedScan& observed);
   void draw(Batch& batch);
 
-  std::string name_, scanner_;  // no scanner: a file
+  std::string name_, scanner_;  // scanner_ is empty for a file
   std::shared_ptr<VisualSeparator> separator_;
-  std::deque<Batch> batches_;  // of scans the newest last
-  bool has_colors_ = false;    // of their own
+  std::deque<Batch> batches_;  // for scans: the newest last
+  bool has_colors_ = false;    // the file gives a colour for each point
   std::size_t count_ = 0, keep_ = 1;
   double size_m_ = 0;
   glm::vec3 color_{1};
-  bool stale_ = false;      // a parameter changed since the meshes were made
+  bool stale_ = false;      // a parameter changed after the meshes were made
   std::uint64_t seen_ = 0;  // ObservedScan::count of the newest batch
 };
 

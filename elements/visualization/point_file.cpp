@@ -17,13 +17,13 @@ namespace {
 constexpr std::string_view kSeparators = " \t,";
 constexpr std::string_view kExpected = ", expected \"x y z\" or \"x y z r g b\", metres and colours from 0 to 255";
 
-// The words of one line, and where it starts in the text.
+// The words of one line, and the offset of the line in the text.
 struct Line {
   std::size_t offset = 0;
   std::vector<std::string_view> words;
 };
 
-// False at the end of the text; `next` is where the following line starts.
+// Returns false at the end of the text. `next` is the offset of the following line.
 bool read_line(std::string_view text, std::size_t& next, Line& line) {
   if (next >= text.size()) return false;
   line.offset = next;

@@ -1,4 +1,4 @@
-// Points from a text file.
+// Reads points from a text file.
 #pragma once
 
 #include <filesystem>
@@ -17,14 +17,14 @@ struct PointFile {
   bool has_colors = false;
 };
 
-/// A file may hold as many.
+/// The largest number of points in a file.
 inline constexpr std::size_t kMaxPoints = 1'000'000;
 
-/// One point a line: "x y z" or "x y z r g b", separated by spaces, commas or both; metres, and colours from 0 to 255
-/// as pictures have them (sRGB). Either each line has a colour or none. Empty lines and lines that start with '#' are
-/// passed over, and a first line "x,y,z" or "x,y,z,r,g,b" too.
-/// Throws InputError with FILE:LINE:COLUMN: what is no point, a coordinate beyond kMaxCoordinate_m, no points at all or
-/// too many, not UTF-8 text, a file that cannot be read.
+/// Each line holds one point: "x y z" or "x y z r g b", separated by spaces, commas or both. Coordinates are in metres,
+/// and colours are sRGB from 0 to 255 as in pictures. Either every line has a colour or none has. Empty lines and lines
+/// that start with '#' are skipped, and also a first line "x,y,z" or "x,y,z,r,g,b".
+/// Throws InputError with FILE:LINE:COLUMN for a line that is not a point, a coordinate beyond kMaxCoordinate_m, no
+/// points at all, too many points, text that is not UTF-8, or a file that cannot be read.
 PointFile read_point_file(const std::filesystem::path& file);
 
 }  // namespace simvis

@@ -1,4 +1,4 @@
-// Where the beams of a scan go.
+// Directions and hits of the beams of a scan.
 #pragma once
 
 #include <cmath>
@@ -9,13 +9,13 @@
 
 namespace simvis {
 
-/// Of unit length, in the sensor frame.
+/// Returns the direction of a beam as a unit vector in the sensor frame.
 inline glm::dvec3 beam_direction(const Scan& scan, std::size_t ring, std::size_t beam) {
   return beam_direction(scan.azimuth_rad[beam], scan.elevation_rad[ring]);
 }
 
-/// Calls `visit(direction, range_m)` for every `every`-th beam of each ring. The range is infinite where the beam met
-/// nothing and 0 where it was blocked too near to be measured.
+/// Calls `visit(direction, range_m)` for every `every`-th beam of each ring. The range along the ray is infinite if the
+/// beam hit nothing, and 0 if it was blocked closer than the minimum range.
 template <typename Visit>
 void for_each_beam(const Scan& scan, std::size_t every, const Visit& visit) {
   for (std::size_t ring = 0; ring < scan.rings; ++ring) {
@@ -25,7 +25,7 @@ void for_each_beam(const Scan& scan, std::size_t every, const Visit& visit) {
   }
 }
 
-/// Whether a range is that of a surface.
+/// Returns whether a range is the measured range of a surface.
 inline bool is_hit(double range_m) { return range_m > 0 && std::isfinite(range_m); }
 
 }  // namespace simvis

@@ -69,7 +69,7 @@ void TrailElement::observe(const Observations& seen) {
   stale_ = false;
 }
 
-// False where the part has not come far, or is switched off.
+// Returns false if the part has moved less than one step or is switched off.
 bool TrailElement::add_point(const Observations& seen) {
   glm::dmat4 world_from_part;
   if (!seen.find_mount(*mount_, world_from_part)) return false;
@@ -83,7 +83,7 @@ bool TrailElement::add_point(const Observations& seen) {
 void TrailElement::draw() {
   MarkerMesh markers;
   if (!path_.empty()) {
-    // Where the part is now is what people look at: there the float32 mesh is finest.
+    // People look at the present position of the part, so the float32 mesh has its origin and best resolution there.
     const glm::dvec3 origin = path_.back();
     for (std::size_t i = 1; i < path_.size(); ++i) {
       markers.add_line(path_[i - 1] - origin, path_[i] - origin, width_m_, color_);

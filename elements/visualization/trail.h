@@ -1,10 +1,10 @@
-// The element `trail`: the path that a part has come, for people.
+// The element `trail`: draws the path that a part has taken.
 //
 //   <element type="trail" name="PATH" insert_at="ROOT" part="ROBOT" keep="500"/>
 //
-// Only cameras with view="visualization" see it. It joins the places of the part's insertion point, where everything
-// inserted there has moved it to, in the frames that a visualization camera was there to see. Where the element is
-// inserted makes no difference.
+// Only cameras with view="visualization" see it. The trail joins the positions of the part's insertion point, after all
+// elements that are inserted there have moved it. It has points only from frames in which the scene had a
+// visualization. The insertion point of the element itself has no effect.
 // Parameters  width, step (m), keep, red green blue (linear), all live.
 #pragma once
 
@@ -29,11 +29,11 @@ class TrailElement : public Element {
   std::string name_;
   MarkerNodes nodes_;
   std::shared_ptr<Mount> mount_;
-  std::deque<glm::dvec3> path_;  // world, the newest last
+  std::deque<glm::dvec3> path_;  // in the world frame, the newest last
   double width_m_ = 0, step_m_ = 0;
   std::size_t keep_ = 2;
   glm::vec4 color_{1};
-  bool stale_ = false;  // a parameter changed since the mesh was made
+  bool stale_ = false;  // a parameter changed after the mesh was made
 };
 
 }  // namespace simvis

@@ -51,7 +51,7 @@ std::string range_text(const AttributeSpec& spec) {
   return text;
 }
 
-// What a row allows: "a number greater than 0 and below 180 (deg)".
+// The values that a row allows: "a number greater than 0 and below 180 (deg)".
 std::string expected(const AttributeSpec& spec) {
   switch (spec.kind) {
     case AttributeKind::choice:
@@ -88,11 +88,11 @@ std::string refusal(std::string_view seen, std::string_view expectation) {
 bool in_range(const AttributeSpec& spec, double value) {
   const bool above = spec.open_min ? value > spec.min : value >= spec.min;
   const bool below = spec.open_max ? value < spec.max : value <= spec.max;
-  // Infinite limits are no limits, open or not; the value is known to be finite.
+  // The value is finite, so infinite limits have no effect, open or not.
   return above && below;
 }
 
-// Reads the words of a choice or of flags. False if one is unknown or written twice.
+// Reads the words of a choice or of flags. Returns false if a word is unknown or written twice.
 bool read_words(std::string_view text, const AttributeSpec& spec, std::vector<std::string>& words) {
   const std::vector<std::string_view> allowed = split(spec.choices);
   for (const std::string_view word : split(text)) {
@@ -120,7 +120,7 @@ bool parse_number(std::string_view text, double& value) { return parse_numbers(t
 
 std::string format_number(double value) {
   char text[40];
-  // Whole numbers of a readable size are written out: 1000000 rather than 1e+06.
+  // Whole numbers below 1e9 are written without an exponent: 1000000, not 1e+06.
   const bool whole = std::abs(value) < 1e9 && value == std::floor(value);
   char* end = text + sizeof(text);
   end = whole ? std::to_chars(text, end, value, std::chars_format::fixed).ptr : std::to_chars(text, end, value).ptr;
@@ -133,7 +133,7 @@ std::string check_number(const AttributeSpec& spec, double value) {
   return whole && in_range(spec, value) ? "" : refusal(format_number(value), expected(spec));
 }
 
-// Sets the value from the text. Returns what is wrong with it, or an empty string.
+// Sets the value from the text. Returns the error in the text, or an empty string.
 std::string AttributeValues::read(std::string_view text, Value& value) {
   const AttributeSpec& spec = value.spec;
   value.set = true;

@@ -18,8 +18,8 @@ Location place(const pugi::xml_node& node, const SourceText& source) {
   return source.at(static_cast<std::size_t>(node.offset_debug()));
 }
 
-// Where the attributes' names stand, in order. pugixml does not keep that, so the tag is scanned once more; it is known
-// to be well formed.
+// Returns the offsets of the attributes' names, in order. pugixml does not store them, so the tag is scanned again. The
+// tag is known to be well formed.
 std::vector<std::size_t> attribute_offsets(const pugi::xml_node& node, std::string_view text) {
   std::vector<std::size_t> offsets;
   std::size_t i = static_cast<std::size_t>(node.offset_debug()) + std::string_view(node.name()).size();
@@ -75,11 +75,11 @@ Command read_command(const pugi::xml_node& node, const SourceText& source, const
   return command;
 }
 
-// The document's only element, if it is no command but encloses them.
+// Returns the only element of the document if it is not a command but encloses commands.
 pugi::xml_node find_root(const pugi::xml_document& document) {
   const pugi::xml_node first = document.first_child();
   const bool alone = first && !first.next_sibling() && first.type() == pugi::node_element;
-  // A lone misspelt command has attributes and no content: it is better reported as one.
+  // An only element with attributes and without content is a misspelt command, and is reported as a command.
   const bool encloses = alone && (first.first_child() || !first.first_attribute());
   return encloses && !is_command(first.name()) ? first : pugi::xml_node();
 }

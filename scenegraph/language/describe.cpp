@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::size_t kWidth = 120;
 constexpr std::size_t kNarrowestText = 30;
-constexpr std::size_t kColumns = 6;  // those before the text
+constexpr std::size_t kColumns = 6;  // columns before the text
 using Row = std::array<std::string, kColumns>;
 constexpr std::string_view kHeads[kColumns] = {"name", "kind", "default", "unit", "allowed", "live"};
 
@@ -67,7 +67,7 @@ Row row_of(const AttributeSpec& spec) {
           spec.live ? "yes" : ""};
 }
 
-// Adds `line`, then `text` behind it, broken between words; the lines that follow are indented by `indent`.
+// Adds `line` and then `text`, wrapped between words. Continuation lines are indented by `indent`.
 void add_text(std::string& page, std::string line, std::size_t indent, std::string_view text) {
   const std::size_t room = std::max(kWidth - std::min(kWidth, indent), kNarrowestText);
   while (text.size() > room) {
@@ -80,7 +80,7 @@ void add_text(std::string& page, std::string line, std::size_t indent, std::stri
   end_line(page, line + std::string(text));
 }
 
-// Adds one row to the page; its text goes on below itself.
+// Adds one row to the page. The text column wraps within its own column.
 void add_row(std::string& page, const Row& row, const std::array<std::size_t, kColumns>& widths,
              std::string_view text) {
   std::string line;

@@ -1,4 +1,4 @@
-// Tables of attributes as Markdown, for the generated reference.
+// Writes attribute tables as Markdown, for the generated reference.
 #pragma once
 
 #include <string>
@@ -8,10 +8,10 @@
 
 namespace simvis {
 
-/// The facts that describe() prints of the attributes, as a Markdown table. Empty for an empty table.
+/// Returns the facts that describe() prints about the attributes, as a Markdown table. Empty for an empty table.
 std::string markdown_table(AttributeTable table);
 
-/// `text` with those characters escaped that Markdown would take for markup.
+/// Returns `text` with the characters escaped that Markdown would read as markup.
 std::string markdown_text(std::string_view text);
 
 }  // namespace simvis

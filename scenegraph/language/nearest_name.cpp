@@ -6,7 +6,7 @@
 namespace simvis {
 namespace {
 
-constexpr std::size_t kLongestName = 200;  // longer ones are nobody's slip of the pen, and cost time
+constexpr std::size_t kLongestName = 200;  // longer names are not typing errors, and they cost time
 
 std::string lower(std::string_view text) {
   std::string result(text);
@@ -14,7 +14,8 @@ std::string lower(std::string_view text) {
   return result;
 }
 
-// Damerau-Levenshtein distance (optimal string alignment): insertions, deletions, changes and swaps of neighbours.
+// Damerau-Levenshtein distance (optimal string alignment): insertions, deletions, substitutions and swaps of adjacent
+// characters.
 std::size_t distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> before(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
   for (std::size_t j = 0; j <= b.size(); ++j) last[j] = j;
@@ -38,7 +39,7 @@ std::string nearest_name(std::string_view seen, std::span<const std::string_view
   std::string_view best;
   std::size_t best_distance = 0;
   for (const std::string_view name : known) {
-    // A third of the letters may be wrong; with one or two letters, only their case.
+    // A third of the letters may be wrong. In a name of one or two letters only their case may be wrong.
     const std::size_t longer = std::max(seen.size(), name.size());
     const std::size_t difference = longer - std::min(seen.size(), name.size());
     if (longer > kLongestName || difference > longer / 3) continue;

@@ -22,12 +22,12 @@ glm::dmat4 matrix(const glm::dvec3& position_m, SinCos roll, SinCos pitch, SinCo
 }  // namespace
 
 SinCos sincos_deg(double angle_deg) {
-  // Both remainders are exact in floating point. What is left lies within +-45 degrees of a whole quarter turn.
+  // Both remainders are exact in floating point. `rest` lies within +-45 degrees.
   const double turn_part = std::remainder(angle_deg, 360.0);
   const double rest = std::remainder(turn_part, 90.0);
   const int quarter = static_cast<int>(std::lround((turn_part - rest) / 90.0)) & 3;
   const double radians = rest * (glm::pi<double>() / 180.0);
-  // Adding 0 turns -0 into 0, so that equal poses give equal bytes.
+  // The addition of 0 turns -0 into 0, so that equal poses give equal bytes.
   const double s = std::sin(radians) + 0.0, c = std::cos(radians);
   switch (quarter) {
     case 0:
@@ -58,7 +58,7 @@ glm::dmat4 rigid_inverse(const glm::dmat4& m) {
 }
 
 const glm::dmat4& sensor_from_view() {
-  // Columns: where the view's right, down and forward point in the sensor frame.
+  // The columns are the view's right, down and forward directions in the sensor frame.
   static const glm::dmat4 matrix{{0, -1, 0, 0}, {0, 0, -1, 0}, {1, 0, 0, 0}, {0, 0, 0, 1}};
   return matrix;
 }

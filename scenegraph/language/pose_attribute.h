@@ -10,8 +10,8 @@ namespace simvis {
 
 inline constexpr std::string_view kPoseOffset = "pose_offset";
 
-/// parent_from_child of the command's pose_offset: six finite numbers, metres and degrees. Nothing if it was not
-/// written. Throws InputError at the attribute.
+/// Returns parent_from_child of the command's pose_offset: six finite numbers in metres and degrees. Returns nothing if
+/// the command has no pose_offset. Throws InputError at the attribute if it has an error.
 std::optional<glm::dmat4> pose_offset(const Command& command);
 
 }  // namespace simvis

@@ -8,7 +8,7 @@
 namespace simvis {
 namespace {
 
-// "0.1" of "0.1.2": what has to be equal before 1.0.
+// Returns "0.1" for "0.1.2": the part of the version that must be equal before 1.0.
 std::string_view interface_of(std::string_view version) { return version.substr(0, version.rfind('.')); }
 
 }  // namespace

@@ -14,7 +14,7 @@ unsigned char byte_at(std::string_view text, std::size_t i) {
   return i < text.size() ? static_cast<unsigned char>(text[i]) : 0;
 }
 
-// The length of the UTF-8 sequence that starts at `i` and stands for a character of text; 0 if there is none.
+// Returns the length of the UTF-8 sequence for a text character that starts at `i`, or 0 if there is none.
 std::size_t character_length(std::string_view text, std::size_t i) {
   const unsigned char first = byte_at(text, i);
   if (first < 0x80) return first >= 0x20 || first == '\t' || first == '\n' || first == '\r' ? 1 : 0;

@@ -1,4 +1,4 @@
-// Text that somebody wrote, and where in it things stand.
+// A source text and the line and column of each byte in it.
 #pragma once
 
 #include <cstddef>
@@ -14,8 +14,8 @@ namespace simvis {
 /// UTF-8 text with lines that end in LF, CR LF or CR.
 class SourceText {
  public:
-  /// A byte order mark is taken off. Throws InputError with the place of the first byte that is not UTF-8 text: a
-  /// broken sequence, or a control character other than tab and line ends.
+  /// Removes a byte order mark. Throws InputError with the place of the first byte that is not UTF-8 text: a broken
+  /// sequence, or a control character other than tabs and line ends.
   SourceText(std::string_view text, std::string file);
 
   /// Throws InputError with the operating system's reason if the file cannot be read.
@@ -23,7 +23,7 @@ class SourceText {
 
   const std::string& text() const { return text_; }
   const std::string& file() const { return file_; }
-  /// The place of the byte at `offset`; the end of the text for anything beyond it.
+  /// Returns the place of the byte at `offset`. An offset beyond the text gives the end of the text.
   Location at(std::size_t offset) const;
 
  private:

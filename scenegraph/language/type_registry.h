@@ -1,4 +1,4 @@
-// The types of one family, elements or sensors, by name: what their registrations fill.
+// The registered types of one family (elements or sensors), by name.
 #pragma once
 
 #include <map>
@@ -13,18 +13,18 @@
 
 namespace simvis {
 
-/// `Type` has `name` and `attributes`. Use one as a function's static, so that it exists before the first registration
-/// of any file or plug-in. A type is removed only when the
-/// plug-in that has it is refused, so pointers to the types of loaded plug-ins stay valid.
+/// `Type` has `name` and `attributes`. Declare a registry as a static variable of a function, so that it exists before
+/// the first registration of any file or plug-in. A type is removed only if its plug-in is refused, so pointers to the
+/// types of loaded plug-ins stay valid.
 ///
-/// Threads  all functions from any thread: one may load a plug-in while others look types up.
+/// Threads  all functions may be called from any thread: one thread may load a plug-in while others look up types.
 template <typename Type>
 class TypeRegistry {
  public:
   explicit TypeRegistry(std::string_view family) : family_(family) {}
 
-  /// Makes the type known. A type that was built for another version, whose name is taken or whose table has a
-  /// mistake is refused, and the result is false: see Registrations.
+  /// Adds the type. Returns false and refuses the type if it was built for another version, its name is taken or its
+  /// table has an error; see Registrations.
   bool add(const Type& type, std::string_view built_for) {
     Registrations& registrations = Registrations::instance();
     std::string wrong = Registrations::check_version(built_for);
@@ -61,7 +61,7 @@ class TypeRegistry {
   }
 
   std::string_view family_;
-  mutable std::shared_mutex mutex_;  // of types_
+  mutable std::shared_mutex mutex_;  // guards types_
   std::map<std::string_view, Type> types_;
 };
 

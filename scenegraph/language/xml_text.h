@@ -1,4 +1,4 @@
-// An XML file and where its elements stand: looked at before it goes to a library whose messages know no places.
+// An XML file and the places of its elements, checked before it goes to a library whose messages have no places.
 #pragma once
 
 #include <filesystem>
@@ -11,8 +11,8 @@ namespace simvis {
 
 class XmlText {
  public:
-  /// Throws InputError with the place: cannot be read, not UTF-8 text, malformed, or elements nested deeper than
-  /// anybody writes (libraries recurse).
+  /// Throws InputError with the place if the file cannot be read, is not UTF-8 text, is malformed or nests elements too
+  /// deeply. The depth is limited because libraries recurse.
   static XmlText read(const std::filesystem::path& file);
 
   const SourceText& source() const { return source_; }

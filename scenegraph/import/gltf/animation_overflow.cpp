@@ -8,11 +8,11 @@ namespace simvis {
 namespace {
 
 constexpr double kFloatMax = std::numeric_limits<float>::max();
-// Of Hermite's two tangent polynomials, t^3 - 2 t^2 + t and t^3 - t^2: the largest size on [0, 1].
+// The largest magnitude on [0, 1] of Hermite's two tangent polynomials, t^3 - 2 t^2 + t and t^3 - t^2.
 constexpr double kTangentShare = 4.0 / 27;
 
-// The largest length of m * v for a v of length 1: the root of the largest eigenvalue of the symmetric transpose(m) *
-// m. A mere bound would grow along chains of nodes that stretch nothing.
+// Returns the largest length of m * v for a unit vector v: the square root of the largest eigenvalue of the symmetric
+// matrix transpose(m) * m. A looser bound would grow along chains of nodes without any stretch.
 double largest_stretch(const glm::dmat3& m) {
   glm::dmat3 s = glm::transpose(m) * m;
   const double mean = (s[0][0] + s[1][1] + s[2][2]) / 3;
@@ -29,12 +29,12 @@ double norm(const glm::dmat4& m) {
   return std::sqrt(sum);
 }
 
-// How far an affine map stretches a vector at most, and how far it moves the origin at most.
+// Upper bounds for an affine map: the stretch of a vector, and the displacement of the origin.
 struct Reach {
   double stretch = 1, move = 0;
 };
 
-// The largest size of each component at any time.
+// Returns the largest magnitude of each component at any time.
 std::vector<double> largest_values(const AnimationSampler& sampler) {
   const bool cubic = sampler.interpolation == AnimationInterpolation::cubic_spline;
   const std::vector<float>& times = *sampler.times_s;
@@ -52,7 +52,7 @@ std::vector<double> largest_values(const AnimationSampler& sampler) {
   return value;
 }
 
-// At any time of any clip: how far each node's frame, and each of its morph weights, reaches at most.
+// Upper bounds at any time of any clip, for each node's frame and each of its morph weights.
 struct LargestPoses {
   std::vector<Reach> root_from_node;
   std::vector<std::vector<double>> weights;
@@ -102,7 +102,7 @@ double farthest(const std::vector<glm::vec3>& points) {
   return distance;
 }
 
-// The largest ratio of a vertex's weights, all taken as positive, to their sum.
+// Returns the largest ratio of the sum of a vertex's absolute weights to the sum of its weights.
 double heaviest(const DeformableMesh& mesh) {
   double ratio = 1;
   for (std::size_t i = 0; i < mesh.influences.size(); i += mesh.influences_per_vertex) {
@@ -125,7 +125,7 @@ bool stays_finite(const PartAnimations& animations, const AnimatedShape& shape, 
     vertex += std::abs(weights[t]) * farthest(mesh.targets[t].position_changes);
   }
   if (shape.skin < 0) return vertex <= kFloatMax;
-  const double weighed = heaviest(mesh) * (vertex + 1);  // with the 1 of homogeneous coordinates
+  const double weighed = heaviest(mesh) * (vertex + 1);  // the 1 is the homogeneous coordinate
   const AnimatedSkin& skin = animations.skins[static_cast<std::size_t>(shape.skin)];
   for (std::size_t j = 0; j < skin.joints.size(); ++j) {
     const Reach& joint = poses.root_from_node[skin.joints[j]];

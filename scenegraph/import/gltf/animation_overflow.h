@@ -1,4 +1,4 @@
-// Whether an animation can move something to where numbers end: asked once, when its file is read.
+// Checks when a file is read whether its animations can leave the range of float32.
 #pragma once
 
 #include <string>
@@ -7,9 +7,10 @@
 
 namespace simvis {
 
-/// What the clips may move to where float32 is not finite: "a node", say; empty when every node and vertex stays finite
-/// at every time. An upper bound decides, in one pass: the lengths of translations and tangents, the largest scales and
-/// weights of all clips, multiplied along the tree. So what passes never overflows.
+/// Returns what the clips may move beyond the range of float32, for example "a node". Returns an empty string if every
+/// node and vertex stays finite at every time. One pass computes an upper bound: the lengths of translations and
+/// tangents, the largest scales and weights of all clips, multiplied along the tree. A file that passes this check
+/// never overflows.
 std::string animation_overflow(const PartAnimations& animations);
 
 }  // namespace simvis

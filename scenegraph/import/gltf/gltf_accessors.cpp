@@ -9,10 +9,10 @@
 namespace simvis {
 namespace {
 
-// An accessor without a buffer view holds zeros that no byte of the file stands for.
+// An accessor without a buffer view holds zeros that use no bytes of the file, so the file size does not limit it.
 constexpr std::size_t kMaxElementsWithoutBytes = 1u << 20;
 
-// Of how many elements the file's bytes lie in memory at once.
+// The number of elements whose file bytes are in memory at the same time.
 constexpr std::size_t kBlock = 1u << 16;
 
 unsigned format_of(int component_type, bool normalized) {
@@ -71,7 +71,7 @@ float component(const std::uint8_t* p, unsigned format) {
     std::memcpy(&value, p, sizeof value);
     return value;
   };
-  // Divided in double and rounded once. The most negative integer stands for -1, as its neighbour does.
+  // The division is in double and the result is rounded once. The most negative integer means -1, like its neighbour.
   const auto normalized = [](double value, double most) { return static_cast<float>(std::max(value / most, -1.0)); };
   switch (format) {
     case kGltfI8:
@@ -155,7 +155,7 @@ class AccessorReader {
     }
   }
 
-  // That all bytes lie within the buffer view; a buffer that the file leaves out is nobody's fault until it is read.
+  // Checks that all bytes lie within the buffer view. A buffer that the file leaves out is an error only if it is read.
   void check_layout() const {
     if (format_ == 0) fail("holds a combination of componentType and normalized that glTF does not have");
     if (accessor_.bufferView >= 0 && view_has_data(document_, accessor_.bufferView)) dense_elements();
@@ -198,12 +198,12 @@ class AccessorReader {
     return static_cast<std::size_t>(tinygltf::GetComponentSizeInBytes(static_cast<std::uint32_t>(component_type)));
   }
 
-  // Where elements lie in a buffer, from one to the next.
+  // The layout of elements in a buffer.
   struct Elements {
     const GltfBuffer& buffer;
     std::size_t place, stride, element_bytes;
 
-    // Those from `first` up to `end`, the gaps between them too.
+    // Reads the elements from `first` up to `end`, including the gaps between them.
     Bytes read(std::size_t first, std::size_t end) const {
       if (first == end) return {};
       return buffer.read(place + first * stride, (end - 1 - first) * stride + element_bytes);
@@ -256,7 +256,7 @@ class AccessorReader {
     }
   }
 
-  // `count` elements within a buffer view. Sizes stay far below 2^64: see the ranges in gltf_schema.cpp.
+  // Locates `count` elements within a buffer view. Sizes stay far below 2^64; see the ranges in gltf_schema.cpp.
   Elements locate(int buffer_view, std::size_t offset, std::size_t count, std::size_t stride,
                   std::size_t element_bytes) const {
     const ViewPlace view = locate_view(document_, buffer_view, place_);

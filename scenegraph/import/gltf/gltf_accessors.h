@@ -1,4 +1,4 @@
-// Reading accessors: every component type, normalised, strided and sparse, and never a byte outside its buffer view.
+// Reads accessors of every component type, normalised, strided and sparse, and never a byte outside the buffer view.
 #pragma once
 
 #include <cstddef>
@@ -22,17 +22,17 @@ inline constexpr unsigned kGltfU8n = 128;
 inline constexpr unsigned kGltfI16n = 256;
 inline constexpr unsigned kGltfU16n = 512;
 
-/// Types that a use allows.
+/// Accessor types that a use allows.
 inline constexpr int kGltfScalar[] = {TINYGLTF_TYPE_SCALAR};
 inline constexpr int kGltfVec3[] = {TINYGLTF_TYPE_VEC3};
 inline constexpr int kGltfVec4[] = {TINYGLTF_TYPE_VEC4};
 
-/// What an accessor is read for, and what glTF allows there.
+/// The purpose of an accessor, and the types and formats that glTF allows for it.
 struct GltfUse {
   const char* name;                ///< for messages: "POSITION"
   std::span<const int> types;      ///< TINYGLTF_TYPE_...
   unsigned formats;                ///< set of the formats above
-  unsigned quantized_formats = 0;  ///< those that KHR_mesh_quantization adds
+  unsigned quantized_formats = 0;  ///< formats that KHR_mesh_quantization adds
 };
 
 /// `count` elements of `components` floats each, one after the other.
@@ -43,22 +43,24 @@ struct GltfFloats {
   const float* operator[](std::size_t element) const { return values.data() + element * components; }
 };
 
-/// Throw InputError naming the file, the accessor and its use: a type or format that is not allowed, bytes outside the
-/// buffer view or buffer, sparse indices that do not increase or lie outside, a value that is not finite.
+/// Both functions throw InputError with the file, the accessor and its use, for a type or format that is not allowed,
+/// bytes outside the buffer view or buffer, sparse indices that do not increase or are out of range, and values that
+/// are not finite.
 GltfFloats read_floats(const GltfDocument& document, int accessor, const GltfUse& use);
 std::vector<std::uint32_t> read_integers(const GltfDocument& document, int accessor, const GltfUse& use);
 
-/// Throws as they do for a type or format that is not allowed, without a look at the bytes.
+/// Throws InputError like the readers for a type or format that is not allowed, but does not read the bytes.
 void check_use(const GltfDocument& document, int accessor, const GltfUse& use);
 
-/// Whether the file says what the accessor holds: without a buffer view it is zeros that nobody wrote, and a buffer may
-/// be left out.
+/// Returns whether the file holds the accessor's data. An accessor without a buffer view holds only implied zeros, and
+/// a file may leave out a buffer.
 bool has_data(const GltfDocument& document, int accessor);
 
-/// Checks that every accessor's bytes lie where they can be read, used or not. Throws InputError like the readers.
+/// Checks for every accessor, used or not, that its bytes lie within the buffer. Throws InputError like the readers.
 void check_accessors(const GltfDocument& document);
 
-/// The bytes of a buffer view. Throws InputError when they do not lie within the buffer; `place` names who asks.
+/// Returns the bytes of a buffer view. Throws InputError if they do not lie within the buffer; `place` names the user
+/// of the buffer view in the message.
 Bytes view_bytes(const GltfDocument& document, int buffer_view, const std::string& place);
 
 }  // namespace simvis

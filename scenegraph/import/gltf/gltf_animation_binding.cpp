@@ -1,4 +1,4 @@
-// From a glTF file's animations to those of its part: of the file's nodes only those that matter.
+// Converts a glTF file's animations to a part's animations and keeps only the nodes that they need.
 #include <algorithm>
 #include <map>
 #include <string>
@@ -39,7 +39,7 @@ class AnimationBinder {
  private:
   int number_of(int node) const { return static_cast<int>(numbers_[static_cast<std::size_t>(node)]); }
 
-  // Moved nodes, the joints of skins that are deformed, and all that carries them.
+  // Finds the moved nodes, the joints of deformed skins, and all ancestors of these nodes.
   void find_wanted() {
     wanted_ = motion_.is_moved;
     for (std::size_t i = 0; i < wanted_.size(); ++i) {
@@ -91,8 +91,8 @@ class AnimationBinder {
   GltfBindings bindings_;
   PartAnimations result_;
   std::vector<bool> wanted_;          // by node of the file
-  std::vector<std::size_t> numbers_;  // likewise: which node of the result it is
-  std::map<int, int> skins_;          // from the file's to the result's
+  std::vector<std::size_t> numbers_;  // node of the result, by node of the file
+  std::map<int, int> skins_;          // skin of the result, by skin of the file
 };
 
 }  // namespace

@@ -43,7 +43,7 @@ class MotionReader {
         document_.fail(channel_place + "/sampler is " + std::to_string(channel.sampler) + ", but the animation has " +
                        std::to_string(source.samplers.size()) + " samplers");
       }
-      if (channel.node < 0 || channel.path == "pointer") {  // for extensions to define
+      if (channel.node < 0 || channel.path == "pointer") {  // extensions define such channels
         document_.warn("animation channels that are not for a node are left out");
         continue;
       }
@@ -83,7 +83,7 @@ class MotionReader {
     return property;
   }
 
-  // How many morph targets every primitive of the node's mesh has.
+  // Returns the number of morph targets that every primitive of the node's mesh has.
   std::size_t targets_of(int node) const {
     const int mesh = document_.model.nodes[static_cast<std::size_t>(node)].mesh;
     if (mesh < 0) return 0;
@@ -101,7 +101,7 @@ class MotionReader {
     return property == AnimatedProperty::rotation ? 4 : 3;
   }
 
-  // A sampler may serve nodes with different numbers of morph targets, or so it says.
+  // Several channels may use one sampler, and a file may do so for nodes with different numbers of morph targets.
   void check_width(const AnimationSampler& sampler, AnimatedProperty property, const GltfAnimation::Channel& channel,
                    const std::string& place) const {
     const std::size_t width = width_of(property, channel.node);
@@ -110,7 +110,7 @@ class MotionReader {
                    std::to_string(channel.node) + ", which has " + std::to_string(width));
   }
 
-  // Without times if the file holds no data for it.
+  // Returns a sampler without times if the file holds no data for it.
   AnimationSampler read_sampler(const GltfAnimation::Sampler& source, const std::string& place,
                                 AnimatedProperty property, std::size_t width) {
     AnimationSampler sampler;
@@ -152,7 +152,7 @@ class MotionReader {
     return document_.model.accessors[static_cast<std::size_t>(accessor)].count;
   }
 
-  // Many samplers have the same times: what an accessor holds is kept once.
+  // Many samplers have the same times, so the values of an accessor are stored once.
   Floats read_once(int accessor, const GltfUse& use) {
     Floats& floats = floats_[accessor];
     if (floats == nullptr) {

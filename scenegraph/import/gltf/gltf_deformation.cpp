@@ -1,4 +1,4 @@
-// What a file says of how morph targets and joints deform its meshes.
+// Reads the morph targets and joint influences that deform the meshes of a file.
 #include <map>
 #include <string>
 #include <utility>
@@ -51,7 +51,7 @@ void read_targets(const GltfDocument& document, const tinygltf::Primitive& sourc
   }
 }
 
-// A skinned vertex whose weights are all zero has none to follow: it gets a joint.
+// Checks the weights of each vertex. If all weights of a skinned vertex are zero, the vertex follows its first joint.
 void check_weights(GltfDocument& document, DeformableMesh& mesh) {
   for (std::size_t i = 0; i < mesh.influences.size(); i += mesh.influences_per_vertex) {
     double sum = 0;
@@ -65,7 +65,7 @@ void check_weights(GltfDocument& document, DeformableMesh& mesh) {
   }
 }
 
-// All sets of joints and weights.
+// Reads all sets of joints and weights.
 void read_influences(GltfDocument& document, const tinygltf::Primitive& source, std::size_t joints,
                      DeformableMesh& mesh) {
   const std::size_t vertices = mesh.base.positions.size();
@@ -78,7 +78,7 @@ void read_influences(GltfDocument& document, const tinygltf::Primitive& source, 
     const int joint_accessor = source.attributes.at("JOINTS_" + std::to_string(set));
     const auto weights = source.attributes.find("WEIGHTS_" + std::to_string(set));
     if (weights == source.attributes.end()) document.fail("has a skinned primitive with JOINTS but without WEIGHTS");
-    const GltfFloats joint_floats = read_floats(document, joint_accessor, kJoints);  // 16 bits: exact
+    const GltfFloats joint_floats = read_floats(document, joint_accessor, kJoints);  // exact for 16-bit integers
     const GltfFloats weight_floats = read_floats(document, weights->second, kWeights);
     check_count(document, joint_accessor, kJoints.name, joint_floats.count, vertices);
     check_count(document, weights->second, kWeights.name, weight_floats.count, vertices);

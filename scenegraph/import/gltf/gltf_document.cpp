@@ -20,7 +20,7 @@ constexpr std::string_view kSupportedExtensions[] = {
     "EXT_mesh_gpu_instancing",    "KHR_lights_punctual", "KHR_materials_emissive_strength", "KHR_materials_ior",
     "KHR_materials_transmission", "KHR_materials_unlit", "KHR_mesh_quantization",           "KHR_texture_transform"};
 
-// A file's geometry is behind these: without them there is nothing to show.
+// The geometry of a file that uses these extensions is compressed and cannot be read.
 constexpr std::string_view kCompressionExtensions[] = {"EXT_meshopt_compression", "KHR_draco_mesh_compression",
                                                        "KHR_meshopt_compression"};
 
@@ -33,13 +33,13 @@ json parse_json(std::string_view text, const GltfDocument& document) {
   try {
     return json::parse(text);
   } catch (const json::exception& e) {
-    // The message quotes what was read last, which may be a whole embedded buffer.
+    // The message quotes the token that was read last, which may be a whole embedded buffer.
     constexpr std::size_t kShownCharacters = 200;
     document.fail("is not valid JSON: " + std::string(e.what()).substr(0, kShownCharacters));
   }
 }
 
-// Before all else, because a required extension may change the meaning of everything.
+// Runs before all other checks, because a required extension may change the meaning of everything.
 void check_required_extensions(const json& root, const GltfDocument& document) {
   const auto required = root.is_object() ? root.find("extensionsRequired") : root.end();
   if (!root.is_object() || required == root.end() || !required->is_array()) return;
@@ -65,7 +65,7 @@ void warn_of_unsupported_extensions(GltfDocument& document) {
   }
 }
 
-// The version's whole part, or -1.
+// Returns the major number of the version, or -1.
 int major_version(const std::string& version) {
   const std::size_t dot = version.find('.');
   const bool digits = dot != std::string::npos && dot > 0 && dot <= 4 && dot + 1 < version.size() &&
@@ -167,8 +167,8 @@ void move_indices_to_attributes(json& root) {
   }
 }
 
-// tinygltf 2.7 over-reads on image buffer views that do not fit their buffer, and needs more of cameras and animations
-// than is used here: it gets the rest.
+// tinygltf 2.7 reads beyond the end of a buffer for image buffer views that do not fit, and requires more properties of
+// cameras and animations than the importer uses. It therefore gets a document without these parts.
 void read_structure(json& root, GltfDocument& document) {
   for (const char* part : {"buffers", "images", "cameras", "animations"}) root.erase(part);
   move_indices_to_attributes(root);

@@ -1,4 +1,4 @@
-// A glTF file in memory: its structure, checked, and its buffers.
+// A glTF file in memory: its checked structure and its buffers.
 #pragma once
 
 #include <tiny_gltf.h>
@@ -13,13 +13,13 @@
 
 namespace simvis {
 
-/// Where a picture's file lies: behind a URI or in a buffer view.
+/// The location of a picture file: a URI or a buffer view.
 struct GltfImage {
   std::string name, uri;
   int buffer_view = -1;
 };
 
-/// An animation as the file describes it: the indices of accessors and nodes exist, all else is to be checked.
+/// An animation as the file describes it. The indices of accessors and nodes are valid; the reader must check the rest.
 struct GltfAnimation {
   struct Channel {
     std::size_t sampler = 0;
@@ -35,17 +35,16 @@ struct GltfAnimation {
   std::vector<Sampler> samplers;
 };
 
-/// The key under which a primitive's indices stand among its attributes: tinygltf 2.7 refuses indices without a buffer
-/// view, which glTF allows, and so does not get to see them. No attribute's name begins like this.
+/// The key under which a primitive's indices are stored among its attributes. tinygltf 2.7 refuses indices without a
+/// buffer view, which glTF allows, so the indices are hidden from it. No attribute name begins like this.
 inline constexpr const char* kGltfIndices = "(indices)";
 
-/// Every index in `model` points to something that exists, every number is in its range; what the bytes hold is checked
-/// by whoever reads them. tinygltf is given nothing but checked structure: `model` has no buffers, images, cameras or
-/// animations.
+/// Every index in `model` is valid and every number is in its range. The readers check the contents of the bytes.
+/// tinygltf receives only the checked structure; `model` has no buffers, images, cameras or animations.
 struct GltfDocument {
   std::filesystem::path file;
   tinygltf::Model model;
-  std::vector<GltfBuffer> buffers;  ///< byteLength bytes each, or none where the file leaves them out
+  std::vector<GltfBuffer> buffers;  ///< byteLength bytes each; empty if the file leaves the buffer out
   std::vector<GltfImage> images;
   std::vector<GltfAnimation> animations;
   std::vector<std::string> warnings;

@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t kGlbHeaderBytes = 12, kChunkHeaderBytes = 8;
 constexpr std::uint32_t kGlbMagic = 0x46546C67, kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
 
-// A part may have more small buffers than a process may hold files open.
+// Smaller buffers are read at once, because a part may have more small buffers than a process may have open files.
 constexpr std::size_t kWorthHoldingOpen = std::size_t{1} << 20;
 
 [[noreturn]] void fail(const std::filesystem::path& file, const std::string& what) {
@@ -120,7 +120,7 @@ bool has_scheme(std::string_view uri) {
   return colon != std::string_view::npos && colon < uri.find_first_of("/?#");
 }
 
-// Data is shown cut short: a data URI may be megabytes long.
+// Returns the URI for a message. It is shortened, because a data URI may have megabytes.
 std::string shown(std::string_view uri) {
   constexpr std::size_t kShownCharacters = 60;
   return "\"" + std::string(uri.substr(0, kShownCharacters)) + (uri.size() > kShownCharacters ? "...\"" : "\"");

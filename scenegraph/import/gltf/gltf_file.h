@@ -1,4 +1,4 @@
-// From a .gltf or .glb file to its JSON text and its bytes: containers, URIs, data URIs.
+// Reads the JSON text and the bytes of a .gltf or .glb file: containers, URIs and data URIs.
 #pragma once
 
 #include <cstddef>
@@ -12,8 +12,8 @@
 
 namespace simvis {
 
-/// The bytes of a glTF buffer: in memory, or in a file and read when they are asked for, so that they need not all lie
-/// beside what is made of them.
+/// The bytes of a glTF buffer, in memory or in a file. Bytes in a file are read on request, so that the whole buffer
+/// and the meshes made from it need not be in memory at the same time.
 class GltfBuffer {
  public:
   GltfBuffer() = default;
@@ -25,34 +25,34 @@ class GltfBuffer {
   bool empty() const { return size_ == 0; }
   std::size_t bytes_held() const { return bytes_.size(); }
 
-  /// Keeps the first `size` bytes, as many as it has or fewer.
+  /// Keeps the first `size` bytes. `size` is at most size().
   void cut(std::size_t size);
 
-  /// `count` bytes that it has, from `first` on. Throws InputError as InputFile::read().
+  /// Returns `count` bytes from `first` on, which must lie within the buffer. Throws InputError as InputFile::read().
   Bytes read(std::size_t first, std::size_t count) const;
 
  private:
   Bytes bytes_;
-  std::shared_ptr<const InputFile> file_;  // null: they are here
+  std::shared_ptr<const InputFile> file_;  // null: the bytes are in bytes_
   std::size_t first_ = 0, size_ = 0;
 };
 
 /// The two chunks of a .glb, or the text of a .gltf.
 struct GltfChunks {
   Bytes json;
-  std::size_t binary_first = 0, binary_size = 0;  ///< where the binary chunk lies in the file
+  std::size_t binary_first = 0, binary_size = 0;  ///< position of the binary chunk in the file, in bytes
   bool has_binary = false;
 
   std::string_view text() const { return {reinterpret_cast<const char*>(json.data()), json.size()}; }
-  std::size_t extra_bytes = 0;  ///< after the end that the .glb gives for itself
+  std::size_t extra_bytes = 0;  ///< after the end that the .glb header gives
 };
 
-/// Throws InputError naming `file`, which `input` is: not glTF 2 binary, lengths that do not fit each other or the
-/// file.
+/// Splits `input`, which is the open file `file`. Throws InputError naming `file` if it is not glTF 2 binary or if its
+/// lengths do not fit each other or the file.
 GltfChunks split_gltf(const InputFile& input, const std::filesystem::path& file);
 
-/// The bytes behind a URI of the glTF `file`: a base64 data URI, or a relative path at or below the file's folder,
-/// percent-encoded or not. Throws InputError naming `file`, `place` (such as "buffers/0") and what is wrong.
+/// Opens a URI of the glTF `file`: a base64 data URI, or a relative path at or below the file's folder, percent-encoded
+/// or not. Throws InputError with `file`, `place` (such as "buffers/0") and the reason.
 GltfBuffer open_gltf_uri(std::string_view uri, const std::filesystem::path& file, const std::string& place);
 
 }  // namespace simvis

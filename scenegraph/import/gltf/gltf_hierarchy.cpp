@@ -9,8 +9,8 @@
 namespace simvis {
 namespace {
 
-// Quaternions in files are rounded to a few digits, or to normalised bytes (half a step in each of 4: 0.008). What is
-// farther off was not meant as a rotation.
+// Quaternions in files are rounded to a few digits or to normalised bytes (half a step in each of 4 components: 0.008).
+// A larger deviation from unit length is an error of the file.
 constexpr double kUnitTolerance = 0.01;
 
 std::string place_of(std::size_t node) { return "nodes/" + std::to_string(node); }
@@ -107,7 +107,7 @@ GltfHierarchy read_hierarchy(const GltfDocument& document) {
   hierarchy.roots = scene_roots(document, parents);
   hierarchy.parent_from_node.resize(nodes.size());
   hierarchy.root_from_node.resize(nodes.size());
-  // With one parent at most for each, only the nodes of cycles are never reached.
+  // Each node has at most one parent, so only the nodes of cycles are never reached.
   std::vector<int>& order = hierarchy.order;
   order = nodes_without_parents(parents);
   for (std::size_t i = 0; i < order.size(); ++i) {

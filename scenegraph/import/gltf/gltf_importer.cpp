@@ -1,4 +1,4 @@
-// glTF 2.0 parts, .gltf and .glb: from the checked document to a scene graph.
+// Imports glTF 2.0 parts (.gltf, .glb): builds a scene graph from the checked document.
 #include <map>
 #include <memory>
 #include <optional>
@@ -17,10 +17,10 @@
 namespace simvis {
 namespace {
 
-// (x, y, z) -> (x, -z, y): glTF's y-up frame in SimVis's z-up frame.
+// (x, y, z) -> (x, -z, y): from glTF's y-up frame to SimVis's z-up frame.
 const glm::dmat4 kZUpFromYUp(1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1);
 
-// What a primitive became: the material's node, shared by all that use it, and the shape.
+// The nodes of one primitive: the material node, shared by all its users, and the shape.
 struct DrawnPrimitive {
   NodePtr material, shape;
 };
@@ -51,7 +51,7 @@ class GraphBuilder {
   }
 
  private:
-  // Depth first, in the file's order, with an explicit stack: depth is no limit.
+  // Adds the nodes depth first, in the file's order. The explicit stack allows any depth.
   void add_scene(Group& root, std::vector<std::string>& commands) {
     struct Pending {
       int node;
@@ -99,7 +99,7 @@ class GraphBuilder {
 
   void add_mesh(int index, const tinygltf::Node& source, Group& group) {
     if (source.skin >= 0) {
-      // The joints alone say where a skinned mesh stands; its own node's place does not count.
+      // The joints alone place a skinned mesh. The transform of its own node has no effect.
       const auto skinned = std::make_shared<Separator>();
       skinned->name = source.name;
       add_primitives(make_primitives(index), *skinned);
@@ -123,7 +123,8 @@ class GraphBuilder {
     }
   }
 
-  // Nodes that show the same mesh share its shapes, unless a node has morph weights of its own.
+  // Returns the shapes of a node's mesh. Nodes with the same mesh share them, except nodes with their own morph
+  // weights.
   std::vector<DrawnPrimitive> primitives_of(int node) {
     const tinygltf::Node& source = document_.model.nodes[static_cast<std::size_t>(node)];
     if (!source.weights.empty() || motion_.moving_weights[static_cast<std::size_t>(node)] > 0) {
@@ -156,7 +157,7 @@ class GraphBuilder {
       complete_mesh(primitive.mesh, primitive.needs_flat_normals());
       return make_node(std::move(primitive.mesh));
     }
-    // As at rest, and what it takes to deform it anew where an animation does.
+    // The shape shows the rest pose. If an animation deforms it, the data for the deformation is kept.
     const bool weights_change = motion_.moving_weights[static_cast<std::size_t>(node)] > 0;
     const bool joints_move = skin >= 0 && moves_skin(document_, motion_, skin);
     if (!source.targets.empty() && !weights_change) {
@@ -188,7 +189,7 @@ class GraphBuilder {
     return shape;
   }
 
-  // A broken file is refused whatever its scene happens to show.
+  // Checks the parts of the file that the scene does not show, because a broken file is always refused.
   void check_what_is_not_shown() {
     for (std::size_t i = 0; i < document_.model.lights.size(); ++i) make_light(static_cast<int>(i));
     for (std::size_t i = 0; i < document_.model.skins.size(); ++i) {

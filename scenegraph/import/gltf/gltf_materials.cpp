@@ -30,7 +30,8 @@ AlphaMode alpha_mode_of(const std::string& mode, const std::string& place, const
   document.fail(place + "/alphaMode is \"" + mode + "\"; expected OPAQUE, MASK or BLEND");
 }
 
-// KHR_texture_transform: offset * rotation * scale, counter-clockwise as seen on the picture, whose v points down.
+// KHR_texture_transform: offset * rotation * scale. The rotation is counter-clockwise as seen in the picture, whose v
+// points down.
 glm::mat3x2 uv_transform_of(const tinygltf::Value& transform) {
   const double angle_rad = number_or(transform, "rotation", 0);
   const double c = std::cos(angle_rad), s = std::sin(angle_rad);
@@ -40,7 +41,7 @@ glm::mat3x2 uv_transform_of(const tinygltf::Value& transform) {
   return glm::mat3x2(matrix);
 }
 
-// KHR_materials_ior: 1 or above; 0 stands for an index without end, where everything is reflected.
+// KHR_materials_ior: the index is at least 1. The value 0 means an infinite index, which reflects all light.
 float refractive_index_of(const tinygltf::Material& source, const std::string& place, const GltfDocument& document) {
   constexpr double kEndless = 1e6;
   const double ior = extension_number_or(source, "KHR_materials_ior", "ior", Material{}.refractive_index);
@@ -49,7 +50,7 @@ float refractive_index_of(const tinygltf::Material& source, const std::string& p
   document.fail(place + "/extensions/KHR_materials_ior/ior is " + format_number(ior) + "; expected 0, or 1 to 1e6");
 }
 
-// Each factor is finite as float32, their product need not be.
+// Each factor is finite as float32, but the product need not be.
 float product(double factor, double strength, const std::string& place, const GltfDocument& document) {
   const double value = factor * strength;
   if (value > std::numeric_limits<float>::max()) document.fail(place + " has an emission that is not finite");
@@ -62,7 +63,7 @@ NodePtr GltfMaterials::get(int material, bool shaded) {
   const auto known = nodes_.find({material, shaded});
   if (known != nodes_.end()) return known->second;
   Material converted = material < 0 ? Material{} : convert(material);
-  // A material that is unlit anyway stays one node.
+  // An unlit material needs only one node.
   if (converted.unlit && !shaded) return get(material, true);
   converted.unlit = converted.unlit || !shaded;
   auto node = std::make_shared<MaterialNode>(pool_.intern(std::move(converted)));
@@ -102,8 +103,8 @@ Material GltfMaterials::convert(int index) {
   return material;
 }
 
-// What a file leaves out has glTF's default, with one exception: of which it says neither how metallic nor how rough it
-// is, that is matte. By the letter it would be metal.
+// Properties that the file leaves out have glTF's defaults, with one exception: a material without any metallic or
+// roughness property is matte. By glTF's defaults it would be a metal.
 void GltfMaterials::set_surface(const tinygltf::Material& source, Material& material) {
   const tinygltf::PbrMetallicRoughness& pbr = source.pbrMetallicRoughness;
   const auto& named = source.values;

@@ -1,4 +1,4 @@
-// Materials of a glTF file as material nodes.
+// Makes material nodes from the materials of a glTF file.
 #pragma once
 
 #include <map>
@@ -12,21 +12,21 @@
 
 namespace simvis {
 
-/// One node per glTF material, used wherever the material is.
+/// Makes one node for each glTF material. All users of the material share the node.
 class GltfMaterials {
  public:
   GltfMaterials(GltfDocument& document, ContentPool& pool)
       : document_(document), pool_(pool), textures_(document, pool) {}
 
-  /// `material` -1 is glTF's default material. glTF shades lines and points without normals as if unlit: for these
-  /// `shaded` is false, and such a material gets a second node if shaded surfaces use it as well.
+  /// `material` -1 is glTF's default material. glTF draws lines and points without normals as unlit; for these `shaded`
+  /// is false. A material that shaded surfaces use as well gets a second node.
   NodePtr get(int material, bool shaded);
 
  private:
   Material convert(int material);
   void set_surface(const tinygltf::Material& source, Material& material);
   template <typename TextureInfo>
-  SurfaceMap map_of(const TextureInfo& info);  // without a texture where it cannot be shown
+  SurfaceMap map_of(const TextureInfo& info);  // without a texture if it cannot be shown
 
   GltfDocument& document_;
   ContentPool& pool_;

@@ -25,7 +25,7 @@ constexpr GltfUse kUv[] = {{"TEXCOORD_0", kVec2, kUvFormats, kQuantizedUvFormats
                            {"TEXCOORD_1", kVec2, kUvFormats, kQuantizedUvFormats}};
 constexpr GltfUse kColor{"COLOR_0", kColorTypes, kGltfF32 | kGltfU8n | kGltfU16n};
 
-// Reads an attribute if the primitive has it, and checks that it has as many elements as there are vertices.
+// Reads an attribute if the primitive has it, and checks that it has one element for each vertex.
 bool read_attribute(const GltfDocument& document, const tinygltf::Primitive& source, const GltfUse& use,
                     std::size_t vertices, GltfFloats& floats) {
   const auto found = source.attributes.find(use.name);
@@ -87,7 +87,8 @@ using Indices = std::vector<std::uint32_t>;
 Indices triangle_list_of_strip(const Indices& strip) {
   Indices list;
   list.reserve(strip.size() * 3);
-  // Every other triangle is turned, so that all wind the same way; the order is that of the glTF specification.
+  // Every second triangle is reversed, so that all have the same winding order. The order is the one of the glTF
+  // specification.
   for (std::size_t i = 0; i + 2 < strip.size(); ++i) {
     list.insert(list.end(), {strip[i], strip[i + 1 + i % 2], strip[i + 2 - i % 2]});
   }

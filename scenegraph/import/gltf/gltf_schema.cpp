@@ -22,14 +22,14 @@ enum class Kind {
   number,
   text,
   index,       // a whole number below the length of the array `of`
-  object,      // by `fields`
-  numbers,     // `length` of them; 0 = any
+  object,      // described by `fields`
+  numbers,     // array of `length` numbers; 0: any length
   indices,     // array of `index`
   texts,       // array of strings
-  objects,     // array of objects by `fields`
+  objects,     // array of objects described by `fields`
   index_map,   // object whose values are indices
   index_maps,  // array of `index_map`
-  commands     // `extras`, of which only the strings of a member `simvis` are ours
+  commands     // `extras`; only the strings of its member `simvis` are used
 };
 
 constexpr double kFieldMax = std::numeric_limits<float>::max();
@@ -78,7 +78,7 @@ constexpr Field required(Field field) {
   return field;
 }
 
-// What glTF 2.0 and the supported extensions allow of the properties that are read. All else is left out.
+// The values that glTF 2.0 and the supported extensions allow for the properties that are read. All others are removed.
 constexpr std::span<const Field> kNothing{};
 
 constexpr Field kAsset[] = {required(text("version")), text("minVersion")};
@@ -172,7 +172,7 @@ constexpr Field kSampler[] = {integer("magFilter", 9728, 9729), integer("minFilt
                               integer("wrapS", 10497, 33648), integer("wrapT", 10497, 33648)};
 constexpr Field kTexture[] = {text("name"), index("sampler", "samplers"), index("source", "images")};
 
-constexpr double kHalfTurn = 3.1415927;  // pi as float32 rounds it
+constexpr double kHalfTurn = 3.1415927;  // pi rounded to float32
 constexpr Field kSpot[] = {number("innerConeAngle", 0, kHalfTurn / 2), number("outerConeAngle", 0, kHalfTurn / 2)};
 constexpr Field kLight[] = {text("name"),           required(text("type")), numbers("color", 3, 0),
                             number("intensity", 0), number("range", 0),     object("spot", kSpot)};
@@ -189,7 +189,7 @@ constexpr Field kRoot[] = {required(object("asset", kAsset)), texts("extensionsU
                            objects("animations", kAnimation), objects("nodes", kNode),
                            objects("scenes", kScene),         index("scene", "scenes")};
 
-// A place in the document. It becomes text only when there is something to say about it.
+// A place in the document. It is converted to text only for a message.
 struct Place {
   const Place* parent;
   std::string_view name;

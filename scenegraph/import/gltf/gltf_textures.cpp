@@ -22,7 +22,7 @@ Wrap wrap_of(int mode, const std::string& place, const GltfDocument& document) {
   }
 }
 
-// What the file leaves open stays as Sampler has it: linear throughout.
+// Without a filter in the file the default of Sampler applies: linear, also between mipmap levels.
 void set_minification(int filter, const std::string& place, const GltfDocument& document, Sampler& sampler) {
   switch (filter) {
     case -1:

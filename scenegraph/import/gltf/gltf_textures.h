@@ -1,4 +1,4 @@
-// Pictures of a glTF file as textures.
+// Makes textures from the pictures of a glTF file.
 #pragma once
 
 #include <map>
@@ -10,13 +10,14 @@
 
 namespace simvis {
 
-/// Decodes PNG and JPEG to RGBA8, each texture once and just those asked for.
+/// Decodes PNG and JPEG to RGBA8, each requested texture once.
 class GltfTextures {
  public:
   GltfTextures(GltfDocument& document, ContentPool& pool) : document_(document), pool_(pool) {}
 
-  /// Null, with a warning, when the texture names no picture that glTF itself defines.
-  /// Throws InputError: no PNG or JPEG, broken, more than 16384 pixels on a side, sampler values that glTF lacks.
+  /// Returns null and adds a warning if the texture names no picture that core glTF defines.
+  /// Throws InputError if the picture is not PNG or JPEG, is broken or has more than 16384 pixels on a side, or if a
+  /// sampler value does not exist in glTF.
   std::shared_ptr<const Texture> get(int texture);
 
  private:

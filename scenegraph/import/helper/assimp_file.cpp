@@ -31,7 +31,7 @@ std::string lower_case_ending(const std::filesystem::path& file) {
   return ending;
 }
 
-// Assimp 5.2 follows a null pointer where a material file says something of a material before it names one.
+// Assimp 5.2 dereferences a null pointer if a material file sets a property before it names a material.
 void check_mtl(const char* file) {
   std::ifstream stream(file);
   std::string word;
@@ -41,8 +41,8 @@ void check_mtl(const char* file) {
   }
 }
 
-// Opens ordinary files only, and keeps the names of those that are not there: Assimp passes over a missing material
-// file without a word. What an OBJ file asks for besides itself is material files.
+// Opens regular files only and records the names of missing files, because Assimp skips a missing material file without
+// a message. All files that an OBJ file opens in addition to itself are material files.
 class RecordingFiles : public Assimp::DefaultIOSystem {
  public:
   RecordingFiles(std::string part, std::vector<std::string>& missing) : part_(std::move(part)), missing_(missing) {}
@@ -71,7 +71,7 @@ void check_size(const std::filesystem::path& file) {
   }
 }
 
-// What Assimp would believe, or mend, or fall over.
+// Checks for errors that Assimp would accept, repair or crash on.
 void check_before_assimp(const std::filesystem::path& file, const std::string& ending) {
   check_size(file);
   if (ending == ".ply") check_ply(file);
@@ -97,7 +97,7 @@ void check_indices(const AssimpFile& read) {
   }
 }
 
-// Assimp turns every exception into a text.
+// Assimp turns every exception into a text. This function throws std::bad_alloc again.
 void throw_if_memory_ran_out(const Assimp::Importer& importer) {
   if (!importer.GetException()) return;
   try {
@@ -126,8 +126,8 @@ AssimpFile read_assimp_file(const std::filesystem::path& file, bool ignore_up_ax
   read.importer->SetIOHandler(new RecordingFiles(file.string(), missing));  // the importer deletes it
   read.importer->SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
   read.importer->SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, ignore_up_axis);
-  // None of Assimp's own steps is asked for: its triangles of a polygon overlap in places, and its joining of vertices
-  // takes near ones for equal.
+  // Assimp's post-processing steps are off: its triangulation of a polygon has overlaps, and its vertex merging also
+  // merges vertices that are only near each other.
   constexpr unsigned kNoSteps = 0;
   if (read.is_collada) {
     const XmlText text = XmlText::read(file);

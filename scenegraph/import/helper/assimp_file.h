@@ -1,4 +1,4 @@
-// Mesh files (.dae .obj .ply .stl) as Assimp reads them, after the checks that Assimp leaves out.
+// Reads mesh files (.dae .obj .ply .stl) with Assimp, after the checks that Assimp leaves out.
 #pragma once
 
 #include <assimp/scene.h>
@@ -11,7 +11,7 @@
 
 namespace simvis {
 
-/// A file under import. Indices of faces, meshes and materials are within bounds; numbers need not be finite.
+/// A file during import. The indices of faces, meshes and materials are within bounds; numbers need not be finite.
 struct AssimpFile {
   std::filesystem::path file;
   bool is_collada = false;
@@ -21,13 +21,14 @@ struct AssimpFile {
 
   /// Throws InputError "FILE: error: MESSAGE".
   [[noreturn]] void fail(const std::string& message) const;
-  /// Adds "FILE: MESSAGE", each once.
+  /// Adds the warning "FILE: MESSAGE". Equal warnings are added once.
   void warn(const std::string& message);
 };
 
-/// Faces may have any number of corners. COLLADA comes out Y-up in metres, by its <up_axis> and <unit>; with
-/// `ignore_up_axis` by its <unit> alone. All others come out as they are.
-/// Throws InputError naming the file: cannot be read, too large, cut off, malformed; with the place where it is known.
+/// Faces may have any number of corners. COLLADA is converted to Y-up and metres by its <up_axis> and <unit>; with
+/// `ignore_up_axis` only by its <unit>. Other formats are not converted.
+/// Throws InputError naming the file, and the place if known, if the file cannot be read, is too large, cut off or
+/// malformed.
 AssimpFile read_assimp_file(const std::filesystem::path& file, bool ignore_up_axis);
 
 }  // namespace simvis

@@ -95,7 +95,7 @@ void AssimpMaterials::set_picture(const aiMaterial& source, ImportedMaterial& im
                         .wrap_v = wrap_of(static_cast<aiTextureMapMode>(wrap_v))};
   material.uv_set = uv_set;
   imported.texture = picture(name, sampler);
-  // COLLADA has either a colour or a picture; Assimp then gives a grey that nobody wrote.
+  // COLLADA has either a colour or a picture. With a picture Assimp returns a grey that is not in the file.
   if (file_.is_collada) material.base_color = glm::vec4(1, 1, 1, material.base_color.a);
   const std::string cut_out = picture_name(source, aiTextureType_OPACITY);
   if (cut_out == name) {
@@ -107,7 +107,7 @@ void AssimpMaterials::set_picture(const aiMaterial& source, ImportedMaterial& im
 
 std::uint32_t AssimpMaterials::picture(const std::string& name, const Sampler& sampler) {
   if (name.starts_with('*')) file_.fail("has a picture within the file, expected pictures in files of their own");
-  // Assimp leaves the spaces in that stand at the end of a line.
+  // Assimp keeps the white space at the end of a line.
   std::string path = name.substr(0, name.find_last_not_of(" \t\r") + 1);
   std::ranges::replace(path, '\\', '/');
   if (path.empty()) file_.fail("has a picture without a name");

@@ -1,4 +1,4 @@
-// Materials of a mesh file.
+// Converts the materials of a mesh file.
 #pragma once
 
 #include <cstdint>
@@ -13,17 +13,16 @@
 
 namespace simvis {
 
-/// Adds the materials that are asked for to the scene. Diffuse colour, opacity, emission and the diffuse picture are
-/// taken; colours are read as sRGB, which is how programs that show these formats have always treated them. Every
-/// material is double-sided: the formats do not say which side of a face is the outside, and files with faces turned
-/// over are common.
+/// Adds the requested materials to the scene. Diffuse colour, opacity, emission and the diffuse picture are used.
+/// Colours are read as sRGB, as other programs that show these formats do. Every material is double-sided, because the
+/// formats do not say which side of a face is the outside, and files with inverted faces are common.
 class AssimpMaterials {
  public:
   AssimpMaterials(AssimpFile& file, ImportedScene& scene) : file_(file), scene_(scene) {}
 
-  /// Surfaces are shaded; lines and points without normals are shown as if unlit.
-  /// The number in the scene of a material of the file. Its picture is named there, not read.
-  /// Throws InputError: colours that are negative or not finite, an opacity outside 0 to 1.
+  /// Returns the number in the scene of the file's material `material`. The scene names the picture but does not hold
+  /// it. `shaded` is true for surfaces; lines and points without normals are shown as unlit.
+  /// Throws InputError for colours that are negative or not finite, and for an opacity outside 0 to 1.
   std::uint32_t get(unsigned material, bool shaded);
 
  private:

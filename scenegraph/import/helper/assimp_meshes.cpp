@@ -23,7 +23,7 @@ bool is_finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(
 
 glm::vec3 vec3(const aiVector3D& v) { return {v.x, v.y, v.z}; }
 
-// Unit length, or zero where there is none.
+// Returns v scaled to unit length, or zero if that is not possible.
 glm::vec3 unit_or_zero(const glm::dvec3& v) {
   const double length = glm::length(v);
   return length > 0 && std::isfinite(length) ? glm::vec3(v / length) : glm::vec3(0);
@@ -39,7 +39,7 @@ glm::vec4 read_color(const AssimpFile& file, const aiColor4D& color) {
   return linear;
 }
 
-// A normal of zero stands for one that is missing.
+// A zero normal means that the normal is missing.
 Vertex read_vertex(const AssimpFile& file, const aiMesh& source, unsigned index) {
   Vertex vertex;
   vertex.position = vec3(source.mVertices[index]);
@@ -60,7 +60,7 @@ glm::vec3 face_normal(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c
   return unit_or_zero(glm::cross(glm::dvec3(b) - glm::dvec3(a), glm::dvec3(c) - glm::dvec3(a)));
 }
 
-// Collects corners; those of equal bits become one vertex.
+// Collects corners. Corners with equal bits become one vertex.
 class MeshBuilder {
  public:
   MeshBuilder() = default;
@@ -100,7 +100,7 @@ void read_corners(const AssimpFile& file, const aiMesh& source, const aiFace& fa
   for (unsigned i = 0; i < face.mNumIndices; ++i) corners.push_back(read_vertex(file, source, face.mIndices[i]));
 }
 
-// A corner without a normal gets the one of its triangle.
+// A corner without a normal gets the normal of its triangle.
 void add_triangle(const std::array<Vertex, 3>& corners, MeshBuilder& builder) {
   const glm::vec3 flat = face_normal(corners[0].position, corners[1].position, corners[2].position);
   for (Vertex corner : corners) {
@@ -119,7 +119,7 @@ void add_polygon(const Corners& corners, MeshBuilder& builder) {
   }
 }
 
-// Of lines and points; what has no normal is shown unlit, so that any will do.
+// Adds the corners of a line or point. Corners without a normal are shown unlit, so they may have any normal.
 void add_corners(const Corners& corners, MeshBuilder& builder) {
   for (Vertex corner : corners) {
     if (corner.attributes.normal == glm::vec3(0)) corner.attributes.normal = VertexAttributes{}.normal;
@@ -146,7 +146,7 @@ std::vector<Mesh> convert_mesh(AssimpFile& file, const aiMesh& source) {
     read_corners(file, source, source.mFaces[f], corners);
     add_face(corners);
   }
-  // Assimp gives vertices without faces where a file has points alone.
+  // For a file with points only, Assimp returns vertices without faces.
   for (unsigned i = 0; source.mNumFaces == 0 && i < source.mNumVertices; ++i) {
     add_face({read_vertex(file, source, i)});
   }

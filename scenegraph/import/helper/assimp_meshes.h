@@ -1,4 +1,4 @@
-// Meshes of Assimp's as ours.
+// Converts Assimp's meshes to SimVis meshes.
 #pragma once
 
 #include <vector>
@@ -8,12 +8,12 @@
 
 namespace simvis {
 
-/// Positions and normals as in the file (normals brought to unit length); a corner whose normal is missing, zero or not
-/// finite gets that of its face. Texture coordinates are turned to v down, vertex colours from sRGB to linear.
-/// Polygons are cut into triangles. Vertices that are equal to the last bit are joined. At most one mesh of triangles,
-/// one of lines and one of points; none is empty.
-/// Throws InputError: positions, texture coordinates or colours that are not finite, more than 2^32 - 1 corners in all
-/// or kMaxPolygonCorners in a face.
+/// Positions and normals are those of the file, with normals scaled to unit length. A corner whose normal is missing,
+/// zero or not finite gets the normal of its face. Texture coordinates are converted to v down, and vertex colours from
+/// sRGB to linear. Polygons are cut into triangles. Vertices with equal bits are merged. Returns at most one mesh of
+/// triangles, one of lines and one of points; no mesh is empty.
+/// Throws InputError for positions, texture coordinates or colours that are not finite, for more than 2^32 - 1 corners
+/// in total, and for more than kMaxPolygonCorners corners in one face.
 std::vector<Mesh> convert_mesh(AssimpFile& file, const aiMesh& source);
 
 }  // namespace simvis

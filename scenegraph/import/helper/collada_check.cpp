@@ -51,7 +51,7 @@ class ColladaCheck : public pugi::xml_tree_walker {
     return std::ranges::find(kPrimitives, std::string_view(node.name())) != std::end(kPrimitives);
   }
 
-  // Anything else than digits holds Assimp up for ever.
+  // Other characters than digits send Assimp into an endless loop.
   void check_indices(const pugi::xml_node& node) const {
     const std::string_view digits = node.child_value();
     const std::size_t wrong = digits.find_first_not_of("0123456789 \t\r\n");

@@ -1,13 +1,13 @@
-// Whether a COLLADA file's numbers fit together. Assimp 5.2 reads beyond its arrays where they do not: it crashes, or
-// gives a geometry that nobody wrote.
+// Checks that the numbers of a COLLADA file are consistent. If they are not, Assimp 5.2 reads beyond its arrays: it
+// crashes or returns geometry that is not in the file.
 #pragma once
 
 #include "scenegraph/language/xml_text.h"
 
 namespace simvis {
 
-/// Throws InputError with the place: an accessor that reaches beyond its array, primitives without exactly one input
-/// VERTEX, offsets of inputs that are no small whole numbers, indices and counts that are no whole numbers.
+/// Throws InputError with the place for an accessor that reaches beyond its array, primitives without exactly one
+/// VERTEX input, input offsets that are not small whole numbers, and indices and counts that are not whole numbers.
 void check_collada(const XmlText& text);
 
 }  // namespace simvis

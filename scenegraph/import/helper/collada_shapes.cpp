@@ -25,7 +25,7 @@ bool is_one_of(std::span<const std::string_view> names, const pugi::xml_node& no
   return std::ranges::find(names, std::string_view(node.name())) != names.end();
 }
 
-// Nodes of a kind, found before any is changed.
+// Finds all nodes with these names, before any of them is changed.
 std::vector<pugi::xml_node> find_all(pugi::xml_node root, std::span<const std::string_view> names) {
   struct Walker : pugi::xml_tree_walker {
     bool for_each(pugi::xml_node& node) override {
@@ -40,7 +40,7 @@ std::vector<pugi::xml_node> find_all(pugi::xml_node root, std::span<const std::s
   return walker.found;
 }
 
-// What each controller deforms: "#id" of a mesh, or of another controller.
+// Maps the "#id" of each controller to its source, the "#id" of a mesh or of another controller.
 std::map<std::string, std::string> sources_of(const pugi::xml_node& collada) {
   std::map<std::string, std::string> sources;
   for (const pugi::xml_node& controller : collada.child("library_controllers").children("controller")) {
@@ -74,7 +74,7 @@ ColladaShapes collada_shapes(const XmlText& text) {
     while (instance.remove_child("skeleton")) {
     }
   }
-  // The last first, so that none goes with one around it before its turn.
+  // In reverse order, so that nested nodes are removed before the nodes that contain them.
   std::vector<pugi::xml_node> not_shown = find_all(collada, kNotShown);
   for (auto node = not_shown.rbegin(); node != not_shown.rend(); ++node) node->parent().remove_child(*node);
   for (pugi::xml_node library = collada.first_child(); library;) {

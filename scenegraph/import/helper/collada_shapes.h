@@ -1,4 +1,4 @@
-// A COLLADA file cut down to what is shown of it: Assimp 5.2 stops the whole program at some faults of what is not.
+// Reduces a COLLADA file to the parts that are shown. Assimp 5.2 ends the whole program at some errors in other parts.
 #pragma once
 
 #include <string>
@@ -12,8 +12,8 @@ struct ColladaShapes {
   bool had_animations = false, had_skins = false;
 };
 
-/// Animations, cameras, lights, physics and the notes of other programs are left out; a skinned or morphed mesh becomes
-/// the plain one beneath it.
+/// Removes animations, cameras, lights, physics and the extra data of other programs. A skinned or morphed mesh is
+/// replaced by its base mesh.
 ColladaShapes collada_shapes(const XmlText& text);
 
 }  // namespace simvis

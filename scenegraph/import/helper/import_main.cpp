@@ -1,6 +1,6 @@
 // The main() of the programs simvis-import-mesh and simvis-import-inventor, which SimVis starts to read a part file:
 //   simvis-import-... MEMORY_BYTES FILE [--ignore-up-axis]
-// The answer goes to the descriptor kAnswerDescriptor.
+// The answer is written to the file descriptor kAnswerDescriptor.
 #include <fcntl.h>
 #include <unistd.h>
 
@@ -42,5 +42,5 @@ int main(int count, char** arguments) {
   }
   const bool ignore_up_axis = count == 4 && std::string_view(arguments[3]) == "--ignore-up-axis";
   answer_request({arguments[2], ignore_up_axis}, std::strtoull(arguments[1], nullptr, 10));
-  ::_exit(0);  // the libraries' own clearing up may crash, and is of no use
+  ::_exit(0);  // skips the libraries' cleanup, which is useless here and may crash
 }

@@ -18,7 +18,7 @@
 namespace simvis {
 namespace {
 
-// A white diffuse surface returns irradiance / pi, and Inventor's intensity is what such a surface is to return.
+// A white diffuse surface has the radiance irradiance / pi. Inventor's intensity is the radiance of such a surface.
 constexpr double kLuxPerIntensity = std::numbers::pi;
 
 glm::dvec3 dvec3_of(const SoSFVec3f& field) {
@@ -31,7 +31,7 @@ glm::dvec3 direction_of(const SoSFVec3f& field) {
   return v == glm::dvec3(0) ? glm::dvec3(0, 0, -1) : glm::normalize(v);
 }
 
-// The engine needs a cone that is not empty and an inner one within it.
+// The engine needs an outer cone that is not empty and an inner cone within it.
 void set_cone(double inner_rad, double outer_rad, Light& light) {
   constexpr double kNarrowest_rad = 1e-3, kInnerShare = 0.999;
   light.kind = LightKind::spot;
@@ -39,7 +39,8 @@ void set_cone(double inner_rad, double outer_rad, Light& light) {
   light.inner_cone_rad = std::clamp(inner_rad, 0.0, light.outer_cone_rad * kInnerShare);
 }
 
-// Each of these sets what depends on the kind, and the light's place. False: a kind that SimVis lacks.
+// Both overloads set the position and the properties that depend on the kind of light. They return false for a kind
+// that SimVis does not support.
 bool convert(const SoLight& source, Light& light, glm::dvec3& place) {
   if (const auto* directional = dynamic_cast<const SoDirectionalLight*>(&source)) {
     light.direction = direction_of(directional->direction);

@@ -1,4 +1,4 @@
-// Lights of Inventor, VRML 1.0 and VRML97 in SimVis's units.
+// Converts the lights of Inventor, VRML 1.0 and VRML97 to SimVis's units.
 #pragma once
 
 #include <Inventor/VRMLnodes/SoVRMLLight.h>
@@ -9,7 +9,7 @@
 
 namespace simvis {
 
-/// Adds the light, if it is on and of a kind that SimVis has.
+/// Adds the light if it is on and SimVis supports its kind.
 void add_inventor_light(SoCallbackAction& action, const SoLight& light, ImportedScene& scene);
 void add_inventor_light(SoCallbackAction& action, const SoVRMLLight& light, ImportedScene& scene);
 

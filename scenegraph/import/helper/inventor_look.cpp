@@ -21,7 +21,7 @@ glm::vec3 to_linear(const SbColor& color) { return linear_of_display_color({colo
 
 bool is_vrml97(const SoShape& shape) { return shape.isOfType(SoVRMLGeometry::getClassTypeId()) != 0; }
 
-// VRML97 keeps in a field of the shape what Inventor keeps in a ShapeHints node before it.
+// VRML97 stores in a field of the shape the hint that Inventor stores in a ShapeHints node before the shape.
 bool is_double_sided(SoCallbackAction& action, const SoShape& shape) {
   const SoField* const solid = shape.getField("solid");
   if (solid != nullptr && solid->isOfType(SoSFBool::getClassTypeId()))
@@ -29,7 +29,7 @@ bool is_double_sided(SoCallbackAction& action, const SoShape& shape) {
   return action.getShapeType() != SoShapeHints::SOLID || action.getVertexOrdering() == SoShapeHints::UNKNOWN_ORDERING;
 }
 
-// Lines and points without normals have nothing that light could fall on.
+// Lines and points without normals cannot be shaded.
 bool is_unlit(SoCallbackAction& action, const SoShape& shape, bool is_surface) {
   if (action.getLightModel() == SoLightModel::BASE_COLOR) return true;
   return !is_surface && (is_vrml97(shape) || action.getNumNormals() == 0);
@@ -44,7 +44,7 @@ AlphaMode alpha_mode_of(const std::vector<std::uint8_t>& rgba) {
   return clear ? AlphaMode::mask : AlphaMode::opaque;
 }
 
-// Coin's rows begin at the bottom, with 1 (grey), 2 (grey, alpha), 3 or 4 bytes a pixel.
+// Coin's rows begin at the bottom and have 1 (grey), 2 (grey, alpha), 3 or 4 bytes per pixel.
 std::vector<std::uint8_t> rgba_of(const unsigned char* pixels, std::size_t width, std::size_t height, int components) {
   const bool grey = components <= 2, has_alpha = components % 2 == 0;
   const auto stride = static_cast<std::size_t>(components);
@@ -68,7 +68,7 @@ glm::mat3x2 uv_transform_of(const SbMatrix& m) {
 
 Wrap wrap_of(bool repeats) { return repeats ? Wrap::repeat : Wrap::clamp_to_edge; }
 
-// The texture node that a VRML97 geometry's own Shape names, if it does.
+// Returns the texture node of the VRML97 Shape that contains the current geometry, or null.
 const SoVRMLTexture* vrml97_texture_of(SoCallbackAction& action) {
   const auto* const path = static_cast<const SoFullPath*>(action.getCurPath());
   const SoNode* const parent = path->getLength() > 1 ? path->getNodeFromTail(1) : nullptr;
@@ -77,7 +77,7 @@ const SoVRMLTexture* vrml97_texture_of(SoCallbackAction& action) {
   return appearance ? dynamic_cast<const SoVRMLTexture*>(appearance->texture.getValue()) : nullptr;
 }
 
-// Coin 4.0 hands out VRML97's repeatS and repeatT as each other, so the node itself is asked.
+// Coin 4.0 exchanges VRML97's repeatS and repeatT in its state, so they are read from the node itself.
 std::pair<Wrap, Wrap> wraps_of(SoCallbackAction& action) {
   if (const SoVRMLTexture* const texture = vrml97_texture_of(action)) {
     return {wrap_of(texture->repeatS.getValue() != 0), wrap_of(texture->repeatT.getValue() != 0)};
@@ -112,7 +112,7 @@ InventorLook InventorLooks::look(SoCallbackAction& action, const SoShape& shape,
 glm::vec4 InventorLooks::color(SoCallbackAction& action, const InventorLook& look, int material_index) {
   SoState* const state = action.getState();
   const SoLazyElement& element = *SoLazyElement::getInstance(state);
-  // As Coin's own drawing does, which clamps what the file got wrong.
+  // Wrong indices in the file are clamped, as in Coin's own renderer.
   const int last = std::max(element.getNumDiffuse() - 1, 0);
   const int index = std::clamp(material_index, 0, last);
   const bool has_alpha = index < element.getNumTransparencies();
@@ -155,7 +155,7 @@ void InventorLooks::add_texture(SoCallbackAction& action, const SoShape& shape, 
   } else if (model != SoTexture2::MODULATE) {
     warn("the texture models BLEND and DECAL (with transparency) are drawn as MODULATE");
   }
-  // VRML97, table 4.5: a coloured texture takes the place of the diffuse colour, a grey one multiplies it.
+  // VRML97, table 4.5: a coloured texture replaces the diffuse colour, and a grey texture multiplies it.
   if (is_vrml97(shape) && components >= 3) look.replaces_color = true;
 }
 

@@ -1,4 +1,4 @@
-// How a shape looks, from the state of a Coin traversal.
+// Reads the material and texture of a shape from the state of a Coin traversal.
 #pragma once
 
 #include <Inventor/actions/SoCallbackAction.h>
@@ -17,29 +17,29 @@
 
 namespace simvis {
 
-/// Inventor's colours are what the screen showed: sRGB.
+/// Inventor's colours are display colours, that is sRGB.
 glm::vec3 linear_of_display_color(const glm::vec3& srgb);
 
-/// All that holds for a whole shape. Colours of its vertices are asked for one by one.
+/// The properties of a whole shape. The colours of its vertices are read one by one.
 struct InventorLook {
   ImportedMaterial material;    ///< its base colour is white until the vertices' colours are known
-  bool textured = false;        ///< texture coordinates matter
-  bool replaces_color = false;  ///< the texture stands for the diffuse colour too
-  bool emits_as_line = false;   ///< a VRML97 line or point without a colour of its own: drawn in the emissive colour
+  bool textured = false;        ///< texture coordinates are used
+  bool replaces_color = false;  ///< the texture replaces the diffuse colour
+  bool emits_as_line = false;   ///< a VRML97 line or point without a colour of its own, drawn in the emissive colour
 };
 
-/// Collects materials and textures, each once.
+/// Collects materials and textures. Equal ones are added once.
 class InventorLooks {
  public:
   explicit InventorLooks(ImportedScene& scene) : scene_(scene) {}
 
-  /// To be called from a primitive's callback: only then the state holds what the shape itself brings along.
+  /// Must be called from a primitive's callback, because only then does the state hold the shape's own properties.
   InventorLook look(SoCallbackAction& action, const SoShape& shape, bool is_surface);
-  /// Linear RGBA of a vertex.
+  /// Returns the linear RGBA colour of a vertex.
   static glm::vec4 color(SoCallbackAction& action, const InventorLook& look, int material_index);
   /// Adds a warning to the scene, once.
   void warn(const std::string& what);
-  /// The material's number in the scene.
+  /// Returns the number of the material in the scene.
   std::uint32_t add(ImportedMaterial&& material);
 
  private:

@@ -1,4 +1,4 @@
-// Inventor and VRML files, read with Coin, as imported scenes.
+// Reads Inventor and VRML files with Coin as imported scenes.
 #include <Inventor/SbImage.h>
 #include <Inventor/SoDB.h>
 #include <Inventor/SoInput.h>
@@ -41,7 +41,7 @@ void hear_error(const SoError* error, void* answer) {
   report(answer, AnswerKind::error, error->getDebugString().getString());
 }
 
-// Coin goes on without a texture, and so do we.
+// Coin continues without a texture that cannot be read, so this error becomes a warning.
 void hear_read_error(const SoError* error, void* answer) {
   const std::string text = error->getDebugString().getString();
   const bool of_texture = text.find("Could not read texture file") != std::string::npos;
@@ -53,7 +53,7 @@ void hear_debug_error(const SoError* error, void* answer) {
   if (severity != SoDebugError::INFO) report(answer, AnswerKind::warning, error->getDebugString().getString());
 }
 
-// Coin asks for pictures here, and reports itself what it does not get; only why is missing from that.
+// Coin calls this function to read a picture. Coin itself reports a missing picture, but without the reason.
 SbBool read_picture(const SbString& name, SbImage* image, void* answer) {
   const std::filesystem::path file(name.getString());
   try {
@@ -62,7 +62,7 @@ SbBool read_picture(const SbString& name, SbImage* image, void* answer) {
     const Texture picture = decode_picture(bytes, file.string());
     int width = 0, height = 0, components = 4;
     stbi_info_from_memory(bytes.data(), static_cast<int>(bytes.size()), &width, &height, &components);
-    // Coin's rows begin at the bottom, and its components say whether a picture is grey.
+    // Coin's rows begin at the bottom. One or two components mean a grey picture.
     std::vector<unsigned char> pixels;
     pixels.reserve(picture.rgba.size());
     for (std::size_t y = picture.height; y-- > 0;) {
@@ -93,11 +93,12 @@ void start_coin(AnswerWriter& answer) {
   SoDebugError::setHandlerCallback(hear_debug_error, &answer);
   SbImage::addReadImageCB(read_picture, &answer);
   SoVRMLImageTexture::setDelayFetchURL(FALSE);
-  // Both read files from disk then. Without a callback, which is not called, WWWInline does not even look at its name.
+  // With these settings both nodes read files from disk. SoWWWInline ignores its name unless a callback is set,
+  // although the callback is never called.
   SoVRMLInline::setReadAsSoFile(TRUE);
   SoWWWInline::setReadAsSoFile(TRUE);
   SoWWWInline::setFetchURLCallBack([](const SbString&, void*, SoWWWInline*) {}, nullptr);
-  // Clocks stand still, so that a file is the same scene whenever it is read.
+  // Clocks are stopped, so that a file gives the same scene at any time.
   SoDB::enableRealTimeSensor(FALSE);
   static_cast<SoSFTime*>(SoDB::getGlobalField("realTime"))->setValue(SbTime::zero());
 }
@@ -123,7 +124,7 @@ class Collector {
       throw InputError("it makes more than " + std::to_string(InventorShapes::kMaxCorners / 3) + " triangles");
     }
     if (!shapes_.fault().empty()) throw InputError(shapes_.fault());
-    // Lights stand before shapes, as in the draw list.
+    // Lights come before shapes, as in the draw list.
     std::stable_partition(scene_.nodes.begin(), scene_.nodes.end(),
                           [](const ImportedNode& node) { return node.light.has_value(); });
     return std::move(scene_);
@@ -157,7 +158,7 @@ class Collector {
   }
   static Action::Response add_info(void* self, Action*, const SoNode* node) {
     const SoSFString& text = static_cast<const SoInfo*>(node)->string;
-    // What a node without a string says by default begins with '<' too.
+    // The default string of a node also begins with '<'.
     if (!text.isDefault()) of(self).add_commands(*node, {text.getValue().getString()});
     return Action::CONTINUE;
   }
@@ -168,7 +169,7 @@ class Collector {
     of(self).add_commands(*node, texts);
     return Action::CONTINUE;
   }
-  // A node that stands in several places says what it says once.
+  // A node that occurs in several places adds its commands once.
   void add_commands(const SoNode& node, const std::vector<std::string>& texts) {
     if (!heard_.insert(&node).second) return;
     for (const std::string& text : texts) {

@@ -31,7 +31,7 @@ bool is_made_of_vertices(const SoShape& shape) {
 
 }  // namespace
 
-// Coin multiplies row vectors from the left, so its memory reads as columns.
+// Coin multiplies row vectors from the left, so its rows are glm's columns.
 glm::dmat4 matrix_of(const SbMatrix& matrix) {
   glm::dmat4 m;
   for (int i = 0; i < 4; ++i) {
@@ -68,7 +68,7 @@ void InventorShapes::begin(const SoShape& shape) {
   colors_.clear();
 }
 
-// The state holds what the shape brings along (its colours, its hints) only while it makes primitives.
+// The state holds the shape's own properties (colours, hints) only while Coin generates its primitives.
 bool InventorShapes::starts_primitive(SoCallbackAction& action, std::size_t corners) {
   if (shape_ == nullptr || has_too_many()) return false;
   if (!look_) read_state(action, corners == 3);
@@ -84,7 +84,7 @@ void InventorShapes::read_state(SoCallbackAction& action, bool is_surface) {
   coordinates_ = indexed ? action.getNumCoordinates() : 0;
   normals_ = indexed ? static_cast<int>(action.getNumNormals()) : 0;
   uvs_ = indexed && look_->textured ? action.getNumTextureCoordinates() : 0;
-  // VRML97 keeps in a field of the shape what Inventor keeps in a ShapeHints node before it.
+  // VRML97 stores in a field of the shape the hint that Inventor stores in a ShapeHints node before the shape.
   const SoField* const ccw = shape_->getField("ccw");
   if (ccw != nullptr && ccw->isOfType(SoSFBool::getClassTypeId())) {
     ordering_known_ = true;
@@ -95,7 +95,7 @@ void InventorShapes::read_state(SoCallbackAction& action, bool is_surface) {
   }
 }
 
-// Coin reads whatever lies behind its arrays when a file's indices or counts go beyond them.
+// Coin reads beyond the end of its arrays if a file's indices or counts are too large.
 void InventorShapes::check_indices(const SoPointDetail& detail) {
   const auto check = [this](int index, int count, const char* what) {
     if (count == 0 || index < count || !fault_.empty()) return;
@@ -107,7 +107,7 @@ void InventorShapes::check_indices(const SoPointDetail& detail) {
   if (uvs_ > 0 && detail.getTextureCoordIndex() >= uvs_) has_uvs_ = false;
 }
 
-// All vertices of a primitive have one detail.
+// All vertices of a primitive share one detail.
 void InventorShapes::check_indices(const SoDetail* detail) {
   has_uvs_ = true;
   if (const auto* const point = dynamic_cast<const SoPointDetail*>(detail)) {
@@ -169,7 +169,8 @@ void InventorShapes::triangle(SoCallbackAction& action, const SoPrimitiveVertex*
     const bool has_normal = corners[i]->getNormal() != SbVec3f(0, 0, 0);
     if (!has_normal && area > 0) v[i].attributes.normal = glm::vec3(facing / area);
   }
-  // Where the order of corners says nothing, Inventor lights by the normals alone, and so do corners ordered by them.
+  // If the vertex ordering is unknown, Inventor shades by the normals alone. The corners are therefore ordered by the
+  // normals.
   const glm::dvec3 normals =
       glm::dvec3(v[0].attributes.normal) + glm::dvec3(v[1].attributes.normal) + glm::dvec3(v[2].attributes.normal);
   if (ordering_known_ ? clockwise_ : glm::dot(facing, normals) < 0) std::swap(v[1], v[2]);
@@ -208,7 +209,7 @@ void InventorShapes::finish(SoCallbackAction& action, Growing& growing) {
     one_color = one_color && attributes.color == first;
     transparent = transparent || attributes.color.a < 1;
   }
-  // One colour goes to the material, so that shapes of different colours can share their mesh.
+  // A single colour is stored in the material, so that shapes of different colours can share a mesh.
   if (one_color) {
     material.material.base_color = first;
     for (VertexAttributes& attributes : mesh.attributes) attributes.color = glm::vec4(1);

@@ -1,4 +1,4 @@
-// The primitives that Coin makes of shapes, as meshes.
+// Makes meshes from the primitives that Coin generates for shapes.
 #pragma once
 
 #include <Inventor/SoPrimitiveVertex.h>
@@ -21,12 +21,12 @@
 namespace simvis {
 
 glm::dmat4 matrix_of(const SbMatrix& matrix);
-/// The name of the innermost node on the way to the current one that has a name.
+/// Returns the name of the innermost named node on the path to the current node.
 std::string innermost_name(const SoCallbackAction& action);
 
 class InventorShapes {
  public:
-  /// More corners than this in one file are refused: 10 million triangles.
+  /// The largest number of corners in one file: 10 million triangles.
   static constexpr std::size_t kMaxCorners = 30'000'000;
 
   explicit InventorShapes(ImportedScene& scene) : scene_(scene), looks_(scene) {}
@@ -38,7 +38,7 @@ class InventorShapes {
   void end(SoCallbackAction& action);
 
   bool has_too_many() const { return corners_ > kMaxCorners; }
-  /// What is wrong with the shapes so far; empty if nothing is.
+  /// The first error in the shapes so far; empty if there is none.
   const std::string& fault() const { return fault_; }
 
  private:
@@ -52,7 +52,7 @@ class InventorShapes {
   struct HashBits {
     std::size_t operator()(const Vertex& vertex) const;
   };
-  // What one shape has become so far: triangles, lines or points.
+  // The triangles, lines or points of the current shape so far.
   struct Growing {
     Mesh mesh;
     std::unordered_map<Vertex, std::uint32_t, HashBits, SameBits> known;
@@ -70,14 +70,14 @@ class InventorShapes {
   ImportedScene& scene_;
   InventorLooks looks_;
   const SoShape* shape_ = nullptr;
-  std::optional<InventorLook> look_;  // of the current shape, from its first primitive on
+  std::optional<InventorLook> look_;  // of the current shape, set at its first primitive
   bool clockwise_ = false, ordering_known_ = false;
   SoDrawStyle::Style style_ = SoDrawStyle::FILLED;
-  int coordinates_ = 0, normals_ = 0, uvs_ = 0;  // that the state holds for shapes made of vertices
-  bool has_uvs_ = true;                          // of the current primitive, when it is textured
+  int coordinates_ = 0, normals_ = 0, uvs_ = 0;  // counts in the state, for shapes made of vertices
+  bool has_uvs_ = true;                          // for the current primitive, if it is textured
   std::string fault_;
   std::unordered_map<int, glm::vec4> colors_;
-  Growing growing_[3];  // by Topology
+  Growing growing_[3];  // indexed by Topology
   std::size_t corners_ = 0;
   ContentPool pool_;
   std::map<const Mesh*, std::uint32_t> numbers_;

@@ -1,4 +1,4 @@
-// Mesh files as imported scenes: a node per node of the file, in the file's order.
+// Reads mesh files as imported scenes, with one node for each node of the file, in the file's order.
 #include <cmath>
 #include <map>
 #include <utility>
@@ -31,7 +31,7 @@ class MeshSceneReader {
  public:
   explicit MeshSceneReader(AssimpFile& file) : file_(file), materials_(file, scene_) {}
 
-  // Depth first, with an explicit stack: depth is no limit.
+  // Reads the nodes depth first. The explicit stack allows any depth.
   ImportedScene read() {
     struct Pending {
       const aiNode* node;
@@ -78,7 +78,7 @@ class MeshSceneReader {
   AssimpFile& file_;
   ImportedScene scene_;
   AssimpMaterials materials_;
-  std::map<unsigned, std::vector<std::uint32_t>> meshes_;  // what each of Assimp's became
+  std::map<unsigned, std::vector<std::uint32_t>> meshes_;  // meshes of the scene, by mesh of Assimp
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-// What a program that reads part files for SimVis is made of: its main() and one reader.
+// The interface between the main() of an import program and its reader.
 #pragma once
 
 #include <filesystem>
@@ -10,11 +10,11 @@ namespace simvis {
 
 struct ReadRequest {
   std::filesystem::path file;
-  bool ignore_up_axis = false;  ///< of COLLADA
+  bool ignore_up_axis = false;  ///< for COLLADA only
 };
 
-/// Defined once in each program. Messages of the library that it reads with go to `answer`.
-/// Throws std::exception: why the file cannot be read.
+/// Each import program defines this function once. Messages of the library that reads the file go to `answer`.
+/// Throws a std::exception with the reason if the file cannot be read.
 ImportedScene read_part(const ReadRequest& request, AnswerWriter& answer);
 
 }  // namespace simvis

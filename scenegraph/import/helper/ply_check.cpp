@@ -29,7 +29,7 @@ constexpr Type kTypes[] = {{"char", "int8", 1, true, false},    {"uchar", "uint8
 struct Property {
   std::string_view name;
   const Type* type = nullptr;
-  const Type* count = nullptr;  // of a list
+  const Type* count = nullptr;  // type of a list's length; null: not a list
 };
 
 struct Element {
@@ -125,7 +125,7 @@ class PlyCheck {
 
   void add_element(const std::vector<std::string_view>& words) {
     double count = 0;
-    // No element takes less than a byte of the file, so larger counts are never walked through.
+    // Every element has at least one byte of the file, so a larger count is an error and never costs time.
     if (!parse_number(words[2], count) || count != std::floor(count) || count < 0 ||
         count > static_cast<double>(bytes_.size())) {
       fail("element " + in_quotes(words[1]) + " has the count " + in_quotes(words[2]) + ", expected a whole number " +
@@ -228,7 +228,7 @@ class PlyCheck {
       bits |= std::uint64_t{static_cast<unsigned char>(bytes_[at_ + i])} << (8 * place);
     }
     at_ += type.bytes;
-    if (type.is_float) return 0;  // the mesh checks its own numbers
+    if (type.is_float) return 0;  // convert_mesh() checks the numbers
     const unsigned unused = 64 - 8 * static_cast<unsigned>(type.bytes);
     return type.is_signed ? static_cast<double>(static_cast<std::int64_t>(bits << unused) >> unused)
                           : static_cast<double>(bits);

@@ -9,7 +9,7 @@
 namespace simvis {
 namespace {
 
-// Newell's sum: twice the area, along the normal.
+// Returns Newell's sum: a vector along the normal whose length is twice the area.
 glm::dvec3 area_vector(std::span<const glm::vec3> corners) {
   glm::dvec3 sum{0};
   for (std::size_t i = 0; i < corners.size(); ++i) {
@@ -19,7 +19,7 @@ glm::dvec3 area_vector(std::span<const glm::vec3> corners) {
   return sum;
 }
 
-// The polygon seen along the axis nearest to its normal, so that it runs counter-clockwise.
+// Projects the polygon along the axis nearest to its normal, so that it runs counter-clockwise.
 std::vector<glm::dvec2> flattened(std::span<const glm::vec3> corners) {
   const glm::dvec3 normal = area_vector(corners);
   int axis = 0;
@@ -34,7 +34,7 @@ std::vector<glm::dvec2> flattened(std::span<const glm::vec3> corners) {
   return flat;
 }
 
-// Twice the signed area of a triangle: positive where it runs counter-clockwise.
+// Returns twice the signed area of a triangle, which is positive if the triangle runs counter-clockwise.
 double turn(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c) {
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
@@ -50,7 +50,7 @@ class EarClipper {
     std::size_t at = 0, misses = 0;
     while (left_.size() >= 3) {
       at %= left_.size();
-      // After a whole round without an ear, which only a degenerate polygon has, any corner is cut.
+      // Only a degenerate polygon has no ear in a whole round. In that case any corner is cut.
       if (!is_ear(at) && misses++ < left_.size()) {
         ++at;
         continue;
@@ -66,7 +66,7 @@ class EarClipper {
   std::uint32_t before(std::size_t i) const { return left_[(i + left_.size() - 1) % left_.size()]; }
   std::uint32_t after(std::size_t i) const { return left_[(i + 1) % left_.size()]; }
 
-  // A corner that turns left, with no other corner in its triangle.
+  // An ear is a corner that turns left and has no other corner in its triangle.
   bool is_ear(std::size_t i) const {
     const glm::dvec2 &a = points_[before(i)], &b = points_[left_[i]], &c = points_[after(i)];
     if (turn(a, b, c) <= 0) return false;

@@ -1,4 +1,4 @@
-// Cutting polygons into triangles.
+// Cuts polygons into triangles.
 #pragma once
 
 #include <array>
@@ -9,11 +9,12 @@
 
 namespace simvis {
 
-/// More corners than this in one polygon are nobody's intention, and the time grows with their square.
+/// The largest number of corners in one polygon. Real files stay below it, and the time grows with its square.
 inline constexpr std::size_t kMaxPolygonCorners = 1000;
 
-/// The triangles, as indices into `corners`, that fill a plane polygon, convex or not, and wind the way it does; n - 2
-/// of them. One that crosses itself or is not plane is covered somehow. `corners` are finite, 3 to kMaxPolygonCorners.
+/// Returns the n - 2 triangles, as indices into `corners`, that fill a planar polygon, convex or not. They have the
+/// winding order of the polygon. For a polygon that crosses itself or is not planar the coverage is not specified.
+/// `corners` has 3 to kMaxPolygonCorners finite points.
 std::vector<std::array<std::uint32_t, 3>> triangles_of_polygon(std::span<const glm::vec3> corners);
 
 }  // namespace simvis

@@ -16,7 +16,7 @@ namespace {
 void set_limit(__rlimit_resource resource, rlim_t value) {
   rlimit limit{};
   bool is_set = ::getrlimit(resource, &limit) == 0;
-  limit.rlim_cur = limit.rlim_max = std::min(value, limit.rlim_max);  // a stricter one stays
+  limit.rlim_cur = limit.rlim_max = std::min(value, limit.rlim_max);  // keeps a stricter limit
   is_set = is_set && ::setrlimit(resource, &limit) == 0;
   if (!is_set) throw MachineError("cannot limit what reading a part file takes");
 }

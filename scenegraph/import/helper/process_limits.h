@@ -1,13 +1,13 @@
-// What a program that reads part files takes away from itself.
+// Limits that an import program sets on its own process.
 #pragma once
 
 #include <cstddef>
 
 namespace simvis {
 
-/// No more memory than `more_bytes` beyond what the process has now, no core file, and no life longer than that of the
-/// thread that started it. AddressSanitizer maps terabytes for itself; memory is not limited then.
-/// Throws MachineError.
+/// Limits the memory to `more_bytes` beyond the present use, forbids core files, and ends the process when the thread
+/// that started it ends. Memory is not limited under AddressSanitizer, which maps terabytes for itself.
+/// Throws MachineError if a limit cannot be set.
 void limit_process(std::size_t more_bytes);
 
 }  // namespace simvis

@@ -23,7 +23,7 @@ std::string read_range(std::ifstream& stream, std::uint64_t from, std::uint64_t 
   return text;
 }
 
-// The last line that is not empty begins with "endsolid".
+// Returns whether the last line that is not empty begins with "endsolid".
 bool ends_with_endsolid(std::string_view end) {
   const std::size_t last = end.find_last_not_of(kSpaces);
   if (last == std::string_view::npos) return false;

@@ -13,7 +13,7 @@ constexpr std::size_t kMinSlots = 64;
 static_assert(sizeof(glm::vec3) == 3 * sizeof(float) && sizeof(VertexAttributes) == 11 * sizeof(float),
               "no padding, so that equal vertices have equal bytes");
 
-// The high bits, where products gather, come down after each word.
+// After each word the high bits, which hold most of the product's information, are mixed into the low bits.
 std::uint32_t hash_of(const glm::vec3& position, const VertexAttributes& attributes) {
   std::uint64_t words[7];
   std::memcpy(words, &position, sizeof position);

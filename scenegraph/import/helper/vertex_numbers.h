@@ -1,4 +1,4 @@
-// Corners of equal bits become one vertex of a mesh.
+// Merges corners with equal bits into one vertex of a mesh.
 #pragma once
 
 #include <cstdint>
@@ -8,11 +8,11 @@
 
 namespace simvis {
 
-/// Numbers the vertices of one mesh in the order in which they come. The table holds numbers and hashes alone: what
-/// they stand for is looked up in the mesh, which nobody else may add to meanwhile.
+/// Numbers the vertices of one mesh in the order of their addition. The table holds only numbers and hashes and looks
+/// up the vertices in the mesh, so no other code may add vertices to that mesh.
 class VertexNumbers {
  public:
-  /// The number of the vertex in `mesh`, to which it is added if no vertex has its bits.
+  /// Returns the number of the vertex in `mesh`. Adds the vertex if the mesh has none with the same bits.
   std::uint32_t add(Mesh& mesh, const glm::vec3& position, const VertexAttributes& attributes);
 
  private:
@@ -21,7 +21,7 @@ class VertexNumbers {
   };
   void grow();
 
-  std::vector<Slot> slots_;  // a power of two of them, at most half of them taken
+  std::vector<Slot> slots_;  // the size is a power of two; at most half of the slots are used
 };
 
 }  // namespace simvis

@@ -1,4 +1,4 @@
-// Stands in for inventor_importer.cpp where there is no Coin.
+// Replaces inventor_importer.cpp in a build without Coin.
 #include <simvis/error.h>
 #include "scenegraph/import/inventor/inventor_importer.h"
 

@@ -24,7 +24,7 @@ PartContent import_inventor(const ImportRequest& request, ContentPool& pool, std
   // (x, y, z) -> (x, -z, y)
   const glm::dmat4 z_up_from_y_up(1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1);
   const std::string name = request.file.string();
-  // It says what is wrong with a file that cannot be read; Coin does not.
+  // read_whole_file() gives the reason if a file cannot be read; Coin does not.
   if (read_whole_file(request.file).empty()) throw InputError(name + ": error: is empty; expected Inventor or VRML");
   ImportedScene scene = import_in_sandbox(
       {.program = import_program("simvis-import-inventor"), .library = "Coin", .file = request.file, .time = limit});

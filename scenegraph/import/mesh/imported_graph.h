@@ -1,4 +1,4 @@
-// An imported scene as a graph of nodes.
+// Turns an imported scene into a graph of nodes.
 #pragma once
 
 #include <filesystem>
@@ -10,8 +10,8 @@
 namespace simvis {
 
 /// Adds a separator for each node, with its transform, its light and its shapes. Textures, materials and meshes go
-/// through the pool; pictures in files are read from beside `file`. `fallback` stands in for missing materials.
-/// Throws InputError naming the picture that is missing or broken.
+/// through the pool. Picture files are read relative to the folder of `file`. `fallback` replaces missing materials.
+/// Throws InputError naming a picture that is missing or broken.
 void add_imported_scene(ImportedScene&& scene, const std::filesystem::path& file, const Material& fallback,
                         ContentPool& pool, Group& root);
 

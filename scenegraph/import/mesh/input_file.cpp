@@ -24,7 +24,7 @@ InputFile::InputFile(const std::filesystem::path& file) : file_(file) {
   const std::filesystem::file_status status = std::filesystem::status(file, error);
   if (status.type() == std::filesystem::file_type::not_found) fail(file, "there is no such file");
   if (error) fail(file, "cannot be read: " + error.message());
-  // A pipe or a device has no end that one could wait for.
+  // A pipe or a device may never end.
   if (status.type() != std::filesystem::file_type::regular) fail(file, "is not a regular file");
   size_ = std::filesystem::file_size(file, error);
   if (error) fail(file, "cannot be read: " + error.message());

@@ -1,4 +1,4 @@
-// A file that is read part by part.
+// A file that is read in parts.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@ namespace simvis {
 
 using Bytes = std::vector<std::uint8_t>;
 
-/// A regular file, held open: another one that takes its name meanwhile does not mix with it.
+/// A regular file that stays open. If another file takes its name in the meantime, the reads still use the first file.
 class InputFile {
  public:
   /// Throws InputError naming the file and the operating system's reason.
@@ -19,9 +19,9 @@ class InputFile {
   InputFile(const InputFile&) = delete;
   InputFile& operator=(const InputFile&) = delete;
 
-  std::size_t size() const { return size_; }  ///< bytes, when it was opened
+  std::size_t size() const { return size_; }  ///< bytes at the time of opening
 
-  /// All `count` bytes from `first` on. Throws InputError where they are not there any more.
+  /// Returns exactly `count` bytes from `first` on. Throws InputError if the file no longer has them.
   Bytes read(std::size_t first, std::size_t count) const;
 
  private:
@@ -30,7 +30,7 @@ class InputFile {
   std::size_t size_ = 0;
 };
 
-/// Throws InputError like InputFile.
+/// Reads all bytes of the file. Throws InputError like InputFile.
 Bytes read_whole_file(const std::filesystem::path& file);
 
 }  // namespace simvis

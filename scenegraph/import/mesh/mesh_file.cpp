@@ -14,7 +14,7 @@
 namespace simvis {
 namespace {
 
-// (x, y, z) -> (x, -z, y): a y-up frame in SimVis's z-up frame.
+// (x, y, z) -> (x, -z, y): from a y-up frame to SimVis's z-up frame.
 const glm::dmat4 kZUpFromYUp(1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1);
 
 PartContent import_mesh_file(const ImportRequest& request, ContentPool& pool) {

@@ -1,4 +1,4 @@
-// Mesh files as scene graphs: COLLADA (.dae), Wavefront OBJ, PLY, STL.
+// Imports mesh files as scene graphs: COLLADA (.dae), Wavefront OBJ, PLY, STL.
 #pragma once
 
 #include <filesystem>
@@ -10,20 +10,20 @@
 
 namespace simvis {
 
-/// Which way up a mesh file is taken.
+/// The up axis that the importer assumes for a mesh file.
 enum class MeshFileAxes : std::uint8_t {
-  of_format,  ///< COLLADA by its <up_axis>; OBJ, PLY and STL, which do not say, are Z-up
+  of_format,  ///< COLLADA: its <up_axis>; OBJ, PLY and STL, which give none: Z-up
   y_up,
-  as_written  ///< whatever the file says: its axes are those of the part
+  as_written  ///< the axes of the file are the axes of the part, whatever its <up_axis> says
 };
 
-/// By its ending, in any case.
+/// Decides by the file name extension, upper or lower case.
 bool is_mesh_file(const std::filesystem::path& file);
 
-/// Everything under one separator: a separator per node of the file, each with its meshes. COLLADA's <unit> counts.
-/// Cameras and lights of a file are not taken. `fallback` is the material of whatever has none of its own.
-/// Throws InputError naming the file, and a place where there is one; never crashes on a broken file. Throws
-/// MachineError when the program simvis-import-mesh is missing.
+/// Returns one separator that holds a separator for each node of the file, with the node's meshes. COLLADA's <unit> is
+/// applied. Cameras and lights are not imported. Shapes without a material get `fallback`.
+/// Throws InputError naming the file, and the place if known. A broken file never crashes the process. Throws
+/// MachineError if the program simvis-import-mesh is missing.
 PartContent read_mesh_file(const std::filesystem::path& file, MeshFileAxes axes,
                            std::shared_ptr<const Material> fallback, ContentPool& pool);
 

@@ -25,7 +25,8 @@ bool is_png_or_jpeg(std::span<const std::uint8_t> bytes) {
   return starts_with(bytes, kPng) || starts_with(bytes, kJpeg);
 }
 
-// No PNG or JPEG is smaller than this: deflate shrinks to 1/1032 at best, and a pixel has at least one bit.
+// Returns whether a PNG or JPEG of this size can hold so many pixels: deflate compresses to 1/1032 at best, and a pixel
+// has at least one bit.
 bool can_hold(std::size_t file_bytes, std::size_t pixels) {
   constexpr std::size_t kMaxPixelsPerByte = 1032 * 8, kHeaderBytes = 1024;
   return pixels / kMaxPixelsPerByte <= file_bytes + kHeaderBytes;
@@ -33,7 +34,7 @@ bool can_hold(std::size_t file_bytes, std::size_t pixels) {
 
 }  // namespace
 
-// stb_image reads many more formats, less carefully; nothing else reaches it.
+// stb_image also reads many other formats, less carefully. Only PNG and JPEG are passed to it.
 Texture decode_picture(std::span<const std::uint8_t> bytes, const std::string& subject) {
   const auto fail = [&](const std::string& what) { throw InputError(subject + what); };
   if (!is_png_or_jpeg(bytes)) fail(" is neither PNG nor JPEG");

@@ -1,4 +1,4 @@
-// PNG and JPEG files as textures, whatever part file they belong to.
+// Reads PNG and JPEG files as textures, for all part formats.
 #pragma once
 
 #include <cstdint>
@@ -10,12 +10,12 @@
 
 namespace simvis {
 
-/// Decodes a PNG or JPEG file that lies in memory to RGBA8; name and sampler stay at their defaults.
-/// `subject` begins every message: "robot.glb: error: images/0".
-/// Throws InputError: neither PNG nor JPEG, broken, more than 16384 pixels on a side.
+/// Decodes a PNG or JPEG file in memory to RGBA8. Name and sampler keep their defaults.
+/// `subject` begins every message, for example "robot.glb: error: images/0".
+/// Throws InputError if the file is neither PNG nor JPEG, is broken or has more than 16384 pixels on a side.
 Texture decode_picture(std::span<const std::uint8_t> bytes, const std::string& subject);
 
-/// The same for a file on disk, which names itself in messages: "FILE: error: ...".
+/// Decodes a file on disk in the same way. Messages begin with "FILE: error: ".
 Texture read_picture_file(const std::filesystem::path& file);
 
 }  // namespace simvis

@@ -14,7 +14,8 @@
 namespace simvis {
 namespace {
 
-// Sixteen bytes, which change when the layout of a scene does: a program of another version is refused, not misread.
+// Sixteen bytes that must change with the layout of a scene, so that the answer of a program of another version is
+// refused and not misread.
 constexpr std::string_view kGreeting = "simvis-import-1\n";
 constexpr std::size_t kHeadBytes = 1 + sizeof(std::uint64_t);
 
@@ -50,7 +51,7 @@ std::string on_one_line(std::span<const std::uint8_t> bytes) {
   return text;
 }
 
-// Libraries quote what stands in the file, whatever that is.
+// Libraries quote any bytes of the file, so the text may be invalid UTF-8 or contain control characters.
 std::string printable(std::span<const std::uint8_t> bytes) {
   std::string text = on_one_line(bytes);
   if (!is_utf8(text)) std::replace_if(text.begin(), text.end(), std::not_fn(is_ascii), '?');

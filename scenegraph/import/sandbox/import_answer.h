@@ -1,4 +1,4 @@
-// What an import program answers: messages as they come, and at last a scene or the reason why there is none.
+// The answer of an import program: messages during the import, then a scene or the reason why there is none.
 #pragma once
 
 #include <cstddef>
@@ -12,20 +12,20 @@
 namespace simvis {
 
 enum class AnswerKind : std::uint8_t {
-  error = 'E',    ///< what a library reported as an error, and went on
-  warning = 'W',  ///< the same as a warning
-  refusal = 'R',  ///< why the file cannot be read
+  error = 'E',    ///< an error that a library reported before it continued
+  warning = 'W',  ///< a warning that a library reported
+  refusal = 'R',  ///< the reason why the file cannot be read
   scene = 'S'     ///< pack_imported_scene()
 };
 
-/// Messages beyond this are dropped.
+/// The largest total size of all messages. Further messages are dropped.
 inline constexpr std::size_t kMaxMessageBytes = std::size_t{64} << 10;
 
-/// The program's side.
+/// The import program's side.
 class AnswerWriter {
  public:
   explicit AnswerWriter(int descriptor);
-  /// Written at once, so that it outlives a crash. Ends the process when nobody takes it.
+  /// Writes the message at once, so that it survives a crash. Ends the process if the other side has closed the pipe.
   void add(AnswerKind kind, std::span<const std::uint8_t> bytes);
   void add(AnswerKind kind, std::string_view text);
 
@@ -36,12 +36,13 @@ class AnswerWriter {
 
 /// SimVis's side.
 struct ImportAnswer {
-  std::vector<std::string> errors, warnings;           ///< on one line each, valid UTF-8, none twice
-  std::optional<std::string> refusal;                  ///< on one line; it may name the file, in whatever encoding
-  std::optional<std::span<const std::uint8_t>> scene;  ///< within the bytes that were read
+  std::vector<std::string> errors, warnings;           ///< one line each, valid UTF-8, without duplicates
+  std::optional<std::string> refusal;                  ///< one line; may name the file, in any encoding
+  std::optional<std::span<const std::uint8_t>> scene;  ///< points into the bytes that were read
 };
 
-/// Takes what is whole of an answer: a program that crashed leaves an end that is not. Trusts nothing in it.
+/// Reads the complete messages of an answer. A program that crashed may leave an incomplete one at the end. The bytes
+/// are not trusted.
 ImportAnswer read_import_answer(std::span<const std::uint8_t> bytes);
 
 }  // namespace simvis

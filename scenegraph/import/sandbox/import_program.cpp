@@ -15,7 +15,7 @@ std::filesystem::path import_program(std::string_view name) {
   const std::filesystem::path real = std::filesystem::canonical(file, error);
   const std::filesystem::path folder = (error ? file : real).parent_path();
   const std::filesystem::path beside_library = folder / "simvis" / name;
-  // A program that the library's objects are linked into stands in a folder beside that of the libraries.
+  // A program with the library's objects linked in lies in a folder beside the folder of the libraries.
   const std::filesystem::path beside_program = folder.parent_path() / "lib" / "simvis" / name;
   return !std::filesystem::exists(beside_library, error) && std::filesystem::exists(beside_program, error)
              ? beside_program

@@ -1,4 +1,4 @@
-// Where the programs are that read part files for SimVis.
+// Finds the programs that read part files for SimVis.
 #pragma once
 
 #include <filesystem>
@@ -6,8 +6,8 @@
 
 namespace simvis {
 
-/// The program of that name in the folder `simvis` beside the library libsimvis: so it stands in a build tree, and so
-/// it is installed. Whether it is there is not looked at.
+/// Returns the path of the program in the folder `simvis` beside the library libsimvis, in a build tree and in an
+/// installation. Does not check that the program exists.
 std::filesystem::path import_program(std::string_view name);
 
 }  // namespace simvis

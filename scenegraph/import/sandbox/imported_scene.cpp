@@ -23,7 +23,7 @@ class Packer {
     plain(value);
   }
   void flag(bool value) { plain(static_cast<std::uint8_t>(value)); }
-  template <class Array>  // a vector or a string of what can be copied byte by byte
+  template <class Array>  // a vector or string of trivially copyable values
   void array(const Array& values) {
     static_assert(std::is_trivially_copyable_v<typename Array::value_type>);
     plain(std::uint64_t{values.size()});
@@ -72,7 +72,7 @@ class Unpacker {
   void list(std::vector<T>& values, Walk walk_one) {
     std::uint64_t count = 0;
     plain(count);
-    // It grows one by one, so that a wrong count runs out of bytes, not of memory.
+    // The vector grows one by one, so that a wrong count runs out of bytes before it runs out of memory.
     for (std::uint64_t i = 0; i < count; ++i) walk_one(*this, values.emplace_back());
   }
   void expect_end() const {
@@ -93,7 +93,7 @@ class Unpacker {
   const std::string& subject_;
 };
 
-// One description of the layout serves both ways.
+// The walk_ functions describe the layout once, for packing and for unpacking.
 template <class Archive>
 void walk_mesh(Archive& a, Mesh& mesh) {
   a.array(mesh.name);
@@ -201,7 +201,7 @@ bool is_finite(const Light& l) {
          is_finite(l.outer_cone_rad) && is_finite(l.direction);
 }
 
-// What is wrong with the mesh, or nothing.
+// Returns the error in the mesh, or an empty string.
 std::string fault_of(const Mesh& mesh) {
   constexpr std::size_t kCorners[] = {3, 2, 1};
   if (mesh.attributes.size() != mesh.positions.size()) return "vertices without attributes";
@@ -234,7 +234,7 @@ std::string fault_of(const ImportedMaterial& m, const ImportedScene& scene) {
   return {};
 }
 
-// Parents come first, so that there are no cycles.
+// Parents must come before their children, so that there are no cycles.
 std::string fault_of(const ImportedNode& node, std::size_t number, const ImportedScene& scene) {
   if (node.parent != kNoParent && node.parent >= number) return "a node before its parent";
   for (const ImportedShape& shape : node.shapes) {

@@ -1,4 +1,4 @@
-// What a sandboxed import program found in a part file: plain data, and its bytes on their way to SimVis.
+// The scene that a sandboxed import program reads from a part file, as plain data, and its serialization.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ namespace simvis {
 
 inline constexpr std::uint32_t kNoTexture = ~0u, kNoParent = ~0u;
 
-/// A texture whose pixels are here, or in a picture file.
+/// A texture whose pixels are stored here or in a picture file.
 struct ImportedTexture {
   std::string file;  ///< relative to the part file's folder; empty: `texture` has the pixels
   Texture texture;
@@ -23,7 +23,7 @@ struct ImportedTexture {
 
 struct ImportedMaterial {
   Material material;         ///< base_color_texture is left null
-  bool is_fallback = false;  ///< the part file has none here: whoever reads it says what to take; only `unlit` counts
+  bool is_fallback = false;  ///< no material in the file: the fallback is used; only `unlit` is read
   std::uint32_t texture = kNoTexture;
 };
 
@@ -47,11 +47,12 @@ struct ImportedScene {
   std::vector<std::string> commands, warnings;
 };
 
-/// Takes the scene by value: one description of the layout serves both directions.
+/// Takes the scene by value, because packing and unpacking share one description of the layout, which needs a mutable
+/// scene.
 std::vector<std::uint8_t> pack_imported_scene(ImportedScene scene);
 
-/// Trusts nothing in `bytes`: sizes, indices and enumerations are checked, and every number is finite.
-/// `subject` begins messages. Throws InputError.
+/// Does not trust `bytes`: checks sizes, indices and enumerations, and that every number is finite.
+/// Throws InputError whose message begins with `subject`.
 ImportedScene unpack_imported_scene(std::span<const std::uint8_t> bytes, const std::string& subject);
 
 }  // namespace simvis

@@ -20,7 +20,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int kNotStarted = 127;  // the exit status of a program whose shared libraries are missing
+constexpr int kNotStarted = 127;  // exit status of a program whose shared libraries are missing
 
 [[noreturn]] void fail_to_start(const std::filesystem::path& program, const std::string& why) {
   throw MachineError("cannot start the program " + program.string() + ", which reads part files: " + why);
@@ -43,7 +43,7 @@ class Descriptor {
   int number_;
 };
 
-// What the program finds as it starts: this side's signal handlers, masks and open files are not its business.
+// The start conditions of the program. It inherits no signal handlers, signal masks or open files of this process.
 class StartConditions {
  public:
   explicit StartConditions(int answer) {
@@ -91,8 +91,8 @@ class Process {
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
 
-  // The status of a process that ends in time. A host that ignores SIGCHLD leaves none to ask for; the answer then
-  // says whether all went well.
+  // Returns the status of the process if it ends in time. If the host ignores SIGCHLD there is no status; the function
+  // then returns 0, and the answer shows whether the program succeeded.
   std::optional<int> wait_until(Clock::time_point deadline) {
     constexpr std::chrono::microseconds kShortest{50}, kLongest{5'000};
     int status = 0;
@@ -121,7 +121,8 @@ class Process {
   pid_t id_ = 0;
 };
 
-// Reads until the other end is closed, `bytes` is full to `most`, or it is too late. Says which one stopped it.
+// Reads until the other end closes, `bytes` holds `most` bytes, or the deadline passes. Returns which of these
+// happened.
 SandboxEnd read_answer(int pipe, std::size_t most, Clock::time_point deadline, std::vector<std::uint8_t>& bytes) {
   constexpr std::size_t kFirstBytes = std::size_t{1} << 16;
   std::size_t size = 0;
@@ -156,12 +157,12 @@ SandboxReport run_in_sandbox(const SandboxCall& call) {
   if (::pipe2(ends, O_CLOEXEC) != 0) fail_to_start(call.program, std::strerror(errno));
   const Descriptor reading(ends[0]);
   Descriptor first_writing(ends[1]);
-  // Above all numbers that the program is given, so that none of them is written over.
+  // This number is above all descriptors of the program, so that setting those up cannot overwrite it.
   Descriptor writing(::fcntl(ends[1], F_DUPFD_CLOEXEC, kAnswerDescriptor + 1));
   if (writing.number() < 0) fail_to_start(call.program, std::strerror(errno));
   first_writing.close();
   constexpr int kPipeBytes = 1 << 20;
-  ::fcntl(reading.number(), F_SETPIPE_SZ, kPipeBytes);  // only faster
+  ::fcntl(reading.number(), F_SETPIPE_SZ, kPipeBytes);  // for speed only; a failure has no other effect
   Process process(call, writing.number());
   writing.close();
   SandboxReport report;

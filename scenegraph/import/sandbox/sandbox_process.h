@@ -1,4 +1,4 @@
-// Runs a program that broken input may crash or hang, and takes what it answers.
+// Runs a program that broken input may crash or hang, and reads its answer.
 #pragma once
 
 #include <chrono>
@@ -9,7 +9,8 @@
 
 namespace simvis {
 
-/// Where the program writes its answer. It has no other files open: its standard streams lead nowhere.
+/// The file descriptor for the program's answer. The program has no other open files; its standard streams are
+/// /dev/null.
 inline constexpr int kAnswerDescriptor = 3;
 
 struct SandboxCall {
@@ -22,18 +23,18 @@ struct SandboxCall {
 enum class SandboxEnd : std::uint8_t {
   finished,             ///< with exit status 0
   crashed,              ///< `reason` names the signal or the exit status
-  took_too_long,        ///< it was killed
-  answered_without_end  ///< it was killed after `answer_bytes`
+  took_too_long,        ///< killed at the time limit
+  answered_without_end  ///< killed after `answer_bytes`
 };
 
 struct SandboxReport {
   SandboxEnd end = SandboxEnd::crashed;
   std::string reason;
-  std::vector<std::uint8_t> answer;  ///< all that it wrote, however it ended; not to be trusted
+  std::vector<std::uint8_t> answer;  ///< everything that the program wrote, however it ended; not trusted
 };
 
-/// Starts the program and waits for its end, whatever it does. May be called from several threads at a time.
-/// Throws MachineError naming the program when it is missing or cannot be started.
+/// Starts the program and waits until it ends or is killed. Several threads may call this function at the same time.
+/// Throws MachineError naming the program if it is missing or cannot be started.
 SandboxReport run_in_sandbox(const SandboxCall& call);
 
 }  // namespace simvis

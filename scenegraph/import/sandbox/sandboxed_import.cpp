@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kMaxMessages = 5;
 
-// Readers of text formats name the file themselves, with the place.
+// The message may already begin with the file and the place, as from readers of text formats.
 [[noreturn]] void fail(const std::filesystem::path& file, const std::string& what, const ImportAnswer& answer) {
   const std::vector<std::string>& said = answer.errors.empty() ? answer.warnings : answer.errors;
   std::string text = what.starts_with(file.string() + ":") ? what : file.string() + ": error: " + what;
@@ -47,7 +47,7 @@ ImportedScene import_in_sandbox(const SandboxedImport& import) {
       fail(import.file, "it makes more than " + std::to_string(import.memory_bytes >> 20) + " MiB of content", answer);
   }
   if (answer.refusal) fail(import.file, *answer.refusal, answer);
-  // A library may go on after an error, with a part of the file.
+  // A library may continue after an error with only a part of the file.
   if (!answer.errors.empty()) fail(import.file, import.library + " cannot read all of it", answer);
   if (!answer.scene) fail(import.file, "the program that read it gave no answer", answer);
   ImportedScene scene = unpack_imported_scene(*answer.scene, import.file.string() + ": error: ");

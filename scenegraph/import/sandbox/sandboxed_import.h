@@ -1,4 +1,4 @@
-// Reads part files with other projects' libraries, in a program of its own: they may crash or hang on what is broken.
+// Reads part files with third-party libraries in a separate program, because they may crash or hang on broken files.
 #pragma once
 
 #include <chrono>
@@ -13,16 +13,16 @@ namespace simvis {
 
 struct SandboxedImport {
   std::filesystem::path program;
-  std::string library;         ///< that the program reads with, for messages
-  std::filesystem::path file;  ///< as messages name it
+  std::string library;         ///< name of the library that the program uses, for messages
+  std::filesystem::path file;  ///< appears in messages as given
   bool ignore_up_axis = false;
   std::chrono::milliseconds time{10'000};
   std::size_t memory_bytes = std::size_t{4} << 30;  ///< not enforced under AddressSanitizer
 };
 
-/// Warnings that the library gave stand first in the scene.
-/// Throws InputError naming the file: the library refuses it, crashes on it, takes more time or memory, or the program
-/// gives a malformed answer; MachineError naming the program when that cannot be started.
+/// The library's warnings come first in the scene's warnings.
+/// Throws InputError naming the file if the library refuses it, crashes on it or exceeds the time or memory limit, or
+/// if the program gives a malformed answer. Throws MachineError naming the program if it cannot be started.
 ImportedScene import_in_sandbox(const SandboxedImport& import);
 
 }  // namespace simvis

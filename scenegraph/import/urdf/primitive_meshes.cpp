@@ -18,7 +18,7 @@ std::uint32_t add_vertex(Mesh& mesh, const glm::dvec3& position, const glm::dvec
 
 SinCos side_angle(int side) { return sincos_deg(360.0 * side / kSidesAround); }
 
-// A disc at height `z` that faces up or down.
+// Adds a disc at height `z` that faces up (`up` 1) or down (-1).
 void add_disc(Mesh& mesh, double radius_m, double z, double up) {
   const std::uint32_t middle = add_vertex(mesh, {0, 0, z}, {0, 0, up}, 0.5, 0.5);
   for (int i = 0; i < kSidesAround; ++i) {
@@ -38,7 +38,7 @@ Mesh box_mesh(const glm::dvec3& size_m) {
   mesh.name = "box";
   for (int axis = 0; axis < 3; ++axis) {
     for (const double side : {-1.0, 1.0}) {
-      // u, v and the normal are right-handed.
+      // The axes u, v and the normal are right-handed.
       const int u_axis = (axis + (side > 0 ? 1 : 2)) % 3, v_axis = (axis + (side > 0 ? 2 : 1)) % 3;
       std::uint32_t first = 0;
       for (const auto& [u, v] : {std::pair{0, 0}, {1, 0}, {1, 1}, {0, 1}}) {
@@ -94,7 +94,7 @@ Mesh sphere_mesh(double radius_m) {
   for (std::uint32_t row = 0; row < kRows; ++row) {
     for (std::uint32_t i = 0; i < kSidesAround; ++i) {
       const std::uint32_t a = row * kInRow + i, b = a + 1, c = b + kInRow, d = a + kInRow;
-      if (row > 0) mesh.indices.insert(mesh.indices.end(), {a, b, c});  // the other one is a point at the pole
+      if (row > 0) mesh.indices.insert(mesh.indices.end(), {a, b, c});  // at a pole one triangle is degenerate
       if (row + 1 < kRows) mesh.indices.insert(mesh.indices.end(), {a, c, d});
     }
   }

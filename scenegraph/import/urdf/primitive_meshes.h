@@ -1,4 +1,4 @@
-// Meshes of simple solids, closed, wound counter-clockwise from outside, with texture coordinates 0..1 on every side.
+// Closed meshes of simple solids, counter-clockwise seen from outside, with texture coordinates 0..1 on every side.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -7,17 +7,18 @@
 
 namespace simvis {
 
-/// Cylinders and spheres have this many sides around. A flat side lies up to 0.13 % of the radius inside the round one
-/// (1 - cos(180 / 60 degrees)).
+/// The number of flat sides around cylinders and spheres. A flat side lies up to 0.14 % of the radius inside the round
+/// surface (1 - cos(180 / 60 degrees)).
 inline constexpr int kSidesAround = 60;
 
-/// Centred at the origin; `size_m` along x, y, z, above 0. Flat normals.
+/// A box with flat normals, centred at the origin. `size_m` is along x, y, z and above 0.
 Mesh box_mesh(const glm::dvec3& size_m);
 
-/// About z, centred at the origin. Smooth around, flat at the ends.
+/// A cylinder along z, centred at the origin. Its normals are smooth around the axis and flat at the ends.
 Mesh cylinder_mesh(double radius_m, double length_m);
 
-/// Centred at the origin, kSidesAround around and half as many from pole to pole. Smooth.
+/// A sphere with smooth normals, centred at the origin, with kSidesAround sides around and half as many from pole to
+/// pole.
 Mesh sphere_mesh(double radius_m);
 
 }  // namespace simvis

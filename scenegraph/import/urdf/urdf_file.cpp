@@ -13,7 +13,8 @@
 namespace simvis {
 namespace {
 
-// Takes what liburdfdom says, which otherwise goes to the standard error stream. Its outlet is one for the process.
+// Collects liburdfdom's error messages, which otherwise go to the standard error stream. The process has one message
+// handler, so a mutex is held.
 class UrdfMessages : public console_bridge::OutputHandler {
  public:
   UrdfMessages() : lock_(mutex()), before_(console_bridge::getOutputHandler()), level_(console_bridge::getLogLevel()) {
@@ -71,7 +72,7 @@ std::shared_ptr<const urdf::ModelInterface> parse(const XmlText& text) {
   std::string reason;
   try {
     if (const auto robot = urdf::parseURDF(text.source().text())) {
-      // Some of its errors leave a robot behind that lacks what was wrong.
+      // After some errors liburdfdom returns a robot without the faulty parts.
       if (messages.errors().empty()) return robot;
     }
     reason = messages.errors();
@@ -81,7 +82,7 @@ std::shared_ptr<const urdf::ModelInterface> parse(const XmlText& text) {
   fail_at({.file = text.source().file()}, reason.empty() ? "is no URDF robot" : on_one_line(reason));
 }
 
-// liburdfdom lets a link have two joints above it, and links hang in a ring beside the tree.
+// liburdfdom accepts a link with two parent joints, and cycles of links that are not connected to the tree.
 void check_tree(const UrdfFile& file) {
   std::set<const urdf::Link*> reached;
   std::vector<const urdf::Link*> open{file.robot->getRoot().get()};

@@ -1,4 +1,4 @@
-// URDF robots as parts: links as insertion points and visuals, joints as carried element commands.
+// Imports URDF robots as parts: links become insertion points and visuals, joints become element commands.
 #include <cmath>
 #include <memory>
 #include <string>
@@ -16,9 +16,8 @@
 namespace simvis {
 namespace {
 
-// Names become those of elements and insertion points, which hold no '.', the mark between element and parameter, and
-// no
-// '/', the mark of a robot's prefix.
+// The names are used for elements and insertion points. These must not contain '.', which separates element and
+// parameter, or '/', which ends a robot's prefix.
 void check_names(const UrdfFile& file) {
   const auto check = [&](const char* tag, const std::string& name) {
     if (name.find_first_not_of(" \t\r\n") == std::string::npos) file.fail(tag, name, "has an empty name");
@@ -38,8 +37,8 @@ void check_origin(const UrdfFile& file, const char* tag, const std::string& name
   }
 }
 
-// A separator per link, within that of the link above: { joint origin, insertion point, visuals, links below }. An
-// element at the insertion point so moves the link's visuals and all below.
+// Makes a separator for each link, within the separator of its parent link: { joint origin, insertion point, visuals,
+// child links }. An element at the insertion point therefore moves the link's visuals and all links below.
 NodePtr build_links(const UrdfFile& file, UrdfVisuals& visuals) {
   struct Pending {
     const urdf::Link* link;

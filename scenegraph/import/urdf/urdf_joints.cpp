@@ -110,7 +110,7 @@ class JointCommands {
     }
   }
 
-  // A mimic of a mimic follows the joint at the end of the row.
+  // A mimic of a mimic follows the last joint of the chain.
   void add_mimic(const urdf::Joint& joint) {
     if (!is_simple(joint)) fail(joint, "mimics another one, expected that of revolute and prismatic joints only");
     double multiplier = joint.mimic->multiplier, offset = joint.mimic->offset;

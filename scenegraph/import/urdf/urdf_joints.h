@@ -1,4 +1,4 @@
-// The joints of a URDF robot as element commands.
+// Turns the joints of a URDF robot into element commands.
 #pragma once
 
 #include <string>
@@ -8,19 +8,19 @@
 
 namespace simvis {
 
-/// One command per degree of freedom, parents before children, mimics after all others. Each is inserted at the child
-/// link's insertion point, and so moves the link and all below it.
+/// Returns one command per degree of freedom, parents before children, mimic joints after all others. Each element is
+/// inserted at the child link's insertion point, so that it moves the link and everything below it.
 ///
-/// revolute, continuous, prismatic  an element `joint` of the joint's name; continuous without limits
+/// revolute, continuous, prismatic  an element `joint` with the joint's name; a continuous joint has no limits
 /// floating                         an element `pose`
 /// planar                           two prismatic joints, NAME_X and NAME_Y, and a revolute one, NAME_TURN, about the
-///                                  axis; X is the frame's x axis brought into the plane (y where the axis is near x)
-/// mimic                            an element `mimic_joint`; the limits of its own are not applied
-/// fixed                            none
+///                                  axis; X is the frame's x axis projected into the plane (y if the axis is near x)
+/// mimic                            an element `mimic_joint`; the limits of the mimic joint itself are not applied
+/// fixed                            no command
 ///
-/// Radians become degrees. A value starts at 0, or at the limit nearest to it.
-/// Throws InputError at the joint: an axis of zero length, limits upside down, a mimic of a joint that does not exist,
-/// cannot be followed or follows in a ring, names that elements cannot have.
+/// Radians become degrees. A value starts at 0, or at the limit nearest to 0.
+/// Throws InputError at the joint for an axis of zero length, a lower limit above the upper limit, a mimic of a joint
+/// that does not exist, cannot be followed or forms a cycle, and names that elements cannot have.
 std::vector<std::string> urdf_joint_commands(const UrdfFile& file);
 
 }  // namespace simvis

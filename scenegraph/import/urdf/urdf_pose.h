@@ -1,4 +1,4 @@
-// Poses of liburdfdom's as matrices.
+// Converts liburdfdom's poses to matrices.
 #pragma once
 
 #include <urdf_model/pose.h>
@@ -7,7 +7,7 @@
 
 namespace simvis {
 
-/// parent_from_child. The pose holds a unit quaternion, made from roll, pitch and yaw in radians.
+/// Returns parent_from_child. The pose holds a unit quaternion, made from roll, pitch and yaw in radians.
 glm::dmat4 matrix_of(const urdf::Pose& pose);
 
 }  // namespace simvis

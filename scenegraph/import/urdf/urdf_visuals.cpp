@@ -17,7 +17,8 @@ namespace {
 
 constexpr std::string_view kPackage = "package://", kModel = "model://", kFile = "file://";
 
-// Where a file of a URDF may lie. A package's folder is above the URDF, or beside one that is.
+// Returns the possible paths of a file that a URDF names. The folder of a package is an ancestor of the URDF's folder,
+// or a direct child of an ancestor.
 std::vector<std::filesystem::path> places_of(const std::filesystem::path& folder, std::string name) {
   if (name.starts_with(kFile)) return {name.substr(kFile.size())};
   const bool is_model = name.starts_with(kModel);
@@ -98,7 +99,7 @@ std::shared_ptr<const Material> UrdfVisuals::material_of(const urdf::Link& link,
       Texture texture = read_picture_file(find(link, visual.material->texture_filename, "picture"));
       texture.name = visual.material->texture_filename;
       material.base_color_texture = pool_.intern(std::move(texture));
-      material.base_color = glm::vec4(1, 1, 1, color.a);  // a colour beside it is for programs without pictures
+      material.base_color = glm::vec4(1, 1, 1, color.a);  // the colour is meant for programs without textures
     }
   }
   return pool_.intern(std::move(material));

@@ -1,4 +1,4 @@
-// What the links of a URDF robot look like.
+// Makes nodes from the visuals of a URDF robot's links.
 #pragma once
 
 #include <filesystem>
@@ -14,15 +14,14 @@
 
 namespace simvis {
 
-/// Turns <visual> into nodes; collision geometry is ignored. Boxes, cylinders and spheres are those of
-/// primitive_meshes.h. Mesh files are read with their axes as they are written, whatever their <up_axis>, which is how
-/// programs for ROS show them. A visual's material is that of whatever in its mesh file has none of its own. Colours
-/// are read as sRGB.
+/// Turns <visual> into nodes; collision geometry is ignored. Boxes, cylinders and spheres are the meshes of
+/// primitive_meshes.h. Mesh files keep their axes as written, whatever their <up_axis>, as in ROS programs. A visual's
+/// material applies to the shapes of its mesh file that have no material. Colours are read as sRGB.
 class UrdfVisuals {
  public:
   UrdfVisuals(const UrdfFile& file, ContentPool& pool) : file_(file), pool_(pool) {}
 
-  /// Throws InputError at the link: files that are missing or broken, sizes that are not above 0.
+  /// Throws InputError at the link for files that are missing or broken, and for sizes that are not above 0.
   NodePtr make(const urdf::Link& link, const urdf::Visual& visual);
 
   std::vector<std::string> release_warnings() { return std::move(warnings_); }
