@@ -1,4 +1,4 @@
-// Names of one kind of thing, of which no two may be the same.
+// A set of unique names of one kind, such as parts or elements.
 #pragma once
 
 #include <map>
@@ -9,20 +9,22 @@
 
 namespace simvis {
 
+/// The names of one kind that are in use, and the places that claimed them.
 class NameSet {
  public:
-  /// `kind` is what messages call the things: "part", "element".
+  /// `kind` is the noun for messages: "part", "element". The text must outlive this object.
   explicit NameSet(std::string_view kind) : kind_(kind) {}
 
-  /// Throws InputError at the attribute if the name is taken, and says by whom.
+  /// Throws InputError at the attribute if the name is taken; the message names the place that has it.
   void claim(const CommandAttribute& name);
 
-  /// Gives a claimed name back.
+  /// Makes a claimed name free again.
   void release(const std::string& name) { places_.erase(name); }
 
+  /// Whether the name is taken.
   bool contains(const std::string& name) const { return places_.contains(name); }
 
-  /// Takes a name that no command gave.
+  /// Takes a name that no command gave. A name that is taken already stays so.
   void reserve(std::string name) { places_.emplace(std::move(name), Location{}); }
 
  private:

@@ -1,5 +1,5 @@
-// The animations that a part's file brings along, whatever its format: clips of keys over time, and the nodes and
-// shapes of the part's graph that they move.
+// The animations of a part's file, whatever its format: clips of keys over time, and the nodes and shapes of the part's
+// graph that they move.
 #pragma once
 
 #include <cstddef>
@@ -15,78 +15,92 @@
 
 namespace simvis {
 
-/// Where a node stands in its parent's frame: scaled first, then turned, then moved.
+/// The pose of a node in its parent's frame: scaled first, then rotated, then translated.
 struct LocalPose {
-  glm::dvec3 translation{0};
+  glm::dvec3 translation{0};        ///< in the parent's frame
   glm::dvec4 rotation{0, 0, 0, 1};  ///< a unit quaternion x, y, z, w
-  glm::dvec3 scale{1};
+  glm::dvec3 scale{1};              ///< along the axes of the node
 };
 
-/// parent_from_node.
+/// The matrix parent_from_node of a pose.
 glm::dmat4 matrix_of(const LocalPose& pose);
 
-enum class AnimationInterpolation : std::uint8_t { step, linear, cubic_spline };
-enum class AnimatedProperty : std::uint8_t { translation, rotation, scale, weights };
+/// How values between two keys are computed.
+enum class AnimationInterpolation : std::uint8_t {
+  step,         ///< the value of the earlier key
+  linear,       ///< linear; rotations: spherical linear
+  cubic_spline  ///< cubic Hermite spline with tangents
+};
+/// What a channel animates.
+enum class AnimatedProperty : std::uint8_t {
+  translation,  ///< LocalPose::translation
+  rotation,     ///< LocalPose::rotation
+  scale,        ///< LocalPose::scale
+  weights       ///< weights of the morph targets
+};
 
-/// Values at points in time, and how to go from one to the next.
+/// Keys over time and their interpolation.
 struct AnimationSampler {
-  AnimationInterpolation interpolation = AnimationInterpolation::linear;
-  std::size_t width = 0;                              ///< numbers per value: 3, 4 or as many as there are morph targets
-  std::shared_ptr<const std::vector<float>> times_s;  ///< at least one, from 0 on, ascending strictly
+  AnimationInterpolation interpolation = AnimationInterpolation::linear;  ///< between two keys
+  std::size_t width = 0;                              ///< numbers per value: 3, 4 or the number of morph targets
+  std::shared_ptr<const std::vector<float>> times_s;  ///< at least one, the first >= 0, strictly ascending
   std::shared_ptr<const std::vector<float>> values;   ///< one per time; cubic: in-tangent, value and out-tangent
 };
 
-/// Before the first time it is the first value, after the last time the last. Rotations go the shorter way, at a
-/// constant rate if linear, and are of unit length. `value` has sampler.width numbers.
+/// Evaluates a sampler. Before the first time the result is the first value, after the last time the last value.
+/// Rotations take the shorter way, at a constant rate if linear, and have unit length. `value` has sampler.width
+/// numbers.
 void sample_animation(const AnimationSampler& sampler, AnimatedProperty property, double time_s,
                       std::span<double> value);
 
+/// One property of one node, animated by one sampler.
 struct AnimationChannel {
-  std::size_t node = 0;  ///< of PartAnimations::nodes
-  AnimatedProperty property = AnimatedProperty::translation;
-  std::size_t sampler = 0;  ///< of the clip
+  std::size_t node = 0;                                       ///< in PartAnimations::nodes
+  AnimatedProperty property = AnimatedProperty::translation;  ///< what is animated
+  std::size_t sampler = 0;                                    ///< in AnimationClip::samplers
 };
 
+/// One animation of the file.
 struct AnimationClip {
-  std::string name;
-  double duration_s = 0;  ///< the last time of all its channels
-  std::vector<AnimationSampler> samplers;
-  std::vector<AnimationChannel> channels;  ///< no two of the same property of the same node
+  std::string name;                        ///< as in the file
+  double duration_s = 0;                   ///< the last time of all its channels
+  std::vector<AnimationSampler> samplers;  ///< keys
+  std::vector<AnimationChannel> channels;  ///< no two animate the same property of the same node
 };
 
 /// A node of the file's tree that a clip moves, or that moves a joint. Its frame need not be in the graph.
 struct AnimatedNode {
-  int parent = -1;  ///< its number is lower; -1: the part's root, in the file's axes
-  LocalPose rest;   ///< of nodes that a clip moves
-  glm::dmat4 parent_from_node_at_rest{1};
+  int parent = -1;                             ///< a lower number; -1: the part's root, in the file's axes
+  LocalPose rest;                              ///< pose without animation, of nodes that a clip moves
+  glm::dmat4 parent_from_node_at_rest{1};      ///< matrix without animation
   std::vector<double> weights_at_rest;         ///< of the morph targets, if a clip changes them
   std::shared_ptr<const Transform> transform;  ///< in the graph; null if no clip moves it or it is not shown
 };
 
-/// Frames   the joints are nodes; joint_from_mesh takes the mesh as it was bound to the joint's frame.
+/// A skin: the joints that deform a mesh.
 struct AnimatedSkin {
-  std::vector<std::size_t> joints;
-  std::vector<glm::dmat4> joint_from_mesh;
+  std::vector<std::size_t> joints;          ///< in PartAnimations::nodes
+  std::vector<glm::dmat4> joint_from_mesh;  ///< by joint: from the mesh's frame in bind pose to the joint's frame
 };
 
 /// A shape whose mesh a clip deforms.
 struct AnimatedShape {
-  std::shared_ptr<const Shape> shape;
-  std::shared_ptr<const DeformableMesh> mesh;
-  int node = -1;                        ///< whose weights its targets have; -1: it has none that a clip changes
-  int skin = -1;                        ///< -1: none. Skinned shapes stand at the part's root, in the file's axes
-  std::vector<double> weights_at_rest;  ///< one for each target of the mesh, or none for zeros
+  std::shared_ptr<const Shape> shape;          ///< in the graph
+  std::shared_ptr<const DeformableMesh> mesh;  ///< its mesh before deformation
+  int node = -1;  ///< the node that has the weights of its targets; -1: no clip changes weights
+  int skin = -1;  ///< in PartAnimations::skins; -1: none. Skinned shapes are at the part's root, in the file's axes
+  std::vector<double> weights_at_rest;  ///< one for each target of the mesh; empty: zeros
 };
 
-/// Every pose that a clip can bring about is finite in float32: see animation_overflow().
+/// All animations of a part. Every pose that a clip can produce is finite in float32: see animation_overflow().
 struct PartAnimations {
-  std::vector<AnimationClip> clips;
-  std::vector<AnimatedNode> nodes;  ///< parents before children
-  std::vector<AnimatedSkin> skins;
-  std::vector<AnimatedShape> shapes;
+  std::vector<AnimationClip> clips;   ///< in the order of the file
+  std::vector<AnimatedNode> nodes;    ///< parents before children
+  std::vector<AnimatedSkin> skins;    ///< of the shapes
+  std::vector<AnimatedShape> shapes;  ///< shapes with deformed meshes
 };
 
-/// For each node, whether a clip's channel moves it or one of its ancestors.
+/// For each node, whether a channel of the clip moves it or one of its ancestors.
 std::vector<bool> nodes_moved_by(const PartAnimations& animations, const AnimationClip& clip);
 
 }  // namespace simvis

@@ -1,5 +1,6 @@
-// What an element or sensor type can be given: one table per type. The same table checks the XML, gives the defaults,
-// exports the parameters, prints `simvis-run --describe TYPE` and feeds the tests.
+// Attribute tables: the rows that describe what a command may give to an element, sensor or effect type, and the
+// checked values of one command. The same table checks the XML, holds the defaults, exports the parameters, prints
+// `simvis-run --describe TYPE` and drives the tests.
 #pragma once
 
 #include <cstdint>
@@ -13,55 +14,66 @@
 
 namespace simvis {
 
+/// What the value of an attribute is.
 enum class AttributeKind : std::uint8_t {
   number,   ///< a finite double
   integer,  ///< a whole number
   choice,   ///< one of `choices`
-  flags,    ///< several of `choices`, separated by spaces
+  flags,    ///< one or more of `choices`, each at most once, separated by spaces
   vector,   ///< three finite doubles
-  text,     ///< anything
-  part,     ///< the name of a part that stands by now
-  element,  ///< the name of an element that stands by now
+  text,     ///< any text that does not consist of spaces alone
+  part,     ///< the name of a part that an earlier command inserted
+  element,  ///< the name of an element that an earlier command made
   sensor,   ///< the name of a sensor, which may come later in the scene
 };
 
+/// The value of AttributeSpec::min and max that stands for "no limit".
 inline constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 
 /// One row of a type's table.
 struct AttributeSpec {
-  std::string_view name;
-  AttributeKind kind = AttributeKind::number;
-  std::string_view default_value{};        ///< as it would be written; empty: not given means unset
-  std::string_view unit{};                 ///< "m", "deg", "Hz", ""
-  std::string_view text{};                 ///< one sentence for people
-  double min = -kNoLimit, max = kNoLimit;  ///< both allowed, unless `open_min` or `open_max`
-  bool open_min = false, open_max = false;
-  std::string_view choices{};  ///< separated by spaces (choice, flags)
-  bool live = false;           ///< a number that is exported as a parameter and can change while the scene runs
+  std::string_view name;                       ///< the attribute's name in XML
+  AttributeKind kind = AttributeKind::number;  ///< what its value is
+  std::string_view default_value{};            ///< as written in XML; empty: the attribute has no default
+  std::string_view unit{};                     ///< "m", "deg", "Hz"; empty: no unit
+  std::string_view text{};                     ///< one sentence for users
+  double min = -kNoLimit,                      ///< smallest value; allowed itself unless `open_min`
+      max = kNoLimit;                          ///< largest value; allowed itself unless `open_max`
+  bool open_min = false,                       ///< `min` itself is not allowed
+      open_max = false;                        ///< `max` itself is not allowed
+  std::string_view choices{};                  ///< allowed words, separated by spaces (choice, flags)
+  bool live = false;  ///< a number that is exported as a parameter and can change while the scene runs
 };
 
+/// The attributes of one type. The rows live as long as the type.
 using AttributeTable = std::span<const AttributeSpec>;
 
 /// The attributes of one command, checked against its type's table.
 ///
-/// Every getter names a row of the table; to ask for another name or kind is our bug and asserts.
+/// Every getter takes the name of a row. A name that is not in the table, a row of another kind, and (except for
+/// is_set() and where()) a row that is not set are programming errors and assert.
+///
+/// Errors    the constructor throws InputError; the getters throw nothing.
+/// Lifetime  values are copies; returned references live as long as this object. The strings of the table must outlive
+///           it.
+/// Threads   several threads may read at a time.
 class AttributeValues {
  public:
-  /// Besides the table's rows, `common` names are allowed and left alone (type, name, insert_at, ...).
-  /// Throws InputError at the attribute: unknown name (nearest known suggested), not a number, not finite, out of
-  /// range, unknown choice; the message says what was seen and what is allowed.
+  /// Attributes named in `common` (type, name, insert_at, ...) are allowed in addition to the table's rows and are not
+  /// interpreted. Throws InputError at the attribute: unknown name (the nearest known name is suggested), not a number,
+  /// not finite, out of range, unknown choice. The message says what was seen and what is allowed.
   AttributeValues(const Command& command, AttributeTable table, std::span<const std::string_view> common);
 
-  bool is_set(std::string_view name) const;  ///< given, or has a default
-  double number(std::string_view name) const;
-  std::int64_t integer(std::string_view name) const;
-  const std::string& choice(std::string_view name) const;
-  bool flag(std::string_view name, std::string_view choice) const;
-  const double (&vector(std::string_view name) const)[3];
-  /// Of the kinds text, part, element and sensor.
+  bool is_set(std::string_view name) const;                         ///< the attribute was written or has a default
+  double number(std::string_view name) const;                       ///< in the unit of the row
+  std::int64_t integer(std::string_view name) const;                ///< a whole number
+  const std::string& choice(std::string_view name) const;           ///< the chosen word
+  bool flag(std::string_view name, std::string_view choice) const;  ///< whether `choice`, one of the row's, is listed
+  const double (&vector(std::string_view name) const)[3];           ///< three numbers, in the unit of the row
+  /// The value of a row of kind text, part, element or sensor.
   const std::string& text(std::string_view name) const;
 
-  /// The place of the attribute, or of the command where it was not written.
+  /// The place of the attribute, or of the command if the attribute was not written.
   const Location& where(std::string_view name) const;
 
  private:
@@ -70,7 +82,7 @@ class AttributeValues {
     bool set = false;
     double number[3] = {0, 0, 0};
     std::int64_t integer = 0;
-    std::vector<std::string> words;  // of text and names: the whole as one word
+    std::vector<std::string> words;  // text and names are one word, spaces included
     Location where;
   };
   const Value* find(std::string_view name) const;
@@ -80,16 +92,16 @@ class AttributeValues {
   std::vector<Value> values_;
 };
 
-/// Whether values of this kind name something else in the scene: a part, an element or a sensor.
+/// Whether values of this kind name a part, an element or a sensor of the scene.
 constexpr bool is_reference(AttributeKind kind) {
   return kind == AttributeKind::part || kind == AttributeKind::element || kind == AttributeKind::sensor;
 }
 
-/// Checks that `value` is finite and within the row's range; returns what is wrong, or an empty string.
+/// Checks that `value` is finite and within the row's range. Returns what is wrong, or an empty string.
 std::string check_number(const AttributeSpec& spec, double value);
 
-/// What is wrong with a table, or an empty string: two rows of one name, a default that the row itself does not allow,
-/// a live row that is no number or has no default. For the registries, which stop the program on it.
+/// Returns what is wrong with a table, or an empty string: two rows of one name, a default that the row itself does not
+/// allow, a live row that is not a number or has no default. The registries refuse types with such a table.
 std::string check_table(AttributeTable table);
 
 /// The type as `--describe` prints it: its summary, its notes (paragraphs, separated by '\n'), then one aligned row per
@@ -97,19 +109,21 @@ std::string check_table(AttributeTable table);
 std::string describe(std::string_view type, std::string_view summary, AttributeTable table,
                      std::string_view notes = {});
 
-/// The known name most like `seen`, or an empty string when none is near.
+/// The known name that is most similar to `seen`, or an empty string if none is similar.
 std::string nearest_name(std::string_view seen, std::span<const std::string_view> known);
 
-/// ", did you mean \"NAME\"?" or, with none near, an empty string.
+/// ", did you mean \"NAME\"?" with nearest_name(), or an empty string if no name is similar.
 std::string suggestion(std::string_view seen, std::span<const std::string_view> known);
 
-/// Exactly one finite number written in `text` and nothing else but spaces. False otherwise.
+/// Reads exactly one finite number; only white space may surround it. Returns false for any other text; `value` is then
+/// unspecified.
 bool parse_number(std::string_view text, double& value);
 
-/// Exactly values.size() finite numbers separated by spaces. False otherwise.
+/// Reads exactly values.size() finite numbers, separated by white space. Returns false for any other text; `values` are
+/// then unspecified.
 bool parse_numbers(std::string_view text, std::span<double> values);
 
-/// The shortest text that reads back to the same double.
+/// The shortest text that reads back to the same double. Whole numbers below 10^9 have no exponent.
 std::string format_number(double value);
 
 }  // namespace simvis

@@ -1,11 +1,12 @@
-// Effects on what a camera's image shows.
+// Effects on the image of a camera.
 //
-// An image goes through stages, and an effect takes part in any of them:
+// An image passes through two stages, and an effect may take part in both:
 //
-//   lay_out  once, before anything is rendered: where each pixel looks, and when each row does
-//   develop  of each image: what becomes of its colour, linear and after it was rendered
+//   configure_rays  once, before anything is rendered: the viewing ray of each pixel and the time of each row
+//   post_process    for each image: changes its linear colour after rendering
 //
-// Without an effect that lays out, the image is one pinhole view. Otherwise see sensors/camera_views.h.
+// Without an effect that implements configure_rays(), the image is one pinhole view. Otherwise see
+// sensors/camera/camera_views.h.
 #pragma once
 
 #include <cstdint>
@@ -25,51 +26,67 @@
 
 namespace simvis {
 
+/// One effect of one camera. It holds the effect's settings and no state of the frame.
+///
+/// Threads  calls for one camera come from one thread at a time. Cameras of several simulations may be used in several
+///          threads at once.
 class CameraEffect {
  public:
   virtual ~CameraEffect() = default;
 
+  /// Changes the layout that the camera and the effects before it have made.
   virtual void configure_rays(CameraLayout&) const {}
 
-  /// `color` as Image says; alpha stays 1.
+  /// Changes `color`, whose shape and units are those of Image. Alpha stays 1.
   virtual void post_process(const FrameTime&, const CameraLayout&, Image& /*color*/) const {}
 };
 
-/// In which order effects are called at each stage: as light passes them. Those of one place by their names.
-enum class CameraOrder : std::uint8_t { lens, shutter, aperture, exposure, electronics };
+/// The order in which effects are called at each stage: the order in which light and signal pass through a camera.
+/// Effects with the same value are called in the order of their names.
+enum class CameraOrder : std::uint8_t {
+  lens,        ///< where pixels look: distortion
+  shutter,     ///< when rows look: rolling shutter
+  aperture,    ///< how much light passes: vignetting
+  exposure,    ///< how much light is collected
+  electronics  ///< how the signal is read: noise
+};
 
-/// What an effect is made of.
+/// What an effect's `create` function gets. It is valid during that call only.
 struct CameraEffectContext {
-  const AttributeValues& attributes;
-  std::uint64_t seed = 0;
-  std::string camera;        ///< the sensor's name; of a pair, with its side
-  std::uint8_t outputs = 0;  ///< of EffectOutput, that the camera has
+  const AttributeValues& attributes;  ///< of the sensor's command
+  std::uint64_t seed = 0;             ///< of all random numbers of the run
+  std::string camera;                 ///< the sensor's name; for one camera of a stereo pair, with its side
+  std::uint8_t outputs = 0;           ///< the outputs that the camera has, as a sum of EffectOutput
 
-  /// The numbers of one effect of this camera, unrelated to those of its others.
+  /// The random numbers of one effect of this camera. They are independent of those of its other effects.
   SensorRandom random(std::string_view effect) const { return {seed, camera + '/' + std::string(effect)}; }
 };
 
+/// The description of a camera effect for the catalogue.
 struct CameraEffectType {
-  EffectType type;  ///< its `sensors` are of "camera" and "stereo_camera"; the latter's are never laid out
-  CameraOrder order = CameraOrder::electronics;
-  /// Null where the sensor's attributes do not call for it. Throws InputError, with the place, where they contradict
-  /// each other.
+  /// Its `sensors` are of "camera" and "stereo_camera". configure_rays() is not called for a stereo camera.
+  EffectType type;
+  CameraOrder order = CameraOrder::electronics;  ///< when it is called
+  /// Returns null if the sensor's attributes do not request the effect. Throws InputError, with the place, if they
+  /// contradict each other.
   std::unique_ptr<CameraEffect> (*create)(const CameraEffectContext& context);
 };
 
-/// As EffectRegistration.
+/// Adds a camera effect to the catalogue, under the rules of EffectRegistration.
 struct CameraEffectRegistration {
+  /// `built_for` is the version of the headers that the caller is compiled with.
   explicit CameraEffectRegistration(const CameraEffectType& type, std::string_view built_for = kHeaderVersion);
 };
 
 /// An effect that a camera has.
 struct ChosenCameraEffect {
-  const EffectType* type = nullptr;
-  std::shared_ptr<const CameraEffect> effect;
+  const EffectType* type = nullptr;            ///< valid as long as the catalogue has the type
+  std::shared_ptr<const CameraEffect> effect;  ///< never null in the result of camera_effects()
 };
 
-/// What the attributes of a sensor of this type call for and its outputs can show, in the order in which they are
-/// called.
+/// The effects that the attributes of a sensor of this type request and that its outputs can show, in calling order.
+///
+/// Errors   InputError, with the place, if attributes of an effect contradict each other.
 std::vector<ChosenCameraEffect> camera_effects(std::string_view sensor_type, const CameraEffectContext& context);
 
 }  // namespace simvis

@@ -1,4 +1,4 @@
-// Where and when the pixels of a camera's image look.
+// The layout of a camera's image: the viewing ray of each pixel and the time of each row.
 #pragma once
 
 #include <cstdint>
@@ -11,22 +11,26 @@
 
 namespace simvis {
 
-/// Where and when the pixels of an image look.
+/// The viewing ray of each pixel of an image and the time of each row.
 ///
-/// Frames   V = view frame: x right, y down, z forward, of the camera at the row's time.
+/// Frames   V = view frame of the camera at the row's time: x right, y down, z forward.
+/// Units    pixels, seconds.
 struct CameraLayout {
-  std::uint32_t width_px = 0, height_px = 0;
-  Pinhole pinhole;                                             ///< fx, fy, cx, cy, also those of a distorted image
-  std::string_view distortion_model = "plumb_bob";             ///< as ROS names it
-  std::vector<double> distortion_coefficients{0, 0, 0, 0, 0};  ///< in ROS's order
-  /// [y * width + x], V, unit length, through the pixel's centre; zero: the pixel sees nothing. Empty: the pinhole's.
+  std::uint32_t width_px = 0,                                  ///< of the image
+      height_px = 0;                                           ///< of the image
+  Pinhole pinhole;                                             ///< fx, fy, cx, cy; given for a distorted image too
+  std::string_view distortion_model = "plumb_bob";             ///< ROS name of the distortion model
+  std::vector<double> distortion_coefficients{0, 0, 0, 0, 0};  ///< in the order of ROS
+  /// [y * width_px + x], V, unit length, through the pixel's centre; zero: the pixel sees nothing. Empty: the rays of
+  /// the pinhole.
   std::vector<glm::dvec3> rays{};
-  double oversampling = 1;          ///< with rays: pixels rendered per pixel of the image, in its middle
-  Location oversampling_at{};       ///< where that was written, for messages
-  double row_time_s = 0;            ///< from one row to the next; the last one is taken at the frame's time
-  std::uint32_t rows_per_pose = 1;  ///< with a row time: rows that share a pose, that of their middle
+  double oversampling = 1;          ///< with `rays`: rendered pixels per pixel of the image, at its centre
+  Location oversampling_at{};       ///< where the oversampling was written, for messages
+  double row_time_s = 0;            ///< time from one row to the next; the last row is taken at the frame's time
+  std::uint32_t rows_per_pose = 1;  ///< with a row time: rows that share one pose, that of their middle
 
-  /// Cosine of the angle between the optical axis and what a pixel looks at.
+  /// Cosine of the angle between the optical axis and the viewing ray of a pixel. `x` and `y` are within the image. A
+  /// pixel that sees nothing gives 0.
   double axis_cosine(std::uint32_t x, std::uint32_t y) const;
 };
 

@@ -1,4 +1,4 @@
-// The three commands of the scene language, read from XML: part, element, sensor.
+// The three commands of the scene language (part, element, sensor), read from XML.
 #pragma once
 
 #include <cstdint>
@@ -11,43 +11,56 @@
 
 namespace simvis {
 
-enum class CommandKind : std::uint8_t { part, element, sensor };
-
-struct CommandAttribute {
-  std::string name, value;
-  Location where;  ///< of the attribute's name
+/// The tag of a command.
+enum class CommandKind : std::uint8_t {
+  part,     ///< inserts the content of a file
+  element,  ///< makes an object that changes the scene
+  sensor    ///< makes a sensor
 };
 
-/// One command as written: nothing is interpreted yet but the kind.
+/// One attribute as written.
+struct CommandAttribute {
+  std::string name,  ///< as in XML
+      value;         ///< as in XML, entities resolved
+  Location where;    ///< of the attribute's name
+};
+
+/// One command as written. Only its kind is interpreted.
 struct Command {
-  CommandKind kind = CommandKind::part;
-  std::vector<CommandAttribute> attributes;  ///< in the order written, names unique
+  CommandKind kind = CommandKind::part;      ///< the tag
+  std::vector<CommandAttribute> attributes;  ///< in the order written; names are unique
   Location where;                            ///< of the tag's name
   std::filesystem::path folder;              ///< relative file names in the command start here
 
+  /// The attribute of this name, or null. The pointer is valid until `attributes` changes.
   const CommandAttribute* find(std::string_view name) const;
-  /// Throws InputError at the command when the attribute was not written.
+  /// The attribute of this name, which is valid until `attributes` changes. Throws InputError at the command if the
+  /// attribute was not written.
   const CommandAttribute& require(std::string_view name) const;
 };
 
-/// "part", "element", "sensor"
+/// "part", "element" or "sensor". The text is static.
 std::string_view to_string(CommandKind kind);
 
-/// The command as it could stand in a scene file: what the change log keeps.
+/// The command in the form of a scene file. The change log keeps this text.
 std::string to_string(const Command& command);
 
 /// Reads commands, with or without one enclosing root element. Comments, declarations and processing instructions are
-/// passed over. No command at all is an empty scene.
+/// skipped. A text without commands is an empty scene.
 ///
-/// Names    a name is not empty, not all spaces, and has no control characters. Names of elements and sensors have no
-///          '.' either, which would clash with ELEMENT.PARAM, and no '/', which would clash with folders of results.
-/// Root     any name but a command's; it has no attributes.
-/// Errors   `file` names the text in messages. Throws InputError with the place: not UTF-8 text, malformed XML, an
-///          unknown command (the nearest known one suggested), an attribute given twice, a name that breaks the rule,
-///          text between commands, children of a command.
+/// Names    a name is not empty, does not consist of spaces alone, and has no control characters. Names of elements and
+///          sensors have no '.', which is the separator of ELEMENT.PARAM, and no '/', which is the separator of result
+///          folders.
+/// Root     any name except a command's; it has no attributes.
+/// Errors   InputError with the place; `file` names the text in messages: not UTF-8, malformed XML, an unknown command
+///          (the nearest known one is suggested), an attribute given twice, a name that breaks the rule, text between
+///          commands, children of a command.
+/// Threads  any number at a time.
 std::vector<Command> parse_commands(std::string_view xml, const std::string& file, const std::filesystem::path& folder);
 
-/// Reads a scene file. Throws InputError if it cannot be read.
+/// Reads a scene file. Relative file names in it start at its folder.
+///
+/// Errors   those of parse_commands(), and InputError if the file cannot be read.
 std::vector<Command> read_commands(const std::filesystem::path& file);
 
 }  // namespace simvis

@@ -1,4 +1,4 @@
-// Identical content is held once: two meshes, textures or materials that are equal become one object.
+// A pool that holds identical content once: equal meshes, textures or materials become one shared object.
 #pragma once
 
 #include <cstdint>
@@ -9,12 +9,16 @@
 
 namespace simvis {
 
-/// Finds what is equal by hash and then by value, names aside. What nobody holds any more is forgotten.
+/// Finds equal content by hash and then by value. Names are not compared.
+///
+/// Lifetime  the pool holds weak references: content that has no other owner is released.
+/// Threads   one thread at a time.
 class ContentPool {
  public:
-  std::shared_ptr<const Mesh> intern(Mesh&& mesh);
-  std::shared_ptr<const Texture> intern(Texture&& texture);
-  /// The material's texture should come from this pool: textures are compared by identity.
+  std::shared_ptr<const Mesh> intern(Mesh&& mesh);           ///< the pooled mesh that equals `mesh`; never null
+  std::shared_ptr<const Texture> intern(Texture&& texture);  ///< the pooled texture that equals `texture`; never null
+  /// The pooled material that equals `material`; never null. Its textures should come from this pool, because textures
+  /// of materials are compared by identity.
   std::shared_ptr<const Material> intern(Material&& material);
 
  private:

@@ -1,4 +1,4 @@
-// Choosing and owning a Vulkan device.
+// Selection and ownership of a Vulkan device.
 #pragma once
 
 #include <cstdint>
@@ -12,9 +12,9 @@
 
 namespace simvis {
 
-/// What is known of a Vulkan device before one is chosen.
+/// A Vulkan device of this machine, as known before one is selected.
 struct DeviceInfo {
-  std::string name;         ///< as the driver calls it
+  std::string name;         ///< the driver's name for the device
   std::string type;         ///< "discrete GPU", "integrated GPU", "virtual GPU", "CPU" or "other"
   std::string driver;       ///< driver name and version text
   std::string api_version;  ///< "1.3.230"
@@ -22,43 +22,49 @@ struct DeviceInfo {
 };
 
 /// All Vulkan devices of this machine, in the driver's order.
-/// Throws MachineError when there is no Vulkan loader or driver; the message says what to install.
+///
+/// Errors   MachineError if there is no Vulkan loader or driver; the message says what to install.
 std::vector<DeviceInfo> list_devices();
 
+/// How a device is selected and used.
 struct DeviceDesc {
-  std::string select;       ///< part of a name (any case) or an index of list_devices(); empty: the best one
+  std::string select;       ///< part of a name (any case) or an index of list_devices(); empty: the best device
                             ///< (discrete before integrated before virtual before CPU)
-  bool validation = false;  ///< turn the Khronos validation layer on; its errors and warnings are then counted
-  std::string cache_dir;    ///< where caches lie; empty: $XDG_CACHE_HOME/simvis or ~/.cache/simvis
-  /// Time and count what the device does, see FrameCosts. No result depends on it; without it nothing is asked of the
-  /// device for this.
+  bool validation = false;  ///< enables the Khronos validation layer and counts its errors and warnings
+  std::string cache_dir;    ///< folder of caches; empty: $XDG_CACHE_HOME/simvis or ~/.cache/simvis
+  /// Measures times and counts on the device, see FrameCosts. No result depends on it. Without it no query is recorded.
   bool instrumented = false;
-  ProgressCallback progress{};  ///< hears of meshes that are made ready to be drawn
+  ProgressCallback progress{};  ///< called while meshes are prepared for drawing
 };
 
-/// A logical device with one queue. Environment: SIMVIS_VALIDATION=1 turns validation on as well, and every message
-/// of the layer is printed to stderr and counted.
-/// Throws MachineError with the reason per device when none fits, InputError when `select` matches none.
+/// A logical Vulkan device with one queue.
+///
+/// Environment  SIMVIS_VALIDATION=1 enables the validation layer too; each of its messages is printed to stderr and
+///              counted.
+/// Errors       the constructor throws MachineError with the reason per device if none fits, and InputError if
+///              `select` matches no device.
+/// Lifetime     renderers and ray casters that use the device must be destroyed before it.
+/// Threads      one thread at a time. Several devices may be used in several threads.
 class Device {
  public:
-  /// `threads` as SimulationDesc::threads.
+  /// Selects and opens a device. `threads` as SimulationDesc::threads.
   explicit Device(const DeviceDesc& desc = {}, unsigned threads = 0);
-  ~Device();
+  ~Device();  ///< waits for the device and saves the pipeline cache
   Device(const Device&) = delete;
   Device& operator=(const Device&) = delete;
 
-  const DeviceInfo& info() const;
-  bool is_cpu() const;  ///< rasterises on the host's own cores
-  const TargetLimits& target_limits() const;
+  const DeviceInfo& info() const;             ///< valid as long as the device
+  bool is_cpu() const;                        ///< the device is a rasteriser on the host's cores
+  const TargetLimits& target_limits() const;  ///< valid as long as the device
 
-  /// Of the device's memory, what all buffers and images of SimVis take at present.
+  /// Bytes of device memory that all buffers and images of SimVis take at present.
   std::uint64_t memory_bytes() const;
 
-  /// Errors and warnings of the validation layer since the device was made (0 when the layer is off).
+  /// Errors and warnings of the validation layer since the device was made (0 if the layer is off).
   std::uint64_t validation_messages() const;
 
   struct Impl;
-  Impl& impl() { return *impl_; }
+  Impl& impl() { return *impl_; }  ///< for the library itself
 
  private:
   std::unique_ptr<Impl> impl_;

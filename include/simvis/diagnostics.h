@@ -1,4 +1,4 @@
-// How a simulation's last step was planned, drawn and paid for.
+// Instrumentation of a simulation: how its last step was planned and drawn, and what it cost.
 #pragma once
 
 #include <cstdint>
@@ -21,34 +21,39 @@ struct SimulationImpl;
 
 /// A view of a simulation for tests, benchmarks and reports. No measurement depends on it.
 ///
-/// Lifetime   valid as long as the simulation that gave it; what its functions return is valid until the next step.
-/// Errors     InputError while a frame is under way (see Simulation::step_async()), except from device() and stages().
-/// Threading  as the simulation.
+/// Lifetime   valid as long as the simulation that gave it; references that its functions return are
+///            valid until the next step or Simulation::execute().
+/// Errors     InputError while a frame is under way (see Simulation::step_async()), except from command(), device() and
+///            validation_messages().
+/// Threads    as the simulation: one thread at a time.
 class Diagnostics {
  public:
+  /// Made by Simulation::diagnostics().
   explicit Diagnostics(SimulationImpl& simulation) : impl_(&simulation) {}
 
-  /// The command that made a sensor, as it was executed: with overrides, its preset written out, and with its names and
-  /// insertion point as the part that carries it has given them. Throws InputError when there is no such sensor.
+  /// The command that made a sensor, as executed: with overrides applied, its preset expanded, and with the names and
+  /// the insertion point that the part which carries it has given them. Throws InputError if there is no such sensor.
   const Command& command(std::string_view sensor) const;
 
-  const DeviceInfo& device() const;
+  const DeviceInfo& device() const;       ///< the device that renders
   const FrameCounters& counters() const;  ///< of the last step()
-  RayCounters ray_counters() const;       ///< of all steps
-  const DrawList& draw_list() const;      ///< of the last step()
-  const FramePlan& frame_plan() const;    ///< of the last step(), complete: see engine/frame_plan.h
-  /// Of the last step(); null unless SimulationDesc::device is instrumented.
+  RayCounters ray_counters() const;       ///< sum over all steps
+  const DrawList& draw_list() const;      ///< of the last step(); before the first: of the loaded scene
+  const FramePlan& frame_plan() const;    ///< of the last step(), complete: see <simvis/frame_plan.h>
+  /// Device times and counts of the last step(). Null unless SimulationDesc::device is instrumented.
   const FrameCosts* frame_costs() const;
-  /// The same of what visualization cameras saw. Null while the scene has none.
+  /// The plan of the views of visualization cameras. Null while the scene has none.
   const FramePlan* visualization_plan() const;
-  const FrameCounters* visualization_counters() const;
-  const FrameCosts* visualization_costs() const;
-  /// Of the sensors that measured in the last step(), in this order; empty unless the device is instrumented.
+  const FrameCounters* visualization_counters() const;  ///< of these views; null while the scene has no such camera
+  const FrameCosts* visualization_costs() const;        ///< of these views; null also unless instrumented
+  /// Host costs of the sensors that measured in the last step(), in the order in which they measured. Empty unless the
+  /// device is instrumented.
   std::span<const SensorCost> sensor_costs() const;
-  /// All that SimVis holds of the device's memory: what the plans name, and nothing else.
+  /// All device memory that SimVis holds, in bytes: exactly what the plans name.
   std::uint64_t device_memory_bytes() const;
   /// The stages of the last step(), in order. Empty before the first.
   std::span<const StageTime> stages() const;
+  /// Errors and warnings of the validation layer since the simulation was loaded (0 if the layer is off).
   std::uint64_t validation_messages() const;
 
  private:

@@ -1,5 +1,5 @@
-// One flattened frame of the world: what there is to draw, as plain data. Built by the scene graph, read by the
-// renderer and the ray casters. It can be built, printed and compared without a GPU.
+// The draw list: one flattened frame of the world as plain data. The scene graph builds it; the renderer and the ray
+// casters read it. It can be built, printed and compared without a GPU.
 #pragma once
 
 #include <cstdint>
@@ -13,89 +13,104 @@
 
 namespace simvis {
 
-enum class LightKind : std::uint8_t { directional, point, spot };
+/// The shape of a light's emission.
+enum class LightKind : std::uint8_t {
+  directional,  ///< parallel light from infinity
+  point,        ///< the same intensity in all directions
+  spot          ///< a cone around `direction`
+};
 
 /// A light, in the units of KHR_lights_punctual. It sits at the origin of its frame and shines along `direction`.
 struct Light {
-  LightKind kind = LightKind::directional;
-  glm::vec3 color{1, 1, 1};       ///< linear RGB
-  double intensity = 1;           ///< directional: lux; point and spot: candela
-  double range_m = 0;             ///< beyond it the light is off; 0 = no limit
-  double inner_cone_rad = 0;      ///< spot: full intensity within this angle from the axis
-  double outer_cone_rad = 0.785;  ///< spot: none beyond it
+  LightKind kind = LightKind::directional;  ///< shape of the emission
+  glm::vec3 color{1, 1, 1};                 ///< linear RGB
+  double intensity = 1;                     ///< directional: lux; point and spot: candela
+  double range_m = 0;                       ///< the light is off beyond this distance; 0: no limit
+  double inner_cone_rad = 0;                ///< spot: full intensity up to this angle from the axis
+  double outer_cone_rad = 0.785;            ///< spot: no light beyond this angle from the axis
   glm::dvec3 direction{1, 0, 0};  ///< the way the light travels (directional, spot), unit length, in the light's frame
-  std::uint32_t shadow_px = 0;    ///< texels along a side of its shadow map; 0: what stands in its way casts no shadow
+  std::uint32_t shadow_px = 0;    ///< texels along a side of its shadow map; 0: the light casts no shadows
 
-  bool operator==(const Light&) const = default;
+  bool operator==(const Light&) const = default;  ///< member by member
 };
 
 /// A mesh with a material at a place. The numbers index the tables of the DrawList.
 struct DrawItem {
-  std::uint32_t mesh = 0;
-  std::uint32_t material = 0;
-  std::uint32_t transform = 0;
+  std::uint32_t mesh = 0;       ///< in DrawList::meshes
+  std::uint32_t material = 0;   ///< in DrawList::materials
+  std::uint32_t transform = 0;  ///< in DrawList::world_from_node
 
-  bool operator==(const DrawItem&) const = default;
+  bool operator==(const DrawItem&) const = default;  ///< member by member
 };
 
+/// A light at a place.
 struct LightItem {
-  Light light;
-  std::uint32_t transform = 0;
+  Light light;                  ///< in its own frame
+  std::uint32_t transform = 0;  ///< in DrawList::world_from_node
 
-  bool operator==(const LightItem&) const = default;
+  bool operator==(const LightItem&) const = default;  ///< member by member
 };
 
-/// What surrounds the scene.
+/// The surroundings of the scene.
 struct Environment {
-  glm::vec3 ambient{0.3f};                    ///< linear RGB radiance from all around
-  glm::vec3 background{0.55f, 0.68f, 0.85f};  ///< linear RGB seen where nothing is hit
+  glm::vec3 ambient{0.3f};                    ///< linear RGB radiance, the same from all directions
+  glm::vec3 background{0.55f, 0.68f, 0.85f};  ///< linear RGB of pixels where nothing is hit
 
-  bool operator==(const Environment&) const = default;
+  bool operator==(const Environment&) const = default;  ///< member by member
 };
 
-/// What fills the air everywhere: haze, fog, rain, dust. Clear air has none of it.
+/// The medium that fills the air everywhere: haze, fog, rain, dust. All zeros are clear air.
 struct Medium {
-  double extinction_per_m = 0;        ///< of visible light: transmittance exp(-extinction distance), Beer and Lambert
-  glm::vec3 airlight{0.7f};           ///< linear RGB radiance that it scatters towards a camera, seen at infinity
-  double laser_extinction_per_m = 0;  ///< the same for lasers, in the near infrared
-  double backscatter_per_m_sr = 0;    ///< of a laser: share that it sends back per metre of way and steradian
-  double particles_per_m3 = 0;        ///< drops, large enough for an echo each
-  double particle_diameter_m = 0;     ///< their mean; diameters are distributed exponentially
+  /// Extinction of visible light: the transmittance is exp(-extinction distance), Beer and Lambert.
+  double extinction_per_m = 0;
+  glm::vec3 airlight{0.7f};           ///< linear RGB radiance that it scatters towards a camera, at infinite distance
+  double laser_extinction_per_m = 0;  ///< extinction of laser light, in the near infrared
+  double backscatter_per_m_sr = 0;    ///< share of laser light scattered back per metre of path and steradian
+  double particles_per_m3 = 0;        ///< drops, each large enough for an echo of its own
+  double particle_diameter_m = 0;     ///< mean diameter of the drops; diameters are distributed exponentially
 
-  bool operator==(const Medium&) const = default;
+  bool operator==(const Medium&) const = default;  ///< member by member
 };
 
-/// A frame, flattened.
+/// A flattened frame.
 ///
-/// Frames   `world_from_node[t]` takes a mesh's or light's own coordinates to the world; entry 0 is the identity.
-/// Order    items stand in the order of traversal.
-/// Revisions  each grows whenever the tables that it names changed, so a reader does only the work that changed:
-///          `structure`: items, meshes, lights' number, the identity of materials; `materials`: a material's content
-///          (`material_revision[m]` says which); `transforms`: any entry of `world_from_node`; `lights`.
+/// Frames     `world_from_node[t]` transforms coordinates of a mesh or a light to the world; entry 0 is the identity.
+/// Order      items are in the order of traversal.
+/// Revisions  each number grows whenever the tables that it covers change, so that a reader updates only these:
+///            `structure`: items, meshes, the number of lights, the identity of materials; `materials`: the content of
+///            a material (`material_revision[m]` says which one); `transforms`: any entry of `world_from_node`;
+///            `lights`.
+/// Lifetime   meshes and materials are shared with the scene graph and never change.
 struct DrawList {
-  std::vector<DrawItem> items;
-  std::vector<LightItem> lights;
-  std::vector<glm::dmat4> world_from_node;
-  std::vector<std::shared_ptr<const Mesh>> meshes;
-  std::vector<std::shared_ptr<const Material>> materials;
-  std::vector<std::uint64_t> material_revision;  ///< as long as `materials`
-  Environment environment;
-  Medium medium;
+  std::vector<DrawItem> items;                             ///< what is drawn
+  std::vector<LightItem> lights;                           ///< of the whole scene
+  std::vector<glm::dmat4> world_from_node;                 ///< transforms; entry 0 is the identity
+  std::vector<std::shared_ptr<const Mesh>> meshes;         ///< indexed by DrawItem::mesh
+  std::vector<std::shared_ptr<const Material>> materials;  ///< indexed by DrawItem::material
+  std::vector<std::uint64_t> material_revision;            ///< as long as `materials`
+  Environment environment;                                 ///< surroundings
+  Medium medium;                                           ///< air
 
+  /// Change counters of the tables.
   struct Revisions {
-    std::uint64_t structure = 0, transforms = 0, materials = 0, lights = 0;
-    bool operator==(const Revisions&) const = default;
-  } revisions;
+    std::uint64_t structure = 0,                        ///< items, meshes, number of lights, identity of materials
+        transforms = 0,                                 ///< entries of `world_from_node`
+        materials = 0,                                  ///< content of materials
+        lights = 0;                                     ///< content of lights
+    bool operator==(const Revisions&) const = default;  ///< member by member
+  } revisions;                                          ///< change counters of the tables
 
-  DrawListDelta changes;  ///< of items, meshes, which materials there are, and transforms
+  DrawListDelta changes;  ///< change log of items, meshes, the set of materials, and transforms
 };
 
-/// Same content: items, lights, transforms to the bit, meshes and materials by value. Revisions do not count.
+/// Whether the content is the same: items, lights, transforms bit by bit, meshes and materials by value. Revisions are
+/// not compared.
 bool same_content(const DrawList& a, const DrawList& b);
 
-/// A 64-bit FNV-1a hash of the same content.
+/// A 64-bit FNV-1a hash of the content that same_content() compares.
 std::uint64_t content_hash(const DrawList& list);
 
+/// Prints the list as text, for tests and debugging.
 std::ostream& operator<<(std::ostream& out, const DrawList& list);
 
 }  // namespace simvis

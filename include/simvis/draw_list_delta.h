@@ -1,4 +1,4 @@
-// What has changed in a draw list, as its writer tells, so that readers look at that and at nothing else.
+// The change log of a draw list. With it a reader updates only what the producer of the list has changed.
 #pragma once
 
 #include <cstdint>
@@ -15,36 +15,45 @@ struct DrawList;
 
 /// Entries [first, end) of DrawList::world_from_node.
 struct TransformRange {
-  std::uint32_t first = 0, end = 0;
+  std::uint32_t first = 0,  ///< first entry
+      end = 0;              ///< one past the last entry
 };
 
-/// Where a reader of a list has come to. The default is nowhere.
+/// The state of a list that a reader has seen. The default value stands for "nothing seen".
 struct ListVersion {
-  std::uint64_t structure = 0;  ///< of all lists in this process no two have the same; 0: nobody keeps account
-  std::uint64_t moves = 0;      ///< ranges that have moved since
+  /// Unique among all lists of this process; 0: the list has no change log.
+  std::uint64_t structure = 0;
+  std::uint64_t moves = 0;  ///< changes of transforms since the structure changed
 
-  bool operator==(const ListVersion&) const = default;
+  bool operator==(const ListVersion&) const = default;  ///< member by member
 };
 
-/// Whoever writes a list and tells here what it writes must do so each time. A list of which nobody tells, as one that
-/// is put together by hand, is compared by its readers. So is a copy: who has it may write without telling.
+/// Change log of a DrawList. A producer reports every change or none. A list without a log, such as one that is
+/// assembled by hand, is compared entry by entry by its readers. A copy starts without a log, because its owner may
+/// change it without reporting.
+///
+/// Lifetime  spans are valid until the next change is reported.
+/// Threads   one thread at a time.
 class DrawListDelta {
  public:
-  DrawListDelta() = default;
+  DrawListDelta() = default;  ///< without a log
+  /// The copy has no log.
   DrawListDelta(const DrawListDelta&) {}
+  /// The target has no log afterwards.
   DrawListDelta& operator=(const DrawListDelta&);
 
-  /// Items, meshes, or which materials there are.
+  /// Reports a change of items, of meshes, or of the set of materials. Starts the log.
   void mark_structure_dirty();
-  /// After the first restructured(): entries of world_from_node, and nothing else.
+  /// Reports that these entries of world_from_node changed, and nothing else. Requires an earlier call of
+  /// mark_structure_dirty() (asserted).
   void mark_transforms_dirty(TransformRange entries);
 
-  bool kept() const { return now_.structure != 0; }
-  ListVersion version() const { return now_; }
+  bool kept() const { return now_.structure != 0; }  ///< whether there is a log
+  ListVersion version() const { return now_; }       ///< the present state
 
-  /// Whether items, meshes and the materials' number and order are certainly those that this reader has seen.
+  /// Whether items, meshes and the number and order of materials are certainly those that this reader has seen.
   bool same_structure(const ListVersion& seen) const { return kept() && seen.structure == now_.structure; }
-  /// What has been written since, oldest first; none where that is not known, so that anything may have been.
+  /// The transforms that have changed since `seen`, oldest first. Empty optional: unknown, anything may have changed.
   std::optional<std::span<const TransformRange>> moved_since(const ListVersion& seen) const;
 
  private:
@@ -52,17 +61,20 @@ class DrawListDelta {
 
   ListVersion now_;
   std::vector<TransformRange> log_;           // the latest moves
-  mutable std::shared_ptr<ItemIndex> index_;  // once somebody has asked
+  mutable std::shared_ptr<ItemIndex> index_;  // made by the first call of index_of()
 };
 
-/// Numbers of things by the transform at which they stand.
+/// An index from transforms to the objects (items or lights) that stand at them.
+///
+/// Lifetime  returned spans are valid as long as the index.
+/// Threads   several threads may read at a time.
 class StandingAt {
  public:
-  StandingAt() = default;
-  /// Thing i stands at transform_of[i], below `transforms`.
+  StandingAt() = default;  ///< may only be assigned to
+  /// Object i stands at transform_of[i], which is below `transforms`.
   StandingAt(std::span<const std::uint32_t> transform_of, std::size_t transforms);
 
-  /// At transforms that did not count when this was made nothing stands.
+  /// The numbers of the objects at these transforms. Entries at or above `transforms` of the constructor have none.
   std::span<const std::uint32_t> operator[](TransformRange entries) const;
 
  private:

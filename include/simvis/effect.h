@@ -1,13 +1,13 @@
-// The catalogue of effects: what sensors show besides ideal measurements of ideal surfaces.
+// The catalogue of effects: deviations of sensors from ideal measurements of ideal surfaces.
 //
-// An effect is called for when the scene contains its source and a due sensor's output can show it. Nothing of an
-// effect that is not called for is planned, drawn, allocated, uploaded, compiled or computed.
+// An effect is active when the scene contains its source and an output of a due sensor can show it. An effect that is
+// not active costs nothing: for it nothing is planned, drawn, allocated, uploaded, compiled or computed.
 //
-// To add one: a pair of files here (and its shader part, if it has one) with one static registration: of a
-// ScanEffectType (scan_effect.h), of a CameraEffectType (camera_effect.h), or, where the source is in the scene and the
-// renderer does the work, of a plain EffectType. Everything that has to know of all effects loops over the catalogue:
-// the check of the XML, --describe, the frame plan, the tests and bench/effects. The latter two need an example of
-// each, which stands in scenes/showcase/effect_examples.h.
+// To add an effect, add a pair of files (and its shader part, if it has one) with one static registration: of a
+// ScanEffectType (scan_effect.h), of a CameraEffectType (camera_effect.h), or of a plain EffectType if the source is in
+// the scene and the renderer does the work. All code that handles every effect loops over the catalogue: the check of
+// the XML, --describe, the frame plan, the tests and bench/effects. The tests and bench/effects need an example of each
+// effect in scenes/showcase/effect_examples.h.
 #pragma once
 
 #include <cstdint>
@@ -23,64 +23,76 @@
 
 namespace simvis {
 
-/// What a sensor puts out. An effect says which of them can show it, as a sum of these.
-enum EffectOutput : std::uint8_t { kShownInColor = 1, kShownInDepth = 2, kShownInRanges = 4 };
+/// The outputs of sensors. An effect states which of them can show it, as a sum of these values.
+enum EffectOutput : std::uint8_t {
+  kShownInColor = 1,  ///< colour images
+  kShownInDepth = 2,  ///< depth images
+  kShownInRanges = 4  ///< ranges of laser scanners
+};
 
+/// The description of an effect for the catalogue.
 struct EffectType {
-  std::string_view name;       ///< "range_noise"
-  std::string_view summary;    ///< one sentence
-  std::string_view notes{};    ///< what the table does not say: paragraphs, separated by '\n'; may be empty
-  std::string_view source;     ///< what in a scene calls for it: "attribute range_noise above 0"
-  std::uint8_t outputs = 0;    ///< of EffectOutput
-  std::string_view knob{};     ///< the attribute that buys accuracy with time; empty: it is exact
-  std::string_view reference;  ///< what its tests compare it with: formula, publication, data sheet
-  std::string_view sensors{};  ///< types, separated by spaces, whose commands may carry `attributes`
-  AttributeTable attributes{};
-  /// Of an effect of colour whose source is in the scene alone: whether it is there. Null where a sensor says so, or
-  /// where who plans it says so.
+  std::string_view name;        ///< "range_noise"
+  std::string_view summary;     ///< one sentence
+  std::string_view notes{};     ///< what the table does not say: paragraphs, separated by '\n'; may be empty
+  std::string_view source;      ///< what in a scene makes it active: "attribute range_noise above 0"
+  std::uint8_t outputs = 0;     ///< the outputs that can show it, as a sum of EffectOutput
+  std::string_view knob{};      ///< the attribute that trades time for accuracy; empty: the effect is exact
+  std::string_view reference;   ///< what its tests compare it with: formula, publication, data sheet
+  std::string_view sensors{};   ///< sensor types, separated by spaces, whose commands may carry `attributes`
+  AttributeTable attributes{};  ///< its rows in these sensors' tables
+  /// For an effect on colour whose source is in the scene alone: whether the source is there. Null if a sensor's
+  /// attributes decide, or if the code that plans the effect decides.
   bool (*in_scene)(const DrawList& list) = nullptr;
   /// Adds to the plan of a frame what the effect needs once all sensors have planned, such as shadow maps. Null:
   /// nothing.
   void (*plan_frame)(const DrawList& list, const TargetLimits& limits, FramePlan& plan) = nullptr;
 };
 
-/// A static object of this type adds an effect to the catalogue; strings and tables must live as long.
-/// A type whose name is taken, whose table has a mistake, or that was compiled with headers of another version is not
-/// made known: load_plugin() refuses the plug-in that has it, and Simulation::load() throws InputError for one of the
-/// program itself.
+/// A static object of this type adds an effect to the catalogue.
+///
+/// Errors    the constructor does not throw. A type whose name is taken, whose table has a mistake, or that was
+///           compiled with headers of another version is refused: load_plugin() then refuses the plug-in that has it,
+///           and Simulation::load() throws InputError for a type of the program itself.
+/// Lifetime  strings and tables of the type must live as long as the catalogue.
+/// Threads   any thread; other threads may look types up meanwhile.
 struct EffectRegistration {
+  /// `built_for` is the version of the headers that the caller is compiled with.
   explicit EffectRegistration(const EffectType& type, std::string_view built_for = kHeaderVersion);
 
-  bool accepted;
+  bool accepted;  ///< false: the type was refused
 };
 
-/// All of them, sorted by name.
+/// All effects, sorted by name. The pointers are valid for the rest of the program, except for types of a plug-in that
+/// load_plugin() refuses.
 std::vector<const EffectType*> effect_types();
-/// One fact of an effect besides its attributes, with the label under which `--describe` prints it.
+/// One fact about an effect in addition to its attributes, with the label under which `--describe` prints it.
 struct EffectFact {
   std::string_view label;  ///< "shown in"
   std::string value;       ///< never empty
 };
 
-/// What calls for the effect, which outputs show it, its knob and what its tests compare it with.
+/// What makes the effect active, which outputs show it, its knob and what its tests compare it with.
 std::vector<EffectFact> effect_facts(const EffectType& type);
 
-/// As `--describe` prints it: summary, notes, attributes and facts.
+/// The effect as `--describe` prints it: summary, notes, attributes and facts.
 std::string describe_effect(const EffectType& type);
 
-/// Null when there is none of that name.
+/// The effect of this name, or null. Lifetime as effect_types().
 const EffectType* find_effect_type(std::string_view name);
 
-/// Whether sensors of this type may carry its attributes.
+/// Whether sensors of this type may carry the effect's attributes.
 bool may_have(std::string_view sensor_type, const EffectType& effect);
 
 /// Calls EffectType::plan_frame of all effects, in the order of their names.
 void plan_frame_effects(const DrawList& list, const TargetLimits& limits, FramePlan& plan);
 
-/// Adds to the plan what of the scene's effects the sensor shows, whose passes are those from `first_pass` on.
+/// Adds to the plan those effects of the scene that the sensor shows. The sensor's passes are those from `first_pass`
+/// on.
 void plan_scene_effects(const std::string& sensor, std::size_t first_pass, const DrawList& list, FramePlan& plan);
 
-/// The attributes of a sensor type: its own rows, then those of the effects that it may have, by the effects' names.
+/// The attributes of a sensor type: its own rows, then the rows of the effects that it may have, sorted by the effects'
+/// names.
 std::vector<AttributeSpec> with_effect_attributes(std::string_view sensor_type, AttributeTable own);
 
 }  // namespace simvis

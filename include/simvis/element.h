@@ -1,7 +1,7 @@
-// Elements: freely programmable objects that change the scene online through named scalar parameters.
+// Elements: freely programmable objects that change the running scene through named scalar parameters.
 //
-// To add one: a pair of files here with a class, its attribute table, and one static ElementRegistration. Nothing else
-// is edited. A class in a user's own program or in a plug-in library registers the same way.
+// To add an element type, add a pair of files with a class, its attribute table, and one static ElementRegistration; no
+// other file changes. A class in a user's own program or in a plug-in library registers in the same way.
 #pragma once
 
 #include <cstdint>
@@ -24,70 +24,84 @@ namespace simvis {
 /// Current values of an element's live parameters, in the units and the order of its table.
 using ParameterView = std::span<const double>;
 
-/// What a scanner measured and where it stood.
+/// The last scan of a scanner and the scanner's pose.
 struct ObservedScan {
-  const Scan* scan = nullptr;  ///< null before its first
-  glm::dmat4 world_from_sensor{1.0};
-  std::uint64_t count = 0;  ///< how many it has made: a new number, a new scan
+  const Scan* scan = nullptr;         ///< null before the first scan
+  glm::dmat4 world_from_sensor{1.0};  ///< rigid, at the time of the scan
+  std::uint64_t count = 0;            ///< number of scans so far; it changes with every new scan
 };
 
-/// What elements that draw for people may look at: the frame that the sensors have just seen.
+/// What elements that draw for people may observe: the frame that the sensors have just measured.
+///
+/// Lifetime  valid during the call of Element::observe() that gets it.
 class Observations {
  public:
   virtual ~Observations() = default;
-  /// The sensor exists and gives scans: the scene was checked for that.
+  /// The last scan of a sensor. The sensor must exist and give scans; the check of the scene ensures both.
   virtual ObservedScan scan(std::string_view sensor) const = 0;
-  /// False where the mount is not reached.
+  /// Finds the pose of a mount in the world. Returns false if the mount is not reached by the traversal.
   virtual bool find_mount(const Mount& mount, glm::dmat4& world_from_mount) const = 0;
 };
 
-/// Life     made from its command; `update` is called once right after with every value, then each frame in which one
-///          of its parameters changed, never otherwise.
-/// Errors   the constructor throws InputError at the command or attribute. `update` gets only values that the table
-///          allows; it must not throw.
+/// An object of the scene with parameters.
+///
+/// Lifetime  made from its command; update() is called once right after with every value, then in each frame in which
+///           one of its parameters changed, and never otherwise. Destroyed with the simulation.
+/// Errors    the constructor throws InputError at the command or attribute. update() gets only values that the table
+///           allows; it must not throw.
+/// Threads   all calls come from the thread that calls the simulation.
 class Element {
  public:
   virtual ~Element() = default;
+  /// Applies the values to the scene. `values` is valid during the call only.
   virtual void update(ParameterView values) = 0;
-  /// Called once before the first update with the live rows of its table, in their order: may narrow their limits or
-  /// name their unit (what lies outside is then refused, in the command too), take away what means nothing to it, and
-  /// add rows of its own behind them. Those begin at their default; their texts must live as long as the element.
+  /// Called once before the first update() with the live rows of the type's table, in their order. It may narrow limits
+  /// or set units (values outside are then refused, in the command too), remove rows that mean nothing to this element,
+  /// and append rows of its own. Appended parameters start at their default; their texts must live as long as the
+  /// element.
   virtual void adapt_parameters(std::vector<AttributeSpec>& /*live_rows*/) const {}
-  /// Called in each frame of a scene with a visualization, after the sensors have measured and before it is drawn.
-  /// What it changes must stand below a VisualSeparator.
+  /// Called in each frame of a scene with a visualization, after the sensors have measured and before the visualization
+  /// is drawn. It may change only nodes below a VisualSeparator.
   virtual void observe(const Observations& /*seen*/) {}
 };
 
-/// What an element's constructor gets.
+/// What an element's constructor gets. It is valid during the call of ElementType::create only; `scene` stays valid as
+/// long as the element.
 struct ElementContext {
   const Command& command;             ///< the whole command
   const AttributeValues& attributes;  ///< checked against the type's table
-  Scene& scene;                       ///< to put nodes before the insertion point: scene.insert(command, node)
-  std::function<Element*(std::string_view)> find_element;  ///< one made before, by name; null when there is none
+  Scene& scene;                       ///< for inserting nodes at the insertion point: scene.insert(command, node)
+  std::function<Element*(std::string_view)> find_element;  ///< an earlier element, by name; null if there is none
 };
 
+/// The description of an element type for the registry.
 struct ElementType {
-  std::string_view name;     ///< the command's `type`
-  std::string_view summary;  ///< one sentence
-  std::string_view notes{};  ///< what the table does not say: paragraphs, separated by '\n'; may be empty
-  AttributeTable attributes;
-  std::unique_ptr<Element> (*create)(const ElementContext& context);
+  std::string_view name;      ///< the command's `type`
+  std::string_view summary;   ///< one sentence
+  std::string_view notes{};   ///< what the table does not say: paragraphs, separated by '\n'; may be empty
+  AttributeTable attributes;  ///< its attribute table
+  std::unique_ptr<Element> (*create)(const ElementContext& context);  ///< makes an element; may throw InputError
 };
 
-/// Attributes that every element command may carry besides its type's own.
+/// Attributes that every element command may carry in addition to its type's own.
 inline constexpr std::string_view kElementCommonAttributes[] = {"type", "name", "insert_at"};
 
-/// A static object of this type makes an element type known; the strings and the table must live as long.
-/// A type whose name is taken, whose table has a mistake, or that was compiled with headers of another version is not
-/// made known: load_plugin() refuses the plug-in that has it, and Simulation::load() throws InputError for one of the
-/// program itself.
+/// A static object of this type registers an element type.
+///
+/// Errors    the constructor does not throw. A type whose name is taken, whose table has a mistake, or that was
+///           compiled with headers of another version is refused: load_plugin() then refuses the plug-in that has it,
+///           and Simulation::load() throws InputError for a type of the program itself.
+/// Lifetime  strings and the table of the type must live as long as the registry.
+/// Threads   any thread; other threads may look types up meanwhile.
 struct ElementRegistration {
+  /// `built_for` is the version of the headers that the caller is compiled with.
   explicit ElementRegistration(const ElementType& type, std::string_view built_for = kHeaderVersion);
 };
 
-/// Null when there is none of that name.
+/// The element type of this name, or null. The pointer is valid for the rest of the program, except for a type of a
+/// plug-in that load_plugin() refuses.
 const ElementType* find_element_type(std::string_view name);
-/// Sorted by name.
+/// All element types, sorted by name. Lifetime as find_element_type().
 std::vector<const ElementType*> element_types();
 
 }  // namespace simvis

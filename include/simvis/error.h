@@ -1,4 +1,4 @@
-// What SimVis throws. Two kinds: the user's input is wrong, or the machine failed. Our own bugs assert instead.
+// The exceptions of SimVis: the user's input is wrong, or the machine failed. Programming errors assert instead.
 #pragma once
 
 #include <stdexcept>
@@ -19,7 +19,7 @@ class InputError : public Error {
   using Error::Error;
 };
 
-/// The machine could not do it: no device, device lost, out of memory, disk full. `what()` carries the Vulkan result
+/// A failure of the machine: no device, device lost, out of memory, disk full. `what()` carries the Vulkan result
 /// or the operating system's reason. simvis-run exits with 1.
 class MachineError : public Error {
  public:

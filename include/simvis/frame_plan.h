@@ -1,4 +1,5 @@
-// Which views are rendered this frame, into which targets, and why. Plain data between the sensors and the renderer.
+// The frame plan: the views that are rendered this frame, their targets, and the reason for each. Plain data between
+// the sensors and the renderer.
 #pragma once
 
 #include <algorithm>
@@ -13,139 +14,156 @@ namespace simvis {
 /// A pinhole camera in pixels: a point (x, y, z) of the view frame is seen at pixel
 /// (cx + fx x / z, cy + fy y / z), where pixel (0, 0) has its centre at (0.5, 0.5).
 struct Pinhole {
-  double fx_px = 0, fy_px = 0, cx_px = 0, cy_px = 0;
+  double fx_px = 0,  ///< focal length along x
+      fy_px = 0,     ///< focal length along y
+      cx_px = 0,     ///< principal point, x
+      cy_px = 0;     ///< principal point, y
 
-  bool operator==(const Pinhole&) const = default;
+  bool operator==(const Pinhole&) const = default;  ///< member by member
 };
 
-/// Square pixels; the optical axis goes through the middle of the image. `hfov_rad` is in (0, pi), from edge to edge.
+/// A pinhole with square pixels whose optical axis passes through the centre of the image. `hfov_rad` is in (0, pi),
+/// from edge to edge.
 Pinhole centred_pinhole(std::uint32_t width_px, std::uint32_t height_px, double hfov_rad);
 
 /// A pipeline that a view or a pass binds: shaders and fixed functions made for one kind of work.
 struct PlannedPipeline {
-  std::string variant;  ///< what it is made for
-  std::string reason;   ///< what calls for it
-  std::uint64_t draws = 0, triangles = 0;
-  bool shades = false;  ///< it has a fragment shader
-  bool made = false;    ///< in this frame
+  std::string variant;      ///< the kind of work
+  std::string reason;       ///< what requires it
+  std::uint64_t draws = 0,  ///< draw calls with it
+      triangles = 0;        ///< triangles drawn with it
+  bool shades = false;      ///< it has a fragment shader
+  bool made = false;        ///< it was created in this frame
 
-  bool operator==(const PlannedPipeline&) const = default;
+  bool operator==(const PlannedPipeline&) const = default;  ///< member by member
 };
 
-/// A shadow map that the lights of a view are held against: views of the plan's pass of shadow maps.
+/// A shadow map that a view reads for one light. Its views belong to the plan's pass of shadow maps.
 struct ShadowUse {
   std::uint32_t light = 0;       ///< in DrawList::lights
-  std::uint32_t first_view = 0;  ///< in that pass
-  /// 1; or 6, the sides of a cube, 3 x 2 squares side by side. Where (x, y, z) is the first one's frame, theirs are
-  /// (x, y, z), (x, -y, -z), (y, z, x), (y, -z, -x), (z, x, y), (z, -x, -y): each pair one above the other.
+  std::uint32_t first_view = 0;  ///< in the pass of shadow maps
+  /// 1; or 6, the sides of a cube, arranged as 3 x 2 squares. If (x, y, z) is the frame of the first side, the frames
+  /// of the six sides are (x, y, z), (x, -y, -z), (y, z, x), (y, -z, -x), (z, x, y), (z, -x, -y): the two sides of each
+  /// pair lie one above the other.
   std::uint32_t views = 1;
 };
 
-/// One virtual camera drawn into a rectangle of its pass.
+/// One virtual camera that is drawn into a rectangle of its pass.
 ///
 /// Frames   view frame: x right, y down, z forward (optical frame). `view_from_world` is rigid.
 /// Depth    reversed, infinite far plane: d = near_m / z, 0 where nothing is hit.
 struct View {
-  std::string name;    ///< for --explain, debug labels and messages
-  std::string reason;  ///< why it is rendered
-  Pinhole pinhole;
-  double near_m = 0.05;
-  glm::dmat4 view_from_world{1.0};
-  std::uint32_t x_px = 0, y_px = 0, width_px = 0, height_px = 0;  ///< rectangle in the pass's targets
-  bool sees_back_faces = false;  ///< of single-sided materials too: a laser meets matter from either side
-  bool sees_lines_and_points = true;
-  /// Rays are parallel to z instead of meeting in the eye: (x, y, z) is seen at pixel (cx + fx x, cy + fy y), fx and
-  /// fy in pixels per metre, with depth d = (far_m - z) / (far_m - near_m). near_m may have either sign.
+  std::string name;                 ///< for --explain, debug labels and messages
+  std::string reason;               ///< why it is rendered
+  Pinhole pinhole;                  ///< in pixels of the rectangle
+  double near_m = 0.05;             ///< nearest depth along Z that is drawn
+  glm::dmat4 view_from_world{1.0};  ///< rigid
+  std::uint32_t x_px = 0,           ///< left edge of the rectangle in the pass's targets
+      y_px = 0,                     ///< top edge of the rectangle
+      width_px = 0,                 ///< width of the rectangle
+      height_px = 0;                ///< height of the rectangle
+  bool sees_back_faces = false;     ///< back faces of single-sided materials too: a laser hits surfaces from both sides
+  bool sees_lines_and_points = true;  ///< meshes of lines and of points are drawn
+  /// Rays are parallel to z instead of starting at the eye: (x, y, z) is seen at pixel (cx + fx x, cy + fy y), where fx
+  /// and fy are pixels per metre, with depth d = (far_m - z) / (far_m - near_m). near_m may have either sign.
   bool orthographic = false;
-  double far_m = 0;
-  /// Of a strip of depth alone, the columns whose pixels are read, ascending: others may lack surfaces. Null: all.
+  double far_m = 0;  ///< farthest depth along Z of an orthographic view
+  /// For a strip whose depth alone is read: the columns whose pixels are read, ascending. Other columns may lack
+  /// surfaces. Null: all columns are read.
   std::shared_ptr<const std::vector<std::uint32_t>> columns{};
-  bool culled = true;  ///< false: what cannot be seen is drawn all the same; not a pixel that is read changes
-  std::vector<ShadowUse> shadows{};          ///< of views of colour: where light may be in something's way
-  std::vector<PlannedPipeline> pipelines{};  ///< in the order of drawing; see Renderer::complete
+  bool culled = true;                        ///< false: invisible geometry is drawn too; no pixel that is read changes
+  std::vector<ShadowUse> shadows{};          ///< for views of colour: the shadow maps of their lights
+  std::vector<PlannedPipeline> pipelines{};  ///< in drawing order; set by Renderer::complete()
 
+  /// Whether one of the pipelines has a fragment shader.
   bool shades() const { return std::ranges::any_of(pipelines, &PlannedPipeline::shades); }
 };
 
 /// Views that share one set of targets and one render pass.
 ///
-/// Samples  the colour of a pixel is the mean, in linear light, of `grid` x `grid` samples at the centres of as many
-///          equal squares that the pixel is cut into; each of these is in turn the mean of `msaa` samples of its
-///          square at the device's standard places, which see edges but are shaded once. Depth is that of pixel
-///          centres: a pass with more than one sample has none.
+/// Samples  the colour of a pixel is the mean, in linear light, of `supersampling` x `supersampling` samples at the
+///          centres of equal squares into which the pixel is divided. Each of these samples is the mean of `msaa`
+///          samples of its square at the device's standard locations: these resolve edges but are shaded once. Depth is
+///          that of pixel centres: a pass with more than one sample has no depth.
 struct Pass {
-  std::string name;
-  std::uint32_t width_px = 0, height_px = 0;
-  bool color = false;               ///< lit colour is wanted; false: no colour target exists and no light is evaluated
-  bool depth = false;               ///< depth is read back
-  std::vector<View> views{};        ///< rectangles do not overlap; in pixels, not samples
-  std::uint32_t supersampling = 1;  ///< 1, 2 or 4
-  std::uint32_t msaa = 1;           ///< one of the device's TargetLimits::msaa
-  std::vector<PlannedPipeline> pipelines{};  ///< of the whole: the mean of its samples; see Renderer::complete
-  /// Shadow maps: neither colour nor depth is read back; the depth stays on the device, where the views of other
-  /// passes read it as View::shadows says. One pass of a plan at most; drawn before the others, wherever it stands.
+  std::string name;                          ///< for --explain, debug labels and messages
+  std::uint32_t width_px = 0,                ///< of the targets, in pixels
+      height_px = 0;                         ///< of the targets, in pixels
+  bool color = false;                        ///< lit colour is read back; false: no colour target and no lighting
+  bool depth = false;                        ///< depth is read back
+  std::vector<View> views{};                 ///< rectangles do not overlap; in pixels, not samples
+  std::uint32_t supersampling = 1;           ///< 1, 2 or 4
+  std::uint32_t msaa = 1;                    ///< one of the device's TargetLimits::msaa
+  std::vector<PlannedPipeline> pipelines{};  ///< of the whole pass: the mean of samples; set by Renderer::complete()
+  /// A pass of shadow maps: neither colour nor depth is read back; the depth stays on the device, where the views of
+  /// other passes read it according to View::shadows. A plan has at most one; it is drawn before the other passes,
+  /// whatever its position.
   bool shadow_maps = false;
 
-  std::uint32_t samples() const { return supersampling * supersampling * msaa; }  ///< of each pixel
+  std::uint32_t samples() const { return supersampling * supersampling * msaa; }  ///< samples per pixel
 };
 
-/// Rays that a sensor casts after the passes are there.
+/// Rays that a sensor casts after the passes are rendered.
 struct RayCast {
-  std::string name;
-  std::string reason;
-  std::uint64_t max_rays = 0;  ///< how many it casts at the most: which, it may learn from the passes
-  std::string engine{};        ///< who casts them: see RayCaster. Known to who runs the plan
+  std::string name;            ///< for --explain
+  std::string reason;          ///< why rays are cast
+  std::uint64_t max_rays = 0;  ///< upper bound of their number; which rays are cast may depend on the rendered passes
+  std::string engine{};        ///< RayCaster::engine() of the caster; set by the code that runs the plan
 };
 
 /// An effect that a due sensor shows this frame.
 struct PlannedEffect {
-  std::string sensor;
+  std::string sensor;  ///< the sensor's name
   std::string effect;  ///< its name in the catalogue
-  std::string reason;  ///< what in the scene calls for it
+  std::string reason;  ///< what in the scene makes it active
 };
 
 /// Whether a sensor measures in a frame, and why not.
 enum class DueState : std::uint8_t {
-  due,
+  due,      ///< it measures
   off,      ///< it is turned off
-  waiting,  ///< for its rate
+  waiting,  ///< its rate puts its next measurement at a later frame
   hidden,   ///< it stands in a part that is switched off
 };
 
 /// A sensor of the scene, due or not.
 struct PlannedSensor {
-  std::string name, type;
-  DueState due_state = DueState::due;
-  double rate_hz = 0;                        ///< 0: every frame
-  std::vector<std::string> outputs{};        ///< that are taken
-  std::size_t first_pass = 0, end_pass = 0;  ///< its passes are these of the plan's
-  std::size_t first_cast = 0, end_cast = 0;  ///< likewise
+  std::string name,                    ///< the sensor's name
+      type;                            ///< its type
+  DueState due_state = DueState::due;  ///< whether it measures in this frame
+  double rate_hz = 0;                  ///< 0: every frame
+  std::vector<std::string> outputs{};  ///< outputs that it produces
+  std::size_t first_pass = 0,          ///< its passes are [first_pass, end_pass) of the plan
+      end_pass = 0;                    ///< one past its last pass
+  std::size_t first_cast = 0,          ///< its casts are [first_cast, end_cast) of the plan
+      end_cast = 0;                    ///< one past its last cast
 };
 
 /// A buffer or an image on the device.
 struct PlannedMemory {
-  std::string name;
-  std::string reason;
-  std::uint64_t bytes = 0;     ///< that it takes there, the device's rounding included
-  std::uint64_t uploaded = 0;  ///< bytes that this frame has written
+  std::string name;            ///< for --explain
+  std::string reason;          ///< what requires it
+  std::uint64_t bytes = 0;     ///< device memory that it takes, the device's rounding included
+  std::uint64_t uploaded = 0;  ///< bytes that this frame wrote into it
 };
 
-/// What sensors ask for stands in passes, casts and effects; who runs the plan adds the rest. Nothing is drawn,
-/// allocated, uploaded or compiled but what it names.
+/// The work of one frame. Sensors add passes, casts and effects; the code that runs the plan adds the rest. Only work
+/// that the plan names is drawn, allocated, uploaded or compiled.
 struct FramePlan {
-  std::vector<Pass> passes;
-  std::vector<RayCast> casts{};
-  std::vector<PlannedEffect> effects{};
-  std::vector<PlannedSensor> sensors{};
-  std::vector<PlannedMemory> memory{};
+  std::vector<Pass> passes;              ///< see drawing_order()
+  std::vector<RayCast> casts{};          ///< after the passes
+  std::vector<PlannedEffect> effects{};  ///< shown by due sensors
+  std::vector<PlannedSensor> sensors{};  ///< all sensors of the scene
+  std::vector<PlannedMemory> memory{};   ///< all device memory
 };
 
-/// A pass of a plan: its number, and that of its first view among all views.
+/// A pass of a plan in drawing order.
 struct DrawnPass {
-  std::size_t pass = 0, first_view = 0;
+  std::size_t pass = 0,  ///< in FramePlan::passes
+      first_view = 0;    ///< number of its first view among the views of all passes
 };
 
-/// The passes in the order in which they are drawn: shadow maps first, else as they stand.
+/// The passes in the order in which they are drawn: shadow maps first, the others in the order of the plan.
 inline std::vector<DrawnPass> drawing_order(const FramePlan& plan) {
   std::vector<DrawnPass> order;
   for (std::size_t pass = 0, view = 0; pass < plan.passes.size(); view += plan.passes[pass++].views.size()) {

@@ -1,4 +1,4 @@
-// What the renderer hands back: the pixels of each pass, and what drawing them cost.
+// The results of the renderer: the pixels of each pass, and counters of the work that drawing took.
 #pragma once
 
 #include <cstdint>
@@ -7,38 +7,51 @@
 
 namespace simvis {
 
-/// What a frame cost, counted and not timed.
+/// The work of one frame in counts, without times.
 struct FrameCounters {
-  std::uint64_t passes = 0, views = 0, draws = 0, triangles = 0, pipelines_bound = 0, dispatches = 0;
-  std::uint64_t pipelines_made = 0;  ///< compiled, or taken from the cache of earlier runs
-  std::uint64_t bytes_uploaded = 0, bytes_read_back = 0;
-  std::uint64_t items_culled = 0;
-  std::uint64_t meshes_held = 0, textures_held = 0;  ///< on the device, after the frame
-  std::uint64_t mesh_bytes = 0, texture_bytes = 0;   ///< that they take there
-  std::uint64_t layers = 0;                          ///< of transparent surfaces, over all samples: see OitBuffer
-  std::uint64_t layer_bytes = 0;                     ///< of memory for them, on the device after the frame
+  std::uint64_t passes = 0,          ///< render passes
+      views = 0,                     ///< views of all passes
+      draws = 0,                     ///< draw calls
+      triangles = 0,                 ///< triangles of these draw calls
+      pipelines_bound = 0,           ///< pipeline bindings
+      dispatches = 0;                ///< compute dispatches
+  std::uint64_t pipelines_made = 0;  ///< compiled, or loaded from the cache of earlier runs
+  std::uint64_t bytes_uploaded = 0,  ///< host to device
+      bytes_read_back = 0;           ///< device to host
+  std::uint64_t items_culled = 0;    ///< items that a view did not draw because it cannot see them, summed over views
+  std::uint64_t meshes_held = 0,     ///< meshes on the device after the frame
+      textures_held = 0;             ///< textures on the device after the frame
+  std::uint64_t mesh_bytes = 0,      ///< device memory of meshes
+      texture_bytes = 0;             ///< device memory of textures
+  std::uint64_t layers = 0;          ///< OIT layers over all samples: see engine/render/oit_buffer.h
+  std::uint64_t layer_bytes = 0;     ///< device memory of OIT layers after the frame
 
-  bool operator==(const FrameCounters&) const = default;
+  bool operator==(const FrameCounters&) const = default;  ///< member by member
 };
 
-/// What one view cost, counted and not timed.
+/// The work of one view in counts, without times.
 struct ViewCounts {
-  std::uint64_t draws = 0, triangles = 0;
-  std::uint64_t masked_triangles = 0;                        ///< of them: each of their pixels asks for alpha
-  std::uint64_t boxes_examined = 0, triangles_examined = 0;  ///< held against the view by the host: see Cluster
+  std::uint64_t draws = 0,             ///< draw calls
+      triangles = 0;                   ///< triangles of these draw calls
+  std::uint64_t masked_triangles = 0;  ///< triangles among them whose pixels all evaluate alpha
+  std::uint64_t boxes_examined = 0,    ///< boxes that the host tested against the view: see engine/geometry/clusters.h
+      triangles_examined = 0;          ///< triangles that the host tested against the view
 
-  bool operator==(const ViewCounts&) const = default;
+  bool operator==(const ViewCounts&) const = default;  ///< member by member
 };
 
-/// Where a pass's pixels lie. Valid until the next submit() or the renderer's end.
+/// The pixels of a pass in host memory.
+///
+/// Lifetime  valid until the renderer's next submit() or its destruction.
 struct PassResult {
-  std::span<const float> depth;       ///< width * height, rows from the top, d = near / z; empty if not asked for
-  std::span<const glm::vec4> color;   ///< width * height, rows from the top, linear RGBA; empty if not asked for
+  std::span<const float> depth;       ///< width * height, rows from the top, d = near / z; empty if not requested
+  std::span<const glm::vec4> color;   ///< width * height, rows from the top, linear RGBA; empty if not requested
   std::span<const ViewCounts> views;  ///< views[i] belongs to the pass's views[i]
-  /// Vertices are moved to a grid, by up to so many pixels along each axis, before pixels are found that a triangle
-  /// covers. Vulkan leaves open whether depth is then taken from where they were, or from where they are now.
+  /// Rasterisation snaps vertices to a grid before it determines the covered pixels; this is the largest displacement
+  /// along each axis, in pixels. Vulkan does not specify whether depth is then interpolated from the original or from
+  /// the snapped positions.
   double snap_px = 0;
-  double depth_snap_px = 0;  ///< snap_px, or 0 on a device of which it is known that depth is not moved
+  double depth_snap_px = 0;  ///< snap_px, or 0 on a device that is known to interpolate depth from original positions
 };
 
 }  // namespace simvis

@@ -1,4 +1,4 @@
-// Pictures that cameras take.
+// Images that cameras produce.
 #pragma once
 
 #include <cstdint>
@@ -6,14 +6,16 @@
 
 namespace simvis {
 
-/// A picture in host memory.
+/// An image in host memory.
 ///
 /// Shape    rows from the top; pixels[(y * width + x) * channels + c].
-/// Units    colour: 4 channels, linear RGB radiance and alpha (always 1). Depth: 1 channel, metres along the optical
-///          axis (depth along Z, not range along the ray); +infinity where nothing is hit.
+/// Units    colour: 4 channels, linear RGB radiance and alpha (always 1). Depth: 1 channel, depth along Z (the optical
+///          axis) in metres, not range along the ray; +infinity where nothing is hit.
 struct Image {
-  std::uint32_t width = 0, height = 0, channels = 0;
-  std::vector<float> pixels;
+  std::uint32_t width = 0,    ///< in pixels
+      height = 0,             ///< in pixels
+      channels = 0;           ///< numbers per pixel
+  std::vector<float> pixels;  ///< width * height * channels numbers
 };
 
 }  // namespace simvis

@@ -1,4 +1,4 @@
-// Where in a scene something was written, for error messages.
+// Places in scene files, for error messages.
 #pragma once
 
 #include <string>
@@ -8,19 +8,20 @@
 
 namespace simvis {
 
-/// A place in a file. `line` and `column` count from 1, columns in bytes; 0 = not known.
+/// A place in a file.
 struct Location {
-  std::string file;
-  int line = 0, column = 0;
+  std::string file;  ///< name for messages; empty: not known
+  int line = 0,      ///< counts from 1; 0: not known
+      column = 0;    ///< counts from 1, in bytes; 0: not known
 };
 
-/// "FILE:LINE:COLUMN", or as much of it as is known.
+/// "FILE:LINE:COLUMN", or the part of it that is known.
 std::string to_string(const Location& where);
 
 /// Throws InputError "FILE:LINE:COLUMN: error: MESSAGE".
 [[noreturn]] void fail_at(const Location& where, std::string_view message);
 
-/// The user's text in quotes for a message: on one line, control characters escaped, what is very long cut.
+/// The user's text in quotes for a message: on one line, control characters escaped, very long text cut.
 std::string in_quotes(std::string_view text);
 
 }  // namespace simvis

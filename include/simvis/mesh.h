@@ -1,4 +1,4 @@
-// Geometry, textures and materials as plain data in host memory. Nothing here knows Vulkan.
+// Meshes, textures and materials as plain data in host memory, independent of Vulkan.
 #pragma once
 
 #include <array>
@@ -11,15 +11,20 @@
 
 namespace simvis {
 
-enum class Topology : std::uint8_t { triangles, lines, points };
+/// The primitives of a mesh.
+enum class Topology : std::uint8_t {
+  triangles,  ///< three indices each
+  lines,      ///< two indices each
+  points      ///< one index each
+};
 
-/// What a vertex carries besides its position. Absent data takes the defaults.
+/// The data of a vertex in addition to its position. Absent data takes the defaults.
 struct VertexAttributes {
   glm::vec3 normal{0, 0, 1};        ///< unit length, mesh frame
   glm::vec2 uv[2]{{0, 0}, {0, 0}};  ///< texture coordinates, two sets; v down, as in glTF
   glm::vec4 color{1, 1, 1, 1};      ///< linear RGBA, multiplies the base colour
 
-  bool operator==(const VertexAttributes&) const = default;
+  bool operator==(const VertexAttributes&) const = default;  ///< member by member
 };
 
 /// An indexed mesh. Immutable once shared.
@@ -29,109 +34,134 @@ struct VertexAttributes {
 /// Units    metres, in the mesh's own frame.
 /// Special  every position is finite.
 struct Mesh {
-  std::string name;
-  Topology topology = Topology::triangles;
-  std::vector<glm::vec3> positions;
-  std::vector<VertexAttributes> attributes;
-  std::vector<std::uint32_t> indices;
-  glm::vec3 bounds_min{0}, bounds_max{0};  ///< of the positions that indices use; both zero for an empty mesh
-  double longest_edge = 0;                 ///< of its triangles; 0 for lines and points
+  std::string name;                          ///< for messages; need not be unique
+  Topology topology = Topology::triangles;   ///< kind of primitives
+  std::vector<glm::vec3> positions;          ///< of the vertices
+  std::vector<VertexAttributes> attributes;  ///< of the vertices
+  std::vector<std::uint32_t> indices;        ///< vertices of the primitives
+  glm::vec3 bounds_min{0},                   ///< smallest coordinates of indexed positions; zero for an empty mesh
+      bounds_max{0};                         ///< largest coordinates of indexed positions; zero for an empty mesh
+  double longest_edge = 0;                   ///< of its triangles; 0 for lines and points
 
-  bool operator==(const Mesh&) const = default;
+  bool operator==(const Mesh&) const = default;  ///< member by member
 };
 
-/// Sets `bounds_min`, `bounds_max` and `longest_edge` from what `indices` uses.
+/// Sets `bounds_min`, `bounds_max` and `longest_edge` from the vertices that `indices` uses.
 void compute_bounds(Mesh& mesh);
 
-enum class Wrap : std::uint8_t { repeat, mirrored_repeat, clamp_to_edge };
-enum class Filter : std::uint8_t { nearest, linear };
+/// How texture coordinates outside [0, 1] are mapped into it.
+enum class Wrap : std::uint8_t {
+  repeat,           ///< the texture repeats
+  mirrored_repeat,  ///< the texture repeats, every second copy mirrored
+  clamp_to_edge     ///< the edge texels continue
+};
+/// How a value is taken from the texels around a point.
+enum class Filter : std::uint8_t {
+  nearest,  ///< the nearest texel
+  linear    ///< linear interpolation
+};
 
+/// How a texture is sampled.
 struct Sampler {
-  Wrap wrap_u = Wrap::repeat, wrap_v = Wrap::repeat;
-  Filter magnify = Filter::linear, minify = Filter::linear, between_mips = Filter::linear;
-  bool mipmapped = true;
+  Wrap wrap_u = Wrap::repeat,         ///< outside [0, 1] along u
+      wrap_v = Wrap::repeat;          ///< outside [0, 1] along v
+  Filter magnify = Filter::linear,    ///< for texels larger than a pixel
+      minify = Filter::linear,        ///< for texels smaller than a pixel
+      between_mips = Filter::linear;  ///< between mipmap levels
+  bool mipmapped = true;              ///< false: only the largest level is used
 
-  bool operator==(const Sampler&) const = default;
+  bool operator==(const Sampler&) const = default;  ///< member by member
 };
 
-/// An 8-bit RGBA picture and how to sample it. Colours are in sRGB encoding; alpha, and what is no colour (see
-/// MapKind), are linear. Immutable once shared.
+/// An 8-bit RGBA image and its sampler. Colours are sRGB-encoded; alpha and data that is not colour (see MapKind) are
+/// linear. Immutable once shared.
 struct Texture {
-  std::string name;
-  std::uint32_t width = 0, height = 0;
+  std::string name;                ///< for messages; need not be unique
+  std::uint32_t width = 0,         ///< in texels
+      height = 0;                  ///< in texels
   std::vector<std::uint8_t> rgba;  ///< rows from the top, 4 * width * height bytes
-  Sampler sampler;
+  Sampler sampler;                 ///< how it is sampled
 
-  bool operator==(const Texture&) const = default;
+  bool operator==(const Texture&) const = default;  ///< member by member
 };
 
-/// What a map tells of a surface, besides its base colour. Channels as in glTF 2.0.
+/// Maps that describe a surface in addition to its base colour. Channels as in glTF 2.0.
 enum class MapKind : std::uint8_t {
   normal,              ///< rgb from 0 to 1 is x, y, z from -1 to 1 in the tangent frame: along u, along -v, outwards
-  metallic_roughness,  ///< g: factor of the roughness; b: of the metallic share
-  occlusion,           ///< r: share of the light from all around that arrives
+  metallic_roughness,  ///< g: factor of the roughness; b: factor of the metallic share
+  occlusion,           ///< r: share of the ambient light that arrives
   emissive             ///< rgb, a colour: factor of the emission
 };
+/// The number of values of MapKind.
 inline constexpr std::size_t kMapKinds = 4;
 
+/// A map of a surface.
 struct SurfaceMap {
-  std::shared_ptr<const Texture> texture;      ///< null: there is none
+  std::shared_ptr<const Texture> texture;      ///< null: the surface has no such map
   int uv_set = 0;                              ///< 0 or 1
   glm::mat3x2 uv_transform{1, 0, 0, 1, 0, 0};  ///< columns; texture uv = uv_transform * (u, v, 1)
 
-  bool operator==(const SurfaceMap&) const = default;
+  bool operator==(const SurfaceMap&) const = default;  ///< member by member; textures by identity
 };
 
-enum class AlphaMode : std::uint8_t { opaque, mask, blend };
+/// How alpha is used, as in glTF 2.0.
+enum class AlphaMode : std::uint8_t {
+  opaque,  ///< alpha is ignored
+  mask,    ///< texels with alpha below the cutoff are removed
+  blend    ///< alpha is the covered share of what lies behind
+};
 
-/// What a depth camera and a laser scanner meet covers at least this share of what lies behind it.
+/// A surface is depth-visible (to depth cameras and laser scanners) where it covers at least this share of what lies
+/// behind it.
 inline constexpr float kMinDepthVisibleAlpha = 0.5f;
 
-/// A smoother surface shows a light as this rough a one does: its image would be smaller than any pixel.
+/// The smallest roughness that is shaded: a smoother surface reflects a light with this roughness, because the
+/// reflection would be smaller than any pixel.
 inline constexpr float kMinRoughness = 0.05f;
 
-/// How a surface looks. One uniform block: to change it touches nothing else.
+/// The appearance of a surface. It becomes one uniform block: a change of a material affects no other data.
 ///
 /// A depth camera and a laser scanner see a `mask` texel whose alpha is at least `alpha_cutoff`, and a `blend` texel
-/// whose alpha is at least kMinDepthVisibleAlpha; what is more transparent lets them pass.
+/// whose alpha is at least kMinDepthVisibleAlpha. More transparent texels let them pass.
 ///
-/// `opacity` fades the whole surface, whatever its mode: opaque and kept texels cover that share of what lies behind
-/// them, those of `blend` their alpha times it, and this share is what kMinDepthVisibleAlpha is held against. What the
-/// cutoff takes away stays away, however faded the rest is. At 0 nothing is drawn.
+/// `opacity` fades the whole surface in every alpha mode: opaque and kept texels cover that share of what lies behind
+/// them, `blend` texels cover their alpha times `opacity`. This share is compared with kMinDepthVisibleAlpha. Texels
+/// that the cutoff removes stay removed at any opacity. At opacity 0 nothing is drawn.
 ///
-/// `roughness` 1 of what is no metal is Lambert's matte surface. All else reflects lights as glTF 2.0 says (appendix
-/// B): reflectance at normal incidence 0.04, and base colour with the metallic share; what is metal has no diffuse
-/// part. Ambient light is the same from all around, so a surface shows base colour x ambient, metal or not: see
-/// effects/metallic_roughness.cpp.
+/// A non-metallic surface of `roughness` 1 is a Lambertian surface. Every other surface reflects lights as glTF 2.0
+/// specifies (appendix B): the reflectance at normal incidence is 0.04, mixed with the base colour by the metallic
+/// share; a metal has no diffuse part. Ambient light is the same from all directions, so a surface shows base colour x
+/// ambient, metallic or not: see effects/scene/metallic_roughness.cpp.
 ///
-/// For lasers only: a share `mirror` of the light is reflected as by a mirror, and of the rest a share `transmission`
-/// meets a thin pane of glass, coloured by the base colour. See effects/specular_path.h.
+/// For lasers only: a share `mirror` of the light is reflected as by a mirror. Of the rest, a share `transmission`
+/// enters a thin pane of glass that is tinted by the base colour. See effects/scanner/specular_path.h.
 struct Material {
-  std::string name;
-  glm::vec4 base_color{1, 1, 1, 1};  ///< linear RGBA, multiplies texture and vertex colour
-  glm::vec3 emissive{0, 0, 0};       ///< linear radiance added to what is reflected
-  AlphaMode alpha_mode = AlphaMode::opaque;
-  float alpha_cutoff = 0.5f;
-  float opacity = 1;          ///< [0, 1]
-  float roughness = 1;        ///< [0, 1], the square root of the GGX distribution's alpha
-  float metallic = 0;         ///< [0, 1]
-  bool unlit = false;         ///< shows the base colour as it is
-  bool double_sided = false;  ///< cameras draw back faces only of double-sided materials; scanners meet both sides
-  std::optional<float> reflectance{};  ///< [0, 1], of a laser's light; unset: the mean of the base colour
-  float retro_reflectance = 0;         ///< gain of a retro-reflector, where white and matte is 1; 0: it is none
+  std::string name;                          ///< for messages; need not be unique
+  glm::vec4 base_color{1, 1, 1, 1};          ///< linear RGBA, multiplies texture and vertex colour
+  glm::vec3 emissive{0, 0, 0};               ///< linear radiance added to reflected light
+  AlphaMode alpha_mode = AlphaMode::opaque;  ///< how alpha is used
+  float alpha_cutoff = 0.5f;                 ///< `mask`: smallest alpha that is drawn
+  float opacity = 1;                         ///< [0, 1]
+  float roughness = 1;                       ///< [0, 1], the square root of the GGX distribution's alpha
+  float metallic = 0;                        ///< [0, 1]
+  bool unlit = false;                        ///< shows the base colour without lighting
+  bool double_sided = false;  ///< cameras draw back faces only of double-sided materials; scanners hit both sides
+  std::optional<float> reflectance{};  ///< [0, 1], for laser light; unset: the mean of the base colour
+  float retro_reflectance = 0;         ///< gain of a retro-reflector relative to a white matte surface; 0: none
   std::shared_ptr<const Texture> base_color_texture;  ///< may be null
-  int uv_set = 0;                                     ///< 0 or 1
+  int uv_set = 0;                                     ///< of the base colour texture, 0 or 1
   glm::mat3x2 uv_transform{1, 0, 0, 1, 0, 0};         ///< columns; texture uv = uv_transform * (u, v, 1)
-  std::array<SurfaceMap, kMapKinds> maps{};           ///< by MapKind; shown in colour only
+  std::array<SurfaceMap, kMapKinds> maps{};           ///< by MapKind; they affect colour only
   float normal_scale = 1;                             ///< factor of the normal map's x and y
-  float occlusion_strength = 1;                       ///< [0, 1], how much of the occlusion map counts
-  float mirror = 0, transmission = 0;                 ///< [0, 1], for lasers
+  float occlusion_strength = 1;                       ///< [0, 1], weight of the occlusion map
+  float mirror = 0,                                   ///< [0, 1], for lasers: share reflected as by a mirror
+      transmission = 0;                               ///< [0, 1], for lasers: share of the rest that enters the glass
   float refractive_index = 1.5f;                      ///< of a pane of glass, above 0
 
-  const SurfaceMap& map(MapKind kind) const { return maps[static_cast<std::size_t>(kind)]; }
-  SurfaceMap& map(MapKind kind) { return maps[static_cast<std::size_t>(kind)]; }
+  const SurfaceMap& map(MapKind kind) const { return maps[static_cast<std::size_t>(kind)]; }  ///< the map of a kind
+  SurfaceMap& map(MapKind kind) { return maps[static_cast<std::size_t>(kind)]; }              ///< the map of a kind
 
-  bool operator==(const Material&) const = default;
+  bool operator==(const Material&) const = default;  ///< member by member; textures by identity
 };
 
 }  // namespace simvis

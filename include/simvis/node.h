@@ -1,7 +1,7 @@
-// The nodes of the scene graph. Traversal is ordered and carries state: a Transform or MaterialNode holds for the
-// siblings after it and, leaving a Group, goes on; a Separator saves the state and restores it.
+// The nodes of the scene graph. Traversal is ordered and carries state: a Transform or a MaterialNode applies to the
+// siblings after it and, beyond the end of a Group, to what follows; a Separator saves the state and restores it.
 //
-// A node may stand under several parents: it is then drawn once per path. The graph has no cycles (flattening throws).
+// A node may have several parents; it is then drawn once per path. The graph has no cycles (flattening throws).
 #pragma once
 
 #include <cstdint>
@@ -19,144 +19,160 @@ namespace simvis {
 
 class Node;
 class Group;
+/// Shared ownership of a node.
 using NodePtr = std::shared_ptr<Node>;
+/// Shared ownership of a group.
 using GroupPtr = std::shared_ptr<Group>;
 
-/// Hears that a node it has visited changed. Implemented by Flattener.
+/// Observes changes of the nodes that it is attached to. Implemented by Flattener.
 class NodeObserver {
  public:
   virtual ~NodeObserver() = default;
-  /// A transform, a light, the environment, the medium, or a material or mesh that has a slot of its own.
+  /// A transform, a light, the environment, the medium, or a material or mesh with a slot of its own has changed.
   virtual void content_changed(Node& node) = 0;
-  virtual void structure_changed() = 0;  ///< children, a switch, what is visible, which material or mesh
+  /// Children, a switch, a visibility, or the identity of a material or mesh has changed.
+  virtual void structure_changed() = 0;
 };
 
+/// The class of a node.
 enum class NodeKind : std::uint8_t {
-  group,
-  separator,
-  visual,
-  switch_,
-  transform,
-  material,
-  visibility,
-  shape,
-  light,
-  environment,
-  insertion_point,
-  mount,
-  medium
+  group,            ///< Group
+  separator,        ///< Separator
+  visual,           ///< VisualSeparator
+  switch_,          ///< Switch
+  transform,        ///< Transform
+  material,         ///< MaterialNode
+  visibility,       ///< Visibility
+  shape,            ///< Shape
+  light,            ///< LightNode
+  environment,      ///< EnvironmentNode
+  insertion_point,  ///< InsertionPoint
+  mount,            ///< Mount
+  medium            ///< MediumNode
 };
 
+/// Base of all nodes.
+///
+/// Errors    functions of nodes throw nothing of their own; a violated precondition asserts.
+/// Lifetime  references that getters return are valid until the node changes or is destroyed.
+/// Threads   one thread at a time uses a graph.
 class Node {
  public:
   virtual ~Node() = default;
   Node(const Node&) = delete;
   Node& operator=(const Node&) = delete;
 
-  NodeKind kind() const { return kind_; }
+  NodeKind kind() const { return kind_; }  ///< the node's class
 
   std::string name;  ///< for people; need not be unique
 
+  /// Reports changes to `observer` until it is detached. The observer must outlive that time.
   void attach(NodeObserver& observer);
-  void detach(NodeObserver& observer);
+  void detach(NodeObserver& observer);  ///< ends reports to `observer`
 
  protected:
-  explicit Node(NodeKind kind) : kind_(kind) {}
-  void tell_content_changed();
-  void tell_structure_changed();
+  explicit Node(NodeKind kind) : kind_(kind) {}  ///< for derived classes
+  void tell_content_changed();                   ///< calls content_changed() of all observers
+  void tell_structure_changed();                 ///< calls structure_changed() of all observers
 
  private:
   NodeKind kind_;
   std::vector<NodeObserver*> observers_;
 };
 
-/// Children in order; the state that they leave behind goes on to what follows.
+/// A list of children in order. The state after the last child carries over to what follows the group.
 class Group : public Node {
  public:
-  Group() : Group(NodeKind::group) {}
-  ~Group() override;  ///< takes a graph of any depth apart without recursion
+  Group() : Group(NodeKind::group) {}  ///< without children
+  ~Group() override;                   ///< destroys a graph of any depth without recursion
 
-  const std::vector<NodePtr>& children() const { return children_; }
-  void add(NodePtr child);
-  /// Before `where`, which must be a child.
+  const std::vector<NodePtr>& children() const { return children_; }  ///< in traversal order
+  void add(NodePtr child);                                            ///< appends a child, which is not null
+  /// Inserts a child before `where`, which must be a child.
   void insert_before(const Node& where, NodePtr child);
-  /// `child` must be a child.
+  /// Removes `child`, which must be a child.
   void remove(const Node& child);
 
  protected:
-  explicit Group(NodeKind kind) : Node(kind) {}
+  explicit Group(NodeKind kind) : Node(kind) {}  ///< for derived classes
 
  private:
   std::vector<NodePtr> children_;
 };
 
-/// A group that restores the traversal state when it ends.
+/// A group that restores the traversal state at its end.
 class Separator : public Group {
  public:
-  Separator() : Group(NodeKind::separator) {}
+  Separator() : Group(NodeKind::separator) {}  ///< without children
 };
 
-/// A separator whose content is drawn only for people: flatteners for sensors pass it by, as if it were not there.
+/// A separator whose content is drawn for people only: flatteners for sensors skip it.
 class VisualSeparator : public Group {
  public:
-  VisualSeparator() : Group(NodeKind::visual) {}
+  VisualSeparator() : Group(NodeKind::visual) {}  ///< without children
 };
 
-/// A group of which one child, all or none are traversed.
+/// A group of which one child, all children or none are traversed.
 class Switch : public Group {
  public:
-  static constexpr int kAll = -1, kNone = -2;
-  Switch() : Group(NodeKind::switch_) {}
-  int which() const { return which_; }
-  void set_which(int which);  ///< an index of a child, kAll or kNone
+  static constexpr int kAll = -1,         ///< all children are traversed
+      kNone = -2;                         ///< no child is traversed
+  Switch() : Group(NodeKind::switch_) {}  ///< without children; which() is kAll
+  int which() const { return which_; }    ///< index of the traversed child, kAll or kNone
+  void set_which(int which);              ///< an index of a child, kAll or kNone
 
  private:
   int which_ = kAll;
 };
 
-/// Moves what follows: parent_from_child.
+/// A transform of what follows: parent_from_child.
 class Transform : public Node {
  public:
-  Transform() : Node(NodeKind::transform) {}
+  Transform() : Node(NodeKind::transform) {}  ///< the identity
+  /// `matrix` is parent_from_child; every value is finite.
   explicit Transform(const glm::dmat4& matrix) : Node(NodeKind::transform), matrix_(matrix) {}
-  const glm::dmat4& matrix() const { return matrix_; }
-  void set_matrix(const glm::dmat4& matrix);  ///< every value finite; an equal matrix is no change
+  const glm::dmat4& matrix() const { return matrix_; }  ///< parent_from_child
+  void set_matrix(const glm::dmat4& matrix);            ///< every value is finite; an equal matrix is no change
 
  private:
   glm::dmat4 matrix_{1.0};
 };
 
-/// What somebody makes of a material that is not theirs. Changes by several add up in any order to the same; of what
-/// stands for the material's own, the last counts.
+/// A change that an element applies to a material which it does not own. Factors and shares of several changes combine
+/// in any order to the same result; of values that replace the material's own, the last one applies.
 struct MaterialChange {
-  glm::vec3 color{1};                ///< factor of the base colour
-  float opacity = 1, roughness = 1;  ///< factors
-  glm::vec3 emission{0};             ///< linear radiance, added
+  glm::vec3 color{1};     ///< factor of the base colour
+  float opacity = 1,      ///< factor of the opacity
+      roughness = 1;      ///< factor of the roughness
+  glm::vec3 emission{0};  ///< linear radiance, added
 
-  float mirror = 0, transmission = 0;                       ///< this share of what is not yet it becomes it
-  float refractive_index = 1;                               ///< factor
-  std::optional<float> reflectance{}, retro_reflectance{};  ///< of a laser's light: stand for the material's
+  float mirror = 0,                    ///< turns this share of what is not yet mirror into mirror
+      transmission = 0;                ///< turns this share of what does not yet transmit into transmission
+  float refractive_index = 1;          ///< factor of the refractive index
+  std::optional<float> reflectance{},  ///< replaces the material's reflectance of laser light
+      retro_reflectance{};             ///< replaces the material's retro-reflectance of laser light
 
-  bool operator==(const MaterialChange&) const = default;
+  bool operator==(const MaterialChange&) const = default;  ///< member by member
 };
 
-/// The material of the shapes that follow. Several nodes may share one material, and one node may stand in many places.
-/// A node whose material was ever set anew, or that somebody may change, has a slot of its own in the DrawList, so that
-/// a change writes just that.
+/// The material of the shapes that follow. Several nodes may share one material, and one node may have many parents.
+/// A node whose material was ever replaced, or that has room for changes, has a slot of its own in the DrawList, so
+/// that a change rewrites this slot only.
 class MaterialNode : public Node {
  public:
+  /// `material` is not null.
   explicit MaterialNode(std::shared_ptr<const Material> material)
       : Node(NodeKind::material), material_(std::move(material)), shown_(material_) {}
-  const std::shared_ptr<const Material>& material() const { return material_; }
-  void set_material(std::shared_ptr<const Material> material);
-  bool has_own_slot() const { return has_own_slot_ || !changes_.empty(); }
+  const std::shared_ptr<const Material>& material() const { return material_; }  ///< without changes
+  void set_material(std::shared_ptr<const Material> material);                   ///< replaces it; not null
+  bool has_own_slot() const { return has_own_slot_ || !changes_.empty(); }       ///< in the DrawList
 
-  /// Room for one more change, which changes nothing yet; gives its number.
+  /// Makes room for one more change, which has no effect yet, and returns its number.
   std::size_t add_change();
-  void remove_last_change();
-  void set_change(std::size_t number, const MaterialChange& change);
+  void remove_last_change();                                          ///< there must be one
+  void set_change(std::size_t number, const MaterialChange& change);  ///< `number` comes from add_change()
 
-  /// The material with its changes.
+  /// The material with its changes applied.
   const std::shared_ptr<const Material>& shown() const { return shown_; }
 
  private:
@@ -166,44 +182,46 @@ class MaterialNode : public Node {
   bool has_own_slot_ = false;
 };
 
-/// Whether the shapes and lights that follow are there. What is hidden once stays so for all below: a visible node
-/// within something hidden shows nothing. Mounts are reached all the same.
+/// Whether the shapes and lights that follow are visible. Hidden content cannot become visible again further down: a
+/// visible node within hidden content shows nothing. Mounts are reached in any case.
 class Visibility : public Node {
  public:
-  Visibility() : Node(NodeKind::visibility) {}
-  bool visible() const { return visible_; }
-  void set_visible(bool visible);
+  Visibility() : Node(NodeKind::visibility) {}  ///< visible
+  bool visible() const { return visible_; }     ///< whether this node lets content be visible
+  void set_visible(bool visible);               ///< an equal value is no change
 
  private:
   bool visible_ = true;
 };
 
-/// A mesh to draw, in the material in force (where there is none: a white, opaque one).
-/// A node whose mesh was ever set anew has a slot of its own in the DrawList, so that a change writes just that.
+/// A mesh that is drawn with the current material (a white, opaque one if there is none).
+/// A node whose mesh was ever replaced has a slot of its own in the DrawList, so that a change rewrites this slot only.
 class Shape : public Node {
  public:
+  /// `mesh` is not null.
   explicit Shape(std::shared_ptr<const Mesh> mesh) : Node(NodeKind::shape), mesh_(std::move(mesh)) {}
-  const std::shared_ptr<const Mesh>& mesh() const { return mesh_; }
-  void set_mesh(std::shared_ptr<const Mesh> mesh);
-  bool has_own_slot() const { return has_own_slot_; }
+  const std::shared_ptr<const Mesh>& mesh() const { return mesh_; }  ///< what is drawn
+  void set_mesh(std::shared_ptr<const Mesh> mesh);                   ///< replaces it; not null
+  bool has_own_slot() const { return has_own_slot_; }                ///< in the DrawList
 
  private:
   std::shared_ptr<const Mesh> mesh_;
   bool has_own_slot_ = false;
 };
 
-/// A light at the place where it stands. It lights the whole scene, wherever it hangs.
+/// A light in the frame of the current transform. It lights the whole scene, whatever its place in the graph.
 class LightNode : public Node {
  public:
+  /// `light` in the node's frame.
   explicit LightNode(const Light& light) : Node(NodeKind::light), light_(light) {}
-  const Light& light() const { return light_; }
-  void set_light(const Light& light);
+  const Light& light() const { return light_; }  ///< without the tint
+  void set_light(const Light& light);            ///< an equal light is no change
 
-  /// Linear RGB by which the light's colour is multiplied: for who changes its colour but does not own the light.
+  /// Linear RGB factor of the light's colour. An element that does not own the light changes its colour with this.
   const glm::vec3& tint() const { return tint_; }
-  void set_tint(const glm::vec3& tint);
+  void set_tint(const glm::vec3& tint);  ///< an equal tint is no change
 
-  /// The light in its tint.
+  /// The light with its tint applied.
   Light shown() const;
 
  private:
@@ -211,41 +229,43 @@ class LightNode : public Node {
   glm::vec3 tint_{1};
 };
 
-/// What surrounds the scene. Of several, the last in order of traversal counts.
+/// The surroundings of the scene. If there are several, the last in order of traversal applies.
 class EnvironmentNode : public Node {
  public:
+  /// Holds a copy of `environment`.
   explicit EnvironmentNode(const Environment& environment) : Node(NodeKind::environment), environment_(environment) {}
-  const Environment& environment() const { return environment_; }
-  void set_environment(const Environment& environment);
+  const Environment& environment() const { return environment_; }  ///< the surroundings
+  void set_environment(const Environment& environment);            ///< an equal value is no change
 
  private:
   Environment environment_;
 };
 
-/// What fills the air everywhere. Of several, the last in order of traversal counts.
+/// The medium that fills the air everywhere. If there are several, the last in order of traversal applies.
 class MediumNode : public Node {
  public:
+  /// Holds a copy of `medium`.
   explicit MediumNode(const Medium& medium) : Node(NodeKind::medium), medium_(medium) {}
-  const Medium& medium() const { return medium_; }
-  void set_medium(const Medium& medium);
+  const Medium& medium() const { return medium_; }  ///< the medium
+  void set_medium(const Medium& medium);            ///< an equal value is no change
 
  private:
   Medium medium_;
 };
 
-/// A named leaf that draws nothing: new content goes right before it.
+/// A named leaf that draws nothing: new content is inserted right before it.
 class InsertionPoint : public Node {
  public:
-  InsertionPoint() : Node(NodeKind::insertion_point) {}
+  InsertionPoint() : Node(NodeKind::insertion_point) {}  ///< without a name
 };
 
-/// A place in the graph whose pose in the world somebody asks for: a camera, a sensor.
+/// A place in the graph whose pose in the world can be queried: a camera, a sensor.
 class Mount : public Node {
  public:
-  Mount() : Node(NodeKind::mount) {}
+  Mount() : Node(NodeKind::mount) {}  ///< without a name
 };
 
-/// From the nodes of a graph to those of its copy.
+/// Maps the nodes of a graph to the nodes of its copy.
 using NodeMap = std::unordered_map<const Node*, NodePtr>;
 
 }  // namespace simvis

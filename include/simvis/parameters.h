@@ -1,4 +1,4 @@
-// The four arrays through which everybody reads and writes a running scene: element descriptors, parameter values,
+// The four arrays through which programs read and write a running scene: element descriptors, parameter values,
 // the change request log and the change log.
 #pragma once
 
@@ -15,42 +15,53 @@ namespace simvis {
 
 /// One element and its parameters: values[first_value + i] belongs to parameters[i].
 struct ElementDescriptor {
-  std::string name, type, insertion_point;
+  std::string name,                       ///< the element's name
+      type,                               ///< its type
+      insertion_point;                    ///< where it was inserted
   std::vector<AttributeSpec> parameters;  ///< the live rows of the type's table, with this element's own limits
-  std::size_t first_value = 0;
+  std::size_t first_value = 0;            ///< index of its first value in Parameters::values()
 };
 
-/// Units    those of each element's table: metres, degrees.
-/// Errors   InputError; a value that is refused leaves the old one in place.
+/// The parameters of all elements of a scene, and the logs of its changes.
+///
+/// Units     those of each element's table: metres, degrees.
+/// Errors    InputError. A value that is refused leaves the old one in place.
+/// Lifetime  returned references and spans are valid until an element is added or removed (see Simulation::execute()).
+/// Threads   as the simulation: one thread at a time.
 class Parameters {
  public:
-  const std::vector<ElementDescriptor>& elements() const { return elements_; }
+  const std::vector<ElementDescriptor>& elements() const {
+    return elements_;
+  }  ///< in the order in which they were made
   /// All values of all elements, in one vector.
   std::span<const double> values() const { return values_; }
-  /// Commands that somebody asked for, in order.
+  /// The texts of commands that were requested, in order, including refused ones.
   const std::vector<std::string>& change_requests() const { return change_requests_; }
-  /// Commands that were executed, in order, as they could stand in a scene file.
+  /// Commands that were executed, in order, in the form of a scene file.
   const std::vector<std::string>& changes() const { return changes_; }
 
-  /// The index in values() of a parameter. Throws InputError: unknown element or parameter, nearest name suggested.
+  /// The index of a parameter in values(). Throws InputError for an unknown element or parameter; the nearest name is
+  /// suggested.
   std::size_t index(std::string_view element, std::string_view parameter) const;
-  /// Throws InputError, naming ELEMENT.PARAM, the value and what is allowed, when it is not finite or out of range.
+  /// Sets a value. Throws InputError if there is no such index, or if the value is not finite or out of range; the
+  /// message then says ELEMENT.PARAM, the value and what is allowed.
   void set(std::size_t index, double value);
-  /// What the parameter allows: unit and limits of this element's own.
+  /// Unit and limits of the parameter, as this element allows them. Throws InputError if there is no such index.
   const AttributeSpec& spec(std::size_t index) const;
-  /// "ELEMENT.PARAM"
+  /// "ELEMENT.PARAM". Throws InputError if there is no such index.
   std::string name(std::size_t index) const;
 
-  /// `values` are legal and as many as the descriptor's parameters; `first_value` is set here. Counts as no change.
+  /// Adds an element. `values` are within the limits, and as many as the descriptor's parameters; `first_value` is set
+  /// here. The new element is not marked as changed.
   void add_element(ElementDescriptor descriptor, std::span<const double> values);
-  /// Takes back the last add_element().
+  /// Reverts the last add_element().
   void remove_last_element();
-  void log_request(std::string command) { change_requests_.push_back(std::move(command)); }
-  void log_change(std::string command) { changes_.push_back(std::move(command)); }
-  /// Takes back the last log_change().
+  void log_request(std::string command) { change_requests_.push_back(std::move(command)); }  ///< appends a request
+  void log_change(std::string command) { changes_.push_back(std::move(command)); }           ///< appends a change
+  /// Reverts the last log_change().
   void remove_last_change() { changes_.pop_back(); }
 
-  /// Indices into elements() of those with a changed value since the last call, ascending.
+  /// Indices into elements() of the elements whose values changed since the last call, ascending.
   std::vector<std::size_t> drain_changed_elements();
 
  private:

@@ -1,4 +1,4 @@
-// Random numbers that depend on what they are for, never on who asked before.
+// Counter-based random numbers: a number depends on its purpose only, never on the order of calls.
 #pragma once
 
 #include <array>
@@ -8,23 +8,25 @@
 namespace simvis {
 
 /// Philox 4x32 with ten rounds: Salmon, Moraes, Dror, Shaw, "Parallel Random Numbers: As Easy as 1, 2, 3", SC 2011.
-/// A bijection of the counter for each key; any two counters or keys, however alike, give unrelated numbers.
+/// A bijection of the counter for each key. Any two counters or keys give unrelated numbers, however similar they are.
 std::array<std::uint32_t, 4> philox4x32_10(std::array<std::uint32_t, 4> counter, std::array<std::uint32_t, 2> key);
 
 /// The random numbers of one sensor in one run.
 ///
-/// A number is named by the frame, the element (a beam, a pixel; 0 where there is one) and the draw (which of several
-/// numbers for the same element). So the other sensors of a scene, the frames that were left out and the order of
-/// calls change nothing.
+/// A number is identified by the frame, the element (a beam, a pixel; 0 if there is one only) and the draw (which of
+/// several numbers for the same element). Other sensors of the scene, skipped frames and the order of calls therefore
+/// change nothing.
+///
+/// Threads  any number at a time.
 class SensorRandom {
  public:
   /// The key is the seed, mixed with the 64-bit FNV-1a hash of the sensor's name.
   SensorRandom(std::uint64_t seed, std::string_view sensor);
 
-  /// Evenly distributed in [0, 1), a multiple of 2^-53.
+  /// Uniformly distributed in [0, 1), a multiple of 2^-53.
   double uniform(std::uint64_t frame, std::uint32_t element, std::uint32_t draw) const;
 
-  /// Normally distributed, mean 0, standard deviation 1; at most 8.6 in size.
+  /// Normally distributed with mean 0 and standard deviation 1; the absolute value is at most 8.6.
   double gaussian(std::uint64_t frame, std::uint32_t element, std::uint32_t draw) const;
 
  private:

@@ -1,37 +1,43 @@
-// Poses as people write them, and the matrices that they stand for.
+// Poses as written in scene files, and their matrices.
 #pragma once
 
 #include <glm/glm.hpp>
 
 namespace simvis {
 
-/// Positions farther out than this are refused, so that no chain of them overflows.
+/// The largest absolute coordinate that is accepted. The limit prevents overflow in chains of poses.
 inline constexpr double kMaxCoordinate_m = 1e15;
 
-/// x forward, y left, z up (REP 103); R = Rz(yaw) Ry(pitch) Rx(roll).
+/// A position and an orientation: x forward, y left, z up (REP 103); R = Rz(yaw) Ry(pitch) Rx(roll).
 struct Pose {
-  glm::dvec3 position_m{0};
-  double roll_rad = 0, pitch_rad = 0, yaw_rad = 0;
+  glm::dvec3 position_m{0};  ///< in the parent's frame
+  double roll_rad = 0,       ///< rotation about x
+      pitch_rad = 0,         ///< rotation about y
+      yaw_rad = 0;           ///< rotation about z
 };
 
-/// parent_from_child.
+/// The matrix parent_from_child of a pose.
 glm::dmat4 to_matrix(const Pose& pose);
 
-/// The same from angles in degrees, as people write them; so a quarter turn is one, to the last bit. See sincos_deg().
+/// The matrix parent_from_child of a pose whose angles are in degrees, as in scene files. Multiples of 90 degrees give
+/// exact rotations, see sincos_deg().
 glm::dmat4 matrix_from_degrees(const glm::dvec3& position_m, double roll_deg, double pitch_deg, double yaw_deg);
 
+/// Sine and cosine of one angle.
 struct SinCos {
-  double sin, cos;
+  double sin,  ///< sine
+      cos;     ///< cosine
 };
 
 /// Sine and cosine of a finite angle in degrees. Angles of any size are reduced exactly; multiples of 90 degrees give
 /// exactly 0, 1 or -1.
 SinCos sincos_deg(double angle_deg);
 
-/// The inverse of a matrix that only turns and moves.
+/// The inverse of a rigid matrix (rotation and translation only).
 glm::dmat4 rigid_inverse(const glm::dmat4& m);
 
-/// sensor_from_view of a camera that looks along +x of its sensor frame: the view frame is x right, y down, z forward.
+/// The matrix sensor_from_view of a camera that looks along +x of its sensor frame; the view frame is x right, y down,
+/// z forward. The reference is always valid.
 const glm::dmat4& sensor_from_view();
 
 }  // namespace simvis

@@ -1,4 +1,4 @@
-// How far work is that is done once and may take long.
+// Progress reports of long one-time work.
 #pragma once
 
 #include <cstdint>
@@ -7,12 +7,17 @@
 
 namespace simvis {
 
+/// How far a piece of work is.
 struct Progress {
-  std::string_view work;              ///< for people: "reading parts"; static text
-  std::uint64_t done = 0, total = 0;  ///< of the work, in units of its own; done <= total, total > 0
+  std::string_view work;   ///< for people: "reading parts"; static text
+  std::uint64_t done = 0,  ///< finished amount, in units of the work; at most `total`
+      total = 0;           ///< whole amount, above 0
 };
 
-/// Called between two pieces of the work, in the thread that does it. What it throws ends the work.
+/// Called between two steps of the work.
+///
+/// Errors   an exception that it throws ends the work.
+/// Threads  called in the thread that does the work.
 using ProgressCallback = std::function<void(const Progress&)>;
 
 }  // namespace simvis

@@ -1,17 +1,18 @@
-// Effects on what a laser scanner measures.
+// Effects on the measurement of a laser scanner.
 //
-// A scan goes through stages, and an effect takes part in any of them:
+// A scan passes through stages, and an effect may take part in any of them:
 //
-//   aim      rays as they leave: turned, moved, split
-//   meet     what a ray meets: how much comes back, and which rays go onward
-//   receive  the echoes of a beam: weakened, added, dropped
-//            then those that overlap become one, see effects/returns.h
-//   detect   which of them the scanner reports
-//   finish   the scan as a whole: noise, rounding, columns
+//   aim      rays at their origin: turned, moved, split
+//   meet     a ray hits a surface: how much light returns, and which rays continue
+//   receive  the echoes of a beam: attenuated, added, dropped;
+//            echoes that overlap are merged afterwards, see effects/scanner/returns.h
+//   detect   selects the echo that the scanner reports
+//   finish   the whole scan: noise, rounding, columns
 //
 // Without an effect that traces, beams are measured by the scanner's method, and only finish() is called. Otherwise
-// every beam is cast, see sensors/traced_scan.h. An effect whose source is in the scene (fog, mirrors) takes part in
-// the frames whose draw list has it: whatever the scanner's method, its beams are then cast, and the plan says why.
+// every beam is cast, see sensors/laser_scanner/traced_scan.h. An effect whose source is in the scene (fog, mirrors) is
+// active in the frames whose draw list contains the source: the beams of these frames are cast, whatever the scanner's
+// method, and the plan states the reason.
 #pragma once
 
 #include <cstdint>
@@ -32,44 +33,50 @@
 
 namespace simvis {
 
-/// Where a sensor stood when it measured before.
+/// The pose of a sensor at its previous measurement.
 struct PastPose {
-  std::int64_t time_ns = 0;
-  glm::dmat4 world_from_sensor{1.0};
+  std::int64_t time_ns = 0;           ///< simulated time of that measurement
+  glm::dmat4 world_from_sensor{1.0};  ///< rigid
 };
 
 /// The scan that is being taken.
 struct ScanContext {
-  FrameTime time;
+  FrameTime time;                     ///< of the frame
   glm::dmat4 world_from_sensor{1.0};  ///< rigid, at time.time_ns, the end of the sweep
   std::optional<PastPose> before{};   ///< empty at the sensor's first measurement
-  std::uint32_t rings = 0, columns = 0;
-  double range_max_m = 0;
-  Medium medium{};  ///< what fills the air
+  std::uint32_t rings = 0,            ///< of the scan
+      columns = 0;                    ///< beams per ring
+  double range_max_m = 0;             ///< largest range that is reported
+  Medium medium{};                    ///< the medium that fills the air
 };
 
-/// A ray on its way. Frame S: of the sensor at the end of the sweep.
+/// A ray on its path. Frame S: of the sensor at the end of the sweep.
 struct BeamRay {
   std::uint32_t beam = 0;         ///< [ring * columns + column]
   glm::dvec3 origin_m{0};         ///< S
   glm::dvec3 direction{1, 0, 0};  ///< S, unit length
-  double share = 1;               ///< of the beam's energy that it carries
-  double travelled_m = 0;         ///< before its origin: 0 as it leaves the scanner
-  double error_m = 0;             ///< by how much that may be off
-  double origin_error_m = 0;      ///< by how much its origin may be off, across the way too
-  double error_rad = 0;           ///< by how much its direction may be off
-  double t_min_m = 0;             ///< what it meets at or before this range from its origin it passes
-  std::uint32_t turns = 0;        ///< how often it was turned or let through since it left
+  double share = 1;               ///< share of the beam's energy that it carries
+  double travelled_m = 0;         ///< length of the path before its origin: 0 when it leaves the scanner
+  double error_m = 0;             ///< error bound of travelled_m
+  double origin_error_m = 0;      ///< error bound of its origin, in any direction
+  double error_rad = 0;           ///< error bound of its direction
+  double t_min_m = 0;             ///< surfaces at or before this range from its origin are ignored
+  std::uint32_t turns = 0;        ///< number of reflections and transmissions since it left the scanner
 };
 
-/// What comes back along a beam from one place.
+/// The light that returns along a beam from one place.
 struct Echo {
-  double range_m = std::numeric_limits<double>::infinity();  ///< along the path, one way; +infinity: nothing
-  double error_bound_m = 0;                                  ///< of range_m, of surfaces and paths without noise
-  double power = 0;  ///< share x reflectance x cosine / range^2, in 1/m^2: a white matte wall at 1 m, square on, is 1
-  std::uint32_t returns = 0;  ///< among how many it was detected, where a receiver counts them
+  double range_m = std::numeric_limits<double>::infinity();  ///< along the path, one way; +infinity: no echo
+  double error_bound_m = 0;                                  ///< of range_m; covers surfaces and paths, not noise
+  /// share x reflectance x cosine / range^2, in 1/m^2: a white matte wall at 1 m at normal incidence gives 1.
+  double power = 0;
+  std::uint32_t returns = 0;  ///< number of echoes among which it was detected, if a receiver counts them
 };
 
+/// One effect of one laser scanner. It holds the effect's settings and no state of the frame.
+///
+/// Threads  calls for one scanner come from one thread at a time. Scanners of several simulations may be used in
+///          several threads at once.
 class ScanEffect {
  public:
   virtual ~ScanEffect() = default;
@@ -77,78 +84,98 @@ class ScanEffect {
   /// Whether beams have to be followed one by one.
   virtual bool traces() const { return false; }
 
-  /// Whether it has a say only where another effect has beams followed.
+  /// Whether it applies only if another effect traces beams.
   virtual bool only_traced() const { return false; }
 
-  /// Whether it asks for ScanContext::before.
+  /// Whether it needs ScanContext::before.
   virtual bool uses_previous_pose() const { return false; }
 
-  /// Into how many rays aim() splits each.
+  /// The number of rays into which aim() splits each ray.
   virtual std::uint32_t rays_per_ray() const { return 1; }
 
-  /// `rays` come with one ray per beam, in order; later effects get what earlier ones made of them.
+  /// Changes the rays at their origin. The first effect gets one ray per beam, in order; each later effect gets the
+  /// result of the effects before it.
   virtual void aim(const ScanContext&, std::vector<BeamRay>&) const {}
 
-  /// `echo` is what a matte surface returns; with an infinite range none comes back. Rays added to `onward` are
-  /// followed as well.
+  /// Handles a hit. `echo` is what a matte surface returns; an infinite range means that no echo returns. Rays added to
+  /// `onward` are followed too.
   virtual void meet(const ScanContext&, const BeamRay&, const SurfacePoint&, Echo&,
                     std::vector<BeamRay>& /*onward*/) const {}
 
-  /// `echoes` of one beam by range, as they have to stay; without an echo: empty.
+  /// Changes the echoes of one beam. `echoes` are sorted by range and must stay sorted; empty: there is no echo.
   virtual void receive(const ScanContext&, std::uint32_t /*beam*/, std::vector<Echo>& /*echoes*/) const {}
 
-  /// How far apart echoes have to be for the receiver to tell them apart; empty: leaves that to others.
+  /// The distance below which the receiver cannot separate two echoes; empty: this effect does not decide.
   virtual std::optional<double> pulse_length_m() const { return {}; }
 
-  /// Takes one of the echoes, by range, or makes one of several; false: leaves that to others.
+  /// Selects one of the echoes, which are sorted by range, or combines several into one. Returns false if this effect
+  /// does not decide.
   virtual bool detect(const ScanContext&, std::uint32_t /*beam*/, std::span<const Echo>, Echo& /*detected*/) const {
     return false;
   }
 
-  /// `detected` by beam as the scan; empty unless beams were traced. A range that is 0 or infinite stays so.
+  /// Changes the whole scan. `detected` has the shape of the scan; it is empty unless beams were traced. A range that
+  /// is 0 or infinite must stay so.
   virtual void finish(const ScanContext&, std::span<const Echo> /*detected*/, Scan&) const {}
 };
 
-/// In which order effects are called at each stage; those of one place by their names.
-enum class ScanOrder : std::uint8_t { direction, pose, spread, path, medium, detection, disturbance, rounding };
+/// The order in which effects are called at each stage. Effects with the same value are called in the order of their
+/// names.
+enum class ScanOrder : std::uint8_t {
+  direction,    ///< errors of beam directions
+  pose,         ///< motion of the scanner during the sweep
+  spread,       ///< divergence of beams
+  path,         ///< mirrors, glass and retro-reflectors
+  medium,       ///< fog, rain, dust
+  detection,    ///< selection of echoes
+  disturbance,  ///< noise and loss of ranges
+  rounding      ///< resolution of ranges, and what is computed last
+};
 
-/// What an effect is made of.
+/// What an effect's `create` function gets. It is valid during that call only.
 struct ScanEffectContext {
-  const AttributeValues& attributes;
-  std::uint32_t rings = 0, columns = 0;
-  std::uint64_t seed = 0;
-  std::string sensor;
+  const AttributeValues& attributes;  ///< of the sensor's command
+  std::uint32_t rings = 0,            ///< of the scan
+      columns = 0;                    ///< beams per ring
+  std::uint64_t seed = 0;             ///< of all random numbers of the run
+  std::string sensor;                 ///< the sensor's name
 
-  /// The numbers of one effect of this sensor, unrelated to those of its others.
+  /// The random numbers of one effect of this sensor. They are independent of those of its other effects.
   SensorRandom random(std::string_view effect) const { return {seed, sensor + '/' + std::string(effect)}; }
 };
 
-/// Whether the scene calls for an effect. Of the list it looks at items, materials and the medium alone.
+/// Decides whether the scene contains the source of an effect. It may read the items, the materials and the medium of
+/// the list, and nothing else.
 using CalledFor = bool (*)(const DrawList& list);
 
+/// The description of a scan effect for the catalogue.
 struct ScanEffectType {
-  EffectType type;  ///< its `sensors` are "laser_scanner"
-  ScanOrder order = ScanOrder::disturbance;
-  /// Null where the sensor's attributes do not call for it.
+  EffectType type;                           ///< its `sensors` are "laser_scanner"
+  ScanOrder order = ScanOrder::disturbance;  ///< when it is called
+  /// Returns null if the sensor's attributes do not request the effect. May throw InputError, with the
+  /// place.
   std::unique_ptr<ScanEffect> (*create)(const ScanEffectContext& context);
-  /// Where its source is in the scene: in frames in which that is not there, the scanner measures as without it. Null:
-  /// the attributes decide alone.
+  /// For an effect whose source is in the scene: in frames without the source, the scanner measures without the effect.
+  /// Null: the attributes alone decide.
   CalledFor called_for = nullptr;
 };
 
-/// As EffectRegistration.
+/// Adds a scan effect to the catalogue, under the rules of EffectRegistration.
 struct ScanEffectRegistration {
+  /// `built_for` is the version of the headers that the caller is compiled with.
   explicit ScanEffectRegistration(const ScanEffectType& type, std::string_view built_for = kHeaderVersion);
 };
 
 /// An effect that a scanner has.
 struct ChosenScanEffect {
-  const EffectType* type = nullptr;
-  std::shared_ptr<const ScanEffect> effect;
-  CalledFor called_for = nullptr;  ///< as in its type
+  const EffectType* type = nullptr;          ///< valid as long as the catalogue has the type
+  std::shared_ptr<const ScanEffect> effect;  ///< never null in the result of scan_effects()
+  CalledFor called_for = nullptr;            ///< as in its type
 };
 
-/// What the attributes call for, in the order in which they are called.
+/// The effects that the attributes request, in calling order.
+///
+/// Errors   those of the types' `create` functions.
 std::vector<ChosenScanEffect> scan_effects(const ScanEffectContext& context);
 
 }  // namespace simvis

@@ -1,4 +1,4 @@
-// A scene under construction: the graph from ROOT down, its insertion points, and the content that parts share.
+// A scene under construction: the graph below ROOT, its insertion points, and the content that parts share.
 #pragma once
 
 #include <filesystem>
@@ -18,79 +18,90 @@ namespace simvis {
 class NameSet;
 struct PartAnimations;
 
-/// What a part file became.
+/// The content of a part file.
 struct PartContent {
-  NodePtr root;                       ///< may stand under several parents
+  NodePtr root;                       ///< may have several parents
   std::vector<std::string> warnings;  ///< for people, each with the file's name
   std::vector<std::string> commands;  ///< embedded commands, XML text, in the order found
   std::filesystem::path file;         ///< the canonical name; set by Scene
   std::vector<std::string> points;    ///< names of the insertion points in the graph, in order; set by Scene
-  /// What moves the nodes of `root`; null: nothing does.
+  /// Animations of the nodes of `root`; null: there are none.
   std::shared_ptr<const PartAnimations> animations;
 };
 
-/// A part's content that belongs to one insertion alone.
+/// The content of a part that belongs to one insertion alone.
+///
+/// Lifetime  the references are valid as long as the scene.
 struct OwnPart {
-  NodePtr root;
-  const PartContent& content;  ///< what it was copied from
+  NodePtr root;                ///< the insertion's own graph
+  const PartContent& content;  ///< the shared content that it was copied from
   const NodeMap& clone_of;     ///< from the nodes of content.root to those of `root`
 };
 
-/// Frames   the world is ROOT's frame: x forward, y left, z up, metres.
-/// Attributes of a part  file (a relative name starts at the command's folder), name, insert_at, pose_offset, up.
-/// Names    insertion points, parts, elements and sensors each have a name of their own; two of a kind never share one.
+/// A scene under construction.
+///
+/// Frames    the world is ROOT's frame: x forward, y left, z up, metres.
+/// Part      attributes of a part command: file (a relative name starts at the command's folder), name, insert_at,
+///           pose_offset, up.
+/// Names     insertion points, parts, elements and sensors have names; two of the same kind never share one.
+/// Errors    InputError with the place; a command that throws may leave traces, which undo() reverts.
+/// Lifetime  returned references are valid as long as the scene.
+/// Threads   one thread at a time.
 class Scene {
  public:
-  Scene();
-  Scene(Scene&&) noexcept;
-  Scene& operator=(Scene&&) noexcept;
+  Scene();                       ///< ROOT alone
+  Scene(Scene&&) noexcept;             ///< the other may only be assigned to or destroyed
+  Scene& operator=(Scene&&) noexcept;  ///< the other may only be assigned to or destroyed
   ~Scene();
 
-  const GroupPtr& root() const { return root_; }
+  const GroupPtr& root() const { return root_; }  ///< the node of ROOT
 
-  /// What the file of a part command holds; read once, however often it is inserted.
-  /// Throws InputError with the place: an attribute that is unknown or wrong, a file that is missing, of an unknown
-  /// kind or broken.
+  /// The content of a part command's file. Each file is read once, however often it is inserted.
+  /// Throws InputError with the place: an attribute is unknown or wrong, or the file is missing, of an unknown format
+  /// or broken.
   const PartContent& load_part(const Command& command);
 
-  /// Executes a part command: separator { offset, insertion point NAME, content } right before its `insert_at`.
-  /// Insertion points within the content become known as `prefix` + their name. Returns the part's content; to execute
-  /// the commands that it carries is up to the caller.
-  /// Throws InputError as load_part(), and for an unknown insertion point or a name already taken.
+  /// Executes a part command: inserts separator { offset, insertion point NAME, content } right before its `insert_at`.
+  /// Insertion points within the content get the name `prefix` + their name. Returns the part's content; the caller
+  /// executes the commands that it carries.
+  /// Throws InputError as load_part(), and for an unknown insertion point or a name that is taken.
   const PartContent& insert_part(const Command& command, const std::string& prefix = "");
 
-  /// Puts `node` right before the insertion point named by the command's `insert_at`, and lets others find it by the
-  /// command's name if it is an element's.
-  /// Throws InputError when there is no such insertion point (the nearest name suggested).
+  /// Inserts `node` right before the insertion point that the command's `insert_at` names. If the command is an
+  /// element's, find_node() finds the node by the command's name.
+  /// Throws InputError if there is no such insertion point (the nearest name is suggested).
   void insert(const Command& command, NodePtr node);
 
-  /// Puts `node` where no transform is in force: its frame is the world's.
+  /// Inserts `node` where no transform applies: its frame is the world's.
   void insert_in_world(NodePtr node);
-  /// The same for a command whose node needs no place of its own; like insert() but for that.
+  /// Inserts `node` as insert_in_world(NodePtr), for a command whose node needs no place of its own; errors and
+  /// find_node() as for insert().
   void insert_in_world(const Command& command, NodePtr node);
 
-  /// Puts `node` right behind the insertion point of the part, which exists: it moves with the part, whatever is
-  /// inserted there later.
+  /// Inserts `node` right behind the insertion point of the part, which must exist (asserted). The node moves with the
+  /// part, whatever is inserted there later.
   void insert_behind_point(std::string_view part, NodePtr node);
 
-  /// Makes the content of the part `name` its own, so that a change of its nodes shows in no other part of the same
-  /// file. Parts, elements and sensors that were inserted there are not of its content.
-  /// Throws InputError at `where` when there is no such part (the nearest name suggested).
+  /// Gives the part `name` a copy of its content, so that a change of its nodes shows in no other part of the same
+  /// file. Parts, elements and sensors that were inserted there do not belong to its content.
+  /// Throws InputError at `where` if there is no such part (the nearest name is suggested).
   OwnPart own_part(std::string_view name, const Location& where);
 
-  /// What was inserted under a command's name: a part's separator, or the node of an element. Null when there is none.
+  /// The node that a command of this name inserted: a part's separator, or the node of an element. Null if there is
+  /// none.
   NodePtr find_node(std::string_view name) const;
 
+  /// Whether there is a part of this name.
   bool has_part(std::string_view name) const { return parts_.find(name) != parts_.end(); }
-  std::vector<std::string_view> part_names() const;
-  bool has_insertion_point(std::string_view name) const;
-  std::vector<std::string_view> insertion_points() const;
+  std::vector<std::string_view> part_names() const;        ///< sorted; valid until parts are inserted or reverted
+  bool has_insertion_point(std::string_view name) const;   ///< ROOT, or the insertion point of a part
+  std::vector<std::string_view> insertion_points() const;  ///< sorted; valid until parts are inserted or reverted
 
-  /// Messages of importers that did not stop them, in the order they came, each once.
+  /// Warnings of importers, in the order in which they came, each once.
   const std::vector<std::string>& warnings() const { return warnings_; }
 
-  ContentPool& pool() { return pool_; }
-  /// How to take back what was done since the last commit().
+  ContentPool& pool() { return pool_; }  ///< shared content of all parts
+  /// The steps that revert everything since the last commit().
   UndoLog& undo() { return undo_; }
 
  private:
@@ -123,7 +134,7 @@ class Scene {
   UndoLog undo_;
 };
 
-/// Throws what went wrong inside a part as an error of the command that inserts it:
+/// Throws an error from inside a part as an InputError of the command that inserts the part:
 /// "scene.xml:3:2: error: part WORLD: world.glb: ...".
 [[noreturn]] void rethrow_from_part(const Command& part, const InputError& error);
 

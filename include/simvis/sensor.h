@@ -1,7 +1,7 @@
-// Sensors: the same mechanism as elements, with data out instead of parameters in.
+// Sensors: they are made by commands as elements are, and give measurements instead of taking parameters.
 //
-// To add one: a pair of files here with a class, its attribute table, and one static SensorRegistration. Nothing else
-// is edited. A class in a user's own program or in a plug-in library registers the same way.
+// To add a sensor type, add a pair of files with a class, its attribute table, and one static SensorRegistration; no
+// other file changes. A class in a user's own program or in a plug-in library registers in the same way.
 #pragma once
 
 #include <cstdint>
@@ -32,126 +32,137 @@ namespace simvis {
 
 class Device;
 
-/// One column of a table that a sensor writes, and how its numbers are printed (a printf format for one double, or
-/// for one long long where `integer`). A value that is NaN is printed as an empty cell.
+/// One column of a table that a sensor writes. A value that is NaN is printed as an empty cell.
 struct TableColumn {
-  std::string name;
-  std::string format;
-  bool integer = false;
+  std::string name;      ///< heading of the column
+  std::string format;    ///< of printf, for one double, or for one long long if `integer`
+  bool integer = false;  ///< the values are whole numbers
 };
 
-/// One number that a sensor measured; its unit is in the name, as in "range_m".
+/// One number that a sensor measured.
 struct NamedValue {
-  std::string_view name;
-  double value = 0;
+  std::string_view name;  ///< with its unit, as in "range_m"; static text
+  double value = 0;       ///< NaN before the first measurement
 };
 
-/// One thing that run.json says of a sensor.
+/// One entry about a sensor in run.json.
 struct SensorNote {
-  std::string name;
-  std::variant<double, std::uint64_t, std::string> value;
+  std::string name;                                        ///< the key
+  std::variant<double, std::uint64_t, std::string> value;  ///< the value
 };
 
-/// What a sensor has to say of how it measures, besides its method.
+/// What a sensor reports about its measurements in addition to its method.
 struct SensorReport {
   std::vector<SensorNote> notes;  ///< for run.json, in this order; names as there
   std::string explanation;        ///< for --explain: whole lines
 };
 
-/// Takes what a sensor has to write after a frame. Implemented by whoever makes files.
+/// Receives the output of a sensor after a frame. Implemented by the code that writes files.
+///
+/// Lifetime  arguments are valid during the call only.
+/// Threads   called in the thread that calls Simulation::write().
 class OutputSink {
  public:
   virtual ~OutputSink() = default;
-  /// One picture per frame. Either may be null. `stem` is added to the folder's name for sensors with several
-  /// pictures ("left", "right"); empty for one.
+  /// One image per frame. Either pointer may be null. `stem` is appended to the folder's name for sensors with several
+  /// images ("left", "right"); empty for one image.
   virtual void picture(const std::string& stem, const Image* color, const Image* depth) = 0;
-  /// One more picture per frame, of a single channel of that name: "disparity".
+  /// One more image per frame, with a single channel of that name: "disparity".
   virtual void plane(const std::string& stem, const std::string& channel, const Image& plane) = 0;
-  /// A text that is the same throughout the run, with the extension of its file's name ("yaml"). It is written when it
-  /// first comes; so a sensor may hand it over after every frame.
+  /// A text that stays the same throughout the run, with the extension of its file's name ("yaml"). The first call
+  /// writes it, so a sensor may pass it after every frame.
   virtual void text(const std::string& stem, const std::string& extension, std::string_view text) = 0;
-  /// Whole rows of a table that grows with each frame, of the same columns; "time_s" takes the place of the frame's.
+  /// Whole rows of a table that grows with each frame and always has the same columns. A column "time_s" replaces the
+  /// column with the frame's time.
   virtual void rows(std::span<const TableColumn> columns, std::span<const double> values) = 0;
 };
 
-/// What of earlier frames a measurement depends on: nothing; where the sensor stood when it was due; what it, or
-/// others, measured then.
-enum class HistoryDependence : std::uint8_t { none, poses, measurements };
+/// How a measurement depends on earlier frames.
+enum class HistoryDependence : std::uint8_t {
+  none,         ///< it does not
+  poses,        ///< on the poses of the sensor at earlier due frames
+  measurements  ///< on what this or another sensor measured in earlier frames
+};
 
-/// Frames   the sensor frame: x forward, y left, z up (REP 103); a camera looks along +x.
-/// Life     made from its command; check(); then, in each frame in which it is due: begin(), plan(), collect() once
-///          the frame has been rendered, and cast().
+/// A sensor of a scene.
+///
+/// Frames    the sensor frame: x forward, y left, z up (REP 103); a camera looks along +x.
+/// Lifetime  made from its command; check(); then, in each frame in which it is due: begin(), plan(), collect() once
+///           the frame has been rendered, and cast(). Destroyed with the simulation. Pointers and spans that getters
+///           return are valid as long as the sensor; their content changes with the next measurement.
+/// Errors    the constructor and check() throw InputError with the place; cast() may throw InputError.
+/// Threads   all calls come from the thread that calls the simulation.
 class Sensor {
  public:
   virtual ~Sensor() = default;
 
-  /// Throws InputError, with the place, where the device cannot do what the sensor's command asks for.
+  /// Throws InputError, with the place, if the device cannot do what the sensor's command requests.
   virtual void check(const TargetLimits&) const {}
 
-  /// Called once before the first plan(), where the sensor's type has measure_costs. Sensors that choose a method by
-  /// predicted cost call the function; the first call measures the device or reads its costs from the cache.
+  /// Called once before the first plan(), if the type has measure_costs. A sensor that selects a method by predicted cost keeps the function and calls
+  /// it when it needs the costs; the first call measures the device unless a file holds its costs.
   virtual void use_cost_model(const std::function<const CostModel&()>&) {}
 
-  /// Who is asked decides whether frames can be passed over, see Simulation::skip_frame().
+  /// Decides whether frames can be skipped, see Simulation::skip_frame().
   virtual HistoryDependence history_dependence() const {
     return visualization() ? HistoryDependence::measurements : HistoryDependence::none;
   }
 
-  /// In place of begin() to cast(), in a frame that is due but passed over: only where it stands then is of interest.
+  /// Called instead of begin() to cast() in a frame that is due but skipped: the sensor may record its pose.
   virtual void skip_frame(const FrameTime&, const glm::dmat4& /*world_from_sensor*/) {}
 
-  /// The frame that is planned next.
+  /// Announces the frame that is planned next.
   virtual void begin(const FrameTime&) {}
 
-  /// Adds the views that this frame needs to `plan`. `world_from_sensor` is rigid: scale along the way is taken out.
+  /// Adds the views that this frame needs to `plan`. `world_from_sensor` is rigid: scale along the path is removed.
   virtual void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) = 0;
 
-  /// Takes its results. `results[i]` belongs to `plan.passes[i]`.
+  /// Reads the rendered results. `results[i]` belongs to `plan.passes[i]`; they are valid during the call only.
   virtual void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) = 0;
 
-  /// Casts what it has planned to cast, into the draw list of this frame; follows collect(). Throws InputError where
-  /// what the user asked for cannot be had in this frame; what was taken before then stands, whole.
+  /// Casts the planned rays into the draw list of this frame; follows collect(). Throws InputError if the requested
+  /// accuracy cannot be reached in this frame; what the sensor measured before the exception stays complete.
   virtual void cast(RayCaster&) {}
 
-  /// What collect() and cast() last took; null where the sensor has none of the kind.
-  virtual const Image* color() const { return nullptr; }
-  virtual const Image* depth() const { return nullptr; }
-  virtual const Scan* scan() const { return nullptr; }
-  /// Pictures besides those, by names that the sensor's header gives.
+  virtual const Image* color() const { return nullptr; }  ///< last colour image; null if the sensor has none
+  virtual const Image* depth() const { return nullptr; }  ///< last depth image; null if the sensor has none
+  virtual const Scan* scan() const { return nullptr; }    ///< last scan; null if the sensor gives none
+  /// Further images, by names that the sensor's header gives. Null for any other name.
   virtual const Image* picture(std::string_view) const { return nullptr; }
   /// Single numbers, always the same names in the same order; NaN before the first collect().
   virtual std::span<const NamedValue> values() const { return {}; }
 
-  /// Hands over what the last collect() took, for files.
+  /// Passes the last measurement to `sink`, for files.
   virtual void write(OutputSink& sink) const = 0;
 
-  /// Whether it looks at the scene as people do, with what elements draw for them alone: beams, paths, graphs.
+  /// Whether the sensor sees the content that elements draw for people only: beams, paths, graphs.
   virtual bool visualization() const { return false; }
 
-  /// For run.json: how the sensor measures, e.g. "rasterised" or "planar".
+  /// The measuring method for run.json, e.g. "rasterised" or "planar".
   virtual std::string method() const = 0;
 
-  /// Of the last measurement.
+  /// The report on the last measurement.
   virtual SensorReport report() const { return {}; }
 
-  double rate_hz = 0;  ///< from the attribute `rate`; 0 = every frame
+  double rate_hz = 0;  ///< from the attribute `rate`; 0: every frame
 };
 
-/// What a sensor's constructor gets.
+/// What a sensor's constructor gets. It is valid during the call of SensorType::create only.
 struct SensorContext {
-  const Command& command;
-  const AttributeValues& attributes;
-  std::string name;
-  std::uint64_t seed = 0;  ///< of all random numbers of the run
+  const Command& command;             ///< the whole command
+  const AttributeValues& attributes;  ///< checked against all_attributes() of the type
+  std::string name;                   ///< the sensor's name
+  std::uint64_t seed = 0;             ///< of all random numbers of the run
 };
 
+/// The description of a sensor type for the registry.
 struct SensorType {
   std::string_view name;      ///< the command's `type`
   std::string_view summary;   ///< one sentence
   std::string_view notes{};   ///< what the table does not say: paragraphs, separated by '\n'; may be empty
-  AttributeTable attributes;  ///< its own: all_attributes() has those of its effects besides
-  std::unique_ptr<Sensor> (*create)(const SensorContext& context);
-  std::span<const SensorPreset> presets{};  ///< a type with some has the row kPresetAttribute
+  AttributeTable attributes;  ///< its own attributes; all_attributes() adds those of its effects
+  std::unique_ptr<Sensor> (*create)(const SensorContext& context);  ///< makes a sensor; may throw InputError
+  std::span<const SensorPreset> presets{};  ///< a type with presets has the row kPresetAttribute
   /// Measures on this device what each term of the cost model costs, in nanoseconds, for sensors that choose a method
   /// by predicted cost. It takes about 0.3 s. Null: the sensors of this type do not choose.
   CostModel (*measure_costs)(Device& device, RayCaster& rays) = nullptr;
@@ -165,23 +176,28 @@ inline constexpr AttributeSpec kRateAttribute{.name = "rate",
                                               .min = 0,
                                               .open_min = true};
 
-/// Attributes that every sensor command may carry besides its type's own.
+/// Attributes that every sensor command may carry in addition to its type's own.
 inline constexpr std::string_view kSensorCommonAttributes[] = {"type", "name", "insert_at", "pose_offset"};
 
-/// A static object of this type makes a sensor type known; the strings and the table must live as long.
-/// A type whose name is taken, whose table has a mistake, or that was compiled with headers of another version is not
-/// made known: load_plugin() refuses the plug-in that has it, and Simulation::load() throws InputError for one of the
-/// program itself.
+/// A static object of this type registers a sensor type.
+///
+/// Errors    the constructor does not throw. A type whose name is taken, whose table has a mistake, or that was
+///           compiled with headers of another version is refused: load_plugin() then refuses the plug-in that has it,
+///           and Simulation::load() throws InputError for a type of the program itself.
+/// Lifetime  strings and the table of the type must live as long as the registry.
+/// Threads   any thread; other threads may look types up meanwhile.
 struct SensorRegistration {
+  /// `built_for` is the version of the headers that the caller is compiled with.
   explicit SensorRegistration(const SensorType& type, std::string_view built_for = kHeaderVersion);
 };
 
-/// Null when there is none of that name.
+/// The sensor type of this name, or null. The pointer is valid for the rest of the program, except for a type of a
+/// plug-in that load_plugin() refuses.
 const SensorType* find_sensor_type(std::string_view name);
-/// Sorted by name.
+/// All sensor types, sorted by name. Lifetime as find_sensor_type().
 std::vector<const SensorType*> sensor_types();
 
-/// Its own attributes and those of the effects in the catalogue that it may have, see effects/effect.h.
+/// The type's own attributes and those of the effects in the catalogue that it may have, see <simvis/effect.h>.
 std::vector<AttributeSpec> all_attributes(const SensorType& type);
 
 }  // namespace simvis

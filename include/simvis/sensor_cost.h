@@ -1,4 +1,4 @@
-// What one sensor's own work cost on the host, of simulations that are instrumented. Plain data.
+// The host cost of one sensor's own work, in instrumented simulations. Plain data.
 #pragma once
 
 #include <cstdint>
@@ -6,14 +6,15 @@
 
 namespace simvis {
 
-/// Times on the steady clock, in the order of the members.
+/// The host cost of one sensor in one frame. Times are of the steady clock, in ascending order.
 struct SensorCost {
-  std::string sensor;
-  std::int64_t start_ns = 0;
-  std::int64_t collected_ns = 0;  ///< it has taken its results from the passes
-  std::int64_t end_ns = 0;        ///< and has cast its rays, if it does
-  std::uint64_t rays = 0;
-  std::uint64_t item_tests = 0, triangle_tests = 0;  ///< see RayCounters
+  std::string sensor;             ///< the sensor's name
+  std::int64_t start_ns = 0;      ///< before it reads the results of its passes
+  std::int64_t collected_ns = 0;  ///< after it has read these results
+  std::int64_t end_ns = 0;        ///< after it has cast its rays, if it casts any
+  std::uint64_t rays = 0;         ///< rays cast, see RayCounters
+  std::uint64_t item_tests = 0,   ///< see RayCounters
+      triangle_tests = 0;         ///< see RayCounters
 };
 
 }  // namespace simvis

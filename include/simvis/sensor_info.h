@@ -1,4 +1,4 @@
-// What a simulation knows of each of its sensors.
+// A description of each sensor of a simulation.
 #pragma once
 
 #include <cstdint>
@@ -13,14 +13,16 @@ namespace simvis {
 
 /// A sensor of the scene, as run.json and users see it.
 struct SensorInfo {
-  std::string name, type, method;
-  std::uint64_t frames = 0;  ///< how often it has measured
-  bool enabled = true;
-  SensorReport report{};                        ///< of its last measurement
-  std::optional<double> depth_error_bound_m{};  ///< of its last depth image; empty unless asked for, see with_bounds()
-  std::vector<std::string> effects{};           ///< that any of its measurements had, as the plan named them
+  std::string name,                             ///< the sensor's name
+      type,                                     ///< its type
+      method;                                   ///< how it measures, see Sensor::method()
+  std::uint64_t frames = 0;                     ///< number of measurements so far
+  bool enabled = true;                          ///< false: turned off
+  SensorReport report{};                        ///< on its last measurement
+  std::optional<double> depth_error_bound_m{};  ///< of its last depth image; empty unless with_bounds() sets it
+  std::vector<std::string> effects{};           ///< effects that any of its measurements had, as the plan named them
 
-  /// A note of the report that is a number, by its name; empty if there is none.
+  /// The note of the report with this name, if it is a number; empty otherwise.
   std::optional<double> number(std::string_view note) const;
 };
 

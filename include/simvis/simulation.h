@@ -1,4 +1,4 @@
-// The way in for programs: load a scene, set parameters, step, read what the sensors saw.
+// The entry point for programs: load a scene, set parameters, step, and read what the sensors measured.
 #pragma once
 
 #include <cstdint>
@@ -27,109 +27,126 @@ namespace simvis {
 
 struct SimulationImpl;
 
-/// A running simulation. All sensors are enabled at load; what is off is not rendered.
+/// A running simulation. All sensors are enabled at load; a disabled sensor is not rendered.
 ///
-/// Frames   world and sensors: x forward, y left, z up (REP 103), metres.
-/// Time     frame k is taken at round(k * 10^9 / rate) nanoseconds; a sensor with `rate` f fires at the first frame at
-///          or after each j / f.
-/// Errors   InputError for what the user gave (scene, names, values), MachineError for the device.
-/// Threads  one thread at a time, of any. Several simulations may load and run in different threads at once, and others
-///          may load plug-ins meanwhile; each gives the same bytes as alone.
+/// Frames    world and sensors: x forward, y left, z up (REP 103), metres.
+/// Time      frame k is taken at round(k * 10^9 / rate) nanoseconds; a sensor with `rate` f measures at the first frame
+///           at or after each j / f.
+/// Errors    InputError for user input (scene, names, values) and for calls that are not allowed while a frame is under
+///           way, see step_async(); MachineError for the device.
+/// Lifetime  returned references are valid as long as the simulation, also after it is moved; their content changes
+///           with the next measurement, step or execute(). Returned spans are valid until the next step or execute(). A
+///           simulation that was moved from may only be assigned to or destroyed.
+/// Threads   one thread at a time, which may be any thread. Several simulations may load and run in different threads
+///           at once, and other threads may load plug-ins meanwhile; each simulation gives the same bytes as alone.
 class Simulation {
  public:
-  /// Throws InputError with FILE:LINE:COLUMN for any mistake in the scene or its parts, before anything is rendered;
-  /// MachineError if no device fits.
+  /// Loads a scene file. Throws InputError with FILE:LINE:COLUMN for any mistake in the scene or its parts, before
+  /// anything is rendered; MachineError if no device fits.
   static Simulation load(const std::filesystem::path& scene, const SimulationDesc& desc = {});
-  /// The same from text; relative file names start at `folder`, and `name` stands for the file in messages.
+  /// Loads a scene from text, with the errors of load(). Relative file names start at `folder`, and `name` stands for
+  /// the file in messages.
   static Simulation from_string(std::string_view xml, const SimulationDesc& desc = {},
                                 const std::filesystem::path& folder = ".", const std::string& name = "<string>");
 
-  Simulation(Simulation&&) noexcept;
-  Simulation& operator=(Simulation&&) noexcept;
-  ~Simulation();
+  Simulation(Simulation&&) noexcept;             ///< takes over the other's simulation
+  Simulation& operator=(Simulation&&) noexcept;  ///< takes over the other's simulation; the present one ends
+  ~Simulation();                                 ///< a frame that is under way ends without results
 
   /// Sets a parameter, in the unit of its element's table (angles in degrees). It takes effect at the next step().
-  /// Throws InputError: no such element or parameter (the nearest suggested), not finite, out of range; the old value
-  /// is then kept.
+  /// Throws InputError and keeps the old value: no such element or parameter (the nearest name is suggested), not
+  /// finite, out of range.
   void set(std::string_view element, std::string_view parameter, double value);
+  /// The value of a parameter, in the unit of its element's table. Throws InputError: no such element or parameter.
   double get(std::string_view element, std::string_view parameter) const;
 
-  /// Executes more commands: parts, elements and sensors come into the running scene, and show from the next step() on.
-  /// Relative file names start at `folder`, and `name` stands for the text in messages. All or nothing: when it throws
-  /// InputError, with the place, the scene is as it was. The text is logged in parameters().change_requests().
+  /// Executes more commands: parts, elements and sensors are added to the running scene and take effect at the next
+  /// step(). Relative file names start at `folder`, and `name` stands for the text in messages. All or nothing: if it
+  /// throws InputError, with the place, the scene is unchanged. The text is logged in parameters().change_requests().
   void execute(std::string_view xml, const std::filesystem::path& folder = ".", const std::string& name = "<string>");
 
-  /// Adds a sensor that stands where `sensor` does, whatever moves that one, and measures as `command` says; overrides
-  /// do not touch it. To see one thing by several methods: `command` is that of `sensor` with another name and other
-  /// attributes (type and view stay; insert_at and pose_offset play no part). All or nothing, as execute().
+  /// Adds a sensor that always has the pose of `sensor`, and that measures as `command` says; overrides do not apply to
+  /// it. It compares several methods on one view: `command` is that of `sensor` with another name and other attributes
+  /// (type and view stay; insert_at and pose_offset have no effect). All or nothing, as execute(). Throws InputError,
+  /// also if there is no such sensor.
   void add_variant(std::string_view sensor, const Command& command);
 
-  /// Turns a sensor on or off.
+  /// Turns a sensor on or off. Throws InputError if there is no such sensor.
   void enable(std::string_view sensor, bool on);
 
   /// Makes one frame: elements, flattening, planning, rendering, collecting.
-  /// Throws InputError where a scanner cannot keep its tolerance: the frame then counts as not made, measured() is
-  /// empty, and each sensor holds a whole measurement, its last one or that of this frame. It can be tried again.
+  /// Throws InputError if a scanner cannot keep its tolerance: the frame then counts as not made, measured() is
+  /// empty, and each sensor holds a complete measurement, its last one or that of this frame. The frame can be tried
+  /// again.
   void step();
 
-  /// The first half of a step: all that comes before the device's work, which goes on when it returns. Frames made so
-  /// are to the byte those of step(). It begins with finish(), so that in
+  /// The first half of a step: everything before the device's work, which continues after the return. Frames made in
+  /// this way are byte for byte those of step(). The function begins with finish(), so that in
   ///
   ///   for (...) { simulation.set(...); simulation.step_async(); use(simulation.scan("FRONT")); }  simulation.finish();
   ///
-  /// each scan is that of the frame before, and is used while the device draws the next. Until finish() there are
-  ///   set(), get(), parameters()  of the frame after: what they set takes effect at the next step
-  ///   next_frame()                the frame after
-  ///   measured(), scan(), color(), depth(), picture(), write()  of the frame before
-  /// and nothing else: other calls throw InputError.
+  /// each scan is that of the previous frame, and is used while the device draws the next one. Until finish() only
+  /// these functions may be called:
+  ///   set(), get(), parameters()  for the next frame: new values take effect at the next step
+  ///   next_frame()                the frame after the one under way
+  ///   measured(), scan(), color(), depth(), picture(), write()  of the previous frame
+  /// Other calls throw InputError; Diagnostics lists the exceptions among its own functions.
   void step_async();
 
-  /// Waits for the frame that is under way, if one is, casts what is cast and hands over the results. Throws as step():
-  /// the frame then counts as not made, is no longer under way, and can be tried again.
+  /// Waits for the frame that is under way, if there is one, casts the remaining rays and publishes the results. Throws
+  /// as step(): the frame then counts as not made, is no longer under way, and can be tried again.
   void finish();
 
-  /// Passes over the frame that step() would make next: nothing is rendered or measured, and results stay as they are.
-  /// Only sensors that look back at where they stood (`sweep`, `rolling_shutter`) take note of it; where none does,
-  /// this costs nothing. Frames made between others that are passed over are to the byte those of a run that makes all.
-  /// Throws InputError where they cannot be: see require_skippable().
+  /// Skips the frame that step() would make next: nothing is rendered or measured, and results stay as they are.
+  /// Only sensors with a history dependence on poses (`sweep`, `rolling_shutter`) record it; without such sensors the
+  /// call costs nothing. Frames made between skipped ones are byte for byte those of a run that makes all frames.
+  /// Throws InputError if that is impossible: see require_skippable().
   void skip_frame();
 
-  /// Throws InputError naming a sensor that is on and looks back at what was measured before: a scanner of method
-  /// "auto", whose choices follow from the frames before, or a visualization camera.
+  /// Throws InputError naming an enabled sensor whose measurements depend on earlier measurements: a scanner of method
+  /// "auto", whose selection follows from earlier frames, or a visualization camera.
   void require_skippable() const;
 
-  /// Of the frame that the next step makes.
+  /// The time of the frame that the next step makes.
   FrameTime next_frame() const;
 
-  /// What a sensor last measured. Empty (no pixels, no ranges) before it first fired.
-  /// Throws InputError when there is no such sensor, or it has no such output.
+  /// The last scan of a sensor. Empty (no ranges) before its first measurement.
+  /// Throws InputError if there is no such sensor, or if it gives no scan.
   const Scan& scan(std::string_view sensor) const;
+  /// The last colour image of a sensor. Empty (no pixels) before its first measurement. Errors as scan().
   const Image& color(std::string_view sensor) const;
+  /// The last depth image of a sensor. Empty (no pixels) before its first measurement. Errors as scan().
   const Image& depth(std::string_view sensor) const;
-  /// Pictures that only some sensors take, by names that the sensor's header gives: "right", "disparity".
+  /// Images that only some sensors produce, by names that the sensor's header gives: "right", "disparity". Errors as
+  /// scan().
   const Image& picture(std::string_view sensor, std::string_view name) const;
-  /// One of a sensor's single numbers, as its table names them: "voltage_v". NaN before it first fired.
+  /// One of a sensor's single numbers, by its name in the sensor's table: "voltage_v". NaN before the first
+  /// measurement. Throws InputError if there is no such sensor, or if it has no number of that name.
   double value(std::string_view sensor, std::string_view name) const;
-  /// The same; empty where the sensor has no number of that name.
+  /// As value(), but empty if the sensor has no number of that name.
   std::optional<double> find_value(std::string_view sensor, std::string_view name) const;
 
   /// The four arrays: descriptors, values, change requests, changes.
   Parameters& parameters();
+  /// The four arrays, read only.
   const Parameters& parameters() const;
 
-  /// world_from_sensor as of the last step(): rigid, in the sensor frame x forward, y left, z up. False if the sensor
-  /// stands in a part that is switched off. Throws InputError when there is no such sensor.
+  /// world_from_sensor as of the last step(): rigid, in the sensor frame x forward, y left, z up. Returns false if the
+  /// sensor stands in a part that is switched off. Throws InputError if there is no such sensor.
   bool sensor_pose(std::string_view sensor, glm::dmat4& world_from_sensor) const;
 
+  /// All sensors, in the order in which they were made.
   std::vector<SensorInfo> sensors() const;
   /// Names of the sensors that measured in the last step().
   std::span<const std::string> measured() const;
-  /// Hands what the named sensor last measured to `sink`.
+  /// Passes the last measurement of a sensor to `sink`. Throws InputError if there is no such sensor, and what `sink`
+  /// throws.
   void write(std::string_view sensor, OutputSink& sink) const;
 
+  /// Warnings of the importers of parts, each once.
   const std::vector<std::string>& warnings() const;
 
-  /// How the last step was planned, drawn and paid for. The view is valid as long as the simulation.
+  /// How the last step was planned and drawn, and what it cost. The view is valid until the simulation is destroyed.
   Diagnostics diagnostics() const;
 
  private:

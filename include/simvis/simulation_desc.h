@@ -1,4 +1,4 @@
-// How a simulation is made: rate, seed, device, and attributes written over those of the scene.
+// The settings of a simulation: rate, seed, threads, device, and attributes that override those of the scene.
 #pragma once
 
 #include <cstdint>
@@ -11,24 +11,25 @@
 
 namespace simvis {
 
-/// An attribute written over those of all sensors of one type, before the scene is built.
+/// An attribute that overrides that of all sensors of one type, before the scene is built.
 struct AttributeOverride {
-  std::string sensor_type, attribute;
-  std::optional<std::string> value;  ///< nothing: what the scene says is dropped, so that the default counts
-  std::string origin;                ///< who asks for it, for messages: "--method"; empty: "SENSOR_TYPE.ATTRIBUTE"
+  std::string sensor_type,           ///< the type of the sensors
+      attribute;                     ///< the attribute's name
+  std::optional<std::string> value;  ///< as in XML; empty: the attribute of the scene is removed, the default applies
+  std::string origin;                ///< its source, for messages: "--method"; empty: "SENSOR_TYPE.ATTRIBUTE"
 };
 
+/// The settings of a simulation. Simulation::load() throws InputError for a value that is not allowed.
 struct SimulationDesc {
   double rate_hz = 15;     ///< frames per simulated second, finite and above 0
   std::uint64_t seed = 0;  ///< of all random numbers
-  /// How many threads a step works on, the calling thread included: SimVis casts rays, culls views and prepares meshes
-  /// on them. 0: as many as the machine has; above 1024: InputError. Simulations of one process that give the same
-  /// number share one pool. Results are the same bytes for every number. The Vulkan driver has threads of its own.
+  /// Number of threads that work on a step, including the calling thread: they cast rays, cull views and prepare
+  /// meshes. 0: as many as the machine has; above 1024: InputError. Simulations of one process with the same number
+  /// share one thread pool. Results are the same bytes for every number. The Vulkan driver has threads of its own.
   unsigned threads = 0;
-  DeviceDesc device;
-  std::vector<AttributeOverride> overrides;
-  /// Called while parts are read (load, execute) and while the meshes that a step shows for the first time are
-  /// prepared.
+  DeviceDesc device;                         ///< the device that renders
+  std::vector<AttributeOverride> overrides;  ///< applied in this order
+  /// Called while parts are read (load, execute) and while meshes that a step shows for the first time are prepared.
   ProgressCallback progress{};
 };
 

@@ -1,4 +1,4 @@
-// What a device can render to.
+// The limits of a device's render targets.
 #pragma once
 
 #include <cstdint>
@@ -6,11 +6,12 @@
 
 namespace simvis {
 
-/// What a device can render to.
+/// The limits of a device's render targets.
 struct TargetLimits {
-  std::uint32_t width_px = 0, height_px = 0;  ///< the largest target
-  std::vector<std::uint32_t> msaa;  ///< numbers of samples per pixel of colour that the device supports, ascending:
-                                    ///< always 1, and those of 2, 4 and 8 that it has
+  std::uint32_t width_px = 0,       ///< largest width of a target
+      height_px = 0;                ///< largest height of a target
+  std::vector<std::uint32_t> msaa;  ///< supported numbers of colour samples per pixel, ascending: always 1, and those
+                                    ///< of 2, 4 and 8 that the device has
 };
 
 }  // namespace simvis

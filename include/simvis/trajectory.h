@@ -12,16 +12,21 @@
 
 namespace simvis {
 
-/// Units    times in seconds, finite and strictly increasing; values in the units of the elements' tables.
-/// Between  rows a value changes linearly (an angle too: 350 to 10 goes back through 180); before the first row and
-///          after the last it keeps that row's value.
+/// Parameter values over time.
+///
+/// Units     times in seconds, finite and strictly increasing; values in the units of the elements' tables.
+/// Between   rows a value changes linearly (an angle too: from 350 to 10 it passes through 180). Before the first row
+///           it has the value of the first row, after the last row that of the last.
+/// Errors    InputError.
+/// Lifetime  holds indices of parameters, which stay valid when elements are added.
 class Trajectory {
  public:
-  /// Throws InputError: the file cannot be read, or, with FILE:LINE:COLUMN, a header that does not begin with time_s,
-  /// an unknown parameter or one given twice, a cell that is missing, no finite number or not allowed, no rows.
+  /// Reads a file. Throws InputError if the file cannot be read, and with FILE:LINE:COLUMN for a header that does not
+  /// begin with time_s, an unknown parameter or one given twice, a cell that is missing, not a finite number or not
+  /// allowed, and a table without rows.
   Trajectory(const std::filesystem::path& file, const Parameters& parameters);
 
-  /// Sets the parameters to what they are at that time. `parameters` are those that the trajectory was read for.
+  /// Sets the parameters to their values at that time. `parameters` are those that the trajectory was read for.
   void apply(double time_s, Parameters& parameters) const;
 
  private:
