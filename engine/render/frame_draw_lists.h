@@ -48,7 +48,8 @@ class FrameDrawLists {
   std::vector<shader::Instance> instances_;
   std::vector<shader::LightBlock> lights_;
   std::vector<std::uint32_t> indices_;
-  std::vector<std::span<const shader::CpuSelectedVertex>> cpu_selected_;  // views into drawings_: copies would be too large
+  std::vector<std::span<const shader::CpuSelectedVertex>>
+      cpu_selected_;  // views into drawings_: copies would be too large
   std::size_t cpu_selected_count_ = 0;
   std::size_t shadowed_ = 0;
   std::uint64_t looks_ = 0;            // boxes and triangles examined in the previous frame

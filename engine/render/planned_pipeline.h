@@ -16,8 +16,8 @@ namespace simvis {
 std::vector<PlannedPipeline> describe_pipelines(std::span<const DrawRun> runs, const Pass& pass,
                                                 std::vector<std::uint64_t>& made);
 
-/// Describes the pipeline that averages the samples of a pass. `made` holds values of ResolvePass::pipeline_key() and is
-/// used as above.
+/// Describes the pipeline that averages the samples of a pass. `made` holds values of ResolvePass::pipeline_key() and
+/// is used as above.
 PlannedPipeline mean_pipeline(const Pass& pass, std::vector<std::uint32_t>& made);
 
 }  // namespace simvis

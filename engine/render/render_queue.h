@@ -30,8 +30,8 @@ class RenderQueue {
  public:
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
-  /// clear() starts a queue for `items` items; add() appends drawables in the order of the items. Call sort() before any
-  /// other function.
+  /// clear() starts a queue for `items` items; add() appends drawables in the order of the items. Call sort() before
+  /// any other function.
   void clear(std::size_t items);
   void add(const Drawable& drawable);
   std::span<Drawable> drawables() { return drawables_; }
