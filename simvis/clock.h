@@ -17,8 +17,8 @@ struct DecimalRate {
 /// one frame in 10 s, although no double equals 0.1.
 DecimalRate decimal_rate(double rate_hz);
 
-/// Time     frame k is at k * 10^9 / rate nanoseconds, rounded to the nearest (halves up). The computation uses integers
-///          and the decimal rate, so errors do not accumulate over any number of frames.
+/// Time     frame k is at k * 10^9 / rate nanoseconds, rounded to the nearest (halves up). It is computed in integers
+///          from the decimal rate, so errors do not accumulate over any number of frames.
 /// Errors   InputError from the constructor if the rate is not finite, not above 0, above 10^9 Hz (frames would have
 ///          equal times) or so low that one frame is longer than 292 years, the range of 64 bits of nanoseconds;
 ///          InputError from `frame` if the frame lies beyond that range.

@@ -10,7 +10,7 @@ namespace simvis {
 ///
 /// So scale and shear are removed. In a mirrored part (a negative scale), forward and up of the sensor follow the part,
 /// but its left is not mirrored, because a sensor cannot be mirrored.
-/// Returns false if x or z has no direction: the transform has a scale of 0 or is not finite.
+/// Returns false if x or z has no direction (a scale of 0), if x and z are parallel, or if the transform is not finite.
 bool rigid_mount_frame(const glm::dmat4& world_from_mount, glm::dmat4& world_from_sensor);
 
 }  // namespace simvis

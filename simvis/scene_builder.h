@@ -39,9 +39,9 @@ struct BuiltScene {
 /// executed; sensors that it refers to may follow later in the same list.
 ///
 /// Carried  the commands in a part file are executed right after the part is inserted. Relative file names in these
-///          commands start at the folder of the part; `insert_at` is optional and defaults to the insertion point of the
-///          part. If the same file is inserted again under a name N, or if one of its names is taken, the names in its
-///          commands and its insertion points become N/NAME.
+///          commands start at the folder of the part; `insert_at` is optional and defaults to the insertion point of
+///          the part. If the same file is inserted again under a name N, or if one of its names is taken, the names in
+///          its commands and its insertion points become N/NAME.
 /// Seed     the seed of all random numbers; each sensor receives it.
 /// Override replaces or adds an attribute of every sensor of its type, including the sensors in part files.
 class SceneBuilder {

@@ -31,8 +31,8 @@ class EncodingQueue {
   EncodingQueue(const EncodingQueue&) = delete;
   EncodingQueue& operator=(const EncodingQueue&) = delete;
 
-  /// `held_bytes` is the size of the copies that `encode` works on. Passes finished jobs to their `put`; if too many jobs
-  /// are pending, waits for the oldest.
+  /// `held_bytes` is the size of the copies that `encode` works on. Passes finished jobs to their `put`; if too many
+  /// jobs are pending, waits for the oldest.
   void add(Encode encode, std::size_t held_bytes, Put put);
   /// Waits for all jobs and passes their bytes to `put`.
   void finish();

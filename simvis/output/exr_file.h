@@ -7,9 +7,9 @@
 
 namespace simvis {
 
-/// Returns the bytes of a ZIP-compressed scanline EXR file with float32 channels: linear R, G and B if `color` is given,
-/// Z (depth along Z in metres) if `depth` is given. At least one is not null; both have the same size.
-/// Throws MachineError with the reason from OpenEXR.
+/// Returns the bytes of a ZIP-compressed scanline EXR file with float32 channels: linear R, G and B if `color` is
+/// given, Z (depth along Z in metres) if `depth` is given. At least one is not null; both have the same size. Throws
+/// MachineError with the reason from OpenEXR.
 std::string encode_exr(const Image* color, const Image* depth);
 
 /// As encode_exr(), with one float32 channel named `channel`.

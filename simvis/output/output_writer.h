@@ -21,7 +21,8 @@ namespace simvis {
 ///          FOLDER/SENSOR_STEM.EXTENSION for texts. Frame numbers have six digits, or more if necessary. Every file
 ///          appears complete or not at all; tables appear with finish().
 /// Errors   MachineError with the path and the reason from the operating system; InputError for a sensor name that is
-///          not a valid file name, and for two sensors with the same files ("EYES" with a stem "left", and "EYES_left").
+///          not a valid file name, and for two sensors with the same files ("EYES" with a stem "left", and
+///          "EYES_left").
 class OutputWriter {
  public:
   /// Creates the folder if it does not exist and checks that files can be created in it. `sensors` are all sensors that
@@ -34,7 +35,7 @@ class OutputWriter {
   /// The sink for the measurements of one sensor in one frame. Valid until the next call.
   OutputSink& sink(std::string_view sensor, const FrameTime& time);
 
-  /// Waits for all encoding, writes the files, and gives the tables their final names. Nothing can be written afterwards.
+  /// Waits for all encoding, writes the files and gives the tables their final names. Do not write afterwards.
   void finish();
 
   /// The files written, in the order of their first appearance: "out/CAMERA/*.png", "out/SCANNER.csv".
