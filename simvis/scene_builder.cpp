@@ -18,7 +18,7 @@ constexpr std::size_t kMaxNested = 64;
 
 constexpr std::string_view kReading = "reading the scene";
 
-// Creates an element or a sensor. An exception from the constructor of a plug-in's type becomes an error at the command.
+// Creates an element or a sensor. An exception from the constructor of its type becomes an error at the command.
 template <typename Type, typename Create>
 auto create(const Type& type, const Command& command, const Create& make) {
   std::string reason = "it returned nothing";

@@ -110,7 +110,7 @@ void GeometryPool::place_new(std::span<const std::shared_ptr<const Mesh>> meshes
     indices += mesh->indices.size();
   }
   if (indices == 0) return;
-  // make_room() moves only uploaded meshes, so new meshes are placed after it.
+  // make_room() may move only meshes that are uploaded, so new meshes get their places after this call.
   make_room(vertices, indices, uploads);
   for (const std::shared_ptr<const Mesh>& mesh : meshes) {
     const auto found = entries_.find(mesh.get());

@@ -25,7 +25,7 @@ void raise(double& largest, double value) {
   if (!(largest >= value)) largest = value;
 }
 
-/// The sums over the frames of one variant.
+/// The values collected from the frames of one variant.
 struct Tally {
   std::vector<double> times_ms, medians_m, medians_rel;
   double beams = 0, cast = 0, unbounded = 0, wrong_kind = 0;
