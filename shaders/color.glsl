@@ -1,6 +1,6 @@
-// Linear radiance of a surface in the lights of KHR_lights_punctual. TEXTURED is defined where the material has a
-// texture of its base colour and no other, MAPPED where it has others; SHADOWED where something may stand in a light's
-// way; LAYER where the surface is transparent: its colour is then not drawn but kept.
+// Linear radiance of a surface in the lights of KHR_lights_punctual. TEXTURED is defined if the base colour texture is
+// the only texture of the material, MAPPED if the material has other textures. SHADOWED is defined if the surface reads
+// shadow maps. LAYER is defined for transparent surfaces: their colour is stored as an OIT layer and not drawn.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/interop.h"
 
@@ -14,8 +14,8 @@ layout(constant_id = SIMVIS_METALLIC) const bool kMetallic = false;
 layout(constant_id = SIMVIS_MAPS) const uint kMaps = 0u;
 
 layout(std430, push_constant) uniform View { ViewBlock view; };
-// Uniform and counted by a constant: so the loop unrolls and its loads are the same for all pixels, which a CPU device
-// makes scalar.
+// A uniform block with a constant light count: the loop unrolls and its loads are the same for all pixels, so a CPU
+// device uses scalar loads.
 layout(std140, set = SIMVIS_FRAME_SET, binding = SIMVIS_LIGHTS) uniform Lights { LightBlock lights[SIMVIS_MAX_LIGHTS]; };
 #if defined(TEXTURED) || defined(MAPPED)
 layout(set = SIMVIS_TEXTURE_SET, binding = SIMVIS_BASE_COLOR_TEXTURE) uniform sampler2D base_color_texture;
@@ -26,13 +26,13 @@ layout(location = 1) flat in vec4 in_emissive_cutoff;
 layout(location = 2) in vec2 in_uv;
 layout(location = 3) in vec3 in_position;
 layout(location = 4) in vec3 in_normal;
-layout(location = 5) flat in vec3 in_finish;  // roughness, opacity, metallic share; written where kGlossy or kFaded
-layout(location = SIMVIS_REACH) in float in_reach;  // written only where kShadowed
+layout(location = 5) flat in vec3 in_finish;  // roughness, opacity, metallic share; written if kGlossy or kFaded
+layout(location = SIMVIS_REACH) in float in_reach;  // written only if kShadowed
 
 #include "shaders/fog.glsl"
 #ifdef LAYER
 #include "shaders/layers.glsl"
-layout(early_fragment_tests) in;  // what is hidden is not kept
+layout(early_fragment_tests) in;  // hidden fragments are not stored
 vec4 out_color;
 #else
 layout(location = 0) out vec4 out_color;
@@ -49,13 +49,13 @@ const float kMinSquare = 1e-20;  // keeps divisions finite, in m^2
 
 struct Incident {
   vec3 toward;  // unit vector to the light
-  float share;  // of its intensity that arrives on a surface square to it, in 1/m^2 where the light has a place
+  float share;  // irradiance of a surface facing the light per intensity; in 1/m^2 for point and spot lights
 };
 
 // Source: KHR_lights_punctual, "Range Property" and "Inner and Outer Cone Angles".
 //
-// No branch here or below depends on uniforms at constant places alone: lavapipe would take these for constants, and
-// compile the shader anew whenever uniforms are bound, which takes a millisecond for each view.
+// No branch here or below depends only on uniforms at constant offsets: lavapipe would treat these as constants and
+// recompile the shader whenever uniforms are bound, which takes a millisecond per view.
 Incident incident(LightBlock light) {
   const bool directional = light.position.w == 0.0;
   const vec3 to_light = light.position.xyz - in_position;
@@ -69,16 +69,16 @@ Incident incident(LightBlock light) {
 }
 
 void shade() {
-  const float reach = kShadowed ? in_reach : 0.0;  // in every variant: what vertex shaders put out has to be read
+  const float reach = kShadowed ? in_reach : 0.0;  // every variant must read all outputs of the vertex shader
 #ifdef SHADOWED
-  const vec3 plane_normal = normal_of_plane();  // here, where no neighbour has gone yet
+  const vec3 plane_normal = normal_of_plane();  // before any discard: derivatives need the neighbours
 #endif
   vec4 base = in_color;
   float mask = base.a;
 #if defined(TEXTURED) || defined(MAPPED)
   if (kTextured) {
     base *= texture(base_color_texture, in_uv);
-    if (kMasked) mask *= textureLod(base_color_texture, in_uv, 0).a;  // as in mask.glsl: colour shows what depth measures
+    if (kMasked) mask *= textureLod(base_color_texture, in_uv, 0).a;  // as in mask.glsl, as depth does
   }
 #endif
   const Surface surface = surface_here();
@@ -99,7 +99,7 @@ void shade() {
       Incident light = incident(lights[i]);
       const float cosine = max(0.0, dot(normal, light.toward));
 #ifdef SHADOWED
-      // What is turned away from the light needs no look.
+      // Surfaces that face away from the light need no shadow test.
       if (min(lights[i].cone.z, cosine) > 0.0) {
         light.share *= free_share(shadows[uint(lights[i].cone.z) - 1u], plane_normal, reach);
       }

@@ -1,5 +1,5 @@
-// Air that is not clear. Koschmieder, Theorie der horizontalen Sichtweite (1924): on its way to the eye light is weakened
-// by exp(-extinction distance), and the air adds what it takes away of its own radiance.
+// Fog. Koschmieder, Theorie der horizontalen Sichtweite (1924): on the way to the eye, light is attenuated by
+// exp(-extinction * distance), and the air adds the attenuated share of its own radiance.
 layout(constant_id = SIMVIS_FOG) const bool kFog = false;
 
 vec3 in_fog(vec3 radiance, float distance_m) {

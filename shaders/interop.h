@@ -1,7 +1,7 @@
-// Every struct that C++ and GLSL share, and the numbers that name bindings and constants.
+// The structs that C++ and GLSL share, and the numbers of bindings and constants.
 //
-// Rule: members fill rows of 16 bytes, no bare vec3, so that std430, std140 and C++ agree on every offset; a test
-// compares them. Frames are in the names: the view frame is x right, y down, z forward.
+// Rule: members fill rows of 16 bytes and no member is a bare vec3, so that std430, std140 and C++ agree on every
+// offset. A test compares the offsets. Names contain the frame; the view frame is x right, y down, z forward.
 #ifndef SIMVIS_SHADERS_INTEROP_H_
 #define SIMVIS_SHADERS_INTEROP_H_
 
@@ -16,15 +16,14 @@ using glm::vec4;
 using uint = std::uint32_t;
 #endif
 
-// Descriptor set 0: the frame. Descriptor set 1: the textures of a material. Descriptor set 2: layers of transparent
-// surfaces.
+// Descriptor set 0: the frame. Descriptor set 1: the textures of a material. Descriptor set 2: OIT layers.
 #define SIMVIS_FRAME_SET 0
 #define SIMVIS_MATERIALS 0
 #define SIMVIS_LIGHTS 1
 #define SIMVIS_MAP_PLACES 2
 #define SIMVIS_TEXTURE_SET 1
 #define SIMVIS_BASE_COLOR_TEXTURE 0
-#define SIMVIS_FIRST_MAP 1  // then as MapKind
+#define SIMVIS_FIRST_MAP 1  // the maps follow in the order of MapKind
 #define SIMVIS_NORMAL_MAP 1
 #define SIMVIS_METALLIC_ROUGHNESS_MAP 2
 #define SIMVIS_OCCLUSION_MAP 3
@@ -34,13 +33,13 @@ using uint = std::uint32_t;
 #define SIMVIS_LAYER_LISTS 0
 #define SIMVIS_LAYER_NODES 1
 
-// Descriptor set 3, of scenes with shadows: where light may be in something's way.
+// Descriptor set 3: shadow maps, in scenes with shadows.
 #define SIMVIS_SHADOW_SET 3
 #define SIMVIS_SHADOWS 0
 #define SIMVIS_SHADOW_ATLAS 1
-#define SIMVIS_MAX_SHADOWS 64  // of a view
+#define SIMVIS_MAX_SHADOWS 64  // per view
 
-// The lights of a view are one uniform block: 16384 bytes, which every device allows.
+// The lights of a view form one uniform block of 16384 bytes, a size that every Vulkan device allows.
 #define SIMVIS_MAX_LIGHTS 256
 
 // Descriptor set 0 of ray_cast.comp.
@@ -52,12 +51,12 @@ using uint = std::uint32_t;
 #define SIMVIS_RAY_CANDIDATES 5
 #define SIMVIS_RAY_BINDINGS 6
 
-#define SIMVIS_RAY_GROUP 64  // rays of a workgroup
+#define SIMVIS_RAY_GROUP 64  // rays per workgroup
 #define SIMVIS_MOST_CANDIDATES 7
 #define SIMVIS_TREE_DEPTH 32
-#define SIMVIS_WHOLE_ITEM 0xffffffffu  // a candidate's primitive: the host has to test the item's triangles
-#define SIMVIS_FAR_M 1e18              // beyond it nothing is met
-#define SIMVIS_MOST_SLACK 0.015625     // what is placed less exactly, in radii, is left to the host
+#define SIMVIS_WHOLE_ITEM 0xffffffffu  // primitive of a candidate: the host must test all triangles of the item
+#define SIMVIS_FAR_M 1e18              // limit of the range along the ray; hits beyond it are ignored
+#define SIMVIS_MOST_SLACK 0.015625     // items with a larger position error, in radii, are tested by the host
 
 // Vertex inputs.
 #define SIMVIS_POSITION 0
@@ -70,7 +69,7 @@ using uint = std::uint32_t;
 #define SIMVIS_INSTANCE_CLIP_W 7
 #define SIMVIS_INSTANCE_MATERIAL 8
 
-// What vertex shaders hand to fragments, besides the first locations of mesh_color.vert.
+// Output location of vertex shaders in addition to the first locations of mesh_color.vert.
 #define SIMVIS_REACH 11
 
 // Specialization constants.
@@ -82,12 +81,12 @@ using uint = std::uint32_t;
 #define SIMVIS_SHADOWED 5
 #define SIMVIS_ORTHOGRAPHIC 6
 #define SIMVIS_METALLIC 7
-#define SIMVIS_MAPS 8  // a sum of 1 << binding of the textures that are there
+#define SIMVIS_MAPS 8  // bit mask of the textures that are present, bit number = binding
 #define SIMVIS_FOG 9
 
 #define SIMVIS_LEAST_ROUGHNESS 0.05
 
-// The mean of a pixel's samples: bindings, specialization constants, and the side of a work group's square.
+// The resolve pass: bindings, specialization constants, and the side length of its square workgroup.
 #define SIMVIS_AVERAGE_SAMPLES 0
 #define SIMVIS_AVERAGE_MEAN 1
 #define SIMVIS_AVERAGE_GRID 0
@@ -95,10 +94,11 @@ using uint = std::uint32_t;
 #define SIMVIS_AVERAGE_GROUP 8
 
 #ifdef __cplusplus
-// One mesh in one view, read as vertex inputs of instance rate (a CPU device fetches those once for all lanes, which it
-// cannot do for a storage buffer): rows of clip_from_mesh, formed in double and rounded once.
-// A mesh point p = (x, y, z, 1) has clip = (clip_x . p, clip_y . p, near_m, clip_w . p), so depth = near_m / z with
-// z = clip_w . p, in metres along the optical axis. In a parallel view clip = (clip_x . p, clip_y . p, clip_w . p, 1).
+// One mesh in one view: rows of clip_from_mesh, computed in double and rounded once. They are vertex inputs with
+// instance rate, because a CPU device fetches these once for all SIMD lanes, which it cannot do for a storage buffer.
+// A mesh point p = (x, y, z, 1) has clip = (clip_x . p, clip_y . p, near_m, clip_w . p), so depth = near_m / z, where
+// z = clip_w . p is the depth along Z in metres. In an orthographic view, clip is
+// (clip_x . p, clip_y . p, clip_w . p, 1).
 struct Instance {
   vec4 clip_x;
   vec4 clip_y;
@@ -106,7 +106,7 @@ struct Instance {
   uint material;  // slot in the table of materials
 };
 
-// A vertex of a triangle that was picked by itself, with the rows of its mesh: triangles of many meshes are one draw.
+// A vertex of a CPU-selected triangle, with the rows of its mesh. Triangles of many meshes thus share one draw.
 struct CpuSelectedVertex {
   float x, y, z;  // in the mesh's frame
   vec4 clip_x;    // as in Instance
@@ -117,95 +117,95 @@ struct CpuSelectedVertex {
 
 struct MaterialBlock {
   vec4 base_color;       // linear RGBA
-  vec4 emissive_cutoff;  // rgb: linear radiance; a: the least alpha that a mask keeps
-  vec4 uv_row_u;         // xyz: texture u = uv_row_u . (u, v, 1); w: which set of texture coordinates, 0 or 1
-  vec4 uv_row_v;         // xyz: likewise for v; w: strength of the occlusion map
-  vec4 finish;           // x: roughness; y: opacity of a surface that is faded as a whole; z: metallic share;
-                         // w: scale of the normal map
+  vec4 emissive_cutoff;  // rgb: linear radiance; a: the smallest alpha that a mask keeps
+  vec4 uv_row_u;         // xyz: texture u = uv_row_u . (u, v, 1); w: set of texture coordinates, 0 or 1
+  vec4 uv_row_v;         // xyz: texture v = uv_row_v . (u, v, 1); w: strength of the occlusion map
+  vec4 finish;           // x: roughness; y: opacity of a faded surface; z: metallic share; w: scale of the normal map
 };
 
-// Where a material's maps lie, from SIMVIS_FIRST_MAP on; rows as in MaterialBlock.
+// Texture transforms of the maps of a material, from SIMVIS_FIRST_MAP on; rows as in MaterialBlock.
 struct MapPlacesBlock {
   vec4 row_u[SIMVIS_TEXTURES - 1];
   vec4 row_v[SIMVIS_TEXTURES - 1];
 };
 
-// A light in the view frame. Point and spot: intensity falls with the square of the distance.
+// A light in the view frame. The intensity of point and spot lights falls with the square of the distance.
 struct LightBlock {
   vec4 position;   // xyz: metres; w: 1 for point and spot, 0 for directional
-  vec4 direction;  // xyz: the way the light travels, unit length; w: 1 / range in 1/m, 0 for no limit
+  vec4 direction;  // xyz: direction in which the light travels, unit length; w: 1 / range in 1/m, 0 for no limit
   vec4 intensity;  // rgb: lux (directional) or candela
-  vec4 cone;       // x, y: scale and offset of the cosine to the axis; (0, 1) where there is no cone
-                   // z: 1 + number of its ShadowBlock; 0: it casts no shadow
+  vec4 cone;       // x, y: scale and offset of the cosine to the axis; (0, 1) for a light without a cone
+                   // z: 1 + index of its ShadowBlock; 0 if the light casts no shadow
 };
 
-// A light's shadow map: one view of the atlas, or the six of a cube (see ShadowUse in engine/frame_plan.h).
+// The shadow map of a light: one view of the atlas, or the six views of a cube (see ShadowUse in simvis/frame_plan.h).
 struct ShadowBlock {
-  vec4 row_x;  // of map_from_view, the frame of its first view from that of the view that is lit, in metres
+  vec4 row_x;  // row of map_from_view: from the frame of the lit view to that of the map's first view, in metres
   vec4 row_y;
   vec4 row_z;
-  vec4 projection;  // texel (u, v) of a side = xy * (x, y) / z + zw; in parallel light xy * (x, y) + zw
-  vec4 depth;       // x: near_m, depth = near_m / z; in parallel light far_m, depth = (far_m - z) * y
-                    // y: 1 / (far_m - near_m), 0 where light is not parallel; z: distance of the frames'
-                    // origins, metres; w: 1 for a cube
-  vec4 place;       // xy: the first view's corner in the atlas; zw: width and height of a side; all in texels
+  vec4 projection;  // texel (u, v) of a side = xy * (x, y) / z + zw; orthographic: xy * (x, y) + zw
+  vec4 depth;       // x: near_m, depth = near_m / z; orthographic: far_m, depth = (far_m - z) * y
+                    // y: 1 / (far_m - near_m) if the view is orthographic, else 0
+                    // z: distance between the origins of the two frames, metres; w: 1 for a cube
+  vec4 place;       // xy: corner of the first view in the atlas; zw: width and height of a side; all in texels
 };
 
 // One view; push constants.
 struct ViewBlock {
   vec4 projection;  // clip.x = projection.x * x + projection.y * z; clip.y = projection.z * y + projection.w * z
-  vec4 ambient;     // rgb: linear radiance from all around; w: near_m
-  vec4 airlight;    // rgb: linear radiance of the air, seen at infinity; w: its extinction in 1/m
+  vec4 ambient;     // rgb: linear radiance from all directions; w: near_m
+  vec4 airlight;    // rgb: linear radiance of the air at infinite distance; w: extinction of the air in 1/m
 };
 
-// Rows of a pass whose transparent surfaces are kept apart at one time; each of their samples has a list of layers.
+// A band of rows of a pass whose OIT layers are stored at the same time. Each sample has a list of layers.
 struct LayerBand {
-  uvec4 rows;  // x: layers so far; y: samples' texels in a row; z: the first row; w: samples of a texel
+  uvec4 rows;  // x: number of layers so far; y: texels per row; z: first row; w: samples per texel
 };
 
-// A transparent surface at one sample.
+// An OIT layer: one transparent surface at one sample.
 struct LayerNode {
   vec4 color;   // linear radiance, alpha
-  uvec4 place;  // x: bits of its depth near / z; y: the list's next layer, counted from 1, 0: none
+  uvec4 place;  // x: bits of its depth near / z; y: next layer of the list, counted from 1; 0 at the end
 };
 
-// A node of a Bvh (see engine/bvh.h), read as whole rows; xyz are bits of floats.
+// A node of a Bvh (see engine/geometry/bvh.h), read as whole rows; xyz are bits of floats.
 struct TreeNode {
   uvec4 low_first;
   uvec4 high_count;
 };
 
-// A triangle in its mesh's unit frame.
+// A triangle in the unit frame of its mesh.
 struct RayTriangle {
-  uvec4 a_primitive;  // xyz: bits of floats; w: its number in the mesh
+  uvec4 a_primitive;  // xyz: bits of floats; w: index of the triangle in the mesh
   vec4 b;             // xyz
   vec4 c;             // xyz
 };
 
-// An item in the top tree's frame. A point at `apart` from its centre has unit coordinates scale * (row . apart); the
-// rows together have the length sqrt(3). A ray's line in the unit frame is off by at most slack + slack_per_unit * D
-// there, D the sensor's distance in units: see engine/gpu_ray_instance.h.
+// An item in the frame of the top-level tree (TLAS). A point at `apart` from its centre has the unit coordinates
+// scale * (row . apart); the rows together have the length sqrt(3). The line of a ray in the unit frame has an error of
+// at most slack + slack_per_unit * D, where D is the distance of the sensor in units: see
+// engine/raycast/gpu_ray_instance.h.
 struct RayItem {
   vec4 row_x;        // w: scale, 1/m
   vec4 row_y;        // w: slack
   vec4 row_z;        // w: slack_per_unit
-  vec4 centre_high;  // xyz: m, rounded; w: by what share a range is off
-  vec4 centre_low;   // xyz: m, what rounding left
-  uvec4 tree;        // x: root; y: first triangle; z: 1 if every point is solid; w: 1 if the host has to test it all
+  vec4 centre_high;  // xyz: m, rounded; w: relative error of a range
+  vec4 centre_low;   // xyz: m, the rest that rounding removed
+  uvec4 tree;        // x: root; y: first triangle; z: 1 if every point is solid; w: 1 if the host must test the item
 };
 
-// Which triangles a ray may meet first. What is not among them lies at or beyond `complete_to_m`.
+// The triangles that a ray may hit first. All other triangles lie at a range of `complete_to_m` or more.
 struct RayCandidates {
   uint count;
   float complete_to_m;
-  uvec2 found[SIMVIS_MOST_CANDIDATES];  // item, as RayItem; primitive
+  uvec2 found[SIMVIS_MOST_CANDIDATES];  // x: index of the RayItem; y: primitive
 };
 
 // One cast; push constants.
 struct RayCastBlock {
-  vec4 sensor_high;  // xyz: m, in the top tree's frame, rounded
-  vec4 sensor_low;   // xyz: m, what rounding left
-  uvec4 rays;        // x: how many
+  vec4 sensor_high;  // xyz: m, in the frame of the top-level tree, rounded
+  vec4 sensor_low;   // xyz: m, the rest that rounding removed
+  uvec4 rays;        // x: number of rays
 };
 
 #ifdef __cplusplus

@@ -1,10 +1,10 @@
-// Transparent surfaces of a band of rows, a list for each sample: see engine/oit_buffer.h.
+// OIT layers of a band of rows, one linked list for each sample: see engine/render/oit_buffer.h.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/interop.h"
 
 layout(std430, set = SIMVIS_LAYERS_SET, binding = SIMVIS_LAYER_LISTS) buffer LayerLists {
   LayerBand band;
-  uint first[];  // layer of each sample's list, counted from 1; 0: none
+  uint first[];  // first layer of the list of each sample, counted from 1; 0 if the list is empty
 } lists;
 layout(std430, set = SIMVIS_LAYERS_SET, binding = SIMVIS_LAYER_NODES) buffer LayerNodes { LayerNode nodes[]; };
 
@@ -14,7 +14,7 @@ uint list_here() {
   return ((texel.y - rows.z) * rows.y + texel.x) * rows.w + uint(gl_SampleID);
 }
 
-// What finds no place is counted all the same: the host sees that and draws the frame again.
+// Layers that do not fit into the buffer are counted as well: the host then draws the frame again with more memory.
 void add_layer(vec4 color) {
   if (!(color.a > 0.0)) return;
   const uint node = atomicAdd(lists.band.rows.x, 1u) + 1u;

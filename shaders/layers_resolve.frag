@@ -1,6 +1,6 @@
-// What a sample's transparent surfaces show together, nearest first, and through how much of them what is behind is
-// seen (alpha): Porter and Duff's "over". Surfaces at one depth follow each other by the bits of their colours, so that
-// in which order they were drawn does not show.
+// Composites the transparent surfaces of a sample from the nearest to the farthest with Porter and Duff's "over"
+// operator. The output alpha is the transmittance for everything behind them. Surfaces at the same depth are sorted by
+// the bits of their colours, so that the result does not depend on the order in which they were drawn.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/layers.glsl"
@@ -22,9 +22,10 @@ bool is_before(uvec4 a, uvec4 b) {
   return a.a > b.a;
 }
 
-// Those at one depth: each time the first by colour that comes after the last one, as often as it is there.
+// Composites the layers at one depth: repeatedly finds the next colour in sorted order and applies it as many times as
+// it occurs.
 void lay_ties(uint first, uint depth, uint left) {
-  uvec4 last = uvec4(0xffffffffu);  // no number's bits: it comes before every colour
+  uvec4 last = uvec4(0xffffffffu);  // the bits of no number; sorts before every colour
   while (left > 0u) {
     uvec4 next = uvec4(0u);
     uint count = 0u;
@@ -49,11 +50,11 @@ void lay_ties(uint first, uint depth, uint left) {
 void main() {
   const uint first = lists.first[list_here()];
   if (first == 0u) discard;
-  // Depth is reversed and positive: its bits grow towards the eye.
+  // Depth is reversed and positive, so its bits increase towards the eye.
   uint last = 0xffffffffu;
   for (bool behind = true; behind && through > 0.0;) {
     uint nearest = 0u, depth = 0u, count = 0u;
-    behind = false;  // whether anything lies behind the nearest one
+    behind = false;  // whether a layer lies behind the nearest one
     for (uint n = first; n != 0u;) {
       const uvec2 place = nodes[n - 1u].place.xy;
       if (place.x < last && place.x > depth) {

@@ -1,4 +1,4 @@
-// One triangle over everything.
+// A full-screen triangle.
 #version 450
 
 void main() { gl_Position = vec4(gl_VertexIndex == 1 ? 3.0 : -1.0, gl_VertexIndex == 2 ? 3.0 : -1.0, 0.0, 1.0); }

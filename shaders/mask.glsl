@@ -1,5 +1,5 @@
-// Keeps the fragments that are solid enough. TEXTURED is defined where the material has a texture,
-// SHADOW_MAP where the depth is a shadow map's.
+// Discards the fragments whose alpha is below the cutoff. TEXTURED is defined if the material has a texture, SHADOW_MAP
+// if the depth is that of a shadow map.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/interop.h"
 
@@ -17,11 +17,11 @@ layout(location = 2) flat in float in_cutoff;
 
 void main() {
 #ifdef SHADOW_MAP
-  gl_FragDepth = shadow_depth();  // here, where no neighbour has gone yet
+  gl_FragDepth = shadow_depth();  // before the discard: fwidth() needs the neighbours
 #endif
   float alpha = in_alpha;
 #ifdef TEXTURED
-  alpha *= textureLod(base_color_texture, in_uv, 0).a;  // the largest level, as rays do: no pixel decides by another
+  alpha *= textureLod(base_color_texture, in_uv, 0).a;  // the largest level, as for rays: pixels are independent
 #endif
   if (alpha < in_cutoff) discard;
 }

@@ -1,4 +1,4 @@
-// What the vertex shaders of meshes have in common.
+// The common part of the vertex shaders of meshes.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/interop.h"
 
@@ -19,7 +19,7 @@ out gl_PerVertex {
   float gl_PointSize;
 };
 
-// The same in every shader, to the bit: passes over the same surface meet in the same depth.
+// Gives bit-identical results in every shader, so that all passes over a surface have the same depth.
 vec4 place_vertex() {
   const vec4 p = vec4(in_position, 1.0);
   const float depth = dot(instance_clip_w, p);

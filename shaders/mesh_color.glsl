@@ -1,5 +1,5 @@
-// What lit colour needs of a vertex, in the view frame. MAPPED is defined where the material has textures besides that
-// of its base colour.
+// Vertex outputs for lit colour, in the view frame. MAPPED is defined if the material has textures in addition to the
+// base colour texture.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/mesh.glsl"
 
@@ -27,11 +27,11 @@ layout(location = 1) flat out vec4 out_emissive_cutoff;
 layout(location = 2) out vec2 out_uv;
 layout(location = 3) out vec3 out_position;
 layout(location = 4) out vec3 out_normal;
-layout(location = 5) flat out vec3 out_finish;  // roughness, opacity, metallic share; written only where it is read
-layout(location = SIMVIS_REACH) out float out_reach;  // of what the position was summed up from, metres; likewise
+layout(location = 5) flat out vec3 out_finish;  // roughness, opacity, metallic share; written only if it is read
+layout(location = SIMVIS_REACH) out float out_reach;  // sum of the magnitudes of the position's terms, m
 
-// The direction of inverse(transpose(M)) * n for the matrix M with these rows: its cofactors, with the sign of its
-// determinant, so that normals stay right under mirrored and non-uniform scale.
+// The direction of inverse(transpose(M)) * n for the matrix M with rows x, y, z. It uses the cofactors of M with the
+// sign of the determinant, so that normals are correct under mirrored and non-uniform scale.
 vec3 transform_normal(vec3 x, vec3 y, vec3 z, vec3 n) {
   const vec3 turned = vec3(dot(cross(y, z), n), dot(cross(z, x), n), dot(cross(x, y), n));
   const float largest = max(max(abs(turned.x), abs(turned.y)), abs(turned.z));

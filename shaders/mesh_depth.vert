@@ -1,4 +1,4 @@
-// Depth of opaque surfaces: positions and nothing else.
+// Depth of opaque surfaces; reads positions only.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/mesh.glsl"

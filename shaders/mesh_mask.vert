@@ -1,4 +1,4 @@
-// Depth of surfaces with holes: what decides whether a texel is there.
+// Depth of masked surfaces: outputs the values of the alpha test.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/mesh.glsl"

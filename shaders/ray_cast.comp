@@ -1,20 +1,22 @@
-// Finds which triangles each ray may meet first: candidates, upon which the host decides in double.
+// Finds candidates for each ray: the triangles that it may hit first. The host makes the final decision in double.
 //
-// Nothing here is exact, and nothing that matters is lost. All is in float32, as Vulkan allows it to be: a sum or a
-// product is off by 1 ulp, a quotient by 2.5, an inverse root by 2, fused or not, in whatever direction (e = 2^-23 is 1
-// ulp, relative). Each margin below is the sum of what the operations before it may be off by; engine/gpu_ray_instance.h adds
-// up what bringing a ray into an item's unit frame costs. `precise` stands where a compiler that distributes a product
-// over a difference would lose more than that.
+// The computation is not exact, but it is conservative: no triangle that may be the first hit is lost. All values are
+// float32 with the errors that Vulkan allows: a sum or a product has an error of at most 1 ulp, a quotient of 2.5 ulp
+// and an inverse square root of 2 ulp, fused or not, in any direction (1 ulp is e = 2^-23, relative). Each margin below
+// is the sum of the possible errors of the operations before it. engine/raycast/gpu_ray_instance.h adds up the errors
+// of the transform of a ray into the unit frame of an item. `precise` marks expressions in which a compiler that
+// distributes a product over a difference would cause a larger error.
 //
-// Boxes. The distances to a box's sides are off by 5 e, relative: by 11 e the nearer may seem the farther (Ize, "Robust
-// BVH Ray Traversal", JCGT 2(2), 2013).
+// Boxes. The distances to the sides of a box have a relative error of 5 e, so the nearer distance may appear up to 11 e
+// greater than the farther one (Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013).
 //
-// Triangles. As engine/ray_triangle.h has it, in the unit frame, from a point of the ray at most 1.6 from the centre:
-// coordinates are at most 2.6, off by 2.6 e and 0.25 e for the rounded corner; sheared ones at most 5.2, off by 2 slack
-// + 20 e (5.7 corner, 6.5 shear, 2.6 product, 5.2 difference). An edge's function is then off by
-// (2 slack + 20 e) (|p| + |q|) + 2 (...)^2, and its own rounding, 2 e 5.2 (|p| + |q|); kShearError covers both. Where
-// the weights' margins m are less than half their sum A, the height z of the hit is off by at most
-// 2 sum(m_i |z_i - z|) / A, by slack, and by rounding, 39 e of the quotient, twice, and of the corners, 3 e.
+// Triangles. The test is that of engine/raycast/ray_triangle.h, in the unit frame, from a point of the ray at most 1.6
+// from the centre. Coordinates are at most 2.6, with an error of 2.6 e, plus 0.25 e for the rounded corner. Sheared
+// coordinates are at most 5.2, with an error of 2 slack + 20 e (5.7 corner, 6.5 shear, 2.6 product, 5.2 difference).
+// The edge function then has an error of (2 slack + 20 e) (|p| + |q|) + 2 (...)^2, plus its own rounding of
+// 2 e 5.2 (|p| + |q|); kShearError covers both. If the margins m of the weights are less than half of the sum A of the
+// weights, the height z of the hit has an error of at most 2 sum(m_i |z_i - z|) / A, plus slack, plus rounding: twice
+// 39 e for the quotient, and 3 e for the corners.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/interop.h"
@@ -30,22 +32,22 @@ layout(std430, binding = SIMVIS_RAY_CANDIDATES) writeonly buffer Candidates { Ra
 layout(push_constant) uniform View { RayCastBlock view; };
 
 const float kUlp = 1.1920929e-7;         // e
-const float kBoxError = 1 + 16 * kUlp;   // 11, and its own rounding
-const float kShearError = 40 * kUlp;     // 20 + 10.4 per sum of coordinates, and the margins' own rounding
+const float kBoxError = 1 + 16 * kUlp;   // 11, plus its own rounding
+const float kShearError = 40 * kUlp;     // 20 + 10.4 per sum of coordinates, plus the rounding of the margins
 const float kCornerError = 6 * kUlp;     // 2.85
-const float kHeightError = 96 * kUlp;    // 2 * 39 + 3, and the margins' own rounding
-const float kWayError = 32 * kUlp;       // of a height over the way's: 5 e of at most 4.5
+const float kHeightError = 96 * kUlp;    // 2 * 39 + 3, plus the rounding of the margins
+const float kWayError = 32 * kUlp;       // of a height divided by the z of `way`: 5 e of at most 4.5
 const float kFar = SIMVIS_FAR_M;
 
 uint ray;
 vec3 direction;
-float passed_m;  // what is met at or before this range does not count; rounded down
+float passed_m;  // hits at or before this range do not count; rounded down
 uint found = 0;
 float found_from_m[SIMVIS_MOST_CANDIDATES];
-float met_by_m = kFar;         // an opaque triangle is met at this range or before
+float met_by_m = kFar;         // the ray hits an opaque triangle at this range or before
 float complete_to_m = 2 * kFar;
 
-uint waiting = 0;  // on the stack: the trees of the item that is walked lie above the top tree's
+uint waiting = 0;  // nodes on the stack; those of the current item lie above those of the top-level tree
 uint stack_node[2 * (SIMVIS_TREE_DEPTH + 1)];
 float stack_near[2 * (SIMVIS_TREE_DEPTH + 1)];
 
@@ -53,7 +55,7 @@ float stack_near[2 * (SIMVIS_TREE_DEPTH + 1)];
 struct LocalRay {
   uint item, first_triangle;
   bool solid;
-  vec3 from, way;  // `way` of about unit length
+  vec3 from, way;  // `way` has approximately unit length
   float start, metres, slack, range_error;
   int axis;  // the largest component of `way`
   vec2 shear;
@@ -62,7 +64,8 @@ struct LocalRay {
 
 float end_m() { return min(met_by_m, complete_to_m); }
 
-// Something may be met from `from_m` on. Keeps the nearest; what has to go limits how far the list is complete.
+// Adds a candidate that the ray may hit at a range of `from_m` or more. The list keeps the nearest candidates. A
+// dropped candidate limits the range up to which the list is complete.
 void add_candidate(uint item, uint primitive, float from_m) {
   if (from_m > end_m()) return;
   uint slot = found;
@@ -83,10 +86,11 @@ void add_candidate(uint item, uint primitive, float from_m) {
   candidates[ray].found[slot] = uvec2(item, primitive);
 }
 
-// So that nothing is divided by 0; 1e-12 is far below the rounding of a unit vector.
+// Prevents division by 0; 1e-12 is far below the rounding error of a unit vector.
 vec3 apart_from_zero(vec3 v) { return mix(v, vec3(1e-12), lessThan(abs(v), vec3(1e-12))); }
 
-// Where a ray from 0 along 1 / per_way enters the box, given as seen from its start; beyond kFar where it does not.
+// The parameter at which a ray from 0 along 1 / per_way enters the box, whose corners are relative to the start of the
+// ray. Returns a value beyond kFar if the ray misses the box.
 float enter_box(vec3 low, vec3 high, vec3 per_way, float end) {
   const vec3 s = low * per_way, t = high * per_way;
   const vec3 first = min(s, t), last = max(s, t);
@@ -95,7 +99,7 @@ float enter_box(vec3 low, vec3 high, vec3 per_way, float end) {
   return near <= far * kBoxError ? near : 4 * kFar * kFar;
 }
 
-// A node's children, the nearer one to be taken first.
+// Pushes the children of a node; the nearer child is visited first.
 void await(uint first, float near_left, float near_right, float end) {
   const bool right_first = near_right < near_left;
   const float nearer = min(near_left, near_right), farther = max(near_left, near_right);
@@ -179,7 +183,7 @@ void walk_item(uint index, float near_m) {
   const float scale = item.row_x.w;
   const vec3 sensor =
       scale * vec3(dot(item.row_x.xyz, apart), dot(item.row_y.xyz, apart), dot(item.row_z.xyz, apart));
-  // A norm above the length that cannot overflow.
+  // A norm that is at least the length and cannot overflow.
   const float distance = abs(sensor.x) + abs(sensor.y) + abs(sensor.z);
   LocalRay r;
   r.slack = item.row_y.w + item.row_z.w * distance;
@@ -192,7 +196,7 @@ void walk_item(uint index, float near_m) {
   r.way = apart_from_zero(way * per_length);
   const float middle_at = -dot(sensor, r.way);
   const vec3 middle = sensor + middle_at * r.way;
-  if (middle_at < -1.25 || dot(middle, middle) > 1.07) return;  // outside of a ball of 1 + 2 * SIMVIS_MOST_SLACK
+  if (middle_at < -1.25 || dot(middle, middle) > 1.07) return;  // misses a ball of radius 1 + 2 * SIMVIS_MOST_SLACK
   r.item = index;
   r.first_triangle = item.tree.y;
   r.solid = item.tree.z == 1;

@@ -1,5 +1,5 @@
-// The mean of all samples of each pixel. Summed in pairs, pairs of pairs and so on: always in the same order, and what
-// is the same all over a pixel stays that to the bit. MULTISAMPLED is defined where texels themselves have samples.
+// The mean of all samples of each pixel. The samples are summed in pairs, pairs of pairs and so on: the order is always
+// the same, and equal samples give exactly their value. MULTISAMPLED is defined if texels have several samples.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
 #include "shaders/interop.h"
@@ -41,6 +41,6 @@ vec4 of_pixel(ivec2 texel) {
 void main() {
   const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
   if (any(greaterThanEqual(pixel, imageSize(mean)))) return;
-  // A power of two: this division does not round.
+  // The divisor is a power of two, so the division does not round.
   imageStore(mean, pixel, of_pixel(pixel * kGrid) / float(kGrid * kGrid * kMsaa));
 }

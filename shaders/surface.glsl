@@ -1,4 +1,4 @@
-// What a surface is like where a fragment lies, and how it reflects a light. Included by color.glsl.
+// Surface properties at a fragment, and the reflection of a light. Included by color.glsl.
 
 const float kDielectric = 0.04;  // reflectance at normal incidence for the refractive index 1.5
 
@@ -17,20 +17,21 @@ bool has_map(uint binding) { return (kMaps & 1u << binding) != 0u; }
 #ifdef MAPPED
 const bool kTextured = (kMaps & 1u << SIMVIS_BASE_COLOR_TEXTURE) != 0u;
 #else
-const bool kTextured = true;  // where TEXTURED is defined
+const bool kTextured = true;  // used only if TEXTURED is defined
 #endif
 
 struct Surface {
   vec3 normal;  // outwards, unit length, view frame
   float roughness, metallic;
-  float occlusion;  // share of ambient light that arrives
+  float occlusion;  // share of the ambient light that reaches the surface
   vec3 emission;
 };
 
 #ifdef MAPPED
-// The normal that a map says, from -1 to 1 along the directions in which u grows and v falls on the surface, and
-// outwards. The directions come from the derivatives of place and texture coordinates in the picture: on a flat
-// triangle they are those of its corners, mirrored coordinates included, and no vertex has to carry them.
+// The normal of a normal map. `bend` has components from -1 to 1 along the direction of increasing u, the direction of
+// decreasing v, and outwards. The directions come from the screen-space derivatives of position and texture
+// coordinates. On a flat triangle they equal those of its corners, also with mirrored coordinates, so vertices need no
+// tangents.
 vec3 bent_normal(vec3 outward, vec3 bend) {
   const vec2 uv = in_map_uv[SIMVIS_NORMAL_MAP - SIMVIS_FIRST_MAP];
   const vec3 p_x = dFdx(in_position), p_y = dFdy(in_position);
@@ -41,7 +42,7 @@ vec3 bent_normal(vec3 outward, vec3 bend) {
   const vec3 against_v = (p_x * uv_y.x - p_y * uv_x.x) * turn;
   const vec3 in_plane = along_u - outward * dot(outward, along_u);
   const float square = dot(in_plane, in_plane);
-  if (square == 0.0) return outward;  // the picture is not laid out here
+  if (square == 0.0) return outward;  // the texture coordinates are degenerate here
   const vec3 tangent = in_plane * inversesqrt(square);
   const vec3 across = cross(outward, tangent);
   const vec3 bitangent = dot(across, against_v) < 0.0 ? -across : across;
@@ -75,19 +76,19 @@ Surface surface_here() {
 }
 
 struct Reflected {
-  vec3 fresnel;    // share of the light that does not get into the surface
-  vec3 highlight;  // of it, radiance towards the eye per irradiance
+  vec3 fresnel;    // share of the light that is reflected and does not enter the surface
+  vec3 highlight;  // reflected radiance towards the eye per irradiance
 };
 
-// Fresnel reflectance after Schlick, the density of microfacets after Trowbridge and Reitz (GGX), and their visibility
-// after Smith, correlated in height.
+// Schlick's Fresnel reflectance, the Trowbridge-Reitz (GGX) microfacet distribution, and Smith's height-correlated
+// visibility term.
 // Sources: glTF 2.0, appendix B; Heitz, Understanding the Masking-Shadowing Function in Microfacet-Based BRDFs (2014).
 Reflected reflect_light(vec3 normal_reflectance, float roughness, vec3 normal, vec3 toward, vec3 to_eye) {
   const vec3 sum = toward + to_eye;
   const vec3 half_way = sum * inversesqrt(max(dot(sum, sum), kMinSquare));
   const float alpha = roughness * roughness, square = alpha * alpha;
   const float to_light = max(dot(normal, toward), 0.0), eye = max(dot(normal, to_eye), 0.0);
-  // Lagrange's identity gives 1 - cos^2 without cancellation.
+  // Lagrange's identity gives 1 - cos^2 without cancellation: it is the square of `across`.
   const vec3 across = cross(normal, half_way);
   const float along = max(dot(normal, half_way), 0.0) * alpha;
   const float density = alpha / max(dot(across, across) + along * along, kMinSquare);

@@ -16,7 +16,7 @@ __extension__ using Uint128 = unsigned __int128;
 
 constexpr std::uint64_t kNsPerSecond = 1'000'000'000;
 
-// Below this rate no firing but the first comes within the clock's 292 years.
+// Below this rate, only the first firing is within the clock's range of 292 years.
 constexpr double kMinSensorRateHz = 1e-12;
 
 Uint128 power_of_ten(int exponent) {
@@ -30,20 +30,20 @@ std::string number_text(double value) {
   return {text, std::to_chars(text, text + sizeof text, value).ptr};
 }
 
-/// round(index * 10^9 / rate), or nothing when it lies beyond 64 bits. The rate is at most kMaxRateHz.
+/// round(index * 10^9 / rate), or nothing if it exceeds 64 bits. The rate is at most kMaxRateHz.
 std::optional<std::int64_t> time_of(std::uint64_t index, double rate_hz, const DecimalRate& rate) {
-  // Far enough below 2^63 that the rough quotient cannot hide an overflow. What passes also keeps the numerator small:
-  // it is the time times the digits, below 2^63 * 10^17 < 2^120.
+  // The limit is so far below 2^63 that the rounding of the quotient cannot hide an overflow. It also limits the
+  // numerator: that is the time multiplied by the digits, below 2^63 * 10^17 < 2^120.
   if (static_cast<double>(index) * 1e9 / rate_hz > 9.2e18) return std::nullopt;
   const Uint128 numerator = static_cast<Uint128>(index) * kNsPerSecond * power_of_ten(-rate.exponent);
   const Uint128 denominator = rate.digits * power_of_ten(rate.exponent);
   return static_cast<std::int64_t>((2 * numerator + denominator) / (2 * denominator));
 }
 
-/// How many firing times round(j * 10^9 / rate), j >= 0, are at most `time_ns`. The rate lies between kMinSensorRateHz
-/// and Clock::kMaxRateHz, so that the exponent is at least -28 and both sides stay below 2^128.
+/// The number of firing times round(j * 10^9 / rate), j >= 0, that are at most `time_ns`. The rate lies between
+/// kMinSensorRateHz and Clock::kMaxRateHz, so the exponent is at least -28 and both sides stay below 2^128.
 std::uint64_t firings_until(std::int64_t time_ns, const DecimalRate& rate) {
-  // round(x) <= t is x < t + 1/2, so what is counted is every j below (2 t + 1) * rate / (2 * 10^9).
+  // round(x) <= t is equivalent to x < t + 1/2, so every j below (2 t + 1) * rate / (2 * 10^9) counts.
   const Uint128 numerator = (2 * static_cast<Uint128>(time_ns) + 1) * rate.digits * power_of_ten(rate.exponent);
   const Uint128 denominator = 2 * kNsPerSecond * power_of_ten(-rate.exponent);
   return static_cast<std::uint64_t>((numerator + denominator - 1) / denominator);

@@ -9,11 +9,11 @@
 namespace simvis {
 namespace {
 
-// An illegal override is an error whether or not the scene has a sensor of the type.
+// An invalid override is an error even if the scene has no sensor of the type.
 std::vector<AttributeOverride> checked(std::vector<AttributeOverride> overrides) {
   for (const AttributeOverride& each : overrides) {
     const SensorType* const type = find_sensor_type(each.sensor_type);
-    if (type == nullptr) continue;  // the builder says what there is
+    if (type == nullptr) continue;  // the builder reports unknown types and lists the known ones
     const Location where{.file = each.origin.empty() ? each.sensor_type + "." + each.attribute : each.origin};
     Command command{.kind = CommandKind::sensor, .attributes = {}, .where = where, .folder = {}};
     if (each.value) command.attributes.push_back({each.attribute, *each.value, where});
@@ -40,7 +40,7 @@ void LiveScene::execute(std::span<const Command> commands) {
   default_light_->set_which(declares_light() ? Switch::kNone : Switch::kAll);
 }
 
-// A light of the scene's own, also where something hides it for now.
+// Whether the scene declares a light itself, even if a switch currently hides it.
 bool LiveScene::declares_light() const {
   const Node* const own = default_light_->children().front().get();
   return std::ranges::any_of(nodes_of(built.scene.root()), [own](const NodePtr& node) {

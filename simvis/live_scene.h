@@ -1,4 +1,4 @@
-// A scene that takes commands for as long as it lives, and lights itself while nothing else does.
+// A scene that accepts commands during its whole lifetime and uses a default light while it declares no other light.
 #pragma once
 
 #include <cstdint>
@@ -13,19 +13,19 @@ namespace simvis {
 
 class LiveScene {
  public:
-  /// Throws InputError for a mistake in the commands, and for an override that no sensor of its type could have.
+  /// Throws InputError for an error in the commands, and for an override that is invalid for its sensor type.
   LiveScene(std::vector<AttributeOverride> overrides, std::span<const Command> commands, std::uint64_t seed = 0,
             ProgressCallback progress = {});
   LiveScene(const LiveScene&) = delete;
   LiveScene& operator=(const LiveScene&) = delete;
 
-  /// All or nothing: when it throws InputError, with the place, the scene is as it was.
+  /// All or nothing: if it throws InputError, which contains the location, the scene is unchanged.
   void execute(std::span<const Command> commands);
 
   /// See Simulation::add_variant().
   void add_variant(std::size_t sensor, const Command& command) { builder_.add_variant(sensor, command); }
 
-  /// From now on sensors must be within what this device can do; throws InputError for one that is not yet.
+  /// From now on, sensors must be within the limits of the device. Throws InputError if an existing sensor is not.
   void require(const TargetLimits& limits) { builder_.require(limits); }
 
   BuiltScene built;

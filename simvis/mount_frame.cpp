@@ -7,10 +7,11 @@ namespace simvis {
 
 namespace {
 
-// Below this sine between x and z, what is left of z when x is taken out is mostly rounding.
+// Below this sine of the angle between x and z, the component of z orthogonal to x is mostly rounding error.
 constexpr double kMinSine = 1e-6;
 
-/// Unit length, also where the square of the length would leave the range of a double.
+/// Normalises v, even if the square of its length is outside the range of a double. Returns false if v is 0 or not
+/// finite.
 bool normalise(glm::dvec3& v) {
   const double largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
   if (!(largest > 0) || !std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.z)) return false;

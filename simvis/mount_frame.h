@@ -1,17 +1,16 @@
-// Where a sensor stands, when the way to it scales, shears or mirrors.
+// The rigid frame of a sensor whose mount transform contains scale, shear or mirroring.
 #pragma once
 
 #include <glm/glm.hpp>
 
 namespace simvis {
 
-/// The rigid frame nearest in meaning to a mount's: it stands where the mount stands and looks where its x axis points;
-/// its z axis is the mount's, as far as it is square to x; y = z x x makes it right-handed.
+/// Computes the rigid frame of a sensor from the transform of its mount. The origin and the direction of x are those of
+/// the mount; z is the component of the mount's z axis orthogonal to x; y = z x x makes the frame right-handed.
 ///
-/// So scale and shear fall away, and in a mirrored part (a negative scale) the sensor still looks ahead with its head
-/// up, but its left is not the mirrored left: a sensor is not a thing that can be mirrored.
-/// False when x or z has no direction, because the way to the mount flattens everything (a scale of 0) or is not
-/// finite.
+/// So scale and shear are removed. In a mirrored part (a negative scale), forward and up of the sensor follow the part,
+/// but its left is not mirrored, because a sensor cannot be mirrored.
+/// Returns false if x or z has no direction (a scale of 0), if x and z are parallel, or if the transform is not finite.
 bool rigid_mount_frame(const glm::dmat4& world_from_mount, glm::dmat4& world_from_sensor);
 
 }  // namespace simvis

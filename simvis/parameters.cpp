@@ -35,7 +35,7 @@ std::size_t Parameters::element_of(std::size_t index) const {
     throw InputError("there is no parameter of index " + std::to_string(index) + ", expected one below " +
                      std::to_string(values_.size()));
   }
-  // The last element that starts at or before the index: one without parameters shares the start of the next.
+  // The last element that starts at or before the index. An element without parameters has the same start as the next.
   const auto after = std::ranges::upper_bound(elements_, index, {}, &ElementDescriptor::first_value);
   return static_cast<std::size_t>(after - elements_.begin()) - 1;
 }

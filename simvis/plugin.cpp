@@ -18,7 +18,7 @@ namespace {
 }  // namespace
 
 void load_plugin(const std::filesystem::path& file) {
-  // The loader searches the system's folders for a bare name, so it gets an absolute one.
+  // dlopen() searches the system folders for a name without a path, so it gets an absolute path.
   const std::string path = std::filesystem::absolute(file).string();
   if (::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NOLOAD) != nullptr) return;
   Registrations& registrations = Registrations::instance();

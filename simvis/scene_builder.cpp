@@ -13,12 +13,12 @@
 namespace simvis {
 namespace {
 
-// Deeper than anybody nests parts on purpose.
+// Limit of the nesting depth of parts; a greater depth is taken for an error.
 constexpr std::size_t kMaxNested = 64;
 
 constexpr std::string_view kReading = "reading the scene";
 
-// Makes an element or a sensor. Whatever the constructor of a plug-in's type throws is an error at the command.
+// Creates an element or a sensor. An exception from the constructor of its type becomes an error at the command.
 template <typename Type, typename Create>
 auto create(const Type& type, const Command& command, const Create& make) {
   std::string reason = "it returned nothing";
@@ -51,7 +51,7 @@ Location origin(const AttributeOverride& override) {
   return {.file = override.origin.empty() ? override.sensor_type + "." + override.attribute : override.origin};
 }
 
-// The table of the command's type; empty for parts and unknown types.
+// The attribute table of the command's type; empty for parts and unknown types.
 std::vector<AttributeSpec> table_of(const Command& command) {
   const CommandAttribute* const type = command.find("type");
   if (type == nullptr) return {};
@@ -65,7 +65,7 @@ std::vector<AttributeSpec> table_of(const Command& command) {
   return all_attributes(*sensor);
 }
 
-// What an attribute of a command names.
+// The kind of object that an attribute of a command refers to.
 std::optional<CommandKind> referred_kind(const Command& command, std::string_view attribute) {
   if (attribute == "insert_at") return CommandKind::part;
   for (const AttributeSpec& spec : table_of(command)) {
@@ -84,7 +84,7 @@ void check_prefix(const CommandAttribute& part_name) {
                                "name without '.' and without '/' in front");
 }
 
-// Gives the names within a carrier that others have already the prefix.
+// Adds the prefix to the names that a part file defines, and to its references to them.
 void prefix_names(std::vector<Command>& commands, const PartContent& content, const std::string& prefix) {
   std::set<std::pair<CommandKind, std::string>> own;
   for (const std::string& point : content.points) own.emplace(CommandKind::part, point);
@@ -136,7 +136,7 @@ void SceneBuilder::add_variant(std::size_t sensor, const Command& command) {
   all_or_nothing([&] {
     BuiltSensor variant = make_sensor(command);
     const BuiltSensor& of = built_.sensors[sensor];
-    // What people see and what sensors see are two worlds, and a mount stands in one of them.
+    // People and sensors have separate worlds, and a mount belongs to one of them.
     if (variant.type != of.type || variant.sensor->visualization() != of.sensor->visualization()) {
       fail_at(command.where, "a variant of sensor " + in_quotes(of.name) + " is of another type or view than it");
     }
@@ -158,7 +158,7 @@ void SceneBuilder::run(std::span<const Command> commands) {
   }
 }
 
-// Says so when the insertion point that a command names comes into being only later.
+// Throws if the insertion point that a command names is created only by a later command.
 void SceneBuilder::check_order(const Command& command, std::span<const Command> later) const {
   const CommandAttribute* at = command.find("insert_at");
   if (at == nullptr || built_.scene.has_insertion_point(at->value)) return;
@@ -197,7 +197,7 @@ void SceneBuilder::insert_part(const Command& command) {
     prefix = name.value + "/";
   }
   built_.scene.insert_part(command, prefix);
-  log_change(command);  // before what it carries
+  log_change(command);  // before the carried commands
   if (!has_names) return;
   if (carriers_.insert(content.file).second) {
     built_.scene.undo().add([this, file = content.file] { carriers_.erase(file); });
@@ -205,7 +205,7 @@ void SceneBuilder::insert_part(const Command& command) {
   run_carried(command, content, prefix);
 }
 
-// Whether the names within a part must be told from others: it stands in the scene already, or one of them is taken.
+// Whether the names within a part need a prefix: the part is already in the scene, or one of its names is taken.
 bool SceneBuilder::clashes(std::span<const Command> carried, const PartContent& content) const {
   if (carriers_.contains(content.file)) return true;
   const auto point_taken = [&](const std::string& name) { return built_.scene.has_insertion_point(name); };
@@ -266,7 +266,7 @@ std::vector<Command> SceneBuilder::carried_commands(const Command& part, const P
   return commands;
 }
 
-// Names of parts and elements must be known; those of sensors are looked at when all commands have been executed.
+// Names of parts and elements must exist; names of sensors are checked when all commands have been executed.
 void SceneBuilder::check_references(const AttributeValues& attributes, AttributeTable table) {
   for (const AttributeSpec& spec : table) {
     if (!is_reference(spec.kind) || !attributes.is_set(spec.name)) continue;
@@ -357,7 +357,7 @@ Command SceneBuilder::overridden(Command command) const {
   return command;
 }
 
-// All but its place.
+// Creates the sensor; add_sensor() puts it into the scene graph.
 BuiltSensor SceneBuilder::make_sensor(const Command& written) {
   const CommandAttribute& type_name = written.require("type");
   const CommandAttribute& name = written.require("name");
@@ -398,7 +398,7 @@ void SceneBuilder::insert_sensor(const Command& command) {
   const std::optional<glm::dmat4> offset = pose_offset(command);
   sensor.mount = std::make_shared<Mount>();
   sensor.mount->name = sensor.name;
-  // What looks on for people leaves no trace in what sensors see.
+  // Visualization sensors must have no effect on the world of the other sensors.
   const GroupPtr separator = sensor.sensor->visualization() ? GroupPtr(std::make_shared<VisualSeparator>())
                                                             : GroupPtr(std::make_shared<Separator>());
   separator->name = sensor.name;

@@ -1,4 +1,4 @@
-// From commands to a scene that can run: parts in place, elements made, sensors mounted.
+// Builds a scene from commands: inserts parts, creates elements and mounts sensors.
 #pragma once
 
 #include <filesystem>
@@ -20,10 +20,10 @@
 
 namespace simvis {
 
-/// A sensor and the place in the graph that gives its pose.
+/// A sensor and the node of the scene graph that defines its pose.
 struct BuiltSensor {
   std::string name, type;
-  Command command;  ///< as executed: with overrides, its preset written out, and names as its part has given them
+  Command command;  ///< as executed: with overrides, with the attributes of its preset, and with prefixed names
   std::unique_ptr<Sensor> sensor;
   std::shared_ptr<Mount> mount;
 };
@@ -35,32 +35,32 @@ struct BuiltScene {
   std::vector<BuiltSensor> sensors;                ///< in the order of their commands
 };
 
-/// Executes commands in order. One may refer only to insertion points, parts and elements that exist by then; sensors
-/// may come later in the same list.
+/// Executes commands in order. A command may refer only to insertion points, parts and elements that exist when it is
+/// executed; sensors that it refers to may follow later in the same list.
 ///
-/// Carried  the commands that a part file carries are executed right after the part is inserted. Relative file names in
-///          them start at the part's folder; `insert_at` may be left out and is then the part's own insertion point.
-///          When the same file is inserted again under a name N, or one of its names is taken, the names that its
-///          commands give and the insertion points within it become N/NAME.
-/// Seed     of all random numbers; each sensor gets it.
-/// Override replaces or adds an attribute of every sensor of its type, those that parts carry too.
+/// Carried  the commands in a part file are executed right after the part is inserted. Relative file names in these
+///          commands start at the folder of the part; `insert_at` is optional and defaults to the insertion point of
+///          the part. If the same file is inserted again under a name N, or if one of its names is taken, the names in
+///          its commands and its insertion points become N/NAME.
+/// Seed     the seed of all random numbers; each sensor receives it.
+/// Override replaces or adds an attribute of every sensor of its type, including the sensors in part files.
 class SceneBuilder {
  public:
   /// Throws InputError for an override of a type that does not exist. `overrides` must live as long as the builder.
   SceneBuilder(BuiltScene& built, std::span<const AttributeOverride> overrides, std::uint64_t seed = 0,
                ProgressCallback progress = {});
 
-  /// All or nothing: when it throws InputError, with the place, the scene is as it was.
+  /// All or nothing: if it throws InputError, which contains the location, the scene is unchanged.
   void execute(std::span<const Command> commands);
 
   /// See Simulation::add_variant(). All or nothing.
   void add_variant(std::size_t sensor, const Command& command);
 
-  /// From now on sensors must be within what this device can do; throws InputError for one that is not yet.
+  /// From now on, sensors must be within the limits of the device. Throws InputError if an existing sensor is not.
   void require(const TargetLimits& limits);
 
  private:
-  // What a carried command or one of the scene's own waits for: a sensor of this name that gives scans.
+  // A reference to a sensor that must exist when all commands have been executed, and must produce scans.
   struct Awaited {
     std::string sensor;
     Location where;
@@ -90,12 +90,12 @@ class SceneBuilder {
   ProgressCallback progress_;
   std::optional<TargetLimits> limits_;
   NameSet element_names_{"element"}, sensor_names_{"sensor"};
-  std::set<std::filesystem::path> carriers_;  // files whose carried commands were executed before
+  std::set<std::filesystem::path> carriers_;  // files whose carried commands have been executed
   std::vector<std::filesystem::path> open_;   // files whose carried commands are being executed
   std::vector<Awaited> awaited_;
 };
 
-/// A scene of these commands. Throws InputError.
+/// Builds a scene from `commands`. Throws InputError.
 BuiltScene build_scene(std::span<const Command> commands, std::span<const AttributeOverride> overrides = {});
 
 }  // namespace simvis

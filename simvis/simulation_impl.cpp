@@ -22,7 +22,7 @@ std::size_t count_views(const FramePlan& plan) {
   return views;
 }
 
-// The device reports to whom the simulation reports to.
+// The device reports progress to the same callback as the simulation.
 DeviceDesc device_desc(const SimulationDesc& desc) {
   DeviceDesc device = desc.device;
   if (desc.progress) device.progress = desc.progress;
@@ -57,7 +57,7 @@ void SimulationImpl::add_new_sensors() {
 
 const CostModel& SimulationImpl::costs(const SensorType& type) {
   if (!device_costs) {
-    // Simulations that measure at the same time would disturb one another; with a cache, one measurement serves all.
+    // Simulations that measure at the same time would disturb each other. With a cache, one measurement serves all.
     static std::mutex measuring;
     const std::lock_guard lock(measuring);
     const std::filesystem::path file = cost_model_file(device, cache, version());
@@ -98,7 +98,7 @@ void SimulationImpl::finish() {
   ++next_frame;
 }
 
-// What casts every beam, on the host, does so while the device draws what the others need.
+// Host-only ray casts run while the device draws for the other sensors.
 void SimulationImpl::render(ViewLayer& layer, const FrameTime& time) {
   layer.caster->set_world(*layer.list);
   std::exception_ptr failed;
@@ -116,7 +116,7 @@ void SimulationImpl::render(ViewLayer& layer, const FrameTime& time) {
   measure(layer, time, results);
 }
 
-// Nothing is measured, so only where sensors stand has to be worked out.
+// A skipped frame measures nothing, so it computes only the poses of sensors.
 void SimulationImpl::skip_frame() {
   require_skippable();
   const FrameTime time = clock.frame(next_frame);
@@ -203,7 +203,7 @@ void SimulationImpl::plan_due_sensors(ViewLayer& layer, bool visualization, cons
   }
 }
 
-// Of a sensor that is due, its pose is known then.
+// Also updates the pose of the sensor if it is due.
 DueState SimulationImpl::due_state(std::size_t sensor, const FrameTime& time) {
   const BuiltSensor& built = scene.built.sensors[sensor];
   if (!states[sensor].enabled) return DueState::off;
@@ -245,7 +245,7 @@ void SimulationImpl::measure(ViewLayer& layer, ViewLayer::Entry& entry, const Fr
   entry.cost.triangle_tests = after.triangle_tests - before.triangle_tests;
 }
 
-/// False where the sensor stands in a part that is switched off.
+/// Returns false if the sensor is mounted in a part that is switched off.
 bool SimulationImpl::pose(const BuiltSensor& sensor, glm::dmat4& world_from_sensor) {
   glm::dmat4 world_from_mount;
   if (!layer_of(sensor).flattener.find_mount(*sensor.mount, world_from_mount)) return false;

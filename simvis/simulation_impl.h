@@ -1,4 +1,4 @@
-// What a simulation holds, and how it makes a frame.
+// The state of a simulation and the stages of a frame.
 #pragma once
 
 #include <cstdint>
@@ -45,8 +45,8 @@ struct SimulationImpl : Observations {
   struct State {
     bool enabled = true;
     std::uint64_t frames = 0;
-    glm::dmat4 world_from_sensor{1.0};  // when it last measured
-    std::vector<std::string> effects;   // that it has had
+    glm::dmat4 world_from_sensor{1.0};  // at its last measurement
+    std::vector<std::string> effects;   // names of the effects it has had
   };
 
   const CostModel& costs(const SensorType& type);
@@ -56,12 +56,12 @@ struct SimulationImpl : Observations {
   std::vector<State> states;  // as long as scene.built.sensors
   std::filesystem::path cache;
   Device device;
-  std::optional<CostModel> device_costs;  // once a sensor has asked
+  std::optional<CostModel> device_costs;  // set when a sensor first requests them
   ViewLayer sensing;
-  std::optional<ViewLayer> people;    // while the scene has a visualization sensor
-  std::uint64_t next_frame = 0;       // that is not under way
-  bool under_way = false;             // the frame before it, and the device may be at work
-  std::vector<std::string> measured;  // names of the sensors that did in this frame
+  std::optional<ViewLayer> people;    // set if the scene has a visualization sensor
+  std::uint64_t next_frame = 0;       // index of the first frame that has not started
+  bool under_way = false;             // the previous frame is not finished; the device may be working
+  std::vector<std::string> measured;  // names of the sensors that measured in this frame
   StepStages stages;
   bool instrumented;
   std::vector<SensorCost> sensor_costs;

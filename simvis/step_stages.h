@@ -1,4 +1,4 @@
-// When the stages of a step began and ended.
+// The start and end times of the stages of a step.
 #pragma once
 
 #include <span>
@@ -10,7 +10,7 @@
 
 namespace simvis {
 
-/// Each stage ends where the next begins.
+/// Each stage ends when the next one begins.
 class StepStages {
  public:
   void clear() { stages_.clear(); }

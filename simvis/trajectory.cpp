@@ -11,7 +11,7 @@ namespace simvis {
 namespace {
 
 struct Cell {
-  std::string_view text;  // without spaces around
+  std::string_view text;  // without surrounding spaces
   std::size_t offset;     // in the source
 };
 
@@ -30,7 +30,7 @@ std::vector<Cell> split_cells(std::string_view line, std::size_t offset) {
   }
 }
 
-// The lines of the text as cells; empty lines at its end do not count.
+// Splits the text into lines of cells; empty lines at the end are ignored.
 std::vector<std::vector<Cell>> split_lines(std::string_view text) {
   text = text.substr(0, text.find_last_not_of("\r\n") + 1);
   std::vector<std::vector<Cell>> lines;
@@ -111,7 +111,7 @@ void Trajectory::apply(double time_s, Parameters& parameters) const {
   const std::size_t to = std::min(after, times_s_.size() - 1);
   const double part = from == to ? 0 : (time_s - times_s_[from]) / (times_s_[to] - times_s_[from]);
   for (std::size_t i = 0; i < indices_.size(); ++i) {
-    // std::lerp is monotonic and exact at both ends, so it never leaves the limits that both rows keep.
+    // std::lerp is monotonic and exact at both ends, so the result stays within the limits if both rows do.
     const double first = values_[from * indices_.size() + i], last = values_[to * indices_.size() + i];
     parameters.set(indices_[i], std::lerp(first, last, part));
   }

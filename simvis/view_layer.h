@@ -1,4 +1,4 @@
-// What one audience of a simulation sees: its flattened world, its plan, its renderer.
+// The flattened world, frame plan and renderer of one audience of a simulation.
 #pragma once
 
 #include <cstddef>
@@ -16,8 +16,8 @@
 
 namespace simvis {
 
-/// Sensors and people each have a layer of their own, down to the buffers: nothing that is drawn for people can touch
-/// what a sensor sees or costs.
+/// Sensors and people have separate layers, including the buffers: objects that are drawn for people cannot change the
+/// measurements or the costs of a sensor.
 struct ViewLayer {
   ViewLayer(GroupPtr root, Audience audience, Device& device)
       : flattener(std::move(root), audience),
@@ -30,24 +30,24 @@ struct ViewLayer {
     std::size_t sensor = 0;  ///< index
     DueState due_state = DueState::due;
     std::size_t first_pass = 0, end_pass = 0, first_cast = 0, end_cast = 0;  ///< in the plan
-    bool draws = false;  ///< it has views in the plan's passes, which may be others' too
-    bool taken = false;  ///< it has its results
-    SensorCost cost{};   ///< of that, where the device is instrumented
+    bool draws = false;  ///< it has views in the passes of the plan; other sensors may share these passes
+    bool taken = false;  ///< it has received its results
+    SensorCost cost{};   ///< cost of processing the results, if the device is instrumented
   };
 
   /// Starts the plan of the next frame.
   void begin_plan();
 
-  /// The plan of this frame, with all that only people and tests want to know: worked out when it is first asked for.
+  /// The plan of this frame with the details that only reports and tests need. They are computed at the first call.
   const FramePlan& complete_plan(std::span<const BuiltSensor> sensors);
 
   Flattener flattener;
   Renderer renderer;
-  std::unique_ptr<RayCaster> caster;  ///< costs nothing until a sensor casts
-  const DrawList* list;               ///< as of the last flattening
+  std::unique_ptr<RayCaster> caster;  ///< idle until a sensor casts rays
+  const DrawList* list;               ///< result of the last flattening
   FramePlan plan;                     ///< of this frame
-  std::vector<Entry> entries;         ///< of the sensors, due or not, in their order
-  bool rendered = false;              ///< the plan has been
+  std::vector<Entry> entries;         ///< of all sensors, due or not, in their order
+  bool rendered = false;              ///< the plan has been rendered
   bool complete = false;
 };
 

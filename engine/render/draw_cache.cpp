@@ -20,7 +20,7 @@ auto state_of(const Drawable& d) {
   return std::tuple(d.key.bits(), d.single_sided, d.mirrored, d.depth_visible, d.texture, d.range.clusters.data());
 }
 
-// Whether a map, if it is there, changes what is seen.
+// Whether a map, if present, changes the appearance of the material.
 bool has_effect(const Material& material, MapKind kind) {
   switch (kind) {
     case MapKind::normal:
@@ -55,7 +55,7 @@ void DrawCache::update(const DrawList& list, MeshUse use, GeometryPool& geometry
   const bool new_ranks = recolored && update_material_ranks();
   const bool anew = new_tables || new_kinds || new_mirrors || new_lights || use_ < use;
   if (anew) {
-    // What has once been made ready for more stays so, until the scene changes.
+    // The use only increases until the structure of the list changes.
     use_ = new_tables ? use : std::max(use_, use);
     lights_ = lights;
     rebuild(geometry, textures, uploads);
@@ -90,7 +90,7 @@ DrawCache::MaterialKind DrawCache::kind_of(const Material& material) {
   if (material.alpha_mode != AlphaMode::opaque) kind.in_color = kind.in_depth = Surface::masked;
   if (faded) kind.in_color = Surface::faded;
   if (blend) kind.in_color = Surface::blended;
-  // Textures and vertices only lower it.
+  // An upper bound: textures and vertex colours only reduce alpha.
   const float max_solid = material.opacity * (blend ? material.base_color.a : 1);
   kind.seen = max_solid > 0;
   kind.depth_visible = max_solid >= kMinDepthVisibleAlpha;
@@ -107,7 +107,7 @@ DrawCache::MaterialKind DrawCache::kind_of(const Material& material) {
   return kind;
 }
 
-// `recolored`: a material is another than before, of whatever kind.
+// Returns whether the kind of a material has changed. `recolored`: any property of a material has changed.
 bool DrawCache::update_materials(const DrawList& list, bool& recolored) {
   SIMVIS_ASSERT(list.material_revision.size() == materials_.size());
   if (kinds_.size() == materials_.size() && materials_ == list.materials &&
@@ -128,7 +128,7 @@ bool DrawCache::update_materials(const DrawList& list, bool& recolored) {
   return changed;
 }
 
-// Whether they are other than before.
+// Returns whether the ranks have changed.
 bool DrawCache::update_material_ranks() {
   std::vector<std::uint32_t> ranks = canonical_ranks(materials_);
   ranks.swap(material_ranks_);
@@ -162,7 +162,7 @@ bool DrawCache::update_transforms(const DrawList& list) {
   return changed;
 }
 
-// Whether it was not, or was, before.
+// Returns whether the value has changed.
 bool DrawCache::update_mirrored(const DrawList& list, std::uint32_t item) {
   const glm::dmat3 world_from_mesh(list.world_from_node[items_[item].transform]);
   const bool mirrored = glm::dot(glm::cross(world_from_mesh[0], world_from_mesh[1]), world_from_mesh[2]) < 0;
@@ -217,7 +217,7 @@ void DrawCache::rebuild(GeometryPool& geometry, TextureStore& textures, Uploads&
 TextureSet DrawCache::shown(const MaterialKind& kind) const {
   TextureSet set = kind.textures;
   if (!with_color()) std::fill(set.begin() + SIMVIS_FIRST_MAP, set.end(), nullptr);
-  // Only lights show which way a surface faces, and how smooth it is.
+  // Normals and roughness are visible only if there are lights.
   if (lights_ == 0) set[SIMVIS_NORMAL_MAP] = set[SIMVIS_METALLIC_ROUGHNESS_MAP] = nullptr;
   return set;
 }

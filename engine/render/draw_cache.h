@@ -1,5 +1,5 @@
-// A draw list made ready for drawing, with all that a view needs of an item side by side. Remade only when the list's
-// structure or a material's kind changes: not for another colour.
+// Cached render queues of a draw list. They are rebuilt only when the structure of the list or the kind of a material
+// changes, not when a colour changes.
 #pragma once
 
 #include <memory>
@@ -16,41 +16,42 @@
 
 namespace simvis {
 
-/// Of a list whose writer keeps account the table looks at what has changed, see DrawListDelta; it compares what it was
-/// made from with any other.
+/// If the list has a change log (see DrawListDelta), the cache reads only the changes. Otherwise it compares the list
+/// with its own copy.
 class DrawCache {
  public:
-  /// Brings the table up to date. `use`: what this frame needs of opaque triangles, at least their clusters; what needs
-  /// attributes shows colour, and without any that does neither textures nor attributes of what is opaque are uploaded.
+  /// Brings the cache up to date. `use`: the mesh data of opaque triangles that this frame needs, at least clusters.
+  /// `attributes` means that the frame shows colour; until a frame does, textures and vertex attributes of opaque
+  /// surfaces are not uploaded.
   void update(const DrawList& list, MeshUse use, GeometryPool& geometry, TextureStore& textures, Uploads& uploads);
 
-  /// Everything, for passes without colour.
+  /// All drawables, for passes without colour.
   const RenderQueue& depth() const { return depth_; }
-  /// For passes with colour: what is solid, and what is blended over it.
+  /// For passes with colour: solid drawables, and transparent drawables that are blended over them.
   const RenderQueue& solid() const { return solid_; }
   const RenderQueue& blended() const { return blended_; }
 
-  /// The numbers of the list's lights in the order in which they are summed up, see engine/canonical_order.h.
+  /// Indices of the list's lights in the order in which they are summed up, see engine/draw/canonical_order.h.
   std::span<const std::uint32_t> lights() const { return light_order_; }
 
   /// Valid until the list changes.
   const WorldBox& box(std::uint32_t item) const { return index_ ? index_->box(item) : boxes_[item]; }
-  /// Adds the items whose boxes are not outside the view, in any order; returns how many boxes that took to look at.
+  /// Appends the items whose boxes are not outside the view, in any order. Returns the number of boxes examined.
   std::uint64_t find_seen(const ViewProjection& projection, std::vector<std::uint32_t>& items) const;
-  /// By material: not 0 where what is drawn reads its block.
+  /// By material: not 0 if a drawable reads the material's block.
   std::span<const std::uint8_t> materials_read() const { return materials_read_; }
-  /// By material: a sum of 1 << binding of the textures that are shown.
+  /// By material: bit mask of the textures that are shown, bit number = binding.
   std::span<const std::uint8_t> textures_shown() const { return textures_shown_; }
   bool any_lit() const { return any_lit_; }
 
-  /// Forgets everything.
+  /// Resets the cache to empty.
   void clear() { *this = DrawCache(); }
 
  private:
-  // What of a material decides how it is drawn.
+  // The properties of a material that select its pipelines and textures.
   struct MaterialKind {
     PipelineKey::Surface in_color = PipelineKey::Surface::opaque, in_depth = PipelineKey::Surface::opaque;
-    bool seen = true, depth_visible = true;  // by colour, by depth
+    bool seen = true, depth_visible = true;  // in colour passes, in depth passes
     bool unlit = false, glossy = false, metallic = false, double_sided = false;
     TextureSet textures;
     bool operator==(const MaterialKind&) const = default;
@@ -70,18 +71,18 @@ class DrawCache {
 
   bool made_ = false;
   bool any_lit_ = false;
-  MeshUse use_ = MeshUse::none;  // of opaque triangles, by any frame so far
+  MeshUse use_ = MeshUse::none;  // of opaque triangles: the maximum since the structure last changed
   std::uint16_t lights_ = 0;
   std::vector<DrawItem> items_;
   std::vector<std::shared_ptr<const Mesh>> meshes_;
   std::vector<std::shared_ptr<const Material>> materials_;
   std::vector<std::uint64_t> material_revision_;
   std::vector<MaterialKind> kinds_;
-  ListVersion version_;                 // of the list as of the last update()
-  const ItemIndex* index_ = nullptr;    // of a list of which account is kept
-  std::vector<WorldBox> boxes_;         // by item, without
-  std::vector<std::uint32_t> moved_;    // items, by that account, since the update before
-  bool all_moved_ = true;               // or nobody knows which
+  ListVersion version_;                 // version of the list at the last update()
+  const ItemIndex* index_ = nullptr;    // null if the list has no change log
+  std::vector<WorldBox> boxes_;         // by item; used without an index
+  std::vector<std::uint32_t> moved_;    // items moved since the previous update(), from the change log
+  bool all_moved_ = true;               // true also where the moved items are unknown
   std::vector<std::uint8_t> mirrored_;  // by item
   std::vector<std::uint8_t> materials_read_, textures_shown_;
   std::vector<VkDescriptorSet> texture_sets_;  // by material

@@ -10,10 +10,10 @@ namespace simvis {
 namespace {
 
 constexpr VkDeviceSize kFirstSize = 16384;
-// What a view may read from its offset on.
+// The range that a view may read from its offset.
 constexpr VkDeviceSize kLightsRange = SIMVIS_MAX_LIGHTS * sizeof(shader::LightBlock);
 
-// The least alpha that is there: an opaque surface is, whatever its texture says.
+// The smallest alpha that is kept. An opaque surface is kept for any alpha of its texture.
 float cutoff_of(const Material& m) {
   switch (m.alpha_mode) {
     case AlphaMode::opaque:
@@ -104,7 +104,7 @@ void FrameBuffers::write_cpu_selected(std::span<const std::span<const shader::Cp
 }
 
 void FrameBuffers::write_lights(std::span<const shader::LightBlock> lights, Uploads& uploads) {
-  reserve_lights(lights.size_bytes() + kLightsRange);  // the last view's range ends within the buffer
+  reserve_lights(lights.size_bytes() + kLightsRange);  // keeps the range of the last view within the buffer
   uploads.write(lights_, 0, std::as_bytes(lights));
 }
 

@@ -1,4 +1,4 @@
-// What the shaders read of a frame: instances as vertex inputs; materials and lights through descriptor set 0.
+// Per-frame buffers that shaders read: instances as vertex inputs, materials and lights through descriptor set 0.
 #pragma once
 
 #include <memory>
@@ -14,25 +14,26 @@
 
 namespace simvis {
 
-/// Buffers that the host writes while nothing is in flight, each made when it is first needed. Instances and lights are
-/// written anew in each frame; a material's slot only when the material has changed.
+/// The host writes these buffers while no submission is in flight. Each buffer is created when it is first needed.
+/// Instances and lights are rewritten in each frame; the slot of a material is rewritten only when the material has
+/// changed.
 class FrameBuffers {
  public:
   FrameBuffers(Device::Impl& device, const DescriptorLayout& set_layout)
       : device_(device), set_layout_(set_layout), set_(device, set_layout, 1, "frame set") {}
 
-  /// Brings slot m up to date with list.materials[m], for each m with wanted[m] != 0.
+  /// Updates slot m from list.materials[m], for each m with wanted[m] != 0.
   void write_materials(const DrawList& list, std::span<const std::uint8_t> wanted, Uploads& uploads);
-  /// Likewise the places of its maps, where shown[m] names some (see DrawCache::textures_shown()).
+  /// Updates the texture transforms of the maps of material m that shown[m] selects (see DrawCache::textures_shown()).
   void write_map_places(const DrawList& list, std::span<const std::uint8_t> shown, Uploads& uploads);
   void write_instances(std::span<const shader::Instance> instances, Uploads& uploads);
   void write_indices(std::span<const std::uint32_t> indices, Uploads& uploads);
-  /// Those of each span behind those of the one before.
+  /// Writes the spans one after the other, without gaps.
   void write_cpu_selected(std::span<const std::span<const shader::CpuSelectedVertex>> vertices, Uploads& uploads);
-  /// For frames that show colour, also without lights: their shaders name the buffer.
+  /// Required for each frame that shows colour, even without lights, because its shaders refer to the buffer.
   void write_lights(std::span<const shader::LightBlock> lights, Uploads& uploads);
 
-  /// Adds its buffers.
+  /// Appends the buffers of this object to `memory`.
   void name_memory(const Uploads& uploads, std::vector<PlannedMemory>& memory) const;
 
   VkBuffer instances() const { return instances_.get(); }
@@ -40,7 +41,7 @@ class FrameBuffers {
   VkBuffer cpu_selected() const { return cpu_selected_.get(); }
   VkDescriptorSet set() const { return set_.get(); }
 
-  /// Forgets which materials are up to date.
+  /// Marks the slots of all materials as not written.
   void clear() {
     materials_.slots.clear();
     map_places_.slots.clear();
@@ -48,15 +49,15 @@ class FrameBuffers {
 
  private:
   struct Slot {
-    std::shared_ptr<const Material> material;  // null: nothing written yet
+    std::shared_ptr<const Material> material;  // null if the slot has not been written
     std::uint64_t revision = 0;
   };
-  // Something of each material.
+  // A buffer with one block for each material.
   struct Table {
     Buffer buffer;
     std::vector<Slot> slots;
   };
-  // Makes a buffer hold `size` bytes; true if it is a new one, whose content is undefined.
+  // Ensures that a buffer holds `size` bytes. Returns true if the buffer is new; its content is then undefined.
   bool reserve(Buffer& buffer, const char* name, VkBufferUsageFlags usage, VkDeviceSize size);
   bool reserve_table(Table& table, const char* name, std::uint32_t binding, VkDeviceSize size);
   template <typename Wanted, typename BlockOf>

@@ -37,7 +37,7 @@ void FrameDrawLists::update(const FramePlan& plan, const DrawList& list, const D
       tasks.push_back({pass, view, is_strip(view) ? &columns_.of(view) : nullptr, drawings_[tasks.size()]});
     }
   }
-  // What it took in the frame before is what it will take.
+  // The work in the previous frame predicts the work in this frame.
   pool_->parallel_for(tasks.size(), looks_ >= kWorthThreads ? 1 : tasks.size(),
                       [&](std::size_t slot, std::size_t first, std::size_t count) {
                         for (const Task& task : std::span(tasks).subspan(first, count)) {
@@ -68,8 +68,7 @@ void FrameDrawLists::append(const ViewDrawList& drawing, bool shadowed) {
     runs_.push_back(run);
   }
   if (!drawing.lights().empty()) {
-    // The offset of a uniform buffer may have to be a multiple of as much as this many bytes (Vulkan's required
-    // limits).
+    // Vulkan allows devices to require uniform buffer offsets that are multiples of up to 256 bytes.
     constexpr std::size_t kAlignment = 256 / sizeof(shader::LightBlock);
     lights_.resize((lights_.size() + kAlignment - 1) / kAlignment * kAlignment);
     draws.lights_offset = static_cast<std::uint32_t>(lights_.size() * sizeof(shader::LightBlock));

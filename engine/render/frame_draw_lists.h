@@ -1,4 +1,4 @@
-// What all views of a frame draw, in lists that they share.
+// The draws of all views of a frame, in lists that the views share.
 #pragma once
 
 #include <deque>
@@ -13,11 +13,11 @@
 
 namespace simvis {
 
-/// Boxes and triangles to look at, in the frame before, that take several times as long as to wake a thread: see
-/// ViewCounts.
+/// If the previous frame examined at least this many boxes and triangles (see ViewCounts), this frame uses worker
+/// threads: examining them takes several times as long as waking a thread.
 inline constexpr std::uint64_t kWorthThreads = 4000;
 
-/// Keeps its memory from frame to frame.
+/// The lists keep their memory from frame to frame.
 class FrameDrawLists {
  public:
   /// `snap_px` as in PassResult.
@@ -26,7 +26,8 @@ class FrameDrawLists {
 
   void clear();
 
-  /// Works out all views of all passes, on all threads of the pool where there is enough to do. Counts culled items.
+  /// Builds the draw lists of all views of all passes, on all threads of the pool if there is enough work. Adds the
+  /// culled items to `counters`.
   void update(const FramePlan& plan, const DrawList& list, const DrawCache& table, FrameCounters& counters);
 
   std::span<const ViewDraws> views() const { return views_; }  ///< in the order of the plan
@@ -34,7 +35,7 @@ class FrameDrawLists {
   std::span<const shader::Instance> instances() const { return instances_; }
   std::span<const shader::LightBlock> lights() const { return lights_; }
   std::span<const std::uint32_t> indices() const { return indices_; }
-  /// Of each view, one after the other.
+  /// One span per view, in the order of views(). Valid until the next update() or clear().
   std::span<const std::span<const shader::CpuSelectedVertex>> cpu_selected() const { return cpu_selected_; }
 
  private:
@@ -47,13 +48,14 @@ class FrameDrawLists {
   std::vector<shader::Instance> instances_;
   std::vector<shader::LightBlock> lights_;
   std::vector<std::uint32_t> indices_;
-  std::vector<std::span<const shader::CpuSelectedVertex>> cpu_selected_;  // in drawings_: too much to be copied
+  std::vector<std::span<const shader::CpuSelectedVertex>>
+      cpu_selected_;  // views into drawings_: copies would be too large
   std::size_t cpu_selected_count_ = 0;
   std::size_t shadowed_ = 0;
-  std::uint64_t looks_ = 0;            // of the frame before, see ViewCounts
-  std::deque<ViewDrawList> drawings_;  // of each view, and of those that earlier frames had more
+  std::uint64_t looks_ = 0;            // boxes and triangles examined in the previous frame
+  std::deque<ViewDrawList> drawings_;  // one per view; earlier frames may have needed more
   KnownStripColumns columns_;
-  std::vector<ColumnOcclusionBuffer> strips_;  // of each thread
+  std::vector<ColumnOcclusionBuffer> strips_;  // one per thread
 };
 
 }  // namespace simvis

@@ -28,9 +28,9 @@ struct Bound {
   VkPipeline pipeline = VK_NULL_HANDLE;
   VkDescriptorSet texture = VK_NULL_HANDLE;
   VkBuffer indices = VK_NULL_HANDLE;
-  std::optional<bool> cpu_selected;  // which vertices: picked ones, or those of meshes
+  std::optional<bool> cpu_selected;  // bound vertices: CPU-selected, or those of meshes
   std::uint32_t lights_offset = std::numeric_limits<std::uint32_t>::max();
-  std::vector<VkMultiDrawIndexedInfoEXT> parts{};  // memory for those of a draw
+  std::vector<VkMultiDrawIndexedInfoEXT> parts{};  // scratch memory for one multi-draw
 };
 
 std::span<const DrawRun> share_of(const FrameContext& frame, const ViewDraws& draws, DrawPhase share) {
@@ -80,7 +80,8 @@ void bind_run(const FrameContext& frame, const Pass& pass, const DrawRun& run, B
   }
 }
 
-// How many runs, from the first on, are parts of one mesh in one place, and so differ in nothing but the part.
+// The number of runs, starting with the first, that are parts of the same instance of a mesh and differ only in the
+// part.
 std::size_t parts_together(std::span<const DrawRun> runs) {
   const DrawRun& first = runs.front();
   const auto other = [&first](const DrawRun& run) {
@@ -89,7 +90,7 @@ std::size_t parts_together(std::span<const DrawRun> runs) {
   return static_cast<std::size_t>(std::find_if(runs.begin() + 1, runs.end(), other) - runs.begin());
 }
 
-// What bind_run() has bound serves all of them.
+// Draws runs that share the state bound by bind_run().
 void draw_together(const FrameContext& frame, std::span<const DrawRun> runs, Bound& bound) {
   const DrawRun& first = runs.front();
   if (first.key.cpu_selected) {
@@ -108,7 +109,7 @@ void draw_together(const FrameContext& frame, std::span<const DrawRun> runs, Bou
   }
 }
 
-// Of the view what lies in these rows of the pass's targets.
+// Records the part of the view that lies in these rows of the targets.
 void record_view(const FrameContext& frame, const Pass& pass, const View& view, const ViewDraws& draws, DrawPhase share,
                  const LayerRows& rows, Bound& bound) {
   const std::span<const DrawRun> runs = share_of(frame, draws, share);
@@ -146,13 +147,13 @@ void record_view(const FrameContext& frame, const Pass& pass, const View& view, 
   frame.device.end_label(frame.commands);
 }
 
-// A render pass: one of those that make up a pass.
+// One of the Vulkan render passes that make up a pass.
 class RenderPassScope {
  public:
   RenderPassScope(const FrameContext& frame, const Pass& pass, const RenderTarget& target, bool resumed, bool continued)
       : frame_(frame), pass_(pass) {
     const Medium& medium = frame.list.medium;
-    // Infinitely far away nothing but the air is seen.
+    // In fog, only the air is visible at infinite distance.
     const glm::vec3& background = medium.extinction_per_m > 0 ? medium.airlight : frame.list.environment.background;
     VkClearValue clear[2]{};
     clear[0].depthStencil = {0, 0};
@@ -178,7 +179,7 @@ class RenderPassScope {
   RenderPassScope(const RenderPassScope&) = delete;
   RenderPassScope& operator=(const RenderPassScope&) = delete;
 
-  /// `stamped`: each view's end is noted.
+  /// `stamped`: records a timestamp at the end of each view.
   void record(std::span<const ViewDraws> views, DrawPhase share, const LayerRows& rows, bool stamped = false) {
     for (std::size_t i = 0; i < views.size(); ++i) {
       record_view(frame_, pass_, pass_.views[i], views[i], share, rows, bound_);
@@ -192,7 +193,8 @@ class RenderPassScope {
   Bound bound_;
 };
 
-// Band by band: the layers of all views; then what they show, over the solid. Last, what depth meets of them.
+// For each band: draws the layers of all views, then composites them over the solid surfaces. After the bands: draws
+// the depth-visible transparent surfaces for depth.
 void record_layers(const FrameContext& frame, const Pass& pass, const RenderTarget& target,
                    std::span<const ViewDraws> views, const LayerRows& all) {
   const std::vector<LayerRows> bands = frame.layers.bands(pass);

@@ -1,4 +1,4 @@
-// Writes a frame's draws and copies into a command buffer.
+// Records the draws and copies of a frame into a command buffer.
 #pragma once
 
 #include <span>
@@ -14,7 +14,7 @@
 
 namespace simvis {
 
-/// The pipelines that a frame is the first to use.
+/// The pipelines that are created during a frame.
 struct MadePipelines {
   std::vector<std::uint64_t> meshes;  ///< PipelineKey::bits()
   std::vector<std::uint32_t> means;   ///< ResolvePass::pipeline_key()
@@ -28,10 +28,10 @@ struct FrameContext {
   OitBuffer& layers;
   const GeometryPool& geometry;
   VkDescriptorSet frame_set;
-  const ShadowMaps* shadows;  ///< null where no view has any
+  const ShadowMaps* shadows;  ///< null if no view has shadows
   VkBuffer instances;
-  VkBuffer frame_indices;  ///< null where no run has indices of its own
-  VkBuffer cpu_selected;   ///< null where no run has picked vertices
+  VkBuffer frame_indices;  ///< null if no run has its own indices
+  VkBuffer cpu_selected;   ///< null if no run has CPU-selected vertices
   const FrameDrawLists& draws;
   const DrawList& list;
   FrameCounters& counters;
@@ -39,20 +39,20 @@ struct FrameContext {
   GpuQueries* queries = nullptr;  ///< null unless the device is instrumented
 };
 
-/// Whether a view of the pass shows something transparent.
+/// Whether any of the views shows a transparent surface.
 bool shows_layers(std::span<const ViewDraws> views);
 
-/// Binds what all passes of the frame share.
+/// Binds the state that all passes of the frame share.
 void record_bindings(const FrameContext& frame);
 
-/// One render pass, and more where something transparent is seen; `views` are the draws of pass.views.
+/// Records one render pass, or several if a view shows transparent surfaces. `views` are the draws of pass.views.
 void record_pass(const FrameContext& frame, const Pass& pass, const RenderTarget& target,
                  std::span<const ViewDraws> views);
 
-/// Copies the pass's results to its readback buffers; of several samples of colour their mean.
+/// Copies the results of the pass to its readback buffers. Several colour samples per pixel are averaged first.
 void record_readback(const FrameContext& frame, const Pass& pass, const RenderTarget& target);
 
-/// Makes all readback visible to the host, once the submission has finished.
+/// Records the barrier that makes all readback buffers visible to the host after the submission has finished.
 void record_end(const FrameContext& frame);
 
 }  // namespace simvis

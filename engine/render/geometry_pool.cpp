@@ -16,11 +16,11 @@ constexpr VkBufferUsageFlags kCopied = VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUF
 constexpr VkBufferUsageFlags kVertexUsage = VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | kCopied;
 constexpr VkBufferUsageFlags kIndexUsage = VK_BUFFER_USAGE_INDEX_BUFFER_BIT | kCopied;
 
-// What is uploaded in another form is made about so much at a time: no second copy of all is needed.
+// Data that is converted for the upload is converted in blocks of about this size, so that no full second copy exists.
 constexpr std::size_t kBlock = 1u << 16;
 
-// What is loaded at once gets what it needs. Half as much again once there is more to come, so that a scene that grows
-// part by part is not moved each time.
+// The first load allocates exactly what it needs. Later growth adds half of that, so that a scene that grows part by
+// part is not moved each time.
 std::uint64_t capacity_for(std::uint64_t needed, std::uint64_t least, bool grows) {
   if (needed > std::numeric_limits<std::int32_t>::max()) {
     throw MachineError("the scene's meshes hold more than 2^31 vertices or indices, which Vulkan cannot address");
@@ -52,7 +52,7 @@ void check(const Mesh& mesh) {
 
 std::span<const MeshRange> GeometryPool::update(std::span<const std::shared_ptr<const Mesh>> meshes,
                                                 std::span<const MeshUse> uses, Uploads& uploads) {
-  // What comes later may be made anew for each frame, as moving meshes are: of that, nothing is kept on disk.
+  // Only the first load uses the disk cache: later meshes may be new in each frame, as deforming meshes are.
   const std::filesystem::path cache = entries_.empty() ? device_.cache_folder : "";
   for (auto& [mesh, entry] : entries_) entry.use = MeshUse::none;
   std::vector<Entry*> fresh;
@@ -101,7 +101,7 @@ void GeometryPool::cut_into_clusters(std::span<Entry* const> fresh, const std::f
   }
 }
 
-// In the order of the list, so that the same list gives the same layout.
+// Places new meshes in the order of the list, so that the same list gives the same layout.
 void GeometryPool::place_new(std::span<const std::shared_ptr<const Mesh>> meshes, Uploads& uploads) {
   std::uint64_t vertices = 0, indices = 0;
   for (const auto& [mesh, entry] : entries_) {
@@ -110,7 +110,7 @@ void GeometryPool::place_new(std::span<const std::shared_ptr<const Mesh>> meshes
     indices += mesh->indices.size();
   }
   if (indices == 0) return;
-  // What make_room() moves must have been uploaded, so the new ones get their places after it.
+  // make_room() may move only meshes that are uploaded, so new meshes get their places after this call.
   make_room(vertices, indices, uploads);
   for (const std::shared_ptr<const Mesh>& mesh : meshes) {
     const auto found = entries_.find(mesh.get());
@@ -136,7 +136,7 @@ void GeometryPool::make_room(std::uint64_t vertices, std::uint64_t indices, Uplo
   if (attributes_) {
     attributes = make_buffer("mesh attributes", vertex_capacity * sizeof(PackedAttributes), kVertexUsage);
   }
-  // In their old order, so that the same history gives the same layout.
+  // Meshes keep their order, so that the same history gives the same layout.
   std::sort(living.begin(), living.end(),
             [](const Entry* a, const Entry* b) { return a->first_vertex < b->first_vertex; });
   vertices_used_ = indices_used_ = 0;

@@ -1,4 +1,4 @@
-// All meshes of a draw list in three device buffers: positions, other attributes, indices.
+// All meshes of a draw list in three device buffers: positions, other vertex attributes and indices.
 #pragma once
 
 #include <filesystem>
@@ -16,7 +16,7 @@
 
 namespace simvis {
 
-/// What a vertex carries besides its position, as the GPU reads it. Colours beyond 1 are clamped.
+/// The vertex attributes other than the position, as the GPU reads them. Colours are clamped to [0, 1].
 struct PackedAttributes {
   std::int16_t normal[4];
   float uv[2][2];
@@ -24,47 +24,47 @@ struct PackedAttributes {
 };
 static_assert(sizeof(PackedAttributes) == 32);
 
-/// What a draw list needs of a mesh, each with all before it: its clusters, from which strips pick triangles on the
-/// host; positions and indices on the device; attributes there.
+/// The data of a mesh that a draw list needs. Each value includes those before it: `clusters` on the host, from which
+/// strips select triangles; `positions` and indices on the device; `attributes` on the device.
 enum class MeshUse : std::uint8_t { none, clusters, positions, attributes };
 
-/// Meshes are told apart by identity, cut into clusters and uploaded once, and forgotten once a list no longer holds
-/// them. The buffers are filled from the front; when the end is reached, what still lives moves to the front of larger
-/// ones, within the device. Indices are uploaded in the order of the mesh's clusters. Attributes lie at the same vertex
-/// numbers as positions. What no list has needed on the device is not there.
+/// Meshes are identified by address. Each mesh is split into clusters and uploaded once, and is released when the list
+/// no longer contains it. The buffers are filled from the front. When a buffer is full, the device copies the meshes
+/// still in use to the front of larger buffers. Indices are uploaded in the order of the clusters of the mesh.
+/// Attributes have the same vertex numbers as positions. Data that no list has needed on the device is not uploaded.
 class GeometryPool {
  public:
   explicit GeometryPool(Device::Impl& device) : device_(device) {}
 
-  /// Makes the meshes of a list ready; `uses[i]` and the result's entry i belong to meshes[i]. Valid until the next
-  /// call. Throws MachineError when they do not fit.
+  /// Prepares the meshes of a list. `uses[i]` and entry i of the result belong to meshes[i]. The result is valid until
+  /// the next call. Throws MachineError if the meshes do not fit.
   std::span<const MeshRange> update(std::span<const std::shared_ptr<const Mesh>> meshes, std::span<const MeshUse> uses,
                                     Uploads& uploads);
 
-  /// How many meshes it holds on the device, and how many bytes of them.
+  /// Returns the number of meshes on the device and their size in bytes.
   void count(std::uint64_t& meshes, std::uint64_t& bytes) const;
 
-  /// Adds its buffers.
+  /// Appends the buffers of this object to `memory`.
   void name_memory(const Uploads& uploads, std::vector<PlannedMemory>& memory) const;
 
-  /// Null handles where nothing has needed them.
+  /// Null handles if no mesh has needed the buffer.
   VkBuffer positions() const { return positions_.get(); }
   VkBuffer attributes() const { return attributes_.get(); }
   VkBuffer indices() const { return indices_.get(); }
 
-  /// Forgets everything.
+  /// Releases all meshes and buffers.
   void clear();
 
  private:
   struct Entry {
-    std::shared_ptr<const Mesh> mesh;  // keeps the address from being given to another mesh
+    std::shared_ptr<const Mesh> mesh;  // ownership prevents reuse of the address by another mesh
     Clustering clustering;
     std::vector<Occluder> occluders;
     FacePlanes flat;
     std::vector<NormalCone> facing;
     std::uint64_t first_vertex = 0, first_index = 0;
     bool resident = false, has_attributes = false;  // on the device
-    MeshUse use = MeshUse::none;                    // by this list
+    MeshUse use = MeshUse::none;                    // in the current list
 
     bool lacks_place() const { return use >= MeshUse::positions && !resident; }
   };
@@ -83,8 +83,8 @@ class GeometryPool {
   std::uint64_t vertices_used_ = 0, indices_used_ = 0;
   std::unordered_map<const Mesh*, Entry> entries_;
   std::vector<MeshRange> ranges_;
-  std::vector<std::uint32_t> unpacked_;   // a block of what is being uploaded
-  std::vector<PackedAttributes> packed_;  // likewise
+  std::vector<std::uint32_t> unpacked_;   // staging block during an upload
+  std::vector<PackedAttributes> packed_;  // staging block during an upload
 };
 
 }  // namespace simvis

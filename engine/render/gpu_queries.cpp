@@ -10,7 +10,7 @@
 namespace simvis {
 namespace {
 
-// Results come in the order of the bits.
+// Vulkan writes the results in the order of the bits.
 constexpr VkQueryPipelineStatisticFlags kCounted =
     VK_QUERY_PIPELINE_STATISTIC_INPUT_ASSEMBLY_VERTICES_BIT |
     VK_QUERY_PIPELINE_STATISTIC_VERTEX_SHADER_INVOCATIONS_BIT | VK_QUERY_PIPELINE_STATISTIC_CLIPPING_INVOCATIONS_BIT |
@@ -79,7 +79,7 @@ void GpuQueries::end_draws(VkCommandBuffer commands) {
   counting_.reset();
 }
 
-// In nanoseconds since the first. A clock of few bits may start over meanwhile.
+// Nanoseconds since the first timestamp. A clock with few valid bits may wrap around during the frame.
 std::vector<std::int64_t> GpuQueries::times() const {
   std::vector<std::uint64_t> ticks(stamp_);
   if (timed_) read(device_, stamps_.get(), 0, stamp_, ticks);

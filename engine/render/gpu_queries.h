@@ -1,4 +1,4 @@
-// Asks the device when it was where in a frame, and what it has counted. Exists on instrumented devices only.
+// Timestamp and pipeline-statistics queries of a frame. Used on instrumented devices only.
 #pragma once
 
 #include <optional>
@@ -11,39 +11,39 @@
 
 namespace simvis {
 
-/// Stamps stand in the order in which they are recorded:
-///   begin; uploads done; of each pass, in drawing_order(): begin, each view's end, end; of each pass: its results
+/// Timestamps are stored in the order in which they are recorded:
+///   begin; uploads done; for each pass in drawing_order(): begin, end of each view, end; for each pass: results
 ///   copied.
 class GpuQueries {
  public:
   explicit GpuQueries(Device::Impl& device);
 
-  /// The first commands of a frame.
+  /// Records the first commands of a frame.
   void begin(VkCommandBuffer commands, const FramePlan& plan);
 
-  /// Takes the time when all that was recorded so far is done.
+  /// Records a timestamp that is written when all commands recorded so far are complete.
   void stamp(VkCommandBuffer commands);
 
-  /// What is recorded between the two is counted for a view, by its number among all views of the plan, each share of
-  /// it (see DrawPhase) once: of layers that are drawn in bands the first band's. The first of its pipelines is bound
-  /// by then: Mesa's lavapipe 22.3 crashes where a query begins without one.
+  /// Count the commands recorded between the two calls for one view and one phase. `view` is the index among all views
+  /// of the plan. Each phase is counted once: if OIT layers are drawn in bands, only the first band is counted. A
+  /// pipeline must be bound before begin_draws(): Mesa's lavapipe 22.3 crashes if a query begins without one.
   void begin_draws(VkCommandBuffer commands, std::size_t view, DrawPhase share);
   void end_draws(VkCommandBuffer commands);
 
-  /// Of the frame that was begun last, once its submission has finished.
+  /// Returns the costs of the frame that was begun last. Its submission must have finished.
   FrameCosts costs(const FramePlan& plan) const;
 
  private:
   std::vector<std::int64_t> times() const;
-  PipelineStatistics statistics(std::size_t view) const;  // of all its shares
+  PipelineStatistics statistics(std::size_t view) const;  // sum over all phases
 
   Device::Impl& device_;
   bool timed_ = false, counted_ = false;
   Handle<VkQueryPool> stamps_, statistics_;
-  std::uint32_t stamps_held_ = 0, counts_held_ = 0;  // by the pools
-  std::uint32_t stamp_ = 0;                          // the next
-  std::vector<std::uint8_t> drawn_;                  // by view and share: not 0 where it was counted
-  std::optional<std::uint32_t> counting_;            // now
+  std::uint32_t stamps_held_ = 0, counts_held_ = 0;  // capacities of the pools
+  std::uint32_t stamp_ = 0;                          // index of the next timestamp
+  std::vector<std::uint8_t> drawn_;                  // by view and phase: not 0 if it was counted
+  std::optional<std::uint32_t> counting_;            // index of the query that is active
 };
 
 }  // namespace simvis

@@ -14,7 +14,7 @@ namespace simvis {
 namespace {
 
 constexpr std::uint64_t kFirstNodes = 1u << 16;
-constexpr std::uint64_t kLayersFramesKept = 256;  // as RenderTargets keeps its images
+constexpr std::uint64_t kLayersFramesKept = 256;  // as in RenderTargets
 
 std::uint32_t rows_of(const Pass& pass) { return pass.supersampling * pass.height_px; }
 std::uint32_t columns_of(const Pass& pass) { return pass.supersampling * pass.width_px; }
@@ -104,7 +104,7 @@ std::vector<LayerRows> OitBuffer::bands(const Pass& pass) const {
 }
 
 void OitBuffer::record_begin(VkCommandBuffer commands, const Pass& pass, const LayerRows& rows) {
-  // The band before this one has been resolved and counted, its colour drawn.
+  // Waits until the previous band is resolved and counted and its colour is drawn.
   layers_barrier(commands, kTargets | VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT,
                  kTargetsWritten, kTargets | VK_PIPELINE_STAGE_TRANSFER_BIT,
                  kTargetsUsed | VK_ACCESS_TRANSFER_WRITE_BIT);
@@ -163,8 +163,8 @@ bool OitBuffer::grow() {
     }
     cuts_ *= static_cast<std::uint32_t>((most + limit - 1) / limit);
   }
-  nodes_ = Buffer();                                // before there is another
-  reserve_nodes(std::min(limit, most + most / 4));  // what moves may show some more in the next frame
+  nodes_ = Buffer();                                // frees the memory before the new allocation
+  reserve_nodes(std::min(limit, most + most / 4));  // motion may add some layers in the next frame
   return true;
 }
 
@@ -200,7 +200,7 @@ VkPipeline OitBuffer::resolve_pipeline(std::uint32_t samples) {
   multisample.rasterizationSamples = static_cast<VkSampleCountFlagBits>(samples);
   VkPipelineDepthStencilStateCreateInfo depth{};
   depth.sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO;
-  // layers + through * what is behind; alpha stays 1
+  // layers + transmittance * background; alpha stays 1
   VkPipelineColorBlendAttachmentState attachment{};
   attachment.blendEnable = VK_TRUE;
   attachment.srcColorBlendFactor = VK_BLEND_FACTOR_ONE;

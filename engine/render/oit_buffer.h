@@ -1,12 +1,12 @@
-// Transparent surfaces, kept apart for each sample of a pass until all are there, then laid over each other by depth:
-// so their picture is exact, and the same in whatever order parts and faces are drawn.
+// Order-independent transparency with per-sample linked lists: all transparent fragments of a sample are stored and
+// then composited by depth. The image is exact and does not depend on the order in which parts and faces are drawn.
 //
-// Each fragment of a transparent surface that no solid one hides becomes a node in its sample's linked list: Yang,
-// Hensley, Gruen, Thibieroz, "Real-Time Concurrent Linked List Construction on the GPU", EGSR 2010. A full-screen
-// triangle then finds each list's layers from the nearest on.
+// Each fragment of a transparent surface that no solid surface hides becomes a node in the linked list of its sample:
+// Yang, Hensley, Gruen, Thibieroz, "Real-Time Concurrent Linked List Construction on the GPU", EGSR 2010. A full-screen
+// triangle then resolves the layers of each list from the nearest to the farthest.
 //
-// No layer is lost. How many nodes there are is known when the frame is drawn; were there too many for the memory, the
-// frame is drawn again with more of it. Where a device cannot address as much, a pass is drawn in bands of rows.
+// No layer is lost. The number of nodes is known after the frame is drawn. If the memory was too small, it grows and
+// the frame is drawn again. If a device cannot address enough memory, the pass is drawn in bands of rows.
 #pragma once
 
 #include <span>
@@ -20,39 +20,39 @@
 
 namespace simvis {
 
-/// Rows of a pass's targets.
+/// A range of rows of the targets of a pass.
 struct LayerRows {
   std::uint32_t first = 0, count = 0;
 };
 
-/// Makes nothing before the first pass that shows something transparent, and gives its memory back when no frame has
-/// shown such a thing for long.
+/// Memory is allocated for the first pass that shows a transparent surface, and is freed after many frames without
+/// one.
 class OitBuffer {
  public:
   OitBuffer(Device::Impl& device, Pipelines& pipelines) : device_(device), pipelines_(pipelines) {}
 
-  /// `passes` are those of the frame that show something transparent.
+  /// `passes` are the passes of the frame that show a transparent surface.
   void begin_frame(std::span<const Pass* const> passes);
 
-  /// The bands in which such a pass is drawn.
+  /// The bands of rows in which a pass with transparent surfaces is drawn.
   std::vector<LayerRows> bands(const Pass& pass) const;
 
-  /// Empties the lists, for a band. Outside render passes; binds them for the next ones.
+  /// Clears the lists for a band and binds them for the render passes that follow. Call it outside a render pass.
   void record_begin(VkCommandBuffer commands, const Pass& pass, const LayerRows& rows);
-  /// After the render pass in which a band's layers were drawn.
+  /// Call it after the render pass that drew the layers of a band.
   void record_end(VkCommandBuffer commands);
-  /// Draws what the layers show over the pass's colour. Within a render pass; changes viewport and scissor.
+  /// Composites the layers over the colour of the pass. Call it inside a render pass. It changes viewport and scissor.
   void record_resolve(VkCommandBuffer commands, const Pass& pass, const LayerRows& rows);
 
-  /// Once the frame is drawn: whether there was too little memory. There is more now, for another try.
-  /// Throws MachineError where the device has no more.
+  /// Call it after the frame is drawn. Returns true if the memory was too small: it has been enlarged, and the frame
+  /// must be drawn again. Throws MachineError if the device has no more memory.
   bool grow();
 
-  /// Adds its buffers.
+  /// Appends the buffers of this object to `memory`.
   void name_memory(const Uploads& uploads, std::vector<PlannedMemory>& memory) const;
 
-  std::uint64_t found() const;  ///< layers of the frame
-  std::uint64_t bytes() const;  ///< on the device
+  std::uint64_t found() const;  ///< number of layers in the frame
+  std::uint64_t bytes() const;  ///< size on the device in bytes
 
  private:
   void describe();
@@ -66,8 +66,8 @@ class OitBuffer {
   Handle<VkShaderModule> resolve_vert_, resolve_frag_;
   std::unordered_map<std::uint32_t, Handle<VkPipeline>> resolve_;
   Buffer lists_, nodes_, counts_;
-  std::uint32_t bands_drawn_ = 0;  // of the frame
-  std::uint32_t cuts_ = 1;         // into at least how many bands a pass is cut
+  std::uint32_t bands_drawn_ = 0;  // in the current frame
+  std::uint32_t cuts_ = 1;         // minimum number of bands per pass
   std::uint64_t frames_idle_ = 0;
 };
 

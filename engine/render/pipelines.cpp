@@ -29,12 +29,12 @@ namespace {
 
 using Surface = PipelineKey::Surface;
 
-// Vertex buffers: positions, instances, and for what needs them the other attributes.
+// Vertex buffers: positions, instances, and other attributes for the pipelines that read them.
 constexpr VkVertexInputBindingDescription kBindings[] = {{0, sizeof(glm::vec3), VK_VERTEX_INPUT_RATE_VERTEX},
                                                          {1, sizeof(shader::Instance), VK_VERTEX_INPUT_RATE_INSTANCE},
                                                          {2, sizeof(PackedAttributes), VK_VERTEX_INPUT_RATE_VERTEX}};
 
-// Exactly what each vertex shader reads.
+// Exactly the inputs that each vertex shader reads.
 constexpr VkVertexInputAttributeDescription kPosition{SIMVIS_POSITION, 0, VK_FORMAT_R32G32B32_SFLOAT, 0};
 constexpr VkVertexInputAttributeDescription kNormal{SIMVIS_NORMAL, 2, VK_FORMAT_R16G16B16A16_SNORM,
                                                     offsetof(PackedAttributes, normal)};
@@ -58,7 +58,7 @@ constexpr VkVertexInputAttributeDescription kMaskInputs[] = {kPosition, kClipX, 
 constexpr VkVertexInputAttributeDescription kColorInputs[] = {kPosition, kClipX, kClipY, kClipW, kMaterial,
                                                               kNormal,   kUv0,   kUv1,   kColor};
 
-// Of a vertex that carries the rows of its instance.
+// Inputs of a CPU-selected vertex, which contains the rows of its instance.
 constexpr VkVertexInputBindingDescription kCpuSelectedBinding{0, sizeof(shader::CpuSelectedVertex),
                                                               VK_VERTEX_INPUT_RATE_VERTEX};
 constexpr std::uint32_t kRows = offsetof(shader::CpuSelectedVertex, clip_x);
@@ -119,7 +119,7 @@ VkPipelineDepthStencilStateCreateInfo depth_stencil(const PipelineKey& key) {
   return info;
 }
 
-// Alpha stays what it was cleared to, 1. What is transparent is kept as layers instead.
+// Alpha keeps the clear value 1. Transparent surfaces are stored as OIT layers instead.
 VkPipelineColorBlendAttachmentState color_blend(const PipelineKey& key) {
   VkPipelineColorBlendAttachmentState state{};
   if (!key.depth_only && !key.blends()) {
@@ -139,7 +139,7 @@ VkPipelineShaderStageCreateInfo stage(VkShaderStageFlagBits bit, VkShaderModule 
           .pSpecializationInfo = constants};
 }
 
-// Of a shader's constants each is 4 bytes, in the order of their numbers.
+// The specialization constants of a shader, 4 bytes each, in the order of their numbers.
 struct Constants {
   static constexpr std::uint32_t kCount = 10;
   std::uint32_t values[kCount];

@@ -1,4 +1,4 @@
-// Pipelines in words, for the frame plan.
+// Descriptions of pipelines for the frame plan.
 #pragma once
 
 #include <cstdint>
@@ -10,12 +10,14 @@
 
 namespace simvis {
 
-/// Those of a view's draws, in the order of drawing. Where one is in `made`, of PipelineKey::bits(), it is taken out of
-/// there: the first who needs it has it made.
+/// Describes the pipelines of the draws of a view, in the order of drawing. `made` holds the PipelineKey::bits() of the
+/// pipelines created in this frame. A key that is found is removed, so that a pipeline is reported as created only at
+/// its first use.
 std::vector<PlannedPipeline> describe_pipelines(std::span<const DrawRun> runs, const Pass& pass,
                                                 std::vector<std::uint64_t>& made);
 
-/// The one that takes the mean of a pass's samples; `made` likewise, of ResolvePass::pipeline_key().
+/// Describes the pipeline that averages the samples of a pass. `made` holds values of ResolvePass::pipeline_key() and
+/// is used as above.
 PlannedPipeline mean_pipeline(const Pass& pass, std::vector<std::uint32_t>& made);
 
 }  // namespace simvis

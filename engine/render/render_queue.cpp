@@ -9,7 +9,7 @@ namespace simvis {
 
 namespace {
 
-/// Which of two drawables is drawn first, by their numbers.
+/// Drawing order of two drawables, given by their indices.
 struct Before {
   std::span<const Drawable> drawables;
   std::span<const glm::dmat4> world_from_node;
@@ -67,7 +67,7 @@ void RenderQueue::sort(const DrawList& list, std::span<const std::uint32_t> move
   }
 }
 
-// All of one rank, in their order; the others of that rank are in theirs.
+// `moved` are drawables of one rank in sorted order. The other drawables of that rank are also in sorted order.
 template <typename Less>
 void RenderQueue::sort_among_rank(std::span<const std::uint32_t> moved, const Less& before) {
   const auto rank_of = [&](std::uint32_t drawable) { return drawables_[drawable].rank; };

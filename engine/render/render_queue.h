@@ -1,4 +1,4 @@
-// Items in the order in which a kind of pass draws them: by what the GPU would have to switch, and then by content.
+// Items in the order in which one kind of pass draws them: sorted by GPU state, then by content.
 #pragma once
 
 #include <cstdint>
@@ -14,35 +14,38 @@ namespace simvis {
 
 /// An item as one kind of pass draws it.
 struct Drawable {
-  PipelineKey key;  ///< `cull_back` and `mirrored` are settled by the view
+  PipelineKey key;  ///< the view sets `cull_back` and `mirrored`
   bool single_sided = false, mirrored = false;
-  bool depth_visible = true;  ///< depth meets it, at least where it is most solid
+  bool depth_visible = true;  ///< visible to depth, at least where its alpha is largest
   std::uint32_t item = 0, material = 0, transform = 0;
-  std::uint32_t rank = 0;   ///< what has a lower one is drawn before; among equals their places decide
-  std::uint32_t group = 0;  ///< one instanced draw can take neighbours of the same
+  std::uint32_t rank = 0;   ///< lower ranks are drawn first; the transforms decide between equal ranks
+  std::uint32_t group = 0;  ///< neighbours with the same group can share one instanced draw
   VkDescriptorSet texture = VK_NULL_HANDLE;
   MeshRange range;
 };
 
-/// Positions count from 0 in the order of drawing. Equal ranks at equal places are drawn in the order of their items.
+/// Positions count from 0 in the order of drawing. Drawables with equal ranks and equal transforms are drawn in the
+/// order of their items.
 class RenderQueue {
  public:
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
-  /// Takes an item's drawables, in the order of the items, which are so many; sort() before anything else.
+  /// clear() starts a queue for `items` items; add() appends drawables in the order of the items. Call sort() before
+  /// any other function.
   void clear(std::size_t items);
   void add(const Drawable& drawable);
   std::span<Drawable> drawables() { return drawables_; }
 
-  /// What moves may change places with others of its rank: all of them, or none but those of these items.
+  /// Sorts again after items have moved, which can change the order within a rank. Without `moved_items`, all items may
+  /// have moved.
   void sort(const DrawList& list);
   void sort(const DrawList& list, std::span<const std::uint32_t> moved_items);
 
   std::size_t size() const { return drawables_.size(); }
-  /// How many are made of triangles, and not of lines or points.
+  /// Number of drawables made of triangles, not of lines or points.
   std::size_t solids() const { return solids_; }
   const Drawable& operator[](std::uint32_t position) const { return drawables_[order_[position]]; }
-  /// kNone for an item that such a pass does not draw.
+  /// kNone for an item that this kind of pass does not draw.
   std::uint32_t position(std::uint32_t item) const { return position_[item]; }
 
  private:
@@ -51,7 +54,7 @@ class RenderQueue {
 
   std::vector<Drawable> drawables_;      // in the order of the items
   std::vector<std::uint32_t> order_;     // numbers of drawables, by position
-  std::vector<std::uint32_t> position_;  // by item
+  std::vector<std::uint32_t> position_;  // position by item
   std::size_t solids_ = 0;
 };
 

@@ -6,7 +6,7 @@
 namespace simvis {
 namespace {
 
-// A sensor that fires at 1 Hz among others at 100 Hz keeps its targets.
+// Large enough that a sensor at 1 Hz keeps its targets while other sensors fire at 100 Hz.
 constexpr std::uint64_t kFramesKept = 256;
 
 Buffer make_readback(Device::Impl& device, const RenderTarget& target, VkDeviceSize bytes_per_pixel, const char* name) {

@@ -1,4 +1,4 @@
-// Images that passes draw into, and the buffers that they are read back through. Kept from frame to frame.
+// Render target images and readback buffers of passes, kept from frame to frame.
 #pragma once
 
 #include <functional>
@@ -14,14 +14,14 @@
 namespace simvis {
 
 struct RenderTarget {
-  std::uint32_t width = 0, height = 0, supersampling = 1, msaa = 1;  ///< as the pass's
+  std::uint32_t width = 0, height = 0, supersampling = 1, msaa = 1;  ///< as in the pass
   bool shadow_maps = false;
-  GpuImage depth;                ///< of each sample
-  GpuImage color;                ///< of each pixel; none for depth passes
-  GpuImage color_samples;        ///< of each sample, for passes with more than one a pixel
-  ResolvePass::Binding average;  ///< of the latter to the former
+  GpuImage depth;                ///< one value per sample
+  GpuImage color;                ///< one value per pixel; empty for depth passes
+  GpuImage color_samples;        ///< one value per sample, for passes with several samples per pixel
+  ResolvePass::Binding average;  ///< resolves color_samples to color
   Handle<VkFramebuffer> framebuffer;
-  Buffer depth_readback, color_readback;  ///< made when first wanted
+  Buffer depth_readback, color_readback;  ///< created when first needed
   std::uint64_t last_frame = 0;
 };
 
@@ -30,14 +30,15 @@ class RenderTargets {
   RenderTargets(Device::Impl& device, Pipelines& pipelines, ResolvePass& average)
       : device_(device), pipelines_(pipelines), average_(average) {}
 
-  /// Starts a frame: all targets are free again. Those that no frame has wanted for long are given up.
+  /// Starts a frame: all targets become free. Targets that have not been used for many frames are destroyed.
   void begin_frame();
 
-  /// Adds the images and buffers of all that are held; `user` says which pass of this frame has a target, null: none.
+  /// Appends the images and buffers of all targets to `memory`. `user` returns the pass of this frame that uses a
+  /// target, or null.
   void name_memory(const std::function<const Pass*(const RenderTarget&)>& user,
                    std::vector<PlannedMemory>& memory) const;
 
-  /// A target for this pass alone, until the next begin_frame().
+  /// Returns a target that only this pass uses until the next begin_frame().
   RenderTarget& acquire(const Pass& pass);
 
  private:

@@ -54,7 +54,7 @@ void check_pass(const Pass& pass, const TargetLimits& limits) {
   for (const View& view : pass.views) check_view(view, pass);
 }
 
-// What the plan needs of opaque triangles.
+// The mesh data of opaque triangles that the plan needs.
 MeshUse opaque_use(const FramePlan& plan) {
   if (std::ranges::any_of(plan.passes, &Pass::color)) return MeshUse::attributes;
   const bool cpu_selected = std::ranges::all_of(
@@ -62,7 +62,7 @@ MeshUse opaque_use(const FramePlan& plan) {
   return cpu_selected ? MeshUse::clusters : MeshUse::positions;
 }
 
-// Null where the plan has none.
+// Null if the plan has no shadow maps.
 const Pass* find_shadow_maps(const FramePlan& plan) {
   const auto found = std::ranges::find(plan.passes, true, &Pass::shadow_maps);
   return found == plan.passes.end() ? nullptr : &*found;
@@ -105,16 +105,16 @@ struct Renderer::Impl {
   ResolvePass average;
   OitBuffer layers;
   RenderTargets targets;
-  std::optional<ShadowMaps> shadows;         // once a plan has any
-  const DrawList* submitted_list = nullptr;  // in flight; null: nothing is
+  std::optional<ShadowMaps> shadows;         // set when a plan first has shadows
+  const DrawList* submitted_list = nullptr;  // the list in flight, or null
   const FramePlan* submitted_plan = nullptr;
   DrawCache table;
   FrameDrawLists draws;
   std::vector<RenderTarget*> pass_targets;
   std::vector<PassResult> results;
-  std::vector<ViewCounts> view_counts;  // of all passes' views, in order
+  std::vector<ViewCounts> view_counts;  // of the views of all passes, in order
   FrameCounters counters;
-  MadePipelines made;  // by this frame
+  MadePipelines made;  // in this frame
   std::optional<GpuQueries> queries;
   FrameCosts costs;
 };
@@ -301,7 +301,7 @@ void Renderer::Impl::name_memory(FramePlan& plan) const {
   if (shadows) shadows->name_memory(uploads, plan.memory);
 }
 
-// What was recorded never ran: nothing of it counts as uploaded.
+// Discards the recorded commands. They never ran, so none of their data counts as uploaded.
 void Renderer::Impl::forget() {
   commands.abandon();
   uploads.release();

@@ -1,4 +1,4 @@
-// Draws a DrawList as a FramePlan says and reads the results back. One submission per frame.
+// Renderer: draws a DrawList according to a FramePlan and reads the results back, with one submission per frame.
 #pragma once
 
 #include <memory>
@@ -13,12 +13,12 @@ namespace simvis {
 
 class Device;
 
-/// Frames   see View. All products of transforms are formed in double and rounded once.
-/// Special  an empty plan submits nothing. A frame that shows more layers of transparent surfaces than there is memory
-///          for is drawn again with more, and its counters count both.
-/// Errors   MachineError with the Vulkan result (device lost, out of memory); InputError from submit() if a pass is
-///          larger than the device allows, or has more samples.
-/// Threading  one renderer, one thread. Several renderers may share a Device only from one thread.
+/// Frames   see View. All products of transforms are computed in double and rounded once.
+/// Special  an empty plan submits nothing. If a frame has more OIT layers than the memory holds, it is drawn again with
+///          more memory, and its counters include both attempts.
+/// Errors   MachineError with the Vulkan result (device lost, out of memory); InputError from submit() if a pass has a
+///          larger size or more samples than the device allows.
+/// Threading  only one thread may use a renderer. Several renderers may share a Device only on one thread.
 class Renderer {
  public:
   explicit Renderer(Device& device);
@@ -26,11 +26,12 @@ class Renderer {
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;
 
-  /// Hands every pass of the plan to the device, and returns while that draws. List and plan stay as they are until
-  /// collect().
+  /// Submits every pass of the plan to the device and returns while the device draws. The caller must not change or
+  /// destroy `list` and `plan` before collect().
   void submit(const DrawList& list, const FramePlan& plan);
 
-  /// Waits for what was submitted; result i belongs to plan.passes[i]. Once for each submit(), before the next.
+  /// Waits for the submitted frame. Result i belongs to plan.passes[i]. Call it once after each submit(), before the
+  /// next submit().
   std::span<const PassResult> collect();
 
   std::span<const PassResult> render(const DrawList& list, const FramePlan& plan) {
@@ -38,14 +39,14 @@ class Renderer {
     return collect();
   }
 
-  /// Of the last collect().
+  /// The counters of the last collect().
   const FrameCounters& counters() const;
 
-  /// Adds to the plan of the last collect() what it took to draw it: the pipelines of each view, and all memory that
-  /// the renderer holds on the device. Costs nothing unless it is called.
+  /// Adds to the plan of the last collect() the pipelines of each view and all memory that the renderer holds on the
+  /// device. Frames for which it is not called do no extra work.
   void complete(FramePlan& plan) const;
 
-  /// Of the last collect(); null unless the device is instrumented.
+  /// The costs of the last collect(); null unless the device is instrumented.
   const FrameCosts* costs() const;
 
  private:

@@ -84,7 +84,7 @@ VkPipeline ResolvePass::pipeline(const Pass& pass) {
 }
 
 void ResolvePass::record(VkCommandBuffer commands, const Pass& pass, const Binding& binding, const GpuImage& mean) {
-  // What it held before was read in an earlier submission, which has been waited for.
+  // The old content was read by an earlier submission that has finished.
   const VkImageMemoryBarrier writable =
       barrier(mean, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_GENERAL, 0, VK_ACCESS_SHADER_WRITE_BIT);
   vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, 0, 0, nullptr,

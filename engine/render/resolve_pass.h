@@ -1,4 +1,4 @@
-// Takes colour images with several samples per pixel to their mean, on the device.
+// Averages the samples of each pixel of a colour image, on the device.
 #pragma once
 
 #include <unordered_map>
@@ -9,22 +9,22 @@
 
 namespace simvis {
 
-/// From an image of pass.grid times the pass's width and height, each texel with pass.msaa samples, to one of the
-/// pass's size. Makes nothing before it is first used.
+/// The source image has pass.supersampling times the width and height of the pass, and pass.msaa samples per texel. The
+/// result has the size of the pass. Vulkan objects are created on first use.
 class ResolvePass {
  public:
   explicit ResolvePass(Device::Impl& device) : device_(device) {}
 
-  /// A pair of images as the shader sees it; it must not outlive them.
+  /// Descriptors of a pair of images. A binding must not outlive its images.
   using Binding = DescriptorSets;
-  /// `samples` has been made for VK_IMAGE_USAGE_SAMPLED_BIT, `mean` for VK_IMAGE_USAGE_STORAGE_BIT.
+  /// `samples` must have VK_IMAGE_USAGE_SAMPLED_BIT, `mean` must have VK_IMAGE_USAGE_STORAGE_BIT.
   Binding bind(const GpuImage& samples, const GpuImage& mean);
 
-  /// `samples` is in the layout SHADER_READ_ONLY_OPTIMAL. Leaves `mean` ready to be copied from.
+  /// The sample image must be in the layout SHADER_READ_ONLY_OPTIMAL. Afterwards `mean` is ready as a copy source.
   void record(VkCommandBuffer commands, const Pass& pass, const Binding& binding, const GpuImage& mean);
 
-  std::size_t made() const { return pipelines_.size(); }  ///< pipelines, so far
-  /// Which of them a pass takes.
+  std::size_t made() const { return pipelines_.size(); }  ///< number of pipelines so far
+  /// The key of the pipeline that a pass uses.
   static std::uint32_t pipeline_key(const Pass& pass) { return pass.supersampling << 8 | pass.msaa; }
 
  private:

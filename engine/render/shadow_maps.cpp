@@ -8,10 +8,10 @@
 namespace simvis {
 namespace {
 
-// What a view may read from its offset on.
+// The range that a view may read from its offset.
 constexpr VkDeviceSize kRange = SIMVIS_MAX_SHADOWS * sizeof(shader::ShadowBlock);
-// The offset of a uniform buffer may have to be a multiple of as much as 256 bytes (Vulkan's required limits): 8 blocks
-// are three times that.
+// Vulkan allows devices to require uniform buffer offsets that are multiples of up to 256 bytes. 8 blocks are 3 * 256
+// bytes.
 constexpr std::size_t kAlignment = 8;
 static_assert(kAlignment * sizeof(shader::ShadowBlock) % 256 == 0);
 
@@ -52,7 +52,7 @@ std::vector<shader::ShadowBlock> shadow_blocks(const View& view, const Pass& map
 
 ShadowMaps::ShadowMaps(Device::Impl& device, const DescriptorLayout& set_layout)
     : device_(device), set_layout_(set_layout), set_(device, set_layout, 1, "shadow set") {
-  // Texels are fetched by number: it filters nothing.
+  // Shaders fetch texels by index, so the sampler does not filter.
   VkSamplerCreateInfo sampler_info{};
   sampler_info.sType = VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO;
   VkSampler sampler = VK_NULL_HANDLE;
@@ -73,7 +73,7 @@ void ShadowMaps::write(const FramePlan& plan, const Pass& maps, Uploads& uploads
     }
   }
   const std::span<const std::byte> bytes = std::as_bytes(std::span(blocks));
-  const VkDeviceSize size = bytes.size() + kRange;  // the last view's range ends within the buffer
+  const VkDeviceSize size = bytes.size() + kRange;  // keeps the range of the last view within the buffer
   if (!blocks_ || blocks_.size() < size) {
     blocks_ = Buffer(device_, {.name = "shadows",
                                .size = blocks_ ? std::max(size, 2 * blocks_.size()) : size,

@@ -1,4 +1,4 @@
-// What views of colour read of shadow maps: the atlas, and where in it each light's map lies.
+// Shadow map data that colour views read: the atlas, and the place of each light's map in it.
 #pragma once
 
 #include <vector>
@@ -11,23 +11,23 @@
 
 namespace simvis {
 
-/// The blocks of view.shadows, in their order. `maps`: the plan's pass of shadow maps.
+/// Returns the blocks of view.shadows, in their order. `maps`: the pass of the plan that draws the shadow maps.
 std::vector<shader::ShadowBlock> shadow_blocks(const View& view, const Pass& maps);
 
-/// Made for the first frame that has a shadow; its descriptor set is written while nothing is in flight.
+/// Created for the first frame that has a shadow. The host writes the descriptor set while no submission is in flight.
 class ShadowMaps {
  public:
   ShadowMaps(Device::Impl& device, const DescriptorLayout& set_layout);
 
-  /// Takes the blocks of all views of colour of a plan, in its order.
+  /// Writes the blocks of all colour views of a plan, in the order of the plan.
   void write(const FramePlan& plan, const Pass& maps, Uploads& uploads);
   void show(const GpuImage& atlas);
 
-  /// Adds its buffer; the maps themselves are a pass's target.
+  /// Appends the buffer of this object to `memory`. The maps themselves are the target of a pass.
   void name_memory(const Uploads& uploads, std::vector<PlannedMemory>& memory) const;
 
   VkDescriptorSet set() const { return set_.get(); }
-  /// Where the blocks of the view lie that came as number `shadowed` of those that have any, in bytes.
+  /// Offset in bytes of the blocks of a view. `shadowed`: the index of the view among the views that have shadows.
   std::uint32_t offset(std::size_t shadowed) const { return offsets_[shadowed]; }
 
  private:

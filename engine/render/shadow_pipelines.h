@@ -1,4 +1,4 @@
-// What pipelines of scenes with shadows need besides the rest: made when the first of them is wanted.
+// Additional layouts and shaders for pipelines of scenes with shadows, created when the first such pipeline is needed.
 #pragma once
 
 #include <span>
@@ -8,15 +8,15 @@
 namespace simvis {
 
 struct ShadowPipelines {
-  /// `mesh_sets`: of all pipelines of meshes, see Pipelines.
+  /// `mesh_sets`: the set layouts of all mesh pipelines, see Pipelines.
   ShadowPipelines(Device::Impl& device, std::span<const VkDescriptorSetLayout> mesh_sets);
 
   DescriptorLayout set_layout;              ///< SIMVIS_SHADOW_SET
-  Handle<VkPipelineLayout> layout;          ///< that of all meshes, and this set behind it
-  Handle<VkShaderModule> map_frag;          ///< the depth of opaque surfaces in a shadow map
-  Handle<VkShaderModule> map_mask_frag[2];  ///< of surfaces with holes, without and with a texture
-  Handle<VkShaderModule> color_frag[3];     ///< colour with shadows on it, likewise and with maps
-  Handle<VkShaderModule> layer_frag[3];     ///< of transparent surfaces
+  Handle<VkPipelineLayout> layout;          ///< the layout of all meshes, followed by this set
+  Handle<VkShaderModule> map_frag;          ///< depth of opaque surfaces in a shadow map
+  Handle<VkShaderModule> map_mask_frag[2];  ///< depth of masked surfaces, without and with a texture
+  Handle<VkShaderModule> color_frag[3];     ///< colour with shadows, without a texture, with a texture, with maps
+  Handle<VkShaderModule> layer_frag[3];     ///< as color_frag, for transparent surfaces
 };
 
 }  // namespace simvis

@@ -59,7 +59,7 @@ VkDescriptorSet TextureStore::require(const TextureSet& textures, Uploads& uploa
   std::array<const Texture*, SIMVIS_TEXTURES> key{};
   std::ranges::transform(textures, key.begin(), [](const auto& texture) { return texture.get(); });
   if (const auto found = sets_.find(key); found != sets_.end()) return found->second;
-  // What is not shown is not read either: any image of the set fills its place.
+  // The shader does not read hidden textures, so any image of the set can fill their bindings.
   const auto shown = std::ranges::find_if(textures, [](const auto& texture) { return texture != nullptr; });
   SIMVIS_ASSERT(shown != textures.end());
   const auto filler = static_cast<std::uint32_t>(shown - textures.begin());
@@ -150,8 +150,8 @@ VkSampler TextureStore::sampler(const Sampler& wanted) {
   info.addressModeW = VK_SAMPLER_ADDRESS_MODE_REPEAT;
   info.maxLod = VK_LOD_CLAMP_NONE;
   if (!wanted.mipmapped) {
-    // As the Vulkan specification says of samplers without mips: with nearest mips and a largest level of a quarter,
-    // the minification filter is still told from the other.
+    // The Vulkan specification gives these values for samplers without mips: with nearest mips and a maximum level of a
+    // quarter, minification and magnification can still be distinguished.
     info.mipmapMode = VK_SAMPLER_MIPMAP_MODE_NEAREST;
     info.maxLod = 0.25f;
   }

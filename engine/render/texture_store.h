@@ -1,4 +1,4 @@
-// The textures that a draw list shows, on the device.
+// The device images of the textures that a draw list shows.
 #pragma once
 
 #include <array>
@@ -17,33 +17,34 @@
 
 namespace simvis {
 
-/// What is shown of a material's textures, by binding; null where there is none, or none is shown.
+/// The visible textures of a material, by binding; null if the material has no such texture or does not show it.
 using TextureSet = std::array<std::shared_ptr<const Texture>, SIMVIS_TEXTURES>;
 
-/// Textures are told apart by identity, uploaded on first need, and forgotten once a list no longer holds them.
+/// Textures are identified by address, uploaded when first needed, and released when the list no longer contains them.
 class TextureStore {
  public:
   TextureStore(Device::Impl& device, const DescriptorLayout& set_layout) : device_(device), set_layout_(set_layout) {}
 
-  /// The descriptor set of some textures, at least one; uploads those that are not resident.
-  /// Throws InputError when one is larger than the device allows.
+  /// Returns the descriptor set of at least one texture, and uploads the textures that are not resident.
+  /// Throws InputError if a texture is larger than the device allows.
   VkDescriptorSet require(const TextureSet& textures, Uploads& uploads);
 
-  /// Adds its images; `sampled` says how many draws of this frame read from a set.
+  /// Appends the images of this object to `memory`. `sampled` returns the number of draws of this frame that read a
+  /// set.
   void name_memory(const Uploads& uploads, const std::function<std::uint64_t(VkDescriptorSet)>& sampled,
                    std::vector<PlannedMemory>& memory) const;
 
-  /// Forgets all that is not among `materials`.
+  /// Releases the textures that no material in `materials` uses.
   void keep_only(const std::vector<std::shared_ptr<const Material>>& materials);
 
-  /// How many textures it holds, and how many bytes of texels, those of smaller levels included.
+  /// Returns the number of textures and the size of their texels in bytes, all mip levels included.
   void count(std::uint64_t& textures, std::uint64_t& bytes) const;
 
   void clear();
 
  private:
   struct Entry {
-    std::shared_ptr<const Texture> texture;  // keeps the address from being given to another texture
+    std::shared_ptr<const Texture> texture;  // ownership prevents reuse of the address by another texture
     GpuImage image;
   };
   const Entry& resident(const std::shared_ptr<const Texture>& texture, VkFormat format, Uploads& uploads);

@@ -11,10 +11,10 @@ namespace {
 
 using Surface = PipelineKey::Surface;
 
-// Triangles that cost about as much to draw as it takes to find out what walls hide.
+// The number of triangles whose drawing costs about as much as occlusion culling.
 constexpr std::uint64_t kWorthHiding = 2000;
 
-// Of a run that no other instance may join.
+// The group of a run that no other instance may join.
 constexpr std::uint32_t kNoGroup = std::numeric_limits<std::uint32_t>::max();
 
 PipelineKey key_in_view(const Drawable& d, const View& view, const DrawList& list) {
@@ -112,7 +112,7 @@ void ViewDrawList::add_items(const RenderQueue& items, const View& view, const V
   if (strip) draw_strip(items, view, projection, list);
 }
 
-// Where there is enough to draw that it may be worth it.
+// Adds occluders only if the view has enough triangles for occlusion culling to pay off.
 void ViewDrawList::find_occluders(const RenderQueue& items, const View& view, const ViewProjection& projection,
                                   const DrawList& list, const DrawCache& table) {
   std::uint64_t triangles = 0;
@@ -175,8 +175,9 @@ std::uint32_t ViewDrawList::add_instance(const Drawable& d, const ViewProjection
   return static_cast<std::uint32_t>(instances_.size() - 1);
 }
 
-// A strip meets few triangles even of the clusters that it sees, and each of the others costs the device more than a
-// look at it here: only those that may be met are drawn, in one draw with indices of its own.
+// A strip intersects few triangles even of its visible clusters, and drawing one of the other triangles costs the
+// device more than a test on the host. So only triangles that may intersect the strip are drawn, in one draw with its
+// own indices.
 void ViewDrawList::draw_seen_triangles(const Drawable& d, const View& view, const ViewProjection& projection,
                                        const DrawList& list, const WorldBox& box) {
   const MeshPlanes planes = make_mesh_planes(projection, list.world_from_node[d.transform], box);
@@ -205,7 +206,8 @@ void ViewDrawList::draw_seen_triangles(const Drawable& d, const View& view, cons
   last_group_ = kNoGroup;
 }
 
-// Opaque triangles of depth, drawn from either side: of them all the nearest is what counts, in whatever order.
+// Whether the drawable consists of opaque triangles in a depth pass, drawn from both sides. For these only the nearest
+// depth counts, so they can be drawn in any order.
 bool ViewDrawList::can_cpu_select(const Drawable& d, const View& view) const {
   return d.key.depth_only && !d.key.color && d.key.topology == Topology::triangles &&
          d.key.surface == Surface::opaque && (view.sees_back_faces || !d.single_sided);
@@ -224,7 +226,7 @@ void ViewDrawList::add_to_strip(const Drawable& d, std::uint32_t number, const V
   }
 }
 
-// One draw for all that was added.
+// Draws all triangles of the strip with one draw.
 void ViewDrawList::draw_strip(const RenderQueue& items, const View& view, const ViewProjection& projection,
                               const DrawList& list) {
   const std::span<const StripTriangle> seen = strip_->visible();
@@ -258,7 +260,8 @@ void ViewDrawList::draw_strip(const RenderQueue& items, const View& view, const 
   last_group_ = kNoGroup;
 }
 
-// One draw for each row of neighbouring clusters that the view sees; all of them are drawn like any mesh.
+// Adds one draw for each sequence of consecutive visible clusters. If all clusters are visible, draw() draws the whole
+// mesh.
 void ViewDrawList::draw_seen_clusters(const Drawable& d, const View& view, const ViewProjection& projection,
                                       const DrawList& list, const WorldBox& box, std::size_t first_run) {
   const glm::dmat4& world_from_mesh = list.world_from_node[d.transform];
@@ -302,7 +305,7 @@ void ViewDrawList::draw_seen_clusters(const Drawable& d, const View& view, const
   last_group_ = kNoGroup;
 }
 
-// Layers once more, for depth: what is solid enough to be met.
+// Adds the transparent runs that are depth-visible a second time, for depth.
 void ViewDrawList::add_depth_visible(std::size_t first_layer, std::size_t end_layer) {
   for (std::size_t i = first_layer; i < end_layer; ++i) {
     DrawRun run = runs_[i];

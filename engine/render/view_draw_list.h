@@ -1,4 +1,4 @@
-// What one view draws, after culling: instances, lights, and runs of instanced draws.
+// The draws of one view after culling: instances, lights and runs of instanced draws.
 #pragma once
 
 #include <span>
@@ -15,11 +15,12 @@
 
 namespace simvis {
 
-/// Whether the view is so high that triangles are worth a look each.
+/// Whether the view is a strip: culled and at least eight times as wide as high (see guard_rows()). The host then tests
+/// single triangles.
 bool is_strip(const View& view);
 
-/// Whether the view draws no opaque triangles but those that are picked for it on the host: of these, it needs no copy
-/// on the device.
+/// Whether the host selects all opaque triangles that the view draws. The view then needs no device copy of these
+/// meshes.
 bool cpu_selects_opaque(const View& view);
 
 /// One instanced draw.
@@ -28,33 +29,34 @@ struct DrawRun {
   VkDescriptorSet texture = VK_NULL_HANDLE;
   MeshRange range;
   std::uint32_t first_instance = 0, instance_count = 0;
-  bool depth_visible = true;  ///< by depth
+  bool depth_visible = true;  ///< visible to depth passes and sensors
   bool own_indices = false;   ///< range.first_index counts in indices(), not in the geometry pool.
-                              ///< Where key.picked, it counts in picked(), without indices
+                              ///< With key.cpu_selected, it counts in cpu_selected(), without indices.
 };
 
-/// Which of a view's runs.
+/// The phases in which the runs of a view are drawn.
 enum class DrawPhase : std::uint8_t { solid, layers, depth_visible };
 inline constexpr std::uint32_t kDrawPhases = 3;
 
-/// One view's runs: [first_run, first_layer) are solid, [first_layer, first_met) transparent, and [first_met, end_run)
-/// transparent ones once more, for depth.
+/// The runs of one view: [first_run, first_layer) are solid, [first_layer, first_depth_visible) are transparent, and
+/// [first_depth_visible, end_run) repeat the depth-visible transparent runs for depth.
 struct ViewDraws {
   shader::ViewBlock block;
-  std::uint32_t lights_offset = 0;  ///< of the view's lights, in bytes
-  std::size_t shadowed = 0;         ///< where it has shadows: how many views before it have, see ShadowMaps::offset()
+  std::uint32_t lights_offset = 0;  ///< of the lights of the view, in bytes
+  std::size_t shadowed = 0;         ///< index among the views with shadows, if it has any; see ShadowMaps::offset()
   std::size_t first_run = 0, first_layer = 0, first_depth_visible = 0, end_run = 0;
   ViewCounts counts;
 };
 
-/// Keeps its memory from view to view. All numbers count in its own lists.
+/// The lists keep their memory from view to view. All indices refer to the lists of this object.
 class ViewDrawList {
  public:
   /// `snap_px` as in PassResult.
   explicit ViewDrawList(double snap_px) : snap_px_(snap_px) {}
 
-  /// Works out one view, in the place of the one before. `columns` are those of the view if it is a strip, else null;
-  /// then `strip` is used. Several may do so side by side, of one list and table.
+  /// Builds the draws of one view and replaces those of the previous view. `columns` are the columns of the view if it
+  /// is a strip, and null otherwise; `strip` is used only with `columns`. Several threads may call this on different
+  /// objects with the same list and table.
   void update(const View& view, const Pass& pass, const StripColumns* columns, const DrawList& list,
               const DrawCache& table, ColumnOcclusionBuffer& strip);
 
@@ -95,11 +97,11 @@ class ViewDrawList {
   std::vector<std::uint32_t> indices_;
   std::vector<shader::CpuSelectedVertex> cpu_selected_;
   std::uint64_t items_culled_ = 0;
-  ColumnOcclusionBuffer* strip_ = nullptr;  // in update(), if the view is a strip
+  ColumnOcclusionBuffer* strip_ = nullptr;  // set in update() if the view is a strip
   FacingTolerance limit_;                   // of the view
-  OcclusionCuller hidden_;                  // if it is none
-  std::vector<std::uint32_t> seen_items_;   // if the view is culled
-  std::vector<std::uint32_t> positions_;    // of what it draws, in their order
+  OcclusionCuller hidden_;                  // used if the view is not a strip
+  std::vector<std::uint32_t> seen_items_;   // used if the view is culled
+  std::vector<std::uint32_t> positions_;    // of the drawables, in ascending order
   std::vector<MeshRange> seen_;
   std::uint32_t last_group_ = 0;
 };

@@ -44,7 +44,7 @@ void LoadingBar::wait_and_paint(std::chrono::milliseconds patience) {
 }
 
 void LoadingBar::paint() {
-  if (progress_.total == 0) return;  // nothing has been said yet
+  if (progress_.total == 0) return;  // no progress has been reported yet
   const double part = static_cast<double>(progress_.done) / static_cast<double>(progress_.total);
   out_ << kClearLine << bar_of(part) << ' ' << progress_.work << std::flush;
   shown_ = true;

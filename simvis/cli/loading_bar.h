@@ -1,4 +1,4 @@
-// Tells somebody who waits at a terminal how far the opening of a scene is.
+// A progress bar on the terminal for loading a scene.
 #pragma once
 
 #include <chrono>
@@ -11,8 +11,8 @@
 
 namespace simvis {
 
-/// Shows itself once the work has taken longer than `patience`, a few times a second, however seldom the work reports:
-/// a thread of its own paints it. Clears its line when it ends. Off, it writes nothing at all.
+/// The bar appears after `patience` and is painted a few times per second by its own thread, independent of how often
+/// progress is reported. It clears its line at the end. If `on` is false, it writes nothing.
 class LoadingBar {
  public:
   LoadingBar(std::ostream& out, bool on, std::chrono::milliseconds patience = std::chrono::seconds(1));
@@ -22,7 +22,7 @@ class LoadingBar {
 
   void update(const Progress& progress);
 
-  /// Before anybody else writes a line to the terminal.
+  /// Call it before other code writes a line to the terminal.
   void clear_line();
 
  private:
@@ -31,7 +31,7 @@ class LoadingBar {
   void clear_shown();
 
   std::ostream& out_;
-  std::mutex mutex_;  // of all below, and of out_
+  std::mutex mutex_;  // protects out_ and all members below
   std::condition_variable ended_;
   Progress progress_;
   bool has_ended_ = false, shown_ = false;

@@ -1,4 +1,4 @@
-// Tells somebody who waits at a terminal how far a run is.
+// A progress bar on the terminal for the frames of a run.
 #pragma once
 
 #include <chrono>
@@ -8,14 +8,14 @@
 
 namespace simvis {
 
-/// Takes the cursor to the start of a terminal's line, and empties the line.
+/// Control sequence that moves the cursor to the start of the terminal line and clears the line.
 inline constexpr const char* kClearLine = "\r\033[K";
 
 /// "[####    ]"; `part` from 0 to 1.
 std::string bar_of(double part);
 
-/// Shows itself once the work has taken more than a second, a few times a second, and clears its line when it ends.
-/// Off, it writes nothing at all.
+/// The bar appears after one second of work, is updated a few times per second, and clears its line at the end. If `on`
+/// is false, it writes nothing.
 class ProgressBar {
  public:
   using Time = std::chrono::steady_clock::time_point;

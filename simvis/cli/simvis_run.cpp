@@ -1,5 +1,5 @@
-// simvis-run: a scene file becomes pictures and scans. One of the two places that catch exceptions (the tests are the
-// other), and the only one that prints.
+// simvis-run: the program that turns a scene file into images and scans. Only this file and the tests catch exceptions,
+// and only this file prints.
 #include <signal.h>
 #include <unistd.h>
 
@@ -49,7 +49,7 @@ struct Options {
   bool price = false, summary = false, names_out = false, markdown = false;
 };
 
-/// CLI11 would take -3 for 2^64 - 3, and the largest number for what is larger.
+/// Checks that `text` is a whole number. CLI11 itself would read -3 as 2^64 - 3, and larger numbers as the largest one.
 std::string whole_number(const std::string& text) {
   std::uint64_t number = 0;
   const char* const end = text.data() + text.size();
@@ -142,8 +142,8 @@ void declare_options(CLI::App& app, Options& options) {
 
 volatile std::sig_atomic_t received_signal = 0;
 
-/// From here on, a wish to stop ends the run between two frames, so that no temporary file stays. A second one ends it
-/// at once. A file beyond the allowed size and a reader who went away become errors of the write.
+/// After this call, a signal to stop ends the run between two frames, so that no temporary file remains. A second
+/// signal ends it at once. A file beyond the size limit and a closed pipe become errors of the write.
 void handle_signals() {
   struct sigaction action {};
   action.sa_handler = [](int number) { received_signal = number; };
@@ -162,7 +162,7 @@ void stop_if_asked_to() {
   if (number != 0) throw MachineError(std::string("stopped by a signal (") + ::strsignal(number) + ")");
 }
 
-/// Runs `action`; what is wrong is said to be in this part of the command line.
+/// Runs `action`; its errors name this option of the command line.
 template <typename Action>
 void in_option(const std::string& option, const Action& action) {
   try {
@@ -213,7 +213,7 @@ std::vector<AttributeOverride> scanner_overrides(const Options& options) {
       throw InputError("--max-error: --method " + options.method +
                        " does not look at it, expected --method auto, --method hybrid or no --method");
     }
-    if (options.method.empty()) set("method", {}, "--max-error");  // a tolerance alone means hybrid
+    if (options.method.empty()) set("method", {}, "--max-error");  // a tolerance without a method selects hybrid
     set("max_error_m", options.max_error_m, "--max-error");
     set("max_error_rel", {}, "--max-error");
   } else if (takes_none) {  // the scene's tolerances belong to the methods that --method replaces
@@ -225,7 +225,7 @@ std::vector<AttributeOverride> scanner_overrides(const Options& options) {
 
 bool shows_progress(const Options& options) { return ::isatty(STDERR_FILENO) == 1 && !options.quiet; }
 
-/// Until it is reset, `loading` shows what the simulation loads.
+/// `loading` shows the progress of loading until it is reset.
 Simulation load(const Options& options, std::optional<LoadingBar>& loading) {
   if (options.scene.empty()) throw InputError("SCENE.xml is missing; --help says more");
   in_option("--frames", [&] {
@@ -303,7 +303,7 @@ std::optional<Shard> wanted_shard(const Options& options, const Simulation& simu
   return shard;
 }
 
-/// Makes and writes all frames; fills in the report's times. The first frame ends the loading.
+/// Computes and writes all frames and fills in the times of the report. Resets `loading` after the first frame.
 void run_frames(const Options& options, Simulation& simulation, const std::optional<Trajectory>& trajectory,
                 OutputWriter& writer, RunReport& report, std::optional<Profile>& profile,
                 std::optional<LoadingBar>& loading) {
@@ -386,7 +386,7 @@ void run_scene(const Options& options, std::int64_t start_ns) {
   if (options.summary) print_summary(options, std::move(simulation), trajectory, report);
 }
 
-/// Cameras have no price list, so naming one is a mistake.
+/// Throws if --sensor names a sensor without a price list, such as a camera.
 void check_priced(const Options& options, const Simulation& simulation) {
   for (const SensorInfo& sensor : simulation.sensors()) {
     if (options.sensors.empty() || !sensor.enabled || sensor.type == "laser_scanner") continue;
@@ -465,7 +465,7 @@ int main_or_throw(int argc, char** argv) {
   return kExitDone;
 }
 
-/// What has a place in a file reads as compilers write it; the rest says who speaks.
+/// Errors with a location in a file are printed in the format of compilers; other errors start with the program's name.
 void print_error(const std::exception& error) {
   const std::string text = error.what();
   if (text.starts_with("--")) {

@@ -45,7 +45,7 @@ void AtomicFile::write(std::string_view bytes) {
 
 void AtomicFile::commit() {
   SIMVIS_ASSERT(descriptor_ >= 0);
-  // Some file systems report a full disk only now.
+  // Some file systems report a full disk only at close().
   const int closed = ::close(descriptor_);
   descriptor_ = -1;
   if (closed != 0) fail(path_, "cannot be written", errno);

@@ -1,4 +1,4 @@
-// A file that appears whole or not at all.
+// A file that appears complete or not at all.
 #pragma once
 
 #include <filesystem>
@@ -8,11 +8,12 @@
 
 namespace simvis {
 
-/// Written under a temporary name in the same folder and renamed by commit(); when it is destroyed without one, as on
-/// any exception, the temporary is removed and a file that stood there before is untouched.
+/// The file is written under a temporary name in the same folder and renamed by commit(). If the object is destroyed
+/// without commit(), as after an exception, the temporary file is removed and an existing file at `path` is unchanged.
 ///
-/// Errors   MachineError with the path and the operating system's reason: the folder is not writable, the disk is full.
-/// Special  safe against the program's end, not against a power cut: nothing waits for the disk.
+/// Errors   MachineError with the path and the reason from the operating system, such as a folder that is not writable
+///          or a full disk.
+/// Special  safe against the end of the program, but not against a power failure: commit() does not wait for the disk.
 class AtomicFile {
  public:
   explicit AtomicFile(std::filesystem::path path);
@@ -21,7 +22,7 @@ class AtomicFile {
   AtomicFile& operator=(const AtomicFile&) = delete;
 
   void write(std::string_view bytes);
-  /// Closes the file and gives it its name. Nothing can be written afterwards.
+  /// Closes the file and gives it its final name. Do not call write() afterwards.
   void commit();
 
   const std::filesystem::path& path() const { return path_; }
@@ -31,10 +32,10 @@ class AtomicFile {
   int descriptor_ = -1;
 };
 
-/// Makes a folder, and those above it, where they are missing. Throws MachineError as AtomicFile does.
+/// Creates a folder and its parent folders if they do not exist. Throws MachineError as AtomicFile does.
 void make_folder(const std::filesystem::path& folder);
 
-/// The whole of a small file at once.
+/// Writes a small file in one call, through AtomicFile.
 void write_file(const std::filesystem::path& path, std::string_view bytes);
 
 }  // namespace simvis

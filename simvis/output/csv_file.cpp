@@ -11,7 +11,7 @@ namespace simvis {
 namespace {
 
 constexpr int kMaxPrecision = 40;
-// The longest number: 309 digits before the point of a fixed one, the point, the decimals and a sign.
+// The longest number, in fixed format: a sign, 309 digits before the point, the point and the decimals.
 constexpr std::size_t kMaxNumberLength = 400;
 constexpr std::size_t kFlushBytes = 1u << 20;
 
@@ -53,7 +53,7 @@ void append_number(std::string& text, const NumberFormat& format, double value) 
       end = std::to_chars(number, std::end(number), value, std::chars_format::scientific, format.precision);
       break;
     case NumberFormat::Style::integer:
-      // Whole doubles of any size, printed without a fraction.
+      // Integral doubles of any size, printed without a fraction.
       end = std::to_chars(number, std::end(number), value, std::chars_format::fixed, 0);
       break;
   }

@@ -12,7 +12,7 @@ EncodingQueue::~EncodingQueue() {
   for (const Pending& each : pending_) each.task->cancel();
 }
 
-// One that is being encoded and one that waits for each thread, the caller's among them.
+// For each thread, including the caller's: one job being encoded and one waiting.
 std::size_t EncodingQueue::max_pending() const { return 2 * (std::size_t{pool_->background_threads()} + 1); }
 
 void EncodingQueue::add(Encode encode, std::size_t held_bytes, Put put) {

@@ -1,4 +1,4 @@
-// Bytes of files, encoded in the background while the caller goes on.
+// A queue that encodes the bytes of files in the background while the caller continues.
 #pragma once
 
 #include <cstddef>
@@ -13,12 +13,12 @@ namespace simvis {
 class BackgroundTask;
 class ThreadPool;
 
-/// Encoding takes long, so it happens in the background (see ThreadPool). What is done with the bytes happens on the
-/// caller's thread, in the order in which it was asked for. So files and rows come in their order, and errors too.
+/// `encode` takes long and runs in the background (see ThreadPool). `put` runs on the caller's thread, in the order of
+/// the calls to add(). So files, rows and errors appear in order.
 ///
-/// Errors   what `encode` and `put` throw comes out of add() or finish(), the oldest first.
-/// Memory   of at most max_pending() jobs, which together hold at most kMaxBytes: or of one that holds more.
-/// Threads  one thread calls; `encode` runs on any.
+/// Errors   exceptions from `encode` and `put` are rethrown by add() or finish(), the oldest first.
+/// Memory   at most max_pending() jobs, which together hold at most kMaxBytes, or a single job that holds more.
+/// Threads  only one thread may call the queue; `encode` runs on any thread.
 class EncodingQueue {
  public:
   using Encode = std::function<std::string()>;
@@ -26,15 +26,15 @@ class EncodingQueue {
   static constexpr std::size_t kMaxBytes = std::size_t{256} << 20;
 
   explicit EncodingQueue(std::shared_ptr<ThreadPool> pool);
-  /// Drops what has not been put.
+  /// Drops all jobs whose bytes have not been passed to `put`.
   ~EncodingQueue();
   EncodingQueue(const EncodingQueue&) = delete;
   EncodingQueue& operator=(const EncodingQueue&) = delete;
 
-  /// `held_bytes` are those of the copies that `encode` works on. Puts what is ready; where too much is pending, waits
-  /// for the oldest.
+  /// `held_bytes` is the size of the copies that `encode` works on. Passes finished jobs to their `put`; if too many
+  /// jobs are pending, waits for the oldest.
   void add(Encode encode, std::size_t held_bytes, Put put);
-  /// Puts all.
+  /// Waits for all jobs and passes their bytes to `put`.
   void finish();
 
   std::size_t max_pending() const;
@@ -42,7 +42,7 @@ class EncodingQueue {
  private:
   struct Pending {
     std::shared_ptr<BackgroundTask> task;
-    std::shared_ptr<std::string> bytes;  // once the task is done
+    std::shared_ptr<std::string> bytes;  // valid when the task is done
     std::size_t held_bytes;
     Put put;
   };
@@ -50,7 +50,7 @@ class EncodingQueue {
 
   std::shared_ptr<ThreadPool> pool_;
   std::deque<Pending> pending_;
-  std::size_t held_bytes_ = 0;  // by all of them
+  std::size_t held_bytes_ = 0;  // by all pending jobs
 };
 
 }  // namespace simvis

@@ -18,7 +18,7 @@ namespace simvis {
 
 namespace {
 
-/// OpenEXR's way to write, into memory: so that files are written, and their errors found, in one place.
+/// An OpenEXR output stream into memory, so that one place writes all files and handles their errors.
 class MemoryStream : public Imf::OStream {
  public:
   MemoryStream() : Imf::OStream("picture") {}
@@ -39,7 +39,7 @@ class MemoryStream : public Imf::OStream {
   std::size_t position_ = 0;
 };
 
-/// One channel of a file, and where its values come from.
+/// One channel of a file and the source of its values.
 struct NamedChannel {
   const char* name;
   const Image* image;
@@ -50,7 +50,7 @@ void add_channel(const NamedChannel& from, Imf::Header& header, Imf::FrameBuffer
   const Image& image = *from.image;
   SIMVIS_ASSERT(image.pixels.size() == std::size_t{image.width} * image.height * image.channels);
   const std::size_t stride = sizeof(float) * image.channels;
-  // OpenEXR takes a pointer to what it does not change.
+  // OpenEXR takes a non-const pointer but does not change the data.
   auto* const first = const_cast<char*>(reinterpret_cast<const char*>(image.pixels.data() + from.channel));
   header.channels().insert(from.name, Imf::Channel(Imf::FLOAT));
   pixels.insert(from.name, Imf::Slice(Imf::FLOAT, first, stride, stride * image.width));
@@ -61,12 +61,12 @@ std::string encode(std::span<const NamedChannel> channels) {
   try {
     Imf::Header header(static_cast<int>(size.width), static_cast<int>(size.height));
     header.compression() = Imf::ZIP_COMPRESSION;
-    header.zipCompressionLevel() = 1;  // float pictures hardly shrink further
+    header.zipCompressionLevel() = 1;  // higher levels barely reduce the size of float images
     Imf::FrameBuffer pixels;
     for (const NamedChannel& each : channels) add_channel(each, header, pixels);
     MemoryStream stream;
     {
-      // The table of lines is written when the file ends.
+      // The destructor of OutputFile writes the table of lines.
       Imf::OutputFile file(stream, header, 0);
       file.setFrameBuffer(pixels);
       file.writePixels(static_cast<int>(size.height));

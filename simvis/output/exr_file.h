@@ -1,4 +1,4 @@
-// Colour and depth in full precision as an OpenEXR picture.
+// Encodes colour and depth in full precision as OpenEXR images.
 #pragma once
 
 #include <string>
@@ -7,12 +7,12 @@
 
 namespace simvis {
 
-/// The bytes of a scanline EXR, ZIP compressed, with float32 channels: R, G and B (linear) when there is `color`, Z
-/// (metres along the optical axis) when there is `depth`. At least one is given; both are of one size.
-/// Throws MachineError with OpenEXR's reason.
+/// Returns the bytes of a ZIP-compressed scanline EXR file with float32 channels: linear R, G and B if `color` is
+/// given, Z (depth along Z in metres) if `depth` is given. At least one is not null; both have the same size. Throws
+/// MachineError with the reason from OpenEXR.
 std::string encode_exr(const Image* color, const Image* depth);
 
-/// The same with one float32 channel of this name.
+/// As encode_exr(), with one float32 channel named `channel`.
 std::string encode_exr_plane(const std::string& channel, const Image& plane);
 
 }  // namespace simvis

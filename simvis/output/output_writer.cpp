@@ -17,8 +17,8 @@ namespace simvis {
 
 namespace {
 
-/// Parts that stand twice in a scene give their sensors names like LEFT_ARM/CAM: folders in folders, but never a way
-/// out of the run's folder.
+/// A part that is inserted twice gives its sensors names such as LEFT_ARM/CAM. These make nested folders, but they must
+/// not lead out of the folder of the run.
 void check_name(const std::string& sensor) {
   bool good = true;
   for (std::size_t start = 0; start <= sensor.size();) {
@@ -69,7 +69,7 @@ class OutputWriter::SensorSink : public OutputSink {
     write_file(path, text);
   }
 
-  // A sensor whose rows have times of their own gives them in a column of that name.
+  // A sensor whose rows have individual times gives them in a column named "time_s".
   void rows(std::span<const TableColumn> columns, std::span<const double> values) override {
     const auto own_time = static_cast<std::size_t>(
         std::ranges::find(columns, std::string_view("time_s"), &TableColumn::name) - columns.begin());
@@ -95,7 +95,7 @@ class OutputWriter::SensorSink : public OutputSink {
  private:
   std::string name(const std::string& stem) const { return stem.empty() ? sensor_ : sensor_ + "_" + stem; }
 
-  /// Runs on other threads: of the table it reads its formats alone.
+  /// Runs on other threads, so it reads only the formats of the table.
   std::string lines(const FrameTime& time, const std::vector<double>& values, std::size_t width,
                     std::size_t own_time) const {
     const double front[] = {static_cast<double>(time.index), static_cast<double>(time.time_ns) / 1e9};
@@ -110,7 +110,7 @@ class OutputWriter::SensorSink : public OutputSink {
     return all;
   }
 
-  /// A file of this frame.
+  /// Writes one file of this frame.
   template <typename Encode>
   void write_frame(const std::string& stem, const std::string& extension, std::size_t held_bytes, Encode&& encode) {
     const std::filesystem::path folder = run_.folder / name(stem);
@@ -121,7 +121,7 @@ class OutputWriter::SensorSink : public OutputSink {
         [path = folder / (frame_name(time_.index) + extension)](std::string_view bytes) { write_file(path, bytes); });
   }
 
-  /// Notes a result before it is written; true when it is new.
+  /// Registers a result before it is written. Returns true if it is new.
   bool claim(const std::filesystem::path& result) {
     const auto [entry, fresh] = run_.results.sensor.try_emplace(result.string(), sensor_);
     if (entry->second != sensor_) {
@@ -148,7 +148,7 @@ OutputWriter::OutputWriter(std::filesystem::path folder, std::span<const std::st
     sinks_[sensor] = std::make_unique<SensorSink>(sensor, run_);
   }
   make_folder(run_.folder);
-  AtomicFile probe(run_.folder / "run.json");  // better now than after the first frame
+  AtomicFile probe(run_.folder / "run.json");  // reports an unwritable folder before the first frame
 }
 
 OutputWriter::~OutputWriter() = default;

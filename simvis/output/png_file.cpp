@@ -13,7 +13,7 @@
 
 namespace {
 
-// stb's own compressor takes several times as long as zlib's fastest, for a larger file.
+// The compressor of stb takes several times as long as the fastest level of zlib and gives a larger file.
 unsigned char* compress_fast(unsigned char* data, int size, int* compressed_size, int /*quality*/) {
   uLongf length = compressBound(static_cast<uLong>(size));
   auto* const out = static_cast<unsigned char*>(std::malloc(length));
@@ -41,12 +41,12 @@ namespace simvis {
 
 namespace {
 
-/// Codes by the upper bits of a float: eight bits of mantissa in each octave from 2^-13 to 1. Within such a bucket the
-/// code changes at most once (it grows by less than 112 per factor of e, a bucket spans 1/256), so the code at its
-/// start and one comparison give the exact code.
+/// Table of codes by the upper bits of a float: eight bits of mantissa in each octave from 2^-13 to 1. Within one
+/// bucket the code changes at most once, because it grows by less than 112 per factor of e and a bucket spans 1/256. So
+/// the code at the start of the bucket and one comparison give the exact code.
 struct SrgbTable {
   static constexpr std::uint32_t kFirst = 0x39000000u >> 15, kEnd = 0x3f800000u >> 15;  // 2^-13 and 1
-  std::array<double, 257> start{};  // the least linear value of each code
+  std::array<double, 257> start{};  // the smallest linear value of each code
   std::array<std::uint8_t, kEnd - kFirst> code{};
 
   SrgbTable() {
@@ -66,7 +66,7 @@ struct SrgbTable {
 
 const SrgbTable kSrgb;
 
-// "up": the best for smooth pictures at this speed, and no search for each row.
+// Filter "up": the best for smooth images at this speed, without a search for each row.
 [[maybe_unused]] const int kRowFilter = stbi_write_force_png_filter = 2;
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Linear colour as an 8-bit sRGB PNG.
+// Encodes linear colour as an 8-bit sRGB PNG.
 #pragma once
 
 #include <cstdint>
@@ -8,12 +8,12 @@
 
 namespace simvis {
 
-/// The sRGB code of a linear value: round(255 * sRGB transfer function), exact for every float. What is below 0 and
-/// NaN become 0, what is above 1 becomes 255.
+/// The sRGB code of a linear value: round(255 * sRGB transfer function), exact for every float. NaN and values below 0
+/// give 0; values above 1 give 255.
 std::uint8_t srgb_code(float linear);
 
-/// The bytes of a PNG with three channels; alpha is left out, as cameras see opaque pictures.
-/// `color` has 4 channels and at least one pixel. Throws MachineError when memory runs out.
+/// Returns the bytes of a PNG with three channels. Alpha is dropped, because camera images are opaque.
+/// `color` has 4 channels and at least one pixel. Throws MachineError if memory runs out.
 std::string encode_png(const Image& color);
 
 }  // namespace simvis

@@ -14,7 +14,7 @@ std::string ms_text(std::int64_t ns) {
   return text;
 }
 
-/// One tree; each function writes a branch.
+/// The tree of one frame; each function writes one branch.
 class Explanation {
  public:
   Explanation(const FramePlan& plan, const ExplainedCosts& costs) : plan_(plan), costs_(costs) {}

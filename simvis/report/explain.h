@@ -1,4 +1,4 @@
-// What was rendered, why, and what it cost, for people.
+// A readable report of what a frame rendered, why, and at what cost.
 #pragma once
 
 #include <span>
@@ -11,22 +11,22 @@
 
 namespace simvis {
 
-/// What a frame cost. Without a device's and sensors' own figures those are left out.
+/// The costs of a frame. The costs of the device and of sensors are optional.
 struct ExplainedCosts {
   const FrameCounters& counters;
   const FrameCosts* device = nullptr;
   std::span<const SensorCost> sensors{};
 };
 
-/// A tree, two spaces deeper at each level:
+/// Returns a tree with two more spaces of indentation per level:
 ///
 ///   sensor: why it is due or not, and its outputs
-///     effects; passes, of each its views, of each its pipelines; casts
+///     effects; passes with their views and the pipelines of each view; casts
 ///   passes and casts of no sensor
 ///   memory: each buffer and image
 ///   the counters of the frame
 ///
-/// with the reason of each, and a line "cost" where there is one.
+/// Each entry has its reason, and a line "cost" if its cost is known.
 std::string explain(const FramePlan& plan, const ExplainedCosts& costs);
 
 }  // namespace simvis

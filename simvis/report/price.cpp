@@ -20,12 +20,12 @@ using SteadyClock = std::chrono::steady_clock;
 
 bool is_range(float reading_m) { return reading_m > 0 && std::isfinite(reading_m); }
 
-/// Largest of what came; none before.
+/// Updates a running maximum, which is NaN before the first value.
 void raise(double& largest, double value) {
   if (!(largest >= value)) largest = value;
 }
 
-/// What one variant's frames add up to.
+/// The values collected from the frames of one variant.
 struct Tally {
   std::vector<double> times_ms, medians_m, medians_rel;
   double beams = 0, cast = 0, unbounded = 0, wrong_kind = 0;
@@ -99,7 +99,7 @@ class Pricing {
     const Command command = simulation_.diagnostics().command(name);
     const ScanVariant own = variant_of(command);
     for (const ScanVariant& variant : desc_.variants(command)) {
-      // No name in a scene has a dot.
+      // Names in a scene contain no dot, so the new name is unique.
       scanner.sensors.push_back(name + "." + std::to_string(scanner.sensors.size()));
       simulation_.add_variant(name, with_variant(command, variant, scanner.sensors.back()));
       simulation_.enable(scanner.sensors.back(), false);
@@ -132,11 +132,11 @@ class Pricing {
             .variants = scanner.prices};
   }
 
-  /// All variants measure `frame`, each after it has measured the frame before.
+  /// All variants measure `frame`; each variant first measures the previous frame.
   void measure(PricedScanner& scanner, std::uint64_t frame, std::uint64_t turn) {
     const std::size_t count = scanner.sensors.size();
     for (std::size_t i = 0; i < count; ++i) {
-      const std::size_t variant = (i + turn) % count;  // none is always first
+      const std::size_t variant = (i + turn) % count;  // rotates the order
       const std::string& sensor = scanner.sensors[variant];
       simulation_.enable(sensor, true);
       step(frame - 1);

@@ -1,15 +1,15 @@
-// The price list of accuracy: what each way to measure costs on this machine, in this scene, and what it is worth.
+// The price list: the cost and the accuracy of each measuring method, on this machine and in this scene.
 //
-// How prices are taken. A price is the median time of a frame in which only that scanner measures, as
-// Simulation::step() makes it: elements, flattening, planning, rendering or casting, ranges in memory. All variants are
-// sensors of one loaded scene that stand where the scanner stands, so the scene is read once. They take turns in every
-// frame, in an order that rotates, so that whatever else the machine does hits all of them alike: ratios are firmer
-// than times. Each turn is two frames of the same variant, the one before and the frame itself, and the second is
-// timed: so each pays for what moved between them, and finds its own buffers as in a run in which nothing else
-// measures. A scene that moves along no trajectory stands still, and then flattening costs nothing.
+// Prices. A price is the median time of a frame in which only that scanner measures, as Simulation::step() executes it:
+// elements, flattening, planning, rendering or casting, ranges in memory. All variants are sensors of one loaded scene
+// at the pose of the scanner, so the scene is read once. The variants take turns in every frame, in a rotating order,
+// so that other load on the machine affects all of them equally: ratios are more reliable than times. Each turn
+// consists of two frames of the same variant, the previous frame and the frame itself, and only the second is timed. So
+// each variant pays for the motion between the two frames, and finds its own buffers as in a run in which no other
+// sensor measures. A scene without a trajectory does not move, and flattening then costs nothing.
 //
-// What they are worth is what the scans of those frames say of themselves, and how they differ from the ray cast of the
-// same frame.
+// Accuracy. It is taken from the error bounds of the scans in those frames, and from their differences to the ray cast
+// of the same frame.
 #pragma once
 
 #include <cstdint>
@@ -26,59 +26,61 @@
 namespace simvis {
 
 struct PriceDesc {
-  std::uint64_t frames = 15;                  ///< that each variant is timed in: 1 to `frames` of a run; at least 1
-  std::uint64_t warm_up = 1;                  ///< turns at frame 1 before that
-  double rate_hz = SimulationDesc{}.rate_hz;  ///< of frames along the trajectory
+  std::uint64_t frames = 15;                  ///< each variant is timed in frames 1 to `frames` of a run; at least 1
+  std::uint64_t warm_up = 1;                  ///< number of untimed turns at frame 1 before that
+  double rate_hz = SimulationDesc{}.rate_hz;  ///< frame rate along the trajectory
   const Trajectory* trajectory = nullptr;
-  /// What to price of a scanner, given its command.
+  /// Returns the variants to price for the command of a scanner.
   std::vector<ScanVariant> (*variants)(const Command& scanner) = priced_variants;
-  /// Called after every frame; what it throws ends the pricing.
+  /// Called after every frame; an exception from it ends the pricing.
   std::function<void(std::uint64_t done, std::uint64_t all)> on_frame{};
 };
 
-/// One row. Relative numbers are shares of the range. Numbers of which there is none, as a bound where nothing was
-/// hit, are NaN.
+/// One row of the price list. Relative numbers are shares of the range. Values that do not exist are NaN, for example
+/// the bound if no beam hit anything.
 struct VariantPrice {
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
   ScanVariant variant;
-  bool in_scene = false;  ///< what the scene asks for
-  double median_ms = 0;   ///< of a frame
-  double ratio = 0;       ///< of that to the cheapest of the scanner's variants
-  double cast_share = 0;  ///< of beams, in all frames
-  /// Of readings with a finite bound: the median (of the frames' medians) over those that are ranges, the largest over
-  /// all. A reading of 0 that may be a range has an infinite relative bound.
+  bool in_scene = false;  ///< the variant that the scene selects
+  double median_ms = 0;   ///< median time of a frame
+  double ratio = 0;       ///< median_ms divided by that of the scanner's cheapest variant
+  double cast_share = 0;  ///< share of beams that were cast as rays, in all frames
+  /// Bounds of readings with a finite bound: the median (of the medians of the frames) over readings that are ranges,
+  /// and the largest over all readings. A reading of 0 that may be a range has an infinite relative bound.
   double bound_median_m = kNone, bound_median_rel = kNone;
   double bound_largest_m = kNone, bound_largest_rel = kNone;
-  double unbounded_share = 0;  ///< of beams: an infinite bound
-  /// To `raycast`, where both read a range: the largest of beams with a finite bound, and of those without.
+  double unbounded_share = 0;  ///< share of beams with an infinite bound
+  /// Largest difference to `raycast` over beams for which both give a range: of beams with a finite bound, and of beams
+  /// without.
   double difference_largest_m = kNone, difference_largest_rel = kNone;
   double unbounded_difference_m = kNone;
-  double wrong_kind_share = kNone;  ///< of beams: a hit, a miss or something too near where `raycast` says another
+  double wrong_kind_share = kNone;  ///< share of beams whose kind (hit, miss or too near) differs from `raycast`
 
-  /// Whether in all frames all beams had a bound within this share of their range, and `raycast` agreed.
+  /// Whether in all frames all beams had a bound within this share of their range, and `raycast` gave the same kind of
+  /// reading and, within this share, the same range.
   bool meets(double tolerance_rel) const;
 };
 
 struct ScannerPrice {
   std::string scanner;
-  std::uint32_t rings = 0, beams = 0;  ///< `beams` of all rings
+  std::uint32_t rings = 0, beams = 0;  ///< `beams` is the total over all rings
   std::uint64_t frames = 0;
-  std::vector<VariantPrice> variants;  ///< as priced_variants() has them
+  std::vector<VariantPrice> variants;  ///< in the order of PriceDesc::variants
 };
 
-/// The tolerances, as shares of a range, that a price list gives advice for.
+/// The tolerances, as shares of the range, for which a price list gives advice.
 inline constexpr double kPriceTolerances_rel[] = {1e-3, 1e-4, 1e-6};
 
-/// The variant to take for a tolerance, or none if nothing meets it: the cheapest; but of those that cost within 5 % of
-/// it, which is no difference, the one with the smallest largest bound.
+/// The index of the recommended variant for a tolerance, or none if no variant meets it. Among the variants that cost
+/// within 5 % of the cheapest one, which is no significant difference, it is the one with the smallest largest bound.
 std::optional<std::size_t> cheapest_for(const ScannerPrice& price, double tolerance_rel);
 
-/// The names of the enabled laser scanners. Throws InputError where there is none.
+/// The names of the enabled laser scanners. Throws InputError if there is none.
 std::vector<std::string> scanners_to_price(const Simulation& simulation);
 
-/// Prices those of a simulation, which is used up by it. Throws InputError also where one stands in a part that is
-/// switched off.
+/// Prices the enabled laser scanners of a simulation and consumes the simulation. Throws InputError if there is none,
+/// or if one is mounted in a part that is switched off.
 std::vector<ScannerPrice> price_scanners(Simulation simulation, const PriceDesc& desc = {});
 
 }  // namespace simvis

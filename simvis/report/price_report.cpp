@@ -24,7 +24,7 @@ std::string formatted(const NumberFormat& format, double value) {
   return text;
 }
 
-/// For people: nothing is a dash, and 0 is no 0.0e+00.
+/// Text for the table: NaN is a dash, and 0 is not written as 0.0e+00.
 std::string shown(const NumberFormat& format, double value) {
   if (std::isnan(value)) return "-";
   return value == 0 && format.style != Style::fixed ? "0" : formatted(format, value);
@@ -32,7 +32,7 @@ std::string shown(const NumberFormat& format, double value) {
 
 std::string shown(std::optional<double> value) { return value ? format_number(*value) : "-"; }
 
-/// Columns side by side: the first and the last to the left, the others to the right.
+/// Aligns columns: the first and the last column to the left, the others to the right.
 std::string aligned(const std::vector<Cells>& rows) {
   std::vector<std::size_t> widths(rows.front().size());
   for (const Cells& row : rows) {
@@ -51,7 +51,7 @@ std::string aligned(const std::vector<Cells>& rows) {
   return text;
 }
 
-/// The tolerances that this variant is the one to take for: "0.001 1e-04".
+/// The tolerances for which this variant is recommended: "0.001 1e-04".
 std::string cheapest_of(const ScannerPrice& price, std::size_t variant) {
   std::string text;
   for (const double tolerance : kPriceTolerances_rel) {
@@ -75,7 +75,8 @@ std::string quoted(const std::string& cell) {
   return text + '"';
 }
 
-/// Where nothing meets a tolerance: the variant with the fewest beams without a bound, and of those the smallest one.
+/// The variant named if no variant meets a tolerance: the one with the fewest beams without a bound; among equals, the
+/// one with the smallest largest bound.
 const VariantPrice& surest(const ScannerPrice& price) {
   return *std::ranges::min_element(price.variants, [](const VariantPrice& a, const VariantPrice& b) {
     if (a.unbounded_share != b.unbounded_share) return a.unbounded_share < b.unbounded_share;

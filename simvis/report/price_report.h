@@ -1,4 +1,4 @@
-// A price list for people, and for programs.
+// Output of a price list as text and as CSV.
 #pragma once
 
 #include <span>
@@ -8,18 +8,19 @@
 
 namespace simvis {
 
-/// An aligned table of one line per variant, with the variants to take marked, and a line of advice: what to write in
-/// the scene.
+/// An aligned table with one line per variant, in which the recommended variants are marked, and a line of advice with
+/// the attributes to write in the scene.
 std::string to_table(const ScannerPrice& price);
 
-/// How to read the columns of to_table().
+/// An explanation of the columns of to_table().
 std::string price_legend();
 
-/// "FRONT: for 0.001 and 1e-04 write method="planar" resolution="512" (0.41 ms); ...": for each of kPriceTolerances_rel
-/// what cheapest_for() says; where that is nothing, the largest bound that there is.
+/// "FRONT: for 0.001 and 1e-04 write method="planar" resolution="512" (0.41 ms); ...": the result of cheapest_for() for
+/// each of kPriceTolerances_rel. If no variant meets a tolerance, the text gives the closest variant and its largest
+/// bound.
 std::string price_advice(const ScannerPrice& price);
 
-/// One line per variant after a line of names; cells without a number are empty.
+/// A line of column names, then one line per variant; cells without a number are empty.
 std::string to_csv(std::span<const ScannerPrice> prices);
 
 }  // namespace simvis

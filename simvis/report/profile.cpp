@@ -17,7 +17,7 @@ Json track_name(int track, const std::string& name) {
   return {{"name", "thread_name"}, {"ph", "M"}, {"pid", kProcess}, {"tid", track}, {"args", {{"name", name}}}};
 }
 
-/// Names are whatever bytes the user gave: what is not UTF-8 is replaced.
+/// Names from the user may contain any bytes: invalid UTF-8 is replaced.
 std::string dump(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
 double microseconds(std::int64_t ns) { return static_cast<double>(ns) / 1e3; }

@@ -1,4 +1,4 @@
-// What each frame of a run spent its time on, for people: Chrome's trace format (chrome://tracing, ui.perfetto.dev).
+// The time profile of the frames of a run, in Chrome's trace format (chrome://tracing, ui.perfetto.dev).
 #pragma once
 
 #include <cstdint>
@@ -17,30 +17,30 @@
 
 namespace simvis {
 
-/// What one frame cost.
+/// The costs of one frame.
 struct ProfiledFrame {
   std::uint64_t index = 0;
-  /// The frame is the time from the first of them to the last.
+  /// The frame lasts from the start of the first stage to the end of the last.
   std::span<const StageTime> stages{};
-  std::int64_t written_ns = 0;  ///< when the results were handed over for files; 0: they were not
+  std::int64_t written_ns = 0;  ///< time at which the results were passed to the writer of files; 0 if they were not
   std::span<const SensorCost> sensors{};
   const FrameCounters& counters;
   std::uint64_t device_memory_bytes = 0;
 };
 
-/// Two tracks: what the host did, and what the device did. Host: the frame, of it the stages, of these the sensors.
-/// Device: of each submission the uploads, the passes, of these the views, and the readbacks. A device has a clock of
-/// its own: its first command stands where the host handed the frame over. Counters: one sample for each frame.
+/// The profile has two tracks. The host track contains the frame, its stages and their sensors. The device track
+/// contains the uploads, the passes with their views, and the readbacks of each submission. The device has its own
+/// clock, so its first command is placed at the time of the submission by the host. Counters have one sample per frame.
 ///
-/// File     one event in each line, so that it can be read as it grows; whole and under its name after commit(). Times
-///          are microseconds from the first frame's start.
+/// File     one event per line, so that the file can be read while it grows; complete and under its final name after
+///          commit(). Times are microseconds from the start of the first frame.
 /// Errors   see AtomicFile.
 class Profile {
  public:
   Profile(std::filesystem::path path, const std::string& device);
 
   void add(const ProfiledFrame& frame);
-  /// What the device did in the frame that was added last.
+  /// Adds the device events of the frame that was added last.
   void add(const FramePlan& plan, const FrameCosts& costs);
 
   void commit();
@@ -61,7 +61,7 @@ class Profile {
   AtomicFile file_;
   std::uint64_t frame_ = 0;
   std::int64_t first_ns_ = -1;
-  bool any_ = false;  // line has been written
+  bool any_ = false;  // a line has been written
 };
 
 }  // namespace simvis

@@ -14,7 +14,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Names and paths are whatever bytes the user gave: what is not UTF-8 is replaced.
+/// Names and paths from the user may contain any bytes: invalid UTF-8 is replaced.
 std::string dump(const Json& json, int indent) {
   return json.dump(indent, ' ', false, Json::error_handler_t::replace) + "\n";
 }

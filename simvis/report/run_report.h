@@ -1,4 +1,4 @@
-// What a run was and how fast it went: run.json and the closing lines.
+// The report of a run: its parameters and its speed, for run.json and the final lines on the terminal.
 #pragma once
 
 #include <cstdint>
@@ -13,28 +13,30 @@
 
 namespace simvis {
 
-/// What run.json says.
+/// The contents of run.json.
 struct RunReport {
   std::string scene;  ///< as given
   DeviceInfo device;
   std::uint64_t seed = 0;
-  std::optional<Shard> shard{};  ///< if the run is one
+  std::optional<Shard> shard{};  ///< set if the run is a shard
   double rate_hz = 0;
-  double wall_s = 0;             ///< from the start of the program to its last file
-  std::vector<double> frame_ms;  ///< each step(), without writing files, which goes on beside it
+  double wall_s = 0;             ///< time from the start of the program to its last file
+  std::vector<double> frame_ms;  ///< time of each step(); files are written in parallel and are not included
   std::vector<SensorInfo> sensors;
 };
 
-/// The simulation's sensors, with the error bounds of their depth images: these are worked out here, if not before.
+/// The sensors of the simulation with the error bounds of their depth images. Bounds that are not known yet are
+/// computed here.
 std::vector<SensorInfo> with_bounds(const Simulation& simulation);
 
-/// The p-th percentile, 0 < p <= 100: the least value that at least p percent do not exceed. 0 for no values.
+/// The p-th percentile, 0 < p <= 100: the smallest value that at least p percent of the values do not exceed. 0 if
+/// `values` is empty.
 double percentile(std::span<const double> values, double p);
 
-/// A bound that is not finite is null.
+/// The report as JSON. A bound that is not finite is null.
 std::string to_json(const RunReport& report);
 
-/// "30 frames, 2.43 ms a frame: 411.5 Hz, 27.43 x real time at 15 Hz", from the median.
+/// "30 frames, 2.43 ms a frame: 411.5 Hz, 27.43 x real time at 15 Hz", from the median time of a frame.
 std::string speed_line(const RunReport& report);
 
 }  // namespace simvis

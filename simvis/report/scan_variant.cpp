@@ -13,12 +13,12 @@ namespace simvis {
 
 namespace {
 
-constexpr double kStripResolutions_px[] = {512, 1024, 2048, 4096, 8192};  // of one ring: two rows of pixels
-constexpr double kAreaResolutions_px[] = {256, 512, 1024, 2048};          // of several rings: whole faces
-constexpr double kBetweenMethods_rel = 1e-4;                              // of hybrid: renders, and casts
-constexpr double kTolerances_rel[] = {1e-3, 1e-4, 1e-5};                  // of hybrid
+constexpr double kStripResolutions_px[] = {512, 1024, 2048, 4096, 8192};  // for one ring: two rows of pixels
+constexpr double kAreaResolutions_px[] = {256, 512, 1024, 2048};          // for several rings: whole faces
+constexpr double kBetweenMethods_rel = 1e-4;                              // for hybrid: it renders and casts
+constexpr double kTolerances_rel[] = {1e-3, 1e-4, 1e-5};                  // for hybrid
 
-/// Without what the method does not look at: a hybrid that trusts no pixel renders nothing.
+/// Removes the values that the method does not use. A hybrid that accepts no pixel renders nothing.
 ScanVariant normal(ScanVariant variant) {
   const std::optional<ScanMethod> method = find_scan_method(variant.method);
   SIMVIS_ASSERT(method.has_value());
@@ -38,12 +38,12 @@ std::vector<double> with(const double (&listed)[N], std::optional<double> own) {
   return all;
 }
 
-/// What the scene writes, or what it gets where it writes nothing.
+/// The variant that the scene selects, with the default values for attributes that it omits.
 ScanVariant variant_of(const LaserScannerDesc& desc) {
   ScanVariant variant{.method = std::string(to_string(desc.method)), .resolution_px = {}, .max_error_rel = {}};
   if (desc.resolution_px > 0) {
     variant.resolution_px = desc.resolution_px;
-  } else if (desc.method != ScanMethod::automatic) {  // which chooses one itself
+  } else if (desc.method != ScanMethod::automatic) {  // auto chooses the resolution itself
     variant.resolution_px = default_resolution_px(desc.pattern);
   }
   if (std::isfinite(desc.max_error_rel)) variant.max_error_rel = desc.max_error_rel;

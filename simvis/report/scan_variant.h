@@ -1,4 +1,4 @@
-// The ways in which one laser scanner of a scene could measure: what its attributes of accuracy could be.
+// The variants of a laser scanner: the possible values of its accuracy attributes.
 #pragma once
 
 #include <optional>
@@ -9,32 +9,34 @@
 
 namespace simvis {
 
-/// One row of a price list. A number is there where the method looks at it.
+/// One row of a price list. A number is set only if the method uses it.
 struct ScanVariant {
-  std::string method;                   ///< as in the scene
-  std::optional<double> resolution_px;  ///< across 90 degrees
+  std::string method;                   ///< as written in the scene
+  std::optional<double> resolution_px;  ///< pixels across 90 degrees
   std::optional<double> max_error_rel;  ///< hybrid, auto
-  std::optional<double> max_error_m{};  ///< hybrid, auto: only where the scene itself asks for it
+  std::optional<double> max_error_m{};  ///< hybrid, auto: set only if the scene gives it
 
   bool operator==(const ScanVariant&) const = default;
 };
 
-/// What the command of a laser scanner asks for, defaults filled in. Throws InputError as making the scanner does.
+/// The variant that the command of a laser scanner selects, including defaults. Throws the InputErrors of the creation
+/// of the scanner.
 ScanVariant variant_of(const Command& scanner);
 
-/// All that are worth a price: nearest, planar and hybrid at several resolutions, the last with several tolerances, and
-/// raycast; methods that cast only in a build that can. Resolutions and tolerances that the command itself gives are
-/// among them, and so is what it asks for. Where an effect of the scanner follows beams, raycast alone can measure.
+/// All variants that a price list contains: nearest, planar and hybrid at several resolutions, hybrid also with several
+/// tolerances, and raycast. Methods that cast rays are included only if the build supports ray casting. The resolutions
+/// and tolerances of the command, and the variant that it selects, are included. If an effect of the scanner follows
+/// beams, only raycast can measure.
 std::vector<ScanVariant> priced_variants(const Command& scanner);
 
-/// One of each method but auto, at the resolution that the command asks for; hybrid with a tolerance at which it
-/// renders and casts. Where an effect of the scanner follows beams, raycast alone.
+/// One variant of each method except auto, at the resolution of the command. The tolerance of hybrid is one at which it
+/// both renders and casts. If an effect of the scanner follows beams, only raycast.
 std::vector<ScanVariant> variants_by_method(const Command& scanner);
 
-/// As one writes it in the scene: `method="planar" resolution="4096"`.
+/// The attributes as written in the scene: `method="planar" resolution="4096"`.
 std::string attributes_of(const ScanVariant& variant);
 
-/// The command with this variant's attributes and another name, measuring in every frame.
+/// The command with the attributes of the variant and the name `name`; the scanner measures in every frame.
 Command with_variant(Command scanner, const ScanVariant& variant, const std::string& name);
 
 }  // namespace simvis

@@ -13,7 +13,7 @@ namespace simvis {
 
 namespace {
 
-constexpr std::uint64_t kWarmUp = 2, kFrames = 15;  // some 0.1 s by any method on two cores
+constexpr std::uint64_t kWarmUp = 2, kFrames = 15;  // about 0.1 s with any method on two cores
 constexpr const char* kScanner = "laser_scanner";
 
 template <typename... Values>
@@ -23,14 +23,14 @@ std::string formatted(const char* format, Values... values) {
   return text;
 }
 
-/// Those that measured in the last step, which was of enabled scanners alone.
+/// Counts the scanners that measured in the last step and their beams. Only scanners were enabled in that step.
 void take_set(const Simulation& simulation, RunSummary& summary) {
   summary.scanners = simulation.measured().size();
   summary.beams = 0;
   for (const std::string& name : simulation.measured()) summary.beams += simulation.scan(name).range_m.size();
 }
 
-/// Frames in which the largest number of scanners measures are sets. Returns the first scanner of a set.
+/// Times sets: frames in which the largest number of scanners measures. Returns the first scanner of a set.
 std::string measure_sets(Simulation& simulation, const SummaryDesc& desc, RunSummary& summary) {
   using SteadyClock = std::chrono::steady_clock;
   const Clock clock(desc.rate_hz);
@@ -57,7 +57,7 @@ std::string measure_sets(Simulation& simulation, const SummaryDesc& desc, RunSum
   return first;
 }
 
-/// A picture for people before those that sensors see; then numbers.
+/// The existing files among: one image, preferably one for people; the table of one scanner; run.json.
 std::vector<std::filesystem::path> first_files(const Simulation& simulation, const std::filesystem::path& out) {
   std::filesystem::path picture, scan;
   for (const SensorInfo& sensor : simulation.sensors()) {

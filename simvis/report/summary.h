@@ -1,5 +1,5 @@
-// What a run was worth, in a few lines for people: speed of the scanners, the cameras' share, what accuracy costs, and
-// what to look at.
+// A short summary of a run: the speed of the scanners, the share of the cameras, the cost of accuracy, and the files to
+// open first.
 #pragma once
 
 #include <cstdint>
@@ -16,33 +16,33 @@
 namespace simvis {
 
 struct SummaryDesc {
-  double rate_hz = SimulationDesc{}.rate_hz;  ///< of the run: what scanners are compared with
-  double frame_ms = 0;                        ///< the median frame of the run, in which all its sensors measured
+  double rate_hz = SimulationDesc{}.rate_hz;  ///< rate of the run, with which the speed of the scanners is compared
+  double frame_ms = 0;                        ///< median time of a frame of the run, in which all sensors measured
   std::filesystem::path out{};                ///< the folder of the run's results
   const Trajectory* trajectory = nullptr;
-  std::function<void()> on_frame{};  ///< called after every frame; what it throws ends the summary
+  std::function<void()> on_frame{};  ///< called after every frame; an exception from it ends the summary
 };
 
-/// Times are medians of frames.
+/// Times are medians over frames.
 struct RunSummary {
-  std::size_t scanners = 0;                    ///< that measure together in one set; 0: none do
-  std::uint64_t beams = 0;                     ///< of all of them
-  double set_ms = 0;                           ///< of a frame in which only the scanners measure
-  double rate_hz = 0;                          ///< of the run
-  double frame_ms = 0;                         ///< of the run
-  std::size_t cameras = 0;                     ///< sensors that are no laser scanners
-  std::optional<ScannerPrice> price{};         ///< of the first scanner, by variants_by_method()
-  std::vector<std::filesystem::path> files{};  ///< to open first; all of them exist
+  std::size_t scanners = 0;                    ///< number of scanners that measure together in one set; may be 0
+  std::uint64_t beams = 0;                     ///< total of all scanners of the set
+  double set_ms = 0;                           ///< time of a frame in which only the scanners measure
+  double rate_hz = 0;                          ///< rate of the run
+  double frame_ms = 0;                         ///< time of a frame of the run
+  std::size_t cameras = 0;                     ///< number of sensors that are not laser scanners
+  std::optional<ScannerPrice> price{};         ///< of the first scanner, for variants_by_method()
+  std::vector<std::filesystem::path> files{};  ///< files to open first; all of them exist
 };
 
-/// Measures the scanners that are enabled once more, which uses up the simulation. Scanners that stand in a part that
-/// is switched off are left out.
+/// Measures the enabled scanners again and consumes the simulation. Scanners that are mounted in a part that is
+/// switched off are left out.
 RunSummary summarize(Simulation simulation, const SummaryDesc& desc);
 
-/// The largest error of a variant in metres: what it says where `raycast` says otherwise, or the bound of `raycast`.
+/// The largest error of a variant in metres: its largest difference to `raycast`, but at least the bound of `raycast`.
 double largest_error_m(const ScannerPrice& price, const VariantPrice& variant);
 
-/// Lines, each with its end.
+/// The summary as lines, each with a line end.
 std::string to_text(const RunSummary& summary);
 
 }  // namespace simvis

@@ -17,7 +17,7 @@ std::string heading(std::string_view family, std::string_view name) {
   return "### " + std::string(family) + " `" + std::string(name) + "`\n\n";
 }
 
-// Summary and notes, each paragraph with an empty line behind it.
+// The summary and the notes, each paragraph followed by an empty line.
 std::string paragraphs(std::string_view summary, std::string_view notes) {
   std::string page = markdown_text(summary) + "\n\n";
   while (!notes.empty()) {

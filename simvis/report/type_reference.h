@@ -1,5 +1,5 @@
-// What `simvis-run --describe` prints: the elements, sensors and effects that are registered, plug-ins' included, from
-// the tables that also check the scene.
+// The output of `simvis-run --describe`: the registered elements, sensors and effects, including those of plug-ins. It
+// comes from the same tables that validate the scene.
 #pragma once
 
 #include <cstdint>
@@ -10,8 +10,8 @@ namespace simvis {
 
 enum class ReferenceFormat : std::uint8_t { text, markdown };
 
-/// All that is registered under this name; a name can be an element's and an effect's. "all": everything, as one page.
-/// Throws InputError when there is nothing of this name; the message names the nearest one and lists all.
+/// The reference of all types registered under this name; an element and an effect can have the same name. "all": every
+/// type, as one page. Throws InputError if no type has this name; the message gives the nearest name and lists all.
 std::string type_reference(std::string_view name, ReferenceFormat format);
 
 }  // namespace simvis
