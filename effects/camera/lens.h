@@ -33,8 +33,7 @@ enum class LensKind : std::uint8_t { brown_conrady, kannala_brandt };
 
 struct LensModel {
   LensKind kind = LensKind::brown_conrady;
-  Pinhole
-      pinhole;  ///< fx, fy, cx, cy; pixel coordinates start at the corner of the first pixel, in OpenCV at its centre
+  Pinhole pinhole;             ///< pixels start at the corner of the first pixel, unlike OpenCV's (its centre)
   double k[4] = {0, 0, 0, 0};  ///< k[3] is used by kannala_brandt only
   double p1 = 0, p2 = 0;       ///< used by brown_conrady only
 };

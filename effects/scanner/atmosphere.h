@@ -6,12 +6,13 @@
 //          returns pi l backscatter exp(-2 extinction r) / r^2. This falls with r, and the receiver does not see the
 //          beam at ranges below kAirFrom_m, so the echo of the air lies at kAirFrom_m (as in Rasshofer, Spies and
 //          Spies, "Influences of weather phenomena on automotive laser radar systems", Adv. Radio Sci. 9, 2011).
-//          (b) Single drops return echoes. A drop of diameter D in a beam of diameter w returns kDropReflectance (D /
-//          w)^2 exp(-2 extinction r) / r^2, and the share (D / w)^2 counts as at most 1. A drop is detected if D is at
-//          least D_min(r), the diameter whose echo has the smallest detected power. The drops along the beam form a
-//          Poisson process with the rate N pi w^2 / 4 per metre, and their diameters have an exponential distribution
-//          with mean D0. The detected drops are therefore also a Poisson process, with the rate N pi w^2 / 4
-//          exp(-D_min(r) / D0), and their diameters are D_min + D0 times a unit exponential variable.
+//          (b) Single drops return echoes. A drop of diameter D in a beam of diameter w returns
+//          kDropReflectance min(D / w, 1)^2 exp(-2 extinction r) / r^2. It is detected if D is at least D_min(r), the
+//          diameter whose echo has the smallest detected power; no drop is detected where D_min(r) would be larger than
+//          w. The drops along the beam form a Poisson process with the rate N pi w^2 / 4 per metre, and their diameters
+//          have an exponential distribution with mean D0. The detected drops are therefore also a Poisson process. Its
+//          rate is
+//          N pi w^2 / 4 exp(-D_min(r) / D0), and the diameters are D_min + D0 times a unit exponential variable.
 // Where    false echoes lie along the beam up to the farthest surface that returned an echo, or up to range_max if no
 //          surface returned one.
 //

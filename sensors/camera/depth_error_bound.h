@@ -13,7 +13,7 @@
 //              point of a triangle. With m the gradient of w in the tangents of the view (the plane is m . (x, y, z) =
 //              1), dw = w e |m|.
 //   set-up     See plane_rounding.h: evaluation, slope and snapping. Needle triangles are excluded here, too.
-//   gradient   gx and gy are differences of neighbouring w, each off by 2 dw.
+//   gradient   gx and gy are differences of neighbouring w, so each of them is off by 2 dw.
 // Then |dZ| <= Z^2 dw / (1 - Z dw), and Z is rounded to float32.
 #pragma once
 

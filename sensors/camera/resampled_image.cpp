@@ -59,8 +59,7 @@ double resample_depth(const CameraLayout& layout, const CameraViews& views, std:
       const CameraView& view = views.views[v];
       const BeamTap tap = beam_tap(views.taps[i], view.pinhole);
       const RangeEstimate range = planar_range(pixels[v], tap, depth_views[v].rounding);
-      const glm::dvec3 ray =
-          glm::dvec3(tap.tangent_x, tap.tangent_y, 1) * view.face_from_view;  // multiplication by the transpose
+      const glm::dvec3 ray = glm::dvec3(tap.tangent_x, tap.tangent_y, 1) * view.face_from_view;  // by the transpose
       const double depth_per_range = ray.z / tap.ray_per_depth;
       if (range.range_m < kInfinity) {
         depth_m = range.range_m * depth_per_range;

@@ -56,10 +56,9 @@ struct LaserScannerDesc {
       .samples = 361, .min_azimuth_rad = -std::numbers::pi / 2, .max_azimuth_rad = std::numbers::pi / 2};
   double range_min_m = 0.05, range_max_m = 80;  ///< along the ray; a nearer surface blocks the beam and reads 0
   ScanMethod method = ScanMethod::raycast;
-  double max_error_rel =
-      kDefaultMaxErrorRel;              ///< hybrid, auto: largest bound as a share of the range; infinity: no limit
-  double resolution_px = 0;             ///< pixels across 90 degrees; 0: default_resolution_px()
-  std::optional<double> max_error_m{};  ///< hybrid, auto: largest bound along the ray
+  double max_error_rel = kDefaultMaxErrorRel;           ///< hybrid, auto: largest bound / range; infinity: no limit
+  double resolution_px = 0;                             ///< pixels across 90 degrees; 0: default_resolution_px()
+  std::optional<double> max_error_m{};                  ///< hybrid, auto: largest bound along the ray
   Location where_max_error_m{}, where_max_error_rel{};  ///< where the attributes stand in the scene, for messages
   std::vector<ChosenScanEffect> effects{};              ///< if one follows beams in every scene, `method` is raycast
 };

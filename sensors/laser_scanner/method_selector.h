@@ -47,8 +47,7 @@ class MethodSelector {
   std::size_t chosen_ = 0;
   std::string because_;
   std::uint64_t surveys_ = 0;
-  std::uint64_t structure_ = 0,
-                triangles_ = 0;  // of the draw list: its structure revision, and its triangles in this frame
+  std::uint64_t structure_ = 0, triangles_ = 0;  // of the draw list: its revision, and its count in this frame
   std::uint64_t chosen_at_triangles_ = 0;
   std::uint64_t wait_ = 0, frames_ = 0;  // frames for which costs are ignored, and frames since the last survey
   bool moved_ = false;

@@ -24,7 +24,7 @@ double displacement_m(const ScanContext& moment, const BeamRay& ray, double rang
   return placed_m + ray.origin_error_m + ray.error_rad * range_m;
 }
 
-// Keeps the first echo beyond the receiver's range only if there is no nearer echo.
+// Keeps the echoes beyond the receiver's range only if there are no nearer ones.
 void listen_until(double range_max_m, std::vector<Echo>& echoes) {
   const auto beyond = std::ranges::upper_bound(echoes, range_max_m, {}, &Echo::range_m);
   if (beyond != echoes.begin()) echoes.erase(beyond, echoes.end());

@@ -102,7 +102,7 @@ Psd::Psd(std::string name, const PsdDesc& desc, VoltageCurve curve)
       values_{NamedValue{"range_m", kUnknown}, NamedValue{"voltage_v", kUnknown}} {}
 
 // The view has a pass of its own: the last bit of its depth depends on its position in the target, and must not depend
-// on other sensors in the scene.
+// on other elements of the scene.
 void Psd::plan(const glm::dmat4& world_from_sensor, const DrawList&, FramePlan& plan) {
   View view;
   view.name = name_;

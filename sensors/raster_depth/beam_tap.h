@@ -16,8 +16,7 @@ struct ScanFace {
   Pinhole pinhole;                   ///< fx = fy, or fy = kRowsPerPixel fx
   std::uint32_t width_px = 0, height_px = 0;
   std::uint32_t beams = 0;
-  std::shared_ptr<const std::vector<std::uint32_t>>
-      columns;  ///< the columns in the neighbourhoods of its beams, ascending
+  std::shared_ptr<const std::vector<std::uint32_t>> columns;  ///< ascending; columns of the beams' neighbourhoods
 };
 
 /// The position of a beam in the pixel grid of its face: between the centres of pixels (x, y) and (x + 1, y + 1).
