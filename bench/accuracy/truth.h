@@ -1,4 +1,4 @@
-// The true readings of scans and the errors against them: every beam is cast in double (engine/ray_caster.h, which the
+// The true readings of scans and the errors against them: every beam is cast in double (simvis/ray_caster.h, which the
 // tests compare with a test of every triangle).
 #pragma once
 

@@ -1,5 +1,5 @@
 // The effect `transparency`: transparent surfaces are composited by depth for each sample, independent of the drawing
-// order of parts and faces, see engine/oit_buffer.h.
+// order of parts and faces, see engine/render/oit_buffer.h.
 #include <algorithm>
 
 #include <simvis/effect.h>

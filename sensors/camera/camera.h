@@ -7,7 +7,7 @@
 // Units    Depth is depth along Z in metres, not range along the ray; +infinity where nothing is hit.
 // Samples  With supersampling or msaa the colour of a pixel is the mean over its square in linear light, see Pass.
 //          Depth is never averaged: it is taken at the centre of the pixel, and has a pass of its own in this case.
-// Effects  See effects/camera_effect.h. With a lens or a rolling shutter the depth of a pixel is along the camera's Z
+// Effects  See simvis/camera_effect.h. With a lens or a rolling shutter the depth of a pixel is along the camera's Z
 //          axis at the time of its row, for the surface at the pixel's centre: see resampled_image.h. With a lens,
 //          samples are those of the rendered pixels; a wide lens takes several views, each with `near` along its own
 //          axis; the file SENSOR.yaml holds the intrinsics (see camera_info.h).

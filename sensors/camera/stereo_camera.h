@@ -9,7 +9,7 @@
 //            disparity in the right image. disparity = fx * baseline / Z with the true depth Z; 0 where nothing is hit.
 //            Points that the right camera cannot see also have a disparity.
 // Samples  As for a camera: colour may be a mean over the pixel; depth and disparity are those of its centre.
-// Effects  See effects/camera_effect.h; the noise of the left and the right camera is independent.
+// Effects  See simvis/camera_effect.h; the noise of the left and the right camera is independent.
 // Names    color() and depth() are those of the left camera. picture() accepts "left" and "right" (colour),
 //          "left_depth", "right_depth" and "disparity" (one channel).
 // Values   As for a camera, over the depth of both views.

@@ -11,7 +11,7 @@
 //   auto     uses the cheapest of `hybrid`, at some resolutions, and `raycast` in this scene and pose: method_survey.h
 //            lists the candidates, and method_selector.h says when it chooses. A frame with a survey casts every beam.
 // In the scans of `hybrid` and `auto` every beam meets the tolerance; otherwise an error says which tolerance can be
-// met. If an effect follows beams (see effects/scan_effect.h), every beam is cast, with any method, in those frames
+// met. If an effect follows beams (see simvis/scan_effect.h), every beam is cast, with any method, in those frames
 // whose scene calls for the effect. A laser hits surfaces from either side; surfaces that are blended with less than
 // half coverage or masked out let it pass; it does not see lines and points.
 #pragma once
