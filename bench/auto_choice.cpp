@@ -1,11 +1,11 @@
-// How well method="auto" of laser scanners chooses: what it predicts for each way of measuring beside what that takes.
+// Compares the predicted and measured times of all methods among which method="auto" of laser scanners chooses.
 //
 //   auto_choice [SCENE.xml [POSES [REPETITIONS]]]
 //
-// Prints CSV: for each scanner, tolerance and pose of the drive the predicted and the measured time of each way, and at
-// the end how often the chosen way was the quickest, and how much slower than the quickest it was. All ways are timed
-// in turn, so that whatever else the machine does hits them alike; the least of each counts. Something moves between
-// any two scans. Costs are measured anew, nothing is kept.
+// Prints CSV: for each scanner, tolerance and pose of the drive the predicted and the measured time of each method, and
+// at the end how often the chosen method was the fastest, and how much slower than the fastest it was. All methods are
+// timed in turn, so that other load on the machine affects all alike; the shortest time of each counts. An object moves
+// between any two scans. Costs are measured anew and not stored.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>

@@ -1,5 +1,5 @@
-// What Embree alone makes of a draw list: single precision, robust mode, one flat mesh. A peer to measure against. It
-// meets every triangle, whole: what masks cut out of them it does not see.
+// Bare Embree for comparison: ray casts of a draw list in single precision and robust mode, with one flat mesh. Every
+// triangle is opaque: masks have no effect.
 #pragma once
 
 #include <embree3/rtcore.h>
@@ -15,16 +15,16 @@
 
 namespace simvis::bench {
 
-/// Frames   rays start at `origin` in the frame that the triangles are brought into, in double, before they are rounded
-///          to float32.
+/// Frames   rays start at `origin` in the frame to which the triangles are transformed in double before they are
+///          rounded to float32.
 class BareEmbree {
  public:
   BareEmbree(const DrawList& list, const glm::dmat4& frame_from_world);
 
-  /// One ray after the other. ranges_m[i] belongs to directions[i]; +infinity for nothing.
+  /// Casts one ray after the other. ranges_m[i] belongs to directions[i]; +infinity where nothing is hit.
   void cast_singly(std::span<const glm::vec3> directions, std::span<float> ranges_m,
                    const glm::vec3& origin = glm::vec3(0)) const;
-  /// In packets of 16.
+  /// Casts in packets of 16 rays.
   void cast_in_packets(std::span<const glm::vec3> directions, std::span<float> ranges_m,
                        const glm::vec3& origin = glm::vec3(0)) const;
 
@@ -33,7 +33,8 @@ class BareEmbree {
   EmbreeScene scene_;
 };
 
-/// What a laser passes everywhere, textures and vertex colours aside: it is left out of the flat mesh.
+/// True if a laser passes the material everywhere, without regard to textures and vertex colours. Such items are not
+/// part of the flat mesh.
 inline bool lets_pass(const Material& material) {
   const float alpha = material.alpha_mode == AlphaMode::blend ? material.base_color.a : 1;
   return material.opacity * alpha < kMinDepthVisibleAlpha;

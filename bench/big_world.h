@@ -1,4 +1,4 @@
-// A world of as many triangles as asked for, written as a glTF file: bumpy ground with bumpy balls on it.
+// Writes a world with a given number of triangles as a glTF file: bumpy ground with bumpy balls on it.
 #pragma once
 
 #include <algorithm>
@@ -19,7 +19,7 @@ struct GridMesh {
   std::vector<std::uint32_t> indices;
 };
 
-/// `at(u, v)` with u and v from 0 to 1 is the surface; normals follow from its differences.
+/// `at(u, v)` with u and v from 0 to 1 is the surface; normals are computed from its differences.
 template <class Surface>
 GridMesh grid_mesh(std::uint32_t columns, std::uint32_t rows, const Surface& at) {
   GridMesh mesh;
@@ -41,7 +41,7 @@ GridMesh grid_mesh(std::uint32_t columns, std::uint32_t rows, const Surface& at)
   return mesh;
 }
 
-/// Half of the triangles are ground of 100 x 100 m, the rest `kBalls` balls of 2 m, each a mesh of its own.
+/// Half of the triangles form a ground of 100 x 100 m, the rest `kBalls` balls of 2 m, each with its own mesh.
 inline constexpr int kBalls = 10;
 
 inline std::vector<GridMesh> big_world_meshes(std::uint64_t triangles) {
@@ -67,7 +67,7 @@ inline std::vector<GridMesh> big_world_meshes(std::uint64_t triangles) {
   return meshes;
 }
 
-/// Writes FILE.glb, z up: to be inserted with up="z". Returns how many triangles it holds.
+/// Writes FILE.glb, z up: insert it with up="z". Returns its number of triangles.
 inline std::uint64_t write_big_world(const std::filesystem::path& file, std::uint64_t triangles) {
   const std::vector<GridMesh> meshes = big_world_meshes(triangles);
   std::string views, accessors, nodes, roots, shapes;

@@ -1,15 +1,15 @@
-// Holds the error bounds of laser scans against many random beams: every method, worlds of every kind (see
+// Checks the error bounds of laser scans with many random beams: every method, worlds of every kind (see
 // random_worlds.h), planar scanners and lidars at several resolutions.
 //
 //   bound_soak [BEAMS_PER_METHOD [SEED [WORLD]]]
 //
-// Truth is the ray caster in double. For `raycast`, whose ranges come from there, it is a cast from a sensor that is
-// turned another way: other matrices, other roundings, another tree. (The caster itself is held against a ray cast of
-// every triangle by the tests.)
+// The truth is the ray caster in double. For `raycast`, whose ranges come from that caster, the truth is a cast from a
+// sensor with another orientation: with other matrices, other roundings and another tree. (The tests compare the caster
+// itself with a ray cast of every triangle.)
 //
 // Prints CSV, one line per method and kind of world. A violation is a beam whose true range lies outside its bound.
-// Those of rendered ranges on surfaces that the bound does not speak of (see depth_range.h: less than three pixels
-// wide, or shown by needles) are counted by themselves. Exit status 1 if any other is found.
+// Violations of rendered ranges on surfaces that the bound does not cover (see depth_range.h: less than three pixels
+// wide, or shown by needles) are counted separately. The exit status is 1 if there is any other violation.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -39,7 +39,7 @@ namespace {
 
 using namespace simvis;
 
-/// Of positive numbers, each kept to one part in 45.
+/// Quantiles of positive numbers with a relative resolution of one part in 45.
 class Quantiles {
  public:
   void add(double value) {
@@ -83,15 +83,15 @@ glm::dvec3 direction(double azimuth, double elevation) {
   return {std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth), std::sin(elevation)};
 }
 
-/// What the bound of a rendered range speaks of, by what the caster finds around it.
+/// Determines if the bound of a rendered range covers a beam, from ray casts around the beam.
 class Surroundings {
  public:
   Surroundings(const DrawList& list, RayCaster& caster, const glm::dmat4& world_from_sensor, const ScanLayout& layout)
       : list_(list), caster_(caster), world_from_sensor_(world_from_sensor), layout_(layout) {}
 
-  /// Whether no square of three by three pixels around or beside the beam shows one plane only.
+  /// True if no square of three by three pixels around or beside the beam shows one plane only.
   bool is_narrow(const BeamTap& tap) const {
-    constexpr int kSteps = 4, kSide = 3 * kSteps;  // to a pixel, and of the square
+    constexpr int kSteps = 4, kSide = 3 * kSteps;  // per pixel, and per side of the square
     constexpr double kSamePlane = 1e-9;
     constexpr int kWidth = 2 * kSide + 1;
     std::vector<glm::dvec3> directions;
@@ -102,7 +102,7 @@ class Surroundings {
     }
     const std::vector<RayHit> hits = cast(directions);
     constexpr std::size_t centre = std::size_t{kSide} * kWidth + kSide;
-    const bool nothing = !std::isfinite(hits[centre].range_m);  // a gap is as wide as a surface must be
+    const bool nothing = !std::isfinite(hits[centre].range_m);  // the same width is required of a gap
     std::vector<char> on_plane;
     for (std::size_t i = 0; i < hits.size(); ++i) {
       if (nothing) {
@@ -124,7 +124,7 @@ class Surroundings {
     return true;
   }
 
-  /// The centres of the pixels around.
+  /// Directions of the centres of the surrounding pixels.
   std::vector<glm::dvec3> pixels(const BeamTap& tap) const {
     std::vector<glm::dvec3> directions;
     for (int y = -kPixelsBefore; y <= kPixelsAfter; ++y) {
@@ -135,7 +135,7 @@ class Surroundings {
     return directions;
   }
 
-  /// Whether one of the pixels around shows a needle.
+  /// True if one of the surrounding pixels shows a needle.
   bool is_at_needle(const BeamTap& tap) const {
     for (const RayHit& hit : cast(pixels(tap))) {
       if (std::isfinite(hit.range_m) && is_needle(corners_of(hit), layout_.faces[tap.face])) return true;
@@ -170,7 +170,7 @@ class Surroundings {
     return glm::dot(normal, t[0]) / glm::dot(normal, direction);
   }
 
-  // k D > |gx| V + |gy| H in the terms of depth_range.h, of what the view leaves of the triangle.
+  // k D > |gx| V + |gy| H in the terms of plane_rounding.h, for the part of the triangle within the view.
   static bool is_needle(const Triangle& triangle, const ScanFace& face) {
     View view;
     view.width_px = face.width_px;
@@ -195,7 +195,7 @@ class Surroundings {
       }
       polygon = kept;
     }
-    // What is cut is drawn as triangles around the first corner.
+    // A clipped triangle is drawn as triangles around its first corner.
     for (std::size_t i = 1; i + 1 < polygon.size(); ++i) {
       const glm::dvec3 &a = polygon[0], &b = polygon[i], &c = polygon[i + 1];
       const glm::dvec2 p = f * glm::dvec2(a) / a.z, q = f * glm::dvec2(b) / b.z, r = f * glm::dvec2(c) / c.z;
@@ -214,8 +214,8 @@ class Surroundings {
   const ScanLayout& layout_;
 };
 
-/// A world whose masks have lost or gained what a texture filter leaves open: Vulkan's linear filter has weights of
-/// subTexelPrecisionBits bits, 8 on lavapipe, along either axis.
+/// A world whose masks are reduced or enlarged by the tolerance of a texture filter: the weights of Vulkan's linear
+/// filter have subTexelPrecisionBits bits along either axis, 8 on lavapipe.
 class Contours {
  public:
   explicit Contours(const DrawList& list)
@@ -231,7 +231,7 @@ class Contours {
     }
   }
 
-  /// Whether the two differ in any of these directions.
+  /// True if the casts into the two worlds differ in any of these directions.
   bool cross(const glm::dmat4& world_from_sensor, const std::vector<glm::dvec3>& directions) {
     std::array<std::vector<RayHit>, 2> hits;
     for (int i = 0; i < 2; ++i) {
@@ -307,7 +307,7 @@ void compare(const Scan& scan, std::span<const RayHit> truth, const ScanLayout& 
   }
 }
 
-/// One scan of each method from one place; returns how many beams each has.
+/// Takes one scan of each method from one pose; returns the number of beams of each.
 std::size_t scan_all(const RandomWorld& world, std::mt19937& random, Renderer& renderer, RayCaster& caster,
                      std::optional<Contours>& contours, std::span<Tally> tallies) {
   const Setting setting = random_setting(random);
@@ -321,7 +321,7 @@ std::size_t scan_all(const RandomWorld& world, std::mt19937& random, Renderer& r
       turned.push_back(glm::transpose(glm::dmat3(turn)) * directions.back());
     }
   }
-  std::array<std::vector<RayHit>, 2> truth;  // as the sensor stands; from one that is turned
+  std::array<std::vector<RayHit>, 2> truth;  // from the sensor's pose; from another orientation
   for (int other = 0; other < 2; ++other) {
     truth[other].resize(directions.size());
     caster.cast(other ? pose * turn : pose, other ? turned : directions, truth[other]);
@@ -341,7 +341,7 @@ std::size_t scan_all(const RandomWorld& world, std::mt19937& random, Renderer& r
     try {
       scanner.cast(caster);
     } catch (const InputError&) {
-      continue;  // even cast beams have no such bound here: at 10^7 m from the origin, say
+      continue;  // even cast beams do not meet this tolerance here, for example at 10^7 m from the origin
     }
     const bool renders = !plan.passes.empty();
     const ScanLayout layout = renders ? make_scan_layout(desc.pattern, desc.resolution_px) : ScanLayout{};

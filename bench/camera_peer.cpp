@@ -1,20 +1,19 @@
-// What SimVis adds to the device's work, and what it spares it: a camera of 640 x 480, colour and depth, in
-// scenes/marvin and in a lab of a million triangles with the robot driving, beside two bare Vulkan loops.
+// Measures the overhead of SimVis over the device's work, and the work that its culling saves: a camera of 640 x 480
+// with colour and depth, in scenes/marvin and in a lab of a million triangles with a moving robot, compared with two
+// bare Vulkan loops.
 //
 //   camera_peer [FRAMES]
 //
-// A bare loop knows no scene, plan or list: it submits a command buffer that was recorded before, waits for it, and
-// copies as many bytes as are read back into memory of its own.
+// A bare loop has no scene, plan or list: it submits a command buffer that was recorded before, waits for it, and
+// copies as many bytes as are read back into its own memory.
 //
-// bare        the commands that SimVis has recorded for the frame before, as they stand: the same triangles after the
-// same
-//             culling, draws, shaders, targets, copies. So it is the least that any program can take that lets this
-//             device do this work.
-// everything  the same picture with every triangle of the scene drawn, as a loop does that culls nothing
+// bare        The commands that SimVis recorded for the previous frame, unchanged: the same triangles after the same
+//             culling, draws, shaders, targets, copies. This is the lower limit for any program that gives this device
+//             this work.
+// everything  The same picture with every triangle of the scene drawn, as a loop without culling does.
 //
-// The commands are had by standing between SimVis and the Vulkan loader: this program has functions of the loader's
-// names, which pass everything on. Prints CSV: for each scene the medians of frames in turns, and the ratio to the bare
-// loop.
+// This program defines functions with the names of the Vulkan loader's functions. They keep the last submission and
+// call the loader. Prints CSV: for each scene the medians of frames in turns, and the ratio to the bare loop.
 #include <dlfcn.h>
 #include <vulkan/vulkan.h>
 
@@ -37,7 +36,7 @@
 
 namespace {
 
-/// The last submission of the process, and the device that it was for.
+/// The last submission of the process, and its device.
 struct Submitted {
   VkDevice device = VK_NULL_HANDLE;
   VkQueue queue = VK_NULL_HANDLE;
@@ -55,7 +54,7 @@ Function* of_loader(const char* name) {
 
 extern "C" {
 
-/// What was recorded may be submitted again.
+/// Allows a recorded command buffer to be submitted again.
 VKAPI_ATTR VkResult VKAPI_CALL vkBeginCommandBuffer(VkCommandBuffer commands, const VkCommandBufferBeginInfo* info) {
   static const auto pass_on = of_loader<decltype(vkBeginCommandBuffer)>("vkBeginCommandBuffer");
   VkCommandBufferBeginInfo again = *info;
@@ -88,7 +87,7 @@ namespace {
 using namespace simvis;
 using bench::Took;
 
-/// Submits again what was submitted, on the device of the submission that is the last when it is made.
+/// Repeats the submission that is the last one when this object is created, on its device.
 class BareLoop {
  public:
   BareLoop() : device_(submitted.device) {
@@ -125,7 +124,7 @@ class BareLoop {
   std::vector<char> from_, to_;
 };
 
-/// What is drawn without culling, on a device of its own.
+/// Draws without culling, on a device of its own.
 class Everything {
  public:
   explicit Everything(const Simulation& simulation) {
@@ -134,7 +133,7 @@ class Everything {
       for (View& view : pass.views) view.culled = false;
     }
     renderer_.render(simulation.diagnostics().draw_list(), plan);
-    renderer_.render(simulation.diagnostics().draw_list(), plan);  // the first one uploads, from what is then gone
+    renderer_.render(simulation.diagnostics().draw_list(), plan);  // uploads from buffers that are released afterwards
     work_ = submitted;
     loop_.emplace();
   }
@@ -158,7 +157,7 @@ void print(const char* scene, const char* loop, const std::vector<Took>& took, c
   std::fflush(stdout);
 }
 
-/// `drive(frame)` moves the robot. The scene's only camera that is on measures.
+/// `drive(frame)` moves the robot. The only camera of the scene that is on measures.
 void compare(const char* scene, Simulation& simulation, int frames, const std::function<void(int)>& drive) {
   constexpr int kWarmUp = 10;
   simulation.step();

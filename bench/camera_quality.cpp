@@ -1,13 +1,13 @@
-// What supersampling and MSAA of cameras cost and what they buy: cameras of scenes/marvin and scenes/arm, each variant
-// against a reference of 256 samples a pixel.
+// Measures the cost and the benefit of supersampling and MSAA: cameras of scenes/marvin and scenes/arm, each variant
+// compared with a reference of 256 samples per pixel.
 //
 //   camera_quality [FRAMES [SCENE.xml CAMERA]...]
 //
-// Prints CSV. Every variant is timed in every round, so that whatever else the machine does hits them alike: look at
-// the ratios. A frame is a step of one camera that takes colour only: flattening, rendering, averaging, the picture in
-// memory. The reference has four times the width and height, 16 samples a pixel, and is averaged over 4 x 4 pixels.
-// rms_linear is over R, G, B in linear light, rms_grey_levels over their sRGB codes as in the PNG file, 0 to 255;
-// psnr_db is that of the codes.
+// Prints CSV. Every variant is timed in every round, so that other load on the machine affects all alike: compare
+// ratios. A frame is a step of one camera with colour only: flattening, rendering, averaging, the image in memory. The
+// reference has four times the width and height and 16 samples per pixel, and is averaged over 4 x 4 pixels. rms_linear
+// is over R, G, B in linear light, rms_grey_levels over their sRGB codes as in the PNG file, 0 to 255; psnr_db is that
+// of the codes.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -37,7 +37,7 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-/// The scene with this one camera on, taking colour alone. `finer` multiplies its width and height.
+/// Loads the scene with only this camera on, for colour alone. `finer` multiplies its width and height.
 Simulation load(const std::filesystem::path& scene, const std::string& camera, const Variant& variant,
                 const Image& size, std::uint32_t finer) {
   SimulationDesc desc;
@@ -98,7 +98,7 @@ void measure(const std::filesystem::path& scene, const std::string& camera, int 
   for (const Variant& variant : kVariants) {
     try {
       simulations.push_back(load(scene, camera, variant, {}, 1));
-    } catch (const InputError&) {  // this device has no such msaa
+    } catch (const InputError&) {  // this device does not support this msaa
       if (variant.msaa == 1) throw;
       continue;
     }
@@ -107,7 +107,7 @@ void measure(const std::filesystem::path& scene, const std::string& camera, int 
   std::vector<std::vector<double>> times_ms(variants.size());
   for (int frame = 0; frame < kWarmUp + frames; ++frame) {
     for (std::size_t turn = 0; turn < variants.size(); ++turn) {
-      const std::size_t v = (turn + static_cast<std::size_t>(frame)) % variants.size();  // none is always first
+      const std::size_t v = (turn + static_cast<std::size_t>(frame)) % variants.size();  // no variant is always first
       const auto start = Clock::now();
       simulations[v].step();
       const double ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();

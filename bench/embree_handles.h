@@ -1,4 +1,4 @@
-// Handles of Embree that let go.
+// Owning handles of Embree objects.
 #pragma once
 
 #include <embree3/rtcore.h>

@@ -1,9 +1,9 @@
-// How long a user waits for the first picture: from the start of the process until a frame of one camera of
-// scenes/marvin lies on disk, with an empty cache folder (every pipeline is compiled) and with a warm one.
+// Measures the time until the first picture: from the start of the process until a frame of one camera of scenes/marvin
+// is written to disk, with an empty cache folder (every pipeline is compiled) and with a filled one.
 //
 //   first_image [SCENE.xml [CAMERA [REPEATS]]]
 //
-// Prints one CSV line per case: the case, and the median and the least of the repeats in milliseconds.
+// Prints one CSV line per case: the case, and the median and the minimum of the repeats in milliseconds.
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -17,7 +17,8 @@
 
 namespace {
 
-// Runs simvis-run for one frame; returns milliseconds until it has ended, results written. Exits if it fails.
+// Runs simvis-run for one frame; returns the milliseconds until it has ended and results are written. Exits if it
+// fails.
 double run_once(const std::string& scene, const std::string& camera, const std::filesystem::path& folder) {
   const std::string out = (folder / "out").string();
   const auto start = std::chrono::steady_clock::now();

@@ -1,7 +1,7 @@
-// How long a large scene takes to open, and what it takes of memory: a generated world of 10^4 to 10^7 triangles (bumpy
-// ground and balls, one glTF file), each in a process of its own from the start until the first frame is in the
-// caller's memory, with an empty cache folder and with a warm one. Host memory is the process's peak; a CPU device's
-// memory is part of it.
+// Measures the time and the memory to open a large scene: a generated world of 10^4 to 10^7 triangles (bumpy ground and
+// balls, one glTF file), each in its own process from the start until the first frame is in the caller's memory, with
+// an empty cache folder and with a filled one. Host memory is the peak of the process; it includes the memory of a CPU
+// device.
 //
 //   opening [MOST_TRIANGLES [REPEATS]]
 //
@@ -33,7 +33,7 @@ double seconds(const timeval& time) {
   return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
 }
 
-// Opens the scene in a child. Exits if that fails.
+// Opens the scene in a child process. Exits if that fails.
 Opening open_once(const std::string& xml, const std::filesystem::path& folder) {
   int ends[2];
   if (pipe(ends) != 0) std::exit(1);

@@ -1,4 +1,4 @@
-// Worlds made of random numbers, each kind hard on range sensors in its own way, and places in them for a sensor.
+// Random worlds, each kind difficult for range sensors in its own way, and sensor poses in them.
 #pragma once
 
 #include <algorithm>
@@ -23,7 +23,7 @@ namespace simvis {
 
 struct RandomWorld {
   DrawList list;
-  /// World from sensor, rigid: somewhere in the world's free space, often level.
+  /// World from sensor, rigid: a random pose in the world's free space, often level.
   std::function<glm::dmat4(std::mt19937&)> somewhere;
 };
 
@@ -84,7 +84,7 @@ inline Mesh grid_mesh(double width_m, double height_m, int columns, int rows) {
   return mesh;
 }
 
-/// A disc about the origin in the plane z = 0: triangles that all have one corner in the middle.
+/// A disc about the origin in the plane z = 0: all triangles share the corner in the middle.
 inline Mesh fan_mesh(double radius_m, int triangles) {
   Mesh mesh;
   mesh.positions.emplace_back(0);
@@ -97,7 +97,7 @@ inline Mesh fan_mesh(double radius_m, int triangles) {
   return mesh;
 }
 
-/// A place in a box around `middle`, of half sizes `reach`; half of them level, the rest turned at will.
+/// Random poses in a box around `middle` with half sizes `reach`; half of them are level, the rest rotated at random.
 inline std::function<glm::dmat4(std::mt19937&)> inside(const glm::dvec3& middle, const glm::dvec3& reach) {
   return [=](std::mt19937& random) {
     Pose pose;
@@ -130,7 +130,8 @@ inline RandomWorld room(std::mt19937& random) {
   return world;
 }
 
-/// 120 m long, seen from 5 cm above its floor or beside its wall, too; each side cut into triangles of its own size.
+/// A corridor of 120 m, also seen from 5 cm above its floor or beside its wall; each side has triangles of its own
+/// size.
 inline RandomWorld corridor(std::mt19937& random) {
   constexpr double kLength = 120, kWidth = 2.4, kHeight = 2.8;
   RandomWorld world;
@@ -183,7 +184,7 @@ inline RandomWorld slivers(std::mt19937& random) {
   return world;
 }
 
-/// One box, sphere and cylinder each in a hundred places: mirrored, stretched, from meshes of a millimetre and of a
+/// A box, a sphere and a cylinder at a hundred poses each: mirrored, stretched, from meshes of a millimetre and of a
 /// kilometre.
 inline RandomWorld instances(std::mt19937& random) {
   RandomWorld world;
@@ -219,7 +220,7 @@ inline RandomWorld far_away(std::mt19937& random) {
   return world;
 }
 
-/// The scene ravon, always the same: ground, rocks, trees and grass with masked leaves.
+/// The scene ravon, without randomness: ground, rocks, trees and grass with masked leaves.
 inline RandomWorld foliage(std::mt19937&) {
   static const RandomWorld kWorld = [] {
     Simulation simulation = Simulation::load(std::filesystem::path(SIMVIS_SOURCE_DIR) / "scenes/ravon/ravon.xml");

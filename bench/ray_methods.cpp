@@ -1,9 +1,9 @@
-// What the methods of laser scanners cost, side by side: scenes/marvin with the robot driving, three scanners of 361
-// beams each; and both ray casters beside bare Embree (single precision, one flat mesh, one thread) on the same rays.
+// Compares the cost of the methods of laser scanners: scenes/marvin with the moving robot, three scanners of 361 beams
+// each; and both ray casters with bare Embree (single precision, one flat mesh, one thread) on the same rays.
 //
 //   ray_methods [SCENE.xml [FRAMES]]
 //
-// Prints CSV. Every method is timed in every frame, so that whatever else the machine does hits them alike: look at the
+// Prints CSV. Every method is timed in every frame, so that other load on the machine affects all alike: compare
 // ratios. A set is a whole frame of three scanners: parameters, flattening, rendering or casting, results in memory.
 #include <algorithm>
 #include <chrono>
@@ -60,7 +60,7 @@ void time_sets(const std::filesystem::path& scene, int frames) {
   const Trajectory drive(scene.parent_path() / "drive.csv", simulations.front().parameters());
   for (int frame = 0; frame < kWarmUp + frames; ++frame) {
     for (std::size_t turn = 0; turn < kMethodCount; ++turn) {
-      const std::size_t m = (turn + static_cast<std::size_t>(frame)) % kMethodCount;  // none is always first
+      const std::size_t m = (turn + static_cast<std::size_t>(frame)) % kMethodCount;  // no method is always first
       Simulation& simulation = simulations[m];
       drive.apply(static_cast<double>(simulation.next_frame().time_ns) / 1e9, simulation.parameters());
       const auto start = Clock::now();
@@ -96,7 +96,7 @@ std::vector<glm::dvec3> directions_of(int samples, double half_width_rad, int ri
   return directions;
 }
 
-/// The relative error of single-precision ranges against those of the caster.
+/// The largest relative error of single-precision ranges against those of the caster.
 double worst_error(const std::vector<float>& ranges_m, const std::vector<RayHit>& hits) {
   double worst = 0;
   for (std::size_t i = 0; i < hits.size(); ++i) {

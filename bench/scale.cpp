@@ -1,19 +1,18 @@
-// What a frame costs as things grow in number: scanners, instances that nobody sees, triangles to open and to hold, and
-// frames themselves.
+// Measures the cost of a frame as numbers grow: scanners, hidden instances, triangles to open and to hold, and frames.
 //
 //   scale [SECONDS [CURVE...]]
 //
-// Curves are sensors, instances, triangles, memory and frames; all of them without a name. Prints CSV, one line for
-// each point, measured in a process of its own so that memory is that point's alone; SECONDS (5) go to each, 18 times
-// as many to the frames of each method. What a curve does not measure stays empty.
+// Curves are sensors, instances, triangles, memory and frames; without a name all of them run. Prints CSV, one line for
+// each point. Each point is measured in its own process, so that memory is that point's alone. SECONDS (5) is the time
+// for each point, 18 times as much for the frames of each method. Columns that a curve does not measure stay empty.
 //
-// sensors    of 361 beams on one robot in a lab of 100,000 triangles
-// instances  of a box, in a store where only the first 100 are in any sensor's sight; three scanners, or a camera that
-//            would see many of the others but for the ceiling
-// triangles  of a lab: open_s from the file to the first set of three scans, with an empty cache folder (cold), and
-//            once more (warm)
+// sensors    with 361 beams each on one robot in a lab of 100,000 triangles
+// instances  of a box, in a store where only the first 100 are visible to any sensor; three scanners, or a camera from
+//            which the ceiling hides many of the others
+// triangles  of a lab: open_s is the time from the file to the first set of three scans, with an empty cache folder
+//            (cold) and with a filled one (warm)
 // frames     one scanner of 91 beams in a lab of 1,000 triangles; a line for each tenth of 10^6 (raycast) or 10^5
-//            (planar) frames, as far as the time reaches
+//            (planar) frames, as far as the time allows
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -41,7 +40,7 @@ using namespace simvis::bench;
 
 constexpr double kMega = 1e6;
 
-/// Runs it in a process of its own, which must not have used Vulkan before.
+/// Runs the work in its own process. This process must not have used Vulkan before.
 void apart(const std::function<void()>& work) {
   std::fflush(stdout);
   const pid_t child = fork();
@@ -73,7 +72,7 @@ double peak_mb() {
   return static_cast<double>(usage.ru_maxrss) * 1024 / kMega;
 }
 
-/// Of all meshes and textures, as they lie in host memory.
+/// The size of all meshes and textures in host memory.
 double data_mb(const DrawList& list) {
   double bytes = 0;
   std::set<const Texture*> textures;
@@ -91,7 +90,7 @@ double data_mb(const DrawList& list) {
   return bytes / kMega;
 }
 
-/// What passes draw into and read back from, by its names: PASS/WHAT, and the layers of what is transparent.
+/// The size of the passes' targets and readback buffers, by the names PASS/WHAT, and of the OIT layers.
 double targets_mb(const FramePlan& plan) {
   double bytes = 0;
   for (const PlannedMemory& memory : plan.memory) {
@@ -132,7 +131,7 @@ SimulationDesc by(const std::string& method) {
   return desc;
 }
 
-/// Medians of frames with the robot driving, for about so long; and of the stages of these frames.
+/// Medians of frames and of their stages with the moving robot, over about this time.
 void time_frames(Simulation& simulation, double seconds, Row& row) {
   constexpr int kWarmUp = 3, kMin = 5;
   std::vector<Took> took;
@@ -252,7 +251,7 @@ void frames(double seconds) {
       Simulation simulation = Simulation::load(write_lab(folder.path(), 1000, scanner), by(method));
       const auto start = std::chrono::steady_clock::now();
       std::vector<Took> took;
-      took.reserve(static_cast<std::size_t>(count / kTenths));  // memory is SimVis's to grow
+      took.reserve(static_cast<std::size_t>(count / kTenths));  // so that only SimVis allocates memory
       for (int frame = 1; frame <= count && since_ms(start) < 1e3 * seconds; ++frame) {
         drive_lab(simulation, frame);
         took.push_back(time_work([&] { simulation.step(); }));

@@ -1,11 +1,11 @@
-// One run by several processes on this machine (simvis-run --shard K/N) against one that makes all frames: marvin with
-// his three scanners and a camera, files and all.
+// Compares a run by several processes on this machine (simvis-run --shard K/N) with one process that computes all
+// frames: marvin with its three scanners and a camera, including files.
 //
 //   shards [FRAMES [ROUNDS]]
 //
-// Prints one CSV line for each number of processes: medians over the rounds, which take turns. `speed_up` is against
-// one process; `cpu_share` is all their processor time over its. On a machine whose cores one process already uses, N
-// processes gain what that one leaves idle, and pay N starts.
+// Prints one CSV line for each number of processes: medians over the rounds, which take turns. `speed_up` is relative
+// to one process; `cpu_share` is the processor time of all processes divided by that of one process. If one process
+// already uses all cores, N processes gain the time that these are idle, and pay for N starts.
 #include <fcntl.h>
 #include <spawn.h>
 #include <sys/resource.h>
@@ -78,7 +78,7 @@ int main(int argc, char** argv) {
   const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   std::vector<int> numbers{1, 2, 4};
   if (cores > 4) numbers.push_back(cores);
-  run(1, "1", out);  // caches
+  run(1, "1", out);  // fills the caches
   std::map<int, std::vector<Cost>> costs;
   for (int round = 0; round < rounds; ++round) {
     for (const int processes : numbers) costs[processes].push_back(run(processes, frames, out));

@@ -1,11 +1,11 @@
-// What step_async() gives: frames of marvin driving whose caller has work of its own to do with each, with step() and
-// with step_async() in turn.
+// Measures the gain of step_async(): frames of the moving marvin whose caller has its own work for each frame, with
+// step() and with step_async() in turn.
 //
 //   step_async [FRAMES]
 //
 // Prints one CSV line for each method and each amount of work, as a share of a step: medians of a frame in
-// milliseconds; what step_async() saves of a frame; the most that it could, the smaller of work and device; and of a
-// step what comes before the device is asked, and after.
+// milliseconds; the time that step_async() saves per frame; the upper limit of that, the smaller of work and device
+// time; and the parts of a step before the submission to the device and after it.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>

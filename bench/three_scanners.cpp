@@ -1,11 +1,11 @@
-// The paper's figure: sets of three scans of 361 values per second, on scenes/marvin with the robot moving, against
-// the 15 Hz that its scanners deliver.
+// Measures the figure of the paper: sets of three scans of 361 values per second, on scenes/marvin with the moving
+// robot, compared with the 15 Hz of its scanners.
 //
 //   three_scanners [SCENE.xml [FRAMES [METHOD]]]
 //
-// All scanners measure by METHOD, which is planar if not given: the paper's way, through depth images.
-// Prints one CSV line per measured run: what was measured, in sets per second, milliseconds and megabytes. A set is a
-// whole frame: parameters, flattening, planning, rendering, and results in the caller's memory; no files.
+// All scanners measure by METHOD; the default is planar, the paper's method with depth images. Prints one CSV line per
+// run: its name, sets per second, milliseconds and megabytes. A set is a whole frame: parameters, flattening, planning,
+// rendering, and results in the caller's memory, without files.
 #include <sys/resource.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Clocks of benchmarks, and what is said of many times.
+// Clocks and statistics of benchmarks.
 #pragma once
 
 #include <time.h>
@@ -9,8 +9,8 @@
 
 namespace simvis::bench {
 
-/// What work took, in milliseconds: by the clock on the wall, and of the calling thread's processor time. On a CPU
-/// device the driver draws on threads of its own, so the latter is what is spent outside of drawing.
+/// Time of some work in milliseconds: wall-clock time and processor time of the calling thread. On a CPU device the
+/// driver draws on its own threads, so the latter is the time spent outside of drawing.
 struct Took {
   double wall_ms = 0, caller_ms = 0;
 };
@@ -33,7 +33,7 @@ Took time_work(const Work& work) {
   return {since_ms(start), caller_ms() - caller};
 }
 
-/// Of at least one value; 0.5 for the median.
+/// The quantile `share` of at least one value; 0.5 gives the median.
 inline double quantile(std::vector<double> values, double share) {
   const auto place = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
   std::ranges::nth_element(values, place);

@@ -1,4 +1,4 @@
-// Scenes computed from geometry: written as OBJ into a temporary folder, and loaded as any user's scene.
+// Scenes generated from geometry: written as OBJ into a temporary folder and loaded like a user's scene.
 #include <unistd.h>
 
 #include <algorithm>
@@ -44,7 +44,7 @@ std::optional<Simulation> load_obj(const std::string& name, const ObjText& text)
   return simulation;
 }
 
-/// A rectangle that stands on the line from (x0, y0) to (x1, y1).
+/// Adds an upright rectangle on the line from `from` to `to`, between the two heights.
 void add_wall(ObjText& obj, glm::dvec2 from, glm::dvec2 to, double low_m, double high_m) {
   obj.face({{from, low_m}, {to, low_m}, {to, high_m}, {from, high_m}});
 }
@@ -68,7 +68,7 @@ std::optional<Simulation> load_corridor() {
     const double y = side * kHalfWidth_m, back = side * (kHalfWidth_m + kNicheDepth_m);
     add_wall(obj, {-kHalfLength_m, y}, {kHalfLength_m, y}, kNicheHeight_m, kHeight_m);
     double wall_from = -kHalfLength_m;
-    // The doors of one side stand between those of the other.
+    // The doors of one side stand between those of the other side.
     const double first = -kHalfLength_m + (side < 0 ? 0.25 : 0.75) * kNicheEvery_m;
     for (double door = first; door < kHalfLength_m; door += kNicheEvery_m) {
       const double left = door - kNicheWidth_m / 2, right = door + kNicheWidth_m / 2;
@@ -90,13 +90,13 @@ std::optional<Simulation> load_poles() {
   constexpr int kPoles = 200, kSides = 12;
   constexpr double kNearest_m = 2, kFarthest_m = 40, kThinnest_m = 0.002, kThickest_m = 0.2, kHeight_m = 3;
   constexpr double kFloor_m = 60;
-  constexpr double kGolden = 0.6180339887498949;  // its multiples spread evenly in [0, 1)
+  constexpr double kGolden = 0.6180339887498949;  // its multiples modulo 1 are evenly distributed
   ObjText obj;
   add_level(obj, {-kFloor_m, -kFloor_m}, {kFloor_m, kFloor_m}, 0);
   for (int i = 0; i < kPoles; ++i) {
     const double distance_m = kNearest_m * std::pow(kFarthest_m / kNearest_m, static_cast<double>(i) / (kPoles - 1));
     const double bearing = 2 * std::numbers::pi * std::fmod(i * kGolden, 1.0);
-    // Of their own sequence, so that thin ones stand near and far.
+    // The radii have their own sequence, so that thin poles stand near and far.
     const double radius_m = kThinnest_m / 2 * std::pow(kThickest_m / kThinnest_m, std::fmod(i * std::sqrt(2.0), 1.0));
     const glm::dvec2 middle = distance_m * glm::dvec2(std::cos(bearing), std::sin(bearing));
     const auto corner = [&](int k) {

@@ -11,7 +11,7 @@ namespace simvis::bench {
 
 namespace {
 
-/// One <part> per row of: name, file, x y z (m), roll pitch yaw (radians), three scales, of which all are 1.
+/// Returns one <part> per row of: name, file, x y z (m), roll pitch yaw (radians), three scales, which are all 1.
 std::string parts_xml(std::istream& csv) {
   constexpr double kDegrees = 180 / std::numbers::pi;
   std::ostringstream xml;
@@ -24,7 +24,7 @@ std::string parts_xml(std::istream& csv) {
     std::getline(cells, name, ',');
     std::getline(cells, file, ',');
     std::getline(cells, numbers);
-    std::ranges::replace(name, '/', '_');  // which names must not hold
+    std::ranges::replace(name, '/', '_');  // names must not contain it
     std::ranges::replace(numbers, ',', ' ');
     glm::dvec3 position_m, angles_rad;
     std::istringstream(numbers) >> position_m.x >> position_m.y >> position_m.z >> angles_rad.x >> angles_rad.y >>

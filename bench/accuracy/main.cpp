@@ -1,10 +1,11 @@
-// What accuracy costs in time: every method of a laser scanner, at each resolution and tolerance, in several scenes,
-// by a planar scanner and by a lidar, held against a ray cast in double; and bare Embree in single precision beside it.
+// Measures the time that accuracy costs: every method of a laser scanner, at each resolution and tolerance, in several
+// scenes, with a planar scanner and with a lidar, compared with a ray cast in double; and bare Embree in single
+// precision.
 //
 //   accuracy [EVERY [SCENE...]]
 //
-// EVERY: only each how-many-th station and heading is measured (1: all of them). SCENE: only these. Prints one CSV row
-// per variant; bench/results/accuracy.md says what the columns mean. Times are worth comparing within one run only.
+// EVERY: only each EVERY-th station and heading is measured (1: all of them). SCENE: only these scenes. Prints one CSV
+// row per variant; bench/results/accuracy.md describes the columns. Compare times within one run only.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -22,9 +23,9 @@ namespace {
 using namespace simvis;
 using namespace simvis::bench;
 
-constexpr float kOtherSurface = 1e-3f;  // relative: errors above it are no rounding
+constexpr float kOtherSurface = 1e-3f;  // relative; larger errors are not caused by rounding
 
-/// Whether a texture cuts holes into a surface, which bare Embree does not see.
+/// True if a texture cuts holes into a surface, which bare Embree ignores.
 bool has_masks(const DrawList& list) {
   return std::ranges::any_of(list.items, [&](const DrawItem& item) {
     const Material& material = *list.materials[item.material];

@@ -15,14 +15,14 @@ namespace {
 
 constexpr int kHeadingsPerTurn = 8;
 
-/// Of one turn: scans that every variant takes.
+/// One turn: the scans that every variant takes.
 struct Turn {
   glm::dvec3 station_m;
   std::vector<double> headings_deg{};
   std::vector<TrueScan> truths{};  // by heading
 };
 
-/// Whether surfaces are narrow, by pixel width: asked anew by every variant of one resolution.
+/// Results of is_narrow() by beam, shared by all variants of one resolution.
 using NarrowBeams = std::unordered_map<std::size_t, bool>;
 
 class Measurement {
@@ -41,10 +41,10 @@ class Measurement {
   const AccuracyScanner& scanner_;
   std::vector<Variant> variants_;
   Truth truth_;
-  std::vector<Result> results_;  // as variants_
+  std::vector<Result> results_;  // in the order of variants_
   Result embree_1_{.method = "embree_1", .peer = true}, embree_16_{.method = "embree_16", .peer = true};
   std::size_t turns_ = 0;
-  std::unordered_map<int, std::vector<NarrowBeams>> narrow_;  // of this turn: by resolution, by heading
+  std::unordered_map<int, std::vector<NarrowBeams>> narrow_;  // of this turn, by resolution and heading
 };
 
 Measurement::Measurement(Simulation& simulation, const AccuracyScanner& scanner, std::vector<Variant> variants)
@@ -70,7 +70,7 @@ double scan_ms(const Simulation& simulation) {
   return static_cast<double>(ns) * 1e-6;
 }
 
-/// NaN of a method that never casts.
+/// NaN if the method never casts.
 float cast_share(const Simulation& simulation, const std::string& sensor) {
   const std::vector<SensorInfo> sensors = simulation.sensors();
   const auto found = std::ranges::find(sensors, sensor, &SensorInfo::name);
@@ -121,7 +121,7 @@ void Measurement::take_variant(std::size_t v, const Turn& turn) {
   simulation_.enable(variant.sensor, false);
 }
 
-/// Calls work(first, count) for parts of so many rays, on as many threads as the ray caster starts for them.
+/// Calls work(first, count) for parts of this number of rays, on as many threads as the ray caster starts for them.
 template <typename Work>
 void share_out(std::size_t rays, const Work& work) {
   constexpr std::size_t kRaysPerThread = 4096;
@@ -162,8 +162,8 @@ std::vector<Result> Measurement::results() && {
   return std::move(results_);
 }
 
-/// Puts the variants into the scene, all switched off. Those of `hybrid` that render nothing are `raycast`, and left
-/// out.
+/// Adds the variants to the scene, all switched off. Variants of `hybrid` that render nothing equal `raycast` and are
+/// left out.
 std::vector<Variant> mount(Simulation& simulation, const AccuracyScanner& scanner) {
   std::vector<Variant> variants = variants_of(scanner);
   simulation.execute(mount_xml(scanner, variants));
@@ -192,7 +192,7 @@ std::vector<Result> measure(Simulation& simulation, const AccuracyScene& scene, 
     if (scanner.lidar) turn.station_m.z += scene.lidar_above_m;
     const BareEmbree embree(simulation.diagnostics().draw_list(), glm::translate(glm::dmat4(1.0), -turn.station_m));
     for (int h = 0; h < headings; h += every) {
-      // Turned by a little more at each station, so that no beam of one is parallel to one of another.
+      // The headings rotate a little further at each station, so that no beams of two stations are parallel.
       turn.headings_deg.push_back(360.0 * h / headings + 0.7310585786 * static_cast<double>(s + 1));
       if (turn.headings_deg.size() < kHeadingsPerTurn && h + every < headings) continue;
       measurement.take(turn, embree);

@@ -1,4 +1,4 @@
-// Times and errors of all variants of one scanner in one scene.
+// Measures times and errors of all variants of one scanner in one scene.
 #pragma once
 
 #include <string>
@@ -10,21 +10,22 @@
 
 namespace simvis::bench {
 
-/// One variant's results, or those of bare Embree (`method` then says so).
+/// The results of one variant, or of bare Embree (`method` then says so).
 struct Result {
   std::string method, max_error_rel{};
   int resolution_px = 0;
   std::vector<float> times_ms{};  ///< of each scan
   BeamErrors errors{};
-  std::vector<float> cast_shares{};  ///< of each scan: which part of its beams was cast; NaN where none ever is
-  bool peer = false;                 ///< bare Embree: neither bounds nor masks
+  std::vector<float> cast_shares{};  ///< of each scan: share of its beams that was cast; NaN if none ever is
+  bool peer = false;                 ///< bare Embree: has neither bounds nor masks
 };
 
-/// Only each `every`-th station and heading: for short runs.
+/// Measures only each `every`-th station and heading, for short runs.
 ///
-/// Timing   of a variant: planning, rendering, casting and collecting of one scan, results in memory, by the stages of
-///          Simulation::step(). The variants take turns, each for a few headings after one scan that does not count.
-///          Of bare Embree: its casts alone.
+/// Timing   of a variant: planning, rendering, casting and collecting of one scan, with results in memory, from the
+///          stage times of Simulation::step(). The variants take turns; each measures a few headings after one scan
+///          that does not count.
+///          Of bare Embree: only its casts.
 std::vector<Result> measure(Simulation& simulation, const AccuracyScene& scene, const AccuracyScanner& scanner,
                             int every);
 

@@ -50,9 +50,9 @@ TrueScan Truth::look(const glm::dmat4& world_from_sensor, const Scan& pattern) {
 }
 
 bool Truth::is_narrow(const TrueScan& scan, std::size_t beam, bool lidar, double pixel_rad) {
-  constexpr int kSteps = 4, kSide = 3 * kSteps;  // to a pixel, and of the square
-  constexpr double kOnPlane = 1e-9;              // relative: some roundings of double, on slivers too
-  const int rows = lidar ? kSide : 0;            // a single ring shows nothing above and below it
+  constexpr int kSteps = 4, kSide = 3 * kSteps;  // per pixel, and per side of the square
+  constexpr double kOnPlane = 1e-9;              // relative: some roundings of double, also on slivers
+  const int rows = lidar ? kSide : 0;            // a single ring sees nothing above and below it
   const bool met = std::isfinite(scan.hits[beam].range_m);
   const Plane plane = met ? plane_of(list_, scan.world_from_sensor, scan.hits[beam]) : Plane{};
   std::vector<glm::dvec3> directions;

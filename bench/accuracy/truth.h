@@ -1,5 +1,5 @@
-// What scans should have read: every beam cast in double (engine/ray_caster.h, which the tests hold against a test of
-// every triangle), and how far readings are off.
+// The true readings of scans and the errors against them: every beam is cast in double (simvis/ray_caster.h, which the
+// tests compare with a test of every triangle).
 #pragma once
 
 #include <cmath>
@@ -15,7 +15,7 @@
 
 namespace simvis::bench {
 
-/// What a scanner meets where it stands.
+/// The true hits of a scanner at its pose.
 struct TrueScan {
   glm::dmat4 world_from_sensor{1.0};
   std::vector<glm::dvec2> angles_rad{};  ///< azimuth, elevation
@@ -25,15 +25,16 @@ struct TrueScan {
 
 class Truth {
  public:
-  /// `list` must stay as it is.
+  /// `list` must not change.
   explicit Truth(const DrawList& list);
 
-  /// Of the beams of `pattern`, a scan whatever its ranges.
+  /// Casts the beams of `pattern`; its ranges are not used.
   TrueScan look(const glm::dmat4& world_from_sensor, const Scan& pattern);
 
-  /// Whether what a beam meets is less than three pixels wide, or of a lidar fills no square of three by three pixels
-  /// that holds the beam: of such the bounds of rendered ranges do not speak. Looked at in quarters of a pixel: whether
-  /// ranges stay on the plane of the surface; of a gap through which a beam meets nothing, whether nothing is met.
+  /// True if the surface that a beam hits is less than three pixels wide or, for a lidar, fills no square of three by
+  /// three pixels that contains the beam. The bounds of rendered ranges do not cover such surfaces. The test samples in
+  /// quarters of a pixel: ranges must stay on the plane of the surface; in a gap through which a beam hits nothing,
+  /// nothing must be hit.
   bool is_narrow(const TrueScan& scan, std::size_t beam, bool lidar, double pixel_rad);
 
  private:
@@ -41,18 +42,18 @@ class Truth {
   std::unique_ptr<RayCaster> caster_;
 };
 
-/// Of one variant, over all its scans.
+/// The errors of one variant over all its scans.
 struct BeamErrors {
   std::size_t beams = 0;
-  std::size_t wrong_hits = 0;          ///< something met where nothing is, or the reverse
-  std::size_t violations = 0;          ///< the truth lies outside the bound, on a surface that it speaks of
-  std::size_t narrow_violations = 0;   ///< outside, on a surface under three pixels wide
-  std::vector<float> relative_errors;  ///< of beams that meet something, truly or as read; a wrong hit: infinite
+  std::size_t wrong_hits = 0;          ///< a hit where the truth has none, or the reverse
+  std::size_t violations = 0;          ///< the truth lies outside the bound, on a surface that the bound covers
+  std::size_t narrow_violations = 0;   ///< the same on a surface less than three pixels wide
+  std::vector<float> relative_errors;  ///< of beams with a true or a measured hit; infinite for a wrong hit
   std::vector<float> relative_bounds;  ///< of beams that read a range
 };
 
-/// Adds a scan's errors. An empty `bounds_m`: the method gives none. `is_narrow(beam)` is asked where a bound is
-/// broken.
+/// Adds the errors of a scan. `bounds_m` is empty if the method has no bounds. `is_narrow(beam)` is called if a bound
+/// is violated.
 template <typename IsNarrow>
 void add_errors(const TrueScan& truth, std::span<const float> ranges_m, std::span<const float> bounds_m,
                 const IsNarrow& is_narrow, BeamErrors& errors) {
@@ -70,7 +71,7 @@ void add_errors(const TrueScan& truth, std::span<const float> ranges_m, std::spa
   }
 }
 
-/// The value that the share `q` of `values` does not exceed; NaN of nothing. Reorders them.
+/// The quantile `q` of `values`; NaN if they are empty. Reorders them.
 double quantile(std::vector<float>& values, double q);
 
 }  // namespace simvis::bench

@@ -8,7 +8,7 @@ namespace {
 
 constexpr const char* kTolerances[] = {"1e-3", "1e-4", "1e-5", "1e-6"};
 
-// Limits along the ray that no beam of these scenes reaches: what counts is which surface is met, and where.
+// Limits along the ray that no beam of these scenes reaches: only the hit surfaces and their ranges count.
 constexpr const char* kLimits = "range_min=\"0\" range_max=\"10000\"";
 
 }  // namespace

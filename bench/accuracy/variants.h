@@ -1,4 +1,4 @@
-// The scanners and methods that are measured against each other.
+// The scanners and methods that are compared.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@ namespace simvis::bench {
 
 struct AccuracyScanner {
   std::string name;
-  std::string attributes;  ///< of a laser_scanner: its beams
+  std::string attributes;  ///< attributes of a laser_scanner that define its beams
   std::vector<int> resolutions_px;
   bool lidar = false;
 };
@@ -16,12 +16,12 @@ struct AccuracyScanner {
 /// A planar scanner of 361 beams over a half circle; a lidar of 64 rings of 1024 beams all around.
 std::vector<AccuracyScanner> accuracy_scanners();
 
-/// One way to measure a scan.
+/// One method with its parameters.
 struct Variant {
   std::string sensor;         ///< its name in the scene
-  std::string method;         ///< of laser_scanner
-  std::string max_error_rel;  ///< empty where the method has none
-  int resolution_px = 0;      ///< 0: the method has none
+  std::string method;         ///< attribute method of laser_scanner
+  std::string max_error_rel;  ///< empty if the method has none
+  int resolution_px = 0;      ///< 0 if the method has none
 };
 
 /// All methods, at each tolerance and each resolution.

@@ -1,11 +1,12 @@
-// What effects cost in time, and what their knobs buy: each alone and all together, in the scene showcase, as a ratio
-// to the scene without; and the error of each value of a knob against the most exact one.
+// Measures the time that effects cost and the accuracy that their knobs give: each effect alone and all together, in
+// the scene showcase, as a ratio to the scene without effects; and the error of each value of a knob compared with the
+// most exact value.
 //
 //   effects [FRAMES]
 //
 // Prints one CSV row per effect, sensor and value of its knob. Frames with and without an effect are taken in turns.
-// error: of colour, the RMS difference of linear radiance; of depth and ranges, the RMS difference in metres where both
-// meet something. Empty where the effect is exact.
+// error: for colour the RMS difference of linear radiance; for depth and ranges the RMS difference in metres where both
+// have a hit. It is empty if the effect is exact.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -27,7 +28,7 @@ using namespace simvis::bench;
 class Trial {
  public:
   Trial(const Watcher& watcher, const Setting& setting) : watcher_(watcher), simulation_(yard(watcher, setting)) {
-    simulation_.step();  // uploads
+    simulation_.step();  // the first step uploads data
   }
 
   void step() {
@@ -99,7 +100,7 @@ void measure(const EffectType& effect, const Watcher& watcher, int frames) {
   const Trial reference(watcher, with_effect(effect, watcher, values.back()));
   for (const std::string& value : values) {
     Trial with(watcher, with_effect(effect, watcher, value)), without(watcher, plain);
-    const double error = rms_difference(with.output(), reference.output());  // of the first frame of both
+    const double error = rms_difference(with.output(), reference.output());  // from the first frame of both
     take_turns(with, without, frames);
     print(watcher, {std::string(effect.name), std::string(effect.knob), value, with.median_ms(), without.median_ms(),
                     error, !effect.knob.empty()});

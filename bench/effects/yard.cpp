@@ -11,7 +11,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The example with another value of its knob.
+/// Returns the example with another value of its knob.
 std::string with_knob(std::string_view example, std::string_view knob, std::string_view value) {
   std::string text(example);
   const std::string written = ' ' + std::string(knob) + "=\"";

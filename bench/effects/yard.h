@@ -1,4 +1,4 @@
-// The scene showcase with and without an effect, seen by one sensor.
+// The scene showcase with and without an effect, measured by one sensor.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace simvis::bench {
 
-/// Who looks: a sensor WATCH where the scene's own of that type stands.
+/// The measuring sensor WATCH, at the pose of the scene's own sensor of that type.
 struct Watcher {
   std::string_view type, attributes;
   std::uint8_t shows;  ///< an EffectOutput
@@ -22,24 +22,24 @@ inline constexpr Watcher kYardScanner{
     "laser_scanner", R"(pose_offset="-3 0 0.7 0 0 0" samples="361" min_angle="-60" max_angle="60" method="raycast")",
     kShownInRanges};
 
-/// What is added to the scene, and to the sensor.
+/// The commands added to the scene and the attributes added to the sensor.
 struct Setting {
   std::string commands{}, attributes{};
 };
 
-/// Every registered effect has one.
+/// The example of an effect; every registered effect has one.
 const EffectExample& example_of(const EffectType& effect);
 
-/// With the example of the effect. `value`: of its knob; empty: as the example says.
+/// The setting of the effect's example. `value` is that of its knob; if empty, the example's value is used.
 Setting with_effect(const EffectType& effect, const Watcher& watcher, std::string_view value = {});
 
-/// The same scene where nothing names the effect.
+/// The setting of the same scene without the effect.
 Setting without_effect(const EffectType& effect);
 
-/// Whether the watcher can show the effect.
+/// True if the watcher can show the effect.
 bool can_show(const EffectType& effect, const Watcher& watcher);
 
-/// Only WATCH is on.
+/// Loads the scene; only WATCH is on.
 Simulation yard(const Watcher& watcher, const Setting& setting);
 
 }  // namespace simvis::bench

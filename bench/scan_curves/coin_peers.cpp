@@ -23,8 +23,8 @@ namespace simvis::bench {
 namespace {
 
 constexpr double kQuarter = std::numbers::pi / 2;
-constexpr double kNear_m = 0.05, kFar_m = 80;  // of both ways: what a scanner of SimVis has unless a scene says more
-constexpr int kUntilCached = 3;                // frames in which Coin may still make caches of what it draws
+constexpr double kNear_m = 0.05, kFar_m = 80;  // of both methods: the default limits of a SimVis scanner
+constexpr int kUntilCached = 3;                // frames in which Coin may still create its drawing caches
 constexpr float kNothing = std::numeric_limits<float>::infinity();
 
 /// An OpenGL context with a depth buffer and no window.
@@ -147,7 +147,7 @@ class DepthViews {
       const int view = std::clamp(static_cast<int>(from_first), 0, views - 1);
       const double angle = (from_first - view - 0.5) * kQuarter;
       const int column = std::clamp(static_cast<int>((1 - std::tan(angle)) / 2 * width_px), 0, width_px - 1);
-      // Rows are as wide as the widest scan: all are of one width here.
+      // Rows are as wide as the widest scan; here all scans have the same width.
       beams_.push_back({(first_view + static_cast<std::size_t>(view)) * static_cast<std::size_t>(width_px) +
                             static_cast<std::size_t>(column),
                         1 / std::cos(angle)});

@@ -1,4 +1,4 @@
-// How the 2009 SimVis3D paper came to ranges, on today's machine: Coin, which it was built on.
+// The methods of the 2009 SimVis3D paper on today's hardware, with Coin, on which SimVis3D was built.
 #pragma once
 
 #include <vector>
@@ -9,9 +9,10 @@
 
 namespace simvis::bench {
 
-/// Coin's ray pick, beam by beam; and its scene drawn by OpenGL off screen, on a surfaceless EGL display, with depth
-/// read back: per scan one view of 90 degrees for each quarter of its circle, each as wide as the scan has beams and
-/// one row high, the nearest pixel taken. Of scans of one ring. Nothing moves, the scanners neither.
+/// Two methods for scans of one ring: Coin's ray pick, beam by beam; and Coin's scene drawn off screen by OpenGL on a
+/// surfaceless EGL display, with depth read back. The latter draws one view of 90 degrees for each quarter of a scan's
+/// circle, each as wide as the scan has beams and one row high, and takes the nearest pixel. Neither the scene nor the
+/// scanners move.
 std::vector<Way> coin_ways(const DrawList& list, const std::vector<PeerScan>& scans);
 
 }  // namespace simvis::bench

@@ -35,7 +35,7 @@ SoGroup* shape_of(const Mesh& mesh) {
 }
 
 SbMatrix to_coin(const glm::dmat4& m) {
-  SbMatrix matrix;  // of row vectors: its rows are the columns of one for column vectors
+  SbMatrix matrix;  // for row vectors: its rows are the columns of a matrix for column vectors
   for (int row = 0; row < 4; ++row) {
     for (int column = 0; column < 4; ++column) matrix[row][column] = static_cast<float>(m[row][column]);
   }
@@ -52,7 +52,7 @@ CoinScene make_coin_scene(const DrawList& list) {
   SoDB::init();
   auto* const root = new SoSeparator;
   root->ref();
-  root->renderCaching = SoSeparator::OFF;  // so that items are culled one by one
+  root->renderCaching = SoSeparator::OFF;  // so that items are culled individually
   auto* const unlit = new SoLightModel;
   unlit->model = SoLightModel::BASE_COLOR;
   root->addChild(unlit);
@@ -73,7 +73,7 @@ CoinScene make_coin_scene(const DrawList& list) {
     placed->addChild(shape);
     root->addChild(placed);
   }
-  SoGetBoundingBoxAction boxes(SbViewportRegion(1, 1));  // culling is by boxes that are known
+  SoGetBoundingBoxAction boxes(SbViewportRegion(1, 1));  // culling uses cached boxes
   boxes.apply(root);
   return CoinScene(root);
 }

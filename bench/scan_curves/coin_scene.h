@@ -1,4 +1,4 @@
-// A draw list as Coin would hold it.
+// Converts a draw list to a Coin scene.
 #pragma once
 
 #include <Inventor/SbLinear.h>
@@ -16,8 +16,8 @@ struct Unref {
 };
 using CoinScene = std::unique_ptr<SoSeparator, Unref>;
 
-/// Triangles alone: for each item a separator with its matrix and an indexed face set, one per mesh. No lights, so that
-/// drawing costs the least. Starts Coin if need be.
+/// Only triangles: for each item a separator with its matrix and an indexed face set, one per mesh. There are no
+/// lights, so that drawing is as cheap as possible. Initialises Coin if necessary.
 CoinScene make_coin_scene(const DrawList& list);
 
 SbVec3f to_coin(const glm::dvec3& v);

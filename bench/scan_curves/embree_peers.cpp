@@ -39,7 +39,7 @@ class Helper {
   std::jthread thread_{[this](const std::stop_token& stop) { run(stop); }};
 };
 
-/// The rays of all scans, in the world, and what they met.
+/// The rays of all scans in the world, and their hits.
 struct Rays {
   struct OfScan {
     glm::vec3 origin;
@@ -70,7 +70,7 @@ struct Rays {
 
 using Cast = void (BareEmbree::*)(std::span<const glm::vec3>, std::span<float>, const glm::vec3&) const;
 
-/// Part `part` of `parts` of each scan, cut between packets.
+/// Casts part `part` of `parts` of each scan, split between packets.
 void cast_part(const BareEmbree& embree, Cast cast, Rays& rays, std::size_t part, std::size_t parts) {
   constexpr std::size_t kPacket = 16;
   for (Rays::OfScan& scan : rays.scans) {

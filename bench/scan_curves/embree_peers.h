@@ -1,4 +1,4 @@
-// Bare Embree as a way to scans: single precision, one flat mesh in which nothing moves, no bounds.
+// Bare Embree as a scan method for comparison: single precision, one flat static mesh, no bounds.
 #pragma once
 
 #include <vector>
@@ -9,8 +9,8 @@
 
 namespace simvis::bench {
 
-/// rtcIntersect1 in a loop, and packets of 16, each on one thread and on two. From where the scanners are, frame by
-/// frame; rays in the world are ready when the clock starts. `scans` must outlive them.
+/// rtcIntersect1 in a loop, and packets of 16, each on one thread and on two threads, from the poses of the scanners
+/// frame by frame. Rays are transformed to the world before the clock starts. `scans` must outlive the result.
 std::vector<Way> embree_ways(const DrawList& list, PeerScans& scans);
 
 }  // namespace simvis::bench

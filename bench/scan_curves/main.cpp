@@ -1,13 +1,13 @@
-// All ways to a set of scans over the size of the scene and the number of beams, side by side: the methods of SimVis,
-// bare Embree, and what the 2009 paper had, Coin's ray pick and its scene drawn by OpenGL with depth read back.
+// Compares methods for a set of scans over the size of the scene and the number of beams: the methods of SimVis, bare
+// Embree, and those of the 2009 paper, Coin's ray pick and its scene drawn by OpenGL with depth read back.
 //
 //   scan_curves [SECONDS [MOST_TRIANGLES]]
 //
-// Prints CSV, one line for each way at each point; SECONDS (10) go to each point, labs end at MOST_TRIANGLES (10^7). A
-// set is a whole frame of all scanners, from parameters to ranges in the caller's memory, with the robot moving. Embree
-// casts the same beams from where it is, in a scene in which nothing moves, Coin from where it was at first.
-// `caller_cpu_ms` is processor time of the calling thread. `error_rel` is the median difference to the ranges of
-// `raycast`, beams that hit nothing aside.
+// Prints CSV, one line for each method at each point. SECONDS (10) is the time for each point; labs have at most
+// MOST_TRIANGLES (10^7). A set is a whole frame of all scanners, from parameters to ranges in the caller's memory, with
+// the moving robot. Embree casts the same beams from the robot's current pose in a static scene, Coin from its first
+// pose. `caller_cpu_ms` is processor time of the calling thread. `error_rel` is the median difference to the ranges of
+// `raycast`, without beams that hit nothing.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -30,7 +30,7 @@ namespace {
 using namespace simvis;
 using namespace simvis::bench;
 
-constexpr std::size_t kMaxOfCoin = 1'000'000;  // triangles; of more, one set of picks takes minutes
+constexpr std::size_t kMaxOfCoin = 1'000'000;  // triangles; with more, one set of picks takes minutes
 
 struct Pattern {
   const char* name;

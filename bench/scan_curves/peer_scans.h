@@ -1,4 +1,4 @@
-// Where the scanners stand and what their beams are, for peers that know no robot.
+// Poses and beams of the scanners, for peers without a robot.
 #pragma once
 
 #include <functional>
@@ -16,17 +16,17 @@ struct PeerScan {
   std::vector<glm::dvec3> directions;  ///< in the sensor frame, unit; in order of ring and azimuth
 };
 
-/// Of some scanners of a simulation, which must outlive it.
+/// The scans of some scanners of a simulation, which must outlive this object.
 class PeerScans {
  public:
   using Drive = std::function<void(Simulation&, int frame)>;
 
-  /// They are where `drive` has them in frame 0, and measure once.
+  /// Drives to frame 0 and measures once.
   PeerScans(Simulation& simulation, const std::vector<std::string>& scanners, const Drive& drive);
 
   /// Switches all sensors of the simulation off, so that go_to() measures nothing.
   void rest();
-  /// Takes the robot, and so the scanners, to where they are in a frame.
+  /// Moves the robot, and with it the scanners, to its pose in a frame.
   void go_to(int frame);
 
   const std::vector<PeerScan>& scans() const { return scans_; }

@@ -14,11 +14,12 @@ struct Method {
 };
 constexpr Method kMethods[] = {{"nearest", ""}, {"planar", ""},   {"hybrid", "1e-4"}, {"hybrid", "1e-6"},
                                {"raycast", ""}, {"auto", "1e-4"}, {"auto", "1e-6"}};
-// After one that is not timed: the first frame of a way makes what the frames before it did not need.
+// Timed sets per turn, after one that is not timed: the first frame of a method creates data that the frames of the
+// other methods did not need.
 constexpr int kSetsPerTurn = 5;
-// Of some turns, for a median; but of what takes long one is enough.
+// Several turns are needed for a median; for a slow method one set is enough.
 constexpr std::size_t kMinSets = 15;
-constexpr double kLong = 10;  // times its share
+constexpr double kLong = 10;  // times the method's share of the time
 
 std::string variant_name(const std::string& scanner, const Method& method) {
   std::string name = scanner + "_" + method.name + method.max_error_rel;

@@ -42,7 +42,7 @@ std::vector<std::uint32_t> indices_of(const GlbDocument& document, const Json& a
   return {narrow.begin(), narrow.end()};
 }
 
-/// The weights of a cut triangle's vertices, row by row; they add up to `parts`.
+/// The weights of the vertices of a subdivided triangle, row by row; they sum to `parts`.
 std::vector<glm::ivec3> weights_of(int parts) {
   std::vector<glm::ivec3> weights;
   for (int row = 0; row <= parts; ++row) {
@@ -69,8 +69,8 @@ std::vector<std::uint32_t> cut_indices(std::size_t triangles, int parts) {
   return indices;
 }
 
-/// One attribute at the vertices of all cut triangles. Integer weights, in double: an edge gives the same from both of
-/// its sides.
+/// One attribute at the vertices of all subdivided triangles. Weights are integers and sums are in double: an edge gets
+/// the same values from both of its sides.
 std::vector<float> cut_values(const std::vector<float>& values, std::size_t components,
                               const std::vector<std::uint32_t>& indices, int parts) {
   const std::vector<glm::ivec3> weights = weights_of(parts);

@@ -1,4 +1,4 @@
-// Meshes at places as a part that any scene can load: a glTF 2.0 binary file.
+// Writes placed meshes as a glTF 2.0 binary file that any scene can load as a part.
 #pragma once
 
 #include <cstddef>
@@ -20,16 +20,16 @@ struct PlacedMesh {
   glm::dquat turn{1, 0, 0, 0};
 };
 
-/// Positions, normals and indices as they are: the part's command says up="z". Throws std::runtime_error if the file
-/// cannot be written.
+/// Positions, normals and indices are written unchanged: the part's command needs up="z". Throws std::runtime_error if
+/// the file cannot be written.
 void write_glb(const std::filesystem::path& file, std::span<const Mesh> meshes, std::span<const PlacedMesh> placed);
 
-/// The two halves of such a file.
+/// The JSON and binary chunks of such a file.
 struct GlbDocument {
   nlohmann::json json;
   std::string buffer;
 
-  /// Puts bytes at the buffer's end and tells where: the number of a new buffer view.
+  /// Appends bytes to the buffer; returns the index of the new buffer view.
   std::size_t add_view(const void* bytes, std::size_t size);
 };
 

@@ -25,7 +25,7 @@ constexpr const char* kScanners = R"(
   <sensor type="laser_scanner" name="REAR_SCANNER" insert_at="ROBOT" pose_offset="-0.33 0 0.1 0 0 180"/>
   <sensor type="laser_scanner" name="TILT_SCANNER" insert_at="ROBOT" pose_offset="0.24 0 1 0 10 0"/>)";
 
-/// Meshes and where they stand, on the way into a file.
+/// Meshes and their poses, to be written into a file.
 struct Furniture {
   std::vector<Mesh> meshes;
   std::vector<PlacedMesh> placed;
@@ -36,7 +36,7 @@ struct Furniture {
   }
 };
 
-/// That takes z to `to`, a unit vector.
+/// The rotation that takes z to `to`, a unit vector.
 glm::dquat turn_of_z(const glm::dvec3& to) {
   return to.z < -0.5 ? glm::dquat(0, 1, 0, 0) : glm::normalize(glm::dquat(1 + to.z, glm::cross({0, 0, 1}, to)));
 }
@@ -56,7 +56,7 @@ class Chance {
  public:
   double between(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }
 
-  /// On the floor of the room, outside of the robot's circle.
+  /// A random position on the floor of the room, outside of the robot's circle.
   glm::dvec3 place(double keep_m) {
     for (;;) {
       const glm::dvec3 at(between(-1, 1) * (kRoom_m.x / 2 - keep_m), between(-1, 1) * (kRoom_m.y / 2 - keep_m), 0);

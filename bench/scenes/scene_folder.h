@@ -1,4 +1,4 @@
-// A folder for scenes that are made to be loaded once.
+// A temporary folder for generated scenes.
 #pragma once
 
 #include <unistd.h>
@@ -8,7 +8,7 @@
 
 namespace simvis::bench {
 
-/// An empty folder, gone with its owner.
+/// An empty folder that is deleted with this object.
 class SceneFolder {
  public:
   SceneFolder() : path_(std::filesystem::temp_directory_path() / ("simvis_bench_" + std::to_string(getpid()))) {

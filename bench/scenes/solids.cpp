@@ -18,7 +18,7 @@ struct SurfacePoint {
   glm::dvec3 position_m, normal;
 };
 
-/// columns x rows pairs of triangles, counter-clockwise where u x v points outwards; u and v run from 0 to 1. A row
+/// Adds columns x rows pairs of triangles, counter-clockwise if u x v points outwards; u and v run from 0 to 1. A row
 /// that is one point (a pole) gets single triangles.
 void add_grid(Mesh& mesh, int columns, int rows, const std::function<SurfacePoint(double u, double v)>& surface,
               bool pole_below = false, bool pole_above = false) {

@@ -12,7 +12,7 @@ namespace simvis {
 namespace {
 
 struct Registry {
-  std::shared_mutex mutex;  // of types: a plug-in may be loaded while other threads make sensors
+  std::shared_mutex mutex;  // guards types: a plug-in may be loaded while other threads create sensors
   std::map<std::string_view, CameraEffectType> types;
 };
 
@@ -48,7 +48,7 @@ CameraEffectRegistration::CameraEffectRegistration(const CameraEffectType& type,
 std::vector<ChosenCameraEffect> camera_effects(std::string_view sensor_type, const CameraEffectContext& context) {
   std::vector<ChosenCameraEffect> chosen;
   for (const CameraEffectType* type : types_in_order(sensor_type)) {
-    // Made even where no output shows it: its attributes may be wrong.
+    // The effect is created even if no output shows it, so that its attributes are checked.
     std::shared_ptr<const CameraEffect> effect = type->create(context);
     const bool shown = (type->type.outputs & context.outputs) != 0;
     if (effect && shown) chosen.push_back({find_effect_type(type->type.name), std::move(effect)});

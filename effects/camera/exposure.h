@@ -1,4 +1,4 @@
-// How much light a camera collects: its linear image, scaled.
+// The effect `exposure`: scales the linear image of a camera.
 //
 //   <sensor type="camera" ... exposure="2"/>
 #pragma once

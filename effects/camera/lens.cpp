@@ -9,10 +9,10 @@ namespace simvis {
 
 namespace {
 
-// No pinhole sees farther from its axis: its tangent is 1e4.
+// Largest angle from the axis for brown_conrady; its tangent is 1e4.
 constexpr double kPinholeLimit_rad = std::numbers::pi / 2 - 1e-4;
 
-// In focal lengths: 1e-9 pixels at a focal length of 1000. Rounding leaves a thousandth of it.
+// In focal lengths: 1e-9 pixels at a focal length of 1000 pixels. Rounding errors are a thousandth of it.
 constexpr double kResidual = 1e-12;
 constexpr int kMaxSteps = 200;
 
@@ -36,7 +36,7 @@ Lens::Lens(const LensModel& model)
     : model_(model),
       limit_rad_(model.kind == LensKind::kannala_brandt ? kFisheyeLimit_rad : kPinholeLimit_rad),
       fold_rad_(limit_rad_) {
-  // The first step within which the slope turns, then its place.
+  // Finds the first step in which the slope changes its sign, then bisects it.
   constexpr int kSteps = 4096;
   for (int i = 1; i <= kSteps; ++i) {
     double after = limit_rad_ * i / kSteps;
@@ -56,7 +56,7 @@ double Lens::radius(double angle_rad) const {
   return odd_polynomial(std::tan(angle_rad), std::span(model_.k).first(3));
 }
 
-// By the angle, or by its tangent: of one sign.
+// The derivative of radius() by the angle or, for brown_conrady, by its tangent; both have the same sign.
 double Lens::slope(double angle_rad) const {
   if (model_.kind == LensKind::kannala_brandt) return slope_of_odd_polynomial(angle_rad, model_.k);
   return slope_of_odd_polynomial(std::tan(angle_rad), std::span(model_.k).first(3));
@@ -72,17 +72,17 @@ glm::dvec2 Lens::distorted(const glm::dvec2& tangents) const {
           y * s + model_.p1 * (r2 + 2 * y * y) + 2 * model_.p2 * x * y};
 }
 
-// [column][row], as glm has it: derivatives by x, then by y.
+// [column][row] as in glm: the derivatives by x, then by y.
 glm::dmat2 Lens::jacobian(const glm::dvec2& tangents) const {
   const auto [x, y] = std::array{tangents.x, tangents.y};
   const double r2 = x * x + y * y, p1 = model_.p1, p2 = model_.p2;
   const double s = 1 + r2 * (model_.k[0] + r2 * (model_.k[1] + r2 * model_.k[2]));
-  const double ds = 2 * (model_.k[0] + r2 * (2 * model_.k[1] + r2 * 3 * model_.k[2]));  // by r2, twice
+  const double ds = 2 * (model_.k[0] + r2 * (2 * model_.k[1] + r2 * 3 * model_.k[2]));  // twice the derivative by r2
   const double across = x * y * ds + 2 * p1 * x + 2 * p2 * y;
   return {{s + x * x * ds + 2 * p1 * y + 6 * p2 * x, across}, {across, s + y * y * ds + 6 * p1 * y + 2 * p2 * x}};
 }
 
-// Newton's method, its steps shortened until they lead nearer and stay before the fold.
+// Newton's method. A step is shortened until it reduces the error and stays before the fold.
 std::optional<glm::dvec2> Lens::undistorted(const glm::dvec2& target) const {
   const double farthest = std::tan(fold_rad_);
   glm::dvec2 tangents = target * std::min(1.0, 0.9 * farthest / std::max(glm::length(target), 1e-300));
@@ -104,7 +104,7 @@ std::optional<glm::dvec2> Lens::undistorted(const glm::dvec2& target) const {
   return found ? std::optional(tangents) : std::nullopt;
 }
 
-// The angle before the fold that has this radius. Newton's method between two angles that hold it.
+// The angle before the fold with this radius, by Newton's method within a bracket of two angles.
 std::optional<double> Lens::angle(double target) const {
   double low = 0, high = fold_rad_, angle_rad = std::min(target, fold_rad_ / 2);
   if (target > radius(high)) return {};

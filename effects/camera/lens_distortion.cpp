@@ -29,7 +29,7 @@ constexpr AttributeSpec kLensDistortionAttributes[] = {
      .max = 16},
 };
 
-// A pinhole has nothing that these could be said of.
+// Without distortion these attributes have no meaning.
 void require_distortion(const AttributeValues& attributes) {
   for (const char* const name : {"fx", "fy", "cx", "cy"}) {
     if (!attributes.is_set(name)) continue;

@@ -1,10 +1,10 @@
-// A shutter that exposes one row after the other while the camera moves.
+// The effect `rolling_shutter`: the camera exposes one row after the other while it moves.
 //
 //   <sensor type="camera" ... row_time="3e-5" rows_per_pose="8"/>
 //
-// The last row is taken at the frame's time, the first one (height - 1) row times before. Each is seen from where the
-// camera was then, between its last measurement and this one: see pose_between(). At its first measurement it is at
-// rest. What it sees stands where it is at the frame's time.
+// The last row is exposed at the frame's time, the first row (height - 1) row times earlier. Each row is rendered from
+// the camera's pose at its own time, interpolated between the previous measurement and this one: see pose_between(). At
+// its first measurement the camera is at rest. All other objects stand where they are at the frame's time.
 #pragma once
 
 #include <cstdint>
@@ -14,8 +14,9 @@
 
 namespace simvis {
 
-/// Both rigid. On the way from `first` (share 0) to `last` (share 1) the position moves evenly along a line, and the
-/// turn from one to the other grows evenly about its one axis; shares beyond go on in the same way.
+/// Interpolates between two rigid poses, from `first` (share 0) to `last` (share 1). The position moves at constant
+/// velocity along a line, and the rotation turns at a constant rate about one fixed axis. Shares outside [0, 1]
+/// extrapolate in the same way.
 glm::dmat4 pose_between(const glm::dmat4& first, const glm::dmat4& last, double share);
 
 class RollingShutter : public CameraEffect {

@@ -64,7 +64,7 @@ const CameraEffectRegistration kSensorNoiseRegistration(
 
 double SensorNoise::measured(double light, std::uint64_t frame, std::uint32_t pixel, std::uint32_t channel) const {
   const PixelElectronics& e = electronics_;
-  // What is far beyond the full well fills it whatever the noise.
+  // Light far beyond the full well fills it, whatever the noise is.
   const double mean_e = std::clamp(light, 0.0, 1e3) * e.full_well_e;
   double electrons = std::min(poisson(random_, mean_e, frame, pixel, 2 * channel), e.full_well_e);
   if (e.read_noise_e > 0) electrons += e.read_noise_e * random_.gaussian(frame, pixel, 2 * channel + 1);

@@ -1,17 +1,17 @@
-// What the electronics of a camera make of light: whole electrons, noise, and whole numbers.
+// The effect `sensor_noise`: shot noise, read noise, gain and quantisation of a camera's electronics.
 //
 //   <sensor type="camera" ... full_well_e="10000" read_noise_e="3" gain="2" adc_bits="10"/>
 //
-// Of each channel, as the EMVA Standard 1288 (release 4.0, section 2) has a linear camera:
-//   light       an image of 1 sets `full_well_e` electrons free in the mean
-//   shot noise  how many it really is follows Poisson's distribution, see poisson.h; a pixel holds no more than
+// Each channel follows the linear camera model of the EMVA Standard 1288 (release 4.0, section 2):
+//   light       an image value of 1 releases `full_well_e` electrons on average
+//   shot noise  the actual number of electrons has a Poisson distribution, see poisson.h; a pixel holds no more than
 //               `full_well_e`
-//   read noise  Gaussian, of `read_noise_e` electrons, whatever the light
-//   gain        the image is gain * electrons / full_well_e
-//   converter   with `adc_bits`: cut to [0, 1] and rounded to one of 2^adc_bits levels. Without, nothing is cut: dark
-//               pixels may be below 0, so that the mean stays right
-// So a mean of mu electrons has the variance (gain / full_well_e)^2 (mu + read_noise_e^2), and 1 / 12 of a level's
-// square more from rounding.
+//   read noise  Gaussian noise of `read_noise_e` electrons, independent of the light
+//   gain        the image value is gain * electrons / full_well_e
+//   converter   with `adc_bits` the value is clamped to [0, 1] and rounded to one of 2^adc_bits levels. Without
+//               `adc_bits` it is not clamped: dark pixels may be below 0, so that the mean stays correct
+// A mean of mu electrons therefore has the variance (gain / full_well_e)^2 (mu + read_noise_e^2). Rounding adds 1 / 12
+// of the square of a level.
 #pragma once
 
 #include <cstdint>

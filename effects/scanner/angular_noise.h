@@ -1,9 +1,10 @@
-// The effect `angular_noise`: beams do not go quite where the scanner says.
+// The effect `angular_noise`: the actual direction of a beam differs from the reported direction.
 //
 //   <sensor type="laser_scanner" ... angular_noise="0.05"/>
 //
-// Azimuth and elevation of each beam are off by numbers of their own in every scan, normally distributed. The scan
-// reports the angles that were meant, as a device does that reads them off its motor, and the range that was met.
+// In every scan the azimuth and the elevation of each beam get independent errors with a normal distribution. The scan
+// reports the nominal angles, as a device does that reads them from its motor encoder, and the range measured along the
+// actual direction.
 #pragma once
 
 #include <vector>

@@ -25,7 +25,7 @@ constexpr AttributeSpec kAtmosphereAttributes[] = {
      .open_min = true},
 };
 
-// What is left of light that has gone there and back.
+// The share of light that remains after the way out and back.
 double there_and_back(const Medium& medium, double range_m) {
   return std::exp(-2 * medium.laser_extinction_per_m * range_m);
 }
@@ -55,9 +55,9 @@ class Atmosphere : public ScanEffect {
     echoes.push_back({.range_m = kAirFrom_m, .power = power});
   }
 
-  // Poisson processes are thinned (Lewis and Shedler, Naval Res. Logist. Q. 26, 1979): the rate falls with range, so in
-  // each stretch that at its beginning is never exceeded. Stretches grow with range, and the rate in one does not fall
-  // by so much that many candidates would be drawn in vain.
+  // The Poisson process is sampled by thinning (Lewis and Shedler, Naval Res. Logist. Q. 26, 1979). The rate falls with
+  // range, so within a segment it never exceeds its value at the beginning. Segments grow with range, and the rate
+  // within a segment does not fall so much that many candidates are rejected.
   void add_drops(const ScanContext& moment, std::uint32_t beam, double end_m, std::vector<Echo>& echoes) const {
     constexpr double kGrowth = 1.4142135623730951;
     const Medium& medium = moment.medium;

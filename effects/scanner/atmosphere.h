@@ -1,46 +1,51 @@
-// The effect `atmosphere`: what fog, rain and dust (DrawList::medium) do to the echoes of a laser scanner.
+// The effect `atmosphere`: fog, rain and dust (DrawList::medium) weaken, remove and add echoes of a laser scanner.
 //
-// Weaker   light is lost on the way out and back: power x exp(-2 extinction range), Beer and Lambert.
-// Lost     an echo below the least power that the scanner detects.
-// False    (a) Of the air as a whole, which sends light back everywhere. In the unit of Echo::power a pulse of the
-//          length l returns pi l backscatter exp(-2 extinction r) / r^2; that falls with r, and nearer than kAirFrom_m
-//          the receiver does not see the beam, so the air's echo stands there (as in Rasshofer, Spies and Spies,
-//          "Influences of weather phenomena on automotive laser radar systems", Adv. Radio Sci. 9, 2011).
-//          (b) Of single drops. A drop of diameter D in a beam of diameter w returns
-//          kDropReflectance (D / w)^2 exp(-2 extinction r) / r^2, and nothing if it is wider than the beam's share of
-//          it; so it is detected if D is at least D_min(r), where that is as much as the least power. Drops lie in the
-//          beam as a Poisson process, of rate N pi w^2 / 4 per metre, and their diameters are distributed exponentially
-//          with mean D0; so those that are detected are a Poisson process, too, of rate
-//          N pi w^2 / 4 exp(-D_min(r) / D0), and their diameters are D_min + D0 times a unit exponential.
-// Where    along the beam's path up to the farthest surface that returned something; to range_max where none did.
+// Weaker   light is lost on the way out and back: power x exp(-2 extinction range), the Beer-Lambert law.
+// Lost     an echo below the smallest power that the scanner detects is removed.
+// False    (a) The air as a whole scatters light back at every range. In the unit of Echo::power a pulse of length l
+//          returns pi l backscatter exp(-2 extinction r) / r^2. This falls with r, and the receiver does not see the
+//          beam at ranges below kAirFrom_m, so the echo of the air lies at kAirFrom_m (as in Rasshofer, Spies and
+//          Spies, "Influences of weather phenomena on automotive laser radar systems", Adv. Radio Sci. 9, 2011).
+//          (b) Single drops return echoes. A drop of diameter D in a beam of diameter w returns
+//          kDropReflectance min(D / w, 1)^2 exp(-2 extinction r) / r^2. It is detected if D is at least D_min(r), the
+//          diameter whose echo has the smallest detected power; no drop is detected where D_min(r) would be larger than
+//          w. The drops along the beam form a Poisson process with the rate N pi w^2 / 4 per metre, and their diameters
+//          have an exponential distribution with mean D0. The detected drops are therefore also a Poisson process. Its
+//          rate is
+//          N pi w^2 / 4 exp(-D_min(r) / D0), and the diameters are D_min + D0 times a unit exponential variable.
+// Where    false echoes lie along the beam up to the farthest surface that returned an echo, or up to range_max if no
+//          surface returned one.
 //
-// A false echo competes with those of surfaces as they do with each other: by default the strongest is reported.
+// A false echo competes with the echoes of surfaces as those compete with each other: by default the strongest echo is
+// reported.
 #pragma once
 
 #include <simvis/draw_list.h>
 
 namespace simvis {
 
-/// Nearer than this the receiver does not see the beam, and no echo of the air.
+/// The receiver does not see the beam at ranges below this, so the air gives no echo there.
 inline constexpr double kAirFrom_m = 1;
 
-/// The way that light goes there and back during a pulse of 5 ns.
+/// The range that a pulse of 5 ns covers: half of its length, as light travels out and back.
 inline constexpr double kPulse_m = 0.75;
 
-/// The reflectance of a matte disc that sends as much back as a drop of water of its diameter. In geometric optics the
-/// front reflects R, the back R (1 - R)^2 (n / (2 - n))^2 of what a mirroring sphere does (paraxial rays; R of normal
-/// incidence, n = 1.33), and a matte disc of reflectance p sends back 4 p times what a mirroring sphere does.
+/// The reflectance of a matte disc that returns as much light as a water drop of the same diameter. In geometric optics
+/// the front of the drop reflects R and the back R (1 - R)^2 (n / (2 - n))^2 of what a mirroring sphere reflects
+/// (paraxial rays; R at normal incidence, n = 1.33). A matte disc of reflectance p returns 4 p times the light of a
+/// mirroring sphere.
 inline constexpr double kDropReflectance = 0.0240;
 
-/// How a scanner sees drops.
+/// The scanner's sensitivity to drops.
 struct DropSight {
-  double least_power = 0;      ///< as Echo::power, 1/m^2
-  double beam_diameter_m = 0;  ///< w
+  double least_power = 0;      ///< smallest detected power, 1/m^2 as in Echo::power
+  double beam_diameter_m = 0;  ///< diameter w of the beam
 
-  /// +infinity where no drop that fits into the beam is detected.
+  /// The smallest diameter of a drop that is detected at this range; +infinity if no drop that fits into the beam is
+  /// detected.
   double min_diameter_m(const Medium& medium, double range_m) const;
 
-  /// Detected drops per metre of beam.
+  /// Number of detected drops per metre of beam.
   double rate_per_m(const Medium& medium, double range_m) const;
 };
 

@@ -50,7 +50,7 @@ std::vector<glm::dvec2> disc_samples(std::uint32_t count) {
   std::vector<glm::dvec2> places;
   if (count % 2 == 1) places.emplace_back(0, 0);
   for (std::uint32_t pair = 0; places.size() < count; ++pair) {
-    // The middle, by area, of the ring that stands for the two.
+    // The radius that halves the area of the ring of this pair.
     const double radius = std::sqrt((static_cast<double>(places.size()) + 1) / count);
     const double angle = std::numbers::pi * std::fmod(pair * (std::numbers::phi - 1), 1.0);
     const glm::dvec2 place = radius * glm::dvec2(std::cos(angle), std::sin(angle));

@@ -1,17 +1,17 @@
-// The effect `beam_divergence`: a beam is a cone of light, and what it meets is a patch, not a point.
+// The effect `beam_divergence`: a beam is a cone of light and illuminates a patch, not a point.
 //
 //   <sensor type="laser_scanner" ... divergence="0.17" divergence_samples="32"/>
 //
-// The cone is sampled: a beam goes out as `divergence_samples` rays of equal shares of its energy, through the middles
-// of equal areas of a disc across it. Light is even within the cone's full angle and ends there. At an edge some rays
-// meet what is in front and some what is behind: mixed ranges come of the beam's width, never of interpolation. How
-// echoes become a range: see effects/returns.h.
+// The cone is sampled: a beam is split into `divergence_samples` rays with equal shares of its energy, through the
+// middles of equal areas of a disc across the beam. The light is uniform within the full angle of the cone and zero
+// outside. At an edge some rays hit the surface in front and some the surface behind: mixed ranges result from the
+// width of the beam, never from interpolation. effects/scanner/returns.h says how echoes become a range.
 //
-// The rays. A pair of them, opposite of each other, has a radius of its own; the pairs' turns follow the golden ratio;
-// an odd one goes along the axis. As the pattern is symmetric, a slanted plane's range has no error of the first order,
-// whatever the number of rays. Each beam's pattern is turned by an angle of its own, which depends on seed, sensor and
-// beam: so errors of sampling at a long edge do not come as a pattern along it, but average out over beams. It does not
-// depend on the frame: what stands still keeps its ranges.
+// Ray pattern: rays come in opposite pairs, and each pair has its own radius. The angles of the pairs follow the golden
+// ratio; if the count is odd, one ray lies on the axis. Because the pattern is symmetric, the range of a slanted plane
+// has no first-order error for any number of rays. Each beam rotates the pattern by its own angle, which depends on
+// seed, sensor and beam. Sampling errors along a long edge therefore show no pattern and average out over the beams.
+// The rotation does not depend on the frame, so a static scene keeps its ranges.
 #pragma once
 
 #include <vector>
@@ -20,12 +20,12 @@
 
 namespace simvis {
 
-/// Places on the unit disc, which stand for equal areas.
+/// Points on the unit disc that represent equal areas.
 std::vector<glm::dvec2> disc_samples(std::uint32_t count);
 
 class BeamDivergence : public ScanEffect {
  public:
-  /// `full_angle_rad` from side to side, below pi.
+  /// `full_angle_rad` is the angle from side to side, below pi.
   BeamDivergence(double full_angle_rad, std::uint32_t samples, SensorRandom random);
 
   bool traces() const override { return true; }

@@ -1,16 +1,16 @@
-// Beams that are lost: for want of light, and by chance.
+// The effect `dropout`: beams are lost because too little light returns, or by chance.
 //
-// Law      a receiver reports an echo whose amplitude, with the Gaussian noise of the receiver on it, is above a
-//          threshold. So an echo of power P (see Echo) is lost with the probability
+// Law      A receiver reports an echo whose amplitude, including the Gaussian noise of the receiver, is above a
+//          threshold. An echo of power P (see Echo) is therefore lost with the probability
 //              erfc((P - T) / (s T sqrt(2))) / 2,    T = dropout_power,  s = dropout_noise
-//          which is one half at P = T and falls from 0.98 to 0.02 within 2 s T on either side; with s = 0 it is a
-//          step. As P = reflectance x cosine / range^2, what is dark, slanted or far is lost first. A data sheet's
-//          "10 % reflectance up to 10 m" is T = 0.1 / 10^2 = 0.001 1/m^2.
-//          After that each reading is lost with the probability `dropout`, whatever it met.
-// Several  echoes of one beam are lost or kept each for itself: what is left may be a weaker one.
-// Special  a lost beam reads inf, with a bound of 0, as a beam that met nothing does. A blocked beam keeps its 0.
+//          which is one half at P = T and falls from 0.98 to 0.02 within 2 s T on either side; with s = 0 it is a step.
+//          As P = reflectance x cosine / range^2, dark, slanted or far surfaces are lost first. A data sheet's "10 %
+//          reflectance up to 10 m" means T = 0.1 / 10^2 = 0.001 1/m^2.
+//          After that each reading is lost with the probability `dropout`, independent of the surface.
+// Several  Each echo of a beam is lost or kept independently; the remaining echo may be a weaker one.
+// Special  A lost beam reads inf with a bound of 0, like a beam that hit nothing. A blocked beam keeps its 0.
 // Reference  R. D. Richmond, S. C. Cain, Direct-Detection LADAR Systems, SPIE Tutorial Texts TT85 (2010): probability
-//          of detection of a pulse in Gaussian noise.
+//            of detection of a pulse in Gaussian noise.
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -49,7 +49,7 @@ class Dropout : public ScanEffect {
 
   void receive(const ScanContext& moment, std::uint32_t beam, std::vector<Echo>& echoes) const override {
     if (threshold_ == 0) return;
-    std::uint32_t draw = 0;  // 0 is the reading's
+    std::uint32_t draw = 0;  // draw 0 belongs to the reading, see finish()
     std::erase_if(
         echoes, [&](const Echo& echo) { return random_.uniform(moment.time.index, beam, ++draw) < loss(echo.power); });
   }

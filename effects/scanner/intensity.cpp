@@ -1,11 +1,11 @@
-// How much light came back: a column beside the range.
+// The effect `intensity`: adds a channel with the light that returned from each echo.
 //
-// Channel  "intensity", in 1/m^2: share x reflectance x cosine / range^2 of the echo that is reported (see Echo), where
-//          a white matte wall at 1 m, square to the beam, is 1. What a real scanner reports is this times a constant of
-//          the device, often compressed or with range^2 taken out: both are functions of two columns.
+// Channel  "intensity", in 1/m^2: share x reflectance x cosine / range^2 of the reported echo (see Echo). A white matte
+//          wall at 1 m, perpendicular to the beam, has the value 1. A real scanner reports this value times a constant
+//          of the device, often compressed or multiplied by range^2; both can be computed from the two columns.
 // Special  NaN, an empty cell, where there is no range: 0 and inf.
-// Reference  the lidar equation of an extended Lambertian target: A. V. Jelalian, Laser Radar Systems (Artech House
-//          1992), ch. 1. What fills the air, and how wide the beam is, have effects of their own.
+// Reference  The lidar equation of an extended Lambertian target: A. V. Jelalian, Laser Radar Systems (Artech House
+//            1992), ch. 1. The medium and the width of the beam are modelled by other effects.
 #include <cmath>
 #include <limits>
 
@@ -39,7 +39,7 @@ class Intensity : public ScanEffect {
   }
 };
 
-// After all that may lose a beam.
+// Runs after all effects that may lose a beam.
 const ScanEffectRegistration kIntensityRegistration({
     .type = {.name = "intensity",
              .summary = "Adds a column with the light that came back from each echo.",

@@ -1,11 +1,12 @@
-// Noise of the range: Gaussian, with mean 0, of each beam for itself.
+// The effect `range_noise`: independent Gaussian noise with mean 0 on the range of each beam.
 //
-// Law      range_m + g sqrt(range_noise^2 + (range_noise_rel range_m)^2), with g normally distributed: the two causes,
-//          of the clock and of the path, are independent, so their variances add up. Rounded to float32 once.
-// Special  a beam that met nothing keeps its inf, one that is blocked its 0. A reading is no length below 0: a range
-//          that the noise takes there reads 0.
-// Limits   range_min and range_max say what the scanner meets, not what it reads: noise may lead past either.
-// Bound    error_bound_m is of the range before the noise.
+// Law      range_m + g sqrt(range_noise^2 + (range_noise_rel range_m)^2), with g normally distributed. The two causes,
+//          the clock and the path, are independent, so their variances add up. The result is rounded to float32 once.
+// Special  A beam that hit nothing keeps its inf, a blocked beam its 0. A range that the noise would make negative
+//          reads 0.
+// Limits   range_min and range_max limit the surfaces that the scanner sees, not its readings: noise may move a reading
+//          past either.
+// Bound    error_bound_m refers to the range before the noise.
 #include <algorithm>
 #include <cmath>
 

@@ -1,8 +1,8 @@
-// The step in which a scanner reports ranges.
+// The effect `range_resolution`: rounds ranges to multiples of a step.
 //
-// Law      the nearest multiple of the step, halves up; as the float32 nearest to that multiple.
-// Special  0 and inf stay. What is nearer than half a step reads 0.
-// Bound    error_bound_m grows by what rounding moved the range, so it still holds where there is no noise.
+// Law      The nearest multiple of the step, halves rounded up; stored as the float32 nearest to that multiple.
+// Special  0 and inf stay. A range below half a step reads 0.
+// Bound    error_bound_m grows by the distance that rounding moved the range, so it still holds without noise.
 #include <cmath>
 #include <limits>
 

@@ -1,4 +1,4 @@
-// How much of a laser's light a surface gives back.
+// The reflectance of a surface for laser light.
 #pragma once
 
 #include <algorithm>
@@ -7,12 +7,13 @@
 
 namespace simvis {
 
-/// Of a matte surface, [0, 1]: what its material says of lasers, or, where it says nothing, the mean of the linear base
-/// colour there. Silicon detectors see the near infrared, of which a colour tells little: say it where it matters.
+/// Reflectance of a matte surface, [0, 1]: the value of the material, or the mean of the linear base colour at the
+/// point if the material has no value. Silicon detectors see the near infrared, and a colour tells little about that:
+/// set the reflectance of the material where it matters.
 inline double reflectance(const SurfacePoint& surface) {
   if (surface.material->reflectance) return *surface.material->reflectance;
   const glm::dvec4 color(surface.base_color);
-  return std::min((color.r + color.g + color.b) / 3, 1.0);  // an element may make a colour brighter than white
+  return std::min((color.r + color.g + color.b) / 3, 1.0);  // a scene may set a colour brighter than white
 }
 
 }  // namespace simvis

@@ -1,9 +1,11 @@
-// Retro-reflectors: sheeting and corner cubes that send light back to where it came from, at whatever slant.
+// The effect `retro_reflection`: sheeting and corner cubes send light back to its source at any angle of incidence.
 //
-// Law      within 40 degrees of square, the echo's power is share x retro_reflectance / range^2: the material's gain
-//          stands for reflectance x cosine. Beyond, the surface is matte as any other. A gain of 1 is a white matte
-//          wall square on; of sheeting it is pi R_A, with R_A the coefficient of retroreflection in cd/(lx m^2).
-// Entrance the largest angle for which EN 12899-1 states R_A; prisms fall off fast beyond it.
+// Law      Within 40 degrees of normal incidence the echo's power is share x retro_reflectance / range^2: the
+//          material's gain replaces reflectance x cosine. At larger angles the surface is matte like any other. A gain
+//          of 1 corresponds to a white matte wall at normal incidence; the gain of sheeting is pi R_A, with R_A the
+//          coefficient of retroreflection in cd/(lx m^2).
+// Entrance The limit of 40 degrees is the largest angle for which EN 12899-1 states R_A; the return of prisms falls off
+//          fast beyond it.
 // Reference  ASTM E808 (terms), EN 12899-1:2007 table 3 and 4 (R_A of classes RA1, RA2).
 #include <algorithm>
 #include <cmath>

@@ -1,14 +1,14 @@
-// The effect `returns`: what a receiver makes of several echoes of one beam.
+// The effect `returns`: how a receiver combines several echoes of one beam.
 //
 //   <sensor type="laser_scanner" ... divergence="0.2" return="last" pulse_length="0.75"/>
 //
-// A pulse of duration T is c T / 2 long in range. Echoes that follow one another more closely than that overlap: the
-// receiver sees one pulse, and takes its middle. So two walls within a pulse's length give one range between them (a
-// mixed pixel), two that are farther apart give two returns, and a slanted floor one long one. A single pulse has a
-// bound that follows from those of its echoes: their largest, and what the echoes' powers may be off by, see
+// A pulse of duration T has the length c T / 2 in range. Echoes that are closer together than that overlap: the
+// receiver sees one pulse and reports its middle. Two walls within a pulse length therefore give one range between them
+// (a mixed pixel), two walls farther apart give two returns, and a slanted floor gives one long return. The bound of a
+// pulse follows from those of its echoes: the largest bound plus the effect of errors in the powers, see
 // merge_pulses().
 //
-// Without this effect, a beam of several echoes reports the strongest pulse of kPulseLength_m.
+// Without this effect, a beam with several echoes reports the strongest pulse of kPulseLength_m.
 #pragma once
 
 #include <vector>
@@ -17,15 +17,16 @@
 
 namespace simvis {
 
-/// Of a pulse of 5 ns, c T / 2.
+/// Length in range of a pulse of 5 ns, c T / 2.
 inline constexpr double kPulseLength_m = 0.75;
 
-/// `echoes` by range: those between which there is no gap of more than `pulse_length_m` become one, whose range is
-/// their mean, weighted by power (evenly where none has any), and whose power is their sum.
+/// Merges echoes into pulses. `echoes` are sorted by range. Echoes with no gap of more than `pulse_length_m` between
+/// them become one echo: its range is their mean weighted by power (with equal weights if all powers are 0), and its
+/// power is their sum.
 ///
-/// Bound. Each range is off by at most e; as a mean, theirs by no more than the largest e. A weight is off by a share
-/// of 2 e / range and 2^-24 of the reflectance, a float32; that moves the mean by no more than as great a share of the
-/// echoes' spread. What lies between the echoes' rays the bound does not speak of.
+/// Bound: each range is off by at most its bound e, and a mean of ranges by at most the largest e. A weight has a
+/// relative error of 2 e / range plus 2^-24 from the reflectance, which is a float32. This moves the mean by at most
+/// the same share of the spread of the echoes. The bound does not cover surfaces between the rays of the echoes.
 void merge_pulses(double pulse_length_m, std::vector<Echo>& echoes);
 
 enum class ReturnChoice : std::uint8_t { strongest, first, last };
@@ -39,7 +40,7 @@ class Returns : public ScanEffect {
   bool detect(const ScanContext& moment, std::uint32_t beam, std::span<const Echo> echoes,
               Echo& detected) const override;
 
-  /// Adds the channel "return_count": how many returns there are within range_max, 0 for none.
+  /// Adds the channel "return_count": the number of returns within range_max, 0 if there is none.
   void finish(const ScanContext& moment, std::span<const Echo> detected, Scan& scan) const override;
 
  private:

@@ -12,7 +12,7 @@ namespace simvis {
 namespace {
 
 struct Registry {
-  std::shared_mutex mutex;  // of types: a plug-in may be loaded while other threads make sensors
+  std::shared_mutex mutex;  // guards types: a plug-in may be loaded while other threads create sensors
   std::map<std::string_view, ScanEffectType> types;
 };
 

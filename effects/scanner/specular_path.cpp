@@ -20,7 +20,7 @@ constexpr AttributeSpec kSpecularPathAttributes[] = {
      .max = 16},
 };
 
-// Two faces that each reflect `face`, and whatever goes to and fro between them.
+// The reflectance of two faces that each reflect `face`, including all reflections between them.
 double both_faces(double face) { return 2 * face / (1 + face); }
 
 class SpecularPath : public ScanEffect {
@@ -61,7 +61,7 @@ class SpecularPath : public ScanEffect {
     return onward;
   }
 
-  // Two triangles of a pane that meet under the ray are one: their ranges are each off by at most the bound.
+  // Two triangles of a pane that meet under the ray count as one: their ranges are each off by at most the bound.
   static BeamRay passed(const BeamRay& ray, const SurfacePoint& surface, double share) {
     BeamRay onward = ray;
     onward.share = ray.share * share * share;

@@ -6,8 +6,9 @@
 namespace simvis {
 namespace {
 
-// In u = 2^-53. A direction: product of two rotations (6), to a quaternion (6), slerp (6) and its length (3), the
-// turned direction (8). An origin, as a share of its length: the difference of two places (1), turned (6), scaled (1).
+// Errors in u = 2^-53. Of a direction: product of two rotations (6), conversion to a quaternion (6), slerp (6) and its
+// length (3), the rotated direction (8). Of an origin, as a share of its length: the difference of two positions (1),
+// rotated (6), scaled (1).
 constexpr double kDirectionError = 29 * 0x1p-53, kOriginError = 8 * 0x1p-53;
 
 constexpr AttributeSpec kSweepMotionAttributes[] = {
@@ -66,7 +67,7 @@ void SweepMotion::aim(const ScanContext& moment, std::vector<BeamRay>& rays) con
     ray.origin_error_m = kOriginError * glm::length(ray.origin_m);
     ray.error_rad = kDirectionError;
   }
-  // Rays of one place side by side, as casters like them.
+  // Rays with the same origin stand side by side, which is faster to cast.
   std::ranges::stable_sort(rays, {}, [&](const BeamRay& ray) { return ray.beam % moment.columns; });
 }
 

@@ -1,16 +1,17 @@
-// The effect `sweep_motion`: a scan takes time, and the sensor moves meanwhile.
+// The effect `sweep_motion`: a scan takes time, and the sensor moves during the scan.
 //
 //   <sensor type="laser_scanner" ... sweep="0.0133" sweep_direction="ccw"/>
 //
-// The last beam of a sweep leaves at the frame's time, the first one `sweep` seconds before, those between evenly; the
-// rings of one azimuth leave together. Each beam leaves from where the sensor was at its time. The sensor is taken to
-// have moved evenly since it last measured, along a straight line and turning the shortest way (slerp); where the sweep
-// is longer than that, evenly the same before. At its first measurement it stands.
+// The last beam of a sweep leaves at the frame's time, the first one `sweep` seconds earlier, and the others at even
+// intervals between them; all rings of one azimuth leave together. Each beam leaves from the sensor's pose at its own
+// time. The sensor moves at constant velocity since its last measurement, along a straight line and with the shortest
+// rotation (slerp). If the sweep is longer than the time since the last measurement, the same motion is extrapolated
+// backwards. At its first measurement the sensor stands still.
 //
-// Ranges, angles and x, y, z are in the frame that the sensor had when the beam left, which is what a device gives that
-// does not know how it moves; the channel "time_s" is the beam's own time. In a CSV it stands in place of the frame's.
+// Ranges, angles and x, y, z refer to the sensor frame at the time when the beam left, as in a device without motion
+// compensation. The channel "time_s" is the time of each beam. In a CSV file it replaces the frame's time.
 //
-// The limit: only the sensor moves during the sweep, everything else stands as at the frame's time.
+// Limit: only the sensor moves during the sweep; everything else stands as at the frame's time.
 #pragma once
 
 #include <vector>

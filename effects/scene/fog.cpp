@@ -1,6 +1,6 @@
-// Fog and haze in pictures: each surface, transparent ones too, is seen as shaders/fog.glsl says over its own distance
-// along the ray, the background as if infinitely far away. Depth is not changed. What the air does to lasers is another
-// effect.
+// The effect `fog`: fog and haze in images. Each surface, also a transparent one, fades over its range along the ray as
+// shaders/fog.glsl defines, and the background as if it were infinitely far away. Depth does not change. The effect
+// `atmosphere` models the air for lasers.
 #include <simvis/effect.h>
 
 namespace simvis {

@@ -1,15 +1,15 @@
-// How surfaces reflect light: glTF's metallic-roughness model with its maps.
+// The effect `metallic_roughness`: surfaces reflect light by glTF's metallic-roughness model with its maps.
 //
-// Lights are reflected as glTF 2.0, appendix B, has it: the microfacets of Trowbridge and Reitz (GGX), Smith's
-// visibility, Schlick's Fresnel term, and beneath them, where it is no metal, Lambert's surface. The share of metal and
-// the roughness are factors times a map.
+// Lights are reflected as glTF 2.0, appendix B, defines: Trowbridge-Reitz (GGX) microfacets, Smith's visibility,
+// Schlick's Fresnel term and, below them for non-metals, a Lambertian surface. Metalness and roughness are factors
+// times a map.
 //
-// Ambient light has the same radiance L from all around. What a surface makes of it is L times its albedo: of a metal
-// the base colour, which is its reflectance at normal incidence; of a dielectric the base colour too, since what its
-// boundary reflects does not get below it. So ambient light shows base colour x L, whatever the share of metal and the
-// roughness: a white surface disappears in a white furnace. Left out is that surfaces turn brighter at grazing angles,
-// and of coloured metals that light which is reflected several times takes on more colour. An occlusion map says how
-// much of the ambient light arrives; it does not change that of lights.
+// Ambient light has the same radiance L from all directions. A surface reflects L times its albedo. For a metal the
+// albedo is the base colour, which is its reflectance at normal incidence; for a dielectric it is the base colour as
+// well, since light that the boundary reflects does not reach the layer below. Ambient light therefore shows base
+// colour x L for any metalness and roughness: a white surface disappears in a white furnace. The model leaves out that
+// surfaces become brighter at grazing angles, and that light takes on more colour when coloured metals reflect it
+// several times. An occlusion map gives the share of ambient light that arrives; it does not affect lights.
 #include <algorithm>
 
 #include <simvis/effect.h>

@@ -1,11 +1,11 @@
-// Normal maps: relief that the mesh does not have, shown by how it takes the light.
+// The effect `normal_maps`: normal maps show relief that the mesh does not have by changing the shading.
 //
-// glTF 2.0, section 3.9.3: rgb from 0 to 1 is a vector from -1 to 1, its x and y times the material's scale, along the
-// directions in which u grows and v falls, and outwards. The directions are taken from the derivatives of place and
-// texture coordinates within the picture (Schueler, Normal Mapping without Precomputed Tangents, ShaderX5, 2006), not
-// from the file's TANGENT: on flat triangles they are the same, mirrored coordinates too, and no vertex, of whatever
-// mesh, has to carry them. Where corners differ the file's tangents would be blended from corner to corner.
-// Only lights show normals: without one no map is uploaded.
+// glTF 2.0, section 3.9.3: rgb from 0 to 1 is a vector from -1 to 1, with x and y times the material's scale, along the
+// directions in which u grows and v falls, and outwards. The directions are computed from the derivatives of position
+// and texture coordinates in the image (Schueler, Normal Mapping without Precomputed Tangents, ShaderX5, 2006), not
+// from the TANGENT attribute of the file. On flat triangles both are the same, also with mirrored coordinates, and no
+// vertex of any mesh has to carry tangents. Where tangents differ between the corners of a triangle, the file's
+// tangents would be interpolated. Only lights show normals: a scene without lights uploads no normal map.
 #include <algorithm>
 
 #include <simvis/effect.h>

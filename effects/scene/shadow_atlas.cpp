@@ -22,7 +22,7 @@ ShadowAtlas::Map ShadowAtlas::add(std::vector<View> views, std::uint32_t side_px
   return {first, count};
 }
 
-// In rows, each as high as its first block; returns how high they are together.
+// Places the blocks in rows, each as high as its first block; returns the total height.
 std::uint32_t ShadowAtlas::place(std::vector<Block> highest_first, std::uint32_t width_px) {
   corners_.resize(views_.size());
   std::uint64_t x = 0, y = 0, row = 0;
@@ -47,7 +47,7 @@ Pass ShadowAtlas::pass(const TargetLimits& limits) {
     area += static_cast<double>(block.width_px) * block.height_px;
     widest = std::max(widest, block.width_px);
   }
-  // About square; where that does not fit, as wide as can be.
+  // Tries a nearly square atlas first, then the full width.
   std::uint32_t width = std::max(widest, static_cast<std::uint32_t>(std::ceil(std::sqrt(area))));
   std::uint32_t height = place(highest_first, width);
   if (height > limits.height_px && width < limits.width_px) height = place(highest_first, width = limits.width_px);

@@ -29,13 +29,13 @@ const EffectRegistration kShadowsRegistration({
     .plan_frame = plan_shadows,
 });
 
-// Of a spot: what one pinhole view sees well. Beyond it a cube's sides have the finer texels.
+// The widest half angle of a spot light's cone for one pinhole view. Beyond it the sides of a cube have finer texels.
 constexpr double kWidestCone_rad = 60 * 3.14159265358979323846 / 180;
-// The depth of a directional light's map ends that much, in the distance of what is in it, before and behind it all:
-// more than vertices are rounded by.
+// Margin of the depth range of a directional light's map in front of and behind its content, as a share of the distance
+// of the content. It is larger than the rounding of vertices.
 constexpr double kDepthMargin = 1e-5;
 
-// An item as shadows see it.
+// The properties of an item that matter for shadows.
 struct Body {
   WorldBox box;
   bool lit = false, casts = false;
@@ -55,7 +55,7 @@ std::vector<Body> bodies_of(const DrawList& list) {
   return bodies;
 }
 
-// What a view of colour sees of what lights can shine on.
+// The items in a colour view that lights can shine on.
 struct Seen {
   std::vector<const Body*> lit{};
   double farthest_m = 0;  // along the optical axis
@@ -72,7 +72,7 @@ Seen seen_by(const View& view, const std::vector<Body>& bodies) {
   return seen;
 }
 
-// Rows: right, down and forward of a view along `forward`, in the world's axes.
+// The rows are right, down and forward of a view along `forward`, in world coordinates.
 glm::dmat3 rows_along(const glm::dvec3& forward) {
   const glm::dvec3 beside = std::abs(forward.z) < 0.9 ? glm::dvec3(0, 0, 1) : glm::dvec3(1, 0, 0);
   const glm::dvec3 right = glm::normalize(glm::cross(beside, forward));
@@ -100,7 +100,7 @@ struct Range {
   bool empty() const { return low > high; }
 };
 
-// A box along the light's axes, relative to the eye of the view that is lit.
+// A box along the light's axes, relative to the eye of the lit view.
 struct LightBox {
   Range range[3];
 
@@ -132,7 +132,7 @@ LightBox around_view(const View& view, double farthest_m, const glm::dmat3& map_
   return box;
 }
 
-// What of the things that the view sees lies within it.
+// The part of the visible items that lies within the view.
 LightBox receivers(const View& view, const Seen& seen, const glm::dmat3& map_from_world, const glm::dvec3& eye) {
   const LightBox whole = around_view(view, seen.farthest_m, map_from_world);
   LightBox all;
@@ -151,7 +151,7 @@ LightBox receivers(const View& view, const Seen& seen, const glm::dmat3& map_fro
   return all;
 }
 
-// None where nothing casts a shadow on what is seen.
+// Empty if nothing casts a shadow on visible items.
 std::optional<View> directional_view(const Light& light, const glm::dvec3& forward, const View& lit, const Seen& seen,
                                      const std::vector<Body>& bodies) {
   const glm::dmat3 map_from_world = rows_along(forward);
@@ -176,7 +176,7 @@ std::optional<View> directional_view(const Light& light, const glm::dvec3& forwa
   view.orthographic = true;
   view.near_m = depth.low - kDepthMargin * reach;
   view.far_m = depth.high + kDepthMargin * reach;
-  // One texel is left for what snapping to the lattice adds.
+  // One texel is reserved for the growth by snapping to the lattice.
   const double extent = std::max(shown.range[0].high - shown.range[0].low, shown.range[1].high - shown.range[1].low);
   const double px = light.shadow_px, least = std::max(extent, std::numeric_limits<double>::min()) * px / (px - 1);
   const double texel_m = std::exp2(std::ceil(std::log2(least))) / px;
@@ -274,7 +274,7 @@ class Planner {
   const DrawList& list_;
   std::vector<Body> bodies_;
   ShadowAtlas atlas_;
-  std::map<std::uint32_t, ShadowAtlas::Map> lamps_;  // by light: all views share them
+  std::map<std::uint32_t, ShadowAtlas::Map> lamps_;  // by light; all views share them
 };
 
 }  // namespace

@@ -1,5 +1,5 @@
-// Transparent surfaces in pictures: resolved for each sample by depth, in whatever order parts and faces are drawn, see
-// engine/oit_buffer.h.
+// The effect `transparency`: transparent surfaces are composited by depth for each sample, independent of the drawing
+// order of parts and faces, see engine/render/oit_buffer.h.
 #include <algorithm>
 
 #include <simvis/effect.h>

@@ -39,7 +39,7 @@ std::unique_ptr<Sensor> create_camera(const SensorContext& context) {
   return std::make_unique<Camera>(context.name, camera_desc(context));
 }
 
-// Views of a pinhole cut its image into rows: their pass is the image.
+// The views of a pinhole divide its image into rows: their pass is the image.
 View whole_image(const Pass& pass) {
   View view = pass.views[0];
   view.y_px = 0;
@@ -106,7 +106,7 @@ void Camera::skip_frame(const FrameTime& time, const glm::dmat4& world_from_sens
   last_ = Past{time.time_ns, world_from_sensor};
 }
 
-// A frame that was not finished is tried again: what it measured is not the measurement before.
+// A frame that was not finished is repeated; its own measurement then does not count as the previous one.
 void Camera::begin(const FrameTime& time) {
   time_ = time;
   if (last_ && last_->time_ns < time.time_ns) before_ = last_;

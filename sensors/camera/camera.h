@@ -1,20 +1,20 @@
-// A camera: colour, depth or both, of a pinhole or through a lens.
+// The sensor `camera`: colour, depth or both, of a pinhole camera or through a lens.
 //
 //   <sensor type="camera" name="CAM" insert_at="ROBOT" width="640" height="480" hfov="60" outputs="color depth"/>
 //
-// Frames   the camera looks along +x of its sensor frame; image x to the right, y down. Pixels are square, the
-//          optical axis goes through the middle of the image.
-// Units    depth is metres along the optical axis (depth along Z, not range along the ray); +infinity: nothing.
-// Samples  with supersampling or msaa the colour of a pixel is the mean, in linear light, over its square, see Pass.
-//          Depth is never averaged: it is that of the pixel's centre, and has a pass of its own then.
-// Effects  see effects/camera_effect.h. Through a lens or a rolling shutter a pixel's depth is along the Z that the
-//          camera had at the row's time, of what is met at the pixel itself: see resampled_image.h. With a lens
-//          samples are those of rendered pixels, a wide lens takes several views, each with `near` along its own axis,
-//          and the file SENSOR.yaml holds the intrinsics (see camera_info.h).
-// Values   value("depth_error_bound_m"), of cameras with depth: at least the error of every depth of the last image,
-//          for what depth_error_bound.h, or with a lens resampled_image.h, speaks of. The former is worked out when it
-//          is asked for.
-// Faces    back faces of single-sided materials are not drawn, as glTF says, in colour and depth alike.
+// Frames   The camera looks along +x of its sensor frame; image x points to the right, y down. Pixels are square, and
+//          the optical axis goes through the middle of the image.
+// Units    Depth is depth along Z in metres, not range along the ray; +infinity where nothing is hit.
+// Samples  With supersampling or msaa the colour of a pixel is the mean over its square in linear light, see Pass.
+//          Depth is never averaged: it is taken at the centre of the pixel, and has a pass of its own in this case.
+// Effects  See simvis/camera_effect.h. With a lens or a rolling shutter the depth of a pixel is along the camera's Z
+//          axis at the time of its row, for the surface at the pixel's centre: see resampled_image.h. With a lens,
+//          samples are those of the rendered pixels; a wide lens takes several views, each with `near` along its own
+//          axis; the file SENSOR.yaml holds the intrinsics (see camera_info.h).
+// Values   value("depth_error_bound_m") exists for cameras with depth. It is an upper bound on the error of every depth
+//          of the last image, under the assumptions of depth_error_bound.h, or with a lens of resampled_image.h. The
+//          former is computed when the value is read.
+// Faces    Back faces of single-sided materials are not drawn, as glTF defines, in colour and in depth.
 #pragma once
 
 #include <limits>
@@ -36,11 +36,11 @@ struct CameraDesc {
   double near_m = 0.05;
   bool color = true, depth = false;
   ColorSampling sampling{};
-  bool visualization = false;  ///< for people: sees beams, paths and the like, which no simulated sensor sees
+  bool visualization = false;  ///< also draws what no simulated sensor sees, such as beams and paths, for human viewers
   std::vector<ChosenCameraEffect> effects{};
 };
 
-/// What the attributes of a camera ask for. Throws InputError at an attribute that another one does not allow.
+/// Reads the attributes of a camera. Throws InputError at an attribute that another attribute does not allow.
 CameraDesc camera_desc(const SensorContext& context);
 
 class Camera : public Sensor {
@@ -70,17 +70,17 @@ class Camera : public Sensor {
   CameraDesc desc_;
   CameraLayout layout_;
   CameraViews views_;
-  FrameTime time_;                     // that is planned or was taken last
-  glm::dmat4 world_from_sensor_{1.0};  // at that time
+  FrameTime time_;                     // of the planned frame, or of the last measurement
+  glm::dmat4 world_from_sensor_{1.0};  // at time_
   struct Past {
     std::int64_t time_ns = 0;
     glm::dmat4 world_from_sensor{1.0};
   };
-  std::optional<Past> before_, last_;            // the measurement before that time, and the last that was taken
-  std::size_t color_pass_ = 0, depth_pass_ = 0;  // the first of each in this frame's plan
+  std::optional<Past> before_, last_;            // the measurement before time_, and the last measurement
+  std::size_t color_pass_ = 0, depth_pass_ = 0;  // index of the first pass of each kind in this frame's plan
   Image color_, depth_;
-  std::vector<DepthView> depth_views_;  // by view
-  mutable bool bound_due_ = false;      // the value is older than the image
+  std::vector<DepthView> depth_views_;  // one for each view
+  mutable bool bound_due_ = false;      // bound_ is older than the image
   mutable NamedValue bound_{kDepthErrorBound, std::numeric_limits<double>::quiet_NaN()};
 };
 

@@ -6,14 +6,14 @@ namespace simvis {
 
 namespace {
 
-/// A single-quoted scalar: the only character that means something in it is the quote itself.
+/// A single-quoted YAML scalar: only the quote itself has a special meaning in it.
 std::string quoted(const std::string& text) {
   std::string result = "'";
   for (const char c : text) result += c == '\'' ? std::string("''") : std::string(1, c);
   return result + "'";
 }
 
-/// YAML 1.1 has no floats without a point.
+/// YAML 1.1 requires a decimal point in a float.
 std::string number(double value) {
   std::string text = format_number(value);
   const std::size_t exponent = text.find('e');

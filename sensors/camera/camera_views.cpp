@@ -8,10 +8,10 @@ namespace simvis {
 
 namespace {
 
-// What every Vulkan device can render to.
+// Every Vulkan device can render to targets of this size.
 constexpr std::uint32_t kMaxSide = 4096;
 
-// F from V, of views along the axes; the rows are the axes of F in V.
+// F from V for views along the axes; the rows are the axes of F in V.
 glm::dmat3 rows(const glm::dvec3& x, const glm::dvec3& y, const glm::dvec3& z) {
   return glm::transpose(glm::dmat3(x, y, z));
 }
@@ -22,7 +22,7 @@ const std::array<glm::dmat3, kFaces> kCube{
     rows({0, 0, 1}, {0, 1, 0}, {-1, 0, 0}), rows({1, 0, 0}, {0, 0, -1}, {0, 1, 0}),
     rows({1, 0, 0}, {0, 0, 1}, {0, -1, 0}), rows({-1, 0, 0}, {0, 1, 0}, {0, 0, -1})};
 
-// The face whose axis is nearest.
+// The cube face whose axis is nearest to the ray.
 std::size_t face_of(const glm::dvec3& ray) {
   std::size_t nearest = 0;
   for (std::size_t i = 1; i < kFaces; ++i) {
@@ -55,7 +55,7 @@ class Resampling {
     made_.taps.resize(layout.rays.size());
   }
 
-  // Views of the rows [first, last), at the pose of this time.
+  // Adds the views of the rows [first, last), at the pose of this time.
   void add_rows(std::uint32_t first, std::uint32_t last, double time_s) {
     std::array<Extent, kFaces> extents;
     for_rays(first, last, [&](std::size_t, std::size_t face, const glm::dvec2& at) { extents[face].add(at); });
@@ -76,7 +76,7 @@ class Resampling {
     });
   }
 
-  // Puts them side by side, in rows, into as few passes as that takes.
+  // Packs the views side by side, in rows, into as few passes as possible.
   CameraViews packed(std::uint32_t supersampling) {
     glm::uvec2 next(0);
     std::uint32_t row_height = 0;
@@ -126,12 +126,13 @@ class Resampling {
     }
   }
 
-  // Its pixels lie on the optical axis as the image's do: with nothing to bend and no oversampling they are the same.
+  // The pixels of the view have the same offset from the optical axis as the image's: without distortion and
+  // oversampling they are the same pixels.
   CameraView view_around(const Extent& extent) const {
     const auto along = [&](double least, double most, double focal, double image_centre, double& centre) {
       const double fraction = image_centre - std::floor(image_centre);
       centre = kPixelsBefore - std::floor(focal * least + fraction - 0.5) + fraction;
-      if (focal * least + centre - 0.5 < kPixelsBefore) centre += 1;  // of two sums that are rounded apart
+      if (focal * least + centre - 0.5 < kPixelsBefore) centre += 1;  // the two sums round differently
       return static_cast<std::uint32_t>(std::floor(focal * most + centre - 0.5)) + kPixelsAfter + 1;
     };
     CameraView view;

@@ -12,10 +12,11 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// Of w, once more: Z is rounded to float32.
+// Relative error of w from rounding Z to float32.
 constexpr double kStored = 0x1p-24;
 
-// How much of its slope a round surface may lose from one pixel to the next; steps and poles lose more.
+// The largest share of its slope that a smooth curved surface may lose from one pixel to the next; steps and poles lose
+// more.
 constexpr double kSmooth = 0.5;
 
 // w = 1 / Z of an image, 0 where nothing is hit and outside it.
@@ -39,8 +40,9 @@ class InverseDepth {
     return largest;
   }
 
-  // The steepest slope of w, per pixel, of those lines of three pixels along (dx, dy) that hold (x, y) and whose second
-  // difference is at most `straight`; of none, of those that bend smoothly; of none of those either, 0.
+  // The steepest slope of w per pixel along (dx, dy), over the lines of three pixels that contain (x, y) and whose
+  // second difference is at most `straight`. If there is none, the steepest slope over lines that bend smoothly; if
+  // there is none either, 0.
   double slope(std::int64_t x, std::int64_t y, std::int64_t dx, std::int64_t dy, double straight) const {
     double of_straight = -1, of_smooth = 0;
     for (int first = -2; first <= 0; ++first) {
@@ -66,15 +68,15 @@ double pixel_bound(const InverseDepth& image, std::int64_t x, std::int64_t y, co
   const double tx = std::abs((static_cast<double>(x) + 0.5 - k.cx_px) / k.fx_px);
   const double ty = std::abs((static_cast<double>(y) + 0.5 - k.cy_px) / k.fy_px);
   const double displacement_m = view.rounding.at(std::sqrt(1 + tx * tx + ty * ty) / w);
-  // |m| <= w + |mx| (1 + |tx|) + |my| (1 + |ty|) with mx = gx fx and my = gy fy: so dw <= flat + rx |gx| + ry |gy|. The
-  // slopes are known to 2 dw each, which is what the divisor is for.
+  // |m| <= w + |mx| (1 + |tx|) + |my| (1 + |ty|) with mx = gx fx and my = gy fy, so dw <= flat + rx |gx| + ry |gy|. The
+  // slopes are each off by 2 dw; the divisor accounts for that.
   const PlaneRounding rounding(view.reach);
   const double flat = w * displacement_m * w + (rounding.per_w + kStored) * w;
   const double rx = w * displacement_m * k.fx_px * (1 + tx) + rounding.per_gx;
   const double ry = w * displacement_m * k.fy_px * (1 + ty) + rounding.per_gy;
   const double divisor = 1 - 2 * (rx + ry);
   if (!(divisor > 0)) return kInfinity;
-  // The surface's own slopes are among the steps to the neighbours; its second difference is four dw at the most.
+  // The steps to the neighbours include the surface's own slopes; its second difference is at most four dw.
   const double straight = 4 * (flat + rx * image.step(x, y, 1, 0) + ry * image.step(x, y, 0, 1)) / divisor;
   const double gx = image.slope(x, y, 1, 0, straight), gy = image.slope(x, y, 0, 1, straight);
   const double dw = (flat + rx * gx + ry * gy) / divisor;

@@ -1,5 +1,4 @@
-// What sensors with pinhole cameras share: their attributes, their geometry, their pictures out of a pass, and their
-// effects.
+// Attributes, geometry, images and effects that sensors with pinhole cameras share.
 #pragma once
 
 #include <span>
@@ -57,42 +56,43 @@ inline constexpr AttributeSpec kMsaaAttribute{
     .text = "samples of coverage per sample of colour: smooth edges of shapes; how many depends on the device",
     .choices = "1 2 4 8"};
 
-/// How many samples the colour of a pixel is the mean of, see Pass.
+/// Number of samples that are averaged for the colour of a pixel, see Pass.
 struct ColorSampling {
-  std::uint32_t supersampling = 1;  ///< supersampling is its square
+  std::uint32_t supersampling = 1;  ///< samples per pixel along x and along y; the attribute holds the square
   std::uint32_t msaa = 1;
-  Location supersampling_at, msaa_at;  ///< where they were written, for messages
+  Location supersampling_at, msaa_at;  ///< where the attributes stand in the scene, for messages
 
   bool several() const { return supersampling > 1 || msaa > 1; }
 };
 
-/// Added to the reason of a view that is drawn for depth alone beside one for colour.
+/// Appended to the reason of a view that is drawn for depth alone next to a view for colour.
 inline constexpr const char* kDepthApart = ", apart: at the centres of pixels, of which colour takes several samples";
 
 ColorSampling color_sampling(const AttributeValues& attributes);
 
-/// Throws InputError, with the place and what is allowed, where the device lacks that many samples, or cannot render to
-/// a target that holds the samples of an image of this size.
+/// Throws InputError, with the location and the allowed values, if the device does not support that many samples, or
+/// cannot render to a target that holds the samples of an image of this size.
 void check_sampling(const ColorSampling& sampling, std::uint32_t width_px, std::uint32_t height_px,
                     const TargetLimits& limits);
 
-/// The picture of one view of a pass: linear RGBA.
+/// Reads the colour image of one view of a pass: linear RGBA.
 void read_color(const Pass& pass, const View& view, const PassResult& result, Image& image);
 
-/// The same for depth: metres along the optical axis, +infinity where nothing is hit.
+/// Reads the depth image of one view of a pass: depth along Z in metres; +infinity where nothing is hit.
 void read_depth(const Pass& pass, const View& view, const PassResult& result, Image& image);
 
-/// Of EffectOutput.
+/// Bits of EffectOutput.
 std::uint8_t shown_outputs(bool color, bool depth);
 
-/// A pinhole's, as its effects lay it out. Throws InputError where one of them cannot.
+/// The layout of a pinhole camera after configure_rays() of its effects. Throws InputError if an effect cannot be
+/// applied.
 CameraLayout camera_layout(std::uint32_t width_px, std::uint32_t height_px, double hfov_rad,
                            std::span<const ChosenCameraEffect> effects);
 
-/// Names in the plan what a camera has.
+/// Lists the effects of a camera in the plan.
 void plan_effects(const std::string& sensor, std::span<const ChosenCameraEffect> effects, FramePlan& plan);
 
-/// What effects make of an image of colour.
+/// Applies post_process() of the effects to a colour image.
 void post_process(std::span<const ChosenCameraEffect> effects, const FrameTime& time, const CameraLayout& layout,
                   Image& color);
 

@@ -17,7 +17,7 @@ void resize(Image& image, const CameraLayout& layout, std::uint32_t channels) {
   image.pixels.resize(std::size_t{layout.width_px} * layout.height_px * channels);
 }
 
-// The first of two pixels beside each other, of which the second lies in the row below.
+// Bilinear interpolation; `pixel` is the top left of the four pixels.
 glm::vec4 between(const glm::vec4* pixel, std::size_t stride, const BeamTap& tap) {
   const auto along = [&](const glm::vec4* p) {
     return (1 - tap.fraction_x) * glm::dvec4(p[0]) + tap.fraction_x * glm::dvec4(p[1]);
@@ -47,7 +47,7 @@ double resample_depth(const CameraLayout& layout, const CameraViews& views, std:
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   resize(image, layout, 1);
   std::vector<FacePixels> pixels;
-  std::vector<std::size_t> taken(passes.size(), 0);  // of each pass's views
+  std::vector<std::size_t> taken(passes.size(), 0);  // number of views already taken from each pass
   for (const CameraView& view : views.views) {
     const Pass& pass = passes[view.pass];
     pixels.push_back(face_pixels(results[view.pass], pass, pass.views[taken[view.pass]++]));
@@ -59,11 +59,11 @@ double resample_depth(const CameraLayout& layout, const CameraViews& views, std:
       const CameraView& view = views.views[v];
       const BeamTap tap = beam_tap(views.taps[i], view.pinhole);
       const RangeEstimate range = planar_range(pixels[v], tap, depth_views[v].rounding);
-      const glm::dvec3 ray = glm::dvec3(tap.tangent_x, tap.tangent_y, 1) * view.face_from_view;  // its transpose
+      const glm::dvec3 ray = glm::dvec3(tap.tangent_x, tap.tangent_y, 1) * view.face_from_view;  // by the transpose
       const double depth_per_range = ray.z / tap.ray_per_depth;
       if (range.range_m < kInfinity) {
         depth_m = range.range_m * depth_per_range;
-        // What is stored is rounded to float32.
+        // The stored depth is rounded to float32.
         const double own_m = range.error_bound_m * std::abs(depth_per_range) + 0x1p-24 * std::abs(depth_m);
         if (own_m < kInfinity) bound_m = std::max(bound_m, own_m);
       }

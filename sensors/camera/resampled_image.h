@@ -1,10 +1,11 @@
-// An image whose pixels are interpolated in rendered views.
+// Images whose pixels are interpolated from rendered views.
 //
-// Colour   bilinear, in linear light, of the four pixels around; black where the lens sees nothing.
-// Depth    of the surface that is met at the pixel itself, along the camera's Z: where the pixels around show one
-//          surface that is flat over them, exact as that of a scanner's beam is (see depth_range.h); at a step that of
-//          the surface on the pixel's side, never a mean of several. +infinity where nothing is met, or seen. A fisheye
-//          looks behind itself, too: there depths are negative.
+// Colour   Bilinear interpolation of the four surrounding pixels in linear light; black where the lens sees nothing.
+// Depth    Depth along the camera's Z axis of the surface at the pixel's centre. If the surrounding pixels show one
+//          surface that is flat over them, the depth is as exact as the range of a scanner's beam (see depth_range.h).
+//          At a step it is the depth of the surface on the pixel's side, never a mean of several surfaces. It is
+//          +infinity where nothing is hit or the lens sees nothing. A fisheye also sees directions behind the camera:
+//          there depths are negative.
 #pragma once
 
 #include <span>
@@ -18,12 +19,13 @@
 
 namespace simvis {
 
-/// `passes` and `results` of the views' passes alone, the passes' views in the order of `views`.
+/// `passes` and `results` hold the passes of `views` only; the views in the passes are in the order of `views`.
 void resample_color(const CameraLayout& layout, const CameraViews& views, std::span<const Pass> passes,
                     std::span<const PassResult> results, Image& image);
 
-/// The same for depth; `depth_views` by view. Returns a bound on the error of every depth that is taken from one
-/// surface, flat or bent at a crease, in metres; those beside a step have none. 0 where there is none.
+/// The same for depth; `depth_views` has one entry for each view. Returns a bound in metres on the error of every depth
+/// that is taken from one surface, flat or bent at a crease. Depths next to a step are not covered. 0 if there is no
+/// such depth.
 double resample_depth(const CameraLayout& layout, const CameraViews& views, std::span<const Pass> passes,
                       std::span<const PassResult> results, std::span<const DepthView> depth_views, Image& image);
 

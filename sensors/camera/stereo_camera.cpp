@@ -11,7 +11,7 @@ namespace simvis {
 
 namespace {
 
-// Both views share a pass where they fit side by side into what every Vulkan device can render to.
+// Both views share a pass if they fit side by side into a target that every Vulkan device supports.
 constexpr std::uint32_t kMaxWidth_px = 4096;
 
 constexpr AttributeSpec kStereoCameraAttributes[] = {
@@ -95,7 +95,8 @@ View StereoCamera::make_view(const char* side, const glm::dmat4& world_from_came
   return view;
 }
 
-// One pass with both views side by side, or one each where that is too wide; disparity alone needs the left one only.
+// Adds one pass with both views side by side, or one pass each if that is too wide; disparity alone needs only the left
+// view.
 StereoCamera::Eyes StereoCamera::plan_eyes(const glm::dmat4& world_from_sensor, bool color, bool depth, const char* why,
                                            FramePlan& plan) const {
   const Pass pass{.name = name_,

@@ -1,18 +1,19 @@
-// A stereo camera: two pinhole views, rectified, and the true disparity between them.
+// The sensor `stereo_camera`: two rectified pinhole views and the true disparity between them.
 //
 //   <sensor type="stereo_camera" name="EYES" insert_at="ROBOT" baseline="0.12" outputs="color disparity"/>
 //
-// Frames   the sensor frame is the left camera's: it looks along +x; image x to the right, y down. The right camera
-//          stands `baseline` to its right, at (0, -baseline, 0), and looks the same way: rows of both pictures agree.
-// Disparity  of the left picture, in pixels, positive: the point seen at column u there is seen at u - disparity in the
-//          right one. disparity = fx * baseline / Z with the true depth Z; 0 where nothing is hit. What the right
-//          camera cannot see has its disparity all the same.
-// Samples  as for a camera: colour may be a mean over the pixel, depth and disparity are those of its centre.
-// Effects  see effects/camera_effect.h; noise of the left and the right camera is unrelated.
-// Names    color() and depth() are the left camera's. picture() knows "left" and "right" (colour), "left_depth" and
-//          "right_depth", and "disparity" (one channel).
-// Values   as for a camera, over the depth of both views.
-// Files    SENSOR_left and SENSOR_right hold pictures as a camera writes them, SENSOR_disparity EXR pictures with the
+// Frames   The sensor frame is that of the left camera: it looks along +x; image x points to the right, y down. The
+//          right camera stands `baseline` to its right, at (0, -baseline, 0), and looks in the same direction: the rows
+//          of both images correspond.
+// Disparity  Disparity of the left image, in pixels, positive: a point at column u in the left image is at u -
+//            disparity in the right image. disparity = fx * baseline / Z with the true depth Z; 0 where nothing is hit.
+//            Points that the right camera cannot see also have a disparity.
+// Samples  As for a camera: colour may be a mean over the pixel; depth and disparity are those of its centre.
+// Effects  See simvis/camera_effect.h; the noise of the left and the right camera is independent.
+// Names    color() and depth() are those of the left camera. picture() accepts "left" and "right" (colour),
+//          "left_depth", "right_depth" and "disparity" (one channel).
+// Values   As for a camera, over the depth of both views.
+// Files    SENSOR_left and SENSOR_right hold images as a camera writes them, SENSOR_disparity holds EXR images with the
 //          one channel `disparity`; SENSOR_left.yaml and SENSOR_right.yaml hold the intrinsics (see camera_info.h).
 #pragma once
 
@@ -33,10 +34,10 @@ struct StereoCameraDesc {
   double baseline_m = 0.12;  ///< above 0
   bool color = true, depth = false, disparity = true;
   ColorSampling sampling{};
-  std::vector<ChosenCameraEffect> left_effects{}, right_effects{};  ///< none of them lays out
+  std::vector<ChosenCameraEffect> left_effects{}, right_effects{};  ///< none of them changes the rays
 };
 
-/// What the attributes of a stereo camera ask for. Throws InputError at an attribute that another one does not allow.
+/// Reads the attributes of a stereo camera. Throws InputError at an attribute that another attribute does not allow.
 StereoCameraDesc stereo_camera_desc(const SensorContext& context);
 
 class StereoCamera : public Sensor {
@@ -55,7 +56,7 @@ class StereoCamera : public Sensor {
 
  private:
   struct Place {
-    std::size_t pass = 0, view = 0;  // of this frame's plan
+    std::size_t pass = 0, view = 0;  // in this frame's plan
   };
   struct Eye {
     Place color_at, depth_at;
@@ -76,7 +77,7 @@ class StereoCamera : public Sensor {
   CameraLayout layout_;  // of both views
   Eye left_, right_;
   Image disparity_;
-  mutable bool bound_due_ = false;  // the value is older than the images
+  mutable bool bound_due_ = false;  // bound_ is older than the images
   mutable NamedValue bound_{kDepthErrorBound, std::numeric_limits<double>::quiet_NaN()};
 };
 

@@ -8,7 +8,7 @@ namespace simvis {
 
 namespace {
 
-// As many rings together as make a group no higher than it is wide.
+// The number of rings in a group that makes it no higher than wide.
 std::uint32_t rings_together(const ScanPattern& pattern) {
   if (pattern.rings == 1 || pattern.samples == 1) return 1;
   const double step = (pattern.max_azimuth_rad - pattern.min_azimuth_rad) / (pattern.samples - 1);
@@ -29,7 +29,8 @@ std::vector<std::uint32_t> casting_order(const ScanPattern& pattern) {
     const std::uint32_t top = std::min(bottom + height, pattern.rings);
     for (std::uint32_t first = 0; first < pattern.samples; first += width) {
       const std::uint32_t end = std::min(first + width, pattern.samples);
-      // What is no whole group stands behind all that are: each of those then begins at a multiple of their size.
+      // Incomplete groups follow after all complete ones, so that each complete group begins at a multiple of the group
+      // size.
       std::vector<std::uint32_t>& group = (top - bottom) * (end - first) == RayCaster::kPacketSize ? order : rest;
       for (std::uint32_t ring = bottom; ring < top; ++ring) {
         for (std::uint32_t beam = first; beam < end; ++beam) group.push_back(ring * pattern.samples + beam);

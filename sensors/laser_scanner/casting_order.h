@@ -1,4 +1,4 @@
-// In which order the beams of a laser scanner are cast.
+// The order in which the beams of a laser scanner are cast.
 #pragma once
 
 #include <cstdint>
@@ -8,9 +8,9 @@
 
 namespace simvis {
 
-/// All beams, [ring * samples + beam]: each RayCaster::kPacketSize of them are neighbours along and across the rings,
-/// so that they see much the same; what is left over at the ends of rings comes last. A single ring's are in their own
-/// order.
+/// Returns all beams, [ring * samples + beam]. The RayCaster::kPacketSize beams of each group are neighbours along and
+/// across the rings, so their rays hit nearby surfaces. Beams left over at the ends of rings come last. The beams of a
+/// single ring keep their order.
 std::vector<std::uint32_t> casting_order(const ScanPattern& pattern);
 
 }  // namespace simvis

@@ -18,7 +18,7 @@ namespace {
 // In the order of ScanMethod.
 constexpr std::string_view kMethodNames[] = {"nearest", "planar", "hybrid", "raycast", "auto"};
 
-// Whether a rendered range can be exact enough.
+// True if a rendered range can be exact enough.
 bool can_render(const LaserScannerDesc& desc) {
   return !casts(desc.method) || (desc.method != ScanMethod::raycast && desc.max_error_rel >= min_planar_bound());
 }
@@ -82,7 +82,7 @@ std::vector<glm::dvec3> LaserScanner::directions_by_beam() const {
   return directions;
 }
 
-// Looks at the scene only where something changed that effects look at.
+// Examines the scene only if something changed that effects depend on.
 void LaserScanner::update_effects(const DrawList& list) {
   const bool same = list_ == &list && list.revisions.structure == effects_of_.structure &&
                     list.revisions.materials == effects_of_.materials && list.medium == moment_.medium;
@@ -103,7 +103,7 @@ void LaserScanner::update_effects(const DrawList& list) {
   traced_ = std::make_unique<TracedScan>(directions_by_beam(), effects_);
 }
 
-// What in the scene has beams cast, other than the scanner's own attributes.
+// The names of effects that require cast beams because of the scene, not because of the scanner's own attributes.
 std::string LaserScanner::traced_for() const {
   std::string names;
   for (const ChosenScanEffect& each : effects_) {
@@ -243,7 +243,7 @@ void LaserScanner::cast_beams(RayCaster& rays) {
   if (desc_.method == ScanMethod::automatic) choice_.measured(work, costs_);
 }
 
-// Takes the most exact of what it has seen: every beam as cast.
+// Uses the most exact readings of the survey: every beam as cast.
 void LaserScanner::cast_survey(RayCaster& rays) {
   hits_.resize(directions_.size());
   survey_->cast(rays, list_->items.size(), moment_.world_from_sensor, directions_, hits_);
@@ -261,7 +261,7 @@ void LaserScanner::cast_survey(RayCaster& rays) {
   survey_.reset();
 }
 
-// Only here does the scan that users see change, so that it is always a whole one.
+// Only this function changes the public scan, so the scan is always complete.
 void LaserScanner::publish(std::span<const Echo> detected) {
   scan_.range_m.resize(readings_.size());
   scan_.error_bound_m.resize(readings_.size());

@@ -1,18 +1,19 @@
-// A laser scanner: planar, tilted or with many rings, up to the whole sphere.
+// The sensor `laser_scanner`: planar, tilted or with many rings, up to the whole sphere.
 //
 //   <sensor type="laser_scanner" name="FRONT" insert_at="ROBOT" pose_offset="0.3 0 0.1 0 0 0" samples="361"/>
 //
-// `raycast` is the default; a scanner with a tolerance (max_error_m, max_error_rel) and no method is `hybrid`.
-// `nearest` and `planar` cover the field of view with virtual cameras of at most 90 degrees and take ranges from their
-// reversed depth: see depth_range.h for how, and for what the error bound says. `raycast` renders nothing and casts
-// every beam: see ray_caster.h. `hybrid` renders as `planar` does and casts the beams whose bound is above the
-// tolerance; where that is too small for any rendered range, as it is unless a scene says more, it renders nothing.
-// `auto` is whatever of `hybrid`, at some resolutions, and `raycast` costs the least in this scene and pose: see
-// method_survey.h for what it chooses from, and method_selector.h for when. A frame in which it surveys casts every
-// beam. The scans of `hybrid` and `auto` keep the tolerance with every beam, or there is an error that names what can
-// be kept. With an effect that traces (see effects/scan_effect.h) every beam is cast, by any method in those frames
-// whose scene calls for the effect. A laser meets matter from either side; what is blended below one half or masked out
-// lets it pass; lines and points are not there for it.
+// The default method is `raycast`; a scanner with a tolerance (max_error_m, max_error_rel) and no method is `hybrid`.
+//   nearest, planar  cover the field of view with virtual cameras of at most 90 degrees and take ranges from their
+//                    reversed depth: depth_range.h describes the method and the error bound.
+//   raycast  renders nothing and casts every beam: see ray_caster.h.
+//   hybrid   renders as `planar` does and casts the beams whose bound is above the tolerance. If the tolerance is too
+//            small for any rendered range, as the default tolerance is, it renders nothing.
+//   auto     uses the cheapest of `hybrid`, at some resolutions, and `raycast` in this scene and pose: method_survey.h
+//            lists the candidates, and method_selector.h says when it chooses. A frame with a survey casts every beam.
+// In the scans of `hybrid` and `auto` every beam meets the tolerance; otherwise an error says which tolerance can be
+// met. If an effect follows beams (see simvis/scan_effect.h), every beam is cast, with any method, in those frames
+// whose scene calls for the effect. A laser hits surfaces from either side; surfaces that are blended with less than
+// half coverage or masked out let it pass; it does not see lines and points.
 #pragma once
 
 #include <memory>
@@ -36,18 +37,18 @@ namespace simvis {
 
 enum class ScanMethod : std::uint8_t { nearest, planar, hybrid, raycast, automatic };
 
-/// "nearest", ..., "auto".
+/// The name in a scene file: "nearest", ..., "auto".
 std::string_view to_string(ScanMethod method);
 
-/// The inverse of to_string(); empty where no method has this name.
+/// The inverse of to_string(); empty if no method has this name.
 std::optional<ScanMethod> find_scan_method(std::string_view name);
 
-/// Whether the method reads max_error_m and max_error_rel. With any other method a tolerance is an error.
+/// True if the method reads max_error_m and max_error_rel. With any other method a tolerance is an error.
 constexpr bool takes_tolerance(ScanMethod method) {
   return method == ScanMethod::hybrid || method == ScanMethod::automatic;
 }
 
-/// Whether the method needs a ray caster.
+/// True if the method needs a ray caster.
 constexpr bool casts(ScanMethod method) { return method >= ScanMethod::hybrid; }
 
 struct LaserScannerDesc {
@@ -55,25 +56,27 @@ struct LaserScannerDesc {
       .samples = 361, .min_azimuth_rad = -std::numbers::pi / 2, .max_azimuth_rad = std::numbers::pi / 2};
   double range_min_m = 0.05, range_max_m = 80;  ///< along the ray; a nearer surface blocks the beam and reads 0
   ScanMethod method = ScanMethod::raycast;
-  double max_error_rel = kDefaultMaxErrorRel;  ///< hybrid, auto: of no bound, as a share of its range; infinity: any
-  double resolution_px = 0;                    ///< pixels across 90 degrees; 0: see below
-  std::optional<double> max_error_m{};         ///< hybrid, auto: of no bound, along the ray
-  Location where_max_error_m{}, where_max_error_rel{};  ///< where a scene says so, for messages
-  std::vector<ChosenScanEffect> effects{};              ///< if one traces, whatever the scene, `method` is raycast
+  double max_error_rel = kDefaultMaxErrorRel;           ///< hybrid, auto: largest bound / range; infinity: no limit
+  double resolution_px = 0;                             ///< pixels across 90 degrees; 0: default_resolution_px()
+  std::optional<double> max_error_m{};                  ///< hybrid, auto: largest bound along the ray
+  Location where_max_error_m{}, where_max_error_rel{};  ///< where the attributes stand in the scene, for messages
+  std::vector<ChosenScanEffect> effects{};              ///< if one follows beams in every scene, `method` is raycast
 };
 
-/// What the attributes of a scanner ask for. Throws InputError at an attribute that another one does not allow.
+/// Reads the attributes of a scanner. Throws InputError at an attribute that another attribute does not allow.
 LaserScannerDesc laser_scanner_desc(const SensorContext& context);
 
-/// The first effect of the scanner itself that follows beams, so that only `raycast` can measure; null if none does.
+/// The first effect set by the scanner's own attributes that follows beams and so requires `raycast`; null if there is
+/// none.
 const EffectType* beam_following_effect(const LaserScannerDesc& desc);
 
-/// Pixels across 90 degrees where a scene does not say: of one ring, and of several (whose faces are areas).
+/// Default pixels across 90 degrees: for one ring, and for several rings, whose faces are areas.
 inline constexpr double kPlanarResolution = 4096, kRingsResolution = 1024;
 constexpr double default_resolution_px(const ScanPattern& pattern) {
   return pattern.rings == 1 ? kPlanarResolution : kRingsResolution;
 }
-/// Those that `auto` chooses from. A face of the largest fits targets of 8192 pixels with its margin.
+/// The resolutions that `auto` chooses from. With its margin, a face of the largest resolution fits targets of 8192
+/// pixels.
 inline constexpr double kPlanarResolutions[] = {512, 1024, 2048, 4096, 8000};
 inline constexpr double kRingsResolutions[] = {256, 512, 1024, 2048};
 
@@ -81,7 +84,7 @@ class LaserScanner : public Sensor {
  public:
   LaserScanner(std::string name, const LaserScannerDesc& desc);
 
-  /// `auto` at measurements: what it chose, and when it surveys, follows from the frames before.
+  /// For `auto` HistoryDependence::measurements: its choice and its surveys depend on the previous frames.
   HistoryDependence history_dependence() const override;
   void skip_frame(const FrameTime& time, const glm::dmat4& world_from_sensor) override;
   void use_cost_model(const std::function<const CostModel&()>& costs) override;
@@ -93,7 +96,7 @@ class LaserScanner : public Sensor {
   std::string method() const override { return std::string(to_string(desc_.method)); }
   SensorReport report() const override;
 
-  /// Of the beams of the last scan; empty if the method casts none.
+  /// The share of cast beams in the last scan; empty if the method casts none.
   std::optional<double> cast_share() const;
 
  private:
@@ -112,22 +115,22 @@ class LaserScanner : public Sensor {
   LaserScannerDesc desc_;
   RangeLimits limits_;
   ScanTolerance tolerance_;
-  std::unique_ptr<RenderedScan> rendered_;  // null where nothing is, but for surveys
-  std::unique_ptr<MethodSurvey> survey_;    // of this frame, if it has one
+  std::unique_ptr<RenderedScan> rendered_;  // null if only surveys render
+  std::unique_ptr<MethodSurvey> survey_;    // of this frame; null if it has no survey
   MethodSelector choice_;
   CostModel costs_;
-  std::vector<ChosenScanEffect> effects_;  // those that this frame's scene calls for
-  DrawList::Revisions effects_of_;         // of the list for which they were chosen
-  std::unique_ptr<TracedScan> traced_;     // where one of them traces
+  std::vector<ChosenScanEffect> effects_;  // the effects that this frame's scene calls for
+  DrawList::Revisions effects_of_;         // of the list for which effects_ were chosen
+  std::unique_ptr<TracedScan> traced_;     // null if none of effects_ follows beams
   ScanContext moment_;                     // of this frame
   const DrawList* list_ = nullptr;         // of this frame
   VertexRounding rounding_;                // of this frame's scene
-  std::vector<std::uint32_t> order_;       // in which beams are cast, once any is
-  std::vector<glm::dvec3> directions_;     // in that order
-  std::vector<std::uint32_t> to_cast_;     // of that order, in this frame, where something is rendered
+  std::vector<std::uint32_t> order_;       // order in which beams are cast; empty until the first cast
+  std::vector<glm::dvec3> directions_;     // in the order of order_
+  std::vector<std::uint32_t> to_cast_;     // the part of order_ that is cast in this frame, if something is rendered
   std::vector<glm::dvec3> cast_directions_;
   std::vector<RayHit> hits_;
-  std::vector<Reading> readings_;  // of this frame, until all of them are there
+  std::vector<Reading> readings_;  // of this frame, until all of them are complete
   Scan scan_;
 };
 

@@ -1,4 +1,4 @@
-// What a laser_scanner of a scene can be given.
+// The attributes of the sensor `laser_scanner`.
 #include <limits>
 #include <sstream>
 
@@ -81,7 +81,7 @@ constexpr AttributeSpec kLaserScannerAttributes[] = {
 
 constexpr std::string_view kToleranceAttributes[] = {"max_error_m", "max_error_rel"};
 
-// The tolerance that the scene writes, for messages: null if it writes none.
+// The tolerance attribute in the scene, for messages; null if there is none.
 const CommandAttribute* written_tolerance(const Command& command) {
   for (const std::string_view name : kToleranceAttributes) {
     if (const CommandAttribute* const written = command.find(name)) return written;
@@ -89,7 +89,7 @@ const CommandAttribute* written_tolerance(const Command& command) {
   return nullptr;
 }
 
-// A tolerance without a method means the method that keeps it and casts only where it has to.
+// A tolerance without a method selects `hybrid`, which meets the tolerance and casts only where necessary.
 ScanMethod scan_method(const Command& command, const AttributeValues& attributes) {
   if (command.find("method") == nullptr && written_tolerance(command) != nullptr) return ScanMethod::hybrid;
   const std::optional<ScanMethod> method = find_scan_method(attributes.choice("method"));
@@ -97,7 +97,7 @@ ScanMethod scan_method(const Command& command, const AttributeValues& attributes
   return *method;
 }
 
-// A tolerance that the method ignores would promise what nobody checks.
+// An ignored tolerance would be a promise that nothing checks.
 void refuse_ignored_tolerance(const Command& command, ScanMethod method) {
   const CommandAttribute* const tolerance = written_tolerance(command);
   if (tolerance == nullptr || takes_tolerance(method)) return;
@@ -105,7 +105,8 @@ void refuse_ignored_tolerance(const Command& command, ScanMethod method) {
                                 " does not look at it, expected method hybrid or auto, or none, which is hybrid here");
 }
 
-// An effect that follows beams needs every beam cast, which only `raycast` does, and `raycast` keeps no tolerance.
+// An effect that follows beams requires that every beam is cast. Only `raycast` does so, and `raycast` accepts no
+// tolerance.
 void refuse_other_than_raycast(const Command& command, const EffectType& effect) {
   const std::string needed =
       " cannot show " + in_quotes(effect.name) + " (" + std::string(effect.source) + "), expected ";

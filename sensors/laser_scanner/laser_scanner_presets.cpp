@@ -3,21 +3,21 @@
 namespace simvis {
 namespace {
 
-// A turn of the mirror at 75 Hz measures every degree; two, half a degree apart, make a scan of 26.67 ms.
+// One turn of the mirror at 75 Hz measures every degree; two turns, half a degree apart, make a scan of 26.67 ms.
 constexpr PresetAttribute kLms200[] = {
     {"samples", "361"},  {"min_angle", "-90"},         {"max_angle", "90"},      {"range_min", "0.05"},
     {"range_max", "80"}, {"range_resolution", "0.01"}, {"range_noise", "0.005"}, {"rate", "37.5"},
 };
 
-// Steps 0 to 1080 of 1440 a turn. Nothing is stated of noise beyond 10 m but that it is below 30 mm.
+// Steps 0 to 1080 of 1440 per turn. For noise beyond 10 m the data sheet only states that it is below 30 mm.
 constexpr PresetAttribute kUtm30lx[] = {
     {"samples", "1081"}, {"min_angle", "-135"},         {"max_angle", "135"},    {"range_min", "0.1"},
     {"range_max", "30"}, {"range_resolution", "0.001"}, {"range_noise", "0.01"}, {"rate", "40"},
 };
 
-// 10 turns a second, and 1 m at the nearest (first revisions of the manual, p. 3). A column is fired every 55.296 us,
-// which is 0.199 degrees then; the data sheet's 0.2 make a whole number of columns, so that turns repeat. Its +-3 cm of
-// accuracy are taken as one standard deviation.
+// 10 turns per second, minimum range 1 m (first revisions of the manual, p. 3). A column is fired every 55.296 us,
+// which is 0.199 degrees at this speed. The data sheet's 0.2 degrees give a whole number of columns, so turns repeat.
+// The accuracy of +-3 cm is used as one standard deviation.
 constexpr PresetAttribute kVlp16[] = {
     {"samples", "1800"},           {"min_angle", "-180"},        {"max_angle", "179.8"}, {"vertical_samples", "16"},
     {"vertical_min_angle", "-15"}, {"vertical_max_angle", "15"}, {"range_min", "1"},     {"range_max", "100"},

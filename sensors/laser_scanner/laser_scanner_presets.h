@@ -1,4 +1,4 @@
-// Laser scanners that one can buy: what their data sheets say, as attributes of laser_scanner.
+// Presets of commercial laser scanners: data sheet values as attributes of laser_scanner.
 #pragma once
 
 #include <span>
@@ -7,7 +7,7 @@
 
 namespace simvis {
 
-/// Angles so that the middle looks along x; a noise that a data sheet bounds is taken at its bound.
+/// The middle of the field of view is +x. If a data sheet gives a bound for the noise, the bound is used.
 std::span<const SensorPreset> laser_scanner_presets();
 
 }  // namespace simvis

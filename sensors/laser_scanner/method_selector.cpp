@@ -66,7 +66,8 @@ void MethodSelector::measured(const CostModel& work, const CostModel& cost) {
   moved_ = has_moved(chosen().predicted_ns, now_ns) && another_may_be_cheaper(now_ns);
 }
 
-// Another's cost may have gone the other way, by as much; by more is not looked for.
+// The cost of another method may have changed in the other direction by the same factor; larger changes are not
+// considered.
 bool MethodSelector::another_may_be_cheaper(double now_ns) const {
   const auto [less_ns, more_ns] = std::minmax(chosen().predicted_ns, now_ns);
   const double reached_ns = more_ns * (more_ns / less_ns);

@@ -1,12 +1,12 @@
-// Which way of measuring `method="auto"` uses, until when, and why.
+// Selects the measuring method of `method="auto"` and decides when to survey the methods again.
 //
-// A choice stands until the scene has changed enough: until the triangles of the draw list, or the predicted cost of
-// the chosen way in a frame, are more or fewer by kMoved than they were at the choice. Both are counts of what the
-// frame does anyway; nothing is timed. The next frame then surveys again, unless the next best way was dearer by so
-// much that it cannot have become the cheapest, had its cost moved the other way as far. Where costs swing, as with a
-// scanner that tilts, surveys that choose the same again get rarer: after each the cost is not looked at for twice as
-// many frames, up to kLongestWait. So a choice is a function of the scene, of the poses so far and of the device's
-// costs alone.
+// A choice stays until the scene has changed enough: until the number of triangles in the draw list, or the predicted
+// cost of the chosen method in a frame, differs by more than the factor kMoved from its value at the choice. Both
+// follow from counts of the work of the frame; nothing is timed. The next frame then surveys again, unless the second
+// best method was so much more expensive that it cannot have become the cheapest even if its cost changed by the same
+// factor in the other direction. If costs fluctuate, as with a tilting scanner, surveys that confirm the choice become
+// rarer: after each of them the cost is ignored for twice as many frames, up to kLongestWait. A choice therefore
+// depends only on the scene, the poses so far and the costs of the device.
 #pragma once
 
 #include <cstdint>
@@ -25,16 +25,16 @@ class MethodSelector {
   static constexpr double kMoved = 1.5;
   static constexpr std::uint64_t kLongestWait = 1024;  // frames
 
-  /// To be asked once a frame, before it is planned: whether it has to survey.
+  /// Returns true if the frame has to survey. Called once per frame, before it is planned.
   bool is_due(const DrawList& list);
 
-  /// Takes what the survey chose, of all that meets `tolerance`.
+  /// Takes the choice of the survey among all methods that meet `tolerance`.
   void take(const MethodSurvey& survey, const ScanTolerance& tolerance);
 
-  /// The work of a frame that was measured by the chosen way.
+  /// Records the work of a frame that used the chosen method.
   void measured(const CostModel& work, const CostModel& cost);
 
-  /// What was chosen, and why: for the plan's reasons.
+  /// The chosen method and the reason, for the reasons in the plan.
   std::string text() const;
 
   void report(const std::string& scanner, SensorReport& report) const;
@@ -43,13 +43,13 @@ class MethodSelector {
   const ScanCandidate& chosen() const { return candidates_[chosen_]; }
   bool another_may_be_cheaper(double now_ns) const;
 
-  std::vector<ScanCandidate> candidates_;  // as of the last survey
+  std::vector<ScanCandidate> candidates_;  // of the last survey
   std::size_t chosen_ = 0;
   std::string because_;
   std::uint64_t surveys_ = 0;
-  std::uint64_t structure_ = 0, triangles_ = 0;  // of the draw list: its revision, and as of this frame
+  std::uint64_t structure_ = 0, triangles_ = 0;  // of the draw list: its revision, and its count in this frame
   std::uint64_t chosen_at_triangles_ = 0;
-  std::uint64_t wait_ = 0, frames_ = 0;  // how long costs are not looked at, and frames since the last survey
+  std::uint64_t wait_ = 0, frames_ = 0;  // frames for which costs are ignored, and frames since the last survey
   bool moved_ = false;
 };
 

@@ -6,7 +6,7 @@ namespace simvis {
 
 namespace {
 
-// A tenth of a millimetre: what touches the scanner is still seen, and reversed depth loses nothing by it.
+// A tenth of a millimetre: a surface that touches the scanner is still visible, and reversed depth loses no precision.
 constexpr double kNear_m = 1e-4;
 
 }  // namespace

@@ -1,4 +1,4 @@
-// The beams of a scanner as pixels: virtual cameras of one resolution, and the ranges taken from their depth.
+// Measures the beams of a scanner by rendering: virtual cameras of one resolution, and ranges from their depth.
 #pragma once
 
 #include <cstdint>
@@ -25,10 +25,10 @@ class RenderedScan {
   void plan(const std::string& scanner, const std::string& purpose, const glm::dmat4& sensor_from_world,
             FramePlan& plan, const std::string& atlas);
 
-  /// Takes what the views of plan() became; valid as long as `results` are.
+  /// Reads the results of the views of plan(). The scan is valid as long as `results` are.
   void collect(const FramePlan& plan, std::span<const PassResult> results, const VertexRounding& rounding);
 
-  /// Of the beam [ring * samples + beam].
+  /// The range of beam [ring * samples + beam].
   RangeEstimate planar(std::size_t beam) const;
   RangeEstimate nearest(std::size_t beam) const;
 
@@ -41,7 +41,7 @@ class RenderedScan {
  private:
   double resolution_px_;
   ScanLayout layout_;
-  std::vector<AtlasPlace> places_;  // of each face, this frame
+  std::vector<AtlasPlace> places_;  // of each face, in this frame
   std::vector<FacePixels> pixels_;
   VertexRounding rounding_;
   ViewCounts counts_;  // of all faces

@@ -22,7 +22,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr int kRepetitions = 5;
 
-// A sphere of radius 1 about the origin; of 4 columns and 2 rows, an octahedron.
+// A sphere of radius 1 about the origin; with 4 columns and 2 rows it is an octahedron.
 std::shared_ptr<const Mesh> make_ball(std::uint32_t columns, std::uint32_t rows) {
   auto mesh = std::make_shared<Mesh>();
   for (std::uint32_t row = 0; row <= rows; ++row) {
@@ -52,8 +52,8 @@ void add_ball(DrawList& list, std::uint32_t mesh, double radius_m, const glm::dv
   list.world_from_node.push_back(glm::scale(glm::translate(glm::dmat4(1.0), place), glm::dvec3(radius_m)));
 }
 
-// Balls around the sensor, each around the one before, and others in them, spread by the golden angle as seeds are in a
-// sunflower.
+// Nested balls around the sensor as walls, and other balls inside them, distributed by the golden angle as the seeds of
+// a sunflower.
 DrawList make_room(int walls, std::uint32_t wall_columns, std::uint32_t things, std::uint32_t thing_columns) {
   const double golden_rad = kPi * (3 - std::sqrt(5.0));
   DrawList list;
@@ -70,7 +70,7 @@ DrawList make_room(int walls, std::uint32_t wall_columns, std::uint32_t things, 
   return list;
 }
 
-// What is there of leaves: every other texel.
+// Makes materials masked like leaves: every other texel is opaque.
 void make_masked(DrawList& list) {
   auto texture = std::make_shared<Texture>();
   texture->width = texture->height = 64;
@@ -122,7 +122,7 @@ void Calibration::render(const DrawList& list, const ScanPattern& pattern, doubl
     const std::int64_t rendered_ns = now_ns();
     scan.collect(plan, results, rounding);
     for (std::size_t beam = 0; beam < beams; ++beam) sum_m += scan.planar(beam).error_bound_m;
-    if (i == 0) continue;  // uploads, pipelines
+    if (i == 0) continue;  // the first frame uploads data and creates pipelines
     drawing.time_ns = std::min(drawing.time_ns, static_cast<double>(rendered_ns - start_ns));
     taking.time_ns = std::min(taking.time_ns, static_cast<double>(now_ns() - rendered_ns));
   }
@@ -132,7 +132,7 @@ void Calibration::render(const DrawList& list, const ScanPattern& pattern, doubl
   static_cast<void>(sum_m);
 }
 
-// Something moves between any two casts, as in a scene that is worth simulating.
+// An object moves between any two casts, as in a typical simulated scene.
 void Calibration::cast(DrawList& list, const ScanPattern& pattern) {
   std::vector<glm::dvec3> directions;
   for (const double e : elevations(pattern)) {
@@ -172,7 +172,7 @@ CostModel fit_costs(std::span<const TimedWork> measurements) {
       }
     }
   }
-  constexpr int kSweeps = 20000;  // far more than the last digit that is kept needs
+  constexpr int kSweeps = 20000;  // far more than convergence needs
   CostModel cost;
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
     for (std::size_t i = 0; i < kCostTerms; ++i) {
@@ -192,7 +192,7 @@ CostModel measure_scan_costs(Device& device, RayCaster& rays) {
   DrawList boxes = make_room(1, 8, 400, 4), balls = make_room(1, 16, 60, 24);
   DrawList leaves = make_room(1, 8, 400, 12);
   make_masked(leaves);
-  // Account is kept of them, as of the lists that scenes become.
+  // The lists keep a change log, as the lists of scenes do.
   for (DrawList* const list : {&bare, &fine, &nested, &boxes, &balls, &leaves}) list->changes.mark_structure_dirty();
   Calibration calibration(device, rays);
   calibration.render(bare, half, 512);

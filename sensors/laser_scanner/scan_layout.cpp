@@ -19,7 +19,7 @@ std::vector<double> spread(double min, double max, std::uint32_t count) {
   return values;
 }
 
-// Rows of the result: right, down and forward of a face whose optical axis lies at this azimuth, level.
+// The rows of the result are right, down and forward of a level face whose optical axis has this azimuth.
 glm::dmat3 level_face(double azimuth) {
   const double c = std::cos(azimuth), s = std::sin(azimuth);
   return glm::transpose(glm::dmat3(glm::dvec3(s, -c, 0), glm::dvec3(0, 0, -1), glm::dvec3(c, s, 0)));
@@ -40,12 +40,12 @@ struct Extent {
   }
 };
 
-// The level faces side by side, then one looking straight up and one straight down.
+// The faces: level faces side by side, then one that looks straight up and one that looks straight down.
 class Faces {
  public:
   explicit Faces(const ScanPattern& pattern) : min_azimuth_(pattern.min_azimuth_rad) {
     const double span = pattern.max_azimuth_rad - pattern.min_azimuth_rad;
-    // A hair's breadth of rounding must not cost a face more.
+    // Rounding must not add a face.
     level_count_ = std::max(1, static_cast<int>(std::ceil(span / kQuarterTurn - 1e-9)));
     width_ = span / level_count_;
   }
@@ -57,7 +57,7 @@ class Faces {
     return index < 0 ? level_face(centre(face)) : upright_face(index == 0 ? 1 : -1);
   }
 
-  // Face and tangents of a beam: on the level face of its azimuth, unless it is steeper than that face's 45 degrees.
+  // Face and tangents of a beam: the level face of its azimuth, unless the beam is steeper than that face's 45 degrees.
   BeamTap aim(double azimuth, double elevation) const {
     BeamTap tap;
     const double place = width_ > 0 ? std::floor((azimuth - min_azimuth_) / width_) : 0.0;

@@ -1,5 +1,5 @@
-// Where the beams of a laser scanner lie in the virtual cameras that cover its field of view. Pure geometry: made
-// once, in double, when the scanner is made.
+// Positions of the beams of a laser scanner in the virtual cameras that cover its field of view. Pure geometry:
+// computed once, in double precision, when the scanner is created.
 #pragma once
 
 #include <cstdint>
@@ -14,8 +14,9 @@ namespace simvis {
 /// The directions that a scanner measures.
 ///
 /// Frames   sensor frame: azimuth counter-clockwise from +x about +z, elevation positive upwards.
-/// Default  one beam along +x. What a scanner has where a scene says nothing stands in LaserScannerDesc.
-/// Shape    beam i of a ring lies at min + i * (max - min) / (samples - 1), both ends included; a single one at min.
+/// Default  one beam along +x. LaserScannerDesc holds the defaults of scanners in a scene.
+/// Shape    beam i of a ring lies at min + i * (max - min) / (samples - 1), both ends included; a single beam lies at
+///          min.
 struct ScanPattern {
   std::uint32_t samples = 1, rings = 1;
   double min_azimuth_rad = 0, max_azimuth_rad = 0;      ///< max - min within [0, 2 pi]
@@ -25,20 +26,18 @@ struct ScanPattern {
 std::vector<double> azimuths(const ScanPattern& pattern);
 std::vector<double> elevations(const ScanPattern& pattern);
 
-/// How many rows of a single horizontal ring are as high as a pixel is wide.
+/// Number of pixel rows of a single horizontal ring that are as high as a pixel is wide.
 inline constexpr double kRowsPerPixel = 4;
 
-/// The faces and taps of a pattern.
-///
-/// Every beam has its neighbourhood in both directions. The scan plane of a single horizontal ring runs through the
-/// centres of a row of pixels; the rows beside it only tell where surfaces end and how they slant. So they are thin:
-/// what is drawn is what lies near the scan plane, and fewer surfaces end near a beam.
+/// Every beam has its pixel neighbourhood in both directions. The scan plane of a single horizontal ring runs through
+/// the centres of a row of pixels; the rows beside it only show where surfaces end and how they slope. These rows are
+/// thin: only geometry near the scan plane is drawn, and fewer surfaces end near a beam.
 struct ScanLayout {
   std::vector<ScanFace> faces;
   std::vector<BeamTap> taps;  ///< [ring * samples + beam]
 };
 
-/// `resolution_px`: pixels across 90 degrees, at least 1.
+/// `resolution_px` is the number of pixels across 90 degrees, at least 1.
 ScanLayout make_scan_layout(const ScanPattern& pattern, double resolution_px);
 
 }  // namespace simvis

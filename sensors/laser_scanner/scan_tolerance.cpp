@@ -13,12 +13,12 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-// The next float32, as std::nextafter() has it, of one that is not negative.
+// The next larger float32, as std::nextafter() gives it, of a value that is not negative.
 float next_above(float value) {
   return value == kInfinity ? value : std::bit_cast<float>(std::bit_cast<std::uint32_t>(value) + 1);
 }
 
-// Rounded up, so that who asks for what a message names is served.
+// Rounded up, so that the value in a message is a tolerance that can be met.
 std::string rounded_up(double value) {
   if (!std::isfinite(value)) return "inf";
   const double unit = std::pow(10, std::floor(std::log10(value)) - 2);

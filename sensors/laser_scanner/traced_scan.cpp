@@ -11,9 +11,10 @@
 namespace simvis {
 namespace {
 
-// By how much the place where a ray ends may be off, besides what the caster says: that moves the range by as much over
-// the cosine of the incidence. An origin comes into the world as a sum of three products and the sensor's place, 4 u of
-// each component (u = 2^-53), so 4 sqrt(3) u of either's length, and once more sqrt(3) of the former's.
+// The error of a ray's end point in addition to the caster's own bound. It changes the range by this error divided by
+// the cosine of incidence. An origin is transformed to the world as a sum of three products and the sensor's position,
+// with an error of 4 u of each component (u = 2^-53). This gives 4 sqrt(3) u of the length of either vector, and
+// another sqrt(3) u of the length of the former.
 double displacement_m(const ScanContext& moment, const BeamRay& ray, double range_m) {
   constexpr double kPlacing = 12 * 0x1p-53;
   const double placed_m =
@@ -23,7 +24,7 @@ double displacement_m(const ScanContext& moment, const BeamRay& ray, double rang
   return placed_m + ray.origin_error_m + ray.error_rad * range_m;
 }
 
-// What lies beyond the range within which the receiver listens counts only where there is nothing else.
+// Keeps the echoes beyond the receiver's range only if there are no nearer ones.
 void listen_until(double range_max_m, std::vector<Echo>& echoes) {
   const auto beyond = std::ranges::upper_bound(echoes, range_max_m, {}, &Echo::range_m);
   if (beyond != echoes.begin()) echoes.erase(beyond, echoes.end());
@@ -51,7 +52,7 @@ std::span<const Echo> TracedScan::trace(const ScanContext& moment, const DrawLis
   return detected_;
 }
 
-// One stretch of every ray.
+// Casts one segment of every ray.
 void TracedScan::follow(const ScanContext& moment, const DrawList& list, RayCaster& caster) {
   cast(moment.world_from_sensor, caster);
   onward_.clear();

@@ -1,5 +1,5 @@
-// The beams of a scan followed one by one, for effects that a range alone does not show: where they go, what they meet,
-// how much comes back.
+// Follows the beams of a scan one by one, for effects that need more than a range: directions, surfaces and returned
+// power.
 #pragma once
 
 #include <cstdint>
@@ -12,18 +12,18 @@
 
 namespace simvis {
 
-/// How often a ray may be turned or let through; what goes on after that returns nothing.
+/// The largest number of reflections and transmissions of a ray; light that continues after that returns nothing.
 inline constexpr std::uint32_t kMaxTurns = 16;
 
 class TracedScan {
  public:
-  /// `directions` of the beams, unit vectors in the sensor frame; the effects must live as long.
+  /// `directions` of the beams are unit vectors in the sensor frame. The effects must outlive this object.
   TracedScan(std::vector<glm::dvec3> directions, std::span<const ChosenScanEffect> effects);
 
-  /// What each beam reports, see Echo; valid until the next call. The caster's world is `list`.
+  /// Returns the reported echo of each beam; valid until the next call. The caster's world must be `list`.
   std::span<const Echo> trace(const ScanContext& moment, const DrawList& list, RayCaster& caster);
 
-  /// In the last trace().
+  /// Number of rays of the last trace().
   std::uint64_t rays() const { return rays_cast_; }
 
  private:
@@ -37,7 +37,7 @@ class TracedScan {
   double pulse_length_m_;
   std::vector<BeamRay> rays_, onward_;
   std::vector<glm::dvec3> cast_origins_m_, cast_directions_;  // of rays_
-  std::vector<double> cast_beyond_m_;                         // likewise; empty where all are 0
+  std::vector<double> cast_beyond_m_;                         // of rays_; empty if all are 0
   std::vector<RayHit> hits_;
   std::vector<std::vector<Echo>> echoes_;  // by beam
   std::vector<Echo> detected_;

@@ -13,7 +13,7 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
-// What touches the device is still seen.
+// A surface that touches the device is still visible.
 constexpr double kNear_m = 1e-3;
 
 constexpr AttributeSpec kPsdAttributes[] = {
@@ -101,8 +101,8 @@ Psd::Psd(std::string name, const PsdDesc& desc, VoltageCurve curve)
       pinhole_(centred_pinhole(desc.resolution_px, desc.resolution_px, desc.opening_rad)),
       values_{NamedValue{"range_m", kUnknown}, NamedValue{"voltage_v", kUnknown}} {}
 
-// A pass of its own: where a view lies in its target has a say in the last bit of its depth, and what else stands in
-// the scene is not to.
+// The view has a pass of its own: the last bit of its depth depends on its position in the target, and must not depend
+// on other elements of the scene.
 void Psd::plan(const glm::dmat4& world_from_sensor, const DrawList&, FramePlan& plan) {
   View view;
   view.name = name_;
@@ -123,7 +123,7 @@ void Psd::plan(const glm::dmat4& world_from_sensor, const DrawList&, FramePlan& 
   plan.passes.back().views.push_back(std::move(view));
 }
 
-// With c the cosine of a pixel's angle from the axis, its solid angle is proportional to c^3 and 1 / r = c / Z.
+// With c the cosine of a pixel's angle from the axis, its solid angle is proportional to c^3, and 1 / r = c / Z.
 double Psd::range_of(std::span<const float> depth) const {
   const double rim = std::tan(desc_.opening_rad / 2);
   double light = 0, moment = 0;

@@ -11,7 +11,7 @@ namespace simvis {
 
 namespace {
 
-// Sharp GP2Y0A21YK0F, read off the typical curve of its datasheet (white paper): the peak at 6 cm, then the specified
+// Sharp GP2Y0A21YK0F, read from the typical curve of its data sheet (white paper): the peak at 6 cm, then the specified
 // 10 to 80 cm.
 constexpr VoltagePoint kGp2y0a21yk[] = {{0.06, 3.1}, {0.1, 2.3},  {0.15, 1.65}, {0.2, 1.3},  {0.25, 1.08}, {0.3, 0.92},
                                         {0.4, 0.74}, {0.5, 0.60}, {0.6, 0.51},  {0.7, 0.45}, {0.8, 0.40}};

@@ -1,4 +1,4 @@
-// Where a beam meets the depth pixels of a virtual camera.
+// The position of a beam among the depth pixels of a virtual camera.
 #pragma once
 
 #include <cstdint>
@@ -10,16 +10,16 @@
 
 namespace simvis {
 
-/// One virtual camera of at most 90 degrees by 90 degrees, cut down to the pixels that its beams need.
+/// One virtual camera of at most 90 degrees by 90 degrees, cropped to the pixels that its beams need.
 struct ScanFace {
   glm::dmat3 face_from_sensor{1.0};  ///< rotation; the face's frame is x right, y down, z forward
   Pinhole pinhole;                   ///< fx = fy, or fy = kRowsPerPixel fx
   std::uint32_t width_px = 0, height_px = 0;
   std::uint32_t beams = 0;
-  std::shared_ptr<const std::vector<std::uint32_t>> columns;  ///< ascending: those that its beams' neighbourhoods have
+  std::shared_ptr<const std::vector<std::uint32_t>> columns;  ///< ascending; columns of the beams' neighbourhoods
 };
 
-/// Where a beam meets the pixel grid of its face: between the centres of pixels (x, y) and (x + 1, y + 1).
+/// The position of a beam in the pixel grid of its face: between the centres of pixels (x, y) and (x + 1, y + 1).
 struct BeamTap {
   std::uint32_t face = 0;
   std::uint32_t x = 0, y = 0;
@@ -28,7 +28,7 @@ struct BeamTap {
   double ray_per_depth = 1;               ///< range along the ray = ray_per_depth * depth along Z
 };
 
-/// Pixels kept around the outermost beams, so that each beam has its neighbourhood: 2 before its pixel, 3 after.
+/// Pixels kept around the outermost beams, so that each beam has its neighbourhood: 2 before its pixel and 3 after it.
 inline constexpr int kPixelsBefore = 2, kPixelsAfter = 3;
 
 }  // namespace simvis

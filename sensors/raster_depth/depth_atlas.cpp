@@ -7,13 +7,14 @@ namespace simvis {
 
 namespace {
 
-// Within what every Vulkan device with 4096-pixel targets or larger gives; a taller atlas goes on in the next.
+// Every Vulkan device with 4096-pixel targets or larger supports this height; a taller atlas continues in the next
+// pass.
 constexpr std::uint32_t kMaxHeight = 4096;
 
 }  // namespace
 
 AtlasPlace place_in_depth_atlas(FramePlan& plan, const std::string& sensor, View view) {
-  const std::string name = sensor + ".depth";  // no sensor's name, and so no camera's pass, holds a point
+  const std::string name = sensor + ".depth";  // sensor names contain no point, so no camera's pass has this name
   auto pass = std::ranges::find_if(
       plan.passes, [&](const Pass& p) { return p.name == name && p.height_px + view.height_px <= kMaxHeight; });
   if (pass == plan.passes.end()) {

@@ -1,7 +1,8 @@
-// One depth target for all strips of a sensor: one render pass.
+// The depth atlas: one depth target and one render pass for all faces of a sensor.
 //
-// A rasteriser counts pixels from the corner of its target, and rounds as it does: what a view shows depends, in its
-// last bits, on where it lies there. So sensors do not share a target: what one measures would change with the others.
+// A rasteriser counts pixels from the corner of its target and rounds pixel coordinates: the last bits of a view depend
+// on its position in the target. Sensors therefore do not share a target, so that the measurement of one sensor does
+// not change with the others.
 #pragma once
 
 #include <cstddef>
@@ -14,13 +15,14 @@
 
 namespace simvis {
 
-/// Where a view's pixels will lie.
+/// The position of a view's pixels in the plan.
 struct AtlasPlace {
   std::size_t pass = 0, view = 0;
   std::uint32_t x_px = 0, y_px = 0;
 };
 
-/// Puts a view (its size set, its place not) below those that the plan's depth atlas of this sensor already has.
+/// Places a view (with its size set and its position not) below the views that the plan's depth atlas of this sensor
+/// already has.
 AtlasPlace place_in_depth_atlas(FramePlan& plan, const std::string& sensor, View view);
 
 }  // namespace simvis

@@ -12,40 +12,41 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kFloatUnit = 0x1p-24;
 
-// Second differences of three pixels of one plane are at most this many times the error of each: above it, they are not
-// of one plane.
+// The second difference of three pixels of one plane is at most this many times the error of each; pixels with a larger
+// one do not lie on one plane.
 constexpr double kPossible = 4;
 
-// Up to this many times the error they are taken for those of one plane. What that lets through is in the bound, so
-// this is a choice: a larger one interpolates where small bevels may hide, a smaller one calls more beams uncertain.
+// Three pixels with a second difference up to this many times the error are treated as one plane. The bound contains
+// the possible deviation, so this value is a trade-off: a larger one interpolates where small bevels may hide, a
+// smaller one makes more beams uncertain.
 constexpr double kBelieved = 0.5;
 
 // A surface around one corner of the beam's cell: w = w0 + gx (x - corner) + gy (y - corner).
 struct Plane {
-  double x = 0, y = 0;  // the corner, in pixels from the tap's
+  double x = 0, y = 0;  // the corner, in pixels from the tap's pixel
   double w0 = 0, gx = 0, gy = 0;
-  double noise = 0;           // bound on the error of each w that it was taken from
-  double believed_noise = 0;  // what that is if the whole cell shows one surface
+  double noise = 0;           // bound on the error of each w from which the plane was computed
+  double believed_noise = 0;  // the same bound if the whole cell shows one surface
   bool flat = false;
 
   double at(double px, double py) const { return w0 + gx * (px - x) + gy * (py - y); }
 };
 
-// Where a beam lies between two pixels of a line, 0 and 1, and on which side of them it may seem to lie.
+// The position of a beam between the pixels 0 and 1 of a line, and the sides of them on which it may appear to lie.
 struct Place {
   double fraction = 0;
-  bool below = false, above = false;  // so near to pixel 0 or 1 that it may belong before or beyond it
-  bool lost = false;                  // edges may be off by whole pixels
+  bool below = false, above = false;  // so near to pixel 0 (1) that it may lie before (beyond) it
+  bool lost = false;                  // edges may be off by one pixel or more
 
-  // How far it may lie from the nearest pixel of its own surface.
+  // The largest distance to the nearest pixel of its own surface.
   double distance() const {
     if (below) return 1 + fraction;
     return above ? 2 - fraction : std::max(fraction, 1 - fraction);
   }
 };
 
-// Whether pixels 0 and 1 of a line pass for one surface, and how far the w interpolated between them may be off from
-// any other surface that the line allows for, from the second differences at pixels -1, 0, 1 and 2.
+// States whether pixels 0 and 1 of a line agree with one surface, and how far the interpolated w may be off from any
+// other surface that the line allows, from the second differences at pixels -1, 0, 1 and 2.
 struct Line {
   bool straight = false;
   double doubt = 0;
@@ -56,7 +57,8 @@ Line judge(const std::array<double, 4>& differences, double noise, double believ
   const auto believed = [&](double difference) { return std::abs(difference) <= kBelieved * believed_noise; };
   const auto possible = [&](double difference) { return std::abs(difference) <= kPossible * noise; };
   Line line{believed(first) || believed(second)};
-  // A surface that ends at pixel 0, or begins at pixel 1, is one that pixels before, or beyond, are in line for.
+  // A surface that ends at pixel 0 is in line with the pixels before it, and one that begins at pixel 1 with the pixels
+  // beyond it.
   if (possible(before) || place.below) {
     line.straight = line.straight && believed(first);
     line.doubt = place.fraction * std::abs(first);
@@ -65,7 +67,7 @@ Line judge(const std::array<double, 4>& differences, double noise, double believ
     line.straight = line.straight && believed(second);
     line.doubt = std::max(line.doubt, (1 - place.fraction) * std::abs(second));
   }
-  // It may even end before pixel 0, or begin beyond pixel 1.
+  // A surface may even end before pixel 0, or begin beyond pixel 1.
   if (place.below) {
     line.straight = line.straight && believed(before);
     line.doubt += (1 + place.fraction) * std::abs(before);
@@ -106,7 +108,7 @@ class Cell {
   bool lost() const { return place_x_.lost || place_y_.lost; }
   bool beside_a_centre() const { return place_x_.below || place_x_.above || place_y_.below || place_y_.above; }
 
-  // Nothing is seen at the beam, nor just beyond a pixel's centre that it may lie on either side of.
+  // True if nothing is hit at the beam, nor just beyond a pixel's centre on either side of which the beam may lie.
   bool empty() const {
     for (int y = place_y_.below ? -1 : 0; y <= (place_y_.above ? 2 : 1); ++y) {
       for (int x = place_x_.below ? -1 : 0; x <= (place_x_.above ? 2 : 1); ++x) {
@@ -116,13 +118,13 @@ class Cell {
     return true;
   }
 
-  // Bilinear: weights that are never negative and sum to 1 do not enlarge the pixels' errors.
+  // Bilinear interpolation: the weights are not negative and sum to 1, so they do not enlarge the pixels' errors.
   double interpolated() const {
     const double fx = tap_.fraction_x, fy = tap_.fraction_y;
     return (1 - fy) * ((1 - fx) * at(0, 0) + fx * at(1, 0)) + fy * ((1 - fx) * at(0, 1) + fx * at(1, 1));
   }
 
-  // How far the pixels around differ from w at the most.
+  // The largest difference of the surrounding pixels from w.
   double relief(double w) const {
     double relief = 0;
     for (int y = -kPixelsBefore; y <= kPixelsAfter; ++y) {
@@ -131,21 +133,22 @@ class Cell {
     return relief;
   }
 
-  // A surface that all pixels of the cell show counts at the range of each, so its displacement is the least found
-  // there. Where they show several, each has its own, and that of a far one must not make a step look like a plane.
+  // If all pixels of the cell show one surface, it has one displacement at the range of each pixel, so the smallest of
+  // them bounds it. If they show several surfaces, each has its own displacement, and that of a far surface must not
+  // make a step look like a plane.
   double noise(double w, double gx, double gy) const { return noise(w, gx, gy, max_displacement_m_); }
   double believed_noise(double w, double gx, double gy) const { return noise(w, gx, gy, min_displacement_m_); }
 
-  // The error of each pixel on a plane with these gradients that has w in the cell.
+  // The error of each pixel on a plane with these gradients and with this w in the cell.
   double noise(double w, double gx, double gy, double displacement_m) const {
     const double ax = std::abs(gx), ay = std::abs(gy), fx = pixels_.focal_x_px, fy = pixels_.focal_y_px;
-    const double farthest = w + 3 * (ax + ay);  // of the pixels around
+    const double farthest = w + 3 * (ax + ay);  // of the surrounding pixels
     const double to_middle_x = pixels_.middle_tangent_x - tap_.tangent_x;
     const double to_middle_y = pixels_.middle_tangent_y - tap_.tangent_y;
     const double middle = std::abs(w + fx * gx * to_middle_x + fy * gy * to_middle_y);
     const double vertices = farthest * displacement_m * (fx * ax * row_x_ + fy * ay * row_y_ + middle);
     const double set_up = rounding_.per_gx * ax + rounding_.per_gy * ay + rounding_.per_w * farthest;
-    // The gradients are off by 2 n each: the noise that they give is off by so many times n.
+    // The gradients are off by 2 n each, which changes the noise by this many times n.
     const double feedback = 2 * (farthest * displacement_m *
                                      (fx * (row_x_ + std::abs(to_middle_x)) + fy * (row_y_ + std::abs(to_middle_y))) +
                                  rounding_.per_gx + rounding_.per_gy);
@@ -155,7 +158,7 @@ class Cell {
   double second_difference_x(int x, int y) const { return at(x - 1, y) - 2 * at(x, y) + at(x + 1, y); }
   double second_difference_y(int x, int y) const { return at(x, y - 1) - 2 * at(x, y) + at(x, y + 1); }
 
-  // The surface at corner (x, y) in {0, 1}^2, seen from the three pixels outward from it in each direction.
+  // The surface at corner (x, y) in {0, 1}^2, from the three pixels outward from it in each direction.
   Plane outward_plane(int x, int y) const {
     const int sx = x == 0 ? -1 : 1, sy = y == 0 ? -1 : 1;
     Plane plane{static_cast<double>(x), static_cast<double>(y), at(x, y)};
@@ -170,7 +173,7 @@ class Cell {
     return plane;
   }
 
-  // Where one surface passes for the whole cell: w at the beam, and how far it may be off. Else 0 and infinity.
+  // If the whole cell agrees with one surface: w at the beam and its largest error. Otherwise 0 and infinity.
   std::pair<double, double> single_plane() const {
     const double gx = at(1, 0) - at(0, 0), gy = at(0, 1) - at(0, 0);
     const double n = noise(at(0, 0), gx, gy), believed = believed_noise(at(0, 0), gx, gy);
@@ -195,14 +198,15 @@ class Cell {
     if (lost()) return {interpolated(), kInfinity};  // the best guess
     const double far_x = place_x_.distance();
     const double far_y = place_y_.distance();
-    // Extended in both directions; inside the cell its fourth corner follows from the other three and the twist.
+    // The plane is extended in both directions; inside the cell its fourth corner follows from the other three and the
+    // twist.
     const double extended =
         std::max(far_x, far_y) <= 1 ? 1 + 2 * (far_x + far_y + far_x * far_y) : (1 + 2 * far_x) * (1 + 2 * far_y);
     return {interpolated(), extended * n + doubt_x + doubt_y + far_x * far_y * twist};
   }
 
  private:
-  // Of the surfaces that the pixels around show, in tangents: the largest.
+  // The largest displacement of the surfaces in the surrounding pixels, in tangents.
   double displacement_of_edges(const VertexRounding& rounding) const {
     double largest = 0;
     for (int x = -kPixelsBefore; x <= kPixelsAfter; ++x) {
@@ -212,8 +216,8 @@ class Cell {
     return largest;
   }
 
-  // Edges, as the rasteriser sees them, are off by what snaps and displaces their vertices: in clip x over w, of which
-  // w is displaced as well, and no more than 1 from the middle.
+  // In the rasteriser, edges are off by the snapping and the displacement of their vertices: in clip x over w, with w
+  // displaced as well, at a distance of at most 1 from the middle.
   Place place(double fraction, double focal_px, double row, double reach_px, double displacement) const {
     const double off_px = pixels_.snap_px + focal_px * displacement * (row + 1) + 2 * kFloatUnit * reach_px;
     return {fraction, fraction < off_px, 1 - fraction < off_px, off_px >= 1};
@@ -221,9 +225,9 @@ class Cell {
 
   const FacePixels& pixels_;
   const BeamTap& tap_;
-  PlaneRounding rounding_;  // of the set-up
+  PlaneRounding rounding_;  // rounding of the set-up
   static constexpr int kSide = kPixelsBefore + 1 + kPixelsAfter;
-  double w_[kSide * kSide];  // of the pixels around
+  double w_[kSide * kSide];  // of the surrounding pixels
   double max_displacement_m_ = 0, min_displacement_m_ = kInfinity;
   double row_x_ = 1, row_y_ = 1;  // lengths of the rows of clip x and y, in tangents
   Place place_x_, place_y_;
@@ -235,7 +239,7 @@ RangeEstimate to_range(double w, double w_bound, const BeamTap& tap) {
   return {range, w_bound < w ? range * w_bound / (w - w_bound) : kInfinity};
 }
 
-// The envelope of the corners' planes if they form one continuous surface, upper or lower.
+// The envelope of the corners' planes if they form one continuous upper or lower surface; otherwise a step.
 RangeEstimate crease_or_step(const Cell& cell, const BeamTap& tap, const std::array<Plane, 4>& corners) {
   const double fx = tap.fraction_x, fy = tap.fraction_y;
   bool flat = !cell.lost(), upper = true, lower = true;
@@ -252,9 +256,9 @@ RangeEstimate crease_or_step(const Cell& cell, const BeamTap& tap, const std::ar
     }
   }
   if (flat && (upper || lower)) {
-    // A plane extended over up to a pixel in each direction errs by five times the noise of the pixels that it rests
-    // on; where its first pixel is only taken for one of the surface, that pixel by 3 + kBelieved in each direction.
-    // What may hide between the pixels is taken to be no rougher than what they show all around.
+    // A plane that is extended by up to a pixel in each direction errs by five times the noise of its pixels. If its
+    // first pixel only appears to belong to the surface, that pixel errs by 3 + kBelieved in each direction. Geometry
+    // between the pixels is assumed to be no rougher than the surrounding pixels.
     constexpr double kOffPixel = 3 + kBelieved;
     const double extended = cell.beside_a_centre() ? kOffPixel * kOffPixel : 5;
     const double w = upper ? highest : lowest;
@@ -281,8 +285,8 @@ FacePixels face_pixels(const PassResult& result, const Pass& pass, const View& v
           .snap_px = result.snap_px};
 }
 
-// A surface seen at range r is displaced by at least (5 + 3 + 1) u r (see VertexRounding), and |mx| + |my| + w' is no
-// less than w. Half a pixel from the surface's last one, twice the noise.
+// A surface seen at range r is displaced by at least (5 + 3 + 1) u r (see VertexRounding), and |mx| + |my| + w' is at
+// least w. Half a pixel from the last pixel of the surface the error is twice the noise.
 double min_planar_bound() { return 2 * (9 + PlaneRounding::kValue) * kFloatUnit; }
 
 RangeEstimate planar_range(const FacePixels& pixels, const BeamTap& tap, const VertexRounding& rounding) {

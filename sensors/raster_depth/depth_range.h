@@ -1,42 +1,42 @@
-// From reversed-Z depth around a beam to its range, and how far that range may be off.
+// Computes the range of a beam and its error bound from the reversed-Z depth pixels around the beam.
 //
-// On a plane, w = 1 / z = d / near is affine in pixel coordinates. So every surface that is flat over a few pixels
-// gives its exact w anywhere between their centres, up to rounding; z and range do not have that property.
+// On a plane, w = 1 / z = d / near is affine in pixel coordinates. Every surface that is flat over a few pixels
+// therefore gives its exact w anywhere between their centres, up to rounding; z and range do not have that property.
 //
-// What is taken from the pixels. Along a line of pixels, three that lie on one surface have a second difference of w of
-// at most 4 n, where n bounds the error of each. Those differences say which surfaces there may be at the beam: ones
-// that begin or end at its left, at its right, or go on past it. If pixels beside the beam pass for one surface, and no
-// other that they allow for departs from it, w is interpolated between them. Where flat surfaces meet so that their
-// extensions cross between the pixels (a crease), their envelope is taken. Elsewhere (a step, or surfaces finer than
-// three pixels) the pixels do not say which surface the beam meets: the range is that of the surface on the beam's
-// side, the bound is infinite.
+// Use of the pixels. Three pixels in a line that lie on one surface have a second difference of w of at most 4 n, where
+// n bounds the error of each. The second differences show which surfaces can exist at the beam: surfaces that begin or
+// end to its left, to its right, or continue past it. If the pixels beside the beam agree with one surface, and no
+// other surface that the pixels allow deviates from it, w is interpolated between them. Where flat surfaces meet so
+// that their extensions cross between the pixels (a crease), their envelope is used. Elsewhere (a step, or surfaces
+// narrower than three pixels) the pixels do not determine which surface the beam hits: the range is that of the surface
+// on the beam's side, and the bound is infinite.
 //
-// What the bound speaks of. Assumed of what a beam meets, a gap that lets it pass included, is:
-//   width    It is flat over three by three pixels around or beside the beam. What is smaller may have left no trace in
+// Assumptions of the bound. The surface that a beam hits, or a gap that lets it pass, satisfies:
+//   width    It is flat over three by three pixels around or beside the beam. A smaller surface may leave no trace in
 //            the pixels.
-//   needles  No triangle that the pixels around show is a needle in the picture: see plane_rounding.h. What float32
-//            makes of the slope of one is not bounded by anything that pixels show.
-// Edges need no assumption: vertices are snapped to a grid before pixels are found that a triangle covers, and may be
-// displaced (below), so that an edge may seem to lie beyond a pixel's centre. Beams as near to a centre as that are
-// taken to be on either side of it. (In two directions, the next column there is taken to be as straight as the cell's
-// own.)
-// With that no pixels of other surfaces can mislead, in line by chance or not. The beam's own surface has at least one
-// of the two pixels beside it, and two more beyond. What the other pixel is off from its plane is a second difference,
-// which is in the bound; and where that is too large, three pixels that may be such a surface are not believed to be
-// none, unless their second difference is above what errors can make.
+//   needles  No triangle that the pixels around show is a needle in the image: see plane_rounding.h. The pixels give no
+//            bound on the float32 slope of a needle.
+// Edges need no assumption. Vertices are snapped to a grid before the rasteriser finds the pixels that a triangle
+// covers, and they may be displaced (below), so an edge may appear on the wrong side of a pixel's centre. A beam within
+// that distance of a centre is treated as lying on either side of it. (In two directions, the next column there is
+// assumed to be as straight as the cell's own column.)
+// Under these assumptions pixels of other surfaces cannot cause a wrong result, even if they lie in line by chance. The
+// beam's own surface has at least one of the two pixels beside the beam, and two more beyond. The deviation of the
+// other pixel from its plane is a second difference, which is in the bound. If that difference is too large, three
+// pixels that may be such a surface are rejected only if their second difference is larger than errors can make it.
 //
-// How far the w of a beam is off, with n the error of a pixel: where the surface covers both pixels beside it, n. Where
-// it ends between them, at a distance f of the beam from its last pixel, (1 + 2 f) n for its plane extended from its
-// last two, and f times the second difference that was found. The larger of all that the pixels allow for is taken; in
-// two directions the pixels' shares multiply.
+// Error of a beam's w, with n the error of a pixel: if the surface covers both pixels beside the beam, the error is n.
+// If it ends between them, with f the distance of the beam from its last pixel, the error is (1 + 2 f) n for the plane
+// extended from its last two pixels, plus f times the second difference that was found. The bound is the largest error
+// over all surfaces that the pixels allow; in two directions the shares of the pixels multiply.
 //
-// The error n of a pixel's w on a plane m . (x, y, z) = 1, whose gradient per pixel is g = m / focal (u = 2^-24):
+// Error n of a pixel's w on a plane m . (x, y, z) = 1, whose gradient per pixel is g = m / focal (u = 2^-24):
 //   vertices   A vertex reaches the rasteriser displaced by at most e in each clip coordinate (see VertexRounding), so
-//              at each point of a triangle its plane is displaced by as much. Rows of clip x and y hold a share h of z,
-//              the tangent of the view's middle: dw = w e (|mx| sqrt(1 + hx^2) + |my| sqrt(1 + hy^2) + w'), w' the w of
-//              the plane in the view's middle.
+//              each point of a triangle displaces its plane by as much. The rows of clip x and y contain a share h of
+//              z, the tangent of the view's middle: dw = w e (|mx| sqrt(1 + hx^2) + |my| sqrt(1 + hy^2) + w'), with w'
+//              the w of the plane in the view's middle.
 //   set-up     See plane_rounding.h: evaluation, slope and snapping.
-// Gradients are themselves taken from pixels, so that they are off by 2 n per pixel: what that adds to n is in it.
+// The gradients are taken from pixels, so they are off by 2 n per pixel; n includes the effect of that.
 #pragma once
 
 #include <cstdint>
@@ -48,34 +48,35 @@
 
 namespace simvis {
 
-/// The pixels of one face, as the renderer left them.
+/// The pixels of one face, as rendered.
 struct FacePixels {
-  const float* depth = nullptr;  ///< first pixel of the face; d = near_m / z, 0 = nothing
+  const float* depth = nullptr;  ///< first pixel of the face; d = near_m / z, 0 where nothing is hit
   std::uint32_t stride_px = 0;   ///< from one row to the next
   double near_m = 0;
   double focal_x_px = 0, focal_y_px = 0;
   RasterReach reach;
-  double middle_tangent_x = 0, middle_tangent_y = 0;  ///< where the viewport's middle lies in the face
+  double middle_tangent_x = 0, middle_tangent_y = 0;  ///< position of the viewport's middle in the face
   double snap_px = 0;                                 ///< see PassResult
 };
 
-/// Of a view of a pass.
+/// The pixels of one view of a pass.
 FacePixels face_pixels(const PassResult& result, const Pass& pass, const View& view);
 
-/// A range along the ray with its bound, in metres; +infinity for a range that does not exist.
+/// A range along the ray with its bound, in metres; the range is +infinity where nothing is hit.
 struct RangeEstimate {
   double range_m = 0;
   double error_bound_m = 0;
 };
 
-/// Linear in w on one surface; the envelope at a crease; the surface on the beam's side at a step.
+/// Interpolates linearly in w on one surface; takes the envelope at a crease, and the surface on the beam's side at a
+/// step.
 RangeEstimate planar_range(const FacePixels& pixels, const BeamTap& tap, const VertexRounding& rounding);
 
-/// No bound that planar_range() gives a finite range is below this share of it.
+/// The smallest bound of planar_range(), as a share of a finite range.
 double min_planar_bound();
 
-/// The range of the pixel that the beam falls in, along that pixel's own ray: what other simulators report.
-/// `planar` is what planar_range() found: the bound is their difference and its bound.
+/// The range of the pixel that contains the beam, along that pixel's own ray, as other simulators report it. `planar`
+/// is the result of planar_range(): the bound is the difference to it plus its bound.
 RangeEstimate nearest_range(const FacePixels& pixels, const BeamTap& tap, const ScanFace& face,
                             const RangeEstimate& planar);
 

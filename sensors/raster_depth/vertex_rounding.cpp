@@ -17,14 +17,14 @@ namespace {
 
 constexpr double kFloatRounding = 0x1p-24, kDoubleUnit = 0x1p-53;
 constexpr double kTransform = 5, kCuts = 3;
-// Three matrix products (world, view, clip), four roundings an entry each.
+// Three matrix products (world, view, clip) with four roundings per entry each.
 constexpr double kDoubleRoundings = 3 * 4;
 
-// Four bins an octave, from 2^-12 m (0.2 mm) to 2^12 m: exponent and two leading bits of the float.
+// Four bins per octave, from 2^-12 m (0.2 mm) to 2^12 m: the exponent and the two leading bits of the float.
 constexpr auto kShift = 21;
 constexpr int kFirst = std::bit_cast<std::int32_t>(0x1p-12f) >> kShift;
 
-// At most the distance of a box about `centre` from the origin; its axes are the columns of `m`, half as long as it.
+// A lower bound on the distance of a box at `centre` from the origin; the columns of `m` are its half axes.
 double distance_of_box(const glm::dvec3& centre, const glm::dmat3& m) {
   const glm::dvec3 half = lengths_of(m);
   const double distance = glm::length(centre), radius = glm::length(half);
@@ -35,7 +35,7 @@ double distance_of_box(const glm::dvec3& centre, const glm::dmat3& m) {
   return beyond - 4 * kOrthogonal * (distance + radius);
 }
 
-// To look at all of so few costs less than to look for some.
+// For lists up to this size, computing all bins at once is cheaper than searching.
 constexpr std::size_t kFew = 128;
 
 }  // namespace
@@ -55,10 +55,10 @@ const std::array<double, VertexRounding::kBins>& VertexRounding::upper_limits() 
   return limits;
 }
 
-/// What counts of an item, or at least as much as counts of any item of several.
+/// The quantities of one item that determine its displacement, or upper bounds on them for several items.
 struct VertexRounding::Reach {
   ItemExtent extent;
-  double distance_m = 0;                 // of the mesh's origin
+  double distance_m = 0;                 // distance of the mesh's origin
   double nearest_m = 0, farthest_m = 0;  // of the mesh
   int first_bin = 0, last_bin = 0;
 
@@ -66,11 +66,11 @@ struct VertexRounding::Reach {
     first_bin = bin(std::max(nearest_m, 0x1p-12) * (1 - 1e-6));
     last_bin = bin(farthest_m * (1 + 1e-6));
   }
-  // Grows with each of the above.
+  // Increases with each of the members above.
   double displacement_m(double limit_m) const {
     const double reach = extent.reach_m, edge = extent.edge_m;
     const double offset = extent.away_m + distance_m + reach;
-    const double corner = std::min(limit_m + edge, farthest_m);  // of a triangle that is seen there
+    const double corner = std::min(limit_m + edge, farthest_m);  // farthest corner of a triangle that is seen there
     return kFloatRounding * (kTransform * (std::min(reach, corner + distance_m) + distance_m) +
                              kCuts * (2 * edge + corner) + corner) +
            kDoubleRoundings * kDoubleUnit * offset;
@@ -112,9 +112,9 @@ VertexRounding::Reach VertexRounding::reach_of(const DrawList& list, std::uint32
   return reach;
 }
 
-// The middle of an item's box, and so of its mesh's, lies in the node's; the mesh's origin is no farther from it than
-// the farthest corner is from the origin. kOrthogonal allows distance_of_box() four times itself, and its own sums as
-// much again; the rest is for what rounds in double.
+// The middle of an item's box, and so of its mesh's box, lies in the box of the node. The mesh's origin is no farther
+// from the middle than the farthest corner is from the origin. distance_of_box() subtracts 4 kOrthogonal; the tolerance
+// here covers this, the same amount again for its own sums, and a rest for rounding in double.
 VertexRounding::Reach VertexRounding::reach_of_node(const ItemIndex& index, std::uint32_t node) const {
   constexpr double kRoom = 1e-9, kPlaceRoom = 1e-14;
   const BvhNode& box = index.tree().nodes[node];
@@ -132,7 +132,8 @@ VertexRounding::Reach VertexRounding::reach_of_node(const ItemIndex& index, std:
   return reach;
 }
 
-// Goes to the node that promises most, and leaves out those that promise no more than what has been found.
+// Visits the node with the largest upper bound first, and skips nodes whose bound is no larger than the displacement
+// found so far.
 void VertexRounding::find(int bin) const {
   SIMVIS_ASSERT(list_->changes.version() == version_);
   const ItemIndex& index = *index_of(*list_);

@@ -1,4 +1,4 @@
-// The scenes of benchmarks are what they say: as many triangles, closed rooms, the same surfaces when cut finer.
+// Tests of the benchmark scenes: number of triangles, closed rooms, and unchanged surfaces after subdivision.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -41,8 +41,8 @@ TEST_CASE("a lab has as many triangles as asked for, and no hole") {
     Simulation simulation = Simulation::load(write_lab(folder.path(), asked, kLidar));
     drive_lab(simulation, 40);
     simulation.step();
-    // A box of t triangles has sqrt(t / 12) cells along an edge, rounded: by half a cell at the most. Spheres and
-    // cylinders have finer grids. 200 items at the most, nine tenths of the triangles.
+    // A box of t triangles has sqrt(t / 12) cells along an edge, rounded by at most half a cell. Spheres and cylinders
+    // have finer grids. There are at most 200 items with nine tenths of the triangles.
     const double per_item = 0.9 * static_cast<double>(asked) / std::min(200.0, static_cast<double>(asked) / 45);
     const double cells = std::sqrt(per_item / 12);
     const double most = std::pow(1 + 0.5 / cells, 2), least = std::pow(1 - 0.5 / cells, 2);
@@ -101,8 +101,8 @@ TEST_CASE("a part that is cut finer has the same surface") {
   CHECK(triangles == 12);
   CHECK(finer == triangles * kParts * kParts);
   REQUIRE(ranges_m.size() == finer_m.size());
-  // A new vertex is rounded by half an ulp of each coordinate, 2^-24 of at most 2.05 m, and so may its plane be; seen
-  // from near the middle, no wall is met more than 80 degrees off its normal. The range is rounded too, likewise.
+  // A new vertex is rounded by half an ulp of each coordinate, 2^-24 of at most 2.05 m, and so may its plane be. From
+  // near the middle, no wall is hit more than 80 degrees off its normal. The range is rounded as well.
   const double vertex_m = std::sqrt(3.0) * 0x1p-24 * 2.05, slant = 1 / std::cos(80 * 3.14159 / 180);
   for (std::size_t i = 0; i < ranges_m.size(); ++i) {
     CHECK(std::abs(ranges_m[i] - finer_m[i]) <= vertex_m * slant + 0x1p-23 * ranges_m[i]);
