@@ -1,9 +1,7 @@
-#include <simvis/sensor_preset.h>
+#include <simvis/sensor.h>
 
 #include <algorithm>
 #include <vector>
-
-#include <simvis/sensor.h>
 
 namespace simvis {
 

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include <simvis/stage_time.h>
+#include <simvis/step_costs.h>
 #include "engine/base/now_ns.h"
 
 namespace simvis {

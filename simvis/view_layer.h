@@ -9,7 +9,7 @@
 #include <simvis/device.h>
 #include <simvis/frame_plan.h>
 #include <simvis/ray_caster.h>
-#include <simvis/sensor_cost.h>
+#include <simvis/step_costs.h>
 #include "engine/render/renderer.h"
 #include "scenegraph/flattener.h"
 #include "simvis/scene_builder.h"

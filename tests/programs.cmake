@@ -72,7 +72,8 @@ else()
   target_include_directories(simvis_public_test_objects PRIVATE ${PROJECT_SOURCE_DIR})
   target_link_libraries(simvis_public_test_objects PUBLIC simvis nlohmann_json::nlohmann_json PkgConfig::stb)
   target_compile_definitions(simvis_public_test_objects
-    PRIVATE SIMVIS_SOURCE_DIR="${PROJECT_SOURCE_DIR}" SIMVIS_BINARY_DIR="${PROJECT_BINARY_DIR}")
+    PRIVATE SIMVIS_SOURCE_DIR="${PROJECT_SOURCE_DIR}" SIMVIS_BINARY_DIR="${PROJECT_BINARY_DIR}"
+            SIMVIS_TEST_DATA="${SIMVIS_TEST_DATA}")
   set(public_objects simvis_public_test_objects)
 endif()
 target_link_libraries(public_tests PRIVATE $<LINK_LIBRARY:WHOLE_ARCHIVE,${public_objects}> simvis Threads::Threads ${CMAKE_DL_LIBS})

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include <simvis/frame_plan.h>
-#include <simvis/target_limits.h>
 
 namespace simvis {
 

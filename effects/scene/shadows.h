@@ -21,7 +21,6 @@
 
 #include <simvis/draw_list.h>
 #include <simvis/frame_plan.h>
-#include <simvis/target_limits.h>
 
 namespace simvis {
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include <simvis/frame_plan.h>
 #include <simvis/progress.h>
-#include <simvis/target_limits.h>
 
 namespace simvis {
 

@@ -12,8 +12,7 @@
 #include <simvis/frame_plan.h>
 #include <simvis/frame_results.h>
 #include <simvis/ray_caster.h>
-#include <simvis/sensor_cost.h>
-#include <simvis/stage_time.h>
+#include <simvis/step_costs.h>
 
 namespace simvis {
 

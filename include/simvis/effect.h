@@ -18,7 +18,6 @@
 #include <simvis/attributes.h>
 #include <simvis/draw_list.h>
 #include <simvis/frame_plan.h>
-#include <simvis/target_limits.h>
 #include <simvis/version.h>
 
 namespace simvis {

@@ -11,6 +11,14 @@
 
 namespace simvis {
 
+/// The limits of a device's render targets.
+struct TargetLimits {
+  std::uint32_t width_px = 0,       ///< largest width of a target
+      height_px = 0;                ///< largest height of a target
+  std::vector<std::uint32_t> msaa;  ///< supported numbers of colour samples per pixel, ascending: always 1, and those
+                                    ///< of 2, 4 and 8 that the device has
+};
+
 /// A pinhole camera in pixels: a point (x, y, z) of the view frame is seen at pixel
 /// (cx + fx x / z, cy + fy y / z), where pixel (0, 0) has its centre at (0.5, 0.5).
 struct Pinhole {

@@ -49,7 +49,7 @@ struct OwnPart {
 /// Threads   one thread at a time.
 class Scene {
  public:
-  Scene();                       ///< ROOT alone
+  Scene();                             ///< ROOT alone
   Scene(Scene&&) noexcept;             ///< the other may only be assigned to or destroyed
   Scene& operator=(Scene&&) noexcept;  ///< the other may only be assigned to or destroyed
   ~Scene();

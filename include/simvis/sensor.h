@@ -24,13 +24,42 @@
 #include <simvis/image.h>
 #include <simvis/ray_caster.h>
 #include <simvis/scan.h>
-#include <simvis/sensor_preset.h>
-#include <simvis/target_limits.h>
 #include <simvis/version.h>
 
 namespace simvis {
 
 class Device;
+
+struct SensorType;
+
+/// One attribute of a preset.
+struct PresetAttribute {
+  std::string_view name,  ///< as in a command
+      value;              ///< as in a command
+};
+
+/// A device, as attributes of a sensor type. The strings live as long as the type.
+struct SensorPreset {
+  std::string_view name;                        ///< the value of the attribute `preset`: "sick_lms200"
+  std::string_view summary;                     ///< the device, and which of its settings
+  std::string_view source;                      ///< data sheets: title, revision, place in it
+  std::span<const PresetAttribute> attributes;  ///< its attributes
+};
+
+/// The row `preset`, for the table of a sensor type that has presets.
+inline constexpr AttributeSpec kPresetAttribute{
+    .name = "preset",
+    .kind = AttributeKind::text,
+    .text = "a device, see below, whose values hold for attributes that are not given; default: none"};
+
+/// Expands the attribute `preset`: the result has the preset's attributes where the command does not write them itself,
+/// with the place of `preset`, and has no attribute `preset`.
+///
+/// Errors   InputError at the attribute if the type has no preset of that name.
+Command with_preset(Command command, const SensorType& type);
+
+/// The presets of a type as `--describe` prints them; empty if it has none.
+std::string describe_presets(const SensorType& type);
 
 /// One column of a table that a sensor writes. A value that is NaN is printed as an empty cell.
 struct TableColumn {
@@ -99,8 +128,9 @@ class Sensor {
   /// Throws InputError, with the place, if the device cannot do what the sensor's command requests.
   virtual void check(const TargetLimits&) const {}
 
-  /// Called once before the first plan(), if the type has measure_costs. A sensor that selects a method by predicted cost keeps the function and calls
-  /// it when it needs the costs; the first call measures the device unless a file holds its costs.
+  /// Called once before the first plan(), if the type has measure_costs. A sensor that selects a method by predicted
+  /// cost keeps the function and calls it when it needs the costs; the first call measures the device unless a file
+  /// holds its costs.
   virtual void use_cost_model(const std::function<const CostModel&()>&) {}
 
   /// Decides whether frames can be skipped, see Simulation::skip_frame().

@@ -9,7 +9,6 @@
 #include <simvis/frame_plan.h>
 #include <simvis/frame_results.h>
 #include <simvis/image.h>
-#include <simvis/target_limits.h>
 
 namespace simvis {
 

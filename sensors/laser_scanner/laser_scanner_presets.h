@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include <simvis/sensor_preset.h>
+#include <simvis/sensor.h>
 
 namespace simvis {
 

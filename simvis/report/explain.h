@@ -7,7 +7,7 @@
 #include <simvis/frame_costs.h>
 #include <simvis/frame_plan.h>
 #include <simvis/frame_results.h>
-#include <simvis/sensor_cost.h>
+#include <simvis/step_costs.h>
 
 namespace simvis {
 

@@ -11,8 +11,8 @@
 #include <simvis/frame_costs.h>
 #include <simvis/frame_plan.h>
 #include <simvis/frame_results.h>
-#include <simvis/sensor_cost.h>
 #include <simvis/simulation.h>
+#include <simvis/step_costs.h>
 #include "simvis/output/atomic_file.h"
 
 namespace simvis {

@@ -87,8 +87,7 @@ const std::map<std::string, std::string, std::less<>> kPublic = [] {
     for (const char* name : names) rooms[name] = room;
   };
   add("engine/base", {"error", "philox", "progress", "version"});
-  add("engine/draw",
-      {"draw_list", "draw_list_delta", "frame_costs", "frame_plan", "frame_results", "mesh", "target_limits"});
+  add("engine/draw", {"draw_list", "draw_list_delta", "frame_costs", "frame_plan", "frame_results", "mesh"});
   add("engine/vulkan", {"device"});
   add("engine/raycast", {"cost_model", "ray_caster", "surface_point"});
   add("scenegraph/language", {"attributes", "command", "location", "pose"});
@@ -98,9 +97,9 @@ const std::map<std::string, std::string, std::less<>> kPublic = [] {
   add("effects", {"effect"});
   add("effects/camera", {"camera_effect"});
   add("effects/scanner", {"scan_effect"});
-  add("sensors", {"sensor", "sensor_preset"});
-  add("simvis", {"diagnostics", "parameters", "plugin", "sensor_cost", "sensor_info", "simulation", "simulation_desc",
-                 "stage_time", "trajectory"});
+  add("sensors", {"sensor"});
+  add("simvis", {"diagnostics", "parameters", "plugin", "step_costs", "sensor_info", "simulation", "simulation_desc",
+                 "trajectory"});
   return rooms;
 }();
 

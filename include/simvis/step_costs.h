@@ -1,10 +1,19 @@
-// The host cost of one sensor's own work, in instrumented simulations. Plain data.
+// The time that the parts of a step took: its stages, and the work of each sensor.
 #pragma once
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 namespace simvis {
+
+/// One stage of a step, on the steady clock. "render" ends when the GPU has finished and host-only ray casts are
+/// complete; with step_async() it includes what the caller did between the two halves.
+struct StageTime {
+  std::string_view name;      ///< "elements", "flatten", "plan", "render", "collect" or "visualization"
+  std::int64_t start_ns = 0,  ///< begin of the stage
+      end_ns = 0;             ///< end of the stage
+};
 
 /// The host cost of one sensor in one frame. Times are of the steady clock, in ascending order.
 struct SensorCost {
