@@ -10,7 +10,8 @@
 // Marks a function that is compiled once for machines with AVX2 and once for all others; the version is selected when
 // the program starts. With the address sanitizer there is only the version for all others, so that tests cover it on
 // every machine.
-#if defined(__x86_64__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
+// With the thread sanitizer too: the choice at the start of the program would run before the sanitizer is ready.
+#if defined(__x86_64__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define SIMVIS_FOR_EACH_MACHINE __attribute__((target_clones("avx2", "default")))
 #else
 #define SIMVIS_FOR_EACH_MACHINE

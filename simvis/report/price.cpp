@@ -14,7 +14,6 @@ namespace simvis {
 namespace {
 
 constexpr double kSamePrice = 1.05;
-constexpr double kNone = VariantPrice::kNone;
 
 using SteadyClock = std::chrono::steady_clock;
 

@@ -13,6 +13,7 @@
 #include "engine/render/renderer.h"
 #include "tests/hard_cases/committed_errors.h"
 #include "tests/support/reference_directions.h"
+#include "tests/support/tested_build.h"
 
 namespace simvis {
 
@@ -71,6 +72,9 @@ constexpr double kHalfUlp = 0x1p-24;
 
 void check_committed(const std::string& name, const std::string& method, const HardResult& result,
                      const CommittedError& committed) {
+  // The committed errors are those of all beams. With the sanitizers a case has a tenth of them, which lie elsewhere in
+  // the scanner's depth images, and only its bounds are checked.
+  if (sanitized()) return;
   CAPTURE(name);
   CAPTURE(method);
   CHECK(result.worst_error_rel <= kOfCommitted * std::max(committed.error_rel, kHalfUlp));

@@ -134,7 +134,7 @@ std::vector<Mesh> convert_mesh(AssimpFile& file, const aiMesh& source) {
   for (const Topology topology : {Topology::triangles, Topology::lines, Topology::points}) {
     builders[static_cast<std::size_t>(topology)] = MeshBuilder(source.mName.C_Str(), topology);
   }
-  auto& [triangles, lines, points] = builders;
+  MeshBuilder &triangles = builders[0], &lines = builders[1], &points = builders[2];
   bool is_bare = false;
   const auto add_face = [&](const Corners& corners) {
     for (const Vertex& corner : corners) is_bare = is_bare || corner.attributes.normal == glm::vec3(0);
