@@ -23,6 +23,25 @@ std::string formatted(const char* format, Values... values) {
   return text;
 }
 
+/// A share that is not 0 never reads as 0.
+std::string beams_text(double share) {
+  if (share >= 0.01) return formatted("%.2g %% of the beams", 100 * share);
+  return share > 0 ? formatted("1 in %.0f beams", 1 / share) : "no beam";
+}
+
+/// Beams without an error bound, such as those at silhouettes, are listed apart: a few of them hit another surface.
+std::string errors_text(const ScannerPrice& price, const VariantPrice& variant) {
+  std::string text;
+  if (variant.unbounded_share < 1) text += formatted(", error up to %.1e m", bounded_error_m(price, variant));
+  if (variant.unbounded_share > 0) {
+    text += ", no bound for " + beams_text(variant.unbounded_share);
+    if (!std::isnan(variant.unbounded_difference_m)) {
+      text += formatted(" (error up to %.1e m)", variant.unbounded_difference_m);
+    }
+  }
+  return text + ", wrong hit or miss for " + beams_text(variant.wrong_kind_share);
+}
+
 /// Counts the scanners that measured in the last step and their beams. Only scanners were enabled in that step.
 void take_set(const Simulation& simulation, RunSummary& summary) {
   summary.scanners = simulation.measured().size();
@@ -94,10 +113,8 @@ RunSummary summarize(Simulation simulation, const SummaryDesc& desc) {
   return summary;
 }
 
-double largest_error_m(const ScannerPrice& price, const VariantPrice& variant) {
-  double error_m = std::fmax(variant.difference_largest_m, variant.unbounded_difference_m);
-  const VariantPrice& exact = price.variants.back();
-  return std::fmax(error_m, exact.bound_largest_m);
+double bounded_error_m(const ScannerPrice& price, const VariantPrice& variant) {
+  return std::fmax(variant.difference_largest_m, price.variants.back().bound_largest_m);
 }
 
 std::string to_text(const RunSummary& summary) {
@@ -115,8 +132,8 @@ std::string to_text(const RunSummary& summary) {
   if (summary.price) {
     text += "what accuracy costs " + summary.price->scanner + " (--price lists more):\n";
     for (const VariantPrice& each : summary.price->variants) {
-      text += formatted("  %-8s %8.3f ms, error up to %.1e m, wrong hit or miss %.2g %%\n", each.variant.method.c_str(),
-                        each.median_ms, largest_error_m(*summary.price, each), 100 * each.wrong_kind_share);
+      text += formatted("  %-8s %8.3f ms", each.variant.method.c_str(), each.median_ms) +
+              errors_text(*summary.price, each) + "\n";
     }
   }
   std::string files;

@@ -39,8 +39,9 @@ struct RunSummary {
 /// switched off are left out.
 RunSummary summarize(Simulation simulation, const SummaryDesc& desc);
 
-/// The largest error of a variant in metres: its largest difference to `raycast`, but at least the bound of `raycast`.
-double largest_error_m(const ScannerPrice& price, const VariantPrice& variant);
+/// The largest error in metres of the beams for which a variant has a finite error bound: their largest difference to
+/// `raycast`, but at least the bound of `raycast`.
+double bounded_error_m(const ScannerPrice& price, const VariantPrice& variant);
 
 /// The summary as lines, each with a line end.
 std::string to_text(const RunSummary& summary);

@@ -58,7 +58,7 @@ TEST_CASE("the scanners that are on, the other sensors, and the price of each me
   REQUIRE(summary.price.has_value());
   CHECK(summary.price->scanner == "LEFT");
   CHECK(methods_of(summary) == std::vector<std::string>{"nearest", "planar", "hybrid", "raycast"});
-  const auto error_m = [&](std::size_t i) { return largest_error_m(*summary.price, summary.price->variants[i]); };
+  const auto error_m = [&](std::size_t i) { return bounded_error_m(*summary.price, summary.price->variants[i]); };
   CHECK(error_m(0) > error_m(1));
   CHECK(error_m(3) > 0);  // rounding
   CHECK(error_m(1) >= error_m(3));
@@ -95,15 +95,24 @@ TEST_CASE("the lines") {
   summary.files = {"out/CAM/000000.png", "out/run.json"};
   ScannerPrice price;
   price.scanner = "FRONT";
-  price.variants = {priced("nearest", 0.5, 0.25), priced("planar", 0.5, 1e-3), priced("raycast", 0.0625, 0)};
+  price.variants = {priced("nearest", 0.5, 0.25), priced("planar", 0.5, 1e-3), priced("hybrid", 0.5, 0),
+                    priced("raycast", 0.0625, 0)};
+  // A few beams hit a surface that is far away: their share must not read as 0, and their error is not that of all
+  // beams.
+  price.variants[1].unbounded_share = 1.0 / 361;
+  price.variants[1].unbounded_difference_m = 5.8;
+  price.variants[1].wrong_kind_share = 1.0 / 5415;
+  price.variants[2].unbounded_share = 0.5;  // no reading there is a range
   summary.price = price;
   CHECK(to_text(summary) ==
         "scanners: 3 with 1083 beams together, 2.00 ms a set: 500 sets per second, 33 x 15 Hz\n"
         "cameras: 98 % of a frame of 80.0 ms\n"
         "what accuracy costs FRONT (--price lists more):\n"
-        "  nearest     0.500 ms, error up to 2.5e-01 m, wrong hit or miss 1.5 %\n"
-        "  planar      0.500 ms, error up to 1.0e-03 m, wrong hit or miss 0 %\n"
-        "  raycast     0.062 ms, error up to 2.0e-06 m, wrong hit or miss 0 %\n"
+        "  nearest     0.500 ms, error up to 2.5e-01 m, wrong hit or miss for 1.5 % of the beams\n"
+        "  planar      0.500 ms, error up to 1.0e-03 m, no bound for 1 in 361 beams (error up to 5.8e+00 m), "
+        "wrong hit or miss for 1 in 5415 beams\n"
+        "  hybrid      0.500 ms, error up to 2.0e-06 m, no bound for 50 % of the beams, wrong hit or miss for no beam\n"
+        "  raycast     0.062 ms, error up to 2.0e-06 m, wrong hit or miss for no beam\n"
         "open first: out/CAM/000000.png, out/run.json\n");
   CHECK(to_text({.files = {"out/run.json"}}) == "open first: out/run.json\n");
 }
