@@ -52,11 +52,11 @@ using uint = std::uint32_t;
 #define SIMVIS_RAY_BINDINGS 6
 
 #define SIMVIS_RAY_GROUP 64  // rays per workgroup
-#define SIMVIS_MOST_CANDIDATES 7
+#define SIMVIS_MAX_CANDIDATES 7
 #define SIMVIS_TREE_DEPTH 32
 #define SIMVIS_WHOLE_ITEM 0xffffffffu  // primitive of a candidate: the host must test all triangles of the item
 #define SIMVIS_FAR_M 1e18              // limit of the range along the ray; hits beyond it are ignored
-#define SIMVIS_MOST_SLACK 0.015625     // items with a larger position error, in radii, are tested by the host
+#define SIMVIS_MAX_SLACK 0.015625      // items with a larger position error, in radii, are tested by the host
 
 // Vertex inputs.
 #define SIMVIS_POSITION 0
@@ -84,14 +84,14 @@ using uint = std::uint32_t;
 #define SIMVIS_MAPS 8  // bit mask of the textures that are present, bit number = binding
 #define SIMVIS_FOG 9
 
-#define SIMVIS_LEAST_ROUGHNESS 0.05
+#define SIMVIS_MIN_ROUGHNESS 0.05
 
 // The resolve pass: bindings, specialization constants, and the side length of its square workgroup.
-#define SIMVIS_AVERAGE_SAMPLES 0
-#define SIMVIS_AVERAGE_MEAN 1
-#define SIMVIS_AVERAGE_GRID 0
-#define SIMVIS_AVERAGE_MSAA 1
-#define SIMVIS_AVERAGE_GROUP 8
+#define SIMVIS_RESOLVE_SAMPLES 0
+#define SIMVIS_RESOLVE_MEAN 1
+#define SIMVIS_RESOLVE_SUPERSAMPLING 0
+#define SIMVIS_RESOLVE_MSAA 1
+#define SIMVIS_RESOLVE_GROUP 8
 
 #ifdef __cplusplus
 // One mesh in one view: rows of clip_from_mesh, computed in double and rounded once. They are vertex inputs with
@@ -185,7 +185,7 @@ struct RayTriangle {
 // scale * (row . apart); the rows together have the length sqrt(3). The line of a ray in the unit frame has an error of
 // at most slack + slack_per_unit * D, where D is the distance of the sensor in units: see
 // engine/raycast/gpu_ray_instance.h.
-struct RayItem {
+struct GpuRayInstance {
   vec4 row_x;        // w: scale, 1/m
   vec4 row_y;        // w: slack
   vec4 row_z;        // w: slack_per_unit
@@ -198,7 +198,7 @@ struct RayItem {
 struct RayCandidates {
   uint count;
   float complete_to_m;
-  uvec2 found[SIMVIS_MOST_CANDIDATES];  // x: index of the RayItem; y: primitive
+  uvec2 found[SIMVIS_MAX_CANDIDATES];  // x: index of the GpuRayInstance; y: primitive
 };
 
 // One cast; push constants.

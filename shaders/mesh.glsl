@@ -7,7 +7,7 @@ layout(std430, set = SIMVIS_FRAME_SET, binding = SIMVIS_MATERIALS) readonly buff
   MaterialBlock materials[];
 };
 
-layout(constant_id = SIMVIS_ORTHOGRAPHIC) const bool kParallel = false;
+layout(constant_id = SIMVIS_ORTHOGRAPHIC) const bool kOrthographic = false;
 
 layout(location = SIMVIS_POSITION) in vec3 in_position;
 layout(location = SIMVIS_INSTANCE_CLIP_X) in vec4 instance_clip_x;
@@ -23,8 +23,8 @@ out gl_PerVertex {
 vec4 place_vertex() {
   const vec4 p = vec4(in_position, 1.0);
   const float depth = dot(instance_clip_w, p);
-  gl_Position = vec4(dot(instance_clip_x, p), dot(instance_clip_y, p), kParallel ? depth : view.ambient.w,
-                     kParallel ? 1.0 : depth);
+  gl_Position = vec4(dot(instance_clip_x, p), dot(instance_clip_y, p), kOrthographic ? depth : view.ambient.w,
+                     kOrthographic ? 1.0 : depth);
   gl_PointSize = 1.0;
   return gl_Position;
 }

@@ -24,7 +24,7 @@
 layout(local_size_x = SIMVIS_RAY_GROUP) in;
 
 layout(std430, binding = SIMVIS_RAY_TOP_NODES) readonly buffer TopNodes { TreeNode top_nodes[]; };
-layout(std430, binding = SIMVIS_RAY_ITEMS) readonly buffer Items { RayItem items[]; };
+layout(std430, binding = SIMVIS_RAY_ITEMS) readonly buffer Items { GpuRayInstance items[]; };
 layout(std430, binding = SIMVIS_RAY_MESH_NODES) readonly buffer MeshNodes { TreeNode mesh_nodes[]; };
 layout(std430, binding = SIMVIS_RAY_TRIANGLES) readonly buffer Triangles { RayTriangle triangles[]; };
 layout(std430, binding = SIMVIS_RAY_DIRECTIONS) readonly buffer Directions { vec4 directions[]; };
@@ -43,8 +43,8 @@ uint ray;
 vec3 direction;
 float passed_m;  // hits at or before this range do not count; rounded down
 uint found = 0;
-float found_from_m[SIMVIS_MOST_CANDIDATES];
-float met_by_m = kFar;         // the ray hits an opaque triangle at this range or before
+float found_from_m[SIMVIS_MAX_CANDIDATES];
+float hit_by_m = kFar;         // the ray hits an opaque triangle at this range or before
 float complete_to_m = 2 * kFar;
 
 uint waiting = 0;  // nodes on the stack; those of the current item lie above those of the top-level tree
@@ -62,25 +62,25 @@ struct LocalRay {
   float per_height;
 };
 
-float end_m() { return min(met_by_m, complete_to_m); }
+float end_m() { return min(hit_by_m, complete_to_m); }
 
 // Adds a candidate that the ray may hit at a range of `from_m` or more. The list keeps the nearest candidates. A
 // dropped candidate limits the range up to which the list is complete.
 void add_candidate(uint item, uint primitive, float from_m) {
   if (from_m > end_m()) return;
   uint slot = found;
-  if (found < SIMVIS_MOST_CANDIDATES) {
+  if (found < SIMVIS_MAX_CANDIDATES) {
     ++found;
   } else {
     slot = 0;
-    for (uint i = 1; i < SIMVIS_MOST_CANDIDATES; ++i) {
+    for (uint i = 1; i < SIMVIS_MAX_CANDIDATES; ++i) {
       if (found_from_m[i] > found_from_m[slot]) slot = i;
     }
     if (from_m >= found_from_m[slot]) {
       complete_to_m = min(complete_to_m, from_m);
       return;
     }
-    if (found_from_m[slot] <= met_by_m) complete_to_m = min(complete_to_m, found_from_m[slot]);
+    if (found_from_m[slot] <= hit_by_m) complete_to_m = min(complete_to_m, found_from_m[slot]);
   }
   found_from_m[slot] = from_m;
   candidates[ray].found[slot] = uvec2(item, primitive);
@@ -144,7 +144,7 @@ void try_triangle(const LocalRay r, RayTriangle triangle) {
   const float from_m = first * r.metres * (1 - r.range_error), to_m = last * r.metres * (1 + r.range_error);
   if (to_m < passed_m) return;
   add_candidate(r.item, triangle.a_primitive.w, from_m);
-  if (certain && r.solid && first > 0 && from_m >= passed_m * (1 + 2 * kUlp)) met_by_m = min(met_by_m, to_m);
+  if (certain && r.solid && first > 0 && from_m >= passed_m * (1 + 2 * kUlp)) hit_by_m = min(hit_by_m, to_m);
 }
 
 void walk_mesh(const LocalRay r, uint root, float units_per_m) {
@@ -177,7 +177,7 @@ void walk_mesh(const LocalRay r, uint root, float units_per_m) {
 }
 
 void walk_item(uint index, float near_m) {
-  const RayItem item = items[index];
+  const GpuRayInstance item = items[index];
   precise const vec3 apart =
       (view.sensor_high.xyz - item.centre_high.xyz) + (view.sensor_low.xyz - item.centre_low.xyz);
   const float scale = item.row_x.w;
@@ -187,7 +187,7 @@ void walk_item(uint index, float near_m) {
   const float distance = abs(sensor.x) + abs(sensor.y) + abs(sensor.z);
   LocalRay r;
   r.slack = item.row_y.w + item.row_z.w * distance;
-  if (item.tree.w == 1 || !(r.slack <= SIMVIS_MOST_SLACK)) {
+  if (item.tree.w == 1 || !(r.slack <= SIMVIS_MAX_SLACK)) {
     add_candidate(index, SIMVIS_WHOLE_ITEM, near_m / kBoxError);
     return;
   }
@@ -196,7 +196,7 @@ void walk_item(uint index, float near_m) {
   r.way = apart_from_zero(way * per_length);
   const float middle_at = -dot(sensor, r.way);
   const vec3 middle = sensor + middle_at * r.way;
-  if (middle_at < -1.25 || dot(middle, middle) > 1.07) return;  // misses a ball of radius 1 + 2 * SIMVIS_MOST_SLACK
+  if (middle_at < -1.25 || dot(middle, middle) > 1.07) return;  // misses a ball of radius 1 + 2 * SIMVIS_MAX_SLACK
   r.item = index;
   r.first_triangle = item.tree.y;
   r.solid = item.tree.z == 1;

@@ -4,16 +4,16 @@
 #extension GL_EXT_samplerless_texture_functions : require
 #include "shaders/interop.h"
 
-layout(local_size_x = SIMVIS_AVERAGE_GROUP, local_size_y = SIMVIS_AVERAGE_GROUP) in;
-layout(constant_id = SIMVIS_AVERAGE_GRID) const int kGrid = 1;
-layout(constant_id = SIMVIS_AVERAGE_MSAA) const int kMsaa = 1;
+layout(local_size_x = SIMVIS_RESOLVE_GROUP, local_size_y = SIMVIS_RESOLVE_GROUP) in;
+layout(constant_id = SIMVIS_RESOLVE_SUPERSAMPLING) const int kSupersampling = 1;
+layout(constant_id = SIMVIS_RESOLVE_MSAA) const int kMsaa = 1;
 
 #ifdef MULTISAMPLED
-layout(set = 0, binding = SIMVIS_AVERAGE_SAMPLES) uniform texture2DMS samples;
+layout(set = 0, binding = SIMVIS_RESOLVE_SAMPLES) uniform texture2DMS samples;
 #else
-layout(set = 0, binding = SIMVIS_AVERAGE_SAMPLES) uniform texture2D samples;
+layout(set = 0, binding = SIMVIS_RESOLVE_SAMPLES) uniform texture2D samples;
 #endif
-layout(set = 0, binding = SIMVIS_AVERAGE_MEAN, rgba32f) writeonly uniform image2D mean;
+layout(set = 0, binding = SIMVIS_RESOLVE_MEAN, rgba32f) writeonly uniform image2D mean;
 
 vec4 one(ivec2 texel, int s) { return texelFetch(samples, texel, s); }
 vec4 two(ivec2 texel, int s) { return one(texel, s) + one(texel, s + 1); }
@@ -32,8 +32,8 @@ vec4 of_quad(ivec2 texel) {
 }
 
 vec4 of_pixel(ivec2 texel) {
-  if (kGrid == 1) return of_texel(texel);
-  if (kGrid == 2) return of_quad(texel);
+  if (kSupersampling == 1) return of_texel(texel);
+  if (kSupersampling == 2) return of_quad(texel);
   return (of_quad(texel) + of_quad(texel + ivec2(2, 0))) +
          (of_quad(texel + ivec2(0, 2)) + of_quad(texel + ivec2(2, 2)));
 }
@@ -42,5 +42,5 @@ void main() {
   const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
   if (any(greaterThanEqual(pixel, imageSize(mean)))) return;
   // The divisor is a power of two, so the division does not round.
-  imageStore(mean, pixel, of_pixel(pixel * kGrid) / float(kGrid * kGrid * kMsaa));
+  imageStore(mean, pixel, of_pixel(pixel * kSupersampling) / float(kSupersampling * kSupersampling * kMsaa));
 }

@@ -58,7 +58,7 @@ float free_share(ShadowBlock map, vec3 plane_normal, float reach) {
   // Rounding errors of the vertices in both views, and of p.
   const float rounding = kVertexRounding * (3.0 * reach + 2.0 * map.depth.z);
   const float z = min(p.z, dot(n, p - start) / divisor) - rounding / abs(divisor);
-  const float met = texelFetch(shadow_atlas, ivec2(corner + texel), 0).r;
-  if (orthographic) return met <= (map.depth.x - z) * map.depth.y + kDepthRounding ? 1.0 : 0.0;
-  return met * z <= map.depth.x * (1.0 + kDepthRounding) ? 1.0 : 0.0;
+  const float stored = texelFetch(shadow_atlas, ivec2(corner + texel), 0).r;
+  if (orthographic) return stored <= (map.depth.x - z) * map.depth.y + kDepthRounding ? 1.0 : 0.0;
+  return stored * z <= map.depth.x * (1.0 + kDepthRounding) ? 1.0 : 0.0;
 }

@@ -64,7 +64,7 @@ Surface surface_here() {
   }
   if (has_map(SIMVIS_METALLIC_ROUGHNESS_MAP)) {
     const vec4 factor = MAP(SIMVIS_METALLIC_ROUGHNESS_MAP, metallic_roughness_map);
-    s.roughness = max(s.roughness * factor.g, SIMVIS_LEAST_ROUGHNESS);
+    s.roughness = max(s.roughness * factor.g, SIMVIS_MIN_ROUGHNESS);
     s.metallic *= factor.b;
   }
   if (has_map(SIMVIS_OCCLUSION_MAP)) {

@@ -180,23 +180,23 @@ std::vector<float> pick(const CoinScene& scene, const std::vector<PeerScan>& sca
 
 }  // namespace
 
-std::vector<Way> coin_ways(const DrawList& list, const std::vector<PeerScan>& scans) {
+std::vector<Method> coin_methods(const DrawList& list, const std::vector<PeerScan>& scans) {
   const auto scene = std::make_shared<CoinScene>(make_coin_scene(list));
   const auto views = std::make_shared<DepthViews>(*scene, scans);
   for (int i = 0; i < kUntilCached; ++i) views->measure();
   const auto picked = std::make_shared<std::vector<float>>();
-  std::vector<Way> ways;
-  ways.push_back({.name = "coin depth",
-                  .max_error_rel = {},
-                  .threads = 2,
-                  .set = [scene, views] { views->measure(); },
-                  .ranges_m = [views] { return views->ranges_m(); }});
-  ways.push_back({.name = "coin pick",
-                  .max_error_rel = {},
-                  .threads = 1,
-                  .set = [scene, scans, picked] { *picked = pick(*scene, scans); },
-                  .ranges_m = [picked] { return *picked; }});
-  return ways;
+  std::vector<Method> methods;
+  methods.push_back({.name = "coin depth",
+                     .max_error_rel = {},
+                     .threads = 2,
+                     .set = [scene, views] { views->measure(); },
+                     .ranges_m = [views] { return views->ranges_m(); }});
+  methods.push_back({.name = "coin pick",
+                     .max_error_rel = {},
+                     .threads = 1,
+                     .set = [scene, scans, picked] { *picked = pick(*scene, scans); },
+                     .ranges_m = [picked] { return *picked; }});
+  return methods;
 }
 
 }  // namespace simvis::bench

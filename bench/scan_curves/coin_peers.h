@@ -4,8 +4,8 @@
 #include <vector>
 
 #include <simvis/draw_list.h>
+#include "bench/scan_curves/methods.h"
 #include "bench/scan_curves/peer_scans.h"
-#include "bench/scan_curves/ways.h"
 
 namespace simvis::bench {
 
@@ -13,6 +13,6 @@ namespace simvis::bench {
 /// surfaceless EGL display, with depth read back. The latter draws one view of 90 degrees for each quarter of a scan's
 /// circle, each as wide as the scan has beams and one row high, and takes the nearest pixel. Neither the scene nor the
 /// scanners move.
-std::vector<Way> coin_ways(const DrawList& list, const std::vector<PeerScan>& scans);
+std::vector<Method> coin_methods(const DrawList& list, const std::vector<PeerScan>& scans);
 
 }  // namespace simvis::bench

@@ -84,11 +84,11 @@ void cast_part(const BareEmbree& embree, Cast cast, Rays& rays, std::size_t part
 
 }  // namespace
 
-std::vector<Way> embree_ways(const DrawList& list, PeerScans& scans) {
+std::vector<Method> embree_methods(const DrawList& list, PeerScans& scans) {
   const auto embree = std::make_shared<BareEmbree>(list, glm::dmat4(1.0));
   const auto rays = std::make_shared<Rays>();
   const auto helper = std::make_shared<Helper>();
-  std::vector<Way> ways;
+  std::vector<Method> methods;
   for (const auto& [name, cast] : {std::pair<const char*, Cast>{"embree 1", &BareEmbree::cast_singly},
                                    std::pair<const char*, Cast>{"embree 16", &BareEmbree::cast_in_packets}}) {
     const auto rest = [&scans] { scans.rest(); };
@@ -97,27 +97,27 @@ std::vector<Way> embree_ways(const DrawList& list, PeerScans& scans) {
       rays->take(scans.scans());
     };
     const auto ranges_m = [rays] { return rays->all_ranges(); };
-    ways.push_back({.name = name,
-                    .max_error_rel = {},
-                    .threads = 1,
-                    .begin_turn = rest,
-                    .move = move,
-                    .set = [embree, rays, cast = cast] { cast_part(*embree, cast, *rays, 0, 1); },
-                    .ranges_m = ranges_m});
-    ways.push_back({.name = name,
-                    .max_error_rel = {},
-                    .threads = 2,
-                    .begin_turn = rest,
-                    .move = move,
-                    .set =
-                        [embree, rays, helper, cast = cast] {
-                          helper->begin([&] { cast_part(*embree, cast, *rays, 1, 2); });
-                          cast_part(*embree, cast, *rays, 0, 2);
-                          helper->wait();
-                        },
-                    .ranges_m = ranges_m});
+    methods.push_back({.name = name,
+                       .max_error_rel = {},
+                       .threads = 1,
+                       .begin_turn = rest,
+                       .move = move,
+                       .set = [embree, rays, cast = cast] { cast_part(*embree, cast, *rays, 0, 1); },
+                       .ranges_m = ranges_m});
+    methods.push_back({.name = name,
+                       .max_error_rel = {},
+                       .threads = 2,
+                       .begin_turn = rest,
+                       .move = move,
+                       .set =
+                           [embree, rays, helper, cast = cast] {
+                             helper->begin([&] { cast_part(*embree, cast, *rays, 1, 2); });
+                             cast_part(*embree, cast, *rays, 0, 2);
+                             helper->wait();
+                           },
+                       .ranges_m = ranges_m});
   }
-  return ways;
+  return methods;
 }
 
 }  // namespace simvis::bench

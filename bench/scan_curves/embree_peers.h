@@ -4,13 +4,13 @@
 #include <vector>
 
 #include <simvis/draw_list.h>
+#include "bench/scan_curves/methods.h"
 #include "bench/scan_curves/peer_scans.h"
-#include "bench/scan_curves/ways.h"
 
 namespace simvis::bench {
 
 /// rtcIntersect1 in a loop, and packets of 16, each on one thread and on two threads, from the poses of the scanners
 /// frame by frame. Rays are transformed to the world before the clock starts. `scans` must outlive the result.
-std::vector<Way> embree_ways(const DrawList& list, PeerScans& scans);
+std::vector<Method> embree_methods(const DrawList& list, PeerScans& scans);
 
 }  // namespace simvis::bench

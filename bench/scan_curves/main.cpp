@@ -19,8 +19,8 @@
 #include <simvis/trajectory.h>
 #include "bench/scan_curves/coin_peers.h"
 #include "bench/scan_curves/embree_peers.h"
+#include "bench/scan_curves/methods.h"
 #include "bench/scan_curves/peer_scans.h"
-#include "bench/scan_curves/ways.h"
 #include "bench/scenes/finer_part.h"
 #include "bench/scenes/lab.h"
 #include "bench/scenes/scene_folder.h"
@@ -56,47 +56,51 @@ double median_error(const std::vector<float>& ranges_m, const std::vector<float>
   return errors.empty() ? 0 : median(errors);
 }
 
-void print(const Point& point, std::size_t triangles, const std::vector<Way>& ways, const std::vector<double>& errors) {
+void print(const Point& point, std::size_t triangles, const std::vector<Method>& methods,
+           const std::vector<double>& errors) {
   double best_ms = INFINITY;
-  for (const Way& way : ways) {
-    if (way.threads == 0) best_ms = std::min(best_ms, median(way.took).wall_ms);
+  for (const Method& method : methods) {
+    if (method.threads == 0) best_ms = std::min(best_ms, median(method.took).wall_ms);
   }
   const std::size_t beams = point.scanners.size() * static_cast<std::size_t>(point.rings * point.samples);
-  for (std::size_t i = 0; i < ways.size(); ++i) {
-    const Took took = median(ways[i].took);
+  for (std::size_t i = 0; i < methods.size(); ++i) {
+    const Took took = median(methods[i].took);
     std::printf("%s,%zu,%zu,%d,%d,%zu,%s,%s,%d,%zu,%.4f,%.4f,%.3f,%.2g\n", point.curve.c_str(), triangles,
-                point.scanners.size(), point.rings, point.samples, beams, ways[i].name.c_str(),
-                ways[i].max_error_rel.c_str(), ways[i].threads, ways[i].took.size(), took.wall_ms, took.caller_ms,
-                took.wall_ms / best_ms, errors[i]);
+                point.scanners.size(), point.rings, point.samples, beams, methods[i].name.c_str(),
+                methods[i].max_error_rel.c_str(), methods[i].threads, methods[i].took.size(), took.wall_ms,
+                took.caller_ms, took.wall_ms / best_ms, errors[i]);
   }
   std::fflush(stdout);
 }
 
 void measure(const Point& point, Simulation& simulation, double seconds) {
-  std::vector<Way> ways = simvis_ways(simulation, point.scanners, [&](int frame) { point.drive(simulation, frame); });
-  const auto raycast = std::ranges::find(ways, "raycast", &Way::name) - ways.begin();
+  std::vector<Method> methods =
+      simvis_methods(simulation, point.scanners, [&](int frame) { point.drive(simulation, frame); });
+  const auto raycast = std::ranges::find(methods, "raycast", &Method::name) - methods.begin();
   PeerScans scans(simulation, point.scanners, point.drive);
-  for (Way& way : embree_ways(simulation.diagnostics().draw_list(), scans)) ways.push_back(std::move(way));
+  for (Method& method : embree_methods(simulation.diagnostics().draw_list(), scans))
+    methods.push_back(std::move(method));
   const std::size_t triangles = triangles_of(simulation.diagnostics().draw_list());
   if (point.coin) {
-    for (Way& way : coin_ways(simulation.diagnostics().draw_list(), scans.scans())) ways.push_back(std::move(way));
+    for (Method& method : coin_methods(simulation.diagnostics().draw_list(), scans.scans()))
+      methods.push_back(std::move(method));
   }
-  time_ways(ways, seconds);
+  time_methods(methods, seconds);
 
   std::vector<std::vector<float>> ranges_m;
-  for (Way& way : ways) {
-    way.begin_turn();
-    if (way.move) {
-      way.move(0);
-      way.set();
+  for (Method& method : methods) {
+    method.begin_turn();
+    if (method.move) {
+      method.move(0);
+      method.set();
     }
-    ranges_m.push_back(way.ranges_m());
+    ranges_m.push_back(method.ranges_m());
   }
   std::vector<double> errors;
   for (const std::vector<float>& r : ranges_m) {
     errors.push_back(median_error(r, ranges_m[static_cast<std::size_t>(raycast)]));
   }
-  print(point, triangles, ways, errors);
+  print(point, triangles, methods, errors);
 }
 
 void measure_three(const std::filesystem::path& folder, std::size_t triangles, double seconds) {

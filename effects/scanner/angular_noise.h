@@ -18,7 +18,7 @@ class AngularNoise : public ScanEffect {
   AngularNoise(double deviation_rad, SensorRandom random) : deviation_rad_(deviation_rad), random_(random) {}
 
   bool traces() const override { return true; }
-  void aim(const ScanContext& moment, std::vector<BeamRay>& rays) const override;
+  void aim(const ScanContext& context, std::vector<BeamRay>& rays) const override;
 
  private:
   double deviation_rad_;

@@ -38,12 +38,12 @@ class Atmosphere : public ScanEffect {
 
   bool traces() const override { return true; }
 
-  void receive(const ScanContext& moment, std::uint32_t beam, std::vector<Echo>& echoes) const override {
-    const double end_m = echoes.empty() ? moment.range_max_m : echoes.back().range_m;
-    for (Echo& echo : echoes) echo.power *= there_and_back(moment.medium, echo.range_m);
+  void receive(const ScanContext& context, std::uint32_t beam, std::vector<Echo>& echoes) const override {
+    const double end_m = echoes.empty() ? context.range_max_m : echoes.back().range_m;
+    for (Echo& echo : echoes) echo.power *= there_and_back(context.medium, echo.range_m);
     std::erase_if(echoes, [&](const Echo& echo) { return echo.power < sight_.least_power; });
-    add_air(moment.medium, end_m, echoes);
-    add_drops(moment, beam, end_m, echoes);
+    add_air(context.medium, end_m, echoes);
+    add_drops(context, beam, end_m, echoes);
     std::ranges::stable_sort(echoes, {}, &Echo::range_m);
   }
 
@@ -58,12 +58,12 @@ class Atmosphere : public ScanEffect {
   // The Poisson process is sampled by thinning (Lewis and Shedler, Naval Res. Logist. Q. 26, 1979). The rate falls with
   // range, so within a segment it never exceeds its value at the beginning. Segments grow with range, and the rate
   // within a segment does not fall so much that many candidates are rejected.
-  void add_drops(const ScanContext& moment, std::uint32_t beam, double end_m, std::vector<Echo>& echoes) const {
+  void add_drops(const ScanContext& context, std::uint32_t beam, double end_m, std::vector<Echo>& echoes) const {
     constexpr double kGrowth = 1.4142135623730951;
-    const Medium& medium = moment.medium;
+    const Medium& medium = context.medium;
     if (medium.particles_per_m3 == 0) return;
     std::uint32_t draws = 0;
-    const auto uniform = [&] { return random_.uniform(moment.time.index, beam, draws++); };
+    const auto uniform = [&] { return random_.uniform(context.time.index, beam, draws++); };
     const auto exponential = [&] { return -std::log1p(-uniform()); };
     double wait = exponential();
     for (double from_m = kAirFrom_m; from_m < end_m; from_m *= kGrowth) {

@@ -30,7 +30,7 @@ class BeamDivergence : public ScanEffect {
 
   bool traces() const override { return true; }
   std::uint32_t rays_per_ray() const override { return static_cast<std::uint32_t>(samples_.size()); }
-  void aim(const ScanContext& moment, std::vector<BeamRay>& rays) const override;
+  void aim(const ScanContext& context, std::vector<BeamRay>& rays) const override;
 
  private:
   double spread_;  // tangent of half the angle

@@ -47,18 +47,18 @@ class Dropout : public ScanEffect {
 
   bool traces() const override { return threshold_ > 0; }
 
-  void receive(const ScanContext& moment, std::uint32_t beam, std::vector<Echo>& echoes) const override {
+  void receive(const ScanContext& context, std::uint32_t beam, std::vector<Echo>& echoes) const override {
     if (threshold_ == 0) return;
     std::uint32_t draw = 0;  // draw 0 belongs to the reading, see finish()
     std::erase_if(
-        echoes, [&](const Echo& echo) { return random_.uniform(moment.time.index, beam, ++draw) < loss(echo.power); });
+        echoes, [&](const Echo& echo) { return random_.uniform(context.time.index, beam, ++draw) < loss(echo.power); });
   }
 
-  void finish(const ScanContext& moment, std::span<const Echo>, Scan& scan) const override {
+  void finish(const ScanContext& context, std::span<const Echo>, Scan& scan) const override {
     if (by_chance_ == 0) return;
     for (std::uint32_t beam = 0; beam < scan.range_m.size(); ++beam) {
       if (scan.range_m[beam] == 0) continue;
-      if (random_.uniform(moment.time.index, beam, 0) >= by_chance_) continue;
+      if (random_.uniform(context.time.index, beam, 0) >= by_chance_) continue;
       scan.range_m[beam] = std::numeric_limits<float>::infinity();
       scan.error_bound_m[beam] = 0;
     }

@@ -30,12 +30,12 @@ class RangeNoise : public ScanEffect {
         sigma_rel_(context.attributes.number("range_noise_rel")),
         random_(context.random("range_noise")) {}
 
-  void finish(const ScanContext& moment, std::span<const Echo>, Scan& scan) const override {
+  void finish(const ScanContext& context, std::span<const Echo>, Scan& scan) const override {
     for (std::uint32_t beam = 0; beam < scan.range_m.size(); ++beam) {
       const double range_m = scan.range_m[beam];
       if (range_m == 0 || std::isinf(range_m)) continue;
       const double sigma_m = std::hypot(sigma_m_, sigma_rel_ * range_m);
-      const double noisy_m = range_m + sigma_m * random_.gaussian(moment.time.index, beam, 0);
+      const double noisy_m = range_m + sigma_m * random_.gaussian(context.time.index, beam, 0);
       scan.range_m[beam] = static_cast<float>(std::max(noisy_m, 0.0));
     }
   }

@@ -88,11 +88,11 @@ bool Returns::detect(const ScanContext&, std::uint32_t, std::span<const Echo> ec
   return true;
 }
 
-void Returns::finish(const ScanContext& moment, std::span<const Echo> detected, Scan& scan) const {
+void Returns::finish(const ScanContext& context, std::span<const Echo> detected, Scan& scan) const {
   ScanChannel& count = scan.channels.emplace_back();
   count.name = "return_count";
   count.format = "%.0f";
-  for (const Echo& echo : detected) count.values.push_back(echo.range_m > moment.range_max_m ? 0 : echo.returns);
+  for (const Echo& echo : detected) count.values.push_back(echo.range_m > context.range_max_m ? 0 : echo.returns);
 }
 
 }  // namespace simvis

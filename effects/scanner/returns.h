@@ -37,11 +37,11 @@ class Returns : public ScanEffect {
 
   bool traces() const override { return true; }
   std::optional<double> pulse_length_m() const override { return pulse_length_m_; }
-  bool detect(const ScanContext& moment, std::uint32_t beam, std::span<const Echo> echoes,
+  bool detect(const ScanContext& context, std::uint32_t beam, std::span<const Echo> echoes,
               Echo& detected) const override;
 
   /// Adds the channel "return_count": the number of returns within range_max, 0 if there is none.
-  void finish(const ScanContext& moment, std::span<const Echo> detected, Scan& scan) const override;
+  void finish(const ScanContext& context, std::span<const Echo> detected, Scan& scan) const override;
 
  private:
   ReturnChoice choice_;

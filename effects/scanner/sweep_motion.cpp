@@ -52,15 +52,15 @@ double SweepMotion::age_s(std::uint32_t column, std::uint32_t columns) const {
   return columns == 1 ? 0 : sweep_s_ * after / (columns - 1);
 }
 
-void SweepMotion::aim(const ScanContext& moment, std::vector<BeamRay>& rays) const {
-  if (!moment.before || moment.before->time_ns >= moment.time.time_ns) return;
-  const double interval_s = static_cast<double>(moment.time.time_ns - moment.before->time_ns) / 1e9;
-  const glm::dmat4 &now = moment.world_from_sensor, &before = moment.before->world_from_sensor;
+void SweepMotion::aim(const ScanContext& context, std::vector<BeamRay>& rays) const {
+  if (!context.before || context.before->time_ns >= context.time.time_ns) return;
+  const double interval_s = static_cast<double>(context.time.time_ns - context.before->time_ns) / 1e9;
+  const glm::dmat4 &now = context.world_from_sensor, &before = context.before->world_from_sensor;
   const glm::dmat3 sensor_from_world = glm::transpose(glm::dmat3(now));
   const glm::dvec3 moved_m = sensor_from_world * (glm::dvec3(before[3]) - glm::dvec3(now[3]));
   const glm::dquat turned = glm::quat_cast(sensor_from_world * glm::dmat3(before));
   for (BeamRay& ray : rays) {
-    const double back = age_s(ray.beam % moment.columns, moment.columns) / interval_s;
+    const double back = age_s(ray.beam % context.columns, context.columns) / interval_s;
     const glm::dquat turn = glm::normalize(glm::slerp(glm::dquat(1, 0, 0, 0), turned, back));
     ray.origin_m = back * moved_m;
     ray.direction = turn * ray.direction;
@@ -68,16 +68,16 @@ void SweepMotion::aim(const ScanContext& moment, std::vector<BeamRay>& rays) con
     ray.error_rad = kDirectionError;
   }
   // Rays with the same origin stand side by side, which is faster to cast.
-  std::ranges::stable_sort(rays, {}, [&](const BeamRay& ray) { return ray.beam % moment.columns; });
+  std::ranges::stable_sort(rays, {}, [&](const BeamRay& ray) { return ray.beam % context.columns; });
 }
 
-void SweepMotion::finish(const ScanContext& moment, std::span<const Echo>, Scan& scan) const {
+void SweepMotion::finish(const ScanContext& context, std::span<const Echo>, Scan& scan) const {
   ScanChannel& time = scan.channels.emplace_back();
   time.name = "time_s";
   time.format = "%.9f";
   for (std::size_t beam = 0; beam < scan.range_m.size(); ++beam) {
     const auto column = static_cast<std::uint32_t>(beam % scan.columns);
-    time.values.push_back(static_cast<double>(moment.time.time_ns) / 1e9 - age_s(column, scan.columns));
+    time.values.push_back(static_cast<double>(context.time.time_ns) / 1e9 - age_s(column, scan.columns));
   }
 }
 

@@ -26,9 +26,9 @@ class SweepMotion : public ScanEffect {
 
   bool traces() const override { return true; }
   bool uses_previous_pose() const override { return true; }
-  void aim(const ScanContext& moment, std::vector<BeamRay>& rays) const override;
+  void aim(const ScanContext& context, std::vector<BeamRay>& rays) const override;
   /// Adds the channel "time_s".
-  void finish(const ScanContext& moment, std::span<const Echo> detected, Scan& scan) const override;
+  void finish(const ScanContext& context, std::span<const Echo> detected, Scan& scan) const override;
 
  private:
   double age_s(std::uint32_t column, std::uint32_t columns) const;

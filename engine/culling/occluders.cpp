@@ -9,7 +9,7 @@ namespace simvis {
 namespace {
 
 // Largest distance of the fourth corner from the plane of the other three, relative to the longest side.
-constexpr double kWallFlatness = 1e-4;
+constexpr double kOccluderFlatness = 1e-4;
 
 struct Face {
   glm::vec3 corners[3];
@@ -52,7 +52,7 @@ std::optional<Occluder> joined(const Face& a, const Face& b) {
       const glm::dvec3 normal = glm::normalize(normal_of(a.corners[0], a.corners[1], a.corners[2]));
       double longest = 0;
       for (int n = 0; n < 4; ++n) longest = std::max(longest, glm::distance(corner(n), corner(n + 1)));
-      if (std::abs(glm::dot(normal, corner(1) - corner(0))) > kWallFlatness * longest) return {};
+      if (std::abs(glm::dot(normal, corner(1) - corner(0))) > kOccluderFlatness * longest) return {};
       for (int n = 0; n < 4; ++n) {
         if (!(glm::dot(normal_of(corner(n), corner(n + 1), corner(n + 2)), normal) > 0)) return {};
       }

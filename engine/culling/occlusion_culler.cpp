@@ -147,14 +147,14 @@ double OcclusionCuller::clearance(const ViewBox& box) const {
   const double behind = nearest * (1 + kRounding);
   const auto tile = [](double px) { return static_cast<std::size_t>(px / kTile_px); };
   const std::size_t end_column = std::min(columns_, tile(right) + 1), end_row = std::min(rows_, tile(bottom) + 1);
-  float farthest_wall = std::numeric_limits<float>::infinity();
+  float farthest_occluder = std::numeric_limits<float>::infinity();
   for (std::size_t row = tile(top); row < end_row; ++row) {
     for (std::size_t column = tile(left); column < end_column; ++column) {
-      farthest_wall = std::min(farthest_wall, hidden_below_[row * columns_ + column]);
-      if (!(farthest_wall > behind)) return 0;
+      farthest_occluder = std::min(farthest_occluder, hidden_below_[row * columns_ + column]);
+      if (!(farthest_occluder > behind)) return 0;
     }
   }
-  return (farthest_wall - behind) / (nearest - farthest);
+  return (farthest_occluder - behind) / (nearest - farthest);
 }
 
 // Returns the threshold of h D, see FacingTolerance, that each triangle in the box must exceed to be occluded. Infinite

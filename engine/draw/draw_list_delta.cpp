@@ -43,17 +43,18 @@ std::optional<std::span<const TransformRange>> DrawListDelta::moved_since(const 
 }
 
 StandingAt::StandingAt(std::span<const std::uint32_t> transform_of, std::size_t transforms)
-    : first_(transforms + 1), things_(transform_of.size()) {
+    : first_(transforms + 1), objects_(transform_of.size()) {
   for (const std::uint32_t transform : transform_of) ++first_[transform + 1];
   for (std::size_t t = 0; t < transforms; ++t) first_[t + 1] += first_[t];
   std::vector<std::uint32_t> next = first_;
-  for (std::uint32_t thing = 0; thing < transform_of.size(); ++thing) things_[next[transform_of[thing]]++] = thing;
+  for (std::uint32_t object = 0; object < transform_of.size(); ++object)
+    objects_[next[transform_of[object]]++] = object;
 }
 
 std::span<const std::uint32_t> StandingAt::operator[](TransformRange entries) const {
   const std::size_t last = first_.size() - 1;
   const std::uint32_t first = first_[std::min<std::size_t>(entries.first, last)];
-  return std::span(things_).subspan(first, first_[std::min<std::size_t>(entries.end, last)] - first);
+  return std::span(objects_).subspan(first, first_[std::min<std::size_t>(entries.end, last)] - first);
 }
 
 }  // namespace simvis

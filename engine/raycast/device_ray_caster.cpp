@@ -44,7 +44,9 @@ struct DeviceWorld {
 class DeviceRayCaster : public RayCaster {
  public:
   explicit DeviceRayCaster(Device& device)
-      : device_(device), items_(device.impl().cache_folder, device.impl().threads), bundles_(device.impl().threads) {}
+      : device_(device),
+        items_(device.impl().cache_folder, device.impl().threads),
+        packet_caster_(device.impl().threads) {}
   void set_world(const DrawList& list) override { list_ = &list; }
   void cast(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions, std::span<RayHit> hits,
             std::span<const double> t_min_m, const HitsReady& there) override;
@@ -73,7 +75,7 @@ class DeviceRayCaster : public RayCaster {
   ItemTree tree_;                     // for rays that the host traverses
   std::optional<DeviceWorld> world_;  // exists from the first cast on
   bool uploaded_ = false;             // whether the changes are uploaded in this cast
-  PacketCaster bundles_;
+  PacketCaster packet_caster_;
 };
 
 void DeviceRayCaster::cast(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions,
@@ -85,9 +87,9 @@ void DeviceRayCaster::cast(const glm::dmat4& world_from_sensor, std::span<const 
   // One pass, except for more than max_rays() rays. Changes are uploaded even if there are no rays.
   for (std::size_t first = 0; first < directions.size() || !uploaded_; first += most) {
     const std::size_t count = std::min(most, directions.size() - first);
-    const std::span<const double> part_beyond_m = part_of(t_min_m, first, count);
-    find_candidates(world_from_sensor, directions.subspan(first, count), part_beyond_m);
-    decide(world_from_sensor, directions.subspan(first, count), hits.subspan(first, count), part_beyond_m);
+    const std::span<const double> part_t_min_m = part_of(t_min_m, first, count);
+    find_candidates(world_from_sensor, directions.subspan(first, count), part_t_min_m);
+    decide(world_from_sensor, directions.subspan(first, count), hits.subspan(first, count), part_t_min_m);
     if (there && count > 0) there(first, count);
   }
   items_.counters.rays += directions.size();
@@ -111,8 +113,9 @@ void DeviceRayCaster::cast_from(const glm::dmat4& world_from_sensor, std::span<c
     update(glm::dvec3(glm::translate(world_from_sensor, origins_m[start])[3]));
     served = items_.in_reach(world_from_sensor, origins_m.subspan(start));
     find_candidates(world_from_sensor, {}, {});
-    bundles_.cast_from(world(), world_from_sensor, origins_m.subspan(start, served), directions.subspan(start, served),
-                       hits.subspan(start, served), part_of(t_min_m, start, served));
+    packet_caster_.cast_from(world(), world_from_sensor, origins_m.subspan(start, served),
+                             directions.subspan(start, served), hits.subspan(start, served),
+                             part_of(t_min_m, start, served));
     items_.counters.rays += served;
     items_.counters.rays_walked += served;
   }
@@ -124,11 +127,11 @@ void DeviceRayCaster::name_memory(std::vector<PlannedMemory>& memory) const {
     if (!buffer) return;
     memory.push_back({buffer.desc().name, reason, buffer.memory_bytes(), world_->uploads.bytes_to(buffer)});
   };
-  add(world_->meshes.nodes(), "the tree of each mesh that rays can meet");
-  add(world_->meshes.triangles(), "the triangles of each mesh that rays can meet");
+  add(world_->meshes.nodes(), "the tree of each mesh that rays can hit");
+  add(world_->meshes.triangles(), "the triangles of each mesh that rays can hit");
   add(world_->top.nodes(), "the tree over items");
-  add(world_->top.blocks(), "where items are");
-  for (const Buffer* const buffer : world_->dispatch.buffers()) add(*buffer, "rays on their way, and what they met");
+  add(world_->top.blocks(), "transforms of the items");
+  for (const Buffer* const buffer : world_->dispatch.buffers()) add(*buffer, "rays and their candidates");
 }
 
 void DeviceRayCaster::find_candidates(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions,
@@ -186,17 +189,17 @@ void DeviceRayCaster::decide(const glm::dmat4& world_from_sensor, std::span<cons
   }
   const std::span<const shader::RayCandidates> candidates = world_->dispatch.candidates(directions.size());
   std::atomic<std::uint64_t> walked = 0;
-  bundles_.share(world(), world_from_sensor, directions.size(),
-                 [&](RayView& view, std::size_t first, std::size_t count) {
-                   std::uint64_t here = 0;
-                   for (std::size_t i = first; i < first + count; ++i) {
-                     bool by_host = false;
-                     RayPacket ray(directions.subspan(i, 1), part_of(t_min_m, i, 1));
-                     hits[i] = decide(view, ray, candidates[i], by_host);
-                     here += by_host;
-                   }
-                   walked += here;
-                 });
+  packet_caster_.share(world(), world_from_sensor, directions.size(),
+                       [&](RayView& view, std::size_t first, std::size_t count) {
+                         std::uint64_t here = 0;
+                         for (std::size_t i = first; i < first + count; ++i) {
+                           bool by_host = false;
+                           RayPacket ray(directions.subspan(i, 1), part_of(t_min_m, i, 1));
+                           hits[i] = decide(view, ray, candidates[i], by_host);
+                           here += by_host;
+                         }
+                         walked += here;
+                       });
   items_.counters.rays_walked += walked;
 }
 
@@ -205,7 +208,7 @@ RayHit DeviceRayCaster::decide(RayView& view, RayPacket& ray, const shader::RayC
   for (std::uint32_t i = 0; i < candidates.count; ++i) {
     const std::uint32_t placed = world_->top.placed(candidates.found[i].x), primitive = candidates.found[i].y;
     if (primitive == SIMVIS_WHOLE_ITEM) {
-      walk_bundle(view, placed, ray);
+      traverse_packet(view, placed, ray);
       walked = true;
     } else {
       try_triangle(view, placed, primitive, ray);
@@ -214,11 +217,11 @@ RayHit DeviceRayCaster::decide(RayView& view, RayPacket& ray, const shader::RayC
   // A triangle that is not in the list lies at complete_to_m or farther.
   const bool complete = candidates.complete_to_m > SIMVIS_FAR_M || ray.farthest_m() < candidates.complete_to_m;
   if (!complete) {
-    walk_bundle(view, tree_.tree(), ray);
+    traverse_packet(view, tree_.tree(), ray);
     walked = true;
   }
   RayHit hit;
-  finish_bundle(view, ray, &hit);
+  finish_packet(view, ray, &hit);
   return hit;
 }
 

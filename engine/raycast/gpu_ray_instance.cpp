@@ -20,7 +20,7 @@ struct HighLow {
 
 }  // namespace
 
-shader::RayItem block_of(const RayInstance& item, const glm::dvec3& origin, const RayItemTree& tree) {
+shader::GpuRayInstance block_of(const RayInstance& item, const glm::dvec3& origin, const GpuRayInstanceTree& tree) {
   const glm::dmat3 linear(item.world_from_mesh), inverse = glm::inverse(linear);
   const glm::dvec3 centre = glm::dvec3(item.world_from_mesh[3]) - origin + linear * item.mesh->centre();
   const double condition = frobenius(linear) * frobenius(inverse);
@@ -31,8 +31,8 @@ shader::RayItem block_of(const RayInstance& item, const glm::dvec3& origin, cons
   const double slack = kUlp * (24 * condition + 45) + 6 * inverse_error + 0x1p-44 * lengths_m * stretch;
   const double slack_per_unit = kUlp * (11 * condition + 8) + 2 * inverse_error;
   constexpr double kMinScale = 1e-18;  // float32 can just square this value and its inverse
-  const bool placed = slack + slack_per_unit <= SIMVIS_MOST_SLACK && scale >= kMinScale && scale <= 1 / kMinScale;
-  shader::RayItem block{};
+  const bool placed = slack + slack_per_unit <= SIMVIS_MAX_SLACK && scale >= kMinScale && scale <= 1 / kMinScale;
+  shader::GpuRayInstance block{};
   block.tree.w = !placed;
   if (!placed) return block;
   const glm::dmat3 rows = glm::transpose(inverse) / (item.mesh->radius() * scale);

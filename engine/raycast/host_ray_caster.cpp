@@ -13,7 +13,7 @@ namespace {
 class HostRayCaster : public RayCaster {
  public:
   HostRayCaster(const std::filesystem::path& cache, const std::shared_ptr<ThreadPool>& pool)
-      : items_(cache, pool), bundles_(pool) {}
+      : items_(cache, pool), packet_caster_(pool) {}
   void set_world(const DrawList& list) override {
     list_ = &list;
     current_ = false;
@@ -35,7 +35,7 @@ class HostRayCaster : public RayCaster {
   bool current_ = false;  // whether the trees are up to date with the list
   RayInstances items_;
   ItemTree tree_;
-  PacketCaster bundles_;
+  PacketCaster packet_caster_;
 };
 
 void HostRayCaster::cast(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions,
@@ -43,7 +43,7 @@ void HostRayCaster::cast(const glm::dmat4& world_from_sensor, std::span<const gl
   SIMVIS_ASSERT(list_ != nullptr && hits.size() == directions.size());
   SIMVIS_ASSERT(t_min_m.empty() || t_min_m.size() == directions.size());
   update(glm::dvec3(world_from_sensor[3]));
-  bundles_.cast(world(), world_from_sensor, directions, hits, t_min_m, there);
+  packet_caster_.cast(world(), world_from_sensor, directions, hits, t_min_m, there);
   items_.counters.rays += directions.size();
 }
 
@@ -55,8 +55,9 @@ void HostRayCaster::cast_from(const glm::dmat4& world_from_sensor, std::span<con
   for (std::size_t start = 0, served = 0; start < directions.size(); start += served) {
     update(glm::dvec3(glm::translate(world_from_sensor, origins_m[start])[3]));
     served = items_.in_reach(world_from_sensor, origins_m.subspan(start));
-    bundles_.cast_from(world(), world_from_sensor, origins_m.subspan(start, served), directions.subspan(start, served),
-                       hits.subspan(start, served), part_of(t_min_m, start, served));
+    packet_caster_.cast_from(world(), world_from_sensor, origins_m.subspan(start, served),
+                             directions.subspan(start, served), hits.subspan(start, served),
+                             part_of(t_min_m, start, served));
   }
   items_.counters.rays += directions.size();
 }
@@ -73,7 +74,7 @@ void HostRayCaster::update(const glm::dvec3& world_place) {
 
 RayCounters HostRayCaster::counters() const {
   RayCounters counters = items_.counters;
-  bundles_.count(counters);
+  packet_caster_.count(counters);
   return counters;
 }
 

@@ -15,19 +15,19 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr unsigned kAllLanes = (1u << RayPacket::kLanes) - 1;
 
 /// The traversal of the world by one packet.
-class Walk {
+class Traversal {
  public:
-  SIMVIS_INLINE Walk(RayView& view, RayPacket& packet)
-      : view_(view), bundle_(packet), farthest_m_(packet.farthest_m()) {}
+  SIMVIS_INLINE Traversal(RayView& view, RayPacket& packet)
+      : view_(view), packet_(packet), farthest_m_(packet.farthest_m()) {}
 
   SIMVIS_INLINE void into_items(const WideBvh& items) {
     const glm::dmat3 turn = glm::transpose(glm::dmat3(view_.world_from_sensor()));
     const glm::dvec3 place = glm::dvec3(view_.world_from_sensor()[3]) - view_.items().origin();
     // The padding of item boxes is much larger than the rounding errors here.
-    TreePlanes planes = planes_in(bundle_, glm::mat3(turn), glm::vec3(-(turn * place)), 1, 0);
+    TreePlanes planes = planes_in(packet_, glm::mat3(turn), glm::vec3(-(turn * place)), 1, 0);
     planes.end_at(farthest_m_);
     traverse(
-        items, bundle_, kAllRays, planes,
+        items, packet_, kAllRays, planes,
         [&](std::uint32_t placed, std::uint32_t, std::uint32_t rays) __attribute__((always_inline)) {
           into_item(placed, rays);
           planes.end_at(farthest_m_);
@@ -40,15 +40,15 @@ class Walk {
     const SeenItem& item = view_.seen(placed);
     const Blas& mesh = *view_.placed(placed).mesh;
     TreePlanes planes =
-        planes_in(bundle_, item.scaled_linear, item.scaled_centre, item.scale, static_cast<float>(kPadding));
+        planes_in(packet_, item.scaled_linear, item.scaled_centre, item.scale, static_cast<float>(kPadding));
     planes.end_at(farthest_m_);
     const WideBvh& tree = mesh.tree();
     const WideBvh::Leaf* const leaves = mesh.leaves().data();
     traverse(
-        tree, bundle_, rays, planes,
+        tree, packet_, rays, planes,
         [&](std::uint32_t leaf, std::uint32_t count, std::uint32_t into) __attribute__((always_inline)) {
           if (!try_leaf(item, mesh, placed, leaves[leaf], count, into)) return;
-          bundle_.update_ends();
+          packet_.update_ends();
           planes.end_at(farthest_m_);
         },
         [&](std::uint32_t leaf) { __builtin_prefetch(&leaves[leaf]); });
@@ -64,23 +64,23 @@ class Walk {
   SIMVIS_INLINE bool try_leaf(const SeenItem& item, const Blas& mesh, std::uint32_t placed, const WideBvh::Leaf& leaf,
                               std::uint32_t count, std::uint32_t rays) {
     const SeenTriangles triangles = see_triangles(*mesh.mesh(), leaf, item.placement);
-    const ShearedExtents extents = extents_of(bundle_, triangles);
+    const ShearedExtents extents = extents_of(packet_, triangles);
     // The comparisons say which triangles to skip, so that a triangle with NaN extents is tested.
     Mask4 beside = ~extents.ahead | (extents.nearest_m > splat4(farthest_m_));
     for (int i = 0; i < 2; ++i) {
-      beside |= (extents.low[i] > splat4(bundle_.high[i])) | (extents.high[i] < splat4(bundle_.low[i]));
+      beside |= (extents.low[i] > splat4(packet_.high[i])) | (extents.high[i] < splat4(packet_.low[i]));
     }
-    bool met = false;
+    bool found = false;
     for (unsigned left = ~bits_of(beside) & ((1u << count) - 1); left != 0; left &= left - 1) {
       const auto lane = static_cast<unsigned>(std::countr_zero(left));
       if (extents.nearest_m[lane] > farthest_m_) continue;
       if (!try_triangle(item, placed, leaf[lane], triangles, lane, batches_in(extents, lane) & batches_of(rays))) {
         continue;
       }
-      farthest_m_ = bundle_.farthest_m();
-      met = true;
+      farthest_m_ = packet_.farthest_m();
+      found = true;
     }
-    return met;
+    return found;
   }
 
   SIMVIS_INLINE bool try_triangle(const SeenItem& item, std::uint32_t placed, std::uint32_t primitive,
@@ -89,21 +89,21 @@ class Walk {
     ++view_.triangle_tests;
     SpreadTriangle triangle;
     for (int k = 0; k < 3; ++k) {
-      triangle.x[k] = splat4(triangles.at[k][bundle_.x][lane]);
-      triangle.y[k] = splat4(triangles.at[k][bundle_.y][lane]);
-      triangle.z[k] = splat4(triangles.at[k][bundle_.z][lane]);
+      triangle.x[k] = splat4(triangles.at[k][packet_.x][lane]);
+      triangle.y[k] = splat4(triangles.at[k][packet_.y][lane]);
+      triangle.z[k] = splat4(triangles.at[k][packet_.z][lane]);
     }
-    bool met = false;
+    bool found = false;
     for (; batches != 0; batches &= batches - 1) {
       const auto batch = static_cast<unsigned>(std::countr_zero(batches));
-      const BatchHit batch_hit = try_batch(bundle_, batch, triangle);
+      const BatchHit batch_hit = try_batch(packet_, batch, triangle);
       if (batch_hit.unsure) {
-        met |= try_one_by_one(batch, kAllLanes, placed, primitive, triangles.corners(lane));
+        found |= try_one_by_one(batch, kAllLanes, placed, primitive, triangles.corners(lane));
       } else if (any(batch_hit.hit)) {
-        met |= take(batch, batch_hit, item, placed, primitive, triangles, lane);
+        found |= take(batch, batch_hit, item, placed, primitive, triangles, lane);
       }
     }
-    return met;
+    return found;
   }
 
   // The batches that may hit this triangle: bit i for batch i.
@@ -112,24 +112,24 @@ class Walk {
     const Double4 low_y = splat4(extents.low[1][lane]), high_y = splat4(extents.high[1][lane]);
     unsigned bits = 0;
     for (unsigned i = 0; i < RayPacket::kBatches / 4; ++i) {
-      const Mask4 beside = (bundle_.low_x[i] > high_x) | (bundle_.high_x[i] < low_x) | (bundle_.low_y[i] > high_y) |
-                           (bundle_.high_y[i] < low_y);
+      const Mask4 beside = (packet_.low_x[i] > high_x) | (packet_.high_x[i] < low_x) | (packet_.low_y[i] > high_y) |
+                           (packet_.high_y[i] < low_y);
       bits |= bits_of(~beside) << 4 * i;
     }
-    return bits & ((1u << bundle_.batches) - 1);
+    return bits & ((1u << packet_.batches) - 1);
   }
 
   SIMVIS_INLINE bool take(unsigned batch, const BatchHit& batch_hit, const SeenItem& item, std::uint32_t placed,
                           std::uint32_t primitive, const SeenTriangles& triangles, unsigned lane) {
-    Double4& range_m = bundle_.range_m[batch];
+    Double4& range_m = packet_.range_m[batch];
     const Mask4 hit = batch_hit.hit;
     if (!item.solid || any(hit & (batch_hit.range_m == range_m))) {
       return try_one_by_one(batch, bits_of(hit), placed, primitive, triangles.corners(lane));
     }
     range_m = hit ? batch_hit.range_m : range_m;
     const auto of_item = static_cast<long long>(placed), of_mesh = static_cast<long long>(primitive);
-    bundle_.placed[batch] = hit ? Mask4{of_item, of_item, of_item, of_item} : bundle_.placed[batch];
-    bundle_.primitive[batch] = hit ? Mask4{of_mesh, of_mesh, of_mesh, of_mesh} : bundle_.primitive[batch];
+    packet_.placed[batch] = hit ? Mask4{of_item, of_item, of_item, of_item} : packet_.placed[batch];
+    packet_.primitive[batch] = hit ? Mask4{of_mesh, of_mesh, of_mesh, of_mesh} : packet_.primitive[batch];
     return true;
   }
 
@@ -149,25 +149,25 @@ class Walk {
                       const std::array<glm::dvec3, 3>& corners);
 
   RayView& view_;
-  RayPacket& bundle_;
+  RayPacket& packet_;
   double farthest_m_;
 };
 
-bool Walk::try_one_by_one(unsigned batch, unsigned lanes, std::uint32_t placed, std::uint32_t primitive,
-                          const std::array<glm::dvec3, 3>& corners) {
-  bool met = false;
+bool Traversal::try_one_by_one(unsigned batch, unsigned lanes, std::uint32_t placed, std::uint32_t primitive,
+                               const std::array<glm::dvec3, 3>& corners) {
+  bool found = false;
   for (unsigned lane = 0; lane < RayPacket::kLanes; ++lane) {
     const unsigned index = batch * RayPacket::kLanes + lane;
-    if (!(lanes >> lane & 1) || index >= bundle_.count) continue;
-    ClosestHit nearest{bundle_.range_m[batch][lane], static_cast<std::uint32_t>(bundle_.placed[batch][lane]),
-                       static_cast<std::uint32_t>(bundle_.primitive[batch][lane]), bundle_.t_min_m[batch][lane]};
-    if (!view_.try_triangle(bundle_.ray(index), placed, primitive, corners, nearest)) continue;
-    bundle_.range_m[batch][lane] = nearest.range_m;
-    bundle_.placed[batch][lane] = nearest.placed;
-    bundle_.primitive[batch][lane] = nearest.primitive;
-    met = true;
+    if (!(lanes >> lane & 1) || index >= packet_.count) continue;
+    ClosestHit nearest{packet_.range_m[batch][lane], static_cast<std::uint32_t>(packet_.placed[batch][lane]),
+                       static_cast<std::uint32_t>(packet_.primitive[batch][lane]), packet_.t_min_m[batch][lane]};
+    if (!view_.try_triangle(packet_.ray(index), placed, primitive, corners, nearest)) continue;
+    packet_.range_m[batch][lane] = nearest.range_m;
+    packet_.placed[batch][lane] = nearest.placed;
+    packet_.primitive[batch][lane] = nearest.primitive;
+    found = true;
   }
-  return met;
+  return found;
 }
 
 SIMVIS_INLINE void finish(RayView& view, const RayPacket& packet, unsigned batch, RayHit* hits) {
@@ -183,17 +183,17 @@ SIMVIS_INLINE void finish(RayView& view, const RayPacket& packet, unsigned batch
     const auto of_item = static_cast<std::uint32_t>(placed[lane]),
                of_mesh = static_cast<std::uint32_t>(primitive[lane]);
     const SeenItem& item = view.seen(of_item);
-    return MetTriangle{place_corners(*view.placed(of_item).mesh->mesh(), of_mesh, item.placement), item.corner_error_m};
+    return HitTriangle{place_corners(*view.placed(of_item).mesh->mesh(), of_mesh, item.placement), item.corner_error_m};
   };
-  MetTriangles met(see(seen));  // lanes without a hit hold the triangle of another lane
+  HitTriangles found(see(seen));  // lanes without a hit hold the triangle of another lane
   for (unsigned lane = seen + 1; lane < lanes; ++lane) {
     if (packet.range_m[batch][lane] == kInfinity) continue;
     if (placed[lane] == placed[seen] && primitive[lane] == primitive[seen]) continue;
-    met.set_from(lane, see(lane));
+    found.set_from(lane, see(lane));
     seen = lane;
   }
   bool unsure = false;
-  const Double4 bounds = bounds_of_batch(packet, batch, met, unsure);
+  const Double4 bounds = bounds_of_batch(packet, batch, found, unsure);
   for (unsigned lane = 0; lane < lanes; ++lane) {
     const double range_m = packet.range_m[batch][lane];
     const auto of_item = static_cast<std::uint32_t>(placed[lane]),
@@ -212,19 +212,19 @@ SIMVIS_INLINE void finish(RayView& view, const RayPacket& packet, unsigned batch
 
 SIMVIS_FOR_EACH_MACHINE void try_triangle(RayView& view, std::uint32_t placed, std::uint32_t primitive,
                                           RayPacket& packet) {
-  Walk(view, packet).into_triangle(placed, primitive);
+  Traversal(view, packet).into_triangle(placed, primitive);
 }
 
-SIMVIS_FOR_EACH_MACHINE void finish_bundle(RayView& view, const RayPacket& packet, RayHit* hits) {
+SIMVIS_FOR_EACH_MACHINE void finish_packet(RayView& view, const RayPacket& packet, RayHit* hits) {
   for (unsigned batch = 0; batch < packet.batches; ++batch) finish(view, packet, batch, hits);
 }
 
-SIMVIS_FOR_EACH_MACHINE void walk_bundle(RayView& view, const WideBvh& items, RayPacket& packet) {
-  Walk(view, packet).into_items(items);
+SIMVIS_FOR_EACH_MACHINE void traverse_packet(RayView& view, const WideBvh& items, RayPacket& packet) {
+  Traversal(view, packet).into_items(items);
 }
 
-SIMVIS_FOR_EACH_MACHINE void walk_bundle(RayView& view, std::uint32_t placed, RayPacket& packet) {
-  Walk(view, packet).into_item(placed, kAllRays);
+SIMVIS_FOR_EACH_MACHINE void traverse_packet(RayView& view, std::uint32_t placed, RayPacket& packet) {
+  Traversal(view, packet).into_item(placed, kAllRays);
 }
 
 }  // namespace simvis

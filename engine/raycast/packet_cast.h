@@ -11,15 +11,15 @@
 namespace simvis {
 
 /// Updates the packet's nearest hits with all items; `items` is a tree over their boxes.
-void walk_bundle(RayView& view, const WideBvh& items, RayPacket& packet);
+void traverse_packet(RayView& view, const WideBvh& items, RayPacket& packet);
 
 /// Updates the packet's nearest hits with one item.
-void walk_bundle(RayView& view, std::uint32_t placed, RayPacket& packet);
+void traverse_packet(RayView& view, std::uint32_t placed, RayPacket& packet);
 
 /// Updates the packet's nearest hits with one triangle of an item.
 void try_triangle(RayView& view, std::uint32_t placed, std::uint32_t primitive, RayPacket& packet);
 
 /// Writes the nearest hit of each ray, with its error bound: hits[i] belongs to ray i.
-void finish_bundle(RayView& view, const RayPacket& packet, RayHit* hits);
+void finish_packet(RayView& view, const RayPacket& packet, RayHit* hits);
 
 }  // namespace simvis

@@ -25,8 +25,8 @@ void cast_bundles(RayView& view, const WideBvh& tree, std::span<const glm::dvec3
   for (std::size_t first = 0; first < directions.size();) {
     const std::size_t left = std::min(group - first % group, directions.size() - first);
     RayPacket packet(directions.subspan(first, left), part_of(t_min_m, first, left));
-    walk_bundle(view, tree, packet);
-    finish_bundle(view, packet, hits.data() + first);
+    traverse_packet(view, tree, packet);
+    finish_packet(view, packet, hits.data() + first);
     first += packet.count;
   }
 }

@@ -115,17 +115,17 @@ SIMVIS_INLINE BatchHit try_batch(const RayPacket& packet, unsigned batch, const 
   return result;
 }
 
-struct MetTriangle {
+struct HitTriangle {
   std::array<glm::dvec3, 3> corners;  ///< in the sensor frame
   double corner_error_m = 0;
 };
 
 /// The triangles that four rays have hit, one in each SIMD lane.
-struct MetTriangles {
+struct HitTriangles {
   Double4 a[3], b[3], c[3];  ///< corners, indexed by axis
   Double4 corner_error_m;
 
-  SIMVIS_INLINE explicit MetTriangles(const MetTriangle& all) : corner_error_m(splat4(all.corner_error_m)) {
+  SIMVIS_INLINE explicit HitTriangles(const HitTriangle& all) : corner_error_m(splat4(all.corner_error_m)) {
     for (int axis = 0; axis < 3; ++axis) {
       a[axis] = splat4(all.corners[0][axis]);
       b[axis] = splat4(all.corners[1][axis]);
@@ -134,7 +134,7 @@ struct MetTriangles {
   }
 
   /// Sets the triangle of this SIMD lane and of all lanes after it.
-  SIMVIS_INLINE void set_from(unsigned lane, const MetTriangle& t) {
+  SIMVIS_INLINE void set_from(unsigned lane, const HitTriangle& t) {
     const Mask4 here = Mask4{0, 1, 2, 3} >= static_cast<long long>(lane);
     for (int axis = 0; axis < 3; ++axis) {
       a[axis] = here ? splat4(t.corners[0][axis]) : a[axis];
@@ -148,7 +148,7 @@ struct MetTriangles {
 SIMVIS_INLINE Double4 squared(Double4 x, Double4 y) { return x * x + y * y; }
 
 // Same arithmetic as range_error_bound().
-SIMVIS_INLINE Double4 bounds_of_batch(const RayPacket& packet, unsigned batch, const MetTriangles& t, bool& unsure) {
+SIMVIS_INLINE Double4 bounds_of_batch(const RayPacket& packet, unsigned batch, const HitTriangles& t, bool& unsure) {
   constexpr double kUnit = 0x1p-53;
   const Double4 sx = packet.shear_x[batch], sy = packet.shear_y[batch], per_z = packet.per_z[batch];
   const int x = packet.x, y = packet.y, z = packet.z;

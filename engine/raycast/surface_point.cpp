@@ -15,9 +15,9 @@ SurfacePoint surface_point(const DrawList& list, const glm::dmat4& world_from_se
   const Material& material = *list.materials[item.material];
   const MeshPlacement placement = place_mesh(list.world_from_node[item.transform], world_from_sensor);
   const std::array<glm::dvec3, 3> corners = place_corners(mesh, hit.primitive, placement);
-  TriangleHit met;
-  SIMVIS_ASSERT(intersect(ShearedRay(direction), corners, met));
-  const glm::dvec3 weights = met.weights / (met.weights.x + met.weights.y + met.weights.z);
+  TriangleHit exact;
+  SIMVIS_ASSERT(intersect(ShearedRay(direction), corners, exact));
+  const glm::dvec3 weights = exact.weights / (exact.weights.x + exact.weights.y + exact.weights.z);
   const glm::dvec3 edge = corners[1] - corners[0], other = corners[2] - corners[0], across = glm::cross(edge, other);
   const glm::dvec3 normal = glm::normalize(across);
   // The error of a corner is less than the error bound of the range; the error of an edge is less than twice that

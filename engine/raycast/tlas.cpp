@@ -68,7 +68,7 @@ void Tlas::build(RayInstances& items, Uploads& uploads) {
   ++items.counters.item_trees_built;
   if (boxes_.empty()) return;
   reserve(nodes_, "ray top nodes", bvh_.nodes.size() * sizeof(BvhNode));
-  reserve(block_buffer_, "ray items", boxes_.size() * sizeof(shader::RayItem));
+  reserve(block_buffer_, "ray items", boxes_.size() * sizeof(shader::GpuRayInstance));
   uploads.write(nodes_, 0, std::as_bytes(std::span(bvh_.nodes)));
 }
 
@@ -92,7 +92,7 @@ void Tlas::write_blocks(const DrawList& list, const RayInstances& items, const B
     blocks_[leaf] = block_of(items.items()[i], items.origin(),
                              {place.first_node, place.first_triangle, static_cast<bool>(solid_[i])});
   }
-  write_entries(block_buffer_, std::span<const shader::RayItem>(blocks_), leaves, uploads);
+  write_entries(block_buffer_, std::span<const shader::GpuRayInstance>(blocks_), leaves, uploads);
 }
 
 void Tlas::reserve(Buffer& buffer, const char* name, VkDeviceSize size) {

@@ -41,7 +41,7 @@ class Tlas {
   std::vector<std::uint32_t> leaf_of_;  // position of each item in the tree's order
   double sah_cost_when_built_ = 0;
   std::vector<std::uint8_t> solid_;
-  std::vector<shader::RayItem> blocks_;
+  std::vector<shader::GpuRayInstance> blocks_;
   Buffer nodes_, block_buffer_;
   bool made_ = false;
 };

@@ -45,8 +45,8 @@ void DrawCache::update(const DrawList& list, MeshUse use, GeometryPool& geometry
   const bool new_kinds = update_materials(list, recolored);
   const bool new_mirrors = update_transforms(list);
   if (color && list.lights.size() > SIMVIS_MAX_LIGHTS) {
-    throw InputError("the scene has " + std::to_string(list.lights.size()) + " lights, " +
-                     std::to_string(SIMVIS_MAX_LIGHTS) + " are allowed");
+    throw InputError("the scene has " + std::to_string(list.lights.size()) + " lights, expected at most " +
+                     std::to_string(SIMVIS_MAX_LIGHTS));
   }
   const auto lights = static_cast<std::uint16_t>(std::min<std::size_t>(list.lights.size(), SIMVIS_MAX_LIGHTS));
   const bool new_lights = lights_ != lights;

@@ -36,7 +36,7 @@ shader::MaterialBlock block_of(const Material& m) {
           .uv_row_v = {t[0][1], t[1][1], t[2][1], m.occlusion_strength},
           .finish = {std::max(m.roughness, kMinRoughness), m.opacity, m.metallic, m.normal_scale}};
 }
-static_assert(kMinRoughness == static_cast<float>(SIMVIS_LEAST_ROUGHNESS));
+static_assert(kMinRoughness == static_cast<float>(SIMVIS_MIN_ROUGHNESS));
 
 shader::MapPlacesBlock map_places_of(const Material& m) {
   shader::MapPlacesBlock block{};
@@ -96,7 +96,7 @@ void FrameBuffers::write_cpu_selected(std::span<const std::span<const shader::Cp
   VkDeviceSize size = 0, written = 0;
   for (const std::span<const shader::CpuSelectedVertex> each : vertices) size += each.size_bytes();
   if (size == 0) return;
-  reserve(cpu_selected_, "picked vertices", VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, size);
+  reserve(cpu_selected_, "vertices selected on the CPU", VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, size);
   for (const std::span<const shader::CpuSelectedVertex> each : vertices) {
     uploads.write(cpu_selected_, written, std::as_bytes(each));
     written += each.size_bytes();
@@ -144,12 +144,12 @@ void FrameBuffers::name_memory(const Uploads& uploads, std::vector<PlannedMemory
     if (!buffer) return;
     memory.push_back({buffer.desc().name, reason, buffer.memory_bytes(), uploads.bytes_to(buffer)});
   };
-  add(instances_, "where each view sees what it draws");
-  add(indices_, "triangles with holes that strips see, picked one by one");
-  add(cpu_selected_, "triangles without holes that strips see, picked one by one");
-  add(materials_.buffer, "what shaders read of surfaces: colour, and where alpha decides");
-  add(map_places_.buffer, "where the maps of surfaces lie on them");
-  add(lights_, "lights as each view of colour has them");
+  add(instances_, "instance transforms of each view");
+  add(indices_, "triangles with holes that strips see, selected on the CPU one by one");
+  add(cpu_selected_, "triangles without holes that strips see, selected on the CPU one by one");
+  add(materials_.buffer, "materials that shaders read");
+  add(map_places_.buffer, "texture transforms of maps");
+  add(lights_, "lights of each colour view");
 }
 
 }  // namespace simvis

@@ -242,9 +242,9 @@ void OitBuffer::name_memory(const Uploads& uploads, std::vector<PlannedMemory>& 
     if (!buffer) return;
     memory.push_back({buffer.desc().name, reason, buffer.memory_bytes(), uploads.bytes_to(buffer)});
   };
-  add(lists_, "where the layers of each sample begin");
+  add(lists_, "first layer of each sample");
   add(nodes_, "layers of transparent surfaces");
-  add(counts_, "how many layers each band has");
+  add(counts_, "number of layers of each band");
 }
 
 }  // namespace simvis

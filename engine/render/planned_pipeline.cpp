@@ -34,11 +34,11 @@ std::string_view what_is_drawn(Surface surface) {
     case Surface::opaque:
       return "surfaces without holes";
     case Surface::masked:
-      return "alpha decides where there is a surface";
+      return "alpha decides which samples are covered";
     case Surface::blended:
-      return "surfaces that one sees through, over what lies behind";
+      return "transparent surfaces, composited by depth";
     case Surface::faded:
-      return "surfaces with holes that are faded as a whole, over what lies behind";
+      return "transparent surfaces with holes, composited by depth";
   }
   return "";
 }
@@ -55,11 +55,11 @@ std::string variant_of(const PipelineKey& key) {
   if (key.glossy) text += key.metallic ? ", metallic" : ", glossy";
   if (key.maps != 0) text += ", " + std::to_string(std::popcount(key.maps)) + " maps";
   if (key.shadowed) text += ", shadowed";
-  if (key.shadow_map) text += key.orthographic ? ", for a shadow map from afar" : ", for a shadow map";
+  if (key.shadow_map) text += key.orthographic ? ", for an orthographic shadow map" : ", for a shadow map";
   if (key.fog) text += ", in fog";
   if (key.cull_back) text += ", back faces culled";
   if (key.mirrored) text += ", mirrored";
-  if (key.cpu_selected) text += ", picked one by one";
+  if (key.cpu_selected) text += ", selected on the CPU";
   if (key.samples > 1) text += ", msaa " + std::to_string(key.samples);
   return text;
 }
@@ -67,7 +67,7 @@ std::string variant_of(const PipelineKey& key) {
 std::string reason_for(const PipelineKey& key) {
   std::string text(what_is_drawn(key.surface));
   if (key.depth_only) return text + (key.shades() ? "" : ": no fragment shader");
-  if (key.unlit) return text + ", as bright as they are";
+  if (key.unlit) return text + ", unlit";
   return text + (key.lights > 0 ? ", lit by " + lights_text(key.lights) : ", in ambient light");
 }
 
@@ -96,10 +96,11 @@ std::vector<PlannedPipeline> describe_pipelines(std::span<const DrawRun> runs, c
   return planned;
 }
 
-PlannedPipeline mean_pipeline(const Pass& pass, std::vector<std::uint32_t>& made) {
-  return {.variant = "mean, grid " + std::to_string(pass.supersampling) + ", msaa " + std::to_string(pass.msaa),
-          .reason = std::to_string(pass.samples()) + " samples of each pixel",
-          .made = std::erase(made, ResolvePass::pipeline_key(pass)) > 0};
+PlannedPipeline describe_resolve(const Pass& pass, std::vector<std::uint32_t>& made) {
+  return {
+      .variant = "resolve, supersampling " + std::to_string(pass.supersampling) + ", msaa " + std::to_string(pass.msaa),
+      .reason = std::to_string(pass.samples()) + " samples of each pixel",
+      .made = std::erase(made, ResolvePass::pipeline_key(pass)) > 0};
 }
 
 }  // namespace simvis

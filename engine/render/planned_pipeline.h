@@ -18,6 +18,6 @@ std::vector<PlannedPipeline> describe_pipelines(std::span<const DrawRun> runs, c
 
 /// Describes the pipeline that averages the samples of a pass. `made` holds values of ResolvePass::pipeline_key() and
 /// is used as above.
-PlannedPipeline mean_pipeline(const Pass& pass, std::vector<std::uint32_t>& made);
+PlannedPipeline describe_resolve(const Pass& pass, std::vector<std::uint32_t>& made);
 
 }  // namespace simvis

@@ -56,7 +56,7 @@ void RenderTargets::name_memory(const std::function<const Pass*(const RenderTarg
                         pass != nullptr ? what : "kept for a pass of " + size + " that is not in this frame", bytes,
                         0});
     };
-    add("depth", target->depth.memory_bytes(), "what hides what");
+    add("depth", target->depth.memory_bytes(), "visibility");
     add("colour samples", target->color_samples.memory_bytes(), "several samples of each pixel");
     add("colour", target->color.memory_bytes(), "colour is asked for");
     add("depth readback", target->depth_readback.memory_bytes(), "depth is asked for");

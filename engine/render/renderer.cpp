@@ -45,11 +45,11 @@ void check_pass(const Pass& pass, const TargetLimits& limits) {
         "pass \"" + pass.name + "\" has " + std::to_string(pass.width_px) + " x " + std::to_string(pass.height_px) +
         " pixels" +
         (pass.supersampling > 1 ? " of " + std::to_string(pass.supersampling * pass.supersampling) + " samples" : "") +
-        "; this device allows " + std::to_string(width) + " x " + std::to_string(height));
+        ", expected at most " + std::to_string(width) + " x " + std::to_string(height) + " on this device");
   }
   if (std::ranges::find(limits.msaa, pass.msaa) == limits.msaa.end()) {
-    throw InputError("pass \"" + pass.name + "\" asks for msaa " + std::to_string(pass.msaa) +
-                     "; this device allows up to " + std::to_string(limits.msaa.back()));
+    throw InputError("pass \"" + pass.name + "\" has msaa " + std::to_string(pass.msaa) + ", expected at most " +
+                     std::to_string(limits.msaa.back()) + " on this device");
   }
   for (const View& view : pass.views) check_view(view, pass);
 }
@@ -276,7 +276,7 @@ void Renderer::Impl::name_pipelines(FramePlan& plan) const {
   for (std::size_t i = 0; i < pass_targets.size(); ++i) {
     Pass& pass = plan.passes[i];
     pass.pipelines.clear();
-    if (pass.samples() > 1) pass.pipelines.push_back(mean_pipeline(pass, unnamed.means));
+    if (pass.samples() > 1) pass.pipelines.push_back(describe_resolve(pass, unnamed.means));
     for (View& view : pass.views) {
       const ViewDraws& draw = draws.views()[drawn++];
       const auto runs = draws.runs().subspan(draw.first_run, draw.end_run - draw.first_run);

@@ -29,9 +29,9 @@ VkImageMemoryBarrier barrier(const GpuImage& image, VkImageLayout from, VkImageL
 
 void ResolvePass::make_layouts() {
   const VkDescriptorSetLayoutBinding bindings[] = {
-      descriptor_binding(SIMVIS_AVERAGE_SAMPLES, VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE, VK_SHADER_STAGE_COMPUTE_BIT),
-      descriptor_binding(SIMVIS_AVERAGE_MEAN, VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, VK_SHADER_STAGE_COMPUTE_BIT)};
-  set_layout_ = DescriptorLayout(device_, bindings, "sample average set layout");
+      descriptor_binding(SIMVIS_RESOLVE_SAMPLES, VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE, VK_SHADER_STAGE_COMPUTE_BIT),
+      descriptor_binding(SIMVIS_RESOLVE_MEAN, VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, VK_SHADER_STAGE_COMPUTE_BIT)};
+  set_layout_ = DescriptorLayout(device_, bindings, "resolve set layout");
   const VkDescriptorSetLayout set_layout = set_layout_.get();
   const VkPipelineLayoutCreateInfo info{.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
                                         .pNext = nullptr,
@@ -42,15 +42,15 @@ void ResolvePass::make_layouts() {
                                         .pPushConstantRanges = nullptr};
   VkPipelineLayout layout = VK_NULL_HANDLE;
   vk_check(vkCreatePipelineLayout(device_.device, &info, nullptr, &layout), "vkCreatePipelineLayout");
-  layout_ = Handle<VkPipelineLayout>(device_, layout, "sample average layout");
+  layout_ = Handle<VkPipelineLayout>(device_, layout, "resolve layout");
 }
 
 ResolvePass::Binding ResolvePass::bind(const GpuImage& samples, const GpuImage& mean) {
   if (!layout_) make_layouts();
-  Binding binding(device_, set_layout_, 1, "sample average set");
-  write_descriptor(device_, set_layout_, binding.get(), SIMVIS_AVERAGE_SAMPLES,
+  Binding binding(device_, set_layout_, 1, "resolve set");
+  write_descriptor(device_, set_layout_, binding.get(), SIMVIS_RESOLVE_SAMPLES,
                    {VK_NULL_HANDLE, samples.view(), VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL});
-  write_descriptor(device_, set_layout_, binding.get(), SIMVIS_AVERAGE_MEAN,
+  write_descriptor(device_, set_layout_, binding.get(), SIMVIS_RESOLVE_MEAN,
                    {VK_NULL_HANDLE, mean.view(), VK_IMAGE_LAYOUT_GENERAL});
   return binding;
 }
@@ -65,8 +65,8 @@ VkPipeline ResolvePass::pipeline(const Pass& pass) {
   const Handle<VkShaderModule> module = make_module(device_, words, "resolve_pass.comp");
 
   const std::uint32_t values[] = {pass.supersampling, pass.msaa};
-  const VkSpecializationMapEntry entries[] = {{SIMVIS_AVERAGE_GRID, 0, sizeof values[0]},
-                                              {SIMVIS_AVERAGE_MSAA, sizeof values[0], sizeof values[0]}};
+  const VkSpecializationMapEntry entries[] = {{SIMVIS_RESOLVE_SUPERSAMPLING, 0, sizeof values[0]},
+                                              {SIMVIS_RESOLVE_MSAA, sizeof values[0], sizeof values[0]}};
   const VkSpecializationInfo constants{2, entries, sizeof values, values};
   VkComputePipelineCreateInfo info{};
   info.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO;
@@ -92,7 +92,7 @@ void ResolvePass::record(VkCommandBuffer commands, const Pass& pass, const Bindi
   vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline(pass));
   const VkDescriptorSet set = binding.get();
   vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout_.get(), 0, 1, &set, 0, nullptr);
-  const auto groups = [](std::uint32_t pixels) { return (pixels + SIMVIS_AVERAGE_GROUP - 1) / SIMVIS_AVERAGE_GROUP; };
+  const auto groups = [](std::uint32_t pixels) { return (pixels + SIMVIS_RESOLVE_GROUP - 1) / SIMVIS_RESOLVE_GROUP; };
   vkCmdDispatch(commands, groups(pass.width_px), groups(pass.height_px), 1);
   const VkImageMemoryBarrier readable = barrier(mean, VK_IMAGE_LAYOUT_GENERAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
                                                 VK_ACCESS_SHADER_WRITE_BIT, VK_ACCESS_TRANSFER_READ_BIT);

@@ -94,8 +94,8 @@ void ShadowMaps::show(const GpuImage& atlas) {
 
 void ShadowMaps::name_memory(const Uploads& uploads, std::vector<PlannedMemory>& memory) const {
   if (!blocks_) return;
-  memory.push_back({blocks_.desc().name, "where each view of colour finds the shadow maps of its lights",
-                    blocks_.memory_bytes(), uploads.bytes_to(blocks_)});
+  memory.push_back({blocks_.desc().name, "shadow maps of the lights of each colour view", blocks_.memory_bytes(),
+                    uploads.bytes_to(blocks_)});
 }
 
 }  // namespace simvis

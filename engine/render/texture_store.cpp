@@ -40,8 +40,8 @@ GpuImage make_image(Device::Impl& device, const Texture& texture, VkFormat forma
   const std::uint32_t limit = device.limits().maxImageDimension2D, side = std::max(texture.width, texture.height);
   if (side > limit) {
     throw InputError("texture \"" + texture.name + "\" has " + std::to_string(texture.width) + " x " +
-                     std::to_string(texture.height) + " pixels; this device allows " + std::to_string(limit) +
-                     " on a side");
+                     std::to_string(texture.height) + " pixels, expected at most " + std::to_string(limit) +
+                     " on a side on this device");
   }
   const auto levels = static_cast<std::uint32_t>(std::bit_width(side));
   return GpuImage(device, {.name = "texture " + texture.name,

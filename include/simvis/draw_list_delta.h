@@ -78,7 +78,7 @@ class StandingAt {
   std::span<const std::uint32_t> operator[](TransformRange entries) const;
 
  private:
-  std::vector<std::uint32_t> first_, things_;
+  std::vector<std::uint32_t> first_, objects_;
 };
 
 }  // namespace simvis

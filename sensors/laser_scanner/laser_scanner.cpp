@@ -60,9 +60,9 @@ LaserScanner::LaserScanner(std::string name, const LaserScannerDesc& desc)
   scan_.azimuth_rad = azimuths(desc.pattern);
   scan_.elevation_rad = elevations(desc.pattern);
   readings_.resize(std::size_t{scan_.rings} * scan_.columns);
-  moment_.rings = scan_.rings;
-  moment_.columns = scan_.columns;
-  moment_.range_max_m = desc.range_max_m;
+  context_.rings = scan_.rings;
+  context_.columns = scan_.columns;
+  context_.range_max_m = desc.range_max_m;
   if (casts(desc.method)) make_directions();
   SIMVIS_ASSERT(desc.method == ScanMethod::raycast || beam_following_effect(desc) == nullptr);
 }
@@ -85,11 +85,11 @@ std::vector<glm::dvec3> LaserScanner::directions_by_beam() const {
 // Examines the scene only if something changed that effects depend on.
 void LaserScanner::update_effects(const DrawList& list) {
   const bool same = list_ == &list && list.revisions.structure == effects_of_.structure &&
-                    list.revisions.materials == effects_of_.materials && list.medium == moment_.medium;
+                    list.revisions.materials == effects_of_.materials && list.medium == context_.medium;
   if (same) return;
   list_ = &list;
   effects_of_ = list.revisions;
-  moment_.medium = list.medium;
+  context_.medium = list.medium;
   effects_.clear();
   std::ranges::copy_if(desc_.effects, std::back_inserter(effects_), [&](const ChosenScanEffect& each) {
     return each.called_for == nullptr || each.called_for(list);
@@ -120,7 +120,7 @@ HistoryDependence LaserScanner::history_dependence() const {
 }
 
 void LaserScanner::skip_frame(const FrameTime& time, const glm::dmat4& world_from_sensor) {
-  moment_.before = {time.time_ns, world_from_sensor};
+  context_.before = {time.time_ns, world_from_sensor};
 }
 
 void LaserScanner::use_cost_model(const std::function<const CostModel&()>& costs) {
@@ -128,7 +128,7 @@ void LaserScanner::use_cost_model(const std::function<const CostModel&()>& costs
 }
 
 void LaserScanner::plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) {
-  moment_.world_from_sensor = world_from_sensor;
+  context_.world_from_sensor = world_from_sensor;
   update_effects(list);
   const glm::dmat4 sensor_from_world = rigid_inverse(world_from_sensor);
   survey_.reset();
@@ -171,7 +171,7 @@ std::string LaserScanner::cast_reason() const {
 }
 
 void LaserScanner::collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) {
-  moment_.time = time;
+  context_.time = time;
   to_cast_.clear();
   if (survey_) survey_->collect(plan, results, list_->items.size(), rounding_, limits_, tolerance_);
   if (!renders()) return;
@@ -200,7 +200,7 @@ void LaserScanner::cast(RayCaster& rays) {
 }
 
 void LaserScanner::cast_traced(RayCaster& rays) {
-  const std::span<const Echo> detected = traced_->trace(moment_, *list_, rays);
+  const std::span<const Echo> detected = traced_->trace(context_, *list_, rays);
   ToleranceCheck check(tolerance_);
   for (std::size_t beam = 0; beam < detected.size(); ++beam) {
     const RangeEstimate range{detected[beam].range_m, detected[beam].error_bound_m};
@@ -235,7 +235,7 @@ void LaserScanner::cast_beams(RayCaster& rays) {
   };
   if (!directions.empty()) {
     const RayCounters before = rays.counters();
-    rays.cast(moment_.world_from_sensor, directions, hits_, {}, read);
+    rays.cast(context_.world_from_sensor, directions, hits_, {}, read);
     add_cast(work, list_->items.size());
     add_rays(work, before, rays.counters());
   }
@@ -246,7 +246,7 @@ void LaserScanner::cast_beams(RayCaster& rays) {
 // Uses the most exact readings of the survey: every beam as cast.
 void LaserScanner::cast_survey(RayCaster& rays) {
   hits_.resize(directions_.size());
-  survey_->cast(rays, list_->items.size(), moment_.world_from_sensor, directions_, hits_);
+  survey_->cast(rays, list_->items.size(), context_.world_from_sensor, directions_, hits_);
   ToleranceCheck check(tolerance_);
   for (std::size_t i = 0; i < hits_.size(); ++i) {
     const RangeEstimate range{hits_[i].range_m, hits_[i].error_bound_m};
@@ -270,8 +270,8 @@ void LaserScanner::publish(std::span<const Echo> detected) {
     scan_.error_bound_m[beam] = readings_[beam].error_bound_m;
   }
   scan_.channels.clear();
-  for (const ChosenScanEffect& each : effects_) each.effect->finish(moment_, detected, scan_);
-  moment_.before = {moment_.time.time_ns, moment_.world_from_sensor};
+  for (const ChosenScanEffect& each : effects_) each.effect->finish(context_, detected, scan_);
+  context_.before = {context_.time.time_ns, context_.world_from_sensor};
 }
 
 void LaserScanner::write(OutputSink& sink) const {

@@ -122,7 +122,7 @@ class LaserScanner : public Sensor {
   std::vector<ChosenScanEffect> effects_;  // the effects that this frame's scene calls for
   DrawList::Revisions effects_of_;         // of the list for which effects_ were chosen
   std::unique_ptr<TracedScan> traced_;     // null if none of effects_ follows beams
-  ScanContext moment_;                     // of this frame
+  ScanContext context_;                    // of this frame
   const DrawList* list_ = nullptr;         // of this frame
   VertexRounding rounding_;                // of this frame's scene
   std::vector<std::uint32_t> order_;       // order in which beams are cast; empty until the first cast

@@ -54,16 +54,16 @@ void add_ball(DrawList& list, std::uint32_t mesh, double radius_m, const glm::dv
 
 // Nested balls around the sensor as walls, and other balls inside them, distributed by the golden angle as the seeds of
 // a sunflower.
-DrawList make_room(int walls, std::uint32_t wall_columns, std::uint32_t things, std::uint32_t thing_columns) {
+DrawList make_room(int walls, std::uint32_t wall_columns, std::uint32_t objects, std::uint32_t object_columns) {
   const double golden_rad = kPi * (3 - std::sqrt(5.0));
   DrawList list;
   list.world_from_node.emplace_back(1.0);
   list.materials.push_back(std::make_shared<Material>());
   list.material_revision.push_back(0);
-  list.meshes = {make_ball(wall_columns, wall_columns / 2), make_ball(thing_columns, thing_columns / 2)};
+  list.meshes = {make_ball(wall_columns, wall_columns / 2), make_ball(object_columns, object_columns / 2)};
   for (int i = 0; i < walls; ++i) add_ball(list, 0, 10 + i, {0, 0, 0});
-  for (std::uint32_t i = 0; i < things; ++i) {
-    const double away_m = 2 + 7 * std::sqrt((i + 0.5) / things);
+  for (std::uint32_t i = 0; i < objects; ++i) {
+    const double away_m = 2 + 7 * std::sqrt((i + 0.5) / objects);
     const glm::dvec3 place(away_m * std::cos(i * golden_rad), away_m * std::sin(i * golden_rad), std::sin(3.0 * i));
     add_ball(list, 1, 0.3, place);
   }

@@ -15,12 +15,12 @@ namespace {
 // the cosine of incidence. An origin is transformed to the world as a sum of three products and the sensor's position,
 // with an error of 4 u of each component (u = 2^-53). This gives 4 sqrt(3) u of the length of either vector, and
 // another sqrt(3) u of the length of the former.
-double displacement_m(const ScanContext& moment, const BeamRay& ray, double range_m) {
+double displacement_m(const ScanContext& context, const BeamRay& ray, double range_m) {
   constexpr double kPlacing = 12 * 0x1p-53;
   const double placed_m =
       ray.origin_m == glm::dvec3(0)
           ? 0
-          : kPlacing * (glm::length(ray.origin_m) + glm::length(glm::dvec3(moment.world_from_sensor[3])));
+          : kPlacing * (glm::length(ray.origin_m) + glm::length(glm::dvec3(context.world_from_sensor[3])));
   return placed_m + ray.origin_error_m + ray.error_rad * range_m;
 }
 
@@ -38,25 +38,25 @@ TracedScan::TracedScan(std::vector<glm::dvec3> directions, std::span<const Chose
     pulse_length_m_ = each.effect->pulse_length_m().value_or(pulse_length_m_);
 }
 
-std::span<const Echo> TracedScan::trace(const ScanContext& moment, const DrawList& list, RayCaster& caster) {
+std::span<const Echo> TracedScan::trace(const ScanContext& context, const DrawList& list, RayCaster& caster) {
   rays_cast_ = 0;
   rays_.clear();
   for (std::uint32_t beam = 0; beam < directions_.size(); ++beam) {
     rays_.push_back({.beam = beam, .direction = directions_[beam]});
   }
-  for (const ChosenScanEffect& each : effects_) each.effect->aim(moment, rays_);
+  for (const ChosenScanEffect& each : effects_) each.effect->aim(context, rays_);
   echoes_.resize(directions_.size());
   for (std::vector<Echo>& echoes : echoes_) echoes.clear();
-  for (std::uint32_t turns = 0; turns <= kMaxTurns && !rays_.empty(); ++turns) follow(moment, list, caster);
-  detect(moment);
+  for (std::uint32_t turns = 0; turns <= kMaxTurns && !rays_.empty(); ++turns) follow(context, list, caster);
+  detect(context);
   return detected_;
 }
 
 // Casts one segment of every ray.
-void TracedScan::follow(const ScanContext& moment, const DrawList& list, RayCaster& caster) {
-  cast(moment.world_from_sensor, caster);
+void TracedScan::follow(const ScanContext& context, const DrawList& list, RayCaster& caster) {
+  cast(context.world_from_sensor, caster);
   onward_.clear();
-  for (std::size_t i = 0; i < rays_.size(); ++i) meet(moment, list, rays_[i], hits_[i]);
+  for (std::size_t i = 0; i < rays_.size(); ++i) meet(context, list, rays_[i], hits_[i]);
   rays_.swap(onward_);
 }
 
@@ -64,46 +64,46 @@ void TracedScan::cast(const glm::dmat4& world_from_sensor, RayCaster& caster) {
   hits_.resize(rays_.size());
   cast_origins_m_.clear();
   cast_directions_.clear();
-  cast_beyond_m_.clear();
+  cast_t_min_m_.clear();
   for (const BeamRay& ray : rays_) {
     cast_origins_m_.push_back(ray.origin_m);
     cast_directions_.push_back(ray.direction);
-    if (ray.t_min_m > 0) cast_beyond_m_.resize(rays_.size());
+    if (ray.t_min_m > 0) cast_t_min_m_.resize(rays_.size());
   }
-  for (std::size_t i = 0; i < cast_beyond_m_.size(); ++i) cast_beyond_m_[i] = rays_[i].t_min_m;
+  for (std::size_t i = 0; i < cast_t_min_m_.size(); ++i) cast_t_min_m_[i] = rays_[i].t_min_m;
   const glm::dvec3& origin_m = cast_origins_m_.front();
   if (std::ranges::all_of(cast_origins_m_, [&](const glm::dvec3& each) { return each == origin_m; })) {
-    caster.cast(glm::translate(world_from_sensor, origin_m), cast_directions_, hits_, cast_beyond_m_);
+    caster.cast(glm::translate(world_from_sensor, origin_m), cast_directions_, hits_, cast_t_min_m_);
   } else {
-    caster.cast_from(world_from_sensor, cast_origins_m_, cast_directions_, hits_, cast_beyond_m_);
+    caster.cast_from(world_from_sensor, cast_origins_m_, cast_directions_, hits_, cast_t_min_m_);
   }
   rays_cast_ += rays_.size();
 }
 
-void TracedScan::meet(const ScanContext& moment, const DrawList& list, const BeamRay& ray, const RayHit& hit) {
+void TracedScan::meet(const ScanContext& context, const DrawList& list, const BeamRay& ray, const RayHit& hit) {
   if (hit.range_m == std::numeric_limits<double>::infinity()) return;
   const SurfacePoint surface =
-      surface_point(list, glm::translate(moment.world_from_sensor, ray.origin_m), ray.direction, hit);
+      surface_point(list, glm::translate(context.world_from_sensor, ray.origin_m), ray.direction, hit);
   const double range_m = ray.travelled_m + hit.range_m;
   const double cosine = -glm::dot(surface.normal, ray.direction);
-  const double displaced_m = displacement_m(moment, ray, hit.range_m);
+  const double displaced_m = displacement_m(context, ray, hit.range_m);
   Echo echo{.range_m = range_m,
             .error_bound_m = ray.error_m + hit.error_bound_m + (displaced_m > 0 ? displaced_m / cosine : 0),
             .power = ray.share * reflectance(surface) * cosine / (range_m * range_m)};
-  for (const ChosenScanEffect& each : effects_) each.effect->meet(moment, ray, surface, echo, onward_);
+  for (const ChosenScanEffect& each : effects_) each.effect->meet(context, ray, surface, echo, onward_);
   if (echo.range_m < std::numeric_limits<double>::infinity()) echoes_[ray.beam].push_back(echo);
 }
 
-void TracedScan::detect(const ScanContext& moment) {
+void TracedScan::detect(const ScanContext& context) {
   detected_.assign(directions_.size(), {});
   for (std::uint32_t beam = 0; beam < directions_.size(); ++beam) {
     std::vector<Echo>& echoes = echoes_[beam];
     std::ranges::stable_sort(echoes, {}, &Echo::range_m);
-    for (const ChosenScanEffect& each : effects_) each.effect->receive(moment, beam, echoes);
-    listen_until(moment.range_max_m, echoes);
+    for (const ChosenScanEffect& each : effects_) each.effect->receive(context, beam, echoes);
+    listen_until(context.range_max_m, echoes);
     merge_pulses(pulse_length_m_, echoes);
     const bool found = std::ranges::any_of(effects_, [&](const ChosenScanEffect& each) {
-      return each.effect->detect(moment, beam, echoes, detected_[beam]);
+      return each.effect->detect(context, beam, echoes, detected_[beam]);
     });
     if (!found && !echoes.empty()) detected_[beam] = *std::ranges::max_element(echoes, {}, &Echo::power);
   }

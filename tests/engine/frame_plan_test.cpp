@@ -179,7 +179,7 @@ TEST_CASE("all memory of the device is in the plan, and all that is uploaded and
   for (const PlannedMemory& memory : again.memory) {
     CHECK((memory.uploaded == 0 || memory.name == "instances" || memory.name == "lights"));
   }
-  CHECK(again.passes[1].pipelines.at(0).variant == "mean, grid 2, msaa 1");
+  CHECK(again.passes[1].pipelines.at(0).variant == "resolve, supersampling 2, msaa 1");
 }
 
 TEST_CASE("a ray caster on the device names its memory too") {
@@ -296,7 +296,7 @@ TEST_CASE("a camera that is off, or in a part that is, renders nothing; the plan
   CHECK(text.find("sensor CAM, camera: not due, it is turned off; colour, depth\n") != std::string::npos);
   CHECK(text.find("sensor SCAN, laser_scanner: due, in every frame; ranges\n  pass SCAN.depth: ") != std::string::npos);
   CHECK(text.find("    view SCAN/face 0: ") != std::string::npos);
-  CHECK(text.find("      pipeline depth, triangles, opaque, picked one by one: ") != std::string::npos);
+  CHECK(text.find("      pipeline depth, triangles, opaque, selected on the CPU: ") != std::string::npos);
   CHECK(text.find("  cost on the host: ") != std::string::npos);
   CHECK(text.find("memory on the device: " + std::to_string(with->diagnostics().device_memory_bytes()) + " bytes\n") !=
         std::string::npos);

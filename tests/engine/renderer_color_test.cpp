@@ -139,7 +139,7 @@ TEST_CASE("more lights than a view takes are refused, with their number and the 
     scene.add_light({.kind = LightKind::directional, .direction = {0, 0, 1}}, glm::dmat4(1));
   }
   CHECK_THROWS_WITH_AS(renderer.render(scene.list, plan_of(4, 4, 2, true, false)),
-                       "the scene has 257 lights, 256 are allowed", InputError);
+                       "the scene has 257 lights, expected at most 256", InputError);
   scene.list.lights.pop_back();
   renderer.render(scene.list, plan_of(4, 4, 2, true, false));
   CHECK(renderer.counters().draws == 1);

@@ -154,13 +154,13 @@ TEST_CASE("more candidates than a ray can carry: leaves behind leaves, many surf
   add_item(list, box_mesh({1, 40, 40}), at(50, 0, 0));
   list.materials.push_back(leaves(random));
   list.material_revision.push_back(0);
-  constexpr int kCurtains = 4 * SIMVIS_MOST_CANDIDATES;
+  constexpr int kCurtains = 4 * SIMVIS_MAX_CANDIDATES;
   for (int i = 0; i < kCurtains; ++i) {
     // In no order, every fourth in the place of another.
     add_item(list, leaf_mesh(), at(2 + 0.1 * ((i - i % 4 / 3) * 11 % kCurtains), 0, 0));
     list.items.back().material = 1;
   }
-  for (int i = 0; i < 3 * SIMVIS_MOST_CANDIDATES; ++i) add_item(list, sphere_mesh(0.5, 16), at(1, 3, 0));
+  for (int i = 0; i < 3 * SIMVIS_MAX_CANDIDATES; ++i) add_item(list, sphere_mesh(0.5, 16), at(1, 3, 0));
   std::vector<glm::dvec3> directions;
   for (int i = 0; i < 2000; ++i) {
     const double y = 0.4 * std::cos(0.7 * i), z = 0.4 * std::sin(0.013 * i);
@@ -246,7 +246,7 @@ TEST_CASE("of 1,000 parts one that moves costs its block and the nodes above it;
     cost.bytes_uploaded -= before.bytes_uploaded;
     return cost;
   };
-  const std::uint64_t block = sizeof(shader::RayItem), node = sizeof(shader::TreeNode);
+  const std::uint64_t block = sizeof(shader::GpuRayInstance), node = sizeof(shader::TreeNode);
   const RayCounters first = cost_of([] {});
   CHECK(first.meshes_built == 1);
   CHECK(first.bytes_uploaded > list.meshes[0]->indices.size() / 3 * sizeof(shader::RayTriangle));

@@ -10,7 +10,7 @@
 
 namespace simvis::bench {
 
-struct Way {
+struct Method {
   std::string name;           ///< the method, or the name of the peer
   std::string max_error_rel;  ///< as in a scene; empty if the method has none
   int threads = 0;            ///< of a peer; 0: SimVis with its default number
@@ -23,11 +23,11 @@ struct Way {
 
 /// The methods of SimVis: each scanner of the list measures by each method. `move` moves the robot to its pose in a
 /// frame. The simulation must outlive the result.
-std::vector<Way> simvis_ways(Simulation& simulation, const std::vector<std::string>& scanners,
-                             const std::function<void(int frame)>& move);
+std::vector<Method> simvis_methods(Simulation& simulation, const std::vector<std::string>& scanners,
+                                   const std::function<void(int frame)>& move);
 
 /// Times all methods in turns for about `seconds`, so that other load on the machine affects all alike. Each method
 /// gets its share of the time and measures a minimum number of sets, or one set if that takes many times the share.
-void time_ways(std::vector<Way>& ways, double seconds);
+void time_methods(std::vector<Method>& methods, double seconds);
 
 }  // namespace simvis::bench
