@@ -85,8 +85,8 @@ void claim(const ElementContext& context, const std::string& part, const OwnPart
   for (const NodePtr& child : root->children()) {
     const auto other = std::dynamic_pointer_cast<const PlayedMark>(child);
     if (other == nullptr || !other->meets(driven)) continue;
-    fail_at(context.command.where, "the animation moves what the element " + in_quotes(other->name) +
-                                       " moves already in part " + in_quotes(part) +
+    fail_at(context.command.where, "the animation moves nodes or meshes that the element " + in_quotes(other->name) +
+                                       " already moves in part " + in_quotes(part) +
                                        " (expected animations of different nodes and meshes)");
   }
   const auto mark = std::make_shared<PlayedMark>(std::move(driven));

@@ -79,12 +79,12 @@ ColorTemperatureElement::ColorTemperatureElement(const ElementContext& context) 
   const auto* const light = dynamic_cast<const LightElement*>(context.find_element(name.value));
   if (light == nullptr) {
     fail_at(name.where, "attribute \"light\": the element " + in_quotes(name.value) +
-                            " is no light, expected the name of a light element");
+                            " is not a light, expected the name of a light element");
   }
   light_ = light->node();
   // A tint other than white is set: no black body has exactly the colour (1, 1, 1).
   if (light_->tint() != glm::vec3(1)) {
-    fail_at(name.where, "attribute \"light\": " + in_quotes(name.value) + " has a colour temperature already");
+    fail_at(name.where, "attribute \"light\": " + in_quotes(name.value) + " already has a colour temperature");
   }
   // An empty node that marks the position of the element in the graph.
   context.scene.insert(context.command, std::make_shared<Separator>());

@@ -97,7 +97,7 @@ FogElement::FogElement(const ElementContext& context)
   for (const CommandAttribute& attribute : context.command.attributes) {
     if (has(kind_, attribute.name)) continue;
     fail_at(attribute.where,
-            "attribute " + in_quotes(attribute.name) + ": a fog of the kind " + in_quotes(kind_) + " has none");
+            "attribute " + in_quotes(attribute.name) + " is not allowed for a fog of the kind " + in_quotes(kind_));
   }
   node_->name = context.command.require("name").value;
   context.scene.insert(context.command, node_);

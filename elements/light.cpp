@@ -87,15 +87,17 @@ bool has(LightKind kind, std::string_view attribute) {
 std::uint32_t shadow_px_of(const ElementContext& context) {
   const CommandAttribute* const resolution = context.command.find("shadow_resolution");
   if (context.attributes.choice("shadows") == "no") {
-    if (resolution != nullptr) fail_at(resolution->where, "attribute \"shadow_resolution\": the light has no shadows");
+    if (resolution != nullptr)
+      fail_at(resolution->where, "attribute \"shadow_resolution\" is not allowed for a light without shadows");
     return 0;
   }
   const auto others = std::ranges::count_if(nodes_of(context.scene.root()), [](const NodePtr& node) {
     return node->kind() == NodeKind::light && static_cast<const LightNode&>(*node).light().shadow_px > 0;
   });
   if (others >= SIMVIS_MAX_SHADOWS) {
-    fail_at(context.command.require("shadows").where, "attribute \"shadows\": one light too many has shadows; " +
-                                                          std::to_string(SIMVIS_MAX_SHADOWS) + " are allowed");
+    fail_at(
+        context.command.require("shadows").where,
+        "attribute \"shadows\": too many lights have shadows, expected at most " + std::to_string(SIMVIS_MAX_SHADOWS));
   }
   return static_cast<std::uint32_t>(context.attributes.integer("shadow_resolution"));
 }
@@ -115,8 +117,8 @@ LightElement::LightElement(const ElementContext& context)
       light_(std::make_shared<LightNode>(Light{.kind = kind_, .shadow_px = shadow_px_})) {
   for (const CommandAttribute& attribute : context.command.attributes) {
     if (has(kind_, attribute.name)) continue;
-    fail_at(attribute.where, "attribute " + in_quotes(attribute.name) + ": a light of the kind " +
-                                 in_quotes(context.attributes.choice("kind")) + " has none");
+    fail_at(attribute.where, "attribute " + in_quotes(attribute.name) + " is not allowed for a light of the kind " +
+                                 in_quotes(context.attributes.choice("kind")));
   }
   const auto separator = std::make_shared<Separator>();
   separator->name = light_->name = context.command.require("name").value;

@@ -24,7 +24,7 @@ class NameSet {
   /// Whether the name is taken.
   bool contains(const std::string& name) const { return places_.contains(name); }
 
-  /// Takes a name that no command gave. A name that is taken already stays so.
+  /// Takes a name that no command gave. A name that is already taken stays so.
   void reserve(std::string name) { places_.emplace(std::move(name), Location{}); }
 
  private:

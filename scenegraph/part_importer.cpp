@@ -39,7 +39,7 @@ PartImporterRegistration::PartImporterRegistration(std::vector<std::string> endi
     {
       const std::lock_guard lock(importers().mutex);
       if (wrong.empty() && !importers().by_ending.emplace(ending, importer).second) {
-        wrong = "another format has this ending already";
+        wrong = "another format already has this file extension";
       }
     }
     if (!wrong.empty()) {

@@ -29,10 +29,11 @@ auto create(const Type& type, const Command& command, const Create& make) {
   } catch (const std::exception& error) {
     reason = error.what();
   } catch (...) {
-    reason = "it threw something that is no std::exception";
+    reason = "it threw an object that is not a std::exception";
   }
   fail_at(command.where, "type " + in_quotes(type.name) + " of " +
-                             library_of(reinterpret_cast<const void*>(type.create)) + " could not be made: " + reason);
+                             library_of(reinterpret_cast<const void*>(type.create)) +
+                             " could not be created: " + reason);
 }
 
 template <typename Type>
@@ -80,7 +81,7 @@ std::optional<CommandKind> referred_kind(const Command& command, std::string_vie
 void check_prefix(const CommandAttribute& part_name) {
   if (!part_name.value.starts_with('/') && part_name.value.find('.') == std::string::npos) return;
   fail_at(part_name.where, "attribute \"name\": " + in_quotes(part_name.value) +
-                               " is not allowed for a part whose carried names must be told from others, expected a "
+                               " is not allowed for a part whose file defines names, expected a "
                                "name without '.' and without '/' in front");
 }
 
@@ -138,7 +139,7 @@ void SceneBuilder::add_variant(std::size_t sensor, const Command& command) {
     const BuiltSensor& of = built_.sensors[sensor];
     // People and sensors have separate worlds, and a mount belongs to one of them.
     if (variant.type != of.type || variant.sensor->visualization() != of.sensor->visualization()) {
-      fail_at(command.where, "a variant of sensor " + in_quotes(of.name) + " is of another type or view than it");
+      fail_at(command.where, "a variant of sensor " + in_quotes(of.name) + " must have its type and view");
     }
     variant.mount = of.mount;
     add_sensor(std::move(variant));
@@ -165,7 +166,7 @@ void SceneBuilder::check_order(const Command& command, std::span<const Command> 
   for (const Command& other : later) {
     const CommandAttribute* name = other.find("name");
     if (other.kind != CommandKind::part || name == nullptr || name->value != at->value) continue;
-    fail_at(at->where, "there is no insertion point " + in_quotes(at->value) + " yet: its part stands later, at " +
+    fail_at(at->where, "there is no insertion point " + in_quotes(at->value) + " yet: its part comes later, at " +
                            to_string(other.where) + ", and commands are executed in order");
   }
 }

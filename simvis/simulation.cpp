@@ -12,7 +12,7 @@ namespace {
 template <typename Output>
 const Output& require(const Output* output, const BuiltSensor& sensor, std::string_view what) {
   if (output != nullptr) return *output;
-  throw InputError("sensor \"" + sensor.name + "\", a " + sensor.type + ", gives no " + std::string(what));
+  throw InputError("sensor \"" + sensor.name + "\", a " + sensor.type + ", has no " + std::string(what));
 }
 
 }  // namespace

@@ -141,7 +141,7 @@ void SimulationImpl::require_skippable() const {
     const BuiltSensor& built = scene.built.sensors[i];
     if (!states[i].enabled || built.sensor->history_dependence() != HistoryDependence::measurements) continue;
     throw InputError("sensor \"" + built.name + "\", a " + built.type + " (" + built.sensor->method() +
-                     "), depends on what was measured in the frames before, so none can be passed over; expected " +
+                     ") depends on the frames before, so no frame can be skipped; expected " +
                      (built.sensor->visualization() ? "it to be off" : "another method"));
   }
 }
@@ -251,7 +251,7 @@ bool SimulationImpl::pose(const BuiltSensor& sensor, glm::dmat4& world_from_sens
   if (!layer_of(sensor).flattener.find_mount(*sensor.mount, world_from_mount)) return false;
   if (rigid_mount_frame(world_from_mount, world_from_sensor)) return true;
   throw InputError("sensor \"" + sensor.name +
-                   "\" has no direction: what it stands on is scaled to nothing, or is infinitely far away");
+                   "\" has no direction: its insertion point is scaled to zero or is infinitely far away");
 }
 
 std::size_t SimulationImpl::index(std::string_view name) const {

@@ -53,8 +53,8 @@ Pass ShadowAtlas::pass(const TargetLimits& limits) {
   if (height > limits.height_px && width < limits.width_px) height = place(highest_first, width = limits.width_px);
   if (width > limits.width_px || height > limits.height_px) {
     throw InputError("the shadow maps of " + std::to_string(blocks_.size()) + " lights take " + std::to_string(width) +
-                     " x " + std::to_string(height) + " texels; this device allows " + std::to_string(limits.width_px) +
-                     " x " + std::to_string(limits.height_px) + ": a lower shadow_resolution needs fewer");
+                     " x " + std::to_string(height) + " texels, more than the " + std::to_string(limits.width_px) +
+                     " x " + std::to_string(limits.height_px) + " of this device, expected a lower shadow_resolution");
   }
   Pass pass{.name = "shadow maps", .width_px = width, .height_px = height, .views = views_, .shadow_maps = true};
   for (std::size_t i = 0; i < views_.size(); ++i) {

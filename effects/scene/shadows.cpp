@@ -260,7 +260,7 @@ class Planner {
     }
     if (view.shadows.size() > SIMVIS_MAX_SHADOWS) {
       throw InputError("view \"" + view.name + "\" shows shadows of " + std::to_string(view.shadows.size()) +
-                       " lights; " + std::to_string(SIMVIS_MAX_SHADOWS) + " are allowed");
+                       " lights, expected at most " + std::to_string(SIMVIS_MAX_SHADOWS));
     }
   }
 

@@ -105,7 +105,7 @@ void GraphElement::read_edges(const CommandAttribute& attribute) {
     if (!read || edge.from >= nodes || edge.to >= nodes || edge.from == edge.to) {
       refuse(attribute, edges_.size(), entry,
              "\"A-B\", the numbers of two different nodes" +
-                 (nodes > 1 ? " from 0 to " + std::to_string(nodes - 1) : " (there is but one)"));
+                 (nodes > 1 ? " from 0 to " + std::to_string(nodes - 1) : ", but there is only one node"));
     }
     edges_.push_back(edge);
   }

@@ -66,7 +66,7 @@ PointCloudElement::PointCloudElement(const ElementContext& context)
   const Command& command = context.command;
   const CommandAttribute* const scanner = command.find("scanner");
   if ((scanner != nullptr) == (command.find("file") != nullptr)) {
-    fail_at(command.where, "a point cloud needs either the attribute \"file\" or \"scanner\"");
+    fail_at(command.where, "expected exactly one of the attributes \"file\" and \"scanner\"");
   }
   separator_->name = name_;
   separator_->add(std::make_shared<MaterialNode>(marker_material(AlphaMode::opaque)));

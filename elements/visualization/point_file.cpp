@@ -59,7 +59,7 @@ class PointReader {
       if (line.words.empty() || line.words[0].starts_with('#')) continue;
       if (!std::exchange(first, false) || !is_header(line)) add(line);
     }
-    if (file_.points.empty()) fail_at({.file = source_.file()}, "there is no point in it" + std::string(kExpected));
+    if (file_.points.empty()) fail_at({.file = source_.file()}, "the file has no points" + std::string(kExpected));
     return std::move(file_);
   }
 
@@ -76,7 +76,7 @@ class PointReader {
                                            " one, expected each to have one or none");
     }
     if (file_.points.size() == kMaxPoints) {
-      fail_at(source_.at(line.offset), "more points than " + std::to_string(kMaxPoints) + ", which is not allowed");
+      fail_at(source_.at(line.offset), "too many points, expected at most " + std::to_string(kMaxPoints));
     }
     FilePoint point;
     for (int i = 0; i < 3; ++i) point.position_m[i] = number(line, i, -kMaxCoordinate_m, kMaxCoordinate_m);

@@ -167,7 +167,7 @@ std::uint32_t Device::Impl::memory_type(std::uint32_t allowed_types, MemoryKind 
       if (allowed && (memory.memoryTypes[i].propertyFlags & flags) == flags) return i;
     }
   }
-  throw MachineError("no memory type of " + physical.info.name + " serves what is asked of it");
+  throw MachineError("no memory type of " + physical.info.name + " has the required properties");
 }
 
 void Device::Impl::adopt(VkObjectType type, std::uint64_t handle, std::string_view name) {

@@ -50,7 +50,7 @@ struct SensorPreset {
 inline constexpr AttributeSpec kPresetAttribute{
     .name = "preset",
     .kind = AttributeKind::text,
-    .text = "a device, see below, whose values hold for attributes that are not given; default: none"};
+    .text = "a device (see below) that sets the defaults of other attributes; default: none"};
 
 /// Expands the attribute `preset`: the result has the preset's attributes where the command does not write them itself,
 /// with the place of `preset`, and has no attribute `preset`.

@@ -237,7 +237,7 @@ std::string check_table(AttributeTable table) {
   for (std::size_t i = 0; i < table.size(); ++i) {
     const AttributeSpec& spec = table[i];
     const std::string row = "attribute " + in_quotes(spec.name) + ": ";
-    if (std::ranges::count(table, spec.name, &AttributeSpec::name) > 1) return row + "stands in the table twice";
+    if (std::ranges::count(table, spec.name, &AttributeSpec::name) > 1) return row + "is in the table twice";
     if (spec.live && (spec.kind != AttributeKind::number || spec.default_value.empty())) {
       return row + "a live row must be a number with a default";
     }

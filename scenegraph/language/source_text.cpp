@@ -43,7 +43,7 @@ SourceText::SourceText(std::string_view text, std::string file) : file_(std::mov
       static constexpr char kDigits[] = "0123456789abcdef";
       const unsigned char byte = byte_at(text, i);
       fail_at(at(i), std::string("byte 0x") + kDigits[byte >> 4] + kDigits[byte & 15] +
-                         " is no character of UTF-8 text, expected a file of UTF-8 text");
+                         " is not allowed in UTF-8 text, expected a file of UTF-8 text");
     }
     const bool line_end = text[i] == '\n' || (text[i] == '\r' && byte_at(text, i + 1) != '\n');
     i += length;

@@ -29,7 +29,7 @@ class TypeRegistry {
     Registrations& registrations = Registrations::instance();
     std::string wrong = Registrations::check_version(built_for);
     if (wrong.empty()) wrong = check_table(type.attributes);
-    if (wrong.empty() && !insert(type)) wrong = "there is a type of that name already";
+    if (wrong.empty() && !insert(type)) wrong = "a type with this name already exists";
     if (!wrong.empty()) {
       registrations.refuse(std::string(family_) + " type \"" + std::string(type.name) + "\": " + wrong);
       return false;

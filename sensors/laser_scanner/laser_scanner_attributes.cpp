@@ -102,7 +102,7 @@ void refuse_ignored_tolerance(const Command& command, ScanMethod method) {
   const CommandAttribute* const tolerance = written_tolerance(command);
   if (tolerance == nullptr || takes_tolerance(method)) return;
   fail_at(tolerance->where, "attribute " + in_quotes(tolerance->name) + ": method " + in_quotes(to_string(method)) +
-                                " does not look at it, expected method hybrid or auto, or none, which is hybrid here");
+                                " ignores a tolerance, expected method hybrid or auto, or none, which is hybrid here");
 }
 
 // An effect that follows beams requires that every beam is cast. Only `raycast` does so, and `raycast` accepts no

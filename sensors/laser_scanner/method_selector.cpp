@@ -28,11 +28,11 @@ std::string in_ms(double ns) {
 
 std::string reason(std::span<const ScanCandidate> candidates, std::size_t chosen, const ScanTolerance& tolerance) {
   const std::string meets = " with no bound above " + to_string(tolerance);
-  if (candidates.size() == 1) return "the only way" + meets + ": no rendered range has so small a bound";
+  if (candidates.size() == 1) return "the only method" + meets + ": no rendered range has so small a bound";
   std::vector<ScanCandidate> others(candidates.begin(), candidates.end());
   others.erase(others.begin() + static_cast<std::ptrdiff_t>(chosen));
   const ScanCandidate& next = *std::ranges::min_element(others, {}, &ScanCandidate::predicted_ns);
-  return "the cheapest way" + meets + ": predicted " + in_ms(candidates[chosen].predicted_ns) + ", the next, " +
+  return "the cheapest method" + meets + ": predicted " + in_ms(candidates[chosen].predicted_ns) + ", the next, " +
          to_string(next) + ", " + in_ms(next.predicted_ns);
 }
 

@@ -70,7 +70,7 @@ void ToleranceCheck::require(const std::string& sensor) const {
   std::ostringstream message;
   message << "attribute \"" << (absolute ? "max_error_m" : "max_error_rel")
           << "\": " << (absolute ? *tolerance_.max_error_m : tolerance_.max_error_rel)
-          << " is met by no method for sensor " << in_quotes(sensor)
+          << " cannot be kept by any method for sensor " << in_quotes(sensor)
           << " in this frame; the best that can be reached, with every beam cast, is "
           << rounded_up(absolute ? worst_m_ : worst_rel_) << (absolute ? " m" : " of the range");
   fail_at(absolute ? tolerance_.where_m : tolerance_.where_rel, message.str());

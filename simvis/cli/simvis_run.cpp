@@ -57,7 +57,7 @@ std::string whole_number(const std::string& text) {
   return rest == end && error == std::errc() ? "" : "\"" + text + "\" is not a whole number from 0 to 2^64 - 1";
 }
 
-std::string not_empty(const std::string& text) { return text.empty() ? "nothing is given" : ""; }
+std::string not_empty(const std::string& text) { return text.empty() ? "it is empty" : ""; }
 
 void declare_options(CLI::App& app, Options& options) {
   app.add_option("SCENE.xml", options.scene, "the scene to run");
@@ -211,7 +211,7 @@ std::vector<AttributeOverride> scanner_overrides(const Options& options) {
   if (!options.max_error_m.empty()) {
     if (takes_none) {
       throw InputError("--max-error: --method " + options.method +
-                       " does not look at it, expected --method auto, --method hybrid or no --method");
+                       " ignores a tolerance, expected --method auto, --method hybrid or no --method");
     }
     if (options.method.empty()) set("method", {}, "--max-error");  // a tolerance without a method selects hybrid
     set("max_error_m", options.max_error_m, "--max-error");
@@ -227,7 +227,7 @@ bool shows_progress(const Options& options) { return ::isatty(STDERR_FILENO) == 
 
 /// `loading` shows the progress of loading until it is reset.
 Simulation load(const Options& options, std::optional<LoadingBar>& loading) {
-  if (options.scene.empty()) throw InputError("SCENE.xml is missing; --help says more");
+  if (options.scene.empty()) throw InputError("SCENE.xml is missing, expected a scene to run; see --help");
   in_option("--frames", [&] {
     if (options.frames == 0) throw InputError("0 frames, expected 1 or more");
   });
@@ -447,7 +447,7 @@ int main_or_throw(int argc, char** argv) {
   } catch (const CLI::Success& wish) {
     return app.exit(wish);
   } catch (const CLI::ParseError& error) {
-    throw InputError(std::string(error.what()) + "; --help says more");
+    throw InputError(std::string(error.what()) + "; see --help");
   }
   for (const std::string& plugin : options.plugins) load_plugin(plugin);
   if (options.list_devices) {

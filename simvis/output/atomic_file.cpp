@@ -49,14 +49,14 @@ void AtomicFile::commit() {
   const int closed = ::close(descriptor_);
   descriptor_ = -1;
   if (closed != 0) fail(path_, "cannot be written", errno);
-  if (std::rename(temporary_.c_str(), path_.c_str()) != 0) fail(path_, "cannot be put in place", errno);
+  if (std::rename(temporary_.c_str(), path_.c_str()) != 0) fail(path_, "cannot be renamed into place", errno);
   temporary_.clear();
 }
 
 void make_folder(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
-  if (error) throw MachineError(folder.string() + ": error: the folder cannot be made: " + error.message());
+  if (error) throw MachineError(folder.string() + ": error: the folder cannot be created: " + error.message());
 }
 
 void write_file(const std::filesystem::path& path, std::string_view bytes) {

@@ -27,7 +27,8 @@ void check_name(const std::string& sensor) {
     start = end + 1;
   }
   if (good) return;
-  throw InputError("sensor \"" + sensor + "\" cannot name its files, expected names between \"/\" that are not empty " +
+  throw InputError("sensor \"" + sensor +
+                   "\" has a name that cannot name its files, expected names between \"/\" that are not empty " +
                    "and do not begin with \".\"");
 }
 
@@ -126,7 +127,7 @@ class OutputWriter::SensorSink : public OutputSink {
     const auto [entry, fresh] = run_.results.sensor.try_emplace(result.string(), sensor_);
     if (entry->second != sensor_) {
       throw InputError("sensors \"" + entry->second + "\" and \"" + sensor_ + "\" would both write " + entry->first +
-                       ": one of them needs another name");
+                       ", expected another name for one of them");
     }
     if (fresh) run_.results.names.push_back(entry->first);
     return fresh;

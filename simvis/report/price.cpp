@@ -140,7 +140,7 @@ class Pricing {
       simulation_.enable(sensor, true);
       step(frame - 1);
       if (simulation_.measured().empty()) {
-        throw InputError("laser scanner \"" + scanner.name + "\" has no price: the part it stands in is switched off");
+        throw InputError("laser scanner \"" + scanner.name + "\" cannot be priced: its part is switched off");
       }
       scanner.tallies[variant].times_ms.push_back(step(frame));
       simulation_.enable(sensor, false);
@@ -219,7 +219,7 @@ std::vector<std::string> scanners_to_price(const Simulation& simulation) {
   for (const SensorInfo& sensor : simulation.sensors()) {
     if (sensor.enabled && sensor.type == "laser_scanner") names.push_back(sensor.name);
   }
-  if (names.empty()) throw InputError("no laser scanner is there to price");
+  if (names.empty()) throw InputError("there is no enabled laser scanner, expected at least one");
   return names;
 }
 

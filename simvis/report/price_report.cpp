@@ -112,11 +112,12 @@ std::string to_table(const ScannerPrice& price) {
 std::string price_legend() {
   return "ms: the median frame in which only that scanner measures; ratio: of that to the cheapest; cast: beams for "
          "which a ray was cast.\n"
-         "bound: what a range says of its own error, where it has one; it speaks of surfaces at least three pixels "
+         "bound: the error bound of a range, where it is finite; it is valid for surfaces at least three pixels "
          "wide.\n"
-         "error: how far a range was from raycast. m: metres; rel: share of the range. *: as the scene has it.\n"
-         "wrong kind: beams that hit, miss or meet something too near where raycast says another of these.\n"
-         "cheapest for: the least dear whose bound and error are within that share of the range for every beam.\n";
+         "error: difference to the range of raycast. m: metres; rel: share of the range. *: as the scene has it.\n"
+         "wrong kind: beams whose kind (hit, miss or too near) differs from that of raycast.\n"
+         "cheapest for: the cheapest variant whose bound and error are within that share of the range for every "
+         "beam.\n";
 }
 
 std::string price_advice(const ScannerPrice& price) {
@@ -132,9 +133,9 @@ std::string price_advice(const ScannerPrice& price) {
           formatted(kTime, variant.median_ms) + " ms)");
     } else {
       const VariantPrice& best = surest(price);
-      say("nothing meets " + joined(pending) + ", nearest is " + attributes_of(best.variant) + " with bounds up to " +
-          shown(kLength, best.bound_largest_rel) + " and none for " + shown(kPercent, 100 * best.unbounded_share) +
-          " % of the beams");
+      say("no variant keeps " + joined(pending) + ", nearest is " + attributes_of(best.variant) +
+          " with bounds up to " + shown(kLength, best.bound_largest_rel) + " and none for " +
+          shown(kPercent, 100 * best.unbounded_share) + " % of the beams");
     }
     pending.clear();
   };

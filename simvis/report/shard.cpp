@@ -16,7 +16,7 @@ Shard parse_shard(const std::string& text) {
     const auto [rest, count_error] = std::from_chars(slash + 1, end, shard.count);
     if (count_error == std::errc() && rest == end && shard.index < shard.count) return shard;
   }
-  throw InputError("\"" + text + "\" is no share of a run, expected K/N with K from 0 to N - 1");
+  throw InputError("\"" + text + "\" is not a share of a run, expected K/N with K from 0 to N - 1");
 }
 
 }  // namespace simvis

@@ -68,13 +68,13 @@ TEST_CASE("mistakes are refused with their place") {
   const auto build = [](const std::string& commands) { build_scene(parse_commands(commands, "s.xml", "")); };
   const std::string lamp = "<element type='light' insert_at='ROOT' ";
   CHECK(error_of([&] { build(lamp + "name='L' shadow_resolution='64'/>"); }) ==
-        "s.xml:1:49: error: attribute \"shadow_resolution\": the light has no shadows");
+        "s.xml:1:49: error: attribute \"shadow_resolution\" is not allowed for a light without shadows");
   CHECK(contains(error_of([&] { build(lamp + "name='L' shadows='yes' shadow_resolution='8'/>"); }), "16"));
   CHECK(contains(error_of([&] { build(lamp + "name='L' shadows='maybe'/>"); }), "no, yes"));
   std::string many;
   for (int i = 0; i < 65; ++i) many += lamp + "name='L" + std::to_string(i) + "' shadows='yes'/>\n";
   CHECK(error_of([&] { build(many); }) ==
-        "s.xml:65:51: error: attribute \"shadows\": one light too many has shadows; 64 are allowed");
+        "s.xml:65:51: error: attribute \"shadows\": too many lights have shadows, expected at most 64");
 }
 
 }  // namespace

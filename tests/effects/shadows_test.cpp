@@ -455,8 +455,8 @@ TEST_CASE("too many or too large shadow maps are refused with the limit") {
   Floor floor{.light = {.kind = LightKind::point, .intensity = 1, .shadow_px = 16}, .place = {0, 0, 3}};
   RendererScene scene = floor.scene();
   while (scene.list.lights.size() <= SIMVIS_MAX_SHADOWS) scene.list.lights.push_back(scene.list.lights[0]);
-  CHECK_THROWS_WITH_AS(with_shadows(scene, floor.plan()), "view \"view\" shows shadows of 65 lights; 64 are allowed",
-                       InputError);
+  CHECK_THROWS_WITH_AS(with_shadows(scene, floor.plan()),
+                       "view \"view\" shows shadows of 65 lights, expected at most 64", InputError);
   scene.list.lights.pop_back();
   CHECK(picture(scene, with_shadows(scene, floor.plan())).size() == kSide_px * kSide_px);
   for (LightItem& item : scene.list.lights) item.light.shadow_px = 8192;

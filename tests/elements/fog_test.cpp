@@ -95,8 +95,8 @@ TEST_CASE("clear air is that of a scene without fog; of several the last counts;
 TEST_CASE("mistakes name their place") {
   const auto error = [](const std::string& command) { return error_of([&] { World world({}, command); }); };
   CHECK(contains(error(fog("kind='rain' visibility='20'")),
-                 "s.xml:1:61: error: attribute \"visibility\": a fog of the kind \"rain\" has none"));
-  CHECK(contains(error(fog("rain_rate='20'")), "attribute \"rain_rate\": a fog of the kind \"fog\" has none"));
+                 "s.xml:1:61: error: attribute \"visibility\" is not allowed for a fog of the kind \"rain\""));
+  CHECK(contains(error(fog("rain_rate='20'")), "attribute \"rain_rate\" is not allowed for a fog of the kind \"fog\""));
   CHECK(contains(error(fog("visibility='0'")),
                  "\"visibility\": 0 is not allowed, expected a number from 1 to 1000000 (m)"));
   CHECK(contains(error(fog("kind='snow'")), "\"snow\""));

@@ -122,7 +122,7 @@ TEST_CASE("mistakes in graph") {
   for (const std::string wrong : {"0", "0-", "-1", "0-0", "0-1-0", "0--1", "a-b", "0 1", "0-99999999999999999999"}) {
     CHECK(contains(edges("0-1, " + wrong), "entry 1: \"" + wrong + "\" is not allowed" + two));
   }
-  CHECK(contains(error("nodes='0 0 0' edges='0-1'"), two + " (there is but one)"));
+  CHECK(contains(error("nodes='0 0 0' edges='0-1'"), two + ", but there is only one node"));
 }
 
 }  // namespace

@@ -116,9 +116,11 @@ const std::string kLamp = "<element type='light' name='L' insert_at='ROOT' ";
 
 TEST_CASE("a light has what its kind has, and refuses the rest") {
   CHECK(error_of([] { build(kLamp + "kind='point' yaw='3'/>"); }) ==
-        "s.xml:1:62: error: attribute \"yaw\": a light of the kind \"point\" has none");
-  CHECK(contains(error_of([] { build(kLamp + "range='3'/>"); }), "\"range\": a light of the kind \"directional\""));
-  CHECK(contains(error_of([] { build(kLamp + "kind='spot' azimuth='3'/>"); }), "\"azimuth\": a light of the kind"));
+        "s.xml:1:62: error: attribute \"yaw\" is not allowed for a light of the kind \"point\"");
+  CHECK(contains(error_of([] { build(kLamp + "range='3'/>"); }),
+                 "\"range\" is not allowed for a light of the kind \"directional\""));
+  CHECK(contains(error_of([] { build(kLamp + "kind='spot' azimuth='3'/>"); }),
+                 "\"azimuth\" is not allowed for a light of the kind"));
   BuiltScene sun = build(kLamp + "/>"), lamp = build(kLamp + "kind='spot'/>");
   CHECK(sun.parameters.elements()[0].parameters.size() == 6);
   CHECK(lamp.parameters.elements()[0].parameters.size() == 12);
@@ -186,9 +188,9 @@ TEST_CASE("mistakes in a colour temperature leave the light as it is") {
     return "<element type='color_temperature' name='" + name + "' insert_at='ROOT' light='" + light + "'/>";
   };
   CHECK(contains(error_of([&] { build(kLamp + "/>" + coloured("T", "M")); }), "there is no element \"M\""));
-  CHECK(contains(error_of([&] { build(pose + coloured("T", "P")); }), "the element \"P\" is no light"));
+  CHECK(contains(error_of([&] { build(pose + coloured("T", "P")); }), "the element \"P\" is not a light"));
   CHECK(contains(error_of([&] { build(kLamp + "/>" + coloured("T", "L") + coloured("U", "L")); }),
-                 "\"L\" has a colour temperature already"));
+                 "\"L\" already has a colour temperature"));
   CHECK(contains(error_of([&] { build("<element type='color_temperature' name='T' insert_at='ROOT'/>"); }), "light"));
   BuiltScene built;
   SceneBuilder builder(built, {});

@@ -193,8 +193,8 @@ TEST_CASE("mistakes in a file of points") {
     return error_of([&] { PeopleView view(cloud("file='points.csv'"), folder.path()); });
   };
   const std::string expected = ", expected \"x y z\" or \"x y z r g b\", metres and colours from 0 to 255";
-  CHECK(error("") == file + ": error: there is no point in it" + expected);
-  CHECK(error("x,y,z\n# 1 2 3\n") == file + ": error: there is no point in it" + expected);
+  CHECK(error("") == file + ": error: the file has no points" + expected);
+  CHECK(error("x,y,z\n# 1 2 3\n") == file + ": error: the file has no points" + expected);
   CHECK(error("1 2 3\n4 5\n") == file + ":2:1: error: 2 values in a line" + expected);
   CHECK(error("1 2 3 4") == file + ":1:1: error: 4 values in a line" + expected);
   CHECK(error("1 2 3\n4,five,6\n") ==
@@ -207,7 +207,7 @@ TEST_CASE("mistakes in a file of points") {
   CHECK(error("1 2 3 4 5 6\n1 2 3\n") ==
         file + ":2:1: error: a point without a colour after points with one, expected each to have one or none");
   CHECK(contains(error("1 2 3\nx,y,z\n"), file + ":2:1: error: \"x\" is not allowed"));
-  CHECK(contains(error("1 2 3\n1 2 \xff\n"), file + ":2:5: error: byte 0xff is no character of UTF-8 text"));
+  CHECK(contains(error("1 2 3\n1 2 \xff\n"), file + ":2:5: error: byte 0xff is not allowed in UTF-8"));
 }
 
 TEST_CASE("mistakes in point_cloud") {
@@ -217,7 +217,7 @@ TEST_CASE("mistakes in point_cloud") {
   const auto error = [&](const std::string& attributes) {
     return error_of([&] { PeopleView view(cloud(attributes) + std::string(kScanner), folder.path()); });
   };
-  const std::string either = "s.xml:1:2: error: a point cloud needs either the attribute \"file\" or \"scanner\"";
+  const std::string either = "s.xml:1:2: error: expected exactly one of the attributes \"file\" and \"scanner\"";
   CHECK(error("") == either);
   CHECK(error("file='a.csv' scanner='S'") == either);
   CHECK(error("file='a.csv'") == "s.xml:1:55: error: there is no point file \"" + (folder / "a.csv").string() + "\"");

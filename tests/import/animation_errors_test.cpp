@@ -31,9 +31,10 @@ TEST_CASE("mistakes in the command") {
   CHECK(contains(error(play + "'A' part='STIL'/>"), "there is no part \"STIL\", did you mean \"STILL\"?"));
   CHECK(contains(error(play + "'A' part='STILL'/>"), "part \"STILL\" has no animation (file \""));
   CHECK(contains(error(play + "'A' part='P' repeat='twice'/>"), "expected one of: loop, once"));
-  CHECK(contains(error(play + "'A' part='P'/>" + play + "'B' part='P'/>"),
-                 "the animation moves what the element \"A\" moves already in part \"P\" (expected animations of "
-                 "different nodes and meshes)"));
+  CHECK(contains(
+      error(play + "'A' part='P'/>" + play + "'B' part='P'/>"),
+      "the animation moves nodes or meshes that the element \"A\" already moves in part \"P\" (expected animations of "
+      "different nodes and meshes)"));
   CHECK(contains(error("<element type='animation' insert_at='ROUTE' name='A' part='P'/>"), "ROUTE"));
 }
 

@@ -90,7 +90,7 @@ TEST_CASE("an error says what is wrong and in which line") {
   if (!has_coin()) return;
   InventorFiles files;
   CHECK(contains(error_in(files, "Cube {\n width }"), "line   4"));
-  CHECK(contains(error_in(files, "Cube { width 1"), "Coin cannot read it"));
+  CHECK(contains(error_in(files, "Cube { width 1"), "Coin cannot read the file"));
   for (const std::string node : {"File { name", "WWWInline { name", "VRMLInline { url"}) {
     CHECK(contains(error_in(files, node + " \"none.iv\" }"), "none.iv"));
   }
@@ -169,7 +169,7 @@ TEST_CASE("a file that takes too long is given up, and so is one that includes i
   const auto start = std::chrono::steady_clock::now();
   const std::string error =
       error_of([&] { import_inventor({files.folder / "huge.iv"}, files.pool, std::chrono::milliseconds(300)); });
-  CHECK(contains(error, "huge.iv: error: Coin did not finish it within 300 ms"));
+  CHECK(contains(error, "huge.iv: error: Coin did not finish the file within 300 ms"));
   CHECK(seconds_since(start) < kLongest_s);
   CHECK_THROWS_AS(files.load("self.iv", kInventorHeader + "Separator { Cube { } File { name \"self.iv\" } }\n"),
                   InputError);

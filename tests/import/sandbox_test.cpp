@@ -194,10 +194,10 @@ TEST_CASE("a program that is missing, or cannot run, is named") {
     }
     return std::string("nothing was thrown");
   };
-  CHECK(error(folder / "none") == "cannot start the program " + (folder / "none").string() +
-                                      ", which reads part files: No such file or directory");
+  CHECK(error(folder / "none") == "cannot start " + (folder / "none").string() +
+                                      ", the helper program that reads part files: No such file or directory");
   write_text(folder / "plain", "text");
-  CHECK(contains(error(folder / "plain"), "plain, which reads part files: Permission denied"));
+  CHECK(contains(error(folder / "plain"), "plain, the helper program that reads part files: Permission denied"));
   CHECK(contains(error(script(folder, "exit 127")), "a shared library is missing"));
 }
 
@@ -211,14 +211,14 @@ TEST_CASE("a program that crashes, hangs or answers nonsense is an error with th
   const TemporaryFolder folder;
   SandboxedImport import = import_with(script(folder, "kill -SEGV $$"));
   const auto error = [&] { return error_of([&] { import_in_sandbox(import); }); };
-  CHECK(error() == "part.stl: error: Assimp crashed on it (Segmentation fault)");
+  CHECK(error() == "part.stl: error: Assimp crashed while it read the file (Segmentation fault)");
   import.program = script(folder, "exec sleep 1000");
   import.time = std::chrono::milliseconds(100);
-  CHECK(error() == "part.stl: error: Assimp did not finish it within 100 ms");
+  CHECK(error() == "part.stl: error: Assimp did not finish the file within 100 ms");
   import.time = std::chrono::seconds(10);
   import.program = script(folder, "exec cat /dev/zero >&3");
   import.memory_bytes = std::size_t{8} << 20;
-  CHECK(error() == "part.stl: error: it makes more than 8 MiB of content");
+  CHECK(error() == "part.stl: error: the file gives more than 8 MiB of content");
 }
 
 TEST_CASE("messages are kept on one line, once, and within limits") {
@@ -249,11 +249,11 @@ TEST_CASE("a file that takes more memory or time than allowed is an error with i
   import.file = folder / "large.stl";
   const std::string name = import.file.string();
   import.time = std::chrono::milliseconds(1);
-  CHECK(error_of([&] { import_in_sandbox(import); }) == name + ": error: Assimp did not finish it within 1 ms");
+  CHECK(error_of([&] { import_in_sandbox(import); }) == name + ": error: Assimp did not finish the file within 1 ms");
   if (sanitized()) return;  // its memory is not limited
   import.time = std::chrono::seconds(60);
   import.memory_bytes = std::size_t{16} << 20;
-  CHECK(error_of([&] { import_in_sandbox(import); }) == name + ": error: it takes more than 16 MiB of memory");
+  CHECK(error_of([&] { import_in_sandbox(import); }) == name + ": error: reading takes more than 16 MiB of memory");
 }
 
 TEST_CASE("several threads read files side by side") {
@@ -306,11 +306,11 @@ TEST_CASE("a scene with a fault is refused") {
   CHECK(contains(fault_after([](Scene& s) { s.meshes[0].positions[1].y = NAN; }), "not finite"));
   CHECK(contains(fault_after([](Scene& s) { s.meshes[0].attributes[0].normal.x = INFINITY; }), "not finite"));
   CHECK(contains(fault_after([](Scene& s) { s.meshes[0].indices[0] = 3; }), "index"));
-  CHECK(contains(fault_after([](Scene& s) { s.meshes[0].indices.pop_back(); }), "half a primitive"));
+  CHECK(contains(fault_after([](Scene& s) { s.meshes[0].indices.pop_back(); }), "an incomplete primitive"));
   CHECK(contains(fault_after([](Scene& s) { s.meshes[0].attributes.pop_back(); }), "attributes"));
-  CHECK(contains(fault_after([](Scene& s) { s.textures[0].texture.width = 2; }), "torn texture"));
+  CHECK(contains(fault_after([](Scene& s) { s.textures[0].texture.width = 2; }), "bytes do not match its size"));
   CHECK(contains(fault_after([](Scene& s) { s.textures[1].texture.width = 2; }), "two pictures"));
-  CHECK(contains(fault_after([](Scene& s) { s.materials[0].texture = 2; }), "without its texture"));
+  CHECK(contains(fault_after([](Scene& s) { s.materials[0].texture = 2; }), "with an unknown texture"));
   CHECK(contains(fault_after([](Scene& s) { s.materials[0].material.uv_set = 2; }), "third set"));
   CHECK(contains(fault_after([](Scene& s) { s.nodes[0].shapes[0].mesh = 1; }), "content"));
   CHECK(contains(fault_after([](Scene& s) { s.nodes[0].shapes[0].material = 2; }), "content"));
@@ -374,10 +374,10 @@ TEST_CASE("an answer of another version, a missing answer and a torn one are err
   CHECK(error_after(whole) == "nothing was thrown");
   Bytes other = whole;
   other[0] ^= 1;
-  CHECK(error_after(other) == "part.stl: error: the program that read it gave no answer");
-  CHECK(error_after({}) == "part.stl: error: the program that read it gave no answer");
+  CHECK(error_after(other) == "part.stl: error: the helper program that read it returned nothing");
+  CHECK(error_after({}) == "part.stl: error: the helper program that read it returned nothing");
   CHECK(error_after({whole.begin(), whole.end() - 1}) ==
-        "part.stl: error: the program that read it gave no answer; mind the gap");
+        "part.stl: error: the helper program that read it returned nothing; mind the gap");
   Bytes torn = whole;
   torn.back() ^= 1;  // the last byte of a warning's text: harmless
   CHECK(error_after(torn) == "nothing was thrown");

@@ -274,7 +274,7 @@ TEST_CASE("mistakes in robots are said with the place of the joint or link") {
   CHECK(contains(error(two + joint_xml("j", "fixed", "a", "b") + joint_xml("k", "fixed", "b", "a")),
                  "No root link found"));
   CHECK(contains(error(link_xml("r") + two + joint_xml("j", "fixed", "a", "b") + joint_xml("k", "fixed", "b", "a")),
-                 "r.urdf:4:2: link \"a\" is in a ring of joints"));
+                 "r.urdf:4:2: link \"a\" is in a cycle of joints"));
   CHECK(contains(error(link_xml("c") + two + joint_xml("j", "fixed", "c", "a") + joint_xml("k", "fixed", "c", "b") +
                        joint_xml("l", "fixed", "a", "b")),
                  "link \"b\" has two joints above it"));
@@ -286,12 +286,12 @@ TEST_CASE("mistakes in robots are said with the place of the joint or link") {
   CHECK(contains(error(two + joint_xml("j", "continuous", "a", "b", R"(<origin xyz="1e300 0 0"/>)")), "farther out"));
   CHECK(contains(
       error(two + joint_xml("j", "prismatic", "a", "b", R"(<limit lower="2" upper="1" effort="1" velocity="1"/>)")),
-      "joint \"j\" has a lower limit above its upper one"));
+      "joint \"j\" has a lower limit above its upper limit"));
   CHECK(contains(error(link_xml("a.b")),
                  "link \"a.b\" has a name that is not allowed, expected one without '.' and '/'"));
   CHECK(contains(error(two + joint_xml("j/k", "fixed", "a", "b")), "joint \"j/k\" has a name that is not allowed"));
   CHECK(contains(error(link_xml("a", R"(<visual><geometry><sphere radius="-1"/></geometry></visual>)")),
-                 "link \"a\" has a sphere whose size is not above 0"));
+                 "link \"a\" has a sphere of a size that is not allowed, expected sizes above 0 and at most 1e15 m"));
   CHECK(
       contains(error(link_xml("a", R"(<visual><geometry><box size="1 1 1"/></geometry><material name="m"/></visual>)")),
                "link \"a\" has the material \"m\", which is not defined"));
@@ -305,8 +305,8 @@ TEST_CASE("mistakes in mimics") {
     return error(link_xml("a") + link_xml("b") + link_xml("c") + joint_xml("jb", "continuous", "a", "b", mimic(of_b)) +
                  joint_xml("jc", "continuous", "a", "c", mimic(of_c)));
   };
-  CHECK(contains(mimics("jx", ""), "joint \"jb\" mimics joint \"jx\", which is not there"));
-  CHECK(contains(mimics("jc", "jb"), "joint \"jb\" mimics itself in a ring"));
+  CHECK(contains(mimics("jx", ""), "joint \"jb\" mimics joint \"jx\", which does not exist"));
+  CHECK(contains(mimics("jc", "jb"), "joint \"jb\" mimics itself in a cycle"));
   CHECK(contains(error(link_xml("a") + link_xml("b") + link_xml("c") + joint_xml("jb", "fixed", "a", "b") +
                        joint_xml("jc", "continuous", "a", "c", R"(<mimic joint="jb"/>)")),
                  "joint \"jc\" mimics joint \"jb\", expected one that is revolute, continuous or prismatic"));
@@ -316,8 +316,8 @@ TEST_CASE("missing files name every place that was tried; URDF needs no up") {
   const auto mesh = [](const std::string& name) {
     return error(link_xml("a", "<visual><geometry><mesh filename=\"" + name + "\"/></geometry></visual>"));
   };
-  CHECK(
-      contains(mesh("package://pkg/m.stl"), "has the mesh file \"package://pkg/m.stl\", which is not there; tried /"));
+  CHECK(contains(mesh("package://pkg/m.stl"),
+                 "has the mesh file \"package://pkg/m.stl\", which does not exist; tried /"));
   CHECK(contains(mesh("package://pkg/m.stl"), ", /pkg/m.stl"));
   CHECK(contains(mesh("m.stl"), "/m.stl"));
   CHECK(contains(mesh("r.urdf"), "expected .dae, .obj, .ply or .stl"));

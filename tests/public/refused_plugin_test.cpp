@@ -37,7 +37,7 @@ bool says(const std::string& message, std::string_view part) { return message.fi
 TEST_CASE("a plug-in with a type that exists is refused whole, each time") {
   for (int attempt = 0; attempt < 2; ++attempt) {
     const std::string message = refusal("duplicate_type");
-    CHECK(says(message, "element type \"pose\": there is a type of that name already"));
+    CHECK(says(message, "element type \"pose\": a type with this name already exists"));
     CHECK(find_element_type("own_type") == nullptr);
     CHECK(find_element_type("pose") != nullptr);
   }

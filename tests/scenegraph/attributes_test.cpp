@@ -172,7 +172,7 @@ TEST_CASE("a Markdown table has a line for each attribute, and no markup of the 
 TEST_CASE("a table with a mistake in it is found out") {
   CHECK(check_table(kTable).empty());
   AttributeSpec rows[] = {kTable[0], kTable[0]};
-  CHECK(check_table(rows) == "attribute \"hfov\": stands in the table twice");
+  CHECK(check_table(rows) == "attribute \"hfov\": is in the table twice");
   rows[0].default_value = "200";
   CHECK(contains(check_table({rows, 1}), "default 200 is not allowed"));
   rows[0].default_value = "";

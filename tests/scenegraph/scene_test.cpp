@@ -156,15 +156,15 @@ TEST_CASE("names are taken once per kind") {
   const Stage stage;
   CHECK(
       stage.error("<part file='a.stub' name='A' insert_at='ROOT'/>\n<part file='a.stub' name='A' insert_at='ROOT'/>") ==
-      "s.xml:2:21: error: the name \"A\" is taken already by the part at s.xml:1:21, expected a name that no other "
+      "s.xml:2:21: error: the name \"A\" is already taken by the part at s.xml:1:21, expected a name that no other "
       "part has");
-  CHECK(contains(stage.error("<part file='a.stub' name='ROOT' insert_at='ROOT'/>"), "\"ROOT\" is taken already"));
+  CHECK(contains(stage.error("<part file='a.stub' name='ROOT' insert_at='ROOT'/>"), "\"ROOT\" is already taken"));
   CHECK(contains(stage.error("<element type='pose' name='E' insert_at='ROOT'/>\n<element type='pose' name='E' "
                              "insert_at='ROOT'/>"),
-                 "s.xml:2:22: error: the name \"E\" is taken already by the element at s.xml:1:22"));
+                 "s.xml:2:22: error: the name \"E\" is already taken by the element at s.xml:1:22"));
   CHECK(contains(stage.error("<sensor type='probe' name='E' insert_at='ROOT'/>\n<sensor type='probe' name='E' "
                              "insert_at='ROOT'/>"),
-                 "s.xml:2:22: error: the name \"E\" is taken already by the sensor at s.xml:1:22"));
+                 "s.xml:2:22: error: the name \"E\" is already taken by the sensor at s.xml:1:22"));
   CHECK(stage
             .build("<part file='a.stub' name='A' insert_at='ROOT'/><element type='pose' name='A' insert_at='A'/>"
                    "<sensor type='probe' name='A' insert_at='A'/>")
@@ -179,7 +179,7 @@ TEST_CASE("insertion points must exist when the command is executed") {
         "of a part inserted before)");
   CHECK(
       stage.error("<element type='pose' name='P' insert_at='A'/>\n<part file='a.stub' name='A' insert_at='ROOT'/>") ==
-      "s.xml:1:31: error: there is no insertion point \"A\" yet: its part stands later, at s.xml:2:2, and commands are "
+      "s.xml:1:31: error: there is no insertion point \"A\" yet: its part comes later, at s.xml:2:2, and commands are "
       "executed in order");
   CHECK(contains(stage.error("<part file='a.stub' name='A' insert_at='A'/>"), "there is no insertion point \"A\""));
 }
@@ -231,7 +231,7 @@ TEST_CASE("mistakes in carried commands name both places") {
   for (const std::string name : {"/abs", "..", "a.b"}) {
     CHECK(contains(stage.error("<part file='ok.stub' name='A' insert_at='ROOT'/><part file='ok.stub' name='" + name +
                                "' insert_at='ROOT'/>"),
-                   "is not allowed for a part whose carried names must be told from others"));
+                   "is not allowed for a part whose file defines names"));
   }
 }
 

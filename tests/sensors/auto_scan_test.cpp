@@ -232,7 +232,7 @@ TEST_CASE("the choice follows the costs, and the plan says what and why") {
     scanner.plan(pose, list, plan);
     REQUIRE(plan.casts.size() == 1);
     CHECK(plan.passes.size() == (cheap_to_render ? 1 : 0));
-    CHECK(contains(plan.casts[0].reason, "by " + noted(scanner.report(), "chosen") + ", the cheapest way"));
+    CHECK(contains(plan.casts[0].reason, "by " + noted(scanner.report(), "chosen") + ", the cheapest method"));
     CHECK(contains(noted(scanner.report(), "chosen_because"), "0.01 m"));
   }
   desc.resolution_px = 700;
@@ -263,7 +263,7 @@ TEST_CASE("a tolerance that nothing meets names the best that can be reached") {
     const Scan before = *scanner.scan();
     far.revisions.structure = 7;
     const std::string message = error_of([&] { measure(scanner, far); });
-    CHECK(contains(message, "scene.xml:3:14: error: attribute \"max_error_m\": 2e-07 is met by no method"));
+    CHECK(contains(message, "scene.xml:3:14: error: attribute \"max_error_m\": 2e-07 cannot be kept by any method"));
     CHECK(contains(message, "sensor \"S\""));
     CHECK(scanner.scan()->range_m == before.range_m);  // whole, as it was
     CHECK(scanner.scan()->error_bound_m == before.error_bound_m);
@@ -282,7 +282,8 @@ TEST_CASE("an unreachable tolerance of a scene: the place, no frame, and it can 
   for (const char* method : {"auto", "hybrid"}) {
     Simulation simulation = marvin({}, {{"method", method}, {"max_error_rel", "5e-8"}});
     const std::string message = error_of([&] { simulation.step(); });
-    CHECK(contains(message, "this test: error: attribute \"max_error_rel\": 5e-08 is met by no method for sensor \""));
+    CHECK(contains(message,
+                   "this test: error: attribute \"max_error_rel\": 5e-08 cannot be kept by any method for sensor \""));
     CHECK(contains(message, " of the range"));
     CHECK(simulation.measured().empty());
     CHECK(simulation.next_frame().index == 0);

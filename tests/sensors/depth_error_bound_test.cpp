@@ -190,7 +190,7 @@ TEST_CASE("a wall that faces the camera: the bound follows from its distance alo
   for (const float z : simulation.depth("DEPTH").pixels) CHECK(std::abs(z - kDistance_m) <= bound_m);
   CHECK(simulation.value("EYES", kDepthErrorBound) >= kDistance_m * 0x1p-24);
   CHECK(simulation.value("FAR", kDepthErrorBound) == 0);  // nothing is seen
-  CHECK(contains(error_of([&] { simulation.value("COLOR", kDepthErrorBound); }), "gives no value"));
+  CHECK(contains(error_of([&] { simulation.value("COLOR", kDepthErrorBound); }), "has no value"));
   CHECK_FALSE(simulation.find_value("COLOR", kDepthErrorBound));
 
   RunReport report;

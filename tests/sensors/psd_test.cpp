@@ -261,7 +261,7 @@ std::vector<double> voltages(const std::string& commands, std::uint64_t seed) {
     CHECK(std::abs(simulation.value("IR", "range_m") - 0.3) <= 16 * 10 * 0x1p-24);  // the wall's corners are 10 m away
     result.push_back(simulation.value("IR", "voltage_v"));
   }
-  CHECK_THROWS_WITH_AS(simulation.value("IR", "volts"), R"(sensor "IR", a psd, gives no value "volts")", InputError);
+  CHECK_THROWS_WITH_AS(simulation.value("IR", "volts"), R"(sensor "IR", a psd, has no value "volts")", InputError);
   return result;
 }
 

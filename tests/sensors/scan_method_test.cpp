@@ -73,7 +73,7 @@ TEST_CASE("a tolerance that the method does not look at is an error with its pla
       CHECK(refusal("method='" + method + "' " + tolerance + "='0.01'") ==
             "s.xml:2:" + std::to_string(3 + method.size() + 10) + ": error: attribute \"" + tolerance +
                 "\": method \"" + method +
-                "\" does not look at it, expected method hybrid or auto, or none, which is hybrid here");
+                "\" ignores a tolerance, expected method hybrid or auto, or none, which is hybrid here");
     }
   }
 }
@@ -99,7 +99,7 @@ TEST_CASE("a scanner that a part carries follows the same rules, and its error n
   CHECK(part_with("max_error_rel='1e-4'").sensors().at(0).method == "hybrid");
   const std::string error = error_of([&] { part_with("method='nearest' max_error_rel='1e-4'"); });
   CHECK(error.find("part.stub(command 1):1:") != std::string::npos);
-  CHECK(error.find("attribute \"max_error_rel\": method \"nearest\" does not look at it") != std::string::npos);
+  CHECK(error.find("attribute \"max_error_rel\": method \"nearest\" ignores a tolerance") != std::string::npos);
 }
 
 TEST_CASE("an effect that follows beams: raycast, or no method; never a tolerance") {
@@ -115,7 +115,7 @@ TEST_CASE("an effect that follows beams: raycast, or no method; never a toleranc
     const std::string error = refusal(effect + tolerance + "='0.01'");
     CHECK(error.starts_with("s.xml:2:16: error: attribute \"" + tolerance + "\": a scanner that keeps a tolerance"));
     CHECK(error.ends_with("expected no tolerance"));
-    CHECK(refusal(effect + "method='raycast' " + tolerance + "='0.01'").find("does not look at it") !=
+    CHECK(refusal(effect + "method='raycast' " + tolerance + "='0.01'").find("ignores a tolerance") !=
           std::string::npos);
   }
 }

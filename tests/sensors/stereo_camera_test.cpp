@@ -261,7 +261,7 @@ TEST_CASE("the files of a run") {
   CHECK(read_exr(folder / "out/EYES_right/000000.exr").channels.size() == 3);
   CHECK(&simulation.color("EYES") == &simulation.picture("EYES", "left"));
   CHECK_THROWS_WITH_AS(simulation.picture("EYES", "right_depth"),
-                       R"(sensor "EYES", a stereo_camera, gives no picture "right_depth")", InputError);
+                       R"(sensor "EYES", a stereo_camera, has no picture "right_depth")", InputError);
 }
 
 TEST_CASE("intrinsics in the layout of ROS's camera_info") {

@@ -260,7 +260,7 @@ TEST_CASE("--max-error: hybrid over the scene's own method; the price list of au
   const std::string commands(kSensors);
   for (const char* method : {"nearest", "planar", "raycast"}) {
     check_refused({"--max-error", "0.001", "--method", method}, commands,
-                  {"simvis-run: --max-error: ", method, "does not look at it"});
+                  {"simvis-run: --max-error: ", method, "ignores a tolerance"});
   }
   for (const char* wrong : {"0", "-1", "nan", "inf", "much", ""}) {
     check_refused({"--max-error", wrong}, commands, {"--max-error"});
@@ -270,8 +270,9 @@ TEST_CASE("--max-error: hybrid over the scene's own method; the price list of au
   const ProcessResult unreachable =
       run({scene.string(), "--out", (folder / "none").string(), "--max-error", "1e-9"}, cache);
   CHECK(unreachable.exit_code == 2);
-  CHECK(unreachable.err.find("simvis-run: --max-error: error: attribute \"max_error_m\": 1e-09 is met by no method "
-                             "for sensor \"SCAN\"") != std::string::npos);
+  CHECK(unreachable.err.find(
+            "simvis-run: --max-error: error: attribute \"max_error_m\": 1e-09 cannot be kept by any method "
+            "for sensor \"SCAN\"") != std::string::npos);
   CHECK(files_below(folder / "none").empty());
 }
 

@@ -178,7 +178,7 @@ TEST_CASE("a variant that cannot be leaves the simulation as it was") {
   Command camera = simulation.diagnostics().command("CAM");
   camera.attributes[1].value = "A";
   REQUIRE(camera.attributes[1].name == "name");
-  CHECK(refused(camera, "another type"));
+  CHECK(refused(camera, "must have its type"));
   CHECK(contains(error_of([&] { simulation.add_variant("SCAM", command); }), "did you mean \"SCAN\"?"));
   CHECK(simulation.sensors().size() == 2);
   simulation.add_variant("SCAN", with_variant(command, {"planar", 512, {}}, "A"));
@@ -303,7 +303,7 @@ TEST_CASE("the cheapest for a tolerance: within 5 % the better bound; nothing wh
   price.variants[2].wrong_kind_share = 0;
   CHECK(cheapest_for(price, 1e-3) == 2);
   CHECK(price_advice(price) ==
-        "MADE, UP: for 0.001 and 1e-04 write method=\"planar\" resolution=\"514\" (2.000 ms); nothing meets 1e-06, "
+        "MADE, UP: for 0.001 and 1e-04 write method=\"planar\" resolution=\"514\" (2.000 ms); no variant keeps 1e-06, "
         "nearest is method=\"planar\" resolution=\"512\" with bounds up to 1.0e-05 and none for 0 % of the beams");
 }
 
@@ -369,7 +369,7 @@ TEST_CASE("only enabled laser scanners are priced; without one it is an error; p
   Simulation none = scene.load();
   none.enable("A", false);
   none.enable("B", false);
-  CHECK(contains(error_of([&] { price_scanners(std::move(none)); }), "no laser scanner"));
+  CHECK(contains(error_of([&] { price_scanners(std::move(none)); }), "no enabled laser scanner"));
 }
 
 TEST_CASE("scanners that parts carry have prices, too") {
@@ -436,7 +436,7 @@ TEST_CASE("simvis-run --price with what makes no sense") {
   };
   const TemporaryFolder folder;
   const Strings out = {"--out", (folder / "out").string()};
-  refused("", out, {"simvis-run: --price: ", "no laser scanner"});
+  refused("", out, {"simvis-run: --price: ", "no enabled laser scanner"});
   refused(kSensors, {"--method", "planar"}, {"--price", "--method"});
   refused(kSensors, {"--explain"}, {"--price", "--explain"});
   refused(kSensors, {"--profile", (folder / "p.json").string()}, {"--price", "--profile"});

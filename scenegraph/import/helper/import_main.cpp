@@ -25,7 +25,7 @@ void answer_request(const ReadRequest& request, std::size_t memory_bytes) {
     limit_process(memory_bytes);
     answer.add(AnswerKind::scene, pack_imported_scene(read_part(request, answer)));
   } catch (const std::bad_alloc&) {
-    answer.add(AnswerKind::refusal, "it takes more than " + std::to_string(memory_bytes >> 20) + " MiB of memory");
+    answer.add(AnswerKind::refusal, "reading takes more than " + std::to_string(memory_bytes >> 20) + " MiB of memory");
   } catch (const std::exception& e) {
     answer.add(AnswerKind::refusal, e.what());
   } catch (...) {

@@ -121,7 +121,7 @@ class Collector {
     action.addPreCallback(SoVRMLWorldInfo::getClassTypeId(), add_world_info, this);
     action.apply(&root);
     if (shapes_.has_too_many()) {
-      throw InputError("it makes more than " + std::to_string(InventorShapes::kMaxCorners / 3) + " triangles");
+      throw InputError("the file gives more than " + std::to_string(InventorShapes::kMaxCorners / 3) + " triangles");
     }
     if (!shapes_.fault().empty()) throw InputError(shapes_.fault());
     // Lights come before shapes, as in the draw list.
@@ -188,9 +188,9 @@ class Collector {
 ImportedScene read_part(const ReadRequest& request, AnswerWriter& answer) {
   start_coin(answer);
   SoInput input;
-  if (!input.openFile(std::filesystem::absolute(request.file).c_str())) throw InputError("Coin cannot open it");
+  if (!input.openFile(std::filesystem::absolute(request.file).c_str())) throw InputError("Coin cannot open the file");
   SoSeparator* const root = SoDB::readAll(&input);
-  if (root == nullptr) throw InputError("Coin cannot read it");
+  if (root == nullptr) throw InputError("Coin cannot read the file");
   root->ref();
   return Collector().collect(*root);
 }

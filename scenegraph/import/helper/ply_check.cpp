@@ -105,7 +105,7 @@ class PlyCheck {
       } else if (words[0] == "property" && !elements_.empty() && (words.size() == 3 || words.size() == 5)) {
         add_property(words);
       } else {
-        fail("the header has a line that is not understood, beginning with " + in_quotes(words[0]));
+        fail("the header has an unknown keyword, " + in_quotes(words[0]));
       }
     }
     if (!has_format) fail("the header names no format, expected \"format ascii|binary_..._endian 1.0\"");
@@ -146,7 +146,7 @@ class PlyCheck {
     if (words.size() == 5) {
       if (words[1] != "list") fail("a property with too many words");
       property.count = type_of(words[2]);
-      if (property.count->is_float) fail("a list whose length is no whole number");
+      if (property.count->is_float) fail("the length of a list has a floating-point type, expected an integer type");
     }
     if (std::ranges::count(element.properties, words.back(), &Property::name) != 0) {
       fail("property " + in_quotes(words.back()) + " is declared twice");
@@ -160,7 +160,7 @@ class PlyCheck {
     for (const std::string_view axis : {"x", "y", "z"}) {
       const auto found = std::ranges::find(vertex.properties, axis, &Property::name);
       if (found == vertex.properties.end() || !found->type->is_float || found->count != nullptr) {
-        fail("element vertex has no " + std::string(axis) + " that is float or double");
+        fail("element vertex has no property " + std::string(axis) + " of type float or double");
       }
     }
     for (const Property& property : vertex.properties) {
@@ -179,7 +179,7 @@ class PlyCheck {
     for (const Property& property : face.properties) {
       const bool wants_list = is_index_list(property);
       if (wants_list && (property.count == nullptr || property.type->is_float)) {
-        fail("property " + in_quotes(property.name) + " is no list of whole numbers");
+        fail("property " + in_quotes(property.name) + " is not a list of whole numbers");
       }
     }
   }
@@ -193,8 +193,8 @@ class PlyCheck {
       if (encoding_ != Encoding::text) return binary_value(type);
       double value = 0;
       if (used >= words.size()) fail(subject() + " has too few values");
-      if (!parse_number(words[used++], value)) fail(subject() + " has a value that is no finite number");
-      if (!type.is_float && value != std::floor(value)) fail(subject() + " has a value that is no whole number");
+      if (!parse_number(words[used++], value)) fail(subject() + " has a value that is not a finite number");
+      if (!type.is_float && value != std::floor(value)) fail(subject() + " has a value that is not a whole number");
       return value;
     };
     std::uint64_t corners = 0, coordinates = 0;

@@ -18,7 +18,7 @@ void set_limit(__rlimit_resource resource, rlim_t value) {
   bool is_set = ::getrlimit(resource, &limit) == 0;
   limit.rlim_cur = limit.rlim_max = std::min(value, limit.rlim_max);  // keeps a stricter limit
   is_set = is_set && ::setrlimit(resource, &limit) == 0;
-  if (!is_set) throw MachineError("cannot limit what reading a part file takes");
+  if (!is_set) throw MachineError("cannot limit the memory of the helper program that reads part files");
 }
 
 void limit_memory([[maybe_unused]] std::size_t more_bytes) {

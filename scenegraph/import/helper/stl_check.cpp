@@ -58,7 +58,7 @@ void check_stl(const std::filesystem::path& file) {
   constexpr std::uint64_t kLongestEnd = 4096;
   const std::uint64_t end_bytes = std::min(size, kLongestEnd);
   if (!ends_with_endsolid(read_range(stream, size - end_bytes, end_bytes))) {
-    fail_at(where, "begins with \"solid\" but does not end with \"endsolid\": it was cut off, or is no STL");
+    fail_at(where, "begins with \"solid\" but does not end with \"endsolid\": it is incomplete, or is not STL");
   }
 }
 

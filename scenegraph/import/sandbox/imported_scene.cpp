@@ -80,7 +80,9 @@ class Unpacker {
   }
 
  private:
-  [[noreturn]] void fail() const { throw InputError(subject_ + "the program that read it gave a malformed answer"); }
+  [[noreturn]] void fail() const {
+    throw InputError(subject_ + "the helper program that read it returned a malformed answer");
+  }
 
   const std::uint8_t* take(std::size_t size) {
     if (size > bytes_.size()) fail();
@@ -205,7 +207,7 @@ bool is_finite(const Light& l) {
 std::string fault_of(const Mesh& mesh) {
   constexpr std::size_t kCorners[] = {3, 2, 1};
   if (mesh.attributes.size() != mesh.positions.size()) return "vertices without attributes";
-  if (mesh.indices.size() % kCorners[static_cast<std::size_t>(mesh.topology)] != 0) return "half a primitive";
+  if (mesh.indices.size() % kCorners[static_cast<std::size_t>(mesh.topology)] != 0) return "an incomplete primitive";
   for (const std::uint32_t index : mesh.indices) {
     if (index >= mesh.positions.size()) return "an index beyond the last vertex";
   }
@@ -221,13 +223,14 @@ std::string fault_of(const Mesh& mesh) {
 std::string fault_of(const ImportedTexture& texture) {
   const Texture& t = texture.texture;
   const std::uint64_t pixels = std::uint64_t{t.width} * t.height;
-  if (!texture.file.empty())
-    return t.width == 0 && t.height == 0 && t.rgba.empty() ? "" : "a texture with two pictures";
-  return pixels == 0 || t.rgba.size() % 4 != 0 || t.rgba.size() / 4 != pixels ? "a torn texture" : "";
+  if (!texture.file.empty()) return t.width == 0 && t.height == 0 && t.rgba.empty() ? "" : "a texture with two images";
+  return pixels == 0 || t.rgba.size() % 4 != 0 || t.rgba.size() / 4 != pixels
+             ? "a texture whose bytes do not match its size"
+             : "";
 }
 
 std::string fault_of(const ImportedMaterial& m, const ImportedScene& scene) {
-  if (m.texture != kNoTexture && m.texture >= scene.textures.size()) return "a material without its texture";
+  if (m.texture != kNoTexture && m.texture >= scene.textures.size()) return "a material with an unknown texture";
   if (m.material.uv_set != 0 && m.material.uv_set != 1) return "a material with a third set of texture coordinates";
   if (!is_finite(m.material.base_color) || !is_finite(m.material.emissive)) return "a colour that is not finite";
   if (!is_finite(m.material.uv_transform)) return "a texture transform that is not finite";
@@ -238,11 +241,12 @@ std::string fault_of(const ImportedMaterial& m, const ImportedScene& scene) {
 std::string fault_of(const ImportedNode& node, std::size_t number, const ImportedScene& scene) {
   if (node.parent != kNoParent && node.parent >= number) return "a node before its parent";
   for (const ImportedShape& shape : node.shapes) {
-    if (shape.mesh >= scene.meshes.size() || shape.material >= scene.materials.size()) return "a shape without content";
+    if (shape.mesh >= scene.meshes.size() || shape.material >= scene.materials.size())
+      return "a shape with an unknown mesh or material";
   }
   const bool is_placed = is_affine(node.parent_from_node);
   if (node.light && (!is_placed || !is_finite(*node.light))) {
-    return "a light with a number or a place that is not finite";
+    return "a light with a value or a position that is not finite";
   }
   return is_placed ? "" : "a transform that is not finite or not affine";
 }

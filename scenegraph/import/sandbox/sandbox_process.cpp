@@ -23,7 +23,7 @@ using Clock = std::chrono::steady_clock;
 constexpr int kNotStarted = 127;  // exit status of a program whose shared libraries are missing
 
 [[noreturn]] void fail_to_start(const std::filesystem::path& program, const std::string& why) {
-  throw MachineError("cannot start the program " + program.string() + ", which reads part files: " + why);
+  throw MachineError("cannot start " + program.string() + ", the helper program that reads part files: " + why);
 }
 
 class Descriptor {

@@ -39,17 +39,18 @@ ImportedScene import_in_sandbox(const SandboxedImport& import) {
     case SandboxEnd::finished:
       break;
     case SandboxEnd::crashed:
-      fail(import.file, import.library + " crashed on it (" + report.reason + ")", answer);
+      fail(import.file, import.library + " crashed while it read the file (" + report.reason + ")", answer);
     case SandboxEnd::took_too_long:
-      fail(import.file, import.library + " did not finish it within " + std::to_string(import.time.count()) + " ms",
-           answer);
+      fail(import.file,
+           import.library + " did not finish the file within " + std::to_string(import.time.count()) + " ms", answer);
     case SandboxEnd::answered_without_end:
-      fail(import.file, "it makes more than " + std::to_string(import.memory_bytes >> 20) + " MiB of content", answer);
+      fail(import.file, "the file gives more than " + std::to_string(import.memory_bytes >> 20) + " MiB of content",
+           answer);
   }
   if (answer.refusal) fail(import.file, *answer.refusal, answer);
   // A library may continue after an error with only a part of the file.
-  if (!answer.errors.empty()) fail(import.file, import.library + " cannot read all of it", answer);
-  if (!answer.scene) fail(import.file, "the program that read it gave no answer", answer);
+  if (!answer.errors.empty()) fail(import.file, import.library + " cannot read all of the file", answer);
+  if (!answer.scene) fail(import.file, "the helper program that read it returned nothing", answer);
   ImportedScene scene = unpack_imported_scene(*answer.scene, import.file.string() + ": error: ");
   scene.warnings.insert(scene.warnings.begin(), answer.warnings.begin(), answer.warnings.end());
   return scene;

@@ -79,7 +79,7 @@ std::shared_ptr<const urdf::ModelInterface> parse(const XmlText& text) {
   } catch (const std::exception& error) {
     reason = messages.errors() + (messages.errors().empty() ? "" : "; ") + error.what();
   }
-  fail_at({.file = text.source().file()}, reason.empty() ? "is no URDF robot" : on_one_line(reason));
+  fail_at({.file = text.source().file()}, reason.empty() ? "is not a URDF robot" : on_one_line(reason));
 }
 
 // liburdfdom accepts a link with two parent joints, and cycles of links that are not connected to the tree.
@@ -93,7 +93,7 @@ void check_tree(const UrdfFile& file) {
     for (const auto& child : link->child_links) open.push_back(child.get());
   }
   for (const auto& [name, link] : file.robot->links_) {
-    if (reached.count(link.get()) == 0) file.fail("link", name, "is in a ring of joints, expected a tree");
+    if (reached.count(link.get()) == 0) file.fail("link", name, "is in a cycle of joints, expected a tree");
   }
 }
 

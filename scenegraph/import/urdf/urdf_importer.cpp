@@ -32,7 +32,9 @@ void check_names(const UrdfFile& file) {
 void check_origin(const UrdfFile& file, const char* tag, const std::string& name, const urdf::Pose& pose) {
   for (const double value : {pose.position.x, pose.position.y, pose.position.z}) {
     if (!(std::abs(value) <= kMaxCoordinate_m)) {
-      file.fail(tag, name, "has an origin farther out than " + format_number(kMaxCoordinate_m) + " m");
+      file.fail(tag, name,
+                "has an origin that is not allowed, expected coordinates of at most " +
+                    format_number(kMaxCoordinate_m) + " m either way");
     }
   }
 }

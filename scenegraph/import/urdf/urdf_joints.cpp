@@ -73,7 +73,7 @@ class JointCommands {
       case urdf::Joint::PLANAR:
         return add_planar(joint);
       default:
-        if (!is_simple(joint)) fail(joint, "is of a type that is not known");
+        if (!is_simple(joint)) fail(joint, "has an unknown type");
         return add_simple(joint);
     }
   }
@@ -89,7 +89,7 @@ class JointCommands {
     if (joint.limits && joint.type != urdf::Joint::CONTINUOUS) {
       const double unit = to_element_units(joint);
       const double lower = joint.limits->lower * unit, upper = joint.limits->upper * unit;
-      if (lower > upper) fail(joint, "has a lower limit above its upper one");
+      if (lower > upper) fail(joint, "has a lower limit above its upper limit");
       rest.push_back({"lower", format_number(lower)});
       rest.push_back({"upper", format_number(upper)});
       rest.push_back({"value", format_number(std::clamp(0.0, lower, upper))});
@@ -112,11 +112,12 @@ class JointCommands {
 
   // A mimic of a mimic follows the last joint of the chain.
   void add_mimic(const urdf::Joint& joint) {
-    if (!is_simple(joint)) fail(joint, "mimics another one, expected that of revolute and prismatic joints only");
+    if (!is_simple(joint))
+      fail(joint, "mimics another joint, expected mimic only in revolute, continuous and prismatic joints");
     double multiplier = joint.mimic->multiplier, offset = joint.mimic->offset;
     const urdf::Joint* leader = &follow(joint, joint);
     for (std::size_t steps = 0; leader->mimic; ++steps) {
-      if (steps > file_.robot->joints_.size()) fail(joint, "mimics itself in a ring");
+      if (steps > file_.robot->joints_.size()) fail(joint, "mimics itself in a cycle");
       offset += multiplier * leader->mimic->offset;
       multiplier *= leader->mimic->multiplier;
       leader = &follow(joint, *leader);
@@ -136,7 +137,7 @@ class JointCommands {
     if (found == file_.robot->joints_.end()) {
       std::vector<std::string_view> known;
       for (const auto& [other, unused] : file_.robot->joints_) known.push_back(other);
-      fail(asked, "mimics joint " + in_quotes(name) + ", which is not there" + suggestion(name, known));
+      fail(asked, "mimics joint " + in_quotes(name) + ", which does not exist" + suggestion(name, known));
     }
     if (!is_simple(*found->second)) {
       fail(asked, "mimics joint " + in_quotes(name) + ", expected one that is revolute, continuous or prismatic");

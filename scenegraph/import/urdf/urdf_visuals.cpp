@@ -50,7 +50,10 @@ NodePtr UrdfVisuals::make(const urdf::Link& link, const urdf::Visual& visual) {
   const auto check = [&](const char* what, std::initializer_list<double> sizes_m) {
     for (const double size : sizes_m) {
       if (!(size > 0 && size <= kMaxCoordinate_m)) {
-        file_.fail("link", link.name, "has a " + std::string(what) + " whose size is not above 0");
+        file_.fail("link", link.name,
+                   "has a " + std::string(what) +
+                       " of a size that is not allowed, expected sizes above 0 and at most " +
+                       format_number(kMaxCoordinate_m) + " m");
       }
     }
   };
@@ -110,7 +113,9 @@ void UrdfVisuals::add_mesh(const urdf::Link& link, const urdf::Mesh& mesh,
   const glm::dvec3 scale(mesh.scale.x, mesh.scale.y, mesh.scale.z);
   for (int i = 0; i < 3; ++i) {
     if (scale[i] == 0 || std::abs(scale[i]) > kMaxCoordinate_m) {
-      file_.fail("link", link.name, "has a mesh with a scale that is 0 or huge");
+      file_.fail("link", link.name,
+                 "has a mesh with a scale that is not allowed, expected factors other than 0, at most " +
+                     format_number(kMaxCoordinate_m) + " either way");
     }
   }
   const std::filesystem::path path = find(link, mesh.filename, "mesh file");
@@ -141,7 +146,7 @@ std::filesystem::path UrdfVisuals::find(const urdf::Link& link, const std::strin
     tried += (tried.empty() ? "" : ", ") + place.string();
   }
   file_.fail("link", link.name,
-             "has the " + std::string(kind) + " " + in_quotes(name) + ", which is not there; tried " + tried);
+             "has the " + std::string(kind) + " " + in_quotes(name) + ", which does not exist; tried " + tried);
 }
 
 }  // namespace simvis
