@@ -103,15 +103,16 @@ TEST_CASE("lights are reflected as appendix B says, from dielectric to metal, fr
       if (metallic == 0 && roughness == 1) continue;  // Lambert's surface, see Material
       for (const glm::dvec3& toward : kToward) {
         const RendererScene scene = wall(surface(metallic, roughness), toward);
-        for (const auto& [x, y] : {std::pair{8, 8}, {3, 8}, {0, 16}, {13, 5}}) {
+        for (const glm::ivec2 pixel : {glm::ivec2(8, 8), {3, 8}, {0, 16}, {13, 5}}) {
           CAPTURE(metallic);
           CAPTURE(roughness);
-          CAPTURE(x);
-          CAPTURE(y);
+          CAPTURE(pixel.x);
+          CAPTURE(pixel.y);
           // As the GPU knows them.
           const double m = static_cast<float>(metallic), r = static_cast<float>(roughness);
           const glm::dvec3 base{glm::vec3(kBase)};
-          check(seen(renderer, scene, x, y), reflected(base, m, r, kNormal, toward, to_eye(x, y), kLux), tolerance(r));
+          check(seen(renderer, scene, pixel.x, pixel.y),
+                reflected(base, m, r, kNormal, toward, to_eye(pixel.x, pixel.y), kLux), tolerance(r));
         }
       }
     }

@@ -164,14 +164,19 @@ TEST_CASE("neither other sensors nor frames that were left out change a bit") {
 TEST_CASE("ranges are the nearest multiples of the step, and their bounds still hold") {
   constexpr std::uint32_t kRanges = 100'000;
   // Steps that float64 has and has not exactly; either way the multiple is worked out in double and rounded once.
-  for (const auto& [attributes, step_m] : {std::pair{R"(range_resolution="0.25")", 0.25},
-                                           {R"(range_resolution="0.01")", 0.01},
-                                           {R"(range_resolution="3")", 3.0}}) {
+  struct Resolution {
+    const char* attributes;
+    double step_m;
+  };
+  for (const Resolution& resolution : {Resolution{R"(range_resolution="0.25")", 0.25},
+                                       {R"(range_resolution="0.01")", 0.01},
+                                       {R"(range_resolution="3")", 3.0}}) {
+    const double step_m = resolution.step_m;
     CAPTURE(step_m);
     std::mt19937 random(1);
     Scan scan = even_scan(0, kRanges);
     for (float& range_m : scan.range_m) range_m = std::uniform_real_distribution<float>(0, 100)(random);
-    const Scan rounded = finished(effects_of(attributes), scan);
+    const Scan rounded = finished(effects_of(resolution.attributes), scan);
     std::uint64_t wrong = 0, lost = 0;
     for (std::uint32_t i = 0; i < kRanges; ++i) {
       const double range_m = scan.range_m[i], reading_m = rounded.range_m[i];

@@ -132,7 +132,8 @@ std::pair<int, int> compare(std::span<const glm::vec4> seen, const std::vector<G
 TEST_CASE("crossing panes lie over each other by depth, pixel by pixel and sample by sample, in any order") {
   const std::vector<Glass> panes = crossing();
   Renderer renderer(device());
-  for (const auto& [supersampling, msaa] : {std::pair{1u, 1u}, {2u, 1u}, {4u, 1u}, {1u, 4u}, {2u, 4u}}) {
+  for (const auto& samples : {std::pair{1u, 1u}, {2u, 1u}, {4u, 1u}, {1u, 4u}, {2u, 4u}}) {
+    const std::uint32_t supersampling = samples.first, msaa = samples.second;
     if (std::ranges::find(device().target_limits().msaa, msaa) == device().target_limits().msaa.end()) continue;
     CAPTURE(supersampling);
     CAPTURE(msaa);

@@ -29,14 +29,18 @@ void check(double seen, double expected, double relative = kRounding) {
 TEST_CASE("visibility is where contrast has fallen to 0.02; lasers see farther by Kim's exponent") {
   World world({}, fog("kind='fog' visibility='1500'"));
   // Exponents by hand: v in km, 0.16 v + 0.34 from 1 to 6, v - 0.5 from 0.5 to 1.
-  const std::pair<double, double> cases[] = {{60000, 1.6}, {7000, 1.3}, {2000, 0.66}, {1500, 0.58},
-                                             {1000, 0.5},  {750, 0.25}, {500, 0},     {20, 0}};
-  for (const auto& [visibility_m, exponent] : cases) {
+  struct Case {
+    double visibility_m, exponent;
+  };
+  const Case cases[] = {{60000, 1.6}, {7000, 1.3}, {2000, 0.66}, {1500, 0.58},
+                        {1000, 0.5},  {750, 0.25}, {500, 0},     {20, 0}};
+  for (const Case& each : cases) {
+    const double visibility_m = each.visibility_m;
     CAPTURE(visibility_m);
     world->set("FOG", "visibility", visibility_m);
     const Medium& medium = medium_of(world);
     CHECK(std::abs(std::exp(-medium.extinction_per_m * visibility_m) - 0.02) <= 16 * 0x1p-53);
-    check(medium.laser_extinction_per_m, medium.extinction_per_m * std::pow(905.0 / 550.0, -exponent));
+    check(medium.laser_extinction_per_m, medium.extinction_per_m * std::pow(905.0 / 550.0, -each.exponent));
     check(medium.backscatter_per_m_sr, medium.laser_extinction_per_m / 18.8);
     CHECK(medium.particles_per_m3 == 0);
   }

@@ -159,7 +159,8 @@ TEST_CASE("angles of 10^9 degrees") {
   const std::pair<double, double> equal[] = {{1e9, 280}, {-1e9, 80}, {1e15 + 90, 10}, {360e9 + 90, 90}};
   const Room room;
   Simulation large = room.make(1e-6), small = room.make(1e-6);
-  for (const auto& [angle, remainder] : equal) {
+  for (const auto& angles : equal) {
+    const double angle = angles.first, remainder = angles.second;
     CAPTURE(angle);
     for (const char* name : {"roll", "pitch", "yaw"}) {
       large.set("DRIVE", name, angle);

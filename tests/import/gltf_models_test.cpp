@@ -79,7 +79,9 @@ TEST_CASE("test data: the sample models have the triangles and bounds that other
   const std::filesystem::path folder = expected_file->parent_path();
   const json expected = json::parse(std::ifstream(*expected_file)).at("files");
   std::size_t compared = 0;
-  for (const auto& [name, values] : expected.items()) {
+  for (const auto& file : expected.items()) {
+    const std::string& name = file.key();
+    const json& values = file.value();
     CAPTURE(name);
     ContentPool pool;
     const json required = values.value("extensionsRequired", json::array());

@@ -6,6 +6,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "tests/support/inventor_fixture.h"
@@ -50,14 +51,19 @@ std::string broken(std::string text, Random& random) {
   return text;
 }
 
-// The reference counts filled triangles whatever the style, reads no included files of VRML 1.0, its boxes forget what
-// stands before a ResetTransform, and it drew text of a FontStyle with a font of the machine that it was made on.
+// Whether a file is not compared with the expected values: the reference counts filled triangles for every draw style,
+// reads no included files of VRML 1.0, and its boxes ignore what stands before a ResetTransform.
 bool differs_by_design(const std::string& text) {
-  for (const char* node : {"DrawStyle", "WWWInline", "ResetTransform", "FontStyle"}) {
+  for (const char* node : {"DrawStyle", "WWWInline", "ResetTransform"}) {
     if (text.find(node) != std::string::npos) return true;
   }
   return false;
 }
+
+// The reference drew this file's AsciiText with fonts that its machine had for SERIF, SANS and TYPEWRITER. SimVis
+// always draws text with Coin's built-in font, whose letters have other triangles. Other files with a FontStyle have
+// Text2 only, which has no triangles.
+constexpr std::string_view kDrawnWithFontsOfTheMachine = "coin/vrml1.0/properties/fontstyle.wrl";
 
 bool close(double a, double b, double tolerance) { return std::abs(a - b) <= tolerance; }
 
@@ -212,7 +218,9 @@ TEST_CASE("test data: files are read as Coin reads them, each in time") {
   std::ifstream stream(*expected_file);
   const nlohmann::json reference = nlohmann::json::parse(stream);
   int compared = 0, refused = 0;
-  for (const auto& [name, expected] : reference["files"].items()) {
+  for (const auto& file : reference["files"].items()) {
+    const std::string& name = file.key();
+    const nlohmann::json& expected = file.value();
     CAPTURE(name);
     const bool is_read = expected.contains("triangles");
     const auto start = std::chrono::steady_clock::now();
@@ -229,7 +237,7 @@ TEST_CASE("test data: files are read as Coin reads them, each in time") {
     }
     CHECK(seconds_since(start) < kLongest_s);
     CHECK(is_read);
-    if (differs_by_design(read_text(folder / name))) continue;
+    if (name == kDrawnWithFontsOfTheMachine || differs_by_design(read_text(folder / name))) continue;
     check_against_coin(expected, part);
     ++compared;
   }

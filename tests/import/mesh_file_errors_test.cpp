@@ -116,7 +116,9 @@ TEST_CASE("files cut off or with flipped bits are loaded or refused, and what lo
       {"s.dae", dae_box(kMetresZUp)},
       {"s.mtl", mtl}};
   Random random;
-  for (const auto& [name, bytes] : seeds) {
+  for (const auto& seed : seeds) {
+    const auto& name = seed.first;
+    const auto& bytes = seed.second;
     int loaded = 0, crashed = 0;
     for (int i = 0; i < files; ++i) {
       CAPTURE(std::string(name));

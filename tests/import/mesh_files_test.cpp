@@ -36,9 +36,10 @@ TEST_CASE("the same box in every format: triangles, bounds, surface, and normals
       {"bare.stl", stl_box(true, false)},
       {"box.dae", dae_box(kMetresZUp)},
   };
-  for (const auto& [name, bytes] : files) {
+  for (const auto& file : files) {
+    const char* name = file.first;
     CAPTURE(std::string(name));
-    write_text(folder / name, bytes);
+    write_text(folder / name, file.second);
     const Loaded loaded = load(folder / name);
     check_box(loaded.list);
     REQUIRE(loaded.list.materials.size() == 1);

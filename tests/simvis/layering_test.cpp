@@ -199,7 +199,8 @@ std::vector<Include> includes_of_tree(const fs::path& root) {
 
 TEST_CASE("every include of the tree points along the arrows") {
   const std::vector<Include> includes = includes_of_tree(SIMVIS_SOURCE_DIR);
-  for (const auto& [room, allowed] : kAllowed) {
+  for (const auto& entry : kAllowed) {
+    const std::string& room = entry.first;
     CAPTURE(room);
     CHECK(std::any_of(includes.begin(), includes.end(), [&](const Include& include) {
       return room_of(include.file) == room || room == "shaders" || room == "scenes";
@@ -226,9 +227,10 @@ TEST_CASE("no folder of sources has more than forty files") {
       if (entry.is_regular_file() && is_source(entry.path())) ++files[entry.path().parent_path()];
     }
   }
-  for (const auto& [folder, count] : files) {
+  for (const auto& entry : files) {
+    const fs::path& folder = entry.first;
     CAPTURE(folder);
-    CHECK(count <= 40);
+    CHECK(entry.second <= 40);
   }
 }
 

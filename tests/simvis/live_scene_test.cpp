@@ -168,8 +168,8 @@ TEST_CASE("a command that fails leaves the scene as it was") {
   const char* const wrong[] = {
       "<part file='table.stub' name='C' insert_at='ROOT'/><part file='table.stub' name='A' insert_at='ROOT'/>",
       "<part file='arm.stub' name='C' insert_at='A'/><element type='pose' name='Q' insert_at='HAND' x='a'/>",
-      "<part file='arm.stub' name='C' insert_at='A'/><sensor type='camera' name='S' insert_at='HAND'/>"
-      "<element type='painter' name='Q' insert_at='ROOT' part='C' watch='S'/>",
+      ("<part file='arm.stub' name='C' insert_at='A'/><sensor type='camera' name='S' insert_at='HAND'/>"
+       "<element type='painter' name='Q' insert_at='ROOT' part='C' watch='S'/>"),
       "<element type='joint' name='J' insert_at='A' upper='5' value='6'/>",
   };
   for (const char* const commands : wrong) {

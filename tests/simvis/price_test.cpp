@@ -315,9 +315,10 @@ TEST_CASE("a table of aligned columns, and CSV that reads back") {
   REQUIRE(table.size() == 6);
   CHECK(table[0] == "MADE, UP: 10 beams x 2 rings, 1 frame of each");
   CHECK(table[3].starts_with("hybrid * "));
-  for (const auto& [name, value] : {std::pair{"ms", "1.250"}, {"resolution", "512"}, {"max_error_rel", "0.001"}}) {
+  for (const auto& column : {std::pair{"ms", "1.250"}, {"resolution", "512"}, {"max_error_rel", "0.001"}}) {
+    const std::string name = column.first, value = column.second;
     CAPTURE(name);
-    CHECK(table[2].find(name) + std::string(name).size() == table[3].find(value) + std::string(value).size());
+    CHECK(table[2].find(name) + name.size() == table[3].find(value) + value.size());
   }
   CHECK(table[3].ends_with("  0.001"));
   CHECK(table[4].find("12.5") != std::string::npos);
