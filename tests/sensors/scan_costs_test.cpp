@@ -39,9 +39,9 @@ TEST_CASE("a file of costs is used only if it is unchanged and belongs to the de
   const fs::path file = folder / "costs-x.txt";
   CHECK_FALSE(load_cost_model(file));
   const CostModel written = save_cost_model(file, cost);
-  CHECK(written[CostTerm::pass] == 1e-3);  // the least
+  CHECK(written[CostTerm::pass] == 1e-3);  // the minimum
   CHECK(written[CostTerm::item_test] == 1.2e8);
-  CHECK(written[CostTerm::triangle_test] == 1e9);  // the most
+  CHECK(written[CostTerm::triangle_test] == 1e9);  // the maximum
   CHECK(load_cost_model(file) == written);
   CHECK(files_below(folder.path()).size() == 1);  // no temporary file
 
@@ -91,7 +91,7 @@ TEST_CASE("costs are fitted to counts and times") {
     measurements.insert(measurements.end(), {drawing, casting});
   }
   const CostModel found = fit_costs(measurements);
-  constexpr double kConverged = 1e-6;  // relative; a thousandth of what the rounding to two digits takes is more
+  constexpr double kConverged = 1e-6;  // relative; below a thousandth of the rounding to two digits
   for (std::size_t i = 0; i < kCostTerms; ++i) {
     CHECK(std::abs(found.of[i] - truth.of[i]) <= kConverged * std::max(truth.of[i], 1.0));
   }

@@ -57,7 +57,7 @@ TEST_CASE("methods are surveyed again when the cost of the chosen one changes, l
   CHECK(choice.is_due(list));
   survey.choose(readings, cost);
   choice.take(survey, {});
-  CostModel work;  // the survey's own: nothing was collected, so all of it costs nothing
+  CostModel work;  // that of the survey: nothing was collected, so all of it costs nothing
   CHECK_FALSE(choice.is_due(list));
   choice.measured(work, cost);
   CHECK_FALSE(choice.is_due(list));
@@ -68,7 +68,7 @@ TEST_CASE("methods are surveyed again when the cost of the chosen one changes, l
     choice.measured(work, cost);
     ++waited;
     if (!choice.is_due(list)) continue;
-    choice.take(survey, {});  // chooses the same
+    choice.take(survey, {});  // chooses the same method
     waits.push_back(waited);
     waited = 0;
     CHECK_FALSE(choice.is_due(list));
@@ -83,12 +83,12 @@ TEST_CASE("methods are surveyed again only if another one may have become the ch
   desc.method = ScanMethod::automatic;
   desc.max_error_rel = 1e-4;
   CostModel cost;
-  cost[CostTerm::pass] = 1e15;  // far dearer than casting: no item is tested so often
+  cost[CostTerm::pass] = 1e15;  // much more expensive than casting: items are never tested that often
   cost[CostTerm::item_test] = 1;
   LaserScanner scanner("S", desc);
   scanner.use_cost_model([&]() -> const CostModel& { return cost; });
-  // From the room's middle to far outside, from where the room is narrow: what casting costs, the tests of items,
-  // swings.
+  // From the centre of the room to far outside, where the room appears narrow: the cost of casting, which is the tests
+  // of items, varies.
   for (const double x_m : {0.0, -60.0, 0.0, -60.0, 0.0, -60.0}) {
     measure(scanner, list, to_matrix({{x_m, 0, 1.2}, 0, 0, 0}));
     CHECK(noted(scanner.report(), "chosen") == "raycast");

@@ -17,7 +17,7 @@ using namespace simvis::test;
 TEST_CASE("the error about a tolerance that no method meets names the smallest one that can be met") {
   struct Case {
     ScanMethod method;
-    std::uint32_t rings;  // of many, no thread reads all
+    std::uint32_t rings;  // with many rings, no thread reads all of them
   };
   for (const auto& [method, rings] : {Case{ScanMethod::automatic, 1}, Case{ScanMethod::hybrid, 1},
                                       Case{ScanMethod::automatic, 64}, Case{ScanMethod::hybrid, 64}}) {
@@ -38,7 +38,7 @@ TEST_CASE("the error about a tolerance that no method meets names the smallest o
     const std::string message = error_of([&] { measure(scanner, far); });
     CHECK(contains(message, "scene.xml:3:14: error: attribute \"max_error_m\": 2e-07 is met by no method"));
     CHECK(contains(message, "sensor \"S\""));
-    CHECK(scanner.scan()->range_m == before.range_m);  // whole, as it was
+    CHECK(scanner.scan()->range_m == before.range_m);  // complete and unchanged
     CHECK(scanner.scan()->error_bound_m == before.error_bound_m);
     const std::string best = " with every beam cast, is ";
     REQUIRE(contains(message, best));
@@ -47,7 +47,7 @@ TEST_CASE("the error about a tolerance that no method meets names the smallest o
     LaserScanner relaxed = make_scanner(desc, true);
     measure(relaxed, far);
     CHECK(relaxed.scan()->range_m.size() == 31 * rings);
-    measure(scanner, near);  // and the first goes on where it can
+    measure(scanner, near);  // the first scanner still works where it can
   }
 }
 
@@ -76,7 +76,7 @@ TEST_CASE("beams that are rendered across a limit of the range are cast, and cas
   CHECK(tolerance.met(read_range({100, 5}, limits)));
   const double inf = std::numeric_limits<double>::infinity();
   CHECK(tolerance.met(read_range({inf, 0}, limits)));
-  CHECK_FALSE(tolerance.met(read_range({inf, inf}, limits)));  // a silhouette before the sky
+  CHECK_FALSE(tolerance.met(read_range({inf, inf}, limits)));  // a silhouette in front of the sky
   ToleranceCheck check(tolerance);
   for (const RangeEstimate& cast : {RangeEstimate{80, 1e-13}, RangeEstimate{0.05, 1e-17}, RangeEstimate{inf, 0}}) {
     check.add(cast, read_range(cast, limits));

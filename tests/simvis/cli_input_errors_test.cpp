@@ -69,7 +69,7 @@ TEST_CASE("a scene or part that cannot be read") {
   const ProcessResult is_folder = run_simvis({folder.path().string(), "--out", out});
   CHECK(is_folder.exit_code == 2);
 
-  // A GLB whose header promises more than there is.
+  // A GLB file whose header gives a larger size than the file has.
   write_text(folder / "cut.glb", std::string("glTF\x02\0\0\0\xff\0\0\0\x20\0\0\0JSON{\"asset\"", 28));
   write_text(folder / "cut.xml", R"(<part file="cut.glb" name="P" insert_at="ROOT"/>)");
   const ProcessResult cut = run_simvis({(folder / "cut.xml").string(), "--out", out});

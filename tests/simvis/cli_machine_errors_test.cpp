@@ -33,7 +33,7 @@ TEST_CASE("no Vulkan driver") {
 TEST_CASE("an output folder that cannot be written") {
   const TemporaryFolder folder;
   const fs::path scene = write_wall_scene(folder.path(), kWallSensors);
-  // Permissions do not bind root, so: a path below a file, and a file system that takes no files.
+  // Permissions do not restrict root, so the paths are below a file and on a file system that accepts no files.
   for (const std::string& out :
        {scene.string(), scene.string() + "/out", std::string("/proc"), std::string("/proc/out")}) {
     const ProcessResult result = run_simvis({scene.string(), "--out", out});
@@ -49,19 +49,19 @@ TEST_CASE("an output folder that cannot be written") {
   CHECK(files_below(folder.path()) == Strings{"scene.xml", "wall.gltf"});
 }
 
-/// Every file is whole: pictures can be read, tables end with a line's end, nothing temporary is left.
+/// Checks that every file is complete: pictures can be read, tables end with a line break, no temporary file is left.
 void check_all_whole(const fs::path& folder) {
   for (const std::string& name : files_below(folder)) {
     INFO(name);
     CHECK_FALSE(name.ends_with(".tmp"));
-    CHECK_FALSE(name.ends_with(".csv"));  // a table that is whole belongs to a run that is
+    CHECK_FALSE(name.ends_with(".csv"));  // a complete table belongs to a complete run
     CHECK(name != "run.json");
     if (name.ends_with(".png")) CHECK(read_png(folder / name).width > 0);
     if (name.ends_with(".exr")) CHECK(read_exr(folder / name).width > 0);
   }
 }
 
-/// A file system of 256 KiB, as long as it lives.
+/// A file system of 256 KiB, mounted during its lifetime.
 class SmallDisk {
  public:
   explicit SmallDisk(const fs::path& folder)
@@ -78,7 +78,7 @@ class SmallDisk {
   bool mounted_;
 };
 
-TEST_CASE("a disk that runs full") {
+TEST_CASE("a full disk") {
   const TemporaryFolder folder;
   const fs::path scene = write_wall_scene(folder.path(), kWallSensors);
   const fs::path disk = folder / "disk";
@@ -118,7 +118,7 @@ TEST_CASE("standard output that cannot be written") {
   CHECK(result.err.find("standard output") != std::string::npos);
 }
 
-TEST_CASE("a signal ends the run and leaves nothing half-written") {
+TEST_CASE("a signal ends the run and leaves no incomplete file") {
   for (const int signal : {SIGINT, SIGTERM}) {
     const TemporaryFolder folder;
     const fs::path scene = write_wall_scene(folder.path(), kWallSensors);

@@ -14,17 +14,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-TEST_CASE("--method is put over the scene's own and reported") {
+TEST_CASE("--method overrides the scene's method and is reported") {
   const TemporaryFolder folder;
   const fs::path scene = write_wall_scene(folder.path(), kWallSensors);
   REQUIRE(run_simvis({scene.string(), "--out", (folder / "out").string(), "--method", "nearest"}).exit_code == 0);
   const auto json = nlohmann::json::parse(read_text(folder / "out/run.json"));
   CHECK(json["sensors"]["SCAN"]["method"] == "nearest");
   check_refused({"--method", "sonar"}, std::string(kWallSensors), {"--method", "sonar", "nearest", "planar"});
-  check_refused({"--method", "sonar"}, "", {"--method", "sonar"});  // also where there is no scanner
+  check_refused({"--method", "sonar"}, "", {"--method", "sonar"});  // also without a scanner
 }
 
-TEST_CASE("--method drops a scene's tolerance that it does not look at") {
+TEST_CASE("--method drops a tolerance of the scene that the method does not use") {
   const TemporaryFolder folder;
   const fs::path scene = write_wall_scene(
       folder.path(), R"(<sensor type="laser_scanner" name="SCAN" insert_at="ROOT" max_error_m="0.01"/>)");
@@ -36,7 +36,7 @@ TEST_CASE("--method drops a scene's tolerance that it does not look at") {
   }
 }
 
-TEST_CASE("--max-error: hybrid over the scene's own method; the price list of auto, and what run.json says") {
+TEST_CASE("--max-error selects hybrid over the scene's method; the price list of auto and its entries in run.json") {
   const TemporaryFolder folder;
   const Strings cache{"XDG_CACHE_HOME=" + (folder / "cache").string()};
   const fs::path scene = write_wall_scene(

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-TEST_CASE("a run writes pictures, scans and run.json, and says where") {
+TEST_CASE("a run writes pictures, scans and run.json, and prints where they are") {
   const TemporaryFolder folder;
   const fs::path scene = write_wall_scene(folder.path(), kWallSensors);
   const std::string out = (folder / "out").string();
@@ -48,7 +48,7 @@ TEST_CASE("a run writes pictures, scans and run.json, and says where") {
   CHECK(json["sensors"]["SCAN"]["effects"].empty());
 }
 
-TEST_CASE("pictures and ranges of a wall are where geometry puts them") {
+TEST_CASE("pictures and ranges of a wall follow from geometry") {
   const TemporaryFolder folder;
   const fs::path scene = write_wall_scene(folder.path(), kWallSensors);
   REQUIRE(run_simvis({scene.string(), "--out", (folder / "out").string(), "--frames", "2", "--quiet"}).exit_code == 0);
@@ -66,7 +66,7 @@ TEST_CASE("pictures and ranges of a wall are where geometry puts them") {
   const ExrPicture exr = read_exr(folder / "out/CAM/000000.exr");
   REQUIRE(exr.channels.size() == 4);
   // Depth along the axis is 4 m everywhere. d = near / z and z = near / d each round once, and so do the vertices and
-  // the interpolation: a handful of 2^-24 relative.
+  // the interpolation: a few roundings of 2^-24 relative.
   constexpr float kDepthRounding = 4 * 8 * 0x1p-24f;
   const auto [low, high] = std::minmax_element(exr.channels.at("Z").begin(), exr.channels.at("Z").end());
   CHECK(*low >= 4 - kDepthRounding);
@@ -87,7 +87,7 @@ TEST_CASE("pictures and ranges of a wall are where geometry puts them") {
     CHECK(cell[3] == std::to_string(beam));
     CHECK(std::stod(cell[4]) == doctest::Approx(azimuth_deg));
     CHECK(std::stod(cell[5]) == 0);
-    // Nine digits read back to the same float, of which the bound speaks.
+    // Nine digits read back to the same float, to which the bound applies.
     const double range_m = std::stof(cell[6]), bound_m = std::stod(cell[7]);
     CHECK(std::abs(range_m - 3 / std::cos(azimuth_deg * M_PI / 180)) <= bound_m);
     CHECK(bound_m < 1e-3);
@@ -112,7 +112,7 @@ TEST_CASE("a beam that hits nothing has no point") {
   CHECK(scan.rows[1][10] == "");
 }
 
-TEST_CASE("--set, --trajectory and --rate move what stands behind an element") {
+TEST_CASE("--set, --trajectory and --rate move the sensors after an element") {
   const TemporaryFolder folder;
   const fs::path scene = write_wall_scene(folder.path(), kWallSensors);
   const std::string out = (folder / "out").string();
