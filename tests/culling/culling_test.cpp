@@ -1,6 +1,6 @@
-// What is left out because a view cannot see it changes no byte of what is seen: every scene that comes with SimVis,
-// driven along, and rooms full of things, with culling and without. See engine/column_occlusion_buffer.h and
-// engine/clusters.h.
+// Culling changes no byte of the visible output: every scene that comes with SimVis, driven along, and random rooms
+// full of objects, with culling and without. See engine/culling/column_occlusion_buffer.h and
+// engine/geometry/clusters.h.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -39,7 +39,8 @@ const DrivenScene kScenes[] = {{"marvin", "marvin.xml", "drive.csv", {0, 3.7}},
                                {"arm", "arm.xml", "reach.csv", {0, 3.7}},
                                {"showcase", "showcase.xml", nullptr, {0}},
                                {"showcase", "surfaces.xml", nullptr, {0}}};
-const std::size_t kScenesDriven = sanitized() ? 1 : std::size(kScenes);  // sanitizers make pictures ten times slower
+const std::size_t kScenesDriven =
+    sanitized() ? 1 : std::size(kScenes);  // pictures are ten times slower under sanitizers
 
 FramePlan without_culling(FramePlan plan) {
   for (Pass& pass : plan.passes) {
@@ -48,7 +49,7 @@ FramePlan without_culling(FramePlan plan) {
   return plan;
 }
 
-/// What a plan's passes became, copied.
+/// A copy of the results of a plan's passes.
 struct Picture {
   std::vector<std::vector<float>> depth;
   std::vector<std::vector<glm::vec4>> color;
@@ -65,7 +66,7 @@ Picture draw(Renderer& renderer, const DrawList& list, const FramePlan& plan) {
   return picture;
 }
 
-/// Of the pixels that are read.
+/// Comparison of the pixels that are read.
 std::size_t differences(const Pass& pass, const std::vector<float>& a, const std::vector<float>& b) {
   std::size_t count = 0;
   for (const View& view : pass.views) {
@@ -80,7 +81,7 @@ std::size_t differences(const Pass& pass, const std::vector<float>& a, const std
   return count;
 }
 
-/// Holds both against each other, and adds up how many triangles were drawn.
+/// Compares both and sums how many triangles were drawn.
 struct Comparison {
   std::uint64_t culled = 0, whole = 0, pixels_seen = 0;
 
@@ -100,7 +101,7 @@ struct Comparison {
   }
 };
 
-/// A level ring of a half-circle, as the paper's scanners; or of all around with few beams.
+/// A horizontal ring over a half circle, as in the scanners of the paper, or over the full circle with few beams.
 ScanPattern ring(std::uint32_t samples, double half_width_rad) {
   return {.samples = samples, .rings = 1, .min_azimuth_rad = -half_width_rad, .max_azimuth_rad = half_width_rad};
 }
@@ -114,7 +115,7 @@ glm::dmat4 random_pose(std::mt19937& random) {
 
 }  // namespace
 
-TEST_CASE("every scene gives the same bytes with culling and without, of every sensor") {
+TEST_CASE("every sensor of every scene gives the same bytes with culling and without") {
   Device device;
   Renderer renderer(device);
   for (const DrivenScene& scene : std::span(kScenes, kScenesDriven)) {
@@ -136,7 +137,7 @@ TEST_CASE("every scene gives the same bytes with culling and without, of every s
   }
 }
 
-TEST_CASE("strips of rooms full of things: the same bytes at any resolution, and few of the triangles") {
+TEST_CASE("strips of rooms full of objects give the same bytes at any resolution and draw few of the triangles") {
   Device device;
   Renderer renderer(device);
   std::mt19937 random(11);
@@ -148,7 +149,7 @@ TEST_CASE("strips of rooms full of things: the same bytes at any resolution, and
       FramePlan plan;
       scan.plan("scanner", "", rigid_inverse(random_pose(random)), plan, "scanner");
       comparison.add(renderer, room, plan, "room " + std::to_string(seed));
-      // Every column, not only those that beams read.
+      // All columns, not only those that beams read.
       for (Pass& pass : plan.passes) {
         for (View& view : pass.views) view.columns = nullptr;
       }
@@ -159,7 +160,7 @@ TEST_CASE("strips of rooms full of things: the same bytes at any resolution, and
   CHECK(comparison.culled < comparison.whole / 20);
 }
 
-TEST_CASE("a strip draws what stands before a wall and not what stands behind it, in one draw for all meshes") {
+TEST_CASE("a strip draws surfaces in front of a wall and none behind it, in one draw for all meshes") {
   Device device;
   Renderer renderer(device);
   RenderedScan scan(ring(361, std::numbers::pi / 2), 4096);
@@ -168,7 +169,7 @@ TEST_CASE("a strip draws what stands before a wall and not what stands behind it
   const auto triangles = [&](bool wall) {
     DrawList list;
     for (int i = 0; i < 3; ++i) add_item(list, sphere_mesh(0.3, 40), glm::translate(glm::dmat4(1.0), {6.0, i - 1, 0}));
-    // Of one triangle, within the view of either face.
+    // One triangle in the view of either face.
     Mesh screen;
     screen.positions = {{3, 0, -2}, {3, -2.9, 2}, {3, 2.9, 2}};
     screen.indices = {0, 1, 2};
@@ -186,9 +187,9 @@ TEST_CASE("a strip draws what stands before a wall and not what stands behind it
   CHECK(behind < bare / 2);
 }
 
-// A renderer's first frame works its views out one after the other. Later ones do it on all cores, where the frame
-// before has shown that it is worth it.
-TEST_CASE("views that are worked out side by side draw the same as one after the other") {
+// The first frame of a renderer culls its views one after the other. Later frames use all cores if the previous frame
+// was expensive enough.
+TEST_CASE("views that are culled in parallel draw the same as those culled one after the other") {
   Device device;
   Renderer renderer(device);
   std::mt19937 random(4);

@@ -25,7 +25,7 @@ struct Corners {
   glm::dvec3 normal() const { return glm::cross(b - a, c - a); }
 };
 
-/// Calls `look` for each triangle of a cluster that has three corners in three places.
+/// Calls `look` for each triangle of a cluster with three corners in three different places.
 template <typename Look>
 void each_triangle(const Mesh& mesh, const Clustering& clustering, const Cluster& cluster, const Look& look) {
   const auto vertices = clustering.vertices_of(cluster);
@@ -57,15 +57,15 @@ FramePlan picture_of(const View& view) {
   return plan;
 }
 
-/// A sphere with its front inside: from outside the nearer half shows its back, and nothing hides what of it is drawn.
+/// A sphere with its front inside: from outside the nearer half shows its back, and nothing hides the visible part.
 Mesh hollow_mesh(double radius_m, int segments) {
   Mesh mesh = sphere_mesh(radius_m, segments);
   for (std::size_t i = 0; i < mesh.indices.size(); i += 3) std::swap(mesh.indices[i], mesh.indices[i + 1]);
   return mesh;
 }
 
-/// Draws what is before a camera, with culling and without, holds the pictures against each other, and returns how many
-/// triangles were drawn of how many.
+/// Draws the objects in front of a camera with culling and without, compares the pictures, and returns how many
+/// triangles of how many were drawn.
 std::pair<std::uint64_t, std::uint64_t> compare(Renderer& renderer, const DrawList& list, const View& view) {
   const auto draw = [&](bool culled) {
     FramePlan plan = picture_of(view);
@@ -84,8 +84,8 @@ std::pair<std::uint64_t, std::uint64_t> compare(Renderer& renderer, const DrawLi
 
 }  // namespace
 
-TEST_CASE("a cluster's cone holds all of its normals, its bulge all planes, its height all heights") {
-  // Rounded outwards by a millionth: nothing is allowed, and little is lost.
+TEST_CASE("the cone of a cluster contains all of its normals, the bulge all planes and the height all heights") {
+  // Rounded outwards by a millionth: no violation is allowed, and little is lost.
   constexpr double kLost = 1e-5;
   for (const Mesh& mesh : {sphere_mesh(2, 90), sphere_mesh(1e-3, 24), box_mesh({1, 2, 3})}) {
     const Clustering clustering = make_clusters(mesh);
@@ -101,7 +101,7 @@ TEST_CASE("a cluster's cone holds all of its normals, its bulge all planes, its 
         const double longest = std::max({glm::distance(t.a, t.b), glm::distance(t.b, t.c), glm::distance(t.c, t.a)});
         height = std::min(height, glm::length(t.normal()) / longest);
       });
-      if (glm::length(facing[i].axis) == 0) {  // of a closed box
+      if (glm::length(facing[i].axis) == 0) {  // a closed box
         CHECK(facing[i].cutoff <= 0);
         continue;
       }
@@ -116,7 +116,7 @@ TEST_CASE("a cluster's cone holds all of its normals, its bulge all planes, its 
   }
 }
 
-TEST_CASE("what is said to show only backs does so, from wherever it is seen, and little else shows only backs") {
+TEST_CASE("clusters classified as backfacing are so from every eye position, and few others are") {
   std::mt19937 random(5);
   const Mesh mesh = sphere_mesh(1, 96);
   const Clustering clustering = make_clusters(mesh);
@@ -126,7 +126,8 @@ TEST_CASE("what is said to show only backs does so, from wherever it is seen, an
   const FacingTolerance limit(view, kSnap_px);
   std::size_t told = 0, true_backs = 0;
   for (int i = 0; i < 60; ++i) {
-    // Before the camera and wholly seen; every third one mirrored, in sizes from a millimetre to ten metres.
+    // In front of the camera and completely visible; every third one is mirrored, in sizes from a millimetre to ten
+    // metres.
     const double scale = std::pow(10, between(random, -3, 1));
     const glm::dvec3 place(between(random, -0.1, 0.1), between(random, -0.1, 0.1), between(random, 2.5, 6));
     const glm::dmat4 view_from_mesh = glm::translate(glm::dmat4(1.0), scale * place) * random_turn(random) *
@@ -147,12 +148,12 @@ TEST_CASE("what is said to show only backs does so, from wherever it is seen, an
     }
   }
   MESSAGE(told << " of " << true_backs << " clusters that show only backs");
-  // Those at the rim are told by a cone, which is wider than they are, and those at the poles have triangles that are
-  // too thin.
+  // Clusters at the rim are tested by a cone that is wider than they are, and those at the poles have triangles that
+  // are too thin.
   CHECK(told > true_backs * 3 / 4);
 }
 
-TEST_CASE("of meshes that are stretched, and in parallel views, nothing is told") {
+TEST_CASE("stretched meshes and orthographic views are never classified as backfacing") {
   View view = camera(640, 480, 400);
   const auto is_usable = [&](const glm::dmat4& view_from_mesh) {
     const WorldBox box = make_box(view_from_mesh, glm::dvec3(0), glm::dvec3(1));
@@ -174,7 +175,7 @@ TEST_CASE("of meshes that are stretched, and in parallel views, nothing is told"
   CHECK_FALSE(is_usable(ahead));
 }
 
-TEST_CASE("pictures are the same bytes whether backs are drawn or not") {
+TEST_CASE("pictures have the same bytes whether backs are drawn or not") {
   Device device;
   Renderer renderer(device);
   std::mt19937 random(3);
@@ -195,8 +196,9 @@ TEST_CASE("pictures are the same bytes whether backs are drawn or not") {
   CHECK(drawn < whole * 4 / 5);
 }
 
-// The grid that corners are moved to turns over some triangles that are thinner than its step, and these show fronts.
-TEST_CASE("slivers with their backs to the camera give the same bytes, though some turn over") {
+// The grid to which corners are snapped flips some triangles that are thinner than its step, and these show their
+// fronts.
+TEST_CASE("slivers with their backs to the camera give the same bytes, although some flip") {
   Device device;
   Renderer renderer(device);
   constexpr double kFocal_px = 400, kDistance_m = 3;
@@ -208,7 +210,7 @@ TEST_CASE("slivers with their backs to the camera give the same bytes, though so
                                {glm::dvec3(-0.5, y, 0), glm::dvec3(0.5, y, 0), glm::dvec3(0.1, y + height_m, 0)});
       slivers.indices.insert(slivers.indices.end(), {3 * i, 3 * i + 1, 3 * i + 2});
     }
-    // Their fronts are towards +z, which is away.
+    // Their fronts face +z, away from the camera.
     DrawList list;
     add_item(list, slivers, glm::rotate(glm::translate(glm::dmat4(1.0), {0, 0, kDistance_m}), 0.3, {0, 0, 1}));
     const FramePlan plan = picture_of(camera(320, 240, kFocal_px));
@@ -223,7 +225,7 @@ TEST_CASE("slivers with their backs to the camera give the same bytes, though so
   CHECK(pixels_of_slivers(20 * kSnap_px) == 0);
 }
 
-TEST_CASE("a device that takes one draw at a time, or few, draws the same as one that takes many") {
+TEST_CASE("a device with one draw at a time, or few, gives the same picture as one with many") {
   DrawList list;
   std::mt19937 random(9);
   for (int i = 0; i < 4; ++i) {
@@ -232,7 +234,7 @@ TEST_CASE("a device that takes one draw at a time, or few, draws the same as one
   const FramePlan plan = picture_of(camera(320, 240, 250));
   std::vector<float> expected;
   FrameCounters counters;
-  for (const std::uint32_t max_draws : {1u, 3u, 0u}) {  // 0: as many as it can
+  for (const std::uint32_t max_draws : {1u, 3u, 0u}) {  // 0: no limit
     Device device;
     std::uint32_t& most = device.impl().physical.max_draws;
     if (max_draws > 0) most = std::min(most, max_draws);

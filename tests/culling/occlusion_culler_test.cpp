@@ -1,4 +1,5 @@
-// What walls hide is not drawn, and the picture has the same bytes. See engine/occlusion_culler.h and engine/walls.h.
+// Objects hidden by walls are not drawn, and the picture has the same bytes. See engine/culling/occlusion_culler.h and
+// engine/culling/occluders.h.
 #include "engine/culling/occlusion_culler.h"
 
 #include <doctest/doctest.h>
@@ -46,7 +47,7 @@ FramePlan picture(const Shown& shown = {}) {
   return plan;
 }
 
-/// Draws with culling and without, and holds the pictures against each other; how many triangles culling left.
+/// Draws with culling and without, compares the pictures, and returns how many triangles culling kept.
 std::uint64_t compare(Renderer& renderer, const DrawList& list, FramePlan plan) {
   const auto draw = [&](bool culled) {
     plan.passes[0].views[0].culled = culled;
@@ -62,17 +63,18 @@ std::uint64_t compare(Renderer& renderer, const DrawList& list, FramePlan plan) 
   return drawn;
 }
 
-/// A rectangle across the optical axis, `corners` turned so that its front is towards the camera, or its back.
+/// A rectangle perpendicular to the optical axis, with `corners` in an order that turns its front or its back to the
+/// camera.
 Mesh rectangle(double half_width_m, double half_height_m, bool front) {
   Mesh mesh;
   const double w = half_width_m, h = half_height_m;
   mesh.positions = {glm::dvec3(-w, -h, 0), glm::dvec3(w, -h, 0), glm::dvec3(w, h, 0), glm::dvec3(-w, h, 0)};
-  mesh.indices = {0, 2, 1, 0, 3, 2};  // y points down: seen from the camera, this is counterclockwise
+  mesh.indices = {0, 2, 1, 0, 3, 2};  // y points down: from the camera, this is counterclockwise
   if (!front) mesh.indices = {0, 1, 2, 0, 2, 3};
   return mesh;
 }
 
-/// Boxes and spheres, turned, in the depths from 6 to 12 m of the picture; of `triangles` or more.
+/// Rotated boxes and spheres at depths from 6 to 12 m in the picture, with `triangles` or more.
 std::uint64_t add_things(DrawList& list, std::mt19937& random, std::uint64_t triangles) {
   std::uint64_t added = 0;
   for (int i = 0; added < triangles; ++i) {
@@ -100,7 +102,7 @@ std::vector<Occluder> extract_occluders(const Mesh& mesh) {
 
 }  // namespace
 
-TEST_CASE("the walls of a box are its six sides, each of two triangles that face outwards") {
+TEST_CASE("a box has six occluders, its sides, each of two triangles that face outwards") {
   const glm::dvec3 half(1, 2, 3);
   const std::vector<Occluder> walls = extract_occluders(box_mesh(half));
   REQUIRE(walls.size() == 6);
@@ -116,7 +118,7 @@ TEST_CASE("the walls of a box are its six sides, each of two triangles that face
   CHECK(area == 8 * (half.x * half.y + half.y * half.z + half.z * half.x));
 }
 
-TEST_CASE("what is bent, not convex or of different sides is no quadrangle, and what is small no wall") {
+TEST_CASE("bent, non-convex or unequal sides are no quadrangles, and small sides are no occluders") {
   Mesh mesh;
   mesh.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
   mesh.indices = {0, 1, 2, 0, 2, 3};
@@ -134,7 +136,7 @@ TEST_CASE("what is bent, not convex or of different sides is no quadrangle, and 
   CHECK(extract_occluders(sphere_mesh(1, 24)).size() <= kMaxOccluders);
 }
 
-TEST_CASE("the flat sides of a box are six, whatever the grid on them, and those of a sphere none") {
+TEST_CASE("a box has six flat sides for any grid on them, and a sphere has none") {
   const auto sides_of = [](Mesh mesh) {
     compute_bounds(mesh);
     return face_planes_of(mesh, make_clusters(mesh));
@@ -146,7 +148,7 @@ TEST_CASE("the flat sides of a box are six, whatever the grid on them, and those
     const glm::dvec3 half(1, 2, 3);
     CHECK(glm::length(side.normal) == doctest::Approx(1).epsilon(kRounding));
     CHECK(side.offset == doctest::Approx(glm::dot(glm::abs(side.normal), half)).epsilon(kRounding));
-    // Half a rectangle of a x b: a b over its diagonal.
+    // Half of a rectangle a x b: a b over its diagonal.
     const glm::dvec3 sizes = 2.0 * half * (glm::dvec3(1) - glm::abs(side.normal));
     const double product = 8 * half.x * half.y * half.z / glm::dot(2.0 * half, glm::abs(side.normal));
     CHECK(side.min_height == doctest::Approx(product / glm::length(sizes)).epsilon(kRounding));
@@ -159,12 +161,13 @@ TEST_CASE("the flat sides of a box are six, whatever the grid on them, and those
   CHECK(sides_of(sphere_mesh(1, 24)).sides.empty());
 }
 
-TEST_CASE("a wall's tiles hide what lies behind all of them, and nothing that may reach beyond or before them") {
+TEST_CASE(
+    "the tiles of a wall hide objects behind all of them, and no object that may reach beside or in front of them") {
   const View view = picture().passes[0].views[0];
   OcclusionCuller hidden;
   const FacingTolerance limit(view, kSnap_px);
   hidden.begin(view, limit);
-  // A cube that holds a square across the optical axis, which is seen as anything but a sliver.
+  // A cube that contains a square perpendicular to the optical axis, which is never seen as a sliver.
   const auto is_occluded = [&](const glm::dvec3& center, double half) {
     const FacePlanes flat{.sides = {{.normal = {0, 0, 1}, .offset = 0, .min_height = half}}};
     return hidden.is_occluded({.center = center, .half_size = glm::dvec3(half), .slack_m = 0},
@@ -172,20 +175,20 @@ TEST_CASE("a wall's tiles hide what lies behind all of them, and nothing that ma
   };
   CHECK_FALSE(hidden.any());
   CHECK_FALSE(is_occluded({0, 0, 8}, 0.1));
-  // At 4 m, 125 px to either side of the middle.
+  // At 4 m, 125 px to either side of the centre.
   const std::vector<Occluder> walls = extract_occluders(rectangle(2, 1, true));
   hidden.add(walls, glm::translate(glm::dmat4(1.0), {0, 0, 4}), 0, true, false);
   CHECK(hidden.any());
   CHECK(is_occluded({0, 0, 8}, 0.1));
   CHECK(is_occluded({0, 0, 4.2}, 0.05));  // the diagonal of the two triangles runs through it
   CHECK(is_occluded({3.5, 0, 8}, 0.1));
-  CHECK_FALSE(is_occluded({4.05, 0, 8}, 0.1));  // seen beside the wall
+  CHECK_FALSE(is_occluded({4.05, 0, 8}, 0.1));  // visible beside the wall
   CHECK_FALSE(is_occluded({0, 2.05, 8}, 0.1));
   CHECK_FALSE(is_occluded({0, 0, 4.05}, 0.1));  // reaches through it
   CHECK_FALSE(is_occluded({0, 0, 3}, 0.1));
   CHECK_FALSE(is_occluded({0, 0, 8}, 3.6));
   CHECK_FALSE(is_occluded({0, 0, -8}, 0.1));
-  // Of what shows its back, where only fronts are drawn, and of its mirror image, where they are the other way round.
+  // A wall that shows its back where only fronts are drawn, and its mirror image, where both are swapped.
   hidden.begin(view, limit);
   const glm::dmat4 mirrored = glm::scale(glm::translate(glm::dmat4(1.0), {0, 0, 4}), {-1, 1, 1});
   hidden.add(walls, mirrored, 0, true, false);
@@ -195,7 +198,7 @@ TEST_CASE("a wall's tiles hide what lies behind all of them, and nothing that ma
   CHECK(is_occluded({0, 0, 8}, 0.1));
 }
 
-TEST_CASE("things behind walls are not drawn, and the picture is the same to the byte") {
+TEST_CASE("objects behind walls are not drawn, and the picture is the same to the byte") {
   Device device;
   Renderer renderer(device);
   std::mt19937 random(17);
@@ -208,7 +211,7 @@ TEST_CASE("things behind walls are not drawn, and the picture is the same to the
       const std::uint64_t things = add_things(list, random, 6000);
       const std::uint64_t bare = compare(renderer, list, picture(shown));
       CHECK(bare > things / 2);
-      // Walls at 3 to 5 m, somewhat turned; together they leave gaps.
+      // Slightly rotated walls at 3 to 5 m with gaps between them.
       for (int i = 0; i < 3; ++i) {
         const glm::dvec3 place(i - 1 + between(random, -0.2, 0.2), between(random, -0.3, 0.3), between(random, 3, 5));
         const glm::dmat4 turn = glm::rotate(glm::dmat4(1.0), between(random, -0.6, 0.6), glm::dvec3(0, 1, 0));
@@ -223,7 +226,7 @@ TEST_CASE("things behind walls are not drawn, and the picture is the same to the
   CHECK(behind_of_all < bare_of_all * 3 / 4);
 }
 
-TEST_CASE("a ceiling that goes on behind the camera hides what is above it") {
+TEST_CASE("a ceiling that continues behind the camera hides objects above it") {
   Device device;
   Renderer renderer(device);
   std::mt19937 random(2);
@@ -249,7 +252,7 @@ TEST_CASE("a ceiling that goes on behind the camera hides what is above it") {
   }
 }
 
-TEST_CASE("what can be seen through hides nothing") {
+TEST_CASE("a transparent surface hides nothing") {
   Device device;
   Renderer renderer(device);
   std::mt19937 random(5);
@@ -271,7 +274,7 @@ TEST_CASE("what can be seen through hides nothing") {
   CHECK(compare(renderer, list, picture()) >= bare);
 }
 
-TEST_CASE("what is transparent, masked or a mirror image is hidden like anything else") {
+TEST_CASE("transparent, masked and mirrored objects are hidden like all others") {
   Device device;
   Renderer renderer(device);
   std::mt19937 random(8);
@@ -294,9 +297,9 @@ TEST_CASE("what is transparent, masked or a mirror image is hidden like anything
   CHECK(compare(renderer, list, picture()) < bare / 2);
 }
 
-// Depth on what is seen all but edge-on may come out as anything, also as nearer than the wall: see
-// engine/facing_tolerance.h. So it has to be drawn where a wall hides it, too.
-TEST_CASE("what is seen edge-on behind a wall gives the same bytes") {
+// The depth of surfaces that are seen almost edge-on may have any value, also nearer than the wall: see
+// engine/culling/facing_tolerance.h. So they must be drawn even behind a wall.
+TEST_CASE("surfaces seen edge-on behind a wall give the same bytes") {
   Device device;
   Renderer renderer(device);
   std::mt19937 random(31);
@@ -314,7 +317,7 @@ TEST_CASE("what is seen edge-on behind a wall gives the same bytes") {
   for (int round = 0; round < 4; ++round) {
     DrawList list;
     for (int i = 0; i < 600; ++i, all += mesh.indices.size() / 3) {
-      // The first one's plane goes almost through the eye, and it is seen at the centre of a pixel.
+      // The plane of the first one passes almost through the eye, and it is seen at the centre of a pixel.
       const double u = std::floor(between(random, 60, 260)) + 0.5 + between(random, -2, 2) * kSnap_px;
       const double azimuth = std::atan((u - kWidth_px / 2.0) / kFocal_px),
                    off_rad = std::pow(10, between(random, -5, 0));
@@ -326,7 +329,7 @@ TEST_CASE("what is seen edge-on behind a wall gives the same bytes") {
     add_item(list, rectangle(6, 6, true), glm::translate(glm::dmat4(1.0), {0, 0, 4.9}));
     drawn += compare(renderer, list, picture());
   }
-  // With planes half a centimetre in every metre off, two of the five decades, they are thick enough to be told.
+  // With planes off by half a centimetre per metre, two of the five decades are thick enough to be classified.
   CHECK(drawn < all * 2 / 3);
 }
 

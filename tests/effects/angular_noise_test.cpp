@@ -49,7 +49,7 @@ TEST_CASE("azimuth and elevation: mean, deviation, tails and correlation of the 
   CHECK(std::abs(fourth.mean() - 3) <= kSigmas * std::sqrt(96 / n));  // E x^8 - 9 = 96
 }
 
-TEST_CASE("other numbers for other frames, seeds and sensors; the same for the same") {
+TEST_CASE("frames, seeds and sensors have different numbers, and equal ones have the same") {
   const std::vector<glm::dvec3> here = noisy(4, *noise(), 3);
   CHECK(noisy(4, *noise(), 3) == here);
   CHECK(noisy(4, *noise(), 4) != here);
@@ -59,9 +59,9 @@ TEST_CASE("other numbers for other frames, seeds and sensors; the same for the s
   CHECK(std::equal(fewer.begin(), fewer.end(), here.begin()));
 }
 
-// At a wall across x, the range at azimuth a is h / cos a: its deviation is h tan(a) / cos(a) times that of a, but for
-// the second order, which moves the mean by half the second derivative times the variance.
-TEST_CASE("ranges at a slanted wall scatter as its slope says") {
+// At a wall across x, the range at azimuth a is h / cos a. Its deviation is h tan(a) / cos(a) times that of a. The
+// second order moves the mean by half the second derivative times the variance.
+TEST_CASE("ranges at a slanted wall scatter by its slope") {
   constexpr double kWall_m = 5;
   constexpr double kAzimuth = 0.9;
   const std::size_t beams = 200000 / kFewer;
@@ -73,7 +73,8 @@ TEST_CASE("ranges at a slanted wall scatter as its slope says") {
   const double t = std::tan(kAzimuth), range_m = kWall_m / std::cos(kAzimuth), v = kDeviation_rad * kDeviation_rad;
   // Azimuth: r' = r t, r'' = r (1 + 2 t^2); elevation: r'' = r, r' = 0.
   const double mean_m = range_m * (1 + v / 2 * (1 + 2 * t * t) + v / 2), deviation_m = range_m * t * kDeviation_rad;
-  // Left out: fourth order in the mean, second order in the deviation; (t s)^2 is above either's factor's share.
+  // Neglected: the fourth order in the mean and the second order in the deviation. (t s)^2 is above the share of both
+  // factors.
   const double second = 10 * (1 + t * t) * v;
   CHECK(std::abs(ranges.mean() - mean_m) <= kSigmas * ranges.standard_error() + range_m * second * second);
   const double n = static_cast<double>(beams);

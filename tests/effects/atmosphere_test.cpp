@@ -1,4 +1,4 @@
-// The effect atmosphere against the physics that its header states, computed here: echoes without a cast.
+// The effect atmosphere against the physics that its header states, computed here for echoes without a cast.
 #include "effects/scanner/atmosphere.h"
 
 #include <doctest/doctest.h>
@@ -46,7 +46,7 @@ Medium heavy_rain() {
 constexpr double kMinPower = 2e-5, kBeam_m = 0.012;
 const std::string kSight = "least_power='2e-5' beam_diameter='0.012'";
 
-// Of a drop at r, by the law of its echo solved for the diameter.
+// Diameter of a drop at r, solved from the law of its echo.
 double min_diameter(const Medium& rain, double r) {
   return kBeam_m * r * std::sqrt(kMinPower / 0.024) * std::exp(rain.laser_extinction_per_m * r);
 }
@@ -67,7 +67,7 @@ double expected_drops(const Medium& rain, double from_m, double to_m) {
 
 }  // namespace
 
-TEST_CASE("echoes are weakened as Beer and Lambert have it, to rounding") {
+TEST_CASE("echoes are weakened by the law of Beer and Lambert, within rounding") {
   const auto effect = atmosphere("least_power='1e-30'");
   for (const double extinction : {1e-5, 3e-3, 0.1}) {
     std::vector<Echo> echoes;
@@ -77,16 +77,16 @@ TEST_CASE("echoes are weakened as Beer and Lambert have it, to rounding") {
     REQUIRE(echoes.size() == before.size());
     for (std::size_t i = 0; i < echoes.size(); ++i) {
       const double depth = 2 * extinction * before[i].range_m, expected = before[i].power * std::exp(-depth);
-      // Three roundings of the exponent, here and there, and a few of the result.
+      // Three roundings of the exponent in the effect and in the test, and a few of the result.
       CHECK(std::abs(echoes[i].power - expected) <= (6 * depth + 6) * kUnit * expected);
       CHECK(echoes[i].range_m == before[i].range_m);
     }
   }
 }
 
-TEST_CASE("what is weaker than the least power is lost; by default that is reflectance 0.1 at range_max") {
+TEST_CASE("echoes weaker than least_power are lost; its default is the power of reflectance 0.1 at range_max") {
   const Medium fog{.laser_extinction_per_m = 0.05};
-  // A wall of reflectance 0.5 at r returns as much as the least power where 0.5 exp(-2 k r) / r^2 is that.
+  // A wall of reflectance 0.5 at r returns the least power if 0.5 exp(-2 k r) / r^2 equals it.
   const auto detected = [&](const std::string& attributes, double r) {
     std::vector<Echo> echoes{{.range_m = r, .power = 0.5 / (r * r)}};
     atmosphere(attributes)->receive(moment_in(fog), 0, echoes);
@@ -100,14 +100,14 @@ TEST_CASE("what is weaker than the least power is lost; by default that is refle
       (0.5 * std::exp(-0.1 * middle) / (middle * middle) > least ? low : high) = middle;
     }
     CAPTURE(low);
-    // The power falls by more than a share of 0.1 per metre: rounding moves the place by far less than this share.
+    // The power falls by a share of more than 0.1 per metre, so rounding moves the place by far less than this share.
     constexpr double kPlace = 1e-12;
     CHECK(detected(attributes, low * (1 - kPlace)));
     CHECK(!detected(attributes, low * (1 + kPlace)));
   }
 }
 
-TEST_CASE("the air's own echo stands where the receiver begins to see the beam") {
+TEST_CASE("the echo of the air lies where the receiver begins to see the beam") {
   const Medium fog{.laser_extinction_per_m = 0.2, .backscatter_per_m_sr = 0.01};
   const double expected = kPi * 0.75 * 0.01 * std::exp(-0.4);
   const auto echoes_with = [&](const std::string& attributes, double wall_m) {
@@ -126,7 +126,7 @@ TEST_CASE("the air's own echo stands where the receiver begins to see the beam")
   CHECK(echoes_with("least_power='1e-6'", 0.9).size() == 1);  // the wall is nearer
 }
 
-TEST_CASE("drops: a million beams have as many, where, and as large, as a Poisson process has") {
+TEST_CASE("the number, places and sizes of drops in a million beams are those of a Poisson process") {
   const std::uint32_t kBeams = 1000000 / kFewer;
   constexpr double kEnd_m = 15;
   const Medium rain = heavy_rain();
@@ -146,7 +146,7 @@ TEST_CASE("drops: a million beams have as many, where, and as large, as a Poisso
       ++in_stretch.at(static_cast<std::size_t>((echo.range_m - 1) / 2));
       const double r = echo.range_m;
       if (echo.power < kMinPower * (1 - 1e-12)) FAIL("a drop too weak to be detected");
-      // The diameter, from the power; in units of the mean, beyond the least one.
+      // The diameter follows from the power. It is measured from the smallest diameter, in units of the mean.
       const double diameter = kBeam_m * r * std::sqrt(echo.power / 0.024) * std::exp(rain.laser_extinction_per_m * r);
       const double size = (diameter - min_diameter(rain, r)) / rain.particle_diameter_m;
       sum_of_sizes += size;
@@ -170,14 +170,15 @@ TEST_CASE("drops: a million beams have as many, where, and as large, as a Poisso
     CAPTURE(from_m);
     CHECK(std::abs(static_cast<double>(in_stretch[k]) - expected) <= kSigmas * std::sqrt(expected));
   }
-  // Unit exponentials: mean 1, variance 1, above 1 with probability 1 / e. What is wider than the beam counts as wide
-  // as it: e^-10 of them, and less of their mean.
+  // Unit exponentials: mean 1, variance 1, above 1 with probability 1 / e. Drops wider than the beam count as if they
+  // were as wide as it: e^-10 of them, and less of their mean.
   const double n = static_cast<double>(drops), above = 1 / std::numbers::e;
   CHECK(std::abs(sum_of_sizes / n - 1) <= kSigmas / std::sqrt(n));
   CHECK(std::abs(static_cast<double>(large) - n * above) <= kSigmas * std::sqrt(n * above * (1 - above)));
 }
 
-TEST_CASE("drops are those of sensor, seed, frame and beam, whoever is asked first, and none lies beyond a surface") {
+TEST_CASE(
+    "drops depend on sensor, seed, frame and beam but not on the order of queries, and none lies beyond a surface") {
   const auto drops = [](const ScanEffect& effect, std::uint64_t frame, double wall_m) {
     std::map<std::uint32_t, std::vector<double>> found;
     ScanContext moment = moment_in(heavy_rain(), 15);
@@ -200,14 +201,14 @@ TEST_CASE("drops are those of sensor, seed, frame and beam, whoever is asked fir
   CHECK(drops(*again, 1, 0) == first);
   CHECK(drops(*atmosphere(kSight, "T"), 1, 0) != first);
   CHECK(drops(*atmosphere(kSight, "S", 1), 1, 0) != first);
-  // A surface takes away what lies beyond it, and moves no drop before it.
+  // A surface removes the drops beyond it and does not move those in front of it.
   auto before_wall = first;
   for (auto& [beam, ranges] : before_wall) std::erase_if(ranges, [](double range_m) { return range_m > 6; });
   std::erase_if(before_wall, [](const auto& each) { return each.second.empty(); });
   CHECK(drops(*effect, 1, 6) == before_wall);
 }
 
-TEST_CASE("a drop returns as much as geometric optics says") {
+TEST_CASE("the power of a drop's echo follows geometric optics") {
   const double n = 1.33, face = std::pow((n - 1) / (n + 1), 2);
   const double of_mirror = face + face * std::pow(1 - face, 2) * std::pow(n / (2 - n), 2);
   CHECK(std::abs(kDropReflectance - of_mirror / 4) <= 0.5e-4);  // its last digit

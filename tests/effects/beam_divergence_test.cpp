@@ -1,5 +1,5 @@
-// The effect `beam_divergence`: what shares of a beam's footprint lie on either side of an edge, how that converges,
-// and which ranges mix.
+// The effect `beam_divergence`: the shares of a beam's footprint on either side of an edge, their convergence, and the
+// ranges that are mixed.
 #include "effects/scanner/beam_divergence.h"
 
 #include <doctest/doctest.h>
@@ -22,7 +22,7 @@ std::shared_ptr<const BeamDivergence> divergence(std::uint32_t samples, std::uin
 
 constexpr double kNear_m = 4, kFar_m = 10;
 
-/// A plate whose edge cuts the footprint of a beam ahead at `c` of its radius, before a wall.
+/// A plate in front of a wall. Its edge cuts the footprint of a forward beam at `c` of the radius.
 DrawList edge(double c) {
   DrawList list;
   add_item(list, plate_mesh(kNear_m, {c * kNear_m * kSpread, -2}, {2, 2}), glm::dmat4(1));
@@ -30,7 +30,7 @@ DrawList edge(double c) {
   return list;
 }
 
-/// Of each of many beams the share of rays that meet what is in front.
+/// For each of many beams, the share of its rays that hit the plate in front.
 std::vector<double> shares_in_front(double c, std::uint32_t samples, std::size_t beams) {
   const auto probe = std::make_shared<Probe>();
   trace(edge(c), std::vector(beams, kAhead), {divergence(samples), probe});
@@ -42,7 +42,8 @@ std::vector<double> shares_in_front(double c, std::uint32_t samples, std::size_t
   return shares;
 }
 
-TEST_CASE("rays over a footprint: equal shares, within the cone, symmetric; one is the beam itself") {
+TEST_CASE(
+    "rays over a footprint have equal shares, lie within the cone and are symmetric; a single ray is the beam itself") {
   for (const std::uint32_t samples : {1u, 2u, 5u, 32u, 101u}) {
     CAPTURE(samples);
     const auto probe = std::make_shared<Probe>();
@@ -61,23 +62,23 @@ TEST_CASE("rays over a footprint: equal shares, within the cone, symmetric; one 
       CHECK(tangent < kSpread);
       within_half_area += tangent < kSpread * std::sqrt(0.5);
     }
-    // Sums of as many doubles.
+    // Rounding of sums of this many doubles.
     const double rounding = 4 * samples * 0x1p-53;
     CHECK(std::abs(energy - 1) <= rounding);
     CHECK(glm::distance(middle / static_cast<double>(samples), axis) <= rounding);
-    // A ring of two rays may lie on that circle, or an odd one be on its inner side.
+    // The two rays of a ring may lie on that circle, and an odd ray may lie on its inner side.
     CHECK(std::abs(static_cast<double>(within_half_area) - samples / 2.0) <= 1);
     if (samples == 1) CHECK(glm::distance(probe->rays[1].direction, axis) <= rounding);
   }
 }
 
-// Averaged over turns, rays at radius r lie above c with probability f(r^2) = acos(c / r) / pi, and the pattern takes
-// f's integral over r^2 by the midpoint rule in steps of 2 / N (of 1 / N about the axis, where N is odd). f is monotone
-// and at most 1: so that is off by at most 1 / N. What single turns are off averages out.
-TEST_CASE("the footprint at an edge: shares of the closed form, better than as many rays at random") {
+// Averaged over turns, rays at radius r lie above c with probability f(r^2) = acos(c / r) / pi. The pattern integrates
+// f over r^2 by the midpoint rule in steps of 2 / N (of 1 / N about the axis, where N is odd). f is monotone and at
+// most 1, so the error is at most 1 / N. The errors of single turns average out.
+TEST_CASE("the footprint at an edge has the shares of the closed form and beats the same number of random rays") {
   const std::size_t kBeams = 1000 / kFewer;
-  // A root of a mean square is off by 1 / sqrt(kBeams) of itself, or less, where the kurtosis is below 5: as for one
-  // ray in seven at the far edge.
+  // The relative error of the root of a mean square is at most 1 / sqrt(kBeams) where the kurtosis is below 5, as it is
+  // for one ray in seven at the far edge.
   const double chance = 1 + kSigmas / std::sqrt(kBeams);
   for (const double c : {-0.7, 0.0, 0.3, 0.9}) {
     CAPTURE(c);
@@ -96,7 +97,7 @@ TEST_CASE("the footprint at an edge: shares of the closed form, better than as m
                          << ")");
       CHECK(rms <= at_random * chance);
       if (samples % 2 == 0) {
-        // Four times the rays: at least half the error, as rays at random would have it.
+        // Four times as many rays reduce the error at least to half, which is the reduction for random rays.
         if (samples > 8) CHECK(rms <= before / 2 * chance);
         before = rms;
       }
@@ -104,23 +105,23 @@ TEST_CASE("the footprint at an edge: shares of the closed form, better than as m
   }
 }
 
-TEST_CASE("mixed ranges: power-weighted where a pulse spans both walls, one of the two where it does not") {
+TEST_CASE("mixed ranges: the power-weighted mean if the pulse spans both walls, one of the two ranges if it does not") {
   const std::size_t kBeams = 2000 / kFewer;
   constexpr std::uint32_t kSamples = 256;
-  const double longer = std::sqrt(1 + kSpread * kSpread);  // the way of a ray at the rim
+  const double longer = std::sqrt(1 + kSpread * kSpread);  // distance of a ray at the rim
   for (const double c : {-0.5, 0.0, 0.7}) {
     CAPTURE(c);
     const double share = disc_share_above(c);
     const double near_power = share / (kNear_m * kNear_m), far_power = (1 - share) / (kFar_m * kFar_m);
     const double mixed_m = (near_power * kNear_m + far_power * kFar_m) / (near_power + far_power);
-    // d range / d share, and half the second derivative, for what the variance of shares adds to the mean.
+    // d range / d share, and half the second derivative for what the variance of the shares adds to the mean.
     const double a = 1 / (kNear_m * kNear_m), b = 1 / (kFar_m * kFar_m), power = near_power + far_power;
     const double slope_m = a * b * (kFar_m - kNear_m) / (power * power), curve_m = slope_m * (a - b) / power;
     Moments ranges, shares;
     for (const Echo& echo : trace(edge(c), std::vector(kBeams, kAhead),
                                   {divergence(kSamples), std::make_shared<Returns>(ReturnChoice::strongest, 6.1)})) {
       ranges.add(echo.range_m);
-      // Powers of the two walls, of rays up to `longer` away and inclined as much.
+      // Powers of the two walls for rays that are up to `longer` long and inclined accordingly.
       CHECK(echo.power < a);
       CHECK(echo.power > b / std::pow(longer, 3));
     }
@@ -130,7 +131,7 @@ TEST_CASE("mixed ranges: power-weighted where a pulse spans both walls, one of t
     MESSAGE("edge at " << c << ": range " << ranges.mean() << " m, expected " << mixed_m << " m, tolerance "
                        << tolerance_m << " m");
     CHECK(std::abs(ranges.mean() - mixed_m) <= tolerance_m);
-    // By default, pulses are shorter than that.
+    // By default, pulses are shorter than that distance.
     const double strongest_m = near_power > far_power ? kNear_m : kFar_m;
     for (const Echo& echo : trace(edge(c), {kAhead, kAhead}, {divergence(kSamples)})) {
       CHECK(echo.range_m >= strongest_m);
@@ -139,8 +140,8 @@ TEST_CASE("mixed ranges: power-weighted where a pulse spans both walls, one of t
   }
 }
 
-// Rays in pairs opposite of each other: at a plane of slope s their places along the axis are h / (1 -+ s t).
-TEST_CASE("a slanted plane has its own range in the middle, but for the second order of the cone") {
+// Rays in opposite pairs: at a plane of slope s their distances along the axis are h / (1 -+ s t).
+TEST_CASE("the middle of a slanted plane has its own range, up to the second order of the cone") {
   DrawList list;
   const double slope = 3;  // x falls by 3 m per metre of y
   Mesh wall;
@@ -151,7 +152,8 @@ TEST_CASE("a slanted plane has its own range in the middle, but for the second o
     const std::vector<Echo> echoes =
         trace(list, std::vector(50, kAhead), {divergence(samples), std::make_shared<Returns>(ReturnChoice::first, 2)});
     for (const Echo& echo : echoes) {
-      // Of s t = u: range u^2, power 1/range^2 and cosine mix to within a few u^2; 8 is above all of them together.
+      // With u = s t, the mixture of range u^2, power 1/range^2 and cosine changes by a few u^2. The factor 8 is above
+      // the sum of them.
       const double u = slope * kSpread;
       CHECK(std::abs(echo.range_m - 10) <= 10 * 8 * u * u);
       CHECK(echo.error_bound_m < 1e-6);
@@ -159,7 +161,7 @@ TEST_CASE("a slanted plane has its own range in the middle, but for the second o
   }
 }
 
-TEST_CASE("patterns belong to seed and beam, not to the frame") {
+TEST_CASE("patterns depend on seed and beam, not on the frame") {
   const auto places = [](std::uint64_t seed, std::uint64_t frame, std::size_t beams) {
     const auto probe = std::make_shared<Probe>();
     ScanContext moment = moment_of(beams);

@@ -1,4 +1,4 @@
-// What effects make of the colour of images, and that those that are off, or that nothing shows, leave no trace.
+// How effects change the colour of images, and that effects that are off or shown by no sensor change nothing.
 #include <simvis/camera_effect.h>
 
 #include <doctest/doctest.h>
@@ -24,7 +24,7 @@ namespace {
 
 constexpr std::uint32_t kWidth_px = 600, kHeight_px = 560;  // three channels: a million samples
 constexpr double kSamples = 3.0 * kWidth_px * kHeight_px;
-constexpr double kSigmas = 5;  // of a statistic, in its own standard deviations; the seed is fixed
+constexpr double kSigmas = 5;  // tolerance of a statistic, in its own standard deviations; the seed is fixed
 
 Image flat(double light) {
   Image image{kWidth_px, kHeight_px, 4, {}};
@@ -53,7 +53,7 @@ Moments moments(const Image& image) {
   return m;
 }
 
-// A wall at 4 m with one more sensor, simulated for a frame.
+// A wall at 4 m with one more sensor, simulated for one frame.
 struct Run {
   Image color, depth;
   FrameCounters counters;
@@ -108,11 +108,12 @@ TEST_CASE("noise has the mean and the variance of a linear camera") {
     const double scale = e.gain / e.full_well_e;
     const double mean_e = static_cast<double>(static_cast<float>(c.light)) * e.full_well_e;
     const double level = e.adc_bits == 0 ? 0 : 1 / (std::exp2(e.adc_bits) - 1);
-    // Beyond poisson.h's exact means rounding and skewness add 5 / 36 of an electron's square.
+    // Beyond the range of poisson.h's exact means, rounding and skewness add 5 / 36 of an electron's square.
     const double electrons = mean_e + e.read_noise_e * e.read_noise_e + (mean_e > 64 ? 5.0 / 36 : 0);
     const double variance = scale * scale * electrons + level * level / 12;
     CHECK(std::abs(m.mean - scale * mean_e) <= kSigmas * std::sqrt(variance / kSamples));
-    // Near a Gaussian: the fourth moment is 3 variance^2, and for Poisson's part that of a mean of 20 at least.
+    // The distribution is almost Gaussian: the fourth moment is 3 variance^2, and the Poisson part adds that of a mean
+    // of at least 20.
     CHECK(std::abs(m.variance - variance) <= kSigmas * variance * std::sqrt((2 + 1.0 / 20) / kSamples));
     if (level == 0) continue;
     bool whole = true;
@@ -124,7 +125,7 @@ TEST_CASE("noise has the mean and the variance of a linear camera") {
   }
 }
 
-TEST_CASE("a full pixel stays full, and dark ones are cut off only by a converter") {
+TEST_CASE("a full pixel stays full, and dark pixels are clipped only by a converter") {
   Image bright = flat(1e30), dark = flat(0);
   const PixelElectronics electronics{.full_well_e = 1000, .read_noise_e = 5};
   SensorNoise({.full_well_e = 1000}, SensorRandom(3, "noise")).post_process({}, layout(), bright);
@@ -134,7 +135,7 @@ TEST_CASE("a full pixel stays full, and dark ones are cut off only by a converte
   CHECK(*std::ranges::min_element(dark.pixels) < 0);
 }
 
-TEST_CASE("frames, channels and eyes have noise of their own, and other sensors change nothing") {
+TEST_CASE("frames, channels and eyes have different noise, and other sensors do not change it") {
   const PixelElectronics electronics{.full_well_e = 1000};
   const auto noise = [&](const char* camera, std::uint64_t frame) {
     Image image = flat(0.5);
@@ -149,7 +150,7 @@ TEST_CASE("frames, channels and eyes have noise of their own, and other sensors 
       sum +=
           (static_cast<double>(one.pixels[4 * i + c1]) - 0.5) * (static_cast<double>(other.pixels[4 * i + c2]) - 0.5);
     }
-    return sum / static_cast<double>(n) / (0.5 / 1000);  // the variance: mu / full_well^2 with mu = 500
+    return sum / static_cast<double>(n) / (0.5 / 1000);  // the variance is mu / full_well^2 with mu = 500
   };
   const double most = kSigmas / std::sqrt(kSamples / 3);
   CHECK(std::abs(correlation(a, 0, b, 0)) <= most);
@@ -166,8 +167,8 @@ TEST_CASE("frames, channels and eyes have noise of their own, and other sensors 
   CHECK(eyes.color.pixels != eyes.more[0].pixels);
 }
 
-TEST_CASE("vignetting follows its law, exposure scales") {
-  // Products in double of colours in float32, rounded once; the test's own law in another order of operations.
+TEST_CASE("vignetting follows its law, and exposure scales the colours") {
+  // Products of float32 colours in double, rounded once. The test applies the law in another order of operations.
   constexpr double kRounding = 0x1p-23;
   const CameraLayout l = layout();
   Image natural = flat(0.8), polynomial = flat(0.8), longer = flat(0.8);
@@ -197,7 +198,7 @@ TEST_CASE("vignetting follows its law, exposure scales") {
   CHECK(contains(error, "attribute \"vignetting\": the polynomial of v1, v2, v3 is -0.1"));
 }
 
-TEST_CASE("an effect that is off, or that nothing shows, leaves bytes and counters as they are") {
+TEST_CASE("an effect that is off or that no sensor shows leaves bytes and counters unchanged") {
   for (const EffectType* effect : effect_types()) {
     for (const std::string type : {"camera", "stereo_camera"}) {
       const EffectExample* const example = find_effect_example(effect->name);
@@ -214,7 +215,7 @@ TEST_CASE("an effect that is off, or that nothing shows, leaves bytes and counte
       CHECK(shown.plan.effects[0].sensor == "C");
       CHECK(shown.plan.effects[0].effect == effect->name);
       CHECK(shown.plan.effects[0].reason == effect->source);
-      // A camera at rest has nothing to roll over; its rows are drawn apart, which rounds otherwise.
+      // A camera at rest shows no rolling shutter, but its rows are drawn separately, which rounds differently.
       if (effect->name != "rolling_shutter") CHECK(shown.color.pixels != plain.color.pixels);
       if ((effect->outputs & kShownInDepth) != 0) continue;
       CHECK(shown.depth.pixels == plain.depth.pixels);

@@ -1,5 +1,5 @@
-// Pictures through lenses: of a room whose colour is an affine function of the place, so that every pixel's colour and
-// depth follow from its ray.
+// Pictures through lenses. The colour of the room is an affine function of the place, so the colour and depth of each
+// pixel follow from its ray.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -30,8 +30,8 @@ namespace {
 const glm::dvec3 kHalfRoom_m(5, 4, 3);
 const glm::dvec3 kSlope[3] = {{0.05, 0.02, -0.03}, {-0.02, 0.06, 0.03}, {0.01, -0.04, 0.08}};  // of R, G and B, 1/m
 
-// Rounding of vertices (10 m at the most) and of interpolation in float32, some ten operations each, on colours of at
-// most 1 whose slope is 0.1 per metre and 3 per radian in the worst place; snapping moves no colour on lavapipe, and
+// Rounding of vertices (at most 10 m) and of interpolation in float32: about ten operations each, on colours of at most
+// 1 with a slope of at most 0.1 per metre and 3 per radian. Snapping of vertices moves no colour on lavapipe, and
 // elsewhere by 1/256 pixel of 1/100 radian.
 constexpr double kColorRounding = 2e-4;
 
@@ -51,10 +51,10 @@ test::RendererScene room() {
   return scene;
 }
 
-// Nothing of the room is square to the camera.
+// No surface of the room is perpendicular to the camera's axis.
 const glm::dmat4 kWorldFromCamera = to_matrix({{0.7, -0.4, 0.3}, 0.2, 0.3, 0.5});
 
-// Where a ray of the view frame meets the room.
+// Where a ray of the view frame hits the room.
 glm::dvec3 met(const glm::dvec3& ray) {
   const glm::dvec3 eye(kWorldFromCamera[3]);
   const glm::dvec3 direction = glm::dmat3(kWorldFromCamera * sensor_from_view()) * ray;
@@ -110,15 +110,15 @@ void take(Camera& camera, const DrawList& list, FramePlan& plan) {
 
 struct Errors {
   double color = 0;         // the largest
-  double color_excess = 0;  // the largest above what interpolation may do
+  double color_excess = 0;  // the largest above the allowed interpolation error
   double depth_m = 0, depth_excess_m = 0;
   std::size_t pixels = 0, beside_steps = 0;
 };
 
-// Interpolation between the pixels of a view, whose pitch is at most `pitch` radians, errs by at most an eighth of the
-// second difference over two pitches along each axis, wherever in the pixel. Second differences of the truth are taken
-// about the ray itself over twice the pitch, which is four times as much where the truth is smooth, and where it has a
-// kink no less than the kink gives within a pitch.
+// Bound of the interpolation between the pixels of a view with a pitch of at most `pitch` radians. Anywhere in a pixel,
+// the error is at most an eighth of the second difference over two pitches along each axis. The second differences of
+// the true colour are taken about the ray itself over twice the pitch: that is four times as much where the truth is
+// smooth, and at a kink no less than what the kink gives within a pitch.
 double interpolation_bound(const glm::dvec3& ray, double pitch, int channel) {
   const glm::dvec3 a =
       glm::normalize(glm::cross(ray, std::abs(ray.x) < 0.7 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0)));
@@ -130,7 +130,7 @@ double interpolation_bound(const glm::dvec3& ray, double pitch, int channel) {
     most = std::max(most, std::abs(true_color(ray + step, channel) - 2 * true_color(ray, channel) +
                                    true_color(ray - step, channel)));
   }
-  return 2 * most;  // of two axes
+  return 2 * most;  // for the two axes
 }
 
 Errors compare(const Camera& camera, const Lensed& l) {
@@ -159,7 +159,7 @@ Errors compare(const Camera& camera, const Lensed& l) {
       }
       const double depth_off_m = std::abs(static_cast<double>(depth_m) - true_depth(ray));
       e.depth_m = std::max(e.depth_m, depth_off_m);
-      // The room's edges are creases, at which the view tells no more than that.
+      // The edges of the room are creases, where the view has no finer information than that.
       if (depth_off_m > bound_m) ++e.beside_steps;
     }
   }
@@ -171,14 +171,14 @@ const Lensed kBarrel{{.kind = LensKind::brown_conrady,
                       .k = {-0.28, 0.09, -0.01, 0},
                       .p1 = 1e-3,
                       .p2 = -2e-3}};
-// 220 degrees in a circle of 192 pixels.
+// 220 degrees in an image circle of 192 pixels.
 const Lensed kFisheye{{.kind = LensKind::kannala_brandt, .pinhole = {50, 50, 100, 80}, .k = {0, 0, 0, 0}}};
 const Lensed kBentFisheye{
     {.kind = LensKind::kannala_brandt, .pinhole = {60, 58, 96.2, 83.1}, .k = {-0.02, 0.003, -0.0005, 0}}};
 
 }  // namespace
 
-TEST_CASE("every pixel of a distorted image shows what its ray meets, across the borders of views too") {
+TEST_CASE("every pixel of a distorted image shows what its ray hits, also across borders of views") {
   const test::RendererScene scene = room();
   for (const Lensed& lens : {kBarrel, kFisheye, kBentFisheye}) {
     CAPTURE(static_cast<int>(lens.model.kind));
@@ -190,7 +190,7 @@ TEST_CASE("every pixel of a distorted image shows what its ray meets, across the
     const Errors e = compare(camera, lens);
     CHECK(e.pixels > 20'000);
     CHECK(e.color_excess <= kColorRounding);
-    // No step is in the room: each depth has its bound, but for pixels where three walls meet.
+    // The room has no depth steps, so each depth has its bound, except for pixels where three walls meet.
     CHECK(e.beside_steps <= 16);
     MESSAGE("largest error of colour " << e.color << ", of depth " << e.depth_m << " m, bound "
                                        << camera.values()[0].value << " m, beside " << e.beside_steps);
@@ -198,11 +198,11 @@ TEST_CASE("every pixel of a distorted image shows what its ray meets, across the
   CHECK(test::device().validation_messages() == 0);
 }
 
-TEST_CASE("oversampling buys accuracy: four times as much for twice the pixels each way") {
+TEST_CASE("twice the oversampling reduces the interpolation error to a quarter") {
   const test::RendererScene scene = room();
   double sum[2] = {0, 0};
   for (int i = 0; i < 2; ++i) {
-    // Few pixels, so that interpolation errs much more than rounding.
+    // The picture has few pixels, so the interpolation error is much larger than rounding.
     Lensed lens{{.kind = LensKind::kannala_brandt, .pinhole = {12.5, 12.5, 25, 20}}, 0, 50, 40};
     lens.oversampling = i == 0 ? 2 : 4;
     Camera camera = lens_camera(lens);
@@ -220,12 +220,12 @@ TEST_CASE("oversampling buys accuracy: four times as much for twice the pixels e
     }
   }
   MESSAGE("mean error falls by a factor of " << sum[0] / sum[1]);
-  // Second order gives four, first order two. (From an oversampling of 1 it would be less than four: there the rays in
-  // the middle meet the pixels' centres.)
+  // A second-order method gives the factor four, a first-order one two. (From an oversampling of 1 the factor would be
+  // less than four, because there the rays in the middle hit the centres of pixels.)
   CHECK(sum[0] / sum[1] > 3);
 }
 
-TEST_CASE("a lens that bends nothing gives the picture of a pinhole") {
+TEST_CASE("a lens without distortion gives the picture of a pinhole camera") {
   const test::RendererScene scene = room();
   const Lensed straight{{.pinhole = {150, 150, 100, 80}}};
   Camera camera = lens_camera(straight);
@@ -247,7 +247,7 @@ TEST_CASE("a lens that bends nothing gives the picture of a pinhole") {
 
 #ifdef SIMVIS_HAS_OPENCV
 
-TEST_CASE("OpenCV takes the distortion out again") {
+TEST_CASE("OpenCV removes the distortion") {
   const test::RendererScene scene = room();
   Camera camera = lens_camera(kBarrel);
   FramePlan plan;
@@ -259,8 +259,8 @@ TEST_CASE("OpenCV takes the distortion out again") {
   cv::Mat from_x, from_y;
   cv::initUndistortRectifyMap(matrix, std::vector<double>{k[0], k[1], kBarrel.model.p1, kBarrel.model.p2, k[2]},
                               cv::noArray(), matrix, {200, 160}, CV_32FC1, from_x, from_y);
-  // Of the distorted image, interpolated in turn: its own error, and an eighth of its second differences per axis,
-  // which grow by the lens's magnification, below 1.3 here. The map is rounded to 2^-17 pixels.
+  // Errors of the distorted image, which is interpolated again: its own error, and an eighth of its second differences
+  // per axis, which grow by the magnification of the lens, here below 1.3. The map is rounded to 2^-17 pixels.
   double worst = 0;
   std::size_t pixels = 0;
   for (int y = 0; y < 160; ++y) {
@@ -289,7 +289,7 @@ TEST_CASE("OpenCV takes the distortion out again") {
 
 #endif
 
-TEST_CASE("what a lens cannot show is an error with its place") {
+TEST_CASE("a wrong lens is an error with its place") {
   const TemporaryFolder folder;
   const auto error = [&](const std::string& attributes) {
     const auto scene =
@@ -307,7 +307,7 @@ TEST_CASE("what a lens cannot show is an error with its place") {
                  "attribute \"lens_oversampling\": with 16 this lens needs a view of"));
 }
 
-TEST_CASE("intrinsics and coefficients are written as ROS reads them") {
+TEST_CASE("intrinsics and coefficients are written in the form that ROS reads") {
   struct Sink : OutputSink {
     void picture(const std::string&, const Image*, const Image*) override {}
     void plane(const std::string&, const std::string&, const Image&) override {}

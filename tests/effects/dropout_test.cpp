@@ -1,4 +1,4 @@
-// Beams that are lost: how many, by chance and by what comes back, and that the rest is as it was.
+// Lost beams: how many are lost by chance and by power, and that the others stay unchanged.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 double lost_in(std::span<const float> ranges_m) { return static_cast<double>(std::ranges::count(ranges_m, kInfinity)); }
 
-// Echoes of this power that are lost, each the only one of its beam.
+// The number of lost echoes of this power, each the only echo of its beam.
 double lost_of(const std::vector<ChosenScanEffect>& effects, double power, std::uint32_t beams) {
   double lost = 0;
   for (std::uint32_t beam = 0; beam < beams; ++beam) {
@@ -30,7 +30,7 @@ double lost_of(const std::vector<ChosenScanEffect>& effects, double power, std::
 
 }  // namespace
 
-TEST_CASE("by chance: the share that was asked for; what is blocked stays, what is lost reads as a miss") {
+TEST_CASE("loss by chance: the share is the given one; blocked beams stay blocked, and lost beams read as misses") {
   for (const auto& [attributes, share] : {std::pair{R"(dropout="0.1")", 0.1}, {R"(dropout="0.003")", 0.003}}) {
     const Scan scan = finished(effects_of(attributes), even_scan(5));
     CHECK(std::abs(lost_in(scan.range_m) - share * kSamples) <= binomial_bound(kSamples, share));
@@ -45,7 +45,7 @@ TEST_CASE("by chance: the share that was asked for; what is blocked stays, what 
   CHECK(finished(effects_of(R"(dropout="0")"), scan).range_m == scan.range_m);
 }
 
-TEST_CASE("by power: an amplitude with Gaussian noise on it, held against a threshold") {
+TEST_CASE("loss by power: an amplitude with Gaussian noise is compared with a threshold") {
   constexpr std::uint32_t kBeams = 200'000;
   constexpr double kThreshold = 0.004, kNoise = 0.25;
   const auto effects = effects_of(R"(dropout_power="0.004" dropout_noise="0.25")");
@@ -60,7 +60,7 @@ TEST_CASE("by power: an amplitude with Gaussian noise on it, held against a thre
   CHECK(lost_of(sharp, 0.004, 1000) == 0);
 }
 
-TEST_CASE("echoes of one beam are lost each for itself") {
+TEST_CASE("echoes of one beam are lost independently") {
   constexpr std::uint32_t kBeams = 100'000;
   const auto effects = effects_of(R"(dropout_power="1" dropout_noise="0.5")");
   double both = 0, first = 0;
@@ -74,9 +74,9 @@ TEST_CASE("echoes of one beam are lost each for itself") {
   CHECK(std::abs(both - kBeams / 4.0) <= binomial_bound(kBeams, 0.25));
 }
 
-TEST_CASE("so what is dark, slanted or far is lost first") {
-  // All beams of a scanner go one way, at the wall at 4 m. Its power as the definition says: reflectance x cosine /
-  // range^2, of the wall's (1, 0.5, 0.25) or of what the material element says.
+TEST_CASE("dark, slanted and distant surfaces are lost first") {
+  // All beams of the scanner have one direction, towards the wall at 4 m. The power by its definition is reflectance x
+  // cosine / range^2, with the reflectance of the wall (1, 0.5, 0.25) or of the element material.
   constexpr int kBeams = 5000;
   constexpr double kColor = 1.75 / 3, kNoise = 0.3;
   struct Case {

@@ -1,5 +1,5 @@
-// The catalogue of effects, as a whole: every effect in every scene, where it is shown, where it is not, and where it
-// is named but off.
+// All effects of the catalogue: each in every scene where it is shown, where it is not shown, and where it is named but
+// off.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -27,19 +27,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A scene, and where the test's own sensors stand in it.
+/// A scene, and the place of the test's own sensors in it.
 struct EffectScene {
   std::string_view name, pose_offset;
 };
 constexpr EffectScene kYard{"showcase", "-4 -0.6 0.9 0 4 0"};
-// Sanitizers make pictures some ten times slower.
+// Pictures are about ten times slower under sanitizers.
 const std::vector<EffectScene> kScenes =
     sanitized()
         ? std::vector{kYard}
         : std::vector{
               kYard, {"arm", "-0.7 -1.4 1.6 0 26 58"}, {"marvin", "1 1 0.6 0 0 30"}, {"ravon", "0 0 1.5 0 0 0"}};
 
-/// A sensor that shows one kind of output, as small as it can be and still show every effect.
+/// A sensor that shows one kind of output, as small as possible while it still shows every effect.
 struct Watcher {
   std::string_view type, attributes;
   std::uint8_t shows;
@@ -65,7 +65,8 @@ const EffectExample& example_of(const EffectType& effect) {
   return *example;
 }
 
-/// Which outputs show the source of an effect: two effects may have the same, as fog in pictures and in scans.
+/// The outputs that show the source of an effect. Two effects may have the same source, for example fog in pictures and
+/// in scans.
 std::uint8_t shown_source(const EffectType& effect) {
   std::uint8_t outputs = effect.outputs;
   for (const EffectType* other : effect_types()) {
@@ -77,7 +78,7 @@ std::uint8_t shown_source(const EffectType& effect) {
   return outputs;
 }
 
-/// The scene with more commands at its end; of its sensors only WATCH is on.
+/// The scene with more commands at its end. Only its sensor WATCH is on.
 Simulation with(const EffectScene& scene, const std::string& commands) {
   const fs::path file = fs::path(SIMVIS_SOURCE_DIR) / "scenes" / scene.name / (std::string(scene.name) + ".xml");
   std::string xml = read_text(file);
@@ -89,7 +90,7 @@ Simulation with(const EffectScene& scene, const std::string& commands) {
   return simulation;
 }
 
-/// What WATCH gives and what it costs.
+/// The output of WATCH and its cost.
 struct Seen {
   std::vector<char> bytes;
   FrameCounters counters;
@@ -103,7 +104,7 @@ void append(std::vector<char>& bytes, const std::vector<Value>& values) {
   if (!values.empty()) std::memcpy(bytes.data() + size, values.data(), values.size() * sizeof(Value));
 }
 
-/// Two frames: the first uploads, the second is as any other.
+/// Two frames: the first one uploads, the second one is like all later ones.
 std::vector<Seen> look(Simulation& simulation, const Watcher& watcher) {
   std::vector<Seen> frames;
   for (int frame = 0; frame < 2; ++frame) {
@@ -137,12 +138,12 @@ bool same_bytes(const std::vector<Seen>& a, const std::vector<Seen>& b) {
 
 }  // namespace
 
-TEST_CASE("the generator makes what is committed of the showcase") {
+TEST_CASE("the generator of the showcase scenes makes the committed files") {
   const std::string command = "python3 \"" SIMVIS_SOURCE_DIR "/scenes/showcase/generate.py\" --check";
   CHECK(std::system(command.c_str()) == 0);
 }
 
-TEST_CASE("every effect says what it is, what calls for it, and where its truth is from, and has an example") {
+TEST_CASE("every effect has a description, a caller, a reference for its truth, and an example") {
   REQUIRE_FALSE(effect_types().empty());
   for (const EffectType* effect : effect_types()) {
     CAPTURE(effect->name);
@@ -166,14 +167,14 @@ TEST_CASE("every effect says what it is, what calls for it, and where its truth 
   }
 }
 
-TEST_CASE("where no due sensor can show it, an effect costs nothing and changes no byte") {
+TEST_CASE("an effect costs nothing and changes no byte where no due sensor can show it") {
   for (const EffectScene& scene : kScenes) {
     CAPTURE(scene.name);
     for (const Watcher* watcher : kWatchers) {
       CAPTURE(watcher->attributes);
       std::string plain, commands;
       for (const EffectType* effect : effect_types()) {
-        // Sensors that have it, and are off.
+        // Sensors that have the effect, but are off.
         for (const Watcher* other : kWatchers) {
           if (!may_have(other->type, *effect)) continue;
           const std::string name = "OFF_" + std::string(effect->name) +
@@ -207,7 +208,7 @@ TEST_CASE("an effect that is named but off changes no byte and costs nothing") {
   }
 }
 
-TEST_CASE("each effect alone: named in the plan where it is shown, and in no other sensor's bytes") {
+TEST_CASE("the plan names each effect where it is shown, and the bytes of other sensors stay the same") {
   for (const EffectType* effect : effect_types()) {
     CAPTURE(effect->name);
     bool shown = false;

@@ -1,4 +1,4 @@
-// Fog in pictures against Koschmieder's law, worked out per pixel in double.
+// Fog in pictures against Koschmieder's law, computed per pixel in double.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -16,11 +16,12 @@ namespace {
 
 constexpr double kHalfUlp = 0x1p-24;  // of float32, relative
 
-// Of t = exp(-x), relative. Vulkan allows exp() 3 + 2 x ulps. Its argument is the product of two rounded numbers, of
-// which the distance comes from a position interpolated with perspective and a square root: 16 half ulps cover those.
+// Relative error of t = exp(-x). Vulkan allows exp() 3 + 2 x ulps. The argument is the product of two rounded numbers;
+// the distance comes from a position that is interpolated with perspective and from a square root: 16 half ulps cover
+// these.
 double transmittance_error(double x) { return (2 * (3 + 2 * x) + 18 * x) * kHalfUlp; }
 
-// Of surface t + airlight (1 - t): that, and two roundings for each of two products and one for the sum.
+// Error of surface t + airlight (1 - t): that error, two roundings for each of the two products and one for the sum.
 double fog_error(double surface, double airlight, double x) {
   const double t = std::exp(-x);
   return (surface + airlight) * t * transmittance_error(x) + 3 * (surface + airlight) * kHalfUlp;
@@ -45,7 +46,7 @@ Material unlit(const glm::vec4& color) {
   return material;
 }
 
-/// From the eye to the plane at this depth, through the pixel.
+/// Distance from the eye to the plane at this depth, through the pixel.
 double distance_m(std::uint32_t pixel, double depth_m) {
   const double x = (pixel % kSize + 0.5 - kSize / 2.0) / kFocal_px, y = (pixel / kSize + 0.5 - kSize / 2.0) / kFocal_px;
   return depth_m * std::sqrt(x * x + y * y + 1);
@@ -55,7 +56,7 @@ const Mesh kWall = rectangle(-5000, -5000, 5000, 5000);
 
 }  // namespace
 
-TEST_CASE("radiance falls exponentially along the ray, and the air's own takes its place") {
+TEST_CASE("radiance falls exponentially along the ray and is replaced by that of the air") {
   Renderer renderer(device());
   const glm::vec4 color{0.8f, 0.1f, 0.3f, 1};
   for (const double extinction : {0.003, 0.05, 0.4}) {
@@ -78,7 +79,7 @@ TEST_CASE("radiance falls exponentially along the ray, and the air's own takes i
   }
 }
 
-TEST_CASE("lit surfaces and emission are weakened alike; the background is the airlight") {
+TEST_CASE("fog weakens lit surfaces and emission alike; the background is the airlight") {
   Renderer renderer(device());
   constexpr double kDepth_m = 7, kExtinction = 0.1;
   RendererScene scene = foggy(kExtinction), clear = scene_with_ambient(0.5);
@@ -100,7 +101,7 @@ TEST_CASE("lit surfaces and emission are weakened alike; the background is the a
   CHECK(in_fog[right] == glm::vec4(kAirlight, 1));
 }
 
-TEST_CASE("transparent surfaces are seen through the fog before each of them") {
+TEST_CASE("light of transparent surfaces passes through the fog in front of each of them") {
   Renderer renderer(device());
   constexpr double kExtinction = 0.15;
   struct Layer {
@@ -130,7 +131,7 @@ TEST_CASE("transparent surfaces are seen through the fog before each of them") {
   CHECK(wrong == 0);
 }
 
-TEST_CASE("depth does not see fog, and clear air leaves every byte and counter as it was") {
+TEST_CASE("depth is not changed by fog, and clear air leaves every byte and counter unchanged") {
   const auto frame = [](const RendererScene& scene, const FramePlan& plan) {
     Renderer renderer(device());
     const PassResult& result = renderer.render(scene.list, plan)[0];
@@ -151,7 +152,7 @@ TEST_CASE("depth does not see fog, and clear air leaves every byte and counter a
   CHECK(std::get<1>(in_fog) == std::get<1>(without));
 }
 
-TEST_CASE("the catalogue knows what calls for it") {
+TEST_CASE("the catalogue names the caller of the effect") {
   const EffectType* const fog = find_effect_type("fog");
   REQUIRE(fog != nullptr);
   CHECK(fog->outputs == kShownInColor);
@@ -159,6 +160,6 @@ TEST_CASE("the catalogue knows what calls for it") {
   CHECK_FALSE(fog->in_scene(foggy(0).list));
 }
 
-TEST_CASE("the validation layer has nothing to say") { CHECK(device().validation_messages() == 0); }
+TEST_CASE("the validation layer reports nothing") { CHECK(device().validation_messages() == 0); }
 
 TEST_SUITE_END();

@@ -1,5 +1,5 @@
-// What comes back of a laser's light: from matte walls near and far, square and slanted, dark and bright, textured, and
-// from retro-reflectors.
+// Returned laser power from matte walls (near and far, perpendicular and slanted, dark and bright, textured) and from
+// retro-reflectors.
 #include <algorithm>
 #include <limits>
 #include <sstream>
@@ -13,8 +13,8 @@ TEST_SUITE_BEGIN("effects");
 namespace simvis::test {
 namespace {
 
-// Base colours are float32, and so is their product with vertex colours and textures: a few roundings of 2^-24. The
-// rest is double: of ranges, and of normals of corners that float32 has exactly.
+// Base colours are float32, and so is their product with vertex colours and textures: a few roundings of 2^-24.
+// Everything else is double: ranges, and normals of corners that float32 represents exactly.
 constexpr double kRounding = 4 * 0x1p-24;
 
 void check_intensity(double seen, double expected) {
@@ -34,7 +34,7 @@ std::string material(const std::string& attributes, const std::string& name = "M
   return "<element type='material' name='" + name + "' insert_at='ROOT' part='WALL' " + attributes + "/>";
 }
 
-// A wall square to x.
+// A wall perpendicular to x.
 GltfBuilder wall(const glm::vec4& color, float x = 4) {
   GltfBuilder file;
   add_plate(file, {.x = x, .left = 50, .right = -50}, file.append("materials", painted("Paint", color)));
@@ -52,7 +52,7 @@ std::vector<double> intensities(const GltfBuilder& file, const std::string& comm
 
 }  // namespace
 
-TEST_CASE("a matte wall gives back reflectance x cosine / range^2") {
+TEST_CASE("a matte wall returns reflectance x cosine / range^2") {
   struct Case {
     glm::vec4 color;
     float x;
@@ -84,7 +84,7 @@ TEST_CASE(
   CHECK(ahead(material("reflectance='0'")) == 0);
 }
 
-TEST_CASE("what lasers see of a material is content of the draw list: compared, hashed and printed") {
+TEST_CASE("the laser properties of a material are content of the draw list: they are compared, hashed and printed") {
   const auto list_of = [](std::optional<float> reflectance, float retro_reflectance) {
     Material material;
     material.reflectance = reflectance;
@@ -105,9 +105,9 @@ TEST_CASE("what lasers see of a material is content of the draw list: compared, 
   CHECK(contains(page.str(), ", reflectance 0.5, retro-reflectance 200"));
 }
 
-TEST_CASE("a texture shows, in linear light") {
+TEST_CASE("the intensity shows a texture in linear light") {
   GltfBuilder file;
-  // From the left: sRGB codes 188 and 64. Nearest texels, so that every beam sees one of them.
+  // From the left: sRGB codes 188 and 64. Nearest texels are used, so every beam hits one of them.
   const int image = file.append(
       "images", {{"uri", "data:image/png;base64," + base64(png(2, 1, 8, 2, {{188, 188, 188, 64, 64, 64}}))}});
   const int sampler = file.append("samplers", {{"magFilter", 9728}, {"minFilter", 9728}});
@@ -124,7 +124,7 @@ TEST_CASE("a texture shows, in linear light") {
   }
 }
 
-TEST_CASE("a retro-reflector sends light back whatever the slant, up to its entrance angle") {
+TEST_CASE("a retro-reflector returns light at all angles up to its entrance angle") {
   const std::string every_degree =
       R"(<sensor type="laser_scanner" name="SCAN" insert_at="ROOT" samples="121" min_angle="-60" max_angle="60" )"
       R"(intensity="on"/>)";
@@ -142,7 +142,7 @@ TEST_CASE("a retro-reflector sends light back whatever the slant, up to its entr
 
 namespace {
 
-// All that a scene puts out, and what it cost.
+// All outputs of a scene and their cost.
 struct Result {
   Scan scan;
   FrameCounters counters;
@@ -175,7 +175,7 @@ TEST_CASE("a retro-reflector that no scan can show costs nothing and changes not
   CHECK(result_of(material("") + kScanner + "intensity='on'/>").effects == std::vector<std::string>{"intensity"});
 }
 
-TEST_CASE("intensity off is as if nobody had named it; on, ranges are those of raycast") {
+TEST_CASE("intensity that is off equals intensity that is not named; with intensity on, ranges are those of raycast") {
   const Result plain = result_of(kScanner + "/>"), off = result_of(kScanner + "intensity='off'/>");
   CHECK(off.scan.range_m == plain.scan.range_m);
   CHECK(off.scan.error_bound_m == plain.scan.error_bound_m);
@@ -190,7 +190,7 @@ TEST_CASE("intensity off is as if nobody had named it; on, ranges are those of r
 
 namespace {
 
-// The columns and cells that a scan writes.
+// The columns and cells of a written scan.
 class Table : public OutputSink {
  public:
   void picture(const std::string&, const Image*, const Image*) override {}
@@ -206,9 +206,9 @@ class Table : public OutputSink {
 
 }  // namespace
 
-TEST_CASE("where there is no range there is no intensity; it is the table's last column") {
-  // The wall reaches from the left edge to -1 m, at 4 m: beams to its right miss it. Those that are nearer than
-  // range_min are blocked; others are lost by chance.
+TEST_CASE("there is no intensity where there is no range; it is the last column of the table") {
+  // The wall at 4 m reaches from the left edge to -1 m, so beams to its right miss it. Beams below range_min are
+  // blocked, and others are lost by chance.
   GltfBuilder file;
   add_plate(file, {.left = 50, .right = -1}, file.append("materials", painted("Paint", {1, 1, 1, 1})));
   World world({{"wall.gltf", file}}, kPart + kScanner + R"(intensity="on" dropout="0.3" range_min="4.1"/>)");

@@ -20,8 +20,8 @@ namespace {
 
 constexpr std::uint32_t kPoints = 10'000;
 
-// Formulas and inverses agree to this: rounding of some twenty operations on pixels below 1000, 20 * 1000 * 2^-53, is
-// 2e-12; Newton's method is promised to end within 1e-9.
+// Tolerance for formulas and inverses: rounding of about twenty operations on pixels below 1000, 20 * 1000 * 2^-53, is
+// 2e-12. Newton's method promises to end within 1e-9.
 constexpr double kAgree_px = 1e-9;
 
 constexpr double kWidth_px = 640, kHeight_px = 480;
@@ -38,13 +38,13 @@ LensModel fisheye(double fx_px, double k1, double k2, double k3, double k4) {
   return {.kind = LensKind::kannala_brandt, .pinhole = {fx_px, 0.98 * fx_px, 322.75, 236.5}, .k = {k1, k2, k3, k4}};
 }
 
-// Barrels, a pincushion, a lens that is not square to its chip, and fisheyes; the last one sees 220 degrees in a circle
-// of 320 pixels.
+// Barrel distortions, a pincushion distortion, a lens that is tilted against its chip, and fisheyes. The last one sees
+// 220 degrees in a circle of 320 pixels.
 const std::vector<LensModel> kModels{brown_conrady(-0.28, 0.09, -0.01, 0, 0), brown_conrady(0.2, 0.05, 0, 0, 0),
                                      brown_conrady(-0.2, 0.03, 0, 2e-3, -3e-3),
                                      fisheye(250, -0.01, 0.002, -0.001, 1e-4), fisheye(166.7, 0, 0, 0, 0)};
 
-// As OpenCV's documentation writes them, term by term.
+// The formulas of OpenCV's documentation, term by term.
 glm::dvec2 formula(const LensModel& m, double x, double y, double z) {
   const double *k = m.k, a = x / z, b = y / z;
   double xd = 0, yd = 0;
@@ -65,13 +65,13 @@ glm::dvec2 formula(const LensModel& m, double x, double y, double z) {
 
 }  // namespace
 
-TEST_CASE("directions are seen where the formulas say") {
+TEST_CASE("directions are projected to the pixels of the formulas") {
   const SensorRandom random(1, "directions");
   for (const LensModel& model : kModels) {
     const Lens lens(model);
     double worst_px = 0;
     for (std::uint32_t i = 0; i < kPoints; ++i) {
-      // At random over the cap up to 30 degrees, or for fisheyes 109: acos() is no good near 0 and 180.
+      // Random directions in a cap of up to 30 degrees, or 109 for fisheyes. acos() is inaccurate near 0 and 180.
       const bool wide = model.kind == LensKind::kannala_brandt;
       const double angle = (0.01 + random.uniform(i, 0, 0)) * (wide ? 1.88 : 0.52);
       const double around = 6.28 * random.uniform(i, 0, 1), far = 0.1 + 10 * random.uniform(i, 0, 2);
@@ -96,7 +96,7 @@ TEST_CASE("the inverse finds the direction of every pixel") {
       if (!ray) continue;
       if (*ray == glm::dvec3(0)) {
         ++dark;
-        // Beyond 110 degrees: with k = 0 an ellipse about the principal point.
+        // Beyond 110 degrees. With k = 0 it is an ellipse about the principal point.
         const glm::dvec2 off((pixel.x - model.pinhole.cx_px) / model.pinhole.fx_px,
                              (pixel.y - model.pinhole.cy_px) / model.pinhole.fy_px);
         CHECK(glm::length(off) > kFisheyeLimit_rad);
@@ -108,7 +108,7 @@ TEST_CASE("the inverse finds the direction of every pixel") {
     CHECK(none == 0);
     CHECK((dark > 0) == (model.pinhole.fx_px < 200));
     CHECK(worst_px <= kAgree_px);
-    CHECK(worst_length <= 8 * 0x1p-53);  // of a normalisation, or of sine and cosine
+    CHECK(worst_length <= 8 * 0x1p-53);  // rounding of a normalisation, or of sine and cosine
   }
 }
 
@@ -116,10 +116,10 @@ TEST_CASE("an image ends where its lens folds") {
   // r (1 + k1 r^2) is largest at r = 1 / sqrt(-3 k1), where it is 2 / 3 r.
   const double k1 = -0.3, reach = 2.0 / 3 / std::sqrt(0.9);
   const Lens lens(brown_conrady(k1, 0, 0, 0, 0));
-  constexpr double kBracket = 1e-12;  // of sixty halvings, and rounding at a maximum's flat top
+  constexpr double kBracket = 1e-12;  // sixty halvings, and rounding at the flat top of a maximum
   CHECK(std::abs(lens.reach() - reach) <= kBracket);
   const auto at = [&](double d) { return lens.direction({322.75 + 420.5 * d, 236.5}); };
-  // The inverse still meets 1e-9 px a millionth before the fold, and finds nothing beyond it.
+  // The inverse still reaches 1e-9 px a millionth in front of the fold, and finds nothing beyond it.
   REQUIRE(at(reach * (1 - 1e-6)));
   const glm::dvec3 ray = *at(reach * (1 - 1e-6));
   CHECK(ray.x / ray.z < 1 / std::sqrt(0.9));
@@ -135,7 +135,7 @@ TEST_CASE("an image ends where its lens folds") {
 
 #ifdef SIMVIS_HAS_OPENCV
 
-TEST_CASE("OpenCV sees directions at the same pixels") {
+TEST_CASE("OpenCV projects directions to the same pixels") {
   const SensorRandom random(3, "OpenCV");
   for (const LensModel& model : kModels) {
     std::vector<cv::Point3d> points;
@@ -145,7 +145,7 @@ TEST_CASE("OpenCV sees directions at the same pixels") {
       };
       points.emplace_back(between(-1, 1, 0), between(-1, 1, 1), between(1.6, 3, 2));
     }
-    // OpenCV counts pixels from the first one's centre.
+    // OpenCV counts pixels from the centre of the first one.
     const Pinhole& p = model.pinhole;
     const cv::Matx33d camera(p.fx_px, 0, p.cx_px - 0.5, 0, p.fy_px, p.cy_px - 0.5, 0, 0, 1);
     const cv::Vec3d none(0, 0, 0);

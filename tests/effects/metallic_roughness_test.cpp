@@ -19,17 +19,18 @@ namespace {
 const glm::dvec3 kBase(0.9, 0.5, 0.1);
 constexpr double kLux = 3;
 
-// The view is a square of about 90 degrees with a pixel on the axis; the wall stands 2 m ahead, square to it.
+// The view is a square of about 90 degrees with a pixel on the axis. The wall is 2 m ahead and perpendicular to it.
 constexpr int kSide_px = 17, kFocal_px = 8;
 const glm::dvec3 kNormal(0, 0, -1);
 
-// Relative. Some dozens of float32 operations; float32 turns directions by some 16 u, and the logarithm of the
-// distribution has at most the slope 2 / alpha.
+// Relative error of several dozen float32 operations. float32 turns directions by about 16 u, and the slope of the
+// logarithm of the distribution is at most 2 / alpha.
 double tolerance(double roughness) { return (64 + 2 / (roughness * roughness) * 16) * 0x1p-24; }
-// The driver may decode sRGB by a table or a polynomial: half a step of 8 bits in linear light at most.
+// The driver may decode sRGB by a table or a polynomial: an error of at most half a step of 8 bits in linear light.
 constexpr double kTexel = 0.5 / 255;
 
-/// Radiance towards `v` by one light of irradiance `lux` on a surface square to it. Unit vectors. glTF 2.0, B.3.
+/// Radiance towards `v` from one light of irradiance `lux` on a surface perpendicular to it. Vectors have unit length.
+/// glTF 2.0, B.3.
 glm::dvec3 reflected(const glm::dvec3& base, double metallic, double roughness, const glm::dvec3& n,
                      const glm::dvec3& l, const glm::dvec3& v, double lux) {
   const double nl = glm::dot(n, l), nv = glm::dot(n, v);
@@ -53,7 +54,7 @@ Material surface(double metallic, double roughness, const glm::dvec3& base = kBa
   return material;
 }
 
-/// 1 x 1, sampled as it is.
+/// One texel, sampled without filtering.
 std::shared_ptr<Texture> texel(std::uint8_t r, std::uint8_t g, std::uint8_t b) {
   auto texture = std::make_shared<Texture>(*four_texels());
   texture->width = 1;
@@ -63,7 +64,7 @@ std::shared_ptr<Texture> texel(std::uint8_t r, std::uint8_t g, std::uint8_t b) {
 
 SurfaceMap map_of(std::shared_ptr<const Texture> texture) { return {.texture = std::move(texture)}; }
 
-/// A wall in this material, lit from `toward`.
+/// A wall of this material, lit from `toward`.
 RendererScene wall(const Material& material, const glm::dvec3& toward, double ambient = 0, double lux = kLux) {
   RendererScene scene = scene_with_ambient(ambient);
   scene.add(rectangle(-5, -5, 5, 5), material, at(0, 0, 2));
@@ -96,34 +97,35 @@ const glm::dvec3 kToward[] = {
 
 }  // namespace
 
-TEST_CASE("lights are reflected as appendix B says, from dielectric to metal, from polished to rough") {
+TEST_CASE("lights are reflected by appendix B for dielectrics and metals, polished and rough") {
   Renderer renderer(device());
   for (const double metallic : {0.0, 0.4, 1.0}) {
     for (const double roughness : {0.05, 0.3, 0.7, 1.0}) {
       if (metallic == 0 && roughness == 1) continue;  // Lambert's surface, see Material
       for (const glm::dvec3& toward : kToward) {
         const RendererScene scene = wall(surface(metallic, roughness), toward);
-        for (const auto& [x, y] : {std::pair{8, 8}, {3, 8}, {0, 16}, {13, 5}}) {
+        for (const glm::ivec2 pixel : {glm::ivec2(8, 8), {3, 8}, {0, 16}, {13, 5}}) {
           CAPTURE(metallic);
           CAPTURE(roughness);
-          CAPTURE(x);
-          CAPTURE(y);
-          // As the GPU knows them.
+          CAPTURE(pixel.x);
+          CAPTURE(pixel.y);
+          // Rounded to float32 as on the GPU.
           const double m = static_cast<float>(metallic), r = static_cast<float>(roughness);
           const glm::dvec3 base{glm::vec3(kBase)};
-          check(seen(renderer, scene, x, y), reflected(base, m, r, kNormal, toward, to_eye(x, y), kLux), tolerance(r));
+          check(seen(renderer, scene, pixel.x, pixel.y),
+                reflected(base, m, r, kNormal, toward, to_eye(pixel.x, pixel.y), kLux), tolerance(r));
         }
       }
     }
   }
 }
 
-TEST_CASE("what is neither metallic nor smooth is Lambert's surface") {
+TEST_CASE("a surface that is neither metallic nor smooth is Lambertian") {
   Renderer renderer(device());
   check(seen(renderer, wall(surface(0, 1), kToward[1])), kBase / kPi * kLux * -kToward[1].z, tolerance(1));
 }
 
-TEST_CASE("a map says how metallic and how rough a surface is, as factors, in linear numbers") {
+TEST_CASE("a map scales metalness and roughness by linear factors") {
   Renderer renderer(device());
   Material material = surface(0.8, 0.9);
   material.map(MapKind::metallic_roughness) = map_of(texel(255, 128, 64));
@@ -132,21 +134,21 @@ TEST_CASE("a map says how metallic and how rough a surface is, as factors, in li
     check(seen(renderer, wall(material, toward), 5, 8),
           reflected(kBase, metallic, roughness, kNormal, toward, to_eye(5, 8), kLux), tolerance(roughness));
   }
-  // Of a dielectric too; and no smoother than kMinRoughness.
+  // Also for a dielectric, and never smoother than kMinRoughness.
   material.metallic = 0;
   material.map(MapKind::metallic_roughness) = map_of(texel(0, 0, 255));
   check(seen(renderer, wall(material, kToward[0])),
         reflected(kBase, 0, kMinRoughness, kNormal, kToward[0], to_eye(8, 8), kLux), tolerance(kMinRoughness));
 }
 
-TEST_CASE("a white surface disappears in a white furnace, metal or not, and no surface shines in it") {
+TEST_CASE("a white surface, metal or not, disappears in a white furnace, and no surface shines in it") {
   Renderer renderer(device());
   constexpr float kRadiance = 0.7f;
   for (const double metallic : {0.0, 0.3, 1.0}) {
     for (const double roughness : {0.05, 0.5, 1.0}) {
       CAPTURE(metallic);
       CAPTURE(roughness);
-      // A light that is off: the pipeline is that of lit surfaces.
+      // The light is off, so the pipeline is that of lit surfaces.
       RendererScene scene = wall(surface(metallic, roughness, glm::dvec3(1)), kToward[1], kRadiance, 0);
       CHECK(seen(renderer, scene) == glm::dvec3(kRadiance));
       CHECK(seen(renderer, scene, 0, 0) == glm::dvec3(kRadiance));
@@ -156,9 +158,10 @@ TEST_CASE("a white surface disappears in a white furnace, metal or not, and no s
   }
 }
 
-TEST_CASE("in a furnace of lights a rough surface reflects no more than arrives") {
+TEST_CASE("a rough surface in a furnace of lights reflects no more than arrives") {
   Renderer renderer(device());
-  // Lights evenly over the half of all directions before the wall, as on Fibonacci's spiral: together 1 of radiance.
+  // Lights are spread evenly over the hemisphere in front of the wall, on a Fibonacci spiral. Together they have the
+  // radiance 1.
   constexpr int kLights = 32;
   const double solid_angle = 2 * kPi / kLights;
   for (const double metallic : {0.0, 1.0}) {
@@ -180,10 +183,11 @@ TEST_CASE("in a furnace of lights a rough surface reflects no more than arrives"
   }
 }
 
-TEST_CASE("of a furnace of lights the roughest metal reflects 1 - ln 2 straight away: its microfacets hide the rest") {
+TEST_CASE(
+    "the roughest metal in a furnace of lights reflects 1 - ln 2 perpendicularly: its microfacets hide the rest") {
   Renderer renderer(device());
-  // Seen square on, with alpha = 1, light from the cosine c is reflected with the weight c / (1 + c), whose integral
-  // from 0 to 1 this is. Its second derivative is at most 2: so far off is the sum at the middles of equal steps.
+  // Seen perpendicularly with alpha = 1, light from the cosine c is reflected with the weight c / (1 + c). Its integral
+  // from 0 to 1 is this value. The second derivative is at most 2, which bounds the error of the midpoint rule.
   constexpr int kLights = 32;
   constexpr double kSum = 2.0 / 24 / (kLights * kLights);
   RendererScene scene = scene_with_ambient(0);
@@ -199,7 +203,7 @@ TEST_CASE("of a furnace of lights the roughest metal reflects 1 - ln 2 straight 
   CHECK(std::abs(found - expected) <= kSum + expected * (tolerance(1) + kLights * 0x1p-24));
 }
 
-TEST_CASE("occlusion dims ambient light as far as its strength says, and no other") {
+TEST_CASE("occlusion dims ambient light by its strength and no other light") {
   Renderer renderer(device());
   for (const double strength : {1.0, 0.25}) {
     CAPTURE(strength);
@@ -211,7 +215,7 @@ TEST_CASE("occlusion dims ambient light as far as its strength says, and no othe
   }
 }
 
-TEST_CASE("an emission map is a colour and multiplies the emission") {
+TEST_CASE("an emission map is a colour that multiplies the emission") {
   Renderer renderer(device());
   Material material = surface(0, 1, glm::dvec3(0));
   material.emissive = {2, 4, 1};
@@ -243,7 +247,7 @@ TEST_CASE("each map has its own set and transform of texture coordinates") {
   const auto linear = [](int srgb) { return std::pow((srgb / 255.0 + 0.055) / 1.055, 2.4); };
   check(seen(renderer, scene), kBase * linear(kGrey[1]) * (kGrey[2] / 255.0) + linear(kGrey[0]), tolerance(1),
         2 * kTexel);
-  // One picture in two encodings is two textures on the device.
+  // One picture in two encodings takes two textures on the device.
   CHECK(renderer.counters().textures_held == 2);
 }
 
@@ -260,7 +264,7 @@ Material with_all_maps(const Material& plain) {
 
 }  // namespace
 
-TEST_CASE("depth is the same, and costs the same, whatever the surface") {
+TEST_CASE("depth and its cost are the same for all surfaces") {
   for (const AlphaMode mode : {AlphaMode::opaque, AlphaMode::mask}) {
     Material plain = surface(0, 1);
     plain.alpha_mode = mode;
@@ -279,7 +283,7 @@ TEST_CASE("depth is the same, and costs the same, whatever the surface") {
   }
 }
 
-TEST_CASE("maps that change nothing are not there: the same bytes and counters") {
+TEST_CASE("maps without an effect give the same bytes and counters as no maps") {
   Material plain = surface(0, 1);
   Material off = plain;
   for (const MapKind kind : {MapKind::normal, MapKind::occlusion, MapKind::emissive}) {
@@ -298,7 +302,7 @@ TEST_CASE("maps that change nothing are not there: the same bytes and counters")
   }
 }
 
-TEST_CASE("without a light neither relief nor roughness is read") {
+TEST_CASE("neither relief nor roughness is read without a light") {
   Renderer one(device()), other(device());
   Material shaped = surface(0, 1);
   shaped.map(MapKind::normal) = shaped.map(MapKind::metallic_roughness) = map_of(texel(10, 20, 30));
@@ -312,7 +316,7 @@ TEST_CASE("without a light neither relief nor roughness is read") {
   CHECK(other.counters().textures_held == 0);
 }
 
-TEST_CASE("the plan names the effect where colour shows it, and just there") {
+TEST_CASE("the plan names the effect where colour shows it, and only there") {
   const auto planned = [](const RendererScene& scene, EffectOutput output) {
     FramePlan plan;
     plan.passes.push_back({.name = "CAM", .color = output == kShownInColor, .depth = output == kShownInDepth});
@@ -329,6 +333,6 @@ TEST_CASE("the plan names the effect where colour shows it, and just there") {
   CHECK(planned(wall(surface(0, 0.5), kToward[0]), kShownInColor) == "metallic_roughness ");
 }
 
-TEST_CASE("the validation layer has nothing to say") { CHECK(device().validation_messages() == 0); }
+TEST_CASE("the validation layer reports nothing") { CHECK(device().validation_messages() == 0); }
 
 TEST_SUITE_END();

@@ -1,4 +1,4 @@
-// Normal maps against surfaces that are really tilted, and against tangent frames worked out in the test.
+// Normal maps against tilted surfaces, and against tangent frames that the test computes.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -17,11 +17,12 @@ namespace {
 
 constexpr double kAlbedo = 0.5, kLux = 3;
 
-// Relative to the light's irradiance. Normals of vertices are stored in 16 bits (1.5e-5 each way); directions in the
-// surface are differences between neighbouring pixels of places below 4 m, rounded to 2^-23 m, that lie 0.1 m apart.
+// Relative to the irradiance of the light. Vertex normals are stored in 16 bits (1.5e-5 in each direction). Directions
+// in the surface are differences between neighbouring pixels of places below 4 m, rounded to 2^-23 m, that lie 0.1 m
+// apart.
 constexpr double kDirection = 2 * 1.5e-5 + 4 * 0x1p-23 / 0.1;
 
-/// 1 x 1 texel, sampled as it is.
+/// One texel, sampled without filtering.
 std::shared_ptr<Texture> texel(const glm::ivec3& rgb) {
   auto texture = std::make_shared<Texture>(*four_texels());
   texture->width = 1;
@@ -32,7 +33,7 @@ std::shared_ptr<Texture> texel(const glm::ivec3& rgb) {
 
 constexpr glm::ivec3 kTilts[] = {{220, 128, 200}, {128, 40, 180}, {70, 190, 230}};
 
-// What a texel means, in the tangent frame.
+// The meaning of a texel in the tangent frame.
 glm::dvec3 tilt_of(const glm::ivec3& rgb, double scale = 1) {
   const glm::dvec3 t = glm::dvec3(rgb) / 255.0 * 2.0 - 1.0;
   return glm::normalize(glm::dvec3(t.x * scale, t.y * scale, t.z));
@@ -45,7 +46,7 @@ Material matte(const std::shared_ptr<const Texture>& normals = nullptr) {
   return material;
 }
 
-/// The rectangle of renderer_scene.h: u runs along +x, v along +y, outwards is -z.
+/// The rectangle of renderer_scene.h: u runs along +x, v along +y, and its front faces -z.
 RendererScene lit(const Mesh& mesh, const Material& material, const glm::dmat4& m, const glm::dvec3& toward) {
   RendererScene scene = scene_with_ambient(0);
   scene.add(mesh, material, m);
@@ -63,8 +64,8 @@ double lambert(const glm::dvec3& n, const glm::dvec3& toward) {
 
 const glm::dvec3 kToward[] = {{0, 0, -1}, glm::normalize(glm::dvec3(1, 0, -1)), glm::normalize(glm::dvec3(-1, 2, -2))};
 
-/// What it must look like: the normal `tilt` in the frame of u, -v and outwards of a mesh that `m` places, whose
-/// directions of growing u and v are these.
+/// Expected appearance: the normal `tilt` in the frame of u, -v and the outward normal of a mesh that `m` places. The
+/// other two vectors are its directions of growing u and v.
 glm::dvec3 expected_normal(const glm::dmat4& m, const glm::dvec3& u, const glm::dvec3& v, const glm::dvec3& tilt) {
   const glm::dmat3 linear(m);
   const glm::dvec3 n = glm::normalize(glm::transpose(glm::inverse(linear)) * glm::dvec3(0, 0, -1));
@@ -83,12 +84,12 @@ void check(double found, double expected) {
 
 }  // namespace
 
-TEST_CASE("a map of one tilt looks like a plane that is tilted") {
+TEST_CASE("a map with one tilt looks like a tilted plane") {
   Renderer renderer(device());
   for (const glm::ivec3& rgb : kTilts) {
     const glm::dvec3 tilt = tilt_of(rgb);
     const glm::dvec3 n(tilt.x, -tilt.y, -tilt.z);  // v points down, so -v is -y: up
-    // A turn that takes the rectangle's own normal there.
+    // A rotation that turns the rectangle's own normal to that direction.
     const glm::dvec3 axis = glm::cross(glm::dvec3(0, 0, -1), n);
     const glm::dmat4 turned = glm::rotate(at(0, 0, 2), std::atan2(glm::length(axis), -n.z), glm::normalize(axis));
     for (const glm::dvec3& toward : kToward) {
@@ -99,12 +100,12 @@ TEST_CASE("a map of one tilt looks like a plane that is tilted") {
   }
 }
 
-TEST_CASE("the frame follows the texture coordinates: turned, mirrored, sheared, by the mesh or by the material") {
+TEST_CASE("the frame follows texture coordinates that the mesh or the material turns, mirrors or shears") {
   Renderer renderer(device());
   const glm::dmat2 layouts[] = {{-1, 0, 0, 1}, {1, 0, 0, -1},     {0, 1, -1, 0},
                                 {0, 1, 1, 0},  {2, 0.5, 0, 0.25}, {-1, 0.3, 0.2, 2}};
   for (const glm::dmat2& uv_from_xy : layouts) {
-    // The directions in which u grows and v stays, and the other way round.
+    // The direction in which u grows at constant v, and the other way round.
     const glm::dmat2 xy_from_uv = glm::inverse(uv_from_xy);
     const glm::dvec3 u(xy_from_uv[0], 0), v(xy_from_uv[1], 0);
     Mesh mesh = rectangle(-5, -5, 5, 5);
@@ -120,7 +121,7 @@ TEST_CASE("the frame follows the texture coordinates: turned, mirrored, sheared,
   }
 }
 
-TEST_CASE("the frame follows the mesh: turned, mirrored, stretched, seen from behind") {
+TEST_CASE("the frame follows a mesh that is turned, mirrored, stretched or seen from behind") {
   Renderer renderer(device());
   for (const double stretch : {1.0, -2.0}) {
     for (const double turn : {0.7, kPi - 0.4}) {
@@ -139,7 +140,7 @@ TEST_CASE("the frame follows the mesh: turned, mirrored, stretched, seen from be
   }
 }
 
-TEST_CASE("the scale stretches x and y, below zero it turns relief inside out") {
+TEST_CASE("the scale stretches x and y; a negative scale inverts the relief") {
   Renderer renderer(device());
   for (const double scale : {0.5, 2.0, -1.0}) {
     Material material = matte(texel(kTilts[1]));
@@ -149,7 +150,7 @@ TEST_CASE("the scale stretches x and y, below zero it turns relief inside out") 
   }
 }
 
-TEST_CASE("where the picture is not laid out the surface stays flat, to the bit") {
+TEST_CASE("the surface stays flat to the bit where texture coordinates are degenerate") {
   Renderer renderer(device());
   Mesh mesh = rectangle(-5, -5, 5, 5);
   for (VertexAttributes& a : mesh.attributes) a.uv[0] = {0.3f, 0.6f};
@@ -159,22 +160,23 @@ TEST_CASE("where the picture is not laid out the surface stays flat, to the bit"
 
 TEST_CASE("highlights follow the relief") {
   Renderer renderer(device());
-  // A mirror-like wall that is tilted by the map so that it throws the light from `toward` into the eye.
+  // The map tilts a mirror-like wall so that it reflects the light from `toward` into the eye.
   const glm::ivec3 rgb(220, 128, 200);
   const glm::dvec3 t = tilt_of(rgb), n(t.x, -t.y, -t.z), eye(0, 0, -1), toward = 2 * glm::dot(n, eye) * n - eye;
   Material material = matte(texel(rgb));
   material.metallic = 1;
   material.roughness = 0.3f;
-  // At the mirror angle: D = 1 / (pi alpha^2), F = 0.5 + 0.5 (1 - cos)^5, G2 of glTF 2.0, appendix B.
+  // At the mirror angle: D = 1 / (pi alpha^2), F = 0.5 + 0.5 (1 - cos)^5, and G2 of glTF 2.0, appendix B.
   const double alpha = 0.3 * 0.3, cosine = glm::dot(n, eye);
   const double lambda = (std::sqrt(1 + alpha * alpha * (1 / (cosine * cosine) - 1)) - 1) / 2;
   const double fresnel = kAlbedo + (1 - kAlbedo) * std::pow(1 - cosine, 5);
   const double expected = kLux * fresnel / (kPi * alpha * alpha) / (1 + 2 * lambda) / (4 * cosine);
   const double found = seen(renderer, lit(rectangle(-5, -5, 5, 5), material, at(0, 0, 2), toward));
-  // At the top of the lobe a turn by e changes it by (e / alpha)^2; the rest is the Fresnel term's and the cosines'.
+  // At the top of the lobe a rotation by e changes it by (e / alpha)^2. The rest is due to the Fresnel term and the
+  // cosines.
   CHECK(std::abs(found / expected - 1) <= 2 * std::pow(kDirection / alpha, 2) + 8 * kDirection);
 }
 
-TEST_CASE("the validation layer has nothing to say") { CHECK(device().validation_messages() == 0); }
+TEST_CASE("the validation layer reports nothing") { CHECK(device().validation_messages() == 0); }
 
 TEST_SUITE_END();

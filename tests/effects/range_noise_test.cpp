@@ -1,4 +1,5 @@
-// Noise and rounding of ranges: the distribution of the noise, what it depends on and what it leaves alone; steps.
+// Noise and rounding of ranges: the distribution of the noise, its dependencies, the readings that it leaves unchanged,
+// and steps.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -16,10 +17,10 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-// Of a range of 1 m: far above the float32 grid there (1.2e-7 m), far below what would reach 0.
+// For a range of 1 m: far above the float32 grid there (1.2e-7 m), and far too small to reach 0.
 constexpr double kNoise_m = 0.02;
 
-// What the noise adds, in standard deviations.
+// The noise that is added, in standard deviations.
 std::vector<double> deviations(const std::string& attributes, float range_m, double sigma_m, std::uint64_t frame = 0) {
   const Scan scan = finished(effects_of(attributes), even_scan(range_m), frame);
   std::vector<double> z;
@@ -35,7 +36,7 @@ double mean_product(const std::vector<double>& a, const std::vector<double>& b, 
 
 }  // namespace
 
-TEST_CASE("the noise has the mean 0 and the variance of both its parts together") {
+TEST_CASE("the noise has mean 0 and the variance of both of its parts together") {
   struct Case {
     const char* attributes;
     double noise_m, noise_rel;
@@ -57,9 +58,9 @@ TEST_CASE("the noise has the mean 0 and the variance of both its parts together"
   }
 }
 
-TEST_CASE("the noise is Gaussian: chi-square over a hundred bins of one probability") {
+TEST_CASE("the noise is Gaussian: chi-square over a hundred equally probable bins") {
   constexpr std::size_t kBins = 100;
-  // Edges by bisection of the distribution, not by its inverse in a library.
+  // Edges by bisection of the distribution, independent of a library's inverse.
   std::array<double, kBins - 1> edges{};
   for (std::size_t i = 0; i < edges.size(); ++i) {
     double low = -4, high = 4;
@@ -76,7 +77,7 @@ TEST_CASE("the noise is Gaussian: chi-square over a hundred bins of one probabil
   constexpr double kExpected = static_cast<double>(kSamples) / kBins;
   double chi_square = 0;
   for (const double count : counts) chi_square += (count - kExpected) * (count - kExpected) / kExpected;
-  // Exceeded by one right generator in a million: the cube root is normal (Wilson and Hilferty, PNAS 17, 1931).
+  // One correct generator in a million exceeds this: the cube root is normal (Wilson and Hilferty, PNAS 17, 1931).
   constexpr double kFreedom = kBins - 1;
   const double critical =
       kFreedom * std::pow(1 - 2 / (9 * kFreedom) + kNormalQuantile * std::sqrt(2 / (9 * kFreedom)), 3);
@@ -85,7 +86,7 @@ TEST_CASE("the noise is Gaussian: chi-square over a hundred bins of one probabil
   CHECK(chi_square < critical);
 }
 
-TEST_CASE("beams, frames, sensors, seeds and effects have numbers of their own") {
+TEST_CASE("beams, frames, sensors, seeds and effects have different numbers") {
   const std::string attributes = R"(range_noise="0.02")";
   const std::vector<double> z = deviations(attributes, 1, kNoise_m);
   // A product of two independent standard normal numbers has the variance 1.
@@ -98,7 +99,7 @@ TEST_CASE("beams, frames, sensors, seeds and effects have numbers of their own")
     for (const float reading_m : other.range_m) others.push_back((static_cast<double>(reading_m) - 1) / kNoise_m);
     CHECK(std::abs(mean_product(z, others, 0)) <= bound);
   }
-  // What another effect loses is lost; the rest keep their noise.
+  // Beams that another effect loses stay lost, and the others keep their noise.
   const Scan whole = finished(effects_of(attributes), even_scan(1, 1000));
   const Scan rest = finished(effects_of(attributes + R"( dropout="0.5")"), even_scan(1, 1000));
   std::size_t kept = 0;
@@ -110,7 +111,7 @@ TEST_CASE("beams, frames, sensors, seeds and effects have numbers of their own")
   CHECK(std::abs(static_cast<double>(kept) - 500) <= binomial_bound(1000, 0.5));
 }
 
-TEST_CASE("0 and inf stay, no reading is below 0, bounds stay, and without noise there is no effect") {
+TEST_CASE("0 and inf stay, no reading is below 0, bounds stay, and zero noise is no effect") {
   Scan scan = even_scan(1, 1000);
   std::fill_n(scan.range_m.begin(), 20, 0.0f);
   scan.range_m[25] = kInfinity;
@@ -153,7 +154,7 @@ std::vector<float> ranges(const std::string& commands, bool only_last, std::uint
 
 }  // namespace
 
-TEST_CASE("neither other sensors nor frames that were left out change a bit") {
+TEST_CASE("neither other sensors nor skipped frames change a bit") {
   const std::vector<float> alone = ranges(kScanner, false);
   CHECK(ranges(kScanner, true) == alone);
   CHECK(ranges(kOthers + kScanner, false) == alone);
@@ -163,15 +164,21 @@ TEST_CASE("neither other sensors nor frames that were left out change a bit") {
 
 TEST_CASE("ranges are the nearest multiples of the step, and their bounds still hold") {
   constexpr std::uint32_t kRanges = 100'000;
-  // Steps that float64 has and has not exactly; either way the multiple is worked out in double and rounded once.
-  for (const auto& [attributes, step_m] : {std::pair{R"(range_resolution="0.25")", 0.25},
-                                           {R"(range_resolution="0.01")", 0.01},
-                                           {R"(range_resolution="3")", 3.0}}) {
+  // Steps that float64 represents exactly and steps that it does not. In both cases the multiple is computed in double
+  // and rounded once.
+  struct Resolution {
+    const char* attributes;
+    double step_m;
+  };
+  for (const Resolution& resolution : {Resolution{R"(range_resolution="0.25")", 0.25},
+                                       {R"(range_resolution="0.01")", 0.01},
+                                       {R"(range_resolution="3")", 3.0}}) {
+    const double step_m = resolution.step_m;
     CAPTURE(step_m);
     std::mt19937 random(1);
     Scan scan = even_scan(0, kRanges);
     for (float& range_m : scan.range_m) range_m = std::uniform_real_distribution<float>(0, 100)(random);
-    const Scan rounded = finished(effects_of(attributes), scan);
+    const Scan rounded = finished(effects_of(resolution.attributes), scan);
     std::uint64_t wrong = 0, lost = 0;
     for (std::uint32_t i = 0; i < kRanges; ++i) {
       const double range_m = scan.range_m[i], reading_m = rounded.range_m[i];
@@ -187,7 +194,7 @@ TEST_CASE("ranges are the nearest multiples of the step, and their bounds still 
   }
 }
 
-TEST_CASE("halves go up; 0, inf and what is a multiple already stay with their bounds") {
+TEST_CASE("halves are rounded up; 0, inf and exact multiples keep their bounds") {
   Scan scan = even_scan(0, 6);
   scan.range_m = {0, kInfinity, 0.25f, 0.75f, 1.5f, 0.125f};
   scan.error_bound_m.assign(6, 0.0625f);

@@ -1,4 +1,4 @@
-// The effect `returns`: which echoes become one, and what a scanner reports of a fence and of leaves.
+// The effect `returns`: which echoes are merged, and what a scanner reports of a fence and of leaves.
 #include "effects/scanner/returns.h"
 
 #include <doctest/doctest.h>
@@ -28,21 +28,21 @@ std::shared_ptr<const Returns> returns(ReturnChoice choice, double pulse_length_
   return std::make_shared<Returns>(choice, pulse_length_m);
 }
 
-TEST_CASE("echoes without a gap become one pulse: mean by power, sum of powers") {
+TEST_CASE("echoes without a gap become one pulse with the mean by power and the sum of powers") {
   const std::vector<Echo> two = merged({echo(5, 1), echo(6, 3)}, 1);
   REQUIRE(two.size() == 1);
   CHECK(two[0].range_m == 5.75);  // exact in double
   CHECK(two[0].power == 4);
   CHECK(merged({echo(5, 1), echo(6.001, 3)}, 1).size() == 2);
-  // A chain: no gap between neighbours, however long it is; then one farther on.
+  // A chain without gaps between neighbours is one pulse of any length. One more echo lies farther away.
   const std::vector<Echo> chain = merged({echo(5, 1), echo(5.5, 1), echo(6, 1), echo(6.5, 1), echo(8, 2)}, 0.5);
   REQUIRE(chain.size() == 2);
   CHECK(chain[0].range_m == 5.75);
   CHECK(chain[1].range_m == 8);
-  // Surfaces that return nothing at all, and one among others.
+  // Surfaces that return nothing: all of them, and one among others.
   CHECK(merged({echo(5, 0), echo(6, 0)}, 1)[0].range_m == 5.5);
   CHECK(merged({echo(5, 0), echo(6, 2)}, 1)[0].range_m == 6);
-  // Lone echoes stay as they are, to the bit, whatever the length; no length merges what is apart.
+  // Single echoes stay unchanged to the bit for every pulse length. No length merges separate echoes.
   const std::vector<Echo> lone = merged({echo(0.1, 0.3, 1e-9)}, 1e9);
   CHECK(lone[0].range_m == 0.1);
   CHECK(lone[0].error_bound_m == 1e-9);
@@ -50,8 +50,9 @@ TEST_CASE("echoes without a gap become one pulse: mean by power, sum of powers")
   CHECK(merged({}, 1).empty());
 }
 
-// True ranges and powers, and echoes that are off as their bounds allow: the mean of the latter keeps its bound.
-TEST_CASE("the bound of a pulse holds for all that its echoes may be off") {
+// True ranges and powers, and echoes that deviate by up to their bounds: the mean of the deviating echoes stays within
+// its bound.
+TEST_CASE("the bound of a pulse covers all allowed errors of its echoes") {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> unit(0, 1);
   double worst = 0;
@@ -64,7 +65,7 @@ TEST_CASE("the bound of a pulse holds for all that its echoes may be off") {
       const double true_m = start_m + unit(random), reflectance = unit(random);
       power += reflectance / (true_m * true_m);
       moment += reflectance / true_m;
-      // Worst where near ones are off one way and far ones the other: all corners come up.
+      // The worst case is near echoes off in one direction and far ones in the other: all corners are tried.
       const double off_m = error_m * (static_cast<int>(random() % 3) - 1);
       const double seen = reflectance * (1 + 0x1p-24 * (static_cast<int>(random() % 3) - 1));
       echoes.push_back(echo(true_m + off_m, seen / std::pow(true_m + off_m, 2), error_m));
@@ -79,7 +80,7 @@ TEST_CASE("the bound of a pulse holds for all that its echoes may be off") {
   CHECK(worst <= 1);
 }
 
-TEST_CASE("which return is reported, and how many there are") {
+TEST_CASE("which return is reported, and the number of returns") {
   const std::vector<Echo> echoes{echo(3, 1), echo(5, 4), echo(9, 2)};
   const ScanContext moment = moment_of(2);
   const auto choice = [&](ReturnChoice choice) {
@@ -94,7 +95,7 @@ TEST_CASE("which return is reported, and how many there are") {
   Echo none;
   CHECK_FALSE(returns(ReturnChoice::first)->detect(moment, 0, {}, none));
   CHECK(std::isinf(none.range_m));
-  // What lies beyond range_max counts only where there is nothing else, and then as a miss.
+  // Surfaces beyond range_max count only if there is no other surface, and then as a miss.
   DrawList list;
   add_item(list, plate_mesh(50, {-5, -5}, {5, 5}), glm::dmat4(1));
   ScanContext near = moment;
@@ -113,8 +114,9 @@ TEST_CASE("which return is reported, and how many there are") {
   CHECK(seen() == std::pair(50.0, 1.0));
 }
 
-// Bars of 2 cm every 6 cm, 5 m away, before a wall at 9 m; the beam's footprint is 20 cm across and shows several.
-TEST_CASE("through a fence: first the bars, last the wall, in shares of the closed form") {
+// Bars of 2 cm every 6 cm, 5 m away, in front of a wall at 9 m. The footprint of the beam is 20 cm wide and covers
+// several bars.
+TEST_CASE("through a fence, the first return is the bars and the last one the wall, in shares of the closed form") {
   constexpr double kBars_m = 5, kWall_m = 9, kWidth_m = 0.02, kPitch_m = 0.06, kSpread = 0.02;
   constexpr std::uint32_t kSamples = 512;
   const std::size_t kBeams = 300 / kFewer;
@@ -139,8 +141,8 @@ TEST_CASE("through a fence: first the bars, last the wall, in shares of the clos
       CHECK(each.range_m <= expected_m * longer);
       powers.add(each.power * expected_m * expected_m);
     }
-    // The mean over turns is that of the midpoint rule, once for either edge of every bar that is in the footprint
-    // (see beam_divergence_test): 7 of them at most.
+    // The mean over turns is that of the midpoint rule, once for each edge of every bar in the footprint (see
+    // beam_divergence_test). At most 7 bars are in it.
     const double tolerance = 7.0 / kSamples + kSigmas * powers.standard_error() + (1 - std::pow(longer, -3));
     MESSAGE("at " << expected_m << " m: share " << powers.mean() << ", expected " << share);
     CHECK(std::abs(powers.mean() - share) <= tolerance);
@@ -155,8 +157,8 @@ TEST_CASE("through a fence: first the bars, last the wall, in shares of the clos
 constexpr double kLeaves_m = 3, kBehind_m = 6;
 constexpr int kTexels = 16;
 
-/// A curtain of 2 m x 2 m before a wall. Texels have the alphas 1, 0.6, 0.4 and 0, as many of each; those of 0.5 and
-/// more make a checker board.
+/// A curtain of 2 m x 2 m in front of a wall. Equal numbers of texels have the alphas 1, 0.6, 0.4 and 0. Texels of 0.5
+/// and more form a checkerboard.
 DrawList leaves(float opacity, float cutoff) {
   DrawList list;
   add_item(list, plate_mesh(kBehind_m, {-4, -4}, {4, 4}), glm::dmat4(1));
@@ -188,7 +190,7 @@ DrawList leaves(float opacity, float cutoff) {
   return list;
 }
 
-/// Towards places of the curtain, evenly at random.
+/// Directions to random points of the curtain, uniformly distributed.
 std::vector<glm::dvec3> into_leaves(std::size_t count, double half_m) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> place(-half_m, half_m);
@@ -202,11 +204,11 @@ std::vector<glm::dvec3> into_leaves(std::size_t count, double half_m) {
 
 struct Cover {
   float opacity, cutoff;
-  double share;  // of texels that are met
+  double share;  // of texels that are hit
 };
 constexpr Cover kCovers[] = {{1, 0.3f, 0.75}, {1, 0.5f, 0.5}, {0.6f, 0.5f, 0.5}, {1, 0.7f, 0.25}, {0.4f, 0.3f, 0}};
 
-TEST_CASE("a million beams through leaves: as many pass as the holes are large") {
+TEST_CASE("the share of a million beams that pass through leaves is the area of the holes") {
   const std::size_t beams = 1000000 / kFewer;
   const std::vector<glm::dvec3> directions = into_leaves(beams, 1);
   const Cover cover = kCovers[1];
@@ -221,9 +223,10 @@ TEST_CASE("a million beams through leaves: as many pass as the holes are large")
   CHECK(std::abs(share - cover.share) <= tolerance);
 }
 
-// The brute force: rays of its own, at random over the same cones, by the plain caster.
-TEST_CASE("wide beams through leaves against a count by the plain caster, at several opacities") {
-  constexpr double kSpread = 0.01;  // 6 cm across at the leaves, whose texels are of 12.5 cm: some beams meet one kind
+// Brute force: independent random rays over the same cones, cast by the plain caster.
+TEST_CASE("wide beams through leaves agree with counts by the plain caster at several opacities") {
+  constexpr double kSpread =
+      0.01;  // 6 cm wide at the leaves, whose texels are 12.5 cm wide: some beams hit one kind only
   constexpr std::uint32_t kSamples = 32;
   const std::size_t beams = 4000 / kFewer;
   const std::vector<glm::dvec3> axes = into_leaves(beams, 0.85);
@@ -247,7 +250,8 @@ TEST_CASE("wide beams through leaves against a count by the plain caster, at sev
       caster->cast(glm::dmat4(1), rays, hits);
       const auto met = std::ranges::count_if(hits, [](const RayHit& hit) { return hit.item == 1; });
       brute_met.add(static_cast<double>(met) / kSamples);
-      // Of a beam's rays not all met the same: how many beams have two returns. Rays at random find a little less.
+      // The number of beams with two returns: beams whose rays do not all hit the same. Random rays find slightly
+      // fewer.
       brute_both.add(met > 0 && met < kSamples);
     }
     const auto probe = std::make_shared<Probe>();
@@ -260,20 +264,20 @@ TEST_CASE("wide beams through leaves against a count by the plain caster, at sev
       const auto near = std::ranges::count_if(probe->echoes[beam], [](const Echo& e) { return e.range_m < 4.5; });
       met.add(static_cast<double>(near) / kSamples);
       both.add(first[beam].returns == 2);
-      // Leaves and wall are 3 m apart or more, and more than a pulse.
+      // The distance of 3 m or more between leaves and wall is longer than a pulse.
       CHECK((first[beam].range_m < 4.5) == (near > 0));
       CHECK((last[beam].range_m > 4.5) == (near < static_cast<std::ptrdiff_t>(kSamples)));
       CHECK(first[beam].returns == last[beam].returns);
     }
     MESSAGE("opacity " << cover.opacity << ", cutoff " << cover.cutoff << ": met " << met.mean() << ", counted "
                        << brute_met.mean() << "; two returns " << both.mean() << ", counted " << brute_both.mean());
-    // Both see the same axes, but are taken to be independent: so much the wider.
+    // Both use the same axes but are treated as independent, which only widens the tolerance.
     const double tolerance = kSigmas * std::hypot(met.standard_error(), brute_met.standard_error());
     CHECK(std::abs(met.mean() - brute_met.mean()) <= tolerance);
-    // A pattern that is spread out finds slivers more often than rays at random do, which miss a part of the area a
-    // with (1 - a)^32: never less often, but for chance.
+    // An evenly spread pattern finds slivers more often than random rays do, which miss an area share a with
+    // probability (1 - a)^32. It finds them never less often, apart from chance.
     CHECK(both.mean() >= brute_both.mean() - kSigmas * std::hypot(both.standard_error(), brute_both.standard_error()));
-    // The axes cover as much of each kind of texel.
+    // The axes cover equal areas of each kind of texel.
     CHECK(std::abs(brute_met.mean() - cover.share) <= kSigmas * brute_met.standard_error());
   }
 }

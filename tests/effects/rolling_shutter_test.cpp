@@ -1,4 +1,4 @@
-// A camera that moves past a vertical edge while its rows are exposed: how the edge slants.
+// A camera that moves past a vertical edge while its rows are exposed: the slant of the edge.
 #include "effects/camera/rolling_shutter.h"
 
 #include <doctest/doctest.h>
@@ -18,10 +18,10 @@ namespace {
 
 constexpr std::uint32_t kWidth_px = 200, kHeight_px = 120;
 constexpr double kFocal_px = 150, kFar_m = 3, kSpeed_m_s = 4, kPeriod_s = 0.1, kRow_s = 6e-4;
-// Vertices are snapped to 1/256 pixel, and rounded on the way there: nearer to the edge a pixel may be on either side.
+// Vertices are snapped to 1/256 pixel, after some rounding. A pixel closer to the edge than this may be on either side.
 constexpr double kSnap_px = 0.01;
 
-// A bright plate whose left edge stands straight before where the camera will be in the middle of its way.
+// A bright plate. Its vertical left edge is straight ahead of the camera's position half way along its path.
 const double kEdge_m = kSpeed_m_s * kPeriod_s / 2;
 
 test::RendererScene plate() {
@@ -64,7 +64,7 @@ struct Barrel : CameraEffect {
   }
 };
 
-// The camera at rest at time 0, and at time kPeriod_s where it has moved to the right.
+// The camera is at rest at time 0 and has moved to the right at time kPeriod_s.
 struct Journey {
   test::RendererScene scene = plate();
   Renderer renderer{test::device()};
@@ -79,7 +79,7 @@ struct Journey {
   }
 };
 
-// Where the camera stands to the right of its start when a row is exposed in the frame at kPeriod_s.
+// Displacement of the camera to the right when a row of the frame at kPeriod_s is exposed.
 double moved_m(std::uint32_t row, std::uint32_t rows_per_pose) {
   const std::uint32_t first = row / rows_per_pose * rows_per_pose;
   const std::uint32_t last = std::min(first + rows_per_pose, kHeight_px) - 1;
@@ -94,11 +94,11 @@ double first_bright(const Image& image, std::uint32_t row) {
 
 }  // namespace
 
-TEST_CASE("poses between two go along a line and turn about one axis") {
+TEST_CASE("poses between two poses lie on a line and turn about one axis") {
   const glm::dmat4 a = to_matrix({{1, 2, 3}, 0, 0, 0.2}), b = to_matrix({{3, 0, 3}, 0, 0, 1.0});
   const auto check = [&](double share, const glm::dmat4& expected) {
     const glm::dmat4 pose = pose_between(a, b, share);
-    for (int i = 0; i < 4; ++i) CHECK(glm::length(pose[i] - expected[i]) <= 1e-14);  // some sixty roundings near 1
+    for (int i = 0; i < 4; ++i) CHECK(glm::length(pose[i] - expected[i]) <= 1e-14);  // about sixty roundings near 1
   };
   check(0, a);
   check(1, b);
@@ -106,7 +106,7 @@ TEST_CASE("poses between two go along a line and turn about one axis") {
   check(-0.5, to_matrix({{0, 3, 3}, 0, 0, -0.2}));
 }
 
-TEST_CASE("a vertical edge slants as each row's time says") {
+TEST_CASE("a vertical edge is slanted by the exposure time of each row") {
   for (const std::uint32_t rows_per_pose : {1u, 7u}) {
     CAPTURE(rows_per_pose);
     Camera camera("C", desc({shutter(rows_per_pose)}));
@@ -126,14 +126,14 @@ TEST_CASE("a vertical edge slants as each row's time says") {
       }
       const double seen = first_bright(*camera.color(), row);
       wrong += seen != expected;
-      // Depth in metres along Z: corners up to 30 m away, in float32, some roundings.
+      // Depth in metres along Z: corners up to 30 m away, in float32, with several roundings.
       const float depth_m = camera.depth()->pixels[row * kWidth_px + static_cast<std::size_t>(seen) + 1];
       deep += std::abs(static_cast<double>(depth_m) - kFar_m) > 16 * 30 * 0x1p-24;
     }
     CHECK(wrong == 0);
     CHECK(deep == 0);
     CHECK(unclear < kHeight_px / 10);
-    // Over the image the edge moves by the way of all its rows.
+    // Over the image the edge moves by the motion during all rows.
     const double slant_px = kFocal_px * kSpeed_m_s * (kHeight_px - 1) * kRow_s / kFar_m;
     const double seen_px = first_bright(*camera.color(), 0) - first_bright(*camera.color(), kHeight_px - 1);
     CHECK(std::abs(seen_px - slant_px) <= 1 + (rows_per_pose - 1) * slant_px / (kHeight_px - 1));
@@ -141,7 +141,7 @@ TEST_CASE("a vertical edge slants as each row's time says") {
   CHECK(test::device().validation_messages() == 0);
 }
 
-TEST_CASE("through a lens the slanted edge is bent as well") {
+TEST_CASE("a lens bends the slanted edge as well") {
   Camera camera("C", desc({{find_effect_type("lens_distortion"), std::make_shared<Barrel>()}, shutter(4)}));
   Journey journey;
   journey.take(camera, 0);
@@ -157,14 +157,14 @@ TEST_CASE("through a lens the slanted edge is bent as well") {
       (lens.pixel({x_m, y_m, kFar_m}).y < row + 0.5 ? low : high) = y_m;
     }
     const double edge_px = lens.pixel({x_m, low, kFar_m}).x;
-    // A pixel is as bright as interpolation between the two rendered pixels beside the edge makes it: half a rendered
-    // pixel off, and half an own one for its place.
+    // The brightness of a pixel is interpolated between the two rendered pixels beside the edge: an error of half a
+    // rendered pixel, and half an image pixel for its position.
     wrong += std::abs(first_bright(*camera.color(), row) - (edge_px - 0.5) - 0.5) > 0.5 + 0.75 / Barrel::kOversampling;
   }
   CHECK(wrong == 0);
 }
 
-TEST_CASE("a frame that is tried again is not its own past") {
+TEST_CASE("a frame that is repeated is not its own predecessor") {
   Camera camera("C", desc({shutter(8)}));
   Journey journey;
   journey.take(camera, 0);

@@ -1,4 +1,4 @@
-// Effects on where beams go, off: the bytes and counters of a scanner that never names them.
+// Effects on beam directions that are off: bytes and counters equal those of a scanner that never names them.
 #include <doctest/doctest.h>
 
 #include <simvis/effect.h>
@@ -43,7 +43,7 @@ Seen see(std::string_view attributes) {
   return seen;
 }
 
-TEST_CASE("named without effect, they cost nothing and change nothing; on, they cast every beam") {
+TEST_CASE("effects that are named but off cost nothing and change nothing; effects that are on cast every beam") {
   const std::string planar = R"(method="planar" )";
   const Seen plain = see(planar);
   for (const char* const name : {"angular_noise", "beam_divergence", "returns", "sweep_motion"}) {
@@ -68,7 +68,7 @@ TEST_CASE("named without effect, they cost nothing and change nothing; on, they 
   }
 }
 
-TEST_CASE("a method that renders cannot show them") {
+TEST_CASE("methods that render cannot show these effects") {
   CHECK(contains(error_of([] { see(R"(method="planar" sweep="0.01")"); }), "cannot show \"sweep_motion\""));
 }
 

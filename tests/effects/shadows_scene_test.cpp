@@ -1,5 +1,4 @@
-// The attribute shadows of the element light in whole scenes: what it refuses, and what it costs where none can be
-// seen.
+// The attribute shadows of the element light in whole scenes: errors, and its cost where no shadow is visible.
 #include <doctest/doctest.h>
 
 #include "simvis/report/explain.h"
@@ -11,7 +10,7 @@ TEST_SUITE_BEGIN("effects");
 namespace simvis::test {
 namespace {
 
-// A wall at x = 4 with a plate before it, and these sensors.
+// A wall at x = 4 with a plate in front of it, and these sensors.
 World shaded_wall(const std::string& light, const std::string& sensors) {
   GltfBuilder file;
   const int paint = file.append("materials", painted("Paint", glm::vec4(1)));
@@ -28,11 +27,11 @@ const std::string kScanner =
 const std::string kDepthCamera =
     R"(<sensor type="camera" name="CAM" insert_at="ROOT" width="9" height="9" hfov="60" outputs="depth"/>)";
 
-TEST_CASE("a plate keeps the light from the wall behind it") {
-  // From (0, 3, 0) the plate, y from -0.5 to 0.5 m half way to the wall, shades y from -4 to -2 m there.
+TEST_CASE("a plate shades the wall behind it") {
+  // Seen from (0, 3, 0), the plate (y from -0.5 to 0.5 m, half way to the wall) shades y from -4 to -2 m there.
   World world = shaded_wall(R"(y="3" intensity="50" shadows="yes" shadow_resolution="256")", kCamera);
   World bright = shaded_wall(R"(y="3" intensity="50")", kCamera);
-  // At 4 m the pixels of the middle row are 4 * tan(30 deg) * 2 / 9 = 0.513 m apart; pixel 8 stands at y = -2.05 m.
+  // At 4 m the pixels of the middle row are 4 * tan(30 deg) * 2 / 9 = 0.513 m apart; pixel 8 is at y = -2.05 m.
   CHECK(world.color(8, 4) == glm::dvec3(0));
   CHECK(bright.color(8, 4).r > 0);
   for (const int x : {0, 4, 7}) CHECK(world.color(x, 4) == bright.color(x, 4));
@@ -40,7 +39,7 @@ TEST_CASE("a plate keeps the light from the wall behind it") {
                  "pass shadow maps: 768 x 512, shadow maps"));
 }
 
-TEST_CASE("where only depth and ranges are taken, shadows cost nothing and change nothing") {
+TEST_CASE("shadows cost nothing and change nothing where only depth and ranges are measured") {
   const std::string lamp = R"(y="3" intensity="50")";
   World with = shaded_wall(lamp + R"( shadows="yes")", kScanner + kDepthCamera);
   World without = shaded_wall(lamp, kScanner + kDepthCamera);
@@ -54,7 +53,7 @@ TEST_CASE("where only depth and ranges are taken, shadows cost nothing and chang
   }
 }
 
-TEST_CASE("shadows=\"no\" is as if it had not been said") {
+TEST_CASE("shadows=\"no\" equals no attribute") {
   World off = shaded_wall(R"(y="3" intensity="50" shadows="no")", kCamera);
   World unsaid = shaded_wall(R"(y="3" intensity="50")", kCamera);
   off->step();

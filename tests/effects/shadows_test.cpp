@@ -1,4 +1,4 @@
-// Shadows of lights: which points of a floor are lit, against rays cast here in double.
+// Shadows of lights: the lit points of a floor, compared with rays cast here in double.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -18,12 +18,13 @@ TEST_SUITE_BEGIN("effects");
 namespace simvis::test {
 namespace {
 
-// An edge is decided at the centres of square texels: nothing is farther from one than this, in texels.
+// The side of an edge is decided at the centres of square texels, and no point is farther from a centre than this, in
+// texels.
 constexpr double kEdge_texels = std::numbers::sqrt2 / 2;
-// Where the caster stands on what it shades, the texel's centre may be taken as lit as long as the light has gone on
-// for less than the caster's plane is deep in the texel: as much again.
+// Where the caster stands on the surface that it shades, the centre of a texel may count as lit along the light for the
+// depth of the caster's plane within the texel: the same length again.
 constexpr double kContact_texels = 2 * kEdge_texels;
-// What is within a radius of a point is looked at in so many directions around it. A right angle that reaches between
+// The neighbourhood of a point within a radius is sampled in this many directions. A right angle that reaches between
 // two of them comes no nearer than 1 - sin(pi / 16) of the radius.
 constexpr int kDirections = 16;
 const double kWidening = 1 / (1 - std::sin(kPi / kDirections));
@@ -36,12 +37,12 @@ struct Block {
   glm::dvec3 low, high;
 };
 
-// The floor z = 0 with blocks on or over it, lit by one light and seen from straight above, at `origin` of the world.
+// The floor z = 0 with blocks on or above it, lit by one light and seen from straight above, at `origin` of the world.
 struct Floor {
   std::vector<Block> blocks{};
   Light light{};
   glm::dvec3 place{0};   // of the light
-  glm::dvec3 origin{0};  // what the rest is relative to
+  glm::dvec3 origin{0};  // the rest is relative to it
   std::uint32_t supersampling = 1, msaa = 1;
 
   RendererScene scene() const {
@@ -83,9 +84,9 @@ std::vector<glm::vec4> picture_without(RendererScene scene, const FramePlan& pla
   return picture(scene, plan);
 }
 
-// Whether the way from `point` along `way` meets a block before it ends.
+// Whether the segment from `point` along `way` hits a block.
 bool blocked(const std::vector<Block>& blocks, const glm::dvec3& point, const glm::dvec3& way) {
-  constexpr double kStart = 1e-9;  // of the way: beyond the rounding of a point on a block's face
+  constexpr double kStart = 1e-9;  // of the segment: beyond the rounding of a point on a block's face
   return std::ranges::any_of(blocks, [&](const Block& block) {
     double first = kStart, last = 1;
     for (int i = 0; i < 3; ++i) {
@@ -107,7 +108,7 @@ glm::dvec3 to_light(const Floor& floor, const glm::dvec3& point) {
   return floor.light.kind == LightKind::directional ? -kFar_m * floor.light.direction : floor.place - point;
 }
 
-// The point of the floor that a map sees at a place of its image.
+// The point of the floor that a map sees at a place in its image.
 glm::dvec3 on_floor(const Floor& floor, const View& map, const glm::dvec2& uv) {
   const glm::dmat4 world_from_map = glm::inverse(map.view_from_world);
   const glm::dvec2 xy((uv.x - map.pinhole.cx_px) / map.pinhole.fx_px, (uv.y - map.pinhole.cy_px) / map.pinhole.fy_px);
@@ -123,7 +124,7 @@ glm::dvec2 in_map(const Floor& floor, const View& map, const glm::dvec3& point) 
   return {map.pinhole.cx_px + map.pinhole.fx_px * p.x / w, map.pinhole.cy_px + map.pinhole.fy_px * p.y / w};
 }
 
-// The side of a cube that a point lies before; or the only map there is.
+// The side of the cube that contains a point, or the only map.
 const View& map_of(const Floor& floor, const Pass& maps, const glm::dvec3& point) {
   return *std::ranges::max_element(maps.views, {}, [&](const View& map) {
     const glm::dvec4 seen = map.view_from_world * glm::dvec4(point + floor.origin, 1);
@@ -136,7 +137,7 @@ struct Outcome {
   int wrong_near_edges = 0;
 };
 
-// Holds each pixel against the truth, unless that changes within `radius` texels.
+// Compares each pixel with the truth, unless the truth changes within `radius` texels.
 Outcome examine(const Floor& floor, double radius_texels) {
   const RendererScene scene = floor.scene();
   const FramePlan plan = with_shadows(scene, floor.plan());
@@ -148,7 +149,7 @@ Outcome examine(const Floor& floor, double radius_texels) {
     for (std::uint32_t x = 0; x < kSide_px; ++x) {
       const double half = kSide_px / 2.0;
       const glm::dvec3 point((x + 0.5 - half) / half * kHeight_m, (half - y - 0.5) / half * kHeight_m, 0);
-      if (blocked(floor.blocks, eye, 1.001 * (point - eye))) continue;  // a block is seen
+      if (blocked(floor.blocks, eye, 1.001 * (point - eye))) continue;  // a block is visible
       const View& map = map_of(floor, plan.passes[1], point);
       const bool truth = blocked(floor.blocks, point, to_light(floor, point));
       bool near_edge = false;
@@ -159,7 +160,7 @@ Outcome examine(const Floor& floor, double radius_texels) {
         near_edge = blocked(floor.blocks, other, to_light(floor, other)) != truth;
       }
       const glm::vec4 &pixel = seen[y * kSide_px + x], &lit = bright[y * kSide_px + x];
-      // What is lit is lit to the bit as without shadows; what is not shows the ambient light alone.
+      // A lit pixel is equal to the bit to the picture without shadows. A shaded one shows the ambient light alone.
       const bool as_it_should = truth ? pixel.r == static_cast<float>(kAmbient) : pixel == lit;
       if (near_edge) {
         ++outcome.near_edges;
@@ -184,8 +185,8 @@ void check_edges(Floor floor, double radius_texels) {
     CHECK(outcome.wrong == 0);
     CHECK(outcome.dark + outcome.near_edges > 50);
     CHECK(outcome.lit > 1000);
-    // The coarsest is wrong somewhere. With a quarter of the texel, a quarter of the band may be: half, as it is
-    // counted in pixels.
+    // The coarsest map is wrong somewhere. A quarter of the texel allows a quarter of the band; half is allowed because
+    // the count is in pixels.
     if (px == 32) CHECK(outcome.wrong_near_edges > 0);
     if (px > 32) CHECK(outcome.near_edges < before / 2);
     before = outcome.near_edges;
@@ -202,13 +203,13 @@ Light sun(double azimuth_deg, double elevation_deg, std::uint32_t px = 256) {
 
 const Block kLifted{{-1, -0.7, 0.5}, {0.6, 0.9, 1.3}}, kStanding{{-1, -0.7, 0}, {0.6, 0.9, 1.1}};
 
-TEST_CASE("directional light: the shadow of a box ends where its rays do, to half a texel") {
+TEST_CASE("directional light: the shadow of a box ends where its rays do, within half a texel") {
   check_edges({.blocks = {kLifted}, .light = sun(30, 45)}, kEdge_texels);
   check_edges({.blocks = {kLifted}, .light = sun(-100, 70)}, kEdge_texels);
   check_edges({.blocks = {kStanding}, .light = sun(75, 35)}, kContact_texels);
 }
 
-TEST_CASE("spot light: likewise, through one map or, where its cone is wide, through a cube") {
+TEST_CASE("spot light: the same, through one map or, for a wide cone, through a cube") {
   Floor floor{.blocks = {kLifted},
               .light = {.kind = LightKind::spot, .intensity = 40, .inner_cone_rad = 0.9, .outer_cone_rad = 1.0},
               .place = {-1.5, 1, 4}};
@@ -221,15 +222,15 @@ TEST_CASE("spot light: likewise, through one map or, where its cone is wide, thr
   check_edges(floor, kContact_texels);
 }
 
-TEST_CASE("point light: likewise, to all sides") {
+TEST_CASE("point light: the same, in all directions") {
   check_edges({.blocks = {kLifted, {{2, -3, 0.3}, {3, 2, 0.9}}, {{-4, -4, 1}, {-3, -2, 1.5}}},
                .light = {.kind = LightKind::point, .intensity = 30},
                .place = {0.3, -0.2, 2}},
               kEdge_texels);
 }
 
-TEST_CASE("far from the origin shadows stand as they do near it") {
-  // Places there are known to 2e-9 m.
+TEST_CASE("shadows far from the origin are the same as near it") {
+  // Places there have a resolution of 2e-9 m.
   for (const glm::dvec3& origin : {glm::dvec3(1e7, -1e7, 0), glm::dvec3(-3e6, 2e5, 1e7)}) {
     for (Floor floor : {Floor{.blocks = {kStanding}, .light = sun(75, 35)},
                         Floor{.blocks = {kStanding},
@@ -241,14 +242,14 @@ TEST_CASE("far from the origin shadows stand as they do near it") {
   }
 }
 
-TEST_CASE("what stands outside the picture casts its shadow into it") {
+TEST_CASE("objects outside the picture cast their shadows into it") {
   const Floor floor{.blocks = {{{7, -1, 0}, {8, 1, 6}}}, .light = sun(0, 30)};
   const Outcome outcome = examine(floor, kContact_texels);
   CHECK(outcome.wrong == 0);
   CHECK(outcome.dark > 500);
 }
 
-TEST_CASE("no surface shades itself: grazing light on planes is to the bit what it is without shadows") {
+TEST_CASE("no surface shades itself: grazing light on planes equals the picture without shadows to the bit") {
   for (const double elevation : {0.3, 2.0, 20.0, 89.0}) {
     for (const double azimuth : {0.0, 33.0, 200.0}) {
       CAPTURE(elevation);
@@ -261,7 +262,7 @@ TEST_CASE("no surface shades itself: grazing light on planes is to the bit what 
   }
 }
 
-// Two planes that meet at x = 0, rising by these angles to the left and to the right, seen from above.
+// Two planes that meet at x = 0 and rise by these angles to the left and to the right, seen from above.
 RendererScene folded(double left_deg, double right_deg, const Light& light) {
   RendererScene scene = scene_with_ambient(kAmbient);
   for (const double side : {-1.0, 1.0}) {
@@ -276,8 +277,8 @@ RendererScene folded(double left_deg, double right_deg, const Light& light) {
   return scene;
 }
 
-TEST_CASE("planes that meet do not shade each other where light falls on both: in a valley, on a ridge") {
-  // Elevations of the light that are above both planes.
+TEST_CASE("planes that meet in a valley or on a ridge do not shade each other where light falls on both") {
+  // Elevations of the light above both planes.
   const struct {
     double left_deg, right_deg, elevation_deg;
   } folds[] = {{0, 60, 100}, {45, 45, 80}, {30, 80, 95}, {-50, -20, 52}, {-60, -60, 119}, {-80, 0, 82}, {0, -40, 100}};
@@ -298,7 +299,7 @@ TEST_CASE("planes that meet do not shade each other where light falls on both: i
   }
 }
 
-TEST_CASE("a lamp in the eye lights all that is seen, across the seams of its cube") {
+TEST_CASE("a lamp at the eye lights all visible surfaces, across the seams of its cube") {
   RendererScene scene = scene_with_ambient(kAmbient);
   Material wall = colored({1, 1, 1, 1});
   wall.double_sided = true;
@@ -319,8 +320,8 @@ TEST_CASE("a lamp in the eye lights all that is seen, across the seams of its cu
     const PassResult result = renderer.render(scene.list, shaded)[0];
     const std::vector<glm::vec4> seen = copy(result.color);
     const std::vector<float> depth = copy(result.depth);
-    // A texel's centre may meet what a pixel in it does not, half a texel away: 0.02 / sqrt(2) of the focal length in
-    // the middle of a side, thrice that in the corner of a picture of 90 degrees.
+    // The centre of a texel may hit a surface that a pixel in it, half a texel away, does not: 0.02 / sqrt(2) of the
+    // focal length in the middle of a side, three times that in the corner of a picture of 90 degrees.
     constexpr int kNear_px = 3;
     static_assert(kNear_px > 3 * 0.02 * std::numbers::sqrt2 / 2 * kSide_px / 2);
     for (int y = 0; y < int{kSide_px}; ++y) {
@@ -341,13 +342,13 @@ TEST_CASE("a lamp in the eye lights all that is seen, across the seams of its cu
   }
 }
 
-// A plate over the floor, of this material, in steep light: how much of its shadow's square is dark.
+// A plate of this material above the floor in steep light: the dark share of its shadow's square.
 std::vector<bool> shadow_of(const Material& material) {
   Floor floor{.light = sun(0, 60, 512)};
   RendererScene scene = floor.scene();
   scene.add(rectangle(-1, -1, 1, 1), material, at(0, 0, 1));
   const std::vector<glm::vec4> seen = picture(scene, with_shadows(scene, floor.plan()));
-  // The middles of the texture's four columns, carried down along the light by the plate's height.
+  // The centres of the texture's four columns, projected along the light over the height of the plate.
   std::vector<bool> dark;
   for (int column = 0; column < 4; ++column) {
     const double x = -0.75 + 0.5 * column - 1 / std::tan(60 * kPi / 180), y = -0.9;
@@ -359,7 +360,7 @@ std::vector<bool> shadow_of(const Material& material) {
   return dark;
 }
 
-TEST_CASE("masks cast their holes, blended surfaces a shadow from half cover on") {
+TEST_CASE("masked surfaces cast shadows with holes, blended ones cast a shadow from half coverage on") {
   using Dark = std::vector<bool>;
   Material plate = colored({1, 1, 1, 1});
   CHECK(shadow_of(plate) == Dark{true, true, true, true});
@@ -376,7 +377,7 @@ TEST_CASE("masks cast their holes, blended surfaces a shadow from half cover on"
   CHECK(shadow_of(plate) == Dark{false, false, false, false});
 }
 
-TEST_CASE("the order of lights and items does not matter; several samples a pixel see shadows too") {
+TEST_CASE("the order of lights and items does not matter, and multisampled pixels show shadows too") {
   Floor floor{.blocks = {kStanding, {{2, -3, 0.3}, {3, 2, 0.9}}}, .light = sun(75, 35)};
   RendererScene scene = floor.scene();
   scene.add_light({.kind = LightKind::point, .intensity = 30, .shadow_px = 128}, at(-2, 3, 3));
@@ -390,7 +391,7 @@ TEST_CASE("the order of lights and items does not matter; several samples a pixe
   floor.supersampling = 2;
   floor.msaa = device().target_limits().msaa.back();
   const std::vector<glm::vec4> mean = picture(scene, with_shadows(scene, floor.plan()));
-  // The mean of sixteen: rounding. Only pixels with an edge in them differ by more.
+  // The mean of sixteen samples adds rounding. Only pixels that contain an edge differ by more.
   constexpr float kRounding = 1e-5f;
   const auto apart = [&](std::size_t i) { return std::abs(mean[i].r - seen[i].r) > kRounding + 0.02f * seen[i].r; };
   std::size_t edges = 0;
@@ -399,7 +400,7 @@ TEST_CASE("the order of lights and items does not matter; several samples a pixe
   CHECK(edges < seen.size() / 20);
 }
 
-TEST_CASE("the texels of a directional light stand still in the world while the camera moves") {
+TEST_CASE("the texels of a directional light are fixed in the world while the camera moves") {
   const Floor floor{.blocks = {kStanding}, .light = sun(75, 35)};
   const RendererScene scene = floor.scene();
   FramePlan here = floor.plan(), there = floor.plan();
@@ -414,7 +415,7 @@ TEST_CASE("the texels of a directional light stand still in the world while the 
   CHECK(std::abs(moved.y - std::round(moved.y)) < kRounding_texels);
 }
 
-TEST_CASE("shadow maps are planned where colour sees what lights shine on, and nowhere else") {
+TEST_CASE("shadow maps are planned only where a colour output shows surfaces that lights reach") {
   Floor floor{.blocks = {kStanding}, .light = sun(75, 35, 64)};
   const RendererScene scene = floor.scene();
   FramePlan plan = with_shadows(scene, floor.plan());

@@ -1,4 +1,4 @@
-// Mirrors and panes of glass: ranges against unfolded paths, powers against Fresnel's equations, by every engine.
+// Mirrors and panes of glass: ranges compared with unfolded paths, powers with Fresnel's equations, for every engine.
 #include "effects/scanner/specular_path.h"
 
 #include <doctest/doctest.h>
@@ -50,8 +50,8 @@ glm::dvec3 toward(double azimuth_rad, double elevation_rad = 0) {
           std::sin(elevation_rad)};
 }
 
-// What rounding of directions and of the world's places leaves open in a scene of some 100 m: the error bound has to
-// cover the true range, and must itself be small enough to be of use.
+// Uncertainty from rounding of directions and world coordinates in a scene of about 100 m. The error bound has to cover
+// the true range and must be small enough to be useful.
 constexpr double kUsefulBound_m = 1e-8;
 
 void check_range(const Echo& echo, double expected_m) {
@@ -66,7 +66,8 @@ void check_range(const Echo& echo, double expected_m) {
 TEST_CASE("a mirror at 45 degrees shows the wall beside it at the unfolded distance") {
   const RayEngine engine = each_engine();
   DrawList list;
-  // The mirror's plane holds (4, 0, 0) and turns +x to +y; the wall stands at y = 7. Its image is the plane x = 4 + 7.
+  // The plane of the mirror contains (4, 0, 0) and turns +x to +y. The wall is at y = 7, and its image is the plane x =
+  // 4 + 7.
   add_item(list, plate_mesh({3, 3, 0}, {0, 0, 50}), at(4, 0, 0), mirror());
   add_item(list, across(1), at(0, 7, 0), grey(0.5f));
   std::vector<glm::dvec3> directions;
@@ -76,14 +77,14 @@ TEST_CASE("a mirror at 45 degrees shows the wall beside it at the unfolded dista
     REQUIRE(echoes[i].size() == 1);
     const double expected_m = 11 / directions[i].x;
     check_range(echoes[i][0], expected_m);
-    // Square on it would be 0.5 / r^2; the incidence on the wall is that on its image. The power is a product of a few
-    // numbers of double, the reflectance is float32.
+    // At perpendicular incidence the power would be 0.5 / r^2. The incidence angle on the wall equals that on its
+    // image. The power is a product of a few doubles; the reflectance is float32.
     const double power = 0.5 * directions[i].x / (expected_m * expected_m);
     CHECK(std::abs(echoes[i][0].power - power) <= 1e-9 * power);
   }
 }
 
-TEST_CASE("a mirror's matte share returns from its place, and the share goes both ways") {
+TEST_CASE("the matte share of a mirror returns from the mirror itself, and the share applies in both directions") {
   const RayEngine engine = each_engine();
   DrawList list;
   add_item(list, plate_mesh({3, 3, 0}, {0, 0, 50}), at(4, 0, 0), mirror(0.75f));
@@ -96,7 +97,7 @@ TEST_CASE("a mirror's matte share returns from its place, and the share goes bot
   CHECK(std::abs(echoes[0][1].power - 0.75 * 0.75 / 121) <= 1e-9 / 121);
 }
 
-TEST_CASE("between two mirrors a beam reaches the end of the corridor if the path is as deep as it has bounces") {
+TEST_CASE("a beam between two mirrors reaches the end of the corridor if path_depth allows its bounces") {
   const RayEngine engine = each_engine();
   DrawList list;
   add_item(list, across(1), at(0, 1, 0), mirror());
@@ -120,7 +121,7 @@ TEST_CASE("between two mirrors a beam reaches the end of the corridor if the pat
   }
 }
 
-TEST_CASE("a corner of three mirrors sends every beam back the way it came, wherever the world is") {
+TEST_CASE("a corner of three mirrors returns every beam in its own direction, wherever the world lies") {
   const RayEngine engine = each_engine();
   for (const double offset_m : {0.0, 1e4}) {
     CAPTURE(offset_m);
@@ -138,7 +139,7 @@ TEST_CASE("a corner of three mirrors sends every beam back the way it came, wher
     std::mt19937 random(8);
     std::vector<glm::dvec3> local, directions;
     while (local.size() < 120) {
-      // Into the corner, and not so flat at any mirror that the bound says little.
+      // Directions into the corner that are not so flat at any mirror that the bound becomes useless.
       const glm::dvec3 d = glm::abs(random_direction(random));
       if (std::min({d.x, d.y, d.z}) < 0.3) continue;
       local.push_back(d);
@@ -156,10 +157,10 @@ TEST_CASE("a corner of three mirrors sends every beam back the way it came, wher
       int wrong = 0, back = 0;
       double worst_bound_m = 0;
       for (std::size_t i = 0; i < local.size(); ++i) {
-        // The wall's image in the mirror x = 5 is at 13; the other two leave x alone.
+        // The image of the wall in the mirror x = 5 is at 13. The other two mirrors keep x.
         const double expected_m = 13 / local[i].x;
         const double last_mirror_m = std::max({5 / local[i].x, 6 / local[i].y, 7 / local[i].z});
-        if (last_mirror_m > 0.99 * expected_m) continue;  // meets the wall between two mirrors
+        if (last_mirror_m > 0.99 * expected_m) continue;  // it hits the wall between two mirrors
         const std::vector<Echo>& echoes = log->log()[i];
         ++back;
         if (turns < 3) {
@@ -176,12 +177,12 @@ TEST_CASE("a corner of three mirrors sends every beam back the way it came, wher
   }
 }
 
-TEST_CASE("a pane: two returns at known distances and powers, and one pane where two of its triangles meet") {
+TEST_CASE("a pane gives two returns at known distances and powers, and counts once where two of its triangles meet") {
   const RayEngine engine = each_engine();
   DrawList list;
   add_item(list, across(0), at(2, 0, 0), glass(0.8f));
   add_item(list, across(0), at(5, 0, 0), grey(0.5f));
-  // Through the pane's middle runs the edge between its triangles.
+  // The edge between the triangles of the pane runs through its centre.
   std::vector<glm::dvec3> directions{{1, 0, 0}};
   for (int i = 1; i < 40; ++i) {
     directions.push_back(glm::normalize(glm::dvec3(1, 0.05 * i, 0.05 * i)));  // along that edge
@@ -194,28 +195,29 @@ TEST_CASE("a pane: two returns at known distances and powers, and one pane where
     const double cosine = directions[i].x, theta = std::acos(std::min(cosine, 1.0));
     check_range(echoes[i][0], 2 / cosine);
     check_range(echoes[i][1], 5 / cosine);
-    // Fresnel by angles: R_s = (sin(a - b) / sin(a + b))^2, R_p = (tan(a - b) / tan(a + b))^2; square on
-    // ((n-1)/(n+1))^2.
+    // Fresnel by angles: R_s = (sin(a - b) / sin(a + b))^2, R_p = (tan(a - b) / tan(a + b))^2; at perpendicular
+    // incidence ((n-1)/(n+1))^2.
     const double inside = std::asin(std::sin(theta) / 1.5);
     const double s = i == 0 ? 0.04 : std::pow(std::sin(theta - inside) / std::sin(theta + inside), 2);
     const double p = i == 0 ? 0.04 : std::pow(std::tan(theta - inside) / std::tan(theta + inside), 2);
-    // Each polarisation passes (1 - R) (1 + R^2 + R^4 + ...) (1 - R) = (1 - R) / (1 + R).
+    // Each polarisation transmits (1 - R) (1 + R^2 + R^4 + ...) (1 - R) = (1 - R) / (1 + R).
     const double passed = ((1 - s) / (1 + s) + (1 - p) / (1 + p)) / 2;
     const double way_m = 5 / cosine;
     const double of_pane = 0.2 * cosine / (4 / (cosine * cosine));
     const double of_wall = std::pow(0.8 * passed, 2) * 0.5 * cosine / (way_m * way_m);
-    // The shares are float32: 0.8 and 0.5 stand for what is nearest to them.
+    // The shares are float32: 0.8 and 0.5 are rounded to the nearest values.
     constexpr double kShares = 4 * 0x1p-24;
     CHECK(std::abs(echoes[i][0].power - of_pane) <= 4 * kShares * of_pane);
     CHECK(std::abs(echoes[i][1].power - of_wall) <= 4 * kShares * of_wall);
   }
 }
 
-TEST_CASE("what a pane reflects: square on, at Brewster's angle, grazing, and beyond the critical angle") {
+TEST_CASE("reflectance of a pane: perpendicular, at Brewster's angle, grazing, and beyond the critical angle") {
   const double n = 1.5, square_on = 2 * 0.04 / 1.04;
   CHECK(std::abs(pane_reflectance(n, 1) - square_on) <= 16 * kUnit);
   CHECK(std::abs(square_on - std::pow(n - 1, 2) / (n * n + 1)) <= 16 * kUnit);
-  // tan(theta) = n: light along the plane of incidence passes whole, across it R = ((n^2 - 1) / (n^2 + 1))^2.
+  // tan(theta) = n: light polarised along the plane of incidence passes completely; across it R = ((n^2 - 1) / (n^2 +
+  // 1))^2.
   const double brewster = std::pow((n * n - 1) / (n * n + 1), 2);
   CHECK(std::abs(pane_reflectance(n, std::cos(std::atan(n))) - brewster / (1 + brewster)) <= 64 * kUnit);
   CHECK(pane_reflectance(n, 1e-9) > 0.99999);
@@ -225,7 +227,7 @@ TEST_CASE("what a pane reflects: square on, at Brewster's angle, grazing, and be
   CHECK(std::abs(shares.reflected + shares.passed - 1) <= 4 * kUnit);
 }
 
-TEST_CASE("a pane reflects like a weak mirror; a coloured one keeps what it does not let through") {
+TEST_CASE("a pane reflects like a weak mirror; a coloured one absorbs what it does not transmit") {
   const RayEngine engine = each_engine();
   DrawList list;
   add_item(list, plate_mesh({3, 3, 0}, {0, 0, 50}), at(4, 0, 0), glass(1));
@@ -247,21 +249,21 @@ TEST_CASE("a pane reflects like a weak mirror; a coloured one keeps what it does
   CHECK(tinted[0][1].power == clear[0][1].power);
 }
 
-TEST_CASE("the path's depth cuts: behind so many panes nothing is met") {
+TEST_CASE("path_depth limits the path: nothing is hit behind too many panes") {
   const RayEngine engine = each_engine();
   DrawList list;
   for (int i = 0; i < 4; ++i) add_item(list, across(0), at(1 + 0.001 * i, 0, 0), glass(1));
   add_item(list, across(0), at(5, 0, 0), Material());
   for (const int turns : {1, 3, 4}) {
     CAPTURE(turns);
-    // What panes reflect goes to and fro between them as well, and needs more turns to come to the wall.
+    // Reflections between the panes take more bounces to reach the wall.
     const auto echoes = echoes_of(list, {{1, 0, 0}}, depth(turns), *engine.caster);
     REQUIRE(echoes[0].size() == (turns < 4 ? 0 : 1));
     if (turns == 4) check_range(echoes[0][0], 5);
   }
 }
 
-TEST_CASE("surfaces without a share are none of this effect's business: the same echoes, to the bit") {
+TEST_CASE("surfaces without a specular share give the same echoes to the bit") {
   const RayEngine engine = each_engine();
   const DrawList list = random_room(3, 20, 16);
   std::mt19937 random(2);

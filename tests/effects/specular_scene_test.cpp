@@ -1,4 +1,4 @@
-// Mirrors and glass in scenes: the element material, glTF files, and scanners that look for them or do not.
+// Mirrors and glass in scenes: the element material, glTF files, and scanners with and without path_depth.
 #include "tests/support/element_scene.h"
 
 TEST_SUITE_BEGIN("effects");
@@ -11,7 +11,7 @@ GltfBuilder plate(const Plate& shape, json material) {
   add_plate(file, shape, file.append("materials", std::move(material)));
   return file;
 }
-// A plate at 2 m, and behind it a wall at 5 m.
+// A plate at 2 m and a wall at 5 m behind it.
 const std::string kParts = R"(<part file="plate.gltf" name="PLATE" insert_at="ROOT" up="z"/>
   <part file="wall.gltf" name="WALL" insert_at="ROOT" up="z"/>)";
 std::string scanner(const std::string& attributes) {
@@ -27,7 +27,7 @@ std::vector<std::pair<std::string, GltfBuilder>> files(json of_plate = painted("
           {"wall.gltf", plate({.x = 5}, painted("White", glm::vec4(1)))}};
 }
 
-TEST_CASE("shares of several elements follow upon each other; the index is a factor; unset, all stays") {
+TEST_CASE("shares of several elements multiply; the index is a factor; unset attributes change nothing") {
   World world(files(), kParts + material("mirror='0.5' transmission='0.25'", "A") +
                            material("mirror='0.5' refractive_index='1.2'", "B"));
   world->step();
@@ -70,7 +70,7 @@ TEST_CASE("glTF: transmission and index of refraction") {
   CHECK(contains(error({{"KHR_materials_transmission", {{"transmissionFactor", 2}}}}), "transmissionFactor"));
 }
 
-// All that a frame gives and costs.
+// The results and the cost of a frame.
 struct Frame {
   std::vector<float> range_m, error_bound_m;
   FrameCounters counters;
@@ -91,13 +91,14 @@ Frame frame_of(World& world) {
           world->diagnostics().frame_plan().effects.size()};
 }
 
-TEST_CASE("without mirrors, path_depth costs nothing; without path_depth, mirrors do not") {
+TEST_CASE("path_depth costs nothing without mirrors, and mirrors cost nothing without path_depth") {
   for (const char* method : {"", "method='planar' ", "method='hybrid' ", "method='raycast' "}) {
     CAPTURE(method);
     World plain(files(), kParts + kCamera + scanner(method));
     World deep(files(), kParts + kCamera + scanner(method + std::string("path_depth='4'")));
     World named(files(), kParts + kCamera + scanner(method + std::string("path_depth='0'")));
-    // An element gives its part a material of its own, which is uploaded: held against one that changes nothing.
+    // An element gives its part its own material, which is uploaded, so the comparison is with an element that changes
+    // nothing.
     World changeable(files(), kParts + kCamera + scanner(method) + material(""));
     World mirrored(files(), kParts + kCamera + scanner(method) + material("mirror='0.5' transmission='0.5'"));
     for (int frame = 0; frame < 3; ++frame) {
@@ -110,7 +111,7 @@ TEST_CASE("without mirrors, path_depth costs nothing; without path_depth, mirror
   }
 }
 
-TEST_CASE("a plate turns to glass and back: its beams go on in those frames, and the plan says why") {
+TEST_CASE("while a plate is glass its beams pass through it, and the plan gives the reason") {
   World world(files(), kParts + material("") + scanner("path_depth='2'"));
   const Frame opaque = frame_of(world);
   const auto range = [&](double share, std::size_t beam) {
@@ -124,7 +125,7 @@ TEST_CASE("a plate turns to glass and back: its beams go on in those frames, and
   REQUIRE(world->diagnostics().frame_plan().effects.size() == 1);
   CHECK(world->diagnostics().frame_plan().effects[0].effect == "specular_path");
   CHECK(contains(world->diagnostics().frame_plan().casts.at(0).reason, "for specular_path"));
-  // The pane's own return is (1 - s) / 4, the wall's (0.923 s)^2 / 25: equal at s = 0.892.
+  // The return of the pane is (1 - s) / 4, that of the wall (0.923 s)^2 / 25: they are equal at s = 0.892.
   CHECK(std::abs(range(0.88, 1) - 2) <= kStored_m);
   CHECK(std::abs(range(0.9, 1) - 5) <= kStored_m);
   world->set("M", "transmission", 0);

@@ -1,5 +1,5 @@
-// The effect `sweep_motion`: ranges of a scanner that moves past walls, towards them, and turns, against the closed
-// form; the times of its beams, and what a CSV says of them.
+// The effect `sweep_motion`: ranges of a scanner that moves past walls or towards them and turns, compared with the
+// closed form, and the times of its beams in memory and in the CSV file.
 #include "effects/scanner/sweep_motion.h"
 
 #include <doctest/doctest.h>
@@ -40,13 +40,13 @@ ScanContext moment_from(const glm::dmat4& before, const glm::dmat4& now, std::ui
   return moment;
 }
 
-/// How far back a beam's pose lies, as a share of the interval.
+/// Age of a beam's pose as a share of the interval.
 double share_back(std::uint32_t column, bool clockwise, double sweep_s = kSweep_s) {
   const std::uint32_t after = clockwise ? column : kColumns - 1 - column;
   return sweep_s * after / (kColumns - 1) / kInterval_s;
 }
 
-/// Rodrigues' formula: a turn about a unit axis.
+/// Rodrigues' formula: a rotation about a unit axis.
 glm::dmat3 turned(const glm::dvec3& axis, double angle) {
   glm::dmat3 m;
   for (int c = 0; c < 3; ++c) {
@@ -64,7 +64,7 @@ glm::dmat4 pose(const glm::dmat3& turn, const glm::dvec3& place) {
   return m;
 }
 
-/// A square with this normal, far enough to the sides, at a distance from `centre`.
+/// A square with this normal, large enough to all sides, at a distance from `centre`.
 DrawList wall(const glm::dvec3& normal, double distance_m, const glm::dvec3& centre) {
   const glm::dvec3 up = glm::normalize(glm::cross(normal, glm::dvec3(0.3, -0.5, 0.8))), side = glm::cross(normal, up);
   DrawList list;
@@ -81,7 +81,7 @@ struct Motion {
   double turn_rad_s;
 };
 
-TEST_CASE("a scanner that drives towards a wall, past it, and turns: ranges of the closed form, within their bounds") {
+TEST_CASE("ranges of a scanner that drives and turns in front of a wall have the closed form within their bounds") {
   const Motion motions[] = {{"stands", {0, 0, 0}, {0, 0, 1}, 0},
                             {"towards", {20, 0, 0}, {0, 0, 1}, 0},
                             {"past", {0, -15, 0.5}, {0, 0, 1}, 0},
@@ -93,7 +93,7 @@ TEST_CASE("a scanner that drives towards a wall, past it, and turns: ranges of t
   for (const double offset_m : {0.0, 1e3, 1e6}) {
     for (const Motion& motion : motions) {
       for (const bool clockwise : {false, true}) {
-        // The last is longer than what lies between two measurements.
+        // The last period is longer than the interval between two measurements.
         for (const double sweep_s : {kSweep_s, 1.5 * kInterval_s}) {
           CAPTURE(offset_m);
           CAPTURE(motion.what);
@@ -114,15 +114,16 @@ TEST_CASE("a scanner that drives towards a wall, past it, and turns: ranges of t
             const double back = share_back(column, clockwise, sweep_s);
             const glm::dmat4 then = pose_back(back);
             const double cosine = glm::dot(normal, glm::dmat3(then) * directions[column]);
-            if (cosine < 0.05) continue;  // the wall ends somewhere
-            // From places relative to the sensor's, which has no rounding of 10^6 m in it.
+            if (cosine < 0.05) continue;  // the wall has a limited size
+            // From places relative to the sensor, which have no rounding of 10^6 m.
             const double expected_m = (7 + glm::dot(normal, back * kInterval_s * motion.velocity_m_s)) / cosine;
-            // What the test's own places and turns round: both are given to the sensor as doubles.
+            // Rounding of the test's own places and rotations, which the sensor gets as doubles.
             const double given_m = (8 * 0x1p-53 * offset_m + 64 * 0x1p-53 * expected_m) / cosine;
             const double error_m = std::abs(echoes[column].range_m - expected_m);
             worst_use = std::max(worst_use, error_m / (echoes[column].error_bound_m + given_m));
             REQUIRE(error_m <= echoes[column].error_bound_m + given_m);
-            // Not by being large: the caster's 42 u of the offset, 12 u for origins, and what 200 m of wall need.
+            // The bound is not needlessly large: 42 u of the offset in the caster, 12 u for origins, and the need of
+            // 200 m of wall.
             REQUIRE(echoes[column].error_bound_m <= 64 * 0x1p-53 * (offset_m + 500) / cosine);
             ++met;
           }
@@ -134,7 +135,7 @@ TEST_CASE("a scanner that drives towards a wall, past it, and turns: ranges of t
   MESSAGE("error at most " << worst_use << " of the bound and the test's rounding");
 }
 
-TEST_CASE("the first scan stands; the last beam leaves at the frame's pose; rings of a column leave together") {
+TEST_CASE("the first scan is static; the last beam leaves at the pose of the frame; rings of a column leave together") {
   const std::vector<glm::dvec3> directions = fan(2);
   const DrawList list = wall({1, 0, 0}, 7, {0, 0, 0});
   const std::shared_ptr<RayCaster> caster = a_caster();
@@ -162,7 +163,7 @@ std::string slurp(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-TEST_CASE("in a simulation: ranges of a robot that drives at a wall, and each beam's own time in the CSV") {
+TEST_CASE("in a simulation: ranges of a robot that drives towards a wall, and the time of each beam in the CSV file") {
   test::GltfBuilder file;
   test::add_plate(file, {}, file.append("materials", test::unlit("Wall", {1, 1, 1, 1})));
   test::World world({{"wall.gltf", file}}, R"(<part file="wall.gltf" name="WALL" insert_at="ROOT" up="z"/>
@@ -183,12 +184,12 @@ TEST_CASE("in a simulation: ranges of a robot that drives at a wall, and each be
     const ScanChannel* const times = scan.channel("time_s");
     REQUIRE(times != nullptr);
     for (std::size_t beam = 0; beam < 5; ++beam) {
-      // 15 frames a second; clockwise, the last column leaves first.
+      // 15 frames per second. With a clockwise sweep the last column leaves first.
       const double age_s = 0.04 * static_cast<double>(beam) / 4, end_s = frame / 15.0;
-      CHECK(std::abs(times->values[beam] - (end_s - age_s)) <= 1e-9);  // frames are taken at whole nanoseconds
+      CHECK(std::abs(times->values[beam] - (end_s - age_s)) <= 1e-9);  // frames have times of whole nanoseconds
       const double cosine = std::cos(glm::radians(-40 + 20.0 * static_cast<double>(beam)));
       const double expected_m = (4 - frame + (frame == 0 ? 0 : age_s * 15)) / cosine;
-      // A period of 1/15 s in whole nanoseconds: 10^-8 of it. Then what a float32 holds.
+      // A period of 1/15 s in whole nanoseconds: 10^-8 of it. Then the resolution of float32.
       CHECK(std::abs(scan.range_m[beam] - expected_m) <= scan.error_bound_m[beam] + 1e-8);
       if (frame == 0) CHECK(scan.range_m[beam] == still.range_m[beam]);
     }

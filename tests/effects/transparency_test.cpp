@@ -1,4 +1,4 @@
-// Transparent surfaces against Porter and Duff's "over", worked out per sample from planes in double.
+// Transparent surfaces compared with Porter and Duff's "over", computed per sample from planes in double.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -20,9 +20,10 @@ using namespace simvis::test;
 
 namespace {
 
-// Of N layers of values up to 1 each adds 5 roundings of float32 (2^-24), the mean of samples and the background a few.
+// Each of N layers with values up to 1 adds 5 roundings of float32 (2^-24); the mean of the samples and the background
+// add a few.
 constexpr double over_rounding(std::size_t layers) { return (5.0 * static_cast<double>(layers) + 8) / (1 << 24); }
-// Depth of a plane is some ten roundings of float32, relative: what is nearer to each other may swap.
+// The relative error of a plane's depth is about ten roundings of float32. Closer surfaces may be in either order.
 constexpr double kDepthRounding = 2e-6;
 
 struct Glass {
@@ -37,7 +38,7 @@ Material glass_material(const glm::vec4& color) {
   return material;
 }
 
-/// Planes that cross each other all over the view, each as large as it.
+/// Planes that cross each other all over the view and fill it.
 std::vector<Glass> crossing() {
   const auto turned = [](double z, double angle, glm::dvec3 axis) {
     return glm::rotate(at(0.1, -0.05, z), angle, glm::normalize(axis));
@@ -57,14 +58,14 @@ RendererScene scene_of(const std::vector<Glass>& panes) {
   return scene;
 }
 
-/// Depth of a pane along the ray through (x, y, 1); nothing where the ray runs away from it.
+/// Depth of a pane along the ray through (x, y, 1); empty if the ray points away from it.
 std::optional<double> depth_of(const Glass& pane, const glm::dvec2& ray) {
   const glm::dvec3 normal(pane.place[2]), way(ray, 1);
   const double depth = glm::dot(normal, glm::dvec3(pane.place[3])) / glm::dot(normal, way);
   return depth > 0 ? std::optional(depth) : std::nullopt;
 }
 
-/// Nothing where the order of two panes is rounding's to decide.
+/// Empty where rounding decides the order of two panes.
 std::optional<glm::dvec3> over(const std::vector<Glass>& panes, const glm::dvec2& ray, double solid_at_m) {
   std::vector<std::pair<double, glm::dvec4>> layers;
   for (const Glass& pane : panes) {
@@ -92,7 +93,7 @@ glm::dvec2 ray_of(double x_px, double y_px) {
   return {(x_px - kSize / 2.0) / (kSize / 2.0), (y_px - kSize / 2.0) / (kSize / 2.0)};
 }
 
-/// Where the samples of a pixel lie in it. Four samples: Vulkan's standard locations.
+/// The sample positions in a pixel. Four samples: Vulkan's standard locations.
 std::vector<glm::dvec2> sample_places(std::uint32_t supersampling, std::uint32_t msaa) {
   const std::vector<glm::dvec2> within =
       msaa == 4 ? std::vector<glm::dvec2>{{0.375, 0.125}, {0.875, 0.375}, {0.125, 0.625}, {0.625, 0.875}}
@@ -105,7 +106,7 @@ std::vector<glm::dvec2> sample_places(std::uint32_t supersampling, std::uint32_t
   return places;
 }
 
-/// How many pixels differ from "over" by more than rounding, and how many could be compared.
+/// The number of pixels that differ from "over" by more than rounding, and of pixels that could be compared.
 std::pair<int, int> compare(std::span<const glm::vec4> seen, const std::vector<Glass>& panes,
                             std::uint32_t supersampling, std::uint32_t msaa,
                             double solid_at_m = std::numeric_limits<double>::infinity()) {
@@ -129,10 +130,11 @@ std::pair<int, int> compare(std::span<const glm::vec4> seen, const std::vector<G
 
 }  // namespace
 
-TEST_CASE("crossing panes lie over each other by depth, pixel by pixel and sample by sample, in any order") {
+TEST_CASE("crossing panes are blended by depth, per pixel and per sample, in any order") {
   const std::vector<Glass> panes = crossing();
   Renderer renderer(device());
-  for (const auto& [supersampling, msaa] : {std::pair{1u, 1u}, {2u, 1u}, {4u, 1u}, {1u, 4u}, {2u, 4u}}) {
+  for (const auto& samples : {std::pair{1u, 1u}, {2u, 1u}, {4u, 1u}, {1u, 4u}, {2u, 4u}}) {
+    const std::uint32_t supersampling = samples.first, msaa = samples.second;
     if (std::ranges::find(device().target_limits().msaa, msaa) == device().target_limits().msaa.end()) continue;
     CAPTURE(supersampling);
     CAPTURE(msaa);
@@ -152,8 +154,8 @@ TEST_CASE("crossing panes lie over each other by depth, pixel by pixel and sampl
   }
 }
 
-TEST_CASE("faces of one mesh lie over each other by depth, in whatever order they are listed") {
-  // The panes as one mesh, each with a colour of its own.
+TEST_CASE("faces of one mesh are blended by depth in any index order") {
+  // The panes as one mesh, each with its own colour.
   const std::vector<Glass> panes = crossing();
   const auto scene_in = [&](const std::array<std::size_t, 5>& order) {
     Mesh mesh;
@@ -174,7 +176,7 @@ TEST_CASE("faces of one mesh lie over each other by depth, in whatever order the
   Renderer renderer(device());
   std::array<std::size_t, 5> order{0, 1, 2, 3, 4};
   const std::vector<glm::vec4> first = copy(renderer.render(scene_in(order).list, square_plan())[0].color);
-  // Colours of vertices are stored in 16 bits: each of five layers is off by half a step in colour and in alpha.
+  // Vertex colours are stored in 16 bits: each of five layers deviates by half a step in colour and in alpha.
   constexpr double kVertexColor = 5 * 2 * 0.5 / 65535;
   const glm::vec4 seen = first[kSize * 11 + 7];
   const std::optional<glm::dvec3> expected = over(panes, ray_of(7.5, 11.5), 1e9);
@@ -187,7 +189,7 @@ TEST_CASE("faces of one mesh lie over each other by depth, in whatever order the
   }
 }
 
-TEST_CASE("panes at one depth are all there, in an order of their own; equal ones each count") {
+TEST_CASE("panes at equal depth are all drawn in a fixed order, and equal panes count separately") {
   Renderer renderer(device());
   std::array<glm::vec4, 3> colors{{{0.9f, 0.1f, 0.1f, 0.5f}, {0.1f, 0.9f, 0.1f, 0.25f}, {0.1f, 0.1f, 0.9f, 0.5f}}};
   const auto picture = [&](std::span<const glm::vec4> of) {
@@ -225,7 +227,7 @@ TEST_CASE("solid, masked and faded surfaces among panes") {
   CHECK(compared > int(kSize * kSize * 9 / 10));
   CHECK(renderer.counters().layers < std::uint64_t{kSize} * kSize * panes.size());
 
-  // A faded mask: its holes show what is behind, the rest covers its opacity. A masked surface hides.
+  // A faded mask: its holes show the background, and the rest covers by its opacity. A masked surface hides.
   Material leaf;
   leaf.alpha_mode = AlphaMode::mask;
   leaf.alpha_cutoff = 0.3f;
@@ -235,7 +237,7 @@ TEST_CASE("solid, masked and faded surfaces among panes") {
   RendererScene faded = textured_wall(leaf);
   faded.add(kPane, glass_material({0.5f, 0.5f, 0.5f, 0.5f}), at(0, 0, 2));
   const double behind = 0.5 * 0.5 + 0.5 * kBackground;
-  // The driver may decode sRGB by a table or a polynomial: half a step of 8 bits in linear light at most.
+  // The driver may decode sRGB by a table or a polynomial: an error of at most half a step of 8 bits in linear light.
   constexpr double kTexel = 0.5 / 255;
   const std::vector<glm::vec4> holes = copy(renderer.render(faded.list, wall_plan(true, false))[0].color);
   for (int column = 0; column < 4; ++column) {
@@ -245,7 +247,7 @@ TEST_CASE("solid, masked and faded surfaces among panes") {
   }
 }
 
-TEST_CASE("views side by side keep their layers apart") {
+TEST_CASE("views side by side have separate layers") {
   Renderer renderer(device());
   const std::vector<Glass> panes = crossing();
   FramePlan both = square_plan();
@@ -268,7 +270,7 @@ TEST_CASE("views side by side keep their layers apart") {
   }
 }
 
-TEST_CASE("no layer is lost: a frame with more than there is memory for is drawn again") {
+TEST_CASE("no layer is lost: a frame that needs more memory for layers is drawn again") {
   constexpr std::uint32_t kWidth = 320, kHeight = 256, kPanes = 6;
   Renderer renderer(device());
   RendererScene scene = scene_with_ambient(1);
@@ -290,7 +292,7 @@ TEST_CASE("no layer is lost: a frame with more than there is memory for is drawn
   CHECK(renderer.counters().layers == grown.layers);
 }
 
-TEST_CASE("what shows nothing transparent costs nothing for it") {
+TEST_CASE("views without visible transparency have no cost for it") {
   RendererScene plain = scene_with_ambient(1);
   plain.add(rectangle(-1, -1, 1, 1), colored({0.5f, 0.5f, 0.5f, 1}), at(0, 0, 3));
   const auto counted = [](const RendererScene& scene, const FramePlan& plan) {
@@ -301,7 +303,7 @@ TEST_CASE("what shows nothing transparent costs nothing for it") {
   const FramePlan color = square_plan(), depth = plan_of(kSize, kSize, kSize / 2.0, false, true);
   CHECK(counted(plain, color).layer_bytes == 0);
 
-  RendererScene faded = plain;  // to nothing
+  RendererScene faded = plain;  // invisible
   Material gone = glass_material({1, 1, 1, 1});
   gone.opacity = 0;
   faded.add(faded.list.items[0].mesh, faded.add_material(gone), at(0, 0, 2));
@@ -309,16 +311,16 @@ TEST_CASE("what shows nothing transparent costs nothing for it") {
   behind.add(behind.list.items[0].mesh, behind.add_material(glass_material({1, 1, 1, 0.5f})), at(0, 0, -2));
   const FrameCounters alone = counted(plain, color);
   CHECK(counted(faded, color) == alone);
-  FrameCounters culled = alone;  // what could come into view has its material there
+  FrameCounters culled = alone;  // surfaces that could come into view have their material there
   culled.items_culled += 1;
   culled.bytes_uploaded += sizeof(shader::MaterialBlock);
   CHECK(counted(behind, color) == culled);
-  RendererScene pane = plain;  // before the camera, which takes depth
+  RendererScene pane = plain;  // in front of the camera, which takes depth
   pane.add(pane.list.items[0].mesh, pane.add_material(glass_material({1, 1, 1, 0.25f})), at(0, 0, 2));
   CHECK(counted(pane, depth) == counted(plain, depth));
 }
 
-TEST_CASE("the catalogue knows what calls for it") {
+TEST_CASE("the catalogue names the caller of the effect") {
   const EffectType* const transparency = find_effect_type("transparency");
   REQUIRE(transparency != nullptr);
   CHECK(transparency->outputs == kShownInColor);
@@ -329,6 +331,6 @@ TEST_CASE("the catalogue knows what calls for it") {
   CHECK(transparency->in_scene(textured_wall(faded).list));
 }
 
-TEST_CASE("the validation layer has nothing to say") { CHECK(device().validation_messages() == 0); }
+TEST_CASE("the validation layer reports nothing") { CHECK(device().validation_messages() == 0); }
 
 TEST_SUITE_END();

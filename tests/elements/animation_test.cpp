@@ -1,4 +1,5 @@
-// The element `animation`: where nodes and vertices are at a time, computed here from the keys; and what sensors see.
+// The element `animation`: the places of nodes and vertices at a time, computed here from the keys, and the results of
+// sensors.
 #include "elements/animation.h"
 
 #include <doctest/doctest.h>
@@ -20,9 +21,9 @@ using namespace simvis::test;
 
 namespace {
 
-// A handful of products and sums in double of values up to 16.
+// A few products and sums in double of values up to 16.
 constexpr double kDouble = 16 * 8 * 0x1p-53;
-// Coordinates up to 4 rounded to float32 once, half a step of 2^-22.
+// Coordinates up to 4, rounded to float32 once: half a step of 2^-22.
 constexpr double kFloat_m = 0x1p-23;
 
 void check_near(const glm::dvec3& seen, const glm::dvec3& expected, double tolerance) {
@@ -34,7 +35,7 @@ void check_near(const glm::dmat4& seen, const glm::dmat4& expected) {
 
 const std::vector<float> kTimes{1, 2, 4};
 
-// A triangle, node 0, that is scaled by 2 and turned by a quarter about z at rest, and one channel for it.
+// A triangle, node 0, scaled by 2 and turned by a quarter about z at rest, and one channel for it.
 GltfBuilder moved_triangle(const char* path, const char* type, const char* interpolation,
                            const std::vector<float>& values) {
   GltfBuilder builder;
@@ -47,7 +48,7 @@ GltfBuilder moved_triangle(const char* path, const char* type, const char* inter
   return builder;
 }
 
-// The interval of kTimes that holds `time`, and how far on it is; clamped to both ends.
+// The interval of kTimes that contains `time`, and the share of it that has passed, clamped to both ends.
 struct Interval {
   std::size_t key;
   double part, length;
@@ -85,7 +86,7 @@ GltfBuilder morphing_triangle() {
 
 }  // namespace
 
-TEST_CASE("translations go from key to key; what is not animated stays as the file has it") {
+TEST_CASE("translations are interpolated between keys; values without a channel stay as in the file") {
   const std::vector<glm::dvec3> keys{{0, 0, 0}, {1, -2, 3}, {4, 4, 4}}, in{{9, 9, 9}, {1, 0, -1}, {0.5, 2, 0}},
       out{{1, 2, 3}, {-1, 0, 2}, {9, 9, 9}};
   std::vector<float> plain, cubic;
@@ -116,19 +117,19 @@ TEST_CASE("translations go from key to key; what is not animated stays as the fi
   }
 }
 
-TEST_CASE("scales are interpolated, and may turn a part inside out") {
+TEST_CASE("scales are interpolated and may mirror a part") {
   PlayedPart part(moved_triangle("scale", "VEC3", "LINEAR", {1, 1, 1, 3, 1, -1, 3, 1, -1}));
   check_near(part.matrix_at(1.5), glm::dmat4(0, 2, 0, 0, -1, 0, 0, 0, 0, 0, 0, 0, 7, 8, 9, 1));
   check_near(part.matrix_at(3), glm::dmat4(0, 3, 0, 0, -1, 0, 0, 0, 0, 0, -1, 0, 7, 8, 9, 1));
 }
 
-TEST_CASE("rotations turn at a constant rate, the shorter way") {
+TEST_CASE("rotations turn at a constant rate along the shorter arc") {
   const auto about_z = [](double degrees, double sign) {
     const double half = degrees * M_PI / 360;
     return std::vector<float>{0, 0, static_cast<float>(sign * std::sin(half)),
                               static_cast<float>(sign * std::cos(half))};
   };
-  // The second key is the same turn as its negative; from 130 to 300 degrees the shorter way is through 215.
+  // The second key is the same rotation as its negative. From 130 to 300 degrees the shorter arc passes through 215.
   std::vector<float> keys = about_z(10, 1);
   for (const auto& key : {about_z(130, -1), about_z(300, 1)}) keys.insert(keys.end(), key.begin(), key.end());
   const auto angle = [&](std::size_t key) {
@@ -153,10 +154,10 @@ TEST_CASE("rotations turn at a constant rate, the shorter way") {
   check_near(step.matrix_at(2), turn_z(second));
 }
 
-TEST_CASE("rotations along splines are of unit length") {
+TEST_CASE("rotations along splines have unit length") {
   const double half = std::sqrt(0.5);
   const auto h = static_cast<float>(half);
-  // In-tangent, key, out-tangent: no turn, a quarter about x, the same.
+  // In-tangent, key, out-tangent: no rotation, a quarter about x, the same.
   const std::vector<float> keys{0, 0, 0, 0, 0, 0, 0, 1, 1, 0, 0, 0, 0, 2, 0, 0, h, 0,
                                 0, h, 0, 0, 0, 0, 0, 0, 0, 0, h, 0, 0, h, 0, 0, 0, 0};
   GltfBuilder builder = moved_triangle("rotation", "VEC4", "CUBICSPLINE", keys);
@@ -186,7 +187,7 @@ TEST_CASE("a skinned strip bends with its joint") {
       check_near(glm::dvec3(mesh.positions[2 + side]), {3, y, 1}, kFloat_m);
       check_near(glm::dvec3(mesh.positions[4 + side]), {3 + std::sin(a), y, 1 + std::cos(a)}, kFloat_m);
       check_near(glm::dvec3(mesh.attributes[side].normal), {-1, 0, 0}, kFloat_m);
-      // The mean of a turn by 0 and one by a is one by a / 2, shrunk.
+      // The mean of a rotation by 0 and one by a is a rotation by a / 2, shrunk.
       check_near(glm::dvec3(mesh.attributes[2 + side].normal), {-std::cos(a / 2), 0, std::sin(a / 2)}, kFloat_m);
       check_near(glm::dvec3(mesh.attributes[4 + side].normal), {-std::cos(a), 0, std::sin(a)}, kFloat_m);
     }
@@ -195,14 +196,14 @@ TEST_CASE("a skinned strip bends with its joint") {
   }
 }
 
-TEST_CASE("normals that the file does not give are those of the bent triangles") {
+TEST_CASE("normals that are missing in the file are those of the bent triangles") {
   GltfBuilder builder = bending_strip();
   builder.root["meshes"][0]["primitives"][0]["attributes"].erase("NORMAL");
   PlayedPart part(builder, "repeat='once'");
   const Mesh& mesh = part.mesh_at(1);
   REQUIRE(mesh.positions.size() == 12);
   check_near(glm::dvec3(mesh.attributes[0].normal), {-1, 0, 0}, kFloat_m);
-  // Of float32 corners: a triangle of 1 m turns by their rounding.
+  // Rounding of float32 corners: it turns a triangle of 1 m by this.
   check_near(glm::dvec3(mesh.attributes[11].normal), {-std::sqrt(0.5), 0, std::sqrt(0.5)}, 4 * kFloat_m);
 }
 
@@ -220,7 +221,7 @@ TEST_CASE("morph weights are interpolated") {
   }
 }
 
-TEST_CASE("of two nodes with one mesh, the one without weights of its own keeps it") {
+TEST_CASE("if two nodes share a mesh, the node without weights of its own keeps the mesh's weights") {
   GltfBuilder builder = morphing_triangle();
   builder.append("nodes", {{"mesh", 0}, {"translation", {0, 5, 0}}});
   PlayedPart part(builder, "repeat='once'");
@@ -231,7 +232,8 @@ TEST_CASE("of two nodes with one mesh, the one without weights of its own keeps 
 TEST_CASE("sensors see the part as it is at each time") {
   TemporaryFolder folder;
   write_text(folder / "strip.gltf", bending_strip().text());
-  // The beams are level, half a metre above the hinge; the camera stands lower and looks at what does not bend.
+  // The beams are horizontal, half a metre above the hinge. The camera is lower and looks at the part that does not
+  // bend.
   Simulation simulation = Simulation::from_string(R"(
     <part file="strip.gltf" name="STRIP" insert_at="ROOT" up="z"/>
     <element type="animation" name="BEND" insert_at="ROOT" part="STRIP"/>
@@ -240,7 +242,7 @@ TEST_CASE("sensors see the part as it is at each time") {
     <sensor type="camera" name="EYE" insert_at="ROOT" width="8" height="8" hfov="20" outputs="depth"
             pose_offset="0 0 1 0 0 0"/>)",
                                                   {}, folder.path());
-  // The strip as the camera, level with its hinge, sees it: upper rows on the bent half, lower rows on the other.
+  // The strip in the view of a camera at the height of its hinge: upper rows show the bent half, lower rows the other.
   for (const double time : {0.0, 1.0, 0.5, 1.75, 0.0}) {
     CAPTURE(time);
     simulation.set("BEND", "time", time);
@@ -258,13 +260,13 @@ TEST_CASE("sensors see the part as it is at each time") {
       }
     }
     const Image& depth = simulation.depth("EYE");
-    // Depth is kept as near / z in float32: a relative step of 2^-24, and some for the plane's set-up.
+    // Depth is stored as near / z in float32: a relative step of 2^-24, and several for the setup of the plane.
     constexpr double kDepth = 1e-4;
     const double pitch = std::tan(10 * M_PI / 180) / 4;  // between rows, at a depth of 1
     for (std::size_t row = 0; row < 8; ++row) {
       CAPTURE(row);
       const double slope = (3.5 - static_cast<double>(row)) * pitch;  // up per metre forward
-      // z - 1 = slope * x meets the bent half, x = 3 + h sin a and z - 1 = h cos a, or the other, x = 3.
+      // z - 1 = slope * x meets the bent half, x = 3 + h sin a and z - 1 = h cos a, or the other half, x = 3.
       const double h = 3 * slope / (std::cos(a) - slope * std::sin(a));
       const double expected_m = slope < 0 ? 3 : 3 + h * std::sin(a);
       if (slope > 0 && h > 0.95) continue;
@@ -273,16 +275,16 @@ TEST_CASE("sensors see the part as it is at each time") {
   }
 }
 
-TEST_CASE("of two parts from one file only the played one moves, and what does not move is shared") {
+TEST_CASE("of two parts from one file only the animated one moves, and unmoved content is shared") {
   GltfBuilder builder = bending_strip();
   builder.append("meshes", {{"primitives", {{{"attributes", {{"POSITION", 0}}}, {"mode", 0}}}}});
-  builder.append("nodes", {{"mesh", 1}});  // node 3 stands still
+  builder.append("nodes", {{"mesh", 1}});  // node 3 does not move
   builder.root["scenes"][0]["nodes"] = {0, 1, 3};
   PlayedPart part(builder, "", "<part file='part.gltf' name='Q' insert_at='ROOT' up='z' pose_offset='9 0 0 0 0 0'/>");
   const DrawList before = part.at(0);
   const DrawList after = part.at(1.5);
   REQUIRE(after.items.size() == 4);
-  // The skinned strip stands at the root's end: items 1 and 3 are strips. Parts are inserted one after the other.
+  // The skinned strip stands at the end of the root: items 1 and 3 are strips. Parts are inserted one after the other.
   const auto mesh = [](const DrawList& list, std::size_t item) { return list.meshes[list.items[item].mesh]; };
   std::vector<std::size_t> changed;
   for (std::size_t i = 0; i < 4; ++i) {
@@ -292,13 +294,13 @@ TEST_CASE("of two parts from one file only the played one moves, and what does n
   CHECK(changed[0] < 2);
   CHECK(mesh(after, 1 - changed[0]) == mesh(after, 3 - changed[0]));
   CHECK(mesh(after, 2 + changed[0])->positions[5] == glm::vec3(3, 2, 2));
-  // The joint's node turns, but nothing stands below it.
+  // The node of the joint turns, but it has no shape.
   for (std::size_t i = 0; i < 4; ++i) {
     CHECK(before.world_from_node[before.items[i].transform] == after.world_from_node[after.items[i].transform]);
   }
 }
 
-TEST_CASE("two copies of one file are played independently") {
+TEST_CASE("two copies of one file are animated independently") {
   TemporaryFolder folder;
   for (const char* name : {"a.gltf", "b.gltf"}) write_text(folder / name, bending_strip().text());
   const BuiltScene built = build_scene(parse_commands(R"(
@@ -317,7 +319,7 @@ TEST_CASE("two copies of one file are played independently") {
   CHECK(std::abs(heights[1] - (1 + std::sqrt(0.5))) <= kFloat_m);
 }
 
-TEST_CASE("clips of different nodes of a part play at once") {
+TEST_CASE("clips of different nodes of a part play at the same time") {
   GltfBuilder builder = moved_triangle("translation", "VEC3", "STEP", {1, 0, 0, 2, 0, 0, 3, 0, 0});
   builder.append("nodes", {{"mesh", 0}});
   add_clip(builder, "Other");
@@ -346,7 +348,7 @@ TEST_CASE("loops are exact at large times, forwards and backwards") {
   CHECK(three_quarters.matrix_at(1e6) == three_quarters.matrix_at(0.25));  // 1333333 rounds and a third of one
   CHECK(three_quarters.matrix_at(-0.25) == three_quarters.matrix_at(0.5));
   CHECK(three_quarters.matrix_at(0.75) == three_quarters.matrix_at(0));
-  // 1.3 in float32 is a whole number of 2^-23 s, and so is a million: the rest by integers.
+  // 1.3 in float32 is a whole number of 2^-23 s, and so is a million; the remainder is computed with integers.
   const auto end = static_cast<std::uint64_t>(1.3f * 0x1p23);
   const double rest = static_cast<double>((1000000ull << 23) % end) * 0x1p-23;
   PlayedPart odd(at_end(1.3f));
@@ -360,7 +362,7 @@ TEST_CASE("loops are exact at large times, forwards and backwards") {
   CHECK(once.matrix_at(-1)[3] == glm::dvec4(0, 0, 0, 1));
 }
 
-TEST_CASE("no time leaves a trace: back at a time all bytes are as at first") {
+TEST_CASE("after a return to an earlier time all bytes are the same as before") {
   for (const GltfBuilder& builder : {bending_strip(), morphing_triangle()}) {
     PlayedPart travelled(builder);
     for (const double time : {0.3, 1.9, 1e6, -4.4, 1.1}) travelled.at(time);
@@ -373,7 +375,7 @@ TEST_CASE("no time leaves a trace: back at a time all bytes are as at first") {
   }
 }
 
-TEST_CASE("the first pose of a clip that begins as the file is at rest is the file's") {
+TEST_CASE("the first pose of a clip that starts at the file's rest pose equals the file") {
   PlayedPart part(bending_strip());
   const Mesh posed = part.mesh_at(0);
   const auto& shapes = part.built().scene.own_part("P", {}).content.animations->shapes;
@@ -381,7 +383,7 @@ TEST_CASE("the first pose of a clip that begins as the file is at rest is the fi
   CHECK(posed == *shapes[0].shape->mesh());
 }
 
-TEST_CASE("a step writes what moved and nothing else; an unchanged pose writes nothing") {
+TEST_CASE("a step writes only moved content, and an unchanged pose writes nothing") {
   PlayedPart part(bending_strip(), "repeat='once'");
   part.at(0.5);
   FlattenCounters expected = part.counters();
@@ -433,7 +435,7 @@ TEST_CASE("clips are found by name and by number") {
   CHECK(contains(error_of([&] { PlayedPart(builder, "clip='4'"); }), "has no animation \"4\""));
 }
 
-TEST_CASE("a thousand steps leave nothing behind, on the device neither") {
+TEST_CASE("a thousand steps leave nothing behind, also on the device") {
   constexpr int kSteps = 1000;
   TemporaryFolder folder;
   write_text(folder / "strip.gltf", bending_strip().text());
@@ -449,7 +451,7 @@ TEST_CASE("a thousand steps leave nothing behind, on the device neither") {
     simulation.step();
     REQUIRE(simulation.diagnostics().draw_list().meshes.size() == 1);
     shown.emplace_back(simulation.diagnostics().draw_list().meshes[0]);
-    // The first two fill what later frames find there.
+    // The first two frames allocate what later frames use.
     const FrameCounters& counters = simulation.diagnostics().counters();
     CHECK(counters.meshes_held == 1);
     if (i == 2) uploaded = counters.bytes_uploaded;
@@ -457,7 +459,7 @@ TEST_CASE("a thousand steps leave nothing behind, on the device neither") {
     if (i > 2) CHECK(counters.bytes_uploaded == uploaded);
     if (i > 2) CHECK(counters.mesh_bytes == bytes_held);
   }
-  // The renderer holds the meshes that lie on the device: of all that were shown, the last alone.
+  // The renderer holds the meshes on the device: only the last of all that were shown.
   int alive = 0;
   for (const auto& mesh : shown) alive += mesh.expired() ? 0 : 1;
   CHECK(alive == 1);

@@ -1,4 +1,4 @@
-// Every registered element by its table, and the kinematics of pose and joint.
+// Tables of all registered elements, and the kinematics of pose and joint.
 #include <simvis/element.h>
 
 #include <doctest/doctest.h>
@@ -24,7 +24,7 @@ std::string error(const std::string& attributes) {
   return error_of([&] { build(attributes); });
 }
 
-// What an element of the type cannot do without.
+// The attributes that an element of the type requires.
 std::string needs(std::string_view type) {
   if (type == "laser_beams" || type == "point_cloud") return " scanner='S'";
   if (type == "graph") return " nodes='1 2 3, 4 5 6'";
@@ -33,7 +33,7 @@ std::string needs(std::string_view type) {
   return "";
 }
 
-// The scene of an element with nothing else but what it needs: a part R, a light LIGHT before it, and a scanner S.
+// The scene of an element with only what it needs: a part R, a light LIGHT in front of it, and a scanner S.
 BuiltScene build_alone(std::string_view type) {
   TemporaryFolder folder;
   write_text(folder / "part.stub", "triangle 1");
@@ -44,7 +44,7 @@ BuiltScene build_alone(std::string_view type) {
       "s.xml", folder.path()));
 }
 
-// Changes one parameter as a step does.
+// Changes one parameter in the same way as a step.
 void change(BuiltScene& built, std::string_view parameter, double value) {
   built.parameters.set(built.parameters.index("E", parameter), value);
   for (const std::size_t i : built.parameters.drain_changed_elements()) {
@@ -53,7 +53,7 @@ void change(BuiltScene& built, std::string_view parameter, double value) {
   }
 }
 
-// The matrix of the element's transform, after a change of one parameter.
+// The matrix of the element's transform after a change of one parameter.
 glm::dmat4 moved(BuiltScene& built, std::string_view parameter, double value) {
   change(built, parameter, value);
   return dynamic_cast<const Transform&>(*built.scene.root()->children().at(0)).matrix();
@@ -63,7 +63,7 @@ glm::dmat4 matrix(const std::string& attributes) {
   return dynamic_cast<const Transform&>(*built.scene.root()->children().at(0)).matrix();
 }
 
-TEST_CASE("pose and joint are there, sorted by name") {
+TEST_CASE("pose and joint are registered, and types are sorted by name") {
   const std::vector<const ElementType*> types = element_types();
   CHECK(std::ranges::is_sorted(types, {}, &ElementType::name));
   REQUIRE(find_element_type("pose") != nullptr);
@@ -72,13 +72,13 @@ TEST_CASE("pose and joint are there, sorted by name") {
   CHECK(find_element_type("pose")->name == "pose");
 }
 
-// Angles of any size are allowed; every other parameter has limits, so that no picture overflows.
+// Angles of any size are allowed. Every other parameter has limits, so that no picture overflows.
 bool has_limits(const AttributeSpec& row) {
   const bool angle = row.unit == "deg";
   return angle || (std::isfinite(row.min) && std::isfinite(row.max));
 }
 
-TEST_CASE("every element: its table explains itself, and defaults are legal") {
+TEST_CASE("the table of every element has descriptions, and its defaults are legal") {
   for (const ElementType* type : element_types()) {
     CAPTURE(std::string(type->name));
     CHECK_FALSE(type->summary.empty());
@@ -95,22 +95,22 @@ TEST_CASE("every element: its table explains itself, and defaults are legal") {
   }
 }
 
-// Whether a command can do without attributes of the type's own.
+// Whether a command of the type needs no attributes of its own.
 bool stands_alone(const ElementType& type) {
   return std::ranges::none_of(type.attributes, [](const AttributeSpec& row) {
     return is_reference(row.kind) || (row.kind == AttributeKind::text && row.default_value.empty());
   });
 }
 
-TEST_CASE("every element that needs little: each parameter can be set and read, its limits hold") {
+TEST_CASE("each parameter of elements that need little can be set and read, and its limits hold") {
   for (const ElementType* type : element_types()) {
-    if (!stands_alone(*type) && needs(type->name).empty()) continue;  // it has a test of its own
+    if (!stands_alone(*type) && needs(type->name).empty()) continue;  // another test covers it
     CAPTURE(std::string(type->name));
     BuiltScene built = build_alone(type->name);
     REQUIRE(built.parameters.elements().size() == 2);
     const ElementDescriptor element = built.parameters.elements()[1];
     CHECK_FALSE(element.parameters.empty());
-    // Rows of the table come first; an element may have rows of its own behind them.
+    // Rows of the table come first. An element may append its own rows.
     CHECK(std::ranges::is_partitioned(element.parameters, [&](const AttributeSpec& row) {
       return std::ranges::count(type->attributes, row.name, &AttributeSpec::name) == 1;
     }));
@@ -129,7 +129,7 @@ TEST_CASE("every element that needs little: each parameter can be set and read, 
         CHECK(built.parameters.values()[index] == value);
       }
       const double kept = built.parameters.values()[index];
-      // Where there is no limit, the next value beyond is infinity.
+      // Without a limit, the next value beyond is infinity.
       const double infinity = std::numeric_limits<double>::infinity();
       const double refused[] = {std::nextafter(row.min, -infinity), std::nextafter(row.max, infinity), std::nan("")};
       for (const double beyond : refused) {
@@ -149,7 +149,7 @@ TEST_CASE("the pose element") {
   CHECK(moved(built, "z", 7)[3] == glm::dvec4(1, 0, 7, 1));
 }
 
-TEST_CASE("a revolute joint turns about its axis, the right-handed way") {
+TEST_CASE("a revolute joint turns about its axis by the right-hand rule") {
   const auto turned = [](const std::string& attributes, const glm::dvec3& v) {
     return glm::dvec3(matrix("type='joint' " + attributes) * glm::dvec4(v, 1));
   };
@@ -159,7 +159,7 @@ TEST_CASE("a revolute joint turns about its axis, the right-handed way") {
   CHECK(turned("value='-90' axis='0 1e200 0'", x) == z);
   CHECK(turned("value='90' axis='-1e-200 0 0'", y) == -z);
   CHECK(turned("value='180'", x) == -x);
-  // A third of a turn about the space diagonal: x to y to z. Sums of a few terms near 1: 8 half-ulps.
+  // A third of a rotation about the space diagonal: x to y to z. Sums of a few terms near 1: 8 half-ulps.
   CHECK(glm::length(turned("value='120' axis='1 1 1'", x) - y) < 8 * 1.2e-16);
   CHECK(glm::length(turned("value='120' axis='1 1 1'", y) - z) < 8 * 1.2e-16);
 }
@@ -171,7 +171,7 @@ TEST_CASE("a prismatic joint slides along its axis") {
   CHECK(built.parameters.spec(0).unit == "m");
 }
 
-TEST_CASE("a joint's limits are its own") {
+TEST_CASE("the limits of a joint belong to it alone") {
   BuiltScene built = build("type='joint' lower='-30' upper='60' value='60'");
   CHECK(error_of([&] { built.parameters.set(0, 60.5); }) ==
         "E.value: 60.5 is not allowed, expected a number from -30 to 60 (deg)");
@@ -180,7 +180,7 @@ TEST_CASE("a joint's limits are its own") {
   CHECK(built.parameters.values()[0] == 60);
   built.parameters.set(0, -30);
   CHECK(built.parameters.values()[0] == -30);
-  // The type's table is untouched.
+  // The table of the type is unchanged.
   CHECK(find_element_type("joint")->attributes.back().max == kMaxCoordinate_m);
 }
 

@@ -1,4 +1,4 @@
-// The element fog: what fills the air, by its parameters; and what scanners then measure, and do not compute without.
+// The element fog: the medium for its parameters, and the measurements and costs of scanners with and without it.
 #include <algorithm>
 
 #include "tests/support/element_scene.h"
@@ -26,23 +26,27 @@ void check(double seen, double expected, double relative = kRounding) {
   CHECK(std::abs(seen - expected) <= relative * expected);
 }
 
-TEST_CASE("visibility is where contrast has fallen to 0.02; lasers see farther by Kim's exponent") {
+TEST_CASE("visibility is the distance at which contrast falls to 0.02; lasers see farther by Kim's exponent") {
   World world({}, fog("kind='fog' visibility='1500'"));
-  // Exponents by hand: v in km, 0.16 v + 0.34 from 1 to 6, v - 0.5 from 0.5 to 1.
-  const std::pair<double, double> cases[] = {{60000, 1.6}, {7000, 1.3}, {2000, 0.66}, {1500, 0.58},
-                                             {1000, 0.5},  {750, 0.25}, {500, 0},     {20, 0}};
-  for (const auto& [visibility_m, exponent] : cases) {
+  // Exponents computed by hand: v in km, 0.16 v + 0.34 from 1 to 6, v - 0.5 from 0.5 to 1.
+  struct Case {
+    double visibility_m, exponent;
+  };
+  const Case cases[] = {{60000, 1.6}, {7000, 1.3}, {2000, 0.66}, {1500, 0.58},
+                        {1000, 0.5},  {750, 0.25}, {500, 0},     {20, 0}};
+  for (const Case& each : cases) {
+    const double visibility_m = each.visibility_m;
     CAPTURE(visibility_m);
     world->set("FOG", "visibility", visibility_m);
     const Medium& medium = medium_of(world);
     CHECK(std::abs(std::exp(-medium.extinction_per_m * visibility_m) - 0.02) <= 16 * 0x1p-53);
-    check(medium.laser_extinction_per_m, medium.extinction_per_m * std::pow(905.0 / 550.0, -exponent));
+    check(medium.laser_extinction_per_m, medium.extinction_per_m * std::pow(905.0 / 550.0, -each.exponent));
     check(medium.backscatter_per_m_sr, medium.laser_extinction_per_m / 18.8);
     CHECK(medium.particles_per_m3 == 0);
   }
 }
 
-TEST_CASE("haze and dust have lidar ratios of their own; dust is coarse") {
+TEST_CASE("haze and dust have their own lidar ratios; dust is coarse") {
   World haze({}, fog("kind='haze' visibility='3000'")), dust({}, fog("kind='dust' visibility='3000'"));
   const Medium of_haze = medium_of(haze), of_dust = medium_of(dust);
   check(of_haze.laser_extinction_per_m, of_haze.extinction_per_m * std::pow(905.0 / 550.0, -0.82));
@@ -51,13 +55,13 @@ TEST_CASE("haze and dust have lidar ratios of their own; dust is coarse") {
   check(of_dust.backscatter_per_m_sr, of_dust.extinction_per_m / 69);
 }
 
-TEST_CASE("rain: the drops of Marshall and Palmer, each taking twice its cross-section") {
+TEST_CASE("rain: the drops of Marshall and Palmer, each with twice its cross-section") {
   World world({}, fog("kind='rain'"));
   for (const double rate_mm_per_h : {0.5, 10.0, 50.0}) {
     CAPTURE(rate_mm_per_h);
     world->set("FOG", "rain_rate", rate_mm_per_h);
     const Medium& rain = medium_of(world);
-    // Sums over diameters in steps of 10 micrometres up to 4 cm: midpoints leave less than 1e-3.
+    // Sums over diameters in steps of 10 micrometres up to 4 cm. The midpoint rule leaves less than 1e-3.
     constexpr double kSum = 1e-3, kStep_mm = 0.01;
     const double slope_per_mm = 4.1 * std::pow(rate_mm_per_h, -0.21);
     double drops = 0, diameters_mm = 0, extinction = 0;
@@ -72,15 +76,15 @@ TEST_CASE("rain: the drops of Marshall and Palmer, each taking twice its cross-s
     check(rain.laser_extinction_per_m, extinction, kSum);
     CHECK(rain.extinction_per_m == rain.laser_extinction_per_m);
     CHECK(rain.backscatter_per_m_sr == 0);
-    // What was measured over paths of a kilometre, 1.076 rate^0.67 dB/km (Carbonneau and Wisely, Proc. SPIE 3532,
-    // 1998), lies between once and twice the cross-section, as what is scattered forward is partly received.
+    // Measurements over paths of a kilometre, 1.076 rate^0.67 dB/km (Carbonneau and Wisely, Proc. SPIE 3532, 1998), lie
+    // between once and twice the cross-section, because the receiver gets a part of the forward-scattered light.
     const double measured = 1.076 * std::pow(rate_mm_per_h, 0.67) * std::log(10.0) / 10 / 1000;
     CHECK(measured <= extinction);
     CHECK(measured >= extinction / 2);
   }
 }
 
-TEST_CASE("clear air is that of a scene without fog; of several the last counts; the airlight has a colour") {
+TEST_CASE("clear air equals a scene without fog; the last of several elements counts; the airlight has a colour") {
   World world({}, fog("kind='rain' rain_rate='0' airlight_red='5'", "A"));
   CHECK(medium_of(world) == Medium{});
   world->execute(fog("airlight_red='0.1' airlight_green='0.2' airlight_blue='0.3' visibility='100'", "B"));
@@ -116,7 +120,7 @@ std::string scanner(const std::string& attributes) {
   return R"(<sensor type="laser_scanner" name="SCAN" insert_at="ROOT" )" + attributes + "/>";
 }
 
-// All that a frame gives and costs.
+// The results and the cost of a frame.
 struct Frame {
   std::vector<float> range_m, error_bound_m;
   FrameCounters counters;
@@ -137,7 +141,7 @@ Frame frame_of(World& world) {
           world->diagnostics().frame_plan().effects.size()};
 }
 
-TEST_CASE("a scene without weather and one that only names it are measured alike, at the same cost, by every method") {
+TEST_CASE("a scene without weather and one that only names it have the same scans at the same cost with every method") {
   for (const char* method : {"planar", "nearest", "hybrid", "raycast"}) {
     CAPTURE(method);
     const std::string commands = kWall + kCamera + scanner(kFan + "method='" + std::string(method) + "'");
@@ -147,7 +151,8 @@ TEST_CASE("a scene without weather and one that only names it are measured alike
   }
 }
 
-TEST_CASE("in weather beams are cast, whatever the method, and plan and report say so; in clear air as before") {
+TEST_CASE(
+    "beams are cast in weather with every method, and plan and report name the reason; clear air changes nothing") {
   for (const char* method : {"planar", "nearest", "hybrid", "auto"}) {
     CAPTURE(method);
     World world({{"wall.gltf", wall()}},
@@ -168,7 +173,7 @@ TEST_CASE("in weather beams are cast, whatever the method, and plan and report s
     REQUIRE(!notes.empty());
     CHECK(notes[0].name == "cast_for");
     CHECK(std::get<std::string>(notes[0].value) == "atmosphere");
-    // In a drizzle the wall stays the strongest echo. Ranges are stored as float32.
+    // In drizzle the wall is the strongest echo. Ranges are stored as float32.
     constexpr double kStored_m = 8 * 0x1p-24;
     for (std::size_t beam = 0; beam < 91; ++beam) {
       const double a = (static_cast<double>(beam) - 45) * std::numbers::pi / 180;
@@ -182,7 +187,7 @@ TEST_CASE("in weather beams are cast, whatever the method, and plan and report s
 }
 
 TEST_CASE("a wall is lost where its echo, by Beer and Lambert, is below the least power") {
-  // Square on, a white wall at 4 m returns exp(-2 k 4) / 16 and the air less: pi 0.75 b exp(-2 k).
+  // A white wall at 4 m returns exp(-2 k 4) / 16 at perpendicular incidence, and the air less: pi 0.75 b exp(-2 k).
   World world({{"wall.gltf", wall()}},
               kWall + scanner("samples='1' min_angle='0' max_angle='0' least_power='0.03'") + fog("visibility='500'"));
   const auto seen = [&](double visibility_m) {
@@ -191,11 +196,11 @@ TEST_CASE("a wall is lost where its echo, by Beer and Lambert, is below the leas
     return world->scan("SCAN").range_m[0];
   };
   // exp(-8 k) / 16 = 0.03 at k = 0.09175: visibility 42.64 m.
-  CHECK(seen(42.7) == 4);  // a plane at a range that float32 holds
+  CHECK(seen(42.7) == 4);  // a plane at a range that float32 represents exactly
   CHECK(std::isinf(seen(42.6)));
 }
 
-TEST_CASE("where no surface is, fog shows itself if it is dense enough; else a miss stays a miss") {
+TEST_CASE("without a surface, dense fog returns an echo, and otherwise a miss stays a miss") {
   World world({{"wall.gltf", wall()}},
               kWall + scanner("samples='1' min_angle='180' max_angle='180'") + fog("visibility='500'"));
   const auto seen = [&](double visibility_m) {

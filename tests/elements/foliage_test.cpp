@@ -1,4 +1,4 @@
-// The element foliage: what a camera, a depth camera and a laser see through leaves, at all degrees of transparency.
+// The element foliage: what a camera, a depth camera and a laser see through leaves at all degrees of transparency.
 #include "simvis/scene_builder.h"
 #include "tests/support/element_scene.h"
 
@@ -9,7 +9,7 @@ namespace {
 
 const glm::dvec3 kLeaf(0.2, 0.6, 0.1), kWall(0.9, 0.7, 0.8);
 constexpr double kLeaf_m = 2, kWall_m = 4;
-// The leaf's texels from left to right: alpha in steps; with a cutoff of one half the right two are there.
+// The leaf's texels from left to right: alpha in steps. With a cutoff of one half the two right texels are visible.
 constexpr std::uint8_t kAlpha[4] = {0, 100, 200, 255};
 constexpr int kWidth_px = 4;
 
@@ -27,7 +27,7 @@ json leaf_material(GltfBuilder& file, const std::string& alpha_mode, double alph
   return material;
 }
 
-// A leaf of 2 m x 2 m, 2 m ahead, and a trunk that the view meets below it.
+// A leaf of 2 m x 2 m, 2 m ahead, and a trunk that is visible below it.
 GltfBuilder tree(const std::string& alpha_mode, double alpha = 1) {
   GltfBuilder file;
   const int leaves = file.append("materials", leaf_material(file, alpha_mode, alpha));
@@ -42,10 +42,11 @@ GltfBuilder wall() {
   return file;
 }
 
-// The camera's four columns see a texel each: half its width is 1 m at 2 m, the leaf's half. A row of them is used.
+// Each of the camera's four columns sees one texel: half its width is 1 m at 2 m, and so is that of the leaf. One row
+// is used.
 const std::string kParts = R"(<part file="tree.gltf" name="TREE" insert_at="ROOT" up="z"/>
   <part file="wall.gltf" name="WALL" insert_at="ROOT" up="z"/>)";
-// The scanner's beams meet the middles of the two right texels: 0.25 m and 0.75 m to the right at 2 m.
+// The scanner's beams hit the centres of the two right texels: 0.25 m and 0.75 m to the right at 2 m.
 const std::string kSensors = R"(
   <sensor type="camera" name="CAM" insert_at="ROOT" width="4" height="4" hfov="53.13010235415598" outputs="color depth"/>
   <sensor type="laser_scanner" name="SCAN" insert_at="ROOT" samples="2" method="planar"
@@ -58,7 +59,7 @@ World forest(const GltfBuilder& tree, const std::string& attributes = "") {
 }
 
 constexpr int kRow = 1;
-// Depth is float32 throughout, in some 16 operations.
+// Depth is float32 throughout, in about 16 operations.
 constexpr double kDepth = 16 * 0x1p-24;
 
 void check_depth(World& world, int column, double expected_m) {
@@ -67,18 +68,18 @@ void check_depth(World& world, int column, double expected_m) {
   CHECK(seen == doctest::Approx(expected_m).epsilon(kDepth).scale(0));
 }
 
-// The beam through texel 3 or 2 meets something at this x.
+// Whether the beam through texel 3 or 2 hits a surface at this x.
 void check_beam(World& world, int texel, double x_m) {
   CAPTURE(texel);
   const Scan& scan = world->scan("SCAN");
   const std::size_t beam = texel == 3 ? 0 : 1;
   const double tangent = texel == 3 ? 0.375 : 0.125;
-  // The atlas may hold a silhouette beside the beam: its bound is then infinite, and says nothing here.
+  // The atlas may contain a silhouette beside the beam. Its bound is then infinite and cannot be checked here.
   REQUIRE(std::isfinite(scan.error_bound_m[beam]));
   CHECK(std::abs(scan.range_m[beam] - x_m * std::sqrt(1 + tangent * tangent)) <= scan.error_bound_m[beam]);
 }
 
-TEST_CASE("masked leaves fade as one, what the cutoff takes away stays away, and depth sees them up to 50 %") {
+TEST_CASE("masked leaves fade together, holes of the cutoff stay holes, and depth sees the leaves up to 50 %") {
   World world = forest(tree("MASK"));
   for (const double transparency : {0.0, 10.0, 40.0, 50.0, 60.0, 90.0}) {
     CAPTURE(transparency);
@@ -95,14 +96,14 @@ TEST_CASE("masked leaves fade as one, what the cutoff takes away stays away, and
   }
 }
 
-TEST_CASE("at 100 % leaves cost nothing: no draw, no triangle, for any sensor") {
+TEST_CASE("at 100 % leaves cost nothing: no draw and no triangle for any sensor") {
   World world = forest(tree("MASK"), "transparency='100'");
   for (const int column : {0, 1, 2, 3}) {
     check_color(world.color(column, kRow), kWall);
     check_depth(world, column, kWall_m);
   }
   check_beam(world, 3, kWall_m);
-  // The camera draws trunk and wall; the scanner the wall, whose strip the trunk does not reach.
+  // The camera draws trunk and wall. The scanner draws the wall; its strip does not reach the trunk.
   const FrameCounters gone = world->diagnostics().counters();
   world->set("LEAVES", "transparency", 0);
   world->step();
@@ -113,8 +114,8 @@ TEST_CASE("at 100 % leaves cost nothing: no draw, no triangle, for any sensor") 
   world->step();
   CHECK(world->diagnostics().counters().draws == 2);
   CHECK(world->diagnostics().counters().triangles == 4);
-  // Between, the camera draws them once for colour, lays them over the rest in another draw, and draws them once more
-  // for depth where depth meets them.
+  // In between, the camera draws the leaves once for colour, composites them in a second draw, and draws them once more
+  // for depth if they are visible in depth.
   world->set("LEAVES", "transparency", 60);
   world->step();
   CHECK(world->diagnostics().counters().draws == 4);
@@ -123,7 +124,7 @@ TEST_CASE("at 100 % leaves cost nothing: no draw, no triangle, for any sensor") 
   CHECK(world->diagnostics().counters().draws == 5);
 }
 
-TEST_CASE("blended leaves fade by their alpha, and depth sees what still covers one half") {
+TEST_CASE("blended leaves fade by their alpha, and depth sees those that still cover one half") {
   World world = forest(tree("BLEND", 0.9));
   for (const double transparency : {0.0, 25.0, 40.0, 50.0, 100.0}) {
     CAPTURE(transparency);
@@ -140,7 +141,7 @@ TEST_CASE("blended leaves fade by their alpha, and depth sees what still covers 
   }
 }
 
-TEST_CASE("the trunk stays, and so do the leaves of another tree of the same file") {
+TEST_CASE("the trunk and the leaves of another tree from the same file do not change") {
   World world({{"tree.gltf", tree("MASK")}, {"wall.gltf", wall()}},
               kParts + R"(<part file="tree.gltf" name="OTHER" insert_at="ROOT" up="z" pose_offset="1 0 0 0 0 0"/>)" +
                   R"(<element type="foliage" name="LEAVES" insert_at="ROOT" part="TREE" transparency="100"/>)" +
@@ -153,7 +154,7 @@ TEST_CASE("the trunk stays, and so do the leaves of another tree of the same fil
   check_color(world.color(2, 3), glm::dvec3(0.3, 0.2, 0.1));
 }
 
-TEST_CASE("foliage and material act together") {
+TEST_CASE("foliage and material are combined") {
   World world = forest(tree("MASK"), "transparency='50'");
   world->execute(R"(<element type="material" name="M" insert_at="ROOT" part="TREE" opacity="0.5" red="0.5"/>)");
   check_color(world.color(3, kRow), kLeaf * glm::dvec3(0.5, 1, 1) * 0.25 + kWall * 0.75);

@@ -1,4 +1,4 @@
-// The element `frame_axes`: where its arrows point, and who sees them.
+// The element `frame_axes`: the directions of its arrows, and which sensors see it.
 #include "elements/visualization/frame_axes.h"
 
 #include <doctest/doctest.h>
@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::string_view kAxes = "<element type='frame_axes' name='E' insert_at='ROOT' length='2' width='0.1'/>";
 
-// How far the corners of one colour reach along the axes of `world_from_frame`.
+// The extent of the corners of one colour along the axes of `world_from_frame`.
 glm::dvec3 reach_of(const DrawList& list, const glm::dmat4& world_from_frame, int color) {
   glm::dvec3 reach{0};
   const DrawItem& item = list.items.at(0);
@@ -32,7 +32,8 @@ glm::dvec3 reach_of(const DrawList& list, const glm::dmat4& world_from_frame, in
 
 void check_arrows(const DrawList& list, const glm::dmat4& world_from_frame, double length_m, double width_m) {
   REQUIRE(list.items.size() == 1);
-  // There and back again: corners are rounded in float32, and twice more in double where the frame is far out.
+  // The transform and its inverse: corners are rounded in float32, and twice more in double where the frame is far from
+  // the origin.
   const double world_m = glm::length(glm::dvec3(world_from_frame[3]));
   const double tolerance_m = 2 * corner_tolerance_m(length_m, world_m);
   for (int axis = 0; axis < 3; ++axis) {
@@ -49,7 +50,7 @@ TEST_CASE("x is red, y green and z blue, in the frame at the insertion point") {
   PeopleView view(kAxes);
   check_arrows(view.frame(), glm::dmat4(1), 2, 0.1);
 
-  // What stands before the arrows moves them, and what is inserted after them does not.
+  // A pose in front of the arrows moves them, and a pose inserted after them does not.
   PeopleView moved("<element type='pose' name='P' insert_at='ROOT' x='1e7' y='-2' roll='10' pitch='20' yaw='30'/>" +
                    std::string(kAxes) + "<element type='pose' name='Q' insert_at='ROOT' x='5'/>");
   check_arrows(moved.frame(), matrix_from_degrees({1e7, -2, 0}, 10, 20, 30), 2, 0.1);

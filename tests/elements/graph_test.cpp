@@ -1,4 +1,4 @@
-// The element `graph`: where its nodes and edges lie, what may be written, and who sees it.
+// The element `graph`: the places of nodes and edges, the allowed input, and which sensors see it.
 #include "elements/visualization/graph.h"
 
 #include <doctest/doctest.h>
@@ -41,7 +41,7 @@ TEST_CASE("nodes are points and edges lines, in the frame at the insertion point
   PeopleView moved("<element type='pose' name='P' insert_at='ROOT' x='1' yaw='90'/>" + kTriangle);
   check_triangle(markers(moved.frame()), {{-1, 1, 3}, {-4.5, -4, 6}, {-7, 7, 9}}, corner_tolerance_m(16, 16));
 
-  // As maps have them: far east and north.
+  // Coordinates as in maps: far east and north.
   PeopleView far(graph("nodes='4e7 5e7 0, 40000003 50000001 0.5, 4e7 50000002 0' edges='0-1, 2-1'"));
   check_triangle(markers(far.frame()), {{4e7, 5e7, 0}, {40000003, 50000001, 0.5}, {4e7, 50000002, 0}},
                  corner_tolerance_m(8, 1e8));
@@ -90,7 +90,7 @@ TEST_CASE("the place of each node is a parameter") {
   CHECK(contains(error_of([&] { view.frame_with("E", "x0", 1e16); }), "E.x0: "));
 }
 
-TEST_CASE("a node alone, without edges") {
+TEST_CASE("a single node without edges") {
   PeopleView view(graph("nodes='1 2 3'"));
   const std::vector<SeenMarker> seen = markers(view.frame());
   REQUIRE(seen.size() == 1);

@@ -1,4 +1,4 @@
-// The element `laser_beams`: where its beams and hits lie, and who sees them.
+// The element `laser_beams`: the places of its beams and hits, and which sensors see it.
 #include "elements/visualization/laser_beams.h"
 
 #include <doctest/doctest.h>
@@ -24,7 +24,7 @@ std::string beams(const std::string& attributes) {
   return "<element type='laser_beams' name='E' insert_at='ROOT' scanner='S' " + attributes + "/>";
 }
 
-// Two rings of four beams; of the lower ring one meets nothing and one is blocked.
+// Two rings of four beams. In the lower ring one beam hits nothing and one is blocked.
 Scan some_scan() {
   return {.rings = 2,
           .columns = 4,
@@ -55,8 +55,8 @@ struct Beams : PeopleView {
   }
 };
 
-TEST_CASE("each beam that hits is a line from the scanner to its hit, wherever the scanner stood") {
-  // The second is far out and turned all ways.
+TEST_CASE("each beam with a hit is a line from the scanner to its hit for every pose of the scanner") {
+  // The second pose is far from the origin and rotated about all axes.
   for (const glm::dmat4& world_from_sensor : {glm::dmat4(1), matrix_from_degrees({1e7, -2e7, 100}, 20, -30, 130)}) {
     Beams view("width='0.02' size='0.1'");
     view.scans["S"].world_from_sensor = world_from_sensor;
@@ -94,7 +94,7 @@ TEST_CASE("each parameter of laser_beams") {
   view.markers_with("every", 1);
 
   const std::vector<SeenMarker> missing = view.markers_with("miss_length", 40);
-  REQUIRE(missing.size() == 13);  // one more line, no more hit; the blocked beam is no miss
+  REQUIRE(missing.size() == 13);  // one more line, no more hits; the blocked beam is no miss
   CHECK(glm::distance(missing[2].to(), end_of(view.measured, 0, 2, 40)) < corner_tolerance_m(41));
 
   view.markers_with("red", 0.125);
@@ -112,7 +112,7 @@ TEST_CASE("each parameter of laser_beams") {
   CHECK(material().alpha_mode == AlphaMode::opaque);
 }
 
-TEST_CASE("beams are drawn anew for a new scan, and only then") {
+TEST_CASE("beams are redrawn for a new scan, and only then") {
   Beams view;
   view.scans["S"] = {};
   CHECK(view.markers().empty());  // nothing measured yet
@@ -139,7 +139,7 @@ TEST_CASE("sensors see no beams") {
   CHECK_FALSE(same_content(view.people.update(), without.people.update()));
 }
 
-TEST_CASE("beams stand in the world, wherever they are inserted") {
+TEST_CASE("beams have world coordinates, independent of their insertion point") {
   PeopleView view("<element type='pose' name='P' insert_at='ROOT' x='5'/>" + beams("") + std::string(kScanner));
   const Scan measured = some_scan();
   view.scans["S"] = {&measured, moved_to(1, 0, 0), 1};

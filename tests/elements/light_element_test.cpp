@@ -1,4 +1,4 @@
-// The elements light and color_temperature: what a camera sees of a wall, against photometry worked out here.
+// The elements light and color_temperature: what a camera sees of a wall, compared with photometry computed here.
 #include <algorithm>
 
 #include <simvis/pose.h>
@@ -29,7 +29,7 @@ double radians(double deg) { return deg * kPi / 180; }
 
 TEST_CASE("a directional light comes from its azimuth and elevation and lights by Lambert's law") {
   World world = lit_wall(R"(azimuth="180" elevation="0" intensity="3")");
-  // It stands behind the camera: the wall faces it.
+  // The light comes from behind the camera, which the wall faces.
   check_color(world.color(), kAlbedo / kPi * 3.0);
   check_color(world.color_with("LAMP", "intensity", 5), kAlbedo / kPi * 5.0);
   check_color(world.color_with("LAMP", "elevation", 35), kAlbedo / kPi * 5.0 * std::cos(radians(35)));
@@ -44,14 +44,14 @@ TEST_CASE("a directional light comes from its azimuth and elevation and lights b
 
 TEST_CASE("a sun in the zenith lights the floor, not the wall") {
   World world = lit_wall(R"(elevation="90")");
-  // The sine of 90 degrees is 1 to the bit, and so its cosine 0.
+  // The sine of 90 degrees is 1 to the bit, and its cosine is 0.
   CHECK(world.color() == glm::dvec3(0));
   const LightItem& item = world->diagnostics().draw_list().lights.at(0);
   CHECK(glm::dmat3(world->diagnostics().draw_list().world_from_node[item.transform]) * item.light.direction ==
         glm::dvec3(0, 0, -1));
 }
 
-// Radiance of the wall's point (4, 0, 0) by a light of 1 candela at `place`, KHR_lights_punctual.
+// Radiance of the wall's point (4, 0, 0) from a light of 1 candela at `place`, KHR_lights_punctual.
 glm::dvec3 by_lamp(const glm::dvec3& place, double range_m = 0) {
   const glm::dvec3 to_light = place - glm::dvec3(kWall_m, 0, 0);
   const double d = glm::length(to_light);
@@ -66,7 +66,7 @@ TEST_CASE("a point light falls off with the square of its distance, up to its ra
   check_color(world.color_with("LAMP", "y", -1), 7.0 * by_lamp({2, -1, 0}));
   check_color(world.color_with("LAMP", "z", 0.5), 7.0 * by_lamp({2, -1, 0.5}));
   check_color(world.color_with("LAMP", "intensity", 20), 20.0 * by_lamp({2, -1, 0.5}));
-  // At 2.29 m of 3 m the window is 0.66: its rounding counts by the fourth power.
+  // At 2.29 m of 3 m the window is 0.66, and its rounding counts by the fourth power.
   check_color(world.color_with("LAMP", "range", 3), 20.0 * by_lamp({2, -1, 0.5}, 3), 4 * kShading);
   CHECK(world.color_with("LAMP", "range", 2) == glm::dvec3(0));
   world->set("LAMP", "range", 0);
@@ -76,8 +76,8 @@ TEST_CASE("a point light falls off with the square of its distance, up to its ra
 TEST_CASE("a spot light shines along +x, is aimed by yaw and pitch, and fades between its cones") {
   World world = lit_wall(R"(kind="spot" x="1" intensity="9" inner_cone="10" outer_cone="30")");
   const glm::dvec3 full = 9.0 * by_lamp({1, 0, 0});
-  // Turned away by an angle, the wall's point is that far from the axis. The ramp is a difference of cosines of 0.12:
-  // rounding counts eight times, twice for the square.
+  // After a rotation by an angle, the wall's point is that far from the axis. The ramp is a difference of cosines of
+  // 0.12: rounding counts eight times, and twice that for the square.
   const auto ramp = [&](double away_deg, double inner_deg, double outer_deg) {
     const double outer = std::cos(radians(outer_deg));
     const double t = (std::cos(radians(away_deg)) - outer) / (std::cos(radians(inner_deg)) - outer);
@@ -92,13 +92,13 @@ TEST_CASE("a spot light shines along +x, is aimed by yaw and pitch, and fades be
   check_color(world.color_with("LAMP", "pitch", 25), full * ramp(25, 10, 30), kRamp);
   check_color(world.color_with("LAMP", "outer_cone", 40), full * ramp(25, 10, 40), kRamp);
   check_color(world.color_with("LAMP", "inner_cone", 20), full * ramp(25, 20, 40), kRamp);
-  // An inner cone that reaches the outer one: a sharp edge at the outer one.
+  // An inner cone as wide as the outer one gives a sharp edge at the outer one.
   check_color(world.color_with("LAMP", "inner_cone", 60), full);
   CHECK(world.color_with("LAMP", "pitch", 41) == glm::dvec3(0));
   check_color(world.color_with("LAMP", "pitch", 39), full);
 }
 
-TEST_CASE("spots turn as poses do, and a pose before a light carries it") {
+TEST_CASE("spots rotate like poses, and a pose in front of a light moves it") {
   World world = lit_wall(R"(kind="spot" outer_cone="20" x="1" yaw="30" pitch="-10")");
   world->step();
   const LightItem& item = world->diagnostics().draw_list().lights.at(0);
@@ -114,7 +114,7 @@ TEST_CASE("spots turn as poses do, and a pose before a light carries it") {
 BuiltScene build(const std::string& commands) { return build_scene(parse_commands(commands, "s.xml", "")); }
 const std::string kLamp = "<element type='light' name='L' insert_at='ROOT' ";
 
-TEST_CASE("a light has what its kind has, and refuses the rest") {
+TEST_CASE("each kind of light has its own attributes and refuses the others") {
   CHECK(error_of([] { build(kLamp + "kind='point' yaw='3'/>"); }) ==
         "s.xml:1:62: error: attribute \"yaw\" is not allowed for a light of the kind \"point\"");
   CHECK(contains(error_of([] { build(kLamp + "range='3'/>"); }),
@@ -137,15 +137,15 @@ glm::dvec2 chromaticity(const glm::dvec3& rgb) {
   return {x / (x + y + z), y / (x + y + z)};
 }
 
-TEST_CASE("a black body has the chromaticity that tables give") {
+TEST_CASE("a black body has the chromaticity in tables") {
   struct Known {
     double temperature_k;
     glm::dvec2 xy;
   };
   // CIE illuminant A (CIE 15), and the Planckian locus of the CIE 1931 observer.
   const Known known[] = {{2856, {0.4476, 0.4074}}, {6500, {0.3135, 0.3237}}, {10000, {0.2807, 0.2883}}};
-  // The smallest major semi-axis of MacAdam's ellipses near these whites (at x = 0.305, y = 0.323): what lies within
-  // looks the same. The fit of the colour matching functions need be no better.
+  // The smallest major semi-axis of MacAdam's ellipses near these whites (at x = 0.305, y = 0.323): differences below
+  // it are not visible. The fit of the colour matching functions need not be better.
   constexpr double kJustNoticeable_xy = 0.0023;
   for (const Known& each : known) {
     CAPTURE(each.temperature_k);
@@ -154,8 +154,8 @@ TEST_CASE("a black body has the chromaticity that tables give") {
   }
 }
 
-TEST_CASE("a black body's colour has luminance 1; what lies outside sRGB is cut; 6500 K is nearly white") {
-  // The matrices of code and test are written with four digits and seven: 1e-4 each.
+TEST_CASE("the colour of a black body has luminance 1; parts outside sRGB are clipped; 6500 K is nearly white") {
+  // The matrices of the code and the test have four and seven digits: 1e-4 each.
   constexpr double kDigits = 2e-4;
   for (const double temperature_k : {2000.0, 2856.0, 6500.0, 12000.0, 40000.0}) {
     const glm::dvec3 rgb = black_body_color(temperature_k);
@@ -172,7 +172,7 @@ TEST_CASE("a black body's colour has luminance 1; what lies outside sRGB is cut;
   for (int c = 0; c < 3; ++c) CHECK(std::abs(black_body_color(6500)[c] - 1) <= kFromWhite);
 }
 
-TEST_CASE("a lamp takes the colour of its temperature, beside its own") {
+TEST_CASE("a lamp multiplies its own colour with that of its temperature") {
   World world = lit_wall(R"(azimuth="180" elevation="0" red="0.5")");
   const glm::dvec3 white = kAlbedo / kPi * glm::dvec3(0.5, 1, 1);
   check_color(world.color(), white);

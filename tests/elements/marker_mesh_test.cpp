@@ -1,4 +1,4 @@
-// Meshes of markers: closed, with their faces outwards, and of the size asked for.
+// Meshes of markers are closed, face outwards and have the given size.
 #include "elements/visualization/marker_mesh.h"
 
 #include <doctest/doctest.h>
@@ -25,7 +25,7 @@ double volume_m3(const Mesh& mesh) {
   return volume;
 }
 
-// Each edge from corner to corner is met once each way, where corners at the same place count as one.
+// Each edge between two corners is used once in each direction. Corners at the same place count as one.
 bool is_closed(const Mesh& mesh) {
   const auto before = [](const glm::vec3& a, const glm::vec3& b) {
     return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
@@ -56,8 +56,9 @@ void check_common(const Mesh& mesh) {
   CHECK(bounded == mesh);
 }
 
-// Each corner is rounded by half a unit in the last place at most; volumes of bodies within `reach_m` then err by no
-// more than their surface times that, and the sum of tetrahedra from the origin by some roundings in double.
+// Each corner is rounded by at most half a unit in the last place. Volumes of bodies within `reach_m` then have an
+// error of at most their surface times that, and the sum of tetrahedra from the origin adds several roundings in
+// double.
 double volume_tolerance_m3(double surface_m2, double reach_m) { return surface_m2 * std::ldexp(2 * reach_m, -24); }
 
 TEST_CASE("a point is an octahedron") {
@@ -72,7 +73,7 @@ TEST_CASE("a point is an octahedron") {
   CHECK(std::abs(volume_m3(*mesh) - 0.125 / 6) < volume_tolerance_m3(std::sqrt(3.0) * 0.25, 4));
 }
 
-TEST_CASE("a line is a bar whose sides are as wide as asked for, in any direction") {
+TEST_CASE("a line is a bar whose sides have the given width in any direction") {
   for (const glm::dvec3& to : {glm::dvec3(3, 0, 0), glm::dvec3(0, -3, 0), glm::dvec3(0, 0, 3), glm::dvec3(0, 0, -3),
                                glm::dvec3(-1, 2, 2), glm::dvec3(-2e-3, 1e-3, 2e-3)}) {
     CAPTURE(to.x);
@@ -89,7 +90,7 @@ TEST_CASE("a line is a bar whose sides are as wide as asked for, in any directio
   }
 }
 
-TEST_CASE("seen from above, a level line shows its upper edge") {
+TEST_CASE("a horizontal line seen from above shows its upper edge") {
   MarkerMesh markers;
   markers.add_line({0, 0, 0}, {5, 0, 0}, 0.3, kColor);
   const auto mesh = markers.take("marks");
@@ -109,7 +110,7 @@ TEST_CASE("an arrow ends at its tip, and its head takes no more than half of it"
     CHECK(mesh->bounds_min.z == 0);
     CHECK(mesh->bounds_max.z == 2);
     CHECK(volume_m3(*mesh) > 0);
-    float neck = 2;  // the lowest corner that is farther from the axis than the shaft is
+    float neck = 2;  // the lowest corner that is outside the shaft's radius
     for (const glm::vec3& p : mesh->positions) {
       if (std::hypot(p.x, p.y - 1) > width_m) neck = std::min(neck, p.z);
     }
@@ -118,7 +119,7 @@ TEST_CASE("an arrow ends at its tip, and its head takes no more than half of it"
   }
 }
 
-TEST_CASE("nothing is nothing") {
+TEST_CASE("an empty marker has an empty mesh") {
   MarkerMesh markers;
   markers.add_point({1, 2, 3}, 0, kColor);
   markers.add_line({1, 2, 3}, {4, 5, 6}, 0, kColor);

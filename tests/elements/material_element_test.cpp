@@ -1,4 +1,4 @@
-// The element material: what a camera and a laser then see of a part, and what they see of another part of its file.
+// The element material: what a camera and a laser see of a part and of another part from the same file.
 #include "scenegraph/flattener.h"
 #include "shaders/interop.h"
 #include "simvis/scene_builder.h"
@@ -13,7 +13,7 @@ namespace {
 const glm::dvec3 kPaint(0.8, 0.4, 0.2), kBackground(0.55, 0.68, 0.85);
 constexpr double kIrradiance_lux = 2;
 
-// Two plates in one file, 4 m ahead: to the left in paint, to the right in metal.
+// Two plates in one file, 4 m ahead: the left one of paint, the right one of metal.
 GltfBuilder two_plates() {
   GltfBuilder file;
   const int paint = file.append("materials", painted("Paint", glm::vec4(kPaint, 1)));
@@ -37,13 +37,13 @@ World plates(const std::string& commands) {
   return World({{"plates.gltf", two_plates()}}, kTwoPlates + kDark + kSun + kCamera + commands);
 }
 
-TEST_CASE("without attributes a material stays as the file has it, to the bit") {
+TEST_CASE("a material without attributes stays as in the file to the bit") {
   World plain = plates(""), same = plates(changed(""));
   CHECK(plain.color() == same.color());
   CHECK(same->diagnostics().draw_list().materials.at(0)->roughness == 1);
 }
 
-TEST_CASE("colours are factors, emission is added, each channel for itself") {
+TEST_CASE("colours are factors and emission is added, for each channel separately") {
   World world = plates(changed(""));
   const glm::dvec3 matte = kPaint / kPi * kIrradiance_lux;
   check_color(world.color(), matte);
@@ -56,7 +56,7 @@ TEST_CASE("colours are factors, emission is added, each channel for itself") {
   check_color(world.color_with("M", "emission_blue", 0.3), dyed + glm::dvec3(0.1, 2, 0.3));
 }
 
-TEST_CASE("a change of colour uploads that material's block and nothing else") {
+TEST_CASE("a change of colour uploads the block of that material only") {
   World world = plates(changed("material='Paint'"));
   world.color();
   world.color();
@@ -65,7 +65,7 @@ TEST_CASE("a change of colour uploads that material's block and nothing else") {
   CHECK(world->diagnostics().counters().bytes_uploaded == still + sizeof(shader::MaterialBlock));
 }
 
-TEST_CASE("a named material alone changes; the colour multiplies the texture") {
+TEST_CASE("only the named material changes; the colour multiplies the texture") {
   World world = plates(changed("material='Metal' red='0'"));
   check_color(world.color(), kPaint / kPi * kIrradiance_lux);
   check_color(world.color(kSide_px - 1), glm::dvec3(0, 0.5, 0.5) / kPi * kIrradiance_lux);
@@ -77,7 +77,7 @@ TEST_CASE("a named material alone changes; the colour multiplies the texture") {
   material["pbrMetallicRoughness"]["baseColorTexture"]["index"] = file.append("textures", {{"source", image}});
   add_plate(file, {}, file.append("materials", material));
   World printed({{"plates.gltf", file}}, kTwoPlates + kCamera + changed("red='0.5' green='0.5'"));
-  // The driver may decode sRGB by a table or a polynomial: half a step of 8 bits in linear light at most.
+  // The driver may decode sRGB by a table or a polynomial: an error of at most half a step of 8 bits in linear light.
   constexpr double kTexel = 0.5 / 255;
   const double texel = std::pow((188 / 255.0 + 0.055) / 1.055, 2.4);
   const glm::dvec3 seen = printed.color();
@@ -86,11 +86,13 @@ TEST_CASE("a named material alone changes; the colour multiplies the texture") {
   CHECK(std::abs(seen.b - texel) <= kTexel);
 }
 
-TEST_CASE("below an opacity of 1 what lies behind shows, below one half sensors of depth look through, 0 is nothing") {
+TEST_CASE(
+    "below an opacity of 1 the background is visible, below one half depth sensors ignore the part, at 0 it is not "
+    "drawn") {
   World world = plates(changed("material='Paint'") + kScanner);
   const glm::dvec3 matte = kPaint / kPi * kIrradiance_lux;
   const auto depth = [&] { return world->depth("CAM").pixels[kSide_px * kSide_px / 2]; };
-  // Depth and range of a wall square to the beam: float32 throughout, and the scanner's bound says its own.
+  // Depth and range of a wall perpendicular to the beam: float32 throughout, and the scanner's own bound.
   constexpr double kDepth_m = 4 * 16 * 0x1p-24;
   for (const double opacity : {1.0, 0.75, 0.5, 0.4, 0.1}) {
     CAPTURE(opacity);
@@ -110,8 +112,8 @@ TEST_CASE("below an opacity of 1 what lies behind shows, below one half sensors 
   CHECK(world->diagnostics().counters().triangles == 2);
 }
 
-// Radiance by one light of irradiance `lux` on a surface square to it, in double: glTF 2.0, appendix B, with the
-// visibility of Heitz (2014). Unit vectors.
+// Radiance from one light of irradiance `lux` on a surface perpendicular to it, in double: glTF 2.0, appendix B, with
+// the visibility function of Heitz (2014). Vectors have unit length.
 glm::dvec3 glossy(const glm::dvec3& albedo, double roughness, const glm::dvec3& n, const glm::dvec3& l,
                   const glm::dvec3& v, double lux) {
   const glm::dvec3 h = glm::normalize(l + v);
@@ -123,13 +125,13 @@ glm::dvec3 glossy(const glm::dvec3& albedo, double roughness, const glm::dvec3& 
   return lux * nl * ((1 - f) * albedo / kPi + glm::dvec3(f * d * visible));
 }
 
-TEST_CASE("below a roughness of 1 lights have the highlight of glTF's dielectric") {
+TEST_CASE("below a roughness of 1 lights have the highlight of a glTF dielectric") {
   World world = plates(changed("material='Paint'") +
                        R"(<element type="light" name="LAMP" insert_at="ROOT" kind="point" intensity="0"/>)");
   const glm::dvec3 n(-1, 0, 0);
   const double step = 2 * std::tan(30 * kPi / 180) / kSide_px;
   for (const double roughness : {0.9, 0.5, 0.2, 0.05}) {
-    // float32 turns the directions by some 16 u; the distribution's logarithm has at most the slope 2 / alpha.
+    // float32 turns the directions by about 16 u. The slope of the distribution's logarithm is at most 2 / alpha.
     const double tolerance = kShading + 2 / (roughness * roughness) * 16 * 0x1p-24;
     world->set("M", "roughness", roughness);
     for (const double azimuth_deg : {180.0, 150.0, 110.0}) {
@@ -145,7 +147,7 @@ TEST_CASE("below a roughness of 1 lights have the highlight of glTF's dielectric
       }
     }
   }
-  // A lamp with a place, at (2, 1, 0): the wall's point (4, 0, 0) is sqrt(5) m away.
+  // A lamp at (2, 1, 0): the wall's point (4, 0, 0) is sqrt(5) m away.
   world->set("SUN", "intensity", 0);
   world->set("LAMP", "intensity", 10);
   world->set("LAMP", "x", 2);
@@ -155,18 +157,18 @@ TEST_CASE("below a roughness of 1 lights have the highlight of glTF's dielectric
   check_color(seen, glossy(kPaint, 0.4, n, l, n, 10 / 5.0), kShading + 2 / 0.16 * 16 * 0x1p-24);
 }
 
-TEST_CASE("smoother than the least roughness is as the least, and only what is glossy pays for it") {
+TEST_CASE("roughness below the minimum equals the minimum, and only glossy parts cost more") {
   World world = plates(changed("material='Paint'"));
   world.color();
   const std::uint64_t pipelines = world->diagnostics().counters().pipelines_bound;
-  CHECK(pipelines == 1);  // both plates are drawn alike
+  CHECK(pipelines == 1);  // both plates use the same pipeline
   const glm::dvec3 least = world.color_with("M", "roughness", kMinRoughness);
   CHECK(world->diagnostics().counters().pipelines_bound == 2);
   CHECK(world.color_with("M", "roughness", 0) == least);
   check_color(world.color(kSide_px - 1), glm::dvec3(0.5) / kPi * kIrradiance_lux);
 }
 
-TEST_CASE("another part of the same file keeps its look") {
+TEST_CASE("another part from the same file keeps its look") {
   World world({{"plates.gltf", two_plates()}},
               kTwoPlates +
                   R"(<part file="plates.gltf" name="BEHIND" insert_at="ROOT" up="z" pose_offset="1 0 0 0 0 0"/>)" +
@@ -175,7 +177,7 @@ TEST_CASE("another part of the same file keeps its look") {
   CHECK(world->depth("CAM").pixels[kSide_px * kSide_px / 2] == doctest::Approx(5));
 }
 
-// The draw list of a scene whose two elements were set in this order.
+// The draw list of a scene after its two elements were set in this order.
 DrawList after(BuiltScene& built, std::vector<std::pair<std::string, double>> red) {
   for (const auto& [element, value] : red) {
     built.parameters.set(built.parameters.index(element, "red"), value);
@@ -195,7 +197,7 @@ struct PlatesOnDisk {
   TemporaryFolder folder;
 };
 
-TEST_CASE("several elements on one part act together, whichever was changed last") {
+TEST_CASE("several elements on one part are combined, independent of the order of changes") {
   const PlatesOnDisk plates;
   const std::string both =
       changed("opacity='0.5' emission_red='1'", "A") + changed("material='Paint' opacity='0.5' emission_red='2'", "B");

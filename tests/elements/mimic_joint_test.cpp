@@ -1,4 +1,4 @@
-// The element mimic_joint: what it follows, in which units, and its mistakes.
+// The element mimic_joint: which value it follows, its units and its errors.
 #include <doctest/doctest.h>
 
 #include <string>
@@ -20,7 +20,7 @@ std::string pair(const std::string& leader, const std::string& follower) {
          "/><element type='mimic_joint' name='B' insert_at='ROOT' leader='A' " + follower + "/>";
 }
 
-// The follower's matrix, after the leader has gone to `value` as a step makes it.
+// The matrix of the follower after the leader has got `value` in the same way as in a step.
 glm::dmat4 followed(BuiltScene& built, double value) {
   built.parameters.set(built.parameters.index("A", "value"), value);
   for (const std::size_t i : built.parameters.drain_changed_elements()) {
@@ -30,7 +30,7 @@ glm::dmat4 followed(BuiltScene& built, double value) {
   return dynamic_cast<const Transform&>(*built.scene.find_node("B")).matrix();
 }
 
-TEST_CASE("a mimic joint follows its leader's value, from the start and with every change") {
+TEST_CASE("a mimic joint follows its leader's value from the start and after every change") {
   BuiltScene built = build(pair("value='20'", "multiplier='-2' offset='10' axis='0 0 3'"));
   CHECK(dynamic_cast<const Transform&>(*built.scene.find_node("B")).matrix() ==
         matrix_from_degrees({0, 0, 0}, 0, 0, -30));
@@ -39,7 +39,8 @@ TEST_CASE("a mimic joint follows its leader's value, from the start and with eve
   CHECK(built.parameters.elements().at(1).parameters.empty());
 }
 
-TEST_CASE("several followers of several kinds: the multiplier takes the leader's unit to the follower's") {
+TEST_CASE(
+    "several followers of different kinds: the multiplier converts the unit of the leader to that of the follower") {
   BuiltScene built = build(pair("", "kind='prismatic' multiplier='0.125' axis='0 0 -1'"));
   CHECK(followed(built, 4)[3] == glm::dvec4(0, 0, -0.5, 1));  // 4 deg at 0.125 m/deg
   built = build(pair("kind='prismatic'", "multiplier='180' axis='1 0 0'") +
@@ -61,7 +62,7 @@ TEST_CASE("mistakes in a mimic joint") {
   CHECK(contains(error_of([] { build(pair("", "axis='0 0 0'")); }), "expected a vector that is not zero"));
 }
 
-TEST_CASE("a mimic joint that is taken back is followed no more") {
+TEST_CASE("a removed mimic joint no longer follows") {
   BuiltScene built = build("<element type='joint' name='A' insert_at='ROOT'/>");
   const auto add = [&](const std::string& xml) {
     SceneBuilder(built, {}).execute(parse_commands(xml, "more.xml", ""));

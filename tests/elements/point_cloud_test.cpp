@@ -1,4 +1,4 @@
-// The element `point_cloud`: points from files and scanners, and who sees them.
+// The element `point_cloud`: points from files and scanners, and which sensors see them.
 #include "elements/visualization/point_cloud.h"
 
 #include <doctest/doctest.h>
@@ -42,7 +42,7 @@ struct FileCloud {
   }
 };
 
-TEST_CASE("a file's points stand in the frame at the insertion point") {
+TEST_CASE("points from a file have coordinates of the frame at the insertion point") {
   FileCloud cloud("1 2 3\n-4,5.5, 6\n", "size='0.25'");
   std::vector<SeenMarker> seen = cloud.points();
   REQUIRE(seen.size() == 2);
@@ -50,14 +50,14 @@ TEST_CASE("a file's points stand in the frame at the insertion point") {
   CHECK(glm::distance(seen[1].center(), {-4, 5.5, 6}) < corner_tolerance_m(8, 8));
   CHECK(std::abs(seen[0].size() - 0.25) < 2 * corner_tolerance_m(8, 8));
 
-  // Far out in the file and in the scene.
+  // Far from the origin in the file and in the scene.
   FileCloud moved("1e7 0 0\n10000001.5 2 3\n", "", "<element type='pose' name='P' insert_at='ROOT' y='1e7' yaw='90'/>");
   seen = moved.points();
   CHECK(glm::distance(seen[0].center(), {0, 2e7, 0}) < corner_tolerance_m(4, 4e7));
   CHECK(glm::distance(seen[1].center(), {-2, 20000001.5, 3}) < corner_tolerance_m(4, 4e7));
 }
 
-TEST_CASE("how a file of points may be written") {
+TEST_CASE("formats of a file with points") {
   const auto count = [](const std::string& text) { return FileCloud(text).points().size(); };
   CHECK(count("1 2 3") == 1);
   CHECK(count("\xef\xbb\xbfx,y,z\r\n1,2,3\r\n\r\n4,5,6\r\n") == 2);
@@ -70,12 +70,12 @@ TEST_CASE("how a file of points may be written") {
   CHECK(markers_in(view.frame(), view.frame().items.at(0)).size() == 1);
 }
 
-TEST_CASE("a file's colours are those of pictures") {
+TEST_CASE("colours in a file are those of pictures") {
   FileCloud cloud("0 0 0 255 0 128\n0 0 1 10 11 12\n");
   const std::vector<SeenMarker> seen = cloud.points();
   CHECK(seen[0].color.r == 1);
   CHECK(seen[0].color.g == 0);
-  // Back to bytes by the formula of sRGB; float32 is a thousand times finer than that.
+  // Back to bytes by the formula of sRGB. float32 is a thousand times finer.
   const auto byte = [](float linear) {
     return std::lround(255 * (linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055));
   };
@@ -108,7 +108,7 @@ TEST_CASE("sensors see no points") {
   CHECK(same_content(scanned.sensors.update(), bare.sensors.update()));
 }
 
-TEST_CASE("points that nobody watches have no mesh") {
+TEST_CASE("points without an observer have no mesh") {
   FileCloud cloud("0 0 0\n");
   CHECK(cloud.view->people.update().meshes.at(0)->positions.empty());
   CHECK(cloud.points().size() == 1);
@@ -133,7 +133,7 @@ struct ScanCloud : PeopleView {
   }
 };
 
-// Item `item` shows scan k.
+// Checks that item `item` shows scan k.
 void check_scan(const DrawList& list, std::size_t item, double k) {
   CAPTURE(k);
   const std::vector<SeenMarker> seen = markers_in(list, list.items.at(item));
@@ -146,7 +146,7 @@ void check_scan(const DrawList& list, std::size_t item, double k) {
   }
 }
 
-TEST_CASE("a scanner's last hits, where they were measured") {
+TEST_CASE("the latest hits of a scanner are shown where they were measured") {
   ScanCloud cloud;
   CHECK(cloud.frame().items.empty());
   CHECK(cloud.measure(1).items.size() == 1);
@@ -162,10 +162,10 @@ TEST_CASE("a scanner's last hits, where they were measured") {
   CHECK(cloud.people.counters().rebuilds == rebuilds);
 }
 
-TEST_CASE("as many of a scanner's scans as asked for") {
+TEST_CASE("the given number of scans is shown") {
   ScanCloud cloud("keep='3'");
   for (std::uint64_t k = 1; k <= 3; ++k) CHECK(cloud.measure(k).items.size() == k);
-  const DrawList& list = cloud.measure(4);  // its points take the nodes of the oldest
+  const DrawList& list = cloud.measure(4);  // its points reuse the nodes of the oldest
   REQUIRE(list.items.size() == 3);
   check_scan(list, 0, 4);
   check_scan(list, 1, 2);
@@ -178,7 +178,7 @@ TEST_CASE("as many of a scanner's scans as asked for") {
   check_scan(cloud.frame(), 1, 5);
   cloud.frame_with("E", "keep", 4);
   CHECK(cloud.measure(6).items.size() == 3);
-  // Each parameter shows in the scans that were taken before.
+  // Each parameter also applies to earlier scans.
   cloud.frame_with("E", "red", 1);
   for (const DrawItem& item : cloud.frame().items) CHECK(markers_in(cloud.frame(), item)[0].color.r == 1);
   cloud.frame_with("E", "count", 1);

@@ -1,4 +1,4 @@
-// The element `trail`: what path it keeps, and who sees it.
+// The element `trail`: the path that it keeps, and which sensors see it.
 #include "elements/visualization/trail.h"
 
 #include <doctest/doctest.h>
@@ -21,7 +21,7 @@ std::string trail(const std::string& attributes) {
 constexpr std::string_view kPart = "<part file='robot.stub' name='R' insert_at='ROOT' pose_offset='0 0 1 0 0 0'/>";
 constexpr std::string_view kPose = "<element type='pose' name='P' insert_at='R'/>";
 
-// A part that a pose moves which is inserted after the trail.
+// A part that is moved by a pose inserted after the trail.
 struct Trail {
   TemporaryFolder folder;
   std::optional<PeopleView> view;
@@ -41,8 +41,8 @@ struct Trail {
   }
 };
 
-TEST_CASE("the trail joins the places where the part has been") {
-  // The second far out: there float32 in the world would be good for no more than a metre.
+TEST_CASE("the trail connects the places where the part has been") {
+  // The second place is far out: float32 world coordinates there have a resolution of about a metre.
   for (const double y : {2.0, 1e7}) {
     Trail trail("step='0.5'", "<element type='pose' name='P' insert_at='R' y='" + std::to_string(y) + "'/>");
     const double tolerance_m = corner_tolerance_m(4, 2 * y);
@@ -93,7 +93,7 @@ TEST_CASE("each parameter of trail") {
   CHECK(trail.lines_with("E", "width", 0).empty());
 }
 
-TEST_CASE("the trail goes on where a part got content of its own, or was switched off for a while") {
+TEST_CASE("the trail continues after a part gets its own content or was switched off for a while") {
   Trail trail;
   trail.lines_at(0);
   trail.view->built.scene.own_part("R", {});
@@ -117,7 +117,7 @@ TEST_CASE("sensors see no trail") {
   CHECK(trail.view->sensors.counters().nodes_visited == without.sensors.counters().nodes_visited + 2);
 }
 
-TEST_CASE("a trail that is taken back leaves the scene as it was") {
+TEST_CASE("a removed trail leaves the scene as it was before") {
   TemporaryFolder folder;
   write_text(folder / "robot.stub", "");
   BuiltScene built;

@@ -1,5 +1,5 @@
-// Two views of one world: what elements draw for people changes no byte and no count of what sensors see, and a
-// visualization camera sees it where it must be.
+// Two views of one world. Elements drawn for people change no byte and no count of sensors, and a visualization camera
+// sees them in the correct place.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -26,7 +26,7 @@ const std::string kRobot = R"(
   <sensor type="camera" name="DEPTH" insert_at="ROBOT" pose_offset="30 0 0 0 0 0" width="32" height="24" hfov="90"
           outputs="depth"/>)";
 
-// The width of a beam is five pixels of WATCH, which looks straight down from 3 m: its x is the world's x, upwards.
+// The width of a beam is five pixels of WATCH, which looks straight down from 3 m: world x points up in its image.
 constexpr double kBeamWidth_m = 0.1, kHeight_m = 3, kFocal_px = 150;
 const std::string kBeams =
     R"(<element type="laser_beams" name="BEAMS" insert_at="ROOT" scanner="SCAN" red="0.25" green="0.5" blue="0.75"
@@ -35,7 +35,7 @@ const std::string kWatch =
     R"(<sensor type="camera" name="WATCH" insert_at="ROOT" pose_offset="1 0 3 0 90 0" width="300" height="300"
                hfov="90" outputs="color depth" view="visualization"/>)";
 
-// All five kinds of helper, each where the simulated cameras would see it; the trail needs a run to be there.
+// All five kinds of helpers, each where the simulated cameras would see it. The trail appears only in a run.
 const std::string kHelpersOfNow = kBeams + R"(
   <element type="point_cloud" name="HITS" insert_at="ROOT" scanner="SCAN" size="0.5"/>
   <element type="point_cloud" name="POINTS" insert_at="ROOT" file="points.csv" size="0.5"/>
@@ -52,7 +52,7 @@ Simulation simulate(const std::string& commands) {
 
 void drive(Simulation& simulation, int frame) {
   simulation.set("MOVE", "x", 0.125 * frame);
-  simulation.set("MOVE", "yaw", 0.5 * frame);  // about the robot's own origin, 30 m behind its sensors
+  simulation.set("MOVE", "yaw", 0.5 * frame);  // about the origin of the robot, 30 m behind its sensors
 }
 
 bool same_bytes(const std::vector<float>& a, const std::vector<float>& b) {
@@ -72,20 +72,19 @@ glm::vec3 pixel(const Image& image, int x, int y) {
   return {p[0], p[1], p[2]};
 }
 
-// Vertices carry their colours in steps of 1 / 65535; interpolated and multiplied by white, they are rounded in float32
-// a few times more.
+// Vertex colours have steps of 1 / 65535. Interpolation and the product with white add a few roundings of float32.
 constexpr float kColorTolerance = 0.5f / 65535 + 8 * 0x1p-24f;
 bool same_color(const glm::vec3& seen, const glm::vec3& expected) {
   return glm::all(glm::lessThanEqual(glm::abs(seen - expected), glm::vec3(kColorTolerance)));
 }
 
-// Where WATCH sees a place in the world.
+// The pixel of WATCH for a place in the world.
 glm::dvec2 seen_at_px(const glm::dvec3& world) {
   const double depth_m = kHeight_m - world.z;
   return {150 - kFocal_px * world.y / depth_m, 150 - kFocal_px * (world.x - 1) / depth_m};
 }
 
-TEST_CASE("sensors give the same bytes at the same cost, whatever is drawn for people") {
+TEST_CASE("sensors give the same bytes at the same cost with and without helpers for people") {
   Simulation plain = simulate(""), shown = simulate(kHelpersOfNow + kTrail + kWatch);
   for (int frame = 0; frame < 4; ++frame) {
     CAPTURE(frame);
@@ -95,7 +94,7 @@ TEST_CASE("sensors give the same bytes at the same cost, whatever is drawn for p
     shown.step();
     check_same_for_sensors(plain, shown);
   }
-  // And the helpers would have been seen: a camera in the place of CAM that looks for people sees another picture.
+  // The helpers would be visible: a visualization camera in the place of CAM gives another picture.
   Simulation people = simulate(kHelpersOfNow + kTrail +
                                R"(<sensor type="camera" name="EYE" insert_at="ROBOT" pose_offset="30 0 0 0 0 0"
                                           width="32" height="24" hfov="90" view="visualization"/>)");
@@ -103,7 +102,7 @@ TEST_CASE("sensors give the same bytes at the same cost, whatever is drawn for p
   CHECK_FALSE(same_bytes(people.color("EYE").pixels, people.color("CAM").pixels));
 }
 
-TEST_CASE("without a visualization camera the helpers cost nothing") {
+TEST_CASE("helpers cost nothing without a visualization camera") {
   Simulation plain = simulate(""), shown = simulate(kHelpersOfNow + kTrail);
   for (int frame = 0; frame < 2; ++frame) {
     plain.step();
@@ -113,7 +112,7 @@ TEST_CASE("without a visualization camera the helpers cost nothing") {
   }
 }
 
-TEST_CASE("a visualization camera sees each beam and each hit where they are") {
+TEST_CASE("a visualization camera sees each beam and each hit in its place") {
   Simulation simulation = simulate(kBeams + kWatch);
   for (int frame = 0; frame < 3; ++frame) {
     drive(simulation, frame);
@@ -133,7 +132,7 @@ TEST_CASE("a visualization camera sees each beam and each hit where they are") {
         if (!(at.x > 5 && at.x < 295 && at.y > 5 && at.y < 295)) continue;  // outside the picture
         CAPTURE(beam);
         CAPTURE(part);
-        // The pixel's centre lies within 0.71 px of the point, the beam's edge 2.5 px off.
+        // The centre of the pixel is within 0.71 px of the point, and the beam's edge 2.5 px away.
         static_assert(kBeamWidth_m / 2 * kFocal_px / kHeight_m > 0.71);
         const glm::vec3 color = pixel(simulation.color("WATCH"), static_cast<int>(at.x), static_cast<int>(at.y));
         CHECK(same_color(color, {0.25f, 0.5f, 0.75f}));
@@ -143,7 +142,7 @@ TEST_CASE("a visualization camera sees each beam and each hit where they are") {
   }
 }
 
-TEST_CASE("a frame alone shows what it shows in a run") {
+TEST_CASE("a single frame equals the same frame of a run") {
   const std::string scene = kHelpersOfNow + kWatch;
   Simulation run = simulate(scene), alone = simulate(scene);
   for (int frame = 0; frame < 3; ++frame) {
@@ -157,7 +156,7 @@ TEST_CASE("a frame alone shows what it shows in a run") {
 }
 
 TEST_CASE("the trail is behind the robot") {
-  // Seen from above, over where the robot's origin drives: from x = -30 m on, 1.5 m a frame.
+  // Seen from above, centred on the path of the robot's origin: from x = -30 m on, 1.5 m per frame.
   Simulation simulation = simulate(
       R"(<element type="trail" name="TRAIL" insert_at="ROOT" part="ROBOT" width="0.2" red="0" green="1" blue="0"/>
          <sensor type="camera" name="ABOVE" insert_at="ROOT" pose_offset="-28.5 0 3 0 90 0" width="300" height="300"

@@ -7,7 +7,7 @@ namespace simvis::test {
 namespace {
 
 const glm::dvec3 kPaint(0.8, 0.4, 0.2);
-// Depth is float32 throughout, in some 16 operations.
+// Depth is float32 throughout, in about 16 operations.
 constexpr double kDepth = 16 * 0x1p-24;
 
 GltfBuilder plate(const Plate& shape, const json& material) {
@@ -19,7 +19,7 @@ const std::string kPlate = R"(<part file="plate.gltf" name="PLATE" insert_at="RO
 const std::string kScanner =
     R"(<sensor type="laser_scanner" name="SCAN" insert_at="PLATE" samples="1" min_angle="0" method="planar"/>)";
 
-TEST_CASE("visibility hides shapes and lights that follow; sensors keep measuring") {
+TEST_CASE("visibility hides following shapes and lights; sensors continue to measure") {
   World world({{"plate.gltf", plate({}, painted("Paint", glm::vec4(kPaint, 1)))},
                {"wall.gltf", plate({.x = 6}, painted("White", glm::vec4(1)))}},
               kPlate + R"(<part file="wall.gltf" name="WALL" insert_at="ROOT" up="z"/>
@@ -28,7 +28,7 @@ TEST_CASE("visibility hides shapes and lights that follow; sensors keep measurin
                   kDark + kScanner + kCamera);
   check_color(world.color(), kPaint / std::numbers::pi * 2.0);
   CHECK(std::abs(world->scan("SCAN").range_m[0] - 4) <= world->scan("SCAN").error_bound_m[0]);
-  // The plate is gone, and so is the light on the wall behind it: the built-in one is no stand-in.
+  // The plate is hidden, and so is the light on the wall behind it: the built-in light does not replace it.
   CHECK(world.color_with("SHOW", "visible", 0) == glm::dvec3(0));
   CHECK(std::abs(world->scan("SCAN").range_m[0] - 6) <= world->scan("SCAN").error_bound_m[0]);
   CHECK(world->diagnostics().draw_list().items.size() == 1);
@@ -37,7 +37,7 @@ TEST_CASE("visibility hides shapes and lights that follow; sensors keep measurin
   CHECK(world.color_with("SHOW", "visible", 0.49) == glm::dvec3(0));
 }
 
-// How many pixels of the row or column through the middle see the plate.
+// Number of pixels in the middle row or column that see the plate.
 int seen_across(World& world, bool column) {
   world->step();
   const Image& depth = world->depth("CAM");
@@ -49,12 +49,12 @@ int seen_across(World& world, bool column) {
   return count;
 }
 
-TEST_CASE("scale stretches what follows along each axis") {
+TEST_CASE("scale stretches following parts along each axis") {
   World world({{"plate.gltf", plate({.left = 1, .right = -1, .bottom = -1, .top = 1}, unlit("Paint", glm::vec4(1)))}},
               kPlate + R"(<element type="scale" name="S" insert_at="PLATE"/>
                 <sensor type="camera" name="CAM" insert_at="ROOT" width="101" height="101" hfov="90" outputs="depth"/>)");
   const auto depth = [&] { return world->depth("CAM").pixels[101 * 101 / 2]; };
-  // Half an edge h at z m spans 50.5 h / z pixels from the middle of the middle one: 2 floor(50.5 h / z) + 1 centres.
+  // Half an edge h at z m spans 50.5 h / z pixels from the centre of the middle pixel: 2 floor(50.5 h / z) + 1 centres.
   const auto expected = [](double h, double z) { return 2 * static_cast<int>(50.5 * h / z) + 1; };
   CHECK(seen_across(world, false) == expected(1, 4));
   CHECK(depth() == doctest::Approx(4).epsilon(kDepth).scale(0));
@@ -71,7 +71,7 @@ TEST_CASE("scale stretches what follows along each axis") {
 }
 
 TEST_CASE("the sky is background and ambient light") {
-  // The plate covers the left half of the picture. A light that is off, so that only the sky lights.
+  // The plate covers the left half of the picture. The light is off, so only the sky lights.
   World world({{"plate.gltf", plate({.right = 0}, painted("Paint", glm::vec4(kPaint, 1)))}},
               kPlate + kCamera + R"(<element type="light" name="OFF" insert_at="ROOT" intensity="0"/>)");
   const auto background = [&] { return world.color(kSide_px - 1); };

@@ -1,4 +1,4 @@
-// Trees of boxes: what they hold, how deep they are, and what refitting changes.
+// Trees of boxes: their content, their depth, and the effect of refitting.
 #include "engine/geometry/bvh.h"
 
 #include <doctest/doctest.h>
@@ -27,7 +27,8 @@ std::vector<Box> random_boxes(std::uint32_t seed, std::size_t count, float size)
   return boxes;
 }
 
-/// Every thing is in one leaf; a node's box is the smallest around what it holds; leaves and depth are within limits.
+/// Every primitive is in one leaf. The box of a node is the smallest around its content. Leaves and depth are within
+/// limits.
 void check_tree(const Bvh& bvh, const std::vector<Box>& boxes, std::uint32_t max_leaf_size) {
   std::vector<int> seen(boxes.size());
   std::size_t nodes = 0;
@@ -59,7 +60,7 @@ void check_tree(const Bvh& bvh, const std::vector<Box>& boxes, std::uint32_t max
 
 }  // namespace
 
-TEST_CASE("trees hold each thing once, in the smallest boxes") {
+TEST_CASE("trees hold each primitive once, in the smallest boxes") {
   CHECK(build_bvh({}, 4).nodes.empty());
   for (const std::uint32_t max_leaf_size : {1u, 4u}) {
     for (const std::size_t count : {1, 2, 3, 5, 100, 3000}) {
@@ -74,7 +75,7 @@ TEST_CASE("trees hold each thing once, in the smallest boxes") {
 TEST_CASE("no arrangement makes a tree too deep") {
   std::vector<Box> same(1000, Box{glm::vec3(1), glm::vec3(2)});
   check_tree(build_bvh(same, 1), same, 1);
-  // Each half as far from the origin as the one before: a split by bins takes off a few of them only.
+  // Each half is as far from the origin as the one before, so a split by bins separates only a few of them.
   std::vector<Box> halving;
   for (int i = 0; i < 140; ++i) {
     const glm::vec3 place(std::ldexp(1.0f, -i), 0, 0);
@@ -87,7 +88,7 @@ TEST_CASE("no arrangement makes a tree too deep") {
   check_tree(build_bvh(huge, 1), huge, 1);
 }
 
-TEST_CASE("a tree over clusters costs a fraction of one over their things in any order") {
+TEST_CASE("a tree over clusters costs a fraction of one over unordered primitives") {
   std::vector<Box> boxes;
   for (std::uint32_t cluster = 0; cluster < 64; ++cluster) {
     for (Box box : random_boxes(cluster, 64, 0.1f)) {
@@ -96,8 +97,8 @@ TEST_CASE("a tree over clusters costs a fraction of one over their things in any
     }
   }
   Bvh bvh = build_bvh(boxes, 1);
-  // The clusters' boxes are 2 m wide in a world of 300 m: a ray looks into few but the 2 * 64 nodes above them, whose
-  // areas halve, or better, with each level.
+  // The boxes of the clusters are 2 m wide in a world of 300 m. A ray visits few nodes besides the 2 * 64 nodes above
+  // them, whose areas at least halve with each level.
   CHECK(sah_cost(bvh) < 64);
   std::mt19937 random(1);
   std::ranges::shuffle(boxes, random);
@@ -105,7 +106,7 @@ TEST_CASE("a tree over clusters costs a fraction of one over their things in any
   CHECK(sah_cost(bvh) > 1000);  // nearly every node is as large as the world
 }
 
-TEST_CASE("refitting keeps the tree right, and tells which nodes it has changed") {
+TEST_CASE("refitting keeps the tree correct and reports the changed nodes") {
   std::vector<Box> boxes = random_boxes(5, 1000, 0.05f);
   Bvh bvh = build_bvh(boxes, 1);
   CHECK(refit(bvh, boxes).empty());

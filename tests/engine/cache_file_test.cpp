@@ -1,4 +1,4 @@
-// Files of the cache, written by several threads at once, are whole.
+// Cache files that several threads write at the same time are complete.
 #include "engine/base/cache_file.h"
 
 #include <doctest/doctest.h>
@@ -25,7 +25,7 @@ void in_threads(const Work& work) {
   for (int i = 0; i < kThreads; ++i) threads.emplace_back([&work, i] { work(i); });
 }
 
-TEST_CASE("no temporary name is given twice") {
+TEST_CASE("no temporary name is used twice") {
   constexpr std::size_t kEach = 500;
   std::mutex mutex;
   std::set<std::string> names;
@@ -39,7 +39,7 @@ TEST_CASE("no temporary name is given twice") {
   CHECK(names.size() == kThreads * kEach);
 }
 
-TEST_CASE("of several threads that write one file, one has written all of it; no other file stays") {
+TEST_CASE("if several threads write one file, it has the whole content of one of them, and no other file stays") {
   const TemporaryFolder folder;
   constexpr std::size_t kBytes = 200'000;
   int broken = 0;

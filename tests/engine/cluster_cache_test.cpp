@@ -23,7 +23,7 @@ namespace {
 
 constexpr std::size_t kHeaderBytes = 40, kChecksumAt = 32;
 
-// The triangles of a sphere in no order at all.
+// The triangles of a sphere in random order.
 Mesh shuffled_sphere() {
   constexpr int kSegments = 258;
   Mesh mesh = sphere_mesh(3, kSegments);
@@ -56,7 +56,7 @@ std::string read(const fs::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-// A file that says `order` and is whole in every other way.
+// A file that contains `order` and is correct otherwise.
 std::string with_order(const std::string& good, const std::vector<std::uint32_t>& order) {
   std::string bytes = good.substr(0, kHeaderBytes);
   bytes.append(reinterpret_cast<const char*>(order.data()), order.size() * sizeof order[0]);
@@ -94,7 +94,7 @@ std::vector<float> depth_of(const DrawList& list, const fs::path& cache, const F
 
 }  // namespace
 
-TEST_CASE("the order of a mesh's clusters is kept, and a damaged file is made anew") {
+TEST_CASE("the order of a mesh's clusters is kept, and a damaged file is replaced") {
   const TemporaryFolder folder;
   const Mesh mesh = shuffled_sphere();
   const Clustering expected = make_clusters(mesh);
@@ -104,7 +104,7 @@ TEST_CASE("the order of a mesh's clusters is kept, and a damaged file is made an
   const std::string good = read(file);
   REQUIRE(good.size() == kHeaderBytes + mesh.indices.size() / 3 * sizeof(std::uint32_t));
 
-  // Used, and so not written again.
+  // It is used, so it is not written again.
   const auto long_ago = fs::last_write_time(file) - std::chrono::hours(1);
   fs::last_write_time(file, long_ago);
   CHECK(same(make_clusters_cached(mesh, folder.path()), expected));
@@ -133,7 +133,7 @@ TEST_CASE("the order of a mesh's clusters is kept, and a damaged file is made an
   CHECK(remade(with_order(good, order)));
 }
 
-TEST_CASE("a cached order that is not the best one costs time, not triangles") {
+TEST_CASE("a cached order that is not optimal costs time but loses no triangles") {
   const TemporaryFolder folder;
   const Mesh mesh = shuffled_sphere();
   make_clusters_cached(mesh, folder.path());
@@ -154,7 +154,7 @@ TEST_CASE("a cached order that is not the best one costs time, not triangles") {
   CHECK(next == mesh.indices.size());
 }
 
-TEST_CASE("each content has a file of its own; small meshes have none, and no folder is no error") {
+TEST_CASE("each content has its own file; small meshes have none, and a missing folder is no error") {
   const TemporaryFolder folder;
   Mesh mesh = shuffled_sphere();
   make_clusters_cached(mesh, folder.path());
@@ -170,7 +170,8 @@ TEST_CASE("each content has a file of its own; small meshes have none, and no fo
   CHECK(same(make_clusters_cached(mesh, {}), make_clusters(mesh)));
 }
 
-TEST_CASE("a picture has the same bytes with a cache and without; meshes that come later leave nothing on disk") {
+TEST_CASE(
+    "a picture has the same bytes with and without a cache; meshes that are added later are not written to disk") {
   const TemporaryFolder folder;
   DrawList list;
   add_item(list, shuffled_sphere(), glm::translate(glm::dmat4(1.0), {0.5, 0.2, 1}));
@@ -197,7 +198,7 @@ TEST_CASE("a picture has the same bytes with a cache and without; meshes that co
   CHECK(cached() == 1);
 }
 
-TEST_CASE("what is loaded at once takes no more of the device than it has bytes, what grows half as much again") {
+TEST_CASE("meshes loaded at once take only their size on the device, and growth adds half of it") {
   Device device;
   Renderer renderer(device);
   DrawList list;

@@ -24,7 +24,7 @@ std::vector<std::array<std::uint32_t, 3>> sorted_triangles(const std::vector<std
   return triangles;
 }
 
-// Of the mesh's vertices, cluster by cluster.
+// The vertices of the mesh, cluster by cluster.
 std::vector<std::uint32_t> indices_of(const Clustering& clustering) {
   std::vector<std::uint32_t> indices;
   for (const Cluster& cluster : clustering.clusters) {
@@ -34,7 +34,7 @@ std::vector<std::uint32_t> indices_of(const Clustering& clustering) {
   return indices;
 }
 
-// Numbers alone are moved, one half after the other.
+// Sorts numbers only, one half after the other.
 void sort_plainly(const std::vector<glm::vec3>& centers, std::span<std::uint32_t> triangles) {
   if (triangles.size() <= kClusterTriangles) return;
   glm::vec3 low = centers[triangles[0]], high = low;
@@ -69,7 +69,7 @@ FramePlan plan_of(double yaw_rad, std::uint32_t width_px, std::uint32_t height_p
 
 }  // namespace
 
-TEST_CASE("clusters hold every triangle once, few at a time, each within its box") {
+TEST_CASE("clusters hold every triangle once, a few each, within their boxes") {
   const Mesh mesh = sphere_mesh(2, 90);
   const Clustering clustering = make_clusters(mesh);
   REQUIRE(clustering.clusters.size() > 10);
@@ -92,20 +92,20 @@ TEST_CASE("clusters hold every triangle once, few at a time, each within its box
   CHECK(next_vertex == clustering.vertices.size());
 }
 
-TEST_CASE("a cluster names each of its vertices once, and no list has room to spare") {
+TEST_CASE("a cluster lists each of its vertices once, and no list has spare capacity") {
   const Clustering clustering = make_clusters(sphere_mesh(2, 90));
   for (const Cluster& cluster : clustering.clusters) {
     const std::span<const std::uint32_t> vertices = clustering.vertices_of(cluster);
     CHECK(std::set<std::uint32_t>(vertices.begin(), vertices.end()).size() == vertices.size());
   }
-  // On a grid of triangles every vertex belongs to six of them: of 16 to 32 neighbours, no more than one each.
+  // On a grid of triangles every vertex belongs to six of them: of 16 to 32 neighbours, at most one each.
   CHECK(clustering.vertices.size() <= clustering.corners.size() / 3);
   CHECK(clustering.vertices.capacity() == clustering.vertices.size());
   CHECK(clustering.corners.capacity() == clustering.corners.size());
   CHECK(clustering.clusters.capacity() == clustering.clusters.size());
 }
 
-TEST_CASE("several threads put triangles in the order of one that moves numbers alone") {
+TEST_CASE("several threads sort triangles in the same order as one thread that sorts numbers") {
   const Mesh mesh = sphere_mesh(2, 200);  // enough for more than one thread
   std::vector<glm::vec3> centers(mesh.indices.size() / 3);
   std::vector<std::uint32_t> expected(centers.size());
@@ -117,7 +117,7 @@ TEST_CASE("several threads put triangles in the order of one that moves numbers 
   CHECK(order_in_space(mesh) == expected);
 }
 
-TEST_CASE("a mesh of many triangles in one place still ends in small clusters") {
+TEST_CASE("a mesh of many triangles at one place still gets small clusters") {
   Mesh mesh;
   mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   for (int i = 0; i < 1000; ++i) mesh.indices.insert(mesh.indices.end(), {0, 1, 2});
@@ -136,7 +136,7 @@ TEST_CASE("lines are one cluster in their order") {
   CHECK((clustering.vertices.empty() && clustering.corners.empty()));
 }
 
-TEST_CASE("drawing only what a view sees of a mesh gives the bytes of drawing every triangle by itself") {
+TEST_CASE("drawing only the visible part of a mesh gives the same bytes as drawing every triangle separately") {
   Device device;
   const Mesh mesh = sphere_mesh(3, 120);
   const glm::dmat4 pose = glm::rotate(glm::translate(glm::dmat4(1.0), {0.5, 0.2, 1}), 0.4, {1, 2, 3});
@@ -151,7 +151,7 @@ TEST_CASE("drawing only what a view sees of a mesh gives the bytes of drawing ev
     add_item(apart, triangle, pose);
   }
   Renderer renderer(device), other(device);
-  // A strip is cut down to its triangles, a picture to its clusters.
+  // A strip is reduced to its triangles, a picture to its clusters.
   for (const std::uint32_t height_px : {2u, 80u}) {
     for (const double yaw : {0.0, 1.0, 2.5, 4.0}) {
       const FramePlan plan = plan_of(yaw, 512, height_px);

@@ -1,4 +1,4 @@
-// A mesh has a copy on the device only where a frame draws from it: strips pick their triangles on the host.
+// A mesh has a copy on the device only if a frame draws from it: strips select their triangles on the host.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -48,7 +48,7 @@ bool names_meshes(const FramePlan& plan) {
   return std::ranges::any_of(plan.memory, [](const auto& memory) { return memory.name.starts_with("mesh "); });
 }
 
-TEST_CASE("what only strips see has no copy on the device until something else draws it, and then one") {
+TEST_CASE("a mesh that only strips see has no copy on the device until another view draws it, and then one") {
   const DrawList list = room();
   Renderer renderer(device());
   FramePlan strip = depth_plan(kStrip_px), picture = depth_plan(kPicture_px);
@@ -74,7 +74,7 @@ TEST_CASE("what only strips see has no copy on the device until something else d
   CHECK(renderer.counters().bytes_uploaded < bytes_of(list));  // not once more
 }
 
-TEST_CASE("strips that draw from the device show the same bytes") {
+TEST_CASE("strips that draw from the device have the same bytes") {
   const DrawList list = room();
   Renderer renderer(device());
   const std::vector<float> cpu_selected = depth_of(renderer, list, depth_plan(kStrip_px));
@@ -83,7 +83,7 @@ TEST_CASE("strips that draw from the device show the same bytes") {
   view_of(whole).culled = false;
   CHECK(depth_of(renderer, list, whole) == cpu_selected);
   CHECK(renderer.counters().meshes_held == list.meshes.size());
-  // Back faces are the device's to leave out.
+  // The device culls back faces.
   Renderer other(device());
   FramePlan fronts = depth_plan(kStrip_px);
   view_of(fronts).sees_back_faces = false;
@@ -91,7 +91,7 @@ TEST_CASE("strips that draw from the device show the same bytes") {
   CHECK(other.counters().meshes_held == list.meshes.size());
 }
 
-TEST_CASE("of a strip's scene, what has holes is on the device, with its attributes, and nothing else") {
+TEST_CASE("only meshes with holes and their attributes are on the device for the scene of a strip") {
   RendererScene scene;
   Material holes;
   holes.alpha_mode = AlphaMode::mask;
@@ -110,12 +110,12 @@ TEST_CASE("of a strip's scene, what has holes is on the device, with its attribu
   CHECK(depth_of(renderer, scene.list, plan) == seen);
 }
 
-TEST_CASE("meshes that come and go between strips and pictures keep their places on the device apart") {
+TEST_CASE("meshes that are added and removed for strips and pictures keep separate places on the device") {
   DrawList list = room();
   Renderer renderer(device());
   depth_of(renderer, list, depth_plan(kPicture_px));
   for (int i = 0; i < 3; ++i) {
-    // One that only strips have seen stands between those that are there and those to come.
+    // A mesh seen only by strips lies between present and future ones.
     add_item(list, sphere_mesh(0.3 + 0.1 * i, 40), glm::translate(glm::dmat4(1.0), {0.4 * i, 0.3, 2}));
     const std::size_t held = list.meshes.size() - 1;
     depth_of(renderer, list, depth_plan(kStrip_px));
@@ -127,7 +127,7 @@ TEST_CASE("meshes that come and go between strips and pictures keep their places
   }
 }
 
-TEST_CASE("planar scanners alone keep no mesh on the device, with a camera it is there, and the ranges are the same") {
+TEST_CASE("planar scanners alone keep no mesh on the device; with a camera it is there, and the ranges are the same") {
   const auto scan_of = [](const std::string& camera, std::uint64_t meshes) {
     const TemporaryFolder folder;
     const std::filesystem::path scene = write_wall_scene(

@@ -1,4 +1,4 @@
-// The policy is tested with calls that hand out made-up memory, its effect on real resources with the device.
+// The policy is tested with calls that return made-up memory, its effect on real resources with the device.
 #include "engine/vulkan/device_memory.h"
 
 #include <doctest/doctest.h>
@@ -27,7 +27,7 @@ namespace {
 constexpr VkDeviceSize kKiB = 1024, kMiB = 1024 * kKiB, kGiB = 1024 * kMiB;
 constexpr std::uint32_t kCoherent = 0, kIncoherent = 1;  // memory types
 
-/// A device whose memory is made up.
+/// A device with made-up memory.
 struct MadeUpDevice {
   struct Allocation {
     VkDeviceSize size;
@@ -36,7 +36,7 @@ struct MadeUpDevice {
   };
   std::map<std::uint64_t, Allocation> held{};
   std::uint64_t allocated = 0, mapped = 0;  // calls
-  VkDeviceSize largest = VK_WHOLE_SIZE;     // that it hands out
+  VkDeviceSize largest = VK_WHOLE_SIZE;     // the largest that it returns
   VkResult map_result = VK_SUCCESS;
 };
 MadeUpDevice* made_up = nullptr;
@@ -140,7 +140,7 @@ TEST_CASE_FIXTURE(Fixture, "images and buffers never share a block, nor do two m
   for (const MemoryRange& range : ranges) memory.give_back(range);
 }
 
-TEST_CASE_FIXTURE(Fixture, "blocks grow with what is held, up to 64 MiB and a 64th of the heap") {
+TEST_CASE_FIXTURE(Fixture, "blocks grow with the held memory, up to 64 MiB and a 64th of the heap") {
   for (const VkDeviceSize heap : {16 * kGiB, 512 * kMiB}) {
     CAPTURE(heap);
     properties.memoryHeaps[0].size = heap;
@@ -162,7 +162,8 @@ TEST_CASE_FIXTURE(Fixture, "blocks grow with what is held, up to 64 MiB and a 64
   }
 }
 
-TEST_CASE_FIXTURE(Fixture, "what fills more than half a block, or needs it, has an allocation of its own size") {
+TEST_CASE_FIXTURE(Fixture,
+                  "resources that fill more than half a block, or require it, have an allocation of their own size") {
   DeviceMemory memory = this->memory();
   const MemoryRange large = memory.take(buffer(kMiB / 2 + 1));
   CHECK(size_of(large) == kMiB / 2 + 1);
@@ -177,7 +178,7 @@ TEST_CASE_FIXTURE(Fixture, "what fills more than half a block, or needs it, has 
   CHECK(device.held.empty());
 }
 
-TEST_CASE_FIXTURE(Fixture, "what the device prefers takes at most half of the allocations") {
+TEST_CASE_FIXTURE(Fixture, "separate allocations that the device prefers are at most half of all allocations") {
   limits.maxMemoryAllocationCount = 8;
   DeviceMemory memory = this->memory();
   std::vector<MemoryRange> ranges;
@@ -188,7 +189,7 @@ TEST_CASE_FIXTURE(Fixture, "what the device prefers takes at most half of the al
   for (const MemoryRange& range : ranges) memory.give_back(range);
 }
 
-TEST_CASE_FIXTURE(Fixture, "the device's number of allocations is kept to, and an error says so") {
+TEST_CASE_FIXTURE(Fixture, "the limit of the device on allocations is respected, and an error names it") {
   limits.maxMemoryAllocationCount = 3;
   DeviceMemory memory = this->memory();
   std::vector<MemoryRange> ranges;
@@ -219,14 +220,14 @@ TEST_CASE_FIXTURE(Fixture,
   memory.give_back(fits);
 }
 
-TEST_CASE_FIXTURE(Fixture, "the device is not asked for more than its heap has") {
+TEST_CASE_FIXTURE(Fixture, "no more memory is requested than the heap of the device has") {
   DeviceMemory memory = this->memory();
   const std::string error = machine_error_of([&] { memory.take(buffer(16 * kGiB + 1)); });
   CHECK(contains(error, "VK_ERROR_OUT_OF_DEVICE_MEMORY"));
   CHECK(device.allocated == 0);
 }
 
-TEST_CASE_FIXTURE(Fixture, "a block is mapped once, for those that ask for it") {
+TEST_CASE_FIXTURE(Fixture, "a block is mapped once, for the resources that need it") {
   DeviceMemory memory = this->memory();
   MemoryRequest request = buffer(100);
   const MemoryRange unmapped = memory.take(request);
@@ -256,7 +257,7 @@ TEST_CASE_FIXTURE(Fixture, "ranges that are flushed by atoms share no atom") {
   memory.give_back(b);
 }
 
-TEST_CASE_FIXTURE(Fixture, "no two of many ranges overlap, each lies as it asked for, and all of it comes back") {
+TEST_CASE_FIXTURE(Fixture, "many ranges never overlap, are aligned as requested, and are all returned") {
   constexpr int kCalls = 100'000;
   struct Used {
     MemoryRange range;
@@ -312,7 +313,7 @@ BufferDesc buffer_desc(VkDeviceSize size) {
 
 }  // namespace
 
-TEST_CASE("ten thousand buffers and five thousand textures take few allocations, and share no byte") {
+TEST_CASE("ten thousand buffers and five thousand textures take few allocations and share no byte") {
   // The growth of blocks gives 21 for 80 MB of buffers and 23 for 110 MB of textures; a device may ask for more bytes
   // or for some allocations of their own.
   constexpr std::uint64_t kMaxAllocations = 100;
@@ -358,7 +359,7 @@ TEST_CASE("ten thousand buffers and five thousand textures take few allocations,
   CHECK(real_device().validation_messages() == 0);
 }
 
-TEST_CASE("memory serves another resource only when the submission that may use it has finished") {
+TEST_CASE("memory is reused only after the submission that may use it has finished") {
   Device::Impl& impl = real_device().impl();
   const Buffer keeps_block(impl, buffer_desc(100));
   Buffer buffer(impl, buffer_desc(100));
@@ -374,7 +375,7 @@ TEST_CASE("memory serves another resource only when the submission that may use 
   CHECK(after.mapped() == place);
 }
 
-TEST_CASE("a buffer for which there is no memory leaves nothing behind") {
+TEST_CASE("a buffer that does not fit into memory leaves nothing behind") {
   Device::Impl& impl = real_device().impl();
   const std::uint64_t objects = impl.live_objects();
   REQUIRE(impl.device_memory->allocations() == 0);

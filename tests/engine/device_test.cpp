@@ -43,7 +43,7 @@ void write(const fs::path& file, const std::string& bytes) {
   std::ofstream(file, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
 }
 
-// Sets an environment variable for as long as it lives.
+// Sets an environment variable during its lifetime.
 class ScopedVariable {
  public:
   ScopedVariable(const char* name, const std::string& value) : name_(name) {
@@ -57,7 +57,7 @@ class ScopedVariable {
   std::string old_;
 };
 
-// Makes a device and draws with it, so that there are pipelines to keep.
+// Creates a device and draws with it, so that there are pipelines to keep.
 void draw_once(const fs::path& cache) {
   Device device({.select = "", .validation = false, .cache_dir = cache.string()});
   Renderer renderer(device);
@@ -100,7 +100,7 @@ TEST_CASE("a device is selected by index or by part of its name") {
   CHECK_THROWS_WITH_AS(choose_device(devices, "7"), doctest::Contains("1 (GeForce 4090)"), InputError);
 }
 
-TEST_CASE("when none fits, each device's reason is told") {
+TEST_CASE("if no device fits, the error has the reason for each") {
   const std::vector<DeviceInfo> devices = {info("Old", "discrete GPU", "it offers Vulkan 1.0.3"),
                                            info("Odd", "other", "it has no graphics queue")};
   CHECK_THROWS_WITH_AS(choose_device(devices, ""), doctest::Contains("Old: it offers Vulkan 1.0.3"), MachineError);
@@ -136,7 +136,7 @@ TEST_CASE("a Vulkan error carries the call and the result") {
                        doctest::Contains("vkQueueSubmit: VK_ERROR_DEVICE_LOST"), MachineError);
 }
 
-TEST_CASE("the validation layer listens") {
+TEST_CASE("messages of the validation layer are counted") {
   Device device({.select = "", .validation = true, .cache_dir = fresh_folder("validation").string()});
   CHECK(device.validation_messages() == 0);
   MESSAGE("the next validation error is wanted: a buffer without a use");
@@ -165,7 +165,7 @@ TEST_CASE("objects are destroyed when the submission that may use them has finis
   CHECK(device.validation_messages() == 0);
 }
 
-TEST_CASE("the pipeline cache is kept, and a damaged or foreign one is made anew") {
+TEST_CASE("the pipeline cache is kept, and a damaged or foreign one is replaced") {
   const fs::path folder = fresh_folder("cache");
   draw_once(folder);
   const fs::path file = only_file(folder);

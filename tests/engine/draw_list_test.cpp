@@ -62,7 +62,7 @@ TEST_CASE("bounds are those of the positions that indices use") {
   CHECK(empty.bounds_max == glm::vec3(0));
 }
 
-TEST_CASE("lists with equal content are the same, whoever owns it and whatever their revisions") {
+TEST_CASE("lists with equal content are equal for any owner and any revisions") {
   DrawList a = list_of({}), b = list_of({});
   CHECK(same_content(a, b));
   CHECK(content_hash(a) == content_hash(b));
@@ -72,7 +72,7 @@ TEST_CASE("lists with equal content are the same, whoever owns it and whatever t
   CHECK(content_hash(a) == content_hash(b));
 }
 
-TEST_CASE("any change of content is seen, by comparison and by hash") {
+TEST_CASE("comparison and hash detect any change of content") {
   const DrawList original = list_of({});
   const std::function<void(DrawList&, Parts&)> changes[] = {
       [](DrawList& l, Parts&) { l.items[1].transform = 0; },
@@ -122,8 +122,8 @@ TEST_CASE("any change of content is seen, by comparison and by hash") {
 }
 
 TEST_CASE("the hash is FNV-1a: an empty list gives the value of its known bytes") {
-  // Five counts of zero (8 bytes each), then the environment's six floats, all made zero: 64 zero bytes, each of which
-  // multiplies the offset basis by the prime.
+  // Five counts of zero (8 bytes each), then the six floats of the environment, all set to zero: 64 zero bytes, each of
+  // which multiplies the offset basis by the prime.
   DrawList list;
   list.environment.ambient = list.environment.background = glm::vec3(0);
   std::uint64_t expected = 0xcbf29ce484222325ull;
@@ -142,7 +142,7 @@ TEST_CASE("values that compare equal hash equal") {
   CHECK(content_hash(plus) == content_hash(minus));
 }
 
-TEST_CASE("a list prints what it holds") {
+TEST_CASE("a list prints its content") {
   std::ostringstream out;
   out << list_of({});
   const std::string text = out.str();

@@ -1,5 +1,5 @@
-// The frame plan names all that a frame draws, makes, holds and uploads, and nothing that no due sensor shows is there.
-// Counts come from the device's own pipeline statistics, sizes from the memory that it was asked for.
+// The frame plan names everything that a frame draws, creates, holds and uploads, and contains nothing that no due
+// sensor shows. Counts come from the pipeline statistics of the device, sizes from the requested memory.
 #include <simvis/frame_plan.h>
 
 #include <doctest/doctest.h>
@@ -66,7 +66,7 @@ std::uint64_t uploaded_of(const FramePlan& plan) {
   return bytes;
 }
 
-/// Of all views and passes of a plan.
+/// Sum over all views and passes of a plan.
 PlannedPipeline sum_of_pipelines(const FramePlan& plan, std::uint64_t& made) {
   PlannedPipeline sum;
   const auto add = [&](const std::vector<PlannedPipeline>& pipelines) {
@@ -99,7 +99,7 @@ void check_named(const Renderer& renderer, const FramePlan& plan) {
   }
 }
 
-TEST_CASE("depth of opaque surfaces: no target of colour, no texture, no light, no fragment is shaded") {
+TEST_CASE("depth of opaque surfaces needs no colour target, no texture and no light, and shades no fragment") {
   Renderer renderer(instrumented());
   const RendererScene scene = lit_wall(AlphaMode::opaque);
   FramePlan plan = square(false, true);
@@ -114,13 +114,13 @@ TEST_CASE("depth of opaque surfaces: no target of colour, no texture, no light, 
   CHECK(renderer.costs()->passes[0].bytes_read_back == kPixels * sizeof(float));
   if (!renderer.costs()->counted) return;
   const PipelineStatistics& depth = renderer.costs()->passes[0].views[0].statistics;
-  // Mesa's llvmpipe counts what is covered, shader or not.
+  // Mesa's llvmpipe counts covered fragments even without a fragment shader.
   if (!instrumented().is_cpu()) CHECK(depth.fragment_invocations == 0);
-  CHECK(depth.vertex_invocations >= 4);  // the wall's corners; a device may shade one more than once
+  CHECK(depth.vertex_invocations >= 4);  // the corners of the wall; a device may shade one more than once
   CHECK(depth.vertices == 6);
   CHECK(depth.primitives_clipped == 2);
 
-  // The same in colour: one fragment for each pixel at the least.
+  // The same in colour: at least one fragment for each pixel.
   plan = square(true, false);
   renderer.render(scene.list, plan);
   renderer.complete(plan);
@@ -155,7 +155,7 @@ TEST_CASE("depth of masked surfaces: textures of masks are uploaded, others are 
   CHECK(renderer.costs()->passes[0].views[0].statistics.fragment_invocations >= kPixels);  // each asks for alpha
 }
 
-TEST_CASE("all memory of the device is in the plan, and all that is uploaded and made") {
+TEST_CASE("the plan contains all memory of the device, and all uploads and creations") {
   Device device(instrumented_device());
   Renderer renderer(device);
   CHECK(device.memory_bytes() == 0);  // nothing is held before a frame needs it
@@ -171,7 +171,7 @@ TEST_CASE("all memory of the device is in the plan, and all that is uploaded and
     check_named(renderer, plan);
     CHECK(memory_of({&plan}) == device.memory_bytes());
   }
-  // The second time, what stays the same is neither made nor uploaded.
+  // In the second frame, unchanged content is neither created nor uploaded.
   FramePlan again = both;
   renderer.render(scene.list, again);
   renderer.complete(again);
@@ -199,7 +199,7 @@ TEST_CASE("a ray caster on the device names its memory too") {
   CHECK(uploaded_of(plan) == caster->counters().bytes_uploaded);
 }
 
-TEST_CASE("stretches of the device's time nest, and add up to no more than the pass") {
+TEST_CASE("the time spans of the device are nested, and their sum is at most that of the pass") {
   Renderer renderer(instrumented());
   const RendererScene scene = lit_wall(AlphaMode::opaque);
   FramePlan plan = square(true, true);
@@ -209,7 +209,7 @@ TEST_CASE("stretches of the device's time nest, and add up to no more than the p
   plan.passes.push_back(square(false, true).passes[0]);
   renderer.render(scene.list, plan);
   renderer.complete(plan);
-  check_named(renderer, plan);  // the two views of one pass share a pipeline, which is made once
+  check_named(renderer, plan);  // the two views of one pass share a pipeline, which is created once
   const FrameCosts& costs = *renderer.costs();
   REQUIRE(costs.passes.size() == 2);
   CHECK(costs.submitted_ns < costs.finished_ns);
@@ -279,7 +279,7 @@ TEST_CASE("a sensor at 1 Hz in a run of 15 Hz renders in one frame of 15") {
   }
 }
 
-TEST_CASE("a camera that is off, or in a part that is, renders nothing; the plan says why") {
+TEST_CASE("a camera that is off, or in a part that is, renders nothing; the plan gives the reason") {
   WallSimulation without(kScanner), with(camera("CAM", R"(outputs="color depth")") + kScanner);
   with->enable("CAM", false);
   without->step();
@@ -302,7 +302,7 @@ TEST_CASE("a camera that is off, or in a part that is, renders nothing; the plan
         std::string::npos);
 }
 
-TEST_CASE("an output that nobody takes is neither rendered nor read back") {
+TEST_CASE("an output without a consumer is neither rendered nor read back") {
   const auto read_back = [](const char* outputs) {
     WallSimulation simulation(camera("CAM", std::string("outputs=\"") + outputs + "\""));
     simulation->step();
@@ -318,7 +318,7 @@ TEST_CASE("an output that nobody takes is neither rendered nor read back") {
   CHECK(read_back("color depth") == 5 * sizeof(float) * kPixels);
 }
 
-TEST_CASE("both audiences together hold what the device holds") {
+TEST_CASE("the plans of both audiences together cover the memory of the device") {
   WallSimulation simulation(camera("CAM", "") + camera("PEOPLE", R"(view="visualization")") + kScanner);
   CHECK(simulation->diagnostics().device_memory_bytes() == 0);
   simulation->step();
@@ -335,7 +335,7 @@ TEST_CASE("both audiences together hold what the device holds") {
   CHECK(sensor_of(*simulation->diagnostics().visualization_plan(), "PEOPLE").due_state == DueState::off);
 }
 
-TEST_CASE("instrumentation changes no byte of results, no counter and no memory; without it there are no costs") {
+TEST_CASE("instrumentation changes no byte of results, no counter and no memory; costs exist only with it") {
   const std::string sensors = camera("CAM", R"(outputs="color depth" supersampling="4")") + kScanner;
   WallSimulation with(sensors, true), without(sensors, false);
   for (int frame = 0; frame < 3; ++frame) {

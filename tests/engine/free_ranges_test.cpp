@@ -56,7 +56,7 @@ struct Taken {
 
 }  // namespace
 
-TEST_CASE("ranges come from the smallest free range that fits, of equals the first") {
+TEST_CASE("ranges come from the smallest free range that fits, the first among equal ones") {
   FreeRanges free(100);
   CHECK(free.take(40, 1) == 0u);
   CHECK(free.take(20, 1) == 40u);
@@ -69,7 +69,7 @@ TEST_CASE("ranges come from the smallest free range that fits, of equals the fir
   CHECK(free.take(1, 1) == std::nullopt);
 }
 
-TEST_CASE("what alignment skips stays free") {
+TEST_CASE("bytes skipped for alignment stay free") {
   FreeRanges free(128);
   CHECK(free.take(3, 1) == 0u);
   CHECK(free.take(64, 64) == 64u);
@@ -78,7 +78,7 @@ TEST_CASE("what alignment skips stays free") {
   CHECK(free.take(61, 1) == 3u);
 }
 
-TEST_CASE("a hundred thousand random calls never hand a byte out twice, and find room wherever there is any") {
+TEST_CASE("a hundred thousand random calls never return a byte twice, and find room whenever there is any") {
   constexpr std::uint64_t kSize = 4096;
   constexpr int kCalls = 100'000;
   test::Random random(17);

@@ -15,7 +15,7 @@ using namespace simvis;
 
 namespace {
 
-// What glslangValidator says of a shader's blocks: "block.member" -> offset, "block" -> size of one element.
+// Output of glslangValidator about the blocks of a shader: "block.member" -> offset, "block" -> size of one element.
 std::map<std::string, std::size_t> reflect(const std::string& shader) {
   const std::string source = SIMVIS_SOURCE_DIR;
   const std::string command =
@@ -55,7 +55,7 @@ std::size_t members_of(const std::map<std::string, std::size_t>& found, const st
 static_assert(std::is_trivially_copyable_v<shader::Instance> && std::is_trivially_copyable_v<shader::MaterialBlock> &&
               std::is_trivially_copyable_v<shader::LightBlock> && std::is_trivially_copyable_v<shader::ViewBlock>);
 
-TEST_CASE("structs lie in memory as the vertex shaders read them") {
+TEST_CASE("the memory layout of structs is that of the vertex shaders") {
   const auto found = reflect("mesh_color.vert");
   CHECK_OFFSET(found, "materials", shader::MaterialBlock, base_color);
   CHECK_OFFSET(found, "materials", shader::MaterialBlock, emissive_cutoff);
@@ -75,7 +75,7 @@ TEST_CASE("structs lie in memory as the vertex shaders read them") {
   CHECK(found.at("View") == sizeof(shader::ViewBlock));
 }
 
-TEST_CASE("layers of transparent surfaces lie in memory as the shaders read them") {
+TEST_CASE("the memory layout of transparent layers is that of the shaders") {
   const auto found = reflect("layers_resolve.frag");
   CHECK_OFFSET(found, "nodes", shader::LayerNode, color);
   CHECK_OFFSET(found, "nodes", shader::LayerNode, place);
@@ -84,7 +84,7 @@ TEST_CASE("layers of transparent surfaces lie in memory as the shaders read them
   CHECK(found.at("LayerLists") == sizeof(shader::LayerBand) + sizeof(std::uint32_t));
 }
 
-TEST_CASE("structs lie in memory as the fragment shaders read them") {
+TEST_CASE("the memory layout of structs is that of the fragment shaders") {
   const auto found = reflect("mesh_color.frag");
   CHECK_OFFSET(found, "lights", shader::LightBlock, position);
   CHECK_OFFSET(found, "lights", shader::LightBlock, direction);
@@ -96,7 +96,7 @@ TEST_CASE("structs lie in memory as the fragment shaders read them") {
   CHECK(found.at("View") == sizeof(shader::ViewBlock));
 }
 
-TEST_CASE("structs lie in memory as the shader that casts rays reads them") {
+TEST_CASE("the memory layout of structs is that of the ray casting shader") {
   const auto found = reflect("ray_cast.comp");
   CHECK_OFFSET(found, "top_nodes", shader::TreeNode, low_first);
   CHECK_OFFSET(found, "top_nodes", shader::TreeNode, high_count);
@@ -121,7 +121,7 @@ TEST_CASE("structs lie in memory as the shader that casts rays reads them") {
   CHECK(found.at("View") == sizeof(shader::RayCastBlock));
 }
 
-TEST_CASE("shadow blocks lie in memory as the fragment shaders read them") {
+TEST_CASE("the memory layout of shadow blocks is that of the fragment shaders") {
   const auto found = reflect("mesh_color_shadowed.frag");
   CHECK_OFFSET(found, "shadows", shader::ShadowBlock, row_x);
   CHECK_OFFSET(found, "shadows", shader::ShadowBlock, row_y);

@@ -1,6 +1,5 @@
-// Who keeps account of a draw list spares its readers the look at what has not changed, and changes nothing of what
-// they make of it: worlds of many things, some of which move, come and go, held against copies of the same list, of
-// which nobody keeps account.
+// A change log of a draw list saves its readers a comparison and does not change their results: worlds of many
+// primitives, some of which move, appear and disappear, compared with copies of the same list without a log.
 #include "engine/geometry/item_index.h"
 
 #include <doctest/doctest.h>
@@ -47,7 +46,7 @@ std::shared_ptr<const Material> painted(const glm::vec4& color, bool double_side
   return std::make_shared<const Material>(material);
 }
 
-/// Groups of things of few kinds, all of which can be moved, alone or as a group.
+/// Groups of primitives of few kinds, which can be moved one by one or as a group.
 class Crowd {
  public:
   Crowd(int groups, int primitives, double size_m, const glm::dvec3& middle) : size_m_(size_m) {
@@ -102,7 +101,7 @@ class Crowd {
     const glm::dvec3 scale = scales[any(std::size(scales))];
     std::uniform_real_distribution<double> unit(-1, 1);
     const glm::dvec3 where = size_m_ * glm::dvec3(unit(random_), unit(random_), 0.2 * unit(random_));
-    const bool turned = any(2) == 0;  // unturned things of a kind differ in their places alone
+    const bool turned = any(2) == 0;  // primitives of a kind without rotation differ in their places only
     return glm::translate(glm::dmat4(1.0), where) * (turned ? random_pose(random_, 0) : glm::dmat4(1.0)) *
            glm::scale(glm::dmat4(1.0), scale);
   }
@@ -171,7 +170,7 @@ void check_same_sight(const DrawList& list, const View& view) {
 
 }  // namespace
 
-TEST_CASE("things that move, come and go: the same draws, hits and roundings as of a list that is compared") {
+TEST_CASE("moving, added and removed primitives: the same draws, hits and roundings as for a list that is compared") {
   std::mt19937 random(3);
   for (const double away_m : {0.0, 1e7}) {
     const glm::dvec3 middle(away_m, -away_m, 0.5 * away_m);
@@ -201,7 +200,7 @@ TEST_CASE("things that move, come and go: the same draws, hits and roundings as 
       const glm::dmat4 world_from_sensor = glm::translate(glm::dmat4(1.0), middle) * random_pose(random, 10);
       const glm::dmat4 sensor_from_world = rigid_inverse(world_from_sensor);
       const FramePlan plan = picture_and_scan(sensor_from_world, scan);
-      if (frame % 5 == 4) continue;  // who has not looked for a while is told of all that has happened since
+      if (frame % 5 == 4) continue;  // a reader that skipped frames gets all changes since
       for (const Pass& pass : plan.passes) check_same_sight(list, pass.views[0]);
       check_same_bytes(accounted, list, compared, copy, plan);
       check_same_rounding(list, copy, sensor_from_world);
@@ -211,8 +210,8 @@ TEST_CASE("things that move, come and go: the same draws, hits and roundings as 
   }
 }
 
-TEST_CASE("what nobody sees is hardly looked at, and what stands still not at all") {
-  // The same things around the sensor; ten times as many of them beyond.
+TEST_CASE("invisible primitives are rarely examined, and resting ones never") {
+  // The same primitives around the sensor, and ten times as many of them beyond.
   std::uint64_t looked_at[2] = {}, items[2] = {};
   for (const int more : {0, 1}) {
     Crowd crowd(1, 1000, 20, {0, 0, 0});
@@ -243,10 +242,10 @@ TEST_CASE("what nobody sees is hardly looked at, and what stands still not at al
     CHECK(caster.caster->counters() == expected);
   }
   MESSAGE(looked_at[0] << " boxes of " << items[0] << " items, " << looked_at[1] << " of " << items[1]);
-  CHECK(looked_at[1] <= looked_at[0] + 2 * Bvh::kMaxDepth);  // the way down to those around
+  CHECK(looked_at[1] <= looked_at[0] + 2 * Bvh::kMaxDepth);  // the path down to those around
 }
 
-TEST_CASE("an account tells what has moved, and copies have none") {
+TEST_CASE("a log reports moved items, and copies have no log") {
   DrawList list;
   CHECK(!list.changes.kept());
   CHECK(!list.changes.same_structure(list.changes.version()));
@@ -272,7 +271,7 @@ TEST_CASE("an account tells what has moved, and copies have none") {
   DrawList other;
   other.changes.mark_structure_dirty();
   CHECK(!other.changes.same_structure(first));
-  for (int i = 0; i < 200'000; ++i) list.changes.mark_transforms_dirty({7, 8});  // more than it remembers
+  for (int i = 0; i < 200'000; ++i) list.changes.mark_transforms_dirty({7, 8});  // more than it stores
   CHECK(!list.changes.moved_since(second));
   CHECK(list.changes.moved_since(list.changes.version())->empty());
   other = list;
@@ -281,7 +280,7 @@ TEST_CASE("an account tells what has moved, and copies have none") {
   CHECK(!list.changes.same_structure(second));
 }
 
-TEST_CASE("what moves takes its place in the order of drawing, as if all were sorted again") {
+TEST_CASE("moved items get their place in the draw order as if all were sorted again") {
   std::mt19937 random(5);
   const auto any = [&](std::uint32_t below) {
     return std::uniform_int_distribution<std::uint32_t>(0, below - 1)(random);

@@ -1,4 +1,4 @@
-// Random numbers: the published vectors, what they depend on, and whether they are normally distributed.
+// Random numbers: the published vectors, their dependencies, and their normal distribution.
 #include <simvis/philox.h>
 
 #include <doctest/doctest.h>
@@ -15,8 +15,7 @@ namespace {
 
 using Block = std::array<std::uint32_t, 4>;
 
-// Deviations of a statistic that are let pass, in its own standard deviations: 6e-7 of all seeds would fail, and the
-// seed is fixed.
+// Tolerance of a statistic, in its own standard deviations: 6e-7 of all seeds would fail, and the seed is fixed.
 constexpr double kSigmas = 5;
 constexpr std::size_t kSamples = 1'000'000;
 
@@ -37,7 +36,7 @@ TEST_CASE("Philox 4x32-10 gives the known answers of Random123") {
         Block{0xd16cfe09, 0x94fdcceb, 0x5001e420, 0x24126ea1});
 }
 
-TEST_CASE("key and counter are what the header says") {
+TEST_CASE("key and counter are those of the header") {
   // The 64-bit FNV-1a hash of "a" is 0xaf63dc4c8601ec8c.
   const std::uint64_t seed = 0x0123456789abcdef, frame = 0x1122334455667788;
   const std::uint64_t key = 0xaf63dc4c8601ec8c ^ seed;
@@ -45,7 +44,7 @@ TEST_CASE("key and counter are what the header says") {
                                    {static_cast<std::uint32_t>(key), static_cast<std::uint32_t>(key >> 32)});
   const auto unit = [](std::uint32_t upper, std::uint32_t lower) {
     const std::uint64_t joined = std::uint64_t{upper} << 32 | lower;
-    // Of the lower word, the Mersenne twister's well-known recipe drops 6 bits and of the upper 5.
+    // The well-known recipe of the Mersenne twister drops 6 bits of the lower word and 5 of the upper one.
     return static_cast<double>(((joined >> 37) << 26 | (joined & 0xffffffff) >> 6)) / 0x1p53;
   };
   const double expected =
@@ -53,7 +52,7 @@ TEST_CASE("key and counter are what the header says") {
   CHECK(SensorRandom(seed, "a").gaussian(frame, 7, 3) == expected);
 }
 
-TEST_CASE("a number depends on its names and on nothing else") {
+TEST_CASE("a number depends on its names only") {
   const SensorRandom random(1, "A");
   const double value = random.gaussian(5, 6, 7);
   CHECK(SensorRandom(1, "A").gaussian(5, 6, 7) == value);
@@ -97,7 +96,7 @@ TEST_CASE("a million numbers fill equally probable bins equally (chi-square)") {
   const double expected = static_cast<double>(kSamples) / kBins;
   double chi_square = 0;
   for (const double c : count) chi_square += (c - expected) * (c - expected) / expected;
-  // Mean kBins - 1, variance 2 (kBins - 1). Bins that are filled too evenly are wrong as well.
+  // Mean kBins - 1, variance 2 (kBins - 1). Bins that are filled too evenly are also wrong.
   CHECK(std::abs(chi_square - (kBins - 1)) <= kSigmas * std::sqrt(2.0 * (kBins - 1)));
 }
 

@@ -13,7 +13,7 @@ using namespace simvis;
 namespace {
 
 constexpr std::uint32_t kSamples = 1'000'000;
-// Deviations of a statistic that are let pass, in its own standard deviations; the seed is fixed.
+// Tolerance of a statistic, in its own standard deviations; the seed is fixed.
 constexpr double kSigmas = 5;
 
 std::vector<double> counts(double mean) {
@@ -36,8 +36,8 @@ Moments moments(const std::vector<double>& values) {
   return m;
 }
 
-// Chi-square of the counts against Poisson's probabilities, over the counts of which at least ten are expected, and the
-// number of those, less one.
+// Chi-square of the counts against Poisson's probabilities, over the counts with at least ten expected ones, and the
+// number of those minus one.
 struct ChiSquare {
   double value = 0, freedom = 0;
 };
@@ -88,7 +88,7 @@ TEST_CASE("mean, variance and skewness are Poisson's, small and large") {
   }
 }
 
-TEST_CASE("beyond the exact means the distribution function is off by less than 0.1 / mean") {
+TEST_CASE("beyond the exact means the error of the distribution function is below 0.1 / mean") {
   const double mean = kMaxExactMean + 1;
   std::vector<double> seen(300);
   for (const double v : counts(mean)) ++seen.at(static_cast<std::size_t>(v));
@@ -99,14 +99,14 @@ TEST_CASE("beyond the exact means the distribution function is off by less than 
     expected += std::exp(n * std::log(mean) - mean - std::lgamma(n + 1));
     worst = std::max(worst, std::abs(have - expected));
   }
-  // Of the same expansion's next terms, (z - z^3) / (72 mean), and of rounding, z / (24 mean), times the Gaussian's
-  // density: below 0.02 / mean. What follows is of the order of 1 / mean^1.5. The empirical function itself has a
-  // standard deviation of 0.5 / sqrt(n) at the most.
+  // The next terms of the same expansion, (z - z^3) / (72 mean), and those of rounding, z / (24 mean), times the
+  // Gaussian density: below 0.02 / mean. The remainder is of the order of 1 / mean^1.5. The empirical function itself
+  // has a standard deviation of at most 0.5 / sqrt(n).
   CHECK(worst <= 0.1 / mean + kSigmas * 0.5 / std::sqrt(kSamples));
   MESSAGE("distribution function off by " << worst);
 }
 
-TEST_CASE("nothing, or less than nothing, sets no electron free") {
+TEST_CASE("a mean of zero or less gives no electron") {
   const SensorRandom random(7, "P");
   CHECK(poisson(random, 0, 1, 2, 3) == 0);
   CHECK(poisson(random, -1, 1, 2, 3) == 0);

@@ -18,11 +18,11 @@ using namespace simvis::test;
 
 namespace {
 
-// Normals are stored in 16 bits (1.5e-5 each way), the rest is some dozens of float32 operations of 6e-8 each.
+// Normals are stored in 16 bits (1.5e-5 in each direction). The rest is several dozen float32 operations of 6e-8 each.
 constexpr double kShading = 4e-5;  // relative
 // Colours of vertices are stored in 16 bits.
 constexpr double kVertexColor = 1.0 / 65535;
-// The driver may decode sRGB by a table or a polynomial: half a step of 8 bits in linear light at most.
+// The driver may decode sRGB by a table or a polynomial: an error of at most half a step of 8 bits in linear light.
 constexpr double kTexel = 0.5 / 255;
 glm::vec4 middle(Renderer& renderer, const RendererScene& scene, FramePlan plan = plan_of(17, 17, 8, true, false)) {
   const std::uint32_t width = plan.passes[0].width_px, height = plan.passes[0].height_px;
@@ -55,12 +55,12 @@ TEST_CASE("background, ambient light, emission and unlit surfaces") {
   CHECK(middle(renderer, bright) == glm::vec4(0.8f, 0.4f, 0.2f, 1));
 }
 
-TEST_CASE("a directional light follows Lambert's law, in the light's own frame") {
+TEST_CASE("a directional light follows Lambert's law in its own frame") {
   Renderer renderer(device());
   RendererScene scene = scene_with_ambient(0.125);
   scene.add(rectangle(-5, -5, 5, 5), colored({0.5f, 0.5f, 0.5f, 1}), at(0, 0, 2));
   const double tilt = 0.6;
-  // Turned about y, a light along z shines at an angle onto the wall.
+  // Rotated about y, a light along z hits the wall at an angle.
   const glm::dmat4 turned = glm::rotate(glm::dmat4(1), tilt, glm::dvec3(0, 1, 0));
   scene.add_light({.kind = LightKind::directional, .color = {1, 0.5f, 0}, .intensity = 3, .direction = {0, 0, 1}},
                   turned);
@@ -69,7 +69,7 @@ TEST_CASE("a directional light follows Lambert's law, in the light's own frame")
   CHECK(seen.r == doctest::Approx(0.0625 + lit).epsilon(kShading));
   CHECK(seen.g == doctest::Approx(0.0625 + lit / 2).epsilon(kShading));
   CHECK(seen.b == doctest::Approx(0.0625).epsilon(kShading));
-  // From behind it does nothing.
+  // From behind it has no effect.
   scene.list.lights[0].light.direction = {0, 0, -1};
   CHECK(middle(renderer, scene).r == doctest::Approx(0.0625).epsilon(kShading));
 }
@@ -93,7 +93,7 @@ TEST_CASE("a spot light fades between its cones") {
   Renderer renderer(device());
   RendererScene scene = scene_with_ambient(0);
   scene.add(rectangle(-5, -5, 5, 5), colored({1, 1, 1, 1}), at(0, 0, 3));
-  // From (0, 0, 1) onto the middle of the wall; the axis is turned away by `away`.
+  // From (0, 0, 1) to the centre of the wall; the axis is rotated away by `away`.
   const auto seen = [&](double away) {
     scene.list.lights.clear();
     scene.add_light({.kind = LightKind::spot,
@@ -123,7 +123,7 @@ TEST_CASE("many lights add up, in any number of views") {
   view_of(plan).width_px = 4;
   View other = view_of(plan);
   other.x_px = 4;
-  // This one looks from the side at an angle: Lambert's surface is as bright.
+  // This view looks from the side at an angle: a Lambertian surface is equally bright.
   other.view_from_world = glm::inverse(glm::rotate(at(-1, 0, 0), 0.5, glm::dvec3(0, 1, 0)));
   plan.passes[0].views.push_back(other);
   const auto color = renderer.render(scene.list, plan)[0].color;
@@ -131,7 +131,7 @@ TEST_CASE("many lights add up, in any number of views") {
   CHECK(color[2 * 8 + 6].r == doctest::Approx(50 / kPi).epsilon(kShading));
 }
 
-TEST_CASE("more lights than a view takes are refused, with their number and the limit") {
+TEST_CASE("more lights than a view supports are refused, with their number and the limit") {
   Renderer renderer(device());
   RendererScene scene = scene_with_ambient(0);
   scene.add(rectangle(-5, -5, 5, 5), colored({1, 1, 1, 1}), at(0, 0, 2));
@@ -145,7 +145,7 @@ TEST_CASE("more lights than a view takes are refused, with their number and the 
   CHECK(renderer.counters().draws == 1);
 }
 
-TEST_CASE("normals survive scale that is mirrored and not uniform, and face the viewer on back faces") {
+TEST_CASE("normals are correct under mirrored and non-uniform scale, and face the viewer on back faces") {
   Renderer renderer(device());
   for (const double sx : {2.0, -2.0}) {
     for (const bool back : {false, true}) {
@@ -154,7 +154,7 @@ TEST_CASE("normals survive scale that is mirrored and not uniform, and face the 
       RendererScene scene = scene_with_ambient(0);
       Material material = colored({1, 1, 1, 1});
       material.double_sided = true;
-      // The wall is tilted in its own frame, then stretched: its normal does not turn like its points.
+      // The wall is tilted in its own frame, then stretched: its normal is not transformed like its points.
       glm::dmat4 m = glm::scale(at(0, 0, 4), glm::dvec3(sx, 1, 1));
       m = glm::rotate(m, back ? kPi - 0.7 : 0.7, glm::dvec3(0, 1, 0));
       scene.add(rectangle(-3, -3, 3, 3), material, m);
@@ -178,7 +178,7 @@ TEST_CASE("vertex colours multiply the base colour and are clamped to 1") {
   CHECK(std::abs(seen.b - 1.0) <= kVertexColor);
 }
 
-TEST_CASE("textures are decoded from sRGB and sampled where uv says") {
+TEST_CASE("textures are decoded from sRGB and sampled at uv") {
   Renderer renderer(device());
   Material material;
   material.base_color_texture = four_texels();
@@ -224,7 +224,7 @@ TEST_CASE("the second set of texture coordinates is used when the material says 
   }
 }
 
-TEST_CASE("far away a mipmapped texture shows its mean, one without mips shows single texels") {
+TEST_CASE("a distant mipmapped texture shows its mean, one without mipmaps shows single texels") {
   Renderer renderer(device());
   auto board = std::make_shared<Texture>();
   board->name = "chessboard";
@@ -266,7 +266,7 @@ TEST_CASE("masked texels below the cutoff are holes, in colour and in depth") {
   }
 }
 
-TEST_CASE("without a texture, alpha of material and vertices decides what a mask keeps") {
+TEST_CASE("without a texture, the alpha of material and vertices decides what a mask keeps") {
   Renderer renderer(device());
   Mesh mesh = rectangle(-1, -1, 1, 1);
   for (VertexAttributes& a : mesh.attributes) a.color.a = 0.5f;
@@ -280,7 +280,7 @@ TEST_CASE("without a texture, alpha of material and vertices decides what a mask
   }
 }
 
-TEST_CASE("blended surfaces lie over what is behind them, and depth meets the half-solid ones") {
+TEST_CASE("blended surfaces are drawn over their background, and depth sees those that are at least half solid") {
   Renderer renderer(device());
   const auto glass = [](float grey, float alpha) {
     Material material = colored({grey, grey, grey, alpha});
@@ -304,7 +304,7 @@ TEST_CASE("blended surfaces lie over what is behind them, and depth meets the ha
   CHECK(renderer.render(scene.list, wall_plan(false, true))[0].depth[5] == doctest::Approx(0.05 / 3).epsilon(1e-6));
 }
 
-TEST_CASE("a blended sky all around the view lies behind what is blended near it") {
+TEST_CASE("a blended sky all around the view lies behind blended surfaces near it") {
   Renderer renderer(device());
   const auto glass = [](float grey) {
     Material material = colored({grey, grey, grey, 0.5f});
@@ -312,7 +312,7 @@ TEST_CASE("a blended sky all around the view lies behind what is blended near it
     material.unlit = true;
     return material;
   };
-  // One mesh with a wall 10 m ahead and one 30 m behind: its middle is 10 m behind the view.
+  // One mesh with a wall 10 m ahead and one 30 m behind: its centre is 10 m behind the view.
   Mesh sky = rectangle(-40, -40, 40, 40);
   for (glm::vec3& p : sky.positions) p.z = 10;
   const Mesh behind = rectangle(-40, -40, 40, 40);
@@ -347,6 +347,6 @@ TEST_CASE("a colour pass gives the same depth as a depth pass") {
   CHECK(same_bytes<float>(alone, renderer.render(scene.list, plan_of(96, 96, 48, true, true))[0].depth));
 }
 
-TEST_CASE("the validation layer has nothing to say") { CHECK(device().validation_messages() == 0); }
+TEST_CASE("the validation layer reports nothing") { CHECK(device().validation_messages() == 0); }
 
 TEST_SUITE_END();

@@ -16,12 +16,12 @@ using namespace simvis::test;
 
 namespace {
 
-// Depth is a few float32 operations away from near / z: rounding of the rows and of their product with the vertex,
-// the division, and the interpolation across the triangle (three products and sums). Each is at most half a unit in
-// the last place of the largest depth on the triangle: 16 of 2^-24 leave room for the driver's order of operations.
+// Depth deviates from near / z by a few float32 operations: rounding of the rows and of their product with the vertex,
+// the division, and the interpolation across the triangle (three products and sums). Each is at most half a unit in the
+// last place of the largest depth on the triangle. 16 of 2^-24 leave room for the driver's order of operations.
 constexpr double kDepthRounding = 16.0 / (1 << 24);  // relative to the largest depth on the surface
 
-// The hardware snaps vertices to 1/256 of a pixel; an edge is thus known to twice that.
+// The hardware snaps vertices to 1/256 of a pixel, so the position of an edge is known to twice that.
 constexpr double kEdgeSnap_px = 2.0 / 256;
 
 Mesh cube() {
@@ -80,9 +80,9 @@ TEST_CASE("depth is affine in the pixel on a slanted wall") {
   FramePlan plan = plan_of(64, 64, 64, false, true);
   view_of(plan).sees_back_faces = true;
   const auto depth = renderer.render(scene.list, plan)[0].depth;
-  // The wall holds the points with n . p = n . q.
+  // The wall contains the points with n . p = n . q.
   const glm::dvec3 n = glm::dvec3(turned[2]), q(0, 0, 5);
-  // Corners lie 140 m away and their coordinates carry the rounding of some four operations. That moves the wall
+  // Corners are 140 m away, and their coordinates have the rounding of about four operations. That moves the wall
   // towards the eye, which is only n . q away from its plane; depth is one over that distance.
   const double vertex_rounding = 4 * 140.0 / (1 << 24) / std::abs(glm::dot(n, q));
   double worst = 0, largest = 0;
@@ -111,7 +111,7 @@ TEST_CASE("background is 0, nearer is greater, and the nearer surface wins in an
   }
 }
 
-TEST_CASE("an edge falls where the pinhole says") {
+TEST_CASE("an edge is at its place in the pinhole camera") {
   Renderer renderer(device());
   RendererScene scene;
   // Left edge at u = cx + fx * x / z = 20.25 + 40 * (-0.5) / 2 = 10.25, upper edge at v = 11.75 + 50 * 0.1 / 2 = 14.25.
@@ -167,7 +167,7 @@ TEST_CASE("views of one pass stay in their rectangles") {
   CHECK(renderer.counters().passes == 1);
 }
 
-TEST_CASE("items that share a mesh are one draw, and each stands at its place") {
+TEST_CASE("items that share a mesh are one draw, and each has its own place") {
   Renderer renderer(device());
   RendererScene scene;
   const std::uint32_t mesh = scene.add_mesh(rectangle(-0.4f, -0.4f, 0.4f, 0.4f));
@@ -183,7 +183,7 @@ TEST_CASE("items that share a mesh are one draw, and each stands at its place") 
   }
 }
 
-TEST_CASE("back faces are dropped unless the view or the material asks for them, mirrored transforms too") {
+TEST_CASE("back faces are culled unless the view or the material needs them, also with mirrored transforms") {
   Renderer renderer(device());
   for (const bool mirrored : {false, true}) {
     for (const bool turned : {false, true}) {
@@ -220,7 +220,7 @@ TEST_CASE("culling saves draws and changes no byte") {
   CHECK(with.items_culled > 300);
   CHECK(std::count_if(culled.begin(), culled.end(), [](float d) { return d > 0; }) > 100);
 
-  // The same triangles under bounds that reach all around, so that nothing is culled.
+  // The same triangles with bounds that reach all around, so that nothing is culled.
   Mesh wide = cube();
   wide.bounds_min = glm::vec3(-1000);
   wide.bounds_max = glm::vec3(1000);
@@ -230,8 +230,9 @@ TEST_CASE("culling saves draws and changes no byte") {
   CHECK(same_bytes<float>(culled, all));
 }
 
-TEST_CASE("a rectangle of a wider image is the same as the view of that rectangle") {
-  // The strip's sides cut the scene elsewhere than the wide view's, so this holds up to what clipping rounds.
+TEST_CASE("a rectangle of a wider image equals the view of that rectangle") {
+  // The sides of the strip clip the scene at other places than the wide view's, so this holds up to the rounding of
+  // clipping.
   Renderer renderer(device());
   RendererScene scene;
   add_random_cubes(scene, 400);
@@ -242,7 +243,7 @@ TEST_CASE("a rectangle of a wider image is the same as the view of that rectangl
   int hits = 0, differ = 0;
   for (int x = 0; x < 128; ++x) {
     hits += row[x] > 0;
-    // An edge that snaps differently may flip a pixel; anything else is rounding of depth.
+    // An edge that snaps differently may flip a pixel. All other differences are rounding of depth.
     differ += std::abs(row[x] - wide[70 * 128 + x]) > 2 * kDepthRounding;
   }
   CHECK(hits > 60);
@@ -265,7 +266,7 @@ TEST_CASE("an offset that cancels exactly changes no byte") {
   CHECK(same_bytes<float>(near_depth, renderer.render(there.list, plan)[0].depth));
 }
 
-TEST_CASE("what stands before the near plane is clipped away") {
+TEST_CASE("parts in front of the near plane are clipped") {
   Renderer renderer(device());
   RendererScene scene;
   scene.add(rectangle(-1, -1, 1, 1), {}, at(0, 0, 0.049));
@@ -316,7 +317,7 @@ TEST_CASE("an empty plan submits nothing, an empty list clears") {
   CHECK(std::all_of(depth.begin(), depth.end(), [](float d) { return d == 0; }));
 }
 
-TEST_CASE("a pass that is too large is the user's error, and the renderer lives on") {
+TEST_CASE("a pass that is too large is the user's error, and the renderer still works") {
   Renderer renderer(device());
   RendererScene scene;
   scene.add(rectangle(-1, -1, 1, 1), {}, at(0, 0, 2));
@@ -334,12 +335,12 @@ TEST_CASE("a pass that is too large is the user's error, and the renderer lives 
   CHECK(renderer.render(scene.list, plan_of(16, 16, 8, false, true))[0].depth[8 * 16 + 8] > 0);
 }
 
-TEST_CASE("meshes come and go, and what stays is neither uploaded again nor lost") {
+TEST_CASE("meshes are added and removed, and the others are neither uploaded again nor lost") {
   Renderer renderer(device());
   const FramePlan plan = plan_of(16, 16, 8, false, true);
   const auto grid = [](float z_scale) {
     Mesh mesh = rectangle(-1, -1, 1, 1);
-    // Enough vertices that the buffers must grow again and again.
+    // Enough vertices to make the buffers grow several times.
     for (int i = 0; i < 3000; ++i) mesh.positions.push_back({0, 0, z_scale * static_cast<float>(i)});
     mesh.attributes.resize(mesh.positions.size());
     return mesh;
@@ -358,6 +359,6 @@ TEST_CASE("meshes come and go, and what stays is neither uploaded again nor lost
   CHECK(renderer.counters().bytes_uploaded == sizeof(shader::Instance));
 }
 
-TEST_CASE("the validation layer has nothing to say") { CHECK(device().validation_messages() == 0); }
+TEST_CASE("the validation layer reports nothing") { CHECK(device().validation_messages() == 0); }
 
 TEST_SUITE_END();

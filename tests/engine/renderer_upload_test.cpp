@@ -11,7 +11,7 @@ TEST_SUITE_BEGIN("engine");
 using namespace simvis;
 using namespace simvis::test;
 
-TEST_CASE("only what a pass can show is uploaded, and only once") {
+TEST_CASE("only content that a pass can show is uploaded, and only once") {
   Renderer renderer(device());
   auto large = std::make_shared<Texture>();
   large->name = "large";
@@ -39,7 +39,7 @@ TEST_CASE("only what a pass can show is uploaded, and only once") {
   CHECK(renderer.counters().draws == 2);
 }
 
-TEST_CASE("a changed material uploads its slot and nothing else") {
+TEST_CASE("a changed material uploads its slot only") {
   Renderer renderer(device());
   RendererScene scene = scene_with_ambient(1);
   auto material = std::make_shared<Material>(colored({0.5f, 0.5f, 0.5f, 1}));
@@ -59,7 +59,7 @@ TEST_CASE("a changed material uploads its slot and nothing else") {
   CHECK(renderer.render(scene.list, wall_plan(true, false))[0].color[5].r == 1);
 }
 
-TEST_CASE("staging copies bring the same as writing straight into device memory") {
+TEST_CASE("staging copies give the same result as direct writes to device memory") {
   std::vector<std::vector<glm::vec4>> seen;
   for (const bool direct : {true, false}) {
     Device own({.select = "", .validation = false, .cache_dir = tested_build() + "/test_cache"});
@@ -70,7 +70,7 @@ TEST_CASE("staging copies bring the same as writing straight into device memory"
     material.base_color_texture = four_texels();
     RendererScene scene = textured_wall(material);
     std::vector<glm::vec4> pixels;
-    // The second round has the buffers grow while they hold what stays.
+    // In the second round the buffers grow while they hold unchanged content.
     for (const int extra : {0, 5000}) {
       Mesh mesh = rectangle(-0.5f, -0.5f, 0.5f, 0.5f);
       mesh.positions.resize(mesh.positions.size() + extra);
@@ -86,7 +86,7 @@ TEST_CASE("staging copies bring the same as writing straight into device memory"
   CHECK(seen[0][5] == glm::vec4(0.5f, 0.25f, 0.125f, 1));
 }
 
-TEST_CASE("lists of different origin are not mistaken for each other") {
+TEST_CASE("lists of different origin are distinguished") {
   Renderer renderer(device());
   for (const float grey : {0.25f, 0.5f, 0.75f}) {
     RendererScene scene = scene_with_ambient(1);
@@ -95,7 +95,7 @@ TEST_CASE("lists of different origin are not mistaken for each other") {
   }
 }
 
-TEST_CASE("a texture that is too large is the user's error, and the renderer lives on") {
+TEST_CASE("a texture that is too large is the user's error, and the renderer still works") {
   Renderer renderer(device());
   auto wide = std::make_shared<Texture>();
   wide->name = "WIDE";
@@ -111,7 +111,7 @@ TEST_CASE("a texture that is too large is the user's error, and the renderer liv
   CHECK(renderer.render(scene.list, wall_plan(false, true))[0].depth[5] > 0);
 }
 
-TEST_CASE("passes of one plan have results of their own") {
+TEST_CASE("passes of one plan have separate results") {
   Renderer renderer(device());
   RendererScene scene = scene_with_ambient(1);
   scene.add(rectangle(-9, -9, 9, 9), colored({0.5f, 0.5f, 0.5f, 1}), at(0, 0, 2));
@@ -129,7 +129,7 @@ TEST_CASE("passes of one plan have results of their own") {
   CHECK(renderer.counters().passes == 3);
 }
 
-TEST_CASE("a transform that becomes mirrored turns the winding of what is drawn") {
+TEST_CASE("a transform that becomes mirrored reverses the winding") {
   Renderer renderer(device());
   RendererScene scene = scene_with_ambient(1);
   scene.add(rectangle(-1, -1, 1, 1), {}, at(0, 0, 1));
@@ -139,7 +139,7 @@ TEST_CASE("a transform that becomes mirrored turns the winding of what is drawn"
   CHECK(renderer.render(scene.list, wall_plan(false, true))[0].depth[5] > 0);
 }
 
-TEST_CASE("each item shows its own texture, and textures that go leave nothing behind") {
+TEST_CASE("each item shows its own texture, and removed textures leave nothing behind") {
   Renderer renderer(device());
   std::uint64_t objects = 0;
   for (int round = 0; round < 40; ++round) {
@@ -162,6 +162,6 @@ TEST_CASE("each item shows its own texture, and textures that go leave nothing b
   CHECK(device().impl().live_objects() == objects);
 }
 
-TEST_CASE("the validation layer has nothing to say") { CHECK(device().validation_messages() == 0); }
+TEST_CASE("the validation layer reports nothing") { CHECK(device().validation_messages() == 0); }
 
 TEST_SUITE_END();

@@ -1,5 +1,5 @@
-// The thread pool: every piece is done once, by the caller and its helpers, however many callers and levels there are;
-// tasks of the background take no thread away from loops.
+// The thread pool: the caller and its helpers do every piece once, for any number of callers and levels. Background
+// tasks take no thread away from loops.
 #include "engine/base/thread_pool.h"
 
 #include <doctest/doctest.h>
@@ -19,7 +19,7 @@ namespace {
 
 constexpr unsigned kSizes[] = {1, 2, 3, 8};
 
-/// How often a loop does each of `count` things; checks that no slot is used by two threads at once.
+/// How often a loop does each of `count` pieces. Checks that no two threads use a slot at the same time.
 std::vector<int> done_by_loop(ThreadPool& pool, std::size_t count, std::size_t piece) {
   std::vector<int> done(count);
   std::vector<std::atomic<bool>> busy(pool.size());
@@ -32,7 +32,7 @@ std::vector<int> done_by_loop(ThreadPool& pool, std::size_t count, std::size_t p
   return done;
 }
 
-/// The sum of [first, end) by halves.
+/// The sum of [first, end), split into halves.
 std::uint64_t sum(ThreadPool& pool, std::uint64_t first, std::uint64_t end) {
   if (end - first == 1) return first;
   const std::uint64_t middle = first + (end - first) / 2;
@@ -41,7 +41,7 @@ std::uint64_t sum(ThreadPool& pool, std::uint64_t first, std::uint64_t end) {
   return before + after;
 }
 
-TEST_CASE("a loop does each thing once, in pools of all sizes") {
+TEST_CASE("a loop does each piece once in pools of all sizes") {
   for (const unsigned size : kSizes) {
     CAPTURE(size);
     ThreadPool pool(size);
@@ -57,11 +57,11 @@ TEST_CASE("a loop does each thing once, in pools of all sizes") {
 TEST_CASE("all threads of a pool take part in one loop") {
   constexpr unsigned kSize = 4;
   ThreadPool pool(kSize);
-  std::barrier all_there(kSize);  // would wait forever for one that does not come
+  std::barrier all_there(kSize);  // would wait forever for a missing thread
   pool.parallel_for(kSize, 1, [&](std::size_t, std::size_t, std::size_t) { all_there.arrive_and_wait(); });
 }
 
-TEST_CASE("one piece, and a pool of size 1, are the caller's alone") {
+TEST_CASE("the caller does single pieces, and all pieces of a pool of size 1") {
   const std::thread::id caller = std::this_thread::get_id();
   const auto check = [&](std::size_t slot, std::size_t, std::size_t) {
     CHECK(slot == 0);
@@ -72,7 +72,7 @@ TEST_CASE("one piece, and a pool of size 1, are the caller's alone") {
   one.parallel_for(10, 1, check);
 }
 
-TEST_CASE("loops of several callers at once share one pool") {
+TEST_CASE("loops of several concurrent callers share one pool") {
   for (const unsigned size : kSizes) {
     CAPTURE(size);
     ThreadPool pool(size);
@@ -88,7 +88,7 @@ TEST_CASE("loops of several callers at once share one pool") {
   }
 }
 
-TEST_CASE("loops within loops end, however few threads there are") {
+TEST_CASE("nested loops end with any number of threads") {
   for (const unsigned size : kSizes) {
     CAPTURE(size);
     ThreadPool pool(size);
@@ -108,11 +108,11 @@ TEST_CASE("loops within loops end, however few threads there are") {
   }
 }
 
-TEST_CASE("what waits for a thread of the pool helps it") {
+TEST_CASE("a thread that waits for another one of the pool helps it") {
   for (const unsigned size : kSizes) {
     CAPTURE(size);
     ThreadPool pool(size);
-    std::atomic<int> state = 0;  // 1: some thread makes the sum, 2: it is there
+    std::atomic<int> state = 0;  // 1: a thread computes the sum, 2: it is ready
     std::uint64_t made = 0;
     pool.parallel_for(8, 1, [&](std::size_t, std::size_t, std::size_t) {
       int none = 0;
@@ -127,7 +127,7 @@ TEST_CASE("what waits for a thread of the pool helps it") {
   }
 }
 
-TEST_CASE("what work throws comes out of the loop, and the pool works on") {
+TEST_CASE("exceptions of pieces leave the loop, and the pool still works") {
   for (const unsigned size : kSizes) {
     CAPTURE(size);
     ThreadPool pool(size);
@@ -143,7 +143,7 @@ TEST_CASE("what work throws comes out of the loop, and the pool works on") {
   }
 }
 
-TEST_CASE("tasks run in the background, and those of a pool of size 1 by the caller") {
+TEST_CASE("tasks run in the background; with a pool of size 1 the caller runs them") {
   for (const unsigned size : kSizes) {
     CAPTURE(size);
     ThreadPool pool(size);
@@ -169,13 +169,13 @@ TEST_CASE("loops have all their threads while the background is busy") {
   std::latch release(1);
   std::vector<std::shared_ptr<BackgroundTask>> tasks;
   for (int i = 0; i < 20; ++i) tasks.push_back(pool.run_in_background([&] { release.wait(); }));
-  std::barrier all_there(kSize);  // would wait forever for a thread that is at a task
+  std::barrier all_there(kSize);  // would wait forever for a thread that runs a task
   pool.parallel_for(kSize, 1, [&](std::size_t, std::size_t, std::size_t) { all_there.arrive_and_wait(); });
   release.count_down();
   for (const auto& task : tasks) task->finish();
 }
 
-TEST_CASE("a task that has not begun is run by the thread that waits for it, or never where it is cancelled") {
+TEST_CASE("a task that has not begun is run by the thread that waits for it, or never if it is cancelled") {
   ThreadPool pool(2);
   REQUIRE(pool.background_threads() == 1);
   std::latch begun(1), release(1);
@@ -197,7 +197,7 @@ TEST_CASE("a task that has not begun is run by the thread that waits for it, or 
   CHECK_FALSE(ran);
 }
 
-TEST_CASE("tasks that have not begun when the pool goes can still be finished") {
+TEST_CASE("tasks that have not begun when the pool is destroyed can still be finished") {
   std::shared_ptr<BackgroundTask> last;
   int done = 0;
   {
@@ -209,7 +209,7 @@ TEST_CASE("tasks that have not begun when the pool goes can still be finished") 
   CHECK(last->done());
 }
 
-TEST_CASE("those that ask for the same number of threads share a pool for as long as one holds it") {
+TEST_CASE("users of the same number of threads share a pool as long as one of them holds it") {
   const std::shared_ptr<ThreadPool> three = shared_thread_pool(3);
   CHECK(three->size() == 3);
   CHECK(shared_thread_pool(3) == three);

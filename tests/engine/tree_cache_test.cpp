@@ -25,7 +25,7 @@ namespace {
 
 constexpr std::size_t kHeaderBytes = 40, kWordsAt = 24, kChecksumAt = 32;
 
-/// Of a file that is whole in every other way.
+/// A file with these words that is correct otherwise.
 std::string with_words(const std::string& good, const std::vector<std::uint32_t>& words) {
   std::string bytes = good.substr(0, kHeaderBytes);
   bytes.append(reinterpret_cast<const char*>(words.data()), words.size() * sizeof words[0]);
@@ -51,7 +51,7 @@ bool same(const WideBvh& a, const WideBvh& b) {
   });
 }
 
-/// A mesh just large enough to be kept, its tree as it is made, and as it is had with a folder.
+/// A mesh just large enough for the cache, its tree as it is built, and as it is loaded with a folder.
 struct Kept {
   Mesh mesh = sphere_mesh(3, 92);
   std::vector<Box> boxes;
@@ -74,7 +74,7 @@ struct Kept {
     REQUIRE(files.size() == 1);
     return files[0];
   }
-  /// Checks that it is right, and tells whether it is the one that is made.
+  /// Checks that the tree is correct, and returns whether it equals the built one.
   bool had_as_made() const {
     std::vector<WideBvh::Leaf> found;
     const WideBvh tree = make_tree_cached(mesh, boxes, found, folder.path());
@@ -85,12 +85,12 @@ struct Kept {
 
 }  // namespace
 
-TEST_CASE("a tree is kept, and a damaged file is made anew") {
+TEST_CASE("a tree is kept, and a damaged file is replaced") {
   const Kept kept;
   CHECK(kept.had_as_made());
   const fs::path file = kept.folder / kept.file();
   const std::string good = read_text(file);
-  // Used, and so not written again.
+  // It is used, so it is not written again.
   const auto long_ago = fs::last_write_time(file) - std::chrono::hours(1);
   fs::last_write_time(file, long_ago);
   CHECK(kept.had_as_made());
@@ -111,7 +111,7 @@ TEST_CASE("a tree is kept, and a damaged file is made anew") {
   }
 }
 
-TEST_CASE("whatever words a file holds, the tree is right") {
+TEST_CASE("the tree is correct for any words in a file") {
   const Kept kept;
   CHECK(kept.had_as_made());
   const fs::path file = kept.folder / kept.file();
@@ -134,13 +134,13 @@ TEST_CASE("whatever words a file holds, the tree is right") {
   }
 }
 
-TEST_CASE("a file that agrees with itself but holds something twice, or not at all, is not taken") {
+TEST_CASE("a consistent file with duplicate or missing content is refused") {
   const Kept kept;
   CHECK(kept.had_as_made());
   const fs::path file = kept.folder / kept.file();
   const std::string good = read_text(file);
   const std::vector<std::uint32_t> words = words_of(good);
-  // The first node with room for another child, and its first leaf.
+  // The first node with space for another child, and its first leaf.
   std::size_t node = 2;
   while (words[node] == WideNode::kMax) node += 1 + words[node];
   std::size_t leaf = node + 1;
@@ -163,12 +163,12 @@ TEST_CASE("a file that agrees with itself but holds something twice, or not at a
   }
 }
 
-TEST_CASE("a tree that is right, but deeper than those that walk it allow, is not taken") {
+TEST_CASE("a correct tree that is too deep for traversal is refused") {
   const Kept kept;
   CHECK(kept.had_as_made());
   const fs::path file = kept.folder / kept.file();
   const std::string good = read_text(file);
-  // So many nodes below one another that hold one leaf each, and then eight nodes to a node.
+  // A chain of this many nodes with one leaf each, followed by eight nodes per node.
   const auto words_of_chain = [&](std::uint32_t length) {
     std::vector<std::vector<std::uint32_t>> nodes;
     std::vector<std::uint32_t> leaves;
@@ -211,7 +211,7 @@ TEST_CASE("a tree that is right, but deeper than those that walk it allow, is no
   CHECK(kept.had_as_made());
 }
 
-TEST_CASE("meshes of a scene's first frame are kept, those that come later are not, and hits are the same") {
+TEST_CASE("meshes of the first frame of a scene are cached, later ones are not, and hits are the same") {
   const TemporaryFolder folder;
   std::vector<glm::dvec3> directions;
   for (int i = 0; i < 200; ++i)

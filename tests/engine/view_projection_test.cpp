@@ -25,7 +25,7 @@ glm::dmat4 moved(double x, double y, double z) { return glm::translate(glm::dmat
 
 }  // namespace
 
-TEST_CASE("clip rows project a point to the pixel that the pinhole names") {
+TEST_CASE("clip rows project a point to the pixel of the pinhole camera") {
   View view = strip(640, 480, 500);
   view.pinhole = {510, 490, 300.5, 250.25};
   view.view_from_world = glm::rotate(moved(1, 2, 3), 0.4, glm::normalize(glm::dvec3(1, 2, 3)));
@@ -57,7 +57,7 @@ TEST_CASE("a strip is projected into a viewport with guard rows, and a point to 
   CHECK(guard_rows(strip(640, 480, 500)) == 0);
 }
 
-TEST_CASE("no box with a visible point is culled, under any rotation, scale and shear, far from the origin too") {
+TEST_CASE("no box with a visible point is culled, under any rotation, scale and shear, also far from the origin") {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> unit(-1, 1);
   int culled = 0, kept_in_view = 0;
@@ -91,12 +91,12 @@ TEST_CASE("a floor below a strip is culled although the sphere around it reaches
   const ViewProjection projection = make_projection(strip(4096, 1, 2048));
   const WorldBox floor = make_box(glm::dmat4(1), {0, 0.1, 0}, {50, 0, 50});
   CHECK(floor.radius > 50);
-  // The strip is half a pixel high on either side: at 50 m it reaches 12 mm down, the floor lies 100 mm below.
+  // The strip is half a pixel high on either side. At 50 m it reaches 12 mm down, and the floor is 100 mm below.
   CHECK(outside(projection, floor));
   CHECK(!outside(projection, make_box(glm::dmat4(1), {0, 0.01, 0}, {50, 0, 50})));
 }
 
-TEST_CASE("what lies before the near plane or behind the eye is culled") {
+TEST_CASE("objects in front of the near plane or behind the eye are culled") {
   View view = strip(64, 64, 32);
   view.near_m = 0.5;
   const ViewProjection projection = make_projection(view);

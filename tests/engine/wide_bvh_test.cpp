@@ -1,4 +1,4 @@
-// Trees whose nodes have up to eight children: what they hold, by whose boxes, and what moving a thing leaves of that.
+// Trees with up to eight children per node: their content, their boxes, and the effect of moves.
 #include "engine/geometry/wide_bvh.h"
 
 #include <doctest/doctest.h>
@@ -28,7 +28,7 @@ std::vector<std::uint32_t> itself(std::uint32_t leaf) { return {leaf}; }
 
 }  // namespace
 
-TEST_CASE("leaves of up to four things hold each thing once, in the smallest boxes") {
+TEST_CASE("leaves of up to four primitives hold each primitive once, in the smallest boxes") {
   std::mt19937 random(3);
   for (const std::size_t count : {1, 2, 4, 5, 33, 1000}) {
     CAPTURE(count);
@@ -36,12 +36,12 @@ TEST_CASE("leaves of up to four things hold each thing once, in the smallest box
     std::vector<WideBvh::Leaf> leaves;
     const WideBvh tree(boxes, leaves);
     check_tree(tree, boxes, leaves);
-    // A leaf costs as much as one thing, so there is no reason for many that hold less than half.
+    // A leaf costs as much as one primitive, so few leaves should be less than half full.
     CHECK(leaves.size() <= count / 2 + 1);
   }
 }
 
-TEST_CASE("a tree whose things can be moved holds them in the smallest boxes wherever they go") {
+TEST_CASE("a tree with movable primitives keeps the smallest boxes after moves") {
   std::mt19937 random(4);
   for (const std::size_t count : {1, 7, 500}) {
     CAPTURE(count);
@@ -60,7 +60,7 @@ TEST_CASE("a tree whose things can be moved holds them in the smallest boxes whe
   }
 }
 
-TEST_CASE("a tree over nothing is empty") {
+TEST_CASE("a tree without primitives is empty") {
   std::vector<WideBvh::Leaf> leaves(3);
   CHECK(WideBvh(std::vector<Box>{}, leaves).nodes().empty());
   CHECK(leaves.empty());

@@ -1,6 +1,6 @@
-// What each hard case measured when it was last looked at: the largest relative error by method, and how many beams hit
-// for a miss or miss for a hit. hard_case.cpp holds every run against these. Where a change of a figure was wanted, the
-// table that the program prints says what to write here.
+// Committed errors of each hard case: the largest relative error by method, and the number of beams that hit instead of
+// missing or miss instead of hitting. hard_case.cpp compares every run with them. After an intended change, copy the
+// figures from the table that the program prints.
 #pragma once
 
 #include <cstddef>

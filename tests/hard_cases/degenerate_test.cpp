@@ -1,4 +1,4 @@
-// Geometry that is none: triangles without area, slivers, the same face twice, things without thickness.
+// Degenerate geometry: triangles without area, slivers, the same face twice, objects without thickness.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -25,7 +25,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 glm::dmat4 at(double x, double y, double z) { return glm::translate(glm::dmat4(1.0), {x, y, z}); }
 
-/// A rectangle across x at x = 0, y and z within +-`half_m`.
+/// A rectangle perpendicular to x at x = 0, y and z within +-`half_m`.
 Mesh plate(const glm::vec2& half_m) {
   Mesh mesh;
   mesh.positions = {
@@ -34,18 +34,18 @@ Mesh plate(const glm::vec2& half_m) {
   return mesh;
 }
 
-/// Range to a rectangle across x at `x_m`, y and z within +-`half_m`.
+/// Range to a rectangle perpendicular to x at `x_m`, y and z within +-`half_m`.
 double range_to_plate(const glm::dvec3& d, double x_m, const glm::dvec2& half_m) {
   const double range = d.x > 0 ? x_m / d.x : kInfinity;
   return std::abs(range * d.y) <= half_m.x && std::abs(range * d.z) <= half_m.y ? range : kInfinity;
 }
 
-/// A wide one behind all others, so that beams that go through something meet it.
+/// A wide rectangle behind all others, which stops the beams that pass the others.
 constexpr double kBack_m = 6;
 void add_back(DrawList& world) { add_item(world, plate({100, 100}), at(kBack_m, 0, 0)); }
 double range_to_back(const glm::dvec3& d) { return range_to_plate(d, kBack_m, {100, 100}); }
 
-/// Rings across what stands ahead. An odd number of beams and rings: one goes along x.
+/// Rings over the surfaces ahead. The number of beams and rings is odd, so one beam runs along x.
 ScanPattern ahead(std::uint32_t samples = 181, std::uint32_t rings = 41) {
   return {.samples = samples,
           .rings = rings,
@@ -68,7 +68,7 @@ const glm::vec2 kHalf_m(0.9f, 0.55f);
 
 }  // namespace
 
-TEST_CASE("triangles without area are not there") {
+TEST_CASE("triangles without area are ignored") {
   HardCase hard = case_of("triangles without area, before a wall and within it", kPlate_m, kHalf_m);
   Mesh mesh = plate(kHalf_m);
   mesh.indices.insert(mesh.indices.end(), {0, 0, 0, 1, 1, 2, 0, 2, 0});  // a point, lines
@@ -104,7 +104,7 @@ TEST_CASE("slivers of aspect 10^6") {
     hard.scanner.pattern = ahead();
     measure(hard);
   }
-  // A fan of them, all with one corner in common.
+  // A fan of slivers with one common corner.
   {
     constexpr int kSlivers = 400;
     constexpr double kReach_m = 10, kWidth_m = 1e-5;
@@ -124,7 +124,7 @@ TEST_CASE("slivers of aspect 10^6") {
   }
 }
 
-TEST_CASE("of faces at one place it does not matter which is met") {
+TEST_CASE("it does not matter which of several coincident faces is hit") {
   HardCase hard = case_of("a face", kPlate_m, kHalf_m);
   add_item(hard.world, plate(kHalf_m), at(kPlate_m, 0, 0));
   const HardResults once = measure(hard);
@@ -139,7 +139,7 @@ TEST_CASE("of faces at one place it does not matter which is met") {
     CHECK((once.*method).scan.range_m == (often.*method).scan.range_m);
     CHECK((once.*method).scan.error_bound_m == (often.*method).scan.error_bound_m);
   }
-  // Other triangles in the same plane round otherwise, and so may the range in its last bit.
+  // Other triangles in the same plane have other rounding, so the last bit of the range may differ.
   hard.name = "the same face, once cut along the other diagonal";
   Mesh other = plate(kHalf_m);
   other.indices = {1, 2, 3, 3, 0, 1};
@@ -147,7 +147,7 @@ TEST_CASE("of faces at one place it does not matter which is met") {
   measure(hard);
 }
 
-TEST_CASE("vertices twice and vertices for nothing") {
+TEST_CASE("duplicate vertices and unused vertices") {
   HardCase hard = case_of("each triangle with vertices of its own, others that none uses", kPlate_m, kHalf_m);
   const Mesh shared = plate(kHalf_m);
   Mesh mesh;
@@ -161,9 +161,10 @@ TEST_CASE("vertices twice and vertices for nothing") {
   measure(hard);
 }
 
-TEST_CASE("scales of 10^-6 and 10^6, mirrored, flattened, to a point") {
-  // A box about (kPlate_m, 0, kUp_m): the range to it is that to where the beam is within all three pairs of planes.
-  constexpr double kUp_m = 0.12;  // so that a ring meets the flat box at 2.25 degrees
+TEST_CASE("scales of 10^-6 and 10^6, mirrored, flattened and collapsed to a point") {
+  // A box about (kPlate_m, 0, kUp_m). The range to it is that of the point where the beam is within all three pairs of
+  // planes.
+  constexpr double kUp_m = 0.12;  // so that a ring hits the flat box at 2.25 degrees
   const auto measure_scaled = [](const std::string& name, const glm::dvec3& mesh_half_m, const glm::dvec3& scale,
                                  double hybrid_error_rel = kHybridError) {
     HardCase hard = case_of(name, kPlate_m, kHalf_m);
@@ -187,7 +188,7 @@ TEST_CASE("scales of 10^-6 and 10^6, mirrored, flattened, to a point") {
   measure_scaled("a box of 10^6 m, scaled by 10^-6", {0.3e6, 0.9e6, 0.55e6}, glm::dvec3(1e-6));
   measure_scaled("a box of 1 um, scaled by 10^6", {0.3e-6, 0.9e-6, 0.55e-6}, glm::dvec3(1e6));
   measure_scaled("a box scaled by (10^6, 1, 10^-6)", {0.3e-6, 0.9, 0.55e6}, {1e6, 1, 1e-6},
-                 1e-3);  // bounds count both scales at their worst
+                 1e-3);  // bounds include the worst case of both scales
   measure_scaled("a box mirrored in one axis", {0.3, 0.9, 0.55}, {1, -1, 1});
   measure_scaled("a box mirrored in three axes", {0.3, 0.9, 0.55}, {-1, -1, -1});
   measure_scaled("a box flattened to a plane across the beams", {0.3, 0.9, 0.55}, {0, 1, 1});
@@ -196,14 +197,14 @@ TEST_CASE("scales of 10^-6 and 10^6, mirrored, flattened, to a point") {
   measure_scaled("a box scaled to a point", {0.3, 0.9, 0.55}, {0, 0, 0});
 }
 
-TEST_CASE("what is seen from its edge has no thickness to be met") {
+TEST_CASE("a surface seen from its edge has no thickness and is not hit") {
   HardCase hard = case_of("a plane through the sensor, seen from its edge", kPlate_m, kHalf_m);
   add_item(hard.world, box_mesh({0.3, 0.9, 0.55}), glm::scale(at(kPlate_m, 0, 0), {1, 1, 0}));
   hard.truth = range_to_back;
   measure(hard);
 }
 
-TEST_CASE("nothing, a single beam, no field of view") {
+TEST_CASE("an empty scene, a single beam, no field of view") {
   HardCase hard{.name = "an empty scene"};
   hard.scanner.pattern = ahead();
   hard.truth = [](const glm::dvec3&) { return kInfinity; };
@@ -253,7 +254,7 @@ TEST_CASE("nothing, a single beam, no field of view") {
   measure(wall);
 }
 
-TEST_CASE("pictures of what is degenerate hold numbers") {
+TEST_CASE("pictures of degenerate geometry contain numbers") {
   DrawList world;
   Mesh folded = plate(kHalf_m);
   folded.indices.insert(folded.indices.end(), {0, 0, 0, 1, 1, 2, 0, 2, 0});
@@ -278,7 +279,7 @@ TEST_CASE("pictures of what is degenerate hold numbers") {
   world.material_revision.push_back(0);
   for (std::size_t i = 0; i < world.items.size(); i += 2) world.items[i].material = 1;
   world.lights.push_back({.light = {.kind = LightKind::directional}, .transform = 0});
-  world.lights.push_back({.light = {.kind = LightKind::point}, .transform = 1});  // upon a face
+  world.lights.push_back({.light = {.kind = LightKind::point}, .transform = 1});  // on a face
   world.lights.push_back({.light = {.kind = LightKind::spot}, .transform = 5});   // scaled to a point
 
   Device device;

@@ -1,4 +1,4 @@
-// Edges: silhouettes, borders that triangles share or do not, creases, and what is thinner than a pixel.
+// Edges: silhouettes, shared and unshared borders of triangles, creases, and objects thinner than a pixel.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -31,9 +31,8 @@ glm::dvec3 direction_of(double azimuth_rad, double elevation_rad) {
           std::sin(elevation_rad)};
 }
 
-/// Whether a reading is one that a surface gives within a pixel of the beam: the plane's range somewhere in the square
-/// of a pixel to each side, or within the bound of what it gives along the beam. Anything between two surfaces is
-/// neither.
+/// Whether a surface has the reading within a pixel of the beam: a range of its plane in the square of one pixel to
+/// each side, or within the bound of the range along the beam. A range between two surfaces satisfies neither.
 bool is_of(const Patch& patch, const HardCase& hard, double azimuth_rad, double elevation_rad, double range_m,
            double bound_m, double pixel_rad) {
   const glm::dvec3 origin(hard.world_from_sensor[3]);
@@ -50,8 +49,8 @@ bool is_of(const Patch& patch, const HardCase& hard, double azimuth_rad, double 
     }
   }
   if (std::isfinite(bound_m)) return std::abs(range_m - range_at(0, 0)) <= bound_m;
-  // Within the square a range is below those at its corners by no more than 1 / cos bends over half of it; and raster
-  // ranges round by less than kRounding. All relative; the surfaces here are metres apart.
+  // Within the square a range is below those at its corners by at most the curvature of 1 / cos over half of it, and
+  // raster ranges are rounded by less than kRounding. All values are relative; the surfaces here are metres apart.
   constexpr double kRounding = 1e-5;
   const double slack = kRounding + 2 * pixel_rad * pixel_rad;
   return range_m >= low * (1 - slack) && range_m <= high * (1 + slack);
@@ -79,7 +78,7 @@ void check_none_between(const std::vector<Patch>& surfaces, const HardCase& hard
   }
 }
 
-/// Readings that are far from the truth, as only those of another surface are.
+/// Readings far from the truth: those of another surface.
 std::size_t on_wrong_surface(const HardCase& hard, const Scan& scan) {
   std::size_t wrong = 0;
   for (std::size_t index = 0; index < scan.range_m.size(); ++index) {
@@ -90,7 +89,7 @@ std::size_t on_wrong_surface(const HardCase& hard, const Scan& scan) {
   return wrong;
 }
 
-/// Beams over this many pixels to each side of a direction.
+/// Beams over this number of pixels to each side of a direction.
 ScanPattern beams_around(double azimuth_rad, double elevation_rad, double pixels, bool rings) {
   const double reach = pixels * (rings ? kRingsPixel_rad : kPlanarPixel_rad);
   ScanPattern pattern{
@@ -106,12 +105,12 @@ ScanPattern beams_around(double azimuth_rad, double elevation_rad, double pixels
 }  // namespace
 
 TEST_CASE("beams beside a silhouette never lie between the two surfaces") {
-  // The border of the slanted plate stands at y = 0.5, 4 m ahead, before a wall slanted the other way.
+  // The border of the slanted plate is at y = 0.5, 4 m ahead, in front of a wall with the opposite slant.
   const std::vector<Patch> surfaces{{{4, 0.5f, -4}, {1, -8, 0}, {0, 0, 8}}, {{12, -16, -16}, {-3, 32, 0}, {0, 0, 32}}};
   const double border_rad = std::atan2(0.5, 4);
   std::vector<HardCase> cases;
   for (const bool rings : {false, true}) {
-    // Rolled, the border crosses the rows of pixels at an angle.
+    // With a roll angle, the border crosses the rows of pixels at an angle.
     for (const double roll_deg : rings ? std::vector<double>{0, 25} : std::vector<double>{0}) {
       HardCase hard =
           patch_case("silhouette", surfaces, matrix_from_degrees({0, 0, 0}, roll_deg, 0, border_rad * 180 / kPi));
@@ -142,7 +141,7 @@ TEST_CASE("beams beside a silhouette never lie between the two surfaces") {
   CHECK(wrong[3] == 0);
 }
 
-TEST_CASE("beams beside the border of a plate before nothing") {
+TEST_CASE("beams beside the border of a plate in front of empty space") {
   const std::vector<Patch> plate{{{4, 0.5f, -4}, {1, -8, 0}, {0, 0, 8}}};
   std::vector<HardCase> cases;
   for (const double roll_deg : {0.0, 25.0}) {
@@ -158,8 +157,9 @@ TEST_CASE("beams beside the border of a plate before nothing") {
   }
 }
 
-TEST_CASE("a wall that curves, in range, across a limit along the ray") {
-  // Square to the scanner at 20 m; a third of the beams meet it within 0.1 mm, on either side of a limit.
+TEST_CASE("a wall with varying range across a limit along the ray") {
+  // The wall is perpendicular to the scanner at 20 m. A third of the beams hit it within 0.1 mm on either side of a
+  // limit.
   constexpr double kWall_m = 20, kLimit_m = kWall_m + 1e-4;
   std::vector<HardCase> cases;
   for (const bool is_min : {true, false}) {
@@ -177,8 +177,8 @@ TEST_CASE("a wall that curves, in range, across a limit along the ray") {
   measure_together("wall 0.1 mm before and beyond range_min and range_max", cases);
 }
 
-TEST_CASE("beams exactly on edges and vertices that triangles of one flat wall share") {
-  // Four patches around a vertex straight ahead; a level ring runs along their border from end to end.
+TEST_CASE("beams exactly on shared edges and vertices of a flat wall's triangles") {
+  // Four patches around a vertex straight ahead. A horizontal ring runs along their border from end to end.
   const glm::vec3 middle{4, 0, 0}, left{1, 8, 0}, up{0.5f, 0, 6};
   const std::vector<Patch> wall{{middle, left, up}, {middle, -left, up}, {middle, left, -up}, {middle, -left, -up}};
   std::vector<HardCase> cases;
@@ -233,8 +233,8 @@ TEST_CASE("beams along and across creases, and at a corner of three planes") {
   for (std::size_t i = 0; i < all.size(); ++i) {
     CAPTURE(i);
     if (!square_to_pixels[i]) continue;
-    // The wall's edges are 181 m long: rounding may displace what is drawn by this much, and so leaves open on which
-    // side of a pixel's centre a beam lies. Where the pixel beside that is the crease's, no plane is left.
+    // The wall's edges are 181 m long. Rounding may displace the drawn image by this much, so the side of a pixel's
+    // centre on which a beam lies is open. If the pixel next to it belongs to the crease, no plane remains.
     constexpr double kDisplaced_px = 0.12;
     const Scan& scan = all[i].planar.scan;
     for (std::size_t beam = 0; beam < scan.range_m.size(); ++beam) {
@@ -249,8 +249,8 @@ TEST_CASE("beams along and across creases, and at a corner of three planes") {
 
 namespace {
 
-/// One long patch above, two short ones below: the lower ones' common corner lies on the border of the upper one, which
-/// has a vertex there or, at a T-junction, has none. Far behind is a wall, which a gap would show.
+/// One long patch above and two short ones below. The common corner of the lower ones lies on the border of the upper
+/// one, which has a vertex there or, at a T-junction, has none. A wall far behind would show through a gap.
 struct Junction {
   glm::vec3 left_end{3, -8, 0}, corner{4.125f, 1, 0}, up{0.5f, 0, 6};
   glm::vec3 first{1.125f, 9, 0}, second{0.875f, 7, 0};
@@ -278,8 +278,9 @@ TEST_CASE("a T-junction: one long edge against two short ones") {
     HardCase level = welded_case("level ring along the border", patches);
     level.scanner.pattern = {.samples = kBeams, .min_azimuth_rad = -0.9, .max_azimuth_rad = 0.9};
     cases.push_back(level);
-    // The rasteriser rounds corners to parts of a pixel, each where it lies: at a T-junction it leaves gaps, at some
-    // slants a pixel's centre lies in one. No beam of these (their number is even) is exactly on the border.
+    // The rasteriser snaps each corner to parts of a pixel at its own place. At a T-junction this leaves gaps, and at
+    // some slants the centre of a pixel lies in one. The number of these beams is even, so none is exactly on the
+    // border.
     for (const double roll_deg : {29.9, 40.4, 45.3}) {
       HardCase rolled = welded_case("lidar", patches, matrix_from_degrees({0, 0, 0}, roll_deg, 0, 10));
       rolled.scanner.pattern = {.samples = kBeams - 1,
@@ -291,18 +292,17 @@ TEST_CASE("a T-junction: one long edge against two short ones") {
       cases.push_back(rolled);
     }
     const auto all = measure_together(names[shares_vertex], cases);
-    // Nothing is lost where vertices are shared.
+    // No beam is lost where vertices are shared.
     if (shares_vertex) {
       for (const HardResults& results : all) CHECK(results.planar.uncertain == 0);
     }
   }
 }
 
-TEST_CASE("beams exactly on the border at a T-junction, from turned sensors") {
-  // What is promised: where vertices are shared, nothing passes. Without, which side of two nearly equal edges a beam
-  // is on is decided for each edge by itself, so that a beam within rounding of both may pass between them; one that is
-  // farther beside, by kBeside_rad, may not: corners are rounded to 1e-15 of their distance, so edges lie no farther
-  // apart.
+TEST_CASE("beams exactly on the border at a T-junction, from rotated sensors") {
+  // Guarantee: where vertices are shared, no beam passes. Otherwise each of two nearly equal edges decides separately
+  // on which side a beam lies, so a beam within rounding of both may pass between them. A beam that is farther away, by
+  // kBeside_rad, may not: corners are rounded to 1e-15 of their distance, so the edges are no farther apart.
   constexpr double kBeside_rad = 1e-14;
   constexpr std::size_t kPerPose = 1000;
   std::mt19937 random(5);
@@ -328,7 +328,7 @@ TEST_CASE("beams exactly on the border at a T-junction, from turned sensors") {
       DrawList world;
       add_item(world, welded(Junction{}.patches(shares_vertex)), glm::dmat4(1.0));
       const auto passes = [&](const std::vector<glm::dvec3>& directions) {
-        // The border is at most 11 m away from the sensor, the wall behind at least 11.5 m ahead in x.
+        // The border is at most 11 m away from the sensor, and the wall behind it is at least 11.5 m ahead in x.
         return static_cast<std::size_t>(std::ranges::count_if(engine.cast(world, world_from_sensor, directions),
                                                               [](const RayHit& hit) { return hit.range_m > 11; }));
       };
@@ -344,9 +344,9 @@ TEST_CASE("beams exactly on the border at a T-junction, from turned sensors") {
   add_line(std::to_string(beams) + " beams exactly on the border at a T-junction", outcome.str());
 }
 
-TEST_CASE("a T-junction whose corner is not quite on the border leaves a slit, which is there") {
+TEST_CASE("a T-junction whose corner is not exactly on the border leaves a slit that beams pass") {
   const Junction junction;
-  constexpr float kSlit_m = 0x1p-20f;  // two units in the last place of 4 m: what rounding to float32 leaves
+  constexpr float kSlit_m = 0x1p-20f;  // two units in the last place of 4 m: the rounding to float32
   const glm::vec3 down{0, 0, kSlit_m};
   HardCase hard = welded_case("slit of 1 micrometre at a T-junction, 4 m away",
                               {{junction.left_end, junction.first - down, -junction.up},
@@ -364,20 +364,20 @@ namespace {
 
 constexpr float kPole_m = 8, kWall_m = 12;
 
-/// A flat pole, upright 8 m ahead with its right border at `right_m`, before a slanted wall.
+/// A flat vertical pole 8 m ahead, with its right border at `right_m`, in front of a slanted wall.
 std::vector<Patch> pole_and_wall(double right_m, double width_m) {
   const auto right = static_cast<float>(right_m), width = static_cast<float>(width_m);
   return {{{kPole_m, right, -2}, {0, width, 0}, {0, 0, 4}}, {{kWall_m, -8, -4}, {2, 16, 0}, {0, 0, 8}}};
 }
 
-/// The width at the pole's distance of a pixel in the middle of a face, where pixels are widest.
+/// The width, at the pole's distance, of a pixel in the middle of a face, where pixels are widest.
 double pixel_m(double resolution_px) { return kPole_m * 2 / resolution_px; }
 
 HardCase pole_case(const std::string& name, double right_m, double width_m, double resolution_px) {
   constexpr double kReach_px = 6;
   HardCase hard = patch_case(name, pole_and_wall(right_m, width_m));
   hard.scanner.resolution_px = resolution_px;
-  // An uneven number, and beams that divide no pixel into equal parts: none lies on a border of a pole.
+  // An odd number of beams that do not divide a pixel into equal parts: none lies on a border of a pole.
   hard.scanner.pattern = {.samples = 143,
                           .min_azimuth_rad = -kReach_px * 2 / resolution_px,
                           .max_azimuth_rad = kReach_px * 2 / resolution_px};
@@ -400,13 +400,14 @@ TEST_CASE("a pole thinner than a pixel and one of four pixels") {
   measure_raster(wide, 512);
 }
 
-TEST_CASE("from which width on planar sees a pole, and is certain of it") {
-  // A pixel's centre lies on whatever is a pixel wide, wherever it stands: some beam sees it. Three of them lie on what
-  // is three pixels wide; then some beam has neighbours enough to be certain. The bound speaks of nothing thinner.
+TEST_CASE("the widths from which planar sees a pole and is certain of it") {
+  // An object one pixel wide covers the centre of a pixel at every position, so some beam sees it. An object three
+  // pixels wide covers three centres, so some beam has enough neighbours to be certain. The bound does not cover
+  // thinner objects.
   const int kPlaces = sanitized() ? 4 : 16;
   for (const double resolution_px : {256.0, 512.0, 1024.0, 4096.0}) {
     const double pixel = pixel_m(resolution_px);
-    double min_seen_px = kInfinity, min_certain_px = kInfinity;  // by some beam, wherever the pole stands
+    double min_seen_px = kInfinity, min_certain_px = kInfinity;  // by some beam, for every position of the pole
     for (const double width_px : {4.0, 3.0, 2.75, 2.0, 1.0, 0.75, 0.25, 0.0625}) {
       int seen = 0, certain = 0;
       for (int place = 0; place < kPlaces; ++place) {

@@ -1,4 +1,4 @@
-// Far from the world's origin, far from and near to the sensor, and both at once.
+// Far from the world's origin, far from the sensor and close to it, and combinations.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -28,7 +28,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 glm::dmat4 at(const glm::dvec3& place) { return glm::translate(glm::dmat4(1.0), place); }
 
-/// Range to an axis-aligned box from outside, or from within to its inside; infinite if it is missed.
+/// Range to an axis-aligned box from outside, or from inside to its inner side; infinite if the beam misses it.
 double range_to_box(const glm::dvec3& d, const glm::dvec3& low, const glm::dvec3& high) {
   double first = -kInfinity, last = kInfinity;
   for (int axis = 0; axis < 3; ++axis) {
@@ -58,8 +58,8 @@ std::vector<const HardResult*> all_of(const HardResults& r) { return {&r.nearest
 
 }  // namespace
 
-// Scene and scanner moved together. Sums of whole sixteenths are exact in double up to 2^48 m, so that the scene is the
-// same to the bit wherever it stands, and so is the truth.
+// Scene and scanner are moved together. Sums of whole sixteenths are exact in double up to 2^48 m, so the scene and the
+// truth are the same to the bit at every place.
 TEST_CASE("offsets of 10^3 to 10^7 m") {
   const glm::dvec3 kRoomHalf_m(5, 4, 1.5), kCaseHalf_m(0.25, 0.5, 0.75), kCase_m(2.0625, 0.4375, -0.25),
       kSensor_m(0.3125, -0.6875, 0.125);
@@ -84,7 +84,7 @@ TEST_CASE("offsets of 10^3 to 10^7 m") {
   }
 }
 
-// Through a whole simulation, with a pose element and offsets that no double holds exactly.
+// A whole simulation with a pose element and offsets that no double represents exactly.
 TEST_CASE("a simulation 10^7 m from the origin") {
   TemporaryFolder folder;
   write_part(folder / "room.gltf", box_mesh({5, 4, 1.5}));
@@ -100,8 +100,8 @@ TEST_CASE("a simulation 10^7 m from the origin") {
     }
     Simulation simulation = Simulation::from_string(xml, {}, folder.path());
     simulation.step();
-    // The sensor's place is the sum of its offset and the room's, rounded once to double in each component: half a unit
-    // in the last place of a sum of up to 2^24 m. The range changes with it by its distance over the cosine of the
+    // The sensor's position is the sum of its offset and the room's, rounded once to double in each component: half a
+    // unit in the last place of a sum of up to 2^24 m. The range changes by this distance over the cosine of the
     // incidence, which is at least 0.5 in a corner of 10 x 8 m.
     const double place_m = 0.5 * std::sqrt(2.0) * (std::nextafter(offset_m, kInfinity) - offset_m) / 0.5;
     for (const std::string& method : methods) {
@@ -124,7 +124,7 @@ TEST_CASE("a simulation 10^7 m from the origin") {
 
 TEST_CASE("0.01 m and 10 km in one scan") {
   HardCase hard{.name = "walls 0.01 m and 10 km away"};
-  // A corner of a box beside the sensor, a range of mountains around.
+  // The corner of a box beside the sensor, surrounded by mountains.
   const glm::dvec3 near_half_m(0.02, 0.02, 0.02), near_place(0.03, 0.03, 0), far_half_m(1e4, 1e4, 1e4);
   add_item(hard.world, box_mesh(near_half_m), at(near_place));
   add_item(hard.world, box_mesh(far_half_m), glm::dmat4(1.0));
@@ -136,7 +136,7 @@ TEST_CASE("0.01 m and 10 km in one scan") {
                           .max_elevation_rad = kPi / 4};
   hard.scanner.range_min_m = 0.005;
   hard.scanner.range_max_m = 2e4;
-  // float32 rounds the mesh and its place is exact: what is asked of the truth is the mesh as it is.
+  // float32 rounds the mesh, and its position is exact. The truth is computed for the rounded mesh.
   hard.truth = [=](const glm::dvec3& d) {
     return std::min(range_to_box_at(d, near_place, glm::dvec3(glm::vec3(near_half_m))),
                     range_to_box_at(d, {0, 0, 0}, far_half_m));
@@ -147,7 +147,7 @@ TEST_CASE("0.01 m and 10 km in one scan") {
   measure(hard);
 }
 
-TEST_CASE("nearer than range_min, at and around the sensor") {
+TEST_CASE("closer than range_min, at the sensor and around it") {
   const glm::dvec3 room_half_m(5, 4, 3);
   const auto with_room = [&](const std::string& name) {
     HardCase hard{.name = name};
@@ -178,13 +178,13 @@ TEST_CASE("nearer than range_min, at and around the sensor") {
   }
   measure_box("within a box of 0.2 m", {0.02, -0.03, 0.01}, {0.1, 0.1, 0.1});
   measure_box("a wall 0.2 mm from the sensor", {1.0002, 0, 0}, {1, 1, 1});
-  // A side that the sensor lies on is met at range 0 or from its edge: not at all. The others are met from within. No
-  // beam runs along a side of that at the corner: it would be anybody's what it meets.
+  // A side that contains the sensor is met at range 0 or edge-on, so it is not hit. The others are hit from inside. No
+  // beam runs along a side of the box at the corner, where the result would be undefined.
   measure_box("on the side of a box of 1 m", {0.5, 0, 0}, {0.5, 0.5, 0.5});
   measure_box("on the corner of a box of 1 m", {0.5, 0.5, 0.5}, {0.5, 0.5, 0.5}, 0.01);
 }
 
-TEST_CASE("what is far does not touch the depth of what is near") {
+TEST_CASE("distant objects do not affect the depth of close ones") {
   DrawList near;
   add_item(near, box_mesh({0.3, 0.9, 0.55}), matrix_from_degrees({3, 0.2, 0.1}, 10, 20, 30));
   add_item(near, sphere_mesh(0.5, 32), at({2, -1.5, 0.3}));
@@ -221,7 +221,8 @@ TEST_CASE("what is far does not touch the depth of what is near") {
       const Scan beside = scan_of(far, method, range_max_m);
       for (std::size_t beam = 0; beam < alone.range_m.size(); ++beam) {
         if (!(alone.range_m[beam] < 80)) continue;
-        // What is far moves its own edges: beside them a rendered beam may become uncertain, and hybrid casts it then.
+        // Distant objects have edges of their own. Beside them a rendered beam may become uncertain, and hybrid then
+        // casts it.
         const double bound_m = alone.error_bound_m[beam] + beside.error_bound_m[beam];
         const bool rendered = method == ScanMethod::planar || method == ScanMethod::hybrid;
         if (rendered && std::isinf(bound_m)) continue;

@@ -1,4 +1,4 @@
-// Surfaces that beams meet at the flattest angles.
+// Surfaces that beams hit at grazing angles.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -20,7 +20,7 @@ using namespace simvis;
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kCoarse_px = 512;  // what other simulators commonly take
+constexpr double kCoarse_px = 512;  // a common resolution in other simulators
 
 const std::uint32_t kBeams = sanitized() ? 101 : 1001;
 
@@ -71,7 +71,7 @@ TEST_CASE("the floor from straight below out to 100 m, by one ring") {
   }
 }
 
-TEST_CASE("a wall beside the scanner, parallel to its first beam") {
+TEST_CASE("a wall beside the scanner and parallel to its first beam") {
   constexpr double kDistance_m = 1, kFarthest_m = 30;
   const Patch wall{{-8, 1, -2}, {64, 0, 0}, {0, 0, 4}};
   SUBCASE("one ring") {
@@ -94,7 +94,7 @@ TEST_CASE("a wall beside the scanner, parallel to its first beam") {
   }
 }
 
-TEST_CASE("a corridor 2 m wide and 60 m long, the scanner turned in it") {
+TEST_CASE("a corridor 2 m wide and 60 m long with a rotated scanner") {
   // Corners at +-1 m, -4 m and 56 m, floor at -0.5 m, ceiling at 2 m.
   const std::vector<Patch> corridor{
       {{-4, 1, -0.5f}, {60, 0, 0}, {0, 0, 2.5f}}, {{-4, -1, -0.5f}, {60, 0, 0}, {0, 0, 2.5f}},
@@ -106,8 +106,8 @@ TEST_CASE("a corridor 2 m wide and 60 m long, the scanner turned in it") {
 }
 
 TEST_CASE("incidences of 89.9, 89.99 and 89.999 degrees") {
-  // A wall along x, so close beside the scanner that the hits lie some ten metres away. Its vanishing line lies as far
-  // from the beams as their angle to the wall: 3.6, 0.36 and 0.036 pixels of 4096 across 90 degrees.
+  // A wall along x, so close beside the scanner that the hits are about ten metres away. The distance of its vanishing
+  // line from the beams is their angle to the wall: 3.6, 0.36 and 0.036 pixels of 4096 across 90 degrees.
   struct Grazing {
     double angle_deg;  // between beam and wall
     float beside_m;
@@ -117,7 +117,7 @@ TEST_CASE("incidences of 89.9, 89.99 and 89.999 degrees") {
                                 {0.01, 0x1p-9f, "incidence around 89.99 degrees, 11 m away"},
                                 {0.001, 0x1p-12f, "incidence around 89.999 degrees, 14 m away"}};
   for (const Grazing& grazing : kCases) {
-    // The scanner is turned, so that the wall does not run along its axes.
+    // The scanner is rotated, so that the wall does not run along its axes.
     constexpr double kTurn_deg = 27;
     HardCase hard = patch_case(grazing.name, {{{-4, grazing.beside_m, -4}, {68, 0, 0}, {0, 0, 8}}},
                                pose({0, 0, 0}, 0, 0, -kTurn_deg));
@@ -133,11 +133,11 @@ namespace {
 
 constexpr double kGround_m = 1.5;  // height of the tilted scanners over the ground
 
-/// The largest height of a scan's points above or below the ground that they lie on, in metres. Each is checked: a
-/// point is off by no more than its range, whose error is at most its bound and this share of the range, times its
-/// beam's slope. So nothing lies deeper below the ground than that either.
+/// The largest height of a scan's points above or below the ground on which they lie, in metres. Each point is checked:
+/// its error is at most that of its range, which is at most its bound and this share of the range, times the slope of
+/// its beam. So no point lies deeper below the ground either.
 double farthest_from_ground(const glm::dmat4& world_from_sensor, const Scan& scan, double share_of_range) {
-  constexpr double kRounding_m = 1e-12;  // of this function's own numbers, some hundred metres in double
+  constexpr double kRounding_m = 1e-12;  // of this function's own numbers, several hundred metres in double
   double farthest_m = 0;
   for (std::size_t index = 0; index < scan.range_m.size(); ++index) {
     const double range = scan.range_m[index];
@@ -160,7 +160,8 @@ std::string metres(double value) {
 
 }  // namespace
 
-TEST_CASE("tilted and rolled scanners over flat ground: a straight line stays straight, nothing goes below") {
+TEST_CASE(
+    "tilted and rolled scanners over flat ground: a straight line stays straight, and no point is below the ground") {
   const glm::dmat4 world_from_sensor = pose({100, -50, kGround_m}, 4, 3, 30);
   HardCase ring = patch_case("tilted and rolled ring over flat ground", {ground(512)}, world_from_sensor);
   ring.scanner.pattern = {.samples = kBeams, .min_azimuth_rad = -kPi / 2, .max_azimuth_rad = kPi / 2};
@@ -174,8 +175,8 @@ TEST_CASE("tilted and rolled scanners over flat ground: a straight line stays st
                            .max_elevation_rad = 0.26};
   for (HardCase& hard : {std::ref(ring), std::ref(lidar)}) {
     const HardResults results = measure(hard);
-    // All points of a ring lie in its scan plane, whatever their ranges; so how far they are from the straight line
-    // that it cuts out of the ground is their height over the sine of the angle between the two.
+    // All points of a ring lie in its scan plane for any range. So their distance from the straight line in which this
+    // plane cuts the ground is their height over the sine of the angle between the two planes.
     const glm::dvec3 up = glm::dmat3(world_from_sensor)[2];
     const double scale = hard.scanner.pattern.rings == 1 ? std::hypot(up.x, up.y) : 1;
     const auto cell = [&](const Scan& scan, double share) {

@@ -65,15 +65,15 @@ HardResult together(const std::vector<HardResults>& all, HardResult HardResults:
   return sum;
 }
 
-/// The driver's rounding differs from machine to machine; nothing else does.
+/// Only the rounding of the driver differs between machines.
 constexpr double kOfCommitted = 2;
-/// Where next to nothing is committed: what rounding a range to float32 takes, relative.
+/// Where the committed error is almost zero: the relative rounding of a range to float32.
 constexpr double kHalfUlp = 0x1p-24;
 
 void check_committed(const std::string& name, const std::string& method, const HardResult& result,
                      const CommittedError& committed) {
-  // The committed errors are those of all beams. With the sanitizers a case has a tenth of them, which lie elsewhere in
-  // the scanner's depth images, and only its bounds are checked.
+  // The committed errors are those of all beams. With sanitizers a case has a tenth of them, at other places in the
+  // scanner's depth images, so only its bounds are checked.
   if (sanitized()) return;
   CAPTURE(name);
   CAPTURE(method);
@@ -81,7 +81,7 @@ void check_committed(const std::string& name, const std::string& method, const H
   CHECK(static_cast<double>(result.wrong_kind) <= kOfCommitted * static_cast<double>(committed.wrong_kind));
 }
 
-/// The row of the table of what is committed. A new case needs a new row.
+/// The row of the committed table. A new case needs a new row.
 const CommittedErrors& committed(const std::string& name) {
   static constexpr CommittedErrors kNothing{};
   const auto found = std::ranges::find(kCommittedErrors, name, &CommittedErrors::name);
@@ -90,7 +90,7 @@ const CommittedErrors& committed(const std::string& name) {
   return kNothing;
 }
 
-/// What all cases of a program share.
+/// State that all cases of a program share.
 struct Machine {
   Device device;
   Renderer renderer{device};

@@ -1,8 +1,8 @@
-// Hard cases: scenes computed from geometry, measured by every method, held against a closed form.
+// Hard cases: scenes computed from geometry, measured by every method and compared with a closed form.
 //
-// Each case is one line of a table that the program prints when it ends: by method, the largest relative error, and how
-// many beams hit where they should miss or miss where they should hit. `nearest` is what other simulators do: it is
-// measured for that column, and nothing is asked of it but that its bound holds.
+// Each case is one line of a table that the program prints at its end: by method, the largest relative error, and the
+// number of beams that hit where they should miss or miss where they should hit. `nearest` is the method of other
+// simulators: it is measured for that column, and the only requirement is that its bound holds.
 #pragma once
 
 #include <array>
@@ -17,14 +17,14 @@
 
 namespace simvis {
 
-/// What a beam of this direction (unit, sensor frame) meets: range along the ray in metres, +infinity for nothing.
+/// The hit of a beam in this direction (unit, sensor frame): range along the ray in metres, +infinity for none.
 using ClosedForm = std::function<double(const glm::dvec3& direction)>;
 
-/// `hybrid` is measured with this max_error_rel, if a case has no other: with its default it would render nothing and
-/// be `raycast`.
+/// `hybrid` is measured with this max_error_rel unless a case has another one. With its default it would render nothing
+/// and equal `raycast`.
 inline constexpr double kHybridError = 1e-4;
 
-/// A scanner's attributes in XML: the method, and for `hybrid` kHybridError, so that it renders, and casts.
+/// XML attributes of a scanner: the method, and for `hybrid` kHybridError, with which it both renders and casts.
 std::string method_attributes(std::string_view method);
 
 struct HardCase {
@@ -33,15 +33,15 @@ struct HardCase {
   LaserScannerDesc scanner{};  ///< the method is filled in
   glm::dmat4 world_from_sensor{1.0};
   ClosedForm truth{};
-  /// How far the closed form itself may be off, relative to the range: rounding of the scene to float32, say. 0: it is
-  /// exact to the rounding of double.
+  /// The error of the closed form itself, relative to the range, for example rounding of the scene to float32. 0: exact
+  /// to the rounding of double.
   double truth_error_rel = 0;
   double hybrid_error_rel = kHybridError;  ///< the max_error_rel that `hybrid` is measured with
-  /// Surfaces narrower than three pixels are in the scene: the bounds of `nearest` and `planar` do not speak of them.
+  /// The scene has surfaces narrower than three pixels, which the bounds of `nearest` and `planar` do not cover.
   bool narrow = false;
 };
 
-/// One method's part of a line of the table.
+/// The part of a table line for one method.
 struct HardResult {
   Scan scan;
   double worst_error_rel = 0;  ///< of beams where reading and truth are both ranges
@@ -55,7 +55,7 @@ struct HardResults {
   HardResult nearest, planar, hybrid, raycast;
 };
 
-/// What is asked of every range that was cast: the greatest relative error.
+/// The largest relative error allowed for a cast range.
 inline constexpr double kCastError = 1e-6;
 
 /// Measures the case by every method, adds its line to the table, and checks what every case has to keep:

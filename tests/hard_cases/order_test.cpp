@@ -1,4 +1,4 @@
-// What must not matter: the order in which things are declared, what else is in the scene, and what was done before.
+// Conditions that must not change results: the order of declarations, the rest of the scene, and earlier steps.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -23,13 +23,14 @@ using namespace simvis;
 
 namespace {
 
-// Sanitizers make a simulation some ten times slower to set up: fewer orders, and of the methods that which does all.
+// A simulation is set up about ten times slower under sanitizers: fewer orders, and only the method that does
+// everything.
 const std::size_t kFewer = sanitized() ? 6 : 1;
 const std::vector<std::string_view> kMethods =
     sanitized() ? std::vector<std::string_view>{"hybrid"}
                 : std::vector<std::string_view>{"nearest", "planar", "hybrid", "raycast"};
 
-// Each with a light of its own, which is so declared in as many orders; ball and case are transparent.
+// Each has its own light, so lights are declared in as many orders. Ball and case are transparent.
 const std::vector<std::string> kParts = {
     R"(<part file="room.gltf" name="ROOM" insert_at="ROOT" up="z" pose_offset="0 0 1.5 0 0 10"/>
        <element type="light" name="ROOM_LIGHT" insert_at="ROOT" kind="directional" intensity="1.3" elevation="70"/>)",
@@ -49,7 +50,7 @@ const std::vector<std::string> kSensors = {
                outputs="color depth"/>)"};
 constexpr const char* kNames[] = {"LEVEL", "TILTED", "RINGS", "CAMERA"};
 
-/// All that a sensor measured, bit for bit.
+/// All results of a sensor, bit for bit.
 std::vector<float> measured(const Simulation& simulation, const std::string& name) {
   if (name == "CAMERA") {
     std::vector<float> pixels = simulation.color(name).pixels;
@@ -86,7 +87,7 @@ std::string with_method(std::string sensor, std::string_view method) {
   return sensor.insert(kScanner.size(), ' ' + method_attributes(method));
 }
 
-/// The files of the parts, and simulations of them.
+/// The files of the parts, and simulations that use them.
 class Stage {
  public:
   Stage() {
@@ -106,7 +107,7 @@ class Stage {
   TemporaryFolder folder_;
 };
 
-/// The method of a scanner in the order of this number: over the orders, each has all.
+/// The method of a scanner in the order with this number. Over all orders, each scanner has each method.
 std::string_view method_in(std::size_t order, std::size_t sensor) {
   return kMethods[(order / kFewer + sensor) % std::size(kMethods)];
 }
@@ -118,9 +119,9 @@ std::vector<std::string> joined(std::vector<std::string> first, const std::vecto
 
 }  // namespace
 
-// Each of the 24 orders of the sensors, each of the 6 orders of the parts four times, and sensors before, after and
-// among the parts. From order to order each scanner takes another method, and is held against the first order in which
-// it had that one.
+// Each of the 24 orders of the sensors, each of the 6 orders of the parts four times, with sensors before, after and
+// between the parts. From order to order each scanner changes its method, and is compared with the first order in which
+// it had the same one.
 TEST_CASE("parts and sensors declared in any order give the same bytes") {
   const Stage stage;
   std::array<std::size_t, 4> sensors{0, 1, 2, 3};
@@ -152,7 +153,7 @@ TEST_CASE("parts and sensors declared in any order give the same bytes") {
            std::to_string(orders) + ", the same bytes");
 }
 
-TEST_CASE("other sensors in the scene change nothing in a sensor's bytes") {
+TEST_CASE("other sensors in the scene change no byte of a sensor") {
   const Stage stage;
   for (const std::string_view method : kMethods) {
     CAPTURE(method);
@@ -164,7 +165,7 @@ TEST_CASE("other sensors in the scene change nothing in a sensor's bytes") {
       Simulation alone = stage.make(joined(kParts, {kSensors[i]}), method);
       alone.step();
       CHECK(same_bytes(measured(alone, kNames[i]), all.at(kNames[i])));
-      // Turned off is as good as not there.
+      // A sensor that is off equals a missing one.
       for (const char* name : kNames) together.enable(name, name == kNames[i]);
       together.step();
       CHECK(same_bytes(measured(together, kNames[i]), all.at(kNames[i])));
@@ -173,7 +174,7 @@ TEST_CASE("other sensors in the scene change nothing in a sensor's bytes") {
   add_line("each of 4 sensors alone and beside the others", "the same bytes");
 }
 
-TEST_CASE("one frame alone is frame k of a run") {
+TEST_CASE("a single frame equals frame k of a run") {
   constexpr int kFrames = 12;
   const std::vector<std::string> moving = {
       kParts[0],

@@ -1,4 +1,4 @@
-// Where the virtual cameras of a scanner meet, and what scanners of different make say of the same beam.
+// The seams between the virtual cameras of a scanner, and agreement of different scanners about the same beam.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -29,7 +29,7 @@ HardCase in_skew_room(const ScanPattern& pattern, double resolution_px = 0) {
   return hard;
 }
 
-/// Two readings of one beam agree where each may be off by its own bound.
+/// Two readings of one beam agree if each is within its own bound.
 void check_agree(const Scan& a, std::size_t beam_of_a, const Scan& b, std::size_t beam_of_b) {
   const double first = a.range_m[beam_of_a], second = b.range_m[beam_of_b];
   CAPTURE(first);
@@ -41,8 +41,8 @@ std::array<const Scan*, 4> scans(const HardResults& results) {
   return {&results.nearest.scan, &results.planar.scan, &results.hybrid.scan, &results.raycast.scan};
 }
 
-/// Patterns with a beam on a border between level faces, or the next number above or below it: which of them it is,
-/// rounding decides, so they are looked for. One for each kind of beam and each border of a span.
+/// Patterns with a beam on a border between horizontal faces, or the next number above or below it. Rounding decides
+/// which of them occur, so they are searched: one for each kind of beam and each border of a span.
 std::vector<ScanPattern> patterns_at_seams() {
   std::vector<ScanPattern> patterns;
   std::set<std::array<int, 4>> found;  // span, border, side
@@ -90,14 +90,14 @@ ScanPattern rings_around(double elevation_rad, std::uint32_t samples) {
 
 }  // namespace
 
-TEST_CASE("beams on the borders of level faces and one ulp to each side") {
+TEST_CASE("beams on the borders of horizontal faces and one ulp to each side") {
   std::vector<HardCase> cases;
   for (const ScanPattern& pattern : patterns_at_seams()) cases.push_back(in_skew_room(pattern));
   measure_together("beams on borders of faces and 1 ulp beside them, one ring", cases);
 }
 
-TEST_CASE("on a border of faces stands an edge where two walls meet, or one that hides another wall") {
-  // Half a turn has its border straight ahead, where both faces have a pixel's centre.
+TEST_CASE("an edge between two walls, or of a wall in front of another one, on a border of faces") {
+  // A half turn has its border straight ahead, where both faces have the centre of a pixel.
   const ScanPattern half_turn{.samples = 2001, .min_azimuth_rad = -kPi / 2, .max_azimuth_rad = kPi / 2};
   REQUIRE(azimuths(half_turn)[1000] == 0);
   const double pixel_rad = 1 / kPlanarResolution;  // beside the border; in the middle of a face it is twice as wide
@@ -119,7 +119,7 @@ TEST_CASE("on a border of faces stands an edge where two walls meet, or one that
   measure_together("creases and silhouettes on a border of faces", cases);
 }
 
-TEST_CASE("a full turn ends where it began") {
+TEST_CASE("the first and last beam of a full turn agree") {
   std::vector<HardCase> cases;
   for (const double first : {-kPi, 0.0, 0.7}) {
     for (const std::uint32_t rings : {1u, 5u}) {
@@ -140,8 +140,8 @@ TEST_CASE("a full turn ends where it began") {
   }
 }
 
-TEST_CASE("the same beam from scanners of different fields of view, resolutions and numbers of rings") {
-  // Beams at multiples of 1/64 rad, which are exact in each pattern; the level ring is ring 4 of those with nine.
+TEST_CASE("scanners with different fields of view, resolutions and numbers of rings agree about the same beam") {
+  // Beams at multiples of 1/64 rad, which are exact in each pattern. The horizontal ring is ring 4 of nine.
   constexpr double kStep_rad = 1.0 / 64;
   constexpr std::array<std::array<double, 2>, 4> kSpans{{{-0.75, 0.5}, {-1, 1.25}, {-0.5, 3.5}, {-3, 3.25}}};
   std::vector<HardCase> cases;
@@ -173,7 +173,7 @@ TEST_CASE("the same beam from scanners of different fields of view, resolutions 
         const auto& [other_scan, other_beam] = other->second;
         check_agree(scan, level + beam, *other_scan, other_beam);
         ++pairs;
-        // What is cast knows no pixels and no faces.
+        // Cast ranges depend on neither pixels nor faces.
         if (method == 3) CHECK(scan.range_m[level + beam] == other_scan->range_m[other_beam]);
       }
     }
@@ -181,9 +181,9 @@ TEST_CASE("the same beam from scanners of different fields of view, resolutions 
   CHECK(pairs > 4 * 1000);
 }
 
-TEST_CASE("a lidar's borders of faces: steps of elevation, corners of the cube, straight up and down") {
+TEST_CASE("the borders of a lidar's faces: steps of elevation, corners of the cube, straight up and down") {
   std::vector<HardCase> cases;
-  // Rings a degree apart from straight down to straight up, beams at middles and borders of level faces.
+  // Rings one degree apart from straight down to straight up, beams at centres and borders of horizontal faces.
   cases.push_back(in_skew_room({.samples = 9,
                                 .rings = 181,
                                 .min_azimuth_rad = -kPi,
@@ -193,11 +193,11 @@ TEST_CASE("a lidar's borders of faces: steps of elevation, corners of the cube, 
   const double edge = kPi / 4, corner = std::atan(std::cos(kPi / 4));
   for (const double elevation : {edge, -edge, corner, -corner}) {
     cases.push_back(in_skew_room(rings_around(elevation, 9)));
-    // Both a level and an upright face are asked within these three neighbouring numbers.
+    // Within these three neighbouring numbers both a horizontal and an upright face are used.
     const ScanLayout layout = make_scan_layout(cases.back().scanner.pattern, kRingsResolution);
     std::set<bool> upright;
     for (std::uint32_t ring = 0; ring < 3; ++ring) {
-      const std::size_t beam = ring * 9 + (std::abs(elevation) == edge ? 1 : 2);  // middle of a face; between two
+      const std::size_t beam = ring * 9 + (std::abs(elevation) == edge ? 1 : 2);  // centre of a face; between two
       upright.insert(std::abs(layout.faces[layout.taps[beam].face].face_from_sensor[2].z) > 0.5);
     }
     CHECK(upright.size() == 2);

@@ -1,7 +1,7 @@
-// Flat pieces with their closed form: what the scenes of hard cases are put together from.
+// Flat patches with a closed form, from which the scenes of hard cases are built.
 //
-// A piece's numbers are float32 and chosen so that its corners are exact; then the mesh that is measured and the truth
-// that it is held against are the same surface.
+// The numbers of a patch are float32 and chosen so that its corners are exact. The measured mesh and the truth are then
+// the same surface.
 #pragma once
 
 #include <algorithm>
@@ -38,8 +38,8 @@ inline Mesh mesh_of(const Patch& patch) {
 /// A rectangle on the ground, z = 0, from -half_m to half_m in x and y.
 inline Patch ground(float half_m) { return {{-half_m, -half_m, 0}, {2 * half_m, 0, 0}, {0, 2 * half_m, 0}}; }
 
-/// Four triangles around the origin, none of them square to anything or as far as another: in each direction, each side
-/// of each border and each pixel another range. Corners are exact in float32.
+/// Four triangles around the origin, none perpendicular to an axis and all at different distances: the range differs in
+/// each direction, on each side of each border and in each pixel. Corners are exact in float32.
 inline Mesh skew_room() {
   Mesh mesh;
   mesh.positions = {{7, 1, -2}, {-3, 6, -2.5f}, {-4, -5, -3}, {0.5f, 0.25f, 6}};
@@ -47,7 +47,7 @@ inline Mesh skew_room() {
   return mesh;
 }
 
-/// What a beam from inside a convex closed mesh meets: the nearest of its planes ahead. Sensor at `origin`.
+/// The range of a beam from inside a convex closed mesh: the nearest plane ahead. Sensor at `origin`.
 inline double convex_range(const Mesh& mesh, const glm::dvec3& origin, const glm::dvec3& direction) {
   double range = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
@@ -60,14 +60,14 @@ inline double convex_range(const Mesh& mesh, const glm::dvec3& origin, const glm
   return range;
 }
 
-/// The range of a ray at which it meets the patch's plane; negative or not finite where it does not.
+/// The range at which a ray meets the plane of the patch; negative or not finite if it does not.
 inline double plane_range(const Patch& patch, const glm::dvec3& origin, const glm::dvec3& direction) {
   const glm::dvec3 normal = glm::cross(glm::dvec3(patch.side_a), glm::dvec3(patch.side_b));
   return glm::dot(normal, glm::dvec3(patch.corner) - origin) / glm::dot(normal, direction);
 }
 
-/// The range of a ray at which it meets the patch, its borders included; +infinity where it does not. Borders are as
-/// wide as rounding makes them, so that patches side by side leave no gap.
+/// The range at which a ray hits the patch including its borders; +infinity if it misses. The borders are as wide as
+/// rounding makes them, so adjacent patches leave no gap.
 inline double patch_range(const Patch& patch, const glm::dvec3& origin, const glm::dvec3& direction) {
   constexpr double kNone = std::numeric_limits<double>::infinity(), kBorder = 1e-12;
   const double range = plane_range(patch, origin, direction);
@@ -79,7 +79,7 @@ inline double patch_range(const Patch& patch, const glm::dvec3& origin, const gl
   return std::min(s, t) >= -kBorder && std::max(s, t) <= 1 + kBorder ? range : kNone;
 }
 
-/// What a beam from this pose meets of patches in world coordinates: the nearest one in its way.
+/// The range of a beam from this pose to patches in world coordinates: the nearest hit.
 inline ClosedForm nearest_of(const std::vector<Patch>& patches, const glm::dmat4& world_from_sensor) {
   return [patches, world_from_sensor](const glm::dvec3& direction) {
     double range = std::numeric_limits<double>::infinity();

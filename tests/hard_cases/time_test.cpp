@@ -1,4 +1,4 @@
-// Late times, large angles, many changes: what adds up in other simulators.
+// Late times, large angles and many changes: errors that accumulate in other simulators.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -28,13 +28,13 @@ using namespace simvis;
 
 namespace {
 
-// Sanitizers make steps some ten times slower.
+// Steps are about ten times slower under sanitizers.
 const int kFewer = sanitized() ? 10 : 1;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 const glm::dvec3 kRoomHalf_m(5, 4, 1.5);
 
-/// Range to the walls of the room from within.
+/// Range to the walls of the room from inside.
 double range_in_room(const glm::dvec3& from, const glm::dvec3& direction) {
   double nearest = kInfinity;
   for (int axis = 0; axis < 3; ++axis) {
@@ -84,8 +84,8 @@ TEST_CASE("frames at 10^6 s") {
   }
 }
 
-// Frame 10 of a simulation with a frame every 10^5 s. The scanners measure once in 10^6 s: in frames 0 and 10. Between
-// two rows of the trajectory half a second before and after, all numbers are exact.
+// Frame 10 of a simulation with a frame every 10^5 s. The scanners measure every 10^6 s: in frames 0 and 10. All
+// numbers are exact between the two rows of the trajectory half a second before and after.
 TEST_CASE("a trajectory at 10^6 s") {
   const Room room;
   Simulation late = room.make(1e-5), fresh = room.make();
@@ -159,7 +159,8 @@ TEST_CASE("angles of 10^9 degrees") {
   const std::pair<double, double> equal[] = {{1e9, 280}, {-1e9, 80}, {1e15 + 90, 10}, {360e9 + 90, 90}};
   const Room room;
   Simulation large = room.make(1e-6), small = room.make(1e-6);
-  for (const auto& [angle, remainder] : equal) {
+  for (const auto& angles : equal) {
+    const double angle = angles.first, remainder = angles.second;
     CAPTURE(angle);
     for (const char* name : {"roll", "pitch", "yaw"}) {
       large.set("DRIVE", name, angle);
@@ -190,8 +191,8 @@ TEST_CASE("angles of 10^9 degrees") {
 TEST_CASE("a pitch of exactly 90 degrees, up and down") {
   for (const double pitch : {90.0, -90.0}) {
     const double side = pitch > 0 ? 1 : -1;
-    // Yaw and roll turn about the same axis there: R = Rz(yaw) Ry(pitch) Rx(roll) is that of yaw - side * roll alone.
-    // Both come from sines and cosines off by an ulp, multiplied twice: 8 half ulps of 1.
+    // Yaw and roll turn about the same axis there: R = Rz(yaw) Ry(pitch) Rx(roll) depends on yaw - side * roll only.
+    // Both come from sines and cosines with an error of one ulp, multiplied twice: 8 half ulps of 1.
     constexpr double kRounding = 8 * 0x1p-53;
     for (const double roll : {0.0, 33.0, -90.0, 170.0}) {
       const glm::dmat3 m(matrix_from_degrees({0, 0, 0}, roll, pitch, 20)),

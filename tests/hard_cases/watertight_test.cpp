@@ -1,4 +1,4 @@
-// Closed meshes let no beam through: not between triangles, not along their edges, not at their corners.
+// No beam escapes from closed meshes: not between triangles, not along their edges, not at their corners.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -22,7 +22,7 @@ using namespace simvis;
 
 namespace {
 
-// Sanitizers make each beam some thirty times slower.
+// Each beam is about thirty times slower under sanitizers.
 const std::size_t kFewer = sanitized() ? 100 : 1, kBeamsOfAPlace = sanitized() ? 5'000 : 50'000;
 
 const std::size_t kBeams = 10'000'000 / kFewer;
@@ -68,11 +68,11 @@ Mesh tessellated_box(const glm::dvec3& half_m, int cells, double jitter, std::mt
   return mesh;
 }
 
-/// A closed mesh that looks everywhere different: a sphere whose vertices are moved in and out by up to `share`.
+/// A closed mesh that differs in all directions: a sphere whose vertices are moved in and out by up to `share`.
 Mesh rough_sphere(double radius_m, double share, int segments, std::mt19937& random) {
   std::uniform_real_distribution<double> unit(-1, 1);
   Mesh mesh = closed_sphere_mesh(radius_m, segments);
-  std::map<std::array<float, 3>, double> moved;  // vertices at one place stay at one place
+  std::map<std::array<float, 3>, double> moved;  // equal vertices get equal displacements
   for (glm::vec3& p : mesh.positions) {
     const auto [known, added] = moved.emplace(std::array{p.x, p.y, p.z}, 1 + share * unit(random));
     p = glm::vec3(known->second * glm::dvec3(p));
@@ -80,8 +80,8 @@ Mesh rough_sphere(double radius_m, double share, int segments, std::mt19937& ran
   return mesh;
 }
 
-/// Directions from a place within a mesh, in the mesh's frame: to every vertex; then, triangle by triangle, to points
-/// of its edges, to their middles and into it.
+/// Directions from a place within a mesh, in the mesh's frame: to every vertex, then for each triangle to points of its
+/// edges, to their midpoints and into it.
 std::vector<glm::dvec3> beams_at(const Mesh& mesh, const glm::dvec3& from, std::size_t count, std::mt19937& random) {
   std::uniform_real_distribution<double> unit(0, 1);
   std::vector<glm::dvec3> directions;
@@ -103,7 +103,7 @@ std::vector<glm::dvec3> beams_at(const Mesh& mesh, const glm::dvec3& from, std::
   return directions;
 }
 
-/// Where beams start, within half a metre of the mesh's middle.
+/// Start points of beams, within half a metre of the mesh's centre.
 enum class Place { anywhere, middle, on_plane_of_edge, on_grid };
 
 glm::dvec3 place_in(const Mesh& mesh, Place place, double cell_m, std::mt19937& random) {
@@ -123,7 +123,7 @@ glm::dvec3 place_in(const Mesh& mesh, Place place, double cell_m, std::mt19937& 
   return {};
 }
 
-/// Range to the first of these planes that a ray from within meets, which is the range to a convex mesh's surface.
+/// Range to the first of these planes along a ray from inside, which is the range to the surface of a convex mesh.
 double range_within(const std::vector<glm::dvec4>& planes, const glm::dvec3& from, const glm::dvec3& direction) {
   double nearest = kInfinity;
   for (const glm::dvec4& plane : planes) {
@@ -138,7 +138,7 @@ std::vector<glm::dvec4> box_planes(const glm::dvec3& half_m) {
           {-1, 0, 0, half_m.x}, {0, -1, 0, half_m.y}, {0, 0, -1, half_m.z}};
 }
 
-/// Of a convex mesh about the origin: normal and distance of each triangle's plane.
+/// Normal and distance of the plane of each triangle of a convex mesh about the origin.
 std::vector<glm::dvec4> triangle_planes(const Mesh& mesh) {
   std::vector<glm::dvec4> planes;
   for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
@@ -161,7 +161,7 @@ struct Solid {
 
 }  // namespace
 
-TEST_CASE("10,000,000 beams inside closed meshes: none escapes") {
+TEST_CASE("none of 10,000,000 beams inside closed meshes escapes") {
   std::mt19937 random(1);
   const Solid solids[] = {
       {"box", box_mesh({5, 4, 3}), 1, box_planes({5, 4, 3})},
@@ -200,12 +200,12 @@ TEST_CASE("10,000,000 beams inside closed meshes: none escapes") {
   add_line(std::to_string(beams) + " beams cast inside closed meshes", std::to_string(escaped) + " escape");
 }
 
-// Every method, on the whole sphere around. The mesh is convex: its surface is the first of its triangles' planes.
+// Every method over the full sphere. The mesh is convex: its surface is the first of its triangles' planes.
 TEST_CASE("no beam inside a closed mesh reads inf") {
   std::mt19937 random(2);
-  // A vertex is rounded to float32 by up to sqrt(3) / 2 units of 2^-23 of its distance. Two triangles of a flat side
-  // are so tilted against each other, and the plane of each is up to three times as far off over the other.
-  constexpr double kFlatSide_rel = 3 * 0.866 * 0x1p-23 / 0.9;  // 0.9: the least cosine of incidence
+  // A vertex is rounded to float32 by up to sqrt(3) / 2 units of 2^-23 of its distance. This tilts two triangles of a
+  // flat side against each other, and the plane of each deviates up to three times as much over the other.
+  constexpr double kFlatSide_rel = 3 * 0.866 * 0x1p-23 / 0.9;  // 0.9: the smallest cosine of incidence
   struct Room {
     std::string name;
     Mesh mesh;

@@ -1,5 +1,4 @@
-// The element `animation` with commands that cannot be carried out: what is said of them, and that nothing is left
-// behind.
+// The element `animation` with commands that fail: the messages, and that nothing is left behind.
 #include <doctest/doctest.h>
 
 #include "scenegraph/flattener.h"
@@ -12,7 +11,7 @@ TEST_SUITE_BEGIN("scenegraph/import");
 using namespace simvis;
 using namespace simvis::test;
 
-TEST_CASE("mistakes in the command") {
+TEST_CASE("errors in the command") {
   const GltfBuilder builder = bending_strip();
   const auto error = [&](const std::string& commands) {
     TemporaryFolder folder;
@@ -38,7 +37,7 @@ TEST_CASE("mistakes in the command") {
   CHECK(contains(error("<element type='animation' insert_at='ROUTE' name='A' part='P'/>"), "ROUTE"));
 }
 
-TEST_CASE("what fails later takes the animation back") {
+TEST_CASE("a later failure removes the animation") {
   TemporaryFolder folder;
   write_text(folder / "part.gltf", bending_strip().text());
   BuiltScene built =

@@ -1,4 +1,4 @@
-// Reading the animations of glTF files: what is refused, what is left out, and other people's files.
+// Animations of glTF files: errors, skipped channels, and files of other projects.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -77,7 +77,7 @@ bool is_finite(const glm::dmat4& m) {
 
 }  // namespace
 
-TEST_CASE("the file that the mistakes are made in is good, and samplers share their times") {
+TEST_CASE("the base file without mistakes is valid, and samplers share their times") {
   std::vector<std::string> warnings;
   const auto animations = animations_of(good_file(), &warnings);
   REQUIRE(animations != nullptr);
@@ -92,7 +92,7 @@ TEST_CASE("the file that the mistakes are made in is good, and samplers share th
   CHECK(warnings.empty());
 }
 
-TEST_CASE("a file without animations keeps nothing for them") {
+TEST_CASE("a file without animations stores nothing for them") {
   GltfBuilder builder = good_file();
   builder.root.erase("animations");
   std::vector<std::string> warnings;
@@ -132,7 +132,7 @@ TEST_CASE("animations of the wrong structure") {
   });
 }
 
-TEST_CASE("keys that do not fit") {
+TEST_CASE("wrong keys") {
   const auto times = [](std::vector<float> values) {
     return [values](GltfBuilder& b) { sampler(b, 0)["input"] = b.accessor<float>("SCALAR", values); };
   };
@@ -199,7 +199,7 @@ TEST_CASE("keys that do not fit") {
   });
 }
 
-TEST_CASE("channels for extensions, and those without data, are left out with a warning") {
+TEST_CASE("channels for extensions and channels without data are skipped with a warning") {
   GltfBuilder builder = good_file();
   channel(builder, 0)["target"].erase("node");
   sampler(builder, 2)["input"] =
@@ -251,7 +251,7 @@ TEST_CASE("broken animations are refused, or play with every vertex and node fin
   for (int i = 0; i < kFiles; ++i) {
     CAPTURE(i);
     ByteString bytes = seeds[i % 2];
-    // Most flips in the numbers, which stand at the end: there a file stays readable.
+    // Most flips are in the numbers at the end, where a file stays readable.
     const std::size_t first =
         random.below(4) == 0 ? 0 : bytes.size() - (i % 2 == 0 ? bending_strip() : morphing).bytes.size();
     for (std::uint64_t flips = 1 + random.below(6); flips > 0; --flips) {
@@ -288,7 +288,7 @@ TEST_CASE("broken animations are refused, or play with every vertex and node fin
   CHECK(played > kFiles / 10);
 }
 
-TEST_CASE("test data: other people's valid animations load") {
+TEST_CASE("test data: valid animations of other projects load") {
   const auto index_file = test::test_data("malformed/INDEX.csv");
   if (!index_file) return;
   const std::filesystem::path folder = index_file->parent_path();
@@ -308,7 +308,7 @@ TEST_CASE("test data: other people's valid animations load") {
   CHECK(valid > 4);
 }
 
-TEST_CASE("test data: sample models play: finite, within reach, and moving") {
+TEST_CASE("test data: sample models play with finite, bounded and moving vertices") {
   const char* const models[] = {
       "AnimatedTriangle/glTF-Embedded/AnimatedTriangle.gltf", "BoxAnimated/glTF-Binary/BoxAnimated.glb",
       "CesiumMilkTruck/glTF-Binary/CesiumMilkTruck.glb",      "Fox/glTF-Binary/Fox.glb",

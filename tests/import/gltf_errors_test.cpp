@@ -1,4 +1,4 @@
-// One mistake at a time in an otherwise good file, and what the importer says about it.
+// One mistake at a time in an otherwise valid file, and the message of the importer about it.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -69,7 +69,7 @@ void set_buffer(GltfBuilder& b, const char* uri) {
 
 }  // namespace
 
-TEST_CASE("the file that the mistakes are made in is good") {
+TEST_CASE("the base file without mistakes is valid") {
   TemporaryFolder folder;
   ContentPool pool;
   write_text(folder / "part.gltf", good_file().text());
@@ -128,7 +128,7 @@ TEST_CASE("JSON of the wrong type or range") {
   });
 }
 
-TEST_CASE("accessors, buffer views and buffers that do not fit each other") {
+TEST_CASE("inconsistent accessors, buffer views and buffers") {
   check_cases({
       {"reaches to byte 48 of bufferViews/0, which has 36",
        [](GltfBuilder& b) { b.root["accessors"][0]["count"] = 4; }},

@@ -1,4 +1,5 @@
-// Broken glTF files: each is refused with a message that names the file, or is loaded whole. None crashes or hangs.
+// Broken glTF files: each is refused with a message that names the file, or is loaded completely. None crashes or
+// hangs.
 #include <doctest/doctest.h>
 
 #include <chrono>
@@ -25,7 +26,7 @@ constexpr double kLongest_s = 10;
 
 enum class Outcome { loaded, refused };
 
-// What Mesh promises must hold of everything that loads.
+// The guarantees of Mesh must hold for everything that is loaded.
 void check_meshes(const DrawList& list) {
   for (const auto& mesh : list.meshes) {
     REQUIRE(mesh->attributes.size() == mesh->positions.size());
@@ -142,17 +143,17 @@ TEST_CASE("ten thousand truncated and bit-flipped files are loaded or refused") 
   for (int i = 0; i < kBrokenFiles; ++i) {
     CAPTURE(i);
     const Seed& seed = seeds[static_cast<std::size_t>(i) % std::size(seeds)];
-    // A new file each time: some file systems write a file that is overwritten to the disk at once.
+    // A new file each time: some file systems write an overwritten file to the disk at once.
     std::filesystem::remove(folder / seed.name);
     write_bytes(folder / seed.name, broken(seed, random));
     if (try_to_load(folder / seed.name) == Outcome::loaded) ++loaded;
   }
-  // Flips of vertex and colour data change values, not validity; flips of structure are found.
+  // Flips of vertex and colour data change values, not validity. Flips of structure are detected.
   CHECK(loaded > kBrokenFiles / 100);
   CHECK(loaded < kBrokenFiles / 2);
 }
 
-TEST_CASE("test data: other people's broken files are loaded or refused, each in time") {
+TEST_CASE("test data: broken files of other projects are loaded or refused, each in time") {
   const auto index_file = test::test_data("malformed/INDEX.csv");
   if (!index_file) return;
   const std::filesystem::path folder = index_file->parent_path();

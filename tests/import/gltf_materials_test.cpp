@@ -107,13 +107,13 @@ TEST_CASE("base colour textures, their UV set and KHR_texture_transform") {
   // Offset and scale alone: uv' = scale * uv + offset.
   CHECK(transformed({{"offset", {0.5, 0.25}}, {"scale", {2, -3}}}).uv_transform ==
         glm::mat3x2(2, 0, 0, -3, 0.5f, 0.25f));
-  // A picture turned by 22.5 degrees counter-clockwise, v down: the Khronos sample TextureTransformTest puts the place
-  // on its quad where the picture's point (0.7778, 0.7778) must then be seen at (0.42095, 1.01627).
+  // A picture rotated by 22.5 degrees counter-clockwise, v down. The Khronos sample TextureTransformTest gives the
+  // place on its quad where the picture's point (0.7778, 0.7778) must be visible: (0.42095, 1.01627).
   const glm::mat3x2 turn = transformed({{"rotation", 0.39269908169872414}}).uv_transform;
   const glm::vec2 seen = turn * glm::vec3(0.42095178f, 1.0162675f, 1);
   CHECK(std::abs(seen.x - 0.7778174593f) <= 8 * kFloatTolerance);
   CHECK(std::abs(seen.y - 0.7778174593f) <= 8 * kFloatTolerance);
-  // All at once: first the scale, then the rotation, then the offset.
+  // All combined: first the scale, then the rotation, then the offset.
   const glm::mat3x2 all = transformed({{"offset", {0.5, 0.25}}, {"rotation", 1}, {"scale", {1.5, 0.5}}}).uv_transform;
   const double c = std::cos(1.0), s = std::sin(1.0);
   const glm::vec2 expected(c * 1.5 * 0.2 + s * 0.5 * 0.6 + 0.5, -s * 1.5 * 0.2 + c * 0.5 * 0.6 + 0.25);
@@ -179,7 +179,7 @@ TEST_CASE("samplers: wrap modes and filters") {
   }
 }
 
-TEST_CASE("one material node serves all that use the material; none stays in force where there is none") {
+TEST_CASE("one material node serves all primitives with the material, and does not affect those without") {
   Loader loader;
   GltfBuilder builder;
   builder.triangle()["material"] = 0;
@@ -199,7 +199,7 @@ TEST_CASE("one material node serves all that use the material; none stays in for
   CHECK(part.list.materials.at(part.list.items.at(2).material)->base_color == glm::vec4(1));
 }
 
-TEST_CASE("lines without normals are unlit, in a material node of their own") {
+TEST_CASE("lines without normals are unlit and have their own material node") {
   Loader loader;
   GltfBuilder builder;
   builder.triangle()["material"] = 0;
@@ -229,7 +229,7 @@ TEST_CASE("two parts with the same content share meshes, textures and materials"
   CHECK(first.list.materials[0] == second.list.materials[0]);
 }
 
-TEST_CASE("metallic and roughness: what is left out has glTF's default, if the file speaks of them at all") {
+TEST_CASE("metallic and roughness: missing values have the defaults of glTF if the file mentions any of them") {
   const auto surface = [](json pbr) {
     const Material material = material_of({{"pbrMetallicRoughness", std::move(pbr)}});
     return std::pair(material.metallic, material.roughness);
@@ -265,7 +265,7 @@ TEST_CASE("maps of the surface: textures, UV sets, transforms, scale and strengt
   CHECK(full.occlusion_strength == 0.25f);
   CHECK(full.emissive == glm::vec3(1, 0.5f, 0));
   CHECK(full.base_color_texture == nullptr);
-  // What is shown as it is has no surface.
+  // An unlit material has no surface.
   const Material unlit = material_of({{"pbrMetallicRoughness", {{"metallicRoughnessTexture", moved}}},
                                       {"normalTexture", normal},
                                       {"extensions", {{"KHR_materials_unlit", json::object()}}}},
@@ -275,7 +275,7 @@ TEST_CASE("maps of the surface: textures, UV sets, transforms, scale and strengt
   CHECK(unlit == plain);
 }
 
-TEST_CASE("what cannot be shown is said: pictures of other formats, further UV sets") {
+TEST_CASE("unsupported content is reported: pictures of other formats, further UV sets") {
   Loader loader;
   GltfBuilder builder;
   add_textured_triangle(builder, red_green_png());

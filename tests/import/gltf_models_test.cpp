@@ -1,4 +1,4 @@
-// Every sample model, against bounds and triangle counts from an independent reader.
+// Every sample model compared with bounds and triangle counts from an independent reader.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -41,8 +41,8 @@ Totals total(const DrawList& list) {
   return totals;
 }
 
-// The expected bounds are printed with six decimals; a skinned vertex is rounded to float32 once more, a vertex that
-// went through a few float32 matrices in the other reader some more times.
+// The expected bounds are printed with six decimals. A skinned vertex is rounded to float32 once more, and a vertex
+// that passed several float32 matrices in the other reader several times more.
 double tolerance_m(const json& aabb) {
   constexpr double kPrinted_m = 0.5e-6;
   constexpr double kRoundings = 4;
@@ -73,13 +73,15 @@ const json kSimpleMorphBounds{{0.0, 0.0, 0.0}, {1.0, 1.5, 0.0}};
 
 }  // namespace
 
-TEST_CASE("test data: the sample models have the triangles and bounds that others found") {
+TEST_CASE("test data: the sample models have the triangles and bounds of an independent reader") {
   const auto expected_file = test::test_data("gltf/expected.json");
   if (!expected_file) return;
   const std::filesystem::path folder = expected_file->parent_path();
   const json expected = json::parse(std::ifstream(*expected_file)).at("files");
   std::size_t compared = 0;
-  for (const auto& [name, values] : expected.items()) {
+  for (const auto& file : expected.items()) {
+    const std::string& name = file.key();
+    const json& values = file.value();
     CAPTURE(name);
     ContentPool pool;
     const json required = values.value("extensionsRequired", json::array());

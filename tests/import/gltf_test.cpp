@@ -1,4 +1,4 @@
-// What glTF parts become: each expected value is written here next to the bytes that it comes from.
+// Content of glTF parts: each expected value is written next to its bytes.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -19,7 +19,7 @@ using namespace simvis::test;
 namespace {
 
 // Values that were divided, multiplied or rotated in double and rounded once to float32: half a step relative to the
-// largest value that takes part (all are at most 8 here).
+// largest value involved (all are at most 8 here).
 constexpr float kFloatTolerance = 8 * 0x1p-24f;
 // Products of a few matrices in double.
 constexpr double kDoubleTolerance = 1e-14;
@@ -33,7 +33,7 @@ struct Loader {
     return load_unturned(folder / "part.gltf", pool);
   }
 
-  // What the importer says against a file; empty if it takes it.
+  // The error message of the importer for a file; empty if it accepts the file.
   std::string refusal(const std::string& text) {
     write_text(folder / "part.gltf", text);
     try {
@@ -83,7 +83,7 @@ glm::vec3 first_position(T x, bool normalized) {
 
 }  // namespace
 
-TEST_CASE("every index type is read, and none at all") {
+TEST_CASE("every index type is read, and meshes without indices") {
   const std::vector<std::uint32_t> expected{2, 0, 1};
   CHECK(indices_read<std::uint8_t>({2, 0, 1}) == expected);
   CHECK(indices_read<std::uint16_t>({2, 0, 1}) == expected);
@@ -188,7 +188,7 @@ TEST_CASE("every mode becomes a list of triangles, lines or points") {
   }
 }
 
-TEST_CASE("missing normals are flat: each triangle has vertices of its own") {
+TEST_CASE("missing normals are flat: each triangle has its own vertices") {
   Loader loader;
   GltfBuilder builder;
   // A fold: one triangle in the x-y plane, one in the x-z plane, along a shared edge.
@@ -203,7 +203,7 @@ TEST_CASE("missing normals are flat: each triangle has vertices of its own") {
   for (int i = 3; i < 6; ++i) CHECK(mesh.attributes[i].normal == glm::vec3(0, -1, 0));
 }
 
-TEST_CASE("normals are made unit, and those of length zero are reported") {
+TEST_CASE("normals are normalised, and those of length zero are reported") {
   Loader loader;
   GltfBuilder builder;
   builder.primitive({{"POSITION", builder.accessor<float>("VEC3", {0, 0, 0, 1, 0, 0, 0, 1, 0})},
@@ -250,7 +250,7 @@ TEST_CASE("both sets of texture coordinates are read") {
   CHECK(only_mesh(part).attributes[0].uv[1] == glm::vec2(1, static_cast<float>(13107 / 65535.0)));
 }
 
-TEST_CASE("a scene's nodes stand where TRS, matrices and their parents put them") {
+TEST_CASE("nodes of a scene are placed by TRS, matrices and their parents") {
   Loader loader;
   GltfBuilder builder;
   builder.triangle();  // node 0 shows mesh 0
@@ -263,7 +263,7 @@ TEST_CASE("a scene's nodes stand where TRS, matrices and their parents put them"
   builder.root["scene"] = 1;
   const LoadedPart part = loader.load(builder);
   REQUIRE(part.list.items.size() == 2);
-  // A quarter turn about z takes x to y and y to -x, after scaling by (2, -3, 4); then the parent shears x by z / 2.
+  // A quarter turn about z takes x to y and y to -x, after scaling by (2, -3, 4). Then the parent shears x by z / 2.
   const glm::dmat4 local(0, 2, 0, 0, 3, 0, 0, 0, 0, 0, 4, 0, 1, 2, 3, 1);
   const glm::dmat4 parent(1, 0, 0, 0, 0, 1, 0, 0, 0.5, 0, 1, 0, 10, 20, 30, 1);
   check_near(part.list.world_from_node[part.list.items[0].transform], parent * local);
@@ -271,7 +271,7 @@ TEST_CASE("a scene's nodes stand where TRS, matrices and their parents put them"
   CHECK(part.list.items[0].mesh == part.list.items[1].mesh);
 }
 
-TEST_CASE("without a default scene it is scene 0, without scenes all roots") {
+TEST_CASE("without a default scene, scene 0 is read; without scenes, all roots") {
   Loader loader;
   GltfBuilder builder;
   builder.triangle();
@@ -284,7 +284,7 @@ TEST_CASE("without a default scene it is scene 0, without scenes all roots") {
   CHECK(loader.load(builder).list.items.size() == 2);
 }
 
-TEST_CASE("y up is turned to z up unless the part says otherwise") {
+TEST_CASE("y up is rotated to z up unless the part says otherwise") {
   Loader loader;
   GltfBuilder builder;
   builder.triangle();
@@ -362,7 +362,7 @@ TEST_CASE("a .glb with an embedded buffer is read like a .gltf") {
   CHECK(load_unturned(loader.folder / "part.glb", loader.pool).content.warnings.size() == 1);
 }
 
-TEST_CASE("external buffers: names with spaces, percent-encoded, in folders below") {
+TEST_CASE("external buffers: names with spaces, percent-encoded, in subfolders") {
   for (const char* uri : {"sub folder/my data.bin", "sub%20folder/my%20data.bin", "./x/../sub folder/my data.bin"}) {
     CAPTURE(uri);
     Loader loader;
@@ -375,7 +375,7 @@ TEST_CASE("external buffers: names with spaces, percent-encoded, in folders belo
   }
 }
 
-TEST_CASE("skinned meshes stand where their joints stand, whatever their node says") {
+TEST_CASE("skinned meshes are placed by their joints, regardless of their node") {
   Loader loader;
   GltfBuilder builder;
   json& primitive = builder.primitive({{"POSITION", builder.accessor<float>("VEC3", {0, 0, 0, 1, 0, 0, 0, 1, 0})},
@@ -453,7 +453,7 @@ TEST_CASE("extensions: required ones must be supported, used ones are reported o
                  "part.gltf: error: requires extensions that are not supported: EXT_some, EXT_other;"));
 }
 
-TEST_CASE("a chain of 100,000 nodes is read and taken apart without recursion") {
+TEST_CASE("a chain of 100,000 nodes is read and destroyed without recursion") {
   constexpr int kDepth = 100000;
   Loader loader;
   GltfBuilder builder;
@@ -464,14 +464,14 @@ TEST_CASE("a chain of 100,000 nodes is read and taken apart without recursion") 
   CHECK(part.list.world_from_node[part.list.items[0].transform][3].z == kDepth - 1);
 }
 
-TEST_CASE("deeply nested JSON is no trouble either") {
+TEST_CASE("deeply nested JSON is read too") {
   Loader loader;
   const std::string open(1000000, '['), close(1000000, ']');
   CHECK(loader.refusal(R"({"asset":{"version":"2.0"},"extras":)" + open + close + "}") == "");
   CHECK(contains(loader.refusal(open), "not valid JSON"));
 }
 
-TEST_CASE("parts without anything to draw are fine") {
+TEST_CASE("parts without shapes are accepted") {
   Loader loader;
   GltfBuilder builder;
   const LoadedPart part = loader.load(builder);

@@ -1,4 +1,4 @@
-// Files that are read part by part, and glTF buffers that stay in them.
+// Files that are read in pieces, and glTF buffers that stay in their files.
 #include "scenegraph/import/mesh/input_file.h"
 
 #include <doctest/doctest.h>
@@ -49,7 +49,7 @@ GltfBuilder interleaved() {
 
 }  // namespace
 
-TEST_CASE("a file's parts are what the whole holds there") {
+TEST_CASE("the pieces of a file are those of the whole") {
   const TemporaryFolder folder;
   write_text(folder / "file", "0123456789");
   const InputFile input(folder / "file");
@@ -60,7 +60,7 @@ TEST_CASE("a file's parts are what the whole holds there") {
   CHECK(text_of(read_whole_file(folder / "file")) == "0123456789");
 }
 
-TEST_CASE("a file that loses its end while it is read is an error, one that takes its name is another file") {
+TEST_CASE("a file truncated during reading is an error, and a new file of the same name is another file") {
   const TemporaryFolder folder;
   write_text(folder / "file", "0123456789");
   const InputFile input(folder / "file");
@@ -75,7 +75,7 @@ TEST_CASE("a file that loses its end while it is read is an error, one that take
                        InputError);
 }
 
-TEST_CASE("what is no file is refused by name") {
+TEST_CASE("a path that is not a file is refused by name") {
   const TemporaryFolder folder;
   CHECK_THROWS_WITH_AS(InputFile{folder / "none"},
                        ((folder / "none").string() + ": error: there is no such file").c_str(), InputError);
@@ -102,7 +102,7 @@ TEST_CASE("large buffers stay in their files, and their views are read from ther
   }
 }
 
-TEST_CASE("elements that are read in several parts are all there, in their places, from all kinds of buffers") {
+TEST_CASE("elements that are read in several pieces are complete and in order for all kinds of buffers") {
   const TemporaryFolder folder;
   ContentPool pool;
   const GltfBuilder builder = interleaved();

@@ -1,4 +1,4 @@
-// Broken Inventor and VRML files, and other people's: each is read as Coin reads it or refused, none crashes or hangs.
+// Broken Inventor and VRML files, also from other projects: each is read as by Coin or refused. None crashes or hangs.
 #include <doctest/doctest.h>
 
 #include <chrono>
@@ -6,6 +6,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "tests/support/inventor_fixture.h"
@@ -32,7 +33,7 @@ std::string error_in(InventorFiles& files, const std::string& nodes) {
   return error;
 }
 
-// Cut off, with flipped bits, or (most often, as nothing else gets past the grammar) with other digits.
+// Truncated, with flipped bits, or with other digits (most often, because few other changes pass the grammar).
 std::string broken(std::string text, Random& random) {
   const std::uint64_t kind = random.below(4);
   if (kind == 0) return text.substr(0, random.below(text.size()));
@@ -50,19 +51,24 @@ std::string broken(std::string text, Random& random) {
   return text;
 }
 
-// The reference counts filled triangles whatever the style, reads no included files of VRML 1.0, its boxes forget what
-// stands before a ResetTransform, and it drew text of a FontStyle with a font of the machine that it was made on.
+// Whether a file is not compared with the expected values: the reference counts filled triangles for every draw style,
+// reads no included files of VRML 1.0, and its boxes ignore what stands before a ResetTransform.
 bool differs_by_design(const std::string& text) {
-  for (const char* node : {"DrawStyle", "WWWInline", "ResetTransform", "FontStyle"}) {
+  for (const char* node : {"DrawStyle", "WWWInline", "ResetTransform"}) {
     if (text.find(node) != std::string::npos) return true;
   }
   return false;
 }
 
+// The reference drew this file's AsciiText with fonts that its machine had for SERIF, SANS and TYPEWRITER. SimVis
+// always draws text with Coin's built-in font, whose letters have other triangles. Other files with a FontStyle have
+// Text2 only, which has no triangles.
+constexpr std::string_view kDrawnWithFontsOfTheMachine = "coin/vrml1.0/properties/fontstyle.wrl";
+
 bool close(double a, double b, double tolerance) { return std::abs(a - b) <= tolerance; }
 
-// Compares with what Coin's own actions say. The box is made of boxes of shapes (a sphere's even of its radius), so
-// that it holds the vertices, and no more can be said of a shape that is curved or turned.
+// Compares with the results of Coin's own actions. Coin's box is made of boxes of shapes (for a sphere, of its radius),
+// so it contains the vertices. More cannot be checked for curved or rotated shapes.
 void check_against_coin(const nlohmann::json& expected, const LoadedPart& part) {
   // The file has six significant digits.
   constexpr double kWritten = 1e-5;
@@ -86,7 +92,7 @@ void check_against_coin(const nlohmann::json& expected, const LoadedPart& part) 
 
 }  // namespace
 
-TEST_CASE("an error says what is wrong and in which line") {
+TEST_CASE("an error names the problem and its line") {
   if (!has_coin()) return;
   InventorFiles files;
   CHECK(contains(error_in(files, "Cube {\n width }"), "line   4"));
@@ -101,7 +107,7 @@ TEST_CASE("an error says what is wrong and in which line") {
   CHECK(contains(error_of([&] { import_part(files.folder / "none.iv", files.pool); }), "there is no such file"));
 }
 
-TEST_CASE("a file that is cut off anywhere is not taken by half") {
+TEST_CASE("a file truncated anywhere is refused as a whole") {
   if (!has_coin()) return;
   InventorFiles files;
   const std::string whole = kInventorHeader +
@@ -114,7 +120,7 @@ TEST_CASE("a file that is cut off anywhere is not taken by half") {
   }
 }
 
-TEST_CASE("numbers that are not finite are refused, be they written or computed") {
+TEST_CASE("numbers that are not finite are refused, both written and computed ones") {
   if (!has_coin()) return;
   InventorFiles files;
   const std::string face = " IndexedFaceSet { coordIndex [ 0, 1, 2, -1 ] }";
@@ -129,7 +135,7 @@ TEST_CASE("numbers that are not finite are refused, be they written or computed"
                  "not affine"));
 }
 
-TEST_CASE("indices and counts beyond what a file holds are refused") {
+TEST_CASE("indices and counts beyond the content of a file are refused") {
   if (!has_coin()) return;
   InventorFiles files;
   const std::string points = "Coordinate3 { point [ 0 0 0, 1 0 0, 0 1 0 ] } ";
@@ -159,7 +165,7 @@ TEST_CASE("indices and counts beyond what a file holds are refused") {
   CHECK(contains(textured.content.warnings[0], "texture coordinates beyond"));
 }
 
-TEST_CASE("a file that takes too long is given up, and so is one that includes itself") {
+TEST_CASE("a file that takes too long is refused, and so is one that includes itself") {
   if (!has_coin()) return;
   InventorFiles files;
   // 10^9 cubes
@@ -175,7 +181,7 @@ TEST_CASE("a file that takes too long is given up, and so is one that includes i
                   InputError);
 }
 
-TEST_CASE("flipped bits and cuts are read or refused") {
+TEST_CASE("files with flipped bits or cuts are read or refused") {
   if (!has_coin()) return;
   InventorFiles files;
   const std::string seed = kInventorHeader + R"(Separator {
@@ -204,7 +210,7 @@ TEST_CASE("flipped bits and cuts are read or refused") {
   CHECK(loaded < kBrokenFiles);
 }
 
-TEST_CASE("test data: files are read as Coin reads them, each in time") {
+TEST_CASE("test data: files are read as by Coin, each in time") {
   if (!has_coin()) return;
   const auto expected_file = test::test_data("iv_vrml/expected_coin.json");
   if (!expected_file) return;
@@ -212,7 +218,9 @@ TEST_CASE("test data: files are read as Coin reads them, each in time") {
   std::ifstream stream(*expected_file);
   const nlohmann::json reference = nlohmann::json::parse(stream);
   int compared = 0, refused = 0;
-  for (const auto& [name, expected] : reference["files"].items()) {
+  for (const auto& file : reference["files"].items()) {
+    const std::string& name = file.key();
+    const nlohmann::json& expected = file.value();
     CAPTURE(name);
     const bool is_read = expected.contains("triangles");
     const auto start = std::chrono::steady_clock::now();
@@ -229,7 +237,7 @@ TEST_CASE("test data: files are read as Coin reads them, each in time") {
     }
     CHECK(seconds_since(start) < kLongest_s);
     CHECK(is_read);
-    if (differs_by_design(read_text(folder / name))) continue;
+    if (name == kDrawnWithFontsOfTheMachine || differs_by_design(read_text(folder / name))) continue;
     check_against_coin(expected, part);
     ++compared;
   }

@@ -1,4 +1,4 @@
-// How Inventor and VRML parts look: materials, colours, textures, transparency, lights.
+// The look of Inventor and VRML parts: materials, colours, textures, transparency, lights.
 #include <doctest/doctest.h>
 
 #include <numbers>
@@ -14,14 +14,14 @@ using namespace simvis::test;
 
 namespace {
 
-// A colour goes through one power function and a rounding to float32, of relative 6e-8 each.
+// A colour passes one power function and a rounding to float32, each with a relative error of 6e-8.
 constexpr double kColorRounding = 1e-6;
 
 void check_color(const glm::vec3& color, const glm::dvec3& srgb) {
   for (int i = 0; i < 3; ++i) CHECK(std::abs(static_cast<double>(color[i]) - linear_of_srgb(srgb[i])) < kColorRounding);
 }
 
-// Red, green / blue, white, as its rows lie from the top.
+// Red, green / blue, white, with rows from the top.
 const std::vector<ByteString> kPictureRows{{255, 0, 0, 0, 255, 0}, {0, 0, 255, 255, 255, 255}};
 const std::vector<std::uint8_t> kPictureRgba{255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 255, 255, 255, 255, 255};
 
@@ -130,7 +130,7 @@ TEST_CASE("a texture file covers a cube's front, its rows from the top") {
   CHECK(corners == 4);
 }
 
-TEST_CASE("VRML97 textures: files, pixels, and what becomes of the diffuse colour") {
+TEST_CASE("VRML97 textures: files, pixels, and their effect on the diffuse colour") {
   if (!has_coin()) return;
   InventorFiles files;
   write_bytes(files.folder / "four.png", png(2, 2, 8, 2, kPictureRows));
@@ -155,7 +155,7 @@ TEST_CASE("VRML97 textures: files, pixels, and what becomes of the diffuse colou
   CHECK(material_of(pixels, 0).base_color_texture->rgba == std::vector<std::uint8_t>{0, 0, 255, 255, 255, 0, 0, 255});
 }
 
-TEST_CASE("inline pictures of one to four components, and how their alpha is drawn") {
+TEST_CASE("inline pictures of one to four components, and the use of their alpha") {
   if (!has_coin()) return;
   InventorFiles files;
   const auto texture = [&](const std::string& image) {
@@ -170,7 +170,7 @@ TEST_CASE("inline pictures of one to four components, and how their alpha is dra
   CHECK(texture("2 1 4 0x102030FF 0x40506000") == std::pair(Pixels{16, 32, 48, 255, 64, 80, 96, 0}, AlphaMode::mask));
 }
 
-TEST_CASE("texture coordinates come from the file, or from the shape's extent where it gives none") {
+TEST_CASE("texture coordinates come from the file, or from the shape's extent if it has none") {
   if (!has_coin()) return;
   InventorFiles files;
   const std::string image = "Texture2 { image 1 1 1 0x40 } ";
@@ -178,19 +178,19 @@ TEST_CASE("texture coordinates come from the file, or from the shape's extent wh
                                     "textureCoordIndex [ 0, 1, 2, 3, -1 ] }");
   CHECK(uv_at(mesh_of(given, 0), {1, 1, 0}) == glm::vec2(4, 1 - 2));
   CHECK(uv_at(mesh_of(given, 0), {0, 0, 0}) == glm::vec2(0, 1));
-  // Of the box around it the longest side is s, the next one t, both from 0 to 1.
+  // The longest side of the box around it is s, the next one t, both from 0 to 1.
   const LoadedPart generated = files.iv(image +
                                         "Coordinate3 { point [ 0 0 0, 2 0 0, 2 1 0, 0 1 0 ] } "
                                         "IndexedFaceSet { coordIndex [ 0, 1, 2, 3, -1 ] }");
   CHECK(uv_at(mesh_of(generated, 0), {2, 1, 0}) == glm::vec2(1, 0));
   CHECK(uv_at(mesh_of(generated, 0), {0, 0, 0}) == glm::vec2(0, 1));
-  // Without a texture nobody needs them, and meshes that differ in nothing else are one.
+  // They are unused without a texture, and meshes that differ only in them are one mesh.
   const LoadedPart both = files.iv("TextureCoordinate2 { point [ 0 0, 4 0, 4 2, 0 2 ] } " + kSquare + "}" + kSquare +
                                    "textureCoordIndex [ 0, 1, 2, 3, -1 ] }");
   CHECK(both.list.meshes.size() == 1);
 }
 
-TEST_CASE("lights shine as bright as Inventor says, in lux and candela") {
+TEST_CASE("lights have Inventor's brightness in lux and candela") {
   if (!has_coin()) return;
   InventorFiles files;
   const LoadedPart iv = files.iv(R"(

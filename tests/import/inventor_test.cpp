@@ -14,7 +14,7 @@ using namespace simvis::test;
 
 namespace {
 
-// Positions and normals of these tests are of the order of 1 and go through a few float32 roundings of 6e-8 each.
+// Positions and normals of these tests are of the order of 1 and have several float32 roundings of 6e-8 each.
 constexpr double kRounding = 1e-6;
 
 // A roof: two triangles that share the edge from (0,0,0) to (0,1,0); their normals make `angle_rad` with each other.
@@ -46,7 +46,7 @@ double ridge_normal_x(const LoadedPart& part) {
 
 }  // namespace
 
-TEST_CASE("both file endings have an importer; without Coin it says what is missing") {
+TEST_CASE("both file endings have an importer; a build without Coin names what is missing") {
   TemporaryFolder folder;
   write_text(folder / "part.wrl", kVrml97Header);
   ContentPool pool;
@@ -109,7 +109,7 @@ TEST_CASE("binary Inventor is read, and up=\"y\" turns a part") {
   CHECK(measure(flatten(turned)).min == glm::dvec3(-1, -2, -1.5));
 }
 
-TEST_CASE("what a file uses again is one mesh under several transforms") {
+TEST_CASE("a node that a file uses several times is one mesh under several transforms") {
   if (!has_coin()) return;
   InventorFiles files;
   const LoadedPart part = files.iv(R"(
@@ -127,7 +127,7 @@ TEST_CASE("what a file uses again is one mesh under several transforms") {
   CHECK(children.front()->name == "BALL");
 }
 
-TEST_CASE("a switch shows what its whichChild says") {
+TEST_CASE("a switch shows the children of its whichChild") {
   if (!has_coin()) return;
   InventorFiles files;
   const auto shown = [&](const std::string& which) {
@@ -165,7 +165,7 @@ TEST_CASE("normals are smooth up to the crease angle and flat beyond it") {
   }
 }
 
-TEST_CASE("the order of a face's corners and its hints say which sides are drawn") {
+TEST_CASE("the order of a face's corners and its hints determine the drawn sides") {
   if (!has_coin()) return;
   InventorFiles files;
   const std::string face =
@@ -185,7 +185,7 @@ TEST_CASE("the order of a face's corners and its hints say which sides are drawn
   CHECK(mesh_of(clockwise, 0).attributes[0].normal.z == -1);
   CHECK(material_of(hints("vertexOrdering COUNTERCLOCKWISE"), 0).double_sided);
   CHECK(material_of(hints("shapeType SOLID"), 0).double_sided);
-  // Where the order is unknown, the file's normals say where the front is.
+  // Where the order is unknown, the normals in the file determine the front.
   const LoadedPart turned = files.iv("Normal { vector 0 0 -1 } NormalBinding { value OVERALL } " + face);
   CHECK(facing_z(turned) == -1);
   CHECK(mesh_of(turned, 0).attributes[0].normal.z == -1);
@@ -198,7 +198,7 @@ TEST_CASE("the order of a face's corners and its hints say which sides are drawn
   }
 }
 
-TEST_CASE("commands stand in Info and WorldInfo nodes and begin with '<'") {
+TEST_CASE("commands are in Info and WorldInfo nodes and begin with '<'") {
   if (!has_coin()) return;
   InventorFiles files;
   const LoadedPart iv = files.iv(R"(
@@ -241,7 +241,7 @@ TEST_CASE("lines and points keep their kind and are not lit") {
   CHECK(measure(styled.list).triangles == 0);
 }
 
-TEST_CASE("included files and textures lie relative to the file that names them") {
+TEST_CASE("paths of included files and textures are relative to the file that names them") {
   if (!has_coin()) return;
   InventorFiles files;
   std::filesystem::create_directories(files.folder / "sub/deep");
@@ -261,7 +261,7 @@ TEST_CASE("included files and textures lie relative to the file that names them"
   check_cube(files.load("one.wrl", "#VRML V1.0 ascii\nWWWInline { name \"sub/inner.iv\" }\n"));
 }
 
-TEST_CASE("a texture that cannot be read is left out with a warning") {
+TEST_CASE("a texture that cannot be read is skipped with a warning") {
   if (!has_coin()) return;
   InventorFiles files;
   const auto warning_of = [](const LoadedPart& part) {

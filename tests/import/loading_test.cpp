@@ -1,4 +1,4 @@
-// What a program hears, and what a terminal shows, while a scene is opened.
+// Progress reports to a program, and the terminal output, while a scene is opened.
 #include <doctest/doctest.h>
 
 #include <chrono>
@@ -31,7 +31,7 @@ std::string read(const std::filesystem::path& file) {
 
 }  // namespace
 
-TEST_CASE("loading tells how far it is, and a step which meshes it prepares") {
+TEST_CASE("loading reports its progress, and a step the meshes that it prepares") {
   const TemporaryFolder folder;
   write_text(folder / "triangle.ply", kTriangle);
   std::vector<Progress> told;
@@ -55,7 +55,7 @@ TEST_CASE("loading tells how far it is, and a step which meshes it prepares") {
   CHECK(told.empty());
 }
 
-TEST_CASE("who is told can end the loading") {
+TEST_CASE("the receiver of the progress can end the loading") {
   const TemporaryFolder folder;
   write_text(folder / "triangle.ply", kTriangle);
   SimulationDesc desc;
@@ -65,7 +65,7 @@ TEST_CASE("who is told can end the loading") {
   CHECK_THROWS_WITH_AS(Simulation::from_string(kScene, desc, folder.path()), "enough", std::runtime_error);
 }
 
-TEST_CASE("the loading bar paints itself, and clears its line before others write and when it ends") {
+TEST_CASE("the loading bar draws itself, and clears its line before other output and at its end") {
   using namespace std::chrono_literals;
   const TemporaryFolder folder;
   std::ofstream terminal(folder / "terminal"), silent(folder / "silent");
@@ -85,7 +85,7 @@ TEST_CASE("the loading bar paints itself, and clears its line before others writ
   CHECK(read(folder / "silent").empty());
 }
 
-TEST_CASE("a bar of work that is soon done writes nothing") {
+TEST_CASE("a bar for short work writes nothing") {
   const TemporaryFolder folder;
   std::ofstream terminal(folder / "terminal");
   {

@@ -1,4 +1,4 @@
-// OBJ, PLY, STL and COLLADA parts with mistakes, cut off, or with bits flipped.
+// OBJ, PLY, STL and COLLADA parts with mistakes, truncated or with flipped bits.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -25,7 +25,7 @@ std::string error(const std::filesystem::path& file) {
 
 }  // namespace
 
-TEST_CASE("mistakes in mesh files are said, with their file") {
+TEST_CASE("errors in mesh files are reported with their file") {
   TemporaryFolder folder;
   const auto error_in = [&](const char* name, const std::string& bytes) {
     write_text(folder / name, bytes);
@@ -98,7 +98,7 @@ TEST_CASE("missing pictures are errors, missing material files a warning") {
   CHECK(contains(error(folder / "b.obj"), "none.png"));
 }
 
-TEST_CASE("files cut off or with flipped bits are loaded or refused, and what loads is sound") {
+TEST_CASE("truncated files and files with flipped bits are loaded or refused, and loaded content is sound") {
   const int files = 150;  // each is read by a process of its own
   TemporaryFolder folder;
   write_bytes(folder / "dots.png", png(2, 1, 8, 6, {{255, 0, 0, 255, 0, 255, 0, 0}}));
@@ -116,7 +116,9 @@ TEST_CASE("files cut off or with flipped bits are loaded or refused, and what lo
       {"s.dae", dae_box(kMetresZUp)},
       {"s.mtl", mtl}};
   Random random;
-  for (const auto& [name, bytes] : seeds) {
+  for (const auto& seed : seeds) {
+    const auto& name = seed.first;
+    const auto& bytes = seed.second;
     int loaded = 0, crashed = 0;
     for (int i = 0; i < files; ++i) {
       CAPTURE(std::string(name));
@@ -125,7 +127,7 @@ TEST_CASE("files cut off or with flipped bits are loaded or refused, and what lo
       if (random.below(4) == 0) {
         broken.resize(random.below(broken.size()));
       } else {
-        // Half of them by any bit, half from one digit to another, which keeps the file's form.
+        // Half of them flip any bit, half change one digit to another, which keeps the file's form.
         const bool digits_only = random.below(2) == 0;
         for (std::uint64_t flips = 1 + random.below(8); flips > 0; --flips) {
           char& byte = broken[random.below(broken.size())];

@@ -1,4 +1,4 @@
-// OBJ, PLY, STL and COLLADA parts: written here, read back, compared with the geometry that they were written from.
+// OBJ, PLY, STL and COLLADA parts that are written here, read back and compared with their geometry.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -36,9 +36,10 @@ TEST_CASE("the same box in every format: triangles, bounds, surface, and normals
       {"bare.stl", stl_box(true, false)},
       {"box.dae", dae_box(kMetresZUp)},
   };
-  for (const auto& [name, bytes] : files) {
+  for (const auto& file : files) {
+    const char* name = file.first;
     CAPTURE(std::string(name));
-    write_text(folder / name, bytes);
+    write_text(folder / name, file.second);
     const Loaded loaded = load(folder / name);
     check_box(loaded.list);
     REQUIRE(loaded.list.materials.size() == 1);
@@ -47,7 +48,7 @@ TEST_CASE("the same box in every format: triangles, bounds, surface, and normals
   }
 }
 
-TEST_CASE("which axis is up") {
+TEST_CASE("the up axis") {
   TemporaryFolder folder;
   write_text(folder / "box.stl", stl_box(true));
   // (x, y, z) -> (x, -z, y)
@@ -74,7 +75,7 @@ TEST_CASE("COLLADA: units and the matrices of nodes") {
   CHECK(moved.max == glm::dvec3(10 - 2, 20 + 2, 36));
 }
 
-TEST_CASE("COLLADA: a skinned mesh comes in its rest pose; animations, lights and cameras are not read at all") {
+TEST_CASE("COLLADA: a skinned mesh has its rest pose; animations, lights and cameras are ignored") {
   TemporaryFolder folder;
   std::string text = dae_box(kMetresZUp);
   const auto replace = [&text](const std::string& from, const std::string& to) {
@@ -148,7 +149,7 @@ TEST_CASE("OBJ: materials, pictures, texture coordinates, normals, objects") {
   CHECK(material(2).base_color_texture->sampler.wrap_u == Wrap::clamp_to_edge);
 }
 
-TEST_CASE("polygons that are not convex are cut into triangles that fill them and nothing else") {
+TEST_CASE("non-convex polygons are cut into triangles that fill exactly their area") {
   TemporaryFolder folder;
   // An L of 3 squares with sides of 1.
   write_text(folder / "l.obj", "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nf 1 2 3 4 5 6\n");
@@ -158,7 +159,7 @@ TEST_CASE("polygons that are not convex are cut into triangles that fill them an
   CHECK(totals.largest_normal_error == 0);
 }
 
-TEST_CASE("random stars are cut into triangles that all wind their way and have their area together") {
+TEST_CASE("random stars are cut into triangles with the same winding and the same total area") {
   Random random(3);
   for (int star = 0; star < 300; ++star) {
     CAPTURE(star);
@@ -185,7 +186,7 @@ TEST_CASE("random stars are cut into triangles that all wind their way and have 
       CHECK(area(a, b, c) >= 0);
       parts += area(a, b, c);
     }
-    // Sums of up to 60 terms, each at most half the square of 11 m and off by a few half-ulps.
+    // Sums of up to 60 terms, each at most half the square of 11 m with an error of several half-ulps.
     const double roundings_m2 = 2 * 60 * 4 * 0x1p-53 * (11 * 11 / 2.0) * 60;
     CHECK(std::abs(parts - whole) <= roundings_m2);
   }
@@ -249,7 +250,7 @@ TEST_CASE("identical meshes, textures and materials of two files are one") {
   CHECK(list.materials.size() == 1);
 }
 
-TEST_CASE("test data: other people's OBJ files") {
+TEST_CASE("test data: OBJ files of other projects") {
   const auto folder = test::test_data("peer_refs/drake/meshes");
   if (!folder) return;
   for (const char* name : {"box.obj", "rainbow_box.obj"}) {

@@ -1,4 +1,4 @@
-// Part files are read by a program of its own: whatever becomes of it, the caller gets an error in time.
+// Part files are read by a helper program: whatever happens to it, the caller gets an error in time.
 #include <doctest/doctest.h>
 
 #include <link.h>
@@ -73,7 +73,7 @@ std::string fault_after(void (*change)(ImportedScene&)) {
   return error_of([&] { unpack_imported_scene(pack_imported_scene(scene), "a.iv: error: "); });
 }
 
-// Whether the bytes are taken for a scene; if they are, it is sound.
+// Whether the bytes are accepted as a scene. If they are, checks that it is sound.
 bool is_taken(std::span<const std::uint8_t> bytes) {
   try {
     const ImportedScene scene = unpack_imported_scene(bytes, "");
@@ -86,7 +86,7 @@ bool is_taken(std::span<const std::uint8_t> bytes) {
   }
 }
 
-// What a program would answer with the scene and some messages.
+// The answer of a program with the scene and some messages.
 Bytes answer_of(const ImportedScene& scene) {
   int ends[2];
   REQUIRE(::pipe(ends) == 0);
@@ -100,7 +100,7 @@ Bytes answer_of(const ImportedScene& scene) {
   return bytes;
 }
 
-// A program that does what the shell commands say.
+// A program that runs the given shell commands.
 std::filesystem::path script(const TemporaryFolder& folder, const std::string& commands) {
   static int number = 0;
   const std::filesystem::path file = folder / ("program_" + std::to_string(++number));
@@ -123,7 +123,7 @@ SandboxedImport import_with(const std::filesystem::path& program) {
   return import;
 }
 
-// A text STL with so many facets.
+// A text STL file with this number of facets.
 std::string large_stl(int facets) {
   std::string text = "solid large\n";
   for (int i = 0; i < facets; ++i) {
@@ -136,16 +136,16 @@ std::string large_stl(int facets) {
 
 }  // namespace
 
-TEST_CASE("what a program answers arrives, however much it is") {
+TEST_CASE("an answer of any size arrives") {
   const TemporaryFolder folder;
   const SandboxReport report = run(script(folder, "head -c 3000000 /dev/zero >&3"));
   CHECK(report.end == SandboxEnd::finished);
   CHECK(report.answer == Bytes(3'000'000, 0));
 }
 
-TEST_CASE("a program has no files open but its answer, and hears of no signal mask") {
+TEST_CASE("a program has no open files but its answer, and no signal mask") {
   const TemporaryFolder folder;
-  const int leak = ::dup(STDOUT_FILENO);  // an open file without close-on-exec, as hosts have them
+  const int leak = ::dup(STDOUT_FILENO);  // an open file without close-on-exec, as in host programs
   const SandboxReport report =
       run(script(folder, "ls /proc/self/fd >&3; read line || echo none >&3; echo out; echo err >&2"));
   ::close(leak);
@@ -153,7 +153,7 @@ TEST_CASE("a program has no files open but its answer, and hears of no signal ma
   CHECK(text_of(report.answer) == "0\n1\n2\n3\n4\nnone\n");
 }
 
-TEST_CASE("a program that crashes, fails or hangs is reported as that, with what it answered before") {
+TEST_CASE("a program that crashes, fails or hangs is reported as such, with its earlier messages") {
   const TemporaryFolder folder;
   const SandboxReport crashed = run(script(folder, "printf before >&3; kill -SEGV $$"));
   CHECK(crashed.end == SandboxEnd::crashed);
@@ -164,7 +164,7 @@ TEST_CASE("a program that crashes, fails or hangs is reported as that, with what
   CHECK(failed.end == SandboxEnd::crashed);
   CHECK(failed.reason == "exit status 3");
 
-  // It would never end; the machine may be busy.
+  // It would never end. The machine may be busy.
   constexpr std::chrono::seconds kPatience{10};
   for (const char* hanging : {"printf before >&3; exec sleep 1000", "printf before >&3; exec 3>&-; exec sleep 1000"}) {
     const auto start = std::chrono::steady_clock::now();
@@ -175,7 +175,7 @@ TEST_CASE("a program that crashes, fails or hangs is reported as that, with what
   }
 }
 
-TEST_CASE("an answer without end is given up") {
+TEST_CASE("an endless answer is refused") {
   const TemporaryFolder folder;
   SandboxCall call{.program = script(folder, "exec cat /dev/zero >&3"), .arguments = {}};
   call.answer_bytes = 1'000'000;
@@ -184,7 +184,7 @@ TEST_CASE("an answer without end is given up") {
   CHECK(report.answer.size() == call.answer_bytes);
 }
 
-TEST_CASE("a program that is missing, or cannot run, is named") {
+TEST_CASE("a program that is missing or cannot run is named") {
   const TemporaryFolder folder;
   const auto error = [&](const std::filesystem::path& program) {
     try {
@@ -201,7 +201,7 @@ TEST_CASE("a program that is missing, or cannot run, is named") {
   CHECK(contains(error(script(folder, "exit 127")), "a shared library is missing"));
 }
 
-TEST_CASE("the programs of the tested build stand beside its library") {
+TEST_CASE("the programs of the tested build are in the folder of its library") {
   const std::filesystem::path program = import_program("simvis-import-mesh");
   CHECK(std::filesystem::exists(program));
   CHECK(program == std::filesystem::canonical(tested_build()) / "lib" / "simvis" / "simvis-import-mesh");
@@ -275,7 +275,7 @@ TEST_CASE("several threads read files side by side") {
   CHECK(triangles == std::vector<std::size_t>(kThreads, kFiles * 12));
 }
 
-TEST_CASE("a scene comes out of its bytes as it went in") {
+TEST_CASE("a scene survives serialisation unchanged") {
   const ImportedScene scene = unpack_imported_scene(pack_imported_scene(triangle_scene()), "");
   const ImportedScene expected = triangle_scene();
   CHECK(scene.meshes == expected.meshes);
@@ -319,7 +319,7 @@ TEST_CASE("a scene with a fault is refused") {
   CHECK(contains(fault_after([](Scene& s) { s.nodes[1].light->intensity = NAN; }), "not finite"));
 }
 
-TEST_CASE("cut and flipped bytes of an answer are refused or harmless") {
+TEST_CASE("truncated and flipped answers are refused or harmless") {
   const Bytes whole = pack_imported_scene(triangle_scene());
   for (std::size_t size = 0; size < whole.size(); ++size) {
     CHECK_THROWS_AS(unpack_imported_scene({whole.data(), size}, ""), InputError);
@@ -333,7 +333,7 @@ TEST_CASE("cut and flipped bytes of an answer are refused or harmless") {
   CHECK(refused > 0);
 }
 
-TEST_CASE("whatever bytes an answer has, reading it does no harm") {
+TEST_CASE("an answer with any bytes can be read without harm") {
   constexpr int kAnswers = 20'000;
   Random random;
   const Bytes whole = answer_of(triangle_scene());
@@ -344,7 +344,7 @@ TEST_CASE("whatever bytes an answer has, reading it does no harm") {
     for (std::uint64_t change = 1 + random.below(4); change > 0; --change) {
       const std::size_t at = random.below(bytes.size());
       if (random.below(3) == 0) {
-        // A size or an index of any magnitude, where one may stand.
+        // A size or an index of any magnitude at a place where one is allowed.
         const std::uint64_t number = (std::uint64_t{1} << random.below(64)) - random.below(2);
         std::memcpy(bytes.data() + at, &number, std::min(sizeof number, bytes.size() - at));
       } else {
@@ -357,13 +357,13 @@ TEST_CASE("whatever bytes an answer has, reading it does no harm") {
     ++with_scene;
     taken += is_taken(*answer.scene);
   }
-  // Both parsers were reached, and both outcomes seen.
+  // Both parsers were reached, and both results occurred.
   CHECK(with_scene > kAnswers / 10);
   CHECK(taken > 0);
   CHECK(taken < with_scene);
 }
 
-TEST_CASE("an answer of another version, a missing answer and a torn one are errors with the file's name") {
+TEST_CASE("an answer of another version, a missing answer and a truncated one are errors with the file's name") {
   const TemporaryFolder folder;
   const auto error_after = [&](const Bytes& answer) {
     write_bytes(folder / "answer", answer);

@@ -1,4 +1,4 @@
-// URDF robots as parts: links, joints and visuals against the numbers in the file, and everything that can be wrong.
+// URDF robots as parts: links, joints and visuals compared with the numbers in the file, and all errors.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -40,7 +40,7 @@ std::string robot(const std::string& content) {
   return "<?xml version=\"1.0\"?>\n<robot name=\"r\">\n" + content + "</robot>\n";
 }
 
-// A file in a folder of its own, inserted as the part ROBOT.
+// A file in its own folder, inserted as the part ROBOT.
 class UrdfScene {
  public:
   explicit UrdfScene(const std::string& content, const std::string& more = "") { build(robot(content), more); }
@@ -77,7 +77,7 @@ std::string error(const std::string& content) {
   return error_of([&] { UrdfScene scene(content); });
 }
 
-// Products of a few matrices of numbers near 1, each turned from a quaternion: some 30 roundings of half an ulp.
+// Products of a few matrices of numbers near 1, each converted from a quaternion: about 30 roundings of half an ulp.
 constexpr double kRoundings = 30 * 0x1p-53;
 
 void check_near(const glm::dmat4& a, const glm::dmat4& b) {
@@ -90,7 +90,7 @@ void check_near(const glm::dmat4& a, const glm::dmat4& b) {
 
 }  // namespace
 
-TEST_CASE("joints: kinds, axes, limits in degrees, and values that begin within them") {
+TEST_CASE("joints: kinds, axes, limits in degrees, and initial values within them") {
   UrdfScene scene(link_xml("base") + link_xml("a") + link_xml("b") + link_xml("c") + link_xml("d") + link_xml("e") +
                   joint_xml("turn", "revolute", "base", "a", std::string(R"(<axis xyz="0 0 2"/>)") + kLimit) +
                   joint_xml("spin", "continuous", "a", "b", R"(<axis xyz="0 1 0"/>)") +
@@ -111,7 +111,7 @@ TEST_CASE("joints: kinds, axes, limits in degrees, and values that begin within 
   CHECK(scene.built().scene.has_insertion_point("e"));
 }
 
-TEST_CASE("an arm of nested joints stands where the product of its matrices says, and moves with its values") {
+TEST_CASE("an arm of nested joints is placed by the product of its matrices and moves with its values") {
   const std::string first = R"(<origin xyz="1 2 3" rpy="0.1 0.2 0.3"/><axis xyz="0 0 1"/>)";
   const std::string second = R"(<origin xyz="0 0 0.5" rpy="-0.4 0 0"/><axis xyz="0 1 0"/>)";
   UrdfScene scene(
@@ -139,7 +139,7 @@ TEST_CASE("an arm of nested joints stands where the product of its matrices says
   check_near(scene.place(2), expected_b(35, -110));
 }
 
-TEST_CASE("what is inserted at a link moves with it; two robots of one file do not clash") {
+TEST_CASE("parts inserted at a link move with it; two robots of one file do not conflict") {
   UrdfScene scene(
       link_xml("base") + link_xml("hand") + joint_xml("j", "continuous", "base", "hand", R"(<axis xyz="0 0 1"/>)"),
       "<part file='r.urdf' name='R2' insert_at='hand' pose_offset='1 0 0 0 0 0'/>"
@@ -154,7 +154,7 @@ TEST_CASE("what is inserted at a link moves with it; two robots of one file do n
   check_near(world, matrix_from_degrees({1, 1, 0}, 0, 0, 0));
 }
 
-TEST_CASE("mimic joints: radians become degrees, kinds mix, rows of mimics are followed to their end") {
+TEST_CASE("mimic joints: radians become degrees, kinds are mixed, chains of mimics are followed to their end") {
   const std::string x = R"(<axis xyz="1 0 0"/>)";
   UrdfScene scene(
       link_xml("base") + link_xml("a") + link_xml("b", kBox) + link_xml("c", kBox) + link_xml("d", kBox) +
@@ -183,7 +183,7 @@ TEST_CASE("planar and floating joints") {
   check_near(scene.place(1), matrix_from_degrees({0, 0, 4}, 0, 10, 0));
 }
 
-TEST_CASE("solids: triangles, bounds, and surfaces within what their flat sides take away") {
+TEST_CASE("solids: triangles, bounds, and surfaces within the error of their flat sides") {
   UrdfScene scene(link_xml("base", std::string(kBox) +
                                        R"(<visual><geometry><cylinder radius="0.5" length="2"/></geometry></visual>)"
                                        R"(<visual><geometry><sphere radius="2"/></geometry></visual>)"
@@ -212,8 +212,8 @@ TEST_CASE("solids: triangles, bounds, and surfaces within what their flat sides 
   CHECK(surface(0) == 22);
   CHECK(list.meshes[list.items[1].mesh]->bounds_min == glm::vec3(-0.5, -0.5, -1));
   CHECK(list.meshes[list.items[2].mesh]->bounds_max.z == 2);
-  // A polygon of n sides within a circle has sin(x)/x of its length and area, x = pi / n and 2 pi / n; a sphere of such
-  // rings no less than the square of that.
+  // A polygon of n sides within a circle has sin(x)/x of its length and area, with x = pi / n and 2 pi / n. A sphere of
+  // such rings has at least the square of that.
   const double x = 2 * std::numbers::pi / kSidesAround, least = std::sin(x) / x;
   const double cylinder = 2 * std::numbers::pi * 0.5 * (0.5 + 2), sphere = 4 * std::numbers::pi * 4;
   CHECK(surface(1) < cylinder);
@@ -222,7 +222,7 @@ TEST_CASE("solids: triangles, bounds, and surfaces within what their flat sides 
   CHECK(surface(2) > sphere * least * least);
 }
 
-TEST_CASE("materials: of a visual, by name for the whole robot, with a picture; a mesh's own come first") {
+TEST_CASE("materials: of a visual, by name for the whole robot, with a picture; those of a mesh come first") {
   TemporaryFolder folder;
   std::filesystem::create_directories(folder / "my_robot/urdf");
   std::filesystem::create_directories(folder / "my_robot/meshes");
@@ -265,7 +265,7 @@ TEST_CASE("materials: of a visual, by name for the whole robot, with a picture; 
   CHECK(material(3).base_color == glm::vec4(1));
 }
 
-TEST_CASE("mistakes in robots are said with the place of the joint or link") {
+TEST_CASE("errors in robots name the place of the joint or link") {
   const std::string two = link_xml("a") + link_xml("b");
   CHECK(contains(error("<link name=\"a\">"), "r.urdf:3:18: malformed XML"));
   CHECK(contains(error(link_xml("a") + "<xacro:include filename=\"x\"/>"), "r.urdf:4:2: \"xacro:include\" is xacro"));
@@ -297,7 +297,7 @@ TEST_CASE("mistakes in robots are said with the place of the joint or link") {
                "link \"a\" has the material \"m\", which is not defined"));
 }
 
-TEST_CASE("mistakes in mimics") {
+TEST_CASE("errors in mimics") {
   const auto mimics = [](const std::string& of_b, const std::string& of_c) {
     const auto mimic = [](const std::string& leader) {
       return R"(<axis xyz="1 0 0"/>)" + (leader.empty() ? "" : "<mimic joint=\"" + leader + "\"/>");
@@ -312,7 +312,7 @@ TEST_CASE("mistakes in mimics") {
                  "joint \"jc\" mimics joint \"jb\", expected one that is revolute, continuous or prismatic"));
 }
 
-TEST_CASE("missing files name every place that was tried; URDF needs no up") {
+TEST_CASE("missing files name every place that was searched; URDF needs no up") {
   const auto mesh = [](const std::string& name) {
     return error(link_xml("a", "<visual><geometry><mesh filename=\"" + name + "\"/></geometry></visual>"));
   };
@@ -330,7 +330,7 @@ TEST_CASE("missing files name every place that was tried; URDF needs no up") {
                  "attribute \"up\" is not allowed"));
 }
 
-TEST_CASE("a decimal comma of the process's locale changes nothing") {
+TEST_CASE("a decimal comma in the locale of the process changes nothing") {
   struct Comma : std::numpunct<char> {
     char do_decimal_point() const override { return ','; }
   };
@@ -347,7 +347,7 @@ TEST_CASE("a decimal comma of the process's locale changes nothing") {
   CHECK(place[3] == glm::dvec4(1.5, -0.25, 1e-3, 1));
 }
 
-TEST_CASE("robots cut off or with changed letters are loaded or refused") {
+TEST_CASE("truncated robots and robots with changed letters are loaded or refused") {
   constexpr int kFiles = 400;
   const std::string whole = robot(
       link_xml("base", kBox) + link_xml("a", kBox) + joint_xml("j", "revolute", "base", "a", kLimit) + link_xml("b") +

@@ -24,12 +24,12 @@ Bits bits_of(const glm::vec3& position, const VertexAttributes& attributes) {
 
 }  // namespace
 
-TEST_CASE("vertices are numbered as they come, and those of equal bits once") {
+TEST_CASE("vertices are numbered in input order, and bitwise equal ones once") {
   std::mt19937 random(3);
   Mesh mesh;
   VertexNumbers numbers;
   std::map<Bits, std::uint32_t> expected;
-  // Few values of each component, so that vertices differ in any one of them and many come again.
+  // Few values of each component, so that vertices differ in any one of them and many repeat.
   const auto value = [&] { return static_cast<float>(random() % 3) - 1; };
   for (int i = 0; i < 50'000; ++i) {
     const glm::vec3 position{value(), value(), value()};
@@ -49,7 +49,7 @@ TEST_CASE("vertices are numbered as they come, and those of equal bits once") {
   CHECK(expected.size() > 7000);
 }
 
-TEST_CASE("minus zero is another vertex than zero: bits count") {
+TEST_CASE("minus zero and zero are different vertices: bits count") {
   Mesh mesh;
   VertexNumbers numbers;
   CHECK(numbers.add(mesh, {0, 0, 0}, {}) == 0);

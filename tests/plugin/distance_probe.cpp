@@ -1,4 +1,4 @@
-// A sensor that lives in a plug-in library: the distance to whatever lies on the x axis of its frame.
+// A sensor in a plug-in library: the distance to the surface on the x axis of its frame.
 //
 //     <sensor type="distance_probe" name="PROBE" insert_at="ROBOT"/>
 //

@@ -1,4 +1,4 @@
-// An element that lives in a plug-in library: a square plate that stands across the x axis.
+// An element in a plug-in library: a square plate perpendicular to the x axis.
 //
 //     <element type="plate" name="PLATE" insert_at="ROOT" x="3" size="2"/>
 //

@@ -1,4 +1,4 @@
-// A million beams of random scenes by the methods that cast, against a second ray cast in double.
+// A million beams in random scenes by the methods that cast, compared with a second ray cast in double.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -19,9 +19,9 @@ using namespace simvis;
 
 namespace {
 
-constexpr double kMaxError = 1e-6;          // relative: sixteen times what rounding a range to float32 can take
+constexpr double kMaxError = 1e-6;          // relative: sixteen times the rounding of a range to float32
 constexpr double kPublishedMaximum = 6e-8;  // README, "Figures": rays give the same bytes on every device
-constexpr double kBesideEdge = 1e-6;        // rad: of beams nearer to an edge it asks nothing
+constexpr double kBesideEdge = 1e-6;        // rad: beams closer to an edge are not checked
 
 const std::size_t kBeams = sanitized() ? 20'000 : 1'000'000;
 

@@ -1,4 +1,4 @@
-// Hard geometry for the ray caster: grazing, far away, tiny and huge, mirrored, flattened, degenerate, coincident.
+// Hard geometry for the ray caster: grazing, distant, tiny and huge, mirrored, flattened, degenerate, coincident.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -56,7 +56,7 @@ TEST_CASE("offsets from 10^3 to 10^7 m change nothing that a float32 range would
     const std::vector<RayHit> far = engine.cast(moved, offset * pose, directions);
     std::size_t other = 0;
     for (std::size_t i = 0; i < directions.size(); ++i) {
-      // Places rounded at the offset move edges, and a beam in some 10^4 across them.
+      // Positions rounded at the offset move edges, and a beam in about 10^4 across them.
       if (far[i].item != near[i].item || far[i].primitive != near[i].primitive) {
         ++other;
         continue;
@@ -67,7 +67,7 @@ TEST_CASE("offsets from 10^3 to 10^7 m change nothing that a float32 range would
   }
 }
 
-TEST_CASE("a part 1 mm wide seen from 100 km, and one 100 km wide with the sensor on its skin") {
+TEST_CASE("a part 1 mm wide seen from 100 km, and one 100 km wide with the sensor on its surface") {
   const RayEngine engine = each_engine();
   DrawList list;
   add_item(list, sphere_mesh(0.0005, 64), at(1e5, 0, 0));
@@ -96,7 +96,7 @@ TEST_CASE("scales from 1e-6 to 1e6, mirrored") {
   }
 }
 
-TEST_CASE("an item flattened to a plane is met where it lies, one collapsed to a line or point not at all") {
+TEST_CASE("an item flattened to a plane is hit at its place, and one collapsed to a line or point is not hit") {
   const RayEngine engine = each_engine();
   const auto sphere_scaled = [](const glm::dvec3& scale) {
     DrawList list;
@@ -111,7 +111,7 @@ TEST_CASE("an item flattened to a plane is met where it lies, one collapsed to a
   CHECK(engine.cast_one(sphere_scaled({0, 0, 0}), {1, 0, 0}).range_m == kInfinity);
 }
 
-TEST_CASE("degenerate triangles are not there; slivers are exact") {
+TEST_CASE("degenerate triangles are ignored; slivers are exact") {
   const RayEngine engine = each_engine();
   Mesh mesh;
   mesh.positions = {{2, -1, 0}, {2, 1, 0}, {2, 0, 1e-6f}, {1, 0, 0}, {1, 1, 1}};
@@ -119,7 +119,7 @@ TEST_CASE("degenerate triangles are not there; slivers are exact") {
   DrawList list;
   add_item(list, mesh, glm::dmat4(1.0));
   add_item(list, box_mesh({1, 40, 40}), at(6, 0, 0));
-  // Within the sliver, 2 m wide and a micrometre high; just above it; through the degenerate ones.
+  // In the sliver, 2 m wide and a micrometre high; just above it; through the degenerate ones.
   const RayHit inside = engine.cast_one(list, glm::normalize(glm::dvec3(2, 0.01, 4e-7)));
   CHECK(inside.item == 0);
   CHECK(inside.primitive == 3);
@@ -129,7 +129,7 @@ TEST_CASE("degenerate triangles are not there; slivers are exact") {
   CHECK(engine.cast_one(list, glm::normalize(glm::dvec3(1, 0.5, 0.5))).item == 1);
 }
 
-TEST_CASE("of coincident faces the first item's first is met") {
+TEST_CASE("the first triangle of the first item is hit among coincident faces") {
   const RayEngine engine = each_engine();
   DrawList list;
   for (int copy = 0; copy < 4; ++copy) add_item(list, sphere_mesh(1, 32), at(3, 0.1, 0.2));
@@ -143,7 +143,7 @@ TEST_CASE("of coincident faces the first item's first is met") {
   }
 }
 
-TEST_CASE("nothing, lines and points are not met; a list may be empty") {
+TEST_CASE("empty meshes, lines and points are not hit; a list may be empty") {
   const RayEngine engine = each_engine();
   DrawList list;
   CHECK(engine.cast_one(list, {1, 0, 0}) == RayHit{});

@@ -1,5 +1,5 @@
-// The ray caster against testing every triangle, against a second ray cast in double, inside closed meshes and through
-// holes; and what it costs.
+// The ray caster compared with a test of every triangle and with a second ray cast in double, in closed meshes and
+// through holes, and its cost.
 #include <simvis/ray_caster.h>
 
 #include <doctest/doctest.h>
@@ -22,10 +22,10 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kHalfUlp = 0x1p-24;  // of a float32, relative
 
-// Sanitizers make brute force some twenty times slower.
+// Brute force is about twenty times slower under sanitizers.
 const int kFewer = sanitized() ? 16 : 1;
 
-/// What a ray meets, found by testing every triangle.
+/// The hit of a ray, found by testing every triangle.
 RayHit brute_force(const DrawList& list, const glm::dmat4& world_from_sensor, const glm::dvec3& direction) {
   const ShearedRay ray(direction);
   RayHit nearest;
@@ -47,7 +47,7 @@ bool same(const RayHit& a, const RayHit& b) {
   return a.range_m == b.range_m && a.item == b.item && a.primitive == b.primitive;
 }
 
-/// A square of 2 x 2 m across x, its corners' uv from (0, 0) at (y, z) = (1, 1) to (1, 1) at (-1, -1).
+/// A square of 2 x 2 m perpendicular to x. Its uv goes from (0, 0) at (y, z) = (1, 1) to (1, 1) at (-1, -1).
 Mesh square() {
   Mesh mesh;
   mesh.positions = {{0, 1, 1}, {0, -1, 1}, {0, -1, -1}, {0, 1, -1}};
@@ -58,7 +58,7 @@ Mesh square() {
   return mesh;
 }
 
-/// A square 2 m ahead with its own material, a wall 5 m ahead.
+/// A square with its own material 2 m ahead and a wall 5 m ahead.
 DrawList curtain(const Material& material, const Mesh& mesh = square()) {
   DrawList list;
   add_item(list, box_mesh({1, 40, 40}), at(6, 0, 0));
@@ -72,12 +72,12 @@ DrawList curtain(const Material& material, const Mesh& mesh = square()) {
   return list;
 }
 
-/// Towards the point of the curtain with these texture coordinates.
+/// Direction to the point of the curtain with these texture coordinates.
 glm::dvec3 towards(double u, double v) { return glm::normalize(glm::dvec3(2, 1 - 2 * u, 1 - 2 * v)); }
 
 }  // namespace
 
-TEST_CASE("each ray meets what testing every triangle finds, to the bit") {
+TEST_CASE("each ray has the hit that a test of every triangle finds, to the bit") {
   const RayEngine engine = each_engine();
   std::mt19937 random(1);
   for (int room = 0; room * kFewer < 32; ++room) {
@@ -91,7 +91,7 @@ TEST_CASE("each ray meets what testing every triangle finds, to the bit") {
     const glm::dmat4 pose = at(0, 0, 1.2) * (room % 2 == 0 ? random_pose(random, 0.3) : glm::dmat4(1.0));
     std::vector<glm::dvec3> directions;
     for (int ray = 0; ray < 160; ++ray) directions.push_back(random_direction(random));
-    // Along the axes, as near to them as rounding leaves it and nearer, 16 of a kind side by side.
+    // Along the axes, as close as rounding allows and closer, 16 of a kind side by side.
     for (int axis = 0; axis < 3; ++axis) {
       for (int signs = 0; signs < 8; ++signs) {
         for (int k = 0; k < 16; ++k) {
@@ -114,7 +114,7 @@ TEST_CASE("each ray meets what testing every triangle finds, to the bit") {
   }
 }
 
-TEST_CASE("the same from afar, with worlds from a millimetre to 1000 km") {
+TEST_CASE("the same from a distance, with worlds from a millimetre to 1000 km") {
   const RayEngine engine = each_engine();
   std::mt19937 random(11);
   std::uniform_real_distribution<double> unit(-1, 1);
@@ -163,12 +163,12 @@ TEST_CASE("300,000 beams in random rooms against a second ray cast in double") {
     }
   }
   MESSAGE(beams << " beams: relative error at most " << worst << ", " << worst_use << " of the bound");
-  // The reference rounds as much as the caster does, and has no bound of its own: both may be off, either way.
+  // The reference has the same rounding as the caster and no bound of its own: both may deviate in either direction.
   CHECK(worst_use <= 2);
   CHECK(worst <= kHalfUlp);
 }
 
-TEST_CASE("closed meshes let nothing through: not between, along or at the ends of edges") {
+TEST_CASE("no beam leaves closed meshes between triangles, along edges or at vertices") {
   const RayEngine engine = each_engine();
   std::mt19937 random(3);
   std::uniform_real_distribution<double> unit(0, 1);
@@ -178,7 +178,7 @@ TEST_CASE("closed meshes let nothing through: not between, along or at the ends 
     add_item(list, turn % 3 == 0 ? box_mesh({5, 4, 3}) : closed_sphere_mesh(3, turn % 3 == 1 ? 16 : 64),
              turn < 8 ? glm::dmat4(1.0) : random_pose(random, turn < 16 ? 1 : 0));
     const Mesh& mesh = *list.meshes[0];
-    // In the middle, where tessellation lines run through the axes, and elsewhere within.
+    // At the centre, where tessellation lines run through the axes, and at other places inside.
     const glm::dmat4 pose = turn % 2 == 0 ? glm::dmat4(1.0) : random_pose(random, 0.4);
     const glm::dmat4 sensor_from_mesh = rigid_inverse(pose) * list.world_from_node[1];
     std::vector<glm::dvec3> directions;
@@ -224,7 +224,7 @@ TEST_CASE("masked texels let beams pass exactly where geometry says") {
   for (int ray = 0; ray < 3000; ++ray) {
     const double u = unit(random), v = unit(random);
     const double s = (2 * u - 0.5) * kTexels, t = (2 * v - 0.5) * kTexels;
-    // A beam so near a texel's border that float32 texture coordinates decide is nobody's.
+    // Beams so close to a texel's border that float32 texture coordinates decide are excluded.
     if (std::abs(s - std::round(s)) < 1e-5 || std::abs(t - std::round(t)) < 1e-5) continue;
     const std::int64_t column = s < 0          ? static_cast<std::int64_t>(-s)
                                 : s >= kTexels ? 2 * kTexels - 1 - static_cast<std::int64_t>(s)
@@ -238,7 +238,8 @@ TEST_CASE("masked texels let beams pass exactly where geometry says") {
   CHECK(met > 500);
 }
 
-TEST_CASE("alpha is base colour times vertex colour times texture between texels; blend is met from one half on") {
+TEST_CASE(
+    "alpha is base colour times vertex colour times interpolated texture; blended surfaces are hit from one half on") {
   const RayEngine engine = each_engine();
   auto texture = std::make_shared<Texture>();
   texture->width = 2;
@@ -265,7 +266,7 @@ TEST_CASE("alpha is base colour times vertex colour times texture between texels
   CHECK(engine.cast_one(curtain(plain), towards(0.4, 0.3)).item == 0);
 }
 
-TEST_CASE("a part that moves costs its own box, a new mesh its own tree, a sensor that moves nothing") {
+TEST_CASE("a moved part costs its box, a new mesh its tree, a moved sensor nothing") {
   const RayEngine engine = each_engine();
   DrawList list;
   add_item(list, closed_sphere_mesh(0.1, 16), at(0, 0, 0));
@@ -275,12 +276,12 @@ TEST_CASE("a part that moves costs its own box, a new mesh its own tree, a senso
   }
   const std::vector<glm::dvec3> down{{0, 0, -1}};
   std::vector<RayHit> hits(1);
-  // What only a device counts is for another test.
+  // Counters of devices are tested elsewhere.
   const auto look_from = [&](double x, double y) {
     engine.caster->set_world(list);
     engine.caster->cast(at(x, y, 1), down, hits);
     RayCounters counters = engine.caster->counters();
-    counters.item_tests = counters.triangle_tests = 0;  // how many depends on the trees
+    counters.item_tests = counters.triangle_tests = 0;  // the counts depend on the trees
     counters.bytes_uploaded = counters.dispatches = counters.rays_walked = 0;
     return counters;
   };
@@ -300,7 +301,7 @@ TEST_CASE("a part that moves costs its own box, a new mesh its own tree, a senso
   CHECK(look_from(3, 0.3) == expected);
   CHECK(hits[0].range_m == doctest::Approx(0.4).epsilon(1e-6));
 
-  // As animation does: another mesh in the place of the old one.
+  // As in animation, another mesh replaces the old one.
   list.meshes[0] = std::make_shared<Mesh>(*list.meshes[0]);
   ++expected.rays;
   ++expected.meshes_built;
@@ -309,7 +310,7 @@ TEST_CASE("a part that moves costs its own box, a new mesh its own tree, a senso
   ++expected.item_trees_built;
   CHECK(look_from(3, 0.3) == expected);
 
-  // Farther away than the tree's reach: boxes are counted from a new origin.
+  // Beyond the reach of the tree, boxes are counted from a new origin.
   ++expected.rays;
   expected.items_placed += 1000;
   ++expected.item_trees_refitted;
@@ -317,7 +318,7 @@ TEST_CASE("a part that moves costs its own box, a new mesh its own tree, a senso
   CHECK(hits[0].range_m == kInfinity);
 }
 
-TEST_CASE("the company that rays travel in changes nothing") {
+TEST_CASE("the other rays of a packet do not change a hit") {
   const RayEngine engine = each_engine();
   const DrawList list = random_room(9, 60, 24);
   const glm::dmat4 pose = at(0, 0, 1.2);
@@ -334,8 +335,8 @@ TEST_CASE("the company that rays travel in changes nothing") {
     CHECK(engine.cast_one(list, directions[i], pose) == hits[i]);
 }
 
-TEST_CASE("of many rays those of one group travel together, and with no others") {
-  // Two boxes side by side. Groups of rays look at one and the other in turns; the first ray of all looks elsewhere.
+TEST_CASE("rays of one group share a packet with no other group") {
+  // Two boxes side by side. Groups of rays hit one and the other in turns; the first of all rays points elsewhere.
   DrawList list;
   add_item(list, box_mesh({0.1, 0.1, 0.1}), at(2, 0.25, 0));
   add_item(list, box_mesh({0.1, 0.1, 0.1}), at(2, -0.25, 0));
@@ -350,7 +351,7 @@ TEST_CASE("of many rays those of one group travel together, and with no others")
   CHECK(host.caster->counters().item_tests == kGroups);
 }
 
-TEST_CASE("of each hit is told once, by whichever thread, before the cast returns") {
+TEST_CASE("each hit is reported once, by any thread, before the cast returns") {
   const RayEngine engine = each_engine();
   const DrawList list = random_room(9, 60, 24);
   std::mt19937 random(8);
@@ -358,7 +359,7 @@ TEST_CASE("of each hit is told once, by whichever thread, before the cast return
     std::vector<glm::dvec3> directions(rays);
     for (glm::dvec3& direction : directions) direction = random_direction(random);
     std::vector<RayHit> hits(rays), told(rays);
-    std::vector<int> times(rays, 0);  // no two threads are told of the same
+    std::vector<int> times(rays, 0);  // no two threads report the same one
     engine.caster->set_world(list);
     engine.caster->cast(at(0, 0, 1.2), directions, hits, {}, [&](std::size_t first, std::size_t count) {
       for (std::size_t i = first; i < first + count; ++i) {

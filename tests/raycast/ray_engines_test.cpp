@@ -1,5 +1,5 @@
-// The two engines of the ray caster against each other, to the bit; and what only the one on the device has: candidates
-// that overflow, and uploads.
+// The two engines of the ray caster agree to the bit. Features of the device engine only: candidate overflow and
+// uploads.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -22,7 +22,7 @@ namespace {
 
 const std::size_t kFewer = sanitized() ? 16 : 1;
 
-/// A masked material whose texels are there or not at random.
+/// A masked material with random opaque texels.
 std::shared_ptr<Material> leaves(std::mt19937& random) {
   auto texture = std::make_shared<Texture>();
   texture->width = texture->height = 16;
@@ -33,7 +33,7 @@ std::shared_ptr<Material> leaves(std::mt19937& random) {
   return material;
 }
 
-/// A square of 2 x 2 m across x whose texture repeats every half metre.
+/// A square of 2 x 2 m perpendicular to x whose texture repeats every half metre.
 Mesh leaf_mesh() {
   Mesh mesh;
   mesh.positions = {{0, 1, 1}, {0, -1, 1}, {0, -1, -1}, {0, 1, -1}};
@@ -52,7 +52,7 @@ void compare(const RayEngine& host, const RayEngine& device, const DrawList& lis
   CHECK(other == 0);
 }
 
-/// Half of them at random, half towards points of the list's triangles: corners, edges, or within.
+/// Half of the directions are random, half point to corners, edges or inner points of the list's triangles.
 std::vector<glm::dvec3> directions_into(const DrawList& list, const glm::dmat4& pose, std::size_t count,
                                         std::mt19937& random) {
   std::uniform_real_distribution<double> unit(0, 1);
@@ -77,7 +77,7 @@ std::vector<glm::dvec3> directions_into(const DrawList& list, const glm::dmat4& 
   return directions;
 }
 
-/// What rays from the origin meet by casting into each item alone: of those the nearest, of equals the first.
+/// Hits of rays from the origin, found by casting into each item alone: the nearest hit, or the first of equal ones.
 std::vector<RayHit> nearest_of_each(const DrawList& list, const std::vector<glm::dvec3>& directions) {
   const RayEngine device = device_engine();
   std::vector<RayHit> nearest(directions.size());
@@ -96,7 +96,7 @@ std::vector<RayHit> nearest_of_each(const DrawList& list, const std::vector<glm:
 
 }  // namespace
 
-TEST_CASE("random rooms with leaves, mirrored, stretched and flattened things, up to 10^7 m away") {
+TEST_CASE("random rooms with leaves and with mirrored, stretched and flattened items, up to 10^7 m away") {
   const RayEngine host = host_engine(), device = device_engine();
   std::mt19937 random(1);
   std::size_t rays = 0;
@@ -128,10 +128,10 @@ TEST_CASE("random rooms with leaves, mirrored, stretched and flattened things, u
   const RayCounters counters = device.caster->counters();
   MESSAGE(rays << " rays, " << counters.rays_walked << " of them walked by the host");
   CHECK(counters.dispatches == 20);
-  CHECK(counters.rays_walked < rays / 2);  // flattened things are
+  CHECK(counters.rays_walked < rays / 2);  // flattened items are
 }
 
-TEST_CASE("the marvin laboratory from the robot and from afar") {
+TEST_CASE("the marvin laboratory from the robot and from a distance") {
   const RayEngine host = host_engine(), device = device_engine();
   Simulation simulation = Simulation::load(std::filesystem::path(SIMVIS_SOURCE_DIR) / "scenes/marvin/marvin.xml");
   std::mt19937 random(2);
@@ -147,7 +147,7 @@ TEST_CASE("the marvin laboratory from the robot and from afar") {
   CHECK(device.caster->counters().rays_walked * 100 < device.caster->counters().rays);
 }
 
-TEST_CASE("more candidates than a ray can carry: leaves behind leaves, many surfaces at one place") {
+TEST_CASE("more candidates than a ray can hold: leaves behind leaves, many surfaces at one place") {
   const RayEngine device = device_engine();
   std::mt19937 random(3);
   DrawList list;
@@ -156,7 +156,7 @@ TEST_CASE("more candidates than a ray can carry: leaves behind leaves, many surf
   list.material_revision.push_back(0);
   constexpr int kCurtains = 4 * SIMVIS_MAX_CANDIDATES;
   for (int i = 0; i < kCurtains; ++i) {
-    // In no order, every fourth in the place of another.
+    // Unordered, every fourth at the place of another.
     add_item(list, leaf_mesh(), at(2 + 0.1 * ((i - i % 4 / 3) * 11 % kCurtains), 0, 0));
     list.items.back().material = 1;
   }
@@ -175,10 +175,10 @@ TEST_CASE("more candidates than a ray can carry: leaves behind leaves, many surf
   CHECK(device.caster->counters().rays_walked > 100);
 }
 
-TEST_CASE("of faces in one plane always the same item's is met, in whatever order they are come upon or declared") {
-  // The second item's face lies in the plane of the first's, and its box, for a corner far from all rays, is entered
-  // first; the third is a thousand times as large and turned about the axis through the plane. Across that axis all
-  // corners have one depth, which is then the range's, to the bit.
+TEST_CASE("among faces in one plane the same item is hit in any order of traversal or declaration") {
+  // The face of the second item lies in the plane of the first one's, and its box is entered first because of a corner
+  // far from all rays. The third item is a thousand times as large and rotated about the axis through the plane. All
+  // corners across that axis have one depth, which is then the range to the bit.
   DrawList list;
   add_item(list, box_mesh({1, 1, 1}), at(3, 0, 0));
   Mesh face;
@@ -201,7 +201,7 @@ TEST_CASE("of faces in one plane always the same item's is met, in whatever orde
   }
 }
 
-TEST_CASE("what has faded below one half lets rays pass, whoever casts; nothing need move for that") {
+TEST_CASE("both engines let rays pass parts faded below one half, and no part has to move for that") {
   const RayEngine engine = each_engine();
   DrawList list;
   add_item(list, box_mesh({1, 40, 40}), at(6, 0, 0));
@@ -225,7 +225,7 @@ TEST_CASE("what has faded below one half lets rays pass, whoever casts; nothing 
   CHECK(range_with(0.75f, AlphaMode::blend, 0.7f) == 2);
 }
 
-TEST_CASE("of 1,000 parts one that moves costs its block and the nodes above it; nothing else is uploaded") {
+TEST_CASE("one moved part of 1,000 costs its block and the nodes above it, and nothing else is uploaded") {
   DrawList list;
   add_item(list, closed_sphere_mesh(0.1, 32), at(0, 0, 0));
   for (int i = 1; i < 1000; ++i) {
@@ -257,7 +257,7 @@ TEST_CASE("of 1,000 parts one that moves costs its block and the nodes above it;
   CHECK(moved.item_trees_refitted == 1);
   CHECK(moved.bytes_uploaded >= block + node);
   CHECK(moved.bytes_uploaded <= block + node * SIMVIS_TREE_DEPTH);
-  // All of them, far from where the tree was built for: it is built anew, of 2 * 1000 - 1 nodes.
+  // All parts, far from the place for which the tree was built: it is rebuilt, with 2 * 1000 - 1 nodes.
   const RayCounters mixed = cost_of([&] {
     for (std::size_t i = 0; i < 1000; ++i) {
       const double place = static_cast<double>(i * 389 % 1000);
@@ -269,7 +269,7 @@ TEST_CASE("of 1,000 parts one that moves costs its block and the nodes above it;
   CHECK(mixed.bytes_uploaded == 1000 * block + 1999 * node);
 }
 
-TEST_CASE("what stands nowhere is not met, and hides nothing") {
+TEST_CASE("an item without a finite place is not hit and hides nothing") {
   const RayEngine engine = each_engine();
   DrawList list;
   for (const double nowhere : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
@@ -282,7 +282,7 @@ TEST_CASE("what stands nowhere is not met, and hides nothing") {
   CHECK(hit.item == 4);
 }
 
-TEST_CASE("meshes come and go, as animation has it") {
+TEST_CASE("meshes are added and removed, as in animation") {
   const RayEngine device = device_engine();
   std::mt19937 random(4);
   DrawList list = random_room(3, 12, 32);
@@ -299,7 +299,7 @@ TEST_CASE("meshes come and go, as animation has it") {
   CHECK(ray_device().validation_messages() == 0);
 }
 
-TEST_CASE("the engine is the host where the device is its own cores; else the device") {
+TEST_CASE("the engine is the host if the device runs on the same cores, otherwise the device") {
   CHECK(make_ray_caster(ray_device())->engine() == (ray_device().is_cpu() ? "the host" : "a compute shader"));
   CHECK(device_engine().caster->engine() == "a compute shader");
 }

@@ -1,4 +1,4 @@
-// Rays that pass what they meet up to a range: against every triangle tested in double, by both engines, to the bit.
+// Rays that ignore hits up to a range: compared with a test of every triangle in double, for both engines, to the bit.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -24,7 +24,7 @@ std::shared_ptr<Material> holes(std::mt19937& random) {
   return material;
 }
 
-// A room with masked curtains across it.
+// A room divided by masked curtains.
 DrawList room_with_curtains(std::uint32_t seed) {
   std::mt19937 random(seed);
   DrawList list = random_room(seed, 24, 12);
@@ -43,7 +43,7 @@ DrawList room_with_curtains(std::uint32_t seed) {
   return list;
 }
 
-// The ranges of all triangles that the ray meets where they are solid, ascending.
+// The ranges of all triangles that the ray hits where they are solid, ascending.
 std::vector<double> all_ranges(const DrawList& list, const glm::dmat4& pose, const glm::dvec3& direction) {
   std::vector<double> ranges;
   const ShearedRay ray(direction);
@@ -63,7 +63,7 @@ std::vector<double> all_ranges(const DrawList& list, const glm::dmat4& pose, con
 
 }  // namespace
 
-TEST_CASE("what is met at or before the given range is passed, and what lies beyond is met, to the bit") {
+TEST_CASE("hits at or before the given range are ignored, and the next one is reported, to the bit") {
   const RayEngine engine = each_engine();
   std::mt19937 random(5);
   std::uniform_real_distribution<double> metres(0, 8);
@@ -81,7 +81,7 @@ TEST_CASE("what is met at or before the given range is passed, and what lies bey
       const glm::dvec3 direction = random_direction(random);
       const std::vector<double> ranges = all_ranges(moved, pose, direction);
       REQUIRE(!ranges.empty());  // the room is closed
-      // Nothing, anywhere, and what is met first, second and last: to the bit, and one step before.
+      // Nothing, anywhere, and the first, second and last hit: to the bit, and one step before.
       std::vector<double> starts{0, metres(random), ranges.front(), ranges.back(), std::nextafter(ranges.front(), 0.0)};
       if (ranges.size() > 1) starts.push_back(ranges[1]);
       for (const double start : starts) {
@@ -105,7 +105,7 @@ TEST_CASE("what is met at or before the given range is passed, and what lies bey
   CHECK(ray_device().validation_messages() == 0);
 }
 
-TEST_CASE("the engines agree to the bit on what lies beyond") {
+TEST_CASE("the engines agree to the bit on hits beyond the range") {
   const RayEngine host = host_engine(), device = device_engine();
   std::mt19937 random(6);
   std::uniform_real_distribution<double> metres(0, 8);
@@ -117,7 +117,7 @@ TEST_CASE("the engines agree to the bit on what lies beyond") {
     std::vector<double> t_min_m(directions.size());
     for (double& start : t_min_m) start = metres(random);
     std::vector<RayHit> by_host(directions.size()), by_device(directions.size());
-    // Through everything, surface after surface.
+    // Through all surfaces, one after the other.
     for (int surface = 0; surface < 6; ++surface) {
       host.caster->set_world(list);
       host.caster->cast(pose, directions, by_host, t_min_m);
@@ -129,7 +129,7 @@ TEST_CASE("the engines agree to the bit on what lies beyond") {
       }
     }
   }
-  // The shader leaves out what is passed: few rays are left to the host.
+  // The shader skips ignored hits, so few rays are left to the host.
   CHECK(device.caster->counters().rays_walked * 20 < device.caster->counters().rays);
 }
 

@@ -20,10 +20,10 @@ namespace simvis {
 namespace {
 
 constexpr unsigned kThreads[] = {1, 2, 3, 8};
-// Above these a tree is built, and a mesh is sorted, on several threads: see bvh.cpp and clusters.cpp.
+// Above these sizes a tree is built, and a mesh is sorted, on several threads: see bvh.cpp and clusters.cpp.
 constexpr std::size_t kTriangles = 110'000;
 
-/// Patches that overlap at random, so that a wrong tree would show.
+/// Patches that overlap at random, so that a wrong tree would be noticed.
 Mesh random_triangles(std::size_t count) {
   std::mt19937 random(5);
   std::uniform_real_distribution<float> place(-5, 5), edge(-0.1f, 0.1f);

@@ -1,4 +1,4 @@
-// Attribute tables: defaults, ranges, choices, and the messages for what is not allowed.
+// Attribute tables: defaults, ranges, choices, and messages about wrong values.
 #include <simvis/attributes.h>
 
 #include <doctest/doctest.h>
@@ -49,7 +49,7 @@ std::string error(const std::string& attributes) {
   return error_of([&] { values(attributes); });
 }
 
-TEST_CASE("defaults hold where nothing is written") {
+TEST_CASE("missing attributes have their defaults") {
   const AttributeValues v = values("");
   CHECK(v.number("hfov") == 60);
   CHECK(v.integer("width") == 640);
@@ -61,7 +61,7 @@ TEST_CASE("defaults hold where nothing is written") {
   CHECK(to_string(v.where("hfov")) == "s.xml:1:2");
 }
 
-TEST_CASE("what is written is read") {
+TEST_CASE("written attributes are read") {
   const AttributeValues v = values("hfov=' 1.5e1 ' width='1' outputs='depth  color' method='planar' axis='-1 .5 2.'");
   CHECK(v.number("hfov") == 15);
   CHECK(v.integer("width") == 1);
@@ -74,7 +74,7 @@ TEST_CASE("what is written is read") {
   CHECK(to_string(v.where("hfov")) == "s.xml:1:18");
 }
 
-TEST_CASE("what is not allowed is refused at the attribute") {
+TEST_CASE("wrong values are refused at the attribute") {
   CHECK(error("hfov='180'") ==
         "s.xml:1:18: error: attribute \"hfov\": 180 is not allowed, expected a number greater than 0 and below 180 "
         "(deg)");
@@ -111,14 +111,14 @@ TEST_CASE("only finite decimal numbers are numbers") {
   CHECK(check_number(kTable[0], 179.999).empty());
 }
 
-TEST_CASE("numbers print so that they read back, whole ones written out") {
+TEST_CASE("numbers are printed so that they read back") {
   CHECK(format_number(1000000) == "1000000");
   CHECK(format_number(0.1) == "0.1");
   CHECK(format_number(-2.5e-300) == "-2.5e-300");
   CHECK(format_number(1e15) == "1e+15");
 }
 
-TEST_CASE("the nearest name is a likely slip of the pen") {
+TEST_CASE("the nearest name is a likely typing error") {
   constexpr std::string_view kNames[] = {"x", "y", "hfov", "R_POSE", "laser_scanner", "resolution"};
   CHECK(nearest_name("lasersanner", kNames) == "laser_scanner");
   CHECK(nearest_name("fov", kNames) == "hfov");
@@ -154,12 +154,12 @@ TEST_CASE("the description shows every row within 120 columns") {
   }
 }
 
-TEST_CASE("notes stand between the summary and the table, as paragraphs") {
+TEST_CASE("notes are paragraphs between the summary and the table") {
   CHECK(contains(describe("t", "s", kTable, "one\ntwo"), "t: s\n\none\n\ntwo\n\nname "));
   CHECK(describe("t", "s", {}, "one") == "t: s\n\none\n");
 }
 
-TEST_CASE("a Markdown table has a line for each attribute, and no markup of the texts") {
+TEST_CASE("a Markdown table has a line for each attribute and escapes the texts") {
   const AttributeSpec row{
       .name = "kind", .kind = AttributeKind::choice, .default_value = "a", .text = "a * b [c]", .choices = "a b"};
   CHECK(markdown_table({&row, 1}) ==
@@ -169,7 +169,7 @@ TEST_CASE("a Markdown table has a line for each attribute, and no markup of the 
   CHECK(markdown_table({}) == "");
 }
 
-TEST_CASE("a table with a mistake in it is found out") {
+TEST_CASE("a mistake in a table is detected") {
   CHECK(check_table(kTable).empty());
   AttributeSpec rows[] = {kTable[0], kTable[0]};
   CHECK(check_table(rows) == "attribute \"hfov\": is in the table twice");

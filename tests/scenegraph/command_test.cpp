@@ -1,4 +1,4 @@
-// The scene language: what is read, and where each mistake is reported.
+// The scene language: valid input and the place of each error.
 #include <simvis/command.h>
 
 #include <doctest/doctest.h>
@@ -33,14 +33,14 @@ TEST_CASE("commands are read with and without a root element") {
   }
 }
 
-TEST_CASE("no command at all is an empty scene") {
+TEST_CASE("a file without commands is an empty scene") {
   for (const char* xml : {"", "  \n", "<!-- nothing -->", "<scene/>", "<scene>\n</scene>", "\xef\xbb\xbf"}) {
     CAPTURE(xml);
     CHECK(parse(xml).empty());
   }
 }
 
-TEST_CASE("places count lines and bytes from 1, whatever ends the lines") {
+TEST_CASE("places count lines and bytes from 1 for all line endings") {
   for (const std::string end : {"\n", "\r\n", "\r"}) {
     for (const std::string start : {"", "\xef\xbb\xbf"}) {
       const std::string xml = start + "<scene>" + end + "  <part" + end + "    file = 'x > y=\"z\"'" + end +
@@ -56,7 +56,7 @@ TEST_CASE("places count lines and bytes from 1, whatever ends the lines") {
   }
 }
 
-TEST_CASE("mistakes are reported where they stand") {
+TEST_CASE("errors are reported at their place") {
   CHECK(error("<scene>\n <elemnt name='x'/></scene>") ==
         "s.xml:2:3: error: unknown command \"elemnt\", did you mean \"element\"? (expected part, element or sensor)");
   CHECK(contains(error("<prat file='x'/>"), "s.xml:1:2: error: unknown command \"prat\", did you mean \"part\"?"));
@@ -69,7 +69,7 @@ TEST_CASE("mistakes are reported where they stand") {
   CHECK(contains(error("<part/><scene><part/></scene>"), "unknown command \"scene\""));
 }
 
-TEST_CASE("malformed XML and what is no text") {
+TEST_CASE("malformed XML and input that is not text") {
   CHECK(contains(error("<scene>\n<part file=\"a></scene>"), "malformed XML: "));
   CHECK(contains(error("<scene>\n<part></scene>"), "s.xml:2:"));
   CHECK(contains(error("<scene><part/>"), "malformed XML: "));
@@ -99,7 +99,7 @@ TEST_CASE("names") {
   CHECK(parse("<part name='chair.001/visual'/>").size() == 1);
 }
 
-TEST_CASE("a command prints as it could stand in a file, and reads back") {
+TEST_CASE("a command is printed in the scene language and reads back") {
   const std::vector<Command> commands = parse("<part file='a \"&lt;&amp;>&#10;b' up='y'/>");
   const std::string text = to_string(commands[0]);
   CHECK(text == "<part file=\"a &quot;&lt;&amp;>&#10;b\" up=\"y\"/>");

@@ -1,4 +1,4 @@
-// Equal content becomes one object, and is forgotten when nobody holds it.
+// Equal content becomes one object, which is removed when nothing uses it.
 #include <doctest/doctest.h>
 
 #include <limits>
@@ -29,7 +29,7 @@ Texture picture() {
 
 }  // namespace
 
-TEST_CASE("equal meshes are one, names aside; each difference makes another") {
+TEST_CASE("equal meshes are one object regardless of names; each difference makes another") {
   ContentPool pool;
   const auto first = pool.intern(triangle());
   Mesh named = triangle();
@@ -72,7 +72,7 @@ TEST_CASE("textures compare by pixels and sampler") {
   CHECK(pool.intern(std::move(shape)) != first);
 }
 
-TEST_CASE("materials compare by value and by which texture they have") {
+TEST_CASE("materials compare by value and by their textures") {
   ContentPool pool;
   const auto texture = pool.intern(picture());
   Material a, b, other_texture, other_uv, unlit, faded, glossy, metal, relief;
@@ -98,7 +98,7 @@ TEST_CASE("materials compare by value and by which texture they have") {
   CHECK(pool.intern(std::move(relief)) != first);
 }
 
-TEST_CASE("the pool holds nothing alive") {
+TEST_CASE("the pool keeps nothing alive") {
   ContentPool pool;
   std::weak_ptr<const Mesh> watched;
   {
@@ -110,7 +110,7 @@ TEST_CASE("the pool holds nothing alive") {
   CHECK(pool.intern(triangle()) != nullptr);
 }
 
-TEST_CASE("many contents that come and go keep their identity") {
+TEST_CASE("many added and removed contents keep their identity") {
   constexpr int kMany = 5000;
   ContentPool pool;
   std::vector<std::shared_ptr<const Mesh>> kept;

@@ -67,7 +67,7 @@ TEST_CASE("a group passes its state on, a separator restores it") {
   CHECK(list.meshes.size() == 1);
 }
 
-TEST_CASE("a changed transform rewrites what it governs and nothing else") {
+TEST_CASE("a changed transform rewrites only what it affects") {
   Example e;
   Flattener flattener(e.root);
   flattener.update();
@@ -89,7 +89,7 @@ TEST_CASE("a changed transform rewrites what it governs and nothing else") {
   CHECK(flattener.counters().nodes_visited == before.nodes_visited);
 }
 
-TEST_CASE("nothing changed costs nothing") {
+TEST_CASE("an unchanged graph costs nothing") {
   Example e;
   Flattener flattener(e.root);
   const DrawList::Revisions revisions = flattener.update().revisions;
@@ -123,7 +123,7 @@ TEST_CASE("a node under two parents is drawn twice, and moves in both places") {
   CHECK(flattener.counters().transforms_written == 2);
 }
 
-TEST_CASE("materials: equal pointers share a slot, a changed node has its own and a change writes just that") {
+TEST_CASE("materials: equal pointers share a slot, a changed node has its own, and a change writes only that") {
   const auto root = std::make_shared<Separator>();
   const auto material = painted(0.25f);
   const auto first = std::make_shared<MaterialNode>(material);
@@ -194,10 +194,10 @@ TEST_CASE("a switch shows one child, all or none") {
   choice->set_which(2);
   const DrawList& list = flattener.update();
   REQUIRE(list.items.size() == 1);
-  CHECK(x_of(list, 0) == 0);  // the transform before it was not traversed
+  CHECK(x_of(list, 0) == 0);  // the transform in front of it was not traversed
 }
 
-TEST_CASE("mounts say where they stand, and only where they are reached") {
+TEST_CASE("mounts report their place, but only if they are reached") {
   const auto root = std::make_shared<Separator>();
   const auto mount = std::make_shared<Mount>();
   const auto place = std::make_shared<Transform>(moved(1, 2, 3));
@@ -253,7 +253,7 @@ TEST_CASE("a cycle is refused") {
   inner->remove(*root);
 }
 
-TEST_CASE("after any changes the list equals one flattened afresh") {
+TEST_CASE("after any changes the list equals a newly flattened one") {
   std::mt19937 random(7);
   const auto pick = [&](std::size_t n) { return std::uniform_int_distribution<std::size_t>(0, n - 1)(random); };
   std::vector<GroupPtr> groups{std::make_shared<Separator>()};

@@ -1,4 +1,4 @@
-// Poses: rotations worked out by hand, exact quarter turns, huge angles.
+// Poses: rotations computed by hand, exact quarter turns, huge angles.
 #include <simvis/pose.h>
 
 #include <doctest/doctest.h>
@@ -14,7 +14,8 @@ TEST_SUITE_BEGIN("scenegraph");
 namespace simvis {
 namespace {
 
-// A matrix element is a sum of at most two products of sines and cosines, each off by an ulp or so: 8 half-ulps of 1.
+// A matrix element is a sum of at most two products of sines and cosines, each with an error of about one ulp: 8
+// half-ulps of 1.
 constexpr double kRounding = 8 * 1.2e-16;
 
 double difference(const glm::dmat4& a, const glm::dmat4& b) {
@@ -29,7 +30,7 @@ glm::dvec3 turned(const glm::dvec3& v, double roll, double pitch, double yaw) {
   return glm::dmat3(matrix_from_degrees({}, roll, pitch, yaw)) * v;
 }
 
-TEST_CASE("quarter turns are exact and go the right way round") {
+TEST_CASE("quarter turns are exact and have the right direction") {
   const glm::dvec3 x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
   CHECK(turned(x, 0, 0, 90) == y);
   CHECK(turned(y, 0, 0, 90) == -x);
@@ -39,12 +40,12 @@ TEST_CASE("quarter turns are exact and go the right way round") {
   CHECK(turned(y, 90, 0, 0) == z);
   CHECK(turned(z, 90, 0, 0) == -y);
   CHECK(turned(x, 0, 0, 180) == -x);
-  // Roll comes first, yaw last: y rolls up to z, which no yaw turns.
+  // Roll comes first, yaw last: y rolls up to z, which yaw does not turn.
   CHECK(turned(y, 90, 0, 90) == z);
   CHECK(turned(y, 90, 90, 0) == x);
 }
 
-TEST_CASE("other angles agree with the rotations multiplied one by one") {
+TEST_CASE("other angles equal the product of single rotations") {
   const double roll = 17, pitch = -40, yaw = 115, rad = glm::pi<double>() / 180;
   const auto c = [&](double d) { return std::cos(d * rad); };
   const auto s = [&](double d) { return std::sin(d * rad); };
@@ -67,12 +68,12 @@ TEST_CASE("huge angles equal their remainder") {
   CHECK(std::isfinite(sincos_deg(1e300).sin));
 }
 
-TEST_CASE("sine and cosine agree with the library's, and are exact at quarter turns") {
+TEST_CASE("sine and cosine equal those of the library, and are exact at quarter turns") {
   for (int degrees = -720; degrees <= 720; ++degrees) {
     CAPTURE(degrees);
     const auto [sin, cos] = sincos_deg(degrees);
     const double reduced = std::remainder(degrees, 360) * (glm::pi<double>() / 180);
-    // The library's argument is off by half an ulp of pi.
+    // The argument of the library has an error of half an ulp of pi.
     CHECK(std::abs(sin - std::sin(reduced)) < 5e-16);
     CHECK(std::abs(cos - std::cos(reduced)) < 5e-16);
     if (degrees % 90 == 0) {

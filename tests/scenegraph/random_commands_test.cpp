@@ -1,5 +1,5 @@
-// Random sequences of commands and parameter changes: the scene that took them one by one, flattened after each, equals
-// the scene built afresh from the same commands and values, draw list for draw list.
+// Random sequences of commands and parameter changes: the scene that executes them one by one, flattened after each,
+// equals the scene built from the same commands and values at once, draw list for draw list.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -18,7 +18,7 @@ TEST_SUITE_BEGIN("scenegraph");
 namespace simvis {
 namespace {
 
-const int kSequences = sanitized() ? 1000 : 10000;  // the release run makes them all
+const int kSequences = sanitized() ? 1000 : 10000;  // the release run makes all of them
 constexpr int kSteps = 12;                          // commands or changes of parameters in one sequence
 constexpr double kFarthest = 100;                   // parameters are drawn within this, and within their limits
 
@@ -53,7 +53,7 @@ class Sequence {
     return std::string(points[pick(points.size())]);
   }
 
-  // Elements that need nothing but an insertion point, and those that name a part.
+  // Elements that need only an insertion point, and those that name a part.
   std::string some_element() {
     static constexpr std::array kTypes = {"pose",
                                           "joint",
@@ -136,7 +136,7 @@ class Sequence {
 
 }  // namespace
 
-TEST_CASE("what grew step by step equals what is built at once") {
+TEST_CASE("a scene that grew step by step equals one that is built at once") {
   const TemporaryFolder folder;
   write_text(folder / "a.stub", "triangle 1");
   write_text(folder / "b.stub", "triangle 2\npoint TOP");

@@ -1,4 +1,4 @@
-// Executing commands: what stands where in the graph, and what is refused.
+// Execution of commands: the places in the graph, and errors.
 #include <simvis/scene.h>
 
 #include <doctest/doctest.h>
@@ -18,7 +18,7 @@ constexpr AttributeSpec kProbeAttributes[] = {
     {.name = "gain", .kind = AttributeKind::number, .default_value = "1", .text = "a number", .min = 0, .max = 10},
 };
 
-// A sensor that measures nothing and keeps one number.
+// A sensor that measures nothing and stores one number.
 class Probe : public Sensor {
  public:
   explicit Probe(const SensorContext& context) : gain(context.attributes.number("gain")) {}
@@ -75,7 +75,7 @@ TEST_CASE("an empty scene has ROOT and its insertion point") {
   CHECK(built.scene.insertion_points() == std::vector<std::string_view>{"ROOT"});
 }
 
-TEST_CASE("parts stand right before their insertion point, in order, with their offset") {
+TEST_CASE("parts are placed directly before their insertion point, in order, with their offset") {
   const Stage stage;
   const BuiltScene built = stage.build(R"(
     <part file="a.stub" name="A" insert_at="ROOT" pose_offset="1 2 3 0 0 90"/>
@@ -86,12 +86,12 @@ TEST_CASE("parts stand right before their insertion point, in order, with their 
   CHECK(children(child(root, 0)) == "transform, separator C, point A, separator a.stub");
   CHECK(children(child(root, 1)) == "point B, separator b.STUB");
   CHECK(dynamic_cast<const Transform&>(child(child(root, 0), 0)).matrix() == matrix_from_degrees({1, 2, 3}, 0, 0, 90));
-  // One file is one content.
+  // One file is one content object.
   CHECK(&child(child(root, 0), 3) == &child(child(child(root, 0), 1), 1));
   CHECK(built.scene.warnings().size() == 1);
 }
 
-TEST_CASE("an element at a part's name stands before the part's content and moves it, with later guests") {
+TEST_CASE("an element at a part's name precedes the part's content and moves it, with parts that are inserted later") {
   const Stage stage;
   const BuiltScene built = stage.build(R"(
     <part file="a.stub" name="A" insert_at="ROOT"/>
@@ -128,7 +128,7 @@ TEST_CASE("a file is read once per up axis") {
   CHECK(last_stub_import.up == UpAxis::y);
 }
 
-TEST_CASE("mistakes in parts") {
+TEST_CASE("errors in parts") {
   const Stage stage;
   write_text(stage.folder / "broken.stub", "broken");
   write_text(stage.folder / "x.txt", "");
@@ -152,7 +152,7 @@ TEST_CASE("mistakes in parts") {
                  "expected six finite numbers"));
 }
 
-TEST_CASE("names are taken once per kind") {
+TEST_CASE("names are unique per kind") {
   const Stage stage;
   CHECK(
       stage.error("<part file='a.stub' name='A' insert_at='ROOT'/>\n<part file='a.stub' name='A' insert_at='ROOT'/>") ==
@@ -184,7 +184,7 @@ TEST_CASE("insertion points must exist when the command is executed") {
   CHECK(contains(stage.error("<part file='a.stub' name='A' insert_at='A'/>"), "there is no insertion point \"A\""));
 }
 
-TEST_CASE("mistakes in elements and sensors") {
+TEST_CASE("errors in elements and sensors") {
   const Stage stage;
   CHECK(contains(stage.error("<element type='pos' name='P' insert_at='ROOT'/>"),
                  "s.xml:1:10: error: unknown element type \"pos\", did you mean \"pose\"? (expected one of: "));
@@ -200,7 +200,7 @@ TEST_CASE("mistakes in elements and sensors") {
                  "s.xml:1:48: error: attribute \"x\": \"nan\" is not allowed, expected a number from"));
 }
 
-TEST_CASE("commands that a part carries are executed after it, with names of their own the second time") {
+TEST_CASE("commands in a part are executed after it, with prefixed names for its second copy") {
   const Stage stage;
   write_text(stage.folder / "robot.stub",
              "<part file='a.stub' name='ARM'/><element type='pose' name='LIFT' insert_at='ARM'/>\n"
@@ -219,7 +219,7 @@ TEST_CASE("commands that a part carries are executed after it, with names of the
   CHECK(built.parameters.changes().size() == 11);
 }
 
-TEST_CASE("mistakes in carried commands name both places") {
+TEST_CASE("errors in commands of a part name both places") {
   const Stage stage;
   write_text(stage.folder / "self.stub", "<part file='self.stub' name='B'/>");
   CHECK(contains(stage.error("<part file='self.stub' name='A' insert_at='ROOT'/>"),
@@ -235,7 +235,7 @@ TEST_CASE("mistakes in carried commands name both places") {
   }
 }
 
-TEST_CASE("overrides replace attributes of all sensors of a type, carried ones too") {
+TEST_CASE("overrides replace attributes of all sensors of a type, also of those in parts") {
   const Stage stage;
   write_text(stage.folder / "eye.stub", "<sensor type='probe' name='EYE' gain='3'/>");
   const std::string xml =

@@ -1,4 +1,4 @@
-// Identical content is held once and drawn by instancing, whatever file it comes from and in whatever order.
+// Identical content is stored once and drawn by instancing, for any files and any order.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -32,7 +32,7 @@ std::string square(float size, std::uint8_t grey) {
   return gltf.text();
 }
 
-// One part command per place of a grid that the camera sees whole.
+// One part command per place of a grid that is completely visible to the camera.
 std::string part(const std::string& file, int place) {
   const double y = (place % kColumns - kColumns / 2) * 0.5, z = (place / kColumns - kTables / kColumns / 2) * 0.5;
   return "<part file='" + file + "' name='P" + std::to_string(place) + "' insert_at='ROOT' pose_offset='10 " +
@@ -57,14 +57,14 @@ Seen look(const std::filesystem::path& folder, const std::vector<std::string>& c
           simulation.diagnostics().draw_list().materials.size(), simulation.depth("CAM").pixels};
 }
 
-// What one square costs: flat shading gives each triangle corners of its own, so six vertices of position and of
-// attributes (normal, two uv sets, colour) as the device packs them, and six indices; 2 x 2 texels and the one of the
+// The cost of one square: flat shading gives each triangle its own corners, so six vertices of position and of
+// attributes (normal, two uv sets, colour) as packed on the device, and six indices; 2 x 2 texels and the one of the
 // smaller level.
 constexpr std::uint64_t kSquareBytes = 6 * (12 + 32) + 6 * 4, kTextureBytes = (4 + 1) * 4;
 
 }  // namespace
 
-TEST_CASE("two hundred identical tables cost one mesh, one texture, one material, one draw") {
+TEST_CASE("two hundred identical tables cost one mesh, one texture, one material and one draw") {
   const TemporaryFolder folder;
   write_text(folder / "table.gltf", square(0.4f, 200));
   std::vector<std::string> commands;
@@ -97,7 +97,7 @@ TEST_CASE("copies of a file cost no more than the file itself") {
   CHECK(seen.counters.draws == 1);
 }
 
-TEST_CASE("the order of commands makes no difference to cost or picture") {
+TEST_CASE("the order of commands changes neither cost nor picture") {
   const TemporaryFolder folder;
   write_text(folder / "table.gltf", square(0.4f, 200));
   write_text(folder / "chair.gltf", square(0.2f, 100));

@@ -1,5 +1,5 @@
-// A scene whose items, lights and tables stand in random order: pictures, depth and rays are the same to the bit, and
-// so is where surfaces lie in one plane what is seen and met of them.
+// A scene whose items, lights and tables are in random order: pictures, depth and rays are the same to the bit, also
+// where surfaces lie in one plane.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -29,7 +29,7 @@ Order random_order(std::size_t size, Random& random) {
   return order;
 }
 
-/// What stood at order[i] now stands at i.
+/// The entry at order[i] moves to i.
 template <typename T>
 std::vector<T> ordered(const std::vector<T>& values, const Order& order) {
   std::vector<T> result;
@@ -72,8 +72,8 @@ Material named(const std::string& name, const glm::vec4& color, AlphaMode mode =
   return material;
 }
 
-/// A room with boxes whose faces lie in its floor's plane and in each other's, masked and transparent panes that cross,
-/// two of one mesh and material side by side and overlapping, and lights of all kinds.
+/// A room with boxes whose faces lie in the plane of its floor and of each other, masked and transparent panes that
+/// cross, two of one mesh and material side by side and overlapping, and lights of all kinds.
 RendererScene crowded_room() {
   RendererScene scene;
   scene.list = random_room(7, 10, 12);
@@ -106,7 +106,7 @@ RendererScene crowded_room() {
   int number = 0;
   for (const Material& kind : kinds) {
     const std::uint32_t material = scene.add_material(kind);
-    // Tops in one plane, sides in one plane, each overlapping the next; twice each.
+    // Tops in one plane, sides in one plane, each overlapping the next; each twice.
     scene.add(box, material, at(1.5 + 0.25 * number, 0.5, 0.25));
     scene.add(box, material, at(1.75 + 0.25 * number, 0.5, 0.25));
     scene.add(pane, material, glm::rotate(at(2, -1, 1), 0.4 * number, glm::dvec3(0.2, 0.3, 1)));
@@ -137,7 +137,7 @@ FramePlan pictures() {
   return plan;
 }
 
-/// What a ray meets, by content.
+/// The hit of a ray, by content.
 struct Met {
   double range_m = 0, error_bound_m = 0;
   std::string material{};
@@ -148,7 +148,7 @@ struct Met {
 
 std::vector<Met> cast(RayCaster& caster, const DrawList& list) {
   std::vector<glm::dvec3> directions;
-  // Along the planes in which faces lie, and all around.
+  // Along the planes that contain faces, and in all directions.
   for (int i = 0; i < 1200; ++i) {
     const double azimuth = 0.01 * (i % 120 - 60), elevation = -0.08 * (i / 120);
     directions.emplace_back(std::cos(azimuth) * std::cos(elevation), std::sin(azimuth) * std::cos(elevation),
@@ -182,7 +182,7 @@ TEST_CASE("a scene in any order gives the same pictures, depth and hits, to the 
   const auto first = frame(scene.list);
   const std::unique_ptr<RayCaster> on_device = make_device_ray_caster(device()), on_host = make_host_ray_caster();
   const std::vector<Met> met = cast(*on_device, scene.list);
-  // There is something to see: blended layers, and faces in one plane.
+  // The picture contains blended layers and faces in one plane.
   CHECK(renderer.counters().layers > 1000);
   Random random(5);
   for (int order = 0; order < 5; ++order) {
@@ -197,8 +197,8 @@ TEST_CASE("a scene in any order gives the same pictures, depth and hits, to the 
   }
 }
 
-// What moves, or is painted anew, must not leave the order of the frame before.
-TEST_CASE("a scene that has changed looks as if it had always been so") {
+// Moved or repainted items must not keep the order of the frame before.
+TEST_CASE("a changed scene looks as if it had been built that way") {
   const RendererScene before = crowded_room();
   RendererScene after = before;
   for (std::size_t i = 5; i < after.list.items.size(); i += 2) {
@@ -217,6 +217,6 @@ TEST_CASE("a scene that has changed looks as if it had always been so") {
   CHECK(same_bytes<glm::vec4>(changed, fresh.render(after.list, plan)[0].color));
 }
 
-TEST_CASE("the validation layer has nothing to say") { CHECK(device().validation_messages() == 0); }
+TEST_CASE("the validation layer reports nothing") { CHECK(device().validation_messages() == 0); }
 
 TEST_SUITE_END();

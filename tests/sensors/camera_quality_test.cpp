@@ -1,5 +1,5 @@
-// Supersampling and MSAA of cameras: what a pixel is the mean of, what stays as it was, what it costs in counters, and
-// what is refused.
+// Supersampling and MSAA of cameras: the samples of a pixel, the unchanged outputs, the cost in counters, and the
+// errors.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -26,12 +26,12 @@ namespace {
 
 using test::device;
 
-// A corner of a triangle is moved to the rasteriser's grid of 1/256 pixel (or finer), and an edge with it; as much
-// again for the float32 rounding of corners that lie some hundred pixels away.
+// A corner of a triangle is snapped to the rasteriser's grid of 1/256 pixel (or finer), and an edge moves with it. The
+// float32 rounding of corners several hundred pixels away adds the same amount.
 constexpr double kSnap_px = 1.0 / 256;
 constexpr std::uint32_t kSize_px = 24;
 
-// Where MSAA looks at a pixel, as parts of it (Vulkan 1.2, section 24.4, standard sample locations).
+// Sample positions of MSAA in a pixel, as shares of it (Vulkan 1.2, section 24.4, standard sample locations).
 std::vector<glm::dvec2> standard_places(std::uint32_t msaa) {
   switch (msaa) {
     case 2:
@@ -93,7 +93,7 @@ std::vector<glm::vec4> picture(Renderer& renderer, const DrawList& list, FramePl
 
 FramePlan square_plan() { return test::plan_of(kSize_px, kSize_px, kSize_px, true, false); }
 
-// The part of the pixel's square that is white: the square cut by the line, by the shoelace formula.
+// The white share of the pixel's square: the square cut by the line, by the shoelace formula.
 double covered_share(const Edge& edge, const glm::dvec2& corner) {
   const glm::dvec2 square[] = {corner, corner + glm::dvec2(1, 0), corner + glm::dvec2(1, 1), corner + glm::dvec2(0, 1)};
   std::vector<glm::dvec2> kept;
@@ -111,8 +111,8 @@ double covered_share(const Edge& edge, const glm::dvec2& corner) {
   return twice / 2;
 }
 
-// Along each of the grid's rows (columns, for edges that lie more than stand) the count of samples is half a sample off
-// at the most, and the two rows in which the edge leaves the pixel cut a corner of at most an eighth of a sample each.
+// Along each row of the grid (each column for steep edges) the count of samples is wrong by at most half a sample. The
+// two rows where the edge leaves the pixel cut a corner of at most an eighth of a sample each.
 double grid_quantum(std::uint32_t supersampling) {
   return 0.5 / supersampling + 2 * 0.125 / (supersampling * supersampling);
 }
@@ -125,7 +125,7 @@ void check_edge(Renderer& renderer, const Edge& edge, std::uint32_t supersamplin
   for (std::uint32_t y = 0; y < kSize_px; ++y) {
     for (std::uint32_t x = 0; x < kSize_px; ++x) {
       const glm::dvec2 corner(x, y);
-      double least = 0, most = 0;  // samples that are white, without and with those on the edge itself
+      double least = 0, most = 0;  // white samples, without and with those on the edge itself
       for (const glm::dvec2& place : places) {
         const double distance = edge.distance_px(corner + place);
         least += distance > kSnap_px;
@@ -147,7 +147,7 @@ void check_edge(Renderer& renderer, const Edge& edge, std::uint32_t supersamplin
 
 std::filesystem::path marvin() { return std::filesystem::path(SIMVIS_SOURCE_DIR) / "scenes/marvin/marvin.xml"; }
 
-/// marvin with ROBOT_CAM alone.
+/// marvin with only ROBOT_CAM.
 Simulation robot_cam(int supersampling, int msaa, const char* outputs, int width, int height) {
   SimulationDesc desc;
   const auto set = [&](const char* name, const std::string& value) {
@@ -186,7 +186,7 @@ TEST_CASE(
   CHECK(device().validation_messages() == 0);
 }
 
-TEST_CASE("a half covered white pixel on black is one half in linear light, 188 in sRGB") {
+TEST_CASE("a half covered white pixel on black has half the linear light, 188 in sRGB") {
   Renderer renderer(device());
   const std::size_t middle = (kSize_px / 2) * kSize_px + 7;
   const DrawList list = scene_with({{7.5, 12}, 0}).list;
@@ -199,11 +199,12 @@ TEST_CASE("a half covered white pixel on black is one half in linear light, 188 
   }
 }
 
-TEST_CASE("16 samples are the mean of 16 pictures taken at their places") {
+TEST_CASE("16 samples are the mean of 16 pictures taken at their positions") {
   Renderer renderer(device());
   test::RendererScene scene;
   scene.list.environment.background = {0.1f, 0.2f, 0.4f};
-  // Edges and borders of texels (at 3.3 + 2.35 k pixels across) keep clear of the samples, at odd eighths of a pixel.
+  // Edges and borders of texels (at 3.3 + 2.35 k pixels across) are away from the samples, which are at odd eighths of
+  // a pixel.
   const auto metres = [](double px) { return static_cast<float>((px - kSize_px / 2.0) / kSize_px); };
   Material textured = unlit({1, 0.8f, 0.6f, 1});
   textured.base_color_texture = test::four_texels();
@@ -229,7 +230,7 @@ TEST_CASE("16 samples are the mean of 16 pictures taken at their places") {
   CHECK(seen[0].b == 0.4f);
 }
 
-TEST_CASE("views of one pass, and strips with rows of guard, keep to their rectangles") {
+TEST_CASE("views of one pass, and strips with guard rows, stay in their rectangles") {
   Renderer renderer(device());
   test::RendererScene scene;
   scene.list.environment.background = glm::vec3(0);
@@ -250,7 +251,9 @@ TEST_CASE("views of one pass, and strips with rows of guard, keep to their recta
   CHECK(plain[4 * 32 + 15].r == 0);
 }
 
-TEST_CASE("depth is never averaged: the same bytes whatever the samples, and the plan says why it is apart") {
+TEST_CASE(
+    "depth is never averaged: its bytes are the same for any number of samples, and the plan gives the reason for a "
+    "separate pass") {
   const Simulation plain = robot_cam(1, 1, "color depth", 320, 240);
   REQUIRE(plain.diagnostics().frame_plan().passes.size() == 1);
   CHECK(plain.diagnostics().counters().dispatches == 0);
@@ -279,7 +282,7 @@ TEST_CASE("depth is never averaged: the same bytes whatever the samples, and the
   }
 }
 
-TEST_CASE("a stereo camera: colour is averaged, depth and disparity are not") {
+TEST_CASE("a stereo camera averages colour, but not depth and disparity") {
   Renderer renderer(device());
   DrawList list = random_room(7, 30, 16);
   Material both_sides;
@@ -309,7 +312,7 @@ TEST_CASE("a stereo camera: colour is averaged, depth and disparity are not") {
   CHECK(device().validation_messages() == 0);
 }
 
-TEST_CASE("the error against 256 samples falls from 1 to 4 to 16") {
+TEST_CASE("the error against 256 samples falls from 1 to 4 to 16 samples") {
   constexpr int kWidth = 160, kHeight = 120, kFiner = 4;
   const Simulation fine = robot_cam(16, 1, "color", kFiner * kWidth, kFiner * kHeight);
   const Image& samples = fine.color("ROBOT_CAM");
@@ -335,7 +338,8 @@ TEST_CASE("the error against 256 samples falls from 1 to 4 to 16") {
   CHECK(edges < one);
 }
 
-TEST_CASE("what the device lacks is refused at load, with the place and what is allowed") {
+TEST_CASE(
+    "a setting that the device lacks is an error when the scene is loaded, with its place and the allowed values") {
   const TargetLimits& limits = device().target_limits();
   const auto scene = [](const std::string& attributes) {
     return "<scene>\n <sensor type=\"camera\" name=\"C\" insert_at=\"ROOT\" " + attributes + "/>\n</scene>";

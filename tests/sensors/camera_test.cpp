@@ -34,7 +34,7 @@ glm::dmat4 at(double x, double y, double z) { return glm::translate(glm::dmat4(1
 
 }  // namespace
 
-TEST_CASE("depth is metres along the optical axis, the same all over a wall that faces the camera") {
+TEST_CASE("depth is in metres along the optical axis and constant over a wall that faces the camera") {
   Stage stage;
   add_item(stage.list, box_mesh({0.5, 30, 30}), at(4.5, 0, 0));
   Camera camera("C", {.width_px = 64, .height_px = 48, .hfov_rad = glm::radians(90.0), .color = false, .depth = true});
@@ -42,14 +42,14 @@ TEST_CASE("depth is metres along the optical axis, the same all over a wall that
   REQUIRE(camera.depth() != nullptr);
   CHECK(camera.color() == nullptr);
   REQUIRE(camera.depth()->pixels.size() == 64 * 48);
-  // Vertices at 30 m are rounded to 30 * 2^-24 a few times over; the plane is set up and stored in float32.
+  // Vertices at 30 m are rounded to 30 * 2^-24 several times; the plane is set up and stored in float32.
   constexpr double kTolerance_m = 16 * 30 * 0x1p-24;
   for (const float z : camera.depth()->pixels) CHECK(std::abs(z - 4) <= kTolerance_m);
 }
 
 TEST_CASE("image x goes to the right, y down, and hfov spans the width") {
   Stage stage;
-  // A plate whose right and upper edges lie on the optical axis: left is +y, up is +z.
+  // The right and upper edges of the plate lie on the optical axis: left is +y, up is +z.
   add_item(stage.list, box_mesh({0.1, 1, 1}), at(3.1, 1, 1));
   Camera camera("C", {.width_px = 40, .height_px = 20, .hfov_rad = glm::radians(90.0), .color = false, .depth = true});
   stage.take(camera);
@@ -57,12 +57,12 @@ TEST_CASE("image x goes to the right, y down, and hfov spans the width") {
   CHECK(seen(19, 9));
   CHECK_FALSE(seen(20, 9));
   CHECK_FALSE(seen(19, 10));
-  // The plate's left edge, 2 m at 3 m, is seen 20 * 2/3 = 13.3 pixels left of the middle.
+  // The left edge of the plate, 2 m at 3 m, is 20 * 2/3 = 13.3 pixels left of the centre.
   CHECK(seen(7, 5));
   CHECK_FALSE(seen(6, 5));
 }
 
-TEST_CASE("an empty scene is background and infinitely deep") {
+TEST_CASE("an empty scene shows the background at infinite depth") {
   Stage stage;
   stage.list.world_from_node.push_back(glm::dmat4(1.0));
   Camera camera("C", {.width_px = 8, .height_px = 8, .color = true, .depth = true});
@@ -75,7 +75,7 @@ TEST_CASE("an empty scene is background and infinitely deep") {
   CHECK(camera.depth()->pixels[0] == std::numeric_limits<float>::infinity());
 }
 
-TEST_CASE("a camera turned and moved sees what geometry says") {
+TEST_CASE("a rotated and moved camera sees the picture that follows from geometry") {
   Stage stage;
   add_item(stage.list, sphere_mesh(0.5, 128), at(2, 3, 1));
   Camera camera("C",

@@ -1,4 +1,4 @@
-// Rays from many places: to the bit what a sensor there casts.
+// Rays from many places equal those of a sensor there, to the bit.
 #include <doctest/doctest.h>
 
 #include "tests/support/ray_casting.h"
@@ -8,7 +8,7 @@ TEST_SUITE_BEGIN("sensors");
 namespace simvis {
 namespace {
 
-TEST_CASE("rays from many places meet what a sensor there meets, to the bit") {
+TEST_CASE("rays from many places have the same hits as those of a sensor there, to the bit") {
   const RayEngine engine = each_engine();
   std::mt19937 random(21);
   for (int room = 0; room < 4; ++room) {
@@ -17,7 +17,7 @@ TEST_CASE("rays from many places meet what a sensor there meets, to the bit") {
     std::uniform_real_distribution<double> unit(-1, 1);
     std::vector<glm::dvec3> origins, directions;
     for (int place = 0; place < 200; ++place) {
-      // One of them is so far off that the tree over items has to have its origin elsewhere.
+      // One of them is so far away that the tree over items needs another origin.
       const glm::dvec3 origin =
           place == 50 ? glm::dvec3(5e3, 0, 0) : glm::dvec3(unit(random), unit(random), 0.5 * unit(random));
       for (int ray = 0; ray <= place % 11; ++ray) {

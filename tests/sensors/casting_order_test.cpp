@@ -1,4 +1,4 @@
-// In which order beams are cast.
+// The order in which beams are cast.
 #include "sensors/laser_scanner/casting_order.h"
 
 #include <doctest/doctest.h>
@@ -27,15 +27,15 @@ std::vector<std::uint32_t> all_beams(const ScanPattern& pattern) {
   return beams;
 }
 
-TEST_CASE("every beam is cast once, whatever the pattern") {
+TEST_CASE("every beam is cast once for any pattern") {
   const ScanPattern patterns[] = {
       {.samples = 361, .rings = 1, .min_azimuth_rad = -kPi / 2, .max_azimuth_rad = kPi / 2},
       {.samples = 1, .rings = 1},
       {.samples = 1, .rings = 40, .min_elevation_rad = -0.2, .max_elevation_rad = 0.2},
       {.samples = 7, .rings = 3, .min_azimuth_rad = 0, .max_azimuth_rad = 1, .max_elevation_rad = 0.1},
       {.samples = 100, .rings = 50, .min_azimuth_rad = 0.5, .max_azimuth_rad = 0.5},           // all along one line
-      {.samples = 33, .rings = 65, .max_azimuth_rad = 2 * kPi},                                // all rings alike
-      {.samples = 2048, .rings = 63, .max_azimuth_rad = 2 * kPi, .max_elevation_rad = 0.001},  // hardly apart
+      {.samples = 33, .rings = 65, .max_azimuth_rad = 2 * kPi},                                // all rings equal
+      {.samples = 2048, .rings = 63, .max_azimuth_rad = 2 * kPi, .max_elevation_rad = 0.001},  // almost parallel
   };
   for (const ScanPattern& pattern : patterns) {
     CAPTURE(pattern.samples);
@@ -49,7 +49,7 @@ TEST_CASE("the beams of a single ring are cast one after another") {
   CHECK(casting_order(pattern) == all_beams(pattern));
 }
 
-TEST_CASE("beams that travel together are neighbours along and across the rings") {
+TEST_CASE("beams of one packet are neighbours along and across the rings") {
   // Rings 0.45 degrees apart, beams 0.25: four rings of eight beams take 2 degrees of width and 1.8 of height, eight of
   // four would take 1 and 3.6. One column is left over in each four of the rings.
   const ScanPattern pattern{

@@ -1,4 +1,4 @@
-// The bound on the depths of an image against a double-precision ray cast at the pixels' centres.
+// The bound on the depths of an image compared with a double-precision ray cast at the pixels' centres.
 #include "sensors/camera/depth_error_bound.h"
 
 #include <doctest/doctest.h>
@@ -28,21 +28,21 @@ using namespace simvis;
 
 namespace {
 
-// Sanitizers make the reference some twenty times slower.
+// The reference is about twenty times slower under sanitizers.
 const int kFewer = sanitized() ? 16 : 1;
 
-// A corner is moved to the rasteriser's grid of 1/256 pixel, by up to half of that in x and in y, and an edge with it;
-// as much again for the rounding of its place in the image.
+// A corner is snapped to the rasteriser's grid of 1/256 pixel, by up to half of that in x and in y, and an edge moves
+// with it. Rounding of its position in the image adds the same amount.
 constexpr double kSnap_px = 1.0 / 256;
-// On one plane two ranges agree within their rounding in double.
+// Two ranges on one plane agree within their rounding in double.
 constexpr double kSamePlane = 1e-9;
 
 struct Comparison {
   std::size_t pixels = 0;      // with a finite depth
-  std::size_t violations = 0;  // beyond the bound, and the bound speaks of them
-  std::size_t on_edge = 0;     // beyond the bound of the surface at the centre, within that of one met beside it
+  std::size_t violations = 0;  // beyond a bound that covers them
+  std::size_t on_edge = 0;     // beyond the bound of the surface at the centre, within that of an adjacent one
   std::size_t narrow = 0;      // beyond the bound, on a surface less than three pixels wide or high
-  std::vector<double> uses;    // of each image the largest error within the bound over the bound
+  std::vector<double> uses;    // for each image, the largest error within the bound over the bound
   std::vector<double> bounds_m;
 };
 
@@ -55,7 +55,8 @@ double true_depth(const reference::RayCaster& truth, const Pinhole& k, double u,
   return truth.cast(d).range_m * d.z;
 }
 
-// Whether the surface met at (u, v) is flat over less than three pixels of its row or its column, in quarters of one.
+// Whether the surface hit at (u, v) is flat over less than three pixels of its row or its column, in quarters of a
+// pixel.
 bool is_narrow(const reference::RayCaster& truth, const Pinhole& k, double u, double v) {
   const reference::Hit hit = truth.cast(direction(k, u, v));
   if (!std::isfinite(hit.range_m)) return false;
@@ -114,7 +115,7 @@ void check(Comparison& c) {
                    << ", at most " << c.uses.back());
   CHECK(c.violations == 0);
   CHECK(c.narrow < c.pixels / 10000);
-  // An image of some hundred edges, each within 1/256 pixel of every 128th centre along it.
+  // An image of several hundred edges, each within 1/256 pixel of every 128th centre along it.
   CHECK(c.on_edge < c.pixels / 1000);
 }
 
@@ -181,9 +182,9 @@ TEST_CASE("a wall that faces the camera: the bound follows from its distance alo
   CHECK(std::isnan(simulation.value("DEPTH", kDepthErrorBound)));
   simulation.step();
   const double bound_m = simulation.value("DEPTH", kDepthErrorBound);
-  // One rounding of 4 m at the least. At the most: corners at sqrt(4^2 + 2 * 10^2) = 14.7 m, displaced by 27 roundings
-  // of their distance and of the mesh's size (VertexRounding), and 18 roundings of w = 1/4 m in the plane's set-up,
-  // with what rounding alone makes of its slope: a tenth more.
+  // At least one rounding of 4 m. At most: corners at sqrt(4^2 + 2 * 10^2) = 14.7 m, displaced by 27 roundings of their
+  // distance and of the mesh's size (VertexRounding), and 18 roundings of w = 1/4 m in the setup of the plane. The
+  // slope that rounding alone creates adds a tenth.
   constexpr double kDistance_m = 4, kCorner_m = 14.7;
   CHECK(bound_m >= kDistance_m * 0x1p-24);
   CHECK(bound_m <= 1.1 * (27 * 2 * kCorner_m + 18 * kDistance_m) * 0x1p-24);

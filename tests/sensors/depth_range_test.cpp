@@ -1,4 +1,4 @@
-// Ranges from made-up depth: no renderer, so every number is known.
+// Ranges from made-up depth without a renderer, so that every number is known.
 #include "sensors/raster_depth/depth_range.h"
 #include "sensors/laser_scanner/scan_layout.h"
 
@@ -24,10 +24,10 @@ constexpr double kNear_m = 1e-4;
 // Rounding of the stored float32 depth to nearest: half an ulp, relative.
 constexpr double kDepthRounding = 0x1p-24;
 
-// Inverse depth along Z seen at the tangents (x, y) of a face; 0 where nothing is hit.
+// Inverse depth along Z at the tangents (x, y) of a face; 0 where nothing is hit.
 using World = std::function<double(double x, double y)>;
 
-// The plane through `point` across `normal`, in the face's frame.
+// The plane through `point` with this normal, in the face's frame.
 World plane(glm::dvec3 normal, glm::dvec3 point) {
   const double h = glm::dot(normal, point);
   return [=](double x, double y) { return std::max(0.0, glm::dot(normal, glm::dvec3(x, y, 1)) / h); };
@@ -111,7 +111,7 @@ TEST_CASE("on planes of any slant the range is exact up to the rounding of the d
         if (truth == kInfinity) continue;
         REQUIRE(std::abs(estimate.range_m - truth) <= estimate.error_bound_m);
         ++hits;
-        // Interpolation weighs depths that are each off by their own rounding; the weights' sum is that of the depths.
+        // Interpolation weighs depths that each have their own rounding; the sum of the weights is that of the depths.
         REQUIRE(std::abs(estimate.range_m - truth) <= kDepthRounding * truth * (1 + 1e-6));
       }
       CHECK(hits > 0);
@@ -119,7 +119,7 @@ TEST_CASE("on planes of any slant the range is exact up to the rounding of the d
   }
 }
 
-TEST_CASE("a crease is met where the planes cross, convex and concave") {
+TEST_CASE("the range at a crease is that of the intersection of the planes, convex and concave") {
   const World left = plane({0.6, 0, -0.8}, {0, 0, 4}), right = plane({-0.7, 0, -0.714}, {0, 0, 4});
   for (const bool convex : {true, false}) {
     const World world = [&](double x, double y) {
@@ -132,14 +132,14 @@ TEST_CASE("a crease is met where the planes cross, convex and concave") {
         const double truth = picture.truth(beam, world);
         REQUIRE(std::isfinite(estimate.error_bound_m));
         REQUIRE(std::abs(estimate.range_m - truth) <= estimate.error_bound_m);
-        // Both planes are extended over at most a pixel in each direction: five roundings.
+        // Both planes are extended by at most a pixel in each direction: five roundings.
         REQUIRE(std::abs(estimate.range_m - truth) <= 5 * kDepthRounding * truth + 1e-15 * truth);
       }
     }
   }
 }
 
-TEST_CASE("beside a step the range is of one of the two surfaces, never between, and the bound is infinite") {
+TEST_CASE("beside a step the range belongs to one of the two surfaces, and the bound is infinite") {
   const World near = plane({0, 0, -1}, {0, 0, 2}), far = plane({0, 0, -1}, {0, 0, 5});
   for (const double edge : {0.1, 0.10037, 0.2}) {
     const World world = [&](double x, double y) { return x < edge ? near(x, y) : far(x, y); };
@@ -164,7 +164,7 @@ TEST_CASE("beside a step the range is of one of the two surfaces, never between,
   }
 }
 
-TEST_CASE("nothing there reads infinity with certainty, and beside something without") {
+TEST_CASE("empty space reads infinity with certainty, and beside a surface without certainty") {
   const World nothing = [](double, double) { return 0.0; };
   const Picture empty(kFan, 500, nothing);
   CHECK(empty.planar(500).range_m == kInfinity);
@@ -187,7 +187,7 @@ TEST_CASE("nothing there reads infinity with certainty, and beside something wit
   CHECK(uncertain < 20);
 }
 
-TEST_CASE("nearest errs by the slant of half a pixel, and its bound says so") {
+TEST_CASE("the error of nearest is the slant over half a pixel, and its bound covers it") {
   const World wall = plane({0.95, 0, -0.31}, {0, 0, 3});
   const Picture picture(kFan, 300, wall);
   double worst = 0;
@@ -199,16 +199,16 @@ TEST_CASE("nearest errs by the slant of half a pixel, and its bound says so") {
     REQUIRE(std::abs(estimate.range_m - truth) <= estimate.error_bound_m);
     worst = std::max(worst, std::abs(estimate.range_m - truth) / truth);
   }
-  // Half a pixel is 1/300 of tangent; the wall's range changes by tan(incidence) > 1 times that at the very least.
+  // Half a pixel is 1/300 of tangent. The wall's range changes by at least tan(incidence) > 1 times that.
   CHECK(worst > 1.0 / 300);
 }
 
-// Surfaces three pixels wide or wider, side by side along x, whose places and slants are such that pixels of neighbours
-// lie in line as often as not; and every pixel off by a rounding or a few.
-TEST_CASE("pixels of other surfaces that lie in line by chance do not mislead") {
+// Surfaces three or more pixels wide, side by side along x. Their places and slants often put pixels of neighbours on
+// one line, and every pixel has an error of one or several roundings.
+TEST_CASE("pixels of different surfaces that are collinear by chance do not mislead") {
   constexpr double kResolution_px = 500, kPixel = 2 / kResolution_px;
-  // So small that second differences down the rows, of up to four errors, are believed: they may be half of what
-  // planar_range() takes for a pixel's error, 10 u at least.
+  // The error is so small that second differences down the rows, of up to four errors, are accepted: they may be half
+  // of the pixel error that planar_range() assumes, at least 10 u.
   constexpr double kRough = kDepthRounding;
   std::mt19937 random(5);
   std::uniform_real_distribution<double> unit(-1, 1);
@@ -222,7 +222,7 @@ TEST_CASE("pixels of other surfaces that lie in line by chance do not mislead") 
       offsets.push_back(w);
       edge += kPixel * (3 + 2 * std::abs(unit(random)));
       w += slopes.back() * (edge - edges.back());
-      // The next one begins where this one ends, or meets it a pixel on, or lies somewhere else.
+      // The next surface begins where this one ends, or joins it one pixel later, or lies somewhere else.
       if (random() % 3 == 0) w += kPixel * 0.05 * unit(random);
       if (random() % 3 == 0) w += 0.01 * unit(random);
     }
@@ -243,11 +243,11 @@ TEST_CASE("pixels of other surfaces that lie in line by chance do not mislead") 
       REQUIRE(std::abs(estimate.range_m - picture.truth(beam, world)) <= estimate.error_bound_m);
     }
   }
-  CHECK(certain > beams / 20);  // surfaces as narrow as these leave few beams certain
+  CHECK(certain > beams / 20);  // narrow surfaces like these leave few beams certain
 }
 
-TEST_CASE("edges that snapping has moved to the other side of a pixel's centre do not mislead") {
-  constexpr double kResolution_px = 500, kSnap_px = 1.0 / 16;  // the least that Vulkan allows
+TEST_CASE("edges that snapping has moved across the centre of a pixel do not mislead") {
+  constexpr double kResolution_px = 500, kSnap_px = 1.0 / 16;  // the coarsest that Vulkan allows
   constexpr double kPixel = 2 / kResolution_px;
   std::mt19937 random(9);
   std::uniform_real_distribution<double> unit(-1, 1);
@@ -256,7 +256,7 @@ TEST_CASE("edges that snapping has moved to the other side of a pixel's centre d
   const ScanPattern dense{.samples = 20001, .min_azimuth_rad = -0.3, .max_azimuth_rad = 0.3};
   for (const ScanPattern& pattern : {dense, kLidar}) {
     for (int trial = 0; trial < 100; ++trial) {
-      // Within the snapping of a centre: those lie at whole pixels of tangent.
+      // Within the snapping distance of a centre: centres lie at whole pixels of tangent.
       const double edge = kPixel * (std::floor(30 * unit(random)) + kSnap_px * unit(random));
       const double moved = edge + kPixel * kSnap_px * unit(random);
       const World& beyond = trial % 2 == 0 ? far : nothing;
@@ -275,7 +275,7 @@ TEST_CASE("edges that snapping has moved to the other side of a pixel's centre d
   }
 }
 
-TEST_CASE("depth that a device takes from snapped vertices stays within the bound") {
+TEST_CASE("depth that a device computes from snapped vertices stays within the bound") {
   constexpr double kResolution_px = 500, kSnap_px = 1.0 / 256;
   const World wall = plane({0.9, 0.3, -0.31}, {0, 0, 3});
   for (const ScanPattern& pattern : {kFan, kLidar}) {

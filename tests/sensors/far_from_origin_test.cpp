@@ -1,4 +1,4 @@
-// The same scene far from the world's origin: the same ranges, the same pictures.
+// A scene far from the world's origin gives the same ranges and pictures.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -16,8 +16,8 @@ using namespace simvis;
 
 namespace {
 
-// Rounding of world coordinates of 7.6e6 m in double is 1e-9 m, far below float32's of what is seen at some metres:
-// 1e-6 allows for a dozen roundings of float32 that fall the other way.
+// Rounding of world coordinates of 7.6e6 m in double is 1e-9 m, far below that of float32 at several metres. 1e-6
+// allows for a dozen roundings of float32 in the other direction.
 constexpr double kRange = 1e-6;
 
 Simulation marvin_at(const std::string& offset) {
@@ -29,7 +29,7 @@ Simulation marvin_at(const std::string& offset) {
   for (std::size_t i = xml.find(at); i != std::string::npos; i = xml.find(at, i + 1), ++moved) {
     xml.insert(i + at.size(), " pose_offset=\"" + offset + "\"");
   }
-  REQUIRE(moved == 1);  // all hangs on the laboratory
+  REQUIRE(moved == 1);  // the whole laboratory depends on it
   return Simulation::from_string(xml, {}, folder, "marvin.xml");
 }
 

@@ -1,4 +1,4 @@
-// The scanner's methods that cast: against a second ray cast in double, against each other, and what they cost.
+// The scanner's methods that cast: compared with a second ray cast in double and with each other, and their cost.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -29,13 +29,13 @@ using namespace simvis;
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr double kMaxError = 1e-6;  // relative: sixteen times what rounding a range to float32 can take
-// Of `raycast` in random rooms: README, "Figures", rounded up there. Rays give the same bytes on every device.
+constexpr double kMaxError = 1e-6;  // relative: sixteen times the rounding of a range to float32
+// Of `raycast` in random rooms: README, "Figures", which rounds up. Rays give the same bytes on every device.
 constexpr double kPublishedMedian = 2.15e-8, kPublishedMaximum = 6e-8;
 constexpr double kMaxTightness = 20;  // and of the median bound over the median error
 constexpr double kHalfUlp = 0x1p-24;  // of a float32, relative
 
-// Sanitizers make the reference some twenty times slower.
+// The reference is about twenty times slower under sanitizers.
 const int kFewer = sanitized() ? 8 : 1;
 
 const std::filesystem::path kMarvin = std::filesystem::path(SIMVIS_SOURCE_DIR) / "scenes/marvin/marvin.xml";
@@ -139,12 +139,12 @@ TEST_CASE("raycast with 64 rings all around in random rooms") {
             desc.range_max_m, 0, comparison);
   }
   check_cast(comparison);
-  if (sanitized()) return;  // which takes an eighth of the rooms
+  if (sanitized()) return;  // they cast an eighth of the rooms
   CHECK(comparison.median_error() <= kPublishedMedian);
   CHECK(ScanComparison::quantile(comparison.relative_errors, 1) <= kPublishedMaximum);
 }
 
-TEST_CASE("hybrid casts what is above its bound, and agrees with raycast within both bounds") {
+TEST_CASE("hybrid casts beams above its bound, and agrees with raycast within both bounds") {
   constexpr double kBound = 3e-4;
   Simulation hybrid = marvin({{"method", "hybrid"}, {"max_error_rel", "3e-4"}, {"samples", "2001"}});
   Simulation raycast = marvin({{"method", "raycast"}, {"samples", "2001"}});
@@ -174,7 +174,7 @@ TEST_CASE("hybrid casts what is above its bound, and agrees with raycast within 
   CHECK(hybrid.diagnostics().validation_messages() == 0);
 }
 
-TEST_CASE("hybrid leaves no beam in doubt: beside a silhouette before nothing, across a limit of the range") {
+TEST_CASE("hybrid leaves no beam uncertain: beside a silhouette in front of empty space, across a limit of the range") {
   constexpr double kBound = 1e-3;
   DrawList list;
   add_item(list, box_mesh({0.5, 40, 3}), glm::translate(glm::dmat4(1.0), {4.5, 0, 0}));  // at 8 m 60 degrees aside
@@ -193,13 +193,13 @@ TEST_CASE("hybrid leaves no beam in doubt: beside a silhouette before nothing, a
     return *scanner.scan();
   };
 
-  // The wall ends at (4, 40), some 84.3 degrees aside. Beams are closer than pixels, and none is at its edge.
+  // The wall ends at (4, 40), at about 84.3 degrees. Beams are closer together than pixels, and none is at its edge.
   LaserScannerDesc around_edge;
   around_edge.pattern = {
       .samples = 200, .min_azimuth_rad = std::atan2(40, 4) - 0.001, .max_azimuth_rad = std::atan2(40, 4) + 0.001};
   LaserScannerDesc at_limit;
   at_limit.pattern = {.samples = 3, .min_azimuth_rad = -kPi / 3, .max_azimuth_rad = kPi / 3};
-  at_limit.range_max_m = 8 + 1e-5;  // nearer than a rendered bound, farther than a cast one
+  at_limit.range_max_m = 8 + 1e-5;  // closer than a rendered bound, farther than a cast one
   for (const LaserScannerDesc& desc : {around_edge, at_limit}) {
     const Scan rendered = scan(desc, ScanMethod::planar), hybrid = scan(desc, ScanMethod::hybrid);
     const Scan cast = scan(desc, ScanMethod::raycast);
@@ -213,7 +213,7 @@ TEST_CASE("hybrid leaves no beam in doubt: beside a silhouette before nothing, a
   CHECK(device.validation_messages() == 0);
 }
 
-TEST_CASE("hybrid unless told otherwise: no rendered range has such a bound, so none is rendered") {
+TEST_CASE("hybrid by default: no rendered range has such a bound, so none is rendered") {
   Simulation hybrid = marvin({{"method", "hybrid"}}), raycast = marvin({{"method", "raycast"}});
   Simulation planar = marvin({{"method", "planar"}});
   for (Simulation* simulation : {&hybrid, &raycast, &planar}) drive(*simulation, 3);
@@ -233,7 +233,7 @@ TEST_CASE("hybrid unless told otherwise: no rendered range has such a bound, so 
   CHECK(!hybrid.diagnostics().frame_plan().casts[0].engine.empty());
 }
 
-TEST_CASE("who does not cast pays nothing; who does builds each mesh once, and a drive moves boxes only") {
+TEST_CASE("scanners that do not cast cost nothing; others build each mesh once, and a moving robot only moves boxes") {
   Simulation planar = marvin({{"method", "planar"}}), raycast = marvin({{"method", "raycast"}});
   drive(planar, 0);
   CHECK(planar.diagnostics().ray_counters() == RayCounters{});
@@ -277,7 +277,7 @@ TEST_CASE("two runs give the same bytes") {
   }
 }
 
-TEST_CASE("holes: the rasteriser and the ray caster let the same beams pass") {
+TEST_CASE("the rasteriser and the ray caster pass the same beams through holes") {
   auto texture = std::make_shared<Texture>();
   texture->width = texture->height = 8;
   std::mt19937 random(3);
@@ -336,7 +336,7 @@ TEST_CASE("holes: the rasteriser and the ray caster let the same beams pass") {
   CHECK(device.validation_messages() == 0);
 }
 
-TEST_CASE("limits along the ray: nearer reads 0, farther and nothing inf") {
+TEST_CASE("limits along the ray: closer hits read 0, farther ones and misses inf") {
   DrawList list;
   add_item(list, box_mesh({0.5, 40, 3}), glm::translate(glm::dmat4(1.0), {4.5, 0, 0}));
   LaserScannerDesc desc;

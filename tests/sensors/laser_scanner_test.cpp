@@ -20,9 +20,9 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-// float32 from vertex to range, relative to the largest coordinate of the surface met: vertex rounding, plane set-up
-// and storing are some sixteen half-ulps of it, see depth_range.h. What a test multiplies it by is that coordinate over
-// the range, and the slant.
+// float32 from vertex to range, relative to the largest coordinate of the hit surface: vertex rounding, plane setup and
+// storing are about sixteen half-ulps of it, see depth_range.h. A test multiplies it by that coordinate over the range,
+// and by the slant.
 constexpr double kRounding = 16 * 0x1p-24;
 
 glm::dmat4 at(double x, double y, double z) { return glm::translate(glm::dmat4(1.0), {x, y, z}); }
@@ -62,10 +62,10 @@ TEST_CASE("a wall ahead: range = distance / cos(azimuth), for nearest within hal
     REQUIRE(scan.range_m.size() == 161);
     for (std::size_t beam = 0; beam < 161; ++beam) {
       const double a = scan.azimuth_rad[beam], expected = 4 / std::cos(a);
-      // A pixel spans at most 2 / 4096 of tangent; half of one turns into that times the slant tan(a), to first order.
+      // A pixel spans at most 2 / 4096 of tangent. Half of it becomes that times the slant tan(a), to first order.
       const double half_pixel =
           method == ScanMethod::nearest ? 1.01 * expected * (1 + std::abs(std::tan(a))) / 4096 : 0;
-      // The wall's corners are 40 m away, and its plane stands at the slant 1 / cos(a) to the beam.
+      // The corners of the wall are 40 m away, and its plane has the slant 1 / cos(a) to the beam.
       CHECK(std::abs(scan.range_m[beam] - expected) <= kRounding * 40 / std::cos(a) + half_pixel);
       CHECK(std::abs(scan.range_m[beam] - expected) <= scan.error_bound_m[beam]);
     }
@@ -74,7 +74,7 @@ TEST_CASE("a wall ahead: range = distance / cos(azimuth), for nearest within hal
 
 TEST_CASE("range_min and range_max are limits along the ray, not clip planes") {
   Stage stage;
-  add_item(stage.list, box_mesh({0.01, 0.05, 1}), at(0.2, 0, 0));  // a plate close by, across azimuth 0
+  add_item(stage.list, box_mesh({0.01, 0.05, 1}), at(0.2, 0, 0));  // a plate close to the scanner, across azimuth 0
   add_item(stage.list, box_mesh({0.5, 40, 3}), at(10.5, 0, 0));    // the wall that it hides
   LaserScannerDesc desc = fan(3, -60, 60);
   desc.range_min_m = 1;
@@ -95,14 +95,14 @@ TEST_CASE("a surface a millimetre away still blocks the beam") {
   CHECK(stage.scan(scanner).range_m[0] == 0);
 }
 
-TEST_CASE("a full turn: the first beam and the last agree within their bounds, and so do all at the borders of faces") {
+TEST_CASE("a full turn: the first and last beams agree within their bounds, and so do all at the borders of faces") {
   Stage stage;
   add_item(stage.list, box_mesh({3, 2, 1.5}), at(0.4, -0.3, 0.2));
   LaserScanner scanner("S", fan(721, -180, 180));
   const Scan& scan = stage.scan(scanner, to_matrix({{0, 0, 0}, 0.1, -0.05, 0.3}));
   CHECK(std::abs(scan.range_m.front() - scan.range_m.back()) <= scan.error_bound_m.front() + scan.error_bound_m.back());
   CHECK(scan.error_bound_m.front() < 2e-4);  // rounding, no step
-  // The same beams from scanners whose faces lie elsewhere.
+  // The same beams from scanners with other face positions.
   LaserScanner half("H", fan(361, -90, 90));
   const Scan& other = stage.scan(half, to_matrix({{0, 0, 0}, 0.1, -0.05, 0.3}));
   for (std::size_t beam = 0; beam < 361; ++beam) {
@@ -131,19 +131,19 @@ TEST_CASE("a lidar inside a box, from straight down to straight up") {
       CHECK(std::abs(scan.range_m[index] - expected) <= scan.error_bound_m[index]);
       if (scan.error_bound_m[index] == kInfinity) continue;
       ++certain;
-      // The box's corners are 3.9 m away, its nearest walls 1.5 m: under four times the range.
+      // The corners of the box are 3.9 m away, its nearest walls 1.5 m: less than four times the range.
       CHECK(std::abs(scan.range_m[index] - expected) <= 4 * kRounding * expected);
     }
   }
   CHECK(certain > 0.95 * 73 * 37);
 }
 
-TEST_CASE("a tilted scanner over flat ground: a straight line, and nothing below the ground") {
+TEST_CASE("a tilted scanner over flat ground: a straight line, and no point below the ground") {
   Stage stage;
   add_item(stage.list, box_mesh({200, 200, 0.5}), at(0, 0, -0.5));
   const glm::dmat4 pose = to_matrix({{0, 0, 1}, 0, glm::radians(20.0), 0});
-  // The corners of the ground, 283 m away, are rounded to their half-ulp some four times over; the plane that they
-  // carry is displaced by that, which relative to the sensor's height of 1 m is the relative error of every range.
+  // The corners of the ground, 283 m away, are rounded to their half-ulp about four times. This displaces the plane
+  // through them, which relative to the sensor's height of 1 m is the relative error of every range.
   constexpr double kGround_m = 4 * 283 * 0x1p-24;
   LaserScanner scanner("S", fan(121, -60, 60));
   const Scan& scan = stage.scan(scanner, pose);
@@ -157,7 +157,7 @@ TEST_CASE("a tilted scanner over flat ground: a straight line, and nothing below
   }
 }
 
-TEST_CASE("a laser meets a single-sided surface from behind, and passes what is mostly transparent") {
+TEST_CASE("a laser hits a single-sided surface from behind and passes mostly transparent surfaces") {
   Stage stage;
   Mesh pane;
   pane.positions = {{2, -1, -1}, {2, 1, -1}, {2, 0, 1}};
@@ -185,7 +185,7 @@ TEST_CASE("an empty scene reads infinity everywhere") {
   for (const float range : stage.scan(scanner).range_m) CHECK(range == kInfinity);
 }
 
-TEST_CASE("far from the world's origin a scan is the same to 1e-6") {
+TEST_CASE("a scan far from the world's origin is the same to 1e-6") {
   Stage stage;
   LaserScanner scanner("S", fan(361, -180, 180));
   const auto scan_at = [&](const glm::dvec3& offset) {

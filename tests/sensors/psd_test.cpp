@@ -1,4 +1,5 @@
-// Distance sensors before surfaces whose spot of light follows from geometry; the voltage curve; the noise.
+// Infrared distance sensors (PSD) in front of surfaces whose light spot follows from geometry; the voltage curve; the
+// noise.
 #include "sensors/psd/psd.h"
 
 #include <doctest/doctest.h>
@@ -27,7 +28,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// Vertices within 2 m are rounded to 2 * 2^-24 a few times over; depth is set up and stored in float32.
+// Vertices within 2 m are rounded to 2 * 2^-24 several times; depth is set up and stored in float32.
 constexpr double kDepthTolerance_m = 16 * 2 * 0x1p-24;
 
 Device& shared_device() {
@@ -51,7 +52,7 @@ struct Stage {
 
 glm::dmat4 at(double x, double y, double z) { return glm::translate(glm::dmat4(1.0), {x, y, z}); }
 
-/// A plate square to x whose front is at x = range_m, from y_min to y_max and z_min to z_max.
+/// A plate perpendicular to x whose front is at x = range_m, from y_min to y_max and z_min to z_max.
 void add_plate(DrawList& list, double range_m, double y_min, double y_max, double z_min, double z_max) {
   constexpr double kHalfThickness_m = 0.005;
   add_item(list, box_mesh(glm::dvec3(kHalfThickness_m, (y_max - y_min) / 2, (z_max - z_min) / 2)),
@@ -71,26 +72,26 @@ const PsdDesc kAnyRange{.opening_rad = glm::radians(5.0), .range_min_m = 0, .ran
 struct Point {
   double range_m, voltage_v;
 };
-// The datasheet's points once more: a slip of the pen in the table would have to be made twice.
+// A second copy of the datasheet's points: a typing error would have to be made twice.
 constexpr Point kDatasheet[] = {{0.06, 3.1}, {0.1, 2.3}, {0.15, 1.65}, {0.2, 1.3},  {0.25, 1.08}, {0.3, 0.92},
                                 {0.4, 0.74}, {0.5, 0.6}, {0.6, 0.51},  {0.7, 0.45}, {0.8, 0.4}};
 
 }  // namespace
 
-TEST_CASE("the voltage goes through the datasheet's points, linear in 1 / range between them") {
+TEST_CASE("the voltage passes through the datasheet's points and is linear in 1 / range between them") {
   constexpr double kRounding_v = 8 * 3.1 * 0x1p-53;
   for (const Point& p : kDatasheet) CHECK(std::abs(curve().at(p.range_m) - p.voltage_v) <= kRounding_v);
-  // In the middle of 1/0.25 and 1/0.2 lies 1/0.2222...
+  // The midpoint between 1/0.25 and 1/0.2 is 1/0.2222...
   CHECK(std::abs(curve().at(2 / 9.0) - (1.3 + 1.08) / 2) <= kRounding_v);
-  // The last piece, from (1/0.7, 0.45) to (1/0.8, 0.40), goes on with 0.28 V m.
+  // The last segment, from (1/0.7, 0.45) to (1/0.8, 0.40), continues with 0.28 V m.
   CHECK(std::abs(curve().at(1.6) - (0.40 - 0.28 / 1.6)) <= kRounding_v);
   CHECK(std::abs(curve().at(kInfinity) - 0.05) <= kRounding_v);
-  // Before the first point it falls again: 3 cm read like some range between 15 and 20 cm.
+  // The voltage falls again before the first point: 3 cm read like a range between 15 and 20 cm.
   CHECK(std::abs(curve().at(0.03) - 1.55) <= kRounding_v);
   CHECK(curve().at(0) == 0);
 }
 
-TEST_CASE("a curve of one's own") {
+TEST_CASE("a user's own curve") {
   const std::optional<VoltageCurve> own = parse_voltage_curve(" 0.5:2  1:1 2:0.8");
   REQUIRE(own);
   CHECK(own->at(0.5) == 2);
@@ -109,7 +110,7 @@ TEST_CASE("a curve of one's own") {
                        InputError);
 }
 
-TEST_CASE("a wall square to the cone reads its distance, and the datasheet's voltage") {
+TEST_CASE("a wall perpendicular to the cone reads its distance and the datasheet's voltage") {
   for (const Point& p : kDatasheet) {
     Stage stage;
     add_plate(stage.list, p.range_m, -1, 1, -1, 1);
@@ -117,12 +118,12 @@ TEST_CASE("a wall square to the cone reads its distance, and the datasheet's vol
     CHECK(std::isnan(range_of(psd)));
     stage.take(psd);
     CHECK(std::abs(range_of(psd) - p.range_m) <= kDepthTolerance_m);
-    // The curve is nowhere steeper than its piece below 6 cm.
+    // The curve is nowhere steeper than its segment below 6 cm.
     CHECK(std::abs(voltage_of(psd) - p.voltage_v) <= kDepthTolerance_m * 3.1 / 0.06);
   }
 }
 
-TEST_CASE("a tilted wall reads the centroid of the light that comes back") {
+TEST_CASE("a tilted wall reads the centroid of the returned light") {
   constexpr double kDistance_m = 0.3, kTilt_rad = 1.0, kOpening_rad = 0.35;
   constexpr std::uint32_t kResolution_px = 256;
   Stage stage;
@@ -132,8 +133,8 @@ TEST_CASE("a tilted wall reads the centroid of the light that comes back") {
           curve());
   stage.take(psd);
 
-  // The wall is x cos(tilt) + y sin(tilt) = D cos(tilt). Rings and sectors of the cone, midpoint rule; the ray's range
-  // is r, its depth along the axis r cos(a).
+  // The wall is x cos(tilt) + y sin(tilt) = D cos(tilt). Rings and sectors of the cone by the midpoint rule; the range
+  // of the ray is r, its depth along the axis r cos(a).
   double light = 0, moment = 0;
   constexpr int kSteps = 1000;
   for (int i = 0; i < kSteps; ++i) {
@@ -148,41 +149,41 @@ TEST_CASE("a tilted wall reads the centroid of the light that comes back") {
     }
   }
   const double expected_m = light / moment;
-  // The slant shows: to first order 1 / range is (1 + 2 s^2 q) / D, with s the wall's slope and q = rim^2 / 4 the mean
-  // square of the tangent across the cone.
+  // Effect of the slant: to first order 1 / range is (1 + 2 s^2 q) / D, with the slope s of the wall and q = rim^2 / 4,
+  // the mean square of the tangent across the cone.
   const double slope = std::tan(kTilt_rad), rim = std::tan(kOpening_rad / 2);
   const double slant = 2 * slope * slope * rim * rim / 4;
   CHECK(slant > 0.03);
   CHECK(std::abs(kDistance_m / expected_m - 1 - slant) < slant / 4);
-  // The pixels' disc differs from the cone's by at most half a pixel's diagonal at the rim, and q as its square; the
-  // integral's own error is far below. A factor of 2 for the higher orders.
+  // The disc of pixels differs from that of the cone by at most half a pixel's diagonal at the rim, and q by its
+  // square. The error of the integral is far below. A factor of 2 covers the higher orders.
   const double rim_error = std::numbers::sqrt2 / 2 / (kResolution_px / 2.0);
   CHECK(std::abs(range_of(psd) - expected_m) <= kDistance_m * slant * 2 * rim_error * 2 + kDepthTolerance_m);
 }
 
-TEST_CASE("a target that fills a part of the cone counts by its area and the square of its nearness") {
+TEST_CASE("a target that fills a part of the cone counts by its area and its inverse squared distance") {
   constexpr double kNear_m = 0.2, kFar_m = 0.5;
   const auto mixed = [](double share) {
     const double light = share / (kNear_m * kNear_m) + (1 - share) / (kFar_m * kFar_m);
     return light / (share / std::pow(kNear_m, 3) + (1 - share) / std::pow(kFar_m, 3));
   };
-  // Edges on the axis divide the even number of pixels fairly; all angular weights are the same on either side.
+  // Edges on the axis divide the even number of pixels equally, and the angular weights on both sides are the same.
   for (const bool quarter : {false, true}) {
     Stage stage;
     add_plate(stage.list, kNear_m, 0, 1, quarter ? 0 : -1, 1);
     Psd psd("P", kAnyRange, curve());
     stage.take(psd);
-    CHECK(std::abs(range_of(psd) - kNear_m) <= kDepthTolerance_m);  // nothing behind it: no light from there
+    CHECK(std::abs(range_of(psd) - kNear_m) <= kDepthTolerance_m);  // no surface behind it, so no light from there
     add_plate(stage.list, kFar_m, -1, 1, -1, 1);
     stage.take(psd);
     CHECK(std::abs(range_of(psd) - mixed(quarter ? 0.25 : 0.5)) <= kDepthTolerance_m);
   }
 }
 
-TEST_CASE("only what lies in the cone counts") {
+TEST_CASE("only surfaces in the cone count") {
   Stage stage;
   add_plate(stage.list, 0.5, -1, 1, -1, 1);
-  // A pole beside the cone: at 0.25 m the cone of 5 degrees is 1.09 cm in radius.
+  // A pole beside the cone: at 0.25 m the cone of 5 degrees has a radius of 1.09 cm.
   add_plate(stage.list, 0.25, 0.0115, 0.1, -1, 1);
   Psd narrow("P", kAnyRange, curve());
   stage.take(narrow);
@@ -194,7 +195,7 @@ TEST_CASE("only what lies in the cone counts") {
   CHECK(range_of(other) < 0.49);
 }
 
-TEST_CASE("nothing to see, and what lies outside the limits") {
+TEST_CASE("an empty scene, and surfaces outside the limits") {
   Stage stage;
   Psd psd("P", {}, curve());
   stage.take(psd);
@@ -204,13 +205,13 @@ TEST_CASE("nothing to see, and what lies outside the limits") {
   stage.take(psd);
   CHECK(range_of(psd) == kInfinity);
   CHECK(std::abs(voltage_of(psd) - curve().at(0.9)) <= kDepthTolerance_m * 1);  // 0.28 V m / 0.9^2 m^2 is below 1 V/m
-  // Seen from 0.82 m farther on: 8 cm away.
+  // Seen from 0.82 m farther forward: 8 cm away.
   stage.take(psd, at(0.82, 0, 0));
   CHECK(range_of(psd) == 0);
   CHECK(std::abs(voltage_of(psd) - curve().at(0.08)) <= kDepthTolerance_m * 3.1 / 0.06);
 }
 
-TEST_CASE("noise has the standard deviation asked for, and leaves the range alone") {
+TEST_CASE("noise has the given standard deviation and does not change the range") {
   constexpr double kNoise_v = 0.02, kSigmas = 5;
   constexpr std::uint64_t kFrames = 100'000;
   Stage stage;
@@ -231,17 +232,17 @@ TEST_CASE("noise has the standard deviation asked for, and leaves the range alon
     square += off * off / kFrames;
   }
   CHECK(range_of(psd) == range_of(exact));
-  // The mean of n draws scatters by sigma / sqrt(n), their variance by sigma^2 sqrt(2 / n).
+  // The mean of n draws has a deviation of sigma / sqrt(n), their variance one of sigma^2 sqrt(2 / n).
   CHECK(std::abs(mean) <= kSigmas * kNoise_v / std::sqrt(kFrames));
   CHECK(std::abs(square - kNoise_v * kNoise_v) <= kSigmas * kNoise_v * kNoise_v * std::sqrt(2.0 / kFrames));
-  // A frame's noise does not depend on the frames before it.
+  // The noise of a frame does not depend on earlier frames.
   twin.collect({.index = kFrames - 1}, plan, results);
   CHECK(voltage_of(twin) == voltage_of(psd));
 }
 
 namespace {
 
-// 30 cm before the wall at x = 4 m.
+// 30 cm in front of the wall at x = 4 m.
 const std::string kPsd = R"(<sensor type="psd" name="IR" insert_at="ROOT" pose_offset="3.7 0 0 0 0 0" noise="0.01"/>)";
 const std::string kOthers =
     R"(<sensor type="laser_scanner" name="SCAN" insert_at="ROOT" method="planar"/>
@@ -267,7 +268,7 @@ std::vector<double> voltages(const std::string& commands, std::uint64_t seed) {
 
 }  // namespace
 
-TEST_CASE("the same seed gives the same bytes, whatever else stands in the scene") {
+TEST_CASE("the same seed gives the same bytes with any other content in the scene") {
   const std::vector<double> alone = voltages(kPsd, 7);
   CHECK(alone[0] != alone[1]);
   CHECK(voltages(kPsd, 7) == alone);
@@ -275,7 +276,7 @@ TEST_CASE("the same seed gives the same bytes, whatever else stands in the scene
   CHECK(voltages(kPsd, 8) != alone);
 }
 
-TEST_CASE("simvis-run writes a table, and its --seed reaches the noise") {
+TEST_CASE("simvis-run writes a table, and its --seed changes the noise") {
   const TemporaryFolder folder;
   const std::filesystem::path scene = write_wall_scene(folder.path(), kPsd);
   const auto table = [&](const std::string& out, const std::string& seed) {

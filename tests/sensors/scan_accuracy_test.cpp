@@ -1,4 +1,4 @@
-// Rendered scans against a double-precision ray cast: random rooms and the marvin laboratory.
+// Rendered scans compared with a double-precision ray cast in random rooms and the marvin laboratory.
 #include <doctest/doctest.h>
 
 #include <filesystem>
@@ -23,13 +23,13 @@ using namespace simvis;
 
 namespace {
 
-// Relative: half of all beams by `planar` lie on one surface, where depth, plane and range are each rounded to float32
-// once, by at most 2^-24 = 6e-8. That is 1.8e-7 in all.
+// Relative: half of all beams of `planar` lie on one surface, where depth, plane and range are each rounded to float32
+// once, by at most 2^-24 = 6e-8. The sum is 1.8e-7.
 constexpr double kMedianError = 2e-7;
 
-// What is published of a method in README, "Figures"; empty where nothing is. Errors are relative, shares are of beams.
-// A beam on a wrong surface is off by more than 1e-3. Where fewer than 1 % of the beams are, the 99th percentile is
-// below that, and where fewer than 0.1 % are, the 99.9th.
+// The figures of a method in README, "Figures"; empty where none is published. Errors are relative, shares are of
+// beams. A beam on a wrong surface has an error of more than 1e-3. If fewer than 1 % of the beams do, the 99th
+// percentile is below that, and with fewer than 0.1 %, the 99.9th.
 struct Published {
   std::optional<double> median_error, p99_error, p999_error;
   std::optional<double> uncertain_share;      ///< of beams with an infinite bound
@@ -40,11 +40,11 @@ constexpr Published kNearestRooms{3.4e-5, 3.9e-4, {}, {}, {}};
 constexpr Published kLidarRooms{7.3e-8, 1e-3, {}, 0.040, 0.008};
 constexpr Published kPlanarMarvin{6.3e-8, 9e-5, {}, 0.034, 0.0018};
 
-// Rooms, poses and beams are the same in each run, so that only the driver's rounding moves a figure. It moves a beam
-// from one side of a threshold to the other where that is as near as rounding is, which few beams are.
+// Rooms, poses and beams are the same in each run, so only the rounding of the driver changes a figure. It moves a beam
+// across a threshold only if the two are as close as rounding, which is rare.
 constexpr double kOfPublished = 1.25;
 
-// Sanitizers make the reference some twenty times slower, and look for other things than rare beams.
+// The reference is about twenty times slower under sanitizers, which do not look for rare beams.
 const int kFewer = sanitized() ? 8 : 1;
 
 std::string text(const ScanComparison& comparison) {
@@ -54,7 +54,7 @@ std::string text(const ScanComparison& comparison) {
 }
 
 void check_published(const ScanComparison& comparison, const Published& published) {
-  if (sanitized()) return;  // an eighth of the beams has tails of its own
+  if (sanitized()) return;  // an eighth of the beams has other tails
   const auto error = [&](double quantile) { return ScanComparison::quantile(comparison.relative_errors, quantile); };
   const auto share = [&](std::size_t beams) {
     return static_cast<double>(beams) / static_cast<double>(comparison.beams);
@@ -111,7 +111,7 @@ void check_rooms(const LaserScannerDesc& desc, int rooms, const Published& publi
 
 }  // namespace
 
-TEST_CASE("the reference: its hierarchy finds what brute force finds") {
+TEST_CASE("the hierarchy of the reference finds the same hits as brute force") {
   const DrawList list = random_room(5, 20, 12);
   const reference::RayCaster truth(list, glm::translate(glm::dmat4(1.0), {0, 0, -1}));
   std::mt19937 random(1);
@@ -130,7 +130,7 @@ TEST_CASE("planar scans of random rooms: 400,000 beams") {
               40, kPlanarRooms);
 }
 
-TEST_CASE("nearest scans of random rooms: the bound holds as well") {
+TEST_CASE("nearest scans of random rooms: the bound holds") {
   check_rooms({.pattern = {.samples = 10001, .min_azimuth_rad = -kPi / 2, .max_azimuth_rad = kPi / 2},
                .method = ScanMethod::nearest},
               20, kNearestRooms);

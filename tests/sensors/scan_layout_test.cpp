@@ -12,10 +12,10 @@ using namespace simvis;
 
 namespace {
 
-// Directions are made of a few double operations on numbers below 10: a dozen ulps of 10.
+// Directions are computed by a few double operations on numbers below 10: a dozen ulps of 10.
 constexpr double kDirectionTolerance = 12 * 10 * 0x1p-53;
 
-// The direction, in the sensor frame, in which a tap says that its beam goes.
+// The direction of a tap's beam in the sensor frame.
 glm::dvec3 direction(const ScanLayout& layout, const BeamTap& tap) {
   const ScanFace& face = layout.faces[tap.face];
   const double qx = (tap.x + tap.fraction_x + 0.5 - face.pinhole.cx_px) / face.pinhole.fx_px;
@@ -32,7 +32,7 @@ void check_layout(const ScanPattern& pattern, double resolution_px) {
       const BeamTap& tap = layout.taps[ring * a.size() + beam];
       const glm::dvec3 expected(std::cos(e[ring]) * std::cos(a[beam]), std::cos(e[ring]) * std::sin(a[beam]),
                                 std::sin(e[ring]));
-      // Pixels are counted from the edge of the face: its width in pixels times the ulp of 1 is lost by that.
+      // Pixels are counted from the edge of the face, which loses its width in pixels times the ulp of 1.
       REQUIRE(glm::length(direction(layout, tap) - expected) < kDirectionTolerance + 4 * 0x1p-53 * resolution_px);
       const ScanFace& face = layout.faces[tap.face];
       REQUIRE(tap.x >= static_cast<std::uint32_t>(kPixelsBefore));
@@ -52,7 +52,7 @@ void check_layout(const ScanPattern& pattern, double resolution_px) {
 
 }  // namespace
 
-TEST_CASE("beams spread evenly with both ends included") {
+TEST_CASE("beams are spread evenly and include both ends") {
   const ScanPattern pattern{.samples = 361, .min_azimuth_rad = -kPi / 2, .max_azimuth_rad = kPi / 2};
   const auto a = azimuths(pattern);
   REQUIRE(a.size() == 361);
@@ -100,7 +100,7 @@ TEST_CASE("a half circle takes two faces, a full turn four, the sphere six; a pl
             .faces.size() == 6);
 }
 
-TEST_CASE("a face is only as wide as its beams need") {
+TEST_CASE("the width of a face follows its beams") {
   const ScanLayout layout = make_scan_layout({.samples = 3, .min_azimuth_rad = -0.01, .max_azimuth_rad = 0.01}, 2000);
   REQUIRE(layout.faces.size() == 1);
   // Tangents up to 0.01 at 1000 pixels each: 10 pixels to either side, and the neighbourhood.

@@ -1,4 +1,4 @@
-// Which method a laser scanner measures by: what it writes, what follows where it writes none, and what is refused.
+// The method of a laser scanner: the written one, the default, and errors.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -41,7 +41,7 @@ constexpr const char* kTolerances[] = {"max_error_m", "max_error_rel"};
 
 }  // namespace
 
-TEST_CASE("each method has a name, and the table offers these") {
+TEST_CASE("each method has a name that is in the attribute table") {
   const SensorType* const type = find_sensor_type("laser_scanner");
   const auto row = std::ranges::find(type->attributes, "method", &AttributeSpec::name);
   std::string offered;
@@ -54,7 +54,7 @@ TEST_CASE("each method has a name, and the table offers these") {
   CHECK(find_scan_method("sonar") == std::nullopt);
 }
 
-TEST_CASE("without a method a scanner casts rays; with a tolerance it is hybrid, and casts where it has to") {
+TEST_CASE("a scanner without a method casts rays; with a tolerance it is hybrid and casts where necessary") {
   CHECK(method_of("") == "raycast");
   CHECK(method_of("preset='sick_lms200'") == "raycast");
   CHECK(method_of("resolution='512'") == "raycast");
@@ -67,7 +67,7 @@ TEST_CASE("without a method a scanner casts rays; with a tolerance it is hybrid,
   }
 }
 
-TEST_CASE("a tolerance that the method does not look at is an error with its place") {
+TEST_CASE("a tolerance that the method does not use is an error with its place") {
   for (const std::string method : {"nearest", "planar", "raycast"}) {
     for (const std::string tolerance : kTolerances) {
       CHECK(refusal("method='" + method + "' " + tolerance + "='0.01'") ==
@@ -78,7 +78,7 @@ TEST_CASE("a tolerance that the method does not look at is an error with its pla
   }
 }
 
-TEST_CASE("an override is held against the scene's tolerance, unless it drops that") {
+TEST_CASE("an override is checked against the scene's tolerance unless it drops the tolerance") {
   const std::string written = "max_error_m='0.01'";
   const AttributeOverride planar{"laser_scanner", "method", "planar", "--method"};
   CHECK(refusal(written, {planar}).starts_with("s.xml:2:3: error: attribute \"max_error_m\": method \"planar\""));
@@ -89,7 +89,7 @@ TEST_CASE("an override is held against the scene's tolerance, unless it drops th
   CHECK(refusal("method='planar'", {tolerance}).starts_with("--max-error: error: attribute \"max_error_m\": method"));
 }
 
-TEST_CASE("a scanner that a part carries follows the same rules, and its error names the part's file") {
+TEST_CASE("a scanner in a part follows the same rules, and its error names the part's file") {
   const TemporaryFolder folder;
   const auto part_with = [&](const std::string& attributes) {
     write_text(folder / "part.stub", "<sensor type='laser_scanner' name='SCAN' " + attributes + "/>\n");
@@ -102,7 +102,7 @@ TEST_CASE("a scanner that a part carries follows the same rules, and its error n
   CHECK(error.find("attribute \"max_error_rel\": method \"nearest\" ignores a tolerance") != std::string::npos);
 }
 
-TEST_CASE("an effect that follows beams: raycast, or no method; never a tolerance") {
+TEST_CASE("an effect that follows beams needs raycast or no method, and never a tolerance") {
   const std::string effect = "sweep='0.01' ";
   CHECK(method_of(effect) == "raycast");
   CHECK(method_of(effect + "method='raycast'") == "raycast");
@@ -120,7 +120,7 @@ TEST_CASE("an effect that follows beams: raycast, or no method; never a toleranc
   }
 }
 
-TEST_CASE("the price list has what the scene asks for, with its tolerance") {
+TEST_CASE("the price list contains the scene's methods with their tolerance") {
   CHECK(attributes_of(variant_of(command_of(""))) == R"(method="raycast")");
   CHECK(attributes_of(variant_of(command_of("max_error_rel='0.001'"))) ==
         R"(method="hybrid" resolution="4096" max_error_rel="0.001")");
@@ -128,7 +128,7 @@ TEST_CASE("the price list has what the scene asks for, with its tolerance") {
         R"(method="hybrid" resolution="4096" max_error_m="0.01")");
   CHECK(attributes_of(variant_of(command_of("method='auto' max_error_m='0.01'"))) ==
         R"(method="auto" max_error_m="0.01")");
-  // What cannot measure with the effect has no price.
+  // Methods that cannot measure with the effect have no price.
   CHECK(priced_variants(command_of("sweep='0.01'")).size() == 1);
   for (const char* attributes : {"", "max_error_m='0.01'", "method='auto' max_error_m='0.01'", "sweep='0.01'"}) {
     CAPTURE(attributes);

@@ -1,5 +1,5 @@
-// Laser scanners that one can buy: their presets against the numbers of the data sheets, and how they mix with what a
-// command says itself.
+// Presets of commercial laser scanners: compared with the numbers in the data sheets and combined with attributes of a
+// command.
 #include <algorithm>
 #include <map>
 
@@ -29,7 +29,7 @@ double attribute(const Simulation& simulation, std::string_view name) {
   return value;
 }
 
-// The data sheets' numbers once more: a slip of the pen would have to be made twice.
+// A second copy of the data sheets' numbers: a typing error would have to be made twice.
 struct DataSheet {
   const char* preset;
   std::uint32_t rings, columns;
@@ -86,12 +86,12 @@ TEST_CASE("noise and resolution of a preset show in its ranges") {
   for (const auto& [range_m, count] : readings) {
     CHECK(range_m == static_cast<float>(std::llround(range_m * 100.0) * 0.01));
   }
-  // Within half a step of 4 m, which is one standard deviation, lies P(|X| < 1) = 0.6827 of a normal distribution; of
-  // 1000 that scatters by 14.7, and 4.9 times that holds for all but one in a million.
+  // Half a step of 4 m is one standard deviation, and P(|X| < 1) = 0.6827 for a normal distribution. The count of 1000
+  // has a deviation of 14.7, and 4.9 times that covers all but one in a million.
   CHECK(std::abs(readings[4.0f] - 682.7) <= 4.9 * 14.7);
 }
 
-TEST_CASE("what a command says itself, and what the command line says, goes before the preset") {
+TEST_CASE("attributes of a command and of the command line override the preset") {
   Simulation own = simulation_of("preset='hokuyo_utm30lx' samples='5' range_noise='0'");
   own.step();
   CHECK(own.scan("SCAN").columns == 5);
@@ -102,7 +102,7 @@ TEST_CASE("what a command says itself, and what the command line says, goes befo
   const Simulation overridden = Simulation::from_string(scanner("preset='hokuyo_utm30lx'"), desc);
   CHECK(attribute(overridden, "rate") == 5);
   CHECK(attribute(overridden, "samples") == 1081);
-  // The log has the command as it was written: executed again, it means the same.
+  // The log has the command as it was written, so its repetition means the same.
   CHECK(own.parameters().changes().back().find("preset=\"hokuyo_utm30lx\"") != std::string::npos);
   CHECK(own.parameters().changes().back().find("range_max") == std::string::npos);
 }
@@ -118,12 +118,12 @@ TEST_CASE("a variant of a preset keeps its beams and measures in every frame") {
   CHECK(simulation.sensors().at(1).frames == 4);
 }
 
-TEST_CASE("mistakes are told with their place") {
+TEST_CASE("errors name their place") {
   CHECK(error_of([] { simulation_of("preset='sick_lms20'"); }) ==
         R"(s.xml:1:59: error: attribute "preset": "sick_lms20" is not allowed, expected one of: sick_lms200, )"
         R"(hokuyo_utm30lx, velodyne_vlp16, did you mean "sick_lms200"?)");
   CHECK(contains(error_of([] { simulation_of("preset=''"); }), "\"\" is not allowed"));
-  // What contradicts the preset is told at the preset.
+  // The error about a conflict with the preset names the place of the preset.
   CHECK(contains(error_of([] { simulation_of("preset='hokuyo_utm30lx' min_angle='140'"); }),
                  R"(s.xml:1:59: error: attribute "max_angle": 135 is not allowed with min_angle="140")"));
   CHECK(contains(error_of([] {

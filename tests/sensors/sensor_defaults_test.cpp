@@ -1,5 +1,5 @@
-// A default stands in the attribute table of its type, for scenes, and in the plain struct, for code. Here the two are
-// held together: an attribute that a scene leaves out means what a default-made struct has.
+// A default is in the attribute table of its type, for scenes, and in the plain struct, for code. These tests compare
+// both: an omitted attribute means the value in a default-constructed struct.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -22,8 +22,8 @@ TEST_SUITE_BEGIN("sensors");
 namespace simvis {
 namespace {
 
-// Each reads all fields of a struct by structured binding, which does not compile when a field is added and not looked
-// at here. Places of attributes and effects have no default but none.
+// Each reads all fields of a struct by a structured binding, which does not compile when a field is added but not
+// handled here. Places of attributes and effects have no default value.
 
 bool same(const ColorSampling& a, const ColorSampling& b) {
   return a.supersampling == b.supersampling && a.msaa == b.msaa;
@@ -49,7 +49,7 @@ bool same(const StereoCameraDesc& a, const StereoCameraDesc& b) {
          same(sampling, b.sampling) && left.empty() && right.empty();
 }
 
-// The effects of a scanner whose source is in the scene are always there.
+// Effects of a scanner whose source is in the scene are always present.
 bool same(const LaserScannerDesc& a, const LaserScannerDesc& b) {
   const auto& [pattern, range_min, range_max, method, error_rel, resolution, error_m, where_m, where_rel, effects] = a;
   static_cast<void>(effects);
@@ -98,7 +98,7 @@ void check_says(std::string_view type, std::string_view attribute, double value)
 
 }  // namespace
 
-TEST_CASE("each sensor type: its table and its struct have the same defaults") {
+TEST_CASE("the table and the struct of each sensor type have the same defaults") {
   for (const SensorType* type : sensor_types()) {
     CAPTURE(type->name);
     const auto agree = kSensors.find(type->name);
@@ -110,14 +110,14 @@ TEST_CASE("each sensor type: its table and its struct have the same defaults") {
   }
 }
 
-TEST_CASE("defaults that depend on other attributes: what the table says of them is what the code does") {
+TEST_CASE("defaults that depend on other attributes: the table describes the behaviour of the code") {
   check_says("laser_scanner", "max_error_rel", kDefaultMaxErrorRel);
   check_says("laser_scanner", "resolution", kPlanarResolution);
   check_says("laser_scanner", "resolution", kRingsResolution);
   check_says("laser_scanner", "pulse_length", kPulseLength_m);
 }
 
-TEST_CASE("a scene without a sky has the environment that an element of type sky has without attributes") {
+TEST_CASE("a scene without a sky has the environment of a sky element without attributes") {
   Simulation without = Simulation::from_string("");
   Simulation with = Simulation::from_string(R"(<element type="sky" name="SKY" insert_at="ROOT"/>)");
   without.step();
@@ -125,7 +125,7 @@ TEST_CASE("a scene without a sky has the environment that an element of type sky
   CHECK(without.diagnostics().draw_list().environment == with.diagnostics().draw_list().environment);
 }
 
-TEST_CASE("fog without attributes scatters the light that a default-made medium does") {
+TEST_CASE("fog without attributes scatters the same light as a default-constructed medium") {
   Simulation foggy = Simulation::from_string(R"(<element type="fog" name="FOG" insert_at="ROOT"/>)");
   foggy.step();
   CHECK(foggy.diagnostics().draw_list().medium.extinction_per_m > 0);

@@ -1,4 +1,4 @@
-// Rectified pairs of worlds whose pixels follow from geometry, their disparity, and the files that are written.
+// Rectified pairs of worlds whose pixels follow from geometry, their disparity, and the written files.
 #include "sensors/camera/stereo_camera.h"
 
 #include <doctest/doctest.h>
@@ -31,7 +31,7 @@ struct Plate {
   double depth_m, left_px, right_px, top_px, bottom_px;
 };
 
-// The edges lie at least 0.1 pixels from all centres of pixels, in both pictures (checked below); float32 moves a
+// The edges are at least 0.1 pixels away from all centres of pixels in both pictures (checked below). float32 moves a
 // corner by less than a thousandth, and drivers snap to 1/256 of a pixel.
 constexpr double kEdgeMargin_px = 0.1;
 constexpr Plate kPlates[] = {{1.0, 60.0, 80.0, 10.0, 20.0},
@@ -54,7 +54,7 @@ StereoCameraDesc desc_of(std::uint32_t width_px) {
           .disparity = true};
 }
 
-/// The plates in front of the left camera of a sensor that stands at `world_from_sensor`; black background.
+/// The plates in front of the left camera of a sensor at `world_from_sensor`, with a black background.
 test::RendererScene plates_scene(const glm::dmat4& world_from_sensor, std::uint32_t width_px) {
   test::RendererScene scene;
   scene.list.environment.background = glm::vec3(0);
@@ -81,7 +81,7 @@ void take(StereoCamera& camera, const DrawList& list, const glm::dmat4& world_fr
 
 bool clear_of_centres(double edge_px) { return std::abs(edge_px - 0.5 - std::round(edge_px - 0.5)) >= kEdgeMargin_px; }
 
-/// The plate that a pixel of a picture shows, when the plates stand `shift(plate)` pixels to the left; null for none.
+/// The plate at a pixel of a picture in which the plates are shifted `shift(plate)` pixels to the left; null for none.
 const Plate* plate_at(std::uint32_t x, std::uint32_t y, const std::function<double(const Plate&)>& shift) {
   for (const Plate& p : kPlates) {
     const double u = x + 0.5 + shift(p), v = y + 0.5;
@@ -90,10 +90,10 @@ const Plate* plate_at(std::uint32_t x, std::uint32_t y, const std::function<doub
   return nullptr;
 }
 
-/// Holds every pixel of all five pictures to the plates.
+/// Compares every pixel of all five pictures with the plates.
 void check_plates(const StereoCamera& camera, std::uint32_t width_px) {
-  // Corners are at most 10 m away (taken 16 times over, as each step of the way rounds them), and a disparity is at
-  // most 12 px, as uncertain as its depth, relative to it.
+  // Corners are at most 10 m away (counted 16 times, because each step rounds them). A disparity is at most 12 px, with
+  // the same relative error as its depth.
   constexpr double kDepthTolerance_m = 16 * 10 * 0x1p-24, kDisparityTolerance_px = 12 * kDepthTolerance_m / 1.0;
   const auto disparity_of = [](const Plate& p) { return kFocal_px * kBaseline_m / p.depth_m; };
   const auto none = [](const Plate&) { return 0.0; };
@@ -134,7 +134,7 @@ void check_plates(const StereoCamera& camera, std::uint32_t width_px) {
 
 }  // namespace
 
-TEST_CASE("what the left camera sees at u, the right one sees at u - disparity") {
+TEST_CASE("a point that the left camera sees at u is at u - disparity in the right one") {
   for (const Plate& p : kPlates) {
     const double shift = kFocal_px * kBaseline_m / p.depth_m;
     for (const double edge : {p.left_px, p.right_px, p.top_px, p.bottom_px, p.left_px - shift, p.right_px - shift}) {
@@ -149,7 +149,7 @@ TEST_CASE("what the left camera sees at u, the right one sees at u - disparity")
   CHECK(camera.picture("middle") == nullptr);
 }
 
-TEST_CASE("a pair that is turned and moved sees the same of what moves along") {
+TEST_CASE("a rotated and moved pair sees the same pictures of objects that move with it") {
   for (const Pose& pose : {Pose{{3, -2, 1}, 0, 0, 2.1}, Pose{{-1, 4, 2}, 0.4, -0.7, -1.3}}) {
     const glm::dmat4 world_from_sensor = to_matrix(pose);
     StereoCamera camera("S", desc_of(kWidth_px));
@@ -158,14 +158,14 @@ TEST_CASE("a pair that is turned and moved sees the same of what moves along") {
   }
 }
 
-TEST_CASE("the right camera stands at -y of the left one") {
+TEST_CASE("the right camera is at -y of the left one") {
   StereoCamera camera("S", desc_of(kWidth_px));
   FramePlan plan;
   const glm::dmat4 world_from_sensor = to_matrix({{5, 6, 7}, 0, 0, std::numbers::pi / 2});
   camera.plan(world_from_sensor, {}, plan);
   REQUIRE(plan.passes.size() == 1);
   REQUIRE(plan.passes[0].views.size() == 2);
-  // Turned to look along +y, its right is +x.
+  // When it looks along +y, its right is +x.
   const glm::dvec3 left(rigid_inverse(plan.passes[0].views[0].view_from_world)[3]);
   const glm::dvec3 right(rigid_inverse(plan.passes[0].views[1].view_from_world)[3]);
   constexpr double kRounding_m = 32 * 7 * 0x1p-53;
@@ -173,7 +173,7 @@ TEST_CASE("the right camera stands at -y of the left one") {
   CHECK(glm::length(right - glm::dvec3(5 + kBaseline_m, 6, 7)) <= kRounding_m);
 }
 
-TEST_CASE("both views share a pass where they fit, and are two where they do not") {
+TEST_CASE("both views share a pass if they fit, and take two passes otherwise") {
   StereoCamera narrow("S", desc_of(2048)), wide("S", desc_of(2050));
   FramePlan one, two;
   narrow.plan(glm::dmat4(1), {}, one);
@@ -184,12 +184,12 @@ TEST_CASE("both views share a pass where they fit, and are two where they do not
   REQUIRE(two.passes.size() == 2);
   CHECK(two.passes[0].width_px == 2050);
   CHECK(two.passes[1].views[0].x_px == 0);
-  // The plates stand in the left of the picture; the camera's pictures are as right in two passes as in one.
+  // The plates are in the left part of the picture; the pictures in two passes equal those in one.
   take(wide, plates_scene(glm::dmat4(1), 2050).list);
   check_plates(wide, 2050);
 }
 
-TEST_CASE("only what is asked for is rendered") {
+TEST_CASE("only requested outputs are rendered") {
   StereoCameraDesc desc = desc_of(kWidth_px);
   desc.color = desc.depth = false;
   StereoCamera disparity("S", desc);
@@ -226,7 +226,7 @@ void write_frame(Simulation& simulation, OutputWriter& writer) {
   for (const std::string& name : simulation.measured()) simulation.write(name, writer.sink(name, time));
 }
 
-/// The number of a row-major matrix in a YAML file.
+/// A number of a row-major matrix in a YAML file.
 double entry(const std::string& yaml, const std::string& matrix, std::size_t index) {
   std::size_t at = yaml.find("data: [", yaml.find(matrix + ":")) + 7;
   for (std::size_t i = 0; i < index; ++i) at = yaml.find(", ", at) + 2;
@@ -254,7 +254,8 @@ TEST_CASE("the files of a run") {
   REQUIRE(exr.channels.size() == 1);
   const std::vector<float>& disparity = exr.channels.at("disparity");
   CHECK(disparity == simulation.picture("EYES", "disparity").pixels);
-  // fx = 32, the wall is 4 m away and reaches 10 m to the sides: 2 pixels everywhere. As uncertain as the depth is.
+  // fx = 32, and the wall is 4 m away and reaches 10 m to the sides: 2 pixels everywhere, with the relative error of
+  // the depth.
   constexpr double kTolerance_px = 2 * 16 * 10 * 0x1p-24 / 4;
   REQUIRE(disparity.size() == 64 * 48);
   for (const float d : disparity) CHECK(std::abs(d - 2) <= kTolerance_px);
@@ -286,7 +287,7 @@ TEST_CASE("intrinsics in the layout of ROS's camera_info") {
   CHECK(std::abs(entry(right, "projection_matrix", 3) - -32 * 0.25) <= 8 * 0x1p-50);
   CHECK(entry(right, "camera_matrix", 2) == 31.5);
 
-  // What P projects is what the pictures show: a point 4 m ahead and 1 m to the right, counted from pixel centres.
+  // P projects to the pictures: a point 4 m ahead and 1 m to the right, counted from pixel centres.
   const double u_left = (entry(left, "projection_matrix", 0) * 1 + entry(left, "projection_matrix", 2) * 4) / 4;
   const double u_right = (entry(right, "projection_matrix", 0) * 1 + entry(right, "projection_matrix", 2) * 4 +
                           entry(right, "projection_matrix", 3)) /

@@ -1,5 +1,5 @@
-// Whether a stereo algorithm made for real pictures finds the true disparity in rendered ones: OpenCV's semi-global
-// matching on pairs of SimVis.
+// Whether a stereo algorithm for real pictures finds the true disparity in rendered ones: OpenCV's semi-global matching
+// on pairs of SimVis.
 #include <doctest/doctest.h>
 
 #include <filesystem>
@@ -45,23 +45,23 @@ struct Score {
 
 constexpr double kClose_px = 1;
 
-// Floors of `of_both_seen`.
+// Lower limits of `of_both_seen`.
 //
-// Of textured planes every window of 5 x 5 pixels is unlike all others, so only windows that reach over a silhouette
-// should go wrong, within 2 pixels of it. The outlines of the two plates are 1,300 pixels long together: 5,200 pixels
-// on both sides, 1.9 % of the 276,000 that count. As much again, and a little, for the strips that one camera alone
-// sees, which pull at their neighbours, and for the floor, where a window does not fit the other picture exactly.
+// Every window of 5 x 5 pixels on textured planes is unique, so only windows across a silhouette should fail, within 2
+// pixels of it. The outlines of the two plates are 1,300 pixels long together: 5,200 pixels on both sides, 1.9 % of the
+// 276,000 that count. Slightly more than the same amount is added for the strips that only one camera sees, which
+// disturb their neighbours, and for the floor, where a window does not fit the other picture exactly.
 constexpr double kTexturedPlanes = 0.95;
-// Leaves are narrower than a window, and many look alike: there is no figure to be derived. Half transparent, they show
-// two surfaces in one pixel, of which the nearer counts as the truth. Chance gives 3 / 64.
+// Leaves are narrower than a window, and many look alike, so no figure can be derived. Half transparent ones show two
+// surfaces in one pixel, of which the nearer is the truth. Chance gives 3 / 64.
 constexpr double kOutdoors = 0.5;
 
-/// From what gives a picture of a stereo camera by its name.
+/// A result picture of a stereo camera by its name.
 Pair pair_of(const auto& picture) {
   return {picture("left"), picture("right"), picture("left_depth"), picture("right_depth"), picture("disparity")};
 }
 
-/// Grey levels as a camera gives them: sRGB codes, weighted as OpenCV weights them.
+/// Grey levels of a camera: sRGB codes, weighted as in OpenCV.
 cv::Mat to_grey(const Image& color) {
   cv::Mat grey(static_cast<int>(color.height), static_cast<int>(color.width), CV_8UC1);
   for (std::size_t i = 0; i < grey.total(); ++i) {
@@ -72,8 +72,8 @@ cv::Mat to_grey(const Image& color) {
   return grey;
 }
 
-/// Sixteenths of a pixel. The parameters are those that OpenCV's documentation recommends for a block of 5 x 5 pixels;
-/// no filter throws results away, so that every pixel has one.
+/// Sixteenths of a pixel. The parameters are those that OpenCV's documentation recommends for a block of 5 x 5 pixels.
+/// No filter discards results, so every pixel has one.
 cv::Mat match(const Pair& pair, int disparities) {
   constexpr int kBlock = 5, kSmallStep = 8 * kBlock * kBlock, kLargeStep = 32 * kBlock * kBlock;
   const auto matcher = cv::StereoSGBM::create(0, disparities, kBlock, kSmallStep, kLargeStep);
@@ -82,10 +82,10 @@ cv::Mat match(const Pair& pair, int disparities) {
   return found;
 }
 
-/// Whether the right camera sees, at the place where it belongs, what the left one sees at column x of row y.
+/// Whether the right camera sees the same surface as the left one at column x of row y.
 bool seen_by_both(const Pair& pair, std::size_t x, std::size_t y) {
-  // At a step in depth, the pixel's own footprint reaches over it: the nearest one or two columns may tell.
-  constexpr double kSameSurface = 0.02;  // relative; surfaces behind each other are farther apart, or hardly matter
+  // At a step in depth the footprint of the pixel covers both sides, so one of the nearest two columns decides.
+  constexpr double kSameSurface = 0.02;  // relative; surfaces behind each other are farther apart or hardly matter
   const std::size_t i = y * pair.disparity.width + x;
   const double column = static_cast<double>(x) - static_cast<double>(pair.disparity.pixels[i]);
   for (const double each : {std::floor(column), std::ceil(column)}) {
@@ -96,14 +96,14 @@ bool seen_by_both(const Pair& pair, std::size_t x, std::size_t y) {
   return false;
 }
 
-/// How far to search: a multiple of 16, as OpenCV wants it, beyond the largest true disparity.
+/// The search range: a multiple of 16, as OpenCV requires, above the largest true disparity.
 int search_range(const Pair& pair) {
   const double largest = *std::ranges::max_element(pair.disparity.pixels);
   return 16 * (static_cast<int>(largest + kClose_px) / 16 + 1);
 }
 
-/// Left out are the columns at the left edge where OpenCV does not search: most of what they show is beyond the right
-/// picture's edge.
+/// Excludes the columns at the left edge where OpenCV does not search: most of their content is outside the right
+/// picture.
 Score evaluate(const Pair& pair) {
   const int disparities = search_range(pair);
   const cv::Mat found = match(pair, disparities);
@@ -130,7 +130,7 @@ void report(const std::string& scene, const Score& score) {
               scene.c_str(), 100 * score.of_all, kClose_px, 100 * score.of_both_seen, 100 * score.both_seen);
 }
 
-/// Sets the transparency of all foliage, from 0 to 1 of what it can be. Returns how many elements there are.
+/// Sets the transparency of all foliage as a share of its range, from 0 to 1. Returns the number of elements.
 int fade_leaves(Simulation& simulation, double share) {
   Parameters& parameters = simulation.parameters();
   int count = 0;
@@ -144,7 +144,7 @@ int fade_leaves(Simulation& simulation, double share) {
   return count;
 }
 
-/// Grey noise of several sizes of grain, so that it has structure at whatever distance it is seen.
+/// Grey noise with several grain sizes, so that it has structure at any distance.
 std::shared_ptr<Texture> noise_texture(std::uint32_t size_px, const char* name) {
   const SensorRandom random(1, name);
   auto texture = std::make_shared<Texture>();
@@ -163,7 +163,7 @@ std::shared_ptr<Texture> noise_texture(std::uint32_t size_px, const char* name) 
   return texture;
 }
 
-/// A wall, a floor and two plates before them, seen from the origin along +x.
+/// A wall, a floor and two plates in front of them, seen from the origin along +x.
 test::RendererScene textured_scene() {
   test::RendererScene scene;
   Material material;
@@ -208,7 +208,7 @@ TEST_CASE("semi-global matching finds the disparity of textured planes") {
   CHECK(score.of_both_seen >= kTexturedPlanes);
 }
 
-TEST_CASE("semi-global matching in the outdoor scene, as its leaves fade") {
+TEST_CASE("semi-global matching in the outdoor scene while its leaves fade") {
   const std::filesystem::path file = SIMVIS_SOURCE_DIR "/scenes/ravon/ravon.xml";
   if (!std::filesystem::exists(file)) {
     std::printf("ravon: the scene is not here\n");

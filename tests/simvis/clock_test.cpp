@@ -1,4 +1,4 @@
-// When frames are taken and when sensors fire, against a count that walks through the firing times one by one.
+// The times of frames and of due sensors, compared with a count that steps through the due times one by one.
 #include "simvis/clock.h"
 
 #include <doctest/doctest.h>
@@ -25,9 +25,9 @@ struct Rate {
 
 const Rate kRates[] = {{0.1, 0.1L}, {3, 3}, {7.5, 7.5L}, {15, 15}, {29.97, 29.97L}, {1e6, 1e6L}};
 
-// The definition in extended precision, where two roundings of 2^-64 relative come in. A time below 10^14 ns is so off
-// by 10^-5 ns, while a multiple of 1/29.97 or of 1/7.5 lies no nearer than 10^9 / 2997 / 2 of its units, 10^-4 ns, to a
-// half. Longer times come from rates whose periods are whole nanoseconds.
+// The definition in extended precision, with two relative roundings of 2^-64. A time below 10^14 ns then has an error
+// of 10^-5 ns, while a multiple of 1/29.97 or of 1/7.5 is no closer to a half than 10^9 / 2997 / 2 of its units, 10^-4
+// ns. Longer times come from rates whose periods are whole nanoseconds.
 std::int64_t time_by_definition(std::uint64_t index, const Rate& rate) {
   return std::llround(static_cast<long double>(index) * 1e9L / rate.written_hz);
 }
@@ -52,24 +52,24 @@ TEST_CASE("halves are rounded up, and large numbers stay exact") {
   CHECK(clock.frame(1).time_ns == 3);
   CHECK(clock.frame(2).time_ns == 5);
   CHECK(clock.frame(3).time_ns == 8);
-  // 0.1 is no double, but ten million frames of 10 s are 10^8 s to the nanosecond.
+  // 0.1 is not a double, but ten million frames of 10 s are 10^8 s to the nanosecond.
   CHECK(Clock(0.1).frame(10'000'000).time_ns == 100'000'000'000'000'000);
-  // 3 * 10^18 + 1 frames of 1 ns: a double would be off by hundreds.
+  // 3 * 10^18 + 1 frames of 1 ns: a double would deviate by hundreds.
   CHECK(Clock(1e9).frame(3'000'000'000'000'000'001).time_ns == 3'000'000'000'000'000'001);
 }
 
-TEST_CASE("a sensor fires in the first frame at or after each of its firing times") {
+TEST_CASE("a sensor is due in the first frame at or after each of its due times") {
   for (const Rate& frame_rate : kRates) {
     const Clock clock(frame_rate.hz);
     for (const Rate& sensor_rate : kRates) {
-      std::uint64_t next = 0;  // the first firing not yet taken
+      std::uint64_t next = 0;  // the first due time not yet used
       std::uint64_t wrong = 0;
       for (std::uint64_t k = 0; k < kFrames; ++k) {
         const std::int64_t now = clock.frame(k).time_ns;
         const bool due = time_by_definition(next, sensor_rate) <= now;
         if (clock.fires(sensor_rate.hz, k) != due) ++wrong;
         if (!due) continue;
-        // Jump near the first firing after `now`, then walk.
+        // Jumps near the first due time after `now`, then steps.
         next =
             std::max(next, static_cast<std::uint64_t>(static_cast<double>(now) * 1e-9 * sensor_rate.hz * (1 - 1e-12)));
         while (time_by_definition(next, sensor_rate) <= now) ++next;
@@ -86,7 +86,7 @@ std::uint64_t firings(double frame_rate_hz, double sensor_rate_hz, std::uint64_t
   return count;
 }
 
-TEST_CASE("how often sensors fire") {
+TEST_CASE("the number of due frames of sensors") {
   CHECK(firings(15, 1, 15) == 1);
   CHECK(firings(15, 1, 16) == 2);
   CHECK(firings(15, 0, 100) == 100);     // no rate: every frame
@@ -95,7 +95,7 @@ TEST_CASE("how often sensors fire") {
   CHECK(firings(15, 1e-300, 100) == 1);  // only at time 0
   CHECK(firings(15, 15, kFrames) == kFrames);
   CHECK(firings(29.97, 29.97, kFrames) == kFrames);
-  // Frame 999,999 is at 99,999.9 s; firings at 0, 1, ..., 99,999 s.
+  // Frame 999,999 is at 99,999.9 s; due times at 0, 1, ..., 99,999 s.
   CHECK(firings(10, 1, kFrames) == 100'000);
   CHECK(firings(30, 7.5, kFrames) == kFrames / 4);
 }
@@ -109,7 +109,7 @@ std::string refusal(double rate_hz) {
   return "accepted";
 }
 
-TEST_CASE("rates that make no sense are refused") {
+TEST_CASE("invalid rates are refused") {
   const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
   for (const double rate : {0.0, -1.0, 2e9, nan, infinity, -infinity}) {
     CHECK(refusal(rate).find("expected more than 0 and at most 1e9") != std::string::npos);

@@ -1,14 +1,13 @@
-// The same scene gives the same bytes, on other machines and in other builds too: held as literal hashes.
+// A scene gives the same bytes on other machines and in other builds: compared with literal hashes.
 //
-// Draw lists. All that comes from files goes into the hash to the bit: meshes, textures, materials, structure. So does
-// what is worked out in double and rounded to float32 once: another libm, or a compiler that contracts a * b + c, is
-// off by some 1e-16, which changes one such number in 10^8. Transforms and the directions of lights stay double, and
-// are rounded to 1e-6 for the hash: those 1e-16 times some metres change one number in 10^9.
+// Draw lists. Everything that comes from files goes into the hash to the bit: meshes, textures, materials, structure.
+// So do values that are computed in double and rounded to float32 once: another libm, or a compiler that contracts a *
+// b + c, deviates by about 1e-16, which changes one such number in 10^8. Transforms and directions of lights stay
+// double and are rounded to 1e-6 for the hash: a deviation of 1e-16 times several metres changes one number in 10^9.
 //
-// Scans. Ranges go in to the bit, error bounds rounded to 1e-6 m: the bound of a beam that was cast is the small
-// difference between its range in double and in float32, and shows every 1e-16. What was cast does not depend on the
-// Vulkan device: one hash for all. What was rendered is the driver's float32 arithmetic: one hash for each driver that
-// is known here.
+// Scans. Ranges go in to the bit, error bounds rounded to 1e-6 m: the bound of a cast beam is the small difference
+// between its range in double and in float32, and shows every 1e-16. Cast ranges do not depend on the Vulkan device:
+// one hash for all. Rendered ranges are the driver's float32 arithmetic: one hash for each driver that is known here.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -31,7 +30,7 @@ using namespace simvis;
 
 namespace {
 
-// What is expected. Where a change of these was wanted, the failing check says what to write here.
+// The expected hashes. After an intended change, copy the values from the message of the failing check.
 
 struct DrawListHash {
   const char *scene, *trajectory;
@@ -43,7 +42,7 @@ constexpr DrawListHash kDrawLists[] = {
     {"arm", "reach.csv", 0x494abd922106214f},
 };
 
-/// Of marvin's three scanners, by method.
+/// The three scanners of marvin, by method.
 struct ScanHash {
   std::string_view device, driver, method;  ///< empty: any
   std::uint64_t hash;
@@ -85,7 +84,7 @@ std::string advice(const std::string& what, std::uint64_t found, const std::stri
 
 double rounded(double value) { return static_cast<double>(std::llround(value * 1e6)); }
 
-/// Whole micrometres; -1 for what is infinite.
+/// Whole micrometres; -1 for infinite values.
 std::vector<std::int64_t> in_micrometres(const std::vector<float>& lengths_m) {
   std::vector<std::int64_t> whole;
   for (const float length_m : lengths_m) {

@@ -1,5 +1,5 @@
-// README.md and docs/ say what works: their commands are run, their scenes are loaded and their C++ is compiled.
-// tests/support/markdown.h says how a page marks what cannot be run.
+// Everything in README.md and docs/ works: commands are run, scenes are loaded and C++ is compiled.
+// tests/support/markdown.h describes the marks for blocks that cannot be run.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -26,7 +26,7 @@ std::string place(const fs::path& page, const MarkdownBlock& block) {
   return fs::relative(page, kRoot).string() + ":" + std::to_string(block.line);
 }
 
-// A folder that looks like the root of the sources after ./run, as far as commands of the pages need it.
+// A folder that resembles the root of the sources after ./run, as far as the commands of the pages need it.
 class PageFolder {
  public:
   PageFolder() {
@@ -58,7 +58,7 @@ bool matches(std::string_view line, std::string_view pattern) {
   return false;
 }
 
-// The first line of `expected` that does not come in `seen`, in this order; empty if all do.
+// The first line of `expected` that `seen` does not contain in this order; empty if it contains all.
 std::string missing_line(const std::string& seen, const std::string& expected) {
   std::istringstream seen_lines(seen), expected_lines(expected);
   for (std::string line, seen_line; std::getline(expected_lines, line);) {
@@ -98,7 +98,7 @@ bool names_file(const std::vector<MarkdownBlock>& blocks, const std::string& fil
   });
 }
 
-// Blocks of C++ as one source: what they include first, then each in a namespace, and in a function if it is a piece of
+// Blocks of C++ as one source: their includes first, then each in a namespace, and in a function if it is a piece of
 // one.
 void add_cpp(const std::string& where, const MarkdownBlock& block, std::string& includes, std::string& source) {
   std::string body;
@@ -111,7 +111,7 @@ void add_cpp(const std::string& where, const MarkdownBlock& block, std::string& 
 
 }  // namespace
 
-TEST_CASE("fenced blocks say what they are, and commands stand in blocks of sh") {
+TEST_CASE("fenced blocks name their language, and commands are in blocks of sh") {
   for (const fs::path& page : documentation_pages()) {
     for (const MarkdownBlock& block : markdown_blocks(page)) {
       CAPTURE(place(page, block));
@@ -127,11 +127,11 @@ TEST_CASE("fenced blocks say what they are, and commands stand in blocks of sh")
   }
 }
 
-TEST_CASE("the commands of each page run, in their order, in a folder like the root of the sources") {
+TEST_CASE("the commands of each page run in order in a folder like the root of the sources") {
   for (const fs::path& page : documentation_pages()) run_page(page);
 }
 
-TEST_CASE("a block that shows a file is that file") {
+TEST_CASE("a block that shows a file equals that file") {
   for (const fs::path& page : documentation_pages()) {
     for (const MarkdownBlock& block : markdown_blocks(page)) {
       const auto file = block.mark("same as");
@@ -142,7 +142,7 @@ TEST_CASE("a block that shows a file is that file") {
   }
 }
 
-TEST_CASE("scenes that no command runs can be loaded") {
+TEST_CASE("scenes that no command uses can be loaded") {
   for (const fs::path& page : documentation_pages()) {
     const std::vector<MarkdownBlock> blocks = markdown_blocks(page);
     for (const MarkdownBlock& block : blocks) {
@@ -174,7 +174,7 @@ TEST_CASE("the C++ of the pages compiles against the public headers") {
   CHECK(compiled.exit_code == 0);
 }
 
-TEST_CASE("output is compared line by line, with dots for what differs from run to run") {
+TEST_CASE("output is compared line by line, with dots for parts that differ from run to run") {
   CHECK(matches("took 12 ms", "took ... ms"));
   CHECK(matches("a", "..."));
   CHECK_FALSE(matches("took 12 s", "took ... ms"));

@@ -34,9 +34,9 @@ std::string described(const std::string& type) {
 
 }  // namespace
 
-TEST_CASE("docs/reference.md is what the program prints") {
+TEST_CASE("docs/reference.md is the output of the program") {
   INFO("to make it anew: build/release/bin/simvis-run --describe all --markdown > docs/reference.md");
-  // Not one CHECK of two long texts: doctest would print both.
+  // Not one CHECK of two long texts, because doctest would print both.
   const bool current = read_text(kRoot / "docs/reference.md") == described("all");
   CHECK(current);
 }

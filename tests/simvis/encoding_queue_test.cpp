@@ -1,4 +1,4 @@
-// Encoding on other cores: order, errors and bounds as if one thread had done it all.
+// Encoding on other cores: order, errors and limits are those of one thread.
 #include "simvis/output/encoding_queue.h"
 
 #include <doctest/doctest.h>
@@ -19,13 +19,13 @@ constexpr unsigned kThreads[] = {1, 2, 8};
 
 EncodingQueue::Encode text_of(int i) {
   return [i] {
-    // Every third takes long, so that later ones are done before it.
+    // Every third one takes long, so that later ones finish before it.
     if (i % 3 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(2));
     return std::to_string(i) + ' ';
   };
 }
 
-TEST_CASE("bytes are put in their order, on the caller's thread, and never more than allowed are pending") {
+TEST_CASE("bytes are written in order on the caller's thread, and the number of pending ones is limited") {
   for (const unsigned threads : kThreads) {
     CAPTURE(threads);
     EncodingQueue queue(shared_thread_pool(threads));

@@ -1,4 +1,4 @@
-// The arrows between the rooms. Reads every #include of the tree and says which one points the wrong way.
+// The arrows between the rooms. Reads every #include of the tree and reports those in the wrong direction.
 //
 //   base, shaders < draw, vulkan, language < geometry, scenegraph < effects, culling, raycast, import < render,
 //   effects/scanner < sensors < simvis < simvis/report < simvis/cli < tests, bench
@@ -40,7 +40,7 @@ const std::map<std::string, std::set<std::string>, std::less<>> kAllowed = [] {
   allowed["scenegraph"] = {"engine/base", "engine/draw", "scenegraph/language"};
   allowed["scenegraph/import/sandbox"] = joined(allowed["scenegraph"], {"scenegraph"});
   allowed["scenegraph/import/mesh"] = joined(allowed["scenegraph/import/sandbox"], {"scenegraph/import/sandbox"});
-  // The last are the programs that read part files with other projects' libraries.
+  // The last one contains the programs that read part files with libraries of other projects.
   for (const char* room : {"gltf", "inventor", "urdf", "helper"}) {
     allowed["scenegraph/import/" + std::string(room)] =
         joined(allowed["scenegraph/import/mesh"], {"scenegraph/import/mesh"});
@@ -56,7 +56,7 @@ const std::map<std::string, std::set<std::string>, std::less<>> kAllowed = [] {
   allowed["sensors/psd"] = joined(allowed["sensors"], {"sensors"});
   allowed["sensors/camera"] =
       joined(allowed["sensors/raster_depth"], {"effects/camera", "sensors", "sensors/raster_depth"});
-  // The scanner measures what each of its methods costs on a device, so it draws and casts by itself for once.
+  // The scanner measures the cost of each of its methods on a device, so it draws and casts itself in this case.
   allowed["sensors/laser_scanner"] =
       joined(allowed["sensors/camera"], {"effects/scanner", "engine/render", "engine/vulkan"});
   Rooms engine_and_scene;
@@ -67,7 +67,7 @@ const std::map<std::string, std::set<std::string>, std::less<>> kAllowed = [] {
   }
   allowed["simvis"] = engine_and_scene;
   allowed["simvis/output"] = {"engine/base", "scenegraph", "sensors"};
-  // Reports speak of what a scanner and a camera do, in their own terms.
+  // Reports describe the work of a scanner and a camera in their own terms.
   allowed["simvis/report"] = joined(
       engine_and_scene, {"simvis", "simvis/output", "sensors/camera", "sensors/laser_scanner", "sensors/raster_depth"});
   allowed["simvis/cli"] = joined(allowed["simvis/report"], {"simvis/report"});
@@ -113,7 +113,7 @@ struct Include {
 
 constexpr std::string_view kPublicFolder = "include/simvis/";
 
-/// The room of a file, or of what an #include names; empty when it is none of ours.
+/// The room of a file or of the target of an #include; empty if it does not belong to SimVis.
 std::string room_of(std::string_view file) {
   if (file.starts_with(kPublicFolder)) {
     const std::string_view name = file.substr(kPublicFolder.size());
@@ -131,7 +131,7 @@ std::string_view trimmed(std::string_view text) {
   return first == std::string_view::npos ? std::string_view() : text.substr(first);
 }
 
-/// Reads `#include "x"` and `#include <x>`, spaces or not. False when the line is no such thing.
+/// Reads `#include "x"` and `#include <x>`, with or without spaces. False if the line is not an include.
 bool parse_include(std::string_view line, Include& include) {
   line = trimmed(line);
   if (!line.starts_with('#')) return false;
@@ -147,8 +147,8 @@ bool parse_include(std::string_view line, Include& include) {
   return true;
 }
 
-/// What is wrong with an include; empty when it is right. Public headers are included as <simvis/NAME.h>, all other
-/// files of ours in quotes, from the root.
+/// The error in an include; empty if it is correct. Public headers are included as <simvis/NAME.h>, all other files of
+/// SimVis in quotes, from the root.
 std::string complaint(const Include& include) {
   const std::string said = include.file + " includes " + include.target;
   if (!include.quoted && !include.target.starts_with("simvis/")) {
@@ -199,7 +199,8 @@ std::vector<Include> includes_of_tree(const fs::path& root) {
 
 TEST_CASE("every include of the tree points along the arrows") {
   const std::vector<Include> includes = includes_of_tree(SIMVIS_SOURCE_DIR);
-  for (const auto& [room, allowed] : kAllowed) {
+  for (const auto& entry : kAllowed) {
+    const std::string& room = entry.first;
     CAPTURE(room);
     CHECK(std::any_of(includes.begin(), includes.end(), [&](const Include& include) {
       return room_of(include.file) == room || room == "shaders" || room == "scenes";
@@ -226,9 +227,10 @@ TEST_CASE("no folder of sources has more than forty files") {
       if (entry.is_regular_file() && is_source(entry.path())) ++files[entry.path().parent_path()];
     }
   }
-  for (const auto& [folder, count] : files) {
+  for (const auto& entry : files) {
+    const fs::path& folder = entry.first;
     CAPTURE(folder);
-    CHECK(count <= 40);
+    CHECK(entry.second <= 40);
   }
 }
 
@@ -273,7 +275,7 @@ TEST_CASE("an include along the arrows is right") {
   CHECK(complaints(right) == std::vector<std::string>());
 }
 
-TEST_CASE("the leaf includes nothing of ours, and quotes are for our private files") {
+TEST_CASE("the leaf includes nothing of SimVis, and quotes are for private files") {
   CHECK(complaint({"shaders/interop.h", "shaders/color.glsl"}) ==
         "shaders/interop.h includes shaders/color.glsl: it is a leaf and includes nothing of ours");
   CHECK(complaint({"shaders/interop.h", "glm/glm.hpp", false}).empty());
@@ -283,7 +285,7 @@ TEST_CASE("the leaf includes nothing of ours, and quotes are for our private fil
   CHECK_FALSE(complaint({"engine/draw/mesh.cpp", "simvis/clock.h", false}).empty());
 }
 
-TEST_CASE("include lines are read however they are spaced") {
+TEST_CASE("include lines are read with any spacing") {
   Include include;
   CHECK(parse_include("#include \"engine/mesh.h\"  // why", include));
   CHECK(include.target == "engine/mesh.h");

@@ -1,4 +1,4 @@
-// A running scene takes commands, all or nothing; parts of one's own; names within parts; references to other things.
+// A running scene executes commands completely or not at all; own parts; names within parts; references.
 #include "simvis/live_scene.h"
 
 #include <doctest/doctest.h>
@@ -21,7 +21,7 @@ constexpr AttributeSpec kPainterAttributes[] = {
     {.name = "red", .default_value = "0.5", .text = "how red", .min = 0, .max = 1, .live = true},
 };
 
-// Paints the shapes of one part, and has one parameter more than its table says.
+// Paints the shapes of one part, and adds one parameter to its table.
 class Painter : public Element {
  public:
   explicit Painter(const ElementContext& context) {
@@ -74,7 +74,7 @@ double red_of(const DrawList& list, std::size_t item) {
 
 }  // namespace
 
-TEST_CASE("an element changes the part that it names and no other of the same file") {
+TEST_CASE("an element changes the named part and no other one of the same file") {
   const Stage stage;
   LiveScene scene({}, stage.parse(std::string(kTwoTables) +
                                   "<element type='painter' name='P' insert_at='ROOT' part='A' red='1'/>"));
@@ -86,7 +86,7 @@ TEST_CASE("an element changes the part that it names and no other of the same fi
   CHECK(list.items[0].mesh == list.items[1].mesh);
 }
 
-TEST_CASE("rows that an element adds are parameters that begin at their default") {
+TEST_CASE("rows that an element adds are parameters that start with their default") {
   const Stage stage;
   LiveScene scene(
       {}, stage.parse(std::string(kTwoTables) + "<element type='painter' name='P' insert_at='ROOT' part='A'/>"));
@@ -97,7 +97,7 @@ TEST_CASE("rows that an element adds are parameters that begin at their default"
   CHECK(contains(error_of([&] { parameters.set(green, 2); }), "P.green: 2 is not allowed"));
 }
 
-TEST_CASE("names of parts, elements and sensors that do not exist are errors where they stand") {
+TEST_CASE("unknown names of parts, elements and sensors are errors at their place") {
   const Stage stage;
   const std::string start = kTwoTables;
   const auto error = [&](const std::string& painter) {
@@ -110,16 +110,16 @@ TEST_CASE("names of parts, elements and sensors that do not exist are errors whe
   CHECK(contains(error("name='P' part='A' watch='LASER'/>"), "there is no sensor \"LASER\" that gives scans"));
   CHECK(contains(error("name='P' part='A' watch='CAM'/><sensor type='camera' name='CAM' insert_at='ROOT'/>"),
                  "there is no sensor \"CAM\" that gives scans"));
-  // A scanner may come later.
+  // A scanner may be declared later.
   CHECK(error("name='P' part='A' watch='LASER'/><sensor type='laser_scanner' name='LASER' insert_at='ROOT'/>") ==
         "nothing was thrown");
-  // An element finds the one that it names.
+  // An element finds the scanner that it names.
   LiveScene scene({}, stage.parse(start + "<element type='pose' name='Q' insert_at='A'/>"
                                           "<element type='painter' name='P' insert_at='ROOT' part='A' after='Q'/>"));
   CHECK(dynamic_cast<const Painter&>(*scene.built.elements[1]).before == scene.built.elements[0].get());
 }
 
-TEST_CASE("insertion points within a part take commands; the second time their names get the part's name in front") {
+TEST_CASE("insertion points within a part accept commands; names of its second copy get the part's name as prefix") {
   const Stage stage;
   LiveScene scene({}, stage.parse("<part file='arm.stub' name='L' insert_at='ROOT'/>"
                                   "<part file='arm.stub' name='R' insert_at='ROOT' pose_offset='0 5 0 0 0 0'/>"
@@ -144,7 +144,7 @@ TEST_CASE("insertion points within a part take commands; the second time their n
   CHECK(right[0] == glm::dvec4(0, 1, 0, 0));  // turned by its own joint
 }
 
-TEST_CASE("a carried name that something else has already gets the part's name in front") {
+TEST_CASE("a name in a part that is already used gets the part's name as prefix") {
   const Stage stage;
   write_text(stage.folder / "head.stub", "<element type='joint' name='TILT'/>");
   LiveScene scene({}, stage.parse("<part file='arm.stub' name='ARM' insert_at='ROOT'/>"
@@ -168,14 +168,14 @@ TEST_CASE("a command that fails leaves the scene as it was") {
   const char* const wrong[] = {
       "<part file='table.stub' name='C' insert_at='ROOT'/><part file='table.stub' name='A' insert_at='ROOT'/>",
       "<part file='arm.stub' name='C' insert_at='A'/><element type='pose' name='Q' insert_at='HAND' x='a'/>",
-      "<part file='arm.stub' name='C' insert_at='A'/><sensor type='camera' name='S' insert_at='HAND'/>"
-      "<element type='painter' name='Q' insert_at='ROOT' part='C' watch='S'/>",
+      ("<part file='arm.stub' name='C' insert_at='A'/><sensor type='camera' name='S' insert_at='HAND'/>"
+       "<element type='painter' name='Q' insert_at='ROOT' part='C' watch='S'/>"),
       "<element type='joint' name='J' insert_at='A' upper='5' value='6'/>",
   };
   for (const char* const commands : wrong) {
     CAPTURE(commands);
     CHECK_FALSE(error_of([&] { scene.execute(stage.parse(commands)); }).empty());
-    // Materials of one's own are identical only by value: the list says.
+    // Cloned materials are equal only by value, so the draw list is compared.
     CHECK(content_hash(flattener.update()) == before);
     CHECK(nodes_of(scene.built.scene.root()).size() == nodes_of(graph_before).size());
     CHECK(scene.built.parameters.changes().size() == changes);
@@ -212,7 +212,7 @@ TEST_CASE("files that embed each other, or too deep, are refused with the chain 
   CHECK(contains(error, "n0.stub > n1.stub > n2.stub"));
 }
 
-TEST_CASE("the default light shines until somebody declares a light") {
+TEST_CASE("the default light shines until a light is declared") {
   const Stage stage;
   LiveScene scene({}, stage.parse(kTwoTables));
   Flattener flattener(scene.built.scene.root());
@@ -224,7 +224,7 @@ TEST_CASE("the default light shines until somebody declares a light") {
   CHECK(flattener.update().lights[0].light.intensity == 2);
 }
 
-TEST_CASE("files of identical content hold one graph") {
+TEST_CASE("files of identical content share one graph") {
   const Stage stage;
   LiveScene scene({}, stage.parse("<part file='table.stub' name='A' insert_at='ROOT'/>"
                                   "<part file='copy.stub' name='B' insert_at='ROOT'/>"

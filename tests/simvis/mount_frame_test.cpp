@@ -1,4 +1,4 @@
-// What is left of a mount's place when scale, shear and mirroring are taken out.
+// The place of a mount without its scale, shear and mirroring.
 #include "simvis/mount_frame.h"
 
 #include <doctest/doctest.h>
@@ -27,7 +27,7 @@ double largest_difference(const glm::dmat4& a, const glm::dmat4& b) {
 
 const glm::dmat4 kPose = to_matrix({.position_m = {1, -2, 3}, .roll_rad = 0.3, .pitch_rad = -0.7, .yaw_rad = 2});
 
-TEST_CASE("a rigid frame stays, and scale falls away") {
+TEST_CASE("a rigid frame stays unchanged, and scale is removed") {
   glm::dmat4 frame;
   REQUIRE(rigid_mount_frame(kPose, frame));
   CHECK(largest_difference(frame, kPose) < kRounding);
@@ -46,7 +46,7 @@ TEST_CASE("shear keeps the direction of x") {
   CHECK(largest_difference(frame, kPose) < kRounding);
 }
 
-TEST_CASE("a mirrored mount looks ahead with its head up, right-handed") {
+TEST_CASE("a mirrored mount keeps its forward and up directions, right-handed") {
   const glm::dmat4 mirrored = glm::scale(kPose, glm::dvec3(1, -1, 1));
   glm::dmat4 frame;
   REQUIRE(rigid_mount_frame(mirrored, frame));

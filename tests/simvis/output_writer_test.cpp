@@ -1,4 +1,4 @@
-// The files of a run: their names, what is in them, and that none is ever half there.
+// The files of a run: their names and content, and that none is ever incomplete.
 #include "simvis/output/output_writer.h"
 
 #include <doctest/doctest.h>
@@ -114,7 +114,7 @@ TEST_CASE("pictures of a frame") {
   CHECK(both.channels.at("B")[36] == color.pixels[4 * 36 + 2]);
 }
 
-TEST_CASE("tables carry frame and time in front and appear with finish") {
+TEST_CASE("tables begin with frame and time, and appear with finish") {
   const TemporaryFolder folder;
   const std::vector<std::string> sensors = {"SCAN"};
   const std::vector<TableColumn> columns = {{"beam", "%lld", true}, {"range_m", "%.9g"}, {"x_m", "%.9g"}};
@@ -146,7 +146,7 @@ std::string printed(const char* format, double value) {
   return text;
 }
 
-TEST_CASE("numbers read as printf writes them") {
+TEST_CASE("numbers are written as by printf") {
   std::uint64_t state = 1, wrong = 0;
   const NumberFormat g = number_format({"c", "%.9g"}), f = number_format({"c", "%.9f"}),
                      e = number_format({"c", "%.3e"});
@@ -179,7 +179,7 @@ TEST_CASE("numbers read as printf writes them") {
   CHECK_THROWS_AS(number_format({"c", "%.9g", true}), InputError);
 }
 
-TEST_CASE("nothing half-written stays") {
+TEST_CASE("no incomplete file stays") {
   const TemporaryFolder folder;
   const std::vector<std::string> sensors = {"SCAN"};
   const std::vector<TableColumn> columns = {{"beam", "%lld", true}};

@@ -1,4 +1,4 @@
-// The parameter arrays: names, limits, and who hears of a change.
+// The parameter arrays: names, limits and change logs.
 #include <simvis/parameters.h>
 
 #include <doctest/doctest.h>
@@ -23,7 +23,7 @@ Parameters make() {
   return parameters;
 }
 
-TEST_CASE("values lie in one vector and are found by name") {
+TEST_CASE("values are in one vector and are found by name") {
   const Parameters p = make();
   CHECK(std::vector<double>(p.values().begin(), p.values().end()) == std::vector<double>{5, 1, 7});
   CHECK(p.index("A", "yaw") == 0);
@@ -34,7 +34,7 @@ TEST_CASE("values lie in one vector and are found by name") {
   CHECK(p.elements()[2].first_value == 2);
 }
 
-TEST_CASE("unknown names are refused, the nearest suggested") {
+TEST_CASE("unknown names are refused with the nearest name") {
   const Parameters p = make();
   CHECK(error_of([&] { p.index("EMPTI", "yaw"); }) == "there is no element \"EMPTI\", did you mean \"EMPTY\"?");
   CHECK(error_of([&] { p.index("A", "hieght"); }) ==
@@ -42,7 +42,7 @@ TEST_CASE("unknown names are refused, the nearest suggested") {
   CHECK(error_of([&] { p.index("EMPTY", "yaw"); }) == "element \"EMPTY\" has no parameter \"yaw\" (it has none)");
 }
 
-TEST_CASE("a value that is not allowed is refused and the old one kept") {
+TEST_CASE("an invalid value is refused and the old one kept") {
   Parameters p = make();
   const double inf = std::numeric_limits<double>::infinity();
   CHECK(error_of([&] { p.set(0, std::numeric_limits<double>::quiet_NaN()); }) ==
@@ -68,7 +68,7 @@ TEST_CASE("only changed values count as changes, once") {
   CHECK(p.drain_changed_elements().empty());
 }
 
-TEST_CASE("the logs keep what they are told, in order") {
+TEST_CASE("the logs keep their entries in order") {
   Parameters p = make();
   p.log_request("a");
   p.log_request("b");

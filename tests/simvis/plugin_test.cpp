@@ -1,4 +1,4 @@
-// An element and a sensor that live in a plug-in library work like those of SimVis.
+// An element and a sensor in a plug-in library work like those of SimVis.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -12,8 +12,8 @@ TEST_SUITE_BEGIN("simvis");
 namespace simvis {
 namespace {
 
-// The probe's distance is near / d of one float32 depth. At most 8 roundings of relative 2^-24 make it: two of the
-// vertex, four of the plane's set-up and evaluation, one of the projection, one of the depth's storage.
+// The distance of the probe is near / d of one float32 depth. It has at most 8 roundings of relative 2^-24: two of the
+// vertex, four of the setup and evaluation of the plane, one of the projection, one of the storage of depth.
 constexpr double kDistanceTolerance = 8 * 0x1p-24;
 
 const std::string kProgram = tested_build() + "/bin/simvis-run";
@@ -35,7 +35,7 @@ std::vector<std::string> last_column(const std::string& csv) {
 
 }  // namespace
 
-TEST_CASE("--describe knows the types of a plug-in") {
+TEST_CASE("--describe lists the types of a plug-in") {
   const ProcessResult plate = Process({kProgram, "--plugin", kPlugin, "--describe", "plate"}).wait();
   CHECK(plate.exit_code == 0);
   CHECK(plate.out.find("a square plate across the x axis") != std::string::npos);
@@ -45,7 +45,7 @@ TEST_CASE("--describe knows the types of a plug-in") {
   CHECK(probe.out.find("what is nearer is not seen") != std::string::npos);
 }
 
-TEST_CASE("a scene is run with the types of a plug-in") {
+TEST_CASE("a scene with types of a plug-in is run") {
   const TemporaryFolder folder;
   write_text(folder / "scene.xml", kScene);
   write_text(folder / "move.csv", "time_s,PLATE.x\n0,2.5\n1,-5\n");
@@ -59,13 +59,13 @@ TEST_CASE("a scene is run with the types of a plug-in") {
   REQUIRE(distances.size() == 3);
   CHECK(distances[0] == "distance_m");
   CHECK(std::abs(std::stod(distances[1]) - 3.5) <= 3.5 * kDistanceTolerance);
-  // In the second frame the plate stands behind the probe.
+  // In the second frame the plate is behind the probe.
   CHECK(distances[2] == "inf");
 }
 
 TEST_CASE("the door of the tutorial opens") {
   const TemporaryFolder folder;
-  // The probe stands before the hinge and stays; the plate 2 m ahead turns with the door.
+  // The probe is in front of the hinge and does not move; the plate 2 m ahead turns with the door.
   write_text(folder / "scene.xml", R"(<scene>
     <sensor type="distance_probe" name="PROBE" insert_at="ROOT"/>
     <element type="door" name="DOOR" insert_at="ROOT"/>
@@ -81,14 +81,15 @@ TEST_CASE("the door of the tutorial opens") {
   const std::vector<std::string> distances = last_column(read_text(folder / "out/PROBE.csv"));
   REQUIRE(distances.size() == 4);
   CHECK(std::abs(std::stod(distances[1]) - 2) <= 2 * kDistanceTolerance);
-  // Half open, 45 degrees: the plate's plane meets the x axis at 2 / cos(45 degrees), 2 m from the plate's middle.
+  // Half open, 45 degrees: the plane of the plate crosses the x axis at 2 / cos(45 degrees), 2 m from the centre of the
+  // plate.
   const double half_open = 2 * std::sqrt(2.0);
-  // The slant doubles what a rounding of the vertex moves.
+  // The slant doubles the effect of a vertex rounding.
   CHECK(std::abs(std::stod(distances[2]) - half_open) <= 2 * half_open * kDistanceTolerance);
   CHECK(distances[3] == "inf");  // a quarter turn
 }
 
-TEST_CASE("without its plug-in, a scene is refused") {
+TEST_CASE("a scene is refused without its plug-in") {
   const TemporaryFolder folder;
   write_text(folder / "scene.xml", kScene);
   const ProcessResult run = Process({kProgram, (folder / "scene.xml").string()}).wait();

@@ -1,5 +1,4 @@
-// The price list of accuracy: every way to measure, each as a normal run of it measures, and what to write in the
-// scene.
+// The price list of accuracy: every method measures as in a normal run, and the advice for the scene.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -27,8 +26,8 @@ using Strings = std::vector<std::string>;
 const std::string kProgram = tested_build() + "/bin/simvis-run";
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// The wall ends 68 degrees to either side, so there are hits, misses, and beams that a raster method cannot tell.
-// LATER moves what is inserted after it, so not the scanner.
+// The wall ends at 68 degrees on either side, so there are hits, misses, and beams that a raster method cannot decide.
+// LATER moves elements inserted after it, so not the scanner.
 constexpr std::string_view kSensors = R"(
 <element type="pose" name="MOVE" insert_at="ROOT" x="0.5"/>
 <sensor type="laser_scanner" name="SCAN" insert_at="ROOT" pose_offset="0.5 0 0 0 0 20" samples="721" rate="1"/>
@@ -60,14 +59,14 @@ SimulationDesc overridden(const ScanVariant& variant) {
   return desc;
 }
 
-/// The least value that half of them do not exceed.
+/// The smallest value that half of them do not exceed.
 double middle(std::vector<double> values) {
   if (values.empty()) return VariantPrice::kNone;
   std::sort(values.begin(), values.end());
   return values[(values.size() - 1) / 2];
 }
 
-/// What frames 1 to `frames` of a normal run of a variant say, along the drive or standing.
+/// Results of frames 1 to `frames` of a normal run of a variant, driven or at rest.
 struct NormalRun {
   NormalRun(const WallScene& scene, const ScanVariant& variant, std::uint64_t frames, bool drives) {
     Simulation simulation = scene.load(overridden(variant));
@@ -105,7 +104,7 @@ struct NormalRun {
   double median_m = 0, median_rel = 0, largest_m = 0, largest_rel = 0, unbounded = 0, cast = 0;
 };
 
-/// A list with what decides in it: time, largest bound, beams without one.
+/// A list with the decisive columns: time, largest bound, beams without one.
 ScannerPrice made_up(const std::vector<std::array<double, 3>>& rows) {
   ScannerPrice price{.scanner = "MADE, UP", .rings = 2, .beams = 20, .frames = 1, .variants = {}};
   for (const auto& [time_ms, bound_rel, unbounded] : rows) {
@@ -132,7 +131,7 @@ Strings lines_of(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("a variant stands where its sensor stands, moves with it, and measures as the sensor itself would") {
+TEST_CASE("a variant has the pose of its sensor, moves with it, and measures as the sensor would") {
   const WallScene scene;
   Simulation simulation = scene.load();
   Command command = simulation.diagnostics().command("SCAN");
@@ -155,7 +154,7 @@ TEST_CASE("a variant stands where its sensor stands, moves with it, and measures
   CHECK(simulation.diagnostics().validation_messages() == 0);
 }
 
-TEST_CASE("overrides are in a sensor's command, and do not touch a variant") {
+TEST_CASE("overrides are in the command of a sensor and do not change a variant") {
   const WallScene scene;
   Simulation simulation = scene.load(overridden({"nearest", 512, {}}));
   CHECK(variant_of(simulation.diagnostics().command("SCAN")) == ScanVariant{"nearest", 512, {}});
@@ -165,7 +164,7 @@ TEST_CASE("overrides are in a sensor's command, and do not touch a variant") {
         std::string::npos);
 }
 
-TEST_CASE("a variant that cannot be leaves the simulation as it was") {
+TEST_CASE("an impossible variant leaves the simulation unchanged") {
   const WallScene scene;
   Simulation simulation = scene.load();
   const Command command = simulation.diagnostics().command("SCAN");
@@ -186,7 +185,7 @@ TEST_CASE("a variant that cannot be leaves the simulation as it was") {
   CHECK(simulation.sensors().size() == 3);
 }
 
-TEST_CASE("variants: what a scanner asks for is among them, once, and what is the same is not priced twice") {
+TEST_CASE("variants: the requested one of a scanner is among them once, and equal ones are not priced twice") {
   const auto scanner = [](const std::string& attributes) {
     return parse_commands(R"(<sensor type="laser_scanner" name="S" insert_at="ROOT" )" + attributes + "/>", "", "")[0];
   };
@@ -201,7 +200,7 @@ TEST_CASE("variants: what a scanner asks for is among them, once, and what is th
   CHECK(priced_variants(scanner("resolution=\"300\"")).size() == 6 * per_resolution + casting);
   CHECK(priced_variants(scanner("vertical_samples=\"2\"")).size() == 4 * per_resolution + casting);
   CHECK(variant_of(scanner("method=\"raycast\" resolution=\"64\"")) == ScanVariant{"raycast", {}, {}});
-  // A tolerance below what any pixel is good for: nothing is rendered, at no resolution.
+  // A tolerance below the bound of any pixel: nothing is rendered at any resolution.
   CHECK(variant_of(scanner("method=\"hybrid\"")) == ScanVariant{"hybrid", {}, 1e-6});
   CHECK(priced_variants(scanner("method=\"hybrid\"")).size() == 27);
   CHECK(priced_variants(scanner("max_error_rel=\"0.01\"")).size() == 31);
@@ -214,7 +213,7 @@ TEST_CASE("variants: what a scanner asks for is among them, once, and what is th
   }
 }
 
-TEST_CASE("each row says what a normal run of it says; errors lie within bounds; standing and driving") {
+TEST_CASE("each row equals a normal run of its variant; errors are within bounds; at rest and driven") {
   const WallScene scene;
   for (const bool drives : {false, true}) {
     Simulation simulation = scene.load();
@@ -251,7 +250,7 @@ TEST_CASE("each row says what a normal run of it says; errors lie within bounds;
       CHECK(row.difference_largest_m <= row.bound_largest_m + exact.bound_largest_m);
       CHECK(row.difference_largest_rel <= row.bound_largest_rel + exact.bound_largest_rel);
       CHECK(std::isnan(row.unbounded_difference_m) == !(row.unbounded_share > 0));
-      // Which kind a reading is of is in doubt only where there is no bound.
+      // The kind of a reading is uncertain only where there is no bound.
       CHECK(row.wrong_kind_share <= row.unbounded_share);
       if (row.variant.max_error_rel) CHECK(row.meets(*row.variant.max_error_rel));
     }
@@ -263,7 +262,7 @@ TEST_CASE("each row says what a normal run of it says; errors lie within bounds;
   }
 }
 
-TEST_CASE("the advice can be written in a scene, and meets its tolerance there") {
+TEST_CASE("the advice can be written in a scene and meets its tolerance there") {
   const WallScene scene;
   const ScannerPrice price = price_scanners(scene.load(), kShort).front();
   const std::string advice = price_advice(price);
@@ -287,7 +286,7 @@ TEST_CASE("the advice can be written in a scene, and meets its tolerance there")
   }
 }
 
-TEST_CASE("the cheapest for a tolerance: within 5 % the better bound; nothing where nothing meets it") {
+TEST_CASE("the cheapest method for a tolerance: within 5 % the better bound; none where none meets it") {
   using Rows = std::vector<std::array<double, 3>>;
   CHECK(cheapest_for(made_up(Rows{{1, 1e-3, 0}, {2, 1e-7, 0}}), 1e-3) == 0);
   CHECK(cheapest_for(made_up(Rows{{1, 1e-3, 0}, {2, 1e-7, 0}}), 1e-4) == 1);
@@ -295,7 +294,7 @@ TEST_CASE("the cheapest for a tolerance: within 5 % the better bound; nothing wh
   CHECK(cheapest_for(made_up(Rows{{1, 1e-7, 1e-5}, {2, 1e-4, 0}}), 1e-3) == 1);
   CHECK(cheapest_for(made_up(Rows{{1, kInfinity, 0}}), 1e-3) == std::nullopt);
 
-  // A bound does not speak of what is narrower than three pixels; raycast does.
+  // Bounds do not cover objects narrower than three pixels, except those of raycast.
   ScannerPrice price = made_up({{1, 1e-5, 0}, {1, 1e-5, 0}, {2, 1e-5, 0}});
   price.variants[0].difference_largest_rel = 0.2;
   price.variants[1].wrong_kind_share = 0.01;
@@ -315,9 +314,10 @@ TEST_CASE("a table of aligned columns, and CSV that reads back") {
   REQUIRE(table.size() == 6);
   CHECK(table[0] == "MADE, UP: 10 beams x 2 rings, 1 frame of each");
   CHECK(table[3].starts_with("hybrid * "));
-  for (const auto& [name, value] : {std::pair{"ms", "1.250"}, {"resolution", "512"}, {"max_error_rel", "0.001"}}) {
+  for (const auto& column : {std::pair{"ms", "1.250"}, {"resolution", "512"}, {"max_error_rel", "0.001"}}) {
+    const std::string name = column.first, value = column.second;
     CAPTURE(name);
-    CHECK(table[2].find(name) + std::string(name).size() == table[3].find(value) + std::string(value).size());
+    CHECK(table[2].find(name) + name.size() == table[3].find(value) + value.size());
   }
   CHECK(table[3].ends_with("  0.001"));
   CHECK(table[4].find("12.5") != std::string::npos);
@@ -336,7 +336,7 @@ TEST_CASE("a table of aligned columns, and CSV that reads back") {
   CHECK(lines_of(to_csv({&price, 1}))[1].starts_with("\"A \"\"B\"\"\",20,"));
 }
 
-TEST_CASE("only enabled laser scanners are priced; without one it is an error; progress is told and can end it") {
+TEST_CASE("only enabled laser scanners are priced; without one it is an error; progress is reported and can end it") {
   constexpr std::string_view kTwo = R"(
 <sensor type="laser_scanner" name="A" insert_at="ROOT" samples="3"/>
 <sensor type="laser_scanner" name="B" insert_at="ROOT" samples="3" vertical_samples="2" min_angle="100" max_angle="120"/>
@@ -357,7 +357,7 @@ TEST_CASE("only enabled laser scanners are priced; without one it is an error; p
   CHECK(prices[0].rings == 2);
   CHECK(calls == last);
   CHECK(calls == 2 * prices[0].variants.size());
-  for (const VariantPrice& row : prices[0].variants) {  // nothing is there, and all say so
+  for (const VariantPrice& row : prices[0].variants) {  // the scene is empty for all of them
     CHECK(std::isnan(row.bound_median_m));
     CHECK(row.bound_largest_m == 0);
     CHECK(row.unbounded_share == 0);
@@ -372,7 +372,7 @@ TEST_CASE("only enabled laser scanners are priced; without one it is an error; p
   CHECK(contains(error_of([&] { price_scanners(std::move(none)); }), "no enabled laser scanner"));
 }
 
-TEST_CASE("scanners that parts carry have prices, too") {
+TEST_CASE("scanners in parts have prices, too") {
   const TemporaryFolder folder;
   std::string robot = wall_gltf();
   robot.insert(robot.find("\"mesh\": 0"), R"("extras": {"simvis": ["<element type='pose' name='P'/>",
@@ -390,7 +390,7 @@ TEST_CASE("scanners that parts carry have prices, too") {
   }
 }
 
-TEST_CASE("simvis-run --price prints tables, and writes price.csv where --out is given") {
+TEST_CASE("simvis-run --price prints tables, and writes price.csv if --out is given") {
   const WallScene scene;
   const std::string out = (scene.folder / "new/out").string();
   const Strings arguments = {
@@ -422,7 +422,7 @@ TEST_CASE("simvis-run --price prints tables, and writes price.csv where --out is
   CHECK(contains(standing.out, "the scene stands still"));
 }
 
-TEST_CASE("simvis-run --price with what makes no sense") {
+TEST_CASE("simvis-run --price with contradictory options") {
   const auto refused = [](std::string_view sensors, const Strings& options, const Strings& expected) {
     const WallScene scene(sensors);
     Strings arguments = {scene.scene.string(), "--price"};

@@ -1,4 +1,4 @@
-// The profile is a Chrome trace: events by hand, and those of a run, whose times must nest on each track.
+// The profile is a Chrome trace: hand-made events, and those of a run, whose times must nest on each track.
 #include "simvis/report/profile.h"
 
 #include <doctest/doctest.h>
@@ -35,7 +35,7 @@ std::vector<Json> spans(const Json& trace, std::string_view category = {}, std::
   return found;
 }
 
-TEST_CASE("times are microseconds from the first frame's start; one event in each line") {
+TEST_CASE("times are microseconds from the first frame's start, with one event per line") {
   const TemporaryFolder folder;
   const FrameCounters counters{.draws = 7};
   const StageTime first[] = {{"elements", 5'000, 6'500}, {"flatten", 6'500, 9'000}};
@@ -80,7 +80,7 @@ TEST_CASE("times are microseconds from the first frame's start; one event in eac
   CHECK(events == trace["traceEvents"].size());
 }
 
-TEST_CASE("what the device did stands where the frame was handed over") {
+TEST_CASE("device events are placed after the submission of the frame") {
   const TemporaryFolder folder;
   const StageTime stages[] = {{"render", 1'000, 9'000}};
   FramePlan plan;
@@ -115,7 +115,7 @@ TEST_CASE("what the device did stands where the frame was handed over") {
 }
 
 TEST_CASE("the spans of a run nest on each track, and the device works while its frame is rendered") {
-  // Device and host may have clocks of their own, of some 100 ppm at the worst, and round to whole nanoseconds.
+  // Device and host may have separate clocks, which deviate by about 100 ppm at most and round to whole nanoseconds.
   constexpr double kClockRatio = 1e-4;
   constexpr std::int64_t kRounding_ns = 2;
   const TemporaryFolder folder;

@@ -1,4 +1,4 @@
-// run.json, the closing line, --explain and the progress bar, from numbers given here.
+// run.json, the closing line, --explain and the progress bar, made from given numbers.
 #include "simvis/report/run_report.h"
 
 #include <doctest/doctest.h>

@@ -1,5 +1,5 @@
-// The sanitizers are in the library that is tested: faults that it is led to on purpose are caught. Run where the build
-// has sanitizers, and nowhere else; the test cases are named after them.
+// The tested library contains the sanitizers: they detect deliberate faults. These test cases run only in builds with
+// sanitizers and are named after them.
 #include <doctest/doctest.h>
 
 #include <sys/wait.h>
@@ -17,7 +17,7 @@ using namespace simvis;
 
 namespace {
 
-/// Ends the process that it runs in, which is why that is one of its own.
+/// A fault ends the process in which it runs, so it runs in a child process.
 bool is_caught(void (*fault)()) {
   const pid_t child = ::fork();  // this program has one thread
   REQUIRE(child >= 0);

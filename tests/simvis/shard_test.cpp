@@ -1,4 +1,4 @@
-// `--shard K/N`: what several processes make together is, to the byte, what one makes alone.
+// `--shard K/N`: the joined results of several processes equal those of one, to the byte.
 #include "simvis/report/shard.h"
 
 #include <doctest/doctest.h>
@@ -20,8 +20,8 @@ using Strings = std::vector<std::string>;
 
 const std::string kProgram = tested_build() + "/bin/simvis-run";
 
-// All that a frame can take from others: where the camera with a rolling shutter and the scanner with a sweep stood
-// before (one of them at a rate of its own), noise, and a sensor that some shards never see fire.
+// Everything that a frame can take from other frames: earlier poses of a camera with a rolling shutter and of a scanner
+// with a sweep (one of them with its own rate), noise, and a sensor that is never due in some shards.
 constexpr std::string_view kScene = R"(
 <element type="pose" name="MOVE" insert_at="ROOT"/>
 <sensor type="camera" name="CAM" insert_at="ROOT" width="32" height="24" outputs="color depth" row_time="0.002"
@@ -31,7 +31,7 @@ constexpr std::string_view kScene = R"(
 <sensor type="laser_scanner" name="PLANAR" insert_at="ROOT" method="planar" samples="11" min_angle="-60" max_angle="60"/>
 <sensor type="camera" name="SLOW" insert_at="ROOT" width="8" height="8" rate="1"/>)";
 
-// As docs/command-line.md joins them.
+// Joins them as in docs/command-line.md.
 constexpr const char* kJoin =
     "cd \"$1\" && for first in *-0-of-\"$2\".csv; do table=${first%-0-of-*}; "
     "(head -n 1 \"$first\"; tail -qn +2 \"$table\"-*-of-\"$2\".csv | sort -snt, -k1,1) > \"$table.csv\"; done";
@@ -47,7 +47,7 @@ void write_drive(const fs::path& file) {
 
 bool is_run_file(const std::string& name) { return name.starts_with("run") && name.ends_with(".json"); }
 
-TEST_CASE("the files of all shards are those of one run, to the byte") {
+TEST_CASE("the files of all shards equal those of one run, to the byte") {
   const TemporaryFolder folder;
   const std::string scene = write_wall_scene(folder.path(), kScene).string();
   write_drive(folder / "drive.csv");
@@ -105,7 +105,7 @@ void check_refused(const Strings& options, std::string_view commands, const Stri
   CHECK_FALSE(fs::exists(folder / "out"));
 }
 
-TEST_CASE("a share that is none, and scenes whose frames cannot be made apart") {
+TEST_CASE("an invalid share, and scenes whose frames cannot be made separately") {
   for (const char* wrong : {"3/3", "1", "1/", "/2", "-1/2", "0/0", "1/2/3", "a/b", "1 /2", "1/99999999999999999999"}) {
     check_refused({"--shard", wrong}, kScene, {"--shard: ", wrong, "expected K/N with K from 0 to N - 1"});
   }
@@ -117,7 +117,7 @@ TEST_CASE("a share that is none, and scenes whose frames cannot be made apart") 
   const std::string view = R"(<sensor type="camera" name="VIEW" insert_at="ROOT" view="visualization"/>)";
   check_refused({"--shard", "0/2"}, view, {"--shard: sensor \"VIEW\"", "expected it to be off"});
 
-  // One share of one is a whole run, and of what is off nothing depends.
+  // Share 1/1 is a whole run, and a sensor that is off makes nothing dependent.
   const TemporaryFolder folder;
   const std::string scene = write_wall_scene(folder.path(), std::string(kScene) + view + chooses).string(),
                     out = (folder / "out").string();
@@ -128,7 +128,7 @@ TEST_CASE("a share that is none, and scenes whose frames cannot be made apart") 
   CHECK(run({"--help"}).out.find("--shard K/N") != std::string::npos);
 }
 
-TEST_CASE("shares of a run cover its frames once") {
+TEST_CASE("the shares of a run cover its frames once") {
   for (const std::uint64_t frames : {1u, 2u, 7u, 24u}) {
     for (const std::uint64_t count : {1u, 2u, 5u, 30u}) {
       std::uint64_t all = 0;

@@ -1,4 +1,4 @@
-// The way in for programs: what a step does, what it leaves out, and what is refused.
+// The interface for programs: the effect of a step, skipped work, and errors.
 #include <simvis/simulation.h>
 
 #include <doctest/doctest.h>
@@ -36,7 +36,7 @@ const std::string kScanner =
     R"(<sensor type="laser_scanner" name="SCAN" insert_at="ROOT" samples="3" min_angle="-45" max_angle="45"/>)";
 const std::string kMove = R"(<element type="pose" name="MOVE" insert_at="ROOT"/>)";
 
-/// An element of this program: scales what follows it.
+/// An element of this program that scales the parts after it.
 class Scale : public Element {
  public:
   explicit Scale(const ElementContext& context) : node_(std::make_shared<Transform>()) {
@@ -76,7 +76,7 @@ bool has(const std::string& text, const char* part) { return text.find(part) != 
 
 TEST_CASE("parameters move a sensor from the next step on") {
   WallSimulation simulation(kMove + kScanner);
-  CHECK(simulation->scan("SCAN").range_m.empty());  // has not fired yet
+  CHECK(simulation->scan("SCAN").range_m.empty());  // not due yet
   simulation->step();
   const Scan& scan = simulation->scan("SCAN");
   REQUIRE(scan.range_m.size() == 3);
@@ -93,7 +93,7 @@ TEST_CASE("parameters move a sensor from the next step on") {
   CHECK(pose[3] == glm::dvec4(1.5, 0, 0, 1));
 }
 
-TEST_CASE("what is refused keeps the old value and says why") {
+TEST_CASE("an invalid call keeps the old value and gives the reason") {
   WallSimulation simulation(kMove + kScanner +
                             R"(<sensor type="camera" name="CAM" insert_at="ROOT" width="4" height="4"/>)");
   simulation->set("MOVE", "x", 1);
@@ -115,7 +115,7 @@ TEST_CASE("what is refused keeps the old value and says why") {
   CHECK(has(refusal([&] { Simulation::from_string("", desc); }), "rate"));
 }
 
-TEST_CASE("overrides go over what the scene says, and are checked without a scene") {
+TEST_CASE("overrides replace the values of the scene, and are checked without a scene") {
   SimulationDesc desc;
   desc.overrides = {{"laser_scanner", "samples", "7", ""}};
   WallSimulation simulation(kScanner, desc);
@@ -157,11 +157,11 @@ TEST_CASE("only enabled sensors that are due are rendered") {
   CHECK(sensors[1].enabled);
 }
 
-TEST_CASE("a scaled or mirrored sensor stays a sensor, a flattened one is refused") {
+TEST_CASE("a scaled or mirrored sensor still works, a flattened one is refused") {
   WallSimulation simulation(R"(<element type="test_scale" name="SCALE" insert_at="ROOT"/>)" +
                             std::string(R"(<sensor type="laser_scanner" name="SCAN" insert_at="ROOT" samples="2"
                                             min_angle="0" max_angle="60" pose_offset="0.5 0 0 0 0 0"/>)"));
-  // The wall stands before the element and is not scaled; the scanner is moved to x = 0.5 m times the factor.
+  // The wall precedes the element and is not scaled. The scanner is moved to x = 0.5 m times the factor.
   simulation->set("SCALE", "x", 2);
   simulation->set("SCALE", "y", -3);
   simulation->step();
@@ -180,7 +180,7 @@ TEST_CASE("a scaled or mirrored sensor stays a sensor, a flattened one is refuse
   CHECK(std::abs(scan.range_m[0] - 3.5) <= scan.error_bound_m[0]);
 }
 
-TEST_CASE("a step's stages follow each other") {
+TEST_CASE("the stages of a step are in sequence") {
   WallSimulation simulation(kScanner);
   CHECK(simulation->diagnostics().stages().empty());
   simulation->step();
@@ -196,7 +196,7 @@ TEST_CASE("a step's stages follow each other") {
   CHECK(names == "elements flatten plan render collect ");
 }
 
-TEST_CASE("a scene without a light gets one, and a scene with one does not") {
+TEST_CASE("a scene without a light gets one, and a scene with a light does not") {
   WallSimulation dark("");
   REQUIRE(dark->diagnostics().draw_list().lights.size() == 1);
   CHECK(dark->diagnostics().draw_list().lights[0].light == kDefaultLight);

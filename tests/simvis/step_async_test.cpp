@@ -1,4 +1,5 @@
-// step_async(): the frames of step(), to the byte, while the caller goes on; what may be asked meanwhile; errors.
+// step_async(): the same frames as step() to the byte while the caller continues; calls that are allowed meanwhile;
+// errors.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -24,7 +25,7 @@ Bytes joined(std::initializer_list<const std::vector<float>*> parts) {
   return all;
 }
 
-/// What the sensors that measured have, by their names.
+/// Results of the sensors that measured, by name.
 std::map<std::string, Bytes> results(const Simulation& simulation, const std::vector<std::string>& cameras) {
   std::map<std::string, Bytes> all;
   for (const std::string& name : simulation.measured()) {
@@ -37,7 +38,7 @@ std::map<std::string, Bytes> results(const Simulation& simulation, const std::ve
   return all;
 }
 
-/// Both ways, the second with everything that is allowed while a frame is under way.
+/// Runs both ways, the second with every call that is allowed during a frame.
 template <typename Load, typename Drive>
 void check_same_frames(int frames, const std::vector<std::string>& cameras, const Load& load, const Drive& drive) {
   Simulation together = load();
@@ -61,13 +62,13 @@ void check_same_frames(int frames, const std::vector<std::string>& cameras, cons
   }
   apart.finish();
   CHECK(results(apart, cameras) == expected.back());
-  apart.finish();  // nothing is under way
+  apart.finish();  // no frame is in progress
   CHECK(results(apart, cameras) == expected.back());
   CHECK(together.diagnostics().counters() == apart.diagnostics().counters());
   CHECK(apart.diagnostics().validation_messages() == 0);
 }
 
-TEST_CASE("twenty frames of marvin as he drives, by each method") {
+TEST_CASE("twenty frames of marvin while it drives, by each method") {
   const std::filesystem::path scene = SIMVIS_SOURCE_DIR "/scenes/marvin/marvin.xml";
   for (const std::string method : {"planar", "hybrid", "raycast"}) {
     CAPTURE(method);
@@ -111,7 +112,7 @@ TEST_CASE("cameras, scanners that cast and that draw, and a visualization of the
   });
 }
 
-TEST_CASE("while a frame is under way: what is there, and what has to wait for finish()") {
+TEST_CASE("during a frame: the available results, and the calls that require finish()") {
   Simulation simulation = mixed();
   simulation.step();
   simulation.step_async();
@@ -134,7 +135,7 @@ TEST_CASE("while a frame is under way: what is there, and what has to wait for f
   glm::dmat4 pose;
   CHECK(refused([&] { simulation.sensor_pose("CAM", pose); }));
 
-  // What was set meanwhile is of the next frame.
+  // Values set meanwhile apply to the next frame.
   const std::size_t forward = 15;
   simulation.finish();
   CHECK(std::abs(simulation.scan("DRAWN").range_m[forward] - 4) <= 1e-6);
@@ -143,14 +144,14 @@ TEST_CASE("while a frame is under way: what is there, and what has to wait for f
   simulation.finish();
   CHECK(std::abs(simulation.scan("DRAWN").range_m[forward] - 3) <= 1e-6);
 
-  // A simulation can go, or be replaced, with a frame under way.
+  // A simulation can be destroyed or replaced during a frame.
   simulation.step_async();
   simulation = mixed();
   simulation.step_async();
 }
 
-// At 64 m half an ulp of a float32 is 3.8e-6 m, more than KEEPS may be wrong by.
-TEST_CASE("an error of a frame that is under way comes out of what finishes it, and the simulation goes on") {
+// At 64 m half an ulp of a float32 is 3.8e-6 m, more than the tolerance of KEEPS.
+TEST_CASE("an error of a frame in progress is thrown by the call that finishes it, and the simulation still works") {
   Simulation simulation = mixed(), other = mixed();
   simulation.step();
   simulation.set("MOVE", "x", -60);
@@ -172,7 +173,7 @@ TEST_CASE("an error of a frame that is under way comes out of what finishes it, 
   simulation.set("MOVE", "x", -60);
   simulation.step_async();
   CHECK(error_of([&] { simulation.finish(); }).find("KEEPS") != std::string::npos);
-  simulation.finish();  // no longer under way
+  simulation.finish();  // no longer in progress
   CHECK(simulation.next_frame().index == 2);
   CHECK(simulation.diagnostics().validation_messages() == 0);
 }

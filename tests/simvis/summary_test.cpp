@@ -1,4 +1,4 @@
-// The lines that a run ends with: what is measured for them, and how they read.
+// The closing lines of a run: their measurements and their text.
 #include "simvis/report/summary.h"
 
 #include <doctest/doctest.h>
@@ -75,7 +75,7 @@ TEST_CASE("a scanner with an effect that follows beams has one price, a scene wi
   CHECK_FALSE(pictures.price.has_value());
 }
 
-TEST_CASE("what to open first exists: a picture for people, a scan, the report") {
+TEST_CASE("the files to open first exist: a picture for people, a scan, the report") {
   const TemporaryFolder out;
   const auto files = [&] { return summary_of(kSensors, {.frame_ms = 10, .out = out.path()}).files; };
   CHECK(files().empty());

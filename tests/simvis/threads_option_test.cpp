@@ -1,4 +1,4 @@
-// simvis-run --threads: the files are the same bytes for every number.
+// simvis-run --threads: the files have the same bytes for every number of threads.
 #include <doctest/doctest.h>
 
 #include <map>

@@ -32,7 +32,7 @@ struct Stage {
   Parameters parameters;
 };
 
-TEST_CASE("linear between rows, the first and last row's values outside") {
+TEST_CASE("values are linear between rows, and constant before the first and after the last") {
   Stage stage;
   for (const char* text :
        {"time_s,P.h,P.x\n1,0,10\n3,2,20\n4,3,-4\n", "\xef\xbb\xbftime_s, P.h ,P.x\r\n1,0,10\r\n3 ,2, 20\r\n4,3,-4",
@@ -52,7 +52,7 @@ TEST_CASE("linear between rows, the first and last row's values outside") {
   }
 }
 
-TEST_CASE("one row holds for ever") {
+TEST_CASE("a single row is valid at all times") {
   Stage stage;
   const Trajectory trajectory = stage.read("time_s,P.x\n2,5\n");
   for (const double time_s : {0.0, 2.0, 3.0}) {
@@ -61,7 +61,7 @@ TEST_CASE("one row holds for ever") {
   }
 }
 
-TEST_CASE("mistakes are reported where they stand") {
+TEST_CASE("errors are reported at their place") {
   const Stage stage;
   CHECK(stage.error("") == "t.csv:1:1: error: no header, expected \"time_s,ELEMENT.PARAM,...\"");
   CHECK(contains(stage.error("time_s,P.x\n"), "error: no rows, expected at least one"));

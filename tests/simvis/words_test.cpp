@@ -1,5 +1,5 @@
-// Names follow the words of the field: a reader who searches for occluder, ray packet or TLAS finds them. The words on
-// the left stood for these things before; none of them comes back.
+// Names follow the words of the field: a search for occluder, ray packet or TLAS finds them. The words on the left were
+// used before and must not come back.
 #include <doctest/doctest.h>
 
 #include <filesystem>
@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The word that misleads, and the one to use.
+// The misleading word and its replacement.
 const std::pair<const char*, const char*> kWords[] = {
     {"HiddenParts", "OcclusionCuller"},
     {"walls_of|find_walls", "extract_occluders, find_occluders"},
@@ -50,7 +50,7 @@ bool is_source(const fs::path& file) {
 
 }  // namespace
 
-TEST_CASE("no misleading word stands in the sources") {
+TEST_CASE("the sources contain no misleading word") {
   int files = 0;
   for (const char* folder :
        {"include", "shaders", "engine", "scenegraph", "elements", "effects", "sensors", "simvis", "bench", "tests"}) {

@@ -28,9 +28,9 @@ class PlayedPart {
   explicit PlayedPart(const GltfBuilder& builder, const std::string& attributes = "", const std::string& more = "");
   explicit PlayedPart(const std::filesystem::path& file, const std::string& attributes = "");
 
-  /// What is drawn at this time.
+  /// The draw list at this time.
   const DrawList& at(double time_s);
-  /// world_from_mesh of the i-th thing drawn.
+  /// world_from_mesh of the i-th item.
   glm::dmat4 matrix_at(double time_s, std::size_t item = 0);
   const Mesh& mesh_at(double time_s, std::size_t item = 0);
 

@@ -1,5 +1,5 @@
-// Small worlds for tests of elements: plates square to x, of materials that the test writes, and what sensors see of
-// them.
+// Small worlds for tests of elements: plates perpendicular to x, with materials from the test, and the results of
+// sensors.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -28,7 +28,7 @@ void add_plate(GltfBuilder& file, const Plate& p, int material);
 /// A matte material of this base colour.
 json painted(const std::string& name, const glm::vec4& color);
 
-/// The same, shown as it is.
+/// The same, unlit.
 json unlit(const std::string& name, const glm::vec4& color);
 
 /// Wide enough for a middle pixel, whose centre lies on the optical axis.
@@ -49,7 +49,7 @@ class World {
   Simulation& operator*() { return *simulation_; }
   Simulation* operator->() { return &*simulation_; }
 
-  /// After a change, what the camera CAM sees at a pixel; by default the middle one.
+  /// The pixel of the camera CAM after a change; by default the centre one.
   glm::dvec3 color(int x = kSide_px / 2, int y = kSide_px / 2);
   glm::dvec3 color_with(std::string_view element, std::string_view parameter, double value);
 

@@ -1,4 +1,4 @@
-// The fenced blocks of a Markdown page and the marks that say what tests do with them.
+// The fenced blocks of a Markdown page and the marks that tests use.
 //
 // A mark is an HTML comment of its own line before the fence, several marks are several lines:
 //   <!-- file: NAME -->       the block is written to NAME before the commands that follow it are run

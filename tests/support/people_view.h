@@ -1,4 +1,4 @@
-// A scene as people see it, without a device: what elements draw for them, read back from the draw list.
+// A scene as people see it, without a device: what elements draw for them, read from the draw list.
 #pragma once
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// The truth that scans are held against: a ray cast in double precision over the triangles of a DrawList.
+// The reference for scans: a ray cast in double precision over the triangles of a DrawList.
 #pragma once
 
 #include <array>
@@ -30,7 +30,7 @@ class RayCaster {
   /// Where the plane of a triangle is met in this direction; not finite or negative where it is not.
   double range_of_plane(std::uint32_t triangle, const glm::dvec3& direction) const;
 
-  /// What cast() finds, found without the hierarchy: the test of the test.
+  /// The result of cast() without the hierarchy, which tests the reference itself.
   Hit cast_all(const glm::dvec3& direction) const;
 
  private:

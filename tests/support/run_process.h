@@ -1,4 +1,4 @@
-// Runs a program and keeps what it prints.
+// Runs a program and captures its output.
 #pragma once
 
 #include <fcntl.h>

@@ -1,4 +1,4 @@
-// Holds scans against the double-precision ray cast.
+// Compares scans with the double-precision ray cast.
 #pragma once
 
 #include <algorithm>
@@ -33,7 +33,7 @@ struct ScanComparison {
   double median_error() const { return quantile(relative_errors, 0.5); }
 };
 
-/// What the scanner should read at this range.
+/// The reading of a scanner for this range.
 inline double expected_reading(double range_m, double range_min_m, double range_max_m) {
   if (range_m < range_min_m) return 0;
   return range_m > range_max_m ? std::numeric_limits<double>::infinity() : range_m;

@@ -1,4 +1,4 @@
-// All that sensors have measured, to the bit.
+// All results of sensors, to the bit.
 #pragma once
 
 #include <bit>
@@ -12,7 +12,7 @@
 
 namespace simvis {
 
-/// FNV-1a, 64 bits, of what sensors hand over.
+/// FNV-1a, 64 bits, of the results of sensors.
 class SensorBytes : public OutputSink {
  public:
   void picture(const std::string&, const Image* color, const Image* depth) override {
@@ -35,7 +35,7 @@ class SensorBytes : public OutputSink {
   std::uint64_t hash_ = 0xcbf29ce484222325;
 };
 
-/// Of all sensors that have measured in the last step.
+/// Of all sensors that measured in the last step.
 inline std::uint64_t measured_hash(const Simulation& simulation) {
   SensorBytes bytes;
   for (const std::string& name : simulation.measured()) simulation.write(name, bytes);

@@ -1,4 +1,4 @@
-// Beams followed through a draw list, with what the tests want to know of them.
+// Beams traced through a draw list, and what the tests need to know about them.
 #pragma once
 
 #include <cmath>
@@ -15,7 +15,7 @@
 
 namespace simvis {
 
-/// Sanitizers make rays some twenty times slower.
+/// Rays are about twenty times slower under sanitizers.
 inline const std::size_t kFewer = sanitized() ? 20 : 1;
 
 /// Reads what passes: the rays as they leave, and the echoes of each beam before any of them merge.

@@ -1,4 +1,4 @@
-// Whether a tree with up to eight children to a node is right.
+// Checks trees with up to eight children per node.
 #pragma once
 
 #include <doctest/doctest.h>

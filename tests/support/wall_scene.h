@@ -1,4 +1,4 @@
-// A small scene on the disk: a white wall of 20 m x 20 m, square to x at x = 4 m.
+// A small scene on disk: a white wall of 20 m x 20 m, perpendicular to x at x = 4 m.
 #pragma once
 
 #include <filesystem>

@@ -1,4 +1,4 @@
-// A plug-in with a type of its own and one whose name SimVis has: the whole is refused.
+// A plug-in with a type of its own and one whose name SimVis uses: the whole plug-in is refused.
 #include <simvis/element.h>
 
 #include <memory>

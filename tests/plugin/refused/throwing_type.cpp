@@ -1,4 +1,5 @@
-// A plug-in whose types cannot be made: one constructor throws what is no simvis::Error, the other returns nothing.
+// A plug-in whose types cannot be created: one constructor throws an exception other than simvis::Error, the other
+// returns nothing.
 #include <simvis/element.h>
 
 #include <memory>

@@ -1,0 +1,99 @@
+// When a scanner with method="auto" surveys the methods again.
+#include <doctest/doctest.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <simvis/pose.h>
+#include "tests/sensors/auto_scan.h"
+#include "tests/support/random_room.h"
+#include "tests/support/wall_scene.h"
+
+TEST_SUITE_BEGIN("sensors");
+
+using namespace simvis;
+using namespace simvis::test;
+
+namespace fs = std::filesystem;
+
+TEST_CASE("methods are surveyed again when the scene grows, but not when the scanner moves a little") {
+  const TemporaryFolder folder;
+  const CostsFolder cache(made_up_costs(true));
+  const fs::path scene = write_wall_scene(folder.path(), R"(
+    <element type="pose" name="MOVE" insert_at="ROOT"/>
+    <sensor type="laser_scanner" name="SCAN" insert_at="ROOT" method="auto" max_error_m="0.01" samples="91"/>)");
+  SimulationDesc desc;
+  desc.device.cache_dir = cache.folder.path().string();
+  Simulation simulation = Simulation::load(scene, desc);
+  const auto surveys = [&] { return noted(sensor(simulation, "SCAN").report, "surveys"); };
+  for (int frame = 0; frame < 4; ++frame) {
+    simulation.set("MOVE", "x", 0.01 * frame);
+    simulation.set("MOVE", "yaw", 0.1 * frame);
+    simulation.step();
+    CHECK(surveys() == "1");
+    CHECK(simulation.diagnostics().counters().passes == (frame == 0 ? std::size(kPlanarResolutions) : 1));
+  }
+  std::string more;
+  for (int i = 1; i < 10; ++i) {
+    more += "<part file=\"wall.gltf\" name=\"WALL" + std::to_string(i) + "\" insert_at=\"ROOT\" pose_offset=\"" +
+            std::to_string(i) + " 0 0 0 0 0\"/>";
+  }
+  simulation.execute(more, folder.path());
+  simulation.step();
+  CHECK(surveys() == "2");
+  simulation.step();
+  CHECK(surveys() == "2");
+}
+
+TEST_CASE("methods are surveyed again when the cost of the chosen one changes, less often while the choice stays") {
+  const std::vector<double> none;
+  MethodSurvey survey({.samples = 2}, std::vector<double>{512});
+  CostModel cost;
+  cost[CostTerm::beam] = 1;
+  MethodSelector choice;
+  DrawList list;
+  const std::vector<Reading> readings(2);
+  CHECK(choice.is_due(list));
+  survey.choose(readings, cost);
+  choice.take(survey, {});
+  CostModel work;  // that of the survey: nothing was collected, so all of it costs nothing
+  CHECK_FALSE(choice.is_due(list));
+  choice.measured(work, cost);
+  CHECK_FALSE(choice.is_due(list));
+  work[CostTerm::beam] = 3;
+  int waited = 0;
+  std::vector<int> waits;
+  while (waits.size() < 4) {
+    choice.measured(work, cost);
+    ++waited;
+    if (!choice.is_due(list)) continue;
+    choice.take(survey, {});  // chooses the same method
+    waits.push_back(waited);
+    waited = 0;
+    CHECK_FALSE(choice.is_due(list));
+  }
+  CHECK(waits == std::vector<int>{1, 2, 3, 5});
+}
+
+TEST_CASE("methods are surveyed again only if another one may have become the cheapest") {
+  const DrawList list = random_room(3, 20, 12);
+  LaserScannerDesc desc;
+  desc.pattern = {.samples = 181, .min_azimuth_rad = -1, .max_azimuth_rad = 1};
+  desc.method = ScanMethod::automatic;
+  desc.max_error_rel = 1e-4;
+  CostModel cost;
+  cost[CostTerm::pass] = 1e15;  // much more expensive than casting: items are never tested that often
+  cost[CostTerm::item_test] = 1;
+  LaserScanner scanner("S", desc);
+  scanner.use_cost_model([&]() -> const CostModel& { return cost; });
+  // From the centre of the room to far outside, where the room appears narrow: the cost of casting, which is the tests
+  // of items, varies.
+  for (const double x_m : {0.0, -60.0, 0.0, -60.0, 0.0, -60.0}) {
+    measure(scanner, list, to_matrix({{x_m, 0, 1.2}, 0, 0, 0}));
+    CHECK(noted(scanner.report(), "chosen") == "raycast");
+  }
+  CHECK(noted(scanner.report(), "surveys") == "1");
+}
+
+TEST_SUITE_END();
