@@ -129,7 +129,8 @@ std::vector<SensorInfo> Simulation::sensors() const {
                      impl_->states[i].enabled,
                      sensor.sensor->report(),
                      {},
-                     impl_->states[i].effects});
+                     impl_->states[i].effects,
+                     find_sensor_type(sensor.type)->capabilities});
   }
   return infos;
 }

@@ -21,11 +21,11 @@ Registry& registry() {
   return all;
 }
 
-std::vector<const CameraEffectType*> types_in_order(std::string_view sensor_type) {
+std::vector<const CameraEffectType*> types_in_order(std::uint8_t capabilities) {
   const std::shared_lock lock(registry().mutex);
   std::vector<const CameraEffectType*> types;
   for (const auto& [name, type] : registry().types) {
-    if (may_have(sensor_type, type.type)) types.push_back(&type);
+    if (may_have(capabilities, type.type)) types.push_back(&type);
   }
   std::ranges::stable_sort(types, {}, &CameraEffectType::order);
   return types;
@@ -45,9 +45,9 @@ CameraEffectRegistration::CameraEffectRegistration(const CameraEffectType& type,
   });
 }
 
-std::vector<ChosenCameraEffect> camera_effects(std::string_view sensor_type, const CameraEffectContext& context) {
+std::vector<ChosenCameraEffect> camera_effects(std::uint8_t capabilities, const CameraEffectContext& context) {
   std::vector<ChosenCameraEffect> chosen;
-  for (const CameraEffectType* type : types_in_order(sensor_type)) {
+  for (const CameraEffectType* type : types_in_order(capabilities)) {
     // The effect is created even if no output shows it, so that its attributes are checked.
     std::shared_ptr<const CameraEffect> effect = type->create(context);
     const bool shown = (type->type.outputs & context.outputs) != 0;

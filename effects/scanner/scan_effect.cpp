@@ -1,6 +1,7 @@
 #include <simvis/scan_effect.h>
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <mutex>
 #include <shared_mutex>
@@ -24,7 +25,9 @@ Registry& registry() {
 std::vector<const ScanEffectType*> types_in_order() {
   const std::shared_lock lock(registry().mutex);
   std::vector<const ScanEffectType*> types;
-  for (const auto& [name, type] : registry().types) types.push_back(&type);
+  for (const auto& [name, type] : registry().types) {
+    if (may_have(kCastsBeams, type.type)) types.push_back(&type);
+  }
   std::ranges::stable_sort(types, {}, &ScanEffectType::order);
   return types;
 }
@@ -51,6 +54,21 @@ std::vector<ChosenScanEffect> scan_effects(const ScanEffectContext& context) {
     }
   }
   return chosen;
+}
+
+bool any_traces(std::span<const ChosenScanEffect> effects) {
+  return std::ranges::any_of(effects, [](const ChosenScanEffect& each) { return each.effect->traces(); });
+}
+
+std::vector<ChosenScanEffect> called_for(std::span<const ChosenScanEffect> effects, const DrawList& list) {
+  std::vector<ChosenScanEffect> active;
+  std::ranges::copy_if(effects, std::back_inserter(active), [&](const ChosenScanEffect& each) {
+    return each.called_for == nullptr || each.called_for(list);
+  });
+  if (!any_traces(active)) {
+    std::erase_if(active, [](const ChosenScanEffect& each) { return each.effect->only_traced(); });
+  }
+  return active;
 }
 
 }  // namespace simvis

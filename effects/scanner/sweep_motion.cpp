@@ -40,7 +40,7 @@ const ScanEffectRegistration kSweepMotionRegistration(
               .source = "attribute sweep above 0",
               .outputs = kShownInRanges,
               .reference = "closed form of a scanner that moves past a wall, towards it, and turns",
-              .sensors = "laser_scanner",
+              .needs = kCastsBeams,
               .attributes = kSweepMotionAttributes},
      .order = ScanOrder::pose,
      .create = create_sweep_motion});

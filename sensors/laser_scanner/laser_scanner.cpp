@@ -90,15 +90,9 @@ void LaserScanner::update_effects(const DrawList& list) {
   list_ = &list;
   effects_of_ = list.revisions;
   moment_.medium = list.medium;
-  effects_.clear();
-  std::ranges::copy_if(desc_.effects, std::back_inserter(effects_), [&](const ChosenScanEffect& each) {
-    return each.called_for == nullptr || each.called_for(list);
-  });
+  effects_ = called_for(desc_.effects, list);
   traced_.reset();
-  if (std::ranges::none_of(effects_, [](const ChosenScanEffect& each) { return each.effect->traces(); })) {
-    std::erase_if(effects_, [](const ChosenScanEffect& each) { return each.effect->only_traced(); });
-    return;
-  }
+  if (!any_traces(effects_)) return;
   make_directions();
   traced_ = std::make_unique<TracedScan>(directions_by_beam(), effects_);
 }

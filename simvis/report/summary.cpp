@@ -14,7 +14,8 @@ namespace simvis {
 namespace {
 
 constexpr std::uint64_t kWarmUp = 2, kFrames = 15;  // about 0.1 s with any method on two cores
-constexpr const char* kScanner = "laser_scanner";
+
+bool casts_beams(const SensorInfo& sensor) { return (sensor.capabilities & kCastsBeams) != 0; }
 
 template <typename... Values>
 std::string formatted(const char* format, Values... values) {
@@ -66,7 +67,7 @@ std::vector<std::filesystem::path> first_files(const Simulation& simulation, con
     const CommandAttribute* const view = simulation.diagnostics().command(sensor.name).find("view");
     const bool for_people = view != nullptr && view->value == "visualization";
     if ((picture.empty() || for_people) && std::filesystem::exists(png)) picture = png;
-    if (scan.empty() && sensor.type == kScanner && std::filesystem::exists(csv)) scan = csv;
+    if (scan.empty() && casts_beams(sensor) && std::filesystem::exists(csv)) scan = csv;
   }
   std::vector<std::filesystem::path> files{picture, scan, out / "run.json"};
   std::erase_if(files, [](const std::filesystem::path& file) { return !std::filesystem::exists(file); });
@@ -79,14 +80,14 @@ RunSummary summarize(Simulation simulation, const SummaryDesc& desc) {
   RunSummary summary{.rate_hz = desc.rate_hz, .frame_ms = desc.frame_ms};
   summary.files = first_files(simulation, desc.out);
   for (const SensorInfo& sensor : simulation.sensors()) {
-    if (!sensor.enabled || sensor.type == kScanner) continue;
+    if (!sensor.enabled || casts_beams(sensor)) continue;
     simulation.enable(sensor.name, false);
     ++summary.cameras;
   }
   const std::string priced = measure_sets(simulation, desc, summary);
   if (summary.scanners == 0) return summary;
   for (const SensorInfo& sensor : simulation.sensors()) simulation.enable(sensor.name, sensor.name == priced);
-  PriceDesc price{.rate_hz = desc.rate_hz, .trajectory = desc.trajectory, .variants = variants_by_method};
+  PriceDesc price{.rate_hz = desc.rate_hz, .trajectory = desc.trajectory, .variants = &ScanVariants::by_method};
   price.on_frame = [&](std::uint64_t, std::uint64_t) {
     if (desc.on_frame) desc.on_frame();
   };
@@ -95,9 +96,9 @@ RunSummary summarize(Simulation simulation, const SummaryDesc& desc) {
 }
 
 double largest_error_m(const ScannerPrice& price, const VariantPrice& variant) {
-  double error_m = std::fmax(variant.difference_largest_m, variant.unbounded_difference_m);
-  const VariantPrice& exact = price.variants.back();
-  return std::fmax(error_m, exact.bound_largest_m);
+  const double error_m = std::fmax(variant.difference_largest_m, variant.unbounded_difference_m);
+  const std::optional<std::size_t> exact = reference_of(price.variants);
+  return std::fmax(error_m, exact ? price.variants[*exact].bound_largest_m : variant.bound_largest_m);
 }
 
 std::string to_text(const RunSummary& summary) {
@@ -115,8 +116,13 @@ std::string to_text(const RunSummary& summary) {
   if (summary.price) {
     text += "what accuracy costs " + summary.price->scanner + " (--price lists more):\n";
     for (const VariantPrice& each : summary.price->variants) {
-      text += formatted("  %-8s %8.3f ms, error up to %.1e m, wrong hit or miss %.2g %%\n", each.variant.method.c_str(),
-                        each.median_ms, largest_error_m(*summary.price, each), 100 * each.wrong_kind_share);
+      const std::string& method = each.variant.method.empty() ? kNoMethod : each.variant.method;
+      text += formatted("  %-8s %8.3f ms, error up to %.1e m", method.c_str(), each.median_ms,
+                        largest_error_m(*summary.price, each));
+      if (!std::isnan(each.wrong_kind_share)) {
+        text += formatted(", wrong hit or miss %.2g %%", 100 * each.wrong_kind_share);
+      }
+      text += '\n';
     }
   }
   std::string files;

@@ -110,7 +110,7 @@ TEST_CASE("what a command says itself, and what the command line says, goes befo
 TEST_CASE("a variant of a preset keeps its beams and measures in every frame") {
   Simulation simulation = simulation_of("preset='velodyne_vlp16' samples='90' method='planar'", 20);
   const Command command = simulation.diagnostics().command("SCAN");
-  CHECK(variant_of(command).resolution_px == kRingsResolution);
+  CHECK(scan_variants(command).own.resolution_px == kRingsResolution);
   simulation.add_variant("SCAN", with_variant(command, {"nearest", 256, {}}, "SCAN.0"));
   for (int frame = 0; frame < 4; ++frame) simulation.step();
   CHECK(simulation.scan("SCAN.0").rings == 16);

@@ -25,7 +25,7 @@ inline std::vector<ChosenScanEffect> effects_of(const std::string& attributes, s
   const std::vector<Command> commands = parse_commands(xml, "<string>", ".");
   const std::vector<AttributeSpec> table = all_attributes(*find_sensor_type("laser_scanner"));
   const AttributeValues values(commands.at(0), table, kSensorCommonAttributes);
-  return scan_effects({values, 1, kSamples, seed, name});
+  return scan_effects({values, 1, kSamples, values.number("range_max"), seed, name});
 }
 
 /// One ring that reads `range_m` throughout.

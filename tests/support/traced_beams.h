@@ -9,7 +9,6 @@
 #include <vector>
 
 #include <simvis/scan_effect.h>
-#include "sensors/laser_scanner/traced_scan.h"
 #include "tests/support/ray_casting.h"
 #include "tests/support/tested_build.h"
 
