@@ -46,14 +46,14 @@ struct ScanContext {
   glm::dmat4 world_from_sensor{1.0};  ///< rigid, at time.time_ns, the end of the sweep
   std::optional<PastPose> before{};   ///< empty at the sensor's first measurement
   std::uint32_t rings = 0,            ///< of the scan
-      columns = 0;                    ///< beams per ring
+      beams = 0;                      ///< per ring
   double range_max_m = 0;             ///< largest range that is reported
   Medium medium{};                    ///< the medium that fills the air
 };
 
 /// A ray on its path. Frame S: of the sensor at the end of the sweep.
 struct BeamRay {
-  std::uint32_t beam = 0;         ///< [ring * columns + column]
+  std::uint32_t beam = 0;         ///< [ring * beams + number in the ring]
   glm::dvec3 origin_m{0};         ///< S
   glm::dvec3 direction{1, 0, 0};  ///< S, unit length
   double share = 1;               ///< share of the beam's energy that it carries
@@ -137,7 +137,7 @@ enum class ScanOrder : std::uint8_t {
 struct ScanEffectContext {
   const AttributeValues& attributes;  ///< of the sensor's command
   std::uint32_t rings = 0,            ///< of the scan
-      columns = 0;                    ///< beams per ring
+      beams = 0;                      ///< per ring
   double range_max_m = 0;             ///< largest range that is reported
   std::uint64_t seed = 0;             ///< of all random numbers of the run
   std::string sensor;                 ///< the sensor's name

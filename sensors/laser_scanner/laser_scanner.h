@@ -51,8 +51,7 @@ constexpr bool takes_tolerance(ScanMethod method) {
 constexpr bool casts(ScanMethod method) { return method >= ScanMethod::hybrid; }
 
 struct LaserScannerDesc {
-  ScanPattern pattern{
-      .samples = 361, .min_azimuth_rad = -std::numbers::pi / 2, .max_azimuth_rad = std::numbers::pi / 2};
+  ScanPattern pattern{.beams = 361, .min_azimuth_rad = -std::numbers::pi / 2, .max_azimuth_rad = std::numbers::pi / 2};
   double range_min_m = 0.05, range_max_m = 80;  ///< along the ray; a nearer surface blocks the beam and reads 0
   ScanMethod method = ScanMethod::raycast;
   double max_error_rel = kDefaultMaxErrorRel;           ///< hybrid, auto: largest bound / range; infinity: no limit

@@ -163,7 +163,7 @@ const SensorRegistration kLaserScannerRegistration(
 LaserScannerDesc laser_scanner_desc(const SensorContext& context) {
   const AttributeValues& a = context.attributes;
   LaserScannerDesc desc;
-  desc.pattern = {.samples = static_cast<std::uint32_t>(a.integer("samples")),
+  desc.pattern = {.beams = static_cast<std::uint32_t>(a.integer("samples")),
                   .rings = static_cast<std::uint32_t>(a.integer("vertical_samples")),
                   .min_azimuth_rad = glm::radians(a.number("min_angle")),
                   .max_azimuth_rad = glm::radians(a.number("max_angle")),
@@ -182,7 +182,7 @@ LaserScannerDesc laser_scanner_desc(const SensorContext& context) {
   if (a.is_set("resolution")) desc.resolution_px = a.number("resolution");
   desc.effects = scan_effects({.attributes = a,
                                .rings = desc.pattern.rings,
-                               .columns = desc.pattern.samples,
+                               .beams = desc.pattern.beams,
                                .range_max_m = desc.range_max_m,
                                .seed = context.seed,
                                .sensor = context.name});

@@ -126,7 +126,7 @@ class Pricing {
     const Scan& scan = simulation_.scan(scanner.sensors.front());
     return {.scanner = scanner.name,
             .rings = scan.rings,
-            .beams = scan.rings * scan.columns,
+            .beams = scan.rings * scan.beams,
             .frames = desc_.frames,
             .variants = scanner.prices};
   }
@@ -144,7 +144,7 @@ class Pricing {
       }
       scanner.tallies[variant].times_ms.push_back(step(frame));
       const Scan& scan = simulation_.scan(sensor);
-      if (scan.range_m.empty() || scan.range_m.size() != std::size_t{scan.rings} * scan.columns) {
+      if (scan.range_m.empty() || scan.range_m.size() != std::size_t{scan.rings} * scan.beams) {
         throw InputError("laser scanner \"" + scanner.name + "\" has no price: its scan is not one of whole rings");
       }
       simulation_.enable(sensor, false);

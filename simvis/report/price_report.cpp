@@ -87,8 +87,8 @@ const VariantPrice& surest(const ScannerPrice& price) {
 }  // namespace
 
 std::string to_table(const ScannerPrice& price) {
-  const std::uint32_t columns = price.beams / price.rings;
-  std::string title = price.scanner + ": " + std::to_string(columns) + " beams";
+  const std::uint32_t per_ring = price.beams / price.rings;
+  std::string title = price.scanner + ": " + std::to_string(per_ring) + " beams";
   if (price.rings > 1) title += " x " + std::to_string(price.rings) + " rings";
   title += ", " + std::to_string(price.frames) + (price.frames == 1 ? " frame" : " frames") + " of each\n";
   std::vector<Cells> rows = {

@@ -102,7 +102,7 @@ struct Comparison {
 
 /// A level ring of a half-circle, as the paper's scanners; or of all around with few beams.
 ScanPattern ring(std::uint32_t samples, double half_width_rad) {
-  return {.samples = samples, .rings = 1, .min_azimuth_rad = -half_width_rad, .max_azimuth_rad = half_width_rad};
+  return {.beams = samples, .rings = 1, .min_azimuth_rad = -half_width_rad, .max_azimuth_rad = half_width_rad};
 }
 
 glm::dmat4 random_pose(std::mt19937& random) {

@@ -45,7 +45,7 @@ class RingLidar : public Sensor {
     if (a.is_set("max_error_m")) max_error_m_ = a.number("max_error_m");
     const auto beams = static_cast<std::uint32_t>(a.integer("beams"));
     scan_.rings = moment_.rings = 1;
-    scan_.columns = moment_.columns = beams;
+    scan_.beams = moment_.beams = beams;
     moment_.range_max_m = kRangeMax_m;
     scan_.elevation_rad = {0};
     for (std::uint32_t beam = 0; beam < beams; ++beam) {
@@ -54,7 +54,7 @@ class RingLidar : public Sensor {
     }
     effects_ = scan_effects({.attributes = a,
                              .rings = 1,
-                             .columns = beams,
+                             .beams = beams,
                              .range_max_m = kRangeMax_m,
                              .seed = context.seed,
                              .sensor = name_});

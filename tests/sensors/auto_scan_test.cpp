@@ -146,7 +146,7 @@ TEST_CASE("every beam keeps the tolerance, whatever is chosen") {
     for (const std::uint32_t rings : {1u, 16u}) {
       for (const bool cheap_to_render : {false, true}) {
         LaserScannerDesc desc;
-        desc.pattern = {.samples = rings == 1 ? 1441 / kFewer : 90 / kFewer,
+        desc.pattern = {.beams = rings == 1 ? 1441 / kFewer : 90 / kFewer,
                         .rings = rings,
                         .min_azimuth_rad = -kPi,
                         .max_azimuth_rad = kPi};
@@ -199,7 +199,7 @@ TEST_CASE("a loose tolerance where there are no edges casts nothing: that is pla
   DrawList list;
   add_item(list, box_mesh({20, 20, 20}), glm::dmat4(1.0));
   LaserScannerDesc desc;
-  desc.pattern = {.samples = 361, .min_azimuth_rad = -kPi / 6, .max_azimuth_rad = kPi / 6};  // to one wall
+  desc.pattern = {.beams = 361, .min_azimuth_rad = -kPi / 6, .max_azimuth_rad = kPi / 6};  // to one wall
   desc.method = ScanMethod::automatic;
   desc.max_error_m = 0.05;
   desc.max_error_rel = std::numeric_limits<double>::infinity();
@@ -219,7 +219,7 @@ TEST_CASE("the choice follows the costs, and the plan says what and why") {
   const DrawList list = random_room(3, 20, 12);
   const glm::dmat4 pose = to_matrix({{0, 0, 1.2}, 0, 0, 0});  // its floor is at 0: no beam runs along an edge
   LaserScannerDesc desc;
-  desc.pattern = {.samples = 181, .min_azimuth_rad = -1, .max_azimuth_rad = 1};
+  desc.pattern = {.beams = 181, .min_azimuth_rad = -1, .max_azimuth_rad = 1};
   desc.method = ScanMethod::automatic;
   desc.max_error_m = 0.01;
   desc.max_error_rel = std::numeric_limits<double>::infinity();
@@ -249,7 +249,7 @@ TEST_CASE("a tolerance that nothing meets names the best that can be reached") {
   for (const auto& [method, rings] : {Case{ScanMethod::automatic, 1}, Case{ScanMethod::hybrid, 1},
                                       Case{ScanMethod::automatic, 64}, Case{ScanMethod::hybrid, 64}}) {
     LaserScannerDesc desc;
-    desc.pattern = {.samples = 31, .rings = rings, .min_azimuth_rad = -0.5, .max_azimuth_rad = 0.5};
+    desc.pattern = {.beams = 31, .rings = rings, .min_azimuth_rad = -0.5, .max_azimuth_rad = 0.5};
     if (rings > 1) desc.pattern.max_elevation_rad = 0.5;
     desc.method = method;
     desc.max_error_m = 2e-7;  // half an ulp of a float from 2 to 4 m is 1.2e-7, and from 4 to 8 m 2.4e-7
@@ -321,7 +321,7 @@ TEST_CASE("it looks again when the scene grows, and not when the scanner moves a
 
 TEST_CASE("when the chosen way's cost moves it looks again, the rarer the less that changes") {
   const std::vector<double> none;
-  MethodSurvey survey({.samples = 2}, std::vector<double>{512});
+  MethodSurvey survey({.beams = 2}, std::vector<double>{512});
   CostModel cost;
   cost[CostTerm::beam] = 1;
   MethodSelector choice;
@@ -352,7 +352,7 @@ TEST_CASE("when the chosen way's cost moves it looks again, the rarer the less t
 TEST_CASE("it looks again only where another way may have become the cheapest") {
   const DrawList list = random_room(3, 20, 12);
   LaserScannerDesc desc;
-  desc.pattern = {.samples = 181, .min_azimuth_rad = -1, .max_azimuth_rad = 1};
+  desc.pattern = {.beams = 181, .min_azimuth_rad = -1, .max_azimuth_rad = 1};
   desc.method = ScanMethod::automatic;
   desc.max_error_rel = 1e-4;
   CostModel cost;

@@ -21,7 +21,7 @@ inline std::vector<ChosenScanEffect> effects_of(const std::string& attributes, s
   const AttributeValues values(command, all_attributes(*find_sensor_type("laser_scanner")), kSensorCommonAttributes);
   std::vector<ChosenScanEffect> effects = scan_effects({.attributes = values,
                                                         .rings = 1,
-                                                        .columns = 1,
+                                                        .beams = 1,
                                                         .range_max_m = values.number("range_max"),
                                                         .seed = seed,
                                                         .sensor = sensor});
@@ -47,7 +47,7 @@ inline std::vector<std::vector<Echo>> echoes_of(const DrawList& list, const std:
                                                 std::vector<ChosenScanEffect> effects, RayCaster& caster) {
   const auto log = std::make_shared<EchoLog>();
   effects.push_back({nullptr, log});
-  ScanContext moment{.time = {}, .before = {}, .rings = 1, .columns = static_cast<std::uint32_t>(directions.size())};
+  ScanContext moment{.time = {}, .before = {}, .rings = 1, .beams = static_cast<std::uint32_t>(directions.size())};
   moment.range_max_m = 1000;
   moment.medium = list.medium;
   caster.set_world(list);
