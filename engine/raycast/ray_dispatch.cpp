@@ -60,17 +60,7 @@ void RayDispatch::make_pipeline() {
   VkPipelineLayout layout = VK_NULL_HANDLE;
   vk_check(vkCreatePipelineLayout(device_.device, &layout_info, nullptr, &layout), "vkCreatePipelineLayout");
   layout_ = Handle<VkPipelineLayout>(device_, layout, "ray pipeline layout");
-  VkComputePipelineCreateInfo info{};
-  info.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO;
-  info.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
-  info.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
-  info.stage.module = module_.get();
-  info.stage.pName = "main";
-  info.layout = layout;
-  VkPipeline pipeline = VK_NULL_HANDLE;
-  vk_check(vkCreateComputePipelines(device_.device, device_.pipeline_cache->get(), 1, &info, nullptr, &pipeline),
-           "vkCreateComputePipelines");
-  pipeline_ = Handle<VkPipeline>(device_, pipeline, "ray pipeline");
+  pipeline_ = simvis::make_pipeline(device_, module_.get(), layout, "ray pipeline");
 }
 
 std::size_t RayDispatch::max_rays() const {
