@@ -1,5 +1,7 @@
 #include <simvis/sensor.h>
 
+#include <algorithm>
+
 #include "scenegraph/language/type_registry.h"
 
 namespace simvis {
@@ -19,6 +21,12 @@ SensorRegistration::SensorRegistration(const SensorType& type, std::string_view 
 const SensorType* find_sensor_type(std::string_view name) { return registry().find(name); }
 
 std::vector<const SensorType*> sensor_types() { return registry().sorted(); }
+
+std::optional<double> SensorInfo::number(std::string_view note) const {
+  const auto found = std::ranges::find(report.notes, note, &SensorNote::name);
+  const double* const value = found == report.notes.end() ? nullptr : std::get_if<double>(&found->value);
+  return value == nullptr ? std::nullopt : std::optional(*value);
+}
 
 std::vector<AttributeSpec> all_attributes(const SensorType& type) {
   return with_effect_attributes(type.capabilities, type.attributes);

@@ -17,7 +17,7 @@ constexpr VkDeviceSize kFirstSize = 16384;
 // A larger dispatch is not faster and takes more memory.
 constexpr std::size_t kMaxRays = std::size_t{1} << 20;
 
-void check_limits(const Device::Impl& device) {
+void check_limits(const DeviceImpl& device) {
   const std::uint32_t offered = device.limits().maxPerStageDescriptorStorageBuffers;
   if (offered >= SIMVIS_RAY_BINDINGS) return;
   throw MachineError("rays cannot be cast: that takes " + std::to_string(SIMVIS_RAY_BINDINGS) +
@@ -34,7 +34,7 @@ void barrier(VkCommandBuffer commands, VkPipelineStageFlags from, VkAccessFlags 
 
 }  // namespace
 
-RayDispatch::RayDispatch(Device::Impl& device) : device_(device) {
+RayDispatch::RayDispatch(DeviceImpl& device) : device_(device) {
   check_limits(device);
   make_pipeline();
   set_ = DescriptorSets(device, set_layout_, 1, "ray set");

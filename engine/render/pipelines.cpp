@@ -160,7 +160,7 @@ std::uint64_t PipelineKey::bits() const {
   return (bits << 16 | lights) << 3 | static_cast<std::uint64_t>(std::countr_zero(samples));
 }
 
-Pipelines::Pipelines(Device::Impl& device)
+Pipelines::Pipelines(DeviceImpl& device)
     : device_(device),
       depth_vert_(make_module(device, mesh_depth_vert, "mesh_depth.vert")),
       mask_vert_(make_module(device, mesh_mask_vert, "mesh_mask.vert")),

@@ -8,7 +8,7 @@
 
 namespace simvis {
 
-Handle<VkShaderModule> make_module(Device::Impl& device, std::span<const std::uint32_t> words, const char* name) {
+Handle<VkShaderModule> make_module(DeviceImpl& device, std::span<const std::uint32_t> words, const char* name) {
   const VkShaderModuleCreateInfo info{.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
                                       .pNext = nullptr,
                                       .flags = 0,
@@ -19,7 +19,7 @@ Handle<VkShaderModule> make_module(Device::Impl& device, std::span<const std::ui
   return Handle<VkShaderModule>(device, module, name);
 }
 
-Handle<VkPipelineLayout> make_mesh_layout(Device::Impl& device, std::span<const VkDescriptorSetLayout> sets,
+Handle<VkPipelineLayout> make_mesh_layout(DeviceImpl& device, std::span<const VkDescriptorSetLayout> sets,
                                           const char* name) {
   const VkPushConstantRange constants{.stageFlags = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT,
                                       .offset = 0,
@@ -47,7 +47,7 @@ VkPipelineShaderStageCreateInfo shader_stage(VkShaderStageFlagBits bit, VkShader
           .pSpecializationInfo = constants};
 }
 
-Handle<VkPipeline> make_pipeline(Device::Impl& device, const GraphicsPipelineDesc& desc, const std::string& name) {
+Handle<VkPipeline> make_pipeline(DeviceImpl& device, const GraphicsPipelineDesc& desc, const std::string& name) {
   VkPipelineVertexInputStateCreateInfo input = desc.input;
   input.sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO;
   VkPipelineInputAssemblyStateCreateInfo assembly{};
@@ -94,7 +94,7 @@ Handle<VkPipeline> make_pipeline(Device::Impl& device, const GraphicsPipelineDes
   return Handle<VkPipeline>(device, pipeline, name);
 }
 
-Handle<VkPipeline> make_pipeline(Device::Impl& device, VkShaderModule module, VkPipelineLayout layout,
+Handle<VkPipeline> make_pipeline(DeviceImpl& device, VkShaderModule module, VkPipelineLayout layout,
                                  const std::string& name, const VkSpecializationInfo* constants) {
   VkComputePipelineCreateInfo info{};
   info.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO;

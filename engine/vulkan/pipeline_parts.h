@@ -9,10 +9,10 @@
 
 namespace simvis {
 
-Handle<VkShaderModule> make_module(Device::Impl& device, std::span<const std::uint32_t> words, const char* name);
+Handle<VkShaderModule> make_module(DeviceImpl& device, std::span<const std::uint32_t> words, const char* name);
 
 /// The layout of all pipelines that draw meshes: these sets, and a ViewBlock of push constants.
-Handle<VkPipelineLayout> make_mesh_layout(Device::Impl& device, std::span<const VkDescriptorSetLayout> sets,
+Handle<VkPipelineLayout> make_mesh_layout(DeviceImpl& device, std::span<const VkDescriptorSetLayout> sets,
                                           const char* name);
 
 /// One shader of a pipeline; its function is main().
@@ -35,10 +35,10 @@ struct GraphicsPipelineDesc {
 
 /// Fills in the sType of `input`, `raster` and `depth`, and the width of lines. Everything that the description refers
 /// to is needed during the call only.
-Handle<VkPipeline> make_pipeline(Device::Impl& device, const GraphicsPipelineDesc& desc, const std::string& name);
+Handle<VkPipeline> make_pipeline(DeviceImpl& device, const GraphicsPipelineDesc& desc, const std::string& name);
 
 /// A pipeline of one compute shader.
-Handle<VkPipeline> make_pipeline(Device::Impl& device, VkShaderModule module, VkPipelineLayout layout,
+Handle<VkPipeline> make_pipeline(DeviceImpl& device, VkShaderModule module, VkPipelineLayout layout,
                                  const std::string& name, const VkSpecializationInfo* constants = nullptr);
 
 }  // namespace simvis

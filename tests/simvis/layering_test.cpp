@@ -88,7 +88,7 @@ const std::map<std::string, std::string, std::less<>> kPublic = [] {
   };
   add("engine/base", {"error", "philox", "progress", "version"});
   add("engine/draw", {"draw_list", "draw_list_delta", "frame_costs", "frame_plan", "frame_results", "mesh"});
-  add("engine/vulkan", {"device"});
+  add("engine/vulkan", {"device", "device_info"});
   add("engine/raycast", {"cost_model", "ray_caster", "surface_point"});
   add("scenegraph/language", {"attributes", "command", "location", "pose"});
   add("scenegraph",
@@ -98,8 +98,7 @@ const std::map<std::string, std::string, std::less<>> kPublic = [] {
   add("effects/camera", {"camera_effect"});
   add("effects/scanner", {"scan_effect"});
   add("sensors", {"sensor"});
-  add("simvis", {"diagnostics", "parameters", "plugin", "step_costs", "sensor_info", "simulation", "simulation_desc",
-                 "trajectory"});
+  add("simvis", {"diagnostics", "parameters", "plugin", "step_costs", "simulation", "simulation_desc", "trajectory"});
   return rooms;
 }();
 
