@@ -277,16 +277,15 @@ void write_results(const Simulation& simulation, const FrameTime& time, OutputWr
 }
 
 void print_explanation(const Simulation& simulation) {
-  std::cout << explain(simulation.diagnostics().frame_plan(),
-                       {simulation.diagnostics().counters(), simulation.diagnostics().frame_costs(),
-                        simulation.diagnostics().sensor_costs()});
+  const Diagnostics diagnostics = simulation.diagnostics();
+  std::cout << explain(diagnostics.frame_plan(), {diagnostics.counters(), diagnostics.planned_sensors(),
+                                                  diagnostics.frame_costs(), diagnostics.sensor_costs()});
   for (const SensorInfo& sensor : simulation.sensors()) std::cout << sensor.report.explanation;
-  const FramePlan* const visualization = simulation.diagnostics().visualization_plan();
+  const FramePlan* const visualization = diagnostics.visualization_plan();
   if (visualization == nullptr) return;
   std::cout << "visualization, drawn apart:\n"
-            << explain(*visualization,
-                       {*simulation.diagnostics().visualization_counters(),
-                        simulation.diagnostics().visualization_costs(), simulation.diagnostics().sensor_costs()});
+            << explain(*visualization, {*diagnostics.visualization_counters(), diagnostics.visualization_sensors(),
+                                        diagnostics.visualization_costs(), diagnostics.sensor_costs()});
 }
 
 void add_frame(Profile& profile, std::uint64_t frame, const Simulation& simulation) {
