@@ -111,8 +111,7 @@ int main(int argc, char** argv) {
       glm::dmat4 pose(1.0);
       if (!sensor.enabled || !simulation.sensor_pose(sensor.name, pose)) continue;
       LaserScannerDesc desc;
-      desc.pattern = {
-          .samples = 361, .min_azimuth_rad = -std::numbers::pi / 2, .max_azimuth_rad = std::numbers::pi / 2};
+      desc.pattern = {.beams = 361, .min_azimuth_rad = -std::numbers::pi / 2, .max_azimuth_rad = std::numbers::pi / 2};
       desc.max_error_rel = kNoLimitRel;
       for (const double tolerance_m : kTolerances_m) {
         desc.max_error_m = tolerance_m;

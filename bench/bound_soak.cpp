@@ -259,11 +259,11 @@ Setting random_setting(std::mt19937& random) {
   pattern.min_azimuth_rad = -half;
   pattern.max_azimuth_rad = half;
   if (random() % 2 == 0) {
-    pattern.samples = 20011;
+    pattern.beams = 20011;
     setting.resolution_px = std::array{512.0, 2048.0, 4096.0, 8192.0}[random() % 4];
   } else {
     pattern.rings = random() % 2 == 0 ? 16 : 64;
-    pattern.samples = 24000 / pattern.rings + 1;
+    pattern.beams = 24000 / pattern.rings + 1;
     const double up = random() % 4 == 0 ? std::numbers::pi / 2 : between(random, 0.02, 0.5);
     pattern.min_elevation_rad = -up;
     pattern.max_elevation_rad = up * between(random, 0.3, 1);

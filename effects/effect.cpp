@@ -21,30 +21,8 @@ std::vector<const EffectType*> effect_types() { return registry().sorted(); }
 
 const EffectType* find_effect_type(std::string_view name) { return registry().find(name); }
 
-std::vector<EffectFact> effect_facts(const EffectType& type) {
-  std::string shown;
-  for (const auto& [output, name] :
-       {std::pair(kShownInColor, "colour"), {kShownInDepth, "depth"}, {kShownInRanges, "ranges"}}) {
-    if ((type.outputs & output) != 0) shown += (shown.empty() ? "" : ", ") + std::string(name);
-  }
-  std::vector<EffectFact> facts{{"called for by", std::string(type.source)},
-                                {"shown in", shown},
-                                {"sensors", std::string(type.sensors)},
-                                {"accuracy knob", std::string(type.knob)},
-                                {"compared with", std::string(type.reference)}};
-  std::erase_if(facts, [](const EffectFact& fact) { return fact.value.empty(); });
-  return facts;
-}
-
-std::string describe_effect(const EffectType& type) {
-  std::string text = describe(type.name, type.summary, type.attributes, type.notes);
-  for (const EffectFact& fact : effect_facts(type)) text += "  " + std::string(fact.label) + ": " + fact.value + '\n';
-  return text;
-}
-
-bool may_have(std::string_view sensor_type, const EffectType& effect) {
-  const std::string types = ' ' + std::string(effect.sensors) + ' ';
-  return types.find(' ' + std::string(sensor_type) + ' ') != std::string::npos;
+bool may_have(std::uint8_t capabilities, const EffectType& effect) {
+  return effect.needs != 0 && (capabilities & effect.needs) == effect.needs;
 }
 
 void plan_scene_effects(const std::string& sensor, std::size_t first_pass, const DrawList& list, FramePlan& plan) {
@@ -62,10 +40,10 @@ void plan_frame_effects(const DrawList& list, const TargetLimits& limits, FrameP
   }
 }
 
-std::vector<AttributeSpec> with_effect_attributes(std::string_view sensor_type, AttributeTable own) {
+std::vector<AttributeSpec> with_effect_attributes(std::uint8_t capabilities, AttributeTable own) {
   std::vector<AttributeSpec> table(own.begin(), own.end());
   for (const EffectType* effect : effect_types()) {
-    if (!may_have(sensor_type, *effect)) continue;
+    if (!may_have(capabilities, *effect)) continue;
     table.insert(table.end(), effect->attributes.begin(), effect->attributes.end());
   }
   return table;

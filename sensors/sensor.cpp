@@ -1,6 +1,7 @@
 #include <simvis/sensor.h>
 
-#include <simvis/effect.h>
+#include <algorithm>
+
 #include "scenegraph/language/type_registry.h"
 
 namespace simvis {
@@ -21,8 +22,19 @@ const SensorType* find_sensor_type(std::string_view name) { return registry().fi
 
 std::vector<const SensorType*> sensor_types() { return registry().sorted(); }
 
+std::optional<double> SensorInfo::number(std::string_view note) const {
+  const auto found = std::ranges::find(report.notes, note, &SensorNote::name);
+  const double* const value = found == report.notes.end() ? nullptr : std::get_if<double>(&found->value);
+  return value == nullptr ? std::nullopt : std::optional(*value);
+}
+
 std::vector<AttributeSpec> all_attributes(const SensorType& type) {
-  return with_effect_attributes(type.name, type.attributes);
+  return with_effect_attributes(type.capabilities, type.attributes);
+}
+
+bool may_have(std::string_view sensor_type, const EffectType& effect) {
+  const SensorType* const type = find_sensor_type(sensor_type);
+  return type != nullptr && may_have(type->capabilities, effect);
 }
 
 }  // namespace simvis

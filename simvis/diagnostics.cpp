@@ -10,13 +10,19 @@ const DeviceInfo& Diagnostics::device() const { return impl_->device.info(); }
 const FrameCounters& Diagnostics::counters() const { return impl_->idle().sensing.renderer.counters(); }
 RayCounters Diagnostics::ray_counters() const { return impl_->idle().sensing.caster->counters(); }
 const DrawList& Diagnostics::draw_list() const { return *impl_->idle().sensing.list; }
-const FramePlan& Diagnostics::frame_plan() const {
-  return impl_->idle().sensing.complete_plan(impl_->scene.built.sensors);
+const FramePlan& Diagnostics::frame_plan() const { return impl_->idle().sensing.complete_plan(); }
+std::vector<PlannedSensor> Diagnostics::planned_sensors() const {
+  return impl_->idle().sensing.planned_sensors(impl_->scene.built.sensors);
 }
 const FrameCosts* Diagnostics::frame_costs() const { return impl_->idle().sensing.renderer.costs(); }
 
 const FramePlan* Diagnostics::visualization_plan() const {
-  return impl_->idle().people ? &impl_->people->complete_plan(impl_->scene.built.sensors) : nullptr;
+  return impl_->idle().people ? &impl_->people->complete_plan() : nullptr;
+}
+
+std::vector<PlannedSensor> Diagnostics::visualization_sensors() const {
+  if (!impl_->idle().people) return {};
+  return impl_->people->planned_sensors(impl_->scene.built.sensors);
 }
 
 const FrameCounters* Diagnostics::visualization_counters() const {

@@ -104,12 +104,6 @@ std::optional<double> Simulation::find_value(std::string_view sensor, std::strin
   return {};
 }
 
-std::optional<double> SensorInfo::number(std::string_view note) const {
-  const auto found = std::ranges::find(report.notes, note, &SensorNote::name);
-  const double* const value = found == report.notes.end() ? nullptr : std::get_if<double>(&found->value);
-  return value == nullptr ? std::nullopt : std::optional(*value);
-}
-
 Parameters& Simulation::parameters() { return impl_->scene.built.parameters; }
 const Parameters& Simulation::parameters() const { return impl_->scene.built.parameters; }
 
@@ -129,7 +123,8 @@ std::vector<SensorInfo> Simulation::sensors() const {
                      impl_->states[i].enabled,
                      sensor.sensor->report(),
                      {},
-                     impl_->states[i].effects});
+                     impl_->states[i].effects,
+                     find_sensor_type(sensor.type)->capabilities});
   }
   return infos;
 }

@@ -24,27 +24,31 @@ void ViewLayer::begin_plan() {
   rendered = complete = false;
 }
 
-const FramePlan& ViewLayer::complete_plan(std::span<const BuiltSensor> sensors) {
+const FramePlan& ViewLayer::complete_plan() {
   if (complete) return plan;
   complete = true;
-  plan.sensors.clear();
   plan.memory.clear();
-  for (const Entry& entry : entries) {
-    const BuiltSensor& sensor = sensors[entry.sensor];
-    plan.sensors.push_back({.name = sensor.name,
-                            .type = sensor.type,
-                            .due_state = entry.due_state,
-                            .rate_hz = sensor.sensor->rate_hz,
-                            .outputs = outputs_of(*sensor.sensor),
-                            .first_pass = entry.first_pass,
-                            .end_pass = entry.end_pass,
-                            .first_cast = entry.first_cast,
-                            .end_cast = entry.end_cast});
-  }
   if (!rendered) return plan;
   renderer.complete(plan);
   caster->name_memory(plan.memory);
   return plan;
+}
+
+std::vector<PlannedSensor> ViewLayer::planned_sensors(std::span<const BuiltSensor> sensors) const {
+  std::vector<PlannedSensor> planned;
+  for (const Entry& entry : entries) {
+    const BuiltSensor& sensor = sensors[entry.sensor];
+    planned.push_back({.name = sensor.name,
+                       .type = sensor.type,
+                       .due_state = entry.due_state,
+                       .rate_hz = sensor.sensor->rate_hz,
+                       .outputs = outputs_of(*sensor.sensor),
+                       .first_pass = entry.first_pass,
+                       .end_pass = entry.end_pass,
+                       .first_cast = entry.first_cast,
+                       .end_cast = entry.end_cast});
+  }
+  return planned;
 }
 
 }  // namespace simvis

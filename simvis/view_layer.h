@@ -27,7 +27,7 @@ struct ViewLayer {
 
   /// A sensor of this audience in this frame.
   struct Entry {
-    std::size_t sensor = 0;  ///< index
+    std::size_t sensor = 0;  ///< index among the sensors of the scene
     DueState due_state = DueState::due;
     std::size_t first_pass = 0, end_pass = 0, first_cast = 0, end_cast = 0;  ///< in the plan
     bool draws = false;  ///< it has views in the passes of the plan; other sensors may share these passes
@@ -39,7 +39,10 @@ struct ViewLayer {
   void begin_plan();
 
   /// The plan of this frame with the details that only reports and tests need. They are computed at the first call.
-  const FramePlan& complete_plan(std::span<const BuiltSensor> sensors);
+  const FramePlan& complete_plan();
+
+  /// The sensors of this audience in this frame, for reports.
+  std::vector<PlannedSensor> planned_sensors(std::span<const BuiltSensor> sensors) const;
 
   Flattener flattener;
   Renderer renderer;

@@ -24,7 +24,7 @@ const CameraEffectRegistration kExposureRegistration(
               .source = "attribute exposure other than 1",
               .outputs = kShownInColor,
               .reference = "light collected is irradiance times time: EMVA Standard 1288, release 4.0, section 2",
-              .sensors = "camera stereo_camera",
+              .needs = kHasImageSensor,
               .attributes = kExposureAttributes},
      .order = CameraOrder::exposure,
      .create = create_exposure});

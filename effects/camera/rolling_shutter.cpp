@@ -38,7 +38,7 @@ const CameraEffectRegistration kRollingShutterRegistration(
               .knob = "rows_per_pose",
               .reference = "each row from the camera's pose at its time; Meingast, Geyer, Sastry, Geometric models of "
                            "rolling-shutter cameras, OMNIVIS 2005",
-              .sensors = "camera",
+              .needs = kHasPixelRays,
               .attributes = kRollingShutterAttributes},
      .order = CameraOrder::shutter,
      .create = create_rolling_shutter});

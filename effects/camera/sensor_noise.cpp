@@ -55,7 +55,7 @@ const CameraEffectRegistration kSensorNoiseRegistration(
               .source = "attribute full_well_e above 0",
               .outputs = kShownInColor,
               .reference = "EMVA Standard 1288, release 4.0, section 2",
-              .sensors = "camera stereo_camera",
+              .needs = kHasImageSensor,
               .attributes = kSensorNoiseAttributes},
      .order = CameraOrder::electronics,
      .create = create_sensor_noise});

@@ -34,7 +34,7 @@ const CameraEffectRegistration kVignettingRegistration(
               .source = "attribute vignetting other than none",
               .outputs = kShownInColor,
               .reference = "cos^4: Kang and Weiss, ECCV 2000; polynomial: Goldman, PAMI 32, 2010",
-              .sensors = "camera stereo_camera",
+              .needs = kHasImageSensor,
               .attributes = kVignettingAttributes},
      .order = CameraOrder::aperture,
      .create = create_vignetting});

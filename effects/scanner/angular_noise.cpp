@@ -28,7 +28,7 @@ const ScanEffectRegistration kAngularNoiseRegistration(
               .source = "attribute angular_noise above 0",
               .outputs = kShownInRanges,
               .reference = "moments of the normal distribution",
-              .sensors = "laser_scanner",
+              .needs = kCastsBeams,
               .attributes = kAngularNoiseAttributes},
      .order = ScanOrder::direction,
      .create = create_angular_noise});

@@ -87,9 +87,8 @@ class Atmosphere : public ScanEffect {
 
 std::unique_ptr<ScanEffect> create_atmosphere(const ScanEffectContext& context) {
   const AttributeValues& a = context.attributes;
-  const double range_max_m = a.number("range_max");
   return std::make_unique<Atmosphere>(
-      context, a.is_set("least_power") ? a.number("least_power") : 0.1 / (range_max_m * range_max_m));
+      context, a.is_set("least_power") ? a.number("least_power") : 0.1 / (context.range_max_m * context.range_max_m));
 }
 
 const ScanEffectRegistration kAtmosphereRegistration({
@@ -101,7 +100,7 @@ const ScanEffectRegistration kAtmosphereRegistration({
              .source = "an element fog",
              .outputs = kShownInRanges,
              .reference = "Beer and Lambert; Koschmieder 1924, Kim et al. 2001, Marshall and Palmer 1948",
-             .sensors = "laser_scanner",
+             .needs = kCastsBeams,
              .attributes = kAtmosphereAttributes},
     .order = ScanOrder::medium,
     .create = create_atmosphere,

@@ -39,7 +39,7 @@ const ScanEffectRegistration kBeamDivergenceRegistration(
               .outputs = kShownInRanges,
               .knob = "divergence_samples",
               .reference = "area ratios of a disc cut by a line",
-              .sensors = "laser_scanner",
+              .needs = kCastsBeams,
               .attributes = kBeamDivergenceAttributes},
      .order = ScanOrder::spread,
      .create = create_beam_divergence});

@@ -86,7 +86,7 @@ const ScanEffectRegistration kDropoutRegistration({
          .outputs = kShownInRanges,
          .reference = "detection of a pulse in Gaussian noise: Richmond and Cain, Direct-Detection LADAR Systems "
                       "(SPIE 2010)",
-         .sensors = "laser_scanner",
+         .needs = kCastsBeams,
          .attributes = kDropoutAttributes},
     .order = ScanOrder::disturbance,
     .create = [](const ScanEffectContext& context) -> std::unique_ptr<ScanEffect> {

@@ -49,7 +49,7 @@ const ScanEffectRegistration kIntensityRegistration({
              .source = "attribute intensity=\"on\"",
              .outputs = kShownInRanges,
              .reference = "the lidar equation of an extended Lambertian target: Jelalian, Laser Radar Systems (1992)",
-             .sensors = "laser_scanner",
+             .needs = kCastsBeams,
              .attributes = kIntensityAttributes},
     .order = ScanOrder::rounding,
     .create = [](const ScanEffectContext& context) -> std::unique_ptr<ScanEffect> {

@@ -52,7 +52,7 @@ const ScanEffectRegistration kRangeNoiseRegistration({
              .source = "attribute range_noise or range_noise_rel above 0",
              .outputs = kShownInRanges,
              .reference = "the normal distribution, by Box and Muller, Ann. Math. Statist. 29 (1958)",
-             .sensors = "laser_scanner",
+             .needs = kCastsBeams,
              .attributes = kRangeNoiseAttributes},
     .order = ScanOrder::disturbance,
     .create = [](const ScanEffectContext& context) -> std::unique_ptr<ScanEffect> {

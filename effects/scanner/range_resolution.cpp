@@ -47,7 +47,7 @@ const ScanEffectRegistration kRangeResolutionRegistration({
              .source = "attribute range_resolution above 0",
              .outputs = kShownInRanges,
              .reference = "the nearest multiple, halves up",
-             .sensors = "laser_scanner",
+             .needs = kCastsBeams,
              .attributes = kRangeResolutionAttributes},
     .order = ScanOrder::rounding,
     .create = [](const ScanEffectContext& context) -> std::unique_ptr<ScanEffect> {

@@ -43,7 +43,7 @@ const ScanEffectRegistration kRetroReflectionRegistration({
              .source = "a material with retro_reflectance above 0",
              .outputs = kShownInRanges,
              .reference = "coefficient of retroreflection: ASTM E808, EN 12899-1",
-             .sensors = "laser_scanner"},
+             .needs = kCastsBeams},
     .order = ScanOrder::path,
     .create = [](const ScanEffectContext&) -> std::unique_ptr<ScanEffect> {
       return std::make_unique<RetroReflection>();

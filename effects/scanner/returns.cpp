@@ -57,7 +57,7 @@ const ScanEffectRegistration kReturnsRegistration(
               .source = "attribute return first or last, or pulse_length",
               .outputs = kShownInRanges,
               .reference = "overlapping echoes are one pulse: c T / 2; its range the mean, weighted by power",
-              .sensors = "laser_scanner",
+              .needs = kCastsBeams,
               .attributes = kReturnsAttributes},
      .order = ScanOrder::detection,
      .create = create_returns});

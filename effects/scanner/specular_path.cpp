@@ -94,7 +94,7 @@ const ScanEffectRegistration kSpecularPathRegistration({
              .outputs = kShownInRanges,
              .knob = "path_depth",
              .reference = "the law of reflection, Fresnel's equations",
-             .sensors = "laser_scanner",
+             .needs = kCastsBeams,
              .attributes = kSpecularPathAttributes},
     .order = ScanOrder::path,
     .create = create_specular_path,

@@ -40,16 +40,16 @@ const ScanEffectRegistration kSweepMotionRegistration(
               .source = "attribute sweep above 0",
               .outputs = kShownInRanges,
               .reference = "closed form of a scanner that moves past a wall, towards it, and turns",
-              .sensors = "laser_scanner",
+              .needs = kCastsBeams,
               .attributes = kSweepMotionAttributes},
      .order = ScanOrder::pose,
      .create = create_sweep_motion});
 
 }  // namespace
 
-double SweepMotion::age_s(std::uint32_t column, std::uint32_t columns) const {
-  const std::uint32_t after = clockwise_ ? column : columns - 1 - column;
-  return columns == 1 ? 0 : sweep_s_ * after / (columns - 1);
+double SweepMotion::age_s(std::uint32_t beam, std::uint32_t beams) const {
+  const std::uint32_t after = clockwise_ ? beam : beams - 1 - beam;
+  return beams == 1 ? 0 : sweep_s_ * after / (beams - 1);
 }
 
 void SweepMotion::aim(const ScanContext& context, std::vector<BeamRay>& rays) const {
@@ -60,7 +60,7 @@ void SweepMotion::aim(const ScanContext& context, std::vector<BeamRay>& rays) co
   const glm::dvec3 moved_m = sensor_from_world * (glm::dvec3(before[3]) - glm::dvec3(now[3]));
   const glm::dquat turned = glm::quat_cast(sensor_from_world * glm::dmat3(before));
   for (BeamRay& ray : rays) {
-    const double back = age_s(ray.beam % context.columns, context.columns) / interval_s;
+    const double back = age_s(ray.beam % context.beams, context.beams) / interval_s;
     const glm::dquat turn = glm::normalize(glm::slerp(glm::dquat(1, 0, 0, 0), turned, back));
     ray.origin_m = back * moved_m;
     ray.direction = turn * ray.direction;
@@ -68,7 +68,7 @@ void SweepMotion::aim(const ScanContext& context, std::vector<BeamRay>& rays) co
     ray.error_rad = kDirectionError;
   }
   // Rays with the same origin stand side by side, which is faster to cast.
-  std::ranges::stable_sort(rays, {}, [&](const BeamRay& ray) { return ray.beam % context.columns; });
+  std::ranges::stable_sort(rays, {}, [&](const BeamRay& ray) { return ray.beam % context.beams; });
 }
 
 void SweepMotion::finish(const ScanContext& context, std::span<const Echo>, Scan& scan) const {
@@ -76,8 +76,8 @@ void SweepMotion::finish(const ScanContext& context, std::span<const Echo>, Scan
   time.name = "time_s";
   time.format = "%.9f";
   for (std::size_t beam = 0; beam < scan.range_m.size(); ++beam) {
-    const auto column = static_cast<std::uint32_t>(beam % scan.columns);
-    time.values.push_back(static_cast<double>(context.time.time_ns) / 1e9 - age_s(column, scan.columns));
+    const auto in_ring = static_cast<std::uint32_t>(beam % scan.beams);
+    time.values.push_back(static_cast<double>(context.time.time_ns) / 1e9 - age_s(in_ring, scan.beams));
   }
 }
 

@@ -31,7 +31,8 @@ class SweepMotion : public ScanEffect {
   void finish(const ScanContext& context, std::span<const Echo> detected, Scan& scan) const override;
 
  private:
-  double age_s(std::uint32_t column, std::uint32_t columns) const;
+  // The time since beam `beam` of a ring of `beams` left.
+  double age_s(std::uint32_t beam, std::uint32_t beams) const;
 
   double sweep_s_;
   bool clockwise_;

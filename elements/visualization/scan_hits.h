@@ -19,8 +19,8 @@ inline glm::dvec3 beam_direction(const Scan& scan, std::size_t ring, std::size_t
 template <typename Visit>
 void for_each_beam(const Scan& scan, std::size_t every, const Visit& visit) {
   for (std::size_t ring = 0; ring < scan.rings; ++ring) {
-    for (std::size_t beam = 0; beam < scan.columns; beam += every) {
-      visit(beam_direction(scan, ring, beam), static_cast<double>(scan.range_m[ring * scan.columns + beam]));
+    for (std::size_t beam = 0; beam < scan.beams; beam += every) {
+      visit(beam_direction(scan, ring, beam), static_cast<double>(scan.range_m[ring * scan.beams + beam]));
     }
   }
 }

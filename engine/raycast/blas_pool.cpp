@@ -21,7 +21,7 @@ glm::uvec3 bits_of(const glm::vec3& v) {
   return {std::bit_cast<std::uint32_t>(v.x), std::bit_cast<std::uint32_t>(v.y), std::bit_cast<std::uint32_t>(v.z)};
 }
 
-Buffer make_buffer(Device::Impl& device, const char* name, VkDeviceSize size) {
+Buffer make_buffer(DeviceImpl& device, const char* name, VkDeviceSize size) {
   return Buffer(device, {.name = name,
                          .size = size,
                          .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |

@@ -12,7 +12,7 @@ namespace simvis {
 /// front. When the end is reached, the meshes in use are copied to the front of new buffers, within the device.
 class BlasPool {
  public:
-  explicit BlasPool(Device::Impl& device) : device_(device) {}
+  explicit BlasPool(DeviceImpl& device) : device_(device) {}
 
   /// Makes the meshes of the items resident. Returns true if meshes that were resident before may have moved. Throws
   /// MachineError if a buffer would exceed the device's maxStorageBufferRange.
@@ -41,7 +41,7 @@ class BlasPool {
   void upload(const Blas& mesh, const Bvh& tree, Entry& entry, Uploads& uploads);
   std::uint64_t capacity(std::uint64_t needed, std::uint64_t stride) const;
 
-  Device::Impl& device_;
+  DeviceImpl& device_;
   Buffer nodes_, triangles_;
   std::uint64_t node_capacity_ = 0, triangle_capacity_ = 0;
   std::uint64_t nodes_used_ = 0, triangles_used_ = 0;

@@ -8,6 +8,7 @@
 #include <sstream>
 #include <string>
 
+#include <simvis/device.h>
 #include <simvis/ray_caster.h>
 #include "engine/base/cache_file.h"
 #include "engine/base/thread_pool.h"

@@ -30,7 +30,7 @@ float rounded_down(double value) {
 
 /// The data of the world on the device.
 struct DeviceWorld {
-  explicit DeviceWorld(Device::Impl& device)
+  explicit DeviceWorld(DeviceImpl& device)
       : commands(device), uploads(device), meshes(device), top(device), dispatch(device) {}
 
   FrameCommands commands;

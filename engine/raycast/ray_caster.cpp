@@ -1,5 +1,6 @@
 #include <simvis/ray_caster.h>
 
+#include <simvis/device.h>
 #include "engine/base/thread_pool.h"
 #include "engine/vulkan/device_impl.h"
 

@@ -17,7 +17,7 @@ constexpr VkDeviceSize kFirstSize = 16384;
 // A larger dispatch is not faster and takes more memory.
 constexpr std::size_t kMaxRays = std::size_t{1} << 20;
 
-void check_limits(const Device::Impl& device) {
+void check_limits(const DeviceImpl& device) {
   const std::uint32_t offered = device.limits().maxPerStageDescriptorStorageBuffers;
   if (offered >= SIMVIS_RAY_BINDINGS) return;
   throw MachineError("rays cannot be cast: that takes " + std::to_string(SIMVIS_RAY_BINDINGS) +
@@ -34,7 +34,7 @@ void barrier(VkCommandBuffer commands, VkPipelineStageFlags from, VkAccessFlags 
 
 }  // namespace
 
-RayDispatch::RayDispatch(Device::Impl& device) : device_(device) {
+RayDispatch::RayDispatch(DeviceImpl& device) : device_(device) {
   check_limits(device);
   make_pipeline();
   set_ = DescriptorSets(device, set_layout_, 1, "ray set");
@@ -60,17 +60,7 @@ void RayDispatch::make_pipeline() {
   VkPipelineLayout layout = VK_NULL_HANDLE;
   vk_check(vkCreatePipelineLayout(device_.device, &layout_info, nullptr, &layout), "vkCreatePipelineLayout");
   layout_ = Handle<VkPipelineLayout>(device_, layout, "ray pipeline layout");
-  VkComputePipelineCreateInfo info{};
-  info.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO;
-  info.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
-  info.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
-  info.stage.module = module_.get();
-  info.stage.pName = "main";
-  info.layout = layout;
-  VkPipeline pipeline = VK_NULL_HANDLE;
-  vk_check(vkCreateComputePipelines(device_.device, device_.pipeline_cache->get(), 1, &info, nullptr, &pipeline),
-           "vkCreateComputePipelines");
-  pipeline_ = Handle<VkPipeline>(device_, pipeline, "ray pipeline");
+  pipeline_ = simvis::make_pipeline(device_, module_.get(), layout, "ray pipeline");
 }
 
 std::size_t RayDispatch::max_rays() const {

@@ -18,7 +18,7 @@ struct RayBuffers {
 class RayDispatch {
  public:
   /// Throws MachineError if the device offers a shader too few storage buffers.
-  explicit RayDispatch(Device::Impl& device);
+  explicit RayDispatch(DeviceImpl& device);
 
   /// All buffers that it holds. They have no handle before the first cast.
   std::array<const Buffer*, 3> buffers() const { return {&directions_, &candidates_, &readback_}; }
@@ -42,7 +42,7 @@ class RayDispatch {
   void make_pipeline();
   void describe(const std::array<const Buffer*, SIMVIS_RAY_BINDINGS>& buffers);
 
-  Device::Impl& device_;
+  DeviceImpl& device_;
   Handle<VkShaderModule> module_;
   DescriptorLayout set_layout_;
   Handle<VkPipelineLayout> layout_;

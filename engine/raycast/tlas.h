@@ -12,7 +12,7 @@ namespace simvis {
 /// when the set of items changes, and when a ray has to visit more than twice as many boxes as when it was built.
 class Tlas {
  public:
-  explicit Tlas(Device::Impl& device) : device_(device) {}
+  explicit Tlas(DeviceImpl& device) : device_(device) {}
 
   /// Must follow items.update() and meshes.update(); `meshes_moved` is the result of the latter. Uploads the changes.
   void update(const DrawList& list, RayInstances& items, const BlasPool& meshes, bool meshes_moved, Uploads& uploads);
@@ -35,7 +35,7 @@ class Tlas {
   void write_blocks(const DrawList& list, const RayInstances& items, const BlasPool& meshes, bool all,
                     Uploads& uploads);
 
-  Device::Impl& device_;
+  DeviceImpl& device_;
   Bvh bvh_;
   std::vector<Box> boxes_;
   std::vector<std::uint32_t> leaf_of_;  // position of each item in the tree's order

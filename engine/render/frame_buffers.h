@@ -19,7 +19,7 @@ namespace simvis {
 /// changed.
 class FrameBuffers {
  public:
-  FrameBuffers(Device::Impl& device, const DescriptorLayout& set_layout)
+  FrameBuffers(DeviceImpl& device, const DescriptorLayout& set_layout)
       : device_(device), set_layout_(set_layout), set_(device, set_layout, 1, "frame set") {}
 
   /// Updates slot m from list.materials[m], for each m with wanted[m] != 0.
@@ -65,7 +65,7 @@ class FrameBuffers {
   void reserve_lights(VkDeviceSize size);
   void describe(std::uint32_t binding, const Buffer& buffer, VkDeviceSize range);
 
-  Device::Impl& device_;
+  DeviceImpl& device_;
   const DescriptorLayout& set_layout_;
   DescriptorSets set_;
   Buffer instances_, indices_, cpu_selected_, lights_;

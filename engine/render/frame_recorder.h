@@ -21,7 +21,7 @@ struct MadePipelines {
 };
 
 struct FrameContext {
-  Device::Impl& device;
+  DeviceImpl& device;
   VkCommandBuffer commands;
   Pipelines& pipelines;
   ResolvePass& average;

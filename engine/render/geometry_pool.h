@@ -34,7 +34,7 @@ enum class MeshUse : std::uint8_t { none, clusters, positions, attributes };
 /// Attributes have the same vertex numbers as positions. Data that no list has needed on the device is not uploaded.
 class GeometryPool {
  public:
-  explicit GeometryPool(Device::Impl& device) : device_(device) {}
+  explicit GeometryPool(DeviceImpl& device) : device_(device) {}
 
   /// Prepares the meshes of a list. `uses[i]` and entry i of the result belong to meshes[i]. The result is valid until
   /// the next call. Throws MachineError if the meshes do not fit.
@@ -77,7 +77,7 @@ class GeometryPool {
 
   Buffer make_buffer(const char* name, VkDeviceSize size, VkBufferUsageFlags usage);
 
-  Device::Impl& device_;
+  DeviceImpl& device_;
   Buffer positions_, attributes_, indices_;
   std::uint64_t vertex_capacity_ = 0, index_capacity_ = 0;
   std::uint64_t vertices_used_ = 0, indices_used_ = 0;

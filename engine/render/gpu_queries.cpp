@@ -17,7 +17,7 @@ constexpr VkQueryPipelineStatisticFlags kCounted =
     VK_QUERY_PIPELINE_STATISTIC_CLIPPING_PRIMITIVES_BIT | VK_QUERY_PIPELINE_STATISTIC_FRAGMENT_SHADER_INVOCATIONS_BIT;
 constexpr std::size_t kCounts = 5;
 
-Handle<VkQueryPool> make_pool(Device::Impl& device, VkQueryType type, std::uint32_t count, const char* name) {
+Handle<VkQueryPool> make_pool(DeviceImpl& device, VkQueryType type, std::uint32_t count, const char* name) {
   const VkQueryPoolCreateInfo info{
       .sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO,
       .pNext = nullptr,
@@ -30,7 +30,7 @@ Handle<VkQueryPool> make_pool(Device::Impl& device, VkQueryType type, std::uint3
   return Handle<VkQueryPool>(device, pool, name);
 }
 
-void read(const Device::Impl& device, VkQueryPool pool, std::uint32_t first, std::uint32_t count,
+void read(const DeviceImpl& device, VkQueryPool pool, std::uint32_t first, std::uint32_t count,
           std::span<std::uint64_t> results) {
   vk_check(vkGetQueryPoolResults(device.device, pool, first, count, results.size_bytes(), results.data(),
                                  results.size_bytes() / count, VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
@@ -39,7 +39,7 @@ void read(const Device::Impl& device, VkQueryPool pool, std::uint32_t first, std
 
 }  // namespace
 
-GpuQueries::GpuQueries(Device::Impl& device)
+GpuQueries::GpuQueries(DeviceImpl& device)
     : device_(device), timed_(device.physical.timestamp_bits > 0), counted_(device.physical.counts_invocations) {}
 
 void GpuQueries::begin(VkCommandBuffer commands, const FramePlan& plan) {

@@ -16,7 +16,7 @@ namespace simvis {
 ///   copied.
 class GpuQueries {
  public:
-  explicit GpuQueries(Device::Impl& device);
+  explicit GpuQueries(DeviceImpl& device);
 
   /// Records the first commands of a frame.
   void begin(VkCommandBuffer commands, const FramePlan& plan);
@@ -37,7 +37,7 @@ class GpuQueries {
   std::vector<std::int64_t> times() const;
   PipelineStatistics statistics(std::size_t view) const;  // sum over all phases
 
-  Device::Impl& device_;
+  DeviceImpl& device_;
   bool timed_ = false, counted_ = false;
   Handle<VkQueryPool> stamps_, statistics_;
   std::uint32_t stamps_held_ = 0, counts_held_ = 0;  // capacities of the pools

@@ -5,7 +5,6 @@
 
 #include <simvis/error.h>
 #include "engine/vulkan/pipeline_parts.h"
-#include "engine/vulkan/vulkan_check.h"
 #include "shaders/interop.h"
 #include "shaders/layers_resolve.frag.h"
 #include "shaders/layers_resolve.vert.h"
@@ -175,66 +174,22 @@ VkPipeline OitBuffer::resolve_pipeline(std::uint32_t samples) {
     resolve_vert_ = make_module(device_, layers_resolve_vert, "layers_resolve.vert");
     resolve_frag_ = make_module(device_, layers_resolve_frag, "layers_resolve.frag");
   }
-  VkPipelineShaderStageCreateInfo stages[2]{};
-  for (VkPipelineShaderStageCreateInfo& stage : stages) {
-    stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
-    stage.pName = "main";
-  }
-  stages[0].stage = VK_SHADER_STAGE_VERTEX_BIT;
-  stages[0].module = resolve_vert_.get();
-  stages[1].stage = VK_SHADER_STAGE_FRAGMENT_BIT;
-  stages[1].module = resolve_frag_.get();
-  VkPipelineVertexInputStateCreateInfo input{};
-  input.sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO;
-  VkPipelineInputAssemblyStateCreateInfo assembly{};
-  assembly.sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO;
-  assembly.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
-  VkPipelineViewportStateCreateInfo viewport{};
-  viewport.sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO;
-  viewport.viewportCount = viewport.scissorCount = 1;
-  VkPipelineRasterizationStateCreateInfo raster{};
-  raster.sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO;
-  raster.lineWidth = 1;
-  VkPipelineMultisampleStateCreateInfo multisample{};
-  multisample.sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO;
-  multisample.rasterizationSamples = static_cast<VkSampleCountFlagBits>(samples);
-  VkPipelineDepthStencilStateCreateInfo depth{};
-  depth.sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO;
+  const VkPipelineShaderStageCreateInfo stages[] = {shader_stage(VK_SHADER_STAGE_VERTEX_BIT, resolve_vert_.get()),
+                                                    shader_stage(VK_SHADER_STAGE_FRAGMENT_BIT, resolve_frag_.get())};
   // layers + transmittance * background; alpha stays 1
-  VkPipelineColorBlendAttachmentState attachment{};
-  attachment.blendEnable = VK_TRUE;
-  attachment.srcColorBlendFactor = VK_BLEND_FACTOR_ONE;
-  attachment.dstColorBlendFactor = VK_BLEND_FACTOR_SRC_ALPHA;
-  attachment.colorWriteMask = VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT;
-  VkPipelineColorBlendStateCreateInfo blend{};
-  blend.sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO;
-  blend.attachmentCount = 1;
-  blend.pAttachments = &attachment;
-  const VkDynamicState states[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
-  VkPipelineDynamicStateCreateInfo dynamic{};
-  dynamic.sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO;
-  dynamic.dynamicStateCount = 2;
-  dynamic.pDynamicStates = states;
-
-  VkGraphicsPipelineCreateInfo info{};
-  info.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO;
-  info.stageCount = 2;
-  info.pStages = stages;
-  info.pVertexInputState = &input;
-  info.pInputAssemblyState = &assembly;
-  info.pViewportState = &viewport;
-  info.pRasterizationState = &raster;
-  info.pMultisampleState = &multisample;
-  info.pDepthStencilState = &depth;
-  info.pColorBlendState = &blend;
-  info.pDynamicState = &dynamic;
-  info.layout = pipelines_.layout();
-  info.renderPass = pipelines_.render_pass({.color = true, .samples = samples});
-  VkPipeline pipeline = VK_NULL_HANDLE;
-  vk_check(vkCreateGraphicsPipelines(device_.device, device_.pipeline_cache->get(), 1, &info, nullptr, &pipeline),
-           "vkCreateGraphicsPipelines");
-  known = Handle<VkPipeline>(device_, pipeline, "resolve of transparent layers");
-  return pipeline;
+  VkPipelineColorBlendAttachmentState color{};
+  color.blendEnable = VK_TRUE;
+  color.srcColorBlendFactor = VK_BLEND_FACTOR_ONE;
+  color.dstColorBlendFactor = VK_BLEND_FACTOR_SRC_ALPHA;
+  color.colorWriteMask = VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT;
+  known = make_pipeline(device_,
+                        {.stages = stages,
+                         .samples = samples,
+                         .colors = {&color, 1},
+                         .layout = pipelines_.layout(),
+                         .render_pass = pipelines_.render_pass({.color = true, .samples = samples})},
+                        "resolve of transparent layers");
+  return known.get();
 }
 
 void OitBuffer::name_memory(const Uploads& uploads, std::vector<PlannedMemory>& memory) const {

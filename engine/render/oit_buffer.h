@@ -29,7 +29,7 @@ struct LayerRows {
 /// one.
 class OitBuffer {
  public:
-  OitBuffer(Device::Impl& device, Pipelines& pipelines) : device_(device), pipelines_(pipelines) {}
+  OitBuffer(DeviceImpl& device, Pipelines& pipelines) : device_(device), pipelines_(pipelines) {}
 
   /// `passes` are the passes of the frame that show a transparent surface.
   void begin_frame(std::span<const Pass* const> passes);
@@ -60,7 +60,7 @@ class OitBuffer {
   std::uint64_t max_nodes() const;
   VkPipeline resolve_pipeline(std::uint32_t samples);
 
-  Device::Impl& device_;
+  DeviceImpl& device_;
   Pipelines& pipelines_;
   DescriptorSets set_;
   Handle<VkShaderModule> resolve_vert_, resolve_frag_;

@@ -9,7 +9,6 @@
 #include "engine/base/assert.h"
 #include "engine/render/geometry_pool.h"
 #include "engine/vulkan/pipeline_parts.h"
-#include "engine/vulkan/vulkan_check.h"
 #include "shaders/interop.h"
 #include "shaders/mesh_color.frag.h"
 #include "shaders/mesh_color.vert.h"
@@ -102,17 +101,14 @@ VkPrimitiveTopology primitive(Topology topology) {
 
 VkPipelineRasterizationStateCreateInfo rasterization(const PipelineKey& key) {
   VkPipelineRasterizationStateCreateInfo info{};
-  info.sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO;
   info.polygonMode = VK_POLYGON_MODE_FILL;
   info.cullMode = key.cull_back ? VK_CULL_MODE_BACK_BIT : VK_CULL_MODE_NONE;
   info.frontFace = key.mirrored ? VK_FRONT_FACE_CLOCKWISE : VK_FRONT_FACE_COUNTER_CLOCKWISE;
-  info.lineWidth = 1;
   return info;
 }
 
 VkPipelineDepthStencilStateCreateInfo depth_stencil(const PipelineKey& key) {
   VkPipelineDepthStencilStateCreateInfo info{};
-  info.sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO;
   info.depthTestEnable = VK_TRUE;
   info.depthWriteEnable = !key.blends();
   info.depthCompareOp = VK_COMPARE_OP_GREATER;
@@ -126,17 +122,6 @@ VkPipelineColorBlendAttachmentState color_blend(const PipelineKey& key) {
     state.colorWriteMask = VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT;
   }
   return state;
-}
-
-VkPipelineShaderStageCreateInfo stage(VkShaderStageFlagBits bit, VkShaderModule module,
-                                      const VkSpecializationInfo* constants = nullptr) {
-  return {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
-          .pNext = nullptr,
-          .flags = 0,
-          .stage = bit,
-          .module = module,
-          .pName = "main",
-          .pSpecializationInfo = constants};
 }
 
 // The specialization constants of a shader, 4 bytes each, in the order of their numbers.
@@ -175,7 +160,7 @@ std::uint64_t PipelineKey::bits() const {
   return (bits << 16 | lights) << 3 | static_cast<std::uint64_t>(std::countr_zero(samples));
 }
 
-Pipelines::Pipelines(Device::Impl& device)
+Pipelines::Pipelines(DeviceImpl& device)
     : device_(device),
       depth_vert_(make_module(device, mesh_depth_vert, "mesh_depth.vert")),
       mask_vert_(make_module(device, mesh_mask_vert, "mesh_mask.vert")),
@@ -236,18 +221,19 @@ Pipelines::Program Pipelines::program(const PipelineKey& key, const VkSpecializa
     const std::size_t look = key.maps != 0 ? 2 : key.textured ? 1 : 0;
     const Handle<VkShaderModule>& fragments = key.blends() ? (key.shadowed ? shadows().layer_frag : layer_frag_)[look]
                                                            : (key.shadowed ? shadows().color_frag : color_frag_)[look];
-    return {{stage(VK_SHADER_STAGE_VERTEX_BIT, key.maps != 0 ? mapped_vert_.get() : color_vert_.get(), &constants),
-             stage(VK_SHADER_STAGE_FRAGMENT_BIT, fragments.get(), &constants)},
-            2,
-            vertex_input(kColorInputs)};
+    return {
+        {shader_stage(VK_SHADER_STAGE_VERTEX_BIT, key.maps != 0 ? mapped_vert_.get() : color_vert_.get(), &constants),
+         shader_stage(VK_SHADER_STAGE_FRAGMENT_BIT, fragments.get(), &constants)},
+        2,
+        vertex_input(kColorInputs)};
   }
   if (key.surface == Surface::masked) {
-    return {{stage(VK_SHADER_STAGE_VERTEX_BIT, mask_vert_.get()),
-             stage(VK_SHADER_STAGE_FRAGMENT_BIT, mask_frag_[key.textured].get())},
+    return {{shader_stage(VK_SHADER_STAGE_VERTEX_BIT, mask_vert_.get()),
+             shader_stage(VK_SHADER_STAGE_FRAGMENT_BIT, mask_frag_[key.textured].get())},
             2,
             vertex_input(kMaskInputs)};
   }
-  return {{stage(VK_SHADER_STAGE_VERTEX_BIT, depth_vert_.get())},
+  return {{shader_stage(VK_SHADER_STAGE_VERTEX_BIT, depth_vert_.get())},
           1,
           key.cpu_selected ? cpu_selected_input() : vertex_input(kDepthInputs)};
 }
@@ -256,7 +242,8 @@ Pipelines::Program Pipelines::shadow_map_program(const PipelineKey& key, const V
   const bool masked = key.surface == Surface::masked;
   const VkShaderModule vertices = masked ? mask_vert_.get() : depth_vert_.get();
   const VkShaderModule fragments = masked ? shadows().map_mask_frag[key.textured].get() : shadows().map_frag.get();
-  return {{stage(VK_SHADER_STAGE_VERTEX_BIT, vertices, &constants), stage(VK_SHADER_STAGE_FRAGMENT_BIT, fragments)},
+  return {{shader_stage(VK_SHADER_STAGE_VERTEX_BIT, vertices, &constants),
+           shader_stage(VK_SHADER_STAGE_FRAGMENT_BIT, fragments)},
           2,
           masked ? vertex_input(kMaskInputs) : vertex_input(kDepthInputs)};
 }
@@ -265,46 +252,18 @@ Handle<VkPipeline> Pipelines::make(const PipelineKey& key) {
   const Constants constants(key);
   const Program shaders = program(key, constants.info);
   SIMVIS_ASSERT((shaders.stage_count == 2) == key.shades());
-  VkPipelineInputAssemblyStateCreateInfo assembly{};
-  assembly.sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO;
-  assembly.topology = primitive(key.topology);
-  VkPipelineViewportStateCreateInfo viewport{};
-  viewport.sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO;
-  viewport.viewportCount = viewport.scissorCount = 1;
-  VkPipelineMultisampleStateCreateInfo multisample{};
-  multisample.sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO;
-  multisample.rasterizationSamples = static_cast<VkSampleCountFlagBits>(key.samples);
-  const VkPipelineRasterizationStateCreateInfo raster = rasterization(key);
-  const VkPipelineDepthStencilStateCreateInfo depth = depth_stencil(key);
-  const VkPipelineColorBlendAttachmentState attachment = color_blend(key);
-  VkPipelineColorBlendStateCreateInfo blend{};
-  blend.sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO;
-  blend.attachmentCount = key.color ? 1 : 0;
-  blend.pAttachments = &attachment;
-  const VkDynamicState states[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
-  VkPipelineDynamicStateCreateInfo dynamic{};
-  dynamic.sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO;
-  dynamic.dynamicStateCount = 2;
-  dynamic.pDynamicStates = states;
-
-  VkGraphicsPipelineCreateInfo info{};
-  info.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO;
-  info.stageCount = shaders.stage_count;
-  info.pStages = shaders.stages;
-  info.pVertexInputState = &shaders.input;
-  info.pInputAssemblyState = &assembly;
-  info.pViewportState = &viewport;
-  info.pRasterizationState = &raster;
-  info.pMultisampleState = &multisample;
-  info.pDepthStencilState = &depth;
-  info.pColorBlendState = &blend;
-  info.pDynamicState = &dynamic;
-  info.layout = key.shadowed ? shadows().layout.get() : layout_.get();
-  info.renderPass = render_pass({.color = key.color, .sampled = key.shadow_map, .samples = key.samples});
-  VkPipeline pipeline = VK_NULL_HANDLE;
-  vk_check(vkCreateGraphicsPipelines(device_.device, device_.pipeline_cache->get(), 1, &info, nullptr, &pipeline),
-           "vkCreateGraphicsPipelines");
-  return Handle<VkPipeline>(device_, pipeline, "mesh pipeline " + std::to_string(key.bits()));
+  const VkPipelineColorBlendAttachmentState color = color_blend(key);
+  const GraphicsPipelineDesc desc{
+      .stages = {shaders.stages, shaders.stage_count},
+      .input = shaders.input,
+      .topology = primitive(key.topology),
+      .raster = rasterization(key),
+      .samples = key.samples,
+      .depth = depth_stencil(key),
+      .colors = {&color, key.color ? 1u : 0u},
+      .layout = key.shadowed ? shadows().layout.get() : layout_.get(),
+      .render_pass = render_pass({.color = key.color, .sampled = key.shadow_map, .samples = key.samples})};
+  return make_pipeline(device_, desc, "mesh pipeline " + std::to_string(key.bits()));
 }
 
 }  // namespace simvis

@@ -43,7 +43,7 @@ struct PipelineKey {
 
 class Pipelines {
  public:
-  explicit Pipelines(Device::Impl& device);
+  explicit Pipelines(DeviceImpl& device);
 
   /// Creates the pipeline on first use.
   VkPipeline get(const PipelineKey& key);
@@ -72,7 +72,7 @@ class Pipelines {
   Program shadow_map_program(const PipelineKey& key, const VkSpecializationInfo& constants);
   Handle<VkPipeline> make(const PipelineKey& key);
 
-  Device::Impl& device_;
+  DeviceImpl& device_;
   DescriptorLayout frame_set_layout_, texture_set_layout_, layers_set_layout_;
   Handle<VkPipelineLayout> layout_;
   std::unordered_map<std::uint32_t, Handle<VkRenderPass>> render_passes_;

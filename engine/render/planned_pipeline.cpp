@@ -89,9 +89,7 @@ std::vector<PlannedPipeline> describe_pipelines(std::span<const DrawRun> runs, c
                          .made = std::erase(made, key.bits()) > 0});
     }
     ++planned[place].draws;
-    if (key.topology == Topology::triangles) {
-      planned[place].triangles += std::uint64_t{run.range.index_count / 3} * run.instance_count;
-    }
+    planned[place].triangles += run.triangles();
   }
   return planned;
 }

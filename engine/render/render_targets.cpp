@@ -9,7 +9,7 @@ namespace {
 // Large enough that a sensor at 1 Hz keeps its targets while other sensors fire at 100 Hz.
 constexpr std::uint64_t kFramesKept = 256;
 
-Buffer make_readback(Device::Impl& device, const RenderTarget& target, VkDeviceSize bytes_per_pixel, const char* name) {
+Buffer make_readback(DeviceImpl& device, const RenderTarget& target, VkDeviceSize bytes_per_pixel, const char* name) {
   return Buffer(device, {.name = name,
                          .size = VkDeviceSize{target.width} * target.height * bytes_per_pixel,
                          .usage = VK_BUFFER_USAGE_TRANSFER_DST_BIT,

@@ -27,7 +27,7 @@ struct RenderTarget {
 
 class RenderTargets {
  public:
-  RenderTargets(Device::Impl& device, Pipelines& pipelines, ResolvePass& average)
+  RenderTargets(DeviceImpl& device, Pipelines& pipelines, ResolvePass& average)
       : device_(device), pipelines_(pipelines), average_(average) {}
 
   /// Starts a frame: all targets become free. Targets that have not been used for many frames are destroyed.
@@ -45,7 +45,7 @@ class RenderTargets {
   std::unique_ptr<RenderTarget> make(const Pass& pass) const;
   GpuImage make_image(const Pass& pass, const char* what, VkFormat format, VkImageUsageFlags usage, bool samples) const;
 
-  Device::Impl& device_;
+  DeviceImpl& device_;
   Pipelines& pipelines_;
   ResolvePass& average_;
   std::vector<std::unique_ptr<RenderTarget>> targets_;

@@ -71,7 +71,7 @@ const Pass* find_shadow_maps(const FramePlan& plan) {
 }  // namespace
 
 struct Renderer::Impl {
-  explicit Impl(Device::Impl& d)
+  explicit Impl(DeviceImpl& d)
       : device(d),
         commands(d),
         uploads(d),
@@ -95,7 +95,7 @@ struct Renderer::Impl {
   void name_memory(FramePlan& plan) const;
   void forget();
 
-  Device::Impl& device;
+  DeviceImpl& device;
   FrameCommands commands;
   Uploads uploads;
   Pipelines pipelines;

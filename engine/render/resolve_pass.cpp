@@ -68,19 +68,9 @@ VkPipeline ResolvePass::pipeline(const Pass& pass) {
   const VkSpecializationMapEntry entries[] = {{SIMVIS_RESOLVE_SUPERSAMPLING, 0, sizeof values[0]},
                                               {SIMVIS_RESOLVE_MSAA, sizeof values[0], sizeof values[0]}};
   const VkSpecializationInfo constants{2, entries, sizeof values, values};
-  VkComputePipelineCreateInfo info{};
-  info.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO;
-  info.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
-  info.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
-  info.stage.module = module.get();
-  info.stage.pName = "main";
-  info.stage.pSpecializationInfo = &constants;
-  info.layout = layout_.get();
-  VkPipeline pipeline = VK_NULL_HANDLE;
-  vk_check(vkCreateComputePipelines(device_.device, device_.pipeline_cache->get(), 1, &info, nullptr, &pipeline),
-           "vkCreateComputePipelines");
-  known = Handle<VkPipeline>(device_, pipeline, "mean of " + std::to_string(pass.samples()) + " samples");
-  return pipeline;
+  known = make_pipeline(device_, module.get(), layout_.get(), "mean of " + std::to_string(pass.samples()) + " samples",
+                        &constants);
+  return known.get();
 }
 
 void ResolvePass::record(VkCommandBuffer commands, const Pass& pass, const Binding& binding, const GpuImage& mean) {

@@ -13,7 +13,7 @@ namespace simvis {
 /// result has the size of the pass. Vulkan objects are created on first use.
 class ResolvePass {
  public:
-  explicit ResolvePass(Device::Impl& device) : device_(device) {}
+  explicit ResolvePass(DeviceImpl& device) : device_(device) {}
 
   /// Descriptors of a pair of images. A binding must not outlive its images.
   using Binding = DescriptorSets;
@@ -31,7 +31,7 @@ class ResolvePass {
   void make_layouts();
   VkPipeline pipeline(const Pass& pass);
 
-  Device::Impl& device_;
+  DeviceImpl& device_;
   DescriptorLayout set_layout_;
   Handle<VkPipelineLayout> layout_;
   std::unordered_map<std::uint32_t, Handle<VkPipeline>> pipelines_;

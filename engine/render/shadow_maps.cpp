@@ -50,7 +50,7 @@ std::vector<shader::ShadowBlock> shadow_blocks(const View& view, const Pass& map
   return blocks;
 }
 
-ShadowMaps::ShadowMaps(Device::Impl& device, const DescriptorLayout& set_layout)
+ShadowMaps::ShadowMaps(DeviceImpl& device, const DescriptorLayout& set_layout)
     : device_(device), set_layout_(set_layout), set_(device, set_layout, 1, "shadow set") {
   // Shaders fetch texels by index, so the sampler does not filter.
   VkSamplerCreateInfo sampler_info{};

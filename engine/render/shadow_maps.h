@@ -17,7 +17,7 @@ std::vector<shader::ShadowBlock> shadow_blocks(const View& view, const Pass& map
 /// Created for the first frame that has a shadow. The host writes the descriptor set while no submission is in flight.
 class ShadowMaps {
  public:
-  ShadowMaps(Device::Impl& device, const DescriptorLayout& set_layout);
+  ShadowMaps(DeviceImpl& device, const DescriptorLayout& set_layout);
 
   /// Writes the blocks of all colour views of a plan, in the order of the plan.
   void write(const FramePlan& plan, const Pass& maps, Uploads& uploads);
@@ -31,7 +31,7 @@ class ShadowMaps {
   std::uint32_t offset(std::size_t shadowed) const { return offsets_[shadowed]; }
 
  private:
-  Device::Impl& device_;
+  DeviceImpl& device_;
   const DescriptorLayout& set_layout_;
   DescriptorSets set_;
   Handle<VkSampler> sampler_;

@@ -16,7 +16,7 @@
 
 namespace simvis {
 
-ShadowPipelines::ShadowPipelines(Device::Impl& device, std::span<const VkDescriptorSetLayout> mesh_sets)
+ShadowPipelines::ShadowPipelines(DeviceImpl& device, std::span<const VkDescriptorSetLayout> mesh_sets)
     : map_frag(make_module(device, mesh_shadow_frag, "mesh_shadow.frag")),
       map_mask_frag{make_module(device, mesh_shadow_mask_frag, "mesh_shadow_mask.frag"),
                     make_module(device, mesh_shadow_mask_textured_frag, "mesh_shadow_mask_textured.frag")},

@@ -9,7 +9,7 @@ namespace simvis {
 
 struct ShadowPipelines {
   /// `mesh_sets`: the set layouts of all mesh pipelines, see Pipelines.
-  ShadowPipelines(Device::Impl& device, std::span<const VkDescriptorSetLayout> mesh_sets);
+  ShadowPipelines(DeviceImpl& device, std::span<const VkDescriptorSetLayout> mesh_sets);
 
   DescriptorLayout set_layout;              ///< SIMVIS_SHADOW_SET
   Handle<VkPipelineLayout> layout;          ///< the layout of all meshes, followed by this set

@@ -34,7 +34,7 @@ VkFormat format_of(std::uint32_t binding) {
   return color ? kTextureFormat : kMapFormat;
 }
 
-GpuImage make_image(Device::Impl& device, const Texture& texture, VkFormat format) {
+GpuImage make_image(DeviceImpl& device, const Texture& texture, VkFormat format) {
   SIMVIS_ASSERT(texture.width > 0 && texture.height > 0);
   SIMVIS_ASSERT(texture.rgba.size() == std::size_t{4} * texture.width * texture.height);
   const std::uint32_t limit = device.limits().maxImageDimension2D, side = std::max(texture.width, texture.height);

@@ -23,7 +23,7 @@ using TextureSet = std::array<std::shared_ptr<const Texture>, SIMVIS_TEXTURES>;
 /// Textures are identified by address, uploaded when first needed, and released when the list no longer contains them.
 class TextureStore {
  public:
-  TextureStore(Device::Impl& device, const DescriptorLayout& set_layout) : device_(device), set_layout_(set_layout) {}
+  TextureStore(DeviceImpl& device, const DescriptorLayout& set_layout) : device_(device), set_layout_(set_layout) {}
 
   /// Returns the descriptor set of at least one texture, and uploads the textures that are not resident.
   /// Throws InputError if a texture is larger than the device allows.
@@ -51,7 +51,7 @@ class TextureStore {
   VkSampler sampler(const Sampler& sampler);
   VkDescriptorSet free_set();
 
-  Device::Impl& device_;
+  DeviceImpl& device_;
   const DescriptorLayout& set_layout_;
   std::map<std::pair<const Texture*, VkFormat>, Entry> entries_;
   std::map<std::array<const Texture*, SIMVIS_TEXTURES>, VkDescriptorSet> sets_;

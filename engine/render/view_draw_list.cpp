@@ -65,10 +65,8 @@ void ViewDrawList::update(const View& view, const Pass& pass, const StripColumns
   for (DrawRun& run : runs_) {
     run.key.shadow_map = pass.shadow_maps;
     run.key.orthographic = view.orthographic;
-    if (run.key.topology != Topology::triangles) continue;
-    const std::uint64_t triangles = std::uint64_t{run.range.index_count / 3} * run.instance_count;
-    draws_.counts.triangles += triangles;
-    if (run.key.surface == Surface::masked) draws_.counts.masked_triangles += triangles;
+    draws_.counts.triangles += run.triangles();
+    if (run.key.surface == Surface::masked) draws_.counts.masked_triangles += run.triangles();
   }
   draws_.counts.draws = runs_.size();
 }
@@ -160,12 +158,18 @@ void ViewDrawList::draw(const Drawable& d, const View& view, const ViewProjectio
     return;
   }
   last_group_ = d.group;
-  runs_.push_back({.key = key_in_view(d, view, list),
-                   .texture = d.texture,
-                   .range = d.range,
-                   .first_instance = instance,
-                   .instance_count = 1,
-                   .depth_visible = d.depth_visible});
+  add_run(d, key_in_view(d, view, list), d.range, instance);
+}
+
+// Adds a draw of one instance.
+DrawRun& ViewDrawList::add_run(const Drawable& d, const PipelineKey& key, const MeshRange& range,
+                               std::uint32_t instance) {
+  return runs_.emplace_back(DrawRun{.key = key,
+                                    .texture = d.texture,
+                                    .range = range,
+                                    .first_instance = instance,
+                                    .instance_count = 1,
+                                    .depth_visible = d.depth_visible});
 }
 
 std::uint32_t ViewDrawList::add_instance(const Drawable& d, const ViewProjection& projection, const DrawList& list) {
@@ -196,13 +200,8 @@ void ViewDrawList::draw_seen_triangles(const Drawable& d, const View& view, cons
   }
   const auto count = static_cast<std::uint32_t>(indices_.size() - first);
   if (count == 0) return;
-  runs_.push_back({.key = key_in_view(d, view, list),
-                   .texture = d.texture,
-                   .range = {.first_index = first, .index_count = count, .vertex_offset = d.range.vertex_offset},
-                   .first_instance = add_instance(d, projection, list),
-                   .instance_count = 1,
-                   .depth_visible = d.depth_visible,
-                   .own_indices = true});
+  const MeshRange range{.first_index = first, .index_count = count, .vertex_offset = d.range.vertex_offset};
+  add_run(d, key_in_view(d, view, list), range, add_instance(d, projection, list)).own_indices = true;
   last_group_ = kNoGroup;
 }
 
@@ -295,12 +294,7 @@ void ViewDrawList::draw_seen_clusters(const Drawable& d, const View& view, const
   for (MeshRange& part : seen_) {
     part.first_index += d.range.first_index;
     part.vertex_offset = d.range.vertex_offset;
-    runs_.push_back({.key = key,
-                     .texture = d.texture,
-                     .range = part,
-                     .first_instance = instance,
-                     .instance_count = 1,
-                     .depth_visible = d.depth_visible});
+    add_run(d, key, part, instance);
   }
   last_group_ = kNoGroup;
 }

@@ -32,6 +32,11 @@ struct DrawRun {
   bool depth_visible = true;  ///< visible to depth passes and sensors
   bool own_indices = false;   ///< range.first_index counts in indices(), not in the geometry pool.
                               ///< With key.cpu_selected, it counts in cpu_selected(), without indices.
+
+  /// Of all instances; 0 for lines and points.
+  std::uint64_t triangles() const {
+    return key.topology == Topology::triangles ? std::uint64_t{range.index_count / 3} * instance_count : 0;
+  }
 };
 
 /// The phases in which the runs of a view are drawn.
@@ -83,6 +88,7 @@ class ViewDrawList {
                           const WorldBox& box, std::size_t first_run);
   void draw_seen_triangles(const Drawable& d, const View& view, const ViewProjection& projection, const DrawList& list,
                            const WorldBox& box);
+  DrawRun& add_run(const Drawable& d, const PipelineKey& key, const MeshRange& range, std::uint32_t instance);
   std::uint32_t add_instance(const Drawable& d, const ViewProjection& projection, const DrawList& list);
   void append_visible(const RenderQueue& items, const View& view);
   void add_items(const RenderQueue& items, const View& view, const ViewProjection& projection, const DrawList& list,

@@ -5,7 +5,7 @@
 
 namespace simvis {
 
-Buffer::Buffer(Device::Impl& device, BufferDesc desc) : desc_(std::move(desc)) {
+Buffer::Buffer(DeviceImpl& device, BufferDesc desc) : desc_(std::move(desc)) {
   SIMVIS_ASSERT(desc_.size > 0 && !desc_.name.empty());
   const VkBufferCreateInfo info{.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
                                 .pNext = nullptr,

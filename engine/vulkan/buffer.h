@@ -19,7 +19,7 @@ struct BufferDesc {
 class Buffer {
  public:
   Buffer() = default;
-  Buffer(Device::Impl& device, BufferDesc desc);
+  Buffer(DeviceImpl& device, BufferDesc desc);
 
   VkBuffer get() const { return buffer_.get(); }
   VkDeviceSize size() const { return desc_.size; }

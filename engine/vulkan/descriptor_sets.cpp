@@ -6,7 +6,7 @@
 namespace simvis {
 namespace {
 
-void write_descriptor(const Device::Impl& device, const DescriptorLayout& layout, VkDescriptorSet set,
+void write_descriptor(const DeviceImpl& device, const DescriptorLayout& layout, VkDescriptorSet set,
                       std::uint32_t binding, const VkDescriptorBufferInfo* buffer, const VkDescriptorImageInfo* image) {
   SIMVIS_ASSERT(binding < layout.types().size());
   const VkWriteDescriptorSet write{.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
@@ -33,7 +33,7 @@ VkDescriptorSetLayoutBinding descriptor_binding(std::uint32_t binding, VkDescrip
           .pImmutableSamplers = nullptr};
 }
 
-DescriptorLayout::DescriptorLayout(Device::Impl& device, std::span<const VkDescriptorSetLayoutBinding> bindings,
+DescriptorLayout::DescriptorLayout(DeviceImpl& device, std::span<const VkDescriptorSetLayoutBinding> bindings,
                                    const char* name) {
   for (const VkDescriptorSetLayoutBinding& binding : bindings) {
     SIMVIS_ASSERT(binding.binding == types_.size() && binding.descriptorCount == 1);
@@ -49,7 +49,7 @@ DescriptorLayout::DescriptorLayout(Device::Impl& device, std::span<const VkDescr
   layout_ = Handle<VkDescriptorSetLayout>(device, layout, name);
 }
 
-DescriptorSets::DescriptorSets(Device::Impl& device, const DescriptorLayout& layout, std::uint32_t count,
+DescriptorSets::DescriptorSets(DeviceImpl& device, const DescriptorLayout& layout, std::uint32_t count,
                                const char* name)
     : sets_(count) {
   SIMVIS_ASSERT(count > 0);
@@ -73,12 +73,12 @@ DescriptorSets::DescriptorSets(Device::Impl& device, const DescriptorLayout& lay
   vk_check(vkAllocateDescriptorSets(device.device, &info, sets_.data()), "vkAllocateDescriptorSets");
 }
 
-void write_descriptor(const Device::Impl& device, const DescriptorLayout& layout, VkDescriptorSet set,
+void write_descriptor(const DeviceImpl& device, const DescriptorLayout& layout, VkDescriptorSet set,
                       std::uint32_t binding, const VkDescriptorBufferInfo& buffer) {
   write_descriptor(device, layout, set, binding, &buffer, nullptr);
 }
 
-void write_descriptor(const Device::Impl& device, const DescriptorLayout& layout, VkDescriptorSet set,
+void write_descriptor(const DeviceImpl& device, const DescriptorLayout& layout, VkDescriptorSet set,
                       std::uint32_t binding, const VkDescriptorImageInfo& image) {
   write_descriptor(device, layout, set, binding, nullptr, &image);
 }

@@ -18,7 +18,7 @@ VkDescriptorSetLayoutBinding descriptor_binding(std::uint32_t binding, VkDescrip
 class DescriptorLayout {
  public:
   DescriptorLayout() = default;
-  DescriptorLayout(Device::Impl& device, std::span<const VkDescriptorSetLayoutBinding> bindings, const char* name);
+  DescriptorLayout(DeviceImpl& device, std::span<const VkDescriptorSetLayoutBinding> bindings, const char* name);
 
   VkDescriptorSetLayout get() const { return layout_.get(); }
   std::span<const VkDescriptorType> types() const { return types_; }  ///< type of each binding
@@ -34,7 +34,7 @@ class DescriptorSets {
  public:
   DescriptorSets() = default;
   /// `count` is above 0.
-  DescriptorSets(Device::Impl& device, const DescriptorLayout& layout, std::uint32_t count, const char* name);
+  DescriptorSets(DeviceImpl& device, const DescriptorLayout& layout, std::uint32_t count, const char* name);
 
   VkDescriptorSet get() const { return sets_.front(); }
   std::span<const VkDescriptorSet> all() const { return sets_; }
@@ -46,9 +46,9 @@ class DescriptorSets {
 };
 
 /// Points one descriptor of a set at a buffer or an image. No submission in flight may use the set.
-void write_descriptor(const Device::Impl& device, const DescriptorLayout& layout, VkDescriptorSet set,
+void write_descriptor(const DeviceImpl& device, const DescriptorLayout& layout, VkDescriptorSet set,
                       std::uint32_t binding, const VkDescriptorBufferInfo& buffer);
-void write_descriptor(const Device::Impl& device, const DescriptorLayout& layout, VkDescriptorSet set,
+void write_descriptor(const DeviceImpl& device, const DescriptorLayout& layout, VkDescriptorSet set,
                       std::uint32_t binding, const VkDescriptorImageInfo& image);
 
 }  // namespace simvis

@@ -12,7 +12,7 @@
 #include <span>
 #include <string_view>
 
-#include <simvis/device.h>
+#include <simvis/device_info.h>
 #include "engine/vulkan/device_memory.h"
 #include "engine/vulkan/instance.h"
 #include "engine/vulkan/physical_device.h"
@@ -31,17 +31,20 @@ enum class MemoryKind : std::uint8_t {
   readback,  ///< target of copies, read by the host; mapped
 };
 
+/// Whether the description or SIMVIS_VALIDATION=1 asks for the validation layer.
+bool wants_validation(const DeviceDesc& desc);
+
 /// An object without an owner, to be destroyed later.
 struct Retired {
   std::function<void()> destroy;
   std::uint64_t serial = 0;  ///< the last submission that may use it
 };
 
-struct Device::Impl {
-  Impl(const DeviceDesc& desc, unsigned pool_size);
-  ~Impl();
-  Impl(const Impl&) = delete;
-  Impl& operator=(const Impl&) = delete;
+struct DeviceImpl {
+  DeviceImpl(const DeviceDesc& desc, unsigned pool_size);
+  ~DeviceImpl();
+  DeviceImpl(const DeviceImpl&) = delete;
+  DeviceImpl& operator=(const DeviceImpl&) = delete;
 
   const VkPhysicalDeviceLimits& limits() const { return physical.properties.limits; }
 

@@ -52,7 +52,7 @@ struct MemoryCalls {
 /// Images never share a block with buffers: their distance always satisfies bufferImageGranularity. Ranges begin at
 /// multiples of kHostAlignment.
 ///
-/// Not synchronised. Like everything in Device::Impl it is used by one thread at a time.
+/// Not synchronised. Like everything in DeviceImpl it is used by one thread at a time.
 class DeviceMemory {
  public:
   /// Vulkan guarantees this alignment for mapped allocations (minMemoryMapAlignment); it is also a cache line.

@@ -5,7 +5,7 @@
 
 namespace simvis {
 
-FrameCommands::FrameCommands(Device::Impl& device) : device_(device) {
+FrameCommands::FrameCommands(DeviceImpl& device) : device_(device) {
   const VkCommandPoolCreateInfo pool_info{.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
                                           .pNext = nullptr,
                                           .flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT,

@@ -7,7 +7,7 @@ namespace simvis {
 
 class FrameCommands {
  public:
-  explicit FrameCommands(Device::Impl& device);
+  explicit FrameCommands(DeviceImpl& device);
   /// Waits for the submission in flight, if there is one.
   ~FrameCommands();
   FrameCommands(const FrameCommands&) = delete;
@@ -27,7 +27,7 @@ class FrameCommands {
   void abandon();
 
  private:
-  Device::Impl& device_;
+  DeviceImpl& device_;
   Handle<VkCommandPool> pool_;
   VkCommandBuffer commands_ = VK_NULL_HANDLE;  // freed with its pool
   Handle<VkFence> fence_;

@@ -5,7 +5,7 @@
 
 namespace simvis {
 
-GpuImage::GpuImage(Device::Impl& device, GpuImageDesc desc) : desc_(std::move(desc)) {
+GpuImage::GpuImage(DeviceImpl& device, GpuImageDesc desc) : desc_(std::move(desc)) {
   SIMVIS_ASSERT(desc_.width > 0 && desc_.height > 0 && !desc_.name.empty());
   VkImageCreateInfo info{};
   info.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO;

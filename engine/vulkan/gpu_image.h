@@ -21,7 +21,7 @@ struct GpuImageDesc {
 class GpuImage {
  public:
   GpuImage() = default;
-  GpuImage(Device::Impl& device, GpuImageDesc desc);
+  GpuImage(DeviceImpl& device, GpuImageDesc desc);
 
   VkImage get() const { return image_.get(); }
   VkImageView view() const { return view_.get(); }

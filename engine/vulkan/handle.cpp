@@ -31,7 +31,7 @@ SIMVIS_VULKAN_OBJECT(QueryPool, QUERY_POOL, vkDestroyQueryPool)
 }  // namespace
 
 template <typename T>
-Handle<T>::Handle(Device::Impl& device, T handle, std::string_view name) : device_(&device), handle_(handle) {
+Handle<T>::Handle(DeviceImpl& device, T handle, std::string_view name) : device_(&device), handle_(handle) {
   device.adopt(Traits<T>::kType, reinterpret_cast<std::uint64_t>(handle), name);
 }
 

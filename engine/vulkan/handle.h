@@ -17,7 +17,7 @@ class Handle {
  public:
   Handle() = default;
   /// Takes ownership of `handle`. The name appears in messages of the validation layer and in debuggers.
-  Handle(Device::Impl& device, T handle, std::string_view name);
+  Handle(DeviceImpl& device, T handle, std::string_view name);
   ~Handle() { retire(); }
   Handle(Handle&& other) noexcept : device_(other.device_), handle_(std::exchange(other.handle_, VK_NULL_HANDLE)) {}
   Handle& operator=(Handle&& other) noexcept {
@@ -35,7 +35,7 @@ class Handle {
  private:
   void retire();
 
-  Device::Impl* device_ = nullptr;
+  DeviceImpl* device_ = nullptr;
   T handle_ = VK_NULL_HANDLE;
 };
 

@@ -23,8 +23,7 @@ struct Requirements {
 
 }  // namespace
 
-MemorySlice::MemorySlice(Device::Impl& device, VkBuffer buffer, MemoryKind kind, std::string_view name)
-    : MemorySlice() {
+MemorySlice::MemorySlice(DeviceImpl& device, VkBuffer buffer, MemoryKind kind, std::string_view name) : MemorySlice() {
   device_ = &device;
   const VkBufferMemoryRequirementsInfo2 info{
       .sType = VK_STRUCTURE_TYPE_BUFFER_MEMORY_REQUIREMENTS_INFO_2, .pNext = nullptr, .buffer = buffer};
@@ -38,7 +37,7 @@ MemorySlice::MemorySlice(Device::Impl& device, VkBuffer buffer, MemoryKind kind,
   vk_check(vkBindBufferMemory(device.device, buffer, range_.memory, range_.offset), "vkBindBufferMemory", name);
 }
 
-MemorySlice::MemorySlice(Device::Impl& device, VkImage image, std::string_view name) : MemorySlice() {
+MemorySlice::MemorySlice(DeviceImpl& device, VkImage image, std::string_view name) : MemorySlice() {
   device_ = &device;
   const VkImageMemoryRequirementsInfo2 info{
       .sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_REQUIREMENTS_INFO_2, .pNext = nullptr, .image = image};

@@ -17,8 +17,8 @@ class MemorySlice {
  public:
   MemorySlice() = default;
   /// Both bind the resource to its memory and throw MachineError if no memory is left. `name` is for messages.
-  MemorySlice(Device::Impl& device, VkBuffer buffer, MemoryKind kind, std::string_view name);
-  MemorySlice(Device::Impl& device, VkImage image, std::string_view name);
+  MemorySlice(DeviceImpl& device, VkBuffer buffer, MemoryKind kind, std::string_view name);
+  MemorySlice(DeviceImpl& device, VkImage image, std::string_view name);
   ~MemorySlice() { retire(); }
   MemorySlice(MemorySlice&& other) noexcept
       : device_(other.device_), range_(std::exchange(other.range_, {})), held_(std::move(other.held_)) {}
@@ -39,7 +39,7 @@ class MemorySlice {
   void take(const MemoryRequest& request);
   void retire();
 
-  Device::Impl* device_ = nullptr;
+  DeviceImpl* device_ = nullptr;
   MemoryRange range_;
   MemoryLedger held_;
 };

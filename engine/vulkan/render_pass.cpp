@@ -5,7 +5,7 @@
 
 namespace simvis {
 
-Handle<VkRenderPass> make_render_pass(Device::Impl& device, const RenderPassKind& kind) {
+Handle<VkRenderPass> make_render_pass(DeviceImpl& device, const RenderPassKind& kind) {
   VkAttachmentDescription attachments[2]{};
   VkAttachmentDescription& depth = attachments[0];
   depth.format = kDepthFormat;

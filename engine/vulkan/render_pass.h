@@ -23,6 +23,6 @@ struct RenderPassKind {
 
 /// Makes a pass of one subpass. It clears its targets unless it is `resumed`, and leaves them in the layout of their
 /// next use.
-Handle<VkRenderPass> make_render_pass(Device::Impl& device, const RenderPassKind& kind);
+Handle<VkRenderPass> make_render_pass(DeviceImpl& device, const RenderPassKind& kind);
 
 }  // namespace simvis

@@ -14,7 +14,7 @@ namespace simvis {
 /// Textures always use staging buffers.
 class Uploads {
  public:
-  explicit Uploads(Device::Impl& device) : device_(device) {}
+  explicit Uploads(DeviceImpl& device) : device_(device) {}
 
   void begin(VkCommandBuffer commands);
 
@@ -53,7 +53,7 @@ class Uploads {
   Staged stage(std::span<const std::byte> data);
   void make_mips(const GpuImage& image);
 
-  Device::Impl& device_;
+  DeviceImpl& device_;
   VkCommandBuffer commands_ = VK_NULL_HANDLE;
   std::vector<Buffer> staging_;
   VkDeviceSize used_ = 0;  // bytes used of the last staging buffer

@@ -109,12 +109,6 @@ std::string check_table(AttributeTable table);
 std::string describe(std::string_view type, std::string_view summary, AttributeTable table,
                      std::string_view notes = {});
 
-/// The known name that is most similar to `seen`, or an empty string if none is similar.
-std::string nearest_name(std::string_view seen, std::span<const std::string_view> known);
-
-/// ", did you mean \"NAME\"?" with nearest_name(), or an empty string if no name is similar.
-std::string suggestion(std::string_view seen, std::span<const std::string_view> known);
-
 /// Reads exactly one finite number; only white space may surround it. Returns false for any other text; `value` is then
 /// unspecified.
 bool parse_number(std::string_view text, double& value);

@@ -64,7 +64,8 @@ struct CameraEffectContext {
 
 /// The description of a camera effect for the catalogue.
 struct CameraEffectType {
-  /// Its `sensors` are of "camera" and "stereo_camera". configure_rays() is not called for a stereo camera.
+  /// Its `needs` is kHasImageSensor, kHasPixelRays or both. An effect that implements configure_rays() needs the
+  /// latter, which a stereo camera does not have.
   EffectType type;
   CameraOrder order = CameraOrder::electronics;  ///< when it is called
   /// Returns null if the sensor's attributes do not request the effect. Throws InputError, with the place, if they
@@ -84,9 +85,10 @@ struct ChosenCameraEffect {
   std::shared_ptr<const CameraEffect> effect;  ///< never null in the result of camera_effects()
 };
 
-/// The effects that the attributes of a sensor of this type request and that its outputs can show, in calling order.
+/// The effects that the attributes of a sensor with these capabilities request and that its outputs can show, in
+/// calling order. `capabilities` are those of its type.
 ///
 /// Errors   InputError, with the place, if attributes of an effect contradict each other.
-std::vector<ChosenCameraEffect> camera_effects(std::string_view sensor_type, const CameraEffectContext& context);
+std::vector<ChosenCameraEffect> camera_effects(std::uint8_t capabilities, const CameraEffectContext& context);
 
 }  // namespace simvis

@@ -4,9 +4,10 @@
 #include <cstdint>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include <simvis/command.h>
-#include <simvis/device.h>
+#include <simvis/device_info.h>
 #include <simvis/draw_list.h>
 #include <simvis/frame_costs.h>
 #include <simvis/frame_plan.h>
@@ -39,10 +40,14 @@ class Diagnostics {
   RayCounters ray_counters() const;       ///< sum over all steps
   const DrawList& draw_list() const;      ///< of the last step(); before the first: of the loaded scene
   const FramePlan& frame_plan() const;    ///< of the last step(), complete: see <simvis/frame_plan.h>
+  /// All sensors that frame_plan() is for, due or not.
+  std::vector<PlannedSensor> planned_sensors() const;
   /// Device times and counts of the last step(). Null unless SimulationDesc::device is instrumented.
   const FrameCosts* frame_costs() const;
   /// The plan of the views of visualization cameras. Null while the scene has none.
   const FramePlan* visualization_plan() const;
+  /// All sensors that visualization_plan() is for, due or not.
+  std::vector<PlannedSensor> visualization_sensors() const;
   const FrameCounters* visualization_counters() const;  ///< of these views; null while the scene has no such camera
   const FrameCosts* visualization_costs() const;        ///< of these views; null also unless instrumented
   /// Host costs of the sensors that measured in the last step(), in the order in which they measured. Empty unless the

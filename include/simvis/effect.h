@@ -29,16 +29,27 @@ enum EffectOutput : std::uint8_t {
   kShownInRanges = 4  ///< ranges of laser scanners
 };
 
+/// What the sensors of a type have. Effects, the command line and reports ask for it instead of for the name of a type,
+/// so that a type of a plug-in counts like one of SimVis. The values are summed.
+enum SensorCapability : std::uint8_t {
+  /// Measures ranges along beams: Sensor::scan() is never null, and the sensor calls the stages of its scan effects
+  /// (scan_effect.h). If its table has the attributes `method`, `resolution`, `max_error_m` and `max_error_rel`, they
+  /// mean what they mean for a laser_scanner: --method, --max-error and --price set them.
+  kCastsBeams = 1,
+  kHasImageSensor = 2,  ///< Collects light in pixels: calls CameraEffect::post_process() (camera_effect.h).
+  kHasPixelRays = 4     ///< Each pixel may look along a ray of its own: calls CameraEffect::configure_rays().
+};
+
 /// The description of an effect for the catalogue.
 struct EffectType {
-  std::string_view name;        ///< "range_noise"
-  std::string_view summary;     ///< one sentence
-  std::string_view notes{};     ///< what the table does not say: paragraphs, separated by '\n'; may be empty
-  std::string_view source;      ///< what in a scene makes it active: "attribute range_noise above 0"
-  std::uint8_t outputs = 0;     ///< the outputs that can show it, as a sum of EffectOutput
-  std::string_view knob{};      ///< the attribute that trades time for accuracy; empty: the effect is exact
-  std::string_view reference;   ///< what its tests compare it with: formula, publication, data sheet
-  std::string_view sensors{};   ///< sensor types, separated by spaces, whose commands may carry `attributes`
+  std::string_view name;       ///< "range_noise"
+  std::string_view summary;    ///< one sentence
+  std::string_view notes{};    ///< what the table does not say: paragraphs, separated by '\n'; may be empty
+  std::string_view source;     ///< what in a scene makes it active: "attribute range_noise above 0"
+  std::uint8_t outputs = 0;    ///< the outputs that can show it, as a sum of EffectOutput
+  std::string_view knob{};     ///< the attribute that trades time for accuracy; empty: the effect is exact
+  std::string_view reference;  ///< what its tests compare it with: formula, publication, data sheet
+  std::uint8_t needs = 0;      ///< sum of SensorCapability; sensors that have all of it may carry `attributes`; 0: none
   AttributeTable attributes{};  ///< its rows in these sensors' tables
   /// For an effect on colour whose source is in the scene alone: whether the source is there. Null if a sensor's
   /// attributes decide, or if the code that plans the effect decides.
@@ -65,23 +76,12 @@ struct EffectRegistration {
 /// All effects, sorted by name. The pointers are valid for the rest of the program, except for types of a plug-in that
 /// load_plugin() refuses.
 std::vector<const EffectType*> effect_types();
-/// One fact about an effect in addition to its attributes, with the label under which `--describe` prints it.
-struct EffectFact {
-  std::string_view label;  ///< "shown in"
-  std::string value;       ///< never empty
-};
-
-/// What makes the effect active, which outputs show it, its knob and what its tests compare it with.
-std::vector<EffectFact> effect_facts(const EffectType& type);
-
-/// The effect as `--describe` prints it: summary, notes, attributes and facts.
-std::string describe_effect(const EffectType& type);
 
 /// The effect of this name, or null. Lifetime as effect_types().
 const EffectType* find_effect_type(std::string_view name);
 
-/// Whether sensors of this type may carry the effect's attributes.
-bool may_have(std::string_view sensor_type, const EffectType& effect);
+/// Whether sensors with these capabilities, a sum of SensorCapability, may carry the effect's attributes.
+bool may_have(std::uint8_t capabilities, const EffectType& effect);
 
 /// Calls EffectType::plan_frame of all effects, in the order of their names.
 void plan_frame_effects(const DrawList& list, const TargetLimits& limits, FramePlan& plan);
@@ -90,8 +90,8 @@ void plan_frame_effects(const DrawList& list, const TargetLimits& limits, FrameP
 /// on.
 void plan_scene_effects(const std::string& sensor, std::size_t first_pass, const DrawList& list, FramePlan& plan);
 
-/// The attributes of a sensor type: its own rows, then the rows of the effects that it may have, sorted by the effects'
-/// names.
-std::vector<AttributeSpec> with_effect_attributes(std::string_view sensor_type, AttributeTable own);
+/// The attributes of a sensor type with these capabilities: its own rows, then the rows of the effects that it may
+/// have, sorted by the effects' names.
+std::vector<AttributeSpec> with_effect_attributes(std::uint8_t capabilities, AttributeTable own);
 
 }  // namespace simvis

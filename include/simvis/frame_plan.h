@@ -126,27 +126,6 @@ struct PlannedEffect {
   std::string reason;  ///< what in the scene makes it active
 };
 
-/// Whether a sensor measures in a frame, and why not.
-enum class DueState : std::uint8_t {
-  due,      ///< it measures
-  off,      ///< it is turned off
-  waiting,  ///< its rate puts its next measurement at a later frame
-  hidden,   ///< it stands in a part that is switched off
-};
-
-/// A sensor of the scene, due or not.
-struct PlannedSensor {
-  std::string name,                    ///< the sensor's name
-      type;                            ///< its type
-  DueState due_state = DueState::due;  ///< whether it measures in this frame
-  double rate_hz = 0;                  ///< 0: every frame
-  std::vector<std::string> outputs{};  ///< outputs that it produces
-  std::size_t first_pass = 0,          ///< its passes are [first_pass, end_pass) of the plan
-      end_pass = 0;                    ///< one past its last pass
-  std::size_t first_cast = 0,          ///< its casts are [first_cast, end_cast) of the plan
-      end_cast = 0;                    ///< one past its last cast
-};
-
 /// A buffer or an image on the device.
 struct PlannedMemory {
   std::string name;            ///< for --explain
@@ -161,7 +140,6 @@ struct FramePlan {
   std::vector<Pass> passes;              ///< see drawing_order()
   std::vector<RayCast> casts{};          ///< after the passes
   std::vector<PlannedEffect> effects{};  ///< shown by due sensors
-  std::vector<PlannedSensor> sensors{};  ///< all sensors of the scene
   std::vector<PlannedMemory> memory{};   ///< all device memory
 };
 

@@ -1,6 +1,7 @@
-// Places in scene files, for error messages.
+// Places in scene files, and texts for error messages.
 #pragma once
 
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -23,5 +24,11 @@ std::string to_string(const Location& where);
 
 /// The user's text in quotes for a message: on one line, control characters escaped, very long text cut.
 std::string in_quotes(std::string_view text);
+
+/// The known name that is most similar to `seen`, or an empty string if none is similar.
+std::string nearest_name(std::string_view seen, std::span<const std::string_view> known);
+
+/// ", did you mean \"NAME\"?" with nearest_name(), or an empty string if no name is similar.
+std::string suggestion(std::string_view seen, std::span<const std::string_view> known);
 
 }  // namespace simvis

@@ -1,15 +1,31 @@
 // Importers of part files. A format is one pair of files that registers itself for its file extensions.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include <simvis/scene.h>
+#include <simvis/content_pool.h>
+#include <simvis/node.h>
 #include <simvis/version.h>
 
 namespace simvis {
+
+struct PartAnimations;
+
+/// The content of a part file.
+struct PartContent {
+  NodePtr root;                       ///< may have several parents
+  std::vector<std::string> warnings;  ///< for people, each with the file's name
+  std::vector<std::string> commands;  ///< embedded commands, XML text, in the order found
+  std::filesystem::path file;         ///< the canonical name; set by Scene
+  std::vector<std::string> points;    ///< names of the insertion points in the graph, in order; set by Scene
+  /// Animations of the nodes of `root`; null: there are none.
+  std::shared_ptr<const PartAnimations> animations;
+};
 
 /// The axis of a file that points up.
 enum class UpAxis : std::uint8_t {

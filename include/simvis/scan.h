@@ -29,7 +29,7 @@ inline glm::dvec3 beam_direction(double azimuth_rad, double elevation_rad) {
 ///
 /// Frames   S = sensor: x forward, y left, z up. Azimuth is counter-clockwise from +x about +z, elevation positive
 ///          upwards: see beam_direction().
-/// Shape    range_m[ring * columns + beam]; rings by increasing elevation, beams by increasing azimuth as configured.
+/// Shape    range_m[ring * beams + beam]; rings by increasing elevation, beams by increasing azimuth as configured.
 /// Units    range along the ray in metres (not the depth along Z of the virtual camera that produced it).
 /// Special  +infinity: nothing within range_max; 0: the beam hits a surface nearer than range_min.
 /// Bounds   the true range lies within range_m +- error_bound_m. Infinity: a silhouette is so close to the beam that
@@ -40,7 +40,7 @@ inline glm::dvec3 beam_direction(double azimuth_rad, double elevation_rad) {
 /// Channels those of the effects that the scanner has, in their order; empty without such effects.
 struct Scan {
   std::uint32_t rings = 0,              ///< number of rings
-      columns = 0;                      ///< number of beams per ring
+      beams = 0;                        ///< number of beams per ring
   std::vector<double> azimuth_rad;      ///< by beam
   std::vector<double> elevation_rad;    ///< by ring
   std::vector<float> range_m;           ///< range along the ray; +infinity and 0 as above

@@ -10,7 +10,7 @@
 //   finish   the whole scan: noise, rounding, columns
 //
 // Without an effect that traces, beams are measured by the scanner's method, and only finish() is called. Otherwise
-// every beam is cast, see sensors/laser_scanner/traced_scan.h. An effect whose source is in the scene (fog, mirrors) is
+// every beam is cast by a TracedScan. An effect whose source is in the scene (fog, mirrors) is
 // active in the frames whose draw list contains the source: the beams of these frames are cast, whatever the scanner's
 // method, and the plan states the reason.
 #pragma once
@@ -28,6 +28,7 @@
 #include <simvis/effect.h>
 #include <simvis/frame_time.h>
 #include <simvis/philox.h>
+#include <simvis/ray_caster.h>
 #include <simvis/scan.h>
 #include <simvis/surface_point.h>
 
@@ -45,14 +46,14 @@ struct ScanContext {
   glm::dmat4 world_from_sensor{1.0};  ///< rigid, at time.time_ns, the end of the sweep
   std::optional<PastPose> before{};   ///< empty at the sensor's first measurement
   std::uint32_t rings = 0,            ///< of the scan
-      columns = 0;                    ///< beams per ring
+      beams = 0;                      ///< per ring
   double range_max_m = 0;             ///< largest range that is reported
   Medium medium{};                    ///< the medium that fills the air
 };
 
 /// A ray on its path. Frame S: of the sensor at the end of the sweep.
 struct BeamRay {
-  std::uint32_t beam = 0;         ///< [ring * columns + column]
+  std::uint32_t beam = 0;         ///< [ring * beams + number in the ring]
   glm::dvec3 origin_m{0};         ///< S
   glm::dvec3 direction{1, 0, 0};  ///< S, unit length
   double share = 1;               ///< share of the beam's energy that it carries
@@ -136,7 +137,8 @@ enum class ScanOrder : std::uint8_t {
 struct ScanEffectContext {
   const AttributeValues& attributes;  ///< of the sensor's command
   std::uint32_t rings = 0,            ///< of the scan
-      columns = 0;                    ///< beams per ring
+      beams = 0;                      ///< per ring
+  double range_max_m = 0;             ///< largest range that is reported
   std::uint64_t seed = 0;             ///< of all random numbers of the run
   std::string sensor;                 ///< the sensor's name
 
@@ -150,7 +152,7 @@ using CalledFor = bool (*)(const DrawList& list);
 
 /// The description of a scan effect for the catalogue.
 struct ScanEffectType {
-  EffectType type;                           ///< its `sensors` are "laser_scanner"
+  EffectType type;                           ///< its `needs` is kCastsBeams
   ScanOrder order = ScanOrder::disturbance;  ///< when it is called
   /// Returns null if the sensor's attributes do not request the effect. May throw InputError, with the
   /// place.
@@ -177,5 +179,49 @@ struct ChosenScanEffect {
 ///
 /// Errors   those of the types' `create` functions.
 std::vector<ChosenScanEffect> scan_effects(const ScanEffectContext& context);
+
+/// Those of a scanner's effects that apply in frames of this scene: whose source the scene contains, and, if one of
+/// them traces beams, those that apply only then.
+std::vector<ChosenScanEffect> called_for(std::span<const ChosenScanEffect> effects, const DrawList& list);
+
+/// Whether one of the effects traces beams. Every beam is then measured by a TracedScan.
+bool any_traces(std::span<const ChosenScanEffect> effects);
+
+/// The largest number of reflections and transmissions of a ray; light that continues after that returns nothing.
+inline constexpr std::uint32_t kMaxTurns = 16;
+
+/// Follows the beams of a scan one by one and calls the stages from aim() to detect() of its effects. The caller then
+/// calls finish() with the result.
+///
+/// Lifetime  the effects must outlive it.
+/// Threads   one thread at a time.
+class TracedScan {
+ public:
+  /// `directions` of the beams are unit vectors in the sensor frame, in the order of Scan::range_m.
+  TracedScan(std::vector<glm::dvec3> directions, std::span<const ChosenScanEffect> effects);
+
+  /// Returns the reported echo of each beam; valid until the next call. The caster's world must be `list`.
+  std::span<const Echo> trace(const ScanContext& context, const DrawList& list, RayCaster& caster);
+
+  /// Number of rays of the last trace().
+  std::uint64_t rays() const { return rays_cast_; }
+
+ private:
+  void follow(const ScanContext& context, const DrawList& list, RayCaster& caster);
+  void cast(const glm::dmat4& world_from_sensor, RayCaster& caster);
+  void meet(const ScanContext& context, const DrawList& list, const BeamRay& ray, const RayHit& hit);
+  void detect(const ScanContext& context);
+
+  std::vector<glm::dvec3> directions_;
+  std::span<const ChosenScanEffect> effects_;
+  double pulse_length_m_;
+  std::vector<BeamRay> rays_, onward_;
+  std::vector<glm::dvec3> cast_origins_m_, cast_directions_;  // of rays_
+  std::vector<double> cast_t_min_m_;                          // of rays_; empty if all are 0
+  std::vector<RayHit> hits_;
+  std::vector<std::vector<Echo>> echoes_;  // by beam
+  std::vector<Echo> detected_;
+  std::uint64_t rays_cast_ = 0;
+};
 
 }  // namespace simvis

@@ -11,23 +11,12 @@
 #include <simvis/command.h>
 #include <simvis/content_pool.h>
 #include <simvis/node.h>
+#include <simvis/part_importer.h>
 #include <simvis/undo_log.h>
 
 namespace simvis {
 
 class NameSet;
-struct PartAnimations;
-
-/// The content of a part file.
-struct PartContent {
-  NodePtr root;                       ///< may have several parents
-  std::vector<std::string> warnings;  ///< for people, each with the file's name
-  std::vector<std::string> commands;  ///< embedded commands, XML text, in the order found
-  std::filesystem::path file;         ///< the canonical name; set by Scene
-  std::vector<std::string> points;    ///< names of the insertion points in the graph, in order; set by Scene
-  /// Animations of the nodes of `root`; null: there are none.
-  std::shared_ptr<const PartAnimations> animations;
-};
 
 /// The content of a part that belongs to one insertion alone.
 ///

@@ -18,6 +18,7 @@
 #include <simvis/attributes.h>
 #include <simvis/command.h>
 #include <simvis/cost_model.h>
+#include <simvis/effect.h>
 #include <simvis/frame_plan.h>
 #include <simvis/frame_results.h>
 #include <simvis/frame_time.h>
@@ -185,17 +186,55 @@ struct SensorContext {
   std::uint64_t seed = 0;             ///< of all random numbers of the run
 };
 
+/// One row of a price list: values of the accuracy attributes of a scanner. A value is set only if the method uses it.
+struct ScanVariant {
+  std::string method;                   ///< as written in the scene; empty: the type has no attribute `method`
+  std::optional<double> resolution_px;  ///< `resolution`: pixels across 90 degrees
+  std::optional<double> max_error_rel;  ///< largest bound as a share of the range
+  std::optional<double> max_error_m{};  ///< largest bound in metres
+
+  bool operator==(const ScanVariant&) const = default;  ///< member by member
+};
+
+/// The variants of one scanner that a price list compares. Those of method "raycast" are what errors are taken from.
+struct ScanVariants {
+  ScanVariant own;                     ///< that the scanner's command selects, with the defaults of what it omits
+  std::vector<ScanVariant> priced;     ///< for --price; contains `own`
+  std::vector<ScanVariant> by_method;  ///< for --summary: one of each method
+};
+
 /// The description of a sensor type for the registry.
 struct SensorType {
-  std::string_view name;      ///< the command's `type`
-  std::string_view summary;   ///< one sentence
-  std::string_view notes{};   ///< what the table does not say: paragraphs, separated by '\n'; may be empty
-  AttributeTable attributes;  ///< its own attributes; all_attributes() adds those of its effects
+  std::string_view name;          ///< the command's `type`
+  std::string_view summary;       ///< one sentence
+  std::string_view notes{};       ///< what the table does not say: paragraphs, separated by '\n'; may be empty
+  std::uint8_t capabilities = 0;  ///< what its sensors have, as a sum of SensorCapability
+  AttributeTable attributes;      ///< its own attributes; all_attributes() adds those of its effects
   std::unique_ptr<Sensor> (*create)(const SensorContext& context);  ///< makes a sensor; may throw InputError
   std::span<const SensorPreset> presets{};  ///< a type with presets has the row kPresetAttribute
   /// Measures on this device what each term of the cost model costs, in nanoseconds, for sensors that choose a method
   /// by predicted cost. It takes about 0.3 s. Null: the sensors of this type do not choose.
   CostModel (*measure_costs)(Device& device, RayCaster& rays) = nullptr;
+  /// For types that cast beams: the variants of the sensor that a command describes. Throws what create() throws. Null:
+  /// one variant for each choice of the attribute `method`, with the other attributes of the command; without this
+  /// attribute, the sensor as it is.
+  ScanVariants (*scan_variants)(const SensorContext& context) = nullptr;
+};
+
+/// A sensor of the scene, as run.json and users see it.
+struct SensorInfo {
+  std::string name,                             ///< the sensor's name
+      type,                                     ///< its type
+      method;                                   ///< how it measures, see Sensor::method()
+  std::uint64_t frames = 0;                     ///< number of measurements so far
+  bool enabled = true;                          ///< false: turned off
+  SensorReport report{};                        ///< on its last measurement
+  std::optional<double> depth_error_bound_m{};  ///< of its last depth image; empty unless with_bounds() sets it
+  std::vector<std::string> effects{};           ///< effects that any of its measurements had, as the plan named them
+  std::uint8_t capabilities = 0;                ///< of its type, as a sum of SensorCapability
+
+  /// The note of the report with this name, if it is a number; empty otherwise.
+  std::optional<double> number(std::string_view note) const;
 };
 
 /// The row `rate`, for the table of a sensor type.
@@ -229,5 +268,8 @@ std::vector<const SensorType*> sensor_types();
 
 /// The type's own attributes and those of the effects in the catalogue that it may have, see <simvis/effect.h>.
 std::vector<AttributeSpec> all_attributes(const SensorType& type);
+
+/// Whether sensors of the type of this name may carry the effect's attributes. False for an unknown name.
+bool may_have(std::string_view sensor_type, const EffectType& effect);
 
 }  // namespace simvis

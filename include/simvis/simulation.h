@@ -19,7 +19,6 @@
 #include <simvis/progress.h>
 #include <simvis/scan.h>
 #include <simvis/sensor.h>
-#include <simvis/sensor_info.h>
 #include <simvis/simulation_desc.h>
 #include <simvis/version.h>
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include <simvis/device.h>
+#include <simvis/device_info.h>
 #include <simvis/progress.h>
 
 namespace simvis {

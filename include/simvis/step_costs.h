@@ -1,9 +1,11 @@
-// The time that the parts of a step took: its stages, and the work of each sensor.
+// What a step did: which sensors were due and what they planned, and the time of its stages and of each sensor.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace simvis {
 
@@ -13,6 +15,27 @@ struct StageTime {
   std::string_view name;      ///< "elements", "flatten", "plan", "render", "collect" or "visualization"
   std::int64_t start_ns = 0,  ///< begin of the stage
       end_ns = 0;             ///< end of the stage
+};
+
+/// Whether a sensor measures in a frame, and why not.
+enum class DueState : std::uint8_t {
+  due,      ///< it measures
+  off,      ///< it is turned off
+  waiting,  ///< its rate puts its next measurement at a later frame
+  hidden,   ///< it stands in a part that is switched off
+};
+
+/// The share of a sensor, due or not, in a FramePlan.
+struct PlannedSensor {
+  std::string name,                    ///< the sensor's name
+      type;                            ///< its type
+  DueState due_state = DueState::due;  ///< whether it measures in this frame
+  double rate_hz = 0;                  ///< 0: every frame
+  std::vector<std::string> outputs{};  ///< outputs that it produces
+  std::size_t first_pass = 0,          ///< its passes are [first_pass, end_pass) of the plan
+      end_pass = 0;                    ///< one past its last pass
+  std::size_t first_cast = 0,          ///< its casts are [first_cast, end_cast) of the plan
+      end_cast = 0;                    ///< one past its last cast
 };
 
 /// The host cost of one sensor in one frame. Times are of the steady clock, in ascending order.

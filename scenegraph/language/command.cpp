@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <pugixml.hpp>
 
-#include <simvis/attributes.h>
 #include "scenegraph/language/source_text.h"
 
 namespace simvis {

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cctype>
 
-#include <simvis/attributes.h>
+#include <simvis/location.h>
 
 namespace simvis {
 namespace {

@@ -47,6 +47,8 @@ View whole_image(const Pass& pass) {
   return view;
 }
 
+constexpr std::uint8_t kCameraCapabilities = kHasImageSensor | kHasPixelRays;
+
 const SensorRegistration kCameraRegistration(
     {.name = "camera",
      .summary = "A pinhole camera: colour, depth or both.",
@@ -56,6 +58,7 @@ const SensorRegistration kCameraRegistration(
               "Depth is always that of pixel centres; next to averaged colour it needs a pass of its own.\nThe C++ "
               "call value(\"CAMERA\", \"depth_error_bound_m\") bounds the error of the last depth image; "
               "sensors/camera/depth_error_bound.h derives the bound.",
+     .capabilities = kCameraCapabilities,
      .attributes = kCameraAttributes,
      .create = create_camera});
 
@@ -71,7 +74,8 @@ CameraDesc camera_desc(const SensorContext& context) {
                   .depth = a.flag("outputs", "depth"),
                   .sampling = color_sampling(a),
                   .visualization = a.choice("view") == "visualization"};
-  desc.effects = camera_effects("camera", {a, context.seed, context.name, shown_outputs(desc.color, desc.depth)});
+  desc.effects =
+      camera_effects(kCameraCapabilities, {a, context.seed, context.name, shown_outputs(desc.color, desc.depth)});
   return desc;
 }
 

@@ -44,6 +44,7 @@ const SensorRegistration kStereoCameraRegistration(
      .summary = "Two rectified pinhole cameras side by side, and their true disparity.",
      .notes = "The sensor frame is that of the left camera. The right camera stands baseline to its right (-y). "
               "Disparity is fx * baseline / Z of the left picture in pixels, and 0 where nothing is hit.",
+     .capabilities = kHasImageSensor,
      .attributes = kStereoCameraAttributes,
      .create = create_stereo_camera});
 
@@ -61,7 +62,7 @@ StereoCameraDesc stereo_camera_desc(const SensorContext& context) {
                         .disparity = a.flag("outputs", "disparity"),
                         .sampling = color_sampling(a)};
   const auto effects = [&](const char* side) {
-    return camera_effects("stereo_camera",
+    return camera_effects(kHasImageSensor,
                           {a, context.seed, context.name + side, shown_outputs(desc.color, desc.depth)});
   };
   desc.left_effects = effects("/left");

@@ -56,12 +56,12 @@ LaserScanner::LaserScanner(std::string name, const LaserScannerDesc& desc)
     rendered_ = std::make_unique<RenderedScan>(desc.pattern, resolutions(desc).front());
   }
   scan_.rings = desc.pattern.rings;
-  scan_.columns = desc.pattern.samples;
+  scan_.beams = desc.pattern.beams;
   scan_.azimuth_rad = azimuths(desc.pattern);
   scan_.elevation_rad = elevations(desc.pattern);
-  readings_.resize(std::size_t{scan_.rings} * scan_.columns);
+  readings_.resize(std::size_t{scan_.rings} * scan_.beams);
   context_.rings = scan_.rings;
-  context_.columns = scan_.columns;
+  context_.beams = scan_.beams;
   context_.range_max_m = desc.range_max_m;
   if (casts(desc.method)) make_directions();
   SIMVIS_ASSERT(desc.method == ScanMethod::raycast || beam_following_effect(desc) == nullptr);
@@ -72,7 +72,7 @@ void LaserScanner::make_directions() {
   order_ = casting_order(desc_.pattern);
   for (const std::uint32_t beam : order_) {
     directions_.push_back(
-        beam_direction(scan_.azimuth_rad[beam % scan_.columns], scan_.elevation_rad[beam / scan_.columns]));
+        beam_direction(scan_.azimuth_rad[beam % scan_.beams], scan_.elevation_rad[beam / scan_.beams]));
   }
 }
 
@@ -90,15 +90,9 @@ void LaserScanner::update_effects(const DrawList& list) {
   list_ = &list;
   effects_of_ = list.revisions;
   context_.medium = list.medium;
-  effects_.clear();
-  std::ranges::copy_if(desc_.effects, std::back_inserter(effects_), [&](const ChosenScanEffect& each) {
-    return each.called_for == nullptr || each.called_for(list);
-  });
+  effects_ = called_for(desc_.effects, list);
   traced_.reset();
-  if (std::ranges::none_of(effects_, [](const ChosenScanEffect& each) { return each.effect->traces(); })) {
-    std::erase_if(effects_, [](const ChosenScanEffect& each) { return each.effect->only_traced(); });
-    return;
-  }
+  if (!any_traces(effects_)) return;
   make_directions();
   traced_ = std::make_unique<TracedScan>(directions_by_beam(), effects_);
 }
@@ -284,9 +278,9 @@ void LaserScanner::write(OutputSink& sink) const {
   values.reserve(scan_.range_m.size() * columns.size());
   for (std::uint32_t ring = 0; ring < scan_.rings; ++ring) {
     const double e = scan_.elevation_rad[ring];
-    for (std::uint32_t beam = 0; beam < scan_.columns; ++beam) {
+    for (std::uint32_t beam = 0; beam < scan_.beams; ++beam) {
       const double a = scan_.azimuth_rad[beam];
-      const std::size_t index = std::size_t{ring} * scan_.columns + beam;
+      const std::size_t index = std::size_t{ring} * scan_.beams + beam;
       if (index >= scan_.range_m.size()) return;
       const double range = scan_.range_m[index];
       const double r = std::isfinite(range) ? range : std::numeric_limits<double>::quiet_NaN();

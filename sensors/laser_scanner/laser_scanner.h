@@ -30,7 +30,6 @@
 #include "sensors/laser_scanner/rendered_scan.h"
 #include "sensors/laser_scanner/scan_layout.h"
 #include "sensors/laser_scanner/scan_tolerance.h"
-#include "sensors/laser_scanner/traced_scan.h"
 #include "sensors/raster_depth/vertex_rounding.h"
 
 namespace simvis {
@@ -52,8 +51,7 @@ constexpr bool takes_tolerance(ScanMethod method) {
 constexpr bool casts(ScanMethod method) { return method >= ScanMethod::hybrid; }
 
 struct LaserScannerDesc {
-  ScanPattern pattern{
-      .samples = 361, .min_azimuth_rad = -std::numbers::pi / 2, .max_azimuth_rad = std::numbers::pi / 2};
+  ScanPattern pattern{.beams = 361, .min_azimuth_rad = -std::numbers::pi / 2, .max_azimuth_rad = std::numbers::pi / 2};
   double range_min_m = 0.05, range_max_m = 80;  ///< along the ray; a nearer surface blocks the beam and reads 0
   ScanMethod method = ScanMethod::raycast;
   double max_error_rel = kDefaultMaxErrorRel;           ///< hybrid, auto: largest bound / range; infinity: no limit
@@ -65,6 +63,12 @@ struct LaserScannerDesc {
 
 /// Reads the attributes of a scanner. Throws InputError at an attribute that another attribute does not allow.
 LaserScannerDesc laser_scanner_desc(const SensorContext& context);
+
+/// Priced: nearest, planar and hybrid at several resolutions, hybrid also with several tolerances, and raycast; the
+/// resolution and tolerance of the command, and the variant that it selects, are included. By method: all but auto, at
+/// the resolution of the command; the tolerance of hybrid is one at which it both renders and casts. If an effect of
+/// the scanner follows beams, only raycast can measure.
+ScanVariants laser_scanner_variants(const SensorContext& context);
 
 /// The first effect set by the scanner's own attributes that follows beams and so requires `raycast`; null if there is
 /// none.

@@ -151,17 +151,19 @@ const SensorRegistration kLaserScannerRegistration(
          "tolerance without a method means hybrid. A tolerance with nearest, planar or raycast is an error.\nEffects "
          "that follow beams cast every beam: method is then raycast, or not given.\nPresets cite the data sheets of "
          "devices. Steps, ring angles and firing cycles were checked; check the other values against your device.",
+     .capabilities = kCastsBeams,
      .attributes = kLaserScannerAttributes,
      .create = create_laser_scanner,
      .presets = laser_scanner_presets(),
-     .measure_costs = measure_scan_costs});
+     .measure_costs = measure_scan_costs,
+     .scan_variants = laser_scanner_variants});
 
 }  // namespace
 
 LaserScannerDesc laser_scanner_desc(const SensorContext& context) {
   const AttributeValues& a = context.attributes;
   LaserScannerDesc desc;
-  desc.pattern = {.samples = static_cast<std::uint32_t>(a.integer("samples")),
+  desc.pattern = {.beams = static_cast<std::uint32_t>(a.integer("samples")),
                   .rings = static_cast<std::uint32_t>(a.integer("vertical_samples")),
                   .min_azimuth_rad = glm::radians(a.number("min_angle")),
                   .max_azimuth_rad = glm::radians(a.number("max_angle")),
@@ -178,7 +180,12 @@ LaserScannerDesc laser_scanner_desc(const SensorContext& context) {
   desc.where_max_error_m = a.where("max_error_m");
   desc.where_max_error_rel = a.where("max_error_rel");
   if (a.is_set("resolution")) desc.resolution_px = a.number("resolution");
-  desc.effects = scan_effects({a, desc.pattern.rings, desc.pattern.samples, context.seed, context.name});
+  desc.effects = scan_effects({.attributes = a,
+                               .rings = desc.pattern.rings,
+                               .beams = desc.pattern.beams,
+                               .range_max_m = desc.range_max_m,
+                               .seed = context.seed,
+                               .sensor = context.name});
 
   if (const EffectType* const effect = beam_following_effect(desc)) {
     refuse_other_than_raycast(context.command, *effect);

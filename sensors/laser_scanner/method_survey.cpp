@@ -43,7 +43,7 @@ MethodSurvey::MethodSurvey(const ScanPattern& pattern, std::span<const double> r
     candidates_.push_back({.resolution_px = resolution_px});
   }
   candidates_.emplace_back();
-  casts_of_.resize(std::size_t{pattern.samples} * pattern.rings);
+  casts_of_.resize(std::size_t{pattern.beams} * pattern.rings);
 }
 
 void MethodSurvey::plan(const std::string& scanner, const glm::dmat4& sensor_from_world, FramePlan& plan) {

@@ -28,7 +28,7 @@ class RenderedScan {
   /// Reads the results of the views of plan(). The scan is valid as long as `results` are.
   void collect(const FramePlan& plan, std::span<const PassResult> results, const VertexRounding& rounding);
 
-  /// The range of beam [ring * samples + beam].
+  /// The range of beam [ring * beams + beam].
   RangeEstimate planar(std::size_t beam) const;
   RangeEstimate nearest(std::size_t beam) const;
 

@@ -84,9 +84,9 @@ void make_masked(DrawList& list) {
   list.materials.front() = material;
 }
 
-ScanPattern rings(std::uint32_t samples, std::uint32_t count, double half_width_rad) {
+ScanPattern rings(std::uint32_t beams, std::uint32_t count, double half_width_rad) {
   const double half_height_rad = count > 1 ? kPi / 12 : 0;
-  return {.samples = samples,
+  return {.beams = beams,
           .rings = count,
           .min_azimuth_rad = -half_width_rad,
           .max_azimuth_rad = half_width_rad,

@@ -100,7 +100,7 @@ void mark_columns(ScanLayout& layout) {
 }  // namespace
 
 std::vector<double> azimuths(const ScanPattern& pattern) {
-  return spread(pattern.min_azimuth_rad, pattern.max_azimuth_rad, pattern.samples);
+  return spread(pattern.min_azimuth_rad, pattern.max_azimuth_rad, pattern.beams);
 }
 
 std::vector<double> elevations(const ScanPattern& pattern) {
@@ -108,13 +108,13 @@ std::vector<double> elevations(const ScanPattern& pattern) {
 }
 
 ScanLayout make_scan_layout(const ScanPattern& pattern, double resolution_px) {
-  SIMVIS_ASSERT(pattern.samples >= 1 && pattern.rings >= 1 && resolution_px >= 1);
+  SIMVIS_ASSERT(pattern.beams >= 1 && pattern.rings >= 1 && resolution_px >= 1);
   const bool level = pattern.rings == 1 && pattern.min_elevation_rad == 0;
   const double focal_x_px = resolution_px / 2;  // 90 degrees: tangents from -1 to 1
   const double focal_y_px = level ? kRowsPerPixel * focal_x_px : focal_x_px;
   const Faces faces(pattern);
   ScanLayout layout;
-  layout.taps.reserve(std::size_t{pattern.samples} * pattern.rings);
+  layout.taps.reserve(std::size_t{pattern.beams} * pattern.rings);
   std::vector<Extent> extents(faces.count());
   std::vector<std::uint32_t> beams(faces.count());
   for (const double elevation : elevations(pattern)) {

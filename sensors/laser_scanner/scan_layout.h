@@ -15,10 +15,10 @@ namespace simvis {
 ///
 /// Frames   sensor frame: azimuth counter-clockwise from +x about +z, elevation positive upwards.
 /// Default  one beam along +x. LaserScannerDesc holds the defaults of scanners in a scene.
-/// Shape    beam i of a ring lies at min + i * (max - min) / (samples - 1), both ends included; a single beam lies at
+/// Shape    beam i of a ring lies at min + i * (max - min) / (beams - 1), both ends included; a single beam lies at
 ///          min.
 struct ScanPattern {
-  std::uint32_t samples = 1, rings = 1;
+  std::uint32_t beams = 1, rings = 1;                   ///< beams of each ring
   double min_azimuth_rad = 0, max_azimuth_rad = 0;      ///< max - min within [0, 2 pi]
   double min_elevation_rad = 0, max_elevation_rad = 0;  ///< within [-pi/2, pi/2]
 };
@@ -34,7 +34,7 @@ inline constexpr double kRowsPerPixel = 4;
 /// thin: only geometry near the scan plane is drawn, and fewer surfaces end near a beam.
 struct ScanLayout {
   std::vector<ScanFace> faces;
-  std::vector<BeamTap> taps;  ///< [ring * samples + beam]
+  std::vector<BeamTap> taps;  ///< [ring * beams + beam]
 };
 
 /// `resolution_px` is the number of pixels across 90 degrees, at least 1.

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <charconv>
 #include <chrono>
 #include <csignal>
@@ -200,11 +201,22 @@ void set_parameter(Simulation& simulation, const std::string& assignment) {
   });
 }
 
+/// Overrides an attribute of all sensor types that cast beams, as far as they have it and `with`.
+void override_scanners(const std::string& attribute, const std::optional<std::string>& value, const char* origin,
+                       const std::string& with, std::vector<AttributeOverride>& overrides) {
+  for (const SensorType* type : sensor_types()) {
+    const auto has = [&](const std::string& name) {
+      return std::ranges::count(type->attributes, name, &AttributeSpec::name) > 0;
+    };
+    if ((type->capabilities & kCastsBeams) == 0 || !has(attribute) || !has(with)) continue;
+    overrides.push_back({std::string(type->name), attribute, value, origin});
+  }
+}
+
 std::vector<AttributeOverride> scanner_overrides(const Options& options) {
   std::vector<AttributeOverride> overrides;
-  const auto set = [&](const char* attribute, std::optional<std::string> value, const char* origin) {
-    overrides.push_back({"laser_scanner", attribute, std::move(value), origin});
-  };
+  const auto set = [&](const char* attribute, std::optional<std::string> value, const char* origin,
+                       const char* with = "method") { override_scanners(attribute, value, origin, with, overrides); };
   const std::optional<ScanMethod> method = find_scan_method(options.method);
   const bool takes_none = method && !takes_tolerance(*method);
   if (!options.method.empty()) set("method", options.method, "--method");
@@ -213,9 +225,10 @@ std::vector<AttributeOverride> scanner_overrides(const Options& options) {
       throw InputError("--max-error: --method " + options.method +
                        " ignores a tolerance, expected --method auto, --method hybrid or no --method");
     }
-    if (options.method.empty()) set("method", {}, "--max-error");  // a tolerance without a method selects hybrid
-    set("max_error_m", options.max_error_m, "--max-error");
-    set("max_error_rel", {}, "--max-error");
+    // A tolerance without a method selects hybrid.
+    if (options.method.empty()) set("method", {}, "--max-error", "max_error_m");
+    set("max_error_m", options.max_error_m, "--max-error", "max_error_m");
+    set("max_error_rel", {}, "--max-error", "max_error_m");
   } else if (takes_none) {  // the scene's tolerances belong to the methods that --method replaces
     set("max_error_m", {}, "--method");
     set("max_error_rel", {}, "--method");
@@ -264,16 +277,15 @@ void write_results(const Simulation& simulation, const FrameTime& time, OutputWr
 }
 
 void print_explanation(const Simulation& simulation) {
-  std::cout << explain(simulation.diagnostics().frame_plan(),
-                       {simulation.diagnostics().counters(), simulation.diagnostics().frame_costs(),
-                        simulation.diagnostics().sensor_costs()});
+  const Diagnostics diagnostics = simulation.diagnostics();
+  std::cout << explain(diagnostics.frame_plan(), {diagnostics.counters(), diagnostics.planned_sensors(),
+                                                  diagnostics.frame_costs(), diagnostics.sensor_costs()});
   for (const SensorInfo& sensor : simulation.sensors()) std::cout << sensor.report.explanation;
-  const FramePlan* const visualization = simulation.diagnostics().visualization_plan();
+  const FramePlan* const visualization = diagnostics.visualization_plan();
   if (visualization == nullptr) return;
   std::cout << "visualization, drawn apart:\n"
-            << explain(*visualization,
-                       {*simulation.diagnostics().visualization_counters(),
-                        simulation.diagnostics().visualization_costs(), simulation.diagnostics().sensor_costs()});
+            << explain(*visualization, {*diagnostics.visualization_counters(), diagnostics.visualization_sensors(),
+                                        diagnostics.visualization_costs(), diagnostics.sensor_costs()});
 }
 
 void add_frame(Profile& profile, std::uint64_t frame, const Simulation& simulation) {
@@ -389,7 +401,7 @@ void run_scene(const Options& options, std::int64_t start_ns) {
 /// Throws if --sensor names a sensor without a price list, such as a camera.
 void check_priced(const Options& options, const Simulation& simulation) {
   for (const SensorInfo& sensor : simulation.sensors()) {
-    if (options.sensors.empty() || !sensor.enabled || sensor.type == "laser_scanner") continue;
+    if (options.sensors.empty() || !sensor.enabled || (sensor.capabilities & kCastsBeams) != 0) continue;
     throw InputError("--sensor " + sensor.name + ": --price lists laser scanners, and this is a " + sensor.type);
   }
   in_option("--price", [&] { scanners_to_price(simulation); });

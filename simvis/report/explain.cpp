@@ -17,11 +17,11 @@ std::string ms_text(std::int64_t ns) {
 /// The tree of one frame; each function writes one branch.
 class Explanation {
  public:
-  Explanation(const FramePlan& plan, const ExplainedCosts& costs) : plan_(plan), costs_(costs) {}
+  Explanation(const FramePlan& plan, const ExplainedFrame& frame) : plan_(plan), frame_(frame) {}
 
   std::string text() {
-    for (const PlannedSensor& sensor : plan_.sensors) explain(sensor);
-    const std::size_t passes = plan_.sensors.empty() ? 0 : last_pass_, casts = plan_.sensors.empty() ? 0 : last_cast_;
+    for (const PlannedSensor& sensor : frame_.sensors) explain(sensor);
+    const std::size_t passes = frame_.sensors.empty() ? 0 : last_pass_, casts = frame_.sensors.empty() ? 0 : last_cast_;
     for (std::size_t i = passes; i < plan_.passes.size(); ++i) explain_pass(i, "");
     for (std::size_t i = casts; i < plan_.casts.size(); ++i) explain_cast(i, "");
     explain_memory();
@@ -42,8 +42,8 @@ class Explanation {
     for (std::size_t i = sensor.first_cast; i < sensor.end_cast; ++i) explain_cast(i, "  ");
     last_pass_ = std::max(last_pass_, sensor.end_pass);
     last_cast_ = std::max(last_cast_, sensor.end_cast);
-    const auto cost = std::ranges::find(costs_.sensors, sensor.name, &SensorCost::sensor);
-    if (cost == costs_.sensors.end()) return;
+    const auto cost = std::ranges::find(frame_.sensor_costs, sensor.name, &SensorCost::sensor);
+    if (cost == frame_.sensor_costs.end()) return;
     out_ << "  cost on the host: " << ms_text(cost->collected_ns - cost->start_ns) << " to take results";
     if (cost->rays > 0) {
       out_ << ", " << ms_text(cost->end_ns - cost->collected_ns) << " to cast " << cost->rays
@@ -87,10 +87,10 @@ class Explanation {
     }
     out_ << '\n';
     const PassCost* const cost =
-        costs_.device && !costs_.device->passes.empty() ? &costs_.device->passes[index] : nullptr;
+        frame_.device && !frame_.device->passes.empty() ? &frame_.device->passes[index] : nullptr;
     if (cost != nullptr) {
       out_ << indent << "  cost";
-      if (costs_.device->timed) {
+      if (frame_.device->timed) {
         out_ << ' ' << ms_text(cost->time.length_ns()) << ", readback " << ms_text(cost->readback.length_ns());
       }
       out_ << ", " << cost->bytes_read_back << " bytes read back\n";
@@ -106,10 +106,10 @@ class Explanation {
          << ' ' << view.y_px << ", near " << view.near_m << " m: " << view.reason << '\n';
     if (cost != nullptr) {
       out_ << indent << "  cost";
-      if (costs_.device->timed) out_ << ' ' << ms_text(cost->time.length_ns());
-      if (costs_.device->counted) {
+      if (frame_.device->timed) out_ << ' ' << ms_text(cost->time.length_ns());
+      if (frame_.device->counted) {
         const PipelineStatistics& counts = cost->statistics;
-        out_ << (costs_.device->timed ? ", " : " ") << counts.vertex_invocations << " vertex";
+        out_ << (frame_.device->timed ? ", " : " ") << counts.vertex_invocations << " vertex";
         if (view.shades()) out_ << " and " << counts.fragment_invocations << " fragment";
         out_ << " shader runs, " << counts.primitives_clipped << " triangles into clipping and "
              << counts.primitives_drawn << " out of it";
@@ -145,9 +145,9 @@ class Explanation {
   }
 
   void explain_counters() {
-    const FrameCounters& counters = costs_.counters;
-    if (costs_.device != nullptr && !costs_.device->timed) out_ << "this device has no clock: no times\n";
-    if (costs_.device != nullptr && !costs_.device->counted) {
+    const FrameCounters& counters = frame_.counters;
+    if (frame_.device != nullptr && !frame_.device->timed) out_ << "this device has no clock: no times\n";
+    if (frame_.device != nullptr && !frame_.device->counted) {
       out_ << "this device has no pipeline statistics: no counts of shader runs\n";
     }
     out_ << counters.passes << " passes, " << counters.views << " views, " << counters.draws << " draws, "
@@ -159,13 +159,13 @@ class Explanation {
   }
 
   const FramePlan& plan_;
-  const ExplainedCosts& costs_;
+  const ExplainedFrame& frame_;
   std::ostringstream out_;
   std::size_t last_pass_ = 0, last_cast_ = 0;
 };
 
 }  // namespace
 
-std::string explain(const FramePlan& plan, const ExplainedCosts& costs) { return Explanation(plan, costs).text(); }
+std::string explain(const FramePlan& plan, const ExplainedFrame& frame) { return Explanation(plan, frame).text(); }
 
 }  // namespace simvis

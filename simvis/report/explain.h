@@ -11,11 +11,12 @@
 
 namespace simvis {
 
-/// The costs of a frame. The costs of the device and of sensors are optional.
-struct ExplainedCosts {
+/// The costs of a frame, and the sensors that it was planned for. All but the counters is optional.
+struct ExplainedFrame {
   const FrameCounters& counters;
+  std::span<const PlannedSensor> sensors{};
   const FrameCosts* device = nullptr;
-  std::span<const SensorCost> sensors{};
+  std::span<const SensorCost> sensor_costs{};
 };
 
 /// Returns a tree with two more spaces of indentation per level:
@@ -27,6 +28,6 @@ struct ExplainedCosts {
 ///   the counters of the frame
 ///
 /// Each entry has its reason, and a line "cost" if its cost is known.
-std::string explain(const FramePlan& plan, const ExplainedCosts& costs);
+std::string explain(const FramePlan& plan, const ExplainedFrame& frame);
 
 }  // namespace simvis

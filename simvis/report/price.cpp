@@ -96,15 +96,15 @@ class Pricing {
   void add(const std::string& name) {
     PricedScanner scanner{.name = name, .sensors = {}, .reference = {}, .prices = {}, .tallies = {}};
     const Command command = simulation_.diagnostics().command(name);
-    const ScanVariant own = variant_of(command);
-    for (const ScanVariant& variant : desc_.variants(command)) {
+    const ScanVariants variants = scan_variants(command);
+    for (const ScanVariant& variant : variants.*desc_.variants) {
       // Names in a scene contain no dot, so the new name is unique.
       scanner.sensors.push_back(name + "." + std::to_string(scanner.sensors.size()));
       simulation_.add_variant(name, with_variant(command, variant, scanner.sensors.back()));
       simulation_.enable(scanner.sensors.back(), false);
-      if (variant.method == "raycast") scanner.reference = scanner.prices.size();
-      scanner.prices.push_back({.variant = variant, .in_scene = variant == own});
+      scanner.prices.push_back({.variant = variant, .in_scene = variant == variants.own});
     }
+    scanner.reference = reference_of(scanner.prices);
     scanner.tallies.resize(scanner.prices.size());
     all_frames_ += 2 * (desc_.warm_up + desc_.frames) * scanner.sensors.size();
     scanners_.push_back(std::move(scanner));
@@ -126,7 +126,7 @@ class Pricing {
     const Scan& scan = simulation_.scan(scanner.sensors.front());
     return {.scanner = scanner.name,
             .rings = scan.rings,
-            .beams = scan.rings * scan.columns,
+            .beams = scan.rings * scan.beams,
             .frames = desc_.frames,
             .variants = scanner.prices};
   }
@@ -143,6 +143,10 @@ class Pricing {
         throw InputError("laser scanner \"" + scanner.name + "\" cannot be priced: its part is switched off");
       }
       scanner.tallies[variant].times_ms.push_back(step(frame));
+      const Scan& scan = simulation_.scan(sensor);
+      if (scan.range_m.empty() || scan.range_m.size() != std::size_t{scan.rings} * scan.beams) {
+        throw InputError("laser scanner \"" + scanner.name + "\" has no price: its scan is not one of whole rings");
+      }
       simulation_.enable(sensor, false);
     }
   }
@@ -214,10 +218,18 @@ std::optional<std::size_t> cheapest_for(const ScannerPrice& price, double tolera
   return found;
 }
 
+std::optional<std::size_t> reference_of(std::span<const VariantPrice> variants) {
+  std::optional<std::size_t> found;
+  for (std::size_t i = 0; i < variants.size(); ++i) {
+    if (variants[i].variant.method == "raycast") found = i;
+  }
+  return found;
+}
+
 std::vector<std::string> scanners_to_price(const Simulation& simulation) {
   std::vector<std::string> names;
   for (const SensorInfo& sensor : simulation.sensors()) {
-    if (sensor.enabled && sensor.type == "laser_scanner") names.push_back(sensor.name);
+    if (sensor.enabled && (sensor.capabilities & kCastsBeams) != 0) names.push_back(sensor.name);
   }
   if (names.empty()) throw InputError("there is no enabled laser scanner, expected at least one");
   return names;

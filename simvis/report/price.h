@@ -16,6 +16,7 @@
 #include <functional>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -30,8 +31,8 @@ struct PriceDesc {
   std::uint64_t warm_up = 1;                  ///< number of untimed turns at frame 1 before that
   double rate_hz = SimulationDesc{}.rate_hz;  ///< frame rate along the trajectory
   const Trajectory* trajectory = nullptr;
-  /// Returns the variants to price for the command of a scanner.
-  std::vector<ScanVariant> (*variants)(const Command& scanner) = priced_variants;
+  /// Which of a scanner's variants are priced.
+  std::vector<ScanVariant> ScanVariants::*variants = &ScanVariants::priced;
   /// Called after every frame; an exception from it ends the pricing.
   std::function<void(std::uint64_t done, std::uint64_t all)> on_frame{};
 };
@@ -76,11 +77,15 @@ inline constexpr double kPriceTolerances_rel[] = {1e-3, 1e-4, 1e-6};
 /// within 5 % of the cheapest one, which is no significant difference, it is the one with the smallest largest bound.
 std::optional<std::size_t> cheapest_for(const ScannerPrice& price, double tolerance_rel);
 
-/// The names of the enabled laser scanners. Throws InputError if there is none.
+/// Of a list of variants, the one that errors are taken from: of method `raycast`; none if there is no such variant.
+std::optional<std::size_t> reference_of(std::span<const VariantPrice> variants);
+
+/// The names of the enabled sensors that cast beams. Throws InputError if there is none.
 std::vector<std::string> scanners_to_price(const Simulation& simulation);
 
-/// Prices the enabled laser scanners of a simulation and consumes the simulation. Throws InputError if there is none,
-/// or if one is mounted in a part that is switched off.
+/// Prices the enabled scanners of a simulation and consumes the simulation. Throws InputError if there is none,
+/// if one is mounted in a part that is switched off, or if one gives a scan that is not
+/// one of whole rings.
 std::vector<ScannerPrice> price_scanners(Simulation simulation, const PriceDesc& desc = {});
 
 }  // namespace simvis

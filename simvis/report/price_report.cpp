@@ -87,8 +87,8 @@ const VariantPrice& surest(const ScannerPrice& price) {
 }  // namespace
 
 std::string to_table(const ScannerPrice& price) {
-  const std::uint32_t columns = price.beams / price.rings;
-  std::string title = price.scanner + ": " + std::to_string(columns) + " beams";
+  const std::uint32_t per_ring = price.beams / price.rings;
+  std::string title = price.scanner + ": " + std::to_string(per_ring) + " beams";
   if (price.rings > 1) title += " x " + std::to_string(price.rings) + " rings";
   title += ", " + std::to_string(price.frames) + (price.frames == 1 ? " frame" : " frames") + " of each\n";
   std::vector<Cells> rows = {
@@ -97,14 +97,14 @@ std::string to_table(const ScannerPrice& price) {
        "bound %", "m", "rel", "unbounded", "kind %", "cheapest for"}};
   for (std::size_t i = 0; i < price.variants.size(); ++i) {
     const VariantPrice& v = price.variants[i];
-    rows.push_back({v.variant.method + (v.in_scene ? " *" : ""), shown(v.variant.resolution_px),
-                    shown(v.variant.max_error_rel), shown(v.variant.max_error_m), shown(kTime, v.median_ms),
-                    shown(kRatio, v.ratio), shown(kPercent, 100 * v.cast_share), shown(kLength, v.bound_median_m),
-                    shown(kLength, v.bound_median_rel), shown(kLength, v.bound_largest_m),
-                    shown(kLength, v.bound_largest_rel), shown(kPercent, 100 * v.unbounded_share),
-                    shown(kLength, v.difference_largest_m), shown(kLength, v.difference_largest_rel),
-                    shown(kLength, v.unbounded_difference_m), shown(kPercent, 100 * v.wrong_kind_share),
-                    cheapest_of(price, i)});
+    rows.push_back({(v.variant.method.empty() ? kNoMethod : v.variant.method) + (v.in_scene ? " *" : ""),
+                    shown(v.variant.resolution_px), shown(v.variant.max_error_rel), shown(v.variant.max_error_m),
+                    shown(kTime, v.median_ms), shown(kRatio, v.ratio), shown(kPercent, 100 * v.cast_share),
+                    shown(kLength, v.bound_median_m), shown(kLength, v.bound_median_rel),
+                    shown(kLength, v.bound_largest_m), shown(kLength, v.bound_largest_rel),
+                    shown(kPercent, 100 * v.unbounded_share), shown(kLength, v.difference_largest_m),
+                    shown(kLength, v.difference_largest_rel), shown(kLength, v.unbounded_difference_m),
+                    shown(kPercent, 100 * v.wrong_kind_share), cheapest_of(price, i)});
   }
   return title + aligned(rows) + price_advice(price) + '\n';
 }

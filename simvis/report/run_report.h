@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include <simvis/device.h>
+#include <simvis/device_info.h>
 #include <simvis/simulation.h>
 #include "simvis/report/shard.h"
 

@@ -1,112 +1,58 @@
 #include "simvis/report/scan_variant.h"
 
 #include <algorithm>
-#include <cmath>
 #include <initializer_list>
+#include <sstream>
 #include <utility>
 
 #include "engine/base/assert.h"
-#include "sensors/laser_scanner/laser_scanner.h"
-#include "sensors/raster_depth/depth_range.h"
 
 namespace simvis {
 
 namespace {
 
-constexpr double kStripResolutions_px[] = {512, 1024, 2048, 4096, 8192};  // for one ring: two rows of pixels
-constexpr double kAreaResolutions_px[] = {256, 512, 1024, 2048};          // for several rings: whole faces
-constexpr double kBetweenMethods_rel = 1e-4;                              // for hybrid: it renders and casts
-constexpr double kTolerances_rel[] = {1e-3, 1e-4, 1e-5};                  // for hybrid
-
-/// Removes the values that the method does not use. A hybrid that accepts no pixel renders nothing.
-ScanVariant normal(ScanVariant variant) {
-  const std::optional<ScanMethod> method = find_scan_method(variant.method);
-  SIMVIS_ASSERT(method.has_value());
-  if (!takes_tolerance(*method)) {
-    variant.max_error_m.reset();
-    variant.max_error_rel.reset();
-  }
-  const bool trusts_no_pixel = variant.max_error_rel && *variant.max_error_rel < min_planar_bound();
-  if (*method == ScanMethod::raycast || trusts_no_pixel) variant.resolution_px.reset();
-  return variant;
-}
-
-template <std::size_t N>
-std::vector<double> with(const double (&listed)[N], std::optional<double> own) {
-  std::vector<double> all(listed, listed + N);
-  if (own && !std::ranges::count(all, *own)) all.push_back(*own);
-  return all;
-}
-
-/// The variant that the scene selects, with the default values for attributes that it omits.
-ScanVariant variant_of(const LaserScannerDesc& desc) {
-  ScanVariant variant{.method = std::string(to_string(desc.method)), .resolution_px = {}, .max_error_rel = {}};
-  if (desc.resolution_px > 0) {
-    variant.resolution_px = desc.resolution_px;
-  } else if (desc.method != ScanMethod::automatic) {  // auto chooses the resolution itself
-    variant.resolution_px = default_resolution_px(desc.pattern);
-  }
-  if (std::isfinite(desc.max_error_rel)) variant.max_error_rel = desc.max_error_rel;
-  variant.max_error_m = desc.max_error_m;
-  return normal(variant);
-}
-
-LaserScannerDesc read_scanner(const Command& scanner) {
-  const SensorType* const type = find_sensor_type("laser_scanner");
-  SIMVIS_ASSERT(type != nullptr);
-  const AttributeValues attributes(scanner, all_attributes(*type), kSensorCommonAttributes);
-  return laser_scanner_desc({.command = scanner, .attributes = attributes, .name = {}, .seed = 0});
-}
-
 std::vector<std::pair<const char*, std::string>> written(const ScanVariant& variant) {
-  std::vector<std::pair<const char*, std::string>> attributes = {{"method", variant.method}};
+  std::vector<std::pair<const char*, std::string>> attributes;
+  if (!variant.method.empty()) attributes.emplace_back("method", variant.method);
   if (variant.resolution_px) attributes.emplace_back("resolution", format_number(*variant.resolution_px));
   if (variant.max_error_m) attributes.emplace_back("max_error_m", format_number(*variant.max_error_m));
   if (variant.max_error_rel) attributes.emplace_back("max_error_rel", format_number(*variant.max_error_rel));
   return attributes;
 }
 
-}  // namespace
+std::optional<double> given(const AttributeValues& attributes, AttributeTable table, std::string_view name) {
+  const auto row = std::ranges::find(table, name, &AttributeSpec::name);
+  if (row == table.end() || row->kind != AttributeKind::number || !attributes.is_set(name)) return {};
+  return attributes.number(name);
+}
 
-ScanVariant variant_of(const Command& scanner) { return variant_of(read_scanner(scanner)); }
-
-std::vector<ScanVariant> priced_variants(const Command& scanner) {
-  const LaserScannerDesc desc = read_scanner(scanner);
-  const ScanVariant own = variant_of(desc);
-  if (beam_following_effect(desc) != nullptr) return {own};
-  const std::optional<double> own_px = desc.resolution_px > 0 ? std::optional(desc.resolution_px) : std::nullopt;
-  std::vector<double> resolutions_px =
-      desc.pattern.rings == 1 ? with(kStripResolutions_px, own_px) : with(kAreaResolutions_px, own_px);
-  std::ranges::sort(resolutions_px);
-  std::vector<double> tolerances_rel = with(kTolerances_rel, own.max_error_rel);
-  std::ranges::sort(tolerances_rel, std::greater<>());
-
-  std::vector<ScanVariant> variants;
-  const auto add = [&](const ScanVariant& variant) {
-    if (!std::ranges::count(variants, normal(variant))) variants.push_back(normal(variant));
-  };
-  for (const char* method : {"nearest", "planar"}) {
-    for (const double resolution : resolutions_px) add({method, resolution, {}});
-  }
-  for (const double tolerance : tolerances_rel) {
-    for (const double resolution : resolutions_px) add({"hybrid", resolution, tolerance});
-  }
-  add({"raycast", {}, {}});
-  add(own);
+// For a type that lists no variants itself: what its table says.
+ScanVariants declared_variants(AttributeTable table, const AttributeValues& attributes) {
+  const ScanVariant unnamed{.method = {},
+                            .resolution_px = given(attributes, table, "resolution"),
+                            .max_error_rel = given(attributes, table, "max_error_rel"),
+                            .max_error_m = given(attributes, table, "max_error_m")};
+  const auto method = std::ranges::find(table, "method", &AttributeSpec::name);
+  if (method == table.end() || method->kind != AttributeKind::choice) return {unnamed, {unnamed}, {unnamed}};
+  ScanVariants variants{.own = unnamed, .priced = {}, .by_method = {}};
+  if (attributes.is_set(method->name)) variants.own.method = attributes.choice(method->name);
+  std::istringstream choices{std::string(method->choices)};
+  ScanVariant each = unnamed;
+  while (choices >> each.method) variants.by_method.push_back(each);
+  if (!std::ranges::count(variants.by_method, variants.own)) variants.by_method.push_back(variants.own);
+  variants.priced = variants.by_method;
   return variants;
 }
 
-std::vector<ScanVariant> variants_by_method(const Command& scanner) {
-  LaserScannerDesc desc = read_scanner(scanner);
-  if (beam_following_effect(desc) != nullptr) return {variant_of(desc)};
-  desc.max_error_m.reset();
-  desc.max_error_rel = kBetweenMethods_rel;
-  std::vector<ScanVariant> variants;
-  for (const ScanMethod method : {ScanMethod::nearest, ScanMethod::planar, ScanMethod::hybrid, ScanMethod::raycast}) {
-    desc.method = method;
-    variants.push_back(variant_of(desc));
-  }
-  return variants;
+}  // namespace
+
+ScanVariants scan_variants(const Command& scanner) {
+  const SensorType* const type = find_sensor_type(scanner.require("type").value);
+  SIMVIS_ASSERT(type != nullptr);
+  const std::vector<AttributeSpec> table = all_attributes(*type);
+  const AttributeValues attributes(scanner, table, kSensorCommonAttributes);
+  if (type->scan_variants == nullptr) return declared_variants(table, attributes);
+  return type->scan_variants({.command = scanner, .attributes = attributes, .name = {}, .seed = 0});
 }
 
 std::string attributes_of(const ScanVariant& variant) {

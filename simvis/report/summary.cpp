@@ -14,7 +14,8 @@ namespace simvis {
 namespace {
 
 constexpr std::uint64_t kWarmUp = 2, kFrames = 15;  // about 0.1 s with any method on two cores
-constexpr const char* kScanner = "laser_scanner";
+
+bool casts_beams(const SensorInfo& sensor) { return (sensor.capabilities & kCastsBeams) != 0; }
 
 template <typename... Values>
 std::string formatted(const char* format, Values... values) {
@@ -39,6 +40,7 @@ std::string errors_text(const ScannerPrice& price, const VariantPrice& variant) 
       text += formatted(" (error up to %.1e m)", variant.unbounded_difference_m);
     }
   }
+  if (std::isnan(variant.wrong_kind_share)) return text;  // there is nothing exact to compare with
   return text + ", wrong hit or miss for " + beams_text(variant.wrong_kind_share);
 }
 
@@ -85,7 +87,7 @@ std::vector<std::filesystem::path> first_files(const Simulation& simulation, con
     const CommandAttribute* const view = simulation.diagnostics().command(sensor.name).find("view");
     const bool for_people = view != nullptr && view->value == "visualization";
     if ((picture.empty() || for_people) && std::filesystem::exists(png)) picture = png;
-    if (scan.empty() && sensor.type == kScanner && std::filesystem::exists(csv)) scan = csv;
+    if (scan.empty() && casts_beams(sensor) && std::filesystem::exists(csv)) scan = csv;
   }
   std::vector<std::filesystem::path> files{picture, scan, out / "run.json"};
   std::erase_if(files, [](const std::filesystem::path& file) { return !std::filesystem::exists(file); });
@@ -98,14 +100,14 @@ RunSummary summarize(Simulation simulation, const SummaryDesc& desc) {
   RunSummary summary{.rate_hz = desc.rate_hz, .frame_ms = desc.frame_ms};
   summary.files = first_files(simulation, desc.out);
   for (const SensorInfo& sensor : simulation.sensors()) {
-    if (!sensor.enabled || sensor.type == kScanner) continue;
+    if (!sensor.enabled || casts_beams(sensor)) continue;
     simulation.enable(sensor.name, false);
     ++summary.cameras;
   }
   const std::string priced = measure_sets(simulation, desc, summary);
   if (summary.scanners == 0) return summary;
   for (const SensorInfo& sensor : simulation.sensors()) simulation.enable(sensor.name, sensor.name == priced);
-  PriceDesc price{.rate_hz = desc.rate_hz, .trajectory = desc.trajectory, .variants = variants_by_method};
+  PriceDesc price{.rate_hz = desc.rate_hz, .trajectory = desc.trajectory, .variants = &ScanVariants::by_method};
   price.on_frame = [&](std::uint64_t, std::uint64_t) {
     if (desc.on_frame) desc.on_frame();
   };
@@ -113,32 +115,15 @@ RunSummary summarize(Simulation simulation, const SummaryDesc& desc) {
   return summary;
 }
 
-double bounded_error_m(const ScannerPrice& price, const VariantPrice& variant) {
-  return std::fmax(variant.difference_largest_m, price.variants.back().bound_largest_m);
+const std::string& method = each.variant.method.empty() ? kNoMethod : each.variant.method;
+text += formatted("  %-8s %8.3f ms", method.c_str(), each.median_ms) + errors_text(*summary.price, each) +
+        "
+        ";
 }
-
-std::string to_text(const RunSummary& summary) {
-  std::string text;
-  if (summary.scanners > 0) {
-    const double sets_hz = 1000 / summary.set_ms;
-    text += formatted("scanners: %zu with %llu beams together, %.2f ms a set: %.0f sets per second, %.0f x %g Hz\n",
-                      summary.scanners, static_cast<unsigned long long>(summary.beams), summary.set_ms, sets_hz,
-                      sets_hz / summary.rate_hz, summary.rate_hz);
-  }
-  if (summary.cameras > 0) {
-    const double rest_ms = std::max(summary.frame_ms - summary.set_ms, 0.0);
-    text += formatted("cameras: %.0f %% of a frame of %.1f ms\n", 100 * rest_ms / summary.frame_ms, summary.frame_ms);
-  }
-  if (summary.price) {
-    text += "what accuracy costs " + summary.price->scanner + " (--price lists more):\n";
-    for (const VariantPrice& each : summary.price->variants) {
-      text += formatted("  %-8s %8.3f ms", each.variant.method.c_str(), each.median_ms) +
-              errors_text(*summary.price, each) + "\n";
-    }
-  }
-  std::string files;
-  for (const std::filesystem::path& file : summary.files) files += (files.empty() ? "" : ", ") + file.string();
-  return text + "open first: " + files + "\n";
+}
+std::string files;
+for (const std::filesystem::path& file : summary.files) files += (files.empty() ? "" : ", ") + file.string();
+return text + "open first: " + files + "\n";
 }
 
 }  // namespace simvis

@@ -30,8 +30,8 @@ struct RunSummary {
   double set_ms = 0;                           ///< time of a frame in which only the scanners measure
   double rate_hz = 0;                          ///< rate of the run
   double frame_ms = 0;                         ///< time of a frame of the run
-  std::size_t cameras = 0;                     ///< number of sensors that are not laser scanners
-  std::optional<ScannerPrice> price{};         ///< of the first scanner, for variants_by_method()
+  std::size_t cameras = 0;                     ///< number of sensors that cast no beams
+  std::optional<ScannerPrice> price{};         ///< of the first scanner, for ScanVariants::by_method
   std::vector<std::filesystem::path> files{};  ///< files to open first; all of them exist
 };
 
@@ -40,7 +40,7 @@ struct RunSummary {
 RunSummary summarize(Simulation simulation, const SummaryDesc& desc);
 
 /// The largest error in metres of the beams for which a variant has a finite error bound: their largest difference to
-/// `raycast`, but at least the bound of `raycast`.
+/// `raycast`, but at least the bound of `raycast`. Where `raycast` is no variant: its own bound.
 double bounded_error_m(const ScannerPrice& price, const VariantPrice& variant);
 
 /// The summary as lines, each with a line end.

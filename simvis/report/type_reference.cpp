@@ -1,6 +1,7 @@
 #include "simvis/report/type_reference.h"
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 #include <simvis/effect.h>
@@ -61,6 +62,32 @@ std::string markdown(const SensorType& type) {
          presets(type);
 }
 
+// One fact about an effect in addition to its attributes, with its label.
+struct EffectFact {
+  std::string_view label;
+  std::string value;
+};
+
+// What makes the effect active, which outputs show it, which sensors may have it, its knob and what its tests compare
+// it with.
+std::vector<EffectFact> effect_facts(const EffectType& type) {
+  std::string shown, sensors;
+  for (const auto& [output, name] :
+       {std::pair(kShownInColor, "colour"), {kShownInDepth, "depth"}, {kShownInRanges, "ranges"}}) {
+    if ((type.outputs & output) != 0) shown += (shown.empty() ? "" : ", ") + std::string(name);
+  }
+  for (const SensorType* sensor : sensor_types()) {
+    if (may_have(sensor->capabilities, type)) sensors += (sensors.empty() ? "" : " ") + std::string(sensor->name);
+  }
+  std::vector<EffectFact> facts{{"called for by", std::string(type.source)},
+                                {"shown in", shown},
+                                {"sensors", sensors},
+                                {"accuracy knob", std::string(type.knob)},
+                                {"compared with", std::string(type.reference)}};
+  std::erase_if(facts, [](const EffectFact& fact) { return fact.value.empty(); });
+  return facts;
+}
+
 std::string markdown(const EffectType& type) {
   std::string facts;
   for (const EffectFact& fact : effect_facts(type)) {
@@ -77,7 +104,11 @@ std::string text(const SensorType& type) {
   return describe(type.name, type.summary, all_attributes(type), type.notes) + describe_presets(type) + '\n';
 }
 
-std::string text(const EffectType& type) { return describe_effect(type) + '\n'; }
+std::string text(const EffectType& type) {
+  std::string text = describe(type.name, type.summary, type.attributes, type.notes);
+  for (const EffectFact& fact : effect_facts(type)) text += "  " + std::string(fact.label) + ": " + fact.value + '\n';
+  return text + '\n';
+}
 
 template <typename Type>
 std::string section(const Type* type, ReferenceFormat format) {

@@ -103,7 +103,7 @@ struct Comparison {
 
 /// A horizontal ring over a half circle, as in the scanners of the paper, or over the full circle with few beams.
 ScanPattern ring(std::uint32_t samples, double half_width_rad) {
-  return {.samples = samples, .rings = 1, .min_azimuth_rad = -half_width_rad, .max_azimuth_rad = half_width_rad};
+  return {.beams = samples, .rings = 1, .min_azimuth_rad = -half_width_rad, .max_azimuth_rad = half_width_rad};
 }
 
 glm::dmat4 random_pose(std::mt19937& random) {

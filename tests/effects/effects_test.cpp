@@ -156,7 +156,7 @@ TEST_CASE("every effect has a description, a caller, a reference for its truth, 
     CHECK(example.attributes.empty() == example.off_attributes.empty());
     CHECK(example.commands.empty() == example.off_commands.empty());
     CHECK(effect->knob.empty() == example.knob_values.empty());
-    CHECK((effect->attributes.empty() || !effect->sensors.empty()));
+    CHECK((effect->attributes.empty() || effect->needs != 0));
     const std::string text = std::string(example.attributes) + std::string(example.commands);
     CHECK((effect->knob.empty() || text.find(std::string(effect->knob) + "=\"") != std::string::npos));
   }

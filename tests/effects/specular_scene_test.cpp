@@ -1,5 +1,6 @@
 // Mirrors and glass in scenes: the element material, glTF files, and scanners with and without path_depth.
 #include "tests/support/element_scene.h"
+#include "tests/support/scan_frame.h"
 
 TEST_SUITE_BEGIN("effects");
 
@@ -70,27 +71,6 @@ TEST_CASE("glTF: transmission and index of refraction") {
   CHECK(contains(error({{"KHR_materials_transmission", {{"transmissionFactor", 2}}}}), "transmissionFactor"));
 }
 
-// The results and the cost of a frame.
-struct Frame {
-  std::vector<float> range_m, error_bound_m;
-  FrameCounters counters;
-  RayCounters rays;
-  std::size_t casts, effects;
-
-  bool operator==(const Frame&) const = default;
-};
-
-Frame frame_of(World& world) {
-  world->step();
-  const Scan& scan = world->scan("SCAN");
-  return {scan.range_m,
-          scan.error_bound_m,
-          world->diagnostics().counters(),
-          world->diagnostics().ray_counters(),
-          world->diagnostics().frame_plan().casts.size(),
-          world->diagnostics().frame_plan().effects.size()};
-}
-
 TEST_CASE("path_depth costs nothing without mirrors, and mirrors cost nothing without path_depth") {
   for (const char* method : {"", "method='planar' ", "method='hybrid' ", "method='raycast' "}) {
     CAPTURE(method);
@@ -102,7 +82,7 @@ TEST_CASE("path_depth costs nothing without mirrors, and mirrors cost nothing wi
     World changeable(files(), kParts + kCamera + scanner(method) + material(""));
     World mirrored(files(), kParts + kCamera + scanner(method) + material("mirror='0.5' transmission='0.5'"));
     for (int frame = 0; frame < 3; ++frame) {
-      const Frame expected = frame_of(plain);
+      const ScanFrame expected = frame_of(plain);
       CHECK((frame_of(deep) == expected));
       CHECK((frame_of(named) == expected));
       CHECK((frame_of(mirrored) == frame_of(changeable)));
@@ -113,7 +93,7 @@ TEST_CASE("path_depth costs nothing without mirrors, and mirrors cost nothing wi
 
 TEST_CASE("while a plate is glass its beams pass through it, and the plan gives the reason") {
   World world(files(), kParts + material("") + scanner("path_depth='2'"));
-  const Frame opaque = frame_of(world);
+  const ScanFrame opaque = frame_of(world);
   const auto range = [&](double share, std::size_t beam) {
     world->set("M", "transmission", share);
     world->step();

@@ -17,14 +17,14 @@ TEST_SUITE_BEGIN("effects");
 namespace simvis {
 namespace {
 
-constexpr std::uint32_t kColumns = 181;
+constexpr std::uint32_t kBeams = 181;
 constexpr double kSweep_s = 0.05, kInterval_s = 0.0625;
 
 std::vector<glm::dvec3> fan(std::uint32_t rings = 1) {
   std::vector<glm::dvec3> directions;
   for (std::uint32_t ring = 0; ring < rings; ++ring) {
-    for (std::uint32_t column = 0; column < kColumns; ++column) {
-      const double a = glm::radians(static_cast<double>(column) - 90), e = 0.1 * ring;
+    for (std::uint32_t beam = 0; beam < kBeams; ++beam) {
+      const double a = glm::radians(static_cast<double>(beam) - 90), e = 0.1 * ring;
       directions.push_back(reference::beam_direction(a, e));
     }
   }
@@ -32,7 +32,7 @@ std::vector<glm::dvec3> fan(std::uint32_t rings = 1) {
 }
 
 ScanContext moment_from(const glm::dmat4& before, const glm::dmat4& now, std::uint32_t rings = 1) {
-  ScanContext moment = moment_of(kColumns);
+  ScanContext moment = moment_of(kBeams);
   moment.rings = rings;
   moment.time.time_ns = 1'000'000'000;
   moment.world_from_sensor = now;
@@ -41,9 +41,9 @@ ScanContext moment_from(const glm::dmat4& before, const glm::dmat4& now, std::ui
 }
 
 /// Age of a beam's pose as a share of the interval.
-double share_back(std::uint32_t column, bool clockwise, double sweep_s = kSweep_s) {
-  const std::uint32_t after = clockwise ? column : kColumns - 1 - column;
-  return sweep_s * after / (kColumns - 1) / kInterval_s;
+double share_back(std::uint32_t beam, bool clockwise, double sweep_s = kSweep_s) {
+  const std::uint32_t after = clockwise ? beam : kBeams - 1 - beam;
+  return sweep_s * after / (kBeams - 1) / kInterval_s;
 }
 
 /// Rodrigues' formula: a rotation about a unit axis.
@@ -110,21 +110,21 @@ TEST_CASE("ranges of a scanner that drives and turns in front of a wall have the
           const std::vector<Echo> echoes =
               trace(list, directions, {std::make_shared<SweepMotion>(sweep_s, clockwise)}, moment, *caster);
           std::size_t met = 0;
-          for (std::uint32_t column = 0; column < kColumns; ++column) {
-            const double back = share_back(column, clockwise, sweep_s);
+          for (std::uint32_t beam = 0; beam < kBeams; ++beam) {
+            const double back = share_back(beam, clockwise, sweep_s);
             const glm::dmat4 then = pose_back(back);
-            const double cosine = glm::dot(normal, glm::dmat3(then) * directions[column]);
+            const double cosine = glm::dot(normal, glm::dmat3(then) * directions[beam]);
             if (cosine < 0.05) continue;  // the wall has a limited size
             // From places relative to the sensor, which have no rounding of 10^6 m.
             const double expected_m = (7 + glm::dot(normal, back * kInterval_s * motion.velocity_m_s)) / cosine;
             // Rounding of the test's own places and rotations, which the sensor gets as doubles.
             const double given_m = (8 * 0x1p-53 * offset_m + 64 * 0x1p-53 * expected_m) / cosine;
-            const double error_m = std::abs(echoes[column].range_m - expected_m);
-            worst_use = std::max(worst_use, error_m / (echoes[column].error_bound_m + given_m));
-            REQUIRE(error_m <= echoes[column].error_bound_m + given_m);
+            const double error_m = std::abs(echoes[beam].range_m - expected_m);
+            worst_use = std::max(worst_use, error_m / (echoes[beam].error_bound_m + given_m));
+            REQUIRE(error_m <= echoes[beam].error_bound_m + given_m);
             // The bound is not needlessly large: 42 u of the offset in the caster, 12 u for origins, and the need of
             // 200 m of wall.
-            REQUIRE(echoes[column].error_bound_m <= 64 * 0x1p-53 * (offset_m + 500) / cosine);
+            REQUIRE(echoes[beam].error_bound_m <= 64 * 0x1p-53 * (offset_m + 500) / cosine);
             ++met;
           }
           CHECK(met > 100);
@@ -135,7 +135,8 @@ TEST_CASE("ranges of a scanner that drives and turns in front of a wall have the
   MESSAGE("error at most " << worst_use << " of the bound and the test's rounding");
 }
 
-TEST_CASE("the first scan is static; the last beam leaves at the pose of the frame; rings of a column leave together") {
+TEST_CASE(
+    "the first scan is static; the last beam leaves at the pose of the frame; beams of one azimuth leave together") {
   const std::vector<glm::dvec3> directions = fan(2);
   const DrawList list = wall({1, 0, 0}, 7, {0, 0, 0});
   const std::shared_ptr<RayCaster> caster = a_caster();
@@ -145,11 +146,11 @@ TEST_CASE("the first scan is static; the last beam leaves at the pose of the fra
   const auto probe = std::make_shared<Probe>();
   const std::vector<Echo> moving =
       trace(list, directions, {std::make_shared<SweepMotion>(kSweep_s, false), probe}, moment, *caster);
-  CHECK(moving[kColumns - 1].range_m == still[kColumns - 1].range_m);
-  CHECK(moving[kColumns / 2].range_m > still[kColumns / 2].range_m + 0.3);
+  CHECK(moving[kBeams - 1].range_m == still[kBeams - 1].range_m);
+  CHECK(moving[kBeams / 2].range_m > still[kBeams / 2].range_m + 0.3);
   REQUIRE(probe->rays.size() == directions.size());
   for (std::size_t i = 0; i < probe->rays.size(); i += 2) {
-    CHECK(probe->rays[i].beam + kColumns == probe->rays[i + 1].beam);
+    CHECK(probe->rays[i].beam + kBeams == probe->rays[i + 1].beam);
     CHECK(probe->rays[i].origin_m == probe->rays[i + 1].origin_m);
   }
   moment.before.reset();
@@ -184,7 +185,7 @@ TEST_CASE("in a simulation: ranges of a robot that drives towards a wall, and th
     const ScanChannel* const times = scan.channel("time_s");
     REQUIRE(times != nullptr);
     for (std::size_t beam = 0; beam < 5; ++beam) {
-      // 15 frames per second. With a clockwise sweep the last column leaves first.
+      // 15 frames per second. With a clockwise sweep the last beam leaves first.
       const double age_s = 0.04 * static_cast<double>(beam) / 4, end_s = frame / 15.0;
       CHECK(std::abs(times->values[beam] - (end_s - age_s)) <= 1e-9);  // frames have times of whole nanoseconds
       const double cosine = std::cos(glm::radians(-40 + 20.0 * static_cast<double>(beam)));

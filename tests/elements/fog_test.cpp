@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "tests/support/element_scene.h"
+#include "tests/support/scan_frame.h"
 
 TEST_SUITE_BEGIN("elements");
 
@@ -120,27 +121,6 @@ std::string scanner(const std::string& attributes) {
   return R"(<sensor type="laser_scanner" name="SCAN" insert_at="ROOT" )" + attributes + "/>";
 }
 
-// The results and the cost of a frame.
-struct Frame {
-  std::vector<float> range_m, error_bound_m;
-  FrameCounters counters;
-  RayCounters rays;
-  std::size_t casts, effects;
-
-  bool operator==(const Frame&) const = default;
-};
-
-Frame frame_of(World& world) {
-  world->step();
-  const Scan& scan = world->scan("SCAN");
-  return {scan.range_m,
-          scan.error_bound_m,
-          world->diagnostics().counters(),
-          world->diagnostics().ray_counters(),
-          world->diagnostics().frame_plan().casts.size(),
-          world->diagnostics().frame_plan().effects.size()};
-}
-
 TEST_CASE("a scene without weather and one that only names it have the same scans at the same cost with every method") {
   for (const char* method : {"planar", "nearest", "hybrid", "raycast"}) {
     CAPTURE(method);
@@ -157,11 +137,11 @@ TEST_CASE(
     CAPTURE(method);
     World world({{"wall.gltf", wall()}},
                 kWall + scanner(kFan + "method='" + std::string(method) + "'") + fog("kind='rain' rain_rate='0'"));
-    const Frame clear = frame_of(world);
+    const ScanFrame clear = frame_of(world);
     CHECK(clear.effects == 0);
     world->set("FOG", "rain_rate", 0.1);
     const std::uint64_t rays = world->diagnostics().ray_counters().rays;
-    const Frame wet = frame_of(world);
+    const ScanFrame wet = frame_of(world);
     const FramePlan& plan = world->diagnostics().frame_plan();
     CHECK(plan.passes.empty());
     REQUIRE(plan.casts.size() == 1);
@@ -180,7 +160,7 @@ TEST_CASE(
       CHECK(std::abs(wet.range_m[beam] - 4 / std::cos(a)) <= wet.error_bound_m[beam] + kStored_m);
     }
     world->set("FOG", "rain_rate", 0);
-    const Frame again = frame_of(world);
+    const ScanFrame again = frame_of(world);
     if (std::string_view(method) != "auto") CHECK(again.range_m == clear.range_m);  // auto surveys in its first frame
     CHECK(world->diagnostics().frame_plan().effects.empty());
   }

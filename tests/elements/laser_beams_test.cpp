@@ -27,7 +27,7 @@ std::string beams(const std::string& attributes) {
 // Two rings of four beams. In the lower ring one beam hits nothing and one is blocked.
 Scan some_scan() {
   return {.rings = 2,
-          .columns = 4,
+          .beams = 4,
           .azimuth_rad = {-1, 0, 0.5, std::numbers::pi},
           .elevation_rad = {-0.25, 0.5},
           .range_m = {1, 2, kInfinity, 0, 5, 6, 7, 8},

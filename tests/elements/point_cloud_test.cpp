@@ -117,7 +117,7 @@ TEST_CASE("points without an observer have no mesh") {
 // The element observes a scanner; scan number k reads k, 2 k and nothing, from x = 10^7 k.
 struct ScanCloud : PeopleView {
   Scan measured{.rings = 1,
-                .columns = 3,
+                .beams = 3,
                 .azimuth_rad = {0, 0.5, 1},
                 .elevation_rad = {0.25},
                 .range_m = {},

@@ -121,7 +121,7 @@ TEST_CASE("a visualization camera sees each beam and each hit in its place") {
     glm::dmat4 world_from_sensor;
     REQUIRE(simulation.sensor_pose("SCAN", world_from_sensor));
     int hits = 0;
-    for (std::size_t beam = 0; beam < scan.columns; ++beam) {
+    for (std::size_t beam = 0; beam < scan.beams; ++beam) {
       const double range_m = scan.range_m[beam], a = scan.azimuth_rad[beam];
       if (std::isinf(range_m)) continue;
       ++hits;

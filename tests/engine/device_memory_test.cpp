@@ -317,7 +317,7 @@ TEST_CASE("ten thousand buffers and five thousand textures take few allocations 
   // The growth of blocks gives 21 for 80 MB of buffers and 23 for 110 MB of textures; a device may ask for more bytes
   // or for some allocations of their own.
   constexpr std::uint64_t kMaxAllocations = 100;
-  Device::Impl& impl = real_device().impl();
+  DeviceImpl& impl = real_device().impl();
   const std::uint64_t objects = impl.live_objects(), bytes = impl.memory_bytes;
   {
     test::Random random(3);
@@ -360,7 +360,7 @@ TEST_CASE("ten thousand buffers and five thousand textures take few allocations 
 }
 
 TEST_CASE("memory is reused only after the submission that may use it has finished") {
-  Device::Impl& impl = real_device().impl();
+  DeviceImpl& impl = real_device().impl();
   const Buffer keeps_block(impl, buffer_desc(100));
   Buffer buffer(impl, buffer_desc(100));
   const std::byte* const place = buffer.mapped();
@@ -376,7 +376,7 @@ TEST_CASE("memory is reused only after the submission that may use it has finish
 }
 
 TEST_CASE("a buffer that does not fit into memory leaves nothing behind") {
-  Device::Impl& impl = real_device().impl();
+  DeviceImpl& impl = real_device().impl();
   const std::uint64_t objects = impl.live_objects();
   REQUIRE(impl.device_memory->allocations() == 0);
   VkPhysicalDeviceLimits limits = impl.limits();

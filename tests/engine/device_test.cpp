@@ -146,7 +146,7 @@ TEST_CASE("messages of the validation layer are counted") {
 
 TEST_CASE("objects are destroyed when the submission that may use them has finished") {
   Device device({.select = "", .validation = false, .cache_dir = fresh_folder("retire").string()});
-  Device::Impl& impl = device.impl();
+  DeviceImpl& impl = device.impl();
   const auto make = [&] {
     return Buffer(
         impl,

@@ -258,9 +258,9 @@ const std::string kScanner =
     R"(<sensor type="laser_scanner" name="SCAN" insert_at="ROOT" samples="31" min_angle="-45" max_angle="45"
             method="planar"/>)";
 
-const PlannedSensor& sensor_of(const FramePlan& plan, std::string_view name) {
-  const auto found = std::ranges::find(plan.sensors, name, &PlannedSensor::name);
-  REQUIRE(found != plan.sensors.end());
+PlannedSensor sensor_of(const std::vector<PlannedSensor>& sensors, std::string_view name) {
+  const auto found = std::ranges::find(sensors, name, &PlannedSensor::name);
+  REQUIRE(found != sensors.end());
   return *found;
 }
 
@@ -271,7 +271,8 @@ TEST_CASE("a sensor at 1 Hz in a run of 15 Hz renders in one frame of 15") {
     const bool due = frame % 15 == 0;
     CHECK(slow->diagnostics().counters().views == due);
     CHECK(slow->diagnostics().counters().bytes_read_back == (due ? 4 * sizeof(float) * kPixels : 0));
-    CHECK(sensor_of(slow->diagnostics().frame_plan(), "SLOW").due_state == (due ? DueState::due : DueState::waiting));
+    CHECK(sensor_of(slow->diagnostics().planned_sensors(), "SLOW").due_state ==
+          (due ? DueState::due : DueState::waiting));
     CHECK(slow->diagnostics().frame_plan().passes.size() == due);
     CHECK(both->diagnostics().counters().views == alone->diagnostics().counters().views + due);
     CHECK(both->diagnostics().counters().draws == alone->diagnostics().counters().draws + due);
@@ -286,12 +287,13 @@ TEST_CASE("a camera that is off, or in a part that is, renders nothing; the plan
   with->step();
   CHECK(with->diagnostics().counters() == without->diagnostics().counters());
   CHECK(with->diagnostics().device_memory_bytes() == without->diagnostics().device_memory_bytes());
-  const FramePlan& plan = with->diagnostics().frame_plan();
-  CHECK(sensor_of(plan, "CAM").due_state == DueState::off);
-  CHECK(sensor_of(plan, "SCAN").due_state == DueState::due);
-  CHECK(sensor_of(plan, "SCAN").end_pass == 1);
+  const std::vector<PlannedSensor> sensors = with->diagnostics().planned_sensors();
+  CHECK(sensor_of(sensors, "CAM").due_state == DueState::off);
+  CHECK(sensor_of(sensors, "SCAN").due_state == DueState::due);
+  CHECK(sensor_of(sensors, "SCAN").end_pass == 1);
   const std::string text = explain(
-      plan, {with->diagnostics().counters(), with->diagnostics().frame_costs(), with->diagnostics().sensor_costs()});
+      with->diagnostics().frame_plan(),
+      {with->diagnostics().counters(), sensors, with->diagnostics().frame_costs(), with->diagnostics().sensor_costs()});
   INFO(text);
   CHECK(text.find("sensor CAM, camera: not due, it is turned off; colour, depth\n") != std::string::npos);
   CHECK(text.find("sensor SCAN, laser_scanner: due, in every frame; ranges\n  pass SCAN.depth: ") != std::string::npos);
@@ -325,14 +327,14 @@ TEST_CASE("the plans of both audiences together cover the memory of the device")
   REQUIRE(simulation->diagnostics().visualization_plan() != nullptr);
   CHECK(memory_of({&simulation->diagnostics().frame_plan(), simulation->diagnostics().visualization_plan()}) ==
         simulation->diagnostics().device_memory_bytes());
-  CHECK(sensor_of(*simulation->diagnostics().visualization_plan(), "PEOPLE").due_state == DueState::due);
+  CHECK(sensor_of(simulation->diagnostics().visualization_sensors(), "PEOPLE").due_state == DueState::due);
   CHECK(simulation->diagnostics().visualization_costs()->passes.size() == 1);
   CHECK(simulation->diagnostics().sensor_costs().size() == 3);
   simulation->enable("PEOPLE", false);
   simulation->step();
   CHECK(simulation->diagnostics().visualization_plan()->passes.empty());
   CHECK(simulation->diagnostics().visualization_counters()->draws == 0);
-  CHECK(sensor_of(*simulation->diagnostics().visualization_plan(), "PEOPLE").due_state == DueState::off);
+  CHECK(sensor_of(simulation->diagnostics().visualization_sensors(), "PEOPLE").due_state == DueState::off);
 }
 
 TEST_CASE("instrumentation changes no byte of results, no counter and no memory; costs exist only with it") {
@@ -358,7 +360,7 @@ TEST_CASE("a step that fails leaves a plan that can be read") {
   WallSimulation simulation(camera("CAM", "") + R"(<sensor type="laser_scanner" name="EXACT" insert_at="ROOT"
     samples="3" method="hybrid" max_error_m="1e-30"/>)");
   CHECK_THROWS_AS(simulation->step(), InputError);
-  CHECK(sensor_of(simulation->diagnostics().frame_plan(), "CAM").due_state == DueState::due);
+  CHECK(sensor_of(simulation->diagnostics().planned_sensors(), "CAM").due_state == DueState::due);
   simulation->enable("EXACT", false);
   simulation->step();
   CHECK(simulation->diagnostics().frame_plan().passes.size() == 1);

@@ -178,7 +178,7 @@ TEST_CASE("moving, added and removed primitives: the same draws, hits and roundi
     Flattener flattener(crowd.root());
     Renderer accounted(test::device()), compared(test::device());
     const RayEngine caster{make_host_ray_caster()};
-    RenderedScan scan({.samples = 61, .rings = 1, .min_azimuth_rad = -1.5, .max_azimuth_rad = 1.5}, 256);
+    RenderedScan scan({.beams = 61, .rings = 1, .min_azimuth_rad = -1.5, .max_azimuth_rad = 1.5}, 256);
     std::vector<glm::dvec3> directions;
     for (int ray = 0; ray < 200; ++ray) directions.push_back(random_direction(random));
     for (int frame = 0; frame < 12; ++frame) {

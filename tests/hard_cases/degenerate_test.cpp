@@ -47,7 +47,7 @@ double range_to_back(const glm::dvec3& d) { return range_to_plate(d, kBack_m, {1
 
 /// Rings over the surfaces ahead. The number of beams and rings is odd, so one beam runs along x.
 ScanPattern ahead(std::uint32_t samples = 181, std::uint32_t rings = 41) {
-  return {.samples = samples,
+  return {.beams = samples,
           .rings = rings,
           .min_azimuth_rad = -kPi / 4,
           .max_azimuth_rad = kPi / 4,
@@ -97,7 +97,7 @@ TEST_CASE("slivers of aspect 10^6") {
       mesh.indices.insert(mesh.indices.end(), {i, i + 1, i + 2, i + 1, i + 3, i + 2});
     }
     add_item(hard.world, mesh, at(kPlate_m, 0, 0));
-    hard.scanner.pattern = {.samples = 181, .min_azimuth_rad = -kPi / 4, .max_azimuth_rad = kPi / 4};
+    hard.scanner.pattern = {.beams = 181, .min_azimuth_rad = -kPi / 4, .max_azimuth_rad = kPi / 4};
     hard.truth = [](const glm::dvec3& d) { return range_to_plate(d, kPlate_m, {5, 5}); };
     measure(hard);
     hard.name = "the same by rings";
@@ -219,17 +219,14 @@ TEST_CASE("an empty scene, a single beam, no field of view") {
 
   HardCase wall = case_of("a single beam", kPlate_m, kHalf_m);
   add_item(wall.world, plate(kHalf_m), at(kPlate_m, 0, 0));
-  wall.scanner.pattern = {.samples = 1, .min_azimuth_rad = 0.1, .max_azimuth_rad = 0.2};
+  wall.scanner.pattern = {.beams = 1, .min_azimuth_rad = 0.1, .max_azimuth_rad = 0.2};
   measure(wall);
   wall.name = "a single beam of a single ring that is not level";
-  wall.scanner.pattern = {.samples = 1,
-                          .min_azimuth_rad = 0.1,
-                          .max_azimuth_rad = 0.2,
-                          .min_elevation_rad = 0.05,
-                          .max_elevation_rad = 0.05};
+  wall.scanner.pattern = {
+      .beams = 1, .min_azimuth_rad = 0.1, .max_azimuth_rad = 0.2, .min_elevation_rad = 0.05, .max_elevation_rad = 0.05};
   measure(wall);
   wall.name = "five beams and three rings in one direction";
-  wall.scanner.pattern = {.samples = 5,
+  wall.scanner.pattern = {.beams = 5,
                           .rings = 3,
                           .min_azimuth_rad = 0.1,
                           .max_azimuth_rad = 0.1,
@@ -241,10 +238,10 @@ TEST_CASE("an empty scene, a single beam, no field of view") {
     }
   }
   wall.name = "five beams in one direction";
-  wall.scanner.pattern = {.samples = 5, .min_azimuth_rad = 0.1, .max_azimuth_rad = 0.1};
+  wall.scanner.pattern = {.beams = 5, .min_azimuth_rad = 0.1, .max_azimuth_rad = 0.1};
   measure(wall);
   wall.name = "straight up: all beams of a ring in one direction";
-  wall.scanner.pattern = {.samples = 8,
+  wall.scanner.pattern = {.beams = 8,
                           .min_azimuth_rad = -kPi,
                           .max_azimuth_rad = kPi,
                           .min_elevation_rad = kPi / 2,

@@ -60,8 +60,8 @@ std::size_t between_surfaces(const std::vector<Patch>& surfaces, const HardCase&
                              double pixel_rad) {
   std::size_t between = 0;
   for (std::uint32_t ring = 0; ring < scan.rings; ++ring) {
-    for (std::uint32_t beam = 0; beam < scan.columns; ++beam) {
-      const std::size_t index = std::size_t{ring} * scan.columns + beam;
+    for (std::uint32_t beam = 0; beam < scan.beams; ++beam) {
+      const std::size_t index = std::size_t{ring} * scan.beams + beam;
       between += std::ranges::none_of(surfaces, [&](const Patch& patch) {
         return is_of(patch, hard, scan.azimuth_rad[beam], scan.elevation_rad[ring], scan.range_m[index],
                      scan.error_bound_m[index], pixel_rad);
@@ -83,7 +83,7 @@ std::size_t on_wrong_surface(const HardCase& hard, const Scan& scan) {
   std::size_t wrong = 0;
   for (std::size_t index = 0; index < scan.range_m.size(); ++index) {
     const double truth_m =
-        hard.truth(direction_of(scan.azimuth_rad[index % scan.columns], scan.elevation_rad[index / scan.columns]));
+        hard.truth(direction_of(scan.azimuth_rad[index % scan.beams], scan.elevation_rad[index / scan.beams]));
     wrong += !(std::abs(scan.range_m[index] - truth_m) <= 0.1 * truth_m);
   }
   return wrong;
@@ -92,10 +92,9 @@ std::size_t on_wrong_surface(const HardCase& hard, const Scan& scan) {
 /// Beams over this number of pixels to each side of a direction.
 ScanPattern beams_around(double azimuth_rad, double elevation_rad, double pixels, bool rings) {
   const double reach = pixels * (rings ? kRingsPixel_rad : kPlanarPixel_rad);
-  ScanPattern pattern{
-      .samples = kBeams, .min_azimuth_rad = azimuth_rad - reach, .max_azimuth_rad = azimuth_rad + reach};
+  ScanPattern pattern{.beams = kBeams, .min_azimuth_rad = azimuth_rad - reach, .max_azimuth_rad = azimuth_rad + reach};
   if (rings) {
-    pattern.samples = pattern.rings = kRingBeams;
+    pattern.beams = pattern.rings = kRingBeams;
     pattern.min_elevation_rad = elevation_rad - reach;
     pattern.max_elevation_rad = elevation_rad + reach;
   }
@@ -165,7 +164,7 @@ TEST_CASE("a wall with varying range across a limit along the ray") {
   for (const bool is_min : {true, false}) {
     for (const std::uint32_t rings : {1u, 8u}) {
       HardCase hard = patch_case("wall", {{{kWall_m, -2, -2}, {0, 4, 0}, {0, 0, 4}}});
-      hard.scanner.pattern = {.samples = kBeams - 1,
+      hard.scanner.pattern = {.beams = kBeams - 1,
                               .rings = rings,
                               .min_azimuth_rad = -0.01,
                               .max_azimuth_rad = 0.01,
@@ -186,7 +185,7 @@ TEST_CASE("beams exactly on shared edges and vertices of a flat wall's triangles
     for (const std::uint32_t rings : {1u, 21u}) {
       HardCase hard = welded_case("flat wall", wall, matrix_from_degrees({0, 0, 0}, roll_deg, 0, 0));
       const double side = rings > 1 ? 0.01 : 1;  // around the vertex; along the edge
-      hard.scanner.pattern = {.samples = rings > 1 ? 21 : kBeams,
+      hard.scanner.pattern = {.beams = rings > 1 ? 21 : kBeams,
                               .rings = rings,
                               .min_azimuth_rad = -side,
                               .max_azimuth_rad = side,
@@ -240,8 +239,8 @@ TEST_CASE("beams along and across creases, and at a corner of three planes") {
     for (std::size_t beam = 0; beam < scan.range_m.size(); ++beam) {
       if (std::isfinite(scan.error_bound_m[beam])) continue;
       const double focal_px = (scan.rings == 1 ? kPlanarResolution : kRingsResolution) / 2;
-      const double x_px = focal_px * std::tan(scan.azimuth_rad[beam % scan.columns]);
-      const double y_px = focal_px * std::tan(scan.elevation_rad[beam / scan.columns]);
+      const double x_px = focal_px * std::tan(scan.azimuth_rad[beam % scan.beams]);
+      const double y_px = focal_px * std::tan(scan.elevation_rad[beam / scan.beams]);
       CHECK(std::min(std::abs(std::abs(x_px) - 1), std::abs(std::abs(y_px) - 1)) <= kDisplaced_px);
     }
   }
@@ -276,14 +275,14 @@ TEST_CASE("a T-junction: one long edge against two short ones") {
     const std::vector<Patch> patches = Junction{}.patches(shares_vertex);
     std::vector<HardCase> cases;
     HardCase level = welded_case("level ring along the border", patches);
-    level.scanner.pattern = {.samples = kBeams, .min_azimuth_rad = -0.9, .max_azimuth_rad = 0.9};
+    level.scanner.pattern = {.beams = kBeams, .min_azimuth_rad = -0.9, .max_azimuth_rad = 0.9};
     cases.push_back(level);
     // The rasteriser snaps each corner to parts of a pixel at its own place. At a T-junction this leaves gaps, and at
     // some slants the centre of a pixel lies in one. The number of these beams is even, so none is exactly on the
     // border.
     for (const double roll_deg : {29.9, 40.4, 45.3}) {
       HardCase rolled = welded_case("lidar", patches, matrix_from_degrees({0, 0, 0}, roll_deg, 0, 10));
-      rolled.scanner.pattern = {.samples = kBeams - 1,
+      rolled.scanner.pattern = {.beams = kBeams - 1,
                                 .rings = kBeams - 1,
                                 .min_azimuth_rad = -0.5,
                                 .max_azimuth_rad = 0.5,
@@ -353,7 +352,7 @@ TEST_CASE("a T-junction whose corner is not exactly on the border leaves a slit 
                                {junction.corner - down, junction.second + down, -junction.up},
                                {junction.left_end, junction.first + junction.second, junction.up},
                                {{12, -64, -64}, {0, 128, 0}, {0, 0, 128}}});
-  hard.scanner.pattern = {.samples = 101, .min_azimuth_rad = 0.1, .max_azimuth_rad = 0.4};
+  hard.scanner.pattern = {.beams = 101, .min_azimuth_rad = 0.1, .max_azimuth_rad = 0.4};
   hard.scanner.pattern.min_elevation_rad = hard.scanner.pattern.max_elevation_rad = -kSlit_m / 3 / 4.25;
   hard.narrow = true;
   const HardResults results = measure(hard);
@@ -378,7 +377,7 @@ HardCase pole_case(const std::string& name, double right_m, double width_m, doub
   HardCase hard = patch_case(name, pole_and_wall(right_m, width_m));
   hard.scanner.resolution_px = resolution_px;
   // An odd number of beams that do not divide a pixel into equal parts: none lies on a border of a pole.
-  hard.scanner.pattern = {.samples = 143,
+  hard.scanner.pattern = {.beams = 143,
                           .min_azimuth_rad = -kReach_px * 2 / resolution_px,
                           .max_azimuth_rad = kReach_px * 2 / resolution_px};
   hard.narrow = width_m < 3 * pixel_m(resolution_px);

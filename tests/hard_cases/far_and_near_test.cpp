@@ -46,7 +46,7 @@ double range_to_box_at(const glm::dvec3& d, const glm::dvec3& middle, const glm:
 }
 
 ScanPattern all_around() {
-  return {.samples = 181,
+  return {.beams = 181,
           .rings = 21,
           .min_azimuth_rad = -kPi,
           .max_azimuth_rad = kPi,
@@ -109,7 +109,7 @@ TEST_CASE("a simulation 10^7 m from the origin") {
       CAPTURE(offset_m);
       const Scan& scan = simulation.scan(method);
       std::size_t beyond = 0;
-      for (std::size_t beam = 0; beam < scan.columns; ++beam) {
+      for (std::size_t beam = 0; beam < scan.beams; ++beam) {
         const double a = scan.azimuth_rad[beam];
         const double truth_m = range_to_box_at({std::cos(a), std::sin(a), 0}, {-0.3, 0.2, -0.1}, {5, 4, 1.5});
         const double error = std::abs(scan.range_m[beam] - truth_m);
@@ -128,7 +128,7 @@ TEST_CASE("0.01 m and 10 km in one scan") {
   const glm::dvec3 near_half_m(0.02, 0.02, 0.02), near_place(0.03, 0.03, 0), far_half_m(1e4, 1e4, 1e4);
   add_item(hard.world, box_mesh(near_half_m), at(near_place));
   add_item(hard.world, box_mesh(far_half_m), glm::dmat4(1.0));
-  hard.scanner.pattern = {.samples = 361,
+  hard.scanner.pattern = {.beams = 361,
                           .rings = 21,
                           .min_azimuth_rad = -kPi,
                           .max_azimuth_rad = kPi,
@@ -143,7 +143,7 @@ TEST_CASE("0.01 m and 10 km in one scan") {
   };
   measure(hard);
   hard.name = "the same by one level ring";
-  hard.scanner.pattern = {.samples = 1001, .min_azimuth_rad = -kPi, .max_azimuth_rad = kPi};
+  hard.scanner.pattern = {.beams = 1001, .min_azimuth_rad = -kPi, .max_azimuth_rad = kPi};
   measure(hard);
 }
 
@@ -196,7 +196,7 @@ TEST_CASE("distant objects do not affect the depth of close ones") {
   const std::unique_ptr<RayCaster> caster = make_ray_caster(device);
   const auto scan_of = [&](const DrawList& world, ScanMethod method, double range_max_m) {
     LaserScannerDesc desc;
-    desc.pattern = {.samples = 181,
+    desc.pattern = {.beams = 181,
                     .rings = 41,
                     .min_azimuth_rad = -kPi / 4,
                     .max_azimuth_rad = kPi / 4,

@@ -39,7 +39,7 @@ TEST_CASE("the floor from 0.1 m above, out to 100 m") {
   constexpr double kHeight_m = 0.1, kNearest_m = 0.5, kFarthest_m = 100;
   HardCase hard =
       patch_case("floor 0.1 m below, 0.5 to 100 m away, 64 rings", {ground(200)}, pose({0, 0, kHeight_m}, 0, 0, 0));
-  hard.scanner.pattern = {.samples = 31,
+  hard.scanner.pattern = {.beams = 31,
                           .rings = 64,
                           .min_azimuth_rad = -0.5,
                           .max_azimuth_rad = 0.5,
@@ -56,7 +56,7 @@ TEST_CASE("the floor from straight below out to 100 m, by one ring") {
     HardCase hard = patch_case("floor 0.1 m below, 0.1 to 100 m away, upright ring", {ground(200)},
                                pose({0, 0, kHeight_m}, 90, 0, 0));
     hard.scanner.pattern = {
-        .samples = kBeams, .min_azimuth_rad = -kPi / 2, .max_azimuth_rad = -std::asin(kHeight_m / kFarthest_m)};
+        .beams = kBeams, .min_azimuth_rad = -kPi / 2, .max_azimuth_rad = -std::asin(kHeight_m / kFarthest_m)};
     hard.scanner.range_max_m = 200;
     measure_with_coarse(hard);
   }
@@ -65,7 +65,7 @@ TEST_CASE("the floor from straight below out to 100 m, by one ring") {
     const double sine = kHeight_m / kAhead_m, side = std::acos(kAhead_m / kFarthest_m);
     HardCase hard = patch_case("floor 0.1 m below, 5 to 100 m away, ring pitched by 1.15 degrees", {ground(200)},
                                pose({0, 0, kHeight_m}, 0, std::asin(sine) * 180 / kPi, 0));
-    hard.scanner.pattern = {.samples = kBeams, .min_azimuth_rad = -side, .max_azimuth_rad = side};
+    hard.scanner.pattern = {.beams = kBeams, .min_azimuth_rad = -side, .max_azimuth_rad = side};
     hard.scanner.range_max_m = 200;
     measure_with_coarse(hard);
   }
@@ -77,13 +77,13 @@ TEST_CASE("a wall beside the scanner and parallel to its first beam") {
   SUBCASE("one ring") {
     HardCase hard = patch_case("wall 1 m to the side, 1 to 30 m away", {wall});
     hard.scanner.pattern = {
-        .samples = kBeams, .min_azimuth_rad = std::asin(kDistance_m / kFarthest_m), .max_azimuth_rad = kPi / 2};
+        .beams = kBeams, .min_azimuth_rad = std::asin(kDistance_m / kFarthest_m), .max_azimuth_rad = kPi / 2};
     hard.truth = [](const glm::dvec3& d) { return kDistance_m / d.y; };
     measure_with_coarse(hard);
   }
   SUBCASE("16 rings") {
     HardCase hard = patch_case("wall 1 m to the side, 1 to 30 m away, 16 rings", {wall});
-    hard.scanner.pattern = {.samples = kBeams / 10,
+    hard.scanner.pattern = {.beams = kBeams / 10,
                             .rings = 16,
                             .min_azimuth_rad = std::asin(kDistance_m / kFarthest_m),
                             .max_azimuth_rad = kPi / 2,
@@ -101,7 +101,7 @@ TEST_CASE("a corridor 2 m wide and 60 m long with a rotated scanner") {
       {{56, -1, -0.5f}, {0, 2, 0}, {0, 0, 2.5f}}, {{-4, -1, -0.5f}, {0, 2, 0}, {0, 0, 2.5f}},
       {{-4, -1, -0.5f}, {60, 0, 0}, {0, 2, 0}},   {{-4, -1, 2}, {60, 0, 0}, {0, 2, 0}}};
   HardCase hard = patch_case("corridor 2 m wide, 60 m long", corridor, pose({0, 0.25, 0}, 0, 0, 7));
-  hard.scanner.pattern = {.samples = kBeams, .min_azimuth_rad = -kPi, .max_azimuth_rad = kPi};
+  hard.scanner.pattern = {.beams = kBeams, .min_azimuth_rad = -kPi, .max_azimuth_rad = kPi};
   measure_with_coarse(hard);
 }
 
@@ -122,7 +122,7 @@ TEST_CASE("incidences of 89.9, 89.99 and 89.999 degrees") {
     HardCase hard = patch_case(grazing.name, {{{-4, grazing.beside_m, -4}, {68, 0, 0}, {0, 0, 8}}},
                                pose({0, 0, 0}, 0, 0, -kTurn_deg));
     const double angle = grazing.angle_deg * kPi / 180;
-    hard.scanner.pattern = {.samples = kBeams,
+    hard.scanner.pattern = {.beams = kBeams,
                             .min_azimuth_rad = kTurn_deg * kPi / 180 + 0.8 * angle,
                             .max_azimuth_rad = kTurn_deg * kPi / 180 + 1.25 * angle};
     measure_with_coarse(hard);
@@ -141,7 +141,7 @@ double farthest_from_ground(const glm::dmat4& world_from_sensor, const Scan& sca
   double farthest_m = 0;
   for (std::size_t index = 0; index < scan.range_m.size(); ++index) {
     const double range = scan.range_m[index];
-    const double a = scan.azimuth_rad[index % scan.columns], e = scan.elevation_rad[index / scan.columns];
+    const double a = scan.azimuth_rad[index % scan.beams], e = scan.elevation_rad[index / scan.beams];
     const glm::dvec3 direction = glm::dmat3(world_from_sensor) * reference::beam_direction(a, e);
     if (!std::isfinite(range)) continue;
     const double height_m = kGround_m + range * direction.z;
@@ -164,10 +164,10 @@ TEST_CASE(
     "tilted and rolled scanners over flat ground: a straight line stays straight, and no point is below the ground") {
   const glm::dmat4 world_from_sensor = pose({100, -50, kGround_m}, 4, 3, 30);
   HardCase ring = patch_case("tilted and rolled ring over flat ground", {ground(512)}, world_from_sensor);
-  ring.scanner.pattern = {.samples = kBeams, .min_azimuth_rad = -kPi / 2, .max_azimuth_rad = kPi / 2};
+  ring.scanner.pattern = {.beams = kBeams, .min_azimuth_rad = -kPi / 2, .max_azimuth_rad = kPi / 2};
   HardCase lidar = ring;
   lidar.name = "tilted and rolled lidar over flat ground";
-  lidar.scanner.pattern = {.samples = kBeams / 5,
+  lidar.scanner.pattern = {.beams = kBeams / 5,
                            .rings = 16,
                            .min_azimuth_rad = -kPi,
                            .max_azimuth_rad = kPi,

@@ -111,9 +111,9 @@ void hold_against_truth(const HardCase& hard, HardResult& result) {
   const Scan& scan = result.scan;
   for (std::uint32_t ring = 0; ring < scan.rings; ++ring) {
     const double e = scan.elevation_rad[ring];
-    for (std::uint32_t beam = 0; beam < scan.columns; ++beam) {
+    for (std::uint32_t beam = 0; beam < scan.beams; ++beam) {
       const double a = scan.azimuth_rad[beam];
-      const std::size_t index = std::size_t{ring} * scan.columns + beam;
+      const std::size_t index = std::size_t{ring} * scan.beams + beam;
       const double truth_m = hard.truth(reference::beam_direction(a, e));
       const double expected = reading_of(truth_m, hard.scanner), range = scan.range_m[index];
       const double bound = scan.error_bound_m[index];

@@ -53,7 +53,7 @@ std::vector<ScanPattern> patterns_at_seams() {
     const int faces = static_cast<int>(std::ceil((max - min) / (kPi / 2)));
     const double width = (max - min) / faces;
     for (std::uint32_t step = 1; step < 60; ++step) {
-      const ScanPattern pattern{.samples = faces * step + 1, .min_azimuth_rad = min, .max_azimuth_rad = max};
+      const ScanPattern pattern{.beams = faces * step + 1, .min_azimuth_rad = min, .max_azimuth_rad = max};
       const std::vector<double> beams = azimuths(pattern);
       bool news = false;
       for (int border = 1; border < faces; ++border) {
@@ -78,7 +78,7 @@ std::vector<ScanPattern> patterns_at_seams() {
 
 /// Three rings: one at this elevation, one at the next double on each side.
 ScanPattern rings_around(double elevation_rad, std::uint32_t samples) {
-  ScanPattern pattern{.samples = samples,
+  ScanPattern pattern{.beams = samples,
                       .rings = 3,
                       .min_azimuth_rad = -kPi,
                       .max_azimuth_rad = kPi,
@@ -98,7 +98,7 @@ TEST_CASE("beams on the borders of horizontal faces and one ulp to each side") {
 
 TEST_CASE("an edge between two walls, or of a wall in front of another one, on a border of faces") {
   // A half turn has its border straight ahead, where both faces have the centre of a pixel.
-  const ScanPattern half_turn{.samples = 2001, .min_azimuth_rad = -kPi / 2, .max_azimuth_rad = kPi / 2};
+  const ScanPattern half_turn{.beams = 2001, .min_azimuth_rad = -kPi / 2, .max_azimuth_rad = kPi / 2};
   REQUIRE(azimuths(half_turn)[1000] == 0);
   const double pixel_rad = 1 / kPlanarResolution;  // beside the border; in the middle of a face it is twice as wide
   std::vector<HardCase> cases;
@@ -123,7 +123,7 @@ TEST_CASE("the first and last beam of a full turn agree") {
   std::vector<HardCase> cases;
   for (const double first : {-kPi, 0.0, 0.7}) {
     for (const std::uint32_t rings : {1u, 5u}) {
-      cases.push_back(in_skew_room({.samples = 181,
+      cases.push_back(in_skew_room({.beams = 181,
                                     .rings = rings,
                                     .min_azimuth_rad = first,
                                     .max_azimuth_rad = first + 2 * kPi,
@@ -134,7 +134,7 @@ TEST_CASE("the first and last beam of a full turn agree") {
   for (const HardResults& results : measure_together("full turns: first and last beam", cases)) {
     for (const Scan* scan : scans(results)) {
       for (std::uint32_t ring = 0; ring < scan->rings; ++ring) {
-        check_agree(*scan, ring * scan->columns, *scan, (ring + 1) * scan->columns - 1);
+        check_agree(*scan, ring * scan->beams, *scan, (ring + 1) * scan->beams - 1);
       }
     }
   }
@@ -149,7 +149,7 @@ TEST_CASE("scanners with different fields of view, resolutions and numbers of ri
     for (const double resolution_px : {64.0, 500.0, 4096.0}) {
       for (const std::uint32_t rings : {1u, 9u}) {
         if (rings > 1 && resolution_px > kRingsResolution) continue;
-        cases.push_back(in_skew_room({.samples = static_cast<std::uint32_t>((max - min) / kStep_rad) + 1,
+        cases.push_back(in_skew_room({.beams = static_cast<std::uint32_t>((max - min) / kStep_rad) + 1,
                                       .rings = rings,
                                       .min_azimuth_rad = min,
                                       .max_azimuth_rad = max,
@@ -165,9 +165,9 @@ TEST_CASE("scanners with different fields of view, resolutions and numbers of ri
   for (const HardResults& results : all) {
     for (std::size_t method = 0; method < 4; ++method) {
       const Scan& scan = *scans(results)[method];
-      const std::size_t level = scan.rings / 2 * scan.columns;
+      const std::size_t level = scan.rings / 2 * scan.beams;
       REQUIRE(scan.elevation_rad[scan.rings / 2] == 0);
-      for (std::size_t beam = 0; beam < scan.columns; ++beam) {
+      for (std::size_t beam = 0; beam < scan.beams; ++beam) {
         const auto [other, is_first] = first_of[method].try_emplace(scan.azimuth_rad[beam], &scan, level + beam);
         if (is_first) continue;
         const auto& [other_scan, other_beam] = other->second;
@@ -184,7 +184,7 @@ TEST_CASE("scanners with different fields of view, resolutions and numbers of ri
 TEST_CASE("the borders of a lidar's faces: steps of elevation, corners of the cube, straight up and down") {
   std::vector<HardCase> cases;
   // Rings one degree apart from straight down to straight up, beams at centres and borders of horizontal faces.
-  cases.push_back(in_skew_room({.samples = 9,
+  cases.push_back(in_skew_room({.beams = 9,
                                 .rings = 181,
                                 .min_azimuth_rad = -kPi,
                                 .max_azimuth_rad = kPi,

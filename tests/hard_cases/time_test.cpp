@@ -111,7 +111,7 @@ TEST_CASE("a trajectory at 10^6 s") {
   for (const std::string& method : Room::methods()) {
     const Scan& scan = late.scan(method);
     std::size_t beyond = 0;
-    for (std::size_t beam = 0; beam < scan.columns; ++beam) {
+    for (std::size_t beam = 0; beam < scan.beams; ++beam) {
       const double a = scan.azimuth_rad[beam] + 40 * kPi / 180;
       const double error = std::abs(scan.range_m[beam] - range_in_room({1.5, 0.5, 0}, {std::cos(a), std::sin(a), 0}));
       beyond += !(error <= scan.error_bound_m[beam]);
@@ -177,7 +177,7 @@ TEST_CASE("angles of 10^9 degrees") {
   HardCase hard{.name = "a scanner turned by 10^9 degrees"};
   add_item(hard.world, box_mesh(kRoomHalf_m), glm::dmat4(1.0));
   hard.world_from_sensor = matrix_from_degrees({0, 0, 0}, 0, 0, 1e9);
-  hard.scanner.pattern = {.samples = 361,
+  hard.scanner.pattern = {.beams = 361,
                           .rings = 21,
                           .min_azimuth_rad = -kPi / 2,
                           .max_azimuth_rad = kPi / 2,
@@ -210,7 +210,7 @@ TEST_CASE("a pitch of exactly 90 degrees, up and down") {
     HardCase hard{.name = pitch > 0 ? "a scanner with its nose straight down" : "a scanner with its nose straight up"};
     add_item(hard.world, box_mesh(kRoomHalf_m), glm::dmat4(1.0));
     hard.world_from_sensor = matrix_from_degrees({0.5, -1, 0.2}, 0, pitch, 20);
-    hard.scanner.pattern = {.samples = 361,
+    hard.scanner.pattern = {.beams = 361,
                             .rings = 21,
                             .min_azimuth_rad = -kPi,
                             .max_azimuth_rad = kPi,

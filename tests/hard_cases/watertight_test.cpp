@@ -225,7 +225,7 @@ TEST_CASE("no beam inside a closed mesh reads inf") {
     HardCase hard{.name = room.name};
     add_item(hard.world, room.mesh, glm::dmat4(1.0));
     hard.world_from_sensor = at(room.from.x, room.from.y, room.from.z);
-    hard.scanner.pattern = {.samples = kFewer > 1 ? 65u : 181u,
+    hard.scanner.pattern = {.beams = kFewer > 1 ? 65u : 181u,
                             .rings = kFewer > 1 ? 17u : 33u,
                             .min_azimuth_rad = -kPi,
                             .max_azimuth_rad = kPi,

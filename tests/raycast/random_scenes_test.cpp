@@ -31,9 +31,9 @@ LaserScannerDesc random_scanner(std::mt19937& random, ScanMethod method) {
   desc.method = method;
   desc.range_min_m = 0;
   desc.range_max_m = 1e6;
-  desc.pattern = {.samples = 5003, .min_azimuth_rad = -kPi * unit(random), .max_azimuth_rad = kPi * unit(random)};
+  desc.pattern = {.beams = 5003, .min_azimuth_rad = -kPi * unit(random), .max_azimuth_rad = kPi * unit(random)};
   if (random() % 2 == 0) return desc;
-  desc.pattern.samples = 313;
+  desc.pattern.beams = 313;
   desc.pattern.rings = 16;
   desc.pattern.min_elevation_rad = -kPi / 2 * unit(random);
   desc.pattern.max_elevation_rad = kPi / 2 * unit(random);
@@ -87,7 +87,7 @@ TEST_CASE("a million beams, raycast and hybrid: no error above 1e-6, no wrong hi
       scanner.cast(*caster);
       const Scan& scan = *scanner.scan();
       for (std::size_t i = 0; i < scan.range_m.size(); ++i, ++beams) {
-        const double a = scan.azimuth_rad[i % scan.columns], e = scan.elevation_rad[i / scan.columns];
+        const double a = scan.azimuth_rad[i % scan.beams], e = scan.elevation_rad[i / scan.beams];
         const double expected = truth.cast(reference::beam_direction(a, e)).range_m;
         const double range = scan.range_m[i];
         if (!agrees(range, expected)) {

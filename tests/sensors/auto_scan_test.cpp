@@ -58,7 +58,7 @@ TEST_CASE("every beam meets the tolerance with every chosen method") {
     for (const std::uint32_t rings : {1u, 16u}) {
       for (const bool cheap_to_render : {false, true}) {
         LaserScannerDesc desc;
-        desc.pattern = {.samples = rings == 1 ? 1441 / kFewer : 90 / kFewer,
+        desc.pattern = {.beams = rings == 1 ? 1441 / kFewer : 90 / kFewer,
                         .rings = rings,
                         .min_azimuth_rad = -kPi,
                         .max_azimuth_rad = kPi};
@@ -112,7 +112,7 @@ TEST_CASE("no beam is cast with a loose tolerance where there are no edges") {
   DrawList list;
   add_item(list, box_mesh({20, 20, 20}), glm::dmat4(1.0));
   LaserScannerDesc desc;
-  desc.pattern = {.samples = 361, .min_azimuth_rad = -kPi / 6, .max_azimuth_rad = kPi / 6};  // to one wall
+  desc.pattern = {.beams = 361, .min_azimuth_rad = -kPi / 6, .max_azimuth_rad = kPi / 6};  // to one wall
   desc.method = ScanMethod::automatic;
   desc.max_error_m = 0.05;
   desc.max_error_rel = std::numeric_limits<double>::infinity();
@@ -132,7 +132,7 @@ TEST_CASE("the cheapest method is chosen, and the plan names it and the reason")
   const DrawList list = random_room(3, 20, 12);
   const glm::dmat4 pose = to_matrix({{0, 0, 1.2}, 0, 0, 0});  // its floor is at 0: no beam runs along an edge
   LaserScannerDesc desc;
-  desc.pattern = {.samples = 181, .min_azimuth_rad = -1, .max_azimuth_rad = 1};
+  desc.pattern = {.beams = 181, .min_azimuth_rad = -1, .max_azimuth_rad = 1};
   desc.method = ScanMethod::automatic;
   desc.max_error_m = 0.01;
   desc.max_error_rel = std::numeric_limits<double>::infinity();

@@ -84,8 +84,8 @@ struct Picture {
   }
 };
 
-const ScanPattern kFan{.samples = 1001, .min_azimuth_rad = -0.7, .max_azimuth_rad = 0.7};
-const ScanPattern kLidar{.samples = 301,
+const ScanPattern kFan{.beams = 1001, .min_azimuth_rad = -0.7, .max_azimuth_rad = 0.7};
+const ScanPattern kLidar{.beams = 301,
                          .rings = 31,
                          .min_azimuth_rad = -0.7,
                          .max_azimuth_rad = 0.7,
@@ -253,7 +253,7 @@ TEST_CASE("edges that snapping has moved across the centre of a pixel do not mis
   std::uniform_real_distribution<double> unit(-1, 1);
   const World near = plane({0.1, 0, -1}, {0, 0, 2}), far = plane({0.2, 0, -1}, {0, 0, 5});
   const World nothing = [](double, double) { return 0.0; };
-  const ScanPattern dense{.samples = 20001, .min_azimuth_rad = -0.3, .max_azimuth_rad = 0.3};
+  const ScanPattern dense{.beams = 20001, .min_azimuth_rad = -0.3, .max_azimuth_rad = 0.3};
   for (const ScanPattern& pattern : {dense, kLidar}) {
     for (int trial = 0; trial < 100; ++trial) {
       // Within the snapping distance of a centre: centres lie at whole pixels of tangent.

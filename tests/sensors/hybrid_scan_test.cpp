@@ -119,7 +119,7 @@ TEST_CASE("raycast in the marvin laboratory while the robot drives") {
 
 TEST_CASE("raycast with 64 rings all around in random rooms") {
   LaserScannerDesc desc;
-  desc.pattern = {.samples = 256,
+  desc.pattern = {.beams = 256,
                   .rings = 64,
                   .min_azimuth_rad = -kPi,
                   .max_azimuth_rad = kPi,
@@ -196,9 +196,9 @@ TEST_CASE("hybrid leaves no beam uncertain: beside a silhouette in front of empt
   // The wall ends at (4, 40), at about 84.3 degrees. Beams are closer together than pixels, and none is at its edge.
   LaserScannerDesc around_edge;
   around_edge.pattern = {
-      .samples = 200, .min_azimuth_rad = std::atan2(40, 4) - 0.001, .max_azimuth_rad = std::atan2(40, 4) + 0.001};
+      .beams = 200, .min_azimuth_rad = std::atan2(40, 4) - 0.001, .max_azimuth_rad = std::atan2(40, 4) + 0.001};
   LaserScannerDesc at_limit;
-  at_limit.pattern = {.samples = 3, .min_azimuth_rad = -kPi / 3, .max_azimuth_rad = kPi / 3};
+  at_limit.pattern = {.beams = 3, .min_azimuth_rad = -kPi / 3, .max_azimuth_rad = kPi / 3};
   at_limit.range_max_m = 8 + 1e-5;  // closer than a rendered bound, farther than a cast one
   for (const LaserScannerDesc& desc : {around_edge, at_limit}) {
     const Scan rendered = scan(desc, ScanMethod::planar), hybrid = scan(desc, ScanMethod::hybrid);
@@ -308,7 +308,7 @@ TEST_CASE("the rasteriser and the ray caster pass the same beams through holes")
   const std::unique_ptr<RayCaster> caster = make_ray_caster(device);
   caster->set_world(list);
   LaserScannerDesc desc;
-  desc.pattern = {.samples = 1501, .min_azimuth_rad = -0.6, .max_azimuth_rad = 0.6};
+  desc.pattern = {.beams = 1501, .min_azimuth_rad = -0.6, .max_azimuth_rad = 0.6};
   int met = 0, passed = 0, uncertain = 0;
   for (const double height_m : {-0.83, -0.31, 0.07, 0.44, 0.9}) {
     const glm::dmat4 pose = glm::translate(glm::dmat4(1.0), {0, 0, height_m});
@@ -340,7 +340,7 @@ TEST_CASE("limits along the ray: closer hits read 0, farther ones and misses inf
   DrawList list;
   add_item(list, box_mesh({0.5, 40, 3}), glm::translate(glm::dmat4(1.0), {4.5, 0, 0}));
   LaserScannerDesc desc;
-  desc.pattern = {.samples = 3, .min_azimuth_rad = -kPi / 3, .max_azimuth_rad = kPi / 3};  // at 4 m; at 8 m beside
+  desc.pattern = {.beams = 3, .min_azimuth_rad = -kPi / 3, .max_azimuth_rad = kPi / 3};  // at 4 m; at 8 m beside
   desc.method = ScanMethod::raycast;
   desc.range_min_m = 5;
   desc.range_max_m = 9;
@@ -353,7 +353,7 @@ TEST_CASE("limits along the ray: closer hits read 0, farther ones and misses inf
   scan_once(list, glm::dmat4(1.0), beyond);
   CHECK(beyond.scan()->range_m[0] == kInfinity);
   CHECK(beyond.scan()->error_bound_m[0] == 0);
-  desc.pattern = {.samples = 1, .min_azimuth_rad = kPi, .max_azimuth_rad = kPi};
+  desc.pattern = {.beams = 1, .min_azimuth_rad = kPi, .max_azimuth_rad = kPi};
   LaserScanner away("S", desc);
   scan_once(list, glm::dmat4(1.0), away);
   CHECK(away.scan()->range_m[0] == kInfinity);

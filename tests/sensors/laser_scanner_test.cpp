@@ -43,10 +43,9 @@ struct Stage {
 };
 
 LaserScannerDesc fan(std::uint32_t samples, double min_deg, double max_deg) {
-  return {.pattern = {.samples = samples,
-                      .min_azimuth_rad = glm::radians(min_deg),
-                      .max_azimuth_rad = glm::radians(max_deg)},
-          .method = ScanMethod::planar};
+  return {
+      .pattern = {.beams = samples, .min_azimuth_rad = glm::radians(min_deg), .max_azimuth_rad = glm::radians(max_deg)},
+      .method = ScanMethod::planar};
 }
 
 }  // namespace
@@ -123,11 +122,11 @@ TEST_CASE("a lidar inside a box, from straight down to straight up") {
   const Scan& scan = stage.scan(scanner);
   int certain = 0;
   for (std::uint32_t ring = 0; ring < scan.rings; ++ring) {
-    for (std::uint32_t beam = 0; beam < scan.columns; ++beam) {
+    for (std::uint32_t beam = 0; beam < scan.beams; ++beam) {
       const double e = scan.elevation_rad[ring], a = scan.azimuth_rad[beam];
       const glm::dvec3 d = glm::abs(reference::beam_direction(a, e));
       const double expected = std::min({half.x / d.x, half.y / d.y, half.z / d.z});
-      const std::size_t index = ring * scan.columns + beam;
+      const std::size_t index = ring * scan.beams + beam;
       CHECK(std::abs(scan.range_m[index] - expected) <= scan.error_bound_m[index]);
       if (scan.error_bound_m[index] == kInfinity) continue;
       ++certain;

@@ -125,19 +125,19 @@ TEST_CASE("the hierarchy of the reference finds the same hits as brute force") {
 }
 
 TEST_CASE("planar scans of random rooms: 400,000 beams") {
-  check_rooms({.pattern = {.samples = 10001, .min_azimuth_rad = -kPi / 2, .max_azimuth_rad = kPi / 2},
+  check_rooms({.pattern = {.beams = 10001, .min_azimuth_rad = -kPi / 2, .max_azimuth_rad = kPi / 2},
                .method = ScanMethod::planar},
               40, kPlanarRooms);
 }
 
 TEST_CASE("nearest scans of random rooms: the bound holds") {
-  check_rooms({.pattern = {.samples = 10001, .min_azimuth_rad = -kPi / 2, .max_azimuth_rad = kPi / 2},
+  check_rooms({.pattern = {.beams = 10001, .min_azimuth_rad = -kPi / 2, .max_azimuth_rad = kPi / 2},
                .method = ScanMethod::nearest},
               20, kNearestRooms);
 }
 
 TEST_CASE("a lidar of 32 rings over a full turn in random rooms: 300,000 beams") {
-  check_rooms({.pattern = {.samples = 1024,
+  check_rooms({.pattern = {.beams = 1024,
                            .rings = 32,
                            .min_azimuth_rad = -kPi,
                            .max_azimuth_rad = kPi,

@@ -53,7 +53,7 @@ void check_layout(const ScanPattern& pattern, double resolution_px) {
 }  // namespace
 
 TEST_CASE("beams are spread evenly and include both ends") {
-  const ScanPattern pattern{.samples = 361, .min_azimuth_rad = -kPi / 2, .max_azimuth_rad = kPi / 2};
+  const ScanPattern pattern{.beams = 361, .min_azimuth_rad = -kPi / 2, .max_azimuth_rad = kPi / 2};
   const auto a = azimuths(pattern);
   REQUIRE(a.size() == 361);
   CHECK(a.front() == -kPi / 2);
@@ -64,18 +64,18 @@ TEST_CASE("beams are spread evenly and include both ends") {
 
 TEST_CASE("taps point along their beams, inside their faces") {
   const double quarter = kPi / 2;
-  check_layout({.samples = 361, .min_azimuth_rad = -quarter, .max_azimuth_rad = quarter}, 4096);
-  check_layout({.samples = 721, .min_azimuth_rad = -kPi, .max_azimuth_rad = kPi}, 1000);
-  check_layout({.samples = 10, .min_azimuth_rad = 0.1, .max_azimuth_rad = 0.2}, 512);
-  check_layout({.samples = 1, .min_azimuth_rad = 1, .max_azimuth_rad = 1}, 512);
-  check_layout({.samples = 200,
+  check_layout({.beams = 361, .min_azimuth_rad = -quarter, .max_azimuth_rad = quarter}, 4096);
+  check_layout({.beams = 721, .min_azimuth_rad = -kPi, .max_azimuth_rad = kPi}, 1000);
+  check_layout({.beams = 10, .min_azimuth_rad = 0.1, .max_azimuth_rad = 0.2}, 512);
+  check_layout({.beams = 1, .min_azimuth_rad = 1, .max_azimuth_rad = 1}, 512);
+  check_layout({.beams = 200,
                 .rings = 16,
                 .min_azimuth_rad = -kPi,
                 .max_azimuth_rad = kPi,
                 .min_elevation_rad = -0.26,
                 .max_elevation_rad = 0.26},
                1024);
-  check_layout({.samples = 90,
+  check_layout({.beams = 90,
                 .rings = 45,
                 .min_azimuth_rad = -kPi,
                 .max_azimuth_rad = kPi,
@@ -86,11 +86,10 @@ TEST_CASE("taps point along their beams, inside their faces") {
 
 TEST_CASE("a half circle takes two faces, a full turn four, the sphere six; a planar strip has two rows") {
   const double quarter = kPi / 2;
-  CHECK(
-      make_scan_layout({.samples = 361, .min_azimuth_rad = -quarter, .max_azimuth_rad = quarter}, 4096).faces.size() ==
-      2);
-  CHECK(make_scan_layout({.samples = 361, .min_azimuth_rad = -kPi, .max_azimuth_rad = kPi}, 4096).faces.size() == 4);
-  CHECK(make_scan_layout({.samples = 361,
+  CHECK(make_scan_layout({.beams = 361, .min_azimuth_rad = -quarter, .max_azimuth_rad = quarter}, 4096).faces.size() ==
+        2);
+  CHECK(make_scan_layout({.beams = 361, .min_azimuth_rad = -kPi, .max_azimuth_rad = kPi}, 4096).faces.size() == 4);
+  CHECK(make_scan_layout({.beams = 361,
                           .rings = 181,
                           .min_azimuth_rad = -kPi,
                           .max_azimuth_rad = kPi,
@@ -101,7 +100,7 @@ TEST_CASE("a half circle takes two faces, a full turn four, the sphere six; a pl
 }
 
 TEST_CASE("the width of a face follows its beams") {
-  const ScanLayout layout = make_scan_layout({.samples = 3, .min_azimuth_rad = -0.01, .max_azimuth_rad = 0.01}, 2000);
+  const ScanLayout layout = make_scan_layout({.beams = 3, .min_azimuth_rad = -0.01, .max_azimuth_rad = 0.01}, 2000);
   REQUIRE(layout.faces.size() == 1);
   // Tangents up to 0.01 at 1000 pixels each: 10 pixels to either side, and the neighbourhood.
   CHECK(layout.faces[0].width_px <= 2 * 11 + kPixelsBefore + kPixelsAfter + 1);

@@ -121,20 +121,20 @@ TEST_CASE("an effect that follows beams needs raycast or no method, and never a 
 }
 
 TEST_CASE("the price list contains the scene's methods with their tolerance") {
-  CHECK(attributes_of(variant_of(command_of(""))) == R"(method="raycast")");
-  CHECK(attributes_of(variant_of(command_of("max_error_rel='0.001'"))) ==
+  CHECK(attributes_of(scan_variants(command_of("")).own) == R"(method="raycast")");
+  CHECK(attributes_of(scan_variants(command_of("max_error_rel='0.001'")).own) ==
         R"(method="hybrid" resolution="4096" max_error_rel="0.001")");
-  CHECK(attributes_of(variant_of(command_of("max_error_m='0.01'"))) ==
+  CHECK(attributes_of(scan_variants(command_of("max_error_m='0.01'")).own) ==
         R"(method="hybrid" resolution="4096" max_error_m="0.01")");
-  CHECK(attributes_of(variant_of(command_of("method='auto' max_error_m='0.01'"))) ==
+  CHECK(attributes_of(scan_variants(command_of("method='auto' max_error_m='0.01'")).own) ==
         R"(method="auto" max_error_m="0.01")");
   // Methods that cannot measure with the effect have no price.
-  CHECK(priced_variants(command_of("sweep='0.01'")).size() == 1);
+  CHECK(scan_variants(command_of("sweep='0.01'")).priced.size() == 1);
   for (const char* attributes : {"", "max_error_m='0.01'", "method='auto' max_error_m='0.01'", "sweep='0.01'"}) {
     CAPTURE(attributes);
     Simulation simulation = load(attributes);
     const Command command = simulation.diagnostics().command("SCAN");
-    for (const ScanVariant& variant : priced_variants(command)) {
+    for (const ScanVariant& variant : scan_variants(command).priced) {
       CHECK_NOTHROW(simulation.add_variant("SCAN", with_variant(command, variant, "OTHER" + attributes_of(variant))));
     }
   }

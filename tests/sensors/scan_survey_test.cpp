@@ -48,7 +48,7 @@ TEST_CASE("methods are surveyed again when the scene grows, but not when the sca
 
 TEST_CASE("methods are surveyed again when the cost of the chosen one changes, less often while the choice stays") {
   const std::vector<double> none;
-  MethodSurvey survey({.samples = 2}, std::vector<double>{512});
+  MethodSurvey survey({.beams = 2}, std::vector<double>{512});
   CostModel cost;
   cost[CostTerm::beam] = 1;
   MethodSelector choice;
@@ -79,7 +79,7 @@ TEST_CASE("methods are surveyed again when the cost of the chosen one changes, l
 TEST_CASE("methods are surveyed again only if another one may have become the cheapest") {
   const DrawList list = random_room(3, 20, 12);
   LaserScannerDesc desc;
-  desc.pattern = {.samples = 181, .min_azimuth_rad = -1, .max_azimuth_rad = 1};
+  desc.pattern = {.beams = 181, .min_azimuth_rad = -1, .max_azimuth_rad = 1};
   desc.method = ScanMethod::automatic;
   desc.max_error_rel = 1e-4;
   CostModel cost;

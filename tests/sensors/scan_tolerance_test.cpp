@@ -22,7 +22,7 @@ TEST_CASE("the error about a tolerance that no method meets names the smallest o
   for (const auto& [method, rings] : {Case{ScanMethod::automatic, 1}, Case{ScanMethod::hybrid, 1},
                                       Case{ScanMethod::automatic, 64}, Case{ScanMethod::hybrid, 64}}) {
     LaserScannerDesc desc;
-    desc.pattern = {.samples = 31, .rings = rings, .min_azimuth_rad = -0.5, .max_azimuth_rad = 0.5};
+    desc.pattern = {.beams = 31, .rings = rings, .min_azimuth_rad = -0.5, .max_azimuth_rad = 0.5};
     if (rings > 1) desc.pattern.max_elevation_rad = 0.5;
     desc.method = method;
     desc.max_error_m = 2e-7;  // half an ulp of a float from 2 to 4 m is 1.2e-7, and from 4 to 8 m 2.4e-7
@@ -57,7 +57,8 @@ TEST_CASE(
   for (const char* method : {"auto", "hybrid"}) {
     Simulation simulation = marvin_scanners({}, {{"method", method}, {"max_error_rel", "5e-8"}});
     const std::string message = error_of([&] { simulation.step(); });
-    CHECK(contains(message, "this test: error: attribute \"max_error_rel\": 5e-08 cannot be kept by any method for sensor \""));
+    CHECK(contains(message,
+                   "this test: error: attribute \"max_error_rel\": 5e-08 cannot be kept by any method for sensor \""));
     CHECK(contains(message, " of the range"));
     CHECK(simulation.measured().empty());
     CHECK(simulation.next_frame().index == 0);

@@ -32,7 +32,7 @@ double attribute(const Simulation& simulation, std::string_view name) {
 // A second copy of the data sheets' numbers: a typing error would have to be made twice.
 struct DataSheet {
   const char* preset;
-  std::uint32_t rings, columns;
+  std::uint32_t rings, beams;
   double first_deg, step_deg, lowest_deg, ring_step_deg;
   double range_min_m, range_max_m, resolution_m, sigma_m, rate_hz;
 };
@@ -53,8 +53,8 @@ TEST_CASE("each preset has the beams, the limits, the noise and the rate of its 
     simulation.step();
     const Scan& scan = simulation.scan("SCAN");
     REQUIRE(scan.rings == sheet.rings);
-    REQUIRE(scan.columns == sheet.columns);
-    for (const std::uint32_t i : {0u, 1u, sheet.columns / 2, sheet.columns - 1}) {
+    REQUIRE(scan.beams == sheet.beams);
+    for (const std::uint32_t i : {0u, 1u, sheet.beams / 2, sheet.beams - 1}) {
       CHECK(std::abs(glm::degrees(scan.azimuth_rad[i]) - (sheet.first_deg + i * sheet.step_deg)) <= kRounding_deg);
     }
     for (std::uint32_t i = 0; i < sheet.rings; ++i) {
@@ -94,7 +94,7 @@ TEST_CASE("noise and resolution of a preset show in its ranges") {
 TEST_CASE("attributes of a command and of the command line override the preset") {
   Simulation own = simulation_of("preset='hokuyo_utm30lx' samples='5' range_noise='0'");
   own.step();
-  CHECK(own.scan("SCAN").columns == 5);
+  CHECK(own.scan("SCAN").beams == 5);
   CHECK(attribute(own, "range_noise") == 0);
   CHECK(attribute(own, "range_max") == 30);
   SimulationDesc desc;
@@ -110,7 +110,7 @@ TEST_CASE("attributes of a command and of the command line override the preset")
 TEST_CASE("a variant of a preset keeps its beams and measures in every frame") {
   Simulation simulation = simulation_of("preset='velodyne_vlp16' samples='90' method='planar'", 20);
   const Command command = simulation.diagnostics().command("SCAN");
-  CHECK(variant_of(command).resolution_px == kRingsResolution);
+  CHECK(scan_variants(command).own.resolution_px == kRingsResolution);
   simulation.add_variant("SCAN", with_variant(command, {"nearest", 256, {}}, "SCAN.0"));
   for (int frame = 0; frame < 4; ++frame) simulation.step();
   CHECK(simulation.scan("SCAN.0").rings == 16);

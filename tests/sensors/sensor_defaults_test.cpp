@@ -30,10 +30,9 @@ bool same(const ColorSampling& a, const ColorSampling& b) {
 }
 
 bool same(const ScanPattern& a, const ScanPattern& b) {
-  const auto& [samples, rings, min_azimuth, max_azimuth, min_elevation, max_elevation] = a;
-  return samples == b.samples && rings == b.rings && min_azimuth == b.min_azimuth_rad &&
-         max_azimuth == b.max_azimuth_rad && min_elevation == b.min_elevation_rad &&
-         max_elevation == b.max_elevation_rad;
+  const auto& [beams, rings, min_azimuth, max_azimuth, min_elevation, max_elevation] = a;
+  return beams == b.beams && rings == b.rings && min_azimuth == b.min_azimuth_rad && max_azimuth == b.max_azimuth_rad &&
+         min_elevation == b.min_elevation_rad && max_elevation == b.max_elevation_rad;
 }
 
 bool same(const CameraDesc& a, const CameraDesc& b) {

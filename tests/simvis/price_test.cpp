@@ -157,7 +157,7 @@ TEST_CASE("a variant has the pose of its sensor, moves with it, and measures as 
 TEST_CASE("overrides are in the command of a sensor and do not change a variant") {
   const WallScene scene;
   Simulation simulation = scene.load(overridden({"nearest", 512, {}}));
-  CHECK(variant_of(simulation.diagnostics().command("SCAN")) == ScanVariant{"nearest", 512, {}});
+  CHECK(scan_variants(simulation.diagnostics().command("SCAN")).own == ScanVariant{"nearest", 512, {}});
   simulation.add_variant("SCAN", with_variant(simulation.diagnostics().command("SCAN"), {"planar", 64, {}}, "SCAN.0"));
   CHECK(simulation.sensors().back().method == "planar");
   CHECK(error_of([&] { simulation.diagnostics().command("SCAM"); }).find("did you mean \"SCAN\"?") !=
@@ -189,26 +189,27 @@ TEST_CASE("variants: the requested one of a scanner is among them once, and equa
   const auto scanner = [](const std::string& attributes) {
     return parse_commands(R"(<sensor type="laser_scanner" name="S" insert_at="ROOT" )" + attributes + "/>", "", "")[0];
   };
-  CHECK(variant_of(scanner("")) == ScanVariant{"raycast", {}, {}});
-  CHECK(variant_of(scanner("method=\"planar\"")) == ScanVariant{"planar", kPlanarResolution, {}});
-  CHECK(variant_of(scanner("method=\"planar\" vertical_samples=\"2\"")) == ScanVariant{"planar", kRingsResolution, {}});
+  CHECK(scan_variants(scanner("")).own == ScanVariant{"raycast", {}, {}});
+  CHECK(scan_variants(scanner("method=\"planar\"")).own == ScanVariant{"planar", kPlanarResolution, {}});
+  CHECK(scan_variants(scanner("method=\"planar\" vertical_samples=\"2\"")).own ==
+        ScanVariant{"planar", kRingsResolution, {}});
   CHECK(attributes_of({"hybrid", 512, 1e-3}) == R"(method="hybrid" resolution="512" max_error_rel="0.001")");
   CHECK(attributes_of({"raycast", {}, {}}) == R"(method="raycast")");
   constexpr std::size_t per_resolution = 5, casting = 1;
-  CHECK(priced_variants(scanner("")).size() == 5 * per_resolution + casting);
-  CHECK(priced_variants(scanner("resolution=\"4096\"")).size() == 5 * per_resolution + casting);
-  CHECK(priced_variants(scanner("resolution=\"300\"")).size() == 6 * per_resolution + casting);
-  CHECK(priced_variants(scanner("vertical_samples=\"2\"")).size() == 4 * per_resolution + casting);
-  CHECK(variant_of(scanner("method=\"raycast\" resolution=\"64\"")) == ScanVariant{"raycast", {}, {}});
+  CHECK(scan_variants(scanner("")).priced.size() == 5 * per_resolution + casting);
+  CHECK(scan_variants(scanner("resolution=\"4096\"")).priced.size() == 5 * per_resolution + casting);
+  CHECK(scan_variants(scanner("resolution=\"300\"")).priced.size() == 6 * per_resolution + casting);
+  CHECK(scan_variants(scanner("vertical_samples=\"2\"")).priced.size() == 4 * per_resolution + casting);
+  CHECK(scan_variants(scanner("method=\"raycast\" resolution=\"64\"")).own == ScanVariant{"raycast", {}, {}});
   // A tolerance below the bound of any pixel: nothing is rendered at any resolution.
-  CHECK(variant_of(scanner("method=\"hybrid\"")) == ScanVariant{"hybrid", {}, 1e-6});
-  CHECK(priced_variants(scanner("method=\"hybrid\"")).size() == 27);
-  CHECK(priced_variants(scanner("max_error_rel=\"0.01\"")).size() == 31);
+  CHECK(scan_variants(scanner("method=\"hybrid\"")).own == ScanVariant{"hybrid", {}, 1e-6});
+  CHECK(scan_variants(scanner("method=\"hybrid\"")).priced.size() == 27);
+  CHECK(scan_variants(scanner("max_error_rel=\"0.01\"")).priced.size() == 31);
   for (const char* own : {"", "method=\"raycast\"", "method=\"hybrid\"", "method=\"hybrid\" max_error_rel=\"2e-4\"",
                           "method=\"nearest\" resolution=\"100\"", "vertical_samples=\"8\" max_error_rel=\"2e-4\""}) {
     CAPTURE(own);
-    const std::vector<ScanVariant> variants = priced_variants(scanner(own));
-    CHECK(std::ranges::count(variants, variant_of(scanner(own))) == 1);
+    const std::vector<ScanVariant> variants = scan_variants(scanner(own)).priced;
+    CHECK(std::ranges::count(variants, scan_variants(scanner(own)).own) == 1);
     for (const ScanVariant& variant : variants) CHECK(std::ranges::count(variants, variant) == 1);
   }
 }

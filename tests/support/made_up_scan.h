@@ -25,22 +25,22 @@ inline std::vector<ChosenScanEffect> effects_of(const std::string& attributes, s
   const std::vector<Command> commands = parse_commands(xml, "<string>", ".");
   const std::vector<AttributeSpec> table = all_attributes(*find_sensor_type("laser_scanner"));
   const AttributeValues values(commands.at(0), table, kSensorCommonAttributes);
-  return scan_effects({values, 1, kSamples, seed, name});
+  return scan_effects({values, 1, kSamples, values.number("range_max"), seed, name});
 }
 
 /// One ring that reads `range_m` throughout.
-inline Scan even_scan(float range_m, std::uint32_t columns = kSamples) {
+inline Scan even_scan(float range_m, std::uint32_t beams = kSamples) {
   Scan scan;
   scan.rings = 1;
-  scan.columns = columns;
-  scan.range_m.assign(columns, range_m);
-  scan.error_bound_m.assign(columns, 0);
+  scan.beams = beams;
+  scan.range_m.assign(beams, range_m);
+  scan.error_bound_m.assign(beams, 0);
   return scan;
 }
 
 /// The scan when all effects are through with it, in frame `frame`.
 inline Scan finished(const std::vector<ChosenScanEffect>& effects, Scan scan, std::uint64_t frame = 0) {
-  const ScanContext moment{.time = {.index = frame}, .rings = 1, .columns = scan.columns};
+  const ScanContext moment{.time = {.index = frame}, .rings = 1, .beams = scan.beams};
   for (const ChosenScanEffect& each : effects) each.effect->finish(moment, {}, scan);
   return scan;
 }

@@ -9,7 +9,6 @@
 #include <simvis/ray_caster.h>
 #include <simvis/scan_effect.h>
 #include <simvis/sensor.h>
-#include "sensors/laser_scanner/traced_scan.h"
 #include "tests/support/ray_casting.h"
 
 namespace simvis {
@@ -20,8 +19,12 @@ inline std::vector<ChosenScanEffect> effects_of(const std::string& attributes, s
   const Command command =
       parse_commands("<sensor type='laser_scanner' name='S' insert_at='ROOT' " + attributes + "/>", "s.xml", "").at(0);
   const AttributeValues values(command, all_attributes(*find_sensor_type("laser_scanner")), kSensorCommonAttributes);
-  std::vector<ChosenScanEffect> effects =
-      scan_effects({.attributes = values, .rings = 1, .columns = 1, .seed = seed, .sensor = sensor});
+  std::vector<ChosenScanEffect> effects = scan_effects({.attributes = values,
+                                                        .rings = 1,
+                                                        .beams = 1,
+                                                        .range_max_m = values.number("range_max"),
+                                                        .seed = seed,
+                                                        .sensor = sensor});
   if (!name.empty()) std::erase_if(effects, [&](const ChosenScanEffect& each) { return each.type->name != name; });
   return effects;
 }
@@ -44,7 +47,7 @@ inline std::vector<std::vector<Echo>> echoes_of(const DrawList& list, const std:
                                                 std::vector<ChosenScanEffect> effects, RayCaster& caster) {
   const auto log = std::make_shared<EchoLog>();
   effects.push_back({nullptr, log});
-  ScanContext moment{.time = {}, .before = {}, .rings = 1, .columns = static_cast<std::uint32_t>(directions.size())};
+  ScanContext moment{.time = {}, .before = {}, .rings = 1, .beams = static_cast<std::uint32_t>(directions.size())};
   moment.range_max_m = 1000;
   moment.medium = list.medium;
   caster.set_world(list);

@@ -66,11 +66,11 @@ inline void compare(const Scan& scan, const reference::RayCaster& truth, double 
                     double pixel_rad, ScanComparison& result) {
   for (std::uint32_t ring = 0; ring < scan.rings; ++ring) {
     const double e = scan.elevation_rad[ring];
-    for (std::uint32_t beam = 0; beam < scan.columns; ++beam) {
+    for (std::uint32_t beam = 0; beam < scan.beams; ++beam) {
       const double a = scan.azimuth_rad[beam];
       const glm::dvec3 direction = reference::beam_direction(a, e);
       const double expected = expected_reading(truth.cast(direction).range_m, range_min_m, range_max_m);
-      const std::size_t index = std::size_t{ring} * scan.columns + beam;
+      const std::size_t index = std::size_t{ring} * scan.beams + beam;
       const double range = scan.range_m[index], bound = scan.error_bound_m[index];
       const bool same_kind = std::isfinite(expected) == std::isfinite(range);
       const double error = expected == range ? 0 : std::abs(range - expected);

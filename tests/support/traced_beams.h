@@ -9,7 +9,6 @@
 #include <vector>
 
 #include <simvis/scan_effect.h>
-#include "sensors/laser_scanner/traced_scan.h"
 #include "tests/support/ray_casting.h"
 #include "tests/support/tested_build.h"
 
@@ -42,7 +41,7 @@ inline std::vector<ChosenScanEffect> chosen(const EffectList& effects) {
 inline ScanContext moment_of(std::size_t beams) {
   ScanContext moment;
   moment.rings = 1;
-  moment.columns = static_cast<std::uint32_t>(beams);
+  moment.beams = static_cast<std::uint32_t>(beams);
   moment.range_max_m = 1000;
   return moment;
 }

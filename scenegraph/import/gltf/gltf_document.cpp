@@ -8,7 +8,6 @@
 #include <utility>
 
 #include <simvis/error.h>
-#include "scenegraph/import/gltf/gltf_accessors.h"
 #include "scenegraph/import/gltf/gltf_schema.h"
 
 namespace simvis {
@@ -215,7 +214,6 @@ GltfDocument read_gltf_document(const std::filesystem::path& file) {
   read_images(root, document);
   read_animations(root, document);
   read_structure(root, document);
-  check_accessors(document);
   warn_of_unsupported_extensions(document);
   return document;
 }

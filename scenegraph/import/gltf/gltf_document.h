@@ -56,7 +56,8 @@ struct GltfDocument {
   bool uses(std::string_view extension) const;
 };
 
-/// Throws InputError naming the file.
+/// Reads the structure and opens the buffers; check_accessors() checks that the buffers hold what it names. Throws
+/// InputError naming the file.
 GltfDocument read_gltf_document(const std::filesystem::path& file);
 
 }  // namespace simvis

@@ -252,6 +252,7 @@ class GraphBuilder {
 
 PartContent import_gltf(const ImportRequest& request, ContentPool& pool) {
   GltfDocument document = read_gltf_document(request.file);
+  check_accessors(document);
   return GraphBuilder(document, pool).build(!request.up_given || request.up == UpAxis::y);
 }
 

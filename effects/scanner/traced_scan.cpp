@@ -1,10 +1,9 @@
-#include "sensors/laser_scanner/traced_scan.h"
-
 #include <algorithm>
 #include <glm/gtc/matrix_transform.hpp>
 #include <limits>
 #include <utility>
 
+#include <simvis/scan_effect.h>
 #include "effects/scanner/reflectance.h"
 #include "effects/scanner/returns.h"
 
