@@ -116,9 +116,7 @@ RunSummary summarize(Simulation simulation, const SummaryDesc& desc) {
 }
 
 const std::string& method = each.variant.method.empty() ? kNoMethod : each.variant.method;
-text += formatted("  %-8s %8.3f ms", method.c_str(), each.median_ms) + errors_text(*summary.price, each) +
-        "
-        ";
+text += formatted("  %-8s %8.3f ms", method.c_str(), each.median_ms) + errors_text(*summary.price, each) + "\n";
 }
 }
 std::string files;
