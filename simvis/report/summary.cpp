@@ -115,13 +115,34 @@ RunSummary summarize(Simulation simulation, const SummaryDesc& desc) {
   return summary;
 }
 
-const std::string& method = each.variant.method.empty() ? kNoMethod : each.variant.method;
-text += formatted("  %-8s %8.3f ms", method.c_str(), each.median_ms) + errors_text(*summary.price, each) + "\n";
+double bounded_error_m(const ScannerPrice& price, const VariantPrice& variant) {
+  const std::optional<std::size_t> exact = reference_of(price.variants);
+  return std::fmax(variant.difference_largest_m,
+                   exact ? price.variants[*exact].bound_largest_m : variant.bound_largest_m);
 }
-}
-std::string files;
-for (const std::filesystem::path& file : summary.files) files += (files.empty() ? "" : ", ") + file.string();
-return text + "open first: " + files + "\n";
+
+std::string to_text(const RunSummary& summary) {
+  std::string text;
+  if (summary.scanners > 0) {
+    const double sets_hz = 1000 / summary.set_ms;
+    text += formatted("scanners: %zu with %llu beams together, %.2f ms a set: %.0f sets per second, %.0f x %g Hz\n",
+                      summary.scanners, static_cast<unsigned long long>(summary.beams), summary.set_ms, sets_hz,
+                      sets_hz / summary.rate_hz, summary.rate_hz);
+  }
+  if (summary.cameras > 0) {
+    const double rest_ms = std::max(summary.frame_ms - summary.set_ms, 0.0);
+    text += formatted("cameras: %.0f %% of a frame of %.1f ms\n", 100 * rest_ms / summary.frame_ms, summary.frame_ms);
+  }
+  if (summary.price) {
+    text += "what accuracy costs " + summary.price->scanner + " (--price lists more):\n";
+    for (const VariantPrice& each : summary.price->variants) {
+      const std::string& method = each.variant.method.empty() ? kNoMethod : each.variant.method;
+      text += formatted("  %-8s %8.3f ms", method.c_str(), each.median_ms) + errors_text(*summary.price, each) + "\n";
+    }
+  }
+  std::string files;
+  for (const std::filesystem::path& file : summary.files) files += (files.empty() ? "" : ", ") + file.string();
+  return text + "open first: " + files + "\n";
 }
 
 }  // namespace simvis
