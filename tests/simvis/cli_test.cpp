@@ -139,7 +139,7 @@ TEST_CASE("pictures and ranges of a wall are where geometry puts them") {
 
   const Table scan = read_csv(folder / "out/SCAN.csv");
   CHECK(scan.columns == Strings{"frame", "time_s", "ring", "beam", "azimuth_deg", "elevation_deg", "range_m",
-                              "error_bound_m", "x_m", "y_m", "z_m"});
+                                "error_bound_m", "x_m", "y_m", "z_m"});
   REQUIRE(scan.rows.size() == 10);
   for (std::size_t row = 0; row < 10; ++row) {
     const Strings& cell = scan.rows[row];
