@@ -18,6 +18,7 @@
 
 #include <simvis/camera_layout.h>
 #include <simvis/effect.h>
+#include <simvis/export.h>
 #include <simvis/frame_plan.h>
 #include <simvis/frame_time.h>
 #include <simvis/image.h>
@@ -30,7 +31,7 @@ namespace simvis {
 ///
 /// Threads  calls for one camera come from one thread at a time. Cameras of several simulations may be used in several
 ///          threads at once.
-class CameraEffect {
+class SIMVIS_API CameraEffect {
  public:
   virtual ~CameraEffect() = default;
 
@@ -73,7 +74,7 @@ struct CameraEffectType {
 };
 
 /// Adds a camera effect to the catalogue, under the rules of EffectRegistration.
-struct CameraEffectRegistration {
+struct SIMVIS_API CameraEffectRegistration {
   /// `built_for` is the version of the headers that the caller is compiled with.
   explicit CameraEffectRegistration(const CameraEffectType& type, std::string_view built_for = kHeaderVersion);
 };
@@ -87,6 +88,7 @@ struct ChosenCameraEffect {
 /// The effects that the attributes of a sensor of this type request and that its outputs can show, in calling order.
 ///
 /// Errors   InputError, with the place, if attributes of an effect contradict each other.
-std::vector<ChosenCameraEffect> camera_effects(std::string_view sensor_type, const CameraEffectContext& context);
+SIMVIS_API std::vector<ChosenCameraEffect> camera_effects(std::string_view sensor_type,
+                                                          const CameraEffectContext& context);
 
 }  // namespace simvis

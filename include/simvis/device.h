@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include <simvis/export.h>
 #include <simvis/frame_plan.h>
 #include <simvis/progress.h>
 
@@ -24,7 +25,7 @@ struct DeviceInfo {
 /// All Vulkan devices of this machine, in the driver's order.
 ///
 /// Errors   MachineError if there is no Vulkan loader or driver; the message says what to install.
-std::vector<DeviceInfo> list_devices();
+SIMVIS_API std::vector<DeviceInfo> list_devices();
 
 /// How a device is selected and used.
 struct DeviceDesc {
@@ -45,7 +46,7 @@ struct DeviceDesc {
 ///              `select` matches no device.
 /// Lifetime     renderers and ray casters that use the device must be destroyed before it.
 /// Threads      one thread at a time. Several devices may be used in several threads.
-class Device {
+class SIMVIS_API Device {
  public:
   /// Selects and opens a device. `threads` as SimulationDesc::threads.
   explicit Device(const DeviceDesc& desc = {}, unsigned threads = 0);

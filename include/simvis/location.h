@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include <simvis/error.h>
+#include <simvis/export.h>
 
 namespace simvis {
 
@@ -16,12 +17,12 @@ struct Location {
 };
 
 /// "FILE:LINE:COLUMN", or the part of it that is known.
-std::string to_string(const Location& where);
+SIMVIS_API std::string to_string(const Location& where);
 
 /// Throws InputError "FILE:LINE:COLUMN: error: MESSAGE".
-[[noreturn]] void fail_at(const Location& where, std::string_view message);
+[[noreturn]] SIMVIS_API void fail_at(const Location& where, std::string_view message);
 
 /// The user's text in quotes for a message: on one line, control characters escaped, very long text cut.
-std::string in_quotes(std::string_view text);
+SIMVIS_API std::string in_quotes(std::string_view text);
 
 }  // namespace simvis

@@ -26,6 +26,7 @@
 
 #include <simvis/draw_list.h>
 #include <simvis/effect.h>
+#include <simvis/export.h>
 #include <simvis/frame_time.h>
 #include <simvis/philox.h>
 #include <simvis/scan.h>
@@ -77,7 +78,7 @@ struct Echo {
 ///
 /// Threads  calls for one scanner come from one thread at a time. Scanners of several simulations may be used in
 ///          several threads at once.
-class ScanEffect {
+class SIMVIS_API ScanEffect {
  public:
   virtual ~ScanEffect() = default;
 
@@ -161,7 +162,7 @@ struct ScanEffectType {
 };
 
 /// Adds a scan effect to the catalogue, under the rules of EffectRegistration.
-struct ScanEffectRegistration {
+struct SIMVIS_API ScanEffectRegistration {
   /// `built_for` is the version of the headers that the caller is compiled with.
   explicit ScanEffectRegistration(const ScanEffectType& type, std::string_view built_for = kHeaderVersion);
 };
@@ -176,6 +177,6 @@ struct ChosenScanEffect {
 /// The effects that the attributes request, in calling order.
 ///
 /// Errors   those of the types' `create` functions.
-std::vector<ChosenScanEffect> scan_effects(const ScanEffectContext& context);
+SIMVIS_API std::vector<ChosenScanEffect> scan_effects(const ScanEffectContext& context);
 
 }  // namespace simvis

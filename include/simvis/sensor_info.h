@@ -7,12 +7,13 @@
 #include <string_view>
 #include <vector>
 
+#include <simvis/export.h>
 #include <simvis/sensor.h>
 
 namespace simvis {
 
 /// A sensor of the scene, as run.json and users see it.
-struct SensorInfo {
+struct SIMVIS_API SensorInfo {
   std::string name,                             ///< the sensor's name
       type,                                     ///< its type
       method;                                   ///< how it measures, see Sensor::method()

@@ -86,13 +86,12 @@ const std::map<std::string, std::string, std::less<>> kPublic = [] {
   const auto add = [&](const char* room, std::initializer_list<const char*> names) {
     for (const char* name : names) rooms[name] = room;
   };
-  add("engine/base", {"error", "philox", "progress", "version"});
+  add("engine/base", {"error", "export", "philox", "progress", "version"});
   add("engine/draw", {"draw_list", "draw_list_delta", "frame_costs", "frame_plan", "frame_results", "mesh"});
   add("engine/vulkan", {"device"});
   add("engine/raycast", {"cost_model", "ray_caster", "surface_point"});
   add("scenegraph/language", {"attributes", "command", "location", "pose"});
-  add("scenegraph",
-      {"camera_layout", "content_pool", "frame_time", "image", "node", "part_importer", "scan", "scene", "undo_log"});
+  add("scenegraph", {"camera_layout", "content_pool", "frame_time", "image", "node", "part_importer", "scan", "scene"});
   add("elements", {"element"});
   add("effects", {"effect"});
   add("effects/camera", {"camera_effect"});
