@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include <simvis/sensor.h>
+#include "engine/base/program_api.h"
 
 namespace simvis {
 
@@ -26,9 +27,9 @@ class Clock {
  public:
   static constexpr double kMaxRateHz = 1e9;
 
-  explicit Clock(double rate_hz);
+  SIMVIS_PROGRAM_API explicit Clock(double rate_hz);
 
-  FrameTime frame(std::uint64_t index) const;
+  SIMVIS_PROGRAM_API FrameTime frame(std::uint64_t index) const;
 
   /// Whether a sensor with `sensor_rate_hz` measures in frame `index`: a firing time round(j * 10^9 / sensor_rate),
   /// j = 0, 1, 2, ..., lies after the previous frame and not after this one. Frame 0 takes the firing at time 0. A

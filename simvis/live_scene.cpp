@@ -9,15 +9,36 @@
 namespace simvis {
 namespace {
 
-// An invalid override is an error even if the scene has no sensor of the type.
+std::string origin_of(const AttributeOverride& override) {
+  return override.origin.empty() ? override.sensor_type + "." + override.attribute : override.origin;
+}
+
+void check(const AttributeOverride& override) {
+  const SensorType* const type = find_sensor_type(override.sensor_type);
+  if (type == nullptr) return;  // the builder reports unknown types and lists the known ones
+  const Location where{.file = origin_of(override)};
+  Command command{.kind = CommandKind::sensor, .attributes = {}, .where = where, .folder = {}};
+  if (override.value) command.attributes.push_back({override.attribute, *override.value, where});
+  AttributeValues values(command, type->attributes, {});
+}
+
+bool is_allowed(const AttributeOverride& override) {
+  try {
+    check(override);
+  } catch (const InputError&) {
+    return false;
+  }
+  return true;
+}
+
+// An invalid override is an error even if the scene has no sensor of the type. One option of the command line overrides
+// several types: one of them must take the value, and, as the builder checks, all that are in the scene.
 std::vector<AttributeOverride> checked(std::vector<AttributeOverride> overrides) {
   for (const AttributeOverride& each : overrides) {
-    const SensorType* const type = find_sensor_type(each.sensor_type);
-    if (type == nullptr) continue;  // the builder reports unknown types and lists the known ones
-    const Location where{.file = each.origin.empty() ? each.sensor_type + "." + each.attribute : each.origin};
-    Command command{.kind = CommandKind::sensor, .attributes = {}, .where = where, .folder = {}};
-    if (each.value) command.attributes.push_back({each.attribute, *each.value, where});
-    AttributeValues values(command, type->attributes, {});
+    const auto serves = [&](const AttributeOverride& other) {
+      return other.attribute == each.attribute && origin_of(other) == origin_of(each) && is_allowed(other);
+    };
+    if (std::ranges::none_of(overrides, serves)) check(each);
   }
   return overrides;
 }

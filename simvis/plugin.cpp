@@ -2,6 +2,7 @@
 
 #include <dlfcn.h>
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -15,12 +16,25 @@ namespace {
   throw InputError(file.string() + ": error: this plug-in cannot be loaded: " + reason);
 }
 
+/// Why plug-ins were refused that are loaded nevertheless. A library with a unique symbol (an inline variable is
+/// enough) stays after dlclose(), and its registrations do not run again. By the handle of dlopen().
+std::map<void*, std::string>& refused_but_loaded() {
+  static std::map<void*, std::string> reasons;
+  return reasons;
+}
+
+void* loaded(const std::string& path) { return ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NOLOAD); }
+
 }  // namespace
 
 void load_plugin(const std::filesystem::path& file) {
   // dlopen() searches the system folders for a name without a path, so it gets an absolute path.
   const std::string path = std::filesystem::absolute(file).string();
-  if (::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NOLOAD) != nullptr) return;
+  if (void* const library = loaded(path)) {
+    const auto refused = refused_but_loaded().find(library);
+    if (refused == refused_but_loaded().end()) return;
+    refuse(file, refused->second);
+  }
   Registrations& registrations = Registrations::instance();
   const std::size_t accepted = registrations.accepted(), refused = registrations.refused().size();
   void* const library = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
@@ -35,6 +49,7 @@ void load_plugin(const std::filesystem::path& file) {
   if (reason.empty()) return;
   registrations.roll_back(accepted, refused);
   ::dlclose(library);
+  if (void* const remaining = loaded(path)) refused_but_loaded()[remaining] = reason;
   refuse(file, reason);
 }
 

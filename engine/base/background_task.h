@@ -7,6 +7,8 @@
 #include <functional>
 #include <utility>
 
+#include "engine/base/program_api.h"
+
 namespace simvis {
 
 /// Work that runs once, on a background thread of a ThreadPool or in finish(), whichever comes first.
@@ -22,10 +24,10 @@ class BackgroundTask {
 
   /// Returns when the work is done; runs it on this thread if no other thread has begun it. Rethrows the exception that
   /// the work threw.
-  void finish();
+  SIMVIS_PROGRAM_API void finish();
 
   /// Prevents the work from beginning. If it has begun, waits for it and ignores what it throws.
-  void cancel();
+  SIMVIS_PROGRAM_API void cancel();
 
  private:
   static constexpr std::uint32_t kWaiting = 0, kRunning = 1, kDone = 2;

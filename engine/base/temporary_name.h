@@ -3,10 +3,12 @@
 
 #include <string>
 
+#include "engine/base/program_api.h"
+
 namespace simvis {
 
 /// "MACHINE.PROCESS.NUMBER". No other call returns the same name, whether in this process, in another process, or on
 /// another machine that writes to the same file system.
-std::string temporary_name();
+SIMVIS_PROGRAM_API std::string temporary_name();
 
 }  // namespace simvis

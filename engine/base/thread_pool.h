@@ -24,6 +24,7 @@
 #include <vector>
 
 #include "engine/base/background_task.h"
+#include "engine/base/program_api.h"
 
 namespace simvis {
 
@@ -62,10 +63,10 @@ class ThreadPool {
   void notify();
 
   /// Runs the work in the background. In a pool of size 1 the caller runs it at once.
-  std::shared_ptr<BackgroundTask> run_in_background(std::function<void()> work);
+  SIMVIS_PROGRAM_API std::shared_ptr<BackgroundTask> run_in_background(std::function<void()> work);
 
   /// The number of tasks that run in the background at the same time: 0 in a pool of size 1.
-  unsigned background_threads() const;
+  SIMVIS_PROGRAM_API unsigned background_threads() const;
 
  private:
   struct Loop;
@@ -98,6 +99,6 @@ class ThreadPool {
 /// The pool of `threads` threads; 0 for as many as the machine has. All callers that request the same number share one
 /// pool, which lives as long as any of them holds it, so that several simulations together use no more threads than one
 /// of them. Throws InputError above ThreadPool::kMaxSize.
-std::shared_ptr<ThreadPool> shared_thread_pool(unsigned threads = 0);
+SIMVIS_PROGRAM_API std::shared_ptr<ThreadPool> shared_thread_pool(unsigned threads = 0);
 
 }  // namespace simvis

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include <simvis/command.h>
+#include <simvis/export.h>
 
 namespace simvis {
 
@@ -57,7 +58,7 @@ using AttributeTable = std::span<const AttributeSpec>;
 /// Lifetime  values are copies; returned references live as long as this object. The strings of the table must outlive
 ///           it.
 /// Threads   several threads may read at a time.
-class AttributeValues {
+class SIMVIS_API AttributeValues {
  public:
   /// Attributes named in `common` (type, name, insert_at, ...) are allowed in addition to the table's rows and are not
   /// interpreted. Throws InputError at the attribute: unknown name (the nearest known name is suggested), not a number,
@@ -98,26 +99,26 @@ constexpr bool is_reference(AttributeKind kind) {
 }
 
 /// Checks that `value` is finite and within the row's range. Returns what is wrong, or an empty string.
-std::string check_number(const AttributeSpec& spec, double value);
+SIMVIS_API std::string check_number(const AttributeSpec& spec, double value);
 
 /// Returns what is wrong with a table, or an empty string: two rows of one name, a default that the row itself does not
 /// allow, a live row that is not a number or has no default. The registries refuse types with such a table.
-std::string check_table(AttributeTable table);
+SIMVIS_API std::string check_table(AttributeTable table);
 
 /// The type as `--describe` prints it: its summary, its notes (paragraphs, separated by '\n'), then one aligned row per
 /// attribute. Lines are at most 120 columns wide.
-std::string describe(std::string_view type, std::string_view summary, AttributeTable table,
-                     std::string_view notes = {});
+SIMVIS_API std::string describe(std::string_view type, std::string_view summary, AttributeTable table,
+                                std::string_view notes = {});
 
 /// Reads exactly one finite number; only white space may surround it. Returns false for any other text; `value` is then
 /// unspecified.
-bool parse_number(std::string_view text, double& value);
+SIMVIS_API bool parse_number(std::string_view text, double& value);
 
 /// Reads exactly values.size() finite numbers, separated by white space. Returns false for any other text; `values` are
 /// then unspecified.
-bool parse_numbers(std::string_view text, std::span<double> values);
+SIMVIS_API bool parse_numbers(std::string_view text, std::span<double> values);
 
 /// The shortest text that reads back to the same double. Whole numbers below 10^9 have no exponent.
-std::string format_number(double value);
+SIMVIS_API std::string format_number(double value);
 
 }  // namespace simvis

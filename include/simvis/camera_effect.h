@@ -18,6 +18,7 @@
 
 #include <simvis/camera_layout.h>
 #include <simvis/effect.h>
+#include <simvis/export.h>
 #include <simvis/frame_plan.h>
 #include <simvis/frame_time.h>
 #include <simvis/image.h>
@@ -30,7 +31,7 @@ namespace simvis {
 ///
 /// Threads  calls for one camera come from one thread at a time. Cameras of several simulations may be used in several
 ///          threads at once.
-class CameraEffect {
+class SIMVIS_API CameraEffect {
  public:
   virtual ~CameraEffect() = default;
 
@@ -74,7 +75,7 @@ struct CameraEffectType {
 };
 
 /// Adds a camera effect to the catalogue, under the rules of EffectRegistration.
-struct CameraEffectRegistration {
+struct SIMVIS_API CameraEffectRegistration {
   /// `built_for` is the version of the headers that the caller is compiled with.
   explicit CameraEffectRegistration(const CameraEffectType& type, std::string_view built_for = kHeaderVersion);
 };
@@ -89,6 +90,7 @@ struct ChosenCameraEffect {
 /// calling order. `capabilities` are those of its type.
 ///
 /// Errors   InputError, with the place, if attributes of an effect contradict each other.
-std::vector<ChosenCameraEffect> camera_effects(std::uint8_t capabilities, const CameraEffectContext& context);
+SIMVIS_API std::vector<ChosenCameraEffect> camera_effects(std::uint8_t capabilities,
+                                                          const CameraEffectContext& context);
 
 }  // namespace simvis

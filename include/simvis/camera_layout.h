@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include <simvis/export.h>
 #include <simvis/frame_plan.h>
 #include <simvis/location.h>
 
@@ -15,7 +16,7 @@ namespace simvis {
 ///
 /// Frames   V = view frame of the camera at the row's time: x right, y down, z forward.
 /// Units    pixels, seconds.
-struct CameraLayout {
+struct SIMVIS_API CameraLayout {
   std::uint32_t width_px = 0,                                  ///< of the image
       height_px = 0;                                           ///< of the image
   Pinhole pinhole;                                             ///< fx, fy, cx, cy; given for a distorted image too

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include <simvis/export.h>
 #include <simvis/location.h>
 
 namespace simvis {
@@ -26,7 +27,7 @@ struct CommandAttribute {
 };
 
 /// One command as written. Only its kind is interpreted.
-struct Command {
+struct SIMVIS_API Command {
   CommandKind kind = CommandKind::part;      ///< the tag
   std::vector<CommandAttribute> attributes;  ///< in the order written; names are unique
   Location where;                            ///< of the tag's name
@@ -40,10 +41,10 @@ struct Command {
 };
 
 /// "part", "element" or "sensor". The text is static.
-std::string_view to_string(CommandKind kind);
+SIMVIS_API std::string_view to_string(CommandKind kind);
 
 /// The command in the form of a scene file. The change log keeps this text.
-std::string to_string(const Command& command);
+SIMVIS_API std::string to_string(const Command& command);
 
 /// Reads commands, with or without one enclosing root element. Comments, declarations and processing instructions are
 /// skipped. A text without commands is an empty scene.
@@ -56,11 +57,12 @@ std::string to_string(const Command& command);
 ///          (the nearest known one is suggested), an attribute given twice, a name that breaks the rule, text between
 ///          commands, children of a command.
 /// Threads  any number at a time.
-std::vector<Command> parse_commands(std::string_view xml, const std::string& file, const std::filesystem::path& folder);
+SIMVIS_API std::vector<Command> parse_commands(std::string_view xml, const std::string& file,
+                                               const std::filesystem::path& folder);
 
 /// Reads a scene file. Relative file names in it start at its folder.
 ///
 /// Errors   those of parse_commands(), and InputError if the file cannot be read.
-std::vector<Command> read_commands(const std::filesystem::path& file);
+SIMVIS_API std::vector<Command> read_commands(const std::filesystem::path& file);
 
 }  // namespace simvis

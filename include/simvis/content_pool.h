@@ -5,6 +5,7 @@
 #include <memory>
 #include <unordered_map>
 
+#include <simvis/export.h>
 #include <simvis/mesh.h>
 
 namespace simvis {
@@ -13,7 +14,7 @@ namespace simvis {
 ///
 /// Lifetime  the pool holds weak references: content that has no other owner is released.
 /// Threads   one thread at a time.
-class ContentPool {
+class SIMVIS_API ContentPool {
  public:
   std::shared_ptr<const Mesh> intern(Mesh&& mesh);           ///< the pooled mesh that equals `mesh`; never null
   std::shared_ptr<const Texture> intern(Texture&& texture);  ///< the pooled texture that equals `texture`; never null

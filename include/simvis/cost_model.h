@@ -13,6 +13,8 @@
 #include <optional>
 #include <string_view>
 
+#include <simvis/export.h>
+
 namespace simvis {
 
 class Device;
@@ -38,7 +40,7 @@ enum class CostTerm : std::uint8_t {
 inline constexpr std::size_t kCostTerms = 14;
 
 /// The name of the enumerator: "pass", "view" and so on. The text is static.
-std::string_view to_string(CostTerm term);
+SIMVIS_API std::string_view to_string(CostTerm term);
 
 /// One number per kind of work: either how much of it there is, or what one unit costs in nanoseconds.
 struct CostModel {
@@ -50,17 +52,18 @@ struct CostModel {
 };
 
 /// The predicted time in nanoseconds of the work `counts`, where `cost` holds nanoseconds per unit.
-double predict(const CostModel& counts, const CostModel& cost);
+SIMVIS_API double predict(const CostModel& counts, const CostModel& cost);
 
 /// The file below `folder` for the costs of this device, driver, thread count and version of SimVis; see
 /// cache_folder(). An empty `folder` gives an empty path.
-std::filesystem::path cost_model_file(Device& device, const std::filesystem::path& folder, std::string_view version);
+SIMVIS_API std::filesystem::path cost_model_file(Device& device, const std::filesystem::path& folder,
+                                                 std::string_view version);
 
 /// The costs in a file. Empty if the file does not exist or differs in any way from what save_cost_model() wrote.
-std::optional<CostModel> load_cost_model(const std::filesystem::path& file);
+SIMVIS_API std::optional<CostModel> load_cost_model(const std::filesystem::path& file);
 
 /// Rounds the costs to two digits, clamps each to the range from 0.001 to 10^9 ns, writes them and returns what
 /// load_cost_model() will read. A file that cannot be written is not an error; an empty path writes nothing.
-CostModel save_cost_model(const std::filesystem::path& file, const CostModel& cost);
+SIMVIS_API CostModel save_cost_model(const std::filesystem::path& file, const CostModel& cost);
 
 }  // namespace simvis

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <simvis/device_info.h>
+#include <simvis/export.h>
 #include <simvis/frame_plan.h>
 
 namespace simvis {
@@ -15,7 +16,7 @@ struct DeviceImpl;
 /// All Vulkan devices of this machine, in the driver's order.
 ///
 /// Errors   MachineError if there is no Vulkan loader or driver; the message says what to install.
-std::vector<DeviceInfo> list_devices();
+SIMVIS_API std::vector<DeviceInfo> list_devices();
 
 /// A logical Vulkan device with one queue.
 ///
@@ -25,7 +26,7 @@ std::vector<DeviceInfo> list_devices();
 ///              `select` matches no device.
 /// Lifetime     renderers and ray casters that use the device must be destroyed before it.
 /// Threads      one thread at a time. Several devices may be used in several threads.
-class Device {
+class SIMVIS_API Device {
  public:
   /// Selects and opens a device. `threads` as SimulationDesc::threads.
   explicit Device(const DeviceDesc& desc = {}, unsigned threads = 0);

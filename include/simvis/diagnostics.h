@@ -9,6 +9,7 @@
 #include <simvis/command.h>
 #include <simvis/device_info.h>
 #include <simvis/draw_list.h>
+#include <simvis/export.h>
 #include <simvis/frame_costs.h>
 #include <simvis/frame_plan.h>
 #include <simvis/frame_results.h>
@@ -26,7 +27,7 @@ struct SimulationImpl;
 /// Errors     InputError while a frame is under way (see Simulation::step_async()), except from command(), device() and
 ///            validation_messages().
 /// Threads    as the simulation: one thread at a time.
-class Diagnostics {
+class SIMVIS_API Diagnostics {
  public:
   /// Made by Simulation::diagnostics().
   explicit Diagnostics(SimulationImpl& simulation) : impl_(&simulation) {}

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <simvis/draw_list_delta.h>
+#include <simvis/export.h>
 #include <simvis/mesh.h>
 
 namespace simvis {
@@ -105,12 +106,12 @@ struct DrawList {
 
 /// Whether the content is the same: items, lights, transforms bit by bit, meshes and materials by value. Revisions are
 /// not compared.
-bool same_content(const DrawList& a, const DrawList& b);
+SIMVIS_API bool same_content(const DrawList& a, const DrawList& b);
 
 /// A 64-bit FNV-1a hash of the content that same_content() compares.
-std::uint64_t content_hash(const DrawList& list);
+SIMVIS_API std::uint64_t content_hash(const DrawList& list);
 
 /// Prints the list as text, for tests and debugging.
-std::ostream& operator<<(std::ostream& out, const DrawList& list);
+SIMVIS_API std::ostream& operator<<(std::ostream& out, const DrawList& list);
 
 }  // namespace simvis

@@ -8,6 +8,8 @@
 #include <span>
 #include <vector>
 
+#include <simvis/export.h>
+
 namespace simvis {
 
 class ItemIndex;
@@ -34,7 +36,7 @@ struct ListVersion {
 ///
 /// Lifetime  spans are valid until the next change is reported.
 /// Threads   one thread at a time.
-class DrawListDelta {
+class SIMVIS_API DrawListDelta {
  public:
   DrawListDelta() = default;  ///< without a log
   /// The copy has no log.
@@ -68,7 +70,7 @@ class DrawListDelta {
 ///
 /// Lifetime  returned spans are valid as long as the index.
 /// Threads   several threads may read at a time.
-class StandingAt {
+class SIMVIS_API StandingAt {
  public:
   StandingAt() = default;  ///< may only be assigned to
   /// Object i stands at transform_of[i], which is below `transforms`.

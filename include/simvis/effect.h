@@ -17,6 +17,7 @@
 
 #include <simvis/attributes.h>
 #include <simvis/draw_list.h>
+#include <simvis/export.h>
 #include <simvis/frame_plan.h>
 #include <simvis/version.h>
 
@@ -66,7 +67,7 @@ struct EffectType {
 ///           and Simulation::load() throws InputError for a type of the program itself.
 /// Lifetime  strings and tables of the type must live as long as the catalogue.
 /// Threads   any thread; other threads may look types up meanwhile.
-struct EffectRegistration {
+struct SIMVIS_API EffectRegistration {
   /// `built_for` is the version of the headers that the caller is compiled with.
   explicit EffectRegistration(const EffectType& type, std::string_view built_for = kHeaderVersion);
 
@@ -75,23 +76,24 @@ struct EffectRegistration {
 
 /// All effects, sorted by name. The pointers are valid for the rest of the program, except for types of a plug-in that
 /// load_plugin() refuses.
-std::vector<const EffectType*> effect_types();
+SIMVIS_API std::vector<const EffectType*> effect_types();
 
 /// The effect of this name, or null. Lifetime as effect_types().
-const EffectType* find_effect_type(std::string_view name);
+SIMVIS_API const EffectType* find_effect_type(std::string_view name);
 
 /// Whether sensors with these capabilities, a sum of SensorCapability, may carry the effect's attributes.
-bool may_have(std::uint8_t capabilities, const EffectType& effect);
+SIMVIS_API bool may_have(std::uint8_t capabilities, const EffectType& effect);
 
 /// Calls EffectType::plan_frame of all effects, in the order of their names.
-void plan_frame_effects(const DrawList& list, const TargetLimits& limits, FramePlan& plan);
+SIMVIS_API void plan_frame_effects(const DrawList& list, const TargetLimits& limits, FramePlan& plan);
 
 /// Adds to the plan those effects of the scene that the sensor shows. The sensor's passes are those from `first_pass`
 /// on.
-void plan_scene_effects(const std::string& sensor, std::size_t first_pass, const DrawList& list, FramePlan& plan);
+SIMVIS_API void plan_scene_effects(const std::string& sensor, std::size_t first_pass, const DrawList& list,
+                                   FramePlan& plan);
 
 /// The attributes of a sensor type with these capabilities: its own rows, then the rows of the effects that it may
 /// have, sorted by the effects' names.
-std::vector<AttributeSpec> with_effect_attributes(std::uint8_t capabilities, AttributeTable own);
+SIMVIS_API std::vector<AttributeSpec> with_effect_attributes(std::uint8_t capabilities, AttributeTable own);
 
 }  // namespace simvis

@@ -15,6 +15,7 @@
 
 #include <simvis/attributes.h>
 #include <simvis/command.h>
+#include <simvis/export.h>
 #include <simvis/scan.h>
 #include <simvis/scene.h>
 #include <simvis/version.h>
@@ -34,7 +35,7 @@ struct ObservedScan {
 /// What elements that draw for people may observe: the frame that the sensors have just measured.
 ///
 /// Lifetime  valid during the call of Element::observe() that gets it.
-class Observations {
+class SIMVIS_API Observations {
  public:
   virtual ~Observations() = default;
   /// The last scan of a sensor. The sensor must exist and give scans; the check of the scene ensures both.
@@ -50,7 +51,7 @@ class Observations {
 /// Errors    the constructor throws InputError at the command or attribute. update() gets only values that the table
 ///           allows; it must not throw.
 /// Threads   all calls come from the thread that calls the simulation.
-class Element {
+class SIMVIS_API Element {
  public:
   virtual ~Element() = default;
   /// Applies the values to the scene. `values` is valid during the call only.
@@ -93,15 +94,15 @@ inline constexpr std::string_view kElementCommonAttributes[] = {"type", "name", 
 ///           and Simulation::load() throws InputError for a type of the program itself.
 /// Lifetime  strings and the table of the type must live as long as the registry.
 /// Threads   any thread; other threads may look types up meanwhile.
-struct ElementRegistration {
+struct SIMVIS_API ElementRegistration {
   /// `built_for` is the version of the headers that the caller is compiled with.
   explicit ElementRegistration(const ElementType& type, std::string_view built_for = kHeaderVersion);
 };
 
 /// The element type of this name, or null. The pointer is valid for the rest of the program, except for a type of a
 /// plug-in that load_plugin() refuses.
-const ElementType* find_element_type(std::string_view name);
+SIMVIS_API const ElementType* find_element_type(std::string_view name);
 /// All element types, sorted by name. Lifetime as find_element_type().
-std::vector<const ElementType*> element_types();
+SIMVIS_API std::vector<const ElementType*> element_types();
 
 }  // namespace simvis

@@ -4,24 +4,26 @@
 #include <stdexcept>
 #include <string>
 
+#include <simvis/export.h>
+
 namespace simvis {
 
 /// Base of every exception that SimVis throws.
-class Error : public std::runtime_error {
+class SIMVIS_API Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
 /// Wrong user input: a scene file, a part, a parameter, a command line. `what()` says where, what was seen and what
 /// is allowed; with a known place it reads `FILE:LINE:COLUMN: error: ...`. simvis-run exits with 2.
-class InputError : public Error {
+class SIMVIS_API InputError : public Error {
  public:
   using Error::Error;
 };
 
 /// A failure of the machine: no device, device lost, out of memory, disk full. `what()` carries the Vulkan result
 /// or the operating system's reason. simvis-run exits with 1.
-class MachineError : public Error {
+class SIMVIS_API MachineError : public Error {
  public:
   using Error::Error;
 };

@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include <simvis/export.h>
+
 namespace simvis {
 
 /// The limits of a device's render targets.
@@ -32,7 +34,7 @@ struct Pinhole {
 
 /// A pinhole with square pixels whose optical axis passes through the centre of the image. `hfov_rad` is in (0, pi),
 /// from edge to edge.
-Pinhole centred_pinhole(std::uint32_t width_px, std::uint32_t height_px, double hfov_rad);
+SIMVIS_API Pinhole centred_pinhole(std::uint32_t width_px, std::uint32_t height_px, double hfov_rad);
 
 /// A pipeline that a view or a pass binds: shaders and fixed functions made for one kind of work.
 struct PlannedPipeline {

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include <simvis/error.h>
+#include <simvis/export.h>
 
 namespace simvis {
 
@@ -17,18 +18,18 @@ struct Location {
 };
 
 /// "FILE:LINE:COLUMN", or the part of it that is known.
-std::string to_string(const Location& where);
+SIMVIS_API std::string to_string(const Location& where);
 
 /// Throws InputError "FILE:LINE:COLUMN: error: MESSAGE".
-[[noreturn]] void fail_at(const Location& where, std::string_view message);
+[[noreturn]] SIMVIS_API void fail_at(const Location& where, std::string_view message);
 
 /// The user's text in quotes for a message: on one line, control characters escaped, very long text cut.
-std::string in_quotes(std::string_view text);
+SIMVIS_API std::string in_quotes(std::string_view text);
 
 /// The known name that is most similar to `seen`, or an empty string if none is similar.
-std::string nearest_name(std::string_view seen, std::span<const std::string_view> known);
+SIMVIS_API std::string nearest_name(std::string_view seen, std::span<const std::string_view> known);
 
 /// ", did you mean \"NAME\"?" with nearest_name(), or an empty string if no name is similar.
-std::string suggestion(std::string_view seen, std::span<const std::string_view> known);
+SIMVIS_API std::string suggestion(std::string_view seen, std::span<const std::string_view> known);
 
 }  // namespace simvis

@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include <simvis/export.h>
+
 namespace simvis {
 
 /// The primitives of a mesh.
@@ -47,7 +49,7 @@ struct Mesh {
 };
 
 /// Sets `bounds_min`, `bounds_max` and `longest_edge` from the vertices that `indices` uses.
-void compute_bounds(Mesh& mesh);
+SIMVIS_API void compute_bounds(Mesh& mesh);
 
 /// How texture coordinates outside [0, 1] are mapped into it.
 enum class Wrap : std::uint8_t {

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include <simvis/draw_list.h>
+#include <simvis/export.h>
 #include <simvis/mesh.h>
 
 namespace simvis {
@@ -25,7 +26,7 @@ using NodePtr = std::shared_ptr<Node>;
 using GroupPtr = std::shared_ptr<Group>;
 
 /// Observes changes of the nodes that it is attached to. Implemented by Flattener.
-class NodeObserver {
+class SIMVIS_API NodeObserver {
  public:
   virtual ~NodeObserver() = default;
   /// A transform, a light, the environment, the medium, or a material or mesh with a slot of its own has changed.
@@ -56,7 +57,7 @@ enum class NodeKind : std::uint8_t {
 /// Errors    functions of nodes throw nothing of their own; a violated precondition asserts.
 /// Lifetime  references that getters return are valid until the node changes or is destroyed.
 /// Threads   one thread at a time uses a graph.
-class Node {
+class SIMVIS_API Node {
  public:
   virtual ~Node() = default;
   Node(const Node&) = delete;
@@ -81,7 +82,7 @@ class Node {
 };
 
 /// A list of children in order. The state after the last child carries over to what follows the group.
-class Group : public Node {
+class SIMVIS_API Group : public Node {
  public:
   Group() : Group(NodeKind::group) {}  ///< without children
   ~Group() override;                   ///< destroys a graph of any depth without recursion
@@ -101,19 +102,19 @@ class Group : public Node {
 };
 
 /// A group that restores the traversal state at its end.
-class Separator : public Group {
+class SIMVIS_API Separator : public Group {
  public:
   Separator() : Group(NodeKind::separator) {}  ///< without children
 };
 
 /// A separator whose content is drawn for people only: flatteners for sensors skip it.
-class VisualSeparator : public Group {
+class SIMVIS_API VisualSeparator : public Group {
  public:
   VisualSeparator() : Group(NodeKind::visual) {}  ///< without children
 };
 
 /// A group of which one child, all children or none are traversed.
-class Switch : public Group {
+class SIMVIS_API Switch : public Group {
  public:
   static constexpr int kAll = -1,         ///< all children are traversed
       kNone = -2;                         ///< no child is traversed
@@ -126,7 +127,7 @@ class Switch : public Group {
 };
 
 /// A transform of what follows: parent_from_child.
-class Transform : public Node {
+class SIMVIS_API Transform : public Node {
  public:
   Transform() : Node(NodeKind::transform) {}  ///< the identity
   /// `matrix` is parent_from_child; every value is finite.
@@ -158,7 +159,7 @@ struct MaterialChange {
 /// The material of the shapes that follow. Several nodes may share one material, and one node may have many parents.
 /// A node whose material was ever replaced, or that has room for changes, has a slot of its own in the DrawList, so
 /// that a change rewrites this slot only.
-class MaterialNode : public Node {
+class SIMVIS_API MaterialNode : public Node {
  public:
   /// `material` is not null.
   explicit MaterialNode(std::shared_ptr<const Material> material)
@@ -184,7 +185,7 @@ class MaterialNode : public Node {
 
 /// Whether the shapes and lights that follow are visible. Hidden content cannot become visible again further down: a
 /// visible node within hidden content shows nothing. Mounts are reached in any case.
-class Visibility : public Node {
+class SIMVIS_API Visibility : public Node {
  public:
   Visibility() : Node(NodeKind::visibility) {}  ///< visible
   bool visible() const { return visible_; }     ///< whether this node lets content be visible
@@ -196,7 +197,7 @@ class Visibility : public Node {
 
 /// A mesh that is drawn with the current material (a white, opaque one if there is none).
 /// A node whose mesh was ever replaced has a slot of its own in the DrawList, so that a change rewrites this slot only.
-class Shape : public Node {
+class SIMVIS_API Shape : public Node {
  public:
   /// `mesh` is not null.
   explicit Shape(std::shared_ptr<const Mesh> mesh) : Node(NodeKind::shape), mesh_(std::move(mesh)) {}
@@ -210,7 +211,7 @@ class Shape : public Node {
 };
 
 /// A light in the frame of the current transform. It lights the whole scene, whatever its place in the graph.
-class LightNode : public Node {
+class SIMVIS_API LightNode : public Node {
  public:
   /// `light` in the node's frame.
   explicit LightNode(const Light& light) : Node(NodeKind::light), light_(light) {}
@@ -230,7 +231,7 @@ class LightNode : public Node {
 };
 
 /// The surroundings of the scene. If there are several, the last in order of traversal applies.
-class EnvironmentNode : public Node {
+class SIMVIS_API EnvironmentNode : public Node {
  public:
   /// Holds a copy of `environment`.
   explicit EnvironmentNode(const Environment& environment) : Node(NodeKind::environment), environment_(environment) {}
@@ -242,7 +243,7 @@ class EnvironmentNode : public Node {
 };
 
 /// The medium that fills the air everywhere. If there are several, the last in order of traversal applies.
-class MediumNode : public Node {
+class SIMVIS_API MediumNode : public Node {
  public:
   /// Holds a copy of `medium`.
   explicit MediumNode(const Medium& medium) : Node(NodeKind::medium), medium_(medium) {}
@@ -254,13 +255,13 @@ class MediumNode : public Node {
 };
 
 /// A named leaf that draws nothing: new content is inserted right before it.
-class InsertionPoint : public Node {
+class SIMVIS_API InsertionPoint : public Node {
  public:
   InsertionPoint() : Node(NodeKind::insertion_point) {}  ///< without a name
 };
 
 /// A place in the graph whose pose in the world can be queried: a camera, a sensor.
-class Mount : public Node {
+class SIMVIS_API Mount : public Node {
  public:
   Mount() : Node(NodeKind::mount) {}  ///< without a name
 };

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <simvis/attributes.h>
+#include <simvis/export.h>
 
 namespace simvis {
 
@@ -28,7 +29,7 @@ struct ElementDescriptor {
 /// Errors    InputError. A value that is refused leaves the old one in place.
 /// Lifetime  returned references and spans are valid until an element is added or removed (see Simulation::execute()).
 /// Threads   as the simulation: one thread at a time.
-class Parameters {
+class SIMVIS_API Parameters {
  public:
   const std::vector<ElementDescriptor>& elements() const {
     return elements_;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <simvis/content_pool.h>
+#include <simvis/export.h>
 #include <simvis/node.h>
 #include <simvis/version.h>
 
@@ -48,15 +49,15 @@ using PartImporter = PartContent (*)(const ImportRequest& request, ContentPool& 
 
 /// A static object of this type registers a format. `endings` are lower case with the dot: {".gltf", ".glb"}. An
 /// extension that is taken is refused in the same way as a type, see ElementRegistration.
-struct PartImporterRegistration {
+struct SIMVIS_API PartImporterRegistration {
   /// `built_for` is the version of the headers that the caller is compiled with.
   PartImporterRegistration(std::vector<std::string> endings, PartImporter importer,
                            std::string_view built_for = kHeaderVersion);
 };
 
 /// The importer for a file, by its extension in any case. Null if there is none.
-PartImporter find_part_importer(const std::filesystem::path& file);
+SIMVIS_API PartImporter find_part_importer(const std::filesystem::path& file);
 /// All registered extensions, in lower case with the dot.
-std::vector<std::string> known_part_endings();
+SIMVIS_API std::vector<std::string> known_part_endings();
 
 }  // namespace simvis

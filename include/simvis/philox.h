@@ -5,11 +5,14 @@
 #include <cstdint>
 #include <string_view>
 
+#include <simvis/export.h>
+
 namespace simvis {
 
 /// Philox 4x32 with ten rounds: Salmon, Moraes, Dror, Shaw, "Parallel Random Numbers: As Easy as 1, 2, 3", SC 2011.
 /// A bijection of the counter for each key. Any two counters or keys give unrelated numbers, however similar they are.
-std::array<std::uint32_t, 4> philox4x32_10(std::array<std::uint32_t, 4> counter, std::array<std::uint32_t, 2> key);
+SIMVIS_API std::array<std::uint32_t, 4> philox4x32_10(std::array<std::uint32_t, 4> counter,
+                                                      std::array<std::uint32_t, 2> key);
 
 /// The random numbers of one sensor in one run.
 ///
@@ -18,7 +21,7 @@ std::array<std::uint32_t, 4> philox4x32_10(std::array<std::uint32_t, 4> counter,
 /// change nothing.
 ///
 /// Threads  any number at a time.
-class SensorRandom {
+class SIMVIS_API SensorRandom {
  public:
   /// The key is the seed, mixed with the 64-bit FNV-1a hash of the sensor's name.
   SensorRandom(std::uint64_t seed, std::string_view sensor);

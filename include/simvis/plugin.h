@@ -3,6 +3,8 @@
 
 #include <filesystem>
 
+#include <simvis/export.h>
+
 namespace simvis {
 
 /// Loads a shared library for the rest of the program; its registrations make its types known. A library that is
@@ -13,6 +15,6 @@ namespace simvis {
 ///           nothing. Its types are then unknown as before, and the program can continue.
 /// Lifetime  must be called before a scene that uses the types is loaded.
 /// Threads   one thread at a time loads plug-ins; other threads may load and run simulations meanwhile.
-void load_plugin(const std::filesystem::path& file);
+SIMVIS_API void load_plugin(const std::filesystem::path& file);
 
 }  // namespace simvis

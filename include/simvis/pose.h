@@ -3,6 +3,8 @@
 
 #include <glm/glm.hpp>
 
+#include <simvis/export.h>
+
 namespace simvis {
 
 /// The largest absolute coordinate that is accepted. The limit prevents overflow in chains of poses.
@@ -17,11 +19,12 @@ struct Pose {
 };
 
 /// The matrix parent_from_child of a pose.
-glm::dmat4 to_matrix(const Pose& pose);
+SIMVIS_API glm::dmat4 to_matrix(const Pose& pose);
 
 /// The matrix parent_from_child of a pose whose angles are in degrees, as in scene files. Multiples of 90 degrees give
 /// exact rotations, see sincos_deg().
-glm::dmat4 matrix_from_degrees(const glm::dvec3& position_m, double roll_deg, double pitch_deg, double yaw_deg);
+SIMVIS_API glm::dmat4 matrix_from_degrees(const glm::dvec3& position_m, double roll_deg, double pitch_deg,
+                                          double yaw_deg);
 
 /// Sine and cosine of one angle.
 struct SinCos {
@@ -31,13 +34,13 @@ struct SinCos {
 
 /// Sine and cosine of a finite angle in degrees. Angles of any size are reduced exactly; multiples of 90 degrees give
 /// exactly 0, 1 or -1.
-SinCos sincos_deg(double angle_deg);
+SIMVIS_API SinCos sincos_deg(double angle_deg);
 
 /// The inverse of a rigid matrix (rotation and translation only).
-glm::dmat4 rigid_inverse(const glm::dmat4& m);
+SIMVIS_API glm::dmat4 rigid_inverse(const glm::dmat4& m);
 
 /// The matrix sensor_from_view of a camera that looks along +x of its sensor frame; the view frame is x right, y down,
 /// z forward. The reference is always valid.
-const glm::dmat4& sensor_from_view();
+SIMVIS_API const glm::dmat4& sensor_from_view();
 
 }  // namespace simvis

@@ -38,6 +38,7 @@
 #include <vector>
 
 #include <simvis/draw_list.h>
+#include <simvis/export.h>
 #include <simvis/frame_plan.h>
 
 namespace simvis {
@@ -86,7 +87,7 @@ struct RayCounters {
 /// Errors   MachineError if memory runs out or the device fails.
 /// Threads  one thread at a time calls a caster. cast() itself uses all threads of its pool for many rays and gives the
 ///          same bytes for any number of threads. Casters that cast in different threads at once share the pool.
-class RayCaster {
+class SIMVIS_API RayCaster {
  public:
   /// The size of a ray packet: consecutive rays are cast together, which costs less if they are neighbours. Packets are
   /// the first kPacketSize rays, the next kPacketSize rays, and so on.
@@ -131,7 +132,8 @@ class RayCaster {
 
 /// A caster on the host's cores. `cache` is a folder that keeps trees of large meshes between runs; empty: they are not
 /// kept. `threads` as SimulationDesc::threads.
-std::unique_ptr<RayCaster> make_host_ray_caster(const std::filesystem::path& cache = {}, unsigned threads = 0);
+SIMVIS_API std::unique_ptr<RayCaster> make_host_ray_caster(const std::filesystem::path& cache = {},
+                                                           unsigned threads = 0);
 
 /// A caster with a compute shader on the device. Nothing is allocated before the first cast. Hits are bit for bit those
 /// of the host caster.
@@ -139,10 +141,10 @@ std::unique_ptr<RayCaster> make_host_ray_caster(const std::filesystem::path& cac
 /// Errors    MachineError if the device cannot address trees of that size, or fails.
 /// Lifetime  the device must outlive the caster.
 /// Threads   all casters and renderers of one device are used by one thread at a time.
-std::unique_ptr<RayCaster> make_device_ray_caster(Device& device);
+SIMVIS_API std::unique_ptr<RayCaster> make_device_ray_caster(Device& device);
 
 /// The faster caster for a device: the host caster if the device is the host's own cores, otherwise the device caster.
 /// Errors, lifetime and threads as make_device_ray_caster().
-std::unique_ptr<RayCaster> make_ray_caster(Device& device);
+SIMVIS_API std::unique_ptr<RayCaster> make_ray_caster(Device& device);
 
 }  // namespace simvis

@@ -26,6 +26,7 @@
 
 #include <simvis/draw_list.h>
 #include <simvis/effect.h>
+#include <simvis/export.h>
 #include <simvis/frame_time.h>
 #include <simvis/philox.h>
 #include <simvis/ray_caster.h>
@@ -78,7 +79,7 @@ struct Echo {
 ///
 /// Threads  calls for one scanner come from one thread at a time. Scanners of several simulations may be used in
 ///          several threads at once.
-class ScanEffect {
+class SIMVIS_API ScanEffect {
  public:
   virtual ~ScanEffect() = default;
 
@@ -163,7 +164,7 @@ struct ScanEffectType {
 };
 
 /// Adds a scan effect to the catalogue, under the rules of EffectRegistration.
-struct ScanEffectRegistration {
+struct SIMVIS_API ScanEffectRegistration {
   /// `built_for` is the version of the headers that the caller is compiled with.
   explicit ScanEffectRegistration(const ScanEffectType& type, std::string_view built_for = kHeaderVersion);
 };
@@ -178,14 +179,14 @@ struct ChosenScanEffect {
 /// The effects that the attributes request, in calling order.
 ///
 /// Errors   those of the types' `create` functions.
-std::vector<ChosenScanEffect> scan_effects(const ScanEffectContext& context);
+SIMVIS_API std::vector<ChosenScanEffect> scan_effects(const ScanEffectContext& context);
 
 /// Those of a scanner's effects that apply in frames of this scene: whose source the scene contains, and, if one of
 /// them traces beams, those that apply only then.
-std::vector<ChosenScanEffect> called_for(std::span<const ChosenScanEffect> effects, const DrawList& list);
+SIMVIS_API std::vector<ChosenScanEffect> called_for(std::span<const ChosenScanEffect> effects, const DrawList& list);
 
 /// Whether one of the effects traces beams. Every beam is then measured by a TracedScan.
-bool any_traces(std::span<const ChosenScanEffect> effects);
+SIMVIS_API bool any_traces(std::span<const ChosenScanEffect> effects);
 
 /// The largest number of reflections and transmissions of a ray; light that continues after that returns nothing.
 inline constexpr std::uint32_t kMaxTurns = 16;
@@ -195,7 +196,7 @@ inline constexpr std::uint32_t kMaxTurns = 16;
 ///
 /// Lifetime  the effects must outlive it.
 /// Threads   one thread at a time.
-class TracedScan {
+class SIMVIS_API TracedScan {
  public:
   /// `directions` of the beams are unit vectors in the sensor frame, in the order of Scan::range_m.
   TracedScan(std::vector<glm::dvec3> directions, std::span<const ChosenScanEffect> effects);

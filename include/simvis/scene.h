@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -10,9 +11,9 @@
 
 #include <simvis/command.h>
 #include <simvis/content_pool.h>
+#include <simvis/export.h>
 #include <simvis/node.h>
 #include <simvis/part_importer.h>
-#include <simvis/undo_log.h>
 
 namespace simvis {
 
@@ -27,6 +28,29 @@ struct OwnPart {
   const NodeMap& clone_of;     ///< from the nodes of content.root to those of `root`
 };
 
+/// The steps that revert the changes of a command to the scene if a later step of the command fails. None of them may
+/// throw.
+class UndoLog {
+ public:
+  /// Adds the step that reverts a change just made. What it captures must live until roll_back() or commit().
+  void add(std::function<void()> undo) { steps_.push_back(std::move(undo)); }
+
+  /// Runs all undo steps, the last one first, and clears the log.
+  void roll_back() {
+    while (!steps_.empty()) {
+      const std::function<void()> undo = std::move(steps_.back());
+      steps_.pop_back();
+      undo();
+    }
+  }
+
+  /// Clears the log: the command succeeded, and its changes stay.
+  void commit() { steps_.clear(); }
+
+ private:
+  std::vector<std::function<void()>> steps_;
+};
+
 /// A scene under construction.
 ///
 /// Frames    the world is ROOT's frame: x forward, y left, z up, metres.
@@ -36,7 +60,7 @@ struct OwnPart {
 /// Errors    InputError with the place; a command that throws may leave traces, which undo() reverts.
 /// Lifetime  returned references are valid as long as the scene.
 /// Threads   one thread at a time.
-class Scene {
+class SIMVIS_API Scene {
  public:
   Scene();                             ///< ROOT alone
   Scene(Scene&&) noexcept;             ///< the other may only be assigned to or destroyed
@@ -125,6 +149,6 @@ class Scene {
 
 /// Throws an error from inside a part as an InputError of the command that inserts the part:
 /// "scene.xml:3:2: error: part WORLD: world.glb: ...".
-[[noreturn]] void rethrow_from_part(const Command& part, const InputError& error);
+[[noreturn]] SIMVIS_API void rethrow_from_part(const Command& part, const InputError& error);
 
 }  // namespace simvis

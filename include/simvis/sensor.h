@@ -19,6 +19,7 @@
 #include <simvis/command.h>
 #include <simvis/cost_model.h>
 #include <simvis/effect.h>
+#include <simvis/export.h>
 #include <simvis/frame_plan.h>
 #include <simvis/frame_results.h>
 #include <simvis/frame_time.h>
@@ -57,10 +58,10 @@ inline constexpr AttributeSpec kPresetAttribute{
 /// with the place of `preset`, and has no attribute `preset`.
 ///
 /// Errors   InputError at the attribute if the type has no preset of that name.
-Command with_preset(Command command, const SensorType& type);
+SIMVIS_API Command with_preset(Command command, const SensorType& type);
 
 /// The presets of a type as `--describe` prints them; empty if it has none.
-std::string describe_presets(const SensorType& type);
+SIMVIS_API std::string describe_presets(const SensorType& type);
 
 /// One column of a table that a sensor writes. A value that is NaN is printed as an empty cell.
 struct TableColumn {
@@ -91,7 +92,7 @@ struct SensorReport {
 ///
 /// Lifetime  arguments are valid during the call only.
 /// Threads   called in the thread that calls Simulation::write().
-class OutputSink {
+class SIMVIS_API OutputSink {
  public:
   virtual ~OutputSink() = default;
   /// One image per frame. Either pointer may be null. `stem` is appended to the folder's name for sensors with several
@@ -122,7 +123,7 @@ enum class HistoryDependence : std::uint8_t {
 ///           return are valid as long as the sensor; their content changes with the next measurement.
 /// Errors    the constructor and check() throw InputError with the place; cast() may throw InputError.
 /// Threads   all calls come from the thread that calls the simulation.
-class Sensor {
+class SIMVIS_API Sensor {
  public:
   virtual ~Sensor() = default;
 
@@ -222,7 +223,7 @@ struct SensorType {
 };
 
 /// A sensor of the scene, as run.json and users see it.
-struct SensorInfo {
+struct SIMVIS_API SensorInfo {
   std::string name,                             ///< the sensor's name
       type,                                     ///< its type
       method;                                   ///< how it measures, see Sensor::method()
@@ -255,21 +256,21 @@ inline constexpr std::string_view kSensorCommonAttributes[] = {"type", "name", "
 ///           and Simulation::load() throws InputError for a type of the program itself.
 /// Lifetime  strings and the table of the type must live as long as the registry.
 /// Threads   any thread; other threads may look types up meanwhile.
-struct SensorRegistration {
+struct SIMVIS_API SensorRegistration {
   /// `built_for` is the version of the headers that the caller is compiled with.
   explicit SensorRegistration(const SensorType& type, std::string_view built_for = kHeaderVersion);
 };
 
 /// The sensor type of this name, or null. The pointer is valid for the rest of the program, except for a type of a
 /// plug-in that load_plugin() refuses.
-const SensorType* find_sensor_type(std::string_view name);
+SIMVIS_API const SensorType* find_sensor_type(std::string_view name);
 /// All sensor types, sorted by name. Lifetime as find_sensor_type().
-std::vector<const SensorType*> sensor_types();
+SIMVIS_API std::vector<const SensorType*> sensor_types();
 
 /// The type's own attributes and those of the effects in the catalogue that it may have, see <simvis/effect.h>.
-std::vector<AttributeSpec> all_attributes(const SensorType& type);
+SIMVIS_API std::vector<AttributeSpec> all_attributes(const SensorType& type);
 
 /// Whether sensors of the type of this name may carry the effect's attributes. False for an unknown name.
-bool may_have(std::string_view sensor_type, const EffectType& effect);
+SIMVIS_API bool may_have(std::string_view sensor_type, const EffectType& effect);
 
 }  // namespace simvis

@@ -14,6 +14,7 @@
 #include <simvis/device.h>
 #include <simvis/diagnostics.h>
 #include <simvis/error.h>
+#include <simvis/export.h>
 #include <simvis/image.h>
 #include <simvis/parameters.h>
 #include <simvis/progress.h>
@@ -38,7 +39,7 @@ struct SimulationImpl;
 ///           simulation that was moved from may only be assigned to or destroyed.
 /// Threads   one thread at a time, which may be any thread. Several simulations may load and run in different threads
 ///           at once, and other threads may load plug-ins meanwhile; each simulation gives the same bytes as alone.
-class Simulation {
+class SIMVIS_API Simulation {
  public:
   /// Loads a scene file. Throws InputError with FILE:LINE:COLUMN for any mistake in the scene or its parts, before
   /// anything is rendered; MachineError if no device fits.

@@ -4,6 +4,7 @@
 #include <glm/glm.hpp>
 
 #include <simvis/draw_list.h>
+#include <simvis/export.h>
 #include <simvis/ray_caster.h>
 
 namespace simvis {
@@ -24,7 +25,7 @@ struct SurfacePoint {
 /// length, sensor frame) into this draw list (asserted). `world_from_sensor` is rigid.
 ///
 /// Threads  any number at a time.
-SurfacePoint surface_point(const DrawList& list, const glm::dmat4& world_from_sensor, const glm::dvec3& direction,
-                           const RayHit& hit);
+SIMVIS_API SurfacePoint surface_point(const DrawList& list, const glm::dmat4& world_from_sensor,
+                                      const glm::dvec3& direction, const RayHit& hit);
 
 }  // namespace simvis

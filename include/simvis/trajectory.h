@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <vector>
 
+#include <simvis/export.h>
 #include <simvis/parameters.h>
 
 namespace simvis {
@@ -19,7 +20,7 @@ namespace simvis {
 ///           it has the value of the first row, after the last row that of the last.
 /// Errors    InputError.
 /// Lifetime  holds indices of parameters, which stay valid when elements are added.
-class Trajectory {
+class SIMVIS_API Trajectory {
  public:
   /// Reads a file. Throws InputError if the file cannot be read, and with FILE:LINE:COLUMN for a header that does not
   /// begin with time_s, an unknown parameter or one given twice, a cell that is missing, not a finite number or not

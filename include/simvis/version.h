@@ -3,6 +3,8 @@
 
 #include <string_view>
 
+#include <simvis/export.h>
+
 namespace simvis {
 
 /// "MAJOR.MINOR.PATCH" of the headers that a program or a plug-in is compiled with. Before 1.0 two versions are
@@ -10,6 +12,6 @@ namespace simvis {
 inline constexpr std::string_view kHeaderVersion = "0.1.0";
 
 /// The version of the running library, in the same form. The text is static.
-std::string_view version();
+SIMVIS_API std::string_view version();
 
 }  // namespace simvis

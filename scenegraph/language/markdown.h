@@ -5,13 +5,14 @@
 #include <string_view>
 
 #include <simvis/attributes.h>
+#include "engine/base/program_api.h"
 
 namespace simvis {
 
 /// Returns the facts that describe() prints about the attributes, as a Markdown table. Empty for an empty table.
-std::string markdown_table(AttributeTable table);
+SIMVIS_PROGRAM_API std::string markdown_table(AttributeTable table);
 
 /// Returns `text` with the characters escaped that Markdown would read as markup.
-std::string markdown_text(std::string_view text);
+SIMVIS_PROGRAM_API std::string markdown_text(std::string_view text);
 
 }  // namespace simvis

@@ -25,6 +25,7 @@
 #include <simvis/location.h>
 #include <simvis/scan_effect.h>
 #include <simvis/sensor.h>
+#include "engine/base/program_api.h"
 #include "sensors/laser_scanner/method_selector.h"
 #include "sensors/laser_scanner/method_survey.h"
 #include "sensors/laser_scanner/rendered_scan.h"
@@ -37,10 +38,10 @@ namespace simvis {
 enum class ScanMethod : std::uint8_t { nearest, planar, hybrid, raycast, automatic };
 
 /// The name in a scene file: "nearest", ..., "auto".
-std::string_view to_string(ScanMethod method);
+SIMVIS_PROGRAM_API std::string_view to_string(ScanMethod method);
 
 /// The inverse of to_string(); empty if no method has this name.
-std::optional<ScanMethod> find_scan_method(std::string_view name);
+SIMVIS_PROGRAM_API std::optional<ScanMethod> find_scan_method(std::string_view name);
 
 /// True if the method reads max_error_m and max_error_rel. With any other method a tolerance is an error.
 constexpr bool takes_tolerance(ScanMethod method) {
@@ -62,7 +63,7 @@ struct LaserScannerDesc {
 };
 
 /// Reads the attributes of a scanner. Throws InputError at an attribute that another attribute does not allow.
-LaserScannerDesc laser_scanner_desc(const SensorContext& context);
+SIMVIS_PROGRAM_API LaserScannerDesc laser_scanner_desc(const SensorContext& context);
 
 /// Priced: nearest, planar and hybrid at several resolutions, hybrid also with several tolerances, and raycast; the
 /// resolution and tolerance of the command, and the variant that it selects, are included. By method: all but auto, at
@@ -72,7 +73,7 @@ ScanVariants laser_scanner_variants(const SensorContext& context);
 
 /// The first effect set by the scanner's own attributes that follows beams and so requires `raycast`; null if there is
 /// none.
-const EffectType* beam_following_effect(const LaserScannerDesc& desc);
+SIMVIS_PROGRAM_API const EffectType* beam_following_effect(const LaserScannerDesc& desc);
 
 /// Default pixels across 90 degrees: for one ring, and for several rings, whose faces are areas.
 inline constexpr double kPlanarResolution = 4096, kRingsResolution = 1024;

@@ -42,6 +42,7 @@
 #include <cstdint>
 
 #include <simvis/frame_results.h>
+#include "engine/base/program_api.h"
 #include "engine/geometry/plane_rounding.h"
 #include "sensors/raster_depth/beam_tap.h"
 #include "sensors/raster_depth/vertex_rounding.h"
@@ -73,7 +74,7 @@ struct RangeEstimate {
 RangeEstimate planar_range(const FacePixels& pixels, const BeamTap& tap, const VertexRounding& rounding);
 
 /// The smallest bound of planar_range(), as a share of a finite range.
-double min_planar_bound();
+SIMVIS_PROGRAM_API double min_planar_bound();
 
 /// The range of the pixel that contains the beam, along that pixel's own ray, as other simulators report it. `planar`
 /// is the result of planar_range(): the bound is the difference to it plus its bound.

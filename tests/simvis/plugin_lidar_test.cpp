@@ -104,8 +104,17 @@ TEST_CASE("--method and --max-error hold for a plug-in's scanner") {
   CHECK(std::abs(bounded.ahead_m().second - 0.25) <= 2 * kStored_m);
   const Run wrong(scene(""), {"--method", "planar"});
   CHECK(wrong.result.exit_code == 2);
-  CHECK(has(wrong.result.err, "--method"));
-  CHECK(has(wrong.result.err, "raycast coarse"));
+  CHECK(has(wrong.result.err, "--method: error: "));
+  CHECK(has(wrong.result.err, "raycast, coarse"));
+}
+
+TEST_CASE("a method that another scanner of the scene does not have is an error") {
+  const Run both(scene("", R"(  <sensor type="laser_scanner" name="SCAN" insert_at="ROOT"/>)"), {"--method", "coarse"});
+  CHECK(both.result.exit_code == 2);
+  CHECK(has(both.result.err,
+            "--method: error: attribute \"method\": \"coarse\" is not allowed, expected one of: nearest"));
+  const Run neither(scene(""), {"--method", "sonar"});
+  CHECK(neither.result.exit_code == 2);
 }
 
 TEST_CASE("--price lists the methods of a plug-in's scanner") {

@@ -9,8 +9,7 @@
 #include <type_traits>
 #include <vector>
 
-#include <simvis/part_importer.h>
-#include "scenegraph/flattener.h"
+#include "tests/support/loaded_part.h"
 #include "tests/support/temporary_folder.h"
 
 namespace simvis::test {
@@ -72,17 +71,5 @@ class GltfBuilder {
   int accessor_of(int component, const char* type, const void* values, std::size_t count, std::size_t size,
                   bool normalized);
 };
-
-PartContent import_part(const std::filesystem::path& file, ContentPool& pool);
-
-/// The part in glTF's own frame, flattened.
-struct LoadedPart {
-  PartContent content;
-  DrawList list;
-};
-
-DrawList flatten(const PartContent& content);
-
-LoadedPart load_unturned(const std::filesystem::path& file, ContentPool& pool);
 
 }  // namespace simvis::test

@@ -1,14 +1,17 @@
 // A program outside SimVis with an element of its own: a wall that can be pushed away. A laser scanner looks at it.
 #include <simvis/element.h>
+#include <simvis/error.h>
 #include <simvis/simulation.h>
 
 #include <cmath>
 #include <cstdio>
+#include <string>
 
 namespace {
 
 constexpr simvis::AttributeSpec kAttributes[] = {
     {.name = "x", .default_value = "4", .unit = "m", .text = "where the wall stands", .live = true},
+    {.name = "paint", .kind = simvis::AttributeKind::text, .text = "colour; none is known"},
 };
 
 std::shared_ptr<const simvis::Mesh> square() {
@@ -23,6 +26,7 @@ std::shared_ptr<const simvis::Mesh> square() {
 class PushedWall : public simvis::Element {
  public:
   explicit PushedWall(const simvis::ElementContext& context) : transform_(std::make_shared<simvis::Transform>()) {
+    if (context.attributes.is_set("paint")) throw simvis::InputError("there is no paint");
     auto group = std::make_shared<simvis::Separator>();
     group->add(transform_);
     group->add(std::make_shared<simvis::Shape>(square()));
@@ -60,6 +64,21 @@ bool looks_right(simvis::Simulation& simulation, double expected_m) {
   return std::abs(scan.range_m[1] - expected_m) <= scan.error_bound_m[1];
 }
 
+/// Whether the errors of the library, and those of this program that pass through it, arrive as what they are.
+bool errors_arrive() {
+  const auto message = [](const char* attributes) -> std::string {
+    try {
+      simvis::Simulation::from_string("<element name='WALL' insert_at='ROOT' " + std::string(attributes) + "/>");
+    } catch (const simvis::InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const std::string of_library = message("type='pushed_wal'"), of_program = message("type='pushed_wall' paint='red'");
+  std::printf("%s\n%s\n", of_library.c_str(), of_program.c_str());
+  return of_library.find("did you mean \"pushed_wall\"?") != std::string::npos && of_program == "there is no paint";
+}
+
 }  // namespace
 
 int main() {
@@ -68,7 +87,7 @@ int main() {
     const bool before = looks_right(simulation, 4);
     simulation.set("WALL", "x", 6.5);
     const bool after = looks_right(simulation, 6.5);
-    return before && after ? 0 : 1;
+    return before && after && errors_arrive() ? 0 : 1;
   } catch (const simvis::Error& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 1;
