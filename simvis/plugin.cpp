@@ -3,6 +3,7 @@
 #include <dlfcn.h>
 
 #include <map>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,9 @@ void* loaded(const std::string& path) { return ::dlopen(path.c_str(), RTLD_NOW |
 }  // namespace
 
 void load_plugin(const std::filesystem::path& file) {
+  // One at a time: the counts before and after tell what this library has registered.
+  static std::recursive_mutex loading;
+  const std::lock_guard lock(loading);
   // dlopen() searches the system folders for a name without a path, so it gets an absolute path.
   const std::string path = std::filesystem::absolute(file).string();
   if (void* const library = loaded(path)) {

@@ -309,11 +309,11 @@ TEST_CASE("a scene with a fault is refused") {
   CHECK(contains(fault_after([](Scene& s) { s.meshes[0].indices.pop_back(); }), "an incomplete primitive"));
   CHECK(contains(fault_after([](Scene& s) { s.meshes[0].attributes.pop_back(); }), "attributes"));
   CHECK(contains(fault_after([](Scene& s) { s.textures[0].texture.width = 2; }), "bytes do not match its size"));
-  CHECK(contains(fault_after([](Scene& s) { s.textures[1].texture.width = 2; }), "two pictures"));
+  CHECK(contains(fault_after([](Scene& s) { s.textures[1].texture.width = 2; }), "two images"));
   CHECK(contains(fault_after([](Scene& s) { s.materials[0].texture = 2; }), "with an unknown texture"));
   CHECK(contains(fault_after([](Scene& s) { s.materials[0].material.uv_set = 2; }), "third set"));
-  CHECK(contains(fault_after([](Scene& s) { s.nodes[0].shapes[0].mesh = 1; }), "content"));
-  CHECK(contains(fault_after([](Scene& s) { s.nodes[0].shapes[0].material = 2; }), "content"));
+  CHECK(contains(fault_after([](Scene& s) { s.nodes[0].shapes[0].mesh = 1; }), "unknown mesh or material"));
+  CHECK(contains(fault_after([](Scene& s) { s.nodes[0].shapes[0].material = 2; }), "unknown mesh or material"));
   CHECK(contains(fault_after([](Scene& s) { s.nodes[0].parent_from_node[0][3] = 1; }), "not affine"));
   CHECK(contains(fault_after([](Scene& s) { s.nodes[1].parent = 1; }), "before its parent"));
   CHECK(contains(fault_after([](Scene& s) { s.nodes[1].light->intensity = NAN; }), "not finite"));
