@@ -2,8 +2,10 @@
 #pragma once
 
 #include <filesystem>
+#include <glm/glm.hpp>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,6 +17,7 @@
 
 namespace simvis {
 
+class AttributeValues;
 class NameSet;
 struct PartAnimations;
 
@@ -23,7 +26,7 @@ struct PartContent {
   NodePtr root;                       ///< may have several parents
   std::vector<std::string> warnings;  ///< for people, each with the file's name
   std::vector<std::string> commands;  ///< embedded commands, XML text, in the order found
-  std::filesystem::path file;         ///< the canonical name; set by Scene
+  std::filesystem::path file;         ///< the canonical name, empty for a shape; set by Scene
   std::vector<std::string> points;    ///< names of the insertion points in the graph, in order; set by Scene
   /// Animations of the nodes of `root`; null: there are none.
   std::shared_ptr<const PartAnimations> animations;
@@ -41,8 +44,9 @@ struct OwnPart {
 /// A scene under construction.
 ///
 /// Frames    the world is ROOT's frame: x forward, y left, z up, metres.
-/// Part      attributes of a part command: file (a relative name starts at the command's folder), name, insert_at,
-///           pose_offset, up.
+/// Part      attributes of a part command: name, insert_at, pose_offset, quaternion; file (a relative name starts at
+///           the command's folder), up, scale, unit; or shape, size, radius, length, color; neither a file nor a shape
+///           makes an empty frame.
 /// Names     insertion points, parts, elements and sensors have names; two of the same kind never share one.
 /// Errors    InputError with the place; a command that throws may leave traces, which undo() reverts.
 /// Lifetime  returned references are valid as long as the scene.
@@ -56,7 +60,7 @@ class Scene {
 
   const GroupPtr& root() const { return root_; }  ///< the node of ROOT
 
-  /// The content of a part command's file. Each file is read once, however often it is inserted.
+  /// The content of a part command: of its file, which is read once, however often it is inserted, or its shape.
   /// Throws InputError with the place: an attribute is unknown or wrong, or the file is missing, of an unknown format
   /// or broken.
   const PartContent& load_part(const Command& command);
@@ -96,6 +100,9 @@ class Scene {
   std::vector<std::string_view> part_names() const;        ///< sorted; valid until parts are inserted or reverted
   bool has_insertion_point(std::string_view name) const;   ///< ROOT, or the insertion point of a part
   std::vector<std::string_view> insertion_points() const;  ///< sorted; valid until parts are inserted or reverted
+  /// world_from_point of an insertion point, which must exist (asserted), as the scene stands now. Empty if it stands
+  /// below a switch that is off.
+  std::optional<glm::dmat4> world_from_point(std::string_view name) const;
 
   /// Warnings of importers, in the order in which they came, each once.
   const std::vector<std::string>& warnings() const { return warnings_; }
@@ -117,6 +124,7 @@ class Scene {
     NodeMap clone_of;  // empty as long as `root` is the content's own
   };
   const Place& place(const Command& command) const;
+  const PartContent& load_shape(const AttributeValues& attributes);
   void share_graph(PartContent& content) const;
   void insert_at(const Place& place, const NodePtr& node);
   void remember(const Command& command, const NodePtr& node);
@@ -128,7 +136,7 @@ class Scene {
   std::unique_ptr<NameSet> part_names_;
   std::map<std::string, Part, std::less<>> parts_;
   std::map<std::string, NodePtr, std::less<>> nodes_;  // of elements, by name
-  std::map<std::string, PartContent> contents_;        // by canonical path and up axis: one file is read once
+  std::map<std::string, PartContent> contents_;        // by canonical path, up axis and scale, or by shape
   ContentPool pool_;
   std::vector<std::string> warnings_;
   UndoLog undo_;

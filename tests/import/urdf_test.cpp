@@ -12,7 +12,7 @@
 #include <simvis/pose.h>
 #include "engine/base/srgb.h"
 #include "scenegraph/flattener.h"
-#include "scenegraph/import/urdf/primitive_meshes.h"
+#include "scenegraph/primitive_meshes.h"
 #include "simvis/scene_builder.h"
 #include "tests/support/error_of.h"
 #include "tests/support/gltf_fixture.h"

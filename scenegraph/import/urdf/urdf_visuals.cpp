@@ -9,8 +9,8 @@
 #include "engine/base/srgb.h"
 #include "scenegraph/import/mesh/mesh_file.h"
 #include "scenegraph/import/mesh/picture_file.h"
-#include "scenegraph/import/urdf/primitive_meshes.h"
 #include "scenegraph/import/urdf/urdf_pose.h"
+#include "scenegraph/primitive_meshes.h"
 
 namespace simvis {
 namespace {
