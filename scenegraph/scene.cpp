@@ -93,7 +93,11 @@ const PartContent& Scene::insert_part(const Command& command, const std::string&
   const Place at = place(command);
   const PartContent& content = load_part(command);
 
-  Part part{.separator = std::make_shared<Separator>(), .content = &content, .root = content.root, .clone_of = {}};
+  Part part{.command = command,
+            .separator = std::make_shared<Separator>(),
+            .content = &content,
+            .root = content.root,
+            .clone_of = {}};
   part.separator->name = name.value;
   const auto point = std::make_shared<InsertionPoint>();
   point->name = name.value;
@@ -198,6 +202,12 @@ NodePtr Scene::find_node(std::string_view name) const {
   if (const auto part = parts_.find(name); part != parts_.end()) return part->second.separator;
   const auto node = nodes_.find(name);
   return node == nodes_.end() ? nullptr : node->second;
+}
+
+const Command& Scene::part_command(std::string_view name) const {
+  const auto part = parts_.find(name);
+  SIMVIS_ASSERT(part != parts_.end());
+  return part->second.command;
 }
 
 std::vector<std::string_view> Scene::part_names() const {

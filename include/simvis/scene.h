@@ -97,7 +97,9 @@ class Scene {
 
   /// Whether there is a part of this name.
   bool has_part(std::string_view name) const { return parts_.find(name) != parts_.end(); }
-  std::vector<std::string_view> part_names() const;        ///< sorted; valid until parts are inserted or reverted
+  std::vector<std::string_view> part_names() const;  ///< sorted; valid until parts are inserted or reverted
+  /// The command that inserted a part, which must exist (asserted). Names in it are those of the whole scene.
+  const Command& part_command(std::string_view name) const;
   bool has_insertion_point(std::string_view name) const;   ///< ROOT, or the insertion point of a part
   std::vector<std::string_view> insertion_points() const;  ///< sorted; valid until parts are inserted or reverted
   /// world_from_point of an insertion point, which must exist (asserted), as the scene stands now. Empty if it stands
@@ -118,6 +120,7 @@ class Scene {
   };
   // One insertion of a part.
   struct Part {
+    Command command;
     std::shared_ptr<Separator> separator;
     const PartContent* content = nullptr;
     NodePtr root;      // the last child of `separator`
