@@ -17,7 +17,7 @@
 #include <simvis/draw_list.h>
 #include <simvis/pose.h>
 #include <simvis/simulation.h>
-#include "scenegraph/import/urdf/primitive_meshes.h"
+#include "scenegraph/primitive_meshes.h"
 
 namespace simvis {
 

@@ -6,20 +6,32 @@
 #include <simvis/part_importer.h>
 #include "engine/base/assert.h"
 #include "scenegraph/clone_graph.h"
+#include "scenegraph/graph_walk.h"
 #include "scenegraph/language/pose_attribute.h"
 #include "scenegraph/name_set.h"
+#include "scenegraph/part_scale.h"
 #include "scenegraph/same_graph.h"
+#include "scenegraph/shape_part.h"
 
 namespace simvis {
 namespace {
 
-constexpr std::string_view kPartCommonAttributes[] = {"file", "name", "insert_at", kPoseOffset};
-constexpr AttributeSpec kPartAttributes[] = {{
-    .name = "up",
-    .kind = AttributeKind::choice,
-    .text = "which axis of the file points up; the format's own if not given",
-    .choices = "y z",
-}};
+constexpr std::string_view kPartCommonAttributes[] = {"file", "name", "insert_at", kPoseOffset, kQuaternion};
+constexpr AttributeSpec kPartAttributes[] = {
+    {
+        .name = "up",
+        .kind = AttributeKind::choice,
+        .text = "which axis of the file points up; the format's own if not given",
+        .choices = "y z",
+    },
+    kScaleRow,
+    kUnitRow,
+    kShapeRow,
+    kSizeRow,
+    kRadiusRow,
+    kLengthRow,
+    kColorRow,
+};
 
 std::filesystem::path find_part_file(const Command& command) {
   const CommandAttribute& file = command.require("file");
@@ -81,7 +93,11 @@ const PartContent& Scene::insert_part(const Command& command, const std::string&
   const Place at = place(command);
   const PartContent& content = load_part(command);
 
-  Part part{.separator = std::make_shared<Separator>(), .content = &content, .root = content.root, .clone_of = {}};
+  Part part{.command = command,
+            .separator = std::make_shared<Separator>(),
+            .content = &content,
+            .root = content.root,
+            .clone_of = {}};
   part.separator->name = name.value;
   const auto point = std::make_shared<InsertionPoint>();
   point->name = name.value;
@@ -188,6 +204,12 @@ NodePtr Scene::find_node(std::string_view name) const {
   return node == nodes_.end() ? nullptr : node->second;
 }
 
+const Command& Scene::part_command(std::string_view name) const {
+  const auto part = parts_.find(name);
+  SIMVIS_ASSERT(part != parts_.end());
+  return part->second.command;
+}
+
 std::vector<std::string_view> Scene::part_names() const {
   std::vector<std::string_view> names;
   for (const auto& [name, part] : parts_) names.push_back(name);
@@ -195,6 +217,16 @@ std::vector<std::string_view> Scene::part_names() const {
 }
 
 bool Scene::has_insertion_point(std::string_view name) const { return places_.find(name) != places_.end(); }
+
+std::optional<glm::dmat4> Scene::world_from_point(std::string_view name) const {
+  const auto place = places_.find(name);
+  SIMVIS_ASSERT(place != places_.end());
+  std::optional<glm::dmat4> found;
+  walk_graph(*root_, {.visit = [&](const Node& node, const WalkState& state) {
+    if (&node == place->second.point) found = state.world_from_node;
+  }});
+  return found;
+}
 
 std::vector<std::string_view> Scene::insertion_points() const {
   std::vector<std::string_view> names;
@@ -215,6 +247,9 @@ const Scene::Place& Scene::place(const Command& command) const {
 
 const PartContent& Scene::load_part(const Command& command) {
   const AttributeValues attributes(command, kPartAttributes, kPartCommonAttributes);
+  check_shape_attributes(command, attributes);
+  if (command.find("file") == nullptr) return load_shape(attributes);
+  const double scale = part_scale(command, attributes);
   const std::filesystem::path path = find_part_file(command);
   const PartImporter importer = find_importer(path, command.require("file").where);
   ImportRequest request{.file = path};
@@ -227,12 +262,14 @@ const PartContent& Scene::load_part(const Command& command) {
     request.up = attributes.choice("up") == "y" ? UpAxis::y : UpAxis::z;
     key += "|" + attributes.choice("up");
   }
+  if (scale != 1) key += "|" + format_number(scale);
   if (const auto known = contents_.find(key); known != contents_.end()) return known->second;
   try {
     PartContent content = importer(request, pool_);
     content.file = canonical;
     content.points = points_of(content.root);
     share_graph(content);
+    if (scale != 1) scale_content(content, scale);
     for (const std::string& warning : content.warnings) {
       if (std::ranges::find(warnings_, warning) == warnings_.end()) warnings_.push_back(warning);
     }
@@ -240,6 +277,14 @@ const PartContent& Scene::load_part(const Command& command) {
   } catch (const InputError& wrong) {
     rethrow_from_part(command, wrong);
   }
+}
+
+const PartContent& Scene::load_shape(const AttributeValues& attributes) {
+  const std::string key = shape_key(attributes);
+  if (const auto known = contents_.find(key); known != contents_.end()) return known->second;
+  PartContent content = make_shape(attributes, pool_);
+  share_graph(content);
+  return contents_.emplace(key, std::move(content)).first->second;
 }
 
 }  // namespace simvis

@@ -9,6 +9,7 @@
 #include "scenegraph/language/pose_attribute.h"
 #include "scenegraph/language/registrations.h"
 #include "simvis/library_of.h"
+#include "simvis/look_at.h"
 
 namespace simvis {
 namespace {
@@ -68,7 +69,7 @@ std::vector<AttributeSpec> table_of(const Command& command) {
 
 // The kind of object that an attribute of a command refers to.
 std::optional<CommandKind> referred_kind(const Command& command, std::string_view attribute) {
-  if (attribute == "insert_at") return CommandKind::part;
+  if (attribute == "insert_at" || attribute == kLookAt) return CommandKind::part;
   for (const AttributeSpec& spec : table_of(command)) {
     if (spec.name != attribute) continue;
     if (spec.kind == AttributeKind::part) return CommandKind::part;
@@ -76,6 +77,10 @@ std::optional<CommandKind> referred_kind(const Command& command, std::string_vie
     if (spec.kind == AttributeKind::sensor) return CommandKind::sensor;
   }
   return std::nullopt;
+}
+
+std::string prefix_of(const Command& command) {
+  return command.scope == nullptr ? std::string() : command.scope->prefix;
 }
 
 void check_prefix(const CommandAttribute& part_name) {
@@ -123,13 +128,18 @@ void SceneBuilder::all_or_nothing(const Action& action) {
     built_.scene.undo().roll_back();
     open_.clear();
     awaited_.clear();
+    announced_sensors_.clear();
     throw;
   }
+  announced_sensors_.clear();
   built_.scene.undo().commit();
 }
 
 void SceneBuilder::execute(std::span<const Command> commands) {
-  all_or_nothing([&] { run(commands); });
+  all_or_nothing([&] {
+    announce(commands);
+    run(commands);
+  });
   if (progress_ && !commands.empty()) progress_({kReading, commands.size(), commands.size()});
 }
 
@@ -163,15 +173,66 @@ void SceneBuilder::run(std::span<const Command> commands) {
 void SceneBuilder::check_order(const Command& command, std::span<const Command> later) const {
   const CommandAttribute* at = command.find("insert_at");
   if (at == nullptr || built_.scene.has_insertion_point(at->value)) return;
+  if (built_.scene.has_insertion_point(prefix_of(command) + at->value)) return;
   for (const Command& other : later) {
     const CommandAttribute* name = other.find("name");
     if (other.kind != CommandKind::part || name == nullptr || name->value != at->value) continue;
+    if (prefix_of(other) != prefix_of(command)) continue;
     fail_at(at->where, "there is no insertion point " + in_quotes(at->value) + " yet: its part comes later, at " +
                            to_string(other.where) + ", and commands are executed in order");
   }
 }
 
+// Sensors may be referred to before their commands.
+void SceneBuilder::announce(std::span<const Command> commands) {
+  for (const Command& command : commands) {
+    const CommandAttribute* const name = command.find("name");
+    if (command.kind != CommandKind::sensor || command.scope == nullptr || name == nullptr) continue;
+    announced_sensors_.insert(command.scope->prefix + name->value);
+  }
+}
+
+// Gives the names in a command of an included file as the whole scene knows them.
+Command SceneBuilder::named(Command command) const {
+  for (CommandAttribute& attribute : command.attributes) {
+    if (attribute.name == "name") {
+      attribute.value = command.scope->prefix + attribute.value;
+    } else if (const std::optional<CommandKind> kind = referred_kind(command, attribute.name)) {
+      resolve(*kind, attribute, command.scope.get());
+    }
+  }
+  return command;
+}
+
+void SceneBuilder::resolve(CommandKind kind, CommandAttribute& reference, const IncludeScope* scope) const {
+  for (; scope != nullptr; scope = scope->outer.get()) {
+    if (kind == CommandKind::part && reference.value == built_.scene.root()->name) {
+      if (scope->root) reference = {reference.name, scope->root->value, scope->root->where};
+    } else if (exists(kind, scope->prefix + reference.value)) {
+      reference.value = scope->prefix + reference.value;
+      return;
+    }
+  }
+}
+
+bool SceneBuilder::exists(CommandKind kind, const std::string& name) const {
+  switch (kind) {
+    case CommandKind::part:
+      return built_.scene.has_insertion_point(name);
+    case CommandKind::element:
+      return element_names_.contains(name);
+    case CommandKind::sensor:
+      return sensor_names_.contains(name) || announced_sensors_.contains(name);
+  }
+  return false;
+}
+
 void SceneBuilder::execute_one(const Command& command) {
+  if (command.scope == nullptr) return execute_named(command);
+  execute_named(named(command));
+}
+
+void SceneBuilder::execute_named(const Command& command) {
   switch (command.kind) {
     case CommandKind::part:
       return insert_part(command);
@@ -191,25 +252,27 @@ void SceneBuilder::insert_part(const Command& command) {
   const PartContent& content = built_.scene.load_part(command);
   const CommandAttribute& name = command.require("name");
   const bool has_names = !content.commands.empty() || !content.points.empty();
-  std::string prefix;
-  if (has_names &&
-      clashes(content.commands.empty() ? std::vector<Command>() : carried_commands(command, content), content)) {
+  std::string prefix = prefix_of(command);
+  const std::pair carrier(prefix, content.file);
+  if (has_names && clashes(content.commands.empty() ? std::vector<Command>() : carried_commands(command, content),
+                           content, prefix)) {
     check_prefix(name);
     prefix = name.value + "/";
   }
   built_.scene.insert_part(command, prefix);
   log_change(command);  // before the carried commands
   if (!has_names) return;
-  if (carriers_.insert(content.file).second) {
-    built_.scene.undo().add([this, file = content.file] { carriers_.erase(file); });
+  if (carriers_.insert(carrier).second) {
+    built_.scene.undo().add([this, carrier] { carriers_.erase(carrier); });
   }
   run_carried(command, content, prefix);
 }
 
 // Whether the names within a part need a prefix: the part is already in the scene, or one of its names is taken.
-bool SceneBuilder::clashes(std::span<const Command> carried, const PartContent& content) const {
-  if (carriers_.contains(content.file)) return true;
-  const auto point_taken = [&](const std::string& name) { return built_.scene.has_insertion_point(name); };
+bool SceneBuilder::clashes(std::span<const Command> carried, const PartContent& content,
+                           const std::string& prefix) const {
+  if (carriers_.contains({prefix, content.file})) return true;
+  const auto point_taken = [&](const std::string& name) { return built_.scene.has_insertion_point(prefix + name); };
   if (std::ranges::any_of(content.points, point_taken)) return true;
   return std::ranges::any_of(carried, [&](const Command& command) {
     const CommandAttribute* const name = command.find("name");
@@ -218,9 +281,9 @@ bool SceneBuilder::clashes(std::span<const Command> carried, const PartContent& 
       case CommandKind::part:
         return point_taken(name->value);
       case CommandKind::element:
-        return element_names_.contains(name->value);
+        return element_names_.contains(prefix + name->value);
       case CommandKind::sensor:
-        return sensor_names_.contains(name->value);
+        return sensor_names_.contains(prefix + name->value);
     }
     return false;
   });
@@ -396,7 +459,8 @@ void SceneBuilder::add_sensor(BuiltSensor sensor) {
 void SceneBuilder::insert_sensor(const Command& command) {
   for (const char* attribute : {"type", "name", "insert_at"}) command.require(attribute);
   BuiltSensor sensor = make_sensor(command);
-  const std::optional<glm::dmat4> offset = pose_offset(command);
+  std::optional<glm::dmat4> offset = pose_offset(command);
+  if (command.find(kLookAt) != nullptr) offset = look_at_offset(built_.scene, command, (*offset)[3]);
   sensor.mount = std::make_shared<Mount>();
   sensor.mount->name = sensor.name;
   // Visualization sensors must have no effect on the world of the other sensors.

@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <simvis/command.h>
@@ -42,6 +43,8 @@ struct BuiltScene {
 ///          commands start at the folder of the part; `insert_at` is optional and defaults to the insertion point of
 ///          the part. If the same file is inserted again under a name N, or if one of its names is taken, the names in
 ///          its commands and its insertion points become N/NAME.
+/// Included commands of an included file have its scope: their names, and those of the parts that they insert, get its
+///          prefix.
 /// Seed     the seed of all random numbers; each sensor receives it.
 /// Override replaces or adds an attribute of every sensor of its type, including the sensors in part files.
 class SceneBuilder {
@@ -69,13 +72,18 @@ class SceneBuilder {
   void all_or_nothing(const Action& action);
   void run(std::span<const Command> commands);
   void execute_one(const Command& command);
+  void execute_named(const Command& command);
+  void announce(std::span<const Command> commands);
+  Command named(Command command) const;
+  void resolve(CommandKind kind, CommandAttribute& reference, const IncludeScope* scope) const;
+  bool exists(CommandKind kind, const std::string& name) const;
   void check_order(const Command& command, std::span<const Command> later) const;
   void check_references(const AttributeValues& attributes, AttributeTable table);
   void check_awaited();
   void log_change(const Command& command);
   void run_carried(const Command& part, const PartContent& content, const std::string& prefix);
   std::vector<Command> carried_commands(const Command& part, const PartContent& content) const;
-  bool clashes(std::span<const Command> carried, const PartContent& content) const;
+  bool clashes(std::span<const Command> carried, const PartContent& content, const std::string& prefix) const;
   void insert_part(const Command& command);
   void insert_element(const Command& command);
   void insert_sensor(const Command& command);
@@ -90,8 +98,10 @@ class SceneBuilder {
   ProgressCallback progress_;
   std::optional<TargetLimits> limits_;
   NameSet element_names_{"element"}, sensor_names_{"sensor"};
-  std::set<std::filesystem::path> carriers_;  // files whose carried commands have been executed
-  std::vector<std::filesystem::path> open_;   // files whose carried commands are being executed
+  std::set<std::string> announced_sensors_;  // of included files, in the commands that are being executed
+  // Files whose carried commands have been executed, with the prefix of the file that includes them.
+  std::set<std::pair<std::string, std::filesystem::path>> carriers_;
+  std::vector<std::filesystem::path> open_;  // files whose carried commands are being executed
   std::vector<Awaited> awaited_;
 };
 

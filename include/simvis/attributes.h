@@ -21,7 +21,7 @@ enum class AttributeKind : std::uint8_t {
   integer,  ///< a whole number
   choice,   ///< one of `choices`
   flags,    ///< one or more of `choices`, each at most once, separated by spaces
-  vector,   ///< three finite doubles
+  vector,   ///< three finite doubles, each within the row's limits
   text,     ///< any text that does not consist of spaces alone
   part,     ///< the name of a part that an earlier command inserted
   element,  ///< the name of an element that an earlier command made

@@ -1,8 +1,11 @@
-// The three commands of the scene language (part, element, sensor), read from XML.
+// The three commands of the scene language (part, element, sensor), read from XML. `include`, `set` and `repeat` are
+// carried out while reading.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -26,12 +29,21 @@ struct CommandAttribute {
   Location where;    ///< of the attribute's name
 };
 
+/// The names in an included file. A name that the file defines gets the prefix. A name that it refers to is looked up
+/// with the prefix, then as in the file around it.
+struct IncludeScope {
+  std::string prefix;                         ///< with the prefixes of the files around it
+  std::optional<CommandAttribute> root;       ///< what ROOT means, a name of the file around it; empty: ROOT as there
+  std::shared_ptr<const IncludeScope> outer;  ///< of the file around it; null: that file is not included
+};
+
 /// One command as written. Only its kind is interpreted.
 struct SIMVIS_API Command {
-  CommandKind kind = CommandKind::part;      ///< the tag
-  std::vector<CommandAttribute> attributes;  ///< in the order written; names are unique
-  Location where;                            ///< of the tag's name
-  std::filesystem::path folder;              ///< relative file names in the command start here
+  CommandKind kind = CommandKind::part;         ///< the tag
+  std::vector<CommandAttribute> attributes;     ///< in the order written; names are unique
+  Location where;                               ///< of the tag's name
+  std::filesystem::path folder;                 ///< relative file names in the command start here
+  std::shared_ptr<const IncludeScope> scope{};  ///< of the included file that has the command; null: none
 
   /// The attribute of this name, or null. The pointer is valid until `attributes` changes.
   const CommandAttribute* find(std::string_view name) const;
@@ -53,14 +65,17 @@ SIMVIS_API std::string to_string(const Command& command);
 ///          sensors have no '.', which is the separator of ELEMENT.PARAM, and no '/', which is the separator of result
 ///          folders.
 /// Root     any name except a command's; it has no attributes.
+/// Values   "${EXPRESSION}" in an attribute is replaced by its value. `<set name="N" value="V"/>` defines a variable to
+///          the end of the file or repetition, `<repeat count="C" as="N">` repeats its content with N from 0 to C - 1,
+///          `<include file="F"/>` stands for the commands of a file, which does not see the variables of this one.
 /// Errors   InputError with the place; `file` names the text in messages: not UTF-8, malformed XML, an unknown command
 ///          (the nearest known one is suggested), an attribute given twice, a name that breaks the rule, text between
-///          commands, children of a command.
+///          commands, children of a command, a wrong expression, a file that includes itself, too many repetitions.
 /// Threads  any number at a time.
 SIMVIS_API std::vector<Command> parse_commands(std::string_view xml, const std::string& file,
                                                const std::filesystem::path& folder);
 
-/// Reads a scene file. Relative file names in it start at its folder.
+/// Reads a scene file. Relative file names in it start at its folder, those in an included file at the folder of that.
 ///
 /// Errors   those of parse_commands(), and InputError if the file cannot be read.
 SIMVIS_API std::vector<Command> read_commands(const std::filesystem::path& file);

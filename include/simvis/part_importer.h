@@ -22,7 +22,7 @@ struct PartContent {
   NodePtr root;                       ///< may have several parents
   std::vector<std::string> warnings;  ///< for people, each with the file's name
   std::vector<std::string> commands;  ///< embedded commands, XML text, in the order found
-  std::filesystem::path file;         ///< the canonical name; set by Scene
+  std::filesystem::path file;         ///< the canonical name, empty for a shape; set by Scene
   std::vector<std::string> points;    ///< names of the insertion points in the graph, in order; set by Scene
   /// Animations of the nodes of `root`; null: there are none.
   std::shared_ptr<const PartAnimations> animations;

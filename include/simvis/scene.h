@@ -3,8 +3,10 @@
 
 #include <filesystem>
 #include <functional>
+#include <glm/glm.hpp>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -17,6 +19,7 @@
 
 namespace simvis {
 
+class AttributeValues;
 class NameSet;
 
 /// The content of a part that belongs to one insertion alone.
@@ -54,8 +57,9 @@ class UndoLog {
 /// A scene under construction.
 ///
 /// Frames    the world is ROOT's frame: x forward, y left, z up, metres.
-/// Part      attributes of a part command: file (a relative name starts at the command's folder), name, insert_at,
-///           pose_offset, up.
+/// Part      attributes of a part command: name, insert_at, pose_offset, quaternion; file (a relative name starts at
+///           the command's folder), up, scale, unit; or shape, size, radius, length, color; neither a file nor a shape
+///           makes an empty frame.
 /// Names     insertion points, parts, elements and sensors have names; two of the same kind never share one.
 /// Errors    InputError with the place; a command that throws may leave traces, which undo() reverts.
 /// Lifetime  returned references are valid as long as the scene.
@@ -69,7 +73,7 @@ class SIMVIS_API Scene {
 
   const GroupPtr& root() const { return root_; }  ///< the node of ROOT
 
-  /// The content of a part command's file. Each file is read once, however often it is inserted.
+  /// The content of a part command: of its file, which is read once, however often it is inserted, or its shape.
   /// Throws InputError with the place: an attribute is unknown or wrong, or the file is missing, of an unknown format
   /// or broken.
   const PartContent& load_part(const Command& command);
@@ -106,9 +110,14 @@ class SIMVIS_API Scene {
 
   /// Whether there is a part of this name.
   bool has_part(std::string_view name) const { return parts_.find(name) != parts_.end(); }
-  std::vector<std::string_view> part_names() const;        ///< sorted; valid until parts are inserted or reverted
+  std::vector<std::string_view> part_names() const;  ///< sorted; valid until parts are inserted or reverted
+  /// The command that inserted a part, which must exist (asserted). Names in it are those of the whole scene.
+  const Command& part_command(std::string_view name) const;
   bool has_insertion_point(std::string_view name) const;   ///< ROOT, or the insertion point of a part
   std::vector<std::string_view> insertion_points() const;  ///< sorted; valid until parts are inserted or reverted
+  /// world_from_point of an insertion point, which must exist (asserted), as the scene stands now. Empty if it stands
+  /// below a switch that is off.
+  std::optional<glm::dmat4> world_from_point(std::string_view name) const;
 
   /// Warnings of importers, in the order in which they came, each once.
   const std::vector<std::string>& warnings() const { return warnings_; }
@@ -124,12 +133,14 @@ class SIMVIS_API Scene {
   };
   // One insertion of a part.
   struct Part {
+    Command command;
     std::shared_ptr<Separator> separator;
     const PartContent* content = nullptr;
     NodePtr root;      // the last child of `separator`
     NodeMap clone_of;  // empty as long as `root` is the content's own
   };
   const Place& place(const Command& command) const;
+  const PartContent& load_shape(const AttributeValues& attributes);
   void share_graph(PartContent& content) const;
   void insert_at(const Place& place, const NodePtr& node);
   void remember(const Command& command, const NodePtr& node);
@@ -141,7 +152,7 @@ class SIMVIS_API Scene {
   std::unique_ptr<NameSet> part_names_;
   std::map<std::string, Part, std::less<>> parts_;
   std::map<std::string, NodePtr, std::less<>> nodes_;  // of elements, by name
-  std::map<std::string, PartContent> contents_;        // by canonical path and up axis: one file is read once
+  std::map<std::string, PartContent> contents_;        // by canonical path, up axis and scale, or by shape
   ContentPool pool_;
   std::vector<std::string> warnings_;
   UndoLog undo_;

@@ -59,7 +59,7 @@ std::string expected(const AttributeSpec& spec) {
     case AttributeKind::flags:
       return "one or more of, each once: " + listed(spec.choices);
     case AttributeKind::vector:
-      return "three finite numbers";
+      return range_text(spec).empty() ? "three finite numbers" : "three numbers " + range_text(spec);
     case AttributeKind::text:
       return "a text that is not empty";
     case AttributeKind::part:
@@ -145,7 +145,11 @@ std::string AttributeValues::read(std::string_view text, Value& value) {
       if (!parse_integer(text, value.integer)) return refusal(in_quotes(text), expected(spec));
       return check_number(spec, static_cast<double>(value.integer));
     case AttributeKind::vector:
-      return parse_numbers(text, value.number) ? "" : refusal(in_quotes(text), expected(spec));
+      if (!parse_numbers(text, value.number)) return refusal(in_quotes(text), expected(spec));
+      for (const double number : value.number) {
+        if (!in_range(spec, number)) return refusal(in_quotes(text), expected(spec));
+      }
+      return "";
     case AttributeKind::text:
     case AttributeKind::part:
     case AttributeKind::element:

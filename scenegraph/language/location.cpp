@@ -17,7 +17,9 @@ std::string to_string(const Location& where) {
 void fail_at(const Location& where, std::string_view message) {
   std::string text = to_string(where);
   if (!text.empty()) text += ": ";
-  throw InputError(text + "error: " + std::string(message));
+  text += "error: " + std::string(message);
+  if (where.included_from != nullptr) text += " (included from " + *where.included_from + ")";
+  throw InputError(text);
 }
 
 std::string in_quotes(std::string_view text) {

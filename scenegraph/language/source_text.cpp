@@ -33,7 +33,10 @@ std::size_t character_length(std::string_view text, std::size_t i) {
 
 }  // namespace
 
-SourceText::SourceText(std::string_view text, std::string file) : file_(std::move(file)), line_starts_{0} {
+SourceText::SourceText(std::string_view text, std::string file, const std::string& included_from)
+    : file_(std::move(file)),
+      included_from_(included_from.empty() ? nullptr : std::make_shared<const std::string>(included_from)),
+      line_starts_{0} {
   if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
   text_ = text;
   std::size_t i = 0;
@@ -51,7 +54,7 @@ SourceText::SourceText(std::string_view text, std::string file) : file_(std::mov
   }
 }
 
-SourceText SourceText::read(const std::filesystem::path& file) {
+SourceText SourceText::read(const std::filesystem::path& file, const std::string& included_from) {
   const auto refuse = [&](std::string_view reason) {
     fail_at({.file = file.string()}, "cannot be read: " + std::string(reason));
   };
@@ -62,7 +65,7 @@ SourceText SourceText::read(const std::filesystem::path& file) {
   if (!stream) refuse(std::strerror(errno));
   const std::string text{std::istreambuf_iterator<char>(stream), {}};
   if (stream.bad()) refuse(std::strerror(errno));
-  return SourceText(text, file.string());
+  return SourceText(text, file.string(), included_from);
 }
 
 Location SourceText::at(std::size_t offset) const {
@@ -70,7 +73,8 @@ Location SourceText::at(std::size_t offset) const {
   const auto line = std::upper_bound(line_starts_.begin(), line_starts_.end(), offset) - 1;
   return {.file = file_,
           .line = static_cast<int>(line - line_starts_.begin()) + 1,
-          .column = static_cast<int>(offset - *line) + 1};
+          .column = static_cast<int>(offset - *line) + 1,
+          .included_from = included_from_};
 }
 
 }  // namespace simvis

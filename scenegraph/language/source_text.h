@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,10 +17,11 @@ class SourceText {
  public:
   /// Removes a byte order mark. Throws InputError with the place of the first byte that is not UTF-8 text: a broken
   /// sequence, or a control character other than tabs and line ends.
-  SourceText(std::string_view text, std::string file);
+  /// `included_from` becomes part of every place; empty: the text is not included.
+  SourceText(std::string_view text, std::string file, const std::string& included_from = {});
 
   /// Throws InputError with the operating system's reason if the file cannot be read.
-  static SourceText read(const std::filesystem::path& file);
+  static SourceText read(const std::filesystem::path& file, const std::string& included_from = {});
 
   const std::string& text() const { return text_; }
   const std::string& file() const { return file_; }
@@ -28,6 +30,7 @@ class SourceText {
 
  private:
   std::string text_, file_;
+  std::shared_ptr<const std::string> included_from_;
   std::vector<std::size_t> line_starts_;
 };
 

@@ -21,6 +21,7 @@
 #include "engine/base/now_ns.h"
 #include "engine/base/thread_pool.h"
 #include "sensors/laser_scanner/laser_scanner.h"
+#include "simvis/cli/list_options.h"
 #include "simvis/cli/loading_bar.h"
 #include "simvis/cli/progress_bar.h"
 #include "simvis/clock.h"
@@ -48,6 +49,7 @@ struct Options {
   double rate_hz = SimulationDesc{}.rate_hz;
   bool list_devices = false, explain = false, quiet = false;
   bool price = false, summary = false, names_out = false, markdown = false;
+  ListOptions list;
 };
 
 /// Checks that `text` is a whole number. CLI11 itself would read -3 as 2^64 - 3, and larger numbers as the largest one.
@@ -133,6 +135,7 @@ void declare_options(CLI::App& app, Options& options) {
                      "print what an element, sensor or effect does and its attributes, and exit; all: of every one")
           ->type_name("TYPE");
   app.add_flag("--markdown", options.markdown, "with --describe: as Markdown")->needs(describe);
+  declare_list_options(app, options.list);
   app.add_flag("--list-devices", options.list_devices, "print the Vulkan devices of this machine, and exit");
   app.set_version_flag("--version", "simvis-run " + std::string(version()), "print the version, and exit");
   app.set_help_flag("--help", "print this help, and exit");
@@ -464,6 +467,10 @@ int main_or_throw(int argc, char** argv) {
   for (const std::string& plugin : options.plugins) load_plugin(plugin);
   if (options.list_devices) {
     print_devices();
+  } else if (options.list.types) {
+    std::cout << type_list();
+  } else if (options.list.scene) {
+    std::cout << scene_listing(options.scene, scanner_overrides(options), options.list.json);
   } else if (!options.describe.empty()) {
     print_description(options);
   } else if (options.price) {

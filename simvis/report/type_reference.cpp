@@ -150,7 +150,27 @@ std::string all(ReferenceFormat format) {
                    suggestion(name, known) + " (known: " + list + ")");
 }
 
+template <typename Types>
+void list_types(std::string_view family, const Types& types, std::string& page) {
+  constexpr std::size_t kFamilyWidth = 9, kNameWidth = 30;
+  for (const auto* type : types) {
+    std::string line(family);
+    line.resize(kFamilyWidth, ' ');
+    line += type->name;
+    line.resize(std::max(line.size() + 1, kNameWidth), ' ');
+    page += line + std::string(type->summary) + '\n';
+  }
+}
+
 }  // namespace
+
+std::string type_list() {
+  std::string page;
+  list_types("element", element_types(), page);
+  list_types("sensor", sensor_types(), page);
+  list_types("effect", effect_types(), page);
+  return page;
+}
 
 std::string type_reference(std::string_view name, ReferenceFormat format) {
   if (name == kAll) return all(format);

@@ -8,7 +8,7 @@
 
 #include <simvis/error.h>
 #include "effects/scene/shadows.h"
-#include "scenegraph/import/urdf/primitive_meshes.h"
+#include "scenegraph/primitive_meshes.h"
 #include "shaders/interop.h"
 #include "tests/support/reference_directions.h"
 #include "tests/support/renderer_scene.h"

@@ -12,7 +12,7 @@
 #include <simvis/pose.h>
 #include "engine/base/srgb.h"
 #include "scenegraph/flattener.h"
-#include "scenegraph/import/urdf/primitive_meshes.h"
+#include "scenegraph/primitive_meshes.h"
 #include "simvis/scene_builder.h"
 #include "tests/support/error_of.h"
 #include "tests/support/gltf_fixture.h"
@@ -283,7 +283,8 @@ TEST_CASE("errors in robots name the place of the joint or link") {
   CHECK(contains(error(two + joint_xml("j", "continuous", "a", "b", R"(<axis xyz="0 0 0"/>)")),
                  "r.urdf:5:2: joint \"j\" has the axis 0 0 0"));
   CHECK(contains(error(two + joint_xml("j", "continuous", "a", "b", R"(<axis xyz="0 x 0"/>)")), "[x]"));
-  CHECK(contains(error(two + joint_xml("j", "continuous", "a", "b", R"(<origin xyz="1e300 0 0"/>)")), "has an origin that is not allowed"));
+  CHECK(contains(error(two + joint_xml("j", "continuous", "a", "b", R"(<origin xyz="1e300 0 0"/>)")),
+                 "has an origin that is not allowed"));
   CHECK(contains(
       error(two + joint_xml("j", "prismatic", "a", "b", R"(<limit lower="2" upper="1" effort="1" velocity="1"/>)")),
       "joint \"j\" has a lower limit above its upper limit"));

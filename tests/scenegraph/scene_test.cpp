@@ -140,8 +140,6 @@ TEST_CASE("errors in parts") {
   CHECK(contains(stage.error("<part file='x.txt' name='A' insert_at='ROOT'/>"), ".stub"));
   CHECK(stage.error("\n<part file='broken.stub' name='W' insert_at='ROOT'/>") ==
         "s.xml:2:2: error: part W: broken.stub: it is broken");
-  CHECK(stage.error("<part name='A' insert_at='ROOT'/>") ==
-        "s.xml:1:2: error: part without attribute \"file\", expected one");
   CHECK(contains(stage.error("<part file='a.stub' insert_at='ROOT'/>"), "part without attribute \"name\""));
   CHECK(contains(stage.error("<part file='a.stub' name='A'/>"), "part without attribute \"insert_at\""));
   CHECK(contains(stage.error("<part file='a.stub' name='A' insert_at='ROOT' up='x'/>"),

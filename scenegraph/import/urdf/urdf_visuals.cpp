@@ -5,12 +5,13 @@
 #include <iterator>
 #include <system_error>
 
+#include <simvis/attributes.h>
 #include <simvis/pose.h>
 #include "engine/base/srgb.h"
 #include "scenegraph/import/mesh/mesh_file.h"
 #include "scenegraph/import/mesh/picture_file.h"
-#include "scenegraph/import/urdf/primitive_meshes.h"
 #include "scenegraph/import/urdf/urdf_pose.h"
+#include "scenegraph/primitive_meshes.h"
 
 namespace simvis {
 namespace {

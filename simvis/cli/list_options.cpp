@@ -1,0 +1,33 @@
+#include "simvis/cli/list_options.h"
+
+#include <CLI/CLI.hpp>
+
+#include <simvis/command.h>
+#include <simvis/error.h>
+#include "simvis/live_scene.h"
+#include "simvis/report/scene_list.h"
+
+namespace simvis {
+
+void declare_list_options(CLI::App& app, ListOptions& options) {
+  CLI::Option* const list =
+      app.add_flag("--list", options.scene,
+                   "print the parts of the scene with their sizes, its elements with their parameters, its sensors and "
+                   "warnings, and exit; needs no device");
+  for (const char* run :
+       {"--set", "--trajectory", "--sensor", "--price", "--summary", "--explain", "--profile", "--shard"}) {
+    list->excludes(run);
+  }
+  app.add_flag("--json", options.json, "with --list: as JSON")->needs(list);
+  app.add_flag("--list-types", options.types, "print every element, sensor and effect type with one line, and exit")
+      ->excludes(list);
+}
+
+std::string scene_listing(const std::string& scene, const std::vector<AttributeOverride>& overrides, bool json) {
+  if (scene.empty()) throw InputError("SCENE.xml is missing; --help says more");
+  const LiveScene live(overrides, read_commands(scene));
+  const SceneList list = list_scene(live.built);
+  return json ? to_json(list) : to_text(list);
+}
+
+}  // namespace simvis
