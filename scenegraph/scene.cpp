@@ -14,12 +14,18 @@ namespace simvis {
 namespace {
 
 constexpr std::string_view kPartCommonAttributes[] = {"file", "name", "insert_at", kPoseOffset};
-constexpr AttributeSpec kPartAttributes[] = {{
-    .name = "up",
-    .kind = AttributeKind::choice,
-    .text = "which axis of the file points up; the format's own if not given",
-    .choices = "y z",
-}};
+constexpr AttributeSpec kPartAttributes[] = {
+    {
+        .name = "up",
+        .kind = AttributeKind::choice,
+        .text = "which axis of the file points up; the format's own if not given",
+        .choices = "y z",
+    },
+    {
+        .name = "xacro_arguments",
+        .kind = AttributeKind::text,
+        .text = "arguments of a xacro file: NAME:=VALUE, separated by spaces; the file's own values if not given",
+    }};
 
 std::filesystem::path find_part_file(const Command& command) {
   const CommandAttribute& file = command.require("file");
@@ -217,7 +223,7 @@ const PartContent& Scene::load_part(const Command& command) {
   const AttributeValues attributes(command, kPartAttributes, kPartCommonAttributes);
   const std::filesystem::path path = find_part_file(command);
   const PartImporter importer = find_importer(path, command.require("file").where);
-  ImportRequest request{.file = path};
+  ImportRequest request{.file = path, .packages = packages_};
   std::error_code error;
   std::filesystem::path canonical = std::filesystem::canonical(path, error);
   if (error) canonical = path;
@@ -226,6 +232,10 @@ const PartContent& Scene::load_part(const Command& command) {
     request.up_given = true;
     request.up = attributes.choice("up") == "y" ? UpAxis::y : UpAxis::z;
     key += "|" + attributes.choice("up");
+  }
+  if (attributes.is_set("xacro_arguments")) {
+    request.xacro_arguments = attributes.text("xacro_arguments");
+    key += "|" + request.xacro_arguments;
   }
   if (const auto known = contents_.find(key); known != contents_.end()) return known->second;
   try {

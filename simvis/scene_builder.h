@@ -40,8 +40,9 @@ struct BuiltScene {
 ///
 /// Carried  the commands in a part file are executed right after the part is inserted. Relative file names in these
 ///          commands start at the folder of the part; `insert_at` is optional and defaults to the insertion point of
-///          the part. If the same file is inserted again under a name N, or if one of its names is taken, the names in
-///          its commands and its insertion points become N/NAME.
+///          the part. If the same list of commands inserts the file several times, the names in its commands and its
+///          insertion points become N/NAME for each insertion N, the first one too. They also do so if a list that was
+///          executed before has inserted the file, or if one of its names is taken.
 /// Seed     the seed of all random numbers; each sensor receives it.
 /// Override replaces or adds an attribute of every sensor of its type, including the sensors in part files.
 class SceneBuilder {
@@ -68,6 +69,7 @@ class SceneBuilder {
   template <typename Action>
   void all_or_nothing(const Action& action);
   void run(std::span<const Command> commands);
+  void note_copies(std::span<const Command> commands);
   void execute_one(const Command& command);
   void check_order(const Command& command, std::span<const Command> later) const;
   void check_references(const AttributeValues& attributes, AttributeTable table);
@@ -91,6 +93,7 @@ class SceneBuilder {
   std::optional<TargetLimits> limits_;
   NameSet element_names_{"element"}, sensor_names_{"sensor"};
   std::set<std::filesystem::path> carriers_;  // files whose carried commands have been executed
+  std::set<std::filesystem::path> copied_;    // files that a list of commands inserts several times
   std::vector<std::filesystem::path> open_;   // files whose carried commands are being executed
   std::vector<Awaited> awaited_;
 };

@@ -19,9 +19,11 @@ enum class UpAxis : std::uint8_t {
 
 /// The input of an importer.
 struct ImportRequest {
-  std::filesystem::path file;  ///< the part's file
-  bool up_given = false;       ///< the part's `up` attribute was written
-  UpAxis up = UpAxis::z;       ///< its value
+  std::filesystem::path file;             ///< the part's file
+  bool up_given = false;                  ///< the part's `up` attribute was written
+  UpAxis up = UpAxis::z;                  ///< its value
+  std::string xacro_arguments{};          ///< the part's `xacro_arguments` attribute; empty: none
+  std::vector<PackageFolder> packages{};  ///< searched before all other places where packages are
 };
 
 /// Reads a part. Meshes, textures and materials go through the pool.

@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <simvis/command.h>
@@ -17,6 +18,12 @@ namespace simvis {
 
 class NameSet;
 struct PartAnimations;
+
+/// The folder of a ROS package or Gazebo model, for file names of the form package://NAME/... and model://NAME/...
+struct PackageFolder {
+  std::string name;              ///< the package's or model's name
+  std::filesystem::path folder;  ///< must exist
+};
 
 /// The content of a part file.
 struct PartContent {
@@ -42,7 +49,7 @@ struct OwnPart {
 ///
 /// Frames    the world is ROOT's frame: x forward, y left, z up, metres.
 /// Part      attributes of a part command: file (a relative name starts at the command's folder), name, insert_at,
-///           pose_offset, up.
+///           pose_offset, up, xacro_arguments.
 /// Names     insertion points, parts, elements and sensors have names; two of the same kind never share one.
 /// Errors    InputError with the place; a command that throws may leave traces, which undo() reverts.
 /// Lifetime  returned references are valid as long as the scene.
@@ -53,6 +60,9 @@ class Scene {
   Scene(Scene&&) noexcept;             ///< the other may only be assigned to or destroyed
   Scene& operator=(Scene&&) noexcept;  ///< the other may only be assigned to or destroyed
   ~Scene();
+
+  /// Importers search these packages first, in parts that are loaded from now on.
+  void set_packages(std::vector<PackageFolder> packages) { packages_ = std::move(packages); }
 
   const GroupPtr& root() const { return root_; }  ///< the node of ROOT
 
@@ -128,7 +138,8 @@ class Scene {
   std::unique_ptr<NameSet> part_names_;
   std::map<std::string, Part, std::less<>> parts_;
   std::map<std::string, NodePtr, std::less<>> nodes_;  // of elements, by name
-  std::map<std::string, PartContent> contents_;        // by canonical path and up axis: one file is read once
+  std::map<std::string, PartContent> contents_;  // by canonical path, up axis and arguments: one file is read once
+  std::vector<PackageFolder> packages_;
   ContentPool pool_;
   std::vector<std::string> warnings_;
   UndoLog undo_;
