@@ -32,11 +32,16 @@ constexpr AttributeSpec kJointAttributes[] = {
      .live = true},
 };
 
+// Half of the last digit of a limit that is written with three decimals in degrees or six in metres. Limits of robots
+// are often known only so: 3.14159 radians are 179.99985 degrees, and people write 180.
+constexpr double kLimitRounding_deg = 0.5e-3, kLimitRounding_m = 0.5e-6;
+
 const ElementRegistration kJointRegistration({
     .name = "joint",
     .summary = "Turns what follows its insertion point about an axis, or slides it along one.",
     .notes = "The axis passes through the origin of the insertion point. A revolute joint has its value and limits in "
-             "degrees, a prismatic one in metres.",
+             "degrees, a prismatic one in metres. A value beyond a limit by at most 0.0005 degrees or 0.0000005 m, the "
+             "rounding of a limit, counts as the limit.",
     .attributes = kJointAttributes,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<JointElement>(context);
@@ -65,6 +70,7 @@ void JointElement::adapt_parameters(std::vector<AttributeSpec>& live_rows) const
   AttributeSpec& value = live_rows[0];
   value.min = lower_;
   value.max = upper_;
+  value.rounding = motion_.revolute ? kLimitRounding_deg : kLimitRounding_m;
   value.unit = motion_.revolute ? "deg" : "m";
 }
 

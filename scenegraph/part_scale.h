@@ -2,7 +2,7 @@
 #pragma once
 
 #include <simvis/attributes.h>
-#include <simvis/scene.h>
+#include <simvis/part_importer.h>
 
 namespace simvis {
 

@@ -24,6 +24,11 @@ constexpr AttributeSpec kPartAttributes[] = {
         .text = "which axis of the file points up; the format's own if not given",
         .choices = "y z",
     },
+    {
+        .name = "xacro_arguments",
+        .kind = AttributeKind::text,
+        .text = "arguments of a xacro file: NAME:=VALUE, separated by spaces; the file's own values if not given",
+    },
     kScaleRow,
     kUnitRow,
     kShapeRow,
@@ -252,7 +257,7 @@ const PartContent& Scene::load_part(const Command& command) {
   const double scale = part_scale(command, attributes);
   const std::filesystem::path path = find_part_file(command);
   const PartImporter importer = find_importer(path, command.require("file").where);
-  ImportRequest request{.file = path};
+  ImportRequest request{.file = path, .packages = packages_};
   std::error_code error;
   std::filesystem::path canonical = std::filesystem::canonical(path, error);
   if (error) canonical = path;
@@ -263,6 +268,10 @@ const PartContent& Scene::load_part(const Command& command) {
     key += "|" + attributes.choice("up");
   }
   if (scale != 1) key += "|" + format_number(scale);
+  if (attributes.is_set("xacro_arguments")) {
+    request.xacro_arguments = attributes.text("xacro_arguments");
+    key += "|" + request.xacro_arguments;
+  }
   if (const auto known = contents_.find(key); known != contents_.end()) return known->second;
   try {
     PartContent content = importer(request, pool_);

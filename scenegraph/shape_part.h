@@ -4,7 +4,7 @@
 #include <string>
 
 #include <simvis/attributes.h>
-#include <simvis/scene.h>
+#include <simvis/part_importer.h>
 
 namespace simvis {
 

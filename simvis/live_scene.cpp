@@ -1,6 +1,8 @@
 #include "simvis/live_scene.h"
 
 #include <algorithm>
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include "scenegraph/clone_graph.h"
@@ -43,13 +45,26 @@ std::vector<AttributeOverride> checked(std::vector<AttributeOverride> overrides)
   return overrides;
 }
 
+std::vector<PackageFolder> checked(std::vector<PackageFolder> packages) {
+  for (const PackageFolder& package : packages) {
+    std::error_code error;
+    if (package.name.empty()) throw InputError("a package has no name, expected NAME=DIR");
+    if (!std::filesystem::is_directory(package.folder, error)) {
+      throw InputError("package " + in_quotes(package.name) + ": there is no folder " +
+                       in_quotes(package.folder.string()));
+    }
+  }
+  return packages;
+}
+
 }  // namespace
 
 LiveScene::LiveScene(std::vector<AttributeOverride> overrides, std::span<const Command> commands, std::uint64_t seed,
-                     ProgressCallback progress)
+                     ProgressCallback progress, std::vector<PackageFolder> packages)
     : overrides_(checked(std::move(overrides))),
       builder_(built, overrides_, seed, std::move(progress)),
       default_light_(std::make_shared<Switch>()) {
+  built.scene.set_packages(checked(std::move(packages)));
   default_light_->add(std::make_shared<LightNode>(kDefaultLight));
   built.scene.insert_in_world(default_light_);
   built.scene.undo().commit();

@@ -49,6 +49,7 @@ void Parameters::set(std::size_t index, double value) {
   const std::size_t element = element_of(index);
   const std::string wrong = check_number(spec(index), value);
   if (!wrong.empty()) throw InputError(name(index) + ": " + wrong);
+  value = std::clamp(value, spec(index).min, spec(index).max);  // see AttributeSpec::rounding
   if (values_[index] == value) return;
   values_[index] = value;
   element_changed_[element] = true;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 #include <optional>
+#include <system_error>
 #include <utility>
 
 #include "engine/base/assert.h"
@@ -161,7 +162,21 @@ void SceneBuilder::require(const TargetLimits& limits) {
   for (const BuiltSensor& sensor : built_.sensors) sensor.sensor->check(limits);
 }
 
+// Finds the files that these commands insert several times.
+void SceneBuilder::note_copies(std::span<const Command> commands) {
+  std::set<Carrier> once;
+  for (const Command& command : commands) {
+    const CommandAttribute* const file = command.find("file");
+    if (command.kind != CommandKind::part || file == nullptr) continue;
+    std::error_code error;
+    const Carrier carrier(prefix_of(command), std::filesystem::canonical(command.folder / file->value, error));
+    if (error || once.insert(carrier).second || !copied_.insert(carrier).second) continue;
+    built_.scene.undo().add([this, carrier] { copied_.erase(carrier); });
+  }
+}
+
 void SceneBuilder::run(std::span<const Command> commands) {
+  note_copies(commands);
   for (std::size_t i = 0; i < commands.size(); ++i) {
     if (progress_ && open_.empty()) progress_({kReading, i, commands.size()});
     check_order(commands[i], commands.subspan(i + 1));
@@ -253,7 +268,7 @@ void SceneBuilder::insert_part(const Command& command) {
   const CommandAttribute& name = command.require("name");
   const bool has_names = !content.commands.empty() || !content.points.empty();
   std::string prefix = prefix_of(command);
-  const std::pair carrier(prefix, content.file);
+  const Carrier carrier(prefix, content.file);
   if (has_names && clashes(content.commands.empty() ? std::vector<Command>() : carried_commands(command, content),
                            content, prefix)) {
     check_prefix(name);
@@ -268,10 +283,12 @@ void SceneBuilder::insert_part(const Command& command) {
   run_carried(command, content, prefix);
 }
 
-// Whether the names within a part need a prefix: the part is already in the scene, or one of its names is taken.
+// Whether the names within a part need a prefix: the part is several times in the scene or in the commands under way,
+// or one of its names is taken.
 bool SceneBuilder::clashes(std::span<const Command> carried, const PartContent& content,
                            const std::string& prefix) const {
-  if (carriers_.contains({prefix, content.file})) return true;
+  const Carrier copy(prefix, content.file);
+  if (carriers_.contains(copy) || copied_.contains(copy)) return true;
   const auto point_taken = [&](const std::string& name) { return built_.scene.has_insertion_point(prefix + name); };
   if (std::ranges::any_of(content.points, point_taken)) return true;
   return std::ranges::any_of(carried, [&](const Command& command) {
@@ -399,6 +416,7 @@ void SceneBuilder::insert_element(const Command& command) {
     const std::string wrong = check_number(row, values.back());
     if (added) SIMVIS_ASSERT(wrong.empty());
     if (!wrong.empty()) fail_at(attributes.where(row.name), "attribute " + in_quotes(row.name) + ": " + wrong);
+    values.back() = std::clamp(values.back(), row.min, row.max);  // see AttributeSpec::rounding
   }
   built_.parameters.add_element(std::move(descriptor), values);
   element->update(values);

@@ -41,8 +41,9 @@ struct BuiltScene {
 ///
 /// Carried  the commands in a part file are executed right after the part is inserted. Relative file names in these
 ///          commands start at the folder of the part; `insert_at` is optional and defaults to the insertion point of
-///          the part. If the same file is inserted again under a name N, or if one of its names is taken, the names in
-///          its commands and its insertion points become N/NAME.
+///          the part. If the same list of commands inserts the file several times, the names in its commands and its
+///          insertion points become N/NAME for each insertion N, the first one too. They also do so if a list that was
+///          executed before has inserted the file, or if one of its names is taken.
 /// Included commands of an included file have its scope: their names, and those of the parts that they insert, get its
 ///          prefix.
 /// Seed     the seed of all random numbers; each sensor receives it.
@@ -71,6 +72,7 @@ class SceneBuilder {
   template <typename Action>
   void all_or_nothing(const Action& action);
   void run(std::span<const Command> commands);
+  void note_copies(std::span<const Command> commands);
   void execute_one(const Command& command);
   void execute_named(const Command& command);
   void announce(std::span<const Command> commands);
@@ -99,8 +101,10 @@ class SceneBuilder {
   std::optional<TargetLimits> limits_;
   NameSet element_names_{"element"}, sensor_names_{"sensor"};
   std::set<std::string> announced_sensors_;  // of included files, in the commands that are being executed
-  // Files whose carried commands have been executed, with the prefix of the file that includes them.
-  std::set<std::pair<std::string, std::filesystem::path>> carriers_;
+  // A file with the prefix of the file that includes its command.
+  using Carrier = std::pair<std::string, std::filesystem::path>;
+  std::set<Carrier> carriers_;               // files whose carried commands have been executed
+  std::set<Carrier> copied_;                 // files that a list of commands inserts several times
   std::vector<std::filesystem::path> open_;  // files whose carried commands are being executed
   std::vector<Awaited> awaited_;
 };

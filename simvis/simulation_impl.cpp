@@ -33,7 +33,7 @@ DeviceDesc device_desc(const SimulationDesc& desc) {
 
 SimulationImpl::SimulationImpl(const SimulationDesc& desc, std::span<const Command> commands)
     : clock(desc.rate_hz),
-      scene(desc.overrides, commands, desc.seed, desc.progress),
+      scene(desc.overrides, commands, desc.seed, desc.progress, desc.packages),
       cache(cache_folder(desc.device.cache_dir)),
       device(device_desc(desc), desc.threads),
       sensing(scene.built.scene.root(), Audience::sensors, device),

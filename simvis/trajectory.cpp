@@ -51,7 +51,7 @@ std::vector<std::size_t> read_header(const std::vector<Cell>& cells, const Sourc
   std::vector<std::size_t> indices;
   for (const Cell& cell : std::span(cells).subspan(1)) {
     const Location where = source.at(cell.offset);
-    const std::size_t dot = cell.text.find('.');
+    const std::size_t dot = cell.text.rfind('.');
     if (dot == std::string_view::npos) fail_at(where, "column " + in_quotes(cell.text) + ", expected ELEMENT.PARAM");
     std::size_t index = 0;
     try {

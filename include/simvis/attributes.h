@@ -42,6 +42,7 @@ struct AttributeSpec {
       max = kNoLimit;                          ///< largest value; allowed itself unless `open_max`
   bool open_min = false,                       ///< `min` itself is not allowed
       open_max = false;                        ///< `max` itself is not allowed
+  double rounding = 0;                         ///< a value at most so far beyond `min` or `max` counts as this limit
   std::string_view choices{};                  ///< allowed words, separated by spaces (choice, flags)
   bool live = false;  ///< a number that is exported as a parameter and can change while the scene runs
 };

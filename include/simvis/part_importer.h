@@ -17,6 +17,12 @@ namespace simvis {
 
 struct PartAnimations;
 
+/// The folder of a ROS package or Gazebo model, for file names of the form package://NAME/... and model://NAME/...
+struct PackageFolder {
+  std::string name;              ///< the package's or model's name
+  std::filesystem::path folder;  ///< must exist
+};
+
 /// The content of a part file.
 struct PartContent {
   NodePtr root;                       ///< may have several parents
@@ -36,9 +42,11 @@ enum class UpAxis : std::uint8_t {
 
 /// The input of an importer.
 struct ImportRequest {
-  std::filesystem::path file;  ///< the part's file
-  bool up_given = false;       ///< the part's `up` attribute was written
-  UpAxis up = UpAxis::z;       ///< its value
+  std::filesystem::path file;             ///< the part's file
+  bool up_given = false;                  ///< the part's `up` attribute was written
+  UpAxis up = UpAxis::z;                  ///< its value
+  std::string xacro_arguments{};          ///< the part's `xacro_arguments` attribute; empty: none
+  std::vector<PackageFolder> packages{};  ///< searched before all other places where packages are
 };
 
 /// Reads a part. Meshes, textures and materials go through the pool.

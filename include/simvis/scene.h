@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <simvis/command.h>
@@ -58,8 +59,8 @@ class UndoLog {
 ///
 /// Frames    the world is ROOT's frame: x forward, y left, z up, metres.
 /// Part      attributes of a part command: name, insert_at, pose_offset, quaternion; file (a relative name starts at
-///           the command's folder), up, scale, unit; or shape, size, radius, length, color; neither a file nor a shape
-///           makes an empty frame.
+///           the command's folder), up, scale, unit, xacro_arguments; or shape, size, radius, length, color; neither a
+///           file nor a shape makes an empty frame.
 /// Names     insertion points, parts, elements and sensors have names; two of the same kind never share one.
 /// Errors    InputError with the place; a command that throws may leave traces, which undo() reverts.
 /// Lifetime  returned references are valid as long as the scene.
@@ -70,6 +71,9 @@ class SIMVIS_API Scene {
   Scene(Scene&&) noexcept;             ///< the other may only be assigned to or destroyed
   Scene& operator=(Scene&&) noexcept;  ///< the other may only be assigned to or destroyed
   ~Scene();
+
+  /// Importers search these packages first, in parts that are loaded from now on.
+  void set_packages(std::vector<PackageFolder> packages) { packages_ = std::move(packages); }
 
   const GroupPtr& root() const { return root_; }  ///< the node of ROOT
 
@@ -152,7 +156,9 @@ class SIMVIS_API Scene {
   std::unique_ptr<NameSet> part_names_;
   std::map<std::string, Part, std::less<>> parts_;
   std::map<std::string, NodePtr, std::less<>> nodes_;  // of elements, by name
-  std::map<std::string, PartContent> contents_;        // by canonical path, up axis and scale, or by shape
+  // By canonical path, up axis, scale and arguments, or by shape: one file is read once.
+  std::map<std::string, PartContent> contents_;
+  std::vector<PackageFolder> packages_;
   ContentPool pool_;
   std::vector<std::string> warnings_;
   UndoLog undo_;

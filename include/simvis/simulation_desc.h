@@ -8,6 +8,7 @@
 
 #include <simvis/device_info.h>
 #include <simvis/progress.h>
+#include <simvis/scene.h>
 
 namespace simvis {
 
@@ -29,6 +30,9 @@ struct SimulationDesc {
   unsigned threads = 0;
   DeviceDesc device;                         ///< the device that renders
   std::vector<AttributeOverride> overrides;  ///< applied in this order
+  /// Packages that parts name, searched before ROS_PACKAGE_PATH and other places. A folder that does not exist:
+  /// InputError.
+  std::vector<PackageFolder> packages{};
   /// Called while parts are read (load, execute) and while meshes that a step shows for the first time are prepared.
   ProgressCallback progress{};
 };

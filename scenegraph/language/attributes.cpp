@@ -86,8 +86,8 @@ std::string refusal(std::string_view seen, std::string_view expectation) {
 }
 
 bool in_range(const AttributeSpec& spec, double value) {
-  const bool above = spec.open_min ? value > spec.min : value >= spec.min;
-  const bool below = spec.open_max ? value < spec.max : value <= spec.max;
+  const bool above = spec.open_min ? value > spec.min : value >= spec.min - spec.rounding;
+  const bool below = spec.open_max ? value < spec.max : value <= spec.max + spec.rounding;
   // The value is finite, so infinite limits have no effect, open or not.
   return above && below;
 }

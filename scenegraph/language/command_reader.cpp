@@ -57,7 +57,8 @@ void check_name(const CommandAttribute& name, CommandKind kind) {
   if (name.value.find_first_not_of(kSpaceCharacters) == std::string::npos) refuse("a name that is not empty");
   const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
   if (std::ranges::any_of(name.value, is_control)) refuse("a name without control characters");
-  if (kind != CommandKind::part && name.value.find_first_of("./") != std::string::npos) {
+  // Joints of robots, which become elements, have such names. Names of sensors become names of files.
+  if (kind == CommandKind::sensor && name.value.find_first_of("./") != std::string::npos) {
     refuse("a name without '.' and '/'");
   }
 }

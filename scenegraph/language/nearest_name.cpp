@@ -36,6 +36,10 @@ std::size_t distance(std::string_view a, std::string_view b) {
 }  // namespace
 
 std::string nearest_name(std::string_view seen, std::span<const std::string_view> known) {
+  // A part's names have its own name in front if there are several copies of the part.
+  const std::string of_copy = "/" + std::string(seen);
+  const auto copy = std::ranges::find_if(known, [&](std::string_view name) { return name.ends_with(of_copy); });
+  if (!seen.empty() && copy != known.end()) return std::string(*copy);
   const std::string seen_lower = lower(seen.substr(0, kLongestName));
   std::string_view best;
   std::size_t best_distance = 0;

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <pugixml.hpp>
 #include <string_view>
+#include <utility>
 
 #include "scenegraph/language/source_text.h"
 
@@ -14,6 +15,8 @@ class XmlText {
   /// Throws InputError with the place if the file cannot be read, is not UTF-8 text, is malformed or nests elements too
   /// deeply. The depth is limited because libraries recurse.
   static XmlText read(const std::filesystem::path& file);
+  /// As read() of a file, for text that has another source.
+  static XmlText read(SourceText source) { return XmlText(std::move(source)); }
 
   const SourceText& source() const { return source_; }
   const pugi::xml_document& document() const { return document_; }

@@ -10,9 +10,11 @@
 #include <csignal>
 #include <cstring>
 #include <exception>
+#include <filesystem>
 #include <iostream>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include <simvis/plugin.h>
@@ -43,7 +45,7 @@ constexpr int kExitDone = 0, kExitFailed = 1, kExitWrongInput = 2;
 
 struct Options {
   std::string scene, out = "out", trajectory, method, max_error_m, device, profile, describe, shard;
-  std::vector<std::string> set, sensors, plugins;
+  std::vector<std::string> set, sensors, plugins, packages;
   std::uint64_t frames = 1, seed = 0;
   unsigned threads = 0;
   double rate_hz = SimulationDesc{}.rate_hz;
@@ -103,6 +105,10 @@ void declare_options(CLI::App& app, Options& options) {
       ->capture_default_str();
   app.add_option("--plugin", options.plugins, "a library with more elements and sensors (repeatable)")
       ->type_name("FILE.so")
+      ->allow_extra_args(false);
+  app.add_option("--package", options.packages,
+                 "the folder of a ROS package or Gazebo model that parts name, searched first (repeatable)")
+      ->type_name("NAME=DIR")
       ->allow_extra_args(false);
   app.add_option("--profile", options.profile,
                  "write what each frame spent its time on, on the host and on the device, in Chrome's trace format")
@@ -239,6 +245,20 @@ std::vector<AttributeOverride> scanner_overrides(const Options& options) {
   return overrides;
 }
 
+std::vector<PackageFolder> given_packages(const Options& options) {
+  std::vector<PackageFolder> packages;
+  for (const std::string& text : options.packages) {
+    in_option("--package " + text, [&] {
+      const std::size_t equals = text.find('=');
+      std::error_code error;
+      if (equals == std::string::npos || equals == 0) throw InputError("expected NAME=DIR");
+      packages.push_back({text.substr(0, equals), text.substr(equals + 1)});
+      if (!std::filesystem::is_directory(packages.back().folder, error)) throw InputError("there is no such folder");
+    });
+  }
+  return packages;
+}
+
 bool shows_progress(const Options& options) { return ::isatty(STDERR_FILENO) == 1 && !options.quiet; }
 
 /// `loading` shows the progress of loading until it is reset.
@@ -256,6 +276,7 @@ Simulation load(const Options& options, std::optional<LoadingBar>& loading) {
   desc.device.select = options.device;
   desc.device.instrumented = options.explain || !options.profile.empty();
   desc.overrides = scanner_overrides(options);
+  desc.packages = given_packages(options);
   desc.progress = [&loading](const Progress& progress) {
     if (loading) loading->update(progress);
   };

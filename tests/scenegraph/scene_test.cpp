@@ -198,7 +198,7 @@ TEST_CASE("errors in elements and sensors") {
                  "s.xml:1:48: error: attribute \"x\": \"nan\" is not allowed, expected a number from"));
 }
 
-TEST_CASE("commands in a part are executed after it, with prefixed names for its second copy") {
+TEST_CASE("commands in a part are executed after it, with their own names for each of several copies") {
   const Stage stage;
   write_text(stage.folder / "robot.stub",
              "<part file='a.stub' name='ARM'/><element type='pose' name='LIFT' insert_at='ARM'/>\n"
@@ -208,8 +208,8 @@ TEST_CASE("commands in a part are executed after it, with prefixed names for its
     <part file="robot.stub" name="R2" insert_at="ROOT"/>
     <sensor type="probe" name="TOP" insert_at="R2/ARM"/>)");
   const Node& root = *built.scene.root();
-  CHECK(children(child(root, 0)) == "separator ARM, separator EYE, point R1, separator robot.stub");
-  CHECK(children(child(child(root, 0), 0)) == "transform LIFT, separator CAM, point ARM, separator a.stub");
+  CHECK(children(child(root, 0)) == "separator R1/ARM, separator R1/EYE, point R1, separator robot.stub");
+  CHECK(children(child(child(root, 0), 0)) == "transform R1/LIFT, separator R1/CAM, point R1/ARM, separator a.stub");
   CHECK(children(child(root, 1)) == "separator R2/ARM, separator R2/EYE, point R2, separator robot.stub");
   CHECK(children(child(child(root, 1), 0)) ==
         "transform R2/LIFT, separator R2/CAM, separator TOP, point R2/ARM, separator a.stub");

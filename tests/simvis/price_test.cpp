@@ -384,7 +384,7 @@ TEST_CASE("scanners in parts have prices, too") {
   Simulation simulation = Simulation::load(folder / "scene.xml");
   const std::vector<ScannerPrice> prices = price_scanners(std::move(simulation), {.frames = 1, .warm_up = 0});
   REQUIRE(prices.size() == 2);
-  CHECK(prices[0].scanner == "S");
+  CHECK(prices[0].scanner == "R1/S");
   CHECK(prices[1].scanner == "R2/S");
   for (const ScannerPrice& price : prices) {
     for (const VariantPrice& row : price.variants) CHECK(row.bound_largest_m > 0);

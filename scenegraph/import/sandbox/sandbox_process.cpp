@@ -11,6 +11,7 @@
 #include <csignal>
 #include <cstring>
 #include <optional>
+#include <string_view>
 #include <thread>
 
 #include <simvis/error.h>
@@ -46,13 +47,19 @@ class Descriptor {
 // The start conditions of the program. It inherits no signal handlers, signal masks or open files of this process.
 class StartConditions {
  public:
-  explicit StartConditions(int answer) {
+  StartConditions(int answer, AnswerStreams streams) {
     ::posix_spawn_file_actions_init(&files_);
     for (int stream = 0; stream < kAnswerDescriptor; ++stream) {
       ::posix_spawn_file_actions_addopen(&files_, stream, "/dev/null", O_RDWR, 0);
     }
-    ::posix_spawn_file_actions_adddup2(&files_, answer, kAnswerDescriptor);
-    ::posix_spawn_file_actions_addclosefrom_np(&files_, kAnswerDescriptor + 1);
+    if (streams == AnswerStreams::own) {
+      ::posix_spawn_file_actions_adddup2(&files_, answer, kAnswerDescriptor);
+    } else {
+      ::posix_spawn_file_actions_adddup2(&files_, answer, STDOUT_FILENO);
+      ::posix_spawn_file_actions_adddup2(&files_, answer, STDERR_FILENO);
+    }
+    ::posix_spawn_file_actions_addclosefrom_np(
+        &files_, streams == AnswerStreams::own ? kAnswerDescriptor + 1 : kAnswerDescriptor);
     ::posix_spawnattr_init(&attributes_);
     sigset_t none, all;
     ::sigemptyset(&none);
@@ -76,15 +83,30 @@ class StartConditions {
   posix_spawnattr_t attributes_;
 };
 
+std::vector<char*> environment_of(const SandboxCall& call) {
+  const auto replaced = [&](std::string_view variable) {
+    const std::string_view start = variable.substr(0, std::min(variable.find('=') + 1, variable.size()));
+    return std::ranges::any_of(call.environment, [&](const std::string& own) { return own.starts_with(start); });
+  };
+  std::vector<char*> variables;
+  for (char** variable = ::environ; *variable != nullptr; ++variable) {
+    if (!replaced(*variable)) variables.push_back(*variable);
+  }
+  for (const std::string& own : call.environment) variables.push_back(const_cast<char*>(own.c_str()));
+  variables.push_back(nullptr);
+  return variables;
+}
+
 class Process {
  public:
   Process(const SandboxCall& call, int answer) {
     std::vector<char*> arguments{const_cast<char*>(call.program.c_str())};
     for (const std::string& argument : call.arguments) arguments.push_back(const_cast<char*>(argument.c_str()));
     arguments.push_back(nullptr);
-    const StartConditions start(answer);
-    const int error =
-        ::posix_spawn(&id_, call.program.c_str(), start.files(), start.attributes(), arguments.data(), ::environ);
+    const StartConditions start(answer, call.streams);
+    const std::vector<char*> environment = environment_of(call);
+    const int error = ::posix_spawn(&id_, call.program.c_str(), start.files(), start.attributes(), arguments.data(),
+                                    environment.data());
     if (error != 0) fail_to_start(call.program, std::strerror(error));
   }
   ~Process() { kill(); }

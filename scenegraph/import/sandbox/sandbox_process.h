@@ -9,13 +9,21 @@
 
 namespace simvis {
 
-/// The file descriptor for the program's answer. The program has no other open files; its standard streams are
-/// /dev/null.
+/// The file descriptor for the answer of a program that is made for SimVis.
 inline constexpr int kAnswerDescriptor = 3;
+
+/// The streams that make the answer. The program has no other open files than these and its standard streams, which are
+/// /dev/null unless they are the answer.
+enum class AnswerStreams : std::uint8_t {
+  own,               ///< kAnswerDescriptor
+  output_and_errors  ///< standard output and standard error, mixed
+};
 
 struct SandboxCall {
   std::filesystem::path program;
-  std::vector<std::string> arguments;  ///< without the program's name
+  std::vector<std::string> arguments;      ///< without the program's name
+  std::vector<std::string> environment{};  ///< NAME=VALUE, in addition to this process's or instead of its value
+  AnswerStreams streams = AnswerStreams::own;
   std::chrono::milliseconds time{10'000};
   std::size_t answer_bytes = std::size_t{4} << 30;
 };

@@ -7,6 +7,7 @@
 #include <exception>
 #include <mutex>
 #include <set>
+#include <sstream>
 #include <utility>
 #include <vector>
 
@@ -52,26 +53,17 @@ std::string on_one_line(std::string text) {
   return text;
 }
 
-void refuse_xacro(const XmlText& text) {
-  struct Walker : pugi::xml_tree_walker {
-    bool for_each(pugi::xml_node& node) override {
-      if (std::string_view(node.name()).starts_with("xacro:")) found = node;
-      return !found;
-    }
-    pugi::xml_node found;
-  } walker;
-  pugi::xml_node document = text.document();
-  document.traverse(walker);
-  if (walker.found) {
-    fail_at(text.at(walker.found), in_quotes(walker.found.name()) + " is xacro, expected URDF: expand it with xacro");
-  }
+std::string mended_text(const XmlText& text) {
+  std::ostringstream out;
+  text.document().save(out, "", pugi::format_raw, pugi::encoding_utf8);
+  return out.str();
 }
 
 std::shared_ptr<const urdf::ModelInterface> parse(const XmlText& text) {
   UrdfMessages messages;
   std::string reason;
   try {
-    if (const auto robot = urdf::parseURDF(text.source().text())) {
+    if (const auto robot = urdf::parseURDF(mended_text(text))) {
       // After some errors liburdfdom returns a robot without the faulty parts.
       if (messages.errors().empty()) return robot;
     }
@@ -110,11 +102,16 @@ void UrdfFile::fail(std::string_view tag, std::string_view name, const std::stri
   fail_at(at(tag, name), std::string(tag) + " " + in_quotes(name) + " " + message);
 }
 
-UrdfFile read_urdf(const std::filesystem::path& file) {
-  XmlText text = XmlText::read(file);
-  refuse_xacro(text);
+std::string without_word_error(std::string message) {
+  constexpr std::string_view kWord = ": error: ";
+  const std::size_t at = message.find(kWord);
+  return at == std::string::npos ? message : message.replace(at, kWord.size(), ": ");
+}
+
+UrdfFile read_urdf(XmlText text) {
+  UrdfMending mending = mend_urdf(text);
   std::shared_ptr<const urdf::ModelInterface> robot = parse(text);
-  UrdfFile urdf{std::move(text), std::move(robot)};
+  UrdfFile urdf{std::move(text), std::move(robot), std::move(mending)};
   check_tree(urdf);
   return urdf;
 }

@@ -3,10 +3,11 @@
 
 #include <urdf_model/model.h>
 
-#include <filesystem>
+#include <memory>
 #include <string>
 #include <string_view>
 
+#include "scenegraph/import/urdf/urdf_leniency.h"
 #include "scenegraph/language/xml_text.h"
 
 namespace simvis {
@@ -14,8 +15,9 @@ namespace simvis {
 /// A robot whose links form a tree: every joint has its two links, and every link except the root has one joint above
 /// it. Numbers are finite.
 struct UrdfFile {
-  XmlText text;
+  XmlText text;  ///< its document is the mended one
   std::shared_ptr<const urdf::ModelInterface> robot;
+  UrdfMending mending;
 
   /// Returns the place of the element <TAG name="NAME"> directly below <robot>, or else the file.
   Location at(std::string_view tag, std::string_view name) const;
@@ -23,8 +25,12 @@ struct UrdfFile {
   [[noreturn]] void fail(std::string_view tag, std::string_view name, const std::string& message) const;
 };
 
-/// Throws InputError with the place, or with the file and liburdfdom's message, for malformed XML, xacro that was not
-/// expanded, links or joints that break the format, no root link or several root links, and cycles.
-UrdfFile read_urdf(const std::filesystem::path& file);
+/// "a.dae: error: no meshes" -> "a.dae: no meshes", for use in a warning.
+std::string without_word_error(std::string message);
+
+/// Mends the document, see urdf_leniency.h, and reads it.
+/// Throws InputError with the place, or with the file and liburdfdom's message, for links or joints that break the
+/// format, no root link or several root links, and cycles.
+UrdfFile read_urdf(XmlText text);
 
 }  // namespace simvis

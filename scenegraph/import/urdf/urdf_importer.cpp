@@ -1,5 +1,7 @@
 // Imports URDF robots as parts: links become insertion points and visuals, joints become element commands.
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <memory>
 #include <string>
 #include <vector>
@@ -8,22 +10,20 @@
 #include <simvis/node.h>
 #include <simvis/part_importer.h>
 #include <simvis/pose.h>
+#include "scenegraph/import/urdf/package_files.h"
 #include "scenegraph/import/urdf/urdf_file.h"
 #include "scenegraph/import/urdf/urdf_joints.h"
 #include "scenegraph/import/urdf/urdf_pose.h"
 #include "scenegraph/import/urdf/urdf_visuals.h"
+#include "scenegraph/import/urdf/xacro.h"
 
 namespace simvis {
 namespace {
 
-// The names are used for elements and insertion points. These must not contain '.', which separates element and
-// parameter, or '/', which ends a robot's prefix.
+// The names are used for elements and insertion points.
 void check_names(const UrdfFile& file) {
   const auto check = [&](const char* tag, const std::string& name) {
     if (name.find_first_not_of(" \t\r\n") == std::string::npos) file.fail(tag, name, "has an empty name");
-    if (name.find_first_of("./") != std::string::npos) {
-      file.fail(tag, name, "has a name that is not allowed, expected one without '.' and '/'");
-    }
   };
   for (const auto& [name, link] : file.robot->links_) check("link", name);
   for (const auto& [name, joint] : file.robot->joints_) check("joint", name);
@@ -64,7 +64,7 @@ NodePtr build_links(const UrdfFile& file, UrdfVisuals& visuals) {
     separator->add(point);
     for (const auto& visual : link->visual_array) {
       check_origin(file, "link", link->name, visual->origin);
-      separator->add(visuals.make(*link, *visual));
+      if (const NodePtr node = visuals.make(*link, *visual)) separator->add(node);
     }
     parent->add(separator);
     for (auto child = link->child_links.rbegin(); child != link->child_links.rend(); ++child) {
@@ -74,21 +74,45 @@ NodePtr build_links(const UrdfFile& file, UrdfVisuals& visuals) {
   return root;
 }
 
-PartContent import_urdf(const ImportRequest& request, ContentPool& pool) {
-  if (request.up_given) {
-    fail_at({.file = request.file.string()}, "attribute \"up\" is not allowed: URDF says itself that z is up");
+// Programs of robots read a .urdf as it is and ignore elements that they do not know, such as those of xacro that an
+// expansion has left. They cannot read the expressions ${...} of xacro.
+bool is_urdf_besides(const std::filesystem::path& file, const XmlText& text) {
+  return file.extension() != ".xacro" && text.source().text().find("${") == std::string::npos;
+}
+
+XmlText read_text(const ImportRequest& request, PackageFiles& packages, std::vector<std::string>& warnings) {
+  XmlText text = XmlText::read(request.file);
+  if (is_xacro(request.file, text)) {
+    try {
+      return expand_xacro(request.file, request.xacro_arguments, packages);
+    } catch (const InputError& error) {
+      if (!is_urdf_besides(request.file, text) || !request.xacro_arguments.empty()) throw;
+      warnings.push_back(without_word_error(error.what()) + "; its elements of xacro are ignored");
+      return text;
+    }
   }
-  const UrdfFile file = read_urdf(request.file);
-  check_names(file);
-  UrdfVisuals visuals(file, pool);
+  if (!request.xacro_arguments.empty()) {
+    fail_at({.file = request.file.string()}, "attribute \"xacro_arguments\" is not allowed: the file is no xacro");
+  }
+  return text;
+}
+
+PartContent import_urdf(const ImportRequest& request, ContentPool& pool) {
+  PackageFiles packages(request.file, request.packages);
   PartContent content;
+  const UrdfFile file = read_urdf(read_text(request, packages, content.warnings));
+  check_names(file);
+  const bool y_up = request.up_given && request.up == UpAxis::y;
+  UrdfVisuals visuals(file, packages, y_up ? MeshFileAxes::y_up : MeshFileAxes::as_written, pool);
   content.commands = urdf_joint_commands(file);
   content.root = build_links(file, visuals);
-  content.warnings = visuals.release_warnings();
+  visuals.require_any();
+  std::ranges::copy(file.mending.warnings, std::back_inserter(content.warnings));
+  std::ranges::move(visuals.release_warnings(), std::back_inserter(content.warnings));
   return content;
 }
 
-const PartImporterRegistration registration({".urdf"}, import_urdf);
+const PartImporterRegistration registration({".urdf", ".xacro"}, import_urdf);
 
 }  // namespace
 }  // namespace simvis

@@ -10,6 +10,8 @@
 
 #include <simvis/attributes.h>
 #include <simvis/command.h>
+#include <simvis/pose.h>
+#include "engine/base/assert.h"
 
 namespace simvis {
 namespace {
@@ -86,10 +88,12 @@ class JointCommands {
 
   void add_simple(const urdf::Joint& joint) {
     std::vector<Attribute> rest{{"axis", to_text(axis_of(joint))}, {"kind", turns(joint) ? "revolute" : "prismatic"}};
-    if (joint.limits && joint.type != urdf::Joint::CONTINUOUS) {
+    const bool is_open =
+        joint.type == urdf::Joint::CONTINUOUS || file_.mending.joints_without_limits.contains(joint.name);
+    if (joint.limits && !is_open) {
       const double unit = to_element_units(joint);
-      const double lower = joint.limits->lower * unit, upper = joint.limits->upper * unit;
-      if (lower > upper) fail(joint, "has a lower limit above its upper limit");
+      const double lower = std::max(joint.limits->lower * unit, -kMaxCoordinate_m);
+      const double upper = std::min(joint.limits->upper * unit, kMaxCoordinate_m);
       rest.push_back({"lower", format_number(lower)});
       rest.push_back({"upper", format_number(upper)});
       rest.push_back({"value", format_number(std::clamp(0.0, lower, upper))});
@@ -133,12 +137,8 @@ class JointCommands {
 
   const urdf::Joint& follow(const urdf::Joint& asked, const urdf::Joint& joint) const {
     const std::string& name = joint.mimic->joint_name;
-    const auto found = file_.robot->joints_.find(name);
-    if (found == file_.robot->joints_.end()) {
-      std::vector<std::string_view> known;
-      for (const auto& [other, unused] : file_.robot->joints_) known.push_back(other);
-      fail(asked, "mimics joint " + in_quotes(name) + ", which does not exist" + suggestion(name, known));
-    }
+    const auto found = file_.robot->joints_.find(name);  // mend_urdf() removes a mimic of a joint that does not exist
+    SIMVIS_ASSERT(found != file_.robot->joints_.end());
     if (!is_simple(*found->second)) {
       fail(asked, "mimics joint " + in_quotes(name) + ", expected one that is revolute, continuous or prismatic");
     }

@@ -19,8 +19,8 @@ namespace simvis {
 /// fixed                            no command
 ///
 /// Radians become degrees. A value starts at 0, or at the limit nearest to 0.
-/// Throws InputError at the joint for an axis of zero length, a lower limit above the upper limit, a mimic of a joint
-/// that does not exist, cannot be followed or forms a cycle, and names that elements cannot have.
+/// Throws InputError at the joint for an axis of zero length, and for a mimic of a joint that cannot be followed or of
+/// itself in a ring.
 std::vector<std::string> urdf_joint_commands(const UrdfFile& file);
 
 }  // namespace simvis

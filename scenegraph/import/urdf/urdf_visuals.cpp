@@ -3,37 +3,17 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <system_error>
+#include <utility>
 
 #include <simvis/attributes.h>
 #include <simvis/pose.h>
 #include "engine/base/srgb.h"
-#include "scenegraph/import/mesh/mesh_file.h"
 #include "scenegraph/import/mesh/picture_file.h"
 #include "scenegraph/import/urdf/urdf_pose.h"
 #include "scenegraph/primitive_meshes.h"
 
 namespace simvis {
 namespace {
-
-constexpr std::string_view kPackage = "package://", kModel = "model://", kFile = "file://";
-
-// Returns the possible paths of a file that a URDF names. The folder of a package is an ancestor of the URDF's folder,
-// or a direct child of an ancestor.
-std::vector<std::filesystem::path> places_of(const std::filesystem::path& folder, std::string name) {
-  if (name.starts_with(kFile)) return {name.substr(kFile.size())};
-  const bool is_model = name.starts_with(kModel);
-  if (!name.starts_with(kPackage) && !is_model) return {folder / name};
-  name = name.substr(is_model ? kModel.size() : kPackage.size());
-  const std::string package = name.substr(0, name.find('/'));
-  const std::string rest = package.size() < name.size() ? name.substr(package.size() + 1) : "";
-  std::vector<std::filesystem::path> places;
-  for (std::filesystem::path above = folder;; above = above.parent_path()) {
-    if (above.filename() == package) places.push_back(above / rest);
-    places.push_back(above / package / rest);
-    if (above == above.parent_path()) return places;
-  }
-}
 
 std::shared_ptr<Shape> shape_of(ContentPool& pool, Mesh mesh) {
   const auto shape = std::make_shared<Shape>(pool.intern(std::move(mesh)));
@@ -83,71 +63,113 @@ NodePtr UrdfVisuals::make(const urdf::Link& link, const urdf::Visual& visual) {
       break;
     }
     case urdf::Geometry::MESH:
-      add_mesh(link, static_cast<const urdf::Mesh&>(*visual.geometry), material, *separator);
+      if (!add_mesh(link, static_cast<const urdf::Mesh&>(*visual.geometry), material, *separator)) return nullptr;
   }
+  has_any_ = true;
   return separator;
 }
 
 std::shared_ptr<const Material> UrdfVisuals::material_of(const urdf::Link& link, const urdf::Visual& visual) {
   Material material;
   material.double_sided = true;
-  if (!visual.material && !visual.material_name.empty()) {
-    file_.fail("link", link.name, "has the material " + in_quotes(visual.material_name) + ", which is not defined");
-  }
   if (visual.material) {
     material.name = visual.material->name;
     const urdf::Color& color = visual.material->color;
     material.base_color = {linear_from_srgb(color.r), linear_from_srgb(color.g), linear_from_srgb(color.b), color.a};
     if (color.a < 1) material.alpha_mode = AlphaMode::blend;
     if (!visual.material->texture_filename.empty()) {
-      Texture texture = read_picture_file(find(link, visual.material->texture_filename, "picture"));
-      texture.name = visual.material->texture_filename;
-      material.base_color_texture = pool_.intern(std::move(texture));
-      material.base_color = glm::vec4(1, 1, 1, color.a);  // the colour is meant for programs without textures
+      material.base_color_texture = read_texture(link, visual.material->texture_filename);
+      // The colour is meant for programs without textures.
+      if (material.base_color_texture != nullptr) material.base_color = glm::vec4(1, 1, 1, color.a);
     }
   }
   return pool_.intern(std::move(material));
 }
 
-void UrdfVisuals::add_mesh(const urdf::Link& link, const urdf::Mesh& mesh,
+bool UrdfVisuals::add_mesh(const urdf::Link& link, const urdf::Mesh& mesh,
                            const std::shared_ptr<const Material>& material, Group& group) {
   const glm::dvec3 scale(mesh.scale.x, mesh.scale.y, mesh.scale.z);
   for (int i = 0; i < 3; ++i) {
-    if (scale[i] == 0 || std::abs(scale[i]) > kMaxCoordinate_m) {
+    if (scale[i] == 0 || !(std::abs(scale[i]) <= kMaxCoordinate_m)) {
       file_.fail("link", link.name,
                  "has a mesh with a scale that is not allowed, expected factors other than 0, at most " +
                      format_number(kMaxCoordinate_m) + " either way");
     }
   }
-  const std::filesystem::path path = find(link, mesh.filename, "mesh file");
-  if (!is_mesh_file(path)) {
-    file_.fail("link", link.name,
-               "has the mesh file " + in_quotes(mesh.filename) + ", expected .dae, .obj, .ply or .stl");
-  }
-  const auto [known, is_new] = meshes_.try_emplace({path, material.get()});
-  if (is_new) {
-    PartContent content = read_mesh_file(path, MeshFileAxes::as_written, material, pool_);
-    known->second = content.root;
-    std::ranges::move(content.warnings, std::back_inserter(warnings_));
-  }
+  const NodePtr content = read_mesh(link, mesh.filename, material);
+  if (content == nullptr) return false;
   if (scale != glm::dvec3(1)) {
     glm::dmat4 matrix{1.0};
     for (int i = 0; i < 3; ++i) matrix[i][i] = scale[i];
     group.add(std::make_shared<Transform>(matrix));
   }
-  group.add(known->second);
+  group.add(content);
+  return true;
 }
 
-std::filesystem::path UrdfVisuals::find(const urdf::Link& link, const std::string& name, const char* kind) const {
-  std::error_code error;
-  std::filesystem::path folder = std::filesystem::absolute(file_.text.source().file(), error).parent_path();
-  std::string tried;
-  for (const std::filesystem::path& place : places_of(folder.lexically_normal(), name)) {
-    if (std::filesystem::is_regular_file(place, error)) return place;
-    tried += (tried.empty() ? "" : ", ") + place.string();
+NodePtr UrdfVisuals::read_mesh(const urdf::Link& link, const std::string& name,
+                               const std::shared_ptr<const Material>& material) {
+  const std::optional<std::filesystem::path> path = find(link, name);
+  if (!path) {
+    leave_out(link, "mesh file " + in_quotes(name) + " is not there; " + packages_.tried());
+    return nullptr;
   }
-  file_.fail("link", link.name,
-             "has the " + std::string(kind) + " " + in_quotes(name) + ", which does not exist; tried " + tried);
+  if (!is_mesh_file(*path)) {
+    leave_out(link, "mesh file " + in_quotes(name) + " is of an unknown kind, expected .dae, .obj, .ply or .stl");
+    return nullptr;
+  }
+  const auto [known, is_new] = meshes_.try_emplace({*path, material.get()});
+  if (!is_new && known->second != nullptr) return known->second;
+  try {
+    PartContent content = read_mesh_file(*path, axes_, material, pool_);
+    known->second = content.root;
+    std::ranges::move(content.warnings, std::back_inserter(warnings_));
+  } catch (const InputError& error) {
+    leave_out(link, without_word_error(error.what()));
+  }
+  return known->second;
+}
+
+void UrdfVisuals::leave_out(const urdf::Link& link, const std::string& why) {
+  if (first_left_out_.empty()) first_left_out_ = why;
+  warnings_.push_back(to_string(file_.at("link", link.name)) + ": link " + in_quotes(link.name) +
+                      ": a visual is left out, " + why);
+}
+
+void UrdfVisuals::require_any() const {
+  if (has_any_ || first_left_out_.empty()) return;
+  fail_at({.file = file_.text.source().file()}, "none of the robot's visuals can be shown: " + first_left_out_);
+}
+
+std::shared_ptr<const Texture> UrdfVisuals::read_texture(const urdf::Link& link, const std::string& name) {
+  const auto [known, is_new] = textures_.try_emplace(name);
+  if (!is_new) return known->second;
+  const auto warn = [&](const std::string& why) {
+    warnings_.push_back(to_string(file_.at("link", link.name)) + ": link " + in_quotes(link.name) +
+                        ": the material's colour replaces its texture, " + why);
+  };
+  const std::optional<std::filesystem::path> path = find(link, name);
+  if (!path) {
+    warn("picture " + in_quotes(name) + " is not there; " + packages_.tried());
+    return nullptr;
+  }
+  try {
+    Texture texture = read_picture_file(*path);
+    texture.name = name;
+    known->second = pool_.intern(std::move(texture));
+  } catch (const InputError& error) {
+    warn(without_word_error(error.what()));
+  }
+  return known->second;
+}
+
+std::optional<std::filesystem::path> UrdfVisuals::find(const urdf::Link& link, const std::string& name) {
+  return packages_.find(name, file_.at("link", link.name));
+}
+
+std::vector<std::string> UrdfVisuals::release_warnings() {
+  std::ranges::move(packages_.release_warnings(), std::back_inserter(warnings_));
+  return std::move(warnings_);
 }
 
 }  // namespace simvis

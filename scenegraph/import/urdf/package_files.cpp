@@ -1,0 +1,231 @@
+#include "scenegraph/import/urdf/package_files.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <pugixml.hpp>
+#include <string_view>
+#include <system_error>
+
+namespace simvis {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kRosPath = "ROS_PACKAGE_PATH";
+constexpr const char* kAmentPath = "AMENT_PREFIX_PATH";
+constexpr const char* kModelPaths[] = {"GAZEBO_MODEL_PATH", "GZ_SIM_RESOURCE_PATH"};
+constexpr int kMaxDepth = 32;         // of packages below ROS_PACKAGE_PATH: links may lead in circles
+constexpr int kLevelsOfPackages = 5;  // folders above the URDF whose packages are read
+constexpr int kLevelsNear = 3;        // folders above the URDF in which a lost file is searched
+
+std::vector<fs::path> folders_of_variable(const char* variable) {
+  const char* const value = std::getenv(variable);
+  std::vector<fs::path> folders;
+  for (std::string_view rest = value == nullptr ? "" : value; !rest.empty();) {
+    const std::string_view folder = rest.substr(0, rest.find(':'));
+    if (!folder.empty()) folders.emplace_back(folder);
+    rest.remove_prefix(std::min(folder.size() + 1, rest.size()));
+  }
+  return folders;
+}
+
+std::vector<fs::path> folders_in(const fs::path& folder) {
+  std::vector<fs::path> folders;
+  std::error_code error;
+  for (fs::directory_iterator each(folder, error), end; !error && each != end; each.increment(error)) {
+    std::error_code unreadable;
+    const bool hidden = each->path().filename().string().starts_with('.');
+    if (!hidden && each->is_directory(unreadable)) folders.push_back(each->path());
+  }
+  std::ranges::sort(folders);
+  return folders;
+}
+
+// The <name> in the folder's package.xml; empty if there is none.
+std::string read_package_name(const fs::path& folder) {
+  pugi::xml_document document;
+  if (!document.load_file((folder / "package.xml").c_str())) return "";
+  const std::string name = document.child("package").child_value("name");
+  constexpr const char* kSpaces = " \t\r\n";
+  const std::size_t begin = name.find_first_not_of(kSpaces);
+  return begin == std::string::npos ? "" : name.substr(begin, name.find_last_not_of(kSpaces) + 1 - begin);
+}
+
+// As rospack: a package has no packages below it, and a file CATKIN_IGNORE hides a folder.
+void add_packages_below(const fs::path& folder, int depth, std::multimap<std::string, fs::path>& packages) {
+  std::error_code error;
+  if (depth > kMaxDepth || fs::exists(folder / "CATKIN_IGNORE", error)) return;
+  if (fs::exists(folder / "package.xml", error)) {
+    packages.emplace(read_package_name(folder), folder);
+    return;
+  }
+  for (const fs::path& child : folders_in(folder)) add_packages_below(child, depth + 1, packages);
+}
+
+std::vector<fs::path> folder_and_above(const fs::path& folder) {
+  std::vector<fs::path> folders{folder};
+  while (folders.back() != folders.back().parent_path()) folders.push_back(folders.back().parent_path());
+  return folders;
+}
+
+std::vector<fs::path> nearest(std::vector<fs::path> folders, int levels_above) {
+  folders.resize(std::min(folders.size(), static_cast<std::size_t>(levels_above) + 1));
+  return folders;
+}
+
+std::string state_of(const char* variable) {
+  const std::size_t folders = folders_of_variable(variable).size();
+  return std::string(variable) + (folders == 0 ? " (not set)" : "");
+}
+
+bool take_prefix(std::string& name, std::string_view prefix) {
+  if (!name.starts_with(prefix)) return false;
+  name.erase(0, prefix.size());
+  return true;
+}
+
+}  // namespace
+
+PackageFiles::PackageFiles(const fs::path& urdf, std::vector<PackageFolder> given) : given_(std::move(given)) {
+  std::error_code error;
+  folder_ = fs::absolute(urdf, error).lexically_normal().parent_path();
+}
+
+std::optional<fs::path> PackageFiles::find(const std::string& written, const Location& where) {
+  tried_.clear();
+  std::string name = written;
+  std::ranges::replace(name, '\\', '/');
+  take_prefix(name, "file://");
+  const bool is_model = take_prefix(name, "model://");
+  std::string_view end_of_package = "/";
+  bool in_package = is_model || take_prefix(name, "package://");
+  if (!in_package && take_prefix(name, "$(find ")) {
+    in_package = true;
+    end_of_package = ")";
+  }
+  if (!in_package) {
+    if (const auto found = try_file(folder_, name)) return found;
+    return find_near(name, "file " + in_quotes(written), where);
+  }
+  const std::size_t end = std::min(name.find(end_of_package), name.size());
+  const std::string package = name.substr(0, end);
+  std::string rest = name.substr(std::min(end + 1, name.size()));
+  rest.erase(0, std::min(rest.find_first_not_of('/'), rest.size()));
+  if (const auto found = find_in_package(package, rest, is_model)) return found;
+  return find_near(rest, (is_model ? "model " : "package ") + in_quotes(package), where);
+}
+
+std::string PackageFiles::tried() const {
+  std::string list = "tried ";
+  for (std::size_t i = 0; i < tried_.size(); ++i) list += (i == 0 ? "" : ", ") + tried_[i];
+  return list;
+}
+
+std::optional<fs::path> PackageFiles::try_file(const fs::path& folder, const std::string& rest) {
+  std::error_code error;
+  const fs::path file = folder / rest;
+  if (fs::is_regular_file(file, error)) return file;
+  if (fs::is_directory(folder, error)) tried_.push_back(file.string());
+  return std::nullopt;
+}
+
+std::optional<fs::path> PackageFiles::find_in_package(const std::string& name, const std::string& rest, bool is_model) {
+  for (const PackageFolder& given : given_) {
+    if (given.name != name) continue;
+    if (const auto found = try_file(given.folder, rest)) return found;
+  }
+  if (is_model) {
+    for (const char* variable : kModelPaths) {
+      for (const fs::path& models : folders_of_variable(variable)) {
+        if (const auto found = try_file(models / name, rest)) return found;
+      }
+      tried_.push_back(state_of(variable));
+    }
+  } else {
+    const auto [first, last] = ros_packages().equal_range(name);
+    for (auto package = first; package != last; ++package) {
+      if (const auto found = try_file(package->second, rest)) return found;
+    }
+    tried_.push_back(state_of(kRosPath));
+    for (const fs::path& prefix : folders_of_variable(kAmentPath)) {
+      if (const auto found = try_file(prefix / "share" / name, rest)) return found;
+    }
+    tried_.push_back(state_of(kAmentPath));
+  }
+  return find_beside_or_above(name, rest);
+}
+
+std::optional<fs::path> PackageFiles::find_beside_or_above(const std::string& name, const std::string& rest) {
+  int level = 0;
+  for (const fs::path& above : folder_and_above(folder_)) {
+    const bool reads_packages = level++ <= kLevelsOfPackages;
+    if (above.filename() == name || (reads_packages && declared_name(above) == name)) {
+      if (const auto found = try_file(above, rest)) return found;
+    }
+    if (const auto found = try_file(above / name, rest)) return found;
+    if (!reads_packages) continue;
+    for (const fs::path& beside : folders_in(above)) {
+      if (declared_name(beside) != name || beside.filename() == name) continue;
+      if (const auto found = try_file(beside, rest)) return found;
+    }
+  }
+  tried_.push_back("folders of this name beside and above " + folder_.string());
+  return std::nullopt;
+}
+
+std::optional<fs::path> PackageFiles::find_near(const std::string& rest, const std::string& subject,
+                                                const Location& where) {
+  std::error_code error;
+  // Shorter and shorter ends of the name, down to a folder and a file. A name of one component has only itself.
+  std::vector<std::string> ends{rest.substr(std::min(rest.find_first_not_of('/'), rest.size()))};
+  while (std::ranges::count(ends.back(), '/') > 1) ends.push_back(ends.back().substr(ends.back().find('/') + 1));
+  for (const std::string& end : ends) {
+    for (const fs::path& above : nearest(folder_and_above(folder_), kLevelsNear)) {
+      const fs::path file = (above / end).lexically_normal();
+      if (end.empty() || !fs::is_regular_file(file, error)) continue;
+      const bool is_lost_package = subject.starts_with("package") || subject.starts_with("model");
+      if (warned_.insert(subject).second) {
+        warnings_.push_back(to_string(where) + ": " + subject + " is not there" +
+                            (is_lost_package ? " or lacks " + in_quotes(rest) : "") + "; " + in_quotes(file.string()) +
+                            " is taken instead" + (is_lost_package ? ", and other files from near by too" : ""));
+      }
+      return file;
+    }
+  }
+  tried_.push_back(in_quotes(ends.back()) + " up to " + std::to_string(kLevelsNear) + " folders above");
+  return std::nullopt;
+}
+
+const std::multimap<std::string, fs::path>& PackageFiles::ros_packages() {
+  if (!ros_packages_) {
+    ros_packages_.emplace();
+    for (const fs::path& folder : folders_of_variable(kRosPath)) add_packages_below(folder, 0, *ros_packages_);
+  }
+  return *ros_packages_;
+}
+
+const std::string& PackageFiles::declared_name(const fs::path& folder) {
+  const auto [known, is_new] = declared_names_.try_emplace(folder);
+  if (is_new) known->second = read_package_name(folder);
+  return known->second;
+}
+
+std::map<std::string, fs::path> PackageFiles::packages() {
+  std::map<std::string, fs::path> all;
+  for (const PackageFolder& given : given_) all.emplace(given.name, given.folder);
+  for (const auto& [name, folder] : ros_packages()) all.emplace(name, folder);
+  for (const fs::path& prefix : folders_of_variable(kAmentPath)) {
+    for (const fs::path& folder : folders_in(prefix / "share")) all.emplace(folder.filename(), folder);
+  }
+  for (const fs::path& above : nearest(folder_and_above(folder_), kLevelsOfPackages)) {
+    std::vector<fs::path> folders = folders_in(above);
+    folders.insert(folders.begin(), above);
+    for (const fs::path& folder : folders) {
+      if (!declared_name(folder).empty()) all.emplace(declared_name(folder), folder);
+    }
+    for (const fs::path& folder : folders) all.emplace(folder.filename(), folder);
+  }
+  return all;
+}
+
+}  // namespace simvis

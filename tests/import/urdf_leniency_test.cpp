@@ -1,0 +1,230 @@
+// URDF files that break the format in usual ways: what is loaded, and the one warning with its place.
+#include <doctest/doctest.h>
+
+#include <string>
+#include <vector>
+
+#include <simvis/pose.h>
+#include "engine/base/srgb.h"
+#include "tests/support/error_of.h"
+#include "tests/support/urdf_scene.h"
+
+TEST_SUITE_BEGIN("scenegraph/import");
+
+using namespace simvis;
+using namespace simvis::test;
+
+namespace {
+
+std::string visual_xml(const std::string& shape, const std::string& material = "") {
+  return "<visual><geometry>" + shape + "</geometry>" + material + "</visual>";
+}
+constexpr const char* kCube = R"(<box size="1 1 1"/>)";
+
+// The robot's warnings without "FILE:".
+std::vector<std::string> warnings_of(const UrdfScene& scene) {
+  std::vector<std::string> warnings;
+  for (const std::string& warning : scene.warnings()) {
+    REQUIRE(warning.starts_with(scene.file().string() + ":"));
+    warnings.push_back(warning.substr(scene.file().string().size() + 1));
+  }
+  return warnings;
+}
+
+// Two links, "a" with a cube, and one joint between them.
+std::string with_joint(const std::string& joint) { return link_xml("a", visual_xml(kCube)) + link_xml("b") + joint; }
+
+Material material_of(UrdfScene& scene, std::size_t item) {
+  return *scene.list().materials[scene.list().items.at(item).material];
+}
+
+}  // namespace
+
+TEST_CASE("a robot that keeps the format gives no warning") {
+  UrdfScene scene(R"(<material name="red"><color rgba="1 0 0 1"/></material>)" +
+                  link_xml("a", visual_xml(kCube, R"(<material name="red"/>)") +
+                                    visual_xml(kCube, R"(<material name=""><color rgba="1 0 0 1"/></material>)") +
+                                    visual_xml(kCube, R"(<material name=""><color rgba="0 1 0 1"/></material>)")) +
+                  link_xml("b") +
+                  joint_xml("j", "revolute", "a", "b", R"(<limit lower="0" upper="0" effort="1" velocity="1"/>)"));
+  CHECK(scene.warnings().empty());
+  CHECK(scene.list().items.size() == 3);
+}
+
+TEST_CASE("visuals without a size or a known shape are left out") {
+  const std::string rest = " whose size is not above 0; the visual is left out";
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {R"(<box size="1 0 1"/>)", "has a box" + rest},
+      {R"(<cylinder radius="0" length="1"/>)", "has a cylinder" + rest},
+      {R"(<cylinder radius="1" length="0"/>)", "has a cylinder" + rest},
+      {R"(<sphere radius="-1"/>)", "has a sphere" + rest},
+      {R"(<mesh filename="m.stl" scale="1 0 1"/>)", "has a mesh" + rest},
+      {R"(<mesh filename=""/>)", "has a mesh without a filename; the visual is left out"},
+      {R"(<capsule radius="1" length="1"/>)",
+       "has a visual of kind \"capsule\", expected box, cylinder, sphere or mesh; the visual is left out"},
+      {"", "has a visual without a geometry; the visual is left out"}};
+  for (const auto& [shape, warning] : cases) {
+    CAPTURE(shape);
+    UrdfScene scene(link_xml("a", visual_xml(kCube) + visual_xml(shape)));
+    CHECK(warnings_of(scene) == std::vector<std::string>{"3:74: link \"a\" " + warning});
+    CHECK(scene.list().items.size() == 1);
+  }
+}
+
+TEST_CASE("names with dots and slashes are names of insertion points and elements") {
+  UrdfScene scene(link_xml("arm.0/base") + link_xml("hand.left", visual_xml(kCube)) +
+                      joint_xml("fl.hx/1", "continuous", "arm.0/base", "hand.left", R"(<axis xyz="0 0 1"/>)"),
+                  "<sensor type='camera' name='C' insert_at='hand.left'/>");
+  CHECK(scene.warnings().empty());
+  CHECK(scene.built().scene.has_insertion_point("arm.0/base"));
+  CHECK(scene.built().parameters.name(scene.built().parameters.index("fl.hx/1", "value")) == "fl.hx/1.value");
+  scene.set("fl.hx/1", 90);
+  CHECK(scene.place(0) == matrix_from_degrees({0, 0, 0}, 0, 0, 90));
+}
+
+TEST_CASE("joints: mimic of a fixed joint, limits the wrong way round or absent") {
+  UrdfScene fixed(with_joint(joint_xml("j", "fixed", "a", "b", R"(<mimic joint="x"/>)")));
+  CHECK(warnings_of(fixed) ==
+        std::vector<std::string>{"5:66: joint \"j\" is fixed and mimics another one; the mimic is ignored"});
+  CHECK(fixed.built().parameters.elements().empty());
+
+  UrdfScene lost(with_joint(joint_xml("j", "continuous", "a", "b", R"(<mimic joint="x"/>)")));
+  CHECK(warnings_of(lost) ==
+        std::vector<std::string>{"5:71: joint \"j\" mimics joint \"x\", which is not there; it moves by itself"});
+  CHECK(lost.built().parameters.elements().at(0).type == "joint");
+
+  UrdfScene turned(
+      with_joint(joint_xml("j", "prismatic", "a", "b", R"(<limit lower="2" upper="1" effort="1" velocity="1"/>)")));
+  CHECK(warnings_of(turned) ==
+        std::vector<std::string>{"5:70: joint \"j\" has a lower limit above its upper one; it is left open"});
+  CHECK(turned.built().parameters.values()[0] == 0);
+  turned.set("j", -50);
+
+  UrdfScene huge(with_joint(joint_xml("j", "revolute", "a", "b", R"(<limit lower="-1e16" upper="1e16"/>)")));
+  CHECK(huge.warnings().empty());
+  huge.set("j", -1e6);
+
+  UrdfScene absent(with_joint(joint_xml("j", "revolute", "a", "b")));
+  CHECK(warnings_of(absent) == std::vector<std::string>{"5:2: joint \"j\" has no limits; it is left open"});
+  absent.set("j", 1000);
+}
+
+TEST_CASE("what is not read may be wrong: mass, collision, damping, effort") {
+  UrdfScene scene(link_xml("a", visual_xml(kCube) + "<inertial><mass/></inertial><collision><geometry/></collision>"
+                                                    R"(<collision><geometry><box size="x"/></geometry></collision>)") +
+                  link_xml("b") +
+                  joint_xml("j", "revolute", "a", "b",
+                            R"(<limit lower="0" upper="1" effort="none"/><dynamics/><safety_controller/>)"));
+  CHECK(scene.warnings().empty());
+  CHECK(scene.list().items.size() == 1);
+}
+
+TEST_CASE("materials that are defined nowhere, twice, later or without a name") {
+  UrdfScene nowhere(
+      link_xml("a", visual_xml(kCube, R"(<material name="m"/>)") + visual_xml(kCube, R"(<material name="m"/>)")));
+  CHECK(warnings_of(nowhere) ==
+        std::vector<std::string>{"3:65: link \"a\" has the material \"m\", which is not defined; it is shown grey"});
+  const float grey = linear_from_srgb(0.5);
+  CHECK(material_of(nowhere, 1).base_color == glm::vec4(grey, grey, grey, 1));
+
+  const std::string red = R"(<material name="m"><color rgba="1 0 0 1"/></material>)";
+  const std::string blue = R"(<material name="m"><color rgba="0 0 1 1"/></material>)";
+  UrdfScene twice(red + "\n" + blue + link_xml("a", visual_xml(kCube, R"(<material name="m"/>)")));
+  CHECK(warnings_of(twice) ==
+        std::vector<std::string>{"4:2: material \"m\" is defined again in another way; the first definition counts"});
+  CHECK(material_of(twice, 0).base_color == glm::vec4(1, 0, 0, 1));
+
+  UrdfScene same(red + red + link_xml("a", visual_xml(kCube, red) + visual_xml(kCube, red)));
+  CHECK(same.warnings().empty());
+  UrdfScene of_visuals(link_xml("a", visual_xml(kCube, red) + visual_xml(kCube, blue)));
+  CHECK(of_visuals.warnings().size() == 1);
+  CHECK(material_of(of_visuals, 1).base_color == glm::vec4(1, 0, 0, 1));
+
+  UrdfScene later(link_xml("a", visual_xml(kCube, R"(<material name="m"/>)")) + link_xml("b", visual_xml(kCube, blue)) +
+                  joint_xml("j", "fixed", "a", "b"));
+  CHECK(later.warnings().empty());
+  CHECK(material_of(later, 0).base_color == glm::vec4(0, 0, 1, 1));
+
+  UrdfScene unnamed(link_xml("a", visual_xml(kCube, R"(<material><color rgba="0 1 0 1"/></material>)")));
+  CHECK(unnamed.warnings().empty());
+  CHECK(material_of(unnamed, 0).base_color == glm::vec4(0, 1, 0, 1));
+}
+
+TEST_CASE("a missing, broken or foreign mesh leaves its visual out; a robot without any visual is refused") {
+  const auto mesh = [](const std::string& name) { return visual_xml("<mesh filename=\"" + name + "\"/>"); };
+  UrdfScene missing(link_xml("a", visual_xml(kCube) + mesh("package://pkg/m.stl")));
+  REQUIRE(missing.warnings().size() == 1);
+  CHECK(contains(warnings_of(missing)[0],
+                 "3:2: link \"a\": a visual is left out, mesh file \"package://pkg/m.stl\" is not there; tried "
+                 "ROS_PACKAGE_PATH (not set), AMENT_PREFIX_PATH (not set), folders of this name beside and above /"));
+  CHECK(missing.list().items.size() == 1);
+
+  UrdfScene foreign(link_xml("a", visual_xml(kCube) + mesh("r.urdf")));
+  REQUIRE(foreign.warnings().size() == 1);
+  CHECK(contains(foreign.warnings()[0], "\"r.urdf\" is of an unknown kind, expected .dae, .obj, .ply or .stl"));
+
+  CHECK(contains(error_of([&] { UrdfScene scene(link_xml("a", mesh("m.stl"))); }),
+                 "r.urdf: none of the robot's visuals can be shown: mesh file \"m.stl\" is not there; tried /"));
+}
+
+TEST_CASE("a missing or broken picture gives way to the colour") {
+  const std::string material = R"(<material name="m"><color rgba="1 0 0 1"/><texture filename="m.png"/></material>)";
+  UrdfScene missing(link_xml("a", visual_xml(kCube, material) + visual_xml(kCube, material)));
+  REQUIRE(missing.warnings().size() == 1);
+  CHECK(contains(warnings_of(missing)[0],
+                 "link \"a\": the material's colour replaces its texture, picture \"m.png\" is not there; tried /"));
+  CHECK(material_of(missing, 1).base_color == glm::vec4(1, 0, 0, 1));
+
+  UrdfScene broken(link_xml("a", visual_xml(kCube, R"(<material name="m"><texture filename="r.urdf"/></material>)")));
+  REQUIRE(broken.warnings().size() == 1);
+  CHECK(contains(broken.warnings()[0], "r.urdf: the picture is neither PNG nor JPEG"));
+}
+
+TEST_CASE("a joint's limit is accepted as people round it, and no more") {
+  const std::string turn = R"(<limit lower="-3.14159" upper="3.14159" effort="1" velocity="1"/>)";
+  UrdfScene scene(with_joint(joint_xml("j", "revolute", "a", "b", turn)));
+  const double limit_deg = scene.built().parameters.spec(0).max;
+  CHECK(limit_deg == doctest::Approx(179.99985).epsilon(1e-7));  // the digits that are written here
+  scene.set("j", 180);
+  CHECK(scene.built().parameters.values()[0] == limit_deg);
+  scene.set("j", -180);
+  CHECK(scene.built().parameters.values()[0] == -limit_deg);
+  CHECK(contains(error_of([&] { scene.set("j", 180.001); }), "j.value: 180.001 is not allowed"));
+  UrdfScene slide(with_joint(
+      joint_xml("j", "prismatic", "a", "b", R"(<limit lower="0" upper="0.0399996" effort="1" velocity="1"/>)")));
+  slide.set("j", 0.04);
+  CHECK(slide.built().parameters.values()[0] == 0.0399996);
+  CHECK(contains(error_of([&] { slide.set("j", 0.0401); }), "is not allowed"));
+}
+
+TEST_CASE("axes of mesh files: as written, or as the part says") {
+  const TemporaryFolder folder;
+  write_text(folder / "m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  write_text(folder / "r.urdf", robot(link_xml("a", visual_xml(R"(<mesh filename="m.obj"/>)"))));
+  const auto world_from_mesh = [&](const std::string& up) {
+    BuiltScene built = build_scene(
+        parse_commands("<part file='r.urdf' name='R' insert_at='ROOT' " + up + "/>", "s.xml", folder.path()));
+    Flattener flattener(built.scene.root());
+    const DrawList& list = flattener.update();
+    return list.world_from_node[list.items.at(0).transform];
+  };
+  CHECK(world_from_mesh("") == glm::dmat4(1));
+  CHECK(world_from_mesh("up='z'") == glm::dmat4(1));
+  CHECK(world_from_mesh("up='y'") * glm::dvec4(0, 1, 0, 1) == glm::dvec4(0, 0, 1, 1));
+}
+
+TEST_CASE("copies of a robot have names of the same kind, whatever their order") {
+  const std::string content =
+      link_xml("base") + link_xml("hand") + joint_xml("j", "continuous", "base", "hand", R"(<axis xyz="0 0 1"/>)");
+  UrdfScene one(content);
+  CHECK(one.built().parameters.elements().at(0).name == "j");
+  UrdfScene two(content, "<part file='./r.urdf' name='B' insert_at='ROBOT/hand'/>");
+  REQUIRE(two.built().parameters.elements().size() == 2);
+  CHECK(two.built().parameters.elements()[0].name == "ROBOT/j");
+  CHECK(two.built().parameters.elements()[1].name == "B/j");
+  CHECK(two.built().scene.has_insertion_point("ROBOT/hand"));
+  CHECK(!two.built().scene.has_insertion_point("hand"));
+  CHECK(contains(error_of([&] { two.set("j", 1); }), "there is no element \"j\", did you mean \"ROBOT/j\"?"));
+}
+
+TEST_SUITE_END();
