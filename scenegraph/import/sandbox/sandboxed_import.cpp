@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include <simvis/error.h>
+#include "engine/base/input_log.h"
 #include "scenegraph/import/sandbox/import_answer.h"
 #include "scenegraph/import/sandbox/sandbox_process.h"
 
@@ -50,6 +51,7 @@ ImportedScene import_in_sandbox(const SandboxedImport& import) {
   // A library may continue after an error with only a part of the file.
   if (!answer.errors.empty()) fail(import.file, import.library + " cannot read all of it", answer);
   if (!answer.scene) fail(import.file, "the program that read it gave no answer", answer);
+  for (const std::string& file : answer.inputs) note_input(file);
   ImportedScene scene = unpack_imported_scene(*answer.scene, import.file.string() + ": error: ");
   scene.warnings.insert(scene.warnings.begin(), answer.warnings.begin(), answer.warnings.end());
   return scene;
