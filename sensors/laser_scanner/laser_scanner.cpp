@@ -287,7 +287,7 @@ void LaserScanner::publish(std::span<const Echo> detected) {
 
 void LaserScanner::add_truth() {
   const double none = std::numeric_limits<double>::quiet_NaN();
-  ScanChannel range{kTrueRange, "%.12g", std::vector<double>(true_hits_.size())};
+  ScanChannel range{kTrueRange, "%.17g", std::vector<double>(true_hits_.size())};
   ScanChannel item{kTrueItem, "%.0f", std::vector<double>(true_hits_.size(), none)};
   ScanChannel primitive{kTruePrimitive, "%.0f", item.values};
   for (std::size_t i = 0; i < true_hits_.size(); ++i) {

@@ -206,14 +206,13 @@ bool Run::prepare() {
 // Follows the first frame: a run that cannot make it leaves the results of the earlier run alone.
 void Run::begin_output() {
   if (earlier_ && !resumes_) replace(*earlier_);
-  report_.next_frame = first_frame_;
   write_report();
   open_writer();
 }
 
 void Run::go_on(const EarlierRun& earlier) {
   in_option("--resume", [&] { require_same_run(earlier, depends_on(to_json(report_))); });
-  first_frame_ = first_missing_frame(earlier, suffix());
+  report_.next_frame = first_frame_ = first_missing_frame(earlier, suffix());
   if (first_frame_ > options_.frames) {
     throw InputError("--resume: the run has " + std::to_string(first_frame_) + " frames, expected --frames " +
                      std::to_string(first_frame_) + " or more");

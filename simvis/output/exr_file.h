@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include <simvis/frame_plan.h>
+#include <simvis/camera_layout.h>
 #include <simvis/frame_time.h>
 #include <simvis/image.h>
 

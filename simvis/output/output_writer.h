@@ -26,9 +26,9 @@ using RunFiles = std::map<std::string, std::vector<std::string>>;
 struct OutputDesc {
   std::filesystem::path folder;
   std::vector<std::string> sensors{};  ///< all that will write
-  std::vector<std::string> parts{};  ///< whose poses will be written
-  std::string suffix{};              ///< of the names of tables: "-3-of-8" if other processes write to the same folder
-  unsigned threads = 0;              ///< as SimulationDesc::threads
+  std::vector<std::string> parts{};    ///< whose poses will be written
+  std::string suffix{};  ///< of the names of tables: "-3-of-8" if other processes write to the same folder
+  unsigned threads = 0;  ///< as SimulationDesc::threads
   OutputFormats formats{};
   /// Continues the files of an earlier run of the same scene: its tables keep the frames before this one.
   std::optional<std::uint64_t> resume_at{};

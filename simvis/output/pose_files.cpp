@@ -6,6 +6,7 @@
 #include <optional>
 
 #include <simvis/error.h>
+#include "simvis/output/atomic_file.h"
 #include "simvis/output/pose_text.h"
 
 namespace simvis {
@@ -20,8 +21,9 @@ std::optional<std::uint64_t> frame_of(std::string_view line) {
   return frame;
 }
 
-/// The bytes of the first `lines` lines.
+/// The bytes of the first `lines` lines of a table of the TUM format, which is created if it is missing.
 std::uintmax_t bytes_of_lines(const std::filesystem::path& file, std::uintmax_t lines) {
+  if (!std::filesystem::exists(file)) write_file(file, kTumHeading);
   std::ifstream stream(file, std::ios::binary);
   std::string line;
   std::uintmax_t bytes = 0;
@@ -58,7 +60,7 @@ std::vector<std::uint64_t> frames_of(const std::filesystem::path& csv) {
 PoseFiles::PoseFiles(const std::filesystem::path& stem)
     : csv_(pose_csv(stem), kPoseHeading), tum_(pose_tum(stem), kTumHeading) {}
 
-// A run that was killed may have left one line more in the first table than in the second.
+// A run that was killed may have left one line more in the first table than in the second, or only the first.
 PoseFiles::PoseFiles(const std::filesystem::path& stem, std::uint64_t frame)
     : csv_(pose_csv(stem), table_start(pose_csv(stem), frame).bytes),
       tum_(pose_tum(stem), bytes_of_lines(pose_tum(stem), table_start(pose_csv(stem), frame).lines)) {}

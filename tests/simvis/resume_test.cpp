@@ -53,6 +53,7 @@ struct Scene {
 bool ends_in_line(const std::string& text) { return text.ends_with('\n'); }
 
 /// Every table ends with a whole frame, every picture and the report can be read.
+/// `killed`: a killed run may have left temporary files.
 void check_whole(const fs::path& out, bool killed) {
   for (const std::string& name : files_below(out)) {
     INFO(name);
@@ -92,8 +93,9 @@ TEST_CASE("200 signals at random times: every file is whole, and resumed runs gi
   const fs::path out = scene.folder / "out";
   std::mt19937_64 random(11);
   int kills = 0, stops = 0, done = 0;
+  bool leftovers = false;
   // Some seconds each on a loaded machine; no new signal after this time, so that the test ends.
-  const auto end = start + std::chrono::minutes(4);
+  const auto end = start + std::chrono::minutes(3);
   for (int i = 0; i < 200 && std::chrono::steady_clock::now() < end; ++i) {
     const int signal = std::vector{SIGINT, SIGTERM, SIGKILL}[random() % 3];
     Process process(scene.command("out", {"--resume"}));
@@ -103,14 +105,17 @@ TEST_CASE("200 signals at random times: every file is whole, and resumed runs gi
     INFO(i, " ", signal, " ", result.err);
     if (result.signal == SIGKILL) {
       ++kills;
+      leftovers = true;
     } else if (result.exit_code == 0) {
       ++done;
     } else {
       ++stops;
-      CHECK(result.exit_code == 130);
+      // A signal before main() has the system's own effect.
+      CHECK((result.exit_code == 130 || result.signal == signal));
     }
-    check_whole(out, result.signal == SIGKILL);
+    check_whole(out, leftovers);
     if (result.exit_code != 0) continue;
+    leftovers = false;
     check_same_files(scene.folder / "whole", out);
     fs::remove_all(out);
   }
