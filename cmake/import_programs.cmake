@@ -7,6 +7,7 @@ set(SIMVIS_IMPORT_FOLDER simvis)
 
 # What they share with the library; both compile it, so that starting a program does not load all of SimVis.
 set(import_shared
+    engine/base/input_log.cpp
     engine/draw/mesh.cpp
     scenegraph/content_pool.cpp
     scenegraph/import/helper/process_limits.cpp

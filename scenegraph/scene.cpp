@@ -167,11 +167,15 @@ void Scene::insert_in_world(const Command& command, NodePtr node) {
   remember(command, node);
 }
 
-void Scene::insert_behind_point(std::string_view part, NodePtr node) {
-  SIMVIS_ASSERT(has_part(part));
-  const Place& at = places_.find(part)->second;
+void Scene::insert_behind_point(std::string_view point, NodePtr node) {
+  SIMVIS_ASSERT(has_insertion_point(point));
+  const Place& at = places_.find(point)->second;
   const auto next = std::ranges::find(at.parent->children(), at.point, &NodePtr::get) + 1;
-  at.parent->insert_before(**next, node);  // `next` exists: the part's content always follows the point
+  if (next == at.parent->children().end()) {  // a link without content
+    at.parent->add(node);
+  } else {
+    at.parent->insert_before(**next, node);
+  }
   undo_.add([parent = at.parent, node] { parent->remove(*node); });
 }
 

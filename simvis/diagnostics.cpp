@@ -7,6 +7,7 @@ namespace simvis {
 const Command& Diagnostics::command(std::string_view sensor) const { return impl_->sensor(sensor).command; }
 
 const DeviceInfo& Diagnostics::device() const { return impl_->device.info(); }
+std::span<const std::filesystem::path> Diagnostics::inputs() const { return impl_->inputs; }
 const FrameCounters& Diagnostics::counters() const { return impl_->idle().sensing.renderer.counters(); }
 RayCounters Diagnostics::ray_counters() const { return impl_->idle().sensing.caster->counters(); }
 const DrawList& Diagnostics::draw_list() const { return *impl_->idle().sensing.list; }

@@ -23,12 +23,18 @@ Simulation& Simulation::operator=(Simulation&&) noexcept = default;
 Simulation::~Simulation() = default;
 
 Simulation Simulation::load(const std::filesystem::path& scene, const SimulationDesc& desc) {
-  return Simulation(std::make_unique<SimulationImpl>(desc, read_commands(scene)));
+  const InputLog inputs;
+  auto impl = std::make_unique<SimulationImpl>(desc, read_commands(scene));
+  impl->add_inputs(inputs);
+  return Simulation(std::move(impl));
 }
 
 Simulation Simulation::from_string(std::string_view xml, const SimulationDesc& desc,
                                    const std::filesystem::path& folder, const std::string& name) {
-  return Simulation(std::make_unique<SimulationImpl>(desc, parse_commands(xml, name, folder)));
+  const InputLog inputs;
+  auto impl = std::make_unique<SimulationImpl>(desc, parse_commands(xml, name, folder));
+  impl->add_inputs(inputs);
+  return Simulation(std::move(impl));
 }
 
 void Simulation::set(std::string_view element, std::string_view parameter, double value) {
@@ -43,7 +49,9 @@ double Simulation::get(std::string_view element, std::string_view parameter) con
 
 void Simulation::execute(std::string_view xml, const std::filesystem::path& folder, const std::string& name) {
   impl_->idle().scene.built.parameters.log_request(std::string(xml));
+  const InputLog inputs;
   impl_->scene.execute(parse_commands(xml, name, folder));
+  impl_->add_inputs(inputs);
   impl_->add_new_sensors();
 }
 
@@ -109,6 +117,12 @@ const Parameters& Simulation::parameters() const { return impl_->scene.built.par
 
 bool Simulation::sensor_pose(std::string_view sensor, glm::dmat4& world_from_sensor) const {
   return impl_->idle().pose(impl_->sensor(sensor), world_from_sensor);
+}
+
+void Simulation::track_part(std::string_view part) { impl_->idle().track_part(part); }
+
+bool Simulation::part_pose(std::string_view part, glm::dmat4& world_from_part) const {
+  return impl_->idle().part_pose(part, world_from_part);
 }
 
 std::vector<SensorInfo> Simulation::sensors() const {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <exception>
 #include <mutex>
+#include <set>
 #include <utility>
 
 #include <simvis/cost_model.h>
@@ -252,6 +253,35 @@ bool SimulationImpl::pose(const BuiltSensor& sensor, glm::dmat4& world_from_sens
   if (rigid_mount_frame(world_from_mount, world_from_sensor)) return true;
   throw InputError("sensor \"" + sensor.name +
                    "\" has no direction: its insertion point is scaled to zero or is infinitely far away");
+}
+
+void SimulationImpl::add_inputs(const InputLog& log) {
+  std::set<std::filesystem::path> all(inputs.begin(), inputs.end());
+  all.insert(log.files().begin(), log.files().end());
+  inputs.assign(all.begin(), all.end());
+}
+
+void SimulationImpl::track_part(std::string_view part) {
+  if (tracked_parts.contains(part)) return;
+  Scene& built = scene.built.scene;
+  if (!built.has_insertion_point(part)) {
+    throw InputError("there is no part \"" + std::string(part) + "\"" + suggestion(part, built.insertion_points()));
+  }
+  const auto mount = std::make_shared<Mount>();
+  mount->name = part;
+  built.insert_behind_point(part, mount);
+  built.undo().commit();
+  tracked_parts.emplace(part, mount);
+}
+
+bool SimulationImpl::part_pose(std::string_view part, glm::dmat4& world_from_part) const {
+  const auto found = tracked_parts.find(part);
+  if (found == tracked_parts.end()) {
+    throw InputError("part \"" + std::string(part) + "\" is not tracked, expected track_part() before");
+  }
+  glm::dmat4 world_from_mount;
+  return sensing.flattener.find_mount(*found->second, world_from_mount) &&
+         rigid_mount_frame(world_from_mount, world_from_part);
 }
 
 std::size_t SimulationImpl::index(std::string_view name) const {

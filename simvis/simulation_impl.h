@@ -3,6 +3,8 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -11,6 +13,7 @@
 
 #include <simvis/device.h>
 #include <simvis/simulation_desc.h>
+#include "engine/base/input_log.h"
 #include "simvis/clock.h"
 #include "simvis/live_scene.h"
 #include "simvis/step_stages.h"
@@ -26,6 +29,9 @@ struct SimulationImpl : Observations {
   void skip_frame();
   void require_skippable() const;
   SimulationImpl& idle();
+  void add_inputs(const InputLog& log);
+  void track_part(std::string_view part);
+  bool part_pose(std::string_view part, glm::dmat4& world_from_part) const;
   void update_elements();
   void show_to_people(const FrameTime& time);
   void plan_due_sensors(ViewLayer& layer, bool visualization, const FrameTime& time);
@@ -55,7 +61,9 @@ struct SimulationImpl : Observations {
   LiveScene scene;
   std::vector<State> states;  // as long as scene.built.sensors
   std::filesystem::path cache;
+  std::vector<std::filesystem::path> inputs;  // files that were read, sorted
   Device device;
+  std::map<std::string, std::shared_ptr<Mount>, std::less<>> tracked_parts;
   std::optional<CostModel> device_costs;  // set when a sensor first requests them
   ViewLayer sensing;
   std::optional<ViewLayer> people;    // set if the scene has a visualization sensor

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -24,7 +25,8 @@ struct SimulationImpl;
 ///
 /// Lifetime   valid as long as the simulation that gave it; references that its functions return are
 ///            valid until the next step or Simulation::execute().
-/// Errors     InputError while a frame is under way (see Simulation::step_async()), except from command(), device() and
+/// Errors     InputError while a frame is under way (see Simulation::step_async()), except from command(), device(),
+/// inputs() and
 ///            validation_messages().
 /// Threads    as the simulation: one thread at a time.
 class SIMVIS_API Diagnostics {
@@ -36,7 +38,10 @@ class SIMVIS_API Diagnostics {
   /// the insertion point that the part which carries it has given them. Throws InputError if there is no such sensor.
   const Command& command(std::string_view sensor) const;
 
-  const DeviceInfo& device() const;       ///< the device that renders
+  const DeviceInfo& device() const;  ///< the device that renders
+  /// The files that the scene and its parts were read from, by the names with which they were opened, sorted, each
+  /// once.
+  std::span<const std::filesystem::path> inputs() const;
   const FrameCounters& counters() const;  ///< of the last step()
   RayCounters ray_counters() const;       ///< sum over all steps
   const DrawList& draw_list() const;      ///< of the last step(); before the first: of the loaded scene

@@ -99,9 +99,9 @@ class SIMVIS_API Scene {
   /// find_node() as for insert().
   void insert_in_world(const Command& command, NodePtr node);
 
-  /// Inserts `node` right behind the insertion point of the part, which must exist (asserted). The node moves with the
-  /// part, whatever is inserted there later.
-  void insert_behind_point(std::string_view part, NodePtr node);
+  /// Inserts `node` right behind an insertion point, which must exist (asserted). The node moves with what stands at
+  /// the point, whatever is inserted there later.
+  void insert_behind_point(std::string_view point, NodePtr node);
 
   /// Gives the part `name` a copy of its content, so that a change of its nodes shows in no other part of the same
   /// file. Parts, elements and sensors that were inserted there do not belong to its content.

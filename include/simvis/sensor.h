@@ -68,6 +68,9 @@ struct TableColumn {
   std::string name;      ///< heading of the column
   std::string format;    ///< of printf, for one double, or for one long long if `integer`
   bool integer = false;  ///< the values are whole numbers
+  /// The name of a column to its left. If it is set, the values here bound the errors of the values there, and text is
+  /// rounded so that the printed bound also covers the rounding of the printed value.
+  std::string bound_of{};
 };
 
 /// One number that a sensor measured.
@@ -100,6 +103,8 @@ class SIMVIS_API OutputSink {
   virtual void picture(const std::string& stem, const Image* color, const Image* depth) = 0;
   /// One more image per frame, with a single channel of that name: "disparity".
   virtual void plane(const std::string& stem, const std::string& channel, const Image& plane) = 0;
+  /// The intrinsics of the images of this stem; called before them. Pixel centres are at halves.
+  virtual void intrinsics(const std::string& /*stem*/, const Pinhole&) {}
   /// A text that stays the same throughout the run, with the extension of its file's name ("yaml"). The first call
   /// writes it, so a sensor may pass it after every frame.
   virtual void text(const std::string& stem, const std::string& extension, std::string_view text) = 0;

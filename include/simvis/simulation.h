@@ -135,6 +135,14 @@ class SIMVIS_API Simulation {
   /// sensor stands in a part that is switched off. Throws InputError if there is no such sensor.
   bool sensor_pose(std::string_view sensor, glm::dmat4& world_from_sensor) const;
 
+  /// Makes part_pose() known for a part, or for another insertion point, from the next step() on. Throws InputError if
+  /// there is none of this name (the nearest name is suggested).
+  void track_part(std::string_view part);
+
+  /// world_from_part as of the last step(): rigid, without the scale along the path. Returns false if the part is
+  /// switched off or scaled to nothing. Throws InputError if the part is not tracked.
+  bool part_pose(std::string_view part, glm::dmat4& world_from_part) const;
+
   /// All sensors, in the order in which they were made.
   std::vector<SensorInfo> sensors() const;
   /// Names of the sensors that measured in the last step().

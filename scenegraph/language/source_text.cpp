@@ -7,6 +7,8 @@
 #include <fstream>
 #include <iterator>
 
+#include "engine/base/input_log.h"
+
 namespace simvis {
 namespace {
 
@@ -65,6 +67,7 @@ SourceText SourceText::read(const std::filesystem::path& file, const std::string
   if (!stream) refuse(std::strerror(errno));
   const std::string text{std::istreambuf_iterator<char>(stream), {}};
   if (stream.bad()) refuse(std::strerror(errno));
+  note_input(file);
   return SourceText(text, file.string(), included_from);
 }
 

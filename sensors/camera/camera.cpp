@@ -223,8 +223,8 @@ std::span<const NamedValue> Camera::values() const {
 }
 
 void Camera::write(OutputSink& sink) const {
+  sink.intrinsics("", layout_.pinhole);
   sink.picture("", color(), depth());
-  if (!resamples()) return;
   sink.text("", "yaml",
             camera_info_yaml({.name = name_,
                               .width_px = layout_.width_px,

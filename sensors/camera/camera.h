@@ -10,7 +10,8 @@
 // Effects  See simvis/camera_effect.h. With a lens or a rolling shutter the depth of a pixel is along the camera's Z
 //          axis at the time of its row, for the surface at the pixel's centre: see resampled_image.h. With a lens,
 //          samples are those of the rendered pixels; a wide lens takes several views, each with `near` along its own
-//          axis; the file SENSOR.yaml holds the intrinsics (see camera_info.h).
+//          axis.
+// Files    SENSOR.yaml holds the intrinsics (see camera_info.h).
 // Values   value("depth_error_bound_m") exists for cameras with depth. It is an upper bound on the error of every depth
 //          of the last image, under the assumptions of depth_error_bound.h, or with a lens of resampled_image.h. The
 //          former is computed when the value is read.

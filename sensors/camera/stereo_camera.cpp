@@ -191,6 +191,7 @@ const Image* StereoCamera::picture(std::string_view name) const {
 }
 
 void StereoCamera::write(OutputSink& sink) const {
+  for (const char* stem : {"left", "right", "disparity"}) sink.intrinsics(stem, pinhole_);
   sink.picture("left", color(), depth());
   sink.picture("right", picture("right"), picture("right_depth"));
   if (desc_.disparity) sink.plane("disparity", "disparity", disparity_);

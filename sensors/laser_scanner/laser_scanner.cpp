@@ -63,7 +63,7 @@ LaserScanner::LaserScanner(std::string name, const LaserScannerDesc& desc)
   context_.rings = scan_.rings;
   context_.beams = scan_.beams;
   context_.range_max_m = desc.range_max_m;
-  if (casts(desc.method)) make_directions();
+  if (casts(desc.method) || has_truth()) make_directions();
   SIMVIS_ASSERT(desc.method == ScanMethod::raycast || beam_following_effect(desc) == nullptr);
 }
 
@@ -136,9 +136,11 @@ void LaserScanner::plan(const glm::dmat4& world_from_sensor, const DrawList& lis
     rendered_->plan(name_, desc_.method == ScanMethod::automatic ? ", by " + choice_.text() : "", sensor_from_world,
                     plan, name_);
   }
-  if (casts(desc_.method) || traced_) {
+  if (casts(desc_.method) || traced_ || has_truth()) {
     std::uint64_t max_rays = directions_.size();
     for (const ChosenScanEffect& each : effects_) max_rays *= each.effect->rays_per_ray();
+    if (!casts(desc_.method) && !traced_) max_rays = 0;
+    if (has_truth()) max_rays += directions_.size();
     plan.casts.push_back({.name = name_, .reason = cast_reason(), .max_rays = max_rays});
   }
   for (const ChosenScanEffect& each : effects_) {
@@ -148,6 +150,7 @@ void LaserScanner::plan(const glm::dmat4& world_from_sensor, const DrawList& lis
 
 std::string LaserScanner::cast_reason() const {
   std::ostringstream reason;
+  if (!casts(desc_.method) && !traced_) return "every beam of laser scanner " + name_ + ", for truth";
   reason << (renders() ? "beams" : "every beam") << " of laser scanner " << name_;
   if (traced_) {
     if (const std::string names = traced_for(); !names.empty()) reason << ", for " << names;
@@ -179,12 +182,19 @@ void LaserScanner::collect(const FrameTime& time, const FramePlan& plan, std::sp
       if (!tolerance_.met(readings_[order_[i]])) to_cast_.push_back(i);
     }
   }
-  if (!casts(desc_.method) && !traced_) publish();
+  if (!casts(desc_.method) && !traced_ && !has_truth()) publish();
 }
 
 void LaserScanner::cast(RayCaster& rays) {
+  if (has_truth()) {
+    true_hits_.resize(directions_.size());
+    rays.cast(context_.world_from_sensor, directions_, true_hits_);
+  }
   if (traced_) return cast_traced(rays);
-  if (!casts(desc_.method)) return;
+  if (!casts(desc_.method)) {
+    if (has_truth()) publish();
+    return;
+  }
   if (survey_) {
     cast_survey(rays);
   } else {
@@ -265,13 +275,33 @@ void LaserScanner::publish(std::span<const Echo> detected) {
   }
   scan_.channels.clear();
   for (const ChosenScanEffect& each : effects_) each.effect->finish(context_, detected, scan_);
+  if (has_truth()) add_truth();
   context_.before = {context_.time.time_ns, context_.world_from_sensor};
 }
 
+void LaserScanner::add_truth() {
+  const double none = std::numeric_limits<double>::quiet_NaN();
+  ScanChannel range{kTrueRange, "%.17g", std::vector<double>(true_hits_.size())};
+  ScanChannel item{kTrueItem, "%.0f", std::vector<double>(true_hits_.size(), none)};
+  ScanChannel primitive{kTruePrimitive, "%.0f", item.values};
+  for (std::size_t i = 0; i < true_hits_.size(); ++i) {
+    const RayHit& hit = true_hits_[i];
+    range.values[order_[i]] = hit.range_m;
+    if (std::isinf(hit.range_m)) continue;
+    item.values[order_[i]] = hit.item;
+    primitive.values[order_[i]] = hit.primitive;
+  }
+  if (desc_.true_range) scan_.channels.push_back(std::move(range));
+  if (!desc_.true_hit) return;
+  scan_.channels.push_back(std::move(item));
+  scan_.channels.push_back(std::move(primitive));
+}
+
 void LaserScanner::write(OutputSink& sink) const {
-  std::vector<TableColumn> columns{{"ring", "%lld", true},    {"beam", "%lld", true}, {"azimuth_deg", "%.9g"},
-                                   {"elevation_deg", "%.9g"}, {"range_m", "%.9g"},    {"error_bound_m", "%.9g"},
-                                   {"x_m", "%.9g"},           {"y_m", "%.9g"},        {"z_m", "%.9g"}};
+  std::vector<TableColumn> columns{
+      {"ring", "%lld", true},    {"beam", "%lld", true}, {"azimuth_deg", "%.9g"},
+      {"elevation_deg", "%.9g"}, {"range_m", "%.9g"},    {"error_bound_m", "%.9g", false, "range_m"},
+      {"x_m", "%.9g"},           {"y_m", "%.9g"},        {"z_m", "%.9g"}};
   for (const ScanChannel& channel : scan_.channels) columns.push_back({channel.name, channel.format});
   constexpr double kDegrees = 180 / std::numbers::pi;
   std::vector<double> values;

@@ -56,11 +56,16 @@ struct LaserScannerDesc {
   double range_min_m = 0.05, range_max_m = 80;  ///< along the ray; a nearer surface blocks the beam and reads 0
   ScanMethod method = ScanMethod::raycast;
   double max_error_rel = kDefaultMaxErrorRel;           ///< hybrid, auto: largest bound / range; infinity: no limit
+  bool true_range = false, true_hit = false;            ///< further channels, see kTrueRange and kTrueItem
   double resolution_px = 0;                             ///< pixels across 90 degrees; 0: default_resolution_px()
   std::optional<double> max_error_m{};                  ///< hybrid, auto: largest bound along the ray
   Location where_max_error_m{}, where_max_error_rel{};  ///< where the attributes stand in the scene, for messages
   std::vector<ChosenScanEffect> effects{};              ///< if one follows beams in every scene, `method` is raycast
 };
+
+/// Channels of `truth`: what a beam without any effect meets from the pose of the frame, by an exact cast. The range is
+/// not limited by range_min and range_max. Item and primitive are those of RayHit; NaN where nothing is met.
+inline constexpr const char *kTrueRange = "true_range_m", *kTrueItem = "true_item", *kTruePrimitive = "true_primitive";
 
 /// Reads the attributes of a scanner. Throws InputError at an attribute that another attribute does not allow.
 SIMVIS_PROGRAM_API LaserScannerDesc laser_scanner_desc(const SensorContext& context);
@@ -105,6 +110,8 @@ class LaserScanner : public Sensor {
   std::optional<double> cast_share() const;
 
  private:
+  bool has_truth() const { return desc_.true_range || desc_.true_hit; }
+  void add_truth();
   bool renders() const { return rendered_ != nullptr && survey_ == nullptr && traced_ == nullptr; }
   void make_directions();
   std::vector<glm::dvec3> directions_by_beam() const;
@@ -135,6 +142,7 @@ class LaserScanner : public Sensor {
   std::vector<std::uint32_t> to_cast_;     // the part of order_ that is cast in this frame, if something is rendered
   std::vector<glm::dvec3> cast_directions_;
   std::vector<RayHit> hits_;
+  std::vector<RayHit> true_hits_;  // in the order of order_; empty without `truth`
   std::vector<Reading> readings_;  // of this frame, until all of them are complete
   Scan scan_;
 };

@@ -75,6 +75,11 @@ constexpr AttributeSpec kLaserScannerAttributes[] = {
              "from 512 to 8000 for one ring and from 256 to 2048 for more",
      .min = 8,
      .max = 16000},
+    {.name = "truth",
+     .kind = AttributeKind::flags,
+     .text = "columns of what the beam meets without any effect, by an exact cast: range adds true_range_m, hit adds "
+             "true_item and true_primitive; default: none",
+     .choices = "range hit"},
     kRateAttribute,
     kPresetAttribute,
 };
@@ -148,7 +153,12 @@ const SensorRegistration kLaserScannerRegistration(
          "auto takes the cheapest method that meets the tolerance. With a tolerance below 1.5e-6 of the range, hybrid "
          "and auto cast every beam. Without "
          "max_error_m and max_error_rel, hybrid and auto keep 1e-6 of the range; if both are given, both hold. A "
-         "tolerance without a method means hybrid. A tolerance with nearest, planar or raycast is an error.\nEffects "
+         "tolerance without a method means hybrid. A tolerance with nearest, planar or raycast is an error.\nThe "
+         "columns "
+         "of truth are for the beam's nominal direction, from the pose of the frame; range_min and range_max do not "
+         "limit "
+         "true_range_m. true_item counts the meshes that are drawn in the scene, true_primitive the triangles of the "
+         "mesh.\nEffects "
          "that follow beams cast every beam: method is then raycast, or not given.\nPresets cite the data sheets of "
          "devices. Steps, ring angles and firing cycles were checked; check the other values against your device.",
      .capabilities = kCastsBeams,
@@ -179,6 +189,10 @@ LaserScannerDesc laser_scanner_desc(const SensorContext& context) {
   if (a.is_set("max_error_rel")) desc.max_error_rel = a.number("max_error_rel");
   desc.where_max_error_m = a.where("max_error_m");
   desc.where_max_error_rel = a.where("max_error_rel");
+  if (a.is_set("truth")) {
+    desc.true_range = a.flag("truth", "range");
+    desc.true_hit = a.flag("truth", "hit");
+  }
   if (a.is_set("resolution")) desc.resolution_px = a.number("resolution");
   desc.effects = scan_effects({.attributes = a,
                                .rings = desc.pattern.rings,

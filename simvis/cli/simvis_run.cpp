@@ -1,186 +1,32 @@
-// simvis-run: the program that turns a scene file into images and scans. Only this file and the tests catch exceptions,
-// and only this file prints.
-#include <signal.h>
-#include <unistd.h>
-
-#include <CLI/CLI.hpp>
-#include <algorithm>
-#include <charconv>
+// simvis-run: the program that turns a scene file into images and scans. Only this file and the tests catch exceptions
+// for good, and only the files of this folder print.
 #include <chrono>
-#include <csignal>
-#include <cstring>
 #include <exception>
-#include <filesystem>
 #include <iostream>
 #include <optional>
 #include <string>
-#include <system_error>
 #include <vector>
 
 #include <simvis/plugin.h>
 #include <simvis/simulation.h>
 #include <simvis/trajectory.h>
 #include "engine/base/now_ns.h"
-#include "engine/base/thread_pool.h"
-#include "sensors/laser_scanner/laser_scanner.h"
 #include "simvis/cli/list_options.h"
+#include "simvis/cli/load_scene.h"
 #include "simvis/cli/loading_bar.h"
+#include "simvis/cli/options.h"
 #include "simvis/cli/progress_bar.h"
-#include "simvis/clock.h"
+#include "simvis/cli/run_scene.h"
+#include "simvis/cli/signals.h"
 #include "simvis/output/atomic_file.h"
-#include "simvis/output/output_writer.h"
-#include "simvis/report/explain.h"
 #include "simvis/report/price.h"
 #include "simvis/report/price_report.h"
-#include "simvis/report/profile.h"
-#include "simvis/report/run_report.h"
-#include "simvis/report/shard.h"
-#include "simvis/report/summary.h"
 #include "simvis/report/type_reference.h"
 
 namespace simvis {
 namespace {
 
 constexpr int kExitDone = 0, kExitFailed = 1, kExitWrongInput = 2;
-
-struct Options {
-  std::string scene, out = "out", trajectory, method, max_error_m, device, profile, describe, shard;
-  std::vector<std::string> set, sensors, plugins, packages;
-  std::uint64_t frames = 1, seed = 0;
-  unsigned threads = 0;
-  double rate_hz = SimulationDesc{}.rate_hz;
-  bool list_devices = false, explain = false, quiet = false;
-  bool price = false, summary = false, names_out = false, markdown = false;
-  ListOptions list;
-};
-
-/// Checks that `text` is a whole number. CLI11 itself would read -3 as 2^64 - 3, and larger numbers as the largest one.
-std::string whole_number(const std::string& text) {
-  std::uint64_t number = 0;
-  const char* const end = text.data() + text.size();
-  const auto [rest, error] = std::from_chars(text.data(), end, number);
-  return rest == end && error == std::errc() ? "" : "\"" + text + "\" is not a whole number from 0 to 2^64 - 1";
-}
-
-std::string not_empty(const std::string& text) { return text.empty() ? "it is empty" : ""; }
-
-void declare_options(CLI::App& app, Options& options) {
-  app.add_option("SCENE.xml", options.scene, "the scene to run");
-  app.add_option("--out", options.out, "where results go")->type_name("DIR")->capture_default_str();
-  app.add_option("--frames", options.frames, "how many frames")
-      ->type_name("N")
-      ->check(whole_number)
-      ->capture_default_str();
-  app.add_option("--rate", options.rate_hz, "frames per simulated second")->type_name("HZ")->capture_default_str();
-  app.add_option("--set", options.set, "a parameter, from the first frame on (repeatable)")
-      ->type_name("ELEMENT.PARAM=VALUE")
-      ->allow_extra_args(false);
-  app.add_option("--trajectory", options.trajectory,
-                 "parameters over time: first column time_s, further columns ELEMENT.PARAM; linear between rows")
-      ->type_name("FILE.csv");
-  app.add_option("--sensor", options.sensors, "only this sensor (repeatable)")
-      ->type_name("NAME")
-      ->allow_extra_args(false);
-  app.add_option("--method", options.method, "for every laser scanner, over the scene's own")
-      ->type_name("M")
-      ->check(not_empty);
-  app.add_option("--max-error", options.max_error_m,
-                 "bound on the error of every laser scanner's ranges, in metres; by method hybrid unless --method says "
-                 "auto")
-      ->type_name("M")
-      ->check(not_empty);
-  app.add_option("--seed", options.seed, "of all random numbers")
-      ->type_name("N")
-      ->check(whole_number)
-      ->capture_default_str();
-  app.add_option("--device", options.device, "the Vulkan device to use: part of its name, or its index")
-      ->type_name("NAME|INDEX");
-  app.add_option(
-         "--threads", options.threads,
-         "on how many threads SimVis casts rays, culls views and prepares meshes, up to 1024; 0: as many as the "
-         "machine has. Pictures are encoded on up to 8 more of low priority, none for 1. Results do not depend "
-         "on it. The Vulkan driver has threads of its own")
-      ->type_name("N")
-      ->check(whole_number)
-      ->capture_default_str();
-  app.add_option("--plugin", options.plugins, "a library with more elements and sensors (repeatable)")
-      ->type_name("FILE.so")
-      ->allow_extra_args(false);
-  app.add_option("--package", options.packages,
-                 "the folder of a ROS package or Gazebo model that parts name, searched first (repeatable)")
-      ->type_name("NAME=DIR")
-      ->allow_extra_args(false);
-  app.add_option("--profile", options.profile,
-                 "write what each frame spent its time on, on the host and on the device, in Chrome's trace format")
-      ->type_name("FILE.json");
-  app.add_option("--shard", options.shard,
-                 "only the frames k with k mod N = K; files are those of the whole run, tables and run.json have "
-                 "-K-of-N in their names")
-      ->type_name("K/N")
-      ->check(not_empty);
-  app.add_flag("--explain", options.explain, "print what the last frame renders, why, and what it cost");
-  app.add_flag("--quiet", options.quiet, "print errors only");
-  app.add_flag("--price", options.price,
-               "print what each method of each laser scanner costs and is worth in this scene; --frames of each (" +
-                   std::to_string(PriceDesc().frames) +
-                   "), along the trajectory if there is one; also as DIR/price.csv "
-                   "where --out is given")
-      ->excludes("--method")
-      ->excludes("--profile")
-      ->excludes("--shard")
-      ->excludes("--explain");
-  app.add_flag(
-         "--summary", options.summary,
-         "after the run, print the speed of the laser scanners, the share of a frame that the other sensors take, "
-         "what each method costs the first scanner and how large its error is, and which files to open first")
-      ->excludes("--price")
-      ->excludes("--shard")
-      ->excludes("--quiet");
-  CLI::Option* const describe =
-      app.add_option("--describe", options.describe,
-                     "print what an element, sensor or effect does and its attributes, and exit; all: of every one")
-          ->type_name("TYPE");
-  app.add_flag("--markdown", options.markdown, "with --describe: as Markdown")->needs(describe);
-  declare_list_options(app, options.list);
-  app.add_flag("--list-devices", options.list_devices, "print the Vulkan devices of this machine, and exit");
-  app.set_version_flag("--version", "simvis-run " + std::string(version()), "print the version, and exit");
-  app.set_help_flag("--help", "print this help, and exit");
-  app.footer(
-      "Results: DIR/CAMERA/000000.png and .exr, DIR/SCANNER.csv, DIR/run.json.\n"
-      "Exit status: 0 done; 1 it could not be done; 2 the command line or the scene is wrong.");
-}
-
-volatile std::sig_atomic_t received_signal = 0;
-
-/// After this call, a signal to stop ends the run between two frames, so that no temporary file remains. A second
-/// signal ends it at once. A file beyond the size limit and a closed pipe become errors of the write.
-void handle_signals() {
-  struct sigaction action {};
-  action.sa_handler = [](int number) { received_signal = number; };
-  action.sa_flags = static_cast<int>(SA_RESETHAND) | SA_RESTART;
-  for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
-    struct sigaction before {};
-    ::sigaction(number, nullptr, &before);
-    if (before.sa_handler != SIG_IGN) ::sigaction(number, &action, nullptr);
-  }
-  ::signal(SIGXFSZ, SIG_IGN);
-  ::signal(SIGPIPE, SIG_IGN);
-}
-
-void stop_if_asked_to() {
-  const int number = received_signal;
-  if (number != 0) throw MachineError(std::string("stopped by a signal (") + ::strsignal(number) + ")");
-}
-
-/// Runs `action`; its errors name this option of the command line.
-template <typename Action>
-void in_option(const std::string& option, const Action& action) {
-  try {
-    action();
-  } catch (const InputError& error) {
-    throw InputError(option + ": " + error.what());
-  }
-}
 
 void print_devices() {
   const std::vector<DeviceInfo> devices = list_devices();
@@ -196,230 +42,6 @@ void print_description(const Options& options) {
   in_option("--describe", [&] {
     std::cout << type_reference(options.describe, options.markdown ? ReferenceFormat::markdown : ReferenceFormat::text);
   });
-}
-
-void set_parameter(Simulation& simulation, const std::string& assignment) {
-  in_option("--set " + assignment, [&] {
-    const std::size_t equals = assignment.find('=');
-    const std::size_t dot = assignment.rfind('.', equals);
-    double value = 0;
-    if (equals == std::string::npos || dot == std::string::npos) throw InputError("expected ELEMENT.PARAM=VALUE");
-    const std::string number = assignment.substr(equals + 1);
-    if (!parse_number(number, value)) throw InputError("\"" + number + "\" is not a finite number");
-    simulation.set(assignment.substr(0, dot), assignment.substr(dot + 1, equals - dot - 1), value);
-  });
-}
-
-/// Overrides an attribute of all sensor types that cast beams, as far as they have it and `with`.
-void override_scanners(const std::string& attribute, const std::optional<std::string>& value, const char* origin,
-                       const std::string& with, std::vector<AttributeOverride>& overrides) {
-  for (const SensorType* type : sensor_types()) {
-    const auto has = [&](const std::string& name) {
-      return std::ranges::count(type->attributes, name, &AttributeSpec::name) > 0;
-    };
-    if ((type->capabilities & kCastsBeams) == 0 || !has(attribute) || !has(with)) continue;
-    overrides.push_back({std::string(type->name), attribute, value, origin});
-  }
-}
-
-std::vector<AttributeOverride> scanner_overrides(const Options& options) {
-  std::vector<AttributeOverride> overrides;
-  const auto set = [&](const char* attribute, std::optional<std::string> value, const char* origin,
-                       const char* with = "method") { override_scanners(attribute, value, origin, with, overrides); };
-  const std::optional<ScanMethod> method = find_scan_method(options.method);
-  const bool takes_none = method && !takes_tolerance(*method);
-  if (!options.method.empty()) set("method", options.method, "--method");
-  if (!options.max_error_m.empty()) {
-    if (takes_none) {
-      throw InputError("--max-error: --method " + options.method +
-                       " ignores a tolerance, expected --method auto, --method hybrid or no --method");
-    }
-    // A tolerance without a method selects hybrid.
-    if (options.method.empty()) set("method", {}, "--max-error", "max_error_m");
-    set("max_error_m", options.max_error_m, "--max-error", "max_error_m");
-    set("max_error_rel", {}, "--max-error", "max_error_m");
-  } else if (takes_none) {  // the scene's tolerances belong to the methods that --method replaces
-    set("max_error_m", {}, "--method");
-    set("max_error_rel", {}, "--method");
-  }
-  return overrides;
-}
-
-std::vector<PackageFolder> given_packages(const Options& options) {
-  std::vector<PackageFolder> packages;
-  for (const std::string& text : options.packages) {
-    in_option("--package " + text, [&] {
-      const std::size_t equals = text.find('=');
-      std::error_code error;
-      if (equals == std::string::npos || equals == 0) throw InputError("expected NAME=DIR");
-      packages.push_back({text.substr(0, equals), text.substr(equals + 1)});
-      if (!std::filesystem::is_directory(packages.back().folder, error)) throw InputError("there is no such folder");
-    });
-  }
-  return packages;
-}
-
-bool shows_progress(const Options& options) { return ::isatty(STDERR_FILENO) == 1 && !options.quiet; }
-
-/// `loading` shows the progress of loading until it is reset.
-Simulation load(const Options& options, std::optional<LoadingBar>& loading) {
-  if (options.scene.empty()) throw InputError("SCENE.xml is missing, expected a scene to run; see --help");
-  in_option("--frames", [&] {
-    if (options.frames == 0) throw InputError("0 frames, expected 1 or more");
-  });
-  in_option("--rate", [&] { Clock(options.rate_hz).frame(options.frames - 1); });
-  in_option("--threads", [&] { shared_thread_pool(options.threads); });
-  SimulationDesc desc;
-  desc.rate_hz = options.rate_hz;
-  desc.seed = options.seed;
-  desc.threads = options.threads;
-  desc.device.select = options.device;
-  desc.device.instrumented = options.explain || !options.profile.empty();
-  desc.overrides = scanner_overrides(options);
-  desc.packages = given_packages(options);
-  desc.progress = [&loading](const Progress& progress) {
-    if (loading) loading->update(progress);
-  };
-  Simulation simulation = Simulation::load(options.scene, desc);
-  for (const std::string& assignment : options.set) set_parameter(simulation, assignment);
-  if (!options.sensors.empty()) {
-    for (const SensorInfo& sensor : simulation.sensors()) simulation.enable(sensor.name, false);
-    for (const std::string& name : options.sensors) {
-      in_option("--sensor", [&] { simulation.enable(name, true); });
-    }
-  }
-  return simulation;
-}
-
-std::optional<Trajectory> read_trajectory(const Options& options, const Simulation& simulation) {
-  if (options.trajectory.empty()) return std::nullopt;
-  return Trajectory(options.trajectory, simulation.parameters());
-}
-
-void write_results(const Simulation& simulation, const FrameTime& time, OutputWriter& writer) {
-  for (const std::string& sensor : simulation.measured()) simulation.write(sensor, writer.sink(sensor, time));
-}
-
-void print_explanation(const Simulation& simulation) {
-  const Diagnostics diagnostics = simulation.diagnostics();
-  std::cout << explain(diagnostics.frame_plan(), {diagnostics.counters(), diagnostics.planned_sensors(),
-                                                  diagnostics.frame_costs(), diagnostics.sensor_costs()});
-  for (const SensorInfo& sensor : simulation.sensors()) std::cout << sensor.report.explanation;
-  const FramePlan* const visualization = diagnostics.visualization_plan();
-  if (visualization == nullptr) return;
-  std::cout << "visualization, drawn apart:\n"
-            << explain(*visualization, {*diagnostics.visualization_counters(), diagnostics.visualization_sensors(),
-                                        diagnostics.visualization_costs(), diagnostics.sensor_costs()});
-}
-
-void add_frame(Profile& profile, std::uint64_t frame, const Simulation& simulation) {
-  profile.add({.index = frame,
-               .stages = simulation.diagnostics().stages(),
-               .written_ns = now_ns(),
-               .sensors = simulation.diagnostics().sensor_costs(),
-               .counters = simulation.diagnostics().counters(),
-               .device_memory_bytes = simulation.diagnostics().device_memory_bytes()});
-  profile.add(simulation.diagnostics().frame_plan(), *simulation.diagnostics().frame_costs());
-  if (const FramePlan* const plan = simulation.diagnostics().visualization_plan())
-    profile.add(*plan, *simulation.diagnostics().visualization_costs());
-}
-
-/// Empty without --shard.
-std::optional<Shard> wanted_shard(const Options& options, const Simulation& simulation) {
-  std::optional<Shard> shard;
-  if (options.shard.empty()) return shard;
-  in_option("--shard", [&] {
-    shard = parse_shard(options.shard);
-    if (shard->share_of(options.frames) == 0) {
-      throw InputError(options.shard + " has no frame of " + std::to_string(options.frames) +
-                       ", expected K below --frames");
-    }
-    if (shard->count > 1) simulation.require_skippable();
-  });
-  return shard;
-}
-
-/// Computes and writes all frames and fills in the times of the report. Resets `loading` after the first frame.
-void run_frames(const Options& options, Simulation& simulation, const std::optional<Trajectory>& trajectory,
-                OutputWriter& writer, RunReport& report, std::optional<Profile>& profile,
-                std::optional<LoadingBar>& loading) {
-  const Shard shard = report.shard.value_or(Shard{});
-  ProgressBar progress(std::cerr, shows_progress(options), shard.share_of(options.frames),
-                       std::chrono::steady_clock::now());
-  for (std::uint64_t frame = 0; frame < options.frames; ++frame) {
-    const FrameTime time = simulation.next_frame();
-    if (trajectory) trajectory->apply(static_cast<double>(time.time_ns) / 1e9, simulation.parameters());
-    if (!shard.has(frame)) {
-      simulation.skip_frame();
-      continue;
-    }
-    const std::int64_t start_ns = now_ns();
-    simulation.step();
-    const std::int64_t measured_ns = now_ns();
-    loading.reset();
-    stop_if_asked_to();
-    report.frame_ms.push_back(static_cast<double>(measured_ns - start_ns) / 1e6);
-    write_results(simulation, time, writer);
-    stop_if_asked_to();
-    if (profile) add_frame(*profile, frame, simulation);
-    progress.update(report.frame_ms.size(), std::chrono::steady_clock::now());
-  }
-}
-
-std::filesystem::path report_file(const Options& options, const RunReport& report) {
-  return std::filesystem::path(options.out) / ("run" + (report.shard ? report.shard->suffix() : "") + ".json");
-}
-
-void print_closing(const Options& options, const OutputWriter& writer, const RunReport& report) {
-  std::cout << "wrote ";
-  for (const std::string& result : writer.results()) std::cout << result << ", ";
-  std::cout << report_file(options, report).string() << '\n' << speed_line(report) << '\n';
-}
-
-void print_summary(const Options& options, Simulation simulation, const std::optional<Trajectory>& trajectory,
-                   const RunReport& report) {
-  std::cout << to_text(summarize(std::move(simulation), {.rate_hz = options.rate_hz,
-                                                         .frame_ms = percentile(report.frame_ms, 50),
-                                                         .out = options.out,
-                                                         .trajectory = trajectory ? &*trajectory : nullptr,
-                                                         .on_frame = stop_if_asked_to}));
-}
-
-void print_warnings(const Options& options, const Simulation& simulation) {
-  if (options.quiet) return;
-  for (const std::string& warning : simulation.warnings()) std::cerr << "warning: " << warning << '\n';
-}
-
-void run_scene(const Options& options, std::int64_t start_ns) {
-  std::optional<LoadingBar> loading;
-  loading.emplace(std::cerr, shows_progress(options));
-  Simulation simulation = load(options, loading);
-  loading->clear_line();
-  print_warnings(options, simulation);
-  const std::optional<Trajectory> trajectory = read_trajectory(options, simulation);
-  std::vector<std::string> writing;
-  for (const SensorInfo& sensor : simulation.sensors()) {
-    if (sensor.enabled) writing.push_back(sensor.name);
-  }
-  RunReport report;
-  report.shard = wanted_shard(options, simulation);
-  handle_signals();
-  OutputWriter writer(options.out, writing, report.shard ? report.shard->suffix() : "", options.threads);
-  report.scene = options.scene;
-  report.device = simulation.diagnostics().device();
-  report.seed = options.seed;
-  report.rate_hz = options.rate_hz;
-  std::optional<Profile> profile;
-  if (!options.profile.empty()) profile.emplace(options.profile, simulation.diagnostics().device().name);
-  run_frames(options, simulation, trajectory, writer, report, profile, loading);
-  if (options.explain) print_explanation(simulation);
-  writer.finish();
-  if (profile) profile->commit();
-  report.sensors = with_bounds(simulation);
-  report.wall_s = static_cast<double>(now_ns() - start_ns) / 1e9;
-  write_file(report_file(options, report), to_json(report));
-  if (!options.quiet) print_closing(options, writer, report);
-  if (options.summary) print_summary(options, std::move(simulation), trajectory, report);
 }
 
 /// Throws if --sensor names a sensor without a price list, such as a camera.
@@ -443,7 +65,7 @@ void price_scene(const Options& options) {
   print_warnings(options, simulation);
   const std::optional<Trajectory> trajectory = read_trajectory(options, simulation);
   const std::string device = simulation.diagnostics().device().name;
-  handle_signals();
+  defer_signals();
   std::optional<AtomicFile> csv;
   std::optional<ProgressBar> progress;
   PriceDesc desc{.frames = options.frames, .rate_hz = options.rate_hz};
@@ -473,36 +95,31 @@ void price_scene(const Options& options) {
   if (csv) std::cout << "wrote " << csv->path().string() << '\n';
 }
 
-int main_or_throw(int argc, char** argv) {
+int main_or_throw(const std::vector<std::string>& arguments) {
   const std::int64_t start_ns = now_ns();
-  Options options;
-  CLI::App app("Simulates what a robot's optical sensors see.", "simvis-run");
-  declare_options(app, options);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::Success& wish) {
-    return app.exit(wish);
-  } catch (const CLI::ParseError& error) {
-    throw InputError(std::string(error.what()) + "; see --help");
-  }
+  handle_signals();
+  ParsedOptions parsed = parse_options(arguments);
+  if (parsed.exit_status) return *parsed.exit_status;
+  Options& options = parsed.options;
+  if (!options.again.empty() || (options.resume && options.scene.empty())) options = recorded_options(options);
   for (const std::string& plugin : options.plugins) load_plugin(plugin);
+  int status = kExitDone;
   if (options.list_devices) {
     print_devices();
+  } else if (!options.describe.empty()) {
+    print_description(options);
   } else if (options.list.types) {
     std::cout << type_list();
   } else if (options.list.scene) {
     std::cout << scene_listing(options.scene, scanner_overrides(options), options.list.json);
-  } else if (!options.describe.empty()) {
-    print_description(options);
   } else if (options.price) {
-    options.names_out = app.count("--out") > 0;
-    if (app.count("--frames") == 0) options.frames = PriceDesc().frames;
+    if (!options.names_frames) options.frames = PriceDesc().frames;
     price_scene(options);
   } else {
-    run_scene(options, start_ns);
+    status = run_scene(options, start_ns);
   }
   if (!std::cout.flush()) throw MachineError("standard output cannot be written");
-  return kExitDone;
+  return status;
 }
 
 /// Errors with a location in a file are printed in the format of compilers; other errors start with the program's name.
@@ -522,10 +139,13 @@ void print_error(const std::exception& error) {
 
 int main(int argc, char** argv) {
   try {
-    return simvis::main_or_throw(argc, argv);
+    return simvis::main_or_throw({argv + 1, argv + argc});
   } catch (const simvis::InputError& error) {
     simvis::print_error(error);
     return simvis::kExitWrongInput;
+  } catch (const simvis::Stopped& stopped) {
+    simvis::print_error(stopped);
+    return simvis::kExitStopped;
   } catch (const std::exception& error) {
     simvis::print_error(error);
     return simvis::kExitFailed;

@@ -32,6 +32,19 @@ class AtomicFile {
   int descriptor_ = -1;
 };
 
+/// The temporary name of a file: hidden, in the same folder, and different at each call.
+std::filesystem::path hidden_name(const std::filesystem::path& path);
+
+/// Removes files with names of hidden_name() from the folder, but not from folders in it. If `ended_only`, those of
+/// processes that may still run stay, as do those of other machines. Errors are ignored.
+void remove_leftovers(const std::filesystem::path& folder, bool ended_only);
+
+/// Writes all bytes to the descriptor. Throws MachineError about `path` as AtomicFile does.
+void write_all(int descriptor, const std::filesystem::path& path, std::string_view bytes);
+
+/// Throws MachineError: "PATH: error: WHAT: the reason for the number `error`".
+[[noreturn]] void throw_file_error(const std::filesystem::path& path, const char* what, int error);
+
 /// Creates a folder and its parent folders if they do not exist. Throws MachineError as AtomicFile does.
 void make_folder(const std::filesystem::path& folder);
 

@@ -1,74 +1,43 @@
 #include "simvis/output/csv_file.h"
 
-#include <charconv>
-#include <cmath>
+#include <algorithm>
 
 #include <simvis/error.h>
 #include "engine/base/assert.h"
 
 namespace simvis {
 
-namespace {
-
-constexpr int kMaxPrecision = 40;
-// The longest number, in fixed format: a sign, 309 digits before the point, the point and the decimals.
-constexpr std::size_t kMaxNumberLength = 400;
-constexpr std::size_t kFlushBytes = 1u << 20;
-
-}  // namespace
-
-NumberFormat number_format(const TableColumn& column) {
-  const std::string& text = column.format;
-  if (column.integer && text == "%lld") return {NumberFormat::Style::integer, 0};
-  int precision = -1;
-  if (!column.integer && text.starts_with("%.")) {
-    const char* const end = text.data() + text.size();
-    const auto [rest, error] = std::from_chars(text.data() + 2, end, precision);
-    if (error == std::errc() && rest + 1 == end && precision >= 0 && precision <= kMaxPrecision) {
-      if (*rest == 'g') return {NumberFormat::Style::general, precision};
-      if (*rest == 'f') return {NumberFormat::Style::fixed, precision};
-      if (*rest == 'e') return {NumberFormat::Style::scientific, precision};
+std::vector<CsvColumn> csv_columns(std::span<const TableColumn> columns) {
+  std::vector<CsvColumn> result;
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    std::size_t bound_of = c;
+    if (const std::string& name = columns[c].bound_of; !name.empty()) {
+      const auto left = columns.first(c);
+      bound_of = static_cast<std::size_t>(std::ranges::find(left, name, &TableColumn::name) - left.begin());
+      if (bound_of == c) {
+        throw InputError("column \"" + columns[c].name + "\" bounds the errors of \"" + name +
+                         "\", expected a column to its left");
+      }
     }
+    result.push_back({number_format(columns[c]), bound_of});
   }
-  throw InputError("column \"" + column.name + "\" has the format \"" + text + "\", expected " +
-                   (column.integer ? "\"%lld\"" : "\"%.Ng\", \"%.Nf\" or \"%.Ne\""));
+  return result;
 }
 
-void append_number(std::string& text, const NumberFormat& format, double value) {
-  if (std::isnan(value)) return;
-  if (std::isinf(value)) {
-    text += value > 0 ? "inf" : "-inf";
-    return;
-  }
-  char number[kMaxNumberLength];
-  std::to_chars_result end{};
-  switch (format.style) {
-    case NumberFormat::Style::general:
-      end = std::to_chars(number, std::end(number), value, std::chars_format::general, format.precision);
-      break;
-    case NumberFormat::Style::fixed:
-      end = std::to_chars(number, std::end(number), value, std::chars_format::fixed, format.precision);
-      break;
-    case NumberFormat::Style::scientific:
-      end = std::to_chars(number, std::end(number), value, std::chars_format::scientific, format.precision);
-      break;
-    case NumberFormat::Style::integer:
-      // Integral doubles of any size, printed without a fraction.
-      end = std::to_chars(number, std::end(number), value, std::chars_format::fixed, 0);
-      break;
-  }
-  SIMVIS_ASSERT(end.ec == std::errc());
-  text.append(number, end.ptr);
+std::string csv_heading(std::span<const TableColumn> columns) {
+  std::string line;
+  for (const TableColumn& column : columns) line += (line.empty() ? "" : ",") + column.name;
+  return line + '\n';
 }
 
-std::string format_rows(std::span<const NumberFormat> formats, std::span<const double> front,
+std::string format_rows(std::span<const CsvColumn> columns, std::span<const double> front,
                         std::span<const double> values) {
-  SIMVIS_ASSERT(front.size() < formats.size());
-  const std::size_t width = formats.size() - front.size();
+  SIMVIS_ASSERT(front.size() < columns.size());
+  const std::size_t width = columns.size() - front.size();
   SIMVIS_ASSERT(values.size() % width == 0);
   std::string start;
   for (std::size_t c = 0; c < front.size(); ++c) {
-    append_number(start, formats[c], front[c]);
+    append_number(start, columns[c].format, front[c]);
     start += ',';
   }
   std::string lines;
@@ -76,35 +45,18 @@ std::string format_rows(std::span<const NumberFormat> formats, std::span<const d
     lines += start;
     for (std::size_t c = 0; c < width; ++c) {
       if (c > 0) lines += ',';
-      append_number(lines, formats[front.size() + c], values[row + c]);
+      const CsvColumn& column = columns[front.size() + c];
+      const double value = values[row + c];
+      if (column.bound_of >= front.size() && column.bound_of < front.size() + c) {
+        append_bound(lines, column.format, value, columns[column.bound_of].format,
+                     values[row + column.bound_of - front.size()]);
+      } else {
+        append_number(lines, column.format, value);
+      }
     }
     lines += '\n';
   }
   return lines;
-}
-
-CsvFile::CsvFile(const std::filesystem::path& path, std::span<const TableColumn> columns) : file_(path) {
-  for (const TableColumn& column : columns) {
-    if (!formats_.empty()) buffer_ += ',';
-    formats_.push_back(number_format(column));
-    buffer_ += column.name;
-  }
-  buffer_ += '\n';
-}
-
-void CsvFile::add(std::string_view lines) {
-  buffer_ += lines;
-  if (buffer_.size() >= kFlushBytes) flush();
-}
-
-void CsvFile::flush() {
-  file_.write(buffer_);
-  buffer_.clear();
-}
-
-void CsvFile::commit() {
-  flush();
-  file_.commit();
 }
 
 }  // namespace simvis

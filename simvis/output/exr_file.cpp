@@ -1,9 +1,12 @@
 #include "simvis/output/exr_file.h"
 
 #include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfDoubleAttribute.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
 #include <OpenEXR/ImfIO.h>
+#include <OpenEXR/ImfIntAttribute.h>
+#include <OpenEXR/ImfMatrixAttribute.h>
 #include <OpenEXR/ImfOutputFile.h>
 
 #include <cstring>
@@ -56,12 +59,26 @@ void add_channel(const NamedChannel& from, Imf::Header& header, Imf::FrameBuffer
   pixels.insert(from.name, Imf::Slice(Imf::FLOAT, first, stride, stride * image.width));
 }
 
-std::string encode(std::span<const NamedChannel> channels) {
+void add_origin(const ImageOrigin& origin, Imf::Header& header) {
+  header.insert("frame", Imf::IntAttribute(static_cast<int>(origin.time.index)));
+  header.insert("time_s", Imf::DoubleAttribute(static_cast<double>(origin.time.time_ns) / 1e9));
+  Imath::M44d pose;
+  for (int row = 0; row < 4; ++row) {
+    for (int column = 0; column < 4; ++column) pose[row][column] = origin.world_from_sensor[column][row];
+  }
+  header.insert("world_from_sensor", Imf::M44dAttribute(pose));
+  if (!origin.pinhole) return;
+  const Pinhole& p = *origin.pinhole;
+  header.insert("camera_matrix", Imf::M33dAttribute({p.fx_px, 0, p.cx_px - 0.5, 0, p.fy_px, p.cy_px - 0.5, 0, 0, 1}));
+}
+
+std::string encode(std::span<const NamedChannel> channels, const ImageOrigin& origin) {
   const Image& size = *channels.front().image;
   try {
     Imf::Header header(static_cast<int>(size.width), static_cast<int>(size.height));
     header.compression() = Imf::ZIP_COMPRESSION;
     header.zipCompressionLevel() = 1;  // higher levels barely reduce the size of float images
+    add_origin(origin, header);
     Imf::FrameBuffer pixels;
     for (const NamedChannel& each : channels) add_channel(each, header, pixels);
     MemoryStream stream;
@@ -79,20 +96,20 @@ std::string encode(std::span<const NamedChannel> channels) {
 
 }  // namespace
 
-std::string encode_exr(const Image* color, const Image* depth) {
+std::string encode_exr(const Image* color, const Image* depth, const ImageOrigin& origin) {
   SIMVIS_ASSERT(color != nullptr || depth != nullptr);
   SIMVIS_ASSERT(color == nullptr || depth == nullptr ||
                 (depth->width == color->width && depth->height == color->height));
   std::vector<NamedChannel> channels;
   if (color != nullptr) channels = {{"R", color, 0}, {"G", color, 1}, {"B", color, 2}};
   if (depth != nullptr) channels.push_back({"Z", depth, 0});
-  return encode(channels);
+  return encode(channels, origin);
 }
 
-std::string encode_exr_plane(const std::string& channel, const Image& plane) {
+std::string encode_exr_plane(const std::string& channel, const Image& plane, const ImageOrigin& origin) {
   SIMVIS_ASSERT(plane.channels == 1);
   const NamedChannel channels[] = {{channel.c_str(), &plane, 0}};
-  return encode(channels);
+  return encode(channels, origin);
 }
 
 }  // namespace simvis

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <iterator>
-#include <optional>
 #include <utility>
 
 #include <simvis/error.h>
@@ -10,8 +9,12 @@
 #include "engine/base/thread_pool.h"
 #include "simvis/output/atomic_file.h"
 #include "simvis/output/csv_file.h"
+#include "simvis/output/depth_png_file.h"
 #include "simvis/output/exr_file.h"
+#include "simvis/output/npy_file.h"
 #include "simvis/output/png_file.h"
+#include "simvis/output/point_file.h"
+#include "simvis/output/pose_files.h"
 
 namespace simvis {
 
@@ -32,81 +35,187 @@ void check_name(const std::string& sensor) {
                    "and do not begin with \".\"");
 }
 
+std::size_t bytes_of(const Image& image) { return image.pixels.size() * sizeof(float); }
+
+std::shared_ptr<const Image> copy_of(const Image* image) {
+  return image ? std::make_shared<const Image>(*image) : nullptr;
+}
+
+using EncodeTable = std::string (*)(const TableFrame&);
+
+struct TableFormat {
+  const char* name;
+  EncodeTable encode;
+  bool points;  // only for tables with points
+};
+
+constexpr TableFormat kTableFormats[] = {{"npy", encode_npy, false},
+                                         {"npz", encode_npz, false},
+                                         {"ply", encode_ply, true},
+                                         {"pcd", encode_pcd, true},
+                                         {"bin", encode_kitti, true}};
+
+}  // namespace
+
 std::string frame_name(std::uint64_t frame) {
   std::string digits = std::to_string(frame);
   if (digits.size() < 6) digits.insert(0, 6 - digits.size(), '0');
   return digits;
 }
 
-std::size_t bytes_of(const Image& image) { return image.pixels.size() * sizeof(float); }
-
-}  // namespace
-
 class OutputWriter::SensorSink : public OutputSink {
  public:
-  SensorSink(const std::string& sensor, Run& run) : sensor_(sensor), run_(run) {}
-
-  void begin(const FrameTime& time) { time_ = time; }
-
-  void picture(const std::string& stem, const Image* color, const Image* depth) override {
-    const auto copy = [](const Image* image) { return image ? std::make_shared<const Image>(*image) : nullptr; };
-    const std::shared_ptr<const Image> own_color = copy(color), own_depth = copy(depth);
-    const std::size_t color_bytes = own_color ? bytes_of(*own_color) : 0;
-    const std::size_t depth_bytes = own_depth ? bytes_of(*own_depth) : 0;
-    if (own_color) write_frame(stem, ".png", color_bytes, [own_color] { return encode_png(*own_color); });
-    if (!own_color && !own_depth) return;
-    write_frame(stem, ".exr", color_bytes + depth_bytes,
-                [own_color, own_depth] { return encode_exr(own_color.get(), own_depth.get()); });
+  SensorSink(const std::string& sensor, Run& run) : sensor_(sensor), run_(run) {
+    if (run_.desc.resume_at && std::filesystem::exists(pose_csv(pose_stem()))) {
+      poses_.emplace(pose_stem(), *run_.desc.resume_at);
+      frames_ = frames_of(pose_csv(pose_stem())).size();
+    }
   }
 
+  void begin(const FrameTime& time, const glm::dmat4& world_from_sensor) {
+    time_ = time;
+    world_from_sensor_ = world_from_sensor;
+    ++frames_;
+    for (const std::filesystem::path& file : {pose_csv(pose_stem()), pose_tum(pose_stem())}) {
+      run_.claim(file, sensor_, false);
+    }
+    run_.queue.add([] { return std::string(); }, 0,
+                   [this, time, world_from_sensor](std::string_view) {
+                     if (!poses_) {
+                       for (const auto& file : {pose_csv(pose_stem()), pose_tum(pose_stem())}) run_.check_new(file);
+                       run_.before_write();
+                       make_folder(pose_stem().parent_path());
+                       poses_.emplace(pose_stem());
+                     }
+                     poses_->append(time, world_from_sensor);
+                   });
+  }
+
+  std::uint64_t frames() const { return frames_; }
+
+  void intrinsics(const std::string& stem, const Pinhole& pinhole) override { pinholes_[stem] = pinhole; }
+
+  void picture(const std::string& stem, const Image* color, const Image* depth) override {
+    const OutputFormats& formats = run_.desc.formats;
+    const std::shared_ptr<const Image> own_color = copy_of(color), own_depth = copy_of(depth);
+    if (own_color) {
+      if (formats.color.contains("png")) write_color(stem, ".png", own_color, encode_png);
+      if (formats.color.contains("jpeg")) write_color(stem, ".jpg", own_color, encode_jpeg);
+    }
+    const bool exr_depth = own_depth && formats.depth.contains("exr");
+    const bool exr_color = own_color && (formats.color.contains("exr") || (exr_depth && formats.color_beside_depth));
+    if (exr_color || exr_depth) {
+      const std::shared_ptr<const Image> shown_color = exr_color ? own_color : nullptr,
+                                         shown_depth = exr_depth ? own_depth : nullptr;
+      write_frame(stem, ".exr", (shown_color ? bytes_of(*shown_color) : 0) + (shown_depth ? bytes_of(*shown_depth) : 0),
+                  [shown_color, shown_depth, origin = origin(stem)] {
+                    return encode_exr(shown_color.get(), shown_depth.get(), origin);
+                  });
+    }
+    if (!own_depth) return;
+    const std::string depth_stem = stem.empty() ? "depth" : stem + "_depth";
+    if (formats.depth.contains("png")) {
+      write_frame(depth_stem, ".png", bytes_of(*own_depth),
+                  [own_depth, unit_m = formats.depth_unit_m] { return encode_depth_png(*own_depth, unit_m); });
+    }
+    if (formats.depth.contains("npy")) {
+      write_frame(depth_stem, ".npy", bytes_of(*own_depth), [own_depth] { return encode_npy(*own_depth); });
+    }
+  }
+
+  // A plane is no depth: without EXR and npy among the formats of depth it is written as EXR.
   void plane(const std::string& stem, const std::string& channel, const Image& plane) override {
-    write_frame(stem, ".exr", bytes_of(plane), [channel, plane] { return encode_exr_plane(channel, plane); });
+    const std::set<std::string>& formats = run_.desc.formats.depth;
+    const bool npy = formats.contains("npy");
+    if (npy) write_frame(stem, ".npy", bytes_of(plane), [plane] { return encode_npy(plane); });
+    if (npy && !formats.contains("exr")) return;
+    write_frame(stem, ".exr", bytes_of(plane),
+                [channel, plane, origin = origin(stem)] { return encode_exr_plane(channel, plane, origin); });
   }
 
   void text(const std::string& stem, const std::string& extension, std::string_view text) override {
-    const std::filesystem::path path = run_.folder / (name(stem) + "." + extension);
-    if (!claim(path)) return;
+    const std::filesystem::path path = run_.desc.folder / (name(stem) + "." + extension);
+    if (!run_.claim(path, sensor_, true)) return;
+    if (run_.desc.suffix.empty()) run_.check_new(path);  // other shards write the same text
+    run_.before_write();
     make_folder(path.parent_path());
     write_file(path, text);
   }
 
-  // A sensor whose rows have individual times gives them in a column named "time_s".
   void rows(std::span<const TableColumn> columns, std::span<const double> values) override {
-    const auto own_time = static_cast<std::size_t>(
-        std::ranges::find(columns, std::string_view("time_s"), &TableColumn::name) - columns.begin());
-    if (!table_) {
-      std::vector<TableColumn> all = {{"frame", "%lld", true}, {"time_s", "%.9f"}};
-      std::ranges::copy_if(columns, std::back_inserter(all), [](const auto& each) { return each.name != "time_s"; });
-      const std::filesystem::path path = run_.folder / (sensor_ + run_.suffix + ".csv");
-      claim(path);
-      make_folder(path.parent_path());
-      table_.emplace(path, all);
+    auto frame = std::make_shared<TableFrame>();
+    frame->time = time_;
+    frame->world_from_sensor = world_from_sensor_;
+    frame->columns.assign(columns.begin(), columns.end());
+    frame->values.assign(values.begin(), values.end());
+    const std::set<std::string>& formats = run_.desc.formats.scan;
+    const bool has_points = point_columns(*frame).has_value();
+    bool written = false;
+    for (const TableFormat& format : kTableFormats) {
+      if (!formats.contains(format.name) || (format.points && !has_points)) continue;
+      write_frame("", std::string(".") + format.name, values.size_bytes(),
+                  [frame, encode = format.encode] { return encode(*frame); });
+      written = true;
     }
-    run_.queue.add(EncodingQueue::Encode([this, own_time, width = columns.size(), time = time_,
-                                          copy = std::vector<double>(values.begin(), values.end())] {
-                     return lines(time, copy, width, own_time);
-                   }),
-                   values.size_bytes(), [this](std::string_view bytes) { table_->add(bytes); });
-  }
-
-  void finish() {
-    if (table_) table_->commit();
+    if (!written || formats.contains("csv")) write_csv(frame);
   }
 
  private:
   std::string name(const std::string& stem) const { return stem.empty() ? sensor_ : sensor_ + "_" + stem; }
+  std::filesystem::path pose_stem() const { return run_.desc.folder / (sensor_ + "_poses" + run_.desc.suffix); }
 
-  /// Runs on other threads, so it reads only the formats of the table.
-  std::string lines(const FrameTime& time, const std::vector<double>& values, std::size_t width,
-                    std::size_t own_time) const {
-    const double front[] = {static_cast<double>(time.index), static_cast<double>(time.time_ns) / 1e9};
-    if (own_time == width) return format_rows(table_->formats(), front, values);
+  ImageOrigin origin(const std::string& stem) const {
+    ImageOrigin origin{.time = time_, .world_from_sensor = world_from_sensor_};
+    if (const auto found = pinholes_.find(stem); found != pinholes_.end()) origin.pinhole = found->second;
+    return origin;
+  }
+
+  void write_color(const std::string& stem, const std::string& extension, const std::shared_ptr<const Image>& color,
+                   std::string (*encode)(const Image&)) {
+    write_frame(stem, extension, bytes_of(*color), [color, encode] { return encode(*color); });
+  }
+
+  // A sensor whose rows have individual times gives them in a column named "time_s".
+  void write_csv(const std::shared_ptr<const TableFrame>& frame) {
+    const std::filesystem::path path = run_.desc.folder / (sensor_ + run_.desc.suffix + ".csv");
+    run_.claim(path, sensor_, true);
+    if (csv_columns_.empty()) {
+      std::vector<TableColumn> all = {{"frame", "%lld", true}, {"time_s", "%.9f"}};
+      std::ranges::copy_if(frame->columns, std::back_inserter(all),
+                           [](const TableColumn& each) { return each.name != "time_s"; });
+      csv_columns_ = csv_columns(all);
+      csv_heading_ = csv_heading(all);
+    }
+    run_.queue.add([this, frame] { return lines(*frame); }, frame->values.size() * sizeof(double),
+                   [this, path](std::string_view bytes) {
+                     if (!table_) open_table(path);
+                     table_->append(bytes);
+                   });
+  }
+
+  void open_table(const std::filesystem::path& path) {
+    run_.check_new(path);
+    run_.before_write();
+    make_folder(path.parent_path());
+    if (run_.desc.resume_at && std::filesystem::exists(path)) {
+      table_.emplace(path, table_start(path, *run_.desc.resume_at).bytes);
+    } else {
+      table_.emplace(path, csv_heading_);
+    }
+  }
+
+  /// Runs on other threads, so it reads only the columns.
+  std::string lines(const TableFrame& frame) const {
+    const std::optional<std::size_t> own_time = frame.find("time_s");
+    const std::size_t width = frame.columns.size();
+    const double front[] = {static_cast<double>(frame.time.index), static_cast<double>(frame.time.time_ns) / 1e9};
+    if (!own_time) return format_rows(csv_columns_, front, frame.values);
     std::string all;
-    for (std::size_t row = 0; row < values.size(); row += width) {
-      std::vector<double> rest(&values[row], &values[row] + width);
-      const double own_front[] = {front[0], rest[own_time]};
-      rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(own_time));
-      all += format_rows(table_->formats(), own_front, rest);
+    for (std::size_t row = 0; row < frame.values.size(); row += width) {
+      std::vector<double> rest(&frame.values[row], &frame.values[row] + width);
+      const double own_front[] = {front[0], rest[*own_time]};
+      rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(*own_time));
+      all += format_rows(csv_columns_, own_front, rest);
     }
     return all;
   }
@@ -114,56 +223,90 @@ class OutputWriter::SensorSink : public OutputSink {
   /// Writes one file of this frame.
   template <typename Encode>
   void write_frame(const std::string& stem, const std::string& extension, std::size_t held_bytes, Encode&& encode) {
-    const std::filesystem::path folder = run_.folder / name(stem);
-    claim(folder / ("*" + extension));
+    const std::filesystem::path folder = run_.desc.folder / name(stem);
+    run_.claim(folder / ("*" + extension), sensor_, true);
     make_folder(folder);
-    run_.queue.add(
-        EncodingQueue::Encode(std::forward<Encode>(encode)), held_bytes,
-        [path = folder / (frame_name(time_.index) + extension)](std::string_view bytes) { write_file(path, bytes); });
-  }
-
-  /// Registers a result before it is written. Returns true if it is new.
-  bool claim(const std::filesystem::path& result) {
-    const auto [entry, fresh] = run_.results.sensor.try_emplace(result.string(), sensor_);
-    if (entry->second != sensor_) {
-      throw InputError("sensors \"" + entry->second + "\" and \"" + sensor_ + "\" would both write " + entry->first +
-                       ", expected another name for one of them");
-    }
-    if (fresh) run_.results.names.push_back(entry->first);
-    return fresh;
+    run_.queue.add(EncodingQueue::Encode(std::forward<Encode>(encode)), held_bytes,
+                   [this, path = folder / (frame_name(time_.index) + extension)](std::string_view bytes) {
+                     run_.check_new(path);
+                     run_.before_write();
+                     write_file(path, bytes);
+                   });
   }
 
   std::string sensor_;
   Run& run_;
   FrameTime time_;
-  std::optional<CsvFile> table_;
+  glm::dmat4 world_from_sensor_{1.0};
+  std::uint64_t frames_ = 0;
+  std::map<std::string, Pinhole> pinholes_;  // by stem
+  std::vector<CsvColumn> csv_columns_;
+  std::string csv_heading_;
+  std::optional<GrowingFile> table_;
+  std::optional<PoseFiles> poses_;
 };
 
-OutputWriter::OutputWriter(std::filesystem::path folder, std::span<const std::string> sensors, std::string suffix,
-                           unsigned threads)
-    : run_{.folder = std::move(folder),
-           .suffix = std::move(suffix),
-           .queue = EncodingQueue(shared_thread_pool(threads))} {
-  for (const std::string& sensor : sensors) {
-    check_name(sensor);
-    sinks_[sensor] = std::make_unique<SensorSink>(sensor, run_);
+/// Registers a file before it is written. Returns true if it is new.
+bool OutputWriter::Run::claim(const std::filesystem::path& file, const std::string& name, bool is_result) {
+  const auto [entry, fresh] = owner.try_emplace(file.string(), name);
+  if (entry->second != name) {
+    throw InputError("sensors \"" + entry->second + "\" and \"" + name + "\" would both write " + entry->first +
+                     ", expected another name for one of them");
   }
-  make_folder(run_.folder);
-  AtomicFile probe(run_.folder / "run.json");  // reports an unwritable folder before the first frame
+  if (!fresh) return false;
+  files[name].push_back(file.lexically_relative(desc.folder).string());
+  if (is_result) results.push_back(entry->first);
+  new_file = true;
+  return true;
+}
+
+void OutputWriter::Run::before_write() {
+  if (!new_file) return;
+  new_file = false;
+  if (desc.on_new_file) desc.on_new_file(files);
+}
+
+void OutputWriter::Run::check_new(const std::filesystem::path& file) const {
+  if (desc.resume_at || !std::filesystem::exists(file)) return;
+  throw InputError(
+      file.string() +
+      ": error: the file exists and is not in the list of an earlier run of SimVis, so it is not replaced; "
+      "expected another --out, or that it is removed");
+}
+
+OutputWriter::OutputWriter(OutputDesc desc)
+    : run_{.desc = std::move(desc), .queue = EncodingQueue(shared_thread_pool(desc.threads))} {
+  make_folder(run_.desc.folder);
+  for (const std::vector<std::string>* names : {&run_.desc.sensors, &run_.desc.parts}) {
+    for (const std::string& name : *names) {
+      check_name(name);
+      if (sinks_.contains(name))
+        throw InputError("\"" + name + "\" would write its poses twice: a sensor and a part have this name");
+      sinks_[name] = std::make_unique<SensorSink>(name, run_);
+    }
+  }
 }
 
 OutputWriter::~OutputWriter() = default;
 
-OutputSink& OutputWriter::sink(std::string_view sensor, const FrameTime& time) {
-  const auto found = sinks_.find(sensor);
+OutputWriter::SensorSink& OutputWriter::find(std::string_view name) const {
+  const auto found = sinks_.find(name);
   SIMVIS_ASSERT(found != sinks_.end());
-  found->second->begin(time);
   return *found->second;
 }
 
-void OutputWriter::finish() {
-  run_.queue.finish();
-  for (const auto& [name, sink] : sinks_) sink->finish();
+OutputSink& OutputWriter::sink(std::string_view sensor, const FrameTime& time, const glm::dmat4& world_from_sensor) {
+  SensorSink& found = find(sensor);
+  found.begin(time, world_from_sensor);
+  return found;
 }
+
+void OutputWriter::part_pose(std::string_view part, const FrameTime& time, const glm::dmat4& world_from_part) {
+  find(part).begin(time, world_from_part);
+}
+
+void OutputWriter::finish() { run_.queue.finish(); }
+
+std::uint64_t OutputWriter::frames(std::string_view sensor) const { return find(sensor).frames(); }
 
 }  // namespace simvis

@@ -1,60 +1,96 @@
 // Writes the measurements of sensors to the files of a run.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <glm/glm.hpp>
 #include <map>
 #include <memory>
-#include <span>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include <simvis/sensor.h>
 #include "simvis/output/encoding_queue.h"
+#include "simvis/output/formats.h"
 
 namespace simvis {
 
+/// The files of a run, relative to its folder, by the sensor or the part that they belong to. "CAMERA/*.png" stands for
+/// one file for each frame in which the sensor measured: the frames of its table of poses.
+using RunFiles = std::map<std::string, std::vector<std::string>>;
+
+/// What an OutputWriter writes, and how.
+struct OutputDesc {
+  std::filesystem::path folder;
+  std::vector<std::string> sensors{};  ///< all that will write
+  std::vector<std::string> parts{};    ///< whose poses will be written
+  std::string suffix{};  ///< of the names of tables: "-3-of-8" if other processes write to the same folder
+  unsigned threads = 0;  ///< as SimulationDesc::threads
+  OutputFormats formats{};
+  /// Continues the files of an earlier run of the same scene: its tables keep the frames before this one.
+  std::optional<std::uint64_t> resume_at{};
+  /// Called before the first file of a new name is written.
+  std::function<void(const RunFiles&)> on_new_file{};
+};
+
 /// Work     images and rows are copied and then encoded in the background (see EncodingQueue). The caller's thread
 ///          writes the files in order, during later calls.
-/// Files    FOLDER/SENSOR/000000.png and 000000.exr per frame for images (FOLDER/SENSOR_STEM/ for a sensor with
-///          several), FOLDER/SENSOR.csv for tables, with the columns `frame` and `time_s` in front, and
-///          FOLDER/SENSOR_STEM.EXTENSION for texts. Frame numbers have six digits, or more if necessary. Every file
-///          appears complete or not at all; tables appear with finish().
+/// Files    FOLDER/SENSOR/000000.png and so on per frame for images (FOLDER/SENSOR_STEM/ for a sensor with several),
+///          FOLDER/SENSOR.csv for tables, with the columns `frame` and `time_s` in front, FOLDER/SENSOR_STEM.EXTENSION
+///          for texts, and FOLDER/SENSOR_poses.csv and .tum. Frame numbers have six digits, or more if necessary.
+///          Every file is whole at any time; tables grow by whole frames. The pose of a frame is written before its
+///          other files, so that the tables of poses name every frame of which there may be a file.
 /// Errors   MachineError with the path and the reason from the operating system; InputError for a sensor name that is
-///          not a valid file name, and for two sensors with the same files ("EYES" with a stem "left", and
-///          "EYES_left").
+///          not a valid file name, for two sensors with the same files ("EYES" with a stem "left", and "EYES_left"),
+///          and for a file that exists, unless the run is resumed.
 class OutputWriter {
  public:
-  /// Creates the folder if it does not exist and checks that files can be created in it. `sensors` are all sensors that
-  /// will write. `suffix` is appended to the names of tables: "-3-of-8" if other processes write to the same folder.
-  /// `threads` as in SimulationDesc::threads.
-  OutputWriter(std::filesystem::path folder, std::span<const std::string> sensors, std::string suffix = "",
-               unsigned threads = 0);
+  /// Creates the folder if it does not exist.
+  explicit OutputWriter(OutputDesc desc);
   ~OutputWriter();
 
-  /// The sink for the measurements of one sensor in one frame. Valid until the next call.
-  OutputSink& sink(std::string_view sensor, const FrameTime& time);
+  /// The sink for the measurements of one sensor in one frame, and where the sensor stood. Valid until the next call.
+  OutputSink& sink(std::string_view sensor, const FrameTime& time, const glm::dmat4& world_from_sensor);
 
-  /// Waits for all encoding, writes the files and gives the tables their final names. Do not write afterwards.
+  /// Writes the pose of one of the parts in this frame.
+  void part_pose(std::string_view part, const FrameTime& time, const glm::dmat4& world_from_part);
+
+  /// Waits for all encoding and writes the files. Do not write afterwards.
   void finish();
 
-  /// The files written, in the order of their first appearance: "out/CAMERA/*.png", "out/SCANNER.csv".
-  const std::vector<std::string>& results() const { return run_.results.names; }
+  /// The measurements written, in the order of their first appearance: "out/CAMERA/*.png", "out/SCANNER.csv".
+  const std::vector<std::string>& results() const { return run_.results; }
+
+  /// All files written.
+  const RunFiles& files() const { return run_.files; }
+
+  /// The number of frames of a sensor, with those before resume_at.
+  std::uint64_t frames(std::string_view sensor) const;
 
  private:
   class SensorSink;
-  struct Results {
-    std::vector<std::string> names;
-    std::map<std::string, std::string> sensor;  // the sensor of each name
-  };
   struct Run {
-    std::filesystem::path folder;
-    std::string suffix;
-    Results results{};
+    OutputDesc desc;
     EncodingQueue queue;
+    std::vector<std::string> results{};
+    RunFiles files{};
+    std::map<std::string, std::string> owner{};  // the sensor or part of each file
+    bool new_file = false;                       // since on_new_file was called
+
+    bool claim(const std::filesystem::path& file, const std::string& name, bool is_result);
+    void before_write();
+    void check_new(const std::filesystem::path& file) const;
   };
+  SensorSink& find(std::string_view name) const;
+
   std::map<std::string, std::unique_ptr<SensorSink>, std::less<>> sinks_;
   Run run_;  // destroyed before the sinks, because its queue writes to them
 };
+
+/// "000012": how files of a frame are named.
+std::string frame_name(std::uint64_t frame);
 
 }  // namespace simvis

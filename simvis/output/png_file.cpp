@@ -1,41 +1,12 @@
 #include "simvis/output/png_file.h"
 
-#include <zlib.h>
-
 #include <array>
 #include <bit>
-#include <cstdlib>
 #include <vector>
 
-#include <simvis/error.h>
 #include "engine/base/assert.h"
 #include "engine/base/srgb.h"
-
-namespace {
-
-// The compressor of stb takes several times as long as the fastest level of zlib and gives a larger file.
-unsigned char* compress_fast(unsigned char* data, int size, int* compressed_size, int /*quality*/) {
-  uLongf length = compressBound(static_cast<uLong>(size));
-  auto* const out = static_cast<unsigned char*>(std::malloc(length));
-  if (out == nullptr) return nullptr;
-  if (compress2(out, &length, data, static_cast<uLong>(size), Z_BEST_SPEED) != Z_OK) {
-    std::free(out);
-    return nullptr;
-  }
-  *compressed_size = static_cast<int>(length);
-  return out;
-}
-
-}  // namespace
-
-#define STBIW_ZLIB_COMPRESS compress_fast
-#define STB_IMAGE_WRITE_STATIC
-#define STB_IMAGE_WRITE_IMPLEMENTATION
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wunused-function"
-#pragma GCC diagnostic ignored "-Wmissing-field-initializers"
-#include <stb_image_write.h>
-#pragma GCC diagnostic pop
+#include "simvis/output/stb_pictures.h"
 
 namespace simvis {
 
@@ -66,9 +37,6 @@ struct SrgbTable {
 
 const SrgbTable kSrgb;
 
-// Filter "up": the best for smooth images at this speed, without a search for each row.
-[[maybe_unused]] const int kRowFilter = stbi_write_force_png_filter = 2;
-
 }  // namespace
 
 std::uint8_t srgb_code(float linear) {
@@ -78,7 +46,7 @@ std::uint8_t srgb_code(float linear) {
   return static_cast<std::uint8_t>(code + (linear >= kSrgb.start[code + 1u] ? 1 : 0));
 }
 
-std::string encode_png(const Image& color) {
+std::vector<std::uint8_t> srgb_codes(const Image& color) {
   SIMVIS_ASSERT(color.channels == 4 && color.width > 0 && color.height > 0);
   const std::size_t pixels = std::size_t{color.width} * color.height;
   SIMVIS_ASSERT(color.pixels.size() == 4 * pixels);
@@ -86,13 +54,15 @@ std::string encode_png(const Image& color) {
   for (std::size_t i = 0; i < pixels; ++i) {
     for (std::size_t c = 0; c < 3; ++c) rgb[3 * i + c] = srgb_code(color.pixels[4 * i + c]);
   }
-  int size = 0;
-  const int width = static_cast<int>(color.width), height = static_cast<int>(color.height);
-  unsigned char* const bytes = stbi_write_png_to_mem(rgb.data(), 3 * width, width, height, 3, &size);
-  if (bytes == nullptr) throw MachineError("out of memory while a PNG was compressed");
-  std::string png(reinterpret_cast<const char*>(bytes), static_cast<std::size_t>(size));
-  std::free(bytes);
-  return png;
+  return rgb;
+}
+
+std::string encode_png(const Image& color) {
+  return png_of_rgb(srgb_codes(color), static_cast<int>(color.width), static_cast<int>(color.height));
+}
+
+std::string encode_jpeg(const Image& color) {
+  return jpeg_of_rgb(srgb_codes(color), static_cast<int>(color.width), static_cast<int>(color.height), kJpegQuality);
 }
 
 }  // namespace simvis

@@ -1,4 +1,4 @@
-// Encodes linear colour as an 8-bit sRGB PNG.
+// Encodes linear colour as an 8-bit sRGB PNG or JPEG.
 #pragma once
 
 #include <cstdint>
@@ -15,5 +15,11 @@ std::uint8_t srgb_code(float linear);
 /// Returns the bytes of a PNG with three channels. Alpha is dropped, because camera images are opaque.
 /// `color` has 4 channels and at least one pixel. Throws MachineError if memory runs out.
 std::string encode_png(const Image& color);
+
+/// The quality of JPEG pictures, of 100. Above 90 the encoder keeps the full resolution of colour.
+inline constexpr int kJpegQuality = 95;
+
+/// As encode_png(), as a baseline JPEG.
+std::string encode_jpeg(const Image& color);
 
 }  // namespace simvis

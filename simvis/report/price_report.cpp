@@ -6,7 +6,7 @@
 
 #include <simvis/attributes.h>
 #include "engine/base/assert.h"
-#include "simvis/output/csv_file.h"
+#include "simvis/output/number_text.h"
 
 namespace simvis {
 

@@ -19,6 +19,36 @@ std::string dump(const Json& json, int indent) {
   return json.dump(indent, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
+void add_texts(const std::map<std::string, NamedTexts>& all, const std::string& sensor, Json& json) {
+  json = Json::object();
+  const auto found = all.find(sensor);
+  if (found == all.end()) return;
+  for (const auto& [name, value] : found->second) json[name] = value;
+}
+
+void add_record(const RunRecord& record, Json& json) {
+  json["command"] = record.command;
+  json["set"] = record.set;
+  if (!record.trajectory.empty()) {
+    const auto hash = record.inputs.find(record.trajectory);
+    json["trajectory"] = {{"file", record.trajectory},
+                          {"sha256", hash == record.inputs.end() ? Json(nullptr) : Json(hash->second)}};
+  }
+  json["inputs"] = record.inputs;
+  json["warnings"] = record.warnings;
+  json["host"] = {{"name", record.host.name},
+                  {"system", record.host.system},
+                  {"processor", record.host.processor},
+                  {"threads", record.host.threads}};
+  const OutputFormats& formats = record.formats;
+  json["formats"] = {{"color", formats.color},
+                     {"depth", formats.depth},
+                     {"scan", formats.scan},
+                     {"color_beside_depth", formats.color_beside_depth},
+                     {"depth_unit_m", formats.depth_unit_m}};
+  json["poses"] = record.poses;
+}
+
 }  // namespace
 
 double percentile(std::span<const double> values, double p) {
@@ -41,8 +71,13 @@ std::vector<SensorInfo> with_bounds(const Simulation& simulation) {
 std::string to_json(const RunReport& report) {
   Json sensors = Json::object();
   for (const SensorInfo& sensor : report.sensors) {
-    sensors[sensor.name] = {
-        {"type", sensor.type}, {"method", sensor.method}, {"frames", sensor.frames}, {"effects", sensor.effects}};
+    sensors[sensor.name] = {{"type", sensor.type},
+                            {"method", sensor.method},
+                            {"frames", sensor.frames},
+                            {"enabled", sensor.enabled},
+                            {"effects", sensor.effects}};
+    add_texts(report.record.attributes, sensor.name, sensors[sensor.name]["attributes"]);
+    add_texts(report.record.defaults, sensor.name, sensors[sensor.name]["defaults"]);
     if (sensor.depth_error_bound_m) {
       // JSON has no infinity.
       const bool finite = std::isfinite(*sensor.depth_error_bound_m);
@@ -58,10 +93,15 @@ std::string to_json(const RunReport& report) {
                {"versions", {{"simvis", std::string(version())}, {"vulkan", report.device.api_version}}},
                {"seed", report.seed},
                {"wall_s", report.wall_s},
-               {"frames", report.frame_ms.size()},
+               {"status", report.status},
+               {"frames", report.shard.value_or(Shard{}).share_of(report.next_frame)},
+               {"frames_wanted", report.frames_wanted},
+               {"next_frame", report.next_frame},
                {"rate_hz", report.rate_hz},
                {"frame_ms", {{"median", percentile(report.frame_ms, 50)}, {"p99", percentile(report.frame_ms, 99)}}},
                {"sensors", sensors}};
+  add_record(report.record, json);
+  json["files"] = report.files;
   if (report.shard) json["shard"] = {{"index", report.shard->index}, {"count", report.shard->count}};
   return dump(json, 2);
 }

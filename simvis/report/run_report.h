@@ -2,26 +2,51 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <simvis/device_info.h>
 #include <simvis/simulation.h>
+#include "simvis/output/output_writer.h"
+#include "simvis/report/run_inputs.h"
 #include "simvis/report/shard.h"
 
 namespace simvis {
 
+/// What a run depends on, besides the scene, the device and the seed.
+struct RunRecord {
+  std::vector<std::string> command;              ///< the command line, without the program
+  std::vector<std::string> set;                  ///< the values of --set
+  std::string trajectory;                        ///< the file; empty: none
+  FileHashes inputs;                             ///< all files that were read: scene, parts, trajectory, plug-ins
+  std::vector<std::string> warnings;             ///< of the scene
+  HostInfo host;                                 ///< the machine
+  OutputFormats formats;                         ///< of the files
+  std::vector<std::string> poses;                ///< parts whose poses were asked for
+  std::map<std::string, NamedTexts> attributes,  ///< of each sensor, as executed
+      defaults;                                  ///< of the attributes that are not given
+};
+
 /// The contents of run.json.
 struct RunReport {
   std::string scene;  ///< as given
+  RunRecord record{};
+  std::string status =
+      "running";  ///< then "complete", "stopped" by a signal, or "failed"; a killed run stays "running"
+  std::uint64_t frames_wanted = 0;  ///< the run has the frames 0 to frames_wanted - 1, or its shard of them
+  std::uint64_t next_frame = 0;     ///< the first frame that was not written
+  RunFiles files{};
   DeviceInfo device;
   std::uint64_t seed = 0;
   std::optional<Shard> shard{};  ///< set if the run is a shard
   double rate_hz = 0;
-  double wall_s = 0;             ///< time from the start of the program to its last file
-  std::vector<double> frame_ms;  ///< time of each step(); files are written in parallel and are not included
+  double wall_s = 0;  ///< time from the start of the program to its last file
+  std::vector<double>
+      frame_ms;  ///< time of each step() of this process; files are written in parallel and are not included
   std::vector<SensorInfo> sensors;
 };
 

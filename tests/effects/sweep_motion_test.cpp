@@ -175,12 +175,12 @@ TEST_CASE("in a simulation: ranges of a robot that drives towards a wall, and th
             method="raycast"/>)");
   TemporaryFolder folder;
   const std::vector<std::string> names{"SCAN", "STILL"};
-  OutputWriter writer(folder.path(), names);
+  OutputWriter writer({.folder = folder.path(), .sensors = names});
   for (int frame = 0; frame < 2; ++frame) {
     const FrameTime time = world->next_frame();
     world->set("P", "x", frame);
     world->step();
-    for (const std::string& name : names) world->write(name, writer.sink(name, time));
+    for (const std::string& name : names) world->write(name, writer.sink(name, time, glm::dmat4(1)));
     const Scan &scan = world->scan("SCAN"), &still = world->scan("STILL");
     const ScanChannel* const times = scan.channel("time_s");
     REQUIRE(times != nullptr);

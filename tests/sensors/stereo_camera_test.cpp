@@ -223,7 +223,11 @@ const std::string kEyes = R"(
 void write_frame(Simulation& simulation, OutputWriter& writer) {
   const FrameTime time = simulation.next_frame();
   simulation.step();
-  for (const std::string& name : simulation.measured()) simulation.write(name, writer.sink(name, time));
+  for (const std::string& name : simulation.measured()) {
+    glm::dmat4 pose;
+    REQUIRE(simulation.sensor_pose(name, pose));
+    simulation.write(name, writer.sink(name, time, pose));
+  }
 }
 
 /// A number of a row-major matrix in a YAML file.
@@ -239,7 +243,7 @@ TEST_CASE("the files of a run") {
   const TemporaryFolder folder;
   Simulation simulation = Simulation::load(write_wall_scene(folder.path(), kEyes));
   const std::vector<std::string> names = {"EYES"};
-  OutputWriter writer(folder / "out", names);
+  OutputWriter writer({.folder = folder / "out", .sensors = names});
   write_frame(simulation, writer);
   write_text(folder / "out/EYES_left.yaml", "as the first frame left it");
   write_frame(simulation, writer);
@@ -248,8 +252,8 @@ TEST_CASE("the files of a run") {
   CHECK(files_below(folder / "out") ==
         std::vector<std::string>{"EYES_disparity/000000.exr", "EYES_disparity/000001.exr", "EYES_left.yaml",
                                  "EYES_left/000000.exr", "EYES_left/000000.png", "EYES_left/000001.exr",
-                                 "EYES_left/000001.png", "EYES_right.yaml", "EYES_right/000000.exr",
-                                 "EYES_right/000000.png", "EYES_right/000001.exr", "EYES_right/000001.png"});
+                                 "EYES_left/000001.png", "EYES_poses.csv", "EYES_poses.tum", "EYES_right.yaml",
+                                 "EYES_right/000000.png", "EYES_right/000001.png"});
   const ExrPicture exr = read_exr(folder / "out/EYES_disparity/000000.exr");
   REQUIRE(exr.channels.size() == 1);
   const std::vector<float>& disparity = exr.channels.at("disparity");
@@ -259,7 +263,7 @@ TEST_CASE("the files of a run") {
   constexpr double kTolerance_px = 2 * 16 * 10 * 0x1p-24 / 4;
   REQUIRE(disparity.size() == 64 * 48);
   for (const float d : disparity) CHECK(std::abs(d - 2) <= kTolerance_px);
-  CHECK(read_exr(folder / "out/EYES_right/000000.exr").channels.size() == 3);
+  CHECK(read_exr(folder / "out/EYES_left/000000.exr").channels.size() == 4);
   CHECK(&simulation.color("EYES") == &simulation.picture("EYES", "left"));
   CHECK_THROWS_WITH_AS(simulation.picture("EYES", "right_depth"),
                        R"(sensor "EYES", a stereo_camera, has no picture "right_depth")", InputError);
@@ -269,7 +273,7 @@ TEST_CASE("intrinsics in the layout of ROS's camera_info") {
   const TemporaryFolder folder;
   Simulation simulation = Simulation::load(write_wall_scene(folder.path(), kEyes));
   const std::vector<std::string> names = {"EYES"};
-  OutputWriter writer(folder / "out", names);
+  OutputWriter writer({.folder = folder / "out", .sensors = names});
   write_frame(simulation, writer);
   const std::string left = read_text(folder / "out/EYES_left.yaml"), right = read_text(folder / "out/EYES_right.yaml");
   const std::string fx = format_number(64 / (2 * std::tan(std::numbers::pi / 4)));
@@ -301,7 +305,7 @@ TEST_CASE("two sensors never write the same files") {
   Simulation simulation = Simulation::load(write_wall_scene(
       folder.path(), kEyes + R"(<sensor type="camera" name="EYES_left" insert_at="ROOT" width="8" height="8"/>)"));
   const std::vector<std::string> names = {"EYES", "EYES_left"};
-  OutputWriter writer(folder / "out", names);
+  OutputWriter writer({.folder = folder / "out", .sensors = names});
   try {
     write_frame(simulation, writer);
     FAIL("nothing was refused");

@@ -36,6 +36,7 @@ RunReport example() {
   report.rate_hz = 15;
   report.wall_s = 1.25;
   report.frame_ms = {10, 2, 2.5};
+  report.next_frame = report.frames_wanted = 3;
   report.sensors = {{"B_CAM", "camera", "rasterised", 3, true}, {"A_SCAN", "laser_scanner", "planar", 1, true}};
   report.sensors[1].effects = {"range_noise"};
   return report;

@@ -43,7 +43,7 @@ TEST_CASE("the files of a run do not depend on --threads") {
     CHECK(run.err == "");
     REQUIRE(run.exit_code == 0);
     if (expected.empty()) expected = results(out);
-    CHECK(expected.size() == 11);  // five of colour, five of depth, one table
+    CHECK(expected.size() == 16);  // five of colour, five of depth, a table, intrinsics, poses of two sensors
     CHECK(results(out) == expected);
   }
 }

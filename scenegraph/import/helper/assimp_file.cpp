@@ -13,6 +13,7 @@
 #include <utility>
 
 #include <simvis/location.h>
+#include "engine/base/input_log.h"
 #include "scenegraph/import/helper/collada_check.h"
 #include "scenegraph/import/helper/collada_shapes.h"
 #include "scenegraph/import/helper/ply_check.h"
@@ -54,6 +55,7 @@ class RecordingFiles : public Assimp::DefaultIOSystem {
       return nullptr;
     }
     if (name != part_ && lower_case_ending(part_) == ".obj") check_mtl(name);
+    note_input(name);
     return DefaultIOSystem::Open(name, mode);
   }
 

@@ -11,6 +11,7 @@
 #include <string>
 #include <string_view>
 
+#include "engine/base/input_log.h"
 #include "scenegraph/import/helper/part_reader.h"
 #include "scenegraph/import/helper/process_limits.h"
 #include "scenegraph/import/sandbox/sandbox_process.h"
@@ -23,7 +24,10 @@ void answer_request(const ReadRequest& request, std::size_t memory_bytes) {
   AnswerWriter answer(kAnswerDescriptor);
   try {
     limit_process(memory_bytes);
-    answer.add(AnswerKind::scene, pack_imported_scene(read_part(request, answer)));
+    const InputLog inputs;
+    const ImportedScene scene = read_part(request, answer);
+    for (const std::filesystem::path& file : inputs.files()) answer.add(AnswerKind::input, file.native());
+    answer.add(AnswerKind::scene, pack_imported_scene(scene));
   } catch (const std::bad_alloc&) {
     answer.add(AnswerKind::refusal, "reading takes more than " + std::to_string(memory_bytes >> 20) + " MiB of memory");
   } catch (const std::exception& e) {

@@ -9,6 +9,7 @@
 #include <system_error>
 
 #include <simvis/error.h>
+#include "engine/base/input_log.h"
 
 namespace simvis {
 namespace {
@@ -30,6 +31,7 @@ InputFile::InputFile(const std::filesystem::path& file) : file_(file) {
   if (error) fail(file, "cannot be read: " + error.message());
   descriptor_ = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
   if (descriptor_ < 0) fail(file, std::string("cannot be opened: ") + std::strerror(errno));
+  note_input(file);
 }
 
 InputFile::~InputFile() { ::close(descriptor_); }

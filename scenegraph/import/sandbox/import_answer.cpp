@@ -16,7 +16,7 @@ namespace {
 
 // Sixteen bytes that must change with the layout of a scene, so that the answer of a program of another version is
 // refused and not misread.
-constexpr std::string_view kGreeting = "simvis-import-1\n";
+constexpr std::string_view kGreeting = "simvis-import-2\n";
 constexpr std::size_t kHeadBytes = 1 + sizeof(std::uint64_t);
 
 std::span<const std::uint8_t> bytes_of(std::string_view text) {
@@ -67,7 +67,7 @@ void add_once(std::vector<std::string>& texts, std::string text) {
 AnswerWriter::AnswerWriter(int descriptor) : descriptor_(descriptor) { write_all(descriptor_, bytes_of(kGreeting)); }
 
 void AnswerWriter::add(AnswerKind kind, std::span<const std::uint8_t> bytes) {
-  if (kind == AnswerKind::error || kind == AnswerKind::warning) {
+  if (kind == AnswerKind::error || kind == AnswerKind::warning || kind == AnswerKind::input) {
     if (message_bytes_ + bytes.size() > kMaxMessageBytes) return;
     message_bytes_ += bytes.size();
   }
@@ -103,6 +103,7 @@ ImportAnswer read_import_answer(std::span<const std::uint8_t> bytes) {
     if (message_bytes > kMaxMessageBytes) continue;
     if (kind == AnswerKind::error) add_once(answer.errors, printable(content));
     if (kind == AnswerKind::warning) add_once(answer.warnings, printable(content));
+    if (kind == AnswerKind::input) answer.inputs.emplace_back(content.begin(), content.end());
     if (kind == AnswerKind::refusal) answer.refusal = on_one_line(content);
   }
   return answer;

@@ -15,6 +15,7 @@ enum class AnswerKind : std::uint8_t {
   error = 'E',    ///< an error that a library reported before it continued
   warning = 'W',  ///< a warning that a library reported
   refusal = 'R',  ///< the reason why the file cannot be read
+  input = 'I',    ///< the name of a file that was read
   scene = 'S'     ///< pack_imported_scene()
 };
 
@@ -37,6 +38,7 @@ class AnswerWriter {
 /// SimVis's side.
 struct ImportAnswer {
   std::vector<std::string> errors, warnings;           ///< one line each, valid UTF-8, without duplicates
+  std::vector<std::string> inputs;                     ///< names of files, in any encoding
   std::optional<std::string> refusal;                  ///< one line; may name the file, in any encoding
   std::optional<std::span<const std::uint8_t>> scene;  ///< points into the bytes that were read
 };

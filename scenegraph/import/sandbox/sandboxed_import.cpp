@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include <simvis/error.h>
+#include "engine/base/input_log.h"
 #include "scenegraph/import/sandbox/import_answer.h"
 #include "scenegraph/import/sandbox/sandbox_process.h"
 
@@ -51,6 +52,7 @@ ImportedScene import_in_sandbox(const SandboxedImport& import) {
   // A library may continue after an error with only a part of the file.
   if (!answer.errors.empty()) fail(import.file, import.library + " cannot read all of the file", answer);
   if (!answer.scene) fail(import.file, "the helper program that read it returned nothing", answer);
+  for (const std::string& file : answer.inputs) note_input(file);
   ImportedScene scene = unpack_imported_scene(*answer.scene, import.file.string() + ": error: ");
   scene.warnings.insert(scene.warnings.begin(), answer.warnings.begin(), answer.warnings.end());
   return scene;

@@ -1,0 +1,19 @@
+#include "engine/base/input_log.h"
+
+namespace simvis {
+
+namespace {
+
+thread_local InputLog* innermost_log = nullptr;
+
+}  // namespace
+
+InputLog::InputLog() : outer_(innermost_log) { innermost_log = this; }
+
+InputLog::~InputLog() { innermost_log = outer_; }
+
+void note_input(const std::filesystem::path& file) {
+  for (InputLog* log = innermost_log; log != nullptr; log = log->outer_) log->files_.insert(file);
+}
+
+}  // namespace simvis

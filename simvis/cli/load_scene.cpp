@@ -1,0 +1,122 @@
+#include "simvis/cli/load_scene.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <iostream>
+#include <system_error>
+
+#include <simvis/attributes.h>
+#include "engine/base/thread_pool.h"
+#include "sensors/laser_scanner/laser_scanner.h"
+#include "simvis/clock.h"
+
+namespace simvis {
+namespace {
+
+void set_parameter(Simulation& simulation, const std::string& assignment) {
+  in_option("--set " + assignment, [&] {
+    const std::size_t equals = assignment.find('=');
+    const std::size_t dot = assignment.rfind('.', equals);
+    double value = 0;
+    if (equals == std::string::npos || dot == std::string::npos) throw InputError("expected ELEMENT.PARAM=VALUE");
+    const std::string number = assignment.substr(equals + 1);
+    if (!parse_number(number, value)) throw InputError("\"" + number + "\" is not a finite number");
+    simulation.set(assignment.substr(0, dot), assignment.substr(dot + 1, equals - dot - 1), value);
+  });
+}
+
+/// Overrides an attribute of all sensor types that cast beams, as far as they have it and `with`.
+void override_scanners(const std::string& attribute, const std::optional<std::string>& value, const char* origin,
+                       const std::string& with, std::vector<AttributeOverride>& overrides) {
+  for (const SensorType* type : sensor_types()) {
+    const auto has = [&](const std::string& name) {
+      return std::ranges::count(type->attributes, name, &AttributeSpec::name) > 0;
+    };
+    if ((type->capabilities & kCastsBeams) == 0 || !has(attribute) || !has(with)) continue;
+    overrides.push_back({std::string(type->name), attribute, value, origin});
+  }
+}
+
+std::vector<PackageFolder> given_packages(const Options& options) {
+  std::vector<PackageFolder> packages;
+  for (const std::string& text : options.packages) {
+    in_option("--package " + text, [&] {
+      const std::size_t equals = text.find('=');
+      std::error_code error;
+      if (equals == std::string::npos || equals == 0) throw InputError("expected NAME=DIR");
+      packages.push_back({text.substr(0, equals), text.substr(equals + 1)});
+      if (!std::filesystem::is_directory(packages.back().folder, error)) throw InputError("there is no such folder");
+    });
+  }
+  return packages;
+}
+
+}  // namespace
+
+std::vector<AttributeOverride> scanner_overrides(const Options& options) {
+  std::vector<AttributeOverride> overrides;
+  const auto set = [&](const char* attribute, std::optional<std::string> value, const char* origin,
+                       const char* with = "method") { override_scanners(attribute, value, origin, with, overrides); };
+  const std::optional<ScanMethod> method = find_scan_method(options.method);
+  const bool takes_none = method && !takes_tolerance(*method);
+  if (!options.method.empty()) set("method", options.method, "--method");
+  if (!options.max_error_m.empty()) {
+    if (takes_none) {
+      throw InputError("--max-error: --method " + options.method +
+                       " ignores a tolerance, expected --method auto, --method hybrid or no --method");
+    }
+    // A tolerance without a method selects hybrid.
+    if (options.method.empty()) set("method", {}, "--max-error", "max_error_m");
+    set("max_error_m", options.max_error_m, "--max-error", "max_error_m");
+    set("max_error_rel", {}, "--max-error", "max_error_m");
+  } else if (takes_none) {  // the scene's tolerances belong to the methods that --method replaces
+    set("max_error_m", {}, "--method");
+    set("max_error_rel", {}, "--method");
+  }
+  return overrides;
+}
+
+bool shows_progress(const Options& options) { return ::isatty(STDERR_FILENO) == 1 && !options.quiet; }
+
+Simulation load(const Options& options, std::optional<LoadingBar>& loading) {
+  if (options.scene.empty()) throw InputError("SCENE.xml is missing, expected a scene to run; see --help");
+  in_option("--frames", [&] {
+    if (options.frames == 0) throw InputError("0 frames, expected 1 or more");
+  });
+  in_option("--rate", [&] { Clock(options.rate_hz).frame(options.frames - 1); });
+  in_option("--threads", [&] { shared_thread_pool(options.threads); });
+  SimulationDesc desc;
+  desc.rate_hz = options.rate_hz;
+  desc.seed = options.seed;
+  desc.threads = options.threads;
+  desc.device.select = options.device;
+  desc.device.instrumented = options.explain || !options.profile.empty();
+  desc.overrides = scanner_overrides(options);
+  desc.packages = given_packages(options);
+  desc.progress = [&loading](const Progress& progress) {
+    if (loading) loading->update(progress);
+  };
+  Simulation simulation = Simulation::load(options.scene, desc);
+  for (const std::string& assignment : options.set) set_parameter(simulation, assignment);
+  if (!options.sensors.empty()) {
+    for (const SensorInfo& sensor : simulation.sensors()) simulation.enable(sensor.name, false);
+    for (const std::string& name : options.sensors) {
+      in_option("--sensor", [&] { simulation.enable(name, true); });
+    }
+  }
+  return simulation;
+}
+
+std::optional<Trajectory> read_trajectory(const Options& options, const Simulation& simulation) {
+  if (options.trajectory.empty()) return std::nullopt;
+  return Trajectory(options.trajectory, simulation.parameters());
+}
+
+void print_warnings(const Options& options, const Simulation& simulation) {
+  if (options.quiet) return;
+  for (const std::string& warning : simulation.warnings()) std::cerr << "warning: " << warning << '\n';
+}
+
+}  // namespace simvis

@@ -1,0 +1,41 @@
+// Loads the scene that the command line names, with the options that concern it.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <simvis/error.h>
+#include <simvis/simulation.h>
+#include <simvis/trajectory.h>
+#include "simvis/cli/loading_bar.h"
+#include "simvis/cli/options.h"
+
+namespace simvis {
+
+/// Runs `action`; its errors name this option of the command line.
+template <typename Action>
+void in_option(const std::string& option, const Action& action) {
+  try {
+    action();
+  } catch (const InputError& error) {
+    throw InputError(option + ": " + error.what());
+  }
+}
+
+/// Whether progress bars are shown.
+bool shows_progress(const Options& options);
+
+/// What --method and --max-error say to the scanners of the scene. Throws InputError.
+std::vector<AttributeOverride> scanner_overrides(const Options& options);
+
+/// Loads the scene, sets parameters and turns sensors off. `loading` shows the progress of loading until it is reset.
+Simulation load(const Options& options, std::optional<LoadingBar>& loading);
+
+/// Empty without --trajectory.
+std::optional<Trajectory> read_trajectory(const Options& options, const Simulation& simulation);
+
+/// On standard error, unless --quiet.
+void print_warnings(const Options& options, const Simulation& simulation);
+
+}  // namespace simvis

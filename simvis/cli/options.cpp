@@ -1,0 +1,199 @@
+#include "simvis/cli/options.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <charconv>
+
+#include <simvis/error.h>
+#include <simvis/version.h>
+#include "simvis/report/earlier_run.h"
+#include "simvis/report/price.h"
+
+namespace simvis {
+namespace {
+
+/// Checks that `text` is a whole number. CLI11 itself would read -3 as 2^64 - 3, and larger numbers as the largest one.
+std::string whole_number(const std::string& text) {
+  std::uint64_t number = 0;
+  const char* const end = text.data() + text.size();
+  const auto [rest, error] = std::from_chars(text.data(), end, number);
+  return rest == end && error == std::errc() ? "" : "\"" + text + "\" is not a whole number from 0 to 2^64 - 1";
+}
+
+std::string not_empty(const std::string& text) { return text.empty() ? "it is empty" : ""; }
+
+void declare_options(CLI::App& app, Options& options) {
+  app.add_option("SCENE.xml", options.scene, "the scene to run");
+  app.add_option("--out", options.out, "where results go")->type_name("DIR")->capture_default_str();
+  app.add_option("--frames", options.frames, "how many frames")
+      ->type_name("N")
+      ->check(whole_number)
+      ->capture_default_str();
+  app.add_option("--rate", options.rate_hz, "frames per simulated second")->type_name("HZ")->capture_default_str();
+  app.add_option("--set", options.set, "a parameter, from the first frame on (repeatable)")
+      ->type_name("ELEMENT.PARAM=VALUE")
+      ->allow_extra_args(false);
+  app.add_option("--trajectory", options.trajectory,
+                 "parameters over time: first column time_s, further columns ELEMENT.PARAM; linear between rows")
+      ->type_name("FILE.csv");
+  app.add_option("--sensor", options.sensors, "only this sensor (repeatable)")
+      ->type_name("NAME")
+      ->allow_extra_args(false);
+  app.add_option("--method", options.method, "for every laser scanner, over the scene's own")
+      ->type_name("M")
+      ->check(not_empty);
+  app.add_option("--max-error", options.max_error_m,
+                 "bound on the error of every laser scanner's ranges, in metres; by method hybrid unless --method says "
+                 "auto")
+      ->type_name("M")
+      ->check(not_empty);
+  app.add_option("--seed", options.seed, "of all random numbers")
+      ->type_name("N")
+      ->check(whole_number)
+      ->capture_default_str();
+  app.add_option("--device", options.device, "the Vulkan device to use: part of its name, or its index")
+      ->type_name("NAME|INDEX");
+  app.add_option(
+         "--threads", options.threads,
+         "on how many threads SimVis casts rays, culls views and prepares meshes, up to 1024; 0: as many as the "
+         "machine has. Pictures are encoded on up to 8 more of low priority, none for 1. Results do not depend "
+         "on it. The Vulkan driver has threads of its own")
+      ->type_name("N")
+      ->check(whole_number)
+      ->capture_default_str();
+  app.add_option("--plugin", options.plugins, "a library with more elements and sensors (repeatable)")
+      ->type_name("FILE.so")
+      ->allow_extra_args(false);
+  app.add_option("--package", options.packages,
+                 "the folder of a ROS package or Gazebo model that parts name, searched first (repeatable)")
+      ->type_name("NAME=DIR")
+      ->allow_extra_args(false);
+  app.add_option("--profile", options.profile,
+                 "write what each frame spent its time on, on the host and on the device, in Chrome's trace format")
+      ->type_name("FILE.json");
+  app.add_option("--shard", options.shard,
+                 "only the frames k with k mod N = K; files are those of the whole run, tables and run.json have "
+                 "-K-of-N in their names")
+      ->type_name("K/N")
+      ->check(not_empty);
+  app.add_option(
+         "--format", options.formats,
+         "file formats: color=png,jpeg,exr depth=exr,png,npy scan=csv,npy,npz,ply,pcd,bin; a name without a kind "
+         "counts for every kind that has it (repeatable; default: color=png depth=exr scan=csv)")
+      ->type_name("[KIND=]NAME,...")
+      ->allow_extra_args(false);
+  app.add_option("--depth-unit", options.depth_unit_m, "metres per code of depth as PNG")
+      ->type_name("M")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--poses", options.poses,
+                 "also write where this part, or another insertion point, stands in each frame (repeatable)")
+      ->type_name("PART")
+      ->allow_extra_args(false);
+  app.add_flag("--explain", options.explain, "print what the last frame renders, why, and what it cost");
+  app.add_flag("--quiet", options.quiet, "print errors only");
+  app.add_flag("--price", options.price,
+               "print what each method of each laser scanner costs and is worth in this scene; --frames of each (" +
+                   std::to_string(PriceDesc().frames) +
+                   "), along the trajectory if there is one; also as DIR/price.csv "
+                   "where --out is given")
+      ->excludes("--method")
+      ->excludes("--profile")
+      ->excludes("--shard")
+      ->excludes("--explain");
+  app.add_flag(
+         "--summary", options.summary,
+         "after the run, print the speed of the laser scanners, the share of a frame that the other sensors take, "
+         "what each method costs the first scanner and how large its error is, and which files to open first")
+      ->excludes("--price")
+      ->excludes("--shard")
+      ->excludes("--quiet");
+  app.add_flag("--resume", options.resume,
+               "go on with the run in DIR where it ended; the command line is that of the run, or only --out")
+      ->excludes("--price");
+  app.add_flag("--no-replace", options.no_replace, "refuse to replace the results of an earlier run in DIR")
+      ->excludes("--resume");
+  app.add_option("--again", options.again,
+                 "make the run again that this run.json describes, from the same files, into --out")
+      ->type_name("RUN.json")
+      ->excludes("--resume")
+      ->excludes("--price");
+  CLI::Option* const describe =
+      app.add_option("--describe", options.describe,
+                     "print what an element, sensor or effect does and its attributes, and exit; all: of every one")
+          ->type_name("TYPE");
+  app.add_flag("--markdown", options.markdown, "with --describe: as Markdown")->needs(describe);
+  declare_list_options(app, options.list);
+  app.add_flag("--list-devices", options.list_devices, "print the Vulkan devices of this machine, and exit");
+  app.set_version_flag("--version", "simvis-run " + std::string(version()), "print the version, and exit");
+  app.set_help_flag("--help", "print this help, and exit");
+  app.footer(
+      "Results: DIR/CAMERA/000000.png and .exr, DIR/SCANNER.csv, DIR/SENSOR_poses.csv, DIR/run.json.\n"
+      "Exit status: 0 done; 1 it could not be done; 2 the command line or the scene is wrong; 130 stopped by a "
+      "signal.");
+}
+
+/// Options that may stand beside --again: they change no byte of the results.
+constexpr std::string_view kFreeOptions[] = {"--again",   "--resume",  "--out",        "--quiet",
+                                             "--threads", "--device",  "--no-replace", "--frames",
+                                             "--explain", "--profile", "--summary"};
+
+void require_free_options(const CLI::App& app, const char* with) {
+  for (const CLI::Option* const option : app.get_options()) {
+    if (option->count() == 0) continue;
+    const std::string name = option->get_name();
+    const bool allowed = std::ranges::count(kFreeOptions, std::string_view(name)) > 0;
+    if (allowed && !(name == "--frames" && std::string_view(with) == "--again")) continue;
+    throw InputError(std::string(with) + ": " + name + " is fixed by the run, expected it without");
+  }
+}
+
+}  // namespace
+
+ParsedOptions parse_options(std::vector<std::string> arguments) {
+  ParsedOptions parsed;
+  Options& options = parsed.options;
+  options.command = arguments;
+  CLI::App app("Simulates what a robot's optical sensors see.", "simvis-run");
+  declare_options(app, options);
+  std::reverse(arguments.begin(), arguments.end());  // as CLI11 takes them
+  try {
+    app.parse(std::move(arguments));
+  } catch (const CLI::Success& wish) {
+    parsed.exit_status = app.exit(wish);
+    return parsed;
+  } catch (const CLI::ParseError& error) {
+    throw InputError(std::string(error.what()) + "; see --help");
+  }
+  options.names_out = app.count("--out") > 0;
+  options.names_frames = app.count("--frames") > 0;
+  if (!options.again.empty()) require_free_options(app, "--again");
+  if (options.resume && options.scene.empty()) require_free_options(app, "--resume");
+  return parsed;
+}
+
+Options recorded_options(const Options& given) {
+  const bool again = !given.again.empty();
+  const EarlierRun run =
+      read_report(again ? std::filesystem::path(given.again) : std::filesystem::path(given.out) / "run.json");
+  if (run.command.empty()) throw InputError(run.report.string() + ": error: holds no command line");
+  ParsedOptions recorded = parse_options(run.command);
+  Options options = recorded.options;
+  if (!options.again.empty() || options.scene.empty()) {
+    throw InputError(run.report.string() + ": error: its command line names no scene");
+  }
+  options.again = given.again;
+  options.out = given.out;
+  options.quiet = given.quiet;
+  options.threads = given.threads;
+  options.no_replace = given.no_replace;
+  options.resume = given.resume;
+  options.explain = given.explain;
+  options.profile = given.profile;
+  options.summary = given.summary;
+  if (!given.device.empty()) options.device = given.device;
+  options.frames = given.names_frames ? given.frames : run.frames_wanted;
+  return options;
+}
+
+}  // namespace simvis

@@ -1,0 +1,42 @@
+// The command line of simvis-run.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <simvis/simulation_desc.h>
+#include "simvis/cli/list_options.h"
+
+namespace simvis {
+
+struct Options {
+  std::string scene, out = "out", trajectory, method, max_error_m, device, profile, describe, shard, again;
+  std::vector<std::string> set, sensors, plugins, packages, formats, poses;
+  std::uint64_t frames = 1, seed = 0;
+  unsigned threads = 0;
+  double rate_hz = SimulationDesc{}.rate_hz, depth_unit_m = 0.001;
+  bool list_devices = false, explain = false, quiet = false;
+  bool price = false, summary = false, markdown = false;
+  ListOptions list;
+  bool resume = false, no_replace = false;
+  bool names_out = false, names_frames = false;  ///< --out, --frames are given
+  std::vector<std::string> command;              ///< the arguments that these options are from
+};
+
+/// Options, or the exit status of a program that has already printed what was asked for: its help, its version.
+struct ParsedOptions {
+  Options options;
+  std::optional<int> exit_status;
+};
+
+/// `arguments` without the program's name. Throws InputError.
+ParsedOptions parse_options(std::vector<std::string> arguments);
+
+/// The options of the run that --again names, or that --resume without a scene goes on with, with those of `given` that
+/// concern only this execution: --out, --quiet, --threads, --device, --no-replace, and --frames for --resume. Other
+/// options as given. Throws InputError: the report cannot be read, or an option is given that the run has fixed.
+Options recorded_options(const Options& given);
+
+}  // namespace simvis

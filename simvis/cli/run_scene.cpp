@@ -1,0 +1,365 @@
+#include "simvis/cli/run_scene.h"
+
+#include <algorithm>
+#include <chrono>
+#include <iostream>
+#include <iterator>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <simvis/simulation.h>
+#include <simvis/trajectory.h>
+#include "engine/base/now_ns.h"
+#include "simvis/cli/load_scene.h"
+#include "simvis/cli/loading_bar.h"
+#include "simvis/cli/progress_bar.h"
+#include "simvis/cli/signals.h"
+#include "simvis/output/atomic_file.h"
+#include "simvis/output/folder_lock.h"
+#include "simvis/output/output_writer.h"
+#include "simvis/report/earlier_run.h"
+#include "simvis/report/explain.h"
+#include "simvis/report/profile.h"
+#include "simvis/report/run_report.h"
+#include "simvis/report/shard.h"
+#include "simvis/report/summary.h"
+
+namespace simvis {
+namespace {
+
+void write_results(const Options& options, const Simulation& simulation, const FrameTime& time, OutputWriter& writer) {
+  glm::dmat4 pose;
+  for (const std::string& part : options.poses) {
+    if (simulation.part_pose(part, pose)) writer.part_pose(part, time, pose);
+  }
+  for (const std::string& sensor : simulation.measured()) {
+    simulation.sensor_pose(sensor, pose);
+    simulation.write(sensor, writer.sink(sensor, time, pose));
+  }
+}
+
+void print_explanation(const Simulation& simulation) {
+  const Diagnostics diagnostics = simulation.diagnostics();
+  std::cout << explain(diagnostics.frame_plan(), {diagnostics.counters(), diagnostics.planned_sensors(),
+                                                  diagnostics.frame_costs(), diagnostics.sensor_costs()});
+  for (const SensorInfo& sensor : simulation.sensors()) std::cout << sensor.report.explanation;
+  const FramePlan* const visualization = diagnostics.visualization_plan();
+  if (visualization == nullptr) return;
+  std::cout << "visualization, drawn apart:\n"
+            << explain(*visualization, {*diagnostics.visualization_counters(), diagnostics.visualization_sensors(),
+                                        diagnostics.visualization_costs(), diagnostics.sensor_costs()});
+}
+
+void add_frame(Profile& profile, std::uint64_t frame, const Simulation& simulation) {
+  profile.add({.index = frame,
+               .stages = simulation.diagnostics().stages(),
+               .written_ns = now_ns(),
+               .sensors = simulation.diagnostics().sensor_costs(),
+               .counters = simulation.diagnostics().counters(),
+               .device_memory_bytes = simulation.diagnostics().device_memory_bytes()});
+  profile.add(simulation.diagnostics().frame_plan(), *simulation.diagnostics().frame_costs());
+  if (const FramePlan* const plan = simulation.diagnostics().visualization_plan())
+    profile.add(*plan, *simulation.diagnostics().visualization_costs());
+}
+
+/// Empty without --shard.
+std::optional<Shard> wanted_shard(const Options& options, const Simulation& simulation) {
+  std::optional<Shard> shard;
+  if (options.shard.empty()) return shard;
+  in_option("--shard", [&] {
+    shard = parse_shard(options.shard);
+    if (shard->share_of(options.frames) == 0) {
+      throw InputError(options.shard + " has no frame of " + std::to_string(options.frames) +
+                       ", expected K below --frames");
+    }
+    if (shard->count > 1) simulation.require_skippable();
+  });
+  return shard;
+}
+
+std::filesystem::path report_file(const Options& options, const RunReport& report) {
+  return std::filesystem::path(options.out) / ("run" + (report.shard ? report.shard->suffix() : "") + ".json");
+}
+
+void print_closing(const Options& options, const OutputWriter& writer, const RunReport& report) {
+  std::cout << "wrote ";
+  for (const std::string& result : writer.results()) std::cout << result << ", ";
+  std::cout << report_file(options, report).string() << '\n' << speed_line(report) << '\n';
+}
+
+void print_summary(const Options& options, Simulation simulation, const std::optional<Trajectory>& trajectory,
+                   const RunReport& report) {
+  std::cout << to_text(summarize(std::move(simulation), {.rate_hz = options.rate_hz,
+                                                         .frame_ms = percentile(report.frame_ms, 50),
+                                                         .out = options.out,
+                                                         .trajectory = trajectory ? &*trajectory : nullptr,
+                                                         .on_frame = stop_if_asked_to}));
+}
+
+/// Whether frames before the first one of this process can be skipped. Otherwise they are made again.
+bool can_skip(const Simulation& simulation) {
+  try {
+    simulation.require_skippable();
+    return true;
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
+/// The run of one command line, from the loaded scene to its report.
+class Run {
+ public:
+  Run(const Options& options, Simulation& simulation, const std::optional<Trajectory>& trajectory,
+      std::int64_t start_ns)
+      : options_(options), simulation_(simulation), trajectory_(trajectory), start_ns_(start_ns) {
+    describe();
+  }
+
+  /// Takes the folder and what an earlier run left in it. Returns false if there is nothing left to do.
+  bool prepare();
+  void make_frames(std::optional<LoadingBar>& loading);
+  void finish();
+  /// After an exception: keeps what is whole and says in the report that the run failed, if that is still possible.
+  void fail();
+  const RunReport& report() const { return report_; }
+
+ private:
+  void describe();
+  void go_on(const EarlierRun& earlier);
+  void begin_output();
+  void replace(const EarlierRun& earlier);
+  void open_writer();
+  void write_report();
+  std::string suffix() const { return report_.shard ? report_.shard->suffix() : ""; }
+
+  const Options& options_;
+  Simulation& simulation_;
+  const std::optional<Trajectory>& trajectory_;
+  std::int64_t start_ns_;
+  RunReport report_;
+  std::optional<EarlierRun> earlier_;
+  std::uint64_t first_frame_ = 0;
+  bool resumes_ = false;
+  std::optional<FolderLock> lock_;
+  std::optional<Profile> profile_;
+  std::optional<OutputWriter> writer_;
+};
+
+void Run::describe() {
+  report_.scene = options_.scene;
+  report_.shard = wanted_shard(options_, simulation_);
+  report_.device = simulation_.diagnostics().device();
+  report_.seed = options_.seed;
+  report_.rate_hz = options_.rate_hz;
+  report_.frames_wanted = options_.frames;
+  report_.sensors = simulation_.sensors();
+  RunRecord& record = report_.record;
+  record.command = options_.command;
+  record.set = options_.set;
+  record.trajectory = options_.trajectory;
+  const std::span<const std::filesystem::path> inputs = simulation_.diagnostics().inputs();
+  std::vector<std::filesystem::path> files(inputs.begin(), inputs.end());
+  files.insert(files.end(), options_.plugins.begin(), options_.plugins.end());
+  record.inputs = hashes_of(files);
+  if (!options_.trajectory.empty()) record.inputs[options_.trajectory] = sha256_of(options_.trajectory);
+  record.warnings = simulation_.warnings();
+  record.host = host_info();
+  in_option("--format", [&] { record.formats = parse_formats(options_.formats); });
+  record.formats.depth_unit_m = options_.depth_unit_m;
+  record.poses = options_.poses;
+  for (const SensorInfo& sensor : report_.sensors) {
+    const Command& command = simulation_.diagnostics().command(sensor.name);
+    record.attributes[sensor.name] = given_attributes(command);
+    record.defaults[sensor.name] = default_attributes(command);
+  }
+}
+
+bool Run::prepare() {
+  const std::filesystem::path file = report_file(options_, report_);
+  make_folder(options_.out);
+  lock_.emplace(options_.out, report_.shard.has_value());
+  if (report_.shard && std::filesystem::exists(std::filesystem::path(options_.out) / "run.json")) {
+    throw InputError("--shard: " + options_.out + " has the results of a whole run, expected another --out");
+  }
+  earlier_ = find_earlier_run(file);
+  std::set<std::filesystem::path> folders{options_.out};
+  if (earlier_) {
+    for (const std::filesystem::path& each : written_files(*earlier_, suffix())) folders.insert(each.parent_path());
+  }
+  for (const std::filesystem::path& folder : folders) remove_leftovers(folder, report_.shard.has_value());
+  if (earlier_ && options_.no_replace) {
+    throw InputError("--no-replace: " + file.string() + " is of an earlier run, expected another --out");
+  }
+  resumes_ = options_.resume && earlier_;
+  if (resumes_) {
+    go_on(*earlier_);
+    if (first_frame_ >= options_.frames) return false;
+  }
+  if (!options_.profile.empty()) profile_.emplace(options_.profile, report_.device.name);
+  AtomicFile probe(file);  // reports an unwritable folder before the first frame
+  return true;
+}
+
+// Follows the first frame: a run that cannot make it leaves the results of the earlier run alone.
+void Run::begin_output() {
+  if (earlier_ && !resumes_) replace(*earlier_);
+  write_report();
+  open_writer();
+}
+
+void Run::go_on(const EarlierRun& earlier) {
+  in_option("--resume", [&] { require_same_run(earlier, depends_on(to_json(report_))); });
+  report_.next_frame = first_frame_ = first_missing_frame(earlier, suffix());
+  if (first_frame_ > options_.frames) {
+    throw InputError("--resume: the run has " + std::to_string(first_frame_) + " frames, expected --frames " +
+                     std::to_string(first_frame_) + " or more");
+  }
+  report_.files = earlier.files;
+  if (first_frame_ == options_.frames && !options_.quiet) {
+    std::cout << "the run in " << options_.out << " has all of its " << options_.frames << " frames\n";
+  }
+}
+
+void Run::replace(const EarlierRun& earlier) {
+  const std::size_t removed = remove_results(earlier, suffix());
+  if (!options_.quiet) {
+    std::cout << "replaced the results of an earlier run in " << options_.out << " (" << removed << " files)\n";
+  }
+}
+
+void Run::open_writer() {
+  OutputDesc desc{.folder = options_.out,
+                  .parts = options_.poses,
+                  .suffix = suffix(),
+                  .threads = options_.threads,
+                  .formats = report_.record.formats};
+  for (const SensorInfo& sensor : report_.sensors) {
+    if (sensor.enabled) desc.sensors.push_back(sensor.name);
+  }
+  if (resumes_) desc.resume_at = first_frame_;
+  desc.on_new_file = [this](const RunFiles& files) {
+    if (!resumes_) report_.files.clear();
+    for (const auto& [name, own] : files) {
+      std::vector<std::string>& all = report_.files[name];
+      std::ranges::copy_if(own, std::back_inserter(all),
+                           [&](const std::string& file) { return std::ranges::find(all, file) == all.end(); });
+    }
+    write_report();
+  };
+  writer_.emplace(std::move(desc));
+}
+
+void Run::write_report() {
+  report_.wall_s = static_cast<double>(now_ns() - start_ns_) / 1e9;
+  write_file(report_file(options_, report_), to_json(report_));
+}
+
+/// Computes and writes the frames until a signal comes. Resets `loading` after the first frame.
+void Run::make_frames(std::optional<LoadingBar>& loading) {
+  const Shard shard = report_.shard.value_or(Shard{});
+  ProgressBar progress(std::cerr, shows_progress(options_),
+                       shard.share_of(options_.frames) - shard.share_of(first_frame_),
+                       std::chrono::steady_clock::now());
+  const bool skips = first_frame_ == 0 || can_skip(simulation_);
+  for (std::uint64_t frame = 0; frame < options_.frames && received_signal() == nullptr; ++frame) {
+    const FrameTime time = simulation_.next_frame();
+    if (trajectory_) trajectory_->apply(static_cast<double>(time.time_ns) / 1e9, simulation_.parameters());
+    if (!shard.has(frame) || (frame < first_frame_ && skips)) {
+      simulation_.skip_frame();
+      continue;
+    }
+    const std::int64_t start_ns = now_ns();
+    simulation_.step();
+    const std::int64_t measured_ns = now_ns();
+    loading.reset();
+    if (frame < first_frame_) continue;
+    report_.frame_ms.push_back(static_cast<double>(measured_ns - start_ns) / 1e6);
+    if (!writer_) begin_output();
+    write_results(options_, simulation_, time, *writer_);
+    report_.next_frame = frame + 1;
+    if (profile_) add_frame(*profile_, frame, simulation_);
+    progress.update(report_.frame_ms.size(), std::chrono::steady_clock::now());
+  }
+}
+
+void Run::finish() {
+  if (!writer_ && received_signal() != nullptr) return;
+  if (!writer_) begin_output();
+  if (options_.explain && received_signal() == nullptr) print_explanation(simulation_);
+  writer_->finish();
+  if (profile_) profile_->commit();
+  if (received_signal() == nullptr) report_.next_frame = options_.frames;
+  report_.status = report_.next_frame == options_.frames ? "complete" : "stopped";
+  report_.sensors = with_bounds(simulation_);
+  for (SensorInfo& sensor : report_.sensors) {
+    if (sensor.enabled) sensor.frames = writer_->frames(sensor.name);
+  }
+  write_report();
+  if (!options_.quiet) print_closing(options_, *writer_, report_);
+}
+
+void Run::fail() {
+  if (!writer_) return;
+  try {
+    writer_->finish();
+  } catch (const Error&) {  // the exception that ended the run is the one to report
+  }
+  try {
+    report_.status = "failed";
+    write_report();
+  } catch (const Error&) {  // as on a full disk: the report then says "running", as after a kill
+  }
+}
+
+/// Says in what the device and the program differ from those of the run that is made again.
+void print_differences(const EarlierRun& run, const RunReport& report) {
+  const std::map<std::string, std::string> now = depends_on(to_json(report));
+  for (const char* const key : {"device", "driver", "versions"}) {
+    const auto before = run.depends.find(key);
+    if (before == run.depends.end() || before->second == now.at(key)) continue;
+    std::cerr << "warning: " << run.report.string() << ": " << key << " was " << before->second << " and is "
+              << now.at(key) << ", so the results may differ\n";
+  }
+}
+
+}  // namespace
+
+int run_scene(const Options& options, std::int64_t start_ns) {
+  std::optional<EarlierRun> again;
+  if (!options.again.empty()) {
+    again = read_report(options.again);
+    in_option("--again", [&] { require_same_inputs(*again); });
+  }
+  std::optional<LoadingBar> loading;
+  loading.emplace(std::cerr, shows_progress(options));
+  Simulation simulation = load(options, loading);
+  loading->clear_line();
+  print_warnings(options, simulation);
+  const std::optional<Trajectory> trajectory = read_trajectory(options, simulation);
+  for (const std::string& part : options.poses) {
+    in_option("--poses", [&] { simulation.track_part(part); });
+  }
+  Run run(options, simulation, trajectory, start_ns);
+  if (again) print_differences(*again, run.report());
+  defer_signals();
+  if (!run.prepare()) return 0;
+  try {
+    run.make_frames(loading);
+    loading.reset();
+    run.finish();
+  } catch (...) {
+    run.fail();
+    throw;
+  }
+  if (const char* const signal = received_signal(); signal != nullptr && run.report().status != "complete") {
+    std::cerr << "simvis-run: stopped by a signal (" << signal << ") before frame " << run.report().next_frame << " of "
+              << options.frames << "; --resume goes on\n";
+    return kExitStopped;
+  }
+  if (options.summary) print_summary(options, std::move(simulation), trajectory, run.report());
+  return 0;
+}
+
+}  // namespace simvis

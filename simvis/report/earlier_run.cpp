@@ -1,0 +1,160 @@
+#include "simvis/report/earlier_run.h"
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include <simvis/error.h>
+#include "simvis/output/atomic_file.h"
+#include "simvis/output/pose_files.h"
+
+namespace simvis {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kDependsOn[] = {"scene", "seed",    "rate_hz", "set",    "trajectory", "inputs",
+                                      "shard", "formats", "poses",   "device", "driver",     "versions"};
+
+std::string read_text_of(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) throw InputError(file.string() + ": error: cannot be read");
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+/// A name from a report leads to a file below the folder of the run.
+bool stays_below(const std::filesystem::path& name) {
+  return !name.empty() && name.is_relative() &&
+         std::ranges::none_of(name, [](const auto& each) { return each == ".." || each == "." || each.empty(); });
+}
+
+std::map<std::string, std::string> depends_on(const Json& json) {
+  std::map<std::string, std::string> result;
+  for (const char* key : kDependsOn) {
+    if (json.contains(key)) result[key] = json[key].dump();
+  }
+  const Json sensors = json.value("sensors", Json::object());
+  for (const auto& [name, sensor] : sensors.items()) {
+    result["sensors." + name] =
+        sensor.value("attributes", Json()).dump() + (sensor.value("enabled", true) ? "" : " off");
+  }
+  return result;
+}
+
+}  // namespace
+
+std::map<std::string, std::string> depends_on(const std::string& report_json) {
+  return depends_on(Json::parse(report_json));
+}
+
+EarlierRun read_report(const std::filesystem::path& report) {
+  const std::string text = read_text_of(report);
+  try {
+    const Json json = Json::parse(text);
+    json.at("versions").at("simvis");  // throws for other files of this name
+    EarlierRun run{.report = report,
+                   .status = json.value("status", ""),
+                   .frames_wanted = json.value("frames_wanted", std::uint64_t{0}),
+                   .next_frame = json.value("next_frame", std::uint64_t{0}),
+                   .command = json.value("command", std::vector<std::string>()),
+                   .inputs = json.value("inputs", FileHashes()),
+                   .files = json.value("files", RunFiles()),
+                   .depends = depends_on(json)};
+    for (const auto& [name, files] : run.files) {
+      for (const std::string& file : files) {
+        if (!stays_below(file)) throw InputError(report.string() + ": error: \"" + file + "\" is no file of a run");
+      }
+    }
+    return run;
+  } catch (const Json::exception&) {
+    throw InputError(report.string() + ": error: is no report of a run, expected a run.json that simvis-run wrote");
+  }
+}
+
+std::optional<EarlierRun> find_earlier_run(const std::filesystem::path& report) {
+  std::error_code error;
+  if (!std::filesystem::exists(report, error)) return std::nullopt;
+  return read_report(report);
+}
+
+std::vector<std::filesystem::path> written_files(const EarlierRun& run, const std::string& suffix) {
+  const std::filesystem::path folder = run.report.parent_path();
+  std::vector<std::filesystem::path> others, poses;
+  for (const auto& [name, files] : run.files) {
+    const std::filesystem::path table = pose_csv(folder / (name + "_poses" + suffix));
+    const std::vector<std::uint64_t> frames = frames_of(table);
+    for (const std::string& file : files) {
+      const std::filesystem::path path = folder / file;
+      if (path.stem() == "*") {
+        for (const std::uint64_t frame : frames) {
+          others.push_back(path.parent_path() / (frame_name(frame) + path.extension().string()));
+        }
+      } else {
+        (path.stem() == table.stem() ? poses : others).push_back(path);
+      }
+    }
+  }
+  others.insert(others.end(), poses.begin(), poses.end());
+  return others;
+}
+
+std::size_t remove_results(const EarlierRun& run, const std::string& suffix) {
+  std::size_t removed = 0;
+  std::set<std::filesystem::path> folders;
+  std::error_code error;
+  const auto remove = [&](const std::filesystem::path& file) {
+    removed += std::filesystem::remove(file, error) ? 1 : 0;
+    if (error) throw_file_error(file, "cannot be removed", error.value());
+  };
+  for (const std::filesystem::path& file : written_files(run, suffix)) {
+    remove(file);
+    folders.insert(file.parent_path());
+  }
+  folders.erase(run.report.parent_path());
+  for (const std::filesystem::path& folder : folders) {
+    std::filesystem::remove(folder, error);  // fails if something else lies in it
+  }
+  remove(run.report);
+  return removed;
+}
+
+std::uint64_t first_missing_frame(const EarlierRun& run, const std::string& suffix) {
+  if (run.status == "complete" || run.status == "stopped") return run.next_frame;
+  std::uint64_t last = 0;
+  for (const auto& [name, files] : run.files) {
+    const std::vector<std::uint64_t> frames =
+        frames_of(pose_csv(run.report.parent_path() / (name + "_poses" + suffix)));
+    if (!frames.empty()) last = std::max(last, frames.back());
+  }
+  return last;
+}
+
+void require_same_inputs(const EarlierRun& run) {
+  for (const auto& [file, recorded] : run.inputs) {
+    const std::string now = sha256_of(file);
+    if (now == recorded) continue;
+    throw InputError(file + ": error: has changed: its SHA-256 is " + now + ", expected " + recorded + " as in " +
+                     run.report.string());
+  }
+}
+
+void require_same_run(const EarlierRun& run, const std::map<std::string, std::string>& depends) {
+  std::set<std::string> keys;
+  for (const auto* const all : {&run.depends, &depends}) {
+    for (const auto& [key, value] : *all) keys.insert(key);
+  }
+  const auto text = [](const std::map<std::string, std::string>& all, const std::string& key) {
+    const auto found = all.find(key);
+    return found == all.end() ? std::string("nothing") : found->second;
+  };
+  for (const std::string& key : keys) {
+    if (text(run.depends, key) == text(depends, key)) continue;
+    throw InputError("the run in " + run.report.string() + " was made with another \"" + key +
+                     "\": " + text(run.depends, key) + ", and this one has " + text(depends, key));
+  }
+}
+
+}  // namespace simvis

@@ -1,0 +1,42 @@
+// What a run depends on: files and their hashes, the attributes of sensors, the machine.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <simvis/command.h>
+
+namespace simvis {
+
+/// The SHA-256 of a file's content, in hexadecimal, as the program sha256sum prints it. Throws InputError if the file
+/// cannot be read.
+std::string sha256_of(const std::filesystem::path& file);
+
+/// Names of files and the hashes of their contents.
+using FileHashes = std::map<std::string, std::string>;
+
+/// Files below the working folder are named from there, so that the names also hold for a copy of that folder.
+FileHashes hashes_of(std::span<const std::filesystem::path> files);
+
+using NamedTexts = std::vector<std::pair<std::string, std::string>>;
+
+/// The attributes of a sensor's command.
+NamedTexts given_attributes(const Command& sensor);
+
+/// The attributes that the command does not give and that have a default, with it.
+NamedTexts default_attributes(const Command& sensor);
+
+/// The machine that a run was made on.
+struct HostInfo {
+  std::string name,      ///< in the network
+      system,            ///< operating system, its version, kind of processor
+      processor;         ///< model; empty if it is unknown
+  unsigned threads = 0;  ///< of the processor
+};
+HostInfo host_info();
+
+}  // namespace simvis

@@ -1,0 +1,113 @@
+// run.json holds all that a run depends on: from it alone the same bytes are made again.
+#include <doctest/doctest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "simvis/report/run_inputs.h"
+#include "tests/support/run_process.h"
+#include "tests/support/tested_build.h"
+#include "tests/support/wall_scene.h"
+
+TEST_SUITE_BEGIN("simvis");
+
+namespace simvis {
+namespace {
+
+namespace fs = std::filesystem;
+using Strings = std::vector<std::string>;
+
+const std::string kProgram = tested_build() + "/bin/simvis-run";
+
+constexpr std::string_view kScene = R"(
+<element type="pose" name="MOVE" insert_at="ROOT"/>
+<sensor type="laser_scanner" name="SCAN" insert_at="ROOT" samples="31" min_angle="-60" max_angle="60"
+        range_noise="0.01"/>
+<sensor type="camera" name="CAM" insert_at="ROOT" width="16" height="12" outputs="color depth" read_noise_e="5"/>
+<sensor type="psd" name="OFF" insert_at="ROOT"/>)";
+
+/// A folder like a clone of a project: programs run in it, and all names are relative to it.
+struct Project {
+  TemporaryFolder folder;
+  Project() {
+    write_wall_scene(folder.path(), kScene);
+    write_text(folder / "drive.csv", "time_s,MOVE.x\n0,0\n1,1\n");
+  }
+  ProcessResult run(const std::string& arguments) const {
+    return Process({"/bin/sh", "-c", "cd \"$0\" && exec " + kProgram + " " + arguments, folder.path().string()}).wait();
+  }
+};
+
+TEST_CASE("a run made again in another copy of its files has the same bytes") {
+  const Project first, second;
+  REQUIRE(first
+              .run("scene.xml --frames 4 --rate 10 --seed 5 --trajectory drive.csv --set MOVE.y=-1 --sensor SCAN "
+                   "--sensor CAM --method planar --format csv,ply --poses WALL --threads 1 --quiet")
+              .exit_code == 0);
+  const auto json = nlohmann::json::parse(read_text(first.folder / "out/run.json"));
+  CHECK(json["set"] == nlohmann::json{"MOVE.y=-1"});
+  CHECK(json["trajectory"]["file"] == "drive.csv");
+  CHECK(json["trajectory"]["sha256"] == sha256_of(first.folder / "drive.csv"));
+  CHECK(json["inputs"].size() == 3);
+  for (const char* input : {"scene.xml", "wall.gltf", "drive.csv"}) {
+    CHECK(json["inputs"][input] == sha256_of(first.folder / input));
+  }
+  CHECK(json["sensors"]["SCAN"]["attributes"]["method"] == "planar");
+  CHECK(json["sensors"]["SCAN"]["defaults"]["range_max"] == "80");
+  CHECK(json["sensors"]["OFF"]["enabled"] == false);
+  CHECK(json["warnings"].empty());
+  CHECK(json["host"]["threads"].get<int>() > 0);
+
+  fs::copy(first.folder / "out/run.json", second.folder / "the_run.json");
+  const ProcessResult again = second.run("--again the_run.json --out again --quiet");
+  INFO(again.err);
+  REQUIRE(again.exit_code == 0);
+  CHECK(again.err == "");
+  const Strings files = files_below(first.folder / "out");
+  CHECK(files == files_below(second.folder / "again"));
+  CHECK(files.size() > 20);
+  for (const std::string& file : files) {
+    if (file == "run.json") continue;
+    CHECK_MESSAGE(read_text(first.folder / ("out/" + file)) == read_text(second.folder / ("again/" + file)), file);
+  }
+  // And once more from the report of the second run.
+  REQUIRE(second.run("--again again/run.json --out third --quiet").exit_code == 0);
+  CHECK(read_text(second.folder / "third/SCAN.csv") == read_text(first.folder / "out/SCAN.csv"));
+}
+
+TEST_CASE("a run is not made again from other files, and not with other options") {
+  const Project project;
+  REQUIRE(project.run("scene.xml --quiet").exit_code == 0);
+  std::ofstream(project.folder / "wall.gltf", std::ios::app) << "\n";
+  const ProcessResult changed = project.run("--again out/run.json --out again");
+  CHECK(changed.exit_code == 2);
+  CHECK(changed.err.find("--again: wall.gltf: error: has changed: its SHA-256 is ") != std::string::npos);
+  CHECK_FALSE(fs::exists(project.folder / "again"));
+  fs::remove(project.folder / "wall.gltf");
+  CHECK(project.run("--again out/run.json").err.find("wall.gltf: error: cannot be read") != std::string::npos);
+  const ProcessResult fixed = project.run("--again out/run.json --seed 3");
+  CHECK(fixed.exit_code == 2);
+  CHECK(fixed.err.find("--again: --seed is fixed by the run") != std::string::npos);
+  write_text(project.folder / "other.json", R"({"versions": {}})");
+  const ProcessResult other = project.run("--again other.json");
+  CHECK(other.exit_code == 2);
+  CHECK(other.err.find("other.json: error: is no report of a run") != std::string::npos);
+  // A run.json of somebody else is not taken for results.
+  write_text(project.folder / "taken/run.json", "");
+  fs::create_directory(project.folder / "taken");
+  write_text(project.folder / "taken/run.json", "{}");
+  write_wall_scene(project.folder.path(), kScene);
+  CHECK(project.run("scene.xml --out taken").exit_code == 2);
+  CHECK(read_text(project.folder / "taken/run.json") == "{}");
+}
+
+TEST_CASE("SHA-256 as FIPS 180-4 has it for \"abc\"") {
+  const TemporaryFolder folder;
+  write_text(folder / "abc", "abc");
+  CHECK(sha256_of(folder / "abc") == "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+}
+
+}  // namespace
+}  // namespace simvis
+
+TEST_SUITE_END();

@@ -1,0 +1,219 @@
+// --format: the files of each format, read by others (NumPy) or by their own definitions.
+#include "simvis/output/formats.h"
+
+#include <doctest/doctest.h>
+
+#include <OpenEXR/ImfDoubleAttribute.h>
+#include <OpenEXR/ImfMatrixAttribute.h>
+
+#include <cmath>
+#include <cstring>
+#include <sstream>
+
+#include <simvis/error.h>
+#include "simvis/output/depth_png_file.h"
+#include "tests/support/picture_files.h"
+#include "tests/support/run_process.h"
+#include "tests/support/skip.h"
+#include "tests/support/tested_build.h"
+#include "tests/support/wall_scene.h"
+
+TEST_SUITE_BEGIN("simvis");
+
+namespace simvis {
+namespace {
+
+namespace fs = std::filesystem;
+using Strings = std::vector<std::string>;
+
+// The wall is 4 m ahead of both; the middle beam of ring 1 meets it there, the last beams miss it.
+constexpr std::string_view kSensors = R"(
+<sensor type="camera" name="CAM" insert_at="ROOT" width="32" height="24" hfov="90" outputs="color depth"
+        pose_offset="0 1 0.5 0 0 0"/>
+<sensor type="laser_scanner" name="SCAN" insert_at="ROOT" samples="5" min_angle="-80" max_angle="80"
+        vertical_samples="3" vertical_min_angle="-10" vertical_max_angle="10" intensity="on" truth="range hit"/>
+<sensor type="psd" name="PSD" insert_at="ROOT"/>)";
+
+struct Written {
+  TemporaryFolder folder;
+  fs::path out = folder / "out";
+  explicit Written(const Strings& more) {
+    Strings arguments = {tested_build() + "/bin/simvis-run", write_wall_scene(folder.path(), kSensors).string(),
+                         "--out", out.string(), "--quiet"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const ProcessResult result = Process(arguments).wait();
+    INFO(result.err);
+    REQUIRE(result.exit_code == 0);
+  }
+};
+
+template <typename Number>
+std::vector<Number> numbers_of(const std::string& bytes) {
+  std::vector<Number> numbers(bytes.size() / sizeof(Number));
+  std::memcpy(numbers.data(), bytes.data(), numbers.size() * sizeof(Number));
+  return numbers;
+}
+
+TEST_CASE("values of --format") {
+  CHECK(parse_formats({}) == OutputFormats{});
+  const Strings bare = {"npy,jpeg"};
+  const OutputFormats some = parse_formats(bare);
+  CHECK(some.scan == std::set<std::string>{"npy"});
+  CHECK(some.depth == std::set<std::string>{"npy"});
+  CHECK(some.color == std::set<std::string>{"jpeg"});
+  const Strings named = {"depth=png", "scan=csv,ply"};
+  const OutputFormats kinds = parse_formats(named);
+  CHECK(kinds.depth == std::set<std::string>{"png"});
+  CHECK(kinds.scan == std::set<std::string>{"csv", "ply"});
+  CHECK(kinds.color == OutputFormats{}.color);
+  CHECK(kinds.color_beside_depth);
+  for (const char* wrong : {"gif", "", "scan=jpeg", "sound=png", "csv,", "depth"}) {
+    const Strings values = {wrong};
+    CHECK_THROWS_AS(parse_formats(values), InputError);
+  }
+}
+
+TEST_CASE("each format only if it is asked for") {
+  const Written plain({});
+  CHECK(files_below(plain.out) == Strings{"CAM.yaml", "CAM/000000.exr", "CAM/000000.png", "CAM_poses.csv",
+                                          "CAM_poses.tum", "PSD.csv", "PSD_poses.csv", "PSD_poses.tum", "SCAN.csv",
+                                          "SCAN_poses.csv", "SCAN_poses.tum", "run.json"});
+  CHECK(read_exr(plain.out / "CAM/000000.exr").channels.size() == 4);
+  // A PSD has no points: its table stays CSV.
+  const Written other({"--format", "color=jpeg", "--format", "depth=png", "--format", "scan=ply"});
+  CHECK(files_below(other.out) == Strings{"CAM.yaml", "CAM/000000.jpg", "CAM_depth/000000.png", "CAM_poses.csv",
+                                          "CAM_poses.tum", "PSD.csv", "PSD_poses.csv", "PSD_poses.tum",
+                                          "SCAN/000000.ply", "SCAN_poses.csv", "SCAN_poses.tum", "run.json"});
+  const Written exr({"--format", "color=png", "--format", "depth=exr", "--sensor", "CAM"});
+  CHECK(read_exr(exr.out / "CAM/000000.exr").channels.size() == 1);  // colour as asked: only PNG
+}
+
+TEST_CASE("depth as PNG is 4 m in every pixel, in the unit that is asked for") {
+  for (const auto& [unit, code] : {std::pair{"0.001", 4000}, std::pair{"0.01", 400}}) {
+    const Written run({"--format", "depth=png", "--depth-unit", unit, "--sensor", "CAM"});
+    const std::string png = read_text(run.out / "CAM_depth/000000.png");
+    CHECK(static_cast<int>(png[24]) == 16);  // bits, in the IHDR chunk
+    int width = 0, height = 0, channels = 0;
+    const std::unique_ptr<stbi_us, void (*)(void*)> pixels(
+        stbi_load_16((run.out / "CAM_depth/000000.png").c_str(), &width, &height, &channels, 0), stbi_image_free);
+    REQUIRE(pixels != nullptr);
+    REQUIRE(width == 32);
+    REQUIRE(height == 24);
+    CHECK(channels == 1);
+    int different = 0;
+    for (int i = 0; i < 32 * 24; ++i) different += pixels.get()[i] != code;
+    CHECK(different == 0);
+  }
+  CHECK(depth_code(INFINITY, 0.001) == 0);
+  CHECK(depth_code(65.535f, 0.001) == 65535);
+  CHECK(depth_code(65.536f, 0.001) == 0);
+  CHECK(depth_code(0.0004f, 0.001) == 0);
+}
+
+TEST_CASE("an EXR tells when, where and with what camera it was taken") {
+  const Written run({"--sensor", "CAM"});
+  Imf::InputFile file((run.out / "CAM/000000.exr").c_str());
+  const Imf::Header& header = file.header();
+  CHECK(header.typedAttribute<Imf::DoubleAttribute>("time_s").value() == 0);
+  const Imath::M44d pose = header.typedAttribute<Imf::M44dAttribute>("world_from_sensor").value();
+  CHECK(pose == Imath::M44d(1, 0, 0, 0, 0, 1, 0, 1, 0, 0, 1, 0.5, 0, 0, 0, 1));
+  const Imath::M33d camera = header.typedAttribute<Imf::M33dAttribute>("camera_matrix").value();
+  // 90 degrees over 32 pixels: fx = 16; centres at whole numbers.
+  constexpr double kRounding = 16 * 8 * 0x1p-53;
+  CHECK(std::abs(camera[0][0] - 16) <= kRounding);
+  CHECK(camera[0][2] == 15.5);
+  CHECK(camera[1][2] == 11.5);
+}
+
+TEST_CASE("poses and intrinsics") {
+  const Written run({});
+  CHECK(read_text(run.out / "CAM_poses.csv") ==
+        "frame,time_s,x_m,y_m,z_m,qx,qy,qz,qw\n0,0.000000000,0,1,0.5,0,0,0,1\n");
+  CHECK(read_text(run.out / "CAM_poses.tum") == "# time_s tx ty tz qx qy qz qw\n0.000000000 0 1 0.5 0 0 0 1\n");
+  CHECK(read_text(run.out / "CAM.yaml").find("image_width: 32\nimage_height: 24\n") == 0);
+}
+
+TEST_CASE("point clouds by their own definitions") {
+  const Written run({"--format", "csv,ply,pcd,bin", "--sensor", "SCAN"});
+  const std::string ply = read_text(run.out / "SCAN/000000.ply"), pcd = read_text(run.out / "SCAN/000000.pcd");
+  const std::vector<float> bin = numbers_of<float>(read_text(run.out / "SCAN/000000.bin"));
+  // 4 tan(80 degrees) = 22.7 m is beyond the wall's edge at 10 m: three of five columns meet it.
+  constexpr std::size_t kPoints = 9;
+  REQUIRE(bin.size() == 4 * kPoints);
+  for (std::size_t i = 0; i < kPoints; ++i) {
+    CHECK(std::abs(bin[4 * i] - 4) <= 8 * 0x1p-24);
+    CHECK(bin[4 * i + 3] > 0);  // intensity
+  }
+  CHECK(ply.find("element vertex 9\nproperty float x\nproperty float y\nproperty float z\nproperty int ring\n") !=
+        std::string::npos);
+  const std::string body = ply.substr(ply.find("end_header\n") + 11);
+  CHECK(body.size() % kPoints == 0);
+  CHECK(numbers_of<float>(body.substr(0, 12)) == std::vector<float>(bin.begin(), bin.begin() + 3));
+  CHECK(pcd.find("VERSION 0.7\nFIELDS x y z ring beam azimuth_deg elevation_deg range_m error_bound_m intensity "
+                 "true_range_m true_item true_primitive\n") != std::string::npos);
+  CHECK(pcd.find("WIDTH 9\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 9\nDATA binary\n") != std::string::npos);
+  CHECK(pcd.substr(pcd.find("DATA binary\n") + 12) == body);
+}
+
+TEST_CASE("truth: the range and the triangle that each beam meets") {
+  const Written run({"--sensor", "SCAN"});
+  std::istringstream table(read_text(run.out / "SCAN.csv"));
+  std::string line;
+  std::getline(table, line);
+  CHECK(line.ends_with(",intensity,true_range_m,true_item,true_primitive"));
+  int hits = 0;
+  while (std::getline(table, line)) {
+    std::istringstream row(line);
+    Strings cells;
+    for (std::string cell; std::getline(row, cell, ',');) cells.push_back(cell);
+    cells.resize(15);
+    if (cells[6] == "inf") {
+      CHECK(cells[12] == "inf");
+      CHECK(cells[13].empty());
+      continue;
+    }
+    ++hits;
+    CHECK(std::abs(std::stod(cells[6]) - std::stod(cells[12])) <= std::stod(cells[7]));
+    CHECK(cells[13] == "0");
+    CHECK((cells[14] == "0" || cells[14] == "1"));  // the wall's two triangles
+  }
+  CHECK(hits == 9);
+}
+
+TEST_CASE("NumPy reads arrays of scans and depth") {
+  if (Process({"/usr/bin/python3", "-c", "import numpy"}).wait().exit_code != 0) {
+    return test::skip("there is no NumPy of /usr/bin/python3");
+  }
+  const Written run({"--format", "csv,npy,npz,exr"});
+  const ProcessResult result = Process({"/usr/bin/python3", "-c", R"(
+import csv, numpy, sys
+out = sys.argv[1] + "/"
+rows = list(csv.DictReader(open(out + "SCAN.csv")))
+array, arrays = numpy.load(out + "SCAN/000000.npy"), numpy.load(out + "SCAN/000000.npz")
+names = [name for name in rows[0] if name not in ("frame", "time_s")]
+assert list(array.dtype.names) == names, array.dtype
+assert array.shape == (15,)
+for name in names:
+    for row, number, other in zip(rows, array[name], arrays[name]):
+        if row[name] == "":
+            assert number != number and other != other
+        elif name == "error_bound_m":
+            assert number <= float(row[name]) and number == numpy.float32(other)
+        else:
+            assert number == array.dtype[name].type(row[name]), (name, row[name], number)
+            assert number == array.dtype[name].type(other)
+assert arrays["frame"] == 0 and arrays["time_s"] == 0
+assert (arrays["world_from_sensor"] == numpy.eye(4)).all()
+depth = numpy.load(out + "CAM_depth/000000.npy")
+assert depth.shape == (24, 32) and depth.dtype == numpy.float32
+assert abs(depth - 4).max() < 1e-5
+)",
+                                        run.out.string()})
+                                   .wait();
+  CHECK_MESSAGE(result.exit_code == 0, result.err);
+}
+
+}  // namespace
+}  // namespace simvis
+
+TEST_SUITE_END();
