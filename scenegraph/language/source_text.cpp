@@ -14,8 +14,9 @@ unsigned char byte_at(std::string_view text, std::size_t i) {
   return i < text.size() ? static_cast<unsigned char>(text[i]) : 0;
 }
 
-// Returns the length of the UTF-8 sequence for a text character that starts at `i`, or 0 if there is none.
-std::size_t character_length(std::string_view text, std::size_t i) {
+}  // namespace
+
+std::size_t text_character_length(std::string_view text, std::size_t i) {
   const unsigned char first = byte_at(text, i);
   if (first < 0x80) return first >= 0x20 || first == '\t' || first == '\n' || first == '\r' ? 1 : 0;
   const std::size_t length = first >= 0xf0 ? 4 : first >= 0xe0 ? 3 : 2;
@@ -31,14 +32,12 @@ std::size_t character_length(std::string_view text, std::size_t i) {
   return overlong || surrogate || code > 0x10ffff ? 0 : length;
 }
 
-}  // namespace
-
 SourceText::SourceText(std::string_view text, std::string file) : file_(std::move(file)), line_starts_{0} {
   if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
   text_ = text;
   std::size_t i = 0;
   while (i < text.size()) {
-    const std::size_t length = character_length(text, i);
+    const std::size_t length = text_character_length(text, i);
     if (length == 0) {
       static constexpr char kDigits[] = "0123456789abcdef";
       const unsigned char byte = byte_at(text, i);

@@ -1,20 +1,24 @@
 #include "scenegraph/import/helper/assimp_file.h"
 
-#include <assimp/DefaultIOSystem.h>
 #include <assimp/config.h>
 
 #include <algorithm>
 #include <cstdint>
 #include <exception>
-#include <fstream>
 #include <new>
-#include <stdexcept>
+#include <sstream>
+#include <string>
 #include <system_error>
 #include <utility>
 
 #include <simvis/location.h>
+#include "scenegraph/import/helper/assimp_input.h"
 #include "scenegraph/import/helper/collada_check.h"
+#include "scenegraph/import/helper/collada_opacity.h"
+#include "scenegraph/import/helper/collada_pictures.h"
 #include "scenegraph/import/helper/collada_shapes.h"
+#include "scenegraph/import/helper/collada_text.h"
+#include "scenegraph/import/helper/collada_uv_sets.h"
 #include "scenegraph/import/helper/ply_check.h"
 #include "scenegraph/import/helper/stl_check.h"
 #include "scenegraph/language/xml_text.h"
@@ -23,44 +27,6 @@ namespace simvis {
 namespace {
 
 constexpr std::uintmax_t kMaxBytes = std::uintmax_t{1} << 30;
-
-std::string lower_case_ending(const std::filesystem::path& file) {
-  std::string ending = file.extension().string();
-  std::ranges::transform(ending, ending.begin(),
-                         [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-  return ending;
-}
-
-// Assimp 5.2 dereferences a null pointer if a material file sets a property before it names a material.
-void check_mtl(const char* file) {
-  std::ifstream stream(file);
-  std::string word;
-  while (stream >> word && word.starts_with('#')) std::getline(stream, word);
-  if (stream && word != "newmtl") {
-    throw std::runtime_error(std::string(file) + ": begins with " + in_quotes(word) + ", expected \"newmtl\"");
-  }
-}
-
-// Opens regular files only and records the names of missing files, because Assimp skips a missing material file without
-// a message. All files that an OBJ file opens in addition to itself are material files.
-class RecordingFiles : public Assimp::DefaultIOSystem {
- public:
-  RecordingFiles(std::string part, std::vector<std::string>& missing) : part_(std::move(part)), missing_(missing) {}
-
-  Assimp::IOStream* Open(const char* name, const char* mode) override {
-    std::error_code error;
-    if (!std::filesystem::is_regular_file(name, error)) {
-      missing_.emplace_back(name);
-      return nullptr;
-    }
-    if (name != part_ && lower_case_ending(part_) == ".obj") check_mtl(name);
-    return DefaultIOSystem::Open(name, mode);
-  }
-
- private:
-  std::string part_;
-  std::vector<std::string>& missing_;
-};
 
 void check_size(const std::filesystem::path& file) {
   std::error_code error;
@@ -82,6 +48,21 @@ std::string on_one_line(std::string text) {
   std::ranges::replace_if(
       text, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }, ' ');
   return text;
+}
+
+// Returns the XML that Assimp reads in place of the file.
+std::string prepared_collada(AssimpFile& read) {
+  XmlText text(read_collada_text(read));
+  check_collada(text);
+  set_collada_opacities(text, read);
+  remove_collada_textures_without_file(text, read);
+  const ColladaShapes shapes = reduce_to_shapes(text);
+  if (shapes.had_animations) read.warn("animations are not played; the rest pose is imported");
+  if (shapes.had_skins) read.warn("skins are not animated; skinned meshes are imported in their rest pose");
+  set_collada_uv_sets(text, read);
+  std::ostringstream xml;
+  text.document().save(xml, "", pugi::format_raw);
+  return xml.str();
 }
 
 void check_indices(const AssimpFile& read) {
@@ -112,8 +93,10 @@ void throw_if_memory_ran_out(const Assimp::Importer& importer) {
 
 void AssimpFile::fail(const std::string& message) const { fail_at({.file = file.string()}, message); }
 
-void AssimpFile::warn(const std::string& message) {
-  const std::string text = file.string() + ": " + message;
+void AssimpFile::warn(const std::string& message) { warn_at({.file = file.string()}, message); }
+
+void AssimpFile::warn_at(const Location& where, const std::string& message) {
+  const std::string text = to_string(where) + ": " + message;
   if (std::ranges::find(warnings, text) == warnings.end()) warnings.push_back(text);
 }
 
@@ -122,27 +105,21 @@ AssimpFile read_assimp_file(const std::filesystem::path& file, bool ignore_up_ax
   check_before_assimp(file, ending);
   AssimpFile read{
       .file = file, .is_collada = ending == ".dae", .importer = std::make_unique<Assimp::Importer>(), .warnings = {}};
-  std::vector<std::string> missing;
-  read.importer->SetIOHandler(new RecordingFiles(file.string(), missing));  // the importer deletes it
+  read.importer->SetIOHandler(new AssimpInput(read));  // the importer deletes it
   read.importer->SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
   read.importer->SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, ignore_up_axis);
   // Assimp's post-processing steps are off: its triangulation of a polygon has overlaps, and its vertex merging also
   // merges vertices that are only near each other.
   constexpr unsigned kNoSteps = 0;
   if (read.is_collada) {
-    const XmlText text = XmlText::read(file);
-    check_collada(text);
-    const ColladaShapes shapes = collada_shapes(text);
-    if (shapes.had_animations) read.warn("animations are not played; the rest pose is imported");
-    if (shapes.had_skins) read.warn("skins are not animated; skinned meshes are imported in their rest pose");
-    read.scene = read.importer->ReadFileFromMemory(shapes.xml.data(), shapes.xml.size(), kNoSteps, "dae");
+    const std::string xml = prepared_collada(read);
+    read.scene = read.importer->ReadFileFromMemory(xml.data(), xml.size(), kNoSteps, "dae");
   } else {
     read.scene = read.importer->ReadFile(file.string(), kNoSteps);
   }
   read.importer->SetIOHandler(nullptr);
   throw_if_memory_ran_out(*read.importer);
   if (read.scene == nullptr) read.fail(on_one_line(read.importer->GetErrorString()));
-  for (const std::string& name : missing) read.warn("there is no material file " + in_quotes(name));
   if (read.scene->mRootNode == nullptr) read.fail("holds nothing to draw");
   check_indices(read);
   return read;

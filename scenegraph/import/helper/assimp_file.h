@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include <simvis/location.h>
+
 namespace simvis {
 
 /// A file during import. The indices of faces, meshes and materials are within bounds; numbers need not be finite.
@@ -23,6 +25,8 @@ struct AssimpFile {
   [[noreturn]] void fail(const std::string& message) const;
   /// Adds the warning "FILE: MESSAGE". Equal warnings are added once.
   void warn(const std::string& message);
+  /// Adds the warning "FILE:LINE:COLUMN: MESSAGE".
+  void warn_at(const Location& where, const std::string& message);
 };
 
 /// Faces may have any number of corners. COLLADA is converted to Y-up and metres by its <up_axis> and <unit>; with
