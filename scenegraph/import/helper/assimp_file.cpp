@@ -19,6 +19,7 @@
 #include "scenegraph/import/helper/collada_shapes.h"
 #include "scenegraph/import/helper/collada_text.h"
 #include "scenegraph/import/helper/collada_uv_sets.h"
+#include "scenegraph/import/helper/obj_text.h"
 #include "scenegraph/import/helper/ply_check.h"
 #include "scenegraph/import/helper/stl_check.h"
 #include "scenegraph/language/xml_text.h"
@@ -38,10 +39,14 @@ void check_size(const std::filesystem::path& file) {
 }
 
 // Checks for errors that Assimp would accept, repair or crash on.
-void check_before_assimp(const std::filesystem::path& file, const std::string& ending) {
-  check_size(file);
-  if (ending == ".ply") check_ply(file);
-  if (ending == ".stl") check_stl(file);
+void check_before_assimp(AssimpFile& read, const std::string& ending) {
+  check_size(read.file);
+  if (ending == ".ply") read.prepared = check_ply(read);
+  if (ending == ".obj") read.prepared = prepared_obj(read);
+  if (ending == ".stl" && check_stl(read)) {
+    read.has_colors = false;
+    read.warn("facets are marked as coloured, but every colour is 0; no colour is read");
+  }
 }
 
 std::string on_one_line(std::string text) {
@@ -102,9 +107,11 @@ void AssimpFile::warn_at(const Location& where, const std::string& message) {
 
 AssimpFile read_assimp_file(const std::filesystem::path& file, bool ignore_up_axis) {
   const std::string ending = lower_case_ending(file);
-  check_before_assimp(file, ending);
-  AssimpFile read{
-      .file = file, .is_collada = ending == ".dae", .importer = std::make_unique<Assimp::Importer>(), .warnings = {}};
+  AssimpFile read;
+  read.file = file;
+  read.is_collada = ending == ".dae";
+  read.importer = std::make_unique<Assimp::Importer>();
+  check_before_assimp(read, ending);
   read.importer->SetIOHandler(new AssimpInput(read));  // the importer deletes it
   read.importer->SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
   read.importer->SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, ignore_up_axis);

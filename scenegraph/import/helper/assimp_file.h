@@ -6,6 +6,7 @@
 #include <assimp/Importer.hpp>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,8 @@ struct AssimpFile {
   bool is_collada = false;
   std::unique_ptr<Assimp::Importer> importer;  ///< owns the scene
   const aiScene* scene = nullptr;
+  bool has_colors = true;               ///< false: the vertex colours of the scene are none
+  std::optional<std::string> prepared;  ///< what Assimp reads in place of the file, if it would misread the file
   std::vector<std::string> warnings;
 
   /// Throws InputError "FILE: error: MESSAGE".

@@ -36,18 +36,19 @@ Assimp::IOStream* AssimpInput::Open(const char* name, const char* mode) {
     file_.warn("there is no material file " + in_quotes(name));
     return nullptr;
   }
-  if (!is_obj_) return DefaultIOSystem::Open(name, mode);
-  const auto [known, is_new] = prepared_.try_emplace(name);
-  if (is_new) known->second = prepared(name);
-  if (!known->second) return DefaultIOSystem::Open(name, mode);
-  const std::string& text = *known->second;
+  const std::optional<std::string>& prepared = file_.file == name ? file_.prepared : material_file(name);
+  if (!prepared) return DefaultIOSystem::Open(name, mode);
+  const std::string& text = *prepared;
   return new Assimp::MemoryIOStream(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
 }
 
-std::optional<std::string> AssimpInput::prepared(const char* name) {
-  if (file_.file == name) return prepared_obj(name, file_);
-  check_mtl(name);
-  return prepared_mtl(name, file_);
+const std::optional<std::string>& AssimpInput::material_file(const char* name) {
+  const auto [known, is_new] = material_files_.try_emplace(name);
+  if (is_new && is_obj_) {
+    check_mtl(name);
+    known->second = prepared_mtl(name, file_);
+  }
+  return known->second;
 }
 
 std::string lower_case_ending(const std::filesystem::path& file) {

@@ -13,8 +13,8 @@
 namespace simvis {
 
 /// Opens regular files only and warns of missing ones, because Assimp skips a missing material file without a message.
-/// All files that an OBJ file opens in addition to itself are material files. OBJ and material files are prepared where
-/// Assimp would misread them. `file` must outlive this object.
+/// All files that an OBJ file opens in addition to itself are material files, which are prepared where Assimp would
+/// misread them. `file` must outlive this object.
 class AssimpInput : public Assimp::DefaultIOSystem {
  public:
   explicit AssimpInput(AssimpFile& file);
@@ -22,11 +22,11 @@ class AssimpInput : public Assimp::DefaultIOSystem {
   Assimp::IOStream* Open(const char* name, const char* mode) override;
 
  private:
-  std::optional<std::string> prepared(const char* name);
+  const std::optional<std::string>& material_file(const char* name);
 
   AssimpFile& file_;
   bool is_obj_ = false;
-  std::map<std::string, std::optional<std::string>> prepared_;  // texts that Assimp reads in place of files
+  std::map<std::string, std::optional<std::string>> material_files_;  // what Assimp reads in place of them
 };
 
 /// The file name extension in lower case, with its dot.

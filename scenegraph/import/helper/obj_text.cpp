@@ -171,13 +171,13 @@ class MtlOpacities {
 
 }  // namespace
 
-std::optional<std::string> prepared_obj(const std::filesystem::path& obj, AssimpFile& file) {
-  const int first = first_superfluous_face(obj);
+std::optional<std::string> prepared_obj(AssimpFile& file) {
+  const int first = first_superfluous_face(file.file);
   if (first == 0) return std::nullopt;
-  file.warn_at({.file = obj.string(), .line = first},
+  file.warn_at({.file = file.file.string(), .line = first},
                "faces name texture coordinates, but the file has none; they are left out");
   std::string prepared, text;
-  std::ifstream stream(obj, std::ios::binary);
+  std::ifstream stream(file.file, std::ios::binary);
   while (std::getline(stream, text)) {
     std::string_view line = text;
     if (take_word(line) == "f") {

@@ -11,7 +11,7 @@ namespace simvis {
 
 /// The text without the texture coordinates of faces if faces name some and the file has none, with a warning; nothing
 /// if the file can be read as it is. Assimp refuses such files.
-std::optional<std::string> prepared_obj(const std::filesystem::path& obj, AssimpFile& file);
+std::optional<std::string> prepared_obj(AssimpFile& file);
 
 /// The text with one `d` for each material whose opacity is not what Assimp reads, each with a warning that has the
 /// place; nothing if there is no such material. MeshLab writes the opacity as `Tr`; of `d` and `Tr` that contradict
