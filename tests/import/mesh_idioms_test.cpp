@@ -100,7 +100,8 @@ TEST_CASE("PLY: nothing uses the number of a property that is none") {
   CHECK(total(loaded.list).surface_m2 == 0.5);
   CHECK(loaded.warnings.empty());
   write_text(folder / "x.ply", head + tail + "nan 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
-  CHECK(contains(error_of([&] { load(folder / "x.ply"); }), "x.ply:10: error: element vertex 0 has a value that is no"));
+  CHECK(
+      contains(error_of([&] { load(folder / "x.ply"); }), "x.ply:10: error: element vertex 0 has a value that is no"));
 }
 
 TEST_CASE("COLLADA: a file without a scene says so") {
