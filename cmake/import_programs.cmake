@@ -40,7 +40,8 @@ endfunction()
 
 set(helper ${PROJECT_SOURCE_DIR}/scenegraph/import/helper)
 simvis_import_program(mesh PkgConfig::assimp ${helper}/assimp_*.cpp ${helper}/collada_*.cpp ${helper}/mesh_reader.cpp
-                      ${helper}/ply_check.cpp ${helper}/polygon.cpp ${helper}/stl_check.cpp ${helper}/vertex_numbers.cpp)
+                      ${helper}/obj_text.cpp ${helper}/ply_check.cpp ${helper}/polygon.cpp ${helper}/stl_check.cpp
+                      ${helper}/vertex_numbers.cpp)
 if(Coin_FOUND)
-  simvis_import_program(inventor Coin::Coin ${helper}/inventor_*.cpp)
+  simvis_import_program(inventor Coin::Coin ${helper}/inventor/*.cpp)
 endif()

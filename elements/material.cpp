@@ -34,6 +34,10 @@ constexpr AttributeSpec kMaterialAttributes[] = {
     emission("emission_red"),
     emission("emission_green"),
     emission("emission_blue"),
+    {.name = "fixed_opacity",
+     .text = "opacity in place of the file's, before the factor `opacity` applies; default: the file's",
+     .min = 0,
+     .max = 1},
     {.name = "reflectance",
      .text = "share of laser light that is reflected; default: the mean of the linear base colour",
      .min = 0,
@@ -79,6 +83,7 @@ void check_name(const AttributeValues& attributes, const std::vector<std::shared
 
 MaterialElement::MaterialElement(const ElementContext& context) {
   const AttributeValues& attributes = context.attributes;
+  if (attributes.is_set("fixed_opacity")) fixed_opacity_ = static_cast<float>(attributes.number("fixed_opacity"));
   if (attributes.is_set("reflectance")) reflectance_ = static_cast<float>(attributes.number("reflectance"));
   if (attributes.is_set("retro_reflectance")) {
     retro_reflectance_ = static_cast<float>(attributes.number("retro_reflectance"));
@@ -106,6 +111,7 @@ void MaterialElement::update(ParameterView values) {
                               .mirror = static_cast<float>(values[8]),
                               .transmission = static_cast<float>(values[9]),
                               .refractive_index = static_cast<float>(values[10]),
+                              .fixed_opacity = fixed_opacity_,
                               .reflectance = reflectance_,
                               .retro_reflectance = retro_reflectance_};
   for (const Changed& changed : changed_) changed.node->set_change(changed.number, change);

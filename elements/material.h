@@ -7,6 +7,8 @@
 //          m^2) or cd/m^2, the unit of the scene's lights). The colour multiplies the texture, as glTF's base colour
 //          factor does. If the opacity is below 1 the surface is blended. If it is below one half, depth cameras and
 //          scanners see through the surface.
+// Opacity  `fixed_opacity` is not live. It replaces the file's opacity, and what else the file says about transparency
+//          except the cut-outs of masks, before the factors apply.
 // Lasers   `reflectance` and `retro_reflectance` are not live. They are absolute values for lasers, not factors,
 //          because a colour says little about the near infrared. If several elements set them on one material, the last
 //          one applies. `mirror` and `transmission` (see effects/scanner/specular_path.h) are shares: each turns this
@@ -37,7 +39,7 @@ class MaterialElement : public Element {
     std::size_t number;
   };
   std::vector<Changed> changed_;
-  std::optional<float> reflectance_, retro_reflectance_;
+  std::optional<float> fixed_opacity_, reflectance_, retro_reflectance_;
 };
 
 }  // namespace simvis

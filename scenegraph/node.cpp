@@ -110,6 +110,13 @@ void MaterialNode::show() {
   glm::dvec3 color(1), emission(material_->emissive);
   double opacity = material_->opacity, roughness = material_->roughness;
   double mirror = material_->mirror, transmission = material_->transmission, index = material_->refractive_index;
+  auto shown = std::make_shared<Material>(*material_);
+  for (const MaterialChange& change : changes_) {
+    if (!change.fixed_opacity) continue;
+    opacity = *change.fixed_opacity;
+    shown->base_color.a = 1;
+    if (shown->alpha_mode == AlphaMode::blend) shown->alpha_mode = AlphaMode::opaque;
+  }
   for (const MaterialChange& change : changes_) {
     color *= glm::dvec3(change.color);
     emission += glm::dvec3(change.emission);
@@ -119,8 +126,7 @@ void MaterialNode::show() {
     transmission += (1 - transmission) * change.transmission;
     index *= change.refractive_index;
   }
-  auto shown = std::make_shared<Material>(*material_);
-  shown->base_color = glm::vec4(glm::dvec4(glm::dvec3(material_->base_color) * color, material_->base_color.a));
+  shown->base_color = glm::vec4(glm::dvec4(glm::dvec3(material_->base_color) * color, shown->base_color.a));
   shown->emissive = glm::vec3(emission);
   shown->opacity = static_cast<float>(opacity);
   shown->roughness = static_cast<float>(roughness);

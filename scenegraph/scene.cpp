@@ -24,6 +24,7 @@ constexpr AttributeSpec kPartAttributes[] = {
         .text = "which axis of the file points up; the format's own if not given",
         .choices = "y z",
     },
+    {.name = "opacity", .text = "opacity of all materials; the file's own if not given", .min = 0, .max = 1},
     {
         .name = "xacro_arguments",
         .kind = AttributeKind::text,
@@ -63,6 +64,14 @@ std::string without_error_word(std::string message) {
   constexpr std::string_view kWord = ": error: ";
   const std::size_t at = message.find(kWord);
   return at == std::string::npos ? message : message.replace(at, kWord.size(), ": ");
+}
+
+void set_opacity(const NodePtr& root, double opacity) {
+  for (const NodePtr& node : nodes_of(root)) {
+    if (node->kind() != NodeKind::material) continue;
+    auto& material = static_cast<MaterialNode&>(*node);
+    material.set_change(material.add_change(), {.fixed_opacity = static_cast<float>(opacity)});
+  }
 }
 
 std::vector<std::string> points_of(const NodePtr& root) {
@@ -115,6 +124,10 @@ const PartContent& Scene::insert_part(const Command& command, const std::string&
   insert_at(at, part.separator);
   parts_[name.value] = std::move(part);
   undo_.add([this, key = name.value] { parts_.erase(key); });
+  const AttributeValues attributes(command, kPartAttributes, kPartCommonAttributes);
+  if (attributes.is_set("opacity")) {
+    set_opacity(own_part(name.value, command.where).root, attributes.number("opacity"));
+  }
   return content;
 }
 

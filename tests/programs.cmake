@@ -17,7 +17,7 @@ endif()
 
 # support/ makes one library for all of them, with doctest's main.
 if(NOT SIMVIS_TESTS_FROM)
-  file(GLOB support CONFIGURE_DEPENDS support/*.cpp)
+  file(GLOB support CONFIGURE_DEPENDS support/*.cpp support/parts/*.cpp)
   add_library(simvis_test_support STATIC ${support})
   target_link_libraries(simvis_test_support PUBLIC simvis_internals)
   target_compile_definitions(simvis_test_support
@@ -57,7 +57,7 @@ foreach(room IN LISTS rooms)
   else()
     set(first simvis_${room}_test_objects)
     target_precompile_headers(${first} PRIVATE <doctest/doctest.h> <filesystem> <fstream> <glm/gtc/matrix_transform.hpp>
-                                               <random> <sstream> support/gltf_fixture.h <simvis/simulation.h>)
+                                               <random> <sstream> support/parts/gltf_fixture.h <simvis/simulation.h>)
   endif()
   target_link_libraries(${room}_tests PRIVATE simvis_internals
                         $<LINK_LIBRARY:WHOLE_ARCHIVE,simvis_${room}_test_objects> simvis_test_support ${opencv_${room}})
@@ -67,7 +67,7 @@ if(SIMVIS_TESTS_FROM)
   set(public_objects ${archives}/libsimvis_public_test_objects.a)
 else()
   file(GLOB sources CONFIGURE_DEPENDS public/*.cpp)
-  add_library(simvis_public_test_objects STATIC ${sources} support/test_main.cpp support/gltf_fixture.cpp
+  add_library(simvis_public_test_objects STATIC ${sources} support/test_main.cpp support/parts/gltf_fixture.cpp
                                                 support/temporary_folder.cpp support/wall_scene.cpp)
   target_include_directories(simvis_public_test_objects PRIVATE ${PROJECT_SOURCE_DIR})
   target_link_libraries(simvis_public_test_objects PUBLIC simvis nlohmann_json::nlohmann_json PkgConfig::stb)

@@ -147,11 +147,12 @@ struct MaterialChange {
       roughness = 1;      ///< factor of the roughness
   glm::vec3 emission{0};  ///< linear radiance, added
 
-  float mirror = 0,                    ///< turns this share of what is not yet mirror into mirror
-      transmission = 0;                ///< turns this share of what does not yet transmit into transmission
-  float refractive_index = 1;          ///< factor of the refractive index
-  std::optional<float> reflectance{},  ///< replaces the material's reflectance of laser light
-      retro_reflectance{};             ///< replaces the material's retro-reflectance of laser light
+  float mirror = 0,                      ///< turns this share of what is not yet mirror into mirror
+      transmission = 0;                  ///< turns this share of what does not yet transmit into transmission
+  float refractive_index = 1;            ///< factor of the refractive index
+  std::optional<float> fixed_opacity{},  ///< replaces the material's opacity and alphas; cut-outs of masks stay
+      reflectance{},                     ///< replaces the material's reflectance of laser light
+      retro_reflectance{};               ///< replaces the material's retro-reflectance of laser light
 
   bool operator==(const MaterialChange&) const = default;  ///< member by member
 };

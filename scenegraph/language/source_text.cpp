@@ -16,8 +16,9 @@ unsigned char byte_at(std::string_view text, std::size_t i) {
   return i < text.size() ? static_cast<unsigned char>(text[i]) : 0;
 }
 
-// Returns the length of the UTF-8 sequence for a text character that starts at `i`, or 0 if there is none.
-std::size_t character_length(std::string_view text, std::size_t i) {
+}  // namespace
+
+std::size_t text_character_length(std::string_view text, std::size_t i) {
   const unsigned char first = byte_at(text, i);
   if (first < 0x80) return first >= 0x20 || first == '\t' || first == '\n' || first == '\r' ? 1 : 0;
   const std::size_t length = first >= 0xf0 ? 4 : first >= 0xe0 ? 3 : 2;
@@ -33,8 +34,6 @@ std::size_t character_length(std::string_view text, std::size_t i) {
   return overlong || surrogate || code > 0x10ffff ? 0 : length;
 }
 
-}  // namespace
-
 SourceText::SourceText(std::string_view text, std::string file, const std::string& included_from)
     : file_(std::move(file)),
       included_from_(included_from.empty() ? nullptr : std::make_shared<const std::string>(included_from)),
@@ -43,7 +42,7 @@ SourceText::SourceText(std::string_view text, std::string file, const std::strin
   text_ = text;
   std::size_t i = 0;
   while (i < text.size()) {
-    const std::size_t length = character_length(text, i);
+    const std::size_t length = text_character_length(text, i);
     if (length == 0) {
       static constexpr char kDigits[] = "0123456789abcdef";
       const unsigned char byte = byte_at(text, i);

@@ -12,6 +12,10 @@
 
 namespace simvis {
 
+/// Returns the length in bytes of the text character that starts at `i`, or 0 if there is none: a broken UTF-8
+/// sequence, or a control character other than tabs and line ends. `i` is within the text.
+std::size_t text_character_length(std::string_view text, std::size_t i);
+
 /// UTF-8 text with lines that end in LF, CR LF or CR.
 class SourceText {
  public:

@@ -15,8 +15,8 @@ XmlText XmlText::read(const std::filesystem::path& file) { return XmlText(Source
 
 XmlText::XmlText(SourceText source) : source_(std::move(source)) {
   const std::string& text = source_.text();
-  const pugi::xml_parse_result result =
-      document_.load_buffer(text.data(), text.size(), pugi::parse_default, pugi::encoding_utf8);
+  const pugi::xml_parse_result result = document_.load_buffer(
+      text.data(), text.size(), pugi::parse_default | pugi::parse_trim_pcdata, pugi::encoding_utf8);
   if (!result) {
     fail_at(source_.at(static_cast<std::size_t>(std::max<std::ptrdiff_t>(result.offset, 0))),
             std::string("malformed XML: ") + result.description());

@@ -11,8 +11,8 @@
 #include <memory>
 
 #include <simvis/simulation.h>
-#include "tests/support/animated_part.h"
 #include "tests/support/error_of.h"
+#include "tests/support/parts/animated_part.h"
 
 TEST_SUITE_BEGIN("elements");
 

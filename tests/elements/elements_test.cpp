@@ -10,7 +10,7 @@
 #include <simvis/pose.h>
 #include "simvis/scene_builder.h"
 #include "tests/support/error_of.h"
-#include "tests/support/stub_part.h"
+#include "tests/support/parts/stub_part.h"
 
 TEST_SUITE_BEGIN("elements");
 

@@ -213,6 +213,39 @@ TEST_CASE("several elements on one part are combined, independent of the order o
   CHECK(metal.opacity == 0.5f);
 }
 
+TEST_CASE("an opacity that replaces the file's: of one part, of one material, before the factors") {
+  const PlatesOnDisk plates;
+  write_text(plates.folder / "glass.mtl", "newmtl glass\nd 0.25\n");
+  write_text(plates.folder / "glass.obj", "mtllib glass.mtl\nusemtl glass\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  const auto glass = [](const std::string& name, const std::string& attributes) {
+    return "<part file='glass.obj' name='" + name + "' insert_at='ROOT' " + attributes + "/>";
+  };
+  const auto element = [](const std::string& attributes) {
+    return "<element type='material' name='M' insert_at='ROOT' part='B' " + attributes + "/>";
+  };
+  BuiltScene parts = plates.build(glass("A", "") + glass("B", "opacity='1'") + glass("C", "opacity='0.5'"));
+  const auto material = [](const BuiltScene& built, const std::string& name, float opacity, float alpha,
+                           AlphaMode mode) {
+    CAPTURE(name);
+    const DrawList list = Flattener(built.scene.root()).update();
+    const std::size_t item = list.items.size() - 3 + static_cast<std::size_t>(name[0] - 'A');
+    const Material& shown = *list.materials.at(list.items.at(item).material);
+    CHECK(shown.opacity == opacity);
+    CHECK(shown.base_color.a == alpha);
+    CHECK(shown.alpha_mode == mode);
+  };
+  material(parts, "A", 1, 0.25f, AlphaMode::blend);
+  material(parts, "B", 1, 1, AlphaMode::opaque);
+  material(parts, "C", 0.5f, 1, AlphaMode::opaque);
+
+  BuiltScene changed_later =
+      plates.build(glass("A", "") + glass("B", "") + glass("C", "") + element("fixed_opacity='0.5' opacity='0.5'"));
+  after(changed_later, {{"M", 1}});
+  material(changed_later, "A", 1, 0.25f, AlphaMode::blend);
+  material(changed_later, "B", 0.25f, 1, AlphaMode::opaque);
+  CHECK(contains(error_of([&] { plates.build(glass("A", "opacity='2'")); }), "expected a number from 0 to 1"));
+}
+
 TEST_CASE("mistakes are refused and leave the part as it was") {
   const PlatesOnDisk plates;
   const auto error = [&](const std::string& commands) { return error_of([&] { plates.build(commands); }); };

@@ -7,8 +7,8 @@
 #include <optional>
 
 #include "tests/support/error_of.h"
+#include "tests/support/parts/stub_part.h"
 #include "tests/support/people_view.h"
-#include "tests/support/stub_part.h"
 
 TEST_SUITE_BEGIN("elements");
 

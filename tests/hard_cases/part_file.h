@@ -5,7 +5,7 @@
 #include <vector>
 
 #include <simvis/mesh.h>
-#include "tests/support/gltf_fixture.h"
+#include "tests/support/parts/gltf_fixture.h"
 
 namespace simvis {
 

@@ -3,8 +3,8 @@
 
 #include "scenegraph/flattener.h"
 #include "simvis/scene_builder.h"
-#include "tests/support/animated_part.h"
 #include "tests/support/error_of.h"
+#include "tests/support/parts/animated_part.h"
 
 TEST_SUITE_BEGIN("scenegraph/import");
 

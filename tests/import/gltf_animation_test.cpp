@@ -9,8 +9,8 @@
 
 #include <simvis/error.h>
 #include "scenegraph/part_player.h"
-#include "tests/support/animated_part.h"
 #include "tests/support/error_of.h"
+#include "tests/support/parts/animated_part.h"
 #include "tests/support/random_numbers.h"
 #include "tests/support/skip.h"
 

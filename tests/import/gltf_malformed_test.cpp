@@ -10,7 +10,7 @@
 #include <vector>
 
 #include <simvis/error.h>
-#include "tests/support/gltf_fixture.h"
+#include "tests/support/parts/gltf_fixture.h"
 #include "tests/support/random_numbers.h"
 #include "tests/support/skip.h"
 

@@ -8,7 +8,7 @@
 #include <string>
 
 #include <simvis/error.h>
-#include "tests/support/gltf_fixture.h"
+#include "tests/support/parts/gltf_fixture.h"
 #include "tests/support/skip.h"
 
 TEST_SUITE_BEGIN("scenegraph/import");

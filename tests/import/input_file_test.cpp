@@ -10,7 +10,7 @@
 #include <simvis/error.h>
 #include "scenegraph/import/gltf/gltf_accessors.h"
 #include "scenegraph/import/gltf/gltf_document.h"
-#include "tests/support/gltf_fixture.h"
+#include "tests/support/parts/gltf_fixture.h"
 
 TEST_SUITE_BEGIN("scenegraph/import");
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/support/inventor_fixture.h"
+#include "tests/support/parts/inventor_fixture.h"
 
 TEST_SUITE_BEGIN("scenegraph/import");
 

@@ -7,9 +7,9 @@
 
 #include <simvis/error.h>
 #include "scenegraph/import/helper/polygon.h"
-#include "tests/support/box_files.h"
 #include "tests/support/error_of.h"
-#include "tests/support/gltf_fixture.h"
+#include "tests/support/parts/box_files.h"
+#include "tests/support/parts/gltf_fixture.h"
 #include "tests/support/random_numbers.h"
 
 TEST_SUITE_BEGIN("scenegraph/import");

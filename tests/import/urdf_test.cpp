@@ -15,7 +15,7 @@
 #include "scenegraph/primitive_meshes.h"
 #include "simvis/scene_builder.h"
 #include "tests/support/error_of.h"
-#include "tests/support/gltf_fixture.h"
+#include "tests/support/parts/gltf_fixture.h"
 #include "tests/support/urdf_scene.h"
 
 TEST_SUITE_BEGIN("scenegraph/import");

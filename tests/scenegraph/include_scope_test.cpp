@@ -6,7 +6,7 @@
 #include "scenegraph/flattener.h"
 #include "simvis/live_scene.h"
 #include "tests/support/error_of.h"
-#include "tests/support/stub_part.h"
+#include "tests/support/parts/stub_part.h"
 
 TEST_SUITE_BEGIN("scenegraph");
 

@@ -11,7 +11,7 @@
 
 #include "scenegraph/flattener.h"
 #include "simvis/live_scene.h"
-#include "tests/support/stub_part.h"
+#include "tests/support/parts/stub_part.h"
 #include "tests/support/tested_build.h"
 
 TEST_SUITE_BEGIN("scenegraph");

@@ -12,7 +12,7 @@
 #include "scenegraph/primitive_meshes.h"
 #include "simvis/live_scene.h"
 #include "tests/support/error_of.h"
-#include "tests/support/stub_part.h"
+#include "tests/support/parts/stub_part.h"
 
 TEST_SUITE_BEGIN("scenegraph");
 

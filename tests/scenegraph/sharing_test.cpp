@@ -7,7 +7,7 @@
 #include <vector>
 
 #include <simvis/simulation.h>
-#include "tests/support/gltf_fixture.h"
+#include "tests/support/parts/gltf_fixture.h"
 
 TEST_SUITE_BEGIN("scenegraph");
 

@@ -8,7 +8,7 @@
 #include "sensors/laser_scanner/laser_scanner.h"
 #include "simvis/report/scan_variant.h"
 #include "tests/support/error_of.h"
-#include "tests/support/stub_part.h"
+#include "tests/support/parts/stub_part.h"
 #include "tests/support/temporary_folder.h"
 
 TEST_SUITE_BEGIN("sensors");

@@ -7,7 +7,7 @@
 #include "scenegraph/flattener.h"
 #include "scenegraph/same_graph.h"
 #include "tests/support/error_of.h"
-#include "tests/support/stub_part.h"
+#include "tests/support/parts/stub_part.h"
 
 TEST_SUITE_BEGIN("simvis");
 

@@ -13,7 +13,7 @@
 
 #include <simvis/simulation.h>
 #include "tests/support/error_of.h"
-#include "tests/support/gltf_fixture.h"
+#include "tests/support/parts/gltf_fixture.h"
 
 namespace simvis::test {
 

@@ -3,7 +3,7 @@
 #include <cstring>
 #include <vector>
 
-#include "tests/support/gltf_fixture.h"
+#include "tests/support/parts/gltf_fixture.h"
 #include "tests/support/temporary_folder.h"
 
 namespace simvis {

@@ -1,4 +1,4 @@
-// Reads mesh files (.dae .obj .ply .stl) with Assimp, after the checks that Assimp leaves out.
+// A mesh file while Assimp reads it, with its warnings and its errors.
 #pragma once
 
 #include <assimp/scene.h>
@@ -6,8 +6,11 @@
 #include <assimp/Importer.hpp>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
+
+#include <simvis/location.h>
 
 namespace simvis {
 
@@ -17,18 +20,16 @@ struct AssimpFile {
   bool is_collada = false;
   std::unique_ptr<Assimp::Importer> importer;  ///< owns the scene
   const aiScene* scene = nullptr;
+  bool has_colors = true;               ///< false: the vertex colours of the scene are none
+  std::optional<std::string> prepared;  ///< what Assimp reads in place of the file, if it would misread the file
   std::vector<std::string> warnings;
 
   /// Throws InputError "FILE: error: MESSAGE".
   [[noreturn]] void fail(const std::string& message) const;
   /// Adds the warning "FILE: MESSAGE". Equal warnings are added once.
   void warn(const std::string& message);
+  /// Adds the warning "FILE:LINE:COLUMN: MESSAGE".
+  void warn_at(const Location& where, const std::string& message);
 };
-
-/// Faces may have any number of corners. COLLADA is converted to Y-up and metres by its <up_axis> and <unit>; with
-/// `ignore_up_axis` only by its <unit>. Other formats are not converted.
-/// Throws InputError naming the file, and the place if known, if the file cannot be read, is too large, cut off or
-/// malformed.
-AssimpFile read_assimp_file(const std::filesystem::path& file, bool ignore_up_axis);
 
 }  // namespace simvis

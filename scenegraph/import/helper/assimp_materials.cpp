@@ -65,7 +65,6 @@ ImportedMaterial AssimpMaterials::convert(const aiMaterial& source) {
   float opacity = 1;
   source.Get(AI_MATKEY_OPACITY, opacity);
   if (!(opacity >= 0 && opacity <= 1)) file_.fail(subject + " has an opacity outside 0 to 1");
-  if (opacity == 0) file_.warn(subject + " is wholly transparent");
   material.base_color = glm::vec4(linear_color(file_, color, subject), opacity);
   if (opacity < 1) material.alpha_mode = AlphaMode::blend;
   aiColor4D emissive(0, 0, 0, 1);

@@ -52,7 +52,8 @@ Vertex read_vertex(const AssimpFile& file, const aiMesh& source, unsigned index)
     if (!std::isfinite(uv.x) || !std::isfinite(uv.y)) file.fail("a texture coordinate is not finite");
     vertex.attributes.uv[set] = {uv.x, 1 - uv.y};
   }
-  if (source.HasVertexColors(0)) vertex.attributes.color = read_color(file, source.mColors[0][index]);
+  if (file.has_colors && source.HasVertexColors(0))
+    vertex.attributes.color = read_color(file, source.mColors[0][index]);
   return vertex;
 }
 

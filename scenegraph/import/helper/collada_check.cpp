@@ -23,6 +23,7 @@ class ColladaCheck : public pugi::xml_tree_walker {
   void run() {
     pugi::xml_node document = text_.document();
     document.traverse(*this);
+    check_scene(document.child("COLLADA"));
     for (const pugi::xml_node& accessor : accessors_) check_accessor(accessor);
   }
 
@@ -45,6 +46,20 @@ class ColladaCheck : public pugi::xml_tree_walker {
                                   " is not allowed, expected a whole number from 0 to " + format_number(largest));
     }
     return value;
+  }
+
+  // Assimp says "File came out empty" to such a file.
+  void check_scene(const pugi::xml_node& collada) const {
+    if (!collada) fail_at({.file = text_.source().file()}, "has no element COLLADA");
+    const pugi::xml_node instance = collada.child("scene").child("instance_visual_scene");
+    if (!instance) fail_at(text_.at(collada), "has no <scene> with <instance_visual_scene>, so nothing is drawn");
+    const std::string_view url = instance.attribute("url").value();
+    for (const pugi::xml_node& library : collada.children("library_visual_scenes")) {
+      for (const pugi::xml_node& scene : library.children("visual_scene")) {
+        if (url.starts_with('#') && url.substr(1) == scene.attribute("id").value()) return;
+      }
+    }
+    fail_at(text_.at(instance), "there is no visual scene " + in_quotes(url));
   }
 
   static bool is_primitives(const pugi::xml_node& node) {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <span>
-#include <sstream>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -52,11 +52,9 @@ std::map<std::string, std::string> sources_of(const pugi::xml_node& collada) {
 
 }  // namespace
 
-ColladaShapes collada_shapes(const XmlText& text) {
+ColladaShapes reduce_to_shapes(XmlText& text) {
   ColladaShapes shapes;
-  pugi::xml_document document;
-  document.reset(text.document());
-  pugi::xml_node collada = document.child("COLLADA");
+  pugi::xml_node collada = text.document().child("COLLADA");
   const std::map<std::string, std::string> sources = sources_of(collada);
   shapes.had_animations = !collada.child("library_animations").empty();
 
@@ -82,9 +80,6 @@ ColladaShapes collada_shapes(const XmlText& text) {
     if (!is_one_of(kShown, library)) collada.remove_child(library);
     library = next;
   }
-  std::ostringstream xml;
-  document.save(xml, "", pugi::format_raw);
-  shapes.xml = xml.str();
   return shapes;
 }
 

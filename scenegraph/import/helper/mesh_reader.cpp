@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "scenegraph/import/helper/assimp_file.h"
+#include "scenegraph/import/helper/assimp_import.h"
 #include "scenegraph/import/helper/assimp_materials.h"
 #include "scenegraph/import/helper/assimp_meshes.h"
 #include "scenegraph/import/helper/part_reader.h"

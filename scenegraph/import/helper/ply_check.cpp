@@ -51,23 +51,52 @@ std::vector<std::string_view> words_of(std::string_view line) {
   return words;
 }
 
+// The numbers of these properties are used; those of all others may be anything.
+constexpr std::string_view kUsed[] = {"x",
+                                      "y",
+                                      "z",
+                                      "nx",
+                                      "ny",
+                                      "nz",
+                                      "s",
+                                      "t",
+                                      "u",
+                                      "v",
+                                      "texture_u",
+                                      "texture_v",
+                                      "red",
+                                      "green",
+                                      "blue",
+                                      "diffuse_red",
+                                      "diffuse_green",
+                                      "diffuse_blue",
+                                      "alpha"};
+
+bool is_no_number(std::string_view word) {
+  return word == "nan" || word == "-nan" || word == "inf" || word == "-inf" || word == "NaN" || word == "NAN";
+}
+
 bool is_index_list(const Property& property) {
   return property.name == "vertex_indices" || property.name == "vertex_index";
 }
 
 class PlyCheck {
  public:
-  PlyCheck(std::string_view bytes, std::string file) : bytes_(bytes), file_(std::move(file)) {}
+  PlyCheck(std::string_view bytes, AssimpFile& file) : bytes_(bytes), read_(file), file_(file.file.string()) {}
 
-  void run() {
+  std::optional<std::string> run() {
     read_header();
     check_elements();
+    const std::size_t body = at_;
     for (const Element& element : elements_) {
       for (std::uint64_t i = 0; i < element.count; ++i) check_instance(element, i);
     }
     while (encoding_ == Encoding::text && at_ < bytes_.size()) {
       if (!words_of(next_line()).empty()) fail("text after the last element, expected the end of the file");
     }
+    const bool is_cut = encoding_ != Encoding::text && body < bytes_.size() && bytes_[body] == '\n' && !ends_with_cr_;
+    if (!is_odd_ && !is_cut) return std::nullopt;
+    return "ply\n" + format_ + lines_ + (is_cut ? "end_header\r\n" : "end_header\n") + std::string(bytes_.substr(body));
   }
 
  private:
@@ -93,10 +122,22 @@ class PlyCheck {
     if (words_of(next_line()) != std::vector<std::string_view>{"ply"}) fail("expected a file that begins with \"ply\"");
     bool has_format = false;
     while (true) {
-      const std::vector<std::string_view> words = words_of(next_line());
-      if (words.empty()) fail("an empty line in the header");
-      if (words[0] == "comment" || words[0] == "obj_info") continue;
+      const std::string_view line = next_line();
+      const std::vector<std::string_view> words = words_of(line);
+      ends_with_cr_ = line.ends_with('\r');
+      if (words.empty()) {
+        leave_out("an empty line in the header");
+        continue;
+      }
+      is_odd_ = is_odd_ || (!has_format && words[0] != "format");
+      const std::string kept = std::string(line.substr(0, line.size() - (ends_with_cr_ ? 1 : 0))) + "\n";
+      // Assimp reads the name of a texture from a comment.
+      if (words[0] == "comment" || words[0] == "obj_info") {
+        lines_ += kept;
+        continue;
+      }
       if (words[0] == "end_header" && words.size() == 1) break;
+      (words[0] == "format" ? format_ : lines_) += kept;
       if (words[0] == "format" && words.size() == 3 && words[2] == "1.0" && !has_format) {
         has_format = true;
         read_format(words[1]);
@@ -104,11 +145,23 @@ class PlyCheck {
         add_element(words);
       } else if (words[0] == "property" && !elements_.empty() && (words.size() == 3 || words.size() == 5)) {
         add_property(words);
+      } else if (is_keyword(words[0])) {
+        fail("the header has a line that is not understood, beginning with " + in_quotes(words[0]));
       } else {
-        fail("the header has an unknown keyword, " + in_quotes(words[0]));
+        lines_.resize(lines_.size() - kept.size());
+        leave_out("a line of the header is not understood, beginning with " + in_quotes(words[0]));
       }
     }
     if (!has_format) fail("the header names no format, expected \"format ascii|binary_..._endian 1.0\"");
+  }
+
+  static bool is_keyword(std::string_view word) {
+    return word == "format" || word == "element" || word == "property" || word == "end_header";
+  }
+
+  void leave_out(const std::string& what) {
+    is_odd_ = true;
+    read_.warn_at({.file = file_, .line = line_}, what + "; it is left out");
   }
 
   void read_format(std::string_view name) {
@@ -189,10 +242,14 @@ class PlyCheck {
     std::size_t used = 0;
     if (encoding_ == Encoding::text) words = words_of(next_line());
     const auto subject = [&] { return "element " + std::string(element.name) + " " + std::to_string(index); };
-    const auto next = [&](const Type& type) {
+    const auto next = [&](const Type& type, bool may_be_nothing = false) {
       if (encoding_ != Encoding::text) return binary_value(type);
       double value = 0;
       if (used >= words.size()) fail(subject() + " has too few values");
+      if (may_be_nothing && is_no_number(words[used])) {
+        ++used;
+        return 0.0;
+      }
       if (!parse_number(words[used++], value)) fail(subject() + " has a value that is not a finite number");
       if (!type.is_float && value != std::floor(value)) fail(subject() + " has a value that is not a whole number");
       return value;
@@ -201,8 +258,9 @@ class PlyCheck {
     for (const Property& property : element.properties) {
       const double values = property.count == nullptr ? 1 : next(*property.count);
       if (values < 0) fail(subject() + " has a list of negative length");
+      const bool may_be_nothing = property.type->is_float && std::ranges::count(kUsed, property.name) == 0;
       for (double k = 0; k < values; ++k) {
-        const double value = next(*property.type);
+        const double value = next(*property.type, may_be_nothing);
         if (element.name != "face" || !is_index_list(property)) continue;
         if (value < 0 || value >= static_cast<double>(elements_[0].count)) {
           fail(subject() + " has the vertex " + format_number(value) + ", but there are " +
@@ -235,7 +293,9 @@ class PlyCheck {
   }
 
   std::string_view bytes_;
-  std::string file_;
+  AssimpFile& read_;
+  std::string file_, format_, lines_;  // the header's lines that Assimp reads
+  bool is_odd_ = false, ends_with_cr_ = false;
   std::size_t at_ = 0;
   int line_ = 0;
   Encoding encoding_ = Encoding::text;
@@ -244,11 +304,11 @@ class PlyCheck {
 
 }  // namespace
 
-void check_ply(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) fail_at({.file = file.string()}, "cannot be read");
+std::optional<std::string> check_ply(AssimpFile& file) {
+  std::ifstream stream(file.file, std::ios::binary);
+  if (!stream) file.fail("cannot be read");
   const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
-  PlyCheck(bytes, file.string()).run();
+  return PlyCheck(bytes, file).run();
 }
 
 }  // namespace simvis

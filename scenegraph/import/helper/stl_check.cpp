@@ -1,5 +1,6 @@
 #include "scenegraph/import/helper/stl_check.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <fstream>
@@ -34,11 +35,31 @@ bool ends_with_endsolid(std::string_view end) {
   return start != std::string_view::npos && end.substr(start).starts_with("endsolid");
 }
 
+// The two bytes behind a facet hold a colour of 15 bits if the 16th is set (VisCAM, SolidView). Returns whether facets
+// are marked so and all of these colours are 0. Files of Magics, whose header has "COLOR=", mean something else.
+bool has_marks_without_colors(std::ifstream& stream, std::string_view header, std::uint64_t facets) {
+  if (header.find("COLOR=") != std::string_view::npos) return false;
+  constexpr std::size_t kAttributeAt = 48;
+  constexpr std::uint64_t kBlock = 1 << 14;  // facets that are read at once
+  bool is_marked = false;
+  for (std::uint64_t first = 0; first < facets; first += kBlock) {
+    const std::uint64_t count = std::min(kBlock, facets - first);
+    const std::string block = read_range(stream, kHeaderBytes + first * kFacetBytes, count * kFacetBytes);
+    for (std::size_t at = kAttributeAt; at + 1 < block.size(); at += kFacetBytes) {
+      const auto low = static_cast<unsigned char>(block[at]), high = static_cast<unsigned char>(block[at + 1]);
+      if ((high & 0x80) == 0) continue;
+      if (low != 0 || high != 0x80) return false;
+      is_marked = true;
+    }
+  }
+  return is_marked;
+}
+
 }  // namespace
 
-void check_stl(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary | std::ios::ate);
-  const Location where{.file = file.string()};
+bool check_stl(AssimpFile& file) {
+  std::ifstream stream(file.file, std::ios::binary | std::ios::ate);
+  const Location where{.file = file.file.string()};
   if (!stream) fail_at(where, "cannot be read");
   const auto size = static_cast<std::uint64_t>(stream.tellg());
   const std::string start = read_range(stream, 0, std::min(size, kHeaderBytes));
@@ -47,7 +68,7 @@ void check_stl(const std::filesystem::path& file) {
     for (std::size_t i = 0; i < 4; ++i) facets |= std::uint64_t{static_cast<unsigned char>(start[80 + i])} << (8 * i);
     if (size == kHeaderBytes + kFacetBytes * facets) {
       if (facets == 0) fail_at(where, "holds nothing to draw");
-      return;
+      return has_marks_without_colors(stream, start, facets);
     }
   }
   const std::size_t word = start.find_first_not_of(kSpaces);
@@ -60,6 +81,7 @@ void check_stl(const std::filesystem::path& file) {
   if (!ends_with_endsolid(read_range(stream, size - end_bytes, end_bytes))) {
     fail_at(where, "begins with \"solid\" but does not end with \"endsolid\": it is incomplete, or is not STL");
   }
+  return false;
 }
 
 }  // namespace simvis

@@ -149,7 +149,7 @@ XmlText expand_xacro(const std::filesystem::path& file, const std::string& argum
     refuse(file, "xacro cannot expand it: " + (output.empty() ? report.reason : joined_lines(output)) +
                      (lacks_argument ? "; the part's attribute xacro_arguments=\"NAME:=VALUE\" sets arguments" : ""));
   }
-  return XmlText::read(SourceText(output.substr(xml), file.string() + "(expanded)"));
+  return XmlText(SourceText(output.substr(xml), file.string() + "(expanded)"));
 }
 
 }  // namespace simvis

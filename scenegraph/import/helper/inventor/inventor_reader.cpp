@@ -12,20 +12,26 @@
 #include <Inventor/errors/SoReadError.h>
 #include <Inventor/fields/SoSFTime.h>
 #include <Inventor/nodekits/SoNodeKit.h>
+#include <Inventor/nodes/SoIndexedNurbsCurve.h>
+#include <Inventor/nodes/SoIndexedNurbsSurface.h>
 #include <Inventor/nodes/SoInfo.h>
+#include <Inventor/nodes/SoNurbsCurve.h>
+#include <Inventor/nodes/SoNurbsSurface.h>
 #include <Inventor/nodes/SoSeparator.h>
+#include <Inventor/nodes/SoText2.h>
 #include <Inventor/nodes/SoWWWInline.h>
 #include <stb_image.h>
 
 #include <algorithm>
 #include <cstdlib>
 #include <set>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include <simvis/error.h>
-#include "scenegraph/import/helper/inventor_lights.h"
-#include "scenegraph/import/helper/inventor_shapes.h"
+#include "scenegraph/import/helper/inventor/inventor_lights.h"
+#include "scenegraph/import/helper/inventor/inventor_shapes.h"
 #include "scenegraph/import/helper/part_reader.h"
 #include "scenegraph/import/mesh/input_file.h"
 #include "scenegraph/import/mesh/picture_file.h"
@@ -137,6 +143,11 @@ class Collector {
   static Collector& of(void* self) { return *static_cast<Collector*>(self); }
 
   static Action::Response begin_shape(void* self, Action*, const SoNode* node) {
+    if (is_nurbs(*node)) {
+      of(self).warn("NURBS curves and surfaces are left out");
+      return Action::PRUNE;
+    }
+    if (node->isOfType(SoText2::getClassTypeId())) of(self).warn("screen-aligned text (Text2) is left out");
     of(self).shapes_.begin(*static_cast<const SoShape*>(node));
     return of(self).shapes_.has_too_many() ? Action::ABORT : Action::CONTINUE;
   }
@@ -168,6 +179,14 @@ class Collector {
     for (int i = 0; i < info.getNum(); ++i) texts.emplace_back(info[i].getString());
     of(self).add_commands(*node, texts);
     return Action::CONTINUE;
+  }
+  // Coin 4.0 needs a display of X11 to cut NURBS into triangles, and crashes without one.
+  static bool is_nurbs(const SoNode& node) {
+    return node.isOfType(SoNurbsSurface::getClassTypeId()) || node.isOfType(SoIndexedNurbsSurface::getClassTypeId()) ||
+           node.isOfType(SoNurbsCurve::getClassTypeId()) || node.isOfType(SoIndexedNurbsCurve::getClassTypeId());
+  }
+  void warn(const std::string& what) {
+    if (std::ranges::find(scene_.warnings, what) == scene_.warnings.end()) scene_.warnings.push_back(what);
   }
   // A node that occurs in several places adds its commands once.
   void add_commands(const SoNode& node, const std::vector<std::string>& texts) {

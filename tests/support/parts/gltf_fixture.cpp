@@ -1,4 +1,4 @@
-#include "tests/support/gltf_fixture.h"
+#include "tests/support/parts/gltf_fixture.h"
 
 #include <utility>
 

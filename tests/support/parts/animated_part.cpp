@@ -1,4 +1,4 @@
-#include "tests/support/animated_part.h"
+#include "tests/support/parts/animated_part.h"
 
 #include <cmath>
 #include <limits>

@@ -1,4 +1,4 @@
-#include "scenegraph/import/helper/inventor_look.h"
+#include "scenegraph/import/helper/inventor/inventor_look.h"
 
 #include <Inventor/SoFullPath.h>
 #include <Inventor/VRMLnodes/SoVRMLAppearance.h>

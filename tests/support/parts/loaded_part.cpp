@@ -1,4 +1,4 @@
-#include "tests/support/loaded_part.h"
+#include "tests/support/parts/loaded_part.h"
 
 namespace simvis::test {
 

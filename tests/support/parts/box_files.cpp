@@ -1,4 +1,4 @@
-#include "tests/support/box_files.h"
+#include "tests/support/parts/box_files.h"
 
 #include <doctest/doctest.h>
 

@@ -1,4 +1,4 @@
-#include "scenegraph/import/helper/inventor_lights.h"
+#include "scenegraph/import/helper/inventor/inventor_lights.h"
 
 #include <Inventor/VRMLnodes/SoVRMLDirectionalLight.h>
 #include <Inventor/VRMLnodes/SoVRMLPointLight.h>
@@ -12,8 +12,8 @@
 #include <numbers>
 #include <utility>
 
-#include "scenegraph/import/helper/inventor_look.h"
-#include "scenegraph/import/helper/inventor_shapes.h"
+#include "scenegraph/import/helper/inventor/inventor_look.h"
+#include "scenegraph/import/helper/inventor/inventor_shapes.h"
 
 namespace simvis {
 namespace {

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include <simvis/content_pool.h>
-#include "scenegraph/import/helper/inventor_look.h"
+#include "scenegraph/import/helper/inventor/inventor_look.h"
 #include "scenegraph/import/sandbox/imported_scene.h"
 
 namespace simvis {

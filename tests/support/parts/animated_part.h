@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "simvis/scene_builder.h"
-#include "tests/support/gltf_fixture.h"
+#include "tests/support/parts/gltf_fixture.h"
 
 namespace simvis::test {
 

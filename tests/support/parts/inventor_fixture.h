@@ -7,7 +7,7 @@
 
 #include "scenegraph/import/inventor/inventor_importer.h"
 #include "tests/support/error_of.h"
-#include "tests/support/gltf_fixture.h"
+#include "tests/support/parts/gltf_fixture.h"
 #include "tests/support/skip.h"
 #include "tests/support/temporary_folder.h"
 

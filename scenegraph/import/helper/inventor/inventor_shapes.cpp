@@ -1,4 +1,4 @@
-#include "scenegraph/import/helper/inventor_shapes.h"
+#include "scenegraph/import/helper/inventor/inventor_shapes.h"
 
 #include <Inventor/SoFullPath.h>
 #include <Inventor/VRMLnodes/SoVRMLVertexLine.h>

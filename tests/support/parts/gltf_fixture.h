@@ -9,7 +9,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "tests/support/loaded_part.h"
+#include "tests/support/parts/loaded_part.h"
 #include "tests/support/temporary_folder.h"
 
 namespace simvis::test {

@@ -1,0 +1,116 @@
+// STL and PLY files that are legal or usual and that Assimp 5.2 misreads.
+#include <doctest/doctest.h>
+
+#include <string>
+
+#include "tests/support/error_of.h"
+#include "tests/support/parts/box_files.h"
+#include "tests/support/temporary_folder.h"
+
+TEST_SUITE_BEGIN("scenegraph/import");
+
+using namespace simvis;
+using namespace simvis::test;
+
+namespace {
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  REQUIRE(at != std::string::npos);
+  return text.replace(at, from.size(), to);
+}
+
+// The box with the two bytes behind each facet set, low byte first.
+std::string marked_stl(char low, char high) {
+  constexpr std::size_t kHeader = 84, kFacet = 50, kAttribute = 48;
+  std::string stl = stl_box(true);
+  for (std::size_t at = kHeader + kAttribute; at + 1 < stl.size(); at += kFacet) {
+    stl[at] = low;
+    stl[at + 1] = high;
+  }
+  return stl;
+}
+
+glm::vec4 vertex_color(const Loaded& loaded) { return loaded.list.meshes.at(0)->attributes.at(0).color; }
+
+}  // namespace
+
+// VisCAM and SolidView: bit 15 says that bits 0 to 14 are a colour. RViz (stl_loader.cpp) and Gazebo (STLLoader.cc)
+// read the two bytes and drop them.
+TEST_CASE("STL: facets that are marked as coloured without any colour have none") {
+  TemporaryFolder folder;
+  write_text(folder / "marked.stl", marked_stl('\0', '\x80'));
+  const Loaded marked = load(folder / "marked.stl");
+  check_box(marked.list);
+  CHECK(vertex_color(marked) == glm::vec4(1));
+  REQUIRE(marked.warnings.size() == 1);
+  CHECK(contains(marked.warnings[0], "marked.stl: facets are marked as coloured, but every colour is 0"));
+
+  write_text(folder / "red.stl", marked_stl('\0', '\xfc'));  // bits 10 to 14, which are red
+  const Loaded red = load(folder / "red.stl");
+  CHECK(vertex_color(red) == glm::vec4(1, 0, 0, 1));
+  CHECK(red.warnings.empty());
+
+  write_text(folder / "bare.stl", marked_stl('\x12', '\0'));
+  CHECK(vertex_color(load(folder / "bare.stl")) == glm::vec4(1));
+}
+
+TEST_CASE("PLY: the header's order, empty and unknown lines") {
+  TemporaryFolder folder;
+  const std::string text = ply_box(PlyFormat::text);
+  write_text(folder / "comment.ply", replaced(text, "ply\n", "ply\ncomment before the format\n"));
+  const Loaded comment = load(folder / "comment.ply");
+  check_box(comment.list);
+  CHECK(comment.warnings.empty());
+  write_text(folder / "odd.ply", replaced(text, "comment a box\n", "Created by a modeller\n\n"));
+  const Loaded odd = load(folder / "odd.ply");
+  check_box(odd.list);
+  REQUIRE(odd.warnings.size() == 2);
+  CHECK(contains(odd.warnings[0], "odd.ply:3: a line of the header is not understood, beginning with \"Created\""));
+  CHECK(contains(odd.warnings[1], "odd.ply:4: an empty line in the header"));
+}
+
+TEST_CASE("PLY: binary data that begins with a line feed") {
+  TemporaryFolder folder;
+  for (const PlyFormat format : {PlyFormat::little, PlyFormat::big}) {
+    std::string ply = ply_box(format);
+    const std::size_t body = ply.find("end_header\n") + 11;
+    ply[body] = '\n';  // the first byte of the first vertex' x: 1 + 0x0a * 2^-23 m, or 0x0a800000, about 1.2e-32 m
+    write_text(folder / "box.ply", ply);
+    const Loaded loaded = load(folder / "box.ply");
+    const Totals totals = total(loaded.list);
+    CHECK(totals.triangles == 12);
+    CHECK(totals.max == glm::dvec3(2, 4, 6));
+    CHECK(loaded.warnings.empty());
+    for (const std::string ends : {"\r\n"}) {
+      write_text(folder / "crlf.ply", replaced(ply, "end_header\n", "end_header" + ends));
+      CHECK(total(load(folder / "crlf.ply").list).triangles == 12);
+    }
+  }
+}
+
+TEST_CASE("PLY: nothing uses the number of a property that is none") {
+  TemporaryFolder folder;
+  const std::string head =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
+  const std::string tail = "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+  write_text(folder / "q.ply",
+             head + "property float quality\n" + tail + "0 0 0 nan\n1 0 0 -nan\n0 1 0 inf\n3 0 1 2\n");
+  const Loaded loaded = load(folder / "q.ply");
+  CHECK(total(loaded.list).surface_m2 == 0.5);
+  CHECK(loaded.warnings.empty());
+  write_text(folder / "x.ply", head + tail + "nan 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+  CHECK(
+      contains(error_of([&] { load(folder / "x.ply"); }), "x.ply:10: error: element vertex 0 has a value that is no"));
+}
+
+TEST_CASE("COLLADA: a file without a scene says so") {
+  TemporaryFolder folder;
+  const std::string box = dae_box(kMetresZUp);
+  write_text(folder / "none.dae", replaced(box, "<scene><instance_visual_scene url=\"#vs\"/></scene>", ""));
+  CHECK(contains(error_of([&] { load(folder / "none.dae"); }), "none.dae:1:23: error: has no <scene>"));
+  write_text(folder / "other.dae", replaced(box, "url=\"#vs\"", "url=\"#other\""));
+  CHECK(contains(error_of([&] { load(folder / "other.dae"); }), "there is no visual scene \"#other\""));
+}
+
+TEST_SUITE_END();

@@ -1,0 +1,75 @@
+// OBJ files and material files as other programs read them. `d` is the opacity and `Tr` is 1 - opacity (three.js'
+// MTLLoader, Assimp, tinyobjloader); where both stand and contradict each other, tinyobjloader, which Gazebo uses,
+// takes `d`. MeshLab writes the opacity as `Tr` (vcglib, export_obj.h: `Tr 1.000000` for opaque materials).
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <string>
+
+#include "tests/support/error_of.h"
+#include "tests/support/parts/box_files.h"
+#include "tests/support/temporary_folder.h"
+
+TEST_SUITE_BEGIN("scenegraph/import");
+
+using namespace simvis;
+using namespace simvis::test;
+
+TEST_CASE("MTL: opacity as exporters mean it") {
+  struct Idiom {
+    const char *head, *lines;
+    double opacity;
+    const char* warning;  // empty: none
+  };
+  const char* meshlab = "#\n# Wavefront material file\n# Converted by Meshlab Group\n#\n\n";
+  const Idiom idioms[] = {
+      {"", "Tr 1.0\n", 1, "is wholly transparent; it is read as opaque"},
+      {"", "d 0\n", 1, "is wholly transparent; it is read as opaque"},
+      {"", "d 0.0\nTr 1.0\n", 1, "is wholly transparent; it is read as opaque"},
+      {"", "d 1.0\nTr 1.0\n", 1, "d and Tr contradict each other; d is taken"},
+      {"", "d 0.25\nTr 0.25\n", 0.25, "d and Tr contradict each other; d is taken"},
+      {meshlab, "Tr 1.000000\n", 1, "MeshLab writes the opacity as Tr"},
+      {meshlab, "Tr 0.750000\n", 0.75, "MeshLab writes the opacity as Tr"},
+      {"", "Tr 0.25\n", 0.75, ""},
+      {"", "d 0.25\n", 0.25, ""},
+      {"", "d 0.75\nTr 0.25\n", 0.75, ""},
+      {"", "Tr 0\n", 1, ""},
+      {meshlab, "d 0.5\n", 0.5, ""},
+      {meshlab, "Tr 0.5\n", 0.5, ""},
+  };
+  TemporaryFolder folder;
+  write_text(folder / "a.obj", "mtllib a.mtl\nusemtl paint\n" + obj_box());
+  for (const Idiom& idiom : idioms) {
+    CAPTURE(std::string(idiom.head));
+    CAPTURE(std::string(idiom.lines));
+    write_text(folder / "a.mtl", std::string(idiom.head) + "newmtl other\nKd 1 1 1\nnewmtl paint\nKd 1 0 0\n" +
+                                     idiom.lines + "illum 2\n");
+    const Loaded loaded = load(folder / "a.obj");
+    check_box(loaded.list);
+    const Material& material = *loaded.list.materials.at(0);
+    CHECK(material.name == "paint");
+    CHECK(material.base_color.r == 1);
+    CHECK(material.base_color.g == 0);
+    CHECK(static_cast<double>(material.base_color.a) == idiom.opacity);
+    REQUIRE(loaded.warnings.size() == (*idiom.warning != '\0' ? 1 : 0));
+    if (loaded.warnings.empty()) continue;
+    const int line = *idiom.head != '\0' ? 10 : 5;
+    CHECK(contains(loaded.warnings[0], "a.mtl:" + std::to_string(line)));
+    CHECK(contains(loaded.warnings[0], std::string("material \"paint\": ") + idiom.warning));
+  }
+}
+
+TEST_CASE("OBJ: faces that name texture coordinates which the file does not have") {
+  TemporaryFolder folder;
+  write_text(folder / "a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1/1/1 2/2/1 3/3/1\nf 1//1 2//1 3//1\n");
+  const Loaded loaded = load(folder / "a.obj");
+  const Totals totals = total(loaded.list);
+  CHECK(totals.triangles == 2);
+  CHECK(totals.surface_m2 == 1);
+  REQUIRE(loaded.warnings.size() == 1);
+  CHECK(contains(loaded.warnings[0], "a.obj:5: faces name texture coordinates, but the file has none"));
+  write_text(folder / "b.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/1 2/2 3/3\n");
+  CHECK(total(load(folder / "b.obj").list).triangles == 1);
+}
+
+TEST_SUITE_END();
