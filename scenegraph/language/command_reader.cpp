@@ -14,17 +14,17 @@ constexpr std::string_view kTags[] = {"part", "element", "sensor", kInclude, kSe
 constexpr std::string_view kSpaceCharacters = " \t\r\n";
 
 // Limits of what a short file can make. A scene beyond them is taken for an error.
-constexpr std::int64_t kMostRounds = 100'000;
-constexpr std::size_t kMostSteps = 200'000;          // statements in repetitions and in included files
-constexpr std::size_t kStepBytes = 1024;             // of attributes: more of them count as more steps
-constexpr std::size_t kMostNested = 64;              // files that include each other, repetitions in each other
-constexpr std::size_t kMostIncludedBytes = 1 << 28;  // each file as often as it is included
+constexpr std::int64_t kMaxRounds = 100'000;
+constexpr std::size_t kMaxSteps = 200'000;          // statements in repetitions and in included files
+constexpr std::size_t kStepBytes = 1024;            // of attributes: more of them count as more steps
+constexpr std::size_t kMaxNested = 64;              // files that include each other, repetitions in each other
+constexpr std::size_t kMaxIncludedBytes = 1 << 28;  // each file as often as it is included
 
 constexpr std::string_view kSetAttributes[] = {"name", "value"};
 constexpr std::string_view kRepeatAttributes[] = {"count", "as"};
 constexpr std::string_view kIncludeAttributes[] = {"file", "prefix", "insert_at"};
 constexpr AttributeSpec kCountRow{
-    .name = "count", .kind = AttributeKind::integer, .min = 0, .max = static_cast<double>(kMostRounds)};
+    .name = "count", .kind = AttributeKind::integer, .min = 0, .max = static_cast<double>(kMaxRounds)};
 
 bool is_tag(std::string_view tag) { return std::ranges::find(kTags, tag) != std::end(kTags); }
 
@@ -203,9 +203,9 @@ void CommandReader::count_step(const pugi::xml_node& node, const Block& block) {
   std::size_t bytes = 0;
   for (const pugi::xml_attribute& attribute : node.attributes()) bytes += std::string_view(attribute.value()).size();
   steps_ += 1 + bytes / kStepBytes;
-  if (steps_ <= kMostSteps) return;
-  fail_at(place(node, block.source.text), "repetitions and included files make more than " +
-                                              std::to_string(kMostSteps) + " commands, which is not allowed");
+  if (steps_ <= kMaxSteps) return;
+  fail_at(place(node, block.source.text), "repetitions and included files make more than " + std::to_string(kMaxSteps) +
+                                              " commands, which is not allowed");
 }
 
 void CommandReader::read_set(const Command& set, Block& block) {
@@ -231,8 +231,8 @@ void CommandReader::read_repeat(const pugi::xml_node& node, const Command& repea
   require(repeat, kRepeat, "count");
   const CommandAttribute& as = require(repeat, kRepeat, "as");
   const std::int64_t count = AttributeValues(repeat, {&kCountRow, 1}, kRepeatAttributes).integer("count");
-  if (++repetitions_ > kMostNested) {
-    fail_at(repeat.where, "repetitions are nested deeper than " + std::to_string(kMostNested));
+  if (++repetitions_ > kMaxNested) {
+    fail_at(repeat.where, "repetitions are nested deeper than " + std::to_string(kMaxNested));
   }
   for (std::int64_t i = 0; i < count; ++i) {
     Block round{.source = block.source, .variables = block.variables, .scope = block.scope, .repeated = true};
@@ -250,12 +250,12 @@ void CommandReader::read_include(const Command& include, const Block& block) {
   const CommandAttribute& name = require(include, kInclude, "file");
   const bool repeats = std::ranges::count(open_, file) > 0;
   open_.push_back(file);
-  if (repeats || open_.size() > kMostNested) {
+  if (repeats || open_.size() > kMaxNested) {
     std::string chain;
     for (const std::filesystem::path& each : open_) chain += (chain.empty() ? "" : " > ") + each.filename().string();
     fail_at(name.where, in_quotes(name.value) +
                             (repeats ? " includes itself: "
-                                     : " is included through more than " + std::to_string(kMostNested) + " files: ") +
+                                     : " is included through more than " + std::to_string(kMaxNested) + " files: ") +
                             chain);
   }
   auto scope = std::make_shared<IncludeScope>();
@@ -279,8 +279,8 @@ const SceneSource& CommandReader::included(const std::filesystem::path& file, co
     source = std::make_unique<SceneSource>(SourceText::read(file, from), file.parent_path());
     included_bytes_ += source->text.text().size();
   }
-  if (included_bytes_ > kMostIncludedBytes) {
-    fail_at(where, "included files have more than " + std::to_string(kMostIncludedBytes) + " bytes together");
+  if (included_bytes_ > kMaxIncludedBytes) {
+    fail_at(where, "included files have more than " + std::to_string(kMaxIncludedBytes) + " bytes together");
   }
   return *source;
 }

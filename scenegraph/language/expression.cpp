@@ -14,7 +14,7 @@ namespace simvis {
 namespace {
 
 constexpr std::string_view kBegin = "${";
-constexpr int kDeepest = 64;  // nested parentheses and signs; the parser recurses
+constexpr int kMaxNestedTerms = 64;  // nested parentheses and signs; the parser recurses
 constexpr double kDegrees = 180 / glm::pi<double>();
 
 struct Function {
@@ -112,7 +112,7 @@ class ExpressionParser {
   }
 
   double factor() {
-    if (depth_ == kDeepest) return fail("it is nested deeper than " + std::to_string(kDeepest));
+    if (depth_ == kMaxNestedTerms) return fail("it is nested deeper than " + std::to_string(kMaxNestedTerms));
     ++depth_;
     const double value = signed_factor();
     --depth_;

@@ -11,7 +11,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kDeepestIndent = 40;
+constexpr std::size_t kMaxIndent = 40;
 constexpr std::string_view kJointTypes[] = {"joint", "mimic_joint"};
 
 // Six digits are for people; the JSON has all of them.
@@ -141,7 +141,7 @@ Json sensor_json(const ListedSensor& sensor) {
 std::string to_text(const SceneList& list) {
   std::string text;
   const auto line = [&](std::size_t depth, const std::string& content) {
-    text += std::string(2 * std::min(depth, kDeepestIndent), ' ') + content + "\n";
+    text += std::string(2 * std::min(depth, kMaxIndent), ' ') + content + "\n";
   };
   for (const ListedPart& part : list.parts) {
     line(part.depth, part_text(part));
