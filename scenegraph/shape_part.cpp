@@ -23,7 +23,7 @@ constexpr ShapeKind kShapeKinds[] = {{.name = "box", .sizes = 3},
                                      {.name = "capsule", .radius = true, .length = true},
                                      {.name = "plane", .sizes = 2}};
 constexpr std::string_view kMeasures[] = {kSizeRow.name, kRadiusRow.name, kLengthRow.name};
-constexpr std::string_view kOfFilesOnly[] = {"up", "scale", "unit"};
+constexpr std::string_view kOfFilesOnly[] = {"up", "scale", "unit", "xacro_arguments"};
 
 const ShapeKind& kind_of(const AttributeValues& attributes) {
   const auto found = std::ranges::find(kShapeKinds, attributes.choice(kShapeRow.name), &ShapeKind::name);
@@ -91,6 +91,9 @@ void check_shape_attributes(const Command& part, const AttributeValues& attribut
     }
     if (!has_file && std::ranges::count(kOfFilesOnly, attribute.name) > 0) {
       refuse(attribute, "it says how a file is read, and the part has no attribute \"file\"");
+    }
+    if (shape == nullptr && !has_file && attribute.name == "opacity") {
+      refuse(attribute, "it is that of materials, and the part has neither a file nor a shape");
     }
     if (shape == nullptr || !measures || takes(kind_of(attributes), attribute.name)) continue;
     refuse(attribute, "a " + shape->value + " has none, expected " + measures_of(kind_of(attributes)));

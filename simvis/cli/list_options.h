@@ -2,7 +2,6 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include <simvis/simulation_desc.h>
 
@@ -19,7 +18,7 @@ struct ListOptions {
 /// Declares --list, --json and --list-types. The options that they exclude are declared already.
 void declare_list_options(CLI::App& app, ListOptions& options);
 
-/// What --list prints: the scene file as loaded with the overrides. Throws InputError.
-std::string scene_listing(const std::string& scene, const std::vector<AttributeOverride>& overrides, bool json);
+/// What --list prints: the scene file as loaded with the overrides and packages of `desc`. Throws InputError.
+std::string scene_listing(const std::string& scene, const SimulationDesc& desc, bool json);
 
 }  // namespace simvis

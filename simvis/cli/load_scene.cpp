@@ -53,8 +53,6 @@ std::vector<PackageFolder> given_packages(const Options& options) {
   return packages;
 }
 
-}  // namespace
-
 std::vector<AttributeOverride> scanner_overrides(const Options& options) {
   std::vector<AttributeOverride> overrides;
   const auto set = [&](const char* attribute, std::optional<std::string> value, const char* origin,
@@ -78,6 +76,20 @@ std::vector<AttributeOverride> scanner_overrides(const Options& options) {
   return overrides;
 }
 
+}  // namespace
+
+SimulationDesc scene_desc(const Options& options) {
+  SimulationDesc desc;
+  desc.rate_hz = options.rate_hz;
+  desc.seed = options.seed;
+  desc.threads = options.threads;
+  desc.device.select = options.device;
+  desc.device.instrumented = options.explain || !options.profile.empty();
+  desc.overrides = scanner_overrides(options);
+  desc.packages = given_packages(options);
+  return desc;
+}
+
 bool shows_progress(const Options& options) { return ::isatty(STDERR_FILENO) == 1 && !options.quiet; }
 
 Simulation load(const Options& options, std::optional<LoadingBar>& loading) {
@@ -87,14 +99,7 @@ Simulation load(const Options& options, std::optional<LoadingBar>& loading) {
   });
   in_option("--rate", [&] { Clock(options.rate_hz).frame(options.frames - 1); });
   in_option("--threads", [&] { shared_thread_pool(options.threads); });
-  SimulationDesc desc;
-  desc.rate_hz = options.rate_hz;
-  desc.seed = options.seed;
-  desc.threads = options.threads;
-  desc.device.select = options.device;
-  desc.device.instrumented = options.explain || !options.profile.empty();
-  desc.overrides = scanner_overrides(options);
-  desc.packages = given_packages(options);
+  SimulationDesc desc = scene_desc(options);
   desc.progress = [&loading](const Progress& progress) {
     if (loading) loading->update(progress);
   };

@@ -3,7 +3,6 @@
 
 #include <optional>
 #include <string>
-#include <vector>
 
 #include <simvis/error.h>
 #include <simvis/simulation.h>
@@ -26,8 +25,8 @@ void in_option(const std::string& option, const Action& action) {
 /// Whether progress bars are shown.
 bool shows_progress(const Options& options);
 
-/// What --method and --max-error say to the scanners of the scene. Throws InputError.
-std::vector<AttributeOverride> scanner_overrides(const Options& options);
+/// What the options say of the scene and of the device: rate, seed, overrides, packages. Throws InputError.
+SimulationDesc scene_desc(const Options& options);
 
 /// Loads the scene, sets parameters and turns sensors off. `loading` shows the progress of loading until it is reset.
 Simulation load(const Options& options, std::optional<LoadingBar>& loading);

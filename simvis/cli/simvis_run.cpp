@@ -111,7 +111,7 @@ int main_or_throw(const std::vector<std::string>& arguments) {
   } else if (options.list.types) {
     std::cout << type_list();
   } else if (options.list.scene) {
-    std::cout << scene_listing(options.scene, scanner_overrides(options), options.list.json);
+    std::cout << scene_listing(options.scene, scene_desc(options), options.list.json);
   } else if (options.price) {
     if (!options.names_frames) options.frames = PriceDesc().frames;
     price_scene(options);
