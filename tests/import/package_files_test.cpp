@@ -35,10 +35,13 @@ class SearchPath {
   SearchPath& operator=(const SearchPath&) = delete;
 };
 
-// A URDF in ws/robot/urdf, and files elsewhere.
+// A URDF in ws/robot/urdf, and files elsewhere. The variables of this machine's ROS are unset.
 class Workspace {
  public:
-  Workspace() { std::filesystem::create_directories(urdf().parent_path()); }
+  Workspace() {
+    for (const char* each : kVariables) ::unsetenv(each);
+    std::filesystem::create_directories(urdf().parent_path());
+  }
   std::filesystem::path urdf() const { return folder_ / "ws/robot/urdf/r.urdf"; }
   std::filesystem::path path(const std::string& name) const { return folder_ / name; }
   void add(const std::string& file, const std::string& text = "") const {

@@ -119,14 +119,15 @@ TEST_CASE("unknown names of parts, elements and sensors are errors at their plac
   CHECK(dynamic_cast<const Painter&>(*scene.built.elements[1]).before == scene.built.elements[0].get());
 }
 
-TEST_CASE("insertion points within a part accept commands; names of its second copy get the part's name as prefix") {
+TEST_CASE("insertion points within a part take commands; of two copies, their names have the part's name in front") {
   const Stage stage;
   LiveScene scene({}, stage.parse("<part file='arm.stub' name='L' insert_at='ROOT'/>"
                                   "<part file='arm.stub' name='R' insert_at='ROOT' pose_offset='0 5 0 0 0 0'/>"
-                                  "<part file='table.stub' name='IN_LEFT' insert_at='HAND'/>"
+                                  "<part file='table.stub' name='IN_LEFT' insert_at='L/HAND'/>"
                                   "<part file='table.stub' name='IN_RIGHT' insert_at='R/HAND'/>"));
   Parameters& parameters = scene.built.parameters;
   REQUIRE(parameters.elements().size() == 2);
+  CHECK(parameters.elements()[0].name == "L/TILT");
   CHECK(parameters.elements()[1].name == "R/TILT");
   CHECK(parameters.elements()[1].insertion_point == "R/HAND");
   parameters.set(parameters.index("R/TILT", "value"), 90);

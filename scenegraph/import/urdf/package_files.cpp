@@ -125,7 +125,8 @@ std::optional<fs::path> PackageFiles::try_file(const fs::path& folder, const std
   std::error_code error;
   const fs::path file = folder / rest;
   if (fs::is_regular_file(file, error)) return file;
-  if (fs::is_directory(folder, error)) tried_.push_back(file.string());
+  const bool is_new = std::ranges::find(tried_, file.string()) == tried_.end();
+  if (is_new && fs::is_directory(folder, error)) tried_.push_back(file.string());
   return std::nullopt;
 }
 
@@ -164,7 +165,7 @@ std::optional<fs::path> PackageFiles::find_beside_or_above(const std::string& na
     }
     if (const auto found = try_file(above / name, rest)) return found;
     if (!reads_packages) continue;
-    for (const fs::path& beside : folders_in(above)) {
+    for (const fs::path& beside : packages_in(above)) {
       if (declared_name(beside) != name || beside.filename() == name) continue;
       if (const auto found = try_file(beside, rest)) return found;
     }
@@ -202,6 +203,17 @@ const std::multimap<std::string, fs::path>& PackageFiles::ros_packages() {
     for (const fs::path& folder : folders_of_variable(kRosPath)) add_packages_below(folder, 0, *ros_packages_);
   }
   return *ros_packages_;
+}
+
+// The folders in `folder` that have a package.xml with a name.
+const std::vector<fs::path>& PackageFiles::packages_in(const fs::path& folder) {
+  const auto [known, is_new] = packages_in_.try_emplace(folder);
+  if (is_new) {
+    for (const fs::path& child : folders_in(folder)) {
+      if (!declared_name(child).empty()) known->second.push_back(child);
+    }
+  }
+  return known->second;
 }
 
 const std::string& PackageFiles::declared_name(const fs::path& folder) {

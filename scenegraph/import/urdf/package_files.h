@@ -51,6 +51,7 @@ class PackageFiles {
   std::optional<std::filesystem::path> try_file(const std::filesystem::path& folder, const std::string& rest);
   const std::multimap<std::string, std::filesystem::path>& ros_packages();
   const std::string& declared_name(const std::filesystem::path& folder);
+  const std::vector<std::filesystem::path>& packages_in(const std::filesystem::path& folder);
 
   std::filesystem::path folder_;
   std::vector<PackageFolder> given_;
@@ -58,6 +59,7 @@ class PackageFiles {
   std::set<std::string> warned_;
   std::optional<std::multimap<std::string, std::filesystem::path>> ros_packages_;
   std::map<std::filesystem::path, std::string> declared_names_;
+  std::map<std::filesystem::path, std::vector<std::filesystem::path>> packages_in_;
 };
 
 }  // namespace simvis

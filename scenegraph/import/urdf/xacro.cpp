@@ -21,7 +21,7 @@ namespace simvis {
 namespace {
 
 constexpr std::chrono::seconds kXacroTime{60};
-constexpr std::size_t kMostOutput = std::size_t{256} << 20;
+constexpr std::size_t kMaxOutput_bytes = std::size_t{256} << 20;
 
 [[noreturn]] void refuse(const std::filesystem::path& file, const std::string& what) {
   fail_at({.file = file.string()}, what);
@@ -137,7 +137,7 @@ XmlText expand_xacro(const std::filesystem::path& file, const std::string& argum
   for (std::string& argument : split_arguments(file, arguments)) call.arguments.push_back(std::move(argument));
   call.streams = AnswerStreams::output_and_errors;
   call.time = kXacroTime;
-  call.answer_bytes = kMostOutput;
+  call.answer_bytes = kMaxOutput_bytes;
   const SandboxReport report = run_in_sandbox(call);
   const std::string output(report.answer.begin(), report.answer.end());
   const std::size_t xml = start_of_xml(output);
