@@ -39,7 +39,7 @@ function(simvis_import_program kind library)
 endfunction()
 
 set(helper ${PROJECT_SOURCE_DIR}/scenegraph/import/helper)
-simvis_import_program(mesh PkgConfig::assimp ${helper}/assimp_*.cpp ${helper}/collada_*.cpp ${helper}/mesh_reader.cpp
+simvis_import_program(mesh PkgConfig::assimp ${helper}/assimp_*.cpp ${helper}/collada/*.cpp ${helper}/mesh_reader.cpp
                       ${helper}/obj_text.cpp ${helper}/ply_check.cpp ${helper}/polygon.cpp ${helper}/stl_check.cpp
                       ${helper}/vertex_numbers.cpp)
 if(Coin_FOUND)

@@ -35,8 +35,8 @@ glm::vec4 vertex_color(const Loaded& loaded) { return loaded.list.meshes.at(0)->
 
 }  // namespace
 
-// VisCAM and SolidView: bit 15 says that bits 0 to 14 are a colour. RViz (stl_loader.cpp) and Gazebo (STLLoader.cc)
-// read the two bytes and drop them.
+// VisCAM and SolidView: bit 15 says that bits 0 to 14 are a colour. The format itself leaves the two bytes without a
+// meaning, so a file whose every colour is 0 is taken to have none.
 TEST_CASE("STL: facets that are marked as coloured without any colour have none") {
   TemporaryFolder folder;
   write_text(folder / "marked.stl", marked_stl('\0', '\x80'));

@@ -13,12 +13,12 @@
 
 #include <simvis/location.h>
 #include "scenegraph/import/helper/assimp_input.h"
-#include "scenegraph/import/helper/collada_check.h"
-#include "scenegraph/import/helper/collada_opacity.h"
-#include "scenegraph/import/helper/collada_pictures.h"
-#include "scenegraph/import/helper/collada_shapes.h"
-#include "scenegraph/import/helper/collada_text.h"
-#include "scenegraph/import/helper/collada_uv_sets.h"
+#include "scenegraph/import/helper/collada/collada_check.h"
+#include "scenegraph/import/helper/collada/collada_opacity.h"
+#include "scenegraph/import/helper/collada/collada_pictures.h"
+#include "scenegraph/import/helper/collada/collada_shapes.h"
+#include "scenegraph/import/helper/collada/collada_text.h"
+#include "scenegraph/import/helper/collada/collada_uv_sets.h"
 #include "scenegraph/import/helper/obj_text.h"
 #include "scenegraph/import/helper/ply_check.h"
 #include "scenegraph/import/helper/stl_check.h"

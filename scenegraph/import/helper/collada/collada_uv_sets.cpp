@@ -1,4 +1,4 @@
-#include "scenegraph/import/helper/collada_uv_sets.h"
+#include "scenegraph/import/helper/collada/collada_uv_sets.h"
 
 #include <algorithm>
 #include <charconv>

@@ -1,4 +1,4 @@
-#include "scenegraph/import/helper/collada_opacity.h"
+#include "scenegraph/import/helper/collada/collada_opacity.h"
 
 #include <algorithm>
 #include <array>

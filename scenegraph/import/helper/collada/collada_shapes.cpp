@@ -1,4 +1,4 @@
-#include "scenegraph/import/helper/collada_shapes.h"
+#include "scenegraph/import/helper/collada/collada_shapes.h"
 
 #include <algorithm>
 #include <map>

@@ -1,4 +1,4 @@
-#include "scenegraph/import/helper/collada_pictures.h"
+#include "scenegraph/import/helper/collada/collada_pictures.h"
 
 #include <functional>
 #include <map>

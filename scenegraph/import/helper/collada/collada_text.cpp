@@ -1,4 +1,4 @@
-#include "scenegraph/import/helper/collada_text.h"
+#include "scenegraph/import/helper/collada/collada_text.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "scenegraph/import/helper/collada_check.h"
+#include "scenegraph/import/helper/collada/collada_check.h"
 
 #include <algorithm>
 #include <cmath>
