@@ -5,6 +5,7 @@
 
 #include <simvis/attributes.h>
 #include "scenegraph/language/source_text.h"
+#include "scenegraph/language/xml_error.h"
 
 namespace simvis {
 namespace {
@@ -97,11 +98,13 @@ std::vector<Command> parse(const SourceText& source, const std::filesystem::path
   const std::string& text = source.text();
   const pugi::xml_parse_result result =
       document.load_buffer(text.data(), text.size(), pugi::parse_default | pugi::parse_fragment, pugi::encoding_utf8);
-  if (!result) {
-    fail_at(source.at(static_cast<std::size_t>(std::max<std::ptrdiff_t>(result.offset, 0))),
-            std::string("malformed XML: ") + result.description());
-  }
+  if (!result) fail_xml(source, result);
   const pugi::xml_node root = find_root(document);
+  if (root && std::string_view(root.name()) == "robot" && root.child("link")) {
+    fail_at(place(root, source), "this is a robot in URDF, expected a scene; put it into one: <part file=" +
+                                     in_quotes(std::filesystem::path(source.file()).stem().string() + ".urdf") +
+                                     " name=\"ROBOT\" insert_at=\"ROOT\"/>");
+  }
   if (root && root.first_attribute()) {
     fail_at(source.at(attribute_offsets(root, text).front()),
             "unknown attribute " + in_quotes(root.first_attribute().name()) + ", expected none on the root element");
