@@ -271,7 +271,7 @@ TEST_CASE("a texture that cannot be read is left out with a warning") {
   for (const std::string name : {"none.png", "bad.png"}) {
     const LoadedPart iv = files.iv("Texture2 { filename \"" + name + "\" } Cube { }");
     CHECK(iv.list.items.size() == 1);
-    CHECK(warning_of(iv).starts_with((files.folder / "part.iv").string() + ": warning: "));
+    CHECK(warning_of(iv).starts_with((files.folder / "part.iv").string() + ": "));
     CHECK(contains(warning_of(iv), name));
     const LoadedPart vrml = files.vrml("Shape { appearance Appearance { texture ImageTexture { url \"" + name +
                                        "\" } } geometry Box { } }");
