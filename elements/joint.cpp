@@ -66,6 +66,7 @@ void JointElement::adapt_parameters(std::vector<AttributeSpec>& live_rows) const
   value.min = lower_;
   value.max = upper_;
   value.unit = motion_.revolute ? "deg" : "m";
+  value.full_turn = motion_.revolute && lower_ == -kMaxCoordinate_m && upper_ == kMaxCoordinate_m;
 }
 
 void JointElement::update(ParameterView values) {

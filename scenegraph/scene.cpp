@@ -48,6 +48,12 @@ std::string without_error_word(std::string message) {
   return at == std::string::npos ? message : message.replace(at, kWord.size(), ": ");
 }
 
+// "world.glb: no buffers" -> "world.glb: error: no buffers".
+std::string with_error_word(std::string warning) {
+  const std::size_t at = warning.find(": ");
+  return at == std::string::npos ? warning : warning.insert(at, ": error");
+}
+
 std::vector<std::string> points_of(const NodePtr& root) {
   std::vector<std::string> points;
   for (const NodePtr& node : nodes_of(root)) {
@@ -213,6 +219,15 @@ const Scene::Place& Scene::place(const Command& command) const {
   return found->second;
 }
 
+void Scene::warn(const std::string& warning) {
+  if (strict_) throw InputError(with_error_word(warning) + " (a warning, which is an error here)");
+  if (std::ranges::find(warnings_, warning) != warnings_.end()) return;
+  warnings_.push_back(warning);
+  undo_.add([this] { warnings_.pop_back(); });
+}
+
+void Scene::warn(const Location& where, std::string_view what) { warn(to_string(where) + ": " + std::string(what)); }
+
 const PartContent& Scene::load_part(const Command& command) {
   const AttributeValues attributes(command, kPartAttributes, kPartCommonAttributes);
   const std::filesystem::path path = find_part_file(command);
@@ -227,16 +242,17 @@ const PartContent& Scene::load_part(const Command& command) {
     request.up = attributes.choice("up") == "y" ? UpAxis::y : UpAxis::z;
     key += "|" + attributes.choice("up");
   }
-  if (const auto known = contents_.find(key); known != contents_.end()) return known->second;
   try {
-    PartContent content = importer(request, pool_);
-    content.file = canonical;
-    content.points = points_of(content.root);
-    share_graph(content);
-    for (const std::string& warning : content.warnings) {
-      if (std::ranges::find(warnings_, warning) == warnings_.end()) warnings_.push_back(warning);
+    auto known = contents_.find(key);
+    if (known == contents_.end()) {
+      PartContent content = importer(request, pool_);
+      content.file = canonical;
+      content.points = points_of(content.root);
+      share_graph(content);
+      known = contents_.emplace(std::move(key), std::move(content)).first;
     }
-    return contents_.emplace(std::move(key), std::move(content)).first->second;
+    for (const std::string& warning : known->second.warnings) warn(warning);
+    return known->second;
   } catch (const InputError& wrong) {
     rethrow_from_part(command, wrong);
   }

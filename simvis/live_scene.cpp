@@ -25,13 +25,14 @@ std::vector<AttributeOverride> checked(std::vector<AttributeOverride> overrides)
 }  // namespace
 
 LiveScene::LiveScene(std::vector<AttributeOverride> overrides, std::span<const Command> commands, std::uint64_t seed,
-                     ProgressCallback progress)
+                     ProgressCallback progress, bool strict)
     : overrides_(checked(std::move(overrides))),
       builder_(built, overrides_, seed, std::move(progress)),
       default_light_(std::make_shared<Switch>()) {
   default_light_->add(std::make_shared<LightNode>(kDefaultLight));
   built.scene.insert_in_world(default_light_);
   built.scene.undo().commit();
+  if (strict) built.scene.make_strict();
   execute(commands);
 }
 

@@ -13,9 +13,10 @@ namespace simvis {
 
 class LiveScene {
  public:
-  /// Throws InputError for an error in the commands, and for an override that is invalid for its sensor type.
+  /// Throws InputError for an error in the commands, for an override that is invalid for its sensor type, and, if
+  /// `strict`, for a warning.
   LiveScene(std::vector<AttributeOverride> overrides, std::span<const Command> commands, std::uint64_t seed = 0,
-            ProgressCallback progress = {});
+            ProgressCallback progress = {}, bool strict = false);
   LiveScene(const LiveScene&) = delete;
   LiveScene& operator=(const LiveScene&) = delete;
 

@@ -4,8 +4,10 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <charconv>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <cstring>
 #include <exception>
@@ -22,6 +24,7 @@
 #include "sensors/laser_scanner/laser_scanner.h"
 #include "simvis/cli/loading_bar.h"
 #include "simvis/cli/progress_bar.h"
+#include "simvis/cli/warning_printer.h"
 #include "simvis/clock.h"
 #include "simvis/output/atomic_file.h"
 #include "simvis/output/output_writer.h"
@@ -33,6 +36,7 @@
 #include "simvis/report/shard.h"
 #include "simvis/report/summary.h"
 #include "simvis/report/type_reference.h"
+#include "simvis/timeline.h"
 
 namespace simvis {
 namespace {
@@ -44,7 +48,9 @@ struct Options {
   std::vector<std::string> set, sensors, plugins;
   std::uint64_t frames = 1, seed = 0;
   unsigned threads = 0;
+  std::string rate = format_number(SimulationDesc{}.rate_hz);
   double rate_hz = SimulationDesc{}.rate_hz;
+  bool frames_when_due = false, frames_given = false, strict = false;
   bool list_devices = false, explain = false, quiet = false;
   bool price = false, summary = false, names_out = false, markdown = false;
 };
@@ -61,17 +67,20 @@ std::string not_empty(const std::string& text) { return text.empty() ? "it is em
 
 void declare_options(CLI::App& app, Options& options) {
   app.add_option("SCENE.xml", options.scene, "the scene to run");
-  app.add_option("--out", options.out, "where results go")->type_name("DIR")->capture_default_str();
-  app.add_option("--frames", options.frames, "how many frames")
+  app.add_option("-o,--out", options.out, "where results go")->type_name("DIR")->capture_default_str();
+  app.add_option("--frames", options.frames, "how many frames; with a trajectory by default all until its end")
       ->type_name("N")
       ->check(whole_number)
       ->capture_default_str();
-  app.add_option("--rate", options.rate_hz, "frames per simulated second")->type_name("HZ")->capture_default_str();
+  app.add_option("--rate", options.rate, "frames per simulated second; auto: a frame exactly when a sensor is due")
+      ->type_name("HZ|auto")
+      ->capture_default_str();
   app.add_option("--set", options.set, "a parameter, from the first frame on (repeatable)")
       ->type_name("ELEMENT.PARAM=VALUE")
       ->allow_extra_args(false);
   app.add_option("--trajectory", options.trajectory,
-                 "parameters over time: first column time_s, further columns ELEMENT.PARAM; linear between rows")
+                 "parameters over time: first column time_s, further columns ELEMENT.PARAM; linear between rows, "
+                 "angles the short way")
       ->type_name("FILE.csv");
   app.add_option("--sensor", options.sensors, "only this sensor (repeatable)")
       ->type_name("NAME")
@@ -110,7 +119,8 @@ void declare_options(CLI::App& app, Options& options) {
       ->type_name("K/N")
       ->check(not_empty);
   app.add_flag("--explain", options.explain, "print what the last frame renders, why, and what it cost");
-  app.add_flag("--quiet", options.quiet, "print errors only");
+  app.add_flag("--strict", options.strict, "warnings are errors");
+  app.add_flag("--quiet", options.quiet, "print errors and warnings only");
   app.add_flag("--price", options.price,
                "print what each method of each laser scanner costs and is worth in this scene; --frames of each (" +
                    std::to_string(PriceDesc().frames) +
@@ -134,7 +144,7 @@ void declare_options(CLI::App& app, Options& options) {
   app.add_flag("--markdown", options.markdown, "with --describe: as Markdown")->needs(describe);
   app.add_flag("--list-devices", options.list_devices, "print the Vulkan devices of this machine, and exit");
   app.set_version_flag("--version", "simvis-run " + std::string(version()), "print the version, and exit");
-  app.set_help_flag("--help", "print this help, and exit");
+  app.set_help_flag("-h,--help", "print this help, and exit");
   app.footer(
       "Results: DIR/CAMERA/000000.png and .exr, DIR/SCANNER.csv, DIR/run.json.\n"
       "Exit status: 0 done; 1 it could not be done; 2 the command line or the scene is wrong.");
@@ -223,6 +233,24 @@ std::vector<AttributeOverride> scanner_overrides(const Options& options) {
   return overrides;
 }
 
+void read_rate(Options& options) {
+  options.frames_when_due = options.rate == "auto";
+  if (options.frames_when_due || parse_number(options.rate, options.rate_hz)) return;
+  throw InputError("--rate: " + in_quotes(options.rate) + " is not allowed, expected a number (Hz) or auto");
+}
+
+void set_parameters(Simulation& simulation, const std::vector<std::string>& assignments) {
+  std::vector<std::string> names;
+  for (const std::string& assignment : assignments) {
+    set_parameter(simulation, assignment);
+    const std::string name = assignment.substr(0, assignment.find('='));
+    if (std::ranges::find(names, name) != names.end()) {
+      simulation.warn("--set " + name + ": is given more than once, and the last value applies; expected once");
+    }
+    names.push_back(name);
+  }
+}
+
 bool shows_progress(const Options& options) { return ::isatty(STDERR_FILENO) == 1 && !options.quiet; }
 
 /// `loading` shows the progress of loading until it is reset.
@@ -235,6 +263,8 @@ Simulation load(const Options& options, std::optional<LoadingBar>& loading) {
   in_option("--threads", [&] { shared_thread_pool(options.threads); });
   SimulationDesc desc;
   desc.rate_hz = options.rate_hz;
+  desc.frames_when_due = options.frames_when_due;
+  desc.strict = options.strict;
   desc.seed = options.seed;
   desc.threads = options.threads;
   desc.device.select = options.device;
@@ -244,7 +274,7 @@ Simulation load(const Options& options, std::optional<LoadingBar>& loading) {
     if (loading) loading->update(progress);
   };
   Simulation simulation = Simulation::load(options.scene, desc);
-  for (const std::string& assignment : options.set) set_parameter(simulation, assignment);
+  set_parameters(simulation, options.set);
   if (!options.sensors.empty()) {
     for (const SensorInfo& sensor : simulation.sensors()) simulation.enable(sensor.name, false);
     for (const std::string& name : options.sensors) {
@@ -254,9 +284,27 @@ Simulation load(const Options& options, std::optional<LoadingBar>& loading) {
   return simulation;
 }
 
-std::optional<Trajectory> read_trajectory(const Options& options, const Simulation& simulation) {
+std::optional<Trajectory> read_trajectory(const Options& options, Simulation& simulation) {
   if (options.trajectory.empty()) return std::nullopt;
-  return Trajectory(options.trajectory, simulation.parameters());
+  Trajectory trajectory(options.trajectory, simulation.parameters());
+  for (const std::string& warning : trajectory.warnings()) simulation.warn(warning);
+  for (const std::size_t index : trajectory.parameters()) {
+    const std::string name = simulation.parameters().name(index);
+    const auto sets = [&](const std::string& assignment) { return assignment.starts_with(name + "="); };
+    if (std::ranges::none_of(options.set, sets)) continue;
+    simulation.warn("--set " + name + ": the trajectory sets it too, and the trajectory's values apply");
+  }
+  return trajectory;
+}
+
+/// The number of frames until the end of the trajectory.
+std::uint64_t frames_of(const Trajectory& trajectory, const Options& options, const Simulation& simulation) {
+  std::vector<double> rates;
+  for (const SensorInfo& sensor : simulation.sensors()) {
+    if (sensor.enabled && sensor.rate_hz > 0) rates.push_back(sensor.rate_hz);
+  }
+  const Timeline timeline(options.rate_hz, options.frames_when_due);
+  return timeline.frames_until(std::llround(std::min(trajectory.end_s() * 1e9, 9e18)), rates);
 }
 
 void write_results(const Simulation& simulation, const FrameTime& time, OutputWriter& writer) {
@@ -306,7 +354,7 @@ std::optional<Shard> wanted_shard(const Options& options, const Simulation& simu
 /// Computes and writes all frames and fills in the times of the report. Resets `loading` after the first frame.
 void run_frames(const Options& options, Simulation& simulation, const std::optional<Trajectory>& trajectory,
                 OutputWriter& writer, RunReport& report, std::optional<Profile>& profile,
-                std::optional<LoadingBar>& loading) {
+                std::optional<LoadingBar>& loading, WarningPrinter& warnings) {
   const Shard shard = report.shard.value_or(Shard{});
   ProgressBar progress(std::cerr, shows_progress(options), shard.share_of(options.frames),
                        std::chrono::steady_clock::now());
@@ -321,6 +369,7 @@ void run_frames(const Options& options, Simulation& simulation, const std::optio
     simulation.step();
     const std::int64_t measured_ns = now_ns();
     loading.reset();
+    warnings.print_new(simulation);
     stop_if_asked_to();
     report.frame_ms.push_back(static_cast<double>(measured_ns - start_ns) / 1e6);
     write_results(simulation, time, writer);
@@ -349,18 +398,16 @@ void print_summary(const Options& options, Simulation simulation, const std::opt
                                                          .on_frame = stop_if_asked_to}));
 }
 
-void print_warnings(const Options& options, const Simulation& simulation) {
-  if (options.quiet) return;
-  for (const std::string& warning : simulation.warnings()) std::cerr << "warning: " << warning << '\n';
-}
-
-void run_scene(const Options& options, std::int64_t start_ns) {
+void run_scene(Options options, std::int64_t start_ns) {
   std::optional<LoadingBar> loading;
   loading.emplace(std::cerr, shows_progress(options));
   Simulation simulation = load(options, loading);
   loading->clear_line();
-  print_warnings(options, simulation);
+  WarningPrinter warnings(std::cerr);
+  warnings.print_new(simulation);
   const std::optional<Trajectory> trajectory = read_trajectory(options, simulation);
+  warnings.print_new(simulation);
+  if (trajectory && !options.frames_given) options.frames = frames_of(*trajectory, options, simulation);
   std::vector<std::string> writing;
   for (const SensorInfo& sensor : simulation.sensors()) {
     if (sensor.enabled) writing.push_back(sensor.name);
@@ -373,13 +420,17 @@ void run_scene(const Options& options, std::int64_t start_ns) {
   report.device = simulation.diagnostics().device();
   report.seed = options.seed;
   report.rate_hz = options.rate_hz;
+  report.frames_when_due = options.frames_when_due;
   std::optional<Profile> profile;
   if (!options.profile.empty()) profile.emplace(options.profile, simulation.diagnostics().device().name);
-  run_frames(options, simulation, trajectory, writer, report, profile, loading);
+  run_frames(options, simulation, trajectory, writer, report, profile, loading, warnings);
   if (options.explain) print_explanation(simulation);
   writer.finish();
   if (profile) profile->commit();
   report.sensors = with_bounds(simulation);
+  report.warnings = simulation.warnings();
+  report.simulated_s = static_cast<double>(simulation.next_frame().time_ns) / 1e9 *
+                       static_cast<double>(report.frame_ms.size()) / static_cast<double>(options.frames);
   report.wall_s = static_cast<double>(now_ns() - start_ns) / 1e9;
   write_file(report_file(options, report), to_json(report));
   if (!options.quiet) print_closing(options, writer, report);
@@ -399,13 +450,16 @@ void price_scene(const Options& options) {
   if (options.quiet && !options.names_out) {
     throw InputError("--price: --quiet leaves nothing to print, expected --out DIR with it");
   }
+  if (options.frames_when_due) throw InputError("--price: frames come at a fixed rate, expected no --rate auto");
   std::optional<LoadingBar> loading;
   loading.emplace(std::cerr, shows_progress(options));
   Simulation simulation = load(options, loading);
   loading->clear_line();
   check_priced(options, simulation);
-  print_warnings(options, simulation);
+  WarningPrinter warnings(std::cerr);
+  warnings.print_new(simulation);
   const std::optional<Trajectory> trajectory = read_trajectory(options, simulation);
+  warnings.print_new(simulation);
   const std::string device = simulation.diagnostics().device().name;
   handle_signals();
   std::optional<AtomicFile> csv;
@@ -437,6 +491,22 @@ void price_scene(const Options& options) {
   if (csv) std::cout << "wrote " << csv->path().string() << '\n';
 }
 
+/// The message for an option that does not exist. CLI11 itself would blame the argument behind it, which it takes for
+/// the scene.
+std::optional<std::string> unknown_option(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app.get_options()) {
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  }
+  const std::vector<std::string_view> known(names.begin(), names.end());
+  for (const std::string& argument : app.remaining()) {
+    if (!argument.starts_with("-")) continue;
+    const std::string option = argument.substr(0, argument.find('='));
+    return "there is no option " + option + suggestion(option, known);
+  }
+  return std::nullopt;
+}
+
 int main_or_throw(int argc, char** argv) {
   const std::int64_t start_ns = now_ns();
   Options options;
@@ -447,8 +517,10 @@ int main_or_throw(int argc, char** argv) {
   } catch (const CLI::Success& wish) {
     return app.exit(wish);
   } catch (const CLI::ParseError& error) {
-    throw InputError(std::string(error.what()) + "; see --help");
+    throw InputError(unknown_option(app).value_or(error.what()) + "; see --help");
   }
+  options.frames_given = app.count("--frames") > 0;
+  read_rate(options);
   for (const std::string& plugin : options.plugins) load_plugin(plugin);
   if (options.list_devices) {
     print_devices();
@@ -456,7 +528,7 @@ int main_or_throw(int argc, char** argv) {
     print_description(options);
   } else if (options.price) {
     options.names_out = app.count("--out") > 0;
-    if (app.count("--frames") == 0) options.frames = PriceDesc().frames;
+    if (!options.frames_given) options.frames = PriceDesc().frames;
     price_scene(options);
   } else {
     run_scene(options, start_ns);
