@@ -20,6 +20,7 @@ set(import_shared
     scenegraph/language/location.cpp
     scenegraph/language/nearest_name.cpp
     scenegraph/language/source_text.cpp
+    scenegraph/language/xml_error.cpp
     scenegraph/language/xml_text.cpp)
 add_library(simvis_import_shared STATIC ${import_shared})
 target_include_directories(simvis_import_shared PUBLIC ${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR})

@@ -72,6 +72,7 @@ void JointElement::adapt_parameters(std::vector<AttributeSpec>& live_rows) const
   value.max = upper_;
   value.rounding = motion_.revolute ? kLimitRounding_deg : kLimitRounding_m;
   value.unit = motion_.revolute ? "deg" : "m";
+  value.full_turn = motion_.revolute && lower_ == -kMaxCoordinate_m && upper_ == kMaxCoordinate_m;
 }
 
 void JointElement::update(ParameterView values) {

@@ -22,6 +22,12 @@ constexpr AttributeSpec place(std::string_view name, std::string_view text) {
   return live(name, "0", "m", text, -kMaxCoordinate_m, kMaxCoordinate_m);
 }
 
+constexpr AttributeSpec turn(std::string_view name, std::string_view text) {
+  AttributeSpec row = live(name, "0", "deg", text);
+  row.full_turn = true;
+  return row;
+}
+
 // Live rows in the order in which update() reads them. Each kind has some of them.
 constexpr AttributeSpec kLightAttributes[] = {
     {.name = "kind",
@@ -33,14 +39,14 @@ constexpr AttributeSpec kLightAttributes[] = {
     light_color("green"),
     light_color("blue"),
     live("intensity", "1", "lux or cd", "lux for directional, candela for point and spot", 0, kMaxIntensity),
-    live("azimuth", "0", "deg", "directional: direction of the light source, counter-clockwise from +x about +z"),
+    turn("azimuth", "directional: direction of the light source, counter-clockwise from +x about +z"),
     live("elevation", "45", "deg", "directional: height of the light source above the horizon", -90, 90),
     place("x", "point, spot: forward"),
     place("y", "point, spot: to the left"),
     place("z", "point, spot: up"),
     live("range", "0", "m", "point, spot: distance at which the light ends; 0: no limit", 0, kMaxCoordinate_m),
-    live("yaw", "0", "deg", "spot: turn of its axis to the left"),
-    live("pitch", "0", "deg", "spot: turn of its axis downwards, before yaw"),
+    turn("yaw", "spot: turn of its axis to the left"),
+    turn("pitch", "spot: turn of its axis downwards, before yaw"),
     live("inner_cone", "0", "deg", "spot: full intensity up to this angle from the axis", 0, 90),
     live("outer_cone", "45", "deg", "spot: dark beyond this angle; the edge is sharp if inner_cone equals it", 0, 90),
     {.name = "shadows",

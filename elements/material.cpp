@@ -73,10 +73,16 @@ void check_name(const AttributeValues& attributes, const std::vector<std::shared
   if (!attributes.is_set("material")) return;
   const std::string& name = attributes.text("material");
   std::vector<std::string_view> known;
-  for (const auto& node : materials) known.push_back(node->name);
-  if (std::ranges::find(known, name) != known.end()) return;
-  fail_at(attributes.where("material"), "there is no material " + in_quotes(name) + " in part " + in_quotes(part) +
-                                            suggestion(name, known) + " (expected the name of one in its file)");
+  std::string list;
+  for (const auto& node : materials) {
+    if (node->name == name) return;
+    if (node->name.empty() || std::ranges::find(known, node->name) != known.end()) continue;
+    known.push_back(node->name);
+    list += (list.empty() ? "" : ", ") + node->name;
+  }
+  fail_at(attributes.where("material"),
+          "there is no material " + in_quotes(name) + " in part " + in_quotes(part) + suggestion(name, known) +
+              (list.empty() ? " (no material of its file has a name)" : " (expected one of: " + list + ")"));
 }
 
 }  // namespace

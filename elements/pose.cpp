@@ -17,7 +17,13 @@ constexpr AttributeSpec length(std::string_view name, std::string_view text) {
 }
 
 constexpr AttributeSpec angle(std::string_view name, std::string_view text) {
-  return {.name = name, .kind = AttributeKind::number, .default_value = "0", .unit = "deg", .text = text, .live = true};
+  return {.name = name,
+          .kind = AttributeKind::number,
+          .default_value = "0",
+          .unit = "deg",
+          .text = text,
+          .live = true,
+          .full_turn = true};
 }
 
 constexpr AttributeSpec kPoseAttributes[] = {

@@ -5,6 +5,7 @@
 #include <glm/glm.hpp>
 
 #include <simvis/node.h>
+#include "engine/base/program_api.h"
 
 namespace simvis {
 
@@ -23,6 +24,6 @@ struct GraphVisitor {
 
 /// Walks as people see the graph: below VisualSeparators too, and below switches as they stand. The graph has no
 /// cycles.
-void walk_graph(const Group& root, const GraphVisitor& visitor);
+SIMVIS_PROGRAM_API void walk_graph(const Group& root, const GraphVisitor& visitor);
 
 }  // namespace simvis

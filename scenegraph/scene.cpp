@@ -74,6 +74,12 @@ void set_opacity(const NodePtr& root, double opacity) {
   }
 }
 
+// "world.glb: no buffers" -> "world.glb: error: no buffers".
+std::string with_error_word(std::string warning) {
+  const std::size_t at = warning.find(": ");
+  return at == std::string::npos ? warning : warning.insert(at, ": error");
+}
+
 std::vector<std::string> points_of(const NodePtr& root) {
   std::vector<std::string> points;
   for (const NodePtr& node : nodes_of(root)) {
@@ -267,6 +273,15 @@ const Scene::Place& Scene::place(const Command& command) const {
   return found->second;
 }
 
+void Scene::warn(const std::string& warning) {
+  if (strict_) throw InputError(with_error_word(warning) + " (a warning, which is an error here)");
+  if (std::ranges::find(warnings_, warning) != warnings_.end()) return;
+  warnings_.push_back(warning);
+  undo_.add([this] { warnings_.pop_back(); });
+}
+
+void Scene::warn(const Location& where, std::string_view what) { warn(to_string(where) + ": " + std::string(what)); }
+
 const PartContent& Scene::load_part(const Command& command) {
   const AttributeValues attributes(command, kPartAttributes, kPartCommonAttributes);
   check_shape_attributes(command, attributes);
@@ -289,17 +304,18 @@ const PartContent& Scene::load_part(const Command& command) {
     request.xacro_arguments = attributes.text("xacro_arguments");
     key += "|" + request.xacro_arguments;
   }
-  if (const auto known = contents_.find(key); known != contents_.end()) return known->second;
   try {
-    PartContent content = importer(request, pool_);
-    content.file = canonical;
-    content.points = points_of(content.root);
-    share_graph(content);
-    if (scale != 1) scale_content(content, scale);
-    for (const std::string& warning : content.warnings) {
-      if (std::ranges::find(warnings_, warning) == warnings_.end()) warnings_.push_back(warning);
+    auto known = contents_.find(key);
+    if (known == contents_.end()) {
+      PartContent content = importer(request, pool_);
+      content.file = canonical;
+      content.points = points_of(content.root);
+      share_graph(content);
+      if (scale != 1) scale_content(content, scale);
+      known = contents_.emplace(std::move(key), std::move(content)).first;
     }
-    return contents_.emplace(std::move(key), std::move(content)).first->second;
+    for (const std::string& warning : known->second.warnings) warn(warning);
+    return known->second;
   } catch (const InputError& wrong) {
     rethrow_from_part(command, wrong);
   }

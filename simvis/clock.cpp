@@ -97,13 +97,23 @@ FrameTime Clock::frame(std::uint64_t index) const {
 }
 
 bool Clock::fires(double sensor_rate_hz, std::uint64_t index) const {
-  if (index == 0 || sensor_rate_hz == 0) return true;
-  const std::int64_t before = frame(index - 1).time_ns;
-  const std::int64_t now = frame(index).time_ns;
-  if (sensor_rate_hz >= kMaxRateHz) return now > before;  // every nanosecond has a firing
+  if (index == 0) return true;
+  return fires_between(sensor_rate_hz, frame(index - 1).time_ns, frame(index).time_ns);
+}
+
+bool fires_between(double sensor_rate_hz, std::int64_t before_ns, std::int64_t now_ns) {
+  if (sensor_rate_hz == 0) return true;
+  if (sensor_rate_hz >= Clock::kMaxRateHz) return now_ns > before_ns;  // every nanosecond has a firing
   if (sensor_rate_hz < kMinSensorRateHz) return false;
   const DecimalRate rate = decimal_rate(sensor_rate_hz);
-  return firings_until(now, rate) > firings_until(before, rate);
+  return firings_until(now_ns, rate) > firings_until(before_ns, rate);
+}
+
+std::optional<std::int64_t> next_firing(double sensor_rate_hz, std::int64_t after_ns) {
+  if (sensor_rate_hz >= Clock::kMaxRateHz) return after_ns + 1;
+  if (sensor_rate_hz < kMinSensorRateHz) return std::nullopt;
+  const DecimalRate rate = decimal_rate(sensor_rate_hz);
+  return time_of(firings_until(after_ns, rate), sensor_rate_hz, rate);
 }
 
 }  // namespace simvis

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include <simvis/sensor.h>
 #include "engine/base/program_api.h"
@@ -41,5 +42,11 @@ class Clock {
   DecimalRate rate_;
   std::int64_t period_ns_;
 };
+
+/// Whether a sensor with this rate has a firing time after `before_ns` and not after `now_ns`; see Clock::fires().
+bool fires_between(double sensor_rate_hz, std::int64_t before_ns, std::int64_t now_ns);
+
+/// The first firing time after `after_ns` of a sensor with this rate, which is above 0; empty beyond the clock's range.
+std::optional<std::int64_t> next_firing(double sensor_rate_hz, std::int64_t after_ns);
 
 }  // namespace simvis

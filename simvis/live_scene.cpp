@@ -60,7 +60,7 @@ std::vector<PackageFolder> checked(std::vector<PackageFolder> packages) {
 }  // namespace
 
 LiveScene::LiveScene(std::vector<AttributeOverride> overrides, std::span<const Command> commands, std::uint64_t seed,
-                     ProgressCallback progress, std::vector<PackageFolder> packages)
+                     ProgressCallback progress, std::vector<PackageFolder> packages, bool strict)
     : overrides_(checked(std::move(overrides))),
       builder_(built, overrides_, seed, std::move(progress)),
       default_light_(std::make_shared<Switch>()) {
@@ -68,6 +68,7 @@ LiveScene::LiveScene(std::vector<AttributeOverride> overrides, std::span<const C
   default_light_->add(std::make_shared<LightNode>(kDefaultLight));
   built.scene.insert_in_world(default_light_);
   built.scene.undo().commit();
+  if (strict) built.scene.make_strict();
   execute(commands);
 }
 

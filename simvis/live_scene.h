@@ -7,16 +7,18 @@
 #include <vector>
 
 #include <simvis/command.h>
+#include "engine/base/program_api.h"
 #include "simvis/scene_builder.h"
 
 namespace simvis {
 
 class LiveScene {
  public:
-  /// Throws InputError for an error in the commands, for an override that is invalid for its sensor type, and for a
-  /// package whose folder does not exist.
-  LiveScene(std::vector<AttributeOverride> overrides, std::span<const Command> commands, std::uint64_t seed = 0,
-            ProgressCallback progress = {}, std::vector<PackageFolder> packages = {});
+  /// Throws InputError for an error in the commands, for an override that is invalid for its sensor type, for a package
+  /// whose folder does not exist, and, if `strict`, for a warning.
+  SIMVIS_PROGRAM_API LiveScene(std::vector<AttributeOverride> overrides, std::span<const Command> commands,
+                               std::uint64_t seed = 0, ProgressCallback progress = {},
+                               std::vector<PackageFolder> packages = {}, bool strict = false);
   LiveScene(const LiveScene&) = delete;
   LiveScene& operator=(const LiveScene&) = delete;
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <glm/glm.hpp>
+#include "engine/base/program_api.h"
 
 namespace simvis {
 
@@ -11,6 +12,6 @@ namespace simvis {
 /// So scale and shear are removed. In a mirrored part (a negative scale), forward and up of the sensor follow the part,
 /// but its left is not mirrored, because a sensor cannot be mirrored.
 /// Returns false if x or z has no direction (a scale of 0), if x and z are parallel, or if the transform is not finite.
-bool rigid_mount_frame(const glm::dmat4& world_from_mount, glm::dmat4& world_from_sensor);
+SIMVIS_PROGRAM_API bool rigid_mount_frame(const glm::dmat4& world_from_mount, glm::dmat4& world_from_sensor);
 
 }  // namespace simvis

@@ -11,6 +11,11 @@ namespace simvis {
 std::size_t Parameters::index(std::string_view element, std::string_view parameter) const {
   const auto found = std::ranges::find(elements_, element, &ElementDescriptor::name);
   if (found == elements_.end()) {
+    const auto other = std::ranges::find(others_, element, &Other::name);
+    if (other != others_.end()) {
+      throw InputError("there is no element " + in_quotes(element) + ": it is a " + std::string(other->kind) +
+                       ", whose attributes are fixed, expected an element");
+    }
     std::vector<std::string_view> known;
     for (const ElementDescriptor& descriptor : elements_) known.push_back(descriptor.name);
     throw InputError("there is no element " + in_quotes(element) + suggestion(element, known));
@@ -73,6 +78,8 @@ void Parameters::remove_last_element() {
   elements_.pop_back();
   element_changed_.pop_back();
 }
+
+void Parameters::add_other(std::string name, std::string_view kind) { others_.push_back({std::move(name), kind}); }
 
 std::vector<std::size_t> Parameters::drain_changed_elements() {
   std::vector<std::size_t> changed;

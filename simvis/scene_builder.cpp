@@ -91,6 +91,21 @@ void check_prefix(const CommandAttribute& part_name) {
                                "name without '.' and without '/' in front");
 }
 
+void check_no_pose_offset(const Command& command, const ElementType& type) {
+  const CommandAttribute* const offset = command.find(kPoseOffset);
+  if (offset == nullptr || std::ranges::count(type.attributes, kPoseOffset, &AttributeSpec::name) > 0) return;
+  fail_at(offset->where,
+          "attribute \"pose_offset\" is not allowed on an element, expected it on a part or a sensor, or an element of "
+          "type \"pose\" in front of this one");
+}
+
+// Whether an element moves or turns what follows it: its node is a transform, and it has lengths or angles.
+bool is_mover(const ElementType& type, const NodePtr& node) {
+  if (node == nullptr || node->kind() != NodeKind::transform) return false;
+  return std::ranges::any_of(type.attributes,
+                             [](const AttributeSpec& row) { return row.unit == "m" || row.unit.starts_with("deg"); });
+}
+
 // Adds the prefix to the names that a part file defines, and to its references to them.
 void prefix_names(std::vector<Command>& commands, const PartContent& content, const std::string& prefix) {
   std::set<std::pair<CommandKind, std::string>> own;
@@ -125,11 +140,13 @@ void SceneBuilder::all_or_nothing(const Action& action) {
   try {
     action();
     check_awaited();
+    warn_of_unmoved_sensors();
   } catch (...) {
     built_.scene.undo().roll_back();
     open_.clear();
     awaited_.clear();
     announced_sensors_.clear();
+    inserted_.clear();
     throw;
   }
   announced_sensors_.clear();
@@ -275,6 +292,7 @@ void SceneBuilder::insert_part(const Command& command) {
     prefix = name.value + "/";
   }
   built_.scene.insert_part(command, prefix);
+  remember(command, false);
   log_change(command);  // before the carried commands
   if (!has_names) return;
   if (carriers_.insert(carrier).second) {
@@ -380,6 +398,35 @@ void SceneBuilder::check_awaited() {
   awaited_.clear();
 }
 
+void SceneBuilder::remember(const Command& command, bool moves) {
+  inserted_.push_back(
+      {command.kind, moves, command.require("name").value, command.require("insert_at").value, command.where});
+  if (command.kind == CommandKind::element) return;
+  built_.parameters.add_other(inserted_.back().name, to_string(command.kind));
+  built_.scene.undo().add([this] { built_.parameters.remove_last_other(); });
+}
+
+// Warns of a sensor that no element moves although the next element at its insertion point could have been meant to:
+// one that moves the content of a part without the sensor in front of it, or one that moves nothing at all.
+void SceneBuilder::warn_of_unmoved_sensors() {
+  for (std::size_t mover = 0; mover < inserted_.size(); ++mover) {
+    const Inserted& element = inserted_[mover];
+    if (!element.moves) continue;
+    const auto same_place = [&](const Inserted& each) { return each.insert_at == element.insert_at; };
+    const auto before = std::span(inserted_).first(mover), behind = std::span(inserted_).subspan(mover + 1);
+    if (std::ranges::any_of(before, [&](const Inserted& each) { return each.moves && same_place(each); })) continue;
+    if (!built_.scene.has_part(element.insert_at) && std::ranges::any_of(behind, same_place)) continue;
+    for (const Inserted& sensor : before) {
+      if (sensor.kind != CommandKind::sensor || !same_place(sensor)) continue;
+      built_.scene.warn(sensor.where, "sensor " + in_quotes(sensor.name) + " does not move with element " +
+                                          in_quotes(element.name) + ", which comes later at insertion point " +
+                                          in_quotes(element.insert_at) +
+                                          " and moves only what follows it; expected the sensor behind the element");
+    }
+  }
+  inserted_.clear();
+}
+
 Element* SceneBuilder::find_element(std::string_view name) const {
   const std::vector<ElementDescriptor>& elements = built_.parameters.elements();
   const auto found = std::ranges::find(elements, name, &ElementDescriptor::name);
@@ -392,6 +439,7 @@ void SceneBuilder::insert_element(const Command& command) {
   const CommandAttribute& insert_at = command.require("insert_at");
   const ElementType* type = find_element_type(type_name.value);
   if (type == nullptr) fail_at(type_name.where, unknown_type("element", type_name.value, element_types()));
+  check_no_pose_offset(command, *type);
   const AttributeValues attributes(command, type->attributes, kElementCommonAttributes);
   check_references(attributes, type->attributes);
   element_names_.claim(name);
@@ -425,6 +473,7 @@ void SceneBuilder::insert_element(const Command& command) {
     built_.elements.pop_back();
     built_.parameters.remove_last_element();
   });
+  remember(command, is_mover(*type, built_.scene.find_node(name.value)));
   log_change(command);
 }
 
@@ -489,6 +538,7 @@ void SceneBuilder::insert_sensor(const Command& command) {
   separator->add(sensor.mount);
   built_.scene.insert(command, separator);
   add_sensor(std::move(sensor));
+  remember(command, false);
   log_change(command);
 }
 

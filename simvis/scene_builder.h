@@ -69,6 +69,13 @@ class SceneBuilder {
     std::string sensor;
     Location where;
   };
+  // What a command inserted before an insertion point.
+  struct Inserted {
+    CommandKind kind;
+    bool moves = false;  // what follows it
+    std::string name, insert_at;
+    Location where;
+  };
   template <typename Action>
   void all_or_nothing(const Action& action);
   void run(std::span<const Command> commands);
@@ -82,6 +89,8 @@ class SceneBuilder {
   void check_order(const Command& command, std::span<const Command> later) const;
   void check_references(const AttributeValues& attributes, AttributeTable table);
   void check_awaited();
+  void remember(const Command& command, bool moves);
+  void warn_of_unmoved_sensors();
   void log_change(const Command& command);
   void run_carried(const Command& part, const PartContent& content, const std::string& prefix);
   std::vector<Command> carried_commands(const Command& part, const PartContent& content) const;
@@ -107,6 +116,7 @@ class SceneBuilder {
   std::set<Carrier> copied_;                 // files that a list of commands inserts several times
   std::vector<std::filesystem::path> open_;  // files whose carried commands are being executed
   std::vector<Awaited> awaited_;
+  std::vector<Inserted> inserted_;  // by the commands that are being executed, in order
 };
 
 /// Builds a scene from `commands`. Throws InputError.

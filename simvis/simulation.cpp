@@ -1,13 +1,29 @@
 #include <simvis/simulation.h>
 
 #include <algorithm>
+#include <cmath>
+#include <iterator>
 #include <utility>
 
-#include "simvis/simulation_impl.h"
+#include <simvis/part_importer.h>
+#include <simvis/pose.h>
+#include "simvis/simulation_use.h"
 
 namespace simvis {
 
 namespace {
+
+constexpr double kRigidTolerance = 1e-6;  // of unit vectors: far above float32's rounding, far below any scale meant
+
+// A part file given as the scene is a common mistake, and its content would only be reported as malformed XML.
+std::vector<Command> read_scene(const std::filesystem::path& file) {
+  if (find_part_importer(file) != nullptr) {
+    throw InputError(file.string() +
+                     ": error: this is the file of a part, expected a scene; put it into one: <part file=" +
+                     in_quotes(file.filename().string()) + " name=\"PART\" insert_at=\"ROOT\"/>");
+  }
+  return read_commands(file);
+}
 
 template <typename Output>
 const Output& require(const Output* output, const BuiltSensor& sensor, std::string_view what) {
@@ -24,7 +40,7 @@ Simulation::~Simulation() = default;
 
 Simulation Simulation::load(const std::filesystem::path& scene, const SimulationDesc& desc) {
   const InputLog inputs;
-  auto impl = std::make_unique<SimulationImpl>(desc, read_commands(scene));
+  auto impl = std::make_unique<SimulationImpl>(desc, read_scene(scene), scene.string());
   impl->add_inputs(inputs);
   return Simulation(std::move(impl));
 }
@@ -32,91 +48,136 @@ Simulation Simulation::load(const std::filesystem::path& scene, const Simulation
 Simulation Simulation::from_string(std::string_view xml, const SimulationDesc& desc,
                                    const std::filesystem::path& folder, const std::string& name) {
   const InputLog inputs;
-  auto impl = std::make_unique<SimulationImpl>(desc, parse_commands(xml, name, folder));
+  auto impl = std::make_unique<SimulationImpl>(desc, parse_commands(xml, name, folder), name);
   impl->add_inputs(inputs);
   return Simulation(std::move(impl));
 }
 
+SimulationUse Simulation::impl() const { return SimulationUse(impl_.get()); }
+
 void Simulation::set(std::string_view element, std::string_view parameter, double value) {
-  Parameters& parameters = impl_->scene.built.parameters;
+  const SimulationUse use = impl();
+  Parameters& parameters = use->scene.built.parameters;
   parameters.set(parameters.index(element, parameter), value);
 }
 
+void Simulation::set_pose(std::string_view element, const glm::dmat4& parent_from_child) {
+  const SimulationUse use = impl();
+  Parameters& parameters = use->scene.built.parameters;
+  const auto found = std::ranges::find(parameters.elements(), element, &ElementDescriptor::name);
+  if (found == parameters.elements().end()) parameters.index(element, "x");  // throws
+  if (found->type != "pose") {
+    throw InputError("element " + in_quotes(element) + " is a " + found->type + ", expected an element of type pose");
+  }
+  if (!is_rigid(parent_from_child, kRigidTolerance)) {
+    throw InputError(found->name + ": the matrix is not rigid, expected a rotation and a translation");
+  }
+  const Pose pose = to_pose(parent_from_child);
+  const glm::dvec3& p = pose.position_m;
+  const double values[] = {
+      p.x, p.y, p.z, glm::degrees(pose.roll_rad), glm::degrees(pose.pitch_rad), glm::degrees(pose.yaw_rad)};
+  for (std::size_t i = 0; i < std::size(values); ++i) {
+    const std::string wrong = check_number(found->parameters[i], values[i]);
+    if (!wrong.empty()) throw InputError(parameters.name(found->first_value + i) + ": " + wrong);
+  }
+  for (std::size_t i = 0; i < std::size(values); ++i) parameters.set(found->first_value + i, values[i]);
+}
+
+void Simulation::set_pose(std::string_view element, const glm::dvec3& position_m, const glm::dquat& rotation) {
+  if (!(std::abs(glm::length(rotation) - 1) <= kRigidTolerance)) {
+    throw InputError(std::string(element) + ": the quaternion has length " + format_number(glm::length(rotation)) +
+                     ", expected 1");
+  }
+  glm::dmat4 parent_from_child = glm::mat4_cast(glm::normalize(rotation));
+  parent_from_child[3] = glm::dvec4(position_m, 1);
+  set_pose(element, parent_from_child);
+}
+
 double Simulation::get(std::string_view element, std::string_view parameter) const {
-  const Parameters& parameters = impl_->scene.built.parameters;
+  const SimulationUse use = impl();
+  const Parameters& parameters = use->scene.built.parameters;
   return parameters.values()[parameters.index(element, parameter)];
 }
 
 void Simulation::execute(std::string_view xml, const std::filesystem::path& folder, const std::string& name) {
-  impl_->idle().scene.built.parameters.log_request(std::string(xml));
+  const SimulationUse use = impl();
+  use->idle().scene.built.parameters.log_request(std::string(xml));
   const InputLog inputs;
-  impl_->scene.execute(parse_commands(xml, name, folder));
-  impl_->add_inputs(inputs);
-  impl_->add_new_sensors();
+  use->scene.execute(parse_commands(xml, name, folder));
+  use->add_inputs(inputs);
+  use->add_new_sensors();
 }
 
 void Simulation::add_variant(std::string_view sensor, const Command& command) {
-  impl_->idle().scene.add_variant(impl_->index(sensor), command);
-  impl_->add_new_sensors();
+  const SimulationUse use = impl();
+  use->idle().scene.add_variant(use->index(sensor), command);
+  use->add_new_sensors();
 }
 
-void Simulation::enable(std::string_view sensor, bool on) { impl_->idle().states[impl_->index(sensor)].enabled = on; }
-
-void Simulation::step() {
-  finish();
-  impl_->measured.clear();
-  impl_->start();
-  finish();
+void Simulation::enable(std::string_view sensor, bool on) {
+  const SimulationUse use = impl();
+  use->idle().states[use->index(sensor)].enabled = on;
 }
+
+void Simulation::step() { impl()->step(); }
+void Simulation::step(std::chrono::nanoseconds dt) { impl()->step(dt); }
 
 void Simulation::step_async() {
-  finish();
-  impl_->start();
+  const SimulationUse use = impl();
+  use->finish();
+  use->start();
 }
 
-void Simulation::finish() { impl_->finish(); }
-void Simulation::skip_frame() { impl_->idle().skip_frame(); }
-void Simulation::require_skippable() const { impl_->require_skippable(); }
+void Simulation::finish() { impl()->finish(); }
+void Simulation::skip_frame() { impl()->idle().skip_frame(); }
+void Simulation::require_skippable() const { impl()->require_skippable(); }
 
-FrameTime Simulation::next_frame() const { return impl_->clock.frame(impl_->next_frame); }
+FrameTime Simulation::next_frame() const { return impl()->next_frame(); }
 
 const Scan& Simulation::scan(std::string_view sensor) const {
-  const BuiltSensor& found = impl_->sensor(sensor);
+  const SimulationUse use = impl();
+  const BuiltSensor& found = use->sensor(sensor);
   return require(found.sensor->scan(), found, "scan");
 }
 
 const Image& Simulation::color(std::string_view sensor) const {
-  const BuiltSensor& found = impl_->sensor(sensor);
+  const SimulationUse use = impl();
+  const BuiltSensor& found = use->sensor(sensor);
   return require(found.sensor->color(), found, "colour");
 }
 
 const Image& Simulation::depth(std::string_view sensor) const {
-  const BuiltSensor& found = impl_->sensor(sensor);
+  const SimulationUse use = impl();
+  const BuiltSensor& found = use->sensor(sensor);
   return require(found.sensor->depth(), found, "depth");
 }
 
 const Image& Simulation::picture(std::string_view sensor, std::string_view name) const {
-  const BuiltSensor& found = impl_->sensor(sensor);
+  const SimulationUse use = impl();
+  const BuiltSensor& found = use->sensor(sensor);
   return require(found.sensor->picture(name), found, "picture \"" + std::string(name) + "\"");
 }
 
 double Simulation::value(std::string_view sensor, std::string_view name) const {
   const std::optional<double> value = find_value(sensor, name);
-  return require(value ? &*value : nullptr, impl_->sensor(sensor), "value \"" + std::string(name) + "\"");
+  const SimulationUse use = impl();
+  return require(value ? &*value : nullptr, use->sensor(sensor), "value \"" + std::string(name) + "\"");
 }
 
 std::optional<double> Simulation::find_value(std::string_view sensor, std::string_view name) const {
-  for (const NamedValue& value : impl_->idle().sensor(sensor).sensor->values()) {
+  const SimulationUse use = impl();
+  for (const NamedValue& value : use->idle().sensor(sensor).sensor->values()) {
     if (value.name == name) return value.value;
   }
   return {};
 }
 
-Parameters& Simulation::parameters() { return impl_->scene.built.parameters; }
-const Parameters& Simulation::parameters() const { return impl_->scene.built.parameters; }
+Parameters& Simulation::parameters() { return impl()->scene.built.parameters; }
+const Parameters& Simulation::parameters() const { return impl()->scene.built.parameters; }
 
 bool Simulation::sensor_pose(std::string_view sensor, glm::dmat4& world_from_sensor) const {
-  return impl_->idle().pose(impl_->sensor(sensor), world_from_sensor);
+  const SimulationUse use = impl();
+  return use->idle().pose(use->sensor(sensor), world_from_sensor);
 }
 
 void Simulation::track_part(std::string_view part) { impl_->idle().track_part(part); }
@@ -127,27 +188,30 @@ bool Simulation::part_pose(std::string_view part, glm::dmat4& world_from_part) c
 
 std::vector<SensorInfo> Simulation::sensors() const {
   std::vector<SensorInfo> infos;
-  impl_->idle();
-  for (std::size_t i = 0; i < impl_->scene.built.sensors.size(); ++i) {
-    const BuiltSensor& sensor = impl_->scene.built.sensors[i];
+  const SimulationUse use = impl();
+  use->idle();
+  for (std::size_t i = 0; i < use->scene.built.sensors.size(); ++i) {
+    const BuiltSensor& sensor = use->scene.built.sensors[i];
     infos.push_back({sensor.name,
                      sensor.type,
                      sensor.sensor->method(),
-                     impl_->states[i].frames,
-                     impl_->states[i].enabled,
+                     use->states[i].frames,
+                     use->states[i].enabled,
                      sensor.sensor->report(),
                      {},
-                     impl_->states[i].effects,
-                     find_sensor_type(sensor.type)->capabilities});
+                     use->states[i].effects,
+                     find_sensor_type(sensor.type)->capabilities,
+                     sensor.sensor->rate_hz});
   }
   return infos;
 }
 
-std::span<const std::string> Simulation::measured() const { return impl_->measured; }
+std::span<const std::string> Simulation::measured() const { return impl()->measured; }
 
-void Simulation::write(std::string_view sensor, OutputSink& sink) const { impl_->sensor(sensor).sensor->write(sink); }
+void Simulation::write(std::string_view sensor, OutputSink& sink) const { impl()->sensor(sensor).sensor->write(sink); }
 
-const std::vector<std::string>& Simulation::warnings() const { return impl_->scene.built.scene.warnings(); }
-Diagnostics Simulation::diagnostics() const { return Diagnostics(*impl_); }
+const std::vector<std::string>& Simulation::warnings() const { return impl()->scene.built.scene.warnings(); }
+void Simulation::warn(const std::string& warning) { impl()->warn(warning); }
+Diagnostics Simulation::diagnostics() const { return Diagnostics(*impl()); }
 
 }  // namespace simvis

@@ -32,9 +32,12 @@ DeviceDesc device_desc(const SimulationDesc& desc) {
 
 }  // namespace
 
-SimulationImpl::SimulationImpl(const SimulationDesc& desc, std::span<const Command> commands)
-    : clock(desc.rate_hz),
-      scene(desc.overrides, commands, desc.seed, desc.progress, desc.packages),
+SimulationImpl::SimulationImpl(const SimulationDesc& desc, std::span<const Command> commands, std::string scene_name)
+    : name(std::move(scene_name)),
+      rate_hz(desc.rate_hz),
+      frames_when_due(desc.frames_when_due),
+      timeline(desc.rate_hz, desc.frames_when_due),
+      scene(desc.overrides, commands, desc.seed, desc.progress, desc.packages, desc.strict),
       cache(cache_folder(desc.device.cache_dir)),
       device(device_desc(desc), desc.threads),
       sensing(scene.built.scene.root(), Audience::sensors, device),
@@ -69,8 +72,39 @@ const CostModel& SimulationImpl::costs(const SensorType& type) {
   return *device_costs;
 }
 
+// The rates of the sensors that are on and have one.
+std::vector<double> SimulationImpl::rates() const {
+  std::vector<double> rates;
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    const double rate = scene.built.sensors[i].sensor->rate_hz;
+    if (states[i].enabled && rate > 0) rates.push_back(rate);
+  }
+  return rates;
+}
+
+FrameTime SimulationImpl::next_frame() const {
+  if (!under_way) return timeline.next(rates());
+  Timeline after = timeline;
+  after.go_on(frame);
+  return after.next(rates());
+}
+
+void SimulationImpl::step() {
+  finish();
+  measured.clear();
+  start();
+  finish();
+}
+
+void SimulationImpl::step(std::chrono::nanoseconds dt) {
+  finish();
+  timeline.stretch(dt);
+  step();
+}
+
 void SimulationImpl::start() {
-  const FrameTime time = clock.frame(next_frame);
+  warn_before_measuring();
+  const FrameTime time = next_frame();
   stages.clear();
   stages.begin("elements");
   update_elements();
@@ -80,23 +114,22 @@ void SimulationImpl::start() {
   plan_due_sensors(sensing, false, time);
   stages.begin("render");
   sensing.renderer.submit(*sensing.list, sensing.plan);
-  ++next_frame;
+  frame = time;
   under_way = true;
 }
 
 void SimulationImpl::finish() {
   if (!under_way) return;
   under_way = false;
-  const FrameTime time = clock.frame(--next_frame);
   measured.clear();
   sensor_costs.clear();
-  render(sensing, time);
+  render(sensing, frame);
   if (people) {
     stages.begin("visualization");
-    show_to_people(time);
+    show_to_people(frame);
   }
   stages.end();
-  ++next_frame;
+  timeline.go_on(frame);
 }
 
 // Host-only ray casts run while the device draws for the other sensors.
@@ -120,7 +153,7 @@ void SimulationImpl::render(ViewLayer& layer, const FrameTime& time) {
 // A skipped frame measures nothing, so it computes only the poses of sensors.
 void SimulationImpl::skip_frame() {
   require_skippable();
-  const FrameTime time = clock.frame(next_frame);
+  const FrameTime time = next_frame();
   bool looked_back_at = false;
   for (std::size_t i = 0; i < states.size(); ++i) {
     looked_back_at |=
@@ -134,7 +167,7 @@ void SimulationImpl::skip_frame() {
       scene.built.sensors[i].sensor->skip_frame(time, states[i].world_from_sensor);
     }
   }
-  ++next_frame;
+  timeline.go_on(time);
 }
 
 void SimulationImpl::require_skippable() const {
@@ -208,7 +241,7 @@ void SimulationImpl::plan_due_sensors(ViewLayer& layer, bool visualization, cons
 DueState SimulationImpl::due_state(std::size_t sensor, const FrameTime& time) {
   const BuiltSensor& built = scene.built.sensors[sensor];
   if (!states[sensor].enabled) return DueState::off;
-  if (!clock.fires(built.sensor->rate_hz, time.index)) return DueState::waiting;
+  if (!timeline.fires(built.sensor->rate_hz, time)) return DueState::waiting;
   return pose(built, states[sensor].world_from_sensor) ? DueState::due : DueState::hidden;
 }
 
@@ -217,6 +250,7 @@ void SimulationImpl::measure(ViewLayer& layer, const FrameTime& time, std::span<
   for (ViewLayer::Entry& entry : layer.entries) {
     if (entry.due_state == DueState::due && !entry.taken) measure(layer, entry, time, results);
   }
+  warn_of_empty_views(layer, results);
   for (ViewLayer::Entry& entry : layer.entries) {
     if (entry.due_state != DueState::due) continue;
     ++states[entry.sensor].frames;

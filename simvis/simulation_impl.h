@@ -1,6 +1,8 @@
 // The state of a simulation and the stages of a frame.
 #pragma once
 
+#include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -9,21 +11,26 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <thread>
 #include <vector>
 
 #include <simvis/device.h>
 #include <simvis/simulation_desc.h>
 #include "engine/base/input_log.h"
-#include "simvis/clock.h"
 #include "simvis/live_scene.h"
 #include "simvis/step_stages.h"
+#include "simvis/timeline.h"
 #include "simvis/view_layer.h"
 
 namespace simvis {
 
 struct SimulationImpl : Observations {
-  SimulationImpl(const SimulationDesc& desc, std::span<const Command> commands);
+  /// `name` stands for the scene in messages.
+  SimulationImpl(const SimulationDesc& desc, std::span<const Command> commands, std::string name);
 
+  FrameTime next_frame() const;
+  void step();
+  void step(std::chrono::nanoseconds dt);
   void start();
   void finish();
   void skip_frame();
@@ -39,6 +46,10 @@ struct SimulationImpl : Observations {
   void measure(ViewLayer& layer, const FrameTime& time, std::span<const PassResult> results);
   void measure(ViewLayer& layer, ViewLayer::Entry& entry, const FrameTime& time, std::span<const PassResult> results);
   DueState due_state(std::size_t sensor, const FrameTime& time);
+  std::vector<double> rates() const;
+  void warn(const std::string& warning);
+  void warn_before_measuring();
+  void warn_of_empty_views(const ViewLayer& layer, std::span<const PassResult> results);
   void add_new_sensors();
   ViewLayer& layer_of(const BuiltSensor& sensor) { return sensor.sensor->visualization() ? *people : sensing; }
   bool pose(const BuiltSensor& sensor, glm::dmat4& world_from_sensor);
@@ -53,11 +64,16 @@ struct SimulationImpl : Observations {
     std::uint64_t frames = 0;
     glm::dmat4 world_from_sensor{1.0};  // at its last measurement
     std::vector<std::string> effects;   // names of the effects it has had
+    bool rate_checked = false;          // whether the frames keep its rate
   };
 
   const CostModel& costs(const SensorType& type);
 
-  Clock clock;
+  std::atomic<std::thread::id> user{};  // the thread whose call is under way; none: no thread
+  std::string name;
+  double rate_hz;
+  bool frames_when_due;
+  Timeline timeline;
   LiveScene scene;
   std::vector<State> states;  // as long as scene.built.sensors
   std::filesystem::path cache;
@@ -67,8 +83,8 @@ struct SimulationImpl : Observations {
   std::optional<CostModel> device_costs;  // set when a sensor first requests them
   ViewLayer sensing;
   std::optional<ViewLayer> people;    // set if the scene has a visualization sensor
-  std::uint64_t next_frame = 0;       // index of the first frame that has not started
-  bool under_way = false;             // the previous frame is not finished; the device may be working
+  FrameTime frame;                    // under way, or the last one that was begun
+  bool under_way = false;             // `frame` is not finished; the device may be working
   std::vector<std::string> measured;  // names of the sensors that measured in this frame
   StepStages stages;
   bool instrumented;

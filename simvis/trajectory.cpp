@@ -4,11 +4,14 @@
 #include <cmath>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "scenegraph/language/source_text.h"
 
 namespace simvis {
 namespace {
+
+constexpr double kFullTurn_deg = 360;
 
 struct Cell {
   std::string_view text;  // without surrounding spaces
@@ -30,14 +33,18 @@ std::vector<Cell> split_cells(std::string_view line, std::size_t offset) {
   }
 }
 
-// Splits the text into lines of cells; empty lines at the end are ignored.
+bool is_blank_or_comment(const std::vector<Cell>& cells) {
+  return cells[0].text.starts_with('#') || (cells.size() == 1 && cells[0].text.empty());
+}
+
+// Splits the text into lines of cells, without blank lines and comments.
 std::vector<std::vector<Cell>> split_lines(std::string_view text) {
-  text = text.substr(0, text.find_last_not_of("\r\n") + 1);
   std::vector<std::vector<Cell>> lines;
   std::size_t begin = 0;
   while (begin < text.size()) {
     const std::size_t end = std::min(text.find_first_of("\r\n", begin), text.size());
-    lines.push_back(split_cells(text.substr(begin, end - begin), begin));
+    std::vector<Cell> cells = split_cells(text.substr(begin, end - begin), begin);
+    if (!is_blank_or_comment(cells)) lines.push_back(std::move(cells));
     begin = end + (text.substr(end).starts_with("\r\n") ? 2 : 1);
   }
   return lines;
@@ -76,6 +83,9 @@ double read_cell(const Cell& cell, const SourceText& source) {
   return value;
 }
 
+// The difference of two angles that is shortest among those of whole turns, in degrees.
+double short_way(double from_deg, double to_deg) { return std::remainder(to_deg - from_deg, kFullTurn_deg); }
+
 }  // namespace
 
 Trajectory::Trajectory(const std::filesystem::path& file, const Parameters& parameters) {
@@ -84,6 +94,8 @@ Trajectory::Trajectory(const std::filesystem::path& file, const Parameters& para
   if (lines.empty()) fail_at(source.at(0), "no header, expected \"time_s,ELEMENT.PARAM,...\"");
   indices_ = read_header(lines[0], source, parameters);
   if (lines.size() == 1) fail_at(source.at(source.text().size()), "no rows, expected at least one");
+  for (const std::size_t index : indices_) full_turn_.push_back(parameters.spec(index).full_turn);
+  warned_.resize(indices_.size());
   for (const std::vector<Cell>& cells : std::span(lines).subspan(1)) {
     if (cells.size() != lines[0].size()) {
       fail_at(source.at(cells[0].offset), std::to_string(cells.size()) + " cells, expected " +
@@ -100,8 +112,19 @@ Trajectory::Trajectory(const std::filesystem::path& file, const Parameters& para
       values_.push_back(read_cell(cell, source));
       const std::string wrong = check_number(parameters.spec(indices_[i]), values_.back());
       if (!wrong.empty()) fail_at(source.at(cell.offset), parameters.name(indices_[i]) + ": " + wrong);
+      if (times_s_.size() > 1 && full_turn_[i]) check_turn(i, parameters.name(indices_[i]), source.at(cell.offset));
     }
   }
+}
+
+// Adds a warning if the last value of a column lies a full turn or more from the value before.
+void Trajectory::check_turn(std::size_t column, const std::string& name, const Location& where) {
+  const double to = values_.back(), from = values_[values_.size() - 1 - indices_.size()];
+  if (std::abs(to - from) < kFullTurn_deg || warned_[column]) return;
+  warned_[column] = true;
+  warnings_.push_back(to_string(where) + ": " + name + " changes by " + format_number(to - from) +
+                      " deg from row to row, but an angle turns the short way, here by " +
+                      format_number(short_way(from, to)) + " deg; expected rows that are at most 180 deg apart");
 }
 
 void Trajectory::apply(double time_s, Parameters& parameters) const {
@@ -113,7 +136,8 @@ void Trajectory::apply(double time_s, Parameters& parameters) const {
   for (std::size_t i = 0; i < indices_.size(); ++i) {
     // std::lerp is monotonic and exact at both ends, so the result stays within the limits if both rows do.
     const double first = values_[from * indices_.size() + i], last = values_[to * indices_.size() + i];
-    parameters.set(indices_[i], std::lerp(first, last, part));
+    const bool other_way = full_turn_[i] && std::abs(last - first) > kFullTurn_deg / 2;
+    parameters.set(indices_[i], other_way ? first + part * short_way(first, last) : std::lerp(first, last, part));
   }
 }
 

@@ -208,7 +208,7 @@ std::vector<DeviceInfo> infos(const std::vector<PhysicalDevice>& devices) {
 std::size_t choose_device(const std::vector<DeviceInfo>& devices, const std::string& select) {
   const std::vector<std::size_t> candidates = matches(devices, select);
   if (candidates.empty()) {
-    std::string message = "no Vulkan device matches \"" + select + "\"; there are";
+    std::string message = "no Vulkan device matches \"" + select + "\", expected an index or a part of a name:";
     for (std::size_t i = 0; i < devices.size(); ++i) {
       message += (i ? ", " : " ") + std::to_string(i) + " (" + devices[i].name + ")";
     }

@@ -45,6 +45,8 @@ struct AttributeSpec {
   double rounding = 0;                         ///< a value at most so far beyond `min` or `max` counts as this limit
   std::string_view choices{};                  ///< allowed words, separated by spaces (choice, flags)
   bool live = false;  ///< a number that is exported as a parameter and can change while the scene runs
+  /// An angle in degrees without limits: values that differ by 360 mean the same. Trajectories turn it the short way.
+  bool full_turn = false;
 };
 
 /// The attributes of one type. The rows live as long as the type.
@@ -103,7 +105,8 @@ constexpr bool is_reference(AttributeKind kind) {
 SIMVIS_API std::string check_number(const AttributeSpec& spec, double value);
 
 /// Returns what is wrong with a table, or an empty string: two rows of one name, a default that the row itself does not
-/// allow, a live row that is not a number or has no default. The registries refuse types with such a table.
+/// allow, a live row that is not a number or has no default, a row
+/// `full_turn` with limits or another unit. The registries refuse types with such a table.
 SIMVIS_API std::string check_table(AttributeTable table);
 
 /// The type as `--describe` prints it: its summary, its notes (paragraphs, separated by '\n'), then one aligned row per

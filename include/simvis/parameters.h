@@ -57,6 +57,10 @@ class SIMVIS_API Parameters {
   void add_element(ElementDescriptor descriptor, std::span<const double> values);
   /// Reverts the last add_element().
   void remove_last_element();
+  /// Tells index() the name of something else in the scene, for its message: `kind` is "sensor" or "part", static text.
+  void add_other(std::string name, std::string_view kind);
+  /// Reverts the last add_other().
+  void remove_last_other() { others_.pop_back(); }
   void log_request(std::string command) { change_requests_.push_back(std::move(command)); }  ///< appends a request
   void log_change(std::string command) { changes_.push_back(std::move(command)); }           ///< appends a change
   /// Reverts the last log_change().
@@ -72,6 +76,12 @@ class SIMVIS_API Parameters {
   std::vector<double> values_;
   std::vector<std::string> change_requests_, changes_;
   std::vector<bool> element_changed_;
+  // What is not an element and yet has a name.
+  struct Other {
+    std::string name;
+    std::string_view kind;
+  };
+  std::vector<Other> others_;
 };
 
 }  // namespace simvis

@@ -21,6 +21,14 @@ struct Pose {
 /// The matrix parent_from_child of a pose.
 SIMVIS_API glm::dmat4 to_matrix(const Pose& pose);
 
+/// The pose of a matrix parent_from_child that is rigid. roll and yaw lie within [-pi, pi], pitch within [-pi/2, pi/2].
+/// Where the pose looks straight up or down, only the sum or difference of roll and yaw is defined; one of them is 0.
+SIMVIS_API Pose to_pose(const glm::dmat4& rigid);
+
+/// Whether a matrix is a rotation and a translation: finite, right-handed, and each element of R transpose(R) and of
+/// the last row within `tolerance` of its value.
+SIMVIS_API bool is_rigid(const glm::dmat4& m, double tolerance);
+
 /// The matrix parent_from_child of a pose whose angles are in degrees, as in scene files. Multiples of 90 degrees give
 /// exact rotations, see sincos_deg().
 SIMVIS_API glm::dmat4 matrix_from_degrees(const glm::dvec3& position_m, double roll_deg, double pitch_deg,

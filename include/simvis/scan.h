@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -38,6 +39,7 @@ inline glm::dvec3 beam_direction(double azimuth_rad, double elevation_rad) {
 ///          range covers all surfaces (see <simvis/ray_caster.h>). Noise is not included: the bound applies to the
 ///          range before noise is added.
 /// Channels those of the effects that the scanner has, in their order; empty without such effects.
+/// Time     of the frame that the scan belongs to; an effect that gives beams times of their own adds a channel.
 struct Scan {
   std::uint32_t rings = 0,              ///< number of rings
       beams = 0;                        ///< number of beams per ring
@@ -46,6 +48,14 @@ struct Scan {
   std::vector<float> range_m;           ///< range along the ray; +infinity and 0 as above
   std::vector<float> error_bound_m;     ///< in the shape of range_m
   std::vector<ScanChannel> channels{};  ///< further numbers per beam
+  std::int64_t time_ns = 0;             ///< simulated time of the measurement; 0 before the first
+  glm::dmat4 world_from_sensor{1.0};    ///< rigid, at that time; the identity before the first measurement
+
+  /// The points that the beams hit, in the sensor frame and in the shape of range_m: range_m along the beam, noise
+  /// included. NaN where nothing was hit; the origin where the range is 0. Empty before the first measurement.
+  std::vector<glm::dvec3> points() const;
+  /// As points(), in the world.
+  std::vector<glm::dvec3> world_points() const;
 
   /// The channel of this name, or null. The pointer is valid until `channels` changes.
   const ScanChannel* channel(std::string_view name) const {
@@ -53,5 +63,22 @@ struct Scan {
     return found == channels.end() ? nullptr : &*found;
   }
 };
+
+inline std::vector<glm::dvec3> Scan::points() const {
+  std::vector<glm::dvec3> points;
+  points.reserve(range_m.size());
+  for (std::size_t i = 0; i < range_m.size(); ++i) {
+    const double range = range_m[i];
+    const double reach = std::isfinite(range) ? range : std::numeric_limits<double>::quiet_NaN();
+    points.push_back(reach * beam_direction(azimuth_rad[i % beams], elevation_rad[i / beams]));
+  }
+  return points;
+}
+
+inline std::vector<glm::dvec3> Scan::world_points() const {
+  std::vector<glm::dvec3> points = this->points();
+  for (glm::dvec3& point : points) point = glm::dvec3(world_from_sensor * glm::dvec4(point, 1));
+  return points;
+}
 
 }  // namespace simvis

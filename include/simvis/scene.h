@@ -123,8 +123,15 @@ class SIMVIS_API Scene {
   /// below a switch that is off.
   std::optional<glm::dmat4> world_from_point(std::string_view name) const;
 
-  /// Warnings of importers, in the order in which they came, each once.
+  /// Adds a warning unless it is there already: one line "FILE[:LINE[:COLUMN]]: WHAT", without the word "warning". If
+  /// the command that adds it is reverted, the warning is reverted too. Throws InputError if the scene is strict.
+  void warn(const std::string& warning);
+  /// As warn(const std::string&), with the place in front.
+  void warn(const Location& where, std::string_view what);
+  /// All warnings, in the order in which they came, each once.
   const std::vector<std::string>& warnings() const { return warnings_; }
+  /// From now on, a warning is an error: warn() throws InputError "FILE:LINE:COLUMN: error: WHAT".
+  void make_strict() { strict_ = true; }
 
   ContentPool& pool() { return pool_; }  ///< shared content of all parts
   /// The steps that revert everything since the last commit().
@@ -161,6 +168,7 @@ class SIMVIS_API Scene {
   std::vector<PackageFolder> packages_;
   ContentPool pool_;
   std::vector<std::string> warnings_;
+  bool strict_ = false;
   UndoLog undo_;
 };
 

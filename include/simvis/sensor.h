@@ -238,6 +238,7 @@ struct SIMVIS_API SensorInfo {
   std::optional<double> depth_error_bound_m{};  ///< of its last depth image; empty unless with_bounds() sets it
   std::vector<std::string> effects{};           ///< effects that any of its measurements had, as the plan named them
   std::uint8_t capabilities = 0;                ///< of its type, as a sum of SensorCapability
+  double rate_hz = 0;                           ///< measurements per second; 0: every frame
 
   /// The note of the report with this name, if it is a number; empty otherwise.
   std::optional<double> number(std::string_view note) const;

@@ -1,8 +1,11 @@
 // The entry point for programs: load a scene, set parameters, step, and read what the sensors measured.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <glm/glm.hpp>
+#include <glm/gtc/quaternion.hpp>
 #include <memory>
 #include <optional>
 #include <span>
@@ -26,19 +29,21 @@
 namespace simvis {
 
 struct SimulationImpl;
+class SimulationUse;
 
 /// A running simulation. All sensors are enabled at load; a disabled sensor is not rendered.
 ///
 /// Frames    world and sensors: x forward, y left, z up (REP 103), metres.
-/// Time      frame k is taken at round(k * 10^9 / rate) nanoseconds; a sensor with `rate` f measures at the first frame
-///           at or after each j / f.
+/// Time      frame k is taken at round(k * 10^9 / rate) nanoseconds, unless SimulationDesc::frames_when_due or
+///           step(dt) says otherwise; a sensor with `rate` f measures at the first frame at or after each j / f.
 /// Errors    InputError for user input (scene, names, values) and for calls that are not allowed while a frame is under
 ///           way, see step_async(); MachineError for the device.
 /// Lifetime  returned references are valid as long as the simulation, also after it is moved; their content changes
 ///           with the next measurement, step or execute(). Returned spans are valid until the next step or execute(). A
-///           simulation that was moved from may only be assigned to or destroyed.
-/// Threads   one thread at a time, which may be any thread. Several simulations may load and run in different threads
-///           at once, and other threads may load plug-ins meanwhile; each simulation gives the same bytes as alone.
+///           simulation that was moved from may only be assigned to or destroyed; other calls throw InputError.
+/// Threads   one thread at a time, which may be any thread: a call while another thread is inside a call throws
+///           InputError and changes nothing. Several simulations may load and run in different threads at once, and
+///           other threads may load plug-ins meanwhile; each simulation gives the same bytes as alone.
 class SIMVIS_API Simulation {
  public:
   /// Loads a scene file. Throws InputError with FILE:LINE:COLUMN for any mistake in the scene or its parts, before
@@ -60,6 +65,14 @@ class SIMVIS_API Simulation {
   /// The value of a parameter, in the unit of its element's table. Throws InputError: no such element or parameter.
   double get(std::string_view element, std::string_view parameter) const;
 
+  /// Sets all six parameters of an element of type `pose`: the matrix parent_from_child, as Transform::matrix() has it.
+  /// It takes effect at the next step(). Throws InputError and keeps the old values: no such element, an element of
+  /// another type, or a matrix that is not rigid within 10^-6 (a rotation and a translation, finite, right-handed).
+  void set_pose(std::string_view element, const glm::dmat4& parent_from_child);
+  /// As set_pose() with a matrix, from a position and a rotation. Throws InputError also if the quaternion's length
+  /// differs from 1 by more than 10^-6.
+  void set_pose(std::string_view element, const glm::dvec3& position_m, const glm::dquat& rotation);
+
   /// Executes more commands: parts, elements and sensors are added to the running scene and take effect at the next
   /// step(). Relative file names start at `folder`, and `name` stands for the text in messages. All or nothing: if it
   /// throws InputError, with the place, the scene is unchanged. The text is logged in parameters().change_requests().
@@ -79,6 +92,11 @@ class SIMVIS_API Simulation {
   /// empty, and each sensor holds a complete measurement, its last one or that of this frame. The frame can be tried
   /// again.
   void step();
+
+  /// As step(), but the frame is taken `dt` after the previous one, and the frames of later calls of step() follow it
+  /// at the simulation's rate. The first frame is always taken at time 0, so its `dt` has no effect. Throws InputError
+  /// if `dt` is not above 0, or beyond the clock's 292 years.
+  void step(std::chrono::nanoseconds dt);
 
   /// The first half of a step: everything before the device's work, which continues after the return. Frames made in
   /// this way are byte for byte those of step(). The function begins with finish(), so that in
@@ -151,14 +169,18 @@ class SIMVIS_API Simulation {
   /// throws.
   void write(std::string_view sensor, OutputSink& sink) const;
 
-  /// Warnings of the importers of parts, each once.
+  /// All warnings so far, in the order in which they came, each once: of parts, of the scene, and of steps. Each is one
+  /// line "FILE[:LINE[:COLUMN]]: WHAT", without the word "warning".
   const std::vector<std::string>& warnings() const;
+  /// Adds a warning of the program's own. Throws InputError if the simulation is strict.
+  void warn(const std::string& warning);
 
   /// How the last step was planned and drawn, and what it cost. The view is valid until the simulation is destroyed.
   Diagnostics diagnostics() const;
 
  private:
   explicit Simulation(std::unique_ptr<SimulationImpl> impl);
+  SimulationUse impl() const;
   std::unique_ptr<SimulationImpl> impl_;
 };
 

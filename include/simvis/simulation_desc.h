@@ -22,7 +22,10 @@ struct AttributeOverride {
 
 /// The settings of a simulation. Simulation::load() throws InputError for a value that is not allowed.
 struct SimulationDesc {
-  double rate_hz = 15;     ///< frames per simulated second, finite and above 0
+  double rate_hz = 15;  ///< frames per simulated second, finite and above 0
+  /// Frames come exactly when a sensor that is on and has a rate is due. While no such sensor is on, they come at
+  /// `rate_hz`.
+  bool frames_when_due = false;
   std::uint64_t seed = 0;  ///< of all random numbers
   /// Number of threads that work on a step, including the calling thread: they cast rays, cull views and prepare
   /// meshes. 0: as many as the machine has; above 1024: InputError. Simulations of one process with the same number
@@ -33,6 +36,7 @@ struct SimulationDesc {
   /// Packages that parts name, searched before ROS_PACKAGE_PATH and other places. A folder that does not exist:
   /// InputError.
   std::vector<PackageFolder> packages{};
+  bool strict = false;  ///< a warning is an InputError, at load and in a step
   /// Called while parts are read (load, execute) and while meshes that a step shows for the first time are prepared.
   ProgressCallback progress{};
 };

@@ -245,6 +245,9 @@ std::string check_table(AttributeTable table) {
     if (spec.live && (spec.kind != AttributeKind::number || spec.default_value.empty())) {
       return row + "a live row must be a number with a default";
     }
+    if (spec.full_turn && (spec.unit != "deg" || spec.min != -kNoLimit || spec.max != kNoLimit)) {
+      return row + "an angle of full turns must be in degrees and without limits";
+    }
     AttributeValues::Value value;
     value.spec = spec;
     const std::string wrong = spec.default_value.empty() ? "" : AttributeValues::read(spec.default_value, value);

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include <simvis/attributes.h>
+#include "scenegraph/language/xml_error.h"
 
 namespace simvis {
 namespace {
@@ -151,9 +152,7 @@ SceneSource::SceneSource(SourceText source, std::filesystem::path from)
   const std::string& xml = text.text();
   const pugi::xml_parse_result result =
       document.load_buffer(xml.data(), xml.size(), pugi::parse_default | pugi::parse_fragment, pugi::encoding_utf8);
-  if (result) return;
-  fail_at(text.at(static_cast<std::size_t>(std::max<std::ptrdiff_t>(result.offset, 0))),
-          std::string("malformed XML: ") + result.description());
+  if (!result) fail_xml(text, result);
 }
 
 std::vector<Command> CommandReader::read(SourceText source, const std::filesystem::path& file,
@@ -170,6 +169,12 @@ std::vector<Command> CommandReader::read(SourceText source, const std::filesyste
 
 void CommandReader::read_document(const SceneSource& source, std::shared_ptr<const IncludeScope> scope) {
   const pugi::xml_node root = find_root(source.document);
+  if (root && std::string_view(root.name()) == "robot" && root.child("link")) {
+    fail_at(place(root, source.text),
+            "this is a robot in URDF, expected a scene; put it into one: <part file=" +
+                in_quotes(std::filesystem::path(source.text.file()).stem().string() + ".urdf") +
+                " name=\"ROBOT\" insert_at=\"ROOT\"/>");
+  }
   if (root && root.first_attribute()) {
     fail_at(source.text.at(attribute_offsets(root, source.text.text()).front()),
             "unknown attribute " + in_quotes(root.first_attribute().name()) + ", expected none on the root element");

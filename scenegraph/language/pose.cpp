@@ -63,4 +63,30 @@ const glm::dmat4& sensor_from_view() {
   return matrix;
 }
 
+Pose to_pose(const glm::dmat4& rigid) {
+  const auto r = [&](int row, int column) { return rigid[column][row]; };
+  Pose pose{.position_m = glm::dvec3(rigid[3])};
+  pose.yaw_rad = std::atan2(r(1, 0), r(0, 0));
+  // The other angles are those of Rz(-yaw) R, so that errors of yaw near the poles cancel.
+  const double c = std::cos(pose.yaw_rad), s = std::sin(pose.yaw_rad);
+  pose.pitch_rad = std::atan2(-r(2, 0), c * r(0, 0) + s * r(1, 0));
+  pose.roll_rad = std::atan2(s * r(0, 2) - c * r(1, 2), c * r(1, 1) - s * r(0, 1));
+  return pose;
+}
+
+bool is_rigid(const glm::dmat4& m, double tolerance) {
+  const glm::dmat3 rotation(m);
+  const glm::dmat3 product = rotation * glm::transpose(rotation);
+  for (int column = 0; column < 3; ++column) {
+    for (int row = 0; row < 3; ++row) {
+      if (!(std::abs(product[column][row] - (column == row ? 1 : 0)) <= tolerance)) return false;
+    }
+  }
+  for (int column = 0; column < 4; ++column) {
+    if (!(std::abs(m[column][3] - (column == 3 ? 1 : 0)) <= tolerance)) return false;
+    if (!std::isfinite(m[3][column])) return false;
+  }
+  return glm::determinant(rotation) > 0;
+}
+
 }  // namespace simvis

@@ -4,6 +4,8 @@
 #include <string>
 #include <utility>
 
+#include "scenegraph/language/xml_error.h"
+
 namespace simvis {
 namespace {
 
@@ -17,10 +19,7 @@ XmlText::XmlText(SourceText source) : source_(std::move(source)) {
   const std::string& text = source_.text();
   const pugi::xml_parse_result result = document_.load_buffer(
       text.data(), text.size(), pugi::parse_default | pugi::parse_trim_pcdata, pugi::encoding_utf8);
-  if (!result) {
-    fail_at(source_.at(static_cast<std::size_t>(std::max<std::ptrdiff_t>(result.offset, 0))),
-            std::string("malformed XML: ") + result.description());
-  }
+  if (!result) fail_xml(source_, result);
   int depth = 0;
   for (pugi::xml_node node = document_.first_child(); node;) {
     if (depth > kMaxDepth) {

@@ -273,6 +273,8 @@ void LaserScanner::publish(std::span<const Echo> detected) {
     scan_.range_m[beam] = readings_[beam].range_m;
     scan_.error_bound_m[beam] = readings_[beam].error_bound_m;
   }
+  scan_.time_ns = context_.time.time_ns;
+  scan_.world_from_sensor = context_.world_from_sensor;
   scan_.channels.clear();
   for (const ChosenScanEffect& each : effects_) each.effect->finish(context_, detected, scan_);
   if (has_truth()) add_truth();

@@ -25,7 +25,7 @@ void declare_list_options(CLI::App& app, ListOptions& options) {
 
 std::string scene_listing(const std::string& scene, const SimulationDesc& desc, bool json) {
   if (scene.empty()) throw InputError("SCENE.xml is missing, expected a scene to list; see --help");
-  const LiveScene live(desc.overrides, read_commands(scene), desc.seed, {}, desc.packages);
+  const LiveScene live(desc.overrides, read_commands(scene), desc.seed, {}, desc.packages, desc.strict);
   const SceneList list = list_scene(live.built);
   return json ? to_json(list) : to_text(list);
 }

@@ -3,14 +3,15 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
-#include <iostream>
 #include <system_error>
 
 #include <simvis/attributes.h>
 #include "engine/base/thread_pool.h"
 #include "sensors/laser_scanner/laser_scanner.h"
 #include "simvis/clock.h"
+#include "simvis/timeline.h"
 
 namespace simvis {
 namespace {
@@ -25,6 +26,18 @@ void set_parameter(Simulation& simulation, const std::string& assignment) {
     if (!parse_number(number, value)) throw InputError("\"" + number + "\" is not a finite number");
     simulation.set(assignment.substr(0, dot), assignment.substr(dot + 1, equals - dot - 1), value);
   });
+}
+
+void set_parameters(Simulation& simulation, const std::vector<std::string>& assignments) {
+  std::vector<std::string> names;
+  for (const std::string& assignment : assignments) {
+    set_parameter(simulation, assignment);
+    const std::string name = assignment.substr(0, assignment.find('='));
+    if (std::ranges::find(names, name) != names.end()) {
+      simulation.warn("--set " + name + ": is given more than once, and the last value applies; expected once");
+    }
+    names.push_back(name);
+  }
 }
 
 /// Overrides an attribute of all sensor types that cast beams, as far as they have it and `with`.
@@ -81,6 +94,8 @@ std::vector<AttributeOverride> scanner_overrides(const Options& options) {
 SimulationDesc scene_desc(const Options& options) {
   SimulationDesc desc;
   desc.rate_hz = options.rate_hz;
+  desc.frames_when_due = options.frames_when_due;
+  desc.strict = options.strict;
   desc.seed = options.seed;
   desc.threads = options.threads;
   desc.device.select = options.device;
@@ -104,7 +119,7 @@ Simulation load(const Options& options, std::optional<LoadingBar>& loading) {
     if (loading) loading->update(progress);
   };
   Simulation simulation = Simulation::load(options.scene, desc);
-  for (const std::string& assignment : options.set) set_parameter(simulation, assignment);
+  set_parameters(simulation, options.set);
   if (!options.sensors.empty()) {
     for (const SensorInfo& sensor : simulation.sensors()) simulation.enable(sensor.name, false);
     for (const std::string& name : options.sensors) {
@@ -114,14 +129,26 @@ Simulation load(const Options& options, std::optional<LoadingBar>& loading) {
   return simulation;
 }
 
-std::optional<Trajectory> read_trajectory(const Options& options, const Simulation& simulation) {
+std::optional<Trajectory> read_trajectory(const Options& options, Simulation& simulation) {
   if (options.trajectory.empty()) return std::nullopt;
-  return Trajectory(options.trajectory, simulation.parameters());
+  Trajectory trajectory(options.trajectory, simulation.parameters());
+  for (const std::string& warning : trajectory.warnings()) simulation.warn(warning);
+  for (const std::size_t index : trajectory.parameters()) {
+    const std::string name = simulation.parameters().name(index);
+    const auto sets = [&](const std::string& assignment) { return assignment.starts_with(name + "="); };
+    if (std::ranges::none_of(options.set, sets)) continue;
+    simulation.warn("--set " + name + ": the trajectory sets it too, and the trajectory's values apply");
+  }
+  return trajectory;
 }
 
-void print_warnings(const Options& options, const Simulation& simulation) {
-  if (options.quiet) return;
-  for (const std::string& warning : simulation.warnings()) std::cerr << "warning: " << warning << '\n';
+std::uint64_t frames_of(const Trajectory& trajectory, const Options& options, const Simulation& simulation) {
+  std::vector<double> rates;
+  for (const SensorInfo& sensor : simulation.sensors()) {
+    if (sensor.enabled && sensor.rate_hz > 0) rates.push_back(sensor.rate_hz);
+  }
+  const Timeline timeline(options.rate_hz, options.frames_when_due);
+  return timeline.frames_until(std::llround(std::min(trajectory.end_s() * 1e9, 9e18)), rates);
 }
 
 }  // namespace simvis

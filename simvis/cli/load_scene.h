@@ -1,6 +1,7 @@
 // Loads the scene that the command line names, with the options that concern it.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -31,10 +32,10 @@ SimulationDesc scene_desc(const Options& options);
 /// Loads the scene, sets parameters and turns sensors off. `loading` shows the progress of loading until it is reset.
 Simulation load(const Options& options, std::optional<LoadingBar>& loading);
 
-/// Empty without --trajectory.
-std::optional<Trajectory> read_trajectory(const Options& options, const Simulation& simulation);
+/// Empty without --trajectory. Warns of parameters that --set sets too.
+std::optional<Trajectory> read_trajectory(const Options& options, Simulation& simulation);
 
-/// On standard error, unless --quiet.
-void print_warnings(const Options& options, const Simulation& simulation);
+/// The number of frames until the end of the trajectory.
+std::uint64_t frames_of(const Trajectory& trajectory, const Options& options, const Simulation& simulation);
 
 }  // namespace simvis

@@ -5,6 +5,7 @@
 #include <charconv>
 
 #include <simvis/error.h>
+#include <simvis/location.h>
 #include <simvis/version.h>
 #include "simvis/report/earlier_run.h"
 #include "simvis/report/price.h"
@@ -24,17 +25,20 @@ std::string not_empty(const std::string& text) { return text.empty() ? "it is em
 
 void declare_options(CLI::App& app, Options& options) {
   app.add_option("SCENE.xml", options.scene, "the scene to run");
-  app.add_option("--out", options.out, "where results go")->type_name("DIR")->capture_default_str();
-  app.add_option("--frames", options.frames, "how many frames")
+  app.add_option("-o,--out", options.out, "where results go")->type_name("DIR")->capture_default_str();
+  app.add_option("--frames", options.frames, "how many frames; with a trajectory by default all until its end")
       ->type_name("N")
       ->check(whole_number)
       ->capture_default_str();
-  app.add_option("--rate", options.rate_hz, "frames per simulated second")->type_name("HZ")->capture_default_str();
+  app.add_option("--rate", options.rate, "frames per simulated second; auto: a frame exactly when a sensor is due")
+      ->type_name("HZ|auto")
+      ->capture_default_str();
   app.add_option("--set", options.set, "a parameter, from the first frame on (repeatable)")
       ->type_name("ELEMENT.PARAM=VALUE")
       ->allow_extra_args(false);
   app.add_option("--trajectory", options.trajectory,
-                 "parameters over time: first column time_s, further columns ELEMENT.PARAM; linear between rows")
+                 "parameters over time: first column time_s, further columns ELEMENT.PARAM; linear between rows, "
+                 "angles the short way")
       ->type_name("FILE.csv");
   app.add_option("--sensor", options.sensors, "only this sensor (repeatable)")
       ->type_name("NAME")
@@ -91,7 +95,8 @@ void declare_options(CLI::App& app, Options& options) {
       ->type_name("PART")
       ->allow_extra_args(false);
   app.add_flag("--explain", options.explain, "print what the last frame renders, why, and what it cost");
-  app.add_flag("--quiet", options.quiet, "print errors only");
+  app.add_flag("--strict", options.strict, "warnings are errors");
+  app.add_flag("--quiet", options.quiet, "print errors and warnings only");
   app.add_flag("--price", options.price,
                "print what each method of each laser scanner costs and is worth in this scene; --frames of each (" +
                    std::to_string(PriceDesc().frames) +
@@ -126,11 +131,33 @@ void declare_options(CLI::App& app, Options& options) {
   declare_list_options(app, options.list);
   app.add_flag("--list-devices", options.list_devices, "print the Vulkan devices of this machine, and exit");
   app.set_version_flag("--version", "simvis-run " + std::string(version()), "print the version, and exit");
-  app.set_help_flag("--help", "print this help, and exit");
+  app.set_help_flag("-h,--help", "print this help, and exit");
   app.footer(
       "Results: DIR/CAMERA/000000.png and .exr, DIR/SCANNER.csv, DIR/SENSOR_poses.csv, DIR/run.json.\n"
       "Exit status: 0 done; 1 it could not be done; 2 the command line or the scene is wrong; 130 stopped by a "
       "signal.");
+}
+
+/// The message for an option that does not exist. CLI11 itself would blame the argument behind it, which it takes for
+/// the scene.
+std::optional<std::string> unknown_option(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app.get_options()) {
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  }
+  const std::vector<std::string_view> known(names.begin(), names.end());
+  for (const std::string& argument : app.remaining()) {
+    if (!argument.starts_with("-")) continue;
+    const std::string option = argument.substr(0, argument.find('='));
+    return "there is no option " + option + suggestion(option, known);
+  }
+  return std::nullopt;
+}
+
+void read_rate(Options& options) {
+  options.frames_when_due = options.rate == "auto";
+  if (options.frames_when_due || parse_number(options.rate, options.rate_hz)) return;
+  throw InputError("--rate: " + in_quotes(options.rate) + " is not allowed, expected a number (Hz) or auto");
 }
 
 /// Options that may stand beside --again: they change no byte of the results.
@@ -163,10 +190,11 @@ ParsedOptions parse_options(std::vector<std::string> arguments) {
     parsed.exit_status = app.exit(wish);
     return parsed;
   } catch (const CLI::ParseError& error) {
-    throw InputError(std::string(error.what()) + "; see --help");
+    throw InputError(unknown_option(app).value_or(error.what()) + "; see --help");
   }
   options.names_out = app.count("--out") > 0;
   options.names_frames = app.count("--frames") > 0;
+  read_rate(options);
   if (!options.again.empty()) require_free_options(app, "--again");
   if (options.resume && options.scene.empty()) require_free_options(app, "--resume");
   return parsed;
@@ -192,6 +220,7 @@ Options recorded_options(const Options& given) {
   options.profile = given.profile;
   options.summary = given.summary;
   if (!given.device.empty()) options.device = given.device;
+  options.names_frames |= given.names_frames;
   options.frames = given.names_frames ? given.frames : run.frames_wanted;
   return options;
 }

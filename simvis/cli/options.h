@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include <simvis/attributes.h>
 #include <simvis/simulation_desc.h>
 #include "simvis/cli/list_options.h"
 
@@ -16,10 +17,12 @@ struct Options {
   std::vector<std::string> set, sensors, plugins, packages, formats, poses;
   std::uint64_t frames = 1, seed = 0;
   unsigned threads = 0;
+  std::string rate = format_number(SimulationDesc{}.rate_hz);
   double rate_hz = SimulationDesc{}.rate_hz, depth_unit_m = 0.001;
   bool list_devices = false, explain = false, quiet = false;
   bool price = false, summary = false, markdown = false;
   ListOptions list;
+  bool frames_when_due = false, strict = false;
   bool resume = false, no_replace = false;
   bool names_out = false, names_frames = false;  ///< --out, --frames are given
   std::vector<std::string> command;              ///< the arguments that these options are from

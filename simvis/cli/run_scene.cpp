@@ -16,6 +16,7 @@
 #include "simvis/cli/loading_bar.h"
 #include "simvis/cli/progress_bar.h"
 #include "simvis/cli/signals.h"
+#include "simvis/cli/warning_printer.h"
 #include "simvis/output/atomic_file.h"
 #include "simvis/output/folder_lock.h"
 #include "simvis/output/output_writer.h"
@@ -119,7 +120,7 @@ class Run {
 
   /// Takes the folder and what an earlier run left in it. Returns false if there is nothing left to do.
   bool prepare();
-  void make_frames(std::optional<LoadingBar>& loading);
+  void make_frames(std::optional<LoadingBar>& loading, WarningPrinter& warnings);
   void finish();
   /// After an exception: keeps what is whole and says in the report that the run failed, if that is still possible.
   void fail();
@@ -153,6 +154,7 @@ void Run::describe() {
   report_.device = simulation_.diagnostics().device();
   report_.seed = options_.seed;
   report_.rate_hz = options_.rate_hz;
+  report_.frames_when_due = options_.frames_when_due;
   report_.frames_wanted = options_.frames;
   report_.sensors = simulation_.sensors();
   RunRecord& record = report_.record;
@@ -164,7 +166,6 @@ void Run::describe() {
   files.insert(files.end(), options_.plugins.begin(), options_.plugins.end());
   record.inputs = hashes_of(files);
   if (!options_.trajectory.empty()) record.inputs[options_.trajectory] = sha256_of(options_.trajectory);
-  record.warnings = simulation_.warnings();
   record.host = host_info();
   in_option("--format", [&] { record.formats = parse_formats(options_.formats); });
   record.formats.depth_unit_m = options_.depth_unit_m;
@@ -252,12 +253,15 @@ void Run::open_writer() {
 }
 
 void Run::write_report() {
+  report_.warnings = simulation_.warnings();
+  report_.simulated_s = static_cast<double>(simulation_.next_frame().time_ns) / 1e9 *
+                        static_cast<double>(report_.frame_ms.size()) / static_cast<double>(options_.frames);
   report_.wall_s = static_cast<double>(now_ns() - start_ns_) / 1e9;
   write_file(report_file(options_, report_), to_json(report_));
 }
 
 /// Computes and writes the frames until a signal comes. Resets `loading` after the first frame.
-void Run::make_frames(std::optional<LoadingBar>& loading) {
+void Run::make_frames(std::optional<LoadingBar>& loading, WarningPrinter& warnings) {
   const Shard shard = report_.shard.value_or(Shard{});
   ProgressBar progress(std::cerr, shows_progress(options_),
                        shard.share_of(options_.frames) - shard.share_of(first_frame_),
@@ -274,6 +278,7 @@ void Run::make_frames(std::optional<LoadingBar>& loading) {
     simulation_.step();
     const std::int64_t measured_ns = now_ns();
     loading.reset();
+    warnings.print_new(simulation_);
     if (frame < first_frame_) continue;
     report_.frame_ms.push_back(static_cast<double>(measured_ns - start_ns) / 1e6);
     if (!writer_) begin_output();
@@ -326,7 +331,7 @@ void print_differences(const EarlierRun& run, const RunReport& report) {
 
 }  // namespace
 
-int run_scene(const Options& options, std::int64_t start_ns) {
+int run_scene(Options options, std::int64_t start_ns) {
   std::optional<EarlierRun> again;
   if (!options.again.empty()) {
     again = read_report(options.again);
@@ -336,8 +341,11 @@ int run_scene(const Options& options, std::int64_t start_ns) {
   loading.emplace(std::cerr, shows_progress(options));
   Simulation simulation = load(options, loading);
   loading->clear_line();
-  print_warnings(options, simulation);
+  WarningPrinter warnings(std::cerr);
+  warnings.print_new(simulation);
   const std::optional<Trajectory> trajectory = read_trajectory(options, simulation);
+  warnings.print_new(simulation);
+  if (trajectory && !options.names_frames) options.frames = frames_of(*trajectory, options, simulation);
   for (const std::string& part : options.poses) {
     in_option("--poses", [&] { simulation.track_part(part); });
   }
@@ -346,7 +354,7 @@ int run_scene(const Options& options, std::int64_t start_ns) {
   defer_signals();
   if (!run.prepare()) return 0;
   try {
-    run.make_frames(loading);
+    run.make_frames(loading, warnings);
     loading.reset();
     run.finish();
   } catch (...) {

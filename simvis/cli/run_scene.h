@@ -8,6 +8,6 @@
 namespace simvis {
 
 /// Returns the exit status: 0, or kExitStopped if a signal came. `start_ns`: when the program began.
-int run_scene(const Options& options, std::int64_t start_ns);
+int run_scene(Options options, std::int64_t start_ns);
 
 }  // namespace simvis

@@ -18,6 +18,7 @@
 #include "simvis/cli/progress_bar.h"
 #include "simvis/cli/run_scene.h"
 #include "simvis/cli/signals.h"
+#include "simvis/cli/warning_printer.h"
 #include "simvis/output/atomic_file.h"
 #include "simvis/report/price.h"
 #include "simvis/report/price_report.h"
@@ -57,12 +58,14 @@ void price_scene(const Options& options) {
   if (options.quiet && !options.names_out) {
     throw InputError("--price: --quiet leaves nothing to print, expected --out DIR with it");
   }
+  if (options.frames_when_due) throw InputError("--price: frames come at a fixed rate, expected no --rate auto");
   std::optional<LoadingBar> loading;
   loading.emplace(std::cerr, shows_progress(options));
   Simulation simulation = load(options, loading);
   loading->clear_line();
   check_priced(options, simulation);
-  print_warnings(options, simulation);
+  WarningPrinter warnings(std::cerr);
+  warnings.print_new(simulation);
   const std::optional<Trajectory> trajectory = read_trajectory(options, simulation);
   const std::string device = simulation.diagnostics().device().name;
   defer_signals();

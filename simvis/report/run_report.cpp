@@ -35,7 +35,6 @@ void add_record(const RunRecord& record, Json& json) {
                           {"sha256", hash == record.inputs.end() ? Json(nullptr) : Json(hash->second)}};
   }
   json["inputs"] = record.inputs;
-  json["warnings"] = record.warnings;
   json["host"] = {{"name", record.host.name},
                   {"system", record.host.system},
                   {"processor", record.host.processor},
@@ -97,10 +96,11 @@ std::string to_json(const RunReport& report) {
                {"frames", report.shard.value_or(Shard{}).share_of(report.next_frame)},
                {"frames_wanted", report.frames_wanted},
                {"next_frame", report.next_frame},
-               {"rate_hz", report.rate_hz},
+               {"rate_hz", report.frames_when_due ? Json("auto") : Json(report.rate_hz)},
                {"frame_ms", {{"median", percentile(report.frame_ms, 50)}, {"p99", percentile(report.frame_ms, 99)}}},
                {"sensors", sensors}};
   add_record(report.record, json);
+  json["warnings"] = report.warnings;
   json["files"] = report.files;
   if (report.shard) json["shard"] = {{"index", report.shard->index}, {"count", report.shard->count}};
   return dump(json, 2);
@@ -109,10 +109,14 @@ std::string to_json(const RunReport& report) {
 std::string speed_line(const RunReport& report) {
   const double median_ms = percentile(report.frame_ms, 50);
   const double speed_hz = 1000 / std::max(median_ms, 1e-6);
-  const std::size_t frames = report.frame_ms.size();
-  char text[160];
-  std::snprintf(text, sizeof text, "%zu frame%s, %.2f ms a frame: %.1f Hz, %.2f x real time at %g Hz", frames,
-                frames == 1 ? "" : "s", median_ms, speed_hz, speed_hz / report.rate_hz, report.rate_hz);
+  const std::size_t frames = report.frame_ms.size(), warnings = report.warnings.size();
+  const double rate_hz = report.frames_when_due ? static_cast<double>(frames) / report.simulated_s : report.rate_hz;
+  char text[240];
+  std::snprintf(text, sizeof text,
+                "%zu frame%s, %.2f ms a frame: %.1f Hz, %.2f x real time at %g Hz; %.2f s with loading and files: "
+                "%.2f x real time; %zu warning%s",
+                frames, frames == 1 ? "" : "s", median_ms, speed_hz, speed_hz / rate_hz, rate_hz, report.wall_s,
+                report.simulated_s / std::max(report.wall_s, 1e-6), warnings, warnings == 1 ? "" : "s");
   return text;
 }
 

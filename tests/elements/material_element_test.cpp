@@ -249,8 +249,9 @@ TEST_CASE("an opacity that replaces the file's: of one part, of one material, be
 TEST_CASE("mistakes are refused and leave the part as it was") {
   const PlatesOnDisk plates;
   const auto error = [&](const std::string& commands) { return error_of([&] { plates.build(commands); }); };
-  CHECK(contains(error(changed("material='Paimt'")),
-                 "there is no material \"Paimt\" in part \"PLATES\", did you mean \"Paint\"? (expected the name"));
+  CHECK(
+      contains(error(changed("material='Paimt'")),
+               "there is no material \"Paimt\" in part \"PLATES\", did you mean \"Paint\"? (expected one of: Paint, "));
   CHECK(
       contains(error("<element type='material' name='M' insert_at='ROOT' part='PLATE'/>"), "did you mean \"PLATES\""));
   CHECK(contains(error("<element type='material' name='M' insert_at='ROOT'/>"), "part"));

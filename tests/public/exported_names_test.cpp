@@ -30,16 +30,20 @@ const std::set<std::string> kProgramNames = {
     "BackgroundTask::finish",
     "Clock::Clock",
     "Clock::frame",
+    "LiveScene::LiveScene",
     "ThreadPool::background_threads",
     "ThreadPool::run_in_background",
+    "Timeline::frames_until",
     "beam_following_effect",
     "find_scan_method",
     "laser_scanner_desc",
     "markdown_table",
     "markdown_text",
     "min_planar_bound",
+    "rigid_mount_frame",
     "shared_thread_pool",
     "temporary_name",
+    "walk_graph",
 };
 
 /// What the public headers declare outside of inline code.

@@ -73,7 +73,11 @@ TEST_CASE("errors are reported at their place") {
 TEST_CASE("malformed XML and input that is not text") {
   CHECK(contains(error("<scene>\n<part file=\"a></scene>"), "malformed XML: "));
   CHECK(contains(error("<scene>\n<part></scene>"), "s.xml:2:"));
-  CHECK(contains(error("<scene><part/>"), "malformed XML: "));
+  CHECK(
+      contains(error("<scene>\n<part></scene>"), "malformed XML: tag <part> of line 2 is not closed, expected \"/>\""));
+  CHECK(contains(error("<!-- <b> --><scene>\n<part name='>'/>"), "tag <scene> of line 1 is not closed"));
+  CHECK(contains(error("<scene><?x <b>?><part/>\n<element a='/'></scene>"), "tag <element> of line 2 is not closed"));
+  CHECK(contains(error("<part/></scene>"), "malformed XML: tag </scene> closes nothing"));
   CHECK(contains(error("<part a=1/>"), "s.xml:1:9: error: malformed XML: "));
   CHECK(contains(error(std::string_view("\xff\xfe<\0p\0", 6)), "s.xml:1:1: error: byte 0xff is not allowed in UTF-8"));
   CHECK(contains(error(std::string_view("<part/>\n\0", 9)), "s.xml:2:1: error: byte 0x00 is not allowed in UTF-8"));

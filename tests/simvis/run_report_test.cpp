@@ -35,8 +35,10 @@ RunReport example() {
   report.seed = 18446744073709551615u;
   report.rate_hz = 15;
   report.wall_s = 1.25;
+  report.simulated_s = 0.2;
   report.frame_ms = {10, 2, 2.5};
   report.next_frame = report.frames_wanted = 3;
+  report.warnings = {"s.xml:1:2: odd", "s.xml:3:4: odder"};
   report.sensors = {{"B_CAM", "camera", "rasterised", 3, true}, {"A_SCAN", "laser_scanner", "planar", 1, true}};
   report.sensors[1].effects = {"range_noise"};
   return report;
@@ -54,6 +56,8 @@ TEST_CASE("run.json") {
   CHECK(json["frames"] == 3);
   CHECK(json["frame_ms"]["median"] == 2.5);
   CHECK(json["frame_ms"]["p99"] == 10);
+  CHECK(json["warnings"] == nlohmann::ordered_json{"s.xml:1:2: odd", "s.xml:3:4: odder"});
+  CHECK(json["rate_hz"] == 15);
   REQUIRE(json["sensors"].size() == 2);
   CHECK(json["sensors"].begin().key() == "B_CAM");  // in the scene's order
   CHECK(json["sensors"]["A_SCAN"]["type"] == "laser_scanner");
@@ -64,7 +68,9 @@ TEST_CASE("run.json") {
 }
 
 TEST_CASE("the closing line compares with real time") {
-  CHECK(speed_line(example()) == "3 frames, 2.50 ms a frame: 400.0 Hz, 26.67 x real time at 15 Hz");
+  CHECK(speed_line(example()) ==
+        "3 frames, 2.50 ms a frame: 400.0 Hz, 26.67 x real time at 15 Hz; 1.25 s with loading and files: 0.16 x real "
+        "time; 2 warnings");
 }
 
 TEST_CASE("explain names every pass, view and reason") {

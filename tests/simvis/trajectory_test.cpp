@@ -61,6 +61,41 @@ TEST_CASE("a single row is valid at all times") {
   }
 }
 
+TEST_CASE("blank lines and comments are skipped") {
+  Stage stage;
+  const Trajectory trajectory =
+      stage.read("# a drive\n\n  \ntime_s,P.x\n0,1\n\n # half, way, there\n\t\n2,3\r\n\r\n#\n");
+  trajectory.apply(1, stage.parameters);
+  CHECK(stage.parameters.values()[0] == 2);
+  CHECK(trajectory.end_s() == 2);
+}
+
+TEST_CASE("angles of full turns take the short way, others do not") {
+  Stage stage;
+  const AttributeSpec turn{.name = "turn", .default_value = "0", .unit = "deg", .live = true, .full_turn = true};
+  const AttributeSpec joint{.name = "joint", .default_value = "0", .unit = "deg", .live = true};
+  stage.parameters.add_element({.name = "A", .type = "t", .insertion_point = "ROOT", .parameters = {turn, joint}},
+                               std::vector<double>{0, 0});
+  const Trajectory trajectory =
+      stage.read("time_s,A.turn,A.joint\n0,350,350\n1,10,10\n2,170,170\n3,-170,-170\n4,-30,-30\n");
+  const auto at = [&](double time_s) {
+    trajectory.apply(time_s, stage.parameters);
+    return std::vector<double>(stage.parameters.values().begin() + 2, stage.parameters.values().end());
+  };
+  CHECK(at(0) == std::vector<double>{350, 350});
+  CHECK(at(0.5) == std::vector<double>{360, 180});
+  CHECK(at(1) == std::vector<double>{10, 10});
+  CHECK(at(1.5) == std::vector<double>{90, 90});
+  CHECK(at(2.5) == std::vector<double>{180, 0});
+  CHECK(at(3.5) == std::vector<double>{-100, -100});
+  CHECK(at(4) == std::vector<double>{-30, -30});
+  CHECK(trajectory.warnings().empty());
+
+  const Trajectory whirl = stage.read("time_s,A.turn,A.joint\n0,0,0\n1,360,720\n2,-30,0\n");
+  REQUIRE(whirl.warnings().size() == 1);
+  CHECK(contains(whirl.warnings()[0], "t.csv:3:3: A.turn changes by 360 deg from row to row"));
+}
+
 TEST_CASE("errors are reported at their place") {
   const Stage stage;
   CHECK(stage.error("") == "t.csv:1:1: error: no header, expected \"time_s,ELEMENT.PARAM,...\"");
@@ -72,7 +107,8 @@ TEST_CASE("errors are reported at their place") {
   CHECK(contains(stage.error("time_s,Q.x\n0,1"), "t.csv:1:8: error: column \"Q.x\": there is no element \"Q\""));
   CHECK(stage.error("time_s,P.x,P.x\n0,1,1") == "t.csv:1:12: error: column \"P.x\" is given twice, expected once");
   CHECK(stage.error("time_s,P.x\n0,1\n1,2,3\n") == "t.csv:3:1: error: 3 cells, expected 2 as in the header");
-  CHECK(contains(stage.error("time_s,P.x\n\n0,1\n"), "t.csv:2:1: error: 1 cells, expected 2"));
+  CHECK(stage.error("time_s,P.x\n\n# x\n0\n") == "t.csv:4:1: error: 1 cells, expected 2 as in the header");
+  CHECK(contains(stage.error("# only comments\n"), "error: no header"));
   CHECK(stage.error("time_s,P.x\n0,\n") == "t.csv:2:3: error: empty cell, expected a finite number");
   CHECK(stage.error("time_s,P.x\n0,abc\n") == "t.csv:2:3: error: \"abc\" is not allowed, expected a finite number");
   CHECK(contains(stage.error("time_s,P.x\nnan,1\n"), "t.csv:2:1: error: \"nan\" is not allowed"));

@@ -191,7 +191,7 @@ void read_structure(json& root, GltfDocument& document) {
 void GltfDocument::fail(const std::string& what) const { throw InputError(file.string() + ": error: " + what); }
 
 void GltfDocument::warn(const std::string& what) {
-  std::string warning = file.string() + ": warning: " + what;
+  std::string warning = file.string() + ": " + what;
   if (!is_one_of(warning, warnings)) warnings.push_back(std::move(warning));
 }
 

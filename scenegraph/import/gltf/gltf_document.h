@@ -51,7 +51,7 @@ struct GltfDocument {
 
   /// Throws InputError "FILE: error: WHAT".
   [[noreturn]] void fail(const std::string& what) const;
-  /// Adds "FILE: warning: WHAT", once.
+  /// Adds "FILE: WHAT", once.
   void warn(const std::string& what);
   bool uses(std::string_view extension) const;
 };

@@ -1,0 +1,74 @@
+// What a step warns of: data that is complete and yet not what its user expects.
+#include <algorithm>
+#include <cmath>
+
+#include <simvis/attributes.h>
+#include "simvis/frame_rates.h"
+#include "simvis/simulation_impl.h"
+
+namespace simvis {
+namespace {
+
+Location place_of(const BuiltSensor& sensor, std::string_view attribute) {
+  const CommandAttribute* const written = sensor.command.find(attribute);
+  return written == nullptr ? sensor.command.where : written->where;
+}
+
+std::string rate_warning(const std::string& sensor, double rate_hz, double frames_hz, std::span<const double> rates) {
+  const std::string frames = format_number(frames_hz), rate = format_number(rate_hz);
+  const std::optional<double> fitting = common_multiple(rates);
+  return "sensor " + in_quotes(sensor) + " is due " + rate + " times a second, but frames come " + frames +
+         (rate_hz > frames_hz ? " times, so it measures once in each frame"
+                              : " times, so it measures at the next frame and its intervals differ") +
+         "; expected " + (fitting ? "--rate " + format_number(*fitting) + " or " : "") + "--rate auto";
+}
+
+bool all_infinite(std::span<const float> values) {
+  return std::ranges::all_of(values, [](float value) { return std::isinf(value); });
+}
+
+}  // namespace
+
+// Warnings belong to no command, so that no command takes them back.
+void SimulationImpl::warn(const std::string& warning) {
+  scene.built.scene.warn(warning);
+  scene.built.scene.undo().commit();
+}
+
+void SimulationImpl::warn_before_measuring() {
+  if (states.empty()) warn(name + ": the scene has no sensor, so nothing is measured; expected a sensor command");
+  if (frames_when_due || timeline.is_stretched()) return;
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    const BuiltSensor& sensor = scene.built.sensors[i];
+    if (!states[i].enabled || states[i].rate_checked) continue;
+    states[i].rate_checked = true;
+    const double rate = sensor.sensor->rate_hz;
+    if (rate == 0 || is_multiple(rate_hz, rate)) continue;
+    warn(to_string(place_of(sensor, kRateAttribute.name)) + ": " + rate_warning(sensor.name, rate, rate_hz, rates()));
+  }
+}
+
+// A sensor sees nothing if all its ranges or depths are infinite, or, without both, if none of its views draws
+// anything.
+void SimulationImpl::warn_of_empty_views(const ViewLayer& layer, std::span<const PassResult> results) {
+  for (const ViewLayer::Entry& entry : layer.entries) {
+    if (entry.due_state != DueState::due || states[entry.sensor].frames > 0) continue;
+    const BuiltSensor& sensor = scene.built.sensors[entry.sensor];
+    bool empty = false;
+    if (const Scan* const scan = sensor.sensor->scan()) {
+      empty = all_infinite(scan->range_m);
+    } else if (const Image* const depth = sensor.sensor->depth()) {
+      empty = all_infinite(depth->pixels);
+    } else if (entry.end_pass > entry.first_pass) {
+      empty = std::ranges::all_of(
+          results.subspan(entry.first_pass, entry.end_pass - entry.first_pass), [](const PassResult& result) {
+            return std::ranges::all_of(result.views, [](const ViewCounts& view) { return view.triangles == 0; });
+          });
+    }
+    if (!empty) continue;
+    warn(to_string(sensor.command.where) + ": sensor " + in_quotes(sensor.name) +
+         " sees nothing in its first frame: no surface lies within its range and field of view");
+  }
+}
+
+}  // namespace simvis

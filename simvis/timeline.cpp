@@ -1,0 +1,79 @@
+#include "simvis/timeline.h"
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+#include <string>
+
+#include <simvis/error.h>
+
+namespace simvis {
+namespace {
+
+constexpr std::int64_t kLast_ns = std::numeric_limits<std::int64_t>::max();
+
+[[noreturn]] void refuse_beyond(std::uint64_t frame) {
+  throw InputError("frame " + std::to_string(frame) + " lies beyond the clock's 292 years");
+}
+
+}  // namespace
+
+std::int64_t Timeline::time_of_next(std::span<const double> rates_hz) const {
+  if (made_ == 0 || !when_due_ || rates_hz.empty() || stretched_) {
+    const std::int64_t since_ns = clock_.frame(made_ - start_).time_ns;
+    if (since_ns > kLast_ns - origin_ns_) refuse_beyond(made_);
+    return origin_ns_ + since_ns;
+  }
+  std::optional<std::int64_t> first;
+  for (const double rate : rates_hz) {
+    const std::optional<std::int64_t> due = next_firing(rate, last_ns_);
+    if (due && (!first || *due < *first)) first = due;
+  }
+  if (!first) refuse_beyond(made_);
+  return *first;
+}
+
+FrameTime Timeline::next(std::span<const double> rates_hz) const {
+  FrameTime frame{.index = made_, .time_ns = time_of_next(rates_hz), .period_ns = clock_.frame(0).period_ns};
+  if (!when_due_ || rates_hz.empty()) return frame;
+  std::int64_t period_ns = kLast_ns - frame.time_ns;
+  for (const double rate : rates_hz) {
+    const std::optional<std::int64_t> due = next_firing(rate, frame.time_ns);
+    if (due) period_ns = std::min(period_ns, *due - frame.time_ns);
+  }
+  frame.period_ns = period_ns;
+  return frame;
+}
+
+void Timeline::stretch(std::chrono::nanoseconds dt) {
+  if (dt.count() <= 0) {
+    throw InputError("a step of " + std::to_string(dt.count()) + " ns is not possible, expected more than 0");
+  }
+  if (dt.count() > kLast_ns - last_ns_) refuse_beyond(made_);
+  stretched_ = true;
+  if (made_ == 0) return;
+  start_ = made_;
+  origin_ns_ = last_ns_ + dt.count();
+}
+
+std::uint64_t Timeline::frames_until(std::int64_t end_ns, std::span<const double> rates_hz) const {
+  Timeline ahead = *this;
+  std::uint64_t frames = 0;
+  do {
+    ahead.go_on(ahead.next(rates_hz));
+    ++frames;
+  } while (ahead.next(rates_hz).time_ns <= end_ns);
+  return frames;
+}
+
+void Timeline::go_on(const FrameTime& frame) {
+  last_ns_ = frame.time_ns;
+  ++made_;
+  stretched_ = false;
+  if (!when_due_) return;
+  // While no sensor has a rate, frames follow the last one at the clock's rate.
+  start_ = made_ - 1;
+  origin_ns_ = last_ns_;
+}
+
+}  // namespace simvis
