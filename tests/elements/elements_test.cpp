@@ -184,6 +184,20 @@ TEST_CASE("the limits of a joint belong to it alone") {
   CHECK(find_element_type("joint")->attributes.back().max == kMaxCoordinate_m);
 }
 
+TEST_CASE("angles of full turns: those of poses, and of revolute joints without limits") {
+  const auto full_turn = [](const std::string& attributes, std::string_view parameter) {
+    const BuiltScene built = build(attributes);
+    return built.parameters.spec(built.parameters.index("E", parameter)).full_turn;
+  };
+  for (const char* angle : {"roll", "pitch", "yaw"}) CHECK(full_turn("type='pose'", angle));
+  CHECK_FALSE(full_turn("type='pose'", "x"));
+  CHECK(full_turn("type='joint' axis='0 0 1'", "value"));
+  CHECK_FALSE(full_turn("type='joint' axis='0 0 1' upper='170'", "value"));
+  CHECK_FALSE(full_turn("type='joint' axis='0 0 1' kind='prismatic'", "value"));
+  CHECK(full_turn("type='light'", "azimuth"));
+  CHECK_FALSE(full_turn("type='light'", "elevation"));
+}
+
 TEST_CASE("mistakes in a joint") {
   CHECK(error("type='joint' axis='0 0 0'") ==
         "s.xml:1:49: error: attribute \"axis\": 0 0 0 is not allowed, expected a vector that is not zero");

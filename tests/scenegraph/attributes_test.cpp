@@ -178,6 +178,10 @@ TEST_CASE("a mistake in a table is detected") {
   rows[0].default_value = "";
   rows[0].live = true;
   CHECK(contains(check_table({rows, 1}), "a live row must be a number with a default"));
+  AttributeSpec turn{.name = "turn", .default_value = "0", .unit = "deg", .live = true, .full_turn = true};
+  CHECK(check_table({&turn, 1}).empty());
+  turn.min = -180;
+  CHECK(contains(check_table({&turn, 1}), "an angle of full turns must be in degrees and without limits"));
 }
 
 }  // namespace
