@@ -6,9 +6,16 @@ if(TARGET simvis-run)
   install(TARGETS simvis-run)
 endif()
 install(DIRECTORY include/simvis DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+# find_package(simvis COMPONENTS client): what other processes need, without the simulator.
+install(TARGETS simvis_client EXPORT simvisClientTargets)
+install(TARGETS simvis-ctl)
+install(DIRECTORY include/simvis_client DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install(FILES clients/simvis_client.py DESTINATION ${CMAKE_INSTALL_DATADIR}/simvis/python)
+install(FILES clients/simvis-ctl.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME simvis-ctl)
 
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/simvis)
 install(EXPORT simvisTargets NAMESPACE simvis:: DESTINATION ${package_folder})
+install(EXPORT simvisClientTargets NAMESPACE simvis:: DESTINATION ${package_folder})
 configure_package_config_file(cmake/simvisConfig.cmake.in ${PROJECT_BINARY_DIR}/simvisConfig.cmake
                               INSTALL_DESTINATION ${package_folder})
 # Before 1.0 a new minor version may change the interface.

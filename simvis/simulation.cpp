@@ -108,6 +108,13 @@ void Simulation::execute(std::string_view xml, const std::filesystem::path& fold
   use->add_new_sensors();
 }
 
+void Simulation::serve(const ServeDesc& desc) {
+  const SimulationUse use = impl();
+  SimulationImpl& idle = use->idle();
+  if (idle.serving) throw InputError("the simulation is served already, expected one call of serve()");
+  idle.serving.emplace(desc, idle.scene.built);
+}
+
 void Simulation::add_variant(std::string_view sensor, const Command& command) {
   const SimulationUse use = impl();
   use->idle().scene.add_variant(use->index(sensor), command);

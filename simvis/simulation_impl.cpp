@@ -106,6 +106,7 @@ void SimulationImpl::start() {
   warn_before_measuring();
   const FrameTime time = next_frame();
   stages.clear();
+  if (serving) take_from_clients(time);
   stages.begin("elements");
   update_elements();
   stages.begin("flatten");
@@ -128,8 +129,29 @@ void SimulationImpl::finish() {
     stages.begin("visualization");
     show_to_people(frame);
   }
+  if (serving) publish_to_clients(frame);
   stages.end();
   timeline.go_on(frame);
+}
+
+void SimulationImpl::take_from_clients(const FrameTime& time) {
+  stages.begin("clients");
+  serving->wait_for_clients(time);
+  serving->take(scene.built, [this](std::span<const Command> commands) {
+    const InputLog inputs;
+    scene.execute(commands);
+    add_inputs(inputs);
+    add_new_sensors();
+  });
+}
+
+void SimulationImpl::publish_to_clients(const FrameTime& time) {
+  stages.begin("publish");
+  for (const std::string& name : measured) {
+    const std::size_t i = index(name);
+    serving->publish(scene.built.sensors[i], i, time, states[i].world_from_sensor);
+  }
+  serving->finish_frame(scene.built, time);
 }
 
 // Host-only ray casts run while the device draws for the other sensors.

@@ -79,6 +79,8 @@ endif()
 target_link_libraries(public_tests PRIVATE $<LINK_LIBRARY:WHOLE_ARCHIVE,${public_objects}> simvis Threads::Threads ${CMAKE_DL_LIBS})
 add_dependencies(public_tests simvis_example_plugin ${refused_plugin_targets})
 
+target_link_libraries(clients_tests PRIVATE simvis_client)
+add_dependencies(clients_tests simvis-ctl)
 # Parts of the import program that no file reaches in every way.
 target_link_libraries(import_tests PRIVATE simvis_import_mesh)
 add_dependencies(simvis_tests simvis-run simvis_example_plugin)

@@ -78,6 +78,14 @@ class SIMVIS_API Simulation {
   /// throws InputError, with the place, the scene is unchanged. The text is logged in parameters().change_requests().
   void execute(std::string_view xml, const std::filesystem::path& folder = ".", const std::string& name = "<string>");
 
+  /// Serves the simulation to other processes of this machine through shared memory, as docs/shared-memory.md says,
+  /// until it is destroyed. From now on each step() begins with what clients wrote: it executes their change requests,
+  /// sets their values and logs what it refuses. It ends by publishing its values and measurements; no client can
+  /// delay it but those of `desc.lockstep`, for which step() waits: it throws MachineError naming the one that is not
+  /// ready in time. Throws InputError: a name that is not allowed or is taken by a living simulation, a folder that does
+  /// not exist, a second call. MachineError: no shared memory.
+  void serve(const ServeDesc& desc);
+
   /// Adds a sensor that always has the pose of `sensor`, and that measures as `command` says; overrides do not apply to
   /// it. It compares several methods on one view: `command` is that of `sensor` with another name and other attributes
   /// (type and view stay; insert_at and pose_offset have no effect). All or nothing, as execute(). Throws InputError,

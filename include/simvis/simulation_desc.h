@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -39,6 +40,17 @@ struct SimulationDesc {
   bool strict = false;  ///< a warning is an InputError, at load and in a step
   /// Called while parts are read (load, execute) and while meshes that a step shows for the first time are prepared.
   ProgressCallback progress{};
+};
+
+/// How a running simulation is served to other processes, see Simulation::serve().
+struct ServeDesc {
+  /// 1 to 63 of A-Z a-z 0-9 . _ -. One living simulation of this machine has it.
+  std::string name;
+  /// Change requests may name part files below these folders only, and relative names start at the first. Empty:
+  /// requests cannot insert part files.
+  std::vector<std::filesystem::path> folders{};
+  std::vector<std::string> lockstep{};  ///< names of the clients that each frame waits for
+  double lockstep_timeout_s = 10;       ///< how long a frame waits for them by the wall clock, above 0
 };
 
 }  // namespace simvis

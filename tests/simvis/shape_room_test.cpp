@@ -59,9 +59,9 @@ TEST_CASE("a scanner reads the distance to the sides of boxes and cylinders") {
     column.emplace_back(3 + 0.5 * std::cos(angle), -1 + 0.5 * std::sin(angle));
   }
   const Scan& scan = simulation.scan("SCAN");
-  REQUIRE(scan.columns == 181);
+  REQUIRE(scan.beams == 181);
   int on_wall = 0, on_crate = 0, on_column = 0, on_nothing = 0;
-  for (std::size_t i = 0; i < scan.columns; ++i) {
+  for (std::size_t i = 0; i < scan.beams; ++i) {
     const double azimuth = scan.azimuth_rad[i];
     const double to_wall = meet_polygon(azimuth, wall), to_crate = meet_polygon(azimuth, crate),
                  to_column = meet_polygon(azimuth, column);

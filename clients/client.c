@@ -1,0 +1,465 @@
+#define _GNU_SOURCE
+#include <simvis_client/client.h>
+
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <linux/futex.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <time.h>
+#include <unistd.h>
+
+#define GROUP_TRIES 1000   /* while the host writes: its writes take microseconds */
+#define POLL_NS 20000000   /* 20 ms: how often a missing or killed host is looked for */
+
+struct simvis_client {
+  int file;
+  unsigned char* memory;
+  uint64_t size;
+  struct simvis_header* header;
+  struct simvis_client_area* area;
+  uint64_t group_of[SIMVIS_SHM_GROUPS]; /* the element of each group in use */
+  uint64_t requests;
+};
+
+static _Thread_local char error_text[256];
+
+const char* simvis_client_error(void) { return error_text; }
+
+static void fail(const char* format, ...) {
+  va_list arguments;
+  va_start(arguments, format);
+  vsnprintf(error_text, sizeof error_text, format, arguments);
+  va_end(arguments);
+}
+
+static uint64_t load(const uint64_t* word) { return __atomic_load_n(word, __ATOMIC_ACQUIRE); }
+static void store(uint64_t* word, uint64_t value) { __atomic_store_n(word, value, __ATOMIC_RELEASE); }
+
+static int64_t now_ns(void) {
+  struct timespec time;
+  clock_gettime(CLOCK_MONOTONIC, &time);
+  return time.tv_sec * INT64_C(1000000000) + time.tv_nsec;
+}
+
+static int set_lock(int file, uint64_t byte) {
+  struct flock lock = {.l_type = F_WRLCK, .l_whence = SEEK_SET, .l_start = (off_t)byte, .l_len = 1};
+  return fcntl(file, F_OFD_SETLK, &lock);
+}
+
+static int is_locked(int file, uint64_t byte) {
+  struct flock lock = {.l_type = F_WRLCK, .l_whence = SEEK_SET, .l_start = (off_t)byte, .l_len = 1};
+  return fcntl(file, F_OFD_GETLK, &lock) == 0 && lock.l_type != F_UNLCK;
+}
+
+static int fits(const struct simvis_region* region, uint64_t stride, uint64_t size) {
+  return region->stride == stride && region->offset <= size && region->capacity <= (size - region->offset) / stride;
+}
+
+static int is_layout(const struct simvis_header* header, uint64_t size) {
+  return header->magic == SIMVIS_SHM_MAGIC && header->version == SIMVIS_SHM_VERSION &&
+         header->header_size == sizeof *header && header->total_size == size &&
+         header->clients_offset <= size - SIMVIS_SHM_CLIENTS * sizeof(struct simvis_client_area) &&
+         fits(&header->elements, sizeof(struct simvis_element), size) &&
+         fits(&header->parameters, sizeof(struct simvis_parameter), size) &&
+         fits(&header->values, sizeof(double), size) && fits(&header->applied, sizeof(double), size) &&
+         fits(&header->strings, 1, size) && fits(&header->log, 1, size) &&
+         fits(&header->sensors, sizeof(struct simvis_sensor), size) && fits(&header->outputs, 1, size);
+}
+
+/* Maps the object, or returns 0; `*missing` says that there is no living host (yet). */
+static int map_object(simvis_client* client, const char* name, int* missing) {
+  char path[sizeof SIMVIS_SHM_PREFIX + SIMVIS_SHM_MAX_NAME];
+  struct stat status;
+  *missing = 0;
+  snprintf(path, sizeof path, "%s%s", SIMVIS_SHM_PREFIX, name);
+  client->file = shm_open(path, O_RDWR | O_CLOEXEC, 0);
+  if (client->file < 0) {
+    *missing = errno == ENOENT;
+    fail(errno == ENOENT ? "no simulation is served as \"%s\"" : "\"%s\": %s", name, strerror(errno));
+    return 0;
+  }
+  if (fstat(client->file, &status) != 0 || (uint64_t)status.st_size < sizeof(struct simvis_header)) {
+    fail("\"%s\" is no simulation", name);
+    return 0;
+  }
+  client->size = (uint64_t)status.st_size;
+  client->memory = mmap(NULL, client->size, PROT_READ | PROT_WRITE, MAP_SHARED, client->file, 0);
+  if (client->memory == MAP_FAILED) {
+    client->memory = NULL;
+    fail("\"%s\" can't be mapped: %s", name, strerror(errno));
+    return 0;
+  }
+  client->header = (struct simvis_header*)client->memory;
+  if (client->header->magic == SIMVIS_SHM_MAGIC && client->header->version != SIMVIS_SHM_VERSION) {
+    fail("\"%s\" has layout %u, this client reads layout %u", name, client->header->version, SIMVIS_SHM_VERSION);
+    return 0;
+  }
+  if (!is_layout(client->header, client->size)) {
+    fail("\"%s\" is no simulation", name);
+    return 0;
+  }
+  if (!simvis_alive(client)) {
+    *missing = 1;
+    fail("the host of \"%s\" has ended", name);
+    return 0;
+  }
+  return 1;
+}
+
+/* Bytes of requests that the host has taken. */
+static uint64_t taken_of(const struct simvis_client_area* area) {
+  return load(&area->acknowledged) == load(&area->connection) ? load(&area->request_tail) : 0;
+}
+
+/* An area that nobody has. The first round leaves areas alone whose last client sent requests that are not taken yet. */
+static int take_area(simvis_client* client, const char* name) {
+  struct simvis_client_area* areas = (struct simvis_client_area*)(client->memory + client->header->clients_offset);
+  for (unsigned i = 0; i < 2 * SIMVIS_SHM_CLIENTS; ++i) {
+    struct simvis_client_area* area = &areas[i % SIMVIS_SHM_CLIENTS];
+    if (i < SIMVIS_SHM_CLIENTS && load(&area->request_head) != load(&area->request_tail)) continue;
+    if (set_lock(client->file, (uint64_t)((unsigned char*)area - client->memory)) != 0) continue;
+    /* Whatever the one before left: the area is empty before its connection becomes even again. */
+    store(&area->connection, load(&area->connection) | 1);
+    store(&area->group_count, 0);
+    store(&area->ready_frames, 0);
+    store(&area->request_head, 0);
+    for (unsigned g = 0; g < SIMVIS_SHM_GROUPS; ++g) store(&area->groups[g].sequence, 0);
+    memset(area->name, 0, sizeof area->name);
+    memcpy(area->name, name, strlen(name));
+    store(&area->connection, load(&area->connection) + 1);
+    client->area = area;
+    return 1;
+  }
+  fail("%u clients are connected, no more can be", SIMVIS_SHM_CLIENTS);
+  return 0;
+}
+
+static void unmap(simvis_client* client) {
+  if (client->memory != NULL) munmap(client->memory, client->size);
+  if (client->file >= 0) close(client->file); /* lets go of the locks */
+  client->memory = NULL;
+  client->file = -1;
+}
+
+static int is_name(const char* name) {
+  const size_t size = strlen(name);
+  return size >= 1 && size < SIMVIS_SHM_MAX_NAME &&
+         strspn(name, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._-") == size;
+}
+
+simvis_client* simvis_connect(const char* name, const char* client_name, int timeout_ms) {
+  const int64_t end_ns = now_ns() + timeout_ms * INT64_C(1000000);
+  const struct timespec pause = {.tv_sec = 0, .tv_nsec = POLL_NS};
+  if (!is_name(name) || !is_name(client_name)) {
+    fail("\"%s\": expected 1 to %d of A-Z a-z 0-9 . _ -", is_name(name) ? client_name : name, SIMVIS_SHM_MAX_NAME - 1);
+    return NULL;
+  }
+  simvis_client* const client = calloc(1, sizeof *client);
+  if (client == NULL) {
+    fail("out of memory");
+    return NULL;
+  }
+  client->file = -1;
+  for (;;) {
+    int missing = 0;
+    if (map_object(client, name, &missing) && take_area(client, client_name)) return client;
+    unmap(client);
+    if (!missing || (timeout_ms >= 0 && now_ns() >= end_ns)) break;
+    nanosleep(&pause, NULL);
+  }
+  free(client);
+  return NULL;
+}
+
+void simvis_disconnect(simvis_client* client) {
+  if (client == NULL) return;
+  if (client->area != NULL) store(&client->area->connection, load(&client->area->connection) | 1);
+  unmap(client);
+  free(client);
+}
+
+int simvis_alive(const simvis_client* client) {
+  return __atomic_load_n(&client->header->state, __ATOMIC_ACQUIRE) == SIMVIS_RUNNING &&
+         is_locked(client->file, SIMVIS_SHM_LOCK_BYTE);
+}
+
+uint32_t simvis_slot_of(const simvis_client* client) {
+  const unsigned char* const first = client->memory + client->header->clients_offset;
+  return (uint32_t)(((const unsigned char*)client->area - first) / (ptrdiff_t)sizeof(struct simvis_client_area));
+}
+
+uint64_t simvis_generation(const simvis_client* client) { return client->header->generation; }
+
+static uint64_t count_of(const struct simvis_region* region) {
+  const uint64_t count = load(&region->count);
+  return count < region->capacity ? count : region->capacity;
+}
+
+static const void* entry(const simvis_client* client, const struct simvis_region* region, int64_t id) {
+  if (id < 0 || (uint64_t)id >= count_of(region)) return NULL;
+  return client->memory + region->offset + (uint64_t)id * region->stride;
+}
+
+uint64_t simvis_element_count(const simvis_client* client) { return count_of(&client->header->elements); }
+uint64_t simvis_parameter_count(const simvis_client* client) { return count_of(&client->header->parameters); }
+uint64_t simvis_sensor_count(const simvis_client* client) { return count_of(&client->header->sensors); }
+
+const struct simvis_element* simvis_element_at(const simvis_client* client, int64_t id) {
+  return entry(client, &client->header->elements, id);
+}
+const struct simvis_parameter* simvis_parameter_at(const simvis_client* client, int64_t id) {
+  return entry(client, &client->header->parameters, id);
+}
+const struct simvis_sensor* simvis_sensor_at(const simvis_client* client, int64_t id) {
+  return entry(client, &client->header->sensors, id);
+}
+
+const char* simvis_text_at(const simvis_client* client, struct simvis_text text) {
+  const struct simvis_region* const strings = &client->header->strings;
+  const uint64_t count = count_of(strings);
+  if (text.offset > count || text.size > count - text.offset) return "";
+  return (const char*)client->memory + strings->offset + text.offset;
+}
+
+static int is_text(const simvis_client* client, struct simvis_text text, const char* seen) {
+  const size_t size = strlen(seen);
+  return text.size == size && memcmp(simvis_text_at(client, text), seen, size) == 0;
+}
+
+/* The newest first: a name that was taken out and given again means the new one. */
+int64_t simvis_find_element(const simvis_client* client, const char* name) {
+  for (int64_t id = (int64_t)simvis_element_count(client) - 1; id >= 0; --id) {
+    const struct simvis_element* const element = simvis_element_at(client, id);
+    if (!__atomic_load_n(&element->removed, __ATOMIC_ACQUIRE) && is_text(client, element->name, name)) return id;
+  }
+  fail("there is no element \"%s\"", name);
+  return -1;
+}
+
+int64_t simvis_find_parameter(const simvis_client* client, const char* element_name, const char* name) {
+  const struct simvis_element* const element = simvis_element_at(client, simvis_find_element(client, element_name));
+  if (element == NULL) return -1;
+  for (uint32_t i = 0; i < element->parameter_count; ++i) {
+    const int64_t id = (int64_t)(element->first_parameter + i);
+    const struct simvis_parameter* const parameter = simvis_parameter_at(client, id);
+    if (parameter != NULL && is_text(client, parameter->name, name)) return id;
+  }
+  fail("element \"%s\" has no parameter \"%s\"", element_name, name);
+  return -1;
+}
+
+int64_t simvis_find_sensor(const simvis_client* client, const char* name) {
+  for (int64_t id = (int64_t)simvis_sensor_count(client) - 1; id >= 0; --id) {
+    const struct simvis_sensor* const sensor = simvis_sensor_at(client, id);
+    if (!__atomic_load_n(&sensor->removed, __ATOMIC_ACQUIRE) && is_text(client, sensor->name, name)) return id;
+  }
+  fail("there is no sensor \"%s\"", name);
+  return -1;
+}
+
+double simvis_get(const simvis_client* client, int64_t parameter) {
+  const uint64_t* const word = entry(client, &client->header->values, parameter);
+  const uint64_t bits = word == NULL ? UINT64_C(0x7ff8000000000000) : __atomic_load_n(word, __ATOMIC_RELAXED);
+  double value;
+  memcpy(&value, &bits, sizeof value);
+  return value;
+}
+
+int simvis_set(simvis_client* client, int64_t parameter, double value) {
+  uint64_t* const word = (uint64_t*)(uintptr_t)entry(client, &client->header->values, parameter);
+  uint64_t bits;
+  if (word == NULL) {
+    fail("there is no parameter of id %lld", (long long)parameter);
+    return -1;
+  }
+  memcpy(&bits, &value, sizeof bits);
+  __atomic_store_n(word, bits, __ATOMIC_RELAXED);
+  return 0;
+}
+
+static struct simvis_group* group_of(simvis_client* client, uint64_t element) {
+  const uint64_t used = load(&client->area->group_count);
+  for (uint64_t g = 0; g < used; ++g) {
+    if (client->group_of[g] == element) return &client->area->groups[g];
+  }
+  if (used == SIMVIS_SHM_GROUPS) return NULL;
+  client->group_of[used] = element;
+  store(&client->area->group_count, used + 1);
+  return &client->area->groups[used];
+}
+
+int simvis_set_element(simvis_client* client, int64_t id, const double* values, size_t count) {
+  const struct simvis_element* const element = simvis_element_at(client, id);
+  if (element == NULL || element->parameter_count != count || count > SIMVIS_SHM_GROUP_VALUES) {
+    fail(element == NULL ? "there is no element of id %lld" : "element %lld has another number of parameters, or too many",
+         (long long)id);
+    return -1;
+  }
+  struct simvis_group* const group = group_of(client, (uint64_t)id);
+  if (group == NULL) {
+    fail("a client writes at most %d elements as a whole", SIMVIS_SHM_GROUPS);
+    return -1;
+  }
+  const uint64_t sequence = group->sequence;
+  __atomic_store_n(&group->sequence, sequence + 1, __ATOMIC_RELAXED);
+  __atomic_thread_fence(__ATOMIC_RELEASE);
+  __atomic_store_n(&group->element, (uint64_t)id, __ATOMIC_RELAXED);
+  for (size_t i = 0; i < count; ++i) {
+    uint64_t bits;
+    memcpy(&bits, &values[i], sizeof bits);
+    __atomic_store_n((uint64_t*)&group->values[i], bits, __ATOMIC_RELAXED);
+  }
+  store(&group->sequence, sequence + 2);
+  return 0;
+}
+
+int64_t simvis_applied(const simvis_client* client, uint64_t first, double* values, size_t count) {
+  const struct simvis_header* const header = client->header;
+  const uint64_t known = count_of(&header->applied);
+  const uint64_t* const words = (const uint64_t*)(client->memory + header->applied.offset);
+  if (first > known || count > known - first) {
+    fail("there are %llu parameters", (unsigned long long)known);
+    return -1;
+  }
+  for (int tries = 0; tries < GROUP_TRIES; ++tries) {
+    const uint64_t sequence = load(&header->frame_sequence);
+    if (sequence % 2 == 0) {
+      for (size_t i = 0; i < count; ++i) {
+        const uint64_t bits = __atomic_load_n(&words[first + i], __ATOMIC_RELAXED);
+        memcpy(&values[i], &bits, sizeof bits);
+      }
+      const uint64_t frame = __atomic_load_n(&header->frame, __ATOMIC_RELAXED);
+      __atomic_thread_fence(__ATOMIC_ACQUIRE);
+      if (__atomic_load_n(&header->frame_sequence, __ATOMIC_RELAXED) == sequence) return (int64_t)frame;
+    }
+    const struct timespec pause = {.tv_sec = 0, .tv_nsec = 10000};
+    nanosleep(&pause, NULL);
+  }
+  fail("the host was killed while it wrote a frame");
+  return -1;
+}
+
+static void copy_in(unsigned char* ring, uint64_t at, const void* bytes, uint64_t size) {
+  const uint64_t start = at % SIMVIS_SHM_REQUEST_BYTES;
+  const uint64_t first = size < SIMVIS_SHM_REQUEST_BYTES - start ? size : SIMVIS_SHM_REQUEST_BYTES - start;
+  memcpy(ring + start, bytes, first);
+  memcpy(ring, (const unsigned char*)bytes + first, size - first);
+}
+
+uint64_t simvis_send(simvis_client* client, const char* xml) {
+  struct simvis_client_area* const area = client->area;
+  const uint64_t size = strlen(xml), whole = sizeof(struct simvis_request) + (size + 7) / 8 * 8;
+  const uint64_t head = load(&area->request_head), used = head - taken_of(area);
+  if (whole > SIMVIS_SHM_REQUEST_BYTES) {
+    fail("a request has at most %d bytes", (int)(SIMVIS_SHM_REQUEST_BYTES - sizeof(struct simvis_request)));
+    return 0;
+  }
+  if (used > SIMVIS_SHM_REQUEST_BYTES || whole > SIMVIS_SHM_REQUEST_BYTES - used) {
+    fail("the host has not taken the earlier requests yet");
+    return 0;
+  }
+  const struct simvis_request request = {.number = client->requests + 1, .size = size};
+  copy_in(area->requests, head, &request, sizeof request);
+  copy_in(area->requests, head + sizeof request, xml, size);
+  store(&area->request_head, head + whole);
+  return ++client->requests;
+}
+
+const struct simvis_log_entry* simvis_next_log(const simvis_client* client, uint64_t* position, const char** text) {
+  const struct simvis_region* const log = &client->header->log;
+  const uint64_t count = count_of(log);
+  if (*position >= count || count - *position < sizeof(struct simvis_log_entry)) return NULL;
+  const struct simvis_log_entry* const found =
+      (const struct simvis_log_entry*)(client->memory + log->offset + *position);
+  if (found->size < sizeof *found || found->size > count - *position || found->text_size > found->size - sizeof *found) {
+    return NULL;
+  }
+  if (text != NULL) *text = (const char*)(found + 1);
+  *position += found->size;
+  return found;
+}
+
+int simvis_latest(const simvis_client* client, int64_t id, struct simvis_view* view) {
+  const struct simvis_sensor* const sensor = simvis_sensor_at(client, id);
+  if (sensor == NULL) {
+    fail("there is no sensor of id %lld", (long long)id);
+    return -1;
+  }
+  for (int tries = 0; tries < GROUP_TRIES; ++tries) {
+    const uint64_t number = load(&sensor->measurement), offset = load(&sensor->slots_offset);
+    const uint64_t slots = sensor->slot_count, size = load(&sensor->slot_size);
+    if (number == 0 || slots == 0) break;
+    if (offset > client->size || size < sizeof(struct simvis_slot) || slots > (client->size - offset) / size) break;
+    const struct simvis_slot* const slot =
+        (const struct simvis_slot*)(client->memory + offset + (number - 1) % slots * size);
+    view->slot = slot;
+    view->slot_size = size;
+    view->sequence = load(&slot->sequence);
+    if (view->sequence % 2 == 0 && slot->measurement == number && simvis_view_is_whole(view)) return 0;
+  }
+  fail("the sensor has not measured yet");
+  return -1;
+}
+
+const void* simvis_output_data(const struct simvis_view* view, const char* name, const struct simvis_output** output) {
+  const uint32_t count = view->slot->output_count;
+  for (uint32_t i = 0; i < count && i < SIMVIS_SHM_MAX_OUTPUTS; ++i) {
+    const struct simvis_output* const each = &view->slot->outputs[i];
+    if (strncmp(each->name, name, sizeof each->name) != 0) continue;
+    if (each->offset > view->slot_size) break;
+    if (output != NULL) *output = each;
+    return (const unsigned char*)view->slot + each->offset;
+  }
+  fail("the measurement has no output \"%s\"", name);
+  return NULL;
+}
+
+int simvis_view_is_whole(const struct simvis_view* view) {
+  __atomic_thread_fence(__ATOMIC_ACQUIRE);
+  return __atomic_load_n(&view->slot->sequence, __ATOMIC_RELAXED) == view->sequence;
+}
+
+uint64_t simvis_frame(const simvis_client* client) { return load(&client->header->frame); }
+
+int64_t simvis_time_ns(const simvis_client* client) {
+  return __atomic_load_n(&client->header->time_ns, __ATOMIC_ACQUIRE);
+}
+
+/* A killed host wakes nobody, so a wait ends every POLL_NS to look whether it lives. */
+int simvis_wait_frame(const simvis_client* client, uint64_t frames, int timeout_ms) {
+  const int64_t end_ns = now_ns() + timeout_ms * INT64_C(1000000);
+  for (;;) {
+    const uint32_t seen = __atomic_load_n(&client->header->frame_futex, __ATOMIC_ACQUIRE);
+    if (simvis_frame(client) > frames) return 1;
+    if (!simvis_alive(client)) {
+      fail("the host is gone");
+      return -1;
+    }
+    int64_t rest_ns = POLL_NS;
+    if (timeout_ms >= 0) {
+      const int64_t left_ns = end_ns - now_ns();
+      if (left_ns <= 0) return 0;
+      if (left_ns < rest_ns) rest_ns = left_ns;
+    }
+    const struct timespec rest = {.tv_sec = 0, .tv_nsec = rest_ns};
+    syscall(SYS_futex, &client->header->frame_futex, FUTEX_WAIT, seen, &rest, NULL, 0);
+  }
+}
+
+int simvis_ready(simvis_client* client) {
+  if (!simvis_alive(client)) {
+    fail("the host is gone");
+    return -1;
+  }
+  store(&client->area->ready_frames, load(&client->header->next_frame) + 1);
+  __atomic_fetch_add(&client->header->ready_futex, 1, __ATOMIC_RELEASE);
+  syscall(SYS_futex, &client->header->ready_futex, FUTEX_WAKE, INT_MAX, NULL, NULL, 0);
+  return 0;
+}

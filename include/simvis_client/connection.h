@@ -1,0 +1,126 @@
+// The C client for C++: the same calls, with exceptions instead of codes and memory that frees itself.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include <simvis_client/client.h>
+
+namespace simvis::client {
+
+/// Why a call failed.
+class Error : public std::runtime_error {
+ public:
+  Error() : std::runtime_error(simvis_client_error()) {}
+};
+
+/// An entry of the log.
+struct LogEntry {
+  simvis_log_kind kind;
+  std::uint32_t client;
+  std::uint64_t request, frame;
+  std::string_view text;
+};
+
+/// A measurement in shared memory. The host writes over it after three more measurements: whole() says whether it did.
+class Measurement {
+ public:
+  explicit Measurement(simvis_view view) : view_(view) {}
+  const simvis_slot& slot() const { return *view_.slot; }
+  bool whole() const { return simvis_view_is_whole(&view_) == 1; }
+  /// The numbers of an output; empty if it has none of this name and type.
+  template <typename Number>
+  std::span<const Number> output(const char* name) const {
+    const simvis_output* output = nullptr;
+    const void* const data = simvis_output_data(&view_, name, &output);
+    constexpr std::uint32_t kType = sizeof(Number) == 1   ? SIMVIS_UINT8
+                                    : sizeof(Number) == 4 ? SIMVIS_FLOAT32
+                                                          : SIMVIS_FLOAT64;
+    if (data == nullptr || output->type != kType) return {};
+    return {static_cast<const Number*>(data), std::size_t{output->rows} * output->columns * output->channels};
+  }
+
+ private:
+  simvis_view view_;
+};
+
+/// A connection to a running simulation; see client.h for each call.
+class Connection {
+ public:
+  /// Throws Error if there is no such simulation within the time.
+  Connection(const std::string& simulation, const std::string& client, int timeout_ms = 0)
+      : client_(simvis_connect(simulation.c_str(), client.c_str(), timeout_ms), &simvis_disconnect) {
+    if (client_ == nullptr) throw Error();
+  }
+
+  simvis_client* get() const { return client_.get(); }
+  bool alive() const { return simvis_alive(get()) == 1; }
+
+  /// Ids; each throws Error if there is no such thing.
+  std::int64_t element(const std::string& name) const { return found(simvis_find_element(get(), name.c_str())); }
+  std::int64_t parameter(const std::string& element, const std::string& name) const {
+    return found(simvis_find_parameter(get(), element.c_str(), name.c_str()));
+  }
+  std::int64_t sensor(const std::string& name) const { return found(simvis_find_sensor(get(), name.c_str())); }
+
+  double value(std::int64_t parameter) const { return simvis_get(get(), parameter); }
+  void set(std::int64_t parameter, double value) { check(simvis_set(get(), parameter, value)); }
+  void set_element(std::int64_t element, std::span<const double> values) {
+    check(simvis_set_element(get(), element, values.data(), values.size()));
+  }
+
+  /// Returns the request's number.
+  std::uint64_t send(const std::string& xml) {
+    const std::uint64_t number = simvis_send(get(), xml.c_str());
+    if (number == 0) throw Error();
+    return number;
+  }
+  /// The next entry of the log from `position` on, which begins at 0; empty: there is none yet.
+  std::optional<LogEntry> next_log(std::uint64_t& position) const {
+    const char* text = nullptr;
+    const simvis_log_entry* const entry = simvis_next_log(get(), &position, &text);
+    if (entry == nullptr) return {};
+    return LogEntry{static_cast<simvis_log_kind>(entry->kind),
+                    entry->client,
+                    entry->request,
+                    entry->frame,
+                    {text, entry->text_size}};
+  }
+
+  /// The latest measurement; empty before the first.
+  std::optional<Measurement> latest(std::int64_t sensor) const {
+    simvis_view view{};
+    if (simvis_latest(get(), sensor, &view) != 0) return {};
+    return Measurement(view);
+  }
+
+  std::uint64_t frame() const { return simvis_frame(get()); }
+  /// Waits until more than `frames` frames are finished. Returns false if the time is over; throws Error if the host is
+  /// gone.
+  bool wait_frame(std::uint64_t frames, int timeout_ms = -1) const {
+    const int result = simvis_wait_frame(get(), frames, timeout_ms);
+    check(result);
+    return result == 1;
+  }
+  void ready() { check(simvis_ready(get())); }
+
+ private:
+  static std::int64_t found(std::int64_t id) {
+    if (id < 0) throw Error();
+    return id;
+  }
+  static void check(int result) {
+    if (result < 0) throw Error();
+  }
+  std::unique_ptr<simvis_client, decltype(&simvis_disconnect)> client_;
+};
+
+}  // namespace simvis::client

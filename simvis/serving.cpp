@@ -1,0 +1,221 @@
+#include "simvis/serving.h"
+
+#include <algorithm>
+#include <array>
+#include <glm/gtc/type_ptr.hpp>
+#include <map>
+#include <utility>
+
+#include <simvis/error.h>
+#include "engine/base/now_ns.h"
+
+namespace simvis {
+namespace {
+
+/// Collects the images of a sensor as outputs. The images live as long as the sensor's measurement.
+class ImageOutputs : public OutputSink {
+ public:
+  void picture(const std::string& stem, const Image* color, const Image* depth) override {
+    if (color != nullptr) add(stem, "color", *color);
+    if (depth != nullptr) add(stem, "depth_m", *depth);
+  }
+  void plane(const std::string&, const std::string& channel, const Image& plane) override { add("", channel, plane); }
+  void text(const std::string&, const std::string&, std::string_view) override {}
+  void rows(std::span<const TableColumn>, std::span<const double>) override {}
+
+  struct Named {
+    std::string name;
+    const Image* image;
+  };
+  std::vector<Named> images;
+
+ private:
+  void add(const std::string& stem, const std::string& what, const Image& image) {
+    images.push_back({stem.empty() ? what : stem + "_" + what, &image});
+  }
+};
+
+SharedOutput output_of(std::string_view name, std::uint32_t rows, std::uint32_t columns, const float* data) {
+  return {.name = name, .rows = rows, .columns = columns, .type = SIMVIS_FLOAT32, .data = data};
+}
+SharedOutput output_of(std::string_view name, std::uint32_t rows, std::uint32_t columns, const double* data) {
+  return {.name = name, .rows = rows, .columns = columns, .type = SIMVIS_FLOAT64, .data = data};
+}
+
+void add_scan(const Scan& scan, std::vector<SharedOutput>& outputs) {
+  outputs.push_back(output_of("range_m", scan.rings, scan.beams, scan.range_m.data()));
+  outputs.push_back(output_of("error_bound_m", scan.rings, scan.beams, scan.error_bound_m.data()));
+  outputs.push_back(output_of("azimuth_rad", 1, scan.beams, scan.azimuth_rad.data()));
+  outputs.push_back(output_of("elevation_rad", scan.rings, 1, scan.elevation_rad.data()));
+  for (const ScanChannel& channel : scan.channels) {
+    outputs.push_back(output_of(channel.name, scan.rings, scan.beams, channel.values.data()));
+  }
+}
+
+bool is_below(const std::filesystem::path& file, const std::filesystem::path& folder) {
+  return std::mismatch(folder.begin(), folder.end(), file.begin(), file.end()).first == folder.end();
+}
+
+}  // namespace
+
+Serving::Serving(const ServeDesc& desc, const BuiltScene& scene) : desc_(desc), host_(desc.name) {
+  if (!(desc.lockstep_timeout_s > 0)) {
+    throw InputError("the time limit of lock-step is " + format_number(desc.lockstep_timeout_s) +
+                     " s, expected a number above 0");
+  }
+  for (const std::filesystem::path& folder : desc.folders) {
+    std::error_code error;
+    folders_.push_back(std::filesystem::canonical(folder, error));
+    if (error) throw InputError("there is no folder " + in_quotes(folder.string()) + " that requests could name");
+  }
+  add_new(scene);
+}
+
+// Tells clients of what the scene has and they do not know yet.
+void Serving::add_new(const BuiltScene& scene) {
+  const Parameters& parameters = scene.parameters;
+  for (; elements_ < parameters.elements().size(); ++elements_) {
+    const ElementDescriptor& element = parameters.elements()[elements_];
+    std::vector<SharedParameter> shared;
+    for (std::size_t i = 0; i < element.parameters.size(); ++i) {
+      const AttributeSpec& spec = element.parameters[i];
+      values_.push_back(parameters.values()[element.first_value + i]);
+      shared.push_back({spec.name, spec.unit, spec.min, spec.max, spec.open_min, spec.open_max, values_.back()});
+    }
+    host_.add_element(element.name, element.type, element.insertion_point, shared);
+  }
+  for (; sensors_ < scene.sensors.size(); ++sensors_) {
+    host_.add_sensor(scene.sensors[sensors_].name, scene.sensors[sensors_].type);
+  }
+  for (; changes_ < parameters.changes().size(); ++changes_) host_.log(SIMVIS_CHANGE, parameters.changes()[changes_]);
+}
+
+void Serving::check_files(std::span<const Command> commands) const {
+  for (const Command& command : commands) {
+    const CommandAttribute* const file = command.find("file");
+    if (file == nullptr) continue;
+    std::error_code error;
+    const std::filesystem::path path = std::filesystem::weakly_canonical(command.folder / file->value, error);
+    const auto allows = [&](const std::filesystem::path& folder) { return is_below(path, folder); };
+    if (!error && std::ranges::any_of(folders_, allows)) continue;
+    std::string allowed;
+    for (const std::filesystem::path& folder : folders_) allowed += (allowed.empty() ? "" : ", ") + folder.string();
+    fail_at(file->where, "a request may not read " + in_quotes(path.string()) + ", expected a file below " +
+                             (allowed.empty() ? "no folder: none was allowed" : allowed));
+  }
+}
+
+void Serving::execute(const ChangeRequest& request, const BuiltScene& scene, const Execute& execute) {
+  const std::string name = "request " + std::to_string(request.number);
+  try {
+    const std::vector<Command> commands =
+        parse_commands(request.text, name, folders_.empty() ? std::filesystem::path(".") : folders_.front());
+    check_files(commands);
+    execute(commands);
+    add_new(scene);
+    host_.log(SIMVIS_REQUEST_DONE, "", request.client, request.number);
+  } catch (const InputError& error) {
+    host_.log(SIMVIS_REQUEST_REFUSED, error.what(), request.client, request.number);
+  }
+}
+
+// A client that writes nonsense in each frame does not fill the log.
+void Serving::refuse_value(const std::string& why, std::uint32_t client) {
+  constexpr int kLoggedPerFrame = 16;
+  if (++refused_values_ > kLoggedPerFrame) return;
+  host_.log(SIMVIS_VALUE_REFUSED, refused_values_ < kLoggedPerFrame ? why : why + "; more of this frame are not logged",
+            client);
+}
+
+void Serving::set(Parameters& parameters, const WrittenValue& written) {
+  const double before = values_[written.parameter];
+  values_[written.parameter] = written.value;
+  try {
+    parameters.set(written.parameter, written.value);
+    take_over(parameters, written.parameter);
+  } catch (const InputError& error) {
+    refuse_value(error.what(), 0);
+    values_[written.parameter] = before;
+    host_.set_value(written.parameter, before);
+  }
+}
+
+// All values of an element, or none.
+void Serving::set(Parameters& parameters, const WrittenElement& written) {
+  const std::size_t first = parameters.elements()[written.element].first_value;
+  for (std::size_t i = 0; i < written.values.size(); ++i) {
+    const std::string wrong = check_number(parameters.spec(first + i), written.values[i]);
+    if (wrong.empty()) continue;
+    return refuse_value(parameters.name(first + i) + ": " + wrong, written.client);
+  }
+  for (std::size_t i = 0; i < written.values.size(); ++i) {
+    parameters.set(first + i, written.values[i]);
+    take_over(parameters, first + i);
+  }
+}
+
+// A value may differ from the one that was written: a joint takes a value beyond its limit by rounding as the limit.
+void Serving::take_over(const Parameters& parameters, std::size_t parameter) {
+  const double value = parameters.values()[parameter];
+  if (value == values_[parameter]) return;
+  values_[parameter] = value;
+  host_.set_value(parameter, value);
+}
+
+// What the host itself has set since the last frame is what clients see.
+void Serving::follow(const Parameters& parameters) {
+  for (std::size_t i = 0; i < values_.size(); ++i) take_over(parameters, i);
+}
+
+void Serving::take(BuiltScene& scene, const Execute& execute_commands) {
+  add_new(scene);
+  follow(scene.parameters);
+  refused_values_ = 0;
+  const ClientInputs inputs = host_.take();
+  for (const ChangeRequest& request : inputs.requests) execute(request, scene, execute_commands);
+  for (const WrittenValue& written : inputs.values) set(scene.parameters, written);
+  for (const WrittenElement& written : inputs.elements) set(scene.parameters, written);
+}
+
+void Serving::publish(const BuiltSensor& sensor, std::size_t index, const FrameTime& time,
+                      const glm::dmat4& world_from_sensor) {
+  std::vector<SharedOutput> outputs;
+  ImageOutputs images;
+  if (const Scan* const scan = sensor.sensor->scan()) {
+    add_scan(*scan, outputs);
+  } else {
+    sensor.sensor->write(images);
+  }
+  for (const ImageOutputs::Named& each : images.images) {
+    SharedOutput output = output_of(each.name, each.image->height, each.image->width, each.image->pixels.data());
+    output.channels = each.image->channels;
+    outputs.push_back(output);
+  }
+  for (const NamedValue& value : sensor.sensor->values()) outputs.push_back(output_of(value.name, 1, 1, &value.value));
+  if (outputs.size() > SIMVIS_SHM_MAX_OUTPUTS) outputs.resize(SIMVIS_SHM_MAX_OUTPUTS);
+  host_.publish(index, time.index, time.time_ns, {glm::value_ptr(world_from_sensor), 16}, outputs);
+}
+
+void Serving::finish_frame(const BuiltScene& scene, const FrameTime& time) {
+  add_new(scene);
+  host_.finish_frame(time.index + 1, time.time_ns);
+}
+
+void Serving::wait_for_clients(const FrameTime& time) {
+  const std::int64_t end_ns = now_ns() + static_cast<std::int64_t>(desc_.lockstep_timeout_s * 1e9);
+  for (const std::string& client : desc_.lockstep) {
+    for (;;) {
+      const std::uint32_t seen = host_.ready_counter();
+      if (host_.is_ready(client, time.index)) break;
+      const std::int64_t now = now_ns();
+      if (now >= end_ns) {
+        throw MachineError("client " + in_quotes(client) +
+                           (host_.is_connected(client) ? " is not ready" : " is not connected") + " for frame " +
+                           std::to_string(time.index) + " after " + format_number(desc_.lockstep_timeout_s) + " s");
+      }
+      host_.wait_for_ready(seen, end_ns - now);
+    }
+  }
+}
+
+}  // namespace simvis

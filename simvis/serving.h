@@ -1,0 +1,59 @@
+// A simulation in shared memory: takes what clients wrote before a frame, and publishes the frame.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <simvis/parameters.h>
+#include <simvis/sensor.h>
+#include <simvis/simulation_desc.h>
+#include "clients/host.h"
+#include "simvis/scene_builder.h"
+
+namespace simvis {
+
+/// The bridge between a running scene and its shared memory. Elements and sensors have the same ids in both.
+class Serving {
+ public:
+  /// Throws InputError: the name is not allowed or taken, a folder is not there. MachineError: no memory.
+  Serving(const ServeDesc& desc, const BuiltScene& scene);
+
+  /// Executes commands of clients, in the scene that `execute` changes.
+  using Execute = std::function<void(std::span<const Command>)>;
+  /// Executes requests, then sets values, as clients wrote them. What is refused stands in the log.
+  void take(BuiltScene& scene, const Execute& execute);
+
+  /// Publishes the last measurement of a sensor.
+  void publish(const BuiltSensor& sensor, std::size_t index, const FrameTime& time,
+               const glm::dmat4& world_from_sensor);
+  /// Publishes the values of the frame and wakes clients.
+  void finish_frame(const BuiltScene& scene, const FrameTime& time);
+
+  /// Waits until all clients of ServeDesc::lockstep are ready for this frame. Throws MachineError naming the client
+  /// that is not, after ServeDesc::lockstep_timeout_s.
+  void wait_for_clients(const FrameTime& time);
+
+ private:
+  void add_new(const BuiltScene& scene);
+  void execute(const ChangeRequest& request, const BuiltScene& scene, const Execute& execute);
+  void check_files(std::span<const Command> commands) const;
+  void set(Parameters& parameters, const WrittenValue& written);
+  void set(Parameters& parameters, const WrittenElement& written);
+  void refuse_value(const std::string& why, std::uint32_t client);
+  void take_over(const Parameters& parameters, std::size_t parameter);
+  void follow(const Parameters& parameters);
+
+  ServeDesc desc_;
+  std::vector<std::filesystem::path> folders_;  // canonical
+  SharedHost host_;
+  std::size_t changes_ = 0;     // of the scene's log that are in the shared one
+  std::size_t elements_ = 0, sensors_ = 0;
+  int refused_values_ = 0;  // in this frame
+  std::vector<double> values_;  // as the shared memory has them
+};
+
+}  // namespace simvis
