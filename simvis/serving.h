@@ -50,9 +50,9 @@ class Serving {
   ServeDesc desc_;
   std::vector<std::filesystem::path> folders_;  // canonical
   SharedHost host_;
-  std::size_t changes_ = 0;     // of the scene's log that are in the shared one
+  std::size_t changes_ = 0;  // of the scene's log that are in the shared one
   std::size_t elements_ = 0, sensors_ = 0;
-  int refused_values_ = 0;  // in this frame
+  int refused_values_ = 0;      // in this frame
   std::vector<double> values_;  // as the shared memory has them
 };
 

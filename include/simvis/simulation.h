@@ -82,8 +82,8 @@ class SIMVIS_API Simulation {
   /// until it is destroyed. From now on each step() begins with what clients wrote: it executes their change requests,
   /// sets their values and logs what it refuses. It ends by publishing its values and measurements; no client can
   /// delay it but those of `desc.lockstep`, for which step() waits: it throws MachineError naming the one that is not
-  /// ready in time. Throws InputError: a name that is not allowed or is taken by a living simulation, a folder that does
-  /// not exist, a second call. MachineError: no shared memory.
+  /// ready in time. Throws InputError: a name that is not allowed or is taken by a living simulation, a folder that
+  /// does not exist, a second call. MachineError: no shared memory.
   void serve(const ServeDesc& desc);
 
   /// Adds a sensor that always has the pose of `sensor`, and that measures as `command` says; overrides do not apply to

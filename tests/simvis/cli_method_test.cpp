@@ -88,8 +88,9 @@ TEST_CASE("--max-error selects hybrid over the scene's method; the price list of
   const ProcessResult unreachable =
       run_simvis({scene.string(), "--out", (folder / "none").string(), "--max-error", "1e-9"}, cache);
   CHECK(unreachable.exit_code == 2);
-  CHECK(unreachable.err.find("simvis-run: --max-error: error: attribute \"max_error_m\": 1e-09 cannot be kept by any method "
-                             "for sensor \"SCAN\"") != std::string::npos);
+  CHECK(unreachable.err.find(
+            "simvis-run: --max-error: error: attribute \"max_error_m\": 1e-09 cannot be kept by any method "
+            "for sensor \"SCAN\"") != std::string::npos);
   CHECK(files_below(folder / "none").empty());
 }
 

@@ -52,8 +52,8 @@ bool is_source(const fs::path& file) {
 
 TEST_CASE("the sources contain no misleading word") {
   int files = 0;
-  for (const char* folder :
-       {"include", "clients", "shaders", "engine", "scenegraph", "elements", "effects", "sensors", "simvis", "bench", "tests"}) {
+  for (const char* folder : {"include", "clients", "shaders", "engine", "scenegraph", "elements", "effects", "sensors",
+                             "simvis", "bench", "tests"}) {
     for (const fs::directory_entry& entry : fs::recursive_directory_iterator(fs::path(SIMVIS_SOURCE_DIR) / folder)) {
       if (!entry.is_regular_file() || !is_source(entry.path())) continue;
       if (entry.path().filename() == "words_test.cpp") continue;
