@@ -65,9 +65,10 @@ SIMVIS_API std::string to_string(const Command& command);
 ///          sensors have no '.', which is the separator of ELEMENT.PARAM, and no '/', which is the separator of result
 ///          folders.
 /// Root     any name except a command's; it has no attributes.
-/// Values   "${EXPRESSION}" in an attribute is replaced by its value. `<set name="N" value="V"/>` defines a variable to
-///          the end of the file or repetition, `<repeat count="C" as="N">` repeats its content with N from 0 to C - 1,
-///          `<include file="F"/>` stands for the commands of a file, which does not see the variables of this one.
+/// Values   "${EXPRESSION}" in an attribute is replaced by its value. The statement `set` (name, value) defines a
+///          variable to the end of the file or repetition, `repeat` (count, as) repeats its content with the variable
+///          from 0 to count - 1, `include` (file) stands for the commands of a file, which does not see the variables
+///          of this one.
 /// Errors   InputError with the place; `file` names the text in messages: not UTF-8, malformed XML, an unknown command
 ///          (the nearest known one is suggested), an attribute given twice, a name that breaks the rule, text between
 ///          commands, children of a command, a wrong expression, a file that includes itself, too many repetitions.

@@ -53,9 +53,22 @@ struct Scan {
 
   /// The points that the beams hit, in the sensor frame and in the shape of range_m: range_m along the beam, noise
   /// included. NaN where nothing was hit; the origin where the range is 0. Empty before the first measurement.
-  std::vector<glm::dvec3> points() const;
+  std::vector<glm::dvec3> points() const {
+    std::vector<glm::dvec3> points;
+    points.reserve(range_m.size());
+    for (std::size_t i = 0; i < range_m.size(); ++i) {
+      const double range = range_m[i];
+      const double reach = std::isfinite(range) ? range : std::numeric_limits<double>::quiet_NaN();
+      points.push_back(reach * beam_direction(azimuth_rad[i % beams], elevation_rad[i / beams]));
+    }
+    return points;
+  }
   /// As points(), in the world.
-  std::vector<glm::dvec3> world_points() const;
+  std::vector<glm::dvec3> world_points() const {
+    std::vector<glm::dvec3> points = this->points();
+    for (glm::dvec3& point : points) point = glm::dvec3(world_from_sensor * glm::dvec4(point, 1));
+    return points;
+  }
 
   /// The channel of this name, or null. The pointer is valid until `channels` changes.
   const ScanChannel* channel(std::string_view name) const {
@@ -63,22 +76,5 @@ struct Scan {
     return found == channels.end() ? nullptr : &*found;
   }
 };
-
-inline std::vector<glm::dvec3> Scan::points() const {
-  std::vector<glm::dvec3> points;
-  points.reserve(range_m.size());
-  for (std::size_t i = 0; i < range_m.size(); ++i) {
-    const double range = range_m[i];
-    const double reach = std::isfinite(range) ? range : std::numeric_limits<double>::quiet_NaN();
-    points.push_back(reach * beam_direction(azimuth_rad[i % beams], elevation_rad[i / beams]));
-  }
-  return points;
-}
-
-inline std::vector<glm::dvec3> Scan::world_points() const {
-  std::vector<glm::dvec3> points = this->points();
-  for (glm::dvec3& point : points) point = glm::dvec3(world_from_sensor * glm::dvec4(point, 1));
-  return points;
-}
 
 }  // namespace simvis

@@ -21,78 +21,80 @@ extern "C" {
 
 typedef struct simvis_client simvis_client;
 
-/* Connects to the simulation that is served as `name`, and waits for it up to `timeout_ms` (0: not at all; negative:
+/** Connects to the simulation that is served as `name`, and waits for it up to `timeout_ms` (0: not at all; negative:
  * for ever). `client` is this program's name, for people and for lock-step. NULL: see the error. */
 simvis_client* simvis_connect(const char* name, const char* client, int timeout_ms);
-void simvis_disconnect(simvis_client* client); /* NULL is allowed */
+void simvis_disconnect(simvis_client* client); /**< NULL is allowed */
 
-/* Why the last call of this thread failed; never NULL. */
+/** Why the last call of this thread failed; never NULL. */
 const char* simvis_client_error(void);
 
-/* 1: the host lives. 0: it ended or was killed; values, results and the log stay readable as they stood. Connect again,
- * under the same name, to find its successor: ids are then other ones. */
+/** 1: the host lives. 0: it ended or was killed; values, results and the log stay readable as they stood. Connect
+ * again, under the same name, to find its successor: ids are then other ones. */
 int simvis_alive(const simvis_client* client);
-/* The number by which entries of the log name this client. */
+/** The number by which entries of the log name this client. */
 uint32_t simvis_slot_of(const simvis_client* client);
-/* A random number of the host's run. */
+/** A random number of the host's run. */
 uint64_t simvis_generation(const simvis_client* client);
 
-/* The id of an element, parameter or sensor that is not removed, or -1. Ids are the same as long as the host lives. */
+/** The id of an element, parameter or sensor that is not removed, or -1. Ids are the same as long as the host lives. */
 int64_t simvis_find_element(const simvis_client* client, const char* name);
 int64_t simvis_find_parameter(const simvis_client* client, const char* element, const char* parameter);
 int64_t simvis_find_sensor(const simvis_client* client, const char* name);
 
-/* How many there are, removed ones included, and the entry of an id; NULL: there is no such id. */
+/** How many there are, removed ones included, and the entry of an id; NULL: there is no such id. */
 uint64_t simvis_element_count(const simvis_client* client);
 uint64_t simvis_parameter_count(const simvis_client* client);
 uint64_t simvis_sensor_count(const simvis_client* client);
 const struct simvis_element* simvis_element_at(const simvis_client* client, int64_t id);
 const struct simvis_parameter* simvis_parameter_at(const simvis_client* client, int64_t id);
 const struct simvis_sensor* simvis_sensor_at(const simvis_client* client, int64_t id);
-/* The bytes of a text, `text.size` of them without a terminating zero. */
+/** The bytes of a text, `text.size` of them without a terminating zero. */
 const char* simvis_text_at(const simvis_client* client, struct simvis_text text);
 
-/* The value of a parameter as it stands, NaN for an unknown id. */
+/** The value of a parameter as it stands, NaN for an unknown id. */
 double simvis_get(const simvis_client* client, int64_t parameter);
-/* Sets it: in force from the next frame that the host begins. A value out of range is refused in the log, and the old
+/** Sets it: in force from the next frame that the host begins. A value out of range is refused in the log, and the old
  * one comes back. Returns 0, or -1 for an unknown id. */
 int simvis_set(simvis_client* client, int64_t parameter, double value);
-/* Sets all `count` parameters of an element at once: no frame sees a part of them. `count` is the element's number of
+/** Sets all `count` parameters of an element at once: no frame sees a part of them. `count` is the element's number of
  * parameters, at most SIMVIS_SHM_GROUP_VALUES. If several clients write the same element, the client with the higher
  * slot wins within a frame. Returns 0 or -1. */
 int simvis_set_element(simvis_client* client, int64_t element, const double* values, size_t count);
-/* Copies what the last finished frame was made with, all of one frame: `values[i]` is parameter `first + i`. Returns
+/** Copies what the last finished frame was made with, all of one frame: `values[i]` is parameter `first + i`. Returns
  * the number of finished frames, or -1: there are no such parameters, or the host was killed while it wrote. */
 int64_t simvis_applied(const simvis_client* client, uint64_t first, double* values, size_t count);
 
-/* Appends a change request: XML commands as in a scene file. The host executes it as a whole or refuses it as a whole
+/** Appends a change request: XML commands as in a scene file. The host executes it as a whole or refuses it as a whole
  * before its next frame, and says so in the log with this number. Returns the number, or 0: too long, or the host has
  * not yet taken enough of the earlier ones. */
 uint64_t simvis_send(simvis_client* client, const char* xml);
 
-/* The entry of the log at `*position`, which begins at 0 and is moved to the next entry. `*text` points to the entry's
+/** The entry of the log at `*position`, which begins at 0 and is moved to the next entry. `*text` points to the entry's
  * text. NULL: there is none yet. */
 const struct simvis_log_entry* simvis_next_log(const simvis_client* client, uint64_t* position, const char** text);
 
-/* A measurement in shared memory, not copied. */
+/** A measurement in shared memory, not copied. */
 struct simvis_view {
-  const struct simvis_slot* slot; /* its outputs name the arrays */
-  uint64_t sequence, slot_size;
+  const struct simvis_slot* slot; /**< its outputs name the arrays */
+  uint64_t sequence;              /**< of the slot when the view was taken */
+  uint64_t slot_size;             /**< bytes of the slot */
 };
-/* The latest measurement of a sensor. Returns 0, or -1: no such sensor, or no measurement yet. */
+/** The latest measurement of a sensor. Returns 0, or -1: no such sensor, or no measurement yet. */
 int simvis_latest(const simvis_client* client, int64_t sensor, struct simvis_view* view);
-/* The numbers of an output of the view, or NULL if it has none of this name; `*output` is set if it is not NULL. */
+/** The numbers of an output of the view, or NULL if it has none of this name; `*output` is set if it is not NULL. */
 const void* simvis_output_data(const struct simvis_view* view, const char* name, const struct simvis_output** output);
-/* 1: what was read from the view so far was whole. 0: the host has begun to write over it; read the latest one anew. */
+/** 1: what was read from the view so far was whole. 0: the host has begun to write over it; read the latest one anew.
+ */
 int simvis_view_is_whole(const struct simvis_view* view);
 
-/* The number of frames that the host has finished, and the simulated time of the last one. */
+/** The number of frames that the host has finished, and the simulated time of the last one. */
 uint64_t simvis_frame(const simvis_client* client);
 int64_t simvis_time_ns(const simvis_client* client);
-/* Waits until the host has finished more than `frames` frames, up to `timeout_ms` (negative: for ever). Returns 1; 0:
+/** Waits until the host has finished more than `frames` frames, up to `timeout_ms` (negative: for ever). Returns 1; 0:
  * the time is over; -1: the host is gone. */
 int simvis_wait_frame(const simvis_client* client, uint64_t frames, int timeout_ms);
-/* Lock-step: the host may make the frame that it makes next. Returns 0, or -1 if the host is gone. */
+/** Lock-step: the host may make the frame that it makes next. Returns 0, or -1 if the host is gone. */
 int simvis_ready(simvis_client* client);
 
 #ifdef __cplusplus

@@ -24,17 +24,21 @@ class Error : public std::runtime_error {
 
 /// An entry of the log.
 struct LogEntry {
-  simvis_log_kind kind;
-  std::uint32_t client;
-  std::uint64_t request, frame;
-  std::string_view text;
+  simvis_log_kind kind;   ///< what it says
+  std::uint32_t client;   ///< slot of the client
+  std::uint64_t request,  ///< number of the request; 0: none
+      frame;              ///< first frame that is made with it
+  std::string_view text;  ///< as its kind says
 };
 
 /// A measurement in shared memory. The host writes over it after three more measurements: whole() says whether it did.
 class Measurement {
  public:
+  /// From simvis_latest().
   explicit Measurement(simvis_view view) : view_(view) {}
+  /// Frame, time and pose.
   const simvis_slot& slot() const { return *view_.slot; }
+  /// Whether what was read so far was not written over.
   bool whole() const { return simvis_view_is_whole(&view_) == 1; }
   /// The numbers of an output; empty if it has none of this name and type.
   template <typename Number>
@@ -61,18 +65,25 @@ class Connection {
     if (client_ == nullptr) throw Error();
   }
 
+  /// For calls of client.h.
   simvis_client* get() const { return client_.get(); }
+  /// Whether the host lives.
   bool alive() const { return simvis_alive(get()) == 1; }
 
-  /// Ids; each throws Error if there is no such thing.
+  /// The id of an element; this and the next two throw Error if there is none.
   std::int64_t element(const std::string& name) const { return found(simvis_find_element(get(), name.c_str())); }
+  /// The id of a parameter.
   std::int64_t parameter(const std::string& element, const std::string& name) const {
     return found(simvis_find_parameter(get(), element.c_str(), name.c_str()));
   }
+  /// The id of a sensor.
   std::int64_t sensor(const std::string& name) const { return found(simvis_find_sensor(get(), name.c_str())); }
 
+  /// The value of a parameter as it stands.
   double value(std::int64_t parameter) const { return simvis_get(get(), parameter); }
+  /// Sets it from the next frame on.
   void set(std::int64_t parameter, double value) { check(simvis_set(get(), parameter, value)); }
+  /// Sets all parameters of an element at once.
   void set_element(std::int64_t element, std::span<const double> values) {
     check(simvis_set_element(get(), element, values.data(), values.size()));
   }
@@ -102,6 +113,7 @@ class Connection {
     return Measurement(view);
   }
 
+  /// The number of frames that the host has finished.
   std::uint64_t frame() const { return simvis_frame(get()); }
   /// Waits until more than `frames` frames are finished. Returns false if the time is over; throws Error if the host is
   /// gone.
@@ -110,6 +122,7 @@ class Connection {
     check(result);
     return result == 1;
   }
+  /// Lock-step: the host may make its next frame.
   void ready() { check(simvis_ready(get())); }
 
  private:

@@ -23,168 +23,183 @@
 extern "C" {
 #endif
 
-#define SIMVIS_SHM_MAGIC UINT64_C(0x314d4d48534d5653) /* "SVMSHMM1" as bytes in memory */
-#define SIMVIS_SHM_VERSION 1u                         /* another number is another layout */
-#define SIMVIS_SHM_PREFIX "/simvis-"                  /* of the object's name */
-#define SIMVIS_SHM_MAX_NAME 64                        /* of NAME: A-Z a-z 0-9 . _ - */
+#define SIMVIS_SHM_MAGIC UINT64_C(0x314d4d48534d5653) /**< "SVMSHMM1" as bytes in memory */
+#define SIMVIS_SHM_VERSION 1u                         /**< another number is another layout */
+#define SIMVIS_SHM_PREFIX "/simvis-"                  /**< of the object's name */
+#define SIMVIS_SHM_MAX_NAME 64                        /**< of NAME: A-Z a-z 0-9 . _ - */
 
-#define SIMVIS_SHM_LOCK_BYTE 0 /* the host holds an OFD write lock on this byte of the object while it lives */
+#define SIMVIS_SHM_LOCK_BYTE 0 /**< the host holds an OFD write lock on this byte of the object while it lives */
 
-#define SIMVIS_SHM_CLIENTS 32           /* connected at a time */
-#define SIMVIS_SHM_GROUPS 512           /* elements that one client writes as a whole */
-#define SIMVIS_SHM_GROUP_VALUES 16      /* parameters of such an element at most */
-#define SIMVIS_SHM_REQUEST_BYTES 131072 /* of a client's request ring; a power of two */
-#define SIMVIS_SHM_MAX_OUTPUTS 16       /* arrays of one measurement */
+#define SIMVIS_SHM_CLIENTS 32           /**< connected at a time */
+#define SIMVIS_SHM_GROUPS 512           /**< elements that one client writes as a whole */
+#define SIMVIS_SHM_GROUP_VALUES 16      /**< parameters of such an element at most */
+#define SIMVIS_SHM_REQUEST_BYTES 131072 /**< of a client's request ring; a power of two */
+#define SIMVIS_SHM_MAX_OUTPUTS 16       /**< arrays of one measurement */
 
-/* A string. */
+/** A string. */
 struct simvis_text {
-  uint64_t offset; /* from strings.offset */
-  uint64_t size;   /* bytes */
+  uint64_t offset; /**< from strings.offset */
+  uint64_t size;   /**< bytes */
 };
 
-/* A table or an area of bytes. */
+/** A table or an area of bytes. */
 struct simvis_region {
-  uint64_t offset;   /* of its first entry */
-  uint64_t stride;   /* bytes of an entry; 1: bytes */
-  uint64_t capacity; /* entries that fit */
-  uint64_t count;    /* atomic: entries that are there and complete */
+  uint64_t offset;   /**< of its first entry */
+  uint64_t stride;   /**< bytes of an entry; 1: bytes */
+  uint64_t capacity; /**< entries that fit */
+  uint64_t count;    /**< atomic: entries that are there and complete */
 };
 
+/** Whether the host lives. */
 enum simvis_state {
-  SIMVIS_RUNNING = 1, /* the host lives, or was killed: see SIMVIS_SHM_LOCK_BYTE */
-  SIMVIS_ENDED = 2    /* the host ended in an orderly way; nothing changes any more */
+  SIMVIS_RUNNING = 1, /**< the host lives, or was killed: see SIMVIS_SHM_LOCK_BYTE */
+  SIMVIS_ENDED = 2    /**< the host ended in an orderly way; nothing changes any more */
 };
 
-/* The start of the object; written by the host. */
+/** The start of the object; written by the host. */
 struct simvis_header {
-  uint64_t magic;                  /* SIMVIS_SHM_MAGIC */
-  uint32_t version;                /* SIMVIS_SHM_VERSION */
-  uint32_t header_size;            /* sizeof(struct simvis_header) */
-  uint64_t generation;             /* a random number of this run of the host: another one is another run */
-  int64_t host_pid;                /* for people; processes in other namespaces know it by another number */
-  uint64_t total_size;             /* bytes of the object; most of them take no memory before they are used */
-  uint64_t clients_offset;         /* of SIMVIS_SHM_CLIENTS entries of struct simvis_client_area */
-  struct simvis_region elements;   /* struct simvis_element; the index is the element's id */
-  struct simvis_region parameters; /* struct simvis_parameter; the index is the parameter's id */
-  struct simvis_region values;     /* double by parameter id: write here what a parameter shall be */
+  uint64_t magic;                  /**< SIMVIS_SHM_MAGIC */
+  uint32_t version;                /**< SIMVIS_SHM_VERSION */
+  uint32_t header_size;            /**< sizeof(struct simvis_header) */
+  uint64_t generation;             /**< a random number of this run of the host: another one is another run */
+  int64_t host_pid;                /**< for people; processes in other namespaces know it by another number */
+  uint64_t total_size;             /**< bytes of the object; most of them take no memory before they are used */
+  uint64_t clients_offset;         /**< of SIMVIS_SHM_CLIENTS entries of struct simvis_client_area */
+  struct simvis_region elements;   /**< struct simvis_element; the index is the element's id */
+  struct simvis_region parameters; /**< struct simvis_parameter; the index is the parameter's id */
+  struct simvis_region values;     /**< double by parameter id: write here what a parameter shall be */
   struct simvis_region
-      applied; /* double by parameter id: what frame `frame` was made with; guarded by frame_sequence */
-  struct simvis_region strings; /* bytes */
-  struct simvis_region log;     /* bytes: entries of struct simvis_log_entry, one after the other */
-  struct simvis_region sensors; /* struct simvis_sensor; the index is the sensor's id */
-  struct simvis_region outputs; /* bytes: slots of measurements */
-  uint32_t ready_futex;         /* atomic; written by clients: changes when one says that it is ready (lock-step) */
-  uint32_t reserved32;
-  uint64_t reserved[7];
-  /* What changes with each frame stands in cache lines of its own. */
-  uint64_t frame_sequence; /* sequence of `applied`, `frame`, `next_frame` and `time_ns` */
-  uint64_t frame;          /* number of frames that were finished since the host began to serve */
-  uint64_t next_frame;     /* index of the frame that the host makes next */
-  int64_t time_ns;         /* simulated time of the last finished frame; 0 before the first */
-  uint32_t frame_futex;    /* atomic: changes with each finished frame and at the end; wait for it with FUTEX_WAIT */
-  uint32_t state;          /* atomic: enum simvis_state */
-  uint64_t frame_padding[3];
+      applied; /**< double by parameter id: what frame `frame` was made with; guarded by frame_sequence */
+  struct simvis_region strings; /**< bytes */
+  struct simvis_region log;     /**< bytes: entries of struct simvis_log_entry, one after the other */
+  struct simvis_region sensors; /**< struct simvis_sensor; the index is the sensor's id */
+  struct simvis_region outputs; /**< bytes: slots of measurements */
+  uint32_t ready_futex;         /**< atomic; written by clients: changes when one says that it is ready (lock-step) */
+  uint32_t reserved32;          /**< 0 */
+  uint64_t reserved[7];         /**< 0 */
+  /** What changes with each frame stands in cache lines of its own. */
+  uint64_t frame_sequence; /**< sequence of `applied`, `frame`, `next_frame` and `time_ns` */
+  uint64_t frame;          /**< number of frames that were finished since the host began to serve */
+  uint64_t next_frame;     /**< index of the frame that the host makes next */
+  int64_t time_ns;         /**< simulated time of the last finished frame; 0 before the first */
+  uint32_t frame_futex;    /**< atomic: changes with each finished frame and at the end; wait for it with FUTEX_WAIT */
+  uint32_t state;          /**< atomic: enum simvis_state */
+  uint64_t frame_padding[3]; /**< 0 */
 };
 
-/* An element: a thing whose parameters can be changed. */
+/** An element: a thing whose parameters can be changed. */
 struct simvis_element {
-  struct simvis_text name, type, insertion_point;
-  uint64_t first_parameter;
-  uint32_t parameter_count;
-  uint32_t removed; /* atomic: 0 or 1 */
+  struct simvis_text name;            /**< the element's name */
+  struct simvis_text type;            /**< its type */
+  struct simvis_text insertion_point; /**< where it was inserted */
+  uint64_t first_parameter;           /**< id of its first parameter; the others follow */
+  uint32_t parameter_count;           /**< how many parameters it has */
+  uint32_t removed;                   /**< atomic: 0 or 1 */
 };
 
+/** Limits that are not allowed themselves. */
 enum simvis_parameter_flags {
-  SIMVIS_OPEN_MIN = 1, /* `min` itself is not allowed */
-  SIMVIS_OPEN_MAX = 2  /* `max` itself is not allowed */
+  SIMVIS_OPEN_MIN = 1, /**< `min` itself is not allowed */
+  SIMVIS_OPEN_MAX = 2  /**< `max` itself is not allowed */
 };
 
+/** A number that clients can set. */
 struct simvis_parameter {
-  struct simvis_text name, unit;
-  double min, max; /* infinite: no limit */
-  uint64_t element;
-  uint32_t flags; /* enum simvis_parameter_flags */
-  uint32_t reserved;
+  struct simvis_text name; /**< the parameter's name */
+  struct simvis_text unit; /**< "m", "deg"; may be empty */
+  double min;              /**< smallest value; infinite: no limit */
+  double max;              /**< largest value; infinite: no limit */
+  uint64_t element;        /**< id of its element */
+  uint32_t flags;          /**< enum simvis_parameter_flags */
+  uint32_t reserved;       /**< 0 */
 };
 
+/** What an entry of the log says. */
 enum simvis_log_kind {
-  SIMVIS_CHANGE = 1, /* text: a command that was executed, in the form of a scene file; replaying all makes the scene */
-  SIMVIS_REQUEST_DONE = 2,    /* request `request` of client `client` was executed as a whole */
-  SIMVIS_REQUEST_REFUSED = 3, /* it was refused as a whole; text: why */
-  SIMVIS_VALUE_REFUSED = 4,   /* a value that a client wrote was refused and the old one kept; text: which and why */
-  SIMVIS_CLIENT_REFUSED = 5   /* what a client's area holds makes no sense and is ignored; text: what */
+  SIMVIS_CHANGE =
+      1, /**< text: a command that was executed, in the form of a scene file; replaying all makes the scene */
+  SIMVIS_REQUEST_DONE = 2,    /**< request `request` of client `client` was executed as a whole */
+  SIMVIS_REQUEST_REFUSED = 3, /**< it was refused as a whole; text: why */
+  SIMVIS_VALUE_REFUSED = 4,   /**< a value that a client wrote was refused and the old one kept; text: which and why */
+  SIMVIS_CLIENT_REFUSED = 5   /**< what a client's area holds makes no sense and is ignored; text: what */
 };
 
-/* An entry of the log, followed by `text_size` bytes and filled up to a multiple of 8 bytes. */
+/** An entry of the log, followed by `text_size` bytes and filled up to a multiple of 8 bytes. */
 struct simvis_log_entry {
-  uint32_t size; /* bytes of the whole entry */
-  uint32_t kind; /* enum simvis_log_kind; skip kinds that you do not know */
-  uint64_t request;
-  uint32_t client;
-  uint32_t text_size;
-  uint64_t frame; /* index of the first frame that is made with it */
+  uint32_t size;      /**< bytes of the whole entry */
+  uint32_t kind;      /**< enum simvis_log_kind; skip kinds that you do not know */
+  uint64_t request;   /**< number of the request; 0: none */
+  uint32_t client;    /**< slot of the client */
+  uint32_t text_size; /**< bytes of the text */
+  uint64_t frame;     /**< index of the first frame that is made with it */
 };
 
+/** The type of the numbers of an output. */
 enum simvis_number_type { SIMVIS_FLOAT32 = 1, SIMVIS_FLOAT64 = 2, SIMVIS_UINT8 = 3 };
 
-/* An array of a measurement: rows x columns x channels numbers without gaps. */
+/** An array of a measurement: rows x columns x channels numbers without gaps. */
 struct simvis_output {
-  char name[24]; /* "range_m", "error_bound_m", "azimuth_rad", "elevation_rad", "color", "depth_m", ...; zero-terminated
-                  */
-  uint64_t offset; /* from the start of the slot, a multiple of 64 */
-  uint32_t rows, columns, channels;
-  uint32_t type; /* enum simvis_number_type */
+  char name[24];     /**< "range_m", "error_bound_m", "azimuth_rad", "elevation_rad", "color", "depth_m", ...;
+                      * zero-terminated
+                      */
+  uint64_t offset;   /**< from the start of the slot, a multiple of 64 */
+  uint32_t rows;     /**< of the array */
+  uint32_t columns;  /**< of a row */
+  uint32_t channels; /**< numbers of each place */
+  uint32_t type;     /**< enum simvis_number_type */
 };
 
-/* One measurement of a sensor. */
+/** One measurement of a sensor. */
 struct simvis_slot {
-  uint64_t sequence;            /* of this slot */
-  uint64_t measurement;         /* its number: 1 for the first one of the sensor */
-  uint64_t frame;               /* index of the frame */
-  int64_t time_ns;              /* simulated time of the measurement */
-  double world_from_sensor[16]; /* column by column; rigid; x forward, y left, z up, metres */
-  uint32_t output_count;
-  uint32_t reserved;
-  struct simvis_output outputs[SIMVIS_SHM_MAX_OUTPUTS];
+  uint64_t sequence;                                    /**< of this slot */
+  uint64_t measurement;                                 /**< its number: 1 for the first one of the sensor */
+  uint64_t frame;                                       /**< index of the frame */
+  int64_t time_ns;                                      /**< simulated time of the measurement */
+  double world_from_sensor[16];                         /**< column by column; rigid; x forward, y left, z up, metres */
+  uint32_t output_count;                                /**< how many outputs it has */
+  uint32_t reserved;                                    /**< 0 */
+  struct simvis_output outputs[SIMVIS_SHM_MAX_OUTPUTS]; /**< what was measured */
 };
 
-/* A sensor. Measurement n lies in slot (n - 1) % slot_count, at slots_offset + that * slot_size. */
+/** A sensor. Measurement n lies in slot (n - 1) % slot_count, at slots_offset + that * slot_size. */
 struct simvis_sensor {
-  struct simvis_text name, type;
-  uint64_t slots_offset, slot_size; /* atomic; 0 before the first measurement */
-  uint32_t slot_count;
-  uint32_t removed;     /* atomic: 0 or 1 */
-  uint64_t measurement; /* atomic: number of the latest one; 0 before the first */
+  struct simvis_text name; /**< the sensor's name */
+  struct simvis_text type; /**< its type */
+  uint64_t slots_offset;   /**< atomic; 0 before the first measurement */
+  uint64_t slot_size;      /**< atomic; 0 before the first measurement */
+  uint32_t slot_count;     /**< how many slots are used in turn */
+  uint32_t removed;        /**< atomic: 0 or 1 */
+  uint64_t measurement;    /**< atomic: number of the latest one; 0 before the first */
 };
 
-/* All parameters of one element, written as a whole; written by the client that owns the area. */
+/** All parameters of one element, written as a whole; written by the client that owns the area. */
 struct simvis_group {
-  uint64_t sequence; /* of this group */
-  uint64_t element;
-  double values[SIMVIS_SHM_GROUP_VALUES];
+  uint64_t sequence;                      /**< of this group */
+  uint64_t element;                       /**< id of the element */
+  double values[SIMVIS_SHM_GROUP_VALUES]; /**< of its parameters, in their order */
 };
 
-/* A request in the ring: this head, then `size` bytes of XML, filled up to a multiple of 8 bytes. */
+/** A request in the ring: this head, then `size` bytes of XML, filled up to a multiple of 8 bytes. */
 struct simvis_request {
-  uint64_t number; /* of the client's choice; the log names it */
-  uint64_t size;   /* bytes of the XML */
+  uint64_t number; /**< of the client's choice; the log names it */
+  uint64_t size;   /**< bytes of the XML */
 };
 
-/* A client's area. It belongs to the process that holds an OFD write lock on its first byte; the kernel lets go of the
+/** A client's area. It belongs to the process that holds an OFD write lock on its first byte; the kernel lets go of the
  * lock when that process ends in whatever way. */
 struct simvis_client_area {
   uint64_t
-      connection; /* atomic: 0 or odd: nobody; a new client writes an even number that was not there before, last */
-  char name[SIMVIS_SHM_MAX_NAME]; /* for people and for lock-step; zero-terminated */
-  uint64_t ready_frames;          /* atomic: lock-step: the client is ready for all frames below this index */
-  uint64_t request_head;          /* atomic: bytes that this connection ever put into the ring */
-  uint64_t group_count;           /* atomic: groups that are in use */
-  uint64_t padding_of_client[19];
-  uint64_t acknowledged; /* atomic; written by the host: the connection that request_tail speaks of */
-  uint64_t request_tail; /* atomic; written by the host: bytes that it took from the ring; 0 for another connection */
-  uint64_t padding_of_host[14];
-  struct simvis_group groups[SIMVIS_SHM_GROUPS];
-  uint8_t requests[SIMVIS_SHM_REQUEST_BYTES];
+      connection; /**< atomic: 0 or odd: nobody; a new client writes an even number that was not there before, last */
+  char name[SIMVIS_SHM_MAX_NAME]; /**< for people and for lock-step; zero-terminated */
+  uint64_t ready_frames;          /**< atomic: lock-step: the client is ready for all frames below this index */
+  uint64_t request_head;          /**< atomic: bytes that this connection ever put into the ring */
+  uint64_t group_count;           /**< atomic: groups that are in use */
+  uint64_t padding_of_client[19]; /**< 0 */
+  uint64_t acknowledged;          /**< atomic; written by the host: the connection that request_tail speaks of */
+  uint64_t request_tail; /**< atomic; written by the host: bytes that it took from the ring; 0 for another connection */
+  uint64_t padding_of_host[14];                  /**< 0 */
+  struct simvis_group groups[SIMVIS_SHM_GROUPS]; /**< elements that the client writes as a whole */
+  uint8_t requests[SIMVIS_SHM_REQUEST_BYTES];    /**< the ring of struct simvis_request */
 };
 
 #ifdef __cplusplus

@@ -103,7 +103,7 @@ TEST_CASE("an error names the problem and its line") {
   const auto error_of_file = [&](const std::string& text) { return error_of([&] { files.load("other.wrl", text); }); };
   CHECK(contains(error_of_file(""), "is empty"));
   CHECK(contains(error_of_file("Shape { geometry Box { } }"), "Not a valid Inventor file"));
-  CHECK(contains(error_of_file(kVrml97Header + "Shape { geometry Box { } } }"), "Coin cannot read the file"));
+  CHECK(contains(error_of_file(kVrml97Header + "Shape { geometry Box { } } }"), "Coin cannot read all of the file"));
   CHECK(contains(error_of([&] { import_part(files.folder / "none.iv", files.pool); }), "there is no such file"));
 }
 

@@ -95,9 +95,9 @@ TEST_CASE("names of an included file do not mean those of another one") {
   CHECK(contains(error, "hand.xml:1:16: error: there is no insertion point \"WRIST\""));
   CHECK(contains(error, "(included from s.xml:1:41)"));
   CHECK(
-      contains(stage.error("<include file='robot.xml'/><include file='robot.xml'/>"), "is taken already by the part"));
+      contains(stage.error("<include file='robot.xml'/><include file='robot.xml'/>"), "is already taken by the part"));
   write_text(stage.folder / "late.xml", "<part name='X' insert_at='Y'/><part name='Y' insert_at='ROOT'/>");
-  CHECK(contains(stage.error("<include file='late.xml' prefix='A/'/>"), "yet: its part stands later"));
+  CHECK(contains(stage.error("<include file='late.xml' prefix='A/'/>"), "yet: its part comes later"));
 }
 
 }  // namespace

@@ -116,7 +116,7 @@ TEST_CASE("fenced blocks name their language, and commands are in blocks of sh")
     for (const MarkdownBlock& block : markdown_blocks(page)) {
       CAPTURE(place(page, block));
       CAPTURE(block.language);
-      const std::string known[] = {"sh", "xml", "cpp", "cmake", "text", "csv", "json", "glsl", "mermaid"};
+      const std::string known[] = {"sh", "xml", "cpp", "python", "cmake", "text", "csv", "json", "glsl", "mermaid"};
       CHECK(std::ranges::find(known, block.language) != std::end(known));
       for (const MarkdownMark& mark : block.marks) {
         CAPTURE(mark.name);
