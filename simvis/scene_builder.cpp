@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <map>
 #include <optional>
 #include <system_error>
 #include <utility>
@@ -179,15 +180,16 @@ void SceneBuilder::require(const TargetLimits& limits) {
   for (const BuiltSensor& sensor : built_.sensors) sensor.sensor->check(limits);
 }
 
-// Finds the files that these commands insert several times.
+// Finds the files that these commands insert several times. Insertions of one name are no copies: the second one fails.
 void SceneBuilder::note_copies(std::span<const Command> commands) {
-  std::set<Carrier> once;
+  std::map<Carrier, std::string> names;  // of the first insertion
   for (const Command& command : commands) {
-    const CommandAttribute* const file = command.find("file");
-    if (command.kind != CommandKind::part || file == nullptr) continue;
+    const CommandAttribute *const file = command.find("file"), *const name = command.find("name");
+    if (command.kind != CommandKind::part || file == nullptr || name == nullptr) continue;
     std::error_code error;
     const Carrier carrier(prefix_of(command), std::filesystem::canonical(command.folder / file->value, error));
-    if (error || once.insert(carrier).second || !copied_.insert(carrier).second) continue;
+    const auto [first, is_first] = names.try_emplace(carrier, name->value);
+    if (error || is_first || first->second == name->value || !copied_.insert(carrier).second) continue;
     built_.scene.undo().add([this, carrier] { copied_.erase(carrier); });
   }
 }
