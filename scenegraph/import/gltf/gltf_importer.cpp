@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <simvis/part_importer.h>
+#include "scenegraph/import/gltf/gltf_accessors.h"
 #include "scenegraph/import/gltf/gltf_animations.h"
 #include "scenegraph/import/gltf/gltf_document.h"
 #include "scenegraph/import/gltf/gltf_hierarchy.h"
