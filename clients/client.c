@@ -15,8 +15,8 @@
 #include <time.h>
 #include <unistd.h>
 
-#define GROUP_TRIES 1000   /* while the host writes: its writes take microseconds */
-#define POLL_NS 20000000   /* 20 ms: how often a missing or killed host is looked for */
+#define GROUP_TRIES 1000 /* while the host writes: its writes take microseconds */
+#define POLL_NS 20000000 /* 20 ms: how often a missing or killed host is looked for */
 
 struct simvis_client {
   int file;
@@ -118,12 +118,19 @@ static uint64_t taken_of(const struct simvis_client_area* area) {
   return load(&area->acknowledged) == load(&area->connection) ? load(&area->request_tail) : 0;
 }
 
-/* An area that nobody has. The first round leaves areas alone whose last client sent requests that are not taken yet. */
+/* Whether the host has taken everything that the area's last client wrote. */
+static int is_taken(const struct simvis_client_area* area) {
+  const uint64_t connection = load(&area->connection);
+  return (connection == 0 || load(&area->acknowledged) == connection) &&
+         load(&area->request_head) == load(&area->request_tail);
+}
+
+/* An area that nobody has. The first round leaves areas alone that the host has not read to their end. */
 static int take_area(simvis_client* client, const char* name) {
   struct simvis_client_area* areas = (struct simvis_client_area*)(client->memory + client->header->clients_offset);
   for (unsigned i = 0; i < 2 * SIMVIS_SHM_CLIENTS; ++i) {
     struct simvis_client_area* area = &areas[i % SIMVIS_SHM_CLIENTS];
-    if (i < SIMVIS_SHM_CLIENTS && load(&area->request_head) != load(&area->request_tail)) continue;
+    if (i < SIMVIS_SHM_CLIENTS && !is_taken(area)) continue;
     if (set_lock(client->file, (uint64_t)((unsigned char*)area - client->memory)) != 0) continue;
     /* Whatever the one before left: the area is empty before its connection becomes even again. */
     store(&area->connection, load(&area->connection) | 1);
@@ -298,7 +305,8 @@ static struct simvis_group* group_of(simvis_client* client, uint64_t element) {
 int simvis_set_element(simvis_client* client, int64_t id, const double* values, size_t count) {
   const struct simvis_element* const element = simvis_element_at(client, id);
   if (element == NULL || element->parameter_count != count || count > SIMVIS_SHM_GROUP_VALUES) {
-    fail(element == NULL ? "there is no element of id %lld" : "element %lld has another number of parameters, or too many",
+    fail(element == NULL ? "there is no element of id %lld"
+                         : "element %lld has another number of parameters, or too many",
          (long long)id);
     return -1;
   }
@@ -378,7 +386,8 @@ const struct simvis_log_entry* simvis_next_log(const simvis_client* client, uint
   if (*position >= count || count - *position < sizeof(struct simvis_log_entry)) return NULL;
   const struct simvis_log_entry* const found =
       (const struct simvis_log_entry*)(client->memory + log->offset + *position);
-  if (found->size < sizeof *found || found->size > count - *position || found->text_size > found->size - sizeof *found) {
+  if (found->size < sizeof *found || found->size > count - *position ||
+      found->text_size > found->size - sizeof *found) {
     return NULL;
   }
   if (text != NULL) *text = (const char*)(found + 1);

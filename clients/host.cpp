@@ -23,7 +23,7 @@
 namespace simvis {
 namespace {
 
-// What the tables can hold. They take address space, and memory only for what is in them.
+// Capacities of the tables. A table reserves address space for its capacity; only its used part takes memory.
 constexpr std::uint64_t kElements = 1 << 20, kParameters = 1 << 21, kSensors = 1 << 12, kStringBytes = 64 << 20,
                         kLogBytes = 256 << 20, kOutputBytes = std::uint64_t{4} << 30;
 // Memory is asked for in such pieces, so that a full file system is an error here and not a signal later.
@@ -99,15 +99,19 @@ class SharedHost::Object {
  public:
   explicit Object(const std::string& name) : path_(std::string(kFolder) + SIMVIS_SHM_PREFIX + name) {
     make_unnamed();
-    map();
-    describe();
-    // The lock is held before anybody can find the object.
-    if (!take_lock(file_, SIMVIS_SHM_LOCK_BYTE)) fail("the shared memory can't be locked");
-    give_name(name);
+    try {
+      map();
+      describe();
+      // The lock is held before anybody can find the object.
+      if (!take_lock(file_, SIMVIS_SHM_LOCK_BYTE)) fail("the shared memory can't be locked");
+      give_name(name);
+    } catch (...) {
+      release();
+      throw;
+    }
   }
 
   ~Object() {
-    if (memory_ == nullptr) return;
     store(shared().state, static_cast<std::uint32_t>(SIMVIS_ENDED));
     wake_frame();
     struct stat own {
@@ -115,8 +119,7 @@ class SharedHost::Object {
     if (::fstat(file_, &own) == 0 && ::stat(path_.c_str(), &named) == 0 && own.st_ino == named.st_ino) {
       ::unlink(path_.c_str());
     }
-    ::munmap(memory_, layout_.total_size);
-    ::close(file_);
+    release();
   }
   Object(const Object&) = delete;
   Object& operator=(const Object&) = delete;
@@ -148,6 +151,11 @@ class SharedHost::Object {
   }
 
  private:
+  void release() {
+    if (memory_ != nullptr) ::munmap(memory_, layout_.total_size);
+    ::close(file_);
+  }
+
   void make_unnamed() {
     file_ = ::open(kFolder, O_TMPFILE | O_RDWR | O_CLOEXEC, S_IRUSR | S_IWUSR);
     if (file_ < 0) fail(std::string("no shared memory in ") + kFolder);
@@ -225,10 +233,11 @@ class SharedHost::Object {
   std::array<std::uint64_t, 8> ensured_{};  // bytes by region, in the order of the header
 };
 
-// What the host remembers of a client: its own copies of what it last saw.
+// The host's private record of a client, copied from the client's area at the last take().
 struct SharedHost::Client {
   std::uint64_t connection = 0, request_tail = 0;
-  bool refused = false;  // its area makes no sense; ignored until another client connects
+  std::uint64_t left = 0;  // the odd number that the client left behind, once the area has been read for the last time
+  bool refused = false;    // its area makes no sense; ignored until another client connects
   std::array<std::uint64_t, SIMVIS_SHM_GROUPS> group_sequences{};
 };
 
@@ -305,12 +314,6 @@ std::size_t SharedHost::add_sensor(std::string_view name, std::string_view type)
   return sensors_.size() - 1;
 }
 
-void SharedHost::remove_sensor(std::size_t sensor) {
-  SIMVIS_ASSERT(sensor < sensors_.size());
-  const std::uint64_t table = object_->layout().sensors.offset;
-  store(reinterpret_cast<simvis_sensor*>(object_->at(table))[sensor].removed, 1u);
-}
-
 void SharedHost::log(simvis_log_kind kind, std::string_view text, std::uint32_t client, std::uint64_t request) {
   simvis_region& region = object_->layout().log;
   if (kind != SIMVIS_CHANGE && region.count > kLogBytesOfClients) return;
@@ -345,19 +348,24 @@ void SharedHost::refuse(std::uint32_t client, std::string_view why) {
       client);
 }
 
-// Whether there is a client to read. A new one begins with an empty ring where the host stands, and no groups.
+// Whether there is something to read: from a client, or from one that has left since the last take(). A new client
+// begins with an empty ring and no groups.
 bool SharedHost::refresh(std::uint32_t client) {
   Client& known = clients_[client];
   const std::uint64_t connection = load(area(client).connection);
-  if (connection == known.connection) return connection != 0 && !known.refused;
-  if (connection % 2 == 1) return known.connection != 0 && !known.refused;  // what it left is still executed
-  known.connection = connection;
-  known.refused = false;
-  known.group_sequences.fill(0);
-  known.request_tail = 0;
-  store(area(client).request_tail, std::uint64_t{0});
-  store(area(client).acknowledged, connection);
-  return true;
+  const std::uint64_t last_client = connection / 2 * 2;  // an odd number: this one has left
+  if (last_client == 0 || connection == known.left) return false;
+  if (connection % 2 == 1 && holds_area(client)) return false;  // the next client is clearing the area
+  if (last_client != known.connection) {
+    known.connection = last_client;
+    known.refused = false;
+    known.group_sequences.fill(0);
+    known.request_tail = 0;
+    store(area(client).request_tail, std::uint64_t{0});
+    store(area(client).acknowledged, last_client);
+  }
+  if (connection % 2 == 1) known.left = connection;
+  return !known.refused;
 }
 
 ClientInputs SharedHost::take() {
@@ -367,6 +375,8 @@ ClientInputs SharedHost::take() {
     if (!refresh(client)) continue;
     take_groups(client, inputs);
     take_requests(client, inputs);
+    const Client& known = clients_[client];
+    if (known.left == known.connection + 1) store(area(client).acknowledged, known.left);  // the area is free
   }
   return inputs;
 }
@@ -395,7 +405,7 @@ void SharedHost::take_groups(std::uint32_t client, ClientInputs& inputs) {
   for (std::size_t g = 0; g < count; ++g) {
     const simvis_group& group = written.groups[g];
     const std::uint64_t sequence = load(group.sequence);
-    if (sequence == clients_[client].group_sequences[g] || sequence % 2 == 1) continue;
+    if (sequence == clients_[client].group_sequences[g] || sequence % 2 == 1) continue;  // 0: never written
     const std::uint64_t element = load_relaxed(group.element);
     std::array<double, SIMVIS_SHM_GROUP_VALUES> values;
     for (std::size_t i = 0; i < values.size(); ++i) {

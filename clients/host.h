@@ -41,7 +41,7 @@ struct ChangeRequest {
   std::string text;
 };
 
-/// What clients wrote since the last take(). Nothing of it is checked but that ids exist and counts fit.
+/// The writes of clients since the last take(). Ids exist and counts fit; nothing else has been checked.
 struct ClientInputs {
   std::vector<WrittenValue> values;      ///< by parameter
   std::vector<WrittenElement> elements;  ///< by client, then in the order of the client's groups
@@ -79,14 +79,13 @@ class SharedHost {
   void remove_element(std::size_t element);
   /// Appends a sensor; returns its id.
   std::size_t add_sensor(std::string_view name, std::string_view type);
-  void remove_sensor(std::size_t sensor);
   /// Appends an entry to the log.
   void log(simvis_log_kind kind, std::string_view text, std::uint32_t client = 0, std::uint64_t request = 0);
 
   /// Reads what clients wrote. Entries of the log about nonsense in a client's area are written here.
   ClientInputs take();
-  /// What a parameter is now: after a written value was accepted or refused, and after any other change. A value that a
-  /// client has written since the last take() stays, for the next one.
+  /// Publishes the present value of a parameter: after a written value was accepted or refused, and after any other
+  /// change. A value that a client has written since the last take() stays, for the next one.
   void set_value(std::size_t parameter, double value);
 
   /// Writes a measurement. At most SIMVIS_SHM_MAX_OUTPUTS outputs; `world_from_sensor` has 16 numbers, column by

@@ -132,6 +132,16 @@ class Measurement:
         return self.outputs.keys()
 
 
+def _measurement(slot, data):
+    outputs = {}
+    for output in slot.outputs[:slot.output_count]:
+        shape = (output.rows, output.columns) + ((output.channels,) if output.channels > 1 else ())
+        array = np.frombuffer(data, _NUMBER_TYPES[output.type], int(np.prod(shape)), output.offset)
+        outputs[output.name.decode()] = array.reshape(shape)
+    pose = np.array(slot.world_from_sensor).reshape(4, 4).T
+    return Measurement(slot.measurement, slot.frame, slot.time_ns / 1e9, pose, outputs)
+
+
 class Element:
     """An element of the scene; a mapping from its parameters' names to their values."""
 
@@ -206,7 +216,9 @@ class Connection:
         for i in range(2 * CLIENTS):
             offset = self._header.clients_offset + i % CLIENTS * ctypes.sizeof(_ClientArea)
             area = _ClientArea.from_buffer(self._memory, offset)
-            if i < CLIENTS and area.request_head != area.request_tail or not _lock(self._file, offset):
+            # The first round leaves areas alone that the host has not read to their end.
+            taken = area.connection in (0, area.acknowledged) and area.request_head == area.request_tail
+            if i < CLIENTS and not taken or not _lock(self._file, offset):
                 continue
             area.connection |= 1
             area.group_count = area.ready_frames = area.request_head = 0
@@ -344,22 +356,20 @@ class Connection:
             number = sensor.measurement
             if number == 0:
                 return None
-            start = sensor.slots_offset + (number - 1) % sensor.slot_count * sensor.slot_size
-            slot = _Slot.from_buffer(self._memory, start)
-            sequence = slot.sequence
+            size = sensor.slot_size
+            start = sensor.slots_offset + (number - 1) % sensor.slot_count * size
+            if size < ctypes.sizeof(_Slot) or start + size > len(self._memory):
+                continue  # the slots are being moved
+            shared = _Slot.from_buffer(self._memory, start)
+            sequence = shared.sequence
             _barrier()
-            if sequence % 2 == 1 or slot.measurement != number:
+            if sequence % 2 == 1:
                 continue
-            outputs = {}
-            for output in slot.outputs[:slot.output_count]:
-                shape = (output.rows, output.columns) + ((output.channels,) if output.channels > 1 else ())
-                array = np.frombuffer(self._memory, _NUMBER_TYPES[output.type], int(np.prod(shape)), start + output.offset)
-                outputs[output.name.decode()] = array.reshape(shape).copy()
-            pose = np.array(slot.world_from_sensor).reshape(4, 4).T
-            measurement = Measurement(number, slot.frame, slot.time_ns / 1e9, pose, outputs)
+            # One copy at once: nothing is interpreted before it is known to be whole.
+            copy = bytearray(memoryview(self._memory)[start:start + size])
             _barrier()
-            if slot.sequence == sequence:
-                return measurement
+            if shared.sequence == sequence and (slot := _Slot.from_buffer(copy)).measurement == number:
+                return _measurement(slot, copy)
         raise SimvisError("the host writes faster than this program reads")
 
     @property

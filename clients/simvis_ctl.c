@@ -147,10 +147,10 @@ static int set(simvis_client* client, char** assignments) {
     if (status >= 0 && status != DONE) return status;
     if (status == DONE) break;
   }
-  /* The host has taken them when it has finished another frame; a client that leaves before that loses nothing, but a
-   * next client in its place would. */
-  return simvis_wait_frame(client, simvis_frame(client), REQUEST_MS) == 1 ? DONE
-                                                                          : fail(FAILED, "the host makes no frames");
+  /* The frame under way may have been begun before the values were written; the one after it was not. */
+  return simvis_wait_frame(client, simvis_frame(client) + 1, REQUEST_MS) == 1
+             ? DONE
+             : fail(FAILED, "the host makes no frames");
 }
 
 static int watch(const simvis_client* client, char** names) {

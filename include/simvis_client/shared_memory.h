@@ -188,14 +188,15 @@ struct simvis_request {
 /** A client's area. It belongs to the process that holds an OFD write lock on its first byte; the kernel lets go of the
  * lock when that process ends in whatever way. */
 struct simvis_client_area {
-  uint64_t
-      connection; /**< atomic: 0 or odd: nobody; a new client writes an even number that was not there before, last */
+  uint64_t connection; /**< atomic: 0 or odd: nobody; a new client writes an even number that was not there before,
+                        * last; the next odd one when it leaves */
   char name[SIMVIS_SHM_MAX_NAME]; /**< for people and for lock-step; zero-terminated */
   uint64_t ready_frames;          /**< atomic: lock-step: the client is ready for all frames below this index */
   uint64_t request_head;          /**< atomic: bytes that this connection ever put into the ring */
   uint64_t group_count;           /**< atomic: groups that are in use */
   uint64_t padding_of_client[19]; /**< 0 */
-  uint64_t acknowledged;          /**< atomic; written by the host: the connection that request_tail speaks of */
+  uint64_t acknowledged; /**< atomic; written by the host: the connection that request_tail speaks of; odd: the client
+                          * has left, and all that it wrote is taken */
   uint64_t request_tail; /**< atomic; written by the host: bytes that it took from the ring; 0 for another connection */
   uint64_t padding_of_host[14];                  /**< 0 */
   struct simvis_group groups[SIMVIS_SHM_GROUPS]; /**< elements that the client writes as a whole */

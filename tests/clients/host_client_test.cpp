@@ -2,6 +2,8 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <filesystem>
+#include <iterator>
 
 #include "tests/clients/shared_host.h"
 #include "tests/support/error_of.h"
@@ -103,6 +105,25 @@ TEST_CASE("requests arrive in order, also when they go round the ring, and a ful
   CHECK(connection.send(half) == expected + 2);
 }
 
+TEST_CASE("what a client wrote that leaves at once is taken, also when others come in the same frame") {
+  const std::string name = unique_name("visits");
+  SharedHost host(name);
+  add_pose(host, "A");
+  constexpr int kVisits = 20;
+  for (int round = 0; round < 3; ++round) {
+    for (int visit = 0; visit < kVisits; ++visit) {
+      Connection connection(name, "visitor");
+      connection.set_element(0, std::array<double, kPoseValues>{0.1 * visit});
+      connection.send("<part/>");
+    }
+    const ClientInputs inputs = host.take();
+    REQUIRE(inputs.elements.size() == kVisits);
+    for (int visit = 0; visit < kVisits; ++visit) CHECK(inputs.elements[visit].values[0] == 0.1 * visit);
+    CHECK(inputs.requests.size() == kVisits);
+    CHECK(host.take().elements.empty());
+  }
+}
+
 TEST_CASE("the log is read from its start by everybody, at any time") {
   const std::string name = unique_name("log");
   SharedHost host(name);
@@ -198,7 +219,13 @@ TEST_CASE("names: what is not allowed, and one living host for each") {
   const std::string name = unique_name("twice");
   {
     const SharedHost host(name);
+    const auto open_files = [] {
+      const std::filesystem::directory_iterator files("/proc/self/fd");
+      return std::distance(begin(files), end(files));
+    };
+    const auto before = open_files();
     CHECK(error_of([&] { SharedHost again(name); }).find("a living simulation is served as") != std::string::npos);
+    CHECK(open_files() == before);
   }
   const SharedHost after(name);
   CHECK_THROWS_WITH(Connection(name, "no/name"), doctest::Contains("expected 1 to 63"));
