@@ -17,7 +17,7 @@
 #include <vector>
 
 #include <simvis/simulation.h>
-#include "simvis/output/png_file.h"
+#include "scenegraph/pictures/png_file.h"
 
 namespace {
 

@@ -115,6 +115,21 @@ void Simulation::serve(const ServeDesc& desc) {
   idle.serving.emplace(desc, idle.scene.built);
 }
 
+void Simulation::record(const RecordDesc& desc) {
+  const SimulationUse use = impl();
+  SimulationImpl& idle = use->idle();
+  if (idle.recording) throw InputError("the simulation is recorded already, expected finish_recording() before");
+  idle.recording = std::make_unique<Recording>(desc, idle.scene.built);
+  idle.recorded_frames = 0;
+}
+
+RecordReport Simulation::finish_recording() {
+  const SimulationUse use = impl();
+  const std::unique_ptr<Recording> recording = std::move(use->idle().recording);
+  if (!recording) throw InputError("the simulation is not recorded, expected record() before");
+  return recording->finish();
+}
+
 void Simulation::add_variant(std::string_view sensor, const Command& command) {
   const SimulationUse use = impl();
   use->idle().scene.add_variant(use->index(sensor), command);

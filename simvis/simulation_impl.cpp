@@ -130,6 +130,7 @@ void SimulationImpl::finish() {
     show_to_people(frame);
   }
   if (serving) publish_to_clients(frame);
+  if (recording) record_frame(frame);
   stages.end();
   timeline.go_on(frame);
 }
@@ -152,6 +153,23 @@ void SimulationImpl::publish_to_clients(const FrameTime& time) {
     serving->publish(scene.built.sensors[i], i, time, states[i].world_from_sensor);
   }
   serving->finish_frame(scene.built, time);
+}
+
+void SimulationImpl::record_frame(const FrameTime& time) {
+  stages.begin("record");
+  std::vector<PlacedSensor> placed;
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    const BuiltSensor& sensor = scene.built.sensors[i];
+    const bool has_measured = std::ranges::find(measured, sensor.name) != measured.end();
+    glm::dmat4 world_from_sensor = states[i].world_from_sensor;
+    if (!states[i].enabled || (!has_measured && !pose(sensor, world_from_sensor))) continue;
+    placed.push_back({sensor, world_from_sensor, has_measured});
+  }
+  recording->add_frame(scene.built, time, placed);
+  if (recorded_frames++ > 0) return;
+  for (const std::string& pattern : recording->unmatched_patterns()) {
+    warn("recording: no topic of the first frame matches " + in_quotes(pattern));
+  }
 }
 
 // Host-only ray casts run while the device draws for the other sensors.

@@ -18,6 +18,7 @@
 #include <simvis/simulation_desc.h>
 #include "engine/base/input_log.h"
 #include "simvis/live_scene.h"
+#include "simvis/recording.h"
 #include "simvis/serving.h"
 #include "simvis/step_stages.h"
 #include "simvis/timeline.h"
@@ -54,6 +55,7 @@ struct SimulationImpl : Observations {
   void add_new_sensors();
   void take_from_clients(const FrameTime& time);
   void publish_to_clients(const FrameTime& time);
+  void record_frame(const FrameTime& time);
   ViewLayer& layer_of(const BuiltSensor& sensor) { return sensor.sensor->visualization() ? *people : sensing; }
   bool pose(const BuiltSensor& sensor, glm::dmat4& world_from_sensor);
   std::size_t index(std::string_view sensor) const;
@@ -90,7 +92,9 @@ struct SimulationImpl : Observations {
   bool under_way = false;             // `frame` is not finished; the device may be working
   std::vector<std::string> measured;  // names of the sensors that measured in this frame
   StepStages stages;
-  std::optional<Serving> serving;  // set by Simulation::serve()
+  std::optional<Serving> serving;        // set by Simulation::serve()
+  std::unique_ptr<Recording> recording;  // set by Simulation::record()
+  std::uint64_t recorded_frames = 0;     // of this recording
   bool instrumented;
   std::vector<SensorCost> sensor_costs;
 };

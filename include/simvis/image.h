@@ -2,7 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
+
+#include <simvis/frame_plan.h>
 
 namespace simvis {
 
@@ -16,6 +19,16 @@ struct Image {
       height = 0,             ///< in pixels
       channels = 0;           ///< numbers per pixel
   std::vector<float> pixels;  ///< width * height * channels numbers
+};
+
+/// What a camera's images were taken with.
+struct CameraCalibration {
+  std::uint32_t width_px = 0,  ///< of the images
+      height_px = 0;           ///< of the images
+  Pinhole pinhole;             ///< pixel centres are at halves; given for a distorted image too
+  double baseline_m = 0;       ///< distance to the right of the left camera of a rectified pair; 0 for the left camera
+  std::string distortion_model = "plumb_bob";                  ///< name in ROS
+  std::vector<double> distortion_coefficients{0, 0, 0, 0, 0};  ///< in the order of ROS; for plumb_bob k1 k2 p1 p2 k3
 };
 
 }  // namespace simvis

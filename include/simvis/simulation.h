@@ -86,6 +86,17 @@ class SIMVIS_API Simulation {
   /// does not exist, a second call. MachineError: no shared memory.
   void serve(const ServeDesc& desc);
 
+  /// Records the frames of the next steps as ROS 2 messages in an MCAP file, as docs/messages.md says, until
+  /// finish_recording() or the end of the simulation. Messages are encoded and written by a thread of its own. The file
+  /// appears with the first frame and grows by whole chunks; skipped frames are not in it. A step throws MachineError
+  /// once the file cannot be written, and the file then ends with what it has. Throws InputError: `desc.file` exists
+  /// and is no MCAP file, two sensors would have the same topics, a recording is under way. A pattern that no topic of
+  /// the first frame matches gives a warning.
+  void record(const RecordDesc& desc);
+  /// Ends the recording: waits until all messages are written and gives the file its index. Throws MachineError if the
+  /// file cannot be written, InputError if there is no recording. In both cases there is none afterwards.
+  RecordReport finish_recording();
+
   /// Adds a sensor that always has the pose of `sensor`, and that measures as `command` says; overrides do not apply to
   /// it. It compares several methods on one view: `command` is that of `sensor` with another name and other attributes
   /// (type and view stay; insert_at and pose_offset have no effect). All or nothing, as execute(). Throws InputError,

@@ -53,4 +53,23 @@ struct ServeDesc {
   double lockstep_timeout_s = 10;       ///< how long a frame waits for them by the wall clock, above 0
 };
 
+/// How a running simulation is recorded, see Simulation::record().
+struct RecordDesc {
+  std::filesystem::path file;  ///< a new file, or an MCAP file that is replaced
+  /// Patterns of topics, in which * stands for any text and ? for any character. Empty: all topics but those that hold
+  /// the same measurement as another in another form.
+  std::vector<std::string> topics{};
+  /// What a step does when the file is slower than the simulation and 256 MiB wait. false: it waits. true: it drops
+  /// measurements, which are counted.
+  bool drop = false;
+};
+
+/// What a recording has written.
+struct RecordReport {
+  std::filesystem::path file;  ///< as in RecordDesc
+  std::uint64_t messages = 0,  ///< in the file
+      dropped = 0,             ///< measurements that RecordDesc::drop kept out of it
+      bytes = 0;               ///< of the file
+};
+
 }  // namespace simvis

@@ -223,15 +223,14 @@ std::span<const NamedValue> Camera::values() const {
 }
 
 void Camera::write(OutputSink& sink) const {
-  sink.intrinsics("", layout_.pinhole);
+  const CameraCalibration calibration{.width_px = layout_.width_px,
+                                      .height_px = layout_.height_px,
+                                      .pinhole = layout_.pinhole,
+                                      .distortion_model = std::string(layout_.distortion_model),
+                                      .distortion_coefficients = layout_.distortion_coefficients};
+  sink.calibration("", calibration);
   sink.picture("", color(), depth());
-  sink.text("", "yaml",
-            camera_info_yaml({.name = name_,
-                              .width_px = layout_.width_px,
-                              .height_px = layout_.height_px,
-                              .pinhole = layout_.pinhole,
-                              .distortion_model = layout_.distortion_model,
-                              .distortion_coefficients = layout_.distortion_coefficients}));
+  sink.text("", "yaml", camera_info_yaml(name_, calibration));
 }
 
 }  // namespace simvis

@@ -1,5 +1,7 @@
 #include "sensors/camera/camera_info.h"
 
+#include <vector>
+
 #include <simvis/attributes.h>
 
 namespace simvis {
@@ -30,13 +32,13 @@ std::string matrix(const std::string& name, int rows, int columns, const std::ve
 
 }  // namespace
 
-std::string camera_info_yaml(const CameraInfo& info) {
+std::string camera_info_yaml(const std::string& name, const CameraCalibration& info) {
   const double fx = info.pinhole.fx_px, fy = info.pinhole.fy_px;
   const double cx = info.pinhole.cx_px - 0.5, cy = info.pinhole.cy_px - 0.5;
   const double tx = info.baseline_m == 0 ? 0.0 : -fx * info.baseline_m;
   return "image_width: " + std::to_string(info.width_px) + "\nimage_height: " + std::to_string(info.height_px) +
-         "\ncamera_name: " + quoted(info.name) + "\n" + matrix("camera_matrix", 3, 3, {fx, 0, cx, 0, fy, cy, 0, 0, 1}) +
-         "distortion_model: " + std::string(info.distortion_model) + "\n" +
+         "\ncamera_name: " + quoted(name) + "\n" + matrix("camera_matrix", 3, 3, {fx, 0, cx, 0, fy, cy, 0, 0, 1}) +
+         "distortion_model: " + info.distortion_model + "\n" +
          matrix("distortion_coefficients", 1, static_cast<int>(info.distortion_coefficients.size()),
                 info.distortion_coefficients) +
          matrix("rectification_matrix", 3, 3, {1, 0, 0, 0, 1, 0, 0, 0, 1}) +

@@ -191,16 +191,17 @@ const Image* StereoCamera::picture(std::string_view name) const {
 }
 
 void StereoCamera::write(OutputSink& sink) const {
-  for (const char* stem : {"left", "right", "disparity"}) sink.intrinsics(stem, pinhole_);
+  const CameraCalibration left{.width_px = desc_.width_px, .height_px = desc_.height_px, .pinhole = pinhole_};
+  CameraCalibration right = left;
+  right.baseline_m = desc_.baseline_m;
+  sink.calibration("left", left);
+  sink.calibration("right", right);
+  sink.calibration("disparity", left);
   sink.picture("left", color(), depth());
   sink.picture("right", picture("right"), picture("right_depth"));
   if (desc_.disparity) sink.plane("disparity", "disparity", disparity_);
-  CameraInfo info{
-      .name = name_ + "_left", .width_px = desc_.width_px, .height_px = desc_.height_px, .pinhole = pinhole_};
-  sink.text("left", "yaml", camera_info_yaml(info));
-  info.name = name_ + "_right";
-  info.baseline_m = desc_.baseline_m;
-  sink.text("right", "yaml", camera_info_yaml(info));
+  sink.text("left", "yaml", camera_info_yaml(name_ + "_left", left));
+  sink.text("right", "yaml", camera_info_yaml(name_ + "_right", right));
 }
 
 }  // namespace simvis

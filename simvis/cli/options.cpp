@@ -94,6 +94,24 @@ void declare_options(CLI::App& app, Options& options) {
                  "also write where this part, or another insertion point, stands in each frame (repeatable)")
       ->type_name("PART")
       ->allow_extra_args(false);
+  CLI::Option* const record =
+      app.add_option("--record", options.record,
+                     "also write the frames of this run as ROS 2 messages to an MCAP file; docs/messages.md lists them")
+          ->type_name("FILE.mcap")
+          ->check(not_empty);
+  app.add_option("--record-topics", options.record_topics,
+                 "with --record: only topics that match a pattern with * and ? (repeatable)")
+      ->type_name("PATTERN,...")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(not_empty)
+      ->needs(record);
+  app.add_option("--record-policy", options.record_policy,
+                 "with --record, when writing is slower than the simulation: wait, or drop measurements and count them")
+      ->type_name("wait|drop")
+      ->check(CLI::IsMember({"wait", "drop"}))
+      ->capture_default_str()
+      ->needs(record);
   app.add_flag("--explain", options.explain, "print what the last frame renders, why, and what it cost");
   app.add_flag("--strict", options.strict, "warnings are errors");
   app.add_flag("--quiet", options.quiet, "print errors and warnings only");
@@ -103,6 +121,7 @@ void declare_options(CLI::App& app, Options& options) {
                    "), along the trajectory if there is one; also as DIR/price.csv "
                    "where --out is given")
       ->excludes("--method")
+      ->excludes("--record")
       ->excludes("--profile")
       ->excludes("--shard")
       ->excludes("--explain");
@@ -161,9 +180,9 @@ void read_rate(Options& options) {
 }
 
 /// Options that may stand beside --again: they change no byte of the results.
-constexpr std::string_view kFreeOptions[] = {"--again",   "--resume",  "--out",        "--quiet",
-                                             "--threads", "--device",  "--no-replace", "--frames",
-                                             "--explain", "--profile", "--summary"};
+constexpr std::string_view kFreeOptions[] = {
+    "--again",  "--resume",  "--out",     "--quiet",   "--threads", "--device",        "--no-replace",
+    "--frames", "--explain", "--profile", "--summary", "--record",  "--record-topics", "--record-policy"};
 
 void require_free_options(const CLI::App& app, const char* with) {
   for (const CLI::Option* const option : app.get_options()) {
@@ -219,6 +238,9 @@ Options recorded_options(const Options& given) {
   options.explain = given.explain;
   options.profile = given.profile;
   options.summary = given.summary;
+  options.record = given.record;
+  options.record_topics = given.record_topics;
+  options.record_policy = given.record_policy;
   if (!given.device.empty()) options.device = given.device;
   options.names_frames |= given.names_frames;
   options.frames = given.names_frames ? given.frames : run.frames_wanted;

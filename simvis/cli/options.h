@@ -13,8 +13,9 @@
 namespace simvis {
 
 struct Options {
-  std::string scene, out = "out", trajectory, method, max_error_m, device, profile, describe, shard, again;
-  std::vector<std::string> set, sensors, plugins, packages, formats, poses;
+  std::string scene, out = "out", trajectory, method, max_error_m, device, profile, describe, shard, again, record,
+                     record_policy = "wait";
+  std::vector<std::string> set, sensors, plugins, packages, formats, poses, record_topics;
   std::uint64_t frames = 1, seed = 0;
   unsigned threads = 0;
   std::string rate = format_number(SimulationDesc{}.rate_hz);

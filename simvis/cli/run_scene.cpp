@@ -87,6 +87,11 @@ std::filesystem::path report_file(const Options& options, const RunReport& repor
 void print_closing(const Options& options, const OutputWriter& writer, const RunReport& report) {
   std::cout << "wrote ";
   for (const std::string& result : writer.results()) std::cout << result << ", ";
+  if (report.recording) {
+    std::cout << report.recording->file.string() << " (" << report.recording->messages << " messages";
+    if (report.recording->dropped > 0) std::cout << ", " << report.recording->dropped << " dropped";
+    std::cout << "), ";
+  }
   std::cout << report_file(options, report).string() << '\n' << speed_line(report) << '\n';
 }
 
@@ -132,6 +137,7 @@ class Run {
   void begin_output();
   void replace(const EarlierRun& earlier);
   void open_writer();
+  void begin_recording();
   void write_report();
   std::string suffix() const { return report_.shard ? report_.shard->suffix() : ""; }
 
@@ -143,6 +149,7 @@ class Run {
   std::optional<EarlierRun> earlier_;
   std::uint64_t first_frame_ = 0;
   bool resumes_ = false;
+  bool recording_ = false;
   std::optional<FolderLock> lock_;
   std::optional<Profile> profile_;
   std::optional<OutputWriter> writer_;
@@ -274,6 +281,7 @@ void Run::make_frames(std::optional<LoadingBar>& loading, WarningPrinter& warnin
       simulation_.skip_frame();
       continue;
     }
+    if (frame >= first_frame_) begin_recording();
     const std::int64_t start_ns = now_ns();
     simulation_.step();
     const std::int64_t measured_ns = now_ns();
@@ -289,11 +297,26 @@ void Run::make_frames(std::optional<LoadingBar>& loading, WarningPrinter& warnin
   }
 }
 
+// Frames that a resumed run makes again are not recorded.
+void Run::begin_recording() {
+  if (options_.record.empty() || recording_) return;
+  recording_ = true;
+  in_option("--record", [&] {
+    const std::filesystem::path file = options_.record;
+    if (options_.no_replace && std::filesystem::exists(file)) {
+      throw InputError(file.string() + " exists, and --no-replace is given, expected another file");
+    }
+    if (file.has_parent_path()) make_folder(file.parent_path());
+    simulation_.record({.file = file, .topics = options_.record_topics, .drop = options_.record_policy == "drop"});
+  });
+}
+
 void Run::finish() {
   if (!writer_ && received_signal() != nullptr) return;
   if (!writer_) begin_output();
   if (options_.explain && received_signal() == nullptr) print_explanation(simulation_);
   writer_->finish();
+  if (recording_) report_.recording = simulation_.finish_recording();
   if (profile_) profile_->commit();
   if (received_signal() == nullptr) report_.next_frame = options_.frames;
   report_.status = report_.next_frame == options_.frames ? "complete" : "stopped";

@@ -7,12 +7,12 @@
 #include <simvis/error.h>
 #include "engine/base/assert.h"
 #include "engine/base/thread_pool.h"
+#include "scenegraph/pictures/png_file.h"
 #include "simvis/output/atomic_file.h"
 #include "simvis/output/csv_file.h"
 #include "simvis/output/depth_png_file.h"
 #include "simvis/output/exr_file.h"
 #include "simvis/output/npy_file.h"
-#include "simvis/output/png_file.h"
 #include "simvis/output/point_file.h"
 #include "simvis/output/pose_files.h"
 
@@ -93,7 +93,9 @@ class OutputWriter::SensorSink : public OutputSink {
 
   std::uint64_t frames() const { return frames_; }
 
-  void intrinsics(const std::string& stem, const Pinhole& pinhole) override { pinholes_[stem] = pinhole; }
+  void calibration(const std::string& stem, const CameraCalibration& calibration) override {
+    pinholes_[stem] = calibration.pinhole;
+  }
 
   void picture(const std::string& stem, const Image* color, const Image* depth) override {
     const OutputFormats& formats = run_.desc.formats;

@@ -22,11 +22,6 @@ std::string pose_numbers(const FrameTime& time, const glm::dmat4& matrix, char s
 
 }  // namespace
 
-Pose3 pose_of(const glm::dmat4& matrix) {
-  const glm::dquat q = glm::normalize(glm::quat_cast(glm::dmat3(matrix)));
-  return {glm::dvec3(matrix[3]), q.w < 0 ? -q : q};
-}
-
 std::string pose_line(const FrameTime& time, const glm::dmat4& matrix) {
   return std::to_string(time.index) + ',' + pose_numbers(time, matrix, ',');
 }

@@ -2,22 +2,13 @@
 #pragma once
 
 #include <glm/glm.hpp>
-#include <glm/gtc/quaternion.hpp>
 #include <string>
 #include <string_view>
 
 #include <simvis/frame_time.h>
+#include "scenegraph/pose3.h"
 
 namespace simvis {
-
-/// A rigid transform as position and unit quaternion with w >= 0.
-struct Pose3 {
-  glm::dvec3 position_m{0};
-  glm::dquat orientation{1, 0, 0, 0};
-};
-
-/// `matrix` is rigid.
-Pose3 pose_of(const glm::dmat4& matrix);
 
 inline constexpr std::string_view kPoseHeading = "frame,time_s,x_m,y_m,z_m,qx,qy,qz,qw\n";
 inline constexpr std::string_view kTumHeading = "# time_s tx ty tz qx qy qz qw\n";

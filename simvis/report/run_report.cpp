@@ -101,6 +101,12 @@ std::string to_json(const RunReport& report) {
                {"sensors", sensors}};
   add_record(report.record, json);
   json["warnings"] = report.warnings;
+  if (report.recording) {
+    json["recording"] = {{"file", report.recording->file.string()},
+                         {"messages", report.recording->messages},
+                         {"dropped", report.recording->dropped},
+                         {"bytes", report.recording->bytes}};
+  }
   json["files"] = report.files;
   if (report.shard) json["shard"] = {{"index", report.shard->index}, {"count", report.shard->count}};
   return dump(json, 2);

@@ -48,7 +48,8 @@ struct RunReport {
   double wall_s = 0;             ///< time from the start of the program to its last file
   std::vector<double> frame_ms;  ///< of each step() of this process; files are written in parallel and are not included
   std::vector<SensorInfo> sensors;
-  std::vector<std::string> warnings{};  ///< of the scene and of the frames
+  std::vector<std::string> warnings{};      ///< of the scene and of the frames
+  std::optional<RecordReport> recording{};  ///< of --record, when it has ended
 };
 
 /// The sensors of the simulation with the error bounds of their depth images. Bounds that are not known yet are

@@ -35,6 +35,8 @@ const std::set<std::string> kProgramNames = {
     "ThreadPool::run_in_background",
     "Timeline::frames_until",
     "beam_following_effect",
+    "encode_jpeg",
+    "encode_png",
     "find_scan_method",
     "laser_scanner_desc",
     "markdown_table",

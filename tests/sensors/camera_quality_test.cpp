@@ -10,9 +10,9 @@
 #include <random>
 
 #include <simvis/simulation.h>
+#include "scenegraph/pictures/png_file.h"
 #include "sensors/camera/camera.h"
 #include "sensors/camera/stereo_camera.h"
-#include "simvis/output/png_file.h"
 #include "simvis/report/explain.h"
 #include "tests/support/error_of.h"
 #include "tests/support/random_room.h"

@@ -8,7 +8,7 @@
 #include <string>
 
 #include <simvis/simulation.h>
-#include "simvis/output/png_file.h"
+#include "scenegraph/pictures/png_file.h"
 
 TEST_SUITE_BEGIN("sensors");
 

@@ -23,8 +23,8 @@ TEST_CASE("stereo matching") { simvis::test::skip("OpenCV's calib3d was not foun
 #include <simvis/philox.h>
 #include <simvis/pose.h>
 #include <simvis/simulation.h>
+#include "scenegraph/pictures/png_file.h"
 #include "sensors/camera/stereo_camera.h"
-#include "simvis/output/png_file.h"
 #include "tests/support/renderer_scene.h"
 
 using namespace simvis;

@@ -12,9 +12,9 @@
 #include <string>
 
 #include <simvis/error.h>
+#include "scenegraph/pictures/png_file.h"
 #include "simvis/output/atomic_file.h"
 #include "simvis/output/number_text.h"
-#include "simvis/output/png_file.h"
 #include "tests/support/picture_files.h"
 #include "tests/support/temporary_folder.h"
 

@@ -3,8 +3,10 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include <simvis/image.h>
+#include "engine/base/program_api.h"
 
 namespace simvis {
 
@@ -12,14 +14,17 @@ namespace simvis {
 /// give 0; values above 1 give 255.
 std::uint8_t srgb_code(float linear);
 
+/// The codes of red, green and blue of each pixel, rows from the top. Alpha is dropped.
+std::vector<std::uint8_t> srgb_codes(const Image& color);
+
 /// Returns the bytes of a PNG with three channels. Alpha is dropped, because camera images are opaque.
 /// `color` has 4 channels and at least one pixel. Throws MachineError if memory runs out.
-std::string encode_png(const Image& color);
+SIMVIS_PROGRAM_API std::string encode_png(const Image& color);
 
 /// The quality of JPEG pictures, of 100. Above 90 the encoder keeps the full resolution of colour.
 inline constexpr int kJpegQuality = 95;
 
 /// As encode_png(), as a baseline JPEG.
-std::string encode_jpeg(const Image& color);
+SIMVIS_PROGRAM_API std::string encode_jpeg(const Image& color);
 
 }  // namespace simvis

@@ -1,4 +1,4 @@
-#include "simvis/output/png_file.h"
+#include "scenegraph/pictures/png_file.h"
 
 #include <array>
 #include <bit>
@@ -6,7 +6,7 @@
 
 #include "engine/base/assert.h"
 #include "engine/base/srgb.h"
-#include "simvis/output/stb_pictures.h"
+#include "scenegraph/pictures/stb_pictures.h"
 
 namespace simvis {
 

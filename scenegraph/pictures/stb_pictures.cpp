@@ -1,4 +1,4 @@
-#include "simvis/output/stb_pictures.h"
+#include "scenegraph/pictures/stb_pictures.h"
 
 #include <zlib.h>
 

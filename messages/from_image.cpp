@@ -1,0 +1,119 @@
+#include "messages/from_image.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <string>
+#include <utility>
+
+#include "engine/base/assert.h"
+#include "scenegraph/pictures/png_file.h"
+
+namespace simvis::ros {
+
+namespace {
+
+constexpr double kMillimetres = 1000;  // per metre
+constexpr double kMaxCode = 65535;
+
+std::vector<std::uint8_t> rgb8(const simvis::Image& image) { return srgb_codes(image); }
+
+std::vector<std::uint8_t> bgr8(const simvis::Image& image) {
+  std::vector<std::uint8_t> codes = srgb_codes(image);
+  for (std::size_t i = 0; i < codes.size(); i += 3) std::swap(codes[i], codes[i + 2]);
+  return codes;
+}
+
+std::vector<std::uint8_t> float32(const simvis::Image& image) {
+  std::vector<std::uint8_t> bytes(image.pixels.size() * sizeof(float));
+  std::memcpy(bytes.data(), image.pixels.data(), bytes.size());
+  return bytes;
+}
+
+template <typename CodeOf>
+std::vector<std::uint8_t> uint16(const simvis::Image& image, const CodeOf& code_of) {
+  std::vector<std::uint8_t> bytes;
+  bytes.reserve(image.pixels.size() / image.channels * sizeof(std::uint16_t));
+  for (std::size_t i = 0; i < image.pixels.size(); i += image.channels) {
+    const std::uint16_t code = code_of(&image.pixels[i]);
+    bytes.push_back(static_cast<std::uint8_t>(code & 0xff));
+    bytes.push_back(static_cast<std::uint8_t>(code >> 8));
+  }
+  return bytes;
+}
+
+// The luminance of linear colour with the primaries of sRGB.
+std::uint16_t luminance_code(const float* rgb) {
+  const double luminance = 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
+  return luminance > 0 ? static_cast<std::uint16_t>(std::lround(std::min(luminance, 1.0) * kMaxCode)) : 0;
+}
+
+std::uint16_t millimetre_code(const float* depth_m) {
+  const double code = std::round(static_cast<double>(*depth_m) * kMillimetres);
+  return code >= 0 && code <= kMaxCode ? static_cast<std::uint16_t>(code) : 0;
+}
+
+struct EncodingRow {
+  std::string_view name;
+  std::uint32_t channels;  // of the image that it is made from
+  std::uint32_t pixel_bytes;
+  std::vector<std::uint8_t> (*encode)(const simvis::Image&);
+};
+
+constexpr EncodingRow kEncodings[] = {
+    {"rgb8", 4, 3, rgb8},
+    {"bgr8", 4, 3, bgr8},
+    {"mono16", 4, 2, [](const simvis::Image& image) { return uint16(image, luminance_code); }},
+    {"32FC1", 1, 4, float32},
+    {"16UC1", 1, 2, [](const simvis::Image& image) { return uint16(image, millimetre_code); }}};
+
+}  // namespace
+
+Image to_image(const simvis::Image& image, const Header& header, std::string_view encoding) {
+  const auto* const row = std::ranges::find(kEncodings, encoding, &EncodingRow::name);
+  SIMVIS_ASSERT(row != std::end(kEncodings) && row->channels == image.channels);
+  Image message;
+  message.header = header;
+  message.height = image.height;
+  message.width = image.width;
+  message.encoding = encoding;
+  message.step = image.width * row->pixel_bytes;
+  message.data = row->encode(image);
+  return message;
+}
+
+CompressedImage compressed_image(const simvis::Image& color, const Header& header, std::string_view format) {
+  SIMVIS_ASSERT(format == "jpeg" || format == "png");
+  const std::string bytes = format == "png" ? encode_png(color) : encode_jpeg(color);
+  return {header, std::string(format), {bytes.begin(), bytes.end()}};
+}
+
+CameraInfo camera_info(const CameraCalibration& calibration, const Header& header) {
+  const double fx = calibration.pinhole.fx_px, fy = calibration.pinhole.fy_px;
+  const double cx = calibration.pinhole.cx_px - 0.5, cy = calibration.pinhole.cy_px - 0.5;
+  CameraInfo message;
+  message.header = header;
+  message.height = calibration.height_px;
+  message.width = calibration.width_px;
+  message.distortion_model = calibration.distortion_model;
+  message.d = calibration.distortion_coefficients;
+  message.k = {fx, 0, cx, 0, fy, cy, 0, 0, 1};
+  message.r = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  const double tx = calibration.baseline_m == 0 ? 0.0 : -fx * calibration.baseline_m;
+  message.p = {fx, 0, cx, tx, 0, fy, cy, 0, 0, 0, 1, 0};
+  return message;
+}
+
+DisparityImage disparity_image(const simvis::Image& disparity, const CameraCalibration& right, const Header& header) {
+  DisparityImage message;
+  message.header = header;
+  message.image = to_image(disparity, header, "32FC1");
+  message.f = static_cast<float>(right.pinhole.fx_px);
+  message.t = static_cast<float>(right.baseline_m);
+  message.valid_window.height = disparity.height;
+  message.valid_window.width = disparity.width;
+  message.max_disparity = disparity.pixels.empty() ? 0 : *std::ranges::max_element(disparity.pixels);
+  return message;
+}
+
+}  // namespace simvis::ros

@@ -1,0 +1,34 @@
+// Messages from simulated times and poses.
+//
+// Frames   bodies and sensors: x forward, y left, z up (REP 103). The world is the frame kWorldFrame (REP 105).
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <string>
+#include <string_view>
+
+#include "messages/types/geometry_types.h"
+
+namespace simvis::ros {
+
+inline constexpr std::string_view kWorldFrame = "map";
+
+/// A simulated time and the pose at it. The pose is rigid.
+struct PoseAt {
+  std::int64_t time_ns = 0;
+  glm::dmat4 world_from_body{1.0};
+};
+
+Time to_time(std::int64_t time_ns);
+Header header_of(std::int64_t time_ns, std::string_view frame_id);
+Transform to_transform(const glm::dmat4& rigid);
+
+PoseStamped pose_stamped(const PoseAt& pose);
+
+/// The mean velocity between two times, of which `after` is later, in the body's frame at the later one.
+Twist mean_twist(const PoseAt& before, const PoseAt& after);
+
+Odometry odometry(const PoseAt& before, const PoseAt& after, const std::string& body_frame);
+
+}  // namespace simvis::ros

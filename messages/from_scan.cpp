@@ -1,0 +1,142 @@
+#include "messages/from_scan.h"
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "messages/from_pose.h"
+
+namespace simvis::ros {
+
+namespace {
+
+// Of an azimuth from its place among evenly spaced ones: far below the width of any beam, far above rounding.
+constexpr double kEvenAngle_rad = 1e-9;
+// The same of a beam's time: a time_s is computed in double from numbers of at most days.
+constexpr double kEvenTime_s = 1e-9;
+
+constexpr std::uint8_t kUint16 = 4, kFloat32 = 7, kFloat64 = 8;
+constexpr std::uint8_t kInfrared = 1;
+
+/// The step from one value to the next, if all are `step` apart within `tolerance`.
+template <typename Values>
+std::optional<double> even_step(const Values& values, double tolerance) {
+  if (values.size() < 2) return 0.0;
+  const double step = (values.back() - values.front()) / static_cast<double>(values.size() - 1);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (!(std::abs(values[i] - (values.front() + static_cast<double>(i) * step)) <= tolerance)) return std::nullopt;
+  }
+  return step;
+}
+
+/// As REP 117 says it of a range that is 0 for too near.
+float reported(double range_m) {
+  return range_m == 0 ? -std::numeric_limits<float>::infinity() : static_cast<float>(range_m);
+}
+
+struct CloudColumn {
+  std::string name;
+  std::uint8_t datatype;
+  std::uint32_t offset;
+  const ScanChannel* channel;
+  double minus = 0;
+};
+
+/// The columns behind x, y, z, error_bound_m and ring.
+std::vector<CloudColumn> channel_columns(const Scan& scan, std::uint32_t& step) {
+  std::vector<CloudColumn> columns;
+  for (const ScanChannel& channel : scan.channels) {
+    const bool time = channel.name == "time_s", single = time || channel.name == "intensity";
+    columns.push_back({time ? "time" : channel.name, single ? kFloat32 : kFloat64, step, &channel,
+                       time ? static_cast<double>(scan.time_ns) / 1e9 : 0});
+    step += single ? sizeof(float) : sizeof(double);
+  }
+  return columns;
+}
+
+template <typename T>
+void put(std::uint8_t* point, std::uint32_t offset, T value) {
+  std::memcpy(point + offset, &value, sizeof value);
+}
+
+}  // namespace
+
+std::optional<LaserScan> laser_scan(const Scan& scan, const std::string& frame_id, const RangeLimits& limits,
+                                    double scan_time_s) {
+  if (scan.rings != 1 || scan.beams == 0 || scan.elevation_rad.at(0) != 0) return std::nullopt;
+  const std::optional<double> increment = even_step(scan.azimuth_rad, kEvenAngle_rad);
+  if (!increment || *increment < 0) return std::nullopt;
+  LaserScan message;
+  message.header = header_of(scan.time_ns, frame_id);
+  message.angle_min = static_cast<float>(scan.azimuth_rad.front());
+  message.angle_max = static_cast<float>(scan.azimuth_rad.back());
+  message.angle_increment = static_cast<float>(*increment);
+  message.scan_time = static_cast<float>(scan_time_s);
+  message.range_min = static_cast<float>(limits.min_m);
+  message.range_max = static_cast<float>(limits.max_m);
+  message.ranges.reserve(scan.range_m.size());
+  for (const float range : scan.range_m) message.ranges.push_back(reported(range));
+  if (const ScanChannel* const intensity = scan.channel("intensity")) {
+    message.intensities.assign(intensity->values.begin(), intensity->values.end());
+  }
+  if (const ScanChannel* const time = scan.channel("time_s")) {
+    const std::optional<double> step = even_step(time->values, kEvenTime_s);
+    const std::int64_t first_ns = std::llround(time->values.front() * 1e9);
+    if (step && *step >= 0 && first_ns >= 0) {
+      message.time_increment = static_cast<float>(*step);
+      message.header.stamp = to_time(first_ns);
+    }
+  }
+  return message;
+}
+
+PointCloud2 point_cloud(const Scan& scan, const std::string& frame_id) {
+  PointCloud2 cloud;
+  cloud.header = header_of(scan.time_ns, frame_id);
+  cloud.height = scan.rings;
+  cloud.width = scan.beams;
+  constexpr std::uint32_t kBoundAt = 3 * sizeof(float), kRingAt = 4 * sizeof(float);
+  std::uint32_t step = kRingAt + sizeof(std::uint16_t);
+  const std::vector<CloudColumn> columns = channel_columns(scan, step);
+  cloud.fields = {{"x", 0, kFloat32, 1},
+                  {"y", sizeof(float), kFloat32, 1},
+                  {"z", 2 * sizeof(float), kFloat32, 1},
+                  {"error_bound_m", kBoundAt, kFloat32, 1},
+                  {"ring", kRingAt, kUint16, 1}};
+  for (const CloudColumn& column : columns) cloud.fields.push_back({column.name, column.offset, column.datatype, 1});
+  cloud.point_step = step;
+  cloud.row_step = step * scan.beams;
+  cloud.data.resize(scan.range_m.size() * step);
+  cloud.is_dense = true;
+  const std::vector<glm::dvec3> points = scan.points();
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    std::uint8_t* const point = cloud.data.data() + i * step;
+    const bool hit = std::isfinite(scan.range_m[i]) && scan.range_m[i] != 0;
+    cloud.is_dense = cloud.is_dense && hit;
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto at = static_cast<std::uint32_t>(axis) * static_cast<std::uint32_t>(sizeof(float));
+      put(point, at, hit ? static_cast<float>(points[i][axis]) : std::numeric_limits<float>::quiet_NaN());
+    }
+    put(point, kBoundAt, scan.error_bound_m[i]);
+    put(point, kRingAt, static_cast<std::uint16_t>(i / scan.beams));
+    for (const CloudColumn& column : columns) {
+      const double value = column.channel->values[i] - column.minus;
+      if (column.datatype == kFloat64) put(point, column.offset, value);
+      if (column.datatype == kFloat32) put(point, column.offset, static_cast<float>(value));
+    }
+  }
+  return cloud;
+}
+
+Range infrared_range(const Header& header, double range_m, double field_of_view_rad, const RangeLimits& limits) {
+  Range message;
+  message.header = header;
+  message.radiation_type = kInfrared;
+  message.field_of_view = static_cast<float>(field_of_view_rad);
+  message.min_range = static_cast<float>(limits.min_m);
+  message.max_range = static_cast<float>(limits.max_m);
+  message.range = reported(range_m);
+  return message;
+}
+
+}  // namespace simvis::ros

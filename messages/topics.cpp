@@ -1,0 +1,48 @@
+#include "messages/topics.h"
+
+#include <fnmatch.h>
+
+#include <utility>
+
+namespace simvis::ros {
+
+namespace {
+
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
+
+}  // namespace
+
+std::string topic_name(std::string_view name, std::string_view what) {
+  std::string topic = "/";
+  for (const char c : name) {
+    if (topic.back() == '/' && is_digit(c)) topic += 'n';
+    topic += c == '/' || is_digit(c) || is_letter(c) ? c : '_';
+  }
+  return topic + "/" + std::string(what);
+}
+
+TopicFilter::TopicFilter(std::vector<std::string> patterns)
+    : patterns_(std::move(patterns)), matched_(patterns_.size(), false) {}
+
+bool TopicFilter::wants(const std::string& topic, TopicForm form) {
+  if (patterns_.empty()) return form == TopicForm::own;
+  const auto [decided, is_new] = decided_.emplace(topic, false);
+  if (!is_new) return decided->second;
+  for (std::size_t i = 0; i < patterns_.size(); ++i) {
+    if (::fnmatch(patterns_[i].c_str(), topic.c_str(), 0) != 0) continue;
+    matched_[i] = true;
+    decided->second = true;
+  }
+  return decided->second;
+}
+
+std::vector<std::string> TopicFilter::unmatched() const {
+  std::vector<std::string> left;
+  for (std::size_t i = 0; i < patterns_.size(); ++i) {
+    if (!matched_[i]) left.push_back(patterns_[i]);
+  }
+  return left;
+}
+
+}  // namespace simvis::ros

@@ -1,0 +1,34 @@
+// Names of topics, and which of them are wanted.
+#pragma once
+
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace simvis::ros {
+
+/// "/NAME/WHAT" as ROS allows it: every other character of a name is "_", and a part of it that begins with a digit
+/// gets an "n" in front.
+std::string topic_name(std::string_view name, std::string_view what);
+
+/// Whether a topic holds a measurement, or one that another topic holds too, in another form.
+enum class TopicForm : std::uint8_t { own, other };
+
+/// The topics that a recording has.
+class TopicFilter {
+ public:
+  /// Patterns in which * stands for any text and ? for any character. Without patterns, all topics of an own form.
+  explicit TopicFilter(std::vector<std::string> patterns);
+
+  bool wants(const std::string& topic, TopicForm form = TopicForm::own);
+  /// The patterns that no topic has matched so far.
+  std::vector<std::string> unmatched() const;
+
+ private:
+  std::vector<std::string> patterns_;
+  std::vector<bool> matched_;            // by pattern
+  std::map<std::string, bool> decided_;  // by topic
+};
+
+}  // namespace simvis::ros

@@ -1,0 +1,63 @@
+// The .msg texts and type hashes that follow from the field tables.
+#include "messages/description.h"
+
+#include <doctest/doctest.h>
+
+#include <map>
+
+#include "tests/messages/message_values.h"
+
+TEST_SUITE_BEGIN("messages");
+
+namespace simvis::ros {
+namespace {
+
+TEST_CASE("type hashes are those of ROS 2 Jazzy") {
+  // As the package rosbags 0.11.9 computes them from the definitions of Jazzy.
+  const std::map<std::string_view, std::string> known = {
+      {"sensor_msgs/msg/LaserScan", "64c191398013af96509d518dac71d5164f9382553fce5c1f8cca5be7924bd828"},
+      {"sensor_msgs/msg/PointCloud2", "9198cabf7da3796ae6fe19c4cb3bdd3525492988c70522628af5daa124bae2b5"},
+      {"sensor_msgs/msg/Image", "d31d41a9a4c4bc8eae9be757b0beed306564f7526c88ea6a4588fb9582527d47"},
+      {"sensor_msgs/msg/CompressedImage", "15640771531571185e2efc8a100baf923961a4d15d5569652e6cb6691e8e371a"},
+      {"sensor_msgs/msg/CameraInfo", "b3dfd68ff46c9d56c80fd3bd4ed22c7a4ddce8c8348f2f59c299e73118e7e275"},
+      {"sensor_msgs/msg/Range", "b42b62562e93cbfe9d42b82fe5994dfa3d63d7d5c90a317981703f7388adff3a"},
+      {"stereo_msgs/msg/DisparityImage", "1ec1ff6b5bace919e4544a37f2d96ead9f81783701b7b7a4d97a09325ecf2711"},
+      {"tf2_msgs/msg/TFMessage", "e369d0f05a23ae52508854b66f6aa0437f3449d652e8cbf22d5abe85d020f087"},
+      {"geometry_msgs/msg/PoseStamped", "10f3786d7d40fd2b54367835614bff85d4ad3b5dab62bf8bca0cc232d73b4cd8"},
+      {"geometry_msgs/msg/TwistStamped", "5f0fcd4f81d5d06ad9b4c4c63e3ea51b82d6ae4d0558f1d475229b1121db6f64"},
+      {"nav_msgs/msg/Odometry", "3cc97dc7fb7502f8714462c526d369e35b603cfc34d946e3f2eda2766dfec6e0"},
+      {"nav_msgs/msg/Path", "1957a5bb3cee5da65c4e52e52b65a93df227efce4c20f8458b36e73066ca334b"},
+      {"rosgraph_msgs/msg/Clock", "692f7a66e93a3c83e71765d033b60349ba68023a8c689a79e48078bcb5c58564"},
+      {"diagnostic_msgs/msg/DiagnosticArray", "5a8a36efb05fb25070fa0fb3810290c0e6cd4862b54a8fb975a1ee8dc55a333e"},
+      {"rcl_interfaces/msg/ParameterEvent", "043e627780fcad87a22d225bc2a037361dba713fca6a6b9f4b869a5aa0393204"},
+      {"std_msgs/msg/Float64", "705ba9c3d1a09df43737eb67095534de36fd426c0587779bda2bc51fe790182a"}};
+  std::size_t types = 0;
+  test::for_each_type([&]<typename M>() {
+    INFO(M::kName);
+    REQUIRE(known.contains(M::kName));
+    CHECK(type_hash(describe<M>()) == "RIHS01_" + known.at(M::kName));
+    ++types;
+  });
+  CHECK(types == known.size());
+}
+
+TEST_CASE("the text of a type is followed by those that it uses, each once") {
+  const std::string line(80, '=');
+  CHECK(msg_text(describe<Path>()) ==
+        "std_msgs/Header header\ngeometry_msgs/PoseStamped[] poses\n" + line +
+            "\nMSG: builtin_interfaces/Time\nint32 sec\nuint32 nanosec\n" + line +
+            "\nMSG: geometry_msgs/Point\nfloat64 x\nfloat64 y\nfloat64 z\n" + line +
+            "\nMSG: geometry_msgs/Pose\ngeometry_msgs/Point position\ngeometry_msgs/Quaternion orientation\n" + line +
+            "\nMSG: geometry_msgs/PoseStamped\nstd_msgs/Header header\ngeometry_msgs/Pose pose\n" + line +
+            "\nMSG: geometry_msgs/Quaternion\nfloat64 x\nfloat64 y\nfloat64 z\nfloat64 w\n" + line +
+            "\nMSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring frame_id\n");
+  const std::string info = msg_text(describe<CameraInfo>());
+  for (const char* each : {"float64[] d\n", "float64[9] k\n", "float64[12] p\n", "bool do_rectify\n"}) {
+    CHECK(info.find(each) != std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace simvis::ros
+
+TEST_SUITE_END();

@@ -1,0 +1,189 @@
+// Files of the MCAP writer, read by the records of their definition, and the thread that writes them.
+#include "messages/mcap_writer.h"
+
+#include <doctest/doctest.h>
+#include <sys/resource.h>
+
+#include <csignal>
+#include <future>
+
+#include <simvis/error.h>
+#include "messages/recorder.h"
+#include "tests/messages/mcap_file.h"
+#include "tests/messages/message_values.h"
+#include "tests/support/temporary_folder.h"
+
+TEST_SUITE_BEGIN("messages");
+
+namespace simvis::ros {
+namespace {
+
+using test::McapFile;
+using test::McapReader;
+
+McapFile read_mcap(const std::filesystem::path& file) { return McapReader::read(read_text(file)); }
+
+/// Bytes that zstd cannot make smaller.
+Image noise(test::Random& random, std::size_t bytes) {
+  Image image;
+  image.data.resize(bytes);
+  for (std::uint8_t& each : image.data) each = static_cast<std::uint8_t>(random());
+  return image;
+}
+
+TEST_CASE("a file holds every message of every type") {
+  const TemporaryFolder folder;
+  test::Random random(3);
+  std::vector<std::string> written;
+  {
+    McapWriter writer(folder / "all.mcap");
+    for (int i = 0; i < 20; ++i) {
+      test::for_each_type([&]<typename M>() {
+        static std::map<McapWriter*, McapWriter::Channel> channels;
+        const std::string topic = "/" + std::string(M::kName);
+        if (i == 0) channels[&writer] = writer.add_channel(topic, describe<M>(), Durability::transient);
+        M message;
+        test::fill(message, random);
+        written.push_back(encode(message));
+        writer.write(channels[&writer], i * 1000, written.back());
+      });
+    }
+    writer.finish();
+    CHECK(writer.messages() == written.size());
+    CHECK(writer.bytes() == std::filesystem::file_size(folder / "all.mcap"));
+  }
+  const McapFile file = read_mcap(folder / "all.mcap");
+  CHECK(file.has_end);
+  REQUIRE(file.messages.size() == written.size());
+  const std::size_t types = written.size() / 20;
+  for (std::size_t i = 0; i < written.size(); ++i) {
+    CHECK(file.messages[i].bytes == written[i]);
+    CHECK(file.messages[i].sequence == i / types);
+    CHECK(file.messages[i].time_ns == i / types * 1000);
+  }
+  test::for_each_type([&]<typename M>() {
+    CHECK(file.schemas.at(std::string(M::kName)) == msg_text(describe<M>()));
+    CHECK(file.metadata.at("/" + std::string(M::kName)).at("topic_type_hash") == type_hash(describe<M>()));
+  });
+}
+
+TEST_CASE("a latched channel says so") {
+  const TemporaryFolder folder;
+  McapWriter writer(folder / "file.mcap");
+  const auto latched = writer.add_channel("/fixed", describe<Clock>(), Durability::latched);
+  const auto other = writer.add_channel("/other", describe<Clock>(), Durability::transient);
+  for (const auto channel : {latched, other}) writer.write(channel, 0, encode(Clock{}));
+  writer.finish();
+  const McapFile file = read_mcap(folder / "file.mcap");
+  const auto qos = [&](const char* topic) { return file.metadata.at(topic).at("offered_qos_profiles"); };
+  CHECK(qos("/fixed").find("durability: 1\n") != std::string::npos);  // transient local
+  CHECK(qos("/other").find("durability: 2\n") != std::string::npos);  // volatile
+  CHECK(file.schemas.size() == 1);
+}
+
+TEST_CASE("without its end, a file has its whole chunks, wherever it is cut") {
+  const TemporaryFolder folder;
+  test::Random random(4);
+  constexpr std::size_t kChunks = 3;
+  std::string bytes;
+  {
+    McapWriter writer(folder / "file.mcap");
+    const auto channel = writer.add_channel("/image", describe<Image>(), Durability::transient);
+    for (std::size_t i = 0; i < kChunks; ++i) writer.write(channel, 0, encode(noise(random, McapWriter::kChunkBytes)));
+    writer.write(channel, 0, encode(noise(random, 10)));  // waits in the last chunk
+    bytes = read_text(folder / "file.mcap");
+  }
+  CHECK(read_text(folder / "file.mcap") == bytes);
+  const McapFile whole = McapReader::read(bytes);
+  CHECK_FALSE(whole.has_end);
+  REQUIRE(whole.chunks == kChunks);
+  CHECK(whole.messages.size() == kChunks);
+  for (int i = 0; i < 100; ++i) {
+    const std::size_t size = whole.chunk_offsets[0] + random() % (bytes.size() - whole.chunk_offsets[0]);
+    const McapFile cut = McapReader::read(bytes.substr(0, size));
+    const std::size_t begun = static_cast<std::size_t>(
+        std::ranges::count_if(whole.chunk_offsets, [&](std::uint64_t offset) { return offset < size; }));
+    CHECK(cut.messages.size() + 1 >= begun);
+  }
+}
+
+/// Limits the size of files that this process writes, until it is destroyed.
+class FileSizeLimit {
+ public:
+  explicit FileSizeLimit(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    ::getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit now{bytes, before_.rlim_max};
+    ::setrlimit(RLIMIT_FSIZE, &now);
+  }
+  ~FileSizeLimit() {
+    ::setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+  FileSizeLimit(const FileSizeLimit&) = delete;
+  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
+
+ private:
+  rlimit before_{};
+  void (*handler_)(int);
+};
+
+TEST_CASE("a file that may not grow is an error, and ends with its summary") {
+  const TemporaryFolder folder;
+  test::Random random(5);
+  for (const double chunks_that_fit : {0.5, 1.5, 2.999, 3.0002}) {
+    const auto limit = static_cast<rlim_t>(chunks_that_fit * McapWriter::kChunkBytes);
+    std::string error;
+    {
+      const FileSizeLimit limited(limit);
+      McapWriter writer(folder / "file.mcap");
+      const auto channel = writer.add_channel("/image", describe<Image>(), Durability::transient);
+      try {
+        for (int i = 0; i < 10; ++i) writer.write(channel, i, encode(noise(random, McapWriter::kChunkBytes)));
+      } catch (const MachineError& thrown) {
+        error = thrown.what();
+      }
+    }
+    CHECK(error == (folder / "file.mcap").string() + ": error: cannot be written: File too large");
+    const McapFile file = read_mcap(folder / "file.mcap");
+    CHECK(file.has_end);
+    // Each chunk is some bytes longer than kChunkBytes; the last one may have made room for the summary.
+    CHECK(file.messages.size() + 1 >= static_cast<std::size_t>(chunks_that_fit * 0.999));
+    CHECK(std::filesystem::file_size(folder / "file.mcap") <= limit);
+  }
+}
+
+TEST_CASE("the recorder waits, drops or goes on when its queue is full") {
+  const TemporaryFolder folder;
+  Recorder recorder(folder / "file.mcap");
+  std::promise<void> gate;
+  std::shared_future<void> opened = gate.get_future().share();
+  const auto write = [](int time) {
+    return [time](MessageFile& file) { file.write("/clock", time, Clock{{time, 0}}); };
+  };
+  using WhenFull = Recorder::WhenFull;
+  CHECK(recorder.add(Recorder::kMaxBytes, WhenFull::wait, [opened](MessageFile&) { opened.wait(); }));
+  CHECK_FALSE(recorder.add(1, WhenFull::drop, write(1)));
+  CHECK(recorder.add(0, WhenFull::exceed, write(2)));
+  std::future<bool> waits = std::async(std::launch::async, [&] { return recorder.add(1, WhenFull::wait, write(3)); });
+  gate.set_value();
+  CHECK(waits.get());
+  recorder.finish();
+  CHECK(recorder.messages() == 2);
+  std::vector<int> seconds;
+  for (const Clock& clock : read_mcap(folder / "file.mcap").all<Clock>("/clock")) seconds.push_back(clock.clock.sec);
+  CHECK(seconds == std::vector<int>{2, 3});
+}
+
+TEST_CASE("a failure on the recorder's thread is thrown by each later call") {
+  const TemporaryFolder folder;
+  Recorder recorder(folder / "file.mcap");
+  recorder.add(0, Recorder::WhenFull::wait, [](MessageFile&) { throw MachineError("the disk is full"); });
+  CHECK_THROWS_WITH_AS(recorder.finish(), "the disk is full", MachineError);
+  CHECK_THROWS_AS(recorder.add(0, Recorder::WhenFull::exceed, [](MessageFile&) {}), MachineError);
+  CHECK_THROWS_AS(recorder.finish(), MachineError);
+}
+
+}  // namespace
+}  // namespace simvis::ros
+
+TEST_SUITE_END();

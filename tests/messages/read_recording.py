@@ -1,0 +1,67 @@
+"""Reads an MCAP file with the packages mcap and rosbags, and compares its messages with what was written.
+
+usage: read_recording.py FILE.mcap EXPECTED.json
+The JSON holds by topic {"hash": ..., "message": {...}}, with floating-point numbers in hexadecimal.
+"""
+import json
+import sys
+from pathlib import Path
+
+from mcap.reader import make_reader
+from mcap.stream_reader import StreamReader
+from rosbags.highlevel import AnyReader
+from rosbags.typesys import Stores, get_typestore
+
+
+def compare(where, expected, seen):
+    if isinstance(expected, dict):
+        for name, value in expected.items():
+            compare(f"{where}.{name}", value, getattr(seen, name))
+    elif isinstance(expected, list):
+        assert len(expected) == len(seen), f"{where}: {len(expected)} elements, read {len(seen)}"
+        for i, value in enumerate(expected):
+            compare(f"{where}[{i}]", value, seen[i])
+    elif isinstance(expected, str) and not isinstance(seen, str):
+        assert float.fromhex(expected) == float(seen), f"{where}: {expected}, read {seen}"
+    elif isinstance(expected, int) and not isinstance(expected, bool) and int(seen) < 0 <= expected:
+        assert expected == int(seen) & 0xFF, f"{where}: {expected}, read {seen}"  # a byte
+    else:
+        assert expected == seen, f"{where}: {expected}, read {seen}"
+
+
+def check_with_mcap(file, expected):
+    with open(file, "rb") as stream:
+        records = sum(1 for _ in StreamReader(stream, validate_crcs=True).records)
+    with open(file, "rb") as stream:
+        reader = make_reader(stream, validate_crcs=True)
+        summary = reader.get_summary()
+        topics = {channel.topic for _, channel, _ in reader.iter_messages()}
+        count = sum(1 for _ in reader.iter_messages())
+    assert topics == set(expected), topics ^ set(expected)
+    assert summary.statistics.message_count == count
+    assert records > count
+    for channel in summary.channels.values():
+        assert channel.metadata["topic_type_hash"] == expected[channel.topic]["hash"], channel.topic
+
+
+def main():
+    file, expected = Path(sys.argv[1]), json.loads(Path(sys.argv[2]).read_text())
+    check_with_mcap(file, expected)
+    humble, jazzy = get_typestore(Stores.ROS2_HUMBLE), get_typestore(Stores.ROS2_JAZZY)
+    compared = 0
+    with AnyReader([file]) as reader:
+        for connection, _, raw in reader.messages():
+            own, kind = expected[connection.topic], connection.msgtype
+            assert jazzy.hash_rihs01(kind) == own["hash"], kind
+            compare(connection.topic, own["message"], reader.deserialize(raw, kind))
+            compare(connection.topic, own["message"], jazzy.deserialize_cdr(raw, kind))
+            assert bytes(jazzy.serialize_cdr(jazzy.deserialize_cdr(raw, kind), kind)) == bytes(raw), kind
+            if kind != "sensor_msgs/msg/Range":  # which has one field less in Humble
+                assert humble.hash_rihs01(kind) == own["hash"], kind
+                compare(connection.topic, own["message"], humble.deserialize_cdr(raw, kind))
+            compared += 1
+    assert compared == len(expected)
+    print(f"{compared} messages")
+
+
+main()

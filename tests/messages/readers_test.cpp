@@ -1,0 +1,86 @@
+// Files that the packages rosbags and mcap of PyPI read: every type field by field, and a recorded run.
+#include <doctest/doctest.h>
+
+#include "messages/mcap_writer.h"
+#include "tests/messages/message_values.h"
+#include "tests/support/run_process.h"
+#include "tests/support/simvis_run.h"
+#include "tests/support/skip.h"
+#include "tests/support/wall_scene.h"
+
+TEST_SUITE_BEGIN("messages");
+
+namespace simvis {
+namespace {
+
+using ros::test::Json;
+
+/// Installs the packages into a folder of its own. Returns false if they cannot be had.
+bool install_readers(const std::filesystem::path& folder) {
+  try {
+    const ProcessResult pip =
+        Process({"python3", "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-input", "--retries",
+                 "0", "--timeout", "10", "--target", folder.string(), "rosbags", "mcap"})
+            .wait(std::chrono::seconds(100));
+    if (pip.exit_code == 0) return true;
+  } catch (const std::runtime_error&) {  // there is no Python
+  }
+  test::skip("rosbags and mcap cannot be installed with pip");
+  return false;
+}
+
+ProcessResult run_python(const std::filesystem::path& packages, const Strings& arguments) {
+  Strings all = {"python3"};
+  all.insert(all.end(), arguments.begin(), arguments.end());
+  return Process(all, {"PYTHONPATH=" + packages.string()}).wait();
+}
+
+TEST_CASE("readers that others wrote read every type, and a recorded run") {
+  const TemporaryFolder folder;
+  if (!install_readers(folder / "packages")) return;
+  const std::filesystem::path file = folder / "all.mcap";
+  ros::test::Random random(6);
+  Json expected;
+  {
+    ros::McapWriter writer(file);
+    for (int i = 0; i < 5; ++i) {
+      ros::test::for_each_type([&]<typename M>() {
+        M message;
+        ros::test::fill(message, random);
+        const std::string topic = "/t" + std::to_string(i) + "/" + std::string(M::kName);
+        expected[topic] = {{"hash", ros::type_hash(ros::describe<M>())}, {"message", ros::test::to_json(message)}};
+        writer.write(writer.add_channel(topic, ros::describe<M>(), ros::Durability::transient), i,
+                     ros::encode(message));
+      });
+    }
+    writer.finish();
+  }
+  write_text(folder / "expected.json", expected.dump());
+  const std::string script = SIMVIS_SOURCE_DIR "/tests/messages/read_recording.py";
+  const ProcessResult all =
+      run_python(folder / "packages", {script, file.string(), (folder / "expected.json").string()});
+  INFO(all.err);
+  CHECK(all.exit_code == 0);
+  CHECK(all.out == "80 messages\n");
+
+  const std::filesystem::path recorded = folder / "run.mcap";
+  const ProcessResult run = run_simvis({write_wall_scene(folder.path(), kWallSensors).string(), "--out",
+                                        (folder / "out").string(), "--frames", "20", "--record", recorded.string()});
+  REQUIRE(run.exit_code == 0);
+  const ProcessResult read = run_python(folder / "packages", {"-c", R"(
+import sys
+from pathlib import Path
+from rosbags.highlevel import AnyReader
+with AnyReader([Path(sys.argv[1])]) as reader:
+    print(sum(1 for connection, _, raw in reader.messages() if reader.deserialize(raw, connection.msgtype)))
+)",
+                                                              recorded.string()});
+  INFO(read.err);
+  CHECK(read.exit_code == 0);
+  CHECK(std::stoul("0" + read.out) > 20 * 8);
+}
+
+}  // namespace
+}  // namespace simvis
+
+TEST_SUITE_END();
