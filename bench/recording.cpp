@@ -1,12 +1,15 @@
 // What messages cost: encoding against memcpy, and a frame of marvin with and without a recording.
 //
-//   recording [FRAMES]
+//   recording [BLOCKS]
 //
 // Prints CSV. Encoding: medians of the time for a cloud of 64 x 2048 points and for an image of 1920 x 1080, each as a
 // message that is there already, beside the copy of as many bytes, and of making the message from the measurement.
-// Frames: medians of step() in milliseconds, with and without recording in turn in one run, at the end of which the
-// file is finished; "cameras" counts all sensors, "scanners" the laser scanners alone. `rate_hz` is how often frames
-// are called for: 0: one after the other, 15: as at 15 Hz, the caller sleeping in between if there is time.
+// Frames: medians of step() in milliseconds, in blocks without and with recording in turn; "cameras" are all sensors,
+// "scanners" the laser scanners alone. `rate_hz` is how often frames are called for: 0: one after the other, 15: as at
+// 15 Hz, the caller sleeping in between if there is time. `record_ms` is the part of step() that hands the messages
+// over. Processor time is of all threads, over whole frames.
+#include <time.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -27,6 +30,12 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 using namespace simvis;
+
+double processor_ms() {
+  timespec time{};
+  ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) * 1e3 + static_cast<double>(time.tv_nsec) / 1e6;
+}
 
 double ms_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
@@ -76,13 +85,14 @@ void print_encoding(const char* name, const Make& make) {
 }
 
 struct Run {
-  std::vector<double> plain_ms, recorded_ms;
+  std::vector<double> plain_ms, recorded_ms, record_ms;
+  double plain_processor_ms = 0, recorded_processor_ms = 0;
   double finish_ms = 0;
   RecordReport report;
 };
 
-/// Blocks of frames with and without recording in turn.
-Run run(bool cameras, double rate_hz, int frames) {
+/// So many blocks of frames without recording, and as many with it, in turn.
+Run run(bool cameras, double rate_hz, int blocks) {
   constexpr int kBlock = 15;
   const std::filesystem::path file = std::filesystem::temp_directory_path() / "simvis_recording_bench.mcap";
   std::filesystem::remove(file);
@@ -94,19 +104,29 @@ Run run(bool cameras, double rate_hz, int frames) {
   const Trajectory trajectory(SIMVIS_SOURCE_DIR "/scenes/marvin/drive.csv", simulation.parameters());
   simulation.step();
   auto due = Clock::now();
-  for (int frame = 0; frame < frames; ++frame) {
+  double processor_start_ms = processor_ms();
+  for (int frame = 0; frame <= 2 * blocks * kBlock; ++frame) {
     const bool records = frame / kBlock % 2 == 1;
-    if (frame % kBlock == 0 && records) simulation.record({.file = file});
+    if (frame % kBlock == 0 && records) {
+      result.plain_processor_ms += processor_ms() - processor_start_ms;
+      processor_start_ms = processor_ms();
+      simulation.record({.file = file});
+    }
     if (frame % kBlock == 0 && !records && frame > 0) {
       const Clock::time_point start = Clock::now();
       result.report = simulation.finish_recording();
       result.finish_ms = ms_since(start);
       due = Clock::now();
+      result.recorded_processor_ms += processor_ms() - processor_start_ms;
+      processor_start_ms = processor_ms();
     }
     trajectory.apply(static_cast<double>(simulation.next_frame().time_ns) / 1e9, simulation.parameters());
     const Clock::time_point start = Clock::now();
     simulation.step();
     (records ? result.recorded_ms : result.plain_ms).push_back(ms_since(start));
+    for (const StageTime& stage : simulation.diagnostics().stages()) {
+      if (stage.name == "record") result.record_ms.push_back(static_cast<double>(stage.end_ns - stage.start_ns) / 1e6);
+    }
     if (rate_hz <= 0) continue;
     due += std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1 / rate_hz));
     std::this_thread::sleep_until(due);
@@ -118,19 +138,21 @@ Run run(bool cameras, double rate_hz, int frames) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const int frames = argc > 1 ? std::atoi(argv[1]) : 300;
+  const int blocks = argc > 1 ? std::atoi(argv[1]) : 10;
   std::printf("message,bytes,encode_ms,memcpy_ms,make_ms\n");
   const Scan scan = lidar_scan();
   print_encoding("cloud 64 x 2048", [&] { return ros::point_cloud(scan, "TOP"); });
   const Image image{1920, 1080, 4, std::vector<float>(std::size_t{1920} * 1080 * 4, 0.4f)};
   print_encoding("image 1920 x 1080", [&] { return ros::to_image(image, {}, "rgb8"); });
-  std::printf("\nsensors,rate_hz,plain_ms,recorded_ms,ratio,finish_ms,file_bytes\n");
+  std::printf("\nsensors,rate_hz,plain_ms,recorded_ms,ratio,record_ms,processor_ratio,finish_ms,file_bytes\n");
   for (const bool cameras : {false, true}) {
     for (const double rate_hz : {0.0, 15.0}) {
-      const Run measured = run(cameras, rate_hz, frames);
+      const Run measured = run(cameras, rate_hz, blocks);
       const double plain = median(measured.plain_ms), recorded = median(measured.recorded_ms);
-      std::printf("%s,%g,%.3f,%.3f,%.3f,%.1f,%llu\n", cameras ? "cameras" : "scanners", rate_hz, plain, recorded,
-                  recorded / plain, measured.finish_ms, static_cast<unsigned long long>(measured.report.bytes));
+      std::printf("%s,%g,%.3f,%.3f,%.3f,%.3f,%.3f,%.1f,%llu\n", cameras ? "cameras" : "scanners", rate_hz, plain,
+                  recorded, recorded / plain, median(measured.record_ms),
+                  measured.recorded_processor_ms / measured.plain_processor_ms, measured.finish_ms,
+                  static_cast<unsigned long long>(measured.report.bytes));
       std::fflush(stdout);
     }
   }

@@ -24,7 +24,8 @@ enum class McapOpcode : std::uint8_t {
   metadata = 0x0C,
   metadata_index = 0x0D,
   summary_offset = 0x0E,
-  data_end = 0x0F
+  data_end = 0x0F,
+  reserved = 0x80  ///< private to this program: skipped by readers
 };
 
 /// Builds the content of a record.

@@ -1,13 +1,8 @@
 #include "messages/mcap_writer.h"
 
-#include <fcntl.h>
-#include <unistd.h>
-#include <zlib.h>
 #include <zstd.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <system_error>
 #include <utility>
 
 #include <simvis/error.h>
@@ -30,12 +25,15 @@ std::string qos_of(Durability durability) {
          "  liveliness: 1\n  liveliness_lease_duration:" + none + "  avoid_ros_namespace_conventions: false";
 }
 
-[[noreturn]] void fail_to_write(const std::filesystem::path& file, const char* what, int error) {
-  throw MachineError(file.string() + ": error: " + what + ": " + std::generic_category().message(error));
+std::string start_bytes() {
+  return std::string(kMcapMagic) +
+         McapRecord(McapOpcode::header).text("ros2").text("simvis " + std::string(version())).bytes();
 }
 
-std::uint32_t crc_of(std::string_view bytes, std::uint32_t before = 0) {
-  return static_cast<std::uint32_t>(crc32_z(before, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
+/// By this record rosbag2 knows in which form the channels tell their quality of service.
+std::string rosbag_record() {
+  const std::map<std::string, std::string> texts = {{"ROS_DISTRO", "jazzy"}};
+  return McapRecord(McapOpcode::metadata).text("rosbag2").map(texts).bytes();
 }
 
 }  // namespace
@@ -57,39 +55,9 @@ struct McapWriter::Compressor {
 };
 
 McapWriter::McapWriter(std::filesystem::path file)
-    : path_(std::move(file)), compressor_(std::make_unique<Compressor>()) {
-  file_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  if (file_ < 0) fail_to_write(path_, "cannot be opened", errno);
-  append(kMcapMagic);
-  append(McapRecord(McapOpcode::header).text("ros2").text("simvis " + std::string(version())).bytes());
-  // By this record rosbag2 knows in which form the channels tell their quality of service.
-  const std::string metadata =
-      McapRecord(McapOpcode::metadata).text("rosbag2").map({{std::string("ROS_DISTRO"), std::string("jazzy")}}).bytes();
-  metadata_offset_ = end_;
-  metadata_bytes_ = metadata.size();
-  append(metadata);
-}
+    : file_(std::move(file), start_bytes() + rosbag_record()), compressor_(std::make_unique<Compressor>()) {}
 
-McapWriter::~McapWriter() {
-  if (file_ >= 0) ::close(file_);
-}
-
-void McapWriter::append(std::string_view bytes) {
-  for (std::string_view left = bytes; !left.empty();) {
-    const ssize_t written = ::write(file_, left.data(), left.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) fail_to_write(path_, "cannot be written", errno);
-    left.remove_prefix(static_cast<std::size_t>(written));
-  }
-  crc_ = crc_of(bytes, crc_);
-  end_ += bytes.size();
-}
-
-void McapWriter::cut() {
-  if (::ftruncate(file_, static_cast<off_t>(end_)) != 0 || ::lseek(file_, 0, SEEK_END) < 0) {
-    fail_to_write(path_, "cannot be cut", errno);
-  }
-}
+McapWriter::~McapWriter() = default;
 
 McapWriter::Channel McapWriter::add_channel(const std::string& topic, const TypeDescription& type,
                                             Durability durability) {
@@ -149,12 +117,11 @@ void McapWriter::write(Channel channel, std::int64_t time_ns, std::string_view m
   }
 }
 
-// The chunk and its index go to the system in one piece each, so that a kill leaves a whole chunk or a piece of one.
 void McapWriter::write_chunk() {
   if (records_.empty()) return;
   ChunkInfo chunk{.first_ns = index_.empty() ? 0 : UINT64_MAX,
                   .last_ns = 0,
-                  .offset = end_,
+                  .offset = file_.size(),
                   .bytes = 0,
                   .index_bytes = 0,
                   .compressed = 0,
@@ -163,7 +130,7 @@ void McapWriter::write_chunk() {
                   .counts = {},
                   .schemas = schemas_.size(),
                   .channels = channels_.size(),
-                  .crc_before = crc_};
+                  .crc_before = file_.crc()};
   for (const auto& [channel, entries] : index_) {
     for (const IndexEntry& entry : entries) {
       chunk.first_ns = std::min(chunk.first_ns, entry.time_ns);
@@ -176,14 +143,14 @@ void McapWriter::write_chunk() {
                           .number(chunk.first_ns)
                           .number(chunk.last_ns)
                           .number(chunk.uncompressed)
-                          .number(crc_of(records_))
+                          .number(mcap_crc(records_))
                           .text("zstd")
                           .number(chunk.compressed)
                           .raw(compressed)
                           .bytes();
   chunk.bytes = bytes.size();
   for (const auto& [channel, entries] : index_) {
-    chunk.index_offsets[channel] = end_ + bytes.size();
+    chunk.index_offsets[channel] = chunk.offset + bytes.size();
     chunk.counts[channel] = entries.size();
     McapRecord index(McapOpcode::message_index);
     index.number(channel).number(static_cast<std::uint32_t>(entries.size() * sizeof(IndexEntry)));
@@ -191,7 +158,7 @@ void McapWriter::write_chunk() {
     bytes += index.bytes();
   }
   chunk.index_bytes = bytes.size() - chunk.bytes;
-  append(bytes);
+  file_.append(std::move(bytes));
   chunks_.push_back(std::move(chunk));
   records_.clear();
   index_.clear();
@@ -205,30 +172,23 @@ void McapWriter::finish() {
     recover();
     throw;
   }
-  const int closed = ::close(std::exchange(file_, -1));
-  if (closed != 0) fail_to_write(path_, "cannot be closed", errno);
 }
 
 void McapWriter::write_end() {
-  const std::uint32_t data_crc = crc_;
-  std::string bytes = McapRecord(McapOpcode::data_end).number(data_crc).bytes();
-  bytes += summary(end_ + bytes.size());
-  append(bytes);
+  const std::string data_end = McapRecord(McapOpcode::data_end).number(file_.crc()).bytes();
+  file_.finish(data_end + summary(file_.size() + data_end.size()));
 }
 
-// A full disk, or a file that may not grow: each chunk that goes makes room for the summary of the others. end_ and
-// crc_ are those of the last piece that was written whole.
+// A full disk, or a file that may not grow: each chunk that goes makes room for the summary of the others. Without any
+// room the file keeps an end without a summary.
 void McapWriter::recover() {
   for (;;) {
     try {
-      cut();
-      write_end();
-      return;
+      return write_end();
     } catch (const MachineError&) {
       if (chunks_.empty()) return;
     }
-    end_ = chunks_.back().offset;
-    crc_ = chunks_.back().crc_before;
+    file_.cut(chunks_.back().offset, chunks_.back().crc_before);
     chunks_.pop_back();
   }
 }
@@ -285,9 +245,11 @@ std::string McapWriter::summary(std::uint64_t start) const {
                                     .map(counts)
                                     .bytes());
   group(McapOpcode::chunk_index, chunk_indexes);
-  group(
-      McapOpcode::metadata_index,
-      McapRecord(McapOpcode::metadata_index).number(metadata_offset_).number(metadata_bytes_).text("rosbag2").bytes());
+  group(McapOpcode::metadata_index, McapRecord(McapOpcode::metadata_index)
+                                        .number(std::uint64_t{start_bytes().size()})
+                                        .number(std::uint64_t{rosbag_record().size()})
+                                        .text("rosbag2")
+                                        .bytes());
   const std::uint64_t offsets_start = start + bytes.size();
   bytes += offsets;
   constexpr std::uint64_t kFooterBytes = 2 * sizeof(std::uint64_t) + sizeof(std::uint32_t);
@@ -295,7 +257,7 @@ std::string McapWriter::summary(std::uint64_t start) const {
   for (const std::uint64_t value : {start, offsets_start}) {
     bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
   }
-  const std::uint32_t crc = crc_of(bytes);
+  const std::uint32_t crc = mcap_crc(bytes);
   bytes.append(reinterpret_cast<const char*>(&crc), sizeof crc);
   return bytes + std::string(kMcapMagic);
 }

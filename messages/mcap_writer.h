@@ -22,6 +22,7 @@
 #include <vector>
 
 #include "messages/description.h"
+#include "messages/record_file.h"
 
 namespace simvis::ros {
 
@@ -35,7 +36,7 @@ class McapWriter {
 
   /// Creates or replaces the file.
   explicit McapWriter(std::filesystem::path file);
-  /// Without finish(), the file ends behind its last chunk.
+  /// Without finish(), the file has its chunks and no summary.
   ~McapWriter();
   McapWriter(const McapWriter&) = delete;
   McapWriter& operator=(const McapWriter&) = delete;
@@ -48,7 +49,7 @@ class McapWriter {
   void finish();
 
   std::uint64_t messages() const { return messages_; }  ///< written so far
-  std::uint64_t bytes() const { return end_; }          ///< of the file so far
+  std::uint64_t bytes() const { return file_.size(); }  ///< of the file so far
 
  private:
   struct ChannelInfo {
@@ -68,8 +69,6 @@ class McapWriter {
   };
   struct Compressor;
 
-  void append(std::string_view bytes);
-  void cut();
   void write_chunk();
   void write_end();
   void recover();
@@ -77,16 +76,13 @@ class McapWriter {
   std::string channel_record(std::size_t channel) const;
   std::string summary(std::uint64_t start) const;
 
-  std::filesystem::path path_;
-  int file_ = -1;
-  std::uint64_t end_ = 0;  // of what was written whole
-  std::uint32_t crc_ = 0;  // of all bytes before end_
+  RecordFile file_;
   std::vector<const TypeDescription*> schemas_;
   std::vector<ChannelInfo> channels_;
   std::vector<ChunkInfo> chunks_;
   std::string records_;  // of the chunk that is being filled
   std::map<Channel, std::vector<IndexEntry>> index_;
-  std::uint64_t messages_ = 0, metadata_offset_ = 0, metadata_bytes_ = 0;
+  std::uint64_t messages_ = 0;
   std::unique_ptr<Compressor> compressor_;
 };
 

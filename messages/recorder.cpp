@@ -3,6 +3,7 @@
 #include <utility>
 
 #include <simvis/error.h>
+#include "engine/base/low_priority.h"
 
 namespace simvis::ros {
 
@@ -65,6 +66,7 @@ void Recorder::throw_failure() {
 
 // After a failure the thread ends; what waits is dropped with the recorder.
 void Recorder::run() {
+  lower_thread_priority();
   try {
     for (;;) {
       Waiting next;

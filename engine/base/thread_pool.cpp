@@ -1,7 +1,5 @@
 #include "engine/base/thread_pool.h"
 
-#include <sys/resource.h>
-
 #include <algorithm>
 #include <exception>
 #include <map>
@@ -11,6 +9,7 @@
 
 #include <simvis/error.h>
 #include "engine/base/assert.h"
+#include "engine/base/low_priority.h"
 
 namespace simvis {
 
@@ -20,8 +19,6 @@ namespace {
 constexpr int kSpins = 1000;
 // Encoding an image takes a few times as long as rendering it, so more threads would be idle.
 constexpr unsigned kMaxBackground = 8;
-// On a machine with few cores, tasks use the time that loops leave over, and loops are not delayed by tasks.
-constexpr int kNiceness = 10;
 
 void pause_briefly() {
 #if defined(__x86_64__)
@@ -219,7 +216,7 @@ std::shared_ptr<BackgroundTask> ThreadPool::run_in_background(std::function<void
 }
 
 void ThreadPool::serve_tasks() {
-  ::setpriority(PRIO_PROCESS, 0, ::getpriority(PRIO_PROCESS, 0) + kNiceness);  // on Linux this affects this thread only
+  lower_thread_priority();  // loops are not delayed by tasks
   while (true) {
     std::shared_ptr<BackgroundTask> task;
     {

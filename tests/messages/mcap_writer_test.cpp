@@ -8,6 +8,8 @@
 #include <future>
 
 #include <simvis/error.h>
+#include "messages/mcap_records.h"
+#include "messages/record_file.h"
 #include "messages/recorder.h"
 #include "tests/messages/mcap_file.h"
 #include "tests/messages/message_values.h"
@@ -81,30 +83,45 @@ TEST_CASE("a latched channel says so") {
   CHECK(file.schemas.size() == 1);
 }
 
-TEST_CASE("without its end, a file has its whole chunks, wherever it is cut") {
+TEST_CASE("a file that is not finished is whole, without a summary") {
   const TemporaryFolder folder;
   test::Random random(4);
-  constexpr std::size_t kChunks = 3;
-  std::string bytes;
-  {
-    McapWriter writer(folder / "file.mcap");
-    const auto channel = writer.add_channel("/image", describe<Image>(), Durability::transient);
-    for (std::size_t i = 0; i < kChunks; ++i) writer.write(channel, 0, encode(noise(random, McapWriter::kChunkBytes)));
-    writer.write(channel, 0, encode(noise(random, 10)));  // waits in the last chunk
-    bytes = read_text(folder / "file.mcap");
+  McapWriter writer(folder / "file.mcap");
+  CHECK(read_mcap(folder / "file.mcap").messages.empty());
+  const auto channel = writer.add_channel("/image", describe<Image>(), Durability::transient);
+  for (std::size_t i = 1; i < 20; ++i) {  // beyond what is reserved at first
+    writer.write(channel, 0, encode(noise(random, McapWriter::kChunkBytes + random() % 5000)));
+    const McapFile file = read_mcap(folder / "file.mcap");
+    CHECK_FALSE(file.has_end);
+    CHECK(file.messages.size() == i);
   }
-  CHECK(read_text(folder / "file.mcap") == bytes);
-  const McapFile whole = McapReader::read(bytes);
-  CHECK_FALSE(whole.has_end);
-  REQUIRE(whole.chunks == kChunks);
-  CHECK(whole.messages.size() == kChunks);
-  for (int i = 0; i < 100; ++i) {
-    const std::size_t size = whole.chunk_offsets[0] + random() % (bytes.size() - whole.chunk_offsets[0]);
-    const McapFile cut = McapReader::read(bytes.substr(0, size));
-    const std::size_t begun = static_cast<std::size_t>(
-        std::ranges::count_if(whole.chunk_offsets, [&](std::uint64_t offset) { return offset < size; }));
-    CHECK(cut.messages.size() + 1 >= begun);
+  writer.write(channel, 0, encode(noise(random, 10)));  // waits in the last chunk
+  CHECK(read_mcap(folder / "file.mcap").messages.size() == 19);
+  writer.finish();
+  const McapFile file = read_mcap(folder / "file.mcap");
+  CHECK(file.has_end);
+  CHECK(file.messages.size() == 20);
+}
+
+TEST_CASE("records of any length are there as soon as they are appended, and heads lie within a page") {
+  const TemporaryFolder folder;
+  test::Random random(10);
+  const std::string start = std::string(kMcapMagic) + McapRecord(McapOpcode::header).text("").text("").bytes();
+  RecordFile file(folder / "file.mcap", start);
+  std::uint64_t crossing = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const std::uint64_t size = file.size();
+    file.append(McapRecord(McapOpcode::metadata).raw(std::string(random() % 600, 'x')).bytes());
+    crossing += file.size() % 4096 > 4096 - 9 ? 1 : 0;
+    if (i % 100 == 0) {
+      const std::string bytes = read_text(folder / "file.mcap");
+      CHECK(McapReader::read(bytes).chunks == 0);
+      CHECK(static_cast<McapOpcode>(bytes[size]) == McapOpcode::metadata);
+      CHECK(file.crc() == test::crc_of(bytes.substr(0, file.size())));
+    }
   }
+  CHECK(crossing == 0);
+  CHECK(files_below(folder.path()) == std::vector<std::string>{"file.mcap"});
 }
 
 /// Limits the size of files that this process writes, until it is destroyed.
@@ -130,15 +147,14 @@ class FileSizeLimit {
 TEST_CASE("a file that may not grow is an error, and ends with its summary") {
   const TemporaryFolder folder;
   test::Random random(5);
-  for (const double chunks_that_fit : {0.5, 1.5, 2.999, 3.0002}) {
-    const auto limit = static_cast<rlim_t>(chunks_that_fit * McapWriter::kChunkBytes);
+  for (const std::uint64_t limit : {100'000, 1'500'000, 3'200'000, 11'000'000}) {
     std::string error;
     {
       const FileSizeLimit limited(limit);
       McapWriter writer(folder / "file.mcap");
       const auto channel = writer.add_channel("/image", describe<Image>(), Durability::transient);
       try {
-        for (int i = 0; i < 10; ++i) writer.write(channel, i, encode(noise(random, McapWriter::kChunkBytes)));
+        for (int i = 0; i < 20; ++i) writer.write(channel, i, encode(noise(random, McapWriter::kChunkBytes)));
       } catch (const MachineError& thrown) {
         error = thrown.what();
       }
@@ -146,8 +162,8 @@ TEST_CASE("a file that may not grow is an error, and ends with its summary") {
     CHECK(error == (folder / "file.mcap").string() + ": error: cannot be written: File too large");
     const McapFile file = read_mcap(folder / "file.mcap");
     CHECK(file.has_end);
-    // Each chunk is some bytes longer than kChunkBytes; the last one may have made room for the summary.
-    CHECK(file.messages.size() + 1 >= static_cast<std::size_t>(chunks_that_fit * 0.999));
+    // A chunk is a little longer than kChunkBytes, and the summary and the reserved page take less than another one.
+    CHECK(file.messages.size() >= limit / (McapWriter::kChunkBytes + 4096) - (limit > McapWriter::kChunkBytes ? 1 : 0));
     CHECK(std::filesystem::file_size(folder / "file.mcap") <= limit);
   }
 }

@@ -63,6 +63,29 @@ TEST_CASE("readers that others wrote read every type, and a recorded run") {
   CHECK(all.exit_code == 0);
   CHECK(all.out == "80 messages\n");
 
+  // A file without a summary, as after a kill: rosbags and mcap read it from its start.
+  const std::filesystem::path killed = folder / "killed.mcap";
+  {
+    ros::McapWriter writer(killed);
+    const auto channel = writer.add_channel("/image", ros::describe<ros::Image>(), ros::Durability::transient);
+    ros::Image image;
+    image.data.resize(ros::McapWriter::kChunkBytes);
+    for (int i = 0; i < 3; ++i) writer.write(channel, i, ros::encode(image));
+  }
+  const ProcessResult open = run_python(folder / "packages", {"-c", R"(
+import sys
+from pathlib import Path
+from mcap.reader import make_reader
+from rosbags.highlevel import AnyReader
+with AnyReader([Path(sys.argv[1])]) as reader:
+    print(len(list(reader.messages())))
+with open(sys.argv[1], "rb") as stream:
+    print(len(list(make_reader(stream, validate_crcs=True).iter_messages())))
+)",
+                                                              killed.string()});
+  INFO(open.err);
+  CHECK(open.out == "3\n3\n");
+
   const std::filesystem::path recorded = folder / "run.mcap";
   const ProcessResult run = run_simvis({write_wall_scene(folder.path(), kWallSensors).string(), "--out",
                                         (folder / "out").string(), "--frames", "20", "--record", recorded.string()});
