@@ -141,6 +141,19 @@ class SharedHost::Object {
     store((&shared().elements)[&region - &layout_.elements].count, count);
   }
 
+  // Gives memory back to the system; it reads as 0 until it is allocated anew.
+  void give_back(std::uint64_t offset, std::uint64_t bytes) {
+    ::fallocate(file_, FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, static_cast<off_t>(offset),
+                static_cast<off_t>(bytes));
+  }
+
+  void allocate(std::uint64_t offset, std::uint64_t bytes) {
+    const int error = ::posix_fallocate(file_, static_cast<off_t>(offset), static_cast<off_t>(bytes));
+    if (error == 0) return;
+    errno = error;
+    fail("no memory is left in " + std::string(kFolder) + " for what is served");
+  }
+
   // Asks the system for memory, so that writing to it can't fail.
   void ensure(const simvis_region& region, std::uint64_t bytes) {
     std::uint64_t& ensured = ensured_[&region - &layout_.elements];
@@ -159,13 +172,6 @@ class SharedHost::Object {
   void make_unnamed() {
     file_ = ::open(kFolder, O_TMPFILE | O_RDWR | O_CLOEXEC, S_IRUSR | S_IWUSR);
     if (file_ < 0) fail(std::string("no shared memory in ") + kFolder);
-  }
-
-  void allocate(std::uint64_t offset, std::uint64_t bytes) {
-    const int error = ::posix_fallocate(file_, static_cast<off_t>(offset), static_cast<off_t>(bytes));
-    if (error == 0) return;
-    errno = error;
-    fail("no memory is left in " + std::string(kFolder) + " for what is served");
   }
 
   void map() {
@@ -314,6 +320,45 @@ std::size_t SharedHost::add_sensor(std::string_view name, std::string_view type)
   return sensors_.size() - 1;
 }
 
+simvis_sensor& SharedHost::shared_sensor(std::size_t sensor) {
+  return reinterpret_cast<simvis_sensor*>(object_->at(object_->layout().sensors.offset))[sensor];
+}
+
+void SharedHost::remove_sensor(std::size_t sensor) {
+  store(shared_sensor(sensor).removed, 1u);
+  free_slots(sensor);
+}
+
+// A client that still reads there finds another sequence and knows that its view is not whole any more.
+void SharedHost::free_slots(std::size_t sensor) {
+  Sensor& own = sensors_.at(sensor);
+  if (own.slot_size == 0) return;
+  simvis_sensor& shared = shared_sensor(sensor);
+  store(shared.measurement, std::uint64_t{0});
+  store(shared.slots_offset, std::uint64_t{0});
+  store(shared.slot_size, std::uint64_t{0});
+  object_->give_back(own.slots_offset, own.slot_size * kSlots);
+  free_slots_.emplace(own.slots_offset, own.slot_size * kSlots);
+  own.slots_offset = own.slot_size = own.measurement = 0;
+}
+
+// The first free piece that is large enough, else new memory.
+std::uint64_t SharedHost::take_slots(std::uint64_t bytes) {
+  const auto free = std::ranges::find_if(free_slots_, [&](const auto& each) { return each.second >= bytes; });
+  if (free != free_slots_.end()) {
+    const auto [offset, size] = *free;
+    object_->allocate(offset, bytes);
+    free_slots_.erase(free);
+    if (size > bytes) free_slots_.emplace(offset + bytes, size - bytes);
+    return offset;
+  }
+  simvis_region& outputs = object_->layout().outputs;
+  append<char>(outputs, bytes);
+  const std::uint64_t offset = outputs.offset + outputs.count;
+  object_->publish_count(outputs, outputs.count + bytes);
+  return offset;
+}
+
 void SharedHost::log(simvis_log_kind kind, std::string_view text, std::uint32_t client, std::uint64_t request) {
   simvis_region& region = object_->layout().log;
   if (kind != SIMVIS_CHANGE && region.count > kLogBytesOfClients) return;
@@ -458,8 +503,7 @@ void SharedHost::publish(std::size_t sensor, std::uint64_t frame, std::int64_t t
                          std::span<const double> world_from_sensor, std::span<const SharedOutput> outputs) {
   SIMVIS_ASSERT(sensor < sensors_.size() && world_from_sensor.size() == 16 && outputs.size() <= SIMVIS_SHM_MAX_OUTPUTS);
   Sensor& own = sensors_[sensor];
-  simvis_header& header = object_->layout();
-  simvis_sensor& shared = reinterpret_cast<simvis_sensor*>(object_->at(header.sensors.offset))[sensor];
+  simvis_sensor& shared = shared_sensor(sensor);
   constexpr std::uint64_t kNumberSize[] = {0, sizeof(float), sizeof(double), 1};
   std::uint64_t size = round_up(sizeof(simvis_slot), kCacheLine);
   std::array<std::uint64_t, SIMVIS_SHM_MAX_OUTPUTS> offsets{}, bytes{};
@@ -469,18 +513,18 @@ void SharedHost::publish(std::size_t sensor, std::uint64_t frame, std::int64_t t
     size = round_up(size + bytes[i], kCacheLine);
   }
   if (size > own.slot_size) {
-    const std::uint64_t whole = round_up(size, kPage) * kSlots;
-    append<char>(header.outputs, whole);
-    own.slots_offset = header.outputs.offset + header.outputs.count;
+    const std::uint64_t measurements = own.measurement;
+    free_slots(sensor);
+    own.measurement = measurements;
     own.slot_size = round_up(size, kPage);
-    object_->publish_count(header.outputs, header.outputs.count + whole);
+    own.slots_offset = take_slots(own.slot_size * kSlots);
     store(shared.slot_size, own.slot_size);
     store(shared.slots_offset, own.slots_offset);
   }
   const std::uint64_t number = own.measurement + 1;
   unsigned char* const start = object_->at(own.slots_offset + own.measurement % kSlots * own.slot_size);
   auto& slot = *reinterpret_cast<simvis_slot*>(start);
-  store_relaxed(slot.sequence, 2 * number - 1);
+  store_relaxed(slot.sequence, 2 * ++publications_ - 1);
   std::atomic_thread_fence(std::memory_order_release);
   slot.measurement = number;
   slot.frame = frame;
@@ -498,7 +542,7 @@ void SharedHost::publish(std::size_t sensor, std::uint64_t frame, std::int64_t t
     output.type = outputs[i].type;
     std::memcpy(start + offsets[i], outputs[i].data, bytes[i]);
   }
-  store(slot.sequence, 2 * number);
+  store(slot.sequence, 2 * publications_);
   own.measurement = number;
   store(shared.measurement, number);
 }

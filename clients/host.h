@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <span>
 #include <string>
@@ -79,6 +80,8 @@ class SharedHost {
   void remove_element(std::size_t element);
   /// Appends a sensor; returns its id.
   std::size_t add_sensor(std::string_view name, std::string_view type);
+  /// Its measurements are gone, and their memory is free for other sensors.
+  void remove_sensor(std::size_t sensor);
   /// Appends an entry to the log.
   void log(simvis_log_kind kind, std::string_view text, std::uint32_t client = 0, std::uint64_t request = 0);
 
@@ -111,6 +114,9 @@ class SharedHost {
   template <typename T>
   T* append(simvis_region& region, std::size_t count);
   simvis_text add_text(std::string_view text);
+  simvis_sensor& shared_sensor(std::size_t sensor);
+  std::uint64_t take_slots(std::uint64_t bytes);
+  void free_slots(std::size_t sensor);
   simvis_client_area& area(std::size_t client) const;
   bool holds_area(std::size_t client) const;
   bool refresh(std::uint32_t client);
@@ -128,6 +134,8 @@ class SharedHost {
     std::uint64_t measurement = 0, slots_offset = 0, slot_size = 0;
   };
   std::vector<Sensor> sensors_;
+  std::map<std::uint64_t, std::uint64_t> free_slots_;  // offset and bytes of what no sensor uses any more
+  std::uint64_t publications_ = 0;                     // by all sensors: no two slots ever have the same sequence
   std::uint64_t frames_ = 0, frame_sequence_ = 0, next_frame_ = 0;
 };
 

@@ -93,7 +93,7 @@ void claim(const ElementContext& context, const std::string& part, const OwnPart
   mark->name = context.command.require("name").value;
   context.scene.insert(context.command, mark);
   root->add(mark);
-  context.scene.undo().add([root, mark] { root->remove(*mark); });
+  context.scene.undo().add([root, mark] { root->remove(*mark); }, [root, mark] { root->add(mark); });
 }
 
 }  // namespace

@@ -38,8 +38,10 @@ FoliageElement::FoliageElement(const ElementContext& context) {
     if (node->kind() != NodeKind::material) continue;
     const auto material = std::static_pointer_cast<MaterialNode>(node);
     if (material->material()->alpha_mode == AlphaMode::opaque) continue;
-    leaves_.push_back({material, material->add_change()});
-    context.scene.undo().add([material] { material->remove_last_change(); });
+    const std::size_t number = material->add_change();
+    leaves_.push_back({material, number});
+    context.scene.undo().add([material, number] { material->remove_change(number); },
+                             [material, number] { material->restore_change(number); });
   }
   if (leaves_.empty()) {
     fail_at(part.where, "part " + in_quotes(part.value) +

@@ -78,12 +78,13 @@ void JointElement::adapt_parameters(std::vector<AttributeSpec>& live_rows) const
 void JointElement::update(ParameterView values) {
   value_ = values[0];
   transform_->set_matrix(motion_.at(value_));
-  for (const auto& follower : followers_) follower(value_);
+  for (const auto& [number, follower] : followers_) follower(value_);
 }
 
-void JointElement::follow(std::function<void(double)> follower) {
+std::size_t JointElement::follow(std::function<void(double)> follower) {
   follower(value_);
-  followers_.push_back(std::move(follower));
+  followers_.emplace(next_follower_, std::move(follower));
+  return next_follower_++;
 }
 
 }  // namespace simvis

@@ -6,7 +6,10 @@
 // Parameters  value (live), from `lower` to `upper`: degrees for the kind revolute, metres for the kind prismatic.
 #pragma once
 
+#include <cstddef>
 #include <functional>
+#include <map>
+#include <memory>
 #include <vector>
 
 #include <simvis/element.h>
@@ -22,17 +25,17 @@ class JointElement : public Element {
   void update(ParameterView values) override;
   void adapt_parameters(std::vector<AttributeSpec>& live_rows) const override;
 
-  /// Calls `follower` with the present value now, and with every new value later.
-  void follow(std::function<void(double value)> follower);
-  /// Removes the follower that was added last.
-  void remove_last_follower() { followers_.pop_back(); }
+  /// Calls `follower` with the present value now, and with every new value later. Returns its number for unfollow().
+  std::size_t follow(std::function<void(double value)> follower);
+  void unfollow(std::size_t number) { followers_.erase(number); }
 
  private:
   std::shared_ptr<Transform> transform_;
   JointMotion motion_;
   double lower_, upper_;  // deg or m
   double value_ = 0;      // deg or m
-  std::vector<std::function<void(double)>> followers_;
+  std::map<std::size_t, std::function<void(double)>> followers_;
+  std::size_t next_follower_ = 0;
 };
 
 }  // namespace simvis

@@ -104,8 +104,10 @@ MaterialElement::MaterialElement(const ElementContext& context) {
   context.scene.insert(context.command, std::make_shared<Separator>());
   for (const auto& node : materials) {
     if (attributes.is_set("material") && node->name != attributes.text("material")) continue;
-    changed_.push_back({node, node->add_change()});
-    context.scene.undo().add([node] { node->remove_last_change(); });
+    const std::size_t number = node->add_change();
+    changed_.push_back({node, number});
+    context.scene.undo().add([node, number] { node->remove_change(number); },
+                             [node, number] { node->restore_change(number); });
   }
 }
 

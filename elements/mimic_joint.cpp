@@ -52,11 +52,12 @@ MimicJointElement::MimicJointElement(const ElementContext& context) {
   const auto transform = std::make_shared<Transform>();
   transform->name = context.command.require("name").value;
   context.scene.insert(context.command, transform);
-  leader->follow([transform, motion = read_joint_motion(attributes), multiplier = attributes.number("multiplier"),
-                  offset = attributes.number("offset")](double value) {
-    transform->set_matrix(motion.at(multiplier * value + offset));
-  });
-  context.scene.undo().add([leader] { leader->remove_last_follower(); });
+  const auto follow = [leader, transform, motion = read_joint_motion(attributes),
+                       multiplier = attributes.number("multiplier"), offset = attributes.number("offset")] {
+    return leader->follow([=](double value) { transform->set_matrix(motion.at(multiplier * value + offset)); });
+  };
+  const auto number = std::make_shared<std::size_t>(follow());
+  context.scene.undo().add([leader, number] { leader->unfollow(*number); }, [follow, number] { *number = follow(); });
 }
 
 }  // namespace simvis

@@ -81,14 +81,18 @@ void MaterialNode::set_material(std::shared_ptr<const Material> material) {
 }
 
 std::size_t MaterialNode::add_change() {
-  changes_.emplace_back();
-  if (changes_.size() == 1 && !has_own_slot_) tell_structure_changed();
-  return changes_.size() - 1;
+  restore_change(next_change_);
+  return next_change_++;
 }
 
-void MaterialNode::remove_last_change() {
-  SIMVIS_ASSERT(!changes_.empty());
-  changes_.pop_back();
+void MaterialNode::restore_change(std::size_t number) {
+  changes_.emplace(number, MaterialChange{});
+  if (changes_.size() == 1 && !has_own_slot_) tell_structure_changed();
+}
+
+void MaterialNode::remove_change(std::size_t number) {
+  SIMVIS_ASSERT(changes_.contains(number));
+  changes_.erase(number);
   show();
   if (has_own_slot()) {
     tell_content_changed();
@@ -98,26 +102,31 @@ void MaterialNode::remove_last_change() {
 }
 
 void MaterialNode::set_change(std::size_t number, const MaterialChange& change) {
-  SIMVIS_ASSERT(number < changes_.size());
-  if (change == changes_[number]) return;
-  changes_[number] = change;
+  SIMVIS_ASSERT(changes_.contains(number));
+  MaterialChange& known = changes_.at(number);
+  if (change == known) return;
+  known = change;
   show();
   tell_content_changed();
 }
 
 // Applies the changes in double precision, in the order of their numbers, and rounds once.
 void MaterialNode::show() {
+  if (changes_.empty()) {
+    shown_ = material_;
+    return;
+  }
   glm::dvec3 color(1), emission(material_->emissive);
   double opacity = material_->opacity, roughness = material_->roughness;
   double mirror = material_->mirror, transmission = material_->transmission, index = material_->refractive_index;
   auto shown = std::make_shared<Material>(*material_);
-  for (const MaterialChange& change : changes_) {
+  for (const auto& [number, change] : changes_) {
     if (!change.fixed_opacity) continue;
     opacity = *change.fixed_opacity;
     shown->base_color.a = 1;
     if (shown->alpha_mode == AlphaMode::blend) shown->alpha_mode = AlphaMode::opaque;
   }
-  for (const MaterialChange& change : changes_) {
+  for (const auto& [number, change] : changes_) {
     color *= glm::dvec3(change.color);
     emission += glm::dvec3(change.emission);
     opacity *= change.opacity;
@@ -130,7 +139,7 @@ void MaterialNode::show() {
   shown->emissive = glm::vec3(emission);
   shown->opacity = static_cast<float>(opacity);
   shown->roughness = static_cast<float>(roughness);
-  for (const MaterialChange& change : changes_) {
+  for (const auto& [number, change] : changes_) {
     if (change.reflectance) shown->reflectance = change.reflectance;
     if (change.retro_reflectance) shown->retro_reflectance = *change.retro_reflectance;
   }
@@ -156,6 +165,14 @@ void Shape::set_mesh(std::shared_ptr<const Mesh> mesh) {
     has_own_slot_ = true;
     tell_structure_changed();
   }
+}
+
+void Shape::restore_mesh(std::shared_ptr<const Mesh> mesh) {
+  SIMVIS_ASSERT(mesh != nullptr);
+  if (!has_own_slot_) return;
+  mesh_ = std::move(mesh);
+  has_own_slot_ = false;
+  tell_structure_changed();
 }
 
 void LightNode::set_light(const Light& light) {

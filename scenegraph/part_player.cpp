@@ -82,7 +82,7 @@ void PartPlayer::show_rest() {
     mover.transform->set_matrix(animations_->nodes[mover.node].parent_from_node_at_rest);
   }
   for (Deformed& deformed : deformed_) {
-    deformed.shape->set_mesh(deformed.source->shape->mesh());
+    deformed.shape->restore_mesh(deformed.source->shape->mesh());
     deformed.weights.clear();
     deformed.joint_matrices.clear();
   }

@@ -1,6 +1,7 @@
 #include <simvis/scene.h>
 
 #include <algorithm>
+#include <unordered_set>
 
 #include <simvis/attributes.h>
 #include <simvis/part_importer.h>
@@ -129,7 +130,9 @@ const PartContent& Scene::insert_part(const Command& command, const std::string&
   add_points(name, part, prefix);
   insert_at(at, part.separator);
   parts_[name.value] = std::move(part);
-  undo_.add([this, key = name.value] { parts_.erase(key); });
+  const auto taken = std::make_shared<decltype(parts_)::node_type>();
+  undo_.add([this, key = name.value, taken] { *taken = parts_.extract(key); },
+            [this, taken] { parts_.insert(std::move(*taken)); });
   const AttributeValues attributes(command, kPartAttributes, kPartCommonAttributes);
   if (attributes.is_set("opacity")) {
     set_opacity(own_part(name.value, command.where).root, attributes.number("opacity"));
@@ -140,10 +143,15 @@ const PartContent& Scene::insert_part(const Command& command, const std::string&
 void Scene::add_place(const CommandAttribute& name, const Place& place) {
   part_names_->claim(name);
   places_[name.value] = place;
-  undo_.add([this, key = name.value] {
-    part_names_->release(key);
-    places_.erase(key);
-  });
+  undo_.add(
+      [this, key = name.value] {
+        part_names_->release(key);
+        places_.erase(key);
+      },
+      [this, name, place] {
+        part_names_->claim(name);
+        places_[name.value] = place;
+      });
 }
 
 void Scene::add_points(const CommandAttribute& part_name, const Part& part, const std::string& prefix) {
@@ -161,7 +169,26 @@ void Scene::add_points(const CommandAttribute& part_name, const Part& part, cons
 
 void Scene::insert_at(const Place& place, const NodePtr& node) {
   place.parent->insert_before(*place.point, node);
-  undo_.add([parent = place.parent, node] { parent->remove(*node); });
+  note_child(place.parent, node);
+}
+
+// The steps that take a new child out and put it back where it stood.
+void Scene::note_child(Group* parent, const NodePtr& node) {
+  const auto next = std::make_shared<NodePtr>();
+  undo_.add(
+      [parent, node, next] {
+        const auto after = std::ranges::find(parent->children(), node) + 1;
+        *next = after == parent->children().end() ? nullptr : *after;
+        parent->remove(*node);
+      },
+      [parent, node, next] {
+        if (*next == nullptr) {
+          parent->add(node);
+        } else {
+          parent->insert_before(**next, node);
+        }
+        next->reset();
+      });
 }
 
 void Scene::insert(const Command& command, NodePtr node) {
@@ -172,12 +199,13 @@ void Scene::insert(const Command& command, NodePtr node) {
 void Scene::remember(const Command& command, const NodePtr& node) {
   if (command.kind != CommandKind::element) return;
   const std::string& name = command.require("name").value;
-  if (nodes_.emplace(name, node).second) undo_.add([this, name] { nodes_.erase(name); });
+  if (!nodes_.emplace(name, node).second) return;
+  undo_.add([this, name] { nodes_.erase(name); }, [this, name, node] { nodes_.emplace(name, node); });
 }
 
 void Scene::insert_in_world(NodePtr node) {
   root_->insert_before(*root_->children().front(), node);
-  undo_.add([root = root_, node] { root->remove(*node); });
+  note_child(root_.get(), node);
 }
 
 void Scene::insert_in_world(const Command& command, NodePtr node) {
@@ -195,7 +223,7 @@ void Scene::insert_behind_point(std::string_view point, NodePtr node) {
   } else {
     at.parent->insert_before(**next, node);
   }
-  undo_.add([parent = at.parent, node] { parent->remove(*node); });
+  note_child(at.parent, node);
 }
 
 // Files with identical content share one graph. Files with animations do not, because animations refer to their own
@@ -244,6 +272,25 @@ std::vector<std::string_view> Scene::part_names() const {
   return names;
 }
 
+std::vector<std::string> Scene::points_of_part(std::string_view name) const {
+  const auto part = parts_.find(name);
+  SIMVIS_ASSERT(part != parts_.end());
+  std::vector<std::string> points{part->first};
+  if (part->second.clone_of.empty()) return points;
+  std::unordered_set<const Node*> own;
+  for (const auto& [original, clone] : part->second.clone_of) own.insert(clone.get());
+  for (const auto& [point, place] : places_) {
+    if (own.contains(place.point)) points.push_back(point);
+  }
+  return points;
+}
+
+void Scene::forget_unused_content() {
+  std::unordered_set<const PartContent*> used;
+  for (const auto& [name, part] : parts_) used.insert(part.content);
+  std::erase_if(contents_, [&](const auto& entry) { return !used.contains(&entry.second); });
+}
+
 bool Scene::has_insertion_point(std::string_view name) const { return places_.find(name) != places_.end(); }
 
 std::optional<glm::dmat4> Scene::world_from_point(std::string_view name) const {
@@ -277,7 +324,7 @@ void Scene::warn(const std::string& warning) {
   if (strict_) throw InputError(with_error_word(warning) + " (a warning, which is an error here)");
   if (std::ranges::find(warnings_, warning) != warnings_.end()) return;
   warnings_.push_back(warning);
-  undo_.add([this] { warnings_.pop_back(); });
+  undo_.add_for_roll_back([this] { warnings_.pop_back(); });
 }
 
 void Scene::warn(const Location& where, std::string_view what) { warn(to_string(where) + ": " + std::string(what)); }

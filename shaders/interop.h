@@ -39,8 +39,15 @@ using uint = std::uint32_t;
 #define SIMVIS_SHADOW_ATLAS 1
 #define SIMVIS_MAX_SHADOWS 64  // per view
 
-// The lights of a view form one uniform block of 16384 bytes, a size that every Vulkan device allows.
-#define SIMVIS_MAX_LIGHTS 256
+#define SIMVIS_MAX_LIGHTS 256       // per view
+#define SIMVIS_UNROLLED_LIGHTS 16u  // of a kind: more are not unrolled, which bounds the time to compile a shader
+
+// The rows of a LightBlock, as texels of the texel buffer SIMVIS_LIGHTS.
+#define SIMVIS_LIGHT_POSITION 0u
+#define SIMVIS_LIGHT_DIRECTION 1u
+#define SIMVIS_LIGHT_INTENSITY 2u
+#define SIMVIS_LIGHT_SHADOW 3u
+#define SIMVIS_LIGHT_ROWS 4u
 
 // Descriptor set 0 of ray_cast.comp.
 #define SIMVIS_RAY_TOP_NODES 0
@@ -75,7 +82,7 @@ using uint = std::uint32_t;
 // Specialization constants.
 #define SIMVIS_MASKED 0
 #define SIMVIS_UNLIT 1
-#define SIMVIS_LIGHT_COUNT 2
+#define SIMVIS_DIRECTIONAL_LIGHTS 2  // the number of lights of each kind, see LightBlock
 #define SIMVIS_FADED 3
 #define SIMVIS_GLOSSY 4
 #define SIMVIS_SHADOWED 5
@@ -83,6 +90,9 @@ using uint = std::uint32_t;
 #define SIMVIS_METALLIC 7
 #define SIMVIS_MAPS 8  // bit mask of the textures that are present, bit number = binding
 #define SIMVIS_FOG 9
+#define SIMVIS_POINT_LIGHTS 10
+#define SIMVIS_SPOT_LIGHTS 11
+#define SIMVIS_RANGED 12  // a light has a range
 
 #define SIMVIS_MIN_ROUGHNESS 0.05
 
@@ -129,13 +139,14 @@ struct MapPlacesBlock {
   vec4 row_v[SIMVIS_TEXTURES - 1];
 };
 
-// A light in the view frame. The intensity of point and spot lights falls with the square of the distance.
+// A light in the view frame. The intensity of point and spot lights falls with the square of the distance. A view has
+// its directional lights first, then its point lights, then its spot lights. Rows that a kind does not use are not read.
 struct LightBlock {
-  vec4 position;   // xyz: metres; w: 1 for point and spot, 0 for directional
-  vec4 direction;  // xyz: direction in which the light travels, unit length; w: 1 / range in 1/m, 0 for no limit
-  vec4 intensity;  // rgb: lux (directional) or candela
-  vec4 cone;       // x, y: scale and offset of the cosine to the axis; (0, 1) for a light without a cone
-                   // z: 1 + index of its ShadowBlock; 0 if the light casts no shadow
+  vec4 position;   // point, spot: xyz: metres; w: 1 / range in 1/m, 0 for no limit
+  vec4 direction;  // directional, spot: xyz: direction in which the light travels, unit length
+                   // spot: w: scale of the cosine to the axis
+  vec4 intensity;  // rgb: lux (directional) or candela; spot: w: offset of the scaled cosine to the axis
+  vec4 shadow;     // x: 1 + index of its ShadowBlock; 0 if the light casts no shadow
 };
 
 // The shadow map of a light: one view of the atlas, or the six views of a cube (see ShadowUse in simvis/frame_plan.h).
@@ -155,6 +166,7 @@ struct ViewBlock {
   vec4 projection;  // clip.x = projection.x * x + projection.y * z; clip.y = projection.z * y + projection.w * z
   vec4 ambient;     // rgb: linear radiance from all directions; w: near_m
   vec4 airlight;    // rgb: linear radiance of the air at infinite distance; w: extinction of the air in 1/m
+  uvec4 lights;     // x: the first texel of its lights in the texel buffer
 };
 
 // A band of rows of a pass whose OIT layers are stored at the same time. Each sample has a list of layers.

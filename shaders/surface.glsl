@@ -1,6 +1,4 @@
-// Surface properties at a fragment, and the reflection of a light. Included by color.glsl.
-
-const float kDielectric = 0.04;  // reflectance at normal incidence for the refractive index 1.5
+// Surface properties at a fragment. Included by color.glsl.
 
 #ifdef MAPPED
 layout(set = SIMVIS_TEXTURE_SET, binding = SIMVIS_NORMAL_MAP) uniform sampler2D normal_map;
@@ -73,28 +71,4 @@ Surface surface_here() {
   if (has_map(SIMVIS_EMISSIVE_MAP)) s.emission *= MAP(SIMVIS_EMISSIVE_MAP, emissive_map).rgb;
 #endif
   return s;
-}
-
-struct Reflected {
-  vec3 fresnel;    // share of the light that is reflected and does not enter the surface
-  vec3 highlight;  // reflected radiance towards the eye per irradiance
-};
-
-// Schlick's Fresnel reflectance, the Trowbridge-Reitz (GGX) microfacet distribution, and Smith's height-correlated
-// visibility term.
-// Sources: glTF 2.0, appendix B; Heitz, Understanding the Masking-Shadowing Function in Microfacet-Based BRDFs (2014).
-Reflected reflect_light(vec3 normal_reflectance, float roughness, vec3 normal, vec3 toward, vec3 to_eye) {
-  const vec3 sum = toward + to_eye;
-  const vec3 half_way = sum * inversesqrt(max(dot(sum, sum), kMinSquare));
-  const float alpha = roughness * roughness, square = alpha * alpha;
-  const float to_light = max(dot(normal, toward), 0.0), eye = max(dot(normal, to_eye), 0.0);
-  // Lagrange's identity gives 1 - cos^2 without cancellation: it is the square of `across`.
-  const vec3 across = cross(normal, half_way);
-  const float along = max(dot(normal, half_way), 0.0) * alpha;
-  const float density = alpha / max(dot(across, across) + along * along, kMinSquare);
-  const float masking = to_light * sqrt(eye * eye * (1.0 - square) + square) +
-                        eye * sqrt(to_light * to_light * (1.0 - square) + square);
-  const float grazing = 1.0 - clamp(dot(to_eye, half_way), 0.0, 1.0), twice = grazing * grazing;
-  const vec3 fresnel = normal_reflectance + (1.0 - normal_reflectance) * twice * twice * grazing;
-  return Reflected(fresnel, fresnel * kInversePi * density * density * 0.5 / max(masking, kMinSquare));
 }

@@ -9,7 +9,8 @@
 namespace simvis {
 
 std::size_t Parameters::index(std::string_view element, std::string_view parameter) const {
-  const auto found = std::ranges::find(elements_, element, &ElementDescriptor::name);
+  const auto found = std::ranges::find_if(
+      elements_, [&](const ElementDescriptor& each) { return !each.removed && each.name == element; });
   if (found == elements_.end()) {
     const auto other = std::ranges::find(others_, element, &Other::name);
     if (other != others_.end()) {
@@ -17,7 +18,9 @@ std::size_t Parameters::index(std::string_view element, std::string_view paramet
                        ", whose attributes are fixed, expected an element");
     }
     std::vector<std::string_view> known;
-    for (const ElementDescriptor& descriptor : elements_) known.push_back(descriptor.name);
+    for (const ElementDescriptor& descriptor : elements_) {
+      if (!descriptor.removed) known.push_back(descriptor.name);
+    }
     throw InputError("there is no element " + in_quotes(element) + suggestion(element, known));
   }
   const auto row = std::ranges::find(found->parameters, parameter, &AttributeSpec::name);
@@ -52,6 +55,7 @@ const AttributeSpec& Parameters::spec(std::size_t index) const {
 
 void Parameters::set(std::size_t index, double value) {
   const std::size_t element = element_of(index);
+  if (elements_[element].removed) throw InputError(name(index) + ": the element was removed");
   const std::string wrong = check_number(spec(index), value);
   if (!wrong.empty()) throw InputError(name(index) + ": " + wrong);
   value = std::clamp(value, spec(index).min, spec(index).max);  // see AttributeSpec::rounding
@@ -77,6 +81,19 @@ void Parameters::remove_last_element() {
   values_.resize(elements_.back().first_value);
   elements_.pop_back();
   element_changed_.pop_back();
+}
+
+void Parameters::mark_removed(std::size_t element, bool removed) {
+  SIMVIS_ASSERT(element < elements_.size());
+  elements_[element].removed = removed;
+  element_changed_[element] = false;
+}
+
+void Parameters::remove_other(std::string_view name, std::string_view kind) {
+  const auto found =
+      std::ranges::find_if(others_, [&](const Other& each) { return each.name == name && each.kind == kind; });
+  SIMVIS_ASSERT(found != others_.end());
+  others_.erase(found);
 }
 
 void Parameters::add_other(std::string name, std::string_view kind) { others_.push_back({std::move(name), kind}); }

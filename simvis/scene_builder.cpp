@@ -1,6 +1,7 @@
 #include "simvis/scene_builder.h"
 
 #include <algorithm>
+#include <array>
 #include <iterator>
 #include <map>
 #include <optional>
@@ -20,6 +21,10 @@ namespace {
 constexpr std::size_t kMaxNested = 64;
 
 constexpr std::string_view kReading = "reading the scene";
+
+// Attributes in a log of changes: of a part, what stands in front of the names in its file; of a sensor with look_at,
+// the offset that followed from it.
+constexpr std::string_view kLoggedPrefix = "logged_prefix", kLoggedOffset = "logged_offset";
 
 // Creates an element or a sensor. An exception from the constructor of its type becomes an error at the command.
 template <typename Type, typename Create>
@@ -107,6 +112,35 @@ bool is_mover(const ElementType& type, const NodePtr& node) {
                              [](const AttributeSpec& row) { return row.unit == "m" || row.unit.starts_with("deg"); });
 }
 
+// Where the target of look_at stands belongs to the moment, so the log has the matrix: its first three rows, column by
+// column.
+void write_offset(const glm::dmat4& offset, Command& command) {
+  std::erase_if(command.attributes,
+                [](const CommandAttribute& each) { return each.name == kLookAt || each.name == kPoseOffset; });
+  std::string numbers;
+  for (int column = 0; column < 4; ++column) {
+    for (int row = 0; row < 3; ++row) {
+      numbers += (numbers.empty() ? "" : " ") + format_number(offset[column][row]);
+    }
+  }
+  command.attributes.push_back({std::string(kLoggedOffset), numbers, command.where});
+}
+
+glm::dmat4 read_offset(const CommandAttribute& attribute) {
+  std::array<double, 12> numbers{};
+  if (!parse_numbers(attribute.value, numbers)) {
+    fail_at(attribute.where, "attribute \"logged_offset\": expected 12 finite numbers");
+  }
+  glm::dmat4 offset(1);
+  for (int i = 0; i < 12; ++i) offset[i / 3][i % 3] = numbers[static_cast<std::size_t>(i)];
+  return offset;
+}
+
+Command without(Command command, std::string_view attribute) {
+  std::erase_if(command.attributes, [&](const CommandAttribute& each) { return each.name == attribute; });
+  return command;
+}
+
 // Adds the prefix to the names that a part file defines, and to its references to them.
 void prefix_names(std::vector<Command>& commands, const PartContent& content, const std::string& prefix) {
   std::set<std::pair<CommandKind, std::string>> own;
@@ -138,20 +172,24 @@ SceneBuilder::SceneBuilder(BuiltScene& built, std::span<const AttributeOverride>
 
 template <typename Action>
 void SceneBuilder::all_or_nothing(const Action& action) {
+  const std::uint64_t first_made = next_made_;
   try {
     action();
-    check_awaited();
+    check_awaited(first_made);
     warn_of_unmoved_sensors();
   } catch (...) {
     built_.scene.undo().roll_back();
     open_.clear();
-    awaited_.clear();
+    open_parts_.clear();
+    removed_ = false;
     announced_sensors_.clear();
     inserted_.clear();
     throw;
   }
   announced_sensors_.clear();
+  copied_.clear();
   built_.scene.undo().commit();
+  if (std::exchange(removed_, false)) built_.scene.forget_unused_content();
 }
 
 void SceneBuilder::execute(std::span<const Command> commands) {
@@ -164,6 +202,7 @@ void SceneBuilder::execute(std::span<const Command> commands) {
 
 void SceneBuilder::add_variant(std::size_t sensor, const Command& command) {
   all_or_nothing([&] {
+    const std::size_t first_step = built_.scene.undo().size();
     BuiltSensor variant = make_sensor(command);
     const BuiltSensor& of = built_.sensors[sensor];
     // People and sensors have separate worlds, and a mount belongs to one of them.
@@ -171,7 +210,14 @@ void SceneBuilder::add_variant(std::size_t sensor, const Command& command) {
       fail_at(command.where, "a variant of sensor " + in_quotes(of.name) + " must have its type and view");
     }
     variant.mount = of.mount;
+    const auto original = std::ranges::find_if(made_, [&](const auto& each) {
+      return each.second.kind == CommandKind::sensor && each.second.name == of.name;
+    });
+    SIMVIS_ASSERT(original != made_.end());
+    open_parts_.push_back(original->first);  // it goes with the sensor whose mount it has
     add_sensor(std::move(variant));
+    note_made(command, {}, first_step);
+    open_parts_.pop_back();
   });
 }
 
@@ -190,7 +236,7 @@ void SceneBuilder::note_copies(std::span<const Command> commands) {
     const Carrier carrier(prefix_of(command), std::filesystem::canonical(command.folder / file->value, error));
     const auto [first, is_first] = names.try_emplace(carrier, name->value);
     if (error || is_first || first->second == name->value || !copied_.insert(carrier).second) continue;
-    built_.scene.undo().add([this, carrier] { copied_.erase(carrier); });
+    built_.scene.undo().add_for_roll_back([this, carrier] { copied_.erase(carrier); });
   }
 }
 
@@ -257,11 +303,14 @@ bool SceneBuilder::exists(CommandKind kind, const std::string& name) const {
       return element_names_.contains(name);
     case CommandKind::sensor:
       return sensor_names_.contains(name) || announced_sensors_.contains(name);
+    case CommandKind::remove:
+      break;
   }
   return false;
 }
 
 void SceneBuilder::execute_one(const Command& command) {
+  if (command.kind == CommandKind::remove) return remove(command);
   if (command.scope == nullptr) return execute_named(command);
   execute_named(named(command));
 }
@@ -274,15 +323,26 @@ void SceneBuilder::execute_named(const Command& command) {
       return insert_element(command);
     case CommandKind::sensor:
       return insert_sensor(overridden(command));
+    case CommandKind::remove:
+      SIMVIS_ASSERT(!"execute_one() removes");
   }
 }
 
-void SceneBuilder::log_change(const Command& command) {
+// Another process, in another folder, makes the same of the logged command.
+void SceneBuilder::log_change(Command command) {
+  for (CommandAttribute& attribute : command.attributes) {
+    if (attribute.name != "file") continue;
+    std::error_code error;
+    const std::filesystem::path path = std::filesystem::weakly_canonical(command.folder / attribute.value, error);
+    if (!error) attribute.value = path.string();
+  }
   built_.parameters.log_change(to_string(command));
-  built_.scene.undo().add([this] { built_.parameters.remove_last_change(); });
+  built_.scene.undo().add_for_roll_back([this] { built_.parameters.remove_last_change(); });
 }
 
 void SceneBuilder::insert_part(const Command& command) {
+  if (command.find(kLoggedPrefix) != nullptr) return insert_logged_part(command);
+  const std::size_t first_step = built_.scene.undo().size();
   const PartContent& content = built_.scene.load_part(command);
   const CommandAttribute& name = command.require("name");
   const bool has_names = !content.commands.empty() || !content.points.empty();
@@ -294,13 +354,38 @@ void SceneBuilder::insert_part(const Command& command) {
     prefix = name.value + "/";
   }
   built_.scene.insert_part(command, prefix);
+  if (has_names) note_carrier(carrier);
   remember(command, false);
-  log_change(command);  // before the carried commands
+  note_made(command, {}, first_step);
+  Command logged = command;
+  if (has_names) logged.attributes.push_back({std::string(kLoggedPrefix), prefix, command.where});
+  log_change(std::move(logged));  // before the carried commands
   if (!has_names) return;
-  if (carriers_.insert(carrier).second) {
-    built_.scene.undo().add([this, carrier] { carriers_.erase(carrier); });
-  }
+  open_parts_.push_back(next_made_ - 1);
   run_carried(command, content, prefix);
+  open_parts_.pop_back();
+}
+
+// The command of a log says which prefix the names in the part have. The commands that the file carries follow it in
+// the log.
+void SceneBuilder::insert_logged_part(const Command& command) {
+  const std::size_t first_step = built_.scene.undo().size();
+  const CommandAttribute& prefix = command.require(kLoggedPrefix);
+  if (std::ranges::any_of(prefix.value, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; })) {
+    fail_at(prefix.where, "attribute \"logged_prefix\": control characters are not allowed");
+  }
+  const Command plain = without(command, kLoggedPrefix);
+  const PartContent& content = built_.scene.insert_part(plain, prefix.value);
+  note_carrier({prefix_of(command), content.file});
+  remember(plain, false);
+  note_made(plain, {}, first_step);
+  log_change(command);
+}
+
+void SceneBuilder::note_carrier(const Carrier& carrier) {
+  carriers_.insert(carrier);
+  built_.scene.undo().add([this, carrier] { carriers_.erase(carriers_.find(carrier)); },
+                          [this, carrier] { carriers_.insert(carrier); });
 }
 
 // Whether the names within a part need a prefix: the part is several times in the scene or in the commands under way,
@@ -321,6 +406,8 @@ bool SceneBuilder::clashes(std::span<const Command> carried, const PartContent& 
         return element_names_.contains(prefix + name->value);
       case CommandKind::sensor:
         return sensor_names_.contains(prefix + name->value);
+      case CommandKind::remove:
+        break;
     }
     return false;
   });
@@ -360,6 +447,7 @@ std::vector<Command> SceneBuilder::carried_commands(const Command& part, const P
     rethrow_from_part(part, error);
   }
   for (Command& command : commands) {
+    if (command.kind == CommandKind::remove) fail_at(command.where, "a part file cannot remove anything");
     if (command.find("insert_at") == nullptr) {
       command.attributes.push_back({"insert_at", part.require("name").value, command.where});
     }
@@ -373,39 +461,69 @@ void SceneBuilder::check_references(const AttributeValues& attributes, Attribute
     if (!is_reference(spec.kind) || !attributes.is_set(spec.name)) continue;
     const std::string& name = attributes.text(spec.name);
     const Location& where = attributes.where(spec.name);
-    if (spec.kind == AttributeKind::sensor) awaited_.push_back({name, where});
     if (spec.kind == AttributeKind::part && !built_.scene.has_part(name)) {
       fail_at(where, "there is no part " + in_quotes(name) + suggestion(name, built_.scene.part_names()) +
                          " (expected the name of a part inserted before)");
     }
     if (spec.kind == AttributeKind::element && find_element(name) == nullptr) {
       std::vector<std::string_view> known;
-      for (const ElementDescriptor& element : built_.parameters.elements()) known.push_back(element.name);
+      for (const ElementDescriptor& element : built_.parameters.elements()) {
+        if (!element.removed) known.push_back(element.name);
+      }
       fail_at(where, "there is no element " + in_quotes(name) + suggestion(name, known) +
                          " (expected the name of an element inserted before)");
     }
   }
 }
 
-void SceneBuilder::check_awaited() {
+// Sensors that the commands since `first_made` refer to must exist by now, and must produce scans.
+void SceneBuilder::check_awaited(std::uint64_t first_made) const {
   std::vector<std::string_view> known;
   for (const BuiltSensor& sensor : built_.sensors) {
     if (sensor.sensor->scan() != nullptr) known.push_back(sensor.name);
   }
-  for (const Awaited& each : awaited_) {
-    if (std::ranges::find(known, each.sensor) != known.end()) continue;
-    fail_at(each.where, "there is no sensor " + in_quotes(each.sensor) + " that gives scans" +
-                            suggestion(each.sensor, known) + " (expected the name of a scanner of the scene)");
+  for (auto made = made_.lower_bound(first_made); made != made_.end(); ++made) {
+    for (const Made::Reference& each : made->second.references) {
+      if (each.kind != CommandKind::sensor || std::ranges::find(known, each.name) != known.end()) continue;
+      fail_at(each.where, "there is no sensor " + in_quotes(each.name) + " that gives scans" +
+                              suggestion(each.name, known) + " (expected the name of a scanner of the scene)");
+    }
   }
-  awaited_.clear();
 }
 
 void SceneBuilder::remember(const Command& command, bool moves) {
   inserted_.push_back(
       {command.kind, moves, command.require("name").value, command.require("insert_at").value, command.where});
   if (command.kind == CommandKind::element) return;
-  built_.parameters.add_other(inserted_.back().name, to_string(command.kind));
-  built_.scene.undo().add([this] { built_.parameters.remove_last_other(); });
+  const auto add = [this, name = inserted_.back().name, kind = to_string(command.kind)] {
+    built_.parameters.add_other(name, kind);
+  };
+  add();
+  built_.scene.undo().add([this, name = inserted_.back().name,
+                           kind = to_string(command.kind)] { built_.parameters.remove_other(name, kind); },
+                          add);
+}
+
+// The last step of a command: whatever was added to the undo log since `first_step` is its own.
+void SceneBuilder::note_made(const Command& command, AttributeTable table, std::size_t first_step) {
+  Made made{.kind = command.kind,
+            .name = command.require("name").value,
+            .insert_at = command.require("insert_at").value,
+            .where = command.where,
+            .references = {},
+            .points = {},
+            .carrier = {},
+            .steps = built_.scene.undo().steps_since(first_step)};
+  for (const AttributeSpec& spec : table) {
+    const CommandAttribute* const attribute = is_reference(spec.kind) ? command.find(spec.name) : nullptr;
+    if (attribute == nullptr) continue;
+    made.references.push_back(
+        {*referred_kind(command, spec.name), attribute->name, attribute->value, attribute->where});
+  }
+  if (command.kind == CommandKind::part) made.points = built_.scene.points_of_part(made.name);
+  if (!open_parts_.empty()) made.carrier = open_parts_.back();
+  made_.emplace(next_made_, std::move(made));
+  built_.scene.undo().add_for_roll_back([this, id = next_made_++] { made_.erase(id); });
 }
 
 // Warns of a sensor that no element moves although the next element at its insertion point could have been meant to:
@@ -431,7 +549,8 @@ void SceneBuilder::warn_of_unmoved_sensors() {
 
 Element* SceneBuilder::find_element(std::string_view name) const {
   const std::vector<ElementDescriptor>& elements = built_.parameters.elements();
-  const auto found = std::ranges::find(elements, name, &ElementDescriptor::name);
+  const auto found =
+      std::ranges::find_if(elements, [&](const ElementDescriptor& each) { return !each.removed && each.name == name; });
   return found == elements.end() ? nullptr : built_.elements[static_cast<std::size_t>(found - elements.begin())].get();
 }
 
@@ -444,8 +563,8 @@ void SceneBuilder::insert_element(const Command& command) {
   check_no_pose_offset(command, *type);
   const AttributeValues attributes(command, type->attributes, kElementCommonAttributes);
   check_references(attributes, type->attributes);
-  element_names_.claim(name);
-  built_.scene.undo().add([this, key = name.value] { element_names_.release(key); });
+  const std::size_t first_step = built_.scene.undo().size();
+  claim(element_names_, name);
   std::unique_ptr<Element> element = create(*type, command, [&] {
     return type->create({.command = command,
                          .attributes = attributes,
@@ -471,11 +590,12 @@ void SceneBuilder::insert_element(const Command& command) {
   built_.parameters.add_element(std::move(descriptor), values);
   element->update(values);
   built_.elements.push_back(std::move(element));
-  built_.scene.undo().add([this] {
+  built_.scene.undo().add_for_roll_back([this] {
     built_.elements.pop_back();
     built_.parameters.remove_last_element();
   });
   remember(command, is_mover(*type, built_.scene.find_node(name.value)));
+  note_made(command, type->attributes, first_step);
   log_change(command);
 }
 
@@ -500,9 +620,9 @@ BuiltSensor SceneBuilder::make_sensor(const Command& written) {
   const std::vector<AttributeSpec> table = all_attributes(*type);
   const AttributeValues attributes(command, table, kSensorCommonAttributes);
   check_references(attributes, table);
-  sensor_names_.claim(name);
-  built_.scene.undo().add([this, key = name.value] { sensor_names_.release(key); });
+  claim(sensor_names_, name);
   BuiltSensor sensor{
+      .id = built_.next_sensor_id++,
       .name = name.value,
       .type = type_name.value,
       .command = command,
@@ -522,14 +642,25 @@ BuiltSensor SceneBuilder::make_sensor(const Command& written) {
 
 void SceneBuilder::add_sensor(BuiltSensor sensor) {
   built_.sensors.push_back(std::move(sensor));
-  built_.scene.undo().add([this] { built_.sensors.pop_back(); });
+  built_.scene.undo().add_for_roll_back([this] { built_.sensors.pop_back(); });
+}
+
+void SceneBuilder::claim(NameSet& names, const CommandAttribute& name) {
+  names.claim(name);
+  built_.scene.undo().add([&names, key = name.value] { names.release(key); }, [&names, name] { names.claim(name); });
 }
 
 void SceneBuilder::insert_sensor(const Command& command) {
   for (const char* attribute : {"type", "name", "insert_at"}) command.require(attribute);
-  BuiltSensor sensor = make_sensor(command);
+  const std::size_t first_step = built_.scene.undo().size();
+  BuiltSensor sensor = make_sensor(without(command, kLoggedOffset));
   std::optional<glm::dmat4> offset = pose_offset(command);
-  if (command.find(kLookAt) != nullptr) offset = look_at_offset(built_.scene, command, (*offset)[3]);
+  if (const CommandAttribute* const logged_offset = command.find(kLoggedOffset)) offset = read_offset(*logged_offset);
+  Command logged = command;
+  if (command.find(kLookAt) != nullptr) {
+    offset = look_at_offset(built_.scene, command, (*offset)[3]);
+    write_offset(*offset, logged);
+  }
   sensor.mount = std::make_shared<Mount>();
   sensor.mount->name = sensor.name;
   // Visualization sensors must have no effect on the world of the other sensors.
@@ -541,7 +672,8 @@ void SceneBuilder::insert_sensor(const Command& command) {
   built_.scene.insert(command, separator);
   add_sensor(std::move(sensor));
   remember(command, false);
-  log_change(command);
+  note_made(command, all_attributes(*find_sensor_type(command.require("type").value)), first_step);
+  log_change(std::move(logged));
 }
 
 BuiltScene build_scene(std::span<const Command> commands, std::span<const AttributeOverride> overrides) {

@@ -1,7 +1,9 @@
 // Builds a scene from commands: inserts parts, creates elements and mounts sensors.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -23,6 +25,7 @@ namespace simvis {
 
 /// A sensor and the node of the scene graph that defines its pose.
 struct BuiltSensor {
+  std::size_t id = 0;  ///< no other sensor of the scene ever has it; ascending in BuiltScene::sensors
   std::string name, type;
   Command command;  ///< as executed: with overrides, with the attributes of its preset, and with prefixed names
   std::unique_ptr<Sensor> sensor;
@@ -31,9 +34,11 @@ struct BuiltSensor {
 
 struct BuiltScene {
   Scene scene;
-  Parameters parameters;                           ///< with the change log of the executed commands
-  std::vector<std::unique_ptr<Element>> elements;  ///< elements[i] belongs to parameters.elements()[i]
-  std::vector<BuiltSensor> sensors;                ///< in the order of their commands
+  Parameters parameters;  ///< with the change log of the executed commands
+  /// elements[i] belongs to parameters.elements()[i]; null if that was removed.
+  std::vector<std::unique_ptr<Element>> elements;
+  std::vector<BuiltSensor> sensors;  ///< in the order of their commands, without removed ones
+  std::size_t next_sensor_id = 0;
 };
 
 /// Executes commands in order. A command may refer only to insertion points, parts and elements that exist when it is
@@ -46,6 +51,8 @@ struct BuiltScene {
 ///          executed before has inserted the file, or if one of its names is taken.
 /// Included commands of an included file have its scope: their names, and those of the parts that they insert, get its
 ///          prefix.
+/// Removed  `remove` takes out a part, element or sensor with everything that was inserted at its insertion points, and
+///          with what the commands in its file have made. What stays may not refer to any of it.
 /// Seed     the seed of all random numbers; each sensor receives it.
 /// Override replaces or adds an attribute of every sensor of its type, including the sensors in part files.
 class SceneBuilder {
@@ -64,11 +71,6 @@ class SceneBuilder {
   void require(const TargetLimits& limits);
 
  private:
-  // A reference to a sensor that must exist when all commands have been executed, and must produce scans.
-  struct Awaited {
-    std::string sensor;
-    Location where;
-  };
   // What a command inserted before an insertion point.
   struct Inserted {
     CommandKind kind;
@@ -88,14 +90,25 @@ class SceneBuilder {
   bool exists(CommandKind kind, const std::string& name) const;
   void check_order(const Command& command, std::span<const Command> later) const;
   void check_references(const AttributeValues& attributes, AttributeTable table);
-  void check_awaited();
+  void check_awaited(std::uint64_t first_made) const;
   void remember(const Command& command, bool moves);
+  void note_made(const Command& command, AttributeTable table, std::size_t first_step);
+  void remove(const Command& command);
+  std::uint64_t find_made(const Command& command) const;
+  std::optional<std::uint64_t> find_made(const Command& command, const std::string& name) const;
+  std::set<std::uint64_t> hanging_on(std::uint64_t made) const;
+  void refuse_referred(const Command& command, const std::set<std::uint64_t>& doomed) const;
+  void take_out(std::uint64_t made);
+  void take_out_element(const std::string& name);
+  void take_out_sensor(const std::string& name);
   void warn_of_unmoved_sensors();
-  void log_change(const Command& command);
+  void log_change(Command command);
+  void claim(NameSet& names, const CommandAttribute& name);
   void run_carried(const Command& part, const PartContent& content, const std::string& prefix);
   std::vector<Command> carried_commands(const Command& part, const PartContent& content) const;
   bool clashes(std::span<const Command> carried, const PartContent& content, const std::string& prefix) const;
   void insert_part(const Command& command);
+  void insert_logged_part(const Command& command);
   void insert_element(const Command& command);
   void insert_sensor(const Command& command);
   BuiltSensor make_sensor(const Command& written);
@@ -112,11 +125,31 @@ class SceneBuilder {
   std::set<std::string> announced_sensors_;  // of included files, in the commands that are being executed
   // A file with the prefix of the file that includes its command.
   using Carrier = std::pair<std::string, std::filesystem::path>;
-  std::set<Carrier> carriers_;               // files whose carried commands have been executed
+  void note_carrier(const Carrier& carrier);
+  std::multiset<Carrier> carriers_;          // files whose carried commands have been executed, once for each part
   std::set<Carrier> copied_;                 // files that a list of commands inserts several times
   std::vector<std::filesystem::path> open_;  // files whose carried commands are being executed
-  std::vector<Awaited> awaited_;
-  std::vector<Inserted> inserted_;  // by the commands that are being executed, in order
+  std::vector<Inserted> inserted_;           // by the commands that are being executed, in order
+
+  // What an executed command made.
+  struct Made {
+    struct Reference {
+      CommandKind kind;
+      std::string attribute, name;
+      Location where;
+    };
+    CommandKind kind;
+    std::string name, insert_at;
+    Location where;
+    std::vector<Reference> references;     // of its attributes
+    std::vector<std::string> points;       // insertion points of a part
+    std::optional<std::uint64_t> carrier;  // the part whose file has the command
+    std::vector<UndoLog::Step> steps;      // they take it out of the scene
+  };
+  std::map<std::uint64_t, Made> made_;  // in the order of their commands, without removed ones
+  std::uint64_t next_made_ = 0;
+  std::vector<std::uint64_t> open_parts_;  // parts whose carried commands are being executed
+  bool removed_ = false;                   // by the commands that are being executed
 };
 
 /// Builds a scene from `commands`. Throws InputError.

@@ -68,26 +68,45 @@ Serving::Serving(const ServeDesc& desc, const BuiltScene& scene) : desc_(desc), 
     folders_.push_back(std::filesystem::canonical(folder, error));
     if (error) throw InputError("there is no folder " + in_quotes(folder.string()) + " that requests could name");
   }
-  add_new(scene);
+  follow_scene(scene);
 }
 
-// Tells clients of what the scene has and they do not know yet.
-void Serving::add_new(const BuiltScene& scene) {
-  const Parameters& parameters = scene.parameters;
-  for (; elements_ < parameters.elements().size(); ++elements_) {
-    const ElementDescriptor& element = parameters.elements()[elements_];
+// Tells clients of what the scene has and they do not know yet, and of what it has no more.
+void Serving::follow_scene(const BuiltScene& scene) {
+  follow_elements(scene.parameters);
+  follow_sensors(scene);
+  const std::vector<std::string>& changes = scene.parameters.changes();
+  for (; changes_ < changes.size(); ++changes_) host_.log(SIMVIS_CHANGE, changes[changes_]);
+}
+
+void Serving::follow_elements(const Parameters& parameters) {
+  const std::vector<ElementDescriptor>& elements = parameters.elements();
+  if (changes_ == parameters.changes().size()) return;
+  for (std::size_t i = removed_.size(); i < elements.size(); ++i) {
     std::vector<SharedParameter> shared;
-    for (std::size_t i = 0; i < element.parameters.size(); ++i) {
-      const AttributeSpec& spec = element.parameters[i];
-      values_.push_back(parameters.values()[element.first_value + i]);
+    for (std::size_t p = 0; p < elements[i].parameters.size(); ++p) {
+      const AttributeSpec& spec = elements[i].parameters[p];
+      values_.push_back(parameters.values()[elements[i].first_value + p]);
       shared.push_back({spec.name, spec.unit, spec.min, spec.max, spec.open_min, spec.open_max, values_.back()});
     }
-    host_.add_element(element.name, element.type, element.insertion_point, shared);
+    host_.add_element(elements[i].name, elements[i].type, elements[i].insertion_point, shared);
+    removed_.push_back(false);
   }
-  for (; sensors_ < scene.sensors.size(); ++sensors_) {
-    host_.add_sensor(scene.sensors[sensors_].name, scene.sensors[sensors_].type);
+  for (std::size_t i = 0; i < elements.size(); ++i) {
+    if (elements[i].removed && !removed_[i]) host_.remove_element(i);
+    removed_[i] = elements[i].removed;
   }
-  for (; changes_ < parameters.changes().size(); ++changes_) host_.log(SIMVIS_CHANGE, parameters.changes()[changes_]);
+}
+
+void Serving::follow_sensors(const BuiltScene& scene) {
+  std::erase_if(sensors_, [&](const auto& known) {
+    const bool removed = std::ranges::count(scene.sensors, known.first, &BuiltSensor::id) == 0;
+    if (removed) host_.remove_sensor(known.second);
+    return removed;
+  });
+  for (const BuiltSensor& sensor : scene.sensors) {
+    if (!sensors_.contains(sensor.id)) sensors_.emplace(sensor.id, host_.add_sensor(sensor.name, sensor.type));
+  }
 }
 
 void Serving::check_files(std::span<const Command> commands) const {
@@ -112,7 +131,7 @@ void Serving::execute(const ChangeRequest& request, const BuiltScene& scene, con
         parse_commands(request.text, name, folders_.empty() ? std::filesystem::path(".") : folders_.front());
     check_files(commands);
     execute(commands);
-    add_new(scene);
+    follow_scene(scene);
     host_.log(SIMVIS_REQUEST_DONE, "", request.client, request.number);
   } catch (const InputError& error) {
     host_.log(SIMVIS_REQUEST_REFUSED, error.what(), request.client, request.number);
@@ -128,6 +147,7 @@ void Serving::refuse_value(const std::string& why, std::uint32_t client) {
 }
 
 void Serving::set(Parameters& parameters, const WrittenValue& written) {
+  if (parameters.is_removed(written.parameter)) return;
   const double before = values_[written.parameter];
   values_[written.parameter] = written.value;
   try {
@@ -163,13 +183,13 @@ void Serving::take_over(const Parameters& parameters, std::size_t parameter) {
 }
 
 // What the host itself has set since the last frame is what clients see.
-void Serving::follow(const Parameters& parameters) {
+void Serving::follow_values(const Parameters& parameters) {
   for (std::size_t i = 0; i < values_.size(); ++i) take_over(parameters, i);
 }
 
 void Serving::take(BuiltScene& scene, const Execute& execute_commands) {
-  add_new(scene);
-  follow(scene.parameters);
+  follow_scene(scene);
+  follow_values(scene.parameters);
   refused_values_ = 0;
   const ClientInputs inputs = host_.take();
   for (const ChangeRequest& request : inputs.requests) execute(request, scene, execute_commands);
@@ -177,8 +197,7 @@ void Serving::take(BuiltScene& scene, const Execute& execute_commands) {
   for (const WrittenElement& written : inputs.elements) set(scene.parameters, written);
 }
 
-void Serving::publish(const BuiltSensor& sensor, std::size_t index, const FrameTime& time,
-                      const glm::dmat4& world_from_sensor) {
+void Serving::publish(const BuiltSensor& sensor, const FrameTime& time, const glm::dmat4& world_from_sensor) {
   std::vector<SharedOutput> outputs;
   ImageOutputs images;
   if (const Scan* const scan = sensor.sensor->scan()) {
@@ -193,11 +212,11 @@ void Serving::publish(const BuiltSensor& sensor, std::size_t index, const FrameT
   }
   for (const NamedValue& value : sensor.sensor->values()) outputs.push_back(output_of(value.name, 1, 1, &value.value));
   if (outputs.size() > SIMVIS_SHM_MAX_OUTPUTS) outputs.resize(SIMVIS_SHM_MAX_OUTPUTS);
-  host_.publish(index, time.index, time.time_ns, {glm::value_ptr(world_from_sensor), 16}, outputs);
+  host_.publish(sensors_.at(sensor.id), time.index, time.time_ns, {glm::value_ptr(world_from_sensor), 16}, outputs);
 }
 
 void Serving::finish_frame(const BuiltScene& scene, const FrameTime& time) {
-  add_new(scene);
+  follow_scene(scene);
   host_.finish_frame(time.index + 1, time.time_ns);
 }
 

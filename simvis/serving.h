@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
@@ -16,7 +17,7 @@
 
 namespace simvis {
 
-/// The bridge between a running scene and its shared memory. Elements and sensors have the same ids in both.
+/// The bridge between a running scene and its shared memory. Elements and parameters have the same ids in both.
 class Serving {
  public:
   /// Throws InputError: the name is not allowed or taken, a folder is not there. MachineError: no memory.
@@ -28,8 +29,7 @@ class Serving {
   void take(BuiltScene& scene, const Execute& execute);
 
   /// Publishes the last measurement of a sensor.
-  void publish(const BuiltSensor& sensor, std::size_t index, const FrameTime& time,
-               const glm::dmat4& world_from_sensor);
+  void publish(const BuiltSensor& sensor, const FrameTime& time, const glm::dmat4& world_from_sensor);
   /// Publishes the values of the frame and wakes clients.
   void finish_frame(const BuiltScene& scene, const FrameTime& time);
 
@@ -38,22 +38,25 @@ class Serving {
   void wait_for_clients(const FrameTime& time);
 
  private:
-  void add_new(const BuiltScene& scene);
+  void follow_scene(const BuiltScene& scene);
+  void follow_elements(const Parameters& parameters);
+  void follow_sensors(const BuiltScene& scene);
   void execute(const ChangeRequest& request, const BuiltScene& scene, const Execute& execute);
   void check_files(std::span<const Command> commands) const;
   void set(Parameters& parameters, const WrittenValue& written);
   void set(Parameters& parameters, const WrittenElement& written);
   void refuse_value(const std::string& why, std::uint32_t client);
   void take_over(const Parameters& parameters, std::size_t parameter);
-  void follow(const Parameters& parameters);
+  void follow_values(const Parameters& parameters);
 
   ServeDesc desc_;
   std::vector<std::filesystem::path> folders_;  // canonical
   SharedHost host_;
-  std::size_t changes_ = 0;  // of the scene's log that are in the shared one
-  std::size_t elements_ = 0, sensors_ = 0;
-  int refused_values_ = 0;      // in this frame
-  std::vector<double> values_;  // as the shared memory has them
+  std::size_t changes_ = 0;                     // of the scene's log that are in the shared one
+  std::vector<bool> removed_;                   // by element
+  std::map<std::size_t, std::size_t> sensors_;  // from BuiltSensor::id to the id in the shared memory
+  int refused_values_ = 0;                      // in this frame
+  std::vector<double> values_;                  // as the shared memory has them
 };
 
 }  // namespace simvis

@@ -64,7 +64,8 @@ void Simulation::set(std::string_view element, std::string_view parameter, doubl
 void Simulation::set_pose(std::string_view element, const glm::dmat4& parent_from_child) {
   const SimulationUse use = impl();
   Parameters& parameters = use->scene.built.parameters;
-  const auto found = std::ranges::find(parameters.elements(), element, &ElementDescriptor::name);
+  const auto found = std::ranges::find_if(
+      parameters.elements(), [&](const ElementDescriptor& each) { return !each.removed && each.name == element; });
   if (found == parameters.elements().end()) parameters.index(element, "x");  // throws
   if (found->type != "pose") {
     throw InputError("element " + in_quotes(element) + " is a " + found->type + ", expected an element of type pose");
@@ -105,7 +106,7 @@ void Simulation::execute(std::string_view xml, const std::filesystem::path& fold
   const InputLog inputs;
   use->scene.execute(parse_commands(xml, name, folder));
   use->add_inputs(inputs);
-  use->add_new_sensors();
+  use->follow_scene();
 }
 
 void Simulation::serve(const ServeDesc& desc) {
@@ -133,7 +134,7 @@ RecordReport Simulation::finish_recording() {
 void Simulation::add_variant(std::string_view sensor, const Command& command) {
   const SimulationUse use = impl();
   use->idle().scene.add_variant(use->index(sensor), command);
-  use->add_new_sensors();
+  use->follow_scene();
 }
 
 void Simulation::enable(std::string_view sensor, bool on) {

@@ -11,6 +11,7 @@
 #include <simvis/version.h>
 #include "engine/base/cache_file.h"
 #include "engine/base/now_ns.h"
+#include "scenegraph/clone_graph.h"
 #include "simvis/mount_frame.h"
 
 namespace simvis {
@@ -43,20 +44,50 @@ SimulationImpl::SimulationImpl(const SimulationDesc& desc, std::span<const Comma
       sensing(scene.built.scene.root(), Audience::sensors, device),
       instrumented(desc.device.instrumented) {
   scene.require(device.target_limits());
-  add_new_sensors();
+  follow_scene();
 }
 
-void SimulationImpl::add_new_sensors() {
-  for (std::size_t i = states.size(); i < scene.built.sensors.size(); ++i) {
-    const SensorType* const type = find_sensor_type(scene.built.sensors[i].type);
-    if (type->measure_costs == nullptr) continue;
-    const auto model = [this, type]() -> const CostModel& { return costs(*type); };
-    scene.built.sensors[i].sensor->use_cost_model(model);
-  }
-  states.resize(scene.built.sensors.size());
+// Called after each change of the scene: what frames need of it follows.
+void SimulationImpl::follow_scene() {
+  follow_sensors();
+  follow_tracked_parts();
   const bool wanted = std::ranges::any_of(scene.built.sensors,
                                           [](const BuiltSensor& sensor) { return sensor.sensor->visualization(); });
   if (wanted && !people) people.emplace(scene.built.scene.root(), Audience::people, device);
+  if (!wanted) people.reset();
+}
+
+void SimulationImpl::follow_sensors() {
+  std::vector<State> before = std::move(states);
+  states.clear();
+  auto known = before.begin();  // both are in the order of ids
+  bool removed = false;
+  for (const BuiltSensor& built : scene.built.sensors) {
+    for (; known != before.end() && known->sensor < built.id; ++known) removed = true;
+    if (known != before.end() && known->sensor == built.id) {
+      states.push_back(std::move(*known++));
+      continue;
+    }
+    states.emplace_back().sensor = built.id;
+    const SensorType* const type = find_sensor_type(built.type);
+    if (type->measure_costs == nullptr) continue;
+    built.sensor->use_cost_model([this, type]() -> const CostModel& { return costs(*type); });
+  }
+  if (!removed && known == before.end()) return;
+  // The plans of the last frame name sensors that are not there any more.
+  sensing.begin_plan();
+  if (people) people->begin_plan();
+}
+
+// The mount of a part goes with the part. A new part of the same name is tracked again.
+void SimulationImpl::follow_tracked_parts() {
+  if (tracked_parts.empty()) return;
+  const std::vector<NodePtr> nodes = nodes_of(scene.built.scene.root());
+  const std::set<NodePtr> there(nodes.begin(), nodes.end());
+  for (auto& [part, mount] : tracked_parts) {
+    if (there.contains(mount)) continue;
+    mount = scene.built.scene.has_insertion_point(part) ? add_mount(part) : nullptr;
+  }
 }
 
 const CostModel& SimulationImpl::costs(const SensorType& type) {
@@ -142,7 +173,7 @@ void SimulationImpl::take_from_clients(const FrameTime& time) {
     const InputLog inputs;
     scene.execute(commands);
     add_inputs(inputs);
-    add_new_sensors();
+    follow_scene();
   });
 }
 
@@ -150,7 +181,7 @@ void SimulationImpl::publish_to_clients(const FrameTime& time) {
   stages.begin("publish");
   for (const std::string& name : measured) {
     const std::size_t i = index(name);
-    serving->publish(scene.built.sensors[i], i, time, states[i].world_from_sensor);
+    serving->publish(scene.built.sensors[i], time, states[i].world_from_sensor);
   }
   serving->finish_frame(scene.built, time);
 }
@@ -232,7 +263,9 @@ void SimulationImpl::show_to_people(const FrameTime& time) {
   }
   if (anybody) {
     people->list = &people->flattener.update();
-    for (const std::unique_ptr<Element>& element : scene.built.elements) element->observe(*this);
+    for (const std::unique_ptr<Element>& element : scene.built.elements) {
+      if (element != nullptr) element->observe(*this);
+    }
     people->list = &people->flattener.update();
   }
   plan_due_sensors(*people, true, time);
@@ -341,11 +374,15 @@ void SimulationImpl::track_part(std::string_view part) {
   if (!built.has_insertion_point(part)) {
     throw InputError("there is no part \"" + std::string(part) + "\"" + suggestion(part, built.insertion_points()));
   }
+  tracked_parts.emplace(part, add_mount(part));
+}
+
+std::shared_ptr<Mount> SimulationImpl::add_mount(std::string_view part) {
   const auto mount = std::make_shared<Mount>();
   mount->name = part;
-  built.insert_behind_point(part, mount);
-  built.undo().commit();
-  tracked_parts.emplace(part, mount);
+  scene.built.scene.insert_behind_point(part, mount);
+  scene.built.scene.undo().commit();
+  return mount;
 }
 
 bool SimulationImpl::part_pose(std::string_view part, glm::dmat4& world_from_part) const {
@@ -354,7 +391,7 @@ bool SimulationImpl::part_pose(std::string_view part, glm::dmat4& world_from_par
     throw InputError("part \"" + std::string(part) + "\" is not tracked, expected track_part() before");
   }
   glm::dmat4 world_from_mount;
-  return sensing.flattener.find_mount(*found->second, world_from_mount) &&
+  return found->second != nullptr && sensing.flattener.find_mount(*found->second, world_from_mount) &&
          rigid_mount_frame(world_from_mount, world_from_part);
 }
 

@@ -40,6 +40,7 @@ struct SimulationImpl : Observations {
   SimulationImpl& idle();
   void add_inputs(const InputLog& log);
   void track_part(std::string_view part);
+  std::shared_ptr<Mount> add_mount(std::string_view part);
   bool part_pose(std::string_view part, glm::dmat4& world_from_part) const;
   void update_elements();
   void show_to_people(const FrameTime& time);
@@ -52,7 +53,9 @@ struct SimulationImpl : Observations {
   void warn(const std::string& warning);
   void warn_before_measuring();
   void warn_of_empty_views(const ViewLayer& layer, std::span<const PassResult> results);
-  void add_new_sensors();
+  void follow_scene();
+  void follow_sensors();
+  void follow_tracked_parts();
   void take_from_clients(const FrameTime& time);
   void publish_to_clients(const FrameTime& time);
   void record_frame(const FrameTime& time);
@@ -65,6 +68,7 @@ struct SimulationImpl : Observations {
   bool find_mount(const Mount& mount, glm::dmat4& world_from_mount) const override;
 
   struct State {
+    std::size_t sensor = 0;  // BuiltSensor::id
     bool enabled = true;
     std::uint64_t frames = 0;
     glm::dmat4 world_from_sensor{1.0};  // at its last measurement
@@ -84,8 +88,8 @@ struct SimulationImpl : Observations {
   std::filesystem::path cache;
   std::vector<std::filesystem::path> inputs;  // files that were read, sorted
   Device device;
-  std::map<std::string, std::shared_ptr<Mount>, std::less<>> tracked_parts;
-  std::optional<CostModel> device_costs;  // set when a sensor first requests them
+  std::map<std::string, std::shared_ptr<Mount>, std::less<>> tracked_parts;  // null: it was removed
+  std::optional<CostModel> device_costs;                                     // set when a sensor first requests them
   ViewLayer sensing;
   std::optional<ViewLayer> people;    // set if the scene has a visualization sensor
   FrameTime frame;                    // under way, or the last one that was begun

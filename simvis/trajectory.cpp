@@ -137,6 +137,7 @@ void Trajectory::apply(double time_s, Parameters& parameters) const {
     // std::lerp is monotonic and exact at both ends, so the result stays within the limits if both rows do.
     const double first = values_[from * indices_.size() + i], last = values_[to * indices_.size() + i];
     const bool other_way = full_turn_[i] && std::abs(last - first) > kFullTurn_deg / 2;
+    if (parameters.is_removed(indices_[i])) continue;
     parameters.set(indices_[i], other_way ? first + part * short_way(first, last) : std::lerp(first, last, part));
   }
 }

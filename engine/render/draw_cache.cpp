@@ -20,6 +20,16 @@ auto state_of(const Drawable& d) {
   return std::tuple(d.key.bits(), d.single_sided, d.mirrored, d.depth_visible, d.texture, d.range.clusters.data());
 }
 
+LightCounts count_lights(const DrawList& list) {
+  LightCounts counts;
+  for (const LightItem& item : list.lights) {
+    const LightKind kind = item.light.kind;
+    ++(kind == LightKind::directional ? counts.directional : kind == LightKind::point ? counts.point : counts.spot);
+    counts.ranged |= kind != LightKind::directional && item.light.range_m > 0;
+  }
+  return counts;
+}
+
 // Whether a map, if present, changes the appearance of the material.
 bool has_effect(const Material& material, MapKind kind) {
   switch (kind) {
@@ -48,7 +58,7 @@ void DrawCache::update(const DrawList& list, MeshUse use, GeometryPool& geometry
     throw InputError("the scene has " + std::to_string(list.lights.size()) + " lights, expected at most " +
                      std::to_string(SIMVIS_MAX_LIGHTS));
   }
-  const auto lights = static_cast<std::uint16_t>(std::min<std::size_t>(list.lights.size(), SIMVIS_MAX_LIGHTS));
+  const LightCounts lights = color ? count_lights(list) : lights_;
   const bool new_lights = lights_ != lights;
   if (color) light_order_ = light_order(list);
   if (new_tables) mesh_ranks_ = canonical_ranks(meshes_);
@@ -218,7 +228,7 @@ TextureSet DrawCache::shown(const MaterialKind& kind) const {
   TextureSet set = kind.textures;
   if (!with_color()) std::fill(set.begin() + SIMVIS_FIRST_MAP, set.end(), nullptr);
   // Normals and roughness are visible only if there are lights.
-  if (lights_ == 0) set[SIMVIS_NORMAL_MAP] = set[SIMVIS_METALLIC_ROUGHNESS_MAP] = nullptr;
+  if (!lights_.any()) set[SIMVIS_NORMAL_MAP] = set[SIMVIS_METALLIC_ROUGHNESS_MAP] = nullptr;
   return set;
 }
 
@@ -243,8 +253,8 @@ Drawable DrawCache::drawable(std::uint32_t index, bool color) const {
   d.key.maps = color ? shown & ~kBase : 0;
   if (d.key.textured || d.key.maps != 0) d.texture = texture_sets_[item.material];
   d.key.unlit = color && kind.unlit;
-  d.key.lights = color && !kind.unlit ? lights_ : 0;
-  d.key.glossy = kind.glossy && d.key.lights > 0;
+  d.key.lights = color && !kind.unlit ? lights_ : LightCounts{};
+  d.key.glossy = kind.glossy && d.key.lights.any();
   d.key.metallic = kind.metallic && d.key.glossy;
   return d;
 }

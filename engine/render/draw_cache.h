@@ -72,7 +72,7 @@ class DrawCache {
   bool made_ = false;
   bool any_lit_ = false;
   MeshUse use_ = MeshUse::none;  // of opaque triangles: the maximum since the structure last changed
-  std::uint16_t lights_ = 0;
+  LightCounts lights_{};
   std::vector<DrawItem> items_;
   std::vector<std::shared_ptr<const Mesh>> meshes_;
   std::vector<std::shared_ptr<const Material>> materials_;

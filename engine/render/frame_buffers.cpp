@@ -5,13 +5,16 @@
 #include <string>
 
 #include <simvis/error.h>
+#include "engine/vulkan/vulkan_check.h"
 
 namespace simvis {
 namespace {
 
 constexpr VkDeviceSize kFirstSize = 16384;
-// The range that a view may read from its offset.
-constexpr VkDeviceSize kLightsRange = SIMVIS_MAX_LIGHTS * sizeof(shader::LightBlock);
+// The lights as shaders read them: see the rows in shaders/interop.h.
+constexpr VkFormat kLightFormat = VK_FORMAT_R32G32B32A32_SFLOAT;
+constexpr VkDeviceSize kLightTexel = sizeof(glm::vec4);
+static_assert(sizeof(shader::LightBlock) == SIMVIS_LIGHT_ROWS * kLightTexel);
 
 // The smallest alpha that is kept. An opaque surface is kept for any alpha of its texture.
 float cutoff_of(const Material& m) {
@@ -75,8 +78,23 @@ bool FrameBuffers::reserve_table(Table& table, const char* name, std::uint32_t b
 }
 
 void FrameBuffers::reserve_lights(VkDeviceSize size) {
-  if (!reserve(lights_, "lights", VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, size)) return;
-  describe(SIMVIS_LIGHTS, lights_, kLightsRange);
+  const VkDeviceSize limit = kLightTexel * device_.limits().maxTexelBufferElements;
+  if (size > limit) {
+    throw MachineError("a frame needs " + std::to_string(size) + " bytes of lights; " + device_.physical.info.name +
+                       " allows " + std::to_string(limit));
+  }
+  if (!reserve(lights_, "lights", VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT, size)) return;
+  const VkBufferViewCreateInfo info{.sType = VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO,
+                                    .pNext = nullptr,
+                                    .flags = 0,
+                                    .buffer = lights_.get(),
+                                    .format = kLightFormat,
+                                    .offset = 0,
+                                    .range = std::min(limit, lights_.size() / kLightTexel * kLightTexel)};
+  VkBufferView texels = VK_NULL_HANDLE;
+  vk_check(vkCreateBufferView(device_.device, &info, nullptr, &texels), "vkCreateBufferView");
+  light_texels_ = Handle<VkBufferView>(device_, texels, "lights");
+  write_descriptor(device_, set_layout_, set_.get(), SIMVIS_LIGHTS, texels);
 }
 
 void FrameBuffers::write_instances(std::span<const shader::Instance> instances, Uploads& uploads) {
@@ -104,8 +122,8 @@ void FrameBuffers::write_cpu_selected(std::span<const std::span<const shader::Cp
 }
 
 void FrameBuffers::write_lights(std::span<const shader::LightBlock> lights, Uploads& uploads) {
-  reserve_lights(lights.size_bytes() + kLightsRange);  // keeps the range of the last view within the buffer
-  uploads.write(lights_, 0, std::as_bytes(lights));
+  reserve_lights(lights.size_bytes());
+  if (!lights.empty()) uploads.write(lights_, 0, std::as_bytes(lights));
 }
 
 template <typename Wanted, typename BlockOf>

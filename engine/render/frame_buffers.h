@@ -69,6 +69,7 @@ class FrameBuffers {
   const DescriptorLayout& set_layout_;
   DescriptorSets set_;
   Buffer instances_, indices_, cpu_selected_, lights_;
+  Handle<VkBufferView> light_texels_;  // of lights_
   Table materials_, map_places_;
 };
 

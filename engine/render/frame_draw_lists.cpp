@@ -67,12 +67,7 @@ void FrameDrawLists::append(const ViewDrawList& drawing, bool shadowed) {
     }
     runs_.push_back(run);
   }
-  if (!drawing.lights().empty()) {
-    // Vulkan allows devices to require uniform buffer offsets that are multiples of up to 256 bytes.
-    constexpr std::size_t kAlignment = 256 / sizeof(shader::LightBlock);
-    lights_.resize((lights_.size() + kAlignment - 1) / kAlignment * kAlignment);
-    draws.lights_offset = static_cast<std::uint32_t>(lights_.size() * sizeof(shader::LightBlock));
-  }
+  draws.block.lights.x = static_cast<std::uint32_t>(lights_.size()) * SIMVIS_LIGHT_ROWS;
   if (shadowed) draws.shadowed = shadowed_++;
   append_to(instances_, drawing.instances());
   append_to(lights_, drawing.lights());

@@ -1,7 +1,6 @@
 #include "engine/render/frame_recorder.h"
 
 #include <algorithm>
-#include <limits>
 #include <optional>
 
 #include "engine/geometry/view_projection.h"
@@ -10,11 +9,6 @@ namespace simvis {
 namespace {
 
 VkPipelineLayout layout(const FrameContext& frame) { return frame.pipelines.layout(); }
-
-void bind_frame_set(const FrameContext& frame, std::uint32_t lights_offset) {
-  vkCmdBindDescriptorSets(frame.commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout(frame), SIMVIS_FRAME_SET, 1,
-                          &frame.frame_set, 1, &lights_offset);
-}
 
 void bind_shadow_set(const FrameContext& frame, std::size_t shadowed) {
   const VkDescriptorSet set = frame.shadows->set();
@@ -28,8 +22,7 @@ struct Bound {
   VkPipeline pipeline = VK_NULL_HANDLE;
   VkDescriptorSet texture = VK_NULL_HANDLE;
   VkBuffer indices = VK_NULL_HANDLE;
-  std::optional<bool> cpu_selected;  // bound vertices: CPU-selected, or those of meshes
-  std::uint32_t lights_offset = std::numeric_limits<std::uint32_t>::max();
+  std::optional<bool> cpu_selected;                // bound vertices: CPU-selected, or those of meshes
   std::vector<VkMultiDrawIndexedInfoEXT> parts{};  // scratch memory for one multi-draw
 };
 
@@ -131,10 +124,6 @@ void record_view(const FrameContext& frame, const Pass& pass, const View& view, 
   vkCmdSetScissor(frame.commands, 0, 1, &scissor);
   vkCmdPushConstants(frame.commands, layout(frame), VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, 0,
                      sizeof draws.block, &draws.block);
-  if (pass.color && draws.lights_offset != bound.lights_offset) {
-    bind_frame_set(frame, draws.lights_offset);
-    bound.lights_offset = draws.lights_offset;
-  }
   if (!view.shadows.empty()) bind_shadow_set(frame, draws.shadowed);
   const auto number = static_cast<std::size_t>(&draws - frame.draws.views().data());
   for (std::size_t first = 0, count = 0; first < runs.size(); first += count) {
@@ -233,7 +222,10 @@ bool shows_layers(std::span<const ViewDraws> views) {
                              [](const ViewDraws& draws) { return draws.first_depth_visible > draws.first_layer; });
 }
 
-void record_bindings(const FrameContext& frame) { bind_frame_set(frame, 0); }
+void record_bindings(const FrameContext& frame) {
+  vkCmdBindDescriptorSets(frame.commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout(frame), SIMVIS_FRAME_SET, 1,
+                          &frame.frame_set, 0, nullptr);
+}
 
 void record_pass(const FrameContext& frame, const Pass& pass, const RenderTarget& target,
                  std::span<const ViewDraws> views) {

@@ -126,7 +126,7 @@ VkPipelineColorBlendAttachmentState color_blend(const PipelineKey& key) {
 
 // The specialization constants of a shader, 4 bytes each, in the order of their numbers.
 struct Constants {
-  static constexpr std::uint32_t kCount = 10;
+  static constexpr std::uint32_t kCount = 13;
   std::uint32_t values[kCount];
   VkSpecializationMapEntry entries[kCount];
   VkSpecializationInfo info{kCount, entries, sizeof values, values};
@@ -134,7 +134,10 @@ struct Constants {
   explicit Constants(const PipelineKey& key) {
     values[SIMVIS_MASKED] = key.surface == Surface::masked || key.surface == Surface::faded;
     values[SIMVIS_UNLIT] = key.unlit;
-    values[SIMVIS_LIGHT_COUNT] = key.lights;
+    values[SIMVIS_DIRECTIONAL_LIGHTS] = key.lights.directional;
+    values[SIMVIS_POINT_LIGHTS] = key.lights.point;
+    values[SIMVIS_SPOT_LIGHTS] = key.lights.spot;
+    values[SIMVIS_RANGED] = key.lights.ranged;
     values[SIMVIS_FADED] = key.surface == Surface::faded;
     values[SIMVIS_GLOSSY] = key.glossy;
     values[SIMVIS_SHADOWED] = key.shadowed;
@@ -151,13 +154,16 @@ struct Constants {
 }  // namespace
 
 std::uint64_t PipelineKey::bits() const {
+  constexpr int kLightBits = 9;  // of each count
   std::uint64_t bits = static_cast<std::uint64_t>(topology) | static_cast<std::uint64_t>(surface) << 2;
   for (const bool flag : {color, depth_only, textured, unlit, glossy, metallic, cull_back, mirrored, shadow_map,
-                          orthographic, shadowed, fog, cpu_selected}) {
+                          orthographic, shadowed, fog, cpu_selected, lights.ranged}) {
     bits = bits << 1 | (flag ? 1u : 0u);
   }
   bits = bits << SIMVIS_TEXTURES | maps;
-  return (bits << 16 | lights) << 3 | static_cast<std::uint64_t>(std::countr_zero(samples));
+  static_assert(SIMVIS_MAX_LIGHTS < 1 << kLightBits);
+  for (const std::uint16_t count : {lights.directional, lights.point, lights.spot}) bits = bits << kLightBits | count;
+  return bits << 3 | static_cast<std::uint64_t>(std::countr_zero(samples));
 }
 
 Pipelines::Pipelines(DeviceImpl& device)
@@ -176,7 +182,7 @@ Pipelines::Pipelines(DeviceImpl& device)
                   make_module(device, mesh_layer_mapped_frag, "mesh_layer_mapped.frag")} {
   const VkDescriptorSetLayoutBinding frame_bindings[] = {
       descriptor_binding(SIMVIS_MATERIALS, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_SHADER_STAGE_VERTEX_BIT),
-      descriptor_binding(SIMVIS_LIGHTS, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC, VK_SHADER_STAGE_FRAGMENT_BIT),
+      descriptor_binding(SIMVIS_LIGHTS, VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, VK_SHADER_STAGE_FRAGMENT_BIT),
       descriptor_binding(SIMVIS_MAP_PLACES, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_SHADER_STAGE_VERTEX_BIT)};
   frame_set_layout_ = DescriptorLayout(device, frame_bindings, "frame set layout");
   VkDescriptorSetLayoutBinding texture_bindings[SIMVIS_TEXTURES];

@@ -11,6 +11,16 @@
 
 namespace simvis {
 
+/// The lights of a view, by kind.
+struct LightCounts {
+  std::uint16_t directional = 0, point = 0, spot = 0;  ///< together at most SIMVIS_MAX_LIGHTS
+  bool ranged = false;                                 ///< a light has a range
+
+  std::uint32_t all() const { return std::uint32_t{directional} + point + spot; }
+  bool any() const { return all() > 0; }
+  bool operator==(const LightCounts&) const = default;
+};
+
 /// Selects the pipeline of a run of meshes. Fields that have no effect in a pass keep their defaults, so that equal
 /// pipelines have equal keys.
 struct PipelineKey {
@@ -23,10 +33,10 @@ struct PipelineKey {
   Surface surface = Surface::opaque;
   bool textured = false;
   bool unlit = false;
-  bool glossy = false;       ///< lights produce specular highlights
-  bool metallic = false;     ///< highlights have the colour of the surface
-  std::uint8_t maps = 0;     ///< bit mask of the maps that are shown, bit number = binding, from SIMVIS_FIRST_MAP on
-  std::uint16_t lights = 0;  ///< number of lights, at most SIMVIS_MAX_LIGHTS
+  bool glossy = false;    ///< lights produce specular highlights
+  bool metallic = false;  ///< highlights have the colour of the surface
+  std::uint8_t maps = 0;  ///< bit mask of the maps that are shown, bit number = binding, from SIMVIS_FIRST_MAP on
+  LightCounts lights{};   ///< none for unlit surfaces
   bool cull_back = false;
   bool fog = false;           ///< the medium has an extinction above 0
   bool mirrored = false;      ///< the transform reverses the winding of triangles

@@ -43,7 +43,7 @@ std::string_view what_is_drawn(Surface surface) {
   return "";
 }
 
-std::string lights_text(std::uint16_t lights) { return std::to_string(lights) + (lights == 1 ? " light" : " lights"); }
+std::string lights_text(std::uint32_t lights) { return std::to_string(lights) + (lights == 1 ? " light" : " lights"); }
 
 std::string variant_of(const PipelineKey& key) {
   std::string text = key.depth_only ? "depth" : "colour";
@@ -51,7 +51,7 @@ std::string variant_of(const PipelineKey& key) {
   text += ", " + std::string(to_string(key.topology)) + ", " + std::string(to_string(key.surface));
   if (key.textured) text += ", textured";
   if (key.unlit) text += ", unlit";
-  if (key.lights > 0) text += ", " + lights_text(key.lights);
+  if (key.lights.any()) text += ", " + lights_text(key.lights.all());
   if (key.glossy) text += key.metallic ? ", metallic" : ", glossy";
   if (key.maps != 0) text += ", " + std::to_string(std::popcount(key.maps)) + " maps";
   if (key.shadowed) text += ", shadowed";
@@ -68,7 +68,7 @@ std::string reason_for(const PipelineKey& key) {
   std::string text(what_is_drawn(key.surface));
   if (key.depth_only) return text + (key.shades() ? "" : ": no fragment shader");
   if (key.unlit) return text + ", unlit";
-  return text + (key.lights > 0 ? ", lit by " + lights_text(key.lights) : ", in ambient light");
+  return text + (key.lights.any() ? ", lit by " + lights_text(key.lights.all()) : ", in ambient light");
 }
 
 }  // namespace

@@ -19,11 +19,11 @@ constexpr std::uint32_t kNoGroup = std::numeric_limits<std::uint32_t>::max();
 
 PipelineKey key_in_view(const Drawable& d, const View& view, const DrawList& list) {
   PipelineKey key = d.key;
-  key.shadowed = key.lights > 0 && !view.shadows.empty();
+  key.shadowed = key.lights.any() && !view.shadows.empty();
   key.fog = key.color && list.medium.extinction_per_m > 0;
   if (key.topology != Topology::triangles) return key;
   key.cull_back = d.single_sided && !view.sees_back_faces;
-  key.mirrored = d.mirrored && (key.cull_back || key.lights > 0);
+  key.mirrored = d.mirrored && (key.cull_back || key.lights.any());
   return key;
 }
 
@@ -146,7 +146,7 @@ void ViewDrawList::add_lights(const View& view, const ViewProjection& projection
   }
   for (std::size_t i = 0; i < view.shadows.size(); ++i) {
     const auto place = std::ranges::find(table.lights(), view.shadows[i].light) - table.lights().begin();
-    lights_[static_cast<std::size_t>(place)].cone.z = static_cast<float>(i + 1);
+    lights_[static_cast<std::size_t>(place)].shadow.x = static_cast<float>(i + 1);
   }
 }
 

@@ -7,7 +7,8 @@ namespace simvis {
 namespace {
 
 void write_descriptor(const DeviceImpl& device, const DescriptorLayout& layout, VkDescriptorSet set,
-                      std::uint32_t binding, const VkDescriptorBufferInfo* buffer, const VkDescriptorImageInfo* image) {
+                      std::uint32_t binding, const VkDescriptorBufferInfo* buffer, const VkDescriptorImageInfo* image,
+                      const VkBufferView* texels) {
   SIMVIS_ASSERT(binding < layout.types().size());
   const VkWriteDescriptorSet write{.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
                                    .pNext = nullptr,
@@ -18,7 +19,7 @@ void write_descriptor(const DeviceImpl& device, const DescriptorLayout& layout, 
                                    .descriptorType = layout.types()[binding],
                                    .pImageInfo = image,
                                    .pBufferInfo = buffer,
-                                   .pTexelBufferView = nullptr};
+                                   .pTexelBufferView = texels};
   vkUpdateDescriptorSets(device.device, 1, &write, 0, nullptr);
 }
 
@@ -75,12 +76,17 @@ DescriptorSets::DescriptorSets(DeviceImpl& device, const DescriptorLayout& layou
 
 void write_descriptor(const DeviceImpl& device, const DescriptorLayout& layout, VkDescriptorSet set,
                       std::uint32_t binding, const VkDescriptorBufferInfo& buffer) {
-  write_descriptor(device, layout, set, binding, &buffer, nullptr);
+  write_descriptor(device, layout, set, binding, &buffer, nullptr, nullptr);
 }
 
 void write_descriptor(const DeviceImpl& device, const DescriptorLayout& layout, VkDescriptorSet set,
                       std::uint32_t binding, const VkDescriptorImageInfo& image) {
-  write_descriptor(device, layout, set, binding, nullptr, &image);
+  write_descriptor(device, layout, set, binding, nullptr, &image, nullptr);
+}
+
+void write_descriptor(const DeviceImpl& device, const DescriptorLayout& layout, VkDescriptorSet set,
+                      std::uint32_t binding, VkBufferView texels) {
+  write_descriptor(device, layout, set, binding, nullptr, nullptr, &texels);
 }
 
 }  // namespace simvis

@@ -45,10 +45,12 @@ class DescriptorSets {
   std::vector<VkDescriptorSet> sets_;  // freed with their pool
 };
 
-/// Points one descriptor of a set at a buffer or an image. No submission in flight may use the set.
+/// Points one descriptor of a set at a buffer, an image or a texel buffer. No submission in flight may use the set.
 void write_descriptor(const DeviceImpl& device, const DescriptorLayout& layout, VkDescriptorSet set,
                       std::uint32_t binding, const VkDescriptorBufferInfo& buffer);
 void write_descriptor(const DeviceImpl& device, const DescriptorLayout& layout, VkDescriptorSet set,
                       std::uint32_t binding, const VkDescriptorImageInfo& image);
+void write_descriptor(const DeviceImpl& device, const DescriptorLayout& layout, VkDescriptorSet set,
+                      std::uint32_t binding, VkBufferView texels);
 
 }  // namespace simvis

@@ -13,6 +13,7 @@ struct Traits;
     static void destroy(VkDevice device, Vk##Type handle) { destroy_function(device, handle, nullptr); } \
   };
 SIMVIS_VULKAN_OBJECT(Buffer, BUFFER, vkDestroyBuffer)
+SIMVIS_VULKAN_OBJECT(BufferView, BUFFER_VIEW, vkDestroyBufferView)
 SIMVIS_VULKAN_OBJECT(Image, IMAGE, vkDestroyImage)
 SIMVIS_VULKAN_OBJECT(ImageView, IMAGE_VIEW, vkDestroyImageView)
 SIMVIS_VULKAN_OBJECT(Sampler, SAMPLER, vkDestroySampler)
@@ -43,6 +44,7 @@ void Handle<T>::retire() {
 }
 
 template class Handle<VkBuffer>;
+template class Handle<VkBufferView>;
 template class Handle<VkImage>;
 template class Handle<VkImageView>;
 template class Handle<VkSampler>;

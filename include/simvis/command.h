@@ -1,4 +1,4 @@
-// The three commands of the scene language (part, element, sensor), read from XML. `include`, `set` and `repeat` are
+// The commands of the scene language (part, element, sensor, remove), read from XML. `include`, `set` and `repeat` are
 // carried out while reading.
 #pragma once
 
@@ -19,7 +19,8 @@ namespace simvis {
 enum class CommandKind : std::uint8_t {
   part,     ///< inserts the content of a file
   element,  ///< makes an object that changes the scene
-  sensor    ///< makes a sensor
+  sensor,   ///< makes a sensor
+  remove    ///< takes out what an earlier command made
 };
 
 /// One attribute as written.
@@ -52,7 +53,7 @@ struct SIMVIS_API Command {
   const CommandAttribute& require(std::string_view name) const;
 };
 
-/// "part", "element" or "sensor". The text is static.
+/// "part", "element", "sensor" or "remove". The text is static.
 SIMVIS_API std::string_view to_string(CommandKind kind);
 
 /// The command in the form of a scene file. The change log keeps this text.

@@ -47,7 +47,10 @@ class SIMVIS_API Observations {
 /// An object of the scene with parameters.
 ///
 /// Lifetime  made from its command; update() is called once right after with every value, then in each frame in which
-///           one of its parameters changed, and never otherwise. Destroyed with the simulation.
+///           one of its parameters changed. Destroyed when its command is removed, or with the simulation.
+/// Removal   what the constructor inserts with Scene's functions is taken out of the scene. A change to nodes that it
+///           did not insert is reverted by the step that the constructor adds with ElementContext::scene.undo(). If the
+///           request that removes the element fails, these steps are made again and then update() is called.
 /// Errors    the constructor throws InputError at the command or attribute. update() gets only values that the table
 ///           allows; it must not throw.
 /// Threads   all calls come from the thread that calls the simulation.

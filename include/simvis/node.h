@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -169,10 +170,12 @@ class SIMVIS_API MaterialNode : public Node {
   void set_material(std::shared_ptr<const Material> material);                   ///< replaces it; not null
   bool has_own_slot() const { return has_own_slot_ || !changes_.empty(); }       ///< in the DrawList
 
-  /// Makes room for one more change, which has no effect yet, and returns its number.
+  /// Makes room for one more change, which has no effect yet, and returns its number, which no other change of this
+  /// node ever has.
   std::size_t add_change();
-  void remove_last_change();                                          ///< there must be one
   void set_change(std::size_t number, const MaterialChange& change);  ///< `number` comes from add_change()
+  void remove_change(std::size_t number);                             ///< `number` comes from add_change()
+  void restore_change(std::size_t number);  ///< makes room again for a change that was removed
 
   /// The material with its changes applied.
   const std::shared_ptr<const Material>& shown() const { return shown_; }
@@ -180,7 +183,8 @@ class SIMVIS_API MaterialNode : public Node {
  private:
   void show();
   std::shared_ptr<const Material> material_, shown_;
-  std::vector<MaterialChange> changes_;
+  std::map<std::size_t, MaterialChange> changes_;  // by number
+  std::size_t next_change_ = 0;
   bool has_own_slot_ = false;
 };
 
@@ -205,6 +209,8 @@ class SIMVIS_API Shape : public Node {
   const std::shared_ptr<const Mesh>& mesh() const { return mesh_; }  ///< what is drawn
   void set_mesh(std::shared_ptr<const Mesh> mesh);                   ///< replaces it; not null
   bool has_own_slot() const { return has_own_slot_; }                ///< in the DrawList
+  /// Takes back every set_mesh(): `mesh` is that of the constructor, and the shape shares its slot again.
+  void restore_mesh(std::shared_ptr<const Mesh> mesh);
 
  private:
   std::shared_ptr<const Mesh> mesh_;

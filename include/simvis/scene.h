@@ -25,34 +25,63 @@ class NameSet;
 
 /// The content of a part that belongs to one insertion alone.
 ///
-/// Lifetime  the references are valid as long as the scene.
+/// Lifetime  the references are valid as long as the part.
 struct OwnPart {
   NodePtr root;                ///< the insertion's own graph
   const PartContent& content;  ///< the shared content that it was copied from
   const NodeMap& clone_of;     ///< from the nodes of content.root to those of `root`
 };
 
-/// The steps that revert the changes of a command to the scene if a later step of the command fails. None of them may
-/// throw.
+/// The steps that revert the changes of commands to the scene: of a command that fails, and of one whose result is
+/// removed later. None of them may throw.
 class UndoLog {
  public:
-  /// Adds the step that reverts a change just made. What it captures must live until roll_back() or commit().
-  void add(std::function<void()> undo) { steps_.push_back(std::move(undo)); }
+  /// How a change is reverted, and how it is made again if the command that reverted it fails. `redo` may be empty: an
+  /// element makes its change again in Element::update().
+  struct Step {
+    std::function<void()> undo, redo;
+    bool of_command = true;  ///< removing what the command made reverts it too
+  };
+
+  /// Adds the step that reverts a change just made. What it captures must live as long as what the command made.
+  void add(std::function<void()> undo, std::function<void()> redo = {}) {
+    steps_.push_back({std::move(undo), std::move(redo)});
+  }
+  /// Adds a step that only roll_back() takes, and not the removal of what the command made.
+  void add_for_roll_back(std::function<void()> undo) { steps_.push_back({std::move(undo), {}, false}); }
+
+  std::size_t size() const { return steps_.size(); }  ///< number of steps since the last commit()
+  /// The steps since `size()` was `first` that removing what the command made reverts.
+  std::vector<Step> steps_since(std::size_t first) const {
+    std::vector<Step> steps;
+    for (; first < steps_.size(); ++first) {
+      if (steps_[first].of_command) steps.push_back(steps_[first]);
+    }
+    return steps;
+  }
+  /// Reverts the steps of an earlier command, the last one first. roll_back() makes them again.
+  void take_back(std::vector<Step> steps) {
+    for (; !steps.empty(); steps.pop_back()) {
+      Step& step = steps.back();
+      step.undo();
+      steps_.push_back({std::move(step.redo), std::move(step.undo)});
+    }
+  }
 
   /// Runs all undo steps, the last one first, and clears the log.
   void roll_back() {
     while (!steps_.empty()) {
-      const std::function<void()> undo = std::move(steps_.back());
+      const std::function<void()> undo = std::move(steps_.back().undo);
       steps_.pop_back();
-      undo();
+      if (undo) undo();
     }
   }
 
-  /// Clears the log: the command succeeded, and its changes stay.
+  /// Clears the log: the commands succeeded, and their changes stay.
   void commit() { steps_.clear(); }
 
  private:
-  std::vector<std::function<void()>> steps_;
+  std::vector<Step> steps_;
 };
 
 /// A scene under construction.
@@ -63,7 +92,7 @@ class UndoLog {
 ///           file nor a shape makes an empty frame.
 /// Names     insertion points, parts, elements and sensors have names; two of the same kind never share one.
 /// Errors    InputError with the place; a command that throws may leave traces, which undo() reverts.
-/// Lifetime  returned references are valid as long as the scene.
+/// Lifetime  returned references are valid as long as the scene; those to a part and its content as long as the part.
 /// Threads   one thread at a time.
 class SIMVIS_API Scene {
  public:
@@ -117,6 +146,8 @@ class SIMVIS_API Scene {
   std::vector<std::string_view> part_names() const;  ///< sorted; valid until parts are inserted or reverted
   /// The command that inserted a part, which must exist (asserted). Names in it are those of the whole scene.
   const Command& part_command(std::string_view name) const;
+  /// The insertion points of a part, which must exist (asserted): its own, and those within its file.
+  std::vector<std::string> points_of_part(std::string_view name) const;
   bool has_insertion_point(std::string_view name) const;   ///< ROOT, or the insertion point of a part
   std::vector<std::string_view> insertion_points() const;  ///< sorted; valid until parts are inserted or reverted
   /// world_from_point of an insertion point, which must exist (asserted), as the scene stands now. Empty if it stands
@@ -132,6 +163,9 @@ class SIMVIS_API Scene {
   const std::vector<std::string>& warnings() const { return warnings_; }
   /// From now on, a warning is an error: warn() throws InputError "FILE:LINE:COLUMN: error: WHAT".
   void make_strict() { strict_ = true; }
+
+  /// Forgets the content of files and shapes that no part shows any more. A file is then read anew.
+  void forget_unused_content();
 
   ContentPool& pool() { return pool_; }  ///< shared content of all parts
   /// The steps that revert everything since the last commit().
@@ -154,6 +188,7 @@ class SIMVIS_API Scene {
   const PartContent& load_shape(const AttributeValues& attributes);
   void share_graph(PartContent& content) const;
   void insert_at(const Place& place, const NodePtr& node);
+  void note_child(Group* parent, const NodePtr& node);
   void remember(const Command& command, const NodePtr& node);
   void add_place(const CommandAttribute& name, const Place& place);
   void add_points(const CommandAttribute& part_name, const Part& part, const std::string& prefix);

@@ -73,9 +73,10 @@ class SIMVIS_API Simulation {
   /// differs from 1 by more than 10^-6.
   void set_pose(std::string_view element, const glm::dvec3& position_m, const glm::dquat& rotation);
 
-  /// Executes more commands: parts, elements and sensors are added to the running scene and take effect at the next
-  /// step(). Relative file names start at `folder`, and `name` stands for the text in messages. All or nothing: if it
-  /// throws InputError, with the place, the scene is unchanged. The text is logged in parameters().change_requests().
+  /// Executes more commands: parts, elements and sensors are added to the running scene, or removed from it, and take
+  /// effect at the next step(). References to what a removed sensor has measured end here. Relative file names start at
+  /// `folder`, and `name` stands for the text in messages. All or nothing: if it throws InputError, with the place, the
+  /// scene is unchanged. The text is logged in parameters().change_requests().
   void execute(std::string_view xml, const std::filesystem::path& folder = ".", const std::string& name = "<string>");
 
   /// Serves the simulation to other processes of this machine through shared memory, as docs/shared-memory.md says,

@@ -151,13 +151,13 @@ struct simvis_output {
 
 /** One measurement of a sensor. */
 struct simvis_slot {
-  uint64_t sequence;                                    /**< of this slot */
-  uint64_t measurement;                                 /**< its number: 1 for the first one of the sensor */
-  uint64_t frame;                                       /**< index of the frame */
-  int64_t time_ns;                                      /**< simulated time of the measurement */
-  double world_from_sensor[16];                         /**< column by column; rigid; x forward, y left, z up, metres */
-  uint32_t output_count;                                /**< how many outputs it has */
-  uint32_t reserved;                                    /**< 0 */
+  uint64_t sequence;            /**< of this slot; no other measurement of any sensor ever has it */
+  uint64_t measurement;         /**< its number: 1 for the first one of the sensor */
+  uint64_t frame;               /**< index of the frame */
+  int64_t time_ns;              /**< simulated time of the measurement */
+  double world_from_sensor[16]; /**< column by column; rigid; x forward, y left, z up, metres */
+  uint32_t output_count;        /**< how many outputs it has */
+  uint32_t reserved;            /**< 0 */
   struct simvis_output outputs[SIMVIS_SHM_MAX_OUTPUTS]; /**< what was measured */
 };
 

@@ -5,7 +5,7 @@
 namespace simvis {
 namespace {
 
-constexpr std::string_view kCommandNames[] = {"part", "element", "sensor"};  // in the order of CommandKind
+constexpr std::string_view kCommandNames[] = {"part", "element", "sensor", "remove"};  // in the order of CommandKind
 
 void append_escaped(std::string& text, std::string_view value) {
   for (const char c : value) {

@@ -9,9 +9,9 @@
 namespace simvis {
 namespace {
 
-constexpr std::string_view kCommandTags[] = {"part", "element", "sensor"};  // in the order of CommandKind
+constexpr std::string_view kCommandTags[] = {"part", "element", "sensor", "remove"};  // in the order of CommandKind
 constexpr std::string_view kSet = "set", kRepeat = "repeat", kInclude = "include";
-constexpr std::string_view kTags[] = {"part", "element", "sensor", kInclude, kSet, kRepeat};
+constexpr std::string_view kTags[] = {"part", "element", "sensor", "remove", kInclude, kSet, kRepeat};
 constexpr std::string_view kSpaceCharacters = " \t\r\n";
 
 // Limits of what a short file can make. A scene beyond them is taken for an error.
@@ -69,7 +69,7 @@ Command read_tag(const pugi::xml_node& node, const SceneSource& source, const Va
   const std::string_view tag = node.name();
   if (!is_tag(tag)) {
     fail_at(place(node, source.text), "unknown command " + in_quotes(tag) + suggestion(tag, kTags) +
-                                          " (expected part, element, sensor, include, set or repeat)");
+                                          " (expected part, element, sensor, remove, include, set or repeat)");
   }
   Command command;
   const auto* const kind = std::ranges::find(kCommandTags, tag);

@@ -17,7 +17,9 @@ class SceneLister {
     for (const std::string_view name : built.scene.part_names()) {
       parts_[built.scene.find_node(name).get()] = name;
     }
-    for (const ElementDescriptor& element : built.parameters.elements()) add_element(element);
+    for (const ElementDescriptor& element : built.parameters.elements()) {
+      if (!element.removed) add_element(element);
+    }
     for (const BuiltSensor& sensor : built.sensors) add_sensor(sensor);
   }
 

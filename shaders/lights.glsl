@@ -1,0 +1,156 @@
+// The light that a surface reflects to the eye. Included by color.glsl.
+//
+// Fresnel's share by Schlick, the Trowbridge-Reitz (GGX) microfacet distribution, and Smith's height-correlated
+// visibility term.
+// Sources: glTF 2.0, appendix B; Heitz, Understanding the Masking-Shadowing Function in Microfacet-Based BRDFs (2014).
+
+layout(constant_id = SIMVIS_DIRECTIONAL_LIGHTS) const uint kDirectionalLights = 0u;
+layout(constant_id = SIMVIS_POINT_LIGHTS) const uint kPointLights = 0u;
+layout(constant_id = SIMVIS_SPOT_LIGHTS) const uint kSpotLights = 0u;
+layout(constant_id = SIMVIS_RANGED) const bool kRanged = false;
+const bool kLit = kDirectionalLights + kPointLights + kSpotLights > 0u;
+
+// A texel buffer and no uniform block: lavapipe reads a block in fragment shaders number by number and lane by lane,
+// even at constant places, and a texel as one vector per lane.
+layout(set = SIMVIS_FRAME_SET, binding = SIMVIS_LIGHTS) uniform samplerBuffer lights;
+
+const float kDielectric = 0.04;  // reflectance at normal incidence for the refractive index 1.5
+// The smallest divisors of a highlight. They keep it finite where a light or the eye is 1e-6 rad or less from the plane
+// of the surface, or nearer than that to the direction opposite to the other.
+const float kMinSpread = 1e-14, kMinMasking = 1e-9;
+
+// The properties of a point that are the same for all lights.
+struct Reflector {
+  vec3 normal;  // on the side of the eye, unit length
+  vec3 to_eye;  // unit vector
+  float normal_dot_eye;
+  float square;       // roughness to the fourth power
+  float eye_masking;  // Smith's term of the eye
+  vec3 normal_reflectance;
+  vec3 plane_normal;  // of the triangle; used only for shadows
+  float reach;        // sum of the magnitudes of the position's terms, m; used only for shadows
+};
+
+struct Reflected {
+  vec3 diffuse;    // radiance of a white surface
+  vec3 highlight;  // radiance
+};
+
+// Sums over lights.
+struct LightSums {
+  vec3 entering;  // irradiance, without the share that grazing light loses to Fresnel's reflection
+  vec3 facing;    // highlight of a surface that reflects everything at normal incidence ...
+  vec3 grazing;   // ... and the part of it that is multiplied by Schlick's power
+};
+
+Reflector reflector_at(Surface surface, vec3 base) {
+  Reflector r;
+  r.normal = gl_FrontFacing ? surface.normal : -surface.normal;
+  if (!kGlossy) return r;
+  r.to_eye = -in_position * inversesqrt(dot(in_position, in_position));
+  r.normal_dot_eye = dot(r.normal, r.to_eye);
+  const float alpha = surface.roughness * surface.roughness, eye = max(r.normal_dot_eye, 0.0);
+  r.square = alpha * alpha;
+  r.eye_masking = sqrt(eye * eye * (1.0 - r.square) + r.square);
+  r.normal_reflectance = kMetallic ? mix(vec3(kDielectric), base, surface.metallic) : vec3(kDielectric);
+  return r;
+}
+
+struct Incident {
+  vec3 toward;  // unit vector to the light
+  vec3 share;   // irradiance of a surface facing the light, lux
+  uint shadow;  // 1 + index of the light's ShadowBlock; 0 if the light casts no shadow
+};
+
+// No branch here or below depends only on uniforms at constant offsets: lavapipe would treat these as constants and
+// recompile the shader whenever uniforms are bound, which takes a millisecond per view.
+vec4 light_row(uint light, uint row) {
+  return texelFetch(lights, int(view.lights.x + light * SIMVIS_LIGHT_ROWS + row));
+}
+
+uint shadow_of(uint light) { return kShadowed ? uint(light_row(light, SIMVIS_LIGHT_SHADOW).x) : 0u; }
+
+Incident directional_light(uint light) {
+  return Incident(-light_row(light, SIMVIS_LIGHT_DIRECTION).xyz, light_row(light, SIMVIS_LIGHT_INTENSITY).rgb,
+                  shadow_of(light));
+}
+
+// Source: KHR_lights_punctual, "Range Property" and "Inner and Outer Cone Angles".
+Incident placed_light(uint light, bool spot) {
+  const vec4 position = light_row(light, SIMVIS_LIGHT_POSITION), intensity = light_row(light, SIMVIS_LIGHT_INTENSITY);
+  const vec3 to_light = position.xyz - in_position;
+  const float square = max(dot(to_light, to_light), kMinSquare), inverse = inversesqrt(square);
+  const vec3 toward = to_light * inverse;
+  float share = inverse * inverse;
+  if (spot) {
+    const vec4 direction = light_row(light, SIMVIS_LIGHT_DIRECTION);
+    const float cone = clamp(intensity.w - dot(toward, direction.xyz) * direction.w, 0.0, 1.0) * inverse;
+    share = cone * cone;
+  }
+  if (kRanged) {
+    const float relative = square * position.w * position.w;  // (distance / range)^2
+    share *= clamp(1.0 - relative * relative, 0.0, 1.0);
+  }
+  return Incident(toward, intensity.rgb * share, shadow_of(light));
+}
+
+void add_light(Incident from, Reflector r, inout LightSums sums) {
+  const float normal_dot_light = dot(r.normal, from.toward), cosine = max(0.0, normal_dot_light);
+  float arriving = cosine;
+#ifdef SHADOWED
+  // Surfaces that face away from the light need no shadow test.
+  if (min(float(from.shadow), cosine) > 0.0) {
+    arriving *= free_share(shadows[from.shadow - 1u], r.plane_normal, r.reach);
+  }
+#endif
+  if (!kGlossy) {
+    sums.entering += from.share * arriving;
+    return;
+  }
+  // The half vector keeps its length: that cancels in the density of the microfacets.
+  const vec3 half_way = from.toward + r.to_eye;
+  const float length_square = dot(half_way, half_way), along = normal_dot_light + r.normal_dot_eye;
+  // Lagrange's identity gives 1 - cos^2 without cancellation: it is the square of `across`.
+  const vec3 across = cross(r.normal, half_way);
+  const float facing = max(along, 0.0);
+  const float spread = max(dot(across, across) + facing * facing * r.square, kMinSpread);
+  const float masking = cosine * r.eye_masking +
+                        max(r.normal_dot_eye, 0.0) * sqrt(cosine * cosine * (1.0 - r.square) + r.square);
+  const float highlight = arriving * ((0.5 * kInversePi * r.square) * length_square * length_square /
+                                      (spread * spread * max(masking, kMinMasking)));
+  // The cosine of the half vector to the eye is half its length.
+  const float tilted = 1.0 - min(0.5 * sqrt(length_square), 1.0), twice = tilted * tilted;
+  const float power = twice * twice * tilted;
+  sums.entering += from.share * (arriving - arriving * power);
+  if (kMetallic) {
+    sums.facing += from.share * highlight;
+    sums.grazing += from.share * (highlight * power);
+  } else {
+    sums.facing += from.share * (highlight * (kDielectric + (1.0 - kDielectric) * power));
+  }
+}
+
+// An unrolled loop reads constant places of the lights, and its masks and sums need no blending on a CPU device.
+#define ADD_LIGHTS(first, count, incident)                                                                         \
+  if (count <= SIMVIS_UNROLLED_LIGHTS) {                                                                           \
+    [[unroll]] for (uint i = 0u; i < count; ++i) {                                                                 \
+      const uint light = first + i;                                                                                \
+      add_light(incident, r, sums);                                                                                \
+    }                                                                                                              \
+  } else {                                                                                                         \
+    [[dont_unroll]] for (uint i = 0u; i < count; ++i) {                                                            \
+      const uint light = first + i;                                                                                \
+      add_light(incident, r, sums);                                                                                \
+    }                                                                                                              \
+  }
+
+Reflected reflect_lights(Reflector r) {
+  LightSums sums = LightSums(vec3(0.0), vec3(0.0), vec3(0.0));
+  ADD_LIGHTS(0u, kDirectionalLights, directional_light(light))
+  ADD_LIGHTS(kDirectionalLights, kPointLights, placed_light(light, false))
+  ADD_LIGHTS(kDirectionalLights + kPointLights, kSpotLights, placed_light(light, true))
+  if (!kGlossy) return Reflected(kInversePi * sums.entering, vec3(0.0));
+  const vec3 entering = (kInversePi * (1.0 - r.normal_reflectance)) * sums.entering;
+  if (!kMetallic) return Reflected(entering, sums.facing);
+  return Reflected(entering, r.normal_reflectance * sums.facing + (1.0 - r.normal_reflectance) * sums.grazing);
+}
