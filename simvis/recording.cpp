@@ -106,7 +106,7 @@ class Recording::SensorMessages : public OutputSink {
     }
     const std::string name = topic("", channel);
     if (!recording_.topics_.wants(name)) return;
-    const auto copy = std::make_shared<const Image>(plane);
+    const std::shared_ptr<const Image> copy = recording_.copies_.copy(plane);
     add_job(*copy, 1,
             [copy, name, right = calibrations_["right"], header = header_of("left"), time = time_ns()](
                 ros::MessageFile& file) { file.write(name, time, ros::disparity_image(*copy, right, header)); });
@@ -166,7 +166,7 @@ class Recording::SensorMessages : public OutputSink {
       if (recording_.topics_.wants(name, each.form)) wanted.emplace_back(name, each);
     }
     if (wanted.empty()) return;
-    const auto copy = std::make_shared<const Image>(image);
+    const std::shared_ptr<const Image> copy = recording_.copies_.copy(image);
     add_job(*copy, wanted.size(), [copy, wanted, header, time = time_ns()](ros::MessageFile& file) {
       for (const auto& [name, each] : wanted) {
         if (each.compressed) {
@@ -200,10 +200,13 @@ Recording::~Recording() {
 }
 
 void Recording::check_names(const BuiltScene& scene) {
-  for (; checked_sensors_ < scene.sensors.size(); ++checked_sensors_) {
-    const std::string& name = scene.sensors[checked_sensors_].name;
+  if (checked_ids_ == scene.next_sensor_id) return;
+  checked_ids_ = scene.next_sensor_id;
+  std::map<std::string, std::string> sensor_of_topic;
+  for (const BuiltSensor& sensor : scene.sensors) {
+    const std::string& name = sensor.name;
     const std::string topic = ros::topic_name(name, "pose");
-    const auto [known, is_new] = sensor_of_topic_.emplace(topic, name);
+    const auto [known, is_new] = sensor_of_topic.emplace(topic, name);
     if (is_new) continue;
     throw InputError("sensors " + in_quotes(known->second) + " and " + in_quotes(name) +
                      " would have the same topics, such as " + topic +
@@ -217,7 +220,7 @@ std::string Recording::sensor_frame(const BuiltScene& scene, const std::string& 
 }
 
 const Recording::RangeFacts& Recording::range_facts(const BuiltSensor& sensor) {
-  const auto [found, is_new] = range_facts_.try_emplace(sensor.name);
+  const auto [found, is_new] = range_facts_.try_emplace(sensor.id);
   if (is_new) {
     found->second = {{number_of(sensor, "range_min").value_or(0),
                       number_of(sensor, "range_max").value_or(std::numeric_limits<double>::infinity())},
@@ -287,7 +290,7 @@ void Recording::add_poses(const BuiltScene& scene, std::span<const PlacedSensor>
     if (!measured) continue;
     const ros::PoseAt now{time_.time_ns, world_from_sensor};
     add(ros::topic_name(sensor.name, "pose"), ros::pose_stamped(now));
-    const auto [before, is_first] = sensors_before_.try_emplace(sensor.name, now);
+    const auto [before, is_first] = sensors_before_.try_emplace(sensor.id, now);
     if (is_first) continue;
     add(ros::topic_name(sensor.name, "twist"),
         ros::TwistStamped{ros::header_of(time_.time_ns, frame), ros::mean_twist(before->second, now)});
@@ -316,14 +319,19 @@ void Recording::add_parameters(const Parameters& parameters) {
   event.node = "/simvis";
   const std::span<const double> values = parameters.values();
   for (std::size_t i = 0; i < values.size(); ++i) {
-    if (i >= values_.size()) {
-      event.new_parameters.push_back(parameter_message(parameters, i));
-    } else if (values[i] != values_[i]) {
-      event.changed_parameters.push_back(parameter_message(parameters, i));
-    }
+    const std::optional<double> now = parameters.is_removed(i) ? std::nullopt : std::optional(values[i]);
+    const std::optional<double> before = i < values_.size() ? values_[i] : std::nullopt;
+    if (now == before) continue;
+    (!before ? event.new_parameters
+     : now   ? event.changed_parameters
+             : event.deleted_parameters)
+        .push_back(parameter_message(parameters, i));
+    values_.resize(std::max(values_.size(), i + 1));
+    values_[i] = now;
   }
-  values_.assign(values.begin(), values.end());
-  if (!event.new_parameters.empty() || !event.changed_parameters.empty()) add("/parameter_events", event);
+  const bool changes =
+      !event.new_parameters.empty() || !event.changed_parameters.empty() || !event.deleted_parameters.empty();
+  if (changes) add("/parameter_events", event);
 }
 
 void Recording::add_warnings(const std::vector<std::string>& warnings) {

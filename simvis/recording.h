@@ -12,6 +12,7 @@
 #include <simvis/simulation_desc.h>
 #include "messages/from_pose.h"
 #include "messages/from_scan.h"
+#include "messages/image_copies.h"
 #include "messages/recorder.h"
 #include "messages/topics.h"
 #include "messages/transforms.h"
@@ -80,12 +81,12 @@ class Recording {
   ros::Transforms transforms_;
   std::map<std::string, glm::dmat4> world_from_body_;  // in this frame
   std::map<std::string, Body> bodies_;
-  std::map<std::string, ros::PoseAt> sensors_before_;
-  std::map<std::string, RangeFacts> range_facts_;
-  std::vector<Job> jobs_;  // of this frame's measurements
-  std::map<std::string, std::string> sensor_of_topic_;
-  std::size_t checked_sensors_ = 0, warnings_ = 0;
-  std::vector<double> values_;  // of parameters, as the file has them
+  std::map<std::size_t, ros::PoseAt> sensors_before_;  // by id
+  std::map<std::size_t, RangeFacts> range_facts_;      // by id of the sensor
+  std::vector<Job> jobs_;                              // of this frame's measurements
+  ros::ImageCopies copies_;
+  std::size_t checked_ids_ = 0, warnings_ = 0;
+  std::vector<std::optional<double>> values_;  // of parameters, as the file has them; empty: of a removed element
   std::uint64_t dropped_ = 0;
 };
 

@@ -210,6 +210,29 @@ TEST_CASE("parameters are told whole at first, then those that changed; warnings
   CHECK(told.find("no topic of the first frame matches \"/nothing/*\"\n") != std::string::npos);
 }
 
+TEST_CASE("elements and sensors come and go while they are recorded") {
+  RecordedRobot robot;
+  Simulation& simulation = robot.simulation;
+  simulation.record({.file = robot.file});
+  simulation.step();
+  simulation.execute(R"(<remove name="IR"/><element type="light" name="LAMP" insert_at="ROOT"/>)");
+  simulation.step();
+  simulation.execute(R"(<remove name="LAMP"/><sensor type="psd" name="IR" insert_at="ROOT" range_max="0.5"/>)");
+  simulation.step();
+  simulation.finish_recording();
+  const McapFile file = robot.read();
+  const auto events = file.all<ros::ParameterEvent>("/parameter_events");
+  REQUIRE(events.size() == 3);
+  REQUIRE_FALSE(events[1].new_parameters.empty());
+  CHECK(events[1].new_parameters[0].name.starts_with("LAMP."));
+  CHECK(events[2].deleted_parameters.size() == events[1].new_parameters.size());
+  CHECK(events[2].deleted_parameters[0].name == events[1].new_parameters[0].name);
+  const auto ranges = file.all<ros::Range>("/IR/range");
+  REQUIRE(ranges.size() == 2);
+  CHECK(ranges[0].max_range == 0.8f);
+  CHECK(ranges[1].max_range == 0.5f);
+}
+
 TEST_CASE("other forms of an image are recorded when they are asked for") {
   RecordedRobot robot;
   robot.simulation.record({.file = robot.file, .topics = {"/CAM/image/*", "/CAM/depth/*"}});
