@@ -29,8 +29,10 @@ struct simvis_client {
 };
 
 static _Thread_local char error_text[256];
+static _Thread_local int is_missing;
 
 const char* simvis_client_error(void) { return error_text; }
+int simvis_is_missing(void) { return is_missing; }
 
 static void fail(const char* format, ...) {
   va_list arguments;
@@ -176,8 +178,10 @@ simvis_client* simvis_connect(const char* name, const char* client_name, int tim
   client->file = -1;
   for (;;) {
     int missing = 0;
+    is_missing = 0;
     if (map_object(client, name, &missing) && take_area(client, client_name)) return client;
     unmap(client);
+    is_missing = missing;
     if (!missing || (timeout_ms >= 0 && now_ns() >= end_ns)) break;
     nanosleep(&pause, NULL);
   }
@@ -329,6 +333,12 @@ int simvis_set_element(simvis_client* client, int64_t id, const double* values, 
 }
 
 int64_t simvis_applied(const simvis_client* client, uint64_t first, double* values, size_t count) {
+  struct simvis_frame_info frame;
+  return simvis_applied_frame(client, first, values, count, &frame) == 0 ? (int64_t)frame.frames : -1;
+}
+
+int simvis_applied_frame(const simvis_client* client, uint64_t first, double* values, size_t count,
+                         struct simvis_frame_info* frame) {
   const struct simvis_header* const header = client->header;
   const uint64_t known = count_of(&header->applied);
   const uint64_t* const words = (const uint64_t*)(client->memory + header->applied.offset);
@@ -343,9 +353,11 @@ int64_t simvis_applied(const simvis_client* client, uint64_t first, double* valu
         const uint64_t bits = __atomic_load_n(&words[first + i], __ATOMIC_RELAXED);
         memcpy(&values[i], &bits, sizeof bits);
       }
-      const uint64_t frame = __atomic_load_n(&header->frame, __ATOMIC_RELAXED);
+      frame->frames = __atomic_load_n(&header->frame, __ATOMIC_RELAXED);
+      frame->next_frame = __atomic_load_n(&header->next_frame, __ATOMIC_RELAXED);
+      frame->time_ns = __atomic_load_n(&header->time_ns, __ATOMIC_RELAXED);
       __atomic_thread_fence(__ATOMIC_ACQUIRE);
-      if (__atomic_load_n(&header->frame_sequence, __ATOMIC_RELAXED) == sequence) return (int64_t)frame;
+      if (__atomic_load_n(&header->frame_sequence, __ATOMIC_RELAXED) == sequence) return 0;
     }
     const struct timespec pause = {.tv_sec = 0, .tv_nsec = 10000};
     nanosleep(&pause, NULL);

@@ -131,6 +131,14 @@ RecordReport Simulation::finish_recording() {
   return recording->finish();
 }
 
+void Simulation::show_scan(std::string_view sensor, Scan scan) {
+  const SimulationUse use = impl();
+  const BuiltSensor& found = use->idle().sensor(sensor);
+  SimulationImpl::ShownScan& shown = use->shown_scans[found.id];
+  shown.scan = std::move(scan);
+  ++shown.count;
+}
+
 void Simulation::add_variant(std::string_view sensor, const Command& command) {
   const SimulationUse use = impl();
   use->idle().scene.add_variant(use->index(sensor), command);

@@ -74,6 +74,9 @@ void SimulationImpl::follow_sensors() {
     built.sensor->use_cost_model([this, type]() -> const CostModel& { return costs(*type); });
   }
   if (!removed && known == before.end()) return;
+  std::erase_if(shown_scans, [&](const auto& shown) {
+    return std::ranges::count(scene.built.sensors, shown.first, &BuiltSensor::id) == 0;
+  });
   // The plans of the last frame name sensors that are not there any more.
   sensing.begin_plan();
   if (people) people->begin_plan();
@@ -406,6 +409,10 @@ std::size_t SimulationImpl::index(std::string_view name) const {
 
 ObservedScan SimulationImpl::scan(std::string_view name) const {
   const std::size_t i = index(name);
+  const auto shown = shown_scans.find(states[i].sensor);
+  if (shown != shown_scans.end()) {
+    return {&shown->second.scan, shown->second.scan.world_from_sensor, shown->second.count};
+  }
   if (states[i].frames == 0) return {};
   return {scene.built.sensors[i].sensor->scan(), states[i].world_from_sensor, states[i].frames};
 }

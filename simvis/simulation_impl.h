@@ -78,6 +78,11 @@ struct SimulationImpl : Observations {
 
   const CostModel& costs(const SensorType& type);
 
+  struct ShownScan {
+    Scan scan;
+    std::uint64_t count = 0;
+  };
+
   std::atomic<std::thread::id> user{};  // the thread whose call is under way; none: no thread
   std::string name;
   double rate_hz;
@@ -96,9 +101,10 @@ struct SimulationImpl : Observations {
   bool under_way = false;             // `frame` is not finished; the device may be working
   std::vector<std::string> measured;  // names of the sensors that measured in this frame
   StepStages stages;
-  std::optional<Serving> serving;        // set by Simulation::serve()
-  std::unique_ptr<Recording> recording;  // set by Simulation::record()
-  std::uint64_t recorded_frames = 0;     // of this recording
+  std::map<std::size_t, ShownScan> shown_scans;  // by BuiltSensor::id
+  std::optional<Serving> serving;                // set by Simulation::serve()
+  std::unique_ptr<Recording> recording;          // set by Simulation::record()
+  std::uint64_t recorded_frames = 0;             // of this recording
   bool instrumented;
   std::vector<SensorCost> sensor_costs;
 };

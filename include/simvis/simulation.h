@@ -98,6 +98,11 @@ class SIMVIS_API Simulation {
   /// file cannot be written, InputError if there is no recording. In both cases there is none afterwards.
   RecordReport finish_recording();
 
+  /// From now on, what is drawn for people shows this scan as the last one of `sensor`, instead of the sensor's own: in
+  /// a simulation that shows what another process measures. `scan.world_from_sensor` says where the scanner stood.
+  /// Throws InputError if there is no such sensor.
+  void show_scan(std::string_view sensor, Scan scan);
+
   /// Adds a sensor that always has the pose of `sensor`, and that measures as `command` says; overrides do not apply to
   /// it. It compares several methods on one view: `command` is that of `sensor` with another name and other attributes
   /// (type and view stay; insert_at and pose_offset have no effect). All or nothing, as execute(). Throws InputError,

@@ -28,6 +28,8 @@ void simvis_disconnect(simvis_client* client); /**< NULL is allowed */
 
 /** Why the last call of this thread failed; never NULL. */
 const char* simvis_client_error(void);
+/** 1: the last simvis_connect() of this thread failed because there is no such host (yet), or it has ended. */
+int simvis_is_missing(void);
 
 /** 1: the host lives. 0: it ended or was killed; values, results and the log stay readable as they stood. Connect
  * again, under the same name, to find its successor: ids are then other ones. */
@@ -64,6 +66,16 @@ int simvis_set_element(simvis_client* client, int64_t element, const double* val
 /** Copies what the last finished frame was made with, all of one frame: `values[i]` is parameter `first + i`. Returns
  * the number of finished frames, or -1: there are no such parameters, or the host was killed while it wrote. */
 int64_t simvis_applied(const simvis_client* client, uint64_t first, double* values, size_t count);
+
+/** Of the last finished frame. */
+struct simvis_frame_info {
+  uint64_t frames;     /**< number of finished frames */
+  uint64_t next_frame; /**< index of the frame that follows it: entries of the log with a smaller one are all there */
+  int64_t time_ns;     /**< its simulated time */
+};
+/** As simvis_applied(), with what else belongs to that frame. Returns 0 or -1. */
+int simvis_applied_frame(const simvis_client* client, uint64_t first, double* values, size_t count,
+                         struct simvis_frame_info* frame);
 
 /** Appends a change request: XML commands as in a scene file. The host executes it as a whole or refuses it as a whole
  * before its next frame, and says so in the log with this number. Returns the number, or 0: too long, or the host has

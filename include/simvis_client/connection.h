@@ -36,6 +36,8 @@ class Measurement {
  public:
   /// From simvis_latest().
   explicit Measurement(simvis_view view) : view_(view) {}
+  /// For calls of client.h.
+  const simvis_view& view() const { return view_; }
   /// Frame, time and pose.
   const simvis_slot& slot() const { return *view_.slot; }
   /// Whether what was read so far was not written over.

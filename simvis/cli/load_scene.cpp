@@ -105,6 +105,15 @@ SimulationDesc scene_desc(const Options& options) {
   return desc;
 }
 
+ServeDesc serve_desc(const Options& options) {
+  ServeDesc desc{.name = options.serve,
+                 .folders = {options.allow.begin(), options.allow.end()},
+                 .lockstep = options.lockstep,
+                 .lockstep_timeout_s = options.lockstep_timeout_s};
+  if (desc.folders.empty()) desc.folders.push_back(std::filesystem::absolute(options.scene).parent_path());
+  return desc;
+}
+
 bool shows_progress(const Options& options) { return ::isatty(STDERR_FILENO) == 1 && !options.quiet; }
 
 Simulation load(const Options& options, std::optional<LoadingBar>& loading) {

@@ -29,6 +29,9 @@ bool shows_progress(const Options& options);
 /// What the options say of the scene and of the device: rate, seed, overrides, packages. Throws InputError.
 SimulationDesc scene_desc(const Options& options);
 
+/// How the options of --serve say that the simulation is served.
+ServeDesc serve_desc(const Options& options);
+
 /// Loads the scene, sets parameters and turns sensors off. `loading` shows the progress of loading until it is reset.
 Simulation load(const Options& options, std::optional<LoadingBar>& loading);
 

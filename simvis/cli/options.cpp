@@ -23,6 +23,55 @@ std::string whole_number(const std::string& text) {
 
 std::string not_empty(const std::string& text) { return text.empty() ? "it is empty" : ""; }
 
+void declare_serve_options(CLI::App& app, Options& options) {
+  CLI::Option* const serve =
+      app.add_option("--serve", options.serve,
+                     "let other processes read and write the running simulation under this name; without --frames it "
+                     "goes on until it is interrupted")
+          ->type_name("NAME")
+          ->check(not_empty)
+          ->excludes("--price")
+          ->excludes("--shard")
+          ->excludes("--resume")
+          ->excludes("--again");
+  app.add_option("--allow", options.allow,
+                 "requests of clients may read part files below this folder (repeatable; default: the scene's)")
+      ->type_name("DIR")
+      ->allow_extra_args(false)
+      ->needs(serve);
+  CLI::Option* const lockstep =
+      app.add_option("--lockstep", options.lockstep, "each frame waits until these clients are ready for it")
+          ->type_name("CLIENT,...")
+          ->delimiter(',')
+          ->allow_extra_args(false)
+          ->needs(serve);
+  app.add_option("--lockstep-timeout", options.lockstep_timeout_s,
+                 "the run ends with status 1 if a client is not ready after so many seconds")
+      ->type_name("S")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str()
+      ->needs(lockstep);
+  app.add_option(
+         "--follow", options.follow,
+         "show the simulation that another process serves under this name: SCENE.xml, which may be missing, has "
+         "what comes to its scene, such as cameras with view=\"visualization\" and laser beams")
+      ->type_name("NAME")
+      ->check(not_empty)
+      ->excludes("--price")
+      ->excludes("--shard")
+      ->excludes("--resume")
+      ->excludes("--again")
+      ->excludes("--trajectory")
+      ->excludes("--set")
+      ->excludes("--sensor")
+      ->excludes("--poses")
+      ->excludes(serve);
+  app.add_option("--real-time", options.real_time,
+                 "keep to the wall clock: so many simulated seconds for each second; says so if that is too fast")
+      ->type_name("FACTOR")
+      ->check(CLI::PositiveNumber);
+}
+
 void declare_options(CLI::App& app, Options& options) {
   app.add_option("SCENE.xml", options.scene, "the scene to run");
   app.add_option("-o,--out", options.out, "where results go")->type_name("DIR")->capture_default_str();
@@ -142,6 +191,7 @@ void declare_options(CLI::App& app, Options& options) {
       ->type_name("RUN.json")
       ->excludes("--resume")
       ->excludes("--price");
+  declare_serve_options(app, options);
   CLI::Option* const describe =
       app.add_option("--describe", options.describe,
                      "print what an element, sensor or effect does and its attributes, and exit; all: of every one")
@@ -213,6 +263,8 @@ ParsedOptions parse_options(std::vector<std::string> arguments) {
   }
   options.names_out = app.count("--out") > 0;
   options.names_frames = app.count("--frames") > 0;
+  const bool is_live = !options.serve.empty() || !options.follow.empty();
+  options.endless = is_live && !options.names_frames && options.trajectory.empty();
   read_rate(options);
   if (!options.again.empty()) require_free_options(app, "--again");
   if (options.resume && options.scene.empty()) require_free_options(app, "--resume");
@@ -226,6 +278,9 @@ Options recorded_options(const Options& given) {
   if (run.command.empty()) throw InputError(run.report.string() + ": error: holds no command line");
   ParsedOptions recorded = parse_options(run.command);
   Options options = recorded.options;
+  if (!options.serve.empty() || !options.follow.empty()) {
+    throw InputError(run.report.string() + ": error: other processes took part in the run, which is not recorded");
+  }
   if (!options.again.empty() || options.scene.empty()) {
     throw InputError(run.report.string() + ": error: its command line names no scene");
   }

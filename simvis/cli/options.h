@@ -13,9 +13,12 @@
 namespace simvis {
 
 struct Options {
-  std::string scene, out = "out", trajectory, method, max_error_m, device, profile, describe, shard, again, record,
-                     record_policy = "wait";
+  std::string scene, out = "out", trajectory, method, max_error_m, device, profile, describe, shard, again, serve,
+                     follow, record, record_policy = "wait";
   std::vector<std::string> set, sensors, plugins, packages, formats, poses, record_topics;
+  std::vector<std::string> allow, lockstep;
+  double lockstep_timeout_s = ServeDesc{}.lockstep_timeout_s;
+  double real_time = 0;  ///< simulated seconds for each second of the wall clock; 0: as fast as possible
   std::uint64_t frames = 1, seed = 0;
   unsigned threads = 0;
   std::string rate = format_number(SimulationDesc{}.rate_hz);
@@ -26,6 +29,7 @@ struct Options {
   bool frames_when_due = false, strict = false;
   bool resume = false, no_replace = false;
   bool names_out = false, names_frames = false;  ///< --out, --frames are given
+  bool endless = false;                          ///< the run has no last frame: it ends when it is interrupted
   std::vector<std::string> command;              ///< the arguments that these options are from
 };
 

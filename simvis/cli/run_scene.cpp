@@ -4,6 +4,7 @@
 #include <chrono>
 #include <iostream>
 #include <iterator>
+#include <limits>
 #include <optional>
 #include <set>
 #include <string>
@@ -12,9 +13,11 @@
 #include <simvis/simulation.h>
 #include <simvis/trajectory.h>
 #include "engine/base/now_ns.h"
+#include "simvis/cli/follower.h"
 #include "simvis/cli/load_scene.h"
 #include "simvis/cli/loading_bar.h"
 #include "simvis/cli/progress_bar.h"
+#include "simvis/cli/real_time.h"
 #include "simvis/cli/signals.h"
 #include "simvis/cli/warning_printer.h"
 #include "simvis/output/atomic_file.h"
@@ -30,12 +33,37 @@
 namespace simvis {
 namespace {
 
-void write_results(const Options& options, const Simulation& simulation, const FrameTime& time, OutputWriter& writer) {
+/// Sensors of the scene file write files. Those that clients add while it runs have the shared memory.
+class WrittenSensors {
+ public:
+  void start(std::set<std::string> names, const Simulation& simulation) {
+    names_ = std::move(names);
+    changes_ = simulation.parameters().changes().size();
+  }
+  /// A sensor that was removed writes nothing more, whoever gets its name.
+  void follow(const Simulation& simulation) {
+    const std::vector<std::string>& log = simulation.parameters().changes();
+    for (; changes_ < log.size(); ++changes_) {
+      const Command command = parse_commands(log[changes_], "log", ".").front();
+      if (command.kind != CommandKind::remove || command.require("kind").value != "sensor") continue;
+      names_.erase(command.require("name").value);
+    }
+  }
+  bool contains(const std::string& name) const { return names_.contains(name); }
+
+ private:
+  std::set<std::string> names_;
+  std::size_t changes_ = 0;
+};
+
+void write_results(const Options& options, const Simulation& simulation, const WrittenSensors& written,
+                   const FrameTime& time, OutputWriter& writer) {
   glm::dmat4 pose;
   for (const std::string& part : options.poses) {
     if (simulation.part_pose(part, pose)) writer.part_pose(part, time, pose);
   }
   for (const std::string& sensor : simulation.measured()) {
+    if (!written.contains(sensor)) continue;
     simulation.sensor_pose(sensor, pose);
     simulation.write(sensor, writer.sink(sensor, time, pose));
   }
@@ -117,9 +145,10 @@ bool can_skip(const Simulation& simulation) {
 /// The run of one command line, from the loaded scene to its report.
 class Run {
  public:
-  Run(const Options& options, Simulation& simulation, const std::optional<Trajectory>& trajectory,
+  /// `follower` is null unless the frames are those of another process.
+  Run(const Options& options, Simulation& simulation, const std::optional<Trajectory>& trajectory, Follower* follower,
       std::int64_t start_ns)
-      : options_(options), simulation_(simulation), trajectory_(trajectory), start_ns_(start_ns) {
+      : options_(options), simulation_(simulation), trajectory_(trajectory), follower_(follower), start_ns_(start_ns) {
     describe();
   }
 
@@ -139,11 +168,14 @@ class Run {
   void open_writer();
   void begin_recording();
   void write_report();
+  void close_sensors();
+  void step() { follower_ != nullptr ? follower_->step(simulation_) : simulation_.step(); }
   std::string suffix() const { return report_.shard ? report_.shard->suffix() : ""; }
 
   const Options& options_;
   Simulation& simulation_;
   const std::optional<Trajectory>& trajectory_;
+  Follower* follower_;
   std::int64_t start_ns_;
   RunReport report_;
   std::optional<EarlierRun> earlier_;
@@ -153,6 +185,8 @@ class Run {
   std::optional<FolderLock> lock_;
   std::optional<Profile> profile_;
   std::optional<OutputWriter> writer_;
+  WrittenSensors written_;
+  std::optional<RealTime> real_time_;
 };
 
 void Run::describe() {
@@ -163,6 +197,10 @@ void Run::describe() {
   report_.rate_hz = options_.rate_hz;
   report_.frames_when_due = options_.frames_when_due;
   report_.frames_wanted = options_.frames;
+  report_.endless = options_.endless;
+  if (!options_.serve.empty()) report_.served = serve_desc(options_);
+  report_.followed = options_.follow;
+  if (options_.real_time > 0) real_time_.emplace(options_.real_time);
   report_.sensors = simulation_.sensors();
   RunRecord& record = report_.record;
   record.command = options_.command;
@@ -261,8 +299,11 @@ void Run::open_writer() {
 
 void Run::write_report() {
   report_.warnings = simulation_.warnings();
-  report_.simulated_s = static_cast<double>(simulation_.next_frame().time_ns) / 1e9 *
-                        static_cast<double>(report_.frame_ms.size()) / static_cast<double>(options_.frames);
+  report_.simulated_s = static_cast<double>(simulation_.next_frame().time_ns) / 1e9;
+  if (!options_.endless) {
+    report_.simulated_s *= static_cast<double>(report_.frame_ms.size()) / static_cast<double>(options_.frames);
+  }
+  if (real_time_) report_.real_time = {real_time_->factor(), real_time_->punctuality()};
   report_.wall_s = static_cast<double>(now_ns() - start_ns_) / 1e9;
   write_file(report_file(options_, report_), to_json(report_));
 }
@@ -270,27 +311,36 @@ void Run::write_report() {
 /// Computes and writes the frames until a signal comes. Resets `loading` after the first frame.
 void Run::make_frames(std::optional<LoadingBar>& loading, WarningPrinter& warnings) {
   const Shard shard = report_.shard.value_or(Shard{});
-  ProgressBar progress(std::cerr, shows_progress(options_),
+  ProgressBar progress(std::cerr, shows_progress(options_) && !options_.endless,
                        shard.share_of(options_.frames) - shard.share_of(first_frame_),
                        std::chrono::steady_clock::now());
+  std::set<std::string> names;
+  for (const SensorInfo& sensor : report_.sensors) {
+    if (sensor.enabled) names.insert(sensor.name);
+  }
+  written_.start(std::move(names), simulation_);
   const bool skips = first_frame_ == 0 || can_skip(simulation_);
   for (std::uint64_t frame = 0; frame < options_.frames && received_signal() == nullptr; ++frame) {
-    const FrameTime time = simulation_.next_frame();
+    FrameTime time = simulation_.next_frame();
     if (trajectory_) trajectory_->apply(static_cast<double>(time.time_ns) / 1e9, simulation_.parameters());
     if (!shard.has(frame) || (frame < first_frame_ && skips)) {
       simulation_.skip_frame();
       continue;
     }
+    if (real_time_) real_time_->wait(time);
+    if (follower_ != nullptr) time = follower_->advance(simulation_).value_or(time);
+    if (received_signal() != nullptr) break;
     if (frame >= first_frame_) begin_recording();
     const std::int64_t start_ns = now_ns();
-    simulation_.step();
+    step();
     const std::int64_t measured_ns = now_ns();
     loading.reset();
     warnings.print_new(simulation_);
     if (frame < first_frame_) continue;
     report_.frame_ms.push_back(static_cast<double>(measured_ns - start_ns) / 1e6);
     if (!writer_) begin_output();
-    write_results(options_, simulation_, time, *writer_);
+    if (follower_ == nullptr) written_.follow(simulation_);
+    write_results(options_, simulation_, written_, time, *writer_);
     report_.next_frame = frame + 1;
     if (profile_) add_frame(*profile_, frame, simulation_);
     progress.update(report_.frame_ms.size(), std::chrono::steady_clock::now());
@@ -320,12 +370,19 @@ void Run::finish() {
   if (profile_) profile_->commit();
   if (received_signal() == nullptr) report_.next_frame = options_.frames;
   report_.status = report_.next_frame == options_.frames ? "complete" : "stopped";
-  report_.sensors = with_bounds(simulation_);
-  for (SensorInfo& sensor : report_.sensors) {
-    if (sensor.enabled) sensor.frames = writer_->frames(sensor.name);
-  }
+  close_sensors();
   write_report();
   if (!options_.quiet) print_closing(options_, *writer_, report_);
+}
+
+/// The report names the sensors of the scene file, also those that were removed meanwhile.
+void Run::close_sensors() {
+  const std::vector<SensorInfo> now = with_bounds(simulation_);
+  for (SensorInfo& sensor : report_.sensors) {
+    const auto found = std::ranges::find(now, sensor.name, &SensorInfo::name);
+    if (written_.contains(sensor.name) && found != now.end()) sensor = *found;
+    if (sensor.enabled) sensor.frames = writer_->frames(sensor.name);
+  }
 }
 
 void Run::fail() {
@@ -362,7 +419,12 @@ int run_scene(Options options, std::int64_t start_ns) {
   }
   std::optional<LoadingBar> loading;
   loading.emplace(std::cerr, shows_progress(options));
-  Simulation simulation = load(options, loading);
+  std::optional<Follower> follower;
+  if (!options.follow.empty()) {
+    defer_signals();
+    follower.emplace(options.follow, options.scene, scene_desc(options));
+  }
+  Simulation simulation = follower ? follower->open() : load(options, loading);
   loading->clear_line();
   WarningPrinter warnings(std::cerr);
   warnings.print_new(simulation);
@@ -372,7 +434,12 @@ int run_scene(Options options, std::int64_t start_ns) {
   for (const std::string& part : options.poses) {
     in_option("--poses", [&] { simulation.track_part(part); });
   }
-  Run run(options, simulation, trajectory, start_ns);
+  if (options.endless) options.frames = std::numeric_limits<std::uint64_t>::max();
+  if (!options.serve.empty()) {
+    in_option("--serve", [&] { simulation.serve(serve_desc(options)); });
+    if (!options.quiet) std::cout << "served as " << options.serve << std::endl;
+  }
+  Run run(options, simulation, trajectory, follower ? &*follower : nullptr, start_ns);
   if (again) print_differences(*again, run.report());
   defer_signals();
   if (!run.prepare()) return 0;
@@ -385,8 +452,9 @@ int run_scene(Options options, std::int64_t start_ns) {
     throw;
   }
   if (const char* const signal = received_signal(); signal != nullptr && run.report().status != "complete") {
-    std::cerr << "simvis-run: stopped by a signal (" << signal << ") before frame " << run.report().next_frame << " of "
-              << options.frames << "; --resume goes on\n";
+    std::cerr << "simvis-run: stopped by a signal (" << signal << ") before frame " << run.report().next_frame;
+    if (options.serve.empty() && options.follow.empty()) std::cerr << " of " << options.frames << "; --resume goes on";
+    std::cerr << '\n';
     return kExitStopped;
   }
   if (options.summary) print_summary(options, std::move(simulation), trajectory, run.report());

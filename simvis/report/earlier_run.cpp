@@ -44,6 +44,12 @@ std::map<std::string, std::string> depends_on(const Json& json) {
   return result;
 }
 
+// Null in the report of a run that had no last frame.
+std::uint64_t frames_wanted(const Json& json) {
+  const auto found = json.find("frames_wanted");
+  return found == json.end() || found->is_null() ? 0 : found->get<std::uint64_t>();
+}
+
 }  // namespace
 
 std::map<std::string, std::string> depends_on(const std::string& report_json) {
@@ -57,7 +63,7 @@ EarlierRun read_report(const std::filesystem::path& report) {
     json.at("versions").at("simvis");  // throws for other files of this name
     EarlierRun run{.report = report,
                    .status = json.value("status", ""),
-                   .frames_wanted = json.value("frames_wanted", std::uint64_t{0}),
+                   .frames_wanted = frames_wanted(json),
                    .next_frame = json.value("next_frame", std::uint64_t{0}),
                    .command = json.value("command", std::vector<std::string>()),
                    .inputs = json.value("inputs", FileHashes()),

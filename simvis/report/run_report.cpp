@@ -48,6 +48,16 @@ void add_record(const RunRecord& record, Json& json) {
   json["poses"] = record.poses;
 }
 
+Json served_of(const ServeDesc& served) {
+  Json folders = Json::array();
+  for (const std::filesystem::path& folder : served.folders) folders.push_back(folder.string());
+  Json json = {{"name", served.name}, {"allow", folders}};
+  if (served.lockstep.empty()) return json;
+  json["lockstep"] = served.lockstep;
+  json["lockstep_timeout_s"] = served.lockstep_timeout_s;
+  return json;
+}
+
 }  // namespace
 
 double percentile(std::span<const double> values, double p) {
@@ -94,7 +104,7 @@ std::string to_json(const RunReport& report) {
                {"wall_s", report.wall_s},
                {"status", report.status},
                {"frames", report.shard.value_or(Shard{}).share_of(report.next_frame)},
-               {"frames_wanted", report.frames_wanted},
+               {"frames_wanted", report.endless ? Json(nullptr) : Json(report.frames_wanted)},
                {"next_frame", report.next_frame},
                {"rate_hz", report.frames_when_due ? Json("auto") : Json(report.rate_hz)},
                {"frame_ms", {{"median", percentile(report.frame_ms, 50)}, {"p99", percentile(report.frame_ms, 99)}}},
@@ -108,6 +118,13 @@ std::string to_json(const RunReport& report) {
                          {"bytes", report.recording->bytes}};
   }
   json["files"] = report.files;
+  if (report.served) json["served"] = served_of(*report.served);
+  if (!report.followed.empty()) json["followed"] = report.followed;
+  if (report.real_time) {
+    json["real_time"] = {{"factor", report.real_time->factor},
+                         {"late_frames", report.real_time->punctuality.late_frames},
+                         {"largest_lag_s", report.real_time->punctuality.largest_lag_s}};
+  }
   if (report.shard) json["shard"] = {{"index", report.shard->index}, {"count", report.shard->count}};
   return dump(json, 2);
 }

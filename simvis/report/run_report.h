@@ -30,14 +30,30 @@ struct RunRecord {
       defaults;                                  ///< of the attributes that are not given
 };
 
+/// How well a run has kept to the wall clock.
+struct Punctuality {
+  std::uint64_t late_frames = 0;  ///< frames that began more than a frame's time late
+  double largest_lag_s = 0;       ///< by the wall clock
+};
+
+/// A run that was to keep to the wall clock.
+struct RealTimeRecord {
+  double factor = 1;  ///< simulated seconds for each second
+  Punctuality punctuality{};
+};
+
 /// The contents of run.json.
 struct RunReport {
   std::string scene;  ///< as given
   RunRecord record{};
   std::string status =
       "running";  ///< then "complete", "stopped" by a signal, or "failed"; a killed run stays "running"
-  std::uint64_t frames_wanted = 0;  ///< the run has the frames 0 to frames_wanted - 1, or its shard of them
-  std::uint64_t next_frame = 0;     ///< the first frame that was not written
+  std::uint64_t frames_wanted = 0;            ///< the run has the frames 0 to frames_wanted - 1, or its shard of them
+  bool endless = false;                       ///< `frames_wanted` does not apply
+  std::optional<ServeDesc> served{};          ///< set by --serve
+  std::string followed{};                     ///< the name of --follow
+  std::optional<RealTimeRecord> real_time{};  ///< set by --real-time
+  std::uint64_t next_frame = 0;               ///< the first frame that was not written
   RunFiles files{};
   DeviceInfo device;
   std::uint64_t seed = 0;

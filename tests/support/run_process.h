@@ -57,6 +57,8 @@ class Process {
   Process& operator=(const Process&) = delete;
 
   void send(int signal) const { ::kill(pid_, signal); }
+  /// What it has written to its standard error so far.
+  std::string err_so_far() const { return read_text(output_ / "err"); }
 
   /// Once. Kills the program when it takes longer.
   ProcessResult wait(std::chrono::seconds patience = std::chrono::seconds(120)) {

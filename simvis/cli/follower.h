@@ -1,0 +1,65 @@
+// Replays the scene of a served simulation in this process, frame by frame.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <simvis/simulation.h>
+#include <simvis_client/connection.h>
+
+namespace simvis {
+
+/// The scene is that of the host: the commands of its log, and the values of its last finished frame. The host's
+/// sensors do not measure here. To the scene come the commands of an own file, such as cameras for people and beams,
+/// which show the scans that the host has measured. A host that ends is waited for: its successor has another scene,
+/// and the own commands are executed in that.
+class Follower {
+ public:
+  /// `own_scene` is a scene file, or empty.
+  Follower(std::string name, std::string own_scene, SimulationDesc desc);
+
+  /// Waits for the host and makes its scene. Throws Stopped if a signal comes, and InputError for the own file.
+  Simulation open();
+
+  /// Waits for the next finished frame of the host and brings the simulation to it. Empty: a signal has come.
+  /// The index of the frame is the host's; after a restart of the host it goes on behind the last one.
+  std::optional<FrameTime> advance(Simulation& simulation);
+
+  /// Makes the frame that advance() has prepared, at the host's time.
+  void step(Simulation& simulation);
+
+ private:
+  void connect();
+  void reconnect(Simulation& simulation);
+  void read_frame();
+  Simulation build();
+  void add_own(Simulation& simulation);
+  std::vector<Command> next_commands();
+  void replay(Simulation& simulation);
+  void follow(Simulation& simulation, std::span<const Command> commands);
+  void note_scanners(std::span<const Command> commands);
+  void copy_values(Simulation& simulation);
+  void show_scans(Simulation& simulation);
+
+  std::string name_, own_scene_;
+  SimulationDesc desc_;
+  std::optional<client::Connection> host_;
+  simvis_frame_info frame_{};                       // of the host
+  std::vector<double> values_;                      // of that frame, by the host's parameter
+  std::vector<double> copied_;                      // as values_, when they were copied last
+  std::vector<std::size_t> own_parameter_;          // by the host's parameter
+  std::uint64_t log_position_ = 0;                  // behind the entries that were replayed
+  std::set<std::string> scanners_;                  // that elements show
+  std::map<std::string, std::uint64_t> shown_;      // sequence of the scan that is shown, by scanner
+  std::optional<std::int64_t> stepped_ns_;          // host's time of the last step of this simulation
+  std::uint64_t first_frame_ = 0, last_frame_ = 0;  // index of the host's frame 0, and of the last frame
+  bool own_is_required_ = true;                     // a mistake in the own file is an error, and not only a warning
+};
+
+}  // namespace simvis
