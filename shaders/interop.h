@@ -149,6 +149,9 @@ struct LightBlock {
   vec4 shadow;     // x: 1 + index of its ShadowBlock; 0 if the light casts no shadow
 };
 
+// The rows of a ShadowBlock, as texels of the texel buffer SIMVIS_SHADOWS.
+#define SIMVIS_SHADOW_ROWS 6u
+
 // The shadow map of a light: one view of the atlas, or the six views of a cube (see ShadowUse in simvis/frame_plan.h).
 struct ShadowBlock {
   vec4 row_x;  // row of map_from_view: from the frame of the lit view to that of the map's first view, in metres
@@ -166,7 +169,7 @@ struct ViewBlock {
   vec4 projection;  // clip.x = projection.x * x + projection.y * z; clip.y = projection.z * y + projection.w * z
   vec4 ambient;     // rgb: linear radiance from all directions; w: near_m
   vec4 airlight;    // rgb: linear radiance of the air at infinite distance; w: extinction of the air in 1/m
-  uvec4 lights;     // x: the first texel of its lights in the texel buffer
+  uvec4 lights;     // x, y: the first texels of its lights and of its shadow maps in their texel buffers
 };
 
 // A band of rows of a pass whose OIT layers are stored at the same time. Each sample has a list of layers.

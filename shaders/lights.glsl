@@ -100,7 +100,7 @@ void add_light(Incident from, Reflector r, inout LightSums sums) {
 #ifdef SHADOWED
   // Surfaces that face away from the light need no shadow test.
   if (min(float(from.shadow), cosine) > 0.0) {
-    arriving *= free_share(shadows[from.shadow - 1u], r.plane_normal, r.reach);
+    arriving *= free_share(shadow_map(from.shadow - 1u), r.plane_normal, r.reach);
   }
 #endif
   if (!kGlossy) {

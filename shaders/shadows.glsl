@@ -6,9 +6,7 @@
 // centre of the texel. So a plane never shadows itself, at any angle of the light. Two planes that meet do not shadow
 // each other either: in a valley, the point lies before the other plane; on a ridge, its plane lies before the other
 // plane at the centre. The remaining error is rounding.
-layout(std140, set = SIMVIS_SHADOW_SET, binding = SIMVIS_SHADOWS) uniform Shadows {
-  ShadowBlock shadows[SIMVIS_MAX_SHADOWS];
-};
+layout(set = SIMVIS_SHADOW_SET, binding = SIMVIS_SHADOWS) uniform samplerBuffer shadows;  // as lights in lights.glsl
 layout(set = SIMVIS_SHADOW_SET, binding = SIMVIS_SHADOW_ATLAS) uniform sampler2D shadow_atlas;
 
 // Rounding error of a vertex, relative to the sum of the magnitudes of its terms: as kVertexRounding in
@@ -23,6 +21,12 @@ const float kMinCosine = 1e-6;
 vec3 normal_of_plane() {
   const vec3 normal = cross(dFdx(in_position), dFdy(in_position));
   return normal * inversesqrt(max(dot(normal, normal), 1e-36));
+}
+
+ShadowBlock shadow_map(uint number) {
+  const int first = int(view.lights.y + number * SIMVIS_SHADOW_ROWS);
+  return ShadowBlock(texelFetch(shadows, first), texelFetch(shadows, first + 1), texelFetch(shadows, first + 2),
+                     texelFetch(shadows, first + 3), texelFetch(shadows, first + 4), texelFetch(shadows, first + 5));
 }
 
 // 1 if the light reaches the point, 0 if it is in shadow. `reach`: sum of the magnitudes of the position's terms, m.

@@ -5,16 +5,13 @@
 #include <string>
 
 #include <simvis/error.h>
-#include "engine/vulkan/vulkan_check.h"
+#include "engine/vulkan/texel_buffer.h"
 
 namespace simvis {
 namespace {
 
 constexpr VkDeviceSize kFirstSize = 16384;
-// The lights as shaders read them: see the rows in shaders/interop.h.
-constexpr VkFormat kLightFormat = VK_FORMAT_R32G32B32A32_SFLOAT;
-constexpr VkDeviceSize kLightTexel = sizeof(glm::vec4);
-static_assert(sizeof(shader::LightBlock) == SIMVIS_LIGHT_ROWS * kLightTexel);
+static_assert(sizeof(shader::LightBlock) == SIMVIS_LIGHT_ROWS * kTexelBytes);
 
 // The smallest alpha that is kept. An opaque surface is kept for any alpha of its texture.
 float cutoff_of(const Material& m) {
@@ -78,23 +75,9 @@ bool FrameBuffers::reserve_table(Table& table, const char* name, std::uint32_t b
 }
 
 void FrameBuffers::reserve_lights(VkDeviceSize size) {
-  const VkDeviceSize limit = kLightTexel * device_.limits().maxTexelBufferElements;
-  if (size > limit) {
-    throw MachineError("a frame needs " + std::to_string(size) + " bytes of lights; " + device_.physical.info.name +
-                       " allows " + std::to_string(limit));
-  }
   if (!reserve(lights_, "lights", VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT, size)) return;
-  const VkBufferViewCreateInfo info{.sType = VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO,
-                                    .pNext = nullptr,
-                                    .flags = 0,
-                                    .buffer = lights_.get(),
-                                    .format = kLightFormat,
-                                    .offset = 0,
-                                    .range = std::min(limit, lights_.size() / kLightTexel * kLightTexel)};
-  VkBufferView texels = VK_NULL_HANDLE;
-  vk_check(vkCreateBufferView(device_.device, &info, nullptr, &texels), "vkCreateBufferView");
-  light_texels_ = Handle<VkBufferView>(device_, texels, "lights");
-  write_descriptor(device_, set_layout_, set_.get(), SIMVIS_LIGHTS, texels);
+  light_texels_ = make_texel_view(device_, lights_);
+  write_descriptor(device_, set_layout_, set_.get(), SIMVIS_LIGHTS, light_texels_.get());
 }
 
 void FrameBuffers::write_instances(std::span<const shader::Instance> instances, Uploads& uploads) {

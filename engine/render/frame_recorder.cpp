@@ -10,11 +10,10 @@ namespace {
 
 VkPipelineLayout layout(const FrameContext& frame) { return frame.pipelines.layout(); }
 
-void bind_shadow_set(const FrameContext& frame, std::size_t shadowed) {
+void bind_shadow_set(const FrameContext& frame) {
   const VkDescriptorSet set = frame.shadows->set();
-  const std::uint32_t offset = frame.shadows->offset(shadowed);
   vkCmdBindDescriptorSets(frame.commands, VK_PIPELINE_BIND_POINT_GRAPHICS, frame.pipelines.shadows().layout.get(),
-                          SIMVIS_SHADOW_SET, 1, &set, 1, &offset);
+                          SIMVIS_SHADOW_SET, 1, &set, 0, nullptr);
 }
 
 // The state that a run may change.
@@ -122,9 +121,11 @@ void record_view(const FrameContext& frame, const Pass& pass, const View& view, 
   frame.device.begin_label(frame.commands, view.name);
   vkCmdSetViewport(frame.commands, 0, 1, &viewport);
   vkCmdSetScissor(frame.commands, 0, 1, &scissor);
+  shader::ViewBlock block = draws.block;
+  if (!view.shadows.empty()) block.lights.y = frame.shadows->first_texel(draws.shadowed);
   vkCmdPushConstants(frame.commands, layout(frame), VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, 0,
-                     sizeof draws.block, &draws.block);
-  if (!view.shadows.empty()) bind_shadow_set(frame, draws.shadowed);
+                     sizeof block, &block);
+  if (!view.shadows.empty()) bind_shadow_set(frame);
   const auto number = static_cast<std::size_t>(&draws - frame.draws.views().data());
   for (std::size_t first = 0, count = 0; first < runs.size(); first += count) {
     count = parts_together(runs.subspan(first));
@@ -168,6 +169,21 @@ class RenderPassScope {
   RenderPassScope(const RenderPassScope&) = delete;
   RenderPassScope& operator=(const RenderPassScope&) = delete;
 
+  /// Draws the views of a shadow atlas that are due, and records a timestamp at the end of each view.
+  void record_due(std::span<const ViewDraws> views, const ShadowMapCache& cache) {
+    const LayerRows all{0, pass_.height_px};
+    for (std::size_t i = 0; i < views.size(); ++i) {
+      const View& view = pass_.views[i];
+      if (cache.is_due(i)) {
+        if (!cache.is_new()) clear(view);
+        record_view(frame_, pass_, view, views[i], DrawPhase::solid, all, bound_);
+        ++frame_.counters.views;
+        ++frame_.counters.shadow_maps;
+      }
+      if (frame_.queries) frame_.queries->stamp(frame_.commands);
+    }
+  }
+
   /// `stamped`: records a timestamp at the end of each view.
   void record(std::span<const ViewDraws> views, DrawPhase share, const LayerRows& rows, bool stamped = false) {
     for (std::size_t i = 0; i < views.size(); ++i) {
@@ -177,6 +193,16 @@ class RenderPassScope {
   }
 
  private:
+  void clear(const View& view) const {
+    VkClearAttachment nothing{};
+    nothing.aspectMask = VK_IMAGE_ASPECT_DEPTH_BIT;
+    const VkClearRect place{.rect = {{static_cast<std::int32_t>(view.x_px), static_cast<std::int32_t>(view.y_px)},
+                                     {view.width_px, view.height_px}},
+                            .baseArrayLayer = 0,
+                            .layerCount = 1};
+    vkCmdClearAttachments(frame_.commands, 1, &nothing, 1, &place);
+  }
+
   const FrameContext& frame_;
   const Pass& pass_;
   Bound bound_;
@@ -240,6 +266,19 @@ void record_pass(const FrameContext& frame, const Pass& pass, const RenderTarget
   if (frame.queries) frame.queries->stamp(frame.commands);
   frame.device.end_label(frame.commands);
   frame.counters.views += views.size();
+}
+
+void record_shadow_maps(const FrameContext& frame, const Pass& maps, const RenderTarget& target,
+                        std::span<const ViewDraws> views, const ShadowMapCache& cache) {
+  if (frame.queries) frame.queries->stamp(frame.commands);
+  frame.device.begin_label(frame.commands, maps.name);
+  if (cache.any_due()) {
+    RenderPassScope(frame, maps, target, !cache.is_new(), false).record_due(views, cache);
+  } else if (frame.queries) {
+    for (std::size_t i = 0; i < views.size(); ++i) frame.queries->stamp(frame.commands);
+  }
+  if (frame.queries) frame.queries->stamp(frame.commands);
+  frame.device.end_label(frame.commands);
 }
 
 void record_readback(const FrameContext& frame, const Pass& pass, const RenderTarget& target) {

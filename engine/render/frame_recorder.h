@@ -10,6 +10,7 @@
 #include "engine/render/oit_buffer.h"
 #include "engine/render/pipelines.h"
 #include "engine/render/render_targets.h"
+#include "engine/render/shadow_map_cache.h"
 #include "engine/render/shadow_maps.h"
 
 namespace simvis {
@@ -48,6 +49,10 @@ void record_bindings(const FrameContext& frame);
 /// Records one render pass, or several if a view shows transparent surfaces. `views` are the draws of pass.views.
 void record_pass(const FrameContext& frame, const Pass& pass, const RenderTarget& target,
                  std::span<const ViewDraws> views);
+
+/// As record_pass(), for the views of a shadow atlas that are due.
+void record_shadow_maps(const FrameContext& frame, const Pass& maps, const RenderTarget& target,
+                        std::span<const ViewDraws> views, const ShadowMapCache& cache);
 
 /// Copies the results of the pass to its readback buffers. Several colour samples per pixel are averaged first.
 void record_readback(const FrameContext& frame, const Pass& pass, const RenderTarget& target);

@@ -34,7 +34,10 @@ RenderTarget& RenderTargets::acquire(const Pass& pass) {
       break;
     }
   }
-  if (!target) target = targets_.emplace_back(make(pass)).get();
+  if (!target) {
+    target = targets_.emplace_back(make(pass)).get();
+    target->number = ++made_;
+  }
   target->last_frame = frame_;
   if (pass.depth && !target->depth_readback) {
     target->depth_readback = make_readback(device_, *target, sizeof(float), "depth readback");

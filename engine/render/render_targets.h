@@ -23,6 +23,7 @@ struct RenderTarget {
   Handle<VkFramebuffer> framebuffer;
   Buffer depth_readback, color_readback;  ///< created when first needed
   std::uint64_t last_frame = 0;
+  std::uint64_t number = 0;  ///< counts all targets from 1: no two have the same
 };
 
 class RenderTargets {
@@ -50,6 +51,7 @@ class RenderTargets {
   ResolvePass& average_;
   std::vector<std::unique_ptr<RenderTarget>> targets_;
   std::uint64_t frame_ = 0;
+  std::uint64_t made_ = 0;  // targets so far
 };
 
 }  // namespace simvis

@@ -105,7 +105,9 @@ struct Renderer::Impl {
   ResolvePass average;
   OitBuffer layers;
   RenderTargets targets;
-  std::optional<ShadowMaps> shadows;         // set when a plan first has shadows
+  std::optional<ShadowMaps> shadows;  // set when a plan first has shadows
+  ShadowMapCache shadow_cache;
+  bool content_written = false;              // meshes, materials or textures, since shadow_cache was last updated
   const DrawList* submitted_list = nullptr;  // the list in flight, or null
   const FramePlan* submitted_plan = nullptr;
   DrawCache table;
@@ -195,6 +197,7 @@ void Renderer::Impl::prepare(const DrawList& list, const FramePlan& plan) {
   table.update(list, opaque_use(plan), geometry, textures, uploads);
   buffers.write_materials(list, table.materials_read(), uploads);
   buffers.write_map_places(list, table.textures_shown(), uploads);
+  content_written |= uploads.bytes() > 0;
   draws.update(plan, list, table, counters);
   buffers.write_instances(draws.instances(), uploads);
   buffers.write_indices(draws.indices(), uploads);
@@ -211,7 +214,13 @@ void Renderer::Impl::record(VkCommandBuffer recorded, const DrawList& list, cons
   pass_targets.clear();
   for (const Pass& pass : plan.passes) pass_targets.push_back(&targets.acquire(pass));
   const Pass* const maps = find_shadow_maps(plan);
-  if (maps) shadows->show(pass_targets[static_cast<std::size_t>(maps - plan.passes.data())]->depth);
+  if (maps) {
+    const DrawnPass first = drawing_order(plan).front();
+    const RenderTarget& atlas = *pass_targets[first.pass];
+    shadows->show(atlas.depth);
+    shadow_cache.update(atlas.number, *maps, draws.views().subspan(first.first_view, maps->views.size()), draws.runs(),
+                        draws.instances(), std::exchange(content_written, false));
+  }
 
   std::vector<const Pass*> layered;
   for (const DrawnPass& drawn : drawing_order(plan)) {
@@ -239,7 +248,12 @@ void Renderer::Impl::record(VkCommandBuffer recorded, const DrawList& list, cons
   record_bindings(frame);
   for (const DrawnPass& drawn : drawing_order(plan)) {
     const Pass& pass = plan.passes[drawn.pass];
-    record_pass(frame, pass, *pass_targets[drawn.pass], draws.views().subspan(drawn.first_view, pass.views.size()));
+    const auto views = draws.views().subspan(drawn.first_view, pass.views.size());
+    if (&pass == maps) {
+      record_shadow_maps(frame, pass, *pass_targets[drawn.pass], views, shadow_cache);
+    } else {
+      record_pass(frame, pass, *pass_targets[drawn.pass], views);
+    }
   }
   for (std::size_t i = 0; i < plan.passes.size(); ++i) record_readback(frame, plan.passes[i], *pass_targets[i]);
   record_end(frame);
@@ -311,6 +325,7 @@ void Renderer::Impl::forget() {
   geometry.clear();
   textures.clear();
   buffers.clear();
+  shadow_cache.clear();
 }
 
 }  // namespace simvis

@@ -3,17 +3,13 @@
 #include <algorithm>
 
 #include "engine/base/assert.h"
+#include "engine/vulkan/texel_buffer.h"
 #include "engine/vulkan/vulkan_check.h"
 
 namespace simvis {
 namespace {
 
-// The range that a view may read from its offset.
-constexpr VkDeviceSize kRange = SIMVIS_MAX_SHADOWS * sizeof(shader::ShadowBlock);
-// Vulkan allows devices to require uniform buffer offsets that are multiples of up to 256 bytes. 8 blocks are 3 * 256
-// bytes.
-constexpr std::size_t kAlignment = 8;
-static_assert(kAlignment * sizeof(shader::ShadowBlock) % 256 == 0);
+static_assert(sizeof(shader::ShadowBlock) == SIMVIS_SHADOW_ROWS * kTexelBytes);
 
 glm::dmat4 inverse_of_rigid(const glm::dmat4& m) {
   const glm::dmat3 back = glm::transpose(glm::dmat3(m));
@@ -62,30 +58,28 @@ ShadowMaps::ShadowMaps(DeviceImpl& device, const DescriptorLayout& set_layout)
 
 void ShadowMaps::write(const FramePlan& plan, const Pass& maps, Uploads& uploads) {
   std::vector<shader::ShadowBlock> blocks;
-  offsets_.clear();
+  first_texels_.clear();
   for (const Pass& pass : plan.passes) {
     for (const View& view : pass.views) {
       if (view.shadows.empty()) continue;
-      blocks.resize((blocks.size() + kAlignment - 1) / kAlignment * kAlignment);
-      offsets_.push_back(static_cast<std::uint32_t>(blocks.size() * sizeof(shader::ShadowBlock)));
+      first_texels_.push_back(static_cast<std::uint32_t>(blocks.size()) * SIMVIS_SHADOW_ROWS);
       const std::vector<shader::ShadowBlock> added = shadow_blocks(view, maps);
       blocks.insert(blocks.end(), added.begin(), added.end());
     }
   }
   const std::span<const std::byte> bytes = std::as_bytes(std::span(blocks));
-  const VkDeviceSize size = bytes.size() + kRange;  // keeps the range of the last view within the buffer
-  if (!blocks_ || blocks_.size() < size) {
+  if (!blocks_ || blocks_.size() < bytes.size()) {
     blocks_ = Buffer(device_, {.name = "shadows",
-                               .size = blocks_ ? std::max(size, 2 * blocks_.size()) : size,
-                               .usage = VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
+                               .size = std::max<VkDeviceSize>(bytes.size(), blocks_ ? 2 * blocks_.size() : 0),
+                               .usage = VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT,
                                .memory = MemoryKind::dynamic});
+    texels_ = make_texel_view(device_, blocks_);
+    write_descriptor(device_, set_layout_, set(), SIMVIS_SHADOWS, texels_.get());
   }
   uploads.write(blocks_, 0, bytes);
 }
 
 void ShadowMaps::show(const GpuImage& atlas) {
-  write_descriptor(device_, set_layout_, set(), SIMVIS_SHADOWS,
-                   {.buffer = blocks_.get(), .offset = 0, .range = kRange});
   write_descriptor(device_, set_layout_, set(), SIMVIS_SHADOW_ATLAS,
                    {.sampler = sampler_.get(),
                     .imageView = atlas.view(),

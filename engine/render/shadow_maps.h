@@ -27,8 +27,8 @@ class ShadowMaps {
   void name_memory(const Uploads& uploads, std::vector<PlannedMemory>& memory) const;
 
   VkDescriptorSet set() const { return set_.get(); }
-  /// Offset in bytes of the blocks of a view. `shadowed`: the index of the view among the views that have shadows.
-  std::uint32_t offset(std::size_t shadowed) const { return offsets_[shadowed]; }
+  /// The first texel of a view's blocks. `shadowed`: the index of the view among the views that have shadows.
+  std::uint32_t first_texel(std::size_t shadowed) const { return first_texels_[shadowed]; }
 
  private:
   DeviceImpl& device_;
@@ -36,7 +36,8 @@ class ShadowMaps {
   DescriptorSets set_;
   Handle<VkSampler> sampler_;
   Buffer blocks_;
-  std::vector<std::uint32_t> offsets_;
+  Handle<VkBufferView> texels_;  // of blocks_
+  std::vector<std::uint32_t> first_texels_;
 };
 
 }  // namespace simvis

@@ -27,7 +27,7 @@ ShadowPipelines::ShadowPipelines(DeviceImpl& device, std::span<const VkDescripto
                  make_module(device, mesh_layer_textured_shadowed_frag, "mesh_layer_textured_shadowed.frag"),
                  make_module(device, mesh_layer_mapped_shadowed_frag, "mesh_layer_mapped_shadowed.frag")} {
   const VkDescriptorSetLayoutBinding bindings[] = {
-      descriptor_binding(SIMVIS_SHADOWS, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC, VK_SHADER_STAGE_FRAGMENT_BIT),
+      descriptor_binding(SIMVIS_SHADOWS, VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, VK_SHADER_STAGE_FRAGMENT_BIT),
       descriptor_binding(SIMVIS_SHADOW_ATLAS, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, VK_SHADER_STAGE_FRAGMENT_BIT)};
   set_layout = DescriptorLayout(device, bindings, "shadow set layout");
   std::vector<VkDescriptorSetLayout> sets(mesh_sets.begin(), mesh_sets.end());

@@ -47,7 +47,7 @@ inline constexpr std::uint32_t kDrawPhases = 3;
 /// [first_depth_visible, end_run) repeat the depth-visible transparent runs for depth.
 struct ViewDraws {
   shader::ViewBlock block;
-  std::size_t shadowed = 0;  ///< index among the views with shadows, if it has any; see ShadowMaps::offset()
+  std::size_t shadowed = 0;  ///< index among the views with shadows, if it has any; see ShadowMaps::first_texel()
   std::size_t first_run = 0, first_layer = 0, first_depth_visible = 0, end_run = 0;
   ViewCounts counts;
 };

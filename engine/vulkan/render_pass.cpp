@@ -15,7 +15,9 @@ Handle<VkRenderPass> make_render_pass(DeviceImpl& device, const RenderPassKind& 
                                                                     : VK_ATTACHMENT_STORE_OP_DONT_CARE;
   depth.stencilLoadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE;
   depth.stencilStoreOp = VK_ATTACHMENT_STORE_OP_DONT_CARE;
-  depth.initialLayout = kind.resumed ? VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL : VK_IMAGE_LAYOUT_UNDEFINED;
+  depth.initialLayout = !kind.resumed  ? VK_IMAGE_LAYOUT_UNDEFINED
+                        : kind.sampled ? VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL
+                                       : VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
   depth.finalLayout = kind.sampled                         ? VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL
                       : kind.keep_depth && !kind.continued ? VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL
                                                            : VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
@@ -35,9 +37,9 @@ Handle<VkRenderPass> make_render_pass(DeviceImpl& device, const RenderPassKind& 
   subpass.pColorAttachments = &color_reference;
   subpass.pDepthStencilAttachment = &depth_reference;
 
-  // The pass waits for no earlier commands: the host waits for each frame, and a resumed pass waits by a barrier (see
-  // OitBuffer). The copies and the ResolvePass after it wait by this dependency. It is the same for all passes that are
-  // not `sampled`, because compatible passes need equal dependencies.
+  // The pass waits for no earlier commands: the host waits for each frame, and a pass that is resumed within a frame
+  // waits by a barrier (see OitBuffer). The copies and the ResolvePass after it wait by this dependency. It is the same
+  // for all passes that are not `sampled`, because compatible passes need equal dependencies.
   VkSubpassDependency used{};
   used.srcSubpass = 0;
   used.dstSubpass = VK_SUBPASS_EXTERNAL;

@@ -11,7 +11,7 @@ struct RenderPassKind {
   bool keep_depth = true;     ///< depth is copied afterwards
   bool sampled = false;       ///< fragment shaders of later passes read depth; not compatible with other passes
   bool averaged = false;      ///< ResolvePass reads the colour afterwards; otherwise it is copied
-  bool resumed = false;       ///< continues a pass with the same targets
+  bool resumed = false;       ///< continues a pass with the same targets, if `sampled` that of an earlier frame
   bool continued = false;     ///< a resumed pass follows before anything is copied
   std::uint32_t samples = 1;  ///< per pixel of the targets
 
