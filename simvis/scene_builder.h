@@ -94,7 +94,8 @@ class SceneBuilder {
   void log_change(const Command& command);
   void run_carried(const Command& part, const PartContent& content, const std::string& prefix);
   std::vector<Command> carried_commands(const Command& part, const PartContent& content) const;
-  bool clashes(std::span<const Command> carried, const PartContent& content, const std::string& prefix) const;
+  bool clashes(std::span<const Command> carried, const PartContent& content, const std::string& prefix,
+               const std::string& part_name) const;
   void insert_part(const Command& command);
   void insert_element(const Command& command);
   void insert_sensor(const Command& command);
