@@ -49,7 +49,6 @@ TEST_CASE("visuals that cannot be shown are left out, each with a warning") {
       {sdf_visual("<sphere><radius>inf</radius></sphere>"), "element <sphere> has a <radius> that is not above 0"},
       {sdf_visual("<heightmap/>"), "element <heightmap> is not taken over"},
       {sdf_visual("<polyline/>"), "element <polyline> is not taken over"},
-      {"<visual name='v'/>", "element <visual> has no geometry"},
       {sdf_box("1 1 1", "<pose>0 0 nan 0 0 0</pose>"), "element <pose> has no six finite numbers"},
       {sdf_box("1 1 1", "<pose relative_to='x'>0 0 0 0 0 0</pose>"), "element <pose> refers to \"x\""},
       {sdf_visual("<mesh><uri>model://none/a.dae</uri></mesh>"), "\"model://none/a.dae\" is not there; tried "},
@@ -64,6 +63,11 @@ TEST_CASE("visuals that cannot be shown are left out, each with a warning") {
     CHECK(contains(scene.warnings()[0], rest));
     CHECK(scene.list().items.size() == 1);
   }
+}
+
+TEST_CASE("a visual without a geometry is left out, and an empty one is nothing") {
+  SdfScene scene(model_with("\n<visual name='v'/>" + sdf_visual("<empty/>")));
+  CHECK(scene.warnings() == std::vector<std::string>{"5:2: the visual has no geometry and is left out"});
 }
 
 TEST_CASE("a file of which nothing can be shown is refused, as is one that is no SDF") {
@@ -104,6 +108,24 @@ TEST_CASE("lights, scanners and cameras that are wrong are left out") {
     CHECK(scene.built().sensors.empty());
     CHECK(scene.list().lights.empty());
   }
+}
+
+TEST_CASE("a lens that folds within the picture is left out, one that does not is kept") {
+  // r (1 + k1 r^2) grows up to r = 1 / sqrt(-3 k1) and reaches 2/3 of that. The corner of 320 x 240 pixels at 90
+  // degrees is at 1.25, which needs k1 above -4 / (27 * 1.25^2) = -0.0948.
+  const auto camera = [](const std::string& k1) {
+    return model_with(
+        "<sensor name='s' type='camera'><camera><horizontal_fov>1.5707963</horizontal_fov><distortion>"
+        "<k1>" +
+        k1 + "</k1></distortion></camera></sensor>");
+  };
+  SdfScene folds(camera("-0.1"));
+  REQUIRE(folds.warnings().size() == 1);
+  CHECK(contains(folds.warnings()[0], "a lens distortion that folds within the picture is not taken over"));
+  CHECK(folds.sensor("m/l/s", "distortion") == "");
+  SdfScene fills(camera("-0.08"));
+  CHECK(fills.warnings().empty());
+  CHECK(fills.sensor("m/l/s", "k1") == "-0.08");
 }
 
 TEST_CASE("a turn that is rounded up is a full turn") {

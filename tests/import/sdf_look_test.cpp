@@ -187,11 +187,12 @@ TEST_CASE("cameras and scanners of links become sensors named after the link") {
       "<model name='m'><link name='l.1'>"
       "<sensor name='eye' type='camera'><pose>1 0 0 0 0 0</pose><update_rate>15</update_rate><camera>"
       "<horizontal_fov>1.5707963267948966</horizontal_fov><image><width>32</width><height>24</height></image>"
-      "<clip><near>0.02</near><far>9</far></clip><distortion><k1>-0.1</k1></distortion></camera></sensor>"
+      "<clip><near>0.02</near><far>9</far></clip><distortion><k1>0.1</k1></distortion></camera></sensor>"
       "<sensor name='d' type='depth_camera'><camera/></sensor><sensor name='rgbd' type='rgbd_camera'><camera/></sensor>"
       "<sensor name='a/b' type='gpu_lidar'><update_rate>10</update_rate><lidar><scan><horizontal><samples>5</samples>"
       "<min_angle>-1.5707963267948966</min_angle><max_angle>1.5707963267948966</max_angle></horizontal>"
-      "<vertical><samples>3</samples><min_angle>-0.1</min_angle><max_angle>0.1</max_angle></vertical></scan>"
+      "<vertical><samples>3</samples><resolution>1</resolution><min_angle>-0.1</min_angle><max_angle>0.1</max_angle></"
+      "vertical></scan>"
       "<range><min>0.1</min><max>inf</max></range><noise><type>gaussian</type><stddev>0.01</stddev></noise></lidar>"
       "</sensor></link></model>"));
   CHECK(scene.warnings().empty());
@@ -200,7 +201,7 @@ TEST_CASE("cameras and scanners of links become sensors named after the link") {
   CHECK(scene.sensor(eye, "hfov") == "90");
   CHECK(scene.sensor(eye, "near") == "0.02");
   CHECK(scene.sensor(eye, "rate") == "15");
-  CHECK(scene.sensor(eye, "k1") == "-0.1");
+  CHECK(scene.sensor(eye, "k1") == "0.1");
   CHECK(scene.sensor(eye, "outputs") == "color");
   CHECK(scene.sensor(eye, "pose_offset") == "1 0 0");
   CHECK(scene.sensor("m/l_1/d", "outputs") == "depth");

@@ -9,6 +9,7 @@
 #include <simvis/node.h>
 #include <simvis/part_importer.h>
 #include <simvis/pose.h>
+#include "scenegraph/import/mesh/picture_file.h"
 #include "scenegraph/import/sdf/sdf_commands.h"
 #include "scenegraph/import/sdf/sdf_reader.h"
 #include "scenegraph/import/sdf/sdf_tree.h"

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include <simvis/attributes.h>
+#include "scenegraph/import/mesh/picture_file.h"
 #include "scenegraph/import/urdf/urdf_file.h"
 
 namespace simvis {
@@ -99,11 +100,11 @@ std::optional<std::filesystem::path> SdfFiles::find_model(const std::string& uri
     if (const auto found = find_in_folder(path)) return found;
     tried = "tried " + path.string();
   }
-  const std::size_t slash = is_model ? name.find('/') : std::string::npos;
+  const std::size_t slash = name.find('/');
   const std::string model = name.substr(0, slash);
   const std::string rest = slash == std::string::npos ? "" : name.substr(slash + 1);
   for (PackageFiles* packages : {&where.file().packages, &top_}) {
-    if (!is_model) break;
+    if (model.empty()) break;  // an absolute path
     if (const auto file = rest.empty() ? std::nullopt : packages->find_model_file(model, rest)) return file;
     for (const char* in_folder : {"model.config", "manifest.xml", "model.sdf"}) {
       const auto file = packages->find_model_file(model, (std::filesystem::path(rest) / in_folder).string());

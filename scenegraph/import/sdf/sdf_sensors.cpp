@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/gtc/quaternion.hpp>
 #include <numbers>
@@ -54,13 +55,36 @@ double gaussian(const SdfElement& noise, SdfReport& report) {
   return deviation;
 }
 
-void add_distortion(const SdfElement& camera, SdfCommand& command) {
+// Whether radial distortion k reaches the radius `corner` before it folds: r (1 + k1 r^2 + k2 r^4 + k3 r^6) is
+// followed in small steps for as long as it grows.
+bool fills_picture(const std::array<double, 3>& k, double corner) {
+  constexpr int kSteps = 10'000;
+  constexpr double kReach = 20;     // radii of the corner
+  constexpr double kMargin = 1.02;  // for tangential distortion and the size of a step
+  double reached = 0;
+  for (int i = 1; i <= kSteps; ++i) {
+    const double r = i * kReach * corner / kSteps, q = r * r;
+    const double distorted = r * (1 + q * (k[0] + q * (k[1] + q * k[2])));
+    if (!(distorted > reached)) return false;
+    reached = distorted;
+    if (reached >= kMargin * corner) return true;
+  }
+  return false;
+}
+
+void add_distortion(const SdfElement& camera, double width, double height, double hfov, SdfCommand& command,
+                    SdfReport& report) {
   const SdfElement distortion = camera.child("distortion");
-  bool bends = false;
-  for (const char* name : {"k1", "k2", "k3", "p1", "p2"}) bends = bends || distortion.child(name).number(0) != 0;
-  if (!bends) return;
+  std::array<double, 5> values{};
+  constexpr const char* kNames[] = {"k1", "k2", "k3", "p1", "p2"};
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = distortion.child(kNames[i]).number(0);
+  if (values == std::array<double, 5>{}) return;
+  const double corner = std::tan(hfov / 2) * std::hypot(1, height / width);
+  if (!fills_picture({values[0], values[1], values[2]}, corner)) {
+    return report.leave_out("a lens distortion that folds within the picture", distortion.at());
+  }
   command.add("distortion", "brown_conrady");
-  for (const char* name : {"k1", "k2", "k3", "p1", "p2"}) command.add(name, distortion.child(name).number(0));
+  for (std::size_t i = 0; i < values.size(); ++i) command.add(kNames[i], values[i]);
 }
 
 std::optional<std::string> camera_command(const SdfElement& sensor, const char* outputs, const SdfPlace& place,
@@ -70,8 +94,10 @@ std::optional<std::string> camera_command(const SdfElement& sensor, const char* 
   SdfCommand command(CommandKind::sensor, "camera", place);
   add_sensor_pose(point_from_sensor * read_sdf_pose(camera).matrix, command);
   const SdfElement image = camera.child("image"), lens = camera.child("lens");
-  command.add("width", image ? whole(image, "width", 320, kMaxPixels) : 320);
-  command.add("height", image ? whole(image, "height", 240, kMaxPixels) : 240);
+  const double width = image ? whole(image, "width", 320, kMaxPixels) : 320;
+  const double height = image ? whole(image, "height", 240, kMaxPixels) : 240;
+  command.add("width", width);
+  command.add("height", height);
   const double hfov = camera.child("horizontal_fov").number(1.047);
   if (!(hfov > 0 && hfov < std::numbers::pi)) camera.fail("has a <horizontal_fov> that is not between 0 and pi");
   command.add("hfov", hfov * kSensorDegrees);
@@ -79,7 +105,7 @@ std::optional<std::string> camera_command(const SdfElement& sensor, const char* 
   if (!(near_m > 0 && near_m <= kMaxRange_m)) camera.fail("has a clip plane <near> that is not above 0");
   command.add("near", near_m);
   command.add("outputs", outputs);
-  add_distortion(camera, command);
+  add_distortion(camera, width, height, hfov, command, report);
   add_rate(sensor, command);
   if (lens) report.leave_out("element <lens> of a camera", lens.at());
   if (gaussian(camera.child("noise"), report) > 0) report.leave_out("noise of a camera", camera.child("noise").at());
@@ -93,7 +119,8 @@ struct ScanAxis {
 ScanAxis scan_axis(const SdfElement& axis, double largest, double turn_deg) {
   if (!axis) return {};
   const double resolution = axis.child("resolution").number(1);
-  const double samples = std::round(whole(axis, "samples", 640, largest) * resolution);
+  // Files of several tools give one ring and a resolution far below 1.
+  const double samples = std::max(1.0, std::round(whole(axis, "samples", 640, largest) * resolution));
   if (!(samples >= 1 && samples <= largest)) axis.fail("has too many or too few samples");
   ScanAxis scan{samples, axis.child("min_angle").number(0) * kSensorDegrees,
                 axis.child("max_angle").number(0) * kSensorDegrees};

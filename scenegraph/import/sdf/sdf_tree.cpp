@@ -5,6 +5,7 @@
 #include <utility>
 
 #include <simvis/pose.h>
+#include "scenegraph/import/mesh/picture_file.h"
 #include "scenegraph/import/urdf/urdf_file.h"
 
 namespace simvis {

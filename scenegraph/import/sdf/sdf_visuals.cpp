@@ -11,6 +11,7 @@
 #include <simvis/pose.h>
 #include "scenegraph/clone_graph.h"
 #include "scenegraph/graph_walk.h"
+#include "scenegraph/import/mesh/picture_file.h"
 #include "scenegraph/import/urdf/urdf_file.h"
 #include "scenegraph/primitive_meshes.h"
 
@@ -121,8 +122,8 @@ void SdfVisuals::require_any(const SdfElement& where) const {
 NodePtr SdfVisuals::build(const SdfElement& visual, const glm::dmat4& link_from_visual) {
   const std::vector<SdfElement> shapes =
       visual.child("geometry") ? visual.child("geometry").children() : std::vector<SdfElement>();
-  if (shapes.empty()) visual.fail("has no geometry");
-  if (shapes.front().tag() == "empty") return nullptr;
+  if (shapes.empty()) report_.warn(visual.at(), "the visual has no geometry and is left out");
+  if (shapes.empty() || shapes.front().tag() == "empty") return nullptr;
   const double transparency = visual.child("transparency").number(0);
   if (!(transparency >= 0 && transparency <= 1)) visual.fail("has a <transparency> outside 0 to 1");
   const std::string name = visual.attribute("name");
