@@ -179,7 +179,7 @@ TEST_CASE("lights have their place, direction and strength") {
 TEST_CASE("a scene's background and ambient light become a sky") {
   SdfScene scene(sdf_world("<scene><ambient>0.4 0.4 0.4 1</ambient><background>0.7 0.7 0.7 1</background></scene>"));
   CHECK(scene.value("sky", "red") == decode_srgb(0.7));
-  CHECK(scene.value("sky", "ambient_blue") == decode_srgb(0.4));
+  CHECK(scene.value("sky", "ambient_blue") == 0.4 / std::numbers::pi);
 }
 
 TEST_CASE("cameras and scanners of links become sensors named after the link") {

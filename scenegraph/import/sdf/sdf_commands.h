@@ -36,8 +36,8 @@ std::string sdf_axis_frame(const SdfElement& joint);
 std::string sdf_light_command(const SdfElement& light, const SdfPlace& place, const glm::dmat4& point_from_light);
 inline constexpr double kSdfLightDistance_m = 3;
 
-/// The element `sky` of a world's <scene>: its background and ambient light, as far as they are there. Empty: it has
-/// neither.
+/// The element `sky` of a world's <scene>: its background, read as sRGB, and its ambient light A, whose radiance is
+/// A / pi as in gz-sim, as far as they are there. Empty: it has neither.
 std::optional<std::string> sdf_sky_command(const SdfElement& scene, const SdfPlace& place);
 
 /// The sensor of a <sensor>, which looks along +x as ours do: a camera, depth camera or RGBD camera is a `camera`; a

@@ -88,8 +88,11 @@ std::optional<std::string> sdf_sky_command(const SdfElement& scene, const SdfPla
   if (!background && !ambient) return std::nullopt;
   SdfCommand command(CommandKind::element, "sky", place);
   if (background) add_linear_color(background.color(glm::dvec4(1)), {"red", "green", "blue"}, command);
+  // gz-sim takes the numbers as linear and shows a white surface in ambient light A as A / pi.
   if (ambient) {
-    add_linear_color(ambient.color(glm::dvec4(1)), {"ambient_red", "ambient_green", "ambient_blue"}, command);
+    const glm::dvec4 light = ambient.color(glm::dvec4(1)) / std::numbers::pi;
+    constexpr const char* kNames[] = {"ambient_red", "ambient_green", "ambient_blue"};
+    for (int i = 0; i < 3; ++i) command.add(kNames[i], light[i]);
   }
   return command.text();
 }
