@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "engine/base/assert.h"
+#include "scenegraph/language/command_reader.h"
 #include "scenegraph/language/pose_attribute.h"
 #include "scenegraph/language/registrations.h"
 #include "simvis/library_of.h"
@@ -349,7 +350,7 @@ void SceneBuilder::insert_part(const Command& command) {
   std::string prefix = prefix_of(command);
   const Carrier carrier(prefix, content.file);
   if (has_names && clashes(content.commands.empty() ? std::vector<Command>() : carried_commands(command, content),
-                           content, prefix)) {
+                           content, prefix, name.value)) {
     check_prefix(name);
     prefix = name.value + "/";
   }
@@ -389,12 +390,14 @@ void SceneBuilder::note_carrier(const Carrier& carrier) {
 }
 
 // Whether the names within a part need a prefix: the part is several times in the scene or in the commands under way,
-// or one of its names is taken.
-bool SceneBuilder::clashes(std::span<const Command> carried, const PartContent& content,
-                           const std::string& prefix) const {
+// or one of its names is taken, if only by the part itself.
+bool SceneBuilder::clashes(std::span<const Command> carried, const PartContent& content, const std::string& prefix,
+                           const std::string& part_name) const {
   const Carrier copy(prefix, content.file);
   if (carriers_.contains(copy) || copied_.contains(copy)) return true;
-  const auto point_taken = [&](const std::string& name) { return built_.scene.has_insertion_point(prefix + name); };
+  const auto point_taken = [&](const std::string& name) {
+    return prefix + name == part_name || built_.scene.has_insertion_point(prefix + name);
+  };
   if (std::ranges::any_of(content.points, point_taken)) return true;
   return std::ranges::any_of(carried, [&](const Command& command) {
     const CommandAttribute* const name = command.find("name");
@@ -440,7 +443,7 @@ std::vector<Command> SceneBuilder::carried_commands(const Command& part, const P
   try {
     for (std::size_t i = 0; i < content.commands.size(); ++i) {
       const std::string file = content.file.string() + "(command " + std::to_string(i + 1) + ")";
-      const std::vector<Command> parsed = parse_commands(content.commands[i], file, content.file.parent_path());
+      const std::vector<Command> parsed = parse_carried_commands(content.commands[i], file, content.file.parent_path());
       commands.insert(commands.end(), parsed.begin(), parsed.end());
     }
   } catch (const InputError& error) {

@@ -106,7 +106,8 @@ class SceneBuilder {
   void claim(NameSet& names, const CommandAttribute& name);
   void run_carried(const Command& part, const PartContent& content, const std::string& prefix);
   std::vector<Command> carried_commands(const Command& part, const PartContent& content) const;
-  bool clashes(std::span<const Command> carried, const PartContent& content, const std::string& prefix) const;
+  bool clashes(std::span<const Command> carried, const PartContent& content, const std::string& prefix,
+               const std::string& part_name) const;
   void insert_part(const Command& command);
   void insert_logged_part(const Command& command);
   void insert_element(const Command& command);

@@ -50,7 +50,13 @@ std::vector<std::size_t> attribute_offsets(const pugi::xml_node& node, std::stri
   }
 }
 
-void check_name(const CommandAttribute& name, CommandKind kind) {
+// "LINK/NAME", as an importer names the sensors of a model: folders within the folder of the results.
+bool is_name_with_folders(std::string_view name) {
+  return name.find('.') == std::string_view::npos && !name.starts_with('/') && !name.ends_with('/') &&
+         name.find("//") == std::string_view::npos;
+}
+
+void check_name(const CommandAttribute& name, CommandKind kind, bool is_carried) {
   const auto refuse = [&](std::string_view expected) {
     fail_at(name.where,
             "attribute \"name\": " + in_quotes(name.value) + " is not allowed, expected " + std::string(expected));
@@ -59,7 +65,8 @@ void check_name(const CommandAttribute& name, CommandKind kind) {
   const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
   if (std::ranges::any_of(name.value, is_control)) refuse("a name without control characters");
   // Joints of robots, which become elements, have such names. Names of sensors become names of files.
-  if (kind == CommandKind::sensor && name.value.find_first_of("./") != std::string::npos) {
+  const bool has_folders = is_carried && is_name_with_folders(name.value);
+  if (kind == CommandKind::sensor && !has_folders && name.value.find_first_of("./") != std::string::npos) {
     refuse("a name without '.' and '/'");
   }
 }
@@ -169,11 +176,14 @@ std::vector<Command> CommandReader::read(SourceText source, const std::filesyste
 
 void CommandReader::read_document(const SceneSource& source, std::shared_ptr<const IncludeScope> scope) {
   const pugi::xml_node root = find_root(source.document);
-  if (root && std::string_view(root.name()) == "robot" && root.child("link")) {
+  const std::string_view root_tag = root ? root.name() : "";
+  const bool is_robot = root_tag == "robot" && root.child("link");
+  if (is_robot || root_tag == "sdf") {
     fail_at(place(root, source.text),
-            "this is a robot in URDF, expected a scene; put it into one: <part file=" +
-                in_quotes(std::filesystem::path(source.text.file()).stem().string() + ".urdf") +
-                " name=\"ROBOT\" insert_at=\"ROOT\"/>");
+            std::string("this is a ") + (is_robot ? "robot in URDF" : "world or model in SDF") +
+                ", expected a scene; put it into one: <part file=" +
+                in_quotes(std::filesystem::path(source.text.file()).stem().string() + (is_robot ? ".urdf" : ".sdf")) +
+                " name=" + (is_robot ? "\"ROBOT\"" : "\"WORLD\"") + " insert_at=\"ROOT\"/>");
   }
   if (root && root.first_attribute()) {
     fail_at(source.text.at(attribute_offsets(root, source.text.text()).front()),
@@ -198,7 +208,7 @@ void CommandReader::read_statement(const pugi::xml_node& node, Block& block) {
   refuse_content(node, block.source);
   if (node.name() == kSet) return read_set(command, block);
   if (node.name() == kInclude) return read_include(command, block);
-  if (const CommandAttribute* name = command.find("name")) check_name(*name, command.kind);
+  if (const CommandAttribute* name = command.find("name")) check_name(*name, command.kind, is_carried_);
   command.scope = block.scope;
   commands_.push_back(std::move(command));
 }
@@ -293,6 +303,11 @@ const SceneSource& CommandReader::included(const std::filesystem::path& file, co
 std::vector<Command> parse_commands(std::string_view xml, const std::string& file,
                                     const std::filesystem::path& folder) {
   return CommandReader().read(SourceText(xml, file), {}, folder);
+}
+
+std::vector<Command> parse_carried_commands(std::string_view xml, const std::string& file,
+                                            const std::filesystem::path& folder) {
+  return CommandReader(true).read(SourceText(xml, file), {}, folder);
 }
 
 std::vector<Command> read_commands(const std::filesystem::path& file) {

@@ -29,6 +29,9 @@ struct SceneSource {
 /// Reads one scene with all the files that it includes.
 class CommandReader {
  public:
+  /// Names of sensors that a part carries may have '/' between their words.
+  explicit CommandReader(bool is_carried = false) : is_carried_(is_carried) {}
+
   /// Throws InputError with the place. `file` is empty for a text that is not from a file.
   std::vector<Command> read(SourceText source, const std::filesystem::path& file, const std::filesystem::path& folder);
 
@@ -51,10 +54,15 @@ class CommandReader {
   const SceneSource& included(const std::filesystem::path& file, const Location& where);
   void count_step(const pugi::xml_node& node, const Block& block);
 
+  bool is_carried_;
   std::vector<Command> commands_;
   std::vector<std::filesystem::path> open_;  // files that are being read, each included by the one before
   std::map<std::pair<std::filesystem::path, std::string>, std::unique_ptr<SceneSource>> included_;  // by place too
   std::size_t included_bytes_ = 0, steps_ = 0, repetitions_ = 0;
 };
+
+/// Reads the commands that a part carries: as parse_commands(), but names of sensors may be LINK/NAME.
+std::vector<Command> parse_carried_commands(std::string_view xml, const std::string& file,
+                                            const std::filesystem::path& folder);
 
 }  // namespace simvis

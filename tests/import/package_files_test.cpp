@@ -18,8 +18,10 @@ using namespace simvis::test;
 
 namespace {
 
-constexpr const char* kVariables[] = {"ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH", "GAZEBO_MODEL_PATH",
-                                      "GZ_SIM_RESOURCE_PATH"};
+constexpr const char* kModelVariables[] = {"GAZEBO_MODEL_PATH", "GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH",
+                                           "SDF_PATH"};
+constexpr const char* kVariables[] = {"ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH", kModelVariables[0],
+                                      kModelVariables[1], kModelVariables[2],  kModelVariables[3]};
 
 // Sets one of the variables and unsets the others, until the end of the block.
 class SearchPath {
@@ -109,7 +111,10 @@ TEST_CASE("models: the paths of Gazebo, then beside and above") {
   ws.add("ws/chair/meshes/m.dae");
   ws.add("models/chair/meshes/m.dae");
   CHECK(ws.find("model://chair/meshes/m.dae") == "ws/chair/meshes/m.dae");
-  for (const char* variable : {"GAZEBO_MODEL_PATH", "GZ_SIM_RESOURCE_PATH"}) {
+  ws.add("ws/models/table/meshes/m.dae");
+  CHECK(ws.find("model://table/meshes/m.dae") == "ws/models/table/meshes/m.dae");
+  CHECK(ws.find("package://table/meshes/m.dae") == "none");
+  for (const char* variable : kModelVariables) {
     const SearchPath path(variable, ws.path("models").string());
     CHECK(ws.find("model://chair/meshes/m.dae") == "models/chair/meshes/m.dae");
     CHECK(ws.find("package://chair/meshes/m.dae") == "ws/chair/meshes/m.dae");

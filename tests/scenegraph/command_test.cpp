@@ -99,6 +99,8 @@ TEST_CASE("names") {
       contains(error("<part name=''/>"), "s.xml:1:7: error: attribute \"name\": \"\" is not allowed, expected a name"));
   CHECK(contains(error("<element name='  '/>"), "expected a name that is not empty"));
   CHECK(contains(error("<sensor name='a/b'/>"), "expected a name without '.' and '/'"));
+  CHECK(contains(error("<sdf version='1.6'><world name='w'/></sdf>"),
+                 "this is a world or model in SDF, expected a scene"));
   CHECK(contains(error("<sensor name='a.b'/>"), "expected a name without '.' and '/'"));
   CHECK(parse("<element name='a.b/c'/>").size() == 1);
   CHECK(contains(error("<part name='a&#10;b'/>"), "\"a\\x0ab\" is not allowed, expected a name without control"));

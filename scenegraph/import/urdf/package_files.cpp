@@ -13,7 +13,9 @@ namespace fs = std::filesystem;
 
 constexpr const char* kRosPath = "ROS_PACKAGE_PATH";
 constexpr const char* kAmentPath = "AMENT_PREFIX_PATH";
-constexpr const char* kModelPaths[] = {"GAZEBO_MODEL_PATH", "GZ_SIM_RESOURCE_PATH"};
+constexpr const char* kModelPaths[] = {"GAZEBO_MODEL_PATH", "GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH",
+                                       "SDF_PATH"};
+constexpr const char* kModelsFolder = "models";
 constexpr int kMaxDepth = 32;         // of packages below ROS_PACKAGE_PATH: links may lead in circles
 constexpr int kLevelsOfPackages = 5;  // folders above the URDF whose packages are read
 constexpr int kLevelsNear = 3;        // folders above the URDF in which a lost file is searched
@@ -115,6 +117,11 @@ std::optional<fs::path> PackageFiles::find(const std::string& written, const Loc
   return find_near(rest, (is_model ? "model " : "package ") + in_quotes(package), where);
 }
 
+std::optional<fs::path> PackageFiles::find_model_file(const std::string& name, const std::string& rest) {
+  tried_.clear();
+  return find_in_package(name, rest, true);
+}
+
 std::string PackageFiles::tried() const {
   std::string list = "tried ";
   for (std::size_t i = 0; i < tried_.size(); ++i) list += (i == 0 ? "" : ", ") + tried_[i];
@@ -153,10 +160,11 @@ std::optional<fs::path> PackageFiles::find_in_package(const std::string& name, c
     }
     tried_.push_back(state_of(kAmentPath));
   }
-  return find_beside_or_above(name, rest);
+  return find_beside_or_above(name, rest, is_model);
 }
 
-std::optional<fs::path> PackageFiles::find_beside_or_above(const std::string& name, const std::string& rest) {
+std::optional<fs::path> PackageFiles::find_beside_or_above(const std::string& name, const std::string& rest,
+                                                           bool is_model) {
   int level = 0;
   for (const fs::path& above : folder_and_above(folder_)) {
     const bool reads_packages = level++ <= kLevelsOfPackages;
@@ -164,6 +172,9 @@ std::optional<fs::path> PackageFiles::find_beside_or_above(const std::string& na
       if (const auto found = try_file(above, rest)) return found;
     }
     if (const auto found = try_file(above / name, rest)) return found;
+    if (is_model) {
+      if (const auto found = try_file(above / kModelsFolder / name, rest)) return found;
+    }
     if (!reads_packages) continue;
     for (const fs::path& beside : packages_in(above)) {
       if (declared_name(beside) != name || beside.filename() == name) continue;

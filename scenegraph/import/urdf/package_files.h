@@ -1,4 +1,4 @@
-// Finds the files that a URDF names, as ROS and Gazebo find them.
+// Finds the files that a URDF or an SDF file names, as ROS and Gazebo find them.
 #pragma once
 
 #include <filesystem>
@@ -23,16 +23,21 @@ namespace simvis {
 ///   1. the folders that the user gave
 ///   2. package: ROS_PACKAGE_PATH, by the <name> of each package.xml below it; then AMENT_PREFIX_PATH,
 ///   PREFIX/share/NAME
-///      model: GAZEBO_MODEL_PATH, then GZ_SIM_RESOURCE_PATH
-///   3. from the URDF's folder upwards: a folder above or beside whose name or <name> in package.xml is NAME
+///      model: GAZEBO_MODEL_PATH, GZ_SIM_RESOURCE_PATH, IGN_GAZEBO_RESOURCE_PATH, then SDF_PATH
+///   3. from the URDF's folder upwards: a folder above or beside whose name or <name> in package.xml is NAME; for a
+///      model, also one of that name in a folder `models` beside or above
 /// A file that is still not found is searched near the URDF: REST, or its last components (at least a folder and the
 /// file), in the URDF's folder and the three above it. This gives a warning for each NAME.
 class PackageFiles {
  public:
+  /// `urdf` is the file that names the others, a URDF or an SDF file.
   PackageFiles(const std::filesystem::path& urdf, std::vector<PackageFolder> given);
 
   /// Empty: there is no such file, see tried(). `where` is the place that names the file, for warnings.
   std::optional<std::filesystem::path> find(const std::string& name, const Location& where);
+
+  /// The file REST of the Gazebo model NAME, as find() finds it, but never another file near by.
+  std::optional<std::filesystem::path> find_model_file(const std::string& name, const std::string& rest);
 
   /// The places that the last find() tried, for messages: "tried A, B, C".
   std::string tried() const;
@@ -45,7 +50,8 @@ class PackageFiles {
 
  private:
   std::optional<std::filesystem::path> find_in_package(const std::string& name, const std::string& rest, bool is_model);
-  std::optional<std::filesystem::path> find_beside_or_above(const std::string& name, const std::string& rest);
+  std::optional<std::filesystem::path> find_beside_or_above(const std::string& name, const std::string& rest,
+                                                            bool is_model);
   std::optional<std::filesystem::path> find_near(const std::string& rest, const std::string& subject,
                                                  const Location& where);
   std::optional<std::filesystem::path> try_file(const std::filesystem::path& folder, const std::string& rest);

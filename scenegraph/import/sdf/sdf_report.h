@@ -1,0 +1,31 @@
+// What is told about an SDF file: warnings, and one for each kind of content that is not taken over.
+#pragma once
+
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <simvis/location.h>
+
+namespace simvis {
+
+class SdfReport {
+ public:
+  void warn(const Location& where, const std::string& what);
+  void warn(std::string warning) { warnings_.push_back(std::move(warning)); }
+  /// Counts content of a kind, such as "plugin", that is not taken over.
+  void leave_out(const std::string& kind, const Location& where);
+  /// All warnings: those of warn() in order, then one for each kind with its first place.
+  std::vector<std::string> release();
+
+ private:
+  struct Kind {
+    Location first;
+    std::size_t count = 0;
+  };
+  std::vector<std::string> warnings_;
+  std::map<std::string, Kind> left_out_;
+};
+
+}  // namespace simvis
