@@ -1,6 +1,7 @@
 # The programs that SimVis starts to read part files with other projects' libraries, which may crash or hang on broken
 # files: simvis-import-mesh (Assimp) and, where there is Coin, simvis-import-inventor. Two programs, because Coin brings
-# libraries of X11 and OpenGL along, whose loading would be most of the time that it takes to read a small mesh.
+# libraries of X11 and OpenGL along, whose loading would be most of the time that it takes to read a small mesh. A third,
+# simvis-decode, decodes pictures and meshes within such files.
 #
 # They stand in the folder `simvis` beside the library, in the build tree as where they are installed.
 set(SIMVIS_IMPORT_FOLDER simvis)
@@ -12,7 +13,9 @@ set(import_shared
     scenegraph/content_pool.cpp
     scenegraph/import/helper/process_limits.cpp
     scenegraph/import/mesh/input_file.cpp
-    scenegraph/import/mesh/picture_file.cpp
+    scenegraph/import/mesh/picture_search.cpp
+    scenegraph/import/mesh/stb_picture.cpp
+    scenegraph/import/sandbox/draco_mesh.cpp
     scenegraph/import/sandbox/import_answer.cpp
     scenegraph/import/sandbox/imported_scene.cpp
     scenegraph/language/attributes.cpp
@@ -26,23 +29,33 @@ add_library(simvis_import_shared STATIC ${import_shared})
 target_include_directories(simvis_import_shared PUBLIC ${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR})
 target_link_libraries(simvis_import_shared PUBLIC glm::glm pugixml::pugixml PkgConfig::stb)
 
+set(helper ${PROJECT_SOURCE_DIR}/scenegraph/import/helper)
+function(simvis_helper_program name main library)
+  add_executable(${name} ${main})
+  target_link_libraries(${name} PRIVATE ${library})
+  set_target_properties(${name} PROPERTIES
+                        RUNTIME_OUTPUT_DIRECTORY ${CMAKE_LIBRARY_OUTPUT_DIRECTORY}/${SIMVIS_IMPORT_FOLDER})
+  install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_LIBDIR}/${SIMVIS_IMPORT_FOLDER})
+  # Whatever is linked with the library can read every kind of part.
+  add_dependencies(simvis ${name})
+endfunction()
 function(simvis_import_program kind library)
   file(GLOB sources CONFIGURE_DEPENDS ${ARGN})
   add_library(simvis_import_${kind} STATIC ${sources})
   target_link_libraries(simvis_import_${kind} PUBLIC simvis_import_shared ${library})
-  add_executable(simvis-import-${kind} ${PROJECT_SOURCE_DIR}/scenegraph/import/helper/import_main.cpp)
-  target_link_libraries(simvis-import-${kind} PRIVATE simvis_import_${kind})
-  set_target_properties(simvis-import-${kind} PROPERTIES
-                        RUNTIME_OUTPUT_DIRECTORY ${CMAKE_LIBRARY_OUTPUT_DIRECTORY}/${SIMVIS_IMPORT_FOLDER})
-  install(TARGETS simvis-import-${kind} RUNTIME DESTINATION ${CMAKE_INSTALL_LIBDIR}/${SIMVIS_IMPORT_FOLDER})
-  # Whatever is linked with the library can read every kind of part.
-  add_dependencies(simvis simvis-import-${kind})
+  simvis_helper_program(simvis-import-${kind} ${helper}/import_main.cpp simvis_import_${kind})
 endfunction()
 
-set(helper ${PROJECT_SOURCE_DIR}/scenegraph/import/helper)
+add_library(simvis_any_picture STATIC ${helper}/decode/any_picture.cpp)
+target_link_libraries(simvis_any_picture PUBLIC simvis_import_shared PkgConfig::webp PkgConfig::tiff tiffxx)
+add_library(simvis_decode STATIC ${helper}/decode/draco_reader.cpp)
+target_link_libraries(simvis_decode PUBLIC simvis_any_picture PkgConfig::draco)
+simvis_helper_program(simvis-decode ${helper}/decode/decode_main.cpp simvis_decode)
+
 simvis_import_program(mesh PkgConfig::assimp ${helper}/assimp_*.cpp ${helper}/collada/*.cpp ${helper}/mesh_reader.cpp
-                      ${helper}/obj_text.cpp ${helper}/ply_check.cpp ${helper}/polygon.cpp ${helper}/stl_check.cpp
+                      ${helper}/obj_text.cpp ${helper}/utf16_text.cpp ${helper}/ply_check.cpp ${helper}/polygon.cpp ${helper}/stl_check.cpp
                       ${helper}/vertex_numbers.cpp)
 if(Coin_FOUND)
   simvis_import_program(inventor Coin::Coin ${helper}/inventor/*.cpp)
+  target_link_libraries(simvis_import_inventor PUBLIC simvis_any_picture)
 endif()

@@ -82,7 +82,8 @@ add_dependencies(public_tests simvis_example_plugin ${refused_plugin_targets})
 target_link_libraries(clients_tests PRIVATE simvis_client)
 add_dependencies(clients_tests simvis-ctl)
 # Parts of the import program that no file reaches in every way.
-target_link_libraries(import_tests PRIVATE simvis_import_mesh)
+# And the libraries that decode, whose encoders make what the tests decode.
+target_link_libraries(import_tests PRIVATE simvis_import_mesh simvis_decode meshoptimizer::meshoptimizer)
 add_dependencies(simvis_tests simvis-run simvis_example_plugin)
 add_dependencies(sensors_tests simvis-run)
 

@@ -6,6 +6,7 @@
 #include <string>
 
 #include <simvis/error.h>
+#include "tests/support/error_of.h"
 #include "tests/support/parts/gltf_fixture.h"
 
 TEST_SUITE_BEGIN("scenegraph/import");
@@ -203,20 +204,32 @@ TEST_CASE("URIs and data") {
   });
 }
 
-TEST_CASE("pictures") {
+TEST_CASE("pictures that are broken give warnings, and the colour takes their place") {
   const auto picture = [](ByteString bytes) {
     return [bytes](GltfBuilder& b) { b.root["images"][0]["bufferView"] = b.view(bytes.data(), bytes.size()); };
   };
   ByteString cut = png(4, 4, 8, 6, std::vector<ByteString>(4, ByteString(16, 9)));
   cut.resize(60);
-  check_cases({
-      {"images/0 is neither PNG nor JPEG", picture({'G', 'I', 'F', '8', '9', 'a', 1, 0, 1, 0, 0, 0})},
+  const std::initializer_list<Case> cases{
+      {"images/0 is of no known kind", picture({'a', 'b', 'c', 0, 1, 0, 1, 0, 0, 0})},
       {"images/0 has a broken header", picture({0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n', 0, 0, 0, 0})},
       {"has 16385 x 1 pixels; expected at most 16384", picture(png(16385, 1, 8, 6, {{1}}))},
       {"claims 16384 x 16384 pixels but has only", picture(png(16384, 16384, 1, 0, {{1}}))},
       {"images/0 cannot be decoded", picture(cut)},
       {"images/0 cannot be decoded", picture(png(4, 4, 8, 6, {{1, 2, 3, 4}}))},
-  });
+  };
+  TemporaryFolder folder;
+  for (const Case& c : cases) {
+    GltfBuilder builder = good_file();
+    c.spoil(builder);
+    write_text(folder / "part.gltf", builder.text());
+    ContentPool pool;
+    const LoadedPart part = load_unturned(folder / "part.gltf", pool);
+    CHECK(part.list.materials.at(0)->base_color_texture == nullptr);
+    REQUIRE(part.content.warnings.size() == 1);
+    CHECK(contains(part.content.warnings[0], c.what));
+    CHECK(contains(part.content.warnings[0], "; the material's colour replaces it"));
+  }
 }
 
 TEST_CASE("node trees and transforms") {

@@ -86,16 +86,13 @@ TEST_CASE("errors in mesh files are reported with their file") {
   CHECK(contains(error_in("g.dae", with(dae, "<p>0 3", "<p>0 .")), "p holds \".\", expected whole numbers"));
 }
 
-TEST_CASE("missing pictures are errors, missing material files a warning") {
+TEST_CASE("missing material files are a warning") {
   TemporaryFolder folder;
   write_text(folder / "a.obj", "mtllib none.mtl\n" + obj_box());
   const Loaded loaded = load(folder / "a.obj");
   check_box(loaded.list);
   REQUIRE_FALSE(loaded.warnings.empty());
   CHECK(contains(loaded.warnings[0], "none.mtl"));
-  write_text(folder / "b.mtl", "newmtl m\nmap_Kd none.png\n");
-  write_text(folder / "b.obj", "mtllib b.mtl\nusemtl m\n" + obj_box());
-  CHECK(contains(error(folder / "b.obj"), "none.png"));
 }
 
 TEST_CASE("truncated files and files with flipped bits are loaded or refused, and loaded content is sound") {

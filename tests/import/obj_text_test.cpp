@@ -72,4 +72,52 @@ TEST_CASE("OBJ: faces that name texture coordinates which the file does not have
   CHECK(total(load(folder / "b.obj").list).triangles == 1);
 }
 
+TEST_CASE("OBJ and MTL with a byte order mark or in UTF-16") {
+  TemporaryFolder folder;
+  const std::string obj = "mtllib box.mtl\nusemtl m\n" + obj_box(), mtl = "newmtl m\nKd 1 0 0\n";
+  const auto in_utf16 = [](const std::string& text, bool big_endian, bool with_mark) {
+    std::string bytes;
+    const auto add = [&](int code) {
+      const char low = static_cast<char>(code & 255), high = static_cast<char>(code >> 8);
+      bytes += {big_endian ? high : low, big_endian ? low : high};
+    };
+    if (with_mark) add(0xfeff);
+    for (const char c : text) add(c);
+    return bytes;
+  };
+  const auto read = [&](const std::string& obj_bytes, const std::string& mtl_bytes) {
+    write_text(folder / "box.obj", obj_bytes);
+    write_text(folder / "box.mtl", mtl_bytes);
+    Loaded loaded = load(folder / "box.obj");
+    check_box(loaded.list);
+    CHECK(loaded.list.materials.at(0)->base_color == glm::vec4(1, 0, 0, 1));
+    return loaded.warnings;
+  };
+  const std::string mark = "\xef\xbb\xbf";
+  CHECK(read(mark + obj, mark + mtl).empty());
+  for (const bool big_endian : {false, true}) {
+    for (const bool with_mark : {false, true}) {
+      const std::vector<std::string> warnings =
+          read(in_utf16(obj, big_endian, with_mark), in_utf16(mtl, big_endian, with_mark));
+      REQUIRE(warnings.size() == 2);
+      CHECK(contains(warnings[0], "box.obj: is text in UTF-16"));
+      CHECK(contains(warnings[1], "box.mtl: is text in UTF-16"));
+    }
+  }
+}
+
+TEST_CASE("missing normals are a warning only where the file has normals and a face needs one") {
+  TemporaryFolder folder;
+  const auto warnings = [&](const std::string& text) {
+    write_text(folder / "a.obj", text);
+    return load(folder / "a.obj").warnings;
+  };
+  const std::string corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nvn 0 0 0\n";
+  const std::vector<std::string> some = warnings(corners + "f 1//1 2//1 3//1\nf 1//2 3//2 2//2\nf 1//2 2//2 3//2\n");
+  REQUIRE(some.size() == 1);
+  CHECK(contains(some[0], "a.obj: normals that are zero or not finite are replaced by their face's"));
+  CHECK(warnings(corners + "f 1//2 2//2 3//2\n").empty());
+  CHECK(warnings(corners + "f 1//1 2//1 3//1\nf 1//2 2//2 2//2\n").empty());
+}
+
 TEST_SUITE_END();

@@ -7,6 +7,7 @@
 #include <simvis/pose.h>
 #include "engine/base/srgb.h"
 #include "tests/support/error_of.h"
+#include "tests/support/parts/gltf_fixture.h"
 #include "tests/support/urdf_scene.h"
 
 TEST_SUITE_BEGIN("scenegraph/import");
@@ -161,10 +162,35 @@ TEST_CASE("a missing, broken or foreign mesh leaves its visual out; a robot with
 
   UrdfScene foreign(link_xml("a", visual_xml(kCube) + mesh("r.urdf")));
   REQUIRE(foreign.warnings().size() == 1);
-  CHECK(contains(foreign.warnings()[0], "\"r.urdf\" is of an unknown kind, expected .dae, .obj, .ply or .stl"));
+  CHECK(contains(foreign.warnings()[0],
+                 "\"r.urdf\" is of an unknown kind, expected .dae, .obj, .ply, .stl, .gltf or .glb"));
 
   CHECK(contains(error_of([&] { UrdfScene scene(link_xml("a", mesh("m.stl"))); }),
                  "r.urdf: none of the robot's visuals can be shown: mesh file \"m.stl\" is not there; tried /"));
+}
+
+TEST_CASE("glTF is a mesh of a robot too, with its y axis up") {
+  TemporaryFolder folder;
+  GltfBuilder builder;
+  builder.primitive({{"POSITION", builder.accessor<float>("VEC3", {0, 0, 0, 1, 0, 0, 0, 2, 0})}});
+  write_bytes(folder / "m.GLB", builder.glb());
+  UrdfScene scene(link_xml("a", visual_xml("<mesh filename=\"" + (folder / "m.GLB").string() + "\"/>")));
+  CHECK(scene.warnings().empty());
+  REQUIRE(scene.list().items.size() == 1);
+  CHECK(scene.place(0) * glm::dvec4(0, 2, 0, 1) == glm::dvec4(0, 0, 2, 1));
+}
+
+TEST_CASE("zero bytes behind the robot are left out") {
+  TemporaryFolder folder;
+  const std::string text = robot(link_xml("a", visual_xml(kCube)));
+  write_text(folder / "r.urdf", text + std::string(3, '\0'));
+  ContentPool pool;
+  const PartContent content = import_part(folder / "r.urdf", pool);
+  CHECK(test::flatten(content).items.size() == 1);
+  REQUIRE(content.warnings.size() == 1);
+  CHECK(contains(content.warnings[0], "r.urdf: 3 zero bytes at its end are left out"));
+  write_text(folder / "r.urdf", std::string(2, '\0') + text);
+  CHECK(contains(error_of([&] { import_part(folder / "r.urdf", pool); }), "r.urdf:1:1"));
 }
 
 TEST_CASE("a missing or broken picture gives way to the colour") {
@@ -177,7 +203,7 @@ TEST_CASE("a missing or broken picture gives way to the colour") {
 
   UrdfScene broken(link_xml("a", visual_xml(kCube, R"(<material name="m"><texture filename="r.urdf"/></material>)")));
   REQUIRE(broken.warnings().size() == 1);
-  CHECK(contains(broken.warnings()[0], "r.urdf: the picture is neither PNG nor JPEG"));
+  CHECK(contains(broken.warnings()[0], "r.urdf: the picture is of no known kind"));
 }
 
 TEST_CASE("a joint's limit is accepted as people round it, and no more") {

@@ -120,10 +120,6 @@ struct ViewPlace {
 ViewPlace locate_view(const GltfDocument& document, int buffer_view, const std::string& place) {
   const tinygltf::BufferView& view = document.model.bufferViews[static_cast<std::size_t>(buffer_view)];
   const GltfBuffer& buffer = document.buffers[static_cast<std::size_t>(view.buffer)];
-  if (view.extensions.count("EXT_meshopt_compression") != 0 && buffer.empty()) {
-    document.fail(
-        place + " is compressed by EXT_meshopt_compression, which is not supported; save the file without compression");
-  }
   if (view.byteOffset > buffer.size() || view.byteLength > buffer.size() - view.byteOffset) {
     document.fail(place + " reads bufferViews/" + std::to_string(buffer_view) + ", which ends at byte " +
                   std::to_string(view.byteOffset + view.byteLength) + " of buffers/" + std::to_string(view.buffer) +

@@ -15,13 +15,15 @@ namespace {
 
 using nlohmann::json;
 
+// A texture in a format that cannot be decoded (KHR_texture_basisu, MSFT_texture_dds) has a warning of its own.
 constexpr std::string_view kSupportedExtensions[] = {
-    "EXT_mesh_gpu_instancing",    "KHR_lights_punctual", "KHR_materials_emissive_strength", "KHR_materials_ior",
-    "KHR_materials_transmission", "KHR_materials_unlit", "KHR_mesh_quantization",           "KHR_texture_transform"};
+    "EXT_mesh_gpu_instancing", "EXT_meshopt_compression",         "EXT_texture_webp",   "KHR_draco_mesh_compression",
+    "KHR_lights_punctual",     "KHR_materials_emissive_strength", "KHR_materials_ior",  "KHR_materials_transmission",
+    "KHR_materials_unlit",     "KHR_mesh_quantization",           "KHR_texture_basisu", "KHR_texture_transform",
+    "MSFT_texture_dds"};
 
-// The geometry of a file that uses these extensions is compressed and cannot be read.
-constexpr std::string_view kCompressionExtensions[] = {"EXT_meshopt_compression", "KHR_draco_mesh_compression",
-                                                       "KHR_meshopt_compression"};
+// The geometry of a file that uses this extension is compressed and cannot be read.
+constexpr std::string_view kCompressionExtensions[] = {"KHR_meshopt_compression"};
 
 template <class Names>
 bool is_one_of(std::string_view name, const Names& names) {
@@ -190,8 +192,9 @@ void read_structure(json& root, GltfDocument& document) {
 
 void GltfDocument::fail(const std::string& what) const { throw InputError(file.string() + ": error: " + what); }
 
-void GltfDocument::warn(const std::string& what) {
-  std::string warning = file.string() + ": " + what;
+void GltfDocument::warn(const std::string& what) { add_warning(file.string() + ": " + what); }
+
+void GltfDocument::add_warning(std::string warning) {
   if (!is_one_of(warning, warnings)) warnings.push_back(std::move(warning));
 }
 

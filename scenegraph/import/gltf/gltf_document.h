@@ -53,6 +53,8 @@ struct GltfDocument {
   [[noreturn]] void fail(const std::string& what) const;
   /// Adds "FILE: WHAT", once.
   void warn(const std::string& what);
+  /// Adds a warning that names its file already, once.
+  void add_warning(std::string warning);
   bool uses(std::string_view extension) const;
 };
 

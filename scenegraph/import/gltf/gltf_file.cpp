@@ -99,7 +99,32 @@ int hex_digit(char c) {
   return -1;
 }
 
-std::optional<std::string> decode_percent(std::string_view text) {
+bool has_scheme(std::string_view uri) {
+  const std::size_t colon = uri.find(':');
+  return colon != std::string_view::npos && colon < uri.find_first_of("/?#");
+}
+
+// Returns the URI for a message. It is shortened, because a data URI may have megabytes.
+std::string shown(std::string_view uri) {
+  constexpr std::size_t kShownCharacters = 60;
+  return "\"" + std::string(uri.substr(0, kShownCharacters)) + (uri.size() > kShownCharacters ? "...\"" : "\"");
+}
+
+std::filesystem::path relative_path(std::string_view uri, const std::filesystem::path& file, const std::string& place) {
+  const std::string expected = "; expected a relative path at or below the file's folder, or a data URI";
+  const std::optional<std::string> decoded = decode_gltf_uri(uri);
+  if (!decoded) fail(file, place + " has malformed percent-encoding in its URI " + shown(uri));
+  if (decoded->find('\0') != std::string::npos) fail(file, place + " has a zero byte in its URI " + shown(uri));
+  const std::filesystem::path path = std::filesystem::path(*decoded).lexically_normal();
+  if (decoded->empty() || has_scheme(uri) || path.is_absolute() || *path.begin() == "..") {
+    fail(file, place + " has the URI " + shown(uri) + expected);
+  }
+  return path;
+}
+
+}  // namespace
+
+std::optional<std::string> decode_gltf_uri(std::string_view text) {
   std::string decoded;
   for (std::size_t i = 0; i < text.size(); ++i) {
     if (text[i] != '%') {
@@ -114,31 +139,6 @@ std::optional<std::string> decode_percent(std::string_view text) {
   }
   return decoded;
 }
-
-bool has_scheme(std::string_view uri) {
-  const std::size_t colon = uri.find(':');
-  return colon != std::string_view::npos && colon < uri.find_first_of("/?#");
-}
-
-// Returns the URI for a message. It is shortened, because a data URI may have megabytes.
-std::string shown(std::string_view uri) {
-  constexpr std::size_t kShownCharacters = 60;
-  return "\"" + std::string(uri.substr(0, kShownCharacters)) + (uri.size() > kShownCharacters ? "...\"" : "\"");
-}
-
-std::filesystem::path relative_path(std::string_view uri, const std::filesystem::path& file, const std::string& place) {
-  const std::string expected = "; expected a relative path at or below the file's folder, or a data URI";
-  const std::optional<std::string> decoded = decode_percent(uri);
-  if (!decoded) fail(file, place + " has malformed percent-encoding in its URI " + shown(uri));
-  if (decoded->find('\0') != std::string::npos) fail(file, place + " has a zero byte in its URI " + shown(uri));
-  const std::filesystem::path path = std::filesystem::path(*decoded).lexically_normal();
-  if (decoded->empty() || has_scheme(uri) || path.is_absolute() || *path.begin() == "..") {
-    fail(file, place + " has the URI " + shown(uri) + expected);
-  }
-  return path;
-}
-
-}  // namespace
 
 void GltfBuffer::cut(std::size_t size) {
   size_ = size;

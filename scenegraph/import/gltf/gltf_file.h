@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -50,6 +51,9 @@ struct GltfChunks {
 /// Splits `input`, which is the open file `file`. Throws InputError naming `file` if it is not glTF 2 binary or if its
 /// lengths do not fit each other or the file.
 GltfChunks split_gltf(const InputFile& input, const std::filesystem::path& file);
+
+/// Decodes the percent-encoding of a URI; empty if it is malformed.
+std::optional<std::string> decode_gltf_uri(std::string_view uri);
 
 /// Opens a URI of the glTF `file`: a base64 data URI, or a relative path at or below the file's folder, percent-encoded
 /// or not. Throws InputError with `file`, `place` (such as "buffers/0") and the reason.

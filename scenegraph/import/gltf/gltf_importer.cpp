@@ -10,6 +10,7 @@
 #include <simvis/part_importer.h>
 #include "scenegraph/import/gltf/gltf_accessors.h"
 #include "scenegraph/import/gltf/gltf_animations.h"
+#include "scenegraph/import/gltf/gltf_compression.h"
 #include "scenegraph/import/gltf/gltf_document.h"
 #include "scenegraph/import/gltf/gltf_hierarchy.h"
 #include "scenegraph/import/gltf/gltf_materials.h"
@@ -253,6 +254,7 @@ class GraphBuilder {
 
 PartContent import_gltf(const ImportRequest& request, ContentPool& pool) {
   GltfDocument document = read_gltf_document(request.file);
+  decode_compressed_geometry(document);
   check_accessors(document);
   return GraphBuilder(document, pool).build(!request.up_given || request.up == UpAxis::y);
 }

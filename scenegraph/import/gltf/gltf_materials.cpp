@@ -88,6 +88,9 @@ Material GltfMaterials::convert(int index) {
 
   material.transmission =
       static_cast<float>(extension_number_or(source, "KHR_materials_transmission", "transmissionFactor", 0));
+  if (material.transmission > 0) {
+    document_.warn("materials with KHR_materials_transmission are opaque for cameras; lasers see through them");
+  }
   material.refractive_index = refractive_index_of(source, place, document_);
 
   const double factor = extension_number_or(source, "KHR_materials_emissive_strength", "emissiveStrength", 1);

@@ -150,11 +150,6 @@ bool read_primitive(GltfDocument& document, const tinygltf::Primitive& source, G
     document.warn("primitives without POSITION are left out");
     return false;
   }
-  const tinygltf::Accessor& accessor = document.model.accessors[static_cast<std::size_t>(position->second)];
-  if (accessor.bufferView < 0 && source.extensions.count("KHR_draco_mesh_compression") != 0) {
-    document.fail(
-        "is compressed by KHR_draco_mesh_compression, which is not supported; save the file without compression");
-  }
   const GltfFloats floats = read_floats(document, position->second, kPosition);
   Mesh& mesh = primitive.mesh;
   mesh.positions.resize(floats.count);

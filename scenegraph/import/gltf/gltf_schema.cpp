@@ -21,15 +21,16 @@ enum class Kind {
   integer,
   number,
   text,
-  index,       // a whole number below the length of the array `of`
-  object,      // described by `fields`
-  numbers,     // array of `length` numbers; 0: any length
-  indices,     // array of `index`
-  texts,       // array of strings
-  objects,     // array of objects described by `fields`
-  index_map,   // object whose values are indices
-  index_maps,  // array of `index_map`
-  commands     // `extras`; only the strings of its member `simvis` are used
+  index,        // a whole number below the length of the array `of`
+  object,       // described by `fields`
+  numbers,      // array of `length` numbers; 0: any length
+  indices,      // array of `index`
+  texts,        // array of strings
+  objects,      // array of objects described by `fields`
+  index_map,    // object whose values are indices
+  integer_map,  // object whose values are whole numbers
+  index_maps,   // array of `index_map`
+  commands      // `extras`; only the strings of its member `simvis` are used
 };
 
 constexpr double kFieldMax = std::numeric_limits<float>::max();
@@ -65,6 +66,7 @@ constexpr Field indices(std::string_view name, std::string_view of) {
   return {name, Kind::indices, false, 0, kInt32Max, of};
 }
 constexpr Field index_map(std::string_view name) { return {name, Kind::index_map, false, 0, kInt32Max, "accessors"}; }
+constexpr Field integer_map(std::string_view name) { return {name, Kind::integer_map, false, 0, kInt32Max}; }
 constexpr Field index_maps(std::string_view name) { return {name, Kind::index_maps, false, 0, kInt32Max, "accessors"}; }
 constexpr Field object(std::string_view name, std::span<const Field> fields) {
   return {name, Kind::object, false, 0, 0, {}, fields};
@@ -85,7 +87,14 @@ constexpr Field kAsset[] = {required(text("version")), text("minVersion")};
 
 constexpr Field kBuffer[] = {text("name"), text("uri"), required(integer("byteLength", 1, kMaxOffset))};
 
-constexpr Field kBufferViewExtensions[] = {object("EXT_meshopt_compression", kNothing)};
+constexpr Field kMeshopt[] = {required(index("buffer", "buffers")),
+                              integer("byteOffset", 0),
+                              required(integer("byteLength", 1)),
+                              required(integer("byteStride", 1, 256)),
+                              required(integer("count", 1)),
+                              required(text("mode")),
+                              text("filter")};
+constexpr Field kBufferViewExtensions[] = {object("EXT_meshopt_compression", kMeshopt)};
 constexpr Field kBufferView[] = {required(index("buffer", "buffers")), integer("byteOffset", 0, kMaxOffset),
                                  required(integer("byteLength", 1, kMaxOffset)), integer("byteStride", 4, 252),
                                  object("extensions", kBufferViewExtensions)};
@@ -103,7 +112,8 @@ constexpr Field kAccessor[] = {index("bufferView", "bufferViews"),
                                required(text("type")),
                                object("sparse", kSparse)};
 
-constexpr Field kPrimitiveExtensions[] = {object("KHR_draco_mesh_compression", kNothing)};
+constexpr Field kDraco[] = {required(index("bufferView", "bufferViews")), required(integer_map("attributes"))};
+constexpr Field kPrimitiveExtensions[] = {object("KHR_draco_mesh_compression", kDraco)};
 constexpr Field kPrimitive[] = {required(index_map("attributes")),
                                 index("indices", "accessors"),
                                 index("material", "materials"),
@@ -170,7 +180,12 @@ constexpr Field kMaterial[] = {text("name"),
 constexpr Field kImage[] = {text("name"), text("uri"), text("mimeType"), index("bufferView", "bufferViews")};
 constexpr Field kSampler[] = {integer("magFilter", 9728, 9729), integer("minFilter", 9728, 9987),
                               integer("wrapS", 10497, 33648), integer("wrapT", 10497, 33648)};
-constexpr Field kTexture[] = {text("name"), index("sampler", "samplers"), index("source", "images")};
+constexpr Field kTextureSource[] = {index("source", "images")};
+constexpr Field kTextureExtensions[] = {object("EXT_texture_webp", kTextureSource),
+                                        object("KHR_texture_basisu", kTextureSource),
+                                        object("MSFT_texture_dds", kTextureSource)};
+constexpr Field kTexture[] = {text("name"), index("sampler", "samplers"), index("source", "images"),
+                              object("extensions", kTextureExtensions)};
 
 constexpr double kHalfTurn = 3.1415927;  // pi rounded to float32
 constexpr Field kSpot[] = {number("innerConeAngle", 0, kHalfTurn / 2), number("outerConeAngle", 0, kHalfTurn / 2)};
@@ -247,7 +262,8 @@ class Checker {
       case Kind::object:
         return object(value, field.fields, &place);
       case Kind::index_map:
-        return check_index_map(value, field, place);
+      case Kind::integer_map:
+        return check_map(value, field, place);
       case Kind::commands:
         return check_commands(value, place);
       default:
@@ -273,7 +289,7 @@ class Checker {
           check_text(value[i], own);
           break;
         case Kind::index_maps:
-          check_index_map(value[i], field, own);
+          check_map(value[i], field, own);
           break;
         default:
           object(value[i], field.fields, &own);
@@ -309,10 +325,15 @@ class Checker {
     fail(&place, "is " + value.dump() + ", but the file has " + std::to_string(count) + " " + std::string(field.of));
   }
 
-  void check_index_map(json& value, const Field& field, const Place& place) const {
+  void check_map(json& value, const Field& field, const Place& place) const {
     if (!value.is_object()) fail(&place, "must be an object, not " + type_name(value));
     for (auto item = value.begin(); item != value.end(); ++item) {
-      check_index(item.value(), field, Place{&place, item.key()});
+      const Place own{&place, item.key()};
+      if (field.kind == Kind::integer_map) {
+        check_integer(item.value(), field, own);
+      } else {
+        check_index(item.value(), field, own);
+      }
     }
   }
 

@@ -1,8 +1,11 @@
 #include "scenegraph/import/gltf/gltf_textures.h"
 
+#include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
+#include <simvis/error.h>
 #include "scenegraph/import/gltf/gltf_accessors.h"
 #include "scenegraph/import/mesh/picture_file.h"
 
@@ -61,13 +64,41 @@ Sampler sampler_of(int index, const GltfDocument& document) {
   return sampler;
 }
 
-Texture decode_image(int index, const GltfDocument& document) {
+// Returns nothing and adds a warning if the picture cannot be had.
+std::optional<Texture> decode_image(int index, GltfDocument& document) {
   const GltfImage& image = document.images[static_cast<std::size_t>(index)];
   const std::string place = "images/" + std::to_string(index);
+  if (image.buffer_view < 0 && !image.uri.starts_with("data:")) {
+    std::vector<std::string> warnings;
+    std::optional<Texture> texture =
+        find_and_read_picture(decode_gltf_uri(image.uri).value_or(image.uri), document.file, warnings);
+    for (const std::string& warning : warnings) document.add_warning(warning);
+    return texture;
+  }
   const std::string subject = document.file.string() + ": error: " + place;
-  if (image.buffer_view >= 0) return decode_picture(view_bytes(document, image.buffer_view, place), subject);
-  const GltfBuffer buffer = open_gltf_uri(image.uri, document.file, place);
-  return decode_picture(buffer.read(0, buffer.size()), subject);
+  try {
+    if (image.buffer_view >= 0) return decode_picture(view_bytes(document, image.buffer_view, place), subject);
+    const GltfBuffer buffer = open_gltf_uri(image.uri, document.file, place);
+    return decode_picture(buffer.read(0, buffer.size()), subject);
+  } catch (const InputError& error) {
+    document.add_warning(without_word_error(error.what()) + "; the material's colour replaces it");
+    return std::nullopt;
+  }
+}
+
+// Returns the picture of a texture, or -1. KHR_texture_basisu and MSFT_texture_dds come last, because no decoder is
+// there for them.
+int image_of(const tinygltf::Texture& texture) {
+  const auto source_of = [&](const char* extension) {
+    const auto found = texture.extensions.find(extension);
+    const bool has_source = found != texture.extensions.end() && found->second.Has("source");
+    return has_source ? found->second.Get("source").GetNumberAsInt() : -1;
+  };
+  for (const int image : {source_of("EXT_texture_webp"), texture.source, source_of("KHR_texture_basisu"),
+                          source_of("MSFT_texture_dds")}) {
+    if (image >= 0) return image;
+  }
+  return -1;
 }
 
 }  // namespace
@@ -76,14 +107,17 @@ std::shared_ptr<const Texture> GltfTextures::get(int index) {
   const auto [entry, is_new] = known_.try_emplace(index);
   if (!is_new) return entry->second;
   const tinygltf::Texture& source = document_.model.textures[static_cast<std::size_t>(index)];
-  if (source.source < 0) {
-    document_.warn("textures without a PNG or JPEG source are left out");
+  const Sampler sampler = sampler_of(source.sampler, document_);
+  const int image = image_of(source);
+  if (image < 0) {
+    document_.warn("textures/" + std::to_string(index) + " has no picture; the material's colour replaces it");
     return nullptr;
   }
-  Texture texture = decode_image(source.source, document_);
-  texture.name = source.name.empty() ? document_.images[static_cast<std::size_t>(source.source)].name : source.name;
-  texture.sampler = sampler_of(source.sampler, document_);
-  entry->second = pool_.intern(std::move(texture));
+  std::optional<Texture> texture = decode_image(image, document_);
+  if (!texture) return nullptr;
+  texture->name = source.name.empty() ? document_.images[static_cast<std::size_t>(image)].name : source.name;
+  texture->sampler = sampler;
+  entry->second = pool_.intern(std::move(*texture));
   return entry->second;
 }
 

@@ -10,14 +10,13 @@
 
 namespace simvis {
 
-/// Decodes PNG and JPEG to RGBA8, each requested texture once.
+/// Decodes pictures to RGBA8, each requested texture once.
 class GltfTextures {
  public:
   GltfTextures(GltfDocument& document, ContentPool& pool) : document_(document), pool_(pool) {}
 
-  /// Returns null and adds a warning if the texture names no picture that core glTF defines.
-  /// Throws InputError if the picture is not PNG or JPEG, is broken or has more than 16384 pixels on a side, or if a
-  /// sampler value does not exist in glTF.
+  /// Returns null and adds a warning if the texture has no picture, or one that is missing or cannot be decoded.
+  /// Throws InputError if a sampler value does not exist in glTF.
   std::shared_ptr<const Texture> get(int texture);
 
  private:

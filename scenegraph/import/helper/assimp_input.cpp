@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
-#include <stdexcept>
 #include <system_error>
 #include <utility>
 
@@ -15,19 +13,6 @@
 #include "scenegraph/import/helper/obj_text.h"
 
 namespace simvis {
-namespace {
-
-// Assimp 5.2 dereferences a null pointer if a material file sets a property before it names a material.
-void check_mtl(const char* file) {
-  std::ifstream stream(file);
-  std::string word;
-  while (stream >> word && word.starts_with('#')) std::getline(stream, word);
-  if (stream && word != "newmtl") {
-    throw std::runtime_error(std::string(file) + ": begins with " + in_quotes(word) + ", expected \"newmtl\"");
-  }
-}
-
-}  // namespace
 
 AssimpInput::AssimpInput(AssimpFile& file) : file_(file), is_obj_(lower_case_ending(file.file) == ".obj") {}
 
@@ -47,7 +32,6 @@ Assimp::IOStream* AssimpInput::Open(const char* name, const char* mode) {
 const std::optional<std::string>& AssimpInput::material_file(const char* name) {
   const auto [known, is_new] = material_files_.try_emplace(name);
   if (is_new && is_obj_) {
-    check_mtl(name);
     known->second = prepared_mtl(name, file_);
   }
   return known->second;

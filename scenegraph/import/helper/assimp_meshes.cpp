@@ -1,5 +1,6 @@
 #include "scenegraph/import/helper/assimp_meshes.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -128,6 +129,17 @@ void add_corners(const Corners& corners, MeshBuilder& builder) {
   }
 }
 
+bool has_normal(const Vertex& corner) { return corner.attributes.normal != glm::vec3(0); }
+
+// Whether the polygon has a size, without which nobody sees it, but no normal at a corner.
+bool lacks_needed_normals(const Corners& corners) {
+  bool has_size = false;
+  for (std::size_t i = 2; i < corners.size() && !has_size; ++i) {
+    has_size = face_normal(corners[0].position, corners[i - 1].position, corners[i].position) != glm::vec3(0);
+  }
+  return has_size && !std::ranges::all_of(corners, has_normal);
+}
+
 }  // namespace
 
 std::vector<Mesh> convert_mesh(AssimpFile& file, const aiMesh& source) {
@@ -136,9 +148,10 @@ std::vector<Mesh> convert_mesh(AssimpFile& file, const aiMesh& source) {
     builders[static_cast<std::size_t>(topology)] = MeshBuilder(source.mName.C_Str(), topology);
   }
   MeshBuilder &triangles = builders[0], &lines = builders[1], &points = builders[2];
-  bool is_bare = false;
+  bool is_bare = false, has_any_normal = false;
   const auto add_face = [&](const Corners& corners) {
-    for (const Vertex& corner : corners) is_bare = is_bare || corner.attributes.normal == glm::vec3(0);
+    is_bare = is_bare || lacks_needed_normals(corners);
+    has_any_normal = has_any_normal || std::ranges::any_of(corners, has_normal);
     if (corners.size() >= 3) return add_polygon(corners, triangles);
     add_corners(corners, corners.size() == 2 ? lines : points);
   };
@@ -151,7 +164,8 @@ std::vector<Mesh> convert_mesh(AssimpFile& file, const aiMesh& source) {
   for (unsigned i = 0; source.mNumFaces == 0 && i < source.mNumVertices; ++i) {
     add_face({read_vertex(file, source, i)});
   }
-  if (is_bare && source.HasNormals()) file.warn("normals that are zero or not finite are replaced by their face's");
+  // Zero normals throughout mean that the file has none: STL must write something.
+  if (is_bare && has_any_normal) file.warn("normals that are zero or not finite are replaced by their face's");
   std::vector<Mesh> meshes;
   for (MeshBuilder& builder : builders) {
     Mesh mesh = builder.take();

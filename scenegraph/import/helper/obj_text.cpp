@@ -4,12 +4,16 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
+#include <sstream>
+#include <stdexcept>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <simvis/attributes.h>
 #include <simvis/location.h>
 #include "scenegraph/import/helper/repeated_warning.h"
+#include "scenegraph/import/helper/utf16_text.h"
 #include "scenegraph/import/helper/wholly_transparent.h"
 
 namespace simvis {
@@ -17,9 +21,25 @@ namespace {
 
 constexpr std::string_view kSpaces = " \t\r\n\v\f";
 
-std::string read_text(const std::filesystem::path& path) {
+struct ObjText {
+  std::string text;
+  bool is_converted = false;  // it is not what the file holds
+};
+
+// Assimp takes a byte order mark for a part of the first word.
+ObjText read_text(const std::filesystem::path& path, AssimpFile& file) {
   std::ifstream stream(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
+  ObjText read{.text = {std::istreambuf_iterator<char>(stream), {}}};
+  if (const std::optional<Utf16> order = utf16_of(read.text)) {
+    read.text = utf8_of_utf16(read.text, *order);
+    read.is_converted = true;
+    file.warn_at({.file = path.string()}, "is text in UTF-16, which few programs read");
+  }
+  if (read.text.starts_with(kUtf8Mark)) {
+    read.text.erase(0, kUtf8Mark.size());
+    read.is_converted = true;
+  }
+  return read;
 }
 
 // Lines with their ends, so that joining them gives the text again.
@@ -60,8 +80,8 @@ bool names_texture_coordinate(std::string_view corner) {
 }
 
 // Returns the line of the first face that names texture coordinates if the file has none, else 0.
-int first_superfluous_face(const std::filesystem::path& obj) {
-  std::ifstream stream(obj, std::ios::binary);
+int first_superfluous_face(const std::string& obj) {
+  std::istringstream stream(obj);
   std::string text;
   int first = 0;
   for (int number = 1; std::getline(stream, text); ++number) {
@@ -89,11 +109,13 @@ struct MtlMaterial {
 class MtlOpacities {
  public:
   MtlOpacities(const std::filesystem::path& mtl, AssimpFile& file)
-      : mtl_(mtl.string()), file_(file), text_(read_text(mtl)), lines_(lines_of(text_)) {}
+      : mtl_(mtl.string()), file_(file), text_(read_text(mtl, file)), lines_(lines_of(text_.text)) {
+    check_start();
+  }
 
   std::optional<std::string> prepared() {
     read();
-    bool is_changed = false;
+    bool is_changed = text_.is_converted;
     for (MtlMaterial& material : materials_) {
       decide(material);
       is_changed = is_changed || material.is_rewritten;
@@ -106,6 +128,16 @@ class MtlOpacities {
   }
 
  private:
+  // Assimp 5.2 dereferences a null pointer if a material file sets a property before it names a material.
+  void check_start() const {
+    for (const std::string_view line : lines_) {
+      const std::string_view word = first_word(line);
+      if (word.empty() || word.starts_with('#')) continue;
+      if (word == "newmtl") return;
+      throw std::runtime_error(mtl_ + ": begins with " + in_quotes(word) + ", expected \"newmtl\"");
+    }
+  }
+
   void read() {
     for (std::size_t i = 0; i < lines_.size(); ++i) {
       std::string_view line = lines_[i];
@@ -162,7 +194,7 @@ class MtlOpacities {
 
   std::string mtl_;
   AssimpFile& file_;
-  std::string text_;
+  ObjText text_;
   std::vector<std::string_view> lines_;
   std::vector<MtlMaterial> materials_;
   bool is_of_meshlab_ = false;
@@ -172,12 +204,13 @@ class MtlOpacities {
 }  // namespace
 
 std::optional<std::string> prepared_obj(AssimpFile& file) {
-  const int first = first_superfluous_face(file.file);
-  if (first == 0) return std::nullopt;
+  ObjText read = read_text(file.file, file);
+  const int first = first_superfluous_face(read.text);
+  if (first == 0) return read.is_converted ? std::optional(std::move(read.text)) : std::nullopt;
   file.warn_at({.file = file.file.string(), .line = first},
                "faces name texture coordinates, but the file has none; they are left out");
   std::string prepared, text;
-  std::ifstream stream(file.file, std::ios::binary);
+  std::istringstream stream(read.text);
   while (std::getline(stream, text)) {
     std::string_view line = text;
     if (take_word(line) == "f") {

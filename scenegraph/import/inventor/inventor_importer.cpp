@@ -1,5 +1,7 @@
 #include "scenegraph/import/inventor/inventor_importer.h"
 
+#include <algorithm>
+#include <iterator>
 #include <memory>
 #include <string>
 #include <utility>
@@ -34,7 +36,8 @@ PartContent import_inventor(const ImportRequest& request, ContentPool& pool, std
   const auto root = std::make_shared<Separator>();
   root->name = request.file.stem().string();
   if (request.up_given && request.up == UpAxis::y) root->add(std::make_shared<Transform>(z_up_from_y_up));
-  add_imported_scene(std::move(scene), request.file, Material{}, pool, *root);
+  std::ranges::move(add_imported_scene(std::move(scene), request.file, Material{}, pool, *root),
+                    std::back_inserter(content.warnings));
   content.root = root;
   return content;
 }

@@ -1,6 +1,8 @@
 #include "scenegraph/import/mesh/imported_graph.h"
 
 #include <memory>
+#include <optional>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -9,12 +11,21 @@
 namespace simvis {
 namespace {
 
-Texture read_pixels(ImportedTexture&& source, const std::filesystem::path& folder) {
-  if (source.file.empty()) return std::move(source.texture);
-  Texture texture = read_picture_file(folder / source.file);
-  texture.name = std::move(source.texture.name);
-  texture.sampler = source.texture.sampler;
-  return texture;
+// Returns null and adds a warning if the picture is missing. One picture may be used with several samplers: `missing`
+// holds the names that need no second warning.
+std::shared_ptr<const Texture> pooled_texture(ImportedTexture&& source, const std::filesystem::path& file,
+                                              ContentPool& pool, std::set<std::string>& missing,
+                                              std::vector<std::string>& warnings) {
+  if (source.file.empty()) return pool.intern(std::move(source.texture));
+  if (missing.contains(source.file)) return nullptr;
+  std::optional<Texture> texture = find_and_read_picture(source.file, file, warnings);
+  if (!texture) {
+    missing.insert(source.file);
+    return nullptr;
+  }
+  texture->name = std::move(source.texture.name);
+  texture->sampler = source.texture.sampler;
+  return pool.intern(std::move(*texture));
 }
 
 std::shared_ptr<MaterialNode> material_node(ImportedMaterial&& source,
@@ -44,11 +55,13 @@ std::shared_ptr<Shape> shape_node(Mesh&& mesh, ContentPool& pool) {
 
 }  // namespace
 
-void add_imported_scene(ImportedScene&& scene, const std::filesystem::path& file, const Material& fallback,
-                        ContentPool& pool, Group& root) {
+std::vector<std::string> add_imported_scene(ImportedScene&& scene, const std::filesystem::path& file,
+                                            const Material& fallback, ContentPool& pool, Group& root) {
+  std::vector<std::string> warnings;
   std::vector<std::shared_ptr<const Texture>> textures;
+  std::set<std::string> missing;
   for (ImportedTexture& texture : scene.textures) {
-    textures.push_back(pool.intern(read_pixels(std::move(texture), file.parent_path())));
+    textures.push_back(pooled_texture(std::move(texture), file, pool, missing, warnings));
   }
   std::vector<NodePtr> materials, shapes;
   for (ImportedMaterial& material : scene.materials) {
@@ -68,6 +81,7 @@ void add_imported_scene(ImportedScene&& scene, const std::filesystem::path& file
     Group& parent = node.parent == kNoParent ? root : *separators[node.parent];
     parent.add(separator);
   }
+  return warnings;
 }
 
 }  // namespace simvis

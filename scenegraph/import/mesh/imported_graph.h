@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include <simvis/content_pool.h>
 #include <simvis/node.h>
@@ -10,9 +12,9 @@
 namespace simvis {
 
 /// Adds a separator for each node, with its transform, its light and its shapes. Textures, materials and meshes go
-/// through the pool. Picture files are read relative to the folder of `file`. `fallback` replaces missing materials.
-/// Throws InputError naming a picture that is missing or broken.
-void add_imported_scene(ImportedScene&& scene, const std::filesystem::path& file, const Material& fallback,
-                        ContentPool& pool, Group& root);
+/// through the pool. Picture files are found as find_and_read_picture() does; the warnings about them are returned.
+/// `fallback` replaces missing materials.
+std::vector<std::string> add_imported_scene(ImportedScene&& scene, const std::filesystem::path& file,
+                                            const Material& fallback, ContentPool& pool, Group& root);
 
 }  // namespace simvis

@@ -2,6 +2,8 @@
 
 #include <strings.h>
 
+#include <algorithm>
+#include <iterator>
 #include <string>
 #include <utility>
 
@@ -47,7 +49,8 @@ PartContent read_mesh_file(const std::filesystem::path& file, MeshFileAxes axes,
   content.warnings = std::move(scene.warnings);
   const auto root = std::make_shared<Separator>();
   root->name = file.stem().string();
-  add_imported_scene(std::move(scene), file, *fallback, pool, *root);
+  std::ranges::move(add_imported_scene(std::move(scene), file, *fallback, pool, *root),
+                    std::back_inserter(content.warnings));
   content.root = root;
   return content;
 }

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <spawn.h>
+#include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -44,14 +45,33 @@ class Descriptor {
   int number_;
 };
 
+// This number is above all descriptors of the program, so that setting those up cannot overwrite it.
+int above_those_of_the_program(int descriptor) { return ::fcntl(descriptor, F_DUPFD_CLOEXEC, kAnswerDescriptor + 1); }
+
+// Returns a file in memory that is read from its start, or -1 for no bytes.
+int file_with(std::span<const std::uint8_t> bytes, const std::filesystem::path& program) {
+  if (bytes.empty()) return -1;
+  const Descriptor file(::memfd_create("input", MFD_CLOEXEC));
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(file.number(), bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) fail_to_start(program, std::strerror(errno));
+    bytes = bytes.subspan(static_cast<std::size_t>(written));
+  }
+  const int number = above_those_of_the_program(file.number());
+  if (number < 0 || ::lseek(number, 0, SEEK_SET) != 0) fail_to_start(program, std::strerror(errno));
+  return number;
+}
+
 // The start conditions of the program. It inherits no signal handlers, signal masks or open files of this process.
 class StartConditions {
  public:
-  StartConditions(int answer, AnswerStreams streams) {
+  StartConditions(const Descriptor& input, int answer, AnswerStreams streams) {
     ::posix_spawn_file_actions_init(&files_);
     for (int stream = 0; stream < kAnswerDescriptor; ++stream) {
       ::posix_spawn_file_actions_addopen(&files_, stream, "/dev/null", O_RDWR, 0);
     }
+    if (input.number() >= 0) ::posix_spawn_file_actions_adddup2(&files_, input.number(), STDIN_FILENO);
     if (streams == AnswerStreams::own) {
       ::posix_spawn_file_actions_adddup2(&files_, answer, kAnswerDescriptor);
     } else {
@@ -99,11 +119,11 @@ std::vector<char*> environment_of(const SandboxCall& call) {
 
 class Process {
  public:
-  Process(const SandboxCall& call, int answer) {
+  Process(const SandboxCall& call, const Descriptor& input, int answer) {
     std::vector<char*> arguments{const_cast<char*>(call.program.c_str())};
     for (const std::string& argument : call.arguments) arguments.push_back(const_cast<char*>(argument.c_str()));
     arguments.push_back(nullptr);
-    const StartConditions start(answer, call.streams);
+    const StartConditions start(input, answer, call.streams);
     const std::vector<char*> environment = environment_of(call);
     const int error = ::posix_spawn(&id_, call.program.c_str(), start.files(), start.attributes(), arguments.data(),
                                     environment.data());
@@ -179,13 +199,13 @@ SandboxReport run_in_sandbox(const SandboxCall& call) {
   if (::pipe2(ends, O_CLOEXEC) != 0) fail_to_start(call.program, std::strerror(errno));
   const Descriptor reading(ends[0]);
   Descriptor first_writing(ends[1]);
-  // This number is above all descriptors of the program, so that setting those up cannot overwrite it.
-  Descriptor writing(::fcntl(ends[1], F_DUPFD_CLOEXEC, kAnswerDescriptor + 1));
+  Descriptor writing(above_those_of_the_program(ends[1]));
   if (writing.number() < 0) fail_to_start(call.program, std::strerror(errno));
   first_writing.close();
   constexpr int kPipeBytes = 1 << 20;
   ::fcntl(reading.number(), F_SETPIPE_SZ, kPipeBytes);  // for speed only; a failure has no other effect
-  Process process(call, writing.number());
+  const Descriptor input(file_with(call.input, call.program));
+  Process process(call, input, writing.number());
   writing.close();
   SandboxReport report;
   report.end = read_answer(reading.number(), call.answer_bytes, deadline, report.answer);

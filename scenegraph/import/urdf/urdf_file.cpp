@@ -102,12 +102,6 @@ void UrdfFile::fail(std::string_view tag, std::string_view name, const std::stri
   fail_at(at(tag, name), std::string(tag) + " " + in_quotes(name) + " " + message);
 }
 
-std::string without_word_error(std::string message) {
-  constexpr std::string_view kWord = ": error: ";
-  const std::size_t at = message.find(kWord);
-  return at == std::string::npos ? message : message.replace(at, kWord.size(), ": ");
-}
-
 UrdfFile read_urdf(XmlText text) {
   UrdfMending mending = mend_urdf(text);
   std::shared_ptr<const urdf::ModelInterface> robot = parse(text);

@@ -25,9 +25,6 @@ struct UrdfFile {
   [[noreturn]] void fail(std::string_view tag, std::string_view name, const std::string& message) const;
 };
 
-/// "a.dae: error: no meshes" -> "a.dae: no meshes", for use in a warning.
-std::string without_word_error(std::string message);
-
 /// Mends the document, see urdf_leniency.h, and reads it.
 /// Throws InputError with the place, or with the file and liburdfdom's message, for links or joints that break the
 /// format, no root link or several root links, and cycles.

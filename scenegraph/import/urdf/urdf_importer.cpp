@@ -4,12 +4,15 @@
 #include <iterator>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <simvis/attributes.h>
 #include <simvis/node.h>
 #include <simvis/part_importer.h>
 #include <simvis/pose.h>
+#include "scenegraph/import/mesh/input_file.h"
+#include "scenegraph/import/mesh/picture_file.h"
 #include "scenegraph/import/urdf/package_files.h"
 #include "scenegraph/import/urdf/urdf_file.h"
 #include "scenegraph/import/urdf/urdf_joints.h"
@@ -80,8 +83,19 @@ bool is_urdf_besides(const std::filesystem::path& file, const XmlText& text) {
   return file.extension() != ".xacro" && text.source().text().find("${") == std::string::npos;
 }
 
+// Some editors and copying programs leave zero bytes behind the end of a file.
+XmlText read_without_zeros(const std::filesystem::path& file, std::vector<std::string>& warnings) {
+  const Bytes bytes = read_whole_file(file);
+  std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const std::size_t zeros = text.size() - std::min(text.find_last_not_of('\0') + 1, text.size());
+  text.remove_suffix(zeros);
+  if (zeros > 0)
+    warnings.push_back(file.string() + ": " + std::to_string(zeros) + " zero bytes at its end are left out");
+  return XmlText(SourceText(text, file.string()));
+}
+
 XmlText read_text(const ImportRequest& request, PackageFiles& packages, std::vector<std::string>& warnings) {
-  XmlText text = XmlText::read(request.file);
+  XmlText text = read_without_zeros(request.file, warnings);
   if (is_xacro(request.file, text)) {
     try {
       return expand_xacro(request.file, request.xacro_arguments, packages);

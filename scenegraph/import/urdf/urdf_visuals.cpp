@@ -1,11 +1,14 @@
 #include "scenegraph/import/urdf/urdf_visuals.h"
 
+#include <strings.h>
+
 #include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <utility>
 
 #include <simvis/attributes.h>
+#include <simvis/part_importer.h>
 #include <simvis/pose.h>
 #include "engine/base/srgb.h"
 #include "scenegraph/import/mesh/picture_file.h"
@@ -14,6 +17,10 @@
 
 namespace simvis {
 namespace {
+
+bool has_gltf_ending(const std::filesystem::path& file) {
+  return ::strcasecmp(file.extension().c_str(), ".gltf") == 0 || ::strcasecmp(file.extension().c_str(), ".glb") == 0;
+}
 
 std::shared_ptr<Shape> shape_of(ContentPool& pool, Mesh mesh) {
   const auto shape = std::make_shared<Shape>(pool.intern(std::move(mesh)));
@@ -114,14 +121,18 @@ NodePtr UrdfVisuals::read_mesh(const urdf::Link& link, const std::string& name,
     leave_out(link, "mesh file " + in_quotes(name) + " is not there; " + packages_.tried());
     return nullptr;
   }
-  if (!is_mesh_file(*path)) {
-    leave_out(link, "mesh file " + in_quotes(name) + " is of an unknown kind, expected .dae, .obj, .ply or .stl");
+  const bool is_gltf = has_gltf_ending(*path);
+  if (!is_gltf && !is_mesh_file(*path)) {
+    leave_out(link, "mesh file " + in_quotes(name) +
+                        " is of an unknown kind, expected .dae, .obj, .ply, .stl, .gltf or .glb");
     return nullptr;
   }
   const auto [known, is_new] = meshes_.try_emplace({*path, material.get()});
   if (!is_new && known->second != nullptr) return known->second;
   try {
-    PartContent content = read_mesh_file(*path, axes_, material, pool_);
+    // The text of glTF says that y is up, and programs of robots follow it, unlike COLLADA's <up_axis>.
+    PartContent content =
+        is_gltf ? find_part_importer(*path)({.file = *path}, pool_) : read_mesh_file(*path, axes_, material, pool_);
     known->second = content.root;
     std::ranges::move(content.warnings, std::back_inserter(warnings_));
   } catch (const InputError& error) {

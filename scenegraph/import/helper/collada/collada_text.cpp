@@ -11,30 +11,16 @@
 #include <utility>
 
 #include <simvis/location.h>
+#include "scenegraph/import/helper/utf16_text.h"
 
 namespace simvis {
 namespace {
-
-constexpr char32_t kReplacement = 0xFFFD;
 
 // The characters of the bytes 0x80 to 0x9f in Windows-1252. The five bytes without one get the replacement character.
 constexpr std::array<char16_t, 32> kWindows1252 = {0x20AC, 0xFFFD, 0x201A, 0x0192, 0x201E, 0x2026, 0x2020, 0x2021,
                                                    0x02C6, 0x2030, 0x0160, 0x2039, 0x0152, 0xFFFD, 0x017D, 0xFFFD,
                                                    0xFFFD, 0x2018, 0x2019, 0x201C, 0x201D, 0x2022, 0x2013, 0x2014,
                                                    0x02DC, 0x2122, 0x0161, 0x203A, 0x0153, 0xFFFD, 0x017E, 0x0178};
-
-void append_utf8(std::string& text, char32_t code) {
-  const auto tail = [code](int shift) { return static_cast<char>(0x80 | (code >> shift & 0x3f)); };
-  if (code < 0x80) {
-    text += static_cast<char>(code);
-  } else if (code < 0x800) {
-    text += {static_cast<char>(0xc0 | code >> 6), tail(0)};
-  } else if (code < 0x10000) {
-    text += {static_cast<char>(0xe0 | code >> 12), tail(6), tail(0)};
-  } else {
-    text += {static_cast<char>(0xf0 | code >> 18), tail(12), tail(6), tail(0)};
-  }
-}
 
 char32_t windows_1252(unsigned char byte) {
   if (byte >= 0x80 && byte < 0xa0) return kWindows1252[byte - 0x80u];
@@ -47,38 +33,6 @@ std::string read_bytes(const AssimpFile& file) {
   std::ifstream stream(file.file, std::ios::binary);
   if (!stream) file.fail("cannot be read");
   return {std::istreambuf_iterator<char>(stream), {}};
-}
-
-enum class Utf16 : std::uint8_t { little, big };
-
-// XML appendix F: UTF-16 shows in a byte order mark or in the zero byte beside the first '<'.
-std::optional<Utf16> utf16_of(std::string_view bytes) {
-  using namespace std::string_view_literals;
-  if (bytes.starts_with("\xff\xfe"sv) || bytes.starts_with("<\0"sv)) return Utf16::little;
-  if (bytes.starts_with("\xfe\xff"sv) || bytes.starts_with("\0<"sv)) return Utf16::big;
-  return std::nullopt;
-}
-
-std::string utf8_of_utf16(std::string_view bytes, Utf16 order) {
-  const auto unit = [&](std::size_t i) -> char32_t {
-    if (i + 1 >= bytes.size()) return 0;
-    const auto first = static_cast<unsigned char>(bytes[i]), second = static_cast<unsigned char>(bytes[i + 1]);
-    return order == Utf16::little ? first | second << 8 : first << 8 | second;
-  };
-  std::string text;
-  for (std::size_t i = 0; i + 1 < bytes.size(); i += 2) {
-    char32_t code = unit(i);
-    const bool is_high = code >= 0xd800 && code < 0xdc00, is_low = code >= 0xdc00 && code < 0xe000;
-    const char32_t next = is_high ? unit(i + 2) : 0;
-    if (next >= 0xdc00 && next < 0xe000) {
-      code = 0x10000 + ((code - 0xd800) << 10) + (next - 0xdc00);
-      i += 2;
-    } else if (is_high || is_low) {
-      code = kReplacement;
-    }
-    append_utf8(text, code);
-  }
-  return text;
 }
 
 // Returns whether the XML declaration names one of the 8-bit encodings of Western Europe.
@@ -145,7 +99,7 @@ SourceText read_collada_text(AssimpFile& file) {
   const std::string name = file.file.string();
   if (const std::optional<Utf16> order = utf16_of(bytes)) bytes = utf8_of_utf16(bytes, *order);
   const std::size_t behind = cut_behind_root(bytes);
-  if (bytes.starts_with("\xef\xbb\xbf")) bytes.erase(0, 3);
+  if (bytes.starts_with(kUtf8Mark)) bytes.erase(0, kUtf8Mark.size());
   if (declares_windows_1252(bytes) && utf8_of_bytes(bytes).bytes > 0) bytes = utf8_of_windows_1252(bytes);
   Repaired repaired = utf8_of_bytes(bytes);
   SourceText text(std::move(repaired.text), name);

@@ -1,8 +1,10 @@
 #include "scenegraph/import/helper/inventor/inventor_look.h"
 
+#include <Inventor/SbImage.h>
 #include <Inventor/SoFullPath.h>
 #include <Inventor/VRMLnodes/SoVRMLAppearance.h>
 #include <Inventor/VRMLnodes/SoVRMLGeometry.h>
+#include <Inventor/VRMLnodes/SoVRMLImageTexture.h>
 #include <Inventor/VRMLnodes/SoVRMLShape.h>
 #include <Inventor/VRMLnodes/SoVRMLTexture.h>
 #include <Inventor/elements/SoLazyElement.h>
@@ -77,6 +79,15 @@ const SoVRMLTexture* vrml97_texture_of(SoCallbackAction& action) {
   return appearance ? dynamic_cast<const SoVRMLTexture*>(appearance->texture.getValue()) : nullptr;
 }
 
+// Coin puts a white picture in the place of a missing one. It would replace the colour.
+bool lacks_picture(const SoVRMLTexture* node) {
+  const auto* const texture = dynamic_cast<const SoVRMLImageTexture*>(node);
+  if (texture == nullptr) return false;
+  SbVec2s size;
+  int components = 0;
+  return texture->getImage() == nullptr || texture->getImage()->getValue(size, components) == nullptr;
+}
+
 // Coin 4.0 exchanges VRML97's repeatS and repeatT in its state, so they are read from the node itself.
 std::pair<Wrap, Wrap> wraps_of(SoCallbackAction& action) {
   if (const SoVRMLTexture* const texture = vrml97_texture_of(action)) {
@@ -140,6 +151,7 @@ void InventorLooks::add_texture(SoCallbackAction& action, const SoShape& shape, 
   int components = 0;
   const unsigned char* const pixels = action.getTextureImage(size, components);
   if (pixels == nullptr || size[0] <= 0 || size[1] <= 0 || components < 1 || components > 4) return;
+  if (lacks_picture(vrml97_texture_of(action))) return;
   if (size[2] > 1) return warn("textures with three dimensions are left out");
   const KnownTexture known = texture(action, pixels, size, components);
   ImportedMaterial& material = look.material;

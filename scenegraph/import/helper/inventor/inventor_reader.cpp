@@ -1,5 +1,4 @@
 // Reads Inventor and VRML files with Coin as imported scenes.
-#include <Inventor/SbImage.h>
 #include <Inventor/SoDB.h>
 #include <Inventor/SoInput.h>
 #include <Inventor/SoInteraction.h>
@@ -20,10 +19,10 @@
 #include <Inventor/nodes/SoSeparator.h>
 #include <Inventor/nodes/SoText2.h>
 #include <Inventor/nodes/SoWWWInline.h>
-#include <stb_image.h>
 
 #include <algorithm>
 #include <cstdlib>
+#include <iterator>
 #include <set>
 #include <string>
 #include <utility>
@@ -31,10 +30,9 @@
 
 #include <simvis/error.h>
 #include "scenegraph/import/helper/inventor/inventor_lights.h"
+#include "scenegraph/import/helper/inventor/inventor_pictures.h"
 #include "scenegraph/import/helper/inventor/inventor_shapes.h"
 #include "scenegraph/import/helper/part_reader.h"
-#include "scenegraph/import/mesh/input_file.h"
-#include "scenegraph/import/mesh/picture_file.h"
 
 namespace simvis {
 namespace {
@@ -47,11 +45,17 @@ void hear_error(const SoError* error, void* answer) {
   report(answer, AnswerKind::error, error->getDebugString().getString());
 }
 
+struct Listeners {
+  AnswerWriter& answer;
+  InventorPictures& pictures;
+};
+
 // Coin continues without a texture that cannot be read, so this error becomes a warning.
-void hear_read_error(const SoError* error, void* answer) {
+void hear_read_error(const SoError* error, void* listeners) {
+  const Listeners& heard = *static_cast<Listeners*>(listeners);
   const std::string text = error->getDebugString().getString();
-  const bool of_texture = text.find("Could not read texture file") != std::string::npos;
-  report(answer, of_texture ? AnswerKind::warning : AnswerKind::error, text);
+  if (text.find("Could not read texture file") != std::string::npos) return heard.pictures.hear(text);
+  heard.answer.add(AnswerKind::error, text);
 }
 
 void hear_debug_error(const SoError* error, void* answer) {
@@ -59,45 +63,17 @@ void hear_debug_error(const SoError* error, void* answer) {
   if (severity != SoDebugError::INFO) report(answer, AnswerKind::warning, error->getDebugString().getString());
 }
 
-// Coin calls this function to read a picture. Coin itself reports a missing picture, but without the reason.
-SbBool read_picture(const SbString& name, SbImage* image, void* answer) {
-  const std::filesystem::path file(name.getString());
-  try {
-    if (file.empty()) return FALSE;
-    const Bytes bytes = read_whole_file(file);
-    const Texture picture = decode_picture(bytes, file.string());
-    int width = 0, height = 0, components = 4;
-    stbi_info_from_memory(bytes.data(), static_cast<int>(bytes.size()), &width, &height, &components);
-    // Coin's rows begin at the bottom. One or two components mean a grey picture.
-    std::vector<unsigned char> pixels;
-    pixels.reserve(picture.rgba.size());
-    for (std::size_t y = picture.height; y-- > 0;) {
-      for (std::size_t x = 0; x < picture.width; ++x) {
-        const std::uint8_t* const rgba = picture.rgba.data() + (y * picture.width + x) * 4;
-        for (int c = 0; c < (components <= 2 ? 1 : 3); ++c) pixels.push_back(rgba[c]);
-        if (components % 2 == 0) pixels.push_back(rgba[3]);
-      }
-    }
-    image->setValue(SbVec2s(static_cast<short>(picture.width), static_cast<short>(picture.height)), components,
-                    pixels.data());
-    return TRUE;
-  } catch (const InputError& e) {
-    report(answer, AnswerKind::warning, e.what());
-    return FALSE;
-  }
-}
-
-void start_coin(AnswerWriter& answer) {
+void start_coin(Listeners& listeners) {
   // Coin draws text with its built-in font: the fonts of the machine must not change the triangles of a part.
   ::setenv("COIN_FORCE_FREETYPE_OFF", "1", 1);
   SoDB::init();
   SoNodeKit::init();
   SoInteraction::init();
-  SoError::setHandlerCallback(hear_error, &answer);
-  SoReadError::setHandlerCallback(hear_read_error, &answer);
-  SoMemoryError::setHandlerCallback(hear_error, &answer);
-  SoDebugError::setHandlerCallback(hear_debug_error, &answer);
-  SbImage::addReadImageCB(read_picture, &answer);
+  SoError::setHandlerCallback(hear_error, &listeners.answer);
+  SoReadError::setHandlerCallback(hear_read_error, &listeners);
+  SoMemoryError::setHandlerCallback(hear_error, &listeners.answer);
+  SoDebugError::setHandlerCallback(hear_debug_error, &listeners.answer);
+  listeners.pictures.attach();
   SoVRMLImageTexture::setDelayFetchURL(FALSE);
   // With these settings both nodes read files from disk. SoWWWInline ignores its name unless a callback is set,
   // although the callback is never called.
@@ -205,13 +181,18 @@ class Collector {
 }  // namespace
 
 ImportedScene read_part(const ReadRequest& request, AnswerWriter& answer) {
-  start_coin(answer);
+  InventorPictures pictures;
+  Listeners listeners{answer, pictures};
+  start_coin(listeners);
   SoInput input;
   if (!input.openFile(std::filesystem::absolute(request.file).c_str())) throw InputError("Coin cannot open the file");
   SoSeparator* const root = SoDB::readAll(&input);
   if (root == nullptr) throw InputError("Coin cannot read the file");
   root->ref();
-  return Collector().collect(*root);
+  pictures.find_missing(*root, request.file);
+  ImportedScene scene = Collector().collect(*root);
+  std::ranges::move(pictures.release_warnings(), std::back_inserter(scene.warnings));
+  return scene;
 }
 
 }  // namespace simvis

@@ -1,0 +1,70 @@
+// The main() of the program simvis-decode, which SimVis starts to decode what its standard input holds:
+//   simvis-decode MEMORY_BYTES picture
+//   simvis-decode MEMORY_BYTES draco ID:COMPONENT_TYPE:COMPONENTS...
+// The answer is written to the file descriptor kAnswerDescriptor.
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <iostream>
+#include <iterator>
+#include <new>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "scenegraph/import/helper/decode/any_picture.h"
+#include "scenegraph/import/helper/decode/draco_reader.h"
+#include "scenegraph/import/helper/process_limits.h"
+#include "scenegraph/import/sandbox/import_answer.h"
+#include "scenegraph/import/sandbox/imported_scene.h"
+#include "scenegraph/import/sandbox/sandbox_process.h"
+
+namespace {
+
+using namespace simvis;
+
+std::vector<std::uint8_t> decode(std::span<char*> arguments) {
+  const std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(std::cin), {}};
+  if (std::string_view(arguments[0]) == "picture") {
+    ImportedScene scene;
+    scene.textures.push_back({.file = {}, .texture = decode_any_picture(bytes, "")});
+    return pack_imported_scene(std::move(scene));
+  }
+  std::vector<DracoAttribute> attributes;
+  for (char* const argument : arguments.subspan(1)) {
+    if (!parse_argument(argument, attributes.emplace_back())) throw std::runtime_error("malformed request");
+  }
+  return pack_draco_mesh(read_draco(bytes, attributes));
+}
+
+void answer_request(std::span<char*> arguments, std::size_t memory_bytes) {
+  AnswerWriter answer(kAnswerDescriptor);
+  try {
+    limit_process(memory_bytes);
+    answer.add(AnswerKind::scene, decode(arguments));
+  } catch (const std::bad_alloc&) {
+    answer.add(AnswerKind::refusal, "takes more than " + std::to_string(memory_bytes >> 20) + " MiB of memory");
+  } catch (const std::exception& e) {
+    const std::string_view reason = e.what();
+    answer.add(AnswerKind::refusal, reason.substr(reason.starts_with(' ') ? 1 : 0));
+  }
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+  if (count < 3 || ::fcntl(kAnswerDescriptor, F_GETFD) < 0) {
+    std::fputs("This program decodes pictures and meshes for SimVis, which starts it; it does nothing by itself.\n",
+               stderr);
+    return 2;
+  }
+  answer_request(std::span(arguments, static_cast<std::size_t>(count)).subspan(2),
+                 std::strtoull(arguments[1], nullptr, 10));
+  ::_exit(0);  // skips the libraries' cleanup, which is useless here and may crash
+}
