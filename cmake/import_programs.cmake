@@ -23,12 +23,14 @@ set(import_shared
     scenegraph/language/xml_error.cpp
     scenegraph/language/xml_text.cpp)
 add_library(simvis_import_shared STATIC ${import_shared})
+simvis_unity(simvis_import_shared "${import_shared}")
 target_include_directories(simvis_import_shared PUBLIC ${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR})
 target_link_libraries(simvis_import_shared PUBLIC glm::glm pugixml::pugixml PkgConfig::stb)
 
 function(simvis_import_program kind library)
   file(GLOB sources CONFIGURE_DEPENDS ${ARGN})
   add_library(simvis_import_${kind} STATIC ${sources})
+  simvis_unity(simvis_import_${kind} "${sources}")
   target_link_libraries(simvis_import_${kind} PUBLIC simvis_import_shared ${library})
   add_executable(simvis-import-${kind} ${PROJECT_SOURCE_DIR}/scenegraph/import/helper/import_main.cpp)
   target_link_libraries(simvis-import-${kind} PRIVATE simvis_import_${kind})
