@@ -26,6 +26,7 @@ set(import_shared
     scenegraph/language/xml_error.cpp
     scenegraph/language/xml_text.cpp)
 add_library(simvis_import_shared STATIC ${import_shared})
+simvis_unity(simvis_import_shared "${import_shared}")
 target_include_directories(simvis_import_shared PUBLIC ${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR})
 target_link_libraries(simvis_import_shared PUBLIC glm::glm pugixml::pugixml PkgConfig::stb)
 
@@ -42,6 +43,7 @@ endfunction()
 function(simvis_import_program kind library)
   file(GLOB sources CONFIGURE_DEPENDS ${ARGN})
   add_library(simvis_import_${kind} STATIC ${sources})
+  simvis_unity(simvis_import_${kind} "${sources}")
   target_link_libraries(simvis_import_${kind} PUBLIC simvis_import_shared ${library})
   simvis_helper_program(simvis-import-${kind} ${helper}/import_main.cpp simvis_import_${kind})
 endfunction()

@@ -14,7 +14,7 @@ namespace {
 using Json = nlohmann::json;
 
 // glTF 2.0, sections 3.6.2.2 (component types) and 4.4 (binary files).
-constexpr int kFloat = 5126, kUnsignedInt = 5125;
+constexpr int kGlFloat = 5126, kGlUnsignedInt = 5125;
 constexpr std::uint32_t kMagic = 0x46546C67, kVersion = 2, kJsonChunk = 0x4E4F534A, kBinChunk = 0x004E4942;
 constexpr std::size_t kAlignment = 4, kHeader = 12, kChunkHeader = 8;
 
@@ -34,14 +34,14 @@ Json primitive_of(GlbDocument& document, const Mesh& mesh) {
   }
   const auto vectors = [&](const std::vector<glm::vec3>& values) {
     const std::size_t view = document.add_view(values.data(), values.size() * sizeof(glm::vec3));
-    return add_accessor(document, view, kFloat, "VEC3", values.size());
+    return add_accessor(document, view, kGlFloat, "VEC3", values.size());
   };
   const std::size_t positions = vectors(mesh.positions);
   document.json["accessors"][positions]["min"] = {low.x, low.y, low.z};
   document.json["accessors"][positions]["max"] = {high.x, high.y, high.z};
   const std::size_t view = document.add_view(mesh.indices.data(), mesh.indices.size() * sizeof(std::uint32_t));
   return {{"attributes", {{"POSITION", positions}, {"NORMAL", vectors(normals)}}},
-          {"indices", add_accessor(document, view, kUnsignedInt, "SCALAR", mesh.indices.size())},
+          {"indices", add_accessor(document, view, kGlUnsignedInt, "SCALAR", mesh.indices.size())},
           {"material", 0}};
 }
 

@@ -87,7 +87,7 @@ std::pair<std::uint64_t, std::uint64_t> compare(Renderer& renderer, const DrawLi
 TEST_CASE("the cone of a cluster contains all of its normals, the bulge all planes and the height all heights") {
   // Rounded outwards by a millionth: no violation is allowed, and little is lost.
   constexpr double kLost = 1e-5;
-  for (const Mesh& mesh : {sphere_mesh(2, 90), sphere_mesh(1e-3, 24), box_mesh({1, 2, 3})}) {
+  for (const Mesh& mesh : {sphere_mesh(2, 90), sphere_mesh(1e-3, 24), half_box_mesh({1, 2, 3})}) {
     const Clustering clustering = make_clusters(mesh);
     const std::vector<NormalCone> facing = normal_cones_of(mesh, clustering);
     REQUIRE(facing.size() == clustering.clusters.size());
@@ -216,7 +216,7 @@ TEST_CASE("slivers with their backs to the camera give the same bytes, although 
     const FramePlan plan = picture_of(camera(320, 240, kFocal_px));
     const std::span<const float> seen = renderer.render(list, plan)[0].depth;
     const auto turned = std::ranges::count_if(seen, [](float depth) { return depth > 0; });
-    add_item(list, box_mesh({2, 2, 0.5}), glm::translate(glm::dmat4(1.0), {0, 0, kDistance_m + 3}));
+    add_item(list, half_box_mesh({2, 2, 0.5}), glm::translate(glm::dmat4(1.0), {0, 0, kDistance_m + 3}));
     compare(renderer, list, camera(320, 240, kFocal_px));
     return turned;
   };

@@ -21,7 +21,7 @@ using namespace simvis;
 namespace {
 
 constexpr std::uint32_t kWidth_px = 320, kHeight_px = 240;
-constexpr double kFocal_px = 250, kSnap_px = 1.0 / 256;
+constexpr double kFocal_px = 250, kPixelSnap_px = 1.0 / 256;
 
 struct Shown {
   bool color = true;
@@ -81,7 +81,7 @@ std::uint64_t add_things(DrawList& list, std::mt19937& random, std::uint64_t tri
     const double z = between(random, 6, 12);
     const glm::dvec3 place(z * between(random, -0.4, 0.4), z * between(random, -0.3, 0.3), z);
     const double size = between(random, 0.05, 0.4);
-    Mesh mesh = i % 4 ? box_mesh(size * glm::dvec3(1, 0.7, 0.4)) : sphere_mesh(size, i % 8 ? 24 : 64);
+    Mesh mesh = i % 4 ? half_box_mesh(size * glm::dvec3(1, 0.7, 0.4)) : sphere_mesh(size, i % 8 ? 24 : 64);
     added += mesh.indices.size() / 3;
     add_item(list, std::move(mesh), glm::translate(glm::dmat4(1.0), place) * random_turn(random));
   }
@@ -104,7 +104,7 @@ std::vector<Occluder> extract_occluders(const Mesh& mesh) {
 
 TEST_CASE("a box has six occluders, its sides, each of two triangles that face outwards") {
   const glm::dvec3 half(1, 2, 3);
-  const std::vector<Occluder> walls = extract_occluders(box_mesh(half));
+  const std::vector<Occluder> walls = extract_occluders(half_box_mesh(half));
   REQUIRE(walls.size() == 6);
   double area = 0;
   for (const Occluder& wall : walls) {
@@ -142,7 +142,7 @@ TEST_CASE("a box has six flat sides for any grid on them, and a sphere has none"
     return face_planes_of(mesh, make_clusters(mesh));
   };
   constexpr double kRounding = 1e-12;  // of the double products here
-  const FacePlanes box = sides_of(box_mesh({1, 2, 3}));
+  const FacePlanes box = sides_of(half_box_mesh({1, 2, 3}));
   REQUIRE(box.sides.size() == 6);
   for (const FacePlane& side : box.sides) {
     const glm::dvec3 half(1, 2, 3);
@@ -153,7 +153,7 @@ TEST_CASE("a box has six flat sides for any grid on them, and a sphere has none"
     const double product = 8 * half.x * half.y * half.z / glm::dot(2.0 * half, glm::abs(side.normal));
     CHECK(side.min_height == doctest::Approx(product / glm::length(sizes)).epsilon(kRounding));
   }
-  Mesh folded = box_mesh({1, 2, 3});  // each side once more, facing inwards
+  Mesh folded = half_box_mesh({1, 2, 3});  // each side once more, facing inwards
   for (std::size_t i = 0; i < 36; i += 3) {
     folded.indices.insert(folded.indices.end(), {folded.indices[i], folded.indices[i + 2], folded.indices[i + 1]});
   }
@@ -165,7 +165,7 @@ TEST_CASE(
     "the tiles of a wall hide objects behind all of them, and no object that may reach beside or in front of them") {
   const View view = picture().passes[0].views[0];
   OcclusionCuller hidden;
-  const FacingTolerance limit(view, kSnap_px);
+  const FacingTolerance limit(view, kPixelSnap_px);
   hidden.begin(view, limit);
   // A cube that contains a square perpendicular to the optical axis, which is never seen as a sliver.
   const auto is_occluded = [&](const glm::dvec3& center, double half) {
@@ -236,7 +236,7 @@ TEST_CASE("a ceiling that continues behind the camera hides objects above it") {
     std::uint64_t things = 0;
     for (int i = 0; i < 600; ++i, things += 12) {
       const glm::dvec3 place(between(random, -8, 8), between(random, -3, -2), between(random, 2, 15));
-      add_item(list, box_mesh({0.2, 0.1, 0.3}), glm::translate(glm::dmat4(1.0), place) * random_turn(random));
+      add_item(list, half_box_mesh({0.2, 0.1, 0.3}), glm::translate(glm::dmat4(1.0), place) * random_turn(random));
     }
     const std::uint64_t bare = compare(renderer, list, picture());
     const glm::dmat4 up = glm::rotate(glm::dmat4(1.0), -0.5 * 3.141592653589793, glm::dvec3(1, 0, 0));
@@ -318,7 +318,7 @@ TEST_CASE("surfaces seen edge-on behind a wall give the same bytes") {
     DrawList list;
     for (int i = 0; i < 600; ++i, all += mesh.indices.size() / 3) {
       // The plane of the first one passes almost through the eye, and it is seen at the centre of a pixel.
-      const double u = std::floor(between(random, 60, 260)) + 0.5 + between(random, -2, 2) * kSnap_px;
+      const double u = std::floor(between(random, 60, 260)) + 0.5 + between(random, -2, 2) * kPixelSnap_px;
       const double azimuth = std::atan((u - kWidth_px / 2.0) / kFocal_px),
                    off_rad = std::pow(10, between(random, -5, 0));
       const glm::dmat4 towards = glm::rotate(glm::dmat4(1.0), azimuth, glm::dvec3(0, 1, 0));

@@ -17,11 +17,11 @@ TEST_SUITE_BEGIN("effects");
 namespace simvis {
 namespace {
 
-const std::uint32_t kFewer = sanitized() ? 16 : 1;
+const std::uint32_t kFewerDraws = sanitized() ? 16 : 1;
 
 constexpr double kUnit = 0x1p-53;
 // A count of mean m is off by more than 5 sqrt(m) with a probability of 6e-7.
-constexpr double kSigmas = 5;
+constexpr double kDrawSigmas = 5;
 
 std::shared_ptr<const ScanEffect> atmosphere(const std::string& attributes, const std::string& sensor = "S",
                                              std::uint64_t seed = 0) {
@@ -127,7 +127,7 @@ TEST_CASE("the echo of the air lies where the receiver begins to see the beam") 
 }
 
 TEST_CASE("the number, places and sizes of drops in a million beams are those of a Poisson process") {
-  const std::uint32_t kBeams = 1000000 / kFewer;
+  const std::uint32_t kBeams = 1000000 / kFewerDraws;
   constexpr double kEnd_m = 15;
   const Medium rain = heavy_rain();
   const auto effect = atmosphere(kSight);
@@ -156,25 +156,26 @@ TEST_CASE("the number, places and sizes of drops in a million beams are those of
   const double mean = expected_drops(rain, 1, kEnd_m), all = kBeams * mean;
   MESSAGE(mean << " drops per beam expected, " << static_cast<double>(drops) / kBeams << " met");
   CHECK(mean > 0.1);
-  CHECK(std::abs(static_cast<double>(drops) - all) <= kSigmas * std::sqrt(all));
+  CHECK(std::abs(static_cast<double>(drops) - all) <= kDrawSigmas * std::sqrt(all));
   const double none = std::exp(-mean);
   const std::array<double, 4> shares{none, none * mean, none * mean * mean / 2,
                                      1 - none * (1 + mean + mean * mean / 2)};
   for (std::size_t k = 0; k < 4; ++k) {
     const double expected = kBeams * shares[k];
     CAPTURE(k);
-    CHECK(std::abs(static_cast<double>(beams_with[k]) - expected) <= kSigmas * std::sqrt(expected * (1 - shares[k])));
+    CHECK(std::abs(static_cast<double>(beams_with[k]) - expected) <=
+          kDrawSigmas * std::sqrt(expected * (1 - shares[k])));
   }
   for (std::size_t k = 0; k < 7; ++k) {
     const double from_m = 1 + 2 * static_cast<double>(k), expected = kBeams * expected_drops(rain, from_m, from_m + 2);
     CAPTURE(from_m);
-    CHECK(std::abs(static_cast<double>(in_stretch[k]) - expected) <= kSigmas * std::sqrt(expected));
+    CHECK(std::abs(static_cast<double>(in_stretch[k]) - expected) <= kDrawSigmas * std::sqrt(expected));
   }
   // Unit exponentials: mean 1, variance 1, above 1 with probability 1 / e. Drops wider than the beam count as if they
   // were as wide as it: e^-10 of them, and less of their mean.
   const double n = static_cast<double>(drops), above = 1 / std::numbers::e;
-  CHECK(std::abs(sum_of_sizes / n - 1) <= kSigmas / std::sqrt(n));
-  CHECK(std::abs(static_cast<double>(large) - n * above) <= kSigmas * std::sqrt(n * above * (1 - above)));
+  CHECK(std::abs(sum_of_sizes / n - 1) <= kDrawSigmas / std::sqrt(n));
+  CHECK(std::abs(static_cast<double>(large) - n * above) <= kDrawSigmas * std::sqrt(n * above * (1 - above)));
 }
 
 TEST_CASE(

@@ -22,27 +22,29 @@ using namespace simvis;
 
 namespace {
 
-constexpr std::uint32_t kWidth_px = 600, kHeight_px = 560;  // three channels: a million samples
-constexpr double kSamples = 3.0 * kWidth_px * kHeight_px;
-constexpr double kSigmas = 5;  // tolerance of a statistic, in its own standard deviations; the seed is fixed
+constexpr std::uint32_t kNoiseWidth_px = 600, kNoiseHeight_px = 560;  // three channels: a million samples
+constexpr double kSamples = 3.0 * kNoiseWidth_px * kNoiseHeight_px;
+constexpr double kNoiseSigmas = 5;  // tolerance of a statistic, in its own standard deviations; the seed is fixed
 
 Image flat(double light) {
-  Image image{kWidth_px, kHeight_px, 4, {}};
-  for (std::uint32_t i = 0; i < kWidth_px * kHeight_px; ++i) {
+  Image image{kNoiseWidth_px, kNoiseHeight_px, 4, {}};
+  for (std::uint32_t i = 0; i < kNoiseWidth_px * kNoiseHeight_px; ++i) {
     const auto value = static_cast<float>(light);
     image.pixels.insert(image.pixels.end(), {value, value, value, 1});
   }
   return image;
 }
 
-CameraLayout layout() { return {.width_px = kWidth_px, .height_px = kHeight_px, .pinhole = {400, 410, 290, 285}}; }
+CameraLayout layout() {
+  return {.width_px = kNoiseWidth_px, .height_px = kNoiseHeight_px, .pinhole = {400, 410, 290, 285}};
+}
 
-struct Moments {
+struct PictureMoments {
   double mean = 0, variance = 0;
 };
 
-Moments moments(const Image& image) {
-  Moments m;
+PictureMoments picture_moments(const Image& image) {
+  PictureMoments m;
   const auto each = [&](const auto& action) {
     for (std::size_t i = 0; i < image.pixels.size(); ++i) {
       if (i % 4 < 3) action(static_cast<double>(image.pixels[i]));
@@ -103,7 +105,7 @@ TEST_CASE("noise has the mean and the variance of a linear camera") {
   for (const Case& c : cases) {
     Image image = flat(c.light);
     SensorNoise(c.electronics, SensorRandom(3, "noise")).post_process({}, layout(), image);
-    const Moments m = moments(image);
+    const PictureMoments m = picture_moments(image);
     const PixelElectronics& e = c.electronics;
     const double scale = e.gain / e.full_well_e;
     const double mean_e = static_cast<double>(static_cast<float>(c.light)) * e.full_well_e;
@@ -111,10 +113,10 @@ TEST_CASE("noise has the mean and the variance of a linear camera") {
     // Beyond the range of poisson.h's exact means, rounding and skewness add 5 / 36 of an electron's square.
     const double electrons = mean_e + e.read_noise_e * e.read_noise_e + (mean_e > 64 ? 5.0 / 36 : 0);
     const double variance = scale * scale * electrons + level * level / 12;
-    CHECK(std::abs(m.mean - scale * mean_e) <= kSigmas * std::sqrt(variance / kSamples));
+    CHECK(std::abs(m.mean - scale * mean_e) <= kNoiseSigmas * std::sqrt(variance / kSamples));
     // The distribution is almost Gaussian: the fourth moment is 3 variance^2, and the Poisson part adds that of a mean
     // of at least 20.
-    CHECK(std::abs(m.variance - variance) <= kSigmas * variance * std::sqrt((2 + 1.0 / 20) / kSamples));
+    CHECK(std::abs(m.variance - variance) <= kNoiseSigmas * variance * std::sqrt((2 + 1.0 / 20) / kSamples));
     if (level == 0) continue;
     bool whole = true;
     for (const float v : image.pixels) {
@@ -131,7 +133,7 @@ TEST_CASE("a full pixel stays full, and dark pixels are clipped only by a conver
   SensorNoise({.full_well_e = 1000}, SensorRandom(3, "noise")).post_process({}, layout(), bright);
   CHECK(std::ranges::count(bright.pixels, 1.0f) == std::ssize(bright.pixels));
   SensorNoise(electronics, SensorRandom(3, "noise")).post_process({}, layout(), dark);
-  CHECK(std::abs(moments(dark).mean) <= kSigmas * 0.005 / std::sqrt(kSamples));
+  CHECK(std::abs(picture_moments(dark).mean) <= kNoiseSigmas * 0.005 / std::sqrt(kSamples));
   CHECK(*std::ranges::min_element(dark.pixels) < 0);
 }
 
@@ -145,14 +147,14 @@ TEST_CASE("frames, channels and eyes have different noise, and other sensors do 
   const Image a = noise("A", 1), b = noise("B", 1), later = noise("A", 2);
   const auto correlation = [&](const Image& one, std::size_t c1, const Image& other, std::size_t c2) {
     double sum = 0;
-    const std::size_t n = std::size_t{kWidth_px} * kHeight_px;
+    const std::size_t n = std::size_t{kNoiseWidth_px} * kNoiseHeight_px;
     for (std::size_t i = 0; i < n; ++i) {
       sum +=
           (static_cast<double>(one.pixels[4 * i + c1]) - 0.5) * (static_cast<double>(other.pixels[4 * i + c2]) - 0.5);
     }
     return sum / static_cast<double>(n) / (0.5 / 1000);  // the variance is mu / full_well^2 with mu = 500
   };
-  const double most = kSigmas / std::sqrt(kSamples / 3);
+  const double most = kNoiseSigmas / std::sqrt(kSamples / 3);
   CHECK(std::abs(correlation(a, 0, b, 0)) <= most);
   CHECK(std::abs(correlation(a, 0, later, 0)) <= most);
   CHECK(std::abs(correlation(a, 0, a, 1)) <= most);
@@ -176,12 +178,12 @@ TEST_CASE("vignetting follows its law, and exposure scales the colours") {
   Vignetting(VignettingLaw::polynomial, {-0.3, 0.1, -0.05}, {}).post_process({}, l, polynomial);
   Exposure(2.5).post_process({}, l, longer);
   double worst = 0;
-  for (std::uint32_t y = 0; y < kHeight_px; ++y) {
-    for (std::uint32_t x = 0; x < kWidth_px; ++x) {
-      const std::size_t i = 4 * (std::size_t{y} * kWidth_px + x);
+  for (std::uint32_t y = 0; y < kNoiseHeight_px; ++y) {
+    for (std::uint32_t x = 0; x < kNoiseWidth_px; ++x) {
+      const std::size_t i = 4 * (std::size_t{y} * kNoiseWidth_px + x);
       const double light = static_cast<double>(0.8f);
       const double angle = std::atan(std::hypot((x + 0.5 - 290) / 400, (y + 0.5 - 285) / 410));
-      const double r = std::hypot(x + 0.5 - 290, y + 0.5 - 285) / (std::hypot(kWidth_px, kHeight_px) / 2);
+      const double r = std::hypot(x + 0.5 - 290, y + 0.5 - 285) / (std::hypot(kNoiseWidth_px, kNoiseHeight_px) / 2);
       const double law = 1 - 0.3 * std::pow(r, 2) + 0.1 * std::pow(r, 4) - 0.05 * std::pow(r, 6);
       for (std::size_t c = 0; c < 3; ++c) {
         worst = std::max({worst,

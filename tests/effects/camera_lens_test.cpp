@@ -39,7 +39,7 @@ double color_at(const glm::dvec3& place_m, int channel) { return 0.5 + glm::dot(
 
 test::RendererScene room() {
   test::RendererScene scene;
-  Mesh mesh = box_mesh(glm::vec3(kHalfRoom_m));
+  Mesh mesh = half_box_mesh(glm::vec3(kHalfRoom_m));
   mesh.attributes.resize(mesh.positions.size());
   for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
     for (int c = 0; c < 3; ++c) mesh.attributes[i].color[c] = static_cast<float>(color_at(mesh.positions[i], c));

@@ -5,6 +5,7 @@
 #include <span>
 
 #include <simvis/simulation.h>
+#include "tests/support/infinity.h"
 #include "tests/support/made_up_scan.h"
 #include "tests/support/wall_scene.h"
 
@@ -12,8 +13,6 @@ TEST_SUITE_BEGIN("effects");
 
 namespace simvis::test {
 namespace {
-
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 double lost_in(std::span<const float> ranges_m) { return static_cast<double>(std::ranges::count(ranges_m, kInfinity)); }
 

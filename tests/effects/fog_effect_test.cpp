@@ -28,10 +28,10 @@ double fog_error(double surface, double airlight, double x) {
 }
 
 constexpr std::uint32_t kSize = 24;
-constexpr double kFocal_px = 12;
+constexpr double kFogFocal_px = 12;
 const glm::vec3 kAirlight{0.7f, 0.5f, 0.9f};
 
-FramePlan square_plan(bool color, bool depth) { return plan_of(kSize, kSize, kFocal_px, color, depth); }
+FramePlan square_plan(bool color, bool depth) { return plan_of(kSize, kSize, kFogFocal_px, color, depth); }
 
 RendererScene foggy(double extinction_per_m) {
   RendererScene scene = scene_with_ambient(0.5);
@@ -48,7 +48,8 @@ Material unlit(const glm::vec4& color) {
 
 /// Distance from the eye to the plane at this depth, through the pixel.
 double distance_m(std::uint32_t pixel, double depth_m) {
-  const double x = (pixel % kSize + 0.5 - kSize / 2.0) / kFocal_px, y = (pixel / kSize + 0.5 - kSize / 2.0) / kFocal_px;
+  const double x = (pixel % kSize + 0.5 - kSize / 2.0) / kFogFocal_px,
+               y = (pixel / kSize + 0.5 - kSize / 2.0) / kFogFocal_px;
   return depth_m * std::sqrt(x * x + y * y + 1);
 }
 

@@ -24,7 +24,7 @@ constexpr std::uint32_t kPoints = 10'000;
 // 2e-12. Newton's method promises to end within 1e-9.
 constexpr double kAgree_px = 1e-9;
 
-constexpr double kWidth_px = 640, kHeight_px = 480;
+constexpr double kLensWidth_px = 640, kLensHeight_px = 480;
 
 LensModel brown_conrady(double k1, double k2, double k3, double p1, double p2) {
   return {.kind = LensKind::brown_conrady,
@@ -90,7 +90,7 @@ TEST_CASE("the inverse finds the direction of every pixel") {
     double worst_px = 0, worst_length = 0;
     int none = 0, dark = 0;
     for (std::uint32_t i = 0; i < kPoints; ++i) {
-      const glm::dvec2 pixel(kWidth_px * random.uniform(i, 0, 0), kHeight_px * random.uniform(i, 0, 1));
+      const glm::dvec2 pixel(kLensWidth_px * random.uniform(i, 0, 0), kLensHeight_px * random.uniform(i, 0, 1));
       const std::optional<glm::dvec3> ray = lens.direction(pixel);
       none += !ray;
       if (!ray) continue;

@@ -15,7 +15,7 @@ using namespace simvis::test;
 
 namespace {
 
-constexpr double kAlbedo = 0.5, kLux = 3;
+constexpr double kAlbedo = 0.5, kSunLux = 3;
 
 // Relative to the irradiance of the light. Vertex normals are stored in 16 bits (1.5e-5 in each direction). Directions
 // in the surface are differences between neighbouring pixels of places below 4 m, rounded to 2^-23 m, that lie 0.1 m
@@ -50,19 +50,20 @@ Material matte(const std::shared_ptr<const Texture>& normals = nullptr) {
 RendererScene lit(const Mesh& mesh, const Material& material, const glm::dmat4& m, const glm::dvec3& toward) {
   RendererScene scene = scene_with_ambient(0);
   scene.add(mesh, material, m);
-  scene.add_light({.kind = LightKind::directional, .intensity = kLux, .direction = -toward}, glm::dmat4(1));
+  scene.add_light({.kind = LightKind::directional, .intensity = kSunLux, .direction = -toward}, glm::dmat4(1));
   return scene;
 }
 
-double seen(Renderer& renderer, const RendererScene& scene) {
+double seen_light(Renderer& renderer, const RendererScene& scene) {
   return renderer.render(scene.list, plan_of(17, 17, 8, true, false))[0].color[8 * 17 + 8].r;
 }
 
 double lambert(const glm::dvec3& n, const glm::dvec3& toward) {
-  return kAlbedo / kPi * kLux * std::max(0.0, glm::dot(n, toward));
+  return kAlbedo / kPi * kSunLux * std::max(0.0, glm::dot(n, toward));
 }
 
-const glm::dvec3 kToward[] = {{0, 0, -1}, glm::normalize(glm::dvec3(1, 0, -1)), glm::normalize(glm::dvec3(-1, 2, -2))};
+const glm::dvec3 kTowardLight[] = {
+    {0, 0, -1}, glm::normalize(glm::dvec3(1, 0, -1)), glm::normalize(glm::dvec3(-1, 2, -2))};
 
 /// Expected appearance: the normal `tilt` in the frame of u, -v and the outward normal of a mesh that `m` places. The
 /// other two vectors are its directions of growing u and v.
@@ -79,7 +80,7 @@ glm::dvec3 expected_normal(const glm::dmat4& m, const glm::dvec3& u, const glm::
 void check(double found, double expected) {
   CAPTURE(found);
   CAPTURE(expected);
-  CHECK(std::abs(found - expected) <= kAlbedo / kPi * kLux * kDirection);
+  CHECK(std::abs(found - expected) <= kAlbedo / kPi * kSunLux * kDirection);
 }
 
 }  // namespace
@@ -92,9 +93,9 @@ TEST_CASE("a map with one tilt looks like a tilted plane") {
     // A rotation that turns the rectangle's own normal to that direction.
     const glm::dvec3 axis = glm::cross(glm::dvec3(0, 0, -1), n);
     const glm::dmat4 turned = glm::rotate(at(0, 0, 2), std::atan2(glm::length(axis), -n.z), glm::normalize(axis));
-    for (const glm::dvec3& toward : kToward) {
-      const double mapped = seen(renderer, lit(rectangle(-5, -5, 5, 5), matte(texel(rgb)), at(0, 0, 2), toward));
-      check(mapped, seen(renderer, lit(rectangle(-5, -5, 5, 5), matte(), turned, toward)));
+    for (const glm::dvec3& toward : kTowardLight) {
+      const double mapped = seen_light(renderer, lit(rectangle(-5, -5, 5, 5), matte(texel(rgb)), at(0, 0, 2), toward));
+      check(mapped, seen_light(renderer, lit(rectangle(-5, -5, 5, 5), matte(), turned, toward)));
       check(mapped, lambert(n, toward));
     }
   }
@@ -114,9 +115,9 @@ TEST_CASE("the frame follows texture coordinates that the mesh or the material t
     by_transform.map(MapKind::normal).uv_transform =
         glm::mat3x2(glm::vec2(uv_from_xy[0]), glm::vec2(uv_from_xy[1]), glm::vec2(0.25f, 0.5f));
     const glm::dvec3 n = expected_normal(glm::dmat4(1), u, v, tilt_of(kTilts[2]));
-    for (const glm::dvec3& toward : kToward) {
-      check(seen(renderer, lit(mesh, matte(texel(kTilts[2])), at(0, 0, 2), toward)), lambert(n, toward));
-      check(seen(renderer, lit(rectangle(-5, -5, 5, 5), by_transform, at(0, 0, 2), toward)), lambert(n, toward));
+    for (const glm::dvec3& toward : kTowardLight) {
+      check(seen_light(renderer, lit(mesh, matte(texel(kTilts[2])), at(0, 0, 2), toward)), lambert(n, toward));
+      check(seen_light(renderer, lit(rectangle(-5, -5, 5, 5), by_transform, at(0, 0, 2), toward)), lambert(n, toward));
     }
   }
 }
@@ -133,8 +134,9 @@ TEST_CASE("the frame follows a mesh that is turned, mirrored, stretched or seen 
       const glm::dvec3 flat = glm::transpose(glm::inverse(glm::dmat3(m))) * glm::dvec3(0, 0, -1);
       // A sheet that is bent outwards on one side is bent inwards on the other.
       if (flat.z > 0) n = -n;
-      for (const glm::dvec3& toward : kToward) {
-        check(seen(renderer, lit(rectangle(-3, -3, 3, 3), matte(texel(kTilts[0])), m, toward)), lambert(n, toward));
+      for (const glm::dvec3& toward : kTowardLight) {
+        check(seen_light(renderer, lit(rectangle(-3, -3, 3, 3), matte(texel(kTilts[0])), m, toward)),
+              lambert(n, toward));
       }
     }
   }
@@ -146,7 +148,8 @@ TEST_CASE("the scale stretches x and y; a negative scale inverts the relief") {
     Material material = matte(texel(kTilts[1]));
     material.normal_scale = static_cast<float>(scale);
     const glm::dvec3 t = tilt_of(kTilts[1], scale), n(t.x, -t.y, -t.z);
-    check(seen(renderer, lit(rectangle(-5, -5, 5, 5), material, at(0, 0, 2), kToward[2])), lambert(n, kToward[2]));
+    check(seen_light(renderer, lit(rectangle(-5, -5, 5, 5), material, at(0, 0, 2), kTowardLight[2])),
+          lambert(n, kTowardLight[2]));
   }
 }
 
@@ -154,8 +157,8 @@ TEST_CASE("the surface stays flat to the bit where texture coordinates are degen
   Renderer renderer(device());
   Mesh mesh = rectangle(-5, -5, 5, 5);
   for (VertexAttributes& a : mesh.attributes) a.uv[0] = {0.3f, 0.6f};
-  const double mapped = seen(renderer, lit(mesh, matte(texel(kTilts[0])), at(0, 0, 2), kToward[1]));
-  CHECK(mapped == seen(renderer, lit(mesh, matte(), at(0, 0, 2), kToward[1])));
+  const double mapped = seen_light(renderer, lit(mesh, matte(texel(kTilts[0])), at(0, 0, 2), kTowardLight[1]));
+  CHECK(mapped == seen_light(renderer, lit(mesh, matte(), at(0, 0, 2), kTowardLight[1])));
 }
 
 TEST_CASE("highlights follow the relief") {
@@ -170,8 +173,8 @@ TEST_CASE("highlights follow the relief") {
   const double alpha = 0.3 * 0.3, cosine = glm::dot(n, eye);
   const double lambda = (std::sqrt(1 + alpha * alpha * (1 / (cosine * cosine) - 1)) - 1) / 2;
   const double fresnel = kAlbedo + (1 - kAlbedo) * std::pow(1 - cosine, 5);
-  const double expected = kLux * fresnel / (kPi * alpha * alpha) / (1 + 2 * lambda) / (4 * cosine);
-  const double found = seen(renderer, lit(rectangle(-5, -5, 5, 5), material, at(0, 0, 2), toward));
+  const double expected = kSunLux * fresnel / (kPi * alpha * alpha) / (1 + 2 * lambda) / (4 * cosine);
+  const double found = seen_light(renderer, lit(rectangle(-5, -5, 5, 5), material, at(0, 0, 2), toward));
   // At the top of the lobe a rotation by e changes it by (e / alpha)^2. The rest is due to the Fresnel term and the
   // cosines.
   CHECK(std::abs(found / expected - 1) <= 2 * std::pow(kDirection / alpha, 2) + 8 * kDirection);

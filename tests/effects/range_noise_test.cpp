@@ -7,6 +7,7 @@
 #include <random>
 
 #include <simvis/simulation.h>
+#include "tests/support/infinity.h"
 #include "tests/support/made_up_scan.h"
 #include "tests/support/wall_scene.h"
 
@@ -14,8 +15,6 @@ TEST_SUITE_BEGIN("effects");
 
 namespace simvis::test {
 namespace {
-
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 // For a range of 1 m: far above the float32 grid there (1.2e-7 m), and far too small to reach 0.
 constexpr double kNoise_m = 0.02;
@@ -128,7 +127,7 @@ TEST_CASE("0 and inf stay, no reading is below 0, bounds stay, and zero noise is
 
 namespace {
 
-const std::string kScanner =
+const std::string kNoisyScanner =
     R"(<sensor type="laser_scanner" name="SCAN" insert_at="ROOT" samples="31" min_angle="-60" max_angle="60" )"
     R"(range_noise="0.05" range_noise_rel="0.001"/>)";
 const std::string kOthers =
@@ -155,11 +154,11 @@ std::vector<float> ranges(const std::string& commands, bool only_last, std::uint
 }  // namespace
 
 TEST_CASE("neither other sensors nor skipped frames change a bit") {
-  const std::vector<float> alone = ranges(kScanner, false);
-  CHECK(ranges(kScanner, true) == alone);
-  CHECK(ranges(kOthers + kScanner, false) == alone);
-  CHECK(ranges(kScanner + kOthers, true) == alone);
-  CHECK(ranges(kScanner, false, 1) != alone);
+  const std::vector<float> alone = ranges(kNoisyScanner, false);
+  CHECK(ranges(kNoisyScanner, true) == alone);
+  CHECK(ranges(kOthers + kNoisyScanner, false) == alone);
+  CHECK(ranges(kNoisyScanner + kOthers, true) == alone);
+  CHECK(ranges(kNoisyScanner, false, 1) != alone);
 }
 
 TEST_CASE("ranges are the nearest multiples of the step, and their bounds still hold") {

@@ -13,7 +13,7 @@ TEST_SUITE_BEGIN("effects");
 namespace simvis {
 namespace {
 
-const glm::dvec3 kAhead(1, 0, 0);
+const glm::dvec3 kForward(1, 0, 0);
 
 Echo echo(double range_m, double power, double bound_m = 0) {
   return {.range_m = range_m, .error_bound_m = bound_m, .power = power};
@@ -102,7 +102,7 @@ TEST_CASE("which return is reported, and the number of returns") {
   near.range_max_m = 40;
   const std::shared_ptr<RayCaster> caster = make_host_ray_caster();
   const auto seen = [&] {
-    const std::vector<Echo> detected = trace(list, {kAhead, -kAhead}, {returns(ReturnChoice::last)}, near, *caster);
+    const std::vector<Echo> detected = trace(list, {kForward, -kForward}, {returns(ReturnChoice::last)}, near, *caster);
     Scan scan;
     returns(ReturnChoice::last)->finish(near, detected, scan);
     CHECK(scan.channels.at(0).name == "return_count");
@@ -135,7 +135,7 @@ TEST_CASE("through a fence, the first return is the bars and the last one the wa
   const auto check = [&](ReturnChoice choice, double expected_m) {
     Moments powers;
     const double share = expected_m == kBars_m ? covered : 1 - covered;
-    for (const Echo& each : trace(list, std::vector(kBeams, kAhead), {spread, returns(choice)})) {
+    for (const Echo& each : trace(list, std::vector(kBeams, kForward), {spread, returns(choice)})) {
       CHECK(each.returns == 2);
       CHECK(each.range_m >= expected_m);
       CHECK(each.range_m <= expected_m * longer);

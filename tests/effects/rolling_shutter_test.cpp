@@ -17,7 +17,7 @@ using namespace simvis;
 namespace {
 
 constexpr std::uint32_t kWidth_px = 200, kHeight_px = 120;
-constexpr double kFocal_px = 150, kFar_m = 3, kSpeed_m_s = 4, kPeriod_s = 0.1, kRow_s = 6e-4;
+constexpr double kShutterFocal_px = 150, kFar_m = 3, kSpeed_m_s = 4, kPeriod_s = 0.1, kRow_s = 6e-4;
 // Vertices are snapped to 1/256 pixel, after some rounding. A pixel closer to the edge than this may be on either side.
 constexpr double kSnap_px = 0.01;
 
@@ -36,7 +36,7 @@ test::RendererScene plate() {
 CameraDesc desc(std::vector<ChosenCameraEffect> effects) {
   return {.width_px = kWidth_px,
           .height_px = kHeight_px,
-          .hfov_rad = 2 * std::atan(kWidth_px / (2 * kFocal_px)),
+          .hfov_rad = 2 * std::atan(kWidth_px / (2 * kShutterFocal_px)),
           .color = true,
           .depth = true,
           .effects = std::move(effects)};
@@ -51,7 +51,8 @@ struct Barrel : CameraEffect {
   static constexpr double kOversampling = 2;
 
   static Lens lens() {
-    return Lens({.pinhole = {kFocal_px, kFocal_px, kWidth_px / 2.0, kHeight_px / 2.0}, .k = {-0.2, 0.03, 0, 0}});
+    return Lens(
+        {.pinhole = {kShutterFocal_px, kShutterFocal_px, kWidth_px / 2.0, kHeight_px / 2.0}, .k = {-0.2, 0.03, 0, 0}});
   }
 
   void configure_rays(CameraLayout& layout) const override {
@@ -113,12 +114,13 @@ TEST_CASE("a vertical edge is slanted by the exposure time of each row") {
     Journey journey;
     journey.take(camera, 0);
     for (std::uint32_t row = 0; row < kHeight_px; ++row) {  // at rest
-      CHECK(first_bright(*camera.color(), row) == std::ceil(kWidth_px / 2.0 + kFocal_px * kEdge_m / kFar_m - 0.5));
+      CHECK(first_bright(*camera.color(), row) ==
+            std::ceil(kWidth_px / 2.0 + kShutterFocal_px * kEdge_m / kFar_m - 0.5));
     }
     journey.take(camera, 1);
     int wrong = 0, unclear = 0, deep = 0;
     for (std::uint32_t row = 0; row < kHeight_px; ++row) {
-      const double edge_px = kWidth_px / 2.0 + kFocal_px * (kEdge_m - moved_m(row, rows_per_pose)) / kFar_m;
+      const double edge_px = kWidth_px / 2.0 + kShutterFocal_px * (kEdge_m - moved_m(row, rows_per_pose)) / kFar_m;
       const double expected = std::ceil(edge_px - 0.5);
       if (std::abs(edge_px - 0.5 - std::round(edge_px - 0.5)) < kSnap_px) {
         ++unclear;
@@ -134,7 +136,7 @@ TEST_CASE("a vertical edge is slanted by the exposure time of each row") {
     CHECK(deep == 0);
     CHECK(unclear < kHeight_px / 10);
     // Over the image the edge moves by the motion during all rows.
-    const double slant_px = kFocal_px * kSpeed_m_s * (kHeight_px - 1) * kRow_s / kFar_m;
+    const double slant_px = kShutterFocal_px * kSpeed_m_s * (kHeight_px - 1) * kRow_s / kFar_m;
     const double seen_px = first_bright(*camera.color(), 0) - first_bright(*camera.color(), kHeight_px - 1);
     CHECK(std::abs(seen_px - slant_px) <= 1 + (rows_per_pose - 1) * slant_px / (kHeight_px - 1));
   }

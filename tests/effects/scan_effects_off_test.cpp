@@ -10,14 +10,14 @@ TEST_SUITE_BEGIN("effects");
 namespace simvis::test {
 namespace {
 
-const std::string kParts = R"(<part file="wall.gltf" name="WALL" insert_at="ROOT" up="z"/>
+const std::string kWallParts = R"(<part file="wall.gltf" name="WALL" insert_at="ROOT" up="z"/>
   <element type="pose" name="P" insert_at="ROOT"/>)";
 
-std::string scanner(std::string_view attributes) {
+std::string scanner_with(std::string_view attributes) {
   return R"(<sensor type="laser_scanner" name="SCAN" insert_at="ROOT" samples="91" )" + std::string(attributes) + "/>";
 }
 
-struct Seen {
+struct SeenScan {
   Scan scan;
   FrameCounters counters;
   std::uint64_t rays = 0, planned_rays = 0;
@@ -25,19 +25,19 @@ struct Seen {
   std::string method;
 };
 
-Seen see(std::string_view attributes) {
+SeenScan see(std::string_view attributes) {
   GltfBuilder file;
   add_plate(file, {}, file.append("materials", unlit("Wall", {1, 1, 1, 1})));
-  World world({{"wall.gltf", file}}, kParts + scanner(attributes));
+  World world({{"wall.gltf", file}}, kWallParts + scanner_with(attributes));
   for (int frame = 0; frame < 2; ++frame) {
     world->set("P", "x", frame);
     world->step();
   }
-  Seen seen{.scan = world->scan("SCAN"),
-            .counters = world->diagnostics().counters(),
-            .rays = world->diagnostics().ray_counters().rays,
-            .effects = {},
-            .method = world->sensors().at(0).method};
+  SeenScan seen{.scan = world->scan("SCAN"),
+                .counters = world->diagnostics().counters(),
+                .rays = world->diagnostics().ray_counters().rays,
+                .effects = {},
+                .method = world->sensors().at(0).method};
   for (const RayCast& each : world->diagnostics().frame_plan().casts) seen.planned_rays += each.max_rays;
   for (const PlannedEffect& each : world->diagnostics().frame_plan().effects) seen.effects.push_back(each.effect);
   return seen;
@@ -45,12 +45,12 @@ Seen see(std::string_view attributes) {
 
 TEST_CASE("effects that are named but off cost nothing and change nothing; effects that are on cast every beam") {
   const std::string planar = R"(method="planar" )";
-  const Seen plain = see(planar);
+  const SeenScan plain = see(planar);
   for (const char* const name : {"angular_noise", "beam_divergence", "returns", "sweep_motion"}) {
     CAPTURE(name);
     const EffectExample* const example = find_effect_example(name);
     REQUIRE(example != nullptr);
-    const Seen off = see(planar + std::string(example->off_attributes));
+    const SeenScan off = see(planar + std::string(example->off_attributes));
     CHECK(off.scan.range_m == plain.scan.range_m);
     CHECK(off.scan.error_bound_m == plain.scan.error_bound_m);
     CHECK(off.scan.channels.empty());
@@ -58,7 +58,7 @@ TEST_CASE("effects that are named but off cost nothing and change nothing; effec
     CHECK(off.rays == 0);
     CHECK(off.effects.empty());
     CHECK(off.method == "planar");
-    const Seen on = see(example->attributes);
+    const SeenScan on = see(example->attributes);
     CHECK(on.scan.range_m.size() == plain.scan.range_m.size());
     CHECK(on.effects == std::vector<std::string>{name});
     CHECK(on.counters.draws == 0);

@@ -21,7 +21,7 @@ World shaded_wall(const std::string& light, const std::string& sensors) {
                                           light + "/>" + sensors);
 }
 
-const std::string kScanner =
+const std::string kShadowScanner =
     R"(<sensor type="laser_scanner" name="SCAN" insert_at="ROOT" samples="31" min_angle="-40" max_angle="40"
           method="planar"/>)";
 const std::string kDepthCamera =
@@ -41,8 +41,8 @@ TEST_CASE("a plate shades the wall behind it") {
 
 TEST_CASE("shadows cost nothing and change nothing where only depth and ranges are measured") {
   const std::string lamp = R"(y="3" intensity="50")";
-  World with = shaded_wall(lamp + R"( shadows="yes")", kScanner + kDepthCamera);
-  World without = shaded_wall(lamp, kScanner + kDepthCamera);
+  World with = shaded_wall(lamp + R"( shadows="yes")", kShadowScanner + kDepthCamera);
+  World without = shaded_wall(lamp, kShadowScanner + kDepthCamera);
   for (int frame = 0; frame < 2; ++frame) {
     with->step();
     without->step();

@@ -30,7 +30,7 @@ constexpr int kDirections = 16;
 const double kWidening = 1 / (1 - std::sin(kPi / kDirections));
 
 constexpr double kAmbient = 0.25;
-constexpr std::uint32_t kSide_px = 128;
+constexpr std::uint32_t kFloorSide_px = 128;
 constexpr double kHeight_m = 6;
 
 struct Block {
@@ -59,7 +59,7 @@ struct Floor {
     return made;
   }
   FramePlan plan() const {
-    FramePlan made = plan_of(kSide_px, kSide_px, kSide_px / 2.0, true, false);
+    FramePlan made = plan_of(kFloorSide_px, kFloorSide_px, kFloorSide_px / 2.0, true, false);
     made.passes[0].supersampling = supersampling;
     made.passes[0].msaa = msaa;
     glm::dmat4 down(1);
@@ -145,9 +145,9 @@ Outcome examine(const Floor& floor, double radius_texels) {
   const std::vector<glm::vec4> seen = picture(scene, plan), bright = picture_without(scene, floor.plan());
   Outcome outcome;
   const glm::dvec3 eye(0, 0, kHeight_m);
-  for (std::uint32_t y = 0; y < kSide_px; ++y) {
-    for (std::uint32_t x = 0; x < kSide_px; ++x) {
-      const double half = kSide_px / 2.0;
+  for (std::uint32_t y = 0; y < kFloorSide_px; ++y) {
+    for (std::uint32_t x = 0; x < kFloorSide_px; ++x) {
+      const double half = kFloorSide_px / 2.0;
       const glm::dvec3 point((x + 0.5 - half) / half * kHeight_m, (half - y - 0.5) / half * kHeight_m, 0);
       if (blocked(floor.blocks, eye, 1.001 * (point - eye))) continue;  // a block is visible
       const View& map = map_of(floor, plan.passes[1], point);
@@ -159,7 +159,7 @@ Outcome examine(const Floor& floor, double radius_texels) {
             on_floor(floor, map, in_map(floor, map, point) + r * glm::dvec2(std::cos(angle), std::sin(angle)));
         near_edge = blocked(floor.blocks, other, to_light(floor, other)) != truth;
       }
-      const glm::vec4 &pixel = seen[y * kSide_px + x], &lit = bright[y * kSide_px + x];
+      const glm::vec4 &pixel = seen[y * kFloorSide_px + x], &lit = bright[y * kFloorSide_px + x];
       // A lit pixel is equal to the bit to the picture without shadows. A shaded one shows the ambient light alone.
       const bool as_it_should = truth ? pixel.r == static_cast<float>(kAmbient) : pixel == lit;
       if (near_edge) {
@@ -310,7 +310,7 @@ TEST_CASE("a lamp at the eye lights all visible surfaces, across the seams of it
   }
   scene.add_light({.kind = LightKind::point, .intensity = 10, .shadow_px = 100}, glm::dmat4(1));
   for (int turn = 0; turn < 4; ++turn) {
-    FramePlan plan = plan_of(kSide_px, kSide_px, kSide_px / 2.0, true, true);
+    FramePlan plan = plan_of(kFloorSide_px, kFloorSide_px, kFloorSide_px / 2.0, true, true);
     const double angle = 0.3 + turn * kPi / 2;
     const glm::dvec3 forward(std::cos(angle), std::sin(angle), 0), right(std::sin(angle), -std::cos(angle), 0);
     view_of(plan).view_from_world = glm::dmat4(glm::transpose(glm::dmat3(right, glm::dvec3(0, 0, -1), forward)));
@@ -323,16 +323,16 @@ TEST_CASE("a lamp at the eye lights all visible surfaces, across the seams of it
     // The centre of a texel may hit a surface that a pixel in it, half a texel away, does not: 0.02 / sqrt(2) of the
     // focal length in the middle of a side, three times that in the corner of a picture of 90 degrees.
     constexpr int kNear_px = 3;
-    static_assert(kNear_px > 3 * 0.02 * std::numbers::sqrt2 / 2 * kSide_px / 2);
-    for (int y = 0; y < int{kSide_px}; ++y) {
-      for (int x = 0; x < int{kSide_px}; ++x) {
+    static_assert(kNear_px > 3 * 0.02 * std::numbers::sqrt2 / 2 * kFloorSide_px / 2);
+    for (int y = 0; y < int{kFloorSide_px}; ++y) {
+      for (int x = 0; x < int{kFloorSide_px}; ++x) {
         const auto index = [](int px, int py) {
-          return static_cast<std::size_t>(py) * kSide_px + static_cast<std::size_t>(px);
+          return static_cast<std::size_t>(py) * kFloorSide_px + static_cast<std::size_t>(px);
         };
         if (seen[index(x, y)] == lit[index(x, y)]) continue;
         bool beside_edge = false;
-        for (int v = std::max(y - kNear_px, 0); v <= std::min(y + kNear_px, int{kSide_px} - 1); ++v) {
-          for (int u = std::max(x - kNear_px, 0); u <= std::min(x + kNear_px, int{kSide_px} - 1); ++u) {
+        for (int v = std::max(y - kNear_px, 0); v <= std::min(y + kNear_px, int{kFloorSide_px} - 1); ++v) {
+          for (int u = std::max(x - kNear_px, 0); u <= std::min(x + kNear_px, int{kFloorSide_px} - 1); ++u) {
             beside_edge |= depth[index(u, v)] > 1.2f * depth[index(x, y)];  // near / z
           }
         }
@@ -352,10 +352,10 @@ std::vector<bool> shadow_of(const Material& material) {
   std::vector<bool> dark;
   for (int column = 0; column < 4; ++column) {
     const double x = -0.75 + 0.5 * column - 1 / std::tan(60 * kPi / 180), y = -0.9;
-    const double half = kSide_px / 2.0;
+    const double half = kFloorSide_px / 2.0;
     const auto px = static_cast<std::size_t>(half + x / kHeight_m * half),
                py = static_cast<std::size_t>(half - y / kHeight_m * half);
-    dark.push_back(seen[py * kSide_px + px].r == static_cast<float>(kAmbient));
+    dark.push_back(seen[py * kFloorSide_px + px].r == static_cast<float>(kAmbient));
   }
   return dark;
 }
@@ -459,7 +459,7 @@ TEST_CASE("too many or too large shadow maps are refused with the limit") {
   CHECK_THROWS_WITH_AS(with_shadows(scene, floor.plan()),
                        "view \"view\" shows shadows of 65 lights, expected at most 64", InputError);
   scene.list.lights.pop_back();
-  CHECK(picture(scene, with_shadows(scene, floor.plan())).size() == kSide_px * kSide_px);
+  CHECK(picture(scene, with_shadows(scene, floor.plan())).size() == kFloorSide_px * kFloorSide_px);
   for (LightItem& item : scene.list.lights) item.light.shadow_px = 8192;
   CHECK_THROWS_AS(with_shadows(scene, floor.plan()), InputError);
 }

@@ -14,7 +14,7 @@ TEST_SUITE_BEGIN("effects");
 namespace simvis {
 namespace {
 
-constexpr double kUnit = 0x1p-53;
+constexpr double kRoundingUnit = 0x1p-53;
 
 Material mirror(float share = 1) {
   Material material;
@@ -93,7 +93,7 @@ TEST_CASE("the matte share of a mirror returns from the mirror itself, and the s
   REQUIRE(echoes[0].size() == 2);
   check_range(echoes[0][0], 4);
   check_range(echoes[0][1], 11);
-  CHECK(std::abs(echoes[0][0].power - 0.25 * std::sqrt(0.5) / 16) <= 16 * kUnit);
+  CHECK(std::abs(echoes[0][0].power - 0.25 * std::sqrt(0.5) / 16) <= 16 * kRoundingUnit);
   CHECK(std::abs(echoes[0][1].power - 0.75 * 0.75 / 121) <= 1e-9 / 121);
 }
 
@@ -214,17 +214,17 @@ TEST_CASE("a pane gives two returns at known distances and powers, and counts on
 
 TEST_CASE("reflectance of a pane: perpendicular, at Brewster's angle, grazing, and beyond the critical angle") {
   const double n = 1.5, square_on = 2 * 0.04 / 1.04;
-  CHECK(std::abs(pane_reflectance(n, 1) - square_on) <= 16 * kUnit);
-  CHECK(std::abs(square_on - std::pow(n - 1, 2) / (n * n + 1)) <= 16 * kUnit);
+  CHECK(std::abs(pane_reflectance(n, 1) - square_on) <= 16 * kRoundingUnit);
+  CHECK(std::abs(square_on - std::pow(n - 1, 2) / (n * n + 1)) <= 16 * kRoundingUnit);
   // tan(theta) = n: light polarised along the plane of incidence passes completely; across it R = ((n^2 - 1) / (n^2 +
   // 1))^2.
   const double brewster = std::pow((n * n - 1) / (n * n + 1), 2);
-  CHECK(std::abs(pane_reflectance(n, std::cos(std::atan(n))) - brewster / (1 + brewster)) <= 64 * kUnit);
+  CHECK(std::abs(pane_reflectance(n, std::cos(std::atan(n))) - brewster / (1 + brewster)) <= 64 * kRoundingUnit);
   CHECK(pane_reflectance(n, 1e-9) > 0.99999);
   CHECK(pane_reflectance(1 / n, std::cos(0.75)) == 1);  // the critical angle is 0.73 rad
   const SurfaceShares shares = surface_shares(glass(1, 1.5f), 1, 0.6);
   CHECK(shares.matte == 0);
-  CHECK(std::abs(shares.reflected + shares.passed - 1) <= 4 * kUnit);
+  CHECK(std::abs(shares.reflected + shares.passed - 1) <= 4 * kRoundingUnit);
 }
 
 TEST_CASE("a pane reflects like a weak mirror; a coloured one absorbs what it does not transmit") {

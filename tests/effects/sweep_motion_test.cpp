@@ -17,13 +17,13 @@ TEST_SUITE_BEGIN("effects");
 namespace simvis {
 namespace {
 
-constexpr std::uint32_t kBeams = 181;
+constexpr std::uint32_t kSweepBeams = 181;
 constexpr double kSweep_s = 0.05, kInterval_s = 0.0625;
 
 std::vector<glm::dvec3> fan(std::uint32_t rings = 1) {
   std::vector<glm::dvec3> directions;
   for (std::uint32_t ring = 0; ring < rings; ++ring) {
-    for (std::uint32_t beam = 0; beam < kBeams; ++beam) {
+    for (std::uint32_t beam = 0; beam < kSweepBeams; ++beam) {
       const double a = glm::radians(static_cast<double>(beam) - 90), e = 0.1 * ring;
       directions.push_back(reference::beam_direction(a, e));
     }
@@ -32,7 +32,7 @@ std::vector<glm::dvec3> fan(std::uint32_t rings = 1) {
 }
 
 ScanContext moment_from(const glm::dmat4& before, const glm::dmat4& now, std::uint32_t rings = 1) {
-  ScanContext moment = moment_of(kBeams);
+  ScanContext moment = moment_of(kSweepBeams);
   moment.rings = rings;
   moment.time.time_ns = 1'000'000'000;
   moment.world_from_sensor = now;
@@ -42,8 +42,8 @@ ScanContext moment_from(const glm::dmat4& before, const glm::dmat4& now, std::ui
 
 /// Age of a beam's pose as a share of the interval.
 double share_back(std::uint32_t beam, bool clockwise, double sweep_s = kSweep_s) {
-  const std::uint32_t after = clockwise ? beam : kBeams - 1 - beam;
-  return sweep_s * after / (kBeams - 1) / kInterval_s;
+  const std::uint32_t after = clockwise ? beam : kSweepBeams - 1 - beam;
+  return sweep_s * after / (kSweepBeams - 1) / kInterval_s;
 }
 
 /// Rodrigues' formula: a rotation about a unit axis.
@@ -110,7 +110,7 @@ TEST_CASE("ranges of a scanner that drives and turns in front of a wall have the
           const std::vector<Echo> echoes =
               trace(list, directions, {std::make_shared<SweepMotion>(sweep_s, clockwise)}, moment, *caster);
           std::size_t met = 0;
-          for (std::uint32_t beam = 0; beam < kBeams; ++beam) {
+          for (std::uint32_t beam = 0; beam < kSweepBeams; ++beam) {
             const double back = share_back(beam, clockwise, sweep_s);
             const glm::dmat4 then = pose_back(back);
             const double cosine = glm::dot(normal, glm::dmat3(then) * directions[beam]);
@@ -146,11 +146,11 @@ TEST_CASE(
   const auto probe = std::make_shared<Probe>();
   const std::vector<Echo> moving =
       trace(list, directions, {std::make_shared<SweepMotion>(kSweep_s, false), probe}, moment, *caster);
-  CHECK(moving[kBeams - 1].range_m == still[kBeams - 1].range_m);
-  CHECK(moving[kBeams / 2].range_m > still[kBeams / 2].range_m + 0.3);
+  CHECK(moving[kSweepBeams - 1].range_m == still[kSweepBeams - 1].range_m);
+  CHECK(moving[kSweepBeams / 2].range_m > still[kSweepBeams / 2].range_m + 0.3);
   REQUIRE(probe->rays.size() == directions.size());
   for (std::size_t i = 0; i < probe->rays.size(); i += 2) {
-    CHECK(probe->rays[i].beam + kBeams == probe->rays[i + 1].beam);
+    CHECK(probe->rays[i].beam + kSweepBeams == probe->rays[i + 1].beam);
     CHECK(probe->rays[i].origin_m == probe->rays[i + 1].origin_m);
   }
   moment.before.reset();

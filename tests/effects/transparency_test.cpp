@@ -81,16 +81,16 @@ std::optional<glm::dvec3> over(const std::vector<Glass>& panes, const glm::dvec2
   return seen;
 }
 
-constexpr std::uint32_t kSize = 48;
+constexpr std::uint32_t kPaneSize = 48;
 FramePlan square_plan(std::uint32_t supersampling = 1, std::uint32_t msaa = 1) {
-  FramePlan plan = plan_of(kSize, kSize, kSize / 2.0, true, false);
+  FramePlan plan = plan_of(kPaneSize, kPaneSize, kPaneSize / 2.0, true, false);
   plan.passes[0].supersampling = supersampling;
   plan.passes[0].msaa = msaa;
   return plan;
 }
 
 glm::dvec2 ray_of(double x_px, double y_px) {
-  return {(x_px - kSize / 2.0) / (kSize / 2.0), (y_px - kSize / 2.0) / (kSize / 2.0)};
+  return {(x_px - kPaneSize / 2.0) / (kPaneSize / 2.0), (y_px - kPaneSize / 2.0) / (kPaneSize / 2.0)};
 }
 
 /// The sample positions in a pixel. Four samples: Vulkan's standard locations.
@@ -112,11 +112,11 @@ std::pair<int, int> compare(std::span<const glm::vec4> seen, const std::vector<G
                             double solid_at_m = std::numeric_limits<double>::infinity()) {
   int wrong = 0, compared = 0;
   const std::vector<glm::dvec2> places = sample_places(supersampling, msaa);
-  for (std::uint32_t i = 0; i < kSize * kSize; ++i) {
+  for (std::uint32_t i = 0; i < kPaneSize * kPaneSize; ++i) {
     glm::dvec3 mean(0);
     bool clear = true;
     for (const glm::dvec2& place : places) {
-      const auto sample = over(panes, ray_of(i % kSize + place.x, i / kSize + place.y), solid_at_m);
+      const auto sample = over(panes, ray_of(i % kPaneSize + place.x, i / kPaneSize + place.y), solid_at_m);
       clear &= sample.has_value();
       if (sample) mean += *sample / double(places.size());
     }
@@ -142,9 +142,9 @@ TEST_CASE("crossing panes are blended by depth, per pixel and per sample, in any
         copy(renderer.render(scene_of(panes).list, square_plan(supersampling, msaa))[0].color);
     const auto [wrong, compared] = compare(first, panes, supersampling, msaa);
     CHECK(wrong == 0);
-    CHECK(compared > int(kSize * kSize * 9 / 10));
+    CHECK(compared > int(kPaneSize * kPaneSize * 9 / 10));
     CHECK(renderer.counters().layers ==
-          std::uint64_t{kSize} * kSize * supersampling * supersampling * msaa * panes.size());
+          std::uint64_t{kPaneSize} * kPaneSize * supersampling * supersampling * msaa * panes.size());
     std::vector<Glass> turned = panes;
     for (int order = 0; order < 4; ++order) {
       std::rotate(turned.begin(), turned.begin() + 1 + order % 2, turned.end());
@@ -178,7 +178,7 @@ TEST_CASE("faces of one mesh are blended by depth in any index order") {
   const std::vector<glm::vec4> first = copy(renderer.render(scene_in(order).list, square_plan())[0].color);
   // Vertex colours are stored in 16 bits: each of five layers deviates by half a step in colour and in alpha.
   constexpr double kVertexColor = 5 * 2 * 0.5 / 65535;
-  const glm::vec4 seen = first[kSize * 11 + 7];
+  const glm::vec4 seen = first[kPaneSize * 11 + 7];
   const std::optional<glm::dvec3> expected = over(panes, ray_of(7.5, 11.5), 1e9);
   REQUIRE(expected);
   for (int c = 0; c < 3; ++c) CHECK(std::abs(seen[c] - (*expected)[c]) < kVertexColor + over_rounding(5));
@@ -224,8 +224,8 @@ TEST_CASE("solid, masked and faded surfaces among panes") {
   const std::vector<glm::vec4> seen = copy(renderer.render(scene.list, square_plan())[0].color);
   const auto [wrong, compared] = compare(seen, panes, 1, 1, kWall_m);
   CHECK(wrong == 0);
-  CHECK(compared > int(kSize * kSize * 9 / 10));
-  CHECK(renderer.counters().layers < std::uint64_t{kSize} * kSize * panes.size());
+  CHECK(compared > int(kPaneSize * kPaneSize * 9 / 10));
+  CHECK(renderer.counters().layers < std::uint64_t{kPaneSize} * kPaneSize * panes.size());
 
   // A faded mask: its holes show the background, and the rest covers by its opacity. A masked surface hides.
   Material leaf;
@@ -251,22 +251,22 @@ TEST_CASE("views side by side have separate layers") {
   Renderer renderer(device());
   const std::vector<Glass> panes = crossing();
   FramePlan both = square_plan();
-  both.passes[0].width_px = 2 * kSize;
+  both.passes[0].width_px = 2 * kPaneSize;
   both.passes[0].views.push_back(both.passes[0].views[0]);
-  both.passes[0].views[1].x_px = kSize;
+  both.passes[0].views[1].x_px = kPaneSize;
   both.passes[0].views[1].view_from_world = glm::rotate(at(0.2, 0, 0), 0.05, glm::dvec3(0, 1, 0));
   const std::vector<glm::vec4> together = copy(renderer.render(scene_of(panes).list, both)[0].color);
   for (const std::uint32_t eye : {0u, 1u}) {
     std::vector<glm::vec4> seen;
-    for (std::uint32_t row = 0; row < kSize; ++row) {
-      const auto part = std::span(together).subspan(std::size_t{row} * 2 * kSize + eye * kSize, kSize);
+    for (std::uint32_t row = 0; row < kPaneSize; ++row) {
+      const auto part = std::span(together).subspan(std::size_t{row} * 2 * kPaneSize + eye * kPaneSize, kPaneSize);
       seen.insert(seen.end(), part.begin(), part.end());
     }
     std::vector<Glass> turned = panes;
     for (Glass& pane : turned) pane.place = both.passes[0].views[eye].view_from_world * pane.place;
     const auto [wrong, compared] = compare(seen, turned, 1, 1);
     CHECK(wrong == 0);
-    CHECK(compared > int(kSize * kSize * 9 / 10));
+    CHECK(compared > int(kPaneSize * kPaneSize * 9 / 10));
   }
 }
 
@@ -300,7 +300,7 @@ TEST_CASE("views without visible transparency have no cost for it") {
     renderer.render(scene.list, plan);
     return renderer.counters();
   };
-  const FramePlan color = square_plan(), depth = plan_of(kSize, kSize, kSize / 2.0, false, true);
+  const FramePlan color = square_plan(), depth = plan_of(kPaneSize, kPaneSize, kPaneSize / 2.0, false, true);
   CHECK(counted(plain, color).layer_bytes == 0);
 
   RendererScene faded = plain;  // invisible

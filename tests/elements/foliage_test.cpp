@@ -7,8 +7,8 @@ TEST_SUITE_BEGIN("elements");
 namespace simvis::test {
 namespace {
 
-const glm::dvec3 kLeaf(0.2, 0.6, 0.1), kWall(0.9, 0.7, 0.8);
-constexpr double kLeaf_m = 2, kWall_m = 4;
+const glm::dvec3 kLeaf(0.2, 0.6, 0.1), kFoliageWall(0.9, 0.7, 0.8);
+constexpr double kLeaf_m = 2, kFoliageWall_m = 4;
 // The leaf's texels from left to right: alpha in steps. With a cutoff of one half the two right texels are visible.
 constexpr std::uint8_t kAlpha[4] = {0, 100, 200, 255};
 constexpr int kWidth_px = 4;
@@ -36,9 +36,9 @@ GltfBuilder tree(const std::string& alpha_mode, double alpha = 1) {
   add_plate(file, {.x = kLeaf_m, .left = 1, .right = -1, .bottom = -2, .top = -1}, trunk);
   return file;
 }
-GltfBuilder wall() {
+GltfBuilder foliage_wall() {
   GltfBuilder file;
-  add_plate(file, {.x = kWall_m}, file.append("materials", unlit("Wall", glm::vec4(kWall, 1))));
+  add_plate(file, {.x = kFoliageWall_m}, file.append("materials", unlit("Wall", glm::vec4(kFoliageWall, 1))));
   return file;
 }
 
@@ -54,18 +54,18 @@ const std::string kSensors = R"(
 
 World forest(const GltfBuilder& tree, const std::string& attributes = "") {
   return World(
-      {{"tree.gltf", tree}, {"wall.gltf", wall()}},
+      {{"tree.gltf", tree}, {"wall.gltf", foliage_wall()}},
       kParts + "<element type='foliage' name='LEAVES' insert_at='ROOT' part='TREE' " + attributes + "/>" + kSensors);
 }
 
 constexpr int kRow = 1;
 // Depth is float32 throughout, in about 16 operations.
-constexpr double kDepth = 16 * 0x1p-24;
+constexpr double kLeafDepth = 16 * 0x1p-24;
 
 void check_depth(World& world, int column, double expected_m) {
   CAPTURE(column);
   const double seen = world->depth("CAM").pixels[static_cast<std::size_t>(kRow * kWidth_px + column)];
-  CHECK(seen == doctest::Approx(expected_m).epsilon(kDepth).scale(0));
+  CHECK(seen == doctest::Approx(expected_m).epsilon(kLeafDepth).scale(0));
 }
 
 // Whether the beam through texel 3 or 2 hits a surface at this x.
@@ -88,21 +88,21 @@ TEST_CASE("masked leaves fade together, holes of the cutoff stay holes, and dept
     for (const int column : {0, 1, 2, 3}) {
       const bool kept = column >= 2, met = kept && transparency <= 50;
       CAPTURE(column);
-      check_color(world.color(column, kRow), kept ? kLeaf * (1 - t) + kWall * t : kWall);
-      check_depth(world, column, met ? kLeaf_m : kWall_m);
+      check_color(world.color(column, kRow), kept ? kLeaf * (1 - t) + kFoliageWall * t : kFoliageWall);
+      check_depth(world, column, met ? kLeaf_m : kFoliageWall_m);
     }
-    check_beam(world, 2, transparency <= 50 ? kLeaf_m : kWall_m);
-    check_beam(world, 3, transparency <= 50 ? kLeaf_m : kWall_m);
+    check_beam(world, 2, transparency <= 50 ? kLeaf_m : kFoliageWall_m);
+    check_beam(world, 3, transparency <= 50 ? kLeaf_m : kFoliageWall_m);
   }
 }
 
 TEST_CASE("at 100 % leaves cost nothing: no draw and no triangle for any sensor") {
   World world = forest(tree("MASK"), "transparency='100'");
   for (const int column : {0, 1, 2, 3}) {
-    check_color(world.color(column, kRow), kWall);
-    check_depth(world, column, kWall_m);
+    check_color(world.color(column, kRow), kFoliageWall);
+    check_depth(world, column, kFoliageWall_m);
   }
-  check_beam(world, 3, kWall_m);
+  check_beam(world, 3, kFoliageWall_m);
   // The camera draws trunk and wall. The scanner draws the wall; its strip does not reach the trunk.
   const FrameCounters gone = world->diagnostics().counters();
   world->set("LEAVES", "transparency", 0);
@@ -133,23 +133,23 @@ TEST_CASE("blended leaves fade by their alpha, and depth sees those that still c
       // Texel alphas of 8 bits are exact; 0.9 * 200 / 255 = 0.71, and 0.9: at 25 % 0.53 and 0.675, at 40 % 0.42, 0.54.
       const double alpha = kAlpha[column] / 255.0 * 0.9 * (1 - transparency / 100);
       CAPTURE(column);
-      check_color(world.color(column, kRow), kLeaf * alpha + kWall * (1 - alpha));
-      check_depth(world, column, alpha >= 0.5 ? kLeaf_m : kWall_m);
+      check_color(world.color(column, kRow), kLeaf * alpha + kFoliageWall * (1 - alpha));
+      check_depth(world, column, alpha >= 0.5 ? kLeaf_m : kFoliageWall_m);
     }
-    check_beam(world, 3, transparency <= 40 ? kLeaf_m : kWall_m);
-    check_beam(world, 2, transparency <= 25 ? kLeaf_m : kWall_m);
+    check_beam(world, 3, transparency <= 40 ? kLeaf_m : kFoliageWall_m);
+    check_beam(world, 2, transparency <= 25 ? kLeaf_m : kFoliageWall_m);
   }
 }
 
 TEST_CASE("the trunk and the leaves of another tree from the same file do not change") {
-  World world({{"tree.gltf", tree("MASK")}, {"wall.gltf", wall()}},
+  World world({{"tree.gltf", tree("MASK")}, {"wall.gltf", foliage_wall()}},
               kParts + R"(<part file="tree.gltf" name="OTHER" insert_at="ROOT" up="z" pose_offset="1 0 0 0 0 0"/>)" +
                   R"(<element type="foliage" name="LEAVES" insert_at="ROOT" part="TREE" transparency="100"/>)" +
                   kSensors);
   // At x = 3 m the columns lie at 1.125, 0.375, -0.375 and -1.125 m: the third sees texel 2, the last none.
   check_color(world.color(2, kRow), kLeaf);
   check_depth(world, 2, 3);
-  check_depth(world, 3, kWall_m);
+  check_depth(world, 3, kFoliageWall_m);
   // Row 3 looks down to -1.5 m at 2 m.
   check_color(world.color(2, 3), glm::dvec3(0.3, 0.2, 0.1));
 }
@@ -157,12 +157,12 @@ TEST_CASE("the trunk and the leaves of another tree from the same file do not ch
 TEST_CASE("foliage and material are combined") {
   World world = forest(tree("MASK"), "transparency='50'");
   world->execute(R"(<element type="material" name="M" insert_at="ROOT" part="TREE" opacity="0.5" red="0.5"/>)");
-  check_color(world.color(3, kRow), kLeaf * glm::dvec3(0.5, 1, 1) * 0.25 + kWall * 0.75);
+  check_color(world.color(3, kRow), kLeaf * glm::dvec3(0.5, 1, 1) * 0.25 + kFoliageWall * 0.75);
 }
 
 TEST_CASE("a part without leaves is refused") {
   TemporaryFolder folder;
-  write_text(folder / "wall.gltf", wall().text());
+  write_text(folder / "wall.gltf", foliage_wall().text());
   const auto build = [&](const std::string& part) {
     return error_of([&] {
       build_scene(

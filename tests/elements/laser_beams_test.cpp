@@ -4,11 +4,11 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include <simvis/pose.h>
 #include "tests/support/error_of.h"
+#include "tests/support/infinity.h"
 #include "tests/support/people_view.h"
 #include "tests/support/reference_directions.h"
 
@@ -17,8 +17,7 @@ TEST_SUITE_BEGIN("elements");
 namespace simvis {
 namespace {
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr std::string_view kScanner = "<sensor type='laser_scanner' name='S' insert_at='ROOT'/>";
+constexpr std::string_view kBeamScanner = "<sensor type='laser_scanner' name='S' insert_at='ROOT'/>";
 
 std::string beams(const std::string& attributes) {
   return "<element type='laser_beams' name='E' insert_at='ROOT' scanner='S' " + attributes + "/>";
@@ -41,7 +40,7 @@ glm::dvec3 end_of(const Scan& scan, std::size_t ring, std::size_t beam, double l
 
 struct Beams : PeopleView {
   Scan measured = some_scan();
-  explicit Beams(const std::string& attributes = "") : PeopleView(beams(attributes) + std::string(kScanner)) {
+  explicit Beams(const std::string& attributes = "") : PeopleView(beams(attributes) + std::string(kBeamScanner)) {
     scans["S"] = {&measured, glm::dmat4(1), 1};
   }
   std::vector<SeenMarker> markers() {
@@ -134,13 +133,13 @@ TEST_CASE("beams are redrawn for a new scan, and only then") {
 TEST_CASE("sensors see no beams") {
   Beams view;
   view.frame();
-  PeopleView without(kScanner);
+  PeopleView without(kBeamScanner);
   CHECK(same_content(view.sensors.update(), without.sensors.update()));
   CHECK_FALSE(same_content(view.people.update(), without.people.update()));
 }
 
 TEST_CASE("beams have world coordinates, independent of their insertion point") {
-  PeopleView view("<element type='pose' name='P' insert_at='ROOT' x='5'/>" + beams("") + std::string(kScanner));
+  PeopleView view("<element type='pose' name='P' insert_at='ROOT' x='5'/>" + beams("") + std::string(kBeamScanner));
   const Scan measured = some_scan();
   view.scans["S"] = {&measured, moved_to(1, 0, 0), 1};
   const DrawList& list = view.frame();
@@ -154,10 +153,11 @@ TEST_CASE("mistakes in laser_beams") {
   CHECK(contains(error("<element type='laser_beams' name='E' insert_at='ROOT'/>"), "s.xml:1:2: error: "));
   CHECK(contains(error("<element type='laser_beams' name='E' insert_at='ROOT'/>"), "scanner"));
   CHECK(contains(error(beams("")), "there is no sensor \"S\" that gives scans"));
-  CHECK(contains(error("<element type='laser_beams' name='E' insert_at='ROOF' scanner='S'/>" + std::string(kScanner)),
-                 "s.xml:1:38: error: there is no insertion point \"ROOF\""));
-  CHECK(contains(error(beams("every='0.5'") + std::string(kScanner)), "attribute \"every\": 0.5 is not allowed"));
-  CHECK(contains(error(beams("width='-1'") + std::string(kScanner)), "attribute \"width\": -1 is not allowed"));
+  CHECK(
+      contains(error("<element type='laser_beams' name='E' insert_at='ROOF' scanner='S'/>" + std::string(kBeamScanner)),
+               "s.xml:1:38: error: there is no insertion point \"ROOF\""));
+  CHECK(contains(error(beams("every='0.5'") + std::string(kBeamScanner)), "attribute \"every\": 0.5 is not allowed"));
+  CHECK(contains(error(beams("width='-1'") + std::string(kBeamScanner)), "attribute \"width\": -1 is not allowed"));
 }
 
 }  // namespace

@@ -111,17 +111,17 @@ TEST_CASE("spots rotate like poses, and a pose in front of a light moves it") {
   check_color(carried.color_with("AT", "y", 1), by_lamp({2.5, 1, 0}));
 }
 
-BuiltScene build(const std::string& commands) { return build_scene(parse_commands(commands, "s.xml", "")); }
+BuiltScene build_lights(const std::string& commands) { return build_scene(parse_commands(commands, "s.xml", "")); }
 const std::string kLamp = "<element type='light' name='L' insert_at='ROOT' ";
 
 TEST_CASE("each kind of light has its own attributes and refuses the others") {
-  CHECK(error_of([] { build(kLamp + "kind='point' yaw='3'/>"); }) ==
+  CHECK(error_of([] { build_lights(kLamp + "kind='point' yaw='3'/>"); }) ==
         "s.xml:1:62: error: attribute \"yaw\" is not allowed for a light of the kind \"point\"");
-  CHECK(contains(error_of([] { build(kLamp + "range='3'/>"); }),
+  CHECK(contains(error_of([] { build_lights(kLamp + "range='3'/>"); }),
                  "\"range\" is not allowed for a light of the kind \"directional\""));
-  CHECK(contains(error_of([] { build(kLamp + "kind='spot' azimuth='3'/>"); }),
+  CHECK(contains(error_of([] { build_lights(kLamp + "kind='spot' azimuth='3'/>"); }),
                  "\"azimuth\" is not allowed for a light of the kind"));
-  BuiltScene sun = build(kLamp + "/>"), lamp = build(kLamp + "kind='spot'/>");
+  BuiltScene sun = build_lights(kLamp + "/>"), lamp = build_lights(kLamp + "kind='spot'/>");
   CHECK(sun.parameters.elements()[0].parameters.size() == 6);
   CHECK(lamp.parameters.elements()[0].parameters.size() == 12);
   CHECK(sun.parameters.spec(sun.parameters.index("L", "intensity")).unit == "lux");
@@ -187,11 +187,12 @@ TEST_CASE("mistakes in a colour temperature leave the light as it is") {
   const auto coloured = [](const std::string& name, const std::string& light) {
     return "<element type='color_temperature' name='" + name + "' insert_at='ROOT' light='" + light + "'/>";
   };
-  CHECK(contains(error_of([&] { build(kLamp + "/>" + coloured("T", "M")); }), "there is no element \"M\""));
-  CHECK(contains(error_of([&] { build(pose + coloured("T", "P")); }), "the element \"P\" is not a light"));
-  CHECK(contains(error_of([&] { build(kLamp + "/>" + coloured("T", "L") + coloured("U", "L")); }),
+  CHECK(contains(error_of([&] { build_lights(kLamp + "/>" + coloured("T", "M")); }), "there is no element \"M\""));
+  CHECK(contains(error_of([&] { build_lights(pose + coloured("T", "P")); }), "the element \"P\" is not a light"));
+  CHECK(contains(error_of([&] { build_lights(kLamp + "/>" + coloured("T", "L") + coloured("U", "L")); }),
                  "\"L\" already has a colour temperature"));
-  CHECK(contains(error_of([&] { build("<element type='color_temperature' name='T' insert_at='ROOT'/>"); }), "light"));
+  CHECK(contains(error_of([&] { build_lights("<element type='color_temperature' name='T' insert_at='ROOT'/>"); }),
+                 "light"));
   BuiltScene built;
   SceneBuilder builder(built, {});
   builder.execute(parse_commands(kLamp + "/>", "s.xml", ""));

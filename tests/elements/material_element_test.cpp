@@ -10,13 +10,13 @@ TEST_SUITE_BEGIN("elements");
 namespace simvis::test {
 namespace {
 
-const glm::dvec3 kPaint(0.8, 0.4, 0.2), kBackground(0.55, 0.68, 0.85);
+const glm::dvec3 kNewPaint(0.8, 0.4, 0.2), kBackground(0.55, 0.68, 0.85);
 constexpr double kIrradiance_lux = 2;
 
 // Two plates in one file, 4 m ahead: the left one of paint, the right one of metal.
 GltfBuilder two_plates() {
   GltfBuilder file;
-  const int paint = file.append("materials", painted("Paint", glm::vec4(kPaint, 1)));
+  const int paint = file.append("materials", painted("Paint", glm::vec4(kNewPaint, 1)));
   const int metal = file.append("materials", painted("Metal", {0.5f, 0.5f, 0.5f, 1}));
   add_plate(file, {.right = -0.5}, paint);
   add_plate(file, {.left = -0.5}, metal);
@@ -27,7 +27,7 @@ GltfBuilder two_plates() {
 const std::string kTwoPlates = R"(<part file="plates.gltf" name="PLATES" insert_at="ROOT" up="z"/>)";
 const std::string kSun =
     R"(<element type="light" name="SUN" insert_at="ROOT" azimuth="180" elevation="0" intensity="2"/>)";
-const std::string kScanner =
+const std::string kMaterialScanner =
     R"(<sensor type="laser_scanner" name="SCAN" insert_at="ROOT" samples="1" min_angle="0" method="planar"/>)";
 
 std::string changed(const std::string& attributes, const std::string& name = "M") {
@@ -45,7 +45,7 @@ TEST_CASE("a material without attributes stays as in the file to the bit") {
 
 TEST_CASE("colours are factors and emission is added, for each channel separately") {
   World world = plates(changed(""));
-  const glm::dvec3 matte = kPaint / kPi * kIrradiance_lux;
+  const glm::dvec3 matte = kNewPaint / kPi * kIrradiance_lux;
   check_color(world.color(), matte);
   check_color(world.color_with("M", "red", 0.5), matte * glm::dvec3(0.5, 1, 1));
   check_color(world.color_with("M", "green", 0.25), matte * glm::dvec3(0.5, 0.25, 1));
@@ -67,7 +67,7 @@ TEST_CASE("a change of colour uploads the block of that material only") {
 
 TEST_CASE("only the named material changes; the colour multiplies the texture") {
   World world = plates(changed("material='Metal' red='0'"));
-  check_color(world.color(), kPaint / kPi * kIrradiance_lux);
+  check_color(world.color(), kNewPaint / kPi * kIrradiance_lux);
   check_color(world.color(kSide_px - 1), glm::dvec3(0, 0.5, 0.5) / kPi * kIrradiance_lux);
 
   GltfBuilder file;
@@ -89,8 +89,8 @@ TEST_CASE("only the named material changes; the colour multiplies the texture") 
 TEST_CASE(
     "below an opacity of 1 the background is visible, below one half depth sensors ignore the part, at 0 it is not "
     "drawn") {
-  World world = plates(changed("material='Paint'") + kScanner);
-  const glm::dvec3 matte = kPaint / kPi * kIrradiance_lux;
+  World world = plates(changed("material='Paint'") + kMaterialScanner);
+  const glm::dvec3 matte = kNewPaint / kPi * kIrradiance_lux;
   const auto depth = [&] { return world->depth("CAM").pixels[kSide_px * kSide_px / 2]; };
   // Depth and range of a wall perpendicular to the beam: float32 throughout, and the scanner's own bound.
   constexpr double kDepth_m = 4 * 16 * 0x1p-24;
@@ -143,7 +143,7 @@ TEST_CASE("below a roughness of 1 lights have the highlight of a glTF dielectric
         const double a = azimuth_deg * kPi / 180;
         const glm::dvec3 l(std::cos(a), std::sin(a), 0);
         const glm::dvec3 v = -glm::normalize(glm::dvec3(1, (4 - x) * step, 0));
-        check_color(world.color(x, 4), glossy(kPaint, roughness, n, l, v, kIrradiance_lux), tolerance);
+        check_color(world.color(x, 4), glossy(kNewPaint, roughness, n, l, v, kIrradiance_lux), tolerance);
       }
     }
   }
@@ -154,7 +154,7 @@ TEST_CASE("below a roughness of 1 lights have the highlight of a glTF dielectric
   world->set("LAMP", "y", 1);
   const glm::dvec3 seen = world.color_with("M", "roughness", 0.4);
   const glm::dvec3 l = glm::normalize(glm::dvec3(-2, 1, 0));
-  check_color(seen, glossy(kPaint, 0.4, n, l, n, 10 / 5.0), kShading + 2 / 0.16 * 16 * 0x1p-24);
+  check_color(seen, glossy(kNewPaint, 0.4, n, l, n, 10 / 5.0), kShading + 2 / 0.16 * 16 * 0x1p-24);
 }
 
 TEST_CASE("roughness below the minimum equals the minimum, and only glossy parts cost more") {
@@ -173,7 +173,7 @@ TEST_CASE("another part from the same file keeps its look") {
               kTwoPlates +
                   R"(<part file="plates.gltf" name="BEHIND" insert_at="ROOT" up="z" pose_offset="1 0 0 0 0 0"/>)" +
                   kDark + kSun + kCamera + changed("opacity='0'"));
-  check_color(world.color(), kPaint / kPi * kIrradiance_lux);
+  check_color(world.color(), kNewPaint / kPi * kIrradiance_lux);
   CHECK(world->depth("CAM").pixels[kSide_px * kSide_px / 2] == doctest::Approx(5));
 }
 

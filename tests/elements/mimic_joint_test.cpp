@@ -13,7 +13,7 @@ TEST_SUITE_BEGIN("elements");
 namespace simvis {
 namespace {
 
-BuiltScene build(const std::string& xml) { return build_scene(parse_commands(xml, "s.xml", "")); }
+BuiltScene build_joints(const std::string& xml) { return build_scene(parse_commands(xml, "s.xml", "")); }
 
 std::string pair(const std::string& leader, const std::string& follower) {
   return "<element type='joint' name='A' insert_at='ROOT' " + leader +
@@ -31,7 +31,7 @@ glm::dmat4 followed(BuiltScene& built, double value) {
 }
 
 TEST_CASE("a mimic joint follows its leader's value from the start and after every change") {
-  BuiltScene built = build(pair("value='20'", "multiplier='-2' offset='10' axis='0 0 3'"));
+  BuiltScene built = build_joints(pair("value='20'", "multiplier='-2' offset='10' axis='0 0 3'"));
   CHECK(dynamic_cast<const Transform&>(*built.scene.find_node("B")).matrix() ==
         matrix_from_degrees({0, 0, 0}, 0, 0, -30));
   CHECK(followed(built, 50) == matrix_from_degrees({0, 0, 0}, 0, 0, -90));
@@ -41,29 +41,31 @@ TEST_CASE("a mimic joint follows its leader's value from the start and after eve
 
 TEST_CASE(
     "several followers of different kinds: the multiplier converts the unit of the leader to that of the follower") {
-  BuiltScene built = build(pair("", "kind='prismatic' multiplier='0.125' axis='0 0 -1'"));
+  BuiltScene built = build_joints(pair("", "kind='prismatic' multiplier='0.125' axis='0 0 -1'"));
   CHECK(followed(built, 4)[3] == glm::dvec4(0, 0, -0.5, 1));  // 4 deg at 0.125 m/deg
-  built = build(pair("kind='prismatic'", "multiplier='180' axis='1 0 0'") +
-                "<element type='mimic_joint' name='C' insert_at='ROOT' leader='A' multiplier='2' axis='0 1 0'/>");
+  built =
+      build_joints(pair("kind='prismatic'", "multiplier='180' axis='1 0 0'") +
+                   "<element type='mimic_joint' name='C' insert_at='ROOT' leader='A' multiplier='2' axis='0 1 0'/>");
   CHECK(followed(built, 0.5) == matrix_from_degrees({0, 0, 0}, 90, 0, 0));  // 0.5 m at 180 deg/m
   CHECK(dynamic_cast<const Transform&>(*built.scene.find_node("C")).matrix() ==
         matrix_from_degrees({0, 0, 0}, 0, 1, 0));
 }
 
 TEST_CASE("mistakes in a mimic joint") {
-  CHECK(contains(error_of([] { build("<element type='mimic_joint' name='B' insert_at='ROOT'/>"); }), "\"leader\""));
-  CHECK(contains(error_of([] { build(pair("", "").substr(pair("", "").find("/>") + 2)); }),
+  CHECK(contains(error_of([] { build_joints("<element type='mimic_joint' name='B' insert_at='ROOT'/>"); }),
+                 "\"leader\""));
+  CHECK(contains(error_of([] { build_joints(pair("", "").substr(pair("", "").find("/>") + 2)); }),
                  "s.xml:1:55: error: there is no element \"A\""));
   CHECK(contains(error_of([] {
-                   build("<element type='pose' name='A' insert_at='ROOT'/>" +
-                         pair("", "").substr(pair("", "").find("/>") + 2));
+                   build_joints("<element type='pose' name='A' insert_at='ROOT'/>" +
+                                pair("", "").substr(pair("", "").find("/>") + 2));
                  }),
                  "\"A\" is not allowed, expected the name of an element of type joint"));
-  CHECK(contains(error_of([] { build(pair("", "axis='0 0 0'")); }), "expected a vector that is not zero"));
+  CHECK(contains(error_of([] { build_joints(pair("", "axis='0 0 0'")); }), "expected a vector that is not zero"));
 }
 
 TEST_CASE("a removed mimic joint no longer follows") {
-  BuiltScene built = build("<element type='joint' name='A' insert_at='ROOT'/>");
+  BuiltScene built = build_joints("<element type='joint' name='A' insert_at='ROOT'/>");
   const auto add = [&](const std::string& xml) {
     SceneBuilder(built, {}).execute(parse_commands(xml, "more.xml", ""));
   };

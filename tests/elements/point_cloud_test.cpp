@@ -17,7 +17,7 @@ TEST_SUITE_BEGIN("elements");
 namespace simvis {
 namespace {
 
-constexpr std::string_view kScanner = "<sensor type='laser_scanner' name='S' insert_at='ROOT'/>";
+constexpr std::string_view kCloudScanner = "<sensor type='laser_scanner' name='S' insert_at='ROOT'/>";
 
 std::string cloud(const std::string& attributes) {
   return "<element type='point_cloud' name='E' insert_at='ROOT' " + attributes + "/>";
@@ -104,7 +104,7 @@ TEST_CASE("sensors see no points") {
   CHECK(file.points().size() == 1);
   PeopleView without("");
   CHECK(same_content(file.view->sensors.update(), without.sensors.update()));
-  PeopleView scanned(cloud("scanner='S'") + std::string(kScanner)), bare(kScanner);
+  PeopleView scanned(cloud("scanner='S'") + std::string(kCloudScanner)), bare(kCloudScanner);
   CHECK(same_content(scanned.sensors.update(), bare.sensors.update()));
 }
 
@@ -123,7 +123,7 @@ struct ScanCloud : PeopleView {
                 .range_m = {},
                 .error_bound_m = std::vector<float>(3)};
   explicit ScanCloud(const std::string& attributes = "")
-      : PeopleView(cloud("scanner='S' " + attributes) + std::string(kScanner)) {
+      : PeopleView(cloud("scanner='S' " + attributes) + std::string(kCloudScanner)) {
     scans["S"] = {};
   }
   const DrawList& measure(std::uint64_t k) {
@@ -215,7 +215,7 @@ TEST_CASE("mistakes in point_cloud") {
   write_text(folder / "points.ply", "");
   std::filesystem::create_directory(folder / "folder.csv");
   const auto error = [&](const std::string& attributes) {
-    return error_of([&] { PeopleView view(cloud(attributes) + std::string(kScanner), folder.path()); });
+    return error_of([&] { PeopleView view(cloud(attributes) + std::string(kCloudScanner), folder.path()); });
   };
   const std::string either = "s.xml:1:2: error: expected exactly one of the attributes \"file\" and \"scanner\"";
   CHECK(error("") == either);

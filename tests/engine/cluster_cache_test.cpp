@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::size_t kHeaderBytes = 40, kChecksumAt = 32;
+constexpr std::size_t kClusterHeaderBytes = 40, kClusterChecksumAt = 32;
 
 // The triangles of a sphere in random order.
 Mesh shuffled_sphere() {
@@ -51,17 +51,17 @@ std::vector<fs::path> files_in(const fs::path& folder) {
   return files;
 }
 
-std::string read(const fs::path& file) {
+std::string read_cache(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
 // A file that contains `order` and is correct otherwise.
 std::string with_order(const std::string& good, const std::vector<std::uint32_t>& order) {
-  std::string bytes = good.substr(0, kHeaderBytes);
+  std::string bytes = good.substr(0, kClusterHeaderBytes);
   bytes.append(reinterpret_cast<const char*>(order.data()), order.size() * sizeof order[0]);
-  const std::uint64_t checksum = cache_checksum(std::string_view(bytes).substr(kHeaderBytes));
-  std::memcpy(bytes.data() + kChecksumAt, &checksum, sizeof checksum);
+  const std::uint64_t checksum = cache_checksum(std::string_view(bytes).substr(kClusterHeaderBytes));
+  std::memcpy(bytes.data() + kClusterChecksumAt, &checksum, sizeof checksum);
   return bytes;
 }
 
@@ -101,8 +101,8 @@ TEST_CASE("the order of a mesh's clusters is kept, and a damaged file is replace
   CHECK(same(make_clusters_cached(mesh, folder.path()), expected));
   REQUIRE(files_in(folder.path()).size() == 1);
   const fs::path file = files_in(folder.path())[0];
-  const std::string good = read(file);
-  REQUIRE(good.size() == kHeaderBytes + mesh.indices.size() / 3 * sizeof(std::uint32_t));
+  const std::string good = read_cache(file);
+  REQUIRE(good.size() == kClusterHeaderBytes + mesh.indices.size() / 3 * sizeof(std::uint32_t));
 
   // It is used, so it is not written again.
   const auto long_ago = fs::last_write_time(file) - std::chrono::hours(1);
@@ -113,13 +113,14 @@ TEST_CASE("the order of a mesh's clusters is kept, and a damaged file is replace
   const auto remade = [&](const std::string& bytes) {
     write_text(file, bytes);
     return same(make_clusters_cached(mesh, folder.path()), expected) && files_in(folder.path()).size() == 1 &&
-           read(file) == good;
+           read_cache(file) == good;
   };
   CHECK(remade(""));
   CHECK(remade(good + "x"));
-  for (const std::size_t size : {std::size_t{1}, kHeaderBytes, good.size() - 1}) CHECK(remade(good.substr(0, size)));
-  for (const std::size_t byte :
-       {std::size_t{0}, std::size_t{7}, std::size_t{9}, std::size_t{25}, kChecksumAt, kHeaderBytes, good.size() - 1}) {
+  for (const std::size_t size : {std::size_t{1}, kClusterHeaderBytes, good.size() - 1})
+    CHECK(remade(good.substr(0, size)));
+  for (const std::size_t byte : {std::size_t{0}, std::size_t{7}, std::size_t{9}, std::size_t{25}, kClusterChecksumAt,
+                                 kClusterHeaderBytes, good.size() - 1}) {
     CAPTURE(byte);
     std::string bad = good;
     bad[byte] = static_cast<char>(bad[byte] ^ 0x10);
@@ -140,7 +141,7 @@ TEST_CASE("a cached order that is not optimal costs time but loses no triangles"
   const fs::path file = files_in(folder.path())[0];
   std::vector<std::uint32_t> order(mesh.indices.size() / 3);
   std::iota(order.begin(), order.end(), 0u);
-  write_text(file, with_order(read(file), order));
+  write_text(file, with_order(read_cache(file), order));
   const Clustering clustering = make_clusters_cached(mesh, folder.path());
   std::size_t next = 0;
   for (const Cluster& cluster : clustering.clusters) {

@@ -112,8 +112,9 @@ class Crowd {
   std::vector<Parent> groups_;
   std::vector<Primitive> primitives_;
   std::vector<std::shared_ptr<const Mesh>> meshes_{
-      finished(box_mesh(glm::vec3(0.3f))), finished(box_mesh({1.5f, 0.1f, 0.1f})), finished(sphere_mesh(0.4, 16)),
-      finished(of({{9, 0, 0}, {9, 1, 0}, {9, 0, 1}})), finished(of({{0, 0, 0}, {1, 0, 0}}), Topology::lines)};
+      finished(half_box_mesh(glm::vec3(0.3f))), finished(half_box_mesh({1.5f, 0.1f, 0.1f})),
+      finished(sphere_mesh(0.4, 16)), finished(of({{9, 0, 0}, {9, 1, 0}, {9, 0, 1}})),
+      finished(of({{0, 0, 0}, {1, 0, 0}}), Topology::lines)};
   std::vector<std::shared_ptr<const Material>> materials_{painted({0.8f, 0.2f, 0.1f, 1}, false),
                                                           painted({0.1f, 0.6f, 0.2f, 1}, true),
                                                           painted({0, 0.2f, 0.9f, 0.5f}, true)};

@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
-#include <limits>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -12,6 +11,7 @@
 #include "engine/render/renderer.h"
 #include "sensors/camera/camera.h"
 #include "tests/hard_cases/hard_case.h"
+#include "tests/support/infinity.h"
 #include "tests/support/random_room.h"
 #include "tests/support/reference_directions.h"
 
@@ -21,9 +21,7 @@ using namespace simvis;
 
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-glm::dmat4 at(double x, double y, double z) { return glm::translate(glm::dmat4(1.0), {x, y, z}); }
+glm::dmat4 moved_to(double x, double y, double z) { return glm::translate(glm::dmat4(1.0), {x, y, z}); }
 
 /// A rectangle perpendicular to x at x = 0, y and z within +-`half_m`.
 Mesh plate(const glm::vec2& half_m) {
@@ -42,7 +40,7 @@ double range_to_plate(const glm::dvec3& d, double x_m, const glm::dvec2& half_m)
 
 /// A wide rectangle behind all others, which stops the beams that pass the others.
 constexpr double kBack_m = 6;
-void add_back(DrawList& world) { add_item(world, plate({100, 100}), at(kBack_m, 0, 0)); }
+void add_back(DrawList& world) { add_item(world, plate({100, 100}), moved_to(kBack_m, 0, 0)); }
 double range_to_back(const glm::dvec3& d) { return range_to_plate(d, kBack_m, {100, 100}); }
 
 /// Rings over the surfaces ahead. The number of beams and rings is odd, so one beam runs along x.
@@ -75,7 +73,7 @@ TEST_CASE("triangles without area are ignored") {
   mesh.positions.insert(mesh.positions.end(),
                         {{0, -0.9f, 0}, {0, 0.9f, 0}, {0, 0, 0}, {-1, 0.2f, 0.1f}, {-1, 0.2f, 0.1f}});
   mesh.indices.insert(mesh.indices.end(), {4, 5, 6, 7, 8, 7, 7, 0, 8, 4, 6, 5});  // three in a line, equal vertices
-  add_item(hard.world, mesh, at(kPlate_m, 0, 0));
+  add_item(hard.world, mesh, moved_to(kPlate_m, 0, 0));
   measure(hard);
 }
 
@@ -96,7 +94,7 @@ TEST_CASE("slivers of aspect 10^6") {
     for (std::uint32_t i = 0; i + 3 < mesh.positions.size(); i += 2) {
       mesh.indices.insert(mesh.indices.end(), {i, i + 1, i + 2, i + 1, i + 3, i + 2});
     }
-    add_item(hard.world, mesh, at(kPlate_m, 0, 0));
+    add_item(hard.world, mesh, moved_to(kPlate_m, 0, 0));
     hard.scanner.pattern = {.beams = 181, .min_azimuth_rad = -kPi / 4, .max_azimuth_rad = kPi / 4};
     hard.truth = [](const glm::dvec3& d) { return range_to_plate(d, kPlate_m, {5, 5}); };
     measure(hard);
@@ -117,7 +115,7 @@ TEST_CASE("slivers of aspect 10^6") {
     mesh.positions.emplace_back(0, -5, 5);
     for (std::uint32_t i = 1; i + 1 < mesh.positions.size(); ++i)
       mesh.indices.insert(mesh.indices.end(), {0, i, i + 1});
-    add_item(hard.world, mesh, at(kPlate_m, 0, 0));
+    add_item(hard.world, mesh, moved_to(kPlate_m, 0, 0));
     hard.scanner.pattern = ahead();
     hard.truth = [](const glm::dvec3& d) { return range_to_plate(d, kPlate_m, {5, 5}); };
     measure(hard);
@@ -126,13 +124,13 @@ TEST_CASE("slivers of aspect 10^6") {
 
 TEST_CASE("it does not matter which of several coincident faces is hit") {
   HardCase hard = case_of("a face", kPlate_m, kHalf_m);
-  add_item(hard.world, plate(kHalf_m), at(kPlate_m, 0, 0));
+  add_item(hard.world, plate(kHalf_m), moved_to(kPlate_m, 0, 0));
   const HardResults once = measure(hard);
   hard.name = "the same face twice, and twice within a mesh";
   Mesh twice = plate(kHalf_m);
   twice.indices.insert(twice.indices.end(), {0, 2, 3, 0, 1, 2});
-  add_item(hard.world, plate(kHalf_m), at(kPlate_m, 0, 0));
-  add_item(hard.world, twice, at(kPlate_m, 0, 0));
+  add_item(hard.world, plate(kHalf_m), moved_to(kPlate_m, 0, 0));
+  add_item(hard.world, twice, moved_to(kPlate_m, 0, 0));
   const HardResults often = measure(hard);
   for (const HardResult HardResults::*method :
        {&HardResults::nearest, &HardResults::planar, &HardResults::hybrid, &HardResults::raycast}) {
@@ -143,7 +141,7 @@ TEST_CASE("it does not matter which of several coincident faces is hit") {
   hard.name = "the same face, once cut along the other diagonal";
   Mesh other = plate(kHalf_m);
   other.indices = {1, 2, 3, 3, 0, 1};
-  add_item(hard.world, other, at(kPlate_m, 0, 0));
+  add_item(hard.world, other, moved_to(kPlate_m, 0, 0));
   measure(hard);
 }
 
@@ -157,7 +155,7 @@ TEST_CASE("duplicate vertices and unused vertices") {
     mesh.positions.push_back(shared.positions[i]);
   }
   mesh.positions.emplace_back(-1e30f, 0, 0);
-  add_item(hard.world, mesh, at(kPlate_m, 0, 0));
+  add_item(hard.world, mesh, moved_to(kPlate_m, 0, 0));
   measure(hard);
 }
 
@@ -169,7 +167,7 @@ TEST_CASE("scales of 10^-6 and 10^6, mirrored, flattened and collapsed to a poin
                                  double hybrid_error_rel = kHybridError) {
     HardCase hard = case_of(name, kPlate_m, kHalf_m);
     hard.hybrid_error_rel = hybrid_error_rel;
-    add_item(hard.world, box_mesh(mesh_half_m), glm::scale(at(kPlate_m, 0, kUp_m), scale));
+    add_item(hard.world, half_box_mesh(mesh_half_m), glm::scale(moved_to(kPlate_m, 0, kUp_m), scale));
     const glm::dvec3 half_m = glm::abs(scale) * glm::dvec3(glm::vec3(mesh_half_m)), middle(kPlate_m, 0, kUp_m);
     const int flat = (half_m.x == 0) + (half_m.y == 0) + (half_m.z == 0);
     hard.truth = [=](const glm::dvec3& d) {
@@ -199,7 +197,7 @@ TEST_CASE("scales of 10^-6 and 10^6, mirrored, flattened and collapsed to a poin
 
 TEST_CASE("a surface seen from its edge has no thickness and is not hit") {
   HardCase hard = case_of("a plane through the sensor, seen from its edge", kPlate_m, kHalf_m);
-  add_item(hard.world, box_mesh({0.3, 0.9, 0.55}), glm::scale(at(kPlate_m, 0, 0), {1, 1, 0}));
+  add_item(hard.world, half_box_mesh({0.3, 0.9, 0.55}), glm::scale(moved_to(kPlate_m, 0, 0), {1, 1, 0}));
   hard.truth = range_to_back;
   measure(hard);
 }
@@ -218,7 +216,7 @@ TEST_CASE("an empty scene, a single beam, no field of view") {
   measure(hard);
 
   HardCase wall = case_of("a single beam", kPlate_m, kHalf_m);
-  add_item(wall.world, plate(kHalf_m), at(kPlate_m, 0, 0));
+  add_item(wall.world, plate(kHalf_m), moved_to(kPlate_m, 0, 0));
   wall.scanner.pattern = {.beams = 1, .min_azimuth_rad = 0.1, .max_azimuth_rad = 0.2};
   measure(wall);
   wall.name = "a single beam of a single ring that is not level";
@@ -246,7 +244,7 @@ TEST_CASE("an empty scene, a single beam, no field of view") {
                           .max_azimuth_rad = kPi,
                           .min_elevation_rad = kPi / 2,
                           .max_elevation_rad = kPi / 2};
-  add_item(wall.world, box_mesh({3, 3, 1}), at(0, 0, 3));
+  add_item(wall.world, half_box_mesh({3, 3, 1}), moved_to(0, 0, 3));
   wall.truth = [](const glm::dvec3& d) { return 2 / d.z; };
   measure(wall);
 }
@@ -255,7 +253,7 @@ TEST_CASE("pictures of degenerate geometry contain numbers") {
   DrawList world;
   Mesh folded = plate(kHalf_m);
   folded.indices.insert(folded.indices.end(), {0, 0, 0, 1, 1, 2, 0, 2, 0});
-  add_item(world, folded, at(kPlate_m, 1, 0));
+  add_item(world, folded, moved_to(kPlate_m, 1, 0));
   Mesh ball = sphere_mesh(0.5, 32);
   ball.attributes.resize(ball.positions.size());
   for (std::size_t i = 0; i < ball.positions.size(); ++i) ball.attributes[i].normal = glm::normalize(ball.positions[i]);
@@ -264,12 +262,12 @@ TEST_CASE("pictures of degenerate geometry contain numbers") {
                                   glm::dvec3(-1, 1, 1), glm::dvec3(1e-6), glm::dvec3(1e6), glm::dvec3(1, 1e-6, 1e6)}) {
     Mesh mesh = ball;
     for (glm::vec3& p : mesh.positions) p /= glm::max(glm::abs(glm::vec3(scale)), glm::vec3(1e-6f));
-    add_item(world, mesh, glm::scale(at(4, 1.5 - 0.4 * place++, -0.5), scale));
+    add_item(world, mesh, glm::scale(moved_to(4, 1.5 - 0.4 * place++, -0.5), scale));
   }
   Mesh fan;
   fan.positions = {{0, -5, 0.5f}, {0, 5, 0.5f}, {0, 5, 0.50001f}, {0, 5, 0.50002f}};
   fan.indices = {0, 1, 2, 0, 2, 3, 3, 2, 0};
-  add_item(world, fan, at(kPlate_m, 0, 0));
+  add_item(world, fan, moved_to(kPlate_m, 0, 0));
   auto glossy = std::make_shared<Material>();
   glossy->roughness = 0.1f;
   world.materials.push_back(glossy);

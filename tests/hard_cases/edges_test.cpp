@@ -11,6 +11,7 @@
 #include <simvis/pose.h>
 #include "tests/hard_cases/hard_case.h"
 #include "tests/hard_cases/shapes.h"
+#include "tests/support/infinity.h"
 #include "tests/support/ray_casting.h"
 #include "tests/support/reference_directions.h"
 #include "tests/support/tested_build.h"
@@ -21,7 +22,6 @@ using namespace simvis;
 
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kPlanarPixel_rad = 2 / kPlanarResolution, kRingsPixel_rad = 2 / kRingsResolution;
 
 const std::uint32_t kBeams = sanitized() ? 101 : 401, kRingBeams = sanitized() ? 25 : 50;

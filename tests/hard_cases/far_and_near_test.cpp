@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
-#include <limits>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -15,6 +14,7 @@
 #include "sensors/camera/camera.h"
 #include "tests/hard_cases/hard_case.h"
 #include "tests/hard_cases/part_file.h"
+#include "tests/support/infinity.h"
 #include "tests/support/random_room.h"
 #include "tests/support/reference_directions.h"
 
@@ -23,8 +23,6 @@ TEST_SUITE_BEGIN("hard_cases");
 using namespace simvis;
 
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 glm::dmat4 at(const glm::dvec3& place) { return glm::translate(glm::dmat4(1.0), place); }
 
@@ -69,8 +67,8 @@ TEST_CASE("offsets of 10^3 to 10^7 m") {
   for (const double offset_m : {0.0, 1e3, 1e4, 1e5, 1e6, 1e7}) {
     const glm::dvec3 offset = std::round(offset_m) * glm::dvec3(1, -0.6875, 0.0625);
     HardCase hard{.name = "a room, " + std::to_string(static_cast<long>(offset_m)) + " m from the world's origin"};
-    add_item(hard.world, box_mesh(kRoomHalf_m), at(offset));
-    add_item(hard.world, box_mesh(kCaseHalf_m), at(offset + kCase_m));
+    add_item(hard.world, half_box_mesh(kRoomHalf_m), at(offset));
+    add_item(hard.world, half_box_mesh(kCaseHalf_m), at(offset + kCase_m));
     hard.world_from_sensor = at(offset + kSensor_m) * turned;
     hard.scanner.pattern = all_around();
     hard.truth = [=](const glm::dvec3& d) {
@@ -87,7 +85,7 @@ TEST_CASE("offsets of 10^3 to 10^7 m") {
 // A whole simulation with a pose element and offsets that no double represents exactly.
 TEST_CASE("a simulation 10^7 m from the origin") {
   TemporaryFolder folder;
-  write_part(folder / "room.gltf", box_mesh({5, 4, 1.5}));
+  write_part(folder / "room.gltf", half_box_mesh({5, 4, 1.5}));
   const std::vector<std::string> methods{"nearest", "planar", "hybrid", "raycast"};
   for (const double offset_m : {0.1, 1e3 + 0.1, 1e5 + 0.1, 1e7 + 0.1}) {
     const std::string x = std::to_string(offset_m), y = std::to_string(-0.7 * offset_m);
@@ -126,8 +124,8 @@ TEST_CASE("0.01 m and 10 km in one scan") {
   HardCase hard{.name = "walls 0.01 m and 10 km away"};
   // The corner of a box beside the sensor, surrounded by mountains.
   const glm::dvec3 near_half_m(0.02, 0.02, 0.02), near_place(0.03, 0.03, 0), far_half_m(1e4, 1e4, 1e4);
-  add_item(hard.world, box_mesh(near_half_m), at(near_place));
-  add_item(hard.world, box_mesh(far_half_m), glm::dmat4(1.0));
+  add_item(hard.world, half_box_mesh(near_half_m), at(near_place));
+  add_item(hard.world, half_box_mesh(far_half_m), glm::dmat4(1.0));
   hard.scanner.pattern = {.beams = 361,
                           .rings = 21,
                           .min_azimuth_rad = -kPi,
@@ -151,7 +149,7 @@ TEST_CASE("closer than range_min, at the sensor and around it") {
   const glm::dvec3 room_half_m(5, 4, 3);
   const auto with_room = [&](const std::string& name) {
     HardCase hard{.name = name};
-    add_item(hard.world, box_mesh(room_half_m), glm::dmat4(1.0));
+    add_item(hard.world, half_box_mesh(room_half_m), glm::dmat4(1.0));
     hard.scanner.pattern = all_around();
     return hard;
   };
@@ -161,7 +159,7 @@ TEST_CASE("closer than range_min, at the sensor and around it") {
     hard.scanner.pattern.min_azimuth_rad += turned_rad;
     hard.scanner.pattern.min_elevation_rad += turned_rad;
     const glm::dvec3 half_m(glm::vec3{half});
-    add_item(hard.world, box_mesh(half_m), at(middle));
+    add_item(hard.world, half_box_mesh(half_m), at(middle));
     hard.truth = [=](const glm::dvec3& d) {
       return std::min(range_to_box_at(d, middle, half_m), range_to_box_at(d, {0, 0, 0}, room_half_m));
     };
@@ -186,11 +184,11 @@ TEST_CASE("closer than range_min, at the sensor and around it") {
 
 TEST_CASE("distant objects do not affect the depth of close ones") {
   DrawList near;
-  add_item(near, box_mesh({0.3, 0.9, 0.55}), matrix_from_degrees({3, 0.2, 0.1}, 10, 20, 30));
+  add_item(near, half_box_mesh({0.3, 0.9, 0.55}), matrix_from_degrees({3, 0.2, 0.1}, 10, 20, 30));
   add_item(near, sphere_mesh(0.5, 32), at({2, -1.5, 0.3}));
   DrawList far = near;
-  add_item(far, box_mesh({3e3, 3e3, 3e3}), matrix_from_degrees({1e4, 2e3, 0}, 5, 5, 5));
-  add_item(far, box_mesh({3e5, 3e5, 3e5}), matrix_from_degrees({1e6, -4e5, 1e5}, 15, 25, 35));
+  add_item(far, half_box_mesh({3e3, 3e3, 3e3}), matrix_from_degrees({1e4, 2e3, 0}, 5, 5, 5));
+  add_item(far, half_box_mesh({3e5, 3e5, 3e5}), matrix_from_degrees({1e6, -4e5, 1e5}, 15, 25, 35));
   Device device;
   Renderer renderer(device);
   const std::unique_ptr<RayCaster> caster = make_ray_caster(device);

@@ -4,12 +4,12 @@
 #include <cmath>
 #include <cstdio>
 #include <functional>
-#include <limits>
 #include <numbers>
 
 #include <simvis/pose.h>
 #include "tests/hard_cases/hard_case.h"
 #include "tests/hard_cases/shapes.h"
+#include "tests/support/infinity.h"
 #include "tests/support/reference_directions.h"
 #include "tests/support/tested_build.h"
 
@@ -19,10 +19,9 @@ using namespace simvis;
 
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kCoarse_px = 512;  // a common resolution in other simulators
 
-const std::uint32_t kBeams = sanitized() ? 101 : 1001;
+const std::uint32_t kGrazingBeams = sanitized() ? 101 : 1001;
 
 glm::dmat4 pose(const glm::dvec3& position_m, double roll_deg, double pitch_deg, double yaw_deg) {
   return matrix_from_degrees(position_m, roll_deg, pitch_deg, yaw_deg);
@@ -56,7 +55,7 @@ TEST_CASE("the floor from straight below out to 100 m, by one ring") {
     HardCase hard = patch_case("floor 0.1 m below, 0.1 to 100 m away, upright ring", {ground(200)},
                                pose({0, 0, kHeight_m}, 90, 0, 0));
     hard.scanner.pattern = {
-        .beams = kBeams, .min_azimuth_rad = -kPi / 2, .max_azimuth_rad = -std::asin(kHeight_m / kFarthest_m)};
+        .beams = kGrazingBeams, .min_azimuth_rad = -kPi / 2, .max_azimuth_rad = -std::asin(kHeight_m / kFarthest_m)};
     hard.scanner.range_max_m = 200;
     measure_with_coarse(hard);
   }
@@ -65,7 +64,7 @@ TEST_CASE("the floor from straight below out to 100 m, by one ring") {
     const double sine = kHeight_m / kAhead_m, side = std::acos(kAhead_m / kFarthest_m);
     HardCase hard = patch_case("floor 0.1 m below, 5 to 100 m away, ring pitched by 1.15 degrees", {ground(200)},
                                pose({0, 0, kHeight_m}, 0, std::asin(sine) * 180 / kPi, 0));
-    hard.scanner.pattern = {.beams = kBeams, .min_azimuth_rad = -side, .max_azimuth_rad = side};
+    hard.scanner.pattern = {.beams = kGrazingBeams, .min_azimuth_rad = -side, .max_azimuth_rad = side};
     hard.scanner.range_max_m = 200;
     measure_with_coarse(hard);
   }
@@ -77,13 +76,13 @@ TEST_CASE("a wall beside the scanner and parallel to its first beam") {
   SUBCASE("one ring") {
     HardCase hard = patch_case("wall 1 m to the side, 1 to 30 m away", {wall});
     hard.scanner.pattern = {
-        .beams = kBeams, .min_azimuth_rad = std::asin(kDistance_m / kFarthest_m), .max_azimuth_rad = kPi / 2};
+        .beams = kGrazingBeams, .min_azimuth_rad = std::asin(kDistance_m / kFarthest_m), .max_azimuth_rad = kPi / 2};
     hard.truth = [](const glm::dvec3& d) { return kDistance_m / d.y; };
     measure_with_coarse(hard);
   }
   SUBCASE("16 rings") {
     HardCase hard = patch_case("wall 1 m to the side, 1 to 30 m away, 16 rings", {wall});
-    hard.scanner.pattern = {.beams = kBeams / 10,
+    hard.scanner.pattern = {.beams = kGrazingBeams / 10,
                             .rings = 16,
                             .min_azimuth_rad = std::asin(kDistance_m / kFarthest_m),
                             .max_azimuth_rad = kPi / 2,
@@ -101,7 +100,7 @@ TEST_CASE("a corridor 2 m wide and 60 m long with a rotated scanner") {
       {{56, -1, -0.5f}, {0, 2, 0}, {0, 0, 2.5f}}, {{-4, -1, -0.5f}, {0, 2, 0}, {0, 0, 2.5f}},
       {{-4, -1, -0.5f}, {60, 0, 0}, {0, 2, 0}},   {{-4, -1, 2}, {60, 0, 0}, {0, 2, 0}}};
   HardCase hard = patch_case("corridor 2 m wide, 60 m long", corridor, pose({0, 0.25, 0}, 0, 0, 7));
-  hard.scanner.pattern = {.beams = kBeams, .min_azimuth_rad = -kPi, .max_azimuth_rad = kPi};
+  hard.scanner.pattern = {.beams = kGrazingBeams, .min_azimuth_rad = -kPi, .max_azimuth_rad = kPi};
   measure_with_coarse(hard);
 }
 
@@ -122,7 +121,7 @@ TEST_CASE("incidences of 89.9, 89.99 and 89.999 degrees") {
     HardCase hard = patch_case(grazing.name, {{{-4, grazing.beside_m, -4}, {68, 0, 0}, {0, 0, 8}}},
                                pose({0, 0, 0}, 0, 0, -kTurn_deg));
     const double angle = grazing.angle_deg * kPi / 180;
-    hard.scanner.pattern = {.beams = kBeams,
+    hard.scanner.pattern = {.beams = kGrazingBeams,
                             .min_azimuth_rad = kTurn_deg * kPi / 180 + 0.8 * angle,
                             .max_azimuth_rad = kTurn_deg * kPi / 180 + 1.25 * angle};
     measure_with_coarse(hard);
@@ -164,10 +163,10 @@ TEST_CASE(
     "tilted and rolled scanners over flat ground: a straight line stays straight, and no point is below the ground") {
   const glm::dmat4 world_from_sensor = pose({100, -50, kGround_m}, 4, 3, 30);
   HardCase ring = patch_case("tilted and rolled ring over flat ground", {ground(512)}, world_from_sensor);
-  ring.scanner.pattern = {.beams = kBeams, .min_azimuth_rad = -kPi / 2, .max_azimuth_rad = kPi / 2};
+  ring.scanner.pattern = {.beams = kGrazingBeams, .min_azimuth_rad = -kPi / 2, .max_azimuth_rad = kPi / 2};
   HardCase lidar = ring;
   lidar.name = "tilted and rolled lidar over flat ground";
-  lidar.scanner.pattern = {.beams = kBeams / 5,
+  lidar.scanner.pattern = {.beams = kGrazingBeams / 5,
                            .rings = 16,
                            .min_azimuth_rad = -kPi,
                            .max_azimuth_rad = kPi,

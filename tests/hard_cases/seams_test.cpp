@@ -10,6 +10,7 @@
 #include "sensors/laser_scanner/scan_layout.h"
 #include "tests/hard_cases/hard_case.h"
 #include "tests/hard_cases/shapes.h"
+#include "tests/support/infinity.h"
 #include "tests/support/reference_directions.h"
 
 TEST_SUITE_BEGIN("hard_cases");
@@ -17,8 +18,6 @@ TEST_SUITE_BEGIN("hard_cases");
 using namespace simvis;
 
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 HardCase in_skew_room(const ScanPattern& pattern, double resolution_px = 0) {
   HardCase hard;

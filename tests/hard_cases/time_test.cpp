@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
-#include <limits>
 #include <numbers>
 #include <random>
 #include <string>
@@ -18,6 +17,7 @@
 #include "simvis/clock.h"
 #include "tests/hard_cases/hard_case.h"
 #include "tests/hard_cases/part_file.h"
+#include "tests/support/infinity.h"
 #include "tests/support/random_room.h"
 #include "tests/support/reference_directions.h"
 #include "tests/support/tested_build.h"
@@ -29,9 +29,8 @@ using namespace simvis;
 namespace {
 
 // Steps are about ten times slower under sanitizers.
-const int kFewer = sanitized() ? 10 : 1;
+const int kFewerSteps = sanitized() ? 10 : 1;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 const glm::dvec3 kRoomHalf_m(5, 4, 1.5);
 
 /// Range to the walls of the room from inside.
@@ -57,7 +56,7 @@ class Room {
     }
     return Simulation::from_string(xml, {.rate_hz = rate_hz, .device = {}, .overrides = {}}, folder_.path());
   }
-  Room() { write_part(folder_ / "room.gltf", box_mesh(kRoomHalf_m)); }
+  Room() { write_part(folder_ / "room.gltf", half_box_mesh(kRoomHalf_m)); }
 
   static std::vector<std::string> methods() { return {"nearest", "planar", "hybrid", "raycast"}; }
 
@@ -122,7 +121,7 @@ TEST_CASE("a trajectory at 10^6 s") {
 }
 
 TEST_CASE("10^6 pose updates leave nothing behind") {
-  const int kUpdates = 1'000'000, kSteps = 3000 / kFewer;
+  const int kUpdates = 1'000'000, kSteps = 3000 / kFewerSteps;
   const Room room;
   Simulation worn = room.make(1e-6), fresh = room.make(1e-6);  // the scanners measure in each frame
   std::mt19937 random(1);
@@ -175,7 +174,7 @@ TEST_CASE("angles of 10^9 degrees") {
   }
 
   HardCase hard{.name = "a scanner turned by 10^9 degrees"};
-  add_item(hard.world, box_mesh(kRoomHalf_m), glm::dmat4(1.0));
+  add_item(hard.world, half_box_mesh(kRoomHalf_m), glm::dmat4(1.0));
   hard.world_from_sensor = matrix_from_degrees({0, 0, 0}, 0, 0, 1e9);
   hard.scanner.pattern = {.beams = 361,
                           .rings = 21,
@@ -208,7 +207,7 @@ TEST_CASE("a pitch of exactly 90 degrees, up and down") {
       CHECK(m[0] == glm::dvec3(0, 0, -side));  // the nose points straight down, or up
     }
     HardCase hard{.name = pitch > 0 ? "a scanner with its nose straight down" : "a scanner with its nose straight up"};
-    add_item(hard.world, box_mesh(kRoomHalf_m), glm::dmat4(1.0));
+    add_item(hard.world, half_box_mesh(kRoomHalf_m), glm::dmat4(1.0));
     hard.world_from_sensor = matrix_from_degrees({0.5, -1, 0.2}, 0, pitch, 20);
     hard.scanner.pattern = {.beams = 361,
                             .rings = 21,

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <numbers>
 #include <random>
@@ -12,6 +11,7 @@
 #include <vector>
 
 #include "tests/hard_cases/hard_case.h"
+#include "tests/support/infinity.h"
 #include "tests/support/ray_casting.h"
 #include "tests/support/reference_directions.h"
 #include "tests/support/tested_build.h"
@@ -23,10 +23,9 @@ using namespace simvis;
 namespace {
 
 // Each beam is about thirty times slower under sanitizers.
-const std::size_t kFewer = sanitized() ? 100 : 1, kBeamsOfAPlace = sanitized() ? 5'000 : 50'000;
+const std::size_t kFewerBeams = sanitized() ? 100 : 1, kBeamsOfAPlace = sanitized() ? 5'000 : 50'000;
 
-const std::size_t kBeams = 10'000'000 / kFewer;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+const std::size_t kAllBeams = 10'000'000 / kFewerBeams;
 
 /// A box of half the size `half_m` whose sides are cut into `cells` x `cells` squares, each of two triangles. Vertices
 /// within a side are moved along it at random, by up to a quarter of a cell; `jitter` 0 leaves the grid as it is.
@@ -164,7 +163,7 @@ struct Solid {
 TEST_CASE("none of 10,000,000 beams inside closed meshes escapes") {
   std::mt19937 random(1);
   const Solid solids[] = {
-      {"box", box_mesh({5, 4, 3}), 1, box_planes({5, 4, 3})},
+      {"box", half_box_mesh({5, 4, 3}), 1, box_planes({5, 4, 3})},
       {"sphere of 256 triangles", closed_sphere_mesh(3, 16), 1},
       {"sphere of 65,536 triangles", closed_sphere_mesh(3, 256), 1},
       {"room cut into a grid", tessellated_box({8, 8, 8}, 64, 0, random), 0.25, box_planes({8, 8, 8})},
@@ -177,7 +176,7 @@ TEST_CASE("none of 10,000,000 beams inside closed meshes escapes") {
     add_item(list, solid.mesh, glm::dmat4(1.0));
     const std::unique_ptr<RayCaster> caster = make_ray_caster(ray_device());
     std::vector<RayHit> hits;
-    const std::size_t places = (kBeams / std::size(solids) + kBeamsOfAPlace - 1) / kBeamsOfAPlace;
+    const std::size_t places = (kAllBeams / std::size(solids) + kBeamsOfAPlace - 1) / kBeamsOfAPlace;
     for (std::size_t place = 0; place < places; ++place) {
       list.world_from_node[1] = place / 4 % 2 == 0 ? glm::dmat4(1.0) : random_pose(random, 3);
       const glm::dvec3 from = place_in(solid.mesh, static_cast<Place>(place % 4), solid.cell_m, random);
@@ -196,7 +195,7 @@ TEST_CASE("none of 10,000,000 beams inside closed meshes escapes") {
     CHECK(escaped == 0);
     CHECK(beyond_bound == 0);
   }
-  CHECK(beams >= kBeams);
+  CHECK(beams >= kAllBeams);
   add_line(std::to_string(beams) + " beams cast inside closed meshes", std::to_string(escaped) + " escape");
 }
 
@@ -213,8 +212,8 @@ TEST_CASE("no beam inside a closed mesh reads inf") {
     double truth_error_rel = 0;
   };
   const Room rooms[] = {
-      {"in the middle of a box", box_mesh({5, 4, 3}), {0, 0, 0}},
-      {"in a box, elsewhere", box_mesh({5, 4, 3}), {1.1, -0.7, 0.4}},
+      {"in the middle of a box", half_box_mesh({5, 4, 3}), {0, 0, 0}},
+      {"in a box, elsewhere", half_box_mesh({5, 4, 3}), {1.1, -0.7, 0.4}},
       {"in a room cut into a grid, on the planes of its lines",
        tessellated_box({4, 4, 4}, 16, 0, random),
        {0.5, 1, -0.5}},
@@ -225,8 +224,8 @@ TEST_CASE("no beam inside a closed mesh reads inf") {
     HardCase hard{.name = room.name};
     add_item(hard.world, room.mesh, glm::dmat4(1.0));
     hard.world_from_sensor = at(room.from.x, room.from.y, room.from.z);
-    hard.scanner.pattern = {.beams = kFewer > 1 ? 65u : 181u,
-                            .rings = kFewer > 1 ? 17u : 33u,
+    hard.scanner.pattern = {.beams = kFewerBeams > 1 ? 65u : 181u,
+                            .rings = kFewerBeams > 1 ? 17u : 33u,
                             .min_azimuth_rad = -kPi,
                             .max_azimuth_rad = kPi,
                             .min_elevation_rad = -kPi / 2,

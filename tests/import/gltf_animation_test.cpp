@@ -23,7 +23,7 @@ namespace {
 
 // Node 0 shows a triangle with one morph target, node 1 has a matrix, node 2 shows a mesh without targets. Channels of
 // the clip: translation and weights of node 0, rotation of node 2.
-GltfBuilder good_file() {
+GltfBuilder animated_file() {
   GltfBuilder builder;
   builder.triangle()["targets"] = {{{"POSITION", builder.accessor<float>("VEC3", {0, 0, 1, 0, 0, 0, 0, 0, 0})}}};
   builder.append("nodes", {{"matrix", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}}});
@@ -39,17 +39,17 @@ GltfBuilder good_file() {
 json& channel(GltfBuilder& b, std::size_t i) { return b.root["animations"][0]["channels"][i]; }
 json& sampler(GltfBuilder& b, std::size_t i) { return b.root["animations"][0]["samplers"][i]; }
 
-struct Case {
+struct AnimationCase {
   const char* what;  // a part of the message
   std::function<void(GltfBuilder&)> spoil;
 };
 
-void check_cases(std::initializer_list<Case> cases) {
+void check_animation_cases(std::initializer_list<AnimationCase> cases) {
   TemporaryFolder folder;
   const std::filesystem::path file = folder / "part.gltf";
-  for (const Case& c : cases) {
+  for (const AnimationCase& c : cases) {
     CAPTURE(c.what);
-    GltfBuilder builder = good_file();
+    GltfBuilder builder = animated_file();
     c.spoil(builder);
     write_text(file, builder.text());
     ContentPool pool;
@@ -79,7 +79,7 @@ bool is_finite(const glm::dmat4& m) {
 
 TEST_CASE("the base file without mistakes is valid, and samplers share their times") {
   std::vector<std::string> warnings;
-  const auto animations = animations_of(good_file(), &warnings);
+  const auto animations = animations_of(animated_file(), &warnings);
   REQUIRE(animations != nullptr);
   REQUIRE(animations->clips.size() == 1);
   const AnimationClip& clip = animations->clips[0];
@@ -93,7 +93,7 @@ TEST_CASE("the base file without mistakes is valid, and samplers share their tim
 }
 
 TEST_CASE("a file without animations stores nothing for them") {
-  GltfBuilder builder = good_file();
+  GltfBuilder builder = animated_file();
   builder.root.erase("animations");
   std::vector<std::string> warnings;
   CHECK(animations_of(builder, &warnings) == nullptr);
@@ -102,7 +102,7 @@ TEST_CASE("a file without animations stores nothing for them") {
 }
 
 TEST_CASE("animations of the wrong structure") {
-  check_cases({
+  check_animation_cases({
       {"animations must be an array", [](GltfBuilder& b) { b.root["animations"] = 1; }},
       {"animations/0 lacks the required property \"channels\"",
        [](GltfBuilder& b) { b.root["animations"][0].erase("channels"); }},
@@ -136,7 +136,7 @@ TEST_CASE("wrong keys") {
   const auto times = [](std::vector<float> values) {
     return [values](GltfBuilder& b) { sampler(b, 0)["input"] = b.accessor<float>("SCALAR", values); };
   };
-  check_cases({
+  check_animation_cases({
       {"animations/0/samplers/0 has 2 output values for 3 times; expected 3", times({0, 1, 2})},
       {"animations/0/samplers/0/input: accessors/", times({-1, 1})},
       {"has the time -1.000000 in element 0; expected times that ascend from 0", times({-1, 1})},
@@ -200,7 +200,7 @@ TEST_CASE("wrong keys") {
 }
 
 TEST_CASE("channels for extensions and channels without data are skipped with a warning") {
-  GltfBuilder builder = good_file();
+  GltfBuilder builder = animated_file();
   channel(builder, 0)["target"].erase("node");
   sampler(builder, 2)["input"] =
       builder.append("accessors", {{"componentType", kFloat}, {"count", 2}, {"type", "SCALAR"}});
@@ -214,7 +214,7 @@ TEST_CASE("channels for extensions and channels without data are skipped with a 
 }
 
 TEST_CASE("rotations and weights may be normalised integers") {
-  GltfBuilder builder = good_file();
+  GltfBuilder builder = animated_file();
   sampler(builder, 1)["output"] = builder.accessor<std::uint8_t>("SCALAR", {0, 51, 0, 0}, true);
   builder.root["accessors"].back()["count"] = 2;
   sampler(builder, 2)["output"] = builder.accessor<std::int16_t>("VEC4", {0, 0, 0, 32767, 32767, 0, 0, 0}, true);
@@ -243,7 +243,7 @@ TEST_CASE("a chain of 50,000 nodes carries a joint at its end") {
 
 TEST_CASE("broken animations are refused, or play with every vertex and node finite") {
   constexpr int kFiles = 2000;
-  GltfBuilder morphing = good_file();
+  GltfBuilder morphing = animated_file();
   const ByteString seeds[] = {bending_strip().glb(), morphing.glb()};
   TemporaryFolder folder;
   int played = 0;

@@ -16,9 +16,9 @@ using namespace simvis::test;
 namespace {
 
 // Sums of products of float32 values below 2, formed in double and rounded once.
-constexpr float kFloatTolerance = 2 * 0x1p-24f;
+constexpr float kFactorTolerance = 2 * 0x1p-24f;
 
-struct Loader {
+struct MaterialLoader {
   TemporaryFolder folder;
   ContentPool pool;
 
@@ -41,14 +41,14 @@ void add_textured_triangle(GltfBuilder& builder, const ByteString& bytes) {
 }
 
 std::vector<std::uint8_t> pixels_of(const ByteString& picture) {
-  Loader loader;
+  MaterialLoader loader;
   GltfBuilder builder;
   add_textured_triangle(builder, picture);
   return loader.load(builder).list.materials.at(0)->base_color_texture->rgba;
 }
 
 Material material_of(json description, const std::vector<std::string>& extensions = {}) {
-  Loader loader;
+  MaterialLoader loader;
   GltfBuilder builder;
   if (!extensions.empty()) builder.root["extensionsUsed"] = extensions;
   add_textured_triangle(builder, red_green_png());
@@ -111,15 +111,15 @@ TEST_CASE("base colour textures, their UV set and KHR_texture_transform") {
   // place on its quad where the picture's point (0.7778, 0.7778) must be visible: (0.42095, 1.01627).
   const glm::mat3x2 turn = transformed({{"rotation", 0.39269908169872414}}).uv_transform;
   const glm::vec2 seen = turn * glm::vec3(0.42095178f, 1.0162675f, 1);
-  CHECK(std::abs(seen.x - 0.7778174593f) <= 8 * kFloatTolerance);
-  CHECK(std::abs(seen.y - 0.7778174593f) <= 8 * kFloatTolerance);
+  CHECK(std::abs(seen.x - 0.7778174593f) <= 8 * kFactorTolerance);
+  CHECK(std::abs(seen.y - 0.7778174593f) <= 8 * kFactorTolerance);
   // All combined: first the scale, then the rotation, then the offset.
   const glm::mat3x2 all = transformed({{"offset", {0.5, 0.25}}, {"rotation", 1}, {"scale", {1.5, 0.5}}}).uv_transform;
   const double c = std::cos(1.0), s = std::sin(1.0);
   const glm::vec2 expected(c * 1.5 * 0.2 + s * 0.5 * 0.6 + 0.5, -s * 1.5 * 0.2 + c * 0.5 * 0.6 + 0.25);
   const glm::vec2 uv = all * glm::vec3(0.2f, 0.6f, 1);
-  CHECK(std::abs(uv.x - expected.x) <= 4 * kFloatTolerance);
-  CHECK(std::abs(uv.y - expected.y) <= 4 * kFloatTolerance);
+  CHECK(std::abs(uv.x - expected.x) <= 4 * kFactorTolerance);
+  CHECK(std::abs(uv.y - expected.y) <= 4 * kFactorTolerance);
 }
 
 TEST_CASE("pictures of every kind become RGBA8, rows from the top") {
@@ -136,7 +136,7 @@ TEST_CASE("pictures come from buffer views, data URIs and files") {
   for (const std::string& uri : {std::string("data:image/png;base64,") + base64(picture), std::string("my picture.png"),
                                  std::string("my%20picture.png")}) {
     CAPTURE(uri);
-    Loader loader;
+    MaterialLoader loader;
     GltfBuilder builder;
     add_textured_triangle(builder, picture);
     write_bytes(loader.folder / "my picture.png", picture);
@@ -150,7 +150,7 @@ TEST_CASE("pictures come from buffer views, data URIs and files") {
 
 TEST_CASE("samplers: wrap modes and filters") {
   const auto sampler_of = [](json description) {
-    Loader loader;
+    MaterialLoader loader;
     GltfBuilder builder;
     add_textured_triangle(builder, red_green_png());
     builder.root["samplers"][0] = std::move(description);
@@ -180,7 +180,7 @@ TEST_CASE("samplers: wrap modes and filters") {
 }
 
 TEST_CASE("one material node serves all primitives with the material, and does not affect those without") {
-  Loader loader;
+  MaterialLoader loader;
   GltfBuilder builder;
   builder.triangle()["material"] = 0;
   json& primitives = builder.root["meshes"][0]["primitives"];
@@ -200,7 +200,7 @@ TEST_CASE("one material node serves all primitives with the material, and does n
 }
 
 TEST_CASE("lines without normals are unlit and have their own material node") {
-  Loader loader;
+  MaterialLoader loader;
   GltfBuilder builder;
   builder.triangle()["material"] = 0;
   json lines = builder.root["meshes"][0]["primitives"][0];
@@ -217,7 +217,7 @@ TEST_CASE("lines without normals are unlit and have their own material node") {
 }
 
 TEST_CASE("two parts with the same content share meshes, textures and materials") {
-  Loader loader;
+  MaterialLoader loader;
   GltfBuilder builder;
   add_textured_triangle(builder, red_green_png());
   const LoadedPart first = loader.load(builder);
@@ -276,7 +276,7 @@ TEST_CASE("maps of the surface: textures, UV sets, transforms, scale and strengt
 }
 
 TEST_CASE("unsupported content is reported: pictures of other formats, further UV sets") {
-  Loader loader;
+  MaterialLoader loader;
   GltfBuilder builder;
   add_textured_triangle(builder, red_green_png());
   const auto warned = [&](const char* what) {

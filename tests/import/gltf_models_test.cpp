@@ -18,13 +18,13 @@ using namespace simvis::test;
 
 namespace {
 
-struct Totals {
+struct PartTotals {
   std::size_t triangles = 0, other_primitives = 0;
   glm::dvec3 min{INFINITY}, max{-INFINITY};  // of the corners of triangles, world frame
 };
 
-Totals total(const DrawList& list) {
-  Totals totals;
+PartTotals part_totals(const DrawList& list) {
+  PartTotals totals;
   for (const DrawItem& item : list.items) {
     const Mesh& mesh = *list.meshes[item.mesh];
     if (mesh.topology != Topology::triangles) {
@@ -53,7 +53,7 @@ double tolerance_m(const json& aabb) {
   return kPrinted_m + kRoundings * 0x1p-24 * largest_m;
 }
 
-void check_bounds(const Totals& totals, const json& aabb, double extra_tolerance_m) {
+void check_bounds(const PartTotals& totals, const json& aabb, double extra_tolerance_m) {
   const double tolerance = tolerance_m(aabb) + extra_tolerance_m;
   for (int i = 0; i < 3; ++i) {
     const auto axis = static_cast<std::size_t>(i);
@@ -88,7 +88,7 @@ TEST_CASE("test data: the sample models have the triangles and bounds of an inde
     CAPTURE(name);
     ContentPool pool;
     const LoadedPart part = load_unturned(folder / name, pool);
-    const Totals totals = total(part.list);
+    const PartTotals totals = part_totals(part.list);
     const bool instanced = name.find("SimpleInstancing") != std::string::npos;
     const bool is_draco = name.find("Draco") != std::string::npos;
     const std::size_t triangles = values.at(is_draco ? "assimp_obj_faces" : "triangles").get<std::size_t>();

@@ -59,7 +59,7 @@ void check_near(const glm::dmat4& seen, const glm::dmat4& expected) {
   for (int i = 0; i < 16; ++i) CHECK(std::abs(seen[i / 4][i % 4] - expected[i / 4][i % 4]) <= kDoubleTolerance);
 }
 
-bool contains(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
+bool has_part(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
 
 template <class T>
 std::vector<std::uint32_t> indices_read(const std::vector<T>& indices) {
@@ -213,7 +213,7 @@ TEST_CASE("normals are normalised, and those of length zero are reported") {
   CHECK(only_mesh(part).attributes[1].normal == glm::vec3(0, 0, 1));
   CHECK(only_mesh(part).attributes[2].normal == glm::vec3(0, 0, -1));
   REQUIRE(part.content.warnings.size() == 1);
-  CHECK(contains(part.content.warnings[0], "part.gltf: normals of length zero"));
+  CHECK(has_part(part.content.warnings[0], "part.gltf: normals of length zero"));
 }
 
 TEST_CASE("COLOR_0 comes in three types, with and without alpha") {
@@ -399,7 +399,7 @@ TEST_CASE("skinned meshes are placed by their joints, regardless of their node")
   check_near<3>(mesh.attributes[1].normal, {0, 1, 0});
   CHECK(part.list.world_from_node[part.list.items[0].transform] == glm::dmat4(1));
   REQUIRE(part.content.warnings.size() == 1);
-  CHECK(contains(part.content.warnings[0], "skins are not animated"));
+  CHECK(has_part(part.content.warnings[0], "skins are not animated"));
 }
 
 TEST_CASE("morph targets are applied with the mesh's weights, or the node's own") {
@@ -441,13 +441,13 @@ TEST_CASE("extensions: required ones must be supported, used ones are reported o
   builder.root["extensionsUsed"] = {"EXT_some", "KHR_materials_unlit", "EXT_some"};
   const LoadedPart part = loader.load(builder);
   REQUIRE(part.content.warnings.size() == 1);
-  CHECK(contains(part.content.warnings[0], "EXT_some"));
+  CHECK(has_part(part.content.warnings[0], "EXT_some"));
   builder.root["extensionsRequired"] = {"KHR_meshopt_compression"};
   const std::string refusal = loader.refusal(builder.text());
-  CHECK(contains(refusal, "requires KHR_meshopt_compression"));
-  CHECK(contains(refusal, "save the file without compression"));
+  CHECK(has_part(refusal, "requires KHR_meshopt_compression"));
+  CHECK(has_part(refusal, "save the file without compression"));
   builder.root["extensionsRequired"] = {"EXT_some", "KHR_texture_transform", "EXT_other"};
-  CHECK(contains(loader.refusal(builder.text()),
+  CHECK(has_part(loader.refusal(builder.text()),
                  "part.gltf: error: requires extensions that are not supported: EXT_some, EXT_other;"));
 }
 
@@ -466,7 +466,7 @@ TEST_CASE("deeply nested JSON is read too") {
   Loader loader;
   const std::string open(1000000, '['), close(1000000, ']');
   CHECK(loader.refusal(R"({"asset":{"version":"2.0"},"extras":)" + open + close + "}") == "");
-  CHECK(contains(loader.refusal(open), "not valid JSON"));
+  CHECK(has_part(loader.refusal(open), "not valid JSON"));
 }
 
 TEST_CASE("parts without shapes are accepted") {

@@ -20,8 +20,8 @@ using namespace simvis::test;
 
 namespace {
 
-constexpr double kLongest_s = 10;
-constexpr int kBrokenFiles = 100;
+constexpr double kLongestInventor_s = 10;
+constexpr int kBrokenInventorFiles = 100;
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -34,7 +34,7 @@ std::string error_in(InventorFiles& files, const std::string& nodes) {
 }
 
 // Truncated, with flipped bits, or with other digits (most often, because few other changes pass the grammar).
-std::string broken(std::string text, Random& random) {
+std::string broken_inventor(std::string text, Random& random) {
   const std::uint64_t kind = random.below(4);
   if (kind == 0) return text.substr(0, random.below(text.size()));
   for (int change = 0; change < 3;) {
@@ -176,7 +176,7 @@ TEST_CASE("a file that takes too long is refused, and so is one that includes it
   const std::string error =
       error_of([&] { import_inventor({files.folder / "huge.iv"}, files.pool, std::chrono::milliseconds(300)); });
   CHECK(contains(error, "huge.iv: error: Coin did not finish the file within 300 ms"));
-  CHECK(seconds_since(start) < kLongest_s);
+  CHECK(seconds_since(start) < kLongestInventor_s);
   CHECK_THROWS_AS(files.load("self.iv", kInventorHeader + "Separator { Cube { } File { name \"self.iv\" } }\n"),
                   InputError);
 }
@@ -194,8 +194,8 @@ TEST_CASE("files with flipped bits or cuts are read or refused") {
     SpotLight { } Info { string "<element/>" } })";
   Random random;
   int loaded = 0;
-  for (int i = 0; i < kBrokenFiles; ++i) {
-    const std::string text = broken(seed, random);
+  for (int i = 0; i < kBrokenInventorFiles; ++i) {
+    const std::string text = broken_inventor(seed, random);
     CAPTURE(i);
     const auto start = std::chrono::steady_clock::now();
     try {
@@ -204,10 +204,10 @@ TEST_CASE("files with flipped bits or cuts are read or refused") {
     } catch (const InputError& e) {
       CHECK(std::string(e.what()).starts_with((files.folder / "broken.iv").string() + ": error: "));
     }
-    CHECK(seconds_since(start) < kLongest_s + 1);
+    CHECK(seconds_since(start) < kLongestInventor_s + 1);
   }
   CHECK(loaded > 0);
-  CHECK(loaded < kBrokenFiles);
+  CHECK(loaded < kBrokenInventorFiles);
 }
 
 TEST_CASE("test data: files are read as by Coin, each in time") {
@@ -235,7 +235,7 @@ TEST_CASE("test data: files are read as by Coin, each in time") {
       ++refused;
       continue;
     }
-    CHECK(seconds_since(start) < kLongest_s);
+    CHECK(seconds_since(start) < kLongestInventor_s);
     const std::string text = read_text(folder / name);
     // The reference crashed on NURBS, which are left out.
     if (!is_read && text.find("Nurbs") != std::string::npos) continue;

@@ -113,7 +113,7 @@ SandboxReport run(const std::filesystem::path& program, std::chrono::millisecond
   return run_in_sandbox({.program = program, .arguments = {}, .time = time});
 }
 
-std::string text_of(const Bytes& bytes) { return {bytes.begin(), bytes.end()}; }
+std::string answer_text(const Bytes& bytes) { return {bytes.begin(), bytes.end()}; }
 
 SandboxedImport import_with(const std::filesystem::path& program) {
   SandboxedImport import;
@@ -150,7 +150,7 @@ TEST_CASE("a program has no open files but its answer, and no signal mask") {
       run(script(folder, "ls /proc/self/fd >&3; read line || echo none >&3; echo out; echo err >&2"));
   ::close(leak);
   // The last one is the folder that ls reads.
-  CHECK(text_of(report.answer) == "0\n1\n2\n3\n4\nnone\n");
+  CHECK(answer_text(report.answer) == "0\n1\n2\n3\n4\nnone\n");
 }
 
 TEST_CASE("a program that crashes, fails or hangs is reported as such, with its earlier messages") {
@@ -158,7 +158,7 @@ TEST_CASE("a program that crashes, fails or hangs is reported as such, with its 
   const SandboxReport crashed = run(script(folder, "printf before >&3; kill -SEGV $$"));
   CHECK(crashed.end == SandboxEnd::crashed);
   CHECK(contains(crashed.reason, "Segmentation fault"));
-  CHECK(text_of(crashed.answer) == "before");
+  CHECK(answer_text(crashed.answer) == "before");
 
   const SandboxReport failed = run(script(folder, "exit 3"));
   CHECK(failed.end == SandboxEnd::crashed);
@@ -170,7 +170,7 @@ TEST_CASE("a program that crashes, fails or hangs is reported as such, with its 
     const auto start = std::chrono::steady_clock::now();
     const SandboxReport hung = run(script(folder, hanging), std::chrono::milliseconds(500));
     CHECK(hung.end == SandboxEnd::took_too_long);
-    CHECK(text_of(hung.answer) == "before");
+    CHECK(answer_text(hung.answer) == "before");
     CHECK(std::chrono::steady_clock::now() - start < kPatience);
   }
 }

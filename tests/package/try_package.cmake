@@ -1,6 +1,5 @@
 # Installs SimVis, then configures, builds and runs a project outside of it that finds the installed package.
-# Needs BINARY_DIR (of SimVis), SOURCE_DIR (of this folder), FOLDER (where to install and build), COMPILER, FLAGS (for the
-# outside project) and VERSION.
+# Needs BINARY_DIR (of SimVis), SOURCE_DIR (of this folder), FOLDER (where to install and build), COMPILER and VERSION.
 set(prefix ${FOLDER}/prefix)
 set(build ${FOLDER}/build)
 file(REMOVE_RECURSE ${FOLDER})
@@ -16,7 +15,7 @@ endfunction()
 
 run(${CMAKE_COMMAND} --install ${BINARY_DIR} --prefix ${prefix})
 run(${CMAKE_COMMAND} -G Ninja -S ${SOURCE_DIR}/outside -B ${build} -DCMAKE_PREFIX_PATH=${prefix}
-    -DCMAKE_CXX_COMPILER=${COMPILER} "-DCMAKE_CXX_FLAGS=${FLAGS}" -DPLUGIN_FOLDER=${SOURCE_DIR}/../plugin)
+    -DCMAKE_CXX_COMPILER=${COMPILER} -DPLUGIN_FOLDER=${SOURCE_DIR}/../plugin)
 run(${CMAKE_COMMAND} --build ${build})
 run(${build}/outside)
 message("${output}")

@@ -2,9 +2,9 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <limits>
 #include <vector>
 
+#include "tests/support/infinity.h"
 #include "tests/support/ray_casting.h"
 #include "tests/support/reference_directions.h"
 
@@ -14,8 +14,7 @@ using namespace simvis;
 
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kHalfUlp = 0x1p-24;  // of a float32, relative
+constexpr double kHalfUnit = 0x1p-24;  // of a float32, relative
 
 }  // namespace
 
@@ -76,10 +75,10 @@ TEST_CASE("a part 1 mm wide seen from 100 km, and one 100 km wide with the senso
   CHECK(engine.cast_one(list, glm::normalize(glm::dvec3(1e5, 0.0006, 0))).range_m == kInfinity);
 
   DrawList big;
-  add_item(big, box_mesh({5e4, 5e4, 5e4}), at(5e4 + 0.25, 0, 0));
+  add_item(big, half_box_mesh({5e4, 5e4, 5e4}), at(5e4 + 0.25, 0, 0));
   const RayHit skin = engine.cast_one(big, {1, 0, 0});
   CHECK(std::abs(skin.range_m - 0.25) <= skin.error_bound_m);
-  CHECK(skin.error_bound_m <= kHalfUlp * 0.25);
+  CHECK(skin.error_bound_m <= kHalfUnit * 0.25);
 }
 
 TEST_CASE("scales from 1e-6 to 1e6, mirrored") {
@@ -90,7 +89,7 @@ TEST_CASE("scales from 1e-6 to 1e6, mirrored") {
       add_item(list, sphere_mesh(1, 48), glm::scale(at(3 * scale, 0, 0), glm::dvec3(scale, mirror * scale, scale)));
       const RayHit hit = engine.cast_one(list, {1, 0, 0});
       CHECK(std::abs(hit.range_m - 2 * scale) <= hit.error_bound_m);
-      CHECK(hit.error_bound_m <= kHalfUlp * hit.range_m);
+      CHECK(hit.error_bound_m <= kHalfUnit * hit.range_m);
       CHECK(engine.cast_one(list, {-1, 0, 0}).range_m == kInfinity);
     }
   }
@@ -118,13 +117,13 @@ TEST_CASE("degenerate triangles are ignored; slivers are exact") {
   mesh.indices = {3, 3, 3, 3, 4, 4, 3, 4, 3, 0, 1, 2};
   DrawList list;
   add_item(list, mesh, glm::dmat4(1.0));
-  add_item(list, box_mesh({1, 40, 40}), at(6, 0, 0));
+  add_item(list, half_box_mesh({1, 40, 40}), at(6, 0, 0));
   // In the sliver, 2 m wide and a micrometre high; just above it; through the degenerate ones.
   const RayHit inside = engine.cast_one(list, glm::normalize(glm::dvec3(2, 0.01, 4e-7)));
   CHECK(inside.item == 0);
   CHECK(inside.primitive == 3);
   CHECK(std::abs(inside.range_m - std::hypot(2, 0.01, 4e-7)) <= inside.error_bound_m);
-  CHECK(inside.error_bound_m <= kHalfUlp * inside.range_m);
+  CHECK(inside.error_bound_m <= kHalfUnit * inside.range_m);
   CHECK(engine.cast_one(list, glm::normalize(glm::dvec3(2, 0.01, 1.1e-6))).item == 1);
   CHECK(engine.cast_one(list, glm::normalize(glm::dvec3(1, 0.5, 0.5))).item == 1);
 }
@@ -148,7 +147,7 @@ TEST_CASE("empty meshes, lines and points are not hit; a list may be empty") {
   DrawList list;
   CHECK(engine.cast_one(list, {1, 0, 0}) == RayHit{});
   for (const Topology topology : {Topology::lines, Topology::points}) {
-    Mesh mesh = box_mesh({1, 1, 1});
+    Mesh mesh = half_box_mesh({1, 1, 1});
     mesh.topology = topology;
     add_item(list, mesh, at(3, 0, 0));
   }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "engine/raycast/ray_triangle.h"
+#include "tests/support/infinity.h"
 #include "tests/support/ray_casting.h"
 #include "tests/support/reference_raycast.h"
 #include "tests/support/tested_build.h"
@@ -19,7 +20,6 @@ using namespace simvis;
 
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kHalfUlp = 0x1p-24;  // of a float32, relative
 
 // Brute force is about twenty times slower under sanitizers.
@@ -61,8 +61,8 @@ Mesh square() {
 /// A square with its own material 2 m ahead and a wall 5 m ahead.
 DrawList curtain(const Material& material, const Mesh& mesh = square()) {
   DrawList list;
-  add_item(list, box_mesh({1, 40, 40}), at(6, 0, 0));
-  add_item(list, box_mesh({1, 1, 1}), at(2, 0, 0));
+  add_item(list, half_box_mesh({1, 40, 40}), at(6, 0, 0));
+  add_item(list, half_box_mesh({1, 1, 1}), at(2, 0, 0));
   auto shown = std::make_shared<Mesh>(mesh);
   compute_bounds(*shown);
   list.meshes[1] = shown;
@@ -175,7 +175,7 @@ TEST_CASE("no beam leaves closed meshes between triangles, along edges or at ver
   std::size_t beams = 0, escaped = 0;
   for (int turn = 0; turn * kFewer < 26; ++turn) {
     DrawList list;
-    add_item(list, turn % 3 == 0 ? box_mesh({5, 4, 3}) : closed_sphere_mesh(3, turn % 3 == 1 ? 16 : 64),
+    add_item(list, turn % 3 == 0 ? half_box_mesh({5, 4, 3}) : closed_sphere_mesh(3, turn % 3 == 1 ? 16 : 64),
              turn < 8 ? glm::dmat4(1.0) : random_pose(random, turn < 16 ? 1 : 0));
     const Mesh& mesh = *list.meshes[0];
     // At the centre, where tessellation lines run through the axes, and at other places inside.
@@ -338,8 +338,8 @@ TEST_CASE("the other rays of a packet do not change a hit") {
 TEST_CASE("rays of one group share a packet with no other group") {
   // Two boxes side by side. Groups of rays hit one and the other in turns; the first of all rays points elsewhere.
   DrawList list;
-  add_item(list, box_mesh({0.1, 0.1, 0.1}), at(2, 0.25, 0));
-  add_item(list, box_mesh({0.1, 0.1, 0.1}), at(2, -0.25, 0));
+  add_item(list, half_box_mesh({0.1, 0.1, 0.1}), at(2, 0.25, 0));
+  add_item(list, half_box_mesh({0.1, 0.1, 0.1}), at(2, -0.25, 0));
   constexpr std::size_t kGroups = 64, kGroup = RayCaster::kPacketSize;
   std::vector<glm::dvec3> directions;
   for (std::size_t i = 0; i < kGroups * kGroup; ++i) {

@@ -20,7 +20,7 @@ using namespace simvis;
 
 namespace {
 
-const std::size_t kFewer = sanitized() ? 16 : 1;
+const std::size_t kFewerRays = sanitized() ? 16 : 1;
 
 /// A masked material with random opaque texels.
 std::shared_ptr<Material> leaves(std::mt19937& random) {
@@ -121,7 +121,7 @@ TEST_CASE("random rooms with leaves and with mirrored, stretched and flattened i
       list.world_from_node[t] = offset * list.world_from_node[t];
     }
     const glm::dmat4 pose = offset * at(0, 0, 1.2) * random_pose(random, 0.5);
-    const std::vector<glm::dvec3> directions = directions_into(list, pose, 10000 / kFewer, random);
+    const std::vector<glm::dvec3> directions = directions_into(list, pose, 10000 / kFewerRays, random);
     compare(host, device, list, pose, directions);
     rays += directions.size();
   }
@@ -142,7 +142,7 @@ TEST_CASE("the marvin laboratory from the robot and from a distance") {
     REQUIRE(simulation.sensor_pose("FRONT_SCANNER", pose));
     if (turn == 3) pose = at(300, 200, 100) * pose;
     compare(host, device, simulation.diagnostics().draw_list(), pose,
-            directions_into(simulation.diagnostics().draw_list(), pose, 10000 / kFewer, random));
+            directions_into(simulation.diagnostics().draw_list(), pose, 10000 / kFewerRays, random));
   }
   CHECK(device.caster->counters().rays_walked * 100 < device.caster->counters().rays);
 }
@@ -151,7 +151,7 @@ TEST_CASE("more candidates than a ray can hold: leaves behind leaves, many surfa
   const RayEngine device = device_engine();
   std::mt19937 random(3);
   DrawList list;
-  add_item(list, box_mesh({1, 40, 40}), at(50, 0, 0));
+  add_item(list, half_box_mesh({1, 40, 40}), at(50, 0, 0));
   list.materials.push_back(leaves(random));
   list.material_revision.push_back(0);
   constexpr int kCurtains = 4 * SIMVIS_MAX_CANDIDATES;
@@ -167,7 +167,7 @@ TEST_CASE("more candidates than a ray can hold: leaves behind leaves, many surfa
     directions.push_back(glm::normalize(i % 2 == 0 ? glm::dvec3(1, y, z) : glm::dvec3(1, 3 + 0.5 * y, 0.5 * z)));
   }
   const std::vector<RayHit> hits = device.cast(list, glm::dmat4(1.0), directions);
-  for (std::size_t i = 0; i < directions.size(); i += kFewer) {
+  for (std::size_t i = 0; i < directions.size(); i += kFewerRays) {
     CHECK(std::isfinite(hits[i].range_m));
     if (i % 2 == 1) CHECK(hits[i].item == kCurtains + 1);
   }
@@ -180,12 +180,12 @@ TEST_CASE("among faces in one plane the same item is hit in any order of travers
   // far from all rays. The third item is a thousand times as large and rotated about the axis through the plane. All
   // corners across that axis have one depth, which is then the range to the bit.
   DrawList list;
-  add_item(list, box_mesh({1, 1, 1}), at(3, 0, 0));
+  add_item(list, half_box_mesh({1, 1, 1}), at(3, 0, 0));
   Mesh face;
   face.positions = {{0, -3, 0}, {0, 3, -4}, {0, 3, 4}, {-1.5f, 30, 0}};
   face.indices = {0, 1, 2, 1, 2, 3};
   add_item(list, face, at(2, 0, 0));
-  add_item(list, box_mesh({1000, 1000, 1000}), glm::rotate(at(1002, 0, 0), 0.3, {1, 0, 0}));
+  add_item(list, half_box_mesh({1000, 1000, 1000}), glm::rotate(at(1002, 0, 0), 0.3, {1, 0, 0}));
   std::mt19937 random(9);
   std::uniform_real_distribution<double> unit(-0.9, 0.9);
   std::vector<glm::dvec3> directions;
@@ -204,8 +204,8 @@ TEST_CASE("among faces in one plane the same item is hit in any order of travers
 TEST_CASE("both engines let rays pass parts faded below one half, and no part has to move for that") {
   const RayEngine engine = each_engine();
   DrawList list;
-  add_item(list, box_mesh({1, 40, 40}), at(6, 0, 0));
-  add_item(list, box_mesh({1, 1, 1}), at(3, 0, 0));
+  add_item(list, half_box_mesh({1, 40, 40}), at(6, 0, 0));
+  add_item(list, half_box_mesh({1, 1, 1}), at(3, 0, 0));
   list.items[1].material = 1;
   list.materials.resize(2);
   list.material_revision.push_back(0);
@@ -276,7 +276,7 @@ TEST_CASE("an item without a finite place is not hit and hides nothing") {
     add_item(list, sphere_mesh(1, 16), at(nowhere, 0, 0));
     add_item(list, sphere_mesh(1, 16), glm::scale(at(3, 0, 0), glm::dvec3(1, nowhere, 1)));
   }
-  add_item(list, box_mesh({1, 1, 1}), at(3, 0, 0));
+  add_item(list, half_box_mesh({1, 1, 1}), at(3, 0, 0));
   const RayHit hit = engine.cast_one(list, {1, 0, 0});
   CHECK(hit.range_m == 2);
   CHECK(hit.item == 4);

@@ -12,7 +12,7 @@ namespace simvis {
 namespace {
 
 std::vector<Command> parse(std::string_view xml) { return parse_commands(xml, "s.xml", "folder"); }
-std::string error(std::string_view xml) {
+std::string command_error(std::string_view xml) {
   return error_of([&] { parse(xml); });
 }
 
@@ -57,33 +57,42 @@ TEST_CASE("places count lines and bytes from 1 for all line endings") {
 }
 
 TEST_CASE("errors are reported at their place") {
-  CHECK(error("<scene>\n <elemnt name='x'/></scene>") ==
-        "s.xml:2:3: error: unknown command \"elemnt\", did you mean \"element\"? (expected part, element, sensor, remove, "
+  CHECK(command_error("<scene>\n <elemnt name='x'/></scene>") ==
+        "s.xml:2:3: error: unknown command \"elemnt\", did you mean \"element\"? (expected part, element, sensor, "
+        "remove, "
         "include, set or repeat)");
-  CHECK(contains(error("<prat file='x'/>"), "s.xml:1:2: error: unknown command \"prat\", did you mean \"part\"?"));
-  CHECK(contains(error("<part name='a'\n up='y' name='b'/>"), "s.xml:2:9: error: attribute \"name\" is given twice"));
-  CHECK(contains(error("<scene>\n  hello <part/></scene>"), "s.xml:2:3: error: text \"hello\" between commands"));
-  CHECK(contains(error("hello"), "s.xml:1:1: error: text \"hello\" between commands"));
-  CHECK(contains(error("<part/>\n<![CDATA[x]]>"), "text \"x\" between commands"));
-  CHECK(contains(error("<part>\n <part/></part>"), "s.xml:2:3: error: a command has no content, expected <part .../>"));
-  CHECK(contains(error("<scene version='1'><part/></scene>"), "s.xml:1:8: error: unknown attribute \"version\""));
-  CHECK(contains(error("<part/><scene><part/></scene>"), "unknown command \"scene\""));
+  CHECK(contains(command_error("<prat file='x'/>"),
+                 "s.xml:1:2: error: unknown command \"prat\", did you mean \"part\"?"));
+  CHECK(contains(command_error("<part name='a'\n up='y' name='b'/>"),
+                 "s.xml:2:9: error: attribute \"name\" is given twice"));
+  CHECK(
+      contains(command_error("<scene>\n  hello <part/></scene>"), "s.xml:2:3: error: text \"hello\" between commands"));
+  CHECK(contains(command_error("hello"), "s.xml:1:1: error: text \"hello\" between commands"));
+  CHECK(contains(command_error("<part/>\n<![CDATA[x]]>"), "text \"x\" between commands"));
+  CHECK(contains(command_error("<part>\n <part/></part>"),
+                 "s.xml:2:3: error: a command has no content, expected <part .../>"));
+  CHECK(
+      contains(command_error("<scene version='1'><part/></scene>"), "s.xml:1:8: error: unknown attribute \"version\""));
+  CHECK(contains(command_error("<part/><scene><part/></scene>"), "unknown command \"scene\""));
 }
 
 TEST_CASE("malformed XML and input that is not text") {
-  CHECK(contains(error("<scene>\n<part file=\"a></scene>"), "malformed XML: "));
-  CHECK(contains(error("<scene>\n<part></scene>"), "s.xml:2:"));
-  CHECK(
-      contains(error("<scene>\n<part></scene>"), "malformed XML: tag <part> of line 2 is not closed, expected \"/>\""));
-  CHECK(contains(error("<!-- <b> --><scene>\n<part name='>'/>"), "tag <scene> of line 1 is not closed"));
-  CHECK(contains(error("<scene><?x <b>?><part/>\n<element a='/'></scene>"), "tag <element> of line 2 is not closed"));
-  CHECK(contains(error("<part/></scene>"), "malformed XML: tag </scene> closes nothing"));
-  CHECK(contains(error("<part a=1/>"), "s.xml:1:9: error: malformed XML: "));
-  CHECK(contains(error(std::string_view("\xff\xfe<\0p\0", 6)), "s.xml:1:1: error: byte 0xff is not allowed in UTF-8"));
-  CHECK(contains(error(std::string_view("<part/>\n\0", 9)), "s.xml:2:1: error: byte 0x00 is not allowed in UTF-8"));
-  CHECK(contains(error("<part name='\xc0\xaf'/>"), "s.xml:1:13: error: byte 0xc0"));
-  CHECK(contains(error("<part name='\xed\xa0\x80'/>"), "byte 0xed"));
-  CHECK(contains(error("<part name='\xe2\x82'/>"), "byte 0xe2"));
+  CHECK(contains(command_error("<scene>\n<part file=\"a></scene>"), "malformed XML: "));
+  CHECK(contains(command_error("<scene>\n<part></scene>"), "s.xml:2:"));
+  CHECK(contains(command_error("<scene>\n<part></scene>"),
+                 "malformed XML: tag <part> of line 2 is not closed, expected \"/>\""));
+  CHECK(contains(command_error("<!-- <b> --><scene>\n<part name='>'/>"), "tag <scene> of line 1 is not closed"));
+  CHECK(contains(command_error("<scene><?x <b>?><part/>\n<element a='/'></scene>"),
+                 "tag <element> of line 2 is not closed"));
+  CHECK(contains(command_error("<part/></scene>"), "malformed XML: tag </scene> closes nothing"));
+  CHECK(contains(command_error("<part a=1/>"), "s.xml:1:9: error: malformed XML: "));
+  CHECK(contains(command_error(std::string_view("\xff\xfe<\0p\0", 6)),
+                 "s.xml:1:1: error: byte 0xff is not allowed in UTF-8"));
+  CHECK(contains(command_error(std::string_view("<part/>\n\0", 9)),
+                 "s.xml:2:1: error: byte 0x00 is not allowed in UTF-8"));
+  CHECK(contains(command_error("<part name='\xc0\xaf'/>"), "s.xml:1:13: error: byte 0xc0"));
+  CHECK(contains(command_error("<part name='\xed\xa0\x80'/>"), "byte 0xed"));
+  CHECK(contains(command_error("<part name='\xe2\x82'/>"), "byte 0xe2"));
 }
 
 TEST_CASE("deep nesting is an error, not a crash") {
@@ -91,19 +100,20 @@ TEST_CASE("deep nesting is an error, not a crash") {
   std::string xml;
   for (int i = 0; i < kDepth; ++i) xml += "<a>";
   for (int i = 0; i < kDepth; ++i) xml += "</a>";
-  CHECK(contains(error(xml), "s.xml:1:5: error: unknown command \"a\""));
+  CHECK(contains(command_error(xml), "s.xml:1:5: error: unknown command \"a\""));
 }
 
 TEST_CASE("names") {
-  CHECK(
-      contains(error("<part name=''/>"), "s.xml:1:7: error: attribute \"name\": \"\" is not allowed, expected a name"));
-  CHECK(contains(error("<element name='  '/>"), "expected a name that is not empty"));
-  CHECK(contains(error("<sensor name='a/b'/>"), "expected a name without '.' and '/'"));
-  CHECK(contains(error("<sdf version='1.6'><world name='w'/></sdf>"),
+  CHECK(contains(command_error("<part name=''/>"),
+                 "s.xml:1:7: error: attribute \"name\": \"\" is not allowed, expected a name"));
+  CHECK(contains(command_error("<element name='  '/>"), "expected a name that is not empty"));
+  CHECK(contains(command_error("<sensor name='a/b'/>"), "expected a name without '.' and '/'"));
+  CHECK(contains(command_error("<sdf version='1.6'><world name='w'/></sdf>"),
                  "this is a world or model in SDF, expected a scene"));
-  CHECK(contains(error("<sensor name='a.b'/>"), "expected a name without '.' and '/'"));
+  CHECK(contains(command_error("<sensor name='a.b'/>"), "expected a name without '.' and '/'"));
   CHECK(parse("<element name='a.b/c'/>").size() == 1);
-  CHECK(contains(error("<part name='a&#10;b'/>"), "\"a\\x0ab\" is not allowed, expected a name without control"));
+  CHECK(
+      contains(command_error("<part name='a&#10;b'/>"), "\"a\\x0ab\" is not allowed, expected a name without control"));
   CHECK(parse("<part name='chair.001/visual'/>").size() == 1);
 }
 

@@ -22,8 +22,8 @@ constexpr std::string_view kRobot = R"(
   <element type="material" name="PAINT" insert_at="BODY" part="BODY" red="0.5"/>
 )";
 
-struct Stage {
-  Stage() {
+struct IncludeStage {
+  IncludeStage() {
     write_text(folder / "body.stub",
                "triangle 1\npoint WRIST\n<element type=\"pose\" name=\"JOINT\" insert_at=\"WRIST\"/>");
     write_text(folder / "robot.xml", kRobot);
@@ -45,7 +45,7 @@ std::string element_names(const BuiltScene& built) {
 }
 
 TEST_CASE("an included file without a prefix equals its text") {
-  const Stage stage;
+  const IncludeStage stage;
   const BuiltScene included = stage.build("<include file='robot.xml'/>"), inlined = stage.build(kRobot);
   CHECK(included.parameters.changes() == inlined.parameters.changes());
   CHECK(included.parameters.changes().size() == 7);
@@ -54,7 +54,7 @@ TEST_CASE("an included file without a prefix equals its text") {
 }
 
 TEST_CASE("a prefix stands before every name that the file and its parts define") {
-  const Stage stage;
+  const IncludeStage stage;
   const BuiltScene built =
       stage.build("<include file='robot.xml' prefix='A/'/><include file='robot.xml' prefix='B/'/>");
   CHECK(element_names(built) ==
@@ -66,7 +66,7 @@ TEST_CASE("a prefix stands before every name that the file and its parts define"
 }
 
 TEST_CASE("prefixes of nested files stand in a row, and names of outer files can be referred to") {
-  const Stage stage;
+  const IncludeStage stage;
   write_text(stage.folder / "pair.xml",
              "<part name='BASE' insert_at='ROOT'/><include file='robot.xml' prefix='L/' insert_at='BASE'/>"
              "<include file='hat.xml' prefix='HAT/'/>");
@@ -77,7 +77,7 @@ TEST_CASE("prefixes of nested files stand in a row, and names of outer files can
 }
 
 TEST_CASE("insert_at says where ROOT of the file stands") {
-  const Stage stage;
+  const IncludeStage stage;
   write_text(stage.folder / "lamp.xml", "<part name='LAMP' insert_at='ROOT' shape='sphere' radius='1'/>");
   const BuiltScene built = stage.build(R"(<part name="LAMP" insert_at="ROOT" pose_offset="5 0 0 0 0 0"/>
     <include file="lamp.xml" prefix="A/" insert_at="LAMP"/><include file="lamp.xml" prefix="B/"/>)");
@@ -88,7 +88,7 @@ TEST_CASE("insert_at says where ROOT of the file stands") {
 }
 
 TEST_CASE("names of an included file do not mean those of another one") {
-  const Stage stage;
+  const IncludeStage stage;
   write_text(stage.folder / "hand.xml", "<part name='X' insert_at='WRIST'/>");
   const std::string error =
       stage.error("<include file='robot.xml' prefix='A/'/><include file='hand.xml' prefix='B/'/>");

@@ -124,8 +124,8 @@ TEST_CASE("normals of round shapes stand on the surface") {
   }
 }
 
-struct Stage {
-  Stage() {
+struct ShapeStage {
+  ShapeStage() {
     write_text(folder / "a.stub", "triangle 2");
     write_text(folder / "carrier.stub", "point P");
   }
@@ -138,7 +138,7 @@ struct Stage {
 };
 
 TEST_CASE("a shape is a part: it is inserted, placed, painted and moved like one") {
-  const Stage stage;
+  const ShapeStage stage;
   const DrawList list = stage.list(R"(
     <part name="BOX" insert_at="ROOT" shape="box" size="4 0.1 2.5" color="0.8 0.7 0.5" pose_offset="1 2 3 0 0 90"/>
     <element type="pose" name="MOVE" insert_at="BOX" x="5"/>
@@ -162,7 +162,7 @@ TEST_CASE("a shape is a part: it is inserted, placed, painted and moved like one
 }
 
 TEST_CASE("a part without file and shape is an empty frame") {
-  const Stage stage;
+  const ShapeStage stage;
   const BuiltScene built = stage.build(R"(
     <part name="FRAME" insert_at="ROOT" pose_offset="1 0 0 0 0 0"/>
     <part name="A" file="a.stub" insert_at="FRAME"/>)");
@@ -172,7 +172,7 @@ TEST_CASE("a part without file and shape is an empty frame") {
 }
 
 TEST_CASE("contradictions in shapes are reported where they stand") {
-  const Stage stage;
+  const ShapeStage stage;
   const auto refused = [&](const std::string& attributes) {
     return stage.error("<part name='A' insert_at='ROOT' " + attributes + "/>");
   };
@@ -203,7 +203,7 @@ TEST_CASE("contradictions in shapes are reported where they stand") {
 }
 
 TEST_CASE("a file in another unit is scaled, and what is inserted there is not") {
-  const Stage stage;
+  const ShapeStage stage;
   const auto widths = [&](const std::string& attributes) {
     const DrawList list = stage.list("<part file='a.stub' name='A' insert_at='ROOT' pose_offset='1 0 0 0 0 0' " +
                                      attributes + "/><part file='a.stub' name='B' insert_at='A'/>");
@@ -226,7 +226,7 @@ TEST_CASE("a file in another unit is scaled, and what is inserted there is not")
 }
 
 TEST_CASE("mistakes in scale and unit") {
-  const Stage stage;
+  const ShapeStage stage;
   write_text(stage.folder / "a.dae", "");
   CHECK(contains(stage.error("<part file='a.stub' name='A' insert_at='ROOT' scale='0'/>"),
                  "s.xml:1:47: error: attribute \"scale\": 0 is not allowed"));

@@ -93,7 +93,7 @@ RendererScene crowded_room() {
                             named("glass", {0.2f, 0.6f, 0.4f, 0.5f}, AlphaMode::blend),
                             named("tint", {0.6f, 0.1f, 0.5f, 0.25f}, AlphaMode::blend)};
   const std::uint32_t box = scene.add_mesh([] {
-    Mesh mesh = box_mesh({0.5f, 0.5f, 0.25f});
+    Mesh mesh = half_box_mesh({0.5f, 0.5f, 0.25f});
     mesh.attributes.resize(mesh.positions.size());
     for (std::size_t i = 0; i < mesh.attributes.size(); ++i) {
       mesh.attributes[i].normal = glm::normalize(mesh.positions[i]);

@@ -24,7 +24,7 @@ namespace {
 
 using namespace simvis;
 
-const std::filesystem::path kFolder = std::filesystem::path(SIMVIS_SOURCE_DIR) / "scenes/arm";
+const std::filesystem::path kArmFolder = std::filesystem::path(SIMVIS_SOURCE_DIR) / "scenes/arm";
 
 // Where arm.xml puts the arm.
 const glm::dmat4 kWorldFromArm = matrix_from_degrees({-0.35, 0, 0.74}, 0, 0, 0);
@@ -54,7 +54,7 @@ std::string between(const std::string& text, const std::string& begin, const std
 
 // The joint above each link, by the link's name: read here once more, without an XML library, as generate.py writes it.
 std::map<std::string, UrdfJoint> joints_of_arm() {
-  const std::string file = read_text(kFolder / "arm.urdf");
+  const std::string file = read_text(kArmFolder / "arm.urdf");
   std::map<std::string, UrdfJoint> joints;
   for (std::size_t at = file.find("<joint "); at != std::string::npos; at = file.find("<joint ", at + 1)) {
     const std::string text = file.substr(at, file.find("</joint>", at) - at);
@@ -117,7 +117,7 @@ struct Reach {
 };
 Reach read_reach() {
   Reach reach;
-  std::istringstream lines(read_text(kFolder / "reach.csv"));
+  std::istringstream lines(read_text(kArmFolder / "reach.csv"));
   for (std::string line; std::getline(lines, line);) {
     std::istringstream cells(line);
     std::map<std::string, double> row;
@@ -137,16 +137,16 @@ Reach read_reach() {
 }  // namespace
 
 TEST_CASE("the generator makes what is committed, and it is small") {
-  const std::string command = "python3 \"" + (kFolder / "generate.py").string() + "\" --check";
+  const std::string command = "python3 \"" + (kArmFolder / "generate.py").string() + "\" --check";
   CHECK(std::system(command.c_str()) == 0);
   std::uintmax_t bytes = 0;
-  for (const std::string& file : files_below(kFolder)) bytes += std::filesystem::file_size(kFolder / file);
+  for (const std::string& file : files_below(kArmFolder)) bytes += std::filesystem::file_size(kArmFolder / file);
   CHECK(bytes < 1'500'000);
 }
 
 TEST_CASE("the hand's camera stands where the product of the URDF's transforms says") {
   const std::map<std::string, UrdfJoint> joints = joints_of_arm();
-  auto sim = Simulation::load(kFolder / "arm.xml");
+  auto sim = Simulation::load(kArmFolder / "arm.xml");
   CHECK(sim.warnings().empty());
   for (const SensorInfo& sensor : sim.sensors()) sim.enable(sensor.name, false);
   constexpr double kShares[][6] = {
@@ -172,10 +172,10 @@ TEST_CASE("the hand's camera stands where the product of the URDF's transforms s
 
 TEST_CASE("the right finger follows the left one; both show one mesh") {
   const std::map<std::string, UrdfJoint> joints = joints_of_arm();
-  std::vector<Command> commands = read_commands(kFolder / "arm.xml");
+  std::vector<Command> commands = read_commands(kArmFolder / "arm.xml");
   for (const Command& more : parse_commands("<sensor type='camera' name='L' insert_at='left_finger'/>"
                                             "<sensor type='camera' name='R' insert_at='right_finger'/>",
-                                            "test", kFolder)) {
+                                            "test", kArmFolder)) {
     commands.push_back(more);
   }
   BuiltScene built = build_scene(commands);

@@ -24,7 +24,7 @@ namespace {
 
 using namespace simvis;
 
-const std::filesystem::path kFolder = std::filesystem::path(SIMVIS_SOURCE_DIR) / "scenes/marvin";
+const std::filesystem::path kMarvinFolder = std::filesystem::path(SIMVIS_SOURCE_DIR) / "scenes/marvin";
 
 struct Triangle {
   glm::dvec3 a, ab, ac;
@@ -71,7 +71,7 @@ bool is_blocked(const std::vector<Triangle>& triangles, const glm::dvec3& from, 
   return false;
 }
 
-std::vector<Command> marvin_commands() { return read_commands(kFolder / "marvin.xml"); }
+std::vector<Command> marvin_commands() { return read_commands(kMarvinFolder / "marvin.xml"); }
 
 std::string attribute(const Command& command, std::string_view name) {
   const CommandAttribute* found = command.find(name);
@@ -107,7 +107,7 @@ std::vector<Triangle> robot_triangles(const std::vector<Command>& commands, doub
       << R"(<part file="tilt_head.glb" name="TILT_HEAD" insert_at="ROBOT" pose_offset=")" << head[0] << ' ' << head[1]
       << ' ' << head[2] << " 0 " << tilt_deg << R"( 0"/>)";
   Scene scene;
-  for (const Command& command : parse_commands(xml.str(), "robot", kFolder)) scene.insert_part(command);
+  for (const Command& command : parse_commands(xml.str(), "robot", kMarvinFolder)) scene.insert_part(command);
   return triangles_of(scene);
 }
 
@@ -125,7 +125,7 @@ int blocked_beams(const std::vector<Triangle>& robot, const glm::dmat4& robot_fr
 }  // namespace
 
 TEST_CASE("the generator makes what is committed, and its drive keeps clear of the furniture") {
-  const std::string command = "python3 \"" + (kFolder / "generate.py").string() + "\" --check";
+  const std::string command = "python3 \"" + (kMarvinFolder / "generate.py").string() + "\" --check";
   CHECK(std::system(command.c_str()) == 0);
 }
 
@@ -189,7 +189,7 @@ TEST_CASE("no beam leaves the laboratory, windows and the open door included") {
 }
 
 TEST_CASE("the drive begins where the scene puts the robot, and ends there after one turn") {
-  std::ifstream file(kFolder / "drive.csv");
+  std::ifstream file(kMarvinFolder / "drive.csv");
   std::string header, line;
   REQUIRE(std::getline(file, header));
   CHECK(header == "time_s,R_POSE.x,R_POSE.y,R_POSE.yaw,TILT.value");

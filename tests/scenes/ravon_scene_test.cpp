@@ -23,7 +23,7 @@ namespace {
 
 using namespace simvis;
 
-const std::filesystem::path kFolder = std::filesystem::path(SIMVIS_SOURCE_DIR) / "scenes/ravon";
+const std::filesystem::path kRavonFolder = std::filesystem::path(SIMVIS_SOURCE_DIR) / "scenes/ravon";
 
 using Rows = std::vector<std::vector<double>>;
 
@@ -47,7 +47,7 @@ Rows read_table(const std::filesystem::path& path, const std::string& expected_h
 /// The height function of scenes/ravon/ground.py, for places nearer to the origin than its hills.
 class Ground {
  public:
-  Ground() : waves_(read_table(kFolder / "ground.csv", "amplitude_m,kx_rad_per_m,ky_rad_per_m,phase_rad")) {
+  Ground() : waves_(read_table(kRavonFolder / "ground.csv", "amplitude_m,kx_rad_per_m,ky_rad_per_m,phase_rad")) {
     REQUIRE(waves_.size() > kFineWaves);
   }
 
@@ -165,12 +165,12 @@ void check_scan(const Ground& ground, const Scan& scan, const glm::dmat4& world_
 }  // namespace
 
 TEST_CASE("the generator makes what is committed") {
-  const std::string command = "python3 \"" + (kFolder / "generate.py").string() + "\" --check";
+  const std::string command = "python3 \"" + (kRavonFolder / "generate.py").string() + "\" --check";
   CHECK(std::system(command.c_str()) == 0);
 }
 
 TEST_CASE("the overview draws at least 200,000 triangles, with masked leaves of high resolution") {
-  Simulation simulation = Simulation::load(kFolder / "ravon.xml");
+  Simulation simulation = Simulation::load(kRavonFolder / "ravon.xml");
   CHECK(simulation.warnings().empty());
   for (const SensorInfo& sensor : simulation.sensors()) simulation.enable(sensor.name, sensor.name == "WORLD_CAM");
   simulation.step();
@@ -187,7 +187,7 @@ TEST_CASE("the overview draws at least 200,000 triangles, with masked leaves of 
 
 TEST_CASE("the robot's wheels stand on the ground all along the drive, and where the scene puts it") {
   const Ground ground;
-  const Rows rows = read_table(kFolder / "drive.csv", kDriveHeader);
+  const Rows rows = read_table(kRavonFolder / "drive.csv", kDriveHeader);
   REQUIRE(rows.size() > 300);
   CHECK(rows.back()[0] >= 30);
   for (const std::vector<double>& row : rows) {
@@ -195,7 +195,7 @@ TEST_CASE("the robot's wheels stand on the ground all along the drive, and where
     CAPTURE(row[0]);
     check_wheels(ground, {row[1], row[2], row[3], row[4], row[5], row[6]});
   }
-  const std::vector<Command> commands = read_commands(kFolder / "ravon.xml");
+  const std::vector<Command> commands = read_commands(kRavonFolder / "ravon.xml");
   std::array<double, 6> pose{};
   const std::array<const char*, 6> names{"x", "y", "z", "roll", "pitch", "yaw"};
   for (std::size_t i = 0; i < names.size(); ++i) pose[i] = std::stod(attribute(commands, "R_POSE", names[i]));
@@ -204,15 +204,15 @@ TEST_CASE("the robot's wheels stand on the ground all along the drive, and where
 
 TEST_CASE("the front scanner measures the ground before the robot") {
   const Ground ground;
-  const std::string mount = attribute(read_commands(kFolder / "ravon.xml"), "FRONT_SCANNER", "pose_offset");
+  const std::string mount = attribute(read_commands(kRavonFolder / "ravon.xml"), "FRONT_SCANNER", "pose_offset");
   Simulation simulation = Simulation::from_string(
       R"(<part file="ground.glb" name="GROUND" insert_at="ROOT"/>
          <part file="robot.glb" name="ROBOT" insert_at="GROUND"/>
          <element type="pose" name="R_POSE" insert_at="ROBOT"/>
          <sensor type="laser_scanner" name="SCAN" insert_at="ROBOT" pose_offset=")" +
           mount + R"(" samples="361" min_angle="-90" max_angle="90" method="planar"/>)",
-      {}, kFolder);
-  const Rows rows = read_table(kFolder / "drive.csv", kDriveHeader);
+      {}, kRavonFolder);
+  const Rows rows = read_table(kRavonFolder / "drive.csv", kDriveHeader);
   ScanCheck check;
   const std::array<const char*, 6> names{"x", "y", "z", "roll", "pitch", "yaw"};
   for (std::size_t row = 0; row < rows.size(); row += 40) {

@@ -16,7 +16,7 @@ using namespace simvis;
 
 namespace {
 
-struct Stage {
+struct CameraStage {
   Device device;
   Renderer renderer{device};
   DrawList list;
@@ -27,16 +27,16 @@ struct Stage {
     camera.collect({}, plan, renderer.render(list, plan));
   }
 
-  ~Stage() { CHECK(device.validation_messages() == 0); }
+  ~CameraStage() { CHECK(device.validation_messages() == 0); }
 };
 
-glm::dmat4 at(double x, double y, double z) { return glm::translate(glm::dmat4(1.0), {x, y, z}); }
+glm::dmat4 camera_at(double x, double y, double z) { return glm::translate(glm::dmat4(1.0), {x, y, z}); }
 
 }  // namespace
 
 TEST_CASE("depth is in metres along the optical axis and constant over a wall that faces the camera") {
-  Stage stage;
-  add_item(stage.list, box_mesh({0.5, 30, 30}), at(4.5, 0, 0));
+  CameraStage stage;
+  add_item(stage.list, half_box_mesh({0.5, 30, 30}), camera_at(4.5, 0, 0));
   Camera camera("C", {.width_px = 64, .height_px = 48, .hfov_rad = glm::radians(90.0), .color = false, .depth = true});
   stage.take(camera);
   REQUIRE(camera.depth() != nullptr);
@@ -48,9 +48,9 @@ TEST_CASE("depth is in metres along the optical axis and constant over a wall th
 }
 
 TEST_CASE("image x goes to the right, y down, and hfov spans the width") {
-  Stage stage;
+  CameraStage stage;
   // The right and upper edges of the plate lie on the optical axis: left is +y, up is +z.
-  add_item(stage.list, box_mesh({0.1, 1, 1}), at(3.1, 1, 1));
+  add_item(stage.list, half_box_mesh({0.1, 1, 1}), camera_at(3.1, 1, 1));
   Camera camera("C", {.width_px = 40, .height_px = 20, .hfov_rad = glm::radians(90.0), .color = false, .depth = true});
   stage.take(camera);
   const auto seen = [&](int x, int y) { return std::isfinite(camera.depth()->pixels[y * 40 + x]); };
@@ -63,7 +63,7 @@ TEST_CASE("image x goes to the right, y down, and hfov spans the width") {
 }
 
 TEST_CASE("an empty scene shows the background at infinite depth") {
-  Stage stage;
+  CameraStage stage;
   stage.list.world_from_node.push_back(glm::dmat4(1.0));
   Camera camera("C", {.width_px = 8, .height_px = 8, .color = true, .depth = true});
   stage.take(camera);
@@ -76,8 +76,8 @@ TEST_CASE("an empty scene shows the background at infinite depth") {
 }
 
 TEST_CASE("a rotated and moved camera sees the picture that follows from geometry") {
-  Stage stage;
-  add_item(stage.list, sphere_mesh(0.5, 128), at(2, 3, 1));
+  CameraStage stage;
+  add_item(stage.list, sphere_mesh(0.5, 128), camera_at(2, 3, 1));
   Camera camera("C",
                 {.width_px = 101, .height_px = 101, .hfov_rad = glm::radians(40.0), .color = false, .depth = true});
   const glm::dvec3 eye(-1, -1, 1);

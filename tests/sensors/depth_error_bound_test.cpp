@@ -29,11 +29,11 @@ using namespace simvis;
 namespace {
 
 // The reference is about twenty times slower under sanitizers.
-const int kFewer = sanitized() ? 16 : 1;
+const int kFewerRows = sanitized() ? 16 : 1;
 
 // A corner is snapped to the rasteriser's grid of 1/256 pixel, by up to half of that in x and in y, and an edge moves
 // with it. Rounding of its position in the image adds the same amount.
-constexpr double kSnap_px = 1.0 / 256;
+constexpr double kPixelSnap_px = 1.0 / 256;
 // Two ranges on one plane agree within their rounding in double.
 constexpr double kSamePlane = 1e-9;
 
@@ -76,8 +76,8 @@ bool is_narrow(const reference::RayCaster& truth, const Pinhole& k, double u, do
 
 bool met_beside(const reference::RayCaster& truth, const Pinhole& k, double u, double v, double depth_m,
                 double bound_m) {
-  for (const double du : {-kSnap_px, 0.0, kSnap_px}) {
-    for (const double dv : {-kSnap_px, 0.0, kSnap_px}) {
+  for (const double du : {-kPixelSnap_px, 0.0, kPixelSnap_px}) {
+    for (const double dv : {-kPixelSnap_px, 0.0, kPixelSnap_px}) {
       if (std::abs(true_depth(truth, k, u + du, v + dv) - depth_m) <= bound_m) return true;
     }
   }
@@ -87,7 +87,7 @@ bool met_beside(const reference::RayCaster& truth, const Pinhole& k, double u, d
 void compare(const Image& depth, double bound_m, const Pinhole& k, const reference::RayCaster& truth,
              Comparison& result) {
   double worst = 0;
-  for (std::uint32_t y = 0; y < depth.height; y += kFewer) {
+  for (std::uint32_t y = 0; y < depth.height; y += kFewerRows) {
     for (std::uint32_t x = 0; x < depth.width; ++x) {
       const double seen = depth.pixels[std::size_t{y} * depth.width + x];
       if (!std::isfinite(seen)) continue;

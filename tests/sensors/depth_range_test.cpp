@@ -7,10 +7,11 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <numbers>
 #include <random>
 #include <vector>
+
+#include "tests/support/infinity.h"
 
 TEST_SUITE_BEGIN("sensors");
 
@@ -18,7 +19,6 @@ using namespace simvis;
 
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNear_m = 1e-4;
 
 // Rounding of the stored float32 depth to nearest: half an ulp, relative.

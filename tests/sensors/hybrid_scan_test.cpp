@@ -16,6 +16,7 @@
 #include "simvis/report/explain.h"
 #include "simvis/report/run_report.h"
 #include "tests/support/error_of.h"
+#include "tests/support/infinity.h"
 #include "tests/support/random_room.h"
 #include "tests/support/ray_casting.h"
 #include "tests/support/reference_directions.h"
@@ -28,7 +29,6 @@ using namespace simvis;
 
 namespace {
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr double kMaxError = 1e-6;  // relative: sixteen times the rounding of a range to float32
 // Of `raycast` in random rooms: README, "Figures", which rounds up. Rays give the same bytes on every device.
 constexpr double kPublishedMedian = 2.15e-8, kPublishedMaximum = 6e-8;
@@ -36,7 +36,7 @@ constexpr double kMaxTightness = 20;  // and of the median bound over the median
 constexpr double kHalfUlp = 0x1p-24;  // of a float32, relative
 
 // The reference is about twenty times slower under sanitizers.
-const int kFewer = sanitized() ? 8 : 1;
+const int kFewerFrames = sanitized() ? 8 : 1;
 
 const std::filesystem::path kMarvin = std::filesystem::path(SIMVIS_SOURCE_DIR) / "scenes/marvin/marvin.xml";
 constexpr const char* kScanners[] = {"FRONT_SCANNER", "REAR_SCANNER", "TILT_SCANNER"};
@@ -70,7 +70,7 @@ std::string json_of(const Simulation& simulation) {
   return to_json(report);
 }
 
-std::string text(const ScanComparison& comparison) {
+std::string hybrid_text(const ScanComparison& comparison) {
   std::ostringstream out;
   out << comparison;
   return out.str();
@@ -78,7 +78,7 @@ std::string text(const ScanComparison& comparison) {
 
 // A cast beam has no pixels: no surface is too narrow for it, and no beam is uncertain.
 void check_cast(const ScanComparison& comparison) {
-  MESSAGE(text(comparison));
+  MESSAGE(hybrid_text(comparison));
   CHECK(comparison.violations == 0);
   CHECK(comparison.narrow == 0);
   CHECK(comparison.uncertain == 0);
@@ -102,7 +102,7 @@ void scan_once(const DrawList& list, const glm::dmat4& world_from_sensor, LaserS
 TEST_CASE("raycast in the marvin laboratory while the robot drives") {
   Simulation simulation = marvin({{"method", "raycast"}, {"samples", "2001"}});
   ScanComparison comparison;
-  for (int frame = 0; frame < 10; frame += kFewer) {
+  for (int frame = 0; frame < 10; frame += kFewerFrames) {
     drive(simulation, frame);
     CHECK(simulation.diagnostics().counters() == FrameCounters{});  // nothing is rendered, uploaded or held
     for (const char* name : kScanners) {
@@ -127,7 +127,7 @@ TEST_CASE("raycast with 64 rings all around in random rooms") {
                   .max_elevation_rad = kPi / 2};
   desc.method = ScanMethod::raycast;
   ScanComparison comparison;
-  for (int room = 0; room * kFewer < 8; ++room) {
+  for (int room = 0; room * kFewerFrames < 8; ++room) {
     const DrawList list = random_room(static_cast<std::uint32_t>(100 + room), 60, 24);
     Pose pose;
     pose.position_m = {0.1 * room, 0.05 * room, 1.2};
@@ -150,7 +150,7 @@ TEST_CASE("hybrid casts beams above its bound, and agrees with raycast within bo
   Simulation raycast = marvin({{"method", "raycast"}, {"samples", "2001"}});
   double worst = 0, share = 0;
   int scans = 0;
-  for (int frame = 0; frame < 10; frame += kFewer) {
+  for (int frame = 0; frame < 10; frame += kFewerFrames) {
     drive(hybrid, frame);
     drive(raycast, frame);
     CHECK(hybrid.diagnostics().counters().passes == 3);
@@ -177,7 +177,7 @@ TEST_CASE("hybrid casts beams above its bound, and agrees with raycast within bo
 TEST_CASE("hybrid leaves no beam uncertain: beside a silhouette in front of empty space, across a limit of the range") {
   constexpr double kBound = 1e-3;
   DrawList list;
-  add_item(list, box_mesh({0.5, 40, 3}), glm::translate(glm::dmat4(1.0), {4.5, 0, 0}));  // at 8 m 60 degrees aside
+  add_item(list, half_box_mesh({0.5, 40, 3}), glm::translate(glm::dmat4(1.0), {4.5, 0, 0}));  // at 8 m 60 degrees aside
   Device device;
   Renderer renderer(device);
   const auto scan = [&](LaserScannerDesc desc, ScanMethod method) {
@@ -288,7 +288,7 @@ TEST_CASE("the rasteriser and the ray caster pass the same beams through holes")
   material->base_color_texture = texture;
   material->uv_transform = glm::mat3x2(0.8f, 0.1f, -0.1f, 1.7f, -0.3f, 0.2f);
   DrawList list;
-  add_item(list, box_mesh({0.5, 40, 40}), glm::translate(glm::dmat4(1.0), {5.5, 0, 0}));
+  add_item(list, half_box_mesh({0.5, 40, 40}), glm::translate(glm::dmat4(1.0), {5.5, 0, 0}));
   Mesh curtain;
   curtain.positions = {{2, 1.5f, 1}, {2, -1.5f, 1}, {2, -1.5f, -1}, {2, 1.5f, -1}};
   curtain.indices = {0, 1, 2, 0, 2, 3};
@@ -338,7 +338,7 @@ TEST_CASE("the rasteriser and the ray caster pass the same beams through holes")
 
 TEST_CASE("limits along the ray: closer hits read 0, farther ones and misses inf") {
   DrawList list;
-  add_item(list, box_mesh({0.5, 40, 3}), glm::translate(glm::dmat4(1.0), {4.5, 0, 0}));
+  add_item(list, half_box_mesh({0.5, 40, 3}), glm::translate(glm::dmat4(1.0), {4.5, 0, 0}));
   LaserScannerDesc desc;
   desc.pattern = {.beams = 3, .min_azimuth_rad = -kPi / 3, .max_azimuth_rad = kPi / 3};  // at 4 m; at 8 m beside
   desc.method = ScanMethod::raycast;

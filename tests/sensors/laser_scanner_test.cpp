@@ -9,6 +9,7 @@
 #include <simvis/device.h>
 #include <simvis/pose.h>
 #include "engine/render/renderer.h"
+#include "tests/support/infinity.h"
 #include "tests/support/random_room.h"
 #include "tests/support/reference_directions.h"
 
@@ -18,16 +19,14 @@ using namespace simvis;
 
 namespace {
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
-
 // float32 from vertex to range, relative to the largest coordinate of the hit surface: vertex rounding, plane setup and
 // storing are about sixteen half-ulps of it, see depth_range.h. A test multiplies it by that coordinate over the range,
 // and by the slant.
 constexpr double kRounding = 16 * 0x1p-24;
 
-glm::dmat4 at(double x, double y, double z) { return glm::translate(glm::dmat4(1.0), {x, y, z}); }
+glm::dmat4 scanner_at(double x, double y, double z) { return glm::translate(glm::dmat4(1.0), {x, y, z}); }
 
-struct Stage {
+struct ScannerStage {
   Device device;
   Renderer renderer{device};
   DrawList list;
@@ -39,7 +38,7 @@ struct Stage {
     return *scanner.scan();
   }
 
-  ~Stage() { CHECK(device.validation_messages() == 0); }
+  ~ScannerStage() { CHECK(device.validation_messages() == 0); }
 };
 
 LaserScannerDesc fan(std::uint32_t samples, double min_deg, double max_deg) {
@@ -51,8 +50,8 @@ LaserScannerDesc fan(std::uint32_t samples, double min_deg, double max_deg) {
 }  // namespace
 
 TEST_CASE("a wall ahead: range = distance / cos(azimuth), for nearest within half a pixel, for planar to rounding") {
-  Stage stage;
-  add_item(stage.list, box_mesh({0.5, 40, 3}), at(4.5, 0, 0));
+  ScannerStage stage;
+  add_item(stage.list, half_box_mesh({0.5, 40, 3}), scanner_at(4.5, 0, 0));
   for (const ScanMethod method : {ScanMethod::planar, ScanMethod::nearest}) {
     LaserScannerDesc desc = fan(161, -80, 80);
     desc.method = method;
@@ -72,9 +71,10 @@ TEST_CASE("a wall ahead: range = distance / cos(azimuth), for nearest within hal
 }
 
 TEST_CASE("range_min and range_max are limits along the ray, not clip planes") {
-  Stage stage;
-  add_item(stage.list, box_mesh({0.01, 0.05, 1}), at(0.2, 0, 0));  // a plate close to the scanner, across azimuth 0
-  add_item(stage.list, box_mesh({0.5, 40, 3}), at(10.5, 0, 0));    // the wall that it hides
+  ScannerStage stage;
+  add_item(stage.list, half_box_mesh({0.01, 0.05, 1}),
+           scanner_at(0.2, 0, 0));  // a plate close to the scanner, across azimuth 0
+  add_item(stage.list, half_box_mesh({0.5, 40, 3}), scanner_at(10.5, 0, 0));  // the wall that it hides
   LaserScannerDesc desc = fan(3, -60, 60);
   desc.range_min_m = 1;
   desc.range_max_m = 15;
@@ -88,15 +88,15 @@ TEST_CASE("range_min and range_max are limits along the ray, not clip planes") {
 }
 
 TEST_CASE("a surface a millimetre away still blocks the beam") {
-  Stage stage;
-  add_item(stage.list, box_mesh({0.0005, 1, 1}), at(0.0015, 0, 0));
+  ScannerStage stage;
+  add_item(stage.list, half_box_mesh({0.0005, 1, 1}), scanner_at(0.0015, 0, 0));
   LaserScanner scanner("S", fan(1, 0, 0));
   CHECK(stage.scan(scanner).range_m[0] == 0);
 }
 
 TEST_CASE("a full turn: the first and last beams agree within their bounds, and so do all at the borders of faces") {
-  Stage stage;
-  add_item(stage.list, box_mesh({3, 2, 1.5}), at(0.4, -0.3, 0.2));
+  ScannerStage stage;
+  add_item(stage.list, half_box_mesh({3, 2, 1.5}), scanner_at(0.4, -0.3, 0.2));
   LaserScanner scanner("S", fan(721, -180, 180));
   const Scan& scan = stage.scan(scanner, to_matrix({{0, 0, 0}, 0.1, -0.05, 0.3}));
   CHECK(std::abs(scan.range_m.front() - scan.range_m.back()) <= scan.error_bound_m.front() + scan.error_bound_m.back());
@@ -111,9 +111,9 @@ TEST_CASE("a full turn: the first and last beams agree within their bounds, and 
 }
 
 TEST_CASE("a lidar inside a box, from straight down to straight up") {
-  Stage stage;
+  ScannerStage stage;
   const glm::dvec3 half(3, 2, 1.5);
-  add_item(stage.list, box_mesh(half), glm::dmat4(1.0));
+  add_item(stage.list, half_box_mesh(half), glm::dmat4(1.0));
   LaserScannerDesc desc = fan(73, -180, 180);
   desc.pattern.rings = 37;
   desc.pattern.min_elevation_rad = -kPi / 2;
@@ -138,8 +138,8 @@ TEST_CASE("a lidar inside a box, from straight down to straight up") {
 }
 
 TEST_CASE("a tilted scanner over flat ground: a straight line, and no point below the ground") {
-  Stage stage;
-  add_item(stage.list, box_mesh({200, 200, 0.5}), at(0, 0, -0.5));
+  ScannerStage stage;
+  add_item(stage.list, half_box_mesh({200, 200, 0.5}), scanner_at(0, 0, -0.5));
   const glm::dmat4 pose = to_matrix({{0, 0, 1}, 0, glm::radians(20.0), 0});
   // The corners of the ground, 283 m away, are rounded to their half-ulp about four times. This displaces the plane
   // through them, which relative to the sensor's height of 1 m is the relative error of every range.
@@ -157,7 +157,7 @@ TEST_CASE("a tilted scanner over flat ground: a straight line, and no point belo
 }
 
 TEST_CASE("a laser hits a single-sided surface from behind and passes mostly transparent surfaces") {
-  Stage stage;
+  ScannerStage stage;
   Mesh pane;
   pane.positions = {{2, -1, -1}, {2, 1, -1}, {2, 0, 1}};
   pane.indices = {0, 1, 2};
@@ -178,19 +178,19 @@ TEST_CASE("a laser hits a single-sided surface from behind and passes mostly tra
 }
 
 TEST_CASE("an empty scene reads infinity everywhere") {
-  Stage stage;
+  ScannerStage stage;
   stage.list.world_from_node.push_back(glm::dmat4(1.0));
   LaserScanner scanner("S", fan(361, -90, 90));
   for (const float range : stage.scan(scanner).range_m) CHECK(range == kInfinity);
 }
 
 TEST_CASE("a scan far from the world's origin is the same to 1e-6") {
-  Stage stage;
+  ScannerStage stage;
   LaserScanner scanner("S", fan(361, -180, 180));
   const auto scan_at = [&](const glm::dvec3& offset) {
     stage.list = random_room(3, 40, 16);
     for (glm::dmat4& m : stage.list.world_from_node) m = glm::translate(glm::dmat4(1.0), offset) * m;
-    return stage.scan(scanner, at(offset.x, offset.y, offset.z + 1));
+    return stage.scan(scanner, scanner_at(offset.x, offset.y, offset.z + 1));
   };
   const Scan home = scan_at({0, 0, 0}), away = scan_at({1.2e6, -7.6e6, 300});
   int compared = 0;

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <functional>
 #include <glm/gtc/matrix_transform.hpp>
-#include <limits>
 #include <numbers>
 #include <optional>
 
@@ -15,6 +14,7 @@
 #include <simvis/pose.h>
 #include <simvis/simulation.h>
 #include "engine/render/renderer.h"
+#include "tests/support/infinity.h"
 #include "tests/support/random_room.h"
 #include "tests/support/run_process.h"
 #include "tests/support/tested_build.h"
@@ -26,8 +26,6 @@ using namespace simvis;
 
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 // Vertices within 2 m are rounded to 2 * 2^-24 several times; depth is set up and stored in float32.
 constexpr double kDepthTolerance_m = 16 * 2 * 0x1p-24;
 
@@ -36,7 +34,7 @@ Device& shared_device() {
   return device;
 }
 
-struct Stage {
+struct PsdStage {
   Renderer renderer{shared_device()};
   DrawList list;
 
@@ -47,16 +45,16 @@ struct Stage {
     psd.collect({}, plan, renderer.render(list, plan));
   }
 
-  ~Stage() { CHECK(shared_device().validation_messages() == 0); }
+  ~PsdStage() { CHECK(shared_device().validation_messages() == 0); }
 };
 
-glm::dmat4 at(double x, double y, double z) { return glm::translate(glm::dmat4(1.0), {x, y, z}); }
+glm::dmat4 psd_at(double x, double y, double z) { return glm::translate(glm::dmat4(1.0), {x, y, z}); }
 
 /// A plate perpendicular to x whose front is at x = range_m, from y_min to y_max and z_min to z_max.
 void add_plate(DrawList& list, double range_m, double y_min, double y_max, double z_min, double z_max) {
   constexpr double kHalfThickness_m = 0.005;
-  add_item(list, box_mesh(glm::dvec3(kHalfThickness_m, (y_max - y_min) / 2, (z_max - z_min) / 2)),
-           at(range_m + kHalfThickness_m, (y_min + y_max) / 2, (z_min + z_max) / 2));
+  add_item(list, half_box_mesh(glm::dvec3(kHalfThickness_m, (y_max - y_min) / 2, (z_max - z_min) / 2)),
+           psd_at(range_m + kHalfThickness_m, (y_min + y_max) / 2, (z_min + z_max) / 2));
 }
 
 const VoltageCurve& curve() {
@@ -112,7 +110,7 @@ TEST_CASE("a user's own curve") {
 
 TEST_CASE("a wall perpendicular to the cone reads its distance and the datasheet's voltage") {
   for (const Point& p : kDatasheet) {
-    Stage stage;
+    PsdStage stage;
     add_plate(stage.list, p.range_m, -1, 1, -1, 1);
     Psd psd("P", kAnyRange, curve());
     CHECK(std::isnan(range_of(psd)));
@@ -126,9 +124,9 @@ TEST_CASE("a wall perpendicular to the cone reads its distance and the datasheet
 TEST_CASE("a tilted wall reads the centroid of the returned light") {
   constexpr double kDistance_m = 0.3, kTilt_rad = 1.0, kOpening_rad = 0.35;
   constexpr std::uint32_t kResolution_px = 256;
-  Stage stage;
-  add_item(stage.list, box_mesh({0.005, 1, 1}),
-           glm::rotate(at(kDistance_m, 0, 0), kTilt_rad, {0, 0, 1}) * at(0.005, 0, 0));
+  PsdStage stage;
+  add_item(stage.list, half_box_mesh({0.005, 1, 1}),
+           glm::rotate(psd_at(kDistance_m, 0, 0), kTilt_rad, {0, 0, 1}) * psd_at(0.005, 0, 0));
   Psd psd("P", {.opening_rad = kOpening_rad, .resolution_px = kResolution_px, .range_min_m = 0, .range_max_m = 100},
           curve());
   stage.take(psd);
@@ -169,7 +167,7 @@ TEST_CASE("a target that fills a part of the cone counts by its area and its inv
   };
   // Edges on the axis divide the even number of pixels equally, and the angular weights on both sides are the same.
   for (const bool quarter : {false, true}) {
-    Stage stage;
+    PsdStage stage;
     add_plate(stage.list, kNear_m, 0, 1, quarter ? 0 : -1, 1);
     Psd psd("P", kAnyRange, curve());
     stage.take(psd);
@@ -181,7 +179,7 @@ TEST_CASE("a target that fills a part of the cone counts by its area and its inv
 }
 
 TEST_CASE("only surfaces in the cone count") {
-  Stage stage;
+  PsdStage stage;
   add_plate(stage.list, 0.5, -1, 1, -1, 1);
   // A pole beside the cone: at 0.25 m the cone of 5 degrees has a radius of 1.09 cm.
   add_plate(stage.list, 0.25, 0.0115, 0.1, -1, 1);
@@ -196,7 +194,7 @@ TEST_CASE("only surfaces in the cone count") {
 }
 
 TEST_CASE("an empty scene, and surfaces outside the limits") {
-  Stage stage;
+  PsdStage stage;
   Psd psd("P", {}, curve());
   stage.take(psd);
   CHECK(range_of(psd) == kInfinity);
@@ -206,7 +204,7 @@ TEST_CASE("an empty scene, and surfaces outside the limits") {
   CHECK(range_of(psd) == kInfinity);
   CHECK(std::abs(voltage_of(psd) - curve().at(0.9)) <= kDepthTolerance_m * 1);  // 0.28 V m / 0.9^2 m^2 is below 1 V/m
   // Seen from 0.82 m farther forward: 8 cm away.
-  stage.take(psd, at(0.82, 0, 0));
+  stage.take(psd, psd_at(0.82, 0, 0));
   CHECK(range_of(psd) == 0);
   CHECK(std::abs(voltage_of(psd) - curve().at(0.08)) <= kDepthTolerance_m * 3.1 / 0.06);
 }
@@ -214,7 +212,7 @@ TEST_CASE("an empty scene, and surfaces outside the limits") {
 TEST_CASE("noise has the given standard deviation and does not change the range") {
   constexpr double kNoise_v = 0.02, kSigmas = 5;
   constexpr std::uint64_t kFrames = 100'000;
-  Stage stage;
+  PsdStage stage;
   add_plate(stage.list, 0.3, -1, 1, -1, 1);
   PsdDesc desc = kAnyRange;
   Psd exact("P", desc, curve());

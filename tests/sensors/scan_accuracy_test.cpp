@@ -45,7 +45,7 @@ constexpr Published kPlanarMarvin{6.3e-8, 9e-5, {}, 0.034, 0.0018};
 constexpr double kOfPublished = 1.25;
 
 // The reference is about twenty times slower under sanitizers, which do not look for rare beams.
-const int kFewer = sanitized() ? 8 : 1;
+const int kFewerRooms = sanitized() ? 8 : 1;
 
 std::string text(const ScanComparison& comparison) {
   std::ostringstream out;
@@ -92,7 +92,7 @@ void check_rooms(const LaserScannerDesc& desc, int rooms, const Published& publi
   Renderer renderer(device);
   ScanComparison comparison;
   std::mt19937 random(11);
-  for (int room = 0; room * kFewer < rooms; ++room) {
+  for (int room = 0; room * kFewerRooms < rooms; ++room) {
     const DrawList list = random_room(static_cast<std::uint32_t>(room), 60, 24);
     const glm::dmat4 pose = somewhere(random, room % 2 == 0);
     LaserScanner scanner("S", desc);
@@ -154,7 +154,7 @@ TEST_CASE("planar scans of the marvin laboratory while the robot drives: 300,000
   Simulation simulation = Simulation::load(std::filesystem::path(SIMVIS_SOURCE_DIR) / "scenes/marvin/marvin.xml", desc);
   for (const SensorInfo& sensor : simulation.sensors()) simulation.enable(sensor.name, sensor.type == "laser_scanner");
   ScanComparison comparison;
-  for (int frame = 0; frame < 20; frame += kFewer) {
+  for (int frame = 0; frame < 20; frame += kFewerRooms) {
     simulation.set("R_POSE", "yaw", 18.0 * frame);
     simulation.set("TILT", "value", -30 + 3.0 * frame);
     simulation.step();

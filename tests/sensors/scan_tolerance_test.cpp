@@ -29,8 +29,8 @@ TEST_CASE("the error about a tolerance that no method meets names the smallest o
     desc.max_error_rel = std::numeric_limits<double>::infinity();
     desc.where_max_error_m = {.file = "scene.xml", .line = 3, .column = 14};
     DrawList near, far;
-    add_item(near, box_mesh({3, 3, 3}), glm::dmat4(1.0));
-    add_item(far, box_mesh({5, 5, 5}), glm::dmat4(1.0));
+    add_item(near, half_box_mesh({3, 3, 3}), glm::dmat4(1.0));
+    add_item(far, half_box_mesh({5, 5, 5}), glm::dmat4(1.0));
     LaserScanner scanner = make_scanner(desc, true);
     measure(scanner, near);
     const Scan before = *scanner.scan();

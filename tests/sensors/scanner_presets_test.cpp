@@ -13,14 +13,14 @@ TEST_SUITE_BEGIN("sensors");
 namespace simvis::test {
 namespace {
 
-std::string scanner(const std::string& attributes) {
+std::string preset_scanner(const std::string& attributes) {
   return R"(<sensor type="laser_scanner" name="SCAN" insert_at="ROOT" )" + attributes + "/>";
 }
 
 Simulation simulation_of(const std::string& attributes, double rate_hz = 15) {
   SimulationDesc desc;
   desc.rate_hz = rate_hz;
-  return Simulation::from_string(scanner(attributes), desc, ".", "s.xml");
+  return Simulation::from_string(preset_scanner(attributes), desc, ".", "s.xml");
 }
 
 double attribute(const Simulation& simulation, std::string_view name) {
@@ -78,7 +78,7 @@ TEST_CASE("noise and resolution of a preset show in its ranges") {
                   return file;
                 }()}},
               R"(<part file="plates.gltf" name="PLATES" insert_at="ROOT" up="z"/>)" +
-                  scanner("preset='sick_lms200' min_angle='0' max_angle='0' samples='1000'"));
+                  preset_scanner("preset='sick_lms200' min_angle='0' max_angle='0' samples='1000'"));
   world->step();
   const Scan& scan = world->scan("SCAN");
   std::map<float, int> readings;
@@ -99,7 +99,7 @@ TEST_CASE("attributes of a command and of the command line override the preset")
   CHECK(attribute(own, "range_max") == 30);
   SimulationDesc desc;
   desc.overrides = {{"laser_scanner", "rate", "5", "--rate"}};
-  const Simulation overridden = Simulation::from_string(scanner("preset='hokuyo_utm30lx'"), desc);
+  const Simulation overridden = Simulation::from_string(preset_scanner("preset='hokuyo_utm30lx'"), desc);
   CHECK(attribute(overridden, "rate") == 5);
   CHECK(attribute(overridden, "samples") == 1081);
   // The log has the command as it was written, so its repetition means the same.

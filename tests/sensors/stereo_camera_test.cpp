@@ -6,7 +6,6 @@
 #include <cmath>
 #include <functional>
 #include <glm/gtc/matrix_transform.hpp>
-#include <limits>
 #include <numbers>
 #include <set>
 
@@ -14,6 +13,7 @@
 #include <simvis/simulation.h>
 #include "engine/render/renderer.h"
 #include "simvis/output/output_writer.h"
+#include "tests/support/infinity.h"
 #include "tests/support/picture_files.h"
 #include "tests/support/renderer_scene.h"
 #include "tests/support/wall_scene.h"
@@ -23,8 +23,6 @@ TEST_SUITE_BEGIN("sensors");
 using namespace simvis;
 
 namespace {
-
-const float kInfinity = std::numeric_limits<float>::infinity();
 
 /// A bright plate that faces the camera: its left, right, top and bottom edges in pixels of the left picture.
 struct Plate {

@@ -5,8 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "simvis/report/run_inputs.h"
-#include "tests/support/run_process.h"
-#include "tests/support/tested_build.h"
+#include "tests/support/simvis_run.h"
 #include "tests/support/wall_scene.h"
 
 TEST_SUITE_BEGIN("simvis");
@@ -15,11 +14,7 @@ namespace simvis {
 namespace {
 
 namespace fs = std::filesystem;
-using Strings = std::vector<std::string>;
-
-const std::string kProgram = tested_build() + "/bin/simvis-run";
-
-constexpr std::string_view kScene = R"(
+constexpr std::string_view kRepeatedSensors = R"(
 <element type="pose" name="MOVE" insert_at="ROOT"/>
 <sensor type="laser_scanner" name="SCAN" insert_at="ROOT" samples="31" min_angle="-60" max_angle="60"
         range_noise="0.01"/>
@@ -30,11 +25,12 @@ constexpr std::string_view kScene = R"(
 struct Project {
   TemporaryFolder folder;
   Project() {
-    write_wall_scene(folder.path(), kScene);
+    write_wall_scene(folder.path(), kRepeatedSensors);
     write_text(folder / "drive.csv", "time_s,MOVE.x\n0,0\n1,1\n");
   }
   ProcessResult run(const std::string& arguments) const {
-    return Process({"/bin/sh", "-c", "cd \"$0\" && exec " + kProgram + " " + arguments, folder.path().string()}).wait();
+    return Process({"/bin/sh", "-c", "cd \"$0\" && exec " + simvis_run() + " " + arguments, folder.path().string()})
+        .wait();
   }
 };
 
@@ -96,7 +92,7 @@ TEST_CASE("a run is not made again from other files, and not with other options"
   write_text(project.folder / "taken/run.json", "");
   fs::create_directory(project.folder / "taken");
   write_text(project.folder / "taken/run.json", "{}");
-  write_wall_scene(project.folder.path(), kScene);
+  write_wall_scene(project.folder.path(), kRepeatedSensors);
   CHECK(project.run("scene.xml --out taken").exit_code == 2);
   CHECK(read_text(project.folder / "taken/run.json") == "{}");
 }

@@ -16,7 +16,7 @@ TEST_SUITE_BEGIN("simvis");
 namespace simvis {
 namespace {
 
-constexpr std::uint64_t kFrames = 1'000'000;
+constexpr std::uint64_t kManyFrames = 1'000'000;
 
 struct Rate {
   double hz;
@@ -36,7 +36,8 @@ TEST_CASE("frame times are rounded once from the frame's number") {
   for (const Rate& rate : kRates) {
     const Clock clock(rate.hz);
     bool equal = true;
-    for (std::uint64_t k = 0; k < kFrames; ++k) equal = equal && clock.frame(k).time_ns == time_by_definition(k, rate);
+    for (std::uint64_t k = 0; k < kManyFrames; ++k)
+      equal = equal && clock.frame(k).time_ns == time_by_definition(k, rate);
     CHECK_MESSAGE(equal, "rate ", rate.hz);
   }
   const Clock clock(15);
@@ -64,7 +65,7 @@ TEST_CASE("a sensor is due in the first frame at or after each of its due times"
     for (const Rate& sensor_rate : kRates) {
       std::uint64_t next = 0;  // the first due time not yet used
       std::uint64_t wrong = 0;
-      for (std::uint64_t k = 0; k < kFrames; ++k) {
+      for (std::uint64_t k = 0; k < kManyFrames; ++k) {
         const std::int64_t now = clock.frame(k).time_ns;
         const bool due = time_by_definition(next, sensor_rate) <= now;
         if (clock.fires(sensor_rate.hz, k) != due) ++wrong;
@@ -93,11 +94,11 @@ TEST_CASE("the number of due frames of sensors") {
   CHECK(firings(15, 1000, 100) == 100);  // faster than the frames: once in each
   CHECK(firings(15, 1e300, 100) == 100);
   CHECK(firings(15, 1e-300, 100) == 1);  // only at time 0
-  CHECK(firings(15, 15, kFrames) == kFrames);
-  CHECK(firings(29.97, 29.97, kFrames) == kFrames);
+  CHECK(firings(15, 15, kManyFrames) == kManyFrames);
+  CHECK(firings(29.97, 29.97, kManyFrames) == kManyFrames);
   // Frame 999,999 is at 99,999.9 s; due times at 0, 1, ..., 99,999 s.
-  CHECK(firings(10, 1, kFrames) == 100'000);
-  CHECK(firings(30, 7.5, kFrames) == kFrames / 4);
+  CHECK(firings(10, 1, kManyFrames) == 100'000);
+  CHECK(firings(30, 7.5, kManyFrames) == kManyFrames / 4);
 }
 
 std::string refusal(double rate_hz) {

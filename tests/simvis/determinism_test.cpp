@@ -56,7 +56,7 @@ constexpr ScanHash kScans[] = {
 };
 
 /// Of a drive at 15 Hz.
-constexpr int kFrames[] = {0, 37, 151};
+constexpr int kComparedFrames[] = {0, 37, 151};
 constexpr double kRate_hz = 15;
 
 class Hash {
@@ -124,7 +124,7 @@ TEST_CASE("draw lists of the scenes that come with SimVis") {
     const Trajectory trajectory(scene_file(expected.scene).parent_path() / expected.trajectory,
                                 simulation.parameters());
     Hash hash;
-    for (const int frame : kFrames) {
+    for (const int frame : kComparedFrames) {
       drive(simulation, trajectory, frame);
       hash.add(std::vector{content_hash(rounded(simulation.diagnostics().draw_list()))});
     }
@@ -146,7 +146,7 @@ TEST_CASE("scans of marvin by each method") {
     }
     const Trajectory trajectory(scene_file("marvin").parent_path() / "drive.csv", simulation.parameters());
     Hash hash;
-    for (const int frame : kFrames) {
+    for (const int frame : kComparedFrames) {
       drive(simulation, trajectory, frame);
       for (const std::string& name : simulation.measured()) {
         const Scan& scan = simulation.scan(name);

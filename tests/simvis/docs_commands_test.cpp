@@ -20,17 +20,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kRoot = SIMVIS_SOURCE_DIR;
+const fs::path kCommandsRoot = SIMVIS_SOURCE_DIR;
 
 std::string place(const fs::path& page, const MarkdownBlock& block) {
-  return fs::relative(page, kRoot).string() + ":" + std::to_string(block.line);
+  return fs::relative(page, kCommandsRoot).string() + ":" + std::to_string(block.line);
 }
 
 // A folder that resembles the root of the sources after ./run, as far as the commands of the pages need it.
 class PageFolder {
  public:
   PageFolder() {
-    for (const char* name : {"scenes", "tests"}) fs::create_directory_symlink(kRoot / name, folder_ / name);
+    for (const char* name : {"scenes", "tests"}) fs::create_directory_symlink(kCommandsRoot / name, folder_ / name);
     fs::create_directory(folder_ / "build");
     fs::create_directory_symlink(tested_build(), folder_ / "build/release");
   }
@@ -137,7 +137,7 @@ TEST_CASE("a block that shows a file equals that file") {
       const auto file = block.mark("same as");
       if (!file) continue;
       CAPTURE(place(page, block));
-      CHECK(block.text == read_text(kRoot / *file));
+      CHECK(block.text == read_text(kCommandsRoot / *file));
     }
   }
 }
@@ -151,7 +151,7 @@ TEST_CASE("scenes that no command uses can be loaded") {
       const std::string where = place(page, block);
       CAPTURE(where);
       const auto same = block.mark("same as");
-      const fs::path folder = same ? (kRoot / *same).parent_path() : kRoot;
+      const fs::path folder = same ? (kCommandsRoot / *same).parent_path() : kCommandsRoot;
       CHECK_NOTHROW(Simulation::from_string(block.text, {}, folder, where));
     }
   }
@@ -168,7 +168,7 @@ TEST_CASE("the C++ of the pages compiles against the public headers") {
   const TemporaryFolder folder;
   write_text(folder / "pages.cpp", includes + source);
   const ProcessResult compiled = Process({SIMVIS_CXX_COMPILER, "-std=c++20", "-fsyntax-only", "-I",
-                                          (kRoot / "include").string(), (folder / "pages.cpp").string()})
+                                          (kCommandsRoot / "include").string(), (folder / "pages.cpp").string()})
                                      .wait();
   CAPTURE(compiled.err);
   CHECK(compiled.exit_code == 0);

@@ -10,9 +10,8 @@
 #include <simvis/sensor.h>
 #include "scenegraph/language/markdown.h"
 #include "tests/support/markdown.h"
-#include "tests/support/run_process.h"
+#include "tests/support/simvis_run.h"
 #include "tests/support/temporary_folder.h"
-#include "tests/support/tested_build.h"
 
 TEST_SUITE_BEGIN("simvis");
 
@@ -24,10 +23,8 @@ namespace fs = std::filesystem;
 constexpr std::ptrdiff_t kReadmeLines = 200, kExampleLines = 40;
 
 const fs::path kRoot = SIMVIS_SOURCE_DIR;
-const std::string kProgram = tested_build() + "/bin/simvis-run";
-
 std::string described(const std::string& type) {
-  const ProcessResult result = Process({kProgram, "--describe", type, "--markdown"}).wait();
+  const ProcessResult result = Process({simvis_run(), "--describe", type, "--markdown"}).wait();
   REQUIRE(result.exit_code == 0);
   return result.out;
 }
@@ -65,7 +62,7 @@ TEST_CASE("the reference has every type with its summary, notes and attributes")
 }
 
 TEST_CASE("--describe gives the notes of a type within 120 columns, and as Markdown its section") {
-  const ProcessResult text = Process({kProgram, "--describe", "fog"}).wait();
+  const ProcessResult text = Process({simvis_run(), "--describe", "fog"}).wait();
   CHECK(text.out.find("Of several fog elements the last one counts.") != std::string::npos);
   std::istringstream lines(text.out);
   for (std::string line; std::getline(lines, line);) CHECK(line.size() <= 120);
@@ -73,7 +70,7 @@ TEST_CASE("--describe gives the notes of a type within 120 columns, and as Markd
   CHECK(section.starts_with("### Element `fog`\n"));
   CHECK(section.find("### Effect `fog`\n") != section.npos);
   CHECK(described("all").find(section.substr(0, section.find("### Effect"))) != std::string::npos);
-  CHECK(Process({kProgram, "--markdown"}).wait().exit_code == 2);
+  CHECK(Process({simvis_run(), "--markdown"}).wait().exit_code == 2);
 }
 
 TEST_CASE("README.md is short, and so is the example of an element") {

@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 using Strings = std::vector<std::string>;
 
 // The wall is 4 m ahead of both; the middle beam of ring 1 meets it there, the last beams miss it.
-constexpr std::string_view kSensors = R"(
+constexpr std::string_view kFormatSensors = R"(
 <sensor type="camera" name="CAM" insert_at="ROOT" width="32" height="24" hfov="90" outputs="color depth"
         pose_offset="0 1 0.5 0 0 0"/>
 <sensor type="laser_scanner" name="SCAN" insert_at="ROOT" samples="5" min_angle="-80" max_angle="80"
@@ -38,7 +38,7 @@ struct Written {
   TemporaryFolder folder;
   fs::path out = folder / "out";
   explicit Written(const Strings& more) {
-    Strings arguments = {tested_build() + "/bin/simvis-run", write_wall_scene(folder.path(), kSensors).string(),
+    Strings arguments = {tested_build() + "/bin/simvis-run", write_wall_scene(folder.path(), kFormatSensors).string(),
                          "--out", out.string(), "--quiet"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     const ProcessResult result = Process(arguments).wait();

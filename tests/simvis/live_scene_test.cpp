@@ -54,8 +54,8 @@ const ElementRegistration kPainter({.name = "painter",
                                       return std::make_unique<Painter>(context);
                                     }});
 
-struct Stage {
-  Stage() {
+struct LiveStage {
+  LiveStage() {
     write_text(folder / "table.stub", "triangle 1");
     write_text(folder / "copy.stub", "triangle 1");
     write_text(folder / "arm.stub", "triangle 2\npoint HAND\n<element type='joint' name='TILT' insert_at='HAND'/>");
@@ -75,7 +75,7 @@ double red_of(const DrawList& list, std::size_t item) {
 }  // namespace
 
 TEST_CASE("an element changes the named part and no other one of the same file") {
-  const Stage stage;
+  const LiveStage stage;
   LiveScene scene({}, stage.parse(std::string(kTwoTables) +
                                   "<element type='painter' name='P' insert_at='ROOT' part='A' red='1'/>"));
   Flattener flattener(scene.built.scene.root());
@@ -87,7 +87,7 @@ TEST_CASE("an element changes the named part and no other one of the same file")
 }
 
 TEST_CASE("rows that an element adds are parameters that start with their default") {
-  const Stage stage;
+  const LiveStage stage;
   LiveScene scene(
       {}, stage.parse(std::string(kTwoTables) + "<element type='painter' name='P' insert_at='ROOT' part='A'/>"));
   Parameters& parameters = scene.built.parameters;
@@ -98,7 +98,7 @@ TEST_CASE("rows that an element adds are parameters that start with their defaul
 }
 
 TEST_CASE("unknown names of parts, elements and sensors are errors at their place") {
-  const Stage stage;
+  const LiveStage stage;
   const std::string start = kTwoTables;
   const auto error = [&](const std::string& painter) {
     return error_of(
@@ -120,7 +120,7 @@ TEST_CASE("unknown names of parts, elements and sensors are errors at their plac
 }
 
 TEST_CASE("insertion points within a part take commands; of two copies, their names have the part's name in front") {
-  const Stage stage;
+  const LiveStage stage;
   LiveScene scene({}, stage.parse("<part file='arm.stub' name='L' insert_at='ROOT'/>"
                                   "<part file='arm.stub' name='R' insert_at='ROOT' pose_offset='0 5 0 0 0 0'/>"
                                   "<part file='table.stub' name='IN_LEFT' insert_at='L/HAND'/>"
@@ -146,7 +146,7 @@ TEST_CASE("insertion points within a part take commands; of two copies, their na
 }
 
 TEST_CASE("a name in a part that is already used gets the part's name as prefix") {
-  const Stage stage;
+  const LiveStage stage;
   write_text(stage.folder / "head.stub", "<element type='joint' name='TILT'/>");
   LiveScene scene({}, stage.parse("<part file='arm.stub' name='ARM' insert_at='ROOT'/>"
                                   "<part file='head.stub' name='HEAD' insert_at='ARM'/>"));
@@ -156,7 +156,7 @@ TEST_CASE("a name in a part that is already used gets the part's name as prefix"
 }
 
 TEST_CASE("a command that fails leaves the scene as it was") {
-  const Stage stage;
+  const LiveStage stage;
   const std::string start = std::string(kTwoTables) + "<element type='painter' name='P' insert_at='ROOT' part='A'/>";
   LiveScene scene({}, stage.parse(start));
   Flattener flattener(scene.built.scene.root());
@@ -196,7 +196,7 @@ TEST_CASE("a command that fails leaves the scene as it was") {
 }
 
 TEST_CASE("files that embed each other, or too deep, are refused with the chain of files") {
-  const Stage stage;
+  const LiveStage stage;
   write_text(stage.folder / "x.stub", "<part file='y.stub' name='Y'/>");
   write_text(stage.folder / "y.stub", "<part file='x.stub' name='X2'/>");
   CHECK(contains(error_of([&] { stage.scene("<part file='x.stub' name='X' insert_at='ROOT'/>"); }),
@@ -214,7 +214,7 @@ TEST_CASE("files that embed each other, or too deep, are refused with the chain 
 }
 
 TEST_CASE("the default light shines until a light is declared") {
-  const Stage stage;
+  const LiveStage stage;
   LiveScene scene({}, stage.parse(kTwoTables));
   Flattener flattener(scene.built.scene.root());
   CHECK(flattener.update().lights.size() == 1);
@@ -226,7 +226,7 @@ TEST_CASE("the default light shines until a light is declared") {
 }
 
 TEST_CASE("files of identical content share one graph") {
-  const Stage stage;
+  const LiveStage stage;
   LiveScene scene({}, stage.parse("<part file='table.stub' name='A' insert_at='ROOT'/>"
                                   "<part file='copy.stub' name='B' insert_at='ROOT'/>"
                                   "<part file='arm.stub' name='C' insert_at='ROOT'/>"));

@@ -25,32 +25,32 @@ double largest_difference(const glm::dmat4& a, const glm::dmat4& b) {
   return largest;
 }
 
-const glm::dmat4 kPose = to_matrix({.position_m = {1, -2, 3}, .roll_rad = 0.3, .pitch_rad = -0.7, .yaw_rad = 2});
+const glm::dmat4 kMountPose = to_matrix({.position_m = {1, -2, 3}, .roll_rad = 0.3, .pitch_rad = -0.7, .yaw_rad = 2});
 
 TEST_CASE("a rigid frame stays unchanged, and scale is removed") {
   glm::dmat4 frame;
-  REQUIRE(rigid_mount_frame(kPose, frame));
-  CHECK(largest_difference(frame, kPose) < kRounding);
+  REQUIRE(rigid_mount_frame(kMountPose, frame));
+  CHECK(largest_difference(frame, kMountPose) < kRounding);
   for (const glm::dvec3 scale : {glm::dvec3(3), glm::dvec3(1e-200, 1e200, 5), glm::dvec3(0.1, 0, 7)}) {
-    REQUIRE(rigid_mount_frame(glm::scale(kPose, scale), frame));
-    CHECK(largest_difference(frame, kPose) < kRounding);
+    REQUIRE(rigid_mount_frame(glm::scale(kMountPose, scale), frame));
+    CHECK(largest_difference(frame, kMountPose) < kRounding);
   }
 }
 
 TEST_CASE("shear keeps the direction of x") {
-  glm::dmat4 sheared = kPose;
+  glm::dmat4 sheared = kMountPose;
   sheared[2] += 0.8 * sheared[0];  // z leans forward
   sheared[1] += 0.5 * sheared[0];
   glm::dmat4 frame;
   REQUIRE(rigid_mount_frame(sheared, frame));
-  CHECK(largest_difference(frame, kPose) < kRounding);
+  CHECK(largest_difference(frame, kMountPose) < kRounding);
 }
 
 TEST_CASE("a mirrored mount keeps its forward and up directions, right-handed") {
-  const glm::dmat4 mirrored = glm::scale(kPose, glm::dvec3(1, -1, 1));
+  const glm::dmat4 mirrored = glm::scale(kMountPose, glm::dvec3(1, -1, 1));
   glm::dmat4 frame;
   REQUIRE(rigid_mount_frame(mirrored, frame));
-  CHECK(largest_difference(frame, kPose) < kRounding);
+  CHECK(largest_difference(frame, kMountPose) < kRounding);
 
   const glm::dmat4 turned = glm::scale(glm::dmat4(1), glm::dvec3(-1, -1, -1));
   REQUIRE(rigid_mount_frame(turned, frame));
@@ -62,15 +62,15 @@ TEST_CASE("a mirrored mount keeps its forward and up directions, right-handed") 
 
 TEST_CASE("a mount without a direction is refused") {
   glm::dmat4 frame;
-  CHECK_FALSE(rigid_mount_frame(glm::scale(kPose, glm::dvec3(0, 1, 1)), frame));
-  CHECK_FALSE(rigid_mount_frame(glm::scale(kPose, glm::dvec3(1, 1, 0)), frame));
-  glm::dmat4 flat = kPose;
+  CHECK_FALSE(rigid_mount_frame(glm::scale(kMountPose, glm::dvec3(0, 1, 1)), frame));
+  CHECK_FALSE(rigid_mount_frame(glm::scale(kMountPose, glm::dvec3(1, 1, 0)), frame));
+  glm::dmat4 flat = kMountPose;
   flat[2] = flat[0];
   CHECK_FALSE(rigid_mount_frame(flat, frame));
-  glm::dmat4 infinite = kPose;
+  glm::dmat4 infinite = kMountPose;
   infinite[3][1] = std::numeric_limits<double>::infinity();
   CHECK_FALSE(rigid_mount_frame(infinite, frame));
-  infinite = kPose;
+  infinite = kMountPose;
   infinite[0][0] = std::numeric_limits<double>::quiet_NaN();
   CHECK_FALSE(rigid_mount_frame(infinite, frame));
 }

@@ -15,6 +15,7 @@
 #include "scenegraph/pictures/png_file.h"
 #include "simvis/output/atomic_file.h"
 #include "simvis/output/number_text.h"
+#include "tests/support/infinity.h"
 #include "tests/support/picture_files.h"
 #include "tests/support/temporary_folder.h"
 
@@ -23,8 +24,7 @@ TEST_SUITE_BEGIN("simvis");
 namespace simvis {
 namespace {
 
-const float kInfinity = std::numeric_limits<float>::infinity();
-const glm::dmat4 kPose(1.0);
+const glm::dmat4 kIdentity(1.0);
 const double kNan = std::numeric_limits<double>::quiet_NaN();
 
 int srgb_by_definition(double linear) {
@@ -77,10 +77,10 @@ TEST_CASE("pictures of a frame") {
   Image depth{37, 5, 1, std::vector<float>(37 * 5, kInfinity)};
   depth.pixels[3] = 4.000001f;
 
-  writer.sink("CAM", {.index = 0}, kPose).picture("", &color, nullptr);
-  writer.sink("CAM", {.index = 12}, kPose).picture("", nullptr, &depth);
-  writer.sink("CAM", {.index = 1234567}, kPose).picture("", &color, &depth);
-  writer.sink("CAM", {.index = 1}, kPose).picture("left", nullptr, &depth);
+  writer.sink("CAM", {.index = 0}, kIdentity).picture("", &color, nullptr);
+  writer.sink("CAM", {.index = 12}, kIdentity).picture("", nullptr, &depth);
+  writer.sink("CAM", {.index = 1234567}, kIdentity).picture("", &color, &depth);
+  writer.sink("CAM", {.index = 1}, kIdentity).picture("left", nullptr, &depth);
   writer.finish();
   CHECK(files_below(folder / "out") == std::vector<std::string>{"CAM/000000.png", "CAM/000012.exr", "CAM/1234567.exr",
                                                                 "CAM/1234567.png", "CAM_left/000001.exr",
@@ -120,8 +120,8 @@ TEST_CASE("tables begin with frame and time and grow by whole frames") {
   OutputWriter writer({.folder = folder.path(), .sensors = sensors});
   const double first[] = {0, 4.0000010000001, -1.5, 1, kInfinity, kNan};
   const double second[] = {0, 0.1f, 1e-12};
-  writer.sink("SCAN", {.index = 0, .time_ns = 0}, kPose).rows(columns, first);
-  writer.sink("SCAN", {.index = 1, .time_ns = 66'666'667}, kPose).rows(columns, second);
+  writer.sink("SCAN", {.index = 0, .time_ns = 0}, kIdentity).rows(columns, first);
+  writer.sink("SCAN", {.index = 1, .time_ns = 66'666'667}, kIdentity).rows(columns, second);
   writer.finish();
   CHECK(read_text(folder / "SCAN.csv") ==
         "frame,time_s,beam,range_m,x_m\n"
@@ -133,12 +133,12 @@ TEST_CASE("tables begin with frame and time and grow by whole frames") {
   // A sensor of a part that stands in the scene twice.
   const std::vector<std::string> inner = {"LEFT/SCAN"};
   OutputWriter second_writer({.folder = folder.path(), .sensors = inner});
-  second_writer.sink("LEFT/SCAN", {}, kPose).rows(columns, second);
+  second_writer.sink("LEFT/SCAN", {}, kIdentity).rows(columns, second);
   second_writer.finish();
   CHECK(std::filesystem::exists(folder / "LEFT/SCAN.csv"));
 }
 
-std::string printed(const char* format, double value) {
+std::string printed_by_c(const char* format, double value) {
   char text[512];
   std::snprintf(text, sizeof text, format, value);
   return text;
@@ -155,13 +155,13 @@ TEST_CASE("numbers are written as by printf") {
     if (!std::isfinite(value) || !std::isfinite(narrow)) continue;
     std::string text;
     append_number(text, g, value);
-    wrong += text != printed("%.9g", value);
+    wrong += text != printed_by_c("%.9g", value);
     text.clear();
     append_number(text, f, value);
-    wrong += text != printed("%.9f", value);
+    wrong += text != printed_by_c("%.9f", value);
     text.clear();
     append_number(text, e, value);
-    wrong += text != printed("%.3e", value);
+    wrong += text != printed_by_c("%.3e", value);
     text.clear();
     append_number(text, g, narrow);
     wrong += std::strtof(text.c_str(), nullptr) != narrow;
@@ -185,7 +185,7 @@ TEST_CASE("no incomplete file stays, and what SimVis did not write is not replac
   const auto write = [&] {
     OutputWriter writer({.folder = folder.path(), .sensors = sensors});
     for (std::uint64_t frame = 0; frame < 3; ++frame) {
-      writer.sink("SCAN", {.index = frame}, kPose).rows(columns, many);
+      writer.sink("SCAN", {.index = frame}, kIdentity).rows(columns, many);
     }
     writer.finish();
   };

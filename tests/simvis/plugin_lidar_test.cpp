@@ -9,7 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "tests/support/run_process.h"
+#include "tests/support/simvis_run.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/tested_build.h"
 
@@ -18,8 +18,7 @@ TEST_SUITE_BEGIN("simvis");
 namespace simvis {
 namespace {
 
-const std::string kProgram = tested_build() + "/bin/simvis-run";
-const std::string kPlugin = tested_build() + "/lib/libsimvis_example_plugin.so";
+const std::string kLidarPlugin = tested_build() + "/lib/libsimvis_example_plugin.so";
 
 /// The plate, 5 m wide, stands 2.53 m ahead of the lidar: beam 0 meets it.
 constexpr double kAhead_m = 2.53;
@@ -37,7 +36,7 @@ std::string scene(const std::string& attributes, const std::string& more = "") {
 struct Run {
   Run(const std::string& xml, const std::vector<std::string>& options = {}) {
     write_text(folder / "scene.xml", xml);
-    std::vector<std::string> command{kProgram, "--plugin", kPlugin, "--out", (folder / "out").string()};
+    std::vector<std::string> command{simvis_run(), "--plugin", kLidarPlugin, "--out", (folder / "out").string()};
     command.insert(command.end(), options.begin(), options.end());
     command.push_back((folder / "scene.xml").string());
     result = Process(command).wait();
@@ -62,19 +61,19 @@ struct Run {
   ProcessResult result;
 };
 
-bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+bool has_text(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 }  // namespace
 
 TEST_CASE("effects of scanners belong to a plug-in's scanner, and are described so") {
-  const ProcessResult lidar = Process({kProgram, "--plugin", kPlugin, "--describe", "ring_lidar"}).wait();
+  const ProcessResult lidar = Process({simvis_run(), "--plugin", kLidarPlugin, "--describe", "ring_lidar"}).wait();
   CHECK(lidar.exit_code == 0);
-  CHECK(has(lidar.out, "range_noise"));
-  CHECK_FALSE(has(lidar.out, "vignetting"));
-  const ProcessResult noise = Process({kProgram, "--plugin", kPlugin, "--describe", "range_noise"}).wait();
-  CHECK(has(noise.out, "sensors: laser_scanner ring_lidar\n"));
-  const ProcessResult lens = Process({kProgram, "--plugin", kPlugin, "--describe", "lens_distortion"}).wait();
-  CHECK(has(lens.out, "sensors: camera\n"));
+  CHECK(has_text(lidar.out, "range_noise"));
+  CHECK_FALSE(has_text(lidar.out, "vignetting"));
+  const ProcessResult noise = Process({simvis_run(), "--plugin", kLidarPlugin, "--describe", "range_noise"}).wait();
+  CHECK(has_text(noise.out, "sensors: laser_scanner ring_lidar\n"));
+  const ProcessResult lens = Process({simvis_run(), "--plugin", kLidarPlugin, "--describe", "lens_distortion"}).wait();
+  CHECK(has_text(lens.out, "sensors: camera\n"));
 }
 
 TEST_CASE("an effect changes the ranges of a plug-in's scanner") {
@@ -104,15 +103,15 @@ TEST_CASE("--method and --max-error hold for a plug-in's scanner") {
   CHECK(std::abs(bounded.ahead_m().second - 0.25) <= 2 * kStored_m);
   const Run wrong(scene(""), {"--method", "planar"});
   CHECK(wrong.result.exit_code == 2);
-  CHECK(has(wrong.result.err, "--method: error: "));
-  CHECK(has(wrong.result.err, "raycast, coarse"));
+  CHECK(has_text(wrong.result.err, "--method: error: "));
+  CHECK(has_text(wrong.result.err, "raycast, coarse"));
 }
 
 TEST_CASE("a method that another scanner of the scene does not have is an error") {
   const Run both(scene("", R"(  <sensor type="laser_scanner" name="SCAN" insert_at="ROOT"/>)"), {"--method", "coarse"});
   CHECK(both.result.exit_code == 2);
-  CHECK(has(both.result.err,
-            "--method: error: attribute \"method\": \"coarse\" is not allowed, expected one of: nearest"));
+  CHECK(has_text(both.result.err,
+                 "--method: error: attribute \"method\": \"coarse\" is not allowed, expected one of: nearest"));
   const Run neither(scene(""), {"--method", "sonar"});
   CHECK(neither.result.exit_code == 2);
 }
@@ -121,21 +120,21 @@ TEST_CASE("--price lists the methods of a plug-in's scanner") {
   const Run run(scene(""), {"--price", "--frames", "1"});
   CAPTURE(run.result.err);
   REQUIRE(run.result.exit_code == 0);
-  CHECK(has(run.result.out, "LIDAR: 8 beams"));
+  CHECK(has_text(run.result.out, "LIDAR: 8 beams"));
   const std::string csv = read_text(run.folder / "out/price.csv");
-  CHECK(has(csv, "\nLIDAR,8,1,raycast,"));
-  CHECK(has(csv, "\nLIDAR,8,1,coarse,"));
+  CHECK(has_text(csv, "\nLIDAR,8,1,raycast,"));
+  CHECK(has_text(csv, "\nLIDAR,8,1,coarse,"));
 }
 
 TEST_CASE("--summary counts a plug-in's scanner among the scanners") {
   const Run run(scene(""), {"--summary"});
   CAPTURE(run.result.err);
   REQUIRE(run.result.exit_code == 0);
-  CHECK(has(run.result.out, "scanners: 1 with 8 beams together"));
-  CHECK(has(run.result.out, "what accuracy costs LIDAR"));
-  CHECK(has(run.result.out, "  coarse "));
-  CHECK_FALSE(has(run.result.out, "cameras:"));
-  CHECK(has(run.result.out, "LIDAR.csv"));
+  CHECK(has_text(run.result.out, "scanners: 1 with 8 beams together"));
+  CHECK(has_text(run.result.out, "what accuracy costs LIDAR"));
+  CHECK(has_text(run.result.out, "  coarse "));
+  CHECK_FALSE(has_text(run.result.out, "cameras:"));
+  CHECK(has_text(run.result.out, "LIDAR.csv"));
 }
 
 }  // namespace simvis

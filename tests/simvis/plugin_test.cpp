@@ -4,7 +4,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "tests/support/run_process.h"
+#include "tests/support/simvis_run.h"
 #include "tests/support/tested_build.h"
 
 TEST_SUITE_BEGIN("simvis");
@@ -16,10 +16,9 @@ namespace {
 // vertex, four of the setup and evaluation of the plane, one of the projection, one of the storage of depth.
 constexpr double kDistanceTolerance = 8 * 0x1p-24;
 
-const std::string kProgram = tested_build() + "/bin/simvis-run";
 const std::string kPlugin = tested_build() + "/lib/libsimvis_example_plugin.so";
 
-constexpr std::string_view kScene = R"(<scene>
+constexpr std::string_view kPluginScene = R"(<scene>
   <element type="plate" name="PLATE" insert_at="ROOT" x="2.5"/>
   <sensor type="distance_probe" name="PROBE" insert_at="ROOT" pose_offset="-1 0 0 0 0 0"/>
 </scene>
@@ -36,21 +35,21 @@ std::vector<std::string> last_column(const std::string& csv) {
 }  // namespace
 
 TEST_CASE("--describe lists the types of a plug-in") {
-  const ProcessResult plate = Process({kProgram, "--plugin", kPlugin, "--describe", "plate"}).wait();
+  const ProcessResult plate = Process({simvis_run(), "--plugin", kPlugin, "--describe", "plate"}).wait();
   CHECK(plate.exit_code == 0);
   CHECK(plate.out.find("a square plate across the x axis") != std::string::npos);
   CHECK(plate.out.find("length of its edges") != std::string::npos);
-  const ProcessResult probe = Process({kProgram, "--plugin", kPlugin, "--describe", "distance_probe"}).wait();
+  const ProcessResult probe = Process({simvis_run(), "--plugin", kPlugin, "--describe", "distance_probe"}).wait();
   CHECK(probe.exit_code == 0);
   CHECK(probe.out.find("what is nearer is not seen") != std::string::npos);
 }
 
 TEST_CASE("a scene with types of a plug-in is run") {
   const TemporaryFolder folder;
-  write_text(folder / "scene.xml", kScene);
+  write_text(folder / "scene.xml", kPluginScene);
   write_text(folder / "move.csv", "time_s,PLATE.x\n0,2.5\n1,-5\n");
   const ProcessResult run =
-      Process({kProgram, "--plugin", kPlugin, "--frames", "2", "--rate", "1", "--trajectory",
+      Process({simvis_run(), "--plugin", kPlugin, "--frames", "2", "--rate", "1", "--trajectory",
                (folder / "move.csv").string(), "--out", (folder / "out").string(), (folder / "scene.xml").string()})
           .wait();
   CAPTURE(run.err);
@@ -73,7 +72,7 @@ TEST_CASE("the door of the tutorial opens") {
   </scene>)");
   write_text(folder / "move.csv", "time_s,DOOR.open\n0,0\n1,50\n2,100\n");
   const ProcessResult run =
-      Process({kProgram, "--plugin", kPlugin, "--frames", "3", "--rate", "1", "--trajectory",
+      Process({simvis_run(), "--plugin", kPlugin, "--frames", "3", "--rate", "1", "--trajectory",
                (folder / "move.csv").string(), "--out", (folder / "out").string(), (folder / "scene.xml").string()})
           .wait();
   CAPTURE(run.err);
@@ -91,8 +90,8 @@ TEST_CASE("the door of the tutorial opens") {
 
 TEST_CASE("a scene is refused without its plug-in") {
   const TemporaryFolder folder;
-  write_text(folder / "scene.xml", kScene);
-  const ProcessResult run = Process({kProgram, (folder / "scene.xml").string()}).wait();
+  write_text(folder / "scene.xml", kPluginScene);
+  const ProcessResult run = Process({simvis_run(), (folder / "scene.xml").string()}).wait();
   CHECK(run.exit_code == 2);
   CHECK(run.err.find("plate") != std::string::npos);
 }

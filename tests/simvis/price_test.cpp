@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <sstream>
 #include <stdexcept>
 
@@ -11,8 +10,8 @@
 #include "simvis/report/price.h"
 #include "simvis/report/price_report.h"
 #include "tests/support/error_of.h"
-#include "tests/support/run_process.h"
-#include "tests/support/tested_build.h"
+#include "tests/support/infinity.h"
+#include "tests/support/simvis_run.h"
 #include "tests/support/wall_scene.h"
 
 TEST_SUITE_BEGIN("simvis");
@@ -21,14 +20,10 @@ namespace simvis {
 namespace {
 
 namespace fs = std::filesystem;
-using Strings = std::vector<std::string>;
-
-const std::string kProgram = tested_build() + "/bin/simvis-run";
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // The wall ends at 68 degrees on either side, so there are hits, misses, and beams that a raster method cannot decide.
 // LATER moves elements inserted after it, so not the scanner.
-constexpr std::string_view kSensors = R"(
+constexpr std::string_view kPricedSensors = R"(
 <element type="pose" name="MOVE" insert_at="ROOT" x="0.5"/>
 <sensor type="laser_scanner" name="SCAN" insert_at="ROOT" pose_offset="0.5 0 0 0 0 20" samples="721" rate="1"/>
 <sensor type="camera" name="CAM" insert_at="ROOT" width="8" height="8"/>
@@ -38,7 +33,7 @@ constexpr std::string_view kDrive = "time_s,MOVE.x,MOVE.yaw\n0,0.5,0\n1,2.5,40\n
 const PriceDesc kShort{.frames = 3, .warm_up = 1};
 
 struct WallScene {
-  explicit WallScene(std::string_view sensors = kSensors) : scene(write_wall_scene(folder.path(), sensors)) {
+  explicit WallScene(std::string_view sensors = kPricedSensors) : scene(write_wall_scene(folder.path(), sensors)) {
     write_text(folder / "drive.csv", kDrive);
   }
   Simulation load(const SimulationDesc& desc = {}) const { return Simulation::load(scene, desc); }
@@ -118,7 +113,7 @@ ScannerPrice made_up(const std::vector<std::array<double, 3>>& rows) {
 }
 
 ProcessResult run(Strings arguments) {
-  arguments.insert(arguments.begin(), kProgram);
+  arguments.insert(arguments.begin(), simvis_run());
   return Process(arguments).wait();
 }
 
@@ -275,7 +270,7 @@ TEST_CASE("the advice can be written in a scene and meets its tolerance there") 
     REQUIRE(variant.has_value());
     const std::string attributes = attributes_of(price.variants[*variant].variant);
     CHECK(contains(advice, " write " + attributes + " ("));
-    std::string sensors(kSensors);
+    std::string sensors(kPricedSensors);
     sensors.insert(sensors.find("samples="), attributes + " ");
     Simulation simulation = WallScene(sensors).load();
     simulation.step();
@@ -438,13 +433,13 @@ TEST_CASE("simvis-run --price with contradictory options") {
   const TemporaryFolder folder;
   const Strings out = {"--out", (folder / "out").string()};
   refused("", out, {"simvis-run: --price: ", "no enabled laser scanner"});
-  refused(kSensors, {"--method", "planar"}, {"--price", "--method"});
-  refused(kSensors, {"--explain"}, {"--price", "--explain"});
-  refused(kSensors, {"--profile", (folder / "p.json").string()}, {"--price", "--profile"});
-  refused(kSensors, {"--quiet"}, {"--price", "--quiet", "--out"});
-  refused(kSensors, {"--frames", "0"}, {"--frames", "1 or more"});
-  refused(kSensors, {"--sensor", "CAM"}, {"--sensor CAM", "--price", "camera"});
-  refused(kSensors, {"--sensor", "SCAM"}, {"SCAM", "did you mean \"SCAN\"?"});
+  refused(kPricedSensors, {"--method", "planar"}, {"--price", "--method"});
+  refused(kPricedSensors, {"--explain"}, {"--price", "--explain"});
+  refused(kPricedSensors, {"--profile", (folder / "p.json").string()}, {"--price", "--profile"});
+  refused(kPricedSensors, {"--quiet"}, {"--price", "--quiet", "--out"});
+  refused(kPricedSensors, {"--frames", "0"}, {"--frames", "1 or more"});
+  refused(kPricedSensors, {"--sensor", "CAM"}, {"--sensor CAM", "--price", "camera"});
+  refused(kPricedSensors, {"--sensor", "SCAM"}, {"SCAM", "did you mean \"SCAN\"?"});
   CHECK(files_below(folder.path()).empty());
   CHECK(contains(run({"--help"}).out, "--price"));
 

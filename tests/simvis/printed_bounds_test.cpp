@@ -2,7 +2,6 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <limits>
 #include <random>
 #include <sstream>
 #include <string>
@@ -13,6 +12,7 @@
 #include "simvis/output/csv_file.h"
 #include "simvis/output/number_text.h"
 #include "simvis/output/output_writer.h"
+#include "tests/support/infinity.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/wall_scene.h"
 
@@ -20,8 +20,6 @@ TEST_SUITE_BEGIN("simvis");
 
 namespace simvis {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 double printed(const NumberFormat& format, double value) {
   std::string text;

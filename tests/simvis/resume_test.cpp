@@ -10,7 +10,7 @@
 #include <thread>
 
 #include "tests/support/picture_files.h"
-#include "tests/support/run_process.h"
+#include "tests/support/simvis_run.h"
 #include "tests/support/tested_build.h"
 #include "tests/support/wall_scene.h"
 
@@ -20,13 +20,9 @@ namespace simvis {
 namespace {
 
 namespace fs = std::filesystem;
-using Strings = std::vector<std::string>;
-
-const std::string kProgram = tested_build() + "/bin/simvis-run";
-
 // A scanner whose frames are several pages of a file, one whose frames depend on the pose before, a camera with depth,
 // noise, and a sensor at a rate of its own.
-constexpr std::string_view kScene = R"(
+constexpr std::string_view kInterruptedSensors = R"(
 <element type="pose" name="MOVE" insert_at="ROOT"/>
 <sensor type="laser_scanner" name="BIG" insert_at="ROOT" samples="301" min_angle="-60" max_angle="60"
         vertical_samples="3" vertical_min_angle="-5" vertical_max_angle="5" range_noise="0.01"/>
@@ -34,14 +30,15 @@ constexpr std::string_view kScene = R"(
 <sensor type="camera" name="CAM" insert_at="ROOT" width="16" height="12" outputs="color depth" read_noise_e="5"/>
 <sensor type="psd" name="SLOW" insert_at="ROOT" rate="4"/>)";
 
-struct Scene {
+struct InterruptedScene {
   TemporaryFolder folder;
-  std::string file = write_wall_scene(folder.path(), kScene).string(), drive = (folder / "drive.csv").string();
-  Scene() { write_text(drive, "time_s,MOVE.x,MOVE.yaw\n0,0,-10\n2,1.5,20\n"); }
+  std::string file = write_wall_scene(folder.path(), kInterruptedSensors).string(),
+              drive = (folder / "drive.csv").string();
+  InterruptedScene() { write_text(drive, "time_s,MOVE.x,MOVE.yaw\n0,0,-10\n2,1.5,20\n"); }
 
   Strings command(const std::string& out, const Strings& more = {}) const {
-    Strings arguments = {kProgram,  file,  "--frames", "30", "--trajectory", drive, "--out", (folder / out).string(),
-                         "--poses", "WALL"};
+    Strings arguments = {simvis_run(), file,  "--frames", "30", "--trajectory", drive, "--out", (folder / out).string(),
+                         "--poses",    "WALL"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return arguments;
   }
@@ -88,7 +85,7 @@ void check_same_files(const fs::path& one, const fs::path& other) {
 const int kSignals = sanitized() ? 40 : 200;  // a run takes five times as long with the sanitizers
 
 TEST_CASE("signals at random times: every file is whole, and resumed runs give the same bytes") {
-  const Scene scene;
+  const InterruptedScene scene;
   const auto start = std::chrono::steady_clock::now();
   REQUIRE(scene.run("whole").exit_code == 0);
   const auto length = std::chrono::steady_clock::now() - start;
@@ -134,10 +131,10 @@ TEST_CASE("signals at random times: every file is whole, and resumed runs give t
 }
 
 TEST_CASE("--resume goes on only with the same run, and a finished run is left alone") {
-  const Scene scene;
+  const InterruptedScene scene;
   REQUIRE(scene.run("out", {"--resume"}).exit_code == 0);  // nothing there: from the beginning
   const std::string report = read_text(scene.folder / "out/run.json");
-  const ProcessResult again = Process({kProgram, "--resume", "--out", (scene.folder / "out").string()}).wait();
+  const ProcessResult again = Process({simvis_run(), "--resume", "--out", (scene.folder / "out").string()}).wait();
   CHECK(again.exit_code == 0);
   CHECK(again.out.find("has all of its 30 frames") != std::string::npos);
   CHECK(read_text(scene.folder / "out/run.json") == report);
@@ -146,7 +143,7 @@ TEST_CASE("--resume goes on only with the same run, and a finished run is left a
   CHECK(other.err.find("another \"seed\": 0, and this one has 1") != std::string::npos);
   CHECK(read_text(scene.folder / "out/run.json") == report);
   const ProcessResult longer =
-      Process({kProgram, "--resume", "--frames", "33", "--out", (scene.folder / "out").string()}).wait();
+      Process({simvis_run(), "--resume", "--frames", "33", "--out", (scene.folder / "out").string()}).wait();
   INFO(longer.err);
   REQUIRE(longer.exit_code == 0);
   REQUIRE(scene.run("whole", {}).exit_code == 0);
@@ -155,7 +152,7 @@ TEST_CASE("--resume goes on only with the same run, and a finished run is left a
 }
 
 TEST_CASE("a run replaces the files of the earlier run in its folder, and nothing else") {
-  const Scene scene;
+  const InterruptedScene scene;
   REQUIRE(scene.run("out").exit_code == 0);
   const fs::path out = scene.folder / "out";
   write_text(out / "notes.txt", "mine");
@@ -165,7 +162,7 @@ TEST_CASE("a run replaces the files of the earlier run in its folder, and nothin
   CHECK(refused.err.find("--no-replace: ") != std::string::npos);
   CHECK(fs::exists(out / "CAM/000029.png"));
 
-  Strings shorter = {kProgram, scene.file, "--frames", "2", "--sensor", "CAM", "--out", out.string()};
+  Strings shorter = {simvis_run(), scene.file, "--frames", "2", "--sensor", "CAM", "--out", out.string()};
   const ProcessResult result = Process(shorter).wait();
   INFO(result.err);
   REQUIRE(result.exit_code == 0);
@@ -183,7 +180,7 @@ TEST_CASE("a run replaces the files of the earlier run in its folder, and nothin
 }
 
 TEST_CASE("a scene that fails in its first frame leaves the earlier results alone") {
-  const Scene scene;
+  const InterruptedScene scene;
   REQUIRE(scene.run("out").exit_code == 0);
   const Strings before = files_below(scene.folder / "out");
   const ProcessResult failed = scene.run("out", {"--max-error", "1e-12"});
@@ -192,7 +189,7 @@ TEST_CASE("a scene that fails in its first frame leaves the earlier results alon
 }
 
 TEST_CASE("two runs never write to one folder at once; leftovers of dead runs go") {
-  const Scene scene;
+  const InterruptedScene scene;
   const fs::path out = scene.folder / "out";
   fs::create_directories(out / "CAM");
   const int descriptor = ::open(out.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);

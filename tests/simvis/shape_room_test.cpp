@@ -17,7 +17,7 @@ TEST_SUITE_BEGIN("simvis");
 namespace simvis {
 namespace {
 
-constexpr const char* kScanner = R"(<sensor type="laser_scanner" name="SCAN" insert_at="ROOT" samples="181"/>)";
+constexpr const char* kRoomScanner = R"(<sensor type="laser_scanner" name="SCAN" insert_at="ROOT" samples="181"/>)";
 
 // Corners and ranges are float32: below 8 m each rounds by at most 2.4e-7 m. A corner's two coordinates and the range
 // make three of these; at the tangent of a round shape the slant is below 20 (one of 181 beams comes nearer than 3
@@ -46,7 +46,7 @@ TEST_CASE("a scanner reads the distance to the sides of boxes and cylinders") {
     <part name="WALL" insert_at="ROOT" shape="box" size="0.1 8 2" pose_offset="5 0 0 0 0 0"/>
     <part name="CRATE" insert_at="ROOT" shape="box" size="1 2 1" pose_offset="2 3 0 0 0 30"/>
     <part name="COLUMN" insert_at="ROOT" shape="cylinder" radius="0.5" length="2" pose_offset="3 -1 0 0 0 0"/>)") +
-                                            kScanner);
+                                            kRoomScanner);
   simulation.step();
   std::vector<glm::dvec2> wall{{4.95, -4}, {5.05, -4}, {5.05, 4}, {4.95, 4}}, crate, column;
   for (const glm::dvec2 c : {glm::dvec2(-0.5, -1), {0.5, -1}, {0.5, 1}, {-0.5, 1}}) {
@@ -88,8 +88,9 @@ std::uint64_t measured(const std::string& commands, const std::filesystem::path&
   return measured_hash(simulation);
 }
 
-const std::string kSensors = std::string(kScanner) +
-                             R"(<sensor type="camera" name="CAM" insert_at="ROOT" pose_offset="-2 0 2" look_at="2 0 0"
+const std::string kRoomSensors =
+    std::string(kRoomScanner) +
+    R"(<sensor type="camera" name="CAM" insert_at="ROOT" pose_offset="-2 0 2" look_at="2 0 0"
                                         width="64" height="48" outputs="color depth"/>)";
 
 TEST_CASE("a scene with repetition or an included file measures the bytes of the scene written out") {
@@ -101,15 +102,15 @@ TEST_CASE("a scene with repetition or an included file measures the bytes of the
                                              R"(radius="0.1" color="0 0.5 0" pose_offset="2 -1 0 0 0 0"/>
          <part name="POST_1)" + post + R"(radius="0.2" color="0.5 0.5 0" pose_offset="2 0 0 0 0 0"/>
          <part name="POST_2)" + post + R"(radius="0.30000000000000004" color="1 0.5 0" pose_offset="2 1 0 0 0 0"/>)" +
-                                             kSensors);
-  CHECK(measured(read_text(folder / "posts.xml") + kSensors) == written_out);
-  CHECK(measured("<include file='posts.xml'/>" + kSensors, folder.path()) == written_out);
-  CHECK(measured("<include file='posts.xml' prefix='A/'/>" + kSensors, folder.path()) == written_out);
-  CHECK(measured(kSensors) != written_out);
+                                             kRoomSensors);
+  CHECK(measured(read_text(folder / "posts.xml") + kRoomSensors) == written_out);
+  CHECK(measured("<include file='posts.xml'/>" + kRoomSensors, folder.path()) == written_out);
+  CHECK(measured("<include file='posts.xml' prefix='A/'/>" + kRoomSensors, folder.path()) == written_out);
+  CHECK(measured(kRoomSensors) != written_out);
 }
 
 TEST_CASE("shapes, repetitions and expressions can be added to a running scene") {
-  auto simulation = Simulation::from_string(kScanner);
+  auto simulation = Simulation::from_string(kRoomScanner);
   simulation.step();
   CHECK(std::isinf(simulation.scan("SCAN").range_m[90]));
   simulation.execute(R"(<set name="x" value="2"/><repeat count="2" as="i">

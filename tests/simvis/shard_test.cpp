@@ -6,8 +6,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "tests/support/run_process.h"
-#include "tests/support/tested_build.h"
+#include "tests/support/simvis_run.h"
 #include "tests/support/wall_scene.h"
 
 TEST_SUITE_BEGIN("simvis");
@@ -16,13 +15,9 @@ namespace simvis {
 namespace {
 
 namespace fs = std::filesystem;
-using Strings = std::vector<std::string>;
-
-const std::string kProgram = tested_build() + "/bin/simvis-run";
-
 // Everything that a frame can take from other frames: earlier poses of a camera with a rolling shutter and of a scanner
 // with a sweep (one of them with its own rate), noise, and a sensor that is never due in some shards.
-constexpr std::string_view kScene = R"(
+constexpr std::string_view kShardedSensors = R"(
 <element type="pose" name="MOVE" insert_at="ROOT"/>
 <sensor type="camera" name="CAM" insert_at="ROOT" width="32" height="24" outputs="color depth" row_time="0.002"
         read_noise_e="5"/>
@@ -36,8 +31,8 @@ constexpr const char* kJoin =
     "cd \"$1\" && for first in *-0-of-\"$2\".csv; do table=${first%-0-of-*}; "
     "(head -n 1 \"$first\"; tail -qn +2 \"$table\"-*-of-\"$2\".csv | sort -snt, -k1,1) > \"$table.csv\"; done";
 
-ProcessResult run(Strings arguments) {
-  arguments.insert(arguments.begin(), kProgram);
+ProcessResult run_checked(Strings arguments) {
+  arguments.insert(arguments.begin(), simvis_run());
   return Process(arguments).wait();
 }
 
@@ -49,14 +44,14 @@ bool is_run_file(const std::string& name) { return name.starts_with("run") && na
 
 TEST_CASE("the files of all shards equal those of one run, to the byte") {
   const TemporaryFolder folder;
-  const std::string scene = write_wall_scene(folder.path(), kScene).string();
+  const std::string scene = write_wall_scene(folder.path(), kShardedSensors).string();
   write_drive(folder / "drive.csv");
   const Strings options = {scene, "--frames", "10", "--trajectory", (folder / "drive.csv").string(), "--seed", "3"};
   const auto make = [&](const std::string& out, const Strings& more) {
     Strings arguments = options;
     arguments.insert(arguments.end(), {"--out", (folder / out).string()});
     arguments.insert(arguments.end(), more.begin(), more.end());
-    const ProcessResult result = run(arguments);
+    const ProcessResult result = run_checked(arguments);
     INFO(result.err);
     REQUIRE(result.exit_code == 0);
     return result.out;
@@ -100,7 +95,7 @@ void check_refused(const Strings& options, std::string_view commands, const Stri
   Strings arguments = {write_wall_scene(folder.path(), commands).string(), "--frames", "6", "--out",
                        (folder / "out").string()};
   arguments.insert(arguments.end(), options.begin(), options.end());
-  const ProcessResult result = run(arguments);
+  const ProcessResult result = run_checked(arguments);
   INFO(result.err);
   CHECK(result.exit_code == 2);
   CHECK(result.err.starts_with("simvis-run: "));
@@ -110,11 +105,11 @@ void check_refused(const Strings& options, std::string_view commands, const Stri
 
 TEST_CASE("an invalid share, and scenes whose frames cannot be made separately") {
   for (const char* wrong : {"3/3", "1", "1/", "/2", "-1/2", "0/0", "1/2/3", "a/b", "1 /2", "1/99999999999999999999"}) {
-    check_refused({"--shard", wrong}, kScene, {"--shard: ", wrong, "expected K/N with K from 0 to N - 1"});
+    check_refused({"--shard", wrong}, kShardedSensors, {"--shard: ", wrong, "expected K/N with K from 0 to N - 1"});
   }
-  check_refused({"--shard", ""}, kScene, {"--shard"});
-  check_refused({"--shard", "6/7"}, kScene, {"--shard: 6/7 has no frame of 6"});
-  check_refused({"--shard", "0/2", "--price"}, kScene, {"--shard", "--price"});
+  check_refused({"--shard", ""}, kShardedSensors, {"--shard"});
+  check_refused({"--shard", "6/7"}, kShardedSensors, {"--shard: 6/7 has no frame of 6"});
+  check_refused({"--shard", "0/2", "--price"}, kShardedSensors, {"--shard", "--price"});
   const std::string chooses = R"(<sensor type="laser_scanner" name="AUTO" insert_at="ROOT" method="auto"/>)";
   check_refused({"--shard", "0/2"}, chooses, {"--shard: sensor \"AUTO\"", "(auto)", "expected another method"});
   const std::string view = R"(<sensor type="camera" name="VIEW" insert_at="ROOT" view="visualization"/>)";
@@ -122,13 +117,13 @@ TEST_CASE("an invalid share, and scenes whose frames cannot be made separately")
 
   // Share 1/1 is a whole run, and a sensor that is off makes nothing dependent.
   const TemporaryFolder folder;
-  const std::string scene = write_wall_scene(folder.path(), std::string(kScene) + view + chooses).string(),
+  const std::string scene = write_wall_scene(folder.path(), std::string(kShardedSensors) + view + chooses).string(),
                     out = (folder / "out").string();
-  CHECK(run({scene, "--out", out, "--shard", "0/1"}).exit_code == 0);
-  CHECK(run({scene, "--out", out, "--frames", "2", "--shard", "1/2", "--sensor", "PLANAR"}).exit_code == 0);
+  CHECK(run_checked({scene, "--out", out, "--shard", "0/1"}).exit_code == 0);
+  CHECK(run_checked({scene, "--out", out, "--frames", "2", "--shard", "1/2", "--sensor", "PLANAR"}).exit_code == 0);
   CHECK(fs::exists(folder / "out/run-0-of-1.json"));
   CHECK(fs::exists(folder / "out/PLANAR-1-of-2.csv"));
-  CHECK(run({"--help"}).out.find("--shard K/N") != std::string::npos);
+  CHECK(run_checked({"--help"}).out.find("--shard K/N") != std::string::npos);
 }
 
 TEST_CASE("the shares of a run cover its frames once") {

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kSensors = R"(
+constexpr std::string_view kSummedSensors = R"(
 <sensor type="camera" name="CAM" insert_at="ROOT" width="8" height="8"/>
 <sensor type="camera" name="VIEW" insert_at="ROOT" width="8" height="8" view="visualization"/>
 <sensor type="laser_scanner" name="LEFT" insert_at="ROOT" samples="181"/>
@@ -49,7 +49,7 @@ VariantPrice priced(const std::string& method, double median_ms, double differen
 
 TEST_CASE("the scanners that are on, the other sensors, and the price of each method for the first scanner") {
   std::size_t frames = 0;
-  const RunSummary summary = summary_of(kSensors, {.frame_ms = 10, .on_frame = [&] { ++frames; }});
+  const RunSummary summary = summary_of(kSummedSensors, {.frame_ms = 10, .on_frame = [&] { ++frames; }});
   CHECK(summary.scanners == 2);
   CHECK(summary.beams == 181 + 91);
   CHECK(summary.set_ms > 0);
@@ -77,7 +77,7 @@ TEST_CASE("a scanner with an effect that follows beams has one price, a scene wi
 
 TEST_CASE("the files to open first exist: a picture for people, a scan, the report") {
   const TemporaryFolder out;
-  const auto files = [&] { return summary_of(kSensors, {.frame_ms = 10, .out = out.path()}).files; };
+  const auto files = [&] { return summary_of(kSummedSensors, {.frame_ms = 10, .out = out.path()}).files; };
   CHECK(files().empty());
   for (const char* file : {"CAM/000000.png", "RIGHT.csv", "OFF.csv", "run.json"}) {
     fs::create_directories((out / file).parent_path());

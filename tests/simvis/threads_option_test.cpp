@@ -4,8 +4,7 @@
 #include <map>
 #include <string>
 
-#include "tests/support/run_process.h"
-#include "tests/support/tested_build.h"
+#include "tests/support/simvis_run.h"
 #include "tests/support/wall_scene.h"
 
 TEST_SUITE_BEGIN("simvis");
@@ -13,15 +12,13 @@ TEST_SUITE_BEGIN("simvis");
 namespace simvis {
 namespace {
 
-const std::string kProgram = tested_build() + "/bin/simvis-run";
-
-constexpr std::string_view kSensors = R"(
+constexpr std::string_view kThreadedSensors = R"(
   <sensor type="laser_scanner" name="SCANNER" insert_at="ROOT" method="raycast" samples="4096" range_noise="0.01"/>
   <sensor type="camera" name="CAMERA" insert_at="ROOT" width="160" height="120" outputs="color depth"/>
 )";
 
 /// All but run.json, which has times in it.
-std::map<std::string, std::string> results(const std::filesystem::path& folder) {
+std::map<std::string, std::string> files_of(const std::filesystem::path& folder) {
   std::map<std::string, std::string> files;
   for (const std::string& file : files_below(folder)) {
     if (file != "run.json") files[file] = read_text(folder / file);
@@ -33,28 +30,28 @@ std::map<std::string, std::string> results(const std::filesystem::path& folder) 
 
 TEST_CASE("the files of a run do not depend on --threads") {
   const TemporaryFolder folder;
-  const std::string scene = write_wall_scene(folder.path(), kSensors).string();
+  const std::string scene = write_wall_scene(folder.path(), kThreadedSensors).string();
   std::map<std::string, std::string> expected;
   for (const std::string threads : {"1", "2", "3", "8", "0"}) {
     CAPTURE(threads);
     const std::filesystem::path out = folder / ("out" + threads);
     const ProcessResult run =
-        Process({kProgram, scene, "--quiet", "--frames", "5", "--threads", threads, "--out", out.string()}).wait();
+        Process({simvis_run(), scene, "--quiet", "--frames", "5", "--threads", threads, "--out", out.string()}).wait();
     CHECK(run.err == "");
     REQUIRE(run.exit_code == 0);
-    if (expected.empty()) expected = results(out);
+    if (expected.empty()) expected = files_of(out);
     CHECK(expected.size() == 16);  // five of colour, five of depth, a table, intrinsics, poses of two sensors
-    CHECK(results(out) == expected);
+    CHECK(files_of(out) == expected);
   }
 }
 
 TEST_CASE("--threads takes a whole number up to 1024") {
   const TemporaryFolder folder;
-  const std::string scene = write_wall_scene(folder.path(), kSensors).string();
+  const std::string scene = write_wall_scene(folder.path(), kThreadedSensors).string();
   for (const std::string threads : {"1025", "-1", "two", "4294967297"}) {
     CAPTURE(threads);
     const ProcessResult run =
-        Process({kProgram, scene, "--threads", threads, "--out", (folder / "out").string()}).wait();
+        Process({simvis_run(), scene, "--threads", threads, "--out", (folder / "out").string()}).wait();
     CHECK(run.exit_code == 2);
     CHECK(run.err.find("--threads") != std::string::npos);
     CHECK(files_below(folder / "out").empty());

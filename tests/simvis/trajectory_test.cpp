@@ -11,8 +11,8 @@ TEST_SUITE_BEGIN("simvis");
 namespace simvis {
 namespace {
 
-struct Stage {
-  Stage() {
+struct TrajectoryStage {
+  TrajectoryStage() {
     const AttributeSpec x{.name = "x", .default_value = "0", .unit = "m", .live = true};
     const AttributeSpec h{.name = "h", .default_value = "0", .unit = "m", .min = 0, .max = 3, .live = true};
     const double values[] = {0, 0};
@@ -33,7 +33,7 @@ struct Stage {
 };
 
 TEST_CASE("values are linear between rows, and constant before the first and after the last") {
-  Stage stage;
+  TrajectoryStage stage;
   for (const char* text :
        {"time_s,P.h,P.x\n1,0,10\n3,2,20\n4,3,-4\n", "\xef\xbb\xbftime_s, P.h ,P.x\r\n1,0,10\r\n3 ,2, 20\r\n4,3,-4",
         "time_s,P.h,P.x\r1,0,10\r3,2,20\r4,3,-4\r\r"}) {
@@ -53,7 +53,7 @@ TEST_CASE("values are linear between rows, and constant before the first and aft
 }
 
 TEST_CASE("a single row is valid at all times") {
-  Stage stage;
+  TrajectoryStage stage;
   const Trajectory trajectory = stage.read("time_s,P.x\n2,5\n");
   for (const double time_s : {0.0, 2.0, 3.0}) {
     trajectory.apply(time_s, stage.parameters);
@@ -62,7 +62,7 @@ TEST_CASE("a single row is valid at all times") {
 }
 
 TEST_CASE("blank lines and comments are skipped") {
-  Stage stage;
+  TrajectoryStage stage;
   const Trajectory trajectory =
       stage.read("# a drive\n\n  \ntime_s,P.x\n0,1\n\n # half, way, there\n\t\n2,3\r\n\r\n#\n");
   trajectory.apply(1, stage.parameters);
@@ -71,7 +71,7 @@ TEST_CASE("blank lines and comments are skipped") {
 }
 
 TEST_CASE("angles of full turns take the short way, others do not") {
-  Stage stage;
+  TrajectoryStage stage;
   const AttributeSpec turn{.name = "turn", .default_value = "0", .unit = "deg", .live = true, .full_turn = true};
   const AttributeSpec joint{.name = "joint", .default_value = "0", .unit = "deg", .live = true};
   stage.parameters.add_element({.name = "A", .type = "t", .insertion_point = "ROOT", .parameters = {turn, joint}},
@@ -97,7 +97,7 @@ TEST_CASE("angles of full turns take the short way, others do not") {
 }
 
 TEST_CASE("errors are reported at their place") {
-  const Stage stage;
+  const TrajectoryStage stage;
   CHECK(stage.error("") == "t.csv:1:1: error: no header, expected \"time_s,ELEMENT.PARAM,...\"");
   CHECK(contains(stage.error("time_s,P.x\n"), "error: no rows, expected at least one"));
   CHECK(stage.error("time,P.x\n0,1") == "t.csv:1:1: error: column \"time\", expected \"time_s\" first");

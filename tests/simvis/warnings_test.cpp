@@ -13,7 +13,7 @@ namespace simvis {
 namespace {
 
 const std::string kCam = R"(<sensor type="camera" name="CAM" insert_at="ROOT" width="4" height="4"/>)";
-const std::string kPose = R"(<element type="pose" name="MOVE" insert_at="ROOT"/>)";
+const std::string kMoveElement = R"(<element type="pose" name="MOVE" insert_at="ROOT"/>)";
 
 SimulationDesc strict_desc() {
   SimulationDesc desc;
@@ -44,16 +44,16 @@ std::vector<std::string> warnings_of(const std::string& commands, SimulationDesc
 }
 
 TEST_CASE("a sensor in front of the element that was meant to move it") {
-  CHECK(warnings_of(kCam + kPose) ==
+  CHECK(warnings_of(kCam + kMoveElement) ==
         std::vector<std::string>{"s.xml:1:55: sensor \"CAM\" does not move with element \"MOVE\", which comes later at "
                                  "insertion point \"ROOT\" and moves only what follows it; expected the sensor behind "
                                  "the element"});
-  CHECK(warnings_of(kPose + kCam).empty());
+  CHECK(warnings_of(kMoveElement + kCam).empty());
   // The element moves another sensor, or the sensor is moved by another element.
   const std::string other = R"(<sensor type="camera" name="OTHER" insert_at="ROOT" width="4" height="4"/>)";
   const std::string joint = R"(<element type="joint" name="TURN" insert_at="ROOT" axis="0 0 1"/>)";
-  CHECK(warnings_of(kCam + kPose + other).empty());
-  CHECK(warnings_of(kPose + kCam + joint).empty());
+  CHECK(warnings_of(kCam + kMoveElement + other).empty());
+  CHECK(warnings_of(kMoveElement + kCam + joint).empty());
   CHECK(warnings_of(kCam + joint).size() == 1);
   // An element at a part moves the part.
   const std::string at_wall = R"(<sensor type="psd" name="PSD" insert_at="WALL" pose_offset="-1 0 0 0 0 0"/>)";
@@ -131,7 +131,8 @@ TEST_CASE("a sensor that sees nothing in its first frame") {
 
 TEST_CASE("a step that a warning ends can be tried again") {
   Simulation simulation = walled(
-      kPose + R"(<sensor type="laser_scanner" name="SCAN" insert_at="ROOT" samples="2" min_angle="0" max_angle="1"/>)",
+      kMoveElement +
+          R"(<sensor type="laser_scanner" name="SCAN" insert_at="ROOT" samples="2" min_angle="0" max_angle="1"/>)",
       strict_desc());
   simulation.set("MOVE", "yaw", 180);
   CHECK(contains(error_of([&] { simulation.step(); }), "s.xml:1:106: error: sensor \"SCAN\" sees nothing"));

@@ -34,7 +34,7 @@ void add_item(DrawList& list, Mesh mesh, const glm::dmat4& world_from_mesh) {
   ++list.revisions.structure;
 }
 
-Mesh box_mesh(const glm::vec3& half_size) {
+Mesh half_box_mesh(const glm::vec3& half_size) {
   Mesh mesh;
   for (int corner = 0; corner < 8; ++corner) {
     mesh.positions.push_back(half_size * glm::vec3(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1));
@@ -63,7 +63,7 @@ DrawList random_room(std::uint32_t seed, int primitives, int sphere_segments) {
   std::mt19937 random(seed);
   const auto between = [&](double low, double high) { return simvis::between(random, low, high); };
   DrawList list;
-  add_item(list, box_mesh({5, 4, 1.5}), glm::translate(glm::dmat4(1.0), {0, 0, 1.5}));
+  add_item(list, half_box_mesh({5, 4, 1.5}), glm::translate(glm::dmat4(1.0), {0, 0, 1.5}));
   for (int primitive = 0; primitive < primitives; ++primitive) {
     glm::dvec3 place;
     do {
@@ -72,7 +72,7 @@ DrawList random_room(std::uint32_t seed, int primitives, int sphere_segments) {
     const glm::dvec3 axis = glm::normalize(glm::dvec3(between(-1, 1), between(-1, 1), between(0.1, 1)));
     const glm::dmat4 pose = glm::rotate(glm::translate(glm::dmat4(1.0), place), between(0, 6), axis);
     if (primitive % 2) {
-      add_item(list, box_mesh({between(0.05, 0.3), between(0.05, 0.3), between(0.05, 0.3)}), pose);
+      add_item(list, half_box_mesh({between(0.05, 0.3), between(0.05, 0.3), between(0.05, 0.3)}), pose);
     } else {
       add_item(list, sphere_mesh(between(0.1, 0.4), sphere_segments), pose);
     }

@@ -20,7 +20,7 @@ glm::dmat4 random_turn(std::mt19937& random);
 void add_item(DrawList& list, Mesh mesh, const glm::dmat4& world_from_mesh);
 
 /// An axis-aligned box about the origin.
-Mesh box_mesh(const glm::vec3& half_size);
+Mesh half_box_mesh(const glm::vec3& half_size);
 
 /// A sphere about the origin, `segments` around and half as many from pole to pole.
 Mesh sphere_mesh(double radius_m, int segments);

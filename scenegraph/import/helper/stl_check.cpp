@@ -13,7 +13,7 @@ namespace simvis {
 namespace {
 
 constexpr std::uint64_t kHeaderBytes = 84, kFacetBytes = 50;
-constexpr std::string_view kSpaces = " \t\r\n";
+constexpr std::string_view kStlSpaces = " \t\r\n";
 
 std::string read_range(std::ifstream& stream, std::uint64_t from, std::uint64_t bytes) {
   std::string text(bytes, '\0');
@@ -26,12 +26,12 @@ std::string read_range(std::ifstream& stream, std::uint64_t from, std::uint64_t 
 
 // Returns whether the last line that is not empty begins with "endsolid".
 bool ends_with_endsolid(std::string_view end) {
-  const std::size_t last = end.find_last_not_of(kSpaces);
+  const std::size_t last = end.find_last_not_of(kStlSpaces);
   if (last == std::string_view::npos) return false;
   end = end.substr(0, last + 1);
   const std::size_t line = end.find_last_of("\r\n");
   if (line != std::string_view::npos) end.remove_prefix(line + 1);
-  const std::size_t start = end.find_first_not_of(kSpaces);
+  const std::size_t start = end.find_first_not_of(kStlSpaces);
   return start != std::string_view::npos && end.substr(start).starts_with("endsolid");
 }
 
@@ -71,7 +71,7 @@ bool check_stl(AssimpFile& file) {
       return has_marks_without_colors(stream, start, facets);
     }
   }
-  const std::size_t word = start.find_first_not_of(kSpaces);
+  const std::size_t word = start.find_first_not_of(kStlSpaces);
   if (word == std::string::npos || !std::string_view(start).substr(word).starts_with("solid")) {
     fail_at(where, "has " + std::to_string(size) + " bytes and claims " + std::to_string(facets) +
                        " facets, expected binary STL of 84 bytes and 50 per facet, or text that begins with \"solid\"");
