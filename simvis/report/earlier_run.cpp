@@ -44,6 +44,15 @@ std::map<std::string, std::string> depends_on(const Json& json) {
   return result;
 }
 
+RecordedVariables environment_of(const Json& json) {
+  RecordedVariables environment;
+  const Json variables = json.value("environment", Json::object());
+  for (const auto& [name, value] : variables.items()) {
+    environment[name] = value.is_null() ? std::nullopt : std::optional(value.get<std::string>());
+  }
+  return environment;
+}
+
 }  // namespace
 
 std::map<std::string, std::string> depends_on(const std::string& report_json) {
@@ -61,6 +70,7 @@ EarlierRun read_report(const std::filesystem::path& report) {
                    .next_frame = json.value("next_frame", std::uint64_t{0}),
                    .command = json.value("command", std::vector<std::string>()),
                    .inputs = json.value("inputs", FileHashes()),
+                   .environment = environment_of(json),
                    .files = json.value("files", RunFiles()),
                    .depends = depends_on(json)};
     for (const auto& [name, files] : run.files) {
