@@ -8,6 +8,8 @@ const Command& Diagnostics::command(std::string_view sensor) const { return impl
 
 const DeviceInfo& Diagnostics::device() const { return impl_->device.info(); }
 std::span<const std::filesystem::path> Diagnostics::inputs() const { return impl_->inputs; }
+
+const std::map<std::string, std::optional<std::string>>& Diagnostics::environment() const { return impl_->environment; }
 const FrameCounters& Diagnostics::counters() const { return impl_->idle().sensing.renderer.counters(); }
 RayCounters Diagnostics::ray_counters() const { return impl_->idle().sensing.caster->counters(); }
 const DrawList& Diagnostics::draw_list() const { return *impl_->idle().sensing.list; }

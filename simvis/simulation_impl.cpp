@@ -369,6 +369,7 @@ void SimulationImpl::add_inputs(const InputLog& log) {
   std::set<std::filesystem::path> all(inputs.begin(), inputs.end());
   all.insert(log.files().begin(), log.files().end());
   inputs.assign(all.begin(), all.end());
+  environment.insert(log.environment().begin(), log.environment().end());
 }
 
 void SimulationImpl::track_part(std::string_view part) {

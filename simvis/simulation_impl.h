@@ -92,6 +92,7 @@ struct SimulationImpl : Observations {
   std::vector<State> states;  // as long as scene.built.sensors
   std::filesystem::path cache;
   std::vector<std::filesystem::path> inputs;  // files that were read, sorted
+  EnvironmentLog environment;                 // variables that were read
   Device device;
   std::map<std::string, std::shared_ptr<Mount>, std::less<>> tracked_parts;  // null: it was removed
   std::optional<CostModel> device_costs;                                     // set when a sensor first requests them

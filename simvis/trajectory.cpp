@@ -2,10 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/gtc/quaternion.hpp>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
 
+#include <simvis/pose.h>
+#include "scenegraph/language/pose_attribute.h"
 #include "scenegraph/language/source_text.h"
 
 namespace simvis {
@@ -50,26 +55,19 @@ std::vector<std::vector<Cell>> split_lines(std::string_view text) {
   return lines;
 }
 
-std::vector<std::size_t> read_header(const std::vector<Cell>& cells, const SourceText& source,
-                                     const Parameters& parameters) {
-  if (cells[0].text != "time_s") {
-    fail_at(source.at(cells[0].offset), "column " + in_quotes(cells[0].text) + ", expected \"time_s\" first");
-  }
-  std::vector<std::size_t> indices;
-  for (const Cell& cell : std::span(cells).subspan(1)) {
-    const Location where = source.at(cell.offset);
-    const std::size_t dot = cell.text.rfind('.');
-    if (dot == std::string_view::npos) fail_at(where, "column " + in_quotes(cell.text) + ", expected ELEMENT.PARAM");
-    std::size_t index = 0;
-    try {
-      index = parameters.index(cell.text.substr(0, dot), cell.text.substr(dot + 1));
-    } catch (const InputError& error) {
-      fail_at(where, "column " + in_quotes(cell.text) + ": " + error.what());
-    }
-    if (std::ranges::find(indices, index) != indices.end()) {
-      fail_at(where, "column " + in_quotes(cell.text) + " is given twice, expected once");
-    }
-    indices.push_back(index);
+constexpr std::array<std::string_view, 4> kQuaternionColumns = {"qx", "qy", "qz", "qw"};
+constexpr std::array<std::string_view, 3> kAngles = {"roll", "pitch", "yaw"};
+constexpr std::size_t kNoColumn = ~std::size_t{0};
+
+// The indices of roll, pitch and yaw of an element that has them.
+std::optional<std::array<std::size_t, 3>> angles_of(std::string_view element, const Parameters& parameters) {
+  const auto found = std::ranges::find(parameters.elements(), element, &ElementDescriptor::name);
+  if (found == parameters.elements().end()) return std::nullopt;
+  std::array<std::size_t, 3> indices{};
+  for (std::size_t i = 0; i < kAngles.size(); ++i) {
+    const auto spec = std::ranges::find(found->parameters, kAngles[i], &AttributeSpec::name);
+    if (spec == found->parameters.end()) return std::nullopt;
+    indices[i] = found->first_value + static_cast<std::size_t>(spec - found->parameters.begin());
   }
   return indices;
 }
@@ -88,14 +86,77 @@ double short_way(double from_deg, double to_deg) { return std::remainder(to_deg 
 
 }  // namespace
 
+// Reads the names of the columns.
+struct Trajectory::Header {
+  Header(std::span<const Cell> all_cells, const SourceText& text, const Parameters& of)
+      : cells(all_cells), source(text), parameters(of) {
+    if (cells[0].text != "time_s") {
+      fail_at(source.at(cells[0].offset), "column " + in_quotes(cells[0].text) + ", expected \"time_s\" first");
+    }
+    cells = cells.subspan(1);
+    for (std::size_t i = 0; i < cells.size(); ++i) add(i);
+    for (const Rotation& rotation : rotations) check(rotation);
+  }
+
+  void add(std::size_t column) {
+    const std::string_view text = cells[column].text;
+    const std::size_t dot = text.rfind('.');
+    if (dot == std::string_view::npos) fail(column, ", expected ELEMENT.PARAM");
+    const std::string_view element = text.substr(0, dot), name = text.substr(dot + 1);
+    const auto component = std::ranges::find(kQuaternionColumns, name);
+    const auto angles = angles_of(element, parameters);
+    if (component != kQuaternionColumns.end() && angles) {
+      return add_component(column, static_cast<std::size_t>(component - kQuaternionColumns.begin()), *angles);
+    }
+    std::size_t index = 0;
+    try {
+      index = parameters.index(element, name);
+    } catch (const InputError& error) {
+      fail(column, std::string(": ") + error.what());
+    }
+    if (std::ranges::find(tracks, index, &Track::parameter) != tracks.end()) {
+      fail(column, " is given twice, expected once");
+    }
+    tracks.push_back({.column = column, .parameter = index, .full_turn = parameters.spec(index).full_turn});
+  }
+
+  void add_component(std::size_t column, std::size_t component, const std::array<std::size_t, 3>& angles) {
+    auto rotation = std::ranges::find(rotations, angles, &Rotation::parameters);
+    if (rotation == rotations.end()) {
+      rotation =
+          rotations.insert(rotation, {.columns = {kNoColumn, kNoColumn, kNoColumn, kNoColumn}, .parameters = angles});
+    }
+    if (rotation->columns[component] != kNoColumn) fail(column, " is given twice, expected once");
+    rotation->columns[component] = column;
+  }
+
+  void check(const Rotation& rotation) const {
+    const std::size_t first = std::ranges::min(rotation.columns);
+    if (std::ranges::max(rotation.columns) == kNoColumn) fail(first, ", expected all of qx, qy, qz and qw");
+    for (const std::size_t angle : rotation.parameters) {
+      if (std::ranges::find(tracks, angle, &Track::parameter) == tracks.end()) continue;
+      fail(first, ": column " + in_quotes(parameters.name(angle)) +
+                      " gives the orientation too, expected angles or a quaternion");
+    }
+  }
+
+  [[noreturn]] void fail(std::size_t column, const std::string& what) const {
+    fail_at(source.at(cells[column].offset), "column " + in_quotes(cells[column].text) + what);
+  }
+
+  std::span<const Cell> cells;  // without the time's
+  const SourceText& source;
+  const Parameters& parameters;
+  std::vector<Track> tracks;
+  std::vector<Rotation> rotations;
+};
+
 Trajectory::Trajectory(const std::filesystem::path& file, const Parameters& parameters) {
   const SourceText source = SourceText::read(file);
   const std::vector<std::vector<Cell>> lines = split_lines(source.text());
   if (lines.empty()) fail_at(source.at(0), "no header, expected \"time_s,ELEMENT.PARAM,...\"");
-  indices_ = read_header(lines[0], source, parameters);
+  add_columns(Header(lines[0], source, parameters));
   if (lines.size() == 1) fail_at(source.at(source.text().size()), "no rows, expected at least one");
-  for (const std::size_t index : indices_) full_turn_.push_back(parameters.spec(index).full_turn);
-  warned_.resize(indices_.size());
   for (const std::vector<Cell>& cells : std::span(lines).subspan(1)) {
     if (cells.size() != lines[0].size()) {
       fail_at(source.at(cells[0].offset), std::to_string(cells.size()) + " cells, expected " +
@@ -107,21 +168,47 @@ Trajectory::Trajectory(const std::filesystem::path& file, const Parameters& para
                                               format_number(times_s_.back()) + " (s)");
     }
     times_s_.push_back(time_s);
-    for (std::size_t i = 0; i < indices_.size(); ++i) {
-      const Cell& cell = cells[i + 1];
-      values_.push_back(read_cell(cell, source));
-      const std::string wrong = check_number(parameters.spec(indices_[i]), values_.back());
-      if (!wrong.empty()) fail_at(source.at(cell.offset), parameters.name(indices_[i]) + ": " + wrong);
-      if (times_s_.size() > 1 && full_turn_[i]) check_turn(i, parameters.name(indices_[i]), source.at(cell.offset));
+    for (const Cell& cell : std::span(cells).subspan(1)) values_.push_back(read_cell(cell, source));
+    const auto place = [&](std::size_t column) { return source.at(cells[column + 1].offset); };
+    for (Track& track : tracks_) {
+      const std::string name = parameters.name(track.parameter);
+      const std::string wrong =
+          check_number(parameters.spec(track.parameter), value(times_s_.size() - 1, track.column));
+      if (!wrong.empty()) fail_at(place(track.column), name + ": " + wrong);
+      if (times_s_.size() > 1 && track.full_turn) check_turn(track, name, place(track.column));
     }
+    for (const Rotation& rotation : rotations_) scale_last(rotation, place(rotation.columns[0]));
   }
 }
 
+void Trajectory::add_columns(const Header& header) {
+  tracks_ = header.tracks;
+  rotations_ = header.rotations;
+  columns_ = header.cells.size();
+  for (const Track& track : tracks_) indices_.push_back(track.parameter);
+  for (const Rotation& rotation : rotations_) {
+    indices_.insert(indices_.end(), rotation.parameters.begin(), rotation.parameters.end());
+  }
+}
+
+// Scales the quaternion of the last row to length 1.
+void Trajectory::scale_last(const Rotation& rotation, const Location& where) {
+  double square = 0;
+  const std::size_t first = (times_s_.size() - 1) * columns_;
+  for (const std::size_t column : rotation.columns) square += values_[first + column] * values_[first + column];
+  const double length = std::sqrt(square);
+  if (!(std::abs(length - 1) <= kQuaternionTolerance)) {
+    fail_at(where, "the quaternion has length " + format_number(length) + ", expected 1");
+  }
+  for (const std::size_t column : rotation.columns) values_[first + column] /= length;
+}
+
 // Adds a warning if the last value of a column lies a full turn or more from the value before.
-void Trajectory::check_turn(std::size_t column, const std::string& name, const Location& where) {
-  const double to = values_.back(), from = values_[values_.size() - 1 - indices_.size()];
-  if (std::abs(to - from) < kFullTurn_deg || warned_[column]) return;
-  warned_[column] = true;
+void Trajectory::check_turn(Track& track, const std::string& name, const Location& where) {
+  const std::size_t row = times_s_.size() - 1;
+  const double to = value(row, track.column), from = value(row - 1, track.column);
+  if (std::abs(to - from) < kFullTurn_deg || track.warned) return;
+  track.warned = true;
   warnings_.push_back(to_string(where) + ": " + name + " changes by " + format_number(to - from) +
                       " deg from row to row, but an angle turns the short way, here by " +
                       format_number(short_way(from, to)) + " deg; expected rows that are at most 180 deg apart");
@@ -133,12 +220,27 @@ void Trajectory::apply(double time_s, Parameters& parameters) const {
   const std::size_t from = after == 0 ? 0 : after - 1;
   const std::size_t to = std::min(after, times_s_.size() - 1);
   const double part = from == to ? 0 : (time_s - times_s_[from]) / (times_s_[to] - times_s_[from]);
-  for (std::size_t i = 0; i < indices_.size(); ++i) {
+  for (const Track& track : tracks_) {
     // std::lerp is monotonic and exact at both ends, so the result stays within the limits if both rows do.
-    const double first = values_[from * indices_.size() + i], last = values_[to * indices_.size() + i];
-    const bool other_way = full_turn_[i] && std::abs(last - first) > kFullTurn_deg / 2;
-    if (parameters.is_removed(indices_[i])) continue;
-    parameters.set(indices_[i], other_way ? first + part * short_way(first, last) : std::lerp(first, last, part));
+    const double first = value(from, track.column), last = value(to, track.column);
+    const bool other_way = track.full_turn && std::abs(last - first) > kFullTurn_deg / 2;
+    if (parameters.is_removed(track.parameter)) continue;
+    parameters.set(track.parameter, other_way ? first + part * short_way(first, last) : std::lerp(first, last, part));
+  }
+  for (const Rotation& rotation : rotations_) turn(rotation, from, to, part, parameters);
+}
+
+void Trajectory::turn(const Rotation& rotation, std::size_t from, std::size_t to, double part,
+                      Parameters& parameters) const {
+  const auto quaternion = [&](std::size_t row) {
+    const auto& [x, y, z, w] = rotation.columns;
+    return glm::dquat(value(row, w), value(row, x), value(row, y), value(row, z));
+  };
+  const Pose pose = to_pose(glm::mat4_cast(glm::normalize(glm::slerp(quaternion(from), quaternion(to), part))));
+  const double angles_rad[] = {pose.roll_rad, pose.pitch_rad, pose.yaw_rad};
+  for (std::size_t i = 0; i < rotation.parameters.size(); ++i) {
+    if (parameters.is_removed(rotation.parameters[i])) continue;
+    parameters.set(rotation.parameters[i], glm::degrees(angles_rad[i]));
   }
 }
 

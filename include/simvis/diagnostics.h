@@ -3,7 +3,10 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
+#include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -26,8 +29,7 @@ struct SimulationImpl;
 /// Lifetime   valid as long as the simulation that gave it; references that its functions return are
 ///            valid until the next step or Simulation::execute().
 /// Errors     InputError while a frame is under way (see Simulation::step_async()), except from command(), device(),
-/// inputs() and
-///            validation_messages().
+///            inputs(), environment() and validation_messages().
 /// Threads    as the simulation: one thread at a time.
 class SIMVIS_API Diagnostics {
  public:
@@ -42,6 +44,8 @@ class SIMVIS_API Diagnostics {
   /// The files that the scene and its parts were read from, by the names with which they were opened, sorted, each
   /// once.
   std::span<const std::filesystem::path> inputs() const;
+  /// The environment variables that were read on the way to those files, with their values; none: not set.
+  const std::map<std::string, std::optional<std::string>>& environment() const;
   const FrameCounters& counters() const;  ///< of the last step()
   RayCounters ray_counters() const;       ///< sum over all steps
   const DrawList& draw_list() const;      ///< of the last step(); before the first: of the loaded scene

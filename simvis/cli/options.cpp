@@ -276,6 +276,7 @@ Options recorded_options(const Options& given) {
   const EarlierRun run =
       read_report(again ? std::filesystem::path(given.again) : std::filesystem::path(given.out) / "run.json");
   if (run.command.empty()) throw InputError(run.report.string() + ": error: holds no command line");
+  set_environment(run.environment);
   ParsedOptions recorded = parse_options(run.command);
   Options options = recorded.options;
   if (!options.serve.empty() || !options.follow.empty()) {

@@ -211,6 +211,7 @@ void Run::describe() {
   files.insert(files.end(), options_.plugins.begin(), options_.plugins.end());
   record.inputs = hashes_of(files);
   if (!options_.trajectory.empty()) record.inputs[options_.trajectory] = sha256_of(options_.trajectory);
+  record.environment = simulation_.diagnostics().environment();
   record.host = host_info();
   in_option("--format", [&] { record.formats = parse_formats(options_.formats); });
   record.formats.depth_unit_m = options_.depth_unit_m;

@@ -50,6 +50,15 @@ std::uint64_t frames_wanted(const Json& json) {
   return found == json.end() || found->is_null() ? 0 : found->get<std::uint64_t>();
 }
 
+RecordedVariables environment_of(const Json& json) {
+  RecordedVariables environment;
+  const Json variables = json.value("environment", Json::object());
+  for (const auto& [name, value] : variables.items()) {
+    environment[name] = value.is_null() ? std::nullopt : std::optional(value.get<std::string>());
+  }
+  return environment;
+}
+
 }  // namespace
 
 std::map<std::string, std::string> depends_on(const std::string& report_json) {
@@ -67,6 +76,7 @@ EarlierRun read_report(const std::filesystem::path& report) {
                    .next_frame = json.value("next_frame", std::uint64_t{0}),
                    .command = json.value("command", std::vector<std::string>()),
                    .inputs = json.value("inputs", FileHashes()),
+                   .environment = environment_of(json),
                    .files = json.value("files", RunFiles()),
                    .depends = depends_on(json)};
     for (const auto& [name, files] : run.files) {

@@ -20,6 +20,7 @@ struct EarlierRun {
   std::uint64_t next_frame = 0;                ///< the first frame that was not written, if it did not end by a kill
   std::vector<std::string> command;            ///< its command line
   FileHashes inputs;                           ///< everything that it read
+  RecordedVariables environment;               ///< variables that led to what it read
   RunFiles files;                              ///< everything that it wrote, besides the report
   std::map<std::string, std::string> depends;  ///< as depends_on()
 };

@@ -4,6 +4,7 @@
 #include <sys/utsname.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <fstream>
 #include <thread>
 
@@ -32,6 +33,16 @@ FileHashes hashes_of(std::span<const std::filesystem::path> files) {
   FileHashes hashes;
   for (const std::filesystem::path& file : files) hashes[name_from_here(file)] = sha256_of(file);
   return hashes;
+}
+
+void set_environment(const RecordedVariables& environment) {
+  for (const auto& [name, value] : environment) {
+    if (value) {
+      ::setenv(name.c_str(), value->c_str(), 1);
+    } else {
+      ::unsetenv(name.c_str());
+    }
+  }
 }
 
 NamedTexts given_attributes(const Command& sensor) {

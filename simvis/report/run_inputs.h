@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -21,6 +22,12 @@ using FileHashes = std::map<std::string, std::string>;
 
 /// Files below the working folder are named from there, so that the names also hold for a copy of that folder.
 FileHashes hashes_of(std::span<const std::filesystem::path> files);
+
+/// Environment variables with their values; none: not set.
+using RecordedVariables = std::map<std::string, std::optional<std::string>>;
+
+/// Sets and unsets the variables of this process. No other thread may use the environment at the same time.
+void set_environment(const RecordedVariables& environment);
 
 using NamedTexts = std::vector<std::pair<std::string, std::string>>;
 

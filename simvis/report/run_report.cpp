@@ -35,6 +35,8 @@ void add_record(const RunRecord& record, Json& json) {
                           {"sha256", hash == record.inputs.end() ? Json(nullptr) : Json(hash->second)}};
   }
   json["inputs"] = record.inputs;
+  json["environment"] = Json::object();
+  for (const auto& [name, value] : record.environment) json["environment"][name] = value ? Json(*value) : Json(nullptr);
   json["host"] = {{"name", record.host.name},
                   {"system", record.host.system},
                   {"processor", record.host.processor},

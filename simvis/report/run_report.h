@@ -23,6 +23,7 @@ struct RunRecord {
   std::vector<std::string> set;                  ///< the values of --set
   std::string trajectory;                        ///< the file; empty: none
   FileHashes inputs;                             ///< all files that were read: scene, parts, trajectory, plug-ins
+  RecordedVariables environment;                 ///< the variables that led to these files
   HostInfo host;                                 ///< the machine
   OutputFormats formats;                         ///< of the files
   std::vector<std::string> poses;                ///< parts whose poses were asked for

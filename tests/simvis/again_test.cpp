@@ -71,6 +71,36 @@ TEST_CASE("a run made again in another copy of its files has the same bytes") {
   CHECK(read_text(second.folder / "third/SCAN.csv") == read_text(first.folder / "out/SCAN.csv"));
 }
 
+TEST_CASE("a run is made again with the environment variables that led to its files") {
+  const Project project;
+  fs::create_directories(project.folder / "packages/share/shapes");
+  write_text(project.folder / "packages/share/shapes/package.xml", "<package><name>shapes</name></package>");
+  write_text(project.folder / "packages/share/shapes/wall.obj", "v 3 -1 -1\nv 3 1 -1\nv 3 0 1\nf 1 2 3\n");
+  fs::create_directories(project.folder / "deep/in/folders/of/a/robot");
+  write_text(project.folder / "deep/in/folders/of/a/robot/r.urdf",
+             "<robot name='r'><link name='a'><visual><geometry><mesh filename='package://shapes/wall.obj'/></geometry>"
+             "</visual></link></robot>");
+  write_text(project.folder / "scene.xml",
+             "<simvis><part file='deep/in/folders/of/a/robot/r.urdf' name='R' insert_at='ROOT'/>"
+             "<sensor type='laser_scanner' name='SCAN' insert_at='ROOT' samples='5'/></simvis>");
+  const std::string packages = (project.folder / "packages").string();
+  const auto in = [&](const std::string& variables, const std::string& arguments) {
+    return Process({"/bin/sh", "-c", "cd \"$0\" && exec env " + variables + " " + kProgram + " " + arguments,
+                    project.folder.path().string()})
+        .wait()
+        .exit_code;
+  };
+  REQUIRE(in("-u ROS_PACKAGE_PATH AMENT_PREFIX_PATH=" + packages, "--quiet --strict scene.xml") == 0);
+  const auto environment = nlohmann::json::parse(read_text(project.folder / "out/run.json"))["environment"];
+  CHECK(environment["AMENT_PREFIX_PATH"] == packages);
+  REQUIRE(environment.contains("ROS_PACKAGE_PATH"));
+  CHECK(environment["ROS_PACKAGE_PATH"].is_null());
+  CHECK_FALSE(environment.contains("HOME"));
+  CHECK(in("-u AMENT_PREFIX_PATH", "--quiet --out other scene.xml") != 0);
+  CHECK(in("ROS_PACKAGE_PATH=/nowhere AMENT_PREFIX_PATH=/nowhere", "--quiet --again out/run.json --out again") == 0);
+  CHECK(read_text(project.folder / "out/SCAN.csv") == read_text(project.folder / "again/SCAN.csv"));
+}
+
 TEST_CASE("a run is not made again from other files, and not with other options") {
   const Project project;
   REQUIRE(project.run("scene.xml --quiet").exit_code == 0);

@@ -3,6 +3,9 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
+#include <glm/glm.hpp>
+
 #include "tests/support/error_of.h"
 #include "tests/support/temporary_folder.h"
 
@@ -94,6 +97,65 @@ TEST_CASE("angles of full turns take the short way, others do not") {
   const Trajectory whirl = stage.read("time_s,A.turn,A.joint\n0,0,0\n1,360,720\n2,-30,0\n");
   REQUIRE(whirl.warnings().size() == 1);
   CHECK(contains(whirl.warnings()[0], "t.csv:3:3: A.turn changes by 360 deg from row to row"));
+}
+
+// Products of a few factors of at most 1, and an arc tangent, in double.
+constexpr double kAngleTolerance_deg = 1e-12;
+
+struct PoseStage : Stage {
+  PoseStage() {
+    std::vector<AttributeSpec> specs;
+    for (const char* name : {"roll", "pitch", "yaw"}) {
+      specs.push_back({.name = name, .default_value = "0", .unit = "deg", .live = true, .full_turn = true});
+    }
+    parameters.add_element({.name = "R", .type = "pose", .insertion_point = "ROOT", .parameters = specs},
+                           std::vector<double>{0, 0, 0});
+  }
+  void check(const Trajectory& trajectory, double time_s, double roll, double pitch, double yaw) {
+    trajectory.apply(time_s, parameters);
+    const double expected[] = {roll, pitch, yaw};
+    for (std::size_t i = 0; i < 3; ++i) {
+      CHECK(std::abs(parameters.values()[i + 2] - expected[i]) <= kAngleTolerance_deg);
+    }
+  }
+};
+
+// cos(45 degrees), cos(22.5 degrees) and sin(22.5 degrees): half angles of turns by 90 and 45 degrees.
+TEST_CASE("an orientation as quaternion turns about one axis, the short way") {
+  PoseStage stage;
+  const std::string head = "time_s,R.qw,P.x,R.qx,R.qy,R.qz\n";
+  const Trajectory yaw = stage.read(head + "0,1,0,0,0,0\n1,0.7071067811865476,2,0,0,0.7071067811865476\n");
+  stage.check(yaw, 0, 0, 0, 0);
+  stage.check(yaw, 0.5, 0, 0, 45);
+  CHECK(stage.parameters.values()[0] == 1);
+  stage.check(yaw, 2, 0, 0, 90);
+  CHECK(yaw.parameters().size() == 4);
+  // The negative quaternion is the same orientation, so the way is the same.
+  const Trajectory other = stage.read(head + "0,1,0,0,0,0\n1,-0.7071067811865476,2,0,0,-0.7071067811865476\n");
+  stage.check(other, 0.5, 0, 0, 45);
+  // From a turn about x to one about y: half way lies the mean, scaled to length 1.
+  const Trajectory tilt = stage.read(head +
+                                     "0,0.7071067811865476,0,0.7071067811865476,0,0\n"
+                                     "1,0.7071067811865476,0,0,0.7071067811865476,0\n");
+  stage.check(tilt, 0, 90, 0, 0);
+  // q = (w, x, y, z) = (2, 1, 1, 0) / sqrt(6), and roll, pitch, yaw of its matrix.
+  stage.check(tilt, 0.5, glm::degrees(std::atan2(2.0, 1.0)), glm::degrees(std::asin(2.0 / 3)),
+              glm::degrees(std::atan2(1.0, 2.0)));
+  // Three decimals.
+  stage.check(stage.read("time_s,R.qx,R.qy,R.qz,R.qw\n0,0,0,0.707,0.707\n"), 0, 0, 0, 90);
+}
+
+TEST_CASE("errors of quaternion columns") {
+  const PoseStage stage;
+  CHECK(stage.error("time_s,R.qx,R.qy,R.qw\n0,0,0,1\n") ==
+        "t.csv:1:8: error: column \"R.qx\", expected all of qx, qy, qz and qw");
+  CHECK(stage.error("time_s,R.yaw,R.qx,R.qy,R.qz,R.qw\n0,0,0,0,0,1\n") ==
+        "t.csv:1:14: error: column \"R.qx\": column \"R.yaw\" gives the orientation too, expected angles or a "
+        "quaternion");
+  CHECK(contains(stage.error("time_s,R.qx,R.qx\n0,0,0\n"), "\"R.qx\" is given twice"));
+  CHECK(stage.error("time_s,R.qx,R.qy,R.qz,R.qw\n0,0,0,0,1\n1,0,0,0,0.5\n") ==
+        "t.csv:3:3: error: the quaternion has length 0.5, expected 1");
+  CHECK(contains(stage.error("time_s,P.qx\n0,0\n"), "element \"P\" has no parameter \"qx\""));
 }
 
 TEST_CASE("errors are reported at their place") {

@@ -115,9 +115,12 @@ TEST_CASE("a sensor that sees nothing in its first frame") {
            std::to_string(yaw) + "\" " + attributes + "/>";
   };
   const std::string scan = R"(samples="3" min_angle="-5" max_angle="5" range_max="7")",
-                    size = R"(width="4" height="4")";
+                    size = R"(width="4" height="4")",
+                    // more than one depth image
+      strips = R"(samples="9" min_angle="-100" max_angle="100" range_max="7" method="planar")";
   for (const auto& [type, attributes] : {std::pair<std::string, std::string>{"laser_scanner", scan},
                                          {"laser_scanner", scan + R"( method="planar")"},
+                                         {"laser_scanner", strips},
                                          {"camera", size},
                                          {"camera", size + R"( outputs="depth")"},
                                          {"stereo_camera", size}}) {

@@ -46,8 +46,8 @@ class MeshoptView {
     check_layout();
     const Bytes source = read_source();
     // Vertices take at least two bits for every 16 bytes, indices at least a byte for three of them.
-    constexpr std::size_t kMostPerByte = 64;
-    if (count_ > source.size() * kMostPerByte / stride_) {
+    constexpr std::size_t kMaxBytesPerByte = 64;
+    if (count_ > source.size() * kMaxBytesPerByte / stride_) {
       fail("gives " + std::to_string(count_) + " elements, more than its " + std::to_string(source.size()) +
            " bytes can hold");
     }

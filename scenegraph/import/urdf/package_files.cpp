@@ -1,10 +1,11 @@
 #include "scenegraph/import/urdf/package_files.h"
 
 #include <algorithm>
-#include <cstdlib>
 #include <pugixml.hpp>
 #include <string_view>
 #include <system_error>
+
+#include "engine/base/input_log.h"
 
 namespace simvis {
 namespace {
@@ -21,7 +22,7 @@ constexpr int kLevelsOfPackages = 5;  // folders above the URDF whose packages a
 constexpr int kLevelsNear = 3;        // folders above the URDF in which a lost file is searched
 
 std::vector<fs::path> folders_of_variable(const char* variable) {
-  const char* const value = std::getenv(variable);
+  const char* const value = noted_variable(variable);
   std::vector<fs::path> folders;
   for (std::string_view rest = value == nullptr ? "" : value; !rest.empty();) {
     const std::string_view folder = rest.substr(0, rest.find(':'));
