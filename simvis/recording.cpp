@@ -132,9 +132,10 @@ class Recording::SensorMessages : public OutputSink {
          }});
   }
 
+  bool has_images() const { return has_images_; }
+
   /// The numbers of a sensor without images.
   void values(std::span<const NamedValue> values, const RangeFacts& facts) {
-    if (has_images_) return;
     for (const NamedValue& value : values) {
       if (value.name == "range_m") {
         recording_.add(topic("", "range"), ros::infrared_range(ros::header_of(time_ns(), frame_), value.value,
@@ -308,7 +309,8 @@ void Recording::add_measurements(const BuiltScene& scene, std::span<const Placed
       messages.scan(*scan, range_facts(sensor), period_s);
     } else {
       sensor.sensor->write(messages);
-      messages.values(sensor.sensor->values(), range_facts(sensor));
+      // Those of a camera, such as the bound on its depth, are computed when they are read.
+      if (!messages.has_images()) messages.values(sensor.sensor->values(), range_facts(sensor));
     }
   }
 }
