@@ -140,7 +140,7 @@ struct MapPlacesBlock {
 };
 
 // A light in the view frame. The intensity of point and spot lights falls with the square of the distance. A view has
-// its directional lights first, then its point lights, then its spot lights. Rows that a kind does not use are not read.
+// its directional lights first, then its point lights, then its spot lights. A kind reads only the rows that it uses.
 struct LightBlock {
   vec4 position;   // point, spot: xyz: metres; w: 1 / range in 1/m, 0 for no limit
   vec4 direction;  // directional, spot: xyz: direction in which the light travels, unit length

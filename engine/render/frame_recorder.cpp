@@ -208,6 +208,23 @@ class RenderPassScope {
   Bound bound_;
 };
 
+// The parts of these rows of the targets that show transparent surfaces, one for each view that has any.
+std::vector<VkRect2D> layered_parts(const Pass& pass, std::span<const ViewDraws> views, const LayerRows& rows) {
+  std::vector<VkRect2D> parts;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const PixelRect& layered = views[i].layered;
+    if (layered.empty()) continue;
+    const glm::uvec2 corner(pass.views[i].x_px, pass.views[i].y_px);
+    const glm::uvec2 first = pass.supersampling * (corner + layered.first),
+                     last = pass.supersampling * (corner + layered.last);
+    const std::uint32_t top = std::max(first.y, rows.first), bottom = std::min(last.y, rows.first + rows.count);
+    if (top >= bottom) continue;
+    parts.push_back(
+        {{static_cast<std::int32_t>(first.x), static_cast<std::int32_t>(top)}, {last.x - first.x, bottom - top}});
+  }
+  return parts;
+}
+
 // For each band: draws the layers of all views, then composites them over the solid surfaces. After the bands: draws
 // the depth-visible transparent surfaces for depth.
 void record_layers(const FrameContext& frame, const Pass& pass, const RenderTarget& target,
@@ -223,8 +240,9 @@ void record_layers(const FrameContext& frame, const Pass& pass, const RenderTarg
     }
     frame.layers.record_end(frame.commands);
     RenderPassScope resolved(frame, pass, target, true, !last);
-    frame.layers.record_resolve(frame.commands, pass, bands[i]);
-    ++frame.counters.draws;
+    const std::vector<VkRect2D> parts = layered_parts(pass, views, bands[i]);
+    frame.layers.record_resolve(frame.commands, pass, parts);
+    frame.counters.draws += parts.size();
     ++frame.counters.pipelines_bound;
     if (last) resolved.record(views, DrawPhase::depth_visible, all, true);
   }

@@ -127,18 +127,19 @@ void OitBuffer::record_end(VkCommandBuffer commands) {
   vkCmdCopyBuffer(commands, lists_.get(), counts_.get(), 1, &count);
 }
 
-void OitBuffer::record_resolve(VkCommandBuffer commands, const Pass& pass, const LayerRows& rows) {
+void OitBuffer::record_resolve(VkCommandBuffer commands, const Pass& pass, std::span<const VkRect2D> parts) {
   const VkViewport viewport{.x = 0,
                             .y = 0,
                             .width = static_cast<float>(columns_of(pass)),
                             .height = static_cast<float>(rows_of(pass)),
                             .minDepth = 0,
                             .maxDepth = 1};
-  const VkRect2D scissor{{0, static_cast<std::int32_t>(rows.first)}, {columns_of(pass), rows.count}};
   vkCmdSetViewport(commands, 0, 1, &viewport);
-  vkCmdSetScissor(commands, 0, 1, &scissor);
   vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, resolve_pipeline(pass.msaa));
-  vkCmdDraw(commands, 3, 1, 0, 0);
+  for (const VkRect2D& part : parts) {
+    vkCmdSetScissor(commands, 0, 1, &part);
+    vkCmdDraw(commands, 3, 1, 0, 0);
+  }
 }
 
 std::uint64_t OitBuffer::found() const {

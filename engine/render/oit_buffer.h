@@ -41,8 +41,9 @@ class OitBuffer {
   void record_begin(VkCommandBuffer commands, const Pass& pass, const LayerRows& rows);
   /// Call it after the render pass that drew the layers of a band.
   void record_end(VkCommandBuffer commands);
-  /// Composites the layers over the colour of the pass. Call it inside a render pass. It changes viewport and scissor.
-  void record_resolve(VkCommandBuffer commands, const Pass& pass, const LayerRows& rows);
+  /// Composites the layers over the colour of the pass in these parts of its targets, which do not overlap and hold all
+  /// layers. Call it inside a render pass. It changes viewport and scissor.
+  void record_resolve(VkCommandBuffer commands, const Pass& pass, std::span<const VkRect2D> parts);
 
   /// Call it after the frame is drawn. Returns true if the memory was too small: it has been enlarged, and the frame
   /// must be drawn again. Throws MachineError if the device has no more memory.

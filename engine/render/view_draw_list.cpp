@@ -17,6 +17,37 @@ constexpr std::uint64_t kWorthHiding = 2000;
 // The group of a run that no other instance may join.
 constexpr std::uint32_t kNoGroup = std::numeric_limits<std::uint32_t>::max();
 
+// Rasterisation moves what is drawn by less than this, and samples lie within their pixel.
+constexpr double kMargin_px = 2;
+
+// Along one axis of the picture: the pixels of points whose coordinate and depth are in these ranges.
+void grow(double& low, double& high, double focal_px, double center_px, const glm::dvec2& coordinate,
+          const glm::dvec2& depth) {
+  for (const double x : {coordinate[0], coordinate[1]}) {
+    for (const double z : {depth[0], depth[1]}) {
+      low = std::min(low, focal_px * x / z + center_px);
+      high = std::max(high, focal_px * x / z + center_px);
+    }
+  }
+}
+
+// The pixels that the content of the boxes may cover.
+PixelRect pixels_of(std::span<const ViewBox> boxes, const View& view) {
+  const glm::uvec2 size(view.width_px, view.height_px);
+  glm::dvec2 low(std::numeric_limits<double>::infinity()), high(-low);
+  for (const ViewBox& box : boxes) {
+    const glm::dvec3 first = box.center - box.half_size - box.slack_m, last = box.center + box.half_size + box.slack_m;
+    if (!view.orthographic && first.z <= view.near_m) return {{0, 0}, size};
+    const glm::dvec2 depth = view.orthographic ? glm::dvec2(1) : glm::dvec2(first.z, last.z);
+    grow(low.x, high.x, view.pinhole.fx_px, view.pinhole.cx_px, {first.x, last.x}, depth);
+    grow(low.y, high.y, view.pinhole.fy_px, view.pinhole.cy_px, {first.y, last.y}, depth);
+  }
+  if (!(low.x <= high.x && low.y <= high.y)) return {{0, 0}, size};  // not numbers
+  const glm::dvec2 limit(size);
+  return {glm::uvec2(glm::clamp(glm::floor(low - kMargin_px), glm::dvec2(0), limit)),
+          glm::uvec2(glm::clamp(glm::ceil(high + kMargin_px), glm::dvec2(0), limit))};
+}
+
 PipelineKey key_in_view(const Drawable& d, const View& view, const DrawList& list) {
   PipelineKey key = d.key;
   key.shadowed = key.lights.any() && !view.shadows.empty();
@@ -58,7 +89,10 @@ void ViewDrawList::update(const View& view, const Pass& pass, const StripColumns
   }
   add_items(pass.color ? table.solid() : table.depth(), view, projection, list, table);
   draws_.first_layer = runs_.size();
-  if (pass.color) add_items(table.blended(), view, projection, list, table);
+  if (pass.color) {
+    add_items(table.blended(), view, projection, list, table);
+    draws_.layered = layered_pixels(table.blended(), view, projection, table);
+  }
   draws_.first_depth_visible = runs_.size();
   if (pass.depth) add_depth_visible(draws_.first_layer, draws_.first_depth_visible);
   draws_.end_run = runs_.size();
@@ -297,6 +331,19 @@ void ViewDrawList::draw_seen_clusters(const Drawable& d, const View& view, const
     add_run(d, key, part, instance);
   }
   last_group_ = kNoGroup;
+}
+
+// `items` are those of the last append_visible(). Lines and points are wider than their places, so they count as
+// everywhere.
+PixelRect ViewDrawList::layered_pixels(const RenderQueue& items, const View& view, const ViewProjection& projection,
+                                       const DrawCache& table) const {
+  std::vector<ViewBox> boxes;
+  for (const std::uint32_t position : positions_) {
+    const Drawable& d = items[position];
+    if (d.key.topology != Topology::triangles) return {{0, 0}, {view.width_px, view.height_px}};
+    boxes.push_back(view_box(projection, table.box(d.item)));
+  }
+  return boxes.empty() ? PixelRect{} : pixels_of(boxes, view);
 }
 
 // Adds the transparent runs that are depth-visible a second time, for depth.

@@ -39,6 +39,13 @@ struct DrawRun {
   }
 };
 
+/// Pixels of a view, from the first ones to those before the last ones. Empty if not first < last.
+struct PixelRect {
+  glm::uvec2 first{0}, last{0};
+
+  bool empty() const { return first.x >= last.x || first.y >= last.y; }
+};
+
 /// The phases in which the runs of a view are drawn.
 enum class DrawPhase : std::uint8_t { solid, layers, depth_visible };
 inline constexpr std::uint32_t kDrawPhases = 3;
@@ -49,6 +56,7 @@ struct ViewDraws {
   shader::ViewBlock block;
   std::size_t shadowed = 0;  ///< index among the views with shadows, if it has any; see ShadowMaps::first_texel()
   std::size_t first_run = 0, first_layer = 0, first_depth_visible = 0, end_run = 0;
+  PixelRect layered;  ///< holds all pixels that show a transparent surface; relative to the view
   ViewCounts counts;
 };
 
@@ -92,6 +100,8 @@ class ViewDrawList {
   void append_visible(const RenderQueue& items, const View& view);
   void add_items(const RenderQueue& items, const View& view, const ViewProjection& projection, const DrawList& list,
                  const DrawCache& table);
+  PixelRect layered_pixels(const RenderQueue& items, const View& view, const ViewProjection& projection,
+                           const DrawCache& table) const;
   void add_depth_visible(std::size_t first_layer, std::size_t end_layer);
 
   double snap_px_;

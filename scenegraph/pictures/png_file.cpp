@@ -6,7 +6,8 @@
 
 #include "engine/base/assert.h"
 #include "engine/base/srgb.h"
-#include "scenegraph/pictures/stb_pictures.h"
+#include "scenegraph/pictures/png_bytes.h"
+#include "scenegraph/pictures/stb_jpeg.h"
 
 namespace simvis {
 
@@ -58,7 +59,7 @@ std::vector<std::uint8_t> srgb_codes(const Image& color) {
 }
 
 std::string encode_png(const Image& color) {
-  return png_of_rgb(srgb_codes(color), static_cast<int>(color.width), static_cast<int>(color.height));
+  return png_bytes({.width = color.width, .height = color.height}, srgb_codes(color));
 }
 
 std::string encode_jpeg(const Image& color) {

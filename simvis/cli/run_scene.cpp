@@ -125,11 +125,14 @@ void print_closing(const Options& options, const OutputWriter& writer, const Run
 
 void print_summary(const Options& options, Simulation simulation, const std::optional<Trajectory>& trajectory,
                    const RunReport& report) {
-  std::cout << to_text(summarize(std::move(simulation), {.rate_hz = options.rate_hz,
-                                                         .frame_ms = percentile(report.frame_ms, 50),
-                                                         .out = options.out,
-                                                         .trajectory = trajectory ? &*trajectory : nullptr,
-                                                         .on_frame = stop_if_asked_to}));
+  std::cout << to_text(
+      summarize(std::move(simulation), {.rate_hz = options.rate_hz,
+                                        .frame_ms = percentile(report.frame_ms, 50),
+                                        .later_frames = std::max<std::size_t>(report.frame_ms.size(), 1) - 1,
+                                        .later_frames_s = report.later_frames_s,
+                                        .out = options.out,
+                                        .trajectory = trajectory ? &*trajectory : nullptr,
+                                        .on_frame = stop_if_asked_to}));
 }
 
 /// Whether frames before the first one of this process can be skipped. Otherwise they are made again.
@@ -180,6 +183,7 @@ class Run {
   RunReport report_;
   std::optional<EarlierRun> earlier_;
   std::uint64_t first_frame_ = 0;
+  std::int64_t first_done_ns_ = 0;  // end of the first frame of this process
   bool resumes_ = false;
   bool recording_ = false;
   std::optional<FolderLock> lock_;
@@ -342,6 +346,7 @@ void Run::make_frames(std::optional<LoadingBar>& loading, WarningPrinter& warnin
     if (!writer_) begin_output();
     if (follower_ == nullptr) written_.follow(simulation_);
     write_results(options_, simulation_, written_, time, *writer_);
+    if (report_.frame_ms.size() == 1) first_done_ns_ = now_ns();
     report_.next_frame = frame + 1;
     if (profile_) add_frame(*profile_, frame, simulation_);
     progress.update(report_.frame_ms.size(), std::chrono::steady_clock::now());
@@ -367,6 +372,7 @@ void Run::finish() {
   if (!writer_) begin_output();
   if (options_.explain && received_signal() == nullptr) print_explanation(simulation_);
   writer_->finish();
+  if (report_.frame_ms.size() > 1) report_.later_frames_s = static_cast<double>(now_ns() - first_done_ns_) / 1e9;
   if (recording_) report_.recording = simulation_.finish_recording();
   if (profile_) profile_->commit();
   if (received_signal() == nullptr) report_.next_frame = options_.frames;

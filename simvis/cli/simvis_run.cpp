@@ -7,6 +7,10 @@
 #include <string>
 #include <vector>
 
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
 #include <simvis/plugin.h>
 #include <simvis/simulation.h>
 #include <simvis/trajectory.h>
@@ -98,6 +102,17 @@ void price_scene(const Options& options) {
   if (csv) std::cout << "wrote " << csv->path().string() << '\n';
 }
 
+/// Rasterisers on the CPU allocate and free megabytes for each draw. By default glibc returns such memory to the
+/// system, and the next draw faults it in again page by page, which takes a tenth to a fifth of a frame of large
+/// meshes. Only a program may choose this: a library would change it for its host.
+void keep_freed_memory() {
+#ifdef __GLIBC__
+  constexpr int kMiB = 1 << 20;
+  mallopt(M_MMAP_THRESHOLD, 32 * kMiB);  // the largest value that glibc takes
+  mallopt(M_TRIM_THRESHOLD, 256 * kMiB);
+#endif
+}
+
 int main_or_throw(const std::vector<std::string>& arguments) {
   const std::int64_t start_ns = now_ns();
   handle_signals();
@@ -141,6 +156,7 @@ void print_error(const std::exception& error) {
 }  // namespace simvis
 
 int main(int argc, char** argv) {
+  simvis::keep_freed_memory();
   try {
     return simvis::main_or_throw({argv + 1, argv + argc});
   } catch (const simvis::InputError& error) {

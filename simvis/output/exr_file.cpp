@@ -1,27 +1,32 @@
 #include "simvis/output/exr_file.h"
 
+#include <OpenEXR/Iex.h>
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfDoubleAttribute.h>
-#include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
 #include <OpenEXR/ImfIO.h>
 #include <OpenEXR/ImfIntAttribute.h>
 #include <OpenEXR/ImfMatrixAttribute.h>
-#include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfVersion.h>
 
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
 #include <cstring>
-#include <exception>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include <simvis/error.h>
 #include "engine/base/assert.h"
+#include "scenegraph/pictures/deflate.h"
 
 namespace simvis {
 
 namespace {
 
-/// An OpenEXR output stream into memory, so that one place writes all files and handles their errors.
+/// An OpenEXR output stream into memory.
 class MemoryStream : public Imf::OStream {
  public:
   MemoryStream() : Imf::OStream("picture") {}
@@ -42,22 +47,18 @@ class MemoryStream : public Imf::OStream {
   std::size_t position_ = 0;
 };
 
+/// Rows of a chunk in the compression ZIP.
+constexpr std::size_t kChunkRows = 16;
+
+/// The longest name of a channel that readers of the first version of EXR take.
+constexpr std::size_t kMaxShortName = 31;
+
 /// One channel of a file and the source of its values.
 struct NamedChannel {
   const char* name;
   const Image* image;
   std::size_t channel;
 };
-
-void add_channel(const NamedChannel& from, Imf::Header& header, Imf::FrameBuffer& pixels) {
-  const Image& image = *from.image;
-  SIMVIS_ASSERT(image.pixels.size() == std::size_t{image.width} * image.height * image.channels);
-  const std::size_t stride = sizeof(float) * image.channels;
-  // OpenEXR takes a non-const pointer but does not change the data.
-  auto* const first = const_cast<char*>(reinterpret_cast<const char*>(image.pixels.data() + from.channel));
-  header.channels().insert(from.name, Imf::Channel(Imf::FLOAT));
-  pixels.insert(from.name, Imf::Slice(Imf::FLOAT, first, stride, stride * image.width));
-}
 
 void add_origin(const ImageOrigin& origin, Imf::Header& header) {
   header.insert("frame", Imf::IntAttribute(static_cast<int>(origin.time.index)));
@@ -72,24 +73,114 @@ void add_origin(const ImageOrigin& origin, Imf::Header& header) {
   header.insert("camera_matrix", Imf::M33dAttribute({p.fx_px, 0, p.cx_px - 0.5, 0, p.fy_px, p.cy_px - 0.5, 0, 0, 1}));
 }
 
-std::string encode(std::span<const NamedChannel> channels, const ImageOrigin& origin) {
+/// Everything before the table of chunks.
+std::string front_of(std::span<const NamedChannel> channels, const ImageOrigin& origin) {
   const Image& size = *channels.front().image;
-  try {
-    Imf::Header header(static_cast<int>(size.width), static_cast<int>(size.height));
-    header.compression() = Imf::ZIP_COMPRESSION;
-    header.zipCompressionLevel() = 1;  // higher levels barely reduce the size of float images
-    add_origin(origin, header);
-    Imf::FrameBuffer pixels;
-    for (const NamedChannel& each : channels) add_channel(each, header, pixels);
-    MemoryStream stream;
-    {
-      // The destructor of OutputFile writes the table of lines.
-      Imf::OutputFile file(stream, header, 0);
-      file.setFrameBuffer(pixels);
-      file.writePixels(static_cast<int>(size.height));
+  Imf::Header header(static_cast<int>(size.width), static_cast<int>(size.height));
+  header.compression() = Imf::ZIP_COMPRESSION;
+  add_origin(origin, header);
+  bool long_names = false;
+  for (const NamedChannel& each : channels) {
+    header.channels().insert(each.name, Imf::Channel(Imf::FLOAT));
+    long_names = long_names || std::strlen(each.name) > kMaxShortName;
+  }
+  const std::uint32_t start[] = {static_cast<std::uint32_t>(Imf::MAGIC),
+                                 static_cast<std::uint32_t>(Imf::makeNotTiled(Imf::EXR_VERSION)) |
+                                     (long_names ? static_cast<std::uint32_t>(Imf::LONG_NAMES_FLAG) : 0u)};
+  MemoryStream stream;
+  stream.write(reinterpret_cast<const char*>(start), sizeof start);
+  header.writeTo(stream);
+  return stream.take();
+}
+
+/// The numbers of some rows as EXR orders them: by row, then by channel. `channels` are sorted by name.
+std::vector<std::uint8_t> numbers_of(std::span<const NamedChannel> channels, std::size_t first_row, std::size_t rows) {
+  const std::size_t width = channels.front().image->width;
+  std::vector<float> numbers(rows * channels.size() * width);
+  float* out = numbers.data();
+  for (std::size_t y = first_row; y < first_row + rows; ++y) {
+    for (const NamedChannel& each : channels) {
+      const std::size_t step = each.image->channels;
+      const float* in = each.image->pixels.data() + y * width * step + each.channel;
+      for (std::size_t x = 0; x < width; ++x, in += step) *out++ = *in;
     }
-    return stream.take();
-  } catch (const std::exception& error) {
+  }
+  const auto* const bytes = reinterpret_cast<const std::uint8_t*>(numbers.data());
+  return {bytes, bytes + numbers.size() * sizeof(float)};
+}
+
+// The compressor sees the difference of each byte to the one two before it.
+constexpr std::size_t kApart = 2;
+// Every so many bytes are looked at. It is odd, so that all four bytes of floats are among them.
+constexpr std::size_t kStride = 7;
+// The entropy of a byte, in bits, above which a chunk is stored as it is.
+constexpr double kMaxEntropy_bits = 6;
+
+double entropy_bits(std::span<const std::uint8_t> numbers) {
+  std::array<std::uint32_t, 256> counts{};
+  double all = 0;
+  for (std::size_t i = kApart; i < numbers.size(); i += kStride, ++all) {
+    ++counts[static_cast<std::uint8_t>(numbers[i] - numbers[i - kApart])];
+  }
+  double bits = 0;
+  for (const std::uint32_t count : counts) {
+    if (count > 0) bits += count / all * std::log2(all / count);
+  }
+  return bits;
+}
+
+// What EXR compresses: the even bytes, then the odd ones, each as its difference to the one before, plus 128.
+std::vector<std::uint8_t> predicted(std::span<const std::uint8_t> numbers) {
+  std::vector<std::uint8_t> bytes(numbers.size());
+  const std::size_t even = (numbers.size() + 1) / 2;
+  for (std::size_t i = 0; i < numbers.size(); ++i) bytes[(i % 2 == 0 ? 0 : even) + i / 2] = numbers[i];
+  std::uint8_t before = bytes[0];
+  for (std::size_t i = 1; i < bytes.size(); ++i) {
+    const std::uint8_t now = bytes[i];
+    bytes[i] = static_cast<std::uint8_t>(now - before + 128);
+    before = now;
+  }
+  return bytes;
+}
+
+/// The data of one chunk. The format lets a chunk be stored as it is if compression does not make it smaller. Here that
+/// is done already where compression would save less than a quarter: the low bits of rendered floats are noise, on
+/// which a compressor takes most of its time.
+std::string chunk_of(std::span<const std::uint8_t> numbers, Deflater& deflater) {
+  if (entropy_bits(numbers) <= kMaxEntropy_bits) {
+    std::string compressed = deflater.zlib_of(predicted(numbers));
+    if (compressed.size() < numbers.size()) return compressed;
+  }
+  return {reinterpret_cast<const char*>(numbers.data()), numbers.size()};
+}
+
+template <typename T>
+void append_number(std::string& bytes, T number) {
+  static_assert(std::endian::native == std::endian::little, "EXR is little-endian");
+  bytes.append(reinterpret_cast<const char*>(&number), sizeof number);
+}
+
+std::string encode(std::vector<NamedChannel> channels, const ImageOrigin& origin) {
+  std::ranges::sort(channels, {}, [](const NamedChannel& each) { return std::string_view(each.name); });
+  const std::size_t height = channels.front().image->height;
+  for (const NamedChannel& each : channels) {
+    SIMVIS_ASSERT(each.image->pixels.size() == std::size_t{each.image->width} * height * each.image->channels);
+  }
+  try {
+    std::string file = front_of(channels, origin);
+    Deflater deflater;
+    std::string chunks;
+    const std::size_t count = (height + kChunkRows - 1) / kChunkRows,
+                      first = file.size() + count * sizeof(std::uint64_t);
+    for (std::size_t y = 0; y < height; y += kChunkRows) {
+      append_number(file, std::uint64_t{first + chunks.size()});
+      const std::string data = chunk_of(numbers_of(channels, y, std::min(kChunkRows, height - y)), deflater);
+      append_number(chunks, static_cast<std::int32_t>(y));
+      append_number(chunks, static_cast<std::int32_t>(data.size()));
+      chunks += data;
+    }
+    return file + chunks;
+  } catch (const Iex::BaseExc& error) {
     throw MachineError(std::string("an EXR picture cannot be encoded: ") + error.what());
   }
 }
@@ -103,13 +194,12 @@ std::string encode_exr(const Image* color, const Image* depth, const ImageOrigin
   std::vector<NamedChannel> channels;
   if (color != nullptr) channels = {{"R", color, 0}, {"G", color, 1}, {"B", color, 2}};
   if (depth != nullptr) channels.push_back({"Z", depth, 0});
-  return encode(channels, origin);
+  return encode(std::move(channels), origin);
 }
 
 std::string encode_exr_plane(const std::string& channel, const Image& plane, const ImageOrigin& origin) {
   SIMVIS_ASSERT(plane.channels == 1);
-  const NamedChannel channels[] = {{channel.c_str(), &plane, 0}};
-  return encode(channels, origin);
+  return encode({{channel.c_str(), &plane, 0}}, origin);
 }
 
 }  // namespace simvis

@@ -21,7 +21,8 @@ struct ImageOrigin {
   std::optional<Pinhole> pinhole{};
 };
 
-/// Returns the bytes of a ZIP-compressed scanline EXR file with float32 channels: linear R, G and B if `color` is
+/// Returns the bytes of a ZIP-compressed scanline EXR file with float32 channels, in which blocks of rows that hardly
+/// get smaller stay uncompressed, as the format allows: linear R, G and B if `color` is
 /// given, Z (depth along Z in metres) if `depth` is given. At least one is not null; both have the same size. Throws
 /// MachineError with the reason from OpenEXR.
 std::string encode_exr(const Image* color, const Image* depth, const ImageOrigin& origin);

@@ -63,6 +63,7 @@ struct RunReport {
   bool frames_when_due = false;  ///< `rate_hz` does not apply
   double simulated_s = 0;        ///< simulated time of the frames made, up to the next frame
   double wall_s = 0;             ///< time from the start of the program to its last file
+  double later_frames_s = 0;     ///< from the end of the first frame of this process until the last file is written
   std::vector<double> frame_ms;  ///< of each step() of this process; files are written in parallel and are not included
   std::vector<SensorInfo> sensors;
   std::vector<std::string> warnings{};      ///< of the scene and of the frames

@@ -98,6 +98,7 @@ std::vector<std::filesystem::path> first_files(const Simulation& simulation, con
 
 RunSummary summarize(Simulation simulation, const SummaryDesc& desc) {
   RunSummary summary{.rate_hz = desc.rate_hz, .frame_ms = desc.frame_ms};
+  if (desc.later_frames > 0) summary.wall_hz = static_cast<double>(desc.later_frames) / desc.later_frames_s;
   summary.files = first_files(simulation, desc.out);
   for (const SensorInfo& sensor : simulation.sensors()) {
     if (!sensor.enabled || casts_beams(sensor)) continue;
@@ -132,6 +133,10 @@ std::string to_text(const RunSummary& summary) {
   if (summary.cameras > 0) {
     const double rest_ms = std::max(summary.frame_ms - summary.set_ms, 0.0);
     text += formatted("cameras: %.0f %% of a frame of %.1f ms\n", 100 * rest_ms / summary.frame_ms, summary.frame_ms);
+  }
+  if (summary.wall_hz > 0) {
+    text += formatted("wall clock: %.1f frames per second with their files, from the second frame on: %.2f x %g Hz\n",
+                      summary.wall_hz, summary.wall_hz / summary.rate_hz, summary.rate_hz);
   }
   if (summary.price) {
     text += "what accuracy costs " + summary.price->scanner + " (--price lists more):\n";

@@ -18,6 +18,8 @@ namespace simvis {
 struct SummaryDesc {
   double rate_hz = SimulationDesc{}.rate_hz;  ///< rate of the run, with which the speed of the scanners is compared
   double frame_ms = 0;                        ///< median time of a frame of the run, in which all sensors measured
+  std::size_t later_frames = 0;               ///< frames of the run after the first one
+  double later_frames_s = 0;                  ///< wall clock of these frames until their last file was written
   std::filesystem::path out{};                ///< the folder of the run's results
   const Trajectory* trajectory = nullptr;
   std::function<void()> on_frame{};  ///< called after every frame; an exception from it ends the summary
@@ -30,6 +32,7 @@ struct RunSummary {
   double set_ms = 0;                           ///< time of a frame in which only the scanners measure
   double rate_hz = 0;                          ///< rate of the run
   double frame_ms = 0;                         ///< time of a frame of the run
+  double wall_hz = 0;                          ///< frames per second with their files after the first one; 0: none
   std::size_t cameras = 0;                     ///< number of sensors that cast no beams
   std::optional<ScannerPrice> price{};         ///< of the first scanner, for ScanVariants::by_method
   std::vector<std::filesystem::path> files{};  ///< files to open first; all of them exist

@@ -49,7 +49,9 @@ VariantPrice priced(const std::string& method, double median_ms, double differen
 
 TEST_CASE("the scanners that are on, the other sensors, and the price of each method for the first scanner") {
   std::size_t frames = 0;
-  const RunSummary summary = summary_of(kSummedSensors, {.frame_ms = 10, .on_frame = [&] { ++frames; }});
+  const RunSummary summary = summary_of(
+      kSummedSensors, {.frame_ms = 10, .later_frames = 9, .later_frames_s = 0.5, .on_frame = [&] { ++frames; }});
+  CHECK(summary.wall_hz == 18);
   CHECK(summary.scanners == 2);
   CHECK(summary.beams == 181 + 91);
   CHECK(summary.set_ms > 0);
@@ -92,6 +94,7 @@ TEST_CASE("the files to open first exist: a picture for people, a scan, the repo
 
 TEST_CASE("the lines") {
   RunSummary summary{.scanners = 3, .beams = 1083, .set_ms = 2, .rate_hz = 15, .frame_ms = 80, .cameras = 2};
+  summary.wall_hz = 12;
   summary.files = {"out/CAM/000000.png", "out/run.json"};
   ScannerPrice price;
   price.scanner = "FRONT";
@@ -107,6 +110,7 @@ TEST_CASE("the lines") {
   CHECK(to_text(summary) ==
         "scanners: 3 with 1083 beams together, 2.00 ms a set: 500 sets per second, 33 x 15 Hz\n"
         "cameras: 98 % of a frame of 80.0 ms\n"
+        "wall clock: 12.0 frames per second with their files, from the second frame on: 0.80 x 15 Hz\n"
         "what accuracy costs FRONT (--price lists more):\n"
         "  nearest     0.500 ms, error up to 2.5e-01 m, wrong hit or miss for 1.5 % of the beams\n"
         "  planar      0.500 ms, error up to 1.0e-03 m, no bound for 1 in 361 beams (error up to 5.8e+00 m), "
