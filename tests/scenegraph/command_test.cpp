@@ -58,7 +58,8 @@ TEST_CASE("places count lines and bytes from 1 for all line endings") {
 
 TEST_CASE("errors are reported at their place") {
   CHECK(error("<scene>\n <elemnt name='x'/></scene>") ==
-        "s.xml:2:3: error: unknown command \"elemnt\", did you mean \"element\"? (expected part, element, sensor, remove, "
+        "s.xml:2:3: error: unknown command \"elemnt\", did you mean \"element\"? (expected part, element, sensor, "
+        "remove, "
         "include, set or repeat)");
   CHECK(contains(error("<prat file='x'/>"), "s.xml:1:2: error: unknown command \"prat\", did you mean \"part\"?"));
   CHECK(contains(error("<part name='a'\n up='y' name='b'/>"), "s.xml:2:9: error: attribute \"name\" is given twice"));
