@@ -19,6 +19,7 @@
 #define POLL_NS 20000000 /* 20 ms: how often a missing or killed host is looked for */
 
 struct simvis_client {
+  char name[SIMVIS_SHM_MAX_NAME], own_name[SIMVIS_SHM_MAX_NAME];
   int file;
   unsigned char* memory;
   uint64_t size;
@@ -176,6 +177,8 @@ simvis_client* simvis_connect(const char* name, const char* client_name, int tim
     return NULL;
   }
   client->file = -1;
+  strcpy(client->name, name);
+  strcpy(client->own_name, client_name);
   for (;;) {
     int missing = 0;
     is_missing = 0;
@@ -189,11 +192,24 @@ simvis_client* simvis_connect(const char* name, const char* client_name, int tim
   return NULL;
 }
 
-void simvis_disconnect(simvis_client* client) {
-  if (client == NULL) return;
+static void leave(simvis_client* client) {
   if (client->area != NULL) store(&client->area->connection, load(&client->area->connection) | 1);
   unmap(client);
+}
+
+void simvis_disconnect(simvis_client* client) {
+  if (client == NULL) return;
+  leave(client);
   free(client);
+}
+
+int simvis_reconnect(simvis_client* client, int timeout_ms) {
+  simvis_client* const next = simvis_connect(client->name, client->own_name, timeout_ms);
+  if (next == NULL) return -1;
+  leave(client);
+  *client = *next;
+  free(next);
+  return 0;
 }
 
 int simvis_alive(const simvis_client* client) {

@@ -14,6 +14,7 @@ library stands between those whose order matters.
 """
 import ctypes
 import fcntl
+import math
 import mmap
 import os
 import struct
@@ -192,6 +193,7 @@ class Connection:
     """A connection to a running simulation. One thread at a time."""
 
     def __init__(self, name, client):
+        self._name, self._own_name = name, client
         self._groups, self._requests = {}, 0
         self._memory = None
         try:
@@ -236,6 +238,13 @@ class Connection:
         if getattr(self, "_area", None) is not None:
             self._area.connection |= 1
         os.close(self._file)  # lets go of the lock; the mapping goes with the last array
+
+    def reconnect(self, timeout_s=None):
+        """Connects to the host that has the name now, after the present one has ended. Elements of before are then
+        invalid, and positions in the log begin at 0. If there is none in time, the connection stays as it was."""
+        following = connect(self._name, self._own_name, math.inf if timeout_s is None else timeout_s)
+        self.close()
+        self.__dict__ = following.__dict__
 
     def __enter__(self):
         return self

@@ -11,6 +11,7 @@ install(TARGETS simvis_client EXPORT simvisClientTargets)
 install(TARGETS simvis-ctl)
 install(DIRECTORY include/simvis_client DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(FILES clients/simvis_client.py DESTINATION ${CMAKE_INSTALL_DATADIR}/simvis/python)
+install(DIRECTORY clients/examples DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(FILES clients/simvis-ctl.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME simvis-ctl)
 
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/simvis)

@@ -52,6 +52,9 @@ void add_scan(const Scan& scan, std::vector<SharedOutput>& outputs) {
   }
 }
 
+// Not every client can wake the host: what a Python client says is looked for so often.
+constexpr std::int64_t kReadyPoll_ns = 1'000'000;
+
 bool is_below(const std::filesystem::path& file, const std::filesystem::path& folder) {
   return std::mismatch(folder.begin(), folder.end(), file.begin(), file.end()).first == folder.end();
 }
@@ -232,7 +235,7 @@ void Serving::wait_for_clients(const FrameTime& time) {
                            (host_.is_connected(client) ? " is not ready" : " is not connected") + " for frame " +
                            std::to_string(time.index) + " after " + format_number(desc_.lockstep_timeout_s) + " s");
       }
-      host_.wait_for_ready(seen, end_ns - now);
+      host_.wait_for_ready(seen, std::min(end_ns - now, kReadyPoll_ns));
     }
   }
 }

@@ -26,13 +26,18 @@ typedef struct simvis_client simvis_client;
 simvis_client* simvis_connect(const char* name, const char* client, int timeout_ms);
 void simvis_disconnect(simvis_client* client); /**< NULL is allowed */
 
+/** Connects to the host that has the name now, after the present one has ended: waits for it as simvis_connect().
+ * Pointers, views and ids of before are then invalid, and positions in the log begin at 0. Returns 0; -1: there is none
+ * in time, and the connection is as it was. */
+int simvis_reconnect(simvis_client* client, int timeout_ms);
+
 /** Why the last call of this thread failed; never NULL. */
 const char* simvis_client_error(void);
 /** 1: the last simvis_connect() of this thread failed because there is no such host (yet), or it has ended. */
 int simvis_is_missing(void);
 
-/** 1: the host lives. 0: it ended or was killed; values, results and the log stay readable as they stood. Connect
- * again, under the same name, to find its successor: ids are then other ones. */
+/** 1: the host lives. 0: it ended or was killed; values, results and the log stay readable as they stood.
+ * simvis_reconnect() finds its successor. */
 int simvis_alive(const simvis_client* client);
 /** The number by which entries of the log name this client. */
 uint32_t simvis_slot_of(const simvis_client* client);

@@ -69,6 +69,9 @@ class Connection {
 
   /// For calls of client.h.
   simvis_client* get() const { return client_.get(); }
+  /// Connects to the host that has the name now, which has other ids; see simvis_reconnect(). Throws Error if there is
+  /// none in time, and stays as it was.
+  void reconnect(int timeout_ms = -1) { check(simvis_reconnect(get(), timeout_ms)); }
   /// Whether the host lives.
   bool alive() const { return simvis_alive(get()) == 1; }
 
