@@ -13,7 +13,7 @@
 
 #include <simvis/error.h>
 #include "tests/support/error_of.h"
-#include "tests/support/parts/gltf_fixture.h"
+#include "tests/support/parts/gltf_loader.h"
 #include "tests/support/random_numbers.h"
 
 TEST_SUITE_BEGIN("scenegraph/import");
@@ -120,24 +120,6 @@ GltfBuilder draco_file(const ByteString& compressed) {
   return builder;
 }
 
-struct Loader {
-  TemporaryFolder folder;
-  ContentPool pool;
-
-  LoadedPart load(const GltfBuilder& builder) {
-    write_text(folder / "part.gltf", builder.text());
-    return load_unturned(folder / "part.gltf", pool);
-  }
-  std::string refusal(const GltfBuilder& builder) {
-    return error_of([&] { load(builder); });
-  }
-};
-
-const Mesh& only_mesh(const LoadedPart& part) {
-  REQUIRE(part.list.meshes.size() == 1);
-  return *part.list.meshes[0];
-}
-
 ByteString meshopt_vertices(const void* vertices, std::size_t count, std::size_t size) {
   ByteString bytes(meshopt_encodeVertexBufferBound(count, size));
   bytes.resize(meshopt_encodeVertexBuffer(bytes.data(), bytes.size(), vertices, count, size));
@@ -198,7 +180,7 @@ ByteString flipped(ByteString bytes, Random& random) {
 }  // namespace
 
 TEST_CASE("KHR_draco_mesh_compression: positions within the quantisation, the same triangles") {
-  Loader loader;
+  GltfLoader loader;
   for (const int method : {draco::MESH_SEQUENTIAL_ENCODING, draco::MESH_EDGEBREAKER_ENCODING}) {
     CAPTURE(method);
     const LoadedPart part = loader.load(draco_file(draco_of(grid(), method)));
@@ -208,7 +190,7 @@ TEST_CASE("KHR_draco_mesh_compression: positions within the quantisation, the sa
 }
 
 TEST_CASE("Draco data that does not fit the file") {
-  Loader loader;
+  GltfLoader loader;
   const ByteString compressed = draco_of(grid(), draco::MESH_EDGEBREAKER_ENCODING);
   GltfBuilder other = draco_file(compressed);
   other.root["accessors"][0]["count"] = 80;
@@ -221,7 +203,7 @@ TEST_CASE("Draco data that does not fit the file") {
   const auto refusal = [&](const auto& spoil) {
     GltfBuilder builder = draco_file(compressed);
     spoil(builder.root, builder.root["meshes"][0]["primitives"][0]);
-    const std::string text = loader.refusal(builder);
+    const std::string text = loader.refusal(builder.text());
     CHECK(contains(text, "part.gltf: error: meshes/0/primitives/0"));
     return text;
   };
@@ -234,7 +216,7 @@ TEST_CASE("Draco data that does not fit the file") {
 }
 
 TEST_CASE("EXT_meshopt_compression: the same bytes, or within the filter") {
-  Loader loader;
+  GltfLoader loader;
   const Grid source = grid();
   const ByteString vertices = meshopt_vertices(source.positions.data(), source.positions.size(), 12);
   const ByteString list = meshopt_triangles(source.indices, source.positions.size());
@@ -251,14 +233,14 @@ TEST_CASE("EXT_meshopt_compression: the same bytes, or within the filter") {
 }
 
 TEST_CASE("meshopt data that does not fit the file") {
-  Loader loader;
+  GltfLoader loader;
   const Grid source = grid();
   const ByteString vertices = meshopt_vertices(source.positions.data(), source.positions.size(), 12);
   const ByteString list = meshopt_triangles(source.indices, source.positions.size());
   const auto refusal = [&](const char* name, const json& value) {
     GltfBuilder builder = meshopt_file(vertices, "NONE", list, "TRIANGLES");
     builder.root["bufferViews"][1]["extensions"]["EXT_meshopt_compression"][name] = value;
-    return loader.refusal(builder);
+    return loader.refusal(builder.text());
   };
   const std::string place = "part.gltf: error: bufferViews/1/extensions/EXT_meshopt_compression ";
   CHECK(contains(refusal("mode", "POINTS"), place + "has an unknown mode"));
@@ -272,7 +254,7 @@ TEST_CASE("meshopt data that does not fit the file") {
 
 TEST_CASE("compressed data with flipped bits is read or refused, and read content is sound") {
   const int tries = 60;
-  Loader loader;
+  GltfLoader loader;
   Random random;
   const Grid source = grid();
   const ByteString compressed = draco_of(source, draco::MESH_EDGEBREAKER_ENCODING);
@@ -298,7 +280,7 @@ TEST_CASE("compressed data with flipped bits is read or refused, and read conten
 }
 
 TEST_CASE("glTF pictures: WebP is read, Basis and missing ones are replaced by the colour") {
-  Loader loader;
+  GltfLoader loader;
   const ByteString pixels{255, 0, 0, 255};
   std::uint8_t* encoded = nullptr;
   const std::size_t size = WebPEncodeLosslessRGBA(pixels.data(), 1, 1, 4, &encoded);
@@ -346,7 +328,7 @@ TEST_CASE("glTF pictures: WebP is read, Basis and missing ones are replaced by t
 }
 
 TEST_CASE("transmission: cameras show it opaque, and a warning says so") {
-  Loader loader;
+  GltfLoader loader;
   GltfBuilder builder;
   builder.triangle()["material"] = 0;
   builder.append("materials", {{"extensions", {{"KHR_materials_transmission", {{"transmissionFactor", 0.5}}}}}});

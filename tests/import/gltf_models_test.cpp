@@ -70,7 +70,7 @@ constexpr std::size_t kSimpleInstances = 125;
 constexpr double kCamerasTolerance_m = 2 * 1.54e-6;
 // the Draco variant of Box, which they cannot decode: the values are those of Assimp. Its positions have at least 11
 // bits for a side of 1 m, the encoder's default, so that they are within half a step;
-constexpr double kDracoTolerance_m = 1.0 / ((1 << 11) - 1) / 2;
+constexpr double kDracoHalfStep_m = 1.0 / ((1 << 11) - 1) / 2;
 // the morph weights (0.5, 0.5) in SimpleMorph.gltf, which lift the tip at y = 0.5 by half of 1 twice.
 const json kSimpleMorphBounds{{0.0, 0.0, 0.0}, {1.0, 1.5, 0.0}};
 
@@ -101,7 +101,7 @@ TEST_CASE("test data: the sample models have the triangles and bounds of an inde
     } else if (values.contains("aabb_skinned")) {
       check_bounds(totals, values.at("aabb_skinned"), 0);
     } else if (is_draco) {
-      check_bounds(totals, values.at("assimp_obj_aabb"), kDracoTolerance_m);
+      check_bounds(totals, values.at("assimp_obj_aabb"), kDracoHalfStep_m);
     } else if (values.contains("aabb")) {
       check_bounds(totals, values.at("aabb"), extra_m);
     }

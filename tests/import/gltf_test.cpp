@@ -9,7 +9,7 @@
 #include <vector>
 
 #include <simvis/error.h>
-#include "tests/support/parts/gltf_fixture.h"
+#include "tests/support/parts/gltf_loader.h"
 
 TEST_SUITE_BEGIN("scenegraph/import");
 
@@ -24,32 +24,6 @@ constexpr float kFloatTolerance = 8 * 0x1p-24f;
 // Products of a few matrices in double.
 constexpr double kDoubleTolerance = 1e-14;
 
-struct Loader {
-  TemporaryFolder folder;
-  ContentPool pool;
-
-  LoadedPart load(const GltfBuilder& builder) {
-    write_text(folder / "part.gltf", builder.text());
-    return load_unturned(folder / "part.gltf", pool);
-  }
-
-  // The error message of the importer for a file; empty if it accepts the file.
-  std::string refusal(const std::string& text) {
-    write_text(folder / "part.gltf", text);
-    try {
-      import_part(folder / "part.gltf", pool);
-    } catch (const InputError& e) {
-      return e.what();
-    }
-    return "";
-  }
-};
-
-const Mesh& only_mesh(const LoadedPart& part) {
-  REQUIRE(part.list.meshes.size() == 1);
-  return *part.list.meshes[0];
-}
-
 template <int N>
 void check_near(const glm::vec<N, float>& seen, const glm::vec<N, float>& expected) {
   for (int i = 0; i < N; ++i) CHECK(std::abs(seen[i] - expected[i]) <= kFloatTolerance);
@@ -63,7 +37,7 @@ bool has_part(const std::string& text, std::string_view part) { return text.find
 
 template <class T>
 std::vector<std::uint32_t> indices_read(const std::vector<T>& indices) {
-  Loader loader;
+  GltfLoader loader;
   GltfBuilder builder;
   json& primitive = builder.primitive({{"POSITION", builder.accessor<float>("VEC3", {0, 0, 0, 1, 0, 0, 0, 1, 0})},
                                        {"NORMAL", builder.accessor<float>("VEC3", {0, 0, 1, 0, 0, 1, 0, 0, 1})}});
@@ -73,7 +47,7 @@ std::vector<std::uint32_t> indices_read(const std::vector<T>& indices) {
 
 template <class T>
 glm::vec3 first_position(T x, bool normalized) {
-  Loader loader;
+  GltfLoader loader;
   GltfBuilder builder;
   builder.root["extensionsUsed"] = {"KHR_mesh_quantization"};
   const int plain = builder.accessor<T>("VEC3", {x, 1, 2, 0, 0, 0, 0, 0, 0}, normalized);
@@ -88,7 +62,7 @@ TEST_CASE("every index type is read, and meshes without indices") {
   CHECK(indices_read<std::uint8_t>({2, 0, 1}) == expected);
   CHECK(indices_read<std::uint16_t>({2, 0, 1}) == expected);
   CHECK(indices_read<std::uint32_t>({2, 0, 1}) == expected);
-  Loader loader;
+  GltfLoader loader;
   GltfBuilder builder;
   builder.triangle();
   const LoadedPart part = loader.load(builder);
@@ -111,7 +85,7 @@ TEST_CASE("every component type of positions is read, normalised and not") {
 }
 
 TEST_CASE("interleaved vertices are read by their stride") {
-  Loader loader;
+  GltfLoader loader;
   GltfBuilder builder;
   // Position and normal of three vertices, 24 bytes each.
   const std::vector<float> data{0, 0, 0, 0, 0, 1, 1, 0, 0, 0, 1, 0, 0, 1, 0, 1, 0, 0};
@@ -133,7 +107,7 @@ TEST_CASE("interleaved vertices are read by their stride") {
 TEST_CASE("sparse accessors replace elements of a buffer view or of zeros") {
   for (const bool has_base : {true, false}) {
     CAPTURE(has_base);
-    Loader loader;
+    GltfLoader loader;
     GltfBuilder builder;
     json& primitive = builder.triangle();
     json& accessor = builder.root["accessors"][primitive["attributes"]["POSITION"].get<int>()];
@@ -150,7 +124,7 @@ TEST_CASE("sparse accessors replace elements of a buffer view or of zeros") {
 }
 
 TEST_CASE("indices without a buffer view are zeros") {
-  Loader loader;
+  GltfLoader loader;
   GltfBuilder builder;
   builder.triangle()["indices"] =
       builder.append("accessors", {{"componentType", kUShort}, {"count", 3}, {"type", "SCALAR"}});
@@ -174,7 +148,7 @@ TEST_CASE("every mode becomes a list of triangles, lines or points") {
                         {6, Topology::triangles, {1, 2, 0, 2, 3, 0, 3, 4, 0}}};
   for (const Case& c : cases) {
     CAPTURE(c.mode);
-    Loader loader;
+    GltfLoader loader;
     GltfBuilder builder;
     const std::vector<float> positions{0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 0, 2, 0};
     const std::vector<float> normals{0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1};
@@ -189,7 +163,7 @@ TEST_CASE("every mode becomes a list of triangles, lines or points") {
 }
 
 TEST_CASE("missing normals are flat: each triangle has its own vertices") {
-  Loader loader;
+  GltfLoader loader;
   GltfBuilder builder;
   // A fold: one triangle in the x-y plane, one in the x-z plane, along a shared edge.
   json& primitive =
@@ -204,7 +178,7 @@ TEST_CASE("missing normals are flat: each triangle has its own vertices") {
 }
 
 TEST_CASE("normals are normalised, and those of length zero are reported") {
-  Loader loader;
+  GltfLoader loader;
   GltfBuilder builder;
   builder.primitive({{"POSITION", builder.accessor<float>("VEC3", {0, 0, 0, 1, 0, 0, 0, 1, 0})},
                      {"NORMAL", builder.accessor<float>("VEC3", {0, 3, 4, 0, 0, 0, 0, 0, -2})}});
@@ -218,7 +192,7 @@ TEST_CASE("normals are normalised, and those of length zero are reported") {
 
 TEST_CASE("COLOR_0 comes in three types, with and without alpha") {
   const auto color = [](const std::function<int(GltfBuilder&)>& make) {
-    Loader loader;
+    GltfLoader loader;
     GltfBuilder builder;
     builder.triangle()["attributes"]["COLOR_0"] = make(builder);
     return only_mesh(loader.load(builder)).attributes[0].color;
@@ -240,7 +214,7 @@ TEST_CASE("COLOR_0 comes in three types, with and without alpha") {
 }
 
 TEST_CASE("both sets of texture coordinates are read") {
-  Loader loader;
+  GltfLoader loader;
   GltfBuilder builder;
   json& attributes = builder.triangle()["attributes"];
   attributes["TEXCOORD_0"] = builder.accessor<float>("VEC2", {0.5f, -2, 0, 0, 0, 0});
@@ -251,7 +225,7 @@ TEST_CASE("both sets of texture coordinates are read") {
 }
 
 TEST_CASE("nodes of a scene are placed by TRS, matrices and their parents") {
-  Loader loader;
+  GltfLoader loader;
   GltfBuilder builder;
   builder.triangle();  // node 0 shows mesh 0
   const double half = std::sqrt(0.5);
@@ -272,7 +246,7 @@ TEST_CASE("nodes of a scene are placed by TRS, matrices and their parents") {
 }
 
 TEST_CASE("without a default scene, scene 0 is read; without scenes, all roots") {
-  Loader loader;
+  GltfLoader loader;
   GltfBuilder builder;
   builder.triangle();
   builder.append("nodes", {{"mesh", 0}});
@@ -285,7 +259,7 @@ TEST_CASE("without a default scene, scene 0 is read; without scenes, all roots")
 }
 
 TEST_CASE("y up is rotated to z up unless the part says otherwise") {
-  Loader loader;
+  GltfLoader loader;
   GltfBuilder builder;
   builder.triangle();
   write_text(loader.folder / "part.GLTF", builder.text());
@@ -300,7 +274,7 @@ TEST_CASE("y up is rotated to z up unless the part says otherwise") {
 }
 
 TEST_CASE("lights shine along -z of their node, cameras become mounts, names are kept") {
-  Loader loader;
+  GltfLoader loader;
   GltfBuilder builder;
   builder.root["extensionsUsed"] = {"KHR_lights_punctual"};
   builder.root["extensions"]["KHR_lights_punctual"]["lights"] = {
@@ -342,7 +316,7 @@ TEST_CASE("lights shine along -z of their node, cameras become mounts, names are
 }
 
 TEST_CASE("commands in extras.simvis are collected in the scene's order") {
-  Loader loader;
+  GltfLoader loader;
   GltfBuilder builder;
   builder.append("nodes", {{"extras", {{"simvis", {"<a/>", "<b/>"}}, {"other", 1}}}, {"children", {1}}});
   builder.append("nodes", {{"extras", {{"simvis", "<c/>"}}}});
@@ -351,7 +325,7 @@ TEST_CASE("commands in extras.simvis are collected in the scene's order") {
 }
 
 TEST_CASE("a .glb with an embedded buffer is read like a .gltf") {
-  Loader loader;
+  GltfLoader loader;
   GltfBuilder builder;
   builder.triangle();
   ByteString bytes = builder.glb();
@@ -365,7 +339,7 @@ TEST_CASE("a .glb with an embedded buffer is read like a .gltf") {
 TEST_CASE("external buffers: names with spaces, percent-encoded, in subfolders") {
   for (const char* uri : {"sub folder/my data.bin", "sub%20folder/my%20data.bin", "./x/../sub folder/my data.bin"}) {
     CAPTURE(uri);
-    Loader loader;
+    GltfLoader loader;
     GltfBuilder builder;
     builder.triangle();
     std::filesystem::create_directories(loader.folder / "sub folder");
@@ -376,7 +350,7 @@ TEST_CASE("external buffers: names with spaces, percent-encoded, in subfolders")
 }
 
 TEST_CASE("skinned meshes are placed by their joints, regardless of their node") {
-  Loader loader;
+  GltfLoader loader;
   GltfBuilder builder;
   json& primitive = builder.primitive({{"POSITION", builder.accessor<float>("VEC3", {0, 0, 0, 1, 0, 0, 0, 1, 0})},
                                        {"NORMAL", builder.accessor<float>("VEC3", {1, 0, 0, 1, 0, 0, 1, 0, 0})}});
@@ -403,7 +377,7 @@ TEST_CASE("skinned meshes are placed by their joints, regardless of their node")
 }
 
 TEST_CASE("morph targets are applied with the mesh's weights, or the node's own") {
-  Loader loader;
+  GltfLoader loader;
   GltfBuilder builder;
   json& primitive = builder.triangle();
   primitive["targets"] = {{{"POSITION", builder.accessor<float>("VEC3", {1, 0, 0, 0, 0, 0, 0, 0, 0})}},
@@ -420,7 +394,7 @@ TEST_CASE("morph targets are applied with the mesh's weights, or the node's own"
 }
 
 TEST_CASE("EXT_mesh_gpu_instancing draws one mesh many times") {
-  Loader loader;
+  GltfLoader loader;
   GltfBuilder builder;
   builder.root["extensionsRequired"] = builder.root["extensionsUsed"] = {"EXT_mesh_gpu_instancing"};
   builder.triangle();
@@ -436,7 +410,7 @@ TEST_CASE("EXT_mesh_gpu_instancing draws one mesh many times") {
 }
 
 TEST_CASE("extensions: required ones must be supported, used ones are reported once") {
-  Loader loader;
+  GltfLoader loader;
   GltfBuilder builder;
   builder.root["extensionsUsed"] = {"EXT_some", "KHR_materials_unlit", "EXT_some"};
   const LoadedPart part = loader.load(builder);
@@ -453,7 +427,7 @@ TEST_CASE("extensions: required ones must be supported, used ones are reported o
 
 TEST_CASE("a chain of 100,000 nodes is read and destroyed without recursion") {
   constexpr int kDepth = 100000;
-  Loader loader;
+  GltfLoader loader;
   GltfBuilder builder;
   builder.triangle();
   for (int i = 1; i < kDepth; ++i) builder.append("nodes", {{"children", {i - 1}}, {"translation", {0, 0, 1}}});
@@ -463,14 +437,14 @@ TEST_CASE("a chain of 100,000 nodes is read and destroyed without recursion") {
 }
 
 TEST_CASE("deeply nested JSON is read too") {
-  Loader loader;
+  GltfLoader loader;
   const std::string open(1000000, '['), close(1000000, ']');
   CHECK(loader.refusal(R"({"asset":{"version":"2.0"},"extras":)" + open + close + "}") == "");
   CHECK(has_part(loader.refusal(open), "not valid JSON"));
 }
 
 TEST_CASE("parts without shapes are accepted") {
-  Loader loader;
+  GltfLoader loader;
   GltfBuilder builder;
   const LoadedPart part = loader.load(builder);
   CHECK(part.list.items.empty());

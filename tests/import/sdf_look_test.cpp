@@ -25,7 +25,7 @@ constexpr const char* kTwoGroups =
     "o near\nf 1 2 3\no far\nf 4 5 6\n";
 constexpr const char* kPaint = "newmtl paint\nKd 0 0 1\n";
 
-std::string model_with(const std::string& content) {
+std::string visible_model(const std::string& content) {
   return sdf_world("<model name='m'><link name='l'>" + content + "</link></model>");
 }
 
@@ -49,25 +49,26 @@ std::pair<glm::dvec3, glm::dvec3> box_of(SdfScene& scene, std::size_t item) {
 }  // namespace
 
 TEST_CASE("colours of SDF are sRGB; metal has metalness and roughness; transparency fades") {
-  SdfScene plain(model_with(sdf_box("1 1 1", material_xml("<ambient>1 0 0 1</ambient><diffuse>0.2 0.4 0.6 1</diffuse>"
-                                                          "<emissive>0.1 0 0 1</emissive>") +
-                                                 "<transparency>0.25</transparency>")));
+  SdfScene plain(
+      visible_model(sdf_box("1 1 1", material_xml("<ambient>1 0 0 1</ambient><diffuse>0.2 0.4 0.6 1</diffuse>"
+                                                  "<emissive>0.1 0 0 1</emissive>") +
+                                         "<transparency>0.25</transparency>")));
   CHECK(plain.warnings().empty());
   CHECK(plain.material(0).base_color == linear(0.2, 0.4, 0.6));
   CHECK(plain.material(0).emissive == glm::vec3(linear(0.1, 0, 0)));
   CHECK(plain.material(0).opacity == 0.75f);
   CHECK(plain.material(0).roughness == 1);
 
-  SdfScene metal(model_with(
+  SdfScene metal(visible_model(
       sdf_box("1 1 1", material_xml("<diffuse>1 1 1</diffuse><pbr><metal><metalness>0.75</metalness></metal></pbr>"))));
   CHECK(metal.material(0).metallic == 0.75f);
   CHECK(metal.material(0).roughness == 0.5f);  // SDF's default
 
-  SdfScene faint(model_with(sdf_box("1 1 1", material_xml("<diffuse>1 0 0 0.5</diffuse>"))));
+  SdfScene faint(visible_model(sdf_box("1 1 1", material_xml("<diffuse>1 0 0 0.5</diffuse>"))));
   CHECK(faint.material(0).alpha_mode == AlphaMode::blend);
   CHECK(faint.material(0).base_color == linear(1, 0, 0, 0.5));
 
-  SdfScene gone(model_with(sdf_box("1 1 1", material_xml("<diffuse>1 0 0 0</diffuse>"))));
+  SdfScene gone(visible_model(sdf_box("1 1 1", material_xml("<diffuse>1 0 0 0</diffuse>"))));
   CHECK(gone.material(0).base_color == linear(1, 0, 0));
   const std::string xml =
       "<model name='m'><link name='l'><visual name='v'><geometry><box><size>1 1 1</size></box></geometry>"
@@ -78,7 +79,7 @@ TEST_CASE("colours of SDF are sRGB; metal has metalness and roughness; transpare
 
 TEST_CASE("scripts name Gazebo's colours, or materials of OGRE beside the model") {
   const auto script = [](const std::string& uri, const std::string& name) {
-    return model_with(
+    return visible_model(
         sdf_box("1 1 1", material_xml("<script><uri>" + uri + "</uri><name>" + name + "</name></script>")));
   };
   SdfScene grey(script("file://media/materials/scripts/gazebo.material", "Gazebo/Grey"));
@@ -109,27 +110,27 @@ TEST_CASE("scripts name Gazebo's colours, or materials of OGRE beside the model"
 TEST_CASE("a mesh has its scale, its submesh, and the visual's material in place of its own") {
   const SdfTestFiles files = {{"meshes/two.obj", kTwoGroups}, {"meshes/two.mtl", kPaint}};
   const auto mesh = [](const std::string& more) { return "<mesh><uri>meshes/two.obj</uri>" + more + "</mesh>"; };
-  SdfScene whole(model_with(sdf_visual(mesh("<scale>2 1 1</scale>"))), files);
+  SdfScene whole(visible_model(sdf_visual(mesh("<scale>2 1 1</scale>"))), files);
   CHECK(whole.warnings().empty());
   REQUIRE(whole.list().items.size() == 2);
   CHECK(box_of(whole, 0).second == glm::dvec3(2, 1, 0));
   CHECK(box_of(whole, 1).second == glm::dvec3(10, 1, 0));
   CHECK(whole.material(0).base_color == linear(0, 0, 1));
 
-  SdfScene far(model_with(sdf_visual(mesh("<submesh><name>far</name></submesh>"))), files);
+  SdfScene far(visible_model(sdf_visual(mesh("<submesh><name>far</name></submesh>"))), files);
   REQUIRE(far.list().items.size() == 1);
   CHECK(box_of(far, 0) == std::pair(glm::dvec3(4, 0, 0), glm::dvec3(5, 1, 0)));
-  SdfScene centred(model_with(sdf_visual(mesh("<submesh><name>far</name><center>true</center></submesh>"))), files);
+  SdfScene centred(visible_model(sdf_visual(mesh("<submesh><name>far</name><center>true</center></submesh>"))), files);
   CHECK(box_of(centred, 0) == std::pair(glm::dvec3(-0.5, -0.5, 0), glm::dvec3(0.5, 0.5, 0)));
   const std::string missing = sdf_visual(mesh("<submesh><name>none</name></submesh>"));
-  SdfScene none(model_with(missing + sdf_box("1 1 1")), files);
+  SdfScene none(visible_model(missing + sdf_box("1 1 1")), files);
   CHECK(none.list().items.size() == 1);
   REQUIRE(none.warnings().size() == 1);
   CHECK(contains(none.warnings()[0],
                  "names the submesh \"none\", which the file does not have; a visual of link \"l\" is left out"));
 
-  SdfScene painted(model_with(sdf_visual(mesh(""), material_xml("<diffuse>1 0 0 1</diffuse>")) +
-                              sdf_visual(mesh(""), "<transparency>0.5</transparency>")),
+  SdfScene painted(visible_model(sdf_visual(mesh(""), material_xml("<diffuse>1 0 0 1</diffuse>")) +
+                                 sdf_visual(mesh(""), "<transparency>0.5</transparency>")),
                    files);
   REQUIRE(painted.list().items.size() == 4);
   CHECK(painted.material(0).base_color == linear(1, 0, 0));
@@ -139,8 +140,8 @@ TEST_CASE("a mesh has its scale, its submesh, and the visual's material in place
 
 TEST_CASE("pictures of a PBR material become its maps") {
   SdfScene lost(
-      model_with(sdf_box("1 1 1", material_xml("<diffuse>1 0 0</diffuse><pbr><metal><albedo_map>a.png"
-                                               "</albedo_map><roughness_map>r.png</roughness_map></metal></pbr>"))));
+      visible_model(sdf_box("1 1 1", material_xml("<diffuse>1 0 0</diffuse><pbr><metal><albedo_map>a.png"
+                                                  "</albedo_map><roughness_map>r.png</roughness_map></metal></pbr>"))));
   REQUIRE(lost.warnings().size() == 2);
   CHECK(contains(lost.warnings()[0], "picture \"a.png\" is not there"));
   CHECK(contains(lost.warnings()[1], "element <roughness_map> of a material is not taken over"));

@@ -85,7 +85,7 @@ TEST_CASE("a run is made again with the environment variables that led to its fi
              "<sensor type='laser_scanner' name='SCAN' insert_at='ROOT' samples='5'/></simvis>");
   const std::string packages = (project.folder / "packages").string();
   const auto in = [&](const std::string& variables, const std::string& arguments) {
-    return Process({"/bin/sh", "-c", "cd \"$0\" && exec env " + variables + " " + kProgram + " " + arguments,
+    return Process({"/bin/sh", "-c", "cd \"$0\" && exec env " + variables + " " + simvis_run() + " " + arguments,
                     project.folder.path().string()})
         .wait()
         .exit_code;

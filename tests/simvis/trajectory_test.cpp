@@ -102,7 +102,7 @@ TEST_CASE("angles of full turns take the short way, others do not") {
 // Products of a few factors of at most 1, and an arc tangent, in double.
 constexpr double kAngleTolerance_deg = 1e-12;
 
-struct PoseStage : Stage {
+struct PoseStage : TrajectoryStage {
   PoseStage() {
     std::vector<AttributeSpec> specs;
     for (const char* name : {"roll", "pitch", "yaw"}) {
