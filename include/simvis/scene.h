@@ -36,10 +36,11 @@ struct OwnPart {
 /// removed later. None of them may throw.
 class UndoLog {
  public:
-  /// How a change is reverted, and how it is made again if the command that reverted it fails. `redo` may be empty: an
-  /// element makes its change again in Element::update().
+  /// How a change is reverted, and how it is made again.
   struct Step {
-    std::function<void()> undo, redo;
+    std::function<void()> undo;  ///< reverts the change
+    /// Makes it again if the command that reverted it fails. Empty: an element makes it again in Element::update().
+    std::function<void()> redo;
     bool of_command = true;  ///< removing what the command made reverts it too
   };
 

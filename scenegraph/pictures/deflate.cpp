@@ -13,9 +13,7 @@ constexpr int kLevel = 1;
 
 }  // namespace
 
-void Deflater::Free::operator()(libdeflate_compressor* compressor) const { libdeflate_free_compressor(compressor); }
-
-Deflater::Deflater() : compressor_(libdeflate_alloc_compressor(kLevel)) {
+Deflater::Deflater() : compressor_(libdeflate_alloc_compressor(kLevel), libdeflate_free_compressor) {
   if (!compressor_) throw MachineError("out of memory while a picture was compressed");
 }
 

@@ -22,10 +22,7 @@ class SIMVIS_PROGRAM_API Deflater {
   std::string zlib_of(std::span<const std::uint8_t> bytes);
 
  private:
-  struct Free {
-    void operator()(libdeflate_compressor* compressor) const;
-  };
-  std::unique_ptr<libdeflate_compressor, Free> compressor_;
+  std::unique_ptr<libdeflate_compressor, void (*)(libdeflate_compressor*)> compressor_;
 };
 
 /// The CRC-32 of PNG.

@@ -31,7 +31,6 @@ const std::set<std::string> kProgramNames = {
     "Clock::Clock",
     "Clock::frame",
     "Deflater::Deflater",
-    "Deflater::Free::operator()",
     "Deflater::zlib_of",
     "LiveScene::LiveScene",
     "ThreadPool::background_threads",

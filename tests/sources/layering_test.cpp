@@ -13,7 +13,7 @@
 #include "tests/support/run_process.h"
 #include "tests/support/temporary_folder.h"
 
-TEST_SUITE_BEGIN("simvis");
+TEST_SUITE_BEGIN("sources");
 
 namespace {
 

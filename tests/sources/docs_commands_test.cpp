@@ -13,7 +13,7 @@
 #include "tests/support/temporary_folder.h"
 #include "tests/support/tested_build.h"
 
-TEST_SUITE_BEGIN("simvis");
+TEST_SUITE_BEGIN("sources");
 
 namespace simvis {
 namespace {

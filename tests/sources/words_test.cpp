@@ -11,7 +11,7 @@
 
 #include "tests/support/temporary_folder.h"
 
-TEST_SUITE_BEGIN("simvis");
+TEST_SUITE_BEGIN("sources");
 
 namespace simvis {
 namespace {
