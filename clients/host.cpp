@@ -262,7 +262,7 @@ T* SharedHost::append(simvis_region& region, std::size_t count) {
 simvis_text SharedHost::add_text(std::string_view text) {
   simvis_region& strings = object_->layout().strings;
   char* const place = append<char>(strings, text.size());
-  std::memcpy(place, text.data(), text.size());
+  text.copy(place, text.size());
   const simvis_text added{strings.count, text.size()};
   object_->publish_count(strings, strings.count + text.size());
   return added;
@@ -371,7 +371,7 @@ void SharedHost::log(simvis_log_kind kind, std::string_view text, std::uint32_t 
                                .text_size = static_cast<std::uint32_t>(text.size()),
                                .frame = next_frame_};
   std::memcpy(place, &entry, sizeof entry);
-  std::memcpy(place + sizeof entry, text.data(), text.size());
+  text.copy(place + sizeof entry, text.size());
   object_->publish_count(region, region.count + size);
 }
 
@@ -540,7 +540,7 @@ void SharedHost::publish(std::size_t sensor, std::uint64_t frame, std::int64_t t
     output.columns = outputs[i].columns;
     output.channels = outputs[i].channels;
     output.type = outputs[i].type;
-    std::memcpy(start + offsets[i], outputs[i].data, bytes[i]);
+    if (bytes[i] > 0) std::memcpy(start + offsets[i], outputs[i].data, bytes[i]);
   }
   store(slot.sequence, 2 * publications_);
   own.measurement = number;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <mutex>
+#include <shared_mutex>
 #include <string>
 #include <utility>
 
@@ -9,10 +11,16 @@
 #include "engine/base/assert.h"
 #include "engine/base/cache_file.h"
 #include "engine/base/thread_pool.h"
+#include "engine/vulkan/loader_lock.h"
 #include "engine/vulkan/vulkan_check.h"
 
 namespace simvis {
 namespace {
+
+void destroy_device(VkDevice device) {
+  const std::unique_lock lock(loader_lists());
+  vkDestroyDevice(device, nullptr);
+}
 
 PhysicalDevice chosen(const Instance& instance, const std::string& select) {
   const std::vector<PhysicalDevice> devices = examine_all(instance);
@@ -44,7 +52,7 @@ DeviceImpl::DeviceImpl(const DeviceDesc& desc, unsigned pool_size)
   try {
     pipeline_cache.emplace(device, physical.properties, cache_folder);
   } catch (...) {
-    vkDestroyDevice(device, nullptr);
+    destroy_device(device);
     throw;
   }
 }
@@ -56,7 +64,7 @@ DeviceImpl::~DeviceImpl() {
   SIMVIS_ASSERT(live_objects_ == 0);
   pipeline_cache->save();
   pipeline_cache.reset();
-  vkDestroyDevice(device, nullptr);
+  destroy_device(device);
 }
 
 void DeviceImpl::create_device() {
@@ -86,7 +94,10 @@ void DeviceImpl::create_device() {
     info.enabledExtensionCount = 1;
     info.ppEnabledExtensionNames = &extension;
   }
-  vk_check(vkCreateDevice(physical.handle, &info, nullptr, &device), "vkCreateDevice");
+  {
+    const std::unique_lock lock(loader_lists());
+    vk_check(vkCreateDevice(physical.handle, &info, nullptr, &device), "vkCreateDevice");
+  }
   vkGetDeviceQueue(device, physical.queue_family, 0, &queue);
   if (physical.max_draws > 1) {
     draw_many_ =
@@ -156,6 +167,7 @@ void DeviceImpl::adopt(VkObjectType type, std::uint64_t handle, std::string_view
                                            .objectType = type,
                                            .objectHandle = handle,
                                            .pObjectName = text.c_str()};
+  const std::shared_lock lock(loader_lists());
   set_name_(device, &info);
 }
 

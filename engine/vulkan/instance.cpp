@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstring>
+#include <mutex>
 #include <string>
 
 #include <simvis/error.h>
+#include "engine/vulkan/loader_lock.h"
 #include "engine/vulkan/vulkan_check.h"
 
 namespace simvis {
@@ -78,6 +80,7 @@ Instance::Instance(bool validation) {
                                   .ppEnabledLayerNames = &kValidationLayer,
                                   .enabledExtensionCount = validation ? 2u : 0u,
                                   .ppEnabledExtensionNames = extensions};
+  const std::unique_lock lock(loader_lists());
   const VkResult result = vkCreateInstance(&info, nullptr, &instance_);
   if (result == VK_ERROR_INCOMPATIBLE_DRIVER) {
     throw MachineError(std::string("vkCreateInstance: VK_ERROR_INCOMPATIBLE_DRIVER: ") + kInstallDriver);
@@ -92,6 +95,7 @@ Instance::Instance(bool validation) {
 }
 
 Instance::~Instance() {
+  const std::unique_lock lock(loader_lists());
   if (messenger_ != VK_NULL_HANDLE) {
     instance_function<PFN_vkDestroyDebugUtilsMessengerEXT>(instance_, "vkDestroyDebugUtilsMessengerEXT")(
         instance_, messenger_, nullptr);

@@ -56,7 +56,9 @@ std::vector<Node*> nodes_below(SoNode& root) {
   search.apply(&root);
   std::vector<Node*> nodes;
   for (int i = 0; i < search.getPaths().getLength(); ++i) {
-    auto* const node = static_cast<Node*>(static_cast<const SoFullPath*>(search.getPaths()[i])->getTail());
+    SoNode* const tail = search.getPaths()[i]->getTail();
+    if (!tail->isOfType(Node::getClassTypeId())) continue;  // it stands in a node kit, where Coin hides it
+    auto* const node = static_cast<Node*>(tail);
     if (std::ranges::find(nodes, node) == nodes.end()) nodes.push_back(node);
   }
   return nodes;
