@@ -1,6 +1,6 @@
 #include "scenegraph/import/helper/inventor/inventor_pictures.h"
 
-#include <Inventor/SoPath.h>
+#include <Inventor/SoFullPath.h>
 #include <Inventor/VRMLnodes/SoVRMLImageTexture.h>
 #include <Inventor/actions/SoSearchAction.h>
 #include <Inventor/nodes/SoTexture2.h>
@@ -47,6 +47,12 @@ void set_image(const Texture& picture, int components, SbImage& image) {
                  pixels.data());
 }
 
+// Coin shows the children that it hides, such as those of VRML shapes, to whoever casts the path to SoFullPath, a class
+// that the path is not of.
+__attribute__((no_sanitize("vptr"))) SoNode* tail_of(const SoPath& path) {
+  return static_cast<const SoFullPath&>(path).getTail();
+}
+
 template <class Node>
 std::vector<Node*> nodes_below(SoNode& root) {
   SoSearchAction search;
@@ -56,9 +62,7 @@ std::vector<Node*> nodes_below(SoNode& root) {
   search.apply(&root);
   std::vector<Node*> nodes;
   for (int i = 0; i < search.getPaths().getLength(); ++i) {
-    SoNode* const tail = search.getPaths()[i]->getTail();
-    if (!tail->isOfType(Node::getClassTypeId())) continue;  // it stands in a node kit, where Coin hides it
-    auto* const node = static_cast<Node*>(tail);
+    auto* const node = static_cast<Node*>(tail_of(*search.getPaths()[i]));
     if (std::ranges::find(nodes, node) == nodes.end()) nodes.push_back(node);
   }
   return nodes;
