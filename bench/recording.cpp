@@ -1,4 +1,4 @@
-// What messages cost: encoding against memcpy, and a frame of marvin with and without a recording.
+// Measures the cost of messages: encoding against memcpy, and a frame of marvin with and without a recording.
 //
 //   recording [BLOCKS]
 //

@@ -6,8 +6,9 @@
 //     static constexpr std::string_view kName = "std_msgs/msg/Header";
 //     Time stamp;
 //     std::string frame_id;
-//     static constexpr auto field_table() { return std::tuple{Field{"stamp", &Header::stamp}, Field{"frame_id",
-//     &Header::frame_id}}; }
+//     static constexpr auto field_table() {
+//       return std::tuple{Field{"stamp", &Header::stamp}, Field{"frame_id", &Header::frame_id}};
+//     }
 //   };
 #pragma once
 

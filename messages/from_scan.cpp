@@ -10,9 +10,10 @@ namespace simvis::ros {
 
 namespace {
 
-// Of an azimuth from its place among evenly spaced ones: far below the width of any beam, far above rounding.
+// Azimuths count as evenly spaced if none lies further than this from its even place: far below the width of any beam,
+// far above rounding.
 constexpr double kEvenAngle_rad = 1e-9;
-// The same of a beam's time: a time_s is computed in double from numbers of at most days.
+// The same limit for the times of beams: a time_s is computed in double from numbers of at most days.
 constexpr double kEvenTime_s = 1e-9;
 
 constexpr std::uint8_t kUint16 = 4, kFloat32 = 7, kFloat64 = 8;

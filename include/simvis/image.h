@@ -21,7 +21,7 @@ struct Image {
   std::vector<float> pixels;  ///< width * height * channels numbers
 };
 
-/// What a camera's images were taken with.
+/// The calibration of the camera that took an image.
 struct CameraCalibration {
   std::uint32_t width_px = 0,  ///< of the images
       height_px = 0;           ///< of the images

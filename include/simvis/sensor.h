@@ -103,7 +103,7 @@ class SIMVIS_API OutputSink {
   virtual void picture(const std::string& stem, const Image* color, const Image* depth) = 0;
   /// One more image per frame, with a single channel of that name: "disparity".
   virtual void plane(const std::string& stem, const std::string& channel, const Image& plane) = 0;
-  /// What the images of this stem were taken with; called before them.
+  /// Gives the calibration of the camera whose images have this stem. It is called before picture() and plane().
   virtual void calibration(const std::string& /*stem*/, const CameraCalibration&) {}
   /// A text that stays the same throughout the run, with the extension of its file's name ("yaml"). The first call
   /// writes it, so a sensor may pass it after every frame.

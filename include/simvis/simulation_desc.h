@@ -59,12 +59,12 @@ struct RecordDesc {
   /// Patterns of topics, in which * stands for any text and ? for any character. Empty: all topics but those that hold
   /// the same measurement as another in another form.
   std::vector<std::string> topics{};
-  /// What a step does when the file is slower than the simulation and 256 MiB wait. false: it waits. true: it drops
-  /// measurements, which are counted.
+  /// The policy for a file that is slower than the simulation, once 256 MiB wait to be written. false: a step waits.
+  /// true: it drops measurements, which are counted.
   bool drop = false;
 };
 
-/// What a recording has written.
+/// The content of a finished recording.
 struct RecordReport {
   std::filesystem::path file;  ///< as in RecordDesc
   std::uint64_t messages = 0,  ///< in the file

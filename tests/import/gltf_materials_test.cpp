@@ -6,7 +6,7 @@
 #include <vector>
 
 #include <simvis/error.h>
-#include "tests/support/parts/gltf_fixture.h"
+#include "tests/support/parts/gltf_loader.h"
 
 TEST_SUITE_BEGIN("scenegraph/import");
 
@@ -17,16 +17,6 @@ namespace {
 
 // Sums of products of float32 values below 2, formed in double and rounded once.
 constexpr float kFactorTolerance = 2 * 0x1p-24f;
-
-struct MaterialLoader {
-  TemporaryFolder folder;
-  ContentPool pool;
-
-  LoadedPart load(const GltfBuilder& builder) {
-    write_text(folder / "part.gltf", builder.text());
-    return load_unturned(folder / "part.gltf", pool);
-  }
-};
 
 // 2 x 1 pixels: red, and half transparent green.
 ByteString red_green_png() { return png(2, 1, 8, 6, {{255, 0, 0, 255, 0, 255, 0, 128}}); }
@@ -41,14 +31,14 @@ void add_textured_triangle(GltfBuilder& builder, const ByteString& bytes) {
 }
 
 std::vector<std::uint8_t> pixels_of(const ByteString& picture) {
-  MaterialLoader loader;
+  GltfLoader loader;
   GltfBuilder builder;
   add_textured_triangle(builder, picture);
   return loader.load(builder).list.materials.at(0)->base_color_texture->rgba;
 }
 
 Material material_of(json description, const std::vector<std::string>& extensions = {}) {
-  MaterialLoader loader;
+  GltfLoader loader;
   GltfBuilder builder;
   if (!extensions.empty()) builder.root["extensionsUsed"] = extensions;
   add_textured_triangle(builder, red_green_png());
@@ -136,7 +126,7 @@ TEST_CASE("pictures come from buffer views, data URIs and files") {
   for (const std::string& uri : {std::string("data:image/png;base64,") + base64(picture), std::string("my picture.png"),
                                  std::string("my%20picture.png")}) {
     CAPTURE(uri);
-    MaterialLoader loader;
+    GltfLoader loader;
     GltfBuilder builder;
     add_textured_triangle(builder, picture);
     write_bytes(loader.folder / "my picture.png", picture);
@@ -150,7 +140,7 @@ TEST_CASE("pictures come from buffer views, data URIs and files") {
 
 TEST_CASE("samplers: wrap modes and filters") {
   const auto sampler_of = [](json description) {
-    MaterialLoader loader;
+    GltfLoader loader;
     GltfBuilder builder;
     add_textured_triangle(builder, red_green_png());
     builder.root["samplers"][0] = std::move(description);
@@ -180,7 +170,7 @@ TEST_CASE("samplers: wrap modes and filters") {
 }
 
 TEST_CASE("one material node serves all primitives with the material, and does not affect those without") {
-  MaterialLoader loader;
+  GltfLoader loader;
   GltfBuilder builder;
   builder.triangle()["material"] = 0;
   json& primitives = builder.root["meshes"][0]["primitives"];
@@ -200,7 +190,7 @@ TEST_CASE("one material node serves all primitives with the material, and does n
 }
 
 TEST_CASE("lines without normals are unlit and have their own material node") {
-  MaterialLoader loader;
+  GltfLoader loader;
   GltfBuilder builder;
   builder.triangle()["material"] = 0;
   json lines = builder.root["meshes"][0]["primitives"][0];
@@ -217,7 +207,7 @@ TEST_CASE("lines without normals are unlit and have their own material node") {
 }
 
 TEST_CASE("two parts with the same content share meshes, textures and materials") {
-  MaterialLoader loader;
+  GltfLoader loader;
   GltfBuilder builder;
   add_textured_triangle(builder, red_green_png());
   const LoadedPart first = loader.load(builder);
@@ -276,7 +266,7 @@ TEST_CASE("maps of the surface: textures, UV sets, transforms, scale and strengt
 }
 
 TEST_CASE("unsupported content is reported: pictures of other formats, further UV sets") {
-  MaterialLoader loader;
+  GltfLoader loader;
   GltfBuilder builder;
   add_textured_triangle(builder, red_green_png());
   const auto warned = [&](const char* what) {

@@ -1,4 +1,4 @@
-// What a beam without a hit measures, and a pixel without a surface.
+// The range of a beam without a hit, and the depth of a pixel without a surface.
 #pragma once
 
 #include <limits>
