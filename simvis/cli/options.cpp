@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <charconv>
 
+#include <simvis/attributes.h>
 #include <simvis/error.h>
 #include <simvis/location.h>
 #include <simvis/version.h>
@@ -12,6 +13,17 @@
 
 namespace simvis {
 namespace {
+
+// CLI11's own check prints the largest double with all of its digits.
+CLI::Validator above_zero() {
+  return CLI::Validator(
+      [](std::string& text) -> std::string {
+        double value = 0;
+        if (parse_number(text, value) && value > 0) return "";
+        return in_quotes(text) + " is not allowed, expected a number above 0";
+      },
+      "");
+}
 
 /// Checks that `text` is a whole number. CLI11 itself would read -3 as 2^64 - 3, and larger numbers as the largest one.
 std::string whole_number(const std::string& text) {
@@ -48,7 +60,7 @@ void declare_serve_options(CLI::App& app, Options& options) {
   app.add_option("--lockstep-timeout", options.lockstep_timeout_s,
                  "the run ends with status 1 if a client is not ready after so many seconds")
       ->type_name("S")
-      ->check(CLI::PositiveNumber)
+      ->check(above_zero())
       ->capture_default_str()
       ->needs(lockstep);
   app.add_option(
@@ -69,7 +81,7 @@ void declare_serve_options(CLI::App& app, Options& options) {
   app.add_option("--real-time", options.real_time,
                  "keep to the wall clock: so many simulated seconds for each second; says so if that is too fast")
       ->type_name("FACTOR")
-      ->check(CLI::PositiveNumber);
+      ->check(above_zero());
 }
 
 void declare_options(CLI::App& app, Options& options) {
@@ -137,7 +149,7 @@ void declare_options(CLI::App& app, Options& options) {
       ->allow_extra_args(false);
   app.add_option("--depth-unit", options.depth_unit_m, "metres per code of depth as PNG")
       ->type_name("M")
-      ->check(CLI::PositiveNumber)
+      ->check(above_zero())
       ->capture_default_str();
   app.add_option("--poses", options.poses,
                  "also write where this part, or another insertion point, stands in each frame (repeatable)")
