@@ -6,7 +6,7 @@
 #include "engine/base/assert.h"
 #include "scenegraph/language/command_reader.h"
 #include "scenegraph/language/registrations.h"
-#include "simvis/scene_names.h"
+#include "simvis/command_names.h"
 
 namespace simvis {
 namespace {

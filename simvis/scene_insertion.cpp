@@ -9,10 +9,10 @@
 #include "engine/base/assert.h"
 #include "scenegraph/language/pose_attribute.h"
 #include "scenegraph/language/registrations.h"
+#include "simvis/command_names.h"
 #include "simvis/library_of.h"
 #include "simvis/look_at.h"
 #include "simvis/scene_builder.h"
-#include "simvis/scene_names.h"
 
 namespace simvis {
 namespace {
