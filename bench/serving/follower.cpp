@@ -9,11 +9,11 @@
 #include <random>
 #include <stdexcept>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <simvis/simulation.h>
 #include <simvis/trajectory.h>
-#include <simvis_client/connection.h>
 #include "bench/serving/parts.h"
 #include "bench/timing.h"
 
@@ -22,7 +22,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int kBlock = 30;
+constexpr int kBlock = 30, kOpenings = 7;
 constexpr auto kPeriod = std::chrono::microseconds(66'667);  // 15 Hz, the rate of marvin's scanners
 constexpr int kPatience_ms = 120'000;
 const std::string kMarvin = SIMVIS_SOURCE_DIR "/scenes/marvin/";
@@ -116,9 +116,12 @@ std::filesystem::path write_scene(const std::filesystem::path& folder, int parts
   return folder / "scene.xml";
 }
 
-double seconds_of_program(const std::vector<std::string>& command) {
-  const auto start = Clock::now();
-  if (wait_for(start_program(command)) != 0) throw std::runtime_error(command[0] + " failed");
+/// Time from `start` until the file is there: run.json appears with the first frame.
+double seconds_until(Clock::time_point start, const std::filesystem::path& file) {
+  while (!std::filesystem::exists(file)) {
+    if (since_ms(start) > kPatience_ms) throw std::runtime_error(file.string() + " does not appear");
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
   return since_ms(start) / 1e3;
 }
 
@@ -168,18 +171,21 @@ void measure_opening(int parts) {
   const std::filesystem::path scene = write_scene(folder.path, parts);
   std::printf("parts,host_opens_s,follower_catches_up_s,ratio\n");
   std::vector<double> opens, catches;
-  for (int i = 0; i < 5; ++i) {
+  for (int i = 0; i < kOpenings; ++i) {
     const std::string name = own_name("opening" + std::to_string(i));
-    const auto start = Clock::now();
-    const pid_t host = start_program(
-        {SIMVIS_RUN, "--quiet", "--real-time", "1", "--serve", name, "--out", folder.path / "host", scene});
-    {
-      const client::Connection connection(name, "watch", kPatience_ms);
-      if (!connection.wait_frame(0, kPatience_ms)) throw std::runtime_error("the host has not opened the scene");
-    }
-    opens.push_back(since_ms(start) / 1e3);
-    catches.push_back(seconds_of_program(
-        {SIMVIS_RUN, "--quiet", "--follow", name, "--frames", "1", "--out", folder.path / "follower"}));
+    const auto run = [&](const char* option, const std::string& out, const std::vector<std::string>& more) {
+      std::vector<std::string> command{SIMVIS_RUN, "--quiet", option, name, "--out", folder.path / out};
+      command.insert(command.end(), more.begin(), more.end());
+      const auto start = Clock::now();
+      const pid_t program = start_program(command);
+      return std::pair(program, seconds_until(start, folder.path / out / "run.json"));
+    };
+    const std::string number = std::to_string(i);
+    const auto [host, host_s] = run("--serve", "host" + number, {"--real-time", "1", scene});
+    const auto [follower, follower_s] = run("--follow", "follower" + number, {});
+    opens.push_back(host_s);
+    catches.push_back(follower_s);
+    kill_hard(follower);
     kill_hard(host);
   }
   std::printf("%d,%.2f,%.2f,%.2f\n", parts, median(opens), median(catches), median(catches) / median(opens));

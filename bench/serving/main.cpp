@@ -10,7 +10,8 @@
 //   BLOCKS  of 30 frames of marvin at 15 Hz, in turn without and with a follower that is killed and started again at
 //           random: what a frame takes, and whether the scans are those of a simulation that nobody follows. Where
 //           other programs use the processor, processor time says more than the wall clock
-//   PARTS   of a scene: how long a host takes to open it, and a follower to catch up, as whole programs
+//   PARTS   of a scene: how long the program takes to open it as a host, and how long as its follower, until the first
+//   frame
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -23,7 +24,7 @@ int main(int argc, char** argv) {
   try {
     measure_latency(argument(1, 1000));
     std::puts("");
-    measure_updates(static_cast<std::size_t>(argument(2, 10'500'000)));
+    measure_updates(static_cast<std::size_t>(argument(2, 12'000'000)));
     std::puts("");
     measure_follower(argument(3, 20));
     std::puts("");

@@ -19,6 +19,10 @@ run(${CMAKE_COMMAND} -G Ninja -S ${SOURCE_DIR}/outside -B ${build} -DCMAKE_PREFI
 run(${CMAKE_COMMAND} --build ${build})
 run(${build}/outside)
 message("${output}")
+# A client is a project of its own: COMPONENTS client.
+run(${CMAKE_COMMAND} -G Ninja -S ${SOURCE_DIR}/outside_client -B ${build}_client -DCMAKE_PREFIX_PATH=${prefix})
+run(${CMAKE_COMMAND} --build ${build}_client)
+run(${build}_client/outside_client)
 # The installed program finds the installed library beside it, and that the installed import programs: with them gone, it
 # says which one is missing.
 run(${prefix}/bin/simvis-run --version)
