@@ -93,16 +93,16 @@ void Follower::read_frame() {
 
 // The commands of all entries that the frame is made with, and no others: requests that the host is executing now may
 // be there in part.
-std::vector<Command> Follower::next_commands() {
-  std::vector<Command> commands;
+Follower::Changes Follower::next_changes() {
+  Changes changes;
   for (std::uint64_t position = log_position_; const auto entry = host_->next_log(position);) {
     if (entry->frame >= frame_.next_frame) break;
     log_position_ = position;
     if (entry->kind != SIMVIS_CHANGE) continue;
-    const std::vector<Command> parsed = parse_commands(entry->text, "log of " + name_, "/");
-    commands.insert(commands.end(), parsed.begin(), parsed.end());
+    changes.xml.append(entry->text).append("\n");
   }
-  return commands;
+  if (!changes.xml.empty()) changes.commands = parse_commands(changes.xml, "log of " + name_, "/");
+  return changes;
 }
 
 Simulation Follower::build() {
@@ -112,11 +112,9 @@ Simulation Follower::build() {
   scanners_.clear();
   shown_.clear();
   stepped_ns_.reset();
-  const std::vector<Command> commands = next_commands();
-  std::string xml;
-  for (const Command& command : commands) xml += to_string(command) + "\n";
-  Simulation simulation = Simulation::from_string(xml, desc_, "/", "log of " + name_);
-  follow(simulation, commands);
+  const Changes changes = next_changes();
+  Simulation simulation = Simulation::from_string(changes.xml, desc_, "/", "log of " + name_);
+  follow(simulation, changes.commands);
   add_own(simulation);
   copy_values(simulation);
   show_scans(simulation);
@@ -191,18 +189,16 @@ void Follower::show_scans(Simulation& simulation) {
 }
 
 void Follower::replay(Simulation& simulation) {
-  const std::vector<Command> commands = next_commands();
-  if (commands.empty()) return;
-  std::string xml;
-  for (const Command& command : commands) xml += to_string(command) + "\n";
+  const Changes changes = next_changes();
+  if (changes.commands.empty()) return;
   try {
-    simulation.execute(xml, "/", "log of " + name_);
+    simulation.execute(changes.xml, "/", "log of " + name_);
   } catch (const InputError&) {
     // The host's commands fail only because of the own ones: a name is taken, or something refers to what goes.
     simulation = build();
     return;
   }
-  follow(simulation, commands);
+  follow(simulation, changes.commands);
 }
 
 std::optional<FrameTime> Follower::advance(Simulation& simulation) {

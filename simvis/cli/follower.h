@@ -40,7 +40,12 @@ class Follower {
   void read_frame();
   Simulation build();
   void add_own(Simulation& simulation);
-  std::vector<Command> next_commands();
+  /// Entries of the log, as text and as what it says.
+  struct Changes {
+    std::string xml;
+    std::vector<Command> commands;
+  };
+  Changes next_changes();
   void replay(Simulation& simulation);
   void follow(Simulation& simulation, std::span<const Command> commands);
   void note_scanners(std::span<const Command> commands);
