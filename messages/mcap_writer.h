@@ -21,13 +21,10 @@
 #include <string_view>
 #include <vector>
 
-#include "messages/description.h"
+#include "messages/outlet.h"
 #include "messages/record_file.h"
 
 namespace simvis::ros {
-
-/// How long subscribers may find a message: while they listen, or later too.
-enum class Durability : std::uint8_t { transient, latched };
 
 class McapWriter {
  public:

@@ -7,16 +7,7 @@
 
 namespace simvis::ros {
 
-void MessageFile::write(const std::string& topic, const TypeDescription& type, Durability durability,
-                        std::int64_t time_ns) {
-  auto found = channels_.find(topic);
-  if (found == channels_.end()) {
-    found = channels_.emplace(topic, writer_.add_channel(topic, type, durability)).first;
-  }
-  writer_.write(found->second, time_ns, bytes_);
-}
-
-Recorder::Recorder(const std::filesystem::path& file) : file_(file), thread_([this] { run(); }) {}
+Recorder::Recorder(std::unique_ptr<MessageOutlet> outlet) : outlet_(std::move(outlet)), thread_([this] { run(); }) {}
 
 Recorder::~Recorder() {
   try {
@@ -77,17 +68,17 @@ void Recorder::run() {
         next = std::move(waiting_.front());
         waiting_.pop_front();
       }
-      next.job(file_);
+      next.job(*outlet_);
       next.job = nullptr;  // frees what it holds
       const std::lock_guard lock(mutex_);
       held_bytes_ -= next.held_bytes;
-      messages_ = file_.writer().messages();
-      bytes_ = file_.writer().bytes();
+      messages_ = outlet_->messages();
+      bytes_ = outlet_->bytes();
       changed_.notify_all();
     }
-    file_.writer().finish();
+    outlet_->finish();
     const std::lock_guard lock(mutex_);
-    bytes_ = file_.writer().bytes();
+    bytes_ = outlet_->bytes();
   } catch (...) {
     const std::lock_guard lock(mutex_);
     failure_ = std::current_exception();

@@ -1,4 +1,4 @@
-// Records messages to an MCAP file on a thread of its own.
+// Gives messages to an outlet on a thread of its own.
 #pragma once
 
 #include <condition_variable>
@@ -6,53 +6,27 @@
 #include <cstdint>
 #include <deque>
 #include <exception>
-#include <filesystem>
 #include <functional>
-#include <map>
+#include <memory>
 #include <mutex>
-#include <string>
 #include <thread>
 
-#include "messages/cdr.h"
-#include "messages/mcap_writer.h"
+#include "messages/outlet.h"
 
 namespace simvis::ros {
-
-/// What jobs write to. A topic always has the same type.
-class MessageFile {
- public:
-  explicit MessageFile(const std::filesystem::path& file) : writer_(file) {}
-
-  template <Message M>
-  void write(const std::string& topic, std::int64_t time_ns, const M& message,
-             Durability durability = Durability::transient) {
-    bytes_.clear();
-    encode(message, bytes_);
-    write(topic, describe<M>(), durability, time_ns);
-  }
-  McapWriter& writer() { return writer_; }
-
- private:
-  void write(const std::string& topic, const TypeDescription& type, Durability durability, std::int64_t time_ns);
-
-  McapWriter writer_;
-  std::map<std::string, McapWriter::Channel> channels_;
-  std::string bytes_;
-};
 
 /// Jobs fill, encode and write messages; they run in the order in which they were added. What waits holds at most
 /// kMaxBytes, or is a single job that holds more.
 ///
-/// Errors   MachineError of the file: thrown by the next call of add() or finish(), and by each one after it.
+/// Errors   MachineError of the outlet: thrown by the next call of add() or finish(), and by each one after it.
 /// Threads  one thread at a time; jobs run on the recorder's own.
 class Recorder {
  public:
-  using Job = std::function<void(MessageFile&)>;
+  using Job = std::function<void(MessageOutlet&)>;
   static constexpr std::size_t kMaxBytes = std::size_t{256} << 20;
 
-  /// Creates or replaces the file.
-  explicit Recorder(const std::filesystem::path& file);
-  /// Writes what waits and finishes the file; errors are lost.
+  explicit Recorder(std::unique_ptr<MessageOutlet> outlet);
+  /// Writes what waits and finishes the outlet; errors are lost.
   ~Recorder();
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
@@ -61,11 +35,11 @@ class Recorder {
   enum class WhenFull : std::uint8_t { wait, drop, exceed };
   /// `held_bytes` is the size of the copies that the job works on. Returns false if the job was dropped.
   bool add(std::size_t held_bytes, WhenFull when_full, Job job);
-  /// Writes what waits, and the end of the file.
+  /// Writes what waits, and finishes the outlet.
   void finish();
 
   std::uint64_t messages() const;  ///< written so far
-  std::uint64_t bytes() const;     ///< of the file so far
+  std::uint64_t bytes() const;     ///< of all that was written so far
 
  private:
   struct Waiting {
@@ -75,7 +49,7 @@ class Recorder {
   void run();
   void throw_failure();
 
-  MessageFile file_;  // of the thread, while it runs
+  std::unique_ptr<MessageOutlet> outlet_;  // of the thread, while it runs
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<Waiting> waiting_;

@@ -10,6 +10,7 @@
 #include <simvis/error.h>
 #include <simvis/pose.h>
 #include "messages/from_image.h"
+#include "messages/mcap_outlet.h"
 #include "messages/mcap_records.h"
 #include "messages/types/system_types.h"
 #include "simvis/mount_frame.h"
@@ -109,7 +110,7 @@ class Recording::SensorMessages : public OutputSink {
     const std::shared_ptr<const Image> copy = recording_.copies_.copy(plane);
     add_job(*copy, 1,
             [copy, name, right = calibrations_["right"], header = header_of("left"), time = time_ns()](
-                ros::MessageFile& file) { file.write(name, time, ros::disparity_image(*copy, right, header)); });
+                ros::MessageOutlet& file) { file.write(name, time, ros::disparity_image(*copy, right, header)); });
   }
 
   void text(const std::string&, const std::string&, std::string_view) override {}
@@ -123,7 +124,7 @@ class Recording::SensorMessages : public OutputSink {
     const std::size_t beam_bytes = 2 * sizeof(float) + scan.channels.size() * sizeof(double);
     recording_.jobs_.push_back(
         {scan.range_m.size() * beam_bytes, std::uint64_t{wants_planar} + std::uint64_t{wants_cloud},
-         [=, frame = frame_, limits = facts.limits, time = time_ns()](ros::MessageFile& file) {
+         [=, frame = frame_, limits = facts.limits, time = time_ns()](ros::MessageOutlet& file) {
            if (wants_planar) {
              const std::optional<ros::LaserScan> message = ros::laser_scan(*copy, frame, limits, scan_time_s);
              if (message) file.write(planar, time, *message);
@@ -168,7 +169,7 @@ class Recording::SensorMessages : public OutputSink {
     }
     if (wanted.empty()) return;
     const std::shared_ptr<const Image> copy = recording_.copies_.copy(image);
-    add_job(*copy, wanted.size(), [copy, wanted, header, time = time_ns()](ros::MessageFile& file) {
+    add_job(*copy, wanted.size(), [copy, wanted, header, time = time_ns()](ros::MessageOutlet& file) {
       for (const auto& [name, each] : wanted) {
         if (each.compressed) {
           file.write(name, time, ros::compressed_image(*copy, header, each.encoding));
@@ -186,10 +187,14 @@ class Recording::SensorMessages : public OutputSink {
   bool has_images_ = false;
 };
 
-Recording::Recording(const RecordDesc& desc, const BuiltScene& scene) : desc_(desc), topics_(desc.topics) {
+RecordingDesc recording_to_file(const RecordDesc& desc) {
   if (!may_be_replaced(desc.file)) {
     throw InputError(desc.file.string() + ": error: exists and is no MCAP file, expected a new file or one to replace");
   }
+  return {desc.topics, desc.drop, [file = desc.file] { return std::make_unique<ros::McapOutlet>(file); }};
+}
+
+Recording::Recording(RecordingDesc desc, const BuiltScene& scene) : desc_(std::move(desc)), topics_(desc_.topics) {
   check_names(scene);
 }
 
@@ -234,14 +239,15 @@ const Recording::RangeFacts& Recording::range_facts(const BuiltSensor& sensor) {
 template <ros::Message M>
 void Recording::add(const std::string& topic, M message, ros::Durability durability) {
   if (!topics_.wants(topic)) return;
-  recorder_->add(0, WhenFull::exceed, [=, time = time_.time_ns, message = std::move(message)](ros::MessageFile& file) {
-    file.write(topic, time, message, durability);
-  });
+  recorder_->add(0, WhenFull::exceed,
+                 [=, time = time_.time_ns, message = std::move(message)](ros::MessageOutlet& file) {
+                   file.write(topic, time, message, durability);
+                 });
 }
 
 void Recording::add_frame(const BuiltScene& scene, const FrameTime& time, std::span<const PlacedSensor> sensors) {
   check_names(scene);
-  if (!recorder_) recorder_.emplace(desc_.file);
+  if (!recorder_) recorder_.emplace(desc_.open_outlet());
   time_ = time;
   jobs_.clear();
   transforms_.begin(time.time_ns);
@@ -356,11 +362,13 @@ void Recording::add_paths() {
   bodies_.clear();
 }
 
+void Recording::add_text(const std::string& topic, std::string text) { add(topic, ros::String{std::move(text)}); }
+
 RecordReport Recording::finish() {
-  if (!recorder_) return {.file = desc_.file};
+  if (!recorder_) return {};
   add_paths();
   recorder_->finish();
-  return {.file = desc_.file, .messages = recorder_->messages(), .dropped = dropped_, .bytes = recorder_->bytes()};
+  return {.file = {}, .messages = recorder_->messages(), .dropped = dropped_, .bytes = recorder_->bytes()};
 }
 
 }  // namespace simvis

@@ -1,9 +1,11 @@
-// A simulation as ROS 2 messages in a file: says which messages a frame gives. docs/messages.md lists them.
+// A simulation as ROS 2 messages: says which messages a frame gives. docs/messages.md lists them.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -20,6 +22,17 @@
 
 namespace simvis {
 
+/// Which messages there are, and where they go.
+struct RecordingDesc {
+  std::vector<std::string> topics{};  ///< as RecordDesc::topics
+  bool drop = false;                  ///< as RecordDesc::drop
+  /// Called with the first frame.
+  std::function<std::unique_ptr<ros::MessageOutlet>()> open_outlet{};
+};
+
+/// Of a file. Throws InputError: it exists and is no MCAP file.
+RecordingDesc recording_to_file(const RecordDesc& desc);
+
 /// A sensor that is on, and where it stands in a frame.
 struct PlacedSensor {
   const BuiltSensor& sensor;
@@ -29,19 +42,22 @@ struct PlacedSensor {
 
 class Recording {
  public:
-  /// Throws InputError: the file exists and is no MCAP file; two sensors would have the same topics.
-  Recording(const RecordDesc& desc, const BuiltScene& scene);
+  /// Throws InputError: two sensors would have the same topics.
+  Recording(RecordingDesc desc, const BuiltScene& scene);
   /// As finish(); errors are lost.
   ~Recording();
   Recording(const Recording&) = delete;
   Recording& operator=(const Recording&) = delete;
 
-  /// Creates the file with the first frame. Throws MachineError of the file, also of earlier frames.
+  /// Opens the outlet with the first frame. Throws MachineError of the outlet, also of earlier frames.
   void add_frame(const BuiltScene& scene, const FrameTime& time, std::span<const PlacedSensor> sensors);
-  /// Writes what waits and the end of the file. Throws MachineError.
+  /// Writes what waits, and finishes the outlet. Throws MachineError. The report names no file.
   RecordReport finish();
 
-  /// The patterns of RecordDesc::topics that no topic has matched so far.
+  /// A text of the last frame that no measurement gives.
+  void add_text(const std::string& topic, std::string text);
+
+  /// The patterns of RecordingDesc::topics that no topic has matched so far.
   std::vector<std::string> unmatched_patterns() const { return topics_.unmatched(); }
 
  private:
@@ -74,7 +90,7 @@ class Recording {
   void add_warnings(const std::vector<std::string>& warnings);
   void add_paths();
 
-  RecordDesc desc_;
+  RecordingDesc desc_;
   ros::TopicFilter topics_;
   std::optional<ros::Recorder> recorder_;
   FrameTime time_;  // of the frame that is being added
@@ -86,7 +102,7 @@ class Recording {
   std::vector<Job> jobs_;                              // of this frame's measurements
   ros::ImageCopies copies_;
   std::size_t checked_ids_ = 0, warnings_ = 0;
-  std::vector<std::optional<double>> values_;  // of parameters, as the file has them; empty: of a removed element
+  std::vector<std::optional<double>> values_;  // of parameters, as they were written; empty: of a removed element
   std::uint64_t dropped_ = 0;
 };
 

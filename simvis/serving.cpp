@@ -55,21 +55,13 @@ void add_scan(const Scan& scan, std::vector<SharedOutput>& outputs) {
 // Not every client can wake the host: what a Python client says is looked for so often.
 constexpr std::int64_t kReadyPoll_ns = 1'000'000;
 
-bool is_below(const std::filesystem::path& file, const std::filesystem::path& folder) {
-  return std::mismatch(folder.begin(), folder.end(), file.begin(), file.end()).first == folder.end();
-}
-
 }  // namespace
 
-Serving::Serving(const ServeDesc& desc, const BuiltScene& scene) : desc_(desc), host_(desc.name) {
+Serving::Serving(const ServeDesc& desc, const BuiltScene& scene)
+    : desc_(desc), folders_(desc.folders), host_(desc.name) {
   if (!(desc.lockstep_timeout_s > 0)) {
     throw InputError("the time limit of lock-step is " + format_number(desc.lockstep_timeout_s) +
                      " s, expected a number above 0");
-  }
-  for (const std::filesystem::path& folder : desc.folders) {
-    std::error_code error;
-    folders_.push_back(std::filesystem::canonical(folder, error));
-    if (error) throw InputError("there is no folder " + in_quotes(folder.string()) + " that requests could name");
   }
   follow_scene(scene);
 }
@@ -112,27 +104,11 @@ void Serving::follow_sensors(const BuiltScene& scene) {
   }
 }
 
-void Serving::check_files(std::span<const Command> commands) const {
-  for (const Command& command : commands) {
-    const CommandAttribute* const file = command.find("file");
-    if (file == nullptr) continue;
-    std::error_code error;
-    const std::filesystem::path path = std::filesystem::weakly_canonical(command.folder / file->value, error);
-    const auto allows = [&](const std::filesystem::path& folder) { return is_below(path, folder); };
-    if (!error && std::ranges::any_of(folders_, allows)) continue;
-    std::string allowed;
-    for (const std::filesystem::path& folder : folders_) allowed += (allowed.empty() ? "" : ", ") + folder.string();
-    fail_at(file->where, "a request may not read " + in_quotes(path.string()) + ", expected a file below " +
-                             (allowed.empty() ? "no folder: none was allowed" : allowed));
-  }
-}
-
 void Serving::execute(const ChangeRequest& request, const BuiltScene& scene, const Execute& execute) {
   const std::string name = "request " + std::to_string(request.number);
   try {
-    const std::vector<Command> commands =
-        parse_commands(request.text, name, folders_.empty() ? std::filesystem::path(".") : folders_.front());
-    check_files(commands);
+    const std::vector<Command> commands = parse_commands(request.text, name, folders_.start());
+    folders_.check(commands);
     execute(commands);
     follow_scene(scene);
     host_.log(SIMVIS_REQUEST_DONE, "", request.client, request.number);

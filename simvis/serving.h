@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <filesystem>
 #include <functional>
 #include <map>
 #include <span>
@@ -13,6 +12,7 @@
 #include <simvis/sensor.h>
 #include <simvis/simulation_desc.h>
 #include "clients/host.h"
+#include "simvis/allowed_folders.h"
 #include "simvis/scene_builder.h"
 
 namespace simvis {
@@ -42,7 +42,6 @@ class Serving {
   void follow_elements(const Parameters& parameters);
   void follow_sensors(const BuiltScene& scene);
   void execute(const ChangeRequest& request, const BuiltScene& scene, const Execute& execute);
-  void check_files(std::span<const Command> commands) const;
   void set(Parameters& parameters, const WrittenValue& written);
   void set(Parameters& parameters, const WrittenElement& written);
   void refuse_value(const std::string& why, std::uint32_t client);
@@ -50,7 +49,7 @@ class Serving {
   void follow_values(const Parameters& parameters);
 
   ServeDesc desc_;
-  std::vector<std::filesystem::path> folders_;  // canonical
+  AllowedFolders folders_;
   SharedHost host_;
   std::size_t changes_ = 0;                     // of the scene's log that are in the shared one
   std::vector<bool> removed_;                   // by element

@@ -120,7 +120,8 @@ void Simulation::record(const RecordDesc& desc) {
   const SimulationUse use = impl();
   SimulationImpl& idle = use->idle();
   if (idle.recording) throw InputError("the simulation is recorded already, expected finish_recording() before");
-  idle.recording = std::make_unique<Recording>(desc, idle.scene.built);
+  idle.recording = std::make_unique<Recording>(recording_to_file(desc), idle.scene.built);
+  idle.record_desc = desc;
   idle.recorded_frames = 0;
 }
 
@@ -128,7 +129,24 @@ RecordReport Simulation::finish_recording() {
   const SimulationUse use = impl();
   const std::unique_ptr<Recording> recording = std::move(use->idle().recording);
   if (!recording) throw InputError("the simulation is not recorded, expected record() before");
-  return recording->finish();
+  RecordReport report = recording->finish();
+  report.file = use->record_desc.file;
+  return report;
+}
+
+void Simulation::join_dds(const DdsDesc& desc) {
+  const SimulationUse use = impl();
+  SimulationImpl& idle = use->idle();
+  if (idle.network) throw InputError("the simulation takes part in DDS already, expected leave_dds() before");
+  idle.network = std::make_unique<Network>(desc, idle.scene.built);
+  idle.sent_frames = 0;
+}
+
+DdsReport Simulation::leave_dds() {
+  const SimulationUse use = impl();
+  const std::unique_ptr<Network> network = std::move(use->idle().network);
+  if (!network) throw InputError("the simulation does not take part in DDS, expected join_dds() before");
+  return network->finish();
 }
 
 void Simulation::show_scan(std::string_view sensor, Scan scan) {

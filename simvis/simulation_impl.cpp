@@ -140,7 +140,7 @@ void SimulationImpl::start() {
   warn_before_measuring();
   const FrameTime time = next_frame();
   stages.clear();
-  if (serving) take_from_clients(time);
+  if (serving || network) take_from_clients(time);
   stages.begin("elements");
   update_elements();
   stages.begin("flatten");
@@ -164,20 +164,26 @@ void SimulationImpl::finish() {
     show_to_people(frame);
   }
   if (serving) publish_to_clients(frame);
-  if (recording) record_frame(frame);
+  if (recording || network) record_frame(frame);
   stages.end();
   timeline.go_on(frame);
 }
 
 void SimulationImpl::take_from_clients(const FrameTime& time) {
   stages.begin("clients");
-  serving->wait_for_clients(time);
-  serving->take(scene.built, [this](std::span<const Command> commands) {
-    const InputLog inputs;
-    scene.execute(commands);
-    add_inputs(inputs);
-    follow_scene();
-  });
+  const auto execute = [this](std::span<const Command> commands) { execute_request(commands); };
+  if (serving) {
+    serving->wait_for_clients(time);
+    serving->take(scene.built, execute);
+  }
+  if (network) network->take(scene.built, execute);
+}
+
+void SimulationImpl::execute_request(std::span<const Command> commands) {
+  const InputLog inputs;
+  scene.execute(commands);
+  add_inputs(inputs);
+  follow_scene();
 }
 
 void SimulationImpl::publish_to_clients(const FrameTime& time) {
@@ -191,6 +197,24 @@ void SimulationImpl::publish_to_clients(const FrameTime& time) {
 
 void SimulationImpl::record_frame(const FrameTime& time) {
   stages.begin("record");
+  const std::vector<PlacedSensor> placed = placed_sensors();
+  if (recording) {
+    recording->add_frame(scene.built, time, placed);
+    if (recorded_frames++ == 0) warn_of_unmatched("recording", recording->unmatched_patterns());
+  }
+  if (network) {
+    network->add_frame(scene.built, time, placed);
+    if (sent_frames++ == 0) warn_of_unmatched("DDS", network->unmatched_patterns());
+  }
+}
+
+void SimulationImpl::warn_of_unmatched(const char* who, const std::vector<std::string>& patterns) {
+  for (const std::string& pattern : patterns) {
+    warn(std::string(who) + ": no topic of the first frame matches " + in_quotes(pattern));
+  }
+}
+
+std::vector<PlacedSensor> SimulationImpl::placed_sensors() {
   std::vector<PlacedSensor> placed;
   for (std::size_t i = 0; i < states.size(); ++i) {
     const BuiltSensor& sensor = scene.built.sensors[i];
@@ -199,11 +223,7 @@ void SimulationImpl::record_frame(const FrameTime& time) {
     if (!states[i].enabled || (!has_measured && !pose(sensor, world_from_sensor))) continue;
     placed.push_back({sensor, world_from_sensor, has_measured});
   }
-  recording->add_frame(scene.built, time, placed);
-  if (recorded_frames++ > 0) return;
-  for (const std::string& pattern : recording->unmatched_patterns()) {
-    warn("recording: no topic of the first frame matches " + in_quotes(pattern));
-  }
+  return placed;
 }
 
 // Host-only ray casts run while the device draws for the other sensors.

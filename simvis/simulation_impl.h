@@ -18,6 +18,7 @@
 #include <simvis/simulation_desc.h>
 #include "engine/base/input_log.h"
 #include "simvis/live_scene.h"
+#include "simvis/network.h"
 #include "simvis/recording.h"
 #include "simvis/serving.h"
 #include "simvis/step_stages.h"
@@ -57,8 +58,11 @@ struct SimulationImpl : Observations {
   void follow_sensors();
   void follow_tracked_parts();
   void take_from_clients(const FrameTime& time);
+  void execute_request(std::span<const Command> commands);
   void publish_to_clients(const FrameTime& time);
   void record_frame(const FrameTime& time);
+  std::vector<PlacedSensor> placed_sensors();
+  void warn_of_unmatched(const char* who, const std::vector<std::string>& patterns);
   ViewLayer& layer_of(const BuiltSensor& sensor) { return sensor.sensor->visualization() ? *people : sensing; }
   bool pose(const BuiltSensor& sensor, glm::dmat4& world_from_sensor);
   std::size_t index(std::string_view sensor) const;
@@ -105,7 +109,10 @@ struct SimulationImpl : Observations {
   std::map<std::size_t, ShownScan> shown_scans;  // by BuiltSensor::id
   std::optional<Serving> serving;                // set by Simulation::serve()
   std::unique_ptr<Recording> recording;          // set by Simulation::record()
+  RecordDesc record_desc;                        // of this recording
   std::uint64_t recorded_frames = 0;             // of this recording
+  std::unique_ptr<Network> network;              // set by Simulation::join_dds()
+  std::uint64_t sent_frames = 0;                 // by it
   bool instrumented;
   std::vector<SensorCost> sensor_costs;
 };

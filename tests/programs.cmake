@@ -94,6 +94,13 @@ add_dependencies(public_tests simvis_example_plugin ${refused_plugin_targets})
 
 target_link_libraries(clients_tests PRIVATE simvis_client)
 add_dependencies(clients_tests simvis-ctl)
+# Another vendor's DDS, where it is there.
+find_package(fastrtps QUIET)
+if(fastrtps_FOUND AND NOT SIMVIS_SANITIZE)
+  add_executable(fast_dds_peer messages/peer/fast_dds_peer.cpp)
+  target_link_libraries(fast_dds_peer PRIVATE fastrtps fastcdr)
+  add_dependencies(clients_tests fast_dds_peer)
+endif()
 # Parts of the import program that no file reaches in every way.
 # And the libraries that decode, whose encoders make what the tests decode.
 target_link_libraries(import_tests PRIVATE simvis_import_mesh simvis_decode meshoptimizer::meshoptimizer)

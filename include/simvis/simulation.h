@@ -98,6 +98,17 @@ class SIMVIS_API Simulation {
   /// file cannot be written, InputError if there is no recording. In both cases there is none afterwards.
   RecordReport finish_recording();
 
+  /// Sends the frames of the next steps as ROS 2 messages by DDS, as docs/messages.md says, until leave_dds() or the
+  /// end of the simulation. From now on each step() begins with what others sent: it executes their change requests,
+  /// sets their values and says on /simvis/log what it refuses. Messages are sent by a thread of its own; measurements
+  /// that the network does not take in time are dropped and counted. A step throws MachineError once nothing can be
+  /// sent. Throws InputError: a build without DDS, a folder that does not exist, two sensors would have the same
+  /// topics, a second call. MachineError: the domain cannot be joined.
+  void join_dds(const DdsDesc& desc);
+  /// Sends what waits, and leaves. Throws MachineError if nothing could be sent, InputError if join_dds() was not
+  /// called. In both cases the simulation is then outside.
+  DdsReport leave_dds();
+
   /// From now on, what is drawn for people shows this scan as the last one of `sensor`, instead of the sensor's own: in
   /// a simulation that shows what another process measures. `scan.world_from_sensor` says where the scanner stood.
   /// Throws InputError if there is no such sensor.

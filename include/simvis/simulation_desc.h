@@ -64,6 +64,27 @@ struct RecordDesc {
   bool drop = false;
 };
 
+/// How a running simulation takes part in a domain of DDS, see Simulation::join_dds().
+struct DdsDesc {
+  /// 0 to 232. Empty: as CYCLONEDDS_URI says, by default 0.
+  std::optional<std::uint32_t> domain{};
+  std::vector<std::string> topics{};  ///< as RecordDesc::topics
+  /// Whether measurements that the network loses are sent again. false: ROS 2's quality of service for sensor data.
+  bool reliable = false;
+  /// Change requests may name part files below these folders only, and relative names start at the first. Empty:
+  /// requests cannot insert part files.
+  std::vector<std::filesystem::path> folders{};
+};
+
+/// What a simulation has sent and received by DDS.
+struct DdsReport {
+  std::uint64_t messages = 0,  ///< sent
+      dropped = 0,             ///< measurements that were not sent, because the network is slower than the simulation
+      bytes = 0,               ///< sent
+      received = 0,            ///< messages of others: values and requests
+      refused = 0;             ///< of those that were received
+};
+
 /// The content of a finished recording.
 struct RecordReport {
   std::filesystem::path file;  ///< as in RecordDesc

@@ -35,4 +35,10 @@ struct Float64 {
   static constexpr auto field_table() { return std::tuple{Field{"data", &Float64::data}}; }
 };
 
+struct String {
+  static constexpr std::string_view kName = "std_msgs/msg/String";
+  std::string data;
+  static constexpr auto field_table() { return std::tuple{Field{"data", &String::data}}; }
+};
+
 }  // namespace simvis::ros

@@ -89,6 +89,22 @@ std::vector<AttributeOverride> scanner_overrides(const Options& options) {
   return overrides;
 }
 
+/// Below which requests may name part files.
+std::vector<std::filesystem::path> request_folders(const Options& options) {
+  if (options.allow.empty()) return {std::filesystem::absolute(options.scene).parent_path()};
+  return {options.allow.begin(), options.allow.end()};
+}
+
+std::optional<std::uint32_t> dds_domain(const std::string& text) {
+  constexpr double kMax = 232;  // of the ports that the protocol has for domains
+  if (text.empty()) return std::nullopt;
+  double number = 0;
+  if (parse_number(text, number) && number >= 0 && number <= kMax && number == std::floor(number)) {
+    return static_cast<std::uint32_t>(number);
+  }
+  throw InputError(in_quotes(text) + " is no domain, expected a whole number from 0 to 232 or none");
+}
+
 }  // namespace
 
 SimulationDesc scene_desc(const Options& options) {
@@ -106,12 +122,17 @@ SimulationDesc scene_desc(const Options& options) {
 }
 
 ServeDesc serve_desc(const Options& options) {
-  ServeDesc desc{.name = options.serve,
-                 .folders = {options.allow.begin(), options.allow.end()},
-                 .lockstep = options.lockstep,
-                 .lockstep_timeout_s = options.lockstep_timeout_s};
-  if (desc.folders.empty()) desc.folders.push_back(std::filesystem::absolute(options.scene).parent_path());
-  return desc;
+  return {.name = options.serve,
+          .folders = request_folders(options),
+          .lockstep = options.lockstep,
+          .lockstep_timeout_s = options.lockstep_timeout_s};
+}
+
+DdsDesc dds_desc(const Options& options) {
+  return {.domain = dds_domain(options.dds_domain),
+          .topics = options.dds_topics,
+          .reliable = options.dds_qos == "reliable",
+          .folders = request_folders(options)};
 }
 
 bool shows_progress(const Options& options) { return ::isatty(STDERR_FILENO) == 1 && !options.quiet; }

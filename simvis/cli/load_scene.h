@@ -31,6 +31,7 @@ SimulationDesc scene_desc(const Options& options);
 
 /// How the options of --serve say that the simulation is served.
 ServeDesc serve_desc(const Options& options);
+DdsDesc dds_desc(const Options& options);
 
 /// Loads the scene, sets parameters and turns sensors off. `loading` shows the progress of loading until it is reset.
 Simulation load(const Options& options, std::optional<LoadingBar>& loading);

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
+#include <utility>
 
 #include <simvis/attributes.h>
 #include <simvis/error.h>
@@ -35,6 +36,32 @@ std::string whole_number(const std::string& text) {
 
 std::string not_empty(const std::string& text) { return text.empty() ? "it is empty" : ""; }
 
+void declare_dds_options(CLI::App& app, Options& options) {
+  CLI::Option* const dds =
+      app.add_option("--dds", options.dds_domain,
+                     "send the frames as ROS 2 messages by DDS, and take values and change requests from there; "
+                     "without --frames it goes on until it is interrupted. docs/messages.md lists the topics")
+          ->type_name("[DOMAIN]")
+          ->expected(0, 1)
+          ->excludes("--price")
+          ->excludes("--shard")
+          ->excludes("--resume")
+          ->excludes("--again");
+  app.add_option("--dds-topics", options.dds_topics,
+                 "with --dds: only topics that match a pattern with * and ? (repeatable)")
+      ->type_name("PATTERN,...")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(not_empty)
+      ->needs(dds);
+  app.add_option("--dds-qos", options.dds_qos,
+                 "with --dds, measurements that the network loses: are lost (sensor-data), or sent again (reliable)")
+      ->type_name("sensor-data|reliable")
+      ->check(CLI::IsMember({"sensor-data", "reliable"}))
+      ->capture_default_str()
+      ->needs(dds);
+}
+
 void declare_serve_options(CLI::App& app, Options& options) {
   CLI::Option* const serve =
       app.add_option("--serve", options.serve,
@@ -49,8 +76,7 @@ void declare_serve_options(CLI::App& app, Options& options) {
   app.add_option("--allow", options.allow,
                  "requests of clients may read part files below this folder (repeatable; default: the scene's)")
       ->type_name("DIR")
-      ->allow_extra_args(false)
-      ->needs(serve);
+      ->allow_extra_args(false);
   CLI::Option* const lockstep =
       app.add_option("--lockstep", options.lockstep, "each frame waits until these clients are ready for it")
           ->type_name("CLIENT,...")
@@ -204,6 +230,7 @@ void declare_options(CLI::App& app, Options& options) {
       ->excludes("--resume")
       ->excludes("--price");
   declare_serve_options(app, options);
+  declare_dds_options(app, options);
   CLI::Option* const describe =
       app.add_option("--describe", options.describe,
                      "print what an element, sensor or effect does and its attributes, and exit; all: of every one")
@@ -275,7 +302,15 @@ ParsedOptions parse_options(std::vector<std::string> arguments) {
   }
   options.names_out = app.count("--out") > 0;
   options.names_frames = app.count("--frames") > 0;
-  const bool is_live = !options.serve.empty() || !options.follow.empty();
+  options.dds = app.count("--dds") > 0;
+  double domain = 0;
+  if (options.scene.empty() && !parse_number(options.dds_domain, domain)) {
+    std::swap(options.scene, options.dds_domain);  // --dds SCENE.xml
+  }
+  if (!options.allow.empty() && options.serve.empty() && !options.dds) {
+    throw InputError("--allow requires --serve or --dds; see --help");
+  }
+  const bool is_live = !options.serve.empty() || !options.follow.empty() || options.dds;
   options.endless = is_live && !options.names_frames && options.trajectory.empty();
   read_rate(options);
   if (!options.again.empty()) require_free_options(app, "--again");
@@ -291,7 +326,7 @@ Options recorded_options(const Options& given) {
   set_environment(run.environment);
   ParsedOptions recorded = parse_options(run.command);
   Options options = recorded.options;
-  if (!options.serve.empty() || !options.follow.empty()) {
+  if (!options.serve.empty() || !options.follow.empty() || options.dds) {
     throw InputError(run.report.string() + ": error: other processes took part in the run, which is not recorded");
   }
   if (!options.again.empty() || options.scene.empty()) {

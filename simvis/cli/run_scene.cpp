@@ -120,6 +120,7 @@ void print_closing(const Options& options, const OutputWriter& writer, const Run
     if (report.recording->dropped > 0) std::cout << ", " << report.recording->dropped << " dropped";
     std::cout << "), ";
   }
+  if (report.dds) std::cout << report.dds->messages << " messages by DDS, ";
   std::cout << report_file(options, report).string() << '\n' << speed_line(report) << '\n';
 }
 
@@ -374,6 +375,7 @@ void Run::finish() {
   writer_->finish();
   if (report_.frame_ms.size() > 1) report_.later_frames_s = static_cast<double>(now_ns() - first_done_ns_) / 1e9;
   if (recording_) report_.recording = simulation_.finish_recording();
+  if (options_.dds) report_.dds = simulation_.leave_dds();
   if (profile_) profile_->commit();
   if (received_signal() == nullptr) report_.next_frame = options_.frames;
   report_.status = report_.next_frame == options_.frames ? "complete" : "stopped";
@@ -446,6 +448,9 @@ int run_scene(Options options, std::int64_t start_ns) {
     in_option("--serve", [&] { simulation.serve(serve_desc(options)); });
     if (!options.quiet) std::cout << "served as " << options.serve << std::endl;
   }
+  if (options.dds) {
+    in_option("--dds", [&] { simulation.join_dds(dds_desc(options)); });
+  }
   Run run(options, simulation, trajectory, follower ? &*follower : nullptr, start_ns);
   if (again) print_differences(*again, run.report());
   defer_signals();
@@ -460,7 +465,8 @@ int run_scene(Options options, std::int64_t start_ns) {
   }
   if (const char* const signal = received_signal(); signal != nullptr && run.report().status != "complete") {
     std::cerr << "simvis-run: stopped by a signal (" << signal << ") before frame " << run.report().next_frame;
-    if (options.serve.empty() && options.follow.empty()) std::cerr << " of " << options.frames << "; --resume goes on";
+    if (options.serve.empty() && options.follow.empty() && !options.dds)
+      std::cerr << " of " << options.frames << "; --resume goes on";
     std::cerr << '\n';
     return kExitStopped;
   }

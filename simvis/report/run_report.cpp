@@ -119,6 +119,13 @@ std::string to_json(const RunReport& report) {
                          {"dropped", report.recording->dropped},
                          {"bytes", report.recording->bytes}};
   }
+  if (report.dds) {
+    json["dds"] = {{"messages", report.dds->messages},
+                   {"dropped", report.dds->dropped},
+                   {"bytes", report.dds->bytes},
+                   {"received", report.dds->received},
+                   {"refused", report.dds->refused}};
+  }
   json["files"] = report.files;
   if (report.served) json["served"] = served_of(*report.served);
   if (!report.followed.empty()) json["followed"] = report.followed;

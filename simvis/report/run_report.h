@@ -68,6 +68,7 @@ struct RunReport {
   std::vector<SensorInfo> sensors;
   std::vector<std::string> warnings{};      ///< of the scene and of the frames
   std::optional<RecordReport> recording{};  ///< of --record, when it has ended
+  std::optional<DdsReport> dds{};           ///< of --dds, when it has ended
 };
 
 /// The sensors of the simulation with the error bounds of their depth images. Bounds that are not known yet are

@@ -1,0 +1,19 @@
+// In place of dds_node.cpp in a build without Cyclone DDS.
+#include <simvis/error.h>
+#include "messages/dds/dds_node.h"
+
+namespace simvis::ros {
+
+struct DdsNode::Participant {};
+
+DdsNode::DdsNode(std::optional<std::uint32_t>) {
+  throw InputError("this build has no DDS: it was made without Eclipse Cyclone DDS (cyclonedds-dev)");
+}
+DdsNode::~DdsNode() = default;
+
+// No object exists that these could be called on.
+std::unique_ptr<MessageOutlet> DdsNode::outlet(SensorQos) { return nullptr; }
+void DdsNode::subscribe(const std::string&, const TypeDescription&, std::size_t) {}
+std::vector<std::string> DdsNode::take(const std::string&) { return {}; }
+
+}  // namespace simvis::ros

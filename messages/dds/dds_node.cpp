@@ -1,0 +1,168 @@
+#include "messages/dds/dds_node.h"
+
+#include <dds/dds.h>
+
+#include <array>
+#include <atomic>
+#include <cstdio>
+#include <utility>
+
+#include <simvis/error.h>
+#include "messages/dds/names.h"
+#include "messages/dds/raw_type.h"
+
+namespace simvis::ros {
+
+namespace {
+
+// Of what this process sends; the protocol ends at 4 GiB.
+constexpr std::size_t kMaxSentBytes = std::size_t{1} << 32;
+constexpr int kSensorDepth = 5, kDepth = 100;
+
+dds_entity_t checked(dds_entity_t entity, const std::string& what) {
+  if (entity < 0) throw MachineError("DDS: " + what + ": " + dds_strretcode(entity));
+  return entity;
+}
+
+// Cyclone writes a line for what makes no sense to it. A flood of that does not fill the terminal.
+void print_some(void*, const dds_log_data_t* line) {
+  constexpr int kLines = 20;
+  static std::atomic<int> lines = 0;
+  const int number = ++lines;
+  if (number > kLines) return;
+  std::fprintf(stderr, "DDS: %s", line->message);
+  if (number == kLines) std::fputs("DDS: more lines are not printed\n", stderr);
+}
+
+using Qos = std::unique_ptr<dds_qos_t, decltype(&dds_delete_qos)>;
+
+Qos make_qos(const TypeDescription& type) {
+  Qos qos(dds_create_qos(), &dds_delete_qos);
+  const std::string user_data = "typehash=" + type_hash(type) + ";";
+  dds_qset_userdata(qos.get(), user_data.data(), user_data.size());
+  dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, DDS_MSECS(100));
+  dds_qset_durability(qos.get(), DDS_DURABILITY_VOLATILE);
+  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, kDepth);
+  return qos;
+}
+
+bool is_measurement(const TypeDescription& type) {
+  return type.name.starts_with("sensor_msgs/") || type.name.starts_with("stereo_msgs/");
+}
+
+Qos writer_qos(const TypeDescription& type, Durability durability, SensorQos sensors) {
+  Qos qos = make_qos(type);
+  if (is_measurement(type)) {
+    if (sensors == SensorQos::best_effort) dds_qset_reliability(qos.get(), DDS_RELIABILITY_BEST_EFFORT, 0);
+    dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, kSensorDepth);
+  }
+  if (durability == Durability::latched) {
+    dds_qset_durability(qos.get(), DDS_DURABILITY_TRANSIENT_LOCAL);
+    dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 1);
+  }
+  return qos;
+}
+
+}  // namespace
+
+struct DdsNode::Participant {
+  explicit Participant(std::optional<std::uint32_t> domain)
+      : entity(checked(dds_create_participant(domain.value_or(DDS_DOMAIN_DEFAULT), nullptr, nullptr),
+                       domain ? "domain " + std::to_string(*domain) : "the default domain")) {}
+  ~Participant() { dds_delete(entity); }
+  Participant(const Participant&) = delete;
+  Participant& operator=(const Participant&) = delete;
+
+  /// A topic and its type, which lives as long as the topic.
+  std::pair<dds_entity_t, const ddsi_sertype*> topic(const std::string& name, const TypeDescription& type,
+                                                     std::size_t max_bytes) const {
+    ddsi_sertype* raw = make_raw_type(dds_type(type.name), max_bytes);
+    const dds_entity_t made =
+        dds_create_topic_sertype(entity, dds_topic(name).c_str(), &raw, nullptr, nullptr, nullptr);
+    if (made < 0) ddsi_sertype_unref(raw);
+    return {checked(made, "topic " + name), raw};
+  }
+
+  dds_entity_t entity;
+  std::map<std::string, dds_entity_t> readers;
+};
+
+class DdsNode::Outlet : public MessageOutlet {
+ public:
+  Outlet(std::shared_ptr<Participant> participant, SensorQos qos) : participant_(std::move(participant)), qos_(qos) {}
+  ~Outlet() override { finish(); }
+
+  void finish() override {
+    for (const auto& [topic, writer] : writers_) dds_delete(writer.entity);
+    writers_.clear();
+  }
+  std::uint64_t messages() const override { return messages_; }
+  std::uint64_t bytes() const override { return bytes_; }
+
+ private:
+  struct Writer {
+    dds_entity_t entity;
+    const ddsi_sertype* type;
+  };
+
+  // A message that a slow subscriber keeps from being sent in time is lost to it, as the quality of service says.
+  void write_bytes(const std::string& topic, const TypeDescription& type, Durability durability, std::int64_t,
+                   std::string_view message) override {
+    const Writer& to = writer(topic, type, durability);
+    const dds_return_t result = dds_writecdr(to.entity, make_raw_sample(*to.type, message));
+    if (result != DDS_RETCODE_TIMEOUT) checked(result, "a message of " + topic);
+    ++messages_;
+    bytes_ += message.size();
+  }
+
+  const Writer& writer(const std::string& topic, const TypeDescription& type, Durability durability) {
+    const auto known = writers_.find(topic);
+    if (known != writers_.end()) return known->second;
+    const auto [entity, raw] = participant_->topic(topic, type, kMaxSentBytes);
+    const Qos qos = writer_qos(type, durability, qos_);
+    const dds_entity_t made =
+        checked(dds_create_writer(participant_->entity, entity, qos.get(), nullptr), "writer of " + topic);
+    return writers_.emplace(topic, Writer{made, raw}).first->second;
+  }
+
+  std::shared_ptr<Participant> participant_;
+  SensorQos qos_;
+  std::map<std::string, Writer> writers_;
+  std::uint64_t messages_ = 0, bytes_ = 0;
+};
+
+DdsNode::DdsNode(std::optional<std::uint32_t> domain) {
+  dds_set_log_sink(print_some, nullptr);
+  participant_ = std::make_shared<Participant>(domain);
+}
+DdsNode::~DdsNode() = default;
+
+std::unique_ptr<MessageOutlet> DdsNode::outlet(SensorQos qos) { return std::make_unique<Outlet>(participant_, qos); }
+
+// A flood overwrites what waits, instead of taking more memory.
+void DdsNode::subscribe(const std::string& topic, const TypeDescription& type, std::size_t max_bytes) {
+  const dds_entity_t made = participant_->topic(topic, type, max_bytes).first;
+  const Qos qos = make_qos(type);
+  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, static_cast<std::int32_t>(kMaxWaiting));
+  const dds_entity_t reader = dds_create_reader(participant_->entity, made, qos.get(), nullptr);
+  participant_->readers.emplace(topic, checked(reader, "reader of " + topic));
+}
+
+std::vector<std::string> DdsNode::take(const std::string& topic) {
+  std::vector<std::string> taken;
+  constexpr std::uint32_t kPiece = 64;
+  std::array<ddsi_serdata*, kPiece> samples{};
+  std::array<dds_sample_info_t, kPiece> infos{};
+  const dds_entity_t reader = participant_->readers.at(topic);
+  for (;;) {
+    const dds_return_t count = dds_takecdr(reader, samples.data(), kPiece, infos.data(), DDS_ANY_STATE);
+    checked(count, "topic " + topic);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+      if (infos[i].valid_data) taken.emplace_back(bytes_of(*samples[i]));
+      ddsi_serdata_unref(samples[i]);
+    }
+    if (count < static_cast<dds_return_t>(kPiece) || taken.size() >= kMaxWaiting) return taken;
+  }
+}
+
+}  // namespace simvis::ros

@@ -1,0 +1,54 @@
+// A participant of a DDS domain: it writes messages as topics of ROS 2, and reads some. Needs Eclipse Cyclone DDS; a
+// build without it has dds_absent.cpp, which says so.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "messages/outlet.h"
+
+namespace simvis::ros {
+
+/// What a subscriber of measurements gets when the network is slower than the simulation.
+enum class SensorQos : std::uint8_t {
+  best_effort,  ///< what arrives: ROS 2's profile for sensor data
+  reliable      ///< the last messages, sent again where they were lost
+};
+
+/// A domain that this process takes part in. Network interfaces, multicast and the like are the user's, through
+/// CYCLONEDDS_URI.
+///
+/// Errors   InputError: this build has no DDS. MachineError: the domain or a topic cannot be had.
+/// Threads  any.
+class DdsNode {
+ public:
+  /// Empty: the domain of CYCLONEDDS_URI, or 0.
+  explicit DdsNode(std::optional<std::uint32_t> domain);
+  ~DdsNode();
+  DdsNode(const DdsNode&) = delete;
+  DdsNode& operator=(const DdsNode&) = delete;
+
+  /// Writes messages of measurements as `qos` says, and all others reliably. A latched topic gives its last message to
+  /// subscribers that come late.
+  std::unique_ptr<MessageOutlet> outlet(SensorQos qos);
+
+  /// Receives the messages of a topic, reliably, from now on. At most kMaxWaiting of them wait for take(), the later
+  /// ones; none is longer than `max_bytes`.
+  static constexpr std::size_t kMaxWaiting = 1024, kMaxBytes = std::size_t{1} << 17;
+  void subscribe(const std::string& topic, const TypeDescription& type, std::size_t max_bytes = kMaxBytes);
+  /// What has come since the last call, encapsulation included: bytes of strangers.
+  std::vector<std::string> take(const std::string& topic);
+
+ private:
+  class Outlet;
+  struct Participant;
+  std::shared_ptr<Participant> participant_;
+};
+
+}  // namespace simvis::ros

@@ -1,0 +1,104 @@
+#include "simvis/network.h"
+
+#include <utility>
+
+#include <simvis/error.h>
+
+namespace simvis {
+namespace {
+
+const std::string kSet = "/simvis/set", kRequest = "/simvis/request", kLog = "/simvis/log";
+
+RecordingDesc recording_to(ros::DdsNode& node, const DdsDesc& desc) {
+  const ros::SensorQos qos = desc.reliable ? ros::SensorQos::reliable : ros::SensorQos::best_effort;
+  return {desc.topics, true, [&node, qos] { return node.outlet(qos); }};
+}
+
+/// The index of "ELEMENT.PARAM".
+std::size_t index_of(const Parameters& parameters, const std::string& name) {
+  const std::size_t dot = name.rfind('.');
+  if (dot == std::string::npos) throw InputError(in_quotes(name) + " names no parameter, expected ELEMENT.PARAM");
+  return parameters.index(name.substr(0, dot), name.substr(dot + 1));
+}
+
+double number_of(const ros::Parameter& parameter) {
+  constexpr std::uint8_t kInteger = 2, kDouble = 3;
+  if (parameter.value.type == kDouble) return parameter.value.double_value;
+  if (parameter.value.type == kInteger) return static_cast<double>(parameter.value.integer_value);
+  throw InputError(parameter.name + ": its value has type " + std::to_string(parameter.value.type) +
+                   ", expected 3, a double, or 2, an integer");
+}
+
+}  // namespace
+
+Network::Network(const DdsDesc& desc, const BuiltScene& scene)
+    : folders_(desc.folders), node_(desc.domain), recording_(recording_to(node_, desc), scene) {
+  node_.subscribe(kSet, ros::describe<ros::ParameterEvent>());
+  node_.subscribe(kRequest, ros::describe<ros::String>());
+}
+
+// A stranger who sends nonsense does not fill the log.
+void Network::say(const std::string& text, bool refused) {
+  constexpr std::size_t kSaidPerFrame = 16;
+  refused_ += refused ? 1 : 0;
+  if (said_.size() > kSaidPerFrame) return;
+  said_.push_back(said_.size() < kSaidPerFrame ? text : "more of this frame is not said");
+}
+
+void Network::execute(const std::string& bytes, const Execute& execute) {
+  const std::string name = "request " + std::to_string(received_);
+  try {
+    const std::vector<Command> commands = parse_commands(ros::decode<ros::String>(bytes).data, name, folders_.start());
+    folders_.check(commands);
+    execute(commands);
+    say(name + ": done", false);
+  } catch (const InputError& error) {
+    say(error.what(), true);
+  }
+}
+
+// All values of a message, or none.
+void Network::set(Parameters& parameters, const std::string& bytes) {
+  try {
+    const ros::ParameterEvent event = ros::decode<ros::ParameterEvent>(bytes);
+    std::vector<std::pair<std::size_t, double>> values;
+    for (const std::vector<ros::Parameter>* const list : {&event.new_parameters, &event.changed_parameters}) {
+      for (const ros::Parameter& parameter : *list) {
+        values.emplace_back(index_of(parameters, parameter.name), number_of(parameter));
+        const std::string wrong = check_number(parameters.spec(values.back().first), values.back().second);
+        if (!wrong.empty()) throw InputError(parameter.name + ": " + wrong);
+      }
+    }
+    for (const auto& [index, value] : values) parameters.set(index, value);
+  } catch (const InputError& error) {
+    say(error.what(), true);
+  }
+}
+
+void Network::take(BuiltScene& scene, const Execute& execute_commands) {
+  for (const std::string& bytes : node_.take(kRequest)) {
+    ++received_;
+    execute(bytes, execute_commands);
+  }
+  for (const std::string& bytes : node_.take(kSet)) {
+    ++received_;
+    set(scene.parameters, bytes);
+  }
+}
+
+void Network::add_frame(const BuiltScene& scene, const FrameTime& time, std::span<const PlacedSensor> sensors) {
+  recording_.add_frame(scene, time, sensors);
+  for (const std::string& text : said_) recording_.add_text(kLog, text);
+  said_.clear();
+}
+
+DdsReport Network::finish() {
+  const RecordReport sent = recording_.finish();
+  return {.messages = sent.messages,
+          .dropped = sent.dropped,
+          .bytes = sent.bytes,
+          .received = received_,
+          .refused = refused_};
+}
+
+}  // namespace simvis

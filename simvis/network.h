@@ -1,0 +1,50 @@
+// A simulation on DDS: its messages go out, values and change requests of strangers come in.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <simvis/parameters.h>
+#include <simvis/simulation_desc.h>
+#include "messages/dds/dds_node.h"
+#include "messages/types/system_types.h"
+#include "simvis/allowed_folders.h"
+#include "simvis/recording.h"
+#include "simvis/scene_builder.h"
+
+namespace simvis {
+
+class Network {
+ public:
+  /// Throws InputError: no such folder, a build without DDS, two sensors with the same topics. MachineError: the domain
+  /// cannot be joined.
+  Network(const DdsDesc& desc, const BuiltScene& scene);
+
+  /// Executes commands of others, in the scene that `execute` changes.
+  using Execute = std::function<void(std::span<const Command>)>;
+  /// Executes requests, then sets values. What is refused is told on /simvis/log with the next frame.
+  void take(BuiltScene& scene, const Execute& execute);
+
+  /// Sends the messages of a frame. Throws MachineError, also of earlier frames.
+  void add_frame(const BuiltScene& scene, const FrameTime& time, std::span<const PlacedSensor> sensors);
+  /// Sends what waits. Throws MachineError.
+  DdsReport finish();
+
+  std::vector<std::string> unmatched_patterns() const { return recording_.unmatched_patterns(); }
+
+ private:
+  void execute(const std::string& bytes, const Execute& execute);
+  void set(Parameters& parameters, const std::string& bytes);
+  void say(const std::string& text, bool refused);
+
+  AllowedFolders folders_;
+  ros::DdsNode node_;
+  Recording recording_;
+  std::vector<std::string> said_;  // since the last frame
+  std::uint64_t received_ = 0, refused_ = 0;
+};
+
+}  // namespace simvis

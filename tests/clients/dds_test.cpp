@@ -1,0 +1,182 @@
+// A simulation on DDS, seen by another vendor's implementation and by strangers.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <thread>
+
+#include <simvis/simulation.h>
+#include "messages/dds/dds_node.h"
+#include "messages/types/system_types.h"
+#include "tests/support/error_of.h"
+#include "tests/support/loopback_dds.h"
+#include "tests/support/run_process.h"
+#include "tests/support/skip.h"
+#include "tests/support/tested_build.h"
+#include "tests/support/wall_scene.h"
+
+using namespace simvis;
+
+TEST_SUITE_BEGIN("clients");
+
+namespace {
+
+constexpr const char* kSentScene = R"(
+    <part name="CART" insert_at="ROOT"/>
+    <element type="pose" name="MOVE" insert_at="CART"/>
+    <sensor type="laser_scanner" name="SCAN" insert_at="CART" samples="21" min_angle="-20" max_angle="20"/>)";
+constexpr double kSentWall_m = 4;
+
+struct Sent {
+  explicit Sent(DdsDesc desc = {}) : domain(own_domain()) {
+    desc.domain = domain;
+    desc.folders.push_back(folder.path());
+    simulation.join_dds(desc);
+  }
+  /// Steps until `done`.
+  template <typename Done>
+  void step_until(const Done& done) {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+    while (!done()) {
+      REQUIRE(std::chrono::steady_clock::now() < end);
+      simulation.step();
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+  }
+  ProcessResult step_beside(const std::vector<std::string>& arguments) {
+    std::atomic<bool> done = false;
+    ProcessResult result;
+    std::thread runner([&] {
+      result = Process(arguments).wait(std::chrono::seconds(90));
+      done = true;
+    });
+    while (!done) {
+      simulation.step();
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+    runner.join();
+    return result;
+  }
+  TemporaryFolder folder;
+  std::uint32_t domain;
+  Simulation simulation = Simulation::load(write_wall_scene(folder.path(), kSentScene));
+};
+
+/// The messages of this topic as long as the node lives.
+template <ros::Message M>
+std::vector<M> taken(ros::DdsNode& node, const std::string& topic) {
+  std::vector<M> messages;
+  for (const std::string& bytes : node.take(topic)) messages.push_back(ros::decode<M>(bytes));
+  return messages;
+}
+
+ros::ParameterEvent event_of(const std::string& name, double value) {
+  ros::ParameterEvent event;
+  event.changed_parameters.emplace_back();
+  event.changed_parameters[0].name = name;
+  event.changed_parameters[0].value.type = 3;
+  event.changed_parameters[0].value.double_value = value;
+  return event;
+}
+
+}  // namespace
+
+TEST_CASE("DDS: scans go out; values and requests come in, each as a whole or not at all") {
+  if (!has_dds()) return test::skip("this build has no DDS");
+  Sent sent;
+  ros::DdsNode node(sent.domain);
+  node.subscribe("/simvis/log", ros::describe<ros::String>());
+  node.subscribe("/clock", ros::describe<ros::Clock>());
+  const auto outlet = node.outlet(ros::SensorQos::reliable);
+  std::size_t clocks = 0;
+  sent.step_until([&] { return (clocks += taken<ros::Clock>(node, "/clock").size()) > 0; });
+  // Until the host has found the writers, nothing arrives.
+  const auto say = [&](const auto& message, const std::string& topic, const auto& done) {
+    sent.step_until([&] {
+      if (!done()) outlet->write(topic, 0, message);
+      return done();
+    });
+  };
+  say(event_of("MOVE.x", 1.5), "/simvis/set", [&] { return sent.simulation.get("MOVE", "x") == 1.5; });
+  sent.simulation.step();
+  constexpr double kRounding = 0x1p-22;  // of a float
+  CHECK(sent.simulation.scan("SCAN").range_m[10] == doctest::Approx(kSentWall_m - 1.5).epsilon(kRounding));
+
+  std::vector<std::string> log;
+  const auto logged = [&](const std::string& what) {
+    return [&log, &node, what] {
+      for (const ros::String& text : taken<ros::String>(node, "/simvis/log")) log.push_back(text.data);
+      return std::ranges::any_of(log, [&](const std::string& text) { return text.find(what) != std::string::npos; });
+    };
+  };
+  ros::ParameterEvent half = event_of("MOVE.x", 2.5);
+  half.changed_parameters.push_back(event_of("MOVE.y", NAN).changed_parameters[0]);
+  say(half, "/simvis/set", logged("MOVE.y: nan"));
+  CHECK(sent.simulation.get("MOVE", "x") == 1.5);
+  say(event_of("MOVE.w", 1), "/simvis/set", logged("expected one of: x, y, z"));
+  say(ros::String{"<element type='pose' name='MORE' insert_at='ROOT' x='1'/>"}, "/simvis/request", logged(": done"));
+  CHECK(sent.simulation.get("MORE", "x") == 1);
+  say(ros::String{"<part file='/etc/passwd' name='P' insert_at='ROOT'/>"}, "/simvis/request",
+      logged("a request may not read"));
+  const DdsReport report = sent.simulation.leave_dds();
+  CHECK(report.received > report.refused);
+  CHECK(report.refused >= 3);
+  CHECK(report.messages > 0);
+  CHECK(report.dropped == 0);
+  CHECK(error_of([&] { sent.simulation.leave_dds(); }).find("expected join_dds()") != std::string::npos);
+}
+
+TEST_CASE("DDS: another vendor's program receives a scan and the fixed transforms, and sets a value") {
+  const std::string peer = tested_build() + "/bin/fast_dds_peer";
+  if (!has_dds()) return test::skip("this build has no DDS");
+  if (!std::filesystem::exists(peer)) return test::skip("Fast DDS is not installed");
+  Sent sent;
+  const ProcessResult set = sent.step_beside({peer, "send", std::to_string(sent.domain), "MOVE.x", "0.5"});
+  CHECK(set.exit_code == 0);
+  sent.step_until([&] { return sent.simulation.get("MOVE", "x") == 0.5; });
+  sent.simulation.step();
+  const ProcessResult received = sent.step_beside({peer, "receive", std::to_string(sent.domain), "SCAN"});
+  REQUIRE_MESSAGE(received.exit_code == 0, received.err);
+  std::istringstream lines(received.out);
+  std::string stamp, limits, ranges, intensities, transforms;
+  std::getline(lines, stamp);
+  CHECK(stamp.ends_with(" SCAN"));
+  const auto hex = [](float number) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%a", static_cast<double>(number));
+    return std::string(text);
+  };
+  std::getline(lines, limits);
+  const Scan& scan = sent.simulation.scan("SCAN");
+  CHECK(limits.starts_with(hex(static_cast<float>(scan.azimuth_rad.front())) + " " +
+                           hex(static_cast<float>(scan.azimuth_rad.back())) + " "));
+  std::getline(lines, ranges);
+  std::string expected = "21:";
+  for (const float range : scan.range_m) expected += " " + hex(range);
+  CHECK(ranges == expected);
+  std::getline(lines, intensities);
+  CHECK(intensities == "0:");
+  std::getline(lines, transforms);
+  CHECK(transforms == "1 transforms");
+  CHECK(received.out.find(" CART\nSCAN ") != std::string::npos);
+}
+
+TEST_CASE("DDS: strangers who send nonsense and much of it do not stop the host") {
+  const std::string peer = tested_build() + "/bin/fast_dds_peer";
+  if (!has_dds()) return test::skip("this build has no DDS");
+  if (!std::filesystem::exists(peer)) return test::skip("Fast DDS is not installed");
+  Sent sent;
+  CHECK(sent.step_beside({peer, "flood", std::to_string(sent.domain)}).exit_code == 0);
+  for (int i = 0; i < 10; ++i) sent.simulation.step();
+  const DdsReport report = sent.simulation.leave_dds();
+  CHECK(report.refused > 0);
+  CHECK(report.received >= report.refused);
+}
+
+TEST_CASE("a build without DDS says so") {
+  if (has_dds()) return;
+  TemporaryFolder folder;
+  Simulation simulation = Simulation::load(write_wall_scene(folder.path(), kSentScene));
+  CHECK(error_of([&] { simulation.join_dds({}); }).find("this build has no DDS") != std::string::npos);
+}
+
+TEST_SUITE_END();
