@@ -25,8 +25,8 @@ void check_name(const std::string& name) {
 
 }  // namespace
 
-SharedHost::SharedHost(std::string name)
-    : object_((check_name(name), std::make_unique<SharedObject>(name))),
+SharedHost::SharedHost(std::string name, SharedAccess access)
+    : object_((check_name(name), std::make_unique<SharedObject>(name, access))),
       clients_(SIMVIS_SHM_CLIENTS),
       first_parameter_{0} {}
 SharedHost::~SharedHost() = default;

@@ -18,6 +18,12 @@ namespace simvis {
 
 class SharedObject;
 
+/// Who may connect to a host.
+enum class SharedAccess : std::uint8_t {
+  user,  ///< its own user: mode 0600
+  group  ///< the members of its group too: mode 0660
+};
+
 /// A parameter as clients see it, in the unit of its element's table.
 struct SharedParameter {
   std::string_view name, unit;
@@ -71,7 +77,7 @@ struct SharedOutput {
 class SharedHost {
  public:
   /// Makes the object `name`, in place of what a dead host left.
-  explicit SharedHost(std::string name);
+  explicit SharedHost(std::string name, SharedAccess access = SharedAccess::user);
   SharedHost(const SharedHost&) = delete;
   SharedHost& operator=(const SharedHost&) = delete;
   /// Tells clients that the host ends, and removes the object.

@@ -13,6 +13,7 @@
 #include <cstring>
 #include <random>
 
+#include "clients/host.h"
 #include "clients/shared_words.h"
 
 namespace simvis {
@@ -45,8 +46,9 @@ void wake(const std::uint32_t& word) { ::syscall(SYS_futex, &word, FUTEX_WAKE, I
 
 }  // namespace
 
-SharedObject::SharedObject(const std::string& name) : path_(std::string(kFolder) + SIMVIS_SHM_PREFIX + name) {
-  make_unnamed();
+SharedObject::SharedObject(const std::string& name, SharedAccess access)
+    : path_(std::string(kFolder) + SIMVIS_SHM_PREFIX + name) {
+  make_unnamed(access);
   try {
     map();
     describe();
@@ -109,9 +111,11 @@ void SharedObject::release() {
   ::close(file_);
 }
 
-void SharedObject::make_unnamed() {
+void SharedObject::make_unnamed(SharedAccess access) {
   file_ = ::open(kFolder, O_TMPFILE | O_RDWR | O_CLOEXEC, S_IRUSR | S_IWUSR);
   if (file_ < 0) fail(std::string("no shared memory in ") + kFolder);
+  const mode_t mode = S_IRUSR | S_IWUSR | (access == SharedAccess::group ? S_IRGRP | S_IWGRP : 0);
+  if (::fchmod(file_, mode) != 0) fail("the shared memory can't be given to the group");
 }
 
 void SharedObject::map() {

@@ -16,12 +16,14 @@ namespace simvis {
 /// ever.
 constexpr std::uint64_t kLogBytes = 256 << 20, kLogBytesOfClients = kLogBytes / 4 * 3;
 
+enum class SharedAccess : std::uint8_t;
+
 /// Errors   InputError: a living host has the name. MachineError: the system refuses memory.
 /// Threads  one at a time.
 class SharedObject {
  public:
   /// Makes the object `name`, in place of what a dead host left.
-  explicit SharedObject(const std::string& name);
+  SharedObject(const std::string& name, SharedAccess access);
   SharedObject(const SharedObject&) = delete;
   SharedObject& operator=(const SharedObject&) = delete;
   /// Tells clients that the host ends, and removes the object.
@@ -54,7 +56,7 @@ class SharedObject {
   void give_back(std::uint64_t offset, std::uint64_t bytes);
 
  private:
-  void make_unnamed();
+  void make_unnamed(SharedAccess access);
   void map();
   void describe();
   void give_name(const std::string& name);

@@ -58,7 +58,7 @@ constexpr std::int64_t kReadyPoll_ns = 1'000'000;
 }  // namespace
 
 Serving::Serving(const ServeDesc& desc, const BuiltScene& scene)
-    : desc_(desc), folders_(desc.folders), host_(desc.name) {
+    : desc_(desc), folders_(desc.folders), host_(desc.name, desc.group ? SharedAccess::group : SharedAccess::user) {
   if (!(desc.lockstep_timeout_s > 0)) {
     throw InputError("the time limit of lock-step is " + format_number(desc.lockstep_timeout_s) +
                      " s, expected a number above 0");

@@ -50,7 +50,9 @@ struct ServeDesc {
   /// requests cannot insert part files.
   std::vector<std::filesystem::path> folders{};
   std::vector<std::string> lockstep{};  ///< names of the clients that each frame waits for
-  double lockstep_timeout_s = 10;       ///< how long a frame waits for them by the wall clock, above 0
+  /// Whether members of this process's group may connect too. false: programs of its user only.
+  bool group = false;
+  double lockstep_timeout_s = 10;  ///< how long a frame waits for them by the wall clock, above 0
 };
 
 /// How a running simulation is recorded, see Simulation::record().

@@ -125,6 +125,7 @@ ServeDesc serve_desc(const Options& options) {
   return {.name = options.serve,
           .folders = request_folders(options),
           .lockstep = options.lockstep,
+          .group = options.serve_group,
           .lockstep_timeout_s = options.lockstep_timeout_s};
 }
 

@@ -73,6 +73,9 @@ void declare_serve_options(CLI::App& app, Options& options) {
           ->excludes("--shard")
           ->excludes("--resume")
           ->excludes("--again");
+  app.add_flag("--serve-group", options.serve_group,
+               "with --serve: members of this process's group may connect too, not its user alone")
+      ->needs(serve);
   app.add_option("--allow", options.allow,
                  "requests of clients may read part files below this folder (repeatable; default: the scene's)")
       ->type_name("DIR")

@@ -18,7 +18,8 @@ struct Options {
   std::vector<std::string> set, sensors, plugins, packages, formats, poses, record_topics;
   std::vector<std::string> allow, lockstep, dds_topics;
   std::string dds_domain, dds_qos = "sensor-data";
-  bool dds = false;  ///< --dds is given
+  bool dds = false;          ///< --dds is given
+  bool serve_group = false;  ///< members of the group may connect too
   double lockstep_timeout_s = ServeDesc{}.lockstep_timeout_s;
   double real_time = 0;  ///< simulated seconds for each second of the wall clock; 0: as fast as possible
   std::uint64_t frames = 1, seed = 0;

@@ -1,5 +1,6 @@
 // What clients see of a host, and the host of its clients, in one process.
 #include <doctest/doctest.h>
+#include <sys/stat.h>
 
 #include <cmath>
 #include <filesystem>
@@ -229,6 +230,21 @@ TEST_CASE("names: what is not allowed, and one living host for each") {
   }
   const SharedHost after(name);
   CHECK_THROWS_WITH(Connection(name, "no/name"), doctest::Contains("expected 1 to 63"));
+}
+
+TEST_CASE("the shared memory is the user's own, unless the group is asked for") {
+  const std::string name = unique_name("access");
+  const auto mode = [&] {
+    struct stat status {};
+    REQUIRE(::stat(("/dev/shm/simvis-" + name).c_str(), &status) == 0);
+    return status.st_mode & 0777;
+  };
+  {
+    const SharedHost host(name);
+    CHECK(mode() == 0600);
+  }
+  const SharedHost host(name, SharedAccess::group);
+  CHECK(mode() == 0660);
 }
 
 TEST_CASE("32 clients are connected at a time, and a place that is left is taken again") {
