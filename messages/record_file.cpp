@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <unistd.h>
-#include <zlib.h>
 
 #include <cerrno>
 #include <cstdio>
@@ -13,6 +12,7 @@
 #include "engine/base/assert.h"
 #include "engine/base/temporary_name.h"
 #include "messages/mcap_records.h"
+#include "scenegraph/pictures/deflate.h"
 
 namespace simvis::ros {
 
@@ -44,7 +44,7 @@ bool head_crosses_page(std::uint64_t offset) { return offset % kPageBytes > kPag
 }  // namespace
 
 std::uint32_t mcap_crc(std::string_view bytes, std::uint32_t before) {
-  return static_cast<std::uint32_t>(crc32_z(before, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
+  return crc32_of(bytes, before);
 }
 
 // The file gets its name when it is whole.

@@ -23,6 +23,8 @@ std::string Deflater::zlib_of(std::span<const std::uint8_t> bytes) {
   return out;
 }
 
-std::uint32_t crc32_of(std::string_view bytes) { return libdeflate_crc32(0, bytes.data(), bytes.size()); }
+std::uint32_t crc32_of(std::string_view bytes, std::uint32_t before) {
+  return bytes.empty() ? before : libdeflate_crc32(before, bytes.data(), bytes.size());
+}
 
 }  // namespace simvis

@@ -25,7 +25,7 @@ class SIMVIS_PROGRAM_API Deflater {
   std::unique_ptr<libdeflate_compressor, void (*)(libdeflate_compressor*)> compressor_;
 };
 
-/// The CRC-32 of PNG.
-std::uint32_t crc32_of(std::string_view bytes);
+/// The CRC-32 of PNG and MCAP. `before` is that of the bytes in front of these.
+std::uint32_t crc32_of(std::string_view bytes, std::uint32_t before = 0);
 
 }  // namespace simvis
