@@ -94,6 +94,9 @@ add_dependencies(public_tests simvis_example_plugin ${refused_plugin_targets})
 
 target_link_libraries(clients_tests PRIVATE simvis_client)
 add_dependencies(clients_tests simvis-ctl)
+if(CycloneDDS_FOUND AND TARGET simvis_messages_test_objects)
+  target_compile_definitions(simvis_messages_test_objects PRIVATE SIMVIS_HAS_DDS)
+endif()
 # Another vendor's DDS, where it is there.
 find_package(fastrtps QUIET)
 if(fastrtps_FOUND AND NOT SIMVIS_SANITIZE)

@@ -2,13 +2,19 @@
 #include "messages/dds/dds_node.h"
 
 #include <doctest/doctest.h>
+#ifdef SIMVIS_HAS_DDS
+#include <dds/dds.h>
+#endif
 
 #include <algorithm>
 #include <chrono>
+#include <map>
 #include <thread>
 
 #include "messages/dds/names.h"
-#include "messages/types/std_types.h"
+#include "messages/types/geometry_types.h"
+#include "messages/types/sensor_types.h"
+#include "messages/types/system_types.h"
 #include "tests/support/loopback_dds.h"
 #include "tests/support/skip.h"
 
@@ -57,5 +63,74 @@ TEST_CASE("DDS: messages of any length up to the limit arrive as they are") {
   CHECK(arrives(*outlet, receiver, "after", sent));
   CHECK(outlet->messages() > sent.size());
 }
+
+#ifdef SIMVIS_HAS_DDS
+
+namespace {
+
+/// What others find out about a writer before its first message.
+struct FoundWriter {
+  std::string type, user_data;
+  bool is_latched = false, is_reliable = false;
+};
+
+FoundWriter describe_writer(const dds_builtintopic_endpoint_t& found) {
+  FoundWriter writer{.type = found.type_name, .user_data = {}};
+  void* data = nullptr;
+  std::size_t size = 0;
+  if (dds_qget_userdata(found.qos, &data, &size)) writer.user_data.assign(static_cast<const char*>(data), size);
+  dds_free(data);
+  dds_durability_kind_t durability{};
+  dds_reliability_kind_t reliability{};
+  dds_duration_t patience = 0;
+  dds_qget_durability(found.qos, &durability);
+  dds_qget_reliability(found.qos, &reliability, &patience);
+  writer.is_latched = durability == DDS_DURABILITY_TRANSIENT_LOCAL;
+  writer.is_reliable = reliability == DDS_RELIABILITY_RELIABLE;
+  return writer;
+}
+
+/// The writers of these topics in the domain, once all have been found.
+std::map<std::string, FoundWriter> writers_of(std::uint32_t domain, std::size_t count) {
+  const dds_entity_t participant = dds_create_participant(domain, nullptr, nullptr);
+  const dds_entity_t reader = dds_create_reader(participant, DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr);
+  std::map<std::string, FoundWriter> writers;
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+  while (writers.size() < count && std::chrono::steady_clock::now() < end) {
+    void* sample = nullptr;
+    dds_sample_info_t info;
+    if (dds_take(reader, &sample, &info, 1, 1) == 1) {
+      const auto& found = *static_cast<const dds_builtintopic_endpoint_t*>(sample);
+      if (info.valid_data) writers[found.topic_name] = describe_writer(found);
+      dds_return_loan(reader, &sample, 1);
+    } else {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  }
+  dds_delete(participant);
+  return writers;
+}
+
+}  // namespace
+
+TEST_CASE("DDS: others find names, type hashes and qualities of service as ROS 2 has them") {
+  const std::uint32_t domain = own_domain();
+  DdsNode node(domain);
+  const std::unique_ptr<MessageOutlet> outlet = node.outlet(SensorQos::best_effort);
+  outlet->write("/A/scan", 0, LaserScan{});
+  outlet->write("/clock", 0, simvis::ros::Clock{});
+  outlet->write("/tf_static", 0, TFMessage{}, Durability::latched);
+  std::map<std::string, FoundWriter> found = writers_of(domain, 3);
+  CHECK(found["rt/A/scan"].type == "sensor_msgs::msg::dds_::LaserScan_");
+  CHECK(found["rt/A/scan"].user_data == "typehash=" + type_hash(describe<LaserScan>()) + ";");
+  CHECK_FALSE(found["rt/A/scan"].is_reliable);
+  CHECK_FALSE(found["rt/A/scan"].is_latched);
+  CHECK(found["rt/clock"].is_reliable);
+  CHECK_FALSE(found["rt/clock"].is_latched);
+  CHECK(found["rt/tf_static"].is_reliable);
+  CHECK(found["rt/tf_static"].is_latched);
+}
+
+#endif
 
 TEST_SUITE_END();
