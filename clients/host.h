@@ -71,7 +71,7 @@ struct SharedOutput {
 class SharedHost {
  public:
   /// Makes the object `name`, in place of what a dead host left.
-  explicit SharedHost(std::string name);
+  explicit SharedHost(const std::string& name);
   SharedHost(const SharedHost&) = delete;
   SharedHost& operator=(const SharedHost&) = delete;
   /// Tells clients that the host ends, and removes the object.
