@@ -90,7 +90,7 @@ else()
   set(test_base simvis_test_base)
 endif()
 target_link_libraries(public_tests PRIVATE $<LINK_LIBRARY:WHOLE_ARCHIVE,${public_objects}> ${test_base} simvis Threads::Threads ${CMAKE_DL_LIBS})
-add_dependencies(public_tests simvis_example_plugin ${refused_plugin_targets})
+add_dependencies(public_tests simvis-try-plugin simvis_example_plugin ${refused_plugin_targets})
 
 target_link_libraries(clients_tests PRIVATE simvis_client)
 add_dependencies(clients_tests simvis-ctl)

@@ -82,7 +82,7 @@ void check_same_files(const fs::path& one, const fs::path& other) {
   }
 }
 
-const int kSignals = sanitized() ? 40 : 200;  // a run takes five times as long with the sanitizers
+const int kSignals = sanitized() ? 15 : 60;  // a run takes five times as long with the sanitizers
 
 TEST_CASE("signals at random times: every file is whole, and resumed runs give the same bytes") {
   const InterruptedScene scene;
