@@ -208,6 +208,11 @@ void Serving::publish(const BuiltSensor& sensor, const FrameTime& time, const gl
   } else {
     sensor.sensor->write(images);
   }
+  const Reading* const reading = sensor.sensor->reading();
+  if (reading != nullptr && sensor.sensor->values().empty()) {
+    outputs.push_back(output_of("table", static_cast<std::uint32_t>(reading->rows()),
+                                static_cast<std::uint32_t>(reading->columns.size()), reading->values.data()));
+  }
   for (const ImageOutputs::Named& each : images.images) {
     SharedOutput output = output_of(each.name, each.image->height, each.image->width, each.image->pixels.data());
     output.channels = each.image->channels;
