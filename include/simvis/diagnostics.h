@@ -71,6 +71,7 @@ class SIMVIS_API Diagnostics {
   std::uint64_t validation_messages() const;
 
  private:
+  friend struct BuiltSceneAccess;
   SimulationImpl* impl_;
 };
 

@@ -28,6 +28,7 @@ namespace fs = std::filesystem;
 const std::set<std::string> kProgramNames = {
     "BackgroundTask::cancel",
     "BackgroundTask::finish",
+    "BuiltSceneAccess::of",
     "Clock::Clock",
     "Clock::frame",
     "Deflater::Deflater",
