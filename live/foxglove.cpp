@@ -58,14 +58,20 @@ std::optional<std::size_t> FoxgloveHub::find_parameter(std::string_view name) co
 
 void FoxgloveHub::set_parameters(std::vector<Parameter> parameters) {
   std::set<std::size_t> changed;
+  const bool replaced = parameters.size() < parameters_.size();  // of another scene
+  if (replaced) parameter_of_name_.clear();
   for (std::size_t i = 0; i < parameters.size(); ++i) {
-    const bool is_new = i >= parameters_.size();
+    const bool is_new = replaced || i >= parameters_.size();
     if (is_new || parameters[i].value != parameters_[i].value || parameters[i].removed != parameters_[i].removed) {
       changed.insert(i);
     }
     if (is_new) parameter_of_name_.insert_or_assign(parameters[i].name, i);
   }
   parameters_ = std::move(parameters);
+  // Of another scene, an index may mean another parameter, or none.
+  for (const auto& [id, peer] : peers_) {
+    if (replaced) peer->forget_parameters();
+  }
   for (const auto& [id, peer] : peers_) peer->note_changes(changed);
 }
 
@@ -74,7 +80,9 @@ void FoxgloveHub::answer_set(const Control& request, std::span<const std::string
   if (found == peers_.end()) return;
   for (const std::string& refusal : refusals) found->second->send_status(FoxglovePeer::Level::error, refusal);
   std::set<std::size_t> parameters;
-  for (const auto& [parameter, value] : request.values) parameters.insert(parameter);
+  for (const auto& [parameter, value] : request.values) {
+    if (parameter < parameters_.size()) parameters.insert(parameter);
+  }
   if (!request.request.empty() || !refusals.empty()) found->second->send_values(parameters, request.request);
 }
 

@@ -14,17 +14,17 @@
 namespace simvis::live {
 namespace {
 
-using Json = nlohmann::json;
-
 // Waiting for one subscription: more would only be older.
-constexpr std::size_t kMaxMessages = 64, kMaxBytes = std::size_t{32} << 20;
+constexpr std::size_t kMaxWaitingMessages = 64, kMaxWaitingBytes = std::size_t{32} << 20;
 constexpr std::size_t kMaxClientChannels = 64;
 constexpr char kMessageData = 1, kTime = 2;
 
-std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+std::string foxglove_text(const nlohmann::json& json) {
+  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
 
 template <typename T>
-void append(std::string& bytes, T value) {
+void append_number(std::string& bytes, T value) {
   char raw[sizeof(T)];
   std::memcpy(raw, &value, sizeof(T));
   bytes.append(raw, sizeof(T));
@@ -47,18 +47,18 @@ std::optional<std::string_view> string_of_cdr(std::string_view bytes) {
 }
 
 std::optional<std::string> string_of_json(std::string_view bytes) {
-  const Json json = Json::parse(bytes, nullptr, false);
+  const nlohmann::json json = nlohmann::json::parse(bytes, nullptr, false);
   if (!json.is_object() || !json.contains("data") || !json["data"].is_string()) return std::nullopt;
   return json["data"].get<std::string>();
 }
 
-std::uint32_t id_of(const Json& json) {
+std::uint32_t foxglove_id(const nlohmann::json& json) {
   const std::int64_t id = json.is_number_integer() ? json.get<std::int64_t>() : -1;
   if (id < 0 || id > std::numeric_limits<std::uint32_t>::max()) throw InputError("an id is no number of 32 bits");
   return static_cast<std::uint32_t>(id);
 }
 
-std::string request_of(const Json& message) {
+std::string foxglove_request(const nlohmann::json& message) {
   constexpr std::size_t kMaxSize = 256;
   if (!message.contains("id")) return "";
   auto id = message["id"].get<std::string>();
@@ -76,7 +76,7 @@ FoxglovePeer::FoxglovePeer(FoxgloveHub& hub, ClientId id) : hub_(hub), id_(id) {
                      {"supportedEncodings", {"cdr", "json"}},
                      {"metadata", {{"ROS_DISTRO", "jazzy"}}},
                      {"sessionId", hub.session_}};
-  texts_.add(text_of(info));
+  texts_.add(foxglove_text(info));
   std::vector<std::size_t> channels(hub.channels_.size());
   for (std::size_t i = 0; i < channels.size(); ++i) channels[i] = i;
   advertise(channels);
@@ -98,13 +98,13 @@ void FoxglovePeer::advertise(std::span<const std::size_t> channels) {
                     {"schema", ros::msg_text(*topic.type)},
                     {"schemaEncoding", "ros2msg"}});
   }
-  texts_.add(text_of({{"op", "advertise"}, {"channels", std::move(list)}}));
+  texts_.add(foxglove_text({{"op", "advertise"}, {"channels", std::move(list)}}));
 }
 
 void FoxglovePeer::add(Subscription& to, std::int64_t time_ns, const std::shared_ptr<const std::string>& bytes) {
   to.waiting.push_back({next_order_++, time_ns, bytes});
   to.bytes += bytes->size();
-  while (to.waiting.size() > 1 && (to.waiting.size() > kMaxMessages || to.bytes > kMaxBytes)) {
+  while (to.waiting.size() > 1 && (to.waiting.size() > kMaxWaitingMessages || to.bytes > kMaxWaitingBytes)) {
     to.bytes -= to.waiting.front().bytes->size();
     to.waiting.pop_front();
   }
@@ -121,6 +121,11 @@ void FoxglovePeer::note_changes(const std::set<std::size_t>& parameters) {
   }
 }
 
+void FoxglovePeer::forget_parameters() {
+  watched_.clear();
+  changed_.clear();
+}
+
 void FoxglovePeer::send_values(const std::set<std::size_t>& parameters, const std::string& request) {
   Json list = Json::array();
   for (const std::size_t i : parameters) {
@@ -134,11 +139,11 @@ void FoxglovePeer::send_values(const std::set<std::size_t>& parameters, const st
   }
   Json message = {{"op", "parameterValues"}, {"parameters", std::move(list)}};
   if (!request.empty()) message["id"] = request;
-  texts_.add(text_of(message));
+  texts_.add(foxglove_text(message));
 }
 
 void FoxglovePeer::send_status(Level level, const std::string& message) {
-  texts_.add(text_of({{"op", "status"}, {"level", static_cast<int>(level)}, {"message", message}}));
+  texts_.add(foxglove_text({{"op", "status"}, {"level", static_cast<int>(level)}, {"message", message}}));
 }
 
 void FoxglovePeer::add_wanted(std::set<std::string>& topics) const {
@@ -150,7 +155,7 @@ std::optional<WireMessage> FoxglovePeer::next() {
   if (std::optional<WireMessage> text = texts_.next()) return text;
   if (time_ns_) {
     WireMessage message{.binary = true, .head = {kTime}, .body = nullptr};
-    append(message.head, static_cast<std::uint64_t>(*std::exchange(time_ns_, std::nullopt)));
+    append_number(message.head, static_cast<std::uint64_t>(*std::exchange(time_ns_, std::nullopt)));
     return message;
   }
   return next_data();
@@ -167,8 +172,8 @@ std::optional<WireMessage> FoxglovePeer::next_data() {
   first->waiting.pop_front();
   first->bytes -= waiting.bytes->size();
   WireMessage message{.binary = true, .head = {kMessageData}, .body = std::move(waiting.bytes)};
-  append(message.head, first->id);
-  append(message.head, static_cast<std::uint64_t>(waiting.time_ns));
+  append_number(message.head, first->id);
+  append_number(message.head, static_cast<std::uint64_t>(waiting.time_ns));
   return message;
 }
 
@@ -198,8 +203,8 @@ void FoxglovePeer::receive_text(std::string_view text) {
 
 void FoxglovePeer::subscribe(const Json& message) {
   for (const Json& each : message.at("subscriptions")) {
-    const std::uint32_t id = id_of(each.at("id"));
-    const std::size_t channel = std::size_t{id_of(each.at("channelId"))} - 1;
+    const std::uint32_t id = foxglove_id(each.at("id"));
+    const std::size_t channel = std::size_t{foxglove_id(each.at("channelId"))} - 1;
     if (channel >= hub_.channels_.size()) throw InputError("there is no channel " + std::to_string(channel + 1));
     const bool id_taken =
         std::ranges::any_of(subscriptions_, [id](const auto& known) { return known.second.id == id; });
@@ -215,7 +220,7 @@ void FoxglovePeer::subscribe(const Json& message) {
 
 void FoxglovePeer::unsubscribe(const Json& message) {
   for (const Json& each : message.at("subscriptionIds")) {
-    const std::uint32_t id = id_of(each);
+    const std::uint32_t id = foxglove_id(each);
     if (std::erase_if(subscriptions_, [id](const auto& known) { return known.second.id == id; }) > 0) continue;
     throw InputError("there is no subscription " + std::to_string(id));
   }
@@ -224,7 +229,7 @@ void FoxglovePeer::unsubscribe(const Json& message) {
 
 void FoxglovePeer::advertise_of_client(const Json& message) {
   for (const Json& each : message.at("channels")) {
-    const std::uint32_t id = id_of(each.at("id"));
+    const std::uint32_t id = foxglove_id(each.at("id"));
     ClientChannel channel{each.at("topic").get<std::string>(), each.at("encoding").get<std::string>()};
     const std::string_view name = kExecuteTopic;
     if (channel.topic != name && channel.topic != name.substr(1)) {
@@ -239,7 +244,7 @@ void FoxglovePeer::advertise_of_client(const Json& message) {
 }
 
 void FoxglovePeer::unadvertise_of_client(const Json& message) {
-  for (const Json& each : message.at("channelIds")) client_channels_.erase(id_of(each));
+  for (const Json& each : message.at("channelIds")) client_channels_.erase(foxglove_id(each));
 }
 
 void FoxglovePeer::receive_data(std::string_view message) {
@@ -277,10 +282,12 @@ std::set<std::size_t> FoxglovePeer::parameters_of(const Json& message) {
   return wanted;
 }
 
-void FoxglovePeer::get_parameters(const Json& message) { send_values(parameters_of(message), request_of(message)); }
+void FoxglovePeer::get_parameters(const Json& message) {
+  send_values(parameters_of(message), foxglove_request(message));
+}
 
 void FoxglovePeer::set_parameters(const Json& message) {
-  Control control{.kind = Control::Kind::set, .client = id_, .request = request_of(message)};
+  Control control{.kind = Control::Kind::set, .client = id_, .request = foxglove_request(message)};
   for (const Json& each : message.at("parameters")) {
     const auto name = each.at("name").get<std::string>();
     const std::optional<std::size_t> found = hub_.find_parameter(name);

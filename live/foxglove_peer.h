@@ -31,6 +31,8 @@ class FoxglovePeer : public Peer {
   void set_time(std::int64_t time_ns) { time_ns_ = time_ns; }
   /// These parameters have other values now.
   void note_changes(const std::set<std::size_t>& parameters);
+  /// The parameters are those of another scene now.
+  void forget_parameters();
   /// The values of these parameters, as the answer to `request`.
   void send_values(const std::set<std::size_t>& parameters, const std::string& request);
   enum class Level : std::uint8_t { info = 0, warning = 1, error = 2 };

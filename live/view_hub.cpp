@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <utility>
 #include <vector>
@@ -13,7 +14,7 @@
 namespace simvis::live {
 namespace {
 
-using Json = nlohmann::json;
+using ReceivedJson = nlohmann::json;
 
 bool same_structure(const ViewFrame* a, const ViewFrame& b) {
   return a != nullptr && a->scene->structure == b.scene->structure;
@@ -21,13 +22,13 @@ bool same_structure(const ViewFrame* a, const ViewFrame& b) {
 
 std::string glb_name(std::uint64_t structure) { return "scene.glb?structure=" + std::to_string(structure); }
 
-double finite_number(const Json& json) {
+double received_number(const ReceivedJson& json) {
   const double value = json.is_number() ? json.get<double>() : std::nan("");
   if (!std::isfinite(value)) throw InputError("expected a number");
   return value;
 }
 
-std::uint32_t index_of(const Json& json) {
+std::uint32_t received_index(const ReceivedJson& json) {
   const std::int64_t index = json.is_number_integer() ? json.get<std::int64_t>() : -1;
   if (index < 0 || index > std::numeric_limits<std::uint32_t>::max()) throw InputError("expected an index");
   return static_cast<std::uint32_t>(index);
@@ -109,7 +110,10 @@ const std::shared_ptr<const std::string>& ViewHub::message_of(Measured& measured
 
 void ViewHub::follow_wants() {
   ViewWants wants;
-  for (const auto& [client, peer] : peers_) wants.sensors.insert(peer->looks_at_.begin(), peer->looks_at_.end());
+  for (const auto& [client, peer] : peers_) {
+    wants.sensors.insert(peer->looks_at_.begin(), peer->looks_at_.end());
+    wants.plan |= peer->wants_plan_;
+  }
   wanted_(std::move(wants), peers_.size());
 }
 
@@ -177,31 +181,33 @@ void ViewPeer::receive(std::string_view text, bool binary) {
   std::string op = "message";
   try {
     if (binary) throw InputError("expected text");
-    const Json message = Json::parse(text);
+    const ReceivedJson message = ReceivedJson::parse(text);
     op = message.at("op").get<std::string>();
     using Kind = Control::Kind;
     if (op == "look") {
       std::set<std::uint32_t> sensors;
-      for (const Json& each : message.at("sensors")) sensors.insert(index_of(each));
+      for (const ReceivedJson& each : message.at("sensors")) sensors.insert(received_index(each));
+      wants_plan_ = message.value("plan", false);
       look(sensors);
       return request({.kind = Kind::look});
     }
     if (op == "set") {
-      const std::size_t parameter = index_of(message.at("parameter"));
-      return request({.kind = Kind::set, .values = {{parameter, finite_number(message.at("value"))}}});
+      const std::size_t parameter = received_index(message.at("parameter"));
+      return request({.kind = Kind::set, .values = {{parameter, received_number(message.at("value"))}}});
     }
     if (op == "speed") {
-      const double factor = finite_number(message.at("factor"));
+      const double factor = received_number(message.at("factor"));
       if (factor < 0) throw InputError("the factor is " + std::to_string(factor) + ", expected 0 or above");
       return request({.kind = Kind::speed, .factor = factor});
     }
-    if (op == "execute") return request({.kind = Kind::execute, .text = message.at("xml").get<std::string>(), .request = op});
+    if (op == "execute")
+      return request({.kind = Kind::execute, .text = message.at("xml").get<std::string>(), .request = op});
     for (const auto& [name, kind] : {std::pair("play", Kind::play), std::pair("pause", Kind::pause),
                                      std::pair("step", Kind::step), std::pair("save", Kind::save)}) {
       if (op == name) return request({.kind = kind, .request = op});
     }
     throw InputError("there is no operation " + in_quotes(op));
-  } catch (const Json::exception&) {
+  } catch (const ReceivedJson::exception&) {
     texts_.add(error_message(op, "the message is not as the protocol says"));
   } catch (const InputError& error) {
     texts_.add(error_message(op, error.what()));

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -90,6 +91,7 @@ class ViewPeer : public Peer {
   std::uint64_t seen_time_ = 0;
   std::map<ViewHub::Output, std::uint64_t> sent_;
   std::set<std::string> looks_at_;
+  bool wants_plan_ = false;
 };
 
 }  // namespace simvis::live
