@@ -167,6 +167,7 @@ void SimulationImpl::finish() {
   }
   if (serving) publish_to_clients(frame);
   if (recording) record_frame(frame);
+  if (sent_messages) send_frame(frame);
   stages.end();
   timeline.go_on(frame);
 }
@@ -191,8 +192,7 @@ void SimulationImpl::publish_to_clients(const FrameTime& time) {
   serving->finish_frame(scene.built, time);
 }
 
-void SimulationImpl::record_frame(const FrameTime& time) {
-  stages.begin("record");
+std::vector<PlacedSensor> SimulationImpl::placed_sensors() {
   std::vector<PlacedSensor> placed;
   for (std::size_t i = 0; i < states.size(); ++i) {
     const BuiltSensor& sensor = scene.built.sensors[i];
@@ -201,10 +201,26 @@ void SimulationImpl::record_frame(const FrameTime& time) {
     if (!states[i].enabled || (!has_measured && !pose(sensor, world_from_sensor))) continue;
     placed.push_back({sensor, world_from_sensor, has_measured});
   }
-  recording->add_frame(scene.built, time, placed);
+  return placed;
+}
+
+void SimulationImpl::record_frame(const FrameTime& time) {
+  stages.begin("record");
+  recording->add_frame(scene.built, time, placed_sensors());
   if (recorded_frames++ > 0) return;
   for (const std::string& pattern : recording->unmatched_patterns()) {
     warn("recording: no topic of the first frame matches " + in_quotes(pattern));
+  }
+}
+
+// Who listens does not decide whether the simulation goes on.
+void SimulationImpl::send_frame(const FrameTime& time) {
+  stages.begin("messages");
+  try {
+    sent_messages->add_frame(scene.built, time, placed_sensors());
+  } catch (const InputError& error) {
+    sent_messages.reset();
+    warn(std::string("messages: none are sent any more: ") + error.what());
   }
 }
 

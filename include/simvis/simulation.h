@@ -30,6 +30,9 @@ namespace simvis {
 
 struct SimulationImpl;
 class SimulationUse;
+namespace ros {
+class MessageOutlet;
+}
 
 /// A running simulation. All sensors are enabled at load; a disabled sensor is not rendered.
 ///
@@ -207,6 +210,7 @@ class SIMVIS_API Simulation {
   Diagnostics diagnostics() const;
 
  private:
+  friend void send_messages(Simulation& simulation, ros::MessageOutlet* outlet);
   explicit Simulation(std::unique_ptr<SimulationImpl> impl);
   SimulationUse impl() const;
   std::unique_ptr<SimulationImpl> impl_;
