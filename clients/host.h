@@ -77,7 +77,7 @@ struct SharedOutput {
 class SharedHost {
  public:
   /// Makes the object `name`, in place of what a dead host left.
-  explicit SharedHost(std::string name, SharedAccess access = SharedAccess::user);
+  explicit SharedHost(const std::string& name, SharedAccess access = SharedAccess::user);
   SharedHost(const SharedHost&) = delete;
   SharedHost& operator=(const SharedHost&) = delete;
   /// Tells clients that the host ends, and removes the object.

@@ -21,7 +21,8 @@
 #include <string_view>
 #include <vector>
 
-#include "messages/outlet.h"
+#include "messages/description.h"
+#include "messages/message_outlet.h"
 #include "messages/record_file.h"
 
 namespace simvis::ros {

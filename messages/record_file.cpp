@@ -43,9 +43,7 @@ bool head_crosses_page(std::uint64_t offset) { return offset % kPageBytes > kPag
 
 }  // namespace
 
-std::uint32_t mcap_crc(std::string_view bytes, std::uint32_t before) {
-  return crc32_of(bytes, before);
-}
+std::uint32_t mcap_crc(std::string_view bytes, std::uint32_t before) { return crc32_of(bytes, before); }
 
 // The file gets its name when it is whole.
 RecordFile::RecordFile(std::filesystem::path path, std::string_view start) : path_(std::move(path)) {

@@ -7,7 +7,15 @@
 
 namespace simvis::ros {
 
-Recorder::Recorder(std::unique_ptr<MessageOutlet> outlet) : outlet_(std::move(outlet)), thread_([this] { run(); }) {}
+void MessageFile::put(const Topic& topic, std::int64_t time_ns, std::string_view bytes) {
+  auto found = channels_.find(topic.name);
+  if (found == channels_.end()) {
+    found = channels_.emplace(topic.name, writer_.add_channel(topic.name, *topic.type, topic.durability)).first;
+  }
+  writer_.write(found->second, time_ns, bytes);
+}
+
+Recorder::Recorder(std::unique_ptr<RecorderSink> sink) : sink_(std::move(sink)), thread_([this] { run(); }) {}
 
 Recorder::~Recorder() {
   try {
@@ -68,17 +76,17 @@ void Recorder::run() {
         next = std::move(waiting_.front());
         waiting_.pop_front();
       }
-      next.job(*outlet_);
+      next.job(*sink_);
       next.job = nullptr;  // frees what it holds
       const std::lock_guard lock(mutex_);
       held_bytes_ -= next.held_bytes;
-      messages_ = outlet_->messages();
-      bytes_ = outlet_->bytes();
+      messages_ = sink_->messages();
+      bytes_ = sink_->bytes();
       changed_.notify_all();
     }
-    outlet_->finish();
+    sink_->finish();
     const std::lock_guard lock(mutex_);
-    bytes_ = outlet_->bytes();
+    bytes_ = sink_->bytes();
   } catch (...) {
     const std::lock_guard lock(mutex_);
     failure_ = std::current_exception();

@@ -1,4 +1,4 @@
-// Gives messages to an outlet on a thread of its own.
+// Writes messages on a thread of its own.
 #pragma once
 
 #include <condition_variable>
@@ -6,27 +6,47 @@
 #include <cstdint>
 #include <deque>
 #include <exception>
+#include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
+#include <string>
 #include <thread>
 
-#include "messages/outlet.h"
+#include "messages/mcap_writer.h"
+#include "messages/recorder_sink.h"
 
 namespace simvis::ros {
+
+/// A file that jobs write to.
+class MessageFile : public RecorderSink {
+ public:
+  explicit MessageFile(const std::filesystem::path& file) : writer_(file) {}
+  void finish() override { writer_.finish(); }
+  std::uint64_t messages() const override { return writer_.messages(); }
+  std::uint64_t bytes() const override { return writer_.bytes(); }
+
+ protected:
+  void put(const Topic& topic, std::int64_t time_ns, std::string_view bytes) override;
+
+ private:
+  McapWriter writer_;
+  std::map<std::string, McapWriter::Channel> channels_;
+};
 
 /// Jobs fill, encode and write messages; they run in the order in which they were added. What waits holds at most
 /// kMaxBytes, or is a single job that holds more.
 ///
-/// Errors   MachineError of the outlet: thrown by the next call of add() or finish(), and by each one after it.
+/// Errors   MachineError of the sink: thrown by the next call of add() or finish(), and by each one after it.
 /// Threads  one thread at a time; jobs run on the recorder's own.
 class Recorder {
  public:
-  using Job = std::function<void(MessageOutlet&)>;
+  using Job = std::function<void(MessageSink&)>;
   static constexpr std::size_t kMaxBytes = std::size_t{256} << 20;
 
-  explicit Recorder(std::unique_ptr<MessageOutlet> outlet);
-  /// Writes what waits and finishes the outlet; errors are lost.
+  explicit Recorder(std::unique_ptr<RecorderSink> sink);
+  /// Writes what waits and finishes the sink; errors are lost.
   ~Recorder();
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
@@ -35,7 +55,7 @@ class Recorder {
   enum class WhenFull : std::uint8_t { wait, drop, exceed };
   /// `held_bytes` is the size of the copies that the job works on. Returns false if the job was dropped.
   bool add(std::size_t held_bytes, WhenFull when_full, Job job);
-  /// Writes what waits, and finishes the outlet.
+  /// Writes what waits, and finishes the sink.
   void finish();
 
   std::uint64_t messages() const;  ///< written so far
@@ -49,7 +69,7 @@ class Recorder {
   void run();
   void throw_failure();
 
-  std::unique_ptr<MessageOutlet> outlet_;  // of the thread, while it runs
+  std::unique_ptr<RecorderSink> sink_;  // of the thread, while it runs
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<Waiting> waiting_;

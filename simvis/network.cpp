@@ -9,9 +9,8 @@ namespace {
 
 const std::string kSet = "/simvis/set", kRequest = "/simvis/request", kLog = "/simvis/log";
 
-RecordingDesc recording_to(ros::DdsNode& node, const DdsDesc& desc) {
-  const ros::SensorQos qos = desc.reliable ? ros::SensorQos::reliable : ros::SensorQos::best_effort;
-  return {desc.topics, true, [&node, qos] { return node.outlet(qos); }};
+ros::SensorQos qos_of(const DdsDesc& desc) {
+  return desc.reliable ? ros::SensorQos::reliable : ros::SensorQos::best_effort;
 }
 
 /// The index of "ELEMENT.PARAM".
@@ -32,9 +31,27 @@ double number_of(const ros::Parameter& parameter) {
 }  // namespace
 
 Network::Network(const DdsDesc& desc, const BuiltScene& scene)
-    : folders_(desc.folders), node_(desc.domain), recording_(recording_to(node_, desc), scene) {
+    : folders_(desc.folders),
+      node_(desc.domain),
+      topics_(desc.topics),
+      messages_(*this, scene),
+      recorder_(node_.sink(qos_of(desc))) {
   node_.subscribe(kSet, ros::describe<ros::ParameterEvent>());
   node_.subscribe(kRequest, ros::describe<ros::String>());
+}
+
+Network::~Network() {
+  try {
+    finish();
+  } catch (const Error&) {  // whoever wants to know calls finish()
+  }
+}
+
+// What is late is worth nothing on a network. Small messages say how things are, and are never dropped.
+void Network::add(ros::MessageJob job) {
+  using WhenFull = ros::Recorder::WhenFull;
+  const WhenFull when_full = job.kind == ros::MessageJob::Kind::state ? WhenFull::exceed : WhenFull::drop;
+  if (!recorder_.add(job.held_bytes, when_full, std::move(job.run))) dropped_ += job.messages;
 }
 
 // A stranger who sends nonsense does not fill the log.
@@ -87,16 +104,22 @@ void Network::take(BuiltScene& scene, const Execute& execute_commands) {
 }
 
 void Network::add_frame(const BuiltScene& scene, const FrameTime& time, std::span<const PlacedSensor> sensors) {
-  recording_.add_frame(scene, time, sensors);
-  for (const std::string& text : said_) recording_.add_text(kLog, text);
+  messages_.add_frame(scene, time, sensors);
+  for (const std::string& text : said_) {
+    if (!ros::MessageOutlet::wants<ros::String>(kLog)) break;
+    add({.run = [text, time_ns = time.time_ns](ros::MessageSink& sink) {
+      sink.write(kLog, time_ns, ros::String{text});
+    }});
+  }
   said_.clear();
 }
 
 DdsReport Network::finish() {
-  const RecordReport sent = recording_.finish();
-  return {.messages = sent.messages,
-          .dropped = sent.dropped,
-          .bytes = sent.bytes,
+  messages_.add_paths();
+  recorder_.finish();
+  return {.messages = recorder_.messages(),
+          .dropped = dropped_,
+          .bytes = recorder_.bytes(),
           .received = received_,
           .refused = refused_};
 }

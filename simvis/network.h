@@ -10,18 +10,23 @@
 #include <simvis/parameters.h>
 #include <simvis/simulation_desc.h>
 #include "messages/dds/dds_node.h"
+#include "messages/recorder.h"
 #include "messages/types/system_types.h"
 #include "simvis/allowed_folders.h"
-#include "simvis/recording.h"
+#include "simvis/frame_messages.h"
 #include "simvis/scene_builder.h"
 
 namespace simvis {
 
-class Network {
+class Network : private ros::MessageOutlet {
  public:
   /// Throws InputError: no such folder, a build without DDS, two sensors with the same topics. MachineError: the domain
   /// cannot be joined.
   Network(const DdsDesc& desc, const BuiltScene& scene);
+  /// As finish(); errors are lost.
+  ~Network() override;
+  Network(const Network&) = delete;
+  Network& operator=(const Network&) = delete;
 
   /// Executes commands of others, in the scene that `execute` changes.
   using Execute = std::function<void(std::span<const Command>)>;
@@ -33,18 +38,23 @@ class Network {
   /// Sends what waits. Throws MachineError.
   DdsReport finish();
 
-  std::vector<std::string> unmatched_patterns() const { return recording_.unmatched_patterns(); }
+  /// The patterns of DdsDesc::topics that no topic has matched so far.
+  std::vector<std::string> unmatched_patterns() const { return topics_.unmatched(); }
 
  private:
+  bool wants(const ros::Topic& topic, ros::TopicForm form) override { return topics_.wants(topic.name, form); }
+  void add(ros::MessageJob job) override;
   void execute(const std::string& bytes, const Execute& execute);
   void set(Parameters& parameters, const std::string& bytes);
   void say(const std::string& text, bool refused);
 
   AllowedFolders folders_;
   ros::DdsNode node_;
-  Recording recording_;
+  ros::TopicFilter topics_;
+  FrameMessages messages_;
   std::vector<std::string> said_;  // since the last frame
-  std::uint64_t received_ = 0, refused_ = 0;
+  std::uint64_t received_ = 0, refused_ = 0, dropped_ = 0;
+  ros::Recorder recorder_;
 };
 
 }  // namespace simvis

@@ -7,6 +7,7 @@
 
 #include <simvis/part_importer.h>
 #include <simvis/pose.h>
+#include "simvis/message_tap.h"
 #include "simvis/simulation_use.h"
 
 namespace simvis {
@@ -120,8 +121,7 @@ void Simulation::record(const RecordDesc& desc) {
   const SimulationUse use = impl();
   SimulationImpl& idle = use->idle();
   if (idle.recording) throw InputError("the simulation is recorded already, expected finish_recording() before");
-  idle.recording = std::make_unique<Recording>(recording_to_file(desc), idle.scene.built);
-  idle.record_desc = desc;
+  idle.recording = std::make_unique<Recording>(desc, idle.scene.built);
   idle.recorded_frames = 0;
 }
 
@@ -129,9 +129,7 @@ RecordReport Simulation::finish_recording() {
   const SimulationUse use = impl();
   const std::unique_ptr<Recording> recording = std::move(use->idle().recording);
   if (!recording) throw InputError("the simulation is not recorded, expected record() before");
-  RecordReport report = recording->finish();
-  report.file = use->record_desc.file;
-  return report;
+  return recording->finish();
 }
 
 void Simulation::join_dds(const DdsDesc& desc) {
@@ -147,6 +145,13 @@ DdsReport Simulation::leave_dds() {
   const std::unique_ptr<Network> network = std::move(use->idle().network);
   if (!network) throw InputError("the simulation does not take part in DDS, expected join_dds() before");
   return network->finish();
+}
+
+void send_messages(Simulation& simulation, ros::MessageOutlet* outlet) {
+  const SimulationUse use = simulation.impl();
+  SimulationImpl& idle = use->idle();
+  idle.sent_messages.reset();
+  if (outlet != nullptr) idle.sent_messages = std::make_unique<FrameMessages>(*outlet, idle.scene.built);
 }
 
 void Simulation::show_scan(std::string_view sensor, Scan scan) {
@@ -165,7 +170,10 @@ void Simulation::add_variant(std::string_view sensor, const Command& command) {
 
 void Simulation::enable(std::string_view sensor, bool on) {
   const SimulationUse use = impl();
-  use->idle().states[use->index(sensor)].enabled = on;
+  SimulationImpl::State& state = use->idle().states[use->index(sensor)];
+  if (state.enabled == on) return;
+  state.enabled = on;
+  use->sensed.enable(state.sensor, on);
 }
 
 void Simulation::step() { impl()->step(); }
@@ -187,6 +195,12 @@ const Scan& Simulation::scan(std::string_view sensor) const {
   const SimulationUse use = impl();
   const BuiltSensor& found = use->sensor(sensor);
   return require(found.sensor->scan(), found, "scan");
+}
+
+const Reading& Simulation::reading(std::string_view sensor) const {
+  const SimulationUse use = impl();
+  const BuiltSensor& found = use->sensor(sensor);
+  return require(found.sensor->reading(), found, "reading");
 }
 
 const Image& Simulation::color(std::string_view sensor) const {

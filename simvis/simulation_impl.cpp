@@ -50,6 +50,7 @@ SimulationImpl::SimulationImpl(const SimulationDesc& desc, std::span<const Comma
 // Called after each change of the scene: what frames need of it follows.
 void SimulationImpl::follow_scene() {
   follow_sensors();
+  sensed.follow(scene.built, sensing.flattener);
   follow_tracked_parts();
   const bool wanted = std::ranges::any_of(scene.built.sensors,
                                           [](const BuiltSensor& sensor) { return sensor.sensor->visualization(); });
@@ -145,6 +146,7 @@ void SimulationImpl::start() {
   update_elements();
   stages.begin("flatten");
   sensing.list = &sensing.flattener.update();
+  sensed.update(scene.built, sensing.flattener, *sensing.list, time);
   stages.begin("plan");
   plan_due_sensors(sensing, false, time);
   stages.begin("render");
@@ -164,7 +166,9 @@ void SimulationImpl::finish() {
     show_to_people(frame);
   }
   if (serving) publish_to_clients(frame);
-  if (recording || network) record_frame(frame);
+  if (recording) record_frame(frame);
+  if (network) send_to_network(frame);
+  if (sent_messages) send_frame(frame);
   stages.end();
   timeline.go_on(frame);
 }
@@ -195,25 +199,6 @@ void SimulationImpl::publish_to_clients(const FrameTime& time) {
   serving->finish_frame(scene.built, time);
 }
 
-void SimulationImpl::record_frame(const FrameTime& time) {
-  stages.begin("record");
-  const std::vector<PlacedSensor> placed = placed_sensors();
-  if (recording) {
-    recording->add_frame(scene.built, time, placed);
-    if (recorded_frames++ == 0) warn_of_unmatched("recording", recording->unmatched_patterns());
-  }
-  if (network) {
-    network->add_frame(scene.built, time, placed);
-    if (sent_frames++ == 0) warn_of_unmatched("DDS", network->unmatched_patterns());
-  }
-}
-
-void SimulationImpl::warn_of_unmatched(const char* who, const std::vector<std::string>& patterns) {
-  for (const std::string& pattern : patterns) {
-    warn(std::string(who) + ": no topic of the first frame matches " + in_quotes(pattern));
-  }
-}
-
 std::vector<PlacedSensor> SimulationImpl::placed_sensors() {
   std::vector<PlacedSensor> placed;
   for (std::size_t i = 0; i < states.size(); ++i) {
@@ -224,6 +209,35 @@ std::vector<PlacedSensor> SimulationImpl::placed_sensors() {
     placed.push_back({sensor, world_from_sensor, has_measured});
   }
   return placed;
+}
+
+void SimulationImpl::record_frame(const FrameTime& time) {
+  stages.begin("record");
+  recording->add_frame(scene.built, time, placed_sensors());
+  if (recorded_frames++ == 0) warn_of_unmatched("recording", recording->unmatched_patterns());
+}
+
+void SimulationImpl::send_to_network(const FrameTime& time) {
+  stages.begin("dds");
+  network->add_frame(scene.built, time, placed_sensors());
+  if (sent_frames++ == 0) warn_of_unmatched("DDS", network->unmatched_patterns());
+}
+
+void SimulationImpl::warn_of_unmatched(const char* who, const std::vector<std::string>& patterns) {
+  for (const std::string& pattern : patterns) {
+    warn(std::string(who) + ": no topic of the first frame matches " + in_quotes(pattern));
+  }
+}
+
+// Who listens does not decide whether the simulation goes on.
+void SimulationImpl::send_frame(const FrameTime& time) {
+  stages.begin("messages");
+  try {
+    sent_messages->add_frame(scene.built, time, placed_sensors());
+  } catch (const InputError& error) {
+    sent_messages.reset();
+    warn(std::string("messages: none are sent any more: ") + error.what());
+  }
 }
 
 // Host-only ray casts run while the device draws for the other sensors.
@@ -256,6 +270,7 @@ void SimulationImpl::skip_frame() {
   if (looked_back_at) {
     update_elements();
     sensing.list = &sensing.flattener.update();
+    sensed.update(scene.built, sensing.flattener, *sensing.list, time);
     for (std::size_t i = 0; i < states.size(); ++i) {
       if (due_state(i, time) != DueState::due) continue;
       scene.built.sensors[i].sensor->skip_frame(time, states[i].world_from_sensor);
@@ -317,6 +332,7 @@ void SimulationImpl::plan_due_sensors(ViewLayer& layer, bool visualization, cons
     if (entry.due_state == DueState::due) {
       const std::size_t views = count_views(plan);
       sensor.begin(time);
+      if (const SensedWorld* const world = sensed.find(states[i].sensor)) sensor.sense(*world);
       sensor.plan(states[i].world_from_sensor, *layer.list, plan);
       entry.draws = count_views(plan) > views;
     }

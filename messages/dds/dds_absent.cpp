@@ -12,7 +12,7 @@ DdsNode::DdsNode(std::optional<std::uint32_t>) {
 DdsNode::~DdsNode() = default;
 
 // No object exists that these could be called on.
-std::unique_ptr<MessageOutlet> DdsNode::outlet(SensorQos) { return nullptr; }
+std::unique_ptr<RecorderSink> DdsNode::sink(SensorQos) { return nullptr; }
 void DdsNode::subscribe(const std::string&, const TypeDescription&, std::size_t) {}
 std::vector<std::string> DdsNode::take(const std::string&) { return {}; }
 

@@ -87,10 +87,10 @@ struct DdsNode::Participant {
   std::map<std::string, dds_entity_t> readers;
 };
 
-class DdsNode::Outlet : public MessageOutlet {
+class DdsNode::Sink : public RecorderSink {
  public:
-  Outlet(std::shared_ptr<Participant> participant, SensorQos qos) : participant_(std::move(participant)), qos_(qos) {}
-  ~Outlet() override { finish(); }
+  Sink(std::shared_ptr<Participant> participant, SensorQos qos) : participant_(std::move(participant)), qos_(qos) {}
+  ~Sink() override { finish(); }
 
   void finish() override {
     for (const auto& [topic, writer] : writers_) dds_delete(writer.entity);
@@ -106,23 +106,22 @@ class DdsNode::Outlet : public MessageOutlet {
   };
 
   // A message that a slow subscriber keeps from being sent in time is lost to it, as the quality of service says.
-  void write_bytes(const std::string& topic, const TypeDescription& type, Durability durability, std::int64_t,
-                   std::string_view message) override {
-    const Writer& to = writer(topic, type, durability);
-    const dds_return_t result = dds_writecdr(to.entity, make_raw_sample(*to.type, message));
-    if (result != DDS_RETCODE_TIMEOUT) checked(result, "a message of " + topic);
+  void put(const Topic& topic, std::int64_t, std::string_view bytes) override {
+    const Writer& to = writer(topic);
+    const dds_return_t result = dds_writecdr(to.entity, make_raw_sample(*to.type, bytes));
+    if (result != DDS_RETCODE_TIMEOUT) checked(result, "a message of " + topic.name);
     ++messages_;
-    bytes_ += message.size();
+    bytes_ += bytes.size();
   }
 
-  const Writer& writer(const std::string& topic, const TypeDescription& type, Durability durability) {
-    const auto known = writers_.find(topic);
+  const Writer& writer(const Topic& topic) {
+    const auto known = writers_.find(topic.name);
     if (known != writers_.end()) return known->second;
-    const auto [entity, raw] = participant_->topic(topic, type, kMaxSentBytes);
-    const Qos qos = writer_qos(type, durability, qos_);
+    const auto [entity, raw] = participant_->topic(topic.name, *topic.type, kMaxSentBytes);
+    const Qos qos = writer_qos(*topic.type, topic.durability, qos_);
     const dds_entity_t made =
-        checked(dds_create_writer(participant_->entity, entity, qos.get(), nullptr), "writer of " + topic);
-    return writers_.emplace(topic, Writer{made, raw}).first->second;
+        checked(dds_create_writer(participant_->entity, entity, qos.get(), nullptr), "writer of " + topic.name);
+    return writers_.emplace(topic.name, Writer{made, raw}).first->second;
   }
 
   std::shared_ptr<Participant> participant_;
@@ -137,7 +136,7 @@ DdsNode::DdsNode(std::optional<std::uint32_t> domain) {
 }
 DdsNode::~DdsNode() = default;
 
-std::unique_ptr<MessageOutlet> DdsNode::outlet(SensorQos qos) { return std::make_unique<Outlet>(participant_, qos); }
+std::unique_ptr<RecorderSink> DdsNode::sink(SensorQos qos) { return std::make_unique<Sink>(participant_, qos); }
 
 // A flood overwrites what waits, instead of taking more memory.
 void DdsNode::subscribe(const std::string& topic, const TypeDescription& type, std::size_t max_bytes) {

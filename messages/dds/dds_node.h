@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "messages/outlet.h"
+#include "messages/recorder_sink.h"
 
 namespace simvis::ros {
 
@@ -36,7 +36,7 @@ class DdsNode {
 
   /// Writes messages of measurements as `qos` says, and all others reliably. A latched topic gives its last message to
   /// subscribers that come late.
-  std::unique_ptr<MessageOutlet> outlet(SensorQos qos);
+  std::unique_ptr<RecorderSink> sink(SensorQos qos);
 
   /// Receives the messages of a topic, reliably, from now on. At most kMaxWaiting of them wait for take(), the later
   /// ones; none is longer than `max_bytes`.
@@ -46,7 +46,7 @@ class DdsNode {
   std::vector<std::string> take(const std::string& topic);
 
  private:
-  class Outlet;
+  class Sink;
   struct Participant;
   std::shared_ptr<Participant> participant_;
 };

@@ -14,12 +14,14 @@ namespace simvis {
 
 struct Options {
   std::string scene, out = "out", trajectory, method, max_error_m, device, profile, describe, shard, again, serve,
-                     follow, record, record_policy = "wait";
+                     follow, record, record_policy = "wait", export_file, page;
   std::vector<std::string> set, sensors, plugins, packages, formats, poses, record_topics;
   std::vector<std::string> allow, lockstep, dds_topics;
   std::string dds_domain, dds_qos = "sensor-data";
-  bool dds = false;          ///< --dds is given
-  bool serve_group = false;  ///< members of the group may connect too
+  bool dds = false;                   ///< --dds is given
+  bool serve_group = false;           ///< members of the group may connect too
+  std::optional<std::uint16_t> live;  ///< port of the live view; 0: any free one
+  std::string live_address;           ///< empty: this machine alone
   double lockstep_timeout_s = ServeDesc{}.lockstep_timeout_s;
   double real_time = 0;  ///< simulated seconds for each second of the wall clock; 0: as fast as possible
   std::uint64_t frames = 1, seed = 0;
@@ -33,6 +35,7 @@ struct Options {
   bool resume = false, no_replace = false;
   bool names_out = false, names_frames = false;  ///< --out, --frames are given
   bool endless = false;                          ///< the run has no last frame: it ends when it is interrupted
+  bool writes = true;                            ///< results go to files
   std::vector<std::string> command;              ///< the arguments that these options are from
 };
 

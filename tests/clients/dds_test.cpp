@@ -86,13 +86,13 @@ TEST_CASE("DDS: scans go out; values and requests come in, each as a whole or no
   ros::DdsNode node(sent.domain);
   node.subscribe("/simvis/log", ros::describe<ros::String>());
   node.subscribe("/clock", ros::describe<ros::Clock>());
-  const auto outlet = node.outlet(ros::SensorQos::reliable);
+  const auto sink = node.sink(ros::SensorQos::reliable);
   std::size_t clocks = 0;
   sent.step_until([&] { return (clocks += taken<ros::Clock>(node, "/clock").size()) > 0; });
   // Until the host has found the writers, nothing arrives.
   const auto say = [&](const auto& message, const std::string& topic, const auto& done) {
     sent.step_until([&] {
-      if (!done()) outlet->write(topic, 0, message);
+      if (!done()) sink->write(topic, 0, message);
       return done();
     });
   };

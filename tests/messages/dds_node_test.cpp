@@ -26,10 +26,10 @@ TEST_SUITE_BEGIN("messages");
 namespace {
 
 /// Writes a text until it has come; false: it has not. What else comes is one of `others`.
-bool arrives(MessageOutlet& outlet, DdsNode& node, const std::string& text, const std::vector<std::string>& others) {
+bool arrives(RecorderSink& sink, DdsNode& node, const std::string& text, const std::vector<std::string>& others) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(30);
   while (std::chrono::steady_clock::now() < end) {
-    outlet.write("/text", 0, String{text});
+    sink.write("/text", 0, String{text});
     for (const std::string& bytes : node.take("/text")) {
       const std::string got = decode<String>(bytes).data;
       if (got == text) return true;
@@ -52,16 +52,16 @@ TEST_CASE("DDS: messages of any length up to the limit arrive as they are") {
   constexpr std::size_t kMax = 4096;
   const std::uint32_t domain = own_domain();
   DdsNode sender(domain), receiver(domain);
-  const std::unique_ptr<MessageOutlet> outlet = sender.outlet(SensorQos::best_effort);
+  const std::unique_ptr<RecorderSink> sink = sender.sink(SensorQos::best_effort);
   receiver.subscribe("/text", describe<String>(), kMax);
   std::vector<std::string> sent;
   for (const std::size_t length : {0, 1, 2, 3, 4, 5, 100, 4000}) {
     sent.emplace_back(length, 'x');
-    CHECK(arrives(*outlet, receiver, sent.back(), sent));
+    CHECK(arrives(*sink, receiver, sent.back(), sent));
   }
-  for (int i = 0; i < 3; ++i) outlet->write("/text", 0, String{std::string(kMax, 'x')});
-  CHECK(arrives(*outlet, receiver, "after", sent));
-  CHECK(outlet->messages() > sent.size());
+  for (int i = 0; i < 3; ++i) sink->write("/text", 0, String{std::string(kMax, 'x')});
+  CHECK(arrives(*sink, receiver, "after", sent));
+  CHECK(sink->messages() > sent.size());
 }
 
 #ifdef SIMVIS_HAS_DDS
@@ -116,10 +116,10 @@ std::map<std::string, FoundWriter> writers_of(std::uint32_t domain, std::size_t 
 TEST_CASE("DDS: others find names, type hashes and qualities of service as ROS 2 has them") {
   const std::uint32_t domain = own_domain();
   DdsNode node(domain);
-  const std::unique_ptr<MessageOutlet> outlet = node.outlet(SensorQos::best_effort);
-  outlet->write("/A/scan", 0, LaserScan{});
-  outlet->write("/clock", 0, simvis::ros::Clock{});
-  outlet->write("/tf_static", 0, TFMessage{}, Durability::latched);
+  const std::unique_ptr<RecorderSink> sink = node.sink(SensorQos::best_effort);
+  sink->write("/A/scan", 0, LaserScan{});
+  sink->write("/clock", 0, simvis::ros::Clock{});
+  sink->write("/tf_static", 0, TFMessage{}, Durability::latched);
   std::map<std::string, FoundWriter> found = writers_of(domain, 3);
   CHECK(found["rt/A/scan"].type == "sensor_msgs::msg::dds_::LaserScan_");
   CHECK(found["rt/A/scan"].user_data == "typehash=" + type_hash(describe<LaserScan>()) + ";");
