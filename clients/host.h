@@ -13,16 +13,11 @@
 #include <vector>
 
 #include <simvis_client/shared_memory.h>
+#include "clients/shared_access.h"
 
 namespace simvis {
 
 class SharedObject;
-
-/// Who may connect to a host.
-enum class SharedAccess : std::uint8_t {
-  user,  ///< its own user: mode 0600
-  group  ///< the members of its group too: mode 0660
-};
 
 /// A parameter as clients see it, in the unit of its element's table.
 struct SharedParameter {

@@ -13,7 +13,6 @@
 #include <cstring>
 #include <random>
 
-#include "clients/host.h"
 #include "clients/shared_words.h"
 
 namespace simvis {

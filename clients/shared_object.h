@@ -8,6 +8,7 @@
 
 #include <simvis/error.h>
 #include <simvis_client/shared_memory.h>
+#include "clients/shared_access.h"
 #include "engine/base/assert.h"
 
 namespace simvis {
@@ -15,8 +16,6 @@ namespace simvis {
 /// Clients cannot fill the log: beyond this share their refusals are no longer logged, and their requests wait for
 /// ever.
 constexpr std::uint64_t kLogBytes = 256 << 20, kLogBytesOfClients = kLogBytes / 4 * 3;
-
-enum class SharedAccess : std::uint8_t;
 
 /// Errors   InputError: a living host has the name. MachineError: the system refuses memory.
 /// Threads  one at a time.
