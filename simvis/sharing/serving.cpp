@@ -1,4 +1,4 @@
-#include "simvis/serving.h"
+#include "simvis/sharing/serving.h"
 
 #include <algorithm>
 #include <array>

@@ -12,8 +12,8 @@
 #include <simvis/sensor.h>
 #include <simvis/simulation_desc.h>
 #include "clients/host.h"
-#include "simvis/allowed_folders.h"
 #include "simvis/scene_builder.h"
+#include "simvis/sharing/allowed_folders.h"
 
 namespace simvis {
 

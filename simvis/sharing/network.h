@@ -12,9 +12,9 @@
 #include "messages/dds/dds_node.h"
 #include "messages/recorder.h"
 #include "messages/types/system_types.h"
-#include "simvis/allowed_folders.h"
 #include "simvis/frame_messages.h"
 #include "simvis/scene_builder.h"
+#include "simvis/sharing/allowed_folders.h"
 
 namespace simvis {
 

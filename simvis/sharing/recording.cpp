@@ -1,4 +1,4 @@
-#include "simvis/recording.h"
+#include "simvis/sharing/recording.h"
 
 #include <filesystem>
 #include <fstream>

@@ -1,4 +1,4 @@
-#include "simvis/network.h"
+#include "simvis/sharing/network.h"
 
 #include <utility>
 

@@ -1,4 +1,4 @@
-#include "simvis/allowed_folders.h"
+#include "simvis/sharing/allowed_folders.h"
 
 #include <algorithm>
 #include <string>
