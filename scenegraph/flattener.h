@@ -24,6 +24,12 @@ struct FlattenCounters {
 /// The viewers of the world: sensors, or people. Only people see VisualSeparators.
 enum class Audience : std::uint8_t { sensors, people };
 
+/// Where an item of the draw list comes from. The nodes live as long as the graph is not changed.
+struct ItemSource {
+  const InsertionPoint* point = nullptr;  ///< of the part or link that has the shape; null: nothing in front of it
+  const Shape* shape = nullptr;
+};
+
 /// A traversal gives each occurrence of a Transform an entry of world_from_node. The parent of the entry is the entry
 /// in force before it. All entries, items and lights that an entry governs lie between it and the end of the enclosing
 /// separator, so a changed transform rewrites one contiguous range and nothing else. A changed light or material
@@ -42,6 +48,9 @@ class Flattener : public NodeObserver {
   /// Gives the pose of a mount as of the last update(): world_from_mount of its first occurrence. Returns false if the
   /// traversal did not reach the mount, for example below a switch that is off.
   bool find_mount(const Mount& mount, glm::dmat4& world_from_mount) const;
+
+  /// By item of the last update().
+  const std::vector<ItemSource>& item_sources() const { return item_sources_; }
 
   const FlattenCounters& counters() const { return counters_; }
 
@@ -67,6 +76,7 @@ class Flattener : public NodeObserver {
   GroupPtr root_;
   Audience audience_;
   DrawList list_;
+  std::vector<ItemSource> item_sources_;
   FlattenCounters counters_;
   std::vector<Entry> entries_;
   std::unordered_map<const Node*, std::vector<std::uint32_t>>

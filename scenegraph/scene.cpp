@@ -291,6 +291,26 @@ void Scene::forget_unused_content() {
   std::erase_if(contents_, [&](const auto& entry) { return !used.contains(&entry.second); });
 }
 
+void Scene::read_pictures() {
+  if (!pool_.has_postponed_pictures()) return;
+  std::vector<std::string> found;
+  const auto pictures = pool_.read_pictures(found);
+  for (const std::string& warning : found) warn(warning);
+  std::vector<NodePtr> nodes = nodes_of(root_);
+  for (const auto& [key, content] : contents_) {
+    const std::vector<NodePtr> own = nodes_of(content.root);
+    nodes.insert(nodes.end(), own.begin(), own.end());
+  }
+  for (const NodePtr& node : nodes) {
+    if (node->kind() != NodeKind::material) continue;
+    auto& material = static_cast<MaterialNode&>(*node);
+    if (auto complete = pool_.completed(*material.material(), pictures)) {
+      material.complete_material(std::move(complete));
+    }
+  }
+  pool_.forget_postponed_pictures();
+}
+
 bool Scene::has_insertion_point(std::string_view name) const { return places_.find(name) != places_.end(); }
 
 std::optional<glm::dmat4> Scene::world_from_point(std::string_view name) const {

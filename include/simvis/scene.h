@@ -168,6 +168,14 @@ class SIMVIS_API Scene {
   /// Forgets the content of files and shapes that no part shows any more. A file is then read anew.
   void forget_unused_content();
 
+  /// From now on, parts are read without the pictures that only cameras show, until read_pictures().
+  void postpone_pictures() { pool_.postpone_pictures(); }
+  /// Whether parts have pictures that have not been read.
+  bool has_postponed_pictures() const { return pool_.has_postponed_pictures(); }
+  /// Reads the postponed pictures of all parts and puts them into their materials. What cannot be read is a warning;
+  /// throws InputError if the scene is strict, and the pictures then stay postponed.
+  void read_pictures();
+
   ContentPool& pool() { return pool_; }  ///< shared content of all parts
   /// The steps that revert everything since the last commit().
   UndoLog& undo() { return undo_; }
