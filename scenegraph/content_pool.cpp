@@ -169,6 +169,52 @@ std::shared_ptr<const T> find_or_add(Table<T>& table, T&& content) {
 
 }  // namespace
 
+std::shared_ptr<const Texture> ContentPool::picture(PictureSource source, std::vector<std::string>& warnings) {
+  if (postpones_ && source.use == PictureUse::color) {
+    Texture white{.name = {}, .width = 1, .height = 1, .rgba = {255, 255, 255, 255}, .sampler = {}};
+    postponed_.push_back({std::make_shared<const Texture>(std::move(white)), std::move(source)});
+    return postponed_.back().stand_in;
+  }
+  std::optional<Texture> texture = source.read(warnings);
+  return texture ? intern(std::move(*texture)) : nullptr;
+}
+
+std::unordered_map<const Texture*, std::shared_ptr<const Texture>> ContentPool::read_pictures(
+    std::vector<std::string>& warnings) {
+  std::unordered_map<const Texture*, std::shared_ptr<const Texture>> pictures;
+  for (const Postponed& each : postponed_) {
+    if (each.stand_in.use_count() == 1) continue;
+    std::optional<Texture> texture = each.source.read(warnings);
+    pictures[each.stand_in.get()] = texture ? intern(std::move(*texture)) : nullptr;
+  }
+  return pictures;
+}
+
+std::shared_ptr<const Material> ContentPool::completed(
+    const Material& material, const std::unordered_map<const Texture*, std::shared_ptr<const Texture>>& pictures) {
+  Material complete = material;
+  std::vector<const Texture*> missing;
+  bool changed = false;
+  // Returns false if the picture cannot be had.
+  const auto complete_texture = [&](std::shared_ptr<const Texture>& texture) {
+    const auto found = pictures.find(texture.get());
+    if (texture == nullptr || found == pictures.end()) return true;
+    changed = true;
+    if (found->second == nullptr) missing.push_back(texture.get());
+    texture = found->second;
+    return texture != nullptr;
+  };
+  complete_texture(complete.base_color_texture);
+  for (SurfaceMap& map : complete.maps) {
+    if (!complete_texture(map.texture)) map = SurfaceMap{};
+  }
+  if (!changed) return nullptr;
+  for (const Postponed& each : postponed_) {
+    if (each.source.without && std::ranges::count(missing, each.stand_in.get()) > 0) each.source.without(complete);
+  }
+  return intern(std::move(complete));
+}
+
 std::shared_ptr<const Mesh> ContentPool::intern(Mesh&& mesh) { return find_or_add(meshes_, std::move(mesh)); }
 
 std::shared_ptr<const Texture> ContentPool::intern(Texture&& texture) {

@@ -144,6 +144,7 @@ void Flattener::forget() {
   entries_.assign(1, Entry{nullptr, 0, 0});
   list_.changes.mark_structure_dirty();
   list_.items.clear();
+  item_sources_.clear();
   list_.lights.clear();
   list_.world_from_node.assign(1, glm::dmat4(1.0));
   list_.meshes.clear();
@@ -172,6 +173,7 @@ class Flattener::Traversal {
   struct State {
     std::uint32_t entry = 0;                      // entry of world_from_node in force
     const MaterialNode* material_node = nullptr;  // in force; null: the default material
+    const InsertionPoint* point = nullptr;        // the last one before this node
     bool visible = true;
   };
 
@@ -219,7 +221,7 @@ class Flattener::Traversal {
         break;
       case NodeKind::shape:
         occurrences_of(node);
-        if (state_.visible) f_.list_.items.push_back({mesh_slot(node), material_slot(), state_.entry});
+        if (state_.visible) add_item(node);
         break;
       case NodeKind::light:
         occurrences_of(node);
@@ -229,6 +231,7 @@ class Flattener::Traversal {
         f_.mounts_.try_emplace(static_cast<const Mount*>(node.get()), state_.entry);
         break;
       case NodeKind::insertion_point:
+        state_.point = static_cast<const InsertionPoint*>(node.get());
         if (f_.watched_.contains(node.get())) add_point(*node);
         break;
     }
@@ -283,6 +286,11 @@ class Flattener::Traversal {
     f_.list_.world_from_node.push_back(f_.list_.world_from_node[state_.entry] * transform.matrix());
     open_.push_back(entry);
     state_.entry = entry;
+  }
+
+  void add_item(const NodePtr& node) {
+    f_.list_.items.push_back({mesh_slot(node), material_slot(), state_.entry});
+    f_.item_sources_.push_back({state_.point, static_cast<const Shape*>(node.get())});
   }
 
   void add_light(const NodePtr& node) {

@@ -25,6 +25,12 @@ struct FlattenCounters {
 /// The viewers of the world: sensors, or people. Only people see VisualSeparators.
 enum class Audience : std::uint8_t { sensors, people };
 
+/// Where an item of the draw list comes from. The nodes live as long as the graph is not changed.
+struct ItemSource {
+  const InsertionPoint* point = nullptr;  ///< of the part or link that has the shape; null: nothing in front of it
+  const Shape* shape = nullptr;
+};
+
 /// A traversal gives each occurrence of a Transform an entry of world_from_node. The parent of the entry is the entry
 /// in force before it. All entries, items and lights that an entry governs lie between it and the end of the enclosing
 /// separator, so a changed transform rewrites one contiguous range and nothing else. A changed light or material
@@ -58,6 +64,9 @@ class Flattener : public NodeObserver {
   /// The node of an entry of world_from_node; null: the identity, entry 0.
   const Transform* node_of(std::uint32_t transform) const { return entries_[transform].node; }
 
+  /// By item of the last update().
+  const std::vector<ItemSource>& item_sources() const { return item_sources_; }
+
   const FlattenCounters& counters() const { return counters_; }
 
   void content_changed(Node& node) override;
@@ -82,6 +91,7 @@ class Flattener : public NodeObserver {
   GroupPtr root_;
   Audience audience_;
   DrawList list_;
+  std::vector<ItemSource> item_sources_;
   FlattenCounters counters_;
   std::vector<Entry> entries_;
   std::unordered_map<const Node*, std::vector<std::uint32_t>>

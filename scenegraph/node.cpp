@@ -80,6 +80,13 @@ void MaterialNode::set_material(std::shared_ptr<const Material> material) {
   }
 }
 
+void MaterialNode::complete_material(std::shared_ptr<const Material> material) {
+  SIMVIS_ASSERT(material != nullptr);
+  material_ = std::move(material);
+  show();
+  tell_structure_changed();
+}
+
 std::size_t MaterialNode::add_change() {
   restore_change(next_change_);
   return next_change_++;

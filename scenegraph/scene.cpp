@@ -13,6 +13,7 @@
 #include "scenegraph/part_scale.h"
 #include "scenegraph/same_graph.h"
 #include "scenegraph/shape_part.h"
+#include "scenegraph/wall_part.h"
 
 namespace simvis {
 namespace {
@@ -38,6 +39,22 @@ constexpr AttributeSpec kPartAttributes[] = {
     kRadiusRow,
     kLengthRow,
     kColorRow,
+    kTextureRow,
+    kHeightsRow,
+    kZRangeRow,
+    kPointsRow,
+    kHeightRow,
+    kThicknessRow,
+    kDoorsRow,
+    kWindowsRow,
+    {
+        .name = "wall_height",
+        .default_value = "2.5",
+        .unit = "m",
+        .text = "height of the walls of a ROS map",
+        .min = 1e-6,
+        .max = 1e6,
+    },
 };
 
 std::filesystem::path find_part_file(const Command& command) {
@@ -291,6 +308,26 @@ void Scene::forget_unused_content() {
   std::erase_if(contents_, [&](const auto& entry) { return !used.contains(&entry.second); });
 }
 
+void Scene::read_pictures() {
+  if (!pool_.has_postponed_pictures()) return;
+  std::vector<std::string> found;
+  const auto pictures = pool_.read_pictures(found);
+  for (const std::string& warning : found) warn(warning);
+  std::vector<NodePtr> nodes = nodes_of(root_);
+  for (const auto& [key, content] : contents_) {
+    const std::vector<NodePtr> own = nodes_of(content.root);
+    nodes.insert(nodes.end(), own.begin(), own.end());
+  }
+  for (const NodePtr& node : nodes) {
+    if (node->kind() != NodeKind::material) continue;
+    auto& material = static_cast<MaterialNode&>(*node);
+    if (auto complete = pool_.completed(*material.material(), pictures)) {
+      material.complete_material(std::move(complete));
+    }
+  }
+  pool_.forget_postponed_pictures();
+}
+
 bool Scene::has_insertion_point(std::string_view name) const { return places_.find(name) != places_.end(); }
 
 const InsertionPoint& Scene::point_node(std::string_view name) const {
@@ -338,7 +375,7 @@ void Scene::warn(const Location& where, std::string_view what) { warn(to_string(
 const PartContent& Scene::load_part(const Command& command) {
   const AttributeValues attributes(command, kPartAttributes, kPartCommonAttributes);
   check_shape_attributes(command, attributes);
-  if (command.find("file") == nullptr) return load_shape(attributes);
+  if (command.find("file") == nullptr) return load_shape(command, attributes);
   const double scale = part_scale(command, attributes);
   const std::filesystem::path path = find_part_file(command);
   const PartImporter importer = find_importer(path, command.require("file").where);
@@ -353,6 +390,12 @@ const PartContent& Scene::load_part(const Command& command) {
     key += "|" + attributes.choice("up");
   }
   if (scale != 1) key += "|" + format_number(scale);
+  request.wall_height_m = attributes.number("wall_height");
+  if (const CommandAttribute* const height = command.find("wall_height")) {
+    const bool is_map = path.extension() == ".yaml" || path.extension() == ".yml";
+    if (!is_map) fail_at(height->where, "attribute \"wall_height\": it is for ROS maps, expected a file .yaml");
+    key += "|wall_height " + format_number(request.wall_height_m);
+  }
   if (attributes.is_set("xacro_arguments")) {
     request.xacro_arguments = attributes.text("xacro_arguments");
     key += "|" + request.xacro_arguments;
@@ -374,12 +417,16 @@ const PartContent& Scene::load_part(const Command& command) {
   }
 }
 
-const PartContent& Scene::load_shape(const AttributeValues& attributes) {
-  const std::string key = shape_key(attributes);
-  if (const auto known = contents_.find(key); known != contents_.end()) return known->second;
-  PartContent content = make_shape(attributes, pool_);
-  share_graph(content);
-  return contents_.emplace(key, std::move(content)).first->second;
+const PartContent& Scene::load_shape(const Command& command, const AttributeValues& attributes) {
+  const std::string key = shape_key(command, attributes);
+  auto known = contents_.find(key);
+  if (known == contents_.end()) {
+    PartContent content = make_shape(command, attributes, pool_);
+    share_graph(content);
+    known = contents_.emplace(key, std::move(content)).first;
+  }
+  for (const std::string& warning : known->second.warnings) warn(warning);
+  return known->second;
 }
 
 }  // namespace simvis

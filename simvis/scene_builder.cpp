@@ -22,6 +22,7 @@ SceneBuilder::SceneBuilder(BuiltScene& built, std::span<const AttributeOverride>
                            ProgressCallback progress)
     : built_(built), overrides_(overrides), seed_(seed), progress_(std::move(progress)) {
   Registrations::instance().require_none_refused();
+  built_.scene.postpone_pictures();
   for (const AttributeOverride& override : overrides) check_override(override);
 }
 
@@ -32,6 +33,7 @@ void SceneBuilder::all_or_nothing(const Action& action) {
     action();
     check_awaited(first_made);
     warn_of_unmoved_sensors();
+    if (shows_colors()) built_.scene.read_pictures();
   } catch (...) {
     built_.scene.undo().roll_back();
     open_.clear();
@@ -45,6 +47,11 @@ void SceneBuilder::all_or_nothing(const Action& action) {
   copied_.clear();
   built_.scene.undo().commit();
   if (std::exchange(removed_, false)) built_.scene.forget_unused_content();
+}
+
+bool SceneBuilder::shows_colors() const {
+  return std::ranges::any_of(built_.sensors,
+                             [](const BuiltSensor& sensor) { return sensor.sensor->color() != nullptr; });
 }
 
 void SceneBuilder::execute(std::span<const Command> commands) {

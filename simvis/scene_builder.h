@@ -81,6 +81,7 @@ class SceneBuilder {
   static void check_override(const AttributeOverride& override);
   template <typename Action>
   void all_or_nothing(const Action& action);
+  bool shows_colors() const;
   void run(std::span<const Command> commands);
   void note_copies(std::span<const Command> commands);
   void execute_one(const Command& command);

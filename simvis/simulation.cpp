@@ -18,7 +18,7 @@ constexpr double kRigidTolerance = 1e-6;  // of unit vectors: far above float32'
 
 // A part file given as the scene is a common mistake, and its content would only be reported as malformed XML.
 std::vector<Command> read_scene(const std::filesystem::path& file) {
-  if (find_part_importer(file) != nullptr) {
+  if (file.extension() != ".xml" && find_part_importer(file) != nullptr) {
     throw InputError(file.string() +
                      ": error: this is the file of a part, expected a scene; put it into one: <part file=" +
                      in_quotes(file.filename().string()) + " name=\"PART\" insert_at=\"ROOT\"/>");
@@ -269,6 +269,7 @@ std::vector<SensorInfo> Simulation::sensors() const {
   return infos;
 }
 
+std::vector<SceneItem> Simulation::items() const { return impl()->idle().items(); }
 std::span<const std::string> Simulation::measured() const { return impl()->measured; }
 
 void Simulation::write(std::string_view sensor, OutputSink& sink) const { impl()->sensor(sensor).sensor->write(sink); }

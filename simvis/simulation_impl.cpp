@@ -149,10 +149,23 @@ void SimulationImpl::start() {
   sensed.update(scene.built, sensing.flattener, *sensing.list, time);
   stages.begin("plan");
   plan_due_sensors(sensing, false, time);
+  if (scene.built.scene.has_postponed_pictures() && std::ranges::any_of(sensing.plan.passes, &Pass::color)) {
+    read_pictures();
+    plan_due_sensors(sensing, false, time);
+  }
   stages.begin("render");
   sensing.renderer.submit(*sensing.list, sensing.plan);
   frame = time;
   under_way = true;
+}
+
+// Cameras have their pictures since they were inserted. Other sensors may draw colours too, such as one of light.
+void SimulationImpl::read_pictures() {
+  const InputLog log;
+  scene.built.scene.read_pictures();
+  scene.built.scene.undo().commit();
+  add_inputs(log);
+  sensing.list = &sensing.flattener.update();
 }
 
 void SimulationImpl::finish() {
@@ -406,6 +419,18 @@ void SimulationImpl::add_inputs(const InputLog& log) {
   all.insert(log.files().begin(), log.files().end());
   inputs.assign(all.begin(), all.end());
   environment.insert(log.environment().begin(), log.environment().end());
+}
+
+std::vector<SceneItem> SimulationImpl::items() const {
+  std::vector<SceneItem> items;
+  if (sensing.list == nullptr) return items;
+  for (const ItemSource& source : sensing.flattener.item_sources()) {
+    const Mesh& mesh = *source.shape->mesh();
+    items.push_back({.part = source.point == nullptr ? "" : source.point->name,
+                     .mesh = source.shape->name.empty() ? mesh.name : source.shape->name,
+                     .triangles = mesh.topology == Topology::triangles ? mesh.indices.size() / 3 : 0});
+  }
+  return items;
 }
 
 void SimulationImpl::track_part(std::string_view part) {

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include <simvis/device.h>
+#include <simvis/scan.h>
 #include <simvis/simulation_desc.h>
 #include "engine/base/input_log.h"
 #include "simvis/frame_messages.h"
@@ -42,10 +43,12 @@ struct SimulationImpl : Observations {
   void require_skippable() const;
   SimulationImpl& idle();
   void add_inputs(const InputLog& log);
+  std::vector<SceneItem> items() const;
   void track_part(std::string_view part);
   std::shared_ptr<Mount> add_mount(std::string_view part);
   bool part_pose(std::string_view part, glm::dmat4& world_from_part) const;
   void update_elements();
+  void read_pictures();
   void show_to_people(const FrameTime& time);
   void plan_due_sensors(ViewLayer& layer, bool visualization, const FrameTime& time);
   void render(ViewLayer& layer, const FrameTime& time);

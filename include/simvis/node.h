@@ -169,6 +169,9 @@ class SIMVIS_API MaterialNode : public Node {
   const std::shared_ptr<const Material>& material() const { return material_; }  ///< without changes
   void set_material(std::shared_ptr<const Material> material);                   ///< replaces it; not null
   bool has_own_slot() const { return has_own_slot_ || !changes_.empty(); }       ///< in the DrawList
+  /// Replaces the material by what it was meant to be, because its pictures have been read; not null. Unlike
+  /// set_material(), this gives the node no slot of its own.
+  void complete_material(std::shared_ptr<const Material> material);
 
   /// Makes room for one more change, which has no effect yet, and returns its number, which no other change of this
   /// node ever has.

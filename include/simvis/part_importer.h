@@ -46,6 +46,7 @@ struct ImportRequest {
   bool up_given = false;                  ///< the part's `up` attribute was written
   UpAxis up = UpAxis::z;                  ///< its value
   std::string xacro_arguments{};          ///< the part's `xacro_arguments` attribute; empty: none
+  double wall_height_m = 2.5;             ///< the part's `wall_height` attribute, above 0
   std::vector<PackageFolder> packages{};  ///< searched before all other places where packages are
 };
 

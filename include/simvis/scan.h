@@ -20,6 +20,15 @@ struct ScanChannel {
   std::vector<double> values;   ///< in the shape of Scan::range_m; NaN: no value
 };
 
+/// One shape as it stands in the scene: what the channels `true_item` and `true_primitive` of a scan count.
+struct SceneItem {
+  std::string part;             ///< the part or link that has it: the name of its insertion point
+  std::string mesh;             ///< its name in the part's file, or the name of its shape; may be empty
+  std::uint64_t triangles = 0;  ///< 0: lines or points, which no beam hits
+
+  bool operator==(const SceneItem&) const = default;  ///< member by member
+};
+
 /// The direction of a beam as a unit vector in the sensor frame: azimuth counter-clockwise from +x about +z, elevation
 /// positive upwards.
 inline glm::dvec3 beam_direction(double azimuth_rad, double elevation_rad) {

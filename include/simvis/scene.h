@@ -89,8 +89,8 @@ class UndoLog {
 ///
 /// Frames    the world is ROOT's frame: x forward, y left, z up, metres.
 /// Part      attributes of a part command: name, insert_at, pose_offset, quaternion; file (a relative name starts at
-///           the command's folder), up, scale, unit, xacro_arguments; or shape, size, radius, length, color; neither a
-///           file nor a shape makes an empty frame.
+///           the command's folder), up, scale, unit, xacro_arguments, wall_height; or shape, with its measures, color
+///           and texture; neither a file nor a shape makes an empty frame.
 /// Names     insertion points, parts, elements and sensors have names; two of the same kind never share one.
 /// Errors    InputError with the place; a command that throws may leave traces, which undo() reverts.
 /// Lifetime  returned references are valid as long as the scene; those to a part and its content as long as the part.
@@ -171,6 +171,14 @@ class SIMVIS_API Scene {
   /// Forgets the content of files and shapes that no part shows any more. A file is then read anew.
   void forget_unused_content();
 
+  /// From now on, parts are read without the pictures that only cameras show, until read_pictures().
+  void postpone_pictures() { pool_.postpone_pictures(); }
+  /// Whether parts have pictures that have not been read.
+  bool has_postponed_pictures() const { return pool_.has_postponed_pictures(); }
+  /// Reads the postponed pictures of all parts and puts them into their materials. What cannot be read is a warning;
+  /// throws InputError if the scene is strict, and the pictures then stay postponed.
+  void read_pictures();
+
   ContentPool& pool() { return pool_; }  ///< shared content of all parts
   /// The steps that revert everything since the last commit().
   UndoLog& undo() { return undo_; }
@@ -189,7 +197,7 @@ class SIMVIS_API Scene {
     NodeMap clone_of;  // empty as long as `root` is the content's own
   };
   const Place& place(const Command& command) const;
-  const PartContent& load_shape(const AttributeValues& attributes);
+  const PartContent& load_shape(const Command& command, const AttributeValues& attributes);
   void share_graph(PartContent& content) const;
   void insert_at(const Place& place, const NodePtr& node);
   void note_child(Group* parent, const NodePtr& node);

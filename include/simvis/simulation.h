@@ -205,6 +205,9 @@ class SIMVIS_API Simulation {
 
   /// All sensors, in the order in which they were made.
   std::vector<SensorInfo> sensors() const;
+  /// The items of the last step(), by the number that scans give them: Diagnostics::draw_list().items. Before the first
+  /// step() those of the loaded scene.
+  std::vector<SceneItem> items() const;
   /// Names of the sensors that measured in the last step().
   std::span<const std::string> measured() const;
   /// Passes the last measurement of a sensor to `sink`. Throws InputError if there is no such sensor, and what `sink`

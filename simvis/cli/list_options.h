@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <simvis/simulation_desc.h>
 
@@ -12,13 +13,21 @@ class App;
 namespace simvis {
 
 struct ListOptions {
-  bool scene = false, types = false, json = false;
+  bool scene = false, types = false, json = false, check = false;
 };
 
-/// Declares --list, --json and --list-types. The options that they exclude are declared already.
+/// Declares --list, --json, --list-types and --check. The options that they exclude are declared already.
 void declare_list_options(CLI::App& app, ListOptions& options);
 
 /// What --list prints: the scene file as loaded with the overrides and packages of `desc`. Throws InputError.
 std::string scene_listing(const std::string& scene, const SimulationDesc& desc, bool json);
+
+/// What --check prints of a scene that is loaded as for --list. Throws InputError.
+struct SceneCheck {
+  std::string text;
+  std::vector<std::string> warnings;
+  bool has_problems = false;
+};
+SceneCheck scene_check(const std::string& scene, const SimulationDesc& desc);
 
 }  // namespace simvis

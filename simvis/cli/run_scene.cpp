@@ -13,6 +13,7 @@
 #include <simvis/simulation.h>
 #include <simvis/trajectory.h>
 #include "engine/base/now_ns.h"
+#include "sensors/laser_scanner/laser_scanner.h"
 #include "simvis/cli/follower.h"
 #include "simvis/cli/live_run.h"
 #include "simvis/cli/load_scene.h"
@@ -58,6 +59,16 @@ class WrittenSensors {
   std::size_t changes_ = 0;
 };
 
+/// Whether a scan of this frame says which items its beams hit.
+bool names_items(const Simulation& simulation, const WrittenSensors& written) {
+  const std::vector<SensorInfo> sensors = simulation.sensors();
+  return std::ranges::any_of(simulation.measured(), [&](const std::string& name) {
+    const auto sensor = std::ranges::find(sensors, name, &SensorInfo::name);
+    const bool casts = sensor != sensors.end() && (sensor->capabilities & kCastsBeams) != 0;
+    return casts && written.contains(name) && simulation.scan(name).channel(kTrueItem) != nullptr;
+  });
+}
+
 void write_results(const Options& options, const Simulation& simulation, const WrittenSensors& written,
                    const FrameTime& time, OutputWriter& writer) {
   glm::dmat4 pose;
@@ -69,6 +80,7 @@ void write_results(const Options& options, const Simulation& simulation, const W
     simulation.sensor_pose(sensor, pose);
     simulation.write(sensor, writer.sink(sensor, time, pose));
   }
+  if (names_items(simulation, written)) writer.items(time, simulation.items());
 }
 
 void print_explanation(const Simulation& simulation) {

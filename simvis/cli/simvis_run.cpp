@@ -130,6 +130,11 @@ int main_or_throw(const std::vector<std::string>& arguments) {
     std::cout << type_list();
   } else if (options.list.scene) {
     std::cout << scene_listing(options.scene, scene_desc(options), options.list.json);
+  } else if (options.list.check) {
+    const SceneCheck check = scene_check(options.scene, scene_desc(options));
+    for (const std::string& warning : check.warnings) std::cerr << "warning: " << warning << '\n';
+    std::cout << check.text;
+    if (check.has_problems) status = kExitFailed;
   } else if (options.price) {
     if (!options.names_frames) options.frames = PriceDesc().frames;
     price_scene(options);

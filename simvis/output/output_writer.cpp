@@ -41,6 +41,9 @@ std::shared_ptr<const Image> copy_of(const Image* image) {
   return image ? std::make_shared<const Image>(*image) : nullptr;
 }
 
+// The owner of items.csv: no sensor has a name with a dot.
+const std::string kItemStem = "items", kItemOwner = "items.csv";
+
 using EncodeTable = std::string (*)(const TableFrame&);
 
 struct TableFormat {
@@ -305,6 +308,26 @@ OutputSink& OutputWriter::sink(std::string_view sensor, const FrameTime& time, c
 
 void OutputWriter::part_pose(std::string_view part, const FrameTime& time, const glm::dmat4& world_from_part) {
   find(part).begin(time, world_from_part);
+}
+
+void OutputWriter::items(const FrameTime& time, std::vector<SceneItem> items) {
+  const std::filesystem::path file = run_.desc.folder / (kItemStem + run_.desc.suffix + ".csv");
+  run_.claim(file, kItemOwner, true);
+  run_.queue.add([] { return std::string(); }, 0,
+                 [this, file, frame = time.index, items = std::move(items)](std::string_view) {
+                   if (!items_) open_items(file);
+                   items_->append(frame, items);
+                 });
+}
+
+void OutputWriter::open_items(const std::filesystem::path& file) {
+  run_.check_new(file);
+  run_.before_write();
+  if (run_.desc.resume_at && std::filesystem::exists(file)) {
+    items_.emplace(file, *run_.desc.resume_at);
+  } else {
+    items_.emplace(file);
+  }
 }
 
 void OutputWriter::finish() { run_.queue.finish(); }

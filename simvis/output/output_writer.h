@@ -15,6 +15,7 @@
 #include <simvis/sensor.h>
 #include "simvis/output/encoding_queue.h"
 #include "simvis/output/formats.h"
+#include "simvis/output/item_file.h"
 
 namespace simvis {
 
@@ -58,6 +59,9 @@ class OutputWriter {
   /// Writes the pose of one of the parts in this frame.
   void part_pose(std::string_view part, const FrameTime& time, const glm::dmat4& world_from_part);
 
+  /// Writes the items of the scene in this frame to FOLDER/items.csv, if they are not those of the last call.
+  void items(const FrameTime& time, std::vector<SceneItem> items);
+
   /// Waits for all encoding and writes the files. Do not write afterwards.
   void finish();
 
@@ -85,8 +89,10 @@ class OutputWriter {
     void check_new(const std::filesystem::path& file) const;
   };
   SensorSink& find(std::string_view name) const;
+  void open_items(const std::filesystem::path& file);
 
   std::map<std::string, std::unique_ptr<SensorSink>, std::less<>> sinks_;
+  std::optional<ItemFile> items_;
   Run run_;  // destroyed before the sinks, because its queue writes to them
 };
 

@@ -203,6 +203,7 @@ TEST_CASE("materials: of a visual, by name for the whole robot, with a picture; 
                          visual(R"(<box size="1 1 1"/>)", ""))));
   BuiltScene built =
       build_scene(parse_commands("<part file='my_robot/urdf/r.urdf' name='R' insert_at='ROOT'/>", "s", folder.path()));
+  built.scene.read_pictures();
   Flattener flattener(built.scene.root());
   const DrawList& list = flattener.update();
   REQUIRE(list.items.size() == 4);

@@ -43,6 +43,7 @@ class SdfScene {
     write_text(folder_ / "w.sdf", text);
     built_ = build_scene(parse_commands("<part file='w.sdf' name='W' insert_at='ROOT' " + attributes + "/>" + more,
                                         "s.xml", folder_.path()));
+    built_.scene.read_pictures();  // as a camera does
   }
 
   BuiltScene& built() { return built_; }

@@ -52,6 +52,7 @@ class UrdfScene {
     write_text(folder_ / "r.urdf", text);
     built_ = build_scene(
         parse_commands("<part file='r.urdf' name='ROBOT' insert_at='ROOT'/>" + more, "s.xml", folder_.path()));
+    built_.scene.read_pictures();  // as a camera does
   }
   TemporaryFolder folder_;
   BuiltScene built_;

@@ -98,7 +98,8 @@ Material GltfMaterials::convert(int index) {
     material.emissive[i] = product(source.emissiveFactor[static_cast<std::size_t>(i)], factor, place, document_);
   }
 
-  SurfaceMap base = map_of(source.pbrMetallicRoughness.baseColorTexture);
+  const PictureUse use = material.alpha_mode == AlphaMode::opaque ? PictureUse::color : PictureUse::alpha;
+  SurfaceMap base = map_of(source.pbrMetallicRoughness.baseColorTexture, use);
   material.base_color_texture = std::move(base.texture);
   material.uv_set = base.uv_set;
   material.uv_transform = base.uv_transform;
@@ -124,7 +125,7 @@ void GltfMaterials::set_surface(const tinygltf::Material& source, Material& mate
 }
 
 template <typename TextureInfo>
-SurfaceMap GltfMaterials::map_of(const TextureInfo& info) {
+SurfaceMap GltfMaterials::map_of(const TextureInfo& info, PictureUse use) {
   if (info.index < 0) return {};
   SurfaceMap map;
   map.uv_set = info.texCoord;
@@ -137,7 +138,7 @@ SurfaceMap GltfMaterials::map_of(const TextureInfo& info) {
     document_.warn("textures with texCoord above 1 are left out");
     return {};
   }
-  map.texture = textures_.get(info.index);
+  map.texture = textures_.get(info.index, use);
   return map.texture ? map : SurfaceMap{};
 }
 

@@ -26,7 +26,8 @@ class GltfMaterials {
   Material convert(int material);
   void set_surface(const tinygltf::Material& source, Material& material);
   template <typename TextureInfo>
-  SurfaceMap map_of(const TextureInfo& info);  // without a texture if it cannot be shown
+  // Without a texture if it cannot be shown.
+  SurfaceMap map_of(const TextureInfo& info, PictureUse use = PictureUse::color);
 
   GltfDocument& document_;
   ContentPool& pool_;

@@ -1,5 +1,8 @@
 #include "scenegraph/import/gltf/gltf_textures.h"
 
+#include <cstdint>
+#include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -64,26 +67,37 @@ Sampler sampler_of(int index, const GltfDocument& document) {
   return sampler;
 }
 
-// Returns nothing and adds a warning if the picture cannot be had.
-std::optional<Texture> decode_image(int index, GltfDocument& document) {
+// Reads a picture: it returns nothing and adds a warning if the picture cannot be had. It holds the bytes of a picture
+// that lies in the glTF file or one of its buffers, because these are closed when the part has been read.
+std::function<std::optional<Texture>(std::vector<std::string>&)> reader_of(int index, const GltfDocument& document) {
   const GltfImage& image = document.images[static_cast<std::size_t>(index)];
   const std::string place = "images/" + std::to_string(index);
+  const std::filesystem::path file = document.file;
   if (image.buffer_view < 0 && !image.uri.starts_with("data:")) {
-    std::vector<std::string> warnings;
-    std::optional<Texture> texture =
-        find_and_read_picture(decode_gltf_uri(image.uri).value_or(image.uri), document.file, warnings);
-    for (const std::string& warning : warnings) document.add_warning(warning);
-    return texture;
+    const std::string name = decode_gltf_uri(image.uri).value_or(image.uri);
+    return [name, file](std::vector<std::string>& warnings) { return find_and_read_picture(name, file, warnings); };
   }
-  const std::string subject = document.file.string() + ": error: " + place;
+  std::vector<std::uint8_t> bytes;
+  std::string broken;
   try {
-    if (image.buffer_view >= 0) return decode_picture(view_bytes(document, image.buffer_view, place), subject);
-    const GltfBuffer buffer = open_gltf_uri(image.uri, document.file, place);
-    return decode_picture(buffer.read(0, buffer.size()), subject);
+    if (image.buffer_view >= 0) {
+      bytes = view_bytes(document, image.buffer_view, place);
+    } else {
+      const GltfBuffer buffer = open_gltf_uri(image.uri, file, place);
+      bytes = buffer.read(0, buffer.size());
+    }
   } catch (const InputError& error) {
-    document.add_warning(without_word_error(error.what()) + "; the material's colour replaces it");
-    return std::nullopt;
+    broken = error.what();
   }
+  return [bytes, broken, file, place](std::vector<std::string>& warnings) -> std::optional<Texture> {
+    try {
+      if (!broken.empty()) throw InputError(broken);
+      return decode_picture(bytes, file.string() + ": error: " + place);
+    } catch (const InputError& error) {
+      warnings.push_back(without_word_error(error.what()) + "; the material's colour replaces it");
+      return std::nullopt;
+    }
+  };
 }
 
 // Returns the picture of a texture, or -1. KHR_texture_basisu and MSFT_texture_dds come last, because no decoder is
@@ -103,8 +117,8 @@ int image_of(const tinygltf::Texture& texture) {
 
 }  // namespace
 
-std::shared_ptr<const Texture> GltfTextures::get(int index) {
-  const auto [entry, is_new] = known_.try_emplace(index);
+std::shared_ptr<const Texture> GltfTextures::get(int index, PictureUse use) {
+  const auto [entry, is_new] = known_.try_emplace({index, use});
   if (!is_new) return entry->second;
   const tinygltf::Texture& source = document_.model.textures[static_cast<std::size_t>(index)];
   const Sampler sampler = sampler_of(source.sampler, document_);
@@ -113,11 +127,17 @@ std::shared_ptr<const Texture> GltfTextures::get(int index) {
     document_.warn("textures/" + std::to_string(index) + " has no picture; the material's colour replaces it");
     return nullptr;
   }
-  std::optional<Texture> texture = decode_image(image, document_);
-  if (!texture) return nullptr;
-  texture->name = source.name.empty() ? document_.images[static_cast<std::size_t>(image)].name : source.name;
-  texture->sampler = sampler;
-  entry->second = pool_.intern(std::move(*texture));
+  const std::string name = source.name.empty() ? document_.images[static_cast<std::size_t>(image)].name : source.name;
+  const auto read = [decode = reader_of(image, document_), name, sampler](std::vector<std::string>& warnings) {
+    std::optional<Texture> texture = decode(warnings);
+    if (!texture) return texture;
+    texture->name = name;
+    texture->sampler = sampler;
+    return texture;
+  };
+  std::vector<std::string> warnings;
+  entry->second = pool_.picture({.read = read, .use = use}, warnings);
+  for (std::string& warning : warnings) document_.add_warning(std::move(warning));
   return entry->second;
 }
 

@@ -3,6 +3,7 @@
 
 #include <map>
 #include <memory>
+#include <utility>
 
 #include <simvis/content_pool.h>
 #include <simvis/mesh.h>
@@ -16,13 +17,14 @@ class GltfTextures {
   GltfTextures(GltfDocument& document, ContentPool& pool) : document_(document), pool_(pool) {}
 
   /// Returns null and adds a warning if the texture has no picture, or one that is missing or cannot be decoded.
-  /// Throws InputError if a sampler value does not exist in glTF.
-  std::shared_ptr<const Texture> get(int texture);
+  /// A picture for colour may be postponed, see ContentPool. Throws InputError if a sampler value does not exist in
+  /// glTF.
+  std::shared_ptr<const Texture> get(int texture, PictureUse use);
 
  private:
   GltfDocument& document_;
   ContentPool& pool_;
-  std::map<int, std::shared_ptr<const Texture>> known_;
+  std::map<std::pair<int, PictureUse>, std::shared_ptr<const Texture>> known_;
 };
 
 }  // namespace simvis

@@ -1,8 +1,8 @@
 #include "scenegraph/import/mesh/imported_graph.h"
 
+#include <algorithm>
 #include <memory>
 #include <optional>
-#include <set>
 #include <utility>
 #include <vector>
 
@@ -11,21 +11,32 @@
 namespace simvis {
 namespace {
 
-// Returns null and adds a warning if the picture is missing. One picture may be used with several samplers: `missing`
-// holds the names that need no second warning.
-std::shared_ptr<const Texture> pooled_texture(ImportedTexture&& source, const std::filesystem::path& file,
-                                              ContentPool& pool, std::set<std::string>& missing,
+// One picture may be used with several samplers, and is told of once if it is missing.
+std::shared_ptr<const Texture> pooled_texture(ImportedTexture&& source, PictureUse use,
+                                              const std::filesystem::path& file, ContentPool& pool,
                                               std::vector<std::string>& warnings) {
   if (source.file.empty()) return pool.intern(std::move(source.texture));
-  if (missing.contains(source.file)) return nullptr;
-  std::optional<Texture> texture = find_and_read_picture(source.file, file, warnings);
-  if (!texture) {
-    missing.insert(source.file);
-    return nullptr;
+  const auto read = [source = std::move(source), file](std::vector<std::string>& found) {
+    std::vector<std::string> own;
+    std::optional<Texture> texture = find_and_read_picture(source.file, file, own);
+    for (std::string& warning : own) {
+      if (std::ranges::count(found, warning) == 0) found.push_back(std::move(warning));
+    }
+    if (!texture) return texture;
+    texture->name = source.texture.name;
+    texture->sampler = source.texture.sampler;
+    return texture;
+  };
+  return pool.picture({.read = read, .use = use}, warnings);
+}
+
+std::vector<PictureUse> uses_of_textures(const ImportedScene& scene) {
+  std::vector<PictureUse> uses(scene.textures.size(), PictureUse::color);
+  for (const ImportedMaterial& material : scene.materials) {
+    const bool has_alpha = material.material.alpha_mode != AlphaMode::opaque;
+    if (has_alpha && material.texture != kNoTexture) uses[material.texture] = PictureUse::alpha;
   }
-  texture->name = std::move(source.texture.name);
-  texture->sampler = source.texture.sampler;
-  return pool.intern(std::move(*texture));
+  return uses;
 }
 
 std::shared_ptr<MaterialNode> material_node(ImportedMaterial&& source,
@@ -59,9 +70,9 @@ std::vector<std::string> add_imported_scene(ImportedScene&& scene, const std::fi
                                             const Material& fallback, ContentPool& pool, Group& root) {
   std::vector<std::string> warnings;
   std::vector<std::shared_ptr<const Texture>> textures;
-  std::set<std::string> missing;
-  for (ImportedTexture& texture : scene.textures) {
-    textures.push_back(pooled_texture(std::move(texture), file, pool, missing, warnings));
+  const std::vector<PictureUse> uses = uses_of_textures(scene);
+  for (std::size_t i = 0; i < scene.textures.size(); ++i) {
+    textures.push_back(pooled_texture(std::move(scene.textures[i]), uses[i], file, pool, warnings));
   }
   std::vector<NodePtr> materials, shapes;
   for (ImportedMaterial& material : scene.materials) {

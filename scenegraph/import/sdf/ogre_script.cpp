@@ -19,10 +19,13 @@ struct GazeboColor {
   bool glows = false;
 };
 
+// The materials without pictures of src/rendering/MaterialParser/gazebo.material in gz-sim (commit 93bbf3e, the list of
+// Gazebo classic): the diffuse colour, with the alpha of the texture unit where there is one.
 constexpr GazeboColor kGazeboColors[] = {
     {"Grey", {0.7, 0.7, 0.7, 1}},
+    {"Gray", {0.7, 0.7, 0.7, 1}},
     {"DarkGrey", {0.175, 0.175, 0.175, 1}},
-    {"LightGrey", {0.8, 0.8, 0.8, 1}},
+    {"DarkGray", {0.175, 0.175, 0.175, 1}},
     {"White", {1, 1, 1, 1}},
     {"FlatBlack", {0.1, 0.1, 0.1, 1}},
     {"Black", {0, 0, 0, 1}},
@@ -30,16 +33,16 @@ constexpr GazeboColor kGazeboColors[] = {
     {"RedBright", {0.87, 0.26, 0.07, 1}},
     {"Green", {0, 1, 0, 1}},
     {"Blue", {0, 0, 1, 1}},
-    {"SkyBlue", {0.13, 0.44, 0.7, 1}},
+    {"SkyBlue", {0, 0, 1, 1}},  // only its ambient colour is that of the sky
     {"Yellow", {1, 1, 0, 1}},
     {"DarkYellow", {0.7, 0.7, 0, 1}},
     {"ZincYellow", {0.9725, 0.9529, 0.2078, 1}},
     {"Purple", {1, 0, 1, 1}},
     {"Turquoise", {0, 1, 1, 1}},
     {"Orange", {1, 0.5088, 0.0468, 1}},
-    {"DarkOrange", {0.6, 0.3, 0, 1}},
     {"Indigo", {0.33, 0, 0.5, 1}},
     {"Gold", {0.8, 0.64869, 0.120759, 1}},
+    {"Pioneer2Body", {0.681193, 0.000923, 0.000923, 1}},
     {"WhiteGlow", {1, 1, 1, 1}, true},
     {"RedGlow", {1, 0, 0, 1}, true},
     {"GreenGlow", {0, 1, 0, 1}, true},
@@ -47,6 +50,13 @@ constexpr GazeboColor kGazeboColors[] = {
     {"YellowGlow", {1, 1, 0, 1}, true},
     {"PurpleGlow", {1, 0, 1, 1}, true},
     {"TurquoiseGlow", {0, 1, 1, 1}, true},
+    {"LightOn", {0, 1, 0, 1}, true},
+    {"LightOff", {1, 0, 0, 1}, true},
+    {"RedTransparentOverlay", {1, 0, 0, 0.5}},
+    {"GreenTransparentOverlay", {0, 1, 0, 0.5}},
+    {"BlueTransparentOverlay", {0, 0, 1, 0.5}},
+    {"OrangeTransparentOverlay", {1, 0.5088, 0.0468, 0.8}},
+    {"DarkOrangeTransparentOverlay", {0.6, 0.305, 0.028, 0.8}},
     {"RedTransparent", {1, 0, 0, 0.5}},
     {"GreenTransparent", {0, 1, 0, 0.5}},
     {"BlueTransparent", {0, 0, 1, 0.5}},
@@ -54,7 +64,9 @@ constexpr GazeboColor kGazeboColors[] = {
     {"GreyTransparent", {0.5, 0.5, 0.5, 0.5}},
     {"BlackTransparent", {0, 0, 0, 0.5}},
     {"YellowTransparent", {1, 1, 0, 0.5}},
-    {"OrangeTransparent", {1, 0.44, 0, 0.5}},
+    {"LightBlueLaser", {0.5, 0.5, 1, 0.4}},
+    {"BlueLaser", {0, 0, 1, 0.4}},
+    {"OrangeTransparent", {1, 0.44, 0, 0.4}},
 };
 
 constexpr std::size_t kMaxDerived = 8;  // materials that are derived from each other

@@ -11,6 +11,7 @@
 #include <simvis/pose.h>
 #include "scenegraph/import/mesh/picture_file.h"
 #include "scenegraph/import/sdf/sdf_commands.h"
+#include "scenegraph/import/sdf/sdf_mimic.h"
 #include "scenegraph/import/sdf/sdf_reader.h"
 #include "scenegraph/import/sdf/sdf_tree.h"
 #include "scenegraph/import/sdf/sdf_visuals.h"
@@ -49,7 +50,7 @@ class SdfImport {
     PartContent content;
     content.root = root;
     content.commands = std::move(joints_);
-    for (std::vector<std::string>* more : {&lights_, &sensors_}) {
+    for (std::vector<std::string>* more : {&mimics_, &lights_, &sensors_}) {
       std::move(more->begin(), more->end(), std::back_inserter(content.commands));
     }
     content.warnings = report_.release();
@@ -136,8 +137,9 @@ class SdfImport {
       const glm::dmat4 scope_from_axis = poses_.frame(*link.joint_scope, frame, element);
       joint_from_axis = rigid_inverse(poses_.item(*link.joint_scope, *link.joint)) * scope_from_axis;
     }
-    auto command = sdf_joint_command(element, {link.joint_name, link.joint_point}, joint_from_axis, report_);
-    if (command) joints_.push_back(std::move(*command));
+    const std::optional<SdfMimic> mimic = find_sdf_mimic(link, tree_, report_);
+    auto command = sdf_joint_command(element, {link.joint_name, link.joint_point}, joint_from_axis, mimic, report_);
+    if (command) (mimic ? mimics_ : joints_).push_back(std::move(*command));
   }
 
   // link_from_child of a visual, light or sensor.
@@ -201,7 +203,7 @@ class SdfImport {
   SdfVisuals visuals_;
   SdfTree tree_;
   std::map<const SdfItem*, std::string> model_points_;
-  std::vector<std::string> joints_, lights_, sensors_;
+  std::vector<std::string> joints_, mimics_, lights_, sensors_;
 };
 
 PartContent import_sdf(const ImportRequest& request, ContentPool& pool) { return SdfImport(request, pool).run(); }

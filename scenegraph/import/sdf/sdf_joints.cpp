@@ -5,6 +5,7 @@
 
 #include <simvis/pose.h>
 #include "scenegraph/import/sdf/sdf_command.h"
+#include "scenegraph/import/sdf/sdf_mimic.h"
 
 namespace simvis {
 namespace {
@@ -37,11 +38,12 @@ std::string sdf_axis_frame(const SdfElement& joint) {
 }
 
 std::optional<std::string> sdf_joint_command(const SdfElement& joint, const SdfPlace& place,
-                                             const glm::dmat4& joint_from_axis, SdfReport& report) {
+                                             const glm::dmat4& joint_from_axis, const std::optional<SdfMimic>& mimic,
+                                             SdfReport& report) {
   const std::string type = joint.attribute("type");
-  const bool turns = type == "revolute" || type == "continuous" || type == "hinge";
+  const bool turns = sdf_joint_turns(joint);
   if (type == "fixed") return std::nullopt;
-  if (!turns && type != "prismatic") {
+  if (!turns && !sdf_joint_slides(joint)) {
     report.leave_out("motion of a joint of type " + in_quotes(type), joint.at());
     return std::nullopt;
   }
@@ -49,11 +51,17 @@ std::optional<std::string> sdf_joint_command(const SdfElement& joint, const SdfP
   const glm::dvec3 xyz = axis.child("xyz").vector(glm::dvec3(0, 0, 1));
   if (xyz == glm::dvec3(0)) axis.fail("is 0 0 0, expected a vector that is not zero");
   const double largest = std::max({std::abs(xyz.x), std::abs(xyz.y), std::abs(xyz.z)});
-  SdfCommand command(CommandKind::element, "joint", place);
+  SdfCommand command(CommandKind::element, mimic ? "mimic_joint" : "joint", place);
   command.add("axis", glm::dvec3(joint_from_axis * glm::dvec4(xyz / largest, 0)));
   command.add("kind", turns ? "revolute" : "prismatic");
-  if (type != "continuous") add_sdf_limits(axis, turns, command, report);
-  if (axis.child("mimic")) report.leave_out("element <mimic> of a joint", axis.child("mimic").at());
+  if (mimic) {
+    const double unit = turns ? kSdfDegrees : 1;
+    command.add("leader", mimic->leader);
+    command.add("multiplier", mimic->multiplier * unit / (mimic->leader_turns ? kSdfDegrees : 1));
+    command.add("offset", mimic->offset * unit);
+  } else if (type != "continuous") {
+    add_sdf_limits(axis, turns, command, report);
+  }
   return command.text();
 }
 

@@ -66,6 +66,7 @@ std::string sdf_light_command(const SdfElement& light, const SdfPlace& place, co
   if (!light.child("light_on").flag(true)) intensity = 0;
   const glm::dvec3 direction = direction_of(light, point_from_light);
   if (type == "directional") {
+    // As Ogre2Light::SetIntensity() of gz-rendering (commit dafbffa), which multiplies by pi.
     command.add("intensity", std::clamp(std::numbers::pi * intensity, 0.0, kMaxIntensity));
     command.add("azimuth", azimuth_of(-direction));
     command.add("elevation", elevation_of(-direction));
@@ -88,7 +89,8 @@ std::optional<std::string> sdf_sky_command(const SdfElement& scene, const SdfPla
   if (!background && !ambient) return std::nullopt;
   SdfCommand command(CommandKind::element, "sky", place);
   if (background) add_linear_color(background.color(glm::dvec4(1)), {"red", "green", "blue"}, command);
-  // gz-sim takes the numbers as linear and shows a white surface in ambient light A as A / pi.
+  // gz-sim takes the numbers as linear and shows a white surface in ambient light A as A / pi: gz-rendering (commit
+  // dafbffa) passes them on in Ogre2Scene::SetAmbientLight(), and OGRE's diffuse colour is that of the surface by pi.
   if (ambient) {
     const glm::dvec4 light = ambient.color(glm::dvec4(1)) / std::numbers::pi;
     constexpr const char* kNames[] = {"ambient_red", "ambient_green", "ambient_blue"};

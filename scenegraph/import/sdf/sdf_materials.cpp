@@ -71,18 +71,35 @@ std::shared_ptr<const Material> SdfMaterials::read(const SdfElement& element, co
   return pool_.intern(std::move(material));
 }
 
+std::shared_ptr<const Material> SdfMaterials::of_heightmap(const SdfElement& texture, const glm::dvec2& size_m,
+                                                           double opacity) {
+  Material material = plain(opacity);
+  material.name = "heightmap";
+  material.base_color_texture = map(texture.child("diffuse"), Look{});
+  const double repeat_m = texture.child("size").number(10);
+  constexpr double kMinRepeat_m = 1e-6;
+  if (!(repeat_m >= kMinRepeat_m)) texture.fail("has a <size> that is not above 0");
+  material.uv_transform = glm::mat3x2(size_m.x / repeat_m, 0, 0, size_m.y / repeat_m, 0, 0);
+  return pool_.intern(std::move(material));
+}
+
+SdfMaterials::Look SdfMaterials::look_of(const Material& material) {
+  return {.use = material.alpha_mode == AlphaMode::opaque ? PictureUse::color : PictureUse::alpha};
+}
+
 void SdfMaterials::read_maps(const SdfElement& workflow, Material& material) {
   for (const SdfElement& each : workflow.children()) {
     const std::string_view tag = each.tag();
     if (each.text().empty()) continue;
     if (tag == "albedo_map") {
-      material.base_color_texture = map(each);
+      material.base_color_texture = map(each, look_of(material));
     } else if (tag == "normal_map") {
-      material.map(MapKind::normal).texture = map(each);
+      material.map(MapKind::normal).texture = map(each, Look{});
     } else if (tag == "ambient_occlusion_map") {
-      material.map(MapKind::occlusion).texture = map(each);
+      material.map(MapKind::occlusion).texture = map(each, Look{});
     } else if (tag == "emissive_map") {
-      material.map(MapKind::emissive).texture = map(each);
+      const auto without = [own = material.emissive](Material& changed) { changed.emissive = own; };
+      material.map(MapKind::emissive).texture = map(each, {.without = without});
       if (material.map(MapKind::emissive).texture != nullptr) material.emissive = glm::vec3(1);
     } else if (tag.ends_with("_map")) {
       report_.leave_out("element <" + std::string(tag) + "> of a material", each.at());
@@ -111,7 +128,7 @@ bool SdfMaterials::read_script(const SdfElement& script, Material& material) {
                                                      folder / "../materials/textures" / found->texture};
   for (const std::filesystem::path& file : places) {
     if (!std::filesystem::is_regular_file(file, error)) continue;
-    material.base_color_texture = picture(file.lexically_normal(), script);
+    material.base_color_texture = picture(file.lexically_normal(), script, look_of(material));
     return true;
   }
   report_.warn(script.at(), "texture " + in_quotes(found->texture) + " of material " + in_quotes(name) +
@@ -138,23 +155,30 @@ std::optional<OgreMaterial> SdfMaterials::find_script(const SdfElement& script, 
   return std::nullopt;
 }
 
-std::shared_ptr<const Texture> SdfMaterials::map(const SdfElement& element) {
+std::shared_ptr<const Texture> SdfMaterials::map(const SdfElement& element, Look look) {
   std::string why;
-  if (const auto file = files_.find(element.text(), element, why)) return picture(*file, element);
+  if (const auto file = files_.find(element.text(), element, why)) return picture(*file, element, std::move(look));
   report_.warn(element.at(), "picture " + why + "; the material does without it");
   return nullptr;
 }
 
-std::shared_ptr<const Texture> SdfMaterials::picture(const std::filesystem::path& file, const SdfElement& where) {
-  const auto [known, is_new] = pictures_.try_emplace(file);
-  if (!is_new) return known->second;
-  try {
-    Texture texture = read_picture_file(file);
-    texture.name = file.filename().string();
-    known->second = pool_.intern(std::move(texture));
-  } catch (const InputError& error) {
-    report_.warn(to_string(where.at()) + ": " + without_word_error(error.what()) + "; the material does without it");
-  }
+std::shared_ptr<const Texture> SdfMaterials::picture(const std::filesystem::path& file, const SdfElement& where,
+                                                     Look look) {
+  const auto [known, is_new] = pictures_.try_emplace({file, look.use});
+  if (!is_new && !look.without) return known->second;
+  const auto read = [file, place = to_string(where.at())](std::vector<std::string>& warnings) {
+    std::optional<Texture> texture;
+    try {
+      texture = read_picture_file(file);
+      texture->name = file.filename().string();
+    } catch (const InputError& error) {
+      warnings.push_back(place + ": " + without_word_error(error.what()) + "; the material does without it");
+    }
+    return texture;
+  };
+  std::vector<std::string> warnings;
+  known->second = pool_.picture({.read = read, .use = look.use, .without = std::move(look.without)}, warnings);
+  for (std::string& warning : warnings) report_.warn(std::move(warning));
   return known->second;
 }
 

@@ -2,9 +2,12 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include <simvis/content_pool.h>
 #include <simvis/mesh.h>
@@ -27,6 +30,8 @@ class SdfMaterials {
 
   /// Null: the element says nothing about the look. Throws InputError for wrong numbers. `opacity` is a factor.
   std::shared_ptr<const Material> read(const SdfElement& material, const std::string& name, double opacity);
+  /// The look of a heightmap with the first <texture>, which repeats every <size> metres.
+  std::shared_ptr<const Material> of_heightmap(const SdfElement& texture, const glm::dvec2& size_m, double opacity);
   /// The look of a shape without a material.
   static Material plain(double opacity);
 
@@ -35,13 +40,19 @@ class SdfMaterials {
   std::optional<OgreMaterial> find_script(const SdfElement& script, const std::string& name,
                                           std::filesystem::path& folder);
   void read_maps(const SdfElement& workflow, Material& material);
-  std::shared_ptr<const Texture> map(const SdfElement& element);
-  std::shared_ptr<const Texture> picture(const std::filesystem::path& file, const SdfElement& where);
+  // What a picture is for, and the look of its material without it.
+  struct Look {
+    PictureUse use = PictureUse::color;
+    std::function<void(Material&)> without{};
+  };
+  static Look look_of(const Material& material);
+  std::shared_ptr<const Texture> map(const SdfElement& element, Look look);
+  std::shared_ptr<const Texture> picture(const std::filesystem::path& file, const SdfElement& where, Look look);
 
   SdfFiles& files_;
   SdfReport& report_;
   ContentPool& pool_;
-  std::map<std::filesystem::path, std::shared_ptr<const Texture>> pictures_;  // null: broken
+  std::map<std::pair<std::filesystem::path, PictureUse>, std::shared_ptr<const Texture>> pictures_;  // null: broken
 };
 
 }  // namespace simvis

@@ -7,6 +7,7 @@
 
 #include <simvis/pose.h>
 #include "scenegraph/import/sdf/sdf_command.h"
+#include "scenegraph/import/sdf/sdf_lens.h"
 
 namespace simvis {
 namespace {
@@ -72,23 +73,38 @@ bool fills_picture(const std::array<double, 3>& k, double corner) {
   return false;
 }
 
-void add_distortion(const SdfElement& camera, double width, double height, double hfov, SdfCommand& command,
+// Returns whether the command has a model of distortion now.
+bool add_distortion(const SdfElement& camera, double width, double height, double hfov, SdfCommand& command,
                     SdfReport& report) {
   const SdfElement distortion = camera.child("distortion");
   std::array<double, 5> values{};
   constexpr const char* kNames[] = {"k1", "k2", "k3", "p1", "p2"};
   for (std::size_t i = 0; i < values.size(); ++i) values[i] = distortion.child(kNames[i]).number(0);
-  if (values == std::array<double, 5>{}) return;
+  if (values == std::array<double, 5>{}) return false;
   const double corner = std::tan(hfov / 2) * std::hypot(1, height / width);
   if (!fills_picture({values[0], values[1], values[2]}, corner)) {
-    return report.leave_out("a lens distortion that folds within the picture", distortion.at());
+    report.leave_out("a lens distortion that folds within the picture", distortion.at());
+    return false;
   }
   command.add("distortion", "brown_conrady");
   for (std::size_t i = 0; i < values.size(); ++i) command.add(kNames[i], values[i]);
+  return true;
 }
 
-std::optional<std::string> camera_command(const SdfElement& sensor, const char* outputs, const SdfPlace& place,
-                                          const glm::dmat4& point_from_sensor, SdfReport& report) {
+// SDF's noise is added to a picture from 0 to 1. A full well of so many electrons has next to no noise of its own: the
+// standard deviation of a full pixel is 3e-5 of its value.
+constexpr double kNoiselessWell_e = 1e9;
+
+void add_picture_noise(const SdfElement& noise, SdfCommand& command, SdfReport& report) {
+  const double deviation = gaussian(noise, report);
+  if (!(deviation > 0)) return;
+  command.add("full_well_e", kNoiselessWell_e);
+  command.add("read_noise_e", std::min(deviation, 1.0) * kNoiselessWell_e);
+}
+
+std::optional<std::string> camera_command(const SdfElement& sensor, std::string_view outputs, bool is_wide_angle,
+                                          const SdfPlace& place, const glm::dmat4& point_from_sensor,
+                                          SdfReport& report) {
   const SdfElement camera = sensor.child("camera");
   if (!camera) sensor.fail("has no <camera>");
   SdfCommand command(CommandKind::sensor, "camera", place);
@@ -104,11 +120,21 @@ std::optional<std::string> camera_command(const SdfElement& sensor, const char* 
   const double near_m = camera.child("clip").child("near").number(0.1);
   if (!(near_m > 0 && near_m <= kMaxRange_m)) camera.fail("has a clip plane <near> that is not above 0");
   command.add("near", near_m);
-  command.add("outputs", outputs);
-  add_distortion(camera, width, height, hfov, command, report);
+  command.add("outputs", std::string(outputs));
+  if (is_wide_angle) {
+    if (lens) add_sdf_lens(lens, true, width, height, hfov, command, report);
+  } else {
+    const bool is_distorted = add_distortion(camera, width, height, hfov, command, report);
+    if (lens.child("intrinsics")) {
+      if (!is_distorted) command.add("distortion", "brown_conrady");
+      add_sdf_lens(lens, false, width, height, hfov, command, report);
+    }
+  }
   add_rate(sensor, command);
-  if (lens) report.leave_out("element <lens> of a camera", lens.at());
-  if (gaussian(camera.child("noise"), report) > 0) report.leave_out("noise of a camera", camera.child("noise").at());
+  if (outputs.starts_with("color")) add_picture_noise(camera.child("noise"), command, report);
+  if (outputs == "depth" && gaussian(camera.child("noise"), report) > 0) {
+    report.leave_out("noise of a depth camera", camera.child("noise").at());
+  }
   return command.text();
 }
 
@@ -172,12 +198,15 @@ std::optional<std::string> sdf_sensor_command(const SdfElement& sensor, const Sd
   for (const SdfElement& child : sensor.children()) {
     if (child.tag() == "plugin") report.leave_out("element <plugin>", child.at());
   }
-  if (type == "camera") return camera_command(sensor, "color", place, point_from_sensor, report);
+  const bool is_wide_angle = type == "wideanglecamera" || type == "wide_angle_camera";
+  if (type == "camera" || is_wide_angle) {
+    return camera_command(sensor, "color", is_wide_angle, place, point_from_sensor, report);
+  }
   if (type == "depth" || type == "depth_camera") {
-    return camera_command(sensor, "depth", place, point_from_sensor, report);
+    return camera_command(sensor, "depth", false, place, point_from_sensor, report);
   }
   if (type == "rgbd" || type == "rgbd_camera") {
-    return camera_command(sensor, "color depth", place, point_from_sensor, report);
+    return camera_command(sensor, "color depth", false, place, point_from_sensor, report);
   }
   if (type == "ray" || type == "lidar" || type == "gpu_ray" || type == "gpu_lidar") {
     return scanner_command(sensor, place, point_from_sensor, report);

@@ -11,7 +11,10 @@
 #include <simvis/pose.h>
 #include "scenegraph/clone_graph.h"
 #include "scenegraph/graph_walk.h"
+#include "scenegraph/height_map.h"
+#include "scenegraph/import/mesh/height_picture.h"
 #include "scenegraph/import/mesh/picture_file.h"
+#include "scenegraph/import/sdf/sdf_polyline.h"
 #include "scenegraph/import/urdf/urdf_file.h"
 #include "scenegraph/primitive_meshes.h"
 
@@ -124,6 +127,8 @@ NodePtr SdfVisuals::build(const SdfElement& visual, const glm::dmat4& link_from_
       visual.child("geometry") ? visual.child("geometry").children() : std::vector<SdfElement>();
   if (shapes.empty()) report_.warn(visual.at(), "the visual has no geometry and is left out");
   if (shapes.empty() || shapes.front().tag() == "empty") return nullptr;
+  // Several polylines are an outline and its holes.
+  if (shapes.size() > 1 && shapes[1].tag() == "polyline") shapes[1].fail("is a hole, which is not taken over");
   const double transparency = visual.child("transparency").number(0);
   if (!(transparency >= 0 && transparency <= 1)) visual.fail("has a <transparency> outside 0 to 1");
   const std::string name = visual.attribute("name");
@@ -140,6 +145,7 @@ void SdfVisuals::add_geometry(const SdfElement& shape, const std::shared_ptr<con
                               Group& group) {
   const std::string_view tag = shape.tag();
   if (tag == "mesh") return add_mesh(shape, material, opacity, group);
+  if (tag == "heightmap") return add_heightmap(shape, material, opacity, group);
   group.add(std::make_shared<MaterialNode>(material ? material : pool_.intern(SdfMaterials::plain(opacity))));
   const auto add = [&](Mesh mesh) {
     const auto node = std::make_shared<Shape>(pool_.intern(std::move(mesh)));
@@ -162,7 +168,34 @@ void SdfVisuals::add_geometry(const SdfElement& shape, const std::shared_ptr<con
     group.add(std::make_shared<Transform>(turn_z_to(shape)));
     return add(plane_mesh(sizes_of(shape, "size", glm::dvec2(1))));
   }
-  shape.fail("is not taken over, expected box, sphere, cylinder, capsule, cone, ellipsoid, plane or mesh");
+  if (tag == "polyline") return add(sdf_polyline_mesh(shape));
+  shape.fail(
+      "is not taken over, expected box, sphere, cylinder, capsule, cone, ellipsoid, plane, heightmap, polyline "
+      "or mesh");
+}
+
+void SdfVisuals::add_heightmap(const SdfElement& map, const std::shared_ptr<const Material>& material, double opacity,
+                               Group& group) {
+  const SdfElement uri = map.child("uri"), texture = map.child("texture");
+  if (!uri || uri.text().empty()) map.fail("has no <uri>");
+  std::string why;
+  const auto file = files_.find(uri.text(), uri, why);
+  if (!file) uri.fail("names a picture that cannot be read: " + why);
+  const glm::dvec3 size_m = sizes_of(map, "size", glm::dvec3(1));
+  const HeightPicture picture = read_height_picture(*file);
+  const float highest = *std::ranges::max_element(picture.values);
+  glm::dmat4 place(1);
+  place[3] = glm::dvec4(map.child("pos").vector(glm::dvec3(0)), 1);
+  if (place != glm::dmat4(1)) group.add(std::make_shared<Transform>(place));
+  const bool is_textured = texture && texture.child("diffuse") && material == nullptr;
+  group.add(std::make_shared<MaterialNode>(is_textured
+                                               ? materials_.of_heightmap(texture, glm::dvec2(size_m), opacity)
+                                               : (material ? material : pool_.intern(SdfMaterials::plain(opacity)))));
+  // Gazebo gives the highest pixel the height of <size>.
+  const double scale_m = highest > 0 ? size_m.z / highest : size_m.z;
+  const auto shape = std::make_shared<Shape>(pool_.intern(height_map_mesh(picture, glm::dvec2(size_m), 0, scale_m)));
+  shape->name = shape->mesh()->name;
+  group.add(shape);
 }
 
 void SdfVisuals::add_mesh(const SdfElement& mesh, const std::shared_ptr<const Material>& material, double opacity,

@@ -16,8 +16,9 @@
 namespace simvis {
 
 /// Collision geometry is ignored. Boxes, spheres, cylinders, capsules and cones are the meshes of primitive_meshes.h;
-/// an ellipsoid is a sphere with three scales. A plane faces along its normal and is as large as its size. A mesh file
-/// keeps its axes as written by default, and its materials, unless the visual has a material of its own.
+/// an ellipsoid is a sphere with three scales, and the highest pixel of a heightmap has the height of its <size>. A
+/// plane faces along its normal and is as large as its size. A mesh file keeps its axes as written by default, and its
+/// materials, unless the visual has a material of its own.
 class SdfVisuals {
  public:
   SdfVisuals(SdfFiles& files, SdfReport& report, MeshFileAxes axes, ContentPool& pool)
@@ -46,6 +47,8 @@ class SdfVisuals {
   NodePtr build(const SdfElement& visual, const glm::dmat4& link_from_visual);
   void add_geometry(const SdfElement& shape, const std::shared_ptr<const Material>& material, double opacity,
                     Group& group);
+  void add_heightmap(const SdfElement& map, const std::shared_ptr<const Material>& material, double opacity,
+                     Group& group);
   void add_mesh(const SdfElement& mesh, const std::shared_ptr<const Material>& material, double opacity, Group& group);
   NodePtr read_mesh(const SdfElement& mesh, const MeshKey& key);
   NodePtr read_file(const std::filesystem::path& file, const SdfElement& mesh);

@@ -85,7 +85,8 @@ std::shared_ptr<const Material> UrdfVisuals::material_of(const urdf::Link& link,
     material.base_color = {linear_from_srgb(color.r), linear_from_srgb(color.g), linear_from_srgb(color.b), color.a};
     if (color.a < 1) material.alpha_mode = AlphaMode::blend;
     if (!visual.material->texture_filename.empty()) {
-      material.base_color_texture = read_texture(link, visual.material->texture_filename);
+      const PictureUse use = color.a < 1 ? PictureUse::alpha : PictureUse::color;
+      material.base_color_texture = read_texture(link, visual.material->texture_filename, use, material.base_color);
       // The colour is meant for programs without textures.
       if (material.base_color_texture != nullptr) material.base_color = glm::vec4(1, 1, 1, color.a);
     }
@@ -152,25 +153,29 @@ void UrdfVisuals::require_any() const {
   fail_at({.file = file_.text.source().file()}, "none of the robot's visuals can be shown: " + first_left_out_);
 }
 
-std::shared_ptr<const Texture> UrdfVisuals::read_texture(const urdf::Link& link, const std::string& name) {
-  const auto [known, is_new] = textures_.try_emplace(name);
+std::shared_ptr<const Texture> UrdfVisuals::read_texture(const urdf::Link& link, const std::string& name,
+                                                         PictureUse use, const glm::vec4& color) {
+  const auto [known, is_new] = textures_.try_emplace({name, use, {color.r, color.g, color.b}});
   if (!is_new) return known->second;
-  const auto warn = [&](const std::string& why) {
-    warnings_.push_back(to_string(file_.at("link", link.name)) + ": link " + in_quotes(link.name) +
-                        ": the material's colour replaces its texture, " + why);
-  };
+  const std::string start = to_string(file_.at("link", link.name)) + ": link " + in_quotes(link.name) +
+                            ": the material's colour replaces its texture, ";
   const std::optional<std::filesystem::path> path = find(link, name);
   if (!path) {
-    warn("picture " + in_quotes(name) + " is not there; " + packages_.tried());
+    warnings_.push_back(start + "picture " + in_quotes(name) + " is not there; " + packages_.tried());
     return nullptr;
   }
-  try {
-    Texture texture = read_picture_file(*path);
-    texture.name = name;
-    known->second = pool_.intern(std::move(texture));
-  } catch (const InputError& error) {
-    warn(without_word_error(error.what()));
-  }
+  const auto read = [path = *path, name, start](std::vector<std::string>& warnings) -> std::optional<Texture> {
+    try {
+      Texture texture = read_picture_file(path);
+      texture.name = name;
+      return texture;
+    } catch (const InputError& error) {
+      warnings.push_back(start + without_word_error(error.what()));
+      return std::nullopt;
+    }
+  };
+  known->second = pool_.picture(
+      {.read = read, .use = use, .without = [color](Material& material) { material.base_color = color; }}, warnings_);
   return known->second;
 }
 

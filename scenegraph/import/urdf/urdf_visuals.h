@@ -1,11 +1,13 @@
 // Makes nodes from the visuals of a URDF robot's links.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -41,7 +43,8 @@ class UrdfVisuals {
                 Group& group);
   NodePtr read_mesh(const urdf::Link& link, const std::string& name, const std::shared_ptr<const Material>& material);
   void leave_out(const urdf::Link& link, const std::string& why);
-  std::shared_ptr<const Texture> read_texture(const urdf::Link& link, const std::string& name);
+  std::shared_ptr<const Texture> read_texture(const urdf::Link& link, const std::string& name, PictureUse use,
+                                              const glm::vec4& color);
   std::optional<std::filesystem::path> find(const urdf::Link& link, const std::string& name);
 
   const UrdfFile& file_;
@@ -49,7 +52,8 @@ class UrdfVisuals {
   MeshFileAxes axes_;
   ContentPool& pool_;
   std::map<std::pair<std::filesystem::path, const Material*>, NodePtr> meshes_;
-  std::map<std::string, std::shared_ptr<const Texture>> textures_;
+  // By name, use, and the colour that replaces a picture that cannot be read.
+  std::map<std::tuple<std::string, PictureUse, std::array<float, 3>>, std::shared_ptr<const Texture>> textures_;
   std::vector<std::string> warnings_;
   std::string first_left_out_;
   bool has_any_ = false;

@@ -1,0 +1,105 @@
+// An element of an MJCF model with the defaults of its class, and the model's files.
+#pragma once
+
+#include <filesystem>
+#include <glm/glm.hpp>
+#include <list>
+#include <map>
+#include <optional>
+#include <pugixml.hpp>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "scenegraph/language/xml_text.h"
+
+namespace simvis {
+
+class MjcfModel;
+
+/// How deep bodies, and classes of defaults, may be nested over all files.
+inline constexpr int kMaxMjcfDepth = 200;
+
+/// An element, with the class whose defaults apply to it.
+class MjcfElement {
+ public:
+  MjcfElement(pugi::xml_node node, const XmlText& text, const MjcfModel& model, std::string childclass)
+      : node_(node), text_(&text), model_(&model), childclass_(std::move(childclass)) {}
+
+  std::string_view tag() const { return node_.name(); }
+  Location at() const { return text_->at(node_); }
+  /// Throws InputError "FILE:LINE:COLUMN: error: element <TAG> MESSAGE".
+  [[noreturn]] void fail(const std::string& message) const;
+
+  /// The attribute as written, or else that of the element's class; empty: neither has it.
+  std::optional<std::string> find(const char* name) const;
+  /// As find(), without the defaults.
+  std::optional<std::string> written(const char* name) const;
+  std::string text(const char* name, const std::string& fallback = {}) const { return find(name).value_or(fallback); }
+  /// The numbers of an attribute, which are finite. Empty: it is not there. Throws InputError for other than `least` to
+  /// `most` numbers.
+  std::vector<double> numbers(const char* name, std::size_t least, std::size_t most) const;
+  double number(const char* name, double fallback) const;
+  glm::dvec3 vector(const char* name, const glm::dvec3& fallback) const;
+  bool flag(const char* name, bool fallback) const;
+
+  /// The children, with those of included files in their places.
+  std::vector<MjcfElement> children() const;
+  pugi::xml_object_range<pugi::xml_attribute_iterator> attributes() const { return node_.attributes(); }
+
+ private:
+  pugi::xml_node node_;
+  const XmlText* text_;
+  const MjcfModel* model_;
+  std::string childclass_;
+};
+
+/// A model with the files that it includes.
+class MjcfModel {
+ public:
+  /// Throws InputError with the place: malformed XML, another root than <mujoco>, included files that are missing or in
+  /// a circle.
+  explicit MjcfModel(const std::filesystem::path& file);
+
+  /// The children of <mujoco> with this tag, over all files, such as each <worldbody>.
+  std::vector<MjcfElement> sections(std::string_view tag) const;
+  std::vector<MjcfElement> top() const;
+  const std::filesystem::path& file() const { return file_; }
+  std::string name() const;
+
+  // From <compiler>.
+  bool is_degrees = true, autolimits = true, strips_path = false;
+  std::string eulerseq = "xyz";
+  std::filesystem::path mesh_folder, texture_folder;
+
+  /// The default of an attribute: of the class, or of the classes around it.
+  std::optional<std::string> default_of(const std::string& name, std::string_view tag, const char* attribute) const;
+  const XmlText& include(const MjcfElement& include, const std::string& file) const;
+
+ private:
+  struct DefaultClass {
+    std::string outer;
+    std::map<std::string, std::map<std::string, std::string, std::less<>>, std::less<>> attributes;  // by tag
+  };
+  void read_compiler();
+  void read_defaults(const MjcfElement& element, const std::string& outer, int depth);
+
+  std::filesystem::path file_;
+  struct Included {
+    const XmlText* text;
+    std::string place;  // of the element that includes it
+  };
+  mutable std::list<XmlText> texts_;  // the model first
+  mutable std::map<std::filesystem::path, Included> included_;
+  std::map<std::string, DefaultClass, std::less<>> classes_;
+};
+
+/// The frame of an element: `pos` and one of quat, axisangle, euler, xyaxes and zaxis. Throws InputError for an
+/// orientation without length.
+glm::dmat4 mjcf_pose(const MjcfElement& element, const MjcfModel& model);
+
+/// A rotation that turns +z into `direction`, which has a length, by the shortest way.
+glm::dmat3 mjcf_turn_z_to(const glm::dvec3& direction);
+
+}  // namespace simvis

@@ -1,0 +1,36 @@
+// Readers of picture files for shapes. The importers have the decoders and register them here, because this room
+// includes nothing of theirs.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include <simvis/mesh.h>
+
+namespace simvis {
+
+/// A picture of heights.
+///
+/// Shape   values[row * width + column], rows from the top; width and height are at least 2.
+/// Units   PNG: from 0, black, to 1, white. EXR: as in the file, finite.
+struct HeightPicture {
+  std::uint32_t width = 0, height = 0;
+  std::vector<float> values;
+};
+
+/// Both throw InputError "FILE: error: ...".
+struct PictureReader {
+  Texture (*texture)(const std::filesystem::path& file) = nullptr;
+  HeightPicture (*heights)(const std::filesystem::path& file) = nullptr;
+};
+
+/// A static object of this type registers the reader.
+struct PictureReaderRegistration {
+  explicit PictureReaderRegistration(const PictureReader& reader);
+};
+
+/// The registered reader.
+const PictureReader& picture_reader();
+
+}  // namespace simvis

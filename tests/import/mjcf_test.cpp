@@ -1,0 +1,226 @@
+// MJCF models: shapes, frames, classes of defaults, joints, and what is left out.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "engine/base/srgb.h"
+#include "scenegraph/flattener.h"
+#include "scenegraph/primitive_meshes.h"
+#include "simvis/scene_builder.h"
+#include "tests/support/error_of.h"
+#include "tests/support/parts/box_files.h"
+#include "tests/support/temporary_folder.h"
+
+TEST_SUITE_BEGIN("scenegraph/import");
+
+using namespace simvis;
+using namespace simvis::test;
+
+namespace {
+
+// Products of a few rotations in double, and numbers of files with 16 digits.
+constexpr double kMjcfPlace = 1e-12;
+
+class MjcfScene {
+ public:
+  explicit MjcfScene(const std::string& content, const std::map<std::string, std::string>& files = {}) {
+    for (const auto& [name, text] : files) write_text(folder_ / name, text);
+    write_text(folder_ / "m.xml", "<mujoco model='m'>" + content + "</mujoco>");
+    built_ = build_scene(parse_commands("<part file='m.xml' name='M' insert_at='ROOT'/>", "s.xml", folder_.path()));
+    flattener_ = std::make_unique<Flattener>(built_.scene.root());
+  }
+  const DrawList& list() { return flattener_->update(); }
+  glm::dmat4 place(std::size_t item) {
+    const DrawList& drawn = list();
+    return drawn.world_from_node[drawn.items.at(item).transform];
+  }
+  const Mesh& mesh(std::size_t item) { return *list().meshes[list().items.at(item).mesh]; }
+  const Material& material(std::size_t item) { return *list().materials[list().items.at(item).material]; }
+  glm::dmat4 point(const std::string& name) {
+    REQUIRE(built_.scene.has_insertion_point(name));
+    return built_.scene.world_from_point(name).value();
+  }
+  void set(const std::string& joint, double value) {
+    built_.parameters.set(built_.parameters.index(joint, "value"), value);
+    for (const std::size_t i : built_.parameters.drain_changed_elements()) {
+      const ElementDescriptor& changed = built_.parameters.elements()[i];
+      built_.elements[i]->update(built_.parameters.values().subspan(changed.first_value, changed.parameters.size()));
+    }
+  }
+  std::vector<std::string> warnings() const {
+    std::vector<std::string> warnings;
+    for (const std::string& warning : built_.scene.warnings()) {
+      const std::string file = (folder_ / "m.xml").string() + ":";
+      warnings.push_back(warning.starts_with(file) ? warning.substr(file.size()) : warning);
+    }
+    return warnings;
+  }
+
+ private:
+  TemporaryFolder folder_;
+  BuiltScene built_;
+  std::unique_ptr<Flattener> flattener_;
+};
+
+std::string world(const std::string& content) { return "<worldbody>" + content + "</worldbody>"; }
+
+void check_place(const glm::dmat4& seen, const glm::dvec3& x, const glm::dvec3& y, const glm::dvec3& at) {
+  CHECK(glm::length(glm::dvec3(seen[0]) - x) < kMjcfPlace);
+  CHECK(glm::length(glm::dvec3(seen[1]) - y) < kMjcfPlace);
+  CHECK(glm::length(glm::dvec3(seen[3]) - at) < kMjcfPlace);
+}
+
+std::string mjcf_error(const std::string& content, const std::map<std::string, std::string>& files = {}) {
+  return error_of([&] { MjcfScene scene(content, files); });
+}
+
+}  // namespace
+
+TEST_CASE("MJCF gives half sizes, and a capsule's length between its ends") {
+  const std::vector<std::pair<std::string, Mesh>> cases = {{"size='0.5'", sphere_mesh(0.5)},
+                                                           {"type='box' size='1 2 3'", box_mesh({2, 4, 6})},
+                                                           {"type='cylinder' size='0.5 2'", cylinder_mesh(0.5, 4)},
+                                                           {"type='capsule' size='0.5 2'", capsule_mesh(0.5, 4)},
+                                                           {"type='plane' size='3 4 0.1'", plane_mesh({6, 8})},
+                                                           {"type='plane' size='0 4 0.1'", plane_mesh({100, 8})},
+                                                           {"type='ellipsoid' size='1 2 3'", sphere_mesh(1)}};
+  for (const auto& [geom, mesh] : cases) {
+    CAPTURE(geom);
+    MjcfScene scene(world("<geom " + geom + "/>"));
+    CHECK(scene.warnings().empty());
+    REQUIRE(scene.list().items.size() == 1);
+    CHECK(scene.mesh(0).positions == mesh.positions);
+  }
+  MjcfScene between(world("<geom type='capsule' size='0.1' fromto='1 0 0 1 4 0'/>"));
+  CHECK(between.mesh(0).positions == capsule_mesh(0.1, 4).positions);
+  CHECK(glm::length(glm::dvec3(between.place(0)[2]) - glm::dvec3(0, 1, 0)) < kMjcfPlace);
+  CHECK(glm::length(glm::dvec3(between.place(0)[3]) - glm::dvec3(1, 2, 0)) < kMjcfPlace);
+}
+
+TEST_CASE("every way to write an orientation, in degrees unless the compiler says radians") {
+  // Each turns x to y.
+  for (const std::string turn : {"quat='1 0 0 1'", "axisangle='0 0 2 90'", "euler='0 0 90'", "xyaxes='0 1 0 -1 1 0'"}) {
+    CAPTURE(turn);
+    MjcfScene scene(world("<body name='b' pos='1 2 3' " + turn + "><geom size='1'/></body>"));
+    check_place(scene.point("b"), {0, 1, 0}, {-1, 0, 0}, {1, 2, 3});
+  }
+  MjcfScene zaxis(world("<body name='b' zaxis='1 0 0'><geom size='1'/></body>"));
+  CHECK(glm::length(glm::dvec3(zaxis.point("b")[2]) - glm::dvec3(1, 0, 0)) < kMjcfPlace);
+  MjcfScene radian("<compiler angle='radian'/>" +
+                   world("<body name='b' euler='0 0 1.5707963267948966'><geom size='1'/></body>"));
+  check_place(radian.point("b"), {0, 1, 0}, {-1, 0, 0}, {0, 0, 0});
+  // First about x, then about the turned z: y goes to z and stays there; x goes to the turned y, which is z.
+  MjcfScene moving(world("<body name='b' euler='90 0 90'><geom size='1'/></body>"));
+  check_place(moving.point("b"), {0, 0, 1}, {-1, 0, 0}, {0, 0, 0});
+  // About fixed axes: x goes to y, y to -x and then to -x, z to -y.
+  MjcfScene fixed("<compiler eulerseq='XYZ'/>" + world("<body name='b' euler='90 0 90'><geom size='1'/></body>"));
+  check_place(fixed.point("b"), {0, 1, 0}, {0, 0, 1}, {0, 0, 0});
+}
+
+TEST_CASE("defaults come from the class, the classes around it, and the child class of the bodies") {
+  MjcfScene scene(
+      "<default><geom size='0.5' rgba='1 0 0 1'/><default class='big'><geom size='2'/><default class='box'>"
+      "<geom type='box' size='1 1 1'/></default></default></default>" +
+      world("<geom/><body childclass='big'><geom/><body><geom class='box'/><geom rgba='0 1 0 1'/></body></body>"));
+  CHECK(scene.warnings().empty());
+  REQUIRE(scene.list().items.size() == 4);
+  CHECK(scene.mesh(0).positions == sphere_mesh(0.5).positions);
+  CHECK(scene.mesh(1).positions == sphere_mesh(2).positions);
+  CHECK(scene.mesh(2).positions == box_mesh({2, 2, 2}).positions);
+  CHECK(scene.material(2).base_color == glm::vec4(1, 0, 0, 1));
+  CHECK(scene.material(3).base_color == glm::vec4(0, 1, 0, 1));
+}
+
+TEST_CASE("joints turn and slide bodies about their anchors, one after the other") {
+  MjcfScene scene(
+      world("<body name='b' pos='1 0 0'><joint name='turn' axis='0 0 1' pos='1 0 0' range='-90 90'/>"
+            "<joint name='slide' type='slide' axis='1 0 0'/><geom size='1'/><site name='tip' pos='2 0 0'/></body>"));
+  CHECK(scene.warnings().empty());
+  scene.set("turn", 90);
+  scene.set("slide", 0.5);
+  // The anchor stays at x = 2; b stood at -1 from it along x, and slides along what is now y.
+  check_place(scene.point("b"), {0, 1, 0}, {-1, 0, 0}, {2, -0.5, 0});
+  check_place(scene.point("tip"), {0, 1, 0}, {-1, 0, 0}, {2, 1.5, 0});
+  CHECK_THROWS_AS(scene.set("turn", 91), InputError);
+}
+
+TEST_CASE("an equality of two joints makes one follow the other") {
+  MjcfScene scene("<compiler angle='radian'/>" +
+                  world("<body name='b'><joint name='left' type='slide' axis='1 0 0'/><geom size='1'/></body>"
+                        "<body name='c'><joint name='right' axis='0 0 1'/></body>") +
+                  "<equality><joint joint1='left' joint2='right' polycoef='0.25 0.5'/></equality>");
+  CHECK(scene.warnings().empty());
+  scene.set("right", 180 / 3.14159265358979323846);  // 1 rad
+  CHECK(scene.point("b")[3].x == doctest::Approx(0.75));
+}
+
+TEST_CASE("meshes are scaled and shown in the look of the geom, and files are included") {
+  MjcfScene scene("<include file='assets.inc'/>" +
+                      world("<geom type='mesh' mesh='box' material='paint'/><geom type='mesh' mesh='moved'/>"),
+                  {{"box.obj", obj_box()},
+                   {"assets.inc",
+                    "<mujocoinclude><asset><mesh file='box.obj' scale='2 1 1'/><mesh name='moved' file='box.obj' "
+                    "scale='2 3 4' refpos='1 0 0' refquat='1 0 0 1'/><material name='paint' rgba='0.5 0 1 1'/></asset>"
+                    "</mujocoinclude>"}});
+  CHECK(scene.warnings().empty());
+  REQUIRE(scene.list().items.size() == 2);
+  check_place(scene.place(0), {2, 0, 0}, {0, 1, 0}, {0, 0, 0});
+  const float half = linear_from_srgb(0.5);
+  CHECK(scene.material(0).base_color == glm::vec4(half, 0, 1, 1));
+  // As MuJoCo 3 places the vertex at the origin: moved to (-1, 0, 0), turned to (0, 1, 0), scaled to (0, 3, 0).
+  CHECK(glm::length(glm::dvec3(scene.place(1)[3]) - glm::dvec3(0, 3, 0)) < kMjcfPlace);
+}
+
+TEST_CASE("collision shapes and what is wholly transparent are not drawn") {
+  MjcfScene scene(world("<geom size='1' group='3'/><geom size='1' rgba='1 1 1 0'/><geom size='1' group='2'/>"));
+  CHECK(scene.warnings().empty());
+  CHECK(scene.list().items.size() == 1);
+}
+
+TEST_CASE("what is not taken over is listed, and what is wrong is left out with its place") {
+  MjcfScene scene(world("<freejoint/><light/><geom size='1'/><geom type='box' size='1 1'/><geom type='hfield'/>"
+                        "<geom type='mesh' mesh='none'/><body><freejoint/></body>") +
+                  "<tendon/><asset><hfield name='h'/></asset>");
+  const std::vector<std::string> warnings = scene.warnings();
+  const auto has = [&](const std::string& text) {
+    return std::ranges::any_of(warnings, [&](const std::string& each) { return contains(each, text); });
+  };
+  CHECK(has("element <geom> has 2 sizes, expected 3; the geom is left out"));
+  CHECK(has("is of type \"hfield\", which is not taken over"));
+  CHECK(has("there is no mesh \"none\""));
+  CHECK(has("motion of a joint of type \"free\" is not taken over"));
+  CHECK(has("element <light> is not taken over"));
+  CHECK(has("element <tendon> is not taken over"));
+  CHECK(has("asset <hfield> is not taken over"));
+  CHECK(scene.list().items.size() == 1);
+}
+
+TEST_CASE("models that cannot be read are refused with their place") {
+  CHECK(contains(mjcf_error(world("<geom size='0'/>")), "none of the model's geoms can be shown"));
+  CHECK(
+      contains(mjcf_error("<include file='no.xml'/>"), "m.xml:1:20: element <include> names a file that is not there"));
+  CHECK(contains(mjcf_error("<include file='a.xml'/>", {{"a.xml", "<mujoco><include file='a.xml'/></mujoco>"}}),
+                 "includes \"a.xml\" a second time"));
+  CHECK(contains(mjcf_error(world("<body pos='1 2'><geom size='1'/></body>")),
+                 "element <body> has the attribute pos=\"1 2\", expected 3 finite numbers"));
+  CHECK(contains(mjcf_error(world("<body quat='0 0 0 0'><geom size='1'/></body>")), "has a quaternion without length"));
+  CHECK(contains(mjcf_error(world("<body><joint type='x'/><geom size='1'/></body>")), "has the type \"x\""));
+  CHECK(contains(mjcf_error("<worldbody>"), "malformed XML"));
+  std::string deep = "<geom size='1'/>";
+  for (int i = 0; i < 150; ++i) deep = "<body>" + deep + "</body>";
+  CHECK(contains(mjcf_error("<worldbody>" + deep.substr(0, 150 * 6) + "<include file='a.xml'/>" +
+                                deep.substr(deep.size() - 150 * 7) + "</worldbody>",
+                            {{"a.xml", "<m>" + deep + "</m>"}}),
+                 "is nested too deeply"));
+  const TemporaryFolder folder;
+  write_text(folder / "s.xml", "<simvis/>");
+  CHECK(contains(error_of([&] {
+                   build_scene(
+                       parse_commands("<part file='s.xml' name='M' insert_at='ROOT'/>", "t.xml", folder.path()));
+                 }),
+                 "is the root, expected <mujoco>"));
+}

@@ -1,0 +1,80 @@
+// simvis-run --check: what is probably a mistake in a scene.
+#include "simvis/report/scene_check.h"
+
+#include <doctest/doctest.h>
+
+#include <string>
+#include <vector>
+
+#include "simvis/live_scene.h"
+#include "tests/support/error_of.h"
+#include "tests/support/simvis_run.h"
+#include "tests/support/temporary_folder.h"
+
+TEST_SUITE_BEGIN("simvis");
+
+namespace simvis {
+namespace {
+
+std::vector<std::string> problems_of(const std::string& commands) {
+  const LiveScene scene({}, parse_commands(commands, "s.xml", "."));
+  return check_scene(scene.built);
+}
+
+std::string solid_with(const std::string& pose, const std::string& sensor = "type='laser_scanner'",
+                       const std::string& shape = "shape='box' size='2 2 2'") {
+  return "<part name='SOLID' insert_at='ROOT' " + shape + "/>\n<sensor name='S' insert_at='ROOT' pose_offset='" + pose +
+         "' " + sensor + "/>";
+}
+
+TEST_CASE("a part of a kilometre or more is one in another unit") {
+  const auto part = [](const std::string& size) {
+    return "<part name='P' insert_at='ROOT' shape='box' size='" + size + "'/>";
+  };
+  CHECK(problems_of(part("999 1 1")).empty());
+  CHECK(problems_of(part("1 1200.5 1")) ==
+        std::vector<std::string>{"s.xml:1:2: part \"P\" is 1 x 1200.5 x 1 m large; expected less than 1000 m, or its "
+                                 "lengths are in another unit (attributes unit and scale)"});
+}
+
+TEST_CASE("a sensor within a solid is reported, one beside it is not") {
+  CHECK(problems_of(solid_with("0.9 0 0 0 0 0")) ==
+        std::vector<std::string>{
+            "s.xml:2:2: sensor \"S\" is inside a solid of part \"SOLID\", mesh \"box\", whose back faces it sees"});
+  CHECK(problems_of(solid_with("1.1 0 0 0 0 0")).empty());
+  CHECK(problems_of(solid_with("0 0 0.4 0 0 0", "type='camera'", "shape='sphere' radius='0.5'")).size() == 1);
+  CHECK(problems_of(solid_with("0.4 0.4 0.4 0 0 0", "type='camera'", "shape='sphere' radius='0.5'")).empty());
+  CHECK(problems_of(solid_with("0 0 0.01 0 0 0", "type='camera'", "shape='plane' size='9 9'")).empty());
+}
+
+TEST_CASE("a camera whose near distance leaves out its housing sees through it") {
+  const std::string housing = "shape='box' size='0.04 0.04 0.04'";
+  CHECK(problems_of(solid_with("0 0 0 0 0 0", "type='camera'", housing)).empty());
+  CHECK(problems_of(solid_with("0 0 0 0 0 0", "type='camera' near='0.01'", housing)).size() == 1);
+  CHECK(problems_of(solid_with("0 0 0 0 0 0", "type='laser_scanner'", housing)).size() == 1);
+}
+
+TEST_CASE("transparent solids and rooms within walls hold no sensor") {
+  CHECK(
+      problems_of(solid_with("0 0 0 0 0 0", "type='laser_scanner'", "shape='box' size='1 1 1' opacity='0.3'")).empty());
+  const std::string room = "shape='wall' points='-2 -2, 2 -2, 2 2, -2 2, -2 -2' height='2' thickness='0.2'";
+  CHECK(problems_of(solid_with("0 0 1 0 0 0", "type='laser_scanner'", room)).empty());
+  CHECK(problems_of(solid_with("2.05 0 1 0 0 0", "type='laser_scanner'", room)).size() == 1);
+}
+
+TEST_CASE("the program says what it finds by its exit status") {
+  const TemporaryFolder folder;
+  write_text(folder / "good.xml", "<simvis>" + solid_with("2 0 0 0 0 0") + "</simvis>");
+  write_text(folder / "bad.xml", "<simvis>" + solid_with("0 0 0 0 0 0") + "</simvis>");
+  const ProcessResult good = run_simvis({"--check", folder / "good.xml"}),
+                      bad = run_simvis({"--check", folder / "bad.xml"});
+  CHECK(good.exit_code == 0);
+  CHECK(good.out == "no problems found\n");
+  CHECK(bad.exit_code == 1);
+  CHECK(contains(bad.out, "bad.xml:2:2: sensor \"S\" is inside a solid"));
+  CHECK(contains(bad.out, "1 problem found\n"));
+  CHECK(run_simvis({"--check", folder / "none.xml"}).exit_code == 2);
+}
+
+}  // namespace
+}  // namespace simvis
