@@ -173,6 +173,7 @@ void SimulationImpl::take_from_clients(const FrameTime& time) {
   stages.begin("clients");
   serving->wait_for_clients(time);
   serving->take(scene.built, [this](std::span<const Command> commands) {
+    kept.leave_sensors();
     const InputLog inputs;
     scene.execute(commands);
     add_inputs(inputs);
@@ -339,6 +340,7 @@ void SimulationImpl::measure(ViewLayer& layer, ViewLayer::Entry& entry, const Fr
                              std::span<const PassResult> results) {
   const BuiltSensor& sensor = scene.built.sensors[entry.sensor];
   entry.taken = true;
+  const KeptMeasurements::Overwriting overwriting(kept, sensor);
   if (!instrumented) {
     sensor.sensor->collect(time, layer.plan, results);
     sensor.sensor->cast(*layer.caster);

@@ -23,8 +23,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Names of private rooms that simvis-run uses: those that engine/base/program_api.h marks. A name that becomes public
-/// or moves into the program leaves this list; there should be no reason to add one.
+/// Names of private rooms that simvis-run and the Python module use: those that engine/base/program_api.h marks. A name
+/// that becomes public or moves into the program leaves this list; there should be no reason to add one.
 const std::set<std::string> kProgramNames = {
     "BackgroundTask::cancel",
     "BackgroundTask::finish",
@@ -37,6 +37,7 @@ const std::set<std::string> kProgramNames = {
     "ThreadPool::run_in_background",
     "Timeline::frames_until",
     "beam_following_effect",
+    "built_scene",
     "encode_jpeg",
     "encode_png",
     "find_scan_method",
@@ -47,6 +48,7 @@ const std::set<std::string> kProgramNames = {
     "png_bytes",
     "rigid_mount_frame",
     "shared_thread_pool",
+    "srgb_codes",
     "temporary_name",
     "walk_graph",
 };
