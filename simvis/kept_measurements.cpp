@@ -56,7 +56,10 @@ KeptMeasurement::KeptMeasurement(const Sensor& sensor) {
   }
   ImagesOf images;
   sensor.write(images);
-  for (const Image* const image : images.images) floats_.push_back({writable(image->pixels)});
+  for (const Image* const image : images.images) {
+    std::vector<float>* const pixels = writable(image->pixels);
+    if (std::ranges::find(floats_, pixels, &Floats::in_sensor) == floats_.end()) floats_.push_back({pixels});
+  }
 }
 
 std::shared_ptr<const void> KeptMeasurement::lease(const std::shared_ptr<KeptMeasurement>& self) {
