@@ -7,6 +7,7 @@
 
 #include <simvis/part_importer.h>
 #include <simvis/pose.h>
+#include "simvis/built_scene.h"
 #include "simvis/message_tap.h"
 #include "simvis/simulation_use.h"
 
@@ -104,6 +105,7 @@ double Simulation::get(std::string_view element, std::string_view parameter) con
 void Simulation::execute(std::string_view xml, const std::filesystem::path& folder, const std::string& name) {
   const SimulationUse use = impl();
   use->idle().scene.built.parameters.log_request(std::string(xml));
+  use->kept.leave_sensors();
   const InputLog inputs;
   use->scene.execute(parse_commands(xml, name, folder));
   use->add_inputs(inputs);
@@ -221,6 +223,11 @@ const Image& Simulation::picture(std::string_view sensor, std::string_view name)
   return require(found.sensor->picture(name), found, "picture \"" + std::string(name) + "\"");
 }
 
+std::shared_ptr<const void> Simulation::keep(std::string_view sensor) {
+  const SimulationUse use = impl();
+  return use->kept.keep(use->sensor(sensor));
+}
+
 double Simulation::value(std::string_view sensor, std::string_view name) const {
   const std::optional<double> value = find_value(sensor, name);
   const SimulationUse use = impl();
@@ -277,5 +284,7 @@ void Simulation::write(std::string_view sensor, OutputSink& sink) const { impl()
 const std::vector<std::string>& Simulation::warnings() const { return impl()->scene.built.scene.warnings(); }
 void Simulation::warn(const std::string& warning) { impl()->warn(warning); }
 Diagnostics Simulation::diagnostics() const { return Diagnostics(*impl()); }
+
+const BuiltScene& built_scene(const Simulation& simulation) { return simulation.impl()->idle().scene.built; }
 
 }  // namespace simvis

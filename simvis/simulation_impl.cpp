@@ -197,6 +197,7 @@ void SimulationImpl::take_from_clients(const FrameTime& time) {
 }
 
 void SimulationImpl::execute_request(std::span<const Command> commands) {
+  kept.leave_sensors();
   const InputLog inputs;
   scene.execute(commands);
   add_inputs(inputs);
@@ -388,6 +389,7 @@ void SimulationImpl::measure(ViewLayer& layer, ViewLayer::Entry& entry, const Fr
                              std::span<const PassResult> results) {
   const BuiltSensor& sensor = scene.built.sensors[entry.sensor];
   entry.taken = true;
+  const KeptMeasurements::Overwriting overwriting(kept, sensor);
   if (!instrumented) {
     sensor.sensor->collect(time, layer.plan, results);
     sensor.sensor->cast(*layer.caster);

@@ -19,6 +19,7 @@
 #include <simvis/simulation_desc.h>
 #include "engine/base/input_log.h"
 #include "simvis/frame_messages.h"
+#include "simvis/kept_measurements.h"
 #include "simvis/live_scene.h"
 #include "simvis/sensed_world.h"
 #include "simvis/sharing/network.h"
@@ -100,6 +101,7 @@ struct SimulationImpl : Observations {
   bool frames_when_due;
   Timeline timeline;
   LiveScene scene;
+  KeptMeasurements kept;      // of the scene's sensors, so it ends before them
   std::vector<State> states;  // as long as scene.built.sensors
   std::filesystem::path cache;
   std::vector<std::filesystem::path> inputs;  // files that were read, sorted

@@ -47,14 +47,19 @@ std::uint8_t srgb_code(float linear) {
   return static_cast<std::uint8_t>(code + (linear >= kSrgb.start[code + 1u] ? 1 : 0));
 }
 
+void srgb_codes(std::span<const float> rgba, std::span<std::uint8_t> rgb) {
+  SIMVIS_ASSERT(rgba.size() / 4 * 3 == rgb.size());
+  for (std::size_t i = 0; i < rgba.size() / 4; ++i) {
+    for (std::size_t c = 0; c < 3; ++c) rgb[3 * i + c] = srgb_code(rgba[4 * i + c]);
+  }
+}
+
 std::vector<std::uint8_t> srgb_codes(const Image& color) {
   SIMVIS_ASSERT(color.channels == 4 && color.width > 0 && color.height > 0);
   const std::size_t pixels = std::size_t{color.width} * color.height;
   SIMVIS_ASSERT(color.pixels.size() == 4 * pixels);
   std::vector<std::uint8_t> rgb(3 * pixels);
-  for (std::size_t i = 0; i < pixels; ++i) {
-    for (std::size_t c = 0; c < 3; ++c) rgb[3 * i + c] = srgb_code(color.pixels[4 * i + c]);
-  }
+  srgb_codes(color.pixels, rgb);
   return rgb;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,8 @@ namespace simvis {
 /// give 0; values above 1 give 255.
 std::uint8_t srgb_code(float linear);
 
+/// The codes of red, green and blue of each pixel of four numbers. `rgb` has three of four as many numbers.
+SIMVIS_PROGRAM_API void srgb_codes(std::span<const float> rgba, std::span<std::uint8_t> rgb);
 /// The codes of red, green and blue of each pixel, rows from the top. Alpha is dropped.
 std::vector<std::uint8_t> srgb_codes(const Image& color);
 

@@ -23,8 +23,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Names of private rooms that simvis-run uses: those that engine/base/program_api.h marks. A name that becomes public
-/// or moves into the program leaves this list; there should be no reason to add one.
+/// Names of private rooms that simvis-run and the Python module use: those that engine/base/program_api.h marks. A name
+/// that becomes public or moves into the program leaves this list; there should be no reason to add one.
 const std::set<std::string> kProgramNames = {
     "BackgroundTask::cancel",
     "BackgroundTask::finish",
@@ -38,6 +38,7 @@ const std::set<std::string> kProgramNames = {
     "ThreadPool::run_in_background",
     "Timeline::frames_until",
     "beam_following_effect",
+    "built_scene",
     "encode_jpeg",
     "encode_png",
     "find_scan_method",
@@ -50,6 +51,7 @@ const std::set<std::string> kProgramNames = {
     "ros::msg_text",
     "send_messages",
     "shared_thread_pool",
+    "srgb_codes",
     "temporary_name",
     "walk_graph",
 };

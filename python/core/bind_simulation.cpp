@@ -1,0 +1,254 @@
+#include <nanobind/stl/map.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <chrono>
+
+#include <simvis/pose.h>
+#include "python/core/running_simulation.h"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace simvis::python {
+namespace {
+
+// Between two looks for signals: short for a person, long for a loader that reports each part.
+constexpr auto kSignalPeriod = std::chrono::milliseconds(20);
+
+// Lets the user interrupt, and tells the caller how far the work is.
+ProgressCallback progress_callback(const nb::object& told) {
+  // Shared without the interpreter's lock, released with it.
+  const std::shared_ptr<nb::object> tell(new nb::object(told), [](nb::object* object) {
+    if (!Py_IsInitialized()) return;
+    const nb::gil_scoped_acquire locked;
+    delete object;
+  });
+  return [tell, looked = std::chrono::steady_clock::time_point()](const Progress& progress) mutable {
+    const auto now = std::chrono::steady_clock::now();
+    const bool look = now - looked > kSignalPeriod;
+    if (!look && tell->is_none()) return;
+    const nb::gil_scoped_acquire locked;
+    if (look && PyErr_CheckSignals() != 0) throw nb::python_error();
+    looked = now;
+    if (!tell->is_none()) (*tell)(nb::str(progress.work.data(), progress.work.size()), progress.done, progress.total);
+  };
+}
+
+AttributeOverride attribute_override(const std::string& name, const std::optional<std::string>& value) {
+  const std::size_t dot = name.find('.');
+  if (dot == name.npos) {
+    throw InputError("override " + in_quotes(name) + ": expected TYPE.ATTRIBUTE, such as \"laser_scanner.method\"");
+  }
+  return {name.substr(0, dot), name.substr(dot + 1), value, ""};
+}
+
+SimulationDesc make_desc(std::optional<double> rate_hz, std::uint64_t seed, unsigned threads, const std::string& device,
+                         bool strict, const std::map<std::string, std::optional<std::string>>& overrides,
+                         const std::map<std::string, std::string>& packages, bool instrumented,
+                         const std::string& cache_dir, const nb::object& progress) {
+  SimulationDesc desc;
+  desc.frames_when_due = !rate_hz;
+  if (rate_hz) desc.rate_hz = *rate_hz;
+  desc.seed = seed;
+  desc.threads = threads;
+  desc.strict = strict;
+  desc.device.select = device;
+  desc.device.instrumented = instrumented;
+  desc.device.cache_dir = cache_dir;
+  for (const auto& [name, value] : overrides) desc.overrides.push_back(attribute_override(name, value));
+  for (const auto& [name, folder] : packages) desc.packages.push_back({name, folder});
+  desc.progress = progress_callback(progress);
+  return desc;
+}
+
+glm::dmat4 to_matrix(const nb::ndarray<const double, nb::shape<4, 4>, nb::device::cpu>& rows) {
+  glm::dmat4 matrix;
+  for (glm::length_t row = 0; row < 4; ++row) {
+    for (glm::length_t column = 0; column < 4; ++column) {
+      matrix[column][row] = rows(static_cast<std::size_t>(row), static_cast<std::size_t>(column));
+    }
+  }
+  return matrix;
+}
+
+nb::str text(std::string_view view) { return nb::str(view.data(), view.size()); }
+
+nb::dict describe(const AttributeSpec& spec, double value) {
+  nb::dict row;
+  row["name"] = text(spec.name);
+  row["value"] = value;
+  row["unit"] = text(spec.unit);
+  row["text"] = text(spec.text);
+  row["min"] = spec.min;
+  row["max"] = spec.max;
+  return row;
+}
+
+nb::list elements(const RunningSimulation& running) {
+  const Parameters& parameters = running.idle().parameters();
+  nb::list all;
+  for (const ElementDescriptor& element : parameters.elements()) {
+    if (element.removed) continue;
+    nb::list rows;
+    for (std::size_t i = 0; i < element.parameters.size(); ++i) {
+      rows.append(describe(element.parameters[i], parameters.values()[element.first_value + i]));
+    }
+    nb::dict described;
+    described["name"] = element.name;
+    described["type"] = element.type;
+    described["insert_at"] = element.insertion_point;
+    described["parameters"] = rows;
+    all.append(described);
+  }
+  return all;
+}
+
+nb::list sensors(const RunningSimulation& running) {
+  nb::list all;
+  for (const SensorInfo& sensor : running.idle().sensors()) {
+    nb::dict described;
+    described["name"] = sensor.name;
+    described["type"] = sensor.type;
+    described["method"] = sensor.method;
+    described["frames"] = sensor.frames;
+    described["enabled"] = sensor.enabled;
+    described["rate_hz"] = sensor.rate_hz;
+    described["effects"] = nb::cast(sensor.effects);
+    all.append(described);
+  }
+  return all;
+}
+
+nb::dict attributes(const RunningSimulation& running, const std::string& sensor) {
+  nb::dict values;
+  for (const CommandAttribute& each : running.idle().diagnostics().command(sensor).attributes) {
+    values[each.name.c_str()] = each.value;
+  }
+  return values;
+}
+
+nb::dict device(const RunningSimulation& running) {
+  const DeviceInfo& info = running.idle().diagnostics().device();
+  nb::dict described;
+  described["name"] = info.name;
+  described["type"] = info.type;
+  described["driver"] = info.driver;
+  described["api_version"] = info.api_version;
+  return described;
+}
+
+nb::object pose_or_none(bool there, const glm::dmat4& pose) { return there ? to_array(pose) : nb::none(); }
+
+std::vector<std::string> element_names(const RunningSimulation& running) {
+  std::vector<std::string> names;
+  for (const ElementDescriptor& element : running.idle().parameters().elements()) {
+    if (!element.removed) names.push_back(element.name);
+  }
+  return names;
+}
+
+}  // namespace
+
+void bind_simulation(nb::module_& module) {
+  nb::class_<SimulationDesc>(module, "Settings", "The settings of a simulation.")
+      .def(
+          "__init__",
+          [](SimulationDesc* self, std::optional<double> rate_hz, std::uint64_t seed, unsigned threads,
+             const std::string& device, bool strict, const std::map<std::string, std::optional<std::string>>& overrides,
+             const std::map<std::string, std::string>& packages, bool instrumented, const std::string& cache_dir,
+             const nb::object& progress) {
+            new (self) SimulationDesc(make_desc(rate_hz, seed, threads, device, strict, overrides, packages,
+                                                instrumented, cache_dir, progress));
+          },
+          nb::kw_only(), "rate_hz"_a.none(), "seed"_a, "threads"_a, "device"_a, "strict"_a, "overrides"_a, "packages"_a,
+          "instrumented"_a, "cache_dir"_a, "progress"_a.none());
+
+  nb::class_<RunningSimulation>(module, "Core", "A running simulation, below simvis.Simulation.")
+      .def_static("load", &RunningSimulation::load, "scene"_a, "settings"_a, nb::rv_policy::take_ownership)
+      .def_static("from_string", &RunningSimulation::from_string, "xml"_a, "settings"_a, "folder"_a, "name"_a,
+                  nb::rv_policy::take_ownership)
+      .def("close", &RunningSimulation::close)
+      .def_prop_ro("closed", &RunningSimulation::is_closed)
+      .def("step", &RunningSimulation::step, "dt_s"_a = nb::none())
+      .def("step_async", &RunningSimulation::step_async)
+      .def("finish", &RunningSimulation::finish)
+      .def("skip_frame", &RunningSimulation::skip_frame)
+      .def_prop_ro("time_s", &RunningSimulation::time_s)
+      .def(
+          "next_frame",
+          [](const RunningSimulation& self) {
+            const FrameTime next = self.idle().next_frame();
+            return nb::make_tuple(next.index, next.time_ns);
+          },
+          nb::sig("def next_frame(self) -> tuple[int, int]"))
+      .def("set", [](RunningSimulation& self, const std::string& element, const std::string& parameter,
+                     double value) { self.idle().set(element, parameter, value); })
+      .def("get", [](const RunningSimulation& self, const std::string& element,
+                     const std::string& parameter) { return self.idle().get(element, parameter); })
+      .def("set_pose",
+           [](RunningSimulation& self, const std::string& element,
+              const nb::ndarray<const double, nb::shape<4, 4>, nb::device::cpu>& matrix) {
+             self.idle().set_pose(element, to_matrix(matrix));
+           })
+      .def("execute",
+           [](RunningSimulation& self, const std::string& xml, const std::string& folder, const std::string& name) {
+             self.work([&](Simulation& simulation) { simulation.execute(xml, folder, name); });
+           })
+      .def("enable",
+           [](RunningSimulation& self, const std::string& sensor, bool on) { self.idle().enable(sensor, on); })
+      .def("elements", &elements, nb::sig("def elements(self) -> list[dict[str, typing.Any]]"))
+      .def("element_names", &element_names)
+      .def("sensors", &sensors, nb::sig("def sensors(self) -> list[dict[str, typing.Any]]"))
+      .def("sensor_names", &RunningSimulation::sensor_names)
+      .def("attributes", &attributes, nb::sig("def attributes(self, sensor: str) -> dict[str, str]"))
+      .def("images", &RunningSimulation::images)
+      .def("measured",
+           [](const RunningSimulation& self) {
+             const std::span<const std::string> names = self.idle().measured();
+             return std::vector<std::string>(names.begin(), names.end());
+           })
+      .def("scan", &RunningSimulation::scan)
+      .def("image", &RunningSimulation::image)
+      .def("value", [](const RunningSimulation& self, const std::string& sensor,
+                       const std::string& name) { return self.idle().value(sensor, name); })
+      .def(
+          "sensor_pose",
+          [](const RunningSimulation& self, const std::string& sensor) {
+            glm::dmat4 pose;
+            return pose_or_none(self.idle().sensor_pose(sensor, pose), pose);
+          },
+          nb::sig("def sensor_pose(self, sensor: str) -> numpy.typing.NDArray[numpy.float64] | None"))
+      .def("track_part", [](RunningSimulation& self, const std::string& part) { self.idle().track_part(part); })
+      .def(
+          "part_pose",
+          [](const RunningSimulation& self, const std::string& part) {
+            glm::dmat4 pose;
+            return pose_or_none(self.idle().part_pose(part, pose), pose);
+          },
+          nb::sig("def part_pose(self, part: str) -> numpy.typing.NDArray[numpy.float64] | None"))
+      .def("warnings", [](const RunningSimulation& self) { return self.idle().warnings(); })
+      .def("changes", [](const RunningSimulation& self) { return self.idle().parameters().changes(); })
+      .def("record", [](RunningSimulation& self, const std::string& file, const std::vector<std::string>& topics,
+                        bool drop) { self.idle().record({.file = file, .topics = topics, .drop = drop}); })
+      .def(
+          "finish_recording",
+          [](RunningSimulation& self) {
+            const RecordReport report = self.work([](Simulation& simulation) { return simulation.finish_recording(); });
+            return nb::make_tuple(report.messages, report.dropped, report.bytes);
+          },
+          nb::sig("def finish_recording(self) -> tuple[int, int, int]"))
+      .def("serve",
+           [](RunningSimulation& self, const std::string& name, const std::vector<std::string>& folders) {
+             self.idle().serve({.name = name, .folders = {folders.begin(), folders.end()}});
+           })
+      .def("device", &device, nb::sig("def device(self) -> dict[str, str]"))
+      .def("explain", &RunningSimulation::explain)
+      .def("tree", &RunningSimulation::tree)
+      .def("price", &RunningSimulation::price, "sensors"_a, "frames"_a,
+           nb::sig(
+               "def price(self, sensors: collections.abc.Sequence[str], frames: int) -> list[dict[str, typing.Any]]"));
+}
+
+}  // namespace simvis::python

@@ -1,0 +1,275 @@
+#include "python/core/running_simulation.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "simvis/built_scene.h"
+#include "simvis/report/explain.h"
+#include "simvis/report/price.h"
+#include "simvis/report/price_report.h"
+#include "simvis/report/scan_variant.h"
+#include "simvis/report/scene_list.h"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace simvis::python {
+namespace {
+
+pid_t first_process = 0;  // that loaded a simulation
+
+/// Collects the names of a sensor's further images.
+class PlaneNames : public OutputSink {
+ public:
+  void picture(const std::string& stem, const Image* color, const Image* depth) override {
+    if (stem.empty() || stem == "left") return;  // color() and depth()
+    if (color != nullptr) names.push_back(stem);
+    if (depth != nullptr) names.push_back(stem + "_depth");
+  }
+  void plane(const std::string&, const std::string& channel, const Image&) override { names.push_back(channel); }
+  void text(const std::string&, const std::string&, std::string_view) override {}
+  void rows(std::span<const TableColumn>, std::span<const double>) override {}
+
+  std::vector<std::string> names;
+};
+
+template <typename Function>
+auto no_error_is_none(const Function& function) -> decltype(function()) {
+  try {
+    return function();
+  } catch (const InputError&) {
+    return nullptr;
+  }
+}
+
+const Image& find_image(const Simulation& simulation, const std::string& sensor, const std::string& name) {
+  if (name == "color") return simulation.color(sensor);
+  if (name == "depth") return simulation.depth(sensor);
+  return simulation.picture(sensor, name);
+}
+
+[[noreturn]] void fail_unmeasured(const std::string& sensor) {
+  throw InputError("sensor " + in_quotes(sensor) + " has not measured yet, expected step() before");
+}
+
+nb::object number(double value) { return std::isnan(value) ? nb::object(nb::none()) : nb::float_(value); }
+
+nb::dict row(const ScannerPrice& price, const VariantPrice& variant) {
+  nb::dict row;
+  row["sensor"] = price.scanner;
+  row["attributes"] = attributes_of(variant.variant);
+  row["method"] = variant.variant.method;
+  row["in_scene"] = variant.in_scene;
+  row["median_ms"] = variant.median_ms;
+  row["ratio"] = variant.ratio;
+  row["cast_share"] = variant.cast_share;
+  row["bound_median_m"] = number(variant.bound_median_m);
+  row["bound_largest_m"] = number(variant.bound_largest_m);
+  row["unbounded_share"] = variant.unbounded_share;
+  row["difference_largest_m"] = number(variant.difference_largest_m);
+  row["wrong_kind_share"] = number(variant.wrong_kind_share);
+  return row;
+}
+
+std::string joined(const std::vector<std::string>& texts) {
+  std::string all;
+  for (const std::string& text : texts) all += text + "\n";
+  return all;
+}
+
+// All values of one simulation in another of the same scene.
+void copy_values(const Parameters& from, Parameters& to) {
+  for (const ElementDescriptor& element : from.elements()) {
+    if (element.removed) continue;
+    for (std::size_t i = 0; i < element.parameters.size(); ++i) {
+      to.set(to.index(element.name, element.parameters[i].name), from.values()[element.first_value + i]);
+    }
+  }
+}
+
+}  // namespace
+
+void check_process() {
+  if (first_process == 0) first_process = ::getpid();
+  if (first_process == ::getpid()) return;
+  throw InputError(
+      "this process was forked from process " + std::to_string(first_process) +
+      ", which uses SimVis, and has neither its threads nor its Vulkan driver; expected processes that are "
+      "started anew: multiprocessing.get_context(\"spawn\"), or simvis.map()");
+}
+
+RunningSimulation::RunningSimulation(Simulation simulation, const SimulationDesc& desc)
+    : simulation_(std::move(simulation)), desc_(desc), process_(::getpid()) {}
+
+RunningSimulation* RunningSimulation::load(const std::string& scene, const SimulationDesc& desc) {
+  check_process();
+  Simulation loaded = [&] {
+    const nb::gil_scoped_release free;
+    return Simulation::load(scene, desc);
+  }();
+  rethrow_kept();
+  return new RunningSimulation(std::move(loaded), desc);
+}
+
+RunningSimulation* RunningSimulation::from_string(const std::string& xml, const SimulationDesc& desc,
+                                                  const std::string& folder, const std::string& name) {
+  check_process();
+  Simulation loaded = [&] {
+    const nb::gil_scoped_release free;
+    return Simulation::from_string(xml, desc, folder, name);
+  }();
+  rethrow_kept();
+  return new RunningSimulation(std::move(loaded), desc);
+}
+
+RunningSimulation::~RunningSimulation() {
+  if (!simulation_) return;
+  if (process_ == ::getpid()) {
+    const nb::gil_scoped_release free;
+    simulation_.reset();
+  } else {
+    new Simulation(std::move(*simulation_));  // a forked process cannot end the threads of another
+  }
+}
+
+void RunningSimulation::close() {
+  if (is_closed()) return;
+  idle();
+  const Working working(*this);
+  const nb::gil_scoped_release free;
+  simulation_.reset();
+}
+
+Simulation& RunningSimulation::idle() {
+  if (working_) {
+    throw InputError(
+        "this simulation is in use by another thread, or by the step that called this code; expected one call at a "
+        "time");
+  }
+  if (!simulation_) throw InputError("this simulation is closed, expected one that is open");
+  if (process_ != ::getpid()) check_process();
+  return *simulation_;
+}
+
+void RunningSimulation::step(std::optional<double> dt_s) {
+  const FrameTime next = idle().next_frame();
+  if (!dt_s) {
+    work([](Simulation& simulation) { simulation.step(); });
+    time_ns_ = next.time_ns;
+  } else {
+    if (under_way_) finish();
+    const double dt_ns = std::round(*dt_s * 1e9);
+    if (!(dt_ns >= 1 && dt_ns < 9e18)) {
+      throw InputError("dt_s is " + format_number(*dt_s) + ", expected seconds above 0 within the clock's 292 years");
+    }
+    const auto dt = static_cast<std::int64_t>(dt_ns);
+    work([&](Simulation& simulation) { simulation.step(std::chrono::nanoseconds(dt)); });
+    time_ns_ = time_ns_ ? *time_ns_ + dt : 0;
+  }
+  under_way_.reset();
+}
+
+void RunningSimulation::step_async() {
+  finish();
+  const FrameTime next = idle().next_frame();
+  names_under_way_ = sensor_names();
+  work([](Simulation& simulation) { simulation.step_async(); });
+  under_way_ = next.time_ns;
+}
+
+std::vector<std::string> RunningSimulation::sensor_names() const {
+  const Simulation& simulation = idle();
+  if (under_way_) return names_under_way_;
+  std::vector<std::string> names;
+  for (const BuiltSensor& sensor : built_scene(simulation).sensors) names.push_back(sensor.name);
+  return names;
+}
+
+void RunningSimulation::finish() {
+  const std::optional<std::int64_t> time = std::exchange(under_way_, {});
+  work([](Simulation& simulation) { simulation.finish(); });
+  if (time) time_ns_ = time;
+}
+
+void RunningSimulation::skip_frame() {
+  work([](Simulation& simulation) { simulation.skip_frame(); });
+}
+
+double RunningSimulation::time_s() const {
+  idle();
+  return time_ns_ ? static_cast<double>(*time_ns_) / 1e9 : std::numeric_limits<double>::quiet_NaN();
+}
+
+KeptScan RunningSimulation::scan(const std::string& sensor) {
+  Simulation& simulation = idle();
+  const Scan& scan = simulation.scan(sensor);
+  if (scan.range_m.empty()) fail_unmeasured(sensor);
+  KeptScan kept(scan, simulation.keep(sensor));
+  kept.sensor = sensor;
+  return kept;
+}
+
+KeptImage RunningSimulation::image(const std::string& sensor, const std::string& name) {
+  Simulation& simulation = idle();
+  const Image& image = find_image(simulation, sensor, name);
+  if (image.pixels.empty()) fail_unmeasured(sensor);
+  KeptImage kept(image, simulation.keep(sensor));
+  kept.sensor = sensor;
+  kept.name = name;
+  return kept;
+}
+
+std::vector<std::string> RunningSimulation::images(const std::string& sensor) const {
+  const Simulation& simulation = idle();
+  std::vector<std::string> names;
+  for (const char* const name : {"color", "depth"}) {
+    if (no_error_is_none([&] { return &find_image(simulation, sensor, name); }) != nullptr) names.emplace_back(name);
+  }
+  if (no_error_is_none([&] { return &simulation.scan(sensor); }) != nullptr) return names;
+  PlaneNames planes;
+  simulation.write(sensor, planes);
+  names.insert(names.end(), planes.names.begin(), planes.names.end());
+  return names;
+}
+
+std::string RunningSimulation::explain() const {
+  const Simulation& simulation = idle();
+  const Diagnostics diagnostics = simulation.diagnostics();
+  std::string text = simvis::explain(diagnostics.frame_plan(), {diagnostics.counters(), diagnostics.planned_sensors(),
+                                                                diagnostics.frame_costs(), diagnostics.sensor_costs()});
+  for (const SensorInfo& sensor : simulation.sensors()) text += sensor.report.explanation;
+  return text;
+}
+
+std::string RunningSimulation::tree() const { return to_text(list_scene(built_scene(idle()))); }
+
+// Pricing consumes a simulation and adds its own sensors, so it works on another one of the same scene.
+nb::list RunningSimulation::price(const std::vector<std::string>& sensors, std::uint64_t frames) {
+  if (frames == 0) throw InputError("frames is 0, expected at least 1");
+  const Simulation& own = idle();
+  own.diagnostics().counters();  // refuses while a frame is under way
+  const SimulationDesc& desc = desc_;
+  const std::vector<ScannerPrice> prices = work([&](Simulation& simulation) {
+    Simulation copy = Simulation::from_string(joined(simulation.parameters().changes()), desc);
+    copy_values(simulation.parameters(), copy.parameters());
+    for (const std::string& name : sensors) copy.scan(name);  // throws
+    for (const SensorInfo& each : copy.sensors()) {
+      copy.enable(each.name, std::ranges::find(sensors, each.name) != sensors.end());
+    }
+    PriceDesc price{.frames = frames, .rate_hz = desc.rate_hz};
+    price.on_frame = [](std::uint64_t, std::uint64_t) {
+      const nb::gil_scoped_acquire locked;
+      if (PyErr_CheckSignals() != 0) throw nb::python_error();
+    };
+    return price_scanners(std::move(copy), price);
+  });
+  nb::list rows;
+  for (const ScannerPrice& price : prices) {
+    for (const VariantPrice& variant : price.variants) rows.append(row(price, variant));
+  }
+  return rows;
+}
+
+}  // namespace simvis::python

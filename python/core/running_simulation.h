@@ -1,0 +1,108 @@
+// A Simulation as Python uses it: with the interpreter's lock free while it works, and with its rules enforced.
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+#include <sys/types.h>
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include <simvis/simulation.h>
+#include "python/core/errors.h"
+#include "python/core/measurements.h"
+
+namespace simvis::python {
+
+/// Errors   InputError also if the simulation was closed, if another thread or a callback of its own step is using it,
+///          and in a process that was forked from the one that loaded it.
+/// Threads  every call comes with the interpreter's lock; calls that work release it.
+class RunningSimulation {
+ public:
+  static RunningSimulation* load(const std::string& scene, const SimulationDesc& desc);
+  static RunningSimulation* from_string(const std::string& xml, const SimulationDesc& desc, const std::string& folder,
+                                        const std::string& name);
+  ~RunningSimulation();
+  RunningSimulation(const RunningSimulation&) = delete;
+  RunningSimulation& operator=(const RunningSimulation&) = delete;
+
+  void close();
+  bool is_closed() const { return !simulation_.has_value(); }
+
+  /// The simulation, for a call that is over at once.
+  Simulation& idle();
+  const Simulation& idle() const { return const_cast<RunningSimulation*>(this)->idle(); }
+
+  /// Calls `function(simulation)` without the interpreter's lock, and then raises what Python code raised in it.
+  template <typename Function>
+  auto work(const Function& function);
+
+  void step(std::optional<double> dt_s);
+  void step_async();
+  /// Also while a frame is under way.
+  std::vector<std::string> sensor_names() const;
+  void finish();
+  void skip_frame();
+  double time_s() const;
+
+  KeptScan scan(const std::string& sensor);
+  KeptImage image(const std::string& sensor, const std::string& name);
+  std::vector<std::string> images(const std::string& sensor) const;
+
+  std::string explain() const;
+  std::string tree() const;
+  nanobind::list price(const std::vector<std::string>& sensors, std::uint64_t frames);
+
+ private:
+  RunningSimulation(Simulation simulation, const SimulationDesc& desc);
+  /// Marks the simulation as in use while the interpreter's lock is free.
+  class Working {
+   public:
+    explicit Working(RunningSimulation& running) : running_(running) { running_.working_ = true; }
+    ~Working() { running_.working_ = false; }
+    Working(const Working&) = delete;
+    Working& operator=(const Working&) = delete;
+
+   private:
+    RunningSimulation& running_;
+  };
+
+  std::optional<Simulation> simulation_;
+  SimulationDesc desc_;
+  std::optional<std::int64_t> time_ns_;       // of the last finished frame
+  std::optional<std::int64_t> under_way_;     // time of the frame that step_async() began
+  std::vector<std::string> names_under_way_;  // of the sensors, while a frame is
+  bool working_ = false;
+  pid_t process_;
+};
+
+/// Refuses to work in a forked process, in which the library's threads and the driver are missing.
+void check_process();
+
+template <typename Function>
+auto RunningSimulation::work(const Function& function) {
+  Simulation& simulation = idle();
+  const Working working(*this);
+  const auto call = [&] {
+    const nanobind::gil_scoped_release free;
+    return function(simulation);
+  };
+  if constexpr (std::is_void_v<decltype(call())>) {
+    call();
+    rethrow_kept();
+  } else {
+    auto result = call();
+    rethrow_kept();
+    return result;
+  }
+}
+
+void bind_simulation(nanobind::module_& module);
+
+}  // namespace simvis::python

@@ -1,0 +1,48 @@
+"""SimVis: a headless simulator of a robot's optical sensors.
+
+    import simvis
+    sim = simvis.Simulation.load(simvis.scene("marvin"))
+    sim["R_POSE"].yaw = 90
+    sim.step()
+    ranges = sim["FRONT_SCANNER"].range_m      # (rings, beams), metres
+    picture = sim["ROBOT_CAM"].rgb             # (h, w, 3) uint8
+
+Arrays are read-only views that keep their frame: they neither move nor change when the simulation goes on.
+"""
+
+from __future__ import annotations
+
+import os as _os
+from pathlib import Path as _Path
+
+from . import _core
+from ._core import Image, Context, Scan, Transform, list_devices, load_plugin
+from ._errors import Error, InputError, MachineError, UnknownName
+from ._map import map
+from ._plots import scan_png as _scan_png
+from ._plots import scan_text as _scan_text
+from ._price import PriceList
+from ._proxies import Element, Parameters, Sensor
+from ._simulation import Simulation
+from ._trajectory import Trajectory
+from ._written import Attribute, CustomElement, CustomSensor
+
+__version__ = _core.version()
+__all__ = [
+    "Attribute", "CustomElement", "CustomSensor", "Element", "Error", "Image", "InputError", "MachineError", "Context",
+    "Parameters", "PriceList", "Scan", "Sensor", "Simulation", "Trajectory", "Transform", "UnknownName", "list_devices",
+    "load_plugin", "map", "scene",
+]
+
+Scan._repr_png_ = _scan_png  # type: ignore[attr-defined]
+Scan.__repr__ = _scan_text  # type: ignore[method-assign, assignment]
+
+
+def scene(name: str) -> str:
+    """The file of a scene that the package has: "marvin" or "arm"."""
+    folder = _Path(__file__).parent / "scenes"
+    file = folder / name / f"{name}.xml"
+    if not file.exists():
+        known = sorted(entry.name for entry in folder.iterdir()) if folder.exists() else []
+        raise InputError(f'there is no scene "{name}" in the package, expected one of {", ".join(known) or "none"}')
+    return _os.fspath(file)

@@ -1,0 +1,247 @@
+"""A running simulation."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from html import escape
+from importlib import import_module
+from types import TracebackType
+from typing import TYPE_CHECKING, Any
+
+from ._core import Core, Settings
+from ._errors import InputError, UnknownName
+from ._price import PriceList
+from ._proxies import Element, Parameters, Sensor, suggestion
+from ._trajectory import Trajectory
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
+Progress = Callable[[str, int, int], None]
+
+
+def _settings(
+    rate_hz: float | None,
+    seed: int,
+    threads: int,
+    device: str,
+    strict: bool,
+    overrides: Mapping[str, str | None] | None,
+    packages: Mapping[str, str] | None,
+    instrumented: bool,
+    cache_dir: str,
+    progress: Progress | None,
+) -> Settings:
+    if seed < 0:
+        raise InputError(f"seed is {seed}, expected 0 or more")
+    if threads < 0:
+        raise InputError(f"threads is {threads}, expected 0 or more")
+    return Settings(rate_hz=rate_hz, seed=seed, threads=threads, device=device, strict=strict,
+                    overrides=dict(overrides or {}), packages=dict(packages or {}), instrumented=instrumented,
+                    cache_dir=cache_dir, progress=progress)
+
+
+class Simulation:
+    """A running simulation: `Simulation.load(file)` or `Simulation.from_string(xml)` makes one.
+
+    Frames: world and sensors x forward, y left, z up; metres, angles of parameters in degrees. The interpreter's lock is
+    free while the simulation works. One thread at a time may use it; several simulations may run at once. Wrong input
+    raises InputError with `file`, `line` and `column`.
+    """
+
+    def __init__(self, core: Core) -> None:
+        self._core = core
+
+    @classmethod
+    def load(cls, scene: str | os.PathLike[str], *, rate_hz: float | None = 15.0, seed: int = 0, threads: int = 0,
+             device: str = "", strict: bool = False, overrides: Mapping[str, str | None] | None = None,
+             packages: Mapping[str, str] | None = None, instrumented: bool = False, cache_dir: str = "",
+             progress: Progress | None = None) -> Simulation:
+        """Loads a scene file.
+
+        rate_hz       frames per simulated second; None: frames come when a sensor with a rate is due
+        threads       that work on a step; 0: as many as the machine has. Results do not depend on it
+        device        part of a Vulkan device's name; "": the best
+        strict        a warning is an error
+        overrides     {"laser_scanner.method": "planar"}: attributes of all sensors of a type; None removes one
+        packages      folders of the packages that parts name
+        instrumented  measures times, which sim.explain() then shows
+        progress      called as progress(work, done, total) while parts are read
+        """
+        settings = _settings(rate_hz, seed, threads, device, strict, overrides, packages, instrumented, cache_dir,
+                             progress)
+        return cls(Core.load(os.fspath(scene), settings))
+
+    @classmethod
+    def from_string(cls, xml: str, *, folder: str | os.PathLike[str] = ".", name: str = "<string>",
+                    rate_hz: float | None = 15.0, seed: int = 0, threads: int = 0, device: str = "",
+                    strict: bool = False, overrides: Mapping[str, str | None] | None = None,
+                    packages: Mapping[str, str] | None = None, instrumented: bool = False, cache_dir: str = "",
+                    progress: Progress | None = None) -> Simulation:
+        """Loads a scene from text, as load() does. File names in it start at `folder`; `name` stands in messages."""
+        settings = _settings(rate_hz, seed, threads, device, strict, overrides, packages, instrumented, cache_dir,
+                             progress)
+        return cls(Core.from_string(xml, settings, os.fspath(folder), name))
+
+    def close(self) -> None:
+        """Ends the simulation. Arrays, scans and images that were taken of it stay. Every other call then raises."""
+        self._core.close()
+
+    def __enter__(self) -> Simulation:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None,
+                 trace: TracebackType | None) -> None:
+        self.close()
+
+    def step(self, dt_s: float | None = None) -> None:
+        """Makes one frame. With `dt_s` it is taken so many seconds after the one before."""
+        self._core.step(dt_s)
+
+    def step_async(self) -> None:
+        """Begins a frame and returns while the device works on it; results are those of the frame before."""
+        self._core.step_async()
+
+    def finish(self) -> None:
+        """Waits for the frame that step_async() began."""
+        self._core.finish()
+
+    def skip_frame(self) -> None:
+        """Skips a frame: nothing is rendered or measured."""
+        self._core.skip_frame()
+
+    def run(self, frames: int, trajectory: Trajectory | None = None, progress: bool = True) -> Iterator[int]:
+        """Makes so many frames, with the values of a trajectory, and yields the number of each.
+
+        With `progress` and tqdm installed, a bar shows how far it is.
+        """
+        if frames < 0:
+            raise InputError(f"frames is {frames}, expected 0 or more")
+        numbers: Any = range(frames)
+        if progress:
+            try:
+                numbers = import_module("tqdm.auto").tqdm(numbers, unit="frame")
+            except ImportError:
+                pass
+        for _ in numbers:
+            index, time_ns = self._core.next_frame()
+            if trajectory is not None:
+                trajectory.apply(self, time_ns / 1e9)
+            self._core.step()
+            yield index
+
+    def set(self, element: str, parameter: str, value: float) -> None:
+        """Sets a parameter, in the unit of its element's table. It takes effect at the next step."""
+        self._core.set(element, parameter, value)
+
+    def get(self, element: str, parameter: str) -> float:
+        """The value of a parameter, in the unit of its element's table."""
+        return self._core.get(element, parameter)
+
+    def execute(self, xml: str, folder: str | os.PathLike[str] = ".", name: str = "<string>") -> None:
+        """Executes more commands in the running scene: all of them or, if it raises, none."""
+        self._core.execute(xml, os.fspath(folder), name)
+
+    @property
+    def time_s(self) -> float:
+        """Simulated time of the last frame, seconds; NaN before the first."""
+        return self._core.time_s
+
+    @property
+    def sensors(self) -> dict[str, Sensor]:
+        """All sensors, in the order of the scene."""
+        return {name: Sensor(self._core, name) for name in self._core.sensor_names()}
+
+    def only(self, *sensors: str) -> None:
+        """Turns these sensors on and all others off. What is off is not rendered."""
+        known = self._core.sensor_names()
+        for name in sensors:
+            if name not in known:
+                raise UnknownName(f'there is no sensor "{name}"' + suggestion(name, known))
+        for name in known:
+            self._core.enable(name, name in sensors)
+
+    @property
+    def elements(self) -> dict[str, Element]:
+        """All elements, in the order of the scene."""
+        return {row["name"]: Element(self._core, row) for row in self._core.elements()}
+
+    @property
+    def parameters(self) -> Parameters:
+        """All parameters, by "ELEMENT.PARAMETER"."""
+        return Parameters(self._core)
+
+    @property
+    def measured(self) -> list[str]:
+        """Names of the sensors that measured in the last step."""
+        return list(self._core.measured())
+
+    @property
+    def warnings(self) -> list[str]:
+        """What loading and the steps so far warn of."""
+        return list(self._core.warnings())
+
+    @property
+    def changes(self) -> list[str]:
+        """The commands that were executed, in order; together they make the same scene."""
+        return list(self._core.changes())
+
+    @property
+    def device(self) -> dict[str, str]:
+        """The device that renders: name, type, driver, api_version."""
+        return dict(self._core.device())
+
+    def part_pose(self, part: str) -> npt.NDArray[np.float64] | None:
+        """(4, 4) float64 world_from_part as of the last step; call track_part() before. None: it is switched off."""
+        return self._core.part_pose(part)
+
+    def track_part(self, part: str) -> None:
+        """Makes part_pose() known for a part from the next step on."""
+        self._core.track_part(part)
+
+    def record(self, file: str | os.PathLike[str], topics: Sequence[str] = (), drop: bool = False) -> None:
+        """Records the next steps as ROS 2 messages in an MCAP file, until finish_recording()."""
+        self._core.record(os.fspath(file), list(topics), drop)
+
+    def finish_recording(self) -> dict[str, int]:
+        """Ends the recording: numbers of messages, of dropped measurements, and of bytes."""
+        messages, dropped, size = self._core.finish_recording()
+        return {"messages": messages, "dropped": dropped, "bytes": size}
+
+    def serve(self, name: str, folders: Sequence[str | os.PathLike[str]] = ()) -> None:
+        """Serves the simulation to other processes of this machine, which find it by its name."""
+        self._core.serve(name, [os.fspath(folder) for folder in folders])
+
+    def explain(self) -> str:
+        """What the last frame rendered and cast, why, and at what cost."""
+        return self._core.explain()
+
+    def price(self, *sensors: str, frames: int = 15) -> PriceList:
+        """What each measuring method costs on this machine, and how exact it is, for these scanners (default: all)."""
+        names = list(sensors) or [row["name"] for row in self._core.sensors() if row["type"] == "laser_scanner"]
+        return PriceList(self._core.price(names, frames))
+
+    def __getitem__(self, name: str) -> Element | Sensor:
+        for row in self._core.elements():
+            if row["name"] == name:
+                if name in self._core.sensor_names():
+                    raise InputError(f'"{name}" is an element and a sensor, expected sim.elements[...] or sim.sensors[...]')
+                return Element(self._core, row)
+        known = self._core.sensor_names()
+        if name in known:
+            return Sensor(self._core, name)
+        known += self._core.element_names()
+        raise UnknownName(f'there is no element or sensor "{name}"' + suggestion(name, known))
+
+    def _ipython_key_completions_(self) -> list[str]:
+        return list(self._core.element_names()) + list(self._core.sensor_names())
+
+    def __repr__(self) -> str:
+        if self._core.closed:
+            return "a closed simulation"
+        return str(self._core.tree())
+
+    def _repr_html_(self) -> str:
+        return f"<pre>{escape(repr(self))}</pre>"

@@ -1,0 +1,99 @@
+"""Elements and sensors that are written in Python."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from . import _core
+from ._errors import InputError
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
+    from ._core import Context
+
+
+@dataclass(frozen=True)
+class Attribute:
+    """A row of a type's table, as <simvis/attributes.h> has it.
+
+    kind is number, integer, choice, vector, text, part, element or sensor. A live row is a parameter: a number with a
+    default that can change while the scene runs.
+    """
+
+    name: str
+    default: float | int | str | None = None
+    unit: str = ""
+    text: str = ""
+    kind: str = "number"
+    min: float = -math.inf
+    max: float = math.inf
+    choices: str = ""
+    live: bool = False
+
+    @property
+    def default_text(self) -> str:
+        return "" if self.default is None else f"{self.default:.17g}" if isinstance(self.default, float) else str(self.default)
+
+
+class CustomElement:
+    """Base of elements that are written in Python. A scene names them by `type`:
+
+        class Door(simvis.CustomElement, type="door", summary="A door on its hinge."):
+            attributes = [simvis.Attribute("open", 0, "%", min=0, max=100, live=True)]
+
+            def __init__(self, context):
+                self.hinge = context.insert_transform()   # it moves what follows
+
+            def update(self, values):                    # called when a live value has changed
+                self.hinge.set_pose(yaw=0.9 * values["open"])
+
+    update() is called by the step, in the thread that steps; what it raises, the step raises.
+    """
+
+    attributes: ClassVar[list[Attribute]] = []
+
+    def __init_subclass__(cls, type: str, summary: str = "", **rest: Any) -> None:
+        super().__init_subclass__(**rest)
+        _core.register_element(cls, type, summary or f"An element of the Python class {cls.__name__}.", cls.attributes)
+
+    def __init__(self, context: Context) -> None:
+        pass
+
+    def update(self, values: Mapping[str, float]) -> None:
+        """Applies the live values to the scene."""
+        raise NotImplementedError
+
+
+class CustomSensor:
+    """Base of sensors that are written in Python: they cast rays, and measure() turns the ranges into numbers.
+
+        class Bumper(simvis.CustomSensor, type="bumper"):
+            values = ["nearest_m"]
+            directions = [[1, 0, 0], [0, 1, 0], [0, -1, 0]]   # unit vectors: x forward, y left, z up
+
+            def measure(self, ranges_m, time_s):              # (n,) float64, inf where nothing was hit
+                return {"nearest_m": ranges_m.min()}
+    """
+
+    attributes: ClassVar[list[Attribute]] = []
+    values: ClassVar[list[str]] = []
+    directions: npt.ArrayLike
+
+    def __init_subclass__(cls, type: str, summary: str = "", **rest: Any) -> None:
+        super().__init_subclass__(**rest)
+        if not isinstance(cls.values, (list, tuple)):
+            raise InputError(f'type "{type}": values is no list of names')
+        _core.register_sensor(cls, type, summary or f"A sensor of the Python class {cls.__name__}.", cls.attributes,
+                              list(cls.values))
+
+    def __init__(self, context: Context) -> None:
+        pass
+
+    def measure(self, ranges_m: npt.NDArray[np.float64], time_s: float) -> Mapping[str, float]:
+        """The value of each name in `values`."""
+        raise NotImplementedError

@@ -1,0 +1,112 @@
+"""Results as arrays: shapes, whose memory they are, and that they stay as they are."""
+import gc
+import unittest
+
+import numpy as np
+from small_scene import load
+
+
+class Arrays(unittest.TestCase):
+    def setUp(self) -> None:
+        self.sim = load()
+        self.sim.step()
+
+    def test_shapes_and_types(self) -> None:
+        scanner, camera, eyes = self.sim["SCAN"], self.sim["CAM"], self.sim["EYES"]
+        for array, shape, dtype in [
+            (scanner.range_m, (3, 31), np.float32), (scanner.error_bound_m, (3, 31), np.float32),
+            (scanner.intensity, (3, 31), np.float64), (scanner.points(), (93, 3), np.float64),
+            (scanner.scan.azimuth_rad, (31,), np.float64), (scanner.scan.elevation_rad, (3,), np.float64),
+            (scanner.pose, (4, 4), np.float64), (camera.color, (16, 32, 3), np.float32),
+            (camera.rgb, (16, 32, 3), np.uint8), (camera.depth, (16, 32), np.float32),
+            (eyes.disparity, (8, 16), np.float32), (eyes.image("right").array, (8, 16, 3), np.float32),
+            (eyes.image("right_depth").array, (8, 16), np.float32)]:
+            self.assertEqual((array.shape, array.dtype), (shape, dtype))
+        self.assertEqual(eyes.images, ["color", "depth", "right", "right_depth", "disparity"])
+        self.assertEqual(camera.images, ["color", "depth"])
+        self.assertGreater(self.sim["PSD"].value("voltage_v"), 0)
+
+    def test_values_mean_what_they_say(self) -> None:
+        ahead = self.sim["SCAN"].scan
+        middle = int(np.argmin(np.abs(ahead.azimuth_rad)))
+        self.assertAlmostEqual(float(ahead.range_m[1, middle] * np.cos(ahead.elevation_rad[1])), 2.9, 4)
+        depth = self.sim["CAM"].depth
+        self.assertAlmostEqual(float(depth[8, 16]), 2.9, 4)
+        local, world = ahead.points(), ahead.points("world")
+        turned = local @ ahead.pose[:3, :3].T + ahead.pose[:3, 3]
+        np.testing.assert_allclose(world, turned, atol=1e-12)
+
+    def test_views_are_read_only_and_cost_no_copy(self) -> None:
+        for get in (lambda: self.sim["SCAN"].range_m, lambda: self.sim["CAM"].color, lambda: self.sim["CAM"].depth):
+            view = get()
+            self.assertFalse(view.flags.writeable)
+            self.assertFalse(view.flags.owndata)
+            self.assertEqual(view.ctypes.data, get().ctypes.data)
+            with self.assertRaises(ValueError):
+                view[0] = 1
+
+    def test_a_view_keeps_its_frame(self) -> None:
+        views, copies = [], []
+        for frame in range(20):
+            self.sim["P"].x = 0.05 * frame
+            self.sim.step()
+            views.append((self.sim["SCAN"].range_m, self.sim["CAM"].color, self.sim["SCAN"].intensity))
+            copies.append([view.copy() for view in views[-1]])
+        self.assertFalse(np.array_equal(copies[0][0], copies[1][0]))
+        self.sim.execute('<remove name="SCAN"/>')
+        self.sim.close()
+        gc.collect()
+        for view, copy in zip(views, copies):
+            for kept, seen in zip(view, copy):
+                np.testing.assert_array_equal(kept, seen)
+
+    def test_a_view_keeps_its_frame_when_a_request_removes_nothing(self) -> None:
+        view = self.sim["SCAN"].range_m
+        copy = view.copy()
+        self.sim.execute('<part shape="box" size="1 1 1" name="NEW" insert_at="ROOT" pose_offset="1.5 0 0.5 0 0 0"/>')
+        self.sim.step()
+        np.testing.assert_array_equal(view, copy)
+        self.assertFalse(np.array_equal(self.sim["SCAN"].range_m, copy))
+
+    def test_memory_is_used_again(self) -> None:
+        addresses = set()
+        for frame in range(50):
+            self.sim["P"].x = 0.001 * frame
+            self.sim.step()
+            last = self.sim["CAM"].color
+            addresses.add(last.ctypes.data)
+        self.assertLessEqual(len(addresses), 4)
+
+    def test_out_fills_the_buffer_of_the_caller(self) -> None:
+        scan, image = self.sim["SCAN"].scan, self.sim["CAM"].image()
+        ranges, rgb, color = np.empty((3, 31), np.float32), np.empty((16, 32, 3), np.uint8), np.empty((16, 32, 3), np.float32)
+        points = np.empty((93, 3))
+        self.assertIs(scan.read(ranges), ranges)
+        self.assertIs(scan.points(out=points), points)
+        self.assertIs(image.rgb(rgb), rgb)
+        self.assertIs(image.read(color), color)
+        np.testing.assert_array_equal(ranges, scan.range_m)
+        np.testing.assert_array_equal(points, scan.points())
+        np.testing.assert_array_equal(rgb, image.rgb())
+        np.testing.assert_array_equal(color, image.array)
+
+    def test_arrays_and_dlpack(self) -> None:
+        scan = self.sim["SCAN"].scan
+        np.testing.assert_array_equal(np.asarray(scan), scan.range_m)
+        self.assertEqual(np.asarray(scan).ctypes.data, scan.range_m.ctypes.data)
+        exchanged = np.from_dlpack(self.sim["CAM"].image("depth"))
+        self.assertEqual(exchanged.ctypes.data, self.sim["CAM"].depth.ctypes.data)
+        self.assertFalse(exchanged.flags.writeable)
+        np.testing.assert_array_equal(np.asarray(self.sim["CAM"].image(), dtype=np.float64), self.sim["CAM"].color)
+
+    def test_step_async_shows_the_frame_before(self) -> None:
+        before = self.sim["SCAN"].range_m
+        self.sim["P"].x = 1
+        self.sim.step_async()
+        np.testing.assert_array_equal(self.sim["SCAN"].range_m, before)
+        self.sim.finish()
+        self.assertFalse(np.array_equal(self.sim["SCAN"].range_m, before))
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,41 @@
+"""The programs of the documents, the examples and the notebook run."""
+import json
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+from contextlib import chdir
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+class Documents(unittest.TestCase):
+    def test_programs_of_the_documents(self) -> None:
+        for page in ("README.md", "docs/python.md"):
+            programs = re.findall(r"```python\n(.*?)```", (ROOT / page).read_text(), re.DOTALL)
+            programs = [program for program in programs if "import simvis\n" in program]
+            self.assertTrue(programs, page)
+            for program in programs:
+                with self.subTest(page=page, program=program), tempfile.TemporaryDirectory() as folder, chdir(folder):
+                    exec(compile(program, page, "exec"), {"__name__": "document"})
+
+    def test_examples(self) -> None:
+        for example in sorted((ROOT / "python/examples").glob("*.py")):
+            with self.subTest(example=example.name), tempfile.TemporaryDirectory() as folder:
+                run = subprocess.run([sys.executable, example, "--short"], cwd=folder, capture_output=True, text=True,
+                                     env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)})
+                if "No module named 'torch'" not in run.stderr:
+                    self.assertEqual(run.returncode, 0, run.stderr)
+
+    def test_the_notebook(self) -> None:
+        matplotlib = "import matplotlib; matplotlib.use('Agg')\n"
+        cells = json.loads((ROOT / "python/examples/accuracy.ipynb").read_text())["cells"]
+        program = matplotlib + "\n".join("".join(cell["source"]) for cell in cells if cell["cell_type"] == "code")
+        exec(compile(program, "accuracy.ipynb", "exec"), {})
+
+
+if __name__ == "__main__":
+    unittest.main()

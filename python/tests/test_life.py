@@ -1,0 +1,167 @@
+"""Threads, processes, interrupts and memory."""
+import gc
+import os
+import resource
+import signal
+import subprocess
+import sys
+import threading
+import unittest
+from pathlib import Path
+
+import numpy as np
+import simvis
+from small_scene import SCENE, load
+
+EMPTY = '<s><part shape="box" size="1 1 1" name="B" insert_at="ROOT" pose_offset="2 0 0 0 0 0"/>' \
+        '<element type="pose" name="P" insert_at="ROOT"/>' \
+        '<sensor type="laser_scanner" name="SCAN" insert_at="ROOT" samples="9"/></s>'
+
+
+def ranges_of(simulation: simvis.Simulation) -> np.ndarray:
+    simulation.step()
+    return simulation["SCAN"].range_m.copy()
+
+
+class Life(unittest.TestCase):
+    def test_two_simulations_in_two_threads(self) -> None:
+        results: dict[int, list[bytes]] = {}
+
+        def work(number: int) -> None:
+            sim = load(EMPTY)
+            found = []
+            for frame in range(50):
+                sim["P"].yaw = frame
+                sim.step()
+                found.append(sim["SCAN"].range_m.tobytes())
+            results[number] = found
+
+        threads = [threading.Thread(target=work, args=(number,)) for number in range(2)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertEqual(results[0], results[1])
+
+    def test_a_second_thread_is_refused_and_nothing_breaks(self) -> None:
+        sim = load(EMPTY)
+        refused, wrong = [], []
+        done = threading.Event()
+
+        def meddle() -> None:
+            while not done.is_set():
+                try:
+                    sim["P"].yaw = 1
+                    sim.step()
+                    sim["SCAN"].range_m.sum()
+                except simvis.InputError as error:
+                    refused.append(str(error))
+                except BaseException as error:  # noqa: BLE001
+                    wrong.append(error)
+
+        threads = [threading.Thread(target=meddle) for _ in range(3)]
+        for thread in threads:
+            thread.start()
+        for _ in range(300):
+            try:
+                sim.step()
+                sim["SCAN"].range_m.sum()
+            except simvis.InputError as error:
+                refused.append(str(error))
+        done.set()
+        for thread in threads:
+            thread.join()
+        self.assertEqual(wrong, [])
+        for message in refused:
+            self.assertTrue("in use by another thread" in message or "has not measured" in message, message)
+        sim.step()
+
+    def test_a_callback_of_its_own_step_is_refused(self) -> None:
+        class Meddler(simvis.CustomElement, type="life_meddler"):
+            attributes = [simvis.Attribute("x", 0, live=True)]
+
+            def update(self, values: object) -> None:
+                if sims:
+                    sims[0].step()
+
+        sims: list[simvis.Simulation] = []
+        sims.append(load('<element type="life_meddler" name="M" insert_at="ROOT"/>'))
+        sims[0]["M"].x = 1
+        with self.assertRaisesRegex(simvis.InputError, "in use by another thread, or by the step that called"):
+            sims[0].step()
+
+    def test_no_leak_over_many_steps(self) -> None:
+        sim = load(EMPTY)
+        kept = None
+
+        def steps(count: int) -> int:
+            nonlocal kept
+            for frame in range(count):
+                sim["P"].yaw = frame % 90
+                sim.step()
+                kept = sim["SCAN"].range_m
+                sim["SCAN"].points()
+            gc.collect()
+            with open("/proc/self/statm") as file:
+                return int(file.read().split()[1]) * resource.getpagesize()
+
+        before = steps(2000)
+        after = steps(4000)
+        self.assertLess(after - before, 1 << 20)  # 4000 frames of 5 kB would be 20 MB
+
+    def test_a_forked_process_is_refused_and_ends(self) -> None:
+        sim = load(EMPTY)
+        sim.step()
+        child = os.fork()
+        if child == 0:
+            status = 1
+            try:
+                sim.step()
+            except simvis.InputError as error:
+                status = 0 if "was forked from process" in str(error) else 2
+            try:
+                load(EMPTY)
+                status = 3
+            except simvis.InputError:
+                pass
+            os._exit(status)
+        self.assertEqual(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), 0)
+        sim.step()
+
+    def test_map_gives_the_same_bytes_for_any_number_of_workers(self) -> None:
+        scene = Path(self.id() + ".xml").absolute()
+        scene.write_text(SCENE.replace("<sensor type=\"laser", "<sensor range_noise=\"0.01\" type=\"laser"))
+        self.addCleanup(scene.unlink)
+        results = [[found.tobytes() for found in simvis.map(ranges_of, scene, seeds=range(4), workers=workers)]
+                   for workers in (0, 2)]
+        self.assertEqual(results[0], results[1])
+        self.assertEqual(len(set(results[0])), 4)
+        by_yaw = list(simvis.map(ranges_of, scene, parameters=[{"P.yaw": 0}, {"P.yaw": 30}], workers=0))
+        self.assertFalse(np.array_equal(*by_yaw))
+
+    def test_an_interrupt_ends_a_long_run(self) -> None:
+        program = f"""if True:
+            import sys
+            sys.path[:0] = {sys.path!r}
+            import simvis
+            sim = simvis.Simulation.from_string({EMPTY!r})
+            sim.step()
+            try:
+                print("running", flush=True)
+                while True:
+                    sim.step()
+            except KeyboardInterrupt:
+                sim.step()
+                print("stopped", flush=True)
+        """
+        process = subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                   text=True)
+        assert process.stdout is not None
+        self.assertEqual(process.stdout.readline(), "running\n")
+        process.send_signal(signal.SIGINT)
+        self.assertEqual(process.communicate(timeout=60), ("stopped\n", ""))
+        self.assertEqual(process.returncode, 0)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,91 @@
+"""Mistakes of users, each with the message that helps."""
+import pickle
+import unittest
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import simvis
+from small_scene import load
+
+
+class Mistakes(unittest.TestCase):
+    sim: simvis.Simulation
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        cls.sim = load()
+        cls.sim.step()
+
+    def expect(self, message: str, call: Callable[[], Any], kind: type[BaseException] = simvis.InputError) -> Any:
+        with self.assertRaises(kind) as caught:
+            call()
+        self.assertIn(message, str(caught.exception))
+        return caught.exception
+
+    def test_in_scenes(self) -> None:
+        error = self.expect('unknown sensor type "camra", did you mean "camera"?',
+                            lambda: load('<s>\n  <sensor type="camra" name="C" insert_at="ROOT"/>\n</s>', name="s.xml"))
+        self.assertEqual((error.file, error.line, error.column), ("s.xml", 2, 11))
+        again = pickle.loads(pickle.dumps(error))
+        self.assertEqual((str(again), again.line), (str(error), 2))
+        error = self.expect("", lambda: load("<s><part</s>"))
+        self.assertEqual(error.line, 1)
+        self.expect("no_such_scene.xml", lambda: simvis.Simulation.load("no_such_scene.xml"))
+        self.expect("there is no insertion point", lambda: load('<part shape="box" size="1 1 1" name="B" insert_at="RO"/>'))
+        self.expect('there is no scene "marvn" in the package', lambda: simvis.scene("marvn"))
+
+    def test_in_names(self) -> None:
+        sim: Any = self.sim
+        self.expect('there is no element or sensor "SCN", did you mean "SCAN"?', lambda: sim["SCN"])
+        self.expect('element "P" has no parameter "yww", did you mean "yaw"?', lambda: sim["P"].yww)
+        self.expect('element "P" has no parameter "yww"', lambda: setattr(sim["P"], "yww", 1))
+        self.expect('"yaw" names no parameter, expected ELEMENT.PARAMETER', lambda: sim.parameters["yaw"])
+        self.assertIsNone(sim.parameters.get("P.nothing"))
+        self.assertFalse(hasattr(sim["P"], "nothing"))
+        self.expect('sensor "CAM", a camera, has no scan', lambda: sim["CAM"].range_m)
+        self.expect('sensor "SCAN", a laser_scanner, has no colour', lambda: sim["SCAN"].color)
+        self.expect('has no channel "returns", expected one of intensity', lambda: sim["SCAN"].scan.channel("returns"))
+
+    def test_in_values(self) -> None:
+        sim: Any = self.sim
+        self.expect("P.x", lambda: sim.set("P", "x", float("nan")))
+        self.expect("incompatible function arguments", lambda: setattr(sim["P"], "x", "far"), TypeError)
+        self.expect("the matrix is not rigid", lambda: sim["P"].set_pose(2 * np.eye(4)))
+        self.expect("dt_s is -1, expected seconds above 0", lambda: sim.step(-1))
+        self.expect('frame is "wrld", expected "sensor" or "world"', lambda: sim["SCAN"].points("wrld"))
+        self.expect("seed is -1", lambda: load(seed=-1))
+        self.expect('override "method": expected TYPE.ATTRIBUTE', lambda: load(overrides={"method": "planar"}))
+        self.expect("expected times_s with it", lambda: simvis.Trajectory({"P.x": [0, 1]}))
+        self.expect("times_s are not finite and increasing", lambda: simvis.Trajectory({"P.x": [0, 1]}, [1, 1]))
+        self.expect("frames is -1", lambda: list(sim.run(-1)))
+
+    def test_in_buffers(self) -> None:
+        sim: Any = self.sim
+        wrong = "expected a writable float32 array of shape (3, 31)"
+        self.expect(wrong, lambda: sim["SCAN"].scan.read(np.empty((3, 31))))
+        self.expect("the array has shape (31, 3)", lambda: sim["SCAN"].scan.read(np.empty((31, 3), np.float32)))
+        self.expect(wrong, lambda: sim["SCAN"].scan.read(sim["SCAN"].range_m))
+        self.expect(wrong, lambda: sim["SCAN"].scan.read(np.empty((3, 62), np.float32)[:, ::2]))
+        self.expect('the image "depth" of "CAM" has no colour', lambda: sim["CAM"].image("depth").rgb())
+
+    def test_in_the_order_of_calls(self) -> None:
+        sim: Any = load()
+        self.expect('sensor "SCAN" has not measured yet, expected step() before', lambda: sim["SCAN"].range_m)
+        self.expect('sensor "CAM" has not measured yet', lambda: sim["CAM"].rgb)
+        sim.step_async()
+        self.expect("a frame is under way, expected finish() before this", lambda: sim.execute("<s/>"))
+        sim.finish()
+        self.expect("is not tracked, expected track_part() before", lambda: sim.part_pose("ROBOT"))
+        scanner = sim["SCAN"]
+        sim.execute('<remove name="SCAN"/>')
+        self.expect('there is no sensor "SCAN"', lambda: scanner.range_m)
+        sim.close()
+        for call in (sim.step, lambda: sim["P"], lambda: sim.warnings, lambda: scanner.range_m, lambda: sim.time_s):
+            self.expect("this simulation is closed", call)
+        self.assertEqual(repr(sim), "a closed simulation")
+        sim.close()
+
+
+if __name__ == "__main__":
+    unittest.main()

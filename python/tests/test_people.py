@@ -1,0 +1,88 @@
+"""What people see: tables, trees, pictures, trajectories, and the programs of the documents."""
+import unittest
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import simvis
+from small_scene import load
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+class People(unittest.TestCase):
+    def setUp(self) -> None:
+        self.sim: Any = load()
+        self.sim.step()
+
+    def test_reprs(self) -> None:
+        self.assertIn("ROBOT", repr(self.sim))
+        self.assertIn("<pre>", self.sim._repr_html_())
+        self.assertRegex(repr(self.sim["P"]), r'pose "P"\n  x +0 m')
+        self.assertIn("<td>vertical_samples</td><td>3</td>", self.sim["SCAN"]._repr_html_())
+        self.assertRegex(repr(self.sim["SCAN"]), r"\n  measurements +1\n")
+        self.assertIn("3 x 31 beams at 0 s", repr(self.sim["SCAN"].scan))
+        self.assertTrue(self.sim["CAM"].image()._repr_png_().startswith(b"\x89PNG"))
+        self.assertIsNone(self.sim["CAM"].image("depth")._repr_png_())
+
+    def test_completion(self) -> None:
+        self.assertIn("SCAN", self.sim._ipython_key_completions_())
+        self.assertIn("yaw", dir(self.sim["P"]))
+        self.assertIn("P.yaw", self.sim.parameters._ipython_key_completions_())
+
+    def test_parameters(self) -> None:
+        self.sim["P"].yaw = 90
+        self.assertEqual(self.sim.get("P", "yaw"), 90)
+        self.sim.parameters["P.x"] = 1
+        self.sim["P"].set(y=2, z=3)
+        self.assertEqual([self.sim["P"].x, self.sim["P"]["y"], self.sim.parameters["P.z"]], [1, 2, 3])
+        self.assertIn("P.roll", self.sim.parameters)
+        matrix = np.eye(4)
+        matrix[0, 3] = 0.25
+        self.sim["P"].set_pose(matrix)
+        self.assertEqual(self.sim["P"].x, 0.25)
+
+    def test_price_and_plan(self) -> None:
+        prices = self.sim.price("SCAN", frames=1)
+        self.assertEqual(sum(row["in_scene"] for row in prices), 1)
+        self.assertIn("raycast", {row["method"] for row in prices})
+        self.assertIn("in the scene", repr(prices))
+        self.assertIn("every beam of laser scanner SCAN", self.sim.explain())
+
+    def test_trajectories(self) -> None:
+        trajectory = simvis.Trajectory({"P.x": [0, 1], "P.yaw": lambda t: 90 * t}, times_s=[0, 1])
+        self.sim = load(rate_hz=2)
+        seen = []
+        for index in self.sim.run(4, simvis.Trajectory({"P.x": [0, 1]}, times_s=[0, 1]), progress=False):
+            seen.append((index, self.sim["P"].x))
+        self.assertEqual(seen, [(0, 0), (1, 0.5), (2, 1), (3, 1)])
+        trajectory.apply(self.sim, 0.5)
+        self.assertEqual((self.sim["P"].x, self.sim["P"].yaw), (0.5, 45))
+
+    def test_times(self) -> None:
+        sim = load(rate_hz=10)
+        self.assertNotEqual(sim.time_s, sim.time_s)
+        for expected in (0, 0.1, 0.2):
+            sim.step()
+            self.assertAlmostEqual(sim.time_s, expected)
+        sim.step(0.05)
+        self.assertAlmostEqual(sim.time_s, 0.25)
+        self.assertAlmostEqual(sim.sensors["SCAN"].scan.time_s, 0.25)
+
+    def test_loading_tells_how_far_it_is(self) -> None:
+        told: list[tuple[str, int, int]] = []
+        simvis.Simulation.load(ROOT / "scenes/first/first.xml", progress=lambda *how: told.append(how))
+        self.assertTrue(any(work.startswith("reading") for work, _, _ in told), told)
+
+        def refuse(*how: object) -> None:
+            raise RuntimeError("enough")
+
+        with self.assertRaisesRegex(RuntimeError, "enough"):
+            simvis.Simulation.load(ROOT / "scenes/first/first.xml", progress=refuse)
+
+    def test_a_scan_is_a_picture_in_a_notebook(self) -> None:
+        self.assertTrue(self.sim["SCAN"].scan._repr_png_().startswith(b"\x89PNG"))
+
+
+if __name__ == "__main__":
+    unittest.main()

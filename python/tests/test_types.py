@@ -1,0 +1,64 @@
+"""The package and a program that uses it are right for mypy and pyright."""
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import simvis
+
+PROGRAM = """
+import numpy as np
+import simvis
+
+sim = simvis.Simulation.load("scene.xml", rate_hz=30, overrides={"laser_scanner.method": "planar"})
+ranges: np.ndarray = sim.sensors["FRONT"].range_m
+scan: simvis.Scan = sim.sensors["FRONT"].scan
+count: int = scan.rings * scan.beams
+sim.elements["P"].yaw = 90.0
+reveal_type(sim.sensors["CAM"].rgb)
+prices: simvis.PriceList = sim.price("FRONT")
+"""
+
+
+def installed(module: str) -> bool:
+    return subprocess.run([sys.executable, "-c", f"import {module}"], capture_output=True).returncode == 0
+
+
+class Types(unittest.TestCase):
+    def run_on(self, *command: str) -> None:
+        package = Path(simvis.__file__).parent
+        with tempfile.TemporaryDirectory() as folder:
+            program = Path(folder) / "program.py"
+            program.write_text(PROGRAM)
+            for file in [*package.glob("*.py"), package / "_core.pyi", package / "py.typed"]:
+                copy = Path(folder) / "simvis" / file.name
+                copy.parent.mkdir(exist_ok=True)
+                copy.write_text(file.read_text())
+            checked = [*sorted(Path(folder).glob("simvis/*.py*")), program]
+            run = subprocess.run([sys.executable, "-m", *command, *map(str, checked)], cwd=folder, text=True, capture_output=True)
+            self.assertEqual(run.returncode, 0, run.stdout + run.stderr)
+
+    @unittest.skipUnless(installed("mypy"), "mypy is not installed")
+    def test_mypy(self) -> None:
+        self.run_on("mypy", "--strict", "--cache-dir", os.devnull)
+
+    @unittest.skipUnless(installed("pyright"), "pyright is not installed")
+    def test_pyright(self) -> None:
+        run = subprocess.run([sys.executable, "-m", "pyright", "--version"], capture_output=True)
+        if run.returncode != 0:
+            self.skipTest("pyright cannot fetch its program")
+        self.run_on("pyright")
+
+    def test_everything_public_is_documented(self) -> None:
+        for name in simvis.__all__:
+            self.assertTrue(getattr(simvis, name).__doc__, name)
+        for kind in (simvis.Simulation, simvis.Sensor, simvis.Scan, simvis.Image):
+            for name, member in vars(kind).items():
+                if not name.startswith("_") and name not in ("name", "type"):
+                    self.assertTrue(member.__doc__, f"{kind.__name__}.{name}")
+
+
+if __name__ == "__main__":
+    unittest.main()
