@@ -1,6 +1,7 @@
 #include "live/view_snapshot.h"
 
 #include <algorithm>
+#include <utility>
 
 #include <simvis/diagnostics.h>
 #include "simvis/built_scene_access.h"
@@ -108,7 +109,8 @@ void copy_measurements(const Simulation& simulation, const BuiltScene& built, co
 void ViewCopier::follow_scene(const Simulation& simulation) {
   const DrawList& list = simulation.diagnostics().draw_list();
   const std::size_t changes = simulation.parameters().changes().size();
-  const bool is_new = scene_ == nullptr || changes != changes_ || list.revisions.structure != revisions_.structure;
+  const bool is_new = scene_ == nullptr || std::exchange(restarted_, false) || changes != changes_ ||
+                      list.revisions.structure != revisions_.structure;
   if (is_new) {
     const BuiltScene& built = BuiltSceneAccess::of(simulation.diagnostics());
     auto scene = std::make_shared<ViewScene>();

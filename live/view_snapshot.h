@@ -96,11 +96,15 @@ class ViewCopier {
   /// The frame of the last step, which took `step_ms`. Throws InputError while a frame is under way.
   ViewFrame copy(const Simulation& simulation, const FrameTime& time, double step_ms, const ViewWants& wants);
 
+  /// The next frame is that of another simulation. Its scene counts on.
+  void restart() { restarted_ = true; }
+
  private:
   void follow_scene(const Simulation& simulation);
   std::shared_ptr<const ViewScene> scene_;
   DrawList::Revisions revisions_;
   std::size_t changes_ = 0;  // executed commands
+  bool restarted_ = false;
   std::shared_ptr<const std::vector<glm::dmat4>> world_from_node_;
   std::shared_ptr<const std::vector<std::shared_ptr<const Material>>> materials_;
   std::shared_ptr<const std::vector<LightItem>> lights_;
