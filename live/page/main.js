@@ -136,18 +136,14 @@ const receivers = {
     if (selected) mark();
     if (!opened) openView();
     document.documentElement.dataset.frame = message.frame;
-    source.send({ op: "shown", frame: message.frame }); // a slow page so gets fewer frames
   },
   playing: (message) => time.play(message.playing),
   error({ about, message }) {
     if (about === "set" && asked.length > 0) return parameters.refuse(asked.shift(), message);
     alertOf(message);
   },
-  saved({ xml }) {
-    const link = document.createElement("a");
-    link.href = URL.createObjectURL(new Blob([xml], { type: "application/xml" }));
-    link.download = "scene.xml";
-    link.click();
+  saved() {
+    element("state").textContent = "the scene file is saved";
   },
 };
 
