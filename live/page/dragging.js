@@ -7,15 +7,27 @@ const DEG = 180 / Math.PI;
 
 /** The numbers of a pose: x y z in metres, roll pitch yaw in degrees; R = Rz(yaw) Ry(pitch) Rx(roll). */
 export function poseOf(matrix) {
-  const position = new THREE.Vector3(), rotation = new THREE.Quaternion();
+  const position = new THREE.Vector3(),
+    rotation = new THREE.Quaternion();
   matrix.decompose(position, rotation, new THREE.Vector3());
   const angles = new THREE.Euler().setFromQuaternion(rotation, "ZYX");
-  return { x: position.x, y: position.y, z: position.z, roll: angles.x * DEG, pitch: angles.y * DEG, yaw: angles.z * DEG };
+  return {
+    x: position.x,
+    y: position.y,
+    z: position.z,
+    roll: angles.x * DEG,
+    pitch: angles.y * DEG,
+    yaw: angles.z * DEG,
+  };
 }
 
 export function matrixOf({ x, y, z, roll, pitch, yaw }) {
   const angles = new THREE.Euler(roll / DEG, pitch / DEG, yaw / DEG, "ZYX");
-  return new THREE.Matrix4().compose(new THREE.Vector3(x, y, z), new THREE.Quaternion().setFromEuler(angles), new THREE.Vector3(1, 1, 1));
+  return new THREE.Matrix4().compose(
+    new THREE.Vector3(x, y, z),
+    new THREE.Quaternion().setFromEuler(angles),
+    new THREE.Vector3(1, 1, 1),
+  );
 }
 
 export class Dragging {
@@ -27,7 +39,9 @@ export class Dragging {
     this.controls.setSpace("local");
     this.controls.setSize(0.8);
     view.scene.add(this.controls);
-    this.controls.addEventListener("change", () => { view.dirty = true; });
+    this.controls.addEventListener("change", () => {
+      view.dirty = true;
+    });
     this.controls.addEventListener("dragging-changed", ({ value }) => {
       this.dragging = value;
       navigation.orbit.enabled = !value && navigation.mode === "orbit";
@@ -43,14 +57,19 @@ export class Dragging {
     if (this.dragging) return;
     this.parent = parent.isMatrix4 ? parent : toRigid(parent);
     this.moved = moved;
-    this.parent.clone().multiply(matrixOf(pose)).decompose(this.proxy.position, this.proxy.quaternion, new THREE.Vector3());
+    this.parent
+      .clone()
+      .multiply(matrixOf(pose))
+      .decompose(this.proxy.position, this.proxy.quaternion, new THREE.Vector3());
     this.proxy.updateMatrixWorld(true);
     this.controls.attach(this.proxy);
     this.view.dirty = true;
   }
 
   /** world_from_parent, of a pose in it and the rows of where that stands. */
-  parentOf(rows, pose) { return toRigid(rows).multiply(new THREE.Matrix4().getInverse(matrixOf(pose))); }
+  parentOf(rows, pose) {
+    return toRigid(rows).multiply(new THREE.Matrix4().getInverse(matrixOf(pose)));
+  }
 
   end() {
     this.controls.detach();
@@ -58,5 +77,7 @@ export class Dragging {
     this.view.dirty = true;
   }
 
-  set(mode) { this.controls.setMode(mode); }
+  set(mode) {
+    this.controls.setMode(mode);
+  }
 }

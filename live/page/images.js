@@ -25,10 +25,14 @@ class Picture {
       this.figure.append(this.scale);
     }
     this.shown.addEventListener("pointermove", (event) => this.read(event));
-    this.shown.addEventListener("pointerleave", () => { this.output.textContent = this.size(); });
+    this.shown.addEventListener("pointerleave", () => {
+      this.output.textContent = this.size();
+    });
   }
 
-  size() { return this.message ? `${this.message.width} × ${this.message.height}` : ""; }
+  size() {
+    return this.message ? `${this.message.width} × ${this.message.height}` : "";
+  }
 
   show(message) {
     this.message = message;
@@ -39,10 +43,12 @@ class Picture {
       this.shown.src = URL.createObjectURL(new Blob([message.png], { type: "image/png" }));
       return;
     }
-    const { width, height, values } = message, limits = limitsOf(values);
+    const { width, height, values } = message,
+      limits = limitsOf(values);
     this.shown.width = width;
     this.shown.height = height;
-    const context = this.shown.getContext("2d"), image = context.createImageData(width, height);
+    const context = this.shown.getContext("2d"),
+      image = context.createImageData(width, height);
     for (let i = 0; i < values.length; ++i) {
       const [r, g, b] = Number.isFinite(values[i]) ? colorOf(shareOf(values[i], limits)) : [20, 20, 24];
       image.data.set([r, g, b, 255], 4 * i);
@@ -55,9 +61,10 @@ class Picture {
 
   read(event) {
     if (!this.message) return;
-    const area = this.shown.getBoundingClientRect(), { width, height } = this.message;
-    const x = Math.min(width - 1, Math.floor((event.clientX - area.left) / area.width * width));
-    const y = Math.min(height - 1, Math.floor((event.clientY - area.top) / area.height * height));
+    const area = this.shown.getBoundingClientRect(),
+      { width, height } = this.message;
+    const x = Math.min(width - 1, Math.floor(((event.clientX - area.left) / area.width) * width));
+    const y = Math.min(height - 1, Math.floor(((event.clientY - area.top) / area.height) * height));
     if (this.kind === "colour") {
       const [r, g, b] = this.codes(x, y);
       this.output.textContent = `(${x}, ${y}) sRGB ${r} ${g} ${b}`;

@@ -2,7 +2,8 @@
 import { decode } from "simvis/messages.js";
 
 const PROTOCOL = "simvis.live.v1";
-const FIRST_WAIT_MS = 500, LONGEST_WAIT_MS = 8000;
+const FIRST_WAIT_MS = 500,
+  LONGEST_WAIT_MS = 8000;
 
 /** The address of the page may carry a token, which belongs to every request. */
 function address(name) {
@@ -12,7 +13,10 @@ function address(name) {
 }
 
 export function open(onMessage, onState) {
-  let socket = null, wait = FIRST_WAIT_MS, last = null, queue = Promise.resolve();
+  let socket = null,
+    wait = FIRST_WAIT_MS,
+    last = null,
+    queue = Promise.resolve();
 
   function connect() {
     const url = address("live");
@@ -25,7 +29,9 @@ export function open(onMessage, onState) {
       if (last) socket.send(last);
     };
     // Messages are taken one after the other: a scene takes a while to load.
-    socket.onmessage = ({ data }) => { queue = queue.then(() => onMessage(decode(data))).catch(console.error); };
+    socket.onmessage = ({ data }) => {
+      queue = queue.then(() => onMessage(decode(data))).catch(console.error);
+    };
     socket.onclose = () => {
       onState("no simulation answers; trying again", true);
       setTimeout(connect, wait);
@@ -38,7 +44,7 @@ export function open(onMessage, onState) {
     start: connect,
     send(message) {
       const text = JSON.stringify(message);
-      if (message.op === "look") last = text;  // a new connection has to know it
+      if (message.op === "look") last = text; // a new connection has to know it
       if (socket?.readyState === WebSocket.OPEN) socket.send(text);
     },
     async glb(name) {

@@ -7,13 +7,13 @@ import { ParameterPanel } from "simvis/parameters.js";
 import { PlaceSensor } from "simvis/place_sensor.js";
 import { SceneView } from "simvis/scene_view.js";
 import { SelectionPanel } from "simvis/selection.js";
-import { SensorShape, isCamera, lensOf } from "simvis/sensor_shapes.js";
+import { SensorShape, isCamera, isScanner, lensOf } from "simvis/sensor_shapes.js";
 import { TimeBar } from "simvis/time_bar.js";
 import { Tree } from "simvis/tree.js";
 import { rampCss, short } from "simvis/color_ramp.js";
 import { showPlan } from "simvis/plan.js";
 
-const SAME_ROBOT_M = 1.5;  // sensors so near to each other are taken as those of one robot
+const SAME_ROBOT_M = 1.5; // sensors so near to each other are taken as those of one robot
 const element = (id) => document.getElementById(id);
 const { open } = await import(element("recording") ? "simvis/recorded_source.js" : "simvis/live_source.js");
 const source = open(receive, (text, wrong) => {
@@ -27,23 +27,33 @@ const dragging = new Dragging(view, navigation);
 const tree = new Tree(element("tree"), element("tree-filter"), (thing) => select(thing));
 const images = new Images(element("images"));
 const graphs = new Graphs(element("graphs"));
-const asked = [];  // parameters that were asked for and not answered yet
+const asked = []; // parameters that were asked for and not answered yet
 const parameters = new ParameterPanel(element("parameters"), !source.recorded, (index, value) => {
   asked.push(index);
   source.send({ op: "set", parameter: index, value });
 });
 const time = new TimeBar(source);
 const place = new PlaceSensor(element("place"), {
-  dragging, canExecute: !source.recorded,
+  dragging,
+  canExecute: !source.recorded,
   rowsOfPoint: (point) => rowsOf(scene.points[point]),
   execute: (xml) => source.send({ op: "execute", xml }),
 });
-const selectionPanel = new SelectionPanel(element("selection"), { lookThrough, drag: dragElement, canSet: !source.recorded });
+const selectionPanel = new SelectionPanel(element("selection"), {
+  lookThrough,
+  drag: dragElement,
+  canSet: !source.recorded,
+});
 
-let scene = null, selected = null, opened = false;
+let scene = null,
+  selected = null,
+  opened = false;
 let frame = { frame: 0, time_s: 0 };
-const transforms = new Map(), values = [], shapes = new Map(), scans = new Map();
-const changed = new Map();  // values since the last frame
+const transforms = new Map(),
+  values = [],
+  shapes = new Map(),
+  scans = new Map();
+const changed = new Map(); // values since the last frame
 
 function rowsOf(transform) {
   return transform === 0 ? [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0] : transforms.get(transform);
@@ -52,6 +62,18 @@ function rowsOf(transform) {
 function layers() {
   const on = (id) => element(`show-${id}`).checked;
   return { frusta: on("frusta"), axes: on("axes"), points: on("points"), beams: on("beams"), trails: on("trails") };
+}
+
+/** Tells what is looked at; a simulation sends nothing else. */
+function look() {
+  if (!scene) return;
+  const { points, beams } = layers(),
+    pictures = element("images-section").open;
+  const sensors = scene.sensors.flatMap((sensor, i) => {
+    const wanted = isCamera(sensor) ? pictures : isScanner(sensor) ? points || beams : true;
+    return wanted ? [i] : [];
+  });
+  source.send({ op: "look", sensors, plan: element("plan-section").open });
 }
 
 const receivers = {
@@ -68,7 +90,7 @@ const receivers = {
     tree.show(message.list);
     parameters.build(message.parameters);
     place.offer(Object.keys(message.points).sort());
-    source.send({ op: "look", sensors: message.sensors.map((_, i) => i), plan: element("plan-section").open });
+    look();
     select(selected);
   },
   transforms(message) {
@@ -76,7 +98,9 @@ const receivers = {
     view.move(message.transforms);
   },
   materials: (message) => view.paint(message.materials),
-  lights(message) { view.light(message.lights, rowsOf); },
+  lights(message) {
+    view.light(message.lights, rowsOf);
+  },
   values(message) {
     for (const [index, value] of message.values) {
       values[index] = value;
@@ -93,33 +117,33 @@ const receivers = {
   picture: (message) => images.show(message, scene.sensors[message.sensor].name),
   frame(message) {
     frame = message;
-    for (const sensor of scene.sensors) shapes.get(sensor.name).place(sensor.transform === null ? null : rowsOf(sensor.transform), message.frame);
+    for (const sensor of scene.sensors)
+      shapes.get(sensor.name).place(sensor.transform === null ? null : rowsOf(sensor.transform), message.frame);
     for (const [index, value] of changed) {
       const parameter = scene.parameters[index];
       if (parameter) graphs.add(`${parameter.element}.${parameter.name}`, parameter.unit, message.time_s, value);
     }
     changed.clear();
-    for (const [sensor, name, value] of message.readings) graphs.add(`${scene.sensors[sensor].name} ${name}`, "", message.time_s, value ?? NaN);
+    for (const [sensor, name, value] of message.readings)
+      graphs.add(`${scene.sensors[sensor].name} ${name}`, "", message.time_s, value ?? NaN);
     graphs.draw();
     time.show(message);
     if (message.plan !== undefined && element("plan-section").open) showPlan(element("plan"), message.plan);
-    element("warnings").replaceChildren(...message.warnings.map((text) => Object.assign(document.createElement("li"), { textContent: text })));
+    element("warnings").replaceChildren(
+      ...message.warnings.map((text) => Object.assign(document.createElement("li"), { textContent: text })),
+    );
     element("warnings-section").querySelector("summary").textContent = `Warnings (${message.warnings.length})`;
     if (selected) mark();
     if (!opened) openView();
     document.documentElement.dataset.frame = message.frame;
-    source.send({ op: "shown", frame: message.frame });  // a slow page so gets fewer frames
   },
   playing: (message) => time.play(message.playing),
   error({ about, message }) {
     if (about === "set" && asked.length > 0) return parameters.refuse(asked.shift(), message);
     alertOf(message);
   },
-  saved({ xml }) {
-    const link = document.createElement("a");
-    link.href = URL.createObjectURL(new Blob([xml], { type: "application/xml" }));
-    link.download = "scene.xml";
-    link.click();
+  saved() {
+    element("state").textContent = "the scene file is saved";
   },
 };
 
@@ -153,8 +177,11 @@ function drawScan(message) {
 /** The first view: around the first sensors that measure, from where nothing stands in between; else the whole scene. */
 function openView() {
   opened = true;
-  const places = scene.sensors.filter((each) => !each.visualization && each.transform !== null)
-    .map((each) => rowsOf(each.transform)).filter(Boolean).map((rows) => [rows[3], rows[7], rows[11]]);
+  const places = scene.sensors
+    .filter((each) => !each.visualization && each.transform !== null)
+    .map((each) => rowsOf(each.transform))
+    .filter(Boolean)
+    .map((rows) => [rows[3], rows[7], rows[11]]);
   const near = places.filter((place) => Math.hypot(...place.map((value, i) => value - places[0][i])) < SAME_ROBOT_M);
   const whole = view.box();
   if (near.length > 0) navigation.standBefore(near, whole);
@@ -162,7 +189,8 @@ function openView() {
 }
 
 function below(part) {
-  const names = new Set([part]), points = new Set();
+  const names = new Set([part]),
+    points = new Set();
   for (const each of scene.list.parts) {
     if (names.has(each.name) || points.has(each.insert_at)) {
       names.add(each.name);
@@ -177,7 +205,12 @@ function mark() {
   if (!selected || selected.kind === "sensor") return view.mark(null);
   const { kind, name } = selected;
   const moved = kind === "element" && scene.list.elements.find((each) => each.name === name);
-  const parts = kind === "part" && name !== "ROOT" ? below(name) : moved && moved.insert_at !== "ROOT" ? below(moved.insert_at) : null;
+  const parts =
+    kind === "part" && name !== "ROOT"
+      ? below(name)
+      : moved && moved.insert_at !== "ROOT"
+        ? below(moved.insert_at)
+        : null;
   view.mark(parts && ((item) => parts.has(item.part)));
 }
 
@@ -191,14 +224,18 @@ function select(thing) {
   mark();
   if (thing?.kind === "sensor") images.reveal(thing.name);
   if (thing?.kind === "element") parameters.reveal(thing.name);
-  if (thing?.kind === "part" && scene.points[thing.name] !== undefined) place.offer(Object.keys(scene.points).sort(), thing.name);
+  if (thing?.kind === "part" && scene.points[thing.name] !== undefined)
+    place.offer(Object.keys(scene.points).sort(), thing.name);
 }
 
 function lookThrough(name) {
   const sensor = scene.sensors.find((each) => each.name === name);
   element("camera-mode").value = "orbit";
-  navigation.set("sensor", { name, ...(isCamera(sensor) ? lensOf(sensor) : { hfov_deg: 90, aspect: 1.5 }),
-                             rows: () => (sensor.transform === null ? null : rowsOf(sensor.transform)) });
+  navigation.set("sensor", {
+    name,
+    ...(isCamera(sensor) ? lensOf(sensor) : { hfov_deg: 90, aspect: 1.5 }),
+    rows: () => (sensor.transform === null ? null : rowsOf(sensor.transform)),
+  });
   view.canvas.focus();
 }
 
@@ -215,37 +252,66 @@ function dragElement(name) {
 
 view.onClick((hit) => {
   if (dragging.dragging) return;
-  select(hit === null ? null : hit.sensor ? { kind: "sensor", name: hit.sensor } : { kind: "part", name: hit.item.part });
+  select(
+    hit === null ? null : hit.sensor ? { kind: "sensor", name: hit.sensor } : { kind: "part", name: hit.item.part },
+  );
 });
 element("camera-mode").addEventListener("change", ({ target }) => navigation.set(target.value));
 element("whole").addEventListener("click", () => navigation.frame(view.box()));
 element("focus").addEventListener("click", focusSelection);
 element("cut").addEventListener("input", ({ target }) => {
-  const box = view.box(), share = Number(target.value) / 100;
+  const box = view.box(),
+    share = Number(target.value) / 100;
   view.setCut(share >= 1 ? Infinity : box.min.z + share * (box.max.z - box.min.z));
 });
 for (const id of ["frusta", "axes", "points", "beams", "trails"]) {
-  element(`show-${id}`).addEventListener("change", () => shapes.forEach((shape) => shape.show(layers())));
+  element(`show-${id}`).addEventListener("change", () => {
+    shapes.forEach((shape) => shape.show(layers()));
+    look();
+  });
 }
 element("show-grid").addEventListener("change", ({ target }) => view.showGrid(target.checked));
 element("color-by").addEventListener("change", () => scans.forEach(drawScan));
+for (const section of ["plan-section", "images-section"]) element(section).addEventListener("toggle", look);
 element("plan-section").addEventListener("toggle", ({ target }) => {
-  source.send({ op: "look", sensors: scene.sensors.map((_, i) => i), plan: target.open });
   if (target.open && frame.plan !== undefined) showPlan(element("plan"), frame.plan);
 });
-for (const section of document.querySelectorAll("aside > details")) section.addEventListener("toggle", () => graphs.draw());
+for (const section of document.querySelectorAll("aside > details"))
+  section.addEventListener("toggle", () => graphs.draw());
 element("save").hidden = source.recorded;
 element("save").addEventListener("click", () => source.send({ op: "save" }));
 
+const menu = document.querySelector(".menu");
+document.addEventListener("pointerdown", ({ target }) => {
+  if (!menu.contains(target)) menu.open = false;
+});
+menu.addEventListener("keydown", (event) => {
+  if (event.key !== "Escape") return;
+  menu.open = false;
+  menu.querySelector("summary").focus();
+});
+
 function focusSelection() {
   if (!selected) return navigation.frame(view.box());
-  if (selected.kind === "sensor") return navigation.frame(view.boxAround(rowsOf(scene.sensors.find((each) => each.name === selected.name).transform)));
-  const parts = selected.kind === "part" ? below(selected.name) : below(scene.list.elements.find((each) => each.name === selected.name).insert_at);
+  if (selected.kind === "sensor")
+    return navigation.frame(
+      view.boxAround(rowsOf(scene.sensors.find((each) => each.name === selected.name).transform)),
+    );
+  const parts =
+    selected.kind === "part"
+      ? below(selected.name)
+      : below(scene.list.elements.find((each) => each.name === selected.name).insert_at);
   navigation.frame(view.box((item) => parts.has(item.part)));
 }
 
 document.addEventListener("keydown", (event) => {
-  if (event.target.closest("input, select, button, summary, [role=treeitem]") || event.ctrlKey || event.metaKey || event.altKey) return;
+  if (
+    event.target.closest("input, select, button, summary, [role=treeitem]") ||
+    event.ctrlKey ||
+    event.metaKey ||
+    event.altKey
+  )
+    return;
   const keys = {
     " ": () => time.toggle(),
     ".": () => source.send({ op: "step" }),

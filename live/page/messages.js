@@ -25,12 +25,19 @@ function decodeTransforms(view, data, start) {
 }
 
 function decodeScan(view, data, start) {
-  const rings = view.getUint32(112, true), beams = view.getUint32(116, true), count = rings * beams;
+  const rings = view.getUint32(112, true),
+    beams = view.getUint32(116, true),
+    count = rings * beams;
   const floats = (first, size) => new Float32Array(data, start + 120 + 4 * first, size);
   return {
-    op: "scan", sensor: view.getUint32(4, true), rings, beams,
+    op: "scan",
+    sensor: view.getUint32(4, true),
+    rings,
+    beams,
     world_from_sensor: new Float64Array(data, start + 16, 12),
-    range: floats(0, count), intensity: floats(count, count), bound: floats(2 * count, count),
+    range: floats(0, count),
+    intensity: floats(count, count),
+    bound: floats(2 * count, count),
     points: floats(3 * count, 3 * count),
   };
 }
@@ -38,8 +45,12 @@ function decodeScan(view, data, start) {
 function decodePicture(view, data, start, length) {
   const kind = PICTURE_KINDS[view.getUint8(1)];
   const picture = {
-    op: "picture", kind, eye: EYES[view.getUint8(2)], sensor: view.getUint32(4, true),
-    width: view.getUint32(16, true), height: view.getUint32(20, true),
+    op: "picture",
+    kind,
+    eye: EYES[view.getUint8(2)],
+    sensor: view.getUint32(4, true),
+    width: view.getUint32(16, true),
+    height: view.getUint32(20, true),
   };
   if (kind === "colour") return { ...picture, png: new Uint8Array(data, start + 24, length - 24) };
   return { ...picture, values: new Float32Array(data, start + 24, picture.width * picture.height) };

@@ -1,12 +1,19 @@
 // A slider and a number for each live parameter, in the unit and within the limits of its element.
 
-const OPEN_REACH = 5;  // a parameter without limits: the slider reaches so far on either side of its first value
+const OPEN_REACH = 5; // a parameter without limits: the slider reaches so far on either side of its first value
 
 function rangeOf({ min, max, value, full_turn }) {
   if (full_turn) return [-180, 180];
   const reach = Math.max(OPEN_REACH, 2 * Math.abs(value));
   const bounded = (limit, open) => (limit === null || Math.abs(limit) > 1e4 ? open : limit);
-  return [bounded(min, Math.max(min ?? -Infinity, value - reach)), bounded(max, Math.min(max ?? Infinity, value + reach))];
+  return [
+    bounded(min, Math.max(min ?? -Infinity, value - reach)),
+    bounded(max, Math.min(max ?? Infinity, value + reach)),
+  ];
+}
+
+function limitsText({ min, max, unit }) {
+  return min === null && max === null ? "" : `; from ${min ?? "any"} to ${max ?? "any"} ${unit}`;
 }
 
 export class ParameterPanel {
@@ -15,7 +22,7 @@ export class ParameterPanel {
     this.root = root;
     this.canSet = canSet;
     this.set = set;
-    this.rows = [];  // by index
+    this.rows = []; // by index
   }
 
   build(parameters) {
@@ -33,7 +40,8 @@ export class ParameterPanel {
   group({ element, type, insert_at }) {
     const section = document.createElement("section");
     section.dataset.element = element;
-    const title = document.createElement("h3"), what = document.createElement("small");
+    const title = document.createElement("h3"),
+      what = document.createElement("small");
     title.textContent = `${element} `;
     what.textContent = `${type} at ${insert_at}`;
     title.append(what);
@@ -42,20 +50,26 @@ export class ParameterPanel {
   }
 
   row(parameter, index) {
-    const row = document.createElement("div"), [low, high] = rangeOf(parameter);
+    const row = document.createElement("div"),
+      [low, high] = rangeOf(parameter);
     row.className = "parameter";
-    row.title = `${parameter.summary}${parameter.min !== null || parameter.max !== null ? `; from ${parameter.min ?? "any"} to ${parameter.max ?? "any"} ${parameter.unit}` : ""}`;
-    const name = document.createElement("span"), unit = document.createElement("span");
+    row.title = `${parameter.summary}${limitsText(parameter)}`;
+    const name = document.createElement("span"),
+      unit = document.createElement("span");
     name.textContent = parameter.name;
     unit.textContent = parameter.unit;
     unit.className = "unit";
-    const slider = document.createElement("input"), field = document.createElement("input");
+    const slider = document.createElement("input"),
+      field = document.createElement("input");
     Object.assign(slider, { type: "range", min: low, max: high, step: "any", disabled: !this.canSet });
     Object.assign(field, { type: "number", step: "any", disabled: !this.canSet });
     if (parameter.min !== null) field.min = parameter.min;
     if (parameter.max !== null) field.max = parameter.max;
     for (const input of [slider, field]) {
-      input.setAttribute("aria-label", `${parameter.element} ${parameter.name}${parameter.unit ? ` in ${parameter.unit}` : ""}`);
+      input.setAttribute(
+        "aria-label",
+        `${parameter.element} ${parameter.name}${parameter.unit ? ` in ${parameter.unit}` : ""}`,
+      );
       input.addEventListener(input === slider ? "input" : "change", () => {
         this.refuse(index, "");
         if (input === slider) field.value = Number(Number(slider.value).toPrecision(5));

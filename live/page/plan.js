@@ -1,10 +1,12 @@
 // The plan of a frame, which is an indented text, as a tree that folds.
 
 export function planNodes(text) {
-  const root = { children: [] }, path = [{ indent: -1, node: root }];
+  const root = { children: [] },
+    path = [{ indent: -1, node: root }];
   for (const line of text.split("\n")) {
     if (line.trim() === "") continue;
-    const indent = line.length - line.trimStart().length, node = { text: line.trim(), children: [] };
+    const indent = line.length - line.trimStart().length,
+      node = { text: line.trim(), children: [] };
     while (path[path.length - 1].indent >= indent) path.pop();
     path[path.length - 1].node.children.push(node);
     path.push({ indent, node });
@@ -19,7 +21,8 @@ function listOf(nodes, open) {
     if (children.length === 0) {
       item.textContent = text;
     } else {
-      const details = document.createElement("details"), summary = document.createElement("summary");
+      const details = document.createElement("details"),
+        summary = document.createElement("summary");
       details.dataset.text = text;
       details.open = open.has(text);
       summary.textContent = text;

@@ -9,11 +9,16 @@ async function bytesOf(id) {
 }
 
 function messagesOf(buffer) {
-  const view = new DataView(buffer), messages = [];
-  for (let place = 0; place < buffer.byteLength; ) {
-    const binary = view.getUint32(place, true), length = view.getUint32(place + 4, true);
-    messages.push(binary ? decode(buffer, place + 8, length)
-                         : decode(new TextDecoder().decode(new Uint8Array(buffer, place + 8, length))));
+  const view = new DataView(buffer),
+    messages = [];
+  for (let place = 0; place < buffer.byteLength;) {
+    const binary = view.getUint32(place, true),
+      length = view.getUint32(place + 4, true);
+    messages.push(
+      binary
+        ? decode(buffer, place + 8, length)
+        : decode(new TextDecoder().decode(new Uint8Array(buffer, place + 8, length))),
+    );
     place += 8 + Math.ceil(length / 8) * 8;
   }
   return messages;
@@ -23,7 +28,12 @@ const isMeasured = (message) => message.op === "scan" || message.op === "picture
 
 export function open(onMessage, onState) {
   const { frames } = JSON.parse(document.getElementById("recording").textContent);
-  let shown = -1, wanted = -1, working = false, playing = false, speed = 1, timer = 0;
+  let shown = -1,
+    wanted = -1,
+    working = false,
+    playing = false,
+    speed = 1,
+    timer = 0;
   onState("recording", false);
 
   /** A frame's state is told from its key frame; what a sensor measured last may lie before. */
@@ -64,7 +74,9 @@ export function open(onMessage, onState) {
     if (shown >= frames.length - 1) return setPlaying(false);
     const wait = speed > 0 ? (frames[shown + 1].time_s - frames[shown].time_s) / speed : 0;
     const began = performance.now();
-    seek(shown + 1).then(() => { timer = setTimeout(advance, Math.max(0, 1000 * wait - (performance.now() - began))); });
+    seek(shown + 1).then(() => {
+      timer = setTimeout(advance, Math.max(0, 1000 * wait - (performance.now() - began)));
+    });
   }
 
   async function setPlaying(on) {
@@ -78,9 +90,14 @@ export function open(onMessage, onState) {
   const commands = {
     play: () => setPlaying(true),
     pause: () => setPlaying(false),
-    step: () => { setPlaying(false); return seek(shown + 1); },
+    step: () => {
+      setPlaying(false);
+      return seek(shown + 1);
+    },
     seek: ({ frame }) => seek(frame),
-    speed: ({ factor }) => { speed = factor; },
+    speed: ({ factor }) => {
+      speed = factor;
+    },
   };
   return {
     recorded: true,

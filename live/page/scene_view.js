@@ -3,8 +3,8 @@
 import * as THREE from "three";
 import { GLTFLoader } from "simvis/GLTFLoader.js";
 
-const LEAST_INSTANCES = 16;  // from so many equal items on, one draw call shows all
-const PICK_RADIUS_PX = 4;    // the pointer may move so far in a click
+const LEAST_INSTANCES = 16; // from so many equal items on, one draw call shows all
+const PICK_RADIUS_PX = 4; // the pointer may move so far in a click
 
 /** 12 numbers, the upper rows of a matrix. */
 export function toMatrix(rows, matrix = new THREE.Matrix4()) {
@@ -14,7 +14,9 @@ export function toMatrix(rows, matrix = new THREE.Matrix4()) {
 
 /** The same without scale. */
 export function toRigid(rows) {
-  const position = new THREE.Vector3(), rotation = new THREE.Quaternion(), scale = new THREE.Vector3();
+  const position = new THREE.Vector3(),
+    rotation = new THREE.Quaternion(),
+    scale = new THREE.Vector3();
   toMatrix(rows).decompose(position, rotation, scale);
   return new THREE.Matrix4().compose(position, rotation, new THREE.Vector3(1, 1, 1));
 }
@@ -33,14 +35,14 @@ export class SceneView {
     this.camera.position.set(6, -6, 5);
     this.items = new THREE.Group();
     this.lights = new THREE.Group();
-    this.overlay = new THREE.Group();  // gizmos and scans
+    this.overlay = new THREE.Group(); // gizmos and scans
     this.ambient = new THREE.AmbientLight(0xffffff, 1);
-    this.marks = new THREE.Group();    // around what is selected
+    this.marks = new THREE.Group(); // around what is selected
     this.cut = new THREE.Plane(new THREE.Vector3(0, 0, -1), 0);
     this.scene.add(this.items, this.lights, this.overlay, this.marks, this.ambient);
-    this.byTransform = new Map();      // index: what follows it
-    this.materials = [];               // by index in the draw list
-    this.onFrame = [];                 // called before each picture
+    this.byTransform = new Map(); // index: what follows it
+    this.materials = []; // by index in the draw list
+    this.onFrame = []; // called before each picture
     this.dirty = true;
     new ResizeObserver(() => this.resize()).observe(canvas);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.followTheme());
@@ -80,10 +82,10 @@ export class SceneView {
     this.materials = [];
     this.environment = background;
     this.ambient.color.setRGB(...ambient);
-    this.ambient.intensity = Math.PI;  // ambient radiance from all sides, as SimVis has it
+    this.ambient.intensity = Math.PI; // ambient radiance from all sides, as SimVis has it
     const groups = new Map();
     gltf.scene.updateMatrixWorld(true);
-    const back = new THREE.Matrix4().set(1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1);  // z up again
+    const back = new THREE.Matrix4().set(1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1); // z up again
     gltf.scene.traverse((node) => {
       if (node.userData.item === undefined || !node.geometry) return;
       const key = `${node.geometry.uuid} ${node.material.uuid}`;
@@ -115,8 +117,11 @@ export class SceneView {
       return;
     }
     for (const item of all) {
-      const shape = node.isPoints ? new THREE.Points(geometry, material)
-        : node.isLine ? new THREE.LineSegments(geometry, material) : new THREE.Mesh(geometry, material);
+      const shape = node.isPoints
+        ? new THREE.Points(geometry, material)
+        : node.isLine
+          ? new THREE.LineSegments(geometry, material)
+          : new THREE.Mesh(geometry, material);
       shape.matrixAutoUpdate = false;
       shape.matrix.copy(item.matrix);
       shape.userData.all = [item];
@@ -166,10 +171,19 @@ export class SceneView {
       const color = new THREE.Color().setRGB(...each.color);
       const place = new THREE.Vector3().setFromMatrixPosition(world);
       const along = new THREE.Vector3(...each.direction).transformDirection(world);
-      const light = each.kind === "point" ? new THREE.PointLight(color, each.intensity, each.range_m, 2)
-        : each.kind === "spot" ? new THREE.SpotLight(color, each.intensity, each.range_m, each.outer_cone_rad,
-                                                     1 - each.inner_cone_rad / each.outer_cone_rad, 2)
-          : new THREE.DirectionalLight(color, each.intensity);
+      const light =
+        each.kind === "point"
+          ? new THREE.PointLight(color, each.intensity, each.range_m, 2)
+          : each.kind === "spot"
+            ? new THREE.SpotLight(
+                color,
+                each.intensity,
+                each.range_m,
+                each.outer_cone_rad,
+                1 - each.inner_cone_rad / each.outer_cone_rad,
+                2,
+              )
+            : new THREE.DirectionalLight(color, each.intensity);
       if (each.kind === "directional") {
         light.position.copy(along).multiplyScalar(-100);
         light.target.position.set(0, 0, 0);
@@ -185,7 +199,8 @@ export class SceneView {
 
   /** The box around all items, or those that `wanted` says. */
   box(wanted = () => true) {
-    const box = new THREE.Box3(), one = new THREE.Box3();
+    const box = new THREE.Box3(),
+      one = new THREE.Box3();
     for (const shape of this.items.children) {
       if (!shape.geometry.boundingBox) shape.geometry.computeBoundingBox();
       for (const item of shape.userData.all) {
@@ -216,7 +231,10 @@ export class SceneView {
 
   /** A box of 2 m around what these rows place. */
   boxAround(rows) {
-    return new THREE.Box3().setFromCenterAndSize(new THREE.Vector3(rows[3], rows[7], rows[11]), new THREE.Vector3(2, 2, 2));
+    return new THREE.Box3().setFromCenterAndSize(
+      new THREE.Vector3(rows[3], rows[7], rows[11]),
+      new THREE.Vector3(2, 2, 2),
+    );
   }
 
   showGrid(on) {
@@ -241,10 +259,13 @@ export class SceneView {
   pick(event) {
     const area = this.canvas.getBoundingClientRect();
     const ray = new THREE.Raycaster();
-    ray.setFromCamera({ x: 2 * (event.clientX - area.left) / area.width - 1,
-                        y: 1 - 2 * (event.clientY - area.top) / area.height }, this.camera);
+    ray.setFromCamera(
+      { x: (2 * (event.clientX - area.left)) / area.width - 1, y: 1 - (2 * (event.clientY - area.top)) / area.height },
+      this.camera,
+    );
     const handles = this.overlay.children.filter((each) => each.userData.handle).map((each) => each.userData.handle);
-    const hits = ray.intersectObjects([...handles, ...this.items.children.filter((each) => each.isMesh)])
+    const hits = ray
+      .intersectObjects([...handles, ...this.items.children.filter((each) => each.isMesh)])
       .filter(({ point }) => this.renderer.clippingPlanes.every((plane) => plane.distanceToPoint(point) >= 0));
     if (hits.length === 0) return null;
     const { object, instanceId } = hits[0];
@@ -255,10 +276,13 @@ export class SceneView {
   /** Calls `chosen` with what pick() says at each click that is no drag. */
   onClick(chosen) {
     let down = null;
-    this.canvas.addEventListener("pointerdown", (event) => { down = event; });
+    this.canvas.addEventListener("pointerdown", (event) => {
+      down = event;
+    });
     this.canvas.addEventListener("pointerup", (event) => {
       if (!down || event.button !== 0) return;
-      if (Math.hypot(event.clientX - down.clientX, event.clientY - down.clientY) < PICK_RADIUS_PX) chosen(this.pick(event));
+      if (Math.hypot(event.clientX - down.clientX, event.clientY - down.clientY) < PICK_RADIUS_PX)
+        chosen(this.pick(event));
     });
   }
 }

@@ -8,7 +8,8 @@ function factsOf(pairs) {
   list.className = "facts";
   for (const [name, value] of pairs) {
     if (value === null || value === undefined || value === "") continue;
-    const term = document.createElement("dt"), text = document.createElement("dd");
+    const term = document.createElement("dt"),
+      text = document.createElement("dd");
     term.textContent = name;
     text.textContent = value;
     list.append(term, text);
@@ -20,7 +21,13 @@ const sizeOf = ({ box_m }) => box_m && `${box_m.max.map((high, i) => short(high 
 const shapeFacts = (thing) => [
   ["triangles", thing.triangles ? thing.triangles.toLocaleString("en") : null],
   ["size", sizeOf(thing)],
-  ["materials", thing.materials?.map((material) => material.name).filter(Boolean).join(", ")],
+  [
+    "materials",
+    thing.materials
+      ?.map((material) => material.name)
+      .filter(Boolean)
+      .join(", "),
+  ],
 ];
 
 export class SelectionPanel {
@@ -34,7 +41,8 @@ export class SelectionPanel {
       this.root.innerHTML = '<p class="weak">Click on a thing in the view or in the tree.</p>';
       return;
     }
-    const title = document.createElement("h3"), kind = document.createElement("small");
+    const title = document.createElement("h3"),
+      kind = document.createElement("small");
     title.textContent = `${thing.name} `;
     kind.textContent = thing.kind;
     title.append(kind);
@@ -44,7 +52,16 @@ export class SelectionPanel {
 
   part(name, { list }) {
     const part = list.parts.find((each) => each.name === name);
-    return part && [factsOf([["from", part.source], ["inserted at", part.insert_at], ...shapeFacts(part), ["insertion points", part.insertion_points.join(", ")]])];
+    return (
+      part && [
+        factsOf([
+          ["from", part.source],
+          ["inserted at", part.insert_at],
+          ...shapeFacts(part),
+          ["insertion points", part.insertion_points.join(", ")],
+        ]),
+      ]
+    );
   }
 
   element(name, { list, elements }) {
@@ -56,14 +73,28 @@ export class SelectionPanel {
   }
 
   sensor(name, { list, sensors }) {
-    const listed = list.sensors.find((each) => each.name === name), sensor = sensors.find((each) => each.name === name);
+    const listed = list.sensors.find((each) => each.name === name),
+      sensor = sensors.find((each) => each.name === name);
     if (!listed || !sensor) return null;
-    const own = Object.keys(listed.attributes), rest = document.createElement("details"), summary = document.createElement("summary");
+    const own = Object.keys(listed.attributes),
+      rest = document.createElement("details"),
+      summary = document.createElement("summary");
     summary.textContent = "Defaults";
-    rest.append(summary, factsOf(Object.entries(sensor.attributes).filter(([key]) => !own.includes(key) && !COMMON.includes(key))));
-    return [factsOf([["type", sensor.type], ["method", listed.method], ["inserted at", sensor.insert_at],
-                     ["sees", sensor.visualization ? "what is drawn for people" : null], ...Object.entries(listed.attributes)]),
-            this.buttons(["Look through it", () => this.lookThrough(name)]), rest];
+    rest.append(
+      summary,
+      factsOf(Object.entries(sensor.attributes).filter(([key]) => !own.includes(key) && !COMMON.includes(key))),
+    );
+    return [
+      factsOf([
+        ["type", sensor.type],
+        ["method", listed.method],
+        ["inserted at", sensor.insert_at],
+        ["sees", sensor.visualization ? "what is drawn for people" : null],
+        ...Object.entries(listed.attributes),
+      ]),
+      this.buttons(["Look through it", () => this.lookThrough(name)]),
+      rest,
+    ];
   }
 
   buttons(...all) {

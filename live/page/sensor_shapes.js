@@ -3,13 +3,20 @@ import * as THREE from "three";
 import { colorOf, limitsOf, shareOf } from "simvis/color_ramp.js";
 import { toMatrix, toRigid } from "simvis/scene_view.js";
 
-const AXIS_M = 0.25, FRUSTUM_M = 0.5, HANDLE_M = 0.03, ARC_STEPS = 32, LONGEST_TRAIL = 5000;
+const AXIS_M = 0.25,
+  FRUSTUM_M = 0.5,
+  HANDLE_M = 0.03,
+  ARC_STEPS = 32,
+  LONGEST_TRAIL = 5000;
 const number = (sensor, name, otherwise) => Number(sensor.attributes[name] ?? otherwise);
 
+export const isScanner = (sensor) => sensor.attributes.min_angle !== undefined;
 export const isCamera = (sensor) => sensor.attributes.hfov !== undefined;
 /** Of a camera: the horizontal field of view, and width by height. */
-export const lensOf = (sensor) => ({ hfov_deg: number(sensor, "hfov", 90),
-                                     aspect: number(sensor, "width", 4) / number(sensor, "height", 3) });
+export const lensOf = (sensor) => ({
+  hfov_deg: number(sensor, "hfov", 90),
+  aspect: number(sensor, "width", 4) / number(sensor, "height", 3),
+});
 
 function line(points, color, opacity) {
   const geometry = new THREE.BufferGeometry().setFromPoints(points.map((p) => new THREE.Vector3(...p)));
@@ -17,18 +24,32 @@ function line(points, color, opacity) {
 }
 
 function cameraLines(sensor) {
-  const { hfov_deg, aspect } = lensOf(sensor), y = FRUSTUM_M * Math.tan(Math.min(hfov_deg, 170) * Math.PI / 360), z = y / aspect;
-  const corners = [[FRUSTUM_M, y, z], [FRUSTUM_M, -y, z], [FRUSTUM_M, -y, -z], [FRUSTUM_M, y, -z]];
+  const { hfov_deg, aspect } = lensOf(sensor),
+    y = FRUSTUM_M * Math.tan((Math.min(hfov_deg, 170) * Math.PI) / 360),
+    z = y / aspect;
+  const corners = [
+    [FRUSTUM_M, y, z],
+    [FRUSTUM_M, -y, z],
+    [FRUSTUM_M, -y, -z],
+    [FRUSTUM_M, y, -z],
+  ];
   const points = corners.flatMap((corner, i) => [[0, 0, 0], corner, corner, corners[(i + 1) % 4]]);
-  return [...points, [FRUSTUM_M, y * 0.3, z], [FRUSTUM_M, 0, z * 1.35], [FRUSTUM_M, 0, z * 1.35], [FRUSTUM_M, -y * 0.3, z]];
+  return [
+    ...points,
+    [FRUSTUM_M, y * 0.3, z],
+    [FRUSTUM_M, 0, z * 1.35],
+    [FRUSTUM_M, 0, z * 1.35],
+    [FRUSTUM_M, -y * 0.3, z],
+  ];
 }
 
 function scannerLines(sensor) {
-  const from = number(sensor, "min_angle", -90) * Math.PI / 180, to = number(sensor, "max_angle", 90) * Math.PI / 180;
+  const from = (number(sensor, "min_angle", -90) * Math.PI) / 180,
+    to = (number(sensor, "max_angle", 90) * Math.PI) / 180;
   const points = [];
   for (let i = 0; i < ARC_STEPS; ++i) {
     for (const k of [i, i + 1]) {
-      const angle = from + (to - from) * k / ARC_STEPS;
+      const angle = from + ((to - from) * k) / ARC_STEPS;
       points.push([FRUSTUM_M * Math.cos(angle), FRUSTUM_M * Math.sin(angle), 0]);
     }
   }
@@ -42,8 +63,22 @@ export class SensorShape {
     this.group.matrixAutoUpdate = false;
     this.axes = new THREE.AxesHelper(AXIS_M);
     const color = isCamera(sensor) ? 0x2a9d62 : 0xc77d1a;
-    this.frustum = line(isCamera(sensor) ? cameraLines(sensor) : sensor.attributes.min_angle !== undefined ? scannerLines(sensor) : [[0, 0, 0], [FRUSTUM_M, 0, 0]], color, 0.8);
-    const handle = new THREE.Mesh(new THREE.SphereBufferGeometry(HANDLE_M, 12, 8), new THREE.MeshBasicMaterial({ color }));
+    this.frustum = line(
+      isCamera(sensor)
+        ? cameraLines(sensor)
+        : isScanner(sensor)
+          ? scannerLines(sensor)
+          : [
+              [0, 0, 0],
+              [FRUSTUM_M, 0, 0],
+            ],
+      color,
+      0.8,
+    );
+    const handle = new THREE.Mesh(
+      new THREE.SphereBufferGeometry(HANDLE_M, 12, 8),
+      new THREE.MeshBasicMaterial({ color }),
+    );
     handle.userData.sensor = sensor.name;
     this.group.userData.handle = handle;
     this.group.add(this.axes, this.frustum, handle);
@@ -51,11 +86,13 @@ export class SensorShape {
     this.scan.matrixAutoUpdate = false;
     this.trail = new THREE.Line(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({ color }));
     this.trail.frustumCulled = false;
-    this.places = [];  // [frame, x, y, z] by frame
+    this.places = []; // [frame, x, y, z] by frame
     view.overlay.add(this.group, this.scan, this.trail);
   }
 
-  remove() { this.view.overlay.remove(this.group, this.scan, this.trail); }
+  remove() {
+    this.view.overlay.remove(this.group, this.scan, this.trail);
+  }
 
   place(rows, frame) {
     this.group.visible = Boolean(rows);
@@ -88,10 +125,15 @@ export class SensorShape {
       child.material.dispose();
       this.scan.remove(child);
     }
-    const values = message[colorBy], limits = limitsOf(values);
-    const places = [], colors = [], ends = [];
+    const values = message[colorBy],
+      limits = limitsOf(values);
+    const places = [],
+      colors = [],
+      ends = [];
     for (let i = 0; i < message.range.length; ++i) {
-      const x = message.points[3 * i], y = message.points[3 * i + 1], z = message.points[3 * i + 2];
+      const x = message.points[3 * i],
+        y = message.points[3 * i + 1],
+        z = message.points[3 * i + 2];
       if (!Number.isFinite(x) || message.range[i] === 0) continue;
       const color = colorOf(shareOf(values[i], limits)).map((part) => (part / 255) ** 2.2);
       places.push(x, y, z);
@@ -102,11 +144,24 @@ export class SensorShape {
     const points = new THREE.BufferGeometry();
     points.setAttribute("position", floats(places));
     points.setAttribute("color", floats(colors));
-    this.scan.add(new THREE.Points(points, new THREE.PointsMaterial({ size: 5, sizeAttenuation: false, vertexColors: THREE.VertexColors })));
+    this.scan.add(
+      new THREE.Points(
+        points,
+        new THREE.PointsMaterial({ size: 5, sizeAttenuation: false, vertexColors: THREE.VertexColors }),
+      ),
+    );
     const beams = new THREE.BufferGeometry();
     beams.setAttribute("position", floats(ends));
-    beams.setAttribute("color", floats(colors.flatMap((_, i) => (i % 3 === 0 ? [...colors.slice(i, i + 3), ...colors.slice(i, i + 3)] : []))));
-    this.scan.add(new THREE.LineSegments(beams, new THREE.LineBasicMaterial({ vertexColors: THREE.VertexColors, transparent: true, opacity: 0.35 })));
+    beams.setAttribute(
+      "color",
+      floats(colors.flatMap((_, i) => (i % 3 === 0 ? [...colors.slice(i, i + 3), ...colors.slice(i, i + 3)] : []))),
+    );
+    this.scan.add(
+      new THREE.LineSegments(
+        beams,
+        new THREE.LineBasicMaterial({ vertexColors: THREE.VertexColors, transparent: true, opacity: 0.35 }),
+      ),
+    );
     toMatrix(message.world_from_sensor, this.scan.matrix);
     this.scan.matrixWorldNeedsUpdate = true;
     for (const child of this.scan.children) child.frustumCulled = false;

@@ -11,11 +11,17 @@ export class TimeBar {
     element("play").addEventListener("click", () => this.toggle());
     element("step").addEventListener("click", () => source.send({ op: "step" }));
     element("first").addEventListener("click", () => source.send({ op: "seek", frame: 0 }));
-    element("scrub").addEventListener("input", ({ target }) => source.send({ op: "seek", frame: Number(target.value) }));
-    element("speed").addEventListener("change", ({ target }) => source.send({ op: "speed", factor: Number(target.value) }));
+    element("scrub").addEventListener("input", ({ target }) =>
+      source.send({ op: "seek", frame: Number(target.value) }),
+    );
+    element("speed").addEventListener("change", ({ target }) =>
+      source.send({ op: "speed", factor: Number(target.value) }),
+    );
   }
 
-  toggle() { this.source.send({ op: this.playing ? "pause" : "play" }); }
+  toggle() {
+    this.source.send({ op: this.playing ? "pause" : "play" });
+  }
 
   play(on) {
     this.playing = on;

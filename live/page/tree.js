@@ -2,16 +2,27 @@
 
 /** Nodes { kind, name, what, children } of the list that `simvis-run --list --json` prints. */
 export function nodesOf(list) {
-  const nodes = list.parts.map((part) => ({ kind: "part", name: part.name, what: part.source === part.name ? "" : part.source, part, children: [] }));
+  const nodes = list.parts.map((part) => ({
+    kind: "part",
+    name: part.name,
+    what: part.source === part.name ? "" : part.source,
+    children: [],
+  }));
   const owner = new Map();
   list.parts.forEach((part, i) => {
     owner.set(part.name, nodes[i]);
     for (const point of part.insertion_points) if (!owner.has(point)) owner.set(point, nodes[i]);
   });
   const at = (point) => owner.get(point) ?? nodes[0];
-  for (const element of list.elements) at(element.insert_at).children.push({ kind: "element", name: element.name, what: element.type, element, children: [] });
-  for (const sensor of list.sensors) at(sensor.insert_at).children.push({ kind: "sensor", name: sensor.name, what: sensor.type, sensor, children: [] });
-  list.parts.forEach((part, i) => { if (i > 0) at(part.insert_at).children.push(nodes[i]); });
+  for (const element of list.elements)
+    at(element.insert_at).children.push({ kind: "element", name: element.name, what: element.type, children: [] });
+  for (const sensor of list.sensors) {
+    const what = sensor.attributes.view === "visualization" ? `${sensor.type} for people` : sensor.type;
+    at(sensor.insert_at).children.push({ kind: "sensor", name: sensor.name, what, children: [] });
+  }
+  list.parts.forEach((part, i) => {
+    if (i > 0) at(part.insert_at).children.push(nodes[i]);
+  });
   return nodes.slice(0, 1);
 }
 
@@ -20,7 +31,7 @@ export class Tree {
     this.root = root;
     this.onSelect = onSelect;
     this.folded = new Set();
-    this.selected = null;  // { kind, name }
+    this.selected = null; // { kind, name }
     this.filter = filter;
     filter.addEventListener("input", () => this.draw());
     root.addEventListener("keydown", (event) => this.press(event));
@@ -34,16 +45,21 @@ export class Tree {
 
   select(thing) {
     this.selected = thing;
-    this.draw();
-    this.root.querySelector('[aria-selected="true"]')?.scrollIntoView({ block: "nearest" });
+    this.root.querySelector('[aria-selected="true"]')?.setAttribute("aria-selected", "false");
+    if (!thing) return;
+    const row = this.rows?.get(`${thing.kind} ${thing.name}`);
+    row?.setAttribute("aria-selected", "true");
+    row?.scrollIntoView({ block: "nearest" });
   }
 
   draw() {
     if (!this.top) return;
     const focused = this.root.contains(document.activeElement) ? document.activeElement.dataset.key : null;
-    const rows = [], wanted = this.filter.value.trim().toLowerCase();
+    const rows = [],
+      wanted = this.filter.value.trim().toLowerCase();
     const add = (node, depth) => {
-      const key = `${node.kind} ${node.name}`, open = !this.folded.has(key) || wanted !== "";
+      const key = `${node.kind} ${node.name}`,
+        open = !this.folded.has(key) || wanted !== "";
       const before = rows.length;
       rows.push(this.row(node, key, depth, open));
       if (open) for (const child of node.children) add(child, depth + 1);
@@ -52,7 +68,9 @@ export class Tree {
     };
     for (const node of this.top) add(node, 0);
     this.root.replaceChildren(...rows);
-    const current = rows.find((row) => row.dataset.key === focused) ?? rows.find((row) => row.ariaSelected === "true") ?? rows[0];
+    this.rows = new Map(rows.map((row) => [row.dataset.key, row]));
+    const current =
+      rows.find((row) => row.dataset.key === focused) ?? rows.find((row) => row.ariaSelected === "true") ?? rows[0];
     if (current) current.tabIndex = 0;
     if (focused && current) current.focus();
   }
@@ -74,7 +92,12 @@ export class Tree {
       span.textContent = text;
       return span;
     };
-    row.append(part("fold", node.children.length === 0 ? "" : open ? "▾" : "▸"), part(`dot ${node.kind}`, ""), part("name", node.name), part("what", node.what));
+    row.append(
+      part("fold", node.children.length === 0 ? "" : open ? "▾" : "▸"),
+      part(`dot ${node.kind}`, ""),
+      part("name", node.name),
+      part("what", node.what),
+    );
     row.title = `${node.kind} ${node.name}${node.what ? ` (${node.what})` : ""}`;
     return row;
   }
@@ -96,17 +119,32 @@ export class Tree {
   press(event) {
     const row = event.target.closest('[role="treeitem"]');
     if (!row) return;
-    const rows = [...this.root.children], at = rows.indexOf(row);
-    const level = Number(row.getAttribute("aria-level")), expanded = row.getAttribute("aria-expanded");
-    const go = (target) => { if (target) { row.tabIndex = -1; target.tabIndex = 0; target.focus(); } };
+    const rows = [...this.root.children],
+      at = rows.indexOf(row);
+    const level = Number(row.getAttribute("aria-level")),
+      expanded = row.getAttribute("aria-expanded");
+    const go = (target) => {
+      if (target) {
+        row.tabIndex = -1;
+        target.tabIndex = 0;
+        target.focus();
+      }
+    };
     const keys = {
       ArrowDown: () => go(rows[at + 1]),
       ArrowUp: () => go(rows[at - 1]),
       Home: () => go(rows[0]),
       End: () => go(rows[rows.length - 1]),
       ArrowRight: () => (expanded === "false" ? this.fold(row, false) : expanded === "true" && go(rows[at + 1])),
-      ArrowLeft: () => (expanded === "true" ? this.fold(row, true)
-        : go(rows.slice(0, at).reverse().find((each) => Number(each.getAttribute("aria-level")) < level))),
+      ArrowLeft: () =>
+        expanded === "true"
+          ? this.fold(row, true)
+          : go(
+              rows
+                .slice(0, at)
+                .reverse()
+                .find((each) => Number(each.getAttribute("aria-level")) < level),
+            ),
       Enter: () => this.onSelect({ kind: row.dataset.kind, name: row.dataset.name }),
       " ": () => this.onSelect({ kind: row.dataset.kind, name: row.dataset.name }),
     };
