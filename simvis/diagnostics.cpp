@@ -1,6 +1,5 @@
 #include <simvis/diagnostics.h>
 
-#include "simvis/built_scene_access.h"
 #include "simvis/simulation_impl.h"
 
 namespace simvis {
@@ -41,7 +40,5 @@ std::span<const SensorCost> Diagnostics::sensor_costs() const { return impl_->id
 std::uint64_t Diagnostics::device_memory_bytes() const { return impl_->idle().device.memory_bytes(); }
 std::span<const StageTime> Diagnostics::stages() const { return impl_->idle().stages.times(); }
 std::uint64_t Diagnostics::validation_messages() const { return impl_->device.validation_messages(); }
-
-const BuiltScene& BuiltSceneAccess::of(const Diagnostics& diagnostics) { return diagnostics.impl_->idle().scene.built; }
 
 }  // namespace simvis

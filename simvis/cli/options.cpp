@@ -205,6 +205,15 @@ void declare_options(CLI::App& app, Options& options) {
       ->check(CLI::IsMember({"wait", "drop"}))
       ->capture_default_str()
       ->needs(record);
+  app.add_option("--export", options.export_file,
+                 "also write the scene, as it stands in the last frame, as glTF: parts, materials, textures and lights")
+      ->type_name("FILE.glb")
+      ->check(not_empty);
+  app.add_option("--page", options.page,
+                 "also write the frames of this run to one HTML file, which shows them in a browser without a server; "
+                 "docs/live-view.md says what it shows")
+      ->type_name("FILE.html")
+      ->check(not_empty);
   app.add_flag("--explain", options.explain, "print what the last frame renders, why, and what it cost");
   app.add_flag("--strict", options.strict, "warnings are errors");
   app.add_flag("--quiet", options.quiet, "print errors and warnings only");
@@ -215,6 +224,8 @@ void declare_options(CLI::App& app, Options& options) {
                    "where --out is given")
       ->excludes("--method")
       ->excludes("--record")
+      ->excludes("--export")
+      ->excludes("--page")
       ->excludes("--profile")
       ->excludes("--shard")
       ->excludes("--explain");
@@ -276,8 +287,8 @@ void read_rate(Options& options) {
 
 /// Options that may stand beside --again: they change no byte of the results.
 constexpr std::string_view kFreeOptions[] = {
-    "--again",  "--resume",  "--out",     "--quiet",   "--threads", "--device",        "--no-replace",
-    "--frames", "--explain", "--profile", "--summary", "--record",  "--record-topics", "--record-policy"};
+    "--again",   "--resume",  "--out",     "--quiet",  "--threads",       "--device",        "--no-replace", "--frames",
+    "--explain", "--profile", "--summary", "--record", "--record-topics", "--record-policy", "--export",     "--page"};
 
 void require_free_options(const CLI::App& app, const char* with) {
   for (const CLI::Option* const option : app.get_options()) {
@@ -344,6 +355,8 @@ Options recorded_options(const Options& given) {
   options.record = given.record;
   options.record_topics = given.record_topics;
   options.record_policy = given.record_policy;
+  options.export_file = given.export_file;
+  options.page = given.page;
   if (!given.device.empty()) options.device = given.device;
   options.names_frames |= given.names_frames;
   options.frames = given.names_frames ? given.frames : run.frames_wanted;

@@ -20,6 +20,7 @@
 #include "simvis/cli/progress_bar.h"
 #include "simvis/cli/real_time.h"
 #include "simvis/cli/signals.h"
+#include "simvis/cli/view_files.h"
 #include "simvis/cli/warning_printer.h"
 #include "simvis/output/atomic_file.h"
 #include "simvis/output/folder_lock.h"
@@ -116,6 +117,9 @@ std::filesystem::path report_file(const Options& options, const RunReport& repor
 void print_closing(const Options& options, const OutputWriter& writer, const RunReport& report) {
   std::cout << "wrote ";
   for (const std::string& result : writer.results()) std::cout << result << ", ";
+  for (const std::string* const view : {&options.export_file, &options.page}) {
+    if (!view->empty()) std::cout << *view << ", ";
+  }
   if (report.recording) {
     std::cout << report.recording->file.string() << " (" << report.recording->messages << " messages";
     if (report.recording->dropped > 0) std::cout << ", " << report.recording->dropped << " dropped";
@@ -201,6 +205,7 @@ class Run {
   std::optional<OutputWriter> writer_;
   WrittenSensors written_;
   std::optional<RealTime> real_time_;
+  std::optional<ViewFiles> views_;
 };
 
 void Run::describe() {
@@ -245,6 +250,7 @@ void Run::describe() {
 bool Run::prepare() {
   if (options_.writes && !prepare_folder()) return false;
   if (!options_.profile.empty()) profile_.emplace(options_.profile, report_.device.name);
+  views_.emplace(options_.export_file, options_.page);
   return true;
 }
 
@@ -368,6 +374,7 @@ void Run::make_frames(std::optional<LoadingBar>& loading, WarningPrinter& warnin
     if (frame < first_frame_) continue;
     report_.frame_ms.push_back(static_cast<double>(measured_ns - start_ns) / 1e6);
     if (live_ != nullptr) live_->after_frame(simulation_, time, report_.frame_ms.back());
+    views_->add(simulation_, time, report_.frame_ms.back());
     if (options_.writes) write_frame(time);
     if (report_.frame_ms.size() == 1) first_done_ns_ = now_ns();
     report_.next_frame = frame + 1;
@@ -417,6 +424,7 @@ void Run::finish() {
   if (report_.frame_ms.size() > 1) report_.later_frames_s = static_cast<double>(now_ns() - first_done_ns_) / 1e9;
   if (recording_) report_.recording = simulation_.finish_recording();
   if (profile_) profile_->commit();
+  views_->finish(simulation_);
   if (received_signal() == nullptr) report_.next_frame = options_.frames;
   report_.status = report_.next_frame == options_.frames ? "complete" : "stopped";
   if (!options_.writes) return;
