@@ -7,7 +7,6 @@
 
 #include <simvis/part_importer.h>
 #include <simvis/pose.h>
-#include "simvis/message_tap.h"
 #include "simvis/simulation_use.h"
 
 namespace simvis {
@@ -130,13 +129,6 @@ RecordReport Simulation::finish_recording() {
   const std::unique_ptr<Recording> recording = std::move(use->idle().recording);
   if (!recording) throw InputError("the simulation is not recorded, expected record() before");
   return recording->finish();
-}
-
-void send_messages(Simulation& simulation, ros::MessageOutlet* outlet) {
-  const SimulationUse use = simulation.impl();
-  SimulationImpl& idle = use->idle();
-  idle.sent_messages.reset();
-  if (outlet != nullptr) idle.sent_messages = std::make_unique<FrameMessages>(*outlet, idle.scene.built);
 }
 
 void Simulation::show_scan(std::string_view sensor, Scan scan) {
