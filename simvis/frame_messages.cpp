@@ -5,10 +5,12 @@
 #include <limits>
 #include <memory>
 #include <utility>
+#include <variant>
 
 #include <simvis/error.h>
 #include <simvis/pose.h>
 #include "messages/from_image.h"
+#include "messages/from_reading.h"
 #include "messages/types/system_types.h"
 #include "simvis/mount_frame.h"
 
@@ -121,6 +123,12 @@ class FrameMessages::SensorMessages : public OutputSink {
               }
               if (wants_cloud) sink.write(cloud, time, ros::point_cloud(*copy, frame));
             });
+  }
+
+  void reading(const Reading& reading, std::string_view message) {
+    const std::optional<ros::ReadingMessage> made = ros::message_of(reading, message, frame_);
+    if (!made) return;
+    std::visit([&](const auto& each) { messages_.add(topic("", made->topic), each); }, made->message);
   }
 
   bool has_images() const { return has_images_; }
@@ -287,6 +295,9 @@ void FrameMessages::add_measurements(const BuiltScene& scene, std::span<const Pl
     const double period_s = rate > 0 ? 1 / rate : static_cast<double>(time_.period_ns) / 1e9;
     if (const Scan* const scan = sensor.sensor->scan()) {
       messages.scan(*scan, range_facts(sensor), period_s);
+    } else if (const Reading* const reading = sensor.sensor->reading();
+               reading != nullptr && ros::is_reading_message(find_sensor_type(sensor.type)->message)) {
+      messages.reading(*reading, find_sensor_type(sensor.type)->message);
     } else {
       sensor.sensor->write(messages);
       // Those of a camera, such as the bound on its depth, are computed when they are read.

@@ -147,7 +147,10 @@ void Simulation::add_variant(std::string_view sensor, const Command& command) {
 
 void Simulation::enable(std::string_view sensor, bool on) {
   const SimulationUse use = impl();
-  use->idle().states[use->index(sensor)].enabled = on;
+  SimulationImpl::State& state = use->idle().states[use->index(sensor)];
+  if (state.enabled == on) return;
+  state.enabled = on;
+  use->sensed.enable(state.sensor, on);
 }
 
 void Simulation::step() { impl()->step(); }
@@ -169,6 +172,12 @@ const Scan& Simulation::scan(std::string_view sensor) const {
   const SimulationUse use = impl();
   const BuiltSensor& found = use->sensor(sensor);
   return require(found.sensor->scan(), found, "scan");
+}
+
+const Reading& Simulation::reading(std::string_view sensor) const {
+  const SimulationUse use = impl();
+  const BuiltSensor& found = use->sensor(sensor);
+  return require(found.sensor->reading(), found, "reading");
 }
 
 const Image& Simulation::color(std::string_view sensor) const {

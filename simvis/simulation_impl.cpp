@@ -50,6 +50,7 @@ SimulationImpl::SimulationImpl(const SimulationDesc& desc, std::span<const Comma
 // Called after each change of the scene: what frames need of it follows.
 void SimulationImpl::follow_scene() {
   follow_sensors();
+  sensed.follow(scene.built, sensing.flattener);
   follow_tracked_parts();
   const bool wanted = std::ranges::any_of(scene.built.sensors,
                                           [](const BuiltSensor& sensor) { return sensor.sensor->visualization(); });
@@ -145,6 +146,7 @@ void SimulationImpl::start() {
   update_elements();
   stages.begin("flatten");
   sensing.list = &sensing.flattener.update();
+  sensed.update(scene.built, sensing.flattener, *sensing.list, time);
   stages.begin("plan");
   plan_due_sensors(sensing, false, time);
   stages.begin("render");
@@ -252,6 +254,7 @@ void SimulationImpl::skip_frame() {
   if (looked_back_at) {
     update_elements();
     sensing.list = &sensing.flattener.update();
+    sensed.update(scene.built, sensing.flattener, *sensing.list, time);
     for (std::size_t i = 0; i < states.size(); ++i) {
       if (due_state(i, time) != DueState::due) continue;
       scene.built.sensors[i].sensor->skip_frame(time, states[i].world_from_sensor);
@@ -313,6 +316,7 @@ void SimulationImpl::plan_due_sensors(ViewLayer& layer, bool visualization, cons
     if (entry.due_state == DueState::due) {
       const std::size_t views = count_views(plan);
       sensor.begin(time);
+      if (const SensedWorld* const world = sensed.find(states[i].sensor)) sensor.sense(*world);
       sensor.plan(states[i].world_from_sensor, *layer.list, plan);
       entry.draws = count_views(plan) > views;
     }

@@ -20,6 +20,7 @@
 #include "simvis/frame_messages.h"
 #include "simvis/live_scene.h"
 #include "simvis/recording.h"
+#include "simvis/sensed_world.h"
 #include "simvis/serving.h"
 #include "simvis/step_stages.h"
 #include "simvis/timeline.h"
@@ -100,6 +101,7 @@ struct SimulationImpl : Observations {
   std::map<std::string, std::shared_ptr<Mount>, std::less<>> tracked_parts;  // null: it was removed
   std::optional<CostModel> device_costs;                                     // set when a sensor first requests them
   ViewLayer sensing;
+  SensedWorlds sensed;
   std::optional<ViewLayer> people;    // set if the scene has a visualization sensor
   FrameTime frame;                    // under way, or the last one that was begun
   bool under_way = false;             // `frame` is not finished; the device may be working

@@ -249,8 +249,8 @@ void Run::describe() {
 
 bool Run::prepare() {
   if (options_.writes && !prepare_folder()) return false;
-  if (!options_.profile.empty()) profile_.emplace(options_.profile, report_.device.name);
   views_.emplace(options_.export_file, options_.page);
+  if (!options_.profile.empty()) profile_.emplace(options_.profile, report_.device.name);
   return true;
 }
 
@@ -373,8 +373,8 @@ void Run::make_frames(std::optional<LoadingBar>& loading, WarningPrinter& warnin
     warnings.print_new(simulation_);
     if (frame < first_frame_) continue;
     report_.frame_ms.push_back(static_cast<double>(measured_ns - start_ns) / 1e6);
-    if (live_ != nullptr) live_->after_frame(simulation_, time, report_.frame_ms.back());
     views_->add(simulation_, time, report_.frame_ms.back());
+    if (live_ != nullptr) live_->after_frame(simulation_, time, report_.frame_ms.back());
     if (options_.writes) write_frame(time);
     if (report_.frame_ms.size() == 1) first_done_ns_ = now_ns();
     report_.next_frame = frame + 1;
