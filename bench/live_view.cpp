@@ -22,8 +22,8 @@
 #include <vector>
 
 #include <simvis/simulation.h>
+#include "bench/live_viewer.h"
 #include "live/live_view.h"
-#include "tests/support/web_client.h"
 
 namespace {
 
@@ -48,20 +48,22 @@ double median(std::vector<double> values) {
 }
 
 /// A page that looks at everything.
-class Viewer {
- public:
-  explicit Viewer(std::uint16_t port) : socket_(port, "simvis.live.v1"), scene_(socket_.receive_op("scene")) {
+struct Viewer : LiveViewer {
+  explicit Viewer(std::uint16_t port) : LiveViewer(port), scene(receive_op("scene")) {
     nlohmann::json sensors = nlohmann::json::array();
-    for (std::size_t i = 0; i < scene_.at("sensors").size(); ++i) sensors.push_back(i);
-    socket_.send({{"op", "look"}, {"sensors", sensors}, {"plan", true}});
+    for (std::size_t i = 0; i < scene.at("sensors").size(); ++i) sensors.push_back(i);
+    send({{"op", "look"}, {"sensors", sensors}, {"plan", true}});
   }
-  test::WebSocketClient& socket() { return socket_; }
-  const nlohmann::json& scene() const { return scene_; }
-
- private:
-  test::WebSocketClient socket_;
-  nlohmann::json scene_;
+  nlohmann::json scene;
 };
+
+/// Reads until `viewer` is shut down.
+void read_all(LiveViewer& viewer) {
+  try {
+    for (;;) viewer.receive();
+  } catch (const std::runtime_error&) {  // it was
+  }
+}
 
 /// Of each frame, in milliseconds.
 struct Measured {
@@ -108,27 +110,27 @@ void while_running(Run& run, Measured& measured, const Action& action) {
   other.join();
 }
 
+bool has_value(const nlohmann::json& message, double value) {
+  return std::ranges::any_of(message.at("values"), [&](const auto& each) { return each[0] == 0 && each[1] == value; });
+}
+
 void measure_slider(Run& run) {
   Measured ignored;
   std::vector<double> times;
   while_running(run, ignored, [&] {
     Viewer viewer(run.port());
     for (int i = 0; i < 30; ++i) {
-      const double value = 0.01 * i;
+      const double value = 0.01 * (i + 1);
       const Clock::time_point start = Clock::now();
-      viewer.socket().send({{"op", "set"}, {"parameter", 0}, {"value", value}});
-      viewer.socket().receive_until([&](const nlohmann::json& message) {
-        if (message.at("op") != "values") return false;
-        for (const nlohmann::json& each : message.at("values")) {
-          if (each[0] == 0 && each[1] == value) return true;
-        }
-        return false;
-      });
-      viewer.socket().receive_binary([](const std::string& bytes) { return bytes[0] == 3 || bytes[0] == 2; });
+      viewer.send({{"op", "set"}, {"parameter", 0}, {"value", value}});
+      while (!has_value(viewer.receive_op("values"), value)) {
+      }
+      while (!viewer.receive().binary) {
+      }
       times.push_back(ms_since(start));
     }
     const Clock::time_point start = Clock::now();
-    const std::size_t size = test::http_get(run.port(), "/" + viewer.scene().at("glb").get<std::string>()).body.size();
+    const std::size_t size = LiveViewer(run.port(), false).get("/" + viewer.scene.at("glb").get<std::string>());
     std::printf("server,glb_bytes,%zu\nserver,glb_ms,%.1f\n", size, ms_since(start));
   });
   std::printf("server,slider_to_picture_ms,%.1f\n", median(times));
@@ -153,16 +155,10 @@ int main(int argc, char** argv) {
       });
       std::vector<std::thread> readers;
       for (const std::unique_ptr<Viewer>& viewer : all) {
-        readers.emplace_back([&viewer] {
-          try {
-            while (viewer->socket().receive()) {
-            }
-          } catch (const std::exception&) {  // it was closed
-          }
-        });
+        readers.emplace_back([&viewer] { read_all(*viewer); });
       }
       for (int i = 0; i < frames; ++i) run.frame(by_viewers[viewers]);
-      for (const std::unique_ptr<Viewer>& viewer : all) viewer->socket().socket().shut_down();
+      for (const std::unique_ptr<Viewer>& viewer : all) viewer->shut_down();
       for (std::thread& reader : readers) reader.join();
     }
   }

@@ -62,7 +62,10 @@ class Server::Impl {
   std::uint16_t port() const { return port_; }
   void post(std::function<void()> task) {
     asio::post(context_, [this, task = std::move(task)] {
-      task();
+      try {
+        task();
+      } catch (const Error&) {  // out of memory for a message: the simulation goes on without it
+      }
       pump();
     });
   }
@@ -132,7 +135,7 @@ class Server::Impl::Connection : public std::enable_shared_from_this<Connection>
     try {
       std::optional<WireMessage> message = peer_->next();
       if (message) write(std::move(*message));
-    } catch (const InputError& error) {
+    } catch (const Error& error) {
       end(websocket::close_code::policy_error, error.what());
     }
   }
@@ -176,7 +179,12 @@ class Server::Impl::Connection : public std::enable_shared_from_this<Connection>
       return refuse(405, "expected GET or HEAD");
     }
     const Target target = parse_target(facts.target);
-    std::optional<Answer> answer = server_.service().get(target.path, target.query);
+    std::optional<Answer> answer;
+    try {
+      answer = server_.service().get(target.path, target.query);
+    } catch (const Error& error) {
+      return refuse(500, error.what());
+    }
     if (!answer) return refuse(404, "there is nothing at this address");
     respond(std::move(*answer), request_.keep_alive());
   }
@@ -286,7 +294,7 @@ class Server::Impl::Connection : public std::enable_shared_from_this<Connection>
     try {
       const beast::flat_buffer::const_buffers_type bytes = buffer_.data();
       peer_->receive({static_cast<const char*>(bytes.data()), bytes.size()}, socket_->got_binary());
-    } catch (const InputError& refused) {
+    } catch (const Error& refused) {
       return end(websocket::close_code::policy_error, refused.what());
     }
     buffer_.clear();

@@ -109,7 +109,7 @@ void copy_measurements(const Simulation& simulation, const BuiltScene& built, co
 void ViewCopier::follow_scene(const Simulation& simulation) {
   const DrawList& list = simulation.diagnostics().draw_list();
   const std::size_t changes = simulation.parameters().changes().size();
-  const bool is_new = scene_ == nullptr || std::exchange(restarted_, false) || changes != changes_ ||
+  const bool is_new = std::exchange(restarted_, false) || scene_ == nullptr || changes != changes_ ||
                       list.revisions.structure != revisions_.structure;
   if (is_new) {
     const BuiltScene& built = BuiltSceneAccess::of(simulation.diagnostics());

@@ -8,7 +8,6 @@
 #include <simvis/part_importer.h>
 #include <simvis/pose.h>
 #include "simvis/built_scene.h"
-#include "simvis/message_tap.h"
 #include "simvis/simulation_use.h"
 
 namespace simvis {
@@ -147,13 +146,6 @@ DdsReport Simulation::leave_dds() {
   const std::unique_ptr<Network> network = std::move(use->idle().network);
   if (!network) throw InputError("the simulation does not take part in DDS, expected join_dds() before");
   return network->finish();
-}
-
-void send_messages(Simulation& simulation, ros::MessageOutlet* outlet) {
-  const SimulationUse use = simulation.impl();
-  SimulationImpl& idle = use->idle();
-  idle.sent_messages.reset();
-  if (outlet != nullptr) idle.sent_messages = std::make_unique<FrameMessages>(*outlet, idle.scene.built);
 }
 
 void Simulation::show_scan(std::string_view sensor, Scan scan) {

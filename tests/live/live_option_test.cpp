@@ -135,7 +135,7 @@ TEST_CASE("a frame that cannot be made pauses the run, and does not end it") {
   page.socket.send({{"op", "execute"},
                     {"xml",
                      "<sensor type='laser_scanner' name='EXACT' insert_at='ROOT' "
-                     "method='hybrid' max_error_m='1e-12' samples='3'/>"}});
+                     "method='hybrid' max_error_m='1e-30' samples='3'/>"}});
   const Json error = page.socket.receive_op("error");
   CAPTURE(error.dump());
   CHECK(error.at("about") == "step");
