@@ -32,6 +32,19 @@ const Output& require(const Output* output, const BuiltSensor& sensor, std::stri
   throw InputError("sensor \"" + sensor.name + "\", a " + sensor.type + ", has no " + std::string(what));
 }
 
+/// The report of a sensor; with a reading also its columns and their units: "range_m m, echo".
+SensorReport report_of(const Sensor& sensor) {
+  SensorReport report = sensor.report();
+  const Reading* const reading = sensor.reading();
+  if (reading == nullptr) return report;
+  std::string columns;
+  for (const TableColumn& column : reading->columns) {
+    columns += (columns.empty() ? "" : ", ") + column.name + (column.unit.empty() ? "" : " ") + column.unit;
+  }
+  report.notes.push_back({"columns", columns});
+  return report;
+}
+
 }  // namespace
 
 Simulation::Simulation(std::unique_ptr<SimulationImpl> impl) : impl_(std::move(impl)) {}
@@ -259,7 +272,7 @@ std::vector<SensorInfo> Simulation::sensors() const {
                      sensor.sensor->method(),
                      use->states[i].frames,
                      use->states[i].enabled,
-                     sensor.sensor->report(),
+                     report_of(*sensor.sensor),
                      {},
                      use->states[i].effects,
                      find_sensor_type(sensor.type)->capabilities,

@@ -130,6 +130,11 @@ TEST_CASE("files, values and the reading are the same numbers, and none is missi
       CHECK((unit == "_" || reading.columns[c].name.ends_with(unit)));
     }
     CHECK(simulation.sensors().back().method != "");
+    const std::vector<SensorNote> notes = simulation.sensors().back().report.notes;
+    REQUIRE_FALSE(notes.empty());
+    CHECK(notes.back().name == "columns");
+    const std::string first = reading.columns[0].name + (reading.columns[0].unit.empty() ? "" : " ");
+    CHECK(std::get<std::string>(notes.back().value).starts_with(first + reading.columns[0].unit));
   }
 }
 
