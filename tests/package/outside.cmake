@@ -8,6 +8,11 @@ run(${CMAKE_COMMAND} -G Ninja -S ${CMAKE_CURRENT_LIST_DIR}/outside -B ${build} -
 run(${CMAKE_COMMAND} --build ${build})
 run(${build}/outside)
 message("${output}")
+# A client is a project of its own: COMPONENTS client.
+run(${CMAKE_COMMAND} -G Ninja -S ${CMAKE_CURRENT_LIST_DIR}/outside_client -B ${build}_client
+    -DCMAKE_PREFIX_PATH=${PREFIX})
+run(${CMAKE_COMMAND} --build ${build}_client)
+run(${build}_client/outside_client)
 file(WRITE ${FOLDER}/plugin.xml "<simvis><element type='plate' name='PLATE' insert_at='ROOT' x='2.5'/>"
      "<sensor type='distance_probe' name='PROBE' insert_at='ROOT'/></simvis>")
 run(${PREFIX}/bin/simvis-run --quiet --plugin ${build}/libplugin.so --out ${FOLDER}/plugin_out ${FOLDER}/plugin.xml)
