@@ -23,7 +23,7 @@
 #include "simvis/sensed_world.h"
 #include "simvis/serving.h"
 #include "simvis/step_stages.h"
-#include "simvis/timeline.h"
+#include "simvis/time/timeline.h"
 #include "simvis/view_layer.h"
 
 namespace simvis {
