@@ -114,7 +114,7 @@ void SharedHost::take_groups(std::uint32_t client, ClientInputs& inputs) {
     const std::size_t parameters = known ? first_parameter_[element + 1] - first_parameter_[element] : 0;
     if (!known || parameters > values.size()) {
       return refuse(client, known ? "an element with too many parameters is written as a whole"
-                                  : "an element that there is not is written as a whole");
+                                  : "an element that does not exist is written as a whole");
     }
     if (element_removed_[element]) continue;  // it was removed while the client wrote
     inputs.elements.push_back(

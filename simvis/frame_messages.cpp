@@ -12,7 +12,7 @@
 #include "messages/from_image.h"
 #include "messages/from_reading.h"
 #include "messages/types/system_types.h"
-#include "simvis/mount_frame.h"
+#include "simvis/mounts/mount_frame.h"
 
 namespace simvis {
 namespace {

@@ -12,7 +12,7 @@
 #include "engine/base/cache_file.h"
 #include "engine/base/now_ns.h"
 #include "scenegraph/clone_graph.h"
-#include "simvis/mount_frame.h"
+#include "simvis/mounts/mount_frame.h"
 
 namespace simvis {
 

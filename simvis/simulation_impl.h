@@ -26,7 +26,7 @@
 #include "simvis/sharing/recording.h"
 #include "simvis/sharing/serving.h"
 #include "simvis/step_stages.h"
-#include "simvis/timeline.h"
+#include "simvis/time/timeline.h"
 #include "simvis/view_layer.h"
 
 namespace simvis {

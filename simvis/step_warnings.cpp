@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include <simvis/attributes.h>
-#include "simvis/frame_rates.h"
 #include "simvis/simulation_impl.h"
+#include "simvis/time/frame_rates.h"
 
 namespace simvis {
 namespace {

@@ -119,7 +119,7 @@ def main():
     rows = figure.rows(sys.argv[1])
     for scanner in dict.fromkeys(row["scanner"] for row in rows):
         draw(rows, scanner, sys.argv[2])
-    accuracy_table.write(rows, sys.argv[2])
+    accuracy_table.TABLE.write(rows, sys.argv[2])
 
 
 if __name__ == "__main__":

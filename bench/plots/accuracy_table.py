@@ -3,12 +3,9 @@
 
 `accuracy_table.py FILE.csv FOLDER` writes FOLDER/accuracy.md; with `--check` before, it only says whether that is what
 stands there."""
-import csv
 import math
-import sys
-from pathlib import Path
+from committed_table import CommittedTable
 
-NAME = "accuracy.md"
 TOLERANCES = ("1e-2", "1e-4", "1e-6")
 
 TEXT = """# What accuracy costs
@@ -105,19 +102,7 @@ def text(rows):
     return TEXT.format(table=table(rows))
 
 
-def write(rows, folder):
-    Path(folder, NAME).write_text(text(rows), encoding="utf-8")
-
-
-def main():
-    *options, path, folder = sys.argv[1:]
-    with open(path, newline="", encoding="utf-8") as file:
-        rows = list(csv.DictReader(file))
-    if options != ["--check"]:
-        write(rows, folder)
-    elif Path(folder, NAME).read_text(encoding="utf-8") != text(rows):
-        sys.exit(f"{NAME} is not what accuracy_table.py makes of {path}")
-
+TABLE = CommittedTable("accuracy.md", text)
 
 if __name__ == "__main__":
-    main()
+    TABLE.main()

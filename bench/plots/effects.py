@@ -68,7 +68,7 @@ def draw(rows):
 def main():
     rows, folder = figure.rows(sys.argv[1]), sys.argv[2]
     figure.save(draw(rows), Path(folder) / "effects")
-    effects_table.write(rows, folder)
+    effects_table.TABLE.write(rows, folder)
 
 
 if __name__ == "__main__":

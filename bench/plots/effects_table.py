@@ -3,11 +3,8 @@
 
 `effects_table.py FILE.csv FOLDER` writes FOLDER/effects.md; with `--check` before, it only says whether that is what
 stands there."""
-import csv
-import sys
-from pathlib import Path
+from committed_table import CommittedTable
 
-NAME = "effects.md"
 SENSORS = {"camera": ("camera 320 x 180", ""), "laser_scanner": ("scanner of 361 beams", " m")}
 
 TEXT = """# What effects cost
@@ -53,19 +50,7 @@ def text(rows):
     return TEXT.format(table=table(rows))
 
 
-def write(rows, folder):
-    Path(folder, NAME).write_text(text(rows), encoding="utf-8")
-
-
-def main():
-    *options, path, folder = sys.argv[1:]
-    with open(path, newline="", encoding="utf-8") as file:
-        rows = list(csv.DictReader(file))
-    if options != ["--check"]:
-        write(rows, folder)
-    elif Path(folder, NAME).read_text(encoding="utf-8") != text(rows):
-        sys.exit(f"{NAME} is not what effects_table.py makes of {path}")
-
+TABLE = CommittedTable("effects.md", text)
 
 if __name__ == "__main__":
-    main()
+    TABLE.main()

@@ -7,6 +7,7 @@
 #include <type_traits>
 
 #include "engine/base/fnv1a.h"
+#include "engine/draw/topology_name.h"
 
 namespace simvis {
 namespace {
@@ -160,18 +161,6 @@ struct Printed {
 
 std::ostream& operator<<(std::ostream& out, const Printed& p) {
   return out << '(' << p.v.x << ' ' << p.v.y << ' ' << p.v.z << ')';
-}
-
-const char* name_of(Topology topology) {
-  switch (topology) {
-    case Topology::triangles:
-      return "triangles";
-    case Topology::lines:
-      return "lines";
-    case Topology::points:
-      return "points";
-  }
-  return "?";
 }
 
 const char* name_of(AlphaMode mode) {

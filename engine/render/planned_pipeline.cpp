@@ -5,24 +5,13 @@
 #include <string>
 #include <string_view>
 
+#include "engine/draw/topology_name.h"
 #include "engine/render/resolve_pass.h"
 
 namespace simvis {
 namespace {
 
 using Surface = PipelineKey::Surface;
-
-std::string_view to_string(Topology topology) {
-  switch (topology) {
-    case Topology::triangles:
-      return "triangles";
-    case Topology::lines:
-      return "lines";
-    case Topology::points:
-      return "points";
-  }
-  return "";
-}
 
 std::string_view to_string(Surface surface) {
   constexpr std::string_view kNames[] = {"opaque", "masked", "blended", "faded"};
@@ -48,7 +37,7 @@ std::string lights_text(std::uint32_t lights) { return std::to_string(lights) + 
 std::string variant_of(const PipelineKey& key) {
   std::string text = key.depth_only ? "depth" : "colour";
   if (key.depth_only && key.color) text += " only, in a pass of colour";
-  text += ", " + std::string(to_string(key.topology)) + ", " + std::string(to_string(key.surface));
+  text += ", " + std::string(name_of(key.topology)) + ", " + std::string(to_string(key.surface));
   if (key.textured) text += ", textured";
   if (key.unlit) text += ", unlit";
   if (key.lights.any()) text += ", " + lights_text(key.lights.all());

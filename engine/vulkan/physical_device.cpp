@@ -201,6 +201,7 @@ std::vector<PhysicalDevice> examine_all(const Instance& instance) {
 
 std::vector<DeviceInfo> infos(const std::vector<PhysicalDevice>& devices) {
   std::vector<DeviceInfo> result;
+  result.reserve(devices.size());
   for (const PhysicalDevice& device : devices) result.push_back(device.info);
   return result;
 }

@@ -10,8 +10,8 @@
 #include <simvis/attributes.h>
 #include "engine/base/thread_pool.h"
 #include "sensors/laser_scanner/laser_scanner.h"
-#include "simvis/clock.h"
-#include "simvis/timeline.h"
+#include "simvis/time/clock.h"
+#include "simvis/time/timeline.h"
 
 namespace simvis {
 namespace {

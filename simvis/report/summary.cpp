@@ -6,8 +6,8 @@
 #include <cstdio>
 #include <utility>
 
-#include "simvis/clock.h"
 #include "simvis/report/run_report.h"
+#include "simvis/time/clock.h"
 
 namespace simvis {
 

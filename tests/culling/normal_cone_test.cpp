@@ -10,6 +10,7 @@
 #include <simvis/device.h>
 #include "engine/render/renderer.h"
 #include "engine/vulkan/device_impl.h"
+#include "tests/culling/culled_picture.h"
 #include "tests/support/random_room.h"
 
 TEST_SUITE_BEGIN("engine/culling");
@@ -67,24 +68,6 @@ Mesh hollow_mesh(double radius_m, int segments) {
   Mesh mesh = sphere_mesh(radius_m, segments);
   for (std::size_t i = 0; i < mesh.indices.size(); i += 3) std::swap(mesh.indices[i], mesh.indices[i + 1]);
   return mesh;
-}
-
-/// Draws the objects in front of a camera with culling and without, compares the pictures, and returns how many
-/// triangles of how many were drawn.
-std::pair<std::uint64_t, std::uint64_t> compare(Renderer& renderer, const DrawList& list, const View& view) {
-  const auto draw = [&](bool culled) {
-    FramePlan plan = picture_of(view);
-    plan.passes[0].views[0].culled = culled;
-    const PassResult result = renderer.render(list, plan)[0];
-    return std::pair(std::vector<float>(result.depth.begin(), result.depth.end()),
-                     std::vector<glm::vec4>(result.color.begin(), result.color.end()));
-  };
-  const auto seen = draw(true);
-  const std::uint64_t drawn = renderer.counters().triangles;
-  const auto all = draw(false);
-  CHECK(seen == all);
-  CHECK(std::ranges::any_of(all.first, [](float depth) { return depth > 0; }));
-  return {drawn, renderer.counters().triangles};
 }
 
 }  // namespace
@@ -194,7 +177,7 @@ TEST_CASE("pictures have the same bytes whether backs are drawn or not") {
       add_item(list, i % 2 ? sphere_mesh(1, segments) : hollow_mesh(1, segments),
                glm::scale(glm::translate(glm::dmat4(1.0), place) * random_turn(random), size));
     }
-    const auto [some, all] = compare(renderer, list, camera(640, 480, 500));
+    const auto [some, all] = test::draw_both_ways(renderer, list, picture_of(camera(640, 480, 500)));
     drawn += some;
     whole += all;
   }
@@ -223,7 +206,8 @@ TEST_CASE("slivers with their backs to the camera give the same bytes, although 
     const std::span<const float> seen = renderer.render(list, plan)[0].depth;
     const auto turned = std::ranges::count_if(seen, [](float depth) { return depth > 0; });
     add_item(list, half_box_mesh({2, 2, 0.5}), glm::translate(glm::dmat4(1.0), {0, 0, kDistance_m + 3}));
-    compare(renderer, list, camera(320, 240, kFocal_px));
+    const auto [some, all] = test::draw_both_ways(renderer, list, picture_of(camera(320, 240, kFocal_px)));
+    CHECK(all > 0);
     return turned;
   };
   CHECK(pixels_of_slivers(0.2 * kSnap_px) > 0);

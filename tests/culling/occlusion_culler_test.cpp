@@ -12,6 +12,7 @@
 #include <simvis/device.h>
 #include "engine/culling/normal_cone.h"
 #include "engine/render/renderer.h"
+#include "tests/culling/culled_picture.h"
 #include "tests/support/random_room.h"
 
 TEST_SUITE_BEGIN("engine/culling");
@@ -45,22 +46,6 @@ FramePlan picture(const Shown& shown = {}) {
                          .supersampling = shown.supersampling,
                          .msaa = shown.msaa});
   return plan;
-}
-
-/// Draws with culling and without, compares the pictures, and returns how many triangles culling kept.
-std::uint64_t compare(Renderer& renderer, const DrawList& list, FramePlan plan) {
-  const auto draw = [&](bool culled) {
-    plan.passes[0].views[0].culled = culled;
-    const PassResult result = renderer.render(list, plan)[0];
-    return std::pair(std::vector<float>(result.depth.begin(), result.depth.end()),
-                     std::vector<glm::vec4>(result.color.begin(), result.color.end()));
-  };
-  const auto seen = draw(true);
-  const std::uint64_t drawn = renderer.counters().triangles;
-  const auto all = draw(false);
-  CHECK(seen == all);
-  CHECK(drawn <= renderer.counters().triangles);
-  return drawn;
 }
 
 /// A rectangle perpendicular to the optical axis, with `corners` in an order that turns its front or its back to the
@@ -209,7 +194,7 @@ TEST_CASE("objects behind walls are not drawn, and the picture is the same to th
       CAPTURE(round);
       DrawList list;
       const std::uint64_t things = add_things(list, random, 6000);
-      const std::uint64_t bare = compare(renderer, list, picture(shown));
+      const std::uint64_t bare = test::draw_both_ways(renderer, list, picture(shown)).culled;
       CHECK(bare > things / 20);  // those that can change a pixel: most show their backs or lie between samples
       // Slightly rotated walls at 3 to 5 m with gaps between them.
       for (int i = 0; i < 3; ++i) {
@@ -218,7 +203,7 @@ TEST_CASE("objects behind walls are not drawn, and the picture is the same to th
         add_item(list, rectangle(between(random, 0.5, 2), between(random, 0.5, 3), true),
                  glm::translate(glm::dmat4(1.0), place) * turn);
       }
-      const std::uint64_t behind = compare(renderer, list, picture(shown));
+      const std::uint64_t behind = test::draw_both_ways(renderer, list, picture(shown)).culled;
       bare_of_all += bare;
       behind_of_all += behind;
     }
@@ -238,7 +223,7 @@ TEST_CASE("a ceiling that continues behind the camera hides objects above it") {
       const glm::dvec3 place(between(random, -8, 8), between(random, -3, -2), between(random, 2, 15));
       add_item(list, half_box_mesh({0.2, 0.1, 0.3}), glm::translate(glm::dmat4(1.0), place) * random_turn(random));
     }
-    const std::uint64_t bare = compare(renderer, list, picture());
+    const std::uint64_t bare = test::draw_both_ways(renderer, list, picture()).culled;
     const glm::dmat4 up = glm::rotate(glm::dmat4(1.0), -0.5 * 3.141592653589793, glm::dvec3(1, 0, 0));
     const glm::dmat4 ceiling = glm::translate(glm::dmat4(1.0), {between(random, -1, 1), -1.4, 3}) *
                                glm::rotate(glm::dmat4(1.0), between(random, -3, 3), glm::dvec3(0, 1, 0)) * up;
@@ -246,7 +231,7 @@ TEST_CASE("a ceiling that continues behind the camera hides objects above it") {
     Material both_sides;
     both_sides.double_sided = true;
     list.items.back().material = add_material(list, both_sides);
-    const std::uint64_t behind = compare(renderer, list, picture());
+    const std::uint64_t behind = test::draw_both_ways(renderer, list, picture()).culled;
     MESSAGE(things << " triangles, " << bare << " drawn, behind the ceiling " << behind);
     CHECK(behind < bare / 2);
   }
@@ -258,9 +243,9 @@ TEST_CASE("a transparent surface hides nothing") {
   std::mt19937 random(5);
   DrawList list;
   add_things(list, random, 4000);
-  const std::uint64_t bare = compare(renderer, list, picture());
+  const std::uint64_t bare = test::draw_both_ways(renderer, list, picture()).culled;
   add_item(list, rectangle(1.5, 1.5, true), glm::translate(glm::dmat4(1.0), {0, 0, 4}));
-  CHECK(compare(renderer, list, picture()) < bare / 2);
+  CHECK(test::draw_both_ways(renderer, list, picture()).culled < bare / 2);
   Material material;
   SUBCASE("masked") { material.alpha_mode = AlphaMode::mask; }
   SUBCASE("blended") {
@@ -271,7 +256,7 @@ TEST_CASE("a transparent surface hides nothing") {
   SUBCASE("not there") { material.opacity = 0; }
   list.items.back().material = add_material(list, material);
   ++list.revisions.structure;
-  CHECK(compare(renderer, list, picture()) >= bare);
+  CHECK(test::draw_both_ways(renderer, list, picture()).culled >= bare);
 }
 
 TEST_CASE("transparent, masked and mirrored objects are hidden like all others") {
@@ -292,9 +277,9 @@ TEST_CASE("transparent, masked and mirrored objects are hidden like all others")
       place = glm::scale(place, {-1, 1, 1});
     }
   }
-  const std::uint64_t bare = compare(renderer, list, picture());
+  const std::uint64_t bare = test::draw_both_ways(renderer, list, picture()).culled;
   add_item(list, rectangle(1.5, 1.5, true), glm::translate(glm::dmat4(1.0), {0, 0, 4}));
-  CHECK(compare(renderer, list, picture()) < bare / 2);
+  CHECK(test::draw_both_ways(renderer, list, picture()).culled < bare / 2);
 }
 
 // The depth of surfaces that are seen almost edge-on may have any value, also nearer than the wall: see
@@ -327,7 +312,7 @@ TEST_CASE("surfaces seen edge-on behind a wall give the same bytes") {
       add_item(list, mesh, place);
     }
     add_item(list, rectangle(6, 6, true), glm::translate(glm::dmat4(1.0), {0, 0, 4.9}));
-    drawn += compare(renderer, list, picture());
+    drawn += test::draw_both_ways(renderer, list, picture()).culled;
   }
   // With planes off by half a centimetre per metre, two of the five decades are thick enough to be classified.
   CHECK(drawn < all * 2 / 3);

@@ -14,7 +14,7 @@
 #include <simvis/ray_caster.h>
 #include <simvis/simulation.h>
 #include <simvis/trajectory.h>
-#include "simvis/clock.h"
+#include "simvis/time/clock.h"
 #include "tests/hard_cases/hard_case.h"
 #include "tests/hard_cases/part_file.h"
 #include "tests/support/infinity.h"

@@ -157,13 +157,13 @@ TEST_CASE("a killed run leaves a whole file without a summary") {
   }
 }
 
-TEST_CASE("100 kills at any moment: every file opens and holds all but the last chunk") {
+TEST_CASE("30 kills at any moment: every file opens and holds all but the last chunk") {
   std::mt19937 random(9);
   void* const shared =
       ::mmap(nullptr, sizeof(std::uint32_t), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
   REQUIRE(shared != MAP_FAILED);
   auto* const written = new (shared) std::atomic<std::uint32_t>(0);
-  for (int i = 0; i < 100; ++i) {
+  for (int i = 0; i < 30; ++i) {
     const TemporaryFolder folder;
     written->store(0);
     const pid_t child = ::fork();

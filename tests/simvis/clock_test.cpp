@@ -1,5 +1,5 @@
 // The times of frames and of due sensors, compared with a count that steps through the due times one by one.
-#include "simvis/clock.h"
+#include "simvis/time/clock.h"
 
 #include <doctest/doctest.h>
 

@@ -1,10 +1,10 @@
 // When frames come, and which rates of frames keep which rates of sensors.
-#include "simvis/timeline.h"
+#include "simvis/time/timeline.h"
 
 #include <doctest/doctest.h>
 
 #include <simvis/simulation.h>
-#include "simvis/frame_rates.h"
+#include "simvis/time/frame_rates.h"
 #include "tests/support/error_of.h"
 
 TEST_SUITE_BEGIN("simvis");

@@ -37,7 +37,7 @@ std::string as_warning(const InputError& error, const std::string& rest) {
 
 }  // namespace
 
-SdfFiles::SdfFiles(std::filesystem::path top, std::vector<PackageFolder> packages)
+SdfFiles::SdfFiles(const std::filesystem::path& top, std::vector<PackageFolder> packages)
     : packages_(std::move(packages)), top_(top, packages_) {}
 
 std::optional<std::filesystem::path> SdfFiles::find(const std::string& uri, const SdfElement& where, std::string& why) {

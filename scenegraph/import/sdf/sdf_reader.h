@@ -16,7 +16,7 @@ namespace simvis {
 /// Finds the files that SDF files name, as the file that names one sees them, else as the first file does.
 class SdfFiles {
  public:
-  SdfFiles(std::filesystem::path top, std::vector<PackageFolder> packages);
+  SdfFiles(const std::filesystem::path& top, std::vector<PackageFolder> packages);
 
   /// Empty: there is no such file; then, `why` says so, for messages. A file near by that is taken for one of a model
   /// that is not there gives a warning.

@@ -1,4 +1,4 @@
-#include "simvis/timeline.h"
+#include "simvis/time/timeline.h"
 
 #include <algorithm>
 #include <limits>

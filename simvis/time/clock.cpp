@@ -1,4 +1,4 @@
-#include "simvis/clock.h"
+#include "simvis/time/clock.h"
 
 #include <charconv>
 #include <cmath>

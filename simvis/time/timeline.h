@@ -7,7 +7,7 @@
 #include <span>
 
 #include "engine/base/program_api.h"
-#include "simvis/clock.h"
+#include "simvis/time/clock.h"
 
 namespace simvis {
 

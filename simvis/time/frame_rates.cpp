@@ -1,10 +1,10 @@
-#include "simvis/frame_rates.h"
+#include "simvis/time/frame_rates.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
-#include "simvis/clock.h"
+#include "simvis/time/clock.h"
 
 namespace simvis {
 
