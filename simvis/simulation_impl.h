@@ -42,7 +42,7 @@ struct SimulationImpl : Observations {
   void track_part(std::string_view part);
   std::shared_ptr<Mount> add_mount(std::string_view part);
   bool part_pose(std::string_view part, glm::dmat4& world_from_part) const;
-  void update_elements();
+  void move_elements(const FrameTime& time);
   void show_to_people(const FrameTime& time);
   void plan_due_sensors(ViewLayer& layer, bool visualization, const FrameTime& time);
   void render(ViewLayer& layer, const FrameTime& time);
@@ -87,6 +87,7 @@ struct SimulationImpl : Observations {
   std::string name;
   double rate_hz;
   bool frames_when_due;
+  bool elements_move;
   Timeline timeline;
   LiveScene scene;
   std::vector<State> states;  // as long as scene.built.sensors
