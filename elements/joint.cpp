@@ -1,5 +1,6 @@
 #include "elements/joint.h"
 
+#include <algorithm>
 #include <utility>
 
 #include <simvis/pose.h>
@@ -70,16 +71,27 @@ void JointElement::adapt_parameters(std::vector<AttributeSpec>& live_rows) const
   AttributeSpec& value = live_rows[0];
   value.min = lower_;
   value.max = upper_;
-  value.rounding = motion_.revolute ? kLimitRounding_deg : kLimitRounding_m;
+  value.rounding = limit_rounding(motion_.revolute);
   value.unit = motion_.revolute ? "deg" : "m";
   value.full_turn = motion_.revolute && lower_ == -kMaxCoordinate_m && upper_ == kMaxCoordinate_m;
 }
 
 void JointElement::update(ParameterView values) {
   value_ = values[0];
+  if (value_ != shown_) driver_->was_set = true;
+  driver_->current = value_;
   transform_->set_matrix(motion_.at(value_));
   for (const auto& [number, follower] : followers_) follower(value_);
 }
+
+void JointElement::advance(std::int64_t time_ns, std::span<double> values) {
+  const double position = driver_->value(time_ns);
+  if (driver_->was_set) return;
+  shown_ = std::clamp(position, lower_, upper_);
+  values[0] = *shown_;
+}
+
+double JointElement::limit_rounding(bool revolute) { return revolute ? kLimitRounding_deg : kLimitRounding_m; }
 
 std::size_t JointElement::follow(std::function<void(double)> follower) {
   follower(value_);

@@ -7,9 +7,12 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include <simvis/element.h>
@@ -17,6 +20,14 @@
 #include "elements/joint_motion.h"
 
 namespace simvis {
+
+/// What a joint shares with the physics that moves it.
+struct JointDriver {
+  /// The position at the time of a frame, in deg or m. Empty: nothing moves the joint but its value.
+  std::function<double(std::int64_t time_ns)> value;
+  double current = 0;    ///< the joint's value, in deg or m
+  bool was_set = false;  ///< `current` comes from outside, and `value` has not taken it over yet
+};
 
 class JointElement : public Element {
  public:
@@ -29,11 +40,22 @@ class JointElement : public Element {
   std::size_t follow(std::function<void(double value)> follower);
   void unfollow(std::size_t number) { followers_.erase(number); }
 
+  /// Never null. Physics sets JointDriver::value, and empties it at its end.
+  const std::shared_ptr<JointDriver>& driver() const { return driver_; }
+  bool moves_itself() const override { return driver_->value != nullptr; }
+  /// Takes the value from the driver. One beyond a limit shows the limit.
+  void advance(std::int64_t time_ns, std::span<double> values) override;
+
+  /// AttributeSpec::rounding of limits, in deg or m.
+  static double limit_rounding(bool revolute);
+
  private:
   std::shared_ptr<Transform> transform_;
   JointMotion motion_;
-  double lower_, upper_;  // deg or m
-  double value_ = 0;      // deg or m
+  double lower_, upper_;         // deg or m
+  double value_ = 0;             // deg or m
+  std::optional<double> shown_;  // the last value of the driver
+  std::shared_ptr<JointDriver> driver_ = std::make_shared<JointDriver>();
   std::map<std::size_t, std::function<void(double)>> followers_;
   std::size_t next_follower_ = 0;
 };

@@ -1,39 +1,11 @@
 #include "elements/pose.h"
 
-#include <simvis/pose.h>
+#include "elements/pose_rows.h"
 
 namespace simvis {
 namespace {
 
-constexpr AttributeSpec length(std::string_view name, std::string_view text) {
-  return {.name = name,
-          .kind = AttributeKind::number,
-          .default_value = "0",
-          .unit = "m",
-          .text = text,
-          .min = -kMaxCoordinate_m,
-          .max = kMaxCoordinate_m,
-          .live = true};
-}
-
-constexpr AttributeSpec angle(std::string_view name, std::string_view text) {
-  return {.name = name,
-          .kind = AttributeKind::number,
-          .default_value = "0",
-          .unit = "deg",
-          .text = text,
-          .live = true,
-          .full_turn = true};
-}
-
-constexpr AttributeSpec kPoseAttributes[] = {
-    length("x", "forward"),
-    length("y", "to the left"),
-    length("z", "up"),
-    angle("roll", "turn about x, first"),
-    angle("pitch", "turn about y, second; positive is nose down"),
-    angle("yaw", "turn about z, last; positive is to the left"),
-};
+constexpr AttributeSpec kPoseAttributes[] = {kPoseX, kPoseY, kPoseZ, kPoseRoll, kPosePitch, kPoseYaw};
 
 const ElementRegistration kPoseRegistration({
     .name = "pose",
@@ -52,8 +24,6 @@ PoseElement::PoseElement(const ElementContext& context) : transform_(std::make_s
   context.scene.insert(context.command, transform_);
 }
 
-void PoseElement::update(ParameterView values) {
-  transform_->set_matrix(matrix_from_degrees({values[0], values[1], values[2]}, values[3], values[4], values[5]));
-}
+void PoseElement::update(ParameterView values) { transform_->set_matrix(matrix_of_pose(values)); }
 
 }  // namespace simvis

@@ -12,6 +12,7 @@
 #include "engine/base/cache_file.h"
 #include "engine/base/now_ns.h"
 #include "scenegraph/clone_graph.h"
+#include "simvis/element_motion.h"
 #include "simvis/mounts/mount_frame.h"
 
 namespace simvis {
@@ -37,6 +38,7 @@ SimulationImpl::SimulationImpl(const SimulationDesc& desc, std::span<const Comma
     : name(std::move(scene_name)),
       rate_hz(desc.rate_hz),
       frames_when_due(desc.frames_when_due),
+      elements_move(desc.elements_move),
       timeline(desc.rate_hz, desc.frames_when_due),
       scene(desc.overrides, commands, desc.seed, desc.progress, desc.packages, desc.strict),
       cache(cache_folder(desc.device.cache_dir)),
@@ -143,7 +145,8 @@ void SimulationImpl::start() {
   stages.clear();
   if (serving || network) take_from_clients(time);
   stages.begin("elements");
-  update_elements();
+  move_elements(time);
+  if (serving) serving->follow_values(scene.built.parameters);
   stages.begin("flatten");
   sensing.list = &sensing.flattener.update();
   sensed.update(scene.built, sensing.flattener, *sensing.list, time);
@@ -281,8 +284,8 @@ void SimulationImpl::skip_frame() {
     looked_back_at |=
         states[i].enabled && scene.built.sensors[i].sensor->history_dependence() != HistoryDependence::none;
   }
+  if (looked_back_at || has_motion(scene.built)) move_elements(time);
   if (looked_back_at) {
-    update_elements();
     sensing.list = &sensing.flattener.update();
     sensed.update(scene.built, sensing.flattener, *sensing.list, time);
     for (std::size_t i = 0; i < states.size(); ++i) {
@@ -325,11 +328,11 @@ void SimulationImpl::show_to_people(const FrameTime& time) {
   render(*people, time);
 }
 
-void SimulationImpl::update_elements() {
-  Parameters& parameters = scene.built.parameters;
-  for (const std::size_t i : parameters.drain_changed_elements()) {
-    const ElementDescriptor& element = parameters.elements()[i];
-    scene.built.elements[i]->update(parameters.values().subspan(element.first_value, element.parameters.size()));
+void SimulationImpl::move_elements(const FrameTime& time) {
+  if (elements_move) {
+    advance_elements(scene.built, time);
+  } else {
+    update_elements(scene.built);
   }
 }
 

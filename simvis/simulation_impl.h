@@ -48,8 +48,8 @@ struct SimulationImpl : Observations {
   void track_part(std::string_view part);
   std::shared_ptr<Mount> add_mount(std::string_view part);
   bool part_pose(std::string_view part, glm::dmat4& world_from_part) const;
-  void update_elements();
   void read_pictures();
+  void move_elements(const FrameTime& time);
   void show_to_people(const FrameTime& time);
   void plan_due_sensors(ViewLayer& layer, bool visualization, const FrameTime& time);
   void render(ViewLayer& layer, const FrameTime& time);
@@ -99,6 +99,7 @@ struct SimulationImpl : Observations {
   std::string name;
   double rate_hz;
   bool frames_when_due;
+  bool elements_move;
   Timeline timeline;
   LiveScene scene;
   KeptMeasurements kept;      // of the scene's sensors, so it ends before them

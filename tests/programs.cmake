@@ -119,6 +119,9 @@ endif()
 target_link_libraries(import_tests PRIVATE simvis_import_mesh simvis_decode meshoptimizer::meshoptimizer)
 add_dependencies(simvis_tests simvis-run simvis_example_plugin)
 add_dependencies(sensors_tests simvis-run)
+if(TARGET simvis-dynamics)
+  add_dependencies(dynamics_tests simvis-dynamics)
+endif()
 
 # For the thread sanitizer: what runs on several threads of the host, built with no more than that, so that it takes a
 # minute and needs no Vulkan.

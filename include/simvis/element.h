@@ -67,6 +67,14 @@ class SIMVIS_API Element {
   /// Called in each frame of a scene with a visualization, after the sensors have measured and before the visualization
   /// is drawn. It may change only nodes below a VisualSeparator.
   virtual void observe(const Observations& /*seen*/) {}
+  /// Whether the element moves by itself: advance() is then called in each frame, skipped ones too, unless
+  /// SimulationDesc::elements_move says otherwise.
+  virtual bool moves_itself() const { return false; }
+  /// Brings the element to the time of the frame, after update() with what was set for the frame, in the order in which
+  /// the elements were made. It may write `values`, its own live values, within their limits; update() follows. A frame
+  /// that is tried again calls it again with the same time. Throws Error if the motion cannot go on: the frame then
+  /// counts as not made.
+  virtual void advance(std::int64_t /*time_ns*/, std::span<double> /*values*/) {}
 };
 
 /// What an element's constructor gets. It is valid during the call of ElementType::create only; `scene` stays valid as

@@ -104,6 +104,7 @@ class SIMVIS_API Scene {
 
   /// Importers search these packages first, in parts that are loaded from now on.
   void set_packages(std::vector<PackageFolder> packages) { packages_ = std::move(packages); }
+  const std::vector<PackageFolder>& packages() const { return packages_; }  ///< as set_packages() got them
 
   const GroupPtr& root() const { return root_; }  ///< the node of ROOT
 

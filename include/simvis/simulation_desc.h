@@ -37,6 +37,9 @@ struct SimulationDesc {
   /// Packages that parts name, searched before ROS_PACKAGE_PATH and other places. A folder that does not exist:
   /// InputError.
   std::vector<PackageFolder> packages{};
+  /// Whether elements that move by themselves do so. false: their values come from elsewhere, as in a simulation that
+  /// follows another one.
+  bool elements_move = true;
   bool strict = false;  ///< a warning is an InputError, at load and in a step
   /// Called while parts are read (load, execute) and while meshes that a step shows for the first time are prepared.
   ProgressCallback progress{};

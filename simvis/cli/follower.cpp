@@ -47,7 +47,9 @@ std::optional<Scan> copy_of(const client::Measurement& measurement) {
 }  // namespace
 
 Follower::Follower(std::string name, std::string own_scene, SimulationDesc desc)
-    : name_(std::move(name)), own_scene_(std::move(own_scene)), desc_(std::move(desc)) {}
+    : name_(std::move(name)), own_scene_(std::move(own_scene)), desc_(std::move(desc)) {
+  desc_.elements_move = false;
+}
 
 void Follower::connect() {
   const std::string own_name = "follower-" + std::to_string(::getpid());

@@ -161,7 +161,6 @@ void Serving::take_over(const Parameters& parameters, std::size_t parameter) {
   host_.set_value(parameter, value);
 }
 
-// What the host itself has set since the last frame is what clients see.
 void Serving::follow_values(const Parameters& parameters) {
   for (std::size_t i = 0; i < values_.size(); ++i) take_over(parameters, i);
 }

@@ -37,6 +37,9 @@ class Serving {
   /// that is not, after ServeDesc::lockstep_timeout_s.
   void wait_for_clients(const FrameTime& time);
 
+  /// Shows clients the values that the host itself has set since the last call.
+  void follow_values(const Parameters& parameters);
+
  private:
   void follow_scene(const BuiltScene& scene);
   void follow_elements(const Parameters& parameters);
@@ -46,7 +49,6 @@ class Serving {
   void set(Parameters& parameters, const WrittenElement& written);
   void refuse_value(const std::string& why, std::uint32_t client);
   void take_over(const Parameters& parameters, std::size_t parameter);
-  void follow_values(const Parameters& parameters);
 
   ServeDesc desc_;
   AllowedFolders folders_;

@@ -6,7 +6,10 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include <simvis/part_importer.h>
+#include "scenegraph/import/urdf/package_files.h"
 #include "scenegraph/import/urdf/urdf_leniency.h"
 #include "scenegraph/language/xml_text.h"
 
@@ -24,6 +27,10 @@ struct UrdfFile {
   /// Throws InputError at that place: "FILE:LINE:COLUMN: error: TAG "NAME" MESSAGE".
   [[noreturn]] void fail(std::string_view tag, std::string_view name, const std::string& message) const;
 };
+
+/// The robot's text, without zero bytes at its end, expanded if it is a xacro file. What is read otherwise than written
+/// gives a warning. Throws InputError as expand_xacro(), and for arguments of a file that is no xacro.
+XmlText read_urdf_text(const ImportRequest& request, PackageFiles& packages, std::vector<std::string>& warnings);
 
 /// Mends the document, see urdf_leniency.h, and reads it.
 /// Throws InputError with the place, or with the file and liburdfdom's message, for links or joints that break the

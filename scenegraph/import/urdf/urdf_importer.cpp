@@ -94,7 +94,9 @@ XmlText read_without_zeros(const std::filesystem::path& file, std::vector<std::s
   return XmlText(SourceText(text, file.string()));
 }
 
-XmlText read_text(const ImportRequest& request, PackageFiles& packages, std::vector<std::string>& warnings) {
+}  // namespace
+
+XmlText read_urdf_text(const ImportRequest& request, PackageFiles& packages, std::vector<std::string>& warnings) {
   XmlText text = read_without_zeros(request.file, warnings);
   if (is_xacro(request.file, text)) {
     try {
@@ -111,10 +113,12 @@ XmlText read_text(const ImportRequest& request, PackageFiles& packages, std::vec
   return text;
 }
 
+namespace {
+
 PartContent import_urdf(const ImportRequest& request, ContentPool& pool) {
   PackageFiles packages(request.file, request.packages);
   PartContent content;
-  const UrdfFile file = read_urdf(read_text(request, packages, content.warnings));
+  const UrdfFile file = read_urdf(read_urdf_text(request, packages, content.warnings));
   check_names(file);
   const bool y_up = request.up_given && request.up == UpAxis::y;
   UrdfVisuals visuals(file, packages, y_up ? MeshFileAxes::y_up : MeshFileAxes::as_written, pool);

@@ -1,0 +1,189 @@
+#include "dynamics/bullet/bullet_articulation.h"
+
+#include <cmath>
+
+#include "dynamics/bullet/bullet_types.h"
+#include "dynamics/mass.h"
+
+namespace simvis {
+namespace {
+
+// Bullet cuts joint speeds at this; it lies above what counts as exploded.
+constexpr double kCutSpeed = 10 * kMaxSpeed_rad_s;
+
+}  // namespace
+
+BulletFrame bullet_frame(const MassProperties& mass) {
+  const PrincipalInertia inertia = principal_inertia(mass.inertia_kg_m2);
+  const btTransform body_from_frame(to_bullet(inertia.axes), to_bullet(mass.center_m));
+  return {body_from_frame.inverse(), to_bullet(inertia.diagonal_kg_m2)};
+}
+
+BulletArticulation::BulletArticulation(const ArticulationDesc& desc, btMultiBodyDynamicsWorld& world, double step_s,
+                                       int id)
+    : world_(world), step_s_(step_s), fixed_base_(desc.fixed_base), links_(desc.links.size()) {
+  const BulletFrame base = bullet_frame(desc.mass);
+  base_.frame_from_link = base.frame_from_body;
+  body_ = std::make_unique<btMultiBody>(static_cast<int>(desc.links.size()), desc.mass.mass_kg, base.inertia,
+                                        desc.fixed_base, false);
+  body_->setHasSelfCollision(false);
+  body_->setLinearDamping(0);
+  body_->setAngularDamping(0);
+  body_->setMaxCoordinateVelocity(kCutSpeed);
+  body_->setMaxAppliedImpulse(BT_LARGE_FLOAT);
+  for (std::size_t i = 0; i < desc.links.size(); ++i) add_link(static_cast<int>(i), desc.links[i]);
+  body_->finalizeMultiDof();
+  world_.addMultiBody(body_.get());
+  body_->setBaseWorldTransform(to_bullet(desc.world_from_base) * base_.frame_from_link.inverse());
+  add_collider(-1, desc.shapes, desc.surface, base_, id);
+  for (std::size_t i = 0; i < desc.links.size(); ++i) {
+    const LinkDesc& link = desc.links[i];
+    if (links_[i].moves) body_->setJointPos(static_cast<int>(i), link.position);
+    add_collider(static_cast<int>(i), link.shapes, link.surface, links_[i], id);
+    if (!links_[i].moves || !(std::isfinite(link.lower) || std::isfinite(link.upper))) continue;
+    links_[i].limit = std::make_unique<btMultiBodyJointLimitConstraint>(
+        body_.get(), static_cast<int>(i), std::max(link.lower, -BT_LARGE_FLOAT), std::min(link.upper, BT_LARGE_FLOAT));
+    world_.addMultiBodyConstraint(links_[i].limit.get());
+    links_[i].limit->finalizeMultiDof();
+  }
+  place_colliders();
+}
+
+BulletArticulation::~BulletArticulation() {
+  for (Link& link : links_) {
+    if (link.motor) world_.removeMultiBodyConstraint(link.motor.get());
+    if (link.limit) world_.removeMultiBodyConstraint(link.limit.get());
+    if (link.collider) world_.removeCollisionObject(link.collider.get());
+  }
+  if (base_.collider) world_.removeCollisionObject(base_.collider.get());
+  world_.removeMultiBody(body_.get());
+}
+
+void BulletArticulation::add_link(int index, const LinkDesc& desc) {
+  Link& own = links_[static_cast<std::size_t>(index)];
+  const BulletFrame frame = bullet_frame(desc.mass);
+  own.frame_from_link = frame.frame_from_body;
+  own.moves = desc.joint != JointKind::fixed;
+  own.damping = desc.damping;
+  const btTransform parent_frame =
+      desc.parent < 0 ? base_.frame_from_link : links_[static_cast<std::size_t>(desc.parent)].frame_from_link;
+  const btTransform parent_from_link = parent_frame * to_bullet(desc.parent_from_joint);
+  const btQuaternion turn = (parent_from_link * own.frame_from_link.inverse()).getRotation().inverse();
+  const btVector3 axis = own.frame_from_link.getBasis() * to_bullet(desc.axis);
+  const btVector3 pivot = parent_from_link.getOrigin();
+  const btVector3 center = -own.frame_from_link.getOrigin();  // from the joint to the centre of mass
+  switch (desc.joint) {
+    case JointKind::fixed:
+      body_->setupFixed(index, desc.mass.mass_kg, frame.inertia, desc.parent, turn, pivot, center);
+      break;
+    case JointKind::revolute:
+      body_->setupRevolute(index, desc.mass.mass_kg, frame.inertia, desc.parent, turn, axis, pivot, center, true);
+      break;
+    case JointKind::prismatic:
+      body_->setupPrismatic(index, desc.mass.mass_kg, frame.inertia, desc.parent, turn, axis, pivot, center, true);
+      break;
+  }
+}
+
+void BulletArticulation::add_collider(int link, std::span<const CollisionShape> shapes,
+                                      const SurfaceProperties& surface, Link& own, int id) {
+  const bool collides = !shapes.empty();
+  if (!collides && link < 0) return;
+  own.shape = std::make_unique<BulletShape>(shapes, own.frame_from_link);
+  own.collider = std::make_unique<btMultiBodyLinkCollider>(body_.get(), link);
+  own.collider->setCollisionShape(own.shape->get());
+  own.collider->setFriction(surface.friction);
+  own.collider->setRestitution(surface.restitution);
+  own.collider->setUserIndex(id);
+  const bool stands = fixed_base_ && link < 0;
+  if (stands) own.collider->setCollisionFlags(own.collider->getCollisionFlags() | btCollisionObject::CF_STATIC_OBJECT);
+  int group = btBroadphaseProxy::DefaultFilter, others = btBroadphaseProxy::AllFilter;
+  if (stands) {
+    group = btBroadphaseProxy::StaticFilter;
+    others = btBroadphaseProxy::AllFilter ^ btBroadphaseProxy::StaticFilter;
+  }
+  // Bullet drives only joints whose link has a collider.
+  if (!collides) group = others = 0;
+  world_.addCollisionObject(own.collider.get(), group, others);
+  if (link < 0) {
+    body_->setBaseCollider(own.collider.get());
+  } else {
+    body_->getLink(link).m_collider = own.collider.get();
+  }
+}
+
+void BulletArticulation::place_colliders() {
+  btAlignedObjectArray<btQuaternion> rotations;
+  btAlignedObjectArray<btVector3> origins;
+  body_->forwardKinematics(rotations, origins);
+  body_->updateCollisionObjectWorldTransforms(rotations, origins);
+}
+
+void BulletArticulation::move(const glm::dmat4& world_from_base) {
+  body_->setBaseWorldTransform(to_bullet(world_from_base) * base_.frame_from_link.inverse());
+  body_->setBaseVel({0, 0, 0});
+  body_->setBaseOmega({0, 0, 0});
+  place_colliders();
+}
+
+void BulletArticulation::drive(std::size_t link, const JointDrive& drive) {
+  Link& own = links_[link];
+  own.drive = drive;
+  const bool has_motor = drive.kind == JointDrive::Kind::speed;
+  if (!has_motor && own.motor) {
+    world_.removeMultiBodyConstraint(own.motor.get());
+    own.motor.reset();
+  }
+  if (!has_motor) return;
+  if (!own.motor) {
+    own.motor = std::make_unique<btMultiBodyJointMotor>(body_.get(), static_cast<int>(link), 0, 0);
+    world_.addMultiBodyConstraint(own.motor.get());
+    own.motor->finalizeMultiDof();
+  }
+  own.motor->setVelocityTarget(drive.target);
+  own.motor->setMaxAppliedImpulse(drive.max_effort * step_s_);
+}
+
+void BulletArticulation::place_joint(std::size_t link, double position) {
+  if (!links_[link].moves) return;
+  body_->setJointPos(static_cast<int>(link), position);
+  body_->setJointVel(static_cast<int>(link), 0);
+  place_colliders();
+}
+
+void BulletArticulation::apply() {
+  for (std::size_t i = 0; i < links_.size(); ++i) {
+    const Link& link = links_[i];
+    const int index = static_cast<int>(i);
+    double effort = link.drive.kind == JointDrive::Kind::effort ? link.drive.target : 0;
+    if (link.damping > 0) effort -= link.damping * body_->getJointVel(index);
+    if (effort != 0) body_->addJointTorque(index, effort);
+  }
+}
+
+bool BulletArticulation::may_go_on() const {
+  const auto slow = [](const btVector3& v, double limit) { return v.length2() <= limit * limit; };  // false for NaN
+  if (!slow(body_->getBaseVel(), kMaxSpeed_m_s) || !slow(body_->getBaseOmega(), kMaxSpeed_rad_s)) return false;
+  if (!std::isfinite(body_->getBasePos().length2()) || !std::isfinite(body_->getWorldToBaseRot().length2()))
+    return false;
+  for (std::size_t i = 0; i < links_.size(); ++i) {
+    if (!links_[i].moves) continue;
+    const JointState state = joint(i);
+    if (!std::isfinite(state.position) || !(std::abs(state.speed) <= kMaxSpeed_rad_s)) return false;
+  }
+  return true;
+}
+
+BodyState BulletArticulation::base() const {
+  return {.world_from_body = to_glm(body_->getBaseWorldTransform() * base_.frame_from_link),
+          .velocity_m_s = to_glm(body_->getBaseVel()),
+          .angular_velocity_rad_s = to_glm(body_->getBaseOmega())};
+}
+
+JointState BulletArticulation::joint(std::size_t link) const {
+  if (!links_[link].moves) return {};
+  const int index = static_cast<int>(link);
+  return {body_->getJointPos(index), body_->getJointVel(index)};
+}
+
+}  // namespace simvis

@@ -1,0 +1,189 @@
+#include "dynamics/bullet/bullet_world.h"
+
+#include <BulletCollision/CollisionDispatch/btInternalEdgeUtility.h>
+
+#include <cmath>
+#include <utility>
+
+#include "dynamics/bullet/bullet_types.h"
+
+namespace simvis {
+namespace {
+
+// Bullet removes the share d of a speed in a second; a rate c leaves e^-c of it.
+double share_per_second(double rate_per_s) { return -std::expm1(-rate_per_s); }
+
+// Bullet moves bodies that overlap apart by speed, this share of the overlap in a step. Where they bounce, the overlap
+// of the step in which they meet would become height, so there it is taken back slowly.
+constexpr double kBounceCorrection = 1e-3;
+
+// Called for each contact of a body with a mesh or restitution.
+bool adjust_contact(btManifoldPoint& point, const btCollisionObjectWrapper* a, int, int,
+                    const btCollisionObjectWrapper* b, int part, int index) {
+  if (point.m_combinedRestitution > 0) {
+    point.m_contactPointFlags |= BT_CONTACT_FLAG_HAS_CONTACT_ERP;
+    point.m_contactERP = kBounceCorrection;
+  }
+  // Without this, what slides over a mesh catches on the edges between its triangles.
+  btAdjustInternalEdgeContacts(point, b, a, part, index);
+  return true;
+}
+
+bool has_mesh(const BodyDesc& body) {
+  for (const CollisionShape& shape : body.shapes) {
+    if (shape.kind == CollisionKind::mesh) return true;
+  }
+  return false;
+}
+
+bool may_go_on(const btRigidBody& body) {
+  const auto slow = [](const btVector3& v, double limit) { return v.length2() <= limit * limit; };  // false for NaN
+  return slow(body.getLinearVelocity(), kMaxSpeed_m_s) && slow(body.getAngularVelocity(), kMaxSpeed_rad_s) &&
+         std::isfinite(body.getWorldTransform().getOrigin().length2());
+}
+
+}  // namespace
+
+BulletWorld::BulletWorld(const WorldDesc& desc) : desc_(desc), dispatcher_(&configuration_) {
+  gContactAddedCallback = adjust_contact;
+  make_world(false);
+}
+
+void BulletWorld::make_world(bool jointed) {
+  for (const auto& [id, body] : bodies_) world_->removeRigidBody(body.rigid.get());
+  world_.reset();
+  if (jointed) {
+    auto solver = std::make_unique<btMultiBodyConstraintSolver>();
+    auto world = std::make_unique<btMultiBodyDynamicsWorld>(&dispatcher_, &broadphase_, solver.get(), &configuration_);
+    jointed_ = world.get();
+    solver_ = std::move(solver);
+    world_ = std::move(world);
+  } else {
+    solver_ = std::make_unique<btSequentialImpulseConstraintSolver>();
+    world_ = std::make_unique<btDiscreteDynamicsWorld>(&dispatcher_, &broadphase_, solver_.get(), &configuration_);
+  }
+  world_->setGravity(to_bullet(desc_.gravity_m_s2));
+  world_->getSolverInfo().m_numIterations = desc_.iterations;
+  for (const auto& [id, body] : bodies_) world_->addRigidBody(body.rigid.get());
+}
+
+BulletWorld::~BulletWorld() {
+  while (!bodies_.empty()) remove(bodies_.begin()->first);
+  while (!articulations_.empty()) remove(articulations_.begin()->first);
+}
+
+std::size_t BulletWorld::add_body(const BodyDesc& desc) {
+  const bool moves = desc.kind == BodyKind::dynamic;
+  const BulletFrame frame = moves ? bullet_frame(desc.mass) : BulletFrame{btTransform::getIdentity(), {0, 0, 0}};
+  Body body{desc.kind, frame.frame_from_body, std::make_unique<BulletShape>(desc.shapes, frame.frame_from_body), {}};
+  btRigidBody::btRigidBodyConstructionInfo info(moves ? desc.mass.mass_kg : 0, nullptr, body.shape->get(),
+                                                frame.inertia);
+  info.m_startWorldTransform = to_bullet(desc.world_from_body) * frame.frame_from_body.inverse();
+  info.m_friction = desc.surface.friction;
+  info.m_restitution = desc.surface.restitution;
+  info.m_linearDamping = share_per_second(desc.linear_damping_per_s);
+  info.m_angularDamping = share_per_second(desc.angular_damping_per_s);
+  body.rigid = std::make_unique<btRigidBody>(info);
+  body.rigid->setLinearVelocity(to_bullet(desc.velocity_m_s));
+  body.rigid->setAngularVelocity(to_bullet(desc.angular_velocity_rad_s));
+  body.rigid->setActivationState(DISABLE_DEACTIVATION);
+  body.rigid->setUserIndex(static_cast<int>(next_id_));
+  // Bullet brakes a body before it touches; the bounce would then start from the speed that is left.
+  if (desc.surface.restitution > 0) body.rigid->setContactProcessingThreshold(0);
+  int flags = body.rigid->getCollisionFlags();
+  if (desc.kind == BodyKind::kinematic) {
+    flags = (flags & ~btCollisionObject::CF_STATIC_OBJECT) | btCollisionObject::CF_KINEMATIC_OBJECT;
+  }
+  if (has_mesh(desc) || desc.surface.restitution > 0) flags |= btCollisionObject::CF_CUSTOM_MATERIAL_CALLBACK;
+  body.rigid->setCollisionFlags(flags);
+  world_->addRigidBody(body.rigid.get());
+  bodies_.emplace(next_id_, std::move(body));
+  return next_id_++;
+}
+
+std::size_t BulletWorld::add_articulation(const ArticulationDesc& desc) {
+  if (jointed_ == nullptr) make_world(true);
+  articulations_.emplace(
+      next_id_, std::make_unique<BulletArticulation>(desc, *jointed_, desc_.step_s, static_cast<int>(next_id_)));
+  return next_id_++;
+}
+
+void BulletWorld::remove(std::size_t id) {
+  if (const auto body = bodies_.find(id); body != bodies_.end()) {
+    world_->removeRigidBody(body->second.rigid.get());
+    bodies_.erase(body);
+    return;
+  }
+  articulations_.erase(id);
+}
+
+void BulletWorld::move(std::size_t id, const glm::dmat4& world_from_body) {
+  const auto found = bodies_.find(id);
+  if (found == bodies_.end()) return articulations_.at(id)->move(world_from_body);
+  Body& body = found->second;
+  const btTransform world_from_frame = to_bullet(world_from_body) * body.frame_from_body.inverse();
+  body.rigid->setWorldTransform(world_from_frame);
+  if (body.kind == BodyKind::kinematic) return;  // its speed follows from where it was
+  body.rigid->setInterpolationWorldTransform(world_from_frame);
+  body.rigid->setLinearVelocity({0, 0, 0});
+  body.rigid->setAngularVelocity({0, 0, 0});
+}
+
+void BulletWorld::drive(std::size_t articulation, std::size_t link, const JointDrive& drive) {
+  articulations_.at(articulation)->drive(link, drive);
+}
+
+void BulletWorld::place_joint(std::size_t articulation, std::size_t link, double position) {
+  articulations_.at(articulation)->place_joint(link, position);
+}
+
+std::optional<std::size_t> BulletWorld::step() {
+  for (const auto& [id, articulation] : articulations_) articulation->apply();
+  world_->stepSimulation(desc_.step_s, 0);
+  for (const auto& [id, body] : bodies_) {
+    if (body.kind == BodyKind::dynamic && !may_go_on(*body.rigid)) return id;
+  }
+  for (const auto& [id, articulation] : articulations_) {
+    if (!articulation->may_go_on()) return id;
+  }
+  return std::nullopt;
+}
+
+BodyState BulletWorld::state(std::size_t id) const {
+  const auto found = bodies_.find(id);
+  if (found == bodies_.end()) return articulations_.at(id)->base();
+  const Body& body = found->second;
+  return {.world_from_body = to_glm(body.rigid->getWorldTransform() * body.frame_from_body),
+          .velocity_m_s = to_glm(body.rigid->getLinearVelocity()),
+          .angular_velocity_rad_s = to_glm(body.rigid->getAngularVelocity())};
+}
+
+JointState BulletWorld::joint(std::size_t articulation, std::size_t link) const {
+  return articulations_.at(articulation)->joint(link);
+}
+
+std::vector<WorldContact> BulletWorld::touching() {
+  world_->performDiscreteCollisionDetection();
+  return contacts();
+}
+
+std::vector<WorldContact> BulletWorld::contacts() const {
+  std::vector<WorldContact> contacts;
+  for (int i = 0; i < dispatcher_.getNumManifolds(); ++i) {
+    const btPersistentManifold& manifold =
+        *const_cast<btCollisionDispatcher&>(dispatcher_).getManifoldByIndexInternal(i);
+    for (int p = 0; p < manifold.getNumContacts(); ++p) {
+      const btManifoldPoint& point = manifold.getContactPoint(p);
+      if (point.getDistance() > 0) continue;
+      contacts.push_back({.body_a = static_cast<std::size_t>(manifold.getBody0()->getUserIndex()),
+                          .body_b = static_cast<std::size_t>(manifold.getBody1()->getUserIndex()),
+                          .point_m = to_glm(point.getPositionWorldOnB()),
+                          .normal = to_glm(point.m_normalWorldOnB),
+                          .depth_m = -point.getDistance(),
+                          .force_n = point.getAppliedImpulse() / desc_.step_s});
+    }
+  }
+  return contacts;
+}
+
+}  // namespace simvis

@@ -1,0 +1,56 @@
+// A world of Bullet.
+#pragma once
+
+#include <BulletDynamics/Featherstone/btMultiBodyConstraintSolver.h>
+#include <BulletDynamics/Featherstone/btMultiBodyDynamicsWorld.h>
+#include <btBulletDynamicsCommon.h>
+
+#include <map>
+#include <memory>
+
+#include "dynamics/bullet/bullet_articulation.h"
+#include "dynamics/bullet/bullet_shape.h"
+#include "dynamics/world.h"
+
+namespace simvis {
+
+class BulletWorld : public DynamicsWorld {
+ public:
+  explicit BulletWorld(const WorldDesc& desc);
+  ~BulletWorld() override;
+
+  std::size_t add_body(const BodyDesc& body) override;
+  std::size_t add_articulation(const ArticulationDesc& articulation) override;
+  void remove(std::size_t id) override;
+  void move(std::size_t id, const glm::dmat4& world_from_body) override;
+  void drive(std::size_t articulation, std::size_t link, const JointDrive& drive) override;
+  void place_joint(std::size_t articulation, std::size_t link, double position) override;
+  std::optional<std::size_t> step() override;
+  BodyState state(std::size_t id) const override;
+  JointState joint(std::size_t articulation, std::size_t link) const override;
+  std::vector<WorldContact> contacts() const override;
+  std::vector<WorldContact> touching() override;
+
+ private:
+  struct Body {
+    BodyKind kind;
+    btTransform frame_from_body;
+    std::unique_ptr<BulletShape> shape;
+    std::unique_ptr<btRigidBody> rigid;
+  };
+
+  void make_world(bool jointed);
+
+  WorldDesc desc_;
+  btDefaultCollisionConfiguration configuration_;
+  btCollisionDispatcher dispatcher_;
+  btDbvtBroadphase broadphase_;
+  std::unique_ptr<btSequentialImpulseConstraintSolver> solver_;
+  std::unique_ptr<btDiscreteDynamicsWorld> world_;
+  btMultiBodyDynamicsWorld* jointed_ = nullptr;  // world_, once there are joints; the plain one is faster
+  std::size_t next_id_ = 0;
+  std::map<std::size_t, Body> bodies_;
+  std::map<std::size_t, std::unique_ptr<BulletArticulation>> articulations_;
+};
+
+}  // namespace simvis

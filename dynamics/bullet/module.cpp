@@ -1,0 +1,25 @@
+// What the library finds in this module; see dynamics/engine_module.h.
+#include "dynamics/bullet/bullet_shape.h"
+#include "dynamics/bullet/bullet_world.h"
+
+namespace simvis {
+namespace {
+
+class BulletEngine : public DynamicsEngine {
+ public:
+  std::unique_ptr<DynamicsWorld> make_world(const WorldDesc& desc) const override {
+    return std::make_unique<BulletWorld>(desc);
+  }
+  std::optional<CollisionShape> convex_hull(std::span<const glm::dvec3> points) const override {
+    return bullet_convex_hull(points);
+  }
+};
+
+}  // namespace
+}  // namespace simvis
+
+extern "C" __attribute__((visibility("default"))) const simvis::DynamicsEngine& simvis_dynamics_engine();
+const simvis::DynamicsEngine& simvis_dynamics_engine() {
+  static const simvis::BulletEngine engine;
+  return engine;
+}

@@ -1,0 +1,33 @@
+// Mass, centre of mass and inertia of solid shapes.
+#pragma once
+
+#include <span>
+
+#include "dynamics/world.h"
+
+namespace simvis {
+
+/// The properties of a solid of this density. Overlapping shapes count twice; a mesh has no volume and counts nothing.
+MassProperties mass_of(std::span<const CollisionShape> shapes, double density_kg_m3);
+
+/// Both together.
+MassProperties sum_of(const MassProperties& a, const MassProperties& b);
+
+/// The properties in a frame in which the body's frame stands at `parent_from_body`, rigid.
+MassProperties moved(const MassProperties& mass, const glm::dmat4& parent_from_body);
+
+/// The same solid with another mass.
+MassProperties with_mass(const MassProperties& mass, double mass_kg);
+
+/// An inertia tensor along its own axes: inertia = axes * diagonal * transpose(axes); `axes` is a rotation. A tensor
+/// that is diagonal already keeps its axes.
+struct PrincipalInertia {
+  glm::dmat3 axes{1.0};
+  glm::dvec3 diagonal_kg_m2{0};
+};
+PrincipalInertia principal_inertia(const glm::dmat3& inertia_kg_m2);
+
+/// Whether a body of mass can have this inertia: positive, and no moment above the sum of the two others.
+bool is_possible(const PrincipalInertia& inertia);
+
+}  // namespace simvis

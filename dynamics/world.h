@@ -1,0 +1,151 @@
+// A world of rigid bodies and jointed bodies: descriptions in, poses out. Elements know this interface only; the engine
+// behind it lies in a module of its own, see engine_module.h.
+//
+// Units    metres, kilograms, seconds, radians, newtons.
+// Frames   world_from_X is rigid. A body's frame is the user's choice; its centre of mass lies anywhere in it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace simvis {
+
+struct MassProperties {
+  double mass_kg = 0;
+  glm::dvec3 center_m{0};         ///< centre of mass, in the body's frame
+  glm::dmat3 inertia_kg_m2{0.0};  ///< about the centre of mass, along the axes of the body's frame
+};
+
+enum class CollisionKind : std::uint8_t { box, sphere, capsule, cylinder, hull, mesh };
+
+/// A piece of a body's surface. Only bodies that no force moves may have a mesh.
+struct CollisionShape {
+  CollisionKind kind = CollisionKind::box;
+  glm::dmat4 body_from_shape{1.0};
+  /// box: half of the edges; sphere: the radius in x; capsule and cylinder, along z: the radius in x, in z half of the
+  /// length of the cylinder.
+  glm::dvec3 half_m{0};
+  std::vector<glm::dvec3> points{};        ///< corners of a hull or a mesh
+  std::vector<std::uint32_t> triangles{};  ///< three corners each; those of a hull are closed and seen from outside
+                                           ///< counter-clockwise
+};
+
+/// Of two surfaces that touch, the product of their numbers counts.
+struct SurfaceProperties {
+  double friction = 0.5, restitution = 0;
+};
+
+enum class BodyKind : std::uint8_t { fixed, kinematic, dynamic };
+
+struct BodyDesc {
+  BodyKind kind = BodyKind::dynamic;
+  glm::dmat4 world_from_body{1.0};
+  MassProperties mass{};  ///< of a dynamic body
+  std::vector<CollisionShape> shapes{};
+  SurfaceProperties surface{};
+  double linear_damping_per_s = 0, angular_damping_per_s = 0;
+  glm::dvec3 velocity_m_s{0}, angular_velocity_rad_s{0};  ///< of the centre of mass, along the axes of the world
+};
+
+struct BodyState {
+  glm::dmat4 world_from_body{1.0};
+  glm::dvec3 velocity_m_s{0}, angular_velocity_rad_s{0};  ///< of the centre of mass, along the axes of the world
+};
+
+enum class JointKind : std::uint8_t { fixed, revolute, prismatic };
+
+/// The part of a jointed body that one joint moves. Positions are in rad or m, efforts in N m or N.
+struct LinkDesc {
+  int parent = -1;                    ///< index of an earlier link; -1: the base
+  glm::dmat4 parent_from_joint{1.0};  ///< parent_from_link at position 0
+  JointKind joint = JointKind::fixed;
+  glm::dvec3 axis{0, 0, 1};  ///< unit length, in the link's frame, through its origin
+  double lower = -std::numeric_limits<double>::infinity(), upper = std::numeric_limits<double>::infinity();
+  double position = 0;  ///< at the start
+  double damping = 0;   ///< effort per speed
+  MassProperties mass{};
+  std::vector<CollisionShape> shapes{};
+  SurfaceProperties surface{};
+};
+
+/// Links do not collide with each other.
+struct ArticulationDesc {
+  bool fixed_base = true;
+  glm::dmat4 world_from_base{1.0};
+  MassProperties mass{};  ///< of the base
+  std::vector<CollisionShape> shapes{};
+  SurfaceProperties surface{};
+  std::vector<LinkDesc> links{};
+};
+
+/// How a joint is driven until the next call. Speed: up to `max_effort`, towards `target`. Effort: `target`.
+struct JointDrive {
+  enum class Kind : std::uint8_t { none, speed, effort } kind = Kind::none;
+  double target = 0, max_effort = 0;
+};
+
+struct JointState {
+  double position = 0, speed = 0;
+};
+
+struct WorldDesc {
+  glm::dvec3 gravity_m_s2{0};
+  double step_s = 0;
+  int iterations = 0;  ///< of the solver of contacts, joints and limits, in each step
+};
+
+/// Two bodies that touch or overlap.
+struct WorldContact {
+  std::size_t body_a = 0, body_b = 0;  ///< ids
+  glm::dvec3 point_m{0};               ///< on the surface of b
+  glm::dvec3 normal{0, 0, 1};          ///< from b towards a
+  double depth_m = 0;                  ///< above 0: they overlap by so much
+  double force_n = 0;                  ///< along the normal, mean of the last step
+};
+
+/// Ids     of bodies and articulations, from one count, never given twice.
+/// Errors  no function throws; a broken precondition asserts or is undefined.
+/// Results the same calls give the same bytes on one machine.
+/// Threads one thread at a time.
+class DynamicsWorld {
+ public:
+  virtual ~DynamicsWorld() = default;
+  virtual std::size_t add_body(const BodyDesc& body) = 0;
+  virtual std::size_t add_articulation(const ArticulationDesc& articulation) = 0;
+  virtual void remove(std::size_t id) = 0;
+
+  /// A dynamic body, or the base of an articulation, stands at this pose and rests; a kinematic body arrives there at
+  /// the end of the next step.
+  virtual void move(std::size_t id, const glm::dmat4& world_from_body) = 0;
+  virtual void drive(std::size_t articulation, std::size_t link, const JointDrive& drive) = 0;
+  /// A joint stands at this position and rests.
+  virtual void place_joint(std::size_t articulation, std::size_t link, double position) = 0;
+
+  /// One step. Returns the id of a body that cannot go on: its state is not finite, or faster than kMaxSpeed.
+  virtual std::optional<std::size_t> step() = 0;
+
+  virtual BodyState state(std::size_t id) const = 0;  ///< of a body, or of the base of an articulation
+  virtual JointState joint(std::size_t articulation, std::size_t link) const = 0;
+  virtual std::vector<WorldContact> contacts() const = 0;  ///< of the last step
+  virtual std::vector<WorldContact> touching() = 0;        ///< as the bodies stand now, before the next step
+};
+
+/// A body that is faster has exploded: no robot moves at 10 km/s or turns 16,000 times a second.
+inline constexpr double kMaxSpeed_m_s = 1e4, kMaxSpeed_rad_s = 1e5;
+
+class DynamicsEngine {
+ public:
+  virtual ~DynamicsEngine() = default;
+  virtual std::unique_ptr<DynamicsWorld> make_world(const WorldDesc& desc) const = 0;
+  /// The convex hull of points as a CollisionShape with closed triangles. Empty if they lie in one plane.
+  virtual std::optional<CollisionShape> convex_hull(std::span<const glm::dvec3> points) const = 0;
+};
+
+}  // namespace simvis

@@ -1,0 +1,155 @@
+#include "elements/dynamics/body.h"
+
+#include <algorithm>
+#include <glm/gtc/quaternion.hpp>
+
+#include "elements/dynamics/body_rows.h"
+
+namespace simvis {
+namespace {
+
+constexpr double kMaxBodySpeed = 1e4;
+
+constexpr AttributeSpec kBodyAttributes[] = {
+    {.name = "kind",
+     .kind = AttributeKind::choice,
+     .default_value = "dynamic",
+     .text = "dynamic: forces move it; static: nothing does; kinematic: it pushes others and follows its elements",
+     .choices = "dynamic static kinematic"},
+    kBodyShapeRow,
+    kBodyMassRow,
+    kBodyDensityRow,
+    kBodyInertiaRow,
+    kBodyCenterRow,
+    kFrictionRow,
+    kRestitutionRow,
+    {.name = "linear_damping", .default_value = "0", .unit = "1/s", .text = "rate at which its speed fades", .min = 0},
+    {.name = "angular_damping", .default_value = "0", .unit = "1/s", .text = "rate at which its spin fades", .min = 0},
+    {.name = "velocity",
+     .kind = AttributeKind::vector,
+     .default_value = "0 0 0",
+     .unit = "m/s",
+     .text = "of the centre of mass at the start, along the axes of the world",
+     .min = -kMaxBodySpeed,
+     .max = kMaxBodySpeed},
+    {.name = "angular_velocity",
+     .kind = AttributeKind::vector,
+     .default_value = "0 0 0",
+     .unit = "deg/s",
+     .text = "at the start, about the axes of the world",
+     .min = -1e6,
+     .max = 1e6},
+    kPoseX,
+    kPoseY,
+    kPoseZ,
+    kPoseRoll,
+    kPosePitch,
+    kPoseYaw,
+};
+
+constexpr std::string_view kOfDynamicBodies[] = {"mass", "density", "inertia", "center"};
+
+const ElementRegistration kBodyRegistration({
+    .name = "body",
+    .summary = "Makes the part at its insertion point a rigid body; what is inserted there later moves along.",
+    .notes = "An element physics stands before it. x, y, z, roll, pitch and yaw move the part as those of an element "
+             "pose do: the physics writes them for a dynamic body, and a value that is set puts the body there, at "
+             "rest. Only the part's own surface collides.",
+    .attributes = kBodyAttributes,
+    .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
+      return std::make_unique<BodyElement>(context);
+    },
+});
+
+glm::dvec3 to_dvec3(const double (&v)[3]) { return {v[0], v[1], v[2]}; }
+
+BodyKind read_kind(const AttributeValues& attributes) {
+  const std::string& kind = attributes.choice("kind");
+  if (kind == "static") return BodyKind::fixed;
+  return kind == "kinematic" ? BodyKind::kinematic : BodyKind::dynamic;
+}
+
+BodyDesc read_body(const ElementContext& context) {
+  const AttributeValues& attributes = context.attributes;
+  BodyDesc body{.kind = read_kind(attributes), .surface = read_surface(attributes)};
+  body.shapes = read_shapes(context, body.kind == BodyKind::fixed ? "mesh" : "hull");
+  body.linear_damping_per_s = attributes.number("linear_damping");
+  body.angular_damping_per_s = attributes.number("angular_damping");
+  body.velocity_m_s = to_dvec3(attributes.vector("velocity"));
+  body.angular_velocity_rad_s = glm::radians(to_dvec3(attributes.vector("angular_velocity")));
+  if (body.kind == BodyKind::dynamic) {
+    body.mass = read_mass(context, body.shapes);
+    return body;
+  }
+  for (const std::string_view name : kOfDynamicBodies) {
+    if (!attributes.is_set(name)) continue;
+    fail_at(attributes.where(name), "attribute " + in_quotes(name) + " is not allowed for a " +
+                                        attributes.choice("kind") + " body, expected it on a dynamic one");
+  }
+  return body;
+}
+
+// The way in between: straight, with the shortest turn.
+glm::dmat4 between(const glm::dmat4& from, const glm::dmat4& to, double share) {
+  if (share == 1) return to;
+  const glm::dquat turn = glm::slerp(glm::quat_cast(glm::dmat3(from)), glm::quat_cast(glm::dmat3(to)), share);
+  glm::dmat4 result(glm::mat3_cast(turn));
+  result[3] = glm::mix(from[3], to[3], share);
+  return result;
+}
+
+}  // namespace
+
+BodyElement::BodyElement(const ElementContext& context)
+    : dynamic_(find_dynamic_scene(context)), transform_(std::make_shared<Transform>()), desc_(read_body(context)) {
+  name = context.command.require("name").value;
+  point = context.command.require("insert_at").value;
+  where = context.command.where;
+  stands = desc_.kind == BodyKind::fixed;
+  follows_scene = desc_.kind == BodyKind::kinematic;
+  transform_->name = name;
+  context.scene.insert(context.command, transform_);
+  dynamic_->add(*this);
+}
+
+void BodyElement::update(ParameterView values) {
+  was_set_ = was_set_ || !std::ranges::equal(values, written_);
+  std::ranges::copy(values, written_.begin());
+  transform_->set_matrix(matrix_of_pose(values));
+}
+
+std::size_t BodyElement::enter(DynamicsWorld& world, const glm::dmat4& world_from_point) {
+  if (!entered_) {
+    desc_.world_from_body = world_from_point;
+    world_from_parent_ = world_from_point * rigid_inverse(transform_->matrix());
+    entered_ = true;
+  }
+  was_set_ = false;
+  from_ = to_ = moves_itself() ? desc_.world_from_body : world_from_point;
+  BodyDesc desc = desc_;
+  desc.world_from_body = to_;
+  return world.add_body(desc);
+}
+
+void BodyElement::begin_steps(DynamicsWorld& world, const glm::dmat4& world_from_point) {
+  if (desc_.kind == BodyKind::kinematic) {
+    from_ = to_;
+    to_ = world_from_point;
+  } else if (was_set_) {
+    world.move(*id, world_from_parent_ * transform_->matrix());
+  }
+  was_set_ = false;
+}
+
+void BodyElement::before_step(DynamicsWorld& world, double share) {
+  if (desc_.kind == BodyKind::kinematic) world.move(*id, between(from_, to_, share));
+}
+
+void BodyElement::advance(std::int64_t time_ns, std::span<double> values) {
+  dynamic_->advance(time_ns);
+  if (!id || was_set_) return;
+  write_pose(rigid_inverse(world_from_parent_) * dynamic_->world()->state(*id).world_from_body, values);
+  std::ranges::copy(values, written_.begin());
+}
+
+}  // namespace simvis

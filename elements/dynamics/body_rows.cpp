@@ -1,0 +1,87 @@
+#include "elements/dynamics/body_rows.h"
+
+#include <algorithm>
+
+#include "dynamics/engine_module.h"
+#include "dynamics/mass.h"
+#include "dynamics/part_shapes.h"
+
+namespace simvis {
+namespace {
+
+const CommandAttribute& part_of(const ElementContext& context) {
+  const CommandAttribute& at = context.command.require("insert_at");
+  if (context.scene.has_part(at.value)) return at;
+  fail_at(at.where, "attribute \"insert_at\": " + in_quotes(at.value) +
+                        " is not allowed for a body, expected the name of a part");
+}
+
+CollisionShape hull_of(const ElementContext& context, const std::vector<glm::dvec3>& points, const std::string& part) {
+  if (std::optional<CollisionShape> hull = dynamics_engine().convex_hull(points)) return *std::move(hull);
+  fail_at(context.attributes.where("shape"), "a hull of part " + in_quotes(part) +
+                                                 " has no volume: its mesh is open and flat, expected a closed mesh, " +
+                                                 "or another shape");
+}
+
+}  // namespace
+
+std::vector<CollisionShape> read_shapes(const ElementContext& context, std::string_view by_default, double lowest_m) {
+  const CommandAttribute& part = part_of(context);
+  const auto separator = std::dynamic_pointer_cast<const Group>(context.scene.find_node(part.value));
+  const auto content = std::dynamic_pointer_cast<const Group>(separator->children().back());  // see Scene::Part
+  Triangles triangles = content == nullptr ? Triangles() : triangles_of(*content);
+  if (triangles.indices.empty()) {
+    fail_at(part.where, "part " + in_quotes(part.value) + " has no surface, expected one that has for a body");
+  }
+  for (glm::dvec3& point : triangles.points) point.z = std::max(point.z, lowest_m);
+  const std::string shape(context.attributes.is_set("shape") ? context.attributes.choice("shape") : by_default);
+  if (shape == "box") return {fitted(CollisionKind::box, triangles)};
+  if (shape == "sphere") return {fitted(CollisionKind::sphere, triangles)};
+  if (shape == "capsule") return {fitted(CollisionKind::capsule, triangles)};
+  if (shape == "cylinder") return {fitted(CollisionKind::cylinder, triangles)};
+  if (shape == "mesh") return {mesh_of(triangles)};
+  std::vector<CollisionShape> hulls;
+  if (shape == "hull") return {hull_of(context, triangles.points, part.value)};
+  for (const Triangles& piece : connected_pieces(triangles)) {
+    if (std::optional<CollisionShape> hull = dynamics_engine().convex_hull(piece.points))
+      hulls.push_back(*std::move(hull));
+  }
+  if (hulls.empty()) return {hull_of(context, triangles.points, part.value)};  // which throws
+  return hulls;
+}
+
+MassProperties read_mass(const ElementContext& context, std::span<const CollisionShape> shapes) {
+  const AttributeValues& attributes = context.attributes;
+  const bool has_mass = attributes.is_set("mass"), has_density = attributes.is_set("density");
+  if (has_mass == has_density) {
+    fail_at(attributes.where("mass"), "a dynamic body has " + std::string(has_mass ? "both" : "neither") +
+                                          " \"mass\" and \"density\", expected one of them");
+  }
+  for (const CollisionShape& shape : shapes) {
+    if (shape.kind != CollisionKind::mesh) continue;
+    fail_at(attributes.where("shape"),
+            "attribute \"shape\": \"mesh\" is not allowed for a dynamic body, expected hull, pieces or a simple shape");
+  }
+  MassProperties mass = mass_of(shapes, has_density ? attributes.number("density") : 1);
+  if (has_mass) mass = with_mass(mass, attributes.number("mass"));
+  if (attributes.is_set("center")) {
+    const double(&c)[3] = attributes.vector("center");
+    mass.center_m = {c[0], c[1], c[2]};
+  }
+  if (attributes.is_set("inertia")) {
+    const double(&i)[3] = attributes.vector("inertia");
+    mass.inertia_kg_m2 = {{i[0], 0, 0}, {0, i[1], 0}, {0, 0, i[2]}};
+  }
+  if (!is_possible(principal_inertia(mass.inertia_kg_m2))) {
+    fail_at(attributes.where("inertia"),
+            "no body has this inertia, expected moments above 0 of which none is above "
+            "the sum of the two others");
+  }
+  return mass;
+}
+
+SurfaceProperties read_surface(const AttributeValues& attributes) {
+  return {attributes.number(kFrictionRow.name), attributes.number(kRestitutionRow.name)};
+}
+
+}  // namespace simvis

@@ -1,0 +1,59 @@
+// The rows of attribute tables that say how a body of one part is made, and what they mean.
+#pragma once
+
+#include <vector>
+
+#include <simvis/element.h>
+#include "dynamics/world.h"
+
+namespace simvis {
+
+inline constexpr AttributeSpec kBodyShapeRow{
+    .name = "shape",
+    .kind = AttributeKind::choice,
+    .text =
+        "what collides: a box, sphere, capsule or cylinder around the part's meshes, their convex hull, a hull "
+        "for each connected piece that is not flat, or the mesh itself; default: hull, or mesh for a static body",
+    .choices = "box sphere capsule cylinder hull pieces mesh"};
+inline constexpr AttributeSpec kBodyMassRow{.name = "mass",
+                                            .unit = "kg",
+                                            .text = "mass; a dynamic body has either mass or density",
+                                            .min = 0,
+                                            .open_min = true};
+inline constexpr AttributeSpec kBodyDensityRow{
+    .name = "density", .unit = "kg/m^3", .text = "density of the solid that collides", .min = 0, .open_min = true};
+inline constexpr AttributeSpec kBodyInertiaRow{
+    .name = "inertia",
+    .kind = AttributeKind::vector,
+    .unit = "kg m^2",
+    .text = "moments of inertia about axes through the centre of mass, along x, y and z; default: of a solid"};
+inline constexpr AttributeSpec kBodyCenterRow{.name = "center",
+                                              .kind = AttributeKind::vector,
+                                              .unit = "m",
+                                              .text = "centre of mass in the part's frame; default: of a solid"};
+inline constexpr AttributeSpec kFrictionRow{
+    .name = "friction",
+    .default_value = "0.7",
+    .text = "of two surfaces that touch, the product is the coefficient of friction",
+    .min = 0,
+    .max = 1e3};
+inline constexpr AttributeSpec kRestitutionRow{
+    .name = "restitution",
+    .default_value = "0",
+    .text = "of two surfaces that touch, the product is the share of their speed that a bounce leaves",
+    .min = 0,
+    .max = 1};
+
+/// The collision shapes of the part at which the command stands, as `shape` says; `by_default` if it is not given.
+/// What lies below z = `lowest_m` is raised to it.
+/// Throws InputError: the insertion point is no part's, the part has no triangles, a hull is flat.
+std::vector<CollisionShape> read_shapes(const ElementContext& context, std::string_view by_default,
+                                        double lowest_m = -kNoLimit);
+
+/// The mass of a dynamic body with these shapes. Throws InputError: neither or both of mass and density, a mesh, an
+/// inertia that no body has.
+MassProperties read_mass(const ElementContext& context, std::span<const CollisionShape> shapes);
+
+SurfaceProperties read_surface(const AttributeValues& attributes);
+
+}  // namespace simvis

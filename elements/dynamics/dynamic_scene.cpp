@@ -1,0 +1,207 @@
+#include "elements/dynamics/dynamic_scene.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <map>
+#include <utility>
+
+#include <simvis/pose.h>
+#include "dynamics/engine_module.h"
+#include "engine/base/assert.h"
+#include "scenegraph/graph_walk.h"
+
+namespace simvis {
+namespace {
+
+// The rounding of a chain of poses; a scale that matters is larger.
+constexpr double kRigid = 1e-6;
+
+// Bodies that stand on each other may overlap by this: people place them to the centimetre.
+constexpr double kMaxOverlap_m = 0.01;
+
+// A group in the world that notes the scene's physics. It has the name of the element.
+class PhysicsMark : public Group {
+ public:
+  explicit PhysicsMark(std::shared_ptr<DynamicScene> dynamic) : dynamic_(std::move(dynamic)) {}
+  const std::shared_ptr<DynamicScene>& dynamic() const { return dynamic_; }
+
+ private:
+  std::shared_ptr<DynamicScene> dynamic_;
+};
+
+std::shared_ptr<const PhysicsMark> find_mark(const Scene& scene) {
+  for (const NodePtr& child : scene.root()->children()) {
+    if (const auto mark = std::dynamic_pointer_cast<const PhysicsMark>(child)) return mark;
+  }
+  return nullptr;
+}
+
+using PointPoses = std::map<std::string, glm::dmat4, std::less<>>;
+
+PointPoses poses_of_points(const Scene& scene) {
+  PointPoses poses;
+  walk_graph(*scene.root(), {.visit = [&](const Node& node, const WalkState& state) {
+    if (node.kind() == NodeKind::insertion_point) poses.emplace(node.name, state.world_from_node);
+  }});
+  return poses;
+}
+
+const glm::dmat4& pose_at(const PointPoses& poses, const DynamicObject& object) {
+  const auto found = poses.find(object.point);
+  if (found == poses.end()) {
+    fail_at(object.where, "element " + in_quotes(object.name) + " stands in a part that is switched off, where " +
+                              "nothing can move, expected it in one that is on");
+  }
+  if (!is_rigid(found->second, kRigid)) {
+    fail_at(object.where, "element " + in_quotes(object.name) +
+                              " stands where an element scales its part, expected the part's own attribute \"scale\"");
+  }
+  return found->second;
+}
+
+// The transforms that apply at a point, outermost first.
+std::vector<const Node*> transforms_at(const Scene& scene, const std::string& point) {
+  std::vector<const Node*> transforms, found;
+  std::vector<std::size_t> levels;
+  walk_graph(*scene.root(), {.visit =
+                                 [&](const Node& node, const WalkState&) {
+                                   if (node.kind() == NodeKind::transform) transforms.push_back(&node);
+                                   if (node.kind() == NodeKind::insertion_point && node.name == point) {
+                                     found = transforms;
+                                   }
+                                   if (dynamic_cast<const Group*>(&node) != nullptr)
+                                     levels.push_back(transforms.size());
+                                 },
+                             .leave =
+                                 [&](const Group& group) {
+                                   const bool saves =
+                                       group.kind() == NodeKind::separator || group.kind() == NodeKind::visual;
+                                   if (saves) transforms.resize(levels.back());
+                                   levels.pop_back();
+                                 }});
+  return found;
+}
+
+std::string seconds(double time_s) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.6g", time_s);
+  return text;
+}
+
+}  // namespace
+
+void declare_dynamic_scene(const ElementContext& context, std::shared_ptr<DynamicScene> dynamic) {
+  if (const auto other = find_mark(context.scene)) {
+    fail_at(context.command.where, "the scene has physics already, by element " + in_quotes(other->name) +
+                                       ", expected one element of type \"physics\"");
+  }
+  const auto mark = std::make_shared<PhysicsMark>(std::move(dynamic));
+  mark->name = context.command.require("name").value;
+  context.scene.insert_in_world(context.command, mark);
+}
+
+std::shared_ptr<DynamicScene> find_dynamic_scene(const ElementContext& context) {
+  const auto mark = find_mark(context.scene);
+  if (mark == nullptr) {
+    fail_at(context.command.where, "the scene has no physics yet, expected an element of type \"physics\" before " +
+                                       in_quotes(context.command.require("name").value));
+  }
+  return mark->dynamic();
+}
+
+void DynamicScene::remove(DynamicObject& object) {
+  if (object.id) world_->remove(*object.id);
+  std::erase(objects_, &object);
+}
+
+void DynamicScene::advance(std::int64_t time_ns) {
+  if (!failure_.empty()) throw Error(failure_);
+  if (advanced_to_ns_ == time_ns) return;
+  if (world_ == nullptr || restarts_) {
+    make_world();
+    last_ns_ = time_ns;
+  }
+  enter();
+  const std::int64_t passed_ns = std::max<std::int64_t>(time_ns - last_ns_, 0);
+  last_ns_ = time_ns;
+  advanced_to_ns_ = time_ns;
+  if (!runs_) return;
+  left_ns_ += passed_ns;
+  const std::int64_t count = left_ns_ / step_ns_;
+  left_ns_ -= count * step_ns_;
+  begin_steps();
+  step(count);
+}
+
+void DynamicScene::make_world() {
+  world_ = dynamics_engine().make_world(desc_);
+  for (DynamicObject* const object : objects_) object->id.reset();
+  left_ns_ = 0;
+  steps_ = 0;
+  restarts_ = false;
+}
+
+void DynamicScene::enter() {
+  if (std::ranges::all_of(objects_, [](const DynamicObject* object) { return object->id.has_value(); })) return;
+  const PointPoses poses = poses_of_points(scene_);
+  for (DynamicObject* const object : objects_) {
+    if (object->id) continue;
+    require_still(*object);
+    object->id = object->enter(*world_, pose_at(poses, *object));
+  }
+  if (steps_ == 0) warn_of_overlaps();
+}
+
+// Bodies that overlap at the start are thrown apart.
+void DynamicScene::warn_of_overlaps() {
+  for (const WorldContact& contact : world_->touching()) {
+    if (contact.depth_m < kMaxOverlap_m) continue;
+    const auto a = std::ranges::find(objects_, contact.body_a, &DynamicObject::id),
+               b = std::ranges::find(objects_, contact.body_b, &DynamicObject::id);
+    scene_.warn((*a)->where, "elements " + in_quotes((*a)->name) + " and " + in_quotes((*b)->name) +
+                                 " overlap at the start, expected bodies apart from each other");
+  }
+  scene_.undo().commit();
+}
+
+// What moves by forces stands where no other element moves it.
+void DynamicScene::require_still(const DynamicObject& object) const {
+  if (object.follows_scene) return;
+  for (const Node* const transform : transforms_at(scene_, object.point)) {
+    if (transform->name == object.name || scene_.find_node(transform->name).get() != transform) continue;
+    const auto other =
+        std::ranges::find(objects_, transform->name, [](const DynamicObject* each) { return each->name; });
+    if (other != objects_.end() && (*other)->stands) continue;
+    fail_at(object.where, "element " + in_quotes(object.name) + " and element " + in_quotes(transform->name) +
+                              " both move " + in_quotes(object.point) + ", expected one of them, or the place of the " +
+                              "part in its attribute \"pose_offset\"");
+  }
+}
+
+void DynamicScene::begin_steps() {
+  const bool follows = std::ranges::any_of(objects_, [](const DynamicObject* object) { return object->follows_scene; });
+  const PointPoses poses = follows ? poses_of_points(scene_) : PointPoses();
+  for (DynamicObject* const object : objects_) {
+    object->begin_steps(*world_, object->follows_scene ? pose_at(poses, *object) : glm::dmat4(1));
+  }
+}
+
+void DynamicScene::step(std::int64_t count) {
+  for (std::int64_t i = 1; i <= count; ++i) {
+    const double share = static_cast<double>(i) / static_cast<double>(count);
+    for (DynamicObject* const object : objects_) object->before_step(*world_, share);
+    const std::optional<std::size_t> failed = world_->step();
+    ++steps_;
+    if (!failed) continue;
+    const auto found = std::ranges::find(objects_, failed, &DynamicObject::id);
+    SIMVIS_ASSERT(found != objects_.end());
+    const DynamicObject& object = **found;
+    failure_ = to_string(object.where) + ": error: element " + in_quotes(object.name) + " has exploded at " +
+               seconds(static_cast<double>(steps_) * desc_.step_s) + " s of physics: its speed is above " +
+               seconds(kMaxSpeed_m_s) + " m/s or " + seconds(kMaxSpeed_rad_s) +
+               " rad/s, expected a shorter step, softer drives or bodies that do not overlap at the start";
+    throw Error(failure_);
+  }
+}
+
+}  // namespace simvis

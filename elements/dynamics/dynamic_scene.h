@@ -1,0 +1,87 @@
+// The bodies of a scene, and the world in which they move: what the elements `physics`, `body`, `robot` and `vehicle`
+// share.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <simvis/element.h>
+#include "dynamics/world.h"
+
+namespace simvis {
+
+/// Something that an element puts into the world.
+class DynamicObject {
+ public:
+  virtual ~DynamicObject() = default;
+  /// Adds itself to the world as it stands at the start, and returns its id. `world_from_point` is the pose of its
+  /// insertion point now, its own transform included; it is rigid.
+  virtual std::size_t enter(DynamicsWorld& world, const glm::dmat4& world_from_point) = 0;
+  /// Called before the steps of a frame, and then before each step `share` of the way through them, up to 1.
+  virtual void begin_steps(DynamicsWorld& world, const glm::dmat4& world_from_point) = 0;
+  virtual void before_step(DynamicsWorld& /*world*/, double /*share*/) {}
+
+  std::string name, point;        ///< of the element, and its insertion point
+  Location where;                 ///< of its command
+  std::optional<std::size_t> id;  ///< in the world; DynamicScene sets it
+  bool stands = false;            ///< nothing but a new value moves it
+  bool follows_scene = false;     ///< begin_steps() needs the pose of its point in each frame
+};
+
+class DynamicScene {
+ public:
+  DynamicScene(Scene& scene, const WorldDesc& desc, std::int64_t step_ns)
+      : scene_(scene), desc_(desc), step_ns_(step_ns) {}
+
+  /// Objects enter the world in this order, at the next advance().
+  void add(DynamicObject& object) {
+    objects_.push_back(&object);
+    advanced_to_ns_.reset();
+  }
+  void remove(DynamicObject& object);
+
+  /// Advances by the time since the last call, in whole steps; what is left counts later. The first call makes the
+  /// world, at the start; a second call with the same time does nothing. Throws InputError at a body's command if it
+  /// cannot enter, Error if a body cannot go on.
+  void advance(std::int64_t time_ns);
+  void set_running(bool runs) { runs_ = runs; }  ///< false: time passes, and nothing moves
+  /// From the next advance() on, everything is as at the first one.
+  void restart() {
+    restarts_ = true;
+    advanced_to_ns_.reset();
+  }
+
+  /// Null before the first advance(), and for an object that has not entered yet.
+  const DynamicsWorld* world() const { return world_.get(); }
+  DynamicsWorld* world() { return world_.get(); }
+  std::uint64_t steps() const { return steps_; }  ///< since the start
+
+ private:
+  void make_world();
+  void enter();
+  void warn_of_overlaps();
+  void begin_steps();
+  void step(std::int64_t count);
+  void require_still(const DynamicObject& object) const;
+
+  Scene& scene_;
+  WorldDesc desc_;
+  std::int64_t step_ns_, last_ns_ = 0, left_ns_ = 0;
+  std::optional<std::int64_t> advanced_to_ns_;  // empty: something is new since then
+  std::uint64_t steps_ = 0;
+  bool runs_ = true, restarts_ = false;
+  std::string failure_;  // what step() has thrown
+  std::unique_ptr<DynamicsWorld> world_;
+  std::vector<DynamicObject*> objects_;
+};
+
+/// Notes `dynamic` in the scene for the element of this command. Throws InputError if the scene has one already.
+void declare_dynamic_scene(const ElementContext& context, std::shared_ptr<DynamicScene> dynamic);
+
+/// The scene's own. Throws InputError at the command if no element `physics` has been made.
+std::shared_ptr<DynamicScene> find_dynamic_scene(const ElementContext& context);
+
+}  // namespace simvis

@@ -1,0 +1,80 @@
+#include "elements/dynamics/physics.h"
+
+#include <cmath>
+
+#include "dynamics/engine_module.h"
+
+namespace simvis {
+namespace {
+
+constexpr double kNanoseconds_per_ms = 1e6;
+
+constexpr AttributeSpec kPhysicsAttributes[] = {
+    {.name = "gravity",
+     .kind = AttributeKind::vector,
+     .default_value = "0 0 -9.80665",
+     .unit = "m/s^2",
+     .text = "acceleration of free fall, along the axes of the world",
+     .min = -1e4,
+     .max = 1e4},
+    {.name = "step",
+     .default_value = "1",
+     .unit = "ms",
+     .text = "time from one state of the bodies to the next; a frame shows the last one before it",
+     .min = 0.001,
+     .max = 100},
+    {.name = "iterations",
+     .kind = AttributeKind::integer,
+     .default_value = "50",
+     .text = "passes over all contacts and joints in each step",
+     .min = 1,
+     .max = 10000},
+    {.name = "running",
+     .default_value = "1",
+     .text = "0 holds all bodies where they are, 1 lets them move",
+     .min = 0,
+     .max = 1,
+     .live = true},
+    {.name = "restarts",
+     .default_value = "0",
+     .text = "each new value puts all bodies back to their start",
+     .min = 0,
+     .max = 1e9,
+     .live = true},
+};
+
+const ElementRegistration kPhysicsRegistration({
+    .name = "physics",
+    .summary = "Moves the bodies of the scene as forces, contacts and joints say.",
+    .notes = "A scene has at most one, in front of its elements body, robot and vehicle. Frames do not change what "
+             "happens: the bodies advance in whole steps of their own.",
+    .attributes = kPhysicsAttributes,
+    .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
+      return std::make_unique<PhysicsElement>(context);
+    },
+});
+
+}  // namespace
+
+PhysicsElement::PhysicsElement(const ElementContext& context) {
+  const AttributeValues& attributes = context.attributes;
+  const double(&gravity)[3] = attributes.vector("gravity");
+  const auto step_ns = static_cast<std::int64_t>(std::llround(attributes.number("step") * kNanoseconds_per_ms));
+  dynamics_engine();  // a scene whose engine is missing does not load
+  dynamic_ = std::make_shared<DynamicScene>(context.scene,
+                                            WorldDesc{.gravity_m_s2 = {gravity[0], gravity[1], gravity[2]},
+                                                      .step_s = static_cast<double>(step_ns) * 1e-9,
+                                                      .iterations = static_cast<int>(attributes.integer("iterations"))},
+                                            step_ns);
+  declare_dynamic_scene(context, dynamic_);
+}
+
+void PhysicsElement::update(ParameterView values) {
+  dynamic_->set_running(values[0] >= 0.5);
+  if (restarts_ && *restarts_ != values[1]) dynamic_->restart();
+  restarts_ = values[1];
+}
+
+void PhysicsElement::advance(std::int64_t time_ns, std::span<double> /*values*/) { dynamic_->advance(time_ns); }
+
+}  // namespace simvis

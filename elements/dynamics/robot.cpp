@@ -1,0 +1,342 @@
+#include "elements/dynamics/robot.h"
+
+#include <algorithm>
+#include <glm/trigonometric.hpp>
+#include <sstream>
+
+#include "elements/dynamics/body_rows.h"
+
+namespace simvis {
+namespace {
+
+constexpr AttributeSpec joint_list(std::string_view name, std::string_view text) {
+  return {.name = name, .kind = AttributeKind::text, .text = text};
+}
+
+constexpr AttributeSpec kRobotAttributes[] = {
+    {.name = "base",
+     .kind = AttributeKind::choice,
+     .default_value = "fixed",
+     .text = "fixed: the root link stays where it stands; free: forces move it too",
+     .choices = "fixed free"},
+    {.name = "control",
+     .kind = AttributeKind::choice,
+     .default_value = "position",
+     .text = "what the targets of joints are that no list names",
+     .choices = "position velocity effort none"},
+    joint_list("position_joints", "joints driven by position, separated by spaces"),
+    joint_list("velocity_joints", "joints driven by velocity, separated by spaces"),
+    joint_list("effort_joints", "joints driven by effort, separated by spaces"),
+    joint_list("free_joints", "joints without a drive, separated by spaces"),
+    {.name = "gain",
+     .default_value = "20",
+     .unit = "1/s",
+     .text = "rate at which a drive by position closes the distance to its target",
+     .min = 0,
+     .open_min = true},
+    {.name = "max_effort",
+     .unit = "N m or N",
+     .text = "largest effort of each drive; default: that of the file",
+     .min = 0,
+     .open_min = true},
+    kFrictionRow,
+    kRestitutionRow,
+    kPoseX,
+    kPoseY,
+    kPoseZ,
+    kPoseRoll,
+    kPosePitch,
+    kPoseYaw,
+};
+
+const ElementRegistration kRobotRegistration({
+    .name = "robot",
+    .summary = "Gives the links of a URDF part masses and collisions, and drives its joints.",
+    .notes = "An element physics stands before it. Each driven joint has a parameter target_JOINT: an angle or length, "
+             "a velocity or an effort. The physics writes the values of the elements joint, and the place of a free "
+             "base; a value that is set puts joint or base there, at rest. Links of one robot do not collide with "
+             "each other.",
+    .attributes = kRobotAttributes,
+    .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
+      return std::make_unique<RobotElement>(context);
+    },
+});
+
+// Above what counts as exploded, in rad/s or m/s.
+constexpr double kNoSpeedLimit = 10 * kMaxSpeed_rad_s;
+
+struct ControlList {
+  std::string_view attribute, choice;
+  JointControl control;
+};
+constexpr ControlList kControlLists[] = {{"position_joints", "position", JointControl::position},
+                                         {"velocity_joints", "velocity", JointControl::speed},
+                                         {"effort_joints", "effort", JointControl::effort},
+                                         {"free_joints", "none", JointControl::none}};
+
+std::vector<std::string> words(const std::string& text) {
+  std::istringstream in(text);
+  std::vector<std::string> words;
+  for (std::string word; in >> word;) words.push_back(word);
+  return words;
+}
+
+PartContent const& urdf_content(const ElementContext& context) {
+  const CommandAttribute& at = context.command.require("insert_at");
+  if (context.scene.has_part(at.value)) {
+    const PartContent& content = context.scene.own_part(at.value, at.where).content;
+    const std::string ending = content.file.extension().string();
+    if (ending == ".urdf" || ending == ".xacro") return content;
+  }
+  fail_at(at.where, "attribute \"insert_at\": " + in_quotes(at.value) +
+                        " is not allowed for a robot, expected the name of a part from a URDF file");
+}
+
+RobotDescription read_robot(const ElementContext& context, const PartContent& content) {
+  const std::string& part = context.command.require("insert_at").value;
+  const Command& command = context.scene.part_command(part);
+  for (const char* const name : {"scale", "unit"}) {
+    if (const CommandAttribute* const scale = command.find(name)) {
+      fail_at(scale->where, "attribute " + in_quotes(name) + " is not allowed on a part with a robot of physics");
+    }
+  }
+  const CommandAttribute* const arguments = command.find("xacro_arguments");
+  const ImportRequest request{.file = content.file,
+                              .xacro_arguments = arguments == nullptr ? std::string() : arguments->value,
+                              .packages = context.scene.packages()};
+  return describe_robot(read_urdf_dynamics(request), context.scene.pool());
+}
+
+// What stands in front of the names in the part's file.
+std::string prefix_of(const ElementContext& context, const PartContent& content) {
+  const std::string& part = context.command.require("insert_at").value;
+  const std::vector<std::string> points = context.scene.points_of_part(part);
+  for (const std::string& point : points) {
+    if (!point.ends_with(content.points.front())) continue;
+    const std::string prefix = point.substr(0, point.size() - content.points.front().size());
+    if (std::ranges::all_of(content.points,
+                            [&](const std::string& own) { return std::ranges::count(points, prefix + own) > 0; })) {
+      return prefix;
+    }
+  }
+  return "";
+}
+
+}  // namespace
+
+RobotElement::RobotElement(const ElementContext& context)
+    : dynamic_(find_dynamic_scene(context)),
+      transform_(std::make_shared<Transform>()),
+      gain_per_s_(context.attributes.number("gain")) {
+  name = context.command.require("name").value;
+  point = context.command.require("insert_at").value;
+  where = context.command.where;
+  const PartContent& content = urdf_content(context);
+  RobotDescription robot = read_robot(context, content);
+  desc_ = std::move(robot.body);
+  desc_.fixed_base = context.attributes.choice("base") == "fixed";
+  if (!desc_.fixed_base && !(desc_.mass.mass_kg > 0)) {
+    fail_at(context.attributes.where("base"), "the root link has no mass, expected one for a free base");
+  }
+  const SurfaceProperties surface = read_surface(context.attributes);
+  desc_.surface = surface;
+  for (LinkDesc& link : desc_.links) link.surface = surface;
+  read_joints(context, robot.joints, prefix_of(context, content));
+  transform_->name = name;
+  context.scene.insert(context.command, transform_);
+  dynamic_->add(*this);
+}
+
+RobotElement::~RobotElement() {
+  for (Joint& joint : joints_) {
+    if (joint.driver) joint.driver->value = nullptr;
+  }
+  dynamic_->remove(*this);
+}
+
+void RobotElement::read_joints(const ElementContext& context, const std::vector<RobotJoint>& described,
+                               const std::string& prefix) {
+  for (const RobotJoint& each : described) {
+    Joint joint{.described = each};
+    joint.to_si = each.urdf.kind == UrdfMovingJoint::Kind::prismatic ? 1 : glm::radians(1.0);
+    joint.max_effort =
+        context.attributes.is_set("max_effort") ? context.attributes.number("max_effort") : each.urdf.max_effort;
+    joint.max_speed = each.urdf.max_speed > 0 ? each.urdf.max_speed : kNoSpeedLimit;
+    read_control(context, joint);
+    joints_.push_back(std::move(joint));
+  }
+  for (const ControlList& list : kControlLists) {
+    if (!context.attributes.is_set(list.attribute)) continue;
+    for (const std::string& word : words(context.attributes.text(list.attribute))) {
+      const auto is_it = [&](const Joint& joint) {
+        return joint.described.urdf.name == word && !joint.described.leader;
+      };
+      if (std::ranges::any_of(joints_, is_it)) continue;
+      std::vector<std::string_view> known;
+      for (const Joint& joint : joints_) known.push_back(joint.described.urdf.name);
+      fail_at(context.attributes.where(list.attribute),
+              "there is no joint " + in_quotes(word) + suggestion(word, known) + " that could be driven by itself");
+    }
+  }
+  for (Joint& joint : joints_) connect(context, prefix, joint);
+}
+
+void RobotElement::read_control(const ElementContext& context, Joint& joint) const {
+  if (joint.described.leader) return;
+  const std::string& joint_name = joint.described.urdf.name;
+  const ControlList* chosen = nullptr;
+  for (const ControlList& list : kControlLists) {
+    if (!context.attributes.is_set(list.attribute)) continue;
+    const std::vector<std::string> names = words(context.attributes.text(list.attribute));
+    if (std::ranges::count(names, joint_name) == 0) continue;
+    if (chosen != nullptr) {
+      fail_at(context.attributes.where(list.attribute), "joint " + in_quotes(joint_name) + " is also one of " +
+                                                            in_quotes(chosen->attribute) + ", expected it in one list");
+    }
+    chosen = &list;
+  }
+  if (chosen == nullptr) {
+    chosen =
+        std::ranges::find(kControlLists, std::string_view(context.attributes.choice("control")), &ControlList::choice);
+  }
+  joint.control = chosen->control;
+  if (joint.control == JointControl::none || joint.max_effort > 0) return;
+  context.scene.warn(context.command.where, "joint " + in_quotes(joint_name) +
+                                                " is not driven: its file gives no effort; \"max_effort\" sets one");
+  joint.control = JointControl::none;
+}
+
+void RobotElement::connect(const ElementContext& context, const std::string& prefix, Joint& joint) {
+  if (joint.described.leader) return;
+  auto* const element = dynamic_cast<JointElement*>(context.find_element(prefix + joint.described.urdf.name));
+  if (element == nullptr) return;
+  joint.driver = element->driver();
+  if (joint.driver->value) {
+    fail_at(context.command.where, "joint " + in_quotes(joint.described.urdf.name) + " is moved by another robot of " +
+                                       "physics, expected one robot for a part");
+  }
+  joint.start = joint.driver->current * joint.to_si;
+  joint.target = joint.control == JointControl::position ? joint.start : 0;
+  joint.row = "target_" + joint.described.urdf.name;
+  joint.row_text = "of the joint " + joint.described.urdf.name;
+  joint.row_default = joint.control == JointControl::position ? format_number(joint.driver->current) : "0";
+  joint.driver->value = [this, link = joint.described.link, to_si = joint.to_si](std::int64_t time_ns) {
+    dynamic_->advance(time_ns);
+    return dynamic_->world()->joint(*this->id, link).position / to_si;
+  };
+}
+
+AttributeSpec RobotElement::row_of(const Joint& joint) const {
+  const bool turns = joint.to_si != 1;
+  AttributeSpec row{.name = joint.row, .default_value = joint.row_default, .text = joint.row_text, .live = true};
+  double limit = 0;
+  switch (joint.control) {
+    case JointControl::position:
+      row.unit = turns ? "deg" : "m";
+      row.min = joint.described.urdf.lower.value_or(-kMaxCoordinate_m * joint.to_si) / joint.to_si;
+      row.max = joint.described.urdf.upper.value_or(kMaxCoordinate_m * joint.to_si) / joint.to_si;
+      row.rounding = JointElement::limit_rounding(turns);
+      return row;
+    case JointControl::speed:
+      row.unit = turns ? "deg/s" : "m/s";
+      limit = joint.max_speed / joint.to_si;
+      break;
+    case JointControl::effort:
+      row.unit = turns ? "N m" : "N";
+      limit = joint.max_effort;
+      break;
+    case JointControl::none:
+      break;
+  }
+  row.min = -limit;
+  row.max = limit;
+  return row;
+}
+
+void RobotElement::adapt_parameters(std::vector<AttributeSpec>& live_rows) const {
+  for (const Joint& joint : joints_) {
+    if (joint.driver && joint.control != JointControl::none) live_rows.push_back(row_of(joint));
+  }
+}
+
+void RobotElement::update(ParameterView values) {
+  const ParameterView place = values.first(kPoseValues);
+  was_set_ = was_set_ || !std::ranges::equal(place, written_);
+  std::ranges::copy(place, written_.begin());
+  transform_->set_matrix(matrix_of_pose(place));
+  std::size_t i = kPoseValues;
+  for (Joint& joint : joints_) {
+    if (!joint.driver || joint.control == JointControl::none) continue;
+    joint.target = values[i++] * (joint.control == JointControl::effort ? 1 : joint.to_si);
+  }
+}
+
+double RobotElement::start_of(const Joint& joint) const {
+  if (!joint.described.leader) return joint.start;
+  const UrdfMovingJoint& urdf = joint.described.urdf;
+  return urdf.multiplier * start_of(joints_[*joint.described.leader]) + urdf.offset;
+}
+
+std::size_t RobotElement::enter(DynamicsWorld& world, const glm::dmat4& world_from_point) {
+  if (!entered_) {
+    world_from_parent_ = world_from_point * rigid_inverse(transform_->matrix());
+    desc_.world_from_base = world_from_point;
+    for (Joint& joint : joints_) {
+      if (joint.driver) joint.start = joint.driver->current * joint.to_si;
+    }
+    for (const Joint& joint : joints_) desc_.links[joint.described.link].position = start_of(joint);
+    entered_ = true;
+  }
+  was_set_ = false;
+  for (Joint& joint : joints_) {
+    if (joint.driver) joint.driver->was_set = false;
+  }
+  return world.add_articulation(desc_);
+}
+
+void RobotElement::begin_steps(DynamicsWorld& world, const glm::dmat4& /*world_from_point*/) {
+  if (was_set_) world.move(*id, world_from_parent_ * transform_->matrix());
+  was_set_ = false;
+  for (Joint& joint : joints_) {
+    if (!joint.driver || !joint.driver->was_set) continue;
+    world.place_joint(*id, joint.described.link, joint.driver->current * joint.to_si);
+    joint.driver->was_set = false;
+  }
+}
+
+JointDrive RobotElement::drive_of(const DynamicsWorld& world, const Joint& joint) const {
+  const double position = world.joint(*id, joint.described.link).position;
+  if (joint.described.leader) {
+    const UrdfMovingJoint& urdf = joint.described.urdf;
+    const JointState leader = world.joint(*id, joints_[*joint.described.leader].described.link);
+    const double distance = urdf.multiplier * leader.position + urdf.offset - position;
+    const double effort = joint.max_effort > 0 ? joint.max_effort : joints_[*joint.described.leader].max_effort;
+    return {JointDrive::Kind::speed, urdf.multiplier * leader.speed + gain_per_s_ * distance, effort};
+  }
+  switch (joint.control) {
+    case JointControl::position:
+      return {JointDrive::Kind::speed,
+              std::clamp(gain_per_s_ * (joint.target - position), -joint.max_speed, joint.max_speed), joint.max_effort};
+    case JointControl::speed:
+      return {JointDrive::Kind::speed, joint.target, joint.max_effort};
+    case JointControl::effort:
+      return {JointDrive::Kind::effort, joint.target, joint.max_effort};
+    case JointControl::none:
+      break;
+  }
+  if (joint.described.urdf.friction > 0) return {JointDrive::Kind::speed, 0, joint.described.urdf.friction};
+  return {};
+}
+
+void RobotElement::before_step(DynamicsWorld& world, double /*share*/) {
+  for (const Joint& joint : joints_) world.drive(*id, joint.described.link, drive_of(world, joint));
+}
+
+void RobotElement::advance(std::int64_t time_ns, std::span<double> values) {
+  dynamic_->advance(time_ns);
+  if (!id || was_set_) return;
+  write_pose(rigid_inverse(world_from_parent_) * dynamic_->world()->state(*id).world_from_body, values);
+  std::ranges::copy(values.first(kPoseValues), written_.begin());
+}
+
+}  // namespace simvis

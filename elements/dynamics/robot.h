@@ -1,0 +1,69 @@
+// The element `robot`: the joints of a URDF part move as drives, gravity and contacts say.
+//
+//   <element type="robot" name="ARM_BODY" insert_at="ARM" control="position"/>
+//
+// Parameters  x y z (m), roll pitch yaw (deg): the place of the base, as of an element `body`; and target_JOINT for
+// each
+//             driven joint: deg or m, deg/s or m/s, N m or N. The physics writes the place of a free base and the
+//             values of the elements `joint`; a value that is set from outside puts base or joint there, at rest.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <simvis/node.h>
+#include "elements/dynamics/dynamic_scene.h"
+#include "elements/dynamics/robot_description.h"
+#include "elements/joint.h"
+#include "elements/pose_rows.h"
+
+namespace simvis {
+
+enum class JointControl { position, speed, effort, none };
+
+class RobotElement : public Element, private DynamicObject {
+ public:
+  /// Throws InputError: no physics; the part is no URDF robot, is scaled, or has a robot already; a list names a joint
+  /// that is not there, or two lists name one joint; what robot_description.h says.
+  explicit RobotElement(const ElementContext& context);
+  ~RobotElement() override;
+  void update(ParameterView values) override;
+  void adapt_parameters(std::vector<AttributeSpec>& live_rows) const override;
+  bool moves_itself() const override { return !desc_.fixed_base; }
+  void advance(std::int64_t time_ns, std::span<double> values) override;
+
+ private:
+  struct Joint {
+    RobotJoint described;
+    JointControl control = JointControl::none;
+    double max_effort = 0, max_speed = 0;  // SI units
+    double to_si = 1;                      // from deg or m to rad or m
+    double target = 0;                     // SI units
+    double start = 0;                      // SI units
+    std::string row{}, row_text{}, row_default{};
+    std::shared_ptr<JointDriver> driver{};  // null: no element shows it
+  };
+  void read_joints(const ElementContext& context, const std::vector<RobotJoint>& described, const std::string& prefix);
+  void read_control(const ElementContext& context, Joint& joint) const;
+  void connect(const ElementContext& context, const std::string& prefix, Joint& joint);
+  AttributeSpec row_of(const Joint& joint) const;
+  double start_of(const Joint& joint) const;
+  JointDrive drive_of(const DynamicsWorld& world, const Joint& joint) const;
+
+  std::size_t enter(DynamicsWorld& world, const glm::dmat4& world_from_point) override;
+  void begin_steps(DynamicsWorld& world, const glm::dmat4& world_from_point) override;
+  void before_step(DynamicsWorld& world, double share) override;
+
+  std::shared_ptr<DynamicScene> dynamic_;
+  std::shared_ptr<Transform> transform_;
+  ArticulationDesc desc_;
+  std::vector<Joint> joints_;
+  double gain_per_s_;
+  bool entered_ = false, was_set_ = false;
+  glm::dmat4 world_from_parent_{1.0};
+  std::array<double, kPoseValues> written_{};
+};
+
+}  // namespace simvis

@@ -1,0 +1,254 @@
+#include "elements/dynamics/vehicle.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/trigonometric.hpp>
+#include <string_view>
+
+#include "dynamics/mass.h"
+#include "elements/dynamics/body_rows.h"
+
+namespace simvis {
+namespace {
+
+constexpr double kMaxWheel_m = 1e3, kMaxWheelSpeed_deg_s = 1e5, kMaxSteer_deg = 60;
+// A steered wheel turns to its angle within some tenths of a second.
+constexpr double kSteerGain_per_s = 20, kMaxSteer_rad_s = 5;
+
+constexpr AttributeSpec length(std::string_view name, std::string_view by_default, std::string_view text) {
+  return {.name = name,
+          .default_value = by_default,
+          .unit = "m",
+          .text = text,
+          .min = 0,
+          .max = kMaxWheel_m,
+          .open_min = true};
+}
+constexpr AttributeSpec wheel_speed(std::string_view name, std::string_view text) {
+  return {.name = name,
+          .default_value = "0",
+          .unit = "deg/s",
+          .text = text,
+          .min = -kMaxWheelSpeed_deg_s,
+          .max = kMaxWheelSpeed_deg_s,
+          .live = true};
+}
+
+constexpr AttributeSpec kVehicleAttributes[] = {
+    {.name = "drive",
+     .kind = AttributeKind::choice,
+     .default_value = "differential",
+     .text = "differential: two wheels and a caster; ackermann: two driven rear wheels and two steered front wheels",
+     .choices = "differential ackermann"},
+    kBodyShapeRow,
+    kBodyMassRow,
+    kBodyDensityRow,
+    kBodyInertiaRow,
+    kBodyCenterRow,
+    kFrictionRow,
+    kRestitutionRow,
+    length("wheel_radius", "0.1", "radius of each wheel"),
+    length("track", "0.4", "distance of the wheels of one axle"),
+    length("wheelbase", "0.6", "distance of the axles of an ackermann drive"),
+    {.name = "axle",
+     .default_value = "0",
+     .unit = "m",
+     .text = "x of the driven axle in the part's frame",
+     .min = -kMaxWheel_m,
+     .max = kMaxWheel_m},
+    {.name = "caster",
+     .default_value = "-0.2",
+     .unit = "m",
+     .text = "x of the caster of a differential drive, from the axle; it slides without friction",
+     .min = -kMaxWheel_m,
+     .max = kMaxWheel_m},
+    {.name = "clearance",
+     .default_value = "0.03",
+     .unit = "m",
+     .text = "height below which the part does not collide, so that its wheels carry it",
+     .min = 0,
+     .max = kMaxWheel_m},
+    {.name = "wheel_mass",
+     .default_value = "1",
+     .unit = "kg",
+     .text = "mass of each wheel",
+     .min = 0,
+     .open_min = true},
+    {.name = "wheel_friction",
+     .default_value = "1",
+     .text = "of a wheel and the floor, the product is the coefficient of friction",
+     .min = 0,
+     .max = 1e3},
+    {.name = "max_torque",
+     .default_value = "20",
+     .unit = "N m",
+     .text = "largest torque of each driven wheel",
+     .min = 0,
+     .open_min = true},
+    kPoseX,
+    kPoseY,
+    kPoseZ,
+    kPoseRoll,
+    kPosePitch,
+    kPoseYaw,
+    wheel_speed("left", "speed of the left wheel, differential drive"),
+    wheel_speed("right", "speed of the right wheel, differential drive"),
+    wheel_speed("speed", "mean speed of the rear wheels, ackermann drive"),
+    {.name = "steer",
+     .default_value = "0",
+     .unit = "deg",
+     .text = "angle of a wheel in the middle of the front axle, ackermann drive; positive is to the left",
+     .min = -kMaxSteer_deg,
+     .max = kMaxSteer_deg,
+     .live = true},
+};
+constexpr std::string_view kOfDifferential[] = {"left", "right", "caster"},
+                           kOfAckermann[] = {"speed", "steer", "wheelbase"};
+
+const ElementRegistration kVehicleRegistration({
+    .name = "vehicle",
+    .summary = "The part at its insertion point drives on wheels, by their speeds.",
+    .notes = "An element physics stands before it. The part's frame has x forward and its origin on the floor; wheels "
+             "are balls of the given radius, which roll and grip at one point as thin wheels do. What the vehicle "
+             "runs into pushes back. mass is that of the part without the wheels.",
+    .attributes = kVehicleAttributes,
+    .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
+      return std::make_unique<VehicleElement>(context);
+    },
+});
+
+void refuse(const ElementContext& context, std::span<const std::string_view> names, const std::string& drive) {
+  for (const std::string_view name : names) {
+    const CommandAttribute* const attribute = context.command.find(name);
+    if (attribute == nullptr) continue;
+    fail_at(attribute->where, "attribute " + in_quotes(name) + " is not allowed for the drive " + in_quotes(drive));
+  }
+}
+
+}  // namespace
+
+VehicleElement::VehicleElement(const ElementContext& context)
+    : dynamic_(find_dynamic_scene(context)), transform_(std::make_shared<Transform>()) {
+  const AttributeValues& attributes = context.attributes;
+  name = context.command.require("name").value;
+  point = context.command.require("insert_at").value;
+  where = context.command.where;
+  wheels_ = {.ackermann = attributes.choice("drive") == "ackermann",
+             .radius_m = attributes.number("wheel_radius"),
+             .track_m = attributes.number("track"),
+             .wheelbase_m = attributes.number("wheelbase"),
+             .axle_m = attributes.number("axle"),
+             .caster_m = attributes.number("caster"),
+             .mass_kg = attributes.number("wheel_mass"),
+             .friction = attributes.number("wheel_friction"),
+             .max_torque_nm = attributes.number("max_torque")};
+  if (wheels_.ackermann) {
+    refuse(context, kOfDifferential, "ackermann");
+  } else {
+    refuse(context, kOfAckermann, "differential");
+  }
+  desc_.fixed_base = false;
+  desc_.shapes = read_shapes(context, "hull", attributes.number("clearance"));
+  desc_.mass = read_mass(context, desc_.shapes);
+  desc_.surface = read_surface(attributes);
+  wheels_.ackermann ? add_ackermann() : add_differential();
+  transform_->name = name;
+  context.scene.insert(context.command, transform_);
+  dynamic_->add(*this);
+}
+
+void VehicleElement::add_wheel(int parent, const glm::dvec3& at, bool spins, double friction) {
+  LinkDesc wheel{.parent = parent, .joint = spins ? JointKind::revolute : JointKind::fixed, .axis = {0, 1, 0}};
+  wheel.parent_from_joint[3] = glm::dvec4(at, 1);
+  wheel.shapes = {{.kind = CollisionKind::sphere, .half_m = glm::dvec3(wheels_.radius_m)}};
+  wheel.mass = with_mass(mass_of(wheel.shapes, 1), wheels_.mass_kg);
+  wheel.surface = {.friction = friction, .restitution = 0};
+  desc_.links.push_back(std::move(wheel));
+}
+
+void VehicleElement::add_steering(double y) {
+  LinkDesc fork{.parent = -1, .joint = JointKind::revolute, .axis = {0, 0, 1}};
+  fork.parent_from_joint[3] = glm::dvec4(wheels_.axle_m + wheels_.wheelbase_m, y, wheels_.radius_m, 1);
+  const CollisionShape ball{.kind = CollisionKind::sphere, .half_m = glm::dvec3(wheels_.radius_m / 2)};
+  fork.mass = with_mass(mass_of({&ball, 1}, 1), wheels_.mass_kg);
+  desc_.links.push_back(std::move(fork));
+  add_wheel(static_cast<int>(desc_.links.size()) - 1, {0, 0, 0}, true, wheels_.friction);
+}
+
+void VehicleElement::add_differential() {
+  for (const double side : {1.0, -1.0}) {
+    add_wheel(-1, {wheels_.axle_m, side * wheels_.track_m / 2, wheels_.radius_m}, true, wheels_.friction);
+  }
+  add_wheel(-1, {wheels_.axle_m + wheels_.caster_m, 0, wheels_.radius_m}, false, 0);
+}
+
+// Links: rear left, rear right, front left fork and wheel, front right fork and wheel.
+void VehicleElement::add_ackermann() {
+  for (const double side : {1.0, -1.0}) {
+    add_wheel(-1, {wheels_.axle_m, side * wheels_.track_m / 2, wheels_.radius_m}, true, wheels_.friction);
+  }
+  for (const double side : {1.0, -1.0}) add_steering(side * wheels_.track_m / 2);
+}
+
+void VehicleElement::adapt_parameters(std::vector<AttributeSpec>& live_rows) const {
+  const auto& others = wheels_.ackermann ? std::span<const std::string_view>(kOfDifferential)
+                                         : std::span<const std::string_view>(kOfAckermann);
+  std::erase_if(live_rows, [&](const AttributeSpec& row) { return std::ranges::count(others, row.name) > 0; });
+}
+
+void VehicleElement::update(ParameterView values) {
+  const ParameterView place = values.first(kPoseValues);
+  was_set_ = was_set_ || !std::ranges::equal(place, written_);
+  std::ranges::copy(place, written_.begin());
+  transform_->set_matrix(matrix_of_pose(place));
+  first_ = glm::radians(values[kPoseValues]);
+  second_ = glm::radians(values[kPoseValues + 1]);
+}
+
+std::size_t VehicleElement::enter(DynamicsWorld& world, const glm::dmat4& world_from_point) {
+  if (!entered_) {
+    world_from_parent_ = world_from_point * rigid_inverse(transform_->matrix());
+    desc_.world_from_base = world_from_point;
+    entered_ = true;
+  }
+  was_set_ = false;
+  return world.add_articulation(desc_);
+}
+
+void VehicleElement::begin_steps(DynamicsWorld& world, const glm::dmat4& /*world_from_point*/) {
+  if (was_set_) world.move(*id, world_from_parent_ * transform_->matrix());
+  was_set_ = false;
+}
+
+void VehicleElement::before_step(DynamicsWorld& world, double /*share*/) {
+  const auto drive = [&](std::size_t wheel, double speed) {
+    world.drive(*id, wheel, {JointDrive::Kind::speed, speed, wheels_.max_torque_nm});
+  };
+  if (!wheels_.ackermann) {
+    drive(0, first_);
+    drive(1, second_);
+    return;
+  }
+  // All wheels turn about one point on the line of the rear axle: at 1 / curvature to the left.
+  const double curvature_per_m = std::tan(second_) / wheels_.wheelbase_m;
+  std::size_t fork = 2;
+  for (const double side : {1.0, -1.0}) {
+    const double share = 1 - side * wheels_.track_m / 2 * curvature_per_m;
+    drive(side > 0 ? 0 : 1, first_ * share);
+    const double angle = std::atan2(wheels_.wheelbase_m * curvature_per_m, share);
+    const double distance = angle - world.joint(*id, fork).position;
+    world.drive(*id, fork,
+                {JointDrive::Kind::speed, std::clamp(kSteerGain_per_s * distance, -kMaxSteer_rad_s, kMaxSteer_rad_s),
+                 wheels_.max_torque_nm});
+    fork += 2;
+  }
+}
+
+void VehicleElement::advance(std::int64_t time_ns, std::span<double> values) {
+  dynamic_->advance(time_ns);
+  if (!id || was_set_) return;
+  write_pose(rigid_inverse(world_from_parent_) * dynamic_->world()->state(*id).world_from_body, values);
+  std::ranges::copy(values.first(kPoseValues), written_.begin());
+}
+
+}  // namespace simvis

@@ -1,0 +1,55 @@
+// The element `vehicle`: the part at which it stands drives on wheels.
+//
+//   <element type="vehicle" name="DRIVE" insert_at="MARVIN" mass="30" wheel_radius="0.1" track="0.4" left="90"/>
+//
+// Frames      the part's: x forward, z up; the wheels stand on its plane z = 0.
+// Parameters  x y z (m), roll pitch yaw (deg): as of an element `body`. Differential drive: left and right, the speeds
+// of
+//             the wheels (deg/s). Ackermann: speed of the rear wheels (deg/s) and steer, the angle of a wheel in the
+//             middle of the front axle (deg, positive to the left).
+#pragma once
+
+#include <array>
+#include <memory>
+
+#include <simvis/node.h>
+#include "elements/dynamics/dynamic_scene.h"
+#include "elements/pose_rows.h"
+
+namespace simvis {
+
+class VehicleElement : public Element, private DynamicObject {
+ public:
+  /// Throws InputError: no physics, no part, what body_rows.h says, a parameter of the other drive.
+  explicit VehicleElement(const ElementContext& context);
+  ~VehicleElement() override { dynamic_->remove(*this); }
+  void update(ParameterView values) override;
+  void adapt_parameters(std::vector<AttributeSpec>& live_rows) const override;
+  bool moves_itself() const override { return true; }
+  void advance(std::int64_t time_ns, std::span<double> values) override;
+
+ private:
+  void add_differential();
+  void add_ackermann();
+  void add_wheel(int parent, const glm::dvec3& at, bool spins, double friction);
+  void add_steering(double y);
+  std::size_t enter(DynamicsWorld& world, const glm::dmat4& world_from_point) override;
+  void begin_steps(DynamicsWorld& world, const glm::dmat4& world_from_point) override;
+  void before_step(DynamicsWorld& world, double share) override;
+
+  struct Wheels {
+    bool ackermann = false;
+    double radius_m = 0, track_m = 0, wheelbase_m = 0, axle_m = 0, caster_m = 0;
+    double mass_kg = 0, friction = 0, max_torque_nm = 0;
+  };
+  std::shared_ptr<DynamicScene> dynamic_;
+  std::shared_ptr<Transform> transform_;
+  Wheels wheels_;
+  ArticulationDesc desc_;
+  bool entered_ = false, was_set_ = false;
+  glm::dmat4 world_from_parent_{1.0};
+  std::array<double, kPoseValues> written_{};
+  double first_ = 0, second_ = 0;  // rad/s; of ackermann, the second is the angle in rad
+};
+
+}  // namespace simvis

@@ -1,0 +1,67 @@
+// What a URDF file says of masses, collisions and drives. The importer of parts leaves it out: only physics needs it.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include <simvis/location.h>
+#include <simvis/part_importer.h>
+
+namespace simvis {
+
+struct UrdfInertial {
+  double mass_kg = 0;
+  glm::dmat4 link_from_inertia{1.0};
+  glm::dmat3 inertia_kg_m2{0.0};  ///< about the origin of that frame, along its axes
+};
+
+struct UrdfCollision {
+  enum class Kind { box, sphere, cylinder, mesh } kind = Kind::box;
+  glm::dmat4 link_from_shape{1.0};
+  glm::dvec3 size{0};            ///< box: edges in m; sphere: the radius in x; cylinder, along z: the radius in x, the
+                                 ///< length in z; mesh: its scale
+  std::filesystem::path file{};  ///< of a mesh
+  Location where{};
+};
+
+struct UrdfMovedLink {
+  std::string name;
+  std::optional<UrdfInertial> inertial;
+  std::vector<UrdfCollision> collisions;
+  Location where{};
+};
+
+/// Angles in radians.
+struct UrdfMovingJoint {
+  enum class Kind { fixed, revolute, continuous, prismatic, floating, planar } kind = Kind::fixed;
+  std::string name;
+  std::size_t parent = 0, child = 0;  ///< indices of links
+  glm::dmat4 parent_from_joint{1.0};
+  glm::dvec3 axis{1, 0, 0};                ///< unit length
+  std::optional<double> lower{}, upper{};  ///< none: it is open
+  double max_effort = 0;                   ///< N m or N; 0: the file gives none
+  double max_speed = 0;                    ///< rad/s or m/s; 0: the file gives none
+  double damping = 0, friction = 0;        ///< N m s/rad or N s/m; N m or N
+  std::string leader{};                    ///< of a joint that mimics another
+  double multiplier = 1, offset = 0;       ///< position = multiplier * leader + offset, in rad or m
+  Location where{};
+};
+
+/// Links and joints as a tree: the first link is the root, every other one is the child of one joint, and joints stand
+/// behind those above them.
+struct UrdfDynamics {
+  std::vector<UrdfMovedLink> links;
+  std::vector<UrdfMovingJoint> joints;
+};
+
+/// Reads the file as the importer does, xacro included, and what is said of dynamics strictly.
+/// Throws InputError with the place: as the importer; a number that is none; a mass, size, damping or friction that is
+/// negative; a mesh that is missing.
+UrdfDynamics read_urdf_dynamics(const ImportRequest& request);
+
+}  // namespace simvis
