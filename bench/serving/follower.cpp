@@ -186,7 +186,8 @@ void measure_opening(int parts) {
     opens.push_back(host_s);
     catches.push_back(follower_s);
     kill_hard(follower);
-    kill_hard(host);
+    ::kill(host, SIGTERM);  // so that it removes its shared memory
+    wait_for(host);
   }
   std::printf("%d,%.2f,%.2f,%.2f\n", parts, median(opens), median(catches), median(catches) / median(opens));
   std::fflush(stdout);
