@@ -55,6 +55,7 @@ class LiveViewer {
     std::string bytes;
   };
   Message receive() {
+    Message message{false, ""};
     for (;;) {
       const std::string first = take(2);
       std::uint64_t size = static_cast<std::uint8_t>(first[1]);
@@ -63,8 +64,12 @@ class LiveViewer {
         size = 0;
         for (const char byte : more) size = size << 8 | static_cast<std::uint8_t>(byte);
       }
-      std::string payload = take(size);
-      if ((first[0] & 0x0f) <= 2) return {(first[0] & 0x0f) == 2, std::move(payload)};
+      const std::string payload = take(size);
+      const int opcode = first[0] & 0x0f;  // 0: the message goes on
+      if (opcode > 2) continue;
+      if (opcode != 0) message.binary = opcode == 2;
+      message.bytes += payload;
+      if ((first[0] & 0x80) != 0) return message;
     }
   }
   nlohmann::json receive_op(const std::string& op) {

@@ -262,6 +262,7 @@ class Server::Impl::Connection : public std::enable_shared_from_this<Connection>
     timeout.keep_alive_pings = true;
     socket_->set_option(timeout);
     socket_->read_message_max(server_.limits().message_bytes);
+    socket_->auto_fragment(false);  // a message is one frame, sent from where it lies
     socket_->set_option(websocket::stream_base::decorator([protocol = *protocol](websocket::response_type& response) {
       response.set(http::field::sec_websocket_protocol, beast::string_view(protocol.data(), protocol.size()));
     }));
