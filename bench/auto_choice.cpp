@@ -62,7 +62,7 @@ std::vector<ScanCandidate> survey(Machine& machine, const LaserScannerDesc& desc
   std::vector<RayHit> hits(directions.size());
   machine.caster->set_world(list);
   survey.cast(*machine.caster, list.items.size(), pose, directions, hits);
-  std::vector<Reading> readings;
+  std::vector<BeamReading> readings;
   for (const RayHit& hit : hits) readings.push_back(read_range({hit.range_m, hit.error_bound_m}, limits));
   survey.choose(readings, machine.costs);
   return {survey.candidates().begin(), survey.candidates().end()};

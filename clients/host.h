@@ -1,6 +1,7 @@
 // The host's side of the shared memory: makes the object, fills its tables, and reads what clients wrote.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -14,6 +15,8 @@
 #include <simvis_client/shared_memory.h>
 
 namespace simvis {
+
+class SharedObject;
 
 /// A parameter as clients see it, in the unit of its element's table.
 struct SharedParameter {
@@ -68,7 +71,7 @@ struct SharedOutput {
 class SharedHost {
  public:
   /// Makes the object `name`, in place of what a dead host left.
-  explicit SharedHost(std::string name);
+  explicit SharedHost(const std::string& name);
   SharedHost(const SharedHost&) = delete;
   SharedHost& operator=(const SharedHost&) = delete;
   /// Tells clients that the host ends, and removes the object.
@@ -109,10 +112,14 @@ class SharedHost {
   std::uint32_t ready_counter() const;
 
  private:
-  class Object;
-  struct Client;
-  template <typename T>
-  T* append(simvis_region& region, std::size_t count);
+  // The host's record of a client, copied from the client's area at the last take().
+  struct Client {
+    std::uint64_t connection = 0, request_tail = 0;
+    std::uint64_t left =
+        0;                 // the odd number that the client left behind, once the area has been read for the last time
+    bool refused = false;  // its area makes no sense; ignored until another client connects
+    std::array<std::uint64_t, SIMVIS_SHM_GROUPS> group_sequences{};
+  };
   simvis_text add_text(std::string_view text);
   simvis_sensor& shared_sensor(std::size_t sensor);
   std::uint64_t take_slots(std::uint64_t bytes);
@@ -125,7 +132,7 @@ class SharedHost {
   void take_requests(std::uint32_t client, ClientInputs& inputs);
   void refuse(std::uint32_t client, std::string_view why);
 
-  std::unique_ptr<Object> object_;
+  std::unique_ptr<SharedObject> object_;
   std::vector<Client> clients_;
   std::vector<double> values_;                // by parameter
   std::vector<std::size_t> first_parameter_;  // by element, and one more

@@ -69,10 +69,10 @@ double wavelength_exponent(double visibility_m) {
 }
 
 Medium aerosol(std::string_view kind, double visibility_m) {
-  constexpr double kContrast = 0.02, kLaser_over_visible = 905.0 / 550;
+  constexpr double kContrast = 0.02, kLaserOverVisible = 905.0 / 550;
   const double extinction = -std::log(kContrast) / visibility_m;
   const double q = kind == "dust" ? 0 : wavelength_exponent(visibility_m);
-  const double of_lasers = extinction * std::pow(kLaser_over_visible, -q);
+  const double of_lasers = extinction * std::pow(kLaserOverVisible, -q);
   const double lidar_ratio_sr = kind == "fog" ? 18.8 : kind == "haze" ? 53 : 69;
   return {.extinction_per_m = extinction,
           .laser_extinction_per_m = of_lasers,

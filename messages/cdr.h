@@ -1,8 +1,8 @@
 // CDR (XCDR version 1, little-endian): the bytes of a ROS 2 message as DDS and MCAP carry them.
 //
 // Bytes    four bytes of encapsulation (0, 1, 0, 0), then the fields in order. A number of n bytes lies at a
-//          multiple of n, counted from behind the encapsulation. A string is its length with the final zero as uint32, its bytes,
-//          and the zero; a sequence is its length as uint32 and its elements.
+//          multiple of n, counted from behind the encapsulation. A string is its length with the final zero as uint32,
+//          its bytes, and the zero; a sequence is its length as uint32 and its elements.
 // Errors   decode() throws InputError with the type, the byte and what is wrong there. It never allocates more than a
 //          small multiple of the input's size.
 #pragma once

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "engine/base/program_api.h"
 #include "messages/cdr.h"
 #include "messages/field.h"
 
@@ -84,7 +85,7 @@ const TypeDescription& describe() {
 
 /// The text of the type's .msg file followed by those of the types that it uses, as MCAP's schemas of encoding
 /// "ros2msg" have it. Constants and comments are left out.
-std::string msg_text(const TypeDescription& type);
+SIMVIS_PROGRAM_API std::string msg_text(const TypeDescription& type);
 
 /// The type hash of REP 2016: "RIHS01_" and the SHA-256 of the description as JSON.
 std::string type_hash(const TypeDescription& type);

@@ -22,12 +22,10 @@
 #include <vector>
 
 #include "messages/description.h"
+#include "messages/message_outlet.h"
 #include "messages/record_file.h"
 
 namespace simvis::ros {
-
-/// How long subscribers may find a message: while they listen, or later too.
-enum class Durability : std::uint8_t { transient, latched };
 
 class McapWriter {
  public:

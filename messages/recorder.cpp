@@ -7,13 +7,12 @@
 
 namespace simvis::ros {
 
-void MessageFile::write(const std::string& topic, const TypeDescription& type, Durability durability,
-                        std::int64_t time_ns) {
-  auto found = channels_.find(topic);
+void MessageFile::put(const Topic& topic, std::int64_t time_ns, std::string_view bytes) {
+  auto found = channels_.find(topic.name);
   if (found == channels_.end()) {
-    found = channels_.emplace(topic, writer_.add_channel(topic, type, durability)).first;
+    found = channels_.emplace(topic.name, writer_.add_channel(topic.name, *topic.type, topic.durability)).first;
   }
-  writer_.write(found->second, time_ns, bytes_);
+  writer_.write(found->second, time_ns, bytes);
 }
 
 Recorder::Recorder(const std::filesystem::path& file) : file_(file), thread_([this] { run(); }) {}

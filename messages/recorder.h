@@ -13,31 +13,23 @@
 #include <string>
 #include <thread>
 
-#include "messages/cdr.h"
 #include "messages/mcap_writer.h"
+#include "messages/message_outlet.h"
 
 namespace simvis::ros {
 
-/// What jobs write to. A topic always has the same type.
-class MessageFile {
+/// A file that jobs write to.
+class MessageFile : public MessageSink {
  public:
   explicit MessageFile(const std::filesystem::path& file) : writer_(file) {}
-
-  template <Message M>
-  void write(const std::string& topic, std::int64_t time_ns, const M& message,
-             Durability durability = Durability::transient) {
-    bytes_.clear();
-    encode(message, bytes_);
-    write(topic, describe<M>(), durability, time_ns);
-  }
   McapWriter& writer() { return writer_; }
 
- private:
-  void write(const std::string& topic, const TypeDescription& type, Durability durability, std::int64_t time_ns);
+ protected:
+  void put(const Topic& topic, std::int64_t time_ns, std::string_view bytes) override;
 
+ private:
   McapWriter writer_;
   std::map<std::string, McapWriter::Channel> channels_;
-  std::string bytes_;
 };
 
 /// Jobs fill, encode and write messages; they run in the order in which they were added. What waits holds at most
@@ -47,7 +39,7 @@ class MessageFile {
 /// Threads  one thread at a time; jobs run on the recorder's own.
 class Recorder {
  public:
-  using Job = std::function<void(MessageFile&)>;
+  using Job = std::function<void(MessageSink&)>;
   static constexpr std::size_t kMaxBytes = std::size_t{256} << 20;
 
   /// Creates or replaces the file.

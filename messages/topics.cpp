@@ -26,7 +26,7 @@ TopicFilter::TopicFilter(std::vector<std::string> patterns)
     : patterns_(std::move(patterns)), matched_(patterns_.size(), false) {}
 
 bool TopicFilter::wants(const std::string& topic, TopicForm form) {
-  if (patterns_.empty()) return form == TopicForm::own;
+  if (patterns_.empty()) return form != TopicForm::other;
   const auto [decided, is_new] = decided_.emplace(topic, false);
   if (!is_new) return decided->second;
   for (std::size_t i = 0; i < patterns_.size(); ++i) {

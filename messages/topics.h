@@ -1,6 +1,7 @@
 // Names of topics, and which of them are wanted.
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <string>
 #include <string_view>
@@ -12,13 +13,13 @@ namespace simvis::ros {
 /// gets an "n" in front.
 std::string topic_name(std::string_view name, std::string_view what);
 
-/// Whether a topic holds a measurement, or one that another topic holds too, in another form.
-enum class TopicForm : std::uint8_t { own, other };
+/// Whether a topic holds what no other topic holds, holds it in another form, or gets one message after the last frame.
+enum class TopicForm : std::uint8_t { own, other, at_end };
 
 /// The topics that a recording has.
 class TopicFilter {
  public:
-  /// Patterns in which * stands for any text and ? for any character. Without patterns, all topics of an own form.
+  /// Patterns in which * stands for any text and ? for any character. Without patterns, all topics but those of another form.
   explicit TopicFilter(std::vector<std::string> patterns);
 
   bool wants(const std::string& topic, TopicForm form = TopicForm::own);

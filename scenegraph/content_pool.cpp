@@ -162,7 +162,7 @@ std::shared_ptr<const T> find_or_add(Table<T>& table, T&& content) {
     if (known && same(*known, content)) return known;
   }
   forget_expired(table);
-  auto added = std::make_shared<const T>(std::move(content));
+  auto added = std::make_shared<const T>(std::forward<T>(content));
   table.emplace(key, added);
   return added;
 }

@@ -58,6 +58,17 @@ bool Flattener::find_mount(const Mount& mount, glm::dmat4& world_from_mount) con
   return true;
 }
 
+void Flattener::watch(std::unordered_set<const Node*> points) {
+  if (points == watched_) return;
+  watched_ = std::move(points);
+  structure_changed_ = true;
+}
+
+const Flattener::PointPlace* Flattener::find_point(const Node& point) const {
+  const auto found = points_.find(&point);
+  return found == points_.end() ? nullptr : &found->second;
+}
+
 const DrawList& Flattener::update() {
   if (structure_changed_) {
     rebuild();
@@ -125,6 +136,7 @@ void Flattener::forget() {
   attached_.clear();
   occurrences_.clear();
   mounts_.clear();
+  points_.clear();
   environment_node_ = nullptr;
   list_.environment = Environment();
   medium_node_ = nullptr;
@@ -169,6 +181,8 @@ class Flattener::Traversal {
     std::size_t next, end;  // children still to visit
     State saved;
     std::size_t open;  // number of entries without a known end when the group began
+    std::uint32_t first_item;
+    std::vector<PointPlace*> points{};  // that it has itself
   };
 
   void visit(const NodePtr& node) {
@@ -215,9 +229,20 @@ class Flattener::Traversal {
         f_.mounts_.try_emplace(static_cast<const Mount*>(node.get()), state_.entry);
         break;
       case NodeKind::insertion_point:
+        if (f_.watched_.contains(node.get())) add_point(*node);
         break;
     }
   }
+
+  // Addresses of the map's values stay the same.
+  void add_point(const Node& node) {
+    const auto [found, is_new] = f_.points_.try_emplace(&node);
+    if (!is_new) return;
+    found->second = {state_.entry, path_.back().first_item, item_count()};
+    path_.back().points.push_back(&found->second);
+  }
+
+  std::uint32_t item_count() const { return static_cast<std::uint32_t>(f_.list_.items.size()); }
 
   void enter(const NodePtr& node) {
     const auto& group = static_cast<const Group&>(*node);
@@ -225,7 +250,7 @@ class Flattener::Traversal {
       throw InputError("the scene graph has a cycle: the group \"" + group.name + "\" stands below itself");
     }
     occurrences_of(node);
-    Level level{&group, 0, group.children().size(), state_, open_.size()};
+    Level level{&group, 0, group.children().size(), state_, open_.size(), item_count()};
     if (group.kind() == NodeKind::switch_) {
       const int which = static_cast<const Switch&>(group).which();
       if (which == Switch::kNone) level.end = 0;
@@ -234,12 +259,13 @@ class Flattener::Traversal {
         level.end = level.next + 1;
       }
     }
-    path_.push_back(level);
+    path_.push_back(std::move(level));
   }
 
   void leave() {
-    const Level level = path_.back();
+    const Level level = std::move(path_.back());
     path_.pop_back();
+    for (PointPlace* const point : level.points) point->end_item = item_count();
     on_path_.erase(level.group);
     const NodeKind kind = level.group->kind();
     if (kind != NodeKind::separator && kind != NodeKind::visual && !path_.empty()) return;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <unordered_map>
+#include <unordered_set>
 #include <vector>
 
 #include <simvis/draw_list.h>
@@ -43,6 +44,20 @@ class Flattener : public NodeObserver {
   /// traversal did not reach the mount, for example below a switch that is off.
   bool find_mount(const Mount& mount, glm::dmat4& world_from_mount) const;
 
+  /// What stands at an insertion point.
+  struct PointPlace {
+    std::uint32_t transform = 0;                 ///< in DrawList::world_from_node
+    std::uint32_t first_item = 0, end_item = 0;  ///< of the group that has the point, in DrawList::items
+  };
+  /// Makes find_point() known for these nodes, and for no other, from the next update() on.
+  void watch(std::unordered_set<const Node*> points);
+  /// The place of a watched insertion point as of the last update(): its first occurrence. Null if the traversal did
+  /// not reach it.
+  const PointPlace* find_point(const Node& point) const;
+
+  /// The node of an entry of world_from_node; null: the identity, entry 0.
+  const Transform* node_of(std::uint32_t transform) const { return entries_[transform].node; }
+
   const FlattenCounters& counters() const { return counters_; }
 
   void content_changed(Node& node) override;
@@ -72,9 +87,11 @@ class Flattener : public NodeObserver {
   std::unordered_map<const Node*, std::vector<std::uint32_t>>
       occurrences_;  // entries, slots of materials or meshes, or lights
   std::unordered_map<const Mount*, std::uint32_t> mounts_;
-  const EnvironmentNode* environment_node_ = nullptr;  // the last one in traversal order
-  const MediumNode* medium_node_ = nullptr;            // the last one in traversal order
-  std::vector<NodePtr> attached_;                      // keeps changed nodes alive until update()
+  std::unordered_set<const Node*> watched_;
+  std::unordered_map<const Node*, PointPlace> points_;  // of watched_
+  const EnvironmentNode* environment_node_ = nullptr;   // the last one in traversal order
+  const MediumNode* medium_node_ = nullptr;             // the last one in traversal order
+  std::vector<NodePtr> attached_;                       // keeps changed nodes alive until update()
   std::vector<Node*> changed_;
   bool structure_changed_ = true;
 };

@@ -4,6 +4,7 @@
 #include <map>
 #include <mutex>
 #include <shared_mutex>
+#include <utility>
 
 #include "engine/base/assert.h"
 #include "scenegraph/language/registrations.h"
@@ -34,7 +35,7 @@ PartImporterRegistration::PartImporterRegistration(std::vector<std::string> endi
                                                    std::string_view built_for) {
   SIMVIS_ASSERT(importer != nullptr);
   Registrations& registrations = Registrations::instance();
-  for (const std::string& ending : endings) {
+  for (std::string& ending : endings) {
     std::string wrong = Registrations::check_version(built_for);
     {
       const std::lock_guard lock(importers().mutex);
@@ -46,7 +47,7 @@ PartImporterRegistration::PartImporterRegistration(std::vector<std::string> endi
       registrations.refuse("part format \"" + ending + "\": " + wrong);
       continue;
     }
-    registrations.accept([ending] {
+    registrations.accept([ending = std::move(ending)] {
       const std::lock_guard lock(importers().mutex);
       importers().by_ending.erase(ending);
     });

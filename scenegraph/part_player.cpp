@@ -128,12 +128,12 @@ void PartPlayer::update_joints() {
 }
 
 void PartPlayer::deform_shape(Deformed& deformed) {
-  static const std::vector<glm::dmat4> kNoJoints;
+  static const std::vector<glm::dmat4> no_joints;
   const AnimatedShape& source = *deformed.source;
   const std::vector<double>& weights =
       source.node < 0 ? source.weights_at_rest : weights_[static_cast<std::size_t>(source.node)];
   const std::vector<glm::dmat4>& joints =
-      source.skin < 0 ? kNoJoints : joint_matrices_[static_cast<std::size_t>(source.skin)];
+      source.skin < 0 ? no_joints : joint_matrices_[static_cast<std::size_t>(source.skin)];
   if (weights == deformed.weights && joints == deformed.joint_matrices) return;
   std::optional<Mesh> mesh = deform(*source.mesh, weights, joints);
   SIMVIS_ASSERT(mesh.has_value());

@@ -293,6 +293,12 @@ void Scene::forget_unused_content() {
 
 bool Scene::has_insertion_point(std::string_view name) const { return places_.find(name) != places_.end(); }
 
+const InsertionPoint& Scene::point_node(std::string_view name) const {
+  const auto place = places_.find(name);
+  SIMVIS_ASSERT(place != places_.end());
+  return *place->second.point;
+}
+
 std::optional<glm::dmat4> Scene::world_from_point(std::string_view name) const {
   const auto place = places_.find(name);
   SIMVIS_ASSERT(place != places_.end());

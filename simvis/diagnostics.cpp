@@ -12,6 +12,7 @@ std::span<const std::filesystem::path> Diagnostics::inputs() const { return impl
 const std::map<std::string, std::optional<std::string>>& Diagnostics::environment() const { return impl_->environment; }
 const FrameCounters& Diagnostics::counters() const { return impl_->idle().sensing.renderer.counters(); }
 RayCounters Diagnostics::ray_counters() const { return impl_->idle().sensing.caster->counters(); }
+std::uint64_t Diagnostics::motions_followed() const { return impl_->idle().sensed.motions(); }
 const DrawList& Diagnostics::draw_list() const { return *impl_->idle().sensing.list; }
 const FramePlan& Diagnostics::frame_plan() const { return impl_->idle().sensing.complete_plan(); }
 std::vector<PlannedSensor> Diagnostics::planned_sensors() const {

@@ -1,47 +1,14 @@
 #include "simvis/recording.h"
 
-#include <algorithm>
-#include <cmath>
+#include <filesystem>
 #include <fstream>
-#include <limits>
-#include <memory>
 #include <utility>
 
 #include <simvis/error.h>
-#include <simvis/pose.h>
-#include "messages/from_image.h"
 #include "messages/mcap_records.h"
-#include "messages/types/system_types.h"
-#include "simvis/mount_frame.h"
 
 namespace simvis {
 namespace {
-
-constexpr std::string_view kRoot = "ROOT";
-
-std::string body_frame(const std::string& point) {
-  if (point == kRoot) return std::string(ros::kWorldFrame);
-  return point == ros::kWorldFrame ? point + "_body" : point;
-}
-
-std::string insertion_point(const BuiltSensor& sensor) {
-  const CommandAttribute* const point = sensor.command.find("insert_at");
-  return point == nullptr ? std::string(kRoot) : point->value;
-}
-
-std::string optical_frame(const std::string& sensor_frame, const std::string& stem) {
-  return sensor_frame + (stem.empty() ? "" : "_" + stem) + "_optical";
-}
-
-/// The value of an attribute of the sensor, written or by default; empty if its type has no such number.
-std::optional<double> number_of(const BuiltSensor& sensor, std::string_view attribute) {
-  const std::vector<AttributeSpec> table = all_attributes(*find_sensor_type(sensor.type));
-  const auto found = std::ranges::find(table, attribute, &AttributeSpec::name);
-  if (found == table.end() || found->kind != AttributeKind::number) return std::nullopt;
-  const AttributeValues values(sensor.command, table, kSensorCommonAttributes);
-  if (!values.is_set(attribute)) return std::nullopt;
-  return values.number(attribute);
-}
 
 bool may_be_replaced(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
@@ -50,147 +17,12 @@ bool may_be_replaced(const std::filesystem::path& file) {
   return stream.gcount() == 0 || start == ros::kMcapMagic;
 }
 
-ros::Parameter parameter_message(const Parameters& parameters, std::size_t index) {
-  constexpr std::uint8_t kDouble = 3;
-  ros::Parameter message;
-  message.name = parameters.name(index);
-  message.value.type = kDouble;
-  message.value.double_value = parameters.values()[index];
-  return message;
-}
-
-struct ImageTopic {
-  std::string_view what;
-  std::string_view encoding;
-  ros::TopicForm form;
-  bool compressed;
-};
-constexpr ImageTopic kColorTopics[] = {{"image", "rgb8", ros::TopicForm::own, false},
-                                       {"image/bgr8", "bgr8", ros::TopicForm::other, false},
-                                       {"image/mono16", "mono16", ros::TopicForm::other, false},
-                                       {"image/compressed", "jpeg", ros::TopicForm::other, true},
-                                       {"image/compressed_png", "png", ros::TopicForm::other, true}};
-constexpr ImageTopic kDepthTopics[] = {{"depth", "32FC1", ros::TopicForm::own, false},
-                                       {"depth/millimetres", "16UC1", ros::TopicForm::other, false}};
-
 }  // namespace
 
-/// Turns one measurement into jobs.
-class Recording::SensorMessages : public OutputSink {
- public:
-  SensorMessages(Recording& recording, const std::string& sensor, std::string frame)
-      : recording_(recording), sensor_(sensor), frame_(std::move(frame)) {}
-
-  void calibration(const std::string& stem, const CameraCalibration& calibration) override {
-    calibrations_[stem] = calibration;
-  }
-
-  void picture(const std::string& stem, const Image* color, const Image* depth) override {
-    has_images_ = true;
-    if (color == nullptr && depth == nullptr) return;
-    const CameraCalibration& calibration = calibrations_[stem];
-    glm::dmat4 sensor_from_optical = sensor_from_view();
-    sensor_from_optical[3] = glm::dvec4(0, -calibration.baseline_m, 0, 1);
-    recording_.transforms_.set(frame_, optical_frame(frame_, stem), sensor_from_optical);
-    const ros::Header header = header_of(stem);
-    if (color != nullptr) add_image(stem, *color, header, kColorTopics);
-    if (depth != nullptr) add_image(stem, *depth, header, kDepthTopics);
-    recording_.add(topic(stem, "camera_info"), ros::camera_info(calibration, header));
-  }
-
-  void plane(const std::string& stem, const std::string& channel, const Image& plane) override {
-    has_images_ = true;
-    if (channel != "disparity") {
-      const ImageTopic topics[] = {{channel, "32FC1", ros::TopicForm::own, false}};
-      return add_image(stem == channel ? "" : stem, plane, header_of(stem), topics);
-    }
-    const std::string name = topic("", channel);
-    if (!recording_.topics_.wants(name)) return;
-    const std::shared_ptr<const Image> copy = recording_.copies_.copy(plane);
-    add_job(*copy, 1,
-            [copy, name, right = calibrations_["right"], header = header_of("left"), time = time_ns()](
-                ros::MessageFile& file) { file.write(name, time, ros::disparity_image(*copy, right, header)); });
-  }
-
-  void text(const std::string&, const std::string&, std::string_view) override {}
-  void rows(std::span<const TableColumn>, std::span<const double>) override {}
-
-  void scan(const Scan& scan, const RangeFacts& facts, double scan_time_s) {
-    const std::string planar = topic("", "scan"), cloud = topic("", "points");
-    const bool wants_planar = recording_.topics_.wants(planar), wants_cloud = recording_.topics_.wants(cloud);
-    if (!wants_planar && !wants_cloud) return;
-    const auto copy = std::make_shared<const Scan>(scan);
-    const std::size_t beam_bytes = 2 * sizeof(float) + scan.channels.size() * sizeof(double);
-    recording_.jobs_.push_back(
-        {scan.range_m.size() * beam_bytes, std::uint64_t{wants_planar} + std::uint64_t{wants_cloud},
-         [=, frame = frame_, limits = facts.limits, time = time_ns()](ros::MessageFile& file) {
-           if (wants_planar) {
-             const std::optional<ros::LaserScan> message = ros::laser_scan(*copy, frame, limits, scan_time_s);
-             if (message) file.write(planar, time, *message);
-           }
-           if (wants_cloud) file.write(cloud, time, ros::point_cloud(*copy, frame));
-         }});
-  }
-
-  bool has_images() const { return has_images_; }
-
-  /// The numbers of a sensor without images.
-  void values(std::span<const NamedValue> values, const RangeFacts& facts) {
-    for (const NamedValue& value : values) {
-      if (value.name == "range_m") {
-        recording_.add(topic("", "range"), ros::infrared_range(ros::header_of(time_ns(), frame_), value.value,
-                                                               facts.field_of_view_rad, facts.limits));
-      } else {
-        recording_.add(topic("", value.name), ros::Float64{value.value});
-      }
-    }
-  }
-
- private:
-  std::int64_t time_ns() const { return recording_.time_.time_ns; }
-  ros::Header header_of(const std::string& stem) const {
-    return ros::header_of(time_ns(), optical_frame(frame_, stem));
-  }
-  std::string topic(const std::string& stem, std::string_view what) const {
-    return ros::topic_name(stem.empty() ? sensor_ : sensor_ + "/" + stem, what);
-  }
-
-  void add_job(const Image& copy, std::uint64_t messages, ros::Recorder::Job job) {
-    recording_.jobs_.push_back({copy.pixels.size() * sizeof(float), messages, std::move(job)});
-  }
-
-  void add_image(const std::string& stem, const Image& image, const ros::Header& header,
-                 std::span<const ImageTopic> topics) {
-    std::vector<std::pair<std::string, ImageTopic>> wanted;
-    for (const ImageTopic& each : topics) {
-      const std::string name = topic(stem, each.what);
-      if (recording_.topics_.wants(name, each.form)) wanted.emplace_back(name, each);
-    }
-    if (wanted.empty()) return;
-    const std::shared_ptr<const Image> copy = recording_.copies_.copy(image);
-    add_job(*copy, wanted.size(), [copy, wanted, header, time = time_ns()](ros::MessageFile& file) {
-      for (const auto& [name, each] : wanted) {
-        if (each.compressed) {
-          file.write(name, time, ros::compressed_image(*copy, header, each.encoding));
-        } else {
-          file.write(name, time, ros::to_image(*copy, header, each.encoding));
-        }
-      }
-    });
-  }
-
-  Recording& recording_;
-  const std::string& sensor_;
-  std::string frame_;
-  std::map<std::string, CameraCalibration> calibrations_;  // by stem
-  bool has_images_ = false;
-};
-
-Recording::Recording(const RecordDesc& desc, const BuiltScene& scene) : desc_(desc), topics_(desc.topics) {
-  if (!may_be_replaced(desc.file)) {
-    throw InputError(desc.file.string() + ": error: exists and is no MCAP file, expected a new file or one to replace");
-  }
-  check_names(scene);
+Recording::Recording(const RecordDesc& desc, const BuiltScene& scene)
+    : desc_(desc), topics_(desc.topics), messages_(*this, scene) {
+  if (may_be_replaced(desc.file)) return;
+  throw InputError(desc.file.string() + ": error: exists and is no MCAP file, expected a new file or one to replace");
 }
 
 Recording::~Recording() {
@@ -200,165 +32,22 @@ Recording::~Recording() {
   }
 }
 
-void Recording::check_names(const BuiltScene& scene) {
-  if (checked_ids_ == scene.next_sensor_id) return;
-  checked_ids_ = scene.next_sensor_id;
-  std::map<std::string, std::string> sensor_of_topic;
-  for (const BuiltSensor& sensor : scene.sensors) {
-    const std::string& name = sensor.name;
-    const std::string topic = ros::topic_name(name, "pose");
-    const auto [known, is_new] = sensor_of_topic.emplace(topic, name);
-    if (is_new) continue;
-    throw InputError("sensors " + in_quotes(known->second) + " and " + in_quotes(name) +
-                     " would have the same topics, such as " + topic +
-                     ", expected names that differ in letters or digits");
-  }
-}
-
-std::string Recording::sensor_frame(const BuiltScene& scene, const std::string& name) const {
-  const bool taken = name == ros::kWorldFrame || scene.scene.has_insertion_point(name);
-  return taken ? name + "_sensor" : name;
-}
-
-const Recording::RangeFacts& Recording::range_facts(const BuiltSensor& sensor) {
-  const auto [found, is_new] = range_facts_.try_emplace(sensor.id);
-  if (is_new) {
-    found->second = {{number_of(sensor, "range_min").value_or(0),
-                      number_of(sensor, "range_max").value_or(std::numeric_limits<double>::infinity())},
-                     glm::radians(number_of(sensor, "opening").value_or(0))};
-  }
-  return found->second;
-}
-
 // Small messages say how things are. They are never dropped, and do not wait.
-template <ros::Message M>
-void Recording::add(const std::string& topic, M message, ros::Durability durability) {
-  if (!topics_.wants(topic)) return;
-  recorder_->add(0, WhenFull::exceed, [=, time = time_.time_ns, message = std::move(message)](ros::MessageFile& file) {
-    file.write(topic, time, message, durability);
-  });
+void Recording::add(ros::MessageJob job) {
+  using WhenFull = ros::Recorder::WhenFull;
+  const bool is_state = job.kind == ros::MessageJob::Kind::state;
+  const WhenFull when_full = is_state ? WhenFull::exceed : desc_.drop ? WhenFull::drop : WhenFull::wait;
+  if (!recorder_->add(job.held_bytes, when_full, std::move(job.run))) dropped_ += job.messages;
 }
 
 void Recording::add_frame(const BuiltScene& scene, const FrameTime& time, std::span<const PlacedSensor> sensors) {
-  check_names(scene);
   if (!recorder_) recorder_.emplace(desc_.file);
-  time_ = time;
-  jobs_.clear();
-  transforms_.begin(time.time_ns);
-  add("/clock", ros::Clock{ros::to_time(time.time_ns)});
-  add_parameters(scene.parameters);
-  add_warnings(scene.scene.warnings());
-  add_bodies(scene, sensors);
-  add_poses(scene, sensors);
-  add_measurements(scene, sensors);
-  if (const std::optional<ros::TFMessage> fixed = transforms_.new_fixed()) {
-    add("/tf_static", *fixed, ros::Durability::latched);
-  }
-  if (!transforms_.moving().transforms.empty()) add("/tf", transforms_.moving());
-  const WhenFull when_full = desc_.drop ? WhenFull::drop : WhenFull::wait;
-  for (Job& job : jobs_) {
-    if (!recorder_->add(job.held_bytes, when_full, std::move(job.run))) dropped_ += job.messages;
-  }
-}
-
-void Recording::add_bodies(const BuiltScene& scene, std::span<const PlacedSensor> sensors) {
-  world_from_body_.clear();
-  for (const PlacedSensor& placed : sensors) {
-    const std::string point = insertion_point(placed.sensor);
-    if (point == kRoot || world_from_body_.contains(point)) continue;
-    const std::optional<glm::dmat4> world_from_point = scene.scene.world_from_point(point);
-    glm::dmat4 rigid;
-    if (!world_from_point || !rigid_mount_frame(*world_from_point, rigid)) continue;
-    world_from_body_.emplace(point, rigid);
-    const std::string frame = body_frame(point);
-    transforms_.set(std::string(ros::kWorldFrame), frame, rigid);
-    Body& body = bodies_[point];
-    const ros::PoseAt now{time_.time_ns, rigid};
-    if (body.before) add(ros::topic_name(point, "odom"), ros::odometry(*body.before, now, frame));
-    if (topics_.wants(ros::topic_name(point, "path"))) body.path.poses.push_back(ros::pose_stamped(now));
-    body.before = now;
-  }
-}
-
-void Recording::add_poses(const BuiltScene& scene, std::span<const PlacedSensor> sensors) {
-  for (const auto& [sensor, world_from_sensor, measured] : sensors) {
-    const std::string frame = sensor_frame(scene, sensor.name), point = insertion_point(sensor);
-    if (const auto body = world_from_body_.find(point); body != world_from_body_.end()) {
-      transforms_.set(body_frame(point), frame, rigid_inverse(body->second) * world_from_sensor);
-    } else {
-      transforms_.set(std::string(ros::kWorldFrame), frame, world_from_sensor);
-    }
-    if (!measured) continue;
-    const ros::PoseAt now{time_.time_ns, world_from_sensor};
-    add(ros::topic_name(sensor.name, "pose"), ros::pose_stamped(now));
-    const auto [before, is_first] = sensors_before_.try_emplace(sensor.id, now);
-    if (is_first) continue;
-    add(ros::topic_name(sensor.name, "twist"),
-        ros::TwistStamped{ros::header_of(time_.time_ns, frame), ros::mean_twist(before->second, now)});
-    before->second = now;
-  }
-}
-
-void Recording::add_measurements(const BuiltScene& scene, std::span<const PlacedSensor> sensors) {
-  for (const auto& [sensor, world_from_sensor, measured] : sensors) {
-    if (!measured) continue;
-    SensorMessages messages(*this, sensor.name, sensor_frame(scene, sensor.name));
-    const double rate = sensor.sensor->rate_hz;
-    const double period_s = rate > 0 ? 1 / rate : static_cast<double>(time_.period_ns) / 1e9;
-    if (const Scan* const scan = sensor.sensor->scan()) {
-      messages.scan(*scan, range_facts(sensor), period_s);
-    } else {
-      sensor.sensor->write(messages);
-      // Those of a camera, such as the bound on its depth, are computed when they are read.
-      if (!messages.has_images()) messages.values(sensor.sensor->values(), range_facts(sensor));
-    }
-  }
-}
-
-void Recording::add_parameters(const Parameters& parameters) {
-  ros::ParameterEvent event;
-  event.stamp = ros::to_time(time_.time_ns);
-  event.node = "/simvis";
-  const std::span<const double> values = parameters.values();
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    const std::optional<double> now = parameters.is_removed(i) ? std::nullopt : std::optional(values[i]);
-    const std::optional<double> before = i < values_.size() ? values_[i] : std::nullopt;
-    if (now == before) continue;
-    (!before ? event.new_parameters
-     : now   ? event.changed_parameters
-             : event.deleted_parameters)
-        .push_back(parameter_message(parameters, i));
-    values_.resize(std::max(values_.size(), i + 1));
-    values_[i] = now;
-  }
-  const bool changes =
-      !event.new_parameters.empty() || !event.changed_parameters.empty() || !event.deleted_parameters.empty();
-  if (changes) add("/parameter_events", event);
-}
-
-void Recording::add_warnings(const std::vector<std::string>& warnings) {
-  constexpr std::byte kWarn{1};
-  if (warnings_ >= warnings.size()) return;
-  ros::DiagnosticArray message;
-  message.header = ros::header_of(time_.time_ns, "");
-  for (; warnings_ < warnings.size(); ++warnings_) {
-    message.status.push_back({kWarn, "simvis", warnings[warnings_], "", {}});
-  }
-  add("/diagnostics", message);
-}
-
-void Recording::add_paths() {
-  for (auto& [point, body] : bodies_) {
-    if (body.path.poses.empty()) continue;
-    body.path.header = ros::header_of(time_.time_ns, ros::kWorldFrame);
-    add(ros::topic_name(point, "path"), std::move(body.path));
-  }
-  bodies_.clear();
+  messages_.add_frame(scene, time, sensors);
 }
 
 RecordReport Recording::finish() {
   if (!recorder_) return {.file = desc_.file};
-  add_paths();
+  messages_.add_paths();
   recorder_->finish();
   return {.file = desc_.file, .messages = recorder_->messages(), .dropped = dropped_, .bytes = recorder_->bytes()};
 }

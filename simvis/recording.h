@@ -1,38 +1,24 @@
-// A simulation as ROS 2 messages in a file: says which messages a frame gives. docs/messages.md lists them.
+// A recording of a simulation: its messages in a file.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
-#include <map>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include <simvis/simulation_desc.h>
-#include "messages/from_pose.h"
-#include "messages/from_scan.h"
-#include "messages/image_copies.h"
 #include "messages/recorder.h"
-#include "messages/topics.h"
-#include "messages/transforms.h"
-#include "simvis/scene_builder.h"
+#include "simvis/frame_messages.h"
 
 namespace simvis {
 
-/// A sensor that is on, and where it stands in a frame.
-struct PlacedSensor {
-  const BuiltSensor& sensor;
-  glm::dmat4 world_from_sensor{1.0};
-  bool measured = false;  ///< in this frame
-};
-
-class Recording {
+class Recording : private ros::MessageOutlet {
  public:
   /// Throws InputError: the file exists and is no MCAP file; two sensors would have the same topics.
   Recording(const RecordDesc& desc, const BuiltScene& scene);
   /// As finish(); errors are lost.
-  ~Recording();
+  ~Recording() override;
   Recording(const Recording&) = delete;
   Recording& operator=(const Recording&) = delete;
 
@@ -45,48 +31,13 @@ class Recording {
   std::vector<std::string> unmatched_patterns() const { return topics_.unmatched(); }
 
  private:
-  class SensorMessages;
-  using WhenFull = ros::Recorder::WhenFull;
-  struct Job {
-    std::size_t held_bytes;
-    std::uint64_t messages;
-    ros::Recorder::Job run;
-  };
-  // What the attributes of a sensor say of its ranges.
-  struct RangeFacts {
-    ros::RangeLimits limits;
-    double field_of_view_rad = 0;
-  };
-  struct Body {
-    std::optional<ros::PoseAt> before;
-    ros::Path path;
-  };
-
-  void check_names(const BuiltScene& scene);
-  std::string sensor_frame(const BuiltScene& scene, const std::string& name) const;
-  const RangeFacts& range_facts(const BuiltSensor& sensor);
-  template <ros::Message M>
-  void add(const std::string& topic, M message, ros::Durability durability = ros::Durability::transient);
-  void add_bodies(const BuiltScene& scene, std::span<const PlacedSensor> sensors);
-  void add_poses(const BuiltScene& scene, std::span<const PlacedSensor> sensors);
-  void add_measurements(const BuiltScene& scene, std::span<const PlacedSensor> sensors);
-  void add_parameters(const Parameters& parameters);
-  void add_warnings(const std::vector<std::string>& warnings);
-  void add_paths();
+  bool wants(const ros::Topic& topic, ros::TopicForm form) override { return topics_.wants(topic.name, form); }
+  void add(ros::MessageJob job) override;
 
   RecordDesc desc_;
   ros::TopicFilter topics_;
+  FrameMessages messages_;
   std::optional<ros::Recorder> recorder_;
-  FrameTime time_;  // of the frame that is being added
-  ros::Transforms transforms_;
-  std::map<std::string, glm::dmat4> world_from_body_;  // in this frame
-  std::map<std::string, Body> bodies_;
-  std::map<std::size_t, ros::PoseAt> sensors_before_;  // by id
-  std::map<std::size_t, RangeFacts> range_facts_;      // by id of the sensor
-  std::vector<Job> jobs_;                              // of this frame's measurements
-  ros::ImageCopies copies_;
-  std::size_t checked_ids_ = 0, warnings_ = 0;
-  std::vector<std::optional<double>> values_;  // of parameters, as the file has them; empty: of a removed element
   std::uint64_t dropped_ = 0;
 };
 

@@ -78,6 +78,7 @@ class SceneBuilder {
     std::string name, insert_at;
     Location where;
   };
+  static void check_override(const AttributeOverride& override);
   template <typename Action>
   void all_or_nothing(const Action& action);
   void run(std::span<const Command> commands);

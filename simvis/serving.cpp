@@ -208,12 +208,20 @@ void Serving::publish(const BuiltSensor& sensor, const FrameTime& time, const gl
   } else {
     sensor.sensor->write(images);
   }
+  // All columns in one array: the names of some are too long for an output of their own.
+  if (const Reading* const reading = sensor.sensor->reading()) {
+    outputs.push_back(output_of("reading", static_cast<std::uint32_t>(reading->rows()),
+                                static_cast<std::uint32_t>(reading->columns.size()), reading->values.data()));
+  }
   for (const ImageOutputs::Named& each : images.images) {
     SharedOutput output = output_of(each.name, each.image->height, each.image->width, each.image->pixels.data());
     output.channels = each.image->channels;
     outputs.push_back(output);
   }
-  for (const NamedValue& value : sensor.sensor->values()) outputs.push_back(output_of(value.name, 1, 1, &value.value));
+  constexpr std::size_t kLongestName = sizeof(simvis_output::name) - 1;
+  for (const NamedValue& value : sensor.sensor->values()) {
+    if (value.name.size() <= kLongestName) outputs.push_back(output_of(value.name, 1, 1, &value.value));
+  }
   if (outputs.size() > SIMVIS_SHM_MAX_OUTPUTS) outputs.resize(SIMVIS_SHM_MAX_OUTPUTS);
   host_.publish(sensors_.at(sensor.id), time.index, time.time_ns, {glm::value_ptr(world_from_sensor), 16}, outputs);
 }

@@ -8,6 +8,7 @@
 #include <simvis/part_importer.h>
 #include <simvis/pose.h>
 #include "simvis/built_scene.h"
+#include "simvis/message_tap.h"
 #include "simvis/simulation_use.h"
 
 namespace simvis {
@@ -133,6 +134,13 @@ RecordReport Simulation::finish_recording() {
   return recording->finish();
 }
 
+void send_messages(Simulation& simulation, ros::MessageOutlet* outlet) {
+  const SimulationUse use = simulation.impl();
+  SimulationImpl& idle = use->idle();
+  idle.sent_messages.reset();
+  if (outlet != nullptr) idle.sent_messages = std::make_unique<FrameMessages>(*outlet, idle.scene.built);
+}
+
 void Simulation::show_scan(std::string_view sensor, Scan scan) {
   const SimulationUse use = impl();
   const BuiltSensor& found = use->idle().sensor(sensor);
@@ -149,7 +157,10 @@ void Simulation::add_variant(std::string_view sensor, const Command& command) {
 
 void Simulation::enable(std::string_view sensor, bool on) {
   const SimulationUse use = impl();
-  use->idle().states[use->index(sensor)].enabled = on;
+  SimulationImpl::State& state = use->idle().states[use->index(sensor)];
+  if (state.enabled == on) return;
+  state.enabled = on;
+  use->sensed.enable(state.sensor, on);
 }
 
 void Simulation::step() { impl()->step(); }
@@ -171,6 +182,12 @@ const Scan& Simulation::scan(std::string_view sensor) const {
   const SimulationUse use = impl();
   const BuiltSensor& found = use->sensor(sensor);
   return require(found.sensor->scan(), found, "scan");
+}
+
+const Reading& Simulation::reading(std::string_view sensor) const {
+  const SimulationUse use = impl();
+  const BuiltSensor& found = use->sensor(sensor);
+  return require(found.sensor->reading(), found, "reading");
 }
 
 const Image& Simulation::color(std::string_view sensor) const {

@@ -50,6 +50,7 @@ SimulationImpl::SimulationImpl(const SimulationDesc& desc, std::span<const Comma
 // Called after each change of the scene: what frames need of it follows.
 void SimulationImpl::follow_scene() {
   follow_sensors();
+  sensed.follow(scene.built, sensing.flattener);
   follow_tracked_parts();
   const bool wanted = std::ranges::any_of(scene.built.sensors,
                                           [](const BuiltSensor& sensor) { return sensor.sensor->visualization(); });
@@ -145,6 +146,7 @@ void SimulationImpl::start() {
   update_elements();
   stages.begin("flatten");
   sensing.list = &sensing.flattener.update();
+  sensed.update(scene.built, sensing.flattener, *sensing.list, time);
   stages.begin("plan");
   plan_due_sensors(sensing, false, time);
   stages.begin("render");
@@ -165,6 +167,7 @@ void SimulationImpl::finish() {
   }
   if (serving) publish_to_clients(frame);
   if (recording) record_frame(frame);
+  if (sent_messages) send_frame(frame);
   stages.end();
   timeline.go_on(frame);
 }
@@ -190,8 +193,7 @@ void SimulationImpl::publish_to_clients(const FrameTime& time) {
   serving->finish_frame(scene.built, time);
 }
 
-void SimulationImpl::record_frame(const FrameTime& time) {
-  stages.begin("record");
+std::vector<PlacedSensor> SimulationImpl::placed_sensors() {
   std::vector<PlacedSensor> placed;
   for (std::size_t i = 0; i < states.size(); ++i) {
     const BuiltSensor& sensor = scene.built.sensors[i];
@@ -200,10 +202,26 @@ void SimulationImpl::record_frame(const FrameTime& time) {
     if (!states[i].enabled || (!has_measured && !pose(sensor, world_from_sensor))) continue;
     placed.push_back({sensor, world_from_sensor, has_measured});
   }
-  recording->add_frame(scene.built, time, placed);
+  return placed;
+}
+
+void SimulationImpl::record_frame(const FrameTime& time) {
+  stages.begin("record");
+  recording->add_frame(scene.built, time, placed_sensors());
   if (recorded_frames++ > 0) return;
   for (const std::string& pattern : recording->unmatched_patterns()) {
     warn("recording: no topic of the first frame matches " + in_quotes(pattern));
+  }
+}
+
+// Who listens does not decide whether the simulation goes on.
+void SimulationImpl::send_frame(const FrameTime& time) {
+  stages.begin("messages");
+  try {
+    sent_messages->add_frame(scene.built, time, placed_sensors());
+  } catch (const InputError& error) {
+    sent_messages.reset();
+    warn(std::string("messages: none are sent any more: ") + error.what());
   }
 }
 
@@ -237,6 +255,7 @@ void SimulationImpl::skip_frame() {
   if (looked_back_at) {
     update_elements();
     sensing.list = &sensing.flattener.update();
+    sensed.update(scene.built, sensing.flattener, *sensing.list, time);
     for (std::size_t i = 0; i < states.size(); ++i) {
       if (due_state(i, time) != DueState::due) continue;
       scene.built.sensors[i].sensor->skip_frame(time, states[i].world_from_sensor);
@@ -298,6 +317,7 @@ void SimulationImpl::plan_due_sensors(ViewLayer& layer, bool visualization, cons
     if (entry.due_state == DueState::due) {
       const std::size_t views = count_views(plan);
       sensor.begin(time);
+      if (const SensedWorld* const world = sensed.find(states[i].sensor)) sensor.sense(*world);
       sensor.plan(states[i].world_from_sensor, *layer.list, plan);
       entry.draws = count_views(plan) > views;
     }

@@ -17,9 +17,11 @@
 #include <simvis/device.h>
 #include <simvis/simulation_desc.h>
 #include "engine/base/input_log.h"
+#include "simvis/frame_messages.h"
 #include "simvis/kept_measurements.h"
 #include "simvis/live_scene.h"
 #include "simvis/recording.h"
+#include "simvis/sensed_world.h"
 #include "simvis/serving.h"
 #include "simvis/step_stages.h"
 #include "simvis/timeline.h"
@@ -59,7 +61,9 @@ struct SimulationImpl : Observations {
   void follow_tracked_parts();
   void take_from_clients(const FrameTime& time);
   void publish_to_clients(const FrameTime& time);
+  std::vector<PlacedSensor> placed_sensors();
   void record_frame(const FrameTime& time);
+  void send_frame(const FrameTime& time);
   ViewLayer& layer_of(const BuiltSensor& sensor) { return sensor.sensor->visualization() ? *people : sensing; }
   bool pose(const BuiltSensor& sensor, glm::dmat4& world_from_sensor);
   std::size_t index(std::string_view sensor) const;
@@ -99,6 +103,7 @@ struct SimulationImpl : Observations {
   std::map<std::string, std::shared_ptr<Mount>, std::less<>> tracked_parts;  // null: it was removed
   std::optional<CostModel> device_costs;                                     // set when a sensor first requests them
   ViewLayer sensing;
+  SensedWorlds sensed;
   std::optional<ViewLayer> people;    // set if the scene has a visualization sensor
   FrameTime frame;                    // under way, or the last one that was begun
   bool under_way = false;             // `frame` is not finished; the device may be working
@@ -108,6 +113,7 @@ struct SimulationImpl : Observations {
   std::optional<Serving> serving;                // set by Simulation::serve()
   std::unique_ptr<Recording> recording;          // set by Simulation::record()
   std::uint64_t recorded_frames = 0;             // of this recording
+  std::unique_ptr<FrameMessages> sent_messages;  // set by send_messages()
   bool instrumented;
   std::vector<SensorCost> sensor_costs;
 };

@@ -41,7 +41,7 @@ if(NOT SIMVIS_TESTS_FROM)
   target_link_libraries(simvis_test_base PUBLIC glm::glm nlohmann_json::nlohmann_json PkgConfig::stb)
   simvis_test_objects(simvis_test_base)
   file(GLOB support RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} CONFIGURE_DEPENDS support/*.cpp support/parts/*.cpp)
-  list(REMOVE_ITEM support ${base})
+  list(REMOVE_ITEM support ${base} support/one_mapping.cpp)  # for the thread sanitizer alone
   add_library(simvis_test_support STATIC ${support})
   target_link_libraries(simvis_test_support PUBLIC simvis_internals simvis_test_base)
   simvis_test_objects(simvis_test_support)
@@ -56,7 +56,7 @@ foreach(room IN LISTS rooms)
     continue()
   endif()
   if(SIMVIS_TESTS_FROM)
-    foreach(objects IN LISTS simvis_objects ITEMS simvis_output simvis_report)
+    foreach(objects IN LISTS simvis_objects ITEMS simvis_output simvis_report simvis_live)
       target_sources(${room}_tests PRIVATE $<TARGET_OBJECTS:${objects}>)
     endforeach()
     set(archives ${SIMVIS_TESTS_FROM}/tests)
@@ -90,7 +90,7 @@ else()
   set(test_base simvis_test_base)
 endif()
 target_link_libraries(public_tests PRIVATE $<LINK_LIBRARY:WHOLE_ARCHIVE,${public_objects}> ${test_base} simvis Threads::Threads ${CMAKE_DL_LIBS})
-add_dependencies(public_tests simvis_example_plugin ${refused_plugin_targets})
+add_dependencies(public_tests simvis-try-plugin simvis_example_plugin ${refused_plugin_targets})
 
 target_link_libraries(clients_tests PRIVATE simvis_client)
 add_dependencies(clients_tests simvis-ctl)
@@ -105,14 +105,18 @@ add_dependencies(sensors_tests simvis-run)
 if(SIMVIS_SANITIZE MATCHES "thread")
   file(GLOB host_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/engine/base/*.cpp ${PROJECT_SOURCE_DIR}/engine/draw/*.cpp
                                            ${PROJECT_SOURCE_DIR}/engine/geometry/*.cpp
-                                           ${PROJECT_SOURCE_DIR}/engine/raycast/*.cpp)
+                                           ${PROJECT_SOURCE_DIR}/engine/raycast/*.cpp ${PROJECT_SOURCE_DIR}/clients/*.cpp)
   list(FILTER host_sources EXCLUDE REGEX
        "/raycast/(device_.*|gpu_ray_instance|ray_caster|ray_dispatch|blas_pool|tlas|cost_model).cpp$")
   add_executable(host_threads_tests EXCLUDE_FROM_ALL
                  ${host_sources} ${PROJECT_SOURCE_DIR}/simvis/output/encoding_queue.cpp support/test_main.cpp
                  support/temporary_folder.cpp engine/thread_pool_test.cpp engine/cache_file_test.cpp
-                 simvis/encoding_queue_test.cpp raycast/ray_threads_test.cpp)
+                 simvis/encoding_queue_test.cpp raycast/ray_threads_test.cpp
+                 ${PROJECT_SOURCE_DIR}/clients/client.c clients/writers_test.cpp support/one_mapping.cpp)
   target_include_directories(host_threads_tests PRIVATE ${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR})
-  target_link_libraries(host_threads_tests PRIVATE glm::glm Threads::Threads)
-  target_compile_definitions(host_threads_tests PRIVATE SIMVIS_TEST_DATA="${SIMVIS_TEST_DATA}")
+  target_link_libraries(host_threads_tests PRIVATE glm::glm Threads::Threads ${CMAKE_DL_LIBS})
+  target_link_options(host_threads_tests PRIVATE LINKER:--wrap=mmap,--wrap=munmap)
+  target_compile_options(host_threads_tests PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-tsan>)  # it does not model fences
+  target_compile_definitions(host_threads_tests PRIVATE SIMVIS_BINARY_DIR="${PROJECT_BINARY_DIR}"
+                                                        SIMVIS_TEST_DATA="${SIMVIS_TEST_DATA}")
 endif()

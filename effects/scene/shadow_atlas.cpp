@@ -23,7 +23,7 @@ ShadowAtlas::Map ShadowAtlas::add(std::vector<View> views, std::uint32_t side_px
 }
 
 // Places the blocks in rows, each as high as its first block; returns the total height.
-std::uint32_t ShadowAtlas::place(std::vector<Block> highest_first, std::uint32_t width_px) {
+std::uint32_t ShadowAtlas::place(const std::vector<Block>& highest_first, std::uint32_t width_px) {
   corners_.resize(views_.size());
   std::uint64_t x = 0, y = 0, row = 0;
   for (const Block& block : highest_first) {

@@ -28,7 +28,7 @@ class ShadowAtlas {
   struct Block {
     std::uint32_t first_view = 0, end_view = 0, width_px = 0, height_px = 0;
   };
-  std::uint32_t place(std::vector<Block> highest_first, std::uint32_t width_px);
+  std::uint32_t place(const std::vector<Block>& highest_first, std::uint32_t width_px);
 
   std::vector<View> views_;  // relative to the corners of their blocks
   std::vector<Block> blocks_;

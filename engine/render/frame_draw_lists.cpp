@@ -33,7 +33,7 @@ void FrameDrawLists::update(const FramePlan& plan, const DrawList& list, const D
   std::vector<Task> tasks;
   for (const Pass& pass : plan.passes) {
     for (const View& view : pass.views) {
-      if (tasks.size() == drawings_.size()) drawings_.emplace_back(snap_px_);
+      if (tasks.size() == drawings_.size()) drawings_.emplace_back(snap_px_, selects_triangles_);
       tasks.push_back({pass, view, is_strip(view) ? &columns_.of(view) : nullptr, drawings_[tasks.size()]});
     }
   }

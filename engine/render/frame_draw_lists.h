@@ -20,9 +20,9 @@ inline constexpr std::uint64_t kWorthThreads = 4000;
 /// The lists keep their memory from frame to frame.
 class FrameDrawLists {
  public:
-  /// `snap_px` as in PassResult.
-  FrameDrawLists(double snap_px, std::shared_ptr<ThreadPool> pool)
-      : snap_px_(snap_px), pool_(std::move(pool)), strips_(pool_->size()) {}
+  /// `snap_px` and `selects_triangles` as for ViewDrawList.
+  FrameDrawLists(double snap_px, bool selects_triangles, std::shared_ptr<ThreadPool> pool)
+      : snap_px_(snap_px), selects_triangles_(selects_triangles), pool_(std::move(pool)), strips_(pool_->size()) {}
 
   void clear();
 
@@ -42,6 +42,7 @@ class FrameDrawLists {
   void append(const ViewDrawList& drawing, bool shadowed);
 
   double snap_px_;
+  bool selects_triangles_;
   std::shared_ptr<ThreadPool> pool_;
   std::vector<ViewDraws> views_;
   std::vector<DrawRun> runs_;

@@ -82,7 +82,7 @@ struct Renderer::Impl {
         average(d),
         layers(d, pipelines),
         targets(d, pipelines, average),
-        draws(d.physical.snap_px, d.threads) {
+        draws(d.physical.snap_px, d.physical.is_cpu(), d.threads) {
     if (d.instrumented) queries.emplace(d);
   }
 

@@ -14,6 +14,9 @@ using Surface = PipelineKey::Surface;
 // The number of triangles whose drawing costs about as much as occlusion culling.
 constexpr std::uint64_t kWorthHiding = 2000;
 
+// The number of triangles of a mesh whose drawing costs about as much as a draw of its own.
+constexpr std::uint32_t kWorthSelecting = 64;
+
 // The group of a run that no other instance may join.
 constexpr std::uint32_t kNoGroup = std::numeric_limits<std::uint32_t>::max();
 
@@ -84,6 +87,8 @@ void ViewDrawList::update(const View& view, const Pass& pass, const StripColumns
   if (view.culled) draws_.counts.boxes_examined += table.find_seen(projection, seen_items_);
   limit_ = FacingTolerance(view, snap_px_);
   hidden_.begin(view, limit_);
+  selecting_ = selects_triangles_ && !strip_ && !view.orthographic && !pass.shadow_maps;
+  if (selecting_) selector_.begin(view, pass.supersampling * pass.msaa, snap_px_);
   if (view.culled && !strip_ && !view.orthographic && !pass.shadow_maps) {
     find_occluders(pass.color ? table.solid() : table.depth(), view, projection, list, table);
   }
@@ -304,6 +309,8 @@ void ViewDrawList::draw_seen_clusters(const Drawable& d, const View& view, const
   const NormalConeCuller eye(limit_, planes, view_from_mesh);
   const bool by_facing = key.cull_back && eye.is_usable() && !d.range.facing.empty();
   seen_.clear();
+  seen_clusters_.clear();
+  std::uint32_t seen_indices = 0;
   draws_.counts.boxes_examined += d.range.clusters.size();
   for (std::size_t i = 0; i < d.range.clusters.size(); ++i) {
     const Cluster& cluster = d.range.clusters[i];
@@ -313,6 +320,8 @@ void ViewDrawList::draw_seen_clusters(const Drawable& d, const View& view, const
         hidden_.is_occluded(view_box(view_from_mesh, cluster, planes.slack), view_from_mesh, d.range, cluster)) {
       continue;
     }
+    seen_indices += cluster.index_count;
+    if (selecting_) seen_clusters_.push_back(&cluster);
     if (!seen_.empty() && seen_.back().first_index + seen_.back().index_count == cluster.first_index) {
       seen_.back().index_count += cluster.index_count;
     } else {
@@ -320,6 +329,11 @@ void ViewDrawList::draw_seen_clusters(const Drawable& d, const View& view, const
     }
   }
   if (seen_.empty()) return;
+  if (selecting_ && seen_indices >= 3 * kWorthSelecting) {
+    selector_.place(view_from_mesh, planes.slack, key.cull_back, d.mirrored);
+    draw_selected_triangles(d, key, projection, list);
+    return;
+  }
   if (seen_.front().index_count == d.range.index_count) {
     draw(d, view, projection, list, first_run);
     return;
@@ -330,6 +344,22 @@ void ViewDrawList::draw_seen_clusters(const Drawable& d, const View& view, const
     part.vertex_offset = d.range.vertex_offset;
     add_run(d, key, part, instance);
   }
+  last_group_ = kNoGroup;
+}
+
+// Draws those triangles of the seen clusters that can change a pixel, in one draw with its own indices.
+void ViewDrawList::draw_selected_triangles(const Drawable& d, const PipelineKey& key, const ViewProjection& projection,
+                                           const DrawList& list) {
+  const auto first = static_cast<std::uint32_t>(indices_.size());
+  for (const Cluster* const cluster : seen_clusters_) {
+    draws_.counts.triangles_examined += cluster->index_count / 3;
+    selector_.select(d.range.clustering->vertices_of(*cluster), d.range.clustering->corners_of(*cluster),
+                     d.range.positions, indices_);
+  }
+  const auto count = static_cast<std::uint32_t>(indices_.size()) - first;
+  if (count == 0) return;
+  const MeshRange range{.first_index = first, .index_count = count, .vertex_offset = d.range.vertex_offset};
+  add_run(d, key, range, add_instance(d, projection, list)).own_indices = true;
   last_group_ = kNoGroup;
 }
 

@@ -10,6 +10,7 @@
 #include "engine/culling/column_occlusion_buffer.h"
 #include "engine/culling/occlusion_culler.h"
 #include "engine/culling/strip_columns.h"
+#include "engine/culling/triangle_selector.h"
 #include "engine/render/draw_cache.h"
 #include "shaders/interop.h"
 
@@ -63,8 +64,9 @@ struct ViewDraws {
 /// The lists keep their memory from view to view. All indices refer to the lists of this object.
 class ViewDrawList {
  public:
-  /// `snap_px` as in PassResult.
-  explicit ViewDrawList(double snap_px) : snap_px_(snap_px) {}
+  /// `snap_px` as in PassResult. `selects_triangles`: the host selects single triangles of all culled views, because
+  /// drawing one costs the device more than testing it costs the host.
+  ViewDrawList(double snap_px, bool selects_triangles) : snap_px_(snap_px), selects_triangles_(selects_triangles) {}
 
   /// Builds the draws of one view and replaces those of the previous view. `columns` are the columns of the view if it
   /// is a strip, and null otherwise; `strip` is used only with `columns`. Several threads may call this on different
@@ -95,6 +97,8 @@ class ViewDrawList {
                           const WorldBox& box, std::size_t first_run);
   void draw_seen_triangles(const Drawable& d, const View& view, const ViewProjection& projection, const DrawList& list,
                            const WorldBox& box);
+  void draw_selected_triangles(const Drawable& d, const PipelineKey& key, const ViewProjection& projection,
+                               const DrawList& list);
   DrawRun& add_run(const Drawable& d, const PipelineKey& key, const MeshRange& range, std::uint32_t instance);
   std::uint32_t add_instance(const Drawable& d, const ViewProjection& projection, const DrawList& list);
   void append_visible(const RenderQueue& items, const View& view);
@@ -105,6 +109,7 @@ class ViewDrawList {
   void add_depth_visible(std::size_t first_layer, std::size_t end_layer);
 
   double snap_px_;
+  bool selects_triangles_;
   ViewDraws draws_;
   std::vector<DrawRun> runs_;
   std::vector<shader::Instance> instances_;
@@ -115,9 +120,12 @@ class ViewDrawList {
   ColumnOcclusionBuffer* strip_ = nullptr;  // set in update() if the view is a strip
   FacingTolerance limit_;                   // of the view
   OcclusionCuller hidden_;                  // used if the view is not a strip
+  TriangleSelector selector_;               // used if selecting_
+  bool selecting_ = false;                  // in the present view
   std::vector<std::uint32_t> seen_items_;   // used if the view is culled
   std::vector<std::uint32_t> positions_;    // of the drawables, in ascending order
   std::vector<MeshRange> seen_;
+  std::vector<const Cluster*> seen_clusters_;
   std::uint32_t last_group_ = 0;
 };
 

@@ -9,7 +9,7 @@ std::vector<DeviceInfo> list_devices() { return infos(examine_all(Instance(wants
 Device::Device(const DeviceDesc& desc, unsigned threads) : impl_(std::make_unique<DeviceImpl>(desc, threads)) {}
 Device::~Device() = default;
 const DeviceInfo& Device::info() const { return impl_->physical.info; }
-bool Device::is_cpu() const { return impl_->physical.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU; }
+bool Device::is_cpu() const { return impl_->physical.is_cpu(); }
 const TargetLimits& Device::target_limits() const { return impl_->physical.targets; }
 std::uint64_t Device::memory_bytes() const { return impl_->memory_bytes; }
 std::uint64_t Device::validation_messages() const { return impl_->instance.messages(); }

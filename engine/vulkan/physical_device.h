@@ -24,6 +24,9 @@ struct PhysicalDevice {
   std::uint32_t timestamp_bits = 0;       ///< of `queue_family`; 0 if it has no timestamps
   std::uint32_t queue_family = 0;  ///< for graphics and compute; meaningless if `info.unusable` says that there is none
   DeviceInfo info;
+
+  /// Whether it is a rasteriser on the host's cores.
+  bool is_cpu() const { return properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU; }
 };
 
 /// Queries the driver. `info.unusable` says why SimVis cannot run on the device.

@@ -48,8 +48,10 @@ class SIMVIS_API Diagnostics {
   const std::map<std::string, std::optional<std::string>>& environment() const;
   const FrameCounters& counters() const;  ///< of the last step()
   RayCounters ray_counters() const;       ///< sum over all steps
-  const DrawList& draw_list() const;      ///< of the last step(); before the first: of the loaded scene
-  const FramePlan& frame_plan() const;    ///< of the last step(), complete: see <simvis/frame_plan.h>
+  std::uint64_t motions_followed()
+      const;                            ///< poses, items and joints compared with their previous frame, over all steps
+  const DrawList& draw_list() const;    ///< of the last step(); before the first: of the loaded scene
+  const FramePlan& frame_plan() const;  ///< of the last step(), complete: see <simvis/frame_plan.h>
   /// All sensors that frame_plan() is for, due or not.
   std::vector<PlannedSensor> planned_sensors() const;
   /// Device times and counts of the last step(). Null unless SimulationDesc::device is instrumented.
@@ -71,6 +73,7 @@ class SIMVIS_API Diagnostics {
   std::uint64_t validation_messages() const;
 
  private:
+  friend struct BuiltSceneAccess;
   SimulationImpl* impl_;
 };
 

@@ -1,4 +1,4 @@
-// Poses as written in scene files, and their matrices.
+// Poses as written in scene files, their matrices, and motion.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -16,6 +16,19 @@ struct Pose {
   double roll_rad = 0,       ///< rotation about x
       pitch_rad = 0,         ///< rotation about y
       yaw_rad = 0;           ///< rotation about z
+};
+
+/// How a rigid frame moves: its origin and its rotation, as vectors in the world frame.
+///
+/// Motion follows from poses at the frames of the simulation. Velocities are the mean of the time since the previous
+/// frame: the constant twist (screw motion) that leads from the pose then to the pose now. Accelerations are the change
+/// between the twists of the last two such times over the time between their middles. At the first frame after the load
+/// or after the frame was hidden, everything stands still; at the second one the twist counts as constant.
+struct Motion {
+  glm::dvec3 velocity_mps{0},          ///< of the origin
+      angular_velocity_radps{0},       ///< about the axes of the world
+      acceleration_mps2{0},            ///< of the origin
+      angular_acceleration_radps2{0};  ///< about the axes of the world
 };
 
 /// The matrix parent_from_child of a pose.

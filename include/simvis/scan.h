@@ -1,4 +1,4 @@
-// The measurement of a laser scanner in one frame.
+// Measurements in one frame that are no images: scans of laser scanners, and readings of all other sensors.
 #pragma once
 
 #include <algorithm>
@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -74,6 +75,49 @@ struct Scan {
   const ScanChannel* channel(std::string_view name) const {
     const auto found = std::ranges::find(channels, name, &ScanChannel::name);
     return found == channels.end() ? nullptr : &*found;
+  }
+};
+
+/// One column of a table that a sensor writes. A value that is NaN is printed as an empty cell.
+struct TableColumn {
+  std::string name;      ///< heading of the column
+  std::string format;    ///< of printf, for one double, or for one long long if `integer`
+  bool integer = false;  ///< the values are whole numbers
+  /// The name of a column to its left. If it is set, the values here bound the errors of the values there, and text is
+  /// rounded so that the printed bound also covers the rounding of the printed value.
+  std::string bound_of{};
+  std::string unit{};  ///< "m", "rad/s"; empty: none, or not said
+};
+
+/// One number that a sensor measured.
+struct NamedValue {
+  std::string_view name;  ///< with its unit, as in "range_m"; static text
+  double value = 0;       ///< NaN before the first measurement
+};
+
+/// The measurement of a sensor that gives neither images nor a scan: a table, mostly of one row.
+struct Reading {
+  std::vector<TableColumn> columns;   ///< the same in all measurements
+  std::vector<double> values;         ///< row by row; NaN: no value
+  std::vector<NamedValue> constants;  ///< numbers beside the columns, such as limits and variances, for messages
+  std::int64_t time_ns = 0;           ///< simulated time of the measurement; 0 before the first
+  glm::dmat4 world_from_sensor{1.0};  ///< rigid, at that time; the identity before the first measurement
+
+  /// The number of rows.
+  std::size_t rows() const { return columns.empty() ? 0 : values.size() / columns.size(); }
+  /// The value in the column of this name; empty if there is no such column or row.
+  std::optional<double> find(std::string_view column, std::size_t row = 0) const {
+    for (std::size_t c = 0; c < columns.size(); ++c) {
+      if (columns[c].name == column && row < rows()) return values[row * columns.size() + c];
+    }
+    return std::nullopt;
+  }
+  /// The constant of this name; empty if there is none.
+  std::optional<double> constant(std::string_view name) const {
+    for (const NamedValue& each : constants) {
+      if (each.name == name) return each.value;
+    }
+    return std::nullopt;
   }
 };
 

@@ -151,6 +151,9 @@ class SIMVIS_API Scene {
   std::vector<std::string> points_of_part(std::string_view name) const;
   bool has_insertion_point(std::string_view name) const;   ///< ROOT, or the insertion point of a part
   std::vector<std::string_view> insertion_points() const;  ///< sorted; valid until parts are inserted or reverted
+  /// The node of an insertion point, which must exist (asserted). The group that has it has what stands at the point,
+  /// and all that is inserted there.
+  const InsertionPoint& point_node(std::string_view name) const;
   /// world_from_point of an insertion point, which must exist (asserted), as the scene stands now. Empty if it stands
   /// below a switch that is off.
   std::optional<glm::dmat4> world_from_point(std::string_view name) const;

@@ -24,6 +24,7 @@
 #include <simvis/frame_results.h>
 #include <simvis/frame_time.h>
 #include <simvis/image.h>
+#include <simvis/pose.h>
 #include <simvis/ray_caster.h>
 #include <simvis/scan.h>
 #include <simvis/version.h>
@@ -63,20 +64,57 @@ SIMVIS_API Command with_preset(Command command, const SensorType& type);
 /// The presets of a type as `--describe` prints them; empty if it has none.
 SIMVIS_API std::string describe_presets(const SensorType& type);
 
-/// One column of a table that a sensor writes. A value that is NaN is printed as an empty cell.
-struct TableColumn {
-  std::string name;      ///< heading of the column
-  std::string format;    ///< of printf, for one double, or for one long long if `integer`
-  bool integer = false;  ///< the values are whole numbers
-  /// The name of a column to its left. If it is set, the values here bound the errors of the values there, and text is
-  /// rounded so that the printed bound also covers the rounding of the printed value.
-  std::string bound_of{};
+/// An insertion point of the scene.
+struct SensedPoint {
+  std::string name;                  ///< of the insertion point
+  std::uint32_t number = 0;          ///< by name, among all that match, those that are off included
+  glm::dmat4 world_from_point{1.0};  ///< rigid
 };
 
-/// One number that a sensor measured.
-struct NamedValue {
-  std::string_view name;  ///< with its unit, as in "range_m"; static text
-  double value = 0;       ///< NaN before the first measurement
+/// A joint of the scene: an element of type `joint`.
+struct SensedJoint {
+  std::string name;     ///< the element's name
+  bool slides = false;  ///< its position is in metres, otherwise in radians
+  double position = 0,  ///< m or rad
+      velocity = 0;     ///< m/s or rad/s, the mean since the previous frame; 0 at the first
+};
+
+/// Consecutive items of the draw list.
+struct ItemRange {
+  std::uint32_t first = 0,  ///< in DrawList::items
+      end = 0;              ///< one past the last
+};
+
+/// What a sensor needs to know about the scene beyond its own pose and the draw list. Only this is computed.
+struct SensorNeeds {
+  bool motion = false;               ///< SensedWorld::motion()
+  bool item_motion = false;          ///< SensedWorld::velocity_mps()
+  std::vector<std::string> parts{};  ///< insertion points for SensedWorld::items_of()
+  std::string points{};              ///< pattern of names for SensedWorld::points(): * any text, ? any character
+  std::string joints_of{};           ///< insertion point for SensedWorld::joints()
+
+  /// Whether it is nothing.
+  bool none() const { return !motion && !item_motion && parts.empty() && points.empty() && joints_of.empty(); }
+};
+
+/// What a sensor may know about the scene of the frame, as far as its SensorNeeds name it.
+///
+/// Lifetime  valid from Sensor::sense() until the end of cast() of the same frame.
+class SIMVIS_API SensedWorld {
+ public:
+  virtual ~SensedWorld() = default;
+  /// The motion of the sensor.
+  virtual Motion motion() const = 0;
+  /// The velocity of the matter of an item at a point of the world; world frame.
+  virtual glm::dvec3 velocity_mps(std::uint32_t item, const glm::dvec3& point_m) const = 0;
+  /// The items of what stands at an insertion point: of its part, and of everything inserted there. Empty if it is off.
+  virtual ItemRange items_of(std::string_view point) const = 0;
+  /// The insertion points whose names match the pattern, sorted by name, without those that are off. ROOT is not among
+  /// them.
+  virtual std::vector<SensedPoint> points() const = 0;
+  /// The joints of the part that has the insertion point, those in its file included, in the order of their commands;
+  /// of ROOT: all joints.
+  virtual std::vector<SensedJoint> joints() const = 0;
 };
 
 /// One entry about a sensor in run.json.
@@ -148,8 +186,14 @@ class SIMVIS_API Sensor {
   /// Called instead of begin() to cast() in a frame that is due but skipped: the sensor may record its pose.
   virtual void skip_frame(const FrameTime&, const glm::dmat4& /*world_from_sensor*/) {}
 
+  /// What sense() is to give. It is asked when the sensor is made, and must not change.
+  virtual SensorNeeds needs() const { return {}; }
+
   /// Announces the frame that is planned next.
   virtual void begin(const FrameTime&) {}
+
+  /// Follows begin() if needs() are any. `world` stays valid until the end of cast().
+  virtual void sense(const SensedWorld& /*world*/) {}
 
   /// Adds the views that this frame needs to `plan`. `world_from_sensor` is rigid: scale along the path is removed.
   virtual void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) = 0;
@@ -164,6 +208,8 @@ class SIMVIS_API Sensor {
   virtual const Image* color() const { return nullptr; }  ///< last colour image; null if the sensor has none
   virtual const Image* depth() const { return nullptr; }  ///< last depth image; null if the sensor has none
   virtual const Scan* scan() const { return nullptr; }    ///< last scan; null if the sensor gives none
+  /// Last reading; null if the sensor gives none. It has its columns, and no rows before the first measurement.
+  virtual const Reading* reading() const { return nullptr; }
   /// Further images, by names that the sensor's header gives. Null for any other name.
   virtual const Image* picture(std::string_view) const { return nullptr; }
   /// Single numbers, always the same names in the same order; NaN before the first collect().
@@ -184,12 +230,57 @@ class SIMVIS_API Sensor {
   double rate_hz = 0;  ///< from the attribute `rate`; 0: every frame
 };
 
+/// A sensor whose measurement is a Reading. A derived class gives the columns to the constructor and calls
+/// set_reading() once in each measurement, in collect() or cast(). Files, values, messages and clients follow from the
+/// reading.
+class SIMVIS_API ReadingSensor : public Sensor {
+ public:
+  /// Keeps the pose. A sensor that draws or casts overrides it and calls it first.
+  void plan(const glm::dmat4& world_from_sensor, const DrawList&, FramePlan&) override {
+    world_from_sensor_ = world_from_sensor;
+  }
+  const Reading* reading() const override { return &reading_; }
+  /// The columns of a reading with one row; NaN before the first measurement. Empty for a table of several rows.
+  std::span<const NamedValue> values() const override { return values_; }
+  void write(OutputSink& sink) const override;
+  /// Motion is followed in skipped frames too.
+  HistoryDependence history_dependence() const override {
+    const SensorNeeds needs = this->needs();
+    const bool looks_back = needs.motion || needs.item_motion || !needs.joints_of.empty();
+    return looks_back ? HistoryDependence::poses : HistoryDependence::none;
+  }
+
+ protected:
+  /// `one_row` is false for a table whose number of rows varies.
+  explicit ReadingSensor(std::vector<TableColumn> columns, bool one_row = true);
+  /// Replaces the columns and makes the reading one row of them; for a sensor that learns them from the scene.
+  void set_columns(std::vector<TableColumn> columns);
+  /// Sets a number of the reading beside its columns; `name` is static text.
+  void set_constant(std::string_view name, double value);
+  /// Publishes whole rows, measured at the pose of plan(). Their number of values must be a multiple of the number of
+  /// columns (asserted).
+  void set_reading(const FrameTime& time, std::vector<double> values);
+  /// The pose of the last plan().
+  const glm::dmat4& world_from_sensor() const { return world_from_sensor_; }
+
+ private:
+  Reading reading_;
+  std::vector<NamedValue> values_;
+  glm::dmat4 world_from_sensor_{1.0};
+};
+
 /// What a sensor's constructor gets. It is valid during the call of SensorType::create only.
 struct SensorContext {
   const Command& command;             ///< the whole command
   const AttributeValues& attributes;  ///< checked against all_attributes() of the type
   std::string name;                   ///< the sensor's name
   std::uint64_t seed = 0;             ///< of all random numbers of the run
+
+  /// The insertion point of the command; ROOT if it says none.
+  std::string insertion_point() const {
+    const CommandAttribute* const point = command.find("insert_at");
+    return point == nullptr ? "ROOT" : point->value;
+  }
 };
 
 /// One row of a price list: values of the accuracy attributes of a scanner. A value is set only if the method uses it.
@@ -215,7 +306,10 @@ struct SensorType {
   std::string_view summary;       ///< one sentence
   std::string_view notes{};       ///< what the table does not say: paragraphs, separated by '\n'; may be empty
   std::uint8_t capabilities = 0;  ///< what its sensors have, as a sum of SensorCapability
-  AttributeTable attributes;      ///< its own attributes; all_attributes() adds those of its effects
+  /// Of a type whose sensors give readings: the ROS 2 message that is made of one, "sensor_msgs/msg/Imu".
+  /// messages/from_reading.h lists them, and the columns that each uses. Empty: a std_msgs/msg/Float64 for each column.
+  std::string_view message{};
+  AttributeTable attributes;  ///< its own attributes; all_attributes() adds those of its effects
   std::unique_ptr<Sensor> (*create)(const SensorContext& context);  ///< makes a sensor; may throw InputError
   std::span<const SensorPreset> presets{};  ///< a type with presets has the row kPresetAttribute
   /// Measures on this device what each term of the cost model costs, in nanoseconds, for sensors that choose a method

@@ -31,6 +31,9 @@ namespace simvis {
 struct BuiltScene;
 struct SimulationImpl;
 class SimulationUse;
+namespace ros {
+class MessageOutlet;
+}
 
 /// A running simulation. All sensors are enabled at load; a disabled sensor is not rendered.
 ///
@@ -133,7 +136,7 @@ class SIMVIS_API Simulation {
   /// these functions may be called:
   ///   set(), get(), parameters()  for the next frame: new values take effect at the next step
   ///   next_frame()                the frame after the one under way
-  ///   measured(), scan(), color(), depth(), picture(), write()  of the previous frame
+  ///   measured(), scan(), reading(), color(), depth(), picture(), write()  of the previous frame
   /// Other calls throw InputError; Diagnostics lists the exceptions among its own functions.
   void step_async();
 
@@ -157,6 +160,9 @@ class SIMVIS_API Simulation {
   /// The last scan of a sensor. Empty (no ranges) before its first measurement.
   /// Throws InputError if there is no such sensor, or if it gives no scan.
   const Scan& scan(std::string_view sensor) const;
+  /// The last reading of a sensor that gives neither images nor a scan. No rows before its first measurement. Errors as
+  /// scan().
+  const Reading& reading(std::string_view sensor) const;
   /// The last colour image of a sensor. Empty (no pixels) before its first measurement. Errors as scan().
   const Image& color(std::string_view sensor) const;
   /// The last depth image of a sensor. Empty (no pixels) before its first measurement. Errors as scan().
@@ -211,6 +217,7 @@ class SIMVIS_API Simulation {
   Diagnostics diagnostics() const;
 
  private:
+  friend void send_messages(Simulation& simulation, ros::MessageOutlet* outlet);
   explicit Simulation(std::unique_ptr<SimulationImpl> impl);
   SimulationUse impl() const;
   friend const BuiltScene& built_scene(const Simulation& simulation);

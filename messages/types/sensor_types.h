@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "messages/field.h"
+#include "messages/types/geometry_types.h"
 #include "messages/types/std_types.h"
 
 namespace simvis::ros {
@@ -167,6 +168,102 @@ struct Range {
                       Field{"max_range", &Range::max_range},
                       Field{"range", &Range::range},
                       Field{"variance", &Range::variance}};
+  }
+};
+
+struct Imu {
+  static constexpr std::string_view kName = "sensor_msgs/msg/Imu";
+  Header header;
+  Quaternion orientation;
+  std::array<double, 9> orientation_covariance{};  ///< by rows; -1 first: there is no estimate
+  Vector3 angular_velocity;
+  std::array<double, 9> angular_velocity_covariance{};
+  Vector3 linear_acceleration;  ///< specific force: a device at rest has +9.8 upwards
+  std::array<double, 9> linear_acceleration_covariance{};
+  static constexpr auto field_table() {
+    return std::tuple{Field{"header", &Imu::header},
+                      Field{"orientation", &Imu::orientation},
+                      Field{"orientation_covariance", &Imu::orientation_covariance},
+                      Field{"angular_velocity", &Imu::angular_velocity},
+                      Field{"angular_velocity_covariance", &Imu::angular_velocity_covariance},
+                      Field{"linear_acceleration", &Imu::linear_acceleration},
+                      Field{"linear_acceleration_covariance", &Imu::linear_acceleration_covariance}};
+  }
+};
+
+struct NavSatStatus {
+  static constexpr std::string_view kName = "sensor_msgs/msg/NavSatStatus";
+  std::int8_t status = 0;     ///< -1: no fix, 0: fix
+  std::uint16_t service = 0;  ///< 1: GPS
+  static constexpr auto field_table() {
+    return std::tuple{Field{"status", &NavSatStatus::status}, Field{"service", &NavSatStatus::service}};
+  }
+};
+
+struct NavSatFix {
+  static constexpr std::string_view kName = "sensor_msgs/msg/NavSatFix";
+  Header header;
+  NavSatStatus status;
+  double latitude = 0;                          ///< degrees north
+  double longitude = 0;                         ///< degrees east
+  double altitude = 0;                          ///< metres above the ellipsoid of WGS 84
+  std::array<double, 9> position_covariance{};  ///< east, north, up; square metres
+  std::uint8_t position_covariance_type = 0;    ///< 0 unknown, 2 known diagonal
+  static constexpr auto field_table() {
+    return std::tuple{Field{"header", &NavSatFix::header},
+                      Field{"status", &NavSatFix::status},
+                      Field{"latitude", &NavSatFix::latitude},
+                      Field{"longitude", &NavSatFix::longitude},
+                      Field{"altitude", &NavSatFix::altitude},
+                      Field{"position_covariance", &NavSatFix::position_covariance},
+                      Field{"position_covariance_type", &NavSatFix::position_covariance_type}};
+  }
+};
+
+struct MagneticField {
+  static constexpr std::string_view kName = "sensor_msgs/msg/MagneticField";
+  Header header;
+  Vector3 magnetic_field;  ///< tesla
+  std::array<double, 9> magnetic_field_covariance{};
+  static constexpr auto field_table() {
+    return std::tuple{Field{"header", &MagneticField::header}, Field{"magnetic_field", &MagneticField::magnetic_field},
+                      Field{"magnetic_field_covariance", &MagneticField::magnetic_field_covariance}};
+  }
+};
+
+struct FluidPressure {
+  static constexpr std::string_view kName = "sensor_msgs/msg/FluidPressure";
+  Header header;
+  double fluid_pressure = 0;  ///< pascal, absolute
+  double variance = 0;        ///< 0: unknown
+  static constexpr auto field_table() {
+    return std::tuple{Field{"header", &FluidPressure::header}, Field{"fluid_pressure", &FluidPressure::fluid_pressure},
+                      Field{"variance", &FluidPressure::variance}};
+  }
+};
+
+struct JointState {
+  static constexpr std::string_view kName = "sensor_msgs/msg/JointState";
+  Header header;
+  std::vector<std::string> name;
+  std::vector<double> position;  ///< rad or m
+  std::vector<double> velocity;  ///< rad/s or m/s
+  std::vector<double> effort;    ///< N m or N; empty: not measured
+  static constexpr auto field_table() {
+    return std::tuple{Field{"header", &JointState::header}, Field{"name", &JointState::name},
+                      Field{"position", &JointState::position}, Field{"velocity", &JointState::velocity},
+                      Field{"effort", &JointState::effort}};
+  }
+};
+
+struct Illuminance {
+  static constexpr std::string_view kName = "sensor_msgs/msg/Illuminance";
+  Header header;
+  double illuminance = 0;  ///< lux
+  double variance = 0;     ///< 0: unknown
+  static constexpr auto field_table() {
+    return std::tuple{Field{"header", &Illuminance::header}, Field{"illuminance", &Illuminance::illuminance},
+                      Field{"variance", &Illuminance::variance}};
   }
 };
 

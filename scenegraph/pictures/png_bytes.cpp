@@ -54,8 +54,8 @@ std::string png_bytes(const PngLayout& layout, std::span<const std::uint8_t> row
   append_big_endian(header, layout.width);
   append_big_endian(header, layout.height);
   header += static_cast<char>(layout.bits);
-  header += static_cast<char>(layout.channels == 3 ? 2 : 0);  // the type of colour
-  header += {0, 0, 0};                                        // deflate, the standard filters, not interlaced
+  header += static_cast<char>(layout.channels == 4 ? 6 : layout.channels == 3 ? 2 : 0);  // the type of colour
+  header += {0, 0, 0};  // deflate, the standard filters, not interlaced
   std::string png = "\x89PNG\r\n\x1a\n";
   append_chunk(png, "IHDR", header);
   append_chunk(png, "IDAT", Deflater().zlib_of(filtered(layout, rows)));

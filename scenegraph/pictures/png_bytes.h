@@ -16,7 +16,7 @@ enum class PngFilter : std::uint8_t { up = 2, paeth = 4 };
 struct PngLayout {
   std::uint32_t width = 0, height = 0;
   std::uint8_t bits = 8;      ///< of a number
-  std::uint8_t channels = 3;  ///< 3: RGB, 1: grey
+  std::uint8_t channels = 3;  ///< 4: RGB and alpha, 3: RGB, 1: grey
   PngFilter filter = PngFilter::paeth;
 
   std::size_t pixel_bytes() const { return std::size_t{channels} * bits / 8; }

@@ -14,8 +14,11 @@ std::uint32_t rings_together(const ScanPattern& pattern) {
   const double step = (pattern.max_azimuth_rad - pattern.min_azimuth_rad) / (pattern.beams - 1);
   const double ring_step = (pattern.max_elevation_rad - pattern.min_elevation_rad) / (pattern.rings - 1);
   std::uint32_t rings = 1;
-  while (2 * rings <= RayCaster::kPacketSize && 2 * rings * ring_step <= RayCaster::kPacketSize / (2 * rings) * step)
+  while (2 * rings <= RayCaster::kPacketSize) {
+    const auto beams_of_ring = static_cast<double>(RayCaster::kPacketSize / (2 * rings));
+    if (2 * rings * ring_step > beams_of_ring * step) break;
     rings *= 2;
+  }
   return rings;
 }
 

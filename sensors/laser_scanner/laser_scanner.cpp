@@ -230,7 +230,7 @@ void LaserScanner::cast_beams(RayCaster& rays) {
     ToleranceCheck checked(tolerance_);
     for (std::size_t i = first; i < first + count; ++i) {
       const RangeEstimate range{hits_[i].range_m, hits_[i].error_bound_m};
-      Reading& reading = readings_[order_[every ? i : to_cast_[i]]];
+      BeamReading& reading = readings_[order_[every ? i : to_cast_[i]]];
       reading = read_range(range, limits_);
       if (desc_.method != ScanMethod::raycast) checked.add(range, reading);
     }
@@ -254,7 +254,7 @@ void LaserScanner::cast_survey(RayCaster& rays) {
   ToleranceCheck check(tolerance_);
   for (std::size_t i = 0; i < hits_.size(); ++i) {
     const RangeEstimate range{hits_[i].range_m, hits_[i].error_bound_m};
-    Reading& reading = readings_[order_[i]];
+    BeamReading& reading = readings_[order_[i]];
     reading = read_range(range, limits_);
     check.add(range, reading);
   }

@@ -142,8 +142,8 @@ class LaserScanner : public Sensor {
   std::vector<std::uint32_t> to_cast_;     // the part of order_ that is cast in this frame, if something is rendered
   std::vector<glm::dvec3> cast_directions_;
   std::vector<RayHit> hits_;
-  std::vector<RayHit> true_hits_;  // in the order of order_; empty without `truth`
-  std::vector<Reading> readings_;  // of this frame, until all of them are complete
+  std::vector<RayHit> true_hits_;      // in the order of order_; empty without `truth`
+  std::vector<BeamReading> readings_;  // of this frame, until all of them are complete
   Scan scan_;
 };
 

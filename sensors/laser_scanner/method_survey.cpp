@@ -12,7 +12,7 @@ namespace simvis {
 
 namespace {
 
-void take_worst(ScanCandidate& candidate, const Reading& reading) {
+void take_worst(ScanCandidate& candidate, const BeamReading& reading) {
   const double range = reading.range_m, bound = reading.error_bound_m;
   if (bound == 0 || !std::isfinite(range) || !std::isfinite(bound)) return;
   candidate.worst_bound_m = std::max(candidate.worst_bound_m, bound);
@@ -62,7 +62,7 @@ void MethodSurvey::collect(const FramePlan& plan, std::span<const PassResult> re
     rendered_[c]->collect(plan, results, rounding);
     candidates_[c].work = rendered_[c]->work(list_items);
     for (std::size_t beam = 0; beam < casts_of_.size(); ++beam) {
-      const Reading reading = read_range(rendered_[c]->planar(beam), limits);
+      const BeamReading reading = read_range(rendered_[c]->planar(beam), limits);
       if (tolerance.met(reading)) {
         take_worst(candidates_[c], reading);
       } else {
@@ -97,7 +97,7 @@ void MethodSurvey::cast(RayCaster& rays, std::size_t list_items, const glm::dmat
   }
 }
 
-void MethodSurvey::choose(std::span<const Reading> cast, const CostModel& cost) {
+void MethodSurvey::choose(std::span<const BeamReading> cast, const CostModel& cost) {
   for (std::size_t c = 0; c < candidates_.size(); ++c) {
     for (std::size_t beam = 0; beam < casts_of_.size(); ++beam) {
       if ((casts_of_[beam] >> c & 1) != 0) take_worst(candidates_[c], cast[beam]);

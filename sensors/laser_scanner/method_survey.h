@@ -53,7 +53,7 @@ class MethodSurvey {
   void cast(RayCaster& rays, std::size_t list_items, const glm::dmat4& world_from_sensor,
             std::span<const glm::dvec3> directions, std::span<RayHit> hits);
   /// Prices the candidates with the results of the casts and chooses the cheapest; of equal ones the first.
-  void choose(std::span<const Reading> cast, const CostModel& cost);
+  void choose(std::span<const BeamReading> cast, const CostModel& cost);
 
   std::span<const ScanCandidate> candidates() const { return candidates_; }
   std::size_t chosen() const { return chosen_; }

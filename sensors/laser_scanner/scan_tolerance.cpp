@@ -29,7 +29,7 @@ std::string rounded_up(double value) {
 
 }  // namespace
 
-Reading read_range(const RangeEstimate& range, const RangeLimits& limits) {
+BeamReading read_range(const RangeEstimate& range, const RangeLimits& limits) {
   const double low = range.range_m - range.error_bound_m, high = range.range_m + range.error_bound_m;
   float reading = range.range_m < limits.min_m ? 0 : static_cast<float>(range.range_m);
   double bound = range.error_bound_m + std::abs(static_cast<double>(reading) - range.range_m);
@@ -56,7 +56,7 @@ std::string to_string(const ScanTolerance& tolerance) {
 }
 
 void ToleranceCheck::add_unmet(const RangeEstimate& cast) {
-  const Reading unlimited = read_range(cast, {0, std::numeric_limits<double>::infinity()});
+  const BeamReading unlimited = read_range(cast, {0, std::numeric_limits<double>::infinity()});
   if (tolerance_.met(unlimited) || cast.range_m <= cast.error_bound_m) return;
   met_ = false;
   const double bound = unlimited.error_bound_m;

@@ -17,13 +17,13 @@ struct RangeLimits {
 };
 
 /// The reading of one beam: 0 nearer than the limits, +infinity beyond them; the bound is rounded up.
-struct Reading {
+struct BeamReading {
   float range_m = 0, error_bound_m = 0;
 };
 
 /// Applies the limits and rounds. If the bound reaches across a limit, the true reading may lie on the other side of
 /// it. The bound then covers that reading, too; it is infinite for the farther limit.
-Reading read_range(const RangeEstimate& range, const RangeLimits& limits);
+BeamReading read_range(const RangeEstimate& range, const RangeLimits& limits);
 
 /// The default tolerance of `hybrid` and `auto`, as a share of the range.
 inline constexpr double kDefaultMaxErrorRel = 1e-6;
@@ -34,7 +34,7 @@ struct ScanTolerance {
   double max_error_rel = kDefaultMaxErrorRel;  ///< as a share of the range; infinity: no limit
   Location where_m{}, where_rel{};             ///< where the tolerance is set, for messages
 
-  bool met(const Reading& reading) const {
+  bool met(const BeamReading& reading) const {
     const double bound = reading.error_bound_m;
     if (bound == 0) return true;
     return bound <= max_error_rel * reading.range_m && std::isfinite(bound) && (!max_error_m || bound <= *max_error_m);
@@ -53,7 +53,7 @@ class ToleranceCheck {
  public:
   explicit ToleranceCheck(const ScanTolerance& tolerance) : tolerance_(tolerance) {}
 
-  void add(const RangeEstimate& cast, const Reading& reading) {
+  void add(const RangeEstimate& cast, const BeamReading& reading) {
     if (!tolerance_.met(reading)) add_unmet(cast);
   }
 

@@ -106,6 +106,7 @@ std::vector<Command> Follower::next_commands() {
 }
 
 Simulation Follower::build() {
+  ++builds_;
   log_position_ = 0;
   own_parameter_.clear();
   copied_.clear();
@@ -223,6 +224,24 @@ std::optional<FrameTime> Follower::advance(Simulation& simulation) {
   show_scans(simulation);
   last_frame_ = first_frame_ + frame_.next_frame - 1;
   return FrameTime{.index = last_frame_, .time_ns = frame_.time_ns};
+}
+
+bool Follower::set(std::size_t parameter, double value) {
+  const auto found = std::ranges::find(own_parameter_, parameter);
+  if (found == own_parameter_.end()) return false;
+  simvis_set(host_->get(), found - own_parameter_.begin(), value);
+  return true;
+}
+
+void Follower::request(const std::string& xml) {
+  if (simvis_send(host_->get(), xml.c_str()) == 0)
+    throw InputError(name_ + ": takes no request now: " + simvis_client_error());
+}
+
+std::optional<Scan> Follower::latest_scan(const std::string& sensor) {
+  const std::int64_t id = simvis_find_sensor(host_->get(), sensor.c_str());
+  const std::optional<client::Measurement> latest = id < 0 ? std::nullopt : host_->latest(id);
+  return latest ? copy_of(*latest) : std::nullopt;
 }
 
 void Follower::step(Simulation& simulation) {

@@ -31,6 +31,16 @@ class Follower {
   /// The index of the frame is the host's; after a restart of the host it goes on behind the last one.
   std::optional<FrameTime> advance(Simulation& simulation);
 
+  /// Asks the host to set a parameter, by its index here. Returns false if it belongs to the own scene.
+  bool set(std::size_t parameter, double value);
+  /// Asks the host to execute commands. Throws InputError if it cannot take them.
+  void request(const std::string& xml);
+  /// The last scan of one of the host's sensors; empty: it is no scanner, or has not measured.
+  std::optional<Scan> latest_scan(const std::string& sensor);
+
+  /// How many simulations it has made: advance() puts a new one in the place of that of a host that has ended.
+  std::uint64_t builds() const { return builds_; }
+
   /// Makes the frame that advance() has prepared, at the host's time.
   void step(Simulation& simulation);
 
@@ -50,14 +60,15 @@ class Follower {
   std::string name_, own_scene_;
   SimulationDesc desc_;
   std::optional<client::Connection> host_;
-  simvis_frame_info frame_{};                       // of the host
-  std::vector<double> values_;                      // of that frame, by the host's parameter
-  std::vector<double> copied_;                      // as values_, when they were copied last
-  std::vector<std::size_t> own_parameter_;          // by the host's parameter
-  std::uint64_t log_position_ = 0;                  // behind the entries that were replayed
-  std::set<std::string> scanners_;                  // that elements show
-  std::map<std::string, std::uint64_t> shown_;      // sequence of the scan that is shown, by scanner
-  std::optional<std::int64_t> stepped_ns_;          // host's time of the last step of this simulation
+  simvis_frame_info frame_{};                   // of the host
+  std::vector<double> values_;                  // of that frame, by the host's parameter
+  std::vector<double> copied_;                  // as values_, when they were copied last
+  std::vector<std::size_t> own_parameter_;      // by the host's parameter
+  std::uint64_t log_position_ = 0;              // behind the entries that were replayed
+  std::set<std::string> scanners_;              // that elements show
+  std::map<std::string, std::uint64_t> shown_;  // sequence of the scan that is shown, by scanner
+  std::optional<std::int64_t> stepped_ns_;      // host's time of the last step of this simulation
+  std::uint64_t builds_ = 0;
   std::uint64_t first_frame_ = 0, last_frame_ = 0;  // index of the host's frame 0, and of the last frame
   bool own_is_required_ = true;                     // a mistake in the own file is an error, and not only a warning
 };

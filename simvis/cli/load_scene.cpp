@@ -68,7 +68,7 @@ std::vector<PackageFolder> given_packages(const Options& options) {
 
 std::vector<AttributeOverride> scanner_overrides(const Options& options) {
   std::vector<AttributeOverride> overrides;
-  const auto set = [&](const char* attribute, std::optional<std::string> value, const char* origin,
+  const auto set = [&](const char* attribute, const std::optional<std::string>& value, const char* origin,
                        const char* with = "method") { override_scanners(attribute, value, origin, with, overrides); };
   const std::optional<ScanMethod> method = find_scan_method(options.method);
   const bool takes_none = method && !takes_tolerance(*method);

@@ -14,6 +14,9 @@
 namespace simvis {
 namespace {
 
+// Where Foxglove looks for a server.
+constexpr std::uint16_t kDefaultLivePort = 8765;
+
 // CLI11's own check prints the largest double with all of its digits.
 CLI::Validator above_zero() {
   return CLI::Validator(
@@ -82,6 +85,35 @@ void declare_serve_options(CLI::App& app, Options& options) {
                  "keep to the wall clock: so many simulated seconds for each second; says so if that is too fast")
       ->type_name("FACTOR")
       ->check(above_zero());
+}
+
+void declare_live_options(CLI::App& app, Options& options) {
+  CLI::Option* const live =
+      app.add_option("--live", options.live,
+                     "show the running scene in a browser, and to Foxglove, at this port (" +
+                         std::to_string(kDefaultLivePort) +
+                         "; 0: any free one), and print the link; without --frames it goes on until it is interrupted, "
+                         "and without --out it writes no files")
+          ->type_name("[PORT]")
+          ->excludes("--price")
+          ->excludes("--shard")
+          ->excludes("--resume")
+          ->excludes("--again");
+  app.add_option("--live-address", options.live_address,
+                 "with --live: other machines may connect too, at this address of this one, if they have the token of "
+                 "the printed link")
+      ->type_name("ADDRESS")
+      ->check(not_empty)
+      ->needs(live);
+}
+
+/// The port behind --live may be missing: CLI11 itself would take the scene for it.
+void give_default_port(std::vector<std::string>& arguments) {
+  for (std::size_t i = 0; i < arguments.size(); ++i) {
+    if (arguments[i] != "--live") continue;
+    const bool has_port = i + 1 < arguments.size() && whole_number(arguments[i + 1]).empty();
+    if (!has_port) arguments[i] += "=" + std::to_string(kDefaultLivePort);
+  }
 }
 
 void declare_options(CLI::App& app, Options& options) {
@@ -173,6 +205,15 @@ void declare_options(CLI::App& app, Options& options) {
       ->check(CLI::IsMember({"wait", "drop"}))
       ->capture_default_str()
       ->needs(record);
+  app.add_option("--export", options.export_file,
+                 "also write the scene, as it stands in the last frame, as glTF: parts, materials, textures and lights")
+      ->type_name("FILE.glb")
+      ->check(not_empty);
+  app.add_option("--page", options.page,
+                 "also write the frames of this run to one HTML file, which shows them in a browser without a server; "
+                 "docs/live-view.md says what it shows")
+      ->type_name("FILE.html")
+      ->check(not_empty);
   app.add_flag("--explain", options.explain, "print what the last frame renders, why, and what it cost");
   app.add_flag("--strict", options.strict, "warnings are errors");
   app.add_flag("--quiet", options.quiet, "print errors and warnings only");
@@ -183,6 +224,8 @@ void declare_options(CLI::App& app, Options& options) {
                    "where --out is given")
       ->excludes("--method")
       ->excludes("--record")
+      ->excludes("--export")
+      ->excludes("--page")
       ->excludes("--profile")
       ->excludes("--shard")
       ->excludes("--explain");
@@ -204,6 +247,7 @@ void declare_options(CLI::App& app, Options& options) {
       ->excludes("--resume")
       ->excludes("--price");
   declare_serve_options(app, options);
+  declare_live_options(app, options);
   CLI::Option* const describe =
       app.add_option("--describe", options.describe,
                      "print what an element, sensor or effect does and its attributes, and exit; all: of every one")
@@ -243,8 +287,8 @@ void read_rate(Options& options) {
 
 /// Options that may stand beside --again: they change no byte of the results.
 constexpr std::string_view kFreeOptions[] = {
-    "--again",  "--resume",  "--out",     "--quiet",   "--threads", "--device",        "--no-replace",
-    "--frames", "--explain", "--profile", "--summary", "--record",  "--record-topics", "--record-policy"};
+    "--again",   "--resume",  "--out",     "--quiet",  "--threads",       "--device",        "--no-replace", "--frames",
+    "--explain", "--profile", "--summary", "--record", "--record-topics", "--record-policy", "--export",     "--page"};
 
 void require_free_options(const CLI::App& app, const char* with) {
   for (const CLI::Option* const option : app.get_options()) {
@@ -264,6 +308,7 @@ ParsedOptions parse_options(std::vector<std::string> arguments) {
   options.command = arguments;
   CLI::App app("Simulates what a robot's optical sensors see.", "simvis-run");
   declare_options(app, options);
+  give_default_port(arguments);
   std::reverse(arguments.begin(), arguments.end());  // as CLI11 takes them
   try {
     app.parse(std::move(arguments));
@@ -275,8 +320,9 @@ ParsedOptions parse_options(std::vector<std::string> arguments) {
   }
   options.names_out = app.count("--out") > 0;
   options.names_frames = app.count("--frames") > 0;
-  const bool is_live = !options.serve.empty() || !options.follow.empty();
+  const bool is_live = !options.serve.empty() || !options.follow.empty() || options.live;
   options.endless = is_live && !options.names_frames && options.trajectory.empty();
+  options.writes = !options.live || options.names_out;
   read_rate(options);
   if (!options.again.empty()) require_free_options(app, "--again");
   if (options.resume && options.scene.empty()) require_free_options(app, "--resume");
@@ -291,7 +337,7 @@ Options recorded_options(const Options& given) {
   set_environment(run.environment);
   ParsedOptions recorded = parse_options(run.command);
   Options options = recorded.options;
-  if (!options.serve.empty() || !options.follow.empty()) {
+  if (!options.serve.empty() || !options.follow.empty() || options.live) {
     throw InputError(run.report.string() + ": error: other processes took part in the run, which is not recorded");
   }
   if (!options.again.empty() || options.scene.empty()) {
@@ -309,6 +355,8 @@ Options recorded_options(const Options& given) {
   options.record = given.record;
   options.record_topics = given.record_topics;
   options.record_policy = given.record_policy;
+  options.export_file = given.export_file;
+  options.page = given.page;
   if (!given.device.empty()) options.device = given.device;
   options.names_frames |= given.names_frames;
   options.frames = given.names_frames ? given.frames : run.frames_wanted;

@@ -14,9 +14,11 @@ namespace simvis {
 
 struct Options {
   std::string scene, out = "out", trajectory, method, max_error_m, device, profile, describe, shard, again, serve,
-                     follow, record, record_policy = "wait";
+                     follow, record, record_policy = "wait", export_file, page;
   std::vector<std::string> set, sensors, plugins, packages, formats, poses, record_topics;
   std::vector<std::string> allow, lockstep;
+  std::optional<std::uint16_t> live;  ///< port of the live view; 0: any free one
+  std::string live_address;           ///< empty: this machine alone
   double lockstep_timeout_s = ServeDesc{}.lockstep_timeout_s;
   double real_time = 0;  ///< simulated seconds for each second of the wall clock; 0: as fast as possible
   std::uint64_t frames = 1, seed = 0;
@@ -30,6 +32,7 @@ struct Options {
   bool resume = false, no_replace = false;
   bool names_out = false, names_frames = false;  ///< --out, --frames are given
   bool endless = false;                          ///< the run has no last frame: it ends when it is interrupted
+  bool writes = true;                            ///< results go to files
   std::vector<std::string> command;              ///< the arguments that these options are from
 };
 

@@ -16,20 +16,33 @@ constexpr double kPatience_s = 0.1;
 
 }  // namespace
 
+void RealTime::sleep_until(std::int64_t due_ns) {
+  const timespec due{due_ns / 1'000'000'000, due_ns % 1'000'000'000};
+  ::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &due, nullptr);
+}
+
+void RealTime::restart(double factor) {
+  factor_ = factor;
+  start_ns_.reset();
+  restarted_ = true;
+}
+
+std::int64_t RealTime::due_ns(const FrameTime& frame) {
+  const auto wall_ns = [this](std::int64_t simulated_ns) {
+    return static_cast<std::int64_t>(static_cast<double>(simulated_ns) / factor_);
+  };
+  if (!start_ns_) start_ns_ = now_ns() - (restarted_ ? wall_ns(frame.time_ns - frame.period_ns) : 0);
+  return *start_ns_ + wall_ns(frame.time_ns);
+}
+
 void RealTime::wait(const FrameTime& frame) {
   // The first frame prepares meshes and pipelines, so the clock starts behind it.
-  if (frame.index == 0) return;
-  if (!start_ns_) start_ns_ = now_ns();
-  const auto after_start_ns = static_cast<std::int64_t>(static_cast<double>(frame.time_ns) / factor_);
-  const std::int64_t due_ns = *start_ns_ + after_start_ns;
-  const std::int64_t lag_ns = now_ns() - due_ns;
+  if (frame.index == 0 || factor_ == 0) return;
+  const std::int64_t lag_ns = now_ns() - due_ns(frame);
   if (lag_ns > 0) return note_lag(static_cast<double>(lag_ns) / 1e9, static_cast<double>(frame.period_ns) / 1e9, frame);
   if (behind_) std::cerr << "simvis-run: in real time again at frame " << frame.index << '\n';
   behind_ = false;
-  const timespec due{due_ns / 1'000'000'000, due_ns % 1'000'000'000};
-  while (received_signal() == nullptr && now_ns() < due_ns) {
-    ::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &due, nullptr);
-  }
+  while (received_signal() == nullptr && factor_ > 0 && now_ns() < due_ns(frame)) sleep_(due_ns(frame));
 }
 
 void RealTime::note_lag(double lag_s, double frame_s, const FrameTime& frame) {

@@ -14,11 +14,13 @@
 #include <simvis/trajectory.h>
 #include "engine/base/now_ns.h"
 #include "simvis/cli/follower.h"
+#include "simvis/cli/live_run.h"
 #include "simvis/cli/load_scene.h"
 #include "simvis/cli/loading_bar.h"
 #include "simvis/cli/progress_bar.h"
 #include "simvis/cli/real_time.h"
 #include "simvis/cli/signals.h"
+#include "simvis/cli/view_files.h"
 #include "simvis/cli/warning_printer.h"
 #include "simvis/output/atomic_file.h"
 #include "simvis/output/folder_lock.h"
@@ -115,6 +117,9 @@ std::filesystem::path report_file(const Options& options, const RunReport& repor
 void print_closing(const Options& options, const OutputWriter& writer, const RunReport& report) {
   std::cout << "wrote ";
   for (const std::string& result : writer.results()) std::cout << result << ", ";
+  for (const std::string* const view : {&options.export_file, &options.page}) {
+    if (!view->empty()) std::cout << *view << ", ";
+  }
   if (report.recording) {
     std::cout << report.recording->file.string() << " (" << report.recording->messages << " messages";
     if (report.recording->dropped > 0) std::cout << ", " << report.recording->dropped << " dropped";
@@ -149,9 +154,15 @@ bool can_skip(const Simulation& simulation) {
 class Run {
  public:
   /// `follower` is null unless the frames are those of another process.
+  /// `live` is null without --live.
   Run(const Options& options, Simulation& simulation, const std::optional<Trajectory>& trajectory, Follower* follower,
-      std::int64_t start_ns)
-      : options_(options), simulation_(simulation), trajectory_(trajectory), follower_(follower), start_ns_(start_ns) {
+      LiveRun* live, std::int64_t start_ns)
+      : options_(options),
+        simulation_(simulation),
+        trajectory_(trajectory),
+        follower_(follower),
+        live_(live),
+        start_ns_(start_ns) {
     describe();
   }
 
@@ -165,6 +176,7 @@ class Run {
 
  private:
   void describe();
+  bool prepare_folder();
   void go_on(const EarlierRun& earlier);
   void begin_output();
   void replace(const EarlierRun& earlier);
@@ -172,13 +184,15 @@ class Run {
   void begin_recording();
   void write_report();
   void close_sensors();
-  void step() { follower_ != nullptr ? follower_->step(simulation_) : simulation_.step(); }
+  bool step();
+  void write_frame(const FrameTime& time);
   std::string suffix() const { return report_.shard ? report_.shard->suffix() : ""; }
 
   const Options& options_;
   Simulation& simulation_;
   const std::optional<Trajectory>& trajectory_;
   Follower* follower_;
+  LiveRun* live_;
   std::int64_t start_ns_;
   RunReport report_;
   std::optional<EarlierRun> earlier_;
@@ -191,6 +205,7 @@ class Run {
   std::optional<OutputWriter> writer_;
   WrittenSensors written_;
   std::optional<RealTime> real_time_;
+  std::optional<ViewFiles> views_;
 };
 
 void Run::describe() {
@@ -204,7 +219,12 @@ void Run::describe() {
   report_.endless = options_.endless;
   if (!options_.serve.empty()) report_.served = serve_desc(options_);
   report_.followed = options_.follow;
-  if (options_.real_time > 0) real_time_.emplace(options_.real_time);
+  if (live_ != nullptr) {
+    real_time_.emplace(options_.real_time, [this](std::int64_t due_ns) { live_->wait(simulation_, due_ns); });
+    live_->control(*real_time_);
+  } else if (options_.real_time > 0) {
+    real_time_.emplace(options_.real_time);
+  }
   report_.sensors = simulation_.sensors();
   RunRecord& record = report_.record;
   record.command = options_.command;
@@ -228,6 +248,13 @@ void Run::describe() {
 }
 
 bool Run::prepare() {
+  if (options_.writes && !prepare_folder()) return false;
+  views_.emplace(options_.export_file, options_.page);
+  if (!options_.profile.empty()) profile_.emplace(options_.profile, report_.device.name);
+  return true;
+}
+
+bool Run::prepare_folder() {
   const std::filesystem::path file = report_file(options_, report_);
   make_folder(options_.out);
   lock_.emplace(options_.out, report_.shard.has_value());
@@ -248,7 +275,6 @@ bool Run::prepare() {
     go_on(*earlier_);
     if (first_frame_ >= options_.frames) return false;
   }
-  if (!options_.profile.empty()) profile_.emplace(options_.profile, report_.device.name);
   AtomicFile probe(file);  // reports an unwritable folder before the first frame
   return true;
 }
@@ -308,7 +334,7 @@ void Run::write_report() {
   if (!options_.endless) {
     report_.simulated_s *= static_cast<double>(report_.frame_ms.size()) / static_cast<double>(options_.frames);
   }
-  if (real_time_) report_.real_time = {real_time_->factor(), real_time_->punctuality()};
+  if (real_time_ && real_time_->factor() > 0) report_.real_time = {real_time_->factor(), real_time_->punctuality()};
   report_.wall_s = static_cast<double>(now_ns() - start_ns_) / 1e9;
   write_file(report_file(options_, report_), to_json(report_));
 }
@@ -332,25 +358,46 @@ void Run::make_frames(std::optional<LoadingBar>& loading, WarningPrinter& warnin
       simulation_.skip_frame();
       continue;
     }
+    if (live_ != nullptr) live_->before_frame(simulation_);
     if (real_time_) real_time_->wait(time);
     if (follower_ != nullptr) time = follower_->advance(simulation_).value_or(time);
     if (received_signal() != nullptr) break;
     if (frame >= first_frame_) begin_recording();
     const std::int64_t start_ns = now_ns();
-    step();
+    if (!step()) {
+      --frame;  // it is tried again
+      continue;
+    }
     const std::int64_t measured_ns = now_ns();
     loading.reset();
     warnings.print_new(simulation_);
     if (frame < first_frame_) continue;
     report_.frame_ms.push_back(static_cast<double>(measured_ns - start_ns) / 1e6);
-    if (!writer_) begin_output();
-    if (follower_ == nullptr) written_.follow(simulation_);
-    write_results(options_, simulation_, written_, time, *writer_);
+    views_->add(simulation_, time, report_.frame_ms.back());
+    if (live_ != nullptr) live_->after_frame(simulation_, time, report_.frame_ms.back());
+    if (options_.writes) write_frame(time);
     if (report_.frame_ms.size() == 1) first_done_ns_ = now_ns();
     report_.next_frame = frame + 1;
     if (profile_) add_frame(*profile_, frame, simulation_);
     progress.update(report_.frame_ms.size(), std::chrono::steady_clock::now());
   }
+}
+
+/// Returns false if the frame could not be made because of what a client of the live view has changed.
+bool Run::step() {
+  try {
+    follower_ != nullptr ? follower_->step(simulation_) : simulation_.step();
+  } catch (const InputError& error) {
+    if (live_ == nullptr || !live_->takes_blame(error, simulation_)) throw;
+    return false;
+  }
+  return true;
+}
+
+void Run::write_frame(const FrameTime& time) {
+  if (!writer_) begin_output();
+  if (follower_ == nullptr) written_.follow(simulation_);
+  write_results(options_, simulation_, written_, time, *writer_);
 }
 
 // Frames that a resumed run makes again are not recorded.
@@ -368,15 +415,19 @@ void Run::begin_recording() {
 }
 
 void Run::finish() {
-  if (!writer_ && received_signal() != nullptr) return;
-  if (!writer_) begin_output();
+  if (options_.writes) {
+    if (!writer_ && received_signal() != nullptr) return;
+    if (!writer_) begin_output();
+  }
   if (options_.explain && received_signal() == nullptr) print_explanation(simulation_);
-  writer_->finish();
+  if (writer_) writer_->finish();
   if (report_.frame_ms.size() > 1) report_.later_frames_s = static_cast<double>(now_ns() - first_done_ns_) / 1e9;
   if (recording_) report_.recording = simulation_.finish_recording();
   if (profile_) profile_->commit();
+  views_->finish(simulation_);
   if (received_signal() == nullptr) report_.next_frame = options_.frames;
   report_.status = report_.next_frame == options_.frames ? "complete" : "stopped";
+  if (!options_.writes) return;
   close_sensors();
   write_report();
   if (!options_.quiet) print_closing(options_, *writer_, report_);
@@ -446,7 +497,12 @@ int run_scene(Options options, std::int64_t start_ns) {
     in_option("--serve", [&] { simulation.serve(serve_desc(options)); });
     if (!options.quiet) std::cout << "served as " << options.serve << std::endl;
   }
-  Run run(options, simulation, trajectory, follower ? &*follower : nullptr, start_ns);
+  std::optional<LiveRun> live;
+  if (options.live) {
+    in_option("--live", [&] { live.emplace(options, simulation, follower ? &*follower : nullptr); });
+    std::cout << live->links() << std::endl;
+  }
+  Run run(options, simulation, trajectory, follower ? &*follower : nullptr, live ? &*live : nullptr, start_ns);
   if (again) print_differences(*again, run.report());
   defer_signals();
   if (!run.prepare()) return 0;
@@ -460,7 +516,7 @@ int run_scene(Options options, std::int64_t start_ns) {
   }
   if (const char* const signal = received_signal(); signal != nullptr && run.report().status != "complete") {
     std::cerr << "simvis-run: stopped by a signal (" << signal << ") before frame " << run.report().next_frame;
-    if (options.serve.empty() && options.follow.empty()) std::cerr << " of " << options.frames << "; --resume goes on";
+    if (!options.endless) std::cerr << " of " << options.frames << "; --resume goes on";
     std::cerr << '\n';
     return kExitStopped;
   }

@@ -56,6 +56,7 @@ std::string column_array(const TableFrame& table, std::size_t column) {
   std::vector<std::int64_t> whole;
   for (std::size_t row = 0; row < table.rows(); ++row) values.push_back(table.at(row, column));
   if (!table.columns[column].integer) return array_of<double>("'<f8'", shape_of(values.size()), values);
+  whole.reserve(values.size());
   for (const double value : values) whole.push_back(std::isnan(value) ? -1 : static_cast<std::int64_t>(value));
   return array_of<std::int64_t>("'<i8'", shape_of(whole.size()), whole);
 }

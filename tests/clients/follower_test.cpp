@@ -8,6 +8,7 @@
 
 #include <simvis/simulation.h>
 #include "tests/clients/shared_host.h"
+#include "tests/support/long_count.h"
 #include "tests/support/run_process.h"
 #include "tests/support/tested_build.h"
 #include "tests/support/wall_scene.h"
@@ -155,7 +156,7 @@ TEST_CASE("a follower sees changes while it runs, its own things give way, and i
 TEST_CASE("followers that come, are killed and come again change no byte of the host's results") {
   Followed followed("follow-kill");
   Simulation alone = Simulation::load(write_wall_scene(followed.folder.path(), kScene));
-  const int kills = sanitized() ? 2 : 5;
+  const int kills = count_of("SIMVIS_TEST_KILLS", sanitized() ? 2 : 5);
   int frame = 0;
   for (int kill = 0; kill < kills; ++kill) {
     const std::string out = "out" + std::to_string(kill);

@@ -210,7 +210,7 @@ TEST_CASE("objects behind walls are not drawn, and the picture is the same to th
       DrawList list;
       const std::uint64_t things = add_things(list, random, 6000);
       const std::uint64_t bare = compare(renderer, list, picture(shown));
-      CHECK(bare > things / 2);
+      CHECK(bare > things / 20);  // those that can change a pixel: most show their backs or lie between samples
       // Slightly rotated walls at 3 to 5 m with gaps between them.
       for (int i = 0; i < 3; ++i) {
         const glm::dvec3 place(i - 1 + between(random, -0.2, 0.2), between(random, -0.3, 0.3), between(random, 3, 5));

@@ -174,10 +174,10 @@ TEST_CASE("the recorder waits, drops or goes on when its queue is full") {
   std::promise<void> gate;
   std::shared_future<void> opened = gate.get_future().share();
   const auto write = [](int time) {
-    return [time](MessageFile& file) { file.write("/clock", time, Clock{{time, 0}}); };
+    return [time](MessageSink& file) { file.write("/clock", time, Clock{{time, 0}}); };
   };
   using WhenFull = Recorder::WhenFull;
-  CHECK(recorder.add(Recorder::kMaxBytes, WhenFull::wait, [opened](MessageFile&) { opened.wait(); }));
+  CHECK(recorder.add(Recorder::kMaxBytes, WhenFull::wait, [opened](MessageSink&) { opened.wait(); }));
   CHECK_FALSE(recorder.add(1, WhenFull::drop, write(1)));
   CHECK(recorder.add(0, WhenFull::exceed, write(2)));
   std::future<bool> waits = std::async(std::launch::async, [&] { return recorder.add(1, WhenFull::wait, write(3)); });
@@ -193,9 +193,9 @@ TEST_CASE("the recorder waits, drops or goes on when its queue is full") {
 TEST_CASE("a failure on the recorder's thread is thrown by each later call") {
   const TemporaryFolder folder;
   Recorder recorder(folder / "file.mcap");
-  recorder.add(0, Recorder::WhenFull::wait, [](MessageFile&) { throw MachineError("the disk is full"); });
+  recorder.add(0, Recorder::WhenFull::wait, [](MessageSink&) { throw MachineError("the disk is full"); });
   CHECK_THROWS_WITH_AS(recorder.finish(), "the disk is full", MachineError);
-  CHECK_THROWS_AS(recorder.add(0, Recorder::WhenFull::exceed, [](MessageFile&) {}), MachineError);
+  CHECK_THROWS_AS(recorder.add(0, Recorder::WhenFull::exceed, [](MessageSink&) {}), MachineError);
   CHECK_THROWS_AS(recorder.finish(), MachineError);
 }
 

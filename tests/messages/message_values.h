@@ -18,7 +18,8 @@ template <typename Action>
 void for_each_type(const Action& action) {
   const auto all = [&]<typename... M>() { (action.template operator()<M>(), ...); };
   all.template operator()<LaserScan, PointCloud2, Image, CompressedImage, CameraInfo, Range, DisparityImage, TFMessage,
-                          PoseStamped, TwistStamped, Odometry, Path, Clock, DiagnosticArray, ParameterEvent, Float64>();
+                          PoseStamped, TwistStamped, Odometry, Path, Clock, DiagnosticArray, ParameterEvent, Float64,
+                          Imu, NavSatFix, MagneticField, FluidPressure, JointState, Illuminance>();
 }
 
 using Random = std::mt19937;

@@ -28,6 +28,7 @@ namespace fs = std::filesystem;
 const std::set<std::string> kProgramNames = {
     "BackgroundTask::cancel",
     "BackgroundTask::finish",
+    "BuiltSceneAccess::of",
     "Clock::Clock",
     "Clock::frame",
     "Deflater::Deflater",
@@ -47,6 +48,8 @@ const std::set<std::string> kProgramNames = {
     "min_planar_bound",
     "png_bytes",
     "rigid_mount_frame",
+    "ros::msg_text",
+    "send_messages",
     "shared_thread_pool",
     "srgb_codes",
     "temporary_name",

@@ -58,6 +58,13 @@ TEST_CASE("a plug-in that was built for another version is refused") {
 
 TEST_CASE("a library that registers nothing is refused") { CHECK(says(refusal("no_types"), "registers no element")); }
 
+TEST_CASE("a plug-in whose static initialiser throws or crashes is refused, each time") {
+  for (int attempt = 0; attempt < 2; ++attempt) {
+    CHECK(says(refusal("throwing_initialiser"), "a static initialiser throws: no file table.csv"));
+    CHECK(says(refusal("crashing_initialiser"), "its static initialisers crash: Aborted"));
+  }
+}
+
 TEST_CASE("after plug-ins were refused, scenes run as before") {
   refusal("duplicate_type");
   Simulation simulation = Simulation::from_string(R"(<element type="pose" name="POSE" insert_at="ROOT"/>)");

@@ -19,7 +19,8 @@ TEST_SUITE_BEGIN("engine/raycast");
 namespace simvis {
 namespace {
 
-constexpr unsigned kThreads[] = {1, 2, 3, 8};
+// What is expected is made on one thread.
+constexpr unsigned kThreads[] = {2, 3, 8};
 // Above these sizes a tree is built, and a mesh is sorted, on several threads: see bvh.cpp and clusters.cpp.
 constexpr std::size_t kTriangles = 110'000;
 
@@ -91,6 +92,7 @@ TEST_CASE("casters in different threads do not disturb one another") {
   const DrawList list = one_item(random_triangles(kTriangles / 10));
   const std::vector<glm::dvec3> directions = random_directions(4'000);
   const std::vector<RayHit> expected = cast_with(1, list, directions);
+  constexpr int kCasts = 3;
   for (const unsigned threads : kThreads) {
     CAPTURE(threads);
     std::vector<int> same(4);
@@ -98,11 +100,11 @@ TEST_CASE("casters in different threads do not disturb one another") {
     for (int& mine : same) {
       callers.emplace_back([&] {
         const std::unique_ptr<RayCaster> caster = make_host_ray_caster({}, threads);
-        for (int round = 0; round < 5; ++round) mine += hits_of(*caster, list, directions) == expected;
+        for (int round = 0; round < kCasts; ++round) mine += hits_of(*caster, list, directions) == expected;
       });
     }
     callers.clear();
-    CHECK(same == std::vector<int>(4, 5));
+    CHECK(same == std::vector<int>(4, kCasts));
   }
 }
 

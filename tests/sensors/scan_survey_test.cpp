@@ -53,7 +53,7 @@ TEST_CASE("methods are surveyed again when the cost of the chosen one changes, l
   cost[CostTerm::beam] = 1;
   MethodSelector choice;
   DrawList list;
-  const std::vector<Reading> readings(2);
+  const std::vector<BeamReading> readings(2);
   CHECK(choice.is_due(list));
   survey.choose(readings, cost);
   choice.take(survey, {});

@@ -15,6 +15,20 @@
 #include "sensors/camera/camera.h"
 #include "sensors/camera/stereo_camera.h"
 #include "sensors/laser_scanner/laser_scanner.h"
+#include "sensors/light/light_sensor.h"
+#include "sensors/navigation/altimeter.h"
+#include "sensors/navigation/barometer.h"
+#include "sensors/navigation/gnss.h"
+#include "sensors/navigation/imu.h"
+#include "sensors/navigation/joint_state.h"
+#include "sensors/navigation/magnetometer.h"
+#include "sensors/navigation/odometry.h"
+#include "sensors/proximity/beacon.h"
+#include "sensors/proximity/bumper.h"
+#include "sensors/proximity/radar.h"
+#include "sensors/proximity/range_sensor.h"
+#include "sensors/proximity/sonar.h"
+#include "sensors/proximity/touch.h"
 #include "sensors/psd/psd.h"
 
 TEST_SUITE_BEGIN("sensors");
@@ -65,12 +79,31 @@ bool same(const PsdDesc& a, const PsdDesc& b) {
          range_max == b.range_max_m && noise == b.noise_v && seed == b.seed;
 }
 
+template <typename Desc>
+bool same(const Desc& a, const Desc& b) {
+  return a == b;
+}
+
 template <typename Desc, Desc (*read)(const SensorContext&)>
 bool defaults_agree(const SensorContext& context) {
   return same(read(context), Desc{});
 }
 
 const std::map<std::string_view, bool (*)(const SensorContext&)> kSensors = {
+    {"altimeter", defaults_agree<AltimeterDesc, altimeter_desc>},
+    {"barometer", defaults_agree<BarometerDesc, barometer_desc>},
+    {"magnetometer", defaults_agree<MagnetometerDesc, magnetometer_desc>},
+    {"radar", defaults_agree<RadarDesc, radar_desc>},
+    {"beacon", defaults_agree<BeaconDesc, beacon_desc>},
+    {"bumper", defaults_agree<BumperDesc, bumper_desc>},
+    {"gnss", defaults_agree<GnssDesc, gnss_desc>},
+    {"imu", defaults_agree<ImuDesc, imu_desc>},
+    {"joint_state", defaults_agree<JointStateDesc, joint_state_desc>},
+    {"light_sensor", defaults_agree<LightSensorDesc, light_sensor_desc>},
+    {"odometry", defaults_agree<OdometryDesc, odometry_desc>},
+    {"range", defaults_agree<RangeSensorDesc, range_sensor_desc>},
+    {"sonar", defaults_agree<SonarDesc, sonar_desc>},
+    {"touch", defaults_agree<TouchDesc, touch_desc>},
     {"camera", defaults_agree<CameraDesc, camera_desc>},
     {"laser_scanner", defaults_agree<LaserScannerDesc, laser_scanner_desc>},
     {"psd", defaults_agree<PsdDesc, psd_desc>},

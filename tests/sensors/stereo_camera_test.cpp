@@ -25,17 +25,17 @@ using namespace simvis;
 namespace {
 
 /// A bright plate that faces the camera: its left, right, top and bottom edges in pixels of the left picture.
-struct Plate {
+struct StereoPlate {
   double depth_m, left_px, right_px, top_px, bottom_px;
 };
 
 // The edges are at least 0.1 pixels away from all centres of pixels in both pictures (checked below). float32 moves a
 // corner by less than a thousandth, and drivers snap to 1/256 of a pixel.
 constexpr double kEdgeMargin_px = 0.1;
-constexpr Plate kPlates[] = {{1.0, 60.0, 80.0, 10.0, 20.0},
-                             {1.5, 20.2, 50.7, 30.0, 34.2},
-                             {2.0, 90.0, 95.9, 50.3, 60.0},
-                             {7.0, 55.0, 60.0, 62.0, 70.0}};
+constexpr StereoPlate kStereoPlates[] = {{1.0, 60.0, 80.0, 10.0, 20.0},
+                                         {1.5, 20.2, 50.7, 30.0, 34.2},
+                                         {2.0, 90.0, 95.9, 50.3, 60.0},
+                                         {7.0, 55.0, 60.0, 62.0, 70.0}};
 
 constexpr std::uint32_t kWidth_px = 120, kHeight_px = 80;
 constexpr double kFocal_px = 100, kBaseline_m = 0.12;
@@ -58,7 +58,7 @@ test::RendererScene plates_scene(const glm::dmat4& world_from_sensor, std::uint3
   scene.list.environment.background = glm::vec3(0);
   Material bright;
   bright.unlit = bright.double_sided = true;
-  for (const Plate& p : kPlates) {
+  for (const StereoPlate& p : kStereoPlates) {
     const auto place = [&](double px, double middle_px) {
       return static_cast<float>((px - middle_px) * p.depth_m / kFocal_px);
     };
@@ -80,8 +80,8 @@ void take(StereoCamera& camera, const DrawList& list, const glm::dmat4& world_fr
 bool clear_of_centres(double edge_px) { return std::abs(edge_px - 0.5 - std::round(edge_px - 0.5)) >= kEdgeMargin_px; }
 
 /// The plate at a pixel of a picture in which the plates are shifted `shift(plate)` pixels to the left; null for none.
-const Plate* plate_at(std::uint32_t x, std::uint32_t y, const std::function<double(const Plate&)>& shift) {
-  for (const Plate& p : kPlates) {
+const StereoPlate* plate_at(std::uint32_t x, std::uint32_t y, const std::function<double(const StereoPlate&)>& shift) {
+  for (const StereoPlate& p : kStereoPlates) {
     const double u = x + 0.5 + shift(p), v = y + 0.5;
     if (u > p.left_px && u < p.right_px && v > p.top_px && v < p.bottom_px) return &p;
   }
@@ -93,8 +93,8 @@ void check_plates(const StereoCamera& camera, std::uint32_t width_px) {
   // Corners are at most 10 m away (counted 16 times, because each step rounds them). A disparity is at most 12 px, with
   // the same relative error as its depth.
   constexpr double kDepthTolerance_m = 16 * 10 * 0x1p-24, kDisparityTolerance_px = 12 * kDepthTolerance_m / 1.0;
-  const auto disparity_of = [](const Plate& p) { return kFocal_px * kBaseline_m / p.depth_m; };
-  const auto none = [](const Plate&) { return 0.0; };
+  const auto disparity_of = [](const StereoPlate& p) { return kFocal_px * kBaseline_m / p.depth_m; };
+  const auto none = [](const StereoPlate&) { return 0.0; };
   const Image &left = *camera.picture("left"), &right = *camera.picture("right");
   const Image &left_depth = *camera.picture("left_depth"), &right_depth = *camera.picture("right_depth");
   const Image& disparity = *camera.picture("disparity");
@@ -107,7 +107,7 @@ void check_plates(const StereoCamera& camera, std::uint32_t width_px) {
   for (std::uint32_t y = 0; y < kHeight_px; ++y) {
     for (std::uint32_t x = 0; x < width_px; ++x) {
       const std::size_t i = std::size_t{y} * width_px + x;
-      const Plate *const in_left = plate_at(x, y, none), *const in_right = plate_at(x, y, disparity_of);
+      const StereoPlate *const in_left = plate_at(x, y, none), *const in_right = plate_at(x, y, disparity_of);
       seen_left += in_left != nullptr;
       seen_right += in_right != nullptr;
       wrong += left.pixels[4 * i] != (in_left ? 1 : 0);
@@ -133,7 +133,7 @@ void check_plates(const StereoCamera& camera, std::uint32_t width_px) {
 }  // namespace
 
 TEST_CASE("a point that the left camera sees at u is at u - disparity in the right one") {
-  for (const Plate& p : kPlates) {
+  for (const StereoPlate& p : kStereoPlates) {
     const double shift = kFocal_px * kBaseline_m / p.depth_m;
     for (const double edge : {p.left_px, p.right_px, p.top_px, p.bottom_px, p.left_px - shift, p.right_px - shift}) {
       CHECK(clear_of_centres(edge));

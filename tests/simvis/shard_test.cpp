@@ -16,7 +16,8 @@ namespace {
 
 namespace fs = std::filesystem;
 // Everything that a frame can take from other frames: earlier poses of a camera with a rolling shutter and of a scanner
-// with a sweep (one of them with its own rate), noise, and a sensor that is never due in some shards.
+// with a sweep (one of them with its own rate), motion and drift of an imu, the ways of wheels, noise, and a sensor
+// that is never due in some shards.
 constexpr std::string_view kShardedSensors = R"(
 <element type="pose" name="MOVE" insert_at="ROOT"/>
 <sensor type="camera" name="CAM" insert_at="ROOT" width="32" height="24" outputs="color depth" row_time="0.002"
@@ -24,6 +25,8 @@ constexpr std::string_view kShardedSensors = R"(
 <sensor type="laser_scanner" name="SCAN" insert_at="ROOT" samples="31" min_angle="-60" max_angle="60" sweep="0.05"
         range_noise="0.01" rate="7"/>
 <sensor type="laser_scanner" name="PLANAR" insert_at="ROOT" method="planar" samples="11" min_angle="-60" max_angle="60"/>
+<sensor type="imu" name="IMU" insert_at="ROOT" gyroscope_noise_density="0.01" gyroscope_random_walk="0.1"/>
+<sensor type="odometry" name="ODOM" insert_at="ROOT" kind="wheel" slip_stddev="0.01" rate="7"/>
 <sensor type="camera" name="SLOW" insert_at="ROOT" width="8" height="8" rate="1"/>)";
 
 // Joins them as in docs/command-line.md.
@@ -59,10 +62,14 @@ TEST_CASE("the files of all shards equal those of one run, to the byte") {
   make("one", {});
   CHECK(make("three", {"--shard", "2/3"}).find("three/run-2-of-3.json") != std::string::npos);
   CHECK(files_below(folder / "three") ==
-        Strings{"CAM.yaml", "CAM/000002.exr", "CAM/000002.png", "CAM/000005.exr", "CAM/000005.png", "CAM/000008.exr",
-                "CAM/000008.png", "CAM_poses-2-of-3.csv", "CAM_poses-2-of-3.tum", "PLANAR-2-of-3.csv",
-                "PLANAR_poses-2-of-3.csv", "PLANAR_poses-2-of-3.tum", "SCAN-2-of-3.csv", "SCAN_poses-2-of-3.csv",
-                "SCAN_poses-2-of-3.tum", "run-2-of-3.json"});
+        Strings{"CAM.yaml",          "CAM/000002.exr",          "CAM/000002.png",
+                "CAM/000005.exr",    "CAM/000005.png",          "CAM/000008.exr",
+                "CAM/000008.png",    "CAM_poses-2-of-3.csv",    "CAM_poses-2-of-3.tum",
+                "IMU-2-of-3.csv",    "IMU_poses-2-of-3.csv",    "IMU_poses-2-of-3.tum",
+                "ODOM-2-of-3.csv",   "ODOM_poses-2-of-3.csv",   "ODOM_poses-2-of-3.tum",
+                "PLANAR-2-of-3.csv", "PLANAR_poses-2-of-3.csv", "PLANAR_poses-2-of-3.tum",
+                "SCAN-2-of-3.csv",   "SCAN_poses-2-of-3.csv",   "SCAN_poses-2-of-3.tum",
+                "run-2-of-3.json"});
   make("three", {"--shard", "0/3"});
   make("three", {"--shard", "1/3"});
   for (const int k : {0, 1, 2}) {
@@ -82,8 +89,8 @@ TEST_CASE("the files of all shards equal those of one run, to the byte") {
     CHECK(read_text(folder / ("three/" + name)) == read_text(folder / ("one/" + name)));
     ++compared;
   }
-  // Pictures of both cameras, their intrinsics, the tables, and the poses of all four.
-  CHECK(compared == 10 * 2 + 1 + 2 + 2 + 4);
+  // Pictures of both cameras, their intrinsics, the tables, and the poses of all six.
+  CHECK(compared == 10 * 2 + 1 + 2 + 4 + 6);
   for (const std::string& name : files_below(folder / "three")) {
     const bool own = is_run_file(name) || name.find("-of-3.") != std::string::npos;
     CHECK_MESSAGE((own || fs::exists(folder / ("one/" + name))), name);

@@ -163,7 +163,7 @@ class MotionReader {
 
   Floats read_times(int accessor, const std::string& place) {
     const bool is_new = floats_.find(accessor) == floats_.end();
-    const Floats times = read_once(accessor, kTimes);
+    Floats times = read_once(accessor, kTimes);
     for (std::size_t k = 0; is_new && k < times->size(); ++k) {
       const float before = k == 0 ? -0.0f : (*times)[k - 1], now = (*times)[k];
       if (k == 0 ? now >= 0 : now > before) continue;

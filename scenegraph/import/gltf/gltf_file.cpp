@@ -60,18 +60,18 @@ GltfChunks split_glb(const InputFile& input, const std::filesystem::path& file) 
   return chunks;
 }
 
-std::array<std::int8_t, 256> base64_digits() {
+std::array<int, 256> base64_digits() {
   constexpr std::string_view kAlphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::array<std::int8_t, 256> digits;
+  std::array<int, 256> digits{};
   digits.fill(-1);
   for (std::size_t i = 0; i < kAlphabet.size(); ++i) {
-    digits[static_cast<unsigned char>(kAlphabet[i])] = static_cast<std::int8_t>(i);
+    digits[static_cast<unsigned char>(kAlphabet[i])] = static_cast<int>(i);
   }
   return digits;
 }
 
 std::optional<Bytes> decode_base64(std::string_view text) {
-  static const std::array<std::int8_t, 256> digits = base64_digits();
+  static const std::array<int, 256> digits = base64_digits();
   for (int padding = 0; padding < 2 && text.ends_with('=') && (text.size() + padding) % 4 == 0; ++padding) {
     text.remove_suffix(1);
   }

@@ -125,8 +125,8 @@ GltfHierarchy read_hierarchy(const GltfDocument& document) {
 }
 
 std::vector<glm::dmat4> read_instances(const GltfDocument& document, int node) {
-  const GltfUse kTranslation{"TRANSLATION", kGltfVec3, kGltfF32}, kScale{"SCALE", kGltfVec3, kGltfF32};
-  const GltfUse kRotation{"ROTATION", kGltfVec4, kGltfF32 | kGltfI8n | kGltfI16n};
+  const GltfUse translation_use{"TRANSLATION", kGltfVec3, kGltfF32}, scale_use{"SCALE", kGltfVec3, kGltfF32};
+  const GltfUse rotation_use{"ROTATION", kGltfVec4, kGltfF32 | kGltfI8n | kGltfI16n};
   const auto index = static_cast<std::size_t>(node);
   const tinygltf::ExtensionMap& extensions = document.model.nodes[index].extensions;
   const auto extension = extensions.find("EXT_mesh_gpu_instancing");
@@ -141,7 +141,7 @@ std::vector<glm::dmat4> read_instances(const GltfDocument& document, int node) {
     count = floats.count;
     return floats;
   };
-  const GltfFloats translations = read(kTranslation), rotations = read(kRotation), scales = read(kScale);
+  const GltfFloats translations = read(translation_use), rotations = read(rotation_use), scales = read(scale_use);
   std::vector<glm::dmat4> instances(count);
   for (std::size_t i = 0; i < count; ++i) {
     LocalPose pose;
@@ -159,11 +159,11 @@ std::vector<glm::dmat4> read_instances(const GltfDocument& document, int node) {
 
 std::vector<glm::dmat4> read_inverse_bind_matrices(const GltfDocument& document, int skin) {
   constexpr int kMat4[] = {TINYGLTF_TYPE_MAT4};
-  const GltfUse kInverseBind{"inverseBindMatrices", kMat4, kGltfF32};
+  const GltfUse inverse_bind_use{"inverseBindMatrices", kMat4, kGltfF32};
   const tinygltf::Skin& source = document.model.skins[static_cast<std::size_t>(skin)];
   std::vector<glm::dmat4> matrices(source.joints.size(), glm::dmat4(1));
   if (source.inverseBindMatrices < 0) return matrices;
-  const GltfFloats inverse_bind = read_floats(document, source.inverseBindMatrices, kInverseBind);
+  const GltfFloats inverse_bind = read_floats(document, source.inverseBindMatrices, inverse_bind_use);
   if (inverse_bind.count < matrices.size()) {
     document.fail("skins/" + std::to_string(skin) + " has " + std::to_string(matrices.size()) + " joints, but " +
                   std::to_string(inverse_bind.count) + " inverse bind matrices");

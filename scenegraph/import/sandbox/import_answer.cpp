@@ -38,7 +38,7 @@ bool is_control(char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x
 
 bool is_utf8(const std::string& text) {
   try {
-    SourceText(text, {});
+    [[maybe_unused]] const SourceText checked(text, {});
     return true;
   } catch (const InputError&) {
     return false;

@@ -24,8 +24,9 @@ using Clock = std::chrono::steady_clock;
 
 constexpr int kNotStarted = 127;  // exit status of a program whose shared libraries are missing
 
-[[noreturn]] void fail_to_start(const std::filesystem::path& program, const std::string& why) {
-  throw MachineError("cannot start " + program.string() + ", the helper program that reads part files: " + why);
+[[noreturn]] void fail_to_start(const SandboxCall& call, const std::string& why) {
+  throw MachineError("cannot start " + call.program.string() + ", the helper program that " +
+                     std::string(call.purpose) + ": " + why);
 }
 
 class Descriptor {
@@ -49,17 +50,18 @@ class Descriptor {
 int above_those_of_the_program(int descriptor) { return ::fcntl(descriptor, F_DUPFD_CLOEXEC, kAnswerDescriptor + 1); }
 
 // Returns a file in memory that is read from its start, or -1 for no bytes.
-int file_with(std::span<const std::uint8_t> bytes, const std::filesystem::path& program) {
+int file_with_input(const SandboxCall& call) {
+  std::span<const std::uint8_t> bytes = call.input;
   if (bytes.empty()) return -1;
   const Descriptor file(::memfd_create("input", MFD_CLOEXEC));
   while (!bytes.empty()) {
     const ssize_t written = ::write(file.number(), bytes.data(), bytes.size());
     if (written < 0 && errno == EINTR) continue;
-    if (written < 0) fail_to_start(program, std::strerror(errno));
+    if (written < 0) fail_to_start(call, std::strerror(errno));
     bytes = bytes.subspan(static_cast<std::size_t>(written));
   }
   const int number = above_those_of_the_program(file.number());
-  if (number < 0 || ::lseek(number, 0, SEEK_SET) != 0) fail_to_start(program, std::strerror(errno));
+  if (number < 0 || ::lseek(number, 0, SEEK_SET) != 0) fail_to_start(call, std::strerror(errno));
   return number;
 }
 
@@ -127,7 +129,7 @@ class Process {
     const std::vector<char*> environment = environment_of(call);
     const int error = ::posix_spawn(&id_, call.program.c_str(), start.files(), start.attributes(), arguments.data(),
                                     environment.data());
-    if (error != 0) fail_to_start(call.program, std::strerror(error));
+    if (error != 0) fail_to_start(call, std::strerror(error));
   }
   ~Process() { kill(); }
   Process(const Process&) = delete;
@@ -196,15 +198,15 @@ SandboxEnd read_answer(int pipe, std::size_t most, Clock::time_point deadline, s
 SandboxReport run_in_sandbox(const SandboxCall& call) {
   const Clock::time_point deadline = Clock::now() + call.time;
   int ends[2];
-  if (::pipe2(ends, O_CLOEXEC) != 0) fail_to_start(call.program, std::strerror(errno));
+  if (::pipe2(ends, O_CLOEXEC) != 0) fail_to_start(call, std::strerror(errno));
   const Descriptor reading(ends[0]);
   Descriptor first_writing(ends[1]);
   Descriptor writing(above_those_of_the_program(ends[1]));
-  if (writing.number() < 0) fail_to_start(call.program, std::strerror(errno));
+  if (writing.number() < 0) fail_to_start(call, std::strerror(errno));
   first_writing.close();
   constexpr int kPipeBytes = 1 << 20;
   ::fcntl(reading.number(), F_SETPIPE_SZ, kPipeBytes);  // for speed only; a failure has no other effect
-  const Descriptor input(file_with(call.input, call.program));
+  const Descriptor input(file_with_input(call));
   Process process(call, input, writing.number());
   writing.close();
   SandboxReport report;
@@ -220,7 +222,7 @@ SandboxReport run_in_sandbox(const SandboxCall& call) {
     report.end = SandboxEnd::crashed;
     report.reason = "exit status " + std::to_string(WEXITSTATUS(*status));
     if (WEXITSTATUS(*status) == kNotStarted && report.answer.empty()) {
-      fail_to_start(call.program, report.reason + ", probably a shared library is missing");
+      fail_to_start(call, report.reason + ", probably a shared library is missing");
     }
   }
   return report;

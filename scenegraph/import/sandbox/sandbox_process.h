@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace simvis {
@@ -22,9 +23,10 @@ enum class AnswerStreams : std::uint8_t {
 
 struct SandboxCall {
   std::filesystem::path program;
-  std::vector<std::string> arguments;      ///< without the program's name
-  std::vector<std::string> environment{};  ///< NAME=VALUE, in addition to this process's or instead of its value
-  std::span<const std::uint8_t> input{};   ///< standard input, a file in memory; empty: /dev/null
+  std::string_view purpose = "reads part files";  ///< of the program, for messages
+  std::vector<std::string> arguments;             ///< without the program's name
+  std::vector<std::string> environment{};         ///< NAME=VALUE, in addition to this process's or instead of its value
+  std::span<const std::uint8_t> input{};          ///< standard input, a file in memory; empty: /dev/null
   AnswerStreams streams = AnswerStreams::own;
   std::chrono::milliseconds time{10'000};
   std::size_t answer_bytes = std::size_t{4} << 30;

@@ -152,6 +152,7 @@ class Collector {
   static Action::Response add_world_info(void* self, Action*, const SoNode* node) {
     const SoMFString& info = static_cast<const SoVRMLWorldInfo*>(node)->info;
     std::vector<std::string> texts;
+    texts.reserve(static_cast<std::size_t>(info.getNum()));
     for (int i = 0; i < info.getNum(); ++i) texts.emplace_back(info[i].getString());
     of(self).add_commands(*node, texts);
     return Action::CONTINUE;

@@ -2,12 +2,15 @@
 
 #include <dlfcn.h>
 
+#include <chrono>
 #include <map>
 #include <mutex>
 #include <string>
 #include <vector>
 
 #include <simvis/error.h>
+#include "scenegraph/import/sandbox/import_program.h"
+#include "scenegraph/import/sandbox/sandbox_process.h"
 #include "scenegraph/language/registrations.h"
 
 namespace simvis {
@@ -26,6 +29,33 @@ std::map<void*, std::string>& refused_but_loaded() {
 
 void* loaded(const std::string& path) { return ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NOLOAD); }
 
+/// In their order: a plug-in may use what an earlier one has registered.
+std::vector<std::string>& accepted_files() {
+  static std::vector<std::string> files;
+  return files;
+}
+
+/// Returns why the library at `path` would end this process while it is loaded; empty if it would not. The loader
+/// passes on no exception of a static initialiser, so a helper program loads the library first.
+std::string fault_of(const std::string& path) {
+  constexpr std::chrono::seconds kPatience(60);
+  constexpr std::size_t kReasonBytes = 1 << 10;
+  SandboxCall call;
+  call.program = import_program("simvis-try-plugin");
+  call.purpose = "tries plug-ins";
+  call.arguments = accepted_files();
+  call.arguments.push_back(path);
+  call.time = kPatience;
+  call.answer_bytes = kReasonBytes;
+  const SandboxReport report = run_in_sandbox(call);
+  if (report.end == SandboxEnd::finished) return {};
+  if (report.end == SandboxEnd::took_too_long) {
+    return "its static initialisers take longer than " + std::to_string(kPatience.count()) + " s";
+  }
+  if (report.answer.empty()) return "its static initialisers crash: " + report.reason;
+  return "a static initialiser throws: " + std::string(report.answer.begin(), report.answer.end());
+}
+
 }  // namespace
 
 void load_plugin(const std::filesystem::path& file) {
@@ -39,6 +69,7 @@ void load_plugin(const std::filesystem::path& file) {
     if (refused == refused_but_loaded().end()) return;
     refuse(file, refused->second);
   }
+  if (const std::string fault = fault_of(path); !fault.empty()) refuse(file, fault);
   Registrations& registrations = Registrations::instance();
   const std::size_t accepted = registrations.accepted(), refused = registrations.refused().size();
   void* const library = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
@@ -50,7 +81,10 @@ void load_plugin(const std::filesystem::path& file) {
   if (reason.empty() && registrations.accepted() == accepted) {
     reason = "it registers no element, sensor, effect or part format with this SimVis";
   }
-  if (reason.empty()) return;
+  if (reason.empty()) {
+    accepted_files().push_back(path);
+    return;
+  }
   registrations.roll_back(accepted, refused);
   ::dlclose(library);
   if (void* const remaining = loaded(path)) refused_but_loaded()[remaining] = reason;

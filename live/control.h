@@ -1,0 +1,50 @@
+// What clients ask of the simulation, on its way from the server's thread to the simulation's.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace simvis::live {
+
+using ClientId = std::uint64_t;
+
+struct Control {
+  enum class Kind : std::uint8_t { look, set, play, pause, step, speed, execute, save };
+  Kind kind = Kind::look;  ///< look: nothing but that somebody looks at something else now
+  ClientId client = 0;
+  std::vector<std::pair<std::size_t, double>> values{};  ///< set: parameters by index
+  double factor = 0;                                     ///< speed: 0: as fast as possible
+  std::string text{};                                    ///< execute: commands
+  std::string request{};                                 ///< how the client calls it; empty: it wants no answer
+};
+
+/// Threads  any.
+class ControlQueue {
+ public:
+  /// Most that waits. A slider that is moved takes one place: a request that only sets the values that the last
+  /// one sets takes that one's place.
+  static constexpr std::size_t kMaxWaiting = 4096, kMaxBytes = std::size_t{16} << 20;
+
+  /// Returns false if there is no room.
+  bool add(Control control);
+  /// The next request. Waits until `until` if there is none; without `until` it does not wait.
+  std::optional<Control> next(std::optional<std::chrono::steady_clock::time_point> until = {});
+
+ private:
+  bool replaces_last(const Control& control) const;
+
+  std::mutex mutex_;
+  std::condition_variable added_;
+  std::deque<Control> waiting_;
+  std::size_t bytes_ = 0;
+};
+
+}  // namespace simvis::live

@@ -1,0 +1,88 @@
+// Foxglove's WebSocket protocol: channels with the messages of a recording, parameters, change requests, time.
+//
+// https://github.com/foxglove/ws-protocol/blob/main/docs/spec.md; its names `foxglove.websocket.v1` and
+// `foxglove.sdk.v1` mean the same here. Requests to change the scene are messages to the topic kExecuteTopic: of type
+// std_msgs/msg/String in CDR, or JSON {"data": "XML"}.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "live/control.h"
+#include "live/server.h"
+#include "messages/message_outlet.h"
+
+namespace simvis::live {
+
+inline constexpr std::string_view kFoxgloveProtocols[] = {"foxglove.sdk.v1", "foxglove.websocket.v1"};
+inline constexpr std::string_view kExecuteTopic = "/simvis/execute";
+
+/// The topics that somebody listens to, for the simulation's thread.
+class WantedTopics {
+ public:
+  void set(std::set<std::string> topics);
+  bool contains(const std::string& topic) const;
+
+ private:
+  mutable std::mutex mutex_;
+  std::set<std::string> topics_;
+};
+
+class FoxglovePeer;
+
+/// What all clients of this protocol share. It is of the server's thread, but for `wanted`.
+class FoxgloveHub {
+ public:
+  FoxgloveHub(ControlQueue& controls, std::string session);
+
+  std::unique_ptr<Peer> connect(ClientId client);
+  bool has_peers() const { return !peers_.empty(); }
+
+  void advertise(const ros::Topic& topic);
+  /// A message for those who listen. That of a latched topic is also kept for those who come later.
+  void publish(const ros::Topic& topic, std::int64_t time_ns, std::string_view bytes);
+  void set_time(std::int64_t time_ns);
+
+  struct Parameter {
+    std::string name;  ///< "ELEMENT.PARAM"
+    double value = 0;
+    bool removed = false;
+  };
+  /// All parameters, by index. What differs goes to those who have subscribed to it.
+  void set_parameters(std::vector<Parameter> parameters);
+  /// The answer to a request to set values: what was refused, and the values as they are now.
+  void answer_set(const Control& request, std::span<const std::string> refusals);
+  void answer_execute(ClientId client, const std::string& refusal);
+
+  WantedTopics wanted;
+
+ private:
+  friend class FoxglovePeer;
+  struct Channel {
+    ros::Topic topic;
+    std::shared_ptr<const std::string> kept;  // of a latched topic
+    std::int64_t kept_ns = 0;
+  };
+  void follow_subscriptions();
+  std::optional<std::size_t> find_parameter(std::string_view name) const;
+
+  ControlQueue& controls_;
+  std::string session_;
+  std::vector<Channel> channels_;  // the id is the index + 1
+  std::map<std::string, std::size_t, std::less<>> channel_of_topic_;
+  std::vector<Parameter> parameters_;
+  std::map<std::string, std::size_t, std::less<>> parameter_of_name_;
+  std::map<ClientId, FoxglovePeer*> peers_;
+};
+
+}  // namespace simvis::live

@@ -1,0 +1,82 @@
+// One client of Foxglove's protocol.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "live/foxglove.h"
+#include "live/text_queue.h"
+
+namespace simvis::live {
+
+class FoxglovePeer : public Peer {
+ public:
+  FoxglovePeer(FoxgloveHub& hub, ClientId id);
+  ~FoxglovePeer() override;
+
+  void receive(std::string_view message, bool binary) override;
+  std::optional<WireMessage> next() override;
+
+  void advertise(std::span<const std::size_t> channels);
+  void publish(std::size_t channel, std::int64_t time_ns, const std::shared_ptr<const std::string>& bytes);
+  void set_time(std::int64_t time_ns) { time_ns_ = time_ns; }
+  /// These parameters have other values now.
+  void note_changes(const std::set<std::size_t>& parameters);
+  /// The parameters are those of another scene now.
+  void forget_parameters();
+  /// The values of these parameters, as the answer to `request`.
+  void send_values(const std::set<std::size_t>& parameters, const std::string& request);
+  enum class Level : std::uint8_t { info = 0, warning = 1, error = 2 };
+  void send_status(Level level, const std::string& message);
+  void add_wanted(std::set<std::string>& topics) const;
+
+ private:
+  using Json = nlohmann::json;
+  struct Waiting {
+    std::uint64_t order;
+    std::int64_t time_ns;
+    std::shared_ptr<const std::string> bytes;
+  };
+  struct Subscription {
+    std::uint32_t id;
+    std::deque<Waiting> waiting;
+    std::size_t bytes = 0;
+  };
+  struct ClientChannel {
+    std::string topic, encoding;
+  };
+
+  void receive_text(std::string_view message);
+  void receive_data(std::string_view message);
+  void subscribe(const Json& message);
+  void unsubscribe(const Json& message);
+  void advertise_of_client(const Json& message);
+  void unadvertise_of_client(const Json& message);
+  void get_parameters(const Json& message);
+  void set_parameters(const Json& message);
+  void subscribe_parameters(const Json& message, bool on);
+  void add(Subscription& to, std::int64_t time_ns, const std::shared_ptr<const std::string>& bytes);
+  std::set<std::size_t> parameters_of(const Json& message);
+  std::optional<WireMessage> next_data();
+
+  FoxgloveHub& hub_;
+  ClientId id_;
+  TextQueue texts_;
+  std::map<std::size_t, Subscription> subscriptions_;  // by channel
+  std::map<std::uint32_t, ClientChannel> client_channels_;
+  std::set<std::size_t> watched_, changed_;  // parameters
+  bool watches_all_ = false;
+  std::optional<std::int64_t> time_ns_;  // to be sent
+  std::uint64_t next_order_ = 0;
+};
+
+}  // namespace simvis::live

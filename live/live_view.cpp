@@ -1,0 +1,165 @@
+#include "live/live_view.h"
+
+#include <array>
+#include <charconv>
+#include <limits>
+#include <utility>
+
+#include "engine/base/now_ns.h"
+#include "live/page_assets.h"
+#include "simvis/message_tap.h"
+
+namespace simvis::live {
+namespace {
+
+constexpr std::array kProtocols = {kViewProtocol, kFoxgloveProtocols[0], kFoxgloveProtocols[1]};
+
+// The plan is text for people.
+constexpr std::int64_t kPlanPeriod_ns = 500'000'000;
+
+// No scene has had so many.
+constexpr std::size_t kNoChanges = std::numeric_limits<std::size_t>::max();
+
+// Frames that wait for the server, before further ones are left out.
+constexpr int kMaxFrames = 2;
+
+std::optional<std::uint64_t> structure_of(std::string_view query) {
+  constexpr std::string_view kName = "structure=";
+  std::uint64_t structure = 0;
+  if (!query.starts_with(kName)) return std::nullopt;
+  const char* const end = query.data() + query.size();
+  const auto [rest, error] = std::from_chars(query.data() + kName.size(), end, structure);
+  if (rest != end || error != std::errc()) return std::nullopt;
+  return structure;
+}
+
+void add_scans(const OtherScans& scans, const ViewWants& wants, ViewFrame& frame) {
+  for (std::uint32_t i = 0; i < frame.scene->sensors.size(); ++i) {
+    const std::string& name = frame.scene->sensors[i].name;
+    if (!wants.sensors.contains(name)) continue;
+    std::optional<Scan> scan = scans(name);
+    if (scan) frame.scans.push_back({i, std::make_shared<const Scan>(std::move(*scan))});
+  }
+}
+
+}  // namespace
+
+LiveView::LiveView(const ServerDesc& desc)
+    : foxglove_(controls_, random_token()),
+      view_(controls_, [this](ViewWants wants, std::size_t viewers) { want(std::move(wants), viewers); }),
+      outlet_(foxglove_),
+      server_(std::make_unique<Server>(desc, static_cast<Service&>(*this))) {}
+
+LiveView::~LiveView() = default;
+
+void LiveView::attach(Simulation& simulation) {
+  send_messages(simulation, &outlet_);
+  copier_.restart();
+  parameters_.clear();
+  changes_ = kNoChanges;
+}
+
+void LiveView::want(ViewWants wants, std::size_t viewers) {
+  viewers_ = viewers;
+  const std::lock_guard lock(mutex_);
+  wants_ = std::move(wants);
+}
+
+ViewWants LiveView::take_wants() {
+  ViewWants wants;
+  {
+    const std::lock_guard lock(mutex_);
+    wants = wants_;
+  }
+  const std::int64_t now = now_ns();
+  wants.plan = wants.plan && now - plan_ns_ >= kPlanPeriod_ns;
+  if (wants.plan) plan_ns_ = now;
+  return wants;
+}
+
+bool LiveView::publish(const Simulation& simulation, const FrameTime& time, double step_ms, const ViewTime& view_time,
+                       const OtherScans& other_scans) {
+  if (std::function<void()> batch = outlet_.take_batch()) server_->post(std::move(batch));
+  post_parameters(simulation.parameters());
+  server_->post([this, time_ns = time.time_ns] { foxglove_.set_time(time_ns); });
+  if (viewers_ == 0) return true;
+  if (frames_under_way_ >= kMaxFrames) return false;
+  ++frames_under_way_;
+  const ViewWants wants = take_wants();
+  auto frame = std::make_shared<ViewFrame>(copier_.copy(simulation, time, step_ms, wants));
+  if (other_scans) add_scans(other_scans, wants, *frame);
+  server_->post([this, frame, view_time] {
+    view_.publish(std::move(*frame), view_time);
+    --frames_under_way_;
+  });
+  return true;
+}
+
+void LiveView::publish(const ViewTime& view_time) {
+  server_->post([this, view_time] { view_.set_time(view_time); });
+}
+
+// Only what has changed is copied.
+void LiveView::post_parameters(const Parameters& parameters) {
+  const std::span<const double> values = parameters.values();
+  bool changed = false;
+  if (const std::size_t changes = parameters.changes().size(); changes != changes_) {
+    changes_ = changes;
+    changed = true;
+    for (std::size_t i = parameters_.size(); i < values.size(); ++i)
+      parameters_.push_back({.name = parameters.name(i)});
+    for (std::size_t i = 0; i < values.size(); ++i) parameters_[i].removed = parameters.is_removed(i);
+  }
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (parameters_[i].value == values[i]) continue;
+    parameters_[i].value = values[i];
+    changed = true;
+  }
+  if (changed) server_->post([this, copy = parameters_] { foxglove_.set_parameters(copy); });
+}
+
+void LiveView::answer_set(const Control& request, std::vector<std::string> refusals, const Parameters& parameters) {
+  post_parameters(parameters);
+  server_->post([this, request, refusals = std::move(refusals)] {
+    foxglove_.answer_set(request, refusals);
+    for (const std::string& refusal : refusals) view_.answer_error(request.client, "set", refusal);
+  });
+}
+
+void LiveView::answer(const Control& request, const std::string& refusal) {
+  server_->post([this, request, refusal] {
+    if (request.kind == Control::Kind::execute) foxglove_.answer_execute(request.client, refusal);
+    if (!refusal.empty()) view_.answer_error(request.client, request.request, refusal);
+  });
+}
+
+void LiveView::answer_saved(const Control& request, const std::string& xml) {
+  server_->post([this, client = request.client, xml] { view_.answer_saved(client, xml); });
+}
+
+void LiveView::report(const std::string& about, const std::string& message) {
+  server_->post([this, about, message] { view_.answer_all_error(about, message); });
+}
+
+std::optional<Answer> LiveView::get(std::string_view path, std::string_view query) {
+  if (path == "/scene.glb") {
+    const std::optional<std::uint64_t> structure = structure_of(query);
+    std::shared_ptr<const std::string> glb = structure ? view_.glb(*structure) : nullptr;
+    if (!glb) return std::nullopt;
+    return Answer{.status = 200, .type = std::string(media_type("scene.glb")), .body = std::move(glb)};
+  }
+  const std::string_view name = path == "/" ? "index.html" : path.substr(1);
+  const std::string_view bytes = page_asset(name);
+  if (bytes.empty()) return std::nullopt;
+  return Answer{.status = 200, .type = std::string(media_type(name)), .body = std::make_shared<std::string>(bytes)};
+}
+
+std::span<const std::string_view> LiveView::protocols() const { return kProtocols; }
+
+std::unique_ptr<Peer> LiveView::connect(std::string_view protocol) {
+  const ClientId client = next_client_++;
+  if (protocol == kViewProtocol) return view_.connect(client);
+  return foxglove_.connect(client);
+}
+
+}  // namespace simvis::live

@@ -1,0 +1,83 @@
+// The live view of a running simulation: its server, the page's protocol and Foxglove's.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <simvis/simulation.h>
+#include "live/control.h"
+#include "live/foxglove.h"
+#include "live/message_outlet.h"
+#include "live/server.h"
+#include "live/view_hub.h"
+
+namespace simvis::live {
+
+/// The last scans of sensors that another process has measured with, by the name of the sensor.
+using OtherScans = std::function<std::optional<Scan>(const std::string& sensor)>;
+
+/// Threads  all functions are of the thread that steps the simulation; it never waits for the server.
+class LiveView : private Service {
+ public:
+  /// Throws as Server.
+  explicit LiveView(const ServerDesc& desc);
+  ~LiveView() override;
+
+  std::uint16_t port() const { return server_->port(); }
+
+  /// From now on, the messages of this simulation go to Foxglove's clients, and its frames to pages. Throws InputError:
+  /// two of its sensors would have the same topics.
+  void attach(Simulation& simulation);
+  /// Shows the frame of the last step. Returns false if the server is too busy for it.
+  bool publish(const Simulation& simulation, const FrameTime& time, double step_ms, const ViewTime& view_time,
+               const OtherScans& other_scans = {});
+  /// Shows that the simulation goes on or not.
+  void publish(const ViewTime& view_time);
+
+  std::optional<Control> next_control(std::optional<std::chrono::steady_clock::time_point> until = {}) {
+    return controls_.next(until);
+  }
+  void answer_set(const Control& request, std::vector<std::string> refusals, const Parameters& parameters);
+  /// `refusal` is empty if the request was carried out.
+  void answer(const Control& request, const std::string& refusal);
+  void answer_saved(const Control& request, const std::string& xml);
+  /// Tells all clients of the page's protocol.
+  void report(const std::string& about, const std::string& message);
+
+ private:
+  std::optional<Answer> get(std::string_view path, std::string_view query) override;
+  std::span<const std::string_view> protocols() const override;
+  std::unique_ptr<Peer> connect(std::string_view protocol) override;
+  void want(ViewWants wants, std::size_t viewers);
+  ViewWants take_wants();
+  void post_parameters(const Parameters& parameters);
+
+  ControlQueue controls_;
+  // Of the server's thread.
+  FoxgloveHub foxglove_;
+  ViewHub view_;
+  ClientId next_client_ = 1;
+  // Of the simulation's thread.
+  LiveOutlet outlet_;
+  ViewCopier copier_;
+  std::vector<FoxgloveHub::Parameter> parameters_;  // as clients know them
+  std::size_t changes_ = 0;                         // of the scene, that `parameters_` follow
+  std::int64_t plan_ns_ = 0;                        // when the last plan was copied
+  // Of both.
+  std::mutex mutex_;
+  ViewWants wants_;
+  std::atomic<std::size_t> viewers_ = 0;
+  std::atomic<int> frames_under_way_ = 0;
+  std::unique_ptr<Server> server_;  // the last member: its thread uses the others
+};
+
+}  // namespace simvis::live

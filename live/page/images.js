@@ -1,0 +1,106 @@
+// A panel for each image of each camera. Colour is the PNG as it came; depth and disparity are shown by a ramp. The value
+// under the pointer stands beside the name.
+import { colorOf, limitsOf, rampCss, shareOf, short } from "simvis/color_ramp.js";
+
+const UNITS = { depth: "m", disparity: "px" };
+
+class Picture {
+  constructor(title, kind) {
+    this.kind = kind;
+    this.figure = document.createElement("figure");
+    this.figure.className = "picture";
+    this.figure.innerHTML = '<figcaption><span></span><output></output></figcaption><div class="frame"></div>';
+    this.figure.querySelector("span").textContent = title;
+    this.output = this.figure.querySelector("output");
+    this.shown = document.createElement(kind === "colour" ? "img" : "canvas");
+    this.figure.querySelector(".frame").append(this.shown);
+    if (kind === "colour") {
+      this.shown.alt = title;
+    } else {
+      this.shown.setAttribute("role", "img");
+      this.shown.setAttribute("aria-label", title);
+      this.scale = document.createElement("div");
+      this.scale.innerHTML = '<div class="ramp"></div><div class="scale"><span></span><span></span></div>';
+      this.scale.firstChild.style.background = rampCss();
+      this.figure.append(this.scale);
+    }
+    this.shown.addEventListener("pointermove", (event) => this.read(event));
+    this.shown.addEventListener("pointerleave", () => { this.output.textContent = this.size(); });
+  }
+
+  size() { return this.message ? `${this.message.width} × ${this.message.height}` : ""; }
+
+  show(message) {
+    this.message = message;
+    this.output.textContent = this.size();
+    if (this.kind === "colour") {
+      URL.revokeObjectURL(this.shown.src);
+      this.pixels = null;
+      this.shown.src = URL.createObjectURL(new Blob([message.png], { type: "image/png" }));
+      return;
+    }
+    const { width, height, values } = message, limits = limitsOf(values);
+    this.shown.width = width;
+    this.shown.height = height;
+    const context = this.shown.getContext("2d"), image = context.createImageData(width, height);
+    for (let i = 0; i < values.length; ++i) {
+      const [r, g, b] = Number.isFinite(values[i]) ? colorOf(shareOf(values[i], limits)) : [20, 20, 24];
+      image.data.set([r, g, b, 255], 4 * i);
+    }
+    context.putImageData(image, 0, 0);
+    const [low, high] = this.scale.querySelectorAll("span");
+    low.textContent = `${short(limits[0])} ${UNITS[this.kind]}`;
+    high.textContent = `${short(limits[1])} ${UNITS[this.kind]}`;
+  }
+
+  read(event) {
+    if (!this.message) return;
+    const area = this.shown.getBoundingClientRect(), { width, height } = this.message;
+    const x = Math.min(width - 1, Math.floor((event.clientX - area.left) / area.width * width));
+    const y = Math.min(height - 1, Math.floor((event.clientY - area.top) / area.height * height));
+    if (this.kind === "colour") {
+      const [r, g, b] = this.codes(x, y);
+      this.output.textContent = `(${x}, ${y}) sRGB ${r} ${g} ${b}`;
+    } else {
+      this.output.textContent = `(${x}, ${y}) ${short(this.message.values[y * width + x])} ${UNITS[this.kind]}`;
+    }
+  }
+
+  codes(x, y) {
+    if (!this.pixels) {
+      const canvas = document.createElement("canvas");
+      canvas.width = this.message.width;
+      canvas.height = this.message.height;
+      this.pixels = canvas.getContext("2d", { willReadFrequently: true });
+      this.pixels.drawImage(this.shown, 0, 0);
+    }
+    return this.pixels.getImageData(x, y, 1, 1).data;
+  }
+}
+
+export class Images {
+  constructor(root) {
+    this.root = root;
+    this.clear();
+  }
+
+  clear() {
+    this.pictures = new Map();
+    this.root.innerHTML = '<p class="weak">No camera has measured yet.</p>';
+  }
+
+  show(message, sensor) {
+    const title = [sensor, message.eye, message.kind].filter(Boolean).join(" · ");
+    if (this.pictures.size === 0) this.root.replaceChildren();
+    if (!this.pictures.has(title)) {
+      this.pictures.set(title, new Picture(title, message.kind));
+      this.pictures.get(title).figure.dataset.sensor = sensor;
+      this.root.append(...[...this.pictures.keys()].sort().map((key) => this.pictures.get(key).figure));
+    }
+    this.pictures.get(title).show(message);
+  }
+
+  reveal(sensor) {
+    this.root.querySelector(`[data-sensor="${CSS.escape(sensor)}"]`)?.scrollIntoView({ block: "nearest" });
+  }
+}

@@ -1,0 +1,50 @@
+// Messages of a running simulation, over a WebSocket. The same interface as recorded_source.js.
+import { decode } from "simvis/messages.js";
+
+const PROTOCOL = "simvis.live.v1";
+const FIRST_WAIT_MS = 500, LONGEST_WAIT_MS = 8000;
+
+/** The address of the page may carry a token, which belongs to every request. */
+function address(name) {
+  const url = new URL(name, location.href);
+  for (const [key, value] of new URL(location.href).searchParams) url.searchParams.set(key, value);
+  return url;
+}
+
+export function open(onMessage, onState) {
+  let socket = null, wait = FIRST_WAIT_MS, last = null, queue = Promise.resolve();
+
+  function connect() {
+    const url = address("live");
+    url.protocol = url.protocol === "https:" ? "wss:" : "ws:";
+    socket = new WebSocket(url, PROTOCOL);
+    socket.binaryType = "arraybuffer";
+    socket.onopen = () => {
+      wait = FIRST_WAIT_MS;
+      onState("connected", false);
+      if (last) socket.send(last);
+    };
+    // Messages are taken one after the other: a scene takes a while to load.
+    socket.onmessage = ({ data }) => { queue = queue.then(() => onMessage(decode(data))).catch(console.error); };
+    socket.onclose = () => {
+      onState("no simulation answers; trying again", true);
+      setTimeout(connect, wait);
+      wait = Math.min(2 * wait, LONGEST_WAIT_MS);
+    };
+  }
+
+  return {
+    recorded: false,
+    start: connect,
+    send(message) {
+      const text = JSON.stringify(message);
+      if (message.op === "look") last = text;  // a new connection has to know it
+      if (socket?.readyState === WebSocket.OPEN) socket.send(text);
+    },
+    async glb(name) {
+      const response = await fetch(address(name));
+      if (!response.ok) throw new Error(`${name}: ${response.status} ${response.statusText}`);
+      return response.arrayBuffer();
+    },
+  };
+}

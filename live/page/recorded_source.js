@@ -1,0 +1,91 @@
+// Messages of a recording, which lie in this file. The same interface as live_source.js.
+import { decode } from "simvis/messages.js";
+
+async function bytesOf(id) {
+  const text = document.getElementById(id).textContent;
+  const packed = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
+  return new Response(stream).arrayBuffer();
+}
+
+function messagesOf(buffer) {
+  const view = new DataView(buffer), messages = [];
+  for (let place = 0; place < buffer.byteLength; ) {
+    const binary = view.getUint32(place, true), length = view.getUint32(place + 4, true);
+    messages.push(binary ? decode(buffer, place + 8, length)
+                         : decode(new TextDecoder().decode(new Uint8Array(buffer, place + 8, length))));
+    place += 8 + Math.ceil(length / 8) * 8;
+  }
+  return messages;
+}
+
+const isMeasured = (message) => message.op === "scan" || message.op === "picture";
+
+export function open(onMessage, onState) {
+  const { frames } = JSON.parse(document.getElementById("recording").textContent);
+  let shown = -1, wanted = -1, working = false, playing = false, speed = 1, timer = 0;
+  onState("recording", false);
+
+  /** A frame's state is told from its key frame; what a sensor measured last may lie before. */
+  async function show(number) {
+    const { key } = frames[number];
+    const known = shown >= 0 && frames[shown].key === key;
+    const messages = known && number === shown + 1 ? [] : messagesOf(await bytesOf(`frame-${key}`));
+    const begin = messages.filter((m) => !isMeasured(m) && m.op !== "frame" && !(known && m.op === "scene"));
+    const own = messagesOf(await bytesOf(`frame-${number}`));
+    const missing = new Set(known && number === shown + 1 ? [] : frames.slice(key, number).flatMap((f) => f.sensors));
+    for (const sensor of frames[number].sensors) missing.delete(sensor);
+    const older = [];
+    for (const sensor of missing) {
+      let last = number - 1;
+      while (!frames[last].sensors.includes(sensor)) --last;
+      older.push(...messagesOf(await bytesOf(`frame-${last}`)).filter((m) => isMeasured(m) && m.sensor === sensor));
+    }
+    shown = number;
+    const newer = number === key && !known ? own : own.filter((m) => m.op !== "scene");
+    for (const message of number === key ? newer : [...begin, ...older, ...newer]) {
+      await onMessage(message.op === "frame" ? { ...message, playing, number, count: frames.length } : message);
+    }
+  }
+
+  async function seek(number) {
+    wanted = Math.max(0, Math.min(frames.length - 1, number));
+    if (working) return;
+    working = true;
+    try {
+      while (shown !== wanted) await show(wanted);
+    } finally {
+      working = false;
+    }
+  }
+
+  function advance() {
+    if (!playing) return;
+    if (shown >= frames.length - 1) return setPlaying(false);
+    const wait = speed > 0 ? (frames[shown + 1].time_s - frames[shown].time_s) / speed : 0;
+    const began = performance.now();
+    seek(shown + 1).then(() => { timer = setTimeout(advance, Math.max(0, 1000 * wait - (performance.now() - began))); });
+  }
+
+  async function setPlaying(on) {
+    clearTimeout(timer);
+    if (on && shown >= frames.length - 1) await seek(0);
+    playing = on;
+    onMessage({ op: "playing", playing });
+    advance();
+  }
+
+  const commands = {
+    play: () => setPlaying(true),
+    pause: () => setPlaying(false),
+    step: () => { setPlaying(false); return seek(shown + 1); },
+    seek: ({ frame }) => seek(frame),
+    speed: ({ factor }) => { speed = factor; },
+  };
+  return {
+    recorded: true,
+    start: () => seek(0),
+    send: (message) => commands[message.op]?.(message),
+    glb: (name) => bytesOf(name),
+  };
+}

@@ -1,0 +1,264 @@
+// The scene in three dimensions: what the GLB holds, moved by transforms; lights; picking. SimVis has z up, and so has
+// three.js here.
+import * as THREE from "three";
+import { GLTFLoader } from "simvis/GLTFLoader.js";
+
+const LEAST_INSTANCES = 16;  // from so many equal items on, one draw call shows all
+const PICK_RADIUS_PX = 4;    // the pointer may move so far in a click
+
+/** 12 numbers, the upper rows of a matrix. */
+export function toMatrix(rows, matrix = new THREE.Matrix4()) {
+  const [a, b, c, d, e, f, g, h, i, j, k, l] = rows;
+  return matrix.set(a, b, c, d, e, f, g, h, i, j, k, l, 0, 0, 0, 1);
+}
+
+/** The same without scale. */
+export function toRigid(rows) {
+  const position = new THREE.Vector3(), rotation = new THREE.Quaternion(), scale = new THREE.Vector3();
+  toMatrix(rows).decompose(position, rotation, scale);
+  return new THREE.Matrix4().compose(position, rotation, new THREE.Vector3(1, 1, 1));
+}
+
+export class SceneView {
+  constructor(canvas) {
+    this.canvas = canvas;
+    const context = canvas.getContext("webgl2", { antialias: true });
+    this.renderer = new THREE.WebGLRenderer(context ? { canvas, context } : { canvas, antialias: true });
+    this.renderer.gammaOutput = true;
+    this.renderer.gammaFactor = 2.2;
+    this.renderer.physicallyCorrectLights = true;
+    this.scene = new THREE.Scene();
+    this.camera = new THREE.PerspectiveCamera(50, 1, 0.02, 2000);
+    this.camera.up.set(0, 0, 1);
+    this.camera.position.set(6, -6, 5);
+    this.items = new THREE.Group();
+    this.lights = new THREE.Group();
+    this.overlay = new THREE.Group();  // gizmos and scans
+    this.ambient = new THREE.AmbientLight(0xffffff, 1);
+    this.marks = new THREE.Group();    // around what is selected
+    this.cut = new THREE.Plane(new THREE.Vector3(0, 0, -1), 0);
+    this.scene.add(this.items, this.lights, this.overlay, this.marks, this.ambient);
+    this.byTransform = new Map();      // index: what follows it
+    this.materials = [];               // by index in the draw list
+    this.onFrame = [];                 // called before each picture
+    this.dirty = true;
+    new ResizeObserver(() => this.resize()).observe(canvas);
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.followTheme());
+    this.followTheme();
+    this.resize();
+    const draw = () => {
+      requestAnimationFrame(draw);
+      for (const call of this.onFrame) call();
+      if (!this.dirty) return;
+      this.dirty = false;
+      this.renderer.render(this.scene, this.camera);
+    };
+    draw();
+  }
+
+  followTheme() {
+    const style = getComputedStyle(document.documentElement);
+    this.scene.background = new THREE.Color(style.getPropertyValue("--scene").trim());
+    this.dirty = true;
+  }
+
+  resize() {
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    if (width === 0 || height === 0) return;
+    this.renderer.setPixelRatio(window.devicePixelRatio);
+    this.renderer.setSize(width, height, false);
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+    this.dirty = true;
+  }
+
+  /** Shows the scene of a GLB. Resolves when it is there. */
+  async load(bytes, { ambient, background }) {
+    const gltf = await new Promise((resolve, reject) => new GLTFLoader().parse(bytes, "", resolve, reject));
+    while (this.items.children.length > 0) this.items.remove(this.items.children[0]);
+    this.byTransform.clear();
+    this.materials = [];
+    this.environment = background;
+    this.ambient.color.setRGB(...ambient);
+    this.ambient.intensity = Math.PI;  // ambient radiance from all sides, as SimVis has it
+    const groups = new Map();
+    gltf.scene.updateMatrixWorld(true);
+    const back = new THREE.Matrix4().set(1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1);  // z up again
+    gltf.scene.traverse((node) => {
+      if (node.userData.item === undefined || !node.geometry) return;
+      const key = `${node.geometry.uuid} ${node.material.uuid}`;
+      const matrix = new THREE.Matrix4().multiplyMatrices(back, node.matrixWorld);
+      if (!groups.has(key)) groups.set(key, { node, all: [] });
+      groups.get(key).all.push({ ...node.userData, matrix });
+      (this.materials[node.userData.material] ??= new Set()).add(node.material);
+    });
+    for (const { node, all } of groups.values()) this.addItems(node, all);
+    this.dirty = true;
+  }
+
+  addItems(node, all) {
+    const { geometry, material } = node;
+    if (material.normalMap) material.normalMap.encoding = THREE.LinearEncoding;
+    if (node.isMesh && all.length >= LEAST_INSTANCES && all.every(({ matrix }) => matrix.determinant() > 0)) {
+      const mesh = new THREE.InstancedMesh(geometry, material, all.length);
+      mesh.frustumCulled = false;
+      mesh.userData.all = all;
+      all.forEach((item, i) => {
+        mesh.setMatrixAt(i, item.matrix);
+        this.follow(item.transform, (matrix) => {
+          item.matrix.copy(matrix);
+          mesh.setMatrixAt(i, matrix);
+          mesh.instanceMatrix.needsUpdate = true;
+        });
+      });
+      this.items.add(mesh);
+      return;
+    }
+    for (const item of all) {
+      const shape = node.isPoints ? new THREE.Points(geometry, material)
+        : node.isLine ? new THREE.LineSegments(geometry, material) : new THREE.Mesh(geometry, material);
+      shape.matrixAutoUpdate = false;
+      shape.matrix.copy(item.matrix);
+      shape.userData.all = [item];
+      this.follow(item.transform, (matrix) => {
+        item.matrix.copy(matrix);
+        shape.matrix.copy(matrix);
+        shape.matrixWorldNeedsUpdate = true;
+      });
+      this.items.add(shape);
+    }
+  }
+
+  follow(transform, move) {
+    if (!this.byTransform.has(transform)) this.byTransform.set(transform, []);
+    this.byTransform.get(transform).push(move);
+  }
+
+  move(transforms) {
+    const matrix = new THREE.Matrix4();
+    for (const [index, rows] of transforms) {
+      const movers = this.byTransform.get(index);
+      if (!movers) continue;
+      toMatrix(rows, matrix);
+      for (const move of movers) move(matrix);
+    }
+    this.dirty = true;
+  }
+
+  paint(materials) {
+    for (const [index, r, g, b, a, er, eg, eb, roughness, metallic] of materials) {
+      for (const material of this.materials[index] ?? []) {
+        material.color?.setRGB(r, g, b);
+        material.emissive?.setRGB(er, eg, eb);
+        material.opacity = a;
+        material.transparent = material.transparent || a < 1;
+        if (material.roughness !== undefined) Object.assign(material, { roughness, metalness: metallic });
+      }
+    }
+    this.dirty = true;
+  }
+
+  /** `rowsOf` gives the rows of a transform by its index. */
+  light(lights, rowsOf) {
+    while (this.lights.children.length > 0) this.lights.remove(this.lights.children[0]);
+    for (const each of lights) {
+      const world = toRigid(rowsOf(each.transform) ?? [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0]);
+      const color = new THREE.Color().setRGB(...each.color);
+      const place = new THREE.Vector3().setFromMatrixPosition(world);
+      const along = new THREE.Vector3(...each.direction).transformDirection(world);
+      const light = each.kind === "point" ? new THREE.PointLight(color, each.intensity, each.range_m, 2)
+        : each.kind === "spot" ? new THREE.SpotLight(color, each.intensity, each.range_m, each.outer_cone_rad,
+                                                     1 - each.inner_cone_rad / each.outer_cone_rad, 2)
+          : new THREE.DirectionalLight(color, each.intensity);
+      if (each.kind === "directional") {
+        light.position.copy(along).multiplyScalar(-100);
+        light.target.position.set(0, 0, 0);
+      } else {
+        light.position.copy(place);
+        if (light.target) light.target.position.copy(place).add(along);
+      }
+      this.lights.add(light);
+      if (light.target) this.lights.add(light.target);
+    }
+    this.dirty = true;
+  }
+
+  /** The box around all items, or those that `wanted` says. */
+  box(wanted = () => true) {
+    const box = new THREE.Box3(), one = new THREE.Box3();
+    for (const shape of this.items.children) {
+      if (!shape.geometry.boundingBox) shape.geometry.computeBoundingBox();
+      for (const item of shape.userData.all) {
+        if (wanted(item)) box.union(one.copy(shape.geometry.boundingBox).applyMatrix4(item.matrix));
+      }
+    }
+    return box;
+  }
+
+  /** Draws boxes around the items that `wanted` says. */
+  mark(wanted) {
+    while (this.marks.children.length > 0) this.marks.remove(this.marks.children[0]);
+    if (wanted) {
+      const color = new THREE.Color(getComputedStyle(document.documentElement).getPropertyValue("--accent").trim());
+      const box = this.box(wanted);
+      if (!box.isEmpty()) this.marks.add(new THREE.Box3Helper(box, color));
+    }
+    this.dirty = true;
+  }
+
+  /** How far it is from a point, in a direction, to the first thing beyond `from` metres. */
+  freeReach(point, direction, from) {
+    const ray = new THREE.Raycaster(point, direction, from);
+    for (const shape of this.items.children) shape.updateMatrixWorld();
+    const hits = ray.intersectObjects(this.items.children.filter((each) => each.isMesh));
+    return hits.length > 0 ? hits[0].distance : Infinity;
+  }
+
+  /** A box of 2 m around what these rows place. */
+  boxAround(rows) {
+    return new THREE.Box3().setFromCenterAndSize(new THREE.Vector3(rows[3], rows[7], rows[11]), new THREE.Vector3(2, 2, 2));
+  }
+
+  showGrid(on) {
+    if (!this.grid) {
+      this.grid = new THREE.GridHelper(100, 100, 0x7f8896, 0x7f8896);
+      this.grid.rotation.x = Math.PI / 2;
+      this.grid.material.transparent = true;
+      this.grid.material.opacity = 0.35;
+      this.scene.add(this.grid);
+    }
+    this.grid.visible = on;
+    this.dirty = true;
+  }
+
+  setCut(height) {
+    this.cut.constant = height;
+    this.renderer.clippingPlanes = Number.isFinite(height) ? [this.cut] : [];
+    this.dirty = true;
+  }
+
+  /** What lies below a point of the canvas: { item } or { sensor }, or null. */
+  pick(event) {
+    const area = this.canvas.getBoundingClientRect();
+    const ray = new THREE.Raycaster();
+    ray.setFromCamera({ x: 2 * (event.clientX - area.left) / area.width - 1,
+                        y: 1 - 2 * (event.clientY - area.top) / area.height }, this.camera);
+    const handles = this.overlay.children.filter((each) => each.userData.handle).map((each) => each.userData.handle);
+    const hits = ray.intersectObjects([...handles, ...this.items.children.filter((each) => each.isMesh)])
+      .filter(({ point }) => this.renderer.clippingPlanes.every((plane) => plane.distanceToPoint(point) >= 0));
+    if (hits.length === 0) return null;
+    const { object, instanceId } = hits[0];
+    if (object.userData.sensor) return { sensor: object.userData.sensor };
+    return { item: object.userData.all[instanceId ?? 0] };
+  }
+
+  /** Calls `chosen` with what pick() says at each click that is no drag. */
+  onClick(chosen) {
+    let down = null;
+    this.canvas.addEventListener("pointerdown", (event) => { down = event; });
+    this.canvas.addEventListener("pointerup", (event) => {
+      if (!down || event.button !== 0) return;
+      if (Math.hypot(event.clientX - down.clientX, event.clientY - down.clientY) < PICK_RADIUS_PX) chosen(this.pick(event));
+    });
+  }
+}

@@ -1,0 +1,80 @@
+// What is known of the thing that is selected.
+import { short } from "simvis/color_ramp.js";
+
+const COMMON = ["type", "name", "insert_at"];
+
+function factsOf(pairs) {
+  const list = document.createElement("dl");
+  list.className = "facts";
+  for (const [name, value] of pairs) {
+    if (value === null || value === undefined || value === "") continue;
+    const term = document.createElement("dt"), text = document.createElement("dd");
+    term.textContent = name;
+    text.textContent = value;
+    list.append(term, text);
+  }
+  return list;
+}
+
+const sizeOf = ({ box_m }) => box_m && `${box_m.max.map((high, i) => short(high - box_m.min[i])).join(" × ")} m`;
+const shapeFacts = (thing) => [
+  ["triangles", thing.triangles ? thing.triangles.toLocaleString("en") : null],
+  ["size", sizeOf(thing)],
+  ["materials", thing.materials?.map((material) => material.name).filter(Boolean).join(", ")],
+];
+
+export class SelectionPanel {
+  constructor(root, { lookThrough, drag, canSet }) {
+    Object.assign(this, { root, lookThrough, drag, canSet });
+    this.show(null);
+  }
+
+  show(thing, scene) {
+    if (!thing || !scene) {
+      this.root.innerHTML = '<p class="weak">Click on a thing in the view or in the tree.</p>';
+      return;
+    }
+    const title = document.createElement("h3"), kind = document.createElement("small");
+    title.textContent = `${thing.name} `;
+    kind.textContent = thing.kind;
+    title.append(kind);
+    const described = this[thing.kind](thing.name, scene);
+    this.root.replaceChildren(title, ...(described ?? [factsOf([["state", "not in the scene any more"]])]));
+  }
+
+  part(name, { list }) {
+    const part = list.parts.find((each) => each.name === name);
+    return part && [factsOf([["from", part.source], ["inserted at", part.insert_at], ...shapeFacts(part), ["insertion points", part.insertion_points.join(", ")]])];
+  }
+
+  element(name, { list, elements }) {
+    const element = list.elements.find((each) => each.name === name);
+    if (!element) return null;
+    const facts = factsOf([["type", element.type], ["inserted at", element.insert_at], ...shapeFacts(element)]);
+    if (element.type !== "pose" || !this.canSet || elements[name] === undefined) return [facts];
+    return [facts, this.buttons(["Drag in the view", () => this.drag(name)])];
+  }
+
+  sensor(name, { list, sensors }) {
+    const listed = list.sensors.find((each) => each.name === name), sensor = sensors.find((each) => each.name === name);
+    if (!listed || !sensor) return null;
+    const own = Object.keys(listed.attributes), rest = document.createElement("details"), summary = document.createElement("summary");
+    summary.textContent = "Defaults";
+    rest.append(summary, factsOf(Object.entries(sensor.attributes).filter(([key]) => !own.includes(key) && !COMMON.includes(key))));
+    return [factsOf([["type", sensor.type], ["method", listed.method], ["inserted at", sensor.insert_at],
+                     ["sees", sensor.visualization ? "what is drawn for people" : null], ...Object.entries(listed.attributes)]),
+            this.buttons(["Look through it", () => this.lookThrough(name)]), rest];
+  }
+
+  buttons(...all) {
+    const row = document.createElement("div");
+    row.className = "row";
+    for (const [text, action] of all) {
+      const button = document.createElement("button");
+      button.textContent = text;
+      button.addEventListener("click", action);
+      row.append(button);
+    }
+    return row;
+  }
+}

@@ -1,0 +1,42 @@
+// A recording as one HTML file, which a browser opens without a server: the page, and the messages of each frame.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "live/view_snapshot.h"
+#include "simvis/output/atomic_file.h"
+
+namespace simvis::live {
+
+/// Frames are compressed one by one, so that the page reads those that it shows. Each is told apart from the first
+/// frame of its scene, so that a page can go to any of them.
+///
+/// Errors   MachineError of the file. It appears whole, with finish(), or not at all.
+class PageFile {
+ public:
+  explicit PageFile(std::filesystem::path file);
+
+  void add(const ViewFrame& frame);
+  void finish();
+
+  const std::filesystem::path& path() const { return file_.path(); }
+
+ private:
+  struct Entry {
+    std::uint64_t key;  ///< number of the frame that this one is told from
+    std::int64_t time_ns;
+    std::vector<std::uint32_t> sensors;  ///< that have measured
+  };
+  void add_block(const std::string& id, std::string_view bytes);
+
+  AtomicFile file_;
+  std::vector<Entry> entries_;
+  ViewFrame key_;  // its numbers alone
+  std::uint64_t key_number_ = 0;
+};
+
+}  // namespace simvis::live

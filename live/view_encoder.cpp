@@ -1,0 +1,236 @@
+#include "live/view_encoder.h"
+
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <span>
+
+#include "scenegraph/pictures/png_file.h"
+
+namespace simvis::live {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+static_assert(std::endian::native == std::endian::little, "numbers are written as they lie in memory");
+
+/// Names from files may contain any bytes: invalid UTF-8 is replaced.
+std::string to_text(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+template <typename T>
+void append(std::string& bytes, const T& value) {
+  const std::size_t end = bytes.size();
+  bytes.resize(end + sizeof(T));
+  std::memcpy(bytes.data() + end, &value, sizeof(T));
+}
+
+template <typename T>
+void append_all(std::string& bytes, std::span<const T> values) {
+  if (values.empty()) return;
+  const std::size_t end = bytes.size();
+  bytes.resize(end + values.size_bytes());
+  std::memcpy(bytes.data() + end, values.data(), values.size_bytes());
+}
+
+/// The first eight bytes: the kind, three small numbers, one large.
+void begin(std::string& bytes, std::uint8_t kind, std::uint8_t first, std::uint8_t second, std::uint32_t sensor) {
+  for (const std::uint8_t small : {kind, first, second, std::uint8_t{0}}) append(bytes, small);
+  append(bytes, sensor);
+}
+
+/// The upper three rows.
+void append_rows(std::string& bytes, const glm::dmat4& matrix) {
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 4; ++column) append(bytes, matrix[column][row]);
+  }
+}
+
+Json sensor_json(const ViewSensor& sensor, const std::optional<std::uint32_t>& transform) {
+  Json json = {{"name", sensor.name},
+               {"type", sensor.type},
+               {"insert_at", sensor.insert_at},
+               {"visualization", sensor.visualization},
+               {"transform", transform ? Json(*transform) : Json(nullptr)},
+               {"attributes", Json::object()}};
+  for (const auto& [name, value] : sensor.attributes) json["attributes"][name] = value;
+  return json;
+}
+
+Json parameter_json(const ViewParameter& parameter) {
+  if (parameter.removed) return nullptr;
+  return {{"element", parameter.element}, {"type", parameter.type},   {"insert_at", parameter.insert_at},
+          {"name", parameter.name},       {"unit", parameter.unit},   {"min", number(parameter.min)},
+          {"max", number(parameter.max)}, {"value", parameter.value}, {"full_turn", parameter.full_turn},
+          {"summary", parameter.summary}};
+}
+
+Json material_json(std::size_t index, const Material& m) {
+  return {index,        m.base_color.r, m.base_color.g, m.base_color.b, m.base_color.a * m.opacity,
+          m.emissive.r, m.emissive.g,   m.emissive.b,   m.roughness,    m.metallic};
+}
+
+bool same_scene(const ViewFrame* before, const ViewFrame& frame) {
+  return before != nullptr && before->scene->structure == frame.scene->structure;
+}
+
+bool same_bits(const glm::dmat4& a, const glm::dmat4& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+
+}  // namespace
+
+std::string scene_message(const ViewScene& scene, std::string_view glb) {
+  Json json = {
+      {"op", "scene"},
+      {"structure", scene.structure},
+      {"glb", glb},
+      {"list", Json::parse(scene.list_json)},
+      {"sensors", Json::array()},
+      {"parameters", Json::array()},
+      {"points", Json::object()},
+      {"elements", Json::object()},
+      {"background",
+       {scene.list.environment.background.r, scene.list.environment.background.g, scene.list.environment.background.b}},
+      {"ambient",
+       {scene.list.environment.ambient.r, scene.list.environment.ambient.g, scene.list.environment.ambient.b}}};
+  for (std::size_t i = 0; i < scene.sensors.size(); ++i) {
+    json["sensors"].push_back(sensor_json(scene.sensors[i], scene.owners.sensors[i]));
+  }
+  for (const ViewParameter& parameter : scene.parameters) json["parameters"].push_back(parameter_json(parameter));
+  for (const auto& [name, transform] : scene.owners.points) json["points"][name] = transform;
+  for (const auto& [name, transform] : scene.owners.elements) json["elements"][name] = transform;
+  return to_text(json);
+}
+
+std::string frame_message(const ViewFrame& frame, const ViewTime& time) {
+  Json json = {{"op", "frame"},
+               {"frame", frame.index},
+               {"time_s", static_cast<double>(frame.time_ns) / 1e9},
+               {"speed", number(time.speed)},
+               {"step_ms", number(frame.step_ms)},
+               {"playing", time.playing},
+               {"recorded", time.recorded},
+               {"warnings", frame.warnings},
+               {"readings", Json::array()}};
+  for (const ViewReading& reading : frame.readings) {
+    json["readings"].push_back({reading.sensor, reading.name, number(reading.value)});
+  }
+  if (!frame.plan.empty()) json["plan"] = frame.plan;
+  return to_text(json);
+}
+
+std::string values_message(const ViewFrame* before, const ViewFrame& frame) {
+  Json changed = Json::array();
+  const bool same = same_scene(before, frame);
+  for (std::size_t i = 0; i < frame.values.size(); ++i) {
+    if (same && before->values[i] == frame.values[i]) continue;
+    changed.push_back({i, frame.values[i]});
+  }
+  return changed.empty() ? "" : to_text({{"op", "values"}, {"values", std::move(changed)}});
+}
+
+std::string materials_message(const ViewFrame* before, const ViewFrame& frame) {
+  const bool same = same_scene(before, frame);
+  if (same && before->materials == frame.materials) return "";
+  Json changed = Json::array();
+  for (std::size_t i = 0; i < frame.materials->size(); ++i) {
+    const std::shared_ptr<const Material>& now = (*frame.materials)[i];
+    if (same ? (*before->materials)[i] == now : frame.scene->list.materials[i] == now) continue;
+    changed.push_back(material_json(i, *now));
+  }
+  return changed.empty() ? "" : to_text({{"op", "materials"}, {"materials", std::move(changed)}});
+}
+
+std::string lights_message(const ViewFrame* before, const ViewFrame& frame) {
+  if (same_scene(before, frame) && before->lights == frame.lights) return "";
+  Json lights = Json::array();
+  for (const LightItem& item : *frame.lights) {
+    const Light& light = item.light;
+    constexpr const char* kKinds[] = {"directional", "point", "spot"};
+    lights.push_back({{"kind", kKinds[static_cast<std::size_t>(light.kind)]},
+                      {"transform", item.transform},
+                      {"color", {light.color.r, light.color.g, light.color.b}},
+                      {"intensity", light.intensity},
+                      {"range_m", light.range_m},
+                      {"inner_cone_rad", light.inner_cone_rad},
+                      {"outer_cone_rad", light.outer_cone_rad},
+                      {"direction", {light.direction.x, light.direction.y, light.direction.z}}});
+  }
+  return to_text({{"op", "lights"}, {"lights", std::move(lights)}});
+}
+
+std::string error_message(std::string_view about, std::string_view message) {
+  return to_text({{"op", "error"}, {"about", about}, {"message", message}});
+}
+
+std::string saved_message(std::string_view xml) { return to_text({{"op", "saved"}, {"xml", xml}}); }
+
+std::string transforms_message(const ViewFrame* before, const ViewFrame& frame) {
+  const bool same = same_scene(before, frame);
+  if (same && before->world_from_node == frame.world_from_node) return "";
+  const std::vector<glm::dmat4>& now = *frame.world_from_node;
+  std::string bytes;
+  begin(bytes, 1, 0, 0, 0);
+  append(bytes, static_cast<std::uint64_t>(frame.time_ns));
+  append(bytes, std::uint64_t{0});
+  std::uint64_t count = 0;
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    if (same && same_bits((*before->world_from_node)[i], now[i])) continue;
+    append(bytes, std::uint64_t{i});
+    append_rows(bytes, now[i]);
+    ++count;
+  }
+  if (count == 0) return "";
+  std::memcpy(bytes.data() + 2 * sizeof(std::uint64_t), &count, sizeof count);
+  return bytes;
+}
+
+std::string scan_message(const ViewScan& view) {
+  const Scan& scan = *view.scan;
+  std::string bytes;
+  begin(bytes, 2, 0, 0, view.sensor);
+  append(bytes, static_cast<std::uint64_t>(scan.time_ns));
+  append_rows(bytes, scan.world_from_sensor);
+  append(bytes, scan.rings);
+  append(bytes, scan.beams);
+  append_all<float>(bytes, scan.range_m);
+  const ScanChannel* const intensity = scan.channel("intensity");
+  for (std::size_t i = 0; i < scan.range_m.size(); ++i) {
+    append(bytes, intensity != nullptr ? static_cast<float>(intensity->values[i]) : std::nanf(""));
+  }
+  append_all<float>(bytes, scan.error_bound_m);
+  for (const glm::dvec3& point : scan.points()) append(bytes, glm::vec3(point));
+  return bytes;
+}
+
+std::string picture_message(const ViewPicture& picture, std::int64_t time_ns) {
+  const Image& image = *picture.image;
+  std::string bytes;
+  begin(bytes, 3, static_cast<std::uint8_t>(picture.kind), static_cast<std::uint8_t>(picture.eye), picture.sensor);
+  append(bytes, static_cast<std::uint64_t>(time_ns));
+  append(bytes, image.width);
+  append(bytes, image.height);
+  if (picture.kind == PictureKind::color) return bytes + encode_png(image);
+  append_all<float>(bytes, image.pixels);
+  return bytes;
+}
+
+std::vector<ViewMessage> view_messages(const ViewFrame* before, const ViewFrame& frame, const ViewTime& time,
+                                       std::string_view glb) {
+  std::vector<ViewMessage> messages;
+  const auto add = [&](bool binary, std::string bytes) {
+    if (!bytes.empty()) messages.push_back({binary, std::move(bytes)});
+  };
+  if (!same_scene(before, frame)) add(false, scene_message(*frame.scene, glb));
+  add(true, transforms_message(before, frame));
+  add(false, materials_message(before, frame));
+  add(false, lights_message(before, frame));
+  add(false, values_message(before, frame));
+  for (const ViewScan& scan : frame.scans) add(true, scan_message(scan));
+  for (const ViewPicture& picture : frame.pictures) add(true, picture_message(picture, frame.time_ns));
+  add(false, frame_message(frame, time));
+  return messages;
+}
+
+}  // namespace simvis::live

@@ -1,0 +1,97 @@
+// The protocol of the page, `simvis.live.v1`: what its clients share, and one client.
+//
+// A client gets the difference between the frame that it has seen last and the latest one, whenever its connection can
+// take it, and the latest measurement of each sensor that it looks at. Nothing is lost of what is answered to it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <tuple>
+
+#include "live/control.h"
+#include "live/server.h"
+#include "live/text_queue.h"
+#include "live/view_encoder.h"
+#include "live/view_snapshot.h"
+
+namespace simvis::live {
+
+class ViewPeer;
+
+/// All is of the server's thread.
+class ViewHub {
+ public:
+  /// `wanted` is called when clients look at something else.
+  ViewHub(ControlQueue& controls, std::function<void(ViewWants, std::size_t viewers)> wanted);
+
+  std::unique_ptr<Peer> connect(ClientId client);
+  void publish(ViewFrame frame, const ViewTime& time);
+  /// How the simulation runs has changed, and no frame has been made.
+  void set_time(const ViewTime& time);
+  void answer_error(ClientId client, std::string_view about, std::string_view message);
+  void answer_all_error(std::string_view about, std::string_view message);
+  void answer_saved(ClientId client, std::string_view xml);
+  /// The scene of this structure as a GLB; null: it is not the present one.
+  std::shared_ptr<const std::string> glb(std::uint64_t structure);
+
+ private:
+  friend class ViewPeer;
+  // A scan; or a picture, by kind and eye.
+  using Output = std::tuple<std::uint32_t, bool, PictureKind, PictureEye>;
+  struct Measured {
+    std::uint64_t order = 0;
+    std::int64_t time_ns = 0;
+    std::optional<ViewScan> scan;
+    std::optional<ViewPicture> picture;
+    std::shared_ptr<const std::string> message;  // made when a client first needs it
+  };
+  const std::shared_ptr<const std::string>& message_of(Measured& measured);
+  void keep_measurements(ViewFrame& frame);
+  void follow_wants();
+
+  ControlQueue& controls_;
+  std::function<void(ViewWants, std::size_t)> wanted_;
+  std::shared_ptr<const ViewFrame> frame_;  // the latest
+  ViewTime time_;
+  std::uint64_t time_order_ = 0;
+  std::map<Output, Measured> measured_;
+  std::uint64_t next_order_ = 1;
+  std::shared_ptr<const std::string> glb_;
+  std::uint64_t glb_structure_ = 0;
+  std::map<ClientId, ViewPeer*> peers_;
+};
+
+class ViewPeer : public Peer {
+ public:
+  ViewPeer(ViewHub& hub, ClientId id);
+  ~ViewPeer() override;
+  void receive(std::string_view message, bool binary) override;
+  std::optional<WireMessage> next() override;
+
+ private:
+  friend class ViewHub;
+  void add(bool binary, std::string bytes);
+  void follow_frame();
+  void look(const std::set<std::uint32_t>& sensors);
+  void request(Control control);
+
+  ViewHub& hub_;
+  ClientId id_;
+  TextQueue texts_;
+  std::deque<WireMessage> waiting_;  // that bring the client to `seen_`
+  std::shared_ptr<const ViewFrame> seen_;
+  std::uint64_t seen_time_ = 0;
+  std::map<ViewHub::Output, std::uint64_t> sent_;
+  std::set<std::string> looks_at_;
+  bool wants_plan_ = false;
+};
+
+}  // namespace simvis::live

@@ -1,0 +1,154 @@
+#include "live/view_snapshot.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <simvis/diagnostics.h>
+#include "simvis/built_scene_access.h"
+#include "simvis/report/explain.h"
+#include "simvis/report/run_inputs.h"
+#include "simvis/report/scene_list.h"
+
+namespace simvis::live {
+namespace {
+
+std::vector<ViewSensor> sensors_of(const BuiltScene& built) {
+  std::vector<ViewSensor> sensors;
+  for (const BuiltSensor& sensor : built.sensors) {
+    ViewSensor& view = sensors.emplace_back();
+    view.name = sensor.name;
+    view.type = sensor.type;
+    view.insert_at = sensor.command.require("insert_at").value;
+    for (const NamedTexts& texts : {given_attributes(sensor.command), default_attributes(sensor.command)}) {
+      view.attributes.insert(view.attributes.end(), texts.begin(), texts.end());
+    }
+    view.visualization = sensor.sensor->visualization();
+  }
+  return sensors;
+}
+
+std::vector<ViewParameter> parameters_of(const Parameters& parameters) {
+  std::vector<ViewParameter> views;
+  for (const ElementDescriptor& element : parameters.elements()) {
+    for (std::size_t i = 0; i < element.parameters.size(); ++i) {
+      const AttributeSpec& spec = element.parameters[i];
+      views.push_back({.element = element.name,
+                       .type = element.type,
+                       .insert_at = element.insertion_point,
+                       .name = std::string(spec.name),
+                       .unit = std::string(spec.unit),
+                       .summary = std::string(spec.text),
+                       .min = spec.min,
+                       .max = spec.max,
+                       .value = parameters.values()[element.first_value + i],
+                       .full_turn = spec.full_turn,
+                       .removed = element.removed});
+    }
+  }
+  return views;
+}
+
+PictureEye eye_of(const std::string& stem) {
+  if (stem == "left") return PictureEye::left;
+  return stem == "right" ? PictureEye::right : PictureEye::single;
+}
+
+/// Copies the images of one sensor.
+class PictureCopier : public OutputSink {
+ public:
+  PictureCopier(std::uint32_t sensor, std::vector<ViewPicture>& pictures) : sensor_(sensor), pictures_(pictures) {}
+
+  void picture(const std::string& stem, const Image* color, const Image* depth) override {
+    if (color != nullptr) add(PictureKind::color, eye_of(stem), *color);
+    if (depth != nullptr) add(PictureKind::depth, eye_of(stem), *depth);
+  }
+  void plane(const std::string& stem, const std::string& channel, const Image& plane) override {
+    if (channel == "disparity") add(PictureKind::disparity, eye_of(stem), plane);
+  }
+  void text(const std::string&, const std::string&, std::string_view) override {}
+  void rows(std::span<const TableColumn>, std::span<const double>) override {}
+
+ private:
+  void add(PictureKind kind, PictureEye eye, const Image& image) {
+    if (image.pixels.empty()) return;
+    pictures_.push_back({sensor_, kind, eye, std::make_shared<const Image>(image)});
+  }
+  std::uint32_t sensor_;
+  std::vector<ViewPicture>& pictures_;
+};
+
+std::string plan_text(const Diagnostics& diagnostics) {
+  return explain(diagnostics.frame_plan(), {diagnostics.counters(), diagnostics.planned_sensors(),
+                                            diagnostics.frame_costs(), diagnostics.sensor_costs()});
+}
+
+void copy_measurements(const Simulation& simulation, const BuiltScene& built, const ViewWants& wants,
+                       ViewFrame& frame) {
+  const std::span<const std::string> measured = simulation.measured();
+  for (std::uint32_t i = 0; i < built.sensors.size(); ++i) {
+    const BuiltSensor& sensor = built.sensors[i];
+    if (!wants.every_sensor && !wants.sensors.contains(sensor.name)) continue;
+    if (std::ranges::find(measured, sensor.name) == measured.end()) continue;
+    if (const Scan* const scan = sensor.sensor->scan()) {
+      frame.scans.push_back({i, std::make_shared<const Scan>(*scan)});
+      continue;
+    }
+    const std::size_t pictures = frame.pictures.size();
+    PictureCopier copier(i, frame.pictures);
+    sensor.sensor->write(copier);
+    // Those of a camera, such as the bound on its depth, are computed when they are read.
+    if (frame.pictures.size() > pictures) continue;
+    for (const NamedValue& value : sensor.sensor->values()) {
+      frame.readings.push_back({i, std::string(value.name), value.value});
+    }
+  }
+}
+
+}  // namespace
+
+void ViewCopier::follow_scene(const Simulation& simulation) {
+  const DrawList& list = simulation.diagnostics().draw_list();
+  const std::size_t changes = simulation.parameters().changes().size();
+  const bool is_new = scene_ == nullptr || std::exchange(restarted_, false) || changes != changes_ ||
+                      list.revisions.structure != revisions_.structure;
+  if (is_new) {
+    const BuiltScene& built = BuiltSceneAccess::of(simulation.diagnostics());
+    auto scene = std::make_shared<ViewScene>();
+    scene->structure = scene_ == nullptr ? 1 : scene_->structure + 1;
+    scene->list = list;
+    scene->owners = draw_owners(built);
+    scene->list_json = to_json(list_scene(built));
+    scene->sensors = sensors_of(built);
+    scene->parameters = parameters_of(built.parameters);
+    scene_ = std::move(scene);
+    changes_ = changes;
+  }
+  const auto follow = [&](auto& mine, const auto& theirs, std::uint64_t now, std::uint64_t before) {
+    if (is_new || now != before) mine = std::make_shared<std::remove_cvref_t<decltype(theirs)>>(theirs);
+  };
+  follow(world_from_node_, list.world_from_node, list.revisions.transforms, revisions_.transforms);
+  follow(materials_, list.materials, list.revisions.materials, revisions_.materials);
+  follow(lights_, list.lights, list.revisions.lights, revisions_.lights);
+  revisions_ = list.revisions;
+}
+
+ViewFrame ViewCopier::copy(const Simulation& simulation, const FrameTime& time, double step_ms,
+                           const ViewWants& wants) {
+  follow_scene(simulation);
+  ViewFrame frame;
+  frame.index = time.index;
+  frame.time_ns = time.time_ns;
+  frame.step_ms = step_ms;
+  frame.scene = scene_;
+  frame.world_from_node = world_from_node_;
+  frame.materials = materials_;
+  frame.lights = lights_;
+  const std::span<const double> values = simulation.parameters().values();
+  frame.values.assign(values.begin(), values.end());
+  frame.warnings = simulation.warnings();
+  copy_measurements(simulation, BuiltSceneAccess::of(simulation.diagnostics()), wants, frame);
+  if (wants.plan) frame.plan = plan_text(simulation.diagnostics());
+  return frame;
+}
+
+}  // namespace simvis::live

@@ -1,0 +1,113 @@
+// What a view of a running simulation needs of one frame, copied right after the step, so that messages are made of it
+// on another thread.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <simvis/draw_list.h>
+#include <simvis/image.h>
+#include <simvis/scan.h>
+#include <simvis/simulation.h>
+#include "live/draw_owners.h"
+
+namespace simvis::live {
+
+struct ViewSensor {
+  std::string name, type, insert_at;
+  std::vector<std::pair<std::string, std::string>> attributes;  ///< all that have a value, with defaults
+  bool visualization = false;                                   ///< it sees what is drawn for people
+};
+
+struct ViewParameter {
+  std::string element, type, insert_at, name, unit, summary;
+  double min = 0, max = 0, value = 0;  ///< limits may be infinite
+  bool full_turn = false;              ///< an angle without limits
+  bool removed = false;                ///< its element is gone; the place stays, so that indices do
+};
+
+/// The scene as it stands between two changes of its structure.
+struct ViewScene {
+  std::uint64_t structure = 0;  ///< counts the scenes that a copier has made, from 1
+  DrawList list;                ///< meshes and materials are shared with the simulation, and never change
+  DrawOwners owners;
+  std::string list_json;                  ///< as `simvis-run --list --json` prints it
+  std::vector<ViewSensor> sensors;        ///< in the order of the scene
+  std::vector<ViewParameter> parameters;  ///< indices as in Parameters::values()
+};
+
+enum class PictureKind : std::uint8_t { color = 0, depth = 1, disparity = 2 };
+enum class PictureEye : std::uint8_t { single = 0, left = 1, right = 2 };
+
+struct ViewPicture {
+  std::uint32_t sensor = 0;  ///< index into ViewScene::sensors
+  PictureKind kind = PictureKind::color;
+  PictureEye eye = PictureEye::single;
+  std::shared_ptr<const Image> image;
+};
+
+struct ViewScan {
+  std::uint32_t sensor = 0;
+  std::shared_ptr<const Scan> scan;
+};
+
+/// One number of a sensor without images and scans.
+struct ViewReading {
+  std::uint32_t sensor = 0;
+  std::string name;
+  double value = 0;  ///< NaN: none
+};
+
+struct ViewFrame {
+  std::uint64_t index = 0;
+  std::int64_t time_ns = 0;
+  double step_ms = 0;
+  std::shared_ptr<const ViewScene> scene;
+  /// Shared between frames as long as nothing changes.
+  std::shared_ptr<const std::vector<glm::dmat4>> world_from_node;
+  std::shared_ptr<const std::vector<std::shared_ptr<const Material>>> materials;
+  std::shared_ptr<const std::vector<LightItem>> lights;
+  std::vector<double> values;  ///< of all parameters
+  std::vector<ViewPicture> pictures;
+  std::vector<ViewScan> scans;
+  std::vector<ViewReading> readings;
+  std::vector<std::string> warnings;  ///< all so far
+  std::string plan;                   ///< as --explain prints it; empty unless it is wanted
+};
+
+/// What viewers look at; nothing else is copied.
+struct ViewWants {
+  std::set<std::string> sensors{};
+  bool every_sensor = false;
+  bool plan = false;
+};
+
+/// Copies frames of one simulation.
+///
+/// Threads   copy() in the thread that steps; what it returns may be read by any thread, also while the simulation goes
+///           on and after its end.
+class ViewCopier {
+ public:
+  /// The frame of the last step, which took `step_ms`. Throws InputError while a frame is under way.
+  ViewFrame copy(const Simulation& simulation, const FrameTime& time, double step_ms, const ViewWants& wants);
+
+  /// The next frame is that of another simulation. Its scene counts on.
+  void restart() { restarted_ = true; }
+
+ private:
+  void follow_scene(const Simulation& simulation);
+  std::shared_ptr<const ViewScene> scene_;
+  DrawList::Revisions revisions_;
+  std::size_t changes_ = 0;  // executed commands
+  bool restarted_ = false;
+  std::shared_ptr<const std::vector<glm::dmat4>> world_from_node_;
+  std::shared_ptr<const std::vector<std::shared_ptr<const Material>>> materials_;
+  std::shared_ptr<const std::vector<LightItem>> lights_;
+};
+
+}  // namespace simvis::live

@@ -1,0 +1,169 @@
+#include "messages/from_reading.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "engine/base/assert.h"
+#include "messages/from_pose.h"
+
+namespace simvis::ros {
+
+namespace {
+
+constexpr std::uint8_t kFloat64Field = 8, kKnownDiagonal = 2;
+constexpr std::int8_t kNoFix = -1, kFix = 0;
+constexpr std::uint16_t kGps = 1;
+/// REP 105: the frame in which a robot's own motion is added up.
+constexpr std::string_view kOdometryFrame = "odom";
+constexpr std::string_view kCloud = "sensor_msgs/msg/PointCloud2";
+
+double value_of(const Reading& reading, std::string_view column) {
+  const std::optional<double> value = reading.find(column);
+  SIMVIS_ASSERT(value);
+  return *value;
+}
+
+Vector3 vector_of(const Reading& reading, const std::string& stem, const std::string& unit) {
+  return {value_of(reading, stem + "_x_" + unit), value_of(reading, stem + "_y_" + unit),
+          value_of(reading, stem + "_z_" + unit)};
+}
+
+double constant_of(const Reading& reading, std::string_view name) { return reading.constant(name).value_or(0); }
+
+std::array<double, 9> diagonal(double x, double y, double z) { return {x, 0, 0, 0, y, 0, 0, 0, z}; }
+std::array<double, 9> diagonal(double all) { return diagonal(all, all, all); }
+
+Imu to_imu(const Reading& reading, const Header& header) {
+  Imu message;
+  message.header = header;
+  message.orientation.w = 1;
+  message.orientation_covariance[0] = -1;
+  message.angular_velocity = vector_of(reading, "angular_velocity", "rad_s");
+  message.angular_velocity_covariance = diagonal(constant_of(reading, "angular_velocity_variance"));
+  message.linear_acceleration = vector_of(reading, "specific_force", "m_s2");
+  message.linear_acceleration_covariance = diagonal(constant_of(reading, "specific_force_variance"));
+  return message;
+}
+
+NavSatFix to_fix(const Reading& reading, const Header& header) {
+  NavSatFix message;
+  message.header = header;
+  message.latitude = value_of(reading, "latitude_deg");
+  message.longitude = value_of(reading, "longitude_deg");
+  message.altitude = value_of(reading, "altitude_m");
+  message.status = {std::isnan(message.latitude) ? kNoFix : kFix, kGps};
+  const double horizontal = constant_of(reading, "horizontal_variance");
+  message.position_covariance = diagonal(horizontal, horizontal, constant_of(reading, "vertical_variance"));
+  message.position_covariance_type = horizontal > 0 ? kKnownDiagonal : 0;
+  return message;
+}
+
+MagneticField to_field(const Reading& reading, const Header& header) {
+  return {header, vector_of(reading, "field", "t"), diagonal(constant_of(reading, "field_variance"))};
+}
+
+FluidPressure to_pressure(const Reading& reading, const Header& header) {
+  return {header, value_of(reading, "pressure_pa"), constant_of(reading, "pressure_variance")};
+}
+
+Range to_range(const Reading& reading, const Header& header) {
+  Range message;
+  message.header = header;
+  message.radiation_type = static_cast<std::uint8_t>(constant_of(reading, "radiation_type"));
+  message.field_of_view = static_cast<float>(constant_of(reading, "field_of_view_rad"));
+  message.min_range = static_cast<float>(constant_of(reading, "range_min_m"));
+  message.max_range = static_cast<float>(constant_of(reading, "range_max_m"));
+  const double range_m = value_of(reading, "range_m");
+  message.range = range_m == 0 ? -std::numeric_limits<float>::infinity() : static_cast<float>(range_m);
+  message.variance = static_cast<float>(constant_of(reading, "range_variance"));
+  return message;
+}
+
+JointState to_joints(const Reading& reading, const Header& header) {
+  JointState message;
+  message.header = header;
+  for (std::size_t c = 0; c < reading.columns.size(); ++c) {
+    const std::string& column = reading.columns[c].name;
+    const std::size_t dot = column.rfind('.');
+    if (dot == column.npos) continue;
+    const std::string name = column.substr(0, dot), what = column.substr(dot + 1);
+    if (std::ranges::find(message.name, name) == message.name.end()) message.name.push_back(name);
+    if (what.starts_with("position")) message.position.push_back(reading.values[c]);
+    if (what.starts_with("velocity")) message.velocity.push_back(reading.values[c]);
+    if (what.starts_with("effort")) message.effort.push_back(reading.values[c]);
+  }
+  return message;
+}
+
+Illuminance to_illuminance(const Reading& reading, const Header& header) {
+  return {header, value_of(reading, "illuminance_lx"), constant_of(reading, "illuminance_variance")};
+}
+
+Odometry to_odometry(const Reading& reading, const Header& header) {
+  Odometry message;
+  message.header = header;
+  message.child_frame_id = header.frame_id;
+  message.header.frame_id = kOdometryFrame;
+  message.pose.pose = {
+      {value_of(reading, "x_m"), value_of(reading, "y_m"), value_of(reading, "z_m")},
+      {value_of(reading, "qx"), value_of(reading, "qy"), value_of(reading, "qz"), value_of(reading, "qw")}};
+  message.twist.twist = {vector_of(reading, "velocity", "m_s"), vector_of(reading, "angular_velocity", "rad_s")};
+  return message;
+}
+
+PointCloud2 to_cloud(const Reading& reading, const Header& header) {
+  PointCloud2 cloud;
+  cloud.header = header;
+  cloud.height = 1;
+  cloud.width = static_cast<std::uint32_t>(reading.rows());
+  for (const TableColumn& column : reading.columns) {
+    const bool is_place = column.name == "x_m" || column.name == "y_m" || column.name == "z_m";
+    cloud.fields.push_back({is_place ? column.name.substr(0, 1) : column.name, cloud.point_step, kFloat64Field, 1});
+    cloud.point_step += sizeof(double);
+  }
+  cloud.row_step = cloud.point_step * cloud.width;
+  cloud.data.resize(reading.values.size() * sizeof(double));
+  if (!cloud.data.empty()) std::memcpy(cloud.data.data(), reading.values.data(), cloud.data.size());
+  cloud.is_dense = std::ranges::none_of(reading.values, [](double value) { return std::isnan(value); });
+  return cloud;
+}
+
+template <typename M, M (*make)(const Reading&, const Header&)>
+ReadingMessage made(std::string_view topic, const Reading& reading, const Header& header) {
+  return {topic, make(reading, header)};
+}
+
+struct ReadingMessageType {
+  std::string_view type, topic;
+  ReadingMessage (*make)(std::string_view topic, const Reading& reading, const Header& header);
+};
+constexpr ReadingMessageType kReadingMessages[] = {
+    {Imu::kName, "imu", made<Imu, to_imu>},
+    {NavSatFix::kName, "fix", made<NavSatFix, to_fix>},
+    {MagneticField::kName, "magnetic_field", made<MagneticField, to_field>},
+    {FluidPressure::kName, "pressure", made<FluidPressure, to_pressure>},
+    {Range::kName, "range", made<Range, to_range>},
+    {JointState::kName, "joint_states", made<JointState, to_joints>},
+    {Illuminance::kName, "illuminance", made<Illuminance, to_illuminance>},
+    {Odometry::kName, "odometry", made<Odometry, to_odometry>},
+    {kCloud, "points", made<PointCloud2, to_cloud>},
+};
+
+const ReadingMessageType* find_type(std::string_view type) {
+  const auto found = std::ranges::find(kReadingMessages, type, &ReadingMessageType::type);
+  return found == std::end(kReadingMessages) ? nullptr : found;
+}
+
+}  // namespace
+
+bool is_reading_message(std::string_view type) { return find_type(type) != nullptr; }
+
+std::optional<ReadingMessage> message_of(const Reading& reading, std::string_view type, const std::string& frame_id) {
+  const ReadingMessageType* const found = find_type(type);
+  if (found == nullptr || (reading.rows() == 0 && type != kCloud)) return std::nullopt;
+  return found->make(found->topic, reading, header_of(reading.time_ns, frame_id));
+}
+
+}  // namespace simvis::ros

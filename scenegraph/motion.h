@@ -1,0 +1,84 @@
+// Motion from differences of world poses, in double. <simvis/pose.h> defines what a Motion is.
+//
+// The twist from a pose P0 to a pose P1 is the logarithm of inverse(P0) P1 over the time between them (Murray, Li,
+// Sastry, "A Mathematical Introduction to Robotic Manipulation", 1994, section 2.3): the constant angular and linear
+// velocity, in the moving frame, that leads from one pose to the other along a screw. A constant screw motion has the
+// same twist in every interval, so its velocities and accelerations are exact but for rounding.
+//
+// Rounding. The elements of a rotation are wrong by some u = 2^-53, and positions by some u of their distance from the
+// world's origin. Over a time dt an angular velocity is therefore wrong by about 10 u / dt, a velocity by
+// 10 u distance / dt, and accelerations by twice that over another dt.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <glm/glm.hpp>
+#include <utility>
+#include <vector>
+
+#include <simvis/draw_list.h>
+#include <simvis/pose.h>
+#include "scenegraph/flattener.h"
+
+namespace simvis {
+
+/// Angular and linear velocity of a frame, in the frame itself.
+struct Twist {
+  glm::dvec3 angular_radps{0}, linear_mps{0};
+};
+
+/// The constant twist that leads from one rigid pose to another in `seconds`, by a turn of at most pi.
+Twist twist_between(const glm::dmat4& world_from_before, const glm::dmat4& world_from_now, double seconds);
+
+/// The poses of one frame at the last frames of the simulation.
+class PoseHistory {
+ public:
+  /// Adds the pose at a later time, or replaces that at the same time.
+  void add(std::int64_t time_ns, const glm::dmat4& world_from_body);
+  /// The next pose is a first one.
+  void clear() { count_ = 0; }
+  Motion motion() const;
+
+ private:
+  struct At {
+    std::int64_t time_ns = 0;
+    glm::dmat4 world_from_body{1.0};
+  };
+  std::array<At, 3> poses_;  // the last one first
+  std::size_t count_ = 0;
+};
+
+/// The transforms of the draw list at this frame of the simulation and the previous one.
+class ItemMotions {
+ public:
+  /// Follows the flattener's update() of each frame. `time_ns` is later than that of the last call, or the same: the
+  /// frame is then made again.
+  void update(const Flattener& flattener, const DrawList& list, std::int64_t time_ns);
+
+  /// The velocity of the matter of an item of `list` at a point of the world: the mean since the previous frame, by the
+  /// twist of the item's transform, or by the matter's way if the item does not move rigidly. 0 at an item's first
+  /// frame.
+  glm::dvec3 velocity_mps(const DrawList& list, std::uint32_t item, const glm::dvec3& point_m) const;
+
+ private:
+  using Key = std::pair<const Transform*, std::uint32_t>;  // a node and the number of its occurrence
+  struct KeyHash {
+    std::size_t operator()(const Key& key) const { return std::hash<const void*>()(key.first) * 31 + key.second; }
+  };
+  struct Frame {
+    std::int64_t time_ns = 0;
+    std::uint64_t structure = 0;
+    std::vector<Key> keys;                    // by transform
+    std::vector<glm::dmat4> world_from_node;  // by transform
+  };
+  void match();
+
+  Frame now_, before_;
+  std::size_t frames_ = 0;                  // 0, 1, or 2 for more
+  std::vector<std::size_t> before_of_now_;  // by transform of now_; kNew: there was none
+  static constexpr std::size_t kNew = ~std::size_t{0};
+};
+
+}  // namespace simvis

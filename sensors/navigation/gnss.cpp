@@ -1,0 +1,69 @@
+#include "sensors/navigation/gnss.h"
+
+#include <memory>
+
+namespace simvis {
+
+namespace {
+
+AttributeTable gnss_attributes() {
+  static const AttributeTable table = join_tables({geodetic_rows(),
+                                                   noise_rows("horizontal_", "the east and north position", "m"),
+                                                   noise_rows("vertical_", "the altitude", "m"),
+                                                   noise_rows("velocity_", "the velocity", "m/s"),
+                                                   {kRateAttribute}});
+  return table;
+}
+
+std::unique_ptr<Sensor> create_gnss(const SensorContext& context) {
+  return std::make_unique<Gnss>(context.name, gnss_desc(context));
+}
+
+const SensorRegistration kGnssRegistration(
+    {.name = "gnss",
+     .summary = "A receiver of satellite navigation: latitude, longitude, altitude and velocity, with noise and drift.",
+     .notes =
+         "The world's origin stands at the given place on the ellipsoid of WGS 84. With heading 0 its x axis points "
+         "east and its y axis north. A fix is always there; satellites are not simulated.",
+     .message = "sensor_msgs/msg/NavSatFix",
+     .attributes = gnss_attributes(),
+     .create = create_gnss});
+
+}  // namespace
+
+GnssDesc gnss_desc(const SensorContext& context) {
+  const AttributeValues& a = context.attributes;
+  return {.origin = read_geodetic_origin(a),
+          .horizontal = NoiseDesc::read(a, "horizontal_"),
+          .vertical = NoiseDesc::read(a, "vertical_"),
+          .velocity = NoiseDesc::read(a, "velocity_"),
+          .seed = context.seed};
+}
+
+Gnss::Gnss(const std::string& name, const GnssDesc& desc)
+    : ReadingSensor({{.name = "latitude_deg", .format = "%.15g", .unit = "deg"},
+                     {.name = "longitude_deg", .format = "%.15g", .unit = "deg"},
+                     {.name = "altitude_m", .format = "%.12g", .unit = "m"},
+                     {.name = "velocity_east_m_s", .format = "%.12g", .unit = "m/s"},
+                     {.name = "velocity_north_m_s", .format = "%.12g", .unit = "m/s"},
+                     {.name = "velocity_up_m_s", .format = "%.12g", .unit = "m/s"}}),
+      desc_(desc),
+      local_(desc.origin.latitude_deg, desc.origin.longitude_deg, desc.origin.elevation_m),
+      horizontal_(desc.horizontal, {desc.seed, name + "/horizontal"}),
+      vertical_(desc.vertical, {desc.seed, name + "/vertical"}),
+      velocity_(desc.velocity, {desc.seed, name + "/velocity"}) {}
+
+void Gnss::collect(const FrameTime& time, const FramePlan&, std::span<const PassResult>) {
+  const double period_s = sample_period_s(rate_hz, time);
+  set_constant("horizontal_variance", desc_.horizontal.white_variance(period_s));
+  set_constant("vertical_variance", desc_.vertical.white_variance(period_s));
+  const glm::dvec3 place = desc_.origin.to_east_north_up(glm::dvec3(world_from_sensor()[3])),
+                   speed = desc_.origin.to_east_north_up(motion_.velocity_mps);
+  double latitude = 0, longitude = 0, altitude = 0;
+  local_.Reverse(horizontal_.apply(place.x, 0, time, period_s), horizontal_.apply(place.y, 1, time, period_s),
+                 vertical_.apply(place.z, 0, time, period_s), latitude, longitude, altitude);
+  set_reading(time, {latitude, longitude, altitude, velocity_.apply(speed.x, 0, time, period_s),
+                     velocity_.apply(speed.y, 1, time, period_s), velocity_.apply(speed.z, 2, time, period_s)});
+}
+
+}  // namespace simvis

@@ -1,0 +1,83 @@
+#include "sensors/navigation/joint_state.h"
+
+#include <algorithm>
+#include <limits>
+#include <memory>
+
+namespace simvis {
+
+namespace {
+
+AttributeTable joint_state_attributes() {
+  static const AttributeTable table =
+      join_tables({{{.name = "part",
+                     .kind = AttributeKind::part,
+                     .text = "the part whose joints are measured, or ROOT for all; default: that of insert_at"}},
+                   noise_rows("position_", "the position", "rad or m"),
+                   noise_rows("velocity_", "the velocity", "rad/s or m/s"),
+                   {kRateAttribute}});
+  return table;
+}
+
+std::unique_ptr<Sensor> create_joint_state(const SensorContext& context) {
+  return std::make_unique<JointState>(context.name, joint_state_desc(context));
+}
+
+const SensorRegistration kJointStateRegistration(
+    {.name = "joint_state",
+     .summary = "The encoders of a robot's joints: position and velocity of each.",
+     .notes = "Radians and radians per second of a joint that turns, metres and metres per second of one that slides. "
+              "The noise is in the unit of each joint.",
+     .message = "sensor_msgs/msg/JointState",
+     .attributes = joint_state_attributes(),
+     .create = create_joint_state});
+
+}  // namespace
+
+JointStateDesc joint_state_desc(const SensorContext& context) {
+  const AttributeValues& a = context.attributes;
+  return {.part = a.is_set("part") ? a.text("part") : context.insertion_point(),
+          .position = NoiseDesc::read(a, "position_"),
+          .velocity = NoiseDesc::read(a, "velocity_"),
+          .seed = context.seed};
+}
+
+JointState::JointState(const std::string& name, const JointStateDesc& desc)
+    : ReadingSensor({}),
+      name_(name),
+      desc_(desc),
+      position_(desc.position, {desc.seed, name + "/position"}),
+      velocity_(desc.velocity, {desc.seed, name + "/velocity"}) {}
+
+void JointState::sense(const SensedWorld& world) {
+  now_ = world.joints();
+  if (!joints_.empty()) return;
+  std::vector<TableColumn> columns;
+  for (const SensedJoint& joint : now_) {
+    joints_.push_back(joint.name);
+    const std::string unit = joint.slides ? "m" : "rad";
+    columns.push_back({.name = joint.name + ".position_" + unit, .format = "%.12g", .unit = unit});
+    columns.push_back({.name = joint.name + ".velocity_" + unit + "_s", .format = "%.12g", .unit = unit + "/s"});
+  }
+  if (joints_.empty()) {
+    throw InputError("sensor " + in_quotes(name_) + ": the part " + in_quotes(desc_.part) +
+                     " has no joint, expected a part with elements of type joint, or ROOT for all joints");
+  }
+  set_columns(std::move(columns));
+}
+
+void JointState::collect(const FrameTime& time, const FramePlan&, std::span<const PassResult>) {
+  constexpr double kGone = std::numeric_limits<double>::quiet_NaN();
+  const double period_s = sample_period_s(rate_hz, time);
+  std::vector<double> values;
+  for (std::size_t i = 0; i < joints_.size(); ++i) {
+    const auto joint = std::ranges::find(now_, joints_[i], &SensedJoint::name);
+    const bool there = joint != now_.end();
+    const auto axis = static_cast<std::uint32_t>(i);
+    values.push_back(there ? position_.apply(joint->position, axis, time, period_s) : kGone);
+    values.push_back(there ? velocity_.apply(joint->velocity, axis, time, period_s) : kGone);
+  }
+  set_reading(time, std::move(values));
+}
+
+}  // namespace simvis

@@ -1,0 +1,52 @@
+// The sensor `joint_state`: the encoders of a robot's joints.
+//
+//   <sensor type="joint_state" name="JOINTS" insert_at="ARM" rate="50" position_precision="0.0015"/>
+//
+// Joints   are the elements of type `joint` of the part `part`, those in its file included, in the order of their
+//          commands. Joints that follow others (mimic_joint) are not measured. The first measurement decides which
+//          joints there are; one that is removed later has no values.
+// Values   JOINT.position_rad and JOINT.velocity_rad_s of a joint that turns, JOINT.position_m and JOINT.velocity_m_s
+// of
+//          one that slides. The velocity is the mean since the previous frame; 0 at the first.
+// Noise    of positions and velocities, in the unit of each joint: sensors/noise/noise_model.h.
+// Message  sensor_msgs/JointState.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <simvis/sensor.h>
+#include "sensors/noise/noise_model.h"
+
+namespace simvis {
+
+struct JointStateDesc {
+  std::string part = "ROOT";
+  NoiseDesc position{}, velocity{};
+  std::uint64_t seed = 0;
+
+  bool operator==(const JointStateDesc&) const = default;
+};
+
+/// Reads the attributes of a joint_state. Throws InputError.
+JointStateDesc joint_state_desc(const SensorContext& context);
+
+class JointState : public ReadingSensor {
+ public:
+  JointState(const std::string& name, const JointStateDesc& desc);
+
+  SensorNeeds needs() const override { return {.joints_of = desc_.part}; }
+  /// Throws InputError if the part has no joint at the first measurement.
+  void sense(const SensedWorld& world) override;
+  void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override;
+  std::string method() const override { return "values of joints"; }
+
+ private:
+  std::string name_;
+  JointStateDesc desc_;
+  NoiseModel position_, velocity_;
+  std::vector<std::string> joints_;  // names, in the order of the columns
+  std::vector<SensedJoint> now_;
+};
+
+}  // namespace simvis

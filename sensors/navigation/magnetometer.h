@@ -1,0 +1,55 @@
+// The sensor `magnetometer`: the magnetic flux density along three axes.
+//
+//   <sensor type="magnetometer" name="MAG" insert_at="ROBOT" model="dipole" latitude="49.44" longitude="7.75"/>
+//
+// Frame    the sensor frame: x forward, y left, z up.
+// Models   given: the same field everywhere, in the world: the attribute `field`. It may be taken from the World
+// Magnetic
+//          Model or the IGRF for the place and the day; GeographicLib's program MagneticField prints it.
+//          dipole: the earth's field as that of a magnetic dipole at its centre, by the three coefficients of degree 1
+//          of the IGRF-13 for 2020.0: g10 = -29404.8 nT, g11 = -1450.9 nT, h11 = 4652.5 nT, with the radius 6371.2 km
+//          (Alken et al., "International Geomagnetic Reference Field: the thirteenth generation", Earth, Planets and
+//          Space 73:49, 2021). The true field differs from it by 10 to 30 per cent, and in direction by 10 degrees or
+//          so. How the world stands on the earth: sensors/navigation/geodetic_origin.h.
+// Values   field_{x,y,z}_t in tesla.
+// Noise    sensors/noise/noise_model.h; iron of the robot itself is a bias: bias_mean.
+// Message  sensor_msgs/MagneticField.
+#pragma once
+
+#include <string>
+
+#include <simvis/sensor.h>
+#include "sensors/navigation/geodetic_origin.h"
+#include "sensors/noise/noise_model.h"
+
+namespace simvis {
+
+struct MagnetometerDesc {
+  bool dipole = false;
+  glm::dvec3 field_t{0, 2e-5, -4.5e-5};  ///< of the model `given`, in the world
+  GeodeticOrigin origin;
+  NoiseDesc noise{};
+  std::uint64_t seed = 0;
+
+  bool operator==(const MagnetometerDesc&) const = default;
+};
+
+/// Reads the attributes of a magnetometer. Throws InputError.
+MagnetometerDesc magnetometer_desc(const SensorContext& context);
+
+/// The dipole's field in tesla at a point of the world, in the world.
+glm::dvec3 dipole_field_t(const GeodeticOrigin& origin, const glm::dvec3& point_m);
+
+class Magnetometer : public ReadingSensor {
+ public:
+  Magnetometer(const std::string& name, const MagnetometerDesc& desc);
+
+  void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override;
+  std::string method() const override { return desc_.dipole ? "dipole" : "given"; }
+
+ private:
+  MagnetometerDesc desc_;
+  NoiseModel noise_;
+};
+
+}  // namespace simvis

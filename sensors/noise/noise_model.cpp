@@ -1,0 +1,138 @@
+#include "sensors/noise/noise_model.h"
+
+#include <cmath>
+#include <deque>
+#include <limits>
+#include <mutex>
+#include <utility>
+
+namespace simvis {
+
+namespace {
+
+// What the random numbers of a quantity are for. Those of a drift are named by their time instead of the frame.
+constexpr std::uint32_t kWhite = 0, kTurnOn = 1, kMarkovDrift = 2, kWalkDrift = 3;
+
+// Drift is known at time 0 and then at this time, after which no clock of a simulation runs.
+constexpr std::uint64_t kDriftEnd_ns = std::uint64_t{1} << 63;
+
+/// Keeps a string for the rest of the program: tables hold views.
+std::string_view keep(std::string text) {
+  static std::mutex mutex;
+  static std::deque<std::string> kept;
+  const std::lock_guard lock(mutex);
+  return kept.emplace_back(std::move(text));
+}
+
+/// Variance of a Markov process after `seconds`, from a known value on.
+double driven_variance(double density, double correlation_time_s, double seconds) {
+  if (std::isinf(correlation_time_s)) return density * density * seconds;
+  return -density * density * correlation_time_s / 2 * std::expm1(-2 * seconds / correlation_time_s);
+}
+
+}  // namespace
+
+NoiseDesc NoiseDesc::read(const AttributeValues& attributes, const std::string& prefix) {
+  const auto number = [&](const char* name) { return attributes.number(prefix + name); };
+  const NoiseDesc desc{.stddev = number("stddev"),
+                       .noise_density = number("noise_density"),
+                       .bias_mean = number("bias_mean"),
+                       .bias_stddev = number("bias_stddev"),
+                       .dynamic_bias_stddev = number("dynamic_bias_stddev"),
+                       .dynamic_bias_correlation_time_s = number("dynamic_bias_correlation_time"),
+                       .random_walk = number("random_walk"),
+                       .precision = number("precision")};
+  if ((desc.dynamic_bias_stddev > 0) != (desc.dynamic_bias_correlation_time_s > 0)) {
+    const std::string name = prefix +
+                             (desc.dynamic_bias_stddev > 0 ? "dynamic_bias_stddev" : "dynamic_bias_correlation_time"),
+                      other = prefix +
+                              (desc.dynamic_bias_stddev > 0 ? "dynamic_bias_correlation_time" : "dynamic_bias_stddev");
+    fail_at(attributes.where(name),
+            "attribute \"" + name + "\" is not allowed without \"" + other + "\", expected both above 0 or none");
+  }
+  return desc;
+}
+
+double NoiseDesc::white_variance(double sample_period_s) const {
+  return stddev * stddev + noise_density * noise_density / sample_period_s;
+}
+
+std::vector<AttributeSpec> noise_rows(std::string_view prefix, std::string_view quantity, std::string_view unit) {
+  const std::string of = " of " + std::string(quantity), units(unit);
+  std::vector<AttributeSpec> rows;
+  const auto add = [&](const char* name, const std::string& row_unit, const std::string& text, double min) {
+    rows.push_back({.name = keep(std::string(prefix) + name),
+                    .default_value = "0",
+                    .unit = keep(row_unit),
+                    .text = keep(text),
+                    .min = min});
+  };
+  const std::string walk_unit = units + "/s/sqrt(Hz)";
+  add("stddev", units, "standard deviation of the white noise" + of, 0);
+  add("noise_density", units + "/sqrt(Hz)", "density of the white noise" + of + ", added to stddev in squares", 0);
+  add("bias_mean", units, "mean of the turn-on bias" + of, -kNoLimit);
+  add("bias_stddev", units, "standard deviation of the turn-on bias" + of + ", which is drawn once", 0);
+  add("dynamic_bias_stddev", walk_unit, "density of the noise that drives the Gauss-Markov drift" + of, 0);
+  add("dynamic_bias_correlation_time", "s", "time constant of the Gauss-Markov drift" + of, 0);
+  add("random_walk", walk_unit, "density of the noise that drives the unlimited drift" + of, 0);
+  add("precision", units, "step to which values" + of + " are rounded; 0: none", 0);
+  return rows;
+}
+
+AttributeTable join_tables(std::vector<std::vector<AttributeSpec>> tables) {
+  static std::mutex mutex;
+  static std::deque<std::vector<AttributeSpec>> kept;
+  const std::lock_guard lock(mutex);
+  std::vector<AttributeSpec>& joined = kept.emplace_back();
+  for (const std::vector<AttributeSpec>& table : tables) joined.insert(joined.end(), table.begin(), table.end());
+  return joined;
+}
+
+double NoiseModel::apply(double truth, std::uint32_t axis, const FrameTime& time, double sample_period_s) const {
+  double value = truth + desc_.bias_mean;
+  const double white = desc_.white_variance(sample_period_s);
+  if (white > 0) value += std::sqrt(white) * random_.gaussian(time.index, axis, kWhite);
+  if (desc_.bias_stddev > 0) value += desc_.bias_stddev * random_.gaussian(0, axis, kTurnOn);
+  value += drift(axis, time.time_ns);
+  return desc_.precision > 0 ? std::round(value / desc_.precision) * desc_.precision : value;
+}
+
+double NoiseModel::drift(std::uint32_t axis, std::int64_t time_ns) const {
+  const auto time = static_cast<std::uint64_t>(time_ns);
+  double sum = 0;
+  if (desc_.dynamic_bias_stddev > 0) {
+    sum += markov(axis, kMarkovDrift, desc_.dynamic_bias_stddev, desc_.dynamic_bias_correlation_time_s, time);
+  }
+  if (desc_.random_walk > 0) {
+    sum += markov(axis, kWalkDrift, desc_.random_walk, std::numeric_limits<double>::infinity(), time);
+  }
+  return sum;
+}
+
+double NoiseModel::markov(std::uint32_t axis, std::uint32_t draw, double density, double correlation_time_s,
+                          std::uint64_t time_ns) const {
+  std::uint64_t half = kDriftEnd_ns, from = 0;
+  double start = 0;
+  double end = std::sqrt(driven_variance(density, correlation_time_s, static_cast<double>(kDriftEnd_ns) / 1e9)) *
+               random_.gaussian(kDriftEnd_ns, axis, draw);
+  while (time_ns != from) {
+    half /= 2;
+    const std::uint64_t middle_ns = from + half;
+    const double seconds = static_cast<double>(half) / 1e9;
+    // The share of a value that is left after `seconds`. Given both ends, the middle is normally distributed.
+    const double left = std::isinf(correlation_time_s) ? 1 : std::exp(-seconds / correlation_time_s);
+    const double spread = 1 + left * left;
+    const double middle =
+        left / spread * (start + end) + std::sqrt(driven_variance(density, correlation_time_s, seconds) / spread) *
+                                            random_.gaussian(middle_ns, axis, draw);
+    if (time_ns < middle_ns) {
+      end = middle;
+    } else {
+      from = middle_ns;
+      start = middle;
+    }
+  }
+  return start;
+}
+
+}  // namespace simvis

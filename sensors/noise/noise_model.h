@@ -1,0 +1,86 @@
+// The noise of one measured quantity: white noise, turn-on bias, drift, quantisation. Every quantity of a sensor has
+// the same attributes with a prefix of its own.
+//
+//   measured = quantised(true + white + turn-on bias + drift)
+//
+//   stddev                    white noise of each sample. SDF: <stddev>
+//   noise_density             white noise in continuous units, unit / sqrt(Hz): a sample has the standard deviation
+//                             noise_density / sqrt(time from sample to sample). Kalibr: noise_density
+//   bias_mean, bias_stddev    turn-on bias: drawn once for the run, for each axis. SDF: <bias_mean> (and <mean>),
+//                             <bias_stddev>. Its sign is not drawn a second time, as Gazebo does
+//   dynamic_bias_stddev, dynamic_bias_correlation_time
+//                             Gauss-Markov drift, as SDF names it and as gz-sensors and RotorS compute it: the first is
+//                             the density of the noise that drives it, in unit / (s sqrt(Hz)), the second its time
+//                             constant T in seconds. The variance of the drift is stddev^2 T / 2 (1 - exp(-2 t / T))
+//   random_walk               drift without a limit, T infinite: variance random_walk^2 t. In unit / (s sqrt(Hz)).
+//                             Kalibr: gyroscope_random_walk, accelerometer_random_walk
+//   precision                 values are rounded to multiples of this. SDF: <precision> of gaussian_quantized
+//
+// Model    Kalibr's wiki, "IMU Noise Model"; IEEE Std 952-1997, annex C (Allan variance: white noise, random walk,
+//          Markov noise).
+// Drift is a function of time. Both drifts are Gaussian Markov processes that begin at 0 at time 0. Between two known
+//          values such a process has a known normal distribution (a bridge), so the value at any nanosecond follows
+//          from halving the interval from 0 to 2^63 ns 63 times at most, with one random number for each middle, named
+//          by its time (P. Levy's construction). There is no state: a sample does not depend on which frames were made
+//          before, on threads or on the order of calls, and two sensors of one name and seed drift alike at any rate.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <simvis/attributes.h>
+#include <simvis/frame_time.h>
+#include <simvis/philox.h>
+
+namespace simvis {
+
+struct NoiseDesc {
+  double stddev = 0, noise_density = 0;
+  double bias_mean = 0, bias_stddev = 0;
+  double dynamic_bias_stddev = 0, dynamic_bias_correlation_time_s = 0;
+  double random_walk = 0;
+  double precision = 0;
+
+  /// Reads the attributes of noise_rows(). Throws InputError if only one of the two of the Gauss-Markov drift is above
+  /// 0.
+  static NoiseDesc read(const AttributeValues& attributes, const std::string& prefix);
+  /// Variance of one sample's white noise.
+  double white_variance(double sample_period_s) const;
+
+  bool operator==(const NoiseDesc&) const = default;
+};
+
+/// The attributes of one quantity: `prefix` stands in front of their names ("gyroscope_"), `quantity` ("the angular
+/// velocity") and `unit` in their texts. Their strings live as long as the program.
+std::vector<AttributeSpec> noise_rows(std::string_view prefix, std::string_view quantity, std::string_view unit);
+
+/// The rows of a table, and of more that are appended to it. The result lives as long as the program.
+AttributeTable join_tables(std::vector<std::vector<AttributeSpec>> tables);
+
+class NoiseModel {
+ public:
+  /// `random` belongs to this quantity alone.
+  NoiseModel(const NoiseDesc& desc, const SensorRandom& random) : desc_(desc), random_(random) {}
+
+  /// The measured value of axis `axis`. `sample_period_s` is the time from sample to sample.
+  double apply(double truth, std::uint32_t axis, const FrameTime& time, double sample_period_s) const;
+  /// The sum of both drifts of an axis at a time, which is not negative.
+  double drift(std::uint32_t axis, std::int64_t time_ns) const;
+  const NoiseDesc& desc() const { return desc_; }
+
+ private:
+  double markov(std::uint32_t axis, std::uint32_t draw, double density, double correlation_time_s,
+                std::uint64_t time_ns) const;
+
+  NoiseDesc desc_;
+  SensorRandom random_;
+};
+
+/// The time from one measurement of a sensor to the next: of its rate, or of the frames.
+inline double sample_period_s(double rate_hz, const FrameTime& time) {
+  return rate_hz > 0 ? 1 / rate_hz : static_cast<double>(time.period_ns) / 1e9;
+}
+
+}  // namespace simvis

@@ -1,0 +1,122 @@
+#include "sensors/proximity/beacon.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include <simvis/pose.h>
+
+namespace simvis {
+
+namespace {
+
+AttributeTable beacon_attributes() {
+  static const AttributeTable table = join_tables(
+      {{{.name = "beacons",
+         .kind = AttributeKind::text,
+         .default_value = "*",
+         .text = "names of the insertion points that are beacons; * stands for any text, ? for any character"},
+        {.name = "range_max",
+         .default_value = "10",
+         .unit = "m",
+         .text = "largest distance at which a beacon is received",
+         .min = 0,
+         .open_min = true},
+        {.name = "opening",
+         .default_value = "360",
+         .unit = "deg",
+         .text = "full angle of the cone about +x in which beacons are received",
+         .min = 0,
+         .max = 360,
+         .open_min = true},
+        {.name = "line_of_sight",
+         .kind = AttributeKind::choice,
+         .default_value = "yes",
+         .text = "yes: a surface between sensor and beacon hides it; no: it does not, as with radio",
+         .choices = "yes no"},
+        {.name = "radius",
+         .default_value = "0.05",
+         .unit = "m",
+         .text = "surfaces so near to a beacon's origin belong to it and hide nothing",
+         .min = 0}},
+       noise_rows("", "the range", "m"),
+       {kRateAttribute}});
+  return table;
+}
+
+std::unique_ptr<Sensor> create_beacon(const SensorContext& context) {
+  return std::make_unique<BeaconSensor>(context.name, beacon_desc(context));
+}
+
+const SensorRegistration kBeaconRegistration(
+    {.name = "beacon",
+     .summary = "Which beacons are received, and where they are: RFID tags, infrared or radio beacons, markers.",
+     .notes =
+         "Beacons are the insertion points whose names match a pattern. A table has a row for each that is received.",
+     .message = "sensor_msgs/msg/PointCloud2",
+     .attributes = beacon_attributes(),
+     .create = create_beacon});
+
+}  // namespace
+
+BeaconDesc beacon_desc(const SensorContext& context) {
+  const AttributeValues& a = context.attributes;
+  return {.beacons = a.text("beacons"),
+          .range_max_m = a.number("range_max"),
+          .opening_rad = glm::radians(a.number("opening")),
+          .radius_m = a.number("radius"),
+          .line_of_sight = a.choice("line_of_sight") == "yes",
+          .noise = NoiseDesc::read(a, ""),
+          .seed = context.seed};
+}
+
+BeaconSensor::BeaconSensor(std::string name, const BeaconDesc& desc)
+    : ReadingSensor({{.name = "beacon", .format = "%lld", .integer = true},
+                     {.name = "range_m", .format = "%.12g", .unit = "m"},
+                     {.name = "azimuth_rad", .format = "%.12g", .unit = "rad"},
+                     {.name = "elevation_rad", .format = "%.12g", .unit = "rad"},
+                     {.name = "strength", .format = "%.9g"}},
+                    false),
+      name_(std::move(name)),
+      desc_(desc),
+      noise_(desc.noise, {desc.seed, name_ + "/range"}) {}
+
+void BeaconSensor::plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) {
+  ReadingSensor::plan(world_from_sensor, list, plan);
+  if (!desc_.line_of_sight || points_.empty()) return;
+  plan.casts.push_back(
+      {.name = name_, .reason = "lines of sight of beacon sensor " + name_, .max_rays = points_.size()});
+}
+
+void BeaconSensor::cast(RayCaster& rays) {
+  const glm::dmat4 sensor_from_world = rigid_inverse(world_from_sensor());
+  const double period_s = sample_period_s(rate_hz, time_);
+  std::vector<double> values;
+  std::erase_if(points_, [&](const SensedPoint& point) {
+    const glm::dvec3 place_m(sensor_from_world * point.world_from_point[3]);
+    const double range_m = glm::length(place_m);
+    const glm::dvec3 way = range_m > 0 ? place_m / range_m : glm::dvec3(1, 0, 0);
+    if (range_m > desc_.range_max_m || std::acos(std::clamp(way.x, -1.0, 1.0)) > desc_.opening_rad / 2) return true;
+    if (desc_.line_of_sight) {
+      RayHit hit;
+      rays.cast(world_from_sensor(), {&way, 1}, {&hit, 1});
+      if (hit.range_m < range_m - desc_.radius_m) return true;
+    }
+    values.insert(values.end(), {static_cast<double>(point.number),
+                                 noise_.apply(range_m, point.number, time_, period_s), std::atan2(place_m.y, place_m.x),
+                                 std::asin(std::clamp(way.z, -1.0, 1.0)), range_m > 0 ? 1 / (range_m * range_m) : 0});
+    return false;
+  });
+  set_reading(time_, std::move(values));
+}
+
+SensorReport BeaconSensor::report() const {
+  std::string names;
+  for (const SensedPoint& point : points_) {
+    names += (names.empty() ? "" : ", ") + std::to_string(point.number) + ": " + point.name;
+  }
+  return {.notes = {{"received", names}}, .explanation = ""};
+}
+
+}  // namespace simvis

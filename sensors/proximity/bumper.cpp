@@ -1,0 +1,88 @@
+#include "sensors/proximity/bumper.h"
+
+#include <limits>
+#include <memory>
+#include <utility>
+
+#include <simvis/pose.h>
+#include "sensors/proximity/crossing_triangles.h"
+
+namespace simvis {
+
+namespace {
+
+constexpr AttributeSpec kBumperAttributes[] = {
+    {.name = "part",
+     .kind = AttributeKind::part,
+     .text = "the part that senses, with everything inserted there; default: that of insert_at"},
+    {.name = "ignore",
+     .kind = AttributeKind::part,
+     .text = "a part that may overlap with it, with everything inserted there, mostly the robot; default: part"},
+    kRateAttribute,
+};
+
+std::unique_ptr<Sensor> create_bumper(const SensorContext& context) {
+  BumperDesc desc = bumper_desc(context);
+  if (desc.part == "ROOT") {
+    fail_at(context.attributes.where("part"),
+            "a bumper at ROOT would be the whole world, expected the attribute \"part\" or another insert_at");
+  }
+  return std::make_unique<Bumper>(std::move(desc));
+}
+
+const SensorRegistration kBumperRegistration(
+    {.name = "bumper",
+     .summary = "A switch that closes while a part of the robot overlaps with the rest of the world.",
+     .notes = "The surfaces of the part and of the rest cross; sensors/proximity/bumper.h says how this is tested. A "
+              "bumper that lies wholly inside another body is not pressed.",
+     .attributes = kBumperAttributes,
+     .create = create_bumper});
+
+}  // namespace
+
+BumperDesc bumper_desc(const SensorContext& context) {
+  const AttributeValues& a = context.attributes;
+  const std::string part = a.is_set("part") ? a.text("part") : context.insertion_point();
+  return {.part = part, .ignore = a.is_set("ignore") ? a.text("ignore") : part};
+}
+
+Bumper::Bumper(BumperDesc desc)
+    : ReadingSensor({{.name = "pressed", .format = "%lld", .integer = true},
+                     {.name = "x_m", .format = "%.9g", .unit = "m"},
+                     {.name = "y_m", .format = "%.9g", .unit = "m"},
+                     {.name = "z_m", .format = "%.9g", .unit = "m"},
+                     {.name = "crossings", .format = "%lld", .integer = true}}),
+      desc_(std::move(desc)) {}
+
+void Bumper::sense(const SensedWorld& world) {
+  part_ = world.items_of(desc_.part);
+  ignored_ = world.items_of(desc_.ignore);
+}
+
+void Bumper::plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) {
+  ReadingSensor::plan(world_from_sensor, list, plan);
+  list_ = &list;
+}
+
+void Bumper::collect(const FrameTime& time, const FramePlan&, std::span<const PassResult>) {
+  const glm::dmat4 sensor_from_world = rigid_inverse(world_from_sensor());
+  Crossings crossings;
+  std::vector<TriangleSet> own;
+  TriangleBox reach;
+  for (std::uint32_t i = part_.first; i < part_.end; ++i) {
+    own.push_back(triangles_of(*list_, i, sensor_from_world));
+    reach.add(own.back().box);
+  }
+  const auto is_in = [](ItemRange range, std::uint32_t item) { return item >= range.first && item < range.end; };
+  for (std::uint32_t i = 0; i < list_->items.size(); ++i) {
+    if (is_in(part_, i) || is_in(ignored_, i) || !item_box(*list_, i, sensor_from_world).overlaps(reach)) continue;
+    const TriangleSet other = triangles_of(*list_, i, sensor_from_world, &reach);
+    for (const TriangleSet& mine : own) add_crossings(mine, other, crossings);
+  }
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  const bool pressed = crossings.count > 0;
+  const glm::dvec3 mean = pressed ? crossings.sum_m / static_cast<double>(crossings.count) : glm::dvec3(kNone);
+  set_reading(time, {pressed ? 1.0 : 0.0, mean.x, mean.y, mean.z, static_cast<double>(crossings.count)});
+}
+
+}  // namespace simvis

@@ -1,0 +1,256 @@
+#include "sensors/proximity/radar.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <numbers>
+#include <sstream>
+#include <tuple>
+#include <utility>
+
+#include "sensors/proximity/range_limits.h"
+
+namespace simvis {
+
+namespace {
+
+constexpr double kLightSpeed_mps = 299792458, kBoltzmann_j_k = 1.380649e-23, kNoiseTemperature_k = 290;
+
+AttributeSpec radar_row(std::string_view name, std::string_view by_default, std::string_view unit,
+                        std::string_view text, double max = kNoLimit) {
+  return {
+      .name = name, .default_value = by_default, .unit = unit, .text = text, .min = 0, .max = max, .open_min = true};
+}
+AttributeSpec decibels(std::string_view name, std::string_view by_default, std::string_view text) {
+  return {.name = name, .default_value = by_default, .unit = "dB", .text = text, .min = -300, .max = 300};
+}
+
+AttributeTable radar_attributes() {
+  static const AttributeTable table =
+      join_tables({{radar_row("frequency", "77e9", "Hz", "frequency of the carrier"),
+                    radar_row("power", "0.01", "W", "transmitted power"),
+                    decibels("gain", "25", "gain of the antenna"),
+                    decibels("losses", "3", "losses on the way of the signal"),
+                    decibels("noise_figure", "12", "noise figure of the receiver"),
+                    radar_row("bandwidth", "1000", "Hz", "bandwidth of the noise after all integration"),
+                    decibels("threshold", "13", "ratio of signal to noise of a detection"),
+                    radar_row("horizontal_fov", "60", "deg", "full horizontal angle of the field of view", 360),
+                    radar_row("vertical_fov", "10", "deg", "full vertical angle of the field of view", 180),
+                    radar_row("angle_step", "0.5", "deg", "largest angle between neighbouring rays", 45),
+                    radar_row("range_resolution", "0.5", "m", "size of a cell along the range"),
+                    radar_row("azimuth_resolution", "2", "deg", "size of a cell in azimuth"),
+                    radar_row("speed_resolution", "0.25", "m/s", "size of a cell in radial speed"),
+                    radar_row("reflectivity", "1", "", "cross section of a surface, as a share of its projected area"),
+                    {.name = "cross_sections",
+                     .kind = AttributeKind::text,
+                     .unit = "m2",
+                     .text = "cross sections of parts, as NAME:SQUARE_METRES; default: by their areas"}},
+                   range_limit_rows("0.5", "150"),
+                   noise_rows("range_", "the range", "m"),
+                   noise_rows("azimuth_", "the azimuth", "rad"),
+                   noise_rows("speed_", "the radial speed", "m/s"),
+                   {kRateAttribute}});
+  return table;
+}
+
+std::unique_ptr<Sensor> create_radar(const SensorContext& context) {
+  return std::make_unique<Radar>(context.name, radar_desc(context));
+}
+
+const SensorRegistration kRadarRegistration(
+    {.name = "radar",
+     .summary = "A radar: detections with range, direction and radial speed, by the radar equation.",
+     .notes = "Surfaces return by their projected areas, parts of known cross section by it. The radial speed follows "
+              "from the true motion of what is met and of the sensor; above 0 it moves away.",
+     .message = "sensor_msgs/msg/PointCloud2",
+     .attributes = radar_attributes(),
+     .create = create_radar});
+
+double from_db(double db) { return std::pow(10, db / 10); }
+
+std::vector<RadarDesc::CrossSection> read_cross_sections(const AttributeValues& attributes) {
+  std::vector<RadarDesc::CrossSection> read;
+  if (!attributes.is_set("cross_sections")) return read;
+  std::istringstream words(attributes.text("cross_sections"));
+  for (std::string word; words >> word;) {
+    const std::size_t colon = word.rfind(':');
+    RadarDesc::CrossSection each{.part = word.substr(0, colon)};
+    const bool is_pair = colon != word.npos && colon > 0 && parse_number(word.substr(colon + 1), each.square_m);
+    if (!is_pair || !(each.square_m > 0)) {
+      fail_at(attributes.where("cross_sections"), "attribute \"cross_sections\": " + in_quotes(word) +
+                                                      " is not allowed, expected NAME:SQUARE_METRES with a number "
+                                                      "above 0");
+    }
+    read.push_back(std::move(each));
+  }
+  return read;
+}
+
+/// Where the cells of one measure begin, so that a value of 0 lies in the middle of a cell.
+std::int64_t cell_of(double value, double size) { return std::llround(value / size); }
+
+/// Rays side by side in a field of view.
+double ray_count(double fov_rad, const RadarDesc& desc) { return std::ceil(fov_rad / desc.angle_step_rad); }
+
+struct RadarCell {
+  double power_w = 0, square_m = 0;
+  double range_m = 0, azimuth_rad = 0, elevation_rad = 0, speed_mps = 0;  // sums by power
+};
+
+}  // namespace
+
+double RadarDesc::received_w(double square_m, double range_m) const {
+  const double wave_m = kLightSpeed_mps / frequency_hz, gain = from_db(gain_db);
+  return power_w * gain * gain * wave_m * wave_m * square_m /
+         (std::pow(4 * std::numbers::pi, 3) * std::pow(range_m, 4) * from_db(losses_db));
+}
+
+double RadarDesc::noise_w() const {
+  return kBoltzmann_j_k * kNoiseTemperature_k * bandwidth_hz * from_db(noise_figure_db);
+}
+
+RadarDesc radar_desc(const SensorContext& context) {
+  const AttributeValues& a = context.attributes;
+  const auto [min_m, max_m] = read_range_limits(a);
+  RadarDesc desc{.frequency_hz = a.number("frequency"),
+                 .power_w = a.number("power"),
+                 .gain_db = a.number("gain"),
+                 .losses_db = a.number("losses"),
+                 .noise_figure_db = a.number("noise_figure"),
+                 .bandwidth_hz = a.number("bandwidth"),
+                 .threshold_db = a.number("threshold"),
+                 .horizontal_fov_rad = glm::radians(a.number("horizontal_fov")),
+                 .vertical_fov_rad = glm::radians(a.number("vertical_fov")),
+                 .angle_step_rad = glm::radians(a.number("angle_step")),
+                 .range_min_m = min_m,
+                 .range_max_m = max_m,
+                 .range_resolution_m = a.number("range_resolution"),
+                 .azimuth_resolution_rad = glm::radians(a.number("azimuth_resolution")),
+                 .speed_resolution_mps = a.number("speed_resolution"),
+                 .reflectivity = a.number("reflectivity"),
+                 .cross_sections = read_cross_sections(a),
+                 .range = NoiseDesc::read(a, "range_"),
+                 .azimuth = NoiseDesc::read(a, "azimuth_"),
+                 .speed = NoiseDesc::read(a, "speed_"),
+                 .seed = context.seed};
+  constexpr double kMaxRays = 1e7;
+  if (ray_count(desc.horizontal_fov_rad, desc) * ray_count(desc.vertical_fov_rad, desc) > kMaxRays) {
+    fail_at(a.where("angle_step"), "attribute \"angle_step\": " + format_number(a.number("angle_step")) +
+                                       " makes more than 10000000 rays, expected a larger angle");
+  }
+  return desc;
+}
+
+Radar::Radar(std::string name, const RadarDesc& desc)
+    : ReadingSensor({{.name = "range_m", .format = "%.12g", .unit = "m"},
+                     {.name = "azimuth_rad", .format = "%.12g", .unit = "rad"},
+                     {.name = "elevation_rad", .format = "%.12g", .unit = "rad"},
+                     {.name = "radial_speed_m_s", .format = "%.12g", .unit = "m/s"},
+                     {.name = "snr_db", .format = "%.9g", .unit = "dB"},
+                     {.name = "cross_section_m2", .format = "%.9g", .unit = "m2"},
+                     {.name = "x_m", .format = "%.12g", .unit = "m"},
+                     {.name = "y_m", .format = "%.12g", .unit = "m"},
+                     {.name = "z_m", .format = "%.12g", .unit = "m"}},
+                    false),
+      name_(std::move(name)),
+      desc_(desc),
+      range_(desc.range, {desc.seed, name_ + "/range"}),
+      azimuth_(desc.azimuth, {desc.seed, name_ + "/azimuth"}),
+      speed_(desc.speed, {desc.seed, name_ + "/speed"}) {
+  const auto columns = static_cast<int>(ray_count(desc.horizontal_fov_rad, desc)),
+             rows = static_cast<int>(ray_count(desc.vertical_fov_rad, desc));
+  const double width_rad = desc.horizontal_fov_rad / columns, height_rad = desc.vertical_fov_rad / rows;
+  for (int row = 0; row < rows; ++row) {
+    const double elevation_rad = (row + 0.5) * height_rad - desc.vertical_fov_rad / 2;
+    for (int column = 0; column < columns; ++column) {
+      const double azimuth_rad = (column + 0.5) * width_rad - desc.horizontal_fov_rad / 2;
+      rays_.push_back({azimuth_rad, elevation_rad, width_rad * height_rad * std::cos(elevation_rad)});
+      directions_.push_back(glm::normalize(beam_direction(azimuth_rad, elevation_rad)));
+    }
+  }
+  hits_.resize(rays_.size());
+}
+
+SensorNeeds Radar::needs() const {
+  SensorNeeds needs{.motion = true, .item_motion = true};
+  for (const RadarDesc::CrossSection& each : desc_.cross_sections) needs.parts.push_back(each.part);
+  return needs;
+}
+
+void Radar::sense(const SensedWorld& world) { world_ = &world; }
+
+void Radar::plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) {
+  ReadingSensor::plan(world_from_sensor, list, plan);
+  plan.casts.push_back({.name = name_, .reason = "field of view of radar " + name_, .max_rays = rays_.size()});
+}
+
+std::vector<Radar::Echo> Radar::echoes(RayCaster& rays) {
+  rays.cast(world_from_sensor(), directions_, hits_);
+  const glm::dvec3 own_mps = world_->motion().velocity_mps;
+  std::vector<Echo> echoes;
+  for (std::size_t i = 0; i < hits_.size(); ++i) {
+    const double range_m = hits_[i].range_m;
+    if (!(range_m >= desc_.range_min_m && range_m <= desc_.range_max_m) || range_m == 0) continue;
+    const glm::dvec3 way = glm::dmat3(world_from_sensor()) * directions_[i],
+                     point_m = glm::dvec3(world_from_sensor()[3]) + range_m * way;
+    const double speed_mps = glm::dot(way, world_->velocity_mps(hits_[i].item, point_m) - own_mps);
+    echoes.push_back({.ray = i,
+                      .range_m = range_m,
+                      .speed_mps = speed_mps,
+                      .square_m = desc_.reflectivity * range_m * range_m * rays_[i].solid_angle_sr,
+                      .power_w = 0});
+  }
+  give_cross_sections(echoes);
+  for (Echo& echo : echoes) echo.power_w = desc_.received_w(echo.square_m, echo.range_m);
+  return echoes;
+}
+
+void Radar::give_cross_sections(std::vector<Echo>& echoes) const {
+  for (const RadarDesc::CrossSection& each : desc_.cross_sections) {
+    const ItemRange items = world_->items_of(each.part);
+    const auto is_part = [&](const Echo& echo) {
+      const std::uint32_t item = hits_[echo.ray].item;
+      return item >= items.first && item < items.end;
+    };
+    double sum = 0;
+    for (const Echo& echo : echoes) sum += is_part(echo) ? echo.square_m : 0;
+    for (Echo& echo : echoes) {
+      if (is_part(echo)) echo.square_m *= each.square_m / sum;
+    }
+  }
+}
+
+void Radar::cast(RayCaster& rays) {
+  std::map<std::tuple<std::int64_t, std::int64_t, std::int64_t>, RadarCell> cells;
+  for (const Echo& echo : echoes(rays)) {
+    const Ray& ray = rays_[echo.ray];
+    RadarCell& cell =
+        cells[{cell_of(echo.range_m, desc_.range_resolution_m), cell_of(ray.azimuth_rad, desc_.azimuth_resolution_rad),
+               cell_of(echo.speed_mps, desc_.speed_resolution_mps)}];
+    cell.power_w += echo.power_w;
+    cell.square_m += echo.square_m;
+    cell.range_m += echo.power_w * echo.range_m;
+    cell.azimuth_rad += echo.power_w * ray.azimuth_rad;
+    cell.elevation_rad += echo.power_w * ray.elevation_rad;
+    cell.speed_mps += echo.power_w * echo.speed_mps;
+  }
+  const double period_s = sample_period_s(rate_hz, time_);
+  std::vector<double> values;
+  std::uint32_t row = 0;
+  for (const auto& [key, cell] : cells) {
+    const double snr_db = 10 * std::log10(cell.power_w / desc_.noise_w());
+    if (!(snr_db >= desc_.threshold_db)) continue;
+    const double range_m = range_.apply(cell.range_m / cell.power_w, row, time_, period_s),
+                 azimuth_rad = azimuth_.apply(cell.azimuth_rad / cell.power_w, row, time_, period_s),
+                 elevation_rad = cell.elevation_rad / cell.power_w;
+    const glm::dvec3 place_m = range_m * beam_direction(azimuth_rad, elevation_rad);
+    values.insert(values.end(), {range_m, azimuth_rad, elevation_rad,
+                                 speed_.apply(cell.speed_mps / cell.power_w, row, time_, period_s), snr_db,
+                                 cell.square_m, place_m.x, place_m.y, place_m.z});
+    ++row;
+  }
+  set_reading(time_, std::move(values));
+}
+
+}  // namespace simvis

@@ -1,0 +1,67 @@
+#include "sensors/proximity/range_sensor.h"
+
+#include <memory>
+#include <utility>
+
+#include "sensors/proximity/range_limits.h"
+
+namespace simvis {
+
+namespace {
+
+AttributeTable range_attributes() {
+  static const AttributeTable table =
+      join_tables({range_limit_rows("0.02", "10"), noise_rows("", "the range", "m"), {kRateAttribute}});
+  return table;
+}
+
+std::unique_ptr<Sensor> create_range_sensor(const SensorContext& context) {
+  return std::make_unique<RangeSensor>(context.name, range_sensor_desc(context));
+}
+
+const SensorRegistration kRangeRegistration(
+    {.name = "range",
+     .summary = "The distance along one beam, as laser rangefinders and time-of-flight sensors measure it.",
+     .notes = "The beam leaves along +x. A range is inf if nothing is within range_max, and 0 if a surface is nearer "
+              "than range_min.",
+     .message = "sensor_msgs/msg/Range",
+     .attributes = range_attributes(),
+     .create = create_range_sensor});
+
+}  // namespace
+
+RangeSensorDesc range_sensor_desc(const SensorContext& context) {
+  const auto [min_m, max_m] = read_range_limits(context.attributes);
+  return {.range_min_m = min_m,
+          .range_max_m = max_m,
+          .noise = NoiseDesc::read(context.attributes, ""),
+          .seed = context.seed};
+}
+
+RangeSensor::RangeSensor(std::string name, const RangeSensorDesc& desc)
+    : ReadingSensor({{.name = "range_m", .format = "%.12g", .unit = "m"}}),
+      name_(std::move(name)),
+      desc_(desc),
+      noise_(desc.noise, {desc.seed, name_ + "/range"}) {
+  set_constant("radiation_type", kInfraredRange);
+  set_constant("range_min_m", desc.range_min_m);
+  set_constant("range_max_m", desc.range_max_m);
+}
+
+void RangeSensor::plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) {
+  ReadingSensor::plan(world_from_sensor, list, plan);
+  plan.casts.push_back({.name = name_, .reason = "beam of range sensor " + name_, .max_rays = 1});
+}
+
+void RangeSensor::cast(RayCaster& rays) {
+  const glm::dvec3 forward(1, 0, 0);
+  RayHit hit;
+  rays.cast(world_from_sensor(), {&forward, 1}, {&hit, 1});
+  const double period_s = sample_period_s(rate_hz, time_);
+  set_constant("range_variance", desc_.noise.white_variance(period_s));
+  double range_m = limited_range({desc_.range_min_m, desc_.range_max_m}, hit.range_m);
+  if (is_between_limits(range_m)) range_m = noise_.apply(range_m, 0, time_, period_s);
+  set_reading(time_, {range_m});
+}
+
+}  // namespace simvis

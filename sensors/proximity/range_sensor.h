@@ -1,0 +1,47 @@
+// The sensor `range`: the distance along one beam, as laser rangefinders and time-of-flight sensors measure it.
+//
+//   <sensor type="range" name="FRONT" insert_at="ROBOT" range_min="0.03" range_max="4" stddev="0.01"/>
+//
+// Frame    the beam leaves along +x of the sensor frame.
+// Values   range_m along the beam to the first surface: +infinity if there is none within range_max, 0 if the surface
+//          is nearer than range_min. The true range decides; noise is added to ranges between the limits only.
+// Exact    but for rounding: <simvis/ray_caster.h>.
+// Noise    sensors/noise/noise_model.h.
+// Message  sensor_msgs/Range, infrared.
+#pragma once
+
+#include <string>
+
+#include <simvis/sensor.h>
+#include "sensors/noise/noise_model.h"
+
+namespace simvis {
+
+struct RangeSensorDesc {
+  double range_min_m = 0.02, range_max_m = 10;
+  NoiseDesc noise{};
+  std::uint64_t seed = 0;
+
+  bool operator==(const RangeSensorDesc&) const = default;
+};
+
+/// Reads the attributes of a range sensor. Throws InputError.
+RangeSensorDesc range_sensor_desc(const SensorContext& context);
+
+class RangeSensor : public ReadingSensor {
+ public:
+  RangeSensor(std::string name, const RangeSensorDesc& desc);
+
+  void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
+  void collect(const FrameTime& time, const FramePlan&, std::span<const PassResult>) override { time_ = time; }
+  void cast(RayCaster& rays) override;
+  std::string method() const override { return "raycast"; }
+
+ private:
+  std::string name_;
+  RangeSensorDesc desc_;
+  NoiseModel noise_;
+  FrameTime time_;
+};
+
+}  // namespace simvis

@@ -1,0 +1,47 @@
+// The sensor `touch`: a straight feeler, such as a whisker or a probe, that is pushed in by what it meets.
+//
+//   <sensor type="touch" name="WHISKER" insert_at="ROBOT" pose_offset="0.2 0 0.05 0 0 30" length="0.1"/>
+//
+// Frame    the feeler stands on the origin and points along +x of the sensor frame.
+// Values   pressed: 1 if a surface crosses the feeler, else 0. depth_m: by how much the surface pushes it in, from 0 to
+//          `length`; 0 if it is not touched.
+// Noise    of the depth: sensors/noise/noise_model.h. It does not change `pressed`.
+// Exact    but for rounding: <simvis/ray_caster.h>. A robot whose own surface covers the origin does not matter if the
+//          feeler stands outside of it.
+#pragma once
+
+#include <string>
+
+#include <simvis/sensor.h>
+#include "sensors/noise/noise_model.h"
+
+namespace simvis {
+
+struct TouchDesc {
+  double length_m = 0.1;
+  NoiseDesc noise{};
+  std::uint64_t seed = 0;
+
+  bool operator==(const TouchDesc&) const = default;
+};
+
+/// Reads the attributes of a touch sensor. Throws InputError.
+TouchDesc touch_desc(const SensorContext& context);
+
+class TouchSensor : public ReadingSensor {
+ public:
+  TouchSensor(std::string name, const TouchDesc& desc);
+
+  void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
+  void collect(const FrameTime& time, const FramePlan&, std::span<const PassResult>) override { time_ = time; }
+  void cast(RayCaster& rays) override;
+  std::string method() const override { return "raycast"; }
+
+ private:
+  std::string name_;
+  TouchDesc desc_;
+  NoiseModel noise_;
+  FrameTime time_;
+};
+
+}  // namespace simvis

@@ -1,0 +1,207 @@
+#include "simvis/cli/live_run.h"
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <span>
+#include <utility>
+
+#include <simvis/attributes.h>
+#include "engine/base/now_ns.h"
+#include "simvis/cli/load_scene.h"
+#include "simvis/cli/saved_scene.h"
+#include "simvis/cli/signals.h"
+#include "simvis/output/atomic_file.h"
+
+namespace simvis {
+namespace {
+
+constexpr std::chrono::milliseconds kSignalPoll{50};
+constexpr std::int64_t kSpeedPeriod_ns = 500'000'000;  // over which the speed is the mean
+constexpr std::uint64_t kMaxSteps = 1000;              // that wait
+
+live::ServerDesc server_desc(const Options& options, const std::string& token) {
+  live::ServerDesc desc{.port = *options.live, .token = token};
+  if (options.live_address.empty()) return desc;
+  desc.address = options.live_address;
+  desc.needs_token = true;
+  return desc;
+}
+
+std::string text_of(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+/// As a link has it.
+std::string host_of(const std::string& address) {
+  return address.find(':') == std::string::npos ? address : "[" + address + "]";
+}
+
+}  // namespace
+
+LiveRun::LiveRun(const Options& options, Simulation& simulation, Follower* follower)
+    : scene_(options.scene),
+      address_(options.live_address),
+      desc_(scene_desc(options)),
+      follower_(follower),
+      scene_text_(text_of(options.scene)),
+      saved_changes_(simulation.parameters().changes().size()),
+      token_(live::random_token()),
+      view_(server_desc(options, token_)) {
+  if (follower_ != nullptr) builds_ = follower_->builds();
+  view_.attach(simulation);
+}
+
+std::string LiveRun::links() const {
+  const std::string place = (address_.empty() ? "127.0.0.1" : host_of(address_)) + ":" + std::to_string(view_.port());
+  const std::string token = "/?token=" + token_;
+  return "live view: http://" + place + (address_.empty() ? "/" : token) + "\nFoxglove: ws://" + place + token;
+}
+
+void LiveRun::before_frame(Simulation& simulation) {
+  // Who asks without end does not stop the simulation.
+  for (std::size_t i = 0; i < live::ControlQueue::kMaxWaiting; ++i) {
+    const std::optional<Control> control = view_.next_control();
+    if (!control) break;
+    carry_out(*control, simulation);
+  }
+  while (!playing_ && steps_ == 0 && received_signal() == nullptr) {
+    const std::optional<Control> control = view_.next_control(std::chrono::steady_clock::now() + kSignalPoll);
+    if (control) carry_out(*control, simulation);
+    if (!is_shown_) show(simulation);
+  }
+  if (!playing_ && steps_ > 0) --steps_;
+}
+
+void LiveRun::wait(Simulation& simulation, std::int64_t due_ns) {
+  const auto left = std::chrono::nanoseconds(std::max<std::int64_t>(due_ns - now_ns(), 0));
+  const auto until = std::chrono::steady_clock::now() + std::min<std::chrono::nanoseconds>(left, kSignalPoll);
+  if (const std::optional<Control> control = view_.next_control(until)) carry_out(*control, simulation);
+}
+
+void LiveRun::after_frame(Simulation& simulation, const FrameTime& time, double step_ms) {
+  if (follower_ != nullptr && std::exchange(builds_, follower_->builds()) != follower_->builds()) {
+    view_.attach(simulation);
+  }
+  shown_ = time;
+  step_ms_ = step_ms;
+  const std::int64_t now = now_ns();
+  if (now - speed_since_ns_ >= kSpeedPeriod_ns) {
+    const auto simulated_ns = static_cast<double>(time.time_ns - speed_since_simulated_ns_);
+    if (speed_since_ns_ != 0) speed_ = std::max(simulated_ns / static_cast<double>(now - speed_since_ns_), 0.0);
+    speed_since_ns_ = now;
+    speed_since_simulated_ns_ = time.time_ns;
+  }
+  show(simulation);
+}
+
+void LiveRun::show(const Simulation& simulation) {
+  if (!shown_) return;
+  live::OtherScans scans;
+  if (follower_ != nullptr) scans = [this](const std::string& sensor) { return follower_->latest_scan(sensor); };
+  is_shown_ = view_.publish(simulation, *shown_, step_ms_, view_time(), scans);
+}
+
+bool LiveRun::takes_blame(const InputError& error, const Simulation& simulation) {
+  if (!changed_) return false;
+  set_playing(false, simulation);
+  steps_ = 0;
+  view_.report("step", error.what());
+  return true;
+}
+
+// Pages get the last frame with the state.
+void LiveRun::set_playing(bool playing, const Simulation& simulation) {
+  if (playing && !playing_ && real_time_ != nullptr) real_time_->restart(real_time_->factor());
+  playing_ = playing;
+  if (playing) return view_.publish(view_time());
+  speed_ = 0;
+  speed_since_ns_ = 0;
+  show(simulation);
+}
+
+void LiveRun::carry_out(const Control& control, Simulation& simulation) {
+  using Kind = Control::Kind;
+  switch (control.kind) {
+    case Kind::look:
+      return show(simulation);
+    case Kind::set:
+      return set(control, simulation);
+    case Kind::play:
+      return set_playing(true, simulation);
+    case Kind::pause:
+      return set_playing(false, simulation);
+    case Kind::step:
+      if (playing_) set_playing(false, simulation);
+      steps_ = std::min(steps_ + 1, kMaxSteps);
+      return;
+    case Kind::speed:
+      if (real_time_ != nullptr) real_time_->restart(control.factor);
+      return;
+    case Kind::execute:
+      return execute(control, simulation);
+    case Kind::save:
+      return save(control, simulation);
+  }
+}
+
+void LiveRun::set(const Control& control, Simulation& simulation) {
+  std::vector<std::string> refusals;
+  for (const auto& [parameter, value] : control.values) {
+    try {
+      set_one(parameter, value, simulation);
+    } catch (const InputError& error) {
+      refusals.emplace_back(error.what());
+    }
+  }
+  view_.answer_set(control, std::move(refusals), simulation.parameters());
+}
+
+void LiveRun::set_one(std::size_t parameter, double value, Simulation& simulation) {
+  Parameters& parameters = simulation.parameters();
+  if (follower_ != nullptr && parameter < parameters.values().size()) {
+    const std::string wrong = check_number(parameters.spec(parameter), value);
+    if (!wrong.empty()) throw InputError(parameters.name(parameter) + ": " + wrong);
+    if (follower_->set(parameter, value)) return;
+  }
+  parameters.set(parameter, value);
+  changed_ = true;
+}
+
+void LiveRun::execute(const Control& control, Simulation& simulation) {
+  std::string refusal;
+  try {
+    if (follower_ != nullptr) {
+      follower_->request(control.text);
+    } else {
+      simulation.execute(control.text, std::filesystem::path(scene_).parent_path(), "live view");
+      changed_ = true;
+    }
+  } catch (const InputError& error) {
+    refusal = error.what();
+  }
+  view_.answer(control, refusal);
+}
+
+// Another program may have changed the file since it was read.
+void LiveRun::save(const Control& control, const Simulation& simulation) {
+  const Parameters& parameters = simulation.parameters();
+  try {
+    if (follower_ != nullptr) throw InputError("the scene is that of another process, expected it to save its own");
+    if (text_of(scene_) != scene_text_) throw InputError(scene_ + ": error: has changed since it was read");
+    const std::span<const std::string> added = std::span(parameters.changes()).subspan(saved_changes_);
+    SavedScene saved = saved_scene(scene_text_, scene_, parameters, added, desc_);
+    if (saved.xml != scene_text_) write_file(scene_, saved.xml);
+    scene_text_ = std::move(saved.xml);
+    saved_changes_ = parameters.changes().size();
+    view_.answer_saved(control, scene_text_);
+    for (const std::string& left : saved.left) view_.answer(control, "not saved: " + left);
+  } catch (const Error& error) {
+    view_.answer(control, error.what());
+  }
+}
+
+}  // namespace simvis

@@ -1,0 +1,69 @@
+// A run that browsers and Foxglove look into and control.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <simvis/error.h>
+#include <simvis/simulation.h>
+#include "live/live_view.h"
+#include "simvis/cli/follower.h"
+#include "simvis/cli/options.h"
+#include "simvis/cli/real_time.h"
+
+namespace simvis {
+
+class LiveRun {
+ public:
+  /// Listens from now on. `follower` is null unless the frames are those of another process, which then gets what
+  /// clients ask for. Throws InputError: the address; MachineError: the port is taken.
+  LiveRun(const Options& options, Simulation& simulation, Follower* follower);
+
+  /// What the user opens: lines for the page, and for Foxglove.
+  std::string links() const;
+
+  /// Clients change its speed from now on.
+  void control(RealTime& real_time) { real_time_ = &real_time; }
+
+  /// Carries out what clients ask for; waits while the run is paused, until a signal comes.
+  void before_frame(Simulation& simulation);
+  /// As before_frame(), until a time of now_ns().
+  void wait(Simulation& simulation, std::int64_t due_ns);
+  /// `simulation` is another one if the host that it follows was.
+  void after_frame(Simulation& simulation, const FrameTime& time, double step_ms);
+
+  /// Whether an error of a step may come from what a client has changed. Then the run is paused, and clients are told.
+  bool takes_blame(const InputError& error, const Simulation& simulation);
+
+ private:
+  using Control = live::Control;
+  void carry_out(const Control& control, Simulation& simulation);
+  void set(const Control& control, Simulation& simulation);
+  void set_one(std::size_t parameter, double value, Simulation& simulation);
+  void execute(const Control& control, Simulation& simulation);
+  void save(const Control& control, const Simulation& simulation);
+  void set_playing(bool playing, const Simulation& simulation);
+  void show(const Simulation& simulation);
+  live::ViewTime view_time() const { return {.speed = speed_, .playing = playing_, .recorded = false}; }
+
+  std::string scene_;
+  std::string address_;
+  SimulationDesc desc_;
+  Follower* follower_;
+  std::string scene_text_;     // of the file, as it was read or saved last
+  std::size_t saved_changes_;  // of the scene that the file has
+  std::string token_;
+  live::LiveView view_;
+  RealTime* real_time_ = nullptr;
+  std::uint64_t builds_ = 0;  // of the follower, that view_ knows
+  bool playing_ = true, changed_ = false;
+  bool is_shown_ = true;     // clients have the last frame, or will get it
+  std::uint64_t steps_ = 0;  // to be made while it is paused
+  std::optional<FrameTime> shown_;
+  double step_ms_ = 0, speed_ = 0;
+  std::int64_t speed_since_ns_ = 0, speed_since_simulated_ns_ = 0;
+};
+
+}  // namespace simvis

@@ -1,0 +1,30 @@
+// What a run writes for people to look at: --export and --page.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include <simvis/simulation.h>
+#include "live/page_file.h"
+#include "simvis/output/atomic_file.h"
+
+namespace simvis {
+
+/// Files appear with finish(), or not at all. Errors: MachineError, also of the constructor.
+class ViewFiles {
+ public:
+  /// Empty names: no such file.
+  ViewFiles(const std::string& glb, const std::string& page);
+
+  /// After a step, which took `step_ms`.
+  void add(const Simulation& simulation, const FrameTime& time, double step_ms);
+  void finish(const Simulation& simulation);
+
+ private:
+  std::optional<AtomicFile> glb_;
+  std::optional<live::PageFile> page_;
+  live::ViewCopier copier_;
+  bool has_frames_ = false;
+};
+
+}  // namespace simvis

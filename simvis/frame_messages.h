@@ -1,0 +1,76 @@
+// A simulation as ROS 2 messages: says which messages a frame gives. docs/messages.md lists them.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "messages/from_pose.h"
+#include "messages/from_scan.h"
+#include "messages/image_copies.h"
+#include "messages/message_outlet.h"
+#include "messages/transforms.h"
+#include "simvis/scene_builder.h"
+
+namespace simvis {
+
+/// A sensor that is on, and where it stands in a frame.
+struct PlacedSensor {
+  const BuiltSensor& sensor;
+  glm::dmat4 world_from_sensor{1.0};
+  bool measured = false;  ///< in this frame
+};
+
+class FrameMessages {
+ public:
+  /// `outlet` must outlive this object. Throws InputError: two sensors would have the same topics.
+  FrameMessages(ros::MessageOutlet& outlet, const BuiltScene& scene);
+  FrameMessages(const FrameMessages&) = delete;
+  FrameMessages& operator=(const FrameMessages&) = delete;
+
+  /// Throws what the outlet throws, and InputError as the constructor.
+  void add_frame(const BuiltScene& scene, const FrameTime& time, std::span<const PlacedSensor> sensors);
+  /// Adds the paths that bodies have taken, after the last frame.
+  void add_paths();
+
+ private:
+  class SensorMessages;
+  // What the attributes of a sensor say of its ranges.
+  struct RangeFacts {
+    ros::RangeLimits limits;
+    double field_of_view_rad = 0;
+  };
+  struct Body {
+    std::optional<ros::PoseAt> before;
+    ros::Path path;
+  };
+
+  void check_names(const BuiltScene& scene);
+  std::string sensor_frame(const BuiltScene& scene, const std::string& name) const;
+  const RangeFacts& range_facts(const BuiltSensor& sensor);
+  template <ros::Message M>
+  void add(const std::string& topic, M message, ros::Durability durability = ros::Durability::transient);
+  void add_bodies(const BuiltScene& scene, std::span<const PlacedSensor> sensors);
+  void add_poses(const BuiltScene& scene, std::span<const PlacedSensor> sensors);
+  void add_measurements(const BuiltScene& scene, std::span<const PlacedSensor> sensors);
+  void add_parameters(const Parameters& parameters);
+  void add_warnings(const std::vector<std::string>& warnings);
+
+  ros::MessageOutlet& outlet_;
+  FrameTime time_;  // of the frame that is being added
+  ros::Transforms transforms_;
+  std::map<std::string, glm::dmat4> world_from_body_;  // in this frame
+  std::map<std::string, Body> bodies_;
+  std::map<std::size_t, ros::PoseAt> sensors_before_;  // by id
+  std::map<std::size_t, RangeFacts> range_facts_;      // by id of the sensor
+  std::vector<ros::MessageJob> jobs_;                  // of this frame's measurements
+  ros::ImageCopies copies_;
+  std::size_t checked_ids_ = 0, warnings_ = 0;
+  std::vector<std::optional<double>> values_;  // of parameters, as messages said them; empty: of a removed element
+};
+
+}  // namespace simvis

@@ -1,0 +1,110 @@
+// The names that executed commands have taken, and those that the commands under way mean.
+#include <algorithm>
+#include <map>
+#include <system_error>
+#include <utility>
+
+#include "simvis/command_names.h"
+#include "simvis/scene_builder.h"
+
+namespace simvis {
+
+// Finds the files that these commands insert several times. Insertions of one name are no copies: the second one fails.
+void SceneBuilder::note_copies(std::span<const Command> commands) {
+  std::map<Carrier, std::string> names;  // of the first insertion
+  for (const Command& command : commands) {
+    const CommandAttribute *const file = command.find("file"), *const name = command.find("name");
+    if (command.kind != CommandKind::part || file == nullptr || name == nullptr) continue;
+    std::error_code error;
+    const Carrier carrier(prefix_of(command), std::filesystem::canonical(command.folder / file->value, error));
+    const auto [first, is_first] = names.try_emplace(carrier, name->value);
+    if (error || is_first || first->second == name->value || !copied_.insert(carrier).second) continue;
+    built_.scene.undo().add_for_roll_back([this, carrier] { copied_.erase(carrier); });
+  }
+}
+
+// Sensors may be referred to before their commands.
+void SceneBuilder::announce(std::span<const Command> commands) {
+  for (const Command& command : commands) {
+    const CommandAttribute* const name = command.find("name");
+    if (command.kind != CommandKind::sensor || command.scope == nullptr || name == nullptr) continue;
+    announced_sensors_.insert(command.scope->prefix + name->value);
+  }
+}
+
+// Gives the names in a command of an included file as the whole scene knows them.
+Command SceneBuilder::named(Command command) const {
+  for (CommandAttribute& attribute : command.attributes) {
+    if (attribute.name == "name") {
+      attribute.value = command.scope->prefix + attribute.value;
+    } else if (const std::optional<CommandKind> kind = referred_kind(command, attribute.name)) {
+      resolve(*kind, attribute, command.scope.get());
+    }
+  }
+  return command;
+}
+
+void SceneBuilder::resolve(CommandKind kind, CommandAttribute& reference, const IncludeScope* scope) const {
+  for (; scope != nullptr; scope = scope->outer.get()) {
+    if (kind == CommandKind::part && reference.value == built_.scene.root()->name) {
+      if (scope->root) reference = {reference.name, scope->root->value, scope->root->where};
+    } else if (exists(kind, scope->prefix + reference.value)) {
+      reference.value = scope->prefix + reference.value;
+      return;
+    }
+  }
+}
+
+bool SceneBuilder::exists(CommandKind kind, const std::string& name) const {
+  switch (kind) {
+    case CommandKind::part:
+      return built_.scene.has_insertion_point(name);
+    case CommandKind::element:
+      return element_names_.contains(name);
+    case CommandKind::sensor:
+      return sensor_names_.contains(name) || announced_sensors_.contains(name);
+    case CommandKind::remove:
+      break;
+  }
+  return false;
+}
+
+void SceneBuilder::note_carrier(const Carrier& carrier) {
+  carriers_.insert(carrier);
+  built_.scene.undo().add([this, carrier] { carriers_.erase(carriers_.find(carrier)); },
+                          [this, carrier] { carriers_.insert(carrier); });
+}
+
+// Whether the names within a part need a prefix: the part is several times in the scene or in the commands under way,
+// or one of its names is taken, if only by the part itself.
+bool SceneBuilder::clashes(std::span<const Command> carried, const PartContent& content, const std::string& prefix,
+                           const std::string& part_name) const {
+  const Carrier copy(prefix, content.file);
+  if (carriers_.contains(copy) || copied_.contains(copy)) return true;
+  const auto point_taken = [&](const std::string& name) {
+    return prefix + name == part_name || built_.scene.has_insertion_point(prefix + name);
+  };
+  if (std::ranges::any_of(content.points, point_taken)) return true;
+  return std::ranges::any_of(carried, [&](const Command& command) {
+    const CommandAttribute* const name = command.find("name");
+    if (name == nullptr) return false;
+    switch (command.kind) {
+      case CommandKind::part:
+        return point_taken(name->value);
+      case CommandKind::element:
+        return element_names_.contains(prefix + name->value);
+      case CommandKind::sensor:
+        return sensor_names_.contains(prefix + name->value);
+      case CommandKind::remove:
+        break;
+    }
+    return false;
+  });
+}
+
+void SceneBuilder::claim(NameSet& names, const CommandAttribute& name) {
+  names.claim(name);
+  built_.scene.undo().add([&names, key = name.value] { names.release(key); }, [&names, name] { names.claim(name); });
+}
+
+}  // namespace simvis

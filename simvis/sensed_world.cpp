@@ -1,0 +1,187 @@
+#include "simvis/sensed_world.h"
+
+#include <algorithm>
+#include <unordered_set>
+#include <utility>
+
+#include <fnmatch.h>
+
+#include "engine/base/assert.h"
+#include "simvis/mount_frame.h"
+
+namespace simvis {
+
+namespace {
+
+constexpr std::string_view kJoint = "joint", kWorldPoint = "ROOT";
+
+/// The joints of the part that has the insertion point.
+std::vector<std::size_t> joints_of(const BuiltScene& scene, const std::string& point) {
+  std::vector<std::string> points;
+  for (const std::string_view part : scene.scene.part_names()) {
+    std::vector<std::string> own = scene.scene.points_of_part(part);
+    if (std::ranges::find(own, point) != own.end()) points = std::move(own);
+  }
+  std::vector<std::size_t> joints;
+  const std::vector<ElementDescriptor>& elements = scene.parameters.elements();
+  for (std::size_t i = 0; i < elements.size(); ++i) {
+    if (elements[i].removed || elements[i].type != kJoint) continue;
+    if (point == kWorldPoint || std::ranges::find(points, elements[i].insertion_point) != points.end()) {
+      joints.push_back(i);
+    }
+  }
+  return joints;
+}
+
+}  // namespace
+
+/// One sensor's view.
+class SensedWorlds::World : public SensedWorld {
+ public:
+  World(const SensedWorlds& worlds, const Sensed& sensed) : worlds_(worlds), sensed_(sensed) {}
+
+  Motion motion() const override {
+    SIMVIS_ASSERT(sensed_.needs.motion);
+    return sensed_.poses.motion();
+  }
+
+  glm::dvec3 velocity_mps(std::uint32_t item, const glm::dvec3& point_m) const override {
+    SIMVIS_ASSERT(sensed_.needs.item_motion);
+    return worlds_.items_.velocity_mps(*worlds_.list_, item, point_m);
+  }
+
+  ItemRange items_of(std::string_view point) const override {
+    const auto part = sensed_.parts.find(std::string(point));
+    if (part == sensed_.parts.end()) return {};
+    const Flattener::PointPlace* const place = worlds_.flattener_->find_point(*part->second.node);
+    return place == nullptr ? ItemRange{} : ItemRange{place->first_item, place->end_item};
+  }
+
+  std::vector<SensedPoint> points() const override {
+    std::vector<SensedPoint> found;
+    for (std::uint32_t number = 0; number < sensed_.points.size(); ++number) {
+      const Point& point = sensed_.points[number];
+      const Flattener::PointPlace* const place = worlds_.flattener_->find_point(*point.node);
+      glm::dmat4 rigid;
+      if (place == nullptr || !rigid_mount_frame(worlds_.list_->world_from_node[place->transform], rigid)) continue;
+      found.push_back({point.name, number, rigid});
+    }
+    return found;
+  }
+
+  std::vector<SensedJoint> joints() const override {
+    std::vector<SensedJoint> found;
+    for (const std::size_t joint : sensed_.joints) {
+      const ElementDescriptor& element = worlds_.scene_->parameters.elements()[joint];
+      const Value& value = worlds_.joints_.at(joint);
+      const bool slides = element.parameters.front().unit == "m";
+      const double unit = slides ? 1 : glm::radians(1.0);
+      const double seconds = static_cast<double>(value.now_ns - value.before_ns) / 1e9;
+      found.push_back({.name = element.name,
+                       .slides = slides,
+                       .position = value.now * unit,
+                       .velocity = value.known ? (value.now - value.before) * unit / seconds : 0});
+    }
+    return found;
+  }
+
+ private:
+  const SensedWorlds& worlds_;
+  const Sensed& sensed_;
+};
+
+void SensedWorlds::follow(BuiltScene& scene, Flattener& flattener) {
+  scene_ = &scene;
+  flattener_ = &flattener;
+  std::map<std::size_t, Sensed> before = std::exchange(sensed_, {});
+  std::unordered_set<const Node*> watched;
+  for (const BuiltSensor& sensor : scene.sensors) {
+    SensorNeeds needs = sensor.sensor->needs();
+    if (needs.none()) continue;
+    Sensed& sensed = sensed_[sensor.id];
+    if (const auto known = before.find(sensor.id); known != before.end()) {
+      sensed.poses = known->second.poses;
+      sensed.on = known->second.on;
+    }
+    sensed.mount = sensor.mount.get();
+    for (const std::string& part : needs.parts) {
+      if (!scene.scene.has_insertion_point(part)) {
+        scene.scene.warn(sensor.command.where, "sensor " + in_quotes(sensor.name) + ": there is no part " +
+                                                   in_quotes(part) + suggestion(part, scene.scene.insertion_points()));
+        continue;
+      }
+      sensed.parts[part] = {part, &scene.scene.point_node(part)};
+      watched.insert(sensed.parts[part].node);
+    }
+    for (const std::string_view point : scene.scene.insertion_points()) {
+      const std::string name(point);
+      if (needs.points.empty() || point == kWorldPoint || ::fnmatch(needs.points.c_str(), name.c_str(), 0) != 0) {
+        continue;
+      }
+      sensed.points.push_back({name, &scene.scene.point_node(point)});
+      watched.insert(sensed.points.back().node);
+    }
+    if (!needs.joints_of.empty()) sensed.joints = joints_of(scene, needs.joints_of);
+    sensed.needs = std::move(needs);
+    sensed.world = std::make_unique<World>(*this, sensed);
+  }
+  flattener.watch(std::move(watched));
+}
+
+void SensedWorlds::update(const BuiltScene& scene, const Flattener& flattener, const DrawList& list,
+                          const FrameTime& time) {
+  list_ = &list;
+  bool item_motion = false;
+  for (auto& [id, sensed] : sensed_) {
+    item_motion |= sensed.on && sensed.needs.item_motion;
+    if (!sensed.on || !sensed.needs.motion) continue;
+    glm::dmat4 world_from_mount, world_from_sensor;
+    ++motions_;
+    if (flattener.find_mount(*sensed.mount, world_from_mount) &&
+        rigid_mount_frame(world_from_mount, world_from_sensor)) {
+      sensed.poses.add(time.time_ns, world_from_sensor);
+    } else {
+      sensed.poses.clear();
+    }
+  }
+  if (item_motion) {
+    items_.update(flattener, list, time.time_ns);
+    motions_ += list.world_from_node.size();
+  }
+  follow_joints(scene.parameters, time);
+}
+
+void SensedWorlds::follow_joints(const Parameters& parameters, const FrameTime& time) {
+  std::unordered_set<std::size_t> needed;
+  for (const auto& [id, sensed] : sensed_) {
+    if (sensed.on) needed.insert(sensed.joints.begin(), sensed.joints.end());
+  }
+  std::erase_if(joints_, [&](const auto& joint) { return !needed.contains(joint.first); });
+  for (const std::size_t joint : needed) {
+    const double value_now = parameters.values()[parameters.elements()[joint].first_value];
+    const auto [found, is_new] = joints_.try_emplace(joint);
+    Value& value = found->second;
+    ++motions_;
+    if (!is_new && value.now_ns != time.time_ns) {
+      value.before = value.now;
+      value.before_ns = value.now_ns;
+      value.known = true;
+    }
+    value.now = value_now;
+    value.now_ns = time.time_ns;
+  }
+}
+
+void SensedWorlds::enable(std::size_t sensor_id, bool on) {
+  const auto found = sensed_.find(sensor_id);
+  if (found == sensed_.end()) return;
+  found->second.on = on;
+  found->second.poses.clear();
+}
+
+const SensedWorld* SensedWorlds::find(std::size_t sensor_id) const {
+  const auto found = sensed_.find(sensor_id);
+  return found == sensed_.end() ? nullptr : found->second.world.get();
+}
+
+}  // namespace simvis

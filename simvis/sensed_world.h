@@ -1,0 +1,74 @@
+// What sensors may know about the scene besides their pose and the draw list. Only what a sensor needs is computed.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <simvis/frame_time.h>
+#include <simvis/sensor.h>
+#include "scenegraph/flattener.h"
+#include "scenegraph/motion.h"
+#include "simvis/scene_builder.h"
+
+namespace simvis {
+
+/// The world as all sensors of a simulation see it, and its motion from frame to frame.
+class SensedWorlds {
+ public:
+  /// Follows a change of the scene, and warns of parts that sensors name and that are not there. It is called before
+  /// the flattener's next update(). The scene and the flattener must outlive this object.
+  void follow(BuiltScene& scene, Flattener& flattener);
+
+  /// Follows the flattener's update() in each frame that anything is needed in, skipped ones too. `list` is its result.
+  void update(const BuiltScene& scene, const Flattener& flattener, const DrawList& list, const FrameTime& time);
+
+  /// Nothing is computed for a sensor that is off. It is on at first.
+  void enable(std::size_t sensor_id, bool on);
+
+  /// The world as the sensor of this id sees it; null if it needs nothing.
+  const SensedWorld* find(std::size_t sensor_id) const;
+
+  /// Poses, items and joints compared with their previous frame, since the simulation was made.
+  std::uint64_t motions() const { return motions_; }
+
+ private:
+  class World;
+  struct Value {
+    double now = 0, before = 0;
+    std::int64_t now_ns = 0, before_ns = 0;
+    bool known = false;  // `before` is
+  };
+  struct Point {
+    std::string name;
+    const InsertionPoint* node;
+  };
+  // Of one sensor.
+  struct Sensed {
+    SensorNeeds needs;
+    const Mount* mount = nullptr;
+    bool on = true;
+    PoseHistory poses;
+    std::vector<Point> points;           // that match the pattern
+    std::vector<std::size_t> joints;     // in Parameters::elements()
+    std::map<std::string, Point> parts;  // by name
+    std::unique_ptr<SensedWorld> world;
+  };
+  void follow_joints(const Parameters& parameters, const FrameTime& time);
+
+  std::map<std::size_t, Sensed> sensed_;  // by BuiltSensor::id
+  std::map<std::size_t, Value> joints_;   // by index in Parameters::elements()
+  ItemMotions items_;
+  const BuiltScene* scene_ = nullptr;
+  const Flattener* flattener_ = nullptr;
+  const DrawList* list_ = nullptr;
+  std::uint64_t motions_ = 0;
+};
+
+}  // namespace simvis

@@ -1,0 +1,226 @@
+// Foxglove's protocol: what its clients are told, what they may ask, and what they get wrong.
+#include <doctest/doctest.h>
+
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <random>
+
+#include "live/foxglove.h"
+#include "live/message_outlet.h"
+#include "messages/types/geometry_types.h"
+#include "messages/types/sensor_types.h"
+#include "messages/types/system_types.h"
+
+TEST_SUITE_BEGIN("live");
+
+namespace simvis::live {
+namespace {
+
+using Json = nlohmann::json;
+
+/// A hub with a clock, a latched topic and two parameters, and one client.
+struct Talk {
+  Talk() {
+    hub.set_parameters({{"ARM.angle", 1.5}, {"ARM.speed", 2}, {"GONE.x", 0, true}});
+    send_frame(0);
+    peer = hub.connect(1);
+  }
+  /// What the simulation sends in a frame.
+  void send_frame(std::int64_t time_ns) {
+    if (outlet.wants<ros::Clock>("/clock")) outlet.add({.run = clock(time_ns)});
+    if (time_ns == 0 && outlet.wants<ros::TFMessage>("/tf_static", ros::TopicForm::own, ros::Durability::latched)) {
+      outlet.add({.run = [](ros::MessageSink& sink) {
+        sink.write("/tf_static", 0, ros::TFMessage(), ros::Durability::latched);
+      }});
+    }
+    CHECK_FALSE(outlet.wants<ros::Path>("/ARM/path", ros::TopicForm::at_end));
+    if (const std::function<void()> batch = outlet.take_batch()) batch();
+    hub.set_time(time_ns);
+  }
+  static std::function<void(ros::MessageSink&)> clock(std::int64_t time_ns) {
+    return [time_ns](ros::MessageSink& sink) { sink.write("/clock", time_ns, ros::Clock{}); };
+  }
+  void say(const Json& message) { peer->receive(message.dump(), false); }
+  /// All that waits for the client: texts as JSON, binary messages as bytes.
+  std::vector<Json> texts() {
+    std::vector<Json> all;
+    while (std::optional<WireMessage> message = peer->next()) {
+      std::string bytes = message->head + (message->body ? *message->body : "");
+      message->binary ? binary.push_back(std::move(bytes)) : all.push_back(Json::parse(bytes));
+    }
+    return all;
+  }
+  std::vector<std::string> take_binary() {
+    texts();
+    return std::exchange(binary, {});
+  }
+  /// The text of the status that answers `message`.
+  std::string status_after(const Json& message) {
+    texts();
+    say(message);
+    const std::vector<Json> all = texts();
+    REQUIRE(all.size() == 1);
+    CHECK(all[0].at("op") == "status");
+    return all[0].at("message");
+  }
+
+  ControlQueue controls;
+  FoxgloveHub hub{controls, "session"};
+  LiveOutlet outlet{hub};
+  std::unique_ptr<Peer> peer;
+  std::vector<std::string> binary;
+};
+
+Json subscription(int id, int channel) { return {{"id", id}, {"channelId", channel}}; }
+
+}  // namespace
+
+TEST_CASE("a client is told of the server and of all channels, with their definitions") {
+  Talk talk;
+  const std::vector<Json> texts = talk.texts();
+  REQUIRE(texts.size() == 2);
+  CHECK(texts[0].at("op") == "serverInfo");
+  CHECK(texts[0].at("sessionId") == "session");
+  CHECK(texts[0].at("capabilities") == Json({"clientPublish", "parameters", "parametersSubscribe", "time"}));
+  const Json& channels = texts[1].at("channels");
+  REQUIRE(channels.size() == 2);
+  CHECK(channels[0].at("topic") == "/clock");
+  CHECK(channels[0].at("encoding") == "cdr");
+  CHECK(channels[0].at("schemaName") == "rosgraph_msgs/msg/Clock");
+  CHECK(channels[0].at("schemaEncoding") == "ros2msg");
+  CHECK(channels[0].at("schema").get<std::string>().find("builtin_interfaces/Time clock") != std::string::npos);
+  CHECK_FALSE(talk.outlet.wants<ros::LaserScan>("/SCAN/scan"));
+  talk.outlet.take_batch()();
+  const std::vector<Json> more = talk.texts();
+  REQUIRE(more.size() == 1);
+  CHECK(more[0].at("channels")[0].at("topic") == "/SCAN/scan");
+}
+
+TEST_CASE("messages come while a client is subscribed, and latched ones also to those who come late") {
+  Talk talk;
+  talk.send_frame(5);
+  CHECK(talk.take_binary() == std::vector<std::string>{std::string("\2\5\0\0\0\0\0\0\0", 9)});  // the time alone
+  talk.say({{"op", "subscribe"}, {"subscriptions", {subscription(7, 1), subscription(8, 2)}}});
+  std::vector<std::string> got = talk.take_binary();
+  REQUIRE(got.size() == 1);  // kept
+  CHECK(got[0].substr(0, 5) == std::string("\1\x8\0\0\0", 5));
+  talk.send_frame(6);
+  got = talk.take_binary();
+  REQUIRE(got.size() == 2);
+  CHECK(got[0][0] == 2);
+  CHECK(got[1].substr(0, 13) == std::string("\1\7\0\0\0\6\0\0\0\0\0\0\0", 13));
+  CHECK(got[1].substr(13) == ros::encode(ros::Clock{}));
+  talk.say({{"op", "unsubscribe"}, {"subscriptionIds", {7}}});
+  talk.send_frame(7);
+  CHECK(talk.take_binary().size() == 1);
+  talk.peer.reset();
+  CHECK_FALSE(talk.outlet.wants<ros::Clock>("/clock"));
+}
+
+TEST_CASE("a client that does not read loses the oldest messages, and the outlet leaves measurements out") {
+  Talk talk;
+  talk.say({{"op", "subscribe"}, {"subscriptions", {subscription(1, 1)}}});
+  for (int i = 1; i <= 1000; ++i) talk.send_frame(i);
+  const std::vector<std::string> got = talk.take_binary();
+  CHECK(got.size() < 100);
+  CHECK(got.back().substr(5, 2) == std::string("\xe8\3", 2));  // the last one: 1000
+  int runs = 0;
+  std::vector<std::function<void()>> batches;
+  for (int i = 0; i < 5; ++i) {
+    using Kind = ros::MessageJob::Kind;
+    talk.outlet.add({.kind = Kind::measurement, .run = [&](ros::MessageSink&) { ++runs; }});
+    if (std::function<void()> batch = talk.outlet.take_batch()) batches.push_back(std::move(batch));
+  }
+  for (const std::function<void()>& batch : batches) batch();
+  CHECK(runs == 2);
+}
+
+TEST_CASE("parameters are read, set and watched") {
+  Talk talk;
+  talk.texts();
+  talk.say({{"op", "getParameters"}, {"parameterNames", Json::array()}, {"id", "a"}});
+  std::vector<Json> texts = talk.texts();
+  REQUIRE(texts.size() == 1);
+  CHECK(texts[0] == Json::parse(R"({"op":"parameterValues","id":"a","parameters":[
+      {"name":"ARM.angle","type":"float64","value":1.5},{"name":"ARM.speed","type":"float64","value":2.0}]})"));
+  talk.say(Json::parse(R"({"op":"setParameters","id":"b","parameters":[{"name":"ARM.speed","value":9}]})"));
+  const std::optional<Control> control = talk.controls.next();
+  REQUIRE(control);
+  CHECK(control->kind == Control::Kind::set);
+  CHECK(control->values == std::vector<std::pair<std::size_t, double>>{{1, 9}});
+  const std::string refused[] = {"ARM.speed: 9 is not allowed"};
+  talk.hub.answer_set(*control, refused);
+  texts = talk.texts();
+  REQUIRE(texts.size() == 2);
+  CHECK(texts[0].at("message") == refused[0]);
+  CHECK(texts[1].at("id") == "b");
+  CHECK(texts[1].at("parameters")[0].at("value") == 2);
+  talk.say(Json::parse(R"({"op":"subscribeParameterUpdates","parameterNames":["ARM.angle"]})"));
+  talk.hub.set_parameters({{"ARM.angle", 3}, {"ARM.speed", 4}, {"GONE.x", 0, true}});
+  talk.hub.set_parameters({{"ARM.angle", 3.5}, {"ARM.speed", 4}, {"GONE.x", 0, true}});
+  texts = talk.texts();
+  REQUIRE(texts.size() == 1);  // the latest value alone
+  CHECK(texts[0].at("parameters") == Json::parse(R"([{"name":"ARM.angle","type":"float64","value":3.5}])"));
+  talk.say(Json::parse(R"({"op":"unsubscribeParameterUpdates","parameterNames":[]})"));
+  talk.hub.set_parameters({{"ARM.angle", 1}, {"ARM.speed", 1}, {"GONE.x", 0, true}});
+  CHECK(talk.texts().empty());
+}
+
+TEST_CASE("change requests are published as CDR or JSON") {
+  Talk talk;
+  for (const std::string encoding : {"cdr", "json"}) {
+    CAPTURE(encoding);
+    talk.say({{"op", "advertise"},
+              {"channels", {{{"id", 3}, {"topic", "/simvis/execute"}, {"encoding", encoding}, {"schemaName", "x"}}}}});
+    const std::string payload = encoding == "json" ? R"({"data":"<a/>"})" : std::string("\0\1\0\0\5\0\0\0<a/>\0", 13);
+    talk.peer->receive(std::string("\1\3\0\0\0", 5) + payload, true);
+    const std::optional<Control> control = talk.controls.next();
+    REQUIRE(control);
+    CHECK(control->kind == Control::Kind::execute);
+    CHECK(control->text == "<a/>");
+    talk.texts();
+    talk.peer->receive(std::string("\1\3\0\0\0", 5) + payload.substr(0, payload.size() - 1), true);
+    CHECK(talk.texts().at(0).at("message") == "expected a std_msgs/msg/String");
+    CHECK_FALSE(talk.controls.next());
+  }
+}
+
+TEST_CASE("wrong messages give a status, and nothing else") {
+  Talk talk;
+  CHECK(talk.status_after({{"op", "fly"}}) == "there is no operation \"fly\" here");
+  CHECK(talk.status_after({{"op", 3}}) == "the message is not as the protocol says");
+  CHECK(talk.status_after({{"op", "subscribe"}, {"subscriptions", {subscription(1, 99)}}}) == "there is no channel 99");
+  CHECK(talk.status_after({{"op", "subscribe"}, {"subscriptions", {subscription(1, 0)}}}).starts_with("there is no"));
+  CHECK(talk.status_after({{"op", "subscribe"}, {"subscriptions", {subscription(-1, 1)}}}).starts_with("an id"));
+  talk.say({{"op", "subscribe"}, {"subscriptions", {subscription(1, 1)}}});
+  CHECK(
+      talk.status_after({{"op", "subscribe"}, {"subscriptions", {subscription(1, 2)}}}).starts_with("subscription 1"));
+  CHECK(talk.status_after({{"op", "unsubscribe"}, {"subscriptionIds", {5}}}) == "there is no subscription 5");
+  CHECK(talk.status_after({{"op", "getParameters"}, {"parameterNames", 3}, {"id", 1}}).starts_with("the message"));
+  std::mt19937 random(3);
+  const std::string texts[] = {
+      R"({"op":"subscribe","subscriptions":[{"id":3,"channelId":1}]})", R"({"op":"unsubscribe","subscriptionIds":[3]})",
+      R"({"op":"setParameters","id":"x","parameters":[{"name":"ARM.speed","value":3}]})",
+      R"({"op":"getParameters","parameterNames":["ARM.speed"]})",
+      R"({"op":"advertise","channels":[{"id":1,"topic":"simvis/execute","encoding":"cdr","schemaName":"s"}]})"};
+  for (int i = 0; i < 20'000; ++i) {
+    std::string text = texts[random() % std::size(texts)];
+    for (int changes = static_cast<int>(random() % 4); changes > 0; --changes) {
+      const std::size_t at = random() % text.size();
+      if (random() % 2 == 0)
+        text[at] = static_cast<char>(random());
+      else
+        text.erase(at, random() % 5);
+    }
+    CHECK_NOTHROW(talk.peer->receive(text, random() % 5 == 0));
+    while (talk.controls.next()) {
+    }
+    if (i % 100 == 0) talk.take_binary();
+  }
+  talk.take_binary();
+  CHECK(talk.status_after({{"op", "fly"}}) == "there is no operation \"fly\" here");
+}
+
+}  // namespace simvis::live
+
+TEST_SUITE_END();

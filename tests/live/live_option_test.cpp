@@ -1,0 +1,202 @@
+// simvis-run --live: what a browser and Foxglove see of a run, and what they change in it.
+#include <doctest/doctest.h>
+#include <signal.h>
+
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/live_program.h"
+#include "tests/support/run_process.h"
+#include "tests/support/simvis_run.h"
+#include "tests/support/web_client.h"
+
+TEST_SUITE_BEGIN("live");
+
+namespace simvis {
+namespace {
+
+using Json = nlohmann::json;
+using test::http_get;
+using test::LiveProgram;
+using test::WebSocketClient;
+
+constexpr const char* kView = "simvis.live.v1";
+
+std::size_t index_of(const Json& list, const std::string& key, const std::string& value, const std::string& name = "") {
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    if (list[i].is_null() || list[i].at(key) != value) continue;
+    if (name.empty() || list[i].at("name") == name) return i;
+  }
+  FAIL("there is no ", value);
+  return 0;
+}
+
+/// One page: it knows the scene and looks at the scanner.
+struct Page {
+  explicit Page(std::uint16_t port) : socket(port, kView), scene(socket.receive_op("scene")) {
+    scanner = index_of(scene.at("sensors"), "name", "SCAN");
+    move_x = index_of(scene.at("parameters"), "element", "MOVE", "x");
+    socket.send({{"op", "look"}, {"sensors", {scanner}}});
+  }
+  /// The range of the middle beam in the next scan for which fits(range).
+  template <typename Predicate>
+  float range(const Predicate& fits) {
+    float range = 0;
+    socket.receive_binary([&](const std::string& bytes) {
+      constexpr std::size_t kHead = 8 + 8 + 12 * sizeof(double) + 2 * sizeof(std::uint32_t);
+      if (bytes[0] != 2) return false;
+      std::memcpy(&range, bytes.data() + kHead + 2 * sizeof(float), sizeof range);
+      return fits(range);
+    });
+    return range;
+  }
+  Json frame() { return socket.receive_op("frame"); }
+
+  WebSocketClient socket;
+  Json scene;
+  std::size_t scanner = 0, move_x = 0;
+};
+
+}  // namespace
+
+TEST_CASE("a page gets the scene, and a slider moves its sensors: the next scan has another range") {
+  LiveProgram program;
+  Page page(program.port), other(program.port);
+  CHECK(page.range([](float) { return true; }) == doctest::Approx(3));
+  page.socket.send({{"op", "set"}, {"parameter", page.move_x}, {"value", 0.5}});
+  CHECK(page.range([](float range) { return range < 2.75f; }) == doctest::Approx(2.5));
+  CHECK(other.range([](float range) { return range < 2.75f; }) == doctest::Approx(2.5));  // two pages see the same
+  const std::string glb = http_get(program.port, "/" + page.scene.at("glb").get<std::string>()).body;
+  CHECK(glb.starts_with("glTF"));
+  CHECK(http_get(program.port, "/scene.glb?structure=999").status == 404);
+  CHECK(http_get(program.port, "/").status == 200);
+  page.socket.send({{"op", "set"}, {"parameter", page.move_x}, {"value", "text"}});
+  CHECK(page.socket.receive_op("error").at("about") == "set");
+  page.socket.send({{"op", "set"}, {"parameter", 99'999}, {"value", 1}});
+  CHECK(page.socket.receive_op("error").at("about") == "set");
+  page.socket.socket().close();  // as a browser that is killed
+  CHECK(other.frame().at("playing") == true);
+  const ProcessResult result = program.interrupt();
+  CHECK(result.exit_code == 130);
+  CHECK_FALSE(std::filesystem::exists("out"));
+}
+
+TEST_CASE("a page pauses the run, makes single frames and plays on") {
+  LiveProgram program;
+  Page page(program.port);
+  page.socket.send({{"op", "pause"}});
+  const auto is_paused = [](const Json& message) {
+    return message.at("op") == "frame" && message.at("playing") == false;
+  };
+  const std::uint64_t frame = page.socket.receive_until(is_paused).at("frame");
+  page.socket.send({{"op", "step"}});
+  const auto is_next = [&](const Json& message) {
+    return message.at("op") == "frame" && message.at("frame") == frame + 1;
+  };
+  CHECK(page.socket.receive_until(is_next).at("playing") == false);
+  Page late(program.port);  // sees the frame although none is made
+  CHECK(late.frame().at("frame") == frame + 1);
+  page.socket.send({{"op", "play"}});
+  page.socket.receive_until([&](const Json& message) {
+    return message.at("op") == "frame" && message.at("playing") == true && message.at("frame") > frame + 3;
+  });
+  page.socket.send({{"op", "speed"}, {"factor", -1}});
+  CHECK(page.socket.receive_op("error").at("about") == "speed");
+  CHECK(program.interrupt().exit_code == 130);
+}
+
+TEST_CASE("commands are executed or refused, and the scene is saved with its comments") {
+  LiveProgram program;
+  const std::string before = read_text(program.scene());
+  Page page(program.port);
+  page.socket.send({{"op", "execute"}, {"xml", "<sensor type='laser_scaner' name='NEW' insert_at='ROOT'/>"}});
+  const Json refused = page.socket.receive_op("error");
+  CHECK(refused.at("about") == "execute");
+  CHECK(refused.at("message").get<std::string>().find("laser_scanner") != std::string::npos);
+  page.socket.send({{"op", "execute"}, {"xml", "<sensor type='laser_scanner' name='NEW' insert_at='ROOT'/>"}});
+  const Json scene = page.socket.receive_op("scene");
+  CHECK(index_of(scene.at("sensors"), "name", "NEW") > 0);
+  page.socket.send({{"op", "set"}, {"parameter", page.move_x}, {"value", 0.25}});
+  page.socket.send({{"op", "save"}});
+  const std::string saved = page.socket.receive_op("saved").at("xml");
+  CHECK(saved == read_text(program.scene()));
+  CHECK(saved.find("x=\"0.25\"") != std::string::npos);
+  CHECK(saved.find("name=\"NEW\"") != std::string::npos);
+  write_text(program.scene(), before);
+  page.socket.send({{"op", "save"}});
+  CHECK(page.socket.receive_op("error").at("message").get<std::string>().find("has changed") != std::string::npos);
+  CHECK(read_text(program.scene()) == before);
+  program.interrupt();
+}
+
+TEST_CASE("a frame that cannot be made pauses the run, and does not end it") {
+  LiveProgram program;
+  Page page(program.port);
+  page.socket.send({{"op", "execute"},
+                    {"xml",
+                     "<sensor type='laser_scanner' name='EXACT' insert_at='ROOT' "
+                     "method='hybrid' max_error_m='1e-12' samples='3'/>"}});
+  const Json error = page.socket.receive_op("error");
+  CAPTURE(error.dump());
+  CHECK(error.at("about") == "step");
+  page.socket.send({{"op", "execute"}, {"xml", "<remove name='EXACT'/>"}});
+  page.socket.send({{"op", "play"}});
+  page.socket.receive_until(
+      [](const Json& message) { return message.at("op") == "frame" && message.at("playing") == true; });
+  program.interrupt();
+}
+
+TEST_CASE("Foxglove's clients get topics and parameters under both names of the protocol") {
+  LiveProgram program;
+  for (const char* const protocol : {"foxglove.sdk.v1", "foxglove.websocket.v1"}) {
+    CAPTURE(protocol);
+    WebSocketClient client(program.port, protocol, "/?token=" + program.token, "Origin: https://foreign.example\r\n");
+    CHECK(client.head().find(std::string("Sec-WebSocket-Protocol: ") + protocol + "\r\n") != std::string::npos);
+    std::size_t channel = 0;
+    client.receive_until([&](const Json& message) {
+      if (message.at("op") != "advertise") return false;
+      for (const Json& each : message.at("channels")) {
+        if (each.at("topic") == "/SCAN/points") channel = each.at("id");
+      }
+      return channel > 0;
+    });
+    client.send({{"op", "subscribe"}, {"subscriptions", {{{"id", 4}, {"channelId", channel}}}}});
+    client.receive_binary([](const std::string& bytes) { return bytes.starts_with(std::string("\1\4\0\0\0", 5)); });
+    client.send(Json::parse(R"({"op":"setParameters","id":"q","parameters":[{"name":"MOVE.x","value":0.75}]})"));
+    const Json values = client.receive_op("parameterValues");
+    CHECK(values.at("id") == "q");
+    CHECK(values.at("parameters")[0].at("value") == 0.75);
+  }
+  CHECK_THROWS(WebSocketClient(program.port, "foxglove.sdk.v1", "/", "Origin: https://foreign.example\r\n"));
+  program.interrupt();
+}
+
+TEST_CASE("a run that was killed begins again at the same port") {
+  LiveProgram program;
+  const std::uint16_t port = program.port;
+  Page page(port);
+  program.process->send(SIGKILL);
+  program.process->wait();
+  CHECK_THROWS(page.frame());
+  program.start({}, std::to_string(port));
+  CHECK(program.port == port);
+  Page again(port);
+  CHECK(again.range([](float) { return true; }) == doctest::Approx(3));
+  program.interrupt();
+}
+
+TEST_CASE("--live with --frames ends by itself, and a port that is taken is an error") {
+  LiveProgram program;
+  const ProcessResult taken = run_simvis({"--live", std::to_string(program.port), program.scene().string()});
+  CHECK(taken.exit_code == 1);
+  CHECK(taken.err.find("cannot listen at 127.0.0.1") != std::string::npos);
+  program.interrupt();
+  const ProcessResult done = run_simvis({program.scene().string(), "--frames", "3", "--live", "0"});
+  CHECK(done.exit_code == 0);
+  CHECK(run_simvis({"--live-address", "127.0.0.1", program.scene().string()}).exit_code == 2);
+  CHECK(run_simvis({"--live", "70000", program.scene().string()}).exit_code == 2);
+}
+
+}  // namespace simvis
+
+TEST_SUITE_END();

@@ -1,0 +1,64 @@
+// simvis-run --export and --page: the files appear, and a browser shows the page.
+#include <doctest/doctest.h>
+
+#include <string>
+
+#include "tests/support/run_process.h"
+#include "tests/support/simvis_run.h"
+#include "tests/support/skip.h"
+
+TEST_SUITE_BEGIN("live");
+
+namespace simvis {
+namespace {
+
+const std::string kScene =
+    "<simvis><part file=\"" SIMVIS_SOURCE_DIR
+    "/scenes/marvin/robot.glb\" name=\"ROBOT\" insert_at=\"ROOT\"/>"
+    "<element type=\"pose\" name=\"MOVE\" insert_at=\"ROBOT\"/>"
+    "<sensor type=\"laser_scanner\" name=\"SCAN\" insert_at=\"ROBOT\" samples=\"5\" pose_offset=\"0.4 0 0.2 0 0 0\"/>"
+    "<sensor type=\"camera\" name=\"CAM\" insert_at=\"ROOT\" width=\"32\" height=\"24\" "
+    "pose_offset=\"-3 0 1 0 0 0\"/></simvis>";
+
+struct RecordedRun {
+  RecordedRun() {
+    write_text(folder / "s.xml", kScene);
+    write_text(folder / "t.csv", "time_s,MOVE.x\n0,0\n1,0.5\n");
+    result = run_simvis({(folder / "s.xml").string(), "--trajectory", (folder / "t.csv").string(), "--rate", "1",
+                         "--frames", "2", "--out", (folder / "out").string(), "--export",
+                         (folder / "views/s.glb").string(), "--page", (folder / "views/s.html").string()});
+  }
+  TemporaryFolder folder;
+  ProcessResult result;
+};
+
+TEST_CASE("a run writes the scene and the page beside its results, and a browser shows it") {
+  const RecordedRun run;
+  INFO(run.result.err);
+  REQUIRE(run.result.exit_code == 0);
+  CHECK(run.result.out.find("views/s.glb, ") != std::string::npos);
+  CHECK(read_text(run.folder / "views/s.glb").starts_with("glTF"));
+  const std::string page = read_text(run.folder / "views/s.html");
+  CHECK(page.find("id=\"frame-1\"") != std::string::npos);
+  CHECK(page.find("src=\"") == std::string::npos);  // it loads nothing
+  CHECK(page.find("href=\"http") == std::string::npos);
+  // Debian's Python has Debian's packages.
+  const ProcessResult browser = Process({"/usr/bin/python3", SIMVIS_SOURCE_DIR "/tests/live/browse_page.py",
+                                         (run.folder / "views/s.html").string(), (run.folder / "out").string()})
+                                    .wait(std::chrono::seconds(250));
+  INFO(browser.out << browser.err);
+  if (browser.exit_code == test::kSkippedExitCode) return test::skip(browser.out);
+  CHECK(browser.exit_code == 0);
+}
+
+TEST_CASE("a run that fails leaves no page") {
+  const TemporaryFolder folder;
+  write_text(folder / "s.xml", "<simvis><nonsense/></simvis>");
+  CHECK(run_simvis(
+            {(folder / "s.xml").string(), "--page", (folder / "s.html").string(), "--out", (folder / "out").string()})
+            .exit_code == 2);
+  CHECK(files_below(folder.path()) == std::vector<std::string>{"s.xml"});
+}
+
+}  // namespace
+}  // namespace simvis

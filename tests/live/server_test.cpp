@@ -1,0 +1,283 @@
+// The server of the live view: access, limits, hostile peers.
+#include <doctest/doctest.h>
+
+#include <atomic>
+#include <filesystem>
+#include <memory>
+#include <random>
+#include <thread>
+
+#include <simvis/error.h>
+#include "live/access.h"
+#include "live/server.h"
+#include "tests/support/web_client.h"
+
+TEST_SUITE_BEGIN("live");
+
+namespace simvis::live {
+namespace {
+
+using test::http;
+using test::http_get;
+using test::Socket;
+using test::WebSocketClient;
+
+/// Sends each message back.
+class Echo : public Peer {
+ public:
+  explicit Echo(std::atomic<int>& alive) : alive_(alive) { ++alive_; }
+  ~Echo() override { --alive_; }
+  void receive(std::string_view message, bool binary) override {
+    if (message == "bad") throw InputError("a bad message");
+    waiting_.push_back({binary, std::string(message), nullptr});
+  }
+  std::optional<WireMessage> next() override {
+    if (waiting_.empty()) return std::nullopt;
+    WireMessage message = std::move(waiting_.front());
+    waiting_.erase(waiting_.begin());
+    return message;
+  }
+
+ private:
+  std::atomic<int>& alive_;
+  std::vector<WireMessage> waiting_;
+};
+
+class EchoService : public Service {
+ public:
+  std::optional<Answer> get(std::string_view path, std::string_view query) override {
+    if (path != "/page") return std::nullopt;
+    return Answer{200, "text/html", std::make_shared<const std::string>("page " + std::string(query))};
+  }
+  std::span<const std::string_view> protocols() const override {
+    static constexpr std::string_view kNames[] = {"echo.v1", "echo.v2"};
+    return kNames;
+  }
+  std::unique_ptr<Peer> connect(std::string_view) override { return std::make_unique<Echo>(alive); }
+  std::atomic<int> alive = 0;
+};
+
+std::size_t open_files() {
+  std::size_t count = 0;
+  for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) ++count;
+  return count;
+}
+
+/// Waits until all clients are gone.
+void wait_for_none(const EchoService& service) {
+  for (int i = 0; i < test::kPatience_ms / 10 && service.alive > 0; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  CHECK(service.alive == 0);
+}
+
+struct Echoing {
+  explicit Echoing(ServerLimits limits = {}, std::string token = "", bool needs_token = false)
+      : server({.token = std::move(token), .needs_token = needs_token, .limits = limits}, service),
+        port(server.port()),
+        host("Host: 127.0.0.1:" + std::to_string(port) + "\r\n") {}
+  /// The status of a request with these headers.
+  int status(const std::string& target, const std::string& headers) {
+    return http(port, "GET " + target + " HTTP/1.1\r\nConnection: close\r\n" + headers + "\r\n").status;
+  }
+  /// The server still works.
+  void check_alive() {
+    WebSocketClient client(port, "echo.v1");
+    client.send_text("still there");
+    CHECK(client.receive()->bytes == "still there");
+  }
+  EchoService service;
+  Server server;
+  std::uint16_t port;
+  std::string host;
+};
+
+}  // namespace
+
+TEST_CASE("pages are answered, and what is no page is refused") {
+  Echoing echoing;
+  const std::uint16_t port = echoing.port;
+  CHECK(http_get(port, "/page?a=1&token=x&b=2").body == "page a=1&b=2");
+  CHECK(http_get(port, "/page").head.find("Content-Type: text/html\r\n") != std::string::npos);
+  CHECK(http_get(port, "/page").head.find("Referrer-Policy: no-referrer\r\n") != std::string::npos);
+  CHECK(http_get(port, "/other").status == 404);
+  CHECK(http_get(port, "/../page").status == 404);
+  const test::HttpAnswer head = http(port, "HEAD /page HTTP/1.1\r\n" + echoing.host + "Connection: close\r\n\r\n");
+  CHECK(head.status == 200);
+  CHECK(head.body.empty());
+  CHECK(http(port, "POST /page HTTP/1.1\r\n" + echoing.host + "Content-Length: 0\r\n\r\n").status == 405);
+  CHECK(http(port, "POST /page HTTP/1.1\r\n" + echoing.host + "Content-Length: 9\r\n\r\n123456789").status >= 400);
+  CHECK(http(port, "GET /page HTTP/1.1\r\n" + echoing.host + echoing.host + "\r\n").status == 400);
+  CHECK(http(port, "nonsense\r\n\r\n").status == 400);
+  CHECK(http(port, "GET /page HTTP/1.1\r\nX: " + std::string(10'000, 'x') + "\r\n\r\n").status == 431);
+  echoing.check_alive();
+}
+
+TEST_CASE("without a token only this machine's names and the page's own Origin are answered") {
+  Echoing echoing({}, "secret");
+  const std::string port = std::to_string(echoing.port);
+  CHECK(echoing.status("/page", "Host: localhost:" + port + "\r\n") == 200);
+  CHECK(echoing.status("/page", "Host: [::1]:" + port + "\r\n") == 200);
+  CHECK(echoing.status("/page", "Host: 127.0.0.1\r\n") == 200);  // through a tunnel the port is another
+  CHECK(echoing.status("/page", "Host: rebinding.example:" + port + "\r\n") == 403);
+  CHECK(echoing.status("/page", "Host: 192.168.0.1:" + port + "\r\n") == 403);
+  CHECK(echoing.status("/page", "Host: 127.0.0.1.example\r\n") == 403);
+  CHECK(echoing.status("/page", "") == 400);
+  CHECK(echoing.status("/page", echoing.host + "Origin: http://127.0.0.1:" + port + "\r\n") == 200);
+  CHECK(echoing.status("/page", echoing.host + "Origin: http://127.0.0.1:1\r\n") == 403);
+  CHECK(echoing.status("/page", echoing.host + "Origin: https://127.0.0.1:" + port + "\r\n") == 403);
+  CHECK(echoing.status("/page", echoing.host + "Origin: null\r\n") == 403);
+  const std::string foreign = "Origin: https://foreign.example\r\n";
+  CHECK(echoing.status("/page", echoing.host + foreign) == 403);
+  CHECK(echoing.status("/page?token=secret", echoing.host + foreign) == 200);
+  CHECK(echoing.status("/page?token=Secret", echoing.host + foreign) == 403);
+  CHECK(echoing.status("/page?token=secret", "Host: rebinding.example\r\n" + foreign) == 403);
+  CHECK_THROWS(WebSocketClient(echoing.port, "echo.v1", "/live", foreign));
+  CHECK_NOTHROW(WebSocketClient(echoing.port, "echo.v1", "/live?token=secret", foreign));
+}
+
+TEST_CASE("where a token is needed, nothing is answered without it") {
+  Echoing echoing({}, "secret", true);
+  CHECK(echoing.status("/page", echoing.host) == 403);
+  CHECK(echoing.status("/page?token=", echoing.host) == 403);
+  CHECK(echoing.status("/page?token=secretsecret", echoing.host) == 403);
+  CHECK(echoing.status("/page?token=secret", echoing.host) == 200);
+  CHECK(echoing.status("/page?token=secret", "Host: 192.168.0.1:80\r\n") == 200);
+  CHECK(echoing.status("/page?token=secret", "Host: rebinding.example\r\n") == 403);
+  CHECK_THROWS(WebSocketClient(echoing.port, "echo.v1"));
+  CHECK_NOTHROW(WebSocketClient(echoing.port, "echo.v1", "/live?x=1&token=secret"));
+}
+
+TEST_CASE("tokens are random, and compared as a whole") {
+  CHECK(random_token().size() == 32);
+  CHECK(random_token() != random_token());
+  CHECK(same_secret("abc", "abc"));
+  CHECK_FALSE(same_secret("abc", "abd"));
+  CHECK_FALSE(same_secret("abc", "ab"));
+}
+
+TEST_CASE("a WebSocket has the first sub-protocol of the client that the server knows, or none at all") {
+  Echoing echoing;
+  WebSocketClient client(echoing.port, "other.v1, echo.v2, echo.v1");
+  CHECK(client.head().find("Sec-WebSocket-Protocol: echo.v2\r\n") != std::string::npos);
+  CHECK(client.head().find("Sec-WebSocket-Accept: s3pPLMBiTxaQ9kYGzzhZRbK+xOo=\r\n") != std::string::npos);
+  CHECK_THROWS(WebSocketClient(echoing.port, "other.v1"));
+}
+
+TEST_CASE("messages of all sizes and in fragments come through, and those that are too long end the connection") {
+  ServerLimits limits;
+  limits.message_bytes = 200'000;
+  Echoing echoing(limits);
+  WebSocketClient client(echoing.port, "echo.v1");
+  for (const std::size_t size : {0, 1, 125, 126, 65'535, 65'536, 200'000}) {
+    CAPTURE(size);
+    client.send_binary(std::string(size, 'x'));
+    const std::optional<test::WebMessage> back = client.receive();
+    REQUIRE(back);
+    CHECK(back->binary);
+    CHECK(back->bytes == std::string(size, 'x'));
+  }
+  client.socket().send(WebSocketClient::frame("one ", 1, false) + WebSocketClient::frame("", 9) +
+                       WebSocketClient::frame("two", 0, true));
+  CHECK(client.receive()->bytes == "one two");
+  client.send_binary(std::string(200'001, 'x'));
+  CHECK_FALSE(client.receive());
+  WebSocketClient other(echoing.port, "echo.v1");
+  other.send_text("bad");
+  CHECK_FALSE(other.receive());
+  CHECK(other.close_reason() == "a bad message");
+  wait_for_none(echoing.service);
+}
+
+TEST_CASE("who takes too long for a request, or for a message, or answers no ping, is closed") {
+  ServerLimits limits;
+  limits.request = limits.message = std::chrono::seconds(1);
+  limits.idle = std::chrono::seconds(2);
+  Echoing echoing(limits);
+  Socket silent(echoing.port), slow(echoing.port);
+  slow.send("GET /page HTTP/1.1\r\n");
+  WebSocketClient half(echoing.port, "echo.v1"), deaf(echoing.port, "echo.v1");
+  half.socket().send(WebSocketClient::frame("begin", 1, false));
+  std::atomic<bool> ends = false;
+  std::thread dripping([&] {  // a byte now and then does not buy time
+    while (!ends && slow.send("X") && half.socket().send(WebSocketClient::frame("x", 0, false))) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    }
+  });
+  CHECK(silent.receive_all().empty());
+  CHECK(slow.receive_all().empty());
+  CHECK_NOTHROW(half.socket().receive_all());
+  CHECK_NOTHROW(deaf.socket().receive_all());
+  ends = true;
+  dripping.join();
+  wait_for_none(echoing.service);
+  echoing.check_alive();
+}
+
+TEST_CASE("of a thousand connections only as many are held as the limit says, and none is left over") {
+  ServerLimits limits;
+  limits.connections = 20;
+  Echoing echoing(limits);
+  echoing.check_alive();
+  wait_for_none(echoing.service);
+  const std::size_t before = open_files();
+  {
+    std::vector<std::unique_ptr<Socket>> all;
+    for (int i = 0; i < 1000; ++i) {
+      all.push_back(std::make_unique<Socket>(echoing.port));
+      all.back()->send("GET /page HTTP/1.1\r\n");
+    }
+    CHECK(all.back()->receive_all().empty());  // closed at once
+    CHECK(open_files() <= before + all.size() + limits.connections);
+  }
+  for (int i = 0; i < 1000 && open_files() > before; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  CHECK(open_files() <= before);
+  echoing.check_alive();
+}
+
+TEST_CASE("random bytes, as requests and as frames, end their connection and nothing else") {
+  Echoing echoing;
+  std::mt19937 random(7);
+  const auto bytes = [&](std::size_t most) {
+    std::string text(random() % most, '\0');
+    for (char& c : text) c = static_cast<char>(random());
+    return text;
+  };
+  const std::string good = WebSocketClient::handshake(echoing.port, "echo.v1");
+  const std::string frame = WebSocketClient::frame("{\"op\":\"look\"}", 1);
+  for (int i = 0; i < 1500; ++i) {
+    Socket socket(echoing.port);
+    std::string request = good;
+    if (i % 3 == 0) request[random() % request.size()] = static_cast<char>(random());
+    socket.send(request);
+    std::string frames = frame + bytes(40);
+    if (i % 2 == 0) frames = frame.substr(0, random() % frame.size()) + bytes(40);
+    for (int flips = i % 4; flips > 0; --flips)
+      frames[random() % frames.size()] ^= static_cast<char>(1 << random() % 8);
+    socket.send(frames);
+  }
+  echoing.check_alive();
+  wait_for_none(echoing.service);
+}
+
+TEST_CASE("the server ends while clients are connected, and its port is free again") {
+  EchoService service;
+  std::uint16_t port = 0;
+  std::optional<WebSocketClient> client;
+  {
+    Server server({}, service);
+    port = server.port();
+    client.emplace(port, "echo.v1");
+    Socket silent(port);
+    CHECK_THROWS_AS(Server({.port = port, .token = ""}, service), MachineError);
+  }
+  CHECK_FALSE(client->receive());
+  CHECK(service.alive == 0);
+  Server again({.port = port, .token = ""}, service);
+  CHECK(again.port() == port);
+  CHECK_THROWS_AS(Server({.address = "nowhere.example", .token = ""}, service), InputError);
+}
+
+}  // namespace simvis::live
+
+TEST_SUITE_END();

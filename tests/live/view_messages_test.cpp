@@ -1,0 +1,120 @@
+// The messages of a view: what a page gets when it opens, and what it gets when something changes.
+#include "live/view_encoder.h"
+
+#include <doctest/doctest.h>
+
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "scenegraph/pictures/png_file.h"
+
+TEST_SUITE_BEGIN("live");
+
+namespace simvis::live {
+namespace {
+
+const std::string kScene = R"(
+  <part name="BOX" insert_at="ROOT" shape="box" size="1 1 1" pose_offset="3 0 0 0 0 0"/>
+  <part name="BODY" insert_at="ROOT" shape="sphere" radius="0.1"/>
+  <element type="pose" name="MOVE" insert_at="BODY" x="0.5"/>
+  <sensor type="laser_scanner" name="SCAN" insert_at="BODY" samples="9" min_angle="-40" max_angle="40" range_max="20"/>
+  <sensor type="camera" name="CAM" insert_at="BODY" width="8" height="6" outputs="color depth"/>)";
+
+template <typename T>
+T at(const std::string& bytes, std::size_t place) {
+  T value;
+  REQUIRE(place + sizeof value <= bytes.size());
+  std::memcpy(&value, bytes.data() + place, sizeof value);
+  return value;
+}
+
+struct View {
+  Simulation simulation = Simulation::from_string(kScene);
+  ViewCopier copier;
+  ViewFrame step(const ViewWants& wants = {.every_sensor = true}) {
+    const FrameTime time = simulation.next_frame();
+    simulation.step();
+    return copier.copy(simulation, time, 1.5, wants);
+  }
+};
+
+nlohmann::json json_of(const std::string& text) { return nlohmann::json::parse(text); }
+
+TEST_CASE("a page that opens gets the scene, every transform, what was measured, and the frame") {
+  View view;
+  const ViewFrame frame = view.step();
+  const std::vector<ViewMessage> messages = view_messages(nullptr, frame, {.speed = 1}, "scene.glb");
+  REQUIRE(messages.size() == 8);
+  const nlohmann::json scene = json_of(messages[0].bytes);
+  CHECK(scene["op"] == "scene");
+  CHECK(scene["structure"] == 1);
+  CHECK(scene["list"]["parts"].size() == 3);
+  CHECK(scene["sensors"][1]["name"] == "CAM");
+  CHECK(scene["sensors"][1]["attributes"]["width"] == "8");
+  CHECK(scene["parameters"][0]["element"] == "MOVE");
+  CHECK(scene["parameters"][0]["unit"] == "m");
+  CHECK(scene["parameters"][3]["min"].is_null());
+  const std::string& transforms = messages[1].bytes;
+  CHECK(messages[1].binary);
+  CHECK(at<std::uint8_t>(transforms, 0) == 1);
+  CHECK(at<std::uint64_t>(transforms, 16) == frame.world_from_node->size());
+  CHECK(transforms.size() == 24 + frame.world_from_node->size() * 104);
+  CHECK(json_of(messages[2].bytes)["op"] == "lights");
+  CHECK(json_of(messages[3].bytes)["values"].size() == 6);
+  const nlohmann::json last = json_of(messages.back().bytes);
+  CHECK(last["op"] == "frame");
+  CHECK(last["step_ms"] == 1.5);
+}
+
+TEST_CASE("numbers name what moves a thing") {
+  View view;
+  const ViewFrame frame = view.step();
+  const DrawOwners& owners = frame.scene->owners;
+  REQUIRE(owners.items.size() == frame.scene->list.items.size());
+  CHECK(owners.items[0].part == "BOX");
+  CHECK(owners.items[1].part == "BODY");
+  CHECK((*frame.world_from_node)[owners.elements.at("MOVE")][3].x == 0.5);
+  CHECK((*frame.world_from_node)[owners.points.at("BODY")][3].x == 0.5);
+  CHECK((*frame.world_from_node)[owners.points.at("BOX")][3].x == 3);
+  REQUIRE(owners.sensors[0]);
+  CHECK((*frame.world_from_node)[*owners.sensors[0]][3].x == 0.5);
+}
+
+TEST_CASE("the next frame tells what has changed, and only what is looked at") {
+  View view;
+  const ViewFrame first = view.step();
+  CHECK(view_messages(&first, view.step({}), {}, "").size() == 1);  // op frame
+  view.simulation.set("MOVE", "x", 0.75);
+  const ViewFrame moved = view.step({.sensors = {"SCAN"}});
+  const std::vector<ViewMessage> messages = view_messages(&first, moved, {}, "");
+  REQUIRE(messages.size() == 4);
+  CHECK(at<std::uint64_t>(messages[0].bytes, 16) < moved.world_from_node->size());
+  CHECK(json_of(messages[1].bytes)["values"] == nlohmann::json::parse("[[0, 0.75]]"));
+  CHECK(at<std::uint8_t>(messages[2].bytes, 0) == 2);
+  view.simulation.execute("<part name=\"NEW\" insert_at=\"ROOT\" shape=\"box\" size=\"1 1 1\"/>");
+  CHECK(json_of(view_messages(&moved, view.step({}), {}, "")[0].bytes)["structure"] == 2);
+}
+
+TEST_CASE("a scan has its ranges, bounds and points; a picture is the file's bytes") {
+  View view;
+  const ViewFrame frame = view.step();
+  REQUIRE(frame.scans.size() == 1);
+  const std::string scan = scan_message(frame.scans[0]);
+  const Scan& measured = view.simulation.scan("SCAN");
+  CHECK(at<std::uint32_t>(scan, 112) == 1);
+  CHECK(at<std::uint32_t>(scan, 116) == 9);
+  REQUIRE(scan.size() == 120 + 9 * 6 * sizeof(float));
+  CHECK(at<float>(scan, 120 + 4 * 4) == measured.range_m[4]);
+  CHECK(at<float>(scan, 120 + (18 + 4) * 4) == measured.error_bound_m[4]);
+  CHECK(at<float>(scan, 120 + (27 + 3 * 4) * 4) == static_cast<float>(measured.points()[4].x));
+  REQUIRE(frame.pictures.size() == 2);
+  const std::string color = picture_message(frame.pictures[0], frame.time_ns);
+  CHECK(color.substr(24) == encode_png(view.simulation.color("CAM")));
+  const std::string depth = picture_message(frame.pictures[1], frame.time_ns);
+  REQUIRE(depth.size() == 24 + 8 * 6 * sizeof(float));
+  CHECK(at<float>(depth, 24) == view.simulation.depth("CAM").pixels[0]);
+}
+
+}  // namespace
+}  // namespace simvis::live

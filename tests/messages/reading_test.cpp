@@ -1,0 +1,136 @@
+// Readings as messages: each type from its columns, and a recording of sensors of all kinds.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include <simvis/simulation.h>
+#include "messages/from_reading.h"
+#include "tests/messages/mcap_file.h"
+#include "tests/support/temporary_folder.h"
+
+TEST_SUITE_BEGIN("messages");
+
+namespace simvis {
+namespace {
+
+using ros::test::McapFile;
+using ros::test::McapReader;
+
+constexpr std::string_view kSensingRobot = R"(
+<part name="ROBOT" insert_at="ROOT"/>
+<part name="WALL" shape="box" size="0.25 4 4" insert_at="ROOT" pose_offset="3 0 0 0 0 0"/>
+<element type="pose" name="MOVE" insert_at="ROBOT" z="0.5"/>
+<element type="joint" name="ELBOW" insert_at="ROBOT" axis="0 1 0" lower="-90" upper="90"/>
+<sensor type="imu" name="IMU" insert_at="ROBOT" gyroscope_noise_density="0.1" accelerometer_stddev="0.5"/>
+<sensor type="gnss" name="GPS" insert_at="ROBOT" latitude="49" longitude="8" horizontal_stddev="2" vertical_stddev="3"/>
+<sensor type="magnetometer" name="MAG" insert_at="ROBOT" stddev="1e-7"/>
+<sensor type="barometer" name="BARO" insert_at="ROBOT" stddev="2"/>
+<sensor type="altimeter" name="ALT" insert_at="ROBOT"/>
+<sensor type="odometry" name="ODOM" insert_at="ROBOT"/>
+<sensor type="joint_state" name="JOINTS" insert_at="ROBOT"/>
+<sensor type="range" name="RANGE" insert_at="ROBOT" stddev="0.01"/>
+<sensor type="sonar" name="SONAR" insert_at="ROBOT" rays="64"/>
+<sensor type="light_sensor" name="LUX" insert_at="ROBOT" resolution="8"/>
+<sensor type="radar" name="RADAR" insert_at="ROBOT" angle_step="2"/>
+<sensor type="bumper" name="BUMPER" insert_at="ROBOT"/>)";
+
+TEST_CASE("a recording has the own message of each sensor, with the values of the API") {
+  const TemporaryFolder folder;
+  SimulationDesc desc;
+  desc.rate_hz = 10;
+  Simulation simulation = Simulation::from_string(kSensingRobot, desc);
+  simulation.record({.file = folder / "run.mcap"});
+  for (int i = 0; i < 2; ++i) {
+    simulation.set("MOVE", "x", 0.1 * i);
+    simulation.set("ELBOW", "value", 10.0 * i);
+    simulation.step();
+  }
+  simulation.finish_recording();
+  const McapFile file = McapReader::read(read_text(folder / "run.mcap"));
+  const auto value = [&](const char* sensor, const char* name) { return simulation.value(sensor, name); };
+
+  const auto imu = file.all<ros::Imu>("/IMU/imu");
+  REQUIRE(imu.size() == 2);
+  CHECK(imu[1].header.frame_id == "IMU");
+  CHECK(imu[1].header.stamp.nanosec == 100'000'000);
+  CHECK(imu[1].orientation_covariance[0] == -1);
+  CHECK(imu[1].angular_velocity.y == value("IMU", "angular_velocity_y_rad_s"));
+  CHECK(imu[1].linear_acceleration.z == value("IMU", "specific_force_z_m_s2"));
+  CHECK(imu[1].angular_velocity_covariance[4] == doctest::Approx(0.1 * 0.1 / 0.1).epsilon(1e-12));
+  CHECK(imu[1].linear_acceleration_covariance[8] == 0.25);
+  const auto fixes = file.all<ros::NavSatFix>("/GPS/fix");
+  REQUIRE(fixes.size() == 2);
+  CHECK(fixes[1].status.status == 0);
+  CHECK(fixes[1].longitude == value("GPS", "longitude_deg"));
+  CHECK(fixes[1].position_covariance[4] == 4);
+  CHECK(fixes[1].position_covariance[8] == 9);
+  CHECK(fixes[1].position_covariance_type == 2);
+  CHECK(file.all<ros::MagneticField>("/MAG/magnetic_field").at(1).magnetic_field.z == value("MAG", "field_z_t"));
+  CHECK(file.all<ros::FluidPressure>("/BARO/pressure").at(1).fluid_pressure == value("BARO", "pressure_pa"));
+  CHECK(file.all<ros::FluidPressure>("/BARO/pressure").at(1).variance == 4);
+  CHECK(file.all<ros::Float64>("/ALT/vertical_position_m").at(1).data == value("ALT", "vertical_position_m"));
+  const auto ways = file.all<ros::Odometry>("/ODOM/odometry");
+  REQUIRE(ways.size() == 2);
+  CHECK(ways[1].header.frame_id == "odom");
+  CHECK(ways[1].child_frame_id == "ODOM");
+  CHECK(ways[1].pose.pose.position.x == value("ODOM", "x_m"));
+  CHECK(ways[1].pose.pose.orientation.y == value("ODOM", "qy"));
+  CHECK(ways[1].twist.twist.linear.x == value("ODOM", "velocity_x_m_s"));
+  const auto joints = file.all<ros::JointState>("/JOINTS/joint_states");
+  REQUIRE(joints.size() == 2);
+  CHECK(joints[1].name == std::vector<std::string>{"ELBOW"});
+  CHECK(joints[1].position == std::vector<double>{value("JOINTS", "ELBOW.position_rad")});
+  CHECK(joints[1].velocity == std::vector<double>{value("JOINTS", "ELBOW.velocity_rad_s")});
+  CHECK(joints[1].effort.empty());
+  const auto ranges = file.all<ros::Range>("/RANGE/range"), sonars = file.all<ros::Range>("/SONAR/range");
+  CHECK(ranges.at(1).range == static_cast<float>(value("RANGE", "range_m")));
+  CHECK(ranges.at(1).radiation_type == 1);
+  CHECK(ranges.at(1).variance == 0.0001f);
+  CHECK(sonars.at(1).radiation_type == 0);
+  CHECK(sonars.at(1).field_of_view == static_cast<float>(glm::radians(25.0)));
+  CHECK(sonars.at(1).max_range == 5);
+  CHECK(file.all<ros::Illuminance>("/LUX/illuminance").at(1).illuminance == value("LUX", "illuminance_lx"));
+  CHECK(file.all<ros::Float64>("/BUMPER/pressed").at(1).data == 0);
+
+  const auto clouds = file.all<ros::PointCloud2>("/RADAR/points");
+  REQUIRE(clouds.size() == 2);
+  const Reading& radar = simulation.reading("RADAR");
+  REQUIRE(radar.rows() > 0);
+  CHECK(clouds[1].width == radar.rows());
+  CHECK(clouds[1].data.size() == radar.values.size() * sizeof(double));
+  CHECK(std::memcmp(clouds[1].data.data(), radar.values.data(), clouds[1].data.size()) == 0);
+  CHECK(clouds[1].fields.back().name == "z");
+  CHECK(clouds[1].fields.front().name == "range_m");
+  CHECK(clouds[1].is_dense);
+}
+
+TEST_CASE("ranges out of limits, a lost fix, and readings without rows") {
+  Reading reading;
+  reading.columns = {{.name = "range_m", .format = "%.9g"}};
+  CHECK_FALSE(ros::message_of(reading, "sensor_msgs/msg/Range", "R"));
+  CHECK(ros::message_of(reading, "sensor_msgs/msg/PointCloud2", "R"));
+  CHECK_FALSE(ros::message_of(reading, "sensor_msgs/msg/Sound", "R"));
+  CHECK_FALSE(ros::is_reading_message(""));
+  reading.values = {0};
+  const auto range_of = [&] {
+    return std::get<ros::Range>(ros::message_of(reading, "sensor_msgs/msg/Range", "R")->message).range;
+  };
+  CHECK(range_of() == -std::numeric_limits<float>::infinity());
+  reading.values = {std::numeric_limits<double>::infinity()};
+  CHECK(range_of() == std::numeric_limits<float>::infinity());
+  Reading fix;
+  fix.columns = {{.name = "latitude_deg", .format = "%.9g"},
+                 {.name = "longitude_deg", .format = "%.9g"},
+                 {.name = "altitude_m", .format = "%.9g"}};
+  fix.values.assign(3, std::numeric_limits<double>::quiet_NaN());
+  const auto lost = std::get<ros::NavSatFix>(ros::message_of(fix, "sensor_msgs/msg/NavSatFix", "G")->message);
+  CHECK(lost.status.status == -1);
+  CHECK(lost.position_covariance_type == 0);
+}
+
+}  // namespace
+}  // namespace simvis
+
+TEST_SUITE_END();

@@ -1,0 +1,176 @@
+// Motion from differences of poses: constant screws, free fall, frames made again, things that appear.
+#include "scenegraph/motion.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
+#include <memory>
+
+#include <simvis/node.h>
+#include <simvis/pose.h>
+
+TEST_SUITE_BEGIN("scenegraph");
+
+namespace simvis {
+namespace {
+
+constexpr double kU = 0x1p-53;
+constexpr std::int64_t kStep_ns = 10'000'000;
+constexpr double kStep_s = 0.01;
+
+// A pose within `reach_m` of the origin, computed with some 30 roundings of sines, cosines and products. A velocity is
+// the difference of two of them over a step, an acceleration the difference of two velocities over another one.
+double velocity_tolerance(double reach_m) { return 2 * 30 * kU * reach_m / kStep_s; }
+double acceleration_tolerance(double reach_m) { return 2 * velocity_tolerance(reach_m) / kStep_s; }
+
+/// A body that screws about the z axis through `centre`: turns with `turn` rad/s and rises with `rise` m/s, and whose
+/// own axes are tilted.
+glm::dmat4 screw_pose(double seconds, const glm::dvec3& centre, double turn, double rise) {
+  const glm::dmat4 start = matrix_from_degrees({1.5, 0, 0}, 20, -35, 50);
+  glm::dmat4 pose = glm::translate(glm::dmat4(1), centre + glm::dvec3(0, 0, rise * seconds));
+  return glm::rotate(pose, turn * seconds, {0, 0, 1}) * start;
+}
+
+double error(const glm::dvec3& a, const glm::dvec3& b) { return glm::length(a - b); }
+
+TEST_CASE("the motion of a constant screw is exact from the third frame on") {
+  for (const double turn : {0.0, 1e-6, 0.7, -3.0, 40.0, 300.0}) {  // up to 172 degrees in a step
+    for (const double reach : {2.0, 1000.0}) {
+      CAPTURE(turn);
+      CAPTURE(reach);
+      const glm::dvec3 centre(reach, -reach / 3, 0);
+      PoseHistory history;
+      for (int frame = 0; frame < 5; ++frame) {
+        const glm::dmat4 pose = screw_pose(frame * kStep_s, centre, turn, 0.25);
+        history.add(frame * kStep_ns, pose);
+        const Motion motion = history.motion();
+        if (frame == 0) {
+          CHECK(motion.velocity_mps == glm::dvec3(0));
+          CHECK(motion.acceleration_mps2 == glm::dvec3(0));
+          CHECK(motion.angular_velocity_radps == glm::dvec3(0));
+          continue;
+        }
+        const glm::dvec3 arm = glm::dvec3(pose[3]) - centre, axis(0, 0, turn);
+        const glm::dvec3 flat(arm.x, arm.y, 0);
+        const double angular = 1 + std::abs(turn);  // the angle is multiplied by the arm and by itself
+        CHECK(error(motion.angular_velocity_radps, axis) <= velocity_tolerance(1) * angular);
+        CHECK(error(motion.velocity_mps, glm::cross(axis, arm) + glm::dvec3(0, 0, 0.25)) <=
+              velocity_tolerance(reach + 2) * angular);
+        CHECK(error(motion.acceleration_mps2, -turn * turn * flat) <=
+              acceleration_tolerance(reach + 2) * angular * angular);
+        CHECK(error(motion.angular_acceleration_radps2, glm::dvec3(0)) <= acceleration_tolerance(1) * angular);
+      }
+    }
+  }
+}
+
+TEST_CASE("free fall: the acceleration is exact, the velocity is the mean of the last step") {
+  const glm::dvec3 gravity(0, 0, -9.80665);
+  PoseHistory history;
+  for (int frame = 0; frame < 20; ++frame) {
+    const double t = frame * kStep_s;
+    history.add(frame * kStep_ns, glm::translate(glm::dmat4(1), glm::dvec3(3, 2, 5) + 0.5 * t * t * gravity));
+  }
+  const double middle_s = 19 * kStep_s - kStep_s / 2;
+  CHECK(error(history.motion().velocity_mps, middle_s * gravity) <= velocity_tolerance(8));
+  CHECK(error(history.motion().acceleration_mps2, gravity) <= acceleration_tolerance(8));
+}
+
+TEST_CASE("a frame that is made again replaces its pose, and a cleared history begins anew") {
+  const auto at = [](double x) { return glm::translate(glm::dmat4(1), {x, 0, 0}); };
+  PoseHistory history;
+  history.add(0, at(0));
+  history.add(kStep_ns, at(5));
+  history.add(kStep_ns, at(1));
+  CHECK(history.motion().velocity_mps.x == doctest::Approx(100).epsilon(1e-12));
+  history.clear();
+  history.add(2 * kStep_ns, at(7));
+  CHECK(history.motion().velocity_mps == glm::dvec3(0));
+}
+
+std::shared_ptr<Shape> small_shape() {
+  auto mesh = std::make_shared<Mesh>();
+  mesh->positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  mesh->attributes.resize(3);
+  mesh->indices = {0, 1, 2};
+  compute_bounds(*mesh);
+  return std::make_shared<Shape>(mesh);
+}
+
+TEST_CASE("the matter of an item moves with its transform, also when the graph changes around it") {
+  const auto root = std::make_shared<Group>();
+  const auto arm = std::make_shared<Separator>(), other = std::make_shared<Separator>();
+  const auto turn = std::make_shared<Transform>(),
+             size = std::make_shared<Transform>(glm::scale(glm::dmat4(1), {2, 3, 4}));
+  arm->add(turn);
+  arm->add(size);
+  arm->add(small_shape());
+  other->add(std::make_shared<Transform>(glm::translate(glm::dmat4(1), {0, 5, 0})));
+  other->add(small_shape());
+  root->add(arm);
+  Flattener flattener(root);
+  ItemMotions motions;
+  const auto frame = [&](int number) {
+    turn->set_matrix(screw_pose(number * kStep_s, {1, 0, 0}, 2, 0));
+    const DrawList& list = flattener.update();
+    motions.update(flattener, list, number * kStep_ns);
+    return &list;
+  };
+  const glm::dvec3 point(3, 2, 1), expected = glm::cross(glm::dvec3(0, 0, 2), point - glm::dvec3(1, 0, 0));
+  const DrawList* list = frame(0);
+  CHECK(motions.velocity_mps(*list, 0, point) == glm::dvec3(0));
+  list = frame(1);
+  CHECK(error(motions.velocity_mps(*list, 0, point), expected) <= velocity_tolerance(5) * 4);
+  root->insert_before(*arm, other);  // the arm's item is the second one from now on
+  list = frame(2);
+  REQUIRE(list->items.size() == 2);
+  CHECK(motions.velocity_mps(*list, 0, point) == glm::dvec3(0));
+  CHECK(error(motions.velocity_mps(*list, 1, point), expected) <= velocity_tolerance(5) * 4);
+  // A body that grows from the origin of its frame.
+  size->set_matrix(glm::scale(glm::dmat4(1), {4, 6, 8}));
+  turn->set_matrix(glm::dmat4(1));
+  flattener.update();
+  motions.update(flattener, *list, 3 * kStep_ns);
+  size->set_matrix(glm::scale(glm::dmat4(1), {8, 12, 16}));
+  motions.update(flattener, flattener.update(), 4 * kStep_ns);
+  CHECK(error(motions.velocity_mps(*list, 1, {1, 1, 1}), glm::dvec3(0.5 / kStep_s)) <= velocity_tolerance(10));
+}
+
+TEST_CASE("the flattener says what stands at a watched insertion point") {
+  const auto root = std::make_shared<Group>();
+  const auto part = std::make_shared<Separator>(), inner = std::make_shared<Separator>();
+  const auto point = std::make_shared<InsertionPoint>(), hidden = std::make_shared<InsertionPoint>();
+  const auto off = std::make_shared<Switch>();
+  root->add(small_shape());
+  part->add(std::make_shared<Transform>(glm::translate(glm::dmat4(1), {1, 2, 3})));
+  inner->add(small_shape());
+  part->add(inner);
+  part->add(point);
+  part->add(small_shape());
+  root->add(part);
+  off->add(hidden);
+  off->set_which(Switch::kNone);
+  root->add(off);
+  root->add(small_shape());
+  Flattener flattener(root);
+  flattener.update();
+  CHECK(flattener.find_point(*point) == nullptr);
+  flattener.watch({point.get(), hidden.get()});
+  const DrawList& list = flattener.update();
+  const Flattener::PointPlace* const place = flattener.find_point(*point);
+  REQUIRE(place != nullptr);
+  CHECK(place->first_item == 1);
+  CHECK(place->end_item == 3);
+  CHECK(list.world_from_node[place->transform][3] == glm::dvec4(1, 2, 3, 1));
+  CHECK(flattener.find_point(*hidden) == nullptr);
+  const std::uint64_t rebuilds = flattener.counters().rebuilds;
+  flattener.watch({point.get(), hidden.get()});
+  flattener.update();
+  CHECK(flattener.counters().rebuilds == rebuilds);
+}
+
+}  // namespace
+}  // namespace simvis
+
+TEST_SUITE_END();

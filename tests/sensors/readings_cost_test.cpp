@@ -1,0 +1,139 @@
+// Every sensor with a reading: it changes no byte of other sensors, costs nothing while it is off, and gives the
+// columns and the rows that it says.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <simvis/simulation.h>
+
+TEST_SUITE_BEGIN("sensors");
+
+namespace simvis {
+namespace {
+
+// A moving robot in front of a wall, with a camera and a scanner, and one more sensor.
+std::string scene_with(const std::string& sensor) {
+  return R"(
+    <part name="WALL" shape="box" size="0.25 4 4" insert_at="ROOT" pose_offset="3 0 0 0 0 0"/>
+    <part name="ROBOT" insert_at="ROOT"/>
+    <element type="pose" name="MOVE" insert_at="ROBOT"/>
+    <part name="BODY" shape="box" size="0.5 0.5 0.5" insert_at="ROBOT" pose_offset="-1 0 0 0 0 0"/>
+    <element type="joint" name="NECK" insert_at="ROBOT" axis="0 0 1" lower="-9" upper="9"/>
+    <sensor type="camera" name="CAM" insert_at="ROBOT" width="16" height="12" outputs="color depth"/>
+    <sensor type="laser_scanner" name="SCAN" insert_at="ROBOT" samples="21" min_angle="-60" max_angle="60"/>)" +
+         sensor;
+}
+
+struct Watched {
+  std::vector<float> color, depth, ranges;
+  bool operator==(const Watched&) const = default;
+};
+
+struct CostlyRun {
+  std::vector<Watched> frames;
+  std::vector<FrameCounters> counters;
+  std::uint64_t rays = 0, motions = 0;
+};
+
+CostlyRun run(Simulation& simulation) {
+  CostlyRun result;
+  for (int i = 0; i < 3; ++i) {
+    simulation.set("MOVE", "x", 0.1 * i);
+    simulation.step();
+    result.frames.push_back(
+        {simulation.color("CAM").pixels, simulation.depth("CAM").pixels, simulation.scan("SCAN").range_m});
+    result.counters.push_back(simulation.diagnostics().counters());
+  }
+  result.rays = simulation.diagnostics().ray_counters().rays;
+  result.motions = simulation.diagnostics().motions_followed();
+  return result;
+}
+
+std::vector<const SensorType*> reading_types() {
+  std::vector<const SensorType*> types;
+  for (const SensorType* type : sensor_types()) {
+    if (type->capabilities != 0 || type->name == "psd" || type->name == "camera" || type->name == "stereo_camera")
+      continue;
+    types.push_back(type);
+  }
+  return types;
+}
+
+std::string one_of(const SensorType& type) {
+  return "<sensor type='" + std::string(type.name) + "' name='MORE' insert_at='ROBOT'/>";
+}
+
+TEST_CASE("a sensor with a reading costs nothing while it is off, and never changes what others measure") {
+  Simulation plain = Simulation::from_string(scene_with(""));
+  const CostlyRun without = run(plain);
+  CHECK(without.motions == 0);
+  CHECK(reading_types().size() >= 14);
+  for (const SensorType* type : reading_types()) {
+    CAPTURE(type->name);
+    Simulation off = Simulation::from_string(scene_with(one_of(*type)));
+    off.enable("MORE", false);
+    const CostlyRun idle = run(off);
+    CHECK(idle.frames == without.frames);
+    CHECK(idle.counters == without.counters);
+    CHECK(idle.rays == without.rays);
+    CHECK(idle.motions == 0);
+    CHECK(off.reading("MORE").rows() == 0);
+    Simulation on = Simulation::from_string(scene_with(one_of(*type)));
+    CHECK(run(on).frames == without.frames);
+  }
+}
+
+/// Collects the rows that a file would have.
+class Rows : public OutputSink {
+ public:
+  void picture(const std::string&, const Image*, const Image*) override { ++others; }
+  void plane(const std::string&, const std::string&, const Image&) override { ++others; }
+  void text(const std::string&, const std::string&, std::string_view) override { ++others; }
+  void rows(std::span<const TableColumn> columns, std::span<const double> values) override {
+    for (const TableColumn& column : columns) names.push_back(column.name);
+    all.assign(values.begin(), values.end());
+  }
+  std::vector<std::string> names;
+  std::vector<double> all;
+  int others = 0;
+};
+
+TEST_CASE("files, values and the reading are the same numbers, and none is missing") {
+  for (const SensorType* type : reading_types()) {
+    CAPTURE(type->name);
+    Simulation simulation = Simulation::from_string(scene_with(one_of(*type)));
+    run(simulation);
+    const Reading& reading = simulation.reading("MORE");
+    Rows rows;
+    simulation.write("MORE", rows);
+    CHECK(rows.others == 0);
+    CHECK(rows.all.size() == reading.values.size());
+    REQUIRE(rows.names.size() == reading.columns.size());
+    REQUIRE_FALSE(reading.columns.empty());
+    CHECK(reading.values.size() % reading.columns.size() == 0);
+    for (std::size_t c = 0; c < reading.columns.size(); ++c) {
+      CAPTURE(reading.columns[c].name);
+      CHECK(rows.names[c] == reading.columns[c].name);
+      const std::optional<double> value = simulation.find_value("MORE", reading.columns[c].name);
+      if (!value) continue;  // a table of several rows
+      CHECK((*value == rows.all.at(c) || (std::isnan(*value) && std::isnan(rows.all[c]))));
+      // A column has its unit in its name, and the other way round.
+      std::string unit = "_" + reading.columns[c].unit;
+      std::ranges::replace(unit, '/', '_');
+      std::ranges::transform(unit, unit.begin(), [](unsigned char letter) { return std::tolower(letter); });
+      CHECK((unit == "_" || reading.columns[c].name.ends_with(unit)));
+    }
+    CHECK(simulation.sensors().back().method != "");
+  }
+}
+
+}  // namespace
+}  // namespace simvis
+
+TEST_SUITE_END();
