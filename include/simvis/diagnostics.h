@@ -48,7 +48,9 @@ class SIMVIS_API Diagnostics {
   const std::map<std::string, std::optional<std::string>>& environment() const;
   const FrameCounters& counters() const;  ///< of the last step()
   RayCounters ray_counters() const;       ///< sum over all steps
-  const DrawList& draw_list() const;      ///< of the last step(); before the first: of the loaded scene
+  /// Of the last step(); before the first: of the loaded scene. It has all pictures, which are read for it if no camera
+  /// needed them; throws InputError if one of them cannot be read and the scene is strict.
+  const DrawList& draw_list() const;
   const FramePlan& frame_plan() const;    ///< of the last step(), complete: see <simvis/frame_plan.h>
   /// All sensors that frame_plan() is for, due or not.
   std::vector<PlannedSensor> planned_sensors() const;
