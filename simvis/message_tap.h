@@ -9,8 +9,8 @@ namespace simvis {
 class Simulation;
 
 /// From now on, the messages of each step also go to `outlet`, which must outlive the simulation, in the order of
-/// docs/messages.md; null ends this. Throws InputError: two sensors would have the same topics. If a later command makes
-/// such sensors, the messages end with a warning.
+/// docs/messages.md; null ends this. Throws InputError: two sensors would have the same topics. If a later command
+/// makes such sensors, the messages end with a warning.
 SIMVIS_PROGRAM_API void send_messages(Simulation& simulation, ros::MessageOutlet* outlet);
 
 }  // namespace simvis

@@ -49,8 +49,10 @@ class SIMVIS_API Diagnostics {
   const FrameCounters& counters() const;  ///< of the last step()
   RayCounters ray_counters() const;       ///< sum over all steps
   std::uint64_t motions_followed()
-      const;                            ///< poses, items and joints compared with their previous frame, over all steps
-  const DrawList& draw_list() const;    ///< of the last step(); before the first: of the loaded scene
+      const;  ///< poses, items and joints compared with their previous frame, over all steps
+  /// Of the last step(); before the first: of the loaded scene. It has all pictures, which are read for it if no camera
+  /// needed them; throws InputError if one of them cannot be read and the scene is strict.
+  const DrawList& draw_list() const;
   const FramePlan& frame_plan() const;  ///< of the last step(), complete: see <simvis/frame_plan.h>
   /// All sensors that frame_plan() is for, due or not.
   std::vector<PlannedSensor> planned_sensors() const;

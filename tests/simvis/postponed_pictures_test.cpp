@@ -73,6 +73,19 @@ TEST_CASE("a camera reads the pictures, whether it is there at once or comes lat
   CHECK(first.pixels[middle + 1] == 0);
 }
 
+TEST_CASE("a draw list that is asked for has its pictures without any camera") {
+  const PictureStage stage("red.ppm");
+  Simulation simulation = stage.simulation(kPictureBox + kPictureScanner);
+  simulation.step();
+  const DrawList& list = simulation.diagnostics().draw_list();
+  REQUIRE(list.items.size() == 1);
+  const Texture* const texture = list.materials[list.items[0].material]->base_color_texture.get();
+  REQUIRE(texture != nullptr);
+  CHECK(texture->rgba == std::vector<std::uint8_t>{255, 0, 0, 255});
+  simulation.step();
+  CHECK(simulation.scan("SCAN").range_m[15] == 1.0f);
+}
+
 TEST_CASE("a missing picture is a warning as soon as there is a camera, and an error if the scene is strict") {
   const PictureStage stage("no.png");
   const Simulation lenient = stage.simulation(kPictureBox + kPictureCamera);
