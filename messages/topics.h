@@ -19,7 +19,8 @@ enum class TopicForm : std::uint8_t { own, other, at_end };
 /// The topics that a recording has.
 class TopicFilter {
  public:
-  /// Patterns in which * stands for any text and ? for any character. Without patterns, all topics but those of another form.
+  /// Patterns in which * stands for any text and ? for any character. Without patterns, all topics but those of another
+  /// form.
   explicit TopicFilter(std::vector<std::string> patterns);
 
   bool wants(const std::string& topic, TopicForm form = TopicForm::own);
