@@ -254,15 +254,16 @@ TEST_CASE("views of one pass, and strips with guard rows, stay in their rectangl
 TEST_CASE(
     "depth is never averaged: its bytes are the same for any number of samples, and the plan gives the reason for a "
     "separate pass") {
-  const Simulation plain = robot_cam(1, 1, "color depth", 320, 240);
+  constexpr int kWidth = 160, kHeight = 120;
+  const Simulation plain = robot_cam(1, 1, "color depth", kWidth, kHeight);
   REQUIRE(plain.diagnostics().frame_plan().passes.size() == 1);
   CHECK(plain.diagnostics().counters().dispatches == 0);
-  CHECK(plain.diagnostics().counters().bytes_read_back == 320 * 240 * (16 + 4));
+  CHECK(plain.diagnostics().counters().bytes_read_back == kWidth * kHeight * (16 + 4));
   struct Variant {
     int supersampling, msaa;
   };
   for (const auto& [supersampling, msaa] : {Variant{4, 1}, Variant{16, 1}, Variant{1, 4}, Variant{4, 4}}) {
-    const Simulation several = robot_cam(supersampling, msaa, "color depth", 320, 240);
+    const Simulation several = robot_cam(supersampling, msaa, "color depth", kWidth, kHeight);
     CHECK(several.depth("ROBOT_CAM").pixels == plain.depth("ROBOT_CAM").pixels);
     CHECK(several.color("ROBOT_CAM").pixels != plain.color("ROBOT_CAM").pixels);
     REQUIRE(several.diagnostics().frame_plan().passes.size() == 2);
@@ -273,10 +274,10 @@ TEST_CASE(
     CHECK(contains(text, "the mean of " + std::to_string(supersampling * msaa) + " samples a pixel"));
     CHECK(contains(text, "depth of camera ROBOT_CAM, apart"));
     CHECK(several.diagnostics().validation_messages() == 0);
-    const Simulation colour = robot_cam(supersampling, msaa, "color", 320, 240);
+    const Simulation colour = robot_cam(supersampling, msaa, "color", kWidth, kHeight);
     CHECK(colour.diagnostics().counters().passes == 1);
     CHECK(colour.color("ROBOT_CAM").pixels == several.color("ROBOT_CAM").pixels);
-    const Simulation depth = robot_cam(supersampling, msaa, "depth", 320, 240);
+    const Simulation depth = robot_cam(supersampling, msaa, "depth", kWidth, kHeight);
     CHECK(depth.diagnostics().counters().dispatches == 0);
     CHECK(depth.depth("ROBOT_CAM").pixels == plain.depth("ROBOT_CAM").pixels);
   }
@@ -313,7 +314,7 @@ TEST_CASE("a stereo camera averages colour, but not depth and disparity") {
 }
 
 TEST_CASE("the error against 256 samples falls from 1 to 4 to 16 samples") {
-  constexpr int kWidth = 160, kHeight = 120, kFiner = 4;
+  constexpr int kWidth = 80, kHeight = 60, kFiner = 4;
   const Simulation fine = robot_cam(16, 1, "color", kFiner * kWidth, kFiner * kHeight);
   const Image& samples = fine.color("ROBOT_CAM");
   const auto rms = [&](int supersampling, int msaa) {
