@@ -4,7 +4,7 @@
 #include <utility>
 
 #include <simvis/diagnostics.h>
-#include "simvis/built_scene_access.h"
+#include "simvis/built_scene.h"
 #include "simvis/report/explain.h"
 #include "simvis/report/run_inputs.h"
 #include "simvis/report/scene_list.h"
@@ -112,7 +112,7 @@ void ViewCopier::follow_scene(const Simulation& simulation) {
   const bool is_new = std::exchange(restarted_, false) || scene_ == nullptr || changes != changes_ ||
                       list.revisions.structure != revisions_.structure;
   if (is_new) {
-    const BuiltScene& built = BuiltSceneAccess::of(simulation.diagnostics());
+    const BuiltScene& built = built_scene(simulation);
     auto scene = std::make_shared<ViewScene>();
     scene->structure = scene_ == nullptr ? 1 : scene_->structure + 1;
     scene->list = list;
@@ -146,7 +146,7 @@ ViewFrame ViewCopier::copy(const Simulation& simulation, const FrameTime& time, 
   const std::span<const double> values = simulation.parameters().values();
   frame.values.assign(values.begin(), values.end());
   frame.warnings = simulation.warnings();
-  copy_measurements(simulation, BuiltSceneAccess::of(simulation.diagnostics()), wants, frame);
+  copy_measurements(simulation, built_scene(simulation), wants, frame);
   if (wants.plan) frame.plan = plan_text(simulation.diagnostics());
   return frame;
 }

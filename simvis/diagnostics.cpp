@@ -13,12 +13,7 @@ const std::map<std::string, std::optional<std::string>>& Diagnostics::environmen
 const FrameCounters& Diagnostics::counters() const { return impl_->idle().sensing.renderer.counters(); }
 RayCounters Diagnostics::ray_counters() const { return impl_->idle().sensing.caster->counters(); }
 std::uint64_t Diagnostics::motions_followed() const { return impl_->idle().sensed.motions(); }
-// Whoever asks for the list may show it, as a page does whose scene has no camera.
-const DrawList& Diagnostics::draw_list() const {
-  SimulationImpl& impl = impl_->idle();
-  if (impl.scene.built.scene.has_postponed_pictures()) impl.read_pictures();
-  return *impl.sensing.list;
-}
+const DrawList& Diagnostics::draw_list() const { return *impl_->idle().sensing.list; }
 const FramePlan& Diagnostics::frame_plan() const { return impl_->idle().sensing.complete_plan(); }
 std::vector<PlannedSensor> Diagnostics::planned_sensors() const {
   return impl_->idle().sensing.planned_sensors(impl_->scene.built.sensors);

@@ -25,10 +25,7 @@ class ImagesOf : public OutputSink {
 };
 
 // A sensor of a plug-in may read its last measurement while it makes the next one. Those of the library do not.
-bool overwrites_blindly(const BuiltSensor& sensor) {
-  const auto* const create = reinterpret_cast<const void*>(find_sensor_type(sensor.type)->create);
-  return library_of(create) == library_of(reinterpret_cast<const void*>(&overwrites_blindly));
-}
+bool overwrites_blindly(const BuiltSensor& sensor) { return is_of_the_library(*find_sensor_type(sensor.type)); }
 
 // Sensors hand out what they hold as const; the objects themselves are not.
 template <typename T>

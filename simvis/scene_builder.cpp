@@ -7,6 +7,7 @@
 #include "scenegraph/language/command_reader.h"
 #include "scenegraph/language/registrations.h"
 #include "simvis/command_names.h"
+#include "simvis/plugins/library_of.h"
 
 namespace simvis {
 namespace {
@@ -50,8 +51,9 @@ void SceneBuilder::all_or_nothing(const Action& action) {
 }
 
 bool SceneBuilder::shows_colors() const {
-  return std::ranges::any_of(built_.sensors,
-                             [](const BuiltSensor& sensor) { return sensor.sensor->color() != nullptr; });
+  return std::ranges::any_of(built_.sensors, [](const BuiltSensor& sensor) {
+    return sensor.sensor->color() != nullptr || !is_of_the_library(*find_sensor_type(sensor.type));
+  });
 }
 
 void SceneBuilder::execute(std::span<const Command> commands) {

@@ -292,4 +292,6 @@ Diagnostics Simulation::diagnostics() const { return Diagnostics(*impl()); }
 
 const BuiltScene& built_scene(const Simulation& simulation) { return simulation.impl()->idle().scene.built; }
 
+void read_all_pictures(Simulation& simulation) { simulation.impl()->idle().reads_all_pictures = true; }
+
 }  // namespace simvis

@@ -152,7 +152,7 @@ void SimulationImpl::start() {
   sensed.update(scene.built, sensing.flattener, *sensing.list, time);
   stages.begin("plan");
   plan_due_sensors(sensing, false, time);
-  if (scene.built.scene.has_postponed_pictures() && std::ranges::any_of(sensing.plan.passes, &Pass::color)) {
+  if (scene.built.scene.has_postponed_pictures() && needs_pictures()) {
     read_pictures();
     plan_due_sensors(sensing, false, time);
   }
@@ -162,7 +162,13 @@ void SimulationImpl::start() {
   under_way = true;
 }
 
-// Cameras have their pictures since they were inserted. Other sensors may draw colours too, such as one of light.
+// Cameras have their pictures since they were inserted. Other sensors may look at colours too: one of light draws them,
+// and the intensity of a scanner's beam depends on them.
+bool SimulationImpl::needs_pictures() const {
+  return reads_all_pictures || std::ranges::any_of(sensing.plan.passes, &Pass::color) ||
+         std::ranges::any_of(sensing.plan.casts, &RayCast::colors);
+}
+
 void SimulationImpl::read_pictures() {
   const InputLog log;
   scene.built.scene.read_pictures();

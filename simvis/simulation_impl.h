@@ -48,6 +48,7 @@ struct SimulationImpl : Observations {
   void track_part(std::string_view part);
   std::shared_ptr<Mount> add_mount(std::string_view part);
   bool part_pose(std::string_view part, glm::dmat4& world_from_part) const;
+  bool needs_pictures() const;
   void read_pictures();
   void move_elements(const FrameTime& time);
   void show_to_people(const FrameTime& time);
@@ -100,6 +101,7 @@ struct SimulationImpl : Observations {
   double rate_hz;
   bool frames_when_due;
   bool elements_move;
+  bool reads_all_pictures = false;  // see read_all_pictures()
   Timeline timeline;
   LiveScene scene;
   KeptMeasurements kept;      // of the scene's sensors, so it ends before them

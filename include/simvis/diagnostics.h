@@ -50,8 +50,8 @@ class SIMVIS_API Diagnostics {
   RayCounters ray_counters() const;       ///< sum over all steps
   std::uint64_t motions_followed()
       const;  ///< poses, items and joints compared with their previous frame, over all steps
-  /// Of the last step(); before the first: of the loaded scene. It has all pictures, which are read for it if no camera
-  /// needed them; throws InputError if one of them cannot be read and the scene is strict.
+  /// Of the last step(); before the first: of the loaded scene. Pictures that no sensor of the scene needs are not
+  /// read; a white texel stands for each.
   const DrawList& draw_list() const;
   const FramePlan& frame_plan() const;  ///< of the last step(), complete: see <simvis/frame_plan.h>
   /// All sensors that frame_plan() is for, due or not.
@@ -75,7 +75,6 @@ class SIMVIS_API Diagnostics {
   std::uint64_t validation_messages() const;
 
  private:
-  friend struct BuiltSceneAccess;
   SimulationImpl* impl_;
 };
 

@@ -119,6 +119,7 @@ struct RayCast {
   std::string reason;          ///< why rays are cast
   std::uint64_t max_rays = 0;  ///< upper bound of their number; which rays are cast may depend on the rendered passes
   std::string engine{};        ///< RayCaster::engine() of the caster; set by the code that runs the plan
+  bool colors = false;  ///< what is made of the hits depends on the colours of surfaces, so their pictures are needed
 };
 
 /// An effect that a due sensor shows this frame.

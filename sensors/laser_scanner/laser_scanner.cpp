@@ -141,7 +141,7 @@ void LaserScanner::plan(const glm::dmat4& world_from_sensor, const DrawList& lis
     for (const ChosenScanEffect& each : effects_) max_rays *= each.effect->rays_per_ray();
     if (!casts(desc_.method) && !traced_) max_rays = 0;
     if (has_truth()) max_rays += directions_.size();
-    plan.casts.push_back({.name = name_, .reason = cast_reason(), .max_rays = max_rays});
+    plan.casts.push_back({.name = name_, .reason = cast_reason(), .max_rays = max_rays, .colors = traced_ != nullptr});
   }
   for (const ChosenScanEffect& each : effects_) {
     plan.effects.push_back({name_, std::string(each.type->name), std::string(each.type->source)});

@@ -14,6 +14,7 @@
 #include <simvis/trajectory.h>
 #include "engine/base/now_ns.h"
 #include "sensors/laser_scanner/laser_scanner.h"
+#include "simvis/built_scene.h"
 #include "simvis/cli/follower.h"
 #include "simvis/cli/live_run.h"
 #include "simvis/cli/load_scene.h"
@@ -375,6 +376,7 @@ void Run::make_frames(std::optional<LoadingBar>& loading, WarningPrinter& warnin
     if (real_time_) real_time_->wait(time);
     if (follower_ != nullptr) time = follower_->advance(simulation_).value_or(time);
     if (received_signal() != nullptr) break;
+    if (views_->any() || live_ != nullptr) read_all_pictures(simulation_);  // a follower may have built it anew
     if (frame >= first_frame_) begin_recording();
     const std::int64_t start_ns = now_ns();
     if (!step()) {

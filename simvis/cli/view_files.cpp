@@ -5,7 +5,7 @@
 #include <simvis/diagnostics.h>
 #include "live/draw_owners.h"
 #include "live/glb_file.h"
-#include "simvis/built_scene_access.h"
+#include "simvis/built_scene.h"
 
 namespace simvis {
 namespace {
@@ -33,7 +33,7 @@ void ViewFiles::finish(const Simulation& simulation) {
   if (page_) page_->finish();
   if (!glb_) return;
   const Diagnostics diagnostics = simulation.diagnostics();
-  glb_->write(live::glb_bytes(diagnostics.draw_list(), live::draw_owners(BuiltSceneAccess::of(diagnostics)).items));
+  glb_->write(live::glb_bytes(diagnostics.draw_list(), live::draw_owners(built_scene(simulation)).items));
   glb_->commit();
 }
 

@@ -16,6 +16,7 @@ class ViewFiles {
   /// Empty names: no such file.
   ViewFiles(const std::string& glb, const std::string& page);
 
+  bool any() const { return glb_ || page_; }
   /// After a step, which took `step_ms`.
   void add(const Simulation& simulation, const FrameTime& time, double step_ms);
   void finish(const Simulation& simulation);

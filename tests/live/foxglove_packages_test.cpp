@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "tests/support/live_program.h"
+#include "tests/live/live_program.h"
 #include "tests/support/run_process.h"
 #include "tests/support/skip.h"
 #include "tests/support/tested_build.h"

@@ -10,7 +10,7 @@
 #include <simvis/error.h>
 #include "live/access.h"
 #include "live/server.h"
-#include "tests/support/web_client.h"
+#include "tests/live/web_client.h"
 
 TEST_SUITE_BEGIN("live");
 

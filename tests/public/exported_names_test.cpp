@@ -28,7 +28,6 @@ namespace fs = std::filesystem;
 const std::set<std::string> kProgramNames = {
     "BackgroundTask::cancel",
     "BackgroundTask::finish",
-    "BuiltSceneAccess::of",
     "Clock::Clock",
     "Clock::frame",
     "Deflater::Deflater",
@@ -47,6 +46,7 @@ const std::set<std::string> kProgramNames = {
     "markdown_text",
     "min_planar_bound",
     "png_bytes",
+    "read_all_pictures",
     "rigid_mount_frame",
     "ros::msg_text",
     "send_messages",

@@ -77,13 +77,14 @@ TEST_CASE("each format only if it is asked for") {
   const Written plain({});
   CHECK(files_below(plain.out) == Strings{"CAM.yaml", "CAM/000000.exr", "CAM/000000.png", "CAM_poses.csv",
                                           "CAM_poses.tum", "PSD.csv", "PSD_poses.csv", "PSD_poses.tum", "SCAN.csv",
-                                          "SCAN_poses.csv", "SCAN_poses.tum", "run.json"});
+                                          "SCAN_poses.csv", "SCAN_poses.tum", "items.csv", "run.json"});
   CHECK(read_exr(plain.out / "CAM/000000.exr").channels.size() == 4);
   // A PSD has no points: its table stays CSV.
   const Written other({"--format", "color=jpeg", "--format", "depth=png", "--format", "scan=ply"});
   CHECK(files_below(other.out) == Strings{"CAM.yaml", "CAM/000000.jpg", "CAM_depth/000000.png", "CAM_poses.csv",
                                           "CAM_poses.tum", "PSD.csv", "PSD_poses.csv", "PSD_poses.tum",
-                                          "SCAN/000000.ply", "SCAN_poses.csv", "SCAN_poses.tum", "run.json"});
+                                          "SCAN/000000.ply", "SCAN_poses.csv", "SCAN_poses.tum", "items.csv",
+                                          "run.json"});
   const Written exr({"--format", "color=png", "--format", "depth=exr", "--sensor", "CAM"});
   CHECK(read_exr(exr.out / "CAM/000000.exr").channels.size() == 1);  // colour as asked: only PNG
 }

@@ -15,7 +15,7 @@
 #include "tests/support/error_of.h"
 #include "tests/support/temporary_folder.h"
 
-TEST_SUITE_BEGIN("simvis");
+TEST_SUITE_BEGIN("scenegraph");
 
 namespace simvis {
 namespace {
@@ -81,7 +81,7 @@ double volume_of(const Mesh& mesh) {
   return sum;
 }
 
-std::string refused(const std::string& attributes, const std::filesystem::path& folder = ".") {
+std::string refused_map(const std::string& attributes, const std::filesystem::path& folder = ".") {
   return error_of([&] { scene_with("<part name='A' insert_at='ROOT' " + attributes + "/>", folder); });
 }
 
@@ -126,26 +126,27 @@ TEST_CASE("the volume of a wall is length times thickness times height, without 
 
 TEST_CASE("walls that cannot be built are refused at the attribute") {
   const std::string sizes = " height='2' thickness='0.2' ";
-  CHECK(contains(refused("shape='wall' points='0 0, 1 0'"),
+  CHECK(contains(refused_map("shape='wall' points='0 0, 1 0'"),
                  "a wall without attribute \"height\", expected points and "
                  "height and thickness"));
-  CHECK(contains(refused("shape='wall' points='0 0'" + sizes),
+  CHECK(contains(refused_map("shape='wall' points='0 0'" + sizes),
                  "\"points\": \"0 0\" is not allowed, expected at least two"));
-  CHECK(contains(refused("shape='wall' points='0 0, 1'" + sizes),
+  CHECK(contains(refused_map("shape='wall' points='0 0, 1'" + sizes),
                  "\"points\": \" 1\" is not allowed, expected points x y"));
-  CHECK(contains(refused("shape='wall' points='0 0, 1 0, 1 0'" + sizes), "point 3 is the one before it"));
-  CHECK(contains(refused("shape='wall' points='0 0, 4 0, 0 0.1'" + sizes), "the corner at point 2 has 1.43"));
-  CHECK(contains(refused("shape='wall' points='0 0, 4 0, 4 0.05, 0 0.05'" + sizes),
+  CHECK(contains(refused_map("shape='wall' points='0 0, 1 0, 1 0'" + sizes), "point 3 is the one before it"));
+  CHECK(contains(refused_map("shape='wall' points='0 0, 4 0, 0 0.1'" + sizes), "the corner at point 2 has 1.43"));
+  CHECK(contains(refused_map("shape='wall' points='0 0, 4 0, 4 0.05, 0 0.05'" + sizes),
                  "points 2 and 3 are too near to each other for a wall of this thickness"));
-  CHECK(contains(refused("shape='wall' points='0 0, 4 0' doors='3.8 1 2'" + sizes),
+  CHECK(contains(refused_map("shape='wall' points='0 0, 4 0' doors='3.8 1 2'" + sizes),
                  "attribute \"doors\": the opening at 3.8 m: it is not within one straight piece"));
-  CHECK(contains(refused("shape='wall' points='0 0, 4 0' doors='2 1 2.1'" + sizes), "its upper edge is at 2.1 m"));
-  CHECK(contains(refused("shape='wall' points='0 0, 4 0' doors='2 1 1' windows='1.2 0.8 1 0.5'" + sizes),
+  CHECK(contains(refused_map("shape='wall' points='0 0, 4 0' doors='2 1 2.1'" + sizes), "its upper edge is at 2.1 m"));
+  CHECK(contains(refused_map("shape='wall' points='0 0, 4 0' doors='2 1 1' windows='1.2 0.8 1 0.5'" + sizes),
                  "\"windows\": the opening at 1.2 m: it overlaps or touches the one at 2 m"));
-  CHECK(contains(refused("shape='wall' points='0 0, 4 0' doors='2 1'" + sizes), "expected doors \"at width height\""));
-  CHECK(contains(refused("shape='wall' points='0 0, 4 0' doors='2 0 1'" + sizes),
+  CHECK(contains(refused_map("shape='wall' points='0 0, 4 0' doors='2 1'" + sizes),
+                 "expected doors \"at width height\""));
+  CHECK(contains(refused_map("shape='wall' points='0 0, 4 0' doors='2 0 1'" + sizes),
                  "expected a width of at least 1e-06 m"));
-  CHECK(contains(refused("shape='box' size='1 1 1' points='0 0, 1 1'"), "\"points\": a box has none"));
+  CHECK(contains(refused_map("shape='box' size='1 1 1' points='0 0, 1 1'"), "\"points\": a box has none"));
 }
 
 // z = 2 + x / 2 over 4 m x 2 m, as a picture of 3 x 2 pixels whose values are metres.
@@ -198,7 +199,7 @@ TEST_CASE("pictures of heights that cannot be read are refused at the attribute"
   write_text(folder / "a.txt", "0 1");
   write_text(folder / "one.png", encode_depth_png({1, 2, 1, {1, 1}}, 0.001));
   const auto map = [&](const std::string& attributes) {
-    return refused("shape='heightmap' size='1 1' " + attributes, folder.path());
+    return refused_map("shape='heightmap' size='1 1' " + attributes, folder.path());
   };
   CHECK(contains(map("heights='no.png'"), "\"heights\": there is no picture"));
   CHECK(contains(map("heights='a.png'"), "a.png: the picture of heights has a broken header"));
@@ -265,7 +266,7 @@ TEST_CASE("maps that are incomplete or empty are refused with their place") {
   CHECK(contains(map("image: room.pgm\nresolution: 1\norigin: [0, 0]\n"), "room.yaml:3:1: key \"origin\": \"[0, 0]\""));
   CHECK(contains(map("image: no.pgm\nresolution: 1\norigin: [0, 0, 0]\n"), "no.pgm"));
   CHECK(contains(map("resolution: 1\norigin: [0, 0, 0]\n"), "has no key \"image\""));
-  CHECK(contains(refused("shape='box' size='1 1 1' wall_height='2'"), "it says how a file is read"));
+  CHECK(contains(refused_map("shape='box' size='1 1 1' wall_height='2'"), "it says how a file is read"));
 }
 
 }  // namespace

@@ -11,10 +11,10 @@
 #include <string>
 #include <thread>
 
+#include "tests/live/web_client.h"
 #include "tests/support/run_process.h"
 #include "tests/support/simvis_run.h"
 #include "tests/support/wall_scene.h"
-#include "tests/support/web_client.h"
 
 namespace simvis::test {
 

@@ -5,12 +5,13 @@
 #include <string>
 
 #include <simvis/simulation.h>
+#include "simvis/built_scene.h"
 #include "tests/support/error_of.h"
 #include "tests/support/parts/box_files.h"
 #include "tests/support/sensor_bytes.h"
 #include "tests/support/temporary_folder.h"
 
-TEST_SUITE_BEGIN("simvis");
+TEST_SUITE_BEGIN("scenegraph");
 
 namespace simvis {
 namespace {
@@ -73,16 +74,21 @@ TEST_CASE("a camera reads the pictures, whether it is there at once or comes lat
   CHECK(first.pixels[middle + 1] == 0);
 }
 
-TEST_CASE("a draw list that is asked for has its pictures without any camera") {
+TEST_CASE("a program that shows the draw list has its pictures read without any camera") {
   const PictureStage stage("red.ppm");
   Simulation simulation = stage.simulation(kPictureBox + kPictureScanner);
+  const auto texture = [&] {
+    const DrawList& list = simulation.diagnostics().draw_list();
+    REQUIRE(list.items.size() == 1);
+    return list.materials[list.items[0].material]->base_color_texture;
+  };
+  const std::vector<std::uint8_t> red{255, 0, 0, 255};
   simulation.step();
-  const DrawList& list = simulation.diagnostics().draw_list();
-  REQUIRE(list.items.size() == 1);
-  const Texture* const texture = list.materials[list.items[0].material]->base_color_texture.get();
-  REQUIRE(texture != nullptr);
-  CHECK(texture->rgba == std::vector<std::uint8_t>{255, 0, 0, 255});
+  CHECK((texture() == nullptr || texture()->rgba != red));
+  read_all_pictures(simulation);
   simulation.step();
+  REQUIRE(texture() != nullptr);
+  CHECK(texture()->rgba == red);
   CHECK(simulation.scan("SCAN").range_m[15] == 1.0f);
 }
 

@@ -12,7 +12,7 @@
 #include "tests/support/sensor_bytes.h"
 #include "tests/support/temporary_folder.h"
 
-TEST_SUITE_BEGIN("simvis");
+TEST_SUITE_BEGIN("scenegraph");
 
 namespace simvis {
 namespace {
