@@ -65,7 +65,7 @@ std::vector<std::uint32_t> measured_in(const ViewFrame& frame) {
   for (const ViewPicture& picture : frame.pictures) sensors.push_back(picture.sensor);
   for (const ViewReading& reading : frame.readings) sensors.push_back(reading.sensor);
   std::ranges::sort(sensors);
-  sensors.erase(std::ranges::unique(sensors).begin(), sensors.end());
+  sensors.erase(std::unique(sensors.begin(), sensors.end()), sensors.end());
   return sensors;
 }
 

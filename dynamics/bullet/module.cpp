@@ -18,8 +18,8 @@ class BulletEngine : public DynamicsEngine {
 }  // namespace
 }  // namespace simvis
 
-extern "C" __attribute__((visibility("default"))) const simvis::DynamicsEngine& simvis_dynamics_engine();
-const simvis::DynamicsEngine& simvis_dynamics_engine() {
+extern "C" __attribute__((visibility("default"))) const simvis::DynamicsEngine* simvis_dynamics_engine();
+const simvis::DynamicsEngine* simvis_dynamics_engine() {
   static const simvis::BulletEngine engine;
-  return engine;
+  return &engine;
 }
