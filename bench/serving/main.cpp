@@ -24,7 +24,7 @@ int main(int argc, char** argv) {
   try {
     measure_latency(argument(1, 1000));
     std::puts("");
-    measure_updates(static_cast<std::size_t>(argument(2, 14'000'000)));
+    measure_updates(static_cast<std::size_t>(argument(2, 18'000'000)));
     std::puts("");
     measure_follower(argument(3, 20));
     std::puts("");
