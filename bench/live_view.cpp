@@ -65,7 +65,7 @@ void read_all(LiveViewer& viewer) {
   }
 }
 
-/// Of each frame, in milliseconds.
+/// Times of frames in milliseconds; each list has one entry per frame.
 struct Measured {
   std::vector<double> frame, publish, thread;
 };

@@ -1,4 +1,4 @@
-// What a follower costs the host, and how long it takes to catch up.
+// Two measurements: the time that a follower adds to the frames of its host, and the time that it needs to catch up.
 #include <time.h>
 
 #include <chrono>

@@ -1,4 +1,4 @@
-// What bench/serving measures, and how it runs other processes.
+// The four measurements of bench/serving, and the functions with which they run other processes.
 #pragma once
 
 #include <signal.h>
