@@ -28,7 +28,7 @@ constexpr int kFrames = 5;
 const std::string kCamera =
     R"(<sensor type="camera" name="CAMERA" insert_at="ROBOT" width="640" height="480" pose_offset="0.3 0 1 0 0 0"/>)";
 
-/// What steps drew, and what rays met.
+/// The counters of drawing and of ray casting, as columns of the table.
 constexpr std::array kDrawn = {"draws",       "triangles",      "vertex_invocations", "fragment_invocations",
                                "shadow_maps", "pipelines_made", "bytes_uploaded",     "bytes_read_back"};
 constexpr std::array kCast = {"rays", "ray_item_tests", "ray_triangle_tests", "ray_trees_built", "ray_trees_refitted"};
@@ -54,11 +54,12 @@ Cast cast_so_far(const Simulation& simulation) {
   return {of.rays, of.item_tests, of.triangle_tests, of.item_trees_built, of.item_trees_refitted};
 }
 
-/// What is counted: a scene's sensors of one type, by a method where that is given, or one sensor.
+/// A row of the table. It counts the work of one sensor, or of all sensors of one type in a scene.
 struct Case {
   std::string name, way;
   std::filesystem::path scene;
-  std::string sensors, method;
+  std::string sensors,  ///< the name of a sensor, or a type of sensors
+      method;           ///< of laser scanners; empty: the scene's own
   std::function<void(Simulation&, int frame)> drive;
 };
 
