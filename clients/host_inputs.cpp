@@ -1,4 +1,5 @@
-// What clients write: values, whole elements and requests, and whether they are there and ready.
+// The host reads what clients write: values, whole elements and requests. It also sees which clients are connected, and
+// which are ready for the next frame.
 #include <linux/futex.h>
 #include <sys/syscall.h>
 #include <unistd.h>
