@@ -1,0 +1,72 @@
+#include "simvis/cli/begin_report.h"
+
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "simvis/cli/load_scene.h"
+#include "simvis/report/shard.h"
+
+namespace simvis {
+namespace {
+
+/// Empty without --shard.
+std::optional<Shard> wanted_shard(const Options& options, const Simulation& simulation) {
+  std::optional<Shard> shard;
+  if (options.shard.empty()) return shard;
+  in_option("--shard", [&] {
+    shard = parse_shard(options.shard);
+    if (shard->share_of(options.frames) == 0) {
+      throw InputError(options.shard + " has no frame of " + std::to_string(options.frames) +
+                       ", expected K below --frames");
+    }
+    if (shard->count > 1) simulation.require_skippable();
+  });
+  return shard;
+}
+
+RunRecord begin_record(const Options& options, const Simulation& simulation, std::span<const SensorInfo> sensors) {
+  RunRecord record;
+  record.command = options.command;
+  record.set = options.set;
+  record.trajectory = options.trajectory;
+  const std::span<const std::filesystem::path> inputs = simulation.diagnostics().inputs();
+  std::vector<std::filesystem::path> files(inputs.begin(), inputs.end());
+  files.insert(files.end(), options.plugins.begin(), options.plugins.end());
+  record.inputs = hashes_of(files);
+  if (!options.trajectory.empty()) record.inputs[options.trajectory] = sha256_of(options.trajectory);
+  record.environment = simulation.diagnostics().environment();
+  record.host = host_info();
+  in_option("--format", [&] { record.formats = parse_formats(options.formats); });
+  record.formats.depth_unit_m = options.depth_unit_m;
+  record.poses = options.poses;
+  for (const SensorInfo& sensor : sensors) {
+    const Command& command = simulation.diagnostics().command(sensor.name);
+    record.attributes[sensor.name] = given_attributes(command);
+    record.defaults[sensor.name] = default_attributes(command);
+  }
+  return record;
+}
+
+}  // namespace
+
+RunReport begin_report(const Options& options, const Simulation& simulation) {
+  RunReport report;
+  report.scene = options.scene;
+  report.shard = wanted_shard(options, simulation);
+  report.device = simulation.diagnostics().device();
+  report.seed = options.seed;
+  report.rate_hz = options.rate_hz;
+  report.frames_when_due = options.frames_when_due;
+  report.frames_wanted = options.frames;
+  report.endless = options.endless;
+  if (!options.serve.empty()) report.served = serve_desc(options);
+  report.followed = options.follow;
+  report.sensors = simulation.sensors();
+  report.record = begin_record(options, simulation, report.sensors);
+  return report;
+}
+
+}  // namespace simvis

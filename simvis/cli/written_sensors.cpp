@@ -1,0 +1,51 @@
+#include "simvis/cli/written_sensors.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "sensors/laser_scanner/laser_scanner.h"
+
+namespace simvis {
+namespace {
+
+/// Whether a scan of this frame says which items its beams hit.
+bool names_items(const Simulation& simulation, const WrittenSensors& written) {
+  const std::vector<SensorInfo> sensors = simulation.sensors();
+  return std::ranges::any_of(simulation.measured(), [&](const std::string& name) {
+    const auto sensor = std::ranges::find(sensors, name, &SensorInfo::name);
+    const bool casts = sensor != sensors.end() && (sensor->capabilities & kCastsBeams) != 0;
+    return casts && written.contains(name) && simulation.scan(name).channel(kTrueItem) != nullptr;
+  });
+}
+
+}  // namespace
+
+void WrittenSensors::start(std::set<std::string> names, const Simulation& simulation) {
+  names_ = std::move(names);
+  changes_ = simulation.parameters().changes().size();
+}
+
+void WrittenSensors::follow(const Simulation& simulation) {
+  const std::vector<std::string>& log = simulation.parameters().changes();
+  for (; changes_ < log.size(); ++changes_) {
+    const Command command = parse_commands(log[changes_], "log", ".").front();
+    if (command.kind != CommandKind::remove || command.require("kind").value != "sensor") continue;
+    names_.erase(command.require("name").value);
+  }
+}
+
+void write_results(const std::vector<std::string>& parts, const Simulation& simulation, const WrittenSensors& written,
+                   const FrameTime& time, OutputWriter& writer) {
+  glm::dmat4 pose;
+  for (const std::string& part : parts) {
+    if (simulation.part_pose(part, pose)) writer.part_pose(part, time, pose);
+  }
+  for (const std::string& sensor : simulation.measured()) {
+    if (!written.contains(sensor)) continue;
+    simulation.sensor_pose(sensor, pose);
+    simulation.write(sensor, writer.sink(sensor, time, pose));
+  }
+  if (names_items(simulation, written)) writer.items(time, simulation.items());
+}
+
+}  // namespace simvis
