@@ -9,7 +9,8 @@
 #include "python/core/errors.h"
 #include "python/core/measurements.h"
 #include "python/core/running_simulation.h"
-#include "python/core/written_types.h"
+#include "python/core/written_elements.h"
+#include "python/core/written_sensors.h"
 
 namespace nb = nanobind;
 
@@ -18,7 +19,8 @@ NB_MODULE(_core, module) {
   simvis::python::translate_errors();
   simvis::python::bind_measurements(module);
   simvis::python::bind_simulation(module);
-  simvis::python::bind_written_types(module);
+  simvis::python::bind_written_elements(module);
+  simvis::python::bind_written_sensors(module);
   module.def("version", [] { return std::string(simvis::version()); });
   module.def(
       "load_plugin", [](const std::string& file) { simvis::load_plugin(file); }, nb::arg("file"),
