@@ -496,7 +496,7 @@ int run_scene(Options options, std::int64_t start_ns) {
   std::optional<Follower> follower;
   if (!options.follow.empty()) {
     defer_signals();
-    follower.emplace(options.follow, options.scene, scene_desc(options));
+    in_option("--follow", [&] { follower.emplace(options.follow, options.scene, scene_desc(options)); });
   }
   Simulation simulation = follower ? follower->open() : load(options, loading);
   loading->clear_line();
