@@ -96,6 +96,57 @@ struct DdsHost {
   std::string name, domain, scene;
 };
 
+/// Two network namespaces that a cable joins, in place of two machines.
+class TwoMachines {
+ public:
+  explicit TwoMachines(const std::filesystem::path& folder) : pids_(folder / "pids"), keeper_(keeper_command()) {
+    const auto end = std::chrono::steady_clock::now() + 30s;
+    while (!std::filesystem::exists(pids_) && keeper_.err_so_far().empty() && std::chrono::steady_clock::now() < end) {
+      std::this_thread::sleep_for(5ms);
+    }
+    std::istringstream(read_text_if_there(pids_)) >> first_ >> second_;
+  }
+  ~TwoMachines() { keeper_.send(SIGTERM); }
+
+  bool exist() const { return !second_.empty(); }
+  std::string why_not() const { return "no network namespaces can be made: " + keeper_.err_so_far(); }
+  std::vector<std::string> on_first(const std::vector<std::string>& command) const { return on(first_, command); }
+  std::vector<std::string> on_second(const std::vector<std::string>& command) const { return on(second_, command); }
+
+ private:
+  std::vector<std::string> keeper_command() const {
+    const std::string script = R"sh(set -eu
+      unshare --net sleep 300 & other=$!
+      trap 'kill $other' EXIT
+      trap 'exit 0' TERM
+      until [ "$(readlink /proc/$other/ns/net)" != "$(readlink /proc/$$/ns/net)" ]; do sleep 0.01; done
+      ip link add east type veth peer name west netns $other
+      ip address add 10.123.0.1/24 dev east
+      ip link set lo up
+      ip link set east up
+      on_other='nsenter --target '$other' --net'
+      $on_other ip address add 10.123.0.2/24 dev west
+      $on_other ip link set lo up
+      $on_other ip link set west up
+      echo $$ $other >"$1.new"
+      mv "$1.new" "$1"
+      wait $other)sh";
+    return {"unshare", "--user", "--map-root-user", "--net", "sh", "-c", script, "sh", pids_.string()};
+  }
+  static std::string read_text_if_there(const std::filesystem::path& file) {
+    return std::filesystem::exists(file) ? read_text(file) : "";
+  }
+  static std::vector<std::string> on(const std::string& pid, const std::vector<std::string>& command) {
+    std::vector<std::string> all{"nsenter", "--target", pid, "--user", "--net", "--preserve-credentials"};
+    all.insert(all.end(), command.begin(), command.end());
+    return all;
+  }
+
+  std::filesystem::path pids_;
+  Process keeper_;
+  std::string first_, second_;
+};
+
 /// Waits until `done`, but not for ever.
 template <typename Done>
 void await(const Done& done) {
@@ -136,6 +187,21 @@ TEST_CASE("a follower by DDS that comes late measures what its host measures, by
   const std::string first = rows.begin()->second,
                     last = rows_by_frame(host.folder / "seen" / "SEEN.csv").begin()->second;
   CHECK(first.substr(first.find(',', 2)) != last.substr(last.find(',', 2)));
+}
+
+TEST_CASE("a follower on another machine that comes late measures what its host measures") {
+  if (!has_dds()) return test::skip("this build has no DDS");
+  const DdsHost host("dds-machines");
+  const TwoMachines machines(host.folder.path());
+  if (!machines.exist()) return test::skip(machines.why_not());
+  const std::vector<std::string> own_settings{"CYCLONEDDS_URI="};  // as on machines that nobody has set up
+  Process running(machines.on_first(host.command("own")), own_settings);
+  host.change();
+  const ProcessResult seen = Process(machines.on_second(host.follower("seen", {"--frames", "4"})), own_settings).wait();
+  REQUIRE_MESSAGE(seen.exit_code == 0, seen.err);
+  running.send(SIGINT);
+  CHECK(running.wait().exit_code == 130);
+  CHECK(same_frames(host, "own", "seen") >= 3);
 }
 
 TEST_CASE("a follower by DDS sees changes, and the successor of a host that was killed") {
