@@ -8,6 +8,9 @@
 #include <thread>
 
 #include <simvis_client/connection.h>
+#include "messages/types/follow_types.h"
+#include "simvis/sharing/follow_messages.h"
+#include "simvis/sharing/network_host.h"
 #include "tests/clients/shared_host.h"
 #include "tests/support/loopback_dds.h"
 #include "tests/support/run_process.h"
@@ -222,6 +225,55 @@ TEST_CASE("a follower by DDS sees changes, and the successor of a host that was 
   await([&] { return host.frames_of("seen") > with_first + 2; });
   follower.send(SIGINT);
   CHECK(follower.wait().exit_code == 130);
+}
+
+TEST_CASE("a follower by DDS passes over what strangers say") {
+  if (!has_dds()) return test::skip("this build has no DDS");
+  const std::uint32_t domain = own_domain();
+  constexpr std::uint64_t kHost = 7, kStranger = 5;
+  ros::DdsNode node(domain), stranger(domain);
+  const auto good = node.sink(ros::SensorQos::reliable), bad = stranger.sink(ros::SensorQos::reliable);
+  const auto say = [](ros::RecorderSink& sink, const auto& message, const std::string& what, ros::Durability how) {
+    sink.write(follow_topic("demo", what), 0, message, how);
+  };
+  const std::string log(kFollowLog), frame(kFollowFrame);
+  say(*bad, ros::ChangeLog{kStranger, 1000, 0, {"<nonsense"}}, log, ros::Durability::log);
+  say(*bad, ros::ChangeLog{kHost + 1, 0, 0, {"<nonsense"}}, log, ros::Durability::log);
+  say(*bad, ros::HostFrame{kHost + 1, "other", 0, 0, 0, {}}, frame, ros::Durability::latched);
+  say(*good, ros::ChangeLog{kHost, 0, 0, {"first", "second"}}, log, ros::Durability::log);
+  say(*good, ros::ChangeLog{kHost, 1, 3, {"second", "third"}}, log, ros::Durability::log);  // the second again
+  say(*good, ros::HostFrame{kHost, "demo", 3, 40, 3, {1, 2}}, frame, ros::Durability::latched);
+  const std::unique_ptr<FollowedHost> host = host_by_dds("demo", domain);
+  await([&] { return host->connect(50); });
+  std::vector<double> values;
+  const FollowedHost::Frame found = host->read(values);
+  CHECK(found.next_frame == 4);
+  CHECK(found.time_ns == 40);
+  CHECK(values == std::vector<double>{1, 2});
+  std::vector<std::string> changes;
+  for (std::uint64_t position = 0; const auto change = host->next_change(position);) changes.emplace_back(change->xml);
+  CHECK(changes == std::vector<std::string>{"first", "second", "third"});
+
+  // Frames of a time that cannot be, and scans whose numbers do not fit together.
+  say(*bad, ros::HostFrame{kHost + 1, "demo", 9, -1, 0, {}}, frame, ros::Durability::latched);
+  ros::HostScan scan;
+  scan.host = kHost;
+  scan.azimuth_rad = {0, 1};
+  scan.elevation_rad = {0};
+  scan.range_m = {3, 4};
+  CHECK_FALSE(host->scan("SCAN", 0));
+  std::optional<FollowedHost::HostScan> seen;
+  await([&] {
+    scan.error_bound_m = {};
+    good->write(follow_topic("demo/SCAN", kFollowScan), 0, scan);
+    scan.error_bound_m = {0, 0};
+    good->write(follow_topic("demo/SCAN", kFollowScan), 0, scan);
+    return (seen = host->scan("SCAN", 0)).has_value();
+  });
+  CHECK(seen->scan.range_m == std::vector<float>{3, 4});
+  CHECK(host->wait(1, 0) == FollowedHost::Waited::time_over);
+  good->finish();
+  await([&] { return host->wait(1, 50) == FollowedHost::Waited::host_ended; });
 }
 
 TEST_CASE("--follow dds: a name that nobody serves is said, and names that nobody can serve are refused") {
