@@ -6,8 +6,9 @@
 // message that is there already, beside the copy of as many bytes, and of making the message from the measurement.
 // Frames: medians of step() in milliseconds, in blocks without and with recording in turn; "cameras" are all sensors,
 // "scanners" the laser scanners alone. `rate_hz` is how often frames are called for: 0: one after the other, 15: as at
-// 15 Hz, the caller sleeping in between if there is time. `record_ms` is the part of step() that hands the messages
-// over. Processor time is of all threads, over whole frames.
+// 15 Hz, the caller sleeping in between if there is time. `caller_ms` is the processor time of the simulation's own
+// thread, `record_ms` the part of step() that hands the messages over. Of all steps together `total_ratio` also counts
+// the wait at the end of a recording for what is not yet written. Processor time is of all threads, over whole frames.
 #include <time.h>
 
 #include <algorithm>
@@ -16,12 +17,14 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <numeric>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include <simvis/simulation.h>
 #include <simvis/trajectory.h>
+#include "bench/timing.h"
 #include "messages/cdr.h"
 #include "messages/from_image.h"
 #include "messages/from_scan.h"
@@ -30,6 +33,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 using namespace simvis;
+using namespace simvis::bench;
 
 double processor_ms() {
   timespec time{};
@@ -39,11 +43,6 @@ double processor_ms() {
 
 double ms_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
-
-double median(std::vector<double> values) {
-  std::ranges::sort(values);
-  return values[values.size() / 2];
 }
 
 template <typename Work>
@@ -85,9 +84,10 @@ void print_encoding(const char* name, const Make& make) {
 }
 
 struct Run {
-  std::vector<double> plain_ms, recorded_ms, record_ms;
+  std::vector<Took> plain, recorded;
+  std::vector<double> record_ms;
   double plain_processor_ms = 0, recorded_processor_ms = 0;
-  double finish_ms = 0;
+  std::vector<double> finish_ms;
   RecordReport report;
 };
 
@@ -115,15 +115,13 @@ Run run(bool cameras, double rate_hz, int blocks) {
     if (frame % kBlock == 0 && !records && frame > 0) {
       const Clock::time_point start = Clock::now();
       result.report = simulation.finish_recording();
-      result.finish_ms = ms_since(start);
+      result.finish_ms.push_back(ms_since(start));
       due = Clock::now();
       result.recorded_processor_ms += processor_ms() - processor_start_ms;
       processor_start_ms = processor_ms();
     }
     trajectory.apply(static_cast<double>(simulation.next_frame().time_ns) / 1e9, simulation.parameters());
-    const Clock::time_point start = Clock::now();
-    simulation.step();
-    (records ? result.recorded_ms : result.plain_ms).push_back(ms_since(start));
+    (records ? result.recorded : result.plain).push_back(time_work([&] { simulation.step(); }));
     for (const StageTime& stage : simulation.diagnostics().stages()) {
       if (stage.name == "record") result.record_ms.push_back(static_cast<double>(stage.end_ns - stage.start_ns) / 1e6);
     }
@@ -135,6 +133,14 @@ Run run(bool cameras, double rate_hz, int blocks) {
   return result;
 }
 
+double sum(const std::vector<double>& values) { return std::accumulate(values.begin(), values.end(), 0.0); }
+
+double wall_ms(const std::vector<Took>& all) {
+  double total = 0;
+  for (const Took& took : all) total += took.wall_ms;
+  return total;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -144,14 +150,20 @@ int main(int argc, char** argv) {
   print_encoding("cloud 64 x 2048", [&] { return ros::point_cloud(scan, "TOP"); });
   const Image image{1920, 1080, 4, std::vector<float>(std::size_t{1920} * 1080 * 4, 0.4f)};
   print_encoding("image 1920 x 1080", [&] { return ros::to_image(image, {}, "rgb8"); });
-  std::printf("\nsensors,rate_hz,plain_ms,recorded_ms,ratio,record_ms,processor_ratio,finish_ms,file_bytes\n");
+  std::printf(
+      "\nsensors,rate_hz,plain_ms,recorded_ms,ratio,caller_plain_ms,caller_recorded_ms,caller_ratio,record_ms,total_"
+      "ratio,processor_ratio,"
+      "finish_ms,file_bytes\n");
   for (const bool cameras : {false, true}) {
     for (const double rate_hz : {0.0, 15.0}) {
       const Run measured = run(cameras, rate_hz, blocks);
-      const double plain = median(measured.plain_ms), recorded = median(measured.recorded_ms);
-      std::printf("%s,%g,%.3f,%.3f,%.3f,%.3f,%.3f,%.1f,%llu\n", cameras ? "cameras" : "scanners", rate_hz, plain,
-                  recorded, recorded / plain, median(measured.record_ms),
-                  measured.recorded_processor_ms / measured.plain_processor_ms, measured.finish_ms,
+      const Took plain = median(measured.plain), recorded = median(measured.recorded);
+      const double frames = static_cast<double>(measured.plain.size()) / static_cast<double>(measured.recorded.size());
+      const double total = frames * (wall_ms(measured.recorded) + sum(measured.finish_ms)) / wall_ms(measured.plain);
+      std::printf("%s,%g,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.1f,%llu\n", cameras ? "cameras" : "scanners",
+                  rate_hz, plain.wall_ms, recorded.wall_ms, recorded.wall_ms / plain.wall_ms, plain.caller_ms,
+                  recorded.caller_ms, recorded.caller_ms / plain.caller_ms, median(measured.record_ms), total,
+                  measured.recorded_processor_ms / measured.plain_processor_ms, median(measured.finish_ms),
                   static_cast<unsigned long long>(measured.report.bytes));
       std::fflush(stdout);
     }

@@ -11,9 +11,8 @@
 #include "clients/shared_words.h"
 
 namespace simvis {
-namespace {
 
-void check_name(const std::string& name) {
+void check_served_name(const std::string& name) {
   const bool fits =
       !name.empty() && name.size() < SIMVIS_SHM_MAX_NAME &&
       name.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._-") == std::string::npos;
@@ -23,10 +22,8 @@ void check_name(const std::string& name) {
   }
 }
 
-}  // namespace
-
 SharedHost::SharedHost(const std::string& name, SharedAccess access)
-    : object_((check_name(name), std::make_unique<SharedObject>(name, access))),
+    : object_((check_served_name(name), std::make_unique<SharedObject>(name, access))),
       clients_(SIMVIS_SHM_CLIENTS),
       first_parameter_{0} {}
 SharedHost::~SharedHost() = default;

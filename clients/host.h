@@ -61,6 +61,9 @@ struct SharedOutput {
   const void* data = nullptr;  ///< rows * columns * channels numbers
 };
 
+/// Throws InputError if no simulation can be served under this name.
+void check_served_name(const std::string& name);
+
 /// The shared memory of one simulation. The layout and its rules: <simvis_client/shared_memory.h>.
 ///
 /// Trust    what clients may write is copied and checked before it is used; the host keeps its own counts, values and

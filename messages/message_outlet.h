@@ -13,8 +13,12 @@
 
 namespace simvis::ros {
 
-/// How long subscribers may find a message: while they listen, or later too.
-enum class Durability : std::uint8_t { transient, latched };
+/// How long subscribers may find a message.
+enum class Durability : std::uint8_t {
+  transient,  ///< while they listen
+  latched,    ///< later too, if it is the last one of its topic
+  log         ///< later too, with all others of its topic, none of which is ever lost
+};
 
 /// A topic. It always has the same type and durability.
 struct Topic {

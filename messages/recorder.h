@@ -35,17 +35,23 @@ class MessageFile : public RecorderSink {
   std::map<std::string, McapWriter::Channel> channels_;
 };
 
+/// How soon the recorder's thread gets to its jobs.
+enum class RecorderHaste : std::uint8_t {
+  soon,  ///< on a busy machine with a small share of a core
+  idle   ///< on cores that nobody else uses
+};
+
 /// Jobs fill, encode and write messages; they run in the order in which they were added. What waits holds at most
 /// kMaxBytes, or is a single job that holds more.
 ///
 /// Errors   MachineError of the sink: thrown by the next call of add() or finish(), and by each one after it.
-/// Threads  one thread at a time; jobs run on the recorder's own.
+/// Threads  one thread at a time; jobs run on the recorder's own, and on that of a caller who waits for them.
 class Recorder {
  public:
   using Job = std::function<void(MessageSink&)>;
   static constexpr std::size_t kMaxBytes = std::size_t{256} << 20;
 
-  explicit Recorder(std::unique_ptr<RecorderSink> sink);
+  Recorder(std::unique_ptr<RecorderSink> sink, RecorderHaste haste);
   /// Writes what waits and finishes the sink; errors are lost.
   ~Recorder();
   Recorder(const Recorder&) = delete;
@@ -67,14 +73,17 @@ class Recorder {
     Job job;
   };
   void run();
+  bool run_next(std::unique_lock<std::mutex>& lock);
   void throw_failure();
 
-  std::unique_ptr<RecorderSink> sink_;  // of the thread, while it runs
+  std::unique_ptr<RecorderSink> sink_;  // of the thread that runs a job
+  RecorderHaste haste_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<Waiting> waiting_;
   std::size_t held_bytes_ = 0;  // by those that wait and the one that runs
   std::uint64_t messages_ = 0, bytes_ = 0;
+  bool runs_ = false;  // a job, on any thread
   bool ends_ = false;
   std::exception_ptr failure_;
   std::thread thread_;  // the last member: it uses the others

@@ -129,6 +129,7 @@ void Simulation::serve(const ServeDesc& desc) {
   SimulationImpl& idle = use->idle();
   if (idle.serving) throw InputError("the simulation is served already, expected one call of serve()");
   idle.serving.emplace(desc, idle.scene.built);
+  if (idle.network) idle.network->serve_as(desc.name);
 }
 
 void Simulation::record(const RecordDesc& desc) {
@@ -151,6 +152,7 @@ void Simulation::join_dds(const DdsDesc& desc) {
   SimulationImpl& idle = use->idle();
   if (idle.network) throw InputError("the simulation takes part in DDS already, expected leave_dds() before");
   idle.network = std::make_unique<Network>(desc, idle.scene.built);
+  if (idle.serving) idle.network->serve_as(idle.serving->name());
   idle.sent_frames = 0;
 }
 

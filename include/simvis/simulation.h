@@ -104,10 +104,10 @@ class SIMVIS_API Simulation {
 
   /// Sends the frames of the next steps as ROS 2 messages by DDS, as docs/messages.md says, until leave_dds() or the
   /// end of the simulation. From now on each step() begins with what others sent: it executes their change requests,
-  /// sets their values and says on /simvis/log what it refuses. Messages are sent by a thread of its own; measurements
-  /// that the network does not take in time are dropped and counted. A step throws MachineError once nothing can be
-  /// sent. Throws InputError: a build without DDS, a folder that does not exist, two sensors would have the same
-  /// topics, a second call. MachineError: the domain cannot be joined.
+  /// sets their values and says on /simvis/log what it refuses. If the simulation is served too, followers on other
+  /// machines find it by that name. Messages are sent by a thread of its own; measurements that the network does not
+  /// take in time are dropped and counted. A step throws MachineError once nothing can be sent. Throws InputError: no
+  /// DDS in this build, no such folder, two sensors with the same topics, a second call. MachineError: no such domain.
   void join_dds(const DdsDesc& desc);
   /// Sends what waits, and leaves. Throws MachineError if nothing could be sent, InputError if join_dds() was not
   /// called. In both cases the simulation is then outside.

@@ -35,15 +35,27 @@ class DdsNode {
   DdsNode& operator=(const DdsNode&) = delete;
 
   /// Writes messages of measurements as `qos` says, and all others reliably. A latched topic gives its last message to
-  /// subscribers that come late.
+  /// subscribers that come late, a log all of them.
   std::unique_ptr<RecorderSink> sink(SensorQos qos);
 
-  /// Receives the messages of a topic, reliably, from now on. At most kMaxWaiting of them wait for take(), the later
-  /// ones; none is longer than `max_bytes`.
+  /// Receives the messages of a topic, reliably, from now on, with those before that its durability keeps. At most
+  /// kMaxWaiting of them wait for take(), the later ones, and of a log all; none is longer than `max_bytes`.
   static constexpr std::size_t kMaxWaiting = 1024, kMaxBytes = std::size_t{1} << 17;
-  void subscribe(const std::string& topic, const TypeDescription& type, std::size_t max_bytes = kMaxBytes);
+  void subscribe(const std::string& topic, const TypeDescription& type, std::size_t max_bytes = kMaxBytes,
+                 Durability durability = Durability::transient);
   /// What has come since the last call, encapsulation included: bytes of strangers.
   std::vector<std::string> take(const std::string& topic);
+
+  /// A message, and who has sent it.
+  struct Received {
+    std::string bytes;
+    std::uint64_t writer = 0;
+  };
+  std::vector<Received> take_with_writers(const std::string& topic);
+  /// Whether a writer of a received message still takes part.
+  bool has_writer(const std::string& topic, std::uint64_t writer) const;
+  /// Waits until a message can be taken, or for so long.
+  void wait(int timeout_ms) const;
 
  private:
   class Sink;

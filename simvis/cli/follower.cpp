@@ -1,8 +1,7 @@
 #include "simvis/cli/follower.h"
 
-#include <unistd.h>
-
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -10,6 +9,7 @@
 #include <utility>
 
 #include <simvis/element.h>
+#include "simvis/cli/follow_link.h"
 #include "simvis/cli/signals.h"
 
 namespace simvis {
@@ -17,62 +17,31 @@ namespace {
 
 constexpr int kPoll_ms = 50;  // how often a signal is looked for
 
-template <typename Number>
-std::vector<Number> numbers(const client::Measurement& measurement, const char* output) {
-  const std::span<const Number> shared = measurement.output<Number>(output);
-  return {shared.begin(), shared.end()};
-}
-
-/// Empty if the host has begun to write over it.
-std::optional<Scan> copy_of(const client::Measurement& measurement) {
-  const simvis_output* shape = nullptr;
-  const simvis_view view = measurement.view();
-  if (simvis_output_data(&view, "range_m", &shape) == nullptr) return {};
-  Scan scan{.rings = shape->rows,
-            .beams = shape->columns,
-            .azimuth_rad = numbers<double>(measurement, "azimuth_rad"),
-            .elevation_rad = numbers<double>(measurement, "elevation_rad"),
-            .range_m = numbers<float>(measurement, "range_m"),
-            .error_bound_m = numbers<float>(measurement, "error_bound_m"),
-            .channels = {},
-            .time_ns = measurement.slot().time_ns,
-            .world_from_sensor = glm::dmat4(1)};
-  for (int i = 0; i < 16; ++i) scan.world_from_sensor[i / 4][i % 4] = measurement.slot().world_from_sensor[i];
-  const bool fits = scan.range_m.size() == std::size_t{scan.rings} * scan.beams &&
-                    scan.azimuth_rad.size() == scan.beams && scan.elevation_rad.size() == scan.rings;
-  if (!fits || !measurement.whole()) return {};
-  return scan;
-}
+constexpr std::chrono::seconds kSilentSearch{3};  // before it is said that there is no host
 
 }  // namespace
 
-Follower::Follower(std::string name, std::string own_scene, SimulationDesc desc)
-    : name_(std::move(name)), own_scene_(std::move(own_scene)), desc_(std::move(desc)) {
+Follower::Follower(const std::string& follow, std::string own_scene, SimulationDesc desc)
+    : name_(follow), own_scene_(std::move(own_scene)), desc_(std::move(desc)), host_(followed_host(follow)) {
   desc_.elements_move = false;
 }
 
 void Follower::connect() {
-  const std::string own_name = "follower-" + std::to_string(::getpid());
-  host_.reset();
-  while (!host_) {
-    stop_if_asked_to();
-    try {
-      host_.emplace(name_, own_name, kPoll_ms);
-    } catch (const client::Error& error) {
-      if (!simvis_is_missing()) throw MachineError(error.what());
-    }
-  }
+  const auto start = std::chrono::steady_clock::now();
+  bool is_said = false;
   frame_ = {};
-  while (frame_.frames == 0 && host_->alive()) {
+  while (frame_.frames == 0) {
     stop_if_asked_to();
-    if (simvis_wait_frame(host_->get(), 0, kPoll_ms) == 1) read_frame();
+    const bool is_there = host_->connect(kPoll_ms);
+    if (is_there && host_->wait(0, kPoll_ms) == FollowedHost::Waited::frame) read_frame();
+    if (is_there || is_said || std::chrono::steady_clock::now() - start < kSilentSearch) continue;
+    std::cerr << "simvis-run: " << host_->missing() << "; waiting for it\n";
+    is_said = true;
   }
 }
 
 Simulation Follower::open() {
-  do {
-    connect();
-  } while (frame_.frames == 0);
+  connect();
   Simulation simulation = build();
   own_is_required_ = false;
   return simulation;
@@ -80,28 +49,22 @@ Simulation Follower::open() {
 
 void Follower::reconnect(Simulation& simulation) {
   std::cerr << "simvis-run: the host of \"" << name_ << "\" has ended; waiting for the next one\n";
-  do {
-    connect();
-  } while (frame_.frames == 0);
+  connect();
   first_frame_ = last_frame_ + 1;
   simulation = build();
 }
 
 // The values and the number of one frame.
-void Follower::read_frame() {
-  values_.resize(simvis_parameter_count(host_->get()));
-  if (simvis_applied_frame(host_->get(), 0, values_.data(), values_.size(), &frame_) != 0) frame_ = {};
-}
+void Follower::read_frame() { frame_ = host_->read(values_); }
 
 // The commands of all entries that the frame is made with, and no others: requests that the host is executing now may
 // be there in part.
 Follower::Changes Follower::next_changes() {
   Changes changes;
-  for (std::uint64_t position = log_position_; const auto entry = host_->next_log(position);) {
-    if (entry->frame >= frame_.next_frame) break;
+  for (std::uint64_t position = log_position_; const auto change = host_->next_change(position);) {
+    if (change->frame >= frame_.next_frame) break;
     log_position_ = position;
-    if (entry->kind != SIMVIS_CHANGE) continue;
-    changes.xml.append(entry->text).append("\n");
+    changes.xml.append(change->xml).append("\n");
   }
   if (!changes.xml.empty()) changes.commands = parse_commands(changes.xml, "log of " + name_, "/");
   return changes;
@@ -180,14 +143,12 @@ void Follower::copy_values(Simulation& simulation) {
 
 void Follower::show_scans(Simulation& simulation) {
   for (const std::string& scanner : scanners_) {
-    const std::int64_t id = simvis_find_sensor(host_->get(), scanner.c_str());
-    const std::optional<client::Measurement> latest = id < 0 ? std::nullopt : host_->latest(id);
-    if (!latest || latest->view().sequence == shown_[scanner]) continue;
-    std::optional<Scan> scan = copy_of(*latest);
-    if (!scan) continue;
-    shown_[scanner] = latest->view().sequence;
+    std::optional<FollowedHost::HostScan> latest = host_->scan(scanner, shown_[scanner]);
+    if (!latest) continue;
+    shown_[scanner] = latest->number;
     const std::vector<SensorInfo> sensors = simulation.sensors();
-    if (std::ranges::count(sensors, scanner, &SensorInfo::name) > 0) simulation.show_scan(scanner, std::move(*scan));
+    if (std::ranges::count(sensors, scanner, &SensorInfo::name) > 0)
+      simulation.show_scan(scanner, std::move(latest->scan));
   }
 }
 
@@ -207,10 +168,10 @@ void Follower::replay(Simulation& simulation) {
 std::optional<FrameTime> Follower::advance(Simulation& simulation) {
   const bool first = !stepped_ns_;
   const std::uint64_t seen = first ? frame_.frames - 1 : frame_.frames;
-  for (int waited = 0; waited != 1;) {
+  for (auto waited = FollowedHost::Waited::time_over; waited != FollowedHost::Waited::frame;) {
     if (received_signal() != nullptr) return {};
-    waited = simvis_wait_frame(host_->get(), seen, kPoll_ms);
-    if (waited >= 0) continue;
+    waited = host_->wait(seen, kPoll_ms);
+    if (waited != FollowedHost::Waited::host_ended) continue;
     reconnect(simulation);
     break;
   }
@@ -224,22 +185,19 @@ std::optional<FrameTime> Follower::advance(Simulation& simulation) {
   return FrameTime{.index = last_frame_, .time_ns = frame_.time_ns};
 }
 
-bool Follower::set(std::size_t parameter, double value) {
+bool Follower::set(const Simulation& simulation, std::size_t parameter, double value) {
   const auto found = std::ranges::find(own_parameter_, parameter);
   if (found == own_parameter_.end()) return false;
-  simvis_set(host_->get(), found - own_parameter_.begin(), value);
+  host_->set(static_cast<std::size_t>(found - own_parameter_.begin()), simulation.parameters().name(parameter), value);
   return true;
 }
 
-void Follower::request(const std::string& xml) {
-  if (simvis_send(host_->get(), xml.c_str()) == 0)
-    throw InputError(name_ + ": takes no request now: " + simvis_client_error());
-}
+void Follower::request(const std::string& xml) { host_->request(xml); }
 
 std::optional<Scan> Follower::latest_scan(const std::string& sensor) {
-  const std::int64_t id = simvis_find_sensor(host_->get(), sensor.c_str());
-  const std::optional<client::Measurement> latest = id < 0 ? std::nullopt : host_->latest(id);
-  return latest ? copy_of(*latest) : std::nullopt;
+  std::optional<FollowedHost::HostScan> latest = host_->scan(sensor, 0);
+  if (!latest) return {};
+  return std::move(latest->scan);
 }
 
 void Follower::step(Simulation& simulation) {

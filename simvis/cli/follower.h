@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <span>
@@ -11,7 +12,7 @@
 #include <vector>
 
 #include <simvis/simulation.h>
-#include <simvis_client/connection.h>
+#include "simvis/sharing/followed_host.h"
 
 namespace simvis {
 
@@ -21,8 +22,8 @@ namespace simvis {
 /// and the own commands are executed in that.
 class Follower {
  public:
-  /// `own_scene` is a scene file, or empty.
-  Follower(std::string name, std::string own_scene, SimulationDesc desc);
+  /// `follow` is as --follow has it, `own_scene` a scene file, or empty. Throws what followed_host() throws.
+  Follower(const std::string& follow, std::string own_scene, SimulationDesc desc);
 
   /// Waits for the host and makes its scene. Throws Stopped if a signal comes, and InputError for the own file.
   Simulation open();
@@ -32,7 +33,7 @@ class Follower {
   std::optional<FrameTime> advance(Simulation& simulation);
 
   /// Asks the host to set a parameter, by its index here. Returns false if it belongs to the own scene.
-  bool set(std::size_t parameter, double value);
+  bool set(const Simulation& simulation, std::size_t parameter, double value);
   /// Asks the host to execute commands. Throws InputError if it cannot take them.
   void request(const std::string& xml);
   /// The last scan of one of the host's sensors; empty: it is no scanner, or has not measured.
@@ -64,14 +65,14 @@ class Follower {
 
   std::string name_, own_scene_;
   SimulationDesc desc_;
-  std::optional<client::Connection> host_;
-  simvis_frame_info frame_{};                   // of the host
+  std::unique_ptr<FollowedHost> host_;
+  FollowedHost::Frame frame_;                   // of the host
   std::vector<double> values_;                  // of that frame, by the host's parameter
   std::vector<double> copied_;                  // as values_, when they were copied last
   std::vector<std::size_t> own_parameter_;      // by the host's parameter
   std::uint64_t log_position_ = 0;              // behind the entries that were replayed
   std::set<std::string> scanners_;              // that elements show
-  std::map<std::string, std::uint64_t> shown_;  // sequence of the scan that is shown, by scanner
+  std::map<std::string, std::uint64_t> shown_;  // number of the scan that is shown, by scanner
   std::optional<std::int64_t> stepped_ns_;      // host's time of the last step of this simulation
   std::uint64_t builds_ = 0;
   std::uint64_t first_frame_ = 0, last_frame_ = 0;  // index of the host's frame 0, and of the last frame

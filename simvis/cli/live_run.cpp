@@ -165,7 +165,7 @@ void LiveRun::set_one(std::size_t parameter, double value, Simulation& simulatio
   if (follower_ != nullptr && parameter < parameters.values().size()) {
     const std::string wrong = check_number(parameters.spec(parameter), value);
     if (!wrong.empty()) throw InputError(parameters.name(parameter) + ": " + wrong);
-    if (follower_->set(parameter, value)) return;
+    if (follower_->set(simulation, parameter, value)) return;
   }
   parameters.set(parameter, value);
   changed_ = true;

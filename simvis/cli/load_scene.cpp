@@ -95,16 +95,6 @@ std::vector<std::filesystem::path> request_folders(const Options& options) {
   return {options.allow.begin(), options.allow.end()};
 }
 
-std::optional<std::uint32_t> dds_domain(const std::string& text) {
-  constexpr double kMax = 232;  // of the ports that the protocol has for domains
-  if (text.empty()) return std::nullopt;
-  double number = 0;
-  if (parse_number(text, number) && number >= 0 && number <= kMax && number == std::floor(number)) {
-    return static_cast<std::uint32_t>(number);
-  }
-  throw InputError(in_quotes(text) + " is no domain, expected a whole number from 0 to 232 or none");
-}
-
 }  // namespace
 
 SimulationDesc scene_desc(const Options& options) {
@@ -127,6 +117,16 @@ ServeDesc serve_desc(const Options& options) {
           .lockstep = options.lockstep,
           .group = options.serve_group,
           .lockstep_timeout_s = options.lockstep_timeout_s};
+}
+
+std::optional<std::uint32_t> dds_domain(const std::string& text) {
+  constexpr double kMax = 232;  // of the ports that the protocol has for domains
+  if (text.empty()) return std::nullopt;
+  double number = 0;
+  if (parse_number(text, number) && number >= 0 && number <= kMax && number == std::floor(number)) {
+    return static_cast<std::uint32_t>(number);
+  }
+  throw InputError(in_quotes(text) + " is no domain, expected a whole number from 0 to 232 or none");
 }
 
 DdsDesc dds_desc(const Options& options) {

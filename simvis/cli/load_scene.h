@@ -32,6 +32,8 @@ SimulationDesc scene_desc(const Options& options);
 /// How the options of --serve say that the simulation is served.
 ServeDesc serve_desc(const Options& options);
 DdsDesc dds_desc(const Options& options);
+/// Empty: the default domain. Throws InputError.
+std::optional<std::uint32_t> dds_domain(const std::string& text);
 
 /// Loads the scene, sets parameters and turns sensors off. `loading` shows the progress of loading until it is reset.
 Simulation load(const Options& options, std::optional<LoadingBar>& loading);

@@ -97,9 +97,10 @@ void declare_serve_options(CLI::App& app, Options& options) {
       ->needs(lockstep);
   app.add_option(
          "--follow", options.follow,
-         "show the simulation that another process serves under this name: SCENE.xml, which may be missing, has "
-         "what comes to its scene, such as cameras with view=\"visualization\" and laser beams")
-      ->type_name("NAME")
+         "show the simulation that another process serves under this name, on another machine with dds: in front; "
+         "SCENE.xml, which may be missing, has what comes to its scene, such as cameras with view=\"visualization\" "
+         "and laser beams")
+      ->type_name("NAME|dds:[DOMAIN/]NAME")
       ->check(not_empty)
       ->excludes("--price")
       ->excludes("--shard")

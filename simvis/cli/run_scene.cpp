@@ -35,7 +35,7 @@ std::optional<Follower> follower_of(const Options& options) {
   std::optional<Follower> follower;
   if (options.follow.empty()) return follower;
   defer_signals();
-  follower.emplace(options.follow, options.scene, scene_desc(options));
+  in_option("--follow", [&] { follower.emplace(options.follow, options.scene, scene_desc(options)); });
   return follower;
 }
 

@@ -35,9 +35,20 @@ Network::Network(const DdsDesc& desc, const BuiltScene& scene)
       node_(desc.domain),
       topics_(desc.topics),
       messages_(*this, scene),
-      recorder_(node_.sink(qos_of(desc))) {
-  node_.subscribe(kSet, ros::describe<ros::ParameterEvent>());
-  node_.subscribe(kRequest, ros::describe<ros::String>());
+      recorder_(node_.sink(qos_of(desc)), ros::RecorderHaste::soon) {
+  listen(kSet, kRequest);
+}
+
+void Network::listen(const std::string& set_topic, const std::string& request_topic) {
+  node_.subscribe(set_topic, ros::describe<ros::ParameterEvent>());
+  set_topics_.push_back(set_topic);
+  node_.subscribe(request_topic, ros::describe<ros::String>());
+  request_topics_.push_back(request_topic);
+}
+
+void Network::serve_as(const std::string& name) {
+  follow_messages_.emplace(static_cast<ros::MessageOutlet&>(*this), name);
+  listen(follow_topic(name, kFollowSet), follow_topic(name, kFollowRequest));
 }
 
 Network::~Network() {
@@ -93,18 +104,23 @@ void Network::set(Parameters& parameters, const std::string& bytes) {
 }
 
 void Network::take(BuiltScene& scene, const Execute& execute_commands) {
-  for (const std::string& bytes : node_.take(kRequest)) {
-    ++received_;
-    execute(bytes, execute_commands);
+  for (const std::string& topic : request_topics_) {
+    for (const std::string& bytes : node_.take(topic)) {
+      ++received_;
+      execute(bytes, execute_commands);
+    }
   }
-  for (const std::string& bytes : node_.take(kSet)) {
-    ++received_;
-    set(scene.parameters, bytes);
+  for (const std::string& topic : set_topics_) {
+    for (const std::string& bytes : node_.take(topic)) {
+      ++received_;
+      set(scene.parameters, bytes);
+    }
   }
 }
 
 void Network::add_frame(const BuiltScene& scene, const FrameTime& time, std::span<const PlacedSensor> sensors) {
   messages_.add_frame(scene, time, sensors);
+  if (follow_messages_) follow_messages_->add_frame(scene, time, sensors);
   for (const std::string& text : said_) {
     if (!ros::MessageOutlet::wants<ros::String>(kLog)) break;
     add({.run = [text, time_ns = time.time_ns](ros::MessageSink& sink) {

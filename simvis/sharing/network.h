@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -15,6 +16,7 @@
 #include "simvis/frame_messages.h"
 #include "simvis/scene_builder.h"
 #include "simvis/sharing/allowed_folders.h"
+#include "simvis/sharing/follow_messages.h"
 
 namespace simvis {
 
@@ -27,6 +29,9 @@ class Network : private ros::MessageOutlet {
   ~Network() override;
   Network(const Network&) = delete;
   Network& operator=(const Network&) = delete;
+
+  /// From the next frame on, followers find the simulation under this name, and may send what they ask for to it alone.
+  void serve_as(const std::string& name);
 
   /// Executes commands of others, in the scene that `execute` changes.
   using Execute = std::function<void(std::span<const Command>)>;
@@ -44,6 +49,7 @@ class Network : private ros::MessageOutlet {
  private:
   bool wants(const ros::Topic& topic, ros::TopicForm form) override { return topics_.wants(topic.name, form); }
   void add(ros::MessageJob job) override;
+  void listen(const std::string& set_topic, const std::string& request_topic);
   void execute(const std::string& bytes, const Execute& execute);
   void set(Parameters& parameters, const std::string& bytes);
   void say(const std::string& text, bool refused);
@@ -52,6 +58,8 @@ class Network : private ros::MessageOutlet {
   ros::DdsNode node_;
   ros::TopicFilter topics_;
   FrameMessages messages_;
+  std::optional<FollowMessages> follow_messages_;
+  std::vector<std::string> set_topics_, request_topics_;
   std::vector<std::string> said_;  // since the last frame
   std::uint64_t received_ = 0, refused_ = 0, dropped_ = 0;
   ros::Recorder recorder_;

@@ -23,6 +23,8 @@ class Serving {
   /// Throws InputError: the name is not allowed or taken, a folder is not there. MachineError: no memory.
   Serving(const ServeDesc& desc, const BuiltScene& scene);
 
+  const std::string& name() const { return desc_.name; }
+
   /// Executes commands of clients, in the scene that `execute` changes.
   using Execute = std::function<void(std::span<const Command>)>;
   /// Executes requests, then sets values, as clients wrote them. What is refused stands in the log.

@@ -1,6 +1,7 @@
 // A simulation on DDS, seen by another vendor's implementation and by strangers.
 #include <doctest/doctest.h>
 
+#include <bit>
 #include <cmath>
 #include <thread>
 
@@ -9,6 +10,7 @@
 #include "messages/types/system_types.h"
 #include "tests/support/error_of.h"
 #include "tests/support/loopback_dds.h"
+#include "tests/support/pip_packages.h"
 #include "tests/support/run_process.h"
 #include "tests/support/skip.h"
 #include "tests/support/tested_build.h"
@@ -159,6 +161,29 @@ TEST_CASE("DDS: another vendor's program receives a scan and the fixed transform
   std::getline(lines, transforms);
   CHECK(transforms == "1 transforms");
   CHECK(received.out.find(" CART\nSCAN ") != std::string::npos);
+}
+
+TEST_CASE("DDS: the package cyclonedds of PyPI receives a scan and the fixed transforms") {
+  if (!has_dds()) return test::skip("this build has no DDS");
+  Sent sent;
+  if (!test::pip_install({"cyclonedds"}, sent.folder / "packages")) return;
+  ::setenv("PYTHONPATH", (sent.folder / "packages").c_str(), 1);
+  const ProcessResult received = sent.step_beside(
+      {"python3", SIMVIS_SOURCE_DIR "/tests/clients/read_dds.py", std::to_string(sent.domain), "SCAN"});
+  ::unsetenv("PYTHONPATH");
+  REQUIRE_MESSAGE(received.exit_code == 0, received.err);
+  const auto hex = [](double number) {  // as Python prints it
+    char text[40];
+    std::snprintf(text, sizeof text, "%s0x1.%013llxp%+d", number < 0 ? "-" : "",
+                  static_cast<unsigned long long>(std::bit_cast<std::uint64_t>(number) & 0xfffffffffffffu),
+                  std::ilogb(number));
+    return std::string(text);
+  };
+  const Scan& scan = sent.simulation.scan("SCAN");
+  std::string expected = "SCAN\n" + hex(static_cast<float>(scan.azimuth_rad.front())) + " " +
+                         hex(static_cast<float>(scan.azimuth_rad.back())) + "\n21";
+  for (const float range : scan.range_m) expected += " " + hex(range);
+  CHECK(received.out == expected + "\nCART>SCAN\n");
 }
 
 TEST_CASE("DDS: strangers who send nonsense and much of it do not stop the host") {

@@ -6,6 +6,7 @@
 #include <simvis/error.h>
 #include "tests/messages/message_values.h"
 #include "tests/support/error_of.h"
+#include "tests/support/long_count.h"
 
 TEST_SUITE_BEGIN("messages");
 
@@ -52,7 +53,7 @@ TEST_CASE("the bytes of small messages follow from the rules") {
 TEST_CASE("every type comes back as it was") {
   test::Random random(1);
   for (int i = 0; i < 100; ++i) {
-    test::for_each_type([&]<typename M>() {
+    test::for_each_message([&]<typename M>() {
       M message;
       test::fill(message, random);
       const std::string bytes = encode(message);
@@ -99,8 +100,8 @@ bool takes(const std::string& bytes) {
 TEST_CASE("damaged bytes are refused or taken, and nothing else happens") {
   test::Random random(2);
   int taken = 0, refused = 0;
-  for (int i = 0; i < 300; ++i) {
-    test::for_each_type([&]<typename M>() {
+  for (int i = count_of("SIMVIS_TEST_DAMAGES", 300); i > 0; --i) {
+    test::for_each_message([&]<typename M>() {
       M message;
       test::fill(message, random);
       std::string bytes = encode(message);

@@ -64,6 +64,47 @@ TEST_CASE("DDS: messages of any length up to the limit arrive as they are") {
   CHECK(sink->messages() > sent.size());
 }
 
+TEST_CASE("DDS: who comes late gets a log from its start, and of a latched topic the last message") {
+  if (!has_dds()) return simvis::test::skip("this build has no DDS");
+  const std::uint32_t domain = own_domain();
+  constexpr std::size_t kEarly = 1500, kLater = 100, kLength = 2000;  // more than Cyclone's usual buffers take
+  DdsNode sender(domain);
+  const std::unique_ptr<RecorderSink> sink = sender.sink(SensorQos::best_effort);
+  const auto say = [&](std::size_t number) {
+    const std::string text = std::to_string(number);
+    sink->write("/log", 0, String{text + std::string(kLength, 'x')}, Durability::log);
+    sink->write("/last", 0, String{text}, Durability::latched);
+  };
+  for (std::size_t i = 0; i < kEarly; ++i) say(i);
+  DdsNode late(domain);
+  late.subscribe("/log", describe<String>(), DdsNode::kMaxBytes, Durability::log);
+  late.subscribe("/last", describe<String>(), DdsNode::kMaxBytes, Durability::latched);
+  std::vector<std::string> last;
+  std::size_t count = 0;
+  std::uint64_t writer = 0;
+  const auto receive = [&](std::size_t until) {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+    while ((count < until || last.empty()) && std::chrono::steady_clock::now() < end) {
+      late.wait(100);
+      for (const DdsNode::Received& received : late.take_with_writers("/log")) {
+        REQUIRE(decode<String>(received.bytes).data.starts_with(std::to_string(count++) + "x"));
+        writer = received.writer;
+      }
+      for (const std::string& bytes : late.take("/last")) last.push_back(decode<String>(bytes).data);
+    }
+    CHECK(count == until);
+  };
+  receive(kEarly);
+  CHECK(last == std::vector<std::string>{std::to_string(kEarly - 1)});
+  for (std::size_t i = kEarly; i < kEarly + kLater; ++i) say(i);
+  receive(kEarly + kLater);
+  CHECK(late.has_writer("/log", writer));
+  sink->finish();
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+  while (late.has_writer("/log", writer) && std::chrono::steady_clock::now() < end) late.wait(10);
+  CHECK_FALSE(late.has_writer("/log", writer));
+}
+
 #ifdef SIMVIS_HAS_DDS
 
 namespace {

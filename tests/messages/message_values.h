@@ -7,19 +7,28 @@
 #include <string>
 
 #include "messages/cdr.h"
+#include "messages/types/follow_types.h"
 #include "messages/types/geometry_types.h"
 #include "messages/types/sensor_types.h"
 #include "messages/types/system_types.h"
 
 namespace simvis::ros::test {
 
-/// Calls action.operator()<M>() for each type that SimVis sends.
+/// Calls action.operator()<M>() for each type of ROS 2 that SimVis sends.
 template <typename Action>
 void for_each_type(const Action& action) {
   const auto all = [&]<typename... M>() { (action.template operator()<M>(), ...); };
   all.template operator()<LaserScan, PointCloud2, Image, CompressedImage, CameraInfo, Range, DisparityImage, TFMessage,
                           PoseStamped, TwistStamped, Odometry, Path, Clock, DiagnosticArray, ParameterEvent, Float64,
                           Imu, NavSatFix, MagneticField, FluidPressure, JointState, Illuminance>();
+}
+
+/// As for_each_type(), with those that SimVis reads, and with its own.
+template <typename Action>
+void for_each_message(const Action& action) {
+  for_each_type(action);
+  const auto more = [&]<typename... M>() { (action.template operator()<M>(), ...); };
+  more.template operator()<String, ChangeLog, HostFrame, HostScan>();
 }
 
 using Random = std::mt19937;

@@ -8,7 +8,8 @@ import sys
 from pathlib import Path
 
 from mcap.reader import make_reader
-from mcap.stream_reader import StreamReader
+from mcap.records import Chunk, Message
+from mcap.stream_reader import StreamReader, breakup_chunk
 from rosbags.highlevel import AnyReader
 from rosbags.typesys import Stores, get_typestore
 
@@ -29,6 +30,36 @@ def compare(where, expected, seen):
         assert expected == seen, f"{where}: {expected}, read {seen}"
 
 
+def check_summary(file, summary, count):
+    """What `mcap doctor` looks at: statistics and indexes agree with the chunks that they are of."""
+    statistics, chunks, messages = summary.statistics, {}, {}
+    size = file.stat().st_size
+    with open(file, "rb") as stream:
+        for record in StreamReader(stream, emit_chunks=True, validate_crcs=True).records:
+            if isinstance(record, Chunk):
+                inner = breakup_chunk(record, validate_crc=True)
+                times = [each.log_time for each in inner if isinstance(each, Message)]
+                chunks[len(chunks)] = (record.message_start_time, record.message_end_time, len(record.data))
+                assert not times or (min(times), max(times)) == chunks[len(chunks) - 1][:2]
+                for each in inner:
+                    if isinstance(each, Message):
+                        messages[each.channel_id] = messages.get(each.channel_id, 0) + 1
+    indexed = sorted(summary.chunk_indexes, key=lambda index: index.chunk_start_offset)
+    assert chunks == {i: (index.message_start_time, index.message_end_time, index.compressed_size)
+                      for i, index in enumerate(indexed)}
+    for index, after in zip(indexed, indexed[1:] + [None]):
+        end = index.chunk_start_offset + index.chunk_length
+        assert end + index.message_index_length <= (after.chunk_start_offset if after else size)
+        assert all(end <= offset < end + index.message_index_length for offset in index.message_index_offsets.values())
+    assert statistics.message_count == count == sum(messages.values())
+    assert statistics.channel_message_counts == messages
+    assert statistics.chunk_count == len(chunks) and statistics.channel_count == len(summary.channels)
+    assert statistics.schema_count == len(summary.schemas)
+    assert statistics.message_start_time == min(start for start, _, _ in chunks.values())
+    assert statistics.message_end_time == max(end for _, end, _ in chunks.values())
+    assert all(channel.schema_id in summary.schemas for channel in summary.channels.values())
+
+
 def check_with_mcap(file, expected):
     with open(file, "rb") as stream:
         records = sum(1 for _ in StreamReader(stream, validate_crcs=True).records)
@@ -38,8 +69,8 @@ def check_with_mcap(file, expected):
         topics = {channel.topic for _, channel, _ in reader.iter_messages()}
         count = sum(1 for _ in reader.iter_messages())
     assert topics == set(expected), topics ^ set(expected)
-    assert summary.statistics.message_count == count
     assert records > count
+    check_summary(file, summary, count)
     for channel in summary.channels.values():
         assert channel.metadata["topic_type_hash"] == expected[channel.topic]["hash"], channel.topic
 

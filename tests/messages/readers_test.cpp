@@ -3,9 +3,9 @@
 
 #include "messages/mcap_writer.h"
 #include "tests/messages/message_values.h"
+#include "tests/support/pip_packages.h"
 #include "tests/support/run_process.h"
 #include "tests/support/simvis_run.h"
-#include "tests/support/skip.h"
 #include "tests/support/wall_scene.h"
 
 TEST_SUITE_BEGIN("messages");
@@ -15,20 +15,6 @@ namespace {
 
 using ros::test::Json;
 
-/// Installs the packages into a folder of its own. Returns false if they cannot be had.
-bool install_readers(const std::filesystem::path& folder) {
-  try {
-    const ProcessResult pip =
-        Process({"python3", "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-input", "--retries",
-                 "0", "--timeout", "10", "--target", folder.string(), "rosbags", "mcap"})
-            .wait(std::chrono::seconds(100));
-    if (pip.exit_code == 0) return true;
-  } catch (const std::runtime_error&) {  // there is no Python
-  }
-  test::skip("rosbags and mcap cannot be installed with pip");
-  return false;
-}
-
 ProcessResult run_python(const std::filesystem::path& packages, const Strings& arguments) {
   Strings all = {"python3"};
   all.insert(all.end(), arguments.begin(), arguments.end());
@@ -37,7 +23,7 @@ ProcessResult run_python(const std::filesystem::path& packages, const Strings& a
 
 TEST_CASE("readers that others wrote read every type, and a recorded run") {
   const TemporaryFolder folder;
-  if (!install_readers(folder / "packages")) return;
+  if (!test::pip_install({"rosbags", "mcap"}, folder / "packages")) return;
   const std::filesystem::path file = folder / "all.mcap";
   ros::test::Random random(6);
   Json expected;

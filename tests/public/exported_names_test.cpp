@@ -41,6 +41,7 @@ const std::set<std::string> kProgramNames = {
     "encode_jpeg",
     "encode_png",
     "find_scan_method",
+    "host_by_dds",
     "laser_scanner_desc",
     "markdown_table",
     "markdown_text",

@@ -2,7 +2,8 @@
 // sends a value.
 //   fast_dds_peer receive DOMAIN SENSOR      one scan and the fixed transforms, field by field
 //   fast_dds_peer send DOMAIN NAME VALUE     ROS 2's ParameterEvent on simvis/set, until it is killed
-//   fast_dds_peer flood DOMAIN               what makes no sense on simvis/set and simvis/request, until it is killed
+//   fast_dds_peer flood DOMAIN               what makes no sense on simvis/set and simvis/request, and other types than
+//                                            theirs, until it is killed
 #include <fastcdr/Cdr.h>
 
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
@@ -194,11 +195,14 @@ constexpr const char* kString = "std_msgs::msg::dds_::String_";
   }
 }
 
-[[noreturn]] void flood(DomainParticipant* participant) {
+[[noreturn]] void flood(DomainParticipant* participant, std::uint32_t domain) {
   constexpr std::size_t kTooLong = 200'000;
   constexpr int kPause = 200;  // in messages, so that others get their turn
   DataWriter* const set = writer(participant, "rt/simvis/set", kEvent);
   DataWriter* const request = writer(participant, "rt/simvis/request", kString);
+  DomainParticipant* const other = join(domain);  // one participant has one type for each topic
+  DataWriter* const wrong_set = writer(other, "rt/simvis/set", "sensor_msgs::msg::dds_::Image_");
+  DataWriter* const wrong_request = writer(other, "rt/simvis/request", kEvent);
   std::mt19937 random(1);
   Bytes event = parameter_event("MOVE.x", 1);
   for (int i = 0;; ++i) {
@@ -208,6 +212,7 @@ constexpr const char* kString = "std_msgs::msg::dds_::String_";
     if (i % 3 == 0) damaged.resize(1 + random() % damaged.size());
     if (i % 500 == 0) damaged.resize(kTooLong);
     (i % 2 == 0 ? set : request)->write(&damaged);
+    if (i % 5 == 0) (i % 2 == 0 ? wrong_set : wrong_request)->write(&event);
   }
 }
 
@@ -221,7 +226,7 @@ int main(int argc, char** argv) {
   int status = 2;
   if (what == "receive" && argc == 4) status = receive_both(participant, argv[3]);
   if (what == "send" && argc == 5) send(participant, argv[3], std::atof(argv[4]));
-  if (what == "flood") flood(participant);
+  if (what == "flood") flood(participant, static_cast<std::uint32_t>(std::atoi(argv[2])));
   std::fflush(stdout);
   std::_Exit(status);
 }

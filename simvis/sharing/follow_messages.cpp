@@ -1,0 +1,81 @@
+#include "simvis/sharing/follow_messages.h"
+
+#include <algorithm>
+#include <chrono>
+#include <glm/gtc/type_ptr.hpp>
+#include <utility>
+
+#include "messages/topics.h"
+#include "messages/types/follow_types.h"
+
+namespace simvis {
+namespace {
+
+// A message of the log has at least one command, and no further ones beyond this.
+constexpr std::size_t kLogMessageBytes = std::size_t{1} << 20;
+
+/// Later hosts have larger numbers, also when they run on another machine.
+std::uint64_t host_number() {
+  const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
+  return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::nanoseconds>(since_1970).count());
+}
+
+}  // namespace
+
+std::string follow_topic(std::string_view name, std::string_view what) {
+  return "/simvis" + ros::topic_name(name, what);
+}
+
+FollowMessages::FollowMessages(ros::MessageOutlet& outlet, std::string name)
+    : outlet_(outlet), name_(std::move(name)), host_(host_number()) {}
+
+void FollowMessages::add_frame(const BuiltScene& scene, const FrameTime& time, std::span<const PlacedSensor> sensors) {
+  add_changes(scene.parameters.changes(), time);
+  for (const PlacedSensor& placed : sensors) {
+    if (placed.measured) add_scan(placed, time);
+  }
+  const std::string topic = follow_topic(name_, kFollowFrame);
+  if (!outlet_.wants<ros::HostFrame>(topic, ros::TopicForm::own, ros::Durability::latched)) return;
+  const std::span<const double> values = scene.parameters.values();
+  ros::HostFrame message{host_, name_, time.index, time.time_ns, sent_changes_, {values.begin(), values.end()}};
+  outlet_.add({.run = [topic, time_ns = time.time_ns, message = std::move(message)](ros::MessageSink& sink) {
+    sink.write(topic, time_ns, message, ros::Durability::latched);
+  }});
+}
+
+void FollowMessages::add_changes(const std::vector<std::string>& changes, const FrameTime& time) {
+  const std::string topic = follow_topic(name_, kFollowLog);
+  if (!outlet_.wants<ros::ChangeLog>(topic, ros::TopicForm::own, ros::Durability::log)) return;
+  while (sent_changes_ < changes.size()) {
+    ros::ChangeLog message{host_, sent_changes_, time.index, {}};
+    for (std::size_t bytes = 0; sent_changes_ < changes.size() && bytes < kLogMessageBytes; ++sent_changes_) {
+      message.commands.push_back(changes[sent_changes_]);
+      bytes += changes[sent_changes_].size();
+    }
+    outlet_.add({.run = [topic, time_ns = time.time_ns, message = std::move(message)](ros::MessageSink& sink) {
+      sink.write(topic, time_ns, message, ros::Durability::log);
+    }});
+  }
+}
+
+void FollowMessages::add_scan(const PlacedSensor& placed, const FrameTime& time) {
+  const Scan* const scan = placed.sensor.sensor->scan();
+  if (scan == nullptr) return;
+  const std::string topic = follow_topic(name_ + "/" + placed.sensor.name, kFollowScan);
+  if (!outlet_.wants<ros::HostScan>(topic)) return;
+  ros::HostScan message{.host = host_,
+                        .time_ns = time.time_ns,
+                        .azimuth_rad = scan->azimuth_rad,
+                        .elevation_rad = scan->elevation_rad,
+                        .range_m = scan->range_m,
+                        .error_bound_m = scan->error_bound_m};
+  std::ranges::copy(std::span(glm::value_ptr(placed.world_from_sensor), 16), message.world_from_sensor.begin());
+  const std::size_t held_bytes = 2 * scan->range_m.size() * sizeof(float);
+  outlet_.add({.kind = ros::MessageJob::Kind::measurement,
+               .held_bytes = held_bytes,
+               .run = [topic, time_ns = time.time_ns, message = std::move(message)](ros::MessageSink& sink) {
+                 sink.write(topic, time_ns, message);
+               }});
+}
+
+}  // namespace simvis

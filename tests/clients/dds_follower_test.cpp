@@ -1,0 +1,295 @@
+// simvis-run --follow dds:NAME: a follower that shares no memory with its host holds the same scene, frame by frame.
+#include <doctest/doctest.h>
+#include <signal.h>
+
+#include <map>
+#include <set>
+#include <sstream>
+#include <thread>
+
+#include <simvis_client/connection.h>
+#include "messages/types/follow_types.h"
+#include "simvis/sharing/follow_messages.h"
+#include "simvis/sharing/network_host.h"
+#include "tests/clients/shared_host.h"
+#include "tests/support/loopback_dds.h"
+#include "tests/support/run_process.h"
+#include "tests/support/skip.h"
+#include "tests/support/tested_build.h"
+#include "tests/support/wall_scene.h"
+
+using namespace simvis;
+using namespace std::chrono_literals;
+
+TEST_SUITE_BEGIN("clients");
+
+namespace {
+
+constexpr const char* kHostScene = R"(
+    <part name="CART" insert_at="ROOT"/>
+    <element type="pose" name="MOVE" insert_at="CART"/>
+    <sensor type="laser_scanner" name="SCAN" insert_at="CART" samples="181" min_angle="-45" max_angle="45"/>)";
+// The follower's own scanner stands where that of the host does.
+constexpr const char* kSeen = R"(
+    <sensor type="laser_scanner" name="SEEN" insert_at="CART" samples="181" min_angle="-45" max_angle="45"/>)";
+// Two robots, of which the second is the same as the first, and one that goes again.
+constexpr const char* kRobots = R"(
+    <part shape="box" size="0.4 0.3 1" name="ROBOT" insert_at="ROOT" pose_offset="2 1 0 0 0 0"/>
+    <part shape="box" size="0.4 0.3 1" name="ROBOT_2" insert_at="ROOT" pose_offset="2 -1 0 0 0 0"/>
+    <part shape="box" size="1 1 1" name="GONE" insert_at="CART" pose_offset="1 0 0 0 0 0"/>
+    <element type="pose" name="PLACE" insert_at="ROBOT_2" x="0.25"/>)";
+
+/// The rows of each whole frame of a table; the last one may be unfinished.
+std::map<std::string, std::string> rows_by_frame(const std::filesystem::path& file) {
+  std::map<std::string, std::string> rows;
+  std::istringstream lines(read_text(file));
+  std::string line, last;
+  std::getline(lines, line);  // names of columns
+  while (std::getline(lines, line)) rows[last = line.substr(0, line.find(','))] += line + '\n';
+  rows.erase(last);
+  return rows;
+}
+
+/// A host in a process of its own, and the commands of those who follow it.
+struct DdsHost {
+  explicit DdsHost(const std::string& test) : name(unique_name(test)), domain(std::to_string(own_domain())) {
+    scene = write_wall_scene(folder.path(), kHostScene).string();
+    write_text(folder / "seen.xml", kSeen);
+  }
+  std::vector<std::string> command(const std::string& out) const {
+    return {program,    "--serve", name,          "--dds", domain,  "--dds-qos",
+            "reliable", "--quiet", "--real-time", "1",     "--out", (folder / out).string(),
+            scene};
+  }
+  std::vector<std::string> follower(const std::string& out, const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> all{program,
+                                 "--follow",
+                                 "dds:" + domain + "/" + name,
+                                 "--quiet",
+                                 "--out",
+                                 (folder / out).string(),
+                                 (folder / "seen.xml").string()};
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  }
+  /// Executes commands and sets a value, as a client of the host's machine.
+  void change() const {
+    client::Connection client(name, "driver", 60'000);
+    client.send(kRobots);
+    client.send("<remove name='GONE'/>");
+    std::uint64_t position = 0;
+    for (int done = 0; done < 2;) {
+      const auto entry = client.next_log(position);
+      if (!entry) std::this_thread::sleep_for(1ms);
+      if (!entry) continue;
+      REQUIRE_MESSAGE(entry->kind != SIMVIS_REQUEST_REFUSED, std::string(entry->text));
+      done += entry->kind == SIMVIS_REQUEST_DONE ? 1 : 0;
+    }
+    client.set(client.parameter("PLACE", "y"), 0.5);
+    client.set(client.parameter("MOVE", "yaw"), 7);
+    client.wait_frame(client.frame() + 1);
+  }
+  std::size_t frames_of(const std::string& out) const {
+    const std::filesystem::path file = folder / out / "SEEN.csv";
+    return std::filesystem::exists(file) ? rows_by_frame(file).size() : 0;
+  }
+
+  const std::string program = tested_build() + "/bin/simvis-run";
+  TemporaryFolder folder;
+  std::string name, domain, scene;
+};
+
+/// Two network namespaces that a cable joins, in place of two machines.
+class TwoMachines {
+ public:
+  explicit TwoMachines(const std::filesystem::path& folder) : pids_(folder / "pids"), keeper_(keeper_command()) {
+    const auto end = std::chrono::steady_clock::now() + 30s;
+    while (!std::filesystem::exists(pids_) && keeper_.err_so_far().empty() && std::chrono::steady_clock::now() < end) {
+      std::this_thread::sleep_for(5ms);
+    }
+    std::istringstream(read_text_if_there(pids_)) >> first_ >> second_;
+  }
+  ~TwoMachines() { keeper_.send(SIGTERM); }
+
+  bool exist() const { return !second_.empty(); }
+  std::string why_not() const { return "no network namespaces can be made: " + keeper_.err_so_far(); }
+  std::vector<std::string> on_first(const std::vector<std::string>& command) const { return on(first_, command); }
+  std::vector<std::string> on_second(const std::vector<std::string>& command) const { return on(second_, command); }
+
+ private:
+  std::vector<std::string> keeper_command() const {
+    const std::string script = R"sh(set -eu
+      unshare --net sleep 300 & other=$!
+      trap 'kill $other' EXIT
+      trap 'exit 0' TERM
+      until [ "$(readlink /proc/$other/ns/net)" != "$(readlink /proc/$$/ns/net)" ]; do sleep 0.01; done
+      ip link add east type veth peer name west netns $other
+      ip address add 10.123.0.1/24 dev east
+      ip link set lo up
+      ip link set east up
+      on_other='nsenter --target '$other' --net'
+      $on_other ip address add 10.123.0.2/24 dev west
+      $on_other ip link set lo up
+      $on_other ip link set west up
+      echo $$ $other >"$1.new"
+      mv "$1.new" "$1"
+      wait $other)sh";
+    return {"unshare", "--user", "--map-root-user", "--net", "sh", "-c", script, "sh", pids_.string()};
+  }
+  static std::string read_text_if_there(const std::filesystem::path& file) {
+    return std::filesystem::exists(file) ? read_text(file) : "";
+  }
+  static std::vector<std::string> on(const std::string& pid, const std::vector<std::string>& command) {
+    std::vector<std::string> all{"nsenter", "--target", pid, "--user", "--net", "--preserve-credentials"};
+    all.insert(all.end(), command.begin(), command.end());
+    return all;
+  }
+
+  std::filesystem::path pids_;
+  Process keeper_;
+  std::string first_, second_;
+};
+
+/// Waits until `done`, but not for ever.
+template <typename Done>
+void await(const Done& done) {
+  const auto end = std::chrono::steady_clock::now() + 90s;
+  while (!done()) {
+    REQUIRE(std::chrono::steady_clock::now() < end);
+    std::this_thread::sleep_for(5ms);
+  }
+}
+
+/// Checks the frames that both have, and returns how many they are.
+std::size_t same_frames(const DdsHost& host, const std::string& own, const std::string& seen) {
+  const auto rows = rows_by_frame(host.folder / own / "SCAN.csv");
+  std::size_t same = 0;
+  for (const auto& [frame, text] : rows_by_frame(host.folder / seen / "SEEN.csv")) {
+    const auto found = rows.find(frame);
+    if (found == rows.end()) continue;
+    CHECK_MESSAGE(found->second == text, "frame " << frame);
+    ++same;
+  }
+  return same;
+}
+
+}  // namespace
+
+TEST_CASE("a follower by DDS that comes late measures what its host measures, byte by byte") {
+  if (!has_dds()) return test::skip("this build has no DDS");
+  const DdsHost host("dds-follow");
+  Process running(host.command("own"));
+  host.change();
+  const ProcessResult seen = Process(host.follower("seen", {"--frames", "4"})).wait();
+  REQUIRE_MESSAGE(seen.exit_code == 0, seen.err);
+  running.send(SIGINT);
+  CHECK(running.wait().exit_code == 130);
+  CHECK(same_frames(host, "own", "seen") >= 3);
+  // The frames are those after the changes, which can be seen.
+  const auto rows = rows_by_frame(host.folder / "own" / "SCAN.csv");
+  const std::string first = rows.begin()->second,
+                    last = rows_by_frame(host.folder / "seen" / "SEEN.csv").begin()->second;
+  CHECK(first.substr(first.find(',', 2)) != last.substr(last.find(',', 2)));
+}
+
+TEST_CASE("a follower on another machine that comes late measures what its host measures") {
+  if (!has_dds()) return test::skip("this build has no DDS");
+  const DdsHost host("dds-machines");
+  const TwoMachines machines(host.folder.path());
+  if (!machines.exist()) return test::skip(machines.why_not());
+  const std::vector<std::string> own_settings{"CYCLONEDDS_URI="};  // as on machines that nobody has set up
+  Process running(machines.on_first(host.command("own")), own_settings);
+  host.change();
+  const ProcessResult seen = Process(machines.on_second(host.follower("seen", {"--frames", "4"})), own_settings).wait();
+  REQUIRE_MESSAGE(seen.exit_code == 0, seen.err);
+  running.send(SIGINT);
+  CHECK(running.wait().exit_code == 130);
+  CHECK(same_frames(host, "own", "seen") >= 3);
+}
+
+TEST_CASE("a follower by DDS sees changes, and the successor of a host that was killed") {
+  if (!has_dds()) return test::skip("this build has no DDS");
+  const DdsHost host("dds-killed");
+  Process first(host.command("own"));
+  Process follower(host.follower("seen"));
+  await([&] { return host.frames_of("seen") > 1; });
+  host.change();
+  const std::size_t before = host.frames_of("seen");
+  await([&] { return host.frames_of("seen") > before + 2; });
+  first.send(SIGKILL);
+  first.wait();
+  CHECK(same_frames(host, "own", "seen") > 2);
+  Process second(host.command("next"));
+  await([&] { return follower.err_so_far().find("has ended; waiting for the next one") != std::string::npos; });
+  const std::size_t with_first = host.frames_of("seen");
+  await([&] { return host.frames_of("seen") > with_first + 2; });
+  follower.send(SIGINT);
+  CHECK(follower.wait().exit_code == 130);
+}
+
+TEST_CASE("a follower by DDS passes over what strangers say") {
+  if (!has_dds()) return test::skip("this build has no DDS");
+  const std::uint32_t domain = own_domain();
+  constexpr std::uint64_t kHost = 7, kStranger = 5;
+  ros::DdsNode node(domain), stranger(domain);
+  const auto good = node.sink(ros::SensorQos::reliable), bad = stranger.sink(ros::SensorQos::reliable);
+  const auto say = [](ros::RecorderSink& sink, const auto& message, const std::string& what, ros::Durability how) {
+    sink.write(follow_topic("demo", what), 0, message, how);
+  };
+  const std::string log(kFollowLog), frame(kFollowFrame);
+  say(*bad, ros::ChangeLog{kStranger, 1000, 0, {"<nonsense"}}, log, ros::Durability::log);
+  say(*bad, ros::ChangeLog{kHost + 1, 0, 0, {"<nonsense"}}, log, ros::Durability::log);
+  say(*bad, ros::HostFrame{kHost + 1, "other", 0, 0, 0, {}}, frame, ros::Durability::latched);
+  say(*good, ros::ChangeLog{kHost, 0, 0, {"first", "second"}}, log, ros::Durability::log);
+  say(*good, ros::ChangeLog{kHost, 1, 3, {"second", "third"}}, log, ros::Durability::log);  // the second again
+  say(*good, ros::HostFrame{kHost, "demo", 3, 40, 3, {1, 2}}, frame, ros::Durability::latched);
+  const std::unique_ptr<FollowedHost> host = host_by_dds("demo", domain);
+  await([&] { return host->connect(50); });
+  std::vector<double> values;
+  const FollowedHost::Frame found = host->read(values);
+  CHECK(found.next_frame == 4);
+  CHECK(found.time_ns == 40);
+  CHECK(values == std::vector<double>{1, 2});
+  std::vector<std::string> changes;
+  for (std::uint64_t position = 0; const auto change = host->next_change(position);) changes.emplace_back(change->xml);
+  CHECK(changes == std::vector<std::string>{"first", "second", "third"});
+
+  // Frames of a time that cannot be, and scans whose numbers do not fit together.
+  say(*bad, ros::HostFrame{kHost + 1, "demo", 9, -1, 0, {}}, frame, ros::Durability::latched);
+  ros::HostScan scan;
+  scan.host = kHost;
+  scan.azimuth_rad = {0, 1};
+  scan.elevation_rad = {0};
+  scan.range_m = {3, 4};
+  CHECK_FALSE(host->scan("SCAN", 0));
+  std::optional<FollowedHost::HostScan> seen;
+  await([&] {
+    scan.error_bound_m = {};
+    good->write(follow_topic("demo/SCAN", kFollowScan), 0, scan);
+    scan.error_bound_m = {0, 0};
+    good->write(follow_topic("demo/SCAN", kFollowScan), 0, scan);
+    return (seen = host->scan("SCAN", 0)).has_value();
+  });
+  CHECK(seen->scan.range_m == std::vector<float>{3, 4});
+  CHECK(host->wait(1, 0) == FollowedHost::Waited::time_over);
+  good->finish();
+  await([&] { return host->wait(1, 50) == FollowedHost::Waited::host_ended; });
+}
+
+TEST_CASE("--follow dds: a name that nobody serves is said, and names that nobody can serve are refused") {
+  if (!has_dds()) return test::skip("this build has no DDS");
+  const DdsHost host("dds-nobody");
+  Process follower(host.follower("seen"));
+  await([&] { return !follower.err_so_far().empty(); });
+  follower.send(SIGINT);
+  const ProcessResult result = follower.wait();
+  CHECK(result.exit_code == 130);
+  CHECK(result.err.find("nobody in this domain of DDS serves \"" + host.name + "\"") != std::string::npos);
+  for (const std::string name : {"dds:", "dds:7/", "dds:/demo", "dds:233/demo", "dds:seven/demo", "dds:a b"}) {
+    const ProcessResult refused = Process({host.program, "--follow", name, "--quiet"}).wait();
+    CHECK(refused.exit_code == 2);
+    CHECK_MESSAGE(refused.err.find("--follow: ") != std::string::npos, refused.err);
+  }
+}
+
+TEST_SUITE_END();
