@@ -281,7 +281,7 @@ void SdfReader::read_include(const SdfElement& include, SdfScope& scope) {
   const std::string uri = include.child("uri") ? include.child("uri").text() : "";
   std::string why;
   const auto path = files_.find_model(uri, include, why);
-  if (!path) return report_.warn(include.at(), "the <include> is left out, " + why);
+  if (!path) return report_.warn_once(include.at(), "the <include> is left out, " + why);
   std::error_code error;
   const std::filesystem::path key = std::filesystem::canonical(*path, error);
   if (std::ranges::count(open_, key) > 0) include.fail("makes " + in_quotes(path->string()) + " include itself");

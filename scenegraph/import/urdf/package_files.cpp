@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "engine/base/input_log.h"
+#include "scenegraph/import/mesh/name_case.h"
 
 namespace simvis {
 namespace {
@@ -192,18 +193,29 @@ std::optional<fs::path> PackageFiles::find_near(const std::string& rest, const s
   // Shorter and shorter ends of the name, down to a folder and a file. A name of one component has only itself.
   std::vector<std::string> ends{rest.substr(std::min(rest.find_first_not_of('/'), rest.size()))};
   while (std::ranges::count(ends.back(), '/') > 1) ends.push_back(ends.back().substr(ends.back().find('/') + 1));
-  for (const std::string& end : ends) {
-    for (const fs::path& above : nearest(folder_and_above(folder_), kLevelsNear)) {
-      const fs::path file = (above / end).lexically_normal();
-      if (end.empty() || !fs::is_regular_file(file, error)) continue;
-      const bool is_lost_package = subject.starts_with("package") || subject.starts_with("model");
-      if (warned_.insert(subject).second) {
-        warnings_.push_back(to_string(where) + ": " + subject + " is not there" +
-                            (is_lost_package ? " or lacks " + in_quotes(rest) : "") + "; " + in_quotes(file.string()) +
-                            " is taken instead" + (is_lost_package ? ", and other files from near by too" : ""));
+  const auto as_written = [&](const fs::path& folder, const std::string& end) -> std::optional<fs::path> {
+    const fs::path file = folder / end;
+    return fs::is_regular_file(file, error) ? std::optional(file) : std::nullopt;
+  };
+  const auto search = [&](const auto& look) -> std::optional<fs::path> {
+    for (const std::string& end : ends) {
+      for (const fs::path& above : nearest(folder_and_above(folder_), kLevelsNear)) {
+        const std::optional<fs::path> file = end.empty() ? std::nullopt : look(above, end);
+        if (file) return file->lexically_normal();
       }
-      return file;
     }
+    return std::nullopt;
+  };
+  std::optional<fs::path> found = search(as_written);
+  if (!found) found = search(file_ignoring_case);
+  if (found) {
+    const bool is_lost_package = subject.starts_with("package") || subject.starts_with("model");
+    if (warned_.insert(subject).second) {
+      warnings_.push_back(to_string(where) + ": " + subject + " is not there" +
+                          (is_lost_package ? " or lacks " + in_quotes(rest) : "") + "; " + in_quotes(found->string()) +
+                          " is taken instead" + (is_lost_package ? ", and other files from near by too" : ""));
+    }
+    return found;
   }
   tried_.push_back(in_quotes(ends.back()) + " up to " + std::to_string(kLevelsNear) + " folders above");
   return std::nullopt;
