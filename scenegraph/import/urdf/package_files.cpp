@@ -22,17 +22,6 @@ constexpr int kMaxDepth = 32;         // of packages below ROS_PACKAGE_PATH: lin
 constexpr int kLevelsOfPackages = 5;  // folders above the URDF whose packages are read
 constexpr int kLevelsNear = 3;        // folders above the URDF in which a lost file is searched
 
-std::vector<fs::path> folders_of_variable(const char* variable) {
-  const char* const value = noted_variable(variable);
-  std::vector<fs::path> folders;
-  for (std::string_view rest = value == nullptr ? "" : value; !rest.empty();) {
-    const std::string_view folder = rest.substr(0, rest.find(':'));
-    if (!folder.empty()) folders.emplace_back(folder);
-    rest.remove_prefix(std::min(folder.size() + 1, rest.size()));
-  }
-  return folders;
-}
-
 std::vector<fs::path> folders_in(const fs::path& folder) {
   std::vector<fs::path> folders;
   std::error_code error;
@@ -89,6 +78,17 @@ bool take_prefix(std::string& name, std::string_view prefix) {
 }
 
 }  // namespace
+
+std::vector<fs::path> folders_of_variable(const char* variable) {
+  const char* const value = noted_variable(variable);
+  std::vector<fs::path> folders;
+  for (std::string_view rest = value == nullptr ? "" : value; !rest.empty();) {
+    const std::string_view folder = rest.substr(0, rest.find(':'));
+    if (!folder.empty()) folders.emplace_back(folder);
+    rest.remove_prefix(std::min(folder.size() + 1, rest.size()));
+  }
+  return folders;
+}
 
 PackageFiles::PackageFiles(const fs::path& urdf, std::vector<PackageFolder> given) : given_(std::move(given)) {
   std::error_code error;

@@ -14,6 +14,9 @@
 
 namespace simvis {
 
+/// The folders that an environment variable lists, with colons between them. The run's report notes the variable.
+std::vector<std::filesystem::path> folders_of_variable(const char* variable);
+
 /// Names have one of these forms; a backslash counts as a slash:
 ///   package://NAME/REST, $(find NAME)/REST   a file of the ROS package NAME
 ///   model://NAME/REST                        a file of the Gazebo model NAME
