@@ -13,6 +13,7 @@ set(import_shared
     scenegraph/content_pool.cpp
     scenegraph/import/helper/process_limits.cpp
     scenegraph/import/mesh/input_file.cpp
+    scenegraph/import/mesh/name_case.cpp
     scenegraph/import/mesh/picture_search.cpp
     scenegraph/import/mesh/stb_picture.cpp
     scenegraph/import/sandbox/draco_mesh.cpp
@@ -55,8 +56,8 @@ target_link_libraries(simvis_decode PUBLIC simvis_any_picture PkgConfig::draco)
 simvis_helper_program(simvis-decode ${helper}/decode/decode_main.cpp simvis_decode)
 
 simvis_import_program(mesh PkgConfig::assimp ${helper}/assimp_*.cpp ${helper}/collada/*.cpp ${helper}/mesh_reader.cpp
-                      ${helper}/obj_text.cpp ${helper}/utf16_text.cpp ${helper}/ply_check.cpp ${helper}/polygon.cpp ${helper}/stl_check.cpp
-                      ${helper}/vertex_numbers.cpp)
+                      ${helper}/back_to_back.cpp ${helper}/obj_text.cpp ${helper}/utf16_text.cpp ${helper}/ply_check.cpp
+                      ${helper}/ply_strips.cpp ${helper}/polygon.cpp ${helper}/stl_check.cpp ${helper}/vertex_numbers.cpp)
 if(Coin_FOUND)
   simvis_import_program(inventor Coin::Coin ${helper}/inventor/*.cpp)
   target_link_libraries(simvis_import_inventor PUBLIC simvis_any_picture)

@@ -85,6 +85,15 @@ std::string refusal(std::string_view seen, std::string_view expectation) {
   return std::string(seen) + " is not allowed, expected " + std::string(expectation);
 }
 
+// What could be meant by an unknown name: the nearest known name, else all of them.
+std::string meant_or_all(std::string_view seen, std::span<const std::string_view> known) {
+  const std::string nearest = suggestion(seen, known);
+  if (!nearest.empty() || known.empty()) return nearest;
+  std::string text;
+  for (const std::string_view name : known) text += (text.empty() ? ", expected one of: " : ", ") + std::string(name);
+  return text;
+}
+
 bool in_range(const AttributeSpec& spec, double value) {
   const bool above = spec.open_min ? value > spec.min : value >= spec.min - spec.rounding;
   const bool below = spec.open_max ? value < spec.max : value <= spec.max + spec.rounding;
@@ -171,7 +180,7 @@ AttributeValues::AttributeValues(const Command& command, AttributeTable table,
   for (const AttributeSpec& spec : table) known.push_back(spec.name);
   for (const CommandAttribute& attribute : command.attributes) {
     if (std::ranges::find(known, attribute.name) == known.end()) {
-      fail_at(attribute.where, "unknown attribute " + in_quotes(attribute.name) + suggestion(attribute.name, known));
+      fail_at(attribute.where, "unknown attribute " + in_quotes(attribute.name) + meant_or_all(attribute.name, known));
     }
   }
   for (const AttributeSpec& spec : table) {

@@ -79,6 +79,49 @@ TEST_CASE("KHR_materials_unlit and KHR_materials_emissive_strength") {
             .emissive == glm::vec3(4, 8, 0));
 }
 
+// The extension is archived; its text says how a material is read without metalness.
+TEST_CASE("KHR_materials_pbrSpecularGlossiness: the diffuse colour and picture, unless there is a fallback") {
+  const std::string name = "KHR_materials_pbrSpecularGlossiness";
+  const json extension{{name,
+                        {{"diffuseFactor", {0.25, 0.5, 0.75, 1}},
+                         {"diffuseTexture", {{"index", 0}, {"texCoord", 1}}},
+                         {"glossinessFactor", 0.25}}}};
+  const Material read = material_of({{"extensions", extension}}, {name});
+  CHECK(read.base_color == glm::vec4(0.25f, 0.5f, 0.75f, 1));
+  REQUIRE(read.base_color_texture != nullptr);
+  CHECK(read.uv_set == 1);
+  CHECK(read.roughness == 0.75f);
+  CHECK(read.metallic == 0);
+  const Material fallback =
+      material_of({{"extensions", extension}, {"pbrMetallicRoughness", {{"baseColorFactor", {1, 0, 0, 1}}}}}, {name});
+  CHECK(fallback.base_color == glm::vec4(1, 0, 0, 1));
+  CHECK(fallback.base_color_texture == nullptr);
+
+  GltfLoader loader;
+  GltfBuilder builder;
+  add_textured_triangle(builder, red_green_png());
+  builder.root["extensionsRequired"] = builder.root["extensionsUsed"] = {name};
+  builder.root["materials"][0] = {{"extensions", extension}};
+  const std::vector<std::string> warnings = loader.load(builder).content.warnings;
+  REQUIRE(warnings.size() == 1);
+  CHECK(warnings[0].ends_with("part.gltf: materials with " + name + " are shown without their specular colour"));
+  builder.root["materials"][0]["extensions"][name]["diffuseTexture"]["index"] = 7;
+  CHECK(loader.refusal(builder.text()).find("is 7, but the file has 1 textures") != std::string::npos);
+}
+
+TEST_CASE("an extension of materials is left out with a warning, also if it is required") {
+  GltfLoader loader;
+  GltfBuilder builder;
+  add_textured_triangle(builder, red_green_png());
+  builder.root["extensionsRequired"] = {"KHR_materials_clearcoat"};
+  for (const bool is_listed : {false, true}) {
+    if (is_listed) builder.root["extensionsUsed"] = {"KHR_materials_clearcoat"};
+    const std::vector<std::string> warnings = loader.load(builder).content.warnings;
+    REQUIRE(warnings.size() == 1);
+    CHECK(warnings[0].ends_with("extension KHR_materials_clearcoat is not supported and left out"));
+  }
+}
+
 TEST_CASE("base colour textures, their UV set and KHR_texture_transform") {
   const auto textured = [](json info) {
     info["index"] = 0;

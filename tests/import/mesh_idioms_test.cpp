@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <string>
+#include <vector>
 
 #include "tests/support/error_of.h"
 #include "tests/support/parts/box_files.h"
@@ -111,6 +112,74 @@ TEST_CASE("COLLADA: a file without a scene says so") {
   CHECK(contains(error_of([&] { load(folder / "none.dae"); }), "none.dae:1:23: error: has no <scene>"));
   write_text(folder / "other.dae", replaced(box, "url=\"#vs\"", "url=\"#other\""));
   CHECK(contains(error_of([&] { load(folder / "other.dae"); }), "there is no visual scene \"#other\""));
+}
+
+// Georgia Tech's archive of large models has such files; Assimp 5.2 keeps one triangle of each strip.
+TEST_CASE("PLY: triangle strips are faces, in each encoding") {
+  TemporaryFolder folder;
+  const std::string vertices = "element vertex 6\nproperty float x\nproperty float y\nproperty float z\n";
+  const std::vector<float> numbers{0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 0, 2, 1, 1, 2, 1};
+  // Each second triangle turned round; 3 3 4 connects; -1 begins anew.
+  write_text(folder / "faces.ply",
+             "ply\nformat ascii 1.0\n" + vertices +
+                 "element face 5\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 2 "
+                 "1\n1 2 1\n3 0 1 2\n3 2 1 3\n3 3 4 5\n3 0 2 4\n3 1 0 3\n");
+  const std::vector<std::vector<int>> strips{{0, 1, 2, 3, 3, 4, 5, -1, 0, 2, 4}, {1, 0, 3}};
+  const Loaded faces = load(folder / "faces.ply");
+  REQUIRE(total(faces.list).triangles == 5);
+  for (const PlyFormat format : {PlyFormat::text, PlyFormat::little, PlyFormat::big}) {
+    const bool big = format == PlyFormat::big;
+    const std::string name = format == PlyFormat::text ? "ascii" : big ? "binary_big_endian" : "binary_little_endian";
+    std::string ply = "ply\nformat " + name + " 1.0\n" + vertices +
+                      "element tristrips 2\nproperty list int int vertex_indices\nend_header\n";
+    const auto put = [&](int number) {
+      for (unsigned i = 0; i < 4; ++i) ply += static_cast<char>(static_cast<unsigned>(number) >> 8 * (big ? 3 - i : i));
+    };
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+      if (format == PlyFormat::text) {
+        ply += std::to_string(static_cast<int>(numbers[i])) + (i % 3 == 2 ? "\n" : " ");
+      } else {
+        put_float(ply, numbers[i], big);
+      }
+    }
+    for (const std::vector<int>& strip : strips) {
+      if (format == PlyFormat::text) ply += std::to_string(strip.size());
+      if (format != PlyFormat::text) put(static_cast<int>(strip.size()));
+      for (const int vertex : strip) {
+        if (format == PlyFormat::text) ply += " " + std::to_string(vertex);
+        if (format != PlyFormat::text) put(vertex);
+      }
+      if (format == PlyFormat::text) ply += "\n";
+    }
+    write_text(folder / "strips.ply", ply);
+    const Loaded loaded = load(folder / "strips.ply");
+    CHECK(loaded.warnings.empty());
+    CHECK(loaded.list.meshes.at(0)->positions == faces.list.meshes.at(0)->positions);
+    CHECK(loaded.list.meshes.at(0)->indices == faces.list.meshes.at(0)->indices);
+  }
+  const std::string one = "ply\nformat ascii 1.0\n" + vertices +
+                          "element tristrips 1\nproperty list int int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 "
+                          "0\n1 1 0\n0 2 1\n1 2 1\n3 0 1 ";
+  write_text(folder / "x.ply", one + "6\n");
+  CHECK(contains(error_of([&] { load(folder / "x.ply"); }), "x.ply:16: error: element tristrips 0 has the vertex 6"));
+  write_text(folder / "y.ply", replaced(one + "2\n3 0 1 2\n", "end_header",
+                                        "element face 1\nproperty list int int vertex_indices\nend_header"));
+  CHECK(contains(error_of([&] { load(folder / "y.ply"); }), "the file has faces and tristrips"));
+}
+
+TEST_CASE("PLY: text with more values than the header says") {
+  TemporaryFolder folder;
+  const std::string text = ply_box(PlyFormat::text);
+  write_text(folder / "more.ply", replaced(replaced(text, "4 0 3 2 1", "4 0 3 2 1 9 1"), "1 2 3\n", "1 2 3 7\n"));
+  const Loaded more = load(folder / "more.ply");
+  check_box(more.list);
+  REQUIRE(more.warnings.size() == 1);
+  CHECK(contains(more.warnings[0], "has more values than the header says; they are left out, here and in others"));
+  write_text(folder / "rest.ply", text + "1 2 3\n1 2 3\n");
+  const Loaded rest = load(folder / "rest.ply");
+  check_box(rest.list);
+  REQUIRE(rest.warnings.size() == 1);
+  CHECK(contains(rest.warnings[0], "text after the last element is left out"));
 }
 
 TEST_SUITE_END();

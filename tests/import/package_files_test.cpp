@@ -150,6 +150,17 @@ TEST_CASE("lost files are taken from near by, with one warning for each package"
   CHECK(ws.find("package://old/visual/m.stl") == "none");
 }
 
+TEST_CASE("names that differ in upper and lower case, with a warning") {
+  const Workspace ws;
+  ws.add("ws/robot/meshes/Arm.STL");
+  const std::string taken = "\"" + ws.path("ws/robot/meshes/Arm.STL").string() + "\" is taken instead";
+  CHECK(ws.find("../Meshes/arm.stl", {"r.urdf:3: file \"../Meshes/arm.stl\" is not there; " + taken}) ==
+        "ws/robot/meshes/Arm.STL");
+  ws.add("ws/robot/meshes/arm.stl");
+  CHECK(ws.find("../meshes/arm.stl") == "ws/robot/meshes/arm.stl");
+  CHECK(ws.find("../meshes/leg.stl") == "none");
+}
+
 TEST_CASE("a file that is not there: the places that were tried") {
   const Workspace ws;
   ws.add_package("ws/pkg", "pkg");

@@ -192,6 +192,14 @@ TEST_CASE("includes that are not there, on the network or broken are left out") 
   }
 }
 
+TEST_CASE("an include that is missing several times is told once, with the number") {
+  const std::string include = "<include><uri>https://fuel.gazebosim.org/1.0/x/models/y</uri></include>\n";
+  SdfScene scene(sdf_world(include + include + include + "<model name='m'><link name='l'/></model>\n"));
+  REQUIRE(scene.warnings().size() == 1);
+  CHECK(contains(scene.warnings()[0], "the <include> is left out, \"https://fuel.gazebosim.org/1.0/x/models/y\""));
+  CHECK(scene.warnings()[0].ends_with("; this is so 3 times"));
+}
+
 TEST_CASE("--strict refuses what is not taken over, and a refused file leaves nothing") {
   const TemporaryFolder folder;
   write_text(folder / "w.sdf", model_with("<plugin name='p' filename='p'/>"));

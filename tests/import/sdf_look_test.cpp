@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <filesystem>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -105,6 +107,25 @@ TEST_CASE("scripts name Gazebo's colours, or materials of OGRE beside the model"
   REQUIRE(unknown.warnings().size() == 1);
   CHECK(contains(unknown.warnings()[0], "material \"Somebody/Paint\" of a script is not known"));
   CHECK(unknown.list().items.size() == 1);
+}
+
+TEST_CASE("Gazebo's own scripts are found by GAZEBO_RESOURCE_PATH, and an unknown one is told once") {
+  const TemporaryFolder gazebo;
+  std::filesystem::create_directories(gazebo / "media/materials/scripts");
+  write_text(gazebo / "media/materials/scripts/gazebo.material",
+             "material Gazebo/Wood\n{\n technique\n{\n pass\n{\n diffuse 0.5 0.25 0 1\n}\n}\n}\n");
+  const std::string wood = material_xml(
+      "<script><uri>file://media/materials/scripts/gazebo.material</uri><name>Gazebo/Wood</name></script>");
+  const std::string model = visible_model(sdf_box("1 1 1", wood) + sdf_box("2 2 2", wood));
+  ::unsetenv("GAZEBO_RESOURCE_PATH");
+  SdfScene without(model);
+  REQUIRE(without.warnings().size() == 1);
+  CHECK(without.warnings()[0].ends_with("keeps its own look; this is so 2 times"));
+  ::setenv("GAZEBO_RESOURCE_PATH", ("/nowhere:" + gazebo.path().string()).c_str(), 1);
+  SdfScene with_gazebo(model);
+  ::unsetenv("GAZEBO_RESOURCE_PATH");
+  CHECK(with_gazebo.warnings().empty());
+  CHECK(with_gazebo.material(0).base_color == linear(0.5, 0.25, 0));
 }
 
 TEST_CASE("a mesh has its scale, its submesh, and the visual's material in place of its own") {

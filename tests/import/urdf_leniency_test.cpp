@@ -169,6 +169,22 @@ TEST_CASE("a missing, broken or foreign mesh leaves its visual out; a robot with
                  "r.urdf: none of the robot's visuals can be shown: mesh file \"m.stl\" is not there; tried /"));
 }
 
+TEST_CASE("a mesh whose scale is one number") {
+  const TemporaryFolder folder;
+  write_text(folder / "m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  const auto mesh = [&](const std::string& scale) {
+    return link_xml("a",
+                    visual_xml("<mesh filename=\"" + (folder / "m.obj").string() + "\" scale=\"" + scale + "\"/>"));
+  };
+  UrdfScene one(mesh(" .5"));
+  REQUIRE(one.warnings().size() == 1);
+  CHECK(contains(warnings_of(one)[0], "link \"a\" has a mesh whose scale is the one number 0.5; it is taken for all"));
+  UrdfScene three(mesh("0.5 0.5 0.5"));
+  CHECK(three.warnings().empty());
+  CHECK(one.list().world_from_node == three.list().world_from_node);
+  CHECK(contains(error_of([&] { UrdfScene scene(mesh("1 2")); }), "scale"));
+}
+
 TEST_CASE("glTF is a mesh of a robot too, with its y axis up") {
   TemporaryFolder folder;
   GltfBuilder builder;

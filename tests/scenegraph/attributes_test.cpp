@@ -94,7 +94,7 @@ TEST_CASE("wrong values are refused at the attribute") {
   CHECK(contains(error("axis='1 2'"), "expected three finite numbers"));
   CHECK(contains(error("axis='1 2 nan'"), "expected three finite numbers"));
   CHECK(error("hfvo='60'") == "s.xml:1:18: error: unknown attribute \"hfvo\", did you mean \"hfov\"?");
-  CHECK(error("zzz='60'") == "s.xml:1:18: error: unknown attribute \"zzz\"");
+  CHECK(contains(error("zzz='60'"), "s.xml:1:18: error: unknown attribute \"zzz\", expected one of: "));
 }
 
 TEST_CASE("only finite decimal numbers are numbers") {

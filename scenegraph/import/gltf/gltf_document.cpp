@@ -9,6 +9,7 @@
 
 #include <simvis/error.h>
 #include "scenegraph/import/gltf/gltf_schema.h"
+#include "scenegraph/import/gltf/gltf_specular.h"
 
 namespace simvis {
 namespace {
@@ -17,10 +18,13 @@ using nlohmann::json;
 
 // A texture in a format that cannot be decoded (KHR_texture_basisu, MSFT_texture_dds) has a warning of its own.
 constexpr std::string_view kSupportedExtensions[] = {
-    "EXT_mesh_gpu_instancing", "EXT_meshopt_compression",         "EXT_texture_webp",   "KHR_draco_mesh_compression",
-    "KHR_lights_punctual",     "KHR_materials_emissive_strength", "KHR_materials_ior",  "KHR_materials_transmission",
-    "KHR_materials_unlit",     "KHR_mesh_quantization",           "KHR_texture_basisu", "KHR_texture_transform",
-    "MSFT_texture_dds"};
+    "EXT_mesh_gpu_instancing",    "EXT_meshopt_compression",
+    "EXT_texture_webp",           "KHR_draco_mesh_compression",
+    "KHR_lights_punctual",        "KHR_materials_emissive_strength",
+    "KHR_materials_ior",          "KHR_materials_pbrSpecularGlossiness",
+    "KHR_materials_transmission", "KHR_materials_unlit",
+    "KHR_mesh_quantization",      "KHR_texture_basisu",
+    "KHR_texture_transform",      "MSFT_texture_dds"};
 
 // The geometry of a file that uses this extension is compressed and cannot be read.
 constexpr std::string_view kCompressionExtensions[] = {"KHR_meshopt_compression"};
@@ -40,6 +44,9 @@ json parse_json(std::string_view text, const GltfDocument& document) {
   }
 }
 
+// These extensions change looks and no geometry, so a file is shown without them although it requires them.
+bool is_of_materials(std::string_view extension) { return extension.starts_with("KHR_materials_"); }
+
 // Runs before all other checks, because a required extension may change the meaning of everything.
 void check_required_extensions(const json& root, const GltfDocument& document) {
   const auto required = root.is_object() ? root.find("extensionsRequired") : root.end();
@@ -51,6 +58,7 @@ void check_required_extensions(const json& root, const GltfDocument& document) {
     if (is_one_of(name, kCompressionExtensions)) {
       document.fail("requires " + name + ": this compression is not supported; save the file without compression");
     }
+    if (is_of_materials(name)) continue;  // told of by warn_of_unsupported_extensions()
     if (!is_one_of(name, kSupportedExtensions)) unsupported += (unsupported.empty() ? "" : ", ") + name;
   }
   if (unsupported.empty()) return;
@@ -61,7 +69,11 @@ void check_required_extensions(const json& root, const GltfDocument& document) {
 }
 
 void warn_of_unsupported_extensions(GltfDocument& document) {
-  for (const std::string& name : document.model.extensionsUsed) {
+  std::vector<std::string> names = document.model.extensionsUsed;
+  for (const std::string& name : document.model.extensionsRequired) {
+    if (is_of_materials(name)) names.push_back(name);
+  }
+  for (const std::string& name : names) {
     if (!is_one_of(name, kSupportedExtensions)) document.warn("extension " + name + " is not supported and left out");
   }
 }
@@ -210,6 +222,9 @@ GltfDocument read_gltf_document(const std::filesystem::path& file) {
   }
   json root = parse_json(chunks.text(), document);
   check_required_extensions(root, document);
+  if (read_specular_glossiness(root)) {
+    document.warn("materials with KHR_materials_pbrSpecularGlossiness are shown without their specular colour");
+  }
   check_and_prune_gltf(root, file);
   check_version(root, document);
   check_node_transforms(root, document);

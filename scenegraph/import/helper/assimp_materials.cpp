@@ -40,9 +40,9 @@ glm::vec3 linear_color(const AssimpFile& file, const aiColor4D& color, const std
 
 }  // namespace
 
-std::uint32_t AssimpMaterials::get(unsigned index, bool shaded) {
+std::uint32_t AssimpMaterials::get(unsigned index, bool shaded, bool one_sided) {
   const auto [known, is_new] =
-      numbers_.try_emplace({index, shaded}, static_cast<std::uint32_t>(scene_.materials.size()));
+      numbers_.try_emplace({index, shaded, one_sided}, static_cast<std::uint32_t>(scene_.materials.size()));
   if (!is_new) return known->second;
   const aiMaterial& source = *file_.scene->mMaterials[index];
   const bool is_default = std::strcmp(source.GetName().C_Str(), AI_DEFAULT_MATERIAL_NAME) == 0;
@@ -50,6 +50,7 @@ std::uint32_t AssimpMaterials::get(unsigned index, bool shaded) {
   imported.is_fallback = is_default || source.GetName().length == 0;
   if (!imported.is_fallback) imported = convert(source);
   imported.material.unlit = !shaded;
+  imported.material.double_sided = !one_sided;
   scene_.materials.push_back(std::move(imported));
   return known->second;
 }
@@ -58,7 +59,6 @@ ImportedMaterial AssimpMaterials::convert(const aiMaterial& source) {
   ImportedMaterial imported;
   Material& material = imported.material;
   material.name = source.GetName().C_Str();
-  material.double_sided = true;
   const std::string subject = "material " + in_quotes(material.name);
   aiColor4D color(1, 1, 1, 1);
   source.Get(AI_MATKEY_COLOR_DIFFUSE, color);
@@ -94,6 +94,10 @@ void AssimpMaterials::set_picture(const aiMaterial& source, ImportedMaterial& im
                         .wrap_v = wrap_of(static_cast<aiTextureMapMode>(wrap_v))};
   material.uv_set = uv_set;
   imported.texture = picture(name, sampler);
+  if (material.emissive != glm::vec3(0)) {
+    imported.textured_emission = true;
+    file_.warn(subject + ": its emission is multiplied by its picture");
+  }
   // COLLADA has either a colour or a picture. With a picture Assimp returns a grey that is not in the file.
   if (file_.is_collada) material.base_color = glm::vec4(1, 1, 1, material.base_color.a);
   const std::string cut_out = picture_name(source, aiTextureType_OPACITY);

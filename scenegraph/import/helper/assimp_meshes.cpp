@@ -30,18 +30,21 @@ glm::vec3 unit_or_zero(const glm::dvec3& v) {
   return length > 0 && std::isfinite(length) ? glm::vec3(v / length) : glm::vec3(0);
 }
 
-glm::vec4 read_color(const AssimpFile& file, const aiColor4D& color) {
+glm::vec4 read_color(AssimpFile& file, const aiColor4D& color) {
   glm::vec4 linear{1};
   for (unsigned i = 0; i < 4; ++i) {
     const float value = color[i];
-    if (!std::isfinite(value) || value < 0) file.fail("a vertex colour is negative or not finite");
+    if (!std::isfinite(value) || value < 0) {
+      file.warn("vertex colours that are negative or not finite are read as white");
+      return glm::vec4(1);
+    }
     linear[static_cast<int>(i)] = i < 3 ? linear_from_srgb(value) : value;
   }
   return linear;
 }
 
 // A zero normal means that the normal is missing.
-Vertex read_vertex(const AssimpFile& file, const aiMesh& source, unsigned index) {
+Vertex read_vertex(AssimpFile& file, const aiMesh& source, unsigned index) {
   Vertex vertex;
   vertex.position = vec3(source.mVertices[index]);
   if (!is_finite(vertex.position)) file.fail("vertex " + std::to_string(index) + " is not finite");
@@ -50,8 +53,11 @@ Vertex read_vertex(const AssimpFile& file, const aiMesh& source, unsigned index)
   for (unsigned set = 0; set < 2; ++set) {
     if (!source.HasTextureCoords(set)) continue;
     const glm::vec3 uv = vec3(source.mTextureCoords[set][index]);
-    if (!std::isfinite(uv.x) || !std::isfinite(uv.y)) file.fail("a texture coordinate is not finite");
-    vertex.attributes.uv[set] = {uv.x, 1 - uv.y};
+    if (std::isfinite(uv.x) && std::isfinite(uv.y)) {
+      vertex.attributes.uv[set] = {uv.x, 1 - uv.y};
+    } else {
+      file.warn("texture coordinates that are not finite are read as 0 0");
+    }
   }
   if (file.has_colors && source.HasVertexColors(0))
     vertex.attributes.color = read_color(file, source.mColors[0][index]);
@@ -93,7 +99,7 @@ class MeshBuilder {
 
 using Corners = std::vector<Vertex>;
 
-void read_corners(const AssimpFile& file, const aiMesh& source, const aiFace& face, Corners& corners) {
+void read_corners(AssimpFile& file, const aiMesh& source, const aiFace& face, Corners& corners) {
   if (face.mNumIndices > kMaxPolygonCorners) {
     file.fail("a polygon has " + std::to_string(face.mNumIndices) + " corners, expected at most " +
               std::to_string(kMaxPolygonCorners));
@@ -142,7 +148,7 @@ bool lacks_needed_normals(const Corners& corners) {
 
 }  // namespace
 
-std::vector<Mesh> convert_mesh(AssimpFile& file, const aiMesh& source) {
+std::vector<Mesh> convert_mesh(AssimpFile& file, const aiMesh& source, const std::vector<bool>* faces) {
   std::array<MeshBuilder, 3> builders;
   for (const Topology topology : {Topology::triangles, Topology::lines, Topology::points}) {
     builders[static_cast<std::size_t>(topology)] = MeshBuilder(source.mName.C_Str(), topology);
@@ -157,6 +163,7 @@ std::vector<Mesh> convert_mesh(AssimpFile& file, const aiMesh& source) {
   };
   Corners corners;
   for (unsigned f = 0; f < source.mNumFaces; ++f) {
+    if (faces != nullptr && !(*faces)[f]) continue;
     read_corners(file, source, source.mFaces[f], corners);
     add_face(corners);
   }

@@ -12,6 +12,7 @@
 
 #include <simvis/attributes.h>
 #include <simvis/location.h>
+#include "scenegraph/import/helper/ply_strips.h"
 
 namespace simvis {
 namespace {
@@ -38,7 +39,7 @@ struct Element {
   std::vector<Property> properties;
 };
 
-enum class Encoding { text, little_endian, big_endian };
+constexpr std::string_view kStrips = "tristrips";
 
 std::vector<std::string_view> words_of(std::string_view line) {
   std::vector<std::string_view> words;
@@ -88,15 +89,25 @@ class PlyCheck {
     read_header();
     check_elements();
     const std::size_t body = at_;
+    std::size_t strips = body, behind_strips = body;  // bytes of the strips
     for (const Element& element : elements_) {
+      if (element.name == kStrips) strips = at_;
       for (std::uint64_t i = 0; i < element.count; ++i) check_instance(element, i);
+      if (element.name == kStrips) behind_strips = at_;
     }
-    while (encoding_ == Encoding::text && at_ < bytes_.size()) {
-      if (!words_of(next_line()).empty()) fail("text after the last element, expected the end of the file");
+    while (encoding_ == PlyEncoding::text && at_ < bytes_.size()) {
+      if (words_of(next_line()).empty()) continue;
+      warn("text after the last element is left out");
+      break;
     }
-    const bool is_cut = encoding_ != Encoding::text && body < bytes_.size() && bytes_[body] == '\n' && !ends_with_cr_;
+    const bool is_cut =
+        encoding_ != PlyEncoding::text && body < bytes_.size() && bytes_[body] == '\n' && !ends_with_cr_;
     if (!is_odd_ && !is_cut) return std::nullopt;
-    return "ply\n" + format_ + lines_ + (is_cut ? "end_header\r\n" : "end_header\n") + std::string(bytes_.substr(body));
+    const std::string end = is_cut ? "end_header\r\n" : "end_header\n";
+    if (!has_strips_) return "ply\n" + format_ + lines_ + end + std::string(bytes_.substr(body));
+    lines_.insert(strips_line_, strips_.header());
+    return "ply\n" + format_ + lines_ + end + std::string(bytes_.substr(body, strips - body)) +
+           strips_.body(encoding_) + std::string(bytes_.substr(behind_strips));
   }
 
  private:
@@ -143,8 +154,10 @@ class PlyCheck {
         read_format(words[1]);
       } else if (words[0] == "element" && words.size() == 3) {
         add_element(words);
+        if (words[1] == kStrips) leave_to_strips(kept);
       } else if (words[0] == "property" && !elements_.empty() && (words.size() == 3 || words.size() == 5)) {
         add_property(words);
+        if (elements_.back().name == kStrips) leave_to_strips(kept);
       } else if (is_keyword(words[0])) {
         fail("the header has a line that is not understood, beginning with " + in_quotes(words[0]));
       } else {
@@ -159,18 +172,27 @@ class PlyCheck {
     return word == "format" || word == "element" || word == "property" || word == "end_header";
   }
 
+  void warn(const std::string& what) { read_.warn_at({.file = file_, .line = line_}, what); }
+
   void leave_out(const std::string& what) {
     is_odd_ = true;
-    read_.warn_at({.file = file_, .line = line_}, what + "; it is left out");
+    warn(what + "; it is left out");
+  }
+
+  // The declaration of faces takes the place of that of the strips.
+  void leave_to_strips(const std::string& kept) {
+    is_odd_ = has_strips_ = true;
+    lines_.resize(lines_.size() - kept.size());
+    strips_line_ = lines_.size();
   }
 
   void read_format(std::string_view name) {
     if (name == "ascii") {
-      encoding_ = Encoding::text;
+      encoding_ = PlyEncoding::text;
     } else if (name == "binary_little_endian") {
-      encoding_ = Encoding::little_endian;
+      encoding_ = PlyEncoding::little_endian;
     } else if (name == "binary_big_endian") {
-      encoding_ = Encoding::big_endian;
+      encoding_ = PlyEncoding::big_endian;
     } else {
       fail("unknown format " + in_quotes(name) + ", expected ascii, binary_little_endian or binary_big_endian");
     }
@@ -187,9 +209,7 @@ class PlyCheck {
     if (std::ranges::count(elements_, words[1], &Element::name) != 0) {
       fail("element " + in_quotes(words[1]) + " is declared twice");
     }
-    if (words[1] == "tristrips" || words[1] == "material") {
-      fail("element " + in_quotes(words[1]) + " is not supported, expected faces without materials");
-    }
+    if (words[1] == "material") fail("element \"material\" is not supported, expected faces without materials");
     elements_.push_back({words[1], static_cast<std::uint64_t>(count), {}});
   }
 
@@ -221,13 +241,15 @@ class PlyCheck {
     }
     for (const Element& element : elements_) {
       if (element.properties.empty()) fail("element " + in_quotes(element.name) + " has no properties");
-      if (element.name == "face") check_face(element);
+      if (element.name == "face" || element.name == kStrips) check_face(element);
+      if (element.name == "face" && has_strips_) fail("the file has faces and tristrips, expected one of them");
+      if (element.name == kStrips && element.properties.size() > 1) fail("element tristrips has other properties");
     }
   }
 
   void check_face(const Element& face) {
     if (std::ranges::count_if(face.properties, is_index_list) != 1) {
-      fail("element face has no list vertex_indices, or two of them");
+      fail("element " + std::string(face.name) + " has no list vertex_indices, or two of them");
     }
     for (const Property& property : face.properties) {
       const bool wants_list = is_index_list(property);
@@ -240,10 +262,10 @@ class PlyCheck {
   void check_instance(const Element& element, std::uint64_t index) {
     std::vector<std::string_view> words;
     std::size_t used = 0;
-    if (encoding_ == Encoding::text) words = words_of(next_line());
+    if (encoding_ == PlyEncoding::text) words = words_of(next_line());
     const auto subject = [&] { return "element " + std::string(element.name) + " " + std::to_string(index); };
     const auto next = [&](const Type& type, bool may_be_nothing = false) {
-      if (encoding_ != Encoding::text) return binary_value(type);
+      if (encoding_ != PlyEncoding::text) return binary_value(type);
       double value = 0;
       if (used >= words.size()) fail(subject() + " has too few values");
       if (may_be_nothing && is_no_number(words[used])) {
@@ -261,16 +283,22 @@ class PlyCheck {
       const bool may_be_nothing = property.type->is_float && std::ranges::count(kUsed, property.name) == 0;
       for (double k = 0; k < values; ++k) {
         const double value = next(*property.type, may_be_nothing);
-        if (element.name != "face" || !is_index_list(property)) continue;
-        if (value < 0 || value >= static_cast<double>(elements_[0].count)) {
+        if (!is_index_list(property) || (element.name != "face" && element.name != kStrips)) continue;
+        const bool ends_strip = element.name == kStrips && value == -1;
+        if ((value < 0 || value >= static_cast<double>(elements_[0].count)) && !ends_strip) {
           fail(subject() + " has the vertex " + format_number(value) + ", but there are " +
                std::to_string(elements_[0].count));
         }
+        if (element.name == kStrips) strips_.add(static_cast<std::int64_t>(value));
       }
+      if (element.name == kStrips) strips_.end_strip();
       if (is_index_list(property)) corners = static_cast<std::uint64_t>(values);
       if (property.name == "texcoord" && property.count != nullptr) coordinates = static_cast<std::uint64_t>(values);
     }
-    if (used < words.size()) fail(subject() + " has too many values");
+    if (used < words.size() && !has_more_) {
+      has_more_ = true;
+      warn(subject() + " has more values than the header says; they are left out, here and in others");
+    }
     if (element.name != "face") return;
     if (corners < 3) fail(subject() + " has " + std::to_string(corners) + " vertices, expected at least 3");
     if (coordinates != 0 && coordinates != 2 * corners) fail(subject() + " has texture coordinates that do not fit");
@@ -282,7 +310,7 @@ class PlyCheck {
     }
     std::uint64_t bits = 0;
     for (std::size_t i = 0; i < type.bytes; ++i) {
-      const std::size_t place = encoding_ == Encoding::little_endian ? i : type.bytes - 1 - i;
+      const std::size_t place = encoding_ == PlyEncoding::little_endian ? i : type.bytes - 1 - i;
       bits |= std::uint64_t{static_cast<unsigned char>(bytes_[at_ + i])} << (8 * place);
     }
     at_ += type.bytes;
@@ -295,10 +323,12 @@ class PlyCheck {
   std::string_view bytes_;
   AssimpFile& read_;
   std::string file_, format_, lines_;  // the header's lines that Assimp reads
-  bool is_odd_ = false, ends_with_cr_ = false;
+  bool is_odd_ = false, ends_with_cr_ = false, has_more_ = false, has_strips_ = false;
+  PlyStrips strips_;
+  std::size_t strips_line_ = 0;  // where the strips are declared, in lines_
   std::size_t at_ = 0;
   int line_ = 0;
-  Encoding encoding_ = Encoding::text;
+  PlyEncoding encoding_ = PlyEncoding::text;
   std::vector<Element> elements_;
 };
 

@@ -50,6 +50,9 @@ std::shared_ptr<MaterialNode> material_node(ImportedMaterial&& source,
   } else {
     material = std::move(source.material);
     if (source.texture != kNoTexture) material.base_color_texture = textures[source.texture];
+    if (source.textured_emission) {
+      material.map(MapKind::emissive) = {material.base_color_texture, material.uv_set, material.uv_transform};
+    }
   }
   auto node = std::make_shared<MaterialNode>(pool.intern(std::move(material)));
   if (is_named) node->name = node->material()->name;

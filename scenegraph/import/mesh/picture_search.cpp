@@ -1,11 +1,11 @@
 #include "scenegraph/import/mesh/picture_search.h"
 
-#include <strings.h>
-
 #include <algorithm>
 #include <cctype>
 #include <string_view>
 #include <system_error>
+
+#include "scenegraph/import/mesh/name_case.h"
 
 namespace simvis {
 namespace {
@@ -20,31 +20,6 @@ struct Candidate {
 
 bool has_drive(std::string_view name) {
   return name.size() > 1 && name[1] == ':' && std::isalpha(static_cast<unsigned char>(name[0])) != 0;
-}
-
-// Of several entries that differ in upper and lower case the first in the order of bytes counts.
-std::optional<fs::path> entry_ignoring_case(const fs::path& folder, const std::string& name) {
-  std::vector<std::string> same;
-  std::error_code error;
-  for (fs::directory_iterator each(folder, error), end; !error && each != end; each.increment(error)) {
-    std::string entry = each->path().filename().string();
-    if (::strcasecmp(entry.c_str(), name.c_str()) == 0) same.push_back(std::move(entry));
-  }
-  if (same.empty()) return std::nullopt;
-  return folder / *std::ranges::min_element(same);
-}
-
-std::optional<fs::path> file_ignoring_case(const Candidate& candidate) {
-  std::error_code error;
-  fs::path at = candidate.folder;
-  for (const fs::path& component : candidate.name) {
-    const bool is_there = component == ".." || component == "." || fs::exists(at / component, error);
-    const std::optional<fs::path> next =
-        is_there ? std::optional(at / component) : entry_ignoring_case(at, component.string());
-    if (!next) return std::nullopt;
-    at = *next;
-  }
-  return fs::is_regular_file(at, error) ? std::optional(at) : std::nullopt;
 }
 
 std::vector<Candidate> candidates_of(std::string name, const fs::path& part_file) {
@@ -84,7 +59,7 @@ PictureSearch find_picture(const std::string& name, const fs::path& part_file) {
   }
   search.elsewhere = true;
   for (const Candidate& candidate : candidates) {
-    search.file = file_ignoring_case(candidate);
+    search.file = file_ignoring_case(candidate.folder, candidate.name);
     if (search.file) break;
   }
   return search;

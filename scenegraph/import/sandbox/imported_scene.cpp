@@ -129,6 +129,7 @@ void walk_material(Archive& a, ImportedMaterial& material) {
   a.plain(m.uv_transform);
   a.flag(material.is_fallback);
   a.plain(material.texture);
+  a.flag(material.textured_emission);
 }
 
 template <class Archive>

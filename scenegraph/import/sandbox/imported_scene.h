@@ -25,6 +25,7 @@ struct ImportedMaterial {
   Material material;         ///< base_color_texture is left null
   bool is_fallback = false;  ///< no material in the file: the fallback is used; only `unlit` is read
   std::uint32_t texture = kNoTexture;
+  bool textured_emission = false;  ///< the emission is multiplied by the texture
 };
 
 struct ImportedShape {

@@ -113,8 +113,8 @@ bool SdfMaterials::read_script(const SdfElement& script, Material& material) {
   std::filesystem::path folder;
   const std::optional<OgreMaterial> found = find_script(script, name, folder);
   if (!found) {
-    report_.warn(script.at(),
-                 "material " + in_quotes(name) + " of a script is not known; the shape keeps its own look");
+    report_.warn_once(script.at(),
+                      "material " + in_quotes(name) + " of a script is not known; the shape keeps its own look");
     return false;
   }
   material.name = name;

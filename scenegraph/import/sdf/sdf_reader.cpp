@@ -31,6 +31,9 @@ int minor_version(std::string_view version) {
 bool is_on_network(std::string_view uri) { return uri.starts_with("http://") || uri.starts_with("https://"); }
 
 // "3: error: WHAT" -> "3: WHAT; REST", for a warning.
+// Where Gazebo has its own media, such as file://media/materials/scripts/gazebo.material.
+constexpr const char* kResourcePath = "GAZEBO_RESOURCE_PATH";
+
 std::string as_warning(const InputError& error, const std::string& rest) {
   return without_word_error(error.what()) + "; " + rest;
 }
@@ -122,7 +125,9 @@ std::vector<std::filesystem::path> SdfFiles::find_scripts(const std::string& uri
   constexpr std::string_view kModel = "model://", kFile = "file://";
   if (!name.starts_with(kModel)) {
     if (name.starts_with(kFile)) name.erase(0, kFile.size());
-    return {std::filesystem::path(where.at().file).parent_path() / name};
+    std::vector<std::filesystem::path> places{std::filesystem::path(where.at().file).parent_path() / name};
+    for (const std::filesystem::path& folder : folders_of_variable(kResourcePath)) places.push_back(folder / name);
+    return places;
   }
   name.erase(0, kModel.size());
   const std::size_t slash = std::min(name.find('/'), name.size());
@@ -281,7 +286,7 @@ void SdfReader::read_include(const SdfElement& include, SdfScope& scope) {
   const std::string uri = include.child("uri") ? include.child("uri").text() : "";
   std::string why;
   const auto path = files_.find_model(uri, include, why);
-  if (!path) return report_.warn(include.at(), "the <include> is left out, " + why);
+  if (!path) return report_.warn_once(include.at(), "the <include> is left out, " + why);
   std::error_code error;
   const std::filesystem::path key = std::filesystem::canonical(*path, error);
   if (std::ranges::count(open_, key) > 0) include.fail("makes " + in_quotes(path->string()) + " include itself");

@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "engine/base/input_log.h"
+#include "scenegraph/import/mesh/name_case.h"
 
 namespace simvis {
 namespace {
@@ -20,17 +21,6 @@ constexpr const char* kModelsFolder = "models";
 constexpr int kMaxDepth = 32;         // of packages below ROS_PACKAGE_PATH: links may lead in circles
 constexpr int kLevelsOfPackages = 5;  // folders above the URDF whose packages are read
 constexpr int kLevelsNear = 3;        // folders above the URDF in which a lost file is searched
-
-std::vector<fs::path> folders_of_variable(const char* variable) {
-  const char* const value = noted_variable(variable);
-  std::vector<fs::path> folders;
-  for (std::string_view rest = value == nullptr ? "" : value; !rest.empty();) {
-    const std::string_view folder = rest.substr(0, rest.find(':'));
-    if (!folder.empty()) folders.emplace_back(folder);
-    rest.remove_prefix(std::min(folder.size() + 1, rest.size()));
-  }
-  return folders;
-}
 
 std::vector<fs::path> folders_in(const fs::path& folder) {
   std::vector<fs::path> folders;
@@ -88,6 +78,17 @@ bool take_prefix(std::string& name, std::string_view prefix) {
 }
 
 }  // namespace
+
+std::vector<fs::path> folders_of_variable(const char* variable) {
+  const char* const value = noted_variable(variable);
+  std::vector<fs::path> folders;
+  for (std::string_view rest = value == nullptr ? "" : value; !rest.empty();) {
+    const std::string_view folder = rest.substr(0, rest.find(':'));
+    if (!folder.empty()) folders.emplace_back(folder);
+    rest.remove_prefix(std::min(folder.size() + 1, rest.size()));
+  }
+  return folders;
+}
 
 PackageFiles::PackageFiles(const fs::path& urdf, std::vector<PackageFolder> given) : given_(std::move(given)) {
   std::error_code error;
@@ -192,18 +193,29 @@ std::optional<fs::path> PackageFiles::find_near(const std::string& rest, const s
   // Shorter and shorter ends of the name, down to a folder and a file. A name of one component has only itself.
   std::vector<std::string> ends{rest.substr(std::min(rest.find_first_not_of('/'), rest.size()))};
   while (std::ranges::count(ends.back(), '/') > 1) ends.push_back(ends.back().substr(ends.back().find('/') + 1));
-  for (const std::string& end : ends) {
-    for (const fs::path& above : nearest(folder_and_above(folder_), kLevelsNear)) {
-      const fs::path file = (above / end).lexically_normal();
-      if (end.empty() || !fs::is_regular_file(file, error)) continue;
-      const bool is_lost_package = subject.starts_with("package") || subject.starts_with("model");
-      if (warned_.insert(subject).second) {
-        warnings_.push_back(to_string(where) + ": " + subject + " is not there" +
-                            (is_lost_package ? " or lacks " + in_quotes(rest) : "") + "; " + in_quotes(file.string()) +
-                            " is taken instead" + (is_lost_package ? ", and other files from near by too" : ""));
+  const auto as_written = [&](const fs::path& folder, const std::string& end) -> std::optional<fs::path> {
+    const fs::path file = folder / end;
+    return fs::is_regular_file(file, error) ? std::optional(file) : std::nullopt;
+  };
+  const auto search = [&](const auto& look) -> std::optional<fs::path> {
+    for (const std::string& end : ends) {
+      for (const fs::path& above : nearest(folder_and_above(folder_), kLevelsNear)) {
+        const std::optional<fs::path> file = end.empty() ? std::nullopt : look(above, end);
+        if (file) return file->lexically_normal();
       }
-      return file;
     }
+    return std::nullopt;
+  };
+  std::optional<fs::path> found = search(as_written);
+  if (!found) found = search(file_ignoring_case);
+  if (found) {
+    const bool is_lost_package = subject.starts_with("package") || subject.starts_with("model");
+    if (warned_.insert(subject).second) {
+      warnings_.push_back(to_string(where) + ": " + subject + " is not there" +
+                          (is_lost_package ? " or lacks " + in_quotes(rest) : "") + "; " + in_quotes(found->string()) +
+                          " is taken instead" + (is_lost_package ? ", and other files from near by too" : ""));
+    }
+    return found;
   }
   tried_.push_back(in_quotes(ends.back()) + " up to " + std::to_string(kLevelsNear) + " folders above");
   return std::nullopt;

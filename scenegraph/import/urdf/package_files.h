@@ -14,6 +14,9 @@
 
 namespace simvis {
 
+/// The folders that an environment variable lists, with colons between them. The run's report notes the variable.
+std::vector<std::filesystem::path> folders_of_variable(const char* variable);
+
 /// Names have one of these forms; a backslash counts as a slash:
 ///   package://NAME/REST, $(find NAME)/REST   a file of the ROS package NAME
 ///   model://NAME/REST                        a file of the Gazebo model NAME
@@ -27,7 +30,8 @@ namespace simvis {
 ///   3. from the URDF's folder upwards: a folder above or beside whose name or <name> in package.xml is NAME; for a
 ///      model, also one of that name in a folder `models` beside or above
 /// A file that is still not found is searched near the URDF: REST, or its last components (at least a folder and the
-/// file), in the URDF's folder and the three above it. This gives a warning for each NAME.
+/// file), in the URDF's folder and the three above it, at last without regard to upper and lower case. This gives a
+/// warning for each NAME.
 class PackageFiles {
  public:
   /// `urdf` is the file that names the others, a URDF or an SDF file.

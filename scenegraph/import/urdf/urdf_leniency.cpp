@@ -105,6 +105,7 @@ class Mender {
     pugi::xml_node next;
     for (pugi::xml_node visual = link.child("visual"); visual; visual = next) {
       next = visual.next_sibling("visual");
+      mend_scale(visual, link);
       const std::string reason = reason_to_leave_out(visual);
       if (!reason.empty()) {
         warn(visual, link, reason + "; the visual is left out");
@@ -113,6 +114,15 @@ class Mender {
         mend_material(visual, link);
       }
     }
+  }
+
+  void mend_scale(const pugi::xml_node& visual, const pugi::xml_node& link) {
+    pugi::xml_attribute scale = visual.child("geometry").child("mesh").attribute("scale");
+    double factor = 0;
+    if (!scale || !parse_number(scale.value(), factor)) return;
+    const std::string one = format_number(factor);
+    warn(visual, link, "has a mesh whose scale is the one number " + one + "; it is taken for all three axes");
+    scale.set_value((one + " " + one + " " + one).c_str());
   }
 
   static std::string reason_to_leave_out(const pugi::xml_node& visual) {

@@ -18,6 +18,13 @@ bool names_file(const pugi::xml_node& image) {
   return *from.child_value() != '\0' || *from.child_value("ref") != '\0' || image.child("data") || from.child("hex");
 }
 
+// Assimp crashes on an image whose <init_from> is empty, even if no texture refers to it.
+void name_file(pugi::xml_node& image) {
+  pugi::xml_node from = image.child("init_from");
+  if (!from) from = image.append_child("init_from");
+  from.text().set("none");
+}
+
 class TextureRemoval : public pugi::xml_tree_walker {
  public:
   explicit TextureRemoval(const XmlText& text) : text_(text) {}
@@ -35,6 +42,7 @@ class TextureRemoval : public pugi::xml_tree_walker {
       }
       texture.text().set("1 1 1 1");
     }
+    for (pugi::xml_node& image : nameless_) name_file(image);
     warning_.give(file, "image", "names no file; materials with it are white");
   }
 
@@ -42,6 +50,7 @@ class TextureRemoval : public pugi::xml_tree_walker {
     const std::string_view tag = node.name();
     if (tag == "texture") textures_.push_back(node);
     if (tag == "image" && !names_file(node)) {
+      nameless_.push_back(node);
       images_.insert(node.attribute("id").value());
       warning_.add(text_.at(node), node.attribute("id").value());
     }
@@ -73,7 +82,8 @@ class TextureRemoval : public pugi::xml_tree_walker {
   const XmlText& text_;
   std::vector<pugi::xml_node> textures_;
   std::map<std::string, std::string> parameters_;
-  std::set<std::string> images_;  // those without a file
+  std::vector<pugi::xml_node> nameless_;  // images without a file
+  std::set<std::string> images_;          // their names
   RepeatedWarning warning_;
 };
 
