@@ -109,9 +109,9 @@ TEST_CASE("a scan has its ranges, bounds and points; a picture is the file's byt
   CHECK(at<float>(scan, 120 + (18 + 4) * 4) == measured.error_bound_m[4]);
   CHECK(at<float>(scan, 120 + (27 + 3 * 4) * 4) == static_cast<float>(measured.points()[4].x));
   REQUIRE(frame.pictures.size() == 2);
-  const std::string color = picture_message(frame.pictures[0], frame.time_ns);
+  const std::string color = picture_message(frame.pictures[0]);
   CHECK(color.substr(24) == encode_png(view.simulation.color("CAM")));
-  const std::string depth = picture_message(frame.pictures[1], frame.time_ns);
+  const std::string depth = picture_message(frame.pictures[1]);
   REQUIRE(depth.size() == 24 + 8 * 6 * sizeof(float));
   CHECK(at<float>(depth, 24) == view.simulation.depth("CAM").pixels[0]);
 }
