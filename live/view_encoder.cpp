@@ -95,11 +95,11 @@ std::string scene_message(const ViewScene& scene, std::string_view glb) {
       {"ambient",
        {scene.list.environment.ambient.r, scene.list.environment.ambient.g, scene.list.environment.ambient.b}}};
   for (std::size_t i = 0; i < scene.sensors.size(); ++i) {
-    json["sensors"].push_back(sensor_json(scene.sensors[i], scene.owners.sensors[i]));
+    json["sensors"].push_back(sensor_json(scene.sensors[i], scene.transforms.sensors[i]));
   }
   for (const ViewParameter& parameter : scene.parameters) json["parameters"].push_back(parameter_json(parameter));
-  for (const auto& [name, transform] : scene.owners.points) json["points"][name] = transform;
-  for (const auto& [name, transform] : scene.owners.elements) json["elements"][name] = transform;
+  for (const auto& [name, transform] : scene.transforms.points) json["points"][name] = transform;
+  for (const auto& [name, transform] : scene.transforms.elements) json["elements"][name] = transform;
   return to_text(json);
 }
 

@@ -93,7 +93,7 @@ void ViewHub::answer_saved(ClientId client, std::string_view xml) {
 std::shared_ptr<const std::string> ViewHub::glb(std::uint64_t structure) {
   if (!frame_ || frame_->scene->structure != structure) return nullptr;
   if (!glb_ || glb_structure_ != structure) {
-    glb_ = std::make_shared<const std::string>(glb_bytes(frame_->scene->list, frame_->scene->owners.items));
+    glb_ = std::make_shared<const std::string>(glb_bytes(frame_->scene->list, frame_->scene->items));
     glb_structure_ = structure;
   }
   return glb_;

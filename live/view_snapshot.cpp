@@ -120,7 +120,8 @@ void ViewCopier::follow_scene(const Simulation& simulation) {
     auto scene = std::make_shared<ViewScene>();
     scene->structure = scene_ == nullptr ? 1 : scene_->structure + 1;
     scene->list = list;
-    scene->owners = draw_owners(built);
+    scene->items = simulation.items();
+    scene->transforms = named_transforms(built);
     scene->list_json = to_json(list_scene(built));
     scene->sensors = sensors_of(built);
     scene->parameters = parameters_of(built.parameters);

@@ -16,7 +16,7 @@
 #include <simvis/image.h>
 #include <simvis/scan.h>
 #include <simvis/simulation.h>
-#include "live/draw_owners.h"
+#include "live/named_transforms.h"
 
 namespace simvis::live {
 
@@ -37,7 +37,8 @@ struct ViewParameter {
 struct ViewScene {
   std::uint64_t structure = 0;   ///< counts the scenes that a copier has made, from 1
   DrawList list;                 ///< meshes and materials are shared with the simulation, and never change
-  DrawOwners owners;
+  std::vector<SceneItem> items;  ///< as long as DrawList::items
+  NamedTransforms transforms;
   std::string list_json;                  ///< as `simvis-run --list --json` prints it
   std::vector<ViewSensor> sensors;        ///< in the order of the scene
   std::vector<ViewParameter> parameters;  ///< indices as in Parameters::values()

@@ -70,15 +70,16 @@ TEST_CASE("a page that opens gets the scene, every transform, what was measured,
 TEST_CASE("numbers name what moves a thing") {
   View view;
   const ViewFrame frame = view.step();
-  const DrawOwners& owners = frame.scene->owners;
-  REQUIRE(owners.items.size() == frame.scene->list.items.size());
-  CHECK(owners.items[0].part == "BOX");
-  CHECK(owners.items[1].part == "BODY");
-  CHECK((*frame.world_from_node)[owners.elements.at("MOVE")][3].x == 0.5);
-  CHECK((*frame.world_from_node)[owners.points.at("BODY")][3].x == 0.5);
-  CHECK((*frame.world_from_node)[owners.points.at("BOX")][3].x == 3);
-  REQUIRE(owners.sensors[0]);
-  CHECK((*frame.world_from_node)[*owners.sensors[0]][3].x == 0.5);
+  const NamedTransforms& named = frame.scene->transforms;
+  const std::vector<SceneItem>& items = frame.scene->items;
+  REQUIRE(items.size() == frame.scene->list.items.size());
+  CHECK(items[0].part == "BOX");
+  CHECK(items[1].part == "BODY");
+  CHECK((*frame.world_from_node)[named.elements.at("MOVE")][3].x == 0.5);
+  CHECK((*frame.world_from_node)[named.points.at("BODY")][3].x == 0.5);
+  CHECK((*frame.world_from_node)[named.points.at("BOX")][3].x == 3);
+  REQUIRE(named.sensors[0]);
+  CHECK((*frame.world_from_node)[*named.sensors[0]][3].x == 0.5);
 }
 
 TEST_CASE("the next frame tells what has changed, and only what is looked at") {
