@@ -14,7 +14,8 @@
 
 namespace simvis {
 
-/// A connection to a server of this machine. It ends with an exception when the server closes it.
+/// A connection to a server of this machine, which tells at once that it has shown a frame. It ends with an exception
+/// when the server closes it.
 class LiveViewer {
  public:
   explicit LiveViewer(std::uint16_t port, bool web_socket = true) : port_(port) {
@@ -69,7 +70,9 @@ class LiveViewer {
       if (opcode > 2) continue;
       if (opcode != 0) message.binary = opcode == 2;
       message.bytes += payload;
-      if ((first[0] & 0x80) != 0) return message;
+      if ((first[0] & 0x80) == 0) continue;
+      if (message.bytes.starts_with(R"({"op":"frame")")) send({{"op", "shown"}});
+      return message;
     }
   }
   nlohmann::json receive_op(const std::string& op) {

@@ -38,8 +38,8 @@ Json matrix_json(const glm::dmat4& m) {
 
 class GlbWriter {
  public:
-  GlbWriter(const DrawList& list, std::span<const ItemOwner> owners)
-      : list_(list), owners_(owners), materials_(buffer_), uv_sets_(list.meshes.size()) {
+  GlbWriter(const DrawList& list, std::span<const SceneItem> items)
+      : list_(list), items_(items), materials_(buffer_), uv_sets_(list.meshes.size()) {
     for (const DrawItem& item : list.items) {
       const Material& material = *list.materials[item.material];
       // glTF counts sets without a gap.
@@ -79,11 +79,9 @@ class GlbWriter {
     if (list_.meshes[item.mesh]->indices.empty()) return;
     Json extras = {{"item", index}, {"transform", item.transform}, {"material", item.material}};
     Json node;
-    if (!owners_.empty()) {
-      const ItemOwner& owner = owners_[index];
-      node["name"] = owner.part;
-      extras["part"] = owner.part;
-      if (!owner.element.empty()) extras["element"] = owner.element;
+    if (!items_.empty() && !items_[index].part.empty()) {
+      node["name"] = items_[index].part;
+      extras["part"] = items_[index].part;
     }
     const std::vector<glm::dmat4> matrices = gltf_nodes_of(list_.world_from_node[item.transform]);
     if (matrices.empty()) return;
@@ -225,7 +223,7 @@ class GlbWriter {
   }
 
   const DrawList& list_;
-  std::span<const ItemOwner> owners_;
+  std::span<const SceneItem> items_;
   GlbBuffer buffer_;
   GlbMaterials materials_;
   Json nodes_ = Json::array(), top_ = Json::array(), meshes_ = Json::array(), lights_ = Json::array();
@@ -238,9 +236,9 @@ class GlbWriter {
 
 }  // namespace
 
-std::string glb_bytes(const DrawList& list, std::span<const ItemOwner> owners) {
-  SIMVIS_ASSERT(owners.empty() || owners.size() == list.items.size());
-  return GlbWriter(list, owners).take();
+std::string glb_bytes(const DrawList& list, std::span<const SceneItem> items) {
+  SIMVIS_ASSERT(items.empty() || items.size() == list.items.size());
+  return GlbWriter(list, items).take();
 }
 
 }  // namespace simvis::live

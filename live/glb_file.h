@@ -5,17 +5,17 @@
 #include <string>
 
 #include <simvis/draw_list.h>
-#include "live/draw_owners.h"
+#include <simvis/scan.h>
 
 namespace simvis::live {
 
 /// The bytes of a GLB. Each pair of a mesh and a material is one glTF mesh, and each item is one node of it. A root
 /// node turns the world, whose z is up, to glTF's y up. Item nodes have `extras`: item, transform, material and part,
-/// so that a page can move them. `owners` is as long as `list.items`, or empty.
+/// so that a page can move them. `items` is as long as `list.items`, or empty.
 ///
 /// What glTF cannot say is left out: what only lasers see, the medium, the surroundings, and items without primitives
 /// or of no size. An opaque or masked material of opacity below 1 becomes a blended one.
 /// Throws MachineError if memory runs out, or the file would be longer than 4 GiB, which the format cannot hold.
-std::string glb_bytes(const DrawList& list, std::span<const ItemOwner> owners);
+std::string glb_bytes(const DrawList& list, std::span<const SceneItem> items);
 
 }  // namespace simvis::live

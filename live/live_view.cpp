@@ -46,7 +46,7 @@ void add_scans(const OtherScans& scans, const ViewWants& wants, ViewFrame& frame
 
 LiveView::LiveView(const ServerDesc& desc)
     : foxglove_(controls_, random_token()),
-      view_(controls_, [this](ViewWants wants, std::size_t viewers) { want(std::move(wants), viewers); }),
+      view_(controls_, [this](ViewWants wants) { want(std::move(wants)); }),
       outlet_(foxglove_),
       server_(std::make_unique<Server>(desc, static_cast<Service&>(*this))) {}
 
@@ -59,8 +59,7 @@ void LiveView::attach(Simulation& simulation) {
   changes_ = kNoChanges;
 }
 
-void LiveView::want(ViewWants wants, std::size_t viewers) {
-  viewers_ = viewers;
+void LiveView::want(ViewWants wants) {
   const std::lock_guard lock(mutex_);
   wants_ = std::move(wants);
 }
@@ -82,8 +81,11 @@ bool LiveView::publish(const Simulation& simulation, const FrameTime& time, doub
   if (std::function<void()> batch = outlet_.take_batch()) server_->post(std::move(batch));
   post_parameters(simulation.parameters());
   server_->post([this, time_ns = time.time_ns] { foxglove_.set_time(time_ns); });
-  if (viewers_ == 0) return true;
-  if (frames_under_way_ >= kMaxFrames) return false;
+  if (view_.viewers() == 0) return true;
+  if (view_.can_show() == 0 || frames_under_way_ >= kMaxFrames) {
+    copier_.skip(simulation, time);
+    return false;
+  }
   ++frames_under_way_;
   const ViewWants wants = take_wants();
   auto frame = std::make_shared<ViewFrame>(copier_.copy(simulation, time, step_ms, wants));

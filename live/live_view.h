@@ -37,7 +37,8 @@ class LiveView : private Service {
   /// From now on, the messages of this simulation go to Foxglove's clients, and its frames to pages. Throws InputError:
   /// two of its sensors would have the same topics.
   void attach(Simulation& simulation);
-  /// Shows the frame of the last step. Returns false if the server is too busy for it.
+  /// Shows the frame of the last step. Returns false if the server is too busy for it, or no client has room for it:
+  /// what was measured in it is then shown with a later frame, if nothing newer was.
   bool publish(const Simulation& simulation, const FrameTime& time, double step_ms, const ViewTime& view_time,
                const OtherScans& other_scans = {});
   /// Shows that the simulation goes on or not.
@@ -57,7 +58,7 @@ class LiveView : private Service {
   std::optional<Answer> get(std::string_view path, std::string_view query) override;
   std::span<const std::string_view> protocols() const override;
   std::unique_ptr<Peer> connect(std::string_view protocol) override;
-  void want(ViewWants wants, std::size_t viewers);
+  void want(ViewWants wants);
   ViewWants take_wants();
   void post_parameters(const Parameters& parameters);
 
@@ -75,7 +76,6 @@ class LiveView : private Service {
   // Of both.
   std::mutex mutex_;
   ViewWants wants_;
-  std::atomic<std::size_t> viewers_ = 0;
   std::atomic<int> frames_under_way_ = 0;
   std::unique_ptr<Server> server_;  // the last member: its thread uses the others
 };

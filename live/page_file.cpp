@@ -95,7 +95,7 @@ void PageFile::add(const ViewFrame& frame) {
   const std::uint64_t number = entries_.size();
   const std::string glb = "glb-" + std::to_string(frame.scene->structure);
   if (is_key) {
-    add_block(glb, glb_bytes(frame.scene->list, frame.scene->owners.items));
+    add_block(glb, glb_bytes(frame.scene->list, frame.scene->items));
     key_number_ = number;
   }
   const ViewTime time{.playing = false, .recorded = true};

@@ -95,11 +95,11 @@ std::string scene_message(const ViewScene& scene, std::string_view glb) {
       {"ambient",
        {scene.list.environment.ambient.r, scene.list.environment.ambient.g, scene.list.environment.ambient.b}}};
   for (std::size_t i = 0; i < scene.sensors.size(); ++i) {
-    json["sensors"].push_back(sensor_json(scene.sensors[i], scene.owners.sensors[i]));
+    json["sensors"].push_back(sensor_json(scene.sensors[i], scene.transforms.sensors[i]));
   }
   for (const ViewParameter& parameter : scene.parameters) json["parameters"].push_back(parameter_json(parameter));
-  for (const auto& [name, transform] : scene.owners.points) json["points"][name] = transform;
-  for (const auto& [name, transform] : scene.owners.elements) json["elements"][name] = transform;
+  for (const auto& [name, transform] : scene.transforms.points) json["points"][name] = transform;
+  for (const auto& [name, transform] : scene.transforms.elements) json["elements"][name] = transform;
   return to_text(json);
 }
 
@@ -204,11 +204,11 @@ std::string scan_message(const ViewScan& view) {
   return bytes;
 }
 
-std::string picture_message(const ViewPicture& picture, std::int64_t time_ns) {
+std::string picture_message(const ViewPicture& picture) {
   const Image& image = *picture.image;
   std::string bytes;
   begin(bytes, 3, static_cast<std::uint8_t>(picture.kind), static_cast<std::uint8_t>(picture.eye), picture.sensor);
-  append(bytes, static_cast<std::uint64_t>(time_ns));
+  append(bytes, static_cast<std::uint64_t>(picture.time_ns));
   append(bytes, image.width);
   append(bytes, image.height);
   if (picture.kind == PictureKind::color) return bytes + encode_png(image);
@@ -228,7 +228,7 @@ std::vector<ViewMessage> view_messages(const ViewFrame* before, const ViewFrame&
   add(false, lights_message(before, frame));
   add(false, values_message(before, frame));
   for (const ViewScan& scan : frame.scans) add(true, scan_message(scan));
-  for (const ViewPicture& picture : frame.pictures) add(true, picture_message(picture, frame.time_ns));
+  for (const ViewPicture& picture : frame.pictures) add(true, picture_message(picture));
   add(false, frame_message(frame, time));
   return messages;
 }

@@ -36,7 +36,7 @@ std::string saved_message(std::string_view xml);
 std::string transforms_message(const ViewFrame* before, const ViewFrame& frame);
 std::string scan_message(const ViewScan& scan);
 /// Colour as the bytes of a PNG file, the very bytes that simvis-run writes; depth and disparity as float32.
-std::string picture_message(const ViewPicture& picture, std::int64_t time_ns);
+std::string picture_message(const ViewPicture& picture);
 
 struct ViewMessage {
   bool binary = false;

@@ -36,7 +36,7 @@ std::uint32_t received_index(const ReceivedJson& json) {
 
 }  // namespace
 
-ViewHub::ViewHub(ControlQueue& controls, std::function<void(ViewWants, std::size_t)> wanted)
+ViewHub::ViewHub(ControlQueue& controls, std::function<void(ViewWants)> wanted)
     : controls_(controls), wanted_(std::move(wanted)) {}
 
 std::unique_ptr<Peer> ViewHub::connect(ClientId client) { return std::make_unique<ViewPeer>(*this, client); }
@@ -46,12 +46,11 @@ void ViewHub::keep_measurements(ViewFrame& frame) {
   const bool same = same_structure(frame_.get(), frame);
   if (!same) measured_.clear();
   for (ViewScan& scan : frame.scans) {
-    const std::int64_t time_ns = scan.scan->time_ns;
-    measured_[{scan.sensor, false, {}, {}}] = {next_order_++, time_ns, std::move(scan), std::nullopt, nullptr};
+    measured_[{scan.sensor, false, {}, {}}] = {next_order_++, std::move(scan), std::nullopt, nullptr};
   }
   for (ViewPicture& picture : frame.pictures) {
     const Output output{picture.sensor, true, picture.kind, picture.eye};
-    measured_[output] = {next_order_++, frame.time_ns, std::nullopt, std::move(picture), nullptr};
+    measured_[output] = {next_order_++, std::nullopt, std::move(picture), nullptr};
   }
   frame.scans.clear();
   frame.pictures.clear();
@@ -94,7 +93,7 @@ void ViewHub::answer_saved(ClientId client, std::string_view xml) {
 std::shared_ptr<const std::string> ViewHub::glb(std::uint64_t structure) {
   if (!frame_ || frame_->scene->structure != structure) return nullptr;
   if (!glb_ || glb_structure_ != structure) {
-    glb_ = std::make_shared<const std::string>(glb_bytes(frame_->scene->list, frame_->scene->owners.items));
+    glb_ = std::make_shared<const std::string>(glb_bytes(frame_->scene->list, frame_->scene->items));
     glb_structure_ = structure;
   }
   return glb_;
@@ -102,8 +101,8 @@ std::shared_ptr<const std::string> ViewHub::glb(std::uint64_t structure) {
 
 const std::shared_ptr<const std::string>& ViewHub::message_of(Measured& measured) {
   if (!measured.message) {
-    measured.message = std::make_shared<const std::string>(
-        measured.scan ? scan_message(*measured.scan) : picture_message(*measured.picture, measured.time_ns));
+    measured.message = std::make_shared<const std::string>(measured.scan ? scan_message(*measured.scan)
+                                                                         : picture_message(*measured.picture));
   }
   return measured.message;
 }
@@ -114,18 +113,31 @@ void ViewHub::follow_wants() {
     wants.sensors.insert(peer->looks_at_.begin(), peer->looks_at_.end());
     wants.plan |= peer->wants_plan_;
   }
-  wanted_(std::move(wants), peers_.size());
+  wanted_(std::move(wants));
 }
 
 ViewPeer::ViewPeer(ViewHub& hub, ClientId id) : hub_(hub), id_(id) {
   hub_.peers_.emplace(id, this);
+  ++hub_.viewers_;
+  ++hub_.can_show_;
   hub_.follow_wants();
   hub_.controls_.add({.kind = Control::Kind::look, .client = id});
 }
 
 ViewPeer::~ViewPeer() {
   hub_.peers_.erase(id_);
+  --hub_.viewers_;
+  if (unshown_ < kMaxUnshown) --hub_.can_show_;
   hub_.follow_wants();
+}
+
+void ViewPeer::sent() {
+  if (++unshown_ == kMaxUnshown) --hub_.can_show_;
+}
+
+void ViewPeer::shown() {
+  if (unshown_ == 0) throw InputError("no frame is under way");
+  if (unshown_-- == kMaxUnshown) ++hub_.can_show_;
 }
 
 void ViewPeer::add(bool binary, std::string bytes) {
@@ -150,12 +162,14 @@ void ViewPeer::follow_frame() {
     waiting_.push_back({.binary = true, .head = "", .body = hub_.message_of(measured)});
   }
   add(false, frame_message(now, hub_.time_));
+  sent();
 }
 
 std::optional<WireMessage> ViewPeer::next() {
   if (waiting_.empty()) {
     if (std::optional<WireMessage> text = texts_.next()) return text;
-    if (hub_.frame_ && (seen_ != hub_.frame_ || seen_time_ != hub_.time_order_)) follow_frame();
+    const bool is_new = hub_.frame_ && (seen_ != hub_.frame_ || seen_time_ != hub_.time_order_);
+    if (is_new && unshown_ < kMaxUnshown) follow_frame();
   }
   if (waiting_.empty()) return std::nullopt;
   WireMessage message = std::move(waiting_.front());
@@ -191,6 +205,7 @@ void ViewPeer::receive(std::string_view text, bool binary) {
       look(sensors);
       return request({.kind = Kind::look});
     }
+    if (op == "shown") return shown();
     if (op == "set") {
       const std::size_t parameter = received_index(message.at("parameter"));
       return request({.kind = Kind::set, .values = {{parameter, received_number(message.at("value"))}}});

@@ -1,9 +1,12 @@
 // The protocol of the page, `simvis.live.v1`: what its clients share, and one client.
 //
-// A client gets the difference between the frame that it has seen last and the latest one, whenever its connection can
-// take it, and the latest measurement of each sensor that it looks at. Nothing is lost of what is answered to it.
+// A client gets the difference between the frame that it has seen last and the latest one, whenever it can take it, and
+// the latest measurement of each sensor that it looks at. It can take a frame while fewer than kMaxUnshown of those
+// that were sent to it are not shown yet: a browser reads all that comes, however slowly it draws, so that frames would
+// wait there without end. Nothing is lost of what is answered to it.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -26,11 +29,18 @@ namespace simvis::live {
 
 class ViewPeer;
 
-/// All is of the server's thread.
+/// Frames under way to a client: one that it shows, and one that comes meanwhile.
+inline constexpr std::size_t kMaxUnshown = 2;
+
+/// All but viewers() and can_show() is of the server's thread.
 class ViewHub {
  public:
   /// `wanted` is called when clients look at something else.
-  ViewHub(ControlQueue& controls, std::function<void(ViewWants, std::size_t viewers)> wanted);
+  ViewHub(ControlQueue& controls, std::function<void(ViewWants)> wanted);
+
+  /// Clients, and those of them that can take a frame now. Any thread.
+  std::size_t viewers() const { return viewers_; }
+  std::size_t can_show() const { return can_show_; }
 
   std::unique_ptr<Peer> connect(ClientId client);
   void publish(ViewFrame frame, const ViewTime& time);
@@ -48,7 +58,6 @@ class ViewHub {
   using Output = std::tuple<std::uint32_t, bool, PictureKind, PictureEye>;
   struct Measured {
     std::uint64_t order = 0;
-    std::int64_t time_ns = 0;
     std::optional<ViewScan> scan;
     std::optional<ViewPicture> picture;
     std::shared_ptr<const std::string> message;  // made when a client first needs it
@@ -58,7 +67,8 @@ class ViewHub {
   void follow_wants();
 
   ControlQueue& controls_;
-  std::function<void(ViewWants, std::size_t)> wanted_;
+  std::function<void(ViewWants)> wanted_;
+  std::atomic<std::size_t> viewers_ = 0, can_show_ = 0;
   std::shared_ptr<const ViewFrame> frame_;  // the latest
   ViewTime time_;
   std::uint64_t time_order_ = 0;
@@ -81,6 +91,8 @@ class ViewPeer : public Peer {
   void add(bool binary, std::string bytes);
   void follow_frame();
   void look(const std::set<std::uint32_t>& sensors);
+  void sent();
+  void shown();
   void request(Control control);
 
   ViewHub& hub_;
@@ -89,6 +101,7 @@ class ViewPeer : public Peer {
   std::deque<WireMessage> waiting_;  // that bring the client to `seen_`
   std::shared_ptr<const ViewFrame> seen_;
   std::uint64_t seen_time_ = 0;
+  std::size_t unshown_ = 0;
   std::map<ViewHub::Output, std::uint64_t> sent_;
   std::set<std::string> looks_at_;
   bool wants_plan_ = false;

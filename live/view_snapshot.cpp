@@ -56,7 +56,8 @@ PictureEye eye_of(const std::string& stem) {
 /// Copies the images of one sensor.
 class PictureCopier : public OutputSink {
  public:
-  PictureCopier(std::uint32_t sensor, std::vector<ViewPicture>& pictures) : sensor_(sensor), pictures_(pictures) {}
+  PictureCopier(std::uint32_t sensor, std::int64_t time_ns, std::vector<ViewPicture>& pictures)
+      : sensor_(sensor), time_ns_(time_ns), pictures_(pictures) {}
 
   void picture(const std::string& stem, const Image* color, const Image* depth) override {
     if (color != nullptr) add(PictureKind::color, eye_of(stem), *color);
@@ -71,9 +72,10 @@ class PictureCopier : public OutputSink {
  private:
   void add(PictureKind kind, PictureEye eye, const Image& image) {
     if (image.pixels.empty()) return;
-    pictures_.push_back({sensor_, kind, eye, std::make_shared<const Image>(image)});
+    pictures_.push_back({sensor_, kind, eye, time_ns_, std::make_shared<const Image>(image)});
   }
   std::uint32_t sensor_;
+  std::int64_t time_ns_;
   std::vector<ViewPicture>& pictures_;
 };
 
@@ -82,19 +84,21 @@ std::string plan_text(const Diagnostics& diagnostics) {
                                             diagnostics.frame_costs(), diagnostics.sensor_costs()});
 }
 
-void copy_measurements(const Simulation& simulation, const BuiltScene& built, const ViewWants& wants,
+using MeasuredTimes = std::map<std::string, std::int64_t, std::less<>>;
+
+void copy_measurements(const MeasuredTimes& measured, const BuiltScene& built, const ViewWants& wants,
                        ViewFrame& frame) {
-  const std::span<const std::string> measured = simulation.measured();
   for (std::uint32_t i = 0; i < built.sensors.size(); ++i) {
     const BuiltSensor& sensor = built.sensors[i];
     if (!wants.every_sensor && !wants.sensors.contains(sensor.name)) continue;
-    if (std::ranges::find(measured, sensor.name) == measured.end()) continue;
+    const auto when = measured.find(sensor.name);
+    if (when == measured.end()) continue;
     if (const Scan* const scan = sensor.sensor->scan()) {
       frame.scans.push_back({i, std::make_shared<const Scan>(*scan)});
       continue;
     }
     const std::size_t pictures = frame.pictures.size();
-    PictureCopier copier(i, frame.pictures);
+    PictureCopier copier(i, when->second, frame.pictures);
     sensor.sensor->write(copier);
     // Those of a camera, such as the bound on its depth, are computed when they are read.
     if (frame.pictures.size() > pictures) continue;
@@ -116,7 +120,8 @@ void ViewCopier::follow_scene(const Simulation& simulation) {
     auto scene = std::make_shared<ViewScene>();
     scene->structure = scene_ == nullptr ? 1 : scene_->structure + 1;
     scene->list = list;
-    scene->owners = draw_owners(built);
+    scene->items = simulation.items();
+    scene->transforms = named_transforms(built);
     scene->list_json = to_json(list_scene(built));
     scene->sensors = sensors_of(built);
     scene->parameters = parameters_of(built.parameters);
@@ -130,6 +135,10 @@ void ViewCopier::follow_scene(const Simulation& simulation) {
   follow(materials_, list.materials, list.revisions.materials, revisions_.materials);
   follow(lights_, list.lights, list.revisions.lights, revisions_.lights);
   revisions_ = list.revisions;
+}
+
+void ViewCopier::skip(const Simulation& simulation, const FrameTime& time) {
+  for (const std::string& sensor : simulation.measured()) measured_ns_.insert_or_assign(sensor, time.time_ns);
 }
 
 ViewFrame ViewCopier::copy(const Simulation& simulation, const FrameTime& time, double step_ms,
@@ -146,7 +155,9 @@ ViewFrame ViewCopier::copy(const Simulation& simulation, const FrameTime& time, 
   const std::span<const double> values = simulation.parameters().values();
   frame.values.assign(values.begin(), values.end());
   frame.warnings = simulation.warnings();
-  copy_measurements(simulation, built_scene(simulation), wants, frame);
+  skip(simulation, time);
+  copy_measurements(measured_ns_, built_scene(simulation), wants, frame);
+  measured_ns_.clear();
   if (wants.plan) frame.plan = plan_text(simulation.diagnostics());
   return frame;
 }

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -14,7 +16,7 @@
 #include <simvis/image.h>
 #include <simvis/scan.h>
 #include <simvis/simulation.h>
-#include "live/draw_owners.h"
+#include "live/named_transforms.h"
 
 namespace simvis::live {
 
@@ -33,9 +35,10 @@ struct ViewParameter {
 
 /// The scene as it stands between two changes of its structure.
 struct ViewScene {
-  std::uint64_t structure = 0;  ///< counts the scenes that a copier has made, from 1
-  DrawList list;                ///< meshes and materials are shared with the simulation, and never change
-  DrawOwners owners;
+  std::uint64_t structure = 0;   ///< counts the scenes that a copier has made, from 1
+  DrawList list;                 ///< meshes and materials are shared with the simulation, and never change
+  std::vector<SceneItem> items;  ///< as long as DrawList::items
+  NamedTransforms transforms;
   std::string list_json;                  ///< as `simvis-run --list --json` prints it
   std::vector<ViewSensor> sensors;        ///< in the order of the scene
   std::vector<ViewParameter> parameters;  ///< indices as in Parameters::values()
@@ -48,6 +51,7 @@ struct ViewPicture {
   std::uint32_t sensor = 0;  ///< index into ViewScene::sensors
   PictureKind kind = PictureKind::color;
   PictureEye eye = PictureEye::single;
+  std::int64_t time_ns = 0;  ///< when it was taken
   std::shared_ptr<const Image> image;
 };
 
@@ -96,14 +100,22 @@ class ViewCopier {
   /// The frame of the last step, which took `step_ms`. Throws InputError while a frame is under way.
   ViewFrame copy(const Simulation& simulation, const FrameTime& time, double step_ms, const ViewWants& wants);
 
+  /// The frame of the last step is not copied; what was measured in it is part of the next one that is, if no newer
+  /// measurement is.
+  void skip(const Simulation& simulation, const FrameTime& time);
+
   /// The next frame is that of another simulation. Its scene counts on.
-  void restart() { restarted_ = true; }
+  void restart() {
+    restarted_ = true;
+    measured_ns_.clear();
+  }
 
  private:
   void follow_scene(const Simulation& simulation);
   std::shared_ptr<const ViewScene> scene_;
   DrawList::Revisions revisions_;
-  std::size_t changes_ = 0;  // executed commands
+  std::size_t changes_ = 0;                                       // executed commands
+  std::map<std::string, std::int64_t, std::less<>> measured_ns_;  // since the last copy: when, by sensor
   bool restarted_ = false;
   std::shared_ptr<const std::vector<glm::dmat4>> world_from_node_;
   std::shared_ptr<const std::vector<std::shared_ptr<const Material>>> materials_;

@@ -21,7 +21,8 @@ export function open(onMessage, onState) {
   function connect() {
     const url = address("live");
     url.protocol = url.protocol === "https:" ? "wss:" : "ws:";
-    socket = new WebSocket(url, PROTOCOL);
+    const opened = new WebSocket(url, PROTOCOL);
+    socket = opened;
     socket.binaryType = "arraybuffer";
     socket.onopen = () => {
       wait = FIRST_WAIT_MS;
@@ -30,13 +31,19 @@ export function open(onMessage, onState) {
     };
     // Messages are taken one after the other: a scene takes a while to load.
     socket.onmessage = ({ data }) => {
-      queue = queue.then(() => onMessage(decode(data))).catch(console.error);
+      queue = queue.then(() => take(decode(data), opened)).catch(console.error);
     };
     socket.onclose = () => {
       onState("no simulation answers; trying again", true);
       setTimeout(connect, wait);
       wait = Math.min(2 * wait, LONGEST_WAIT_MS);
     };
+  }
+
+  // The simulation sends the next frame when this one is drawn: a slow page, or one that nobody sees, gets fewer.
+  async function take(message, from) {
+    await onMessage(message);
+    if (message.op === "frame") requestAnimationFrame(() => from.send('{"op":"shown"}'));
   }
 
   return {

@@ -2,6 +2,7 @@
 import { Dragging } from "simvis/dragging.js";
 import { Graphs } from "simvis/graphs.js";
 import { Images } from "simvis/images.js";
+import { Labels } from "simvis/labels.js";
 import { Navigation } from "simvis/navigation.js";
 import { ParameterPanel } from "simvis/parameters.js";
 import { PlaceSensor } from "simvis/place_sensor.js";
@@ -25,6 +26,7 @@ const view = new SceneView(element("view"));
 const navigation = new Navigation(view, element("hint"));
 const dragging = new Dragging(view, navigation);
 const tree = new Tree(element("tree"), element("tree-filter"), (thing) => select(thing));
+const labels = new Labels(view, element("labels"));
 const images = new Images(element("images"));
 const graphs = new Graphs(element("graphs"));
 const asked = []; // parameters that were asked for and not answered yet
@@ -59,6 +61,11 @@ function rowsOf(transform) {
   return transform === 0 ? [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0] : transforms.get(transform);
 }
 
+function placeOf(transform) {
+  const rows = transform === null ? null : rowsOf(transform);
+  return rows ? [rows[3], rows[7], rows[11]] : null;
+}
+
 function layers() {
   const on = (id) => element(`show-${id}`).checked;
   return { frusta: on("frusta"), axes: on("axes"), points: on("points"), beams: on("beams"), trails: on("trails") };
@@ -87,6 +94,7 @@ const receivers = {
     graphs.clear();
     await view.load(await source.glb(message.glb), message);
     for (const sensor of message.sensors) shapes.set(sensor.name, new SensorShape(sensor, view));
+    labels.show(message.sensors.map(({ name, transform }) => [name, () => placeOf(transform)]));
     tree.show(message.list);
     parameters.build(message.parameters);
     place.offer(Object.keys(message.points).sort());
@@ -178,10 +186,9 @@ function drawScan(message) {
 function openView() {
   opened = true;
   const places = scene.sensors
-    .filter((each) => !each.visualization && each.transform !== null)
-    .map((each) => rowsOf(each.transform))
-    .filter(Boolean)
-    .map((rows) => [rows[3], rows[7], rows[11]]);
+    .filter((each) => !each.visualization)
+    .map((each) => placeOf(each.transform))
+    .filter(Boolean);
   const near = places.filter((place) => Math.hypot(...place.map((value, i) => value - places[0][i])) < SAME_ROBOT_M);
   const whole = view.box();
   if (near.length > 0) navigation.standBefore(near, whole);
@@ -270,6 +277,10 @@ for (const id of ["frusta", "axes", "points", "beams", "trails"]) {
     look();
   });
 }
+element("show-names").addEventListener("change", ({ target }) => {
+  labels.on = target.checked;
+  view.dirty = true;
+});
 element("show-grid").addEventListener("change", ({ target }) => view.showGrid(target.checked));
 element("color-by").addEventListener("change", () => scans.forEach(drawScan));
 for (const section of ["plan-section", "images-section"]) element(section).addEventListener("toggle", look);
@@ -323,5 +334,8 @@ document.addEventListener("keydown", (event) => {
   keys[event.key]();
   event.preventDefault();
 });
+
+/** What tests of the page and the browser's console read. */
+export const page = { view, dragging, scans, values, scene: () => scene };
 
 source.start();

@@ -43,6 +43,7 @@ export class SceneView {
     this.byTransform = new Map(); // index: what follows it
     this.materials = []; // by index in the draw list
     this.onFrame = []; // called before each picture
+    this.onDraw = []; // called when one is drawn
     this.dirty = true;
     new ResizeObserver(() => this.resize()).observe(canvas);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.followTheme());
@@ -54,6 +55,7 @@ export class SceneView {
       if (!this.dirty) return;
       this.dirty = false;
       this.renderer.render(this.scene, this.camera);
+      for (const call of this.onDraw) call();
     };
     draw();
   }
@@ -75,7 +77,7 @@ export class SceneView {
   }
 
   /** Shows the scene of a GLB. Resolves when it is there. */
-  async load(bytes, { ambient, background }) {
+  async load(bytes, { ambient, background, list }) {
     const gltf = await new Promise((resolve, reject) => new GLTFLoader().parse(bytes, "", resolve, reject));
     while (this.items.children.length > 0) this.items.remove(this.items.children[0]);
     this.byTransform.clear();
@@ -83,6 +85,9 @@ export class SceneView {
     this.environment = background;
     this.ambient.color.setRGB(...ambient);
     this.ambient.intensity = Math.PI; // ambient radiance from all sides, as SimVis has it
+    const owners = new Map(
+      list.parts.flatMap(({ name, insertion_points }) => [name, ...insertion_points].map((point) => [point, name])),
+    );
     const groups = new Map();
     gltf.scene.updateMatrixWorld(true);
     const back = new THREE.Matrix4().set(1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1); // z up again
@@ -91,7 +96,7 @@ export class SceneView {
       const key = `${node.geometry.uuid} ${node.material.uuid}`;
       const matrix = new THREE.Matrix4().multiplyMatrices(back, node.matrixWorld);
       if (!groups.has(key)) groups.set(key, { node, all: [] });
-      groups.get(key).all.push({ ...node.userData, matrix });
+      groups.get(key).all.push({ ...node.userData, part: owners.get(node.userData.part) ?? "ROOT", matrix });
       (this.materials[node.userData.material] ??= new Set()).add(node.material);
     });
     for (const { node, all } of groups.values()) this.addItems(node, all);

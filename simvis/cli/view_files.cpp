@@ -3,7 +3,6 @@
 #include <filesystem>
 
 #include <simvis/diagnostics.h>
-#include "live/draw_owners.h"
 #include "live/glb_file.h"
 #include "simvis/built_scene.h"
 
@@ -33,7 +32,7 @@ void ViewFiles::finish(const Simulation& simulation) {
   if (page_) page_->finish();
   if (!glb_) return;
   const Diagnostics diagnostics = simulation.diagnostics();
-  glb_->write(live::glb_bytes(diagnostics.draw_list(), live::draw_owners(built_scene(simulation)).items));
+  glb_->write(live::glb_bytes(diagnostics.draw_list(), simulation.items()));
   glb_->commit();
 }
 

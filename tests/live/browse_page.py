@@ -2,36 +2,11 @@
 
 Ends with 1 and says what is wrong; ends with 77 and the reason where there is no browser.
 """
-import base64
 import sys
 from pathlib import Path
 
 from browser import Browser
-
-# Colours of a picture of the view, drawn small: an empty one has two or three.
-COUNT_COLOURS = """
-(async () => {
-  const image = new Image();
-  image.src = "data:image/png;base64,%s";
-  await image.decode();
-  const area = document.getElementById("view").getBoundingClientRect();
-  const canvas = Object.assign(document.createElement("canvas"), { width: 64, height: 64 });
-  const context = canvas.getContext("2d");
-  context.drawImage(image, area.left, area.top, area.width, area.height, 0, 0, 64, 64);
-  const data = context.getImageData(0, 0, 64, 64).data, colours = new Set();
-  for (let i = 0; i < data.length; i += 4) colours.add((data[i] >> 3) * 1024 + (data[i + 1] >> 3) * 32 + (data[i + 2] >> 3));
-  return colours.size;
-})()
-"""
-LEAST_COLOURS = 40  # a robot with its shades has hundreds
-
-BYTES_OF_IMAGE = """
-(async () => {
-  const bytes = new Uint8Array(await (await fetch(document.querySelector("#images img").src)).arrayBuffer());
-  return btoa(Array.from(bytes, (byte) => String.fromCharCode(byte)).join(""));
-})()
-"""
-
+from seen import LEAST_COLOURS, colours_of_view, panel_bytes
 
 def shown_frame(browser, number):
     browser.wait_for(f"document.documentElement?.dataset.frame === '{number}'", f"frame {number}")
@@ -48,7 +23,7 @@ def main():
     with Browser(page.resolve().as_uri()) as browser:
         shown_frame(browser, 0)
         png = (run / "CAM" / "000000.png").read_bytes()
-        expect(base64.b64decode(browser.run(BYTES_OF_IMAGE)) == png, "the panel does not hold the bytes of the first PNG")
+        expect(panel_bytes(browser) == png, "the panel does not hold the bytes of the first PNG")
 
         # The tree selects; F goes there; a click on what is in the middle then selects it again.
         browser.run("document.querySelector('[data-kind=part][data-name=ROBOT]').click()")
@@ -57,9 +32,7 @@ def main():
         for key in ("f", "Escape"):
             browser.press(key)
         expect(browser.run("document.documentElement.dataset.selected") == "", "Escape selects nothing")
-        browser.run("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
-        picture = base64.b64encode(browser.screenshot()).decode()
-        colours = browser.run(COUNT_COLOURS % picture)
+        colours = colours_of_view(browser)
         expect(colours >= LEAST_COLOURS, f"the view has {colours} colours")
         area = browser.run("(({x, y, width, height}) => [x + width / 2, y + height / 2])"
                            "(document.getElementById('view').getBoundingClientRect())")
@@ -76,7 +49,7 @@ def main():
             shown_frame(browser, number)
             expect(browser.run(value) == x, f"in frame {number} x of MOVE is {browser.run(value)}")
             png = (run / "CAM" / f"{number:06}.png").read_bytes()
-            expect(base64.b64decode(browser.run(BYTES_OF_IMAGE)) == png, f"the panel of frame {number} has other bytes")
+            expect(panel_bytes(browser) == png, f"the panel of frame {number} has other bytes")
         wrong += browser.problems
     print("\n".join(wrong))
     sys.exit(1 if wrong else 0)

@@ -40,8 +40,7 @@ class Browser:
         for domain in ("Page", "Runtime", "Log"):
             self.call(f"{domain}.enable")
         self.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
-        theme = "dark" if dark else "light"
-        self.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": theme}])
+        self.set_theme("dark" if dark else "light")
         self.call("Page.navigate", url=url)
 
     def __enter__(self):
@@ -102,13 +101,37 @@ class Browser:
             time.sleep(0.05)
         raise RuntimeError(f"{what}: not within {PATIENCE_S} s; {self.problems}")
 
-    def press(self, key):
+    def press(self, key, code=0):
         for kind in ("keyDown", "keyUp"):
-            self.call("Input.dispatchKeyEvent", type=kind, key=key)
+            self.call("Input.dispatchKeyEvent", type=kind, key=key, windowsVirtualKeyCode=code)
+
+    def mouse(self, kind, x, y, buttons=1):
+        self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left" if buttons else "none", buttons=buttons,
+                  clickCount=1)
 
     def click(self, x, y):
         for kind in ("mousePressed", "mouseReleased"):
-            self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=1)
+            self.mouse(kind, x, y)
+
+    def drag(self, start, end, steps=4):
+        self.mouse("mouseMoved", *start, buttons=0)
+        self.mouse("mousePressed", *start)
+        for i in range(1, steps + 1):
+            self.mouse("mouseMoved", *(a + (b - a) * i / steps for a, b in zip(start, end)))
+        self.mouse("mouseReleased", *end)
+
+    def area(self, selector):
+        """Left, top, width and height of an element, which is scrolled to where it is seen."""
+        self.wait_for(f"!!document.querySelector({json.dumps(selector)})", selector)
+        return self.run("((found) => { found.scrollIntoView({block: 'nearest'}); const {x, y, width, height} ="
+                        f" found.getBoundingClientRect(); return [x, y, width, height]; }})(document.querySelector({json.dumps(selector)}))")
+
+    def click_on(self, selector):
+        x, y, width, height = self.area(selector)
+        self.click(x + width / 2, y + height / 2)
+
+    def set_theme(self, theme):
+        self.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": theme}])
 
     def screenshot(self):
         """The bytes of a PNG."""

@@ -2,10 +2,10 @@
 #include <doctest/doctest.h>
 #include <signal.h>
 
-#include <cstring>
 #include <nlohmann/json.hpp>
 
 #include "tests/live/live_program.h"
+#include "tests/live/page_client.h"
 #include "tests/live/web_client.h"
 #include "tests/support/run_process.h"
 #include "tests/support/simvis_run.h"
@@ -13,51 +13,13 @@
 TEST_SUITE_BEGIN("live");
 
 namespace simvis {
-namespace {
 
 using Json = nlohmann::json;
 using test::http_get;
+using test::index_of;
 using test::LiveProgram;
+using test::Page;
 using test::WebSocketClient;
-
-constexpr const char* kView = "simvis.live.v1";
-
-std::size_t index_of(const Json& list, const std::string& key, const std::string& value, const std::string& name = "") {
-  for (std::size_t i = 0; i < list.size(); ++i) {
-    if (list[i].is_null() || list[i].at(key) != value) continue;
-    if (name.empty() || list[i].at("name") == name) return i;
-  }
-  FAIL("there is no ", value);
-  return 0;
-}
-
-/// One page: it knows the scene and looks at the scanner.
-struct Page {
-  explicit Page(std::uint16_t port) : socket(port, kView), scene(socket.receive_op("scene")) {
-    scanner = index_of(scene.at("sensors"), "name", "SCAN");
-    move_x = index_of(scene.at("parameters"), "element", "MOVE", "x");
-    socket.send({{"op", "look"}, {"sensors", {scanner}}});
-  }
-  /// The range of the middle beam in the next scan for which fits(range).
-  template <typename Predicate>
-  float range(const Predicate& fits) {
-    float range = 0;
-    socket.receive_binary([&](const std::string& bytes) {
-      constexpr std::size_t kHead = 8 + 8 + 12 * sizeof(double) + 2 * sizeof(std::uint32_t);
-      if (bytes[0] != 2) return false;
-      std::memcpy(&range, bytes.data() + kHead + 2 * sizeof(float), sizeof range);
-      return fits(range);
-    });
-    return range;
-  }
-  Json frame() { return socket.receive_op("frame"); }
-
-  WebSocketClient socket;
-  Json scene;
-  std::size_t scanner = 0, move_x = 0;
-};
-
-}  // namespace
 
 TEST_CASE("a page gets the scene, and a slider moves its sensors: the next scan has another range") {
   LiveProgram program;
@@ -181,7 +143,7 @@ TEST_CASE("a run that was killed begins again at the same port") {
     while (true) page.frame();
   };
   CHECK_THROWS(read_to_the_end());
-  program.start({}, std::to_string(port));
+  program.start(std::to_string(port));
   CHECK(program.port == port);
   Page again(port);
   CHECK(again.range([](float) { return true; }) == doctest::Approx(3));

@@ -18,18 +18,12 @@
 
 namespace simvis::test {
 
-/// A program that runs the scene of the wall. The element MOVE moves its sensors towards the wall.
-struct LiveProgram {
-  explicit LiveProgram(const Strings& options = {}, const std::string& port = "0") {
-    write_wall_scene(folder.path(), kWallSensors);
-    start(options, port);
-  }
-  void start(const Strings& options = {}, const std::string& with_port = "0") {
-    const std::filesystem::path out = folder / "out.txt";
+/// A running simvis-run --live.
+struct LiveProcess {
+  void start(const Strings& arguments, const std::string& with_port, const std::filesystem::path& out) {
     std::filesystem::remove(out);
-    Strings command{
-        "sh", "-c", "exec \"$0\" \"$@\" > \"$LIVE_OUT\"", simvis_run(), "--live", with_port, scene().string()};
-    command.insert(command.end(), options.begin(), options.end());
+    Strings command{"sh", "-c", "exec \"$0\" \"$@\" > \"$LIVE_OUT\"", simvis_run(), "--live", with_port};
+    command.insert(command.end(), arguments.begin(), arguments.end());
     process = std::make_unique<Process>(command, Strings{"LIVE_OUT=" + out.string()});
     std::smatch match;
     std::string text;
@@ -43,16 +37,26 @@ struct LiveProgram {
     port = static_cast<std::uint16_t>(std::stoi(match[1]));
     token = match[2];
   }
-  std::filesystem::path scene() const { return folder / "scene.xml"; }
-  ProcessResult interrupt() {
+  ProcessResult interrupt() const {
     process->send(SIGINT);
     return process->wait();
   }
 
-  TemporaryFolder folder;
   std::unique_ptr<Process> process;
   std::uint16_t port = 0;
   std::string token;
+};
+
+/// A program that runs the scene of the wall. The element MOVE moves its sensors towards the wall.
+struct LiveProgram : LiveProcess {
+  LiveProgram() {
+    write_wall_scene(folder.path(), kWallSensors);
+    start("0");
+  }
+  void start(const std::string& with_port) { LiveProcess::start({scene().string()}, with_port, folder / "out.txt"); }
+  std::filesystem::path scene() const { return folder / "scene.xml"; }
+
+  TemporaryFolder folder;
 };
 
 }  // namespace simvis::test

@@ -70,15 +70,16 @@ TEST_CASE("a page that opens gets the scene, every transform, what was measured,
 TEST_CASE("numbers name what moves a thing") {
   View view;
   const ViewFrame frame = view.step();
-  const DrawOwners& owners = frame.scene->owners;
-  REQUIRE(owners.items.size() == frame.scene->list.items.size());
-  CHECK(owners.items[0].part == "BOX");
-  CHECK(owners.items[1].part == "BODY");
-  CHECK((*frame.world_from_node)[owners.elements.at("MOVE")][3].x == 0.5);
-  CHECK((*frame.world_from_node)[owners.points.at("BODY")][3].x == 0.5);
-  CHECK((*frame.world_from_node)[owners.points.at("BOX")][3].x == 3);
-  REQUIRE(owners.sensors[0]);
-  CHECK((*frame.world_from_node)[*owners.sensors[0]][3].x == 0.5);
+  const NamedTransforms& named = frame.scene->transforms;
+  const std::vector<SceneItem>& items = frame.scene->items;
+  REQUIRE(items.size() == frame.scene->list.items.size());
+  CHECK(items[0].part == "BOX");
+  CHECK(items[1].part == "BODY");
+  CHECK((*frame.world_from_node)[named.elements.at("MOVE")][3].x == 0.5);
+  CHECK((*frame.world_from_node)[named.points.at("BODY")][3].x == 0.5);
+  CHECK((*frame.world_from_node)[named.points.at("BOX")][3].x == 3);
+  REQUIRE(named.sensors[0]);
+  CHECK((*frame.world_from_node)[*named.sensors[0]][3].x == 0.5);
 }
 
 TEST_CASE("the next frame tells what has changed, and only what is looked at") {
@@ -109,9 +110,9 @@ TEST_CASE("a scan has its ranges, bounds and points; a picture is the file's byt
   CHECK(at<float>(scan, 120 + (18 + 4) * 4) == measured.error_bound_m[4]);
   CHECK(at<float>(scan, 120 + (27 + 3 * 4) * 4) == static_cast<float>(measured.points()[4].x));
   REQUIRE(frame.pictures.size() == 2);
-  const std::string color = picture_message(frame.pictures[0], frame.time_ns);
+  const std::string color = picture_message(frame.pictures[0]);
   CHECK(color.substr(24) == encode_png(view.simulation.color("CAM")));
-  const std::string depth = picture_message(frame.pictures[1], frame.time_ns);
+  const std::string depth = picture_message(frame.pictures[1]);
   REQUIRE(depth.size() == 24 + 8 * 6 * sizeof(float));
   CHECK(at<float>(depth, 24) == view.simulation.depth("CAM").pixels[0]);
 }

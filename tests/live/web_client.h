@@ -127,6 +127,8 @@ class WebSocketClient {
   }
 
   const std::string& head() const { return head_; }
+  /// Whether it answers each frame of the page's protocol as a page does that has shown it.
+  bool shows_frames = true;
   Socket& socket() { return socket_; }
 
   static std::string frame(std::string_view payload, std::uint8_t opcode, bool last = true) {
@@ -172,7 +174,9 @@ class WebSocketClient {
       if (opcode > 2) continue;
       if (opcode != 0) message.binary = opcode == 2;
       message.bytes += *payload;
-      if (((*head)[0] & 0x80) != 0) return message;
+      if (((*head)[0] & 0x80) == 0) continue;
+      if (shows_frames && message.bytes.starts_with(R"({"op":"frame")")) send({{"op", "shown"}});
+      return message;
     }
   }
 

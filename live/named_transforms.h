@@ -1,4 +1,4 @@
-// Which part of a scene each draw item comes from, and which entry of the draw list's transforms moves what has a name.
+// Which entry of the draw list's transforms moves what has a name.
 #pragma once
 
 #include <cstdint>
@@ -11,20 +11,14 @@
 
 namespace simvis::live {
 
-struct ItemOwner {
-  std::string part;     ///< the innermost part; ROOT outside of all parts
-  std::string element;  ///< the innermost element that has inserted the item; empty: none
-};
-
 /// Numbers are indices into DrawList::world_from_node.
-struct DrawOwners {
-  std::vector<ItemOwner> items;                           ///< as long as DrawList::items
+struct NamedTransforms {
   std::map<std::string, std::uint32_t> points, elements;  ///< insertion points; transforms of pose elements
   std::vector<std::optional<std::uint32_t>> sensors;      ///< of the mounts; empty: below a switch that is off
 };
 
 /// Walks the graph in the order in which the flattener makes the draw list of sensors. The scene is as it was when the
 /// list was made: right after a step.
-DrawOwners draw_owners(const BuiltScene& built);
+NamedTransforms named_transforms(const BuiltScene& built);
 
 }  // namespace simvis::live

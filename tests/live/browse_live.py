@@ -1,0 +1,153 @@
+"""Drives browsers that look into a running simulation: browse_live.py SIMVIS_RUN FOLDER_WITH_SCENE_XML.
+
+Ends with 1 and says what is wrong; ends with 77 and the reason where there is no browser.
+"""
+import csv
+import json
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import accessible
+from browser import Browser
+from live_host import LiveHost
+from seen import LEAST_COLOURS, colours_of_view, panel_bytes
+
+PAGE = "(await import('/main.js')).page"
+ROW = "[role=treeitem][data-kind={}][data-name={}]"
+SLIDER, FIELD = ("[data-element=MOVE] .parameter:nth-of-type(1) input[type=%s]" % kind for kind in ("range", "number"))
+VALUE_OF = f"(async () => {{ const {{values, scene}} = {PAGE}; " \
+           "return values[scene().parameters.findIndex((each) => each?.element === 'MOVE' && each.name === '%s')]; })()"
+
+# The ranges that the page shows are those of the CSV: true or false.
+SHOWS_SCAN = f"""
+(async () => {{
+  const {{scans, scene}} = {PAGE};
+  const scan = scans.get(scene().sensors.findIndex(({{name}}) => name === "SCAN"));
+  const expected = %s.map(Math.fround);
+  return scan !== undefined && scan.range.length === expected.length && expected.every((range, i) => range === scan.range[i]);
+}})()
+"""
+
+# Both ends of the arrow that drags along z, in pixels of the window.
+ARROW = f"""
+(async () => {{
+  const {{dragging, view}} = {PAGE}, {{proxy, controls}} = dragging;
+  const area = view.canvas.getBoundingClientRect();
+  const size = proxy.position.distanceTo(view.camera.position) * controls.size / 7;
+  return [0.7, 1.7].map((along) => {{
+    const place = proxy.position.clone().set(0, 0, along * size).applyQuaternion(proxy.quaternion).add(proxy.position);
+    place.project(view.camera);
+    return [area.left + (place.x + 1) / 2 * area.width, area.top + (1 - place.y) / 2 * area.height];
+  }});
+}})()
+"""
+
+
+def measured_with(program, folder, value):
+    """The ranges, and the picture of CAM, of a run of the same scene: JavaScript, bytes."""
+    out = folder / f"expected_{value}"
+    subprocess.run([program, "--quiet", "--set", f"MOVE.x={value}", "--out", out, folder / "scene.xml"], check=True)
+    with open(out / "SCAN.csv", encoding="ascii") as lines:
+        ranges = [row["range_m"] for row in csv.DictReader(lines)]
+    return f"[{', '.join(ranges).replace('inf', 'Infinity')}]", (out / "CAM" / "000000.png").read_bytes()
+
+
+class Checks:
+    def __init__(self, program, folder):
+        self.program, self.folder, self.wrong = program, folder, []
+
+    def expect(self, condition, what):
+        if not condition:
+            self.wrong.append(what)
+
+    def shows(self, page, value, who):
+        """Waits until the page shows what is measured with this x of MOVE."""
+        ranges, png = measured_with(self.program, self.folder, value)
+        page.wait_for(SHOWS_SCAN % ranges, f"{who} shows the scan of MOVE.x={value}")
+        for _ in range(200):
+            if panel_bytes(page) == png:
+                return
+        self.wrong.append(f"{who}: the panel does not hold the bytes of the PNG of MOVE.x={value}")
+
+    def selection(self, page):
+        page.click_on(ROW.format("part", "ROBOT"))
+        self.expect(page.run("document.documentElement.dataset.selected") == "part ROBOT", "a click in the tree selects")
+        page.run("document.getElementById('view').focus()")
+        page.press("f")
+        page.press("Escape")
+        self.expect(page.run("document.documentElement.dataset.selected") == "", "Escape selects nothing")
+        colours = colours_of_view(page)
+        self.expect(colours >= LEAST_COLOURS, f"the view has {colours} colours")
+        left, top, width, height = page.area("#view")
+        page.click(left + width / 2, top + height / 2)
+        page.wait_for("document.querySelector('[role=treeitem][aria-selected=true]')?.dataset.name === 'ROBOT'",
+                      "a click in the view selects in the tree")
+
+    def slider(self, pages):
+        left, top, width, height = pages[0].area(SLIDER)
+        before, middle = pages[0].run(VALUE_OF % "x"), top + height / 2
+        pages[0].drag((left + width / 2, middle), (left + 0.55 * width, middle))
+        value = pages[0].wait_for(f"(async () => {{ const x = await {VALUE_OF % 'x'}; return x !== {before} && "
+                                  f"x === Number(document.querySelector({json.dumps(SLIDER)}).value) && String(x); }})()",
+                                  "the slider sets MOVE.x")
+        for page, who in zip(pages, ("the browser with the slider", "the other browser")):
+            self.shows(page, value, who)
+
+    def dragging(self, page):
+        page.click_on(ROW.format("element", "MOVE"))
+        page.run("document.getElementById('view').focus()")
+        page.press("f")
+        page.run("[...document.querySelectorAll('#selection button')].find((each) => each.textContent.startsWith('Drag')).id = 'drag'")
+        page.click_on("#drag")
+        colours_of_view(page)  # the arrows have been drawn
+        start, end = page.run(ARROW)
+        page.drag(start, end)
+        page.wait_for(f"(async () => await {VALUE_OF % 'z'} > 0.05)()", "an arrow that is dragged moves the robot")
+
+    def new_sensor(self, page):
+        page.run("document.getElementById('place-section').open = true")
+        page.click_on("#place [type=submit]")
+        page.wait_for(f"!!document.querySelector('{ROW.format('sensor', 'NEW_SENSOR')}')", "a sensor is inserted")
+        page.click_on("#place [type=submit]")
+        page.wait_for("/NEW_SENSOR/.test(document.getElementById('alerts').textContent)", "the refusal of the same name")
+        page.click_on("#save")
+        page.wait_for("/saved/.test(document.getElementById('state').textContent)", "the scene is saved")
+        self.expect('name="NEW_SENSOR"' in (self.folder / "scene.xml").read_text(), "the file has the new sensor")
+
+    def restart(self, page, host):
+        host.kill()
+        page.wait_for("document.getElementById('state').classList.contains('wrong')", "the page tells that nothing answers")
+        page.run("delete document.documentElement.dataset.frame")
+        with LiveHost(self.program, self.folder / "scene.xml", "--real-time", "1", port=host.port):
+            page.wait_for("!!document.documentElement.dataset.frame && document.getElementById('state').textContent === 'connected'",
+                          "the page has found the next host")
+            self.expect(page.run(f"!!document.querySelector('{ROW.format('sensor', 'NEW_SENSOR')}')"), "it has the saved scene")
+
+
+def main():
+    checks = Checks(sys.argv[1], Path(sys.argv[2]))
+    with LiveHost(checks.program, checks.folder / "scene.xml", "--real-time", "1") as host:
+        with ThreadPoolExecutor() as threads:
+            starting = [threads.submit(Browser, host.url, dark=dark) for dark in (False, True)]
+            first, second = (each.result() for each in starting)
+        with first, second:
+            for page in (first, second):
+                page.wait_for("!!document.documentElement?.dataset.frame", "a frame")
+            checks.selection(first)
+            checks.slider((first, second))
+            second.process.kill()
+            frame = int(first.run("document.documentElement.dataset.frame"))
+            first.wait_for(f"document.documentElement.dataset.frame > {frame + 3}", "frames after a browser was killed")
+            checks.dragging(first)
+            checks.wrong += accessible.faults(first)
+            checks.new_sensor(first)
+            checks.expect(host.runs(), "the host runs")
+            checks.wrong += first.problems
+            checks.restart(first, host)
+    print("\n".join(checks.wrong))
+    sys.exit(1 if checks.wrong else 0)
+
+
+main()
