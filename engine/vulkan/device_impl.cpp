@@ -22,11 +22,6 @@ void destroy_device(VkDevice device) {
   vkDestroyDevice(device, nullptr);
 }
 
-PhysicalDevice chosen(const Instance& instance, const std::string& select) {
-  const std::vector<PhysicalDevice> devices = examine_all(instance);
-  return devices[choose_device(infos(devices), select)];
-}
-
 constexpr VkMemoryPropertyFlags kLocal = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT;
 constexpr VkMemoryPropertyFlags kMapped = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
 constexpr VkMemoryPropertyFlags kCached = VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
@@ -39,8 +34,11 @@ bool wants_validation(const DeviceDesc& desc) {
 }
 
 DeviceImpl::DeviceImpl(const DeviceDesc& desc, unsigned pool_size)
-    : instance(wants_validation(desc)),
-      physical(chosen(instance, desc.select)),
+    : DeviceImpl(find_device(wants_validation(desc), desc.select, bundled_driver()), desc, pool_size) {}
+
+DeviceImpl::DeviceImpl(FoundDevice found, const DeviceDesc& desc, unsigned pool_size)
+    : instance(std::move(found.instance)),
+      physical(std::move(found.physical)),
       cache_folder(simvis::cache_folder(desc.cache_dir)),
       threads(shared_thread_pool(pool_size)),
       progress(desc.progress),
@@ -103,7 +101,7 @@ void DeviceImpl::create_device() {
     draw_many_ =
         reinterpret_cast<PFN_vkCmdDrawMultiIndexedEXT>(vkGetDeviceProcAddr(device, "vkCmdDrawMultiIndexedEXT"));
   }
-  if (!instance.validation()) return;
+  if (!instance->validation()) return;
   set_name_ =
       reinterpret_cast<PFN_vkSetDebugUtilsObjectNameEXT>(vkGetDeviceProcAddr(device, "vkSetDebugUtilsObjectNameEXT"));
   begin_label_ =

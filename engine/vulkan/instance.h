@@ -5,15 +5,17 @@
 
 #include <atomic>
 #include <cstdint>
+#include <filesystem>
 #include <vector>
 
 namespace simvis {
 
 class Instance {
  public:
-  /// Throws MachineError if there is no Vulkan driver, or if the validation layer is requested but not installed. The
-  /// message says what to install.
-  explicit Instance(bool validation);
+  /// `driver` is the JSON file that describes a driver (Vulkan's ICD manifest), which is then the only one; empty: the
+  /// drivers of the system. Throws MachineError if there is no Vulkan driver, or if the validation layer is requested
+  /// but not installed. The message says what to install.
+  explicit Instance(bool validation, const std::filesystem::path& driver = {});
   ~Instance();
   Instance(const Instance&) = delete;
   Instance& operator=(const Instance&) = delete;
