@@ -11,7 +11,6 @@
 #include "engine/base/assert.h"
 #include "engine/base/cache_file.h"
 #include "engine/base/thread_pool.h"
-#include "engine/vulkan/loader_lock.h"
 #include "engine/vulkan/vulkan_check.h"
 
 namespace simvis {

@@ -10,7 +10,6 @@
 #include <string>
 
 #include <simvis/error.h>
-#include "engine/vulkan/loader_lock.h"
 #include "engine/vulkan/vulkan_check.h"
 
 namespace simvis {
@@ -136,6 +135,11 @@ std::vector<VkPhysicalDevice> Instance::physical_devices() const {
   std::vector<VkPhysicalDevice> devices(count);
   vk_check(vkEnumeratePhysicalDevices(instance_, &count, devices.data()), "vkEnumeratePhysicalDevices");
   return devices;
+}
+
+std::shared_mutex& loader_lists() {
+  static std::shared_mutex mutex;
+  return mutex;
 }
 
 }  // namespace simvis

@@ -1,4 +1,5 @@
-// The Vulkan instance, with the validation layer and its messenger if they are requested.
+// The Vulkan instance, with the validation layer and its messenger if they are requested, and a lock around the lists
+// of the Vulkan loader.
 #pragma once
 
 #include <vulkan/vulkan.h>
@@ -6,6 +7,7 @@
 #include <atomic>
 #include <cstdint>
 #include <filesystem>
+#include <shared_mutex>
 #include <vector>
 
 namespace simvis {
@@ -32,5 +34,10 @@ class Instance {
   VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
   std::atomic<std::uint64_t> messages_ = 0;
 };
+
+/// The loader looks through all instances and devices of the process when an object gets a name, without a lock of its
+/// own (seen in version 1.3.239, terminator of vkSetDebugUtilsObjectNameEXT). Whoever creates or destroys an instance
+/// or a device holds this mutex; whoever names an object shares it.
+std::shared_mutex& loader_lists();
 
 }  // namespace simvis
