@@ -7,7 +7,7 @@
 #include <string>
 
 #include <simvis/error.h>
-#include "scenegraph/import/sandbox/import_program.h"
+#include "engine/base/beside_library.h"
 
 namespace simvis {
 namespace {
@@ -15,7 +15,7 @@ namespace {
 std::atomic<bool> loaded{false};
 
 const DynamicsEngine& load() {
-  const std::filesystem::path file = import_program("simvis-dynamics.so");
+  const std::filesystem::path file = beside_library("simvis-dynamics.so");
   void* const module = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (module == nullptr) throw MachineError("the engine of rigid bodies cannot be loaded: " + std::string(::dlerror()));
   void* const function = ::dlsym(module, kDynamicsEngineSymbol);

@@ -206,7 +206,8 @@ class Server::Impl::Connection : public std::enable_shared_from_this<Connection>
     response_->set("Referrer-Policy", "no-referrer");
     response_->set("X-Content-Type-Options", "nosniff");
     response_->set("Cross-Origin-Resource-Policy", "same-origin");
-    response_->set("Content-Security-Policy", "frame-ancestors 'none'");
+    // A page that only the token opens may stand within another that has the token, such as a notebook.
+    if (!server_.rules().needs_token) response_->set("Content-Security-Policy", "frame-ancestors 'none'");
     response_->keep_alive(keep_alive);
     const std::size_t size = answer_.body->size();
     if (request_.method() != http::verb::head) response_->body() = {answer_.body->data(), size};

@@ -11,7 +11,6 @@
 #include "engine/base/assert.h"
 #include "engine/base/cache_file.h"
 #include "engine/base/thread_pool.h"
-#include "engine/vulkan/loader_lock.h"
 #include "engine/vulkan/vulkan_check.h"
 
 namespace simvis {
@@ -20,11 +19,6 @@ namespace {
 void destroy_device(VkDevice device) {
   const std::unique_lock lock(loader_lists());
   vkDestroyDevice(device, nullptr);
-}
-
-PhysicalDevice chosen(const Instance& instance, const std::string& select) {
-  const std::vector<PhysicalDevice> devices = examine_all(instance);
-  return devices[choose_device(infos(devices), select)];
 }
 
 constexpr VkMemoryPropertyFlags kLocal = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT;
@@ -39,8 +33,11 @@ bool wants_validation(const DeviceDesc& desc) {
 }
 
 DeviceImpl::DeviceImpl(const DeviceDesc& desc, unsigned pool_size)
-    : instance(wants_validation(desc)),
-      physical(chosen(instance, desc.select)),
+    : DeviceImpl(find_device(wants_validation(desc), desc.select, bundled_driver()), desc, pool_size) {}
+
+DeviceImpl::DeviceImpl(FoundDevice found, const DeviceDesc& desc, unsigned pool_size)
+    : instance(std::move(found.instance)),
+      physical(std::move(found.physical)),
       cache_folder(simvis::cache_folder(desc.cache_dir)),
       threads(shared_thread_pool(pool_size)),
       progress(desc.progress),
@@ -103,7 +100,7 @@ void DeviceImpl::create_device() {
     draw_many_ =
         reinterpret_cast<PFN_vkCmdDrawMultiIndexedEXT>(vkGetDeviceProcAddr(device, "vkCmdDrawMultiIndexedEXT"));
   }
-  if (!instance.validation()) return;
+  if (!instance->validation()) return;
   set_name_ =
       reinterpret_cast<PFN_vkSetDebugUtilsObjectNameEXT>(vkGetDeviceProcAddr(device, "vkSetDebugUtilsObjectNameEXT"));
   begin_label_ =

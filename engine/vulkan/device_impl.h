@@ -14,8 +14,7 @@
 
 #include <simvis/device_info.h>
 #include "engine/vulkan/device_memory.h"
-#include "engine/vulkan/instance.h"
-#include "engine/vulkan/physical_device.h"
+#include "engine/vulkan/found_device.h"
 #include "engine/vulkan/pipeline_cache.h"
 
 namespace simvis {
@@ -69,7 +68,7 @@ struct DeviceImpl {
   void draw_indexed(VkCommandBuffer commands, std::span<const VkMultiDrawIndexedInfoEXT> draws,
                     std::uint32_t instance_count, std::uint32_t first_instance) const;
 
-  Instance instance;
+  std::shared_ptr<Instance> instance;
   PhysicalDevice physical;
   VkPhysicalDeviceMemoryProperties memory{};
   VkDevice device = VK_NULL_HANDLE;
@@ -98,6 +97,7 @@ struct DeviceImpl {
   bool recording = false;
 
  private:
+  DeviceImpl(FoundDevice found, const DeviceDesc& desc, unsigned pool_size);
   void create_device();
   void choose_upload();
 

@@ -1,13 +1,15 @@
 #include "engine/vulkan/instance.h"
 
+#include <stdlib.h>
+
 #include <algorithm>
 #include <cstdio>
 #include <cstring>
 #include <mutex>
+#include <optional>
 #include <string>
 
 #include <simvis/error.h>
-#include "engine/vulkan/loader_lock.h"
 #include "engine/vulkan/vulkan_check.h"
 
 namespace simvis {
@@ -41,9 +43,26 @@ Function instance_function(VkInstance instance, const char* name) {
   return reinterpret_cast<Function>(vkGetInstanceProcAddr(instance, name));
 }
 
+// While it lives, the loader knows this driver and no other. Loaders before 1.3.242 take a driver from their
+// environment alone (VK_LUNARG_direct_driver_loading is newer).
+class OnlyDriver {
+ public:
+  explicit OnlyDriver(const std::filesystem::path& driver) {
+    if (const char* const before = ::getenv(kVariable)) before_ = before;
+    ::setenv(kVariable, driver.c_str(), 1);
+  }
+  ~OnlyDriver() { before_ ? ::setenv(kVariable, before_->c_str(), 1) : ::unsetenv(kVariable); }
+  OnlyDriver(const OnlyDriver&) = delete;
+  OnlyDriver& operator=(const OnlyDriver&) = delete;
+
+ private:
+  static constexpr const char* kVariable = "VK_DRIVER_FILES";
+  std::optional<std::string> before_;
+};
+
 }  // namespace
 
-Instance::Instance(bool validation) {
+Instance::Instance(bool validation, const std::filesystem::path& driver) {
   if (validation && !layer_present()) {
     throw MachineError(std::string("the Vulkan validation layer was asked for, but ") + kValidationLayer +
                        " is not installed (on Debian: the package vulkan-validationlayers)");
@@ -81,6 +100,8 @@ Instance::Instance(bool validation) {
                                   .enabledExtensionCount = validation ? 2u : 0u,
                                   .ppEnabledExtensionNames = extensions};
   const std::unique_lock lock(loader_lists());
+  std::optional<OnlyDriver> only;
+  if (!driver.empty()) only.emplace(driver);
   const VkResult result = vkCreateInstance(&info, nullptr, &instance_);
   if (result == VK_ERROR_INCOMPATIBLE_DRIVER) {
     throw MachineError(std::string("vkCreateInstance: VK_ERROR_INCOMPATIBLE_DRIVER: ") + kInstallDriver);
@@ -114,6 +135,11 @@ std::vector<VkPhysicalDevice> Instance::physical_devices() const {
   std::vector<VkPhysicalDevice> devices(count);
   vk_check(vkEnumeratePhysicalDevices(instance_, &count, devices.data()), "vkEnumeratePhysicalDevices");
   return devices;
+}
+
+std::shared_mutex& loader_lists() {
+  static std::shared_mutex mutex;
+  return mutex;
 }
 
 }  // namespace simvis

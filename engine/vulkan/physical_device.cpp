@@ -193,19 +193,6 @@ PhysicalDevice examine(VkPhysicalDevice handle) {
   return device;
 }
 
-std::vector<PhysicalDevice> examine_all(const Instance& instance) {
-  std::vector<PhysicalDevice> devices;
-  for (VkPhysicalDevice handle : instance.physical_devices()) devices.push_back(examine(handle));
-  return devices;
-}
-
-std::vector<DeviceInfo> infos(const std::vector<PhysicalDevice>& devices) {
-  std::vector<DeviceInfo> result;
-  result.reserve(devices.size());
-  for (const PhysicalDevice& device : devices) result.push_back(device.info);
-  return result;
-}
-
 std::size_t choose_device(const std::vector<DeviceInfo>& devices, const std::string& select) {
   const std::vector<std::size_t> candidates = matches(devices, select);
   if (candidates.empty()) {

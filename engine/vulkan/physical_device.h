@@ -10,7 +10,6 @@
 
 #include <simvis/device_info.h>
 #include <simvis/frame_plan.h>
-#include "engine/vulkan/instance.h"
 
 namespace simvis {
 
@@ -31,9 +30,6 @@ struct PhysicalDevice {
 
 /// Queries the driver. `info.unusable` says why SimVis cannot run on the device.
 PhysicalDevice examine(VkPhysicalDevice handle);
-/// Queries all devices of this machine, in the driver's order.
-std::vector<PhysicalDevice> examine_all(const Instance& instance);
-std::vector<DeviceInfo> infos(const std::vector<PhysicalDevice>& devices);
 
 /// Index of the device to use, see DeviceDesc::select. Throws InputError if `select` matches no device. Throws
 /// MachineError, with the reason for each device, if no matching device is usable.

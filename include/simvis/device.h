@@ -13,7 +13,7 @@ namespace simvis {
 
 struct DeviceImpl;
 
-/// All Vulkan devices of this machine, in the driver's order.
+/// All Vulkan devices of this machine, in the driver's order. Those of the driver that SimVis was built with come last.
 ///
 /// Errors   MachineError if there is no Vulkan loader or driver; the message says what to install.
 SIMVIS_API std::vector<DeviceInfo> list_devices();

@@ -141,6 +141,29 @@ nb::dict device(const RunningSimulation& running) {
 
 nb::object pose_or_none(bool there, const glm::dmat4& pose) { return there ? to_array(pose) : nb::none(); }
 
+// Names of the columns, their units, and the rows.
+nb::tuple reading(const RunningSimulation& running, const std::string& sensor) {
+  const Reading& reading = running.idle().reading(sensor);
+  nb::list names, units;
+  for (const TableColumn& column : reading.columns) {
+    names.append(column.name);
+    units.append(column.unit);
+  }
+  return nb::make_tuple(names, units, to_array(reading.values, reading.rows(), reading.columns.size()));
+}
+
+nb::list items(const RunningSimulation& running) {
+  nb::list all;
+  for (const SceneItem& item : running.idle().items()) {
+    nb::dict row;
+    row["part"] = item.part;
+    row["mesh"] = item.mesh;
+    row["triangles"] = item.triangles;
+    all.append(row);
+  }
+  return all;
+}
+
 std::vector<std::string> element_names(const RunningSimulation& running) {
   std::vector<std::string> names;
   for (const ElementDescriptor& element : running.idle().parameters().elements()) {
@@ -243,6 +266,13 @@ void bind_simulation(nb::module_& module) {
            [](RunningSimulation& self, const std::string& name, const std::vector<std::string>& folders) {
              self.idle().serve({.name = name, .folders = {folders.begin(), folders.end()}});
            })
+      .def("open_window", &RunningSimulation::open_window, "port"_a)
+      .def("close_window", &RunningSimulation::close_window)
+      .def("update_window", &RunningSimulation::update_window, "seconds"_a)
+      .def("reading", &reading,
+           nb::sig("def reading(self, sensor: str) -> tuple[list[str], list[str], "
+                   "numpy.typing.NDArray[numpy.float64]]"))
+      .def("items", &items, nb::sig("def items(self) -> list[dict[str, typing.Any]]"))
       .def("device", &device, nb::sig("def device(self) -> dict[str, str]"))
       .def("explain", &RunningSimulation::explain)
       .def("tree", &RunningSimulation::tree)

@@ -4,6 +4,7 @@
 #include <nanobind/stl/string_view.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -80,6 +81,21 @@ nb::object channel(nb::handle self, std::string_view name) {
   throw InputError(
       "the scan of " + in_quotes(scan.sensor) + " has no channel " + in_quotes(name) +
       (all.empty() ? ": an effect such as intensity=\"on\" in the scene adds one" : ", expected one of " + all));
+}
+
+// What the beams of a scanner with truth="hit" meet.
+nb::object labels(const KeptScan& scan) {
+  const auto items = std::ranges::find(scan.channels, "true_item", &KeptScan::Channel::name);
+  if (items == scan.channels.end()) {
+    throw InputError("the scan of " + in_quotes(scan.sensor) + " has no labels: truth=\"hit\" in the scene adds them");
+  }
+  const std::size_t count = scan.rings * scan.beams;
+  auto numbers = std::make_unique_for_overwrite<std::int32_t[]>(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const double item = items->values[i];
+    numbers[i] = std::isnan(item) ? -1 : static_cast<std::int32_t>(item);
+  }
+  return own(std::move(numbers), {scan.rings, scan.beams});
 }
 
 // As Scan::points() and Scan::world_points().
@@ -208,6 +224,12 @@ nb::object to_array(const glm::dmat4& matrix) {
   return own(std::move(rows), {4, 4});
 }
 
+nb::object to_array(std::span<const double> numbers, std::size_t rows, std::size_t columns) {
+  auto copy = std::make_unique<double[]>(numbers.size());
+  std::ranges::copy(numbers, copy.get());
+  return own(std::move(copy), {rows, columns});
+}
+
 void bind_measurements(nb::module_& module) {
   auto scan = nb::class_<KeptScan>(module, "Scan",
                                    "One sweep of a laser scanner. It keeps its frame: its arrays are read-only views, "
@@ -248,6 +270,11 @@ void bind_measurements(nb::module_& module) {
       "intensity", [](nb::handle self) { return channel(self, "intensity"); },
       "(rings, beams) float64, 1/m^2: the channel of that name. A view.",
       nb::sig("def intensity(self) -> numpy.typing.NDArray[numpy.float64]"));
+  scan.def_prop_ro("labels", &labels,
+                   "(rings, beams) int32 of a scanner with truth=\"hit\": what each beam meets, as a place in "
+                   "sim.items; -1: nothing. "
+                   "Computed with each call.",
+                   nb::sig("def labels(self) -> numpy.typing.NDArray[numpy.int32]"));
   scan.def(
       "points",
       [](const KeptScan& of, const std::string& frame, const nb::object& out) {

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -47,6 +48,9 @@ struct KeptImage {
 
 /// A matrix of 4 x 4 numbers, row by row, with memory of its own.
 nanobind::object to_array(const glm::dmat4& matrix);
+
+/// Rows of so many numbers, copied to memory of their own.
+nanobind::object to_array(std::span<const double> numbers, std::size_t rows, std::size_t columns);
 
 void bind_measurements(nanobind::module_& module);
 

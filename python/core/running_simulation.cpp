@@ -20,6 +20,9 @@ namespace {
 
 pid_t first_process = 0;  // that loaded a simulation
 
+// Between two looks for signals while a page is served.
+constexpr std::chrono::milliseconds kWindowPeriod{50};
+
 /// Collects the names of a sensor's further images.
 class PlaneNames : public OutputSink {
  public:
@@ -128,8 +131,10 @@ RunningSimulation::~RunningSimulation() {
   if (!simulation_) return;
   if (process_ == ::getpid()) {
     const nb::gil_scoped_release free;
+    window_.reset();
     simulation_.reset();
   } else {
+    static_cast<void>(window_.release());
     new Simulation(std::move(*simulation_));  // a forked process cannot end the threads of another
   }
 }
@@ -139,6 +144,7 @@ void RunningSimulation::close() {
   idle();
   const Working working(*this);
   const nb::gil_scoped_release free;
+  window_.reset();
   simulation_.reset();
 }
 
@@ -155,6 +161,7 @@ Simulation& RunningSimulation::idle() {
 
 void RunningSimulation::step(std::optional<double> dt_s) {
   const FrameTime next = idle().next_frame();
+  if (window_ && !under_way_) work([&](Simulation&) { window_->carry_out(); });
   if (!dt_s) {
     work([](Simulation& simulation) { simulation.step(); });
     time_ns_ = next.time_ns;
@@ -169,10 +176,12 @@ void RunningSimulation::step(std::optional<double> dt_s) {
     time_ns_ = time_ns_ ? *time_ns_ + dt : 0;
   }
   under_way_.reset();
+  show_in_window();
 }
 
 void RunningSimulation::step_async() {
   finish();
+  if (window_) work([&](Simulation&) { window_->carry_out(); });
   const FrameTime next = idle().next_frame();
   names_under_way_ = sensor_names();
   work([](Simulation& simulation) { simulation.step_async(); });
@@ -190,7 +199,9 @@ std::vector<std::string> RunningSimulation::sensor_names() const {
 void RunningSimulation::finish() {
   const std::optional<std::int64_t> time = std::exchange(under_way_, {});
   work([](Simulation& simulation) { simulation.finish(); });
-  if (time) time_ns_ = time;
+  if (!time) return;
+  time_ns_ = time;
+  show_in_window();
 }
 
 void RunningSimulation::skip_frame() {
@@ -232,6 +243,39 @@ std::vector<std::string> RunningSimulation::images(const std::string& sensor) co
   simulation.write(sensor, planes);
   names.insert(names.end(), planes.names.begin(), planes.names.end());
   return names;
+}
+
+std::string RunningSimulation::open_window(std::uint16_t port) {
+  idle();
+  if (under_way_) finish();
+  work([&](Simulation& simulation) {
+    window_.reset();
+    window_ = std::make_unique<LiveWindow>(simulation, port);
+  });
+  return window_->url();
+}
+
+void RunningSimulation::close_window() {
+  if (is_closed()) return;
+  work([&](Simulation&) { window_.reset(); });
+}
+
+void RunningSimulation::update_window(double seconds) {
+  idle();
+  if (!window_) throw InputError("this viewer is closed, expected one that is open");
+  if (under_way_) finish();
+  const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
+  do {
+    work([&](Simulation&) { window_->carry_out_next(kWindowPeriod); });
+    show_in_window();
+    if (PyErr_CheckSignals() != 0) throw nb::python_error();
+  } while (std::chrono::steady_clock::now() < until);
+}
+
+void RunningSimulation::show_in_window() {
+  if (!window_ || !time_ns_) return;
+  const FrameTime frame{.index = idle().next_frame().index - 1, .time_ns = *time_ns_};
+  work([&](Simulation&) { window_->show(frame); });
 }
 
 std::string RunningSimulation::explain() const {

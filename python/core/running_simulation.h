@@ -7,6 +7,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -16,6 +17,7 @@
 
 #include <simvis/simulation.h>
 #include "python/core/errors.h"
+#include "python/core/live_window.h"
 #include "python/core/measurements.h"
 
 namespace simvis::python {
@@ -55,12 +57,19 @@ class RunningSimulation {
   KeptImage image(const std::string& sensor, const std::string& name);
   std::vector<std::string> images(const std::string& sensor) const;
 
+  /// Opens the live page, which then shows each frame, and returns its address; one that is open is opened anew.
+  std::string open_window(std::uint16_t port);
+  void close_window();
+  /// Carries out what the page asks for, for so long, and shows the last frame.
+  void update_window(double seconds);
+
   std::string explain() const;
   std::string tree() const;
   nanobind::list price(const std::vector<std::string>& sensors, std::uint64_t frames);
 
  private:
   RunningSimulation(Simulation simulation, const SimulationDesc& desc);
+  void show_in_window();
   /// Marks the simulation as in use while the interpreter's lock is free.
   class Working {
    public:
@@ -78,6 +87,7 @@ class RunningSimulation {
   std::optional<std::int64_t> time_ns_;       // of the last finished frame
   std::optional<std::int64_t> under_way_;     // time of the frame that step_async() began
   std::vector<std::string> names_under_way_;  // of the sensors, while a frame is
+  std::unique_ptr<LiveWindow> window_;        // ends before the simulation
   bool working_ = false;
   pid_t process_;
 };

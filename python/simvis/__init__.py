@@ -25,13 +25,14 @@ from ._price import PriceList
 from ._proxies import Element, Parameters, Sensor
 from ._simulation import Simulation
 from ._trajectory import Trajectory
+from ._viewer import Viewer, viewer
 from ._written import Attribute, CustomElement, CustomSensor
 
 __version__ = _core.version()
 __all__ = [
     "Attribute", "CustomElement", "CustomSensor", "Element", "Error", "Image", "InputError", "MachineError", "Context",
-    "Parameters", "PriceList", "Scan", "Sensor", "Simulation", "Trajectory", "Transform", "UnknownName", "list_devices",
-    "load_plugin", "map", "scene",
+    "Parameters", "PriceList", "Scan", "Sensor", "Simulation", "Trajectory", "Transform", "UnknownName", "Viewer",
+    "list_devices", "load_plugin", "map", "scene", "viewer",
 ]
 
 Scan._repr_png_ = _scan_png  # type: ignore[attr-defined]

@@ -171,6 +171,11 @@ class Sensor:
         """(rings, beams) float64, 1/m^2, of a scanner with intensity="on". A read-only view."""
         return self._core.scan(self._name).intensity
 
+    @property
+    def labels(self) -> npt.NDArray[np.int32]:
+        """(rings, beams) int32 of a scanner with truth="hit": places in sim.items, -1: nothing. Computed with each call."""
+        return self._core.scan(self._name).labels
+
     def points(self, frame: str = "sensor", out: Array = None) -> npt.NDArray[np.float64]:
         """(rings * beams, 3) float64, metres: what the beams hit, NaN where nothing was hit, in "sensor" or "world"."""
         return self._core.scan(self._name).points(frame, out)
@@ -212,6 +217,21 @@ class Sensor:
     def value(self, name: str) -> float:
         """One of its single numbers, by the name in its table: "voltage_v"."""
         return self._core.value(self._name, name)
+
+    @property
+    def reading(self) -> npt.NDArray[np.void]:
+        """(rows,) with a float64 field for each column of its table: sim["IMU"].reading["specific_force_z_m_s2"]. NaN: no value.
+
+        Of sensors that give neither images nor scans. Mostly one row; none before the first measurement. A copy.
+        """
+        names, _, rows = self._core.reading(self._name)
+        return rows.view([(name, "f8") for name in names]).reshape(len(rows))
+
+    @property
+    def units(self) -> dict[str, str]:
+        """The unit of each column of `reading`; "": none."""
+        names, units, _ = self._core.reading(self._name)
+        return dict(zip(names, units))
 
     def _rows(self) -> list[tuple[str, str]]:
         info = self._info()

@@ -63,7 +63,7 @@ class Simulation:
 
         rate_hz       frames per simulated second; None: frames come when a sensor with a rate is due
         threads       that work on a step; 0: as many as the machine has. Results do not depend on it
-        device        part of a Vulkan device's name; "": the best
+        device        part of a Vulkan device's name; "": the best; "bundled": that of the wheel's own driver
         strict        a warning is an error
         overrides     {"laser_scanner.method": "planar"}: attributes of all sensors of a type; None removes one
         packages      folders of the packages that parts name
@@ -172,6 +172,11 @@ class Simulation:
     def parameters(self) -> Parameters:
         """All parameters, by "ELEMENT.PARAMETER"."""
         return Parameters(self._core)
+
+    @property
+    def items(self) -> list[dict[str, Any]]:
+        """What beams can meet, by the numbers of `labels`: part, mesh, triangles."""
+        return list(self._core.items())
 
     @property
     def measured(self) -> list[str]:

@@ -99,6 +99,30 @@ class Arrays(unittest.TestCase):
         self.assertFalse(exchanged.flags.writeable)
         np.testing.assert_array_equal(np.asarray(self.sim["CAM"].image(), dtype=np.float64), self.sim["CAM"].color)
 
+    def test_readings(self) -> None:
+        sim = load('<s><part name="R" insert_at="ROOT"/><element type="pose" name="P" insert_at="R" x="2"/>'
+                   '<sensor type="imu" name="IMU" insert_at="R"/></s>')
+        self.assertEqual(len(sim["IMU"].reading), 0)
+        sim.step()
+        reading, units = sim["IMU"].reading, sim["IMU"].units
+        self.assertEqual((reading.shape, reading.dtype.names), ((1,), tuple(units)))
+        self.assertEqual(units["specific_force_z_m_s2"], "m/s2")
+        self.assertAlmostEqual(reading["specific_force_z_m_s2"][0], 9.80665, 5)
+        self.assertEqual(reading["specific_force_z_m_s2"][0], sim["IMU"].value("specific_force_z_m_s2"))
+        sim.close()
+        self.assertEqual(len(reading), 1)
+
+    def test_labels(self) -> None:
+        sim = load('<s><part shape="box" size="1 9 9" name="WALL" insert_at="ROOT" pose_offset="3 0 0 0 0 0"/>'
+                   '<part shape="sphere" radius="0.5" name="BALL" insert_at="ROOT" pose_offset="0 2 0 0 0 0"/>'
+                   '<sensor type="laser_scanner" name="SCAN" insert_at="ROOT" samples="3" min_angle="-90" max_angle="90"'
+                   ' truth="hit"/></s>')
+        sim.step()
+        labels = sim["SCAN"].labels
+        self.assertEqual((labels.shape, labels.dtype), ((1, 3), np.int32))
+        self.assertEqual(labels[0, 0], -1)
+        self.assertEqual([sim.items[label]["part"] for label in labels[0, 1:]], ["WALL", "BALL"])
+
     def test_step_async_shows_the_frame_before(self) -> None:
         before = self.sim["SCAN"].range_m
         self.sim["P"].x = 1

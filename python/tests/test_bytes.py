@@ -13,12 +13,11 @@ ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = os.environ["SIMVIS_RUN"]
 
 
-def small(scene: str, folder: Path) -> Path:
+def small(scene: Path, folder: Path) -> Path:
     """The scene with cameras of 64 x 48, in another folder."""
-    text = (ROOT / "scenes" / scene / f"{scene}.xml").read_text()
-    text = re.sub(r'width="\d+" height="\d+"', 'width="64" height="48"', text)
-    text = re.sub(r'file="(?=[^/"])', f'file="{ROOT}/scenes/{scene}/', text)
-    file = folder / f"{scene}.xml"
+    text = re.sub(r'width="\d+"(\s+)height="\d+"', r'width="64"\1height="48"', scene.read_text())
+    text = re.sub(r'file="(?=[^/"])', f'file="{scene.parent}/', text)
+    file = folder / scene.name
     file.write_text(text)
     return file
 
@@ -30,9 +29,10 @@ def newest(folder: Path) -> Path:
 
 class Bytes(unittest.TestCase):
     def check(self, scene: str) -> None:
+        """`scene` is a file in scenes/."""
         with tempfile.TemporaryDirectory() as name:
             folder = Path(name)
-            file = small(scene, folder)
+            file = small(ROOT / "scenes" / scene, folder)
             subprocess.run([PROGRAM, "--quiet", "--frames", "2", "--out", folder / "out", "--format", "color=png", "--format",
                             "depth=npy", "--format", "scan=npy", file], check=True)
             sim = simvis.Simulation.load(file)
@@ -63,13 +63,20 @@ class Bytes(unittest.TestCase):
         return compared
 
     def test_marvin(self) -> None:
-        self.check("marvin")
+        self.check("marvin/marvin.xml")
 
     def test_arm(self) -> None:
-        self.check("arm")
+        self.check("arm/arm.xml")
 
     def test_ravon(self) -> None:
-        self.check("ravon")
+        self.check("ravon/ravon.xml")
+
+    def test_first(self) -> None:
+        self.check("first/first.xml")
+
+    def test_showcase(self) -> None:
+        self.check("showcase/showcase.xml")
+        self.check("showcase/surfaces.xml")
 
 
 if __name__ == "__main__":

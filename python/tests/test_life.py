@@ -7,12 +7,16 @@ import subprocess
 import sys
 import threading
 import unittest
+from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import simvis
 from small_scene import SCENE, load
 
+ROOT = Path(__file__).resolve().parents[2]
 EMPTY = '<s><part shape="box" size="1 1 1" name="B" insert_at="ROOT" pose_offset="2 0 0 0 0 0"/>' \
         '<element type="pose" name="P" insert_at="ROOT"/>' \
         '<sensor type="laser_scanner" name="SCAN" insert_at="ROOT" samples="9"/></s>'
@@ -21,6 +25,15 @@ EMPTY = '<s><part shape="box" size="1 1 1" name="B" insert_at="ROOT" pose_offset
 def ranges_of(simulation: simvis.Simulation) -> np.ndarray:
     simulation.step()
     return simulation["SCAN"].range_m.copy()
+
+
+def frames_of(simulation: simvis.Simulation) -> int:
+    simulation.step()
+    return max(sensor.frames for sensor in simulation.sensors.values())
+
+
+def dask_client() -> Any:
+    return import_module("distributed").Client(n_workers=2, threads_per_worker=1, dashboard_address=None)
 
 
 class Life(unittest.TestCase):
@@ -138,6 +151,19 @@ class Life(unittest.TestCase):
         self.assertEqual(len(set(results[0])), 4)
         by_yaw = list(simvis.map(ranges_of, scene, parameters=[{"P.yaw": 0}, {"P.yaw": 30}], workers=0))
         self.assertFalse(np.array_equal(*by_yaw))
+
+    def test_map_takes_executors(self) -> None:
+        from concurrent.futures import ThreadPoolExecutor
+
+        scene = ROOT / "scenes/first/first.xml"
+        found = list(simvis.map(frames_of, scene, seeds=range(3), executor=ThreadPoolExecutor(2)))
+        self.assertEqual(found, [1, 1, 1])
+        for module, executor in (("distributed", dask_client), ("ray", lambda: "ray")):
+            with self.subTest(executor=module):
+                if find_spec(module) is None:
+                    continue  # whoever has it finds out here
+                found = list(simvis.map(frames_of, scene, seeds=range(3), executor=executor()))
+                self.assertEqual(found, [1, 1, 1])
 
     def test_an_interrupt_ends_a_long_run(self) -> None:
         program = f"""if True:

@@ -45,6 +45,8 @@ class Mistakes(unittest.TestCase):
         self.assertFalse(hasattr(sim["P"], "nothing"))
         self.expect('sensor "CAM", a camera, has no scan', lambda: sim["CAM"].range_m)
         self.expect('sensor "SCAN", a laser_scanner, has no colour', lambda: sim["SCAN"].color)
+        self.expect('truth="hit" in the scene adds them', lambda: sim["SCAN"].labels)
+        self.expect('"SCAN"', lambda: sim["SCAN"].reading)
         self.expect('has no channel "returns", expected one of intensity', lambda: sim["SCAN"].scan.channel("returns"))
 
     def test_in_values(self) -> None:
@@ -54,10 +56,12 @@ class Mistakes(unittest.TestCase):
         self.expect("the matrix is not rigid", lambda: sim["P"].set_pose(2 * np.eye(4)))
         self.expect("dt_s is -1, expected seconds above 0", lambda: sim.step(-1))
         self.expect('frame is "wrld", expected "sensor" or "world"', lambda: sim["SCAN"].points("wrld"))
+        self.expect('no Vulkan device matches "nothing"', lambda: load(device="nothing"))
         self.expect("seed is -1", lambda: load(seed=-1))
         self.expect('override "method": expected TYPE.ATTRIBUTE', lambda: load(overrides={"method": "planar"}))
         self.expect("expected times_s with it", lambda: simvis.Trajectory({"P.x": [0, 1]}))
         self.expect("times_s are not finite and increasing", lambda: simvis.Trajectory({"P.x": [0, 1]}, [1, 1]))
+        self.expect("port is 70000, expected 0 to 65535", lambda: simvis.viewer(sim, 70000))
         self.expect("frames is -1", lambda: list(sim.run(-1)))
 
     def test_in_buffers(self) -> None:

@@ -178,7 +178,9 @@ void declare_options(CLI::App& app, Options& options) {
       ->type_name("N")
       ->check(whole_number)
       ->capture_default_str();
-  app.add_option("--device", options.device, "the Vulkan device to use: part of its name, or its index")
+  app.add_option("--device", options.device,
+                 "the Vulkan device to use: part of its name, its index, or \"bundled\" for that "
+                 "of the driver that SimVis was built with")
       ->type_name("NAME|INDEX");
   app.add_option(
          "--threads", options.threads,

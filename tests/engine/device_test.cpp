@@ -11,8 +11,10 @@
 #include "engine/base/cache_file.h"
 #include "engine/vulkan/buffer.h"
 #include "engine/vulkan/device_impl.h"
+#include "engine/vulkan/found_device.h"
 #include "engine/vulkan/vulkan_check.h"
 #include "tests/support/renderer_scene.h"
+#include "tests/support/skip.h"
 #include "tests/support/tested_build.h"
 
 TEST_SUITE_BEGIN("engine");
@@ -66,6 +68,15 @@ void draw_once(const fs::path& cache) {
   const auto results = renderer.render(scene.list, test::plan_of(8, 8, 4, false, true));
   CHECK(results[0].depth[4 * 8 + 4] > 0);
   CHECK(device.validation_messages() == 0);
+}
+
+// The file by which the loader knows lavapipe; empty: it does not.
+fs::path cpu_driver() {
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator("/usr/share/vulkan/icd.d", error)) {
+    if (entry.path().filename().string().starts_with("lvp_icd.")) return entry.path();
+  }
+  return {};
 }
 
 fs::path only_file(const fs::path& folder) {
@@ -128,6 +139,27 @@ TEST_CASE("without a driver the message says what to install") {
   const ScopedVariable new_name("VK_DRIVER_FILES", "/nonexistent/driver.json");
   CHECK_THROWS_WITH_AS(list_devices(), doctest::Contains("mesa-vulkan-drivers"), MachineError);
   CHECK_THROWS_WITH_AS(Device(), doctest::Contains("mesa-vulkan-drivers"), MachineError);
+}
+
+TEST_CASE("a driver that SimVis brings along is found after those of the system, and alone where it is asked for") {
+  const fs::path bundled = cpu_driver();
+  if (bundled.empty()) return test::skip("no driver for CPUs is installed as lvp_icd.*.json");
+  const std::vector<DeviceInfo> system = list_devices();
+  const std::vector<DeviceInfo> devices = infos(find_devices(false, bundled));
+  REQUIRE(devices.size() == system.size() + 1);
+  CHECK(devices[0].name == system[0].name);
+  CHECK(devices.back().type == "CPU");
+  CHECK(devices.back().driver.ends_with(", bundled"));
+  CHECK(find_device(false, "bundled", bundled).physical.info.driver == devices.back().driver);
+  CHECK(!find_device(false, "", bundled).physical.info.driver.ends_with(", bundled"));
+  {
+    const ScopedVariable none("VK_DRIVER_FILES", "/nonexistent/driver.json");
+    CHECK(infos(find_devices(false, bundled)).size() == 1);
+    CHECK(find_device(false, "", bundled).physical.info.driver == devices.back().driver);
+    CHECK(std::string(getenv("VK_DRIVER_FILES")) == "/nonexistent/driver.json");
+  }
+  CHECK(getenv("VK_DRIVER_FILES") == nullptr);
+  CHECK_THROWS_WITH_AS(find_device(false, "bundled", {}), doctest::Contains("without a driver of its own"), InputError);
 }
 
 TEST_CASE("a Vulkan error carries the call and the result") {

@@ -100,6 +100,7 @@ TEST_CASE("pages are answered, and what is no page is refused") {
   CHECK(http_get(port, "/page?a=1&token=x&b=2").body == "page a=1&b=2");
   CHECK(http_get(port, "/page").head.find("Content-Type: text/html\r\n") != std::string::npos);
   CHECK(http_get(port, "/page").head.find("Referrer-Policy: no-referrer\r\n") != std::string::npos);
+  CHECK(http_get(port, "/page").head.find("frame-ancestors 'none'") != std::string::npos);
   CHECK(http_get(port, "/other").status == 404);
   CHECK(http_get(port, "/../page").status == 404);
   const test::HttpAnswer head = http(port, "HEAD /page HTTP/1.1\r\n" + echoing.host + "Connection: close\r\n\r\n");
@@ -138,6 +139,7 @@ TEST_CASE("without a token only this machine's names and the page's own Origin a
 
 TEST_CASE("where a token is needed, nothing is answered without it") {
   Echoing echoing({}, "secret", true);
+  CHECK(http_get(echoing.port, "/page?token=secret").head.find("frame-ancestors") == std::string::npos);
   CHECK(echoing.status("/page", echoing.host) == 403);
   CHECK(echoing.status("/page?token=", echoing.host) == 403);
   CHECK(echoing.status("/page?token=secretsecret", echoing.host) == 403);

@@ -1,0 +1,41 @@
+"""The live page of a simulation."""
+
+from __future__ import annotations
+
+from html import escape
+
+from ._errors import InputError
+from ._simulation import Simulation
+
+
+class Viewer:
+    """The live page of a simulation: each frame that is made appears there. In a notebook it stands below the cell.
+
+    What the page sets and executes takes effect before the next frame. It ends with close() or with the simulation.
+    """
+
+    def __init__(self, simulation: Simulation, port: int) -> None:
+        self._core = simulation._core
+        #: The address of the page. It has a token: who knows it may look at and change the simulation.
+        self.url = self._core.open_window(port)
+
+    def update(self, seconds: float = 0.0) -> None:
+        """Shows the last frame and carries out what the page asks for, for so long. For times without steps."""
+        self._core.update_window(seconds)
+
+    def close(self) -> None:
+        """Ends the page."""
+        self._core.close_window()
+
+    def __repr__(self) -> str:
+        return f"live page: {self.url}"
+
+    def _repr_html_(self) -> str:
+        return f'<iframe src="{escape(self.url)}" width="100%" height="600"></iframe>'
+
+
+def viewer(simulation: Simulation, port: int = 0) -> Viewer:
+    """Opens the live page of a simulation on this machine; port 0: any that is free. `url` of the result is its address."""
+    if not 0 <= port < 65536:
+        raise InputError(f"port is {port}, expected 0 to 65535")
+    return Viewer(simulation, port)
