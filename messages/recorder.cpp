@@ -15,8 +15,7 @@ void MessageFile::put(const Topic& topic, std::int64_t time_ns, std::string_view
   writer_.write(found->second, time_ns, bytes);
 }
 
-Recorder::Recorder(std::unique_ptr<RecorderSink> sink, RecorderHaste haste)
-    : sink_(std::move(sink)), haste_(haste), thread_([this] { run(); }) {}
+Recorder::Recorder(std::unique_ptr<RecorderSink> sink) : sink_(std::move(sink)), thread_([this] { run(); }) {}
 
 Recorder::~Recorder() {
   try {
@@ -25,7 +24,7 @@ Recorder::~Recorder() {
   }
 }
 
-// A caller who has to wait runs jobs instead: the thread may get no time on a busy machine.
+// A caller who has to wait runs jobs instead: the thread gets little time on a busy machine.
 bool Recorder::add(std::size_t held_bytes, WhenFull when_full, Job job) {
   std::unique_lock lock(mutex_);
   const auto fits = [&] { return held_bytes_ == 0 || held_bytes_ + held_bytes <= kMaxBytes || failure_; };
@@ -100,7 +99,7 @@ bool Recorder::run_next(std::unique_lock<std::mutex>& lock) {
 
 // After a failure the thread ends; what waits is dropped with the recorder.
 void Recorder::run() {
-  haste_ == RecorderHaste::idle ? use_idle_cores_only() : lower_thread_priority();
+  lower_thread_priority();
   std::unique_lock lock(mutex_);
   while (!failure_ && (!ends_ || !waiting_.empty())) {
     if (!run_next(lock)) changed_.wait(lock);

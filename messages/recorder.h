@@ -35,12 +35,6 @@ class MessageFile : public RecorderSink {
   std::map<std::string, McapWriter::Channel> channels_;
 };
 
-/// How soon the recorder's thread gets to its jobs.
-enum class RecorderHaste : std::uint8_t {
-  soon,  ///< on a busy machine with a small share of a core
-  idle   ///< on cores that nobody else uses
-};
-
 /// Jobs fill, encode and write messages; they run in the order in which they were added. What waits holds at most
 /// kMaxBytes, or is a single job that holds more.
 ///
@@ -51,7 +45,7 @@ class Recorder {
   using Job = std::function<void(MessageSink&)>;
   static constexpr std::size_t kMaxBytes = std::size_t{256} << 20;
 
-  Recorder(std::unique_ptr<RecorderSink> sink, RecorderHaste haste);
+  explicit Recorder(std::unique_ptr<RecorderSink> sink);
   /// Writes what waits and finishes the sink; errors are lost.
   ~Recorder();
   Recorder(const Recorder&) = delete;
@@ -77,7 +71,6 @@ class Recorder {
   void throw_failure();
 
   std::unique_ptr<RecorderSink> sink_;  // of the thread that runs a job
-  RecorderHaste haste_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<Waiting> waiting_;

@@ -35,7 +35,7 @@ Network::Network(const DdsDesc& desc, const BuiltScene& scene)
       node_(desc.domain),
       topics_(desc.topics),
       messages_(*this, scene),
-      recorder_(node_.sink(qos_of(desc)), ros::RecorderHaste::soon) {
+      recorder_(node_.sink(qos_of(desc))) {
   listen(kSet, kRequest);
 }
 

@@ -42,7 +42,7 @@ void Recording::add(ros::MessageJob job) {
 }
 
 void Recording::add_frame(const BuiltScene& scene, const FrameTime& time, std::span<const PlacedSensor> sensors) {
-  if (!recorder_) recorder_.emplace(std::make_unique<ros::MessageFile>(desc_.file), ros::RecorderHaste::idle);
+  if (!recorder_) recorder_.emplace(std::make_unique<ros::MessageFile>(desc_.file));
   messages_.add_frame(scene, time, sensors);
 }
 

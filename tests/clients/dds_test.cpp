@@ -8,9 +8,9 @@
 #include <simvis/simulation.h>
 #include "messages/dds/dds_node.h"
 #include "messages/types/system_types.h"
+#include "tests/messages/pip_packages.h"
 #include "tests/support/error_of.h"
 #include "tests/support/loopback_dds.h"
-#include "tests/support/pip_packages.h"
 #include "tests/support/run_process.h"
 #include "tests/support/skip.h"
 #include "tests/support/tested_build.h"

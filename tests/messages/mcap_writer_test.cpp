@@ -170,7 +170,7 @@ TEST_CASE("a file that may not grow is an error, and ends with its summary") {
 
 TEST_CASE("the recorder waits, drops or goes on when its queue is full") {
   const TemporaryFolder folder;
-  Recorder recorder(std::make_unique<MessageFile>(folder / "file.mcap"), RecorderHaste::idle);
+  Recorder recorder(std::make_unique<MessageFile>(folder / "file.mcap"));
   std::promise<void> gate;
   std::shared_future<void> opened = gate.get_future().share();
   const auto write = [](int time) {
@@ -192,7 +192,7 @@ TEST_CASE("the recorder waits, drops or goes on when its queue is full") {
 
 TEST_CASE("a failure on the recorder's thread is thrown by each later call") {
   const TemporaryFolder folder;
-  Recorder recorder(std::make_unique<MessageFile>(folder / "file.mcap"), RecorderHaste::idle);
+  Recorder recorder(std::make_unique<MessageFile>(folder / "file.mcap"));
   recorder.add(0, Recorder::WhenFull::wait, [](MessageSink&) { throw MachineError("the disk is full"); });
   CHECK_THROWS_WITH_AS(recorder.finish(), "the disk is full", MachineError);
   CHECK_THROWS_AS(recorder.add(0, Recorder::WhenFull::exceed, [](MessageSink&) {}), MachineError);

@@ -3,7 +3,7 @@
 
 #include "messages/mcap_writer.h"
 #include "tests/messages/message_values.h"
-#include "tests/support/pip_packages.h"
+#include "tests/messages/pip_packages.h"
 #include "tests/support/run_process.h"
 #include "tests/support/simvis_run.h"
 #include "tests/support/wall_scene.h"
