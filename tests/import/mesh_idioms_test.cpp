@@ -182,4 +182,28 @@ TEST_CASE("PLY: text with more values than the header says") {
   CHECK(contains(rest.warnings[0], "text after the last element is left out"));
 }
 
+TEST_CASE("PLY: the picture that a comment names, as VCGLIB writes it, and a file without vertices") {
+  TemporaryFolder folder;
+  write_text(folder / "a red.ppm", std::string("P6\n1 1\n255\n\xff\0\0", 14));
+  const auto with_comment = [&](const std::string& comment) {
+    write_text(folder / "a.ply", "ply\nformat ascii 1.0\n" + comment +
+                                     "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+                                     "property float s\nproperty float t\nelement face 1\nproperty list uchar int "
+                                     "vertex_indices\nend_header\n0 0 0 0 0\n1 0 0 1 0\n0 1 0 0 1\n3 0 1 2\n");
+    return load(folder / "a.ply");
+  };
+  const Loaded pictured = with_comment("comment TextureFile a red.ppm\n");
+  const Material& material = *pictured.list.materials.at(0);
+  REQUIRE(material.base_color_texture != nullptr);
+  CHECK(material.base_color_texture->rgba == std::vector<std::uint8_t>{255, 0, 0, 255});
+  CHECK(material.base_color == glm::vec4(1));
+  CHECK(pictured.warnings.empty());
+  CHECK(contains(with_comment("comment TextureFile b.ppm\n").warnings.at(0), "picture \"b.ppm\" is not there"));
+  CHECK(with_comment("").list.materials.at(0)->base_color_texture == nullptr);
+  write_text(folder / "none.ply",
+             "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\n"
+             "property float z\nend_header\n");
+  CHECK(contains(error_of([&] { load(folder / "none.ply"); }), "none.ply: error: holds nothing to draw"));
+}
+
 TEST_SUITE_END();

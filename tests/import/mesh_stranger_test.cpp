@@ -60,6 +60,13 @@ TEST_CASE("two faces back to back in two materials are seen from one side each")
   CHECK(sides_of(load_obj(folder, "usemtl red\nf 1 2 3 4\nusemtl blue\nf 3 2 1\n")) == std::array{3, 0});
 }
 
+TEST_CASE("a file that repeats one face very often is read in the time of any other") {
+  TemporaryFolder folder;
+  std::string faces = "usemtl red\n";
+  for (int i = 0; i < 100'000; ++i) faces += "f 1 2 3\n";
+  CHECK(sides_of(load_obj(folder, faces + "usemtl blue\nf 2 1 3\n")) == std::array{0, 100'001});
+}
+
 TEST_CASE("COLLADA: a node whose matrix is not finite is left out, with a warning") {
   TemporaryFolder folder;
   const std::string not_finite = "<matrix>INF NaN 0 0 0 1 0 0 0 0 1 0 0 0 0 1</matrix>";

@@ -46,9 +46,15 @@ std::uint32_t AssimpMaterials::get(unsigned index, bool shaded, bool one_sided) 
   if (!is_new) return known->second;
   const aiMaterial& source = *file_.scene->mMaterials[index];
   const bool is_default = std::strcmp(source.GetName().C_Str(), AI_DEFAULT_MATERIAL_NAME) == 0;
+  const bool is_nameless = is_default || source.GetName().length == 0;
   ImportedMaterial imported;
-  imported.is_fallback = is_default || source.GetName().length == 0;
+  // A PLY file has a picture, but no material.
+  imported.is_fallback = is_nameless && source.GetTextureCount(aiTextureType_DIFFUSE) == 0;
   if (!imported.is_fallback) imported = convert(source);
+  if (is_default && !imported.is_fallback) {
+    imported.material.name.clear();
+    imported.material.base_color = glm::vec4(1);
+  }
   imported.material.unlit = !shaded;
   imported.material.double_sided = !one_sided;
   scene_.materials.push_back(std::move(imported));

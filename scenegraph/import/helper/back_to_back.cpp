@@ -26,7 +26,7 @@ void read_corners_of(const aiScene& scene, MeshFace at, bool reversed, std::vect
   corners.clear();
   for (unsigned i = 0; i < face.mNumIndices; ++i) corners.push_back(mesh.mVertices[face.mIndices[i]]);
   if (reversed) std::ranges::reverse(corners);
-  std::ranges::rotate(corners, std::ranges::min_element(corners, comes_first));
+  std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end(), comes_first), corners.end());
 }
 
 bool are_equal(const std::vector<aiVector3D>& a, const std::vector<aiVector3D>& b) {
@@ -46,6 +46,45 @@ std::size_t hash_of(const std::vector<aiVector3D>& corners) {
   return hash;
 }
 
+// The faces of a node by their corners: one for each sequence of corners and material, however often a file repeats it.
+class FacesByCorners {
+ public:
+  FacesByCorners(const aiScene& scene, const aiNode& node) : scene_(scene) {
+    for (unsigned i = 0; i < node.mNumMeshes; ++i) {
+      MeshFace at{node.mMeshes[i], 0};
+      for (; at.face < scene.mMeshes[at.mesh]->mNumFaces; ++at.face) {
+        read_corners_of(scene, at, false, corners_);
+        const std::size_t hash = hash_of(corners_);
+        if (!holds(hash, [&](unsigned material) { return material == material_of(at); })) faces_.emplace(hash, at);
+      }
+    }
+  }
+
+  bool has_back_of(MeshFace at) {
+    read_corners_of(scene_, at, true, corners_);
+    return corners_.size() >= 3 &&
+           holds(hash_of(corners_), [&](unsigned material) { return material != material_of(at); });
+  }
+
+ private:
+  unsigned material_of(MeshFace at) const { return scene_.mMeshes[at.mesh]->mMaterialIndex; }
+
+  // Whether there is a face with the corners `corners_` whose material passes.
+  template <class Passes>
+  bool holds(std::size_t hash, const Passes& passes) {
+    const auto [first, last] = faces_.equal_range(hash);
+    return std::any_of(first, last, [&](const auto& each) {
+      if (!passes(material_of(each.second))) return false;
+      read_corners_of(scene_, each.second, false, others_);
+      return are_equal(corners_, others_);
+    });
+  }
+
+  const aiScene& scene_;
+  std::unordered_multimap<std::size_t, MeshFace> faces_;
+  std::vector<aiVector3D> corners_, others_;
+};
+
 bool has_several_materials(const aiScene& scene, const aiNode& node) {
   std::set<unsigned> materials;
   for (unsigned i = 0; i < node.mNumMeshes; ++i) materials.insert(scene.mMeshes[node.mMeshes[i]]->mMaterialIndex);
@@ -57,30 +96,15 @@ bool has_several_materials(const aiScene& scene, const aiNode& node) {
 std::map<unsigned, std::vector<bool>> faces_back_to_back(const aiScene& scene, const aiNode& node) {
   std::map<unsigned, std::vector<bool>> found;
   if (!has_several_materials(scene, node)) return found;
-  const auto mark = [&](MeshFace at) {
-    std::vector<bool>& faces = found[at.mesh];
-    faces.resize(scene.mMeshes[at.mesh]->mNumFaces);
-    faces[at.face] = true;
-  };
-  std::unordered_multimap<std::size_t, MeshFace> seen;
-  std::vector<aiVector3D> corners, others;
+  FacesByCorners known(scene, node);
   for (unsigned i = 0; i < node.mNumMeshes; ++i) {
     MeshFace at{node.mMeshes[i], 0};
-    const aiMesh& mesh = *scene.mMeshes[at.mesh];
-    for (; at.face < mesh.mNumFaces; ++at.face) {
-      if (mesh.mFaces[at.face].mNumIndices < 3) continue;
-      read_corners_of(scene, at, true, corners);
-      const auto [first, last] = seen.equal_range(hash_of(corners));
-      for (auto each = first; each != last; ++each) {
-        read_corners_of(scene, each->second, false, others);
-        if (scene.mMeshes[each->second.mesh]->mMaterialIndex == mesh.mMaterialIndex || !are_equal(corners, others)) {
-          continue;
-        }
-        mark(at);
-        mark(each->second);
-      }
-      read_corners_of(scene, at, false, corners);
-      seen.emplace(hash_of(corners), at);
+    const unsigned count = scene.mMeshes[at.mesh]->mNumFaces;
+    for (; at.face < count; ++at.face) {
+      if (!known.has_back_of(at)) continue;
+      std::vector<bool>& faces = found[at.mesh];
+      faces.resize(count);
+      faces[at.face] = true;
     }
   }
   return found;

@@ -230,6 +230,7 @@ class PlyCheck {
   void check_elements() {
     if (elements_.empty() || elements_[0].name != "vertex") fail("expected the element vertex before all others");
     const Element& vertex = elements_[0];
+    if (vertex.count == 0) read_.fail("holds nothing to draw");
     for (const std::string_view axis : {"x", "y", "z"}) {
       const auto found = std::ranges::find(vertex.properties, axis, &Property::name);
       if (found == vertex.properties.end() || !found->type->is_float || found->count != nullptr) {
