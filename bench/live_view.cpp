@@ -1,12 +1,16 @@
-// Measures what viewers cost the simulation, and how long a slider's move takes to the next picture.
+// Measures what viewers cost a simulation, and how long a slider's move takes to the next measurement.
 //
-//   live_view [SCENE.xml [FRAMES]]
+//   live_view [FRAMES [SCENE]]
 //
-// Prints CSV. Frames of the scene (default: marvin) are called for at 15 Hz, in blocks with 0, 1 and 4 viewers in turn,
-// each of which looks at all sensors and reads all that comes. `frame_ms` is the time of step() and of handing the
-// frame to the server, `publish_ms` the second part of it, `thread_ms` the processor time of the simulation's thread
-// for both: medians. `server` rows: the time from a `set` of a client to the first picture of a frame that was made
-// after it, and the size of the scene as a GLB with the time until it has arrived.
+// Prints CSV, of all scenes or one: marvin, 10,000 parts of one box before a camera and a scanner, a lab of a
+// million triangles with the same sensors. Frames are called for at 15 Hz, in blocks with 0, 1 and 4 viewers in turn,
+// each of which looks at all sensors, reads all that comes and shows it at once. Medians, in ms: `frame_ms` is the time
+// of step() and of handing the frame to the server, `process_ms` the processor time of all threads meanwhile,
+// `thread_ms` that of the simulation's thread, `publish_ms` that of its second part alone. `cost` is `publish_ms` over
+// the shortest time in which the machine can make a frame without viewers: `process_ms` of that over the number of
+// cores. With one viewer: `slider_ms`, the time from a client's `set` to the first measurement of a frame that was made
+// after it; `glb_mb`, the size of the scene as the page gets it, and `glb_ms`, the time until it has arrived.
+#include <malloc.h>
 #include <time.h>
 
 #include <algorithm>
@@ -14,38 +18,31 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include <simvis/simulation.h>
 #include "bench/live_viewer.h"
+#include "bench/scenes/lab.h"
+#include "bench/scenes/scene_folder.h"
+#include "bench/timing.h"
 #include "live/live_view.h"
 
 namespace {
 
 using Clock = std::chrono::steady_clock;
 using namespace simvis;
+using bench::Took;
 
 constexpr double kRate_hz = 15;
-
-double thread_ms() {
-  timespec time{};
-  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) * 1e3 + static_cast<double>(time.tv_nsec) / 1e6;
-}
-
-double ms_since(Clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
-
-double median(std::vector<double> values) {
-  std::ranges::sort(values);
-  return values.empty() ? 0 : values[values.size() / 2];
-}
+constexpr int kBlocks = 3, kSliderMoves = 9;
 
 /// A page that looks at everything.
 struct Viewer : LiveViewer {
@@ -65,10 +62,17 @@ void read_all(LiveViewer& viewer) {
   }
 }
 
-/// Times of frames in milliseconds; each list has one entry per frame.
+/// One entry per frame.
 struct Measured {
-  std::vector<double> frame, publish, thread;
+  std::vector<Took> frame, publish;
+  std::vector<double> process_ms;
 };
+
+double process_ms() {
+  timespec now{};
+  ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
+}
 
 class Run {
  public:
@@ -82,14 +86,16 @@ class Run {
       for (const auto& [parameter, value] : control->values) simulation_.parameters().set(parameter, value);
     }
     const FrameTime time = simulation_.next_frame();
-    const Clock::time_point start = Clock::now();
-    const double processor = thread_ms();
-    simulation_.step();
-    const double step_ms = ms_since(start);
-    view_.publish(simulation_, time, step_ms, {.speed = 1, .playing = true, .recorded = false});
-    measured.frame.push_back(ms_since(start));
-    measured.publish.push_back(measured.frame.back() - step_ms);
-    measured.thread.push_back(thread_ms() - processor);
+    Took step, publish;
+    const double process = process_ms();
+    const Took whole = bench::time_work([&] {
+      step = bench::time_work([&] { simulation_.step(); });
+      publish = bench::time_work(
+          [&] { view_.publish(simulation_, time, step.wall_ms, {.speed = 1, .playing = true, .recorded = false}); });
+    });
+    measured.frame.push_back(whole);
+    measured.publish.push_back(publish);
+    measured.process_ms.push_back(process_ms() - process);
   }
 
  private:
@@ -100,13 +106,13 @@ class Run {
 
 /// Runs `action` on another thread while frames are made; its messages are read there.
 template <typename Action>
-void while_running(Run& run, Measured& measured, const Action& action) {
+void while_running(Run& run, const Action& action) {
   std::atomic<bool> done = false;
   std::thread other([&] {
     action();
     done = true;
   });
-  while (!done) run.frame(measured);
+  for (Measured ignored; !done;) run.frame(ignored);
   other.join();
 }
 
@@ -114,58 +120,100 @@ bool has_value(const nlohmann::json& message, double value) {
   return std::ranges::any_of(message.at("values"), [&](const auto& each) { return each[0] == 0 && each[1] == value; });
 }
 
-void measure_slider(Run& run) {
-  Measured ignored;
-  std::vector<double> times;
-  while_running(run, ignored, [&] {
+struct Responses {
+  double slider_ms = 0, glb_mb = 0, glb_ms = 0;
+};
+
+Responses measure_responses(Run& run) {
+  Responses responses;
+  while_running(run, [&] {
     Viewer viewer(run.port());
-    for (int i = 0; i < 30; ++i) {
+    std::vector<double> times;
+    for (int i = 0; i < kSliderMoves; ++i) {
       const double value = 0.01 * (i + 1);
       const Clock::time_point start = Clock::now();
       viewer.send({{"op", "set"}, {"parameter", 0}, {"value", value}});
       while (!has_value(viewer.receive_op("values"), value)) {
       }
-      while (!viewer.receive().binary) {
+      while (viewer.receive().bytes.front() == 1) {  // transforms
       }
-      times.push_back(ms_since(start));
+      times.push_back(bench::since_ms(start));
     }
+    responses.slider_ms = bench::median(times);
     const Clock::time_point start = Clock::now();
     const std::size_t size = LiveViewer(run.port(), false).get("/" + viewer.scene.at("glb").get<std::string>());
-    std::printf("server,glb_bytes,%zu\nserver,glb_ms,%.1f\n", size, ms_since(start));
+    responses.glb_ms = bench::since_ms(start);
+    responses.glb_mb = static_cast<double>(size) / 1e6;
   });
-  std::printf("server,slider_to_picture_ms,%.1f\n", median(times));
+  return responses;
+}
+
+/// Adds `frames` frames with so many viewers.
+void measure_block(Run& run, int viewers, int frames, Measured& measured) {
+  std::vector<std::unique_ptr<Viewer>> all;
+  while_running(run, [&] {
+    for (int i = 0; i < viewers; ++i) all.push_back(std::make_unique<Viewer>(run.port()));
+  });
+  std::vector<std::thread> readers;
+  for (const std::unique_ptr<Viewer>& viewer : all) {
+    readers.emplace_back([&viewer] { read_all(*viewer); });
+  }
+  for (int i = 0; i < frames; ++i) run.frame(measured);
+  for (const std::unique_ptr<Viewer>& viewer : all) viewer->shut_down();
+  for (std::thread& reader : readers) reader.join();
+}
+
+void measure(const std::string& name, const std::filesystem::path& scene, int frames) {
+  Run run(Simulation::load(scene));
+  Measured warm_up;
+  for (int i = 0; i < 5; ++i) run.frame(warm_up);
+  std::map<int, Measured> by_viewers;
+  for (int block = 0; block < kBlocks; ++block) {
+    for (const int viewers : {0, 1, 4}) measure_block(run, viewers, frames, by_viewers[viewers]);
+  }
+  const Responses responses = measure_responses(run);
+  const double alone_ms = bench::median(by_viewers[0].process_ms) / std::thread::hardware_concurrency();
+  for (const auto& [viewers, measured] : by_viewers) {
+    const Took frame = bench::median(measured.frame), publish = bench::median(measured.publish);
+    std::printf("%s,%d,%zu,%.3f,%.3f,%.3f,%.3f,%.4f", name.c_str(), viewers, measured.frame.size(), frame.wall_ms,
+                bench::median(measured.process_ms), frame.caller_ms, publish.caller_ms, publish.caller_ms / alone_ms);
+    if (viewers == 1) std::printf(",%.1f,%.1f,%.0f\n", responses.slider_ms, responses.glb_mb, responses.glb_ms);
+    if (viewers != 1) std::printf(",,,\n");
+  }
+  std::fflush(stdout);
+}
+
+const std::string kSensors = R"(
+  <sensor type="camera" name="CAM" insert_at="ROBOT" width="640" height="480" outputs="color depth"/>
+  <sensor type="laser_scanner" name="FRONT" insert_at="ROBOT" samples="361" min_angle="-90" max_angle="90"/>)";
+
+std::filesystem::path write_parts(const std::filesystem::path& folder, int count) {
+  std::string xml =
+      "<simvis>\n<part name=\"ROBOT\" insert_at=\"ROOT\" shape=\"box\" size=\"0.1 0.1 0.1\"/>\n"
+      "<element type=\"pose\" name=\"MOVE\" insert_at=\"ROBOT\"/>\n" +
+      kSensors;
+  for (int i = 0; i < count; ++i) {
+    xml += "<part name=\"BOX_" + std::to_string(i) +
+           "\" insert_at=\"ROOT\" shape=\"box\" size=\"0.2 0.2 0.2\" pose_offset=\"" +
+           std::to_string(2 + 0.5 * (i % 100)) + " " + std::to_string(0.5 * (i / 100) - 25) + " 0 0 0 0\"/>\n";
+  }
+  std::ofstream(folder / "parts.xml") << xml << "</simvis>\n";
+  return folder / "parts.xml";
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  const std::string scene = argc > 1 ? argv[1] : std::string(SIMVIS_SOURCE_DIR) + "/scenes/marvin/marvin.xml";
-  const int frames = argc > 2 ? std::atoi(argv[2]) : 30;
-  Run run(Simulation::load(scene));
-  Measured warm_up;
-  for (int i = 0; i < 5; ++i) run.frame(warm_up);
-  constexpr int kBlocks = 5;
-  std::map<int, Measured> by_viewers;
-  for (int block = 0; block < kBlocks; ++block) {
-    for (const int viewers : {0, 1, 4}) {
-      std::vector<std::unique_ptr<Viewer>> all;
-      Measured ignored;
-      while_running(run, ignored, [&] {
-        for (int i = 0; i < viewers; ++i) all.push_back(std::make_unique<Viewer>(run.port()));
-      });
-      std::vector<std::thread> readers;
-      for (const std::unique_ptr<Viewer>& viewer : all) {
-        readers.emplace_back([&viewer] { read_all(*viewer); });
-      }
-      for (int i = 0; i < frames; ++i) run.frame(by_viewers[viewers]);
-      for (const std::unique_ptr<Viewer>& viewer : all) viewer->shut_down();
-      for (std::thread& reader : readers) reader.join();
-    }
+  const int frames = argc > 1 ? std::atoi(argv[1]) : 20;
+  const std::string only = argc > 2 ? argv[2] : "";
+  const bench::SceneFolder folder;
+  ::mallopt(M_MMAP_THRESHOLD, 32 << 20);  // as simvis-run: memory that is freed is kept
+  ::mallopt(M_TRIM_THRESHOLD, 256 << 20);
+  std::printf("scene,viewers,frames,frame_ms,process_ms,thread_ms,publish_ms,cost,slider_ms,glb_mb,glb_ms\n");
+  const auto wanted = [&](const std::string& scene) { return only.empty() || only == scene; };
+  if (wanted("marvin")) measure("marvin", SIMVIS_SOURCE_DIR "/scenes/marvin/marvin.xml", frames);
+  if (wanted("10000 parts")) measure("10000 parts", write_parts(folder.path(), 10'000), frames);
+  if (wanted("1000000 triangles")) {
+    measure("1000000 triangles", bench::write_lab(folder.path(), 1'000'000, kSensors), frames);
   }
-  std::printf("viewers,frame_ms,publish_ms,thread_ms\n");
-  for (const auto& [viewers, measured] : by_viewers) {
-    std::printf("%d,%.3f,%.3f,%.3f\n", viewers, median(measured.frame), median(measured.publish),
-                median(measured.thread));
-  }
-  measure_slider(run);
 }

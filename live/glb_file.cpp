@@ -202,7 +202,7 @@ class GlbWriter {
     file.append(reinterpret_cast<const char*>(&value), sizeof value);
   }
 
-  static std::string join(std::string json, std::string bytes) {
+  static std::string join(std::string json, const std::string& bytes) {
     constexpr std::uint32_t kMagic = 0x46546C67, kVersion = 2, kJson = 0x4E4F534A, kBinary = 0x004E4942;
     constexpr std::size_t kHeader = 12, kChunk = 8;
     json.resize((json.size() + 3) / 4 * 4, ' ');
@@ -219,7 +219,8 @@ class GlbWriter {
     if (bytes.empty()) return file;
     append(file, static_cast<std::uint32_t>(bytes.size()));
     append(file, kBinary);
-    return file + bytes;
+    file += bytes;
+    return file;
   }
 
   const DrawList& list_;

@@ -5,7 +5,9 @@
 
 #include <cmath>
 #include <filesystem>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "live/glb_file.h"
@@ -25,11 +27,14 @@ inline constexpr float kFactor = 2e-7f;
 /// A scene without a device, and its draw list.
 struct Scenery {
   explicit Scenery(const std::string& xml, const std::filesystem::path& folder = {})
-      : scene({}, parse_commands(xml, "s.xml", folder)),
-        flattener(scene.built.scene.root()),
-        list(flattener.update()) {}
-  explicit Scenery(const std::filesystem::path& file)
-      : scene({}, read_commands(file)), flattener(scene.built.scene.root()), list(flattener.update()) {}
+      : Scenery(parse_commands(xml, "s.xml", folder)) {}
+  explicit Scenery(const std::filesystem::path& file) : Scenery(read_commands(file)) {}
+  explicit Scenery(const std::vector<Command>& commands)
+      : scene({}, commands), flattener(scene.built.scene.root()), list(with_pictures()) {}
+  const DrawList& with_pictures() {
+    scene.built.scene.read_pictures();
+    return flattener.update();
+  }
   std::string glb() const {
     std::vector<SceneItem> items;
     for (const ItemSource& source : flattener.item_sources()) {
@@ -74,42 +79,31 @@ inline void check_same(const Material& now, const Material& before) {
   REQUIRE((now.base_color_texture == nullptr) == (before.base_color_texture == nullptr));
   if (now.base_color_texture == nullptr) return;
   CHECK(now.base_color_texture->rgba == before.base_color_texture->rgba);
-  {
-    const auto& x = now.base_color_texture->rgba;
-    const auto& y = before.base_color_texture->rgba;
-    std::size_t n = 0, k = 0;
-    for (std::size_t i = 0; i < x.size() && i < y.size(); ++i)
-      if (x[i] != y[i]) {
-        if (n == 0) k = i;
-        ++n;
-      }
-    if (n > 0) {
-      k -= k % 4;
-      MESSAGE(now.name, " ", before.base_color_texture->name, " ", x.size(), " ", y.size(), " differ ", n, " at ", k,
-              ": ", int(x[k]), " ", int(x[k + 1]), " ", int(x[k + 2]), " ", int(x[k + 3]), " was ", int(y[k]), " ",
-              int(y[k + 1]), " ", int(y[k + 2]), " ", int(y[k + 3]));
-    }
-  }
   CHECK(now.base_color_texture->sampler == before.base_color_texture->sampler);
 }
 
 /// The list, written and read again.
-inline void check_round_trip(const Scenery& before) {
+inline void check_round_trip(const Scenery& before, const std::string& glb) {
   const TemporaryFolder folder;
-  write_text(folder / "again.glb", before.glb());
+  write_text(folder / "again.glb", glb);
   const Scenery again("<part file=\"again.glb\" name=\"AGAIN\" insert_at=\"ROOT\"/>", folder.path());
   CHECK(again.scene.built.scene.warnings().empty());
   const std::vector<DrawItem> exported = exported_items(before.list);
   REQUIRE(again.list.items.size() == exported.size());
+  std::set<std::pair<std::uint32_t, std::uint32_t>> meshes, materials;  // that were compared: now, then
   for (std::size_t i = 0; i < exported.size(); ++i) {
     const DrawItem &a = again.list.items[i], &b = exported[i];
     const Mesh &now = *again.list.meshes[a.mesh], &then = *before.list.meshes[b.mesh];
-    CHECK(now.positions == then.positions);
-    CHECK(now.indices == then.indices);
+    if (meshes.emplace(a.mesh, b.mesh).second) {
+      CHECK(now.positions == then.positions);
+      CHECK(now.indices == then.indices);
+    }
     const glm::dmat4& world = before.list.world_from_node[b.transform];
     const double tolerance = gltf_nodes_of(world).size() == 1 ? kMatrix : kSheared;
     CHECK(difference(again.list.world_from_node[a.transform], world) < tolerance * (1 + glm::length(world[3])));
-    check_same(*again.list.materials[a.material], *before.list.materials[b.material]);
+    if (materials.emplace(a.material, b.material).second) {
+      check_same(*again.list.materials[a.material], *before.list.materials[b.material]);
+    }
   }
   REQUIRE(again.list.lights.size() == before.list.lights.size());
   for (std::size_t i = 0; i < again.list.lights.size(); ++i) {
