@@ -43,8 +43,8 @@ Function instance_function(VkInstance instance, const char* name) {
   return reinterpret_cast<Function>(vkGetInstanceProcAddr(instance, name));
 }
 
-// While it lives, the loader knows this driver and no other. Loaders before 1.3.242 take a driver from their
-// environment alone (VK_LUNARG_direct_driver_loading is newer).
+// While it lives, the loader knows this driver and no other. The loader of Debian 12 takes one from the environment
+// alone: it does not offer VK_LUNARG_direct_driver_loading.
 class OnlyDriver {
  public:
   explicit OnlyDriver(const std::filesystem::path& driver) {
