@@ -17,6 +17,7 @@ AttributeTable force_torque_attributes() {
 }
 
 std::unique_ptr<Sensor> create_force_torque(const SensorContext& context) {
+  context.command.require("joint");  // throws if it is missing
   return std::make_unique<ForceTorque>(context.name, force_torque_desc(context));
 }
 
@@ -34,7 +35,7 @@ const SensorRegistration kForceTorqueRegistration(
 
 ForceTorqueDesc force_torque_desc(const SensorContext& context) {
   const AttributeValues& a = context.attributes;
-  return {.joint = context.command.require("joint").value,
+  return {.joint = a.is_set("joint") ? a.text("joint") : std::string(),
           .force = NoiseDesc::read(a, "force_"),
           .torque = NoiseDesc::read(a, "torque_"),
           .seed = context.seed};
@@ -68,6 +69,7 @@ void ForceTorque::collect(const FrameTime& time, const FramePlan&, std::span<con
                    torque_nm = sensor_from_world * (load_.torque_nm + glm::cross(lever_m, load_.force_n));
   const double period_s = sample_period_s(rate_hz, time);
   std::vector<double> values;
+  values.reserve(6);
   for (glm::length_t axis = 0; axis < 3; ++axis) {
     values.push_back(force_.apply(force_n[axis], static_cast<std::uint32_t>(axis), time, period_s));
   }
