@@ -104,10 +104,17 @@ struct WorldDesc {
 /// Two bodies that touch or overlap.
 struct WorldContact {
   std::size_t body_a = 0, body_b = 0;  ///< ids
-  glm::dvec3 point_m{0};               ///< on the surface of b
+  int link_a = -1, link_b = -1;        ///< of an articulation; -1: its base, or a body
+  glm::dvec3 point_m{0};               ///< midway between both surfaces
   glm::dvec3 normal{0, 0, 1};          ///< from b towards a
-  double depth_m = 0;                  ///< above 0: they overlap by so much
+  double depth_m = 0;                  ///< above 0: they overlap by so much; below 0: a force acts across a gap
   double force_n = 0;                  ///< along the normal, mean of the last step
+};
+
+/// What a link exerts on its parent at their joint, mean of the last step; about the joint's origin, along the axes of
+/// the world.
+struct LinkLoad {
+  glm::dvec3 origin_m{0}, force_n{0}, torque_nm{0};
 };
 
 /// Ids     of bodies and articulations, from one count, never given twice.
@@ -133,8 +140,11 @@ class DynamicsWorld {
 
   virtual BodyState state(std::size_t id) const = 0;  ///< of a body, or of the base of an articulation
   virtual JointState joint(std::size_t articulation, std::size_t link) const = 0;
-  virtual std::vector<WorldContact> contacts() const = 0;  ///< of the last step
-  virtual std::vector<WorldContact> touching() = 0;        ///< as the bodies stand now, before the next step
+  /// Whether load() is measured in the next steps; not at first.
+  virtual void measure_load(std::size_t articulation, std::size_t link, bool on) = 0;
+  virtual LinkLoad load(std::size_t articulation, std::size_t link) const = 0;  ///< zero if it is not measured
+  virtual std::vector<WorldContact> contacts() const = 0;                       ///< of the last step
+  virtual std::vector<WorldContact> touching() = 0;  ///< as the bodies stand now, before the next step
 };
 
 /// A body that is faster has exploded: no robot moves at 10 km/s or turns 16,000 times a second.

@@ -5,13 +5,11 @@
 namespace simvis {
 namespace {
 
-constexpr AttributeSpec kPoseAttributes[] = {kPoseX, kPoseY, kPoseZ, kPoseRoll, kPosePitch, kPoseYaw};
-
 const ElementRegistration kPoseRegistration({
     .name = "pose",
     .summary = "Moves and turns what follows its insertion point.",
     .notes = "x is forward, y left, z up. The rotation is R = Rz(yaw) Ry(pitch) Rx(roll).",
-    .attributes = kPoseAttributes,
+    .attributes = kPoseRows,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<PoseElement>(context);
     },

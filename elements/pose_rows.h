@@ -2,6 +2,8 @@
 #pragma once
 
 #include <glm/glm.hpp>
+#include <iterator>
+#include <vector>
 
 #include <simvis/attributes.h>
 #include <simvis/element.h>
@@ -30,11 +32,16 @@ constexpr AttributeSpec pose_angle(std::string_view name, std::string_view text)
           .full_turn = true};
 }
 
-inline constexpr AttributeSpec kPoseX = pose_length("x", "forward"), kPoseY = pose_length("y", "to the left"),
-                               kPoseZ = pose_length("z", "up"), kPoseRoll = pose_angle("roll", "turn about x, first"),
-                               kPosePitch = pose_angle("pitch", "turn about y, second; positive is nose down"),
-                               kPoseYaw = pose_angle("yaw", "turn about z, last; positive is to the left");
-inline constexpr std::size_t kPoseValues = 6;
+inline constexpr AttributeSpec kPoseRows[] = {pose_length("x", "forward"),
+                                              pose_length("y", "to the left"),
+                                              pose_length("z", "up"),
+                                              pose_angle("roll", "turn about x, first"),
+                                              pose_angle("pitch", "turn about y, second; positive is nose down"),
+                                              pose_angle("yaw", "turn about z, last; positive is to the left")};
+inline constexpr std::size_t kPoseValues = std::size(kPoseRows);
+
+/// For join_tables().
+inline std::vector<AttributeSpec> pose_rows() { return {std::begin(kPoseRows), std::end(kPoseRows)}; }
 
 /// The matrix of the values of these rows, in their order, which come first.
 inline glm::dmat4 matrix_of_pose(ParameterView values) {

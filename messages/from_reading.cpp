@@ -113,6 +113,10 @@ Odometry to_odometry(const Reading& reading, const Header& header) {
   return message;
 }
 
+WrenchStamped to_wrench(const Reading& reading, const Header& header) {
+  return {header, {vector_of(reading, "force", "n"), vector_of(reading, "torque", "n_m")}};
+}
+
 PointCloud2 to_cloud(const Reading& reading, const Header& header) {
   PointCloud2 cloud;
   cloud.header = header;
@@ -148,6 +152,7 @@ constexpr ReadingMessageType kReadingMessages[] = {
     {JointState::kName, "joint_states", made<JointState, to_joints>},
     {Illuminance::kName, "illuminance", made<Illuminance, to_illuminance>},
     {Odometry::kName, "odometry", made<Odometry, to_odometry>},
+    {WrenchStamped::kName, "wrench", made<WrenchStamped, to_wrench>},
     {kCloud, "points", made<PointCloud2, to_cloud>},
 };
 

@@ -11,6 +11,7 @@
 //   sensor_msgs/msg/Illuminance    illuminance: illuminance_lx; illuminance_variance
 //   nav_msgs/msg/Odometry          odometry: x_m, y_m, z_m, qx, qy, qz, qw, velocity_{x,y,z}_m_s,
 //                                  angular_velocity_{x,y,z}_rad_s
+//   geometry_msgs/msg/WrenchStamped  wrench: force_{x,y,z}_n, torque_{x,y,z}_n_m
 //   sensor_msgs/msg/PointCloud2    points: a field of float64 for each column of a table, with x_m, y_m and z_m as x, y
 //                                  and z, which viewers know
 //
@@ -33,7 +34,8 @@ namespace simvis::ros {
 /// A message, and the last part of its topic.
 struct ReadingMessage {
   std::string_view topic;
-  std::variant<Imu, NavSatFix, MagneticField, FluidPressure, Range, JointState, Illuminance, Odometry, PointCloud2>
+  std::variant<Imu, NavSatFix, MagneticField, FluidPressure, Range, JointState, Illuminance, Odometry, WrenchStamped,
+               PointCloud2>
       message;
 };
 

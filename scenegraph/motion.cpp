@@ -54,6 +54,29 @@ Twist twist_between(const glm::dmat4& world_from_before, const glm::dmat4& world
   return {turn / seconds, screw / seconds};
 }
 
+Screw screw_of(const ItemMove& move, double share) {
+  const glm::dvec3 w = share * move.turn_rad, v = share * move.way_m;
+  const double angle = glm::length(w), half = angle / 2;
+  // sin(a) / a, (1 - cos a) / a^2 and (a - sin a) / a^3. The missing terms of the series are below 2^-53 of what they
+  // are added to.
+  constexpr double kSeriesBelow = 1e-3;
+  const bool small = angle < kSeriesBelow;
+  const double sine = small ? 1 - angle * angle / 6 : std::sin(angle) / angle;
+  const double half_sine = small ? 1 - half * half / 6 : std::sin(half) / half;
+  const double versine = half_sine * half_sine / 2;
+  const double rest = small ? (1 - angle * angle / 20) / 6 : (1 - sine) / (angle * angle);
+  const glm::dmat3 cross{{0, w.z, -w.y}, {-w.z, 0, w.x}, {w.y, -w.x, 0}}, square = cross * cross;
+  return {glm::dmat3(1.0) + sine * cross + versine * square, v + versine * (cross * v) + rest * (square * v)};
+}
+
+glm::dmat4 place_at(const ItemMove& move, double share, const glm::dmat4& world_from_mesh) {
+  const Screw screw = screw_of(move, share);
+  glm::dmat4 place(screw.turn * glm::dmat3(world_from_mesh));
+  const glm::dvec3 origin = glm::dvec3(world_from_mesh[3]) - move.point_m;
+  place[3] = glm::dvec4(move.point_m + screw.way + screw.turn * origin, 1);
+  return place;
+}
+
 void PoseHistory::add(std::int64_t time_ns, const glm::dmat4& world_from_body) {
   if (count_ > 0 && poses_[0].time_ns == time_ns) {
     poses_[0].world_from_body = world_from_body;
@@ -131,6 +154,33 @@ glm::dvec3 ItemMotions::velocity_mps(const DrawList& list, std::uint32_t item, c
   frame_now[3] = glm::dvec4(point_m, 1);
   const glm::dmat4 frame_before = rigid_inverse(now_from_before) * frame_now;
   return twist_between(frame_before, frame_now, seconds).linear_mps;
+}
+
+// The turn and the ways of the origin are differences of poses, which keep their digits far from the world's origin.
+std::optional<ItemMove> ItemMotions::move_of(std::size_t transform) const {
+  if (transform >= before_of_now_.size() || before_of_now_[transform] == kNew) return std::nullopt;
+  const glm::dmat4 &now = now_.world_from_node[transform], &before = before_.world_from_node[before_of_now_[transform]];
+  if (now == before) return std::nullopt;
+  const glm::dmat4 turn(glm::dmat3(now) * glm::inverse(glm::dmat3(before)));
+  if (!is_rigid(turn, kMotionRigidity)) return std::nullopt;
+  glm::dmat4 frame_now(1.0), frame_before = glm::transpose(turn);  // both stand in the origin
+  frame_now[3] = now[3];
+  frame_before[3] = before[3];
+  const Twist twist = twist_between(frame_before, frame_now, 1);
+  return ItemMove{.point_m = glm::dvec3(now[3]), .turn_rad = twist.angular_radps, .way_m = twist.linear_mps};
+}
+
+std::vector<ItemMove> ItemMotions::moves(const DrawList& list) const {
+  std::vector<std::optional<ItemMove>> by_transform(list.world_from_node.size());
+  for (std::size_t t = 0; t < by_transform.size(); ++t) by_transform[t] = move_of(t);
+  std::vector<ItemMove> moves;
+  for (std::uint32_t i = 0; i < list.items.size(); ++i) {
+    const std::optional<ItemMove>& move = by_transform[list.items[i].transform];
+    if (!move) continue;
+    moves.push_back(*move);
+    moves.back().item = i;
+  }
+  return moves;
 }
 
 }  // namespace simvis

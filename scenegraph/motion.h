@@ -15,6 +15,7 @@
 #include <cstdint>
 #include <functional>
 #include <glm/glm.hpp>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -31,6 +32,19 @@ struct Twist {
 
 /// The constant twist that leads from one rigid pose to another in `seconds`, by a turn of at most pi.
 Twist twist_between(const glm::dmat4& world_from_before, const glm::dmat4& world_from_now, double seconds);
+
+/// A rigid motion about a point: x becomes point + turn (x - point) + way.
+struct Screw {
+  glm::dmat3 turn{1.0};
+  glm::dvec3 way{0};
+};
+
+/// The screw motion that an item has still to go, or has gone, at `share` of its move: exp(share twist). -1 leads from
+/// now to where it began.
+Screw screw_of(const ItemMove& move, double share);
+
+/// The transform of an item at `share` of its move, from that now.
+glm::dmat4 place_at(const ItemMove& move, double share, const glm::dmat4& world_from_mesh);
 
 /// The poses of one frame at the last frames of the simulation.
 class PoseHistory {
@@ -62,6 +76,10 @@ class ItemMotions {
   /// frame.
   glm::dvec3 velocity_mps(const DrawList& list, std::uint32_t item, const glm::dvec3& point_m) const;
 
+  /// The items of `list` that have moved since the previous frame, in their order. Items that are new, or that do not
+  /// move rigidly, are left out.
+  std::vector<ItemMove> moves(const DrawList& list) const;
+
  private:
   using Key = std::pair<const Transform*, std::uint32_t>;  // a node and the number of its occurrence
   struct KeyHash {
@@ -74,6 +92,7 @@ class ItemMotions {
     std::vector<glm::dmat4> world_from_node;  // by transform
   };
   void match();
+  std::optional<ItemMove> move_of(std::size_t transform) const;
 
   Frame now_, before_;
   std::size_t frames_ = 0;                  // 0, 1, or 2 for more

@@ -1,6 +1,7 @@
 #include "simvis/sensed_world.h"
 
 #include <algorithm>
+#include <set>
 #include <unordered_set>
 #include <utility>
 
@@ -85,6 +86,21 @@ class SensedWorlds::World : public SensedWorld {
     return found;
   }
 
+  std::span<const ItemMove> item_moves() const override {
+    SIMVIS_ASSERT(sensed_.needs.item_moves);
+    return sensed_.moves;
+  }
+
+  std::optional<std::vector<Contact>> contacts() const override {
+    SIMVIS_ASSERT(!sensed_.needs.contacts_of.empty());
+    return worlds_.physics_ == nullptr ? std::nullopt : worlds_.physics_->contacts_at(sensed_.needs.contacts_of);
+  }
+
+  std::optional<JointLoad> joint_load() const override {
+    SIMVIS_ASSERT(!sensed_.needs.load_of.empty());
+    return worlds_.physics_ == nullptr ? std::nullopt : worlds_.physics_->load_of(sensed_.needs.load_of);
+  }
+
  private:
   const SensedWorlds& worlds_;
   const Sensed& sensed_;
@@ -101,6 +117,7 @@ void SensedWorlds::follow(BuiltScene& scene, Flattener& flattener) {
     Sensed& sensed = sensed_[sensor.id];
     if (const auto known = before.find(sensor.id); known != before.end()) {
       sensed.poses = known->second.poses;
+      sensed.items = std::move(known->second.items);
       sensed.on = known->second.on;
     }
     sensed.mount = sensor.mount.get();
@@ -126,6 +143,19 @@ void SensedWorlds::follow(BuiltScene& scene, Flattener& flattener) {
     sensed.world = std::make_unique<World>(*this, sensed);
   }
   flattener.watch(std::move(watched));
+  follow_physics();
+}
+
+void SensedWorlds::follow_physics() {
+  std::set<std::string, std::less<>> loads;
+  bool asked = false;
+  for (const auto& [id, sensed] : sensed_) {
+    asked |= !sensed.needs.contacts_of.empty() || !sensed.needs.load_of.empty();
+    if (sensed.on && !sensed.needs.load_of.empty()) loads.insert(sensed.needs.load_of);
+  }
+  if (physics_ == nullptr && !asked) return;
+  physics_ = find_physics(scene_->scene);
+  if (physics_ != nullptr) physics_->measure_loads(std::move(loads));
 }
 
 void SensedWorlds::update(const BuiltScene& scene, const Flattener& flattener, const DrawList& list,
@@ -177,11 +207,19 @@ void SensedWorlds::enable(std::size_t sensor_id, bool on) {
   if (found == sensed_.end()) return;
   found->second.on = on;
   found->second.poses.clear();
+  follow_physics();
 }
 
-const SensedWorld* SensedWorlds::find(std::size_t sensor_id) const {
+const SensedWorld* SensedWorlds::look(std::size_t sensor_id, const FrameTime& time) {
   const auto found = sensed_.find(sensor_id);
-  return found == sensed_.end() ? nullptr : found->second.world.get();
+  if (found == sensed_.end()) return nullptr;
+  Sensed& sensed = found->second;
+  if (sensed.needs.item_moves) {
+    sensed.items.update(*flattener_, *list_, time.time_ns);
+    sensed.moves = sensed.items.moves(*list_);
+    motions_ += list_->world_from_node.size();
+  }
+  return sensed.world.get();
 }
 
 }  // namespace simvis

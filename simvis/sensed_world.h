@@ -13,6 +13,7 @@
 
 #include <simvis/frame_time.h>
 #include <simvis/sensor.h>
+#include "elements/sensed_physics.h"
 #include "scenegraph/flattener.h"
 #include "scenegraph/motion.h"
 #include "simvis/scene_builder.h"
@@ -32,8 +33,9 @@ class SensedWorlds {
   /// Nothing is computed for a sensor that is off. It is on at first.
   void enable(std::size_t sensor_id, bool on);
 
-  /// The world as the sensor of this id sees it; null if it needs nothing.
-  const SensedWorld* find(std::size_t sensor_id) const;
+  /// The world as the sensor of this id sees it, which is due in the frame of the last update(), skipped or not; null
+  /// if it needs nothing.
+  const SensedWorld* look(std::size_t sensor_id, const FrameTime& time);
 
   /// Poses, items and joints compared with their previous frame, since the simulation was made.
   std::uint64_t motions() const { return motions_; }
@@ -58,13 +60,17 @@ class SensedWorlds {
     std::vector<Point> points;           // that match the pattern
     std::vector<std::size_t> joints;     // in Parameters::elements()
     std::map<std::string, Point> parts;  // by name
+    ItemMotions items;                   // from one frame in which the sensor is due to the next
+    std::vector<ItemMove> moves;
     std::unique_ptr<SensedWorld> world;
   };
+  void follow_physics();
   void follow_joints(const Parameters& parameters, const FrameTime& time);
 
   std::map<std::size_t, Sensed> sensed_;  // by BuiltSensor::id
   std::map<std::size_t, Value> joints_;   // by index in Parameters::elements()
   ItemMotions items_;
+  std::shared_ptr<SensedPhysics> physics_;  // null without a sensor that asks for it
   const BuiltScene* scene_ = nullptr;
   const Flattener* flattener_ = nullptr;
   const DrawList* list_ = nullptr;

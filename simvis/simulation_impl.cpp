@@ -296,6 +296,7 @@ void SimulationImpl::skip_frame() {
     sensed.update(scene.built, sensing.flattener, *sensing.list, time);
     for (std::size_t i = 0; i < states.size(); ++i) {
       if (due_state(i, time) != DueState::due) continue;
+      sensed.look(states[i].sensor, time);
       scene.built.sensors[i].sensor->skip_frame(time, states[i].world_from_sensor);
     }
   }
@@ -355,7 +356,7 @@ void SimulationImpl::plan_due_sensors(ViewLayer& layer, bool visualization, cons
     if (entry.due_state == DueState::due) {
       const std::size_t views = count_views(plan);
       sensor.begin(time);
-      if (const SensedWorld* const world = sensed.find(states[i].sensor)) sensor.sense(*world);
+      if (const SensedWorld* const world = sensed.look(states[i].sensor, time)) sensor.sense(*world);
       sensor.plan(states[i].world_from_sensor, *layer.list, plan);
       entry.draws = count_views(plan) > views;
     }

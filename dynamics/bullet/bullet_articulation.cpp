@@ -1,5 +1,6 @@
 #include "dynamics/bullet/bullet_articulation.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "dynamics/bullet/bullet_types.h"
@@ -112,6 +113,12 @@ void BulletArticulation::add_collider(int link, std::span<const CollisionShape> 
   }
 }
 
+void BulletArticulation::place_links() const {
+  btAlignedObjectArray<btQuaternion> rotations;
+  btAlignedObjectArray<btVector3> origins;
+  body_->forwardKinematics(rotations, origins);
+}
+
 void BulletArticulation::place_colliders() {
   btAlignedObjectArray<btQuaternion> rotations;
   btAlignedObjectArray<btVector3> origins;
@@ -152,6 +159,7 @@ void BulletArticulation::place_joint(std::size_t link, double position) {
 }
 
 void BulletArticulation::apply() {
+  if (measures_loads_) before_ = branches();
   for (std::size_t i = 0; i < links_.size(); ++i) {
     const Link& link = links_[i];
     const int index = static_cast<int>(i);
@@ -184,6 +192,64 @@ JointState BulletArticulation::joint(std::size_t link) const {
   if (!links_[link].moves) return {};
   const int index = static_cast<int>(link);
   return {body_->getJointPos(index), body_->getJointVel(index)};
+}
+
+void BulletArticulation::measure_load(std::size_t link, bool on) {
+  links_[link].measured = on;
+  if (!on) links_[link].load = {};
+  measures_loads_ = std::ranges::any_of(links_, &Link::measured);
+}
+
+std::vector<BulletArticulation::Branch> BulletArticulation::branches() const {
+  const std::size_t count = links_.size();
+  std::vector<btVector3> turn(count + 1), speed(count + 1);  // of the base and the links, along their own axes
+  body_->compTreeLinkVelocities(turn.data(), speed.data());
+  place_links();
+  std::vector<Branch> branches(count);
+  for (std::size_t i = count; i-- > 0;) {
+    const int index = static_cast<int>(i);
+    const btTransform& world_from_frame = body_->getLink(index).m_cachedWorldTransform;
+    const btVector3& place = world_from_frame.getOrigin();
+    const double mass = body_->getLinkMass(index);
+    const btVector3 momentum = world_from_frame.getBasis() * speed[i + 1] * mass;
+    Branch& own = branches[i];
+    own.mass += mass;
+    own.momentum += momentum;
+    own.angular_momentum +=
+        place.cross(momentum) + world_from_frame.getBasis() * (body_->getLinkInertia(index) * turn[i + 1]);
+    own.moment += mass * place;
+    const int parent = body_->getParent(index);
+    if (parent < 0) continue;
+    Branch& front = branches[static_cast<std::size_t>(parent)];
+    front.mass += own.mass;
+    front.momentum += own.momentum;
+    front.angular_momentum += own.angular_momentum;
+    front.moment += own.moment;
+  }
+  return branches;
+}
+
+// What changes the momentum of a branch is its weight, its contacts, and the joint in front of it. (Bullet's own
+// feedback of joints lacks the forces of drives about the joint's axis and those of turning.)
+void BulletArticulation::find_loads(std::span<const Wrench> contacts, const btVector3& gravity) {
+  const std::vector<Branch> now = branches();
+  std::vector<Wrench> on_branch(contacts.begin(), contacts.end());
+  for (std::size_t i = links_.size(); i-- > 0;) {
+    const int parent = body_->getParent(static_cast<int>(i));
+    if (parent >= 0) {
+      on_branch[static_cast<std::size_t>(parent)].force += on_branch[i].force;
+      on_branch[static_cast<std::size_t>(parent)].torque += on_branch[i].torque;
+    }
+    Link& link = links_[i];
+    if (!link.measured) continue;
+    const Branch& before = before_[i];
+    const btVector3 force = (now[i].momentum - before.momentum) / step_s_ - before.mass * gravity - on_branch[i].force;
+    const btVector3 torque = (now[i].angular_momentum - before.angular_momentum) / step_s_ -
+                             before.moment.cross(gravity) - on_branch[i].torque;
+    const btVector3 origin =
+        body_->getLink(static_cast<int>(i)).m_cachedWorldTransform * link.frame_from_link.getOrigin();
+    link.load = {to_glm(origin), to_glm(-force), to_glm(origin.cross(force) - torque)};
+  }
 }
 
 }  // namespace simvis

@@ -28,11 +28,28 @@ class BulletArticulation {
   void place_joint(std::size_t link, double position);
   /// Before each step: what holds for one step only.
   void apply();
+  /// A force on a link, -1 for the base, and its torque about the world's origin.
+  struct Wrench {
+    btVector3 force{0, 0, 0}, torque{0, 0, 0};
+  };
+  bool measures_loads() const { return measures_loads_; }
+  /// After each step: the loads, by the forces that contacts exerted on each link.
+  void find_loads(std::span<const Wrench> contacts, const btVector3& gravity);
   bool may_go_on() const;
   BodyState base() const;
   JointState joint(std::size_t link) const;
+  std::size_t links() const { return links_.size(); }
+  void measure_load(std::size_t link, bool on);
+  LinkLoad load(std::size_t link) const { return links_[link].load; }
 
  private:
+  // A link with all links behind it; the angular momentum and the moment of mass are about the world's origin.
+  struct Branch {
+    double mass = 0;
+    btVector3 momentum{0, 0, 0}, angular_momentum{0, 0, 0}, moment{0, 0, 0};
+  };
+  std::vector<Branch> branches() const;
+
   struct Link {
     btTransform frame_from_link;  // from the link's frame to Bullet's: centre of mass, principal axes
     bool moves = false;
@@ -40,12 +57,15 @@ class BulletArticulation {
     JointDrive drive;
     std::unique_ptr<BulletShape> shape;
     std::unique_ptr<btMultiBodyLinkCollider> collider;
+    bool measured = false;
+    LinkLoad load;  // of the last step, if it is measured
     std::unique_ptr<btMultiBodyJointLimitConstraint> limit;
     std::unique_ptr<btMultiBodyJointMotor> motor;
   };
   void add_link(int index, const LinkDesc& desc);
   void add_collider(int link, std::span<const CollisionShape> shapes, const SurfaceProperties& surface, Link& own,
                     int id);
+  void place_links() const;
   void place_colliders();
 
   btMultiBodyDynamicsWorld& world_;
@@ -54,6 +74,8 @@ class BulletArticulation {
   std::unique_ptr<btMultiBody> body_;
   Link base_;
   std::vector<Link> links_;
+  bool measures_loads_ = false;
+  std::vector<Branch> before_;  // the step, if loads are measured
 };
 
 /// Bullet's frame of a body: its origin is the centre of mass, its axes are those of the inertia.

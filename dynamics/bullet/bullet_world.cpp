@@ -36,6 +36,18 @@ bool has_mesh(const BodyDesc& body) {
   return false;
 }
 
+// Bullet also keeps points of bodies that are near. They count if a force acts across the gap; it is known only where
+// the solver has looked at the point.
+bool touches(const btPersistentManifold& manifold, const btManifoldPoint& point) {
+  if (point.getDistance() <= 0) return true;
+  return point.getDistance() <= manifold.getContactProcessingThreshold() && point.getAppliedImpulse() > 0;
+}
+
+int link_of(const btCollisionObject& object) {
+  const btMultiBodyLinkCollider* const link = btMultiBodyLinkCollider::upcast(&object);
+  return link == nullptr ? -1 : link->m_link;
+}
+
 bool may_go_on(const btRigidBody& body) {
   const auto slow = [](const btVector3& v, double limit) { return v.length2() <= limit * limit; };  // false for NaN
   return slow(body.getLinearVelocity(), kMaxSpeed_m_s) && slow(body.getAngularVelocity(), kMaxSpeed_rad_s) &&
@@ -140,6 +152,7 @@ void BulletWorld::place_joint(std::size_t articulation, std::size_t link, double
 std::optional<std::size_t> BulletWorld::step() {
   for (const auto& [id, articulation] : articulations_) articulation->apply();
   world_->stepSimulation(desc_.step_s, 0);
+  find_loads();
   for (const auto& [id, body] : bodies_) {
     if (body.kind == BodyKind::dynamic && !may_go_on(*body.rigid)) return id;
   }
@@ -147,6 +160,32 @@ std::optional<std::size_t> BulletWorld::step() {
     if (!articulation->may_go_on()) return id;
   }
   return std::nullopt;
+}
+
+// Bullet keeps no friction of contacts with links, so that it counts as load of the joint in front.
+void BulletWorld::find_loads() {
+  for (const auto& [id, articulation] : articulations_) {
+    if (!articulation->measures_loads()) continue;
+    std::vector<BulletArticulation::Wrench> contacts(articulation->links());
+    const auto add = [&](const btCollisionObject& object, const btVector3& at, const btVector3& force) {
+      const int link = link_of(object);
+      if (static_cast<std::size_t>(object.getUserIndex()) != id || link < 0) return;
+      BulletArticulation::Wrench& wrench = contacts[static_cast<std::size_t>(link)];
+      wrench.force += force;
+      wrench.torque += at.cross(force);
+    };
+    for (int i = 0; i < dispatcher_.getNumManifolds(); ++i) {
+      const btPersistentManifold& manifold = *dispatcher_.getManifoldByIndexInternal(i);
+      for (int p = 0; p < manifold.getNumContacts(); ++p) {
+        const btManifoldPoint& point = manifold.getContactPoint(p);
+        if (!touches(manifold, point)) continue;
+        const btVector3 force = point.m_normalWorldOnB * (point.getAppliedImpulse() / desc_.step_s);
+        add(*manifold.getBody0(), point.getPositionWorldOnA(), force);
+        add(*manifold.getBody1(), point.getPositionWorldOnB(), -force);
+      }
+    }
+    articulation->find_loads(contacts, to_bullet(desc_.gravity_m_s2));
+  }
 }
 
 BodyState BulletWorld::state(std::size_t id) const {
@@ -162,6 +201,14 @@ JointState BulletWorld::joint(std::size_t articulation, std::size_t link) const 
   return articulations_.at(articulation)->joint(link);
 }
 
+void BulletWorld::measure_load(std::size_t articulation, std::size_t link, bool on) {
+  articulations_.at(articulation)->measure_load(link, on);
+}
+
+LinkLoad BulletWorld::load(std::size_t articulation, std::size_t link) const {
+  return articulations_.at(articulation)->load(link);
+}
+
 std::vector<WorldContact> BulletWorld::touching() {
   world_->performDiscreteCollisionDetection();
   return contacts();
@@ -174,10 +221,13 @@ std::vector<WorldContact> BulletWorld::contacts() const {
         *const_cast<btCollisionDispatcher&>(dispatcher_).getManifoldByIndexInternal(i);
     for (int p = 0; p < manifold.getNumContacts(); ++p) {
       const btManifoldPoint& point = manifold.getContactPoint(p);
-      if (point.getDistance() > 0) continue;
+      if (!touches(manifold, point)) continue;
+      const btVector3 to_middle = point.m_normalWorldOnB * (point.getDistance() / 2);
       contacts.push_back({.body_a = static_cast<std::size_t>(manifold.getBody0()->getUserIndex()),
                           .body_b = static_cast<std::size_t>(manifold.getBody1()->getUserIndex()),
-                          .point_m = to_glm(point.getPositionWorldOnB()),
+                          .link_a = link_of(*manifold.getBody0()),
+                          .link_b = link_of(*manifold.getBody1()),
+                          .point_m = to_glm(point.getPositionWorldOnB() + to_middle),
                           .normal = to_glm(point.m_normalWorldOnB),
                           .depth_m = -point.getDistance(),
                           .force_n = point.getAppliedImpulse() / desc_.step_s});

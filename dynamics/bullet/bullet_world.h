@@ -28,6 +28,8 @@ class BulletWorld : public DynamicsWorld {
   std::optional<std::size_t> step() override;
   BodyState state(std::size_t id) const override;
   JointState joint(std::size_t articulation, std::size_t link) const override;
+  void measure_load(std::size_t articulation, std::size_t link, bool on) override;
+  LinkLoad load(std::size_t articulation, std::size_t link) const override;
   std::vector<WorldContact> contacts() const override;
   std::vector<WorldContact> touching() override;
 
@@ -40,6 +42,7 @@ class BulletWorld : public DynamicsWorld {
   };
 
   void make_world(bool jointed);
+  void find_loads();
 
   WorldDesc desc_;
   btDefaultCollisionConfiguration configuration_;

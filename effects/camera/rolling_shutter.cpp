@@ -30,9 +30,10 @@ std::unique_ptr<CameraEffect> create_rolling_shutter(const CameraEffectContext& 
 
 const CameraEffectRegistration kRollingShutterRegistration(
     {.type = {.name = "rolling_shutter",
-              .summary = "Rows that are exposed one after the other while the camera moves.",
-              .notes = "The last row is exposed at the time of the frame. Poses are interpolated between the last "
-                       "measurement and this one. All other things stand as at the time of the frame.",
+              .summary = "Rows that are exposed one after the other while the camera and the world move.",
+              .notes = "The last row is exposed at the time of the frame. Poses of the camera and of all things are "
+                       "interpolated between the last measurement and this one. Lights and shadows are those of the "
+                       "time of the frame.",
               .source = "attribute row_time above 0",
               .outputs = kShownInColor | kShownInDepth,
               .knob = "rows_per_pose",

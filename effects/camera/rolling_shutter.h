@@ -4,7 +4,9 @@
 //
 // The last row is exposed at the frame's time, the first row (height - 1) row times earlier. Each row is rendered from
 // the camera's pose at its own time, interpolated between the previous measurement and this one: see pose_between(). At
-// its first measurement the camera is at rest. All other objects stand where they are at the frame's time.
+// its first measurement the camera is at rest. Other things move too: each row sees an item where the screw motion from
+// its pose at the previous measurement to that at the frame's time has it at the row's time. Lights and shadows, and
+// things that are new or change their scale, stay as at the frame's time.
 #pragma once
 
 #include <cstdint>

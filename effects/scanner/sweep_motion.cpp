@@ -33,10 +33,9 @@ std::unique_ptr<ScanEffect> create_sweep_motion(const ScanEffectContext& context
 const ScanEffectRegistration kSweepMotionRegistration(
     {.type = {.name = "sweep_motion",
               .summary = "Each beam leaves at its own time, from where the sensor was then.",
-              .notes = "The last beam leaves at the time of the frame. The sensor is taken to move evenly since its "
-                       "previous measurement; at its first measurement it stands still. Ranges and x, y, z are in the "
-                       "frame at the time of emission; the column time_s has the time of each beam. All other things "
-                       "stand as at the time of the frame.",
+              .notes = "The last beam leaves at the time of the frame. The sensor and all things are taken to move "
+                       "evenly since its previous measurement; at its first measurement they stand still. Ranges and "
+                       "x, y, z are in the frame at the time of emission; the column time_s has the time of each beam.",
               .source = "attribute sweep above 0",
               .outputs = kShownInRanges,
               .reference = "closed form of a scanner that moves past a wall, towards it, and turns",
@@ -62,6 +61,7 @@ void SweepMotion::aim(const ScanContext& context, std::vector<BeamRay>& rays) co
   for (BeamRay& ray : rays) {
     const double back = age_s(ray.beam % context.beams, context.beams) / interval_s;
     const glm::dquat turn = glm::normalize(glm::slerp(glm::dquat(1, 0, 0, 0), turned, back));
+    ray.back = back;
     ray.origin_m = back * moved_m;
     ray.direction = turn * ray.direction;
     ray.origin_error_m = kOriginError * glm::length(ray.origin_m);

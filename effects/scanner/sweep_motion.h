@@ -11,7 +11,10 @@
 // Ranges, angles and x, y, z refer to the sensor frame at the time when the beam left, as in a device without motion
 // compensation. The channel "time_s" is the time of each beam. In a CSV file it replaces the frame's time.
 //
-// Limit: only the sensor moves during the sweep; everything else stands as at the frame's time.
+// Other things move too: each beam meets them where they were when it left. Each item of the draw list moves by the
+// screw motion that leads from its pose at the sensor's last measurement to that at the frame's time: see MovedItems.
+//
+// Limit: a thing that was not there at the last measurement, or that changes its scale, stands as at the frame's time.
 #pragma once
 
 #include <vector>

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include <simvis/scan_effect.h>
+#include "effects/scanner/moved_items.h"
 #include "effects/scanner/reflectance.h"
 #include "effects/scanner/returns.h"
 
@@ -37,6 +38,8 @@ TracedScan::TracedScan(std::vector<glm::dvec3> directions, std::span<const Chose
     pulse_length_m_ = each.effect->pulse_length_m().value_or(pulse_length_m_);
 }
 
+TracedScan::~TracedScan() = default;
+
 std::span<const Echo> TracedScan::trace(const ScanContext& context, const DrawList& list, RayCaster& caster) {
   rays_cast_ = 0;
   rays_.clear();
@@ -54,8 +57,9 @@ std::span<const Echo> TracedScan::trace(const ScanContext& context, const DrawLi
 // Casts one segment of every ray.
 void TracedScan::follow(const ScanContext& context, const DrawList& list, RayCaster& caster) {
   cast(context.world_from_sensor, caster);
+  cast_moved(context, list, caster);
   onward_.clear();
-  for (std::size_t i = 0; i < rays_.size(); ++i) meet(context, list, rays_[i], hits_[i]);
+  for (std::size_t i = 0; i < rays_.size(); ++i) meet(context, list, i);
   rays_.swap(onward_);
 }
 
@@ -79,13 +83,28 @@ void TracedScan::cast(const glm::dmat4& world_from_sensor, RayCaster& caster) {
   rays_cast_ += rays_.size();
 }
 
-void TracedScan::meet(const ScanContext& context, const DrawList& list, const BeamRay& ray, const RayHit& hit) {
+void TracedScan::cast_moved(const ScanContext& context, const DrawList& list, RayCaster& caster) {
+  if (context.moves.empty()) {
+    moved_.reset();
+    return;
+  }
+  if (moved_ == nullptr) moved_ = std::make_unique<MovedItems>();
+  moved_->cast(context, list, rays_, caster, hits_);
+  rays_cast_ += moved_->rays();
+}
+
+void TracedScan::meet(const ScanContext& context, const DrawList& list, std::size_t number) {
+  const BeamRay& ray = rays_[number];
+  const RayHit& hit = hits_[number];
   if (hit.range_m == std::numeric_limits<double>::infinity()) return;
-  const SurfacePoint surface =
-      surface_point(list, glm::translate(context.world_from_sensor, ray.origin_m), ray.direction, hit);
+  const MovedItems::Seen* const seen = moved_ == nullptr ? nullptr : moved_->seen(number);
+  const BeamRay& cast = seen == nullptr ? ray : seen->ray;
+  SurfacePoint surface =
+      surface_point(list, glm::translate(context.world_from_sensor, cast.origin_m), cast.direction, hit);
+  if (seen != nullptr) surface.normal = seen->ray_from_seen * surface.normal;
   const double range_m = ray.travelled_m + hit.range_m;
   const double cosine = -glm::dot(surface.normal, ray.direction);
-  const double displaced_m = displacement_m(context, ray, hit.range_m);
+  const double displaced_m = displacement_m(context, cast, hit.range_m);
   Echo echo{.range_m = range_m,
             .error_bound_m = ray.error_m + hit.error_bound_m + (displaced_m > 0 ? displaced_m / cosine : 0),
             .power = ray.share * reflectance(surface) * cosine / (range_m * range_m)};

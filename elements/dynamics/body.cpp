@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <glm/gtc/quaternion.hpp>
+#include <iterator>
 
 #include "elements/dynamics/body_rows.h"
 
@@ -10,19 +11,13 @@ namespace {
 
 constexpr double kMaxBodySpeed = 1e4;
 
-constexpr AttributeSpec kBodyAttributes[] = {
-    {.name = "kind",
-     .kind = AttributeKind::choice,
-     .default_value = "dynamic",
-     .text = "dynamic: forces move it; static: nothing does; kinematic: it pushes others and follows its elements",
-     .choices = "dynamic static kinematic"},
-    kBodyShapeRow,
-    kBodyMassRow,
-    kBodyDensityRow,
-    kBodyInertiaRow,
-    kBodyCenterRow,
-    kFrictionRow,
-    kRestitutionRow,
+constexpr AttributeSpec kBodyKindRow = {
+    .name = "kind",
+    .kind = AttributeKind::choice,
+    .default_value = "dynamic",
+    .text = "dynamic: forces move it; static: nothing does; kinematic: it pushes others and follows its elements",
+    .choices = "dynamic static kinematic"};
+constexpr AttributeSpec kBodyMotionRows[] = {
     {.name = "linear_damping", .default_value = "0", .unit = "1/s", .text = "rate at which its speed fades", .min = 0},
     {.name = "angular_damping", .default_value = "0", .unit = "1/s", .text = "rate at which its spin fades", .min = 0},
     {.name = "velocity",
@@ -38,14 +33,16 @@ constexpr AttributeSpec kBodyAttributes[] = {
      .unit = "deg/s",
      .text = "at the start, about the axes of the world",
      .min = -1e6,
-     .max = 1e6},
-    kPoseX,
-    kPoseY,
-    kPoseZ,
-    kPoseRoll,
-    kPosePitch,
-    kPoseYaw,
-};
+     .max = 1e6}};
+
+AttributeTable body_attributes() {
+  static const AttributeTable table = join_tables({{kBodyKindRow},
+                                                   body_rows(),
+                                                   surface_rows(),
+                                                   {std::begin(kBodyMotionRows), std::end(kBodyMotionRows)},
+                                                   pose_rows()});
+  return table;
+}
 
 constexpr std::string_view kOfDynamicBodies[] = {"mass", "density", "inertia", "center"};
 
@@ -55,7 +52,7 @@ const ElementRegistration kBodyRegistration({
     .notes = "An element physics stands before it. x, y, z, roll, pitch and yaw move the part as those of an element "
              "pose do: the physics writes them for a dynamic body, and a value that is set puts the body there, at "
              "rest. Only the part's own surface collides.",
-    .attributes = kBodyAttributes,
+    .attributes = body_attributes(),
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<BodyElement>(context);
     },

@@ -5,6 +5,7 @@
 
 #include <simvis/element.h>
 #include "dynamics/world.h"
+#include "scenegraph/language/joined_tables.h"
 
 namespace simvis {
 
@@ -43,6 +44,13 @@ inline constexpr AttributeSpec kRestitutionRow{
     .text = "of two surfaces that touch, the product is the share of their speed that a bounce leaves",
     .min = 0,
     .max = 1};
+
+/// What collides and how heavy it is, for join_tables().
+inline std::vector<AttributeSpec> body_rows() {
+  return {kBodyShapeRow, kBodyMassRow, kBodyDensityRow, kBodyInertiaRow, kBodyCenterRow};
+}
+/// Of what touches, for join_tables().
+inline std::vector<AttributeSpec> surface_rows() { return {kFrictionRow, kRestitutionRow}; }
 
 /// The collision shapes of the part at which the command stands, as `shape` says; `by_default` if it is not given.
 /// What lies below z = `lowest_m` is raised to it.

@@ -7,6 +7,7 @@
 
 #include <simvis/pose.h>
 #include "dynamics/engine_module.h"
+#include "elements/sensed_physics.h"
 #include "engine/base/assert.h"
 #include "scenegraph/graph_walk.h"
 
@@ -20,10 +21,15 @@ constexpr double kRigid = 1e-6;
 constexpr double kMaxOverlap_m = 0.01;
 
 // A group in the world that notes the scene's physics. It has the name of the element.
-class PhysicsMark : public Group {
+class PhysicsMark : public SensedPhysics {
  public:
   explicit PhysicsMark(std::shared_ptr<DynamicScene> dynamic) : dynamic_(std::move(dynamic)) {}
   const std::shared_ptr<DynamicScene>& dynamic() const { return dynamic_; }
+  std::optional<std::vector<Contact>> contacts_at(std::string_view point) const override {
+    return dynamic_->contacts_at(point);
+  }
+  void measure_loads(std::set<std::string, std::less<>> joints) override { dynamic_->measure_loads(std::move(joints)); }
+  std::optional<JointLoad> load_of(std::string_view joint) const override { return dynamic_->load_of(joint); }
 
  private:
   std::shared_ptr<DynamicScene> dynamic_;
@@ -178,7 +184,45 @@ void DynamicScene::require_still(const DynamicObject& object) const {
   }
 }
 
+void DynamicScene::choose_loads() {
+  for (const DynamicObject* const object : objects_) {
+    for (const DynamicObject::MovedLink& each : object->moved_links) {
+      world_->measure_load(*object->id, each.link, measured_.contains(each.joint));
+    }
+  }
+}
+
+std::optional<JointLoad> DynamicScene::load_of(std::string_view joint) const {
+  for (const DynamicObject* const object : objects_) {
+    const auto found = std::ranges::find(object->moved_links, joint, &DynamicObject::MovedLink::joint);
+    if (found == object->moved_links.end()) continue;
+    const LinkLoad load = object->id ? world_->load(*object->id, found->link) : LinkLoad();
+    return JointLoad{.point_m = load.origin_m, .force_n = load.force_n, .torque_nm = load.torque_nm};
+  }
+  return std::nullopt;
+}
+
+std::optional<std::vector<Contact>> DynamicScene::contacts_at(std::string_view point) const {
+  const auto has = [&](const DynamicObject& object) { return object.has_any(point); };
+  if (std::ranges::none_of(objects_, [&](const DynamicObject* object) { return has(*object); })) return std::nullopt;
+  const auto is_at = [&](std::size_t id, int link) {
+    const auto object = std::ranges::find(objects_, id, &DynamicObject::id);
+    return (*object)->has_part(point, link);
+  };
+  std::vector<Contact> contacts;
+  for (const WorldContact& each : world_ == nullptr ? std::vector<WorldContact>() : world_->contacts()) {
+    const bool is_a = is_at(each.body_a, each.link_a), is_b = is_at(each.body_b, each.link_b);
+    if (is_a == is_b) continue;
+    contacts.push_back({.point_m = each.point_m,
+                        .normal = is_a ? each.normal : -each.normal,
+                        .depth_m = each.depth_m,
+                        .force_n = each.force_n});
+  }
+  return contacts;
+}
+
 void DynamicScene::begin_steps() {
+  choose_loads();
   const bool follows = std::ranges::any_of(objects_, [](const DynamicObject* object) { return object->follows_scene; });
   const PointPoses poses = follows ? poses_of_points(scene_) : PointPoses();
   for (DynamicObject* const object : objects_) {

@@ -3,12 +3,17 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include <simvis/element.h>
+#include <simvis/pose.h>
 #include "dynamics/world.h"
 
 namespace simvis {
@@ -24,11 +29,20 @@ class DynamicObject {
   virtual void begin_steps(DynamicsWorld& world, const glm::dmat4& world_from_point) = 0;
   virtual void before_step(DynamicsWorld& /*world*/, double /*share*/) {}
 
-  std::string name, point;        ///< of the element, and its insertion point
-  Location where;                 ///< of its command
-  std::optional<std::size_t> id;  ///< in the world; DynamicScene sets it
-  bool stands = false;            ///< nothing but a new value moves it
-  bool follows_scene = false;     ///< begin_steps() needs the pose of its point in each frame
+  /// Whether an insertion point is that of its body, or of a link of it.
+  virtual bool has_any(std::string_view insertion_point) const { return insertion_point == point; }
+  /// Whether a link of its body is what has_any() knows by this name; -1: the base, or the body itself.
+  virtual bool has_part(std::string_view insertion_point, int /*link*/) const { return insertion_point == point; }
+  std::string name, point;  ///< of the element, and its insertion point
+  Location where;           ///< of its command
+  struct MovedLink {
+    std::string joint;     ///< the name of the element of type joint in front of it
+    std::size_t link = 0;  ///< in ArticulationDesc::links
+  };
+  std::vector<MovedLink> moved_links;  ///< of a robot
+  std::optional<std::size_t> id;       ///< in the world; DynamicScene sets it
+  bool stands = false;                 ///< nothing but a new value moves it
+  bool follows_scene = false;          ///< begin_steps() needs the pose of its point in each frame
 };
 
 class DynamicScene {
@@ -59,8 +73,14 @@ class DynamicScene {
   DynamicsWorld* world() { return world_.get(); }
   std::uint64_t steps() const { return steps_; }  ///< since the start
 
+  /// As those of SensedPhysics.
+  std::optional<std::vector<Contact>> contacts_at(std::string_view point) const;
+  void measure_loads(std::set<std::string, std::less<>> joints) { measured_ = std::move(joints); }
+  std::optional<JointLoad> load_of(std::string_view joint) const;
+
  private:
   void make_world();
+  void choose_loads();
   void enter();
   void warn_of_overlaps();
   void begin_steps();
@@ -76,6 +96,7 @@ class DynamicScene {
   std::string failure_;  // what step() has thrown
   std::unique_ptr<DynamicsWorld> world_;
   std::vector<DynamicObject*> objects_;
+  std::set<std::string, std::less<>> measured_;  // elements of type joint whose loads sensors read
 };
 
 /// Notes `dynamic` in the scene for the element of this command. Throws InputError if the scene has one already.

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <glm/trigonometric.hpp>
+#include <iterator>
 #include <sstream>
 
 #include "elements/dynamics/body_rows.h"
+#include "scenegraph/import/sdf/sdf_dynamics.h"
 
 namespace simvis {
 namespace {
@@ -13,7 +15,7 @@ constexpr AttributeSpec joint_list(std::string_view name, std::string_view text)
   return {.name = name, .kind = AttributeKind::text, .text = text};
 }
 
-constexpr AttributeSpec kRobotAttributes[] = {
+constexpr AttributeSpec kRobotDriveRows[] = {
     {.name = "base",
      .kind = AttributeKind::choice,
      .default_value = "fixed",
@@ -39,24 +41,22 @@ constexpr AttributeSpec kRobotAttributes[] = {
      .text = "largest effort of each drive; default: that of the file",
      .min = 0,
      .open_min = true},
-    kFrictionRow,
-    kRestitutionRow,
-    kPoseX,
-    kPoseY,
-    kPoseZ,
-    kPoseRoll,
-    kPosePitch,
-    kPoseYaw,
 };
+
+AttributeTable robot_attributes() {
+  static const AttributeTable table =
+      join_tables({{std::begin(kRobotDriveRows), std::end(kRobotDriveRows)}, surface_rows(), pose_rows()});
+  return table;
+}
 
 const ElementRegistration kRobotRegistration({
     .name = "robot",
-    .summary = "Gives the links of a URDF part masses and collisions, and drives its joints.",
+    .summary = "Gives the links of a URDF or SDF part masses and collisions, and drives its joints.",
     .notes = "An element physics stands before it. Each driven joint has a parameter target_JOINT: an angle or length, "
              "a velocity or an effort. The physics writes the values of the elements joint, and the place of a free "
              "base; a value that is set puts joint or base there, at rest. Links of one robot do not collide with "
              "each other.",
-    .attributes = kRobotAttributes,
+    .attributes = robot_attributes(),
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<RobotElement>(context);
     },
@@ -81,15 +81,17 @@ std::vector<std::string> words(const std::string& text) {
   return words;
 }
 
-PartContent const& urdf_content(const ElementContext& context) {
+constexpr std::string_view kSdfEnding = ".sdf";
+
+PartContent const& robot_content(const ElementContext& context) {
   const CommandAttribute& at = context.command.require("insert_at");
   if (context.scene.has_part(at.value)) {
     const PartContent& content = context.scene.own_part(at.value, at.where).content;
     const std::string ending = content.file.extension().string();
-    if (ending == ".urdf" || ending == ".xacro") return content;
+    if (ending == ".urdf" || ending == ".xacro" || ending == kSdfEnding) return content;
   }
   fail_at(at.where, "attribute \"insert_at\": " + in_quotes(at.value) +
-                        " is not allowed for a robot, expected the name of a part from a URDF file");
+                        " is not allowed for a robot, expected the name of a part from a URDF or SDF file");
 }
 
 RobotDescription read_robot(const ElementContext& context, const PartContent& content) {
@@ -104,7 +106,10 @@ RobotDescription read_robot(const ElementContext& context, const PartContent& co
   const ImportRequest request{.file = content.file,
                               .xacro_arguments = arguments == nullptr ? std::string() : arguments->value,
                               .packages = context.scene.packages()};
-  return describe_robot(read_urdf_dynamics(request), context.scene.pool());
+  if (content.file.extension() != kSdfEnding) return describe_robot(read_urdf_dynamics(request), context.scene.pool());
+  const SdfDynamics sdf = read_sdf_dynamics(request);
+  for (const std::string& warning : sdf.warnings) context.scene.warn(warning);
+  return describe_robot(sdf.model, context.scene.pool());
 }
 
 // What stands in front of the names in the part's file.
@@ -131,7 +136,7 @@ RobotElement::RobotElement(const ElementContext& context)
   name = context.command.require("name").value;
   point = context.command.require("insert_at").value;
   where = context.command.where;
-  const PartContent& content = urdf_content(context);
+  const PartContent& content = robot_content(context);
   RobotDescription robot = read_robot(context, content);
   desc_ = std::move(robot.body);
   desc_.fixed_base = context.attributes.choice("base") == "fixed";
@@ -141,7 +146,10 @@ RobotElement::RobotElement(const ElementContext& context)
   const SurfaceProperties surface = read_surface(context.attributes);
   desc_.surface = surface;
   for (LinkDesc& link : desc_.links) link.surface = surface;
-  read_joints(context, robot.joints, prefix_of(context, content));
+  const std::string prefix = prefix_of(context, content);
+  links_ = std::move(robot.links);
+  for (RobotDescription::NamedLink& link : links_) link.name = prefix + link.name;
+  read_joints(context, robot.joints, prefix);
   transform_->name = name;
   context.scene.insert(context.command, transform_);
   dynamic_->add(*this);
@@ -163,6 +171,7 @@ void RobotElement::read_joints(const ElementContext& context, const std::vector<
         context.attributes.is_set("max_effort") ? context.attributes.number("max_effort") : each.urdf.max_effort;
     joint.max_speed = each.urdf.max_speed > 0 ? each.urdf.max_speed : kNoSpeedLimit;
     read_control(context, joint);
+    moved_links.push_back({prefix + each.urdf.name, each.link});
     joints_.push_back(std::move(joint));
   }
   for (const ControlList& list : kControlLists) {
@@ -292,6 +301,17 @@ std::size_t RobotElement::enter(DynamicsWorld& world, const glm::dmat4& world_fr
     if (joint.driver) joint.driver->was_set = false;
   }
   return world.add_articulation(desc_);
+}
+
+bool RobotElement::has_any(std::string_view insertion_point) const {
+  return insertion_point == point ||
+         std::ranges::find(links_, insertion_point, &RobotDescription::NamedLink::name) != links_.end();
+}
+
+bool RobotElement::has_part(std::string_view insertion_point, int link) const {
+  if (insertion_point == point) return true;
+  const auto named = std::ranges::find(links_, insertion_point, &RobotDescription::NamedLink::name);
+  return named != links_.end() && named->link == link;
 }
 
 void RobotElement::begin_steps(DynamicsWorld& world, const glm::dmat4& /*world_from_point*/) {

@@ -1,4 +1,4 @@
-// The element `robot`: the joints of a URDF part move as drives, gravity and contacts say.
+// The element `robot`: the joints of a URDF or SDF part move as drives, gravity and contacts say.
 //
 //   <element type="robot" name="ARM_BODY" insert_at="ARM" control="position"/>
 //
@@ -25,8 +25,8 @@ enum class JointControl { position, speed, effort, none };
 
 class RobotElement : public Element, private DynamicObject {
  public:
-  /// Throws InputError: no physics; the part is no URDF robot, is scaled, or has a robot already; a list names a joint
-  /// that is not there, or two lists name one joint; what robot_description.h says.
+  /// Throws InputError: no physics; the part is no URDF robot or SDF model, is scaled, or has a robot already; a list
+  /// names a joint that is not there, or two lists name one joint; what robot_description.h says.
   explicit RobotElement(const ElementContext& context);
   ~RobotElement() override;
   void update(ParameterView values) override;
@@ -53,6 +53,8 @@ class RobotElement : public Element, private DynamicObject {
   JointDrive drive_of(const DynamicsWorld& world, const Joint& joint) const;
 
   std::size_t enter(DynamicsWorld& world, const glm::dmat4& world_from_point) override;
+  bool has_any(std::string_view insertion_point) const override;
+  bool has_part(std::string_view insertion_point, int link) const override;
   void begin_steps(DynamicsWorld& world, const glm::dmat4& world_from_point) override;
   void before_step(DynamicsWorld& world, double share) override;
 
@@ -60,6 +62,7 @@ class RobotElement : public Element, private DynamicObject {
   std::shared_ptr<Transform> transform_;
   ArticulationDesc desc_;
   std::vector<Joint> joints_;
+  std::vector<RobotDescription::NamedLink> links_;  // by insertion point
   double gain_per_s_;
   bool entered_ = false, was_set_ = false;
   glm::dmat4 world_from_parent_{1.0};

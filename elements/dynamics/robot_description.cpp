@@ -1,6 +1,7 @@
 #include "elements/dynamics/robot_description.h"
 
 #include <algorithm>
+#include <memory>
 
 #include "dynamics/engine_module.h"
 #include "dynamics/mass.h"
@@ -11,7 +12,8 @@ namespace simvis {
 namespace {
 
 CollisionShape mesh_shape(const UrdfCollision& collision, ContentPool& pool) {
-  const PartContent content = read_mesh_file(collision.file, MeshFileAxes::as_written, nullptr, pool);
+  const PartContent content =
+      read_mesh_file(collision.file, MeshFileAxes::as_written, std::make_shared<const Material>(), pool);
   const auto root = std::dynamic_pointer_cast<const Group>(content.root);
   Triangles triangles = root == nullptr ? Triangles() : triangles_of(*root);
   for (glm::dvec3& point : triangles.points) point *= collision.size;
@@ -55,6 +57,8 @@ class Describer {
     for (const UrdfMovingJoint& joint : urdf_.joints) add(joint);
     for (RobotJoint& joint : robot_.joints) find_leader(joint);
     for (const RobotJoint& joint : robot_.joints) check_mass(joint);
+    for (std::size_t i = 0; i < urdf_.links.size(); ++i)
+      robot_.links.push_back({urdf_.links[i].name, anchors_[i].link});
     return std::move(robot_);
   }
 

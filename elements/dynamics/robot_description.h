@@ -21,6 +21,11 @@ struct RobotJoint {
 struct RobotDescription {
   ArticulationDesc body;           ///< without places and positions at the start
   std::vector<RobotJoint> joints;  ///< in the order of the file's tree
+  struct NamedLink {
+    std::string name;
+    int link = -1;  ///< in ArticulationDesc::links; -1: the base
+  };
+  std::vector<NamedLink> links;  ///< of the file
 };
 
 /// Links behind fixed joints become part of the link in front. A mesh collides as its convex hull.

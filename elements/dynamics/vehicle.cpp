@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/trigonometric.hpp>
+#include <iterator>
 #include <string_view>
 
 #include "dynamics/mass.h"
@@ -34,19 +35,13 @@ constexpr AttributeSpec wheel_speed(std::string_view name, std::string_view text
           .live = true};
 }
 
-constexpr AttributeSpec kVehicleAttributes[] = {
-    {.name = "drive",
-     .kind = AttributeKind::choice,
-     .default_value = "differential",
-     .text = "differential: two wheels and a caster; ackermann: two driven rear wheels and two steered front wheels",
-     .choices = "differential ackermann"},
-    kBodyShapeRow,
-    kBodyMassRow,
-    kBodyDensityRow,
-    kBodyInertiaRow,
-    kBodyCenterRow,
-    kFrictionRow,
-    kRestitutionRow,
+constexpr AttributeSpec kVehicleDriveRow = {
+    .name = "drive",
+    .kind = AttributeKind::choice,
+    .default_value = "differential",
+    .text = "differential: two wheels and a caster; ackermann: two driven rear wheels and two steered front wheels",
+    .choices = "differential ackermann"};
+constexpr AttributeSpec kWheelRows[] = {
     length("wheel_radius", "0.1", "radius of each wheel"),
     length("track", "0.4", "distance of the wheels of one axle"),
     length("wheelbase", "0.6", "distance of the axles of an ackermann drive"),
@@ -84,13 +79,8 @@ constexpr AttributeSpec kVehicleAttributes[] = {
      .unit = "N m",
      .text = "largest torque of each driven wheel",
      .min = 0,
-     .open_min = true},
-    kPoseX,
-    kPoseY,
-    kPoseZ,
-    kPoseRoll,
-    kPosePitch,
-    kPoseYaw,
+     .open_min = true}};
+constexpr AttributeSpec kWheelSpeedRows[] = {
     wheel_speed("left", "speed of the left wheel, differential drive"),
     wheel_speed("right", "speed of the right wheel, differential drive"),
     wheel_speed("speed", "mean speed of the rear wheels, ackermann drive"),
@@ -102,6 +92,16 @@ constexpr AttributeSpec kVehicleAttributes[] = {
      .max = kMaxSteer_deg,
      .live = true},
 };
+
+AttributeTable vehicle_attributes() {
+  static const AttributeTable table = join_tables({{kVehicleDriveRow},
+                                                   body_rows(),
+                                                   surface_rows(),
+                                                   {std::begin(kWheelRows), std::end(kWheelRows)},
+                                                   pose_rows(),
+                                                   {std::begin(kWheelSpeedRows), std::end(kWheelSpeedRows)}});
+  return table;
+}
 constexpr std::string_view kOfDifferential[] = {"left", "right", "caster"},
                            kOfAckermann[] = {"speed", "steer", "wheelbase"};
 
@@ -111,7 +111,7 @@ const ElementRegistration kVehicleRegistration({
     .notes = "An element physics stands before it. The part's frame has x forward and its origin on the floor; wheels "
              "are balls of the given radius, which roll and grip at one point as thin wheels do. What the vehicle "
              "runs into pushes back. mass is that of the part without the wheels.",
-    .attributes = kVehicleAttributes,
+    .attributes = vehicle_attributes(),
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<VehicleElement>(context);
     },

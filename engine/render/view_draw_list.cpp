@@ -85,6 +85,7 @@ void ViewDrawList::update(const View& view, const Pass& pass, const StripColumns
   if (strip_) strip_->begin(view, *columns);
   if (pass.color && table.any_lit()) add_lights(view, projection, list, table);
   if (view.culled) draws_.counts.boxes_examined += table.find_seen(projection, seen_items_);
+  take_places(view, projection, list);
   limit_ = FacingTolerance(view, snap_px_);
   hidden_.begin(view, limit_);
   selecting_ = selects_triangles_ && !strip_ && !view.orthographic && !pass.shadow_maps;
@@ -108,6 +109,38 @@ void ViewDrawList::update(const View& view, const Pass& pass, const StripColumns
     if (run.key.surface == Surface::masked) draws_.counts.masked_triangles += run.triangles();
   }
   draws_.counts.draws = runs_.size();
+}
+
+// Items that this view sees elsewhere are seen by their boxes there.
+void ViewDrawList::take_places(const View& view, const ViewProjection& projection, const DrawList& list) {
+  places_ = view.places;
+  place_boxes_.clear();
+  if (places_.empty()) return;
+  std::erase_if(seen_items_, [&](std::uint32_t item) { return find_place(item) != places_.size(); });
+  for (const ItemPlace& place : places_) {
+    const Mesh& mesh = *list.meshes[list.items[place.item].mesh];
+    const glm::dvec3 low(mesh.bounds_min), high(mesh.bounds_max);
+    place_boxes_.push_back(make_box(place.world_from_mesh, (low + high) * 0.5, (high - low) * 0.5));
+    if (view.culled && !outside(projection, place_boxes_.back())) seen_items_.push_back(place.item);
+  }
+  draws_.counts.boxes_examined += places_.size();
+}
+
+// The number of its entry in places_; their number if it has none.
+std::size_t ViewDrawList::find_place(std::uint32_t item) const {
+  const auto found = std::ranges::lower_bound(places_, item, {}, &ItemPlace::item);
+  return found != places_.end() && found->item == item ? static_cast<std::size_t>(found - places_.begin())
+                                                       : places_.size();
+}
+
+const glm::dmat4& ViewDrawList::place_of(const Drawable& d, const DrawList& list) const {
+  const std::size_t place = places_.empty() ? 0 : find_place(d.item);
+  return place == places_.size() ? list.world_from_node[d.transform] : places_[place].world_from_mesh;
+}
+
+const WorldBox& ViewDrawList::box_of(std::uint32_t item, const DrawCache& table) const {
+  const std::size_t place = places_.empty() ? 0 : find_place(item);
+  return place == places_.size() ? table.box(item) : place_boxes_[place];
 }
 
 void ViewDrawList::append_visible(const RenderQueue& items, const View& view) {
@@ -135,15 +168,15 @@ void ViewDrawList::add_items(const RenderQueue& items, const View& view, const V
   for (const std::uint32_t position : positions_) {
     const Drawable& d = items[position];
     if (strip && can_cpu_select(d, view)) {
-      add_to_strip(d, position, projection, list, table.box(d.item));
-    } else if (is_hidden(d, projection, list, table.box(d.item))) {
+      add_to_strip(d, position, projection, list, box_of(d.item, table));
+    } else if (is_hidden(d, projection, list, box_of(d.item, table))) {
       ++items_culled_;
     } else if (!view.culled || d.range.clusters.size() == 1) {
       draw(d, view, projection, list, first_run);
     } else if (strip) {
-      draw_seen_triangles(d, view, projection, list, table.box(d.item));
+      draw_seen_triangles(d, view, projection, list, box_of(d.item, table));
     } else {
-      draw_seen_clusters(d, view, projection, list, table.box(d.item), first_run);
+      draw_seen_clusters(d, view, projection, list, box_of(d.item, table), first_run);
     }
   }
   if (strip) draw_strip(items, view, projection, list);
@@ -163,9 +196,9 @@ void ViewDrawList::find_occluders(const RenderQueue& items, const View& view, co
     if (position == RenderQueue::kNone) continue;
     const Drawable& d = items[position];
     if (d.range.occluders.empty() || d.key.surface != Surface::opaque) continue;
-    const ViewBox box = view_box(projection, table.box(item));
+    const ViewBox box = view_box(projection, box_of(item, table));
     if (!hidden_.may_hold_occluders(box)) continue;
-    hidden_.add(d.range.occluders, projection.view_from_world * list.world_from_node[d.transform], box.slack_m,
+    hidden_.add(d.range.occluders, projection.view_from_world * place_of(d, list), box.slack_m,
                 d.single_sided && !view.sees_back_faces, d.mirrored);
   }
 }
@@ -173,8 +206,7 @@ void ViewDrawList::find_occluders(const RenderQueue& items, const View& view, co
 bool ViewDrawList::is_hidden(const Drawable& d, const ViewProjection& projection, const DrawList& list,
                              const WorldBox& box) const {
   return hidden_.any() && d.key.topology == Topology::triangles &&
-         hidden_.is_occluded(view_box(projection, box), projection.view_from_world * list.world_from_node[d.transform],
-                             d.range);
+         hidden_.is_occluded(view_box(projection, box), projection.view_from_world * place_of(d, list), d.range);
 }
 
 void ViewDrawList::add_lights(const View& view, const ViewProjection& projection, const DrawList& list,
@@ -213,7 +245,7 @@ DrawRun& ViewDrawList::add_run(const Drawable& d, const PipelineKey& key, const 
 
 std::uint32_t ViewDrawList::add_instance(const Drawable& d, const ViewProjection& projection, const DrawList& list) {
   shader::Instance& instance = instances_.emplace_back();
-  write_clip_rows(projection, list.world_from_node[d.transform], instance);
+  write_clip_rows(projection, place_of(d, list), instance);
   instance.material = d.material;
   return static_cast<std::uint32_t>(instances_.size() - 1);
 }
@@ -223,7 +255,7 @@ std::uint32_t ViewDrawList::add_instance(const Drawable& d, const ViewProjection
 // own indices.
 void ViewDrawList::draw_seen_triangles(const Drawable& d, const View& view, const ViewProjection& projection,
                                        const DrawList& list, const WorldBox& box) {
-  const MeshPlanes planes = make_mesh_planes(projection, list.world_from_node[d.transform], box);
+  const MeshPlanes planes = make_mesh_planes(projection, place_of(d, list), box);
   const auto first = static_cast<std::uint32_t>(indices_.size());
   draws_.counts.boxes_examined += d.range.clusters.size();
   for (const Cluster& cluster : d.range.clusters) {
@@ -253,7 +285,7 @@ bool ViewDrawList::can_cpu_select(const Drawable& d, const View& view) const {
 
 void ViewDrawList::add_to_strip(const Drawable& d, std::uint32_t number, const ViewProjection& projection,
                                 const DrawList& list, const WorldBox& box) {
-  const glm::dmat4& world_from_mesh = list.world_from_node[d.transform];
+  const glm::dmat4& world_from_mesh = place_of(d, list);
   const MeshPlanes planes = make_mesh_planes(projection, world_from_mesh, box);
   strip_->place(number, projection.view_from_world * world_from_mesh, planes.slack);
   draws_.counts.boxes_examined += d.range.clusters.size();
@@ -276,7 +308,7 @@ void ViewDrawList::draw_strip(const RenderQueue& items, const View& view, const 
     if (owner != &items[triangle.owner]) {
       owner = &items[triangle.owner];
       shader::Instance instance{};
-      write_clip_rows(projection, list.world_from_node[owner->transform], instance);
+      write_clip_rows(projection, place_of(*owner, list), instance);
       vertex.clip_x = instance.clip_x;
       vertex.clip_y = instance.clip_y;
       vertex.clip_w = instance.clip_w;
@@ -302,7 +334,7 @@ void ViewDrawList::draw_strip(const RenderQueue& items, const View& view, const 
 // mesh.
 void ViewDrawList::draw_seen_clusters(const Drawable& d, const View& view, const ViewProjection& projection,
                                       const DrawList& list, const WorldBox& box, std::size_t first_run) {
-  const glm::dmat4& world_from_mesh = list.world_from_node[d.transform];
+  const glm::dmat4& world_from_mesh = place_of(d, list);
   const MeshPlanes planes = make_mesh_planes(projection, world_from_mesh, box);
   const PipelineKey key = key_in_view(d, view, list);
   const glm::dmat4 view_from_mesh = projection.view_from_world * world_from_mesh;
@@ -371,7 +403,7 @@ PixelRect ViewDrawList::layered_pixels(const RenderQueue& items, const View& vie
   for (const std::uint32_t position : positions_) {
     const Drawable& d = items[position];
     if (d.key.topology != Topology::triangles) return {{0, 0}, {view.width_px, view.height_px}};
-    boxes.push_back(view_box(projection, table.box(d.item)));
+    boxes.push_back(view_box(projection, box_of(d.item, table)));
   }
   return boxes.empty() ? PixelRect{} : pixels_of(boxes, view);
 }

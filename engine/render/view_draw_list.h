@@ -101,6 +101,10 @@ class ViewDrawList {
                                const DrawList& list);
   DrawRun& add_run(const Drawable& d, const PipelineKey& key, const MeshRange& range, std::uint32_t instance);
   std::uint32_t add_instance(const Drawable& d, const ViewProjection& projection, const DrawList& list);
+  void take_places(const View& view, const ViewProjection& projection, const DrawList& list);
+  std::size_t find_place(std::uint32_t item) const;
+  const glm::dmat4& place_of(const Drawable& d, const DrawList& list) const;
+  const WorldBox& box_of(std::uint32_t item, const DrawCache& table) const;
   void append_visible(const RenderQueue& items, const View& view);
   void add_items(const RenderQueue& items, const View& view, const ViewProjection& projection, const DrawList& list,
                  const DrawCache& table);
@@ -122,6 +126,8 @@ class ViewDrawList {
   OcclusionCuller hidden_;                  // used if the view is not a strip
   TriangleSelector selector_;               // used if selecting_
   bool selecting_ = false;                  // in the present view
+  std::span<const ItemPlace> places_;       // of the view
+  std::vector<WorldBox> place_boxes_;       // of places_
   std::vector<std::uint32_t> seen_items_;   // used if the view is culled
   std::vector<std::uint32_t> positions_;    // of the drawables, in ascending order
   std::vector<MeshRange> seen_;

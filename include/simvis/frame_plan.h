@@ -58,6 +58,12 @@ struct ShadowUse {
   std::uint32_t views = 1;
 };
 
+/// An item where one view sees it, instead of where it is in the draw list.
+struct ItemPlace {
+  std::uint32_t item = 0;           ///< in DrawList::items
+  glm::dmat4 world_from_mesh{1.0};  ///< differs from that of the list by a rigid motion
+};
+
 /// One virtual camera that is drawn into a rectangle of its pass.
 ///
 /// Frames   view frame: x right, y down, z forward (optical frame). `view_from_world` is rigid.
@@ -81,6 +87,7 @@ struct View {
   /// For a strip whose depth alone is read: the columns whose pixels are read, ascending. Other columns may lack
   /// surfaces. Null: all columns are read.
   std::shared_ptr<const std::vector<std::uint32_t>> columns{};
+  std::vector<ItemPlace> places{};           ///< ascending by item; lights and shadows are those of the list
   bool culled = true;                        ///< false: invisible geometry is drawn too; no pixel that is read changes
   std::vector<ShadowUse> shadows{};          ///< for views of colour: the shadow maps of their lights
   std::vector<PlannedPipeline> pipelines{};  ///< in drawing order; set by Renderer::complete()

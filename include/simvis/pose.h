@@ -1,6 +1,7 @@
-// Poses as written in scene files, their matrices, and motion.
+// Poses as written in scene files, their matrices, motion, and what bodies of physics exert on each other.
 #pragma once
 
+#include <cstdint>
 #include <glm/glm.hpp>
 
 #include <simvis/export.h>
@@ -29,6 +30,30 @@ struct Motion {
       angular_velocity_radps{0},       ///< about the axes of the world
       acceleration_mps2{0},            ///< of the origin
       angular_acceleration_radps2{0};  ///< about the axes of the world
+};
+
+/// The way of an item of a draw list over some time, as a screw motion that leads from its pose then to its pose now.
+/// The vectors have the axes of the world.
+struct ItemMove {
+  std::uint32_t item = 0;  ///< in DrawList::items
+  glm::dvec3 point_m{0},   ///< the origin of the item's mesh, where it is now
+      turn_rad{0},         ///< axis times angle, at most pi
+      way_m{0};            ///< of the point: its velocity now times the time
+};
+
+/// A place where two bodies of physics touch. World frame.
+struct Contact {
+  glm::dvec3 point_m{0},  ///< midway between both surfaces
+      normal{0, 0, 1};    ///< unit length, towards the body whose contacts were asked for
+  double depth_m = 0,     ///< above 0: the bodies overlap by so much; below 0: they are so far apart
+      force_n = 0;        ///< along the normal, mean of the last step of physics
+};
+
+/// What the link behind a joint exerts on the link in front of it, mean of the last step of physics. World frame.
+struct JointLoad {
+  glm::dvec3 point_m{0},  ///< the joint's origin
+      force_n{0},         ///< force
+      torque_nm{0};       ///< torque about the joint's origin
 };
 
 /// The matrix parent_from_child of a pose.

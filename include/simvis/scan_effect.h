@@ -29,6 +29,7 @@
 #include <simvis/export.h>
 #include <simvis/frame_time.h>
 #include <simvis/philox.h>
+#include <simvis/pose.h>
 #include <simvis/ray_caster.h>
 #include <simvis/scan.h>
 #include <simvis/surface_point.h>
@@ -46,10 +47,12 @@ struct ScanContext {
   FrameTime time;                     ///< of the frame
   glm::dmat4 world_from_sensor{1.0};  ///< rigid, at time.time_ns, the end of the sweep
   std::optional<PastPose> before{};   ///< empty at the sensor's first measurement
-  std::uint32_t rings = 0,            ///< of the scan
-      beams = 0;                      ///< per ring
-  double range_max_m = 0;             ///< largest range that is reported
-  Medium medium{};                    ///< the medium that fills the air
+  /// What has moved since then. Empty unless an effect uses previous poses. Valid as long as the draw list.
+  std::span<const ItemMove> moves{};
+  std::uint32_t rings = 0,  ///< of the scan
+      beams = 0;            ///< per ring
+  double range_max_m = 0;   ///< largest range that is reported
+  Medium medium{};          ///< the medium that fills the air
 };
 
 /// A ray on its path. Frame S: of the sensor at the end of the sweep.
@@ -63,6 +66,7 @@ struct BeamRay {
   double origin_error_m = 0;      ///< error bound of its origin, in any direction
   double error_rad = 0;           ///< error bound of its direction
   double t_min_m = 0;             ///< surfaces at or before this range from its origin are ignored
+  double back = 0;                ///< how long before the frame's time it left, as a share of the time since `before`
   std::uint32_t turns = 0;        ///< number of reflections and transmissions since it left the scanner
 };
 
@@ -89,7 +93,7 @@ class SIMVIS_API ScanEffect {
   /// Whether it applies only if another effect traces beams.
   virtual bool only_traced() const { return false; }
 
-  /// Whether it needs ScanContext::before.
+  /// Whether it needs ScanContext::before and ScanContext::moves.
   virtual bool uses_previous_pose() const { return false; }
 
   /// The number of rays into which aim() splits each ray.
@@ -191,8 +195,10 @@ SIMVIS_API bool any_traces(std::span<const ChosenScanEffect> effects);
 /// The largest number of reflections and transmissions of a ray; light that continues after that returns nothing.
 inline constexpr std::uint32_t kMaxTurns = 16;
 
+class MovedItems;
+
 /// Follows the beams of a scan one by one and calls the stages from aim() to detect() of its effects. The caller then
-/// calls finish() with the result.
+/// calls finish() with the result. A ray meets the items of ScanContext::moves where they were when it left.
 ///
 /// Lifetime  the effects must outlive it.
 /// Threads   one thread at a time.
@@ -200,6 +206,7 @@ class SIMVIS_API TracedScan {
  public:
   /// `directions` of the beams are unit vectors in the sensor frame, in the order of Scan::range_m.
   TracedScan(std::vector<glm::dvec3> directions, std::span<const ChosenScanEffect> effects);
+  ~TracedScan();
 
   /// Returns the reported echo of each beam; valid until the next call. The caster's world must be `list`.
   std::span<const Echo> trace(const ScanContext& context, const DrawList& list, RayCaster& caster);
@@ -210,7 +217,8 @@ class SIMVIS_API TracedScan {
  private:
   void follow(const ScanContext& context, const DrawList& list, RayCaster& caster);
   void cast(const glm::dmat4& world_from_sensor, RayCaster& caster);
-  void meet(const ScanContext& context, const DrawList& list, const BeamRay& ray, const RayHit& hit);
+  void cast_moved(const ScanContext& context, const DrawList& list, RayCaster& caster);
+  void meet(const ScanContext& context, const DrawList& list, std::size_t ray);
   void detect(const ScanContext& context);
 
   std::vector<glm::dvec3> directions_;
@@ -220,6 +228,7 @@ class SIMVIS_API TracedScan {
   std::vector<glm::dvec3> cast_origins_m_, cast_directions_;  // of rays_
   std::vector<double> cast_t_min_m_;                          // of rays_; empty if all are 0
   std::vector<RayHit> hits_;
+  std::unique_ptr<MovedItems> moved_;      // null as long as nothing has moved
   std::vector<std::vector<Echo>> echoes_;  // by beam
   std::vector<Echo> detected_;
   std::uint64_t rays_cast_ = 0;

@@ -92,9 +92,15 @@ struct SensorNeeds {
   std::vector<std::string> parts{};  ///< insertion points for SensedWorld::items_of()
   std::string points{};              ///< pattern of names for SensedWorld::points(): * any text, ? any character
   std::string joints_of{};           ///< insertion point for SensedWorld::joints()
+  bool item_moves = false;           ///< SensedWorld::item_moves()
+  std::string contacts_of{};         ///< insertion point for SensedWorld::contacts()
+  std::string load_of{};             ///< element of type joint for SensedWorld::joint_load()
 
   /// Whether it is nothing.
-  bool none() const { return !motion && !item_motion && parts.empty() && points.empty() && joints_of.empty(); }
+  bool none() const {
+    return !motion && !item_motion && !item_moves && parts.empty() && points.empty() && joints_of.empty() &&
+           contacts_of.empty() && load_of.empty();
+  }
 };
 
 /// What a sensor may know about the scene of the frame, as far as its SensorNeeds name it.
@@ -115,6 +121,14 @@ class SIMVIS_API SensedWorld {
   /// The joints of the part that has the insertion point, those in its file included, in the order of their commands;
   /// of ROOT: all joints.
   virtual std::vector<SensedJoint> joints() const = 0;
+  /// The items that have moved since the sensor was last due, in the order of the list. An item that is new since then,
+  /// or that has changed its shape or scale, is not among them.
+  virtual std::span<const ItemMove> item_moves() const = 0;
+  /// Where physics has the body at the insertion point touch other bodies; at the point of a robot's link: this link,
+  /// with what fixed joints hold on it. Empty if no body of physics stands there.
+  virtual std::optional<std::vector<Contact>> contacts() const = 0;
+  /// What the joint carries. Empty if no robot of physics has it.
+  virtual std::optional<JointLoad> joint_load() const = 0;
 };
 
 /// One entry about a sensor in run.json.
@@ -246,7 +260,7 @@ class SIMVIS_API ReadingSensor : public Sensor {
   /// Motion is followed in skipped frames too.
   HistoryDependence history_dependence() const override {
     const SensorNeeds needs = this->needs();
-    const bool looks_back = needs.motion || needs.item_motion || !needs.joints_of.empty();
+    const bool looks_back = needs.motion || needs.item_motion || needs.item_moves || !needs.joints_of.empty();
     return looks_back ? HistoryDependence::poses : HistoryDependence::none;
   }
 

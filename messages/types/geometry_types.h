@@ -119,6 +119,24 @@ struct TwistStamped {
   }
 };
 
+struct Wrench {
+  static constexpr std::string_view kName = "geometry_msgs/msg/Wrench";
+  Vector3 force;
+  Vector3 torque;
+  static constexpr auto field_table() {
+    return std::tuple{Field{"force", &Wrench::force}, Field{"torque", &Wrench::torque}};
+  }
+};
+
+struct WrenchStamped {
+  static constexpr std::string_view kName = "geometry_msgs/msg/WrenchStamped";
+  Header header;
+  Wrench wrench;
+  static constexpr auto field_table() {
+    return std::tuple{Field{"header", &WrenchStamped::header}, Field{"wrench", &WrenchStamped::wrench}};
+  }
+};
+
 struct TwistWithCovariance {
   static constexpr std::string_view kName = "geometry_msgs/msg/TwistWithCovariance";
   Twist twist;

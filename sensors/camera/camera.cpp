@@ -7,6 +7,7 @@
 #include <simvis/pose.h>
 #include "effects/camera/rolling_shutter.h"
 #include "engine/base/assert.h"
+#include "scenegraph/motion.h"
 #include "sensors/camera/camera_info.h"
 #include "sensors/camera/resampled_image.h"
 
@@ -100,9 +101,12 @@ void Camera::check(const TargetLimits& limits) const {
 }
 
 HistoryDependence Camera::history_dependence() const {
-  const auto late = [](const CameraView& view) { return view.time_s != 0; };
-  if (desc_.visualization || std::ranges::none_of(views_.views, late)) return Sensor::history_dependence();
-  return HistoryDependence::poses;
+  return is_late() ? HistoryDependence::poses : Sensor::history_dependence();
+}
+
+bool Camera::is_late() const {
+  return !desc_.visualization &&
+         std::ranges::any_of(views_.views, [](const CameraView& view) { return view.time_s != 0; });
 }
 
 void Camera::skip_frame(const FrameTime& time, const glm::dmat4& world_from_sensor) {
@@ -116,14 +120,31 @@ void Camera::begin(const FrameTime& time) {
   if (last_ && last_->time_ns < time.time_ns) before_ = last_;
 }
 
-glm::dmat4 Camera::world_from_camera(double time_s) const {
-  if (!before_ || time_s == 0) return world_from_sensor_;
+// What time_s is of the time between the last two measurements.
+double Camera::share_before(double time_s) const {
   const double between_s = static_cast<double>(time_.time_ns - before_->time_ns) / 1e9;
   SIMVIS_ASSERT(between_s > 0);
-  return pose_between(before_->world_from_sensor, world_from_sensor_, 1 + time_s / between_s);
+  return time_s / between_s;
 }
 
-void Camera::add_passes(bool color, bool depth, const std::string& what, const char* why, FramePlan& plan) const {
+glm::dmat4 Camera::world_from_camera(double time_s) const {
+  if (!before_ || time_s == 0) return world_from_sensor_;
+  return pose_between(before_->world_from_sensor, world_from_sensor_, 1 + share_before(time_s));
+}
+
+// Where things were that have moved since.
+std::vector<ItemPlace> Camera::places(double time_s, const DrawList& list) const {
+  std::vector<ItemPlace> places;
+  if (!before_ || time_s == 0) return places;
+  const double share = share_before(time_s);
+  for (const ItemMove& move : moves_) {
+    places.push_back({move.item, place_at(move, share, list.world_from_node[list.items[move.item].transform])});
+  }
+  return places;
+}
+
+void Camera::add_passes(bool color, bool depth, const std::string& what, const char* why, const DrawList& list,
+                        FramePlan& plan) const {
   const std::size_t first = plan.passes.size();
   for (const glm::uvec2& size : views_.pass_size_px) {
     plan.passes.push_back({.name = name_,
@@ -150,6 +171,7 @@ void Camera::add_passes(bool color, bool depth, const std::string& what, const c
     view.near_m = desc_.near_m;
     view.view_from_world = rigid_inverse(world_from_camera(seen.time_s) * sensor_from_view() *
                                          glm::dmat4(glm::transpose(seen.face_from_view)));
+    view.places = places(seen.time_s, list);
     view.x_px = seen.x_px;
     view.y_px = seen.y_px;
     view.width_px = seen.width_px;
@@ -162,15 +184,15 @@ void Camera::plan(const glm::dmat4& world_from_sensor, const DrawList& list, Fra
   world_from_sensor_ = world_from_sensor;
   color_pass_ = depth_pass_ = plan.passes.size();
   if (desc_.color && desc_.depth && desc_.sampling.several()) {
-    add_passes(true, false, "colour", "", plan);
+    add_passes(true, false, "colour", "", list, plan);
     depth_pass_ = plan.passes.size();
-    add_passes(false, true, "depth", kDepthApart, plan);
+    add_passes(false, true, "depth", kDepthApart, list, plan);
   } else {
     add_passes(desc_.color, desc_.depth,
                desc_.color && desc_.depth ? "colour and depth"
                : desc_.color              ? "colour"
                                           : "depth",
-               "", plan);
+               "", list, plan);
   }
   plan_effects(name_, desc_.effects, plan);
   depth_views_.clear();

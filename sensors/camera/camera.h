@@ -50,6 +50,8 @@ class Camera : public Sensor {
 
   void check(const TargetLimits& limits) const override;
   HistoryDependence history_dependence() const override;
+  SensorNeeds needs() const override { return {.item_moves = is_late()}; }
+  void sense(const SensedWorld& world) override { moves_ = world.item_moves(); }
   void skip_frame(const FrameTime& time, const glm::dmat4& world_from_sensor) override;
   void begin(const FrameTime& time) override;
   void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
@@ -62,8 +64,13 @@ class Camera : public Sensor {
   std::string method() const override { return "rasterised"; }
 
  private:
+  /// Whether some rows are exposed before the frame's time.
+  bool is_late() const;
+  double share_before(double time_s) const;
   glm::dmat4 world_from_camera(double time_s) const;
-  void add_passes(bool color, bool depth, const std::string& what, const char* why, FramePlan& plan) const;
+  std::vector<ItemPlace> places(double time_s, const DrawList& list) const;
+  void add_passes(bool color, bool depth, const std::string& what, const char* why, const DrawList& list,
+                  FramePlan& plan) const;
   void collect_depth(std::span<const Pass> passes, std::span<const PassResult> results);
   bool resamples() const { return !views_.taps.empty(); }
 
@@ -78,6 +85,7 @@ class Camera : public Sensor {
     glm::dmat4 world_from_sensor{1.0};
   };
   std::optional<Past> before_, last_;            // the measurement before time_, and the last measurement
+  std::span<const ItemMove> moves_;              // of this frame
   std::size_t color_pass_ = 0, depth_pass_ = 0;  // index of the first pass of each kind in this frame's plan
   Image color_, depth_;
   std::vector<DepthView> depth_views_;  // one for each view

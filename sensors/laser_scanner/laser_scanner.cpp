@@ -109,8 +109,12 @@ std::string LaserScanner::traced_for() const {
 
 HistoryDependence LaserScanner::history_dependence() const {
   if (desc_.method == ScanMethod::automatic) return HistoryDependence::measurements;
-  const auto asks = [](const ChosenScanEffect& each) { return each.effect->uses_previous_pose(); };
-  return std::ranges::any_of(desc_.effects, asks) ? HistoryDependence::poses : HistoryDependence::none;
+  return looks_back() ? HistoryDependence::poses : HistoryDependence::none;
+}
+
+bool LaserScanner::looks_back() const {
+  return std::ranges::any_of(desc_.effects,
+                             [](const ChosenScanEffect& each) { return each.effect->uses_previous_pose(); });
 }
 
 void LaserScanner::skip_frame(const FrameTime& time, const glm::dmat4& world_from_sensor) {

@@ -96,6 +96,8 @@ class LaserScanner : public Sensor {
 
   /// For `auto` HistoryDependence::measurements: its choice and its surveys depend on the previous frames.
   HistoryDependence history_dependence() const override;
+  SensorNeeds needs() const override { return {.item_moves = looks_back()}; }
+  void sense(const SensedWorld& world) override { context_.moves = world.item_moves(); }
   void skip_frame(const FrameTime& time, const glm::dmat4& world_from_sensor) override;
   void use_cost_model(const std::function<const CostModel&()>& costs) override;
   void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
@@ -110,6 +112,7 @@ class LaserScanner : public Sensor {
   std::optional<double> cast_share() const;
 
  private:
+  bool looks_back() const;
   bool has_truth() const { return desc_.true_range || desc_.true_hit; }
   void add_truth();
   bool renders() const { return rendered_ != nullptr && survey_ == nullptr && traced_ == nullptr; }

@@ -3,9 +3,8 @@
 //   <sensor type="magnetometer" name="MAG" insert_at="ROBOT" model="dipole" latitude="49.44" longitude="7.75"/>
 //
 // Frame    the sensor frame: x forward, y left, z up.
-// Models   given: the same field everywhere, in the world: the attribute `field`. It may be taken from the World
-// Magnetic
-//          Model or the IGRF for the place and the day; GeographicLib's program MagneticField prints it.
+// Models   given: the same field everywhere, in the world: the attribute `field`.
+//          wmm2025: the World Magnetic Model at the place and in the `year`, see world_magnetic_model.h.
 //          dipole: the earth's field as that of a magnetic dipole at its centre, by the three coefficients of degree 1
 //          of the IGRF-13 for 2020.0: g10 = -29404.8 nT, g11 = -1450.9 nT, h11 = 4652.5 nT, with the radius 6371.2 km
 //          (Alken et al., "International Geomagnetic Reference Field: the thirteenth generation", Earth, Planets and
@@ -20,14 +19,18 @@
 
 #include <simvis/sensor.h>
 #include "sensors/navigation/geodetic_origin.h"
+#include "sensors/navigation/world_magnetic_model.h"
 #include "sensors/noise/noise_model.h"
 
 namespace simvis {
 
+enum class MagneticField : std::uint8_t { given, dipole, wmm2025 };
+
 struct MagnetometerDesc {
-  bool dipole = false;
+  MagneticField model = MagneticField::given;
   glm::dvec3 field_t{0, 2e-5, -4.5e-5};  ///< of the model `given`, in the world
   GeodeticOrigin origin;
+  double year = kMagneticModelFrom;  ///< of wmm2025
   NoiseDesc noise{};
   std::uint64_t seed = 0;
 
@@ -37,17 +40,19 @@ struct MagnetometerDesc {
 /// Reads the attributes of a magnetometer. Throws InputError.
 MagnetometerDesc magnetometer_desc(const SensorContext& context);
 
-/// The dipole's field in tesla at a point of the world, in the world.
-glm::dvec3 dipole_field_t(const GeodeticOrigin& origin, const glm::dvec3& point_m);
+/// The field of a model of the earth in tesla at a point of the world, in the world. `model` is not `given`.
+glm::dvec3 earth_field_t(MagneticField model, const GeodeticOrigin& origin, double year, const glm::dvec3& point_m);
 
 class Magnetometer : public ReadingSensor {
  public:
   Magnetometer(const std::string& name, const MagnetometerDesc& desc);
 
   void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override;
-  std::string method() const override { return desc_.dipole ? "dipole" : "given"; }
+  std::string method() const override;
 
  private:
+  glm::dvec3 true_field_t() const;
+
   MagnetometerDesc desc_;
   NoiseModel noise_;
 };

@@ -79,15 +79,6 @@ std::vector<AttributeSpec> noise_rows(std::string_view prefix, std::string_view 
   return rows;
 }
 
-AttributeTable join_tables(std::vector<std::vector<AttributeSpec>> tables) {
-  static std::mutex mutex;
-  static std::deque<std::vector<AttributeSpec>> kept;
-  const std::lock_guard lock(mutex);
-  std::vector<AttributeSpec>& joined = kept.emplace_back();
-  for (const std::vector<AttributeSpec>& table : tables) joined.insert(joined.end(), table.begin(), table.end());
-  return joined;
-}
-
 double NoiseModel::apply(double truth, std::uint32_t axis, const FrameTime& time, double sample_period_s) const {
   double value = truth + desc_.bias_mean;
   const double white = desc_.white_variance(sample_period_s);

@@ -33,6 +33,7 @@
 #include <simvis/attributes.h>
 #include <simvis/frame_time.h>
 #include <simvis/philox.h>
+#include "scenegraph/language/joined_tables.h"
 
 namespace simvis {
 
@@ -55,9 +56,6 @@ struct NoiseDesc {
 /// The attributes of one quantity: `prefix` stands in front of their names ("gyroscope_"), `quantity` ("the angular
 /// velocity") and `unit` in their texts. Their strings live as long as the program.
 std::vector<AttributeSpec> noise_rows(std::string_view prefix, std::string_view quantity, std::string_view unit);
-
-/// The rows of a table, and of more that are appended to it. The result lives as long as the program.
-AttributeTable join_tables(std::vector<std::vector<AttributeSpec>> tables);
 
 class NoiseModel {
  public:

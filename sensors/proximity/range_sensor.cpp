@@ -39,29 +39,19 @@ RangeSensorDesc range_sensor_desc(const SensorContext& context) {
 }
 
 RangeSensor::RangeSensor(std::string name, const RangeSensorDesc& desc)
-    : ReadingSensor({{.name = "range_m", .format = "%.12g", .unit = "m"}}),
-      name_(std::move(name)),
-      desc_(desc),
-      noise_(desc.noise, {desc.seed, name_ + "/range"}) {
+    : RaySensor({{.name = "range_m", .format = "%.12g", .unit = "m"}}, std::move(name), "beam of range sensor",
+                {"range", desc.noise, desc.seed}),
+      desc_(desc) {
   set_constant("radiation_type", kInfraredRange);
   set_constant("range_min_m", desc.range_min_m);
   set_constant("range_max_m", desc.range_max_m);
 }
 
-void RangeSensor::plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) {
-  ReadingSensor::plan(world_from_sensor, list, plan);
-  plan.casts.push_back({.name = name_, .reason = "beam of range sensor " + name_, .max_rays = 1});
-}
-
 void RangeSensor::cast(RayCaster& rays) {
-  const glm::dvec3 forward(1, 0, 0);
-  RayHit hit;
-  rays.cast(world_from_sensor(), {&forward, 1}, {&hit, 1});
-  const double period_s = sample_period_s(rate_hz, time_);
-  set_constant("range_variance", desc_.noise.white_variance(period_s));
-  double range_m = limited_range({desc_.range_min_m, desc_.range_max_m}, hit.range_m);
-  if (is_between_limits(range_m)) range_m = noise_.apply(range_m, 0, time_, period_s);
-  set_reading(time_, {range_m});
+  set_constant("range_variance", white_variance());
+  double range_m = limited_range({desc_.range_min_m, desc_.range_max_m}, hits_of(rays)[0].range_m);
+  if (is_between_limits(range_m)) range_m = noisy(range_m);
+  set_row({range_m});
 }
 
 }  // namespace simvis

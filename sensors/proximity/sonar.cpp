@@ -107,42 +107,34 @@ SonarEcho first_crossing(std::vector<SonarEcho> echoes, double threshold, double
 }
 
 Sonar::Sonar(std::string name, const SonarDesc& desc)
-    : ReadingSensor({{.name = "range_m", .format = "%.12g", .unit = "m"}, {.name = "echo", .format = "%.9g"}}),
-      name_(std::move(name)),
-      desc_(desc),
-      noise_(desc.noise, {desc.seed, name_ + "/range"}),
-      directions_(cone_directions(desc.opening_rad, desc.rays)),
-      hits_(directions_.size()) {
+    : RaySensor({{.name = "range_m", .format = "%.12g", .unit = "m"}, {.name = "echo", .format = "%.9g"}},
+                std::move(name), "cone of sound of sonar", {"range", desc.noise, desc.seed},
+                cone_directions(desc.opening_rad, desc.rays)),
+      desc_(desc) {
   set_constant("radiation_type", kUltrasoundRange);
   set_constant("field_of_view_rad", desc.opening_rad);
   set_constant("range_min_m", desc.range_min_m);
   set_constant("range_max_m", desc.range_max_m);
 }
 
-void Sonar::plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) {
-  ReadingSensor::plan(world_from_sensor, list, plan);
-  list_ = &list;
-  plan.casts.push_back({.name = name_, .reason = "cone of sound of sonar " + name_, .max_rays = directions_.size()});
-}
-
 void Sonar::cast(RayCaster& rays) {
-  rays.cast(world_from_sensor(), directions_, hits_);
+  const std::span<const RayHit> hits = hits_of(rays);
   std::vector<SonarEcho> echoes;
-  for (std::size_t i = 0; i < hits_.size(); ++i) {
-    if (!(hits_[i].range_m <= desc_.range_max_m)) continue;
-    const SurfacePoint point = surface_point(*list_, world_from_sensor(), directions_[i], hits_[i]);
-    const double cosine = std::max(0.0, -glm::dot(point.normal, directions_[i]));
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    if (!(hits[i].range_m <= desc_.range_max_m)) continue;
+    const glm::dvec3& direction = directions()[i];
+    const SurfacePoint point = surface_point(list(), world_from_sensor(), direction, hits[i]);
+    const double cosine = std::max(0.0, -glm::dot(point.normal, direction));
     // A surface that touches the sensor would return without limit.
-    const double range_m = std::max(hits_[i].range_m, 1e-3);
+    const double range_m = std::max(hits[i].range_m, 1e-3);
     const double strength = std::pow(cosine, desc_.lobe_exponent) / (range_m * range_m) / desc_.rays;
-    echoes.push_back({hits_[i].range_m, strength});
+    echoes.push_back({hits[i].range_m, strength});
   }
   const SonarEcho crossing = first_crossing(std::move(echoes), desc_.threshold, desc_.pulse_length_m);
-  const double period_s = sample_period_s(rate_hz, time_);
-  set_constant("range_variance", desc_.noise.white_variance(period_s));
+  set_constant("range_variance", white_variance());
   double range_m = limited_range({desc_.range_min_m, desc_.range_max_m}, crossing.range_m);
-  if (is_between_limits(range_m)) range_m = noise_.apply(range_m, 0, time_, period_s);
-  set_reading(time_, {range_m, crossing.strength});
+  if (is_between_limits(range_m)) range_m = noisy(range_m);
+  set_row({range_m, crossing.strength});
 }
 
 }  // namespace simvis

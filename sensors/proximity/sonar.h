@@ -28,6 +28,7 @@
 
 #include <simvis/sensor.h>
 #include "sensors/noise/noise_model.h"
+#include "sensors/proximity/ray_sensor.h"
 
 namespace simvis {
 
@@ -59,23 +60,14 @@ struct SonarEcho {
 /// there is none.
 SonarEcho first_crossing(std::vector<SonarEcho> echoes, double threshold, double pulse_length_m);
 
-class Sonar : public ReadingSensor {
+class Sonar : public RaySensor {
  public:
   Sonar(std::string name, const SonarDesc& desc);
 
-  void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
-  void collect(const FrameTime& time, const FramePlan&, std::span<const PassResult>) override { time_ = time; }
   void cast(RayCaster& rays) override;
-  std::string method() const override { return "raycast"; }
 
  private:
-  std::string name_;
   SonarDesc desc_;
-  NoiseModel noise_;
-  std::vector<glm::dvec3> directions_;
-  std::vector<RayHit> hits_;
-  const DrawList* list_ = nullptr;  // of this frame
-  FrameTime time_;
 };
 
 }  // namespace simvis

@@ -39,24 +39,15 @@ TouchDesc touch_desc(const SensorContext& context) {
 }
 
 TouchSensor::TouchSensor(std::string name, const TouchDesc& desc)
-    : ReadingSensor({{.name = "pressed", .format = "%lld", .integer = true},
-                     {.name = "depth_m", .format = "%.12g", .unit = "m"}}),
-      name_(std::move(name)),
-      desc_(desc),
-      noise_(desc.noise, {desc.seed, name_ + "/depth"}) {}
-
-void TouchSensor::plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) {
-  ReadingSensor::plan(world_from_sensor, list, plan);
-  plan.casts.push_back({.name = name_, .reason = "feeler of touch sensor " + name_, .max_rays = 1});
-}
+    : RaySensor(
+          {{.name = "pressed", .format = "%lld", .integer = true}, {.name = "depth_m", .format = "%.12g", .unit = "m"}},
+          std::move(name), "feeler of touch sensor", {"depth", desc.noise, desc.seed}),
+      desc_(desc) {}
 
 void TouchSensor::cast(RayCaster& rays) {
-  const glm::dvec3 forward(1, 0, 0);
-  RayHit hit;
-  rays.cast(world_from_sensor(), {&forward, 1}, {&hit, 1});
-  const bool pressed = hit.range_m <= desc_.length_m;
-  const double depth_m = pressed ? desc_.length_m - hit.range_m : 0;
-  set_reading(time_, {pressed ? 1.0 : 0.0, noise_.apply(depth_m, 0, time_, sample_period_s(rate_hz, time_))});
+  const double range_m = hits_of(rays)[0].range_m;
+  const bool pressed = range_m <= desc_.length_m;
+  set_row({pressed ? 1.0 : 0.0, noisy(pressed ? desc_.length_m - range_m : 0)});
 }
 
 }  // namespace simvis

@@ -14,6 +14,7 @@
 
 #include <simvis/sensor.h>
 #include "sensors/noise/noise_model.h"
+#include "sensors/proximity/ray_sensor.h"
 
 namespace simvis {
 
@@ -28,20 +29,14 @@ struct TouchDesc {
 /// Reads the attributes of a touch sensor. Throws InputError.
 TouchDesc touch_desc(const SensorContext& context);
 
-class TouchSensor : public ReadingSensor {
+class TouchSensor : public RaySensor {
  public:
   TouchSensor(std::string name, const TouchDesc& desc);
 
-  void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
-  void collect(const FrameTime& time, const FramePlan&, std::span<const PassResult>) override { time_ = time; }
   void cast(RayCaster& rays) override;
-  std::string method() const override { return "raycast"; }
 
  private:
-  std::string name_;
   TouchDesc desc_;
-  NoiseModel noise_;
-  FrameTime time_;
 };
 
 }  // namespace simvis

@@ -6,6 +6,7 @@
 #include <glm/trigonometric.hpp>
 #include <numbers>
 
+#include "tests/support/arm_urdf.h"
 #include "tests/support/moving_scene.h"
 #include "tests/support/temporary_folder.h"
 
@@ -15,35 +16,6 @@ namespace simvis::test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-
-std::string inertial(double mass, const std::string& at, double moment) {
-  const std::string m = format_number(moment);
-  return "<inertial><origin xyz='" + at + "'/><mass value='" + format_number(mass) + "'/><inertia ixx='" + m +
-         "' iyy='" + m + "' izz='" + m + "' ixy='0' ixz='0' iyz='0'/></inertial>";
-}
-std::string visual(const std::string& size, const std::string& at) {
-  return "<visual><origin xyz='" + at + "'/><geometry><box size='" + size + "'/></geometry></visual>";
-}
-
-// A bar of 1 kg and 1 m that hangs from a joint about y, and turns from +x.
-const std::string kPendulum = "<robot name='p'><link name='base'>" + visual("0.1 0.1 0.1", "0 0 0") +
-                              "</link><link name='bar'>" + visual("1 0.02 0.02", "0.5 0 0") +
-                              inertial(1, "0.5 0 0", 1.0 / 12) +
-                              "</link><joint name='swing' type='continuous'><parent link='base'/><child link='bar'/>"
-                              "<axis xyz='0 1 0'/></joint></robot>";
-
-// Two links of 0.5 m and 2 kg each, that reach along +x; a gripper of 0.5 kg is fixed to the second.
-const std::string kArm =
-    "<robot name='arm'><link name='base'>" + visual("0.2 0.2 0.2", "0 0 0") + "</link><link name='upper'>" +
-    visual("0.5 0.05 0.05", "0.25 0 0") + inertial(2, "0.25 0 0", 0.05) + "</link><link name='lower'>" +
-    visual("0.5 0.05 0.05", "0.25 0 0") + inertial(2, "0.25 0 0", 0.05) + "</link><link name='grip'>" +
-    inertial(0.5, "0 0 0", 0.001) +
-    "</link><joint name='shoulder' type='revolute'><parent link='base'/><child link='upper'/><axis xyz='0 1 0'/>"
-    "<limit lower='-1.5' upper='1.5' effort='100' velocity='2'/></joint>"
-    "<joint name='elbow' type='revolute'><parent link='upper'/><child link='lower'/><origin xyz='0.5 0 0'/>"
-    "<axis xyz='0 1 0'/><limit lower='-2' upper='2' effort='50' velocity='2'/></joint>"
-    "<joint name='wrist' type='fixed'><parent link='lower'/><child link='grip'/><origin xyz='0.5 0 "
-    "0'/></joint></robot>";
 
 MovingScene robot_scene(const std::string& urdf, const std::string& attributes, const std::string& before = kPhysics) {
   const TemporaryFolder folder;
@@ -131,6 +103,23 @@ TEST_CASE("a free base falls with its joints, and a restart brings all back") {
   CHECK(again == start);
 }
 
+TEST_CASE("a collision mesh without materials is the convex hull of its points") {
+  const TemporaryFolder folder;
+  // A pyramid of 1 m in height that stands on its square side of 2 m.
+  std::ofstream(folder.path() / "pyramid.obj") << "v 1 1 0\nv -1 1 0\nv -1 -1 0\nv 1 -1 0\nv 0 0 1\n"
+                                                  "f 4 3 2 1\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n";
+  std::ofstream(folder.path() / "robot.urdf")
+      << "<robot name='p'><link name='base'>" + inertial(2, "0 0 0.25", 0.5) +
+             "<collision><geometry><mesh filename='pyramid.obj' scale='0.5 0.5 0.5'/></geometry></collision></link>"
+             "</robot>";
+  MovingScene scene(kPhysics + ground() +
+                        "<part name='R' insert_at='ROOT' file='robot.urdf' pose_offset='0 0 0.1 0 0 0'/>"
+                        "<element type='robot' name='ROBOT' insert_at='R' base='free'/>",
+                    folder.path());
+  scene.run(0, 1, 0.1);
+  CHECK(std::abs(scene.position("R").z) < 1e-3);  // it has come down 0.1 m, and rests as boxes do
+}
+
 TEST_CASE("mistakes in robots name their place") {
   const auto wrong = [](const std::string& urdf, const std::string& attributes) {
     return error_of([&] { robot_scene(urdf, attributes); });
@@ -154,7 +143,7 @@ TEST_CASE("mistakes in robots name their place") {
                                "<part name='A' insert_at='ROOT' shape='box' size='1 1 1'/>"
                                "<element type='robot' name='B' insert_at='A'/>");
                  }),
-                 "expected the name of a part from a URDF file"));
+                 "expected the name of a part from a URDF or SDF file"));
 }
 
 TEST_CASE("a stiff joint that explodes is reported with its robot and the time") {

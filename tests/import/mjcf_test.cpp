@@ -44,8 +44,8 @@ class MjcfScene {
     REQUIRE(built_.scene.has_insertion_point(name));
     return built_.scene.world_from_point(name).value();
   }
-  void set(const std::string& joint, double value) {
-    built_.parameters.set(built_.parameters.index(joint, "value"), value);
+  void set(const std::string& joint, double value, const std::string& parameter = "value") {
+    built_.parameters.set(built_.parameters.index(joint, parameter), value);
     for (const std::size_t i : built_.parameters.drain_changed_elements()) {
       const ElementDescriptor& changed = built_.parameters.elements()[i];
       built_.elements[i]->update(built_.parameters.values().subspan(changed.first_value, changed.parameters.size()));
@@ -175,6 +175,19 @@ TEST_CASE("meshes are scaled and shown in the look of the geom, and files are in
   CHECK(glm::length(glm::dvec3(scene.place(1)[3]) - glm::dvec3(0, 3, 0)) < kMjcfPlace);
 }
 
+TEST_CASE("free bodies move within their parents, and balls turn about their anchors") {
+  MjcfScene scene(
+      world("<body name='crate' pos='0 0 2'><freejoint name='crate_free'/><geom size='1'/></body>"
+            "<body pos='4 0 0'><joint name='neck' type='ball' pos='0 0 1'/><geom pos='1 0 1' size='1'/>"
+            "</body>"));
+  CHECK(scene.warnings().empty());
+  scene.set("crate_free", 3, "x");
+  scene.set("crate_free", 1, "z");
+  CHECK(glm::length(glm::dvec3(scene.place(0)[3]) - glm::dvec3(3, 0, 3)) < kMjcfPlace);
+  scene.set("neck", 90, "yaw");
+  CHECK(glm::length(glm::dvec3(scene.place(1)[3]) - glm::dvec3(4, 1, 1)) < kMjcfPlace);
+}
+
 TEST_CASE("collision shapes and what is wholly transparent are not drawn") {
   MjcfScene scene(world("<geom size='1' group='3'/><geom size='1' rgba='1 1 1 0'/><geom size='1' group='2'/>"));
   CHECK(scene.warnings().empty());
@@ -192,7 +205,6 @@ TEST_CASE("what is not taken over is listed, and what is wrong is left out with 
   CHECK(has("element <geom> has 2 sizes, expected 3; the geom is left out"));
   CHECK(has("is of type \"hfield\", which is not taken over"));
   CHECK(has("there is no mesh \"none\""));
-  CHECK(has("motion of a joint of type \"free\" is not taken over"));
   CHECK(has("element <light> is not taken over"));
   CHECK(has("element <tendon> is not taken over"));
   CHECK(has("asset <hfield> is not taken over"));

@@ -20,7 +20,7 @@ void for_each_type(const Action& action) {
   const auto all = [&]<typename... M>() { (action.template operator()<M>(), ...); };
   all.template operator()<LaserScan, PointCloud2, Image, CompressedImage, CameraInfo, Range, DisparityImage, TFMessage,
                           PoseStamped, TwistStamped, Odometry, Path, Clock, DiagnosticArray, ParameterEvent, Float64,
-                          Imu, NavSatFix, MagneticField, FluidPressure, JointState, Illuminance>();
+                          Imu, NavSatFix, MagneticField, FluidPressure, JointState, Illuminance, WrenchStamped>();
 }
 
 /// As for_each_type(), with those that SimVis reads, and with its own.

@@ -18,6 +18,7 @@
 #include "sensors/light/light_sensor.h"
 #include "sensors/navigation/altimeter.h"
 #include "sensors/navigation/barometer.h"
+#include "sensors/navigation/force_torque.h"
 #include "sensors/navigation/gnss.h"
 #include "sensors/navigation/imu.h"
 #include "sensors/navigation/joint_state.h"
@@ -25,6 +26,7 @@
 #include "sensors/navigation/odometry.h"
 #include "sensors/proximity/beacon.h"
 #include "sensors/proximity/bumper.h"
+#include "sensors/proximity/contact.h"
 #include "sensors/proximity/radar.h"
 #include "sensors/proximity/range_sensor.h"
 #include "sensors/proximity/sonar.h"
@@ -96,6 +98,8 @@ const std::map<std::string_view, bool (*)(const SensorContext&)> kSensors = {
     {"radar", defaults_agree<RadarDesc, radar_desc>},
     {"beacon", defaults_agree<BeaconDesc, beacon_desc>},
     {"bumper", defaults_agree<BumperDesc, bumper_desc>},
+    {"contact", defaults_agree<ContactSensorDesc, contact_sensor_desc>},
+    {"force_torque", defaults_agree<ForceTorqueDesc, force_torque_desc>},
     {"gnss", defaults_agree<GnssDesc, gnss_desc>},
     {"imu", defaults_agree<ImuDesc, imu_desc>},
     {"joint_state", defaults_agree<JointStateDesc, joint_state_desc>},

@@ -155,16 +155,13 @@ class MjcfImport {
 
   void add_joint(const MjcfElement& joint, const std::string& body, Group& group) {
     const std::string type = joint.tag() == "freejoint" ? "free" : joint.text("type", "hinge");
-    const bool turns = type == "hinge";
-    if (type == "free" || type == "ball") {
-      return report_.leave_out("motion of a joint of type " + in_quotes(type), joint.at());
-    }
-    if (!turns && type != "slide")
+    const bool turns = type == "hinge", is_loose = type == "free" || type == "ball";
+    if (!turns && !is_loose && type != "slide")
       joint.fail("has the type " + in_quotes(type) + ", expected free, ball, slide or hinge");
     const std::string own = joint.written("name").value_or(body + "_joint");
     const std::string name = unique_name(own, elements_);
-    known_joints_[own] = {name, turns};
-    const glm::dvec3 anchor = joint.vector("pos", glm::dvec3(0));
+    if (!is_loose) known_joints_[own] = {name, turns};
+    const glm::dvec3 anchor = type == "free" ? glm::dvec3(0) : joint.vector("pos", glm::dvec3(0));
     const std::string point = unique_name(name == body ? name + "_joint" : name, points_);
     glm::dmat4 there(1), back(1);
     there[3] = glm::dvec4(anchor, 1);
@@ -172,7 +169,16 @@ class MjcfImport {
     add_place(there, group);
     add_named_point(point, group);
     add_place(back, group);
+    if (is_loose) return add_loose_joint(name, point);
     add_joint_command(joint, own, {name, turns}, point);
+  }
+
+  // A free body moves within its parent, and a ball turns about its anchor, from the pose in the file.
+  void add_loose_joint(const std::string& name, const std::string& point) {
+    Command command;
+    command.kind = CommandKind::element;
+    command.attributes = {{"type", "pose", {}}, {"name", name, {}}, {"insert_at", point, {}}};
+    joints_.push_back(to_string(command));
   }
 
   void add_joint_command(const MjcfElement& joint, const std::string& own, const Joint& made,

@@ -1,4 +1,5 @@
 // What a URDF file says of masses, collisions and drives. The importer of parts leaves it out: only physics needs it.
+// An SDF model says the same in other words: scenegraph/import/sdf/sdf_dynamics.h.
 #pragma once
 
 #include <filesystem>

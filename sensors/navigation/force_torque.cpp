@@ -1,0 +1,82 @@
+#include "sensors/navigation/force_torque.h"
+
+#include <memory>
+#include <utility>
+
+namespace simvis {
+
+namespace {
+
+AttributeTable force_torque_attributes() {
+  static const AttributeTable table = join_tables(
+      {{{.name = "joint", .kind = AttributeKind::element, .text = "the element of type joint that is measured"}},
+       noise_rows("force_", "each force", "N"),
+       noise_rows("torque_", "each torque", "N m"),
+       {kRateAttribute}});
+  return table;
+}
+
+std::unique_ptr<Sensor> create_force_torque(const SensorContext& context) {
+  context.command.require("joint");  // throws if it is missing
+  return std::make_unique<ForceTorque>(context.name, force_torque_desc(context));
+}
+
+const SensorRegistration kForceTorqueRegistration(
+    {.name = "force_torque",
+     .summary = "The force and the torque that a joint of a robot in physics carries.",
+     .notes =
+         "What the link behind the joint exerts on the link in front of it, along the axes of the sensor frame and "
+         "about its origin: an arm at rest shows its weight.",
+     .message = "geometry_msgs/msg/WrenchStamped",
+     .attributes = force_torque_attributes(),
+     .create = create_force_torque});
+
+}  // namespace
+
+ForceTorqueDesc force_torque_desc(const SensorContext& context) {
+  const AttributeValues& a = context.attributes;
+  return {.joint = a.is_set("joint") ? a.text("joint") : std::string(),
+          .force = NoiseDesc::read(a, "force_"),
+          .torque = NoiseDesc::read(a, "torque_"),
+          .seed = context.seed};
+}
+
+ForceTorque::ForceTorque(std::string name, const ForceTorqueDesc& desc)
+    : ReadingSensor({{.name = "force_x_n", .format = "%.12g", .unit = "N"},
+                     {.name = "force_y_n", .format = "%.12g", .unit = "N"},
+                     {.name = "force_z_n", .format = "%.12g", .unit = "N"},
+                     {.name = "torque_x_n_m", .format = "%.12g", .unit = "N m"},
+                     {.name = "torque_y_n_m", .format = "%.12g", .unit = "N m"},
+                     {.name = "torque_z_n_m", .format = "%.12g", .unit = "N m"}}),
+      name_(std::move(name)),
+      desc_(desc),
+      force_(desc.force, {desc.seed, name_ + "/force"}),
+      torque_(desc.torque, {desc.seed, name_ + "/torque"}) {}
+
+void ForceTorque::sense(const SensedWorld& world) {
+  const std::optional<JointLoad> load = world.joint_load();
+  if (!load) {
+    throw InputError("sensor " + in_quotes(name_) + ": no robot of physics moves the joint " + in_quotes(desc_.joint) +
+                     ", expected a joint of a part with an element robot");
+  }
+  load_ = *load;
+}
+
+void ForceTorque::collect(const FrameTime& time, const FramePlan&, std::span<const PassResult>) {
+  const glm::dmat3 sensor_from_world = glm::transpose(glm::dmat3(world_from_sensor()));
+  const glm::dvec3 lever_m = load_.point_m - glm::dvec3(world_from_sensor()[3]);
+  const glm::dvec3 force_n = sensor_from_world * load_.force_n,
+                   torque_nm = sensor_from_world * (load_.torque_nm + glm::cross(lever_m, load_.force_n));
+  const double period_s = sample_period_s(rate_hz, time);
+  std::vector<double> values;
+  values.reserve(6);
+  for (glm::length_t axis = 0; axis < 3; ++axis) {
+    values.push_back(force_.apply(force_n[axis], static_cast<std::uint32_t>(axis), time, period_s));
+  }
+  for (glm::length_t axis = 0; axis < 3; ++axis) {
+    values.push_back(torque_.apply(torque_nm[axis], static_cast<std::uint32_t>(axis), time, period_s));
+  }
+  set_reading(time, std::move(values));
+}
+
+}  // namespace simvis

@@ -1,0 +1,74 @@
+#include "sensors/proximity/contact.h"
+
+#include <memory>
+#include <utility>
+
+#include <simvis/pose.h>
+
+namespace simvis {
+
+namespace {
+
+constexpr AttributeSpec kContactAttributes[] = {
+    {.name = "part",
+     .kind = AttributeKind::part,
+     .text = "the part whose body senses; default: that of insert_at, which may be a link of a robot"},
+    kRateAttribute,
+};
+
+std::unique_ptr<Sensor> create_contact(const SensorContext& context) {
+  return std::make_unique<ContactSensor>(context.name, contact_sensor_desc(context));
+}
+
+const SensorRegistration kContactRegistration(
+    {.name = "contact",
+     .summary = "Where a body of physics touches others: points, normals, depths and forces.",
+     .notes =
+         "The part has an element body, robot or vehicle, or is a link of such a robot. A table has a row for each "
+         "point of contact, with the mean force of the last step of physics.",
+     .message = "sensor_msgs/msg/PointCloud2",
+     .attributes = kContactAttributes,
+     .create = create_contact});
+
+}  // namespace
+
+ContactSensorDesc contact_sensor_desc(const SensorContext& context) {
+  const AttributeValues& a = context.attributes;
+  return {.part = a.is_set("part") ? a.text("part") : context.insertion_point()};
+}
+
+ContactSensor::ContactSensor(std::string name, ContactSensorDesc desc)
+    : ReadingSensor({{.name = "x_m", .format = "%.9g", .unit = "m"},
+                     {.name = "y_m", .format = "%.9g", .unit = "m"},
+                     {.name = "z_m", .format = "%.9g", .unit = "m"},
+                     {.name = "normal_x", .format = "%.9g"},
+                     {.name = "normal_y", .format = "%.9g"},
+                     {.name = "normal_z", .format = "%.9g"},
+                     {.name = "depth_m", .format = "%.9g", .unit = "m"},
+                     {.name = "force_n", .format = "%.9g", .unit = "N"}},
+                    false),
+      name_(std::move(name)),
+      desc_(std::move(desc)) {}
+
+void ContactSensor::sense(const SensedWorld& world) {
+  std::optional<std::vector<Contact>> contacts = world.contacts();
+  if (!contacts) {
+    throw InputError("sensor " + in_quotes(name_) + ": no body of physics stands at " + in_quotes(desc_.part) +
+                     ", expected a part with an element body, robot or vehicle, or a link of such a robot");
+  }
+  contacts_ = *std::move(contacts);
+}
+
+void ContactSensor::collect(const FrameTime& time, const FramePlan&, std::span<const PassResult>) {
+  const glm::dmat4 sensor_from_world = rigid_inverse(world_from_sensor());
+  std::vector<double> values;
+  for (const Contact& contact : contacts_) {
+    const glm::dvec3 point_m(sensor_from_world * glm::dvec4(contact.point_m, 1)),
+        normal = glm::dmat3(sensor_from_world) * contact.normal;
+    values.insert(values.end(),
+                  {point_m.x, point_m.y, point_m.z, normal.x, normal.y, normal.z, contact.depth_m, contact.force_n});
+  }
+  set_reading(time, std::move(values));
+}
+
+}  // namespace simvis
