@@ -13,6 +13,8 @@ namespace {
 // The sums are made in another order: some roundings of float32, 6e-8 each, of sums of equal signs.
 constexpr double kOrderOfSums = 1e-6;  // relative
 
+constexpr std::size_t kMiddle = 8 * 16 + 8;  // a pixel that every lamp lights, of a picture of 16 x 16
+
 RendererScene wall_and_lamps(const Light& lamp, std::vector<glm::dvec3> places) {
   RendererScene scene = scene_with_ambient(0);
   Material glossy = colored({0.8f, 0.5f, 0.3f, 1});
@@ -49,14 +51,14 @@ TEST_CASE("lights that differ only in position light a surface as each of them a
         CHECK(color[i][channel] == doctest::Approx(sum[i][channel]).epsilon(kOrderOfSums));
       }
     }
-    CHECK(sum[0].g > 0);
+    CHECK(sum[kMiddle].g > 0);
 
     // With another intensity, the second lamp adds what it alone adds once more.
     all.list.lights[1].light.intensity *= 2;
-    const glm::vec4 before = color[0], after = renderer.render(all.list, plan)[0].color[0];
+    const glm::vec4 before = color[kMiddle], after = renderer.render(all.list, plan)[0].color[kMiddle];
     Renderer other(device());
     const RendererScene second = wall_and_lamps(lamp, {places[1]});
-    const glm::vec4 added = other.render(second.list, plan)[0].color[0];
+    const glm::vec4 added = other.render(second.list, plan)[0].color[kMiddle];
     CHECK(after.r == doctest::Approx(before.r + added.r).epsilon(kOrderOfSums));
   }
 }
