@@ -8,6 +8,8 @@ layout(constant_id = SIMVIS_DIRECTIONAL_LIGHTS) const uint kDirectionalLights = 
 layout(constant_id = SIMVIS_POINT_LIGHTS) const uint kPointLights = 0u;
 layout(constant_id = SIMVIS_SPOT_LIGHTS) const uint kSpotLights = 0u;
 layout(constant_id = SIMVIS_RANGED) const bool kRanged = false;
+layout(constant_id = SIMVIS_ALIKE_POINT_LIGHTS) const bool kAlikePointLights = false;
+layout(constant_id = SIMVIS_ALIKE_SPOT_LIGHTS) const bool kAlikeSpotLights = false;
 const bool kLit = kDirectionalLights + kPointLights + kSpotLights > 0u;
 
 // A texel buffer and no uniform block: lavapipe reads a block in fragment shaders number by number and lane by lane,
@@ -24,7 +26,9 @@ struct Reflector {
   vec3 normal;  // on the side of the eye, unit length
   vec3 to_eye;  // unit vector
   float normal_dot_eye;
+  float eye;          // cosine to the eye, at least 0
   float square;       // roughness to the fourth power
+  float half_square;  // half of it over pi
   float eye_masking;  // Smith's term of the eye
   vec3 normal_reflectance;
   vec3 plane_normal;  // of the triangle; used only for shadows
@@ -36,11 +40,16 @@ struct Reflected {
   vec3 highlight;  // radiance
 };
 
-// Sums over lights.
+// What a surface does with light.
+struct Response {
+  float entering;  // irradiance, without the share that grazing light loses to Fresnel's reflection
+  float facing;    // highlight of a surface that reflects everything at normal incidence ...
+  float grazing;   // ... and the part of it that is multiplied by Schlick's power
+};
+
+// Sums over lights; members as in Response.
 struct LightSums {
-  vec3 entering;  // irradiance, without the share that grazing light loses to Fresnel's reflection
-  vec3 facing;    // highlight of a surface that reflects everything at normal incidence ...
-  vec3 grazing;   // ... and the part of it that is multiplied by Schlick's power
+  vec3 entering, facing, grazing;
 };
 
 Reflector reflector_at(Surface surface, vec3 base) {
@@ -49,16 +58,18 @@ Reflector reflector_at(Surface surface, vec3 base) {
   if (!kGlossy) return r;
   r.to_eye = -in_position * inversesqrt(dot(in_position, in_position));
   r.normal_dot_eye = dot(r.normal, r.to_eye);
-  const float alpha = surface.roughness * surface.roughness, eye = max(r.normal_dot_eye, 0.0);
+  r.eye = max(r.normal_dot_eye, 0.0);
+  const float alpha = surface.roughness * surface.roughness;
   r.square = alpha * alpha;
-  r.eye_masking = sqrt(eye * eye * (1.0 - r.square) + r.square);
+  r.half_square = 0.5 * kInversePi * r.square;
+  r.eye_masking = sqrt(r.eye * r.eye * (1.0 - r.square) + r.square);
   r.normal_reflectance = kMetallic ? mix(vec3(kDielectric), base, surface.metallic) : vec3(kDielectric);
   return r;
 }
 
 struct Incident {
   vec3 toward;  // unit vector to the light
-  vec3 share;   // irradiance of a surface facing the light, lux
+  float share;  // irradiance of a surface facing the light, in units of the light's intensity
   uint shadow;  // 1 + index of the light's ShadowBlock; 0 if the light casts no shadow
 };
 
@@ -71,42 +82,40 @@ vec4 light_row(uint light, uint row) {
 uint shadow_of(uint light) { return kShadowed ? uint(light_row(light, SIMVIS_LIGHT_SHADOW).x) : 0u; }
 
 Incident directional_light(uint light) {
-  return Incident(-light_row(light, SIMVIS_LIGHT_DIRECTION).xyz, light_row(light, SIMVIS_LIGHT_INTENSITY).rgb,
-                  shadow_of(light));
+  return Incident(-light_row(light, SIMVIS_LIGHT_DIRECTION).xyz, 1.0, shadow_of(light));
 }
 
+// `alike`: the light itself, or the first of its kind if all of them have the same direction, cone and intensity.
 // Source: KHR_lights_punctual, "Range Property" and "Inner and Outer Cone Angles".
-Incident placed_light(uint light, bool spot) {
-  const vec4 position = light_row(light, SIMVIS_LIGHT_POSITION), intensity = light_row(light, SIMVIS_LIGHT_INTENSITY);
+Incident placed_light(uint light, uint alike, bool spot) {
+  const vec4 position = light_row(light, SIMVIS_LIGHT_POSITION);
   const vec3 to_light = position.xyz - in_position;
   const float square = max(dot(to_light, to_light), kMinSquare), inverse = inversesqrt(square);
   const vec3 toward = to_light * inverse;
   float share = inverse * inverse;
   if (spot) {
-    const vec4 direction = light_row(light, SIMVIS_LIGHT_DIRECTION);
-    const float cone = clamp(intensity.w - dot(toward, direction.xyz) * direction.w, 0.0, 1.0) * inverse;
+    const vec4 direction = light_row(alike, SIMVIS_LIGHT_DIRECTION);
+    const float offset = light_row(alike, SIMVIS_LIGHT_INTENSITY).w;
+    const float cone = clamp(offset - dot(toward, direction.xyz) * direction.w, 0.0, 1.0) * inverse;
     share = cone * cone;
   }
   if (kRanged) {
     const float relative = square * position.w * position.w;  // (distance / range)^2
     share *= clamp(1.0 - relative * relative, 0.0, 1.0);
   }
-  return Incident(toward, intensity.rgb * share, shadow_of(light));
+  return Incident(toward, share, shadow_of(light));
 }
 
-void add_light(Incident from, Reflector r, inout LightSums sums) {
+Response respond(Incident from, Reflector r) {
   const float normal_dot_light = dot(r.normal, from.toward), cosine = max(0.0, normal_dot_light);
-  float arriving = cosine;
+  float arriving = cosine * from.share;
 #ifdef SHADOWED
   // Surfaces that face away from the light need no shadow test.
   if (min(float(from.shadow), cosine) > 0.0) {
     arriving *= free_share(shadow_map(from.shadow - 1u), r.plane_normal, r.reach);
   }
 #endif
-  if (!kGlossy) {
-    sums.entering += from.share * arriving;
-    return;
-  }
+  if (!kGlossy) return Response(arriving, 0.0, 0.0);
   // The half vector keeps its length: that cancels in the density of the microfacets.
   const vec3 half_way = from.toward + r.to_eye;
   const float length_square = dot(half_way, half_way), along = normal_dot_light + r.normal_dot_eye;
@@ -114,41 +123,56 @@ void add_light(Incident from, Reflector r, inout LightSums sums) {
   const vec3 across = cross(r.normal, half_way);
   const float facing = max(along, 0.0);
   const float spread = max(dot(across, across) + facing * facing * r.square, kMinSpread);
-  const float masking = cosine * r.eye_masking +
-                        max(r.normal_dot_eye, 0.0) * sqrt(cosine * cosine * (1.0 - r.square) + r.square);
-  const float highlight = arriving * ((0.5 * kInversePi * r.square) * length_square * length_square /
-                                      (spread * spread * max(masking, kMinMasking)));
+  const float masking = cosine * r.eye_masking + r.eye * sqrt(cosine * cosine * (1.0 - r.square) + r.square);
+  const float highlight =
+      arriving * (r.half_square * length_square * length_square / (spread * spread * max(masking, kMinMasking)));
   // The cosine of the half vector to the eye is half its length.
   const float tilted = 1.0 - min(0.5 * sqrt(length_square), 1.0), twice = tilted * tilted;
-  const float power = twice * twice * tilted;
-  sums.entering += from.share * (arriving - arriving * power);
-  if (kMetallic) {
-    sums.facing += from.share * highlight;
-    sums.grazing += from.share * (highlight * power);
-  } else {
-    sums.facing += from.share * (highlight * (kDielectric + (1.0 - kDielectric) * power));
-  }
+  const float power = twice * twice * tilted, entering = arriving - arriving * power;
+  if (kMetallic) return Response(entering, highlight, highlight * power);
+  return Response(entering, highlight * (kDielectric + (1.0 - kDielectric) * power), 0.0);
 }
 
-// An unrolled loop reads constant places of the lights, and its masks and sums need no blending on a CPU device.
-#define ADD_LIGHTS(first, count, incident)                                                                         \
-  if (count <= SIMVIS_UNROLLED_LIGHTS) {                                                                           \
-    [[unroll]] for (uint i = 0u; i < count; ++i) {                                                                 \
-      const uint light = first + i;                                                                                \
-      add_light(incident, r, sums);                                                                                \
-    }                                                                                                              \
-  } else {                                                                                                         \
-    [[dont_unroll]] for (uint i = 0u; i < count; ++i) {                                                            \
-      const uint light = first + i;                                                                                \
-      add_light(incident, r, sums);                                                                                \
-    }                                                                                                              \
+// `light`: one of those that have caused the response.
+void add_response(Response response, uint light, inout LightSums sums) {
+  const vec3 intensity = light_row(light, SIMVIS_LIGHT_INTENSITY).rgb;
+  sums.entering += intensity * response.entering;
+  if (kGlossy) sums.facing += intensity * response.facing;
+  if (kMetallic) sums.grazing += intensity * response.grazing;
+}
+
+// Adds the lights of a kind. Those that are alike are multiplied by their intensity together. An unrolled loop reads
+// constant places of the lights, and its masks and sums need no blending on a CPU device.
+#define ADD_LIGHT(first, alike, incident)                                           \
+  const uint light = first + i, alike_light = alike ? first : light;                \
+  const Response of_light = respond(incident, r);                                   \
+  if (alike) {                                                                      \
+    all.entering += of_light.entering;                                              \
+    all.facing += of_light.facing;                                                  \
+    all.grazing += of_light.grazing;                                                \
+  } else {                                                                          \
+    add_response(of_light, light, sums);                                            \
+  }
+#define ADD_LIGHTS(first, count, alike, incident)                                   \
+  {                                                                                 \
+    Response all = Response(0.0, 0.0, 0.0);                                         \
+    if (count <= SIMVIS_UNROLLED_LIGHTS) {                                          \
+      [[unroll]] for (uint i = 0u; i < count; ++i) {                                \
+        ADD_LIGHT(first, alike, incident)                                           \
+      }                                                                             \
+    } else {                                                                        \
+      [[dont_unroll]] for (uint i = 0u; i < count; ++i) {                           \
+        ADD_LIGHT(first, alike, incident)                                           \
+      }                                                                             \
+    }                                                                               \
+    if (alike && count > 0u) add_response(all, first, sums);                        \
   }
 
 Reflected reflect_lights(Reflector r) {
   LightSums sums = LightSums(vec3(0.0), vec3(0.0), vec3(0.0));
-  ADD_LIGHTS(0u, kDirectionalLights, directional_light(light))
-  ADD_LIGHTS(kDirectionalLights, kPointLights, placed_light(light, false))
-  ADD_LIGHTS(kDirectionalLights + kPointLights, kSpotLights, placed_light(light, true))
+  ADD_LIGHTS(0u, kDirectionalLights, false, directional_light(light))
+  ADD_LIGHTS(kDirectionalLights, kPointLights, kAlikePointLights, placed_light(light, alike_light, false))
+  ADD_LIGHTS(kDirectionalLights + kPointLights, kSpotLights, kAlikeSpotLights, placed_light(light, alike_light, true))
   if (!kGlossy) return Reflected(kInversePi * sums.entering, vec3(0.0));
   const vec3 entering = (kInversePi * (1.0 - r.normal_reflectance)) * sums.entering;
   if (!kMetallic) return Reflected(entering, sums.facing);

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "engine/geometry/view_projection.h"
+#include "engine/vulkan/formats.h"
 
 namespace simvis {
 namespace {
@@ -259,6 +260,23 @@ void copy_image(const FrameContext& frame, const GpuImage& image, const Buffer& 
   frame.counters.bytes_read_back += buffer.size();
 }
 
+// Lets the host read a mapped image, whose writes already are visible to transfers.
+void show_to_host(const FrameContext& frame, const GpuImage& image) {
+  const VkImageMemoryBarrier readable{.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER,
+                                      .pNext = nullptr,
+                                      .srcAccessMask = 0,
+                                      .dstAccessMask = VK_ACCESS_HOST_READ_BIT,
+                                      .oldLayout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+                                      .newLayout = VK_IMAGE_LAYOUT_GENERAL,
+                                      .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+                                      .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+                                      .image = image.get(),
+                                      .subresourceRange = {image.desc().aspect, 0, 1, 0, 1}};
+  vkCmdPipelineBarrier(frame.commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_HOST_BIT, 0, 0, nullptr, 0,
+                       nullptr, 1, &readable);
+  frame.counters.bytes_read_back += std::uint64_t{image.desc().width} * image.desc().height * kColorTexelBytes;
+}
+
 }  // namespace
 
 bool shows_layers(std::span<const ViewDraws> views) {
@@ -310,7 +328,11 @@ void record_readback(const FrameContext& frame, const Pass& pass, const RenderTa
     }
     ++frame.counters.dispatches;
   }
-  if (pass.color) copy_image(frame, target.color, target.color_readback);
+  if (pass.color && target.color.pixels()) {
+    show_to_host(frame, target.color);
+  } else if (pass.color) {
+    copy_image(frame, target.color, target.color_readback);
+  }
   if (frame.queries) frame.queries->stamp(frame.commands);
 }
 

@@ -126,7 +126,7 @@ VkPipelineColorBlendAttachmentState color_blend(const PipelineKey& key) {
 
 // The specialization constants of a shader, 4 bytes each, in the order of their numbers.
 struct Constants {
-  static constexpr std::uint32_t kCount = 13;
+  static constexpr std::uint32_t kCount = 15;
   std::uint32_t values[kCount];
   VkSpecializationMapEntry entries[kCount];
   VkSpecializationInfo info{kCount, entries, sizeof values, values};
@@ -138,6 +138,8 @@ struct Constants {
     values[SIMVIS_POINT_LIGHTS] = key.lights.point;
     values[SIMVIS_SPOT_LIGHTS] = key.lights.spot;
     values[SIMVIS_RANGED] = key.lights.ranged;
+    values[SIMVIS_ALIKE_POINT_LIGHTS] = key.lights.alike_point;
+    values[SIMVIS_ALIKE_SPOT_LIGHTS] = key.lights.alike_spot;
     values[SIMVIS_FADED] = key.surface == Surface::faded;
     values[SIMVIS_GLOSSY] = key.glossy;
     values[SIMVIS_SHADOWED] = key.shadowed;
@@ -156,8 +158,9 @@ struct Constants {
 std::uint64_t PipelineKey::bits() const {
   constexpr int kLightBits = 9;  // of each count
   std::uint64_t bits = static_cast<std::uint64_t>(topology) | static_cast<std::uint64_t>(surface) << 2;
-  for (const bool flag : {color, depth_only, textured, unlit, glossy, metallic, cull_back, mirrored, shadow_map,
-                          orthographic, shadowed, fog, cpu_selected, lights.ranged}) {
+  for (const bool flag :
+       {color, depth_only, textured, unlit, glossy, metallic, cull_back, mirrored, shadow_map, orthographic, shadowed,
+        fog, cpu_selected, lights.ranged, lights.alike_point, lights.alike_spot}) {
     bits = bits << 1 | (flag ? 1u : 0u);
   }
   bits = bits << SIMVIS_TEXTURES | maps;

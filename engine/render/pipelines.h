@@ -15,6 +15,8 @@ namespace simvis {
 struct LightCounts {
   std::uint16_t directional = 0, point = 0, spot = 0;  ///< together at most SIMVIS_MAX_LIGHTS
   bool ranged = false;                                 ///< a light has a range
+  /// The lights of the kind, two or more, have the same direction, cone and intensity: their shaders read these once.
+  bool alike_point = false, alike_spot = false;
 
   std::uint32_t all() const { return std::uint32_t{directional} + point + spot; }
   bool any() const { return all() > 0; }

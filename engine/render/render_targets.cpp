@@ -42,7 +42,7 @@ RenderTarget& RenderTargets::acquire(const Pass& pass) {
   if (pass.depth && !target->depth_readback) {
     target->depth_readback = make_readback(device_, *target, sizeof(float), "depth readback");
   }
-  if (pass.color && !target->color_readback) {
+  if (pass.color && !target->color.pixels() && !target->color_readback) {
     target->color_readback = make_readback(device_, *target, 4 * sizeof(float), "colour readback");
   }
   return *target;
@@ -80,6 +80,22 @@ GpuImage RenderTargets::make_image(const Pass& pass, const char* what, VkFormat 
                                 format == kDepthFormat ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT)});
 }
 
+// Colour that the host reads in the end. Where it can be mapped it is not copied.
+GpuImage RenderTargets::make_color(const Pass& pass, VkImageUsageFlags usage) const {
+  GpuImageDesc desc{.name = pass.name + "/colour",
+                    .width = pass.width_px,
+                    .height = pass.height_px,
+                    .format = kColorFormat,
+                    .usage = usage | VK_IMAGE_USAGE_TRANSFER_SRC_BIT};
+  desc.mapped = can_map_image(device_, desc);
+  if (desc.mapped) {
+    GpuImage image(device_, desc);
+    if (image.pixels()) return image;
+    desc.mapped = false;
+  }
+  return GpuImage(device_, std::move(desc));
+}
+
 std::unique_ptr<RenderTarget> RenderTargets::make(const Pass& pass) const {
   auto target = std::make_unique<RenderTarget>();
   target->width = pass.width_px;
@@ -96,12 +112,10 @@ std::unique_ptr<RenderTarget> RenderTargets::make(const Pass& pass) const {
   if (averaged) {
     target->color_samples = make_image(pass, "/colour samples", kColorFormat,
                                        VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT, true);
-    target->color =
-        make_image(pass, "/colour", kColorFormat, VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT, false);
+    target->color = make_color(pass, VK_IMAGE_USAGE_STORAGE_BIT);
     target->average = average_.bind(target->color_samples, target->color);
   } else if (pass.color) {
-    target->color = make_image(pass, "/colour", kColorFormat,
-                               VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT, false);
+    target->color = make_color(pass, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT);
   }
   const VkImageView views[] = {target->depth.view(), averaged ? target->color_samples.view() : target->color.view()};
   const VkFramebufferCreateInfo info{

@@ -269,7 +269,10 @@ void Renderer::Impl::read_results(const FramePlan& plan) {
     const std::size_t pixels = std::size_t{pass.width_px} * pass.height_px;
     PassResult& result = results.emplace_back();
     if (pass.depth) result.depth = {reinterpret_cast<const float*>(target.depth_readback.mapped()), pixels};
-    if (pass.color) result.color = {reinterpret_cast<const glm::vec4*>(target.color_readback.mapped()), pixels};
+    if (pass.color) {
+      const std::byte* const color = target.color.pixels() ? target.color.pixels() : target.color_readback.mapped();
+      result.color = {reinterpret_cast<const glm::vec4*>(color), pixels};
+    }
     result.snap_px = device.physical.snap_px;
     result.depth_snap_px = device.physical.depth_snap_px;
     result.views = std::span(view_counts).subspan(first_view, pass.views.size());

@@ -22,8 +22,8 @@ struct MemoryRequest {
   std::uint32_t type = 0;                          ///< one of needs.memoryTypeBits
   bool mapped = false;                             ///< the host reads or writes it
   bool requires_own = false, prefers_own = false;  ///< whether the device wants a dedicated allocation for it
-  VkBuffer buffer = VK_NULL_HANDLE;                ///< one of the two is set
-  VkImage image = VK_NULL_HANDLE;                  ///< its tiling is optimal
+  VkBuffer buffer = VK_NULL_HANDLE;                ///< null for an image
+  VkImage image = VK_NULL_HANDLE;                  ///< the other is null
 };
 
 struct MemoryBlock;

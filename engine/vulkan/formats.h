@@ -7,7 +7,8 @@ namespace simvis {
 
 inline constexpr VkFormat kDepthFormat = VK_FORMAT_D32_SFLOAT;
 inline constexpr VkFormat kColorFormat = VK_FORMAT_R32G32B32A32_SFLOAT;  ///< linear
-inline constexpr VkFormat kTextureFormat = VK_FORMAT_R8G8B8A8_SRGB;      ///< colour textures
-inline constexpr VkFormat kMapFormat = VK_FORMAT_R8G8B8A8_UNORM;         ///< textures that do not hold colours
+inline constexpr VkDeviceSize kColorTexelBytes = 4 * sizeof(float);
+inline constexpr VkFormat kTextureFormat = VK_FORMAT_R8G8B8A8_SRGB;  ///< colour textures
+inline constexpr VkFormat kMapFormat = VK_FORMAT_R8G8B8A8_UNORM;     ///< textures that do not hold colours
 
 }  // namespace simvis

@@ -37,14 +37,15 @@ MemorySlice::MemorySlice(DeviceImpl& device, VkBuffer buffer, MemoryKind kind, s
   vk_check(vkBindBufferMemory(device.device, buffer, range_.memory, range_.offset), "vkBindBufferMemory", name);
 }
 
-MemorySlice::MemorySlice(DeviceImpl& device, VkImage image, std::string_view name) : MemorySlice() {
+MemorySlice::MemorySlice(DeviceImpl& device, VkImage image, MemoryKind kind, std::string_view name) : MemorySlice() {
   device_ = &device;
   const VkImageMemoryRequirementsInfo2 info{
       .sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_REQUIREMENTS_INFO_2, .pNext = nullptr, .image = image};
   Requirements requirements;
   vkGetImageMemoryRequirements2(device.device, &info, &requirements.all);
   MemoryRequest request = requirements.request(name);
-  request.type = device.memory_type(request.needs.memoryTypeBits, MemoryKind::image);
+  request.type = device.memory_type(request.needs.memoryTypeBits, kind);
+  request.mapped = kind == MemoryKind::readback;
   request.image = image;
   take(request);
   vk_check(vkBindImageMemory(device.device, image, range_.memory, range_.offset), "vkBindImageMemory", name);

@@ -18,7 +18,8 @@ class MemorySlice {
   MemorySlice() = default;
   /// Both bind the resource to its memory and throw MachineError if no memory is left. `name` is for messages.
   MemorySlice(DeviceImpl& device, VkBuffer buffer, MemoryKind kind, std::string_view name);
-  MemorySlice(DeviceImpl& device, VkImage image, std::string_view name);
+  /// `kind`: image or readback.
+  MemorySlice(DeviceImpl& device, VkImage image, MemoryKind kind, std::string_view name);
   ~MemorySlice() { retire(); }
   MemorySlice(MemorySlice&& other) noexcept
       : device_(other.device_), range_(std::exchange(other.range_, {})), held_(std::move(other.held_)) {}
