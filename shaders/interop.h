@@ -92,7 +92,7 @@ using uint = std::uint32_t;
 #define SIMVIS_FOG 9
 #define SIMVIS_POINT_LIGHTS 10
 #define SIMVIS_SPOT_LIGHTS 11
-#define SIMVIS_RANGED 12  // a light has a range
+#define SIMVIS_RANGED 12              // a light has a range
 #define SIMVIS_ALIKE_POINT_LIGHTS 13  // the lights of the kind differ only in their position and shadow
 #define SIMVIS_ALIKE_SPOT_LIGHTS 14
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include <simvis/simulation.h>
-#include "tests/support/arm_urdf.h"
+#include "tests/support/parts/arm_urdf.h"
 #include "tests/support/moving_scene.h"
 #include "tests/support/temporary_folder.h"
 

@@ -6,7 +6,7 @@
 #include <glm/trigonometric.hpp>
 #include <numbers>
 
-#include "tests/support/arm_urdf.h"
+#include "tests/support/parts/arm_urdf.h"
 #include "tests/support/moving_scene.h"
 #include "tests/support/temporary_folder.h"
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <fstream>
 
-#include "tests/support/arm_urdf.h"
+#include "tests/support/parts/arm_urdf.h"
 #include "tests/support/moving_scene.h"
 #include "tests/support/temporary_folder.h"
 
