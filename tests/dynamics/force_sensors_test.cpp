@@ -9,8 +9,8 @@
 #include <vector>
 
 #include <simvis/simulation.h>
-#include "tests/support/parts/arm_urdf.h"
 #include "tests/support/moving_scene.h"
+#include "tests/support/parts/arm_urdf.h"
 #include "tests/support/temporary_folder.h"
 
 TEST_SUITE_BEGIN("dynamics");

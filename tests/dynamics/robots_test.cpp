@@ -6,8 +6,8 @@
 #include <glm/trigonometric.hpp>
 #include <numbers>
 
-#include "tests/support/parts/arm_urdf.h"
 #include "tests/support/moving_scene.h"
+#include "tests/support/parts/arm_urdf.h"
 #include "tests/support/temporary_folder.h"
 
 TEST_SUITE_BEGIN("dynamics");

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <fstream>
 
-#include "tests/support/parts/arm_urdf.h"
 #include "tests/support/moving_scene.h"
+#include "tests/support/parts/arm_urdf.h"
 #include "tests/support/temporary_folder.h"
 
 TEST_SUITE_BEGIN("dynamics");
