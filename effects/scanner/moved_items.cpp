@@ -97,15 +97,15 @@ void MovedItems::cast(const ScanContext& context, const DrawList& list, std::spa
       return list.meshes[list.items[move.item].mesh].get() == entry.first;
     });
   });
-  pass_over(context, rays, caster, hits);
+  cast_behind_moved(context, rays, caster, hits);
   for (const ItemMove& move : context.moves) {
     if (list.meshes[list.items[move.item].mesh]->topology == Topology::triangles) meet(context, list, move, rays, hits);
   }
 }
 
-void MovedItems::pass_over(const ScanContext& context, std::span<const BeamRay> rays, RayCaster& caster,
-                           std::span<RayHit> hits) {
-  constexpr double kLeastBehind_m = 1e-30;  // see RayCaster::cast()
+void MovedItems::cast_behind_moved(const ScanContext& context, std::span<const BeamRay> rays, RayCaster& caster,
+                                   std::span<RayHit> hits) {
+  constexpr double kMinBehind_m = 1e-30;  // see RayCaster::cast()
   std::vector<std::size_t> again;
   std::vector<glm::dvec3> origins_m, directions;
   std::vector<double> behind_m;
@@ -121,7 +121,7 @@ void MovedItems::pass_over(const ScanContext& context, std::span<const BeamRay> 
     for (const std::size_t i : again) {
       origins_m.push_back(rays[i].origin_m);
       directions.push_back(rays[i].direction);
-      behind_m.push_back(std::max(hits[i].range_m, kLeastBehind_m));
+      behind_m.push_back(std::max(hits[i].range_m, kMinBehind_m));
     }
     next.assign(again.size(), {});
     caster.cast_from(context.world_from_sensor, origins_m, directions, next, behind_m);

@@ -39,7 +39,8 @@ class MovedItems {
 
  private:
   struct OneMesh;
-  void pass_over(const ScanContext& context, std::span<const BeamRay> rays, RayCaster& caster, std::span<RayHit> hits);
+  void cast_behind_moved(const ScanContext& context, std::span<const BeamRay> rays, RayCaster& caster,
+                         std::span<RayHit> hits);
   void meet(const ScanContext& context, const DrawList& list, const ItemMove& move, std::span<const BeamRay> rays,
             std::span<RayHit> hits);
 
