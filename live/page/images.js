@@ -7,6 +7,7 @@ const UNITS = { depth: "m", disparity: "px" };
 class Picture {
   constructor(title, kind) {
     this.kind = kind;
+    this.pointer = null; // the last event of one that is over the picture
     this.figure = document.createElement("figure");
     this.figure.className = "picture";
     this.figure.innerHTML = '<figcaption><span></span><output></output></figcaption><div class="frame"></div>';
@@ -24,10 +25,16 @@ class Picture {
       this.scale.firstChild.style.background = rampCss();
       this.figure.append(this.scale);
     }
-    this.shown.addEventListener("pointermove", (event) => this.read(event));
-    this.shown.addEventListener("pointerleave", () => {
-      this.output.textContent = this.size();
-    });
+    this.shown.addEventListener("pointermove", (event) => this.point(event));
+    this.shown.addEventListener("pointerleave", () => this.point(null));
+    this.shown.addEventListener("load", () => this.point(this.pointer));
+  }
+
+  // The place under the pointer; it keeps its value up to date while new pictures come.
+  point(pointer) {
+    this.pointer = pointer;
+    if (pointer) this.read(pointer);
+    else this.output.textContent = this.size();
   }
 
   size() {
@@ -36,7 +43,6 @@ class Picture {
 
   show(message) {
     this.message = message;
-    this.output.textContent = this.size();
     if (this.kind === "colour") {
       URL.revokeObjectURL(this.shown.src);
       this.pixels = null;
@@ -57,6 +63,7 @@ class Picture {
     const [low, high] = this.scale.querySelectorAll("span");
     low.textContent = `${short(limits[0])} ${UNITS[this.kind]}`;
     high.textContent = `${short(limits[1])} ${UNITS[this.kind]}`;
+    this.point(this.pointer);
   }
 
   read(event) {

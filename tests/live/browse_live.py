@@ -95,6 +95,18 @@ class Checks:
         for page, who in zip(pages, ("the browser with the slider", "the other browser")):
             self.shows(page, value, who)
 
+    def value_under_pointer(self, page):
+        """It stays while new pictures come."""
+        for shown in ("img", "canvas"):
+            page.run(f"document.querySelector('#images {shown}').scrollIntoView({{ block: 'center' }})")
+            left, top, width, height = page.area(f"#images {shown}")
+            page.mouse("mouseMoved", left + width / 2, top + height / 2, 0)
+            value = f"document.querySelector('#images {shown}').closest('figure').querySelector('output').textContent"
+            page.wait_for(f"{value}.startsWith('(32, 24) ')", f"the value under the pointer ({shown})")
+            frame = int(page.run("document.documentElement.dataset.frame"))
+            page.wait_for(f"document.documentElement.dataset.frame > {frame + 2}", "further frames")
+            self.expect(page.run(f"{value}.startsWith('(32, 24) ')"), f"the value under the pointer goes with the next {shown}")
+
     def dragging(self, page):
         page.click_on(ROW.format("element", "MOVE"))
         page.run("document.getElementById('view').focus()")
@@ -137,6 +149,7 @@ def main():
                 page.wait_for("!!document.documentElement?.dataset.frame", "a frame")
             checks.selection(first)
             checks.slider((first, second))
+            checks.value_under_pointer(first)
             second.process.kill()
             frame = int(first.run("document.documentElement.dataset.frame"))
             first.wait_for(f"document.documentElement.dataset.frame > {frame + 3}", "frames after a browser was killed")
