@@ -65,7 +65,7 @@ class GlbWriter {
     }
     if (!extensions_.empty()) gltf["extensionsUsed"] = extensions_;
     std::string bytes = buffer_.take(gltf);
-    return join(gltf.dump(-1, ' ', false, Json::error_handler_t::replace), std::move(bytes));
+    return join(gltf.dump(-1, ' ', false, Json::error_handler_t::replace), bytes);
   }
 
  private:

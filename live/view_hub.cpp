@@ -46,7 +46,8 @@ void ViewHub::keep_measurements(ViewFrame& frame) {
   const bool same = same_structure(frame_.get(), frame);
   if (!same) measured_.clear();
   for (ViewScan& scan : frame.scans) {
-    measured_[{scan.sensor, false, {}, {}}] = {next_order_++, std::move(scan), std::nullopt, nullptr};
+    const Output output{scan.sensor, false, {}, {}};
+    measured_[output] = {next_order_++, std::move(scan), std::nullopt, nullptr};
   }
   for (ViewPicture& picture : frame.pictures) {
     const Output output{picture.sensor, true, picture.kind, picture.eye};

@@ -167,9 +167,9 @@ void BulletWorld::find_loads() {
   for (const auto& [id, articulation] : articulations_) {
     if (!articulation->measures_loads()) continue;
     std::vector<BulletArticulation::Wrench> contacts(articulation->links());
-    const auto add = [&](const btCollisionObject& object, const btVector3& at, const btVector3& force) {
+    const auto add = [&, own = id](const btCollisionObject& object, const btVector3& at, const btVector3& force) {
       const int link = link_of(object);
-      if (static_cast<std::size_t>(object.getUserIndex()) != id || link < 0) return;
+      if (static_cast<std::size_t>(object.getUserIndex()) != own || link < 0) return;
       BulletArticulation::Wrench& wrench = contacts[static_cast<std::size_t>(link)];
       wrench.force += force;
       wrench.torque += at.cross(force);

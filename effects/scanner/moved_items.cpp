@@ -151,7 +151,7 @@ void MovedItems::meet(const ScanContext& context, const DrawList& list, const It
     origins_m.push_back(seen.ray.origin_m);
     directions.push_back(seen.ray.direction);
     behind_m.push_back(seen.ray.t_min_m);
-    near.push_back(std::move(seen));
+    near.push_back(seen);
     ray_of.push_back(i);
   }
   if (near.empty()) return;

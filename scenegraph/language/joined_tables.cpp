@@ -5,7 +5,7 @@
 
 namespace simvis {
 
-AttributeTable join_tables(std::vector<std::vector<AttributeSpec>> tables) {
+AttributeTable join_tables(const std::vector<std::vector<AttributeSpec>>& tables) {
   static std::mutex mutex;
   static std::deque<std::vector<AttributeSpec>> kept;
   const std::lock_guard lock(mutex);

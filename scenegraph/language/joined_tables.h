@@ -8,6 +8,6 @@
 namespace simvis {
 
 /// The rows of a table, and of more that are appended to it. The result lives as long as the program.
-AttributeTable join_tables(std::vector<std::vector<AttributeSpec>> tables);
+AttributeTable join_tables(const std::vector<std::vector<AttributeSpec>>& tables);
 
 }  // namespace simvis
