@@ -111,10 +111,12 @@ struct WorldContact {
   double force_n = 0;                  ///< along the normal, mean of the last step
 };
 
-/// What a link exerts on its parent at their joint, mean of the last step; about the joint's origin, along the axes of
+/// The force and the torque that a link exerts on its parent, as means over the last step. All vectors have the axes of
 /// the world.
 struct LinkLoad {
-  glm::dvec3 origin_m{0}, force_n{0}, torque_nm{0};
+  glm::dvec3 origin_m{0};   ///< the joint's origin, in the world
+  glm::dvec3 force_n{0};    ///< on the parent
+  glm::dvec3 torque_nm{0};  ///< on the parent, about the joint's origin
 };
 
 /// Ids     of bodies and articulations, from one count, never given twice.

@@ -40,7 +40,7 @@ inline constexpr AttributeSpec kPoseRows[] = {pose_length("x", "forward"),
                                               pose_angle("yaw", "turn about z, last; positive is to the left")};
 inline constexpr std::size_t kPoseValues = std::size(kPoseRows);
 
-/// For join_tables().
+/// The rows of a pose. A table gets them by join_tables().
 inline std::vector<AttributeSpec> pose_rows() { return {std::begin(kPoseRows), std::end(kPoseRows)}; }
 
 /// The matrix of the values of these rows, in their order, which come first.

@@ -1,4 +1,5 @@
-// What sensors ask physics for. The element `physics` notes itself in the scene as such a group of the world.
+// The questions of sensors to the physics of a scene: contacts and loads of joints. The element `physics` inserts an
+// object of this class into the scene, where find_physics() finds it.
 #pragma once
 
 #include <functional>

@@ -229,8 +229,9 @@ std::vector<BulletArticulation::Branch> BulletArticulation::branches() const {
   return branches;
 }
 
-// What changes the momentum of a branch is its weight, its contacts, and the joint in front of it. (Bullet's own
-// feedback of joints lacks the forces of drives about the joint's axis and those of turning.)
+// Three forces change the momentum of a branch: its weight, its contacts, and that of the joint in front of it. The
+// joint's force is what the other two leave over. Bullet's own joint feedback is not used: it lacks the torque of
+// drives about the joint's axis and the centrifugal force.
 void BulletArticulation::find_loads(std::span<const Wrench> contacts, const btVector3& gravity) {
   const std::vector<Branch> now = branches();
   std::vector<Wrench> on_branch(contacts.begin(), contacts.end());

@@ -45,11 +45,11 @@ inline constexpr AttributeSpec kRestitutionRow{
     .min = 0,
     .max = 1};
 
-/// What collides and how heavy it is, for join_tables().
+/// The rows of the collision shape and of the mass. A table gets them by join_tables().
 inline std::vector<AttributeSpec> body_rows() {
   return {kBodyShapeRow, kBodyMassRow, kBodyDensityRow, kBodyInertiaRow, kBodyCenterRow};
 }
-/// Of what touches, for join_tables().
+/// The rows of friction and restitution. A table gets them by join_tables().
 inline std::vector<AttributeSpec> surface_rows() { return {kFrictionRow, kRestitutionRow}; }
 
 /// The collision shapes of the part at which the command stands, as `shape` says; `by_default` if it is not given.
