@@ -118,6 +118,13 @@ PartitionName=all Nodes=ALL Default=YES MaxTime=INFINITE State=UP
     def state(self):
         return self.run("sinfo", "-h", "-o", "%T").stdout.strip()
 
+    def is_back(self):
+        """Whether a node that was lost takes tasks again. Slurm refuses to resume it until its daemon has registered."""
+        if self.state() in ("idle", "mixed", "allocated"):
+            return True
+        self.run("scontrol", "update", f"nodename={self.node}", "state=resume")
+        return False
+
     def submit(self, folder, array, environment=None):
         """The identifier of a job array of dataset.sbatch."""
         run = subprocess.run(["sbatch", "--parsable", f"--array={array}", str(ROOT / "scenes/dataset.sbatch"), *SCAN,
@@ -185,8 +192,7 @@ def make_dataset(cluster, folder):
     cluster.start_node()
     # Slurm holds tasks of a lost node back for two minutes; an administrator may say that they start now.
     wait_for("the tasks again", lambda: cluster.run("scontrol", "update", f"jobid={job}", "starttime=now").returncode == 0)
-    wait_for("the node again", lambda: cluster.state() in ("idle", "mixed", "allocated")
-             or cluster.run("scontrol", "update", f"nodename={cluster.node}", "state=resume") is None)
+    wait_for("the node again", cluster.is_back)
     wait_for("the end of the array", lambda: not cluster.queue(job))
     missing = [shard for shard in range(SHARDS) if status(folder, shard) != "complete"]
     assert missing == [REPEATED], f"shards that are not complete: {missing}"
