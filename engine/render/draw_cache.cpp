@@ -22,7 +22,9 @@ auto state_of(const Drawable& d) {
   return std::tuple(d.key.bits(), d.single_sided, d.mirrored, d.depth_visible, d.texture, d.range.clusters.data());
 }
 
-// Whether the lights of a kind, two or more, differ in nothing that shaders read but their position and shadow.
+// Whether the lights of a kind, two or more, differ in nothing that shaders read but their position and shadow. It
+// follows from this frame alone: shaders for lights that are alike round otherwise, and bytes must not depend on
+// earlier frames.
 bool all_alike(const DrawList& list, LightKind kind) {
   std::optional<shader::LightBlock> first;
   bool several = false;
@@ -47,17 +49,6 @@ LightCounts count_lights(const DrawList& list) {
   counts.alike_point = all_alike(list, LightKind::point);
   counts.alike_spot = all_alike(list, LightKind::spot);
   return counts;
-}
-
-// Lights that have differed count as different for as long as their number is the same. Otherwise lights that turn or
-// flicker could change pipelines in every frame.
-LightCounts keep_difference(LightCounts lights, const LightCounts& before) {
-  const bool same_number =
-      lights.directional == before.directional && lights.point == before.point && lights.spot == before.spot;
-  if (!same_number) return lights;
-  lights.alike_point = lights.alike_point && before.alike_point;
-  lights.alike_spot = lights.alike_spot && before.alike_spot;
-  return lights;
 }
 
 // Whether a map, if present, changes the appearance of the material.
@@ -88,7 +79,7 @@ void DrawCache::update(const DrawList& list, MeshUse use, GeometryPool& geometry
     throw InputError("the scene has " + std::to_string(list.lights.size()) + " lights, expected at most " +
                      std::to_string(SIMVIS_MAX_LIGHTS));
   }
-  const LightCounts lights = color ? keep_difference(count_lights(list), lights_) : lights_;
+  const LightCounts lights = color ? count_lights(list) : lights_;
   const bool new_lights = lights_ != lights;
   if (color) light_order_ = light_order(list);
   if (new_tables) mesh_ranks_ = canonical_ranks(meshes_);

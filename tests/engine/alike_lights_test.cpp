@@ -1,6 +1,7 @@
 // Lights of a kind that differ only in their position share a part of their shading.
 #include <doctest/doctest.h>
 
+#include <cstring>
 #include <vector>
 
 #include "tests/support/renderer_scene.h"
@@ -79,6 +80,21 @@ TEST_CASE("lights that flicker make pipelines once") {
     CHECK(renderer.counters().pipelines_made == 0);
     CHECK(renderer.counters().pipelines_bound == 1);
   }
+}
+
+TEST_CASE("a picture depends on its own lights, and not on those of earlier frames") {
+  const FramePlan plan = plan_of(16, 16, 8, true, false);
+  RendererScene scene =
+      wall_and_lamps({.kind = LightKind::point, .color = {1, 0.7f, 0.3f}}, {{-1, 0, 0.3}, {1, 0.4, 0}, {0.2, -1, 0.7}});
+  Renderer fresh(device());
+  const auto expected = fresh.render(scene.list, plan)[0].color;
+  Renderer renderer(device());
+  scene.list.lights[1].light.intensity = 3;
+  renderer.render(scene.list, plan);
+  scene.list.lights[1].light.intensity = scene.list.lights[0].light.intensity;
+  const auto color = renderer.render(scene.list, plan)[0].color;
+  REQUIRE(color.size() == expected.size());
+  CHECK(std::memcmp(color.data(), expected.data(), color.size() * sizeof(color[0])) == 0);
 }
 
 }  // namespace
