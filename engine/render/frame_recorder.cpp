@@ -45,9 +45,9 @@ void bind_vertices(const FrameContext& frame, bool cpu_selected) {
 void bind_run(const FrameContext& frame, const Pass& pass, const DrawRun& run, Bound& bound) {
   PipelineKey key = run.key;
   key.samples = static_cast<std::uint8_t>(pass.msaa);
-  const std::size_t known = frame.pipelines.made();
-  const VkPipeline pipeline = frame.pipelines.get(key);
-  if (frame.pipelines.made() > known) {
+  VkPipeline& pipeline = frame.known_pipelines[key.bits()];
+  if (pipeline == VK_NULL_HANDLE) {
+    pipeline = frame.pipelines.get(key);
     ++frame.counters.pipelines_made;
     frame.made.meshes.push_back(key.bits());
   }

@@ -17,7 +17,7 @@ struct FrameCounters {
       triangles = 0,                 ///< triangles of these draw calls
       pipelines_bound = 0,           ///< pipeline bindings
       dispatches = 0;                ///< compute dispatches
-  std::uint64_t pipelines_made = 0;  ///< compiled, or loaded from the cache of earlier runs
+  std::uint64_t pipelines_made = 0;  ///< compiled, or taken from the cache of earlier runs or from other simulations
   std::uint64_t bytes_uploaded = 0,  ///< host to device
       bytes_read_back = 0;           ///< device to host
   std::uint64_t items_culled = 0;    ///< items that a view did not draw because it cannot see them, summed over views
