@@ -12,7 +12,8 @@ struct FrameCounters {
   std::uint64_t passes = 0,          ///< render passes
       views = 0,                     ///< views of all passes, less the shadow maps that are kept
       shadow_maps = 0,               ///< shadow maps drawn: one for a view of the light, six for a cube. Those whose
-                                     ///< casters and light stand still are kept from frame to frame
+                                     ///< casters and light stand still are kept from frame to frame; of the others
+                                     ///< only the part that moving casters cover is drawn
       draws = 0,                     ///< draw calls
       triangles = 0,                 ///< triangles of these draw calls
       pipelines_bound = 0,           ///< pipeline bindings
