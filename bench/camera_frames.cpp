@@ -12,11 +12,14 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <functional>
 #include <memory>
 #include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <simvis/simulation.h>
@@ -93,6 +96,32 @@ class Run {
   int frame_ = 0;
 };
 
+/// marvin's room with seven point lights that cast shadows in place of its six lamps. The sun of the room stays.
+std::filesystem::path write_lamps(const std::filesystem::path& folder, const std::filesystem::path& marvin) {
+  constexpr std::pair<double, double> kPlaces_m[] = {{-4, 2.2}, {0, 2.2},  {4, 2.2}, {-4, -2.2},
+                                                     {0, -2.2}, {4, -2.2}, {0, 0}};
+  const std::string file = "file=\"", end = "</simvis>";
+  std::ifstream in(marvin);
+  std::string scene;
+  for (std::string line; std::getline(in, line);) {
+    if (line.find("lamp.glb") != std::string::npos) continue;
+    if (const std::size_t at = line.find(file); at != std::string::npos) {
+      line.insert(at + file.size(), marvin.parent_path().string() + "/");
+    }
+    scene += line + "\n";
+  }
+  std::string lamps;
+  for (const auto& [x, y] : kPlaces_m) {
+    lamps += "<element type=\"light\" name=\"LIGHT_" + std::to_string(lamps.size()) +
+             "\" insert_at=\"LAB\" kind=\"point\" x=\"" + std::to_string(x) + "\" y=\"" + std::to_string(y) +
+             "\" z=\"2.6\" intensity=\"4\" shadows=\"yes\"/>\n";
+  }
+  scene.insert(scene.rfind(end), lamps);
+  const std::filesystem::path written = folder / "lamps.xml";
+  std::ofstream(written) << scene;
+  return written;
+}
+
 std::vector<Case> cases(const std::filesystem::path& folder) {
   const std::filesystem::path marvin = SIMVIS_SOURCE_DIR "/scenes/marvin/marvin.xml";
   const auto drive = [path = marvin.parent_path() / "drive.csv"](Simulation& simulation, int) {
@@ -110,6 +139,11 @@ std::vector<Case> cases(const std::filesystem::path& folder) {
                         of_marvin("marvin room depth", "ROOM_CAM", {{"outputs", "depth"}, {"msaa", "1"}}),
                         of_marvin("marvin robot msaa 4", "ROBOT_CAM", {{"outputs", "color"}, {"msaa", "4"}}),
                         of_marvin("marvin room msaa 4", "ROOM_CAM", {{"outputs", "color"}, {"msaa", "4"}})};
+  // The settings keep them out of --export.
+  const Settings lit{{"width", "640"}, {"height", "480"}, {"outputs", "color"}, {"msaa", "1"}};
+  const std::filesystem::path lamps = write_lamps(folder, marvin);
+  all.push_back({"marvin robot 7 shadows", lamps, "ROBOT_CAM", lit, drive});
+  all.push_back({"marvin robot 7 shadows still", lamps, "ROBOT_CAM", lit, [](Simulation&, int) {}});
   const std::string camera =
       R"(<sensor type="camera" name="CAMERA" insert_at="ROBOT" width="640" height="480" pose_offset="0 0 1.5 0 0 0"/>)";
   for (const auto& [name, triangles] :

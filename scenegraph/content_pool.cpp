@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <mutex>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -153,18 +154,50 @@ void forget_expired(Table<T>& table) {
   std::erase_if(table, [](const auto& entry) { return entry.second.expired(); });
 }
 
-template <class T>
-std::shared_ptr<const T> find_or_add(Table<T>& table, T&& content) {
-  const std::uint64_t key = hash(content);
+template <class T, class Equal>
+std::shared_ptr<const T> find(const Table<T>& table, std::uint64_t key, const Equal& equal) {
   const auto [first, last] = table.equal_range(key);
   for (auto entry = first; entry != last; ++entry) {
     std::shared_ptr<const T> known = entry->second.lock();
-    if (known && same(*known, content)) return known;
+    if (known && equal(*known)) return known;
   }
+  return nullptr;
+}
+
+template <class T>
+void add(Table<T>& table, std::uint64_t key, const std::shared_ptr<const T>& content) {
   forget_expired(table);
-  auto added = std::make_shared<const T>(std::forward<T>(content));
-  table.emplace(key, added);
-  return added;
+  table.emplace(key, content);
+}
+
+// Names stand in messages, so that content with another name is other content to another pool.
+bool identical(const Mesh& a, const Mesh& b) {
+  return a.name == b.name && same(a, b) && same_bits(a.longest_edge, b.longest_edge);
+}
+bool identical(const Texture& a, const Texture& b) { return a.name == b.name && same(a, b); }
+bool identical(const Material& a, const Material& b) { return a.name == b.name && same(a, b); }
+
+// The content of all pools of the process: simulations of the same parts hold them once.
+template <class T>
+std::shared_ptr<const T> shared_by_pools(std::uint64_t key, T&& content) {
+  static std::mutex mutex;
+  static Table<T> table;
+  const std::lock_guard lock(mutex);
+  std::shared_ptr<const T> known = find(table, key, [&](const T& other) { return identical(other, content); });
+  if (known) return known;
+  known = std::make_shared<const T>(std::forward<T>(content));
+  add(table, key, known);
+  return known;
+}
+
+template <class T>
+std::shared_ptr<const T> find_or_add(Table<T>& table, T&& content) {
+  const std::uint64_t key = hash(content);
+  std::shared_ptr<const T> known = find(table, key, [&](const T& other) { return same(other, content); });
+  if (known) return known;
+  known = shared_by_pools(key, std::forward<T>(content));
+  add(table, key, known);
+  return known;
 }
 
 }  // namespace

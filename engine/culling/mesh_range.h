@@ -22,6 +22,7 @@ struct MeshRange {
   std::span<const glm::vec3> positions{};  ///< in host memory
   std::span<const Occluder> occluders{};   ///< for triangles
   const FacePlanes* flat = nullptr;
+  glm::vec3 bounds_min{0}, bounds_max{0};  ///< of the whole mesh, in its frame
 };
 
 }  // namespace simvis

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "engine/base/thread_pool.h"
+#include "engine/draw/shared_by_mesh.h"
 #include "engine/geometry/tree_cache.h"
 
 namespace simvis {
@@ -60,6 +61,12 @@ std::array<glm::vec3, 3> Blas::unit_corners(std::uint32_t primitive) const {
     corners[k] = (p - centre_) / radius_;
   }
   return corners;
+}
+
+std::shared_ptr<const Blas> shared_blas(const std::shared_ptr<const Mesh>& mesh, const std::filesystem::path& cache,
+                                        const std::shared_ptr<ThreadPool>& pool) {
+  static SharedByMesh<Blas> known;
+  return known.find_or_make(*mesh, [&] { return std::make_shared<const Blas>(mesh, cache, pool); });
 }
 
 }  // namespace simvis

@@ -12,8 +12,8 @@
 
 namespace simvis {
 
-/// A triangle mesh and its unit frame. A point p of the mesh is (p - centre) / radius in the unit frame, so that the
-/// mesh lies in the unit ball.
+/// A triangle mesh and its unit frame. Several threads may use one at the same time. A point p of the mesh is (p -
+/// centre) / radius in the unit frame, so that the mesh lies in the unit ball.
 class Blas {
  public:
   /// `cache`: folder that keeps the trees of large meshes; empty for none. `pool`: threads that build trees.
@@ -57,5 +57,10 @@ class Blas {
   mutable WideBvh tree_;
   mutable std::vector<WideBvh::Leaf> leaves_;
 };
+
+/// The Blas of a mesh, which all ray casters of the process share while one of them holds it. If there is none yet, it
+/// gets the other arguments. Any thread may call.
+std::shared_ptr<const Blas> shared_blas(const std::shared_ptr<const Mesh>& mesh, const std::filesystem::path& cache,
+                                        const std::shared_ptr<ThreadPool>& pool);
 
 }  // namespace simvis

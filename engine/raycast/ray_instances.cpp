@@ -55,9 +55,9 @@ bool RayInstances::update_structure(const DrawList& list) {
     const std::shared_ptr<const Mesh>& mesh = list.meshes[list.items[i].mesh];
     if (mesh->topology != Topology::triangles || mesh->indices.size() < 3) continue;
     wanted.insert(mesh.get());
-    std::unique_ptr<Blas>& made = meshes_[mesh.get()];
+    std::shared_ptr<const Blas>& made = meshes_[mesh.get()];
     if (made == nullptr) {
-      made = std::make_unique<Blas>(mesh, cache, pool_);
+      made = shared_blas(mesh, cache, pool_);
       ++counters.meshes_built;
       counters.triangles_built += made->triangles();
     }

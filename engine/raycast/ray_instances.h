@@ -68,7 +68,7 @@ class RayInstances {
 
   std::filesystem::path cache_;
   std::shared_ptr<ThreadPool> pool_;
-  std::unordered_map<const Mesh*, std::unique_ptr<Blas>> meshes_;
+  std::unordered_map<const Mesh*, std::shared_ptr<const Blas>> meshes_;
   std::vector<DrawItem> list_items_;
   std::vector<std::shared_ptr<const Mesh>> list_meshes_;
   std::vector<RayInstance> items_;

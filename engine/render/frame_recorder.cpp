@@ -45,9 +45,9 @@ void bind_vertices(const FrameContext& frame, bool cpu_selected) {
 void bind_run(const FrameContext& frame, const Pass& pass, const DrawRun& run, Bound& bound) {
   PipelineKey key = run.key;
   key.samples = static_cast<std::uint8_t>(pass.msaa);
-  const std::size_t known = frame.pipelines.made();
-  const VkPipeline pipeline = frame.pipelines.get(key);
-  if (frame.pipelines.made() > known) {
+  VkPipeline& pipeline = frame.known_pipelines[key.bits()];
+  if (pipeline == VK_NULL_HANDLE) {
+    pipeline = frame.pipelines.get(key);
     ++frame.counters.pipelines_made;
     frame.made.meshes.push_back(key.bits());
   }
@@ -102,13 +102,9 @@ void draw_together(const FrameContext& frame, std::span<const DrawRun> runs, Bou
   }
 }
 
-// Records the part of the view that lies in these rows of the targets.
-void record_view(const FrameContext& frame, const Pass& pass, const View& view, const ViewDraws& draws, DrawPhase share,
-                 const LayerRows& rows, Bound& bound) {
-  const std::span<const DrawRun> runs = share_of(frame, draws, share);
-  const std::uint32_t top = std::max(pass.supersampling * view.y_px, rows.first);
-  const std::uint32_t bottom = std::min(pass.supersampling * (view.y_px + view.height_px), rows.first + rows.count);
-  if (runs.empty() || top >= bottom) return;
+// Records draws of a view, as far as they lie within the scissor.
+void record_runs(const FrameContext& frame, const Pass& pass, const View& view, const ViewDraws& draws, DrawPhase share,
+                 std::span<const DrawRun> runs, const VkRect2D& scissor, Bound& bound) {
   const auto supersampling = static_cast<float>(pass.supersampling),
              guard = supersampling * static_cast<float>(guard_rows(view));
   const VkViewport viewport{.x = supersampling * static_cast<float>(view.x_px),
@@ -117,8 +113,6 @@ void record_view(const FrameContext& frame, const Pass& pass, const View& view, 
                             .height = supersampling * static_cast<float>(view.height_px) + 2 * guard,
                             .minDepth = 0,
                             .maxDepth = 1};
-  const VkRect2D scissor{{static_cast<std::int32_t>(pass.supersampling * view.x_px), static_cast<std::int32_t>(top)},
-                         {pass.supersampling * view.width_px, bottom - top}};
   frame.device.begin_label(frame.commands, view.name);
   vkCmdSetViewport(frame.commands, 0, 1, &viewport);
   vkCmdSetScissor(frame.commands, 0, 1, &scissor);
@@ -136,6 +130,25 @@ void record_view(const FrameContext& frame, const Pass& pass, const View& view, 
   }
   if (frame.queries) frame.queries->end_draws(frame.commands);
   frame.device.end_label(frame.commands);
+}
+
+// Records the part of the view that lies in these rows of the targets.
+void record_view(const FrameContext& frame, const Pass& pass, const View& view, const ViewDraws& draws, DrawPhase share,
+                 const LayerRows& rows, Bound& bound) {
+  const std::span<const DrawRun> runs = share_of(frame, draws, share);
+  const std::uint32_t top = std::max(pass.supersampling * view.y_px, rows.first);
+  const std::uint32_t bottom = std::min(pass.supersampling * (view.y_px + view.height_px), rows.first + rows.count);
+  if (runs.empty() || top >= bottom) return;
+  const VkRect2D scissor{{static_cast<std::int32_t>(pass.supersampling * view.x_px), static_cast<std::int32_t>(top)},
+                         {pass.supersampling * view.width_px, bottom - top}};
+  record_runs(frame, pass, view, draws, share, runs, scissor, bound);
+}
+
+VkRect2D in_target(const View& view, const PixelRect& pixels) {
+  const glm::uvec2 size = pixels.last - pixels.first;
+  return {
+      {static_cast<std::int32_t>(view.x_px + pixels.first.x), static_cast<std::int32_t>(view.y_px + pixels.first.y)},
+      {size.x, size.y}};
 }
 
 // One of the Vulkan render passes that make up a pass.
@@ -170,14 +183,15 @@ class RenderPassScope {
   RenderPassScope(const RenderPassScope&) = delete;
   RenderPassScope& operator=(const RenderPassScope&) = delete;
 
-  /// Draws the views of a shadow atlas that are due, and records a timestamp at the end of each view.
+  /// Draws what is due of the views of a shadow atlas, and records a timestamp at the end of each view.
   void record_due(std::span<const ViewDraws> views, const ShadowMapCache& cache) {
-    const LayerRows all{0, pass_.height_px};
     for (std::size_t i = 0; i < views.size(); ++i) {
       const View& view = pass_.views[i];
-      if (cache.is_due(i)) {
-        if (!cache.is_new()) clear(view);
-        record_view(frame_, pass_, view, views[i], DrawPhase::solid, all, bound_);
+      if (!cache.due(i).empty()) {
+        const VkRect2D place = in_target(view, cache.due(i));
+        if (!cache.is_new()) clear(place);
+        const std::span<const DrawRun> runs = cache.due_runs(i);
+        if (!runs.empty()) record_runs(frame_, pass_, view, views[i], DrawPhase::solid, runs, place, bound_);
         ++frame_.counters.views;
         ++frame_.counters.shadow_maps;
       }
@@ -194,14 +208,11 @@ class RenderPassScope {
   }
 
  private:
-  void clear(const View& view) const {
+  void clear(const VkRect2D& place) const {
     VkClearAttachment nothing{};
     nothing.aspectMask = VK_IMAGE_ASPECT_DEPTH_BIT;
-    const VkClearRect place{.rect = {{static_cast<std::int32_t>(view.x_px), static_cast<std::int32_t>(view.y_px)},
-                                     {view.width_px, view.height_px}},
-                            .baseArrayLayer = 0,
-                            .layerCount = 1};
-    vkCmdClearAttachments(frame_.commands, 1, &nothing, 1, &place);
+    const VkClearRect rect{.rect = place, .baseArrayLayer = 0, .layerCount = 1};
+    vkCmdClearAttachments(frame_.commands, 1, &nothing, 1, &rect);
   }
 
   const FrameContext& frame_;

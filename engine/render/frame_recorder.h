@@ -2,6 +2,7 @@
 #pragma once
 
 #include <span>
+#include <unordered_map>
 #include <vector>
 
 #include "engine/render/frame_draw_lists.h"
@@ -25,6 +26,8 @@ struct FrameContext {
   DeviceImpl& device;
   VkCommandBuffer commands;
   Pipelines& pipelines;
+  std::unordered_map<std::uint64_t, VkPipeline>&
+      known_pipelines;  ///< that this renderer has used, by bits of their keys
   ResolvePass& average;
   OitBuffer& layers;
   const GeometryPool& geometry;

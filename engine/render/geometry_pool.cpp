@@ -82,7 +82,9 @@ std::span<const MeshRange> GeometryPool::update(std::span<const std::shared_ptr<
                   .facing = entry.facing,
                   .positions = entry.mesh->positions,
                   .occluders = entry.occluders,
-                  .flat = &entry.flat};
+                  .flat = &entry.flat,
+                  .bounds_min = entry.mesh->bounds_min,
+                  .bounds_max = entry.mesh->bounds_max};
   }
   return ranges_;
 }

@@ -3,8 +3,10 @@
 #include <bit>
 #include <cstddef>
 #include <iterator>
+#include <map>
 #include <span>
 #include <string>
+#include <utility>
 
 #include "engine/base/assert.h"
 #include "engine/render/geometry_pool.h"
@@ -169,48 +171,58 @@ std::uint64_t PipelineKey::bits() const {
   return bits << 3 | static_cast<std::uint64_t>(std::countr_zero(samples));
 }
 
-Pipelines::Pipelines(DeviceImpl& device)
-    : device_(device),
-      depth_vert_(make_module(device, mesh_depth_vert, "mesh_depth.vert")),
-      mask_vert_(make_module(device, mesh_mask_vert, "mesh_mask.vert")),
-      color_vert_(make_module(device, mesh_color_vert, "mesh_color.vert")),
-      mask_frag_{make_module(device, mesh_mask_frag, "mesh_mask.frag"),
-                 make_module(device, mesh_mask_textured_frag, "mesh_mask_textured.frag")},
-      color_frag_{make_module(device, mesh_color_frag, "mesh_color.frag"),
-                  make_module(device, mesh_color_textured_frag, "mesh_color_textured.frag"),
-                  make_module(device, mesh_color_mapped_frag, "mesh_color_mapped.frag")},
-      mapped_vert_(make_module(device, mesh_color_mapped_vert, "mesh_color_mapped.vert")),
-      layer_frag_{make_module(device, mesh_layer_frag, "mesh_layer.frag"),
-                  make_module(device, mesh_layer_textured_frag, "mesh_layer_textured.frag"),
-                  make_module(device, mesh_layer_mapped_frag, "mesh_layer_mapped.frag")} {
+Pipelines::Pipelines(std::shared_ptr<SharedDevice> device)
+    : device_(std::move(device)),
+      depth_vert_(make_module(device_, mesh_depth_vert, "mesh_depth.vert")),
+      mask_vert_(make_module(device_, mesh_mask_vert, "mesh_mask.vert")),
+      color_vert_(make_module(device_, mesh_color_vert, "mesh_color.vert")),
+      mask_frag_{make_module(device_, mesh_mask_frag, "mesh_mask.frag"),
+                 make_module(device_, mesh_mask_textured_frag, "mesh_mask_textured.frag")},
+      color_frag_{make_module(device_, mesh_color_frag, "mesh_color.frag"),
+                  make_module(device_, mesh_color_textured_frag, "mesh_color_textured.frag"),
+                  make_module(device_, mesh_color_mapped_frag, "mesh_color_mapped.frag")},
+      mapped_vert_(make_module(device_, mesh_color_mapped_vert, "mesh_color_mapped.vert")),
+      layer_frag_{make_module(device_, mesh_layer_frag, "mesh_layer.frag"),
+                  make_module(device_, mesh_layer_textured_frag, "mesh_layer_textured.frag"),
+                  make_module(device_, mesh_layer_mapped_frag, "mesh_layer_mapped.frag")} {
   const VkDescriptorSetLayoutBinding frame_bindings[] = {
       descriptor_binding(SIMVIS_MATERIALS, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_SHADER_STAGE_VERTEX_BIT),
       descriptor_binding(SIMVIS_LIGHTS, VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, VK_SHADER_STAGE_FRAGMENT_BIT),
       descriptor_binding(SIMVIS_MAP_PLACES, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_SHADER_STAGE_VERTEX_BIT)};
-  frame_set_layout_ = DescriptorLayout(device, frame_bindings, "frame set layout");
+  frame_set_layout_ = DescriptorLayout(device_, frame_bindings, "frame set layout");
   VkDescriptorSetLayoutBinding texture_bindings[SIMVIS_TEXTURES];
   for (std::uint32_t binding = 0; binding < SIMVIS_TEXTURES; ++binding) {
     texture_bindings[binding] =
         descriptor_binding(binding, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, VK_SHADER_STAGE_FRAGMENT_BIT);
   }
-  texture_set_layout_ = DescriptorLayout(device, texture_bindings, "texture set layout");
+  texture_set_layout_ = DescriptorLayout(device_, texture_bindings, "texture set layout");
 
   const VkDescriptorSetLayoutBinding layer_bindings[] = {
       descriptor_binding(SIMVIS_LAYER_LISTS, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_SHADER_STAGE_FRAGMENT_BIT),
       descriptor_binding(SIMVIS_LAYER_NODES, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_SHADER_STAGE_FRAGMENT_BIT)};
-  layers_set_layout_ = DescriptorLayout(device, layer_bindings, "layers set layout");
+  layers_set_layout_ = DescriptorLayout(device_, layer_bindings, "layers set layout");
 
   const VkDescriptorSetLayout sets[] = {frame_set_layout_.get(), texture_set_layout_.get(), layers_set_layout_.get()};
-  layout_ = make_mesh_layout(device, sets, "mesh pipeline layout");
+  layout_ = make_mesh_layout(device_, sets, "mesh pipeline layout");
 }
 
 VkRenderPass Pipelines::render_pass(const RenderPassKind& kind) {
+  const std::lock_guard lock(making_);
+  return locked_render_pass(kind);
+}
+
+VkRenderPass Pipelines::locked_render_pass(const RenderPassKind& kind) {
   const auto [place, added] = render_passes_.try_emplace(kind.bits());
   if (!place->second) place->second = make_render_pass(device_, kind);
   return place->second.get();
 }
 
 const ShadowPipelines& Pipelines::shadows() {
+  const std::lock_guard lock(making_);
+  return locked_shadows();
+}
+
+const ShadowPipelines& Pipelines::locked_shadows() {
   if (!shadows_) {
     const VkDescriptorSetLayout sets[] = {frame_set_layout_.get(), texture_set_layout_.get(), layers_set_layout_.get()};
     shadows_.emplace(device_, sets);
@@ -219,17 +231,24 @@ const ShadowPipelines& Pipelines::shadows() {
 }
 
 VkPipeline Pipelines::get(const PipelineKey& key) {
+  const std::lock_guard lock(making_);
   const auto [place, added] = pipelines_.try_emplace(key.bits());
   if (!place->second) place->second = make(key);
   return place->second.get();
+}
+
+std::size_t Pipelines::made() {
+  const std::lock_guard lock(making_);
+  return pipelines_.size();
 }
 
 Pipelines::Program Pipelines::program(const PipelineKey& key, const VkSpecializationInfo& constants) {
   if (key.shadow_map) return shadow_map_program(key, constants);
   if (!key.depth_only) {
     const std::size_t look = key.maps != 0 ? 2 : key.textured ? 1 : 0;
-    const Handle<VkShaderModule>& fragments = key.blends() ? (key.shadowed ? shadows().layer_frag : layer_frag_)[look]
-                                                           : (key.shadowed ? shadows().color_frag : color_frag_)[look];
+    const Handle<VkShaderModule>& fragments = key.blends()
+                                                  ? (key.shadowed ? locked_shadows().layer_frag : layer_frag_)[look]
+                                                  : (key.shadowed ? locked_shadows().color_frag : color_frag_)[look];
     return {
         {shader_stage(VK_SHADER_STAGE_VERTEX_BIT, key.maps != 0 ? mapped_vert_.get() : color_vert_.get(), &constants),
          shader_stage(VK_SHADER_STAGE_FRAGMENT_BIT, fragments.get(), &constants)},
@@ -250,7 +269,8 @@ Pipelines::Program Pipelines::program(const PipelineKey& key, const VkSpecializa
 Pipelines::Program Pipelines::shadow_map_program(const PipelineKey& key, const VkSpecializationInfo& constants) {
   const bool masked = key.surface == Surface::masked;
   const VkShaderModule vertices = masked ? mask_vert_.get() : depth_vert_.get();
-  const VkShaderModule fragments = masked ? shadows().map_mask_frag[key.textured].get() : shadows().map_frag.get();
+  const VkShaderModule fragments =
+      masked ? locked_shadows().map_mask_frag[key.textured].get() : locked_shadows().map_frag.get();
   return {{shader_stage(VK_SHADER_STAGE_VERTEX_BIT, vertices, &constants),
            shader_stage(VK_SHADER_STAGE_FRAGMENT_BIT, fragments)},
           2,
@@ -270,9 +290,22 @@ Handle<VkPipeline> Pipelines::make(const PipelineKey& key) {
       .samples = key.samples,
       .depth = depth_stencil(key),
       .colors = {&color, key.color ? 1u : 0u},
-      .layout = key.shadowed ? shadows().layout.get() : layout_.get(),
-      .render_pass = render_pass({.color = key.color, .sampled = key.shadow_map, .samples = key.samples})};
+      .layout = key.shadowed ? locked_shadows().layout.get() : layout_.get(),
+      .render_pass = locked_render_pass({.color = key.color, .sampled = key.shadow_map, .samples = key.samples})};
   return make_pipeline(device_, desc, "mesh pipeline " + std::to_string(key.bits()));
+}
+
+std::shared_ptr<Pipelines> shared_pipelines(const DeviceImpl& device) {
+  static std::mutex mutex;
+  static std::map<const SharedDevice*, std::weak_ptr<Pipelines>> known;
+  const std::lock_guard lock(mutex);
+  std::erase_if(known, [](const auto& entry) { return entry.second.expired(); });
+  std::shared_ptr<Pipelines> pipelines = known[device.shared.get()].lock();
+  if (pipelines == nullptr) {
+    pipelines = std::make_shared<Pipelines>(device.shared);
+    known[device.shared.get()] = pipelines;
+  }
+  return pipelines;
 }
 
 }  // namespace simvis

@@ -1,6 +1,8 @@
 // The graphics pipelines of meshes: layouts, shaders and one pipeline per kind of surface, created on first use.
 #pragma once
 
+#include <memory>
+#include <mutex>
 #include <optional>
 #include <unordered_map>
 
@@ -53,14 +55,19 @@ struct PipelineKey {
   std::uint64_t bits() const;
 };
 
+/// The renderers of a device share them, whatever their simulation.
+///
+/// Lifetime  pipelines and layouts live as long as this object. Whoever submits commands with them keeps it until the
+///           submission has finished.
+/// Threads   any. A thread that needs a pipeline that another one is making waits for it.
 class Pipelines {
  public:
-  explicit Pipelines(DeviceImpl& device);
+  explicit Pipelines(std::shared_ptr<SharedDevice> device);
 
   /// Creates the pipeline on first use.
   VkPipeline get(const PipelineKey& key);
 
-  std::size_t made() const { return pipelines_.size(); }  ///< number of pipelines so far
+  std::size_t made();  ///< number of pipelines so far
 
   VkPipelineLayout layout() const { return layout_.get(); }
   const DescriptorLayout& frame_set_layout() const { return frame_set_layout_; }
@@ -80,11 +87,15 @@ class Pipelines {
     std::uint32_t stage_count;
     VkPipelineVertexInputStateCreateInfo input;
   };
+  // These expect that the caller holds the lock.
+  const ShadowPipelines& locked_shadows();
+  VkRenderPass locked_render_pass(const RenderPassKind& kind);
   Program program(const PipelineKey& key, const VkSpecializationInfo& constants);
   Program shadow_map_program(const PipelineKey& key, const VkSpecializationInfo& constants);
   Handle<VkPipeline> make(const PipelineKey& key);
 
-  DeviceImpl& device_;
+  std::mutex making_;
+  DeviceImpl device_;  // owns what renderers share, so that none of them needs to outlive the others
   DescriptorLayout frame_set_layout_, texture_set_layout_, layers_set_layout_;
   Handle<VkPipelineLayout> layout_;
   std::unordered_map<std::uint32_t, Handle<VkRenderPass>> render_passes_;
@@ -96,5 +107,8 @@ class Pipelines {
   std::optional<ShadowPipelines> shadows_;
   std::unordered_map<std::uint64_t, Handle<VkPipeline>> pipelines_;
 };
+
+/// The pipelines of the renderers of this device.
+std::shared_ptr<Pipelines> shared_pipelines(const DeviceImpl& device);
 
 }  // namespace simvis

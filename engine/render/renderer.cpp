@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <unordered_map>
 #include <utility>
 
 #include <simvis/device.h>
@@ -73,15 +74,15 @@ const Pass* find_shadow_maps(const FramePlan& plan) {
 struct Renderer::Impl {
   explicit Impl(DeviceImpl& d)
       : device(d),
+        pipelines(shared_pipelines(d)),
         commands(d),
         uploads(d),
-        pipelines(d),
         geometry(d),
-        textures(d, pipelines.texture_set_layout()),
-        buffers(d, pipelines.frame_set_layout()),
+        textures(d, pipelines->texture_set_layout()),
+        buffers(d, pipelines->frame_set_layout()),
         average(d),
-        layers(d, pipelines),
-        targets(d, pipelines, average),
+        layers(d, *pipelines),
+        targets(d, *pipelines, average),
         draws(d.physical.snap_px, d.physical.is_cpu(), d.threads) {
     if (d.instrumented) queries.emplace(d);
   }
@@ -96,9 +97,10 @@ struct Renderer::Impl {
   void forget();
 
   DeviceImpl& device;
+  std::shared_ptr<Pipelines> pipelines;  // outlives the commands, which wait for the last frame
+  std::unordered_map<std::uint64_t, VkPipeline> known_pipelines;  // what is counted is not what other renderers made
   FrameCommands commands;
   Uploads uploads;
-  Pipelines pipelines;
   GeometryPool geometry;
   TextureStore textures;
   FrameBuffers buffers;
@@ -204,7 +206,7 @@ void Renderer::Impl::prepare(const DrawList& list, const FramePlan& plan) {
   buffers.write_cpu_selected(draws.cpu_selected(), uploads);
   if (color) buffers.write_lights(draws.lights(), uploads);
   if (const Pass* const maps = find_shadow_maps(plan)) {
-    if (!shadows) shadows.emplace(device, pipelines.shadows().set_layout);
+    if (!shadows) shadows.emplace(device, pipelines->shadows().set_layout);
     shadows->write(plan, *maps, uploads);
   }
 }
@@ -231,7 +233,8 @@ void Renderer::Impl::record(VkCommandBuffer recorded, const DrawList& list, cons
 
   const FrameContext frame{.device = device,
                            .commands = recorded,
-                           .pipelines = pipelines,
+                           .pipelines = *pipelines,
+                           .known_pipelines = known_pipelines,
                            .average = average,
                            .layers = layers,
                            .geometry = geometry,

@@ -374,6 +374,8 @@ void ViewDrawList::draw_seen_clusters(const Drawable& d, const View& view, const
   for (MeshRange& part : seen_) {
     part.first_index += d.range.first_index;
     part.vertex_offset = d.range.vertex_offset;
+    part.bounds_min = d.range.bounds_min;
+    part.bounds_max = d.range.bounds_max;
     add_run(d, key, part, instance);
   }
   last_group_ = kNoGroup;

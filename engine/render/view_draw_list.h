@@ -45,6 +45,7 @@ struct PixelRect {
   glm::uvec2 first{0}, last{0};
 
   bool empty() const { return first.x >= last.x || first.y >= last.y; }
+  bool operator==(const PixelRect&) const = default;
 };
 
 /// The phases in which the runs of a view are drawn.

@@ -13,6 +13,8 @@ const DeviceInfo& Device::info() const { return impl_->physical.info; }
 bool Device::is_cpu() const { return impl_->physical.is_cpu(); }
 const TargetLimits& Device::target_limits() const { return impl_->physical.targets; }
 std::uint64_t Device::memory_bytes() const { return impl_->memory_bytes; }
-std::uint64_t Device::validation_messages() const { return impl_->instance->messages(); }
+std::uint64_t Device::validation_messages() const {
+  return impl_->shared->instance().messages() - impl_->messages_before;
+}
 
 }  // namespace simvis

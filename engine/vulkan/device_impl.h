@@ -14,8 +14,7 @@
 
 #include <simvis/device_info.h>
 #include "engine/vulkan/device_memory.h"
-#include "engine/vulkan/found_device.h"
-#include "engine/vulkan/pipeline_cache.h"
+#include "engine/vulkan/shared_device.h"
 
 namespace simvis {
 
@@ -39,8 +38,11 @@ struct Retired {
   std::uint64_t serial = 0;  ///< the last submission that may use it
 };
 
+/// One user of a device that several may share: its memory, its objects and its submissions.
 struct DeviceImpl {
   DeviceImpl(const DeviceDesc& desc, unsigned pool_size);
+  /// For objects that users of the device share. It submits nothing.
+  explicit DeviceImpl(std::shared_ptr<SharedDevice> device);
   ~DeviceImpl();
   DeviceImpl(const DeviceImpl&) = delete;
   DeviceImpl& operator=(const DeviceImpl&) = delete;
@@ -60,23 +62,20 @@ struct DeviceImpl {
   void destroy_retired();
   std::uint64_t live_objects() const { return live_objects_; }
 
-  /// Labels for debuggers and messages; they cost nothing without validation.
-  void begin_label(VkCommandBuffer commands, std::string_view name) const;
-  void end_label(VkCommandBuffer commands) const;
+  void begin_label(VkCommandBuffer commands, std::string_view name) const { shared->begin_label(commands, name); }
+  void end_label(VkCommandBuffer commands) const { shared->end_label(commands); }
 
   /// Same as vkCmdDrawIndexed for each of `draws`, in this order. Uses VK_EXT_multi_draw if the device supports it.
   void draw_indexed(VkCommandBuffer commands, std::span<const VkMultiDrawIndexedInfoEXT> draws,
                     std::uint32_t instance_count, std::uint32_t first_instance) const;
 
-  std::shared_ptr<Instance> instance;
+  std::shared_ptr<SharedDevice> shared;
   PhysicalDevice physical;
   VkPhysicalDeviceMemoryProperties memory{};
   VkDevice device = VK_NULL_HANDLE;
-  VkQueue queue = VK_NULL_HANDLE;
   std::filesystem::path cache_folder;  ///< empty: nothing is kept on disk
   std::optional<DeviceMemory> device_memory;
-  std::optional<PipelineCache> pipeline_cache;
-  std::shared_ptr<ThreadPool> threads;  ///< for all host work of this device
+  std::shared_ptr<ThreadPool> threads;  ///< for all host work of this user
   ProgressCallback progress;
 
   void report(const Progress& how_far) const {
@@ -89,7 +88,8 @@ struct DeviceImpl {
 
   /// Whether queries time and count the device's work, see DeviceDesc. If false, no query pool exists.
   bool instrumented = false;
-  std::uint64_t memory_bytes = 0;  ///< of all existing buffers and images
+  std::uint64_t memory_bytes = 0;     ///< of all existing buffers and images of this user
+  std::uint64_t messages_before = 0;  ///< of the validation layer, when this user began
 
   // Submissions are numbered from 1. While commands are recorded, the next submission may still use an object that is
   // retired.
@@ -97,16 +97,10 @@ struct DeviceImpl {
   bool recording = false;
 
  private:
-  DeviceImpl(FoundDevice found, const DeviceDesc& desc, unsigned pool_size);
-  void create_device();
   void choose_upload();
 
   std::deque<Retired> retired_;
   std::uint64_t live_objects_ = 0;
-  PFN_vkCmdDrawMultiIndexedEXT draw_many_ = nullptr;
-  PFN_vkSetDebugUtilsObjectNameEXT set_name_ = nullptr;
-  PFN_vkCmdBeginDebugUtilsLabelEXT begin_label_ = nullptr;
-  PFN_vkCmdEndDebugUtilsLabelEXT end_label_ = nullptr;
 };
 
 }  // namespace simvis

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/vulkan/free_ranges.h"
+#include "engine/base/free_ranges.h"
 
 namespace simvis {
 

@@ -53,7 +53,7 @@ void FrameCommands::submit() {
   info.pCommandBuffers = &commands_;
   VkFence fence = fence_.get();
   vk_check(vkResetFences(device_.device, 1, &fence), "vkResetFences");
-  vk_check(vkQueueSubmit(device_.queue, 1, &info, fence), "vkQueueSubmit");
+  vk_check(device_.shared->submit(info, fence), "vkQueueSubmit");
   ++device_.submitted;
   device_.recording = false;
   in_flight_ = true;

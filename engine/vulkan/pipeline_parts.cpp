@@ -89,7 +89,7 @@ Handle<VkPipeline> make_pipeline(DeviceImpl& device, const GraphicsPipelineDesc&
   info.layout = desc.layout;
   info.renderPass = desc.render_pass;
   VkPipeline pipeline = VK_NULL_HANDLE;
-  vk_check(vkCreateGraphicsPipelines(device.device, device.pipeline_cache->get(), 1, &info, nullptr, &pipeline),
+  vk_check(vkCreateGraphicsPipelines(device.device, device.shared->pipeline_cache(), 1, &info, nullptr, &pipeline),
            "vkCreateGraphicsPipelines");
   return Handle<VkPipeline>(device, pipeline, name);
 }
@@ -101,7 +101,7 @@ Handle<VkPipeline> make_pipeline(DeviceImpl& device, VkShaderModule module, VkPi
   info.stage = shader_stage(VK_SHADER_STAGE_COMPUTE_BIT, module, constants);
   info.layout = layout;
   VkPipeline pipeline = VK_NULL_HANDLE;
-  vk_check(vkCreateComputePipelines(device.device, device.pipeline_cache->get(), 1, &info, nullptr, &pipeline),
+  vk_check(vkCreateComputePipelines(device.device, device.shared->pipeline_cache(), 1, &info, nullptr, &pipeline),
            "vkCreateComputePipelines");
   return Handle<VkPipeline>(device, pipeline, name);
 }

@@ -29,10 +29,11 @@ struct PictureSource {
   std::function<void(Material&)> without{};
 };
 
-/// Finds equal content by hash and then by value. Names are not compared.
+/// Finds equal content by hash and then by value. Names are not compared. All pools of a process share content that is
+/// equal and has the same name, so that simulations of the same parts hold their meshes and textures once.
 ///
 /// Lifetime  the pool holds weak references: content that has no other owner is released.
-/// Threads   one thread at a time.
+/// Threads   one thread at a time; several pools in several threads.
 class SIMVIS_API ContentPool {
  public:
   std::shared_ptr<const Mesh> intern(Mesh&& mesh);           ///< the pooled mesh that equals `mesh`; never null

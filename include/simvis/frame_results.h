@@ -12,12 +12,13 @@ struct FrameCounters {
   std::uint64_t passes = 0,          ///< render passes
       views = 0,                     ///< views of all passes, less the shadow maps that are kept
       shadow_maps = 0,               ///< shadow maps drawn: one for a view of the light, six for a cube. Those whose
-                                     ///< casters and light stand still are kept from frame to frame
+                                     ///< casters and light stand still are kept from frame to frame; of the others
+                                     ///< only the part that moving casters cover is drawn
       draws = 0,                     ///< draw calls
       triangles = 0,                 ///< triangles of these draw calls
       pipelines_bound = 0,           ///< pipeline bindings
       dispatches = 0;                ///< compute dispatches
-  std::uint64_t pipelines_made = 0;  ///< compiled, or loaded from the cache of earlier runs
+  std::uint64_t pipelines_made = 0;  ///< compiled, or taken from the cache of earlier runs or from other simulations
   std::uint64_t bytes_uploaded = 0,  ///< host to device
       bytes_read_back = 0;           ///< device to host
   std::uint64_t items_culled = 0;    ///< items that a view did not draw because it cannot see them, summed over views

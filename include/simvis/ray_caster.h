@@ -67,7 +67,8 @@ struct RayCounters {
   std::uint64_t rays = 0;              ///< rays cast
   std::uint64_t item_tests = 0,        ///< tests of a ray packet with an item
       triangle_tests = 0;              ///< tests of a ray packet with a triangle
-  std::uint64_t meshes_built = 0,      ///< meshes for which a tree was built: when a ray first came near
+  std::uint64_t meshes_built = 0,      ///< meshes that were new to the caster; casters share their trees, which
+                                       ///< are built when a ray first comes near
       triangles_built = 0;             ///< triangles of these trees that rays can hit
   std::uint64_t items_placed = 0;      ///< boxes computed for the tree over items
   std::uint64_t item_trees_built = 0,  ///< trees over items that were built

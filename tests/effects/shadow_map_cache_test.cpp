@@ -1,6 +1,9 @@
 // Shadow maps are drawn again only where their casters, their light or their place have changed.
 #include <doctest/doctest.h>
 
+#include <random>
+#include <vector>
+
 #include "effects/scene/shadows.h"
 #include "scenegraph/primitive_meshes.h"
 #include "tests/support/renderer_scene.h"
@@ -75,6 +78,48 @@ TEST_CASE("a moving camera keeps the maps, and a moving caster draws the sides t
   CHECK(renderer.counters().shadow_maps < kCubeSides);
   CHECK(after != before);
   CHECK(after == picture_anew(world, world.plan()));
+}
+
+TEST_CASE("where a caster moves, only the casters that reach its texels are drawn") {
+  LitBoxes world;
+  world.scene.add(box_mesh(glm::dvec3(0.25)), colored({0, 1, 0, 1}), at(0, 3, 4));
+  const auto draws_of_maps = [&](Renderer& renderer) {
+    const std::vector<glm::vec4> now = picture(renderer, world, world.plan());
+    const std::uint64_t draws = renderer.counters().draws;
+    CHECK(picture(renderer, world, world.plan()) == now);
+    CHECK(renderer.counters().shadow_maps == 0);
+    CHECK(now == picture_anew(world, world.plan()));
+    return draws - renderer.counters().draws;
+  };
+  Renderer renderer(device());
+  const std::uint64_t all = draws_of_maps(renderer);
+  world.scene.list.world_from_node[world.moving] = at(1.5, 0.125, 4);
+  const std::uint64_t some = draws_of_maps(renderer);
+  // Of the side with both boxes, the wall and the small box, only the wall and the moving box.
+  CHECK(some == 2);
+  CHECK(all > some);
+}
+
+TEST_CASE("casters that move at random, appear and come before the light leave the maps of a first frame") {
+  LitBoxes world;
+  std::vector<std::uint32_t> transforms;
+  std::mt19937 random(22);
+  std::uniform_real_distribution<double> place(-4, 4);
+  const auto anywhere = [&] { return at(place(random), place(random), place(random)); };
+  for (int i = 0; i < 6; ++i) {
+    transforms.push_back(world.scene.add_transform(anywhere()));
+    world.scene.list.items.push_back({world.scene.add_mesh(box_mesh(glm::dvec3(0.25 + 0.25 * i))),
+                                      world.scene.add_material(colored({1, 1, 0, 1})), transforms.back()});
+  }
+  Renderer renderer(device());
+  std::uint64_t partly = 0;
+  for (std::size_t frame = 0; frame < 24; ++frame) {
+    CAPTURE(frame);
+    if (frame > 0) world.scene.list.world_from_node[transforms[frame % transforms.size()]] = anywhere();
+    CHECK(picture(renderer, world, world.plan()) == picture_anew(world, world.plan()));
+    partly += renderer.counters().shadow_maps > 0 && renderer.counters().shadow_maps < kCubeSides;
+  }
+  CHECK(partly > 0);
 }
 
 TEST_CASE("a moved light and a changed mesh draw all maps") {

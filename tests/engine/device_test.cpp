@@ -9,6 +9,7 @@
 
 #include <simvis/error.h>
 #include "engine/base/cache_file.h"
+#include "engine/render/pipelines.h"
 #include "engine/vulkan/buffer.h"
 #include "engine/vulkan/device_impl.h"
 #include "engine/vulkan/found_device.h"
@@ -174,6 +175,36 @@ TEST_CASE("messages of the validation layer are counted") {
   MESSAGE("the next validation error is wanted: a buffer without a use");
   const Buffer bad(device.impl(), {.name = "bad", .size = 4, .usage = 0, .memory = MemoryKind::staging});
   CHECK(device.validation_messages() > 0);
+}
+
+TEST_CASE("devices of the same choice share one logical device, which is closed with the last of them") {
+  const fs::path folder = fresh_folder("shared");
+  const DeviceDesc desc{.select = "", .validation = false, .cache_dir = folder.string()};
+  DeviceDesc counted = desc;
+  counted.instrumented = true;
+  std::weak_ptr<SharedDevice> shared;
+  {
+    Device first(desc);
+    shared = first.impl().shared;
+    {
+      Device second(desc), other(counted);
+      CHECK(second.impl().shared == first.impl().shared);
+      CHECK(other.impl().shared != first.impl().shared);
+      const auto pipelines = shared_pipelines(first.impl());
+      CHECK(shared_pipelines(second.impl()) == pipelines);
+      CHECK(shared_pipelines(other.impl()) != pipelines);
+      CHECK(pipelines->get({}) == pipelines->get({}));
+      CHECK(pipelines->made() == 1);
+      const Buffer buffer(second.impl(), {.name = "of the second",
+                                          .size = 4,
+                                          .usage = VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
+                                          .memory = MemoryKind::staging});
+      CHECK(second.memory_bytes() > 0);
+      CHECK(first.memory_bytes() == 0);
+    }
+    CHECK(!shared.expired());
+  }
+  CHECK(shared.expired());
 }
 
 TEST_CASE("objects are destroyed when the submission that may use them has finished") {

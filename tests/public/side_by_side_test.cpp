@@ -101,6 +101,32 @@ TEST_CASE("simulations of different scenes in four threads give the bytes that e
   CHECK(found == expected);
 }
 
+TEST_CASE("simulations of one scene hold its content once, and give the same bytes in four threads") {
+  const Driven arm{kScenes / "arm/arm.xml", kScenes / "arm/reach.csv"};
+  const std::vector<std::uint64_t> expected = run(arm, 1, kFrames);
+  Simulation first = Simulation::load(arm.scene);
+  first.step();
+  Simulation second = Simulation::load(arm.scene);
+  second.step();
+  // What a simulation counts does not depend on what others have made before.
+  CHECK(second.diagnostics().counters() == first.diagnostics().counters());
+  CHECK(!second.diagnostics().draw_list().meshes.empty());
+  CHECK(second.diagnostics().draw_list().meshes == first.diagnostics().draw_list().meshes);
+  CHECK(second.diagnostics().draw_list().materials == first.diagnostics().draw_list().materials);
+
+  std::vector<std::vector<std::uint64_t>> found(4);
+  std::latch together(static_cast<std::ptrdiff_t>(found.size()));
+  std::vector<std::jthread> threads;
+  for (std::vector<std::uint64_t>& mine : found) {
+    threads.emplace_back([&] {
+      together.arrive_and_wait();
+      mine = run(arm, 2, kFrames);
+    });
+  }
+  threads.clear();
+  for (const std::vector<std::uint64_t>& each : found) CHECK(each == expected);
+}
+
 TEST_CASE("a plug-in is loaded while other threads load and step simulations") {
   const TemporaryFolder folder;
   const Driven small{write_wall_scene(folder.path(), kSmallScene), {}};

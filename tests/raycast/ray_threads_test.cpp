@@ -13,6 +13,7 @@
 #include "engine/base/thread_pool.h"
 #include "engine/geometry/clusters.h"
 #include "engine/geometry/wide_bvh.h"
+#include "engine/raycast/blas.h"
 
 TEST_SUITE_BEGIN("engine/raycast");
 
@@ -106,6 +107,25 @@ TEST_CASE("casters in different threads do not disturb one another") {
     callers.clear();
     CHECK(same == std::vector<int>(4, kCasts));
   }
+}
+
+TEST_CASE("casters with threads of their own share the tree of a mesh, while one of them is there") {
+  const DrawList list = one_item(random_triangles(kTriangles));
+  const std::vector<glm::dvec3> directions = random_directions(4'000);
+  std::vector<std::vector<RayHit>> hits(4);
+  std::weak_ptr<const Blas> shared;
+  {
+    const std::shared_ptr<const Blas> first = shared_blas(list.meshes[0], {}, shared_thread_pool(2));
+    shared = first;
+    std::vector<std::jthread> callers;
+    for (unsigned threads = 1; threads <= hits.size(); ++threads) {
+      callers.emplace_back([&, threads] { hits[threads - 1] = cast_with(threads, list, directions); });
+    }
+    callers.clear();
+    CHECK(shared_blas(list.meshes[0], {}, shared_thread_pool(1)) == first);
+  }
+  CHECK(shared.expired());
+  for (const std::vector<RayHit>& mine : hits) CHECK(mine == cast_with(1, list, directions));
 }
 
 TEST_CASE("trees and orders of triangles are the same on any number of threads") {

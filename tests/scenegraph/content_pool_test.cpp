@@ -47,6 +47,29 @@ TEST_CASE("equal meshes are one object regardless of names; each difference make
   CHECK(pool.intern(std::move(lines)) != first);
 }
 
+TEST_CASE("pools share equal content of the same name, and hold it no longer than it is used") {
+  ContentPool one, other;
+  std::weak_ptr<const Mesh> released;
+  {
+    const auto mesh = one.intern(triangle());
+    released = mesh;
+    CHECK(other.intern(triangle()) == mesh);
+    // Messages of a simulation do not depend on what other simulations call their meshes.
+    Mesh named = triangle();
+    named.name = "named";
+    ContentPool third;
+    CHECK(third.intern(std::move(named))->name == "named");
+  }
+  CHECK(released.expired());
+
+  const auto texture = one.intern(picture());
+  CHECK(other.intern(picture()) == texture);
+  Material painted, same;
+  painted.base_color_texture = same.base_color_texture = texture;
+  const auto material = one.intern(std::move(painted));
+  CHECK(other.intern(std::move(same)) == material);
+}
+
 TEST_CASE("a NaN equals itself") {
   ContentPool pool;
   const float nan = std::numeric_limits<float>::quiet_NaN();

@@ -1,4 +1,4 @@
-#include "engine/vulkan/free_ranges.h"
+#include "engine/base/free_ranges.h"
 
 #include <bit>
 #include <iterator>

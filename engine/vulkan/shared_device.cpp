@@ -1,0 +1,120 @@
+#include "engine/vulkan/shared_device.h"
+
+#include <map>
+#include <shared_mutex>
+#include <utility>
+
+#include "engine/vulkan/vulkan_check.h"
+
+namespace simvis {
+namespace {
+
+void destroy_device(VkDevice device) {
+  const std::unique_lock lock(loader_lists());
+  vkDestroyDevice(device, nullptr);
+}
+
+}  // namespace
+
+SharedDevice::SharedDevice(FoundDevice found, const DeviceChoice& choice)
+    : instance_(std::move(found.instance)), physical_(std::move(found.physical)), choice_(choice) {
+  create();
+  try {
+    pipeline_cache_ = std::make_unique<PipelineCache>(device_, physical_.properties, choice.cache_folder);
+  } catch (...) {
+    destroy_device(device_);
+    throw;
+  }
+}
+
+SharedDevice::~SharedDevice() {
+  vkDeviceWaitIdle(device_);  // A lost device has nothing left to wait for.
+  pipeline_cache_->save();
+  pipeline_cache_.reset();
+  destroy_device(device_);
+}
+
+void SharedDevice::create() {
+  const float priority = 1;
+  const VkDeviceQueueCreateInfo queue_info{.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
+                                           .pNext = nullptr,
+                                           .flags = 0,
+                                           .queueFamilyIndex = physical_.queue_family,
+                                           .queueCount = 1,
+                                           .pQueuePriorities = &priority};
+  VkPhysicalDeviceFeatures features{};
+  features.fullDrawIndexUint32 = VK_TRUE;
+  features.pipelineStatisticsQuery = choice_.instrumented && physical_.counts_invocations;
+  features.fragmentStoresAndAtomics = VK_TRUE;
+  features.sampleRateShading = VK_TRUE;
+  VkDeviceCreateInfo info{};
+  info.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO;
+  info.queueCreateInfoCount = 1;
+  info.pQueueCreateInfos = &queue_info;
+  info.pEnabledFeatures = &features;
+  VkPhysicalDeviceMultiDrawFeaturesEXT multi_draw{};
+  multi_draw.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MULTI_DRAW_FEATURES_EXT;
+  multi_draw.multiDraw = VK_TRUE;
+  const char* const extension = VK_EXT_MULTI_DRAW_EXTENSION_NAME;
+  if (physical_.max_draws > 1) {
+    info.pNext = &multi_draw;
+    info.enabledExtensionCount = 1;
+    info.ppEnabledExtensionNames = &extension;
+  }
+  {
+    const std::unique_lock lock(loader_lists());
+    vk_check(vkCreateDevice(physical_.handle, &info, nullptr, &device_), "vkCreateDevice");
+  }
+  vkGetDeviceQueue(device_, physical_.queue_family, 0, &queue_);
+  if (physical_.max_draws > 1) draw_many_ = function<PFN_vkCmdDrawMultiIndexedEXT>("vkCmdDrawMultiIndexedEXT");
+  if (!instance_->validation()) return;
+  set_name_ = function<PFN_vkSetDebugUtilsObjectNameEXT>("vkSetDebugUtilsObjectNameEXT");
+  begin_label_ = function<PFN_vkCmdBeginDebugUtilsLabelEXT>("vkCmdBeginDebugUtilsLabelEXT");
+  end_label_ = function<PFN_vkCmdEndDebugUtilsLabelEXT>("vkCmdEndDebugUtilsLabelEXT");
+}
+
+VkResult SharedDevice::submit(const VkSubmitInfo& info, VkFence fence) {
+  const std::lock_guard lock(submitting_);
+  return vkQueueSubmit(queue_, 1, &info, fence);
+}
+
+void SharedDevice::name(VkObjectType type, std::uint64_t handle, std::string_view name) const {
+  if (!set_name_) return;
+  const std::string text(name);
+  const VkDebugUtilsObjectNameInfoEXT info{.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_OBJECT_NAME_INFO_EXT,
+                                           .pNext = nullptr,
+                                           .objectType = type,
+                                           .objectHandle = handle,
+                                           .pObjectName = text.c_str()};
+  const std::shared_lock lock(loader_lists());
+  set_name_(device_, &info);
+}
+
+void SharedDevice::begin_label(VkCommandBuffer commands, std::string_view name) const {
+  if (!begin_label_) return;
+  const std::string text(name);
+  const VkDebugUtilsLabelEXT label{.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_LABEL_EXT,
+                                   .pNext = nullptr,
+                                   .pLabelName = text.c_str(),
+                                   .color = {0, 0, 0, 0}};
+  begin_label_(commands, &label);
+}
+
+void SharedDevice::end_label(VkCommandBuffer commands) const {
+  if (end_label_) end_label_(commands);
+}
+
+std::shared_ptr<SharedDevice> shared_device(const DeviceChoice& choice) {
+  static std::mutex mutex;
+  static std::map<DeviceChoice, std::weak_ptr<SharedDevice>> open;
+  const std::lock_guard lock(mutex);
+  std::weak_ptr<SharedDevice>& place = open[choice];
+  std::shared_ptr<SharedDevice> device = place.lock();
+  if (device == nullptr) {
+    device = std::make_shared<SharedDevice>(find_device(choice.validation, choice.select, bundled_driver()), choice);
+    place = device;
+  }
+  return device;
+}
+
+}  // namespace simvis

@@ -1,0 +1,78 @@
+// A logical Vulkan device that is open in this process. All simulations with the same choice of a device share it.
+#pragma once
+
+#include <vulkan/vulkan.h>
+
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <string_view>
+
+#include <simvis/device_info.h>
+#include "engine/vulkan/found_device.h"
+#include "engine/vulkan/pipeline_cache.h"
+
+namespace simvis {
+
+/// What simulations must agree on to share a device.
+struct DeviceChoice {
+  bool validation = false, instrumented = false;
+  std::string select;                  ///< as DeviceDesc::select
+  std::filesystem::path cache_folder;  ///< empty: nothing is kept on disk
+
+  auto operator<=>(const DeviceChoice&) const = default;
+};
+
+/// Vulkan lets threads call functions of one device at the same time, as long as each uses objects of its own. So what
+/// one simulation makes belongs to its DeviceImpl, and only the queue needs a lock.
+///
+/// Threads  any.
+class SharedDevice {
+ public:
+  SharedDevice(FoundDevice found, const DeviceChoice& choice);
+  ~SharedDevice();  ///< waits for the device and saves the pipeline cache
+  SharedDevice(const SharedDevice&) = delete;
+  SharedDevice& operator=(const SharedDevice&) = delete;
+
+  const Instance& instance() const { return *instance_; }
+  const PhysicalDevice& physical() const { return physical_; }
+  const DeviceChoice& choice() const { return choice_; }
+  VkDevice get() const { return device_; }
+  VkPipelineCache pipeline_cache() const { return pipeline_cache_->get(); }
+
+  /// vkQueueSubmit. Submissions of all threads run in the order of these calls.
+  VkResult submit(const VkSubmitInfo& info, VkFence fence);
+
+  /// Names and labels for debuggers and messages; they cost nothing without validation.
+  void name(VkObjectType type, std::uint64_t handle, std::string_view name) const;
+  void begin_label(VkCommandBuffer commands, std::string_view name) const;
+  void end_label(VkCommandBuffer commands) const;
+
+  /// vkCmdDrawMultiIndexedEXT; null if the device draws one at a time.
+  PFN_vkCmdDrawMultiIndexedEXT draw_many() const { return draw_many_; }
+
+ private:
+  void create();
+  template <typename Function>
+  Function function(const char* name) const {
+    return reinterpret_cast<Function>(vkGetDeviceProcAddr(device_, name));
+  }
+
+  std::shared_ptr<Instance> instance_;
+  PhysicalDevice physical_;
+  DeviceChoice choice_;
+  VkDevice device_ = VK_NULL_HANDLE;
+  std::mutex submitting_;
+  VkQueue queue_ = VK_NULL_HANDLE;
+  std::unique_ptr<PipelineCache> pipeline_cache_;
+  PFN_vkCmdDrawMultiIndexedEXT draw_many_ = nullptr;
+  PFN_vkSetDebugUtilsObjectNameEXT set_name_ = nullptr;
+  PFN_vkCmdBeginDebugUtilsLabelEXT begin_label_ = nullptr;
+  PFN_vkCmdEndDebugUtilsLabelEXT end_label_ = nullptr;
+};
+
+/// The open device of this choice; opens it if no simulation holds one. Throws as Device.
+std::shared_ptr<SharedDevice> shared_device(const DeviceChoice& choice);
+
+}  // namespace simvis
