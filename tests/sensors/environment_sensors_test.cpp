@@ -96,6 +96,14 @@ TEST_CASE("the standard atmosphere has the pressures of its table") {
   }
 }
 
+TEST_CASE("a barometer above the limits of its formulas reads the pressure at them") {
+  for (const auto& [height, limit] : {std::pair{"-1e6", -5000.0}, std::pair{"1e6", 80000.0}}) {
+    const Simulation simulation = measured_once("<sensor type='barometer' name='B' insert_at='ROOT' pose_offset='0 0 " +
+                                                std::string(height) + " 0 0 0'/>");
+    CHECK(simulation.value("B", "pressure_pa") == standard_pressure_pa(limit, 101325));
+  }
+}
+
 TEST_CASE("a barometer in the weather, and an altimeter above its reference") {
   Simulation simulation = Simulation::from_string(R"(
     <part name="DRONE" insert_at="ROOT"/>
