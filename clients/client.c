@@ -25,7 +25,8 @@ struct simvis_client {
   uint64_t size;
   struct simvis_header* header;
   struct simvis_client_area* area;
-  uint64_t group_of[SIMVIS_SHM_GROUPS]; /* the element of each group in use */
+  uint64_t groups;                      /* in use; the shared count may be damaged by other clients */
+  uint64_t group_of[SIMVIS_SHM_GROUPS]; /* the element of each of them */
   uint64_t requests;
 };
 
@@ -312,14 +313,13 @@ int simvis_set(simvis_client* client, int64_t parameter, double value) {
 }
 
 static struct simvis_group* group_of(simvis_client* client, uint64_t element) {
-  const uint64_t used = load(&client->area->group_count);
-  for (uint64_t g = 0; g < used; ++g) {
+  for (uint64_t g = 0; g < client->groups; ++g) {
     if (client->group_of[g] == element) return &client->area->groups[g];
   }
-  if (used == SIMVIS_SHM_GROUPS) return NULL;
-  client->group_of[used] = element;
-  store(&client->area->group_count, used + 1);
-  return &client->area->groups[used];
+  if (client->groups == SIMVIS_SHM_GROUPS) return NULL;
+  client->group_of[client->groups] = element;
+  store(&client->area->group_count, client->groups + 1);
+  return &client->area->groups[client->groups++];
 }
 
 int simvis_set_element(simvis_client* client, int64_t id, const double* values, size_t count) {

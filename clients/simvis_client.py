@@ -8,15 +8,16 @@
         scan = sim.latest("FRONT_SCANNER")
         print(scan.frame, scan["range_m"].min())
 
-Units are those of the elements' tables: metres, degrees. The layout of the memory is that of <simvis_client/shared_memory.h>, and so are
-its rules. Stores are single ones for the processor; on processors that reorder stores (ARM) a lock of the standard
-library stands between those whose order matters.
+Units are those of the elements' tables: metres, degrees. The layout of the memory is that of
+<simvis_client/shared_memory.h>, and so are its rules. Stores are single ones for the processor; on processors that
+reorder stores (ARM) a lock of the standard library stands between those whose order matters.
 """
 import ctypes
 import fcntl
 import math
 import mmap
 import os
+import re
 import struct
 import threading
 import time
@@ -114,6 +115,10 @@ def _lock(file, byte):
         return False
 
 
+def _unlock(file, byte):
+    fcntl.fcntl(file, fcntl.F_OFD_SETLK, _flock(fcntl.F_UNLCK, byte))
+
+
 def _is_locked(file, byte):
     return struct.unpack("hhqqi4x", fcntl.fcntl(file, fcntl.F_OFD_GETLK, _flock(fcntl.F_WRLCK, byte)))[0] != fcntl.F_UNLCK
 
@@ -193,13 +198,23 @@ class Connection:
     """A connection to a running simulation. One thread at a time."""
 
     def __init__(self, name, client):
+        for each in name, client:
+            if not re.fullmatch(r"[A-Za-z0-9._-]{1,63}", each):
+                raise SimvisError(f'"{each}": expected 1 to 63 of A-Z a-z 0-9 . _ -')
         self._name, self._own_name = name, client
         self._groups, self._requests = {}, 0
-        self._memory = None
         try:
             self._file = os.open(f"/dev/shm/simvis-{name}", os.O_RDWR | os.O_CLOEXEC)
         except FileNotFoundError:
             raise SimvisError(f'no simulation is served as "{name}"') from None
+        try:
+            self._map(name)
+            self._take_area(client)
+        except BaseException:
+            os.close(self._file)
+            raise
+
+    def _map(self, name):
         size = os.fstat(self._file).st_size
         if size < ctypes.sizeof(_Header):
             raise SimvisError(f'"{name}" is no simulation')
@@ -212,7 +227,6 @@ class Connection:
             raise SimvisError(f'the host of "{name}" has ended')
         self._values = np.frombuffer(self._memory, np.float64, header.values.capacity, header.values.offset)
         self._applied = np.frombuffer(self._memory, np.float64, header.applied.capacity, header.applied.offset)
-        self._take_area(client)
 
     def _take_area(self, client):
         for i in range(2 * CLIENTS):
@@ -229,15 +243,15 @@ class Connection:
             area.name = client.encode()
             _barrier()
             area.connection += 1
-            self._area = area
+            self._area, self._area_byte = area, offset
             return
         raise SimvisError(f"{CLIENTS} clients are connected, no more can be")
 
     def close(self):
         """Ends the connection; also at the end of a with statement."""
-        if getattr(self, "_area", None) is not None:
-            self._area.connection |= 1
-        os.close(self._file)  # lets go of the lock; the mapping goes with the last array
+        self._area.connection |= 1
+        _unlock(self._file, self._area_byte)  # the mapping, which goes with the last array, holds the file open
+        os.close(self._file)
 
     def reconnect(self, timeout_s=None):
         """Connects to the host that has the name now, after the present one has ended. Elements of before are then

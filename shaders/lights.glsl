@@ -17,22 +17,23 @@ const bool kLit = kDirectionalLights + kPointLights + kSpotLights > 0u;
 layout(set = SIMVIS_FRAME_SET, binding = SIMVIS_LIGHTS) uniform samplerBuffer lights;
 
 const float kDielectric = 0.04;  // reflectance at normal incidence for the refractive index 1.5
-// The smallest divisors of a highlight. They keep it finite where a light or the eye is 1e-6 rad or less from the plane
-// of the surface, or nearer than that to the direction opposite to the other.
+// The smallest divisors of a highlight, which keep it finite. With alpha at least SIMVIS_MIN_ROUGHNESS^2 = 0.0025, a
+// divisor is below them only if the directions to the light and to the eye are opposite within 1e-7 / alpha = 4e-5 rad,
+// or if both lie in the plane of the surface within 1e-9 / alpha = 4e-7 rad.
 const float kMinSpread = 1e-14, kMinMasking = 1e-9;
 
 // The properties of a point that are the same for all lights.
 struct Reflector {
-  vec3 normal;  // on the side of the eye, unit length
-  vec3 to_eye;  // unit vector
+  vec3 normal;          // on the side of the eye, unit length
+  vec3 to_eye;          // unit vector
   float normal_dot_eye;
-  float eye;          // cosine to the eye, at least 0
-  float square;       // roughness to the fourth power
-  float half_square;  // half of it over pi
-  float eye_masking;  // Smith's term of the eye
+  float eye_cosine;     // to the eye, at least 0
+  float alpha_square;   // roughness to the fourth power
+  float density_scale;  // alpha_square / (2 pi)
+  float eye_masking;    // Smith's term of the eye
   vec3 normal_reflectance;
-  vec3 plane_normal;  // of the triangle; used only for shadows
-  float reach;        // sum of the magnitudes of the position's terms, m; used only for shadows
+  vec3 plane_normal;    // of the triangle; used only for shadows
+  float reach;          // sum of the magnitudes of the position's terms, m; used only for shadows
 };
 
 struct Reflected {
@@ -40,11 +41,11 @@ struct Reflected {
   vec3 highlight;  // radiance
 };
 
-// What a surface does with light.
+// The light of a lamp of intensity 1 at a surface. A dielectric has its whole highlight in `facing`.
 struct Response {
-  float entering;  // irradiance, without the share that grazing light loses to Fresnel's reflection
-  float facing;    // highlight of a surface that reflects everything at normal incidence ...
-  float grazing;   // ... and the part of it that is multiplied by Schlick's power
+  float entering;  // irradiance, without the share that Fresnel's reflection adds at grazing incidence
+  float facing;    // radiance of the highlight of a surface that reflects everything
+  float grazing;   // `facing` times Schlick's power
 };
 
 // Sums over lights; members as in Response.
@@ -58,11 +59,11 @@ Reflector reflector_at(Surface surface, vec3 base) {
   if (!kGlossy) return r;
   r.to_eye = -in_position * inversesqrt(dot(in_position, in_position));
   r.normal_dot_eye = dot(r.normal, r.to_eye);
-  r.eye = max(r.normal_dot_eye, 0.0);
+  r.eye_cosine = max(r.normal_dot_eye, 0.0);
   const float alpha = surface.roughness * surface.roughness;
-  r.square = alpha * alpha;
-  r.half_square = 0.5 * kInversePi * r.square;
-  r.eye_masking = sqrt(r.eye * r.eye * (1.0 - r.square) + r.square);
+  r.alpha_square = alpha * alpha;
+  r.density_scale = 0.5 * kInversePi * r.alpha_square;
+  r.eye_masking = sqrt(r.eye_cosine * r.eye_cosine * (1.0 - r.alpha_square) + r.alpha_square);
   r.normal_reflectance = kMetallic ? mix(vec3(kDielectric), base, surface.metallic) : vec3(kDielectric);
   return r;
 }
@@ -90,17 +91,17 @@ Incident directional_light(uint light) {
 Incident placed_light(uint light, uint alike, bool spot) {
   const vec4 position = light_row(light, SIMVIS_LIGHT_POSITION);
   const vec3 to_light = position.xyz - in_position;
-  const float square = max(dot(to_light, to_light), kMinSquare), inverse = inversesqrt(square);
-  const vec3 toward = to_light * inverse;
-  float share = inverse * inverse;
+  const float distance_square = max(dot(to_light, to_light), kMinSquare), per_metre = inversesqrt(distance_square);
+  const vec3 toward = to_light * per_metre;
+  float share = per_metre * per_metre;
   if (spot) {
     const vec4 direction = light_row(alike, SIMVIS_LIGHT_DIRECTION);
     const float offset = light_row(alike, SIMVIS_LIGHT_INTENSITY).w;
-    const float cone = clamp(offset - dot(toward, direction.xyz) * direction.w, 0.0, 1.0) * inverse;
+    const float cone = clamp(offset - dot(toward, direction.xyz) * direction.w, 0.0, 1.0) * per_metre;
     share = cone * cone;
   }
   if (kRanged) {
-    const float relative = square * position.w * position.w;  // (distance / range)^2
+    const float relative = distance_square * position.w * position.w;  // (distance / range)^2
     share *= clamp(1.0 - relative * relative, 0.0, 1.0);
   }
   return Incident(toward, share, shadow_of(light));
@@ -122,13 +123,14 @@ Response respond(Incident from, Reflector r) {
   // Lagrange's identity gives 1 - cos^2 without cancellation: it is the square of `across`.
   const vec3 across = cross(r.normal, half_way);
   const float facing = max(along, 0.0);
-  const float spread = max(dot(across, across) + facing * facing * r.square, kMinSpread);
-  const float masking = cosine * r.eye_masking + r.eye * sqrt(cosine * cosine * (1.0 - r.square) + r.square);
+  const float spread = max(dot(across, across) + facing * facing * r.alpha_square, kMinSpread);
+  const float light_masking = sqrt(cosine * cosine * (1.0 - r.alpha_square) + r.alpha_square);
+  const float masking = cosine * r.eye_masking + r.eye_cosine * light_masking;
   const float highlight =
-      arriving * (r.half_square * length_square * length_square / (spread * spread * max(masking, kMinMasking)));
+      arriving * (r.density_scale * length_square * length_square / (spread * spread * max(masking, kMinMasking)));
   // The cosine of the half vector to the eye is half its length.
-  const float tilted = 1.0 - min(0.5 * sqrt(length_square), 1.0), twice = tilted * tilted;
-  const float power = twice * twice * tilted, entering = arriving - arriving * power;
+  const float tilted = 1.0 - min(0.5 * sqrt(length_square), 1.0), tilted_square = tilted * tilted;
+  const float power = tilted_square * tilted_square * tilted, entering = arriving - arriving * power;
   if (kMetallic) return Response(entering, highlight, highlight * power);
   return Response(entering, highlight * (kDielectric + (1.0 - kDielectric) * power), 0.0);
 }
@@ -141,8 +143,8 @@ void add_response(Response response, uint light, inout LightSums sums) {
   if (kMetallic) sums.grazing += intensity * response.grazing;
 }
 
-// Adds the lights of a kind. Those that are alike are multiplied by their intensity together. An unrolled loop reads
-// constant places of the lights, and its masks and sums need no blending on a CPU device.
+// Adds the lights of a kind. The responses of alike lights are summed first and multiplied by the intensity once. An
+// unrolled loop reads constant places of the lights, and its masks and sums need no blending on a CPU device.
 #define ADD_LIGHT(first, alike, incident)                                           \
   const uint light = first + i, alike_light = alike ? first : light;                \
   const Response of_light = respond(incident, r);                                   \

@@ -56,8 +56,8 @@ void main() {
   out_position = vec3((clip.xy - view.projection.yw * clip.w) / view.projection.xz, clip.w);
   if (kShadowed) {
     const vec4 p = abs(vec4(in_position, 1.0));
-    out_reach = dot(abs(instance_clip_x), p) / abs(view.projection.x) + dot(abs(instance_clip_y), p) / abs(view.projection.z) +
-                dot(abs(instance_clip_w), p);
+    out_reach = dot(abs(instance_clip_x), p) / abs(view.projection.x) +
+                dot(abs(instance_clip_y), p) / abs(view.projection.z) + dot(abs(instance_clip_w), p);
   }
   const vec3 row_z = instance_clip_w.xyz;
   const vec3 row_x = (instance_clip_x.xyz - view.projection.y * row_z) / view.projection.x;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "engine/base/assert.h"
+#include "scenegraph/language/control_characters.h"
 #include "scenegraph/language/pose_attribute.h"
 #include "scenegraph/language/registrations.h"
 #include "simvis/command_names.h"
@@ -145,7 +146,7 @@ void SceneBuilder::insert_part(const Command& command) {
 void SceneBuilder::insert_logged_part(const Command& command) {
   const std::size_t first_step = built_.scene.undo().size();
   const CommandAttribute& prefix = command.require(kLoggedPrefix);
-  if (std::ranges::any_of(prefix.value, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; })) {
+  if (std::ranges::any_of(prefix.value, is_control)) {
     fail_at(prefix.where, "attribute \"logged_prefix\": control characters are not allowed");
   }
   const Command plain = without(command, kLoggedPrefix);

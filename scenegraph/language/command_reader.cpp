@@ -4,6 +4,7 @@
 #include <utility>
 
 #include <simvis/attributes.h>
+#include "scenegraph/language/control_characters.h"
 #include "scenegraph/language/xml_error.h"
 
 namespace simvis {
@@ -62,7 +63,6 @@ void check_name(const CommandAttribute& name, CommandKind kind, bool is_carried)
             "attribute \"name\": " + in_quotes(name.value) + " is not allowed, expected " + std::string(expected));
   };
   if (name.value.find_first_not_of(kSpaceCharacters) == std::string::npos) refuse("a name that is not empty");
-  const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
   if (std::ranges::any_of(name.value, is_control)) refuse("a name without control characters");
   // Joints of robots, which become elements, have such names. Names of sensors become names of files.
   const bool has_folders = is_carried && is_name_with_folders(name.value);
@@ -145,7 +145,7 @@ std::filesystem::path find_included_file(const Command& include) {
 }
 
 void check_prefix(const CommandAttribute& prefix) {
-  const auto is_wrong = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f || c == '.'; };
+  const auto is_wrong = [](char c) { return is_control(c) || c == '.'; };
   if (prefix.value.find_first_not_of(kSpaceCharacters) == std::string::npos || prefix.value.starts_with('/') ||
       std::ranges::any_of(prefix.value, is_wrong)) {
     refuse_value(prefix, "a text such as \"A/\", without '.', without control characters and without '/' in front");

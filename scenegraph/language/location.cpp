@@ -3,6 +3,8 @@
 #include <array>
 #include <cstdio>
 
+#include "scenegraph/language/control_characters.h"
+
 namespace simvis {
 
 std::string to_string(const Location& where) {
@@ -26,7 +28,7 @@ std::string in_quotes(std::string_view text) {
   constexpr std::size_t kLongest = 120;
   std::string result = "\"";
   for (const char c : text.substr(0, kLongest)) {
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) {
+    if (is_control(c)) {
       std::array<char, 8> escaped{};
       std::snprintf(escaped.data(), escaped.size(), "\\x%02x", static_cast<unsigned char>(c));
       result += escaped.data();

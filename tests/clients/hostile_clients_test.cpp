@@ -119,6 +119,27 @@ TEST_CASE("a host that is killed at any moment leaves nothing that stops the nex
   CHECK_FALSE(exists(name));
 }
 
+TEST_CASE("a client goes on with its own count of elements when another one damages the shared one") {
+  const std::string name = unique_name("damaged-client");
+  SharedHost host(name);
+  for (int i = 0; i < 3; ++i) add_pose(host, "P" + std::to_string(i));
+  Connection connection(name, "victim");
+  const int file = ::open(("/dev/shm/simvis-" + name).c_str(), O_RDWR | O_CLOEXEC);
+  REQUIRE(file >= 0);
+  simvis_header header{};
+  REQUIRE(::pread(file, &header, sizeof header, 0) == sizeof header);
+  const std::uint64_t none = UINT64_MAX;
+  const auto at = static_cast<off_t>(header.clients_offset + offsetof(simvis_client_area, group_count));
+  REQUIRE(::pwrite(file, &none, sizeof none, at) == sizeof none);
+  ::close(file);
+  for (const std::int64_t element : {2, 1}) {
+    connection.set_element(element, std::array<double, kPoseValues>{1, 2, 3, 4, 5, 6});
+    const ClientInputs inputs = host.take();
+    REQUIRE(inputs.elements.size() == 1);
+    CHECK(inputs.elements[0].element == static_cast<std::size_t>(element));
+  }
+}
+
 TEST_CASE("every byte of the shared memory can be damaged: the host goes on with its own values") {
   const std::string name = unique_name("fuzz");
   SharedHost host(name);

@@ -210,7 +210,7 @@ TEST_CASE("the Python client reads and writes") {
   }
   ServedWall served("serve-python");
   const std::string script = R"(
-import math, sys
+import math, os, sys
 sys.path.insert(0, ")" SIMVIS_SOURCE_DIR R"(/clients")
 import simvis_client
 with simvis_client.connect(")" +
@@ -234,6 +234,41 @@ with simvis_client.connect(")" +
         sim["MOVE"]["w"]
     except simvis_client.SimvisError as error:
         assert "expected one of: x, y, z" in str(error)
+# What a client wrote counts although its arrays keep the memory, and its place is free.
+with simvis_client.connect(")" +
+                             served.name +
+                             R"(", client="leaver") as left:
+    left.send('<element type="pose" name="LAST" insert_at="ROOT"/>')
+with simvis_client.connect(")" +
+                             served.name +
+                             R"(", client="after") as sim:
+    for _ in range(3):
+        assert sim.wait_frame(timeout_s=5)
+    assert "LAST" in sim
+files = len(os.listdir("/proc/self/fd"))
+for wrong in "a/b", "", 64 * "n", ")" +
+                             served.name +
+                             R"(-none":
+    for _ in range(3):
+        try:
+            simvis_client.connect(wrong)
+            assert False, wrong
+        except simvis_client.SimvisError:
+            pass
+broken = "/dev/shm/simvis-)" +
+                             served.name +
+                             R"(-broken"
+open(broken, "wb").close()
+for _ in range(3):
+    try:
+        simvis_client.connect(")" +
+                             served.name +
+                             R"(-broken")
+        assert False
+    except simvis_client.SimvisError as error:
+        assert "is no simulation" in str(error)
+os.unlink(broken)
+assert len(os.listdir("/proc/self/fd")) == files
 )";
   const ProcessResult result = run_beside(served.simulation, {"/usr/bin/python3", "-c", script});
   CHECK(result.err == "");

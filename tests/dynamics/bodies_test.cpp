@@ -32,11 +32,15 @@ TEST_CASE("free fall: half of g t squared, and the share that the steps add to i
 TEST_CASE("a thrown body flies its parabola, and damping slows it exponentially") {
   MovingScene scene(physics("gravity='0 0 0'") +
                     body("A", "shape='box' size='1 1 1'", "mass='1' velocity='2 0 0' linear_damping='0.5'") +
-                    body("B", "shape='box' size='1 1 1' pose_offset='0 5 0 0 0 0'", "mass='1' velocity='2 -1 0'"));
+                    body("B", "shape='box' size='1 1 1' pose_offset='0 5 0 0 0 0'", "mass='1' velocity='2 -1 0'") +
+                    body("C", "shape='box' size='1 1 1' pose_offset='0 9 0 0 0 0'",
+                         "mass='1' angular_velocity='0 0 60' angular_damping='0.5'"));
   scene.go_to(2);
   CHECK(glm::length(scene.position("B") - glm::dvec3(4, 3, 0)) < kRounding_m);
   // The integral of 2 e^(-t/2); a sum of steps instead of it is off by at most the speed's loss in one step, v h.
   CHECK(std::abs(scene.position("A").x - 4 * (1 - std::exp(-1))) < 2 * kStep_s);
+  const double turned = std::atan2(scene.pose("C")[0].y, scene.pose("C")[0].x), turn = glm::radians(60.0);
+  CHECK(std::abs(turned - 2 * turn * (1 - std::exp(-1))) < turn * kStep_s);
 }
 
 TEST_CASE("a ball bounces to the height that its restitution leaves") {

@@ -88,6 +88,7 @@ TEST_CASE("mistakes in SDF models name their place") {
   };
   CHECK(contains(wrong(replaced(kSdfPendulum, "continuous", "ball")), "has the type \"ball\", which physics does not"));
   CHECK(contains(wrong(replaced(kSdfPendulum, "<mass>1", "<mass>-1")), "element <mass> is -1, expected at least 0"));
+  CHECK(contains(wrong(replaced(kSdfPendulum, "<mass>1", "<mass>inf")), "element <mass> is inf, expected at least 0"));
   CHECK(contains(wrong(replaced(kSdfPendulum, "</model>", "<link name='loose'/></model>")),
                  "\"loose\" is not joined with \"base\""));
   CHECK(contains(wrong(replaced(kSdfPendulum, "</model>", "</model><model name='second'><link name='l'/></model>")),

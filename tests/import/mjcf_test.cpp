@@ -9,6 +9,7 @@
 
 #include "engine/base/srgb.h"
 #include "scenegraph/flattener.h"
+#include "scenegraph/import/sdf/unique_names.h"
 #include "scenegraph/primitive_meshes.h"
 #include "simvis/scene_builder.h"
 #include "tests/support/error_of.h"
@@ -99,6 +100,18 @@ TEST_CASE("MJCF gives half sizes, and a capsule's length between its ends") {
   CHECK(between.mesh(0).positions == capsule_mesh(0.1, 4).positions);
   CHECK(glm::length(glm::dvec3(between.place(0)[2]) - glm::dvec3(0, 1, 0)) < kMjcfPlace);
   CHECK(glm::length(glm::dvec3(between.place(0)[3]) - glm::dvec3(1, 2, 0)) < kMjcfPlace);
+}
+
+// With a search from 2 on for each name, the second part would take hours.
+TEST_CASE("equal names get numbers, however many there are") {
+  UniqueNames names;
+  CHECK(names.add("body") == "body");
+  CHECK(names.add("body_3") == "body_3");
+  CHECK(names.add("body") == "body_2");
+  CHECK(names.add("body") == "body_4");
+  CHECK(names.add("body_2") == "body_2_2");
+  for (int i = 5; i < 200'000; ++i) names.add("body");
+  CHECK(names.add("body") == "body_200000");
 }
 
 TEST_CASE("every way to write an orientation, in degrees unless the compiler says radians") {

@@ -166,6 +166,34 @@ TEST_CASE("parameters are read, set and watched") {
   CHECK(talk.texts().empty());
 }
 
+TEST_CASE("a watched parameter that is removed has no value, and those of another scene are not watched") {
+  Talk talk;
+  talk.say(Json::parse(R"({"op":"subscribeParameterUpdates","parameterNames":["ARM.speed"]})"));
+  talk.texts();
+  talk.hub.set_parameters({{"ARM.angle", 1.5}, {"ARM.speed", 2, true}, {"GONE.x", 0, true}});
+  std::vector<Json> texts = talk.texts();
+  REQUIRE(texts.size() == 1);
+  CHECK(texts[0].at("parameters") == Json::parse(R"([{"name":"ARM.speed"}])"));
+  talk.hub.set_parameters({{"OTHER.x", 1}, {"OTHER.y", 1}});
+  talk.hub.set_parameters({{"OTHER.x", 2}, {"OTHER.y", 2}});
+  CHECK(talk.texts().empty());
+}
+
+TEST_CASE("a client has a limited number of channels, and ids of a limited length") {
+  Talk talk;
+  const auto advertise = [](int id) {
+    return Json{{"op", "advertise"},
+                {"channels",
+                 {{{"id", id}, {"topic", "/simvis/execute"}, {"encoding", "cdr"}, {"schemaName", "std_msgs/String"}}}}};
+  };
+  talk.texts();
+  for (int i = 0; i < 64; ++i) talk.say(advertise(i));
+  CHECK(talk.texts().empty());
+  CHECK(talk.status_after(advertise(64)) == "too many channels");
+  const Json request = {{"op", "getParameters"}, {"parameterNames", Json::array()}, {"id", std::string(257, 'i')}};
+  CHECK(talk.status_after(request) == "the id of the request is too long");
+}
+
 TEST_CASE("change requests are published as CDR or JSON") {
   Talk talk;
   for (const std::string encoding : {"cdr", "json"}) {

@@ -1,6 +1,8 @@
 // The server of the live view: access, limits, hostile peers.
 #include <doctest/doctest.h>
+#include <unistd.h>
 
+#include <array>
 #include <atomic>
 #include <filesystem>
 #include <memory>
@@ -101,17 +103,26 @@ TEST_CASE("pages are answered, and what is no page is refused") {
   CHECK(http_get(port, "/page").head.find("Content-Type: text/html\r\n") != std::string::npos);
   CHECK(http_get(port, "/page").head.find("Referrer-Policy: no-referrer\r\n") != std::string::npos);
   CHECK(http_get(port, "/page").head.find("frame-ancestors 'none'") != std::string::npos);
+  CHECK(http_get(port, "/page").head.find("Cache-Control: no-store\r\n") != std::string::npos);
+  CHECK(http_get(port, "/page").head.find("X-Content-Type-Options: nosniff\r\n") != std::string::npos);
+  CHECK(http_get(port, "/page").head.find("Cross-Origin-Resource-Policy: same-origin\r\n") != std::string::npos);
   CHECK(http_get(port, "/other").status == 404);
   CHECK(http_get(port, "/../page").status == 404);
   const test::HttpAnswer head = http(port, "HEAD /page HTTP/1.1\r\n" + echoing.host + "Connection: close\r\n\r\n");
   CHECK(head.status == 200);
   CHECK(head.body.empty());
   CHECK(http(port, "POST /page HTTP/1.1\r\n" + echoing.host + "Content-Length: 0\r\n\r\n").status == 405);
-  CHECK(http(port, "POST /page HTTP/1.1\r\n" + echoing.host + "Content-Length: 9\r\n\r\n123456789").status >= 400);
+  CHECK(http(port, "POST /page HTTP/1.1\r\n" + echoing.host + "Content-Length: 9\r\n\r\n123456789").status == 413);
   CHECK(http(port, "GET /page HTTP/1.1\r\n" + echoing.host + echoing.host + "\r\n").status == 400);
   CHECK(http(port, "nonsense\r\n\r\n").status == 400);
   CHECK(http(port, "GET /page HTTP/1.1\r\nX: " + std::string(10'000, 'x') + "\r\n\r\n").status == 431);
   echoing.check_alive();
+  ServerLimits limits;
+  limits.header_bytes = 1000;
+  Echoing strict(limits);
+  const std::string more = "X: " + std::string(2000, 'x') + "\r\n";
+  CHECK(strict.status("/page", strict.host + more) == 431);
+  CHECK(echoing.status("/page", echoing.host + more) == 200);
 }
 
 TEST_CASE("without a token only this machine's names and the page's own Origin are answered") {
@@ -128,6 +139,8 @@ TEST_CASE("without a token only this machine's names and the page's own Origin a
   CHECK(echoing.status("/page", echoing.host + "Origin: http://127.0.0.1:1\r\n") == 403);
   CHECK(echoing.status("/page", echoing.host + "Origin: https://127.0.0.1:" + port + "\r\n") == 403);
   CHECK(echoing.status("/page", echoing.host + "Origin: null\r\n") == 403);
+  const std::string own = "Origin: http://127.0.0.1:" + port + "\r\n";
+  CHECK(echoing.status("/page", echoing.host + own + own) == 400);
   const std::string foreign = "Origin: https://foreign.example\r\n";
   CHECK(echoing.status("/page", echoing.host + foreign) == 403);
   CHECK(echoing.status("/page?token=secret", echoing.host + foreign) == 200);
@@ -148,6 +161,25 @@ TEST_CASE("where a token is needed, nothing is answered without it") {
   CHECK(echoing.status("/page?token=secret", "Host: rebinding.example\r\n") == 403);
   CHECK_THROWS(WebSocketClient(echoing.port, "echo.v1"));
   CHECK_NOTHROW(WebSocketClient(echoing.port, "echo.v1", "/live?x=1&token=secret"));
+}
+
+TEST_CASE("a Host is this machine by its address, and with a token also by its own names") {
+  const auto answered = [](const std::string& host, const AccessRules& rules) {
+    return refusal({.target = "/page?token=secret", .host = host, .origin = "", .has_origin = false}, rules).empty();
+  };
+  std::array<char, 256> name{};
+  REQUIRE(::gethostname(name.data(), name.size() - 1) == 0);
+  const std::string own = name.data();
+  const AccessRules open{.address = "192.168.7.7", .token = "secret"},
+      closed{.address = "0.0.0.0", .token = "secret", .needs_token = true};
+  CHECK(answered("192.168.7.7:80", open));
+  CHECK_FALSE(answered("192.168.7.8:80", open));
+  CHECK_FALSE(answered(own, open));
+  CHECK(answered("192.168.7.8:80", closed));
+  CHECK(answered(own + ":80", closed));
+  CHECK(answered(own + ".local", closed));
+  CHECK_FALSE(answered(own + ".example", closed));
+  CHECK_FALSE(answered("", closed));
 }
 
 TEST_CASE("tokens are random, and compared as a whole") {
@@ -198,7 +230,9 @@ TEST_CASE("who takes too long for a request, or for a message, or answers no pin
   Echoing echoing(limits);
   Socket silent(echoing.port), slow(echoing.port);
   slow.send("GET /page HTTP/1.1\r\n");
-  WebSocketClient half(echoing.port, "echo.v1"), deaf(echoing.port, "echo.v1");
+  WebSocketClient half(echoing.port, "echo.v1"), answering(echoing.port, "echo.v1"), deaf(echoing.port, "echo.v1");
+  std::optional<test::WebMessage> answer;
+  std::thread listening([&] { answer = answering.receive(); });  // and answers pings
   half.socket().send(WebSocketClient::frame("begin", 1, false));
   std::atomic<bool> ends = false;
   std::thread dripping([&] {  // a byte now and then does not buy time
@@ -212,6 +246,24 @@ TEST_CASE("who takes too long for a request, or for a message, or answers no pin
   CHECK_NOTHROW(deaf.socket().receive_all());
   ends = true;
   dripping.join();
+  answering.send_text("a client that answers pings stays");
+  listening.join();
+  CHECK((answer && answer->bytes == "a client that answers pings stays"));
+  answering.socket().close();
+  wait_for_none(echoing.service);
+  echoing.check_alive();
+}
+
+TEST_CASE("a client that takes no messages is closed after the time for one") {
+  ServerLimits limits;
+  limits.response = std::chrono::seconds(1);
+  limits.idle = std::chrono::seconds(10 * test::kPatience_ms / 1000);
+  Echoing echoing(limits);
+  WebSocketClient deaf(echoing.port, "echo.v1");
+  const std::string message(limits.message_bytes, 'x');
+  // Sockets hold a few MiB for a reader that does not read.
+  for (int i = 0; i < 64 && deaf.send_binary(message); ++i) {
+  }
   wait_for_none(echoing.service);
   echoing.check_alive();
 }

@@ -89,6 +89,9 @@ TEST_CASE("the channels of a scan are intensities and times") {
   CHECK(message->header.stamp.nanosec == 250'000'000);
   scan.channels[1].values[1] = 2.3;  // not even: the stamp is the frame's
   CHECK(laser_scan(scan, "", {0, 1}, 0.25)->header.stamp.nanosec == 500'000'000);
+  scan.channels[1].values = {2.5, 2.375, 2.25};  // backwards, which the message cannot say
+  CHECK(laser_scan(scan, "", {0, 1}, 0.25)->time_increment == 0);
+  CHECK(laser_scan(scan, "", {0, 1}, 0.25)->header.stamp.nanosec == 500'000'000);
 }
 
 TEST_CASE("a cloud has every beam, its bound, its ring and its channels") {

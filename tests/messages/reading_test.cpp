@@ -120,6 +120,12 @@ TEST_CASE("ranges out of limits, a lost fix, and readings without rows") {
   CHECK(range_of() == -std::numeric_limits<float>::infinity());
   reading.values = {std::numeric_limits<double>::infinity()};
   CHECK(range_of() == std::numeric_limits<float>::infinity());
+  const auto is_dense = [&] {
+    return std::get<ros::PointCloud2>(ros::message_of(reading, "sensor_msgs/msg/PointCloud2", "R")->message).is_dense;
+  };
+  CHECK(is_dense());
+  reading.values = {std::numeric_limits<double>::quiet_NaN()};
+  CHECK_FALSE(is_dense());
   Reading fix;
   fix.columns = {{.name = "latitude_deg", .format = "%.9g"},
                  {.name = "longitude_deg", .format = "%.9g"},

@@ -145,6 +145,7 @@ constexpr std::string_view kVehicle = R"(
   <sensor type="odometry" name="TRUE" insert_at="CAR"/>
   <sensor type="odometry" name="WHEELS" insert_at="CAR" kind="wheel" wheel_separation="0.4"/>
   <sensor type="odometry" name="WRONG" insert_at="CAR" kind="wheel" wheel_separation="0.4" right_scale_error="0.02"/>
+  <sensor type="odometry" name="SHORT" insert_at="CAR" kind="wheel" wheel_separation="0.4" left_scale_error="-0.02"/>
   <sensor type="odometry" name="SLIPS" insert_at="CAR" kind="wheel" wheel_separation="0.4" slip_stddev="0.01"/>)";
 
 /// Drives along a circle of radius 2 m with 1 m/s for `frames` frames.
@@ -176,6 +177,8 @@ TEST_CASE("odometry along a circle: the true one, that of perfect wheels, and th
   // The wheels drive 0.9 m and 1.1 m per second; the right one counts 1.122 m.
   const double speed = (0.9 + 1.122) / 2, rate = (1.122 - 0.9) / 0.4, counted = rate * kFrame_s * kFrames;
   CHECK(std::abs(simulation.value("WRONG", "angular_velocity_z_rad_s") - rate) <= kVelocityError / 0.4);
+  CHECK(std::abs(simulation.value("SHORT", "angular_velocity_z_rad_s") - (1.1 - 0.9 * 0.98) / 0.4) <=
+        kVelocityError / 0.4);
   CHECK(std::abs(simulation.value("WRONG", "x_m") - speed / rate * std::sin(counted)) <= 10 * kSummed);
   CHECK(std::abs(simulation.value("WRONG", "y_m") - speed / rate * (1 - std::cos(counted))) <= 10 * kSummed);
 }

@@ -40,8 +40,16 @@ TEST_CASE("the radar equation") {
   // 1 W, unit gains, 3 GHz (a wave of 0.0999 m), 10 m2 at 100 m, written out: 1 * 0.0999^2 * 10 / (1984.4 * 10^8) W.
   const RadarDesc desc{.frequency_hz = 3e9, .power_w = 1, .gain_db = 0, .losses_db = 0, .noise_figure_db = 0};
   const double wave_m = 299792458 / 3e9;
-  CHECK(desc.received_w(10, 100) == doctest::Approx(wave_m * wave_m * 10 / (1984.401708 * 1e8)).epsilon(1e-9));
-  CHECK(desc.received_w(10, 200) == doctest::Approx(desc.received_w(10, 100) / 16).epsilon(1e-12));
+  // Ratios, because the tolerance of doctest::Approx is absolute for small numbers.
+  const double expected_w = wave_m * wave_m * 10 / (1984.401708 * 1e8);
+  CHECK(desc.received_w(10, 100) / expected_w == doctest::Approx(1).epsilon(1e-9));
+  // 20 dB of gain count twice, once for each way, and 10 dB of losses once.
+  RadarDesc antenna = desc;
+  antenna.gain_db = 20;
+  antenna.losses_db = antenna.noise_figure_db = 10;
+  CHECK(antenna.received_w(10, 100) / desc.received_w(10, 100) == doctest::Approx(1e4 / 10).epsilon(1e-12));
+  CHECK(antenna.noise_w() / desc.noise_w() == doctest::Approx(10).epsilon(1e-12));
+  CHECK(desc.received_w(10, 100) / desc.received_w(10, 200) == doctest::Approx(16).epsilon(1e-12));
   // k T0 is -174 dBm / Hz, and 30 dB more in 1 kHz.
   CHECK(10 * std::log10(desc.noise_w() * 1e3) == doctest::Approx(-173.975 + 30).epsilon(1e-5));
 }

@@ -304,6 +304,13 @@ GltfFloats read_floats(const GltfDocument& document, int accessor, const GltfUse
   return {reader.count(), reader.components(), reader.read<float>()};
 }
 
+GltfFloats read_vertex_floats(const GltfDocument& document, int accessor, const GltfUse& use, std::size_t vertices) {
+  GltfFloats floats = read_floats(document, accessor, use);
+  if (floats.count == vertices) return floats;
+  document.fail("accessors/" + std::to_string(accessor) + " (" + use.name + ") has " + std::to_string(floats.count) +
+                " elements; expected " + std::to_string(vertices) + ", as many as POSITION");
+}
+
 std::vector<std::uint32_t> read_integers(const GltfDocument& document, int accessor, const GltfUse& use) {
   const AccessorReader reader(document, accessor, use.name);
   reader.expect(use);

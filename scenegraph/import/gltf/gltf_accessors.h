@@ -43,10 +43,12 @@ struct GltfFloats {
   const float* operator[](std::size_t element) const { return values.data() + element * components; }
 };
 
-/// Both functions throw InputError with the file, the accessor and its use, for a type or format that is not allowed,
+/// These functions throw InputError with the file, the accessor and its use, for a type or format that is not allowed,
 /// bytes outside the buffer view or buffer, sparse indices that do not increase or are out of range, and values that
 /// are not finite.
 GltfFloats read_floats(const GltfDocument& document, int accessor, const GltfUse& use);
+/// As read_floats(). Throws InputError as well if there is not one element for each of `vertices`.
+GltfFloats read_vertex_floats(const GltfDocument& document, int accessor, const GltfUse& use, std::size_t vertices);
 std::vector<std::uint32_t> read_integers(const GltfDocument& document, int accessor, const GltfUse& use);
 
 /// Throws InputError like the readers for a type or format that is not allowed, but does not read the bytes.

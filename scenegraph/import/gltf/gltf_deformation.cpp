@@ -16,18 +16,11 @@ constexpr GltfUse kJoints{"JOINTS", kGltfVec4, kGltfU8 | kGltfU16};
 constexpr GltfUse kWeights{"WEIGHTS", kGltfVec4, kGltfF32 | kGltfU8n | kGltfU16n};
 constexpr std::size_t kJointsPerSet = 4;
 
-void check_count(const GltfDocument& document, int accessor, const char* use, std::size_t count, std::size_t vertices) {
-  if (count == vertices) return;
-  document.fail("accessors/" + std::to_string(accessor) + " (" + use + ") has " + std::to_string(count) +
-                " elements; expected " + std::to_string(vertices) + ", as many as POSITION");
-}
-
 std::vector<glm::vec3> read_changes(const GltfDocument& document, const std::map<std::string, int>& target,
                                     const char* attribute, const GltfUse& use, std::size_t vertices) {
   const auto found = target.find(attribute);
   if (found == target.end()) return {};
-  const GltfFloats floats = read_floats(document, found->second, use);
-  check_count(document, found->second, use.name, floats.count, vertices);
+  const GltfFloats floats = read_vertex_floats(document, found->second, use, vertices);
   std::vector<glm::vec3> changes(vertices);
   for (std::size_t i = 0; i < vertices; ++i) changes[i] = {floats[i][0], floats[i][1], floats[i][2]};
   return changes;
@@ -78,10 +71,9 @@ void read_influences(GltfDocument& document, const tinygltf::Primitive& source, 
     const int joint_accessor = source.attributes.at("JOINTS_" + std::to_string(set));
     const auto weights = source.attributes.find("WEIGHTS_" + std::to_string(set));
     if (weights == source.attributes.end()) document.fail("has a skinned primitive with JOINTS but without WEIGHTS");
-    const GltfFloats joint_floats = read_floats(document, joint_accessor, kJoints);  // exact for 16-bit integers
-    const GltfFloats weight_floats = read_floats(document, weights->second, kWeights);
-    check_count(document, joint_accessor, kJoints.name, joint_floats.count, vertices);
-    check_count(document, weights->second, kWeights.name, weight_floats.count, vertices);
+    // Floats are exact for 16-bit integers.
+    const GltfFloats joint_floats = read_vertex_floats(document, joint_accessor, kJoints, vertices);
+    const GltfFloats weight_floats = read_vertex_floats(document, weights->second, kWeights, vertices);
     for (std::size_t i = 0; i < vertices; ++i) {
       for (std::size_t k = 0; k < kJointsPerSet; ++k) {
         const auto joint = static_cast<std::uint32_t>(joint_floats[i][k]);

@@ -15,12 +15,10 @@
 #include "scenegraph/import/gltf/gltf_hierarchy.h"
 #include "scenegraph/import/gltf/gltf_materials.h"
 #include "scenegraph/import/gltf/gltf_primitive.h"
+#include "scenegraph/import/mesh/imported_graph.h"
 
 namespace simvis {
 namespace {
-
-// (x, y, z) -> (x, -z, y): from glTF's y-up frame to SimVis's z-up frame.
-const glm::dmat4 kZUpFromYUp(1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1);
 
 // The nodes of one primitive: the material node, shared by all its users, and the shape.
 struct DrawnPrimitive {

@@ -25,8 +25,8 @@ class GltfMaterials {
  private:
   Material convert(int material);
   void set_surface(const tinygltf::Material& source, Material& material);
-  template <typename TextureInfo>
   // Without a texture if it cannot be shown.
+  template <typename TextureInfo>
   SurfaceMap map_of(const TextureInfo& info, PictureUse use = PictureUse::color);
 
   GltfDocument& document_;

@@ -25,17 +25,12 @@ constexpr GltfUse kUv[] = {{"TEXCOORD_0", kVec2, kUvFormats, kQuantizedUvFormats
                            {"TEXCOORD_1", kVec2, kUvFormats, kQuantizedUvFormats}};
 constexpr GltfUse kColor{"COLOR_0", kColorTypes, kGltfF32 | kGltfU8n | kGltfU16n};
 
-// Reads an attribute if the primitive has it, and checks that it has one element for each vertex.
+// Reads an attribute if the primitive has it.
 bool read_attribute(const GltfDocument& document, const tinygltf::Primitive& source, const GltfUse& use,
                     std::size_t vertices, GltfFloats& floats) {
   const auto found = source.attributes.find(use.name);
   if (found == source.attributes.end()) return false;
-  floats = read_floats(document, found->second, use);
-  if (floats.count != vertices) {
-    document.fail("accessors/" + std::to_string(found->second) + " (" + use.name + ") has " +
-                  std::to_string(floats.count) + " elements; expected " + std::to_string(vertices) +
-                  ", as many as POSITION");
-  }
+  floats = read_vertex_floats(document, found->second, use, vertices);
   return true;
 }
 

@@ -2,7 +2,6 @@
 
 #include <assimp/config.h>
 
-#include <algorithm>
 #include <cstdint>
 #include <exception>
 #include <new>
@@ -22,6 +21,7 @@
 #include "scenegraph/import/helper/obj_text.h"
 #include "scenegraph/import/helper/ply_check.h"
 #include "scenegraph/import/helper/stl_check.h"
+#include "scenegraph/language/control_characters.h"
 #include "scenegraph/language/xml_text.h"
 
 namespace simvis {
@@ -47,12 +47,6 @@ void check_before_assimp(AssimpFile& read, const std::string& ending) {
     read.has_colors = false;
     read.warn("facets are marked as coloured, but every colour is 0; no colour is read");
   }
-}
-
-std::string on_one_line(std::string text) {
-  std::ranges::replace_if(
-      text, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }, ' ');
-  return text;
 }
 
 // Returns the XML that Assimp reads in place of the file.

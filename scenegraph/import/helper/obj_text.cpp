@@ -14,7 +14,7 @@
 #include <simvis/location.h>
 #include "scenegraph/import/helper/repeated_warning.h"
 #include "scenegraph/import/helper/utf16_text.h"
-#include "scenegraph/import/helper/wholly_transparent.h"
+#include "scenegraph/import/mesh/picture_file.h"
 
 namespace simvis {
 namespace {

@@ -23,8 +23,6 @@ const PartImporterRegistration registration({".iv", ".wrl"}, import_part);
 }  // namespace
 
 PartContent import_inventor(const ImportRequest& request, ContentPool& pool, std::chrono::milliseconds limit) {
-  // (x, y, z) -> (x, -z, y)
-  const glm::dmat4 z_up_from_y_up(1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1);
   const std::string name = request.file.string();
   // read_whole_file() gives the reason if a file cannot be read; Coin does not.
   if (read_whole_file(request.file).empty()) throw InputError(name + ": error: is empty; expected Inventor or VRML");
@@ -35,7 +33,7 @@ PartContent import_inventor(const ImportRequest& request, ContentPool& pool, std
   content.commands = std::move(scene.commands);
   const auto root = std::make_shared<Separator>();
   root->name = request.file.stem().string();
-  if (request.up_given && request.up == UpAxis::y) root->add(std::make_shared<Transform>(z_up_from_y_up));
+  if (request.up_given && request.up == UpAxis::y) root->add(std::make_shared<Transform>(kZUpFromYUp));
   std::ranges::move(add_imported_scene(std::move(scene), request.file, Material{}, pool, *root),
                     std::back_inserter(content.warnings));
   content.root = root;

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <limits>
 #include <memory>
 
 #include <simvis/location.h>
@@ -36,6 +37,9 @@ void check_side(const std::filesystem::path& file, std::int64_t width, std::int6
 }
 
 HeightPicture read_png_heights(const Bytes& bytes, const std::filesystem::path& file) {
+  if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
+    refuse_heights(file, "has more than 2 GiB");
+  }
   const int size = static_cast<int>(bytes.size());
   int width = 0, height = 0, channels = 0;
   if (stbi_info_from_memory(bytes.data(), size, &width, &height, &channels) == 0) {

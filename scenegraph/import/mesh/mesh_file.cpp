@@ -16,9 +16,6 @@
 namespace simvis {
 namespace {
 
-// (x, y, z) -> (x, -z, y): from a y-up frame to SimVis's z-up frame.
-const glm::dmat4 kZUpFromYUp(1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1);
-
 PartContent import_mesh_file(const ImportRequest& request, ContentPool& pool) {
   MeshFileAxes axes = MeshFileAxes::of_format;
   if (request.up_given) axes = request.up == UpAxis::y ? MeshFileAxes::y_up : MeshFileAxes::as_written;

@@ -12,6 +12,9 @@
 
 namespace simvis {
 
+/// Below half a step of an 8-bit alpha channel no program shows a surface. Old exporters write opaque surfaces so.
+inline constexpr double kWhollyTransparent = 0.5 / 255;
+
 /// Decodes a picture file in memory to RGBA8: PNG, JPEG, TGA, BMP, PSD, GIF, HDR, PNM, TIFF, WebP. All but PNG and JPEG
 /// are decoded by the program simvis-decode. Name and sampler keep their defaults.
 /// `subject` begins every message, for example "robot.glb: error: images/0".

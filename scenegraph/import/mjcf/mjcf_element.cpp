@@ -9,6 +9,7 @@
 
 #include <simvis/attributes.h>
 #include <simvis/pose.h>
+#include "scenegraph/import/sdf/turn_z_to.h"
 
 namespace simvis {
 namespace {
@@ -193,16 +194,6 @@ const XmlText& MjcfModel::include(const MjcfElement& include, const std::string&
   include.fail("includes " + in_quotes(file) + " a second time, expected each file once");
 }
 
-glm::dmat3 mjcf_turn_z_to(const glm::dvec3& direction) {
-  const double largest = std::max({std::abs(direction.x), std::abs(direction.y), std::abs(direction.z)});
-  const glm::dvec3 z = glm::normalize(direction / largest);
-  constexpr double kOpposite = 1e-12;
-  if (z.z < -1 + kOpposite) return {1, 0, 0, 0, -1, 0, 0, 0, -1};
-  const double k = 1 / (1 + z.z);
-  const glm::dvec3 x(1 - z.x * z.x * k, -z.x * z.y * k, -z.x);
-  return {x, glm::cross(z, x), z};
-}
-
 namespace {
 
 glm::dvec3 unit_of(const MjcfElement& element, const char* name, const glm::dvec3& v) {
@@ -244,7 +235,7 @@ glm::dmat3 orientation_of(const MjcfElement& element, const MjcfModel& model) {
     return {x, y, glm::cross(x, y)};
   }
   if (const auto z = element.numbers("zaxis", 3, 3); !z.empty()) {
-    return mjcf_turn_z_to(unit_of(element, "zaxis", {z[0], z[1], z[2]}));
+    return turn_z_to(unit_of(element, "zaxis", {z[0], z[1], z[2]}));
   }
   return glm::dmat3(1);
 }

@@ -99,7 +99,4 @@ class MjcfModel {
 /// orientation without length.
 glm::dmat4 mjcf_pose(const MjcfElement& element, const MjcfModel& model);
 
-/// A rotation that turns +z into `direction`, which has a length, by the shortest way.
-glm::dmat3 mjcf_turn_z_to(const glm::dvec3& direction);
-
 }  // namespace simvis

@@ -6,13 +6,13 @@
 
 #include <simvis/pose.h>
 #include "scenegraph/import/mesh/picture_file.h"
+#include "scenegraph/import/sdf/turn_z_to.h"
 #include "scenegraph/primitive_meshes.h"
 
 namespace simvis {
 namespace {
 
 constexpr double kFirstHiddenGroup = 3;
-constexpr float kMinGeomAlpha = 0.5f / 255;  // below, a geom is wholly transparent
 
 // The sizes of a geom; the length of one with `fromto` takes the place of its half length.
 std::vector<double> sizes_of(const MjcfElement& geom, std::size_t count, const std::vector<double>& ends) {
@@ -36,7 +36,7 @@ std::vector<double> sizes_of(const MjcfElement& geom, std::size_t count, const s
 glm::dmat4 pose_between(const MjcfElement& geom, const std::vector<double>& ends) {
   const glm::dvec3 from(ends[0], ends[1], ends[2]), to(ends[3], ends[4], ends[5]);
   if (from == to) geom.fail("has a \"fromto\" without length");
-  glm::dmat4 pose(mjcf_turn_z_to(to - from));
+  glm::dmat4 pose(turn_z_to(to - from));
   pose[3] = glm::dvec4((from + to) / 2.0, 1);
   return pose;
 }
@@ -64,7 +64,7 @@ void MjcfGeoms::require_any() const {
 NodePtr MjcfGeoms::build(const MjcfElement& geom) {
   if (geom.number("group", 0) >= kFirstHiddenGroup) return nullptr;
   const std::shared_ptr<const Material> material = assets_.material_of(geom);
-  if (material->base_color.a < kMinGeomAlpha) return nullptr;
+  if (material->base_color.a < kWhollyTransparent) return nullptr;
   const auto group = std::make_shared<Separator>();
   group->name = geom.written("name").value_or("");
   const std::string type = geom.text("type", "sphere");

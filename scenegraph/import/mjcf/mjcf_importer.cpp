@@ -4,7 +4,6 @@
 #include <iterator>
 #include <map>
 #include <numbers>
-#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -16,6 +15,7 @@
 #include <simvis/pose.h>
 #include "scenegraph/import/mesh/picture_file.h"
 #include "scenegraph/import/mjcf/mjcf_geoms.h"
+#include "scenegraph/import/sdf/unique_names.h"
 
 namespace simvis {
 namespace {
@@ -24,13 +24,6 @@ constexpr double kMjcfDegrees = 180 / std::numbers::pi;
 // Sections that say nothing about what sensors see.
 constexpr std::string_view kUnseenSections[] = {"compiler", "option",  "size",     "statistic", "default", "asset",
                                                 "visual",   "contact", "keyframe", "worldbody", "sensor",  "actuator"};
-
-// Names that are unique among insertion points, or among elements.
-std::string unique_name(const std::string& wanted, std::set<std::string>& taken) {
-  std::string name = wanted;
-  for (int number = 2; !taken.insert(name).second; ++number) name = wanted + "_" + std::to_string(number);
-  return name;
-}
 
 class MjcfImport {
  public:
@@ -134,13 +127,13 @@ class MjcfImport {
     const auto separator = std::make_shared<Separator>();
     separator->name = kind;
     add_place(place, *separator);
-    add_named_point(unique_name(*name, points_), *separator);
+    add_named_point(points_.add(*name), *separator);
     group.add(separator);
   }
 
   // { place, for each joint its anchor and its point, the body's point, content }
   void add_body(const MjcfElement& body, Group& parent, int depth) {
-    const std::string name = unique_name(body.written("name").value_or("body"), points_);
+    const std::string name = points_.add(body.written("name").value_or("body"));
     const auto group = std::make_shared<Separator>();
     group->name = name;
     add_place(mjcf_pose(body, model_), *group);
@@ -159,10 +152,10 @@ class MjcfImport {
     if (!turns && !is_loose && type != "slide")
       joint.fail("has the type " + in_quotes(type) + ", expected free, ball, slide or hinge");
     const std::string own = joint.written("name").value_or(body + "_joint");
-    const std::string name = unique_name(own, elements_);
+    const std::string name = elements_.add(own);
     if (!is_loose) known_joints_[own] = {name, turns};
     const glm::dvec3 anchor = type == "free" ? glm::dvec3(0) : joint.vector("pos", glm::dvec3(0));
-    const std::string point = unique_name(name == body ? name + "_joint" : name, points_);
+    const std::string point = points_.add(name == body ? name + "_joint" : name);
     glm::dmat4 there(1), back(1);
     there[3] = glm::dvec4(anchor, 1);
     back[3] = glm::dvec4(-anchor, 1);
@@ -254,7 +247,7 @@ class MjcfImport {
   MjcfModel model_;
   SdfReport report_;
   MjcfGeoms geoms_;
-  std::set<std::string> points_, elements_;
+  UniqueNames points_, elements_;
   std::map<std::string, Mimic> follows_;       // by the name of the follower
   std::map<std::string, Joint> known_joints_;  // by the name in the file
   std::vector<Follower> followers_;

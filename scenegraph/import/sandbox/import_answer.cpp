@@ -9,6 +9,7 @@
 #include <functional>
 
 #include <simvis/error.h>
+#include "scenegraph/language/control_characters.h"
 #include "scenegraph/language/source_text.h"
 
 namespace simvis {
@@ -34,8 +35,6 @@ void write_all(int descriptor, std::span<const std::uint8_t> bytes) {
 
 bool is_ascii(char c) { return static_cast<unsigned char>(c) < 0x80; }
 
-bool is_control(char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }
-
 bool is_utf8(const std::string& text) {
   try {
     [[maybe_unused]] const SourceText checked(text, {});
@@ -45,15 +44,9 @@ bool is_utf8(const std::string& text) {
   }
 }
 
-std::string on_one_line(std::span<const std::uint8_t> bytes) {
-  std::string text(bytes.begin(), bytes.end());
-  std::replace_if(text.begin(), text.end(), is_control, ' ');
-  return text;
-}
-
 // Libraries quote any bytes of the file, so the text may be invalid UTF-8 or contain control characters.
 std::string printable(std::span<const std::uint8_t> bytes) {
-  std::string text = on_one_line(bytes);
+  std::string text = on_one_line({bytes.begin(), bytes.end()});
   if (!is_utf8(text)) std::replace_if(text.begin(), text.end(), std::not_fn(is_ascii), '?');
   return text;
 }
@@ -104,7 +97,7 @@ ImportAnswer read_import_answer(std::span<const std::uint8_t> bytes) {
     if (kind == AnswerKind::error) add_once(answer.errors, printable(content));
     if (kind == AnswerKind::warning) add_once(answer.warnings, printable(content));
     if (kind == AnswerKind::input) answer.inputs.emplace_back(content.begin(), content.end());
-    if (kind == AnswerKind::refusal) answer.refusal = on_one_line(content);
+    if (kind == AnswerKind::refusal) answer.refusal = on_one_line({content.begin(), content.end()});
   }
   return answer;
 }

@@ -1,6 +1,7 @@
 // The text of a command that an SDF file brings.
 #pragma once
 
+#include <numbers>
 #include <string>
 #include <utility>
 
@@ -9,6 +10,9 @@
 #include "scenegraph/import/sdf/sdf_commands.h"
 
 namespace simvis {
+
+/// Degrees of commands per radian of SDF.
+inline constexpr double kSdfDegrees = 180 / std::numbers::pi;
 
 class SdfCommand {
  public:

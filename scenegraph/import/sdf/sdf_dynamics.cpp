@@ -14,24 +14,26 @@
 namespace simvis {
 namespace {
 
-constexpr double kOpenSdfLimit = 1e16;  // from here on, a limit is none
-
 double not_negative(const SdfElement& element, double fallback) {
   const double value = element.number(fallback);
-  if (!(value >= 0)) element.fail("is " + format_number(value) + ", expected at least 0");
+  if (!(value >= 0) || std::isinf(value)) {
+    element.fail("is " + format_number(value) + ", expected at least 0 and finite");
+  }
   return value;
 }
 
 double above_zero(const SdfElement& element) {
   const double value = element.number(0);
-  if (!(value > 0) || std::isinf(value)) element.fail("is " + format_number(value) + ", expected more than 0");
+  if (!(value > 0) || std::isinf(value)) {
+    element.fail("is " + format_number(value) + ", expected more than 0 and finite");
+  }
   return value;
 }
 
 // A limit that SDF gives as a negative or infinite number is none.
 double largest(const SdfElement& element) {
   const double value = element.number(0);
-  return value > 0 && value < kOpenSdfLimit ? value : 0;
+  return value > 0 && value < kSdfNoLimit ? value : 0;
 }
 
 class DynamicsReader {
@@ -61,7 +63,7 @@ class DynamicsReader {
     std::vector<Pending> open;
     const SdfLink* free_root = nullptr;
     for (const auto& link : tree_.links) {
-      if (!link->is_root) continue;
+      if (link->parent != nullptr) continue;
       if (link->joint == nullptr && free_root != nullptr) {
         link->item->element.fail(in_quotes(link->item->name) + " is not joined with " +
                                  in_quotes(free_root->item->name) + ", expected links that joints make one tree");
@@ -126,24 +128,18 @@ class DynamicsReader {
   }
 
   glm::dvec3 axis_of(const SdfLink& link) {
-    const SdfElement& element = link.joint->element;
-    const SdfElement axis = element.child("axis");
+    const SdfElement axis = link.joint->element.child("axis");
     const glm::dvec3 xyz = axis.child("xyz").vector(glm::dvec3(0, 0, 1));
     if (!(glm::length(xyz) > 0)) axis.fail("is 0 0 0, expected a vector that is not zero");
-    const std::string frame = sdf_axis_frame(element);
-    if (frame.empty()) return glm::normalize(xyz);
-    const glm::dmat4 joint_from_axis =
-        rigid_inverse(poses_.item(*link.joint_scope, *link.joint)) * poses_.frame(*link.joint_scope, frame, element);
-    return glm::normalize(glm::dmat3(joint_from_axis) * xyz);
+    return glm::normalize(glm::dmat3(sdf_joint_from_axis(link, poses_)) * xyz);
   }
 
   void read_axis(const SdfElement& axis, bool has_limits, UrdfMovingJoint& joint) {
     const SdfElement limit = axis.child("limit"), dynamics = axis.child("dynamics");
-    const double lower = limit.child("lower").number(-kOpenSdfLimit),
-                 upper = limit.child("upper").number(kOpenSdfLimit);
+    const double lower = limit.child("lower").number(-kSdfNoLimit), upper = limit.child("upper").number(kSdfNoLimit);
     if (has_limits && lower <= upper) {
-      if (lower > -kOpenSdfLimit) joint.lower = lower;
-      if (upper < kOpenSdfLimit) joint.upper = upper;
+      if (lower > -kSdfNoLimit) joint.lower = lower;
+      if (upper < kSdfNoLimit) joint.upper = upper;
     }
     joint.max_effort = largest(limit.child("effort"));
     joint.max_speed = largest(limit.child("velocity"));
@@ -174,19 +170,13 @@ class DynamicsReader {
                  zz = inertia.child("izz").number(1), xy = inertia.child("ixy").number(0),
                  xz = inertia.child("ixz").number(0), yz = inertia.child("iyz").number(0);
     return {.mass_kg = not_negative(inertial.child("mass"), 1),
-            .link_from_inertia = inertial ? place_in(link, inertial) : glm::dmat4(1),
+            .link_from_inertia = inertial ? sdf_place_in(link, inertial, poses_) : glm::dmat4(1),
             .inertia_kg_m2 = {{xx, xy, xz}, {xy, yy, yz}, {xz, yz, zz}}};
-  }
-
-  glm::dmat4 place_in(const SdfLink& link, const SdfElement& child) {
-    const SdfPose pose = read_sdf_pose(child);
-    if (pose.relative_to.empty()) return pose.matrix;
-    return rigid_inverse(poses_.item(*link.scope, *link.item)) * poses_.pose(*link.scope, pose, "");
   }
 
   void add_collision(const SdfLink& link, const SdfElement& element, std::vector<UrdfCollision>& collisions) {
     const SdfElement geometry = element.child("geometry");
-    UrdfCollision collision{.link_from_shape = place_in(link, element), .where = element.at()};
+    UrdfCollision collision{.link_from_shape = sdf_place_in(link, element, poses_), .where = element.at()};
     if (const SdfElement box = geometry.child("box")) {
       collision.size = box.child("size").vector(glm::dvec3(1));
       if (!(std::min({collision.size.x, collision.size.y, collision.size.z}) > 0))

@@ -20,7 +20,7 @@ struct SdfDynamics {
 /// warning.
 /// Throws InputError with the place: as the importer; the file is a world or has several models; several links are not
 /// joined; a joint of a type other than fixed, revolute, continuous, hinge and prismatic; a mass, size or damping that
-/// is negative; a mesh that is missing.
+/// is negative or infinite; a mesh that is missing.
 SdfDynamics read_sdf_dynamics(const ImportRequest& request);
 
 }  // namespace simvis

@@ -15,7 +15,6 @@
 #include "scenegraph/import/sdf/sdf_reader.h"
 #include "scenegraph/import/sdf/sdf_tree.h"
 #include "scenegraph/import/sdf/sdf_visuals.h"
-#include "scenegraph/import/urdf/urdf_file.h"
 
 namespace simvis {
 namespace {
@@ -82,7 +81,7 @@ class SdfImport {
       add_sdf_point(point->second, *separator);
     }
     for (const auto& link : tree_.links) {
-      if (link->scope == &scope && link->is_root) build_links(*link, poses_.scope(scope), *separator);
+      if (link->scope == &scope && link->parent == nullptr) build_links(*link, poses_.scope(scope), *separator);
     }
     for (const auto& item : scope.items) build_model(scope, *item, *separator);
     parent.add(separator);
@@ -117,7 +116,7 @@ class SdfImport {
       add_sdf_place(rigid_inverse(world_from_parent) * link.world_from_joint, *group);
       add_sdf_point(link.joint_point, *group);
       add_sdf_place(rigid_inverse(link.world_from_joint) * link.world_from_link, *group);
-    } else if (link.is_root) {
+    } else if (link.parent == nullptr) {
       add_sdf_place(poses_.item(*link.scope, *link.item), *group);
     } else {
       add_sdf_place(rigid_inverse(world_from_parent) * link.world_from_link, *group);
@@ -131,33 +130,22 @@ class SdfImport {
   void add_joint_command(const SdfLink& link) {
     if (link.joint == nullptr) return;
     const SdfElement& element = link.joint->element;
-    const std::string frame = sdf_axis_frame(element);
-    glm::dmat4 joint_from_axis(1);
-    if (!frame.empty()) {
-      const glm::dmat4 scope_from_axis = poses_.frame(*link.joint_scope, frame, element);
-      joint_from_axis = rigid_inverse(poses_.item(*link.joint_scope, *link.joint)) * scope_from_axis;
-    }
     const std::optional<SdfMimic> mimic = find_sdf_mimic(link, tree_, report_);
-    auto command = sdf_joint_command(element, {link.joint_name, link.joint_point}, joint_from_axis, mimic, report_);
+    auto command = sdf_joint_command(element, {link.joint_name, link.joint_point}, sdf_joint_from_axis(link, poses_),
+                                     mimic, report_);
     if (command) (mimic ? mimics_ : joints_).push_back(std::move(*command));
-  }
-
-  // link_from_child of a visual, light or sensor.
-  glm::dmat4 place_in(const SdfLink& link, const SdfElement& child) {
-    const SdfPose pose = read_sdf_pose(child);
-    if (pose.relative_to.empty()) return pose.matrix;
-    return rigid_inverse(poses_.item(*link.scope, *link.item)) * poses_.pose(*link.scope, pose, "");
   }
 
   void add_link_content(const SdfLink& link, const SdfElement& child, Group& group) {
     const std::string_view tag = child.tag();
     if (tag == "visual") {
-      if (const NodePtr node = visuals_.make(child, link.item->name, [&] { return place_in(link, child); })) {
+      if (const NodePtr node =
+              visuals_.make(child, link.item->name, [&] { return sdf_place_in(link, child, poses_); })) {
         group.add(node);
       }
     } else if (tag == "light") {
       const SdfPlace place{names_.element(link.prefix + link.item->name + "/" + child.attribute("name")), link.point};
-      try_to("light", [&] { lights_.push_back(sdf_light_command(child, place, place_in(link, child))); });
+      try_to("light", [&] { lights_.push_back(sdf_light_command(child, place, sdf_place_in(link, child, poses_))); });
     } else if (tag == "sensor") {
       try_to("sensor", [&] { add_sensor(link, child); });
     } else {
@@ -167,7 +155,7 @@ class SdfImport {
 
   void add_sensor(const SdfLink& link, const SdfElement& sensor) {
     const SdfPlace place{names_.sensor(link.prefix + link.item->name, sensor.name()), link.point};
-    auto command = sdf_sensor_command(sensor, place, place_in(link, sensor), report_);
+    auto command = sdf_sensor_command(sensor, place, sdf_place_in(link, sensor, poses_), report_);
     if (command) sensors_.push_back(std::move(*command));
   }
 

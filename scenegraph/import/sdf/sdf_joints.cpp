@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <string_view>
 
 #include <simvis/pose.h>
@@ -9,9 +8,6 @@
 
 namespace simvis {
 namespace {
-
-constexpr double kSdfNoLimit = 1e16;  // SDF's default of <lower> and <upper>
-constexpr double kSdfDegrees = 180 / std::numbers::pi;
 
 void add_sdf_limits(const SdfElement& axis, bool turns, SdfCommand& command, SdfReport& report) {
   const SdfElement limit = axis.child("limit");

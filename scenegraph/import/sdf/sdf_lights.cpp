@@ -9,7 +9,6 @@
 namespace simvis {
 namespace {
 
-constexpr double kToDegrees = 180 / std::numbers::pi;
 constexpr double kMaxIntensity = 1e12;  // of the element `light`
 
 void add_linear_color(const glm::dvec4& color, const char* const (&names)[3], SdfCommand& command) {
@@ -38,14 +37,14 @@ glm::dvec3 direction_of(const SdfElement& light, const glm::dmat4& point_from_li
   return glm::normalize(glm::dvec3(point_from_light * glm::dvec4(direction / largest, 0)));
 }
 
-double elevation_of(const glm::dvec3& unit) { return std::asin(std::clamp(unit.z, -1.0, 1.0)) * kToDegrees; }
+double elevation_of(const glm::dvec3& unit) { return std::asin(std::clamp(unit.z, -1.0, 1.0)) * kSdfDegrees; }
 // Adding 0 turns -0 into 0, so that a light straight above has the azimuth 0.
-double azimuth_of(const glm::dvec3& unit) { return std::atan2(unit.y + 0.0, unit.x + 0.0) * kToDegrees; }
+double azimuth_of(const glm::dvec3& unit) { return std::atan2(unit.y + 0.0, unit.x + 0.0) * kSdfDegrees; }
 
 void add_spot(const SdfElement& light, const glm::dvec3& direction, SdfCommand& command) {
   const SdfElement spot = light.child("spot");
-  const double outer = std::clamp(spot.child("outer_angle").number(0) / 2 * kToDegrees, 0.0, 90.0);
-  const double inner = std::clamp(spot.child("inner_angle").number(0) / 2 * kToDegrees, 0.0, outer);
+  const double outer = std::clamp(spot.child("outer_angle").number(0) / 2 * kSdfDegrees, 0.0, 90.0);
+  const double inner = std::clamp(spot.child("inner_angle").number(0) / 2 * kSdfDegrees, 0.0, outer);
   command.add("inner_cone", inner);
   command.add("outer_cone", outer);
   command.add("yaw", azimuth_of(direction));

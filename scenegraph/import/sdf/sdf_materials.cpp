@@ -7,15 +7,12 @@
 
 #include "engine/base/srgb.h"
 #include "scenegraph/import/mesh/picture_file.h"
-#include "scenegraph/import/urdf/urdf_file.h"
 
 namespace simvis {
 namespace {
 
 // Defaults of the format for <metalness> and <roughness>.
 constexpr double kSdfMetalness = 0.5, kSdfRoughness = 0.5;
-// Half a step of 8 bits: what is below is wholly transparent.
-constexpr double kMinVisibleAlpha = 0.5 / 255;
 
 glm::vec3 linear_rgb(const glm::dvec3& color) {
   return {linear_from_srgb(color.x), linear_from_srgb(color.y), linear_from_srgb(color.z)};
@@ -56,7 +53,7 @@ std::shared_ptr<const Material> SdfMaterials::read(const SdfElement& element, co
     says_something = true;
   }
   if (!says_something) return nullptr;
-  if (color.a < kMinVisibleAlpha) {
+  if (color.a < kWhollyTransparent) {
     report_.warn(diffuse.at(), "the colour is wholly transparent; it is read as opaque");
     color.a = 1;
   }

@@ -17,9 +17,8 @@
 namespace simvis {
 
 /// Colours are read as sRGB. In this order, the first that the file has gives the look:
-///   <pbr><metal>       metalness, roughness, and the maps of albedo, normals, emission and ambient occlusion; the
-///   colour
-///                      is <diffuse>. Of <specular> only the maps that both have.
+///   <pbr><metal>       metalness, roughness, and the maps of albedo, normals, emission and ambient occlusion;
+///                      the colour is <diffuse>. Of <specular> only the maps that both have.
 ///   <diffuse>          with <emissive>
 ///   <script>           a plain colour of Gazebo, or an OGRE script's first pass: its diffuse colour and texture
 ///   <ambient>

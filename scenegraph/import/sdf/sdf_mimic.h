@@ -16,6 +16,9 @@ struct SdfMimic {
   double multiplier = 1, offset = 0;
 };
 
+/// SDF's default of <lower> and <upper>: from here on, a limit is none.
+inline constexpr double kSdfNoLimit = 1e16;
+
 /// Whether the element <joint> turns or slides about its first axis, as the element `joint` does.
 bool sdf_joint_turns(const SdfElement& joint);
 bool sdf_joint_slides(const SdfElement& joint);

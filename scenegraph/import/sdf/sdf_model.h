@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "scenegraph/import/sdf/sdf_element.h"
@@ -38,6 +39,7 @@ struct SdfScope {
   SdfElement element;
   std::vector<std::unique_ptr<SdfItem>> items{};
   std::map<std::string, SdfItem*, std::less<>> by_name{};
+  std::map<std::pair<SdfItemKind, std::string>, int> last_number{};  ///< behind a name that was there already
 };
 
 /// A light of the world.

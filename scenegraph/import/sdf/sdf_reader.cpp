@@ -6,13 +6,13 @@
 
 #include <simvis/attributes.h>
 #include "scenegraph/import/mesh/picture_file.h"
-#include "scenegraph/import/urdf/urdf_file.h"
 
 namespace simvis {
 namespace {
 
 constexpr std::size_t kMaxSdfModels = 20'000, kMaxSdfNested = 64;
 constexpr int kFirstSdfVersion = 2;
+constexpr std::string_view kModel = "model://", kFile = "file://";
 
 SdfElement root_of(SdfFile& file) {
   const pugi::xml_node root = file.text.document().document_element();
@@ -28,12 +28,20 @@ int minor_version(std::string_view version) {
   return version.starts_with("1.") && parse_number(version.substr(2), minor) ? static_cast<int>(minor) : kNewest;
 }
 
-bool is_on_network(std::string_view uri) { return uri.starts_with("http://") || uri.starts_with("https://"); }
+// `why` says so if it is.
+bool is_on_network(std::string_view uri, std::string& why) {
+  if (!uri.starts_with("http://") && !uri.starts_with("https://")) return false;
+  why = in_quotes(uri) + " is on the network, where no files are looked for";
+  return true;
+}
 
-// "3: error: WHAT" -> "3: WHAT; REST", for a warning.
+// The files of which a folder of a model has one at least.
+constexpr const char* kModelFiles[] = {"model.config", "manifest.xml", "model.sdf"};
+
 // Where Gazebo has its own media, such as file://media/materials/scripts/gazebo.material.
 constexpr const char* kResourcePath = "GAZEBO_RESOURCE_PATH";
 
+// "3: error: WHAT" -> "3: WHAT; REST", for a warning.
 std::string as_warning(const InputError& error, const std::string& rest) {
   return without_word_error(error.what()) + "; " + rest;
 }
@@ -44,12 +52,8 @@ SdfFiles::SdfFiles(const std::filesystem::path& top, std::vector<PackageFolder> 
     : packages_(std::move(packages)), top_(top, packages_) {}
 
 std::optional<std::filesystem::path> SdfFiles::find(const std::string& uri, const SdfElement& where, std::string& why) {
-  if (is_on_network(uri)) {
-    why = in_quotes(uri) + " is on the network, where no files are looked for";
-    return std::nullopt;
-  }
+  if (is_on_network(uri, why)) return std::nullopt;
   PackageFiles& packages = where.file().packages;
-  constexpr std::string_view kModel = "model://";
   if (uri.starts_with(kModel)) {
     const std::size_t end = std::min(uri.find('/', kModel.size()), uri.size());
     const std::string model = uri.substr(kModel.size(), end - kModel.size());
@@ -81,12 +85,8 @@ std::optional<std::filesystem::path> SdfFiles::find_in_folder(const std::filesys
 
 std::optional<std::filesystem::path> SdfFiles::find_model(const std::string& uri, const SdfElement& where,
                                                           std::string& why) {
-  if (is_on_network(uri)) {
-    why = in_quotes(uri) + " is on the network, where no files are looked for";
-    return std::nullopt;
-  }
+  if (is_on_network(uri, why)) return std::nullopt;
   std::string name = uri;
-  constexpr std::string_view kModel = "model://", kFile = "file://";
   const bool is_model = name.starts_with(kModel);
   if (is_model) name.erase(0, kModel.size());
   if (name.starts_with(kFile)) name.erase(0, kFile.size());
@@ -109,7 +109,7 @@ std::optional<std::filesystem::path> SdfFiles::find_model(const std::string& uri
   for (PackageFiles* packages : {&where.file().packages, &top_}) {
     if (model.empty()) break;  // an absolute path
     if (const auto file = rest.empty() ? std::nullopt : packages->find_model_file(model, rest)) return file;
-    for (const char* in_folder : {"model.config", "manifest.xml", "model.sdf"}) {
+    for (const char* in_folder : kModelFiles) {
       const auto file = packages->find_model_file(model, (std::filesystem::path(rest) / in_folder).string());
       if (!file) continue;
       if (const auto found = find_in_folder(file->parent_path())) return found;
@@ -122,7 +122,6 @@ std::optional<std::filesystem::path> SdfFiles::find_model(const std::string& uri
 
 std::vector<std::filesystem::path> SdfFiles::find_scripts(const std::string& uri, const SdfElement& where) {
   std::string name = uri;
-  constexpr std::string_view kModel = "model://", kFile = "file://";
   if (!name.starts_with(kModel)) {
     if (name.starts_with(kFile)) name.erase(0, kFile.size());
     std::vector<std::filesystem::path> places{std::filesystem::path(where.at().file).parent_path() / name};
@@ -133,7 +132,7 @@ std::vector<std::filesystem::path> SdfFiles::find_scripts(const std::string& uri
   const std::size_t slash = std::min(name.find('/'), name.size());
   std::vector<std::filesystem::path> places;
   for (PackageFiles* packages : {&where.file().packages, &top_}) {
-    for (const char* in_folder : {"model.config", "manifest.xml", "model.sdf"}) {
+    for (const char* in_folder : kModelFiles) {
       const auto file = packages->find_model_file(name.substr(0, slash), in_folder);
       if (file) places.push_back(file->parent_path() / name.substr(std::min(slash + 1, name.size())));
     }
@@ -222,8 +221,10 @@ SdfItem& SdfReader::add(SdfItemKind kind, const SdfElement& element, std::string
     return known != scope.by_name.end() && known->second->kind == kind;
   };
   if (is_taken(name)) {
+    int& number = scope.last_number.try_emplace({kind, name}, 1).first->second;
     std::string other;
-    for (int number = 2; other.empty() || is_taken(other); ++number) other = name + "_" + std::to_string(number);
+    do other = name + "_" + std::to_string(++number);
+    while (is_taken(other));
     report_.warn(element.at(), std::string(element.tag()) + " " + in_quotes(name) +
                                    " is there already; this one is called " + in_quotes(other));
     name = std::move(other);

@@ -12,7 +12,6 @@
 namespace simvis {
 namespace {
 
-constexpr double kSensorDegrees = 180 / std::numbers::pi;
 // Limits of the sensors `camera` and `laser_scanner`, and of the rays of one scan.
 constexpr double kMaxPixels = 16384, kMaxSamples = 1'000'000, kMaxRings = 100'000, kMaxBeams = 50'000'000;
 constexpr double kMaxRange_m = 1e6;
@@ -116,7 +115,7 @@ std::optional<std::string> camera_command(const SdfElement& sensor, std::string_
   command.add("height", height);
   const double hfov = camera.child("horizontal_fov").number(1.047);
   if (!(hfov > 0 && hfov < std::numbers::pi)) camera.fail("has a <horizontal_fov> that is not between 0 and pi");
-  command.add("hfov", hfov * kSensorDegrees);
+  command.add("hfov", hfov * kSdfDegrees);
   const double near_m = camera.child("clip").child("near").number(0.1);
   if (!(near_m > 0 && near_m <= kMaxRange_m)) camera.fail("has a clip plane <near> that is not above 0");
   command.add("near", near_m);
@@ -148,8 +147,8 @@ ScanAxis scan_axis(const SdfElement& axis, double largest, double turn_deg) {
   // Files of several tools give one ring and a resolution far below 1.
   const double samples = std::max(1.0, std::round(whole(axis, "samples", 640, largest) * resolution));
   if (!(samples >= 1 && samples <= largest)) axis.fail("has too many or too few samples");
-  ScanAxis scan{samples, axis.child("min_angle").number(0) * kSensorDegrees,
-                axis.child("max_angle").number(0) * kSensorDegrees};
+  ScanAxis scan{samples, axis.child("min_angle").number(0) * kSdfDegrees,
+                axis.child("max_angle").number(0) * kSdfDegrees};
   const double span = scan.max_deg - scan.min_deg;
   if (!(span >= 0 && span <= turn_deg + kTurnTolerance_deg)) {
     axis.fail("has angles that are not allowed, expected <max_angle> from <min_angle> to " + format_number(turn_deg) +

@@ -6,7 +6,8 @@
 
 #include <simvis/pose.h>
 #include "scenegraph/import/mesh/picture_file.h"
-#include "scenegraph/import/urdf/urdf_file.h"
+#include "scenegraph/import/sdf/sdf_commands.h"
+#include "scenegraph/language/control_characters.h"
 
 namespace simvis {
 namespace {
@@ -81,7 +82,7 @@ class TreeMaker {
     SdfLink& child = *by_item_.at(child_item);
     SdfLink* const parent = parent_item == nullptr ? nullptr : by_item_.at(parent_item);
     if (child.joint != nullptr) return leave_out("joint " + in_quotes(child.joint->name) + " moves its child already");
-    for (const SdfLink* above = parent; above != nullptr; above = parent_of(*above)) {
+    for (const SdfLink* above = parent; above != nullptr; above = above->parent) {
       if (above == &child) return leave_out("it closes a circle of joints");
     }
     child.joint = &joint;
@@ -96,14 +97,8 @@ class TreeMaker {
       child.joint_point = names_.point(name);
     }
     if (parent == nullptr) return;
-    child.is_root = false;
-    parents_[&child] = parent;
+    child.parent = parent;
     parent->followers.push_back(&child);
-  }
-
-  const SdfLink* parent_of(const SdfLink& link) const {
-    const auto found = parents_.find(&link);
-    return found == parents_.end() ? nullptr : found->second;
   }
 
   SdfContent& content_;
@@ -112,7 +107,6 @@ class TreeMaker {
   SdfReport& report_;
   SdfTree tree_;
   std::map<const SdfItem*, SdfLink*> by_item_;
-  std::map<const SdfLink*, const SdfLink*> parents_;
 };
 
 }  // namespace
@@ -124,25 +118,16 @@ std::string SdfNames::sensor(const std::string& link, const std::string& name) {
   std::string whole = first + "/" + last;
   while (whole.starts_with('/')) whole.erase(0, 1);
   for (std::size_t at = whole.find("//"); at != std::string::npos; at = whole.find("//")) whole.erase(at, 1);
-  return unique(std::move(whole), sensors_);
+  return sensors_.add(whole);
 }
 
 std::string SdfNames::clean(const std::string& name) {
   std::string cleaned = name;
-  std::ranges::replace_if(
-      cleaned, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }, '_');
+  std::ranges::replace_if(cleaned, is_control, '_');
   for (std::size_t at = cleaned.find("::"); at != std::string::npos; at = cleaned.find("::")) {
     cleaned.replace(at, 2, "/");
   }
   return cleaned;
-}
-
-std::string SdfNames::unique(std::string name, std::set<std::string>& taken) {
-  if (taken.insert(name).second) return name;
-  for (int number = 2;; ++number) {
-    std::string other = name + "_" + std::to_string(number);
-    if (taken.insert(other).second) return other;
-  }
 }
 
 std::string sdf_prefix(const SdfContent& content, const SdfScope& scope) {
@@ -152,6 +137,19 @@ std::string sdf_prefix(const SdfContent& content, const SdfScope& scope) {
     if (!is_single && !each->is_merged) prefix = each->item->name + "/" + prefix;
   }
   return prefix;
+}
+
+glm::dmat4 sdf_place_in(const SdfLink& link, const SdfElement& child, SdfPoses& poses) {
+  const SdfPose pose = read_sdf_pose(child);
+  if (pose.relative_to.empty()) return pose.matrix;
+  return rigid_inverse(poses.item(*link.scope, *link.item)) * poses.pose(*link.scope, pose, "");
+}
+
+glm::dmat4 sdf_joint_from_axis(const SdfLink& link, SdfPoses& poses) {
+  const SdfElement& joint = link.joint->element;
+  const std::string frame = sdf_axis_frame(joint);
+  if (frame.empty()) return glm::dmat4(1);
+  return rigid_inverse(poses.item(*link.joint_scope, *link.joint)) * poses.frame(*link.joint_scope, frame, joint);
 }
 
 SdfTree make_sdf_tree(SdfContent& content, SdfPoses& poses, SdfNames& names, SdfReport& report) {

@@ -2,12 +2,12 @@
 #pragma once
 
 #include <memory>
-#include <set>
 #include <string>
 #include <vector>
 
 #include "scenegraph/import/sdf/sdf_poses.h"
 #include "scenegraph/import/sdf/sdf_report.h"
+#include "scenegraph/import/sdf/unique_names.h"
 
 namespace simvis {
 
@@ -22,22 +22,21 @@ struct SdfLink {
   SdfScope* joint_scope = nullptr;
   std::string joint_name, joint_point;  ///< joint_point is the link's own if both have one frame
   glm::dmat4 world_from_joint{1.0};     ///< that of the link if there is no joint
-  std::vector<SdfLink*> followers{};    ///< links whose joint has this one as its parent
-  bool is_root = true;                  ///< no link above it
+  const SdfLink* parent = nullptr;      ///< the link that the joint hangs on; null: none
+  std::vector<SdfLink*> followers{};    ///< links whose parent this one is
 };
 
 /// Names that are unique within a part, made from those of the file: MODEL/LINK, without control characters.
 class SdfNames {
  public:
-  std::string point(const std::string& name) { return unique(clean(name), points_); }
-  std::string element(const std::string& name) { return unique(clean(name), elements_); }
+  std::string point(const std::string& name) { return points_.add(clean(name)); }
+  std::string element(const std::string& name) { return elements_.add(clean(name)); }
   /// Names of sensors become names of files, so that '.' becomes '_', as does '/' within one of the three names.
   std::string sensor(const std::string& link, const std::string& name);
 
  private:
   static std::string clean(const std::string& name);
-  static std::string unique(std::string name, std::set<std::string>& taken);
-  std::set<std::string> points_, elements_, sensors_;
+  UniqueNames points_, elements_, sensors_;
 };
 
 struct SdfTree {
@@ -47,6 +46,12 @@ struct SdfTree {
 /// Collects the links of all models and their joints. The first joint that moves a link counts; further ones, and those
 /// that close a circle, are left out with a warning.
 SdfTree make_sdf_tree(SdfContent& content, SdfPoses& poses, SdfNames& names, SdfReport& report);
+
+/// link_from_child of a collision, visual, light or sensor in the link.
+glm::dmat4 sdf_place_in(const SdfLink& link, const SdfElement& child, SdfPoses& poses);
+
+/// joint_from_axis of the link's joint: turns the frame in which <xyz> stands into the joint's. The link has a joint.
+glm::dmat4 sdf_joint_from_axis(const SdfLink& link, SdfPoses& poses);
 
 /// What the names in a scope begin with: "MODEL/" for each model around them, but none for a file's single model and
 /// for merged ones.

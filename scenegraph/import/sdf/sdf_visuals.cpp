@@ -15,7 +15,7 @@
 #include "scenegraph/import/mesh/height_picture.h"
 #include "scenegraph/import/mesh/picture_file.h"
 #include "scenegraph/import/sdf/sdf_polyline.h"
-#include "scenegraph/import/urdf/urdf_file.h"
+#include "scenegraph/import/sdf/turn_z_to.h"
 #include "scenegraph/primitive_meshes.h"
 
 namespace simvis {
@@ -38,19 +38,11 @@ Vector sizes_of(const SdfElement& shape, const char* tag, const Vector& fallback
   return sizes;
 }
 
-// A rotation that turns +z into `normal`.
-glm::dmat4 turn_z_to(const SdfElement& plane) {
-  glm::dvec3 z = plane.child("normal").vector(glm::dvec3(0, 0, 1));
-  const double largest = std::max({std::abs(z.x), std::abs(z.y), std::abs(z.z)});
-  if (!(largest > 0)) plane.fail("has a <normal> without length");
-  z = glm::normalize(z / largest);
-  if (z == glm::dvec3(0, 0, 1)) return glm::dmat4(1);
-  // The shortest turn, as of Gazebo's Quaterniond::SetFrom2Axes; about x if the normal points down.
-  const double kOpposite = 1e-12;
-  if (z.z < -1 + kOpposite) return {1, 0, 0, 0, 0, -1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1};
-  const double k = 1 / (1 + z.z);
-  const glm::dvec3 x(1 - z.x * z.x * k, -z.x * z.y * k, -z.x);
-  return {glm::dvec4(x, 0), glm::dvec4(glm::cross(z, x), 0), glm::dvec4(z, 0), {0, 0, 0, 1}};
+// A rotation that turns +z into the plane's normal, as Gazebo's Quaterniond::SetFrom2Axes does.
+glm::dmat4 plane_from_z(const SdfElement& plane) {
+  const glm::dvec3 normal = plane.child("normal").vector(glm::dvec3(0, 0, 1));
+  if (normal == glm::dvec3(0)) plane.fail("has a <normal> without length");
+  return glm::dmat4(turn_z_to(normal));
 }
 
 // Keeps the shapes of a graph that stand in a node of the name, or have it, each under its transform.
@@ -165,7 +157,7 @@ void SdfVisuals::add_geometry(const SdfElement& shape, const std::shared_ptr<con
     return add(sphere_mesh(1));
   }
   if (tag == "plane") {
-    group.add(std::make_shared<Transform>(turn_z_to(shape)));
+    group.add(std::make_shared<Transform>(plane_from_z(shape)));
     return add(plane_mesh(sizes_of(shape, "size", glm::dvec2(1))));
   }
   if (tag == "polyline") return add(sdf_polyline_mesh(shape));

@@ -1,6 +1,7 @@
 #include "scenegraph/import/urdf/package_files.h"
 
 #include <algorithm>
+#include <climits>
 #include <pugixml.hpp>
 #include <string_view>
 #include <system_error>
@@ -190,8 +191,10 @@ std::optional<fs::path> PackageFiles::find_beside_or_above(const std::string& na
 std::optional<fs::path> PackageFiles::find_near(const std::string& rest, const std::string& subject,
                                                 const Location& where) {
   std::error_code error;
-  // Shorter and shorter ends of the name, down to a folder and a file. A name of one component has only itself.
-  std::vector<std::string> ends{rest.substr(std::min(rest.find_first_not_of('/'), rest.size()))};
+  // Shorter and shorter ends of the name, down to a folder and a file. A name of one component has only itself. Longer
+  // ends than PATH_MAX name no file, and all ends of a long name would take the square of its length.
+  const std::size_t last_part = rest.size() - std::min<std::size_t>(rest.size(), PATH_MAX);
+  std::vector<std::string> ends{rest.substr(std::min(rest.find_first_not_of('/', last_part), rest.size()))};
   while (std::ranges::count(ends.back(), '/') > 1) ends.push_back(ends.back().substr(ends.back().find('/') + 1));
   const auto as_written = [&](const fs::path& folder, const std::string& end) -> std::optional<fs::path> {
     const fs::path file = folder / end;

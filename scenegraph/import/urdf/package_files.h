@@ -24,8 +24,8 @@ std::vector<std::filesystem::path> folders_of_variable(const char* variable);
 ///
 /// Folders of NAME are searched in this order, and the first that has REST counts:
 ///   1. the folders that the user gave
-///   2. package: ROS_PACKAGE_PATH, by the <name> of each package.xml below it; then AMENT_PREFIX_PATH,
-///   PREFIX/share/NAME
+///   2. package: ROS_PACKAGE_PATH, by the <name> of each package.xml below it;
+///               then AMENT_PREFIX_PATH, PREFIX/share/NAME
 ///      model: GAZEBO_MODEL_PATH, GZ_SIM_RESOURCE_PATH, IGN_GAZEBO_RESOURCE_PATH, then SDF_PATH
 ///   3. from the URDF's folder upwards: a folder above or beside whose name or <name> in package.xml is NAME; for a
 ///      model, also one of that name in a folder `models` beside or above

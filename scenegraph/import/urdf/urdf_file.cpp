@@ -3,13 +3,14 @@
 #include <console_bridge/console.h>
 #include <urdf_parser/urdf_parser.h>
 
-#include <algorithm>
 #include <exception>
 #include <mutex>
 #include <set>
 #include <sstream>
 #include <utility>
 #include <vector>
+
+#include "scenegraph/language/control_characters.h"
 
 namespace simvis {
 namespace {
@@ -46,12 +47,6 @@ class UrdfMessages : public console_bridge::OutputHandler {
   console_bridge::LogLevel level_;
   std::string errors_;
 };
-
-std::string on_one_line(std::string text) {
-  std::ranges::replace_if(
-      text, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }, ' ');
-  return text;
-}
 
 std::string mended_text(const XmlText& text) {
   std::ostringstream out;

@@ -2,7 +2,6 @@
 
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <cstdlib>
@@ -13,9 +12,11 @@
 #include <sstream>
 #include <string_view>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include "scenegraph/import/sandbox/sandbox_process.h"
+#include "scenegraph/language/control_characters.h"
 
 namespace simvis {
 namespace {
@@ -108,9 +109,7 @@ std::size_t start_of_xml(std::string_view output) {
 
 std::string joined_lines(std::string text) {
   while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
-  std::ranges::replace_if(
-      text, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }, ' ');
-  return text;
+  return on_one_line(std::move(text));
 }
 
 }  // namespace

@@ -13,7 +13,7 @@
 
 #include <simvis/attributes.h>
 #include "scenegraph/import/helper/repeated_warning.h"
-#include "scenegraph/import/helper/wholly_transparent.h"
+#include "scenegraph/import/mesh/picture_file.h"
 
 namespace simvis {
 namespace {

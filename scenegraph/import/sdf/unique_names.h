@@ -1,0 +1,25 @@
+// Names that differ from each other.
+#pragma once
+
+#include <map>
+#include <string>
+
+namespace simvis {
+
+/// Gives each name once: the second NAME becomes NAME_2.
+class UniqueNames {
+ public:
+  std::string add(const std::string& wanted) {
+    if (last_.emplace(wanted, 1).second) return wanted;
+    // The last number is kept, so that a file of many equal names takes no more than linear time.
+    while (true) {
+      std::string name = wanted + "_" + std::to_string(++last_[wanted]);
+      if (last_.emplace(name, 1).second) return name;
+    }
+  }
+
+ private:
+  std::map<std::string, int> last_;  // number of the last one of each name
+};
+
+}  // namespace simvis
