@@ -167,7 +167,7 @@ class SdfImport {
 
   void add_sensor(const SdfLink& link, const SdfElement& sensor) {
     const SdfPlace place{names_.sensor(link.prefix + link.item->name, sensor.name()), link.point};
-    auto command = sdf_sensor_command(sensor, place, place_in(link, sensor), report_);
+    auto command = sdf_sensor_command(sensor, sdf_.first, place, place_in(link, sensor), report_);
     if (command) sensors_.push_back(std::move(*command));
   }
 
