@@ -84,6 +84,7 @@ MassProperties unit_density(const CollisionShape& shape) {
     case CollisionKind::hull:
       return polyhedron(shape);
     case CollisionKind::mesh:
+    case CollisionKind::plane:
       break;
   }
   return {};

@@ -7,7 +7,8 @@
 
 namespace simvis {
 
-/// The properties of a solid of this density. Overlapping shapes count twice; a mesh has no volume and counts nothing.
+/// The properties of a solid of this density. Overlapping shapes count twice; a mesh or a plane has no volume and
+/// counts nothing.
 MassProperties mass_of(std::span<const CollisionShape> shapes, double density_kg_m3);
 
 /// Both together.

@@ -23,23 +23,26 @@ struct MassProperties {
   glm::dmat3 inertia_kg_m2{0.0};  ///< about the centre of mass, along the axes of the body's frame
 };
 
-enum class CollisionKind : std::uint8_t { box, sphere, capsule, cylinder, hull, mesh };
+enum class CollisionKind : std::uint8_t { box, sphere, capsule, cylinder, hull, mesh, plane };
 
-/// A piece of a body's surface. Only bodies that no force moves may have a mesh.
+/// Of two surfaces that touch, the product of their numbers counts.
+struct SurfaceProperties {
+  double friction = 0.5, restitution = 0;
+  bool operator==(const SurfaceProperties&) const = default;
+};
+
+/// A piece of a body's surface. Only bodies that no force moves may have a mesh or a plane, which is z = 0 and solid
+/// below.
 struct CollisionShape {
   CollisionKind kind = CollisionKind::box;
   glm::dmat4 body_from_shape{1.0};
   /// box: half of the edges; sphere: the radius in x; capsule and cylinder, along z: the radius in x, in z half of the
   /// length of the cylinder.
   glm::dvec3 half_m{0};
-  std::vector<glm::dvec3> points{};        ///< corners of a hull or a mesh
-  std::vector<std::uint32_t> triangles{};  ///< three corners each; those of a hull are closed and seen from outside
-                                           ///< counter-clockwise
-};
-
-/// Of two surfaces that touch, the product of their numbers counts.
-struct SurfaceProperties {
-  double friction = 0.5, restitution = 0;
+  std::vector<glm::dvec3> points{};            ///< corners of a hull or a mesh
+  std::vector<std::uint32_t> triangles{};      ///< three corners each; those of a hull are closed and seen from outside
+                                               ///< counter-clockwise
+  std::optional<SurfaceProperties> surface{};  ///< none: that of the body or link
 };
 
 enum class BodyKind : std::uint8_t { fixed, kinematic, dynamic };
@@ -51,6 +54,7 @@ struct BodyDesc {
   std::vector<CollisionShape> shapes{};
   SurfaceProperties surface{};
   double linear_damping_per_s = 0, angular_damping_per_s = 0;
+  bool has_weight = true;                                 ///< of a dynamic body: gravity acts on it
   glm::dvec3 velocity_m_s{0}, angular_velocity_rad_s{0};  ///< of the centre of mass, along the axes of the world
 };
 
@@ -68,8 +72,9 @@ struct LinkDesc {
   JointKind joint = JointKind::fixed;
   glm::dvec3 axis{0, 0, 1};  ///< unit length, in the link's frame, through its origin
   double lower = -std::numeric_limits<double>::infinity(), upper = std::numeric_limits<double>::infinity();
-  double position = 0;  ///< at the start
-  double damping = 0;   ///< effort per speed
+  double position = 0;             ///< at the start
+  double damping = 0;              ///< effort per speed
+  double stiffness = 0, rest = 0;  ///< of a spring: effort per distance from `rest`
   MassProperties mass{};
   std::vector<CollisionShape> shapes{};
   SurfaceProperties surface{};

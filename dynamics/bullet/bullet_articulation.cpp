@@ -66,6 +66,8 @@ void BulletArticulation::add_link(int index, const LinkDesc& desc) {
   own.frame_from_link = frame.frame_from_body;
   own.moves = desc.joint != JointKind::fixed;
   own.damping = desc.damping;
+  own.stiffness = desc.stiffness;
+  own.rest = desc.rest;
   const btTransform parent_frame =
       desc.parent < 0 ? base_.frame_from_link : links_[static_cast<std::size_t>(desc.parent)].frame_from_link;
   const btTransform parent_from_link = parent_frame * to_bullet(desc.parent_from_joint);
@@ -96,6 +98,9 @@ void BulletArticulation::add_collider(int link, std::span<const CollisionShape> 
   own.collider->setFriction(surface.friction);
   own.collider->setRestitution(surface.restitution);
   own.collider->setUserIndex(id);
+  if (needs_contact_callback(shapes)) {
+    own.collider->setCollisionFlags(own.collider->getCollisionFlags() | btCollisionObject::CF_CUSTOM_MATERIAL_CALLBACK);
+  }
   const bool stands = fixed_base_ && link < 0;
   if (stands) own.collider->setCollisionFlags(own.collider->getCollisionFlags() | btCollisionObject::CF_STATIC_OBJECT);
   int group = btBroadphaseProxy::DefaultFilter, others = btBroadphaseProxy::AllFilter;
@@ -165,6 +170,7 @@ void BulletArticulation::apply() {
     const int index = static_cast<int>(i);
     double effort = link.drive.kind == JointDrive::Kind::effort ? link.drive.target : 0;
     if (link.damping > 0) effort -= link.damping * body_->getJointVel(index);
+    if (link.stiffness > 0) effort -= link.stiffness * (body_->getJointPos(index) - link.rest);
     if (effort != 0) body_->addJointTorque(index, effort);
   }
 }

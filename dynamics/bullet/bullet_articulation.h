@@ -53,7 +53,7 @@ class BulletArticulation {
   struct Link {
     btTransform frame_from_link;  // from the link's frame to Bullet's: centre of mass, principal axes
     bool moves = false;
-    double damping = 0;
+    double damping = 0, stiffness = 0, rest = 0;
     JointDrive drive;
     std::unique_ptr<BulletShape> shape;
     std::unique_ptr<btMultiBodyLinkCollider> collider;

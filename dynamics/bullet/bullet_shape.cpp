@@ -2,6 +2,7 @@
 
 #include <BulletCollision/CollisionDispatch/btInternalEdgeUtility.h>
 #include <BulletCollision/CollisionShapes/btEmptyShape.h>
+#include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
 #include <LinearMath/btConvexHullComputer.h>
 
 #include <algorithm>
@@ -58,7 +59,12 @@ Made* BulletShape::keep(std::unique_ptr<Made> made) {
 BulletShape::BulletShape(std::span<const CollisionShape> shapes, const btTransform& frame_from_body) {
   std::vector<std::pair<btTransform, btCollisionShape*>> children;
   for (const CollisionShape& shape : shapes) {
-    children.emplace_back(frame_from_body * to_bullet(shape.body_from_shape), add(shape));
+    btCollisionShape* const child = add(shape);
+    if (shape.surface) {
+      surfaces_.push_back(std::make_unique<SurfaceProperties>(*shape.surface));
+      child->setUserPointer(surfaces_.back().get());
+    }
+    children.emplace_back(frame_from_body * to_bullet(shape.body_from_shape), child);
   }
   if (children.empty()) {
     whole_ = keep(std::make_unique<btEmptyShape>());
@@ -98,6 +104,8 @@ btCollisionShape* BulletShape::add(const CollisionShape& shape) {
       hull->setMargin(kMargin_m);
       return hull;
     }
+    case CollisionKind::plane:
+      return keep(std::make_unique<btStaticPlaneShape>(btVector3(0, 0, 1), 0));
     case CollisionKind::mesh:
       break;
   }
@@ -124,6 +132,11 @@ btCollisionShape* BulletShape::add_mesh(const CollisionShape& shape) {
   meshes_.push_back(std::move(data));
   arrays_.push_back(std::move(array));
   return made;
+}
+
+bool needs_contact_callback(std::span<const CollisionShape> shapes) {
+  return std::ranges::any_of(
+      shapes, [](const CollisionShape& shape) { return shape.kind == CollisionKind::mesh || shape.surface; });
 }
 
 std::optional<CollisionShape> bullet_convex_hull(std::span<const glm::dvec3> points) {

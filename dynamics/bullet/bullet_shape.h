@@ -12,7 +12,7 @@
 
 namespace simvis {
 
-/// A collision shape with all that it refers to.
+/// A collision shape with all that it refers to. The user pointer of a piece with a surface of its own points to that.
 class BulletShape {
  public:
   /// The shapes of one body, in a frame in which the body's frame stands at `frame_from_body`. None: a shape without
@@ -34,9 +34,13 @@ class BulletShape {
   std::vector<std::unique_ptr<MeshData>> meshes_;
   std::vector<std::unique_ptr<btStridingMeshInterface>> arrays_;
   std::vector<std::unique_ptr<btTriangleInfoMap>> edges_;
+  std::vector<std::unique_ptr<SurfaceProperties>> surfaces_;
   std::vector<std::unique_ptr<btCollisionShape>> shapes_;
   btCollisionShape* whole_ = nullptr;
 };
+
+/// Whether contacts of these pieces need more than Bullet's own: the inner edges of meshes, surfaces of their own.
+bool needs_contact_callback(std::span<const CollisionShape> shapes);
 
 std::optional<CollisionShape> bullet_convex_hull(std::span<const glm::dvec3> points);
 

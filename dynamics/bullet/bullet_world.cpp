@@ -2,6 +2,7 @@
 
 #include <BulletCollision/CollisionDispatch/btInternalEdgeUtility.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -17,9 +18,22 @@ double share_per_second(double rate_per_s) { return -std::expm1(-rate_per_s); }
 // of the step in which they meet would become height, so there it is taken back slowly.
 constexpr double kBounceCorrection = 1e-3;
 
-// Called for each contact of a body with a mesh or restitution.
+// The surface of the piece of a body that touches. Bullet wraps pieces into the bodies that have them.
+SurfaceProperties surface_of(const btCollisionObjectWrapper* piece) {
+  const btCollisionObject& body = *piece->getCollisionObject();
+  for (; piece != nullptr; piece = piece->m_parent) {
+    if (const void* const own = piece->getCollisionShape()->getUserPointer())
+      return *static_cast<const SurfaceProperties*>(own);
+  }
+  return {body.getFriction(), body.getRestitution()};
+}
+
+// Called for each contact of a body with a mesh, restitution or a piece with a surface of its own.
 bool adjust_contact(btManifoldPoint& point, const btCollisionObjectWrapper* a, int, int,
                     const btCollisionObjectWrapper* b, int part, int index) {
+  const SurfaceProperties surface_a = surface_of(a), surface_b = surface_of(b);
+  point.m_combinedFriction = surface_a.friction * surface_b.friction;
+  point.m_combinedRestitution = surface_a.restitution * surface_b.restitution;
   if (point.m_combinedRestitution > 0) {
     point.m_contactPointFlags |= BT_CONTACT_FLAG_HAS_CONTACT_ERP;
     point.m_contactERP = kBounceCorrection;
@@ -29,11 +43,10 @@ bool adjust_contact(btManifoldPoint& point, const btCollisionObjectWrapper* a, i
   return true;
 }
 
-bool has_mesh(const BodyDesc& body) {
-  for (const CollisionShape& shape : body.shapes) {
-    if (shape.kind == CollisionKind::mesh) return true;
-  }
-  return false;
+bool bounces(const BodyDesc& body) {
+  return body.surface.restitution > 0 || std::ranges::any_of(body.shapes, [](const CollisionShape& shape) {
+           return shape.surface && shape.surface->restitution > 0;
+         });
 }
 
 // Bullet also keeps points of bodies that are near. They count if a force acts across the gap; it is known only where
@@ -100,13 +113,14 @@ std::size_t BulletWorld::add_body(const BodyDesc& desc) {
   body.rigid->setAngularVelocity(to_bullet(desc.angular_velocity_rad_s));
   body.rigid->setActivationState(DISABLE_DEACTIVATION);
   body.rigid->setUserIndex(static_cast<int>(next_id_));
+  if (!desc.has_weight) body.rigid->setFlags(body.rigid->getFlags() | BT_DISABLE_WORLD_GRAVITY);
   // Bullet brakes a body before it touches; the bounce would then start from the speed that is left.
-  if (desc.surface.restitution > 0) body.rigid->setContactProcessingThreshold(0);
+  if (bounces(desc)) body.rigid->setContactProcessingThreshold(0);
   int flags = body.rigid->getCollisionFlags();
   if (desc.kind == BodyKind::kinematic) {
     flags = (flags & ~btCollisionObject::CF_STATIC_OBJECT) | btCollisionObject::CF_KINEMATIC_OBJECT;
   }
-  if (has_mesh(desc) || desc.surface.restitution > 0) flags |= btCollisionObject::CF_CUSTOM_MATERIAL_CALLBACK;
+  if (needs_contact_callback(desc.shapes) || bounces(desc)) flags |= btCollisionObject::CF_CUSTOM_MATERIAL_CALLBACK;
   body.rigid->setCollisionFlags(flags);
   world_->addRigidBody(body.rigid.get());
   bodies_.emplace(next_id_, std::move(body));

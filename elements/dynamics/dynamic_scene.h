@@ -36,7 +36,7 @@ class DynamicObject {
   std::string name, point;  ///< of the element, and its insertion point
   Location where;           ///< of its command
   struct MovedLink {
-    std::string joint;     ///< the name of the element of type joint in front of it
+    std::string joint;     ///< the name of the element of type joint in front of it, or of a fixed joint
     std::size_t link = 0;  ///< in ArticulationDesc::links
   };
   std::vector<MovedLink> moved_links;  ///< of a robot

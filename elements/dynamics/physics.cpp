@@ -3,6 +3,8 @@
 #include <cmath>
 
 #include "dynamics/engine_module.h"
+#include "elements/dynamics/model_part.h"
+#include "scenegraph/import/sdf/sdf_dynamics.h"
 
 namespace simvis {
 namespace {
@@ -29,6 +31,9 @@ constexpr AttributeSpec kPhysicsAttributes[] = {
      .text = "passes over all contacts and joints in each step",
      .min = 1,
      .max = 10000},
+    {.name = "world",
+     .kind = AttributeKind::part,
+     .text = "part from an SDF world that says of gravity, step and iterations what is not given here"},
     {.name = "running",
      .default_value = "1",
      .text = "0 holds all bodies where they are, 1 lets them move",
@@ -54,18 +59,28 @@ const ElementRegistration kPhysicsRegistration({
     },
 });
 
+SdfPhysics read_world(const ElementContext& context) {
+  const CommandAttribute* const part = context.command.find("world");
+  return part == nullptr ? SdfPhysics() : read_sdf_physics(read_model_part(context, *part, false).request);
+}
+
 }  // namespace
 
 PhysicsElement::PhysicsElement(const ElementContext& context) {
   const AttributeValues& attributes = context.attributes;
+  const SdfPhysics file = read_world(context);
   const double(&gravity)[3] = attributes.vector("gravity");
-  const auto step_ns = static_cast<std::int64_t>(std::llround(attributes.number("step") * kNanoseconds_per_ms));
+  WorldDesc world{.gravity_m_s2 = {gravity[0], gravity[1], gravity[2]},
+                  .iterations = static_cast<int>(attributes.integer("iterations"))};
+  double step_ms = attributes.number("step");
+  const auto is_written = [&](std::string_view name) { return context.command.find(name) != nullptr; };
+  if (file.gravity_m_s2 && !is_written("gravity")) world.gravity_m_s2 = *file.gravity_m_s2;
+  if (file.iterations && !is_written("iterations")) world.iterations = *file.iterations;
+  if (file.step_s && !is_written("step")) step_ms = *file.step_s * 1e3;
+  const auto step_ns = static_cast<std::int64_t>(std::llround(step_ms * kNanoseconds_per_ms));
+  world.step_s = static_cast<double>(step_ns) * 1e-9;
   dynamics_engine();  // a scene whose engine is missing does not load
-  dynamic_ = std::make_shared<DynamicScene>(context.scene,
-                                            WorldDesc{.gravity_m_s2 = {gravity[0], gravity[1], gravity[2]},
-                                                      .step_s = static_cast<double>(step_ns) * 1e-9,
-                                                      .iterations = static_cast<int>(attributes.integer("iterations"))},
-                                            step_ns);
+  dynamic_ = std::make_shared<DynamicScene>(context.scene, world, step_ns);
   declare_dynamic_scene(context, dynamic_);
 }
 

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "elements/dynamics/body_rows.h"
+#include "elements/dynamics/model_part.h"
 #include "scenegraph/import/sdf/sdf_dynamics.h"
 
 namespace simvis {
@@ -14,6 +15,8 @@ namespace {
 constexpr AttributeSpec joint_list(std::string_view name, std::string_view text) {
   return {.name = name, .kind = AttributeKind::text, .text = text};
 }
+
+constexpr std::string_view kKeptJoints = "kept_joints";
 
 constexpr AttributeSpec kRobotDriveRows[] = {
     {.name = "base",
@@ -30,6 +33,7 @@ constexpr AttributeSpec kRobotDriveRows[] = {
     joint_list("velocity_joints", "joints driven by velocity, separated by spaces"),
     joint_list("effort_joints", "joints driven by effort, separated by spaces"),
     joint_list("free_joints", "joints without a drive, separated by spaces"),
+    joint_list(kKeptJoints, "fixed joints whose load a sensor force_torque measures, separated by spaces"),
     {.name = "gain",
      .default_value = "20",
      .unit = "1/s",
@@ -81,73 +85,63 @@ std::vector<std::string> words(const std::string& text) {
   return words;
 }
 
-constexpr std::string_view kSdfEnding = ".sdf";
-
-PartContent const& robot_content(const ElementContext& context) {
-  const CommandAttribute& at = context.command.require("insert_at");
-  if (context.scene.has_part(at.value)) {
-    const PartContent& content = context.scene.own_part(at.value, at.where).content;
-    const std::string ending = content.file.extension().string();
-    if (ending == ".urdf" || ending == ".xacro" || ending == kSdfEnding) return content;
-  }
-  fail_at(at.where, "attribute \"insert_at\": " + in_quotes(at.value) +
-                        " is not allowed for a robot, expected the name of a part from a URDF or SDF file");
-}
-
-RobotDescription read_robot(const ElementContext& context, const PartContent& content) {
-  const std::string& part = context.command.require("insert_at").value;
-  const Command& command = context.scene.part_command(part);
-  for (const char* const name : {"scale", "unit"}) {
-    if (const CommandAttribute* const scale = command.find(name)) {
-      fail_at(scale->where, "attribute " + in_quotes(name) + " is not allowed on a part with a robot of physics");
-    }
-  }
-  const CommandAttribute* const arguments = command.find("xacro_arguments");
-  const ImportRequest request{.file = content.file,
-                              .xacro_arguments = arguments == nullptr ? std::string() : arguments->value,
-                              .packages = context.scene.packages()};
-  if (content.file.extension() != kSdfEnding) return describe_robot(read_urdf_dynamics(request), context.scene.pool());
-  const SdfDynamics sdf = read_sdf_dynamics(request);
+UrdfDynamics read_dynamics(const ElementContext& context, const ModelPart& part) {
+  if (!part.is_sdf) return read_urdf_dynamics(part.request);
+  SdfDynamics sdf = read_sdf_dynamics(part.request);
   for (const std::string& warning : sdf.warnings) context.scene.warn(warning);
-  return describe_robot(sdf.model, context.scene.pool());
+  return std::move(sdf.model);
 }
 
-// What stands in front of the names in the part's file.
-std::string prefix_of(const ElementContext& context, const PartContent& content) {
-  const std::string& part = context.command.require("insert_at").value;
-  const std::vector<std::string> points = context.scene.points_of_part(part);
-  for (const std::string& point : points) {
-    if (!point.ends_with(content.points.front())) continue;
-    const std::string prefix = point.substr(0, point.size() - content.points.front().size());
-    if (std::ranges::all_of(content.points,
-                            [&](const std::string& own) { return std::ranges::count(points, prefix + own) > 0; })) {
-      return prefix;
-    }
+std::vector<std::string> read_kept_joints(const ElementContext& context, const UrdfDynamics& dynamics) {
+  if (!context.attributes.is_set(kKeptJoints)) return {};
+  std::vector<std::string_view> known;
+  for (const UrdfMovingJoint& joint : dynamics.joints) {
+    if (joint.kind == UrdfMovingJoint::Kind::fixed && !joint.name.empty()) known.push_back(joint.name);
   }
-  return "";
+  std::vector<std::string> kept = words(context.attributes.text(kKeptJoints));
+  for (const std::string& word : kept) {
+    if (std::ranges::count(known, word) > 0) continue;
+    fail_at(context.attributes.where(kKeptJoints),
+            "there is no fixed joint " + in_quotes(word) + suggestion(word, known));
+  }
+  return kept;
+}
+
+RobotDescription read_robot(const ElementContext& context, const ModelPart& part) {
+  CollisionMeshes meshes(context.scene.pool());
+  const UrdfDynamics dynamics = read_dynamics(context, part);
+  return describe_robot(
+      dynamics, {.surface = read_robot_surface(context), .kept_joints = read_kept_joints(context, dynamics)}, meshes);
+}
+
+ModelPart robot_part(const ElementContext& context) {
+  return read_model_part(context, context.command.require("insert_at"), true);
 }
 
 }  // namespace
 
-RobotElement::RobotElement(const ElementContext& context)
+RobotElement::RobotElement(const ElementContext& context) : RobotElement(context, robot_part(context)) {}
+
+RobotElement::RobotElement(const ElementContext& context, const ModelPart& part)
+    : RobotElement(context, read_robot(context, part), part.prefix) {}
+
+RobotElement::RobotElement(const ElementContext& context, RobotDescription robot, const std::string& prefix)
     : dynamic_(find_dynamic_scene(context)),
       transform_(std::make_shared<Transform>()),
-      gain_per_s_(context.attributes.number("gain")) {
+      gain_per_s_(context.attributes.number("gain")),
+      has_weight_(robot.has_weight),
+      is_whole_part_(context.scene.has_part(context.command.require("insert_at").value)) {
   name = context.command.require("name").value;
   point = context.command.require("insert_at").value;
   where = context.command.where;
-  const PartContent& content = robot_content(context);
-  RobotDescription robot = read_robot(context, content);
   desc_ = std::move(robot.body);
   desc_.fixed_base = context.attributes.choice("base") == "fixed";
+  stands = desc_.fixed_base;
   if (!desc_.fixed_base && !(desc_.mass.mass_kg > 0)) {
     fail_at(context.attributes.where("base"), "the root link has no mass, expected one for a free base");
   }
-  const SurfaceProperties surface = read_surface(context.attributes);
-  desc_.surface = surface;
-  for (LinkDesc& link : desc_.links) link.surface = surface;
-  const std::string prefix = prefix_of(context, content);
   links_ = std::move(robot.links);
+  for (const auto& [joint, link] : robot.kept_joints) moved_links.push_back({prefix + joint, link});
   for (RobotDescription::NamedLink& link : links_) link.name = prefix + link.name;
   read_joints(context, robot.joints, prefix);
   transform_->name = name;
@@ -300,16 +294,22 @@ std::size_t RobotElement::enter(DynamicsWorld& world, const glm::dmat4& world_fr
   for (Joint& joint : joints_) {
     if (joint.driver) joint.driver->was_set = false;
   }
-  return world.add_articulation(desc_);
+  if (!desc_.links.empty()) return world.add_articulation(desc_);
+  return world.add_body({.kind = desc_.fixed_base ? BodyKind::fixed : BodyKind::dynamic,
+                         .world_from_body = desc_.world_from_base,
+                         .mass = desc_.mass,
+                         .shapes = desc_.shapes,
+                         .surface = desc_.surface,
+                         .has_weight = has_weight_});
 }
 
 bool RobotElement::has_any(std::string_view insertion_point) const {
-  return insertion_point == point ||
+  return (is_whole_part_ && insertion_point == point) ||
          std::ranges::find(links_, insertion_point, &RobotDescription::NamedLink::name) != links_.end();
 }
 
 bool RobotElement::has_part(std::string_view insertion_point, int link) const {
-  if (insertion_point == point) return true;
+  if (is_whole_part_ && insertion_point == point) return true;
   const auto named = std::ranges::find(links_, insertion_point, &RobotDescription::NamedLink::name);
   return named != links_.end() && named->link == link;
 }

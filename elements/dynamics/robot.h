@@ -23,11 +23,15 @@ namespace simvis {
 
 enum class JointControl { position, speed, effort, none };
 
+struct ModelPart;
+
 class RobotElement : public Element, private DynamicObject {
  public:
   /// Throws InputError: no physics; the part is no URDF robot or SDF model, is scaled, or has a robot already; a list
   /// names a joint that is not there, or two lists name one joint; what robot_description.h says.
   explicit RobotElement(const ElementContext& context);
+  /// A body of the file at whose insertion point it stands; `prefix` stands in front of the file's names.
+  RobotElement(const ElementContext& context, RobotDescription description, const std::string& prefix);
   ~RobotElement() override;
   void update(ParameterView values) override;
   void adapt_parameters(std::vector<AttributeSpec>& live_rows) const override;
@@ -35,6 +39,7 @@ class RobotElement : public Element, private DynamicObject {
   void advance(std::int64_t time_ns, std::span<double> values) override;
 
  private:
+  RobotElement(const ElementContext& context, const ModelPart& part);
   struct Joint {
     RobotJoint described;
     JointControl control = JointControl::none;
@@ -64,6 +69,7 @@ class RobotElement : public Element, private DynamicObject {
   std::vector<Joint> joints_;
   std::vector<RobotDescription::NamedLink> links_;  // by insertion point
   double gain_per_s_;
+  bool has_weight_, is_whole_part_;  // of the latter, not a body within it
   bool entered_ = false, was_set_ = false;
   glm::dmat4 world_from_parent_{1.0};
   std::array<double, kPoseValues> written_{};

@@ -9,7 +9,10 @@ namespace {
 
 AttributeTable force_torque_attributes() {
   static const AttributeTable table = join_tables(
-      {{{.name = "joint", .kind = AttributeKind::element, .text = "the element of type joint that is measured"}},
+      {{{.name = "joint", .kind = AttributeKind::element, .text = "the element of type joint that is measured"},
+        {.name = "fixed_joint",
+         .kind = AttributeKind::text,
+         .text = "instead of joint: a fixed joint that kept_joints of an element robot names"}},
        noise_rows("force_", "each force", "N"),
        noise_rows("torque_", "each torque", "N m"),
        {kRateAttribute}});
@@ -17,7 +20,11 @@ AttributeTable force_torque_attributes() {
 }
 
 std::unique_ptr<Sensor> create_force_torque(const SensorContext& context) {
-  context.command.require("joint");  // throws if it is missing
+  const CommandAttribute* const fixed = context.command.find("fixed_joint");
+  if (fixed == nullptr) context.command.require("joint");  // throws if it is missing
+  if (fixed != nullptr && context.command.find("joint") != nullptr) {
+    fail_at(fixed->where, "attribute \"fixed_joint\" is not allowed beside \"joint\", expected one of them");
+  }
   return std::make_unique<ForceTorque>(context.name, force_torque_desc(context));
 }
 
@@ -35,7 +42,8 @@ const SensorRegistration kForceTorqueRegistration(
 
 ForceTorqueDesc force_torque_desc(const SensorContext& context) {
   const AttributeValues& a = context.attributes;
-  return {.joint = a.is_set("joint") ? a.text("joint") : std::string(),
+  const char* const named = a.is_set("fixed_joint") ? "fixed_joint" : "joint";
+  return {.joint = a.is_set(named) ? a.text(named) : std::string(),
           .force = NoiseDesc::read(a, "force_"),
           .torque = NoiseDesc::read(a, "torque_"),
           .seed = context.seed};

@@ -10,7 +10,8 @@
 //          frames be as dense as the steps.
 // Friction between links behind the joint and other bodies is not known to it: where these links slide or are held by
 //          friction, its force counts as load of the joint.
-// Joints   of an element robot that move. A fixed joint is no joint for physics.
+// Joints   of an element robot: those that move by `joint`, and fixed ones that its kept_joints names by `fixed_joint`.
+//          Physics knows no other fixed joints.
 // Noise    sensors/noise/noise_model.h, for forces and for torques.
 // Message  geometry_msgs/WrenchStamped.
 #pragma once
@@ -23,7 +24,7 @@
 namespace simvis {
 
 struct ForceTorqueDesc {
-  std::string joint;  ///< an element of type joint
+  std::string joint;  ///< an element of type joint, or a fixed joint
   NoiseDesc force{}, torque{};
   std::uint64_t seed = 0;
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <fstream>
 #include <glm/trigonometric.hpp>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -173,6 +174,36 @@ TEST_CASE("the joints of an arm at rest carry what is behind them") {
     CHECK(glm::length(base.force_n - glm::dvec3(0, 0, -weight_n)) < kTremble * weight_n);
     CHECK(glm::length(base.torque_nm - glm::dvec3(0, lever_nm, 0)) < kTremble * lever_nm);
   }
+}
+
+TEST_CASE("a fixed joint that is kept carries what is behind it, and changes no motion") {
+  const std::string at_wrist =
+      "<sensor type='force_torque' name='WRIST' insert_at='grip' fixed_joint='wrist'/>"
+      "<sensor type='force_torque' name='AT_ELBOW' insert_at='lower' fixed_joint='wrist'/>";
+  Simulation kept = arm(kArm, "kept_joints='wrist'", at_wrist, 15), merged = arm(kArm, "", "", 15);
+  run(kept, 60);
+  run(merged, 60);
+  // The gripper of 0.5 kg hangs 0.5 m in front of the elbow.
+  const double weight_n = 0.5 * kGravity_m_s2, lever_nm = 0.5 * weight_n;
+  const Load wrist = load_of(kept, "WRIST"), elbow = load_of(kept, "AT_ELBOW");
+  CHECK(glm::length(wrist.force_n - glm::dvec3(0, 0, -weight_n)) < kTremble * weight_n);
+  CHECK(glm::length(wrist.torque_nm) < kTremble * lever_nm);
+  CHECK(glm::length(elbow.torque_nm - glm::dvec3(0, lever_nm, 0)) < kTremble * lever_nm);
+  // The same motion from other sums: the rounding of some thousand steps, in degrees.
+  CHECK(std::abs(kept.get("elbow", "value") - merged.get("elbow", "value")) < 1e-6);
+}
+
+TEST_CASE("a fixed joint that is not kept or not there is an error") {
+  const auto wrong = [](const std::string& attributes, const std::string& sensor) {
+    return error_of([&] { run(*std::make_unique<Simulation>(arm(kArm, attributes, sensor, 15)), 1); });
+  };
+  CHECK(contains(wrong("kept_joints='wrst'", ""), "there is no fixed joint \"wrst\", did you mean \"wrist\""));
+  CHECK(contains(wrong("kept_joints='elbow'", ""), "there is no fixed joint \"elbow\""));
+  CHECK(contains(wrong("", "<sensor type='force_torque' name='F' insert_at='grip' fixed_joint='wrist'/>"),
+                 "no robot of physics moves the joint \"wrist\""));
+  CHECK(contains(wrong("kept_joints='wrist'",
+                       "<sensor type='force_torque' name='F' insert_at='grip' joint='elbow' fixed_joint='wrist'/>"),
+                 "attribute \"fixed_joint\" is not allowed beside \"joint\""));
 }
 
 TEST_CASE("a swinging pendulum pulls its joint with weight and centrifugal force") {

@@ -97,7 +97,7 @@ TEST_CASE("the table of every element has descriptions, and its defaults are leg
 
 // Whether a command of the type needs no attributes of its own, and no physics: tests/dynamics has those that do.
 bool stands_alone(const ElementType& type) {
-  constexpr std::string_view kNeedPhysics[] = {"body", "robot", "vehicle"};
+  constexpr std::string_view kNeedPhysics[] = {"body", "models", "robot", "vehicle"};
   if (std::ranges::find(kNeedPhysics, type.name) != std::end(kNeedPhysics)) return false;
   return std::ranges::none_of(type.attributes, [](const AttributeSpec& row) {
     return is_reference(row.kind) || (row.kind == AttributeKind::text && row.default_value.empty());

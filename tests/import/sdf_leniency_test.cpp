@@ -30,13 +30,12 @@ TEST_CASE("what is not taken over is told once for each kind, with its count and
       sdf_world("<physics type='ode'/>\n<gui/>\n<plugin name='a' filename='a'/>\n"
                 "<model name='m'><link name='l'><inertial><mass>1</mass></inertial>\n"
                 "<collision name='c'><geometry><box><size>1 1 1</size></box></geometry></collision>\n"
-                "<sensor name='s' type='imu'/></link>\n<plugin name='b' filename='b'/></model>\n"
+                "<sensor name='s' type='logical_camera'/></link>\n<plugin name='b' filename='b'/></model>\n"
                 "<actor name='x'/>\n"));
   CHECK(scene.warnings() ==
         std::vector<std::string>{"11:2: element <actor> is not taken over", "5:2: element <gui> is not taken over",
-                                 "4:2: element <physics> is not taken over",
                                  "6:2: element <plugin> is not taken over, 2 in all, the first one here",
-                                 "9:2: sensor of type \"imu\" is not taken over"});
+                                 "9:2: sensor of type \"logical_camera\" is not taken over"});
 }
 
 TEST_CASE("visuals that cannot be shown are left out, each with a warning") {

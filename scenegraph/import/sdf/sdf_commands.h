@@ -45,10 +45,10 @@ inline constexpr double kSdfLightDistance_m = 3;
 std::optional<std::string> sdf_sky_command(const SdfElement& scene, const SdfPlace& place);
 
 /// The sensor of a <sensor>, which looks along +x as ours do: a camera, depth camera or RGBD camera is a `camera`; a
-/// ray, lidar, gpu_ray or gpu_lidar is a `laser_scanner`. Empty: a sensor of another type, which is reported as left
-/// out. What of its noise and lens has no counterpart is reported.
-/// Throws InputError for wrong numbers.
-std::optional<std::string> sdf_sensor_command(const SdfElement& sensor, const SdfPlace& place,
+/// ray, lidar, gpu_ray or gpu_lidar is a `laser_scanner`; others are those of sdf_readings.h, for which `world` is.
+/// Empty: a sensor of another type, which is reported as left out. What of its noise and lens has no counterpart is
+/// reported. Throws InputError for wrong numbers.
+std::optional<std::string> sdf_sensor_command(const SdfElement& sensor, const SdfElement& world, const SdfPlace& place,
                                               const glm::dmat4& point_from_sensor, SdfReport& report);
 
 }  // namespace simvis

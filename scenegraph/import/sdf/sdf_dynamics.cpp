@@ -1,15 +1,17 @@
 #include "scenegraph/import/sdf/sdf_dynamics.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include <simvis/attributes.h>
 #include <simvis/pose.h>
+#include "scenegraph/import/mesh/picture_file.h"
+#include "scenegraph/import/sdf/sdf_collisions.h"
 #include "scenegraph/import/sdf/sdf_commands.h"
 #include "scenegraph/import/sdf/sdf_mimic.h"
 #include "scenegraph/import/sdf/sdf_reader.h"
 #include "scenegraph/import/sdf/sdf_tree.h"
+#include "scenegraph/import/urdf/urdf_file.h"
 
 namespace simvis {
 namespace {
@@ -22,18 +24,23 @@ double not_negative(const SdfElement& element, double fallback) {
   return value;
 }
 
-double above_zero(const SdfElement& element) {
-  const double value = element.number(0);
-  if (!(value > 0) || std::isinf(value)) {
-    element.fail("is " + format_number(value) + ", expected more than 0 and finite");
-  }
-  return value;
-}
-
 // A limit that SDF gives as a negative or infinite number is none.
 double largest(const SdfElement& element) {
   const double value = element.number(0);
   return value > 0 && value < kSdfNoLimit ? value : 0;
+}
+
+const glm::dvec3 kSdfGravity_m_s2(0, 0, -9.8);
+
+// The one that counts by default, else the first.
+SdfElement physics_of(const SdfElement& world) {
+  SdfElement found;
+  for (const SdfElement& child : world.children()) {
+    if (child.tag() != "physics") continue;
+    const std::string is_default = child.attribute("default");
+    if (!found || is_default == "true" || is_default == "1") found = child;
+  }
+  return found;
 }
 
 class DynamicsReader {
@@ -41,18 +48,68 @@ class DynamicsReader {
   explicit DynamicsReader(const ImportRequest& request) : files_(request.file, request.packages), request_(request) {}
 
   SdfDynamics run() {
-    SdfReader(sdf_, files_, ignored_).read(request_.file);
+    read();
     if (!sdf_.is_single_model) {
-      sdf_.first.fail("is a world or one of several models, expected a file with one model for a robot of physics");
+      sdf_.first.fail(
+          "is a world or one of several models, expected a file with one model for a robot of physics; an "
+          "element of type \"models\" moves those of a world");
     }
-    tree_ = make_sdf_tree(sdf_, poses_, names_, ignored_);
-    result_.model.links.push_back({.name = "", .inertial = {}, .collisions = {}, .where = sdf_.first.at()});
+    add_anchor();
     add_roots();
-    result_.warnings = report_.release();
-    return std::move(result_);
+    return {std::move(model_), report_.release()};
+  }
+
+  SdfBodies run_all() {
+    read();
+    std::vector<SdfBody> bodies;
+    for (const auto& link : tree_.links) {
+      if (link->is_root) bodies.push_back(read_body(*link));
+    }
+    return {std::move(bodies), report_.release()};
   }
 
  private:
+  void read() {
+    SdfReader(sdf_, files_, ignored_).read(request_.file);
+    tree_ = make_sdf_tree(sdf_, poses_, names_, ignored_);
+  }
+
+  static bool is_static(const SdfLink& link) {
+    for (const SdfScope* scope = link.scope; scope != nullptr; scope = scope->outer) {
+      if (scope->is_static) return true;
+    }
+    return false;
+  }
+
+  // A link without mass that stands for the file's own frame.
+  void add_anchor() {
+    model_.links.push_back({.name = "", .inertial = {}, .collisions = {}, .where = sdf_.first.at()});
+  }
+
+  // A link that no other one moves, and all links behind it. A joint may hold it at the world.
+  SdfBody read_body(const SdfLink& root) {
+    all_fixed_ = is_static(root);
+    const bool is_held = root.joint != nullptr;
+    if (is_held) {
+      add_anchor();
+      add_all({{&root, 0, glm::dmat4(1)}});
+    } else {
+      model_.links.push_back(read_link(root));
+      std::vector<Pending> open;
+      push_followers(root, 0, open);
+      add_all(std::move(open));
+    }
+    const SdfElement gravity = root.item->element.child("gravity");
+    SdfBody body{.model = std::exchange(model_, {}),
+                 .stands = is_held || all_fixed_,
+                 .point = is_held ? std::string() : root.point,
+                 .has_weight = gravity.flag(true)};
+    if (body.has_weight || body.stands || body.model.links.size() == 1) return body;
+    report_.leave_out("<gravity> 0 of a link with joints", gravity.at());
+    body.has_weight = true;
+    return body;
+  }
+
   struct Pending {
     const SdfLink* link;
     std::size_t parent;
@@ -72,14 +129,20 @@ class DynamicsReader {
       open.push_back({link.get(), 0, glm::dmat4(1)});
     }
     std::ranges::reverse(open);
+    add_all(std::move(open));
+  }
+
+  static void push_followers(const SdfLink& link, std::size_t own, std::vector<Pending>& open) {
+    for (auto each = link.followers.rbegin(); each != link.followers.rend(); ++each) {
+      open.push_back({*each, own, link.world_from_link});
+    }
+  }
+
+  void add_all(std::vector<Pending> open) {
     while (!open.empty()) {
       const Pending next = open.back();
       open.pop_back();
-      const std::size_t own = add(next);
-      const std::vector<SdfLink*>& followers = next.link->followers;
-      for (auto each = followers.rbegin(); each != followers.rend(); ++each) {
-        open.push_back({*each, own, next.link->world_from_link});
-      }
+      push_followers(*next.link, add(next), open);
     }
   }
 
@@ -87,31 +150,38 @@ class DynamicsReader {
   std::size_t add(const Pending& next) {
     std::size_t parent = next.parent;
     glm::dmat4 world_from_parent = next.world_from_parent;
-    if (next.link->joint != nullptr && next.link->joint->element.attribute("type") != "fixed") {
+    const bool moved = next.link->joint != nullptr && moves(*next.link);
+    if (moved) {
       parent = add_joint(*next.link, parent, rigid_inverse(world_from_parent) * next.link->world_from_joint);
       world_from_parent = next.link->world_from_joint;
     }
-    UrdfMovingJoint fixed{.name = next.link->joint_name,
+    UrdfMovingJoint fixed{.name = moved ? std::string() : next.link->joint_name,
                           .parent = parent,
-                          .child = result_.model.links.size(),
+                          .child = model_.links.size(),
                           .parent_from_joint = rigid_inverse(world_from_parent) * next.link->world_from_link,
                           .where = next.link->item->element.at()};
-    result_.model.links.push_back(read_link(*next.link));
-    result_.model.joints.push_back(std::move(fixed));
-    return result_.model.links.size() - 1;
+    model_.links.push_back(read_link(*next.link));
+    model_.joints.push_back(std::move(fixed));
+    return model_.links.size() - 1;
+  }
+
+  // Of a world, a joint of another type holds its links together, as the importer says.
+  bool moves(const SdfLink& link) const {
+    const SdfElement& element = link.joint->element;
+    if (all_fixed_ || element.attribute("type") == "fixed") return false;
+    if (sdf_joint_turns(element) || sdf_joint_slides(element)) return true;
+    if (!sdf_.is_single_model) return false;
+    element.fail("has the type " + in_quotes(element.attribute("type")) +
+                 ", which physics does not move, expected fixed, revolute, continuous, hinge or prismatic");
   }
 
   std::size_t add_joint(const SdfLink& link, std::size_t parent, const glm::dmat4& parent_from_joint) {
     const SdfElement& element = link.joint->element;
     const bool turns = sdf_joint_turns(element);
-    if (!turns && !sdf_joint_slides(element)) {
-      element.fail("has the type " + in_quotes(element.attribute("type")) +
-                   ", which physics does not move, expected fixed, revolute, continuous, hinge or prismatic");
-    }
     UrdfMovingJoint joint{.kind = turns ? UrdfMovingJoint::Kind::revolute : UrdfMovingJoint::Kind::prismatic,
                           .name = link.joint_name,
                           .parent = parent,
-                          .child = result_.model.links.size(),
+                          .child = model_.links.size(),
                           .parent_from_joint = parent_from_joint,
                           .axis = axis_of(link),
                           .where = element.at()};
@@ -121,10 +191,10 @@ class DynamicsReader {
       joint.multiplier = mimic->multiplier;
       joint.offset = mimic->offset;
     }
-    result_.model.links.push_back(
+    model_.links.push_back(
         {.name = link.joint_point + " (joint)", .inertial = {}, .collisions = {}, .where = element.at()});
-    result_.model.joints.push_back(std::move(joint));
-    return result_.model.links.size() - 1;
+    model_.joints.push_back(std::move(joint));
+    return model_.links.size() - 1;
   }
 
   glm::dvec3 axis_of(const SdfLink& link) {
@@ -145,15 +215,14 @@ class DynamicsReader {
     joint.max_speed = largest(limit.child("velocity"));
     joint.damping = not_negative(dynamics.child("damping"), 0);
     joint.friction = not_negative(dynamics.child("friction"), 0);
-    if (dynamics.child("spring_stiffness").number(0) != 0) {
-      report_.leave_out("spring of a joint", dynamics.child("spring_stiffness").at());
-    }
+    joint.stiffness = not_negative(dynamics.child("spring_stiffness"), 0);
+    joint.rest = dynamics.child("spring_reference").number(0);
   }
 
   UrdfMovedLink read_link(const SdfLink& link) {
     const SdfElement& element = link.item->element;
     UrdfMovedLink read{.name = link.point, .inertial = {}, .collisions = {}, .where = element.at()};
-    read.inertial = read_inertial(link);
+    if (!all_fixed_) read.inertial = read_inertial(link);
     for (const SdfElement& child : element.children()) {
       if (child.tag() == "collision") add_collision(link, child, read.collisions);
     }
@@ -174,37 +243,19 @@ class DynamicsReader {
             .inertia_kg_m2 = {{xx, xy, xz}, {xy, yy, yz}, {xz, yz, zz}}};
   }
 
+  // Of a world, a collision that is wrong is left out as a wrong visual is.
   void add_collision(const SdfLink& link, const SdfElement& element, std::vector<UrdfCollision>& collisions) {
-    const SdfElement geometry = element.child("geometry");
-    UrdfCollision collision{.link_from_shape = sdf_place_in(link, element, poses_), .where = element.at()};
-    if (const SdfElement box = geometry.child("box")) {
-      collision.size = box.child("size").vector(glm::dvec3(1));
-      if (!(std::min({collision.size.x, collision.size.y, collision.size.z}) > 0))
-        box.fail("has a size that is not above 0");
-    } else if (const SdfElement sphere = geometry.child("sphere")) {
-      collision.kind = UrdfCollision::Kind::sphere;
-      collision.size.x = above_zero(sphere.child("radius"));
-    } else if (const SdfElement cylinder = geometry.child("cylinder")) {
-      collision.kind = UrdfCollision::Kind::cylinder;
-      collision.size = {above_zero(cylinder.child("radius")), 0, above_zero(cylinder.child("length"))};
-    } else if (const SdfElement mesh = geometry.child("mesh")) {
-      collision.kind = UrdfCollision::Kind::mesh;
-      collision.size = mesh.child("scale").vector(glm::dvec3(1));
-      if (mesh.child("submesh")) report_.leave_out("<submesh> of a collision, whose whole mesh counts", mesh.at());
-      std::string why;
-      const auto file = files_.find(mesh.child("uri") ? mesh.child("uri").text() : "", mesh, why);
-      if (!file) mesh.fail("names a file that is not there: " + why);
-      collision.file = *file;
-    } else {
-      const std::vector<SdfElement> kinds = geometry ? geometry.children() : std::vector<SdfElement>();
-      const std::string kind = kinds.empty() ? "" : " <" + std::string(kinds.front().tag()) + ">";
-      return report_.leave_out("collision with the geometry" + kind, element.at());
+    try {
+      auto collision = read_sdf_collision(element, sdf_place_in(link, element, poses_), files_, report_);
+      if (collision && collision->kind == UrdfCollision::Kind::plane && !is_static(link)) {
+        return report_.leave_out("plane that collides and is not static", element.at());
+      }
+      if (collision) collisions.push_back(*std::move(collision));
+    } catch (const InputError& error) {
+      if (sdf_.is_single_model) throw;
+      report_.warn(without_word_error(error.what()) + "; a collision of link " + in_quotes(link.item->name) +
+                   " is left out");
     }
-    if (element.child("surface")) {
-      report_.leave_out("<surface> of a collision; \"friction\" and \"restitution\" of the element robot count",
-                        element.child("surface").at());
-    }
-    collisions.push_back(std::move(collision));
   }
 
   SdfReport report_, ignored_;  // the importer has told what stands in the latter
@@ -214,11 +265,36 @@ class DynamicsReader {
   SdfPoses poses_;
   SdfNames names_;
   SdfTree tree_;
-  SdfDynamics result_;
+  UrdfDynamics model_;
+  bool all_fixed_ = false;  // the joints of a static model do not move
 };
 
 }  // namespace
 
 SdfDynamics read_sdf_dynamics(const ImportRequest& request) { return DynamicsReader(request).run(); }
+
+SdfBodies read_sdf_bodies(const ImportRequest& request) { return DynamicsReader(request).run_all(); }
+
+SdfPhysics read_sdf_physics(const ImportRequest& request) {
+  SdfContent sdf;
+  SdfReport report;
+  SdfFiles files(request.file, request.packages);
+  SdfReader(sdf, files, report).read(request.file);
+  if (sdf.first.tag() != "world") sdf.first.fail("has no <world>, expected one with gravity and steps");
+  const SdfElement physics = physics_of(sdf.first), step = physics.child("max_step_size"),
+                   iterations = physics.child("ode").child("solver").child("iters");
+  SdfPhysics read;
+  // Up to SDF 1.5, gravity stands in <physics>.
+  for (const SdfElement& in : {physics, sdf.first}) {
+    if (const SdfElement gravity = in.child("gravity")) read.gravity_m_s2 = gravity.vector(kSdfGravity_m_s2);
+  }
+  if (step) read.step_s = step.number(0);
+  if (step && !(*read.step_s >= kMinSdfStep_s && *read.step_s <= kMaxSdfStep_s)) {
+    step.fail("is " + format_number(*read.step_s) + " s, expected a step from " + format_number(kMinSdfStep_s) +
+              " to " + format_number(kMaxSdfStep_s) + " s");
+  }
+  if (iterations) read.iterations = static_cast<int>(std::clamp(iterations.number(0), 1.0, 10000.0));
+  return read;
+}
 
 }  // namespace simvis

@@ -1,6 +1,7 @@
-// What an SDF file with one model says of masses, collisions and joints.
+// What an SDF file says of masses, collisions and joints, and a world of gravity and steps.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,5 +23,33 @@ struct SdfDynamics {
 /// joined; a joint of a type other than fixed, revolute, continuous, hinge and prismatic; a mass, size or damping that
 /// is negative or infinite; a mesh that is missing.
 SdfDynamics read_sdf_dynamics(const ImportRequest& request);
+
+/// Links that joints hold together; those of a static model do not move.
+struct SdfBody {
+  UrdfDynamics model;   ///< the first link is the one in front of all others, or the file's frame
+  bool stands = false;  ///< the first link does not move
+  std::string point;    ///< insertion point of the first link; empty: it is the file's frame
+  bool has_weight = true;
+};
+
+struct SdfBodies {
+  std::vector<SdfBody> bodies;  ///< in the order of the file
+  std::vector<std::string> warnings;
+};
+
+/// Reads all models of a file as bodies. A collision that is wrong is left out with a warning, as the importer does
+/// with a visual. Throws InputError as read_sdf_dynamics(), but for worlds, links that are not joined, and collisions.
+SdfBodies read_sdf_bodies(const ImportRequest& request);
+
+/// What a world says of physics; empty: it does not.
+struct SdfPhysics {
+  std::optional<glm::dvec3> gravity_m_s2;
+  std::optional<double> step_s;
+  std::optional<int> iterations;  ///< of ODE's solver
+};
+inline constexpr double kMinSdfStep_s = 1e-6, kMaxSdfStep_s = 0.1;
+
+/// Throws InputError with the place: as the importer, no world, a step that is too short or too long.
+SdfPhysics read_sdf_physics(const ImportRequest& request);
 
 }  // namespace simvis

@@ -155,7 +155,7 @@ class SdfImport {
 
   void add_sensor(const SdfLink& link, const SdfElement& sensor) {
     const SdfPlace place{names_.sensor(link.prefix + link.item->name, sensor.name()), link.point};
-    auto command = sdf_sensor_command(sensor, place, sdf_place_in(link, sensor, poses_), report_);
+    auto command = sdf_sensor_command(sensor, sdf_.first, place, sdf_place_in(link, sensor, poses_), report_);
     if (command) sensors_.push_back(std::move(*command));
   }
 

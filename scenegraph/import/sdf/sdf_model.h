@@ -36,6 +36,7 @@ struct SdfScope {
   SdfItem* item = nullptr;    ///< the model in `outer`
   std::string placement_frame, canonical_link;
   bool is_merged = false;  ///< its names are also names of `outer`
+  bool is_static = false;  ///< physics does not move it
   SdfElement element;
   std::vector<std::unique_ptr<SdfItem>> items{};
   std::map<std::string, SdfItem*, std::less<>> by_name{};

@@ -142,9 +142,9 @@ std::vector<std::filesystem::path> SdfFiles::find_scripts(const std::string& uri
 
 void report_unread(const SdfElement& element, SdfReport& report) {
   const std::string_view tag = element.tag();
-  constexpr std::string_view kReported[] = {"plugin", "actor",     "audio",   "audio_source",     "gui",   "physics",
-                                            "state",  "projector", "gripper", "particle_emitter", "road",  "population",
-                                            "fog",    "light",     "battery", "audio_sink",       "event", "sky"};
+  constexpr std::string_view kReported[] = {"plugin", "actor",     "audio",   "audio_source",     "gui",  "road",
+                                            "state",  "projector", "gripper", "particle_emitter", "sky",  "population",
+                                            "fog",    "light",     "battery", "audio_sink",       "event"};
   if (std::ranges::find(kReported, tag) == std::end(kReported)) return;
   report.leave_out("element <" + std::string(tag) + ">", element.at());
 }
@@ -270,6 +270,7 @@ void SdfReader::add_model(const SdfElement& model, const SdfElement* include, Sd
                                                             : std::string(model.attribute("placement_frame"));
   item.scope->is_merged =
       include != nullptr && (include->attribute("merge") == "true" || include->attribute("merge") == "1");
+  item.scope->is_static = (included("static") ? included("static") : model.child("static")).flag(false);
   std::size_t depth = 0;
   for (const SdfScope* each = &outer; each != nullptr; each = each->outer) ++depth;
   if (depth > kMaxSdfNested) model.fail("is nested deeper than " + std::to_string(kMaxSdfNested) + " models");

@@ -8,6 +8,7 @@
 #include <simvis/pose.h>
 #include "scenegraph/import/sdf/sdf_command.h"
 #include "scenegraph/import/sdf/sdf_lens.h"
+#include "scenegraph/import/sdf/sdf_readings.h"
 
 namespace simvis {
 namespace {
@@ -191,7 +192,12 @@ std::optional<std::string> scanner_command(const SdfElement& sensor, const SdfPl
 
 }  // namespace
 
-std::optional<std::string> sdf_sensor_command(const SdfElement& sensor, const SdfPlace& place,
+void add_sdf_sensor_place(const SdfElement& sensor, const glm::dmat4& point_from_sensor, SdfCommand& command) {
+  add_sensor_pose(point_from_sensor, command);
+  add_rate(sensor, command);
+}
+
+std::optional<std::string> sdf_sensor_command(const SdfElement& sensor, const SdfElement& world, const SdfPlace& place,
                                               const glm::dmat4& point_from_sensor, SdfReport& report) {
   const std::string type = sensor.attribute("type");
   for (const SdfElement& child : sensor.children()) {
@@ -210,8 +216,9 @@ std::optional<std::string> sdf_sensor_command(const SdfElement& sensor, const Sd
   if (type == "ray" || type == "lidar" || type == "gpu_ray" || type == "gpu_lidar") {
     return scanner_command(sensor, place, point_from_sensor, report);
   }
-  report.leave_out("sensor of type " + in_quotes(type), sensor.at());
-  return std::nullopt;
+  auto command = sdf_reading_command(sensor, world, place, point_from_sensor, report);
+  if (!command) report.leave_out("sensor of type " + in_quotes(type), sensor.at());
+  return command;
 }
 
 }  // namespace simvis

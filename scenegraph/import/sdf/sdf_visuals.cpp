@@ -11,39 +11,13 @@
 #include <simvis/pose.h>
 #include "scenegraph/clone_graph.h"
 #include "scenegraph/graph_walk.h"
-#include "scenegraph/height_map.h"
-#include "scenegraph/import/mesh/height_picture.h"
 #include "scenegraph/import/mesh/picture_file.h"
+#include "scenegraph/import/sdf/sdf_geometry.h"
 #include "scenegraph/import/sdf/sdf_polyline.h"
-#include "scenegraph/import/sdf/turn_z_to.h"
 #include "scenegraph/primitive_meshes.h"
 
 namespace simvis {
 namespace {
-
-double size_of(const SdfElement& shape, const char* tag, double fallback) {
-  const double size = shape.child(tag).number(fallback);
-  if (!(size > 0 && size <= kMaxCoordinate_m)) shape.fail("has a <" + std::string(tag) + "> that is not above 0");
-  return size;
-}
-
-template <class Vector>
-Vector sizes_of(const SdfElement& shape, const char* tag, const Vector& fallback) {
-  const Vector sizes = shape.child(tag).vector(fallback);
-  for (int i = 0; i < Vector::length(); ++i) {
-    if (!(sizes[i] > 0 && sizes[i] <= kMaxCoordinate_m)) {
-      shape.fail("has a <" + std::string(tag) + "> that is not above 0");
-    }
-  }
-  return sizes;
-}
-
-// A rotation that turns +z into the plane's normal, as Gazebo's Quaterniond::SetFrom2Axes does.
-glm::dmat4 plane_from_z(const SdfElement& plane) {
-  const glm::dvec3 normal = plane.child("normal").vector(glm::dvec3(0, 0, 1));
-  if (normal == glm::dvec3(0)) plane.fail("has a <normal> without length");
-  return glm::dmat4(turn_z_to(normal));
-}
 
 // Keeps the shapes of a graph that stand in a node of the name, or have it, each under its transform.
 NodePtr submesh_of(const Group& root, const std::string& name, bool center) {
@@ -144,21 +118,21 @@ void SdfVisuals::add_geometry(const SdfElement& shape, const std::shared_ptr<con
     node->name = node->mesh()->name;
     group.add(node);
   };
-  if (tag == "box") return add(box_mesh(sizes_of(shape, "size", glm::dvec3(1))));
-  if (tag == "sphere") return add(sphere_mesh(size_of(shape, "radius", 1)));
-  if (tag == "cylinder") return add(cylinder_mesh(size_of(shape, "radius", 1), size_of(shape, "length", 1)));
-  if (tag == "capsule") return add(capsule_mesh(size_of(shape, "radius", 0.5), size_of(shape, "length", 1)));
-  if (tag == "cone") return add(cone_mesh(size_of(shape, "radius", 0.5), size_of(shape, "length", 1)));
+  if (tag == "box") return add(box_mesh(sdf_sizes(shape, "size", glm::dvec3(1))));
+  if (tag == "sphere") return add(sphere_mesh(sdf_size(shape, "radius", 1)));
+  if (tag == "cylinder") return add(cylinder_mesh(sdf_size(shape, "radius", 1), sdf_size(shape, "length", 1)));
+  if (tag == "capsule") return add(capsule_mesh(sdf_size(shape, "radius", 0.5), sdf_size(shape, "length", 1)));
+  if (tag == "cone") return add(cone_mesh(sdf_size(shape, "radius", 0.5), sdf_size(shape, "length", 1)));
   if (tag == "ellipsoid") {
-    const glm::dvec3 radii = sizes_of(shape, "radii", glm::dvec3(1));
+    const glm::dvec3 radii = sdf_sizes(shape, "radii", glm::dvec3(1));
     glm::dmat4 matrix(1);
     for (int i = 0; i < 3; ++i) matrix[i][i] = radii[i];
     group.add(std::make_shared<Transform>(matrix));
     return add(sphere_mesh(1));
   }
   if (tag == "plane") {
-    group.add(std::make_shared<Transform>(plane_from_z(shape)));
-    return add(plane_mesh(sizes_of(shape, "size", glm::dvec2(1))));
+    group.add(std::make_shared<Transform>(sdf_plane_turn(shape)));
+    return add(plane_mesh(sdf_sizes(shape, "size", glm::dvec2(1))));
   }
   if (tag == "polyline") return add(sdf_polyline_mesh(shape));
   shape.fail(
@@ -168,24 +142,16 @@ void SdfVisuals::add_geometry(const SdfElement& shape, const std::shared_ptr<con
 
 void SdfVisuals::add_heightmap(const SdfElement& map, const std::shared_ptr<const Material>& material, double opacity,
                                Group& group) {
-  const SdfElement uri = map.child("uri"), texture = map.child("texture");
-  if (!uri || uri.text().empty()) map.fail("has no <uri>");
-  std::string why;
-  const auto file = files_.find(uri.text(), uri, why);
-  if (!file) uri.fail("names a picture that cannot be read: " + why);
-  const glm::dvec3 size_m = sizes_of(map, "size", glm::dvec3(1));
-  const HeightPicture picture = read_height_picture(*file);
-  const float highest = *std::ranges::max_element(picture.values);
+  const SdfElement texture = map.child("texture");
+  Mesh surface = sdf_height_map(map, files_);
   glm::dmat4 place(1);
   place[3] = glm::dvec4(map.child("pos").vector(glm::dvec3(0)), 1);
   if (place != glm::dmat4(1)) group.add(std::make_shared<Transform>(place));
   const bool is_textured = texture && texture.child("diffuse") && material == nullptr;
-  group.add(std::make_shared<MaterialNode>(is_textured
-                                               ? materials_.of_heightmap(texture, glm::dvec2(size_m), opacity)
-                                               : (material ? material : pool_.intern(SdfMaterials::plain(opacity)))));
-  // Gazebo gives the highest pixel the height of <size>.
-  const double scale_m = highest > 0 ? size_m.z / highest : size_m.z;
-  const auto shape = std::make_shared<Shape>(pool_.intern(height_map_mesh(picture, glm::dvec2(size_m), 0, scale_m)));
+  group.add(std::make_shared<MaterialNode>(
+      is_textured ? materials_.of_heightmap(texture, glm::dvec2(sdf_height_map_size(map)), opacity)
+                  : (material ? material : pool_.intern(SdfMaterials::plain(opacity)))));
+  const auto shape = std::make_shared<Shape>(pool_.intern(std::move(surface)));
   shape->name = shape->mesh()->name;
   group.add(shape);
 }

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,6 +12,7 @@
 #include <glm/glm.hpp>
 
 #include <simvis/location.h>
+#include <simvis/mesh.h>
 #include <simvis/part_importer.h>
 
 namespace simvis {
@@ -22,11 +24,14 @@ struct UrdfInertial {
 };
 
 struct UrdfCollision {
-  enum class Kind { box, sphere, cylinder, mesh } kind = Kind::box;
+  enum class Kind { box, sphere, cylinder, capsule, plane, mesh, surface } kind = Kind::box;
   glm::dmat4 link_from_shape{1.0};
-  glm::dvec3 size{0};            ///< box: edges in m; sphere: the radius in x; cylinder, along z: the radius in x, the
-                                 ///< length in z; mesh: its scale
-  std::filesystem::path file{};  ///< of a mesh
+  glm::dvec3 size{0};  ///< box: edges in m; sphere: the radius in x; cylinder and capsule, along z: the radius
+                       ///< in x, in z the length between the ends or half balls; mesh: its scale. A plane is
+                       ///< z = 0 without an end, and solid below
+  std::filesystem::path file{};                     ///< of a mesh
+  std::shared_ptr<const Mesh> surface{};            ///< of a surface that no file has
+  std::optional<double> friction{}, restitution{};  ///< as those of an element `body`; none: the file gives none
   Location where{};
 };
 
@@ -48,6 +53,7 @@ struct UrdfMovingJoint {
   double max_effort = 0;                   ///< N m or N; 0: the file gives none
   double max_speed = 0;                    ///< rad/s or m/s; 0: the file gives none
   double damping = 0, friction = 0;        ///< N m s/rad or N s/m; N m or N
+  double stiffness = 0, rest = 0;          ///< of a spring: N m/rad or N/m, and where it is relaxed, in rad or m
   std::string leader{};                    ///< of a joint that mimics another
   double multiplier = 1, offset = 0;       ///< position = multiplier * leader + offset, in rad or m
   Location where{};
