@@ -76,7 +76,7 @@ ViewWants LiveView::take_wants() {
   return wants;
 }
 
-bool LiveView::publish(const Simulation& simulation, const FrameTime& time, double step_ms, const ViewTime& view_time,
+bool LiveView::publish(Simulation& simulation, const FrameTime& time, double step_ms, const ViewTime& view_time,
                        const OtherScans& other_scans) {
   if (std::function<void()> batch = outlet_.take_batch()) server_->post(std::move(batch));
   post_parameters(simulation.parameters());

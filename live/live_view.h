@@ -39,7 +39,7 @@ class LiveView : private Service {
   void attach(Simulation& simulation);
   /// Shows the frame of the last step. Returns false if the server is too busy for it, or no client has room for it:
   /// what was measured in it is then shown with a later frame, if nothing newer was.
-  bool publish(const Simulation& simulation, const FrameTime& time, double step_ms, const ViewTime& view_time,
+  bool publish(Simulation& simulation, const FrameTime& time, double step_ms, const ViewTime& view_time,
                const OtherScans& other_scans = {});
   /// Shows that the simulation goes on or not.
   void publish(const ViewTime& view_time);

@@ -205,7 +205,7 @@ std::string scan_message(const ViewScan& view) {
 }
 
 std::string picture_message(const ViewPicture& picture) {
-  const Image& image = *picture.image;
+  const ImageSpan& image = picture.kept.image;
   std::string bytes;
   begin(bytes, 3, static_cast<std::uint8_t>(picture.kind), static_cast<std::uint8_t>(picture.eye), picture.sensor);
   append(bytes, static_cast<std::uint64_t>(picture.time_ns));

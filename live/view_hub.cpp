@@ -104,6 +104,8 @@ const std::shared_ptr<const std::string>& ViewHub::message_of(Measured& measured
   if (!measured.message) {
     measured.message = std::make_shared<const std::string>(measured.scan ? scan_message(*measured.scan)
                                                                          : picture_message(*measured.picture));
+    measured.scan.reset();
+    measured.picture.reset();  // the memory of the image goes back to its sensor
   }
   return measured.message;
 }

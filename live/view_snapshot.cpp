@@ -53,11 +53,12 @@ PictureEye eye_of(const std::string& stem) {
   return stem == "right" ? PictureEye::right : PictureEye::single;
 }
 
-/// Copies the images of one sensor.
-class PictureCopier : public OutputSink {
+/// Keeps the images of one sensor where they are.
+class PictureKeeper : public OutputSink {
  public:
-  PictureCopier(std::uint32_t sensor, std::int64_t time_ns, std::vector<ViewPicture>& pictures)
-      : sensor_(sensor), time_ns_(time_ns), pictures_(pictures) {}
+  PictureKeeper(std::uint32_t sensor, std::int64_t time_ns, std::function<KeptImage(const Image&)> keep,
+                std::vector<ViewPicture>& pictures)
+      : sensor_(sensor), time_ns_(time_ns), keep_(std::move(keep)), pictures_(pictures) {}
 
   void picture(const std::string& stem, const Image* color, const Image* depth) override {
     if (color != nullptr) add(PictureKind::color, eye_of(stem), *color);
@@ -72,10 +73,11 @@ class PictureCopier : public OutputSink {
  private:
   void add(PictureKind kind, PictureEye eye, const Image& image) {
     if (image.pixels.empty()) return;
-    pictures_.push_back({sensor_, kind, eye, time_ns_, std::make_shared<const Image>(image)});
+    pictures_.push_back({sensor_, kind, eye, time_ns_, keep_(image)});
   }
   std::uint32_t sensor_;
   std::int64_t time_ns_;
+  std::function<KeptImage(const Image&)> keep_;
   std::vector<ViewPicture>& pictures_;
 };
 
@@ -84,22 +86,30 @@ std::string plan_text(const Diagnostics& diagnostics) {
                                             diagnostics.frame_costs(), diagnostics.sensor_costs()});
 }
 
+bool is_wanted(const ViewWants& wants, const std::string& sensor) {
+  return wants.every_sensor || wants.sensors.contains(sensor);
+}
+
 using MeasuredTimes = std::map<std::string, std::int64_t, std::less<>>;
 
-void copy_measurements(const MeasuredTimes& measured, const BuiltScene& built, const ViewWants& wants,
+void take_measurements(const MeasuredTimes& measured, Simulation& simulation, const ViewWants& wants,
                        ViewFrame& frame) {
+  const BuiltScene& built = built_scene(simulation);
   for (std::uint32_t i = 0; i < built.sensors.size(); ++i) {
     const BuiltSensor& sensor = built.sensors[i];
-    if (!wants.every_sensor && !wants.sensors.contains(sensor.name)) continue;
+    if (!is_wanted(wants, sensor.name)) continue;
     const auto when = measured.find(sensor.name);
     if (when == measured.end()) continue;
     if (const Scan* const scan = sensor.sensor->scan()) {
-      frame.scans.push_back({i, std::make_shared<const Scan>(*scan)});
+      if (!scan->range_m.empty()) frame.scans.push_back({i, std::make_shared<const Scan>(*scan)});
       continue;
     }
     const std::size_t pictures = frame.pictures.size();
-    PictureCopier copier(i, when->second, frame.pictures);
-    sensor.sensor->write(copier);
+    const auto keep = [&](const Image& image) {
+      return keep_image(sensor, image, [&] { return simulation.keep(sensor.name); });
+    };
+    PictureKeeper keeper(i, when->second, keep, frame.pictures);
+    sensor.sensor->write(keeper);
     // Those of a camera, such as the bound on its depth, are computed when they are read.
     if (frame.pictures.size() > pictures) continue;
     for (const NamedValue& value : sensor.sensor->values()) {
@@ -141,8 +151,7 @@ void ViewCopier::skip(const Simulation& simulation, const FrameTime& time) {
   for (const std::string& sensor : simulation.measured()) measured_ns_.insert_or_assign(sensor, time.time_ns);
 }
 
-ViewFrame ViewCopier::copy(const Simulation& simulation, const FrameTime& time, double step_ms,
-                           const ViewWants& wants) {
+ViewFrame ViewCopier::copy(Simulation& simulation, const FrameTime& time, double step_ms, const ViewWants& wants) {
   follow_scene(simulation);
   ViewFrame frame;
   frame.index = time.index;
@@ -156,8 +165,8 @@ ViewFrame ViewCopier::copy(const Simulation& simulation, const FrameTime& time, 
   frame.values.assign(values.begin(), values.end());
   frame.warnings = simulation.warnings();
   skip(simulation, time);
-  copy_measurements(measured_ns_, built_scene(simulation), wants, frame);
-  measured_ns_.clear();
+  take_measurements(measured_ns_, simulation, wants, frame);
+  std::erase_if(measured_ns_, [&](const auto& each) { return is_wanted(wants, each.first); });
   if (wants.plan) frame.plan = plan_text(simulation.diagnostics());
   return frame;
 }

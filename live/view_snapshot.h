@@ -1,5 +1,5 @@
-// What a view of a running simulation needs of one frame, copied right after the step, so that messages are made of it
-// on another thread.
+// What a view of a running simulation needs of one frame, taken right after the step, so that messages are made of it
+// on another thread. Images stay where they were measured; the rest is copied.
 #pragma once
 
 #include <cstdint>
@@ -13,10 +13,10 @@
 #include <vector>
 
 #include <simvis/draw_list.h>
-#include <simvis/image.h>
 #include <simvis/scan.h>
 #include <simvis/simulation.h>
 #include "live/named_transforms.h"
+#include "simvis/kept_image.h"
 
 namespace simvis::live {
 
@@ -52,7 +52,7 @@ struct ViewPicture {
   PictureKind kind = PictureKind::color;
   PictureEye eye = PictureEye::single;
   std::int64_t time_ns = 0;  ///< when it was taken
-  std::shared_ptr<const Image> image;
+  KeptImage kept;
 };
 
 struct ViewScan {
@@ -97,8 +97,9 @@ struct ViewWants {
 ///           on and after its end.
 class ViewCopier {
  public:
-  /// The frame of the last step, which took `step_ms`. Throws InputError while a frame is under way.
-  ViewFrame copy(const Simulation& simulation, const FrameTime& time, double step_ms, const ViewWants& wants);
+  /// The frame of the last step, which took `step_ms`, with the last measurement of each wanted sensor that no frame
+  /// had before. Throws InputError while a frame is under way.
+  ViewFrame copy(Simulation& simulation, const FrameTime& time, double step_ms, const ViewWants& wants);
 
   /// The frame of the last step is not copied; what was measured in it is part of the next one that is, if no newer
   /// measurement is.
@@ -115,7 +116,7 @@ class ViewCopier {
   std::shared_ptr<const ViewScene> scene_;
   DrawList::Revisions revisions_;
   std::size_t changes_ = 0;                                       // executed commands
-  std::map<std::string, std::int64_t, std::less<>> measured_ns_;  // since the last copy: when, by sensor
+  std::map<std::string, std::int64_t, std::less<>> measured_ns_;  // when, by sensor; what no frame has yet
   bool restarted_ = false;
   std::shared_ptr<const std::vector<glm::dmat4>> world_from_node_;
   std::shared_ptr<const std::vector<std::shared_ptr<const Material>>> materials_;

@@ -16,22 +16,22 @@ namespace {
 constexpr double kMillimetres = 1000;  // per metre
 constexpr double kMaxCode = 65535;
 
-std::vector<std::uint8_t> rgb8(const simvis::Image& image) { return srgb_codes(image); }
+std::vector<std::uint8_t> rgb8(const ImageSpan& image) { return srgb_codes(image); }
 
-std::vector<std::uint8_t> bgr8(const simvis::Image& image) {
+std::vector<std::uint8_t> bgr8(const ImageSpan& image) {
   std::vector<std::uint8_t> codes = srgb_codes(image);
   for (std::size_t i = 0; i < codes.size(); i += 3) std::swap(codes[i], codes[i + 2]);
   return codes;
 }
 
-std::vector<std::uint8_t> float32(const simvis::Image& image) {
+std::vector<std::uint8_t> float32(const ImageSpan& image) {
   std::vector<std::uint8_t> bytes(image.pixels.size() * sizeof(float));
   std::memcpy(bytes.data(), image.pixels.data(), bytes.size());
   return bytes;
 }
 
 template <typename CodeOf>
-std::vector<std::uint8_t> uint16(const simvis::Image& image, const CodeOf& code_of) {
+std::vector<std::uint8_t> uint16(const ImageSpan& image, const CodeOf& code_of) {
   std::vector<std::uint8_t> bytes;
   bytes.reserve(image.pixels.size() / image.channels * sizeof(std::uint16_t));
   for (std::size_t i = 0; i < image.pixels.size(); i += image.channels) {
@@ -57,19 +57,19 @@ struct EncodingRow {
   std::string_view name;
   std::uint32_t channels;  // of the image that it is made from
   std::uint32_t pixel_bytes;
-  std::vector<std::uint8_t> (*encode)(const simvis::Image&);
+  std::vector<std::uint8_t> (*encode)(const ImageSpan&);
 };
 
 constexpr EncodingRow kEncodings[] = {
     {"rgb8", 4, 3, rgb8},
     {"bgr8", 4, 3, bgr8},
-    {"mono16", 4, 2, [](const simvis::Image& image) { return uint16(image, luminance_code); }},
+    {"mono16", 4, 2, [](const ImageSpan& image) { return uint16(image, luminance_code); }},
     {"32FC1", 1, 4, float32},
-    {"16UC1", 1, 2, [](const simvis::Image& image) { return uint16(image, millimetre_code); }}};
+    {"16UC1", 1, 2, [](const ImageSpan& image) { return uint16(image, millimetre_code); }}};
 
 }  // namespace
 
-Image to_image(const simvis::Image& image, const Header& header, std::string_view encoding) {
+Image to_image(const ImageSpan& image, const Header& header, std::string_view encoding) {
   const auto* const row = std::ranges::find(kEncodings, encoding, &EncodingRow::name);
   SIMVIS_ASSERT(row != std::end(kEncodings) && row->channels == image.channels);
   Image message;
@@ -82,7 +82,7 @@ Image to_image(const simvis::Image& image, const Header& header, std::string_vie
   return message;
 }
 
-CompressedImage compressed_image(const simvis::Image& color, const Header& header, std::string_view format) {
+CompressedImage compressed_image(const ImageSpan& color, const Header& header, std::string_view format) {
   SIMVIS_ASSERT(format == "jpeg" || format == "png");
   const std::string bytes = format == "png" ? encode_png(color) : encode_jpeg(color);
   return {header, std::string(format), {bytes.begin(), bytes.end()}};
@@ -104,7 +104,7 @@ CameraInfo camera_info(const CameraCalibration& calibration, const Header& heade
   return message;
 }
 
-DisparityImage disparity_image(const simvis::Image& disparity, const CameraCalibration& right, const Header& header) {
+DisparityImage disparity_image(const ImageSpan& disparity, const CameraCalibration& right, const Header& header) {
   DisparityImage message;
   message.header = header;
   message.image = to_image(disparity, header, "32FC1");

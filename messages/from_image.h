@@ -3,18 +3,18 @@
 
 #include <string_view>
 
-#include <simvis/image.h>
 #include "messages/types/sensor_types.h"
+#include "scenegraph/image_span.h"
 
 namespace simvis::ros {
 
 /// Colour as 8-bit sRGB: "rgb8", "bgr8"; its linear luminance, 65535 for 1, clamped: "mono16". Depth or another single
 /// channel: in metres as it is, "32FC1", and in millimetres, "16UC1", with 0 where there is none or it is beyond 65.535
 /// m.
-Image to_image(const simvis::Image& image, const Header& header, std::string_view encoding);
+Image to_image(const ImageSpan& image, const Header& header, std::string_view encoding);
 
 /// Colour as a picture: "jpeg" or "png".
-CompressedImage compressed_image(const simvis::Image& color, const Header& header, std::string_view format);
+CompressedImage compressed_image(const ImageSpan& color, const Header& header, std::string_view format);
 
 /// Pixel centres are at whole numbers, as ROS counts them. There is no rectification, and P is also that of a distorted
 /// image.
@@ -22,6 +22,6 @@ CameraInfo camera_info(const CameraCalibration& calibration, const Header& heade
 
 /// `right` is the calibration of the right camera, with its baseline. Exact disparities: delta_d is 0, and 0 pixels is
 /// infinitely far, where nothing is hit.
-DisparityImage disparity_image(const simvis::Image& disparity, const CameraCalibration& right, const Header& header);
+DisparityImage disparity_image(const ImageSpan& disparity, const CameraCalibration& right, const Header& header);
 
 }  // namespace simvis::ros

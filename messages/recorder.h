@@ -53,7 +53,7 @@ class Recorder {
 
   /// What a job needs of the queue, and what becomes of it when the queue is full.
   enum class WhenFull : std::uint8_t { wait, drop, exceed };
-  /// `held_bytes` is the size of the copies that the job works on. Returns false if the job was dropped.
+  /// `held_bytes` is the size of what the job works on. Returns false if the job was dropped.
   bool add(std::size_t held_bytes, WhenFull when_full, Job job);
   /// Writes what waits, and finishes the sink.
   void finish();

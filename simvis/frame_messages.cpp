@@ -12,6 +12,7 @@
 #include "messages/from_image.h"
 #include "messages/from_reading.h"
 #include "messages/types/system_types.h"
+#include "simvis/kept_image.h"
 #include "simvis/mounts/mount_frame.h"
 
 namespace simvis {
@@ -68,10 +69,10 @@ constexpr ImageTopic kDepthTopics[] = {{"depth", "32FC1", ros::TopicForm::own, f
 
 }  // namespace
 
-/// Turns one measurement into jobs.
+/// Turns one measurement into a job.
 class FrameMessages::SensorMessages : public OutputSink {
  public:
-  SensorMessages(FrameMessages& messages, const std::string& sensor, std::string frame)
+  SensorMessages(FrameMessages& messages, const BuiltSensor& sensor, std::string frame)
       : messages_(messages), sensor_(sensor), frame_(std::move(frame)) {}
 
   void calibration(const std::string& stem, const CameraCalibration& calibration) override {
@@ -81,6 +82,9 @@ class FrameMessages::SensorMessages : public OutputSink {
   void picture(const std::string& stem, const Image* color, const Image* depth) override {
     has_images_ = true;
     if (color == nullptr && depth == nullptr) return;
+    for (const Image* const image : {color, depth}) {
+      if (image != nullptr) image_bytes_ += image->pixels.size() * sizeof(float);
+    }
     const CameraCalibration& calibration = calibrations_[stem];
     glm::dmat4 sensor_from_optical = sensor_from_view();
     sensor_from_optical[3] = glm::dvec4(0, -calibration.baseline_m, 0, 1);
@@ -93,16 +97,17 @@ class FrameMessages::SensorMessages : public OutputSink {
 
   void plane(const std::string& stem, const std::string& channel, const Image& plane) override {
     has_images_ = true;
+    image_bytes_ += plane.pixels.size() * sizeof(float);
     if (channel != "disparity") {
       const ImageTopic topics[] = {{channel, "32FC1", ros::TopicForm::own, false}};
       return add_image(stem == channel ? "" : stem, plane, header_of(stem), topics);
     }
     const std::string name = topic("", channel);
     if (!messages_.outlet_.wants<ros::DisparityImage>(name)) return;
-    const std::shared_ptr<const Image> copy = messages_.copies_.copy(plane);
-    add_job(size_of(*copy), 1,
-            [copy, name, right = calibrations_["right"], header = header_of("left"), time = time_ns()](
-                ros::MessageSink& sink) { sink.write(name, time, ros::disparity_image(*copy, right, header)); });
+    image_messages_.push_back([kept = keep(plane), name, right = calibrations_["right"], header = header_of("left"),
+                               time = time_ns()](ros::MessageSink& sink) {
+      sink.write(name, time, ros::disparity_image(kept.image, right, header));
+    });
   }
 
   void text(const std::string&, const std::string&, std::string_view) override {}
@@ -133,6 +138,15 @@ class FrameMessages::SensorMessages : public OutputSink {
 
   bool has_images() const { return has_images_; }
 
+  /// Adds the job of the images, if any of them is wanted. Whoever keeps one of a sensor's images keeps them all.
+  void finish_images() {
+    if (image_messages_.empty()) return;
+    const std::size_t count = image_messages_.size();
+    add_job(image_bytes_, count, [all = std::move(image_messages_)](ros::MessageSink& sink) {
+      for (const auto& write : all) write(sink);
+    });
+  }
+
   /// The numbers of a sensor without images.
   void values(std::span<const NamedValue> values, const RangeFacts& facts) {
     for (const NamedValue& value : values) {
@@ -151,44 +165,45 @@ class FrameMessages::SensorMessages : public OutputSink {
     return ros::header_of(time_ns(), optical_frame(frame_, stem));
   }
   std::string topic(const std::string& stem, std::string_view what) const {
-    return ros::topic_name(stem.empty() ? sensor_ : sensor_ + "/" + stem, what);
+    return ros::topic_name(stem.empty() ? sensor_.name : sensor_.name + "/" + stem, what);
+  }
+
+  KeptImage keep(const Image& image) const {
+    return keep_image(sensor_, image, [&] { return messages_.kept_.keep(sensor_); });
   }
 
   void add_job(std::size_t held_bytes, std::uint64_t messages, std::function<void(ros::MessageSink&)> run) {
     messages_.jobs_.push_back({ros::MessageJob::Kind::measurement, held_bytes, messages, std::move(run)});
   }
-  static std::size_t size_of(const Image& copy) { return copy.pixels.size() * sizeof(float); }
 
   void add_image(const std::string& stem, const Image& image, const ros::Header& header,
                  std::span<const ImageTopic> topics) {
-    std::vector<std::pair<std::string, ImageTopic>> wanted;
     for (const ImageTopic& each : topics) {
       const std::string name = topic(stem, each.what);
       const bool is_wanted = each.compressed ? messages_.outlet_.wants<ros::CompressedImage>(name, each.form)
                                              : messages_.outlet_.wants<ros::Image>(name, each.form);
-      if (is_wanted) wanted.emplace_back(name, each);
-    }
-    if (wanted.empty()) return;
-    const std::shared_ptr<const Image> copy = messages_.copies_.copy(image);
-    add_job(size_of(*copy), wanted.size(), [copy, wanted, header, time = time_ns()](ros::MessageSink& sink) {
-      for (const auto& [name, each] : wanted) {
+      if (!is_wanted) continue;
+      image_messages_.push_back([kept = keep(image), name, each, header, time = time_ns()](ros::MessageSink& sink) {
         if (each.compressed) {
-          sink.write(name, time, ros::compressed_image(*copy, header, each.encoding));
+          sink.write(name, time, ros::compressed_image(kept.image, header, each.encoding));
         } else {
-          sink.write(name, time, ros::to_image(*copy, header, each.encoding));
+          sink.write(name, time, ros::to_image(kept.image, header, each.encoding));
         }
-      }
-    });
+      });
+    }
   }
 
   FrameMessages& messages_;
-  const std::string& sensor_;
+  const BuiltSensor& sensor_;
   std::string frame_;
   std::map<std::string, CameraCalibration> calibrations_;  // by stem
   bool has_images_ = false;
+  std::size_t image_bytes_ = 0;  // of all images, wanted or not
+  std::vector<std::function<void(ros::MessageSink&)>> image_messages_;
 };
 
-FrameMessages::FrameMessages(ros::MessageOutlet& outlet, const BuiltScene& scene) : outlet_(outlet) {
+FrameMessages::FrameMessages(ros::MessageOutlet& outlet, const BuiltScene& scene, KeptMeasurements& kept)
+    : outlet_(outlet), kept_(kept) {
   check_names(scene);
 }
 
@@ -290,7 +305,7 @@ void FrameMessages::add_poses(const BuiltScene& scene, std::span<const PlacedSen
 void FrameMessages::add_measurements(const BuiltScene& scene, std::span<const PlacedSensor> sensors) {
   for (const auto& [sensor, world_from_sensor, measured] : sensors) {
     if (!measured) continue;
-    SensorMessages messages(*this, sensor.name, sensor_frame(scene, sensor.name));
+    SensorMessages messages(*this, sensor, sensor_frame(scene, sensor.name));
     const double rate = sensor.sensor->rate_hz;
     const double period_s = rate > 0 ? 1 / rate : static_cast<double>(time_.period_ns) / 1e9;
     if (const Scan* const scan = sensor.sensor->scan()) {
@@ -300,6 +315,7 @@ void FrameMessages::add_measurements(const BuiltScene& scene, std::span<const Pl
       messages.reading(*reading, find_sensor_type(sensor.type)->message);
     } else {
       sensor.sensor->write(messages);
+      messages.finish_images();
       // Those of a camera, such as the bound on its depth, are computed when they are read.
       if (!messages.has_images()) messages.values(sensor.sensor->values(), range_facts(sensor));
     }

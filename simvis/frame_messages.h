@@ -11,9 +11,9 @@
 
 #include "messages/from_pose.h"
 #include "messages/from_scan.h"
-#include "messages/image_copies.h"
 #include "messages/message_outlet.h"
 #include "messages/transforms.h"
+#include "simvis/kept_measurements.h"
 #include "simvis/scene_builder.h"
 
 namespace simvis {
@@ -25,10 +25,12 @@ struct PlacedSensor {
   bool measured = false;  ///< in this frame
 };
 
+/// Images are not copied: jobs read them where the sensor measured them, and keep them there until they have run.
 class FrameMessages {
  public:
-  /// `outlet` must outlive this object. Throws InputError: two sensors would have the same topics.
-  FrameMessages(ros::MessageOutlet& outlet, const BuiltScene& scene);
+  /// `outlet` and `kept`, which is that of the scene's sensors, must outlive this object. Throws InputError: two
+  /// sensors would have the same topics.
+  FrameMessages(ros::MessageOutlet& outlet, const BuiltScene& scene, KeptMeasurements& kept);
   FrameMessages(const FrameMessages&) = delete;
   FrameMessages& operator=(const FrameMessages&) = delete;
 
@@ -61,6 +63,7 @@ class FrameMessages {
   void add_warnings(const std::vector<std::string>& warnings);
 
   ros::MessageOutlet& outlet_;
+  KeptMeasurements& kept_;
   FrameTime time_;  // of the frame that is being added
   ros::Transforms transforms_;
   std::map<std::string, glm::dmat4> world_from_body_;  // in this frame
@@ -68,7 +71,6 @@ class FrameMessages {
   std::map<std::size_t, ros::PoseAt> sensors_before_;  // by id
   std::map<std::size_t, RangeFacts> range_facts_;      // by id of the sensor
   std::vector<ros::MessageJob> jobs_;                  // of this frame's measurements
-  ros::ImageCopies copies_;
   std::size_t checked_ids_ = 0, warnings_ = 0;
   std::vector<std::optional<double>> values_;  // of parameters, as messages said them; empty: of a removed element
 };

@@ -65,30 +65,25 @@ std::shared_ptr<const void> KeptMeasurement::lease(const std::shared_ptr<KeptMea
   return lease;
 }
 
+std::size_t KeptMeasurement::bytes() const {
+  std::size_t bytes = 0;
+  for (const Floats& each : floats_) bytes += each.here.size() * sizeof(float);
+  for (const ScanChannel& channel : channels_) bytes += channel.values.size() * sizeof(double);
+  return bytes;
+}
+
 void KeptMeasurement::take(KeptMeasurement* spare) {
   for (std::size_t i = 0; i < floats_.size(); ++i) {
-    floats_[i].here = std::exchange(*floats_[i].in_sensor, {});
-    if (spare == nullptr || i >= spare->floats_.size()) continue;
-    *floats_[i].in_sensor = std::exchange(spare->floats_[i].here, {});
-    floats_[i].in_sensor->clear();
+    const bool has_memory = spare != nullptr && i < spare->floats_.size();
+    floats_[i].here =
+        std::exchange(*floats_[i].in_sensor, has_memory ? std::move(spare->floats_[i].here) : std::vector<float>());
   }
   if (channels_in_sensor_ != nullptr) channels_ = std::exchange(*channels_in_sensor_, {});
 }
 
-bool KeptMeasurement::give_back() {
-  if (floats_.empty()) return true;
-  const bool scan_unwritten = channels_in_sensor_ != nullptr && floats_.front().unwritten();
-  const bool all = std::ranges::all_of(floats_, &Floats::unwritten);
-  for (Floats& each : floats_) {
-    if (!each.unwritten()) continue;
-    if (all) {
-      *each.in_sensor = std::move(each.here);
-    } else {
-      *each.in_sensor = each.here;
-    }
-  }
-  if (scan_unwritten) *channels_in_sensor_ = all ? std::exchange(channels_, {}) : channels_;
-  return all;
+void KeptMeasurement::give_back() {
+  for (Floats& each : floats_) *each.in_sensor = std::move(each.here);
+  if (channels_in_sensor_ != nullptr) *channels_in_sensor_ = std::move(channels_);
 }
 
 void KeptMeasurement::take_and_leave_copy() {
@@ -109,6 +104,14 @@ std::shared_ptr<const void> KeptMeasurements::keep(const BuiltSensor& sensor) {
   return last->lease(last);
 }
 
+std::size_t KeptMeasurements::bytes() const {
+  std::size_t bytes = 0;
+  for (const auto& [id, kept] : of_) {
+    for (const auto& each : kept.before) bytes += each->bytes();
+  }
+  return bytes;
+}
+
 void KeptMeasurements::leave_sensors() {
   for (auto& [id, kept] : of_) {
     if (kept.last != nullptr && kept.last->is_leased()) kept.last->take_and_leave_copy();
@@ -116,26 +119,42 @@ void KeptMeasurements::leave_sensors() {
   of_.clear();
 }
 
+std::shared_ptr<KeptMeasurement> Kept::take_spare() {
+  const auto found = std::ranges::find_if_not(before, [](const auto& each) { return each->is_leased(); });
+  if (found == before.end()) return nullptr;
+  std::shared_ptr<KeptMeasurement> spare = std::move(*found);
+  before.erase(found);
+  return spare;
+}
+
+void Kept::drop_spares() {
+  bool has_one = false;
+  std::erase_if(before, [&](const auto& each) { return !each->is_leased() && std::exchange(has_one, true); });
+}
+
 KeptMeasurements::Overwriting::Overwriting(KeptMeasurements& kept, const BuiltSensor& sensor) {
   const auto found = kept.of_.find(sensor.id);
-  if (found == kept.of_.end() || found->second.last == nullptr || !found->second.last->is_leased()) return;
+  if (found == kept.of_.end()) return;
   Kept& of_sensor = found->second;
+  of_sensor.drop_spares();  // a queue that was emptied may have left many
+  if (of_sensor.last == nullptr || !of_sensor.last->is_leased()) return;
   if (!overwrites_blindly(sensor)) {
     of_sensor.last->take_and_leave_copy();
     of_sensor.last = nullptr;
     return;
   }
   kept_ = &of_sensor;
-  const auto spare = std::ranges::find_if_not(of_sensor.before, [](const auto& each) { return each->is_leased(); });
-  of_sensor.last->take(spare == of_sensor.before.end() ? nullptr : spare->get());
-  if (spare != of_sensor.before.end()) of_sensor.before.erase(spare);
+  of_sensor.last->take(of_sensor.take_spare().get());
 }
 
 KeptMeasurements::Overwriting::~Overwriting() {
-  if (kept_ == nullptr || kept_->last->give_back()) return;
+  if (kept_ != nullptr) kept_->last->give_back();
+}
+
+void KeptMeasurements::Overwriting::done() {
+  if (kept_ == nullptr) return;
   kept_->before.push_back(std::exchange(kept_->last, nullptr));
-  bool spare = false;
-  std::erase_if(kept_->before, [&](const auto& each) { return !each->is_leased() && std::exchange(spare, true); });
+  kept_ = nullptr;
 }
 
 }  // namespace simvis

@@ -22,11 +22,14 @@ class KeptMeasurement {
   /// While any copy of it lives, the numbers stay. It may be released in any thread.
   std::shared_ptr<const void> lease(const std::shared_ptr<KeptMeasurement>& self);
   bool is_leased() const { return leases_.load(std::memory_order_acquire) > 0; }
+  /// Of the numbers that are here.
+  std::size_t bytes() const;
 
-  /// Moves the numbers here. The sensor gets the memory of `spare`, if there is one, and no numbers.
+  /// Moves the numbers here. The sensor gets the memory of `spare`, if there is one, with the old numbers in it: a
+  /// vector that keeps its size is not cleared before it is written.
   void take(KeptMeasurement* spare);
-  /// Gives numbers back to a sensor that has written none since take(). Returns whether all of them are its own again.
-  bool give_back();
+  /// Undoes take(): what the sensor has written since then is lost.
+  void give_back();
   /// As take(), but the sensor has the same numbers in other memory.
   void take_and_leave_copy();
 
@@ -35,7 +38,6 @@ class KeptMeasurement {
   struct Floats {
     std::vector<float>* in_sensor;
     std::vector<float> here{};
-    bool unwritten() const { return in_sensor->empty(); }
   };
 
   std::vector<Floats> floats_;
@@ -48,7 +50,10 @@ class KeptMeasurement {
 /// What is kept of one sensor.
 struct Kept {
   std::shared_ptr<KeptMeasurement> last;                 // its numbers are in the sensor; null: nobody asked
-  std::vector<std::shared_ptr<KeptMeasurement>> before;  // earlier ones, and at most one that nobody keeps any more
+  std::vector<std::shared_ptr<KeptMeasurement>> before;  // earlier ones, and a spare one that nobody keeps any more
+
+  std::shared_ptr<KeptMeasurement> take_spare();  // null: there is none
+  void drop_spares();                             // all but one
 };
 
 /// The kept measurements of all sensors of a simulation.
@@ -62,12 +67,16 @@ class KeptMeasurements {
   KeptMeasurements& operator=(const KeptMeasurements&) = delete;
 
   std::shared_ptr<const void> keep(const BuiltSensor& sensor);
+  /// Memory that is not the sensors' own: of what is kept, and of at most one spare measurement for each sensor.
+  std::size_t bytes() const;
 
-  /// Stands around a measurement of a sensor. If the sensor fails and writes nothing, it has its numbers again.
+  /// Stands around a measurement of a sensor. Without done(), the sensor has failed and gets its numbers back.
   class Overwriting {
    public:
     Overwriting(KeptMeasurements& kept, const BuiltSensor& sensor);
     ~Overwriting();
+    /// The sensor has written all of its numbers.
+    void done();
     Overwriting(const Overwriting&) = delete;
     Overwriting& operator=(const Overwriting&) = delete;
 

@@ -11,7 +11,7 @@ void send_messages(Simulation& simulation, ros::MessageOutlet* outlet) {
   const SimulationUse use = simulation.impl();
   SimulationImpl& idle = use->idle();
   idle.sent_messages.reset();
-  if (outlet != nullptr) idle.sent_messages = std::make_unique<FrameMessages>(*outlet, idle.scene.built);
+  if (outlet != nullptr) idle.sent_messages = std::make_unique<FrameMessages>(*outlet, idle.scene.built, idle.kept);
 }
 
 }  // namespace simvis

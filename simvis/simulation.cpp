@@ -136,7 +136,7 @@ void Simulation::record(const RecordDesc& desc) {
   const SimulationUse use = impl();
   SimulationImpl& idle = use->idle();
   if (idle.recording) throw InputError("the simulation is recorded already, expected finish_recording() before");
-  idle.recording = std::make_unique<Recording>(desc, idle.scene.built);
+  idle.recording = std::make_unique<Recording>(desc, idle.scene.built, idle.kept);
   idle.recorded_frames = 0;
 }
 
@@ -151,7 +151,7 @@ void Simulation::join_dds(const DdsDesc& desc) {
   const SimulationUse use = impl();
   SimulationImpl& idle = use->idle();
   if (idle.network) throw InputError("the simulation takes part in DDS already, expected leave_dds() before");
-  idle.network = std::make_unique<Network>(desc, idle.scene.built);
+  idle.network = std::make_unique<Network>(desc, idle.scene.built, idle.kept);
   if (idle.serving) idle.network->serve_as(idle.serving->name());
   idle.sent_frames = 0;
 }

@@ -399,11 +399,11 @@ void SimulationImpl::measure(ViewLayer& layer, ViewLayer::Entry& entry, const Fr
                              std::span<const PassResult> results) {
   const BuiltSensor& sensor = scene.built.sensors[entry.sensor];
   entry.taken = true;
-  const KeptMeasurements::Overwriting overwriting(kept, sensor);
+  KeptMeasurements::Overwriting overwriting(kept, sensor);
   if (!instrumented) {
     sensor.sensor->collect(time, layer.plan, results);
     sensor.sensor->cast(*layer.caster);
-    return;
+    return overwriting.done();
   }
   const RayCounters before = layer.caster->counters();
   entry.cost = {.sensor = sensor.name, .start_ns = now_ns()};
@@ -411,6 +411,7 @@ void SimulationImpl::measure(ViewLayer& layer, ViewLayer::Entry& entry, const Fr
   entry.cost.collected_ns = now_ns();
   sensor.sensor->cast(*layer.caster);
   entry.cost.end_ns = now_ns();
+  overwriting.done();
   const RayCounters after = layer.caster->counters();
   entry.cost.rays = after.rays - before.rays;
   entry.cost.item_tests = after.item_tests - before.item_tests;

@@ -18,6 +18,24 @@ export function colorOf(share) {
   return STOPS[low].map((value, i) => value + part * (STOPS[low + 1][i] - value));
 }
 
+// The ramp in steps that no eye can tell apart, as pixels of a canvas. Little-endian, as all machines with browsers are.
+const STEPS = 1024;
+const pixelOf = ([r, g, b]) => new Uint32Array(Uint8ClampedArray.of(r, g, b, 255).buffer)[0];
+const PIXELS = Uint32Array.from({ length: STEPS }, (_, i) => pixelOf(colorOf(i / (STEPS - 1))));
+const NO_NUMBER = pixelOf([20, 20, 24]);
+
+/** The pixels of an image of numbers, each between the limits; what is no finite number is nearly black. */
+export function rampPixels(values, [low, high]) {
+  const pixels = new Uint32Array(values.length),
+    scale = high > low ? (STEPS - 1) / (high - low) : 0,
+    first = high > low ? 0.5 : STEPS / 2;
+  for (let i = 0; i < values.length; ++i) {
+    const value = values[i];
+    pixels[i] = Number.isFinite(value) ? PIXELS[((value - low) * scale + first) | 0] : NO_NUMBER;
+  }
+  return pixels;
+}
+
 export const rampCss = () => `linear-gradient(to right, ${STOPS.map((stop) => `rgb(${stop})`).join(", ")})`;
 
 /** Smallest and largest finite number; [0, 1] without any. */

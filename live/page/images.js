@@ -1,6 +1,6 @@
 // A panel for each image of each camera. Colour is the PNG as it came; depth and disparity are shown by a ramp. The value
 // under the pointer stands beside the name.
-import { colorOf, limitsOf, rampCss, shareOf, short } from "simvis/color_ramp.js";
+import { limitsOf, rampCss, rampPixels, short } from "simvis/color_ramp.js";
 
 const UNITS = { depth: "m", disparity: "px" };
 
@@ -53,13 +53,8 @@ class Picture {
       limits = limitsOf(values);
     this.shown.width = width;
     this.shown.height = height;
-    const context = this.shown.getContext("2d"),
-      image = context.createImageData(width, height);
-    for (let i = 0; i < values.length; ++i) {
-      const [r, g, b] = Number.isFinite(values[i]) ? colorOf(shareOf(values[i], limits)) : [20, 20, 24];
-      image.data.set([r, g, b, 255], 4 * i);
-    }
-    context.putImageData(image, 0, 0);
+    const pixels = new Uint8ClampedArray(rampPixels(values, limits).buffer);
+    this.shown.getContext("2d").putImageData(new ImageData(pixels, width, height), 0, 0);
     const [low, high] = this.scale.querySelectorAll("span");
     low.textContent = `${short(limits[0])} ${UNITS[this.kind]}`;
     high.textContent = `${short(limits[1])} ${UNITS[this.kind]}`;
@@ -93,12 +88,27 @@ class Picture {
 }
 
 export class Images {
-  constructor(root) {
+  /** `onSight` is called when panels come into sight or go out of it. */
+  constructor(root, onSight) {
     this.root = root;
+    this.sight = new IntersectionObserver(
+      (changes) => {
+        for (const { target, isIntersecting } of changes) target.dataset.hidden = String(!isIntersecting);
+        onSight();
+      },
+      { root: root.closest("aside"), rootMargin: "50%" }, // what the next turn of the wheel shows is up to date
+    );
     this.clear();
   }
 
+  /** Whether any image of the camera is in sight, or none has come yet. */
+  shows(sensor) {
+    const figures = [...this.root.querySelectorAll(`[data-sensor="${CSS.escape(sensor)}"]`)];
+    return figures.length === 0 || figures.some((figure) => figure.dataset.hidden !== "true");
+  }
+
   clear() {
+    this.sight.disconnect();
     this.pictures = new Map();
     this.root.innerHTML = '<p class="weak">No camera has measured yet.</p>';
   }
@@ -109,6 +119,7 @@ export class Images {
     if (!this.pictures.has(title)) {
       this.pictures.set(title, new Picture(title, message.kind));
       this.pictures.get(title).figure.dataset.sensor = sensor;
+      this.sight.observe(this.pictures.get(title).figure);
       this.root.append(...[...this.pictures.keys()].sort().map((key) => this.pictures.get(key).figure));
     }
     this.pictures.get(title).show(message);

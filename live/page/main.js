@@ -27,7 +27,7 @@ const navigation = new Navigation(view, element("hint"));
 const dragging = new Dragging(view, navigation);
 const tree = new Tree(element("tree"), element("tree-filter"), (thing) => select(thing));
 const labels = new Labels(view, element("labels"));
-const images = new Images(element("images"));
+const images = new Images(element("images"), look);
 const graphs = new Graphs(element("graphs"));
 const asked = []; // parameters that were asked for and not answered yet
 const parameters = new ParameterPanel(element("parameters"), !source.recorded, (index, value) => {
@@ -49,7 +49,8 @@ const selectionPanel = new SelectionPanel(element("selection"), {
 
 let scene = null,
   selected = null,
-  opened = false;
+  opened = false,
+  told = ""; // what is looked at, as the simulation knows it
 let frame = { frame: 0, time_s: 0 };
 const transforms = new Map(),
   values = [],
@@ -77,10 +78,13 @@ function look() {
   const { points, beams } = layers(),
     pictures = element("images-section").open;
   const sensors = scene.sensors.flatMap((sensor, i) => {
-    const wanted = isCamera(sensor) ? pictures : isScanner(sensor) ? points || beams : true;
+    const wanted = isCamera(sensor) ? pictures && images.shows(sensor.name) : isScanner(sensor) ? points || beams : true;
     return wanted ? [i] : [];
   });
-  source.send({ op: "look", sensors, plan: element("plan-section").open });
+  const message = { op: "look", sensors, plan: element("plan-section").open };
+  if (JSON.stringify(message) === told) return;
+  told = JSON.stringify(message);
+  source.send(message);
 }
 
 const receivers = {
@@ -98,6 +102,7 @@ const receivers = {
     tree.show(message.list);
     parameters.build(message.parameters);
     place.offer(Object.keys(message.points).sort());
+    told = ""; // of other sensors
     look();
     select(selected);
   },

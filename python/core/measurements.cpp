@@ -156,11 +156,10 @@ nb::bytes png(const KeptImage& image) {
   std::string bytes;
   {
     const nb::gil_scoped_release free;
-    const Image copy{static_cast<std::uint32_t>(image.width),
-                     static_cast<std::uint32_t>(image.height),
-                     4,
-                     {image.pixels, image.pixels + 4 * image.width * image.height}};
-    bytes = encode_png(copy);
+    bytes = encode_png({static_cast<std::uint32_t>(image.width),
+                        static_cast<std::uint32_t>(image.height),
+                        4,
+                        {image.pixels, 4 * image.width * image.height}});
   }
   return nb::bytes(bytes.data(), bytes.size());
 }

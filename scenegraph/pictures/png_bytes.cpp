@@ -1,6 +1,6 @@
 #include "scenegraph/pictures/png_bytes.h"
 
-#include <cstdlib>
+#include <algorithm>
 #include <vector>
 
 #include "engine/base/assert.h"
@@ -20,11 +20,15 @@ void append_chunk(std::string& png, const char* type, std::string_view data) {
   append_big_endian(png, crc32_of(std::string_view(png).substr(body)));
 }
 
-std::uint8_t paeth(int left, int above, int above_left) {
-  const int to_left = std::abs(above - above_left), to_above = std::abs(left - above_left),
-            to_above_left = std::abs(left + above - 2 * above_left);
-  if (to_left <= to_above && to_left <= to_above_left) return static_cast<std::uint8_t>(left);
-  return static_cast<std::uint8_t>(to_above <= to_above_left ? above : above_left);
+// In 16 bits and without branches, so that the compiler makes vectors of it.
+std::uint8_t paeth(std::int16_t left, std::int16_t above, std::int16_t above_left) {
+  const auto size = [](std::int16_t value) { return static_cast<std::int16_t>(value < 0 ? -value : value); };
+  const auto from_above = static_cast<std::int16_t>(above - above_left),
+             from_left = static_cast<std::int16_t>(left - above_left);
+  const std::int16_t to_left = size(from_above), to_above = size(from_left),
+                     to_above_left = size(static_cast<std::int16_t>(from_above + from_left));
+  const std::int16_t second = to_above <= to_above_left ? above : above_left;
+  return static_cast<std::uint8_t>(to_left <= std::min(to_above, to_above_left) ? left : second);
 }
 
 std::vector<std::uint8_t> filtered(const PngLayout& layout, std::span<const std::uint8_t> rows) {
@@ -39,8 +43,9 @@ std::vector<std::uint8_t> filtered(const PngLayout& layout, std::span<const std:
     const std::size_t plain = layout.filter == PngFilter::paeth ? pixel : row_bytes;  // Paeth has no left neighbour yet
     for (std::size_t x = 0; x < plain; ++x) *out++ = static_cast<std::uint8_t>(row[x] - above[x]);
     for (std::size_t x = plain; x < row_bytes; ++x) {
-      *out++ = static_cast<std::uint8_t>(row[x] - paeth(row[x - pixel], above[x], above[x - pixel]));
+      out[x - plain] = static_cast<std::uint8_t>(row[x] - paeth(row[x - pixel], above[x], above[x - pixel]));
     }
+    out += row_bytes - plain;
     above = row;
   }
   return all;

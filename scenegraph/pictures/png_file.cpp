@@ -54,7 +54,7 @@ void srgb_codes(std::span<const float> rgba, std::span<std::uint8_t> rgb) {
   }
 }
 
-std::vector<std::uint8_t> srgb_codes(const Image& color) {
+std::vector<std::uint8_t> srgb_codes(const ImageSpan& color) {
   SIMVIS_ASSERT(color.channels == 4 && color.width > 0 && color.height > 0);
   const std::size_t pixels = std::size_t{color.width} * color.height;
   SIMVIS_ASSERT(color.pixels.size() == 4 * pixels);
@@ -63,11 +63,11 @@ std::vector<std::uint8_t> srgb_codes(const Image& color) {
   return rgb;
 }
 
-std::string encode_png(const Image& color) {
+std::string encode_png(const ImageSpan& color) {
   return png_bytes({.width = color.width, .height = color.height}, srgb_codes(color));
 }
 
-std::string encode_jpeg(const Image& color) {
+std::string encode_jpeg(const ImageSpan& color) {
   return jpeg_of_rgb(srgb_codes(color), static_cast<int>(color.width), static_cast<int>(color.height), kJpegQuality);
 }
 

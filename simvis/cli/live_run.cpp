@@ -98,14 +98,14 @@ void LiveRun::after_frame(Simulation& simulation, const FrameTime& time, double 
   show(simulation);
 }
 
-void LiveRun::show(const Simulation& simulation) {
+void LiveRun::show(Simulation& simulation) {
   if (!shown_) return;
   live::OtherScans scans;
   if (follower_ != nullptr) scans = [this](const std::string& sensor) { return follower_->latest_scan(sensor); };
   is_shown_ = view_.publish(simulation, *shown_, step_ms_, view_time(), scans);
 }
 
-bool LiveRun::takes_blame(const InputError& error, const Simulation& simulation) {
+bool LiveRun::takes_blame(const InputError& error, Simulation& simulation) {
   if (!changed_) return false;
   set_playing(false, simulation);
   steps_ = 0;
@@ -114,7 +114,7 @@ bool LiveRun::takes_blame(const InputError& error, const Simulation& simulation)
 }
 
 // Pages get the last frame with the state.
-void LiveRun::set_playing(bool playing, const Simulation& simulation) {
+void LiveRun::set_playing(bool playing, Simulation& simulation) {
   if (playing && !playing_ && real_time_ != nullptr) real_time_->restart(real_time_->factor());
   playing_ = playing;
   if (playing) return view_.publish(view_time());

@@ -35,7 +35,7 @@ class LiveRun {
   void after_frame(Simulation& simulation, const FrameTime& time, double step_ms);
 
   /// Whether an error of a step may come from what a client has changed. Then the run is paused, and clients are told.
-  bool takes_blame(const InputError& error, const Simulation& simulation);
+  bool takes_blame(const InputError& error, Simulation& simulation);
 
  private:
   using Control = live::Control;
@@ -44,8 +44,8 @@ class LiveRun {
   void set_one(std::size_t parameter, double value, Simulation& simulation);
   void execute(const Control& control, Simulation& simulation);
   void save(const Control& control, const Simulation& simulation);
-  void set_playing(bool playing, const Simulation& simulation);
-  void show(const Simulation& simulation);
+  void set_playing(bool playing, Simulation& simulation);
+  void show(Simulation& simulation);
   live::ViewTime view_time() const { return {.speed = speed_, .playing = playing_, .recorded = false}; }
 
   std::string scene_;

@@ -22,7 +22,7 @@ ViewFiles::ViewFiles(const std::string& glb, const std::string& page) {
   if (!page.empty()) page_.emplace(with_folder(page));
 }
 
-void ViewFiles::add(const Simulation& simulation, const FrameTime& time, double step_ms) {
+void ViewFiles::add(Simulation& simulation, const FrameTime& time, double step_ms) {
   has_frames_ = true;
   if (page_) page_->add(copier_.copy(simulation, time, step_ms, {.every_sensor = true, .plan = true}));
 }

@@ -176,7 +176,7 @@ class OutputWriter::SensorSink : public OutputSink {
   }
 
   void write_color(const std::string& stem, const std::string& extension, const std::shared_ptr<const Image>& color,
-                   std::string (*encode)(const Image&)) {
+                   std::string (*encode)(const ImageSpan&)) {
     write_frame(stem, extension, bytes_of(*color), [color, encode] { return encode(*color); });
   }
 

@@ -24,7 +24,7 @@ class Network : private ros::MessageOutlet {
  public:
   /// Throws InputError: no such folder, a build without DDS, two sensors with the same topics. MachineError: the domain
   /// cannot be joined.
-  Network(const DdsDesc& desc, const BuiltScene& scene);
+  Network(const DdsDesc& desc, const BuiltScene& scene, KeptMeasurements& kept);
   /// As finish(); errors are lost.
   ~Network() override;
   Network(const Network&) = delete;

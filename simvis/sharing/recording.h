@@ -16,7 +16,7 @@ namespace simvis {
 class Recording : private ros::MessageOutlet {
  public:
   /// Throws InputError: the file exists and is no MCAP file; two sensors would have the same topics.
-  Recording(const RecordDesc& desc, const BuiltScene& scene);
+  Recording(const RecordDesc& desc, const BuiltScene& scene, KeptMeasurements& kept);
   /// As finish(); errors are lost.
   ~Recording() override;
   Recording(const Recording&) = delete;

@@ -85,6 +85,19 @@ TEST_CASE("a page that shows nothing gets two frames, and then the latest with t
   CHECK(std::abs(view.measured[1].second - 7 * rate_15hz_ns) <= 7);
 }
 
+TEST_CASE("an image goes back to its sensor as soon as its message is made, or a newer one has come") {
+  SlowView view;
+  const FrameTime time = view.simulation.next_frame();
+  view.simulation.step();
+  ViewFrame frame = view.copier.copy(view.simulation, time, 0, {.every_sensor = true});
+  REQUIRE(frame.pictures.size() == 1);
+  const std::weak_ptr<const void> lease = frame.pictures[0].kept.kept;
+  view.hub.publish(std::move(frame), {});
+  CHECK_FALSE(lease.expired());
+  view.received();
+  CHECK(lease.expired());
+}
+
 TEST_CASE("a page that shows more than it got is told so, and one that is gone frees its place") {
   SlowView view;
   view.shown();

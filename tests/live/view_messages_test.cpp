@@ -117,5 +117,30 @@ TEST_CASE("a scan has its ranges, bounds and points; a picture is the file's byt
   CHECK(at<float>(depth, 24) == view.simulation.depth("CAM").pixels[0]);
 }
 
+TEST_CASE("the last measurement of a sensor that nobody looked at is there for those who look later") {
+  View view;
+  const ViewFrame first = view.step({});
+  CHECK(first.pictures.empty());
+  view.simulation.enable("CAM", false);
+  CHECK(view.step({.sensors = {"SCAN"}}).pictures.empty());
+  const ViewFrame later = view.step();
+  REQUIRE(later.pictures.size() == 2);
+  CHECK(later.pictures[0].time_ns == first.time_ns);
+  CHECK(view.step().pictures.empty());
+}
+
+TEST_CASE("a picture is the sensor's own memory, and the sensor goes on in other memory while the frame lives") {
+  View view;
+  const ViewFrame frame = view.step();
+  REQUIRE(frame.pictures.size() == 2);
+  const Image& depth = view.simulation.depth("CAM");
+  CHECK(frame.pictures[0].kept.image.pixels.data() == view.simulation.color("CAM").pixels.data());
+  CHECK(frame.pictures[1].kept.image.pixels.data() == depth.pixels.data());
+  const std::string message = picture_message(frame.pictures[1]);
+  view.simulation.step();
+  CHECK(frame.pictures[1].kept.image.pixels.data() != depth.pixels.data());
+  CHECK(picture_message(frame.pictures[1]) == message);
+}
+
 }  // namespace
 }  // namespace simvis::live

@@ -170,7 +170,7 @@ TEST_CASE("intrinsics count pixels from their centres, and a right camera says w
   CHECK(info.p == std::array<double, 12>{50, 0, 31.5, -25, 0, 60, 23.5, 0, 0, 0, 1, 0});
   CHECK(info.distortion_model == "plumb_bob");
   CHECK(info.d == std::vector<double>(5, 0));
-  const DisparityImage disparity = disparity_image({2, 1, 1, {3, 0}}, right, {});
+  const DisparityImage disparity = disparity_image(simvis::Image{2, 1, 1, {3, 0}}, right, {});
   CHECK(disparity.f == 50);
   CHECK(disparity.t == 0.5f);
   CHECK(disparity.max_disparity == 3);

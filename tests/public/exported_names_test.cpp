@@ -42,6 +42,7 @@ const std::set<std::string> kProgramNames = {
     "encode_png",
     "find_scan_method",
     "host_by_dds",
+    "keep_image",
     "laser_scanner_desc",
     "markdown_table",
     "markdown_text",

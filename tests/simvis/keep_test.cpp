@@ -7,6 +7,7 @@
 #include <thread>
 #include <vector>
 
+#include "simvis/kept_measurements.h"
 #include "tests/support/error_of.h"
 #include "tests/support/wall_scene.h"
 
@@ -37,6 +38,48 @@ class Seen {
  private:
   std::span<const T> numbers_;
   std::vector<T> copy_;
+};
+
+/// A camera of the library's type that shows the number of its last frame. It can fail between its two images.
+class CountingCamera : public Sensor {
+ public:
+  static constexpr std::size_t kBytes = 2 * 6 * sizeof(float);
+
+  void measure(bool fails = false) {
+    ++frame_;
+    fill(color_);
+    if (fails) throw InputError("no depth");
+    fill(depth_);
+  }
+  void plan(const glm::dmat4&, const DrawList&, FramePlan&) override {}
+  void collect(const FrameTime&, const FramePlan&, std::span<const PassResult>) override {}
+  const Image* color() const override { return &color_; }
+  const Image* depth() const override { return &depth_; }
+  void write(OutputSink& sink) const override { sink.picture("", &color_, &depth_); }
+  std::string method() const override { return "counts"; }
+
+ private:
+  void fill(Image& image) const {
+    image.pixels.resize(6);
+    std::ranges::fill(image.pixels, static_cast<float>(frame_));
+  }
+  int frame_ = 0;
+  Image color_{3, 2, 1, {}}, depth_{3, 2, 1, {}};
+};
+
+struct CountingView {
+  CountingView() {
+    sensor.type = "camera";
+    sensor.sensor = std::make_unique<CountingCamera>();
+  }
+  CountingCamera& camera() { return static_cast<CountingCamera&>(*sensor.sensor); }
+  void measure(bool fails = false) {
+    KeptMeasurements::Overwriting overwriting(kept, sensor);
+    camera().measure(fails);
+    overwriting.done();
+  }
+  BuiltSensor sensor;
+  KeptMeasurements kept;
 };
 
 void move(Simulation& simulation, double x) {
@@ -70,6 +113,47 @@ TEST_CASE("memory that nobody keeps any more is used again") {
     addresses.push_back(simulation.scan("S").range_m.data());
   }
   for (std::size_t frame = 4; frame < addresses.size(); ++frame) CHECK(addresses[frame] == addresses[frame - 2]);
+}
+
+TEST_CASE("a queue of kept measurements takes their memory, and leaves one measurement behind when it is empty") {
+  CountingView view;
+  std::vector<std::shared_ptr<const void>> queue;
+  for (int frame = 0; frame < 10; ++frame) {
+    view.measure();
+    queue.push_back(view.kept.keep(view.sensor));
+  }
+  CHECK(view.kept.bytes() == 9 * CountingCamera::kBytes);  // the last one is in the sensor
+  queue.clear();
+  view.measure();
+  CHECK(view.kept.bytes() == CountingCamera::kBytes);
+  for (int frame = 0; frame < 3; ++frame) view.measure();
+  CHECK(view.kept.bytes() == CountingCamera::kBytes);
+}
+
+TEST_CASE("memory that is used again is not cleared before the sensor writes to it") {
+  CountingView view;
+  std::vector<std::shared_ptr<const void>> queue;
+  for (int frame = 0; frame < 3; ++frame) {
+    view.measure();
+    queue = {view.kept.keep(view.sensor)};
+  }
+  const KeptMeasurements::Overwriting overwriting(view.kept, view.sensor);
+  CHECK(view.camera().depth()->pixels == std::vector<float>(6, 2));
+}
+
+TEST_CASE("a sensor that fails between two images has the last measurement again, whole and in its place") {
+  CountingView view;
+  view.measure();
+  const Seen<float> color(view.camera().color()->pixels), depth(view.camera().depth()->pixels);
+  const std::shared_ptr<const void> kept = view.kept.keep(view.sensor);
+  CHECK(error_of([&] { view.measure(true); }) == "no depth");
+  CHECK(color.is_as_before());
+  CHECK(view.camera().color()->pixels.data() == color.address());
+  CHECK(view.camera().depth()->pixels.data() == depth.address());
+  view.measure();
+  CHECK(view.camera().depth()->pixels[0] == 3);
+  CHECK(color.is_as_before());
+  CHECK(depth.is_as_before());
 }
 
 TEST_CASE("a kept measurement outlives its sensor and its simulation") {
