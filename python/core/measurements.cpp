@@ -169,7 +169,16 @@ nb::object numpy_array(nb::object array, const nb::object& dtype, const nb::obje
   return !copy.is_none() && nb::cast<bool>(copy) ? array.attr("copy")() : array;
 }
 
-// Of what stands behind an array, for consumers of DLPack that know read-only memory.
+// A consumer of DLPack before 1.0 takes all memory for writable. It gets a copy, unless it forbids one and is refused.
+nb::object exchanged(nb::object array, const nb::kwargs& how) {
+  const nb::object version = how.contains("max_version") ? nb::object(how["max_version"]) : nb::none();
+  const bool knows_read_only = !version.is_none() && nb::cast<int>(version[0]) >= 1;
+  const bool may_copy = !how.contains("copy") || how["copy"].is_none() || nb::cast<bool>(how["copy"]);
+  if (!knows_read_only && may_copy) array = array.attr("copy")();
+  return array.attr("__dlpack__")(**how);
+}
+
+// What NumPy, and consumers of DLPack, take for an array.
 template <nb::object (*Get)(nb::handle)>
 void bind_exchange(auto& bound) {
   bound.def(
@@ -179,7 +188,7 @@ void bind_exchange(auto& bound) {
       },
       "dtype"_a = nb::none(), "copy"_a = nb::none());
   bound.def(
-      "__dlpack__", [](nb::handle self, const nb::kwargs& how) { return Get(self).attr("__dlpack__")(**how); },
+      "__dlpack__", [](nb::handle self, const nb::kwargs& how) { return exchanged(Get(self), how); },
       nb::sig("def __dlpack__(self, **how: typing.Any) -> typing.Any"));
   bound.def(
       "__dlpack_device__", [](nb::handle) { return nb::make_tuple(1, 0); },
@@ -319,10 +328,6 @@ void bind_measurements(nb::module_& module) {
             "(h, w, 3) uint8, sRGB. Computed with each call; `out` is filled instead of a new array.",
             nb::sig("def rgb(self, out: typing.Any = None) -> numpy.typing.NDArray[numpy.uint8]"));
   image.def("png", &png, "The bytes of a PNG file.");
-  image.def("_repr_png_", [](const KeptImage& of) -> nb::object {
-    if (of.channels != 4) return nb::none();
-    return png(of);
-  });
   image.def(
       "read",
       [](const KeptImage& of, nb::object out) {

@@ -48,7 +48,8 @@ class WrittenSensor : public Sensor {
     rays.cast(world_from_sensor_, directions_, hits_);
     const nb::gil_scoped_acquire locked;
     try {
-      take(measure());
+      const auto measured = nb::cast<std::vector<double>>(measure());
+      for (std::size_t i = 0; i < values_.size(); ++i) values_[i].value = measured.at(i);
     } catch (nb::python_error& error) {
       keep_error(std::move(error));
     }
@@ -89,16 +90,7 @@ class WrittenSensor : public Sensor {
     nb::ndarray<double, nb::shape<-1>, nb::device::cpu> array;
     if (!nb::try_cast(ranges, array)) throw InputError("numpy.empty() gave no array of float64");
     for (std::size_t i = 0; i < hits_.size(); ++i) array(i) = hits_[i].range_m;
-    return (*object_).attr("measure")(ranges, static_cast<double>(time_.time_ns) / 1e9);
-  }
-  // All or nothing.
-  void take(const nb::object& measured) {
-    const nb::object named = nb::module_::import_("builtins").attr("dict")(measured);
-    std::vector<NamedValue> values = values_;
-    for (NamedValue& value : values) {
-      value.value = nb::cast<double>(nb::float_(named[nb::str(value.name.data(), value.name.size())]));
-    }
-    values_ = std::move(values);
+    return (*object_).attr("_measured")(ranges, static_cast<double>(time_.time_ns) / 1e9);
   }
 
   const WrittenType& type_;

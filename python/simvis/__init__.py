@@ -15,12 +15,10 @@ from __future__ import annotations
 import os as _os
 from pathlib import Path as _Path
 
-from . import _core
-from ._core import Image, Context, Scan, Transform, list_devices, load_plugin
+from . import _core, _plots
+from ._core import Context, Image, Scan, Transform, list_devices, load_plugin
 from ._errors import Error, InputError, MachineError, UnknownName
 from ._map import map
-from ._plots import scan_png as _scan_png
-from ._plots import scan_text as _scan_text
 from ._price import PriceList
 from ._proxies import Element, Parameters, Sensor
 from ._simulation import Simulation
@@ -30,13 +28,15 @@ from ._written import Attribute, CustomElement, CustomSensor
 
 __version__ = _core.version()
 __all__ = [
-    "Attribute", "CustomElement", "CustomSensor", "Element", "Error", "Image", "InputError", "MachineError", "Context",
+    "Attribute", "Context", "CustomElement", "CustomSensor", "Element", "Error", "Image", "InputError", "MachineError",
     "Parameters", "PriceList", "Scan", "Sensor", "Simulation", "Trajectory", "Transform", "UnknownName", "Viewer",
     "list_devices", "load_plugin", "map", "scene", "viewer",
 ]
 
-Scan._repr_png_ = _scan_png  # type: ignore[attr-defined]
-Scan.__repr__ = _scan_text  # type: ignore[method-assign, assignment]
+Scan._repr_png_ = _plots.scan_png  # type: ignore[attr-defined]
+Scan.__repr__ = _plots.scan_text  # type: ignore[method-assign, assignment]
+Image._repr_png_ = _plots.image_png  # type: ignore[attr-defined]
+Image.__repr__ = _plots.image_text  # type: ignore[method-assign, assignment]
 
 
 def scene(name: str) -> str:
@@ -44,6 +44,6 @@ def scene(name: str) -> str:
     folder = _Path(__file__).parent / "scenes"
     file = folder / name / f"{name}.xml"
     if not file.exists():
-        known = sorted(entry.name for entry in folder.iterdir()) if folder.exists() else []
+        known = sorted(entry.stem for entry in folder.glob("*/*.xml") if entry.stem == entry.parent.name)
         raise InputError(f'there is no scene "{name}" in the package, expected one of {", ".join(known) or "none"}')
     return _os.fspath(file)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import pickle
+import reprlib
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from importlib import import_module
 from typing import Any, TypeVar
@@ -37,7 +39,7 @@ def map(function: Callable[[Simulation], Result], scene: str | os.PathLike[str],
         raise InputError("expected either seeds or parameters")
     path = os.path.abspath(scene)
     if not os.path.exists(path):
-        raise InputError(f"{path}: error: there is no such scene")
+        raise InputError(f"{reprlib.repr(scene)} is no scene file")
     common = {"threads": 1, **settings}
     jobs: list[Any]
     if seeds is not None:
@@ -50,7 +52,13 @@ def map(function: Callable[[Simulation], Result], scene: str | os.PathLike[str],
         return _by_executor(executor, jobs)
     if workers is not None and workers < 0:
         raise InputError(f"workers is {workers}, expected 0 or more")
-    return (_one(job) for job in jobs) if workers == 0 else _by_processes(jobs, workers)
+    if workers == 0:
+        return (_one(job) for job in jobs)
+    try:
+        pickle.dumps(function)
+    except (pickle.PicklingError, AttributeError, TypeError) as error:
+        raise InputError(f"{function!r} cannot be pickled, expected a function that a module defines") from error
+    return _by_processes(jobs, workers)
 
 
 def _by_processes(jobs: list[Any], workers: int | None) -> Iterator[Any]:

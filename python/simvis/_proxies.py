@@ -25,6 +25,24 @@ def suggestion(seen: str, known: list[str]) -> str:
     return f', did you mean "{near[0]}"?' if near else ""
 
 
+def set_value(core: Core, element: str, parameter: str, value: float) -> None:
+    try:
+        core.set(element, parameter, value)
+    except TypeError:
+        raise InputError(f"{element}.{parameter} is {value!r}, expected a number") from None
+
+
+class ByName(dict[str, Any]):
+    """Elements or sensors by name. A name that is not there raises UnknownName."""
+
+    def __init__(self, kind: str, named: dict[str, Any]) -> None:
+        super().__init__(named)
+        self._kind = kind
+
+    def __missing__(self, name: str) -> Any:
+        raise UnknownName(f'there is no {self._kind} "{name}"' + suggestion(str(name), list(self)))
+
+
 class Element:
     """An element of a scene: its parameters are attributes, in the units of its table.
 
@@ -64,7 +82,7 @@ class Element:
 
     def __setattr__(self, parameter: str, value: float) -> None:
         self._check(parameter)
-        self._core.set(self._name, parameter, value)
+        set_value(self._core, self._name, parameter, value)
 
     def set(self, **values: float) -> None:
         """Sets several parameters. An unknown name or a value that is refused leaves those before it set."""
@@ -75,7 +93,10 @@ class Element:
         """Sets all parameters of an element of type pose from a rigid (4, 4) matrix parent_from_child."""
         import numpy as np
 
-        self._core.set_pose(self._name, np.ascontiguousarray(matrix, np.float64))
+        rows = np.ascontiguousarray(matrix, np.float64)
+        if rows.shape != (4, 4):
+            raise InputError(f"the matrix has shape {rows.shape}, expected (4, 4)")
+        self._core.set_pose(self._name, rows)
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._parameters)
@@ -273,7 +294,7 @@ class Parameters(MutableMapping[str, float]):
             raise UnknownName(str(error)) from None
 
     def __setitem__(self, name: str, value: float) -> None:
-        self._core.set(*self._split(name), value)
+        set_value(self._core, *self._split(name), value)
 
     def __delitem__(self, name: str) -> None:
         raise InputError("a parameter cannot be removed; sim.execute('<remove name=\"ELEMENT\"/>') removes an element")

@@ -6,13 +6,14 @@ import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from html import escape
 from importlib import import_module
+from numbers import Integral, Real
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
 from ._core import Core, Settings
 from ._errors import InputError, UnknownName
 from ._price import PriceList
-from ._proxies import Element, Parameters, Sensor, suggestion
+from ._proxies import ByName, Element, Parameters, Sensor, set_value, suggestion
 from ._trajectory import Trajectory
 
 if TYPE_CHECKING:
@@ -34,10 +35,14 @@ def _settings(
     cache_dir: str,
     progress: Progress | None,
 ) -> Settings:
-    if seed < 0:
-        raise InputError(f"seed is {seed}, expected 0 or more")
-    if threads < 0:
-        raise InputError(f"threads is {threads}, expected 0 or more")
+    for name, number, limit in (("seed", seed, 2**64), ("threads", threads, 2**16)):
+        if not isinstance(number, Integral) or not 0 <= number < limit:
+            raise InputError(f"{name} is {number!r}, expected a whole number from 0 to {limit - 1}")
+    if rate_hz is not None and not isinstance(rate_hz, Real):
+        raise InputError(f"rate_hz is {rate_hz!r}, expected a number, or None")
+    for name, value in (overrides or {}).items():
+        if value is not None and not isinstance(value, str):
+            raise InputError(f'override "{name}" is {value!r}, expected the text of an attribute, such as "{value}"')
     return Settings(rate_hz=rate_hz, seed=seed, threads=threads, device=device, strict=strict,
                     overrides=dict(overrides or {}), packages=dict(packages or {}), instrumented=instrumented,
                     cache_dir=cache_dir, progress=progress)
@@ -52,6 +57,8 @@ class Simulation:
     """
 
     def __init__(self, core: Core) -> None:
+        if not isinstance(core, Core):
+            raise InputError("expected Simulation.load(FILE) or Simulation.from_string(XML)")
         self._core = core
 
     @classmethod
@@ -98,6 +105,8 @@ class Simulation:
 
     def step(self, dt_s: float | None = None) -> None:
         """Makes one frame. With `dt_s` it is taken so many seconds after the one before."""
+        if dt_s is not None and not isinstance(dt_s, Real):
+            raise InputError(f"dt_s is {dt_s!r}, expected seconds")
         self._core.step(dt_s)
 
     def step_async(self) -> None:
@@ -119,6 +128,8 @@ class Simulation:
         """
         if frames < 0:
             raise InputError(f"frames is {frames}, expected 0 or more")
+        if trajectory is not None and not isinstance(trajectory, Trajectory):
+            raise InputError(f"trajectory is {trajectory!r}, expected a simvis.Trajectory")
         numbers: Any = range(frames)
         if progress:
             try:
@@ -134,7 +145,7 @@ class Simulation:
 
     def set(self, element: str, parameter: str, value: float) -> None:
         """Sets a parameter, in the unit of its element's table. It takes effect at the next step."""
-        self._core.set(element, parameter, value)
+        set_value(self._core, element, parameter, value)
 
     def get(self, element: str, parameter: str) -> float:
         """The value of a parameter, in the unit of its element's table."""
@@ -152,12 +163,14 @@ class Simulation:
     @property
     def sensors(self) -> dict[str, Sensor]:
         """All sensors, in the order of the scene."""
-        return {name: Sensor(self._core, name) for name in self._core.sensor_names()}
+        return ByName("sensor", {name: Sensor(self._core, name) for name in self._core.sensor_names()})
 
     def only(self, *sensors: str) -> None:
         """Turns these sensors on and all others off. What is off is not rendered."""
         known = self._core.sensor_names()
         for name in sensors:
+            if not isinstance(name, str):
+                raise InputError(f"{name!r} is no name, expected names such as only(\"FRONT\", \"REAR\")")
             if name not in known:
                 raise UnknownName(f'there is no sensor "{name}"' + suggestion(name, known))
         for name in known:
@@ -166,7 +179,7 @@ class Simulation:
     @property
     def elements(self) -> dict[str, Element]:
         """All elements, in the order of the scene."""
-        return {row["name"]: Element(self._core, row) for row in self._core.elements()}
+        return ByName("element", {row["name"]: Element(self._core, row) for row in self._core.elements()})
 
     @property
     def parameters(self) -> Parameters:
@@ -238,7 +251,11 @@ class Simulation:
         if name in known:
             return Sensor(self._core, name)
         known += self._core.element_names()
-        raise UnknownName(f'there is no element or sensor "{name}"' + suggestion(name, known))
+        raise UnknownName(f'there is no element or sensor "{name}"' + suggestion(str(name), known))
+
+    def __iter__(self) -> Iterator[str]:
+        """The names of all elements and sensors."""
+        return iter(self._ipython_key_completions_())
 
     def _ipython_key_completions_(self) -> list[str]:
         return list(self._core.element_names()) + list(self._core.sensor_names())

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from numbers import Real
 from typing import TYPE_CHECKING, Any, Union
 
 from ._errors import InputError
@@ -52,11 +53,11 @@ class Trajectory:
     def apply(self, simulation: Simulation, time_s: float) -> None:
         """Sets the parameters to their values at that time."""
         for name, values in self._values.items():
-            value = float(self._at(values, time_s))
-            if not math.isfinite(value):
+            value = self._at(values, time_s)
+            if not isinstance(value, Real) or not math.isfinite(value):
                 raise InputError(f"{name} is {value} at {time_s} s, expected a finite number")
             element, parameter = name.rsplit(".", 1)
-            simulation.set(element, parameter, value)
+            simulation.set(element, parameter, float(value))
 
     def _at(self, values: Any, time_s: float) -> Any:
         import numpy as np

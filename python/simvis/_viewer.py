@@ -36,6 +36,8 @@ class Viewer:
 
 def viewer(simulation: Simulation, port: int = 0) -> Viewer:
     """Opens the live page of a simulation on this machine; port 0: any that is free. `url` of the result is its address."""
+    if not isinstance(simulation, Simulation):
+        raise InputError(f"simulation is {simulation!r}, expected a Simulation")
     if not 0 <= port < 65536:
         raise InputError(f"port is {port}, expected 0 to 65535")
     return Viewer(simulation, port)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import reprlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -40,6 +41,13 @@ class Attribute:
         return "" if self.default is None else f"{self.default:.17g}" if isinstance(self.default, float) else str(self.default)
 
 
+def _checked(attributes: list[Attribute]) -> list[Attribute]:
+    for attribute in attributes:
+        if not isinstance(attribute, Attribute):
+            raise InputError(f"attributes has {attribute!r}, expected rows such as simvis.Attribute(\"width\", 1.0, \"m\")")
+    return attributes
+
+
 class CustomElement:
     """Base of elements that are written in Python. A scene names them by `type`:
 
@@ -59,14 +67,15 @@ class CustomElement:
 
     def __init_subclass__(cls, type: str, summary: str = "", **rest: Any) -> None:
         super().__init_subclass__(**rest)
-        _core.register_element(cls, type, summary or f"An element of the Python class {cls.__name__}.", cls.attributes)
+        _core.register_element(cls, type, summary or f"An element of the Python class {cls.__name__}.",
+                               _checked(cls.attributes))
 
     def __init__(self, context: Context) -> None:
         pass
 
     def update(self, values: Mapping[str, float]) -> None:
         """Applies the live values to the scene."""
-        raise NotImplementedError
+        raise NotImplementedError(f"the class {type(self).__name__} has no update()")
 
 
 class CustomSensor:
@@ -88,12 +97,19 @@ class CustomSensor:
         super().__init_subclass__(**rest)
         if not isinstance(cls.values, (list, tuple)):
             raise InputError(f'type "{type}": values is no list of names')
-        _core.register_sensor(cls, type, summary or f"A sensor of the Python class {cls.__name__}.", cls.attributes,
-                              list(cls.values))
+        _core.register_sensor(cls, type, summary or f"A sensor of the Python class {cls.__name__}.",
+                              _checked(cls.attributes), list(cls.values))
 
     def __init__(self, context: Context) -> None:
         pass
 
     def measure(self, ranges_m: npt.NDArray[np.float64], time_s: float) -> Mapping[str, float]:
         """The value of each name in `values`."""
-        raise NotImplementedError
+        raise NotImplementedError(f"the class {type(self).__name__} has no measure()")
+
+    def _measured(self, ranges_m: npt.NDArray[np.float64], time_s: float) -> list[float]:
+        measured = self.measure(ranges_m, time_s)
+        if not isinstance(measured, Mapping) or not measured.keys() >= set(self.values):
+            raise InputError(f"{type(self).__name__}.measure() returned {reprlib.repr(measured)}, expected a number for each of "
+                             + ", ".join(self.values))
+        return [float(measured[name]) for name in self.values]

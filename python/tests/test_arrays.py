@@ -1,6 +1,7 @@
 """Results as arrays: shapes, whose memory they are, and that they stay as they are."""
 import gc
 import unittest
+from typing import Any
 
 import numpy as np
 from small_scene import load
@@ -98,6 +99,26 @@ class Arrays(unittest.TestCase):
         self.assertEqual(exchanged.ctypes.data, self.sim["CAM"].depth.ctypes.data)
         self.assertFalse(exchanged.flags.writeable)
         np.testing.assert_array_equal(np.asarray(self.sim["CAM"].image(), dtype=np.float64), self.sim["CAM"].color)
+
+    def test_consumers_that_know_no_read_only_memory_get_a_copy(self) -> None:
+        class Old:
+            """DLPack before 1.0: it names no version."""
+
+            def __init__(self, measured: Any) -> None:
+                self.measured = measured
+
+            def __dlpack__(self, **how: Any) -> Any:
+                return self.measured.__dlpack__()
+
+            def __dlpack_device__(self) -> Any:
+                return self.measured.__dlpack_device__()
+
+        for measured in (self.sim["SCAN"].scan, self.sim["CAM"].image()):
+            copy, view = np.from_dlpack(Old(measured)), np.asarray(measured)
+            np.testing.assert_array_equal(copy, view)
+            self.assertFalse(np.shares_memory(copy, view))
+            with self.assertRaises(BufferError):
+                measured.__dlpack__(copy=False)
 
     def test_readings(self) -> None:
         sim = load('<s><part name="R" insert_at="ROOT"/><element type="pose" name="P" insert_at="R" x="2"/>'

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import simvis
-from small_scene import load
+from small_scene import SCENE, load
 
 
 class Mistakes(unittest.TestCase):
@@ -33,12 +33,20 @@ class Mistakes(unittest.TestCase):
         self.assertEqual(error.line, 1)
         self.expect("no_such_scene.xml", lambda: simvis.Simulation.load("no_such_scene.xml"))
         self.expect("there is no insertion point", lambda: load('<part shape="box" size="1 1 1" name="B" insert_at="RO"/>'))
-        self.expect('there is no scene "marvn" in the package', lambda: simvis.scene("marvn"))
+        self.expect('there is no scene "marvn" in the package, expected one of arm, ', lambda: simvis.scene("marvn"))
+        self.expect("expected Simulation.load(FILE)", lambda: simvis.Simulation("scene.xml"))  # type: ignore[arg-type]
+        self.expect('text "scene.xml" between commands', lambda: load("scene.xml"))
 
     def test_in_names(self) -> None:
         sim: Any = self.sim
         self.expect('there is no element or sensor "SCN", did you mean "SCAN"?', lambda: sim["SCN"])
         self.expect('element "P" has no parameter "yww", did you mean "yaw"?', lambda: sim["P"].yww)
+        self.expect('there is no sensor "SCN", did you mean "SCAN"?', lambda: sim.sensors["SCN"])
+        self.expect('there is no element "PP", did you mean "P"?', lambda: sim.elements["PP"])
+        self.expect('there is no element or sensor "0"', lambda: sim[0])
+        self.expect("['SCAN', 'CAM'] is no name, expected names", lambda: sim.only(["SCAN", "CAM"]))
+        self.assertEqual(list(sim), ["P", "SCAN", "CAM", "EYES", "PSD"])
+        self.assertNotIn("SCN", sim)
         self.expect('element "P" has no parameter "yww"', lambda: setattr(sim["P"], "yww", 1))
         self.expect('"yaw" names no parameter, expected ELEMENT.PARAMETER', lambda: sim.parameters["yaw"])
         self.assertIsNone(sim.parameters.get("P.nothing"))
@@ -52,17 +60,54 @@ class Mistakes(unittest.TestCase):
     def test_in_values(self) -> None:
         sim: Any = self.sim
         self.expect("P.x", lambda: sim.set("P", "x", float("nan")))
-        self.expect("incompatible function arguments", lambda: setattr(sim["P"], "x", "far"), TypeError)
+        self.expect("P.x is 'far', expected a number", lambda: setattr(sim["P"], "x", "far"))
+        self.expect("P.x is None, expected a number", lambda: sim.set("P", "x", None))
+        self.expect("P.x is 'far', expected a number", lambda: sim.parameters.update({"P.x": "far"}))
         self.expect("the matrix is not rigid", lambda: sim["P"].set_pose(2 * np.eye(4)))
+        self.expect("the matrix has shape (3, 3), expected (4, 4)", lambda: sim["P"].set_pose(np.eye(3)))
         self.expect("dt_s is -1, expected seconds above 0", lambda: sim.step(-1))
+        self.expect("dt_s is '0.1', expected seconds", lambda: sim.step("0.1"))
+        self.expect("a rate of 0 frames per second is not possible", lambda: load(rate_hz=0))
+        self.expect("rate_hz is '15', expected a number", lambda: load(rate_hz="15"))
+        self.expect("threads is 1.5, expected a whole number", lambda: load(threads=1.5))
+        self.expect('is 10, expected the text of an attribute, such as "10"', lambda: load(overrides={"psd.rate": 10}))
         self.expect('frame is "wrld", expected "sensor" or "world"', lambda: sim["SCAN"].points("wrld"))
         self.expect('no Vulkan device matches "nothing"', lambda: load(device="nothing"))
         self.expect("seed is -1", lambda: load(seed=-1))
         self.expect('override "method": expected TYPE.ATTRIBUTE', lambda: load(overrides={"method": "planar"}))
         self.expect("expected times_s with it", lambda: simvis.Trajectory({"P.x": [0, 1]}))
         self.expect("times_s are not finite and increasing", lambda: simvis.Trajectory({"P.x": [0, 1]}, [1, 1]))
+        self.expect("P.x is None at 0 s", lambda: simvis.Trajectory({"P.x": lambda t: None}).apply(sim, 0))
+        self.expect("expected a simvis.Trajectory", lambda: list(sim.run(1, {"P.x": [0, 1]}, progress=False)))
+        self.expect("expected a Simulation", lambda: simvis.viewer("scene.xml"))  # type: ignore[arg-type]
         self.expect("port is 70000, expected 0 to 65535", lambda: simvis.viewer(sim, 70000))
         self.expect("frames is -1", lambda: list(sim.run(-1)))
+
+    def test_in_many_simulations(self) -> None:
+        scene = simvis.scene("marvin")
+        self.expect("expected either seeds or parameters", lambda: simvis.map(print, scene))
+        self.expect("is no scene file", lambda: simvis.map(print, SCENE, seeds=[1]))
+        self.expect("expected a function that a module defines", lambda: simvis.map(lambda sim: 1, scene, seeds=[1], workers=1))
+        self.expect("workers is -1", lambda: simvis.map(print, scene, seeds=[1], workers=-1))
+
+    def test_in_types_of_their_own(self) -> None:
+        class Forgotten(simvis.CustomElement, type="mistake_forgotten"):
+            attributes = [simvis.Attribute("x", 0, live=True)]
+
+        class Other(simvis.CustomSensor, type="mistake_other"):
+            values = ["near_m", "far_m"]
+            directions = [[1, 0, 0]]
+
+            def measure(self, ranges_m: Any, time_s: float) -> Any:
+                return {"near_m": 1.0}
+
+        self.expect("the class Forgotten has no update()",
+                    lambda: load('<element type="mistake_forgotten" name="F" insert_at="ROOT"/>').step(), NotImplementedError)
+        self.expect("Other.measure() returned {'near_m': 1.0}, expected a number for each of near_m, far_m",
+                    lambda: load('<sensor type="mistake_other" name="O" insert_at="ROOT"/>').step())
+        with self.assertRaisesRegex(simvis.InputError, "attributes has 'x', expected rows such as simvis.Attribute"):
+            class Rows(simvis.CustomElement, type="mistake_rows"):
+                attributes = ["x"]  # type: ignore[list-item]
 
     def test_in_buffers(self) -> None:
         sim: Any = self.sim

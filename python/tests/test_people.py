@@ -23,7 +23,7 @@ class People(unittest.TestCase):
         self.assertRegex(repr(self.sim["SCAN"]), r"\n  measurements +1\n")
         self.assertIn("3 x 31 beams at 0 s", repr(self.sim["SCAN"].scan))
         self.assertTrue(self.sim["CAM"].image()._repr_png_().startswith(b"\x89PNG"))
-        self.assertIsNone(self.sim["CAM"].image("depth")._repr_png_())
+        self.assertEqual(repr(self.sim["CAM"].image("depth")), 'image "depth" of "CAM": 32 x 16 pixels')
 
     def test_completion(self) -> None:
         self.assertIn("SCAN", self.sim._ipython_key_completions_())
@@ -80,8 +80,9 @@ class People(unittest.TestCase):
         with self.assertRaisesRegex(RuntimeError, "enough"):
             simvis.Simulation.load(ROOT / "scenes/first/first.xml", progress=refuse)
 
-    def test_a_scan_is_a_picture_in_a_notebook(self) -> None:
-        self.assertTrue(self.sim["SCAN"].scan._repr_png_().startswith(b"\x89PNG"))
+    def test_scans_and_depth_are_pictures_in_a_notebook(self) -> None:
+        for measured in (self.sim["SCAN"].scan, self.sim["CAM"].image("depth"), self.sim["EYES"].image("disparity")):
+            self.assertTrue(measured._repr_png_().startswith(b"\x89PNG"))
 
 
 if __name__ == "__main__":

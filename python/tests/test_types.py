@@ -49,7 +49,7 @@ class Types(unittest.TestCase):
         run = subprocess.run([sys.executable, "-m", "pyright", "--version"], capture_output=True)
         if run.returncode != 0:
             self.skipTest("pyright cannot fetch its program")
-        self.run_on("pyright")
+        self.run_on("pyright", "--pythonpath", sys.executable)
 
     def test_everything_public_is_documented(self) -> None:
         for name in simvis.__all__:
