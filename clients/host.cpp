@@ -28,6 +28,8 @@ SharedHost::SharedHost(const std::string& name, SharedAccess access)
       first_parameter_{0} {}
 SharedHost::~SharedHost() = default;
 
+void SharedHost::publish() { object_->publish(); }
+
 simvis_text SharedHost::add_text(std::string_view text) {
   simvis_region& strings = object_->layout().strings;
   char* const place = object_->append<char>(strings, text.size());

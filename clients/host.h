@@ -74,12 +74,16 @@ void check_served_name(const std::string& name);
 /// Threads  one at a time.
 class SharedHost {
  public:
-  /// Makes the object `name`, in place of what a dead host left.
+  /// Makes the object `name`, which clients cannot find before publish().
   explicit SharedHost(const std::string& name, SharedAccess access = SharedAccess::user);
   SharedHost(const SharedHost&) = delete;
   SharedHost& operator=(const SharedHost&) = delete;
   /// Tells clients that the host ends, and removes the object.
   ~SharedHost();
+
+  /// Clients find the object from now on, in place of what a dead host left. They expect the elements and sensors that
+  /// the scene begins with to be there.
+  void publish();
 
   /// Appends an element; returns its id. Its parameters get the following ids.
   std::size_t add_element(std::string_view name, std::string_view type, std::string_view insertion_point,

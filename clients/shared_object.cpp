@@ -46,14 +46,13 @@ void wake(const std::uint32_t& word) { ::syscall(SYS_futex, &word, FUTEX_WAKE, I
 }  // namespace
 
 SharedObject::SharedObject(const std::string& name, SharedAccess access)
-    : path_(std::string(kFolder) + SIMVIS_SHM_PREFIX + name) {
+    : name_(name), path_(std::string(kFolder) + SIMVIS_SHM_PREFIX + name) {
   make_unnamed(access);
   try {
     map();
     describe();
     // The lock is held before anybody can find the object.
     if (!take_lock(file_, SIMVIS_SHM_LOCK_BYTE)) fail("the shared memory can't be locked");
-    give_name(name);
   } catch (...) {
     release();
     throw;
@@ -156,7 +155,7 @@ void SharedObject::describe() {
 
 // Links the complete object under its name. What a dead host left there goes; whoever takes the lock on it may do
 // that.
-void SharedObject::give_name(const std::string& name) {
+void SharedObject::publish() {
   const std::string own = "/proc/self/fd/" + std::to_string(file_);
   while (::linkat(AT_FDCWD, own.c_str(), AT_FDCWD, path_.c_str(), AT_SYMLINK_FOLLOW) != 0) {
     if (errno != EEXIST) fail("the shared memory " + path_ + " can't get its name");
@@ -170,7 +169,7 @@ void SharedObject::give_name(const std::string& name) {
         ::fstat(before, &locked) == 0 && ::stat(path_.c_str(), &named) == 0 && locked.st_ino == named.st_ino;
     if (is_dead && is_it) ::unlink(path_.c_str());
     ::close(before);
-    if (!is_dead) throw InputError("a living simulation is served as \"" + name + "\", expected another name");
+    if (!is_dead) throw InputError("a living simulation is served as \"" + name_ + "\", expected another name");
   }
 }
 

@@ -21,12 +21,15 @@ constexpr std::uint64_t kLogBytes = 256 << 20, kLogBytesOfClients = kLogBytes / 
 /// Threads  one at a time.
 class SharedObject {
  public:
-  /// Makes the object `name`, in place of what a dead host left.
+  /// Makes the object, which nobody can find before publish().
   SharedObject(const std::string& name, SharedAccess access);
   SharedObject(const SharedObject&) = delete;
   SharedObject& operator=(const SharedObject&) = delete;
   /// Tells clients that the host ends, and removes the object.
   ~SharedObject();
+
+  /// Gives the object its name, in place of what a dead host left.
+  void publish();
 
   /// The host's own copy of the offsets and counts, which no client can change.
   simvis_header& layout() { return layout_; }
@@ -58,11 +61,10 @@ class SharedObject {
   void make_unnamed(SharedAccess access);
   void map();
   void describe();
-  void give_name(const std::string& name);
   void ensure(const simvis_region& region, std::uint64_t bytes);
   void release();
 
-  std::string path_;
+  std::string name_, path_;
   int file_ = -1;
   unsigned char* memory_ = nullptr;
   simvis_header layout_{};

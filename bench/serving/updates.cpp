@@ -115,6 +115,7 @@ void measure_updates(std::size_t checks) {
   double run_s = 0;
   {
     SharedHost host(name);
+    host.publish();
     add_elements(host);
     for (int i = 0; i < kProcesses; ++i) {
       while (!host.is_connected("writer" + std::to_string(i))) std::this_thread::yield();

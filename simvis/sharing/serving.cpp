@@ -64,6 +64,7 @@ Serving::Serving(const ServeDesc& desc, const BuiltScene& scene)
                      " s, expected a number above 0");
   }
   follow_scene(scene);
+  host_.publish();
 }
 
 // Tells clients of what the scene has and they do not know yet, and of what it has no more.

@@ -17,6 +17,7 @@ TEST_SUITE_BEGIN("clients");
 TEST_CASE("a client finds elements, parameters with units and limits, and sensors by name") {
   const std::string name = unique_name("find");
   SharedHost host(name);
+  host.publish();
   add_pose(host, "A");
   add_pose(host, "B");
   host.add_sensor("FRONT", "laser_scanner");
@@ -34,9 +35,19 @@ TEST_CASE("a client finds elements, parameters with units and limits, and sensor
   CHECK_THROWS_WITH(connection.sensor("BACK"), "there is no sensor \"BACK\"");
 }
 
+TEST_CASE("no client finds a host before its elements are there") {
+  const std::string name = unique_name("early");
+  SharedHost host(name);
+  add_pose(host, "A");
+  CHECK_THROWS(Connection(name, "tester"));
+  host.publish();
+  CHECK(Connection(name, "tester").element("A") == 0);
+}
+
 TEST_CASE("what is removed is not found by name, keeps its id, and its name can be given again") {
   const std::string name = unique_name("remove");
   SharedHost host(name);
+  host.publish();
   const std::size_t first = add_pose(host, "A");
   Connection connection(name, "tester");
   const std::int64_t old = connection.parameter("A", "x");
@@ -51,6 +62,7 @@ TEST_CASE("what is removed is not found by name, keeps its id, and its name can 
 TEST_CASE("values: single ones and whole elements arrive once; the host answers with what holds") {
   const std::string name = unique_name("values");
   SharedHost host(name);
+  host.publish();
   add_pose(host, "A");
   Connection connection(name, "tester");
   const std::int64_t x = connection.parameter("A", "x");
@@ -82,6 +94,7 @@ TEST_CASE("values: single ones and whole elements arrive once; the host answers 
 TEST_CASE("requests arrive in order, also when they go round the ring, and a full ring is said") {
   const std::string name = unique_name("requests");
   SharedHost host(name);
+  host.publish();
   Connection connection(name, "tester");
   std::uint64_t expected = 0;
   for (int round = 0; round < 40; ++round) {
@@ -109,6 +122,7 @@ TEST_CASE("requests arrive in order, also when they go round the ring, and a ful
 TEST_CASE("what a client wrote that leaves at once is taken, also when others come in the same frame") {
   const std::string name = unique_name("visits");
   SharedHost host(name);
+  host.publish();
   add_pose(host, "A");
   constexpr int kVisits = 20;
   for (int round = 0; round < 3; ++round) {
@@ -128,6 +142,7 @@ TEST_CASE("what a client wrote that leaves at once is taken, also when others co
 TEST_CASE("the log is read from its start by everybody, at any time") {
   const std::string name = unique_name("log");
   SharedHost host(name);
+  host.publish();
   host.log(SIMVIS_CHANGE, "<part/>");
   host.log(SIMVIS_REQUEST_REFUSED, "no", 3, 9);
   const Connection late(name, "late");
@@ -148,6 +163,7 @@ TEST_CASE("the log is read from its start by everybody, at any time") {
 TEST_CASE("measurements: the latest one, its pose, whole for three more, and larger ones later") {
   const std::string name = unique_name("outputs");
   SharedHost host(name);
+  host.publish();
   const std::size_t sensor = host.add_sensor("FRONT", "laser_scanner");
   const Connection connection(name, "tester");
   CHECK_FALSE(connection.latest(0));
@@ -177,6 +193,7 @@ TEST_CASE("measurements: the latest one, its pose, whole for three more, and lar
 TEST_CASE("frames: waiting ends with a frame, with the time, or with the host; values are those of the frame") {
   const std::string name = unique_name("frames");
   auto host = std::make_unique<SharedHost>(name);
+  host->publish();
   add_pose(*host, "A");
   Connection connection(name, "tester");
   CHECK_FALSE(connection.wait_frame(0, 1));
@@ -197,6 +214,7 @@ TEST_CASE("frames: waiting ends with a frame, with the time, or with the host; v
 TEST_CASE("lock-step: a client is ready for the frame that comes next, and for no other") {
   const std::string name = unique_name("ready");
   SharedHost host(name);
+  host.publish();
   host.finish_frame(1, 0);
   CHECK_FALSE(host.is_connected("driver"));
   {
@@ -219,16 +237,18 @@ TEST_CASE("names: what is not allowed, and one living host for each") {
   }
   const std::string name = unique_name("twice");
   {
-    const SharedHost host(name);
+    SharedHost host(name);
+    host.publish();
     const auto open_files = [] {
       const std::filesystem::directory_iterator files("/proc/self/fd");
       return std::distance(begin(files), end(files));
     };
     const auto before = open_files();
-    CHECK(error_of([&] { SharedHost again(name); }).find("a living simulation is served as") != std::string::npos);
+    CHECK(error_of([&] { SharedHost(name).publish(); }).find("a living simulation is served as") != std::string::npos);
     CHECK(open_files() == before);
   }
-  const SharedHost after(name);
+  SharedHost after(name);
+  after.publish();
   CHECK_THROWS_WITH(Connection(name, "no/name"), doctest::Contains("expected 1 to 63"));
 }
 
@@ -240,16 +260,19 @@ TEST_CASE("the shared memory is the user's own, unless the group is asked for") 
     return status.st_mode & 0777;
   };
   {
-    const SharedHost host(name);
+    SharedHost host(name);
+    host.publish();
     CHECK(mode() == 0600);
   }
-  const SharedHost host(name, SharedAccess::group);
+  SharedHost host(name, SharedAccess::group);
+  host.publish();
   CHECK(mode() == 0660);
 }
 
 TEST_CASE("32 clients are connected at a time, and a place that is left is taken again") {
   const std::string name = unique_name("many");
-  const SharedHost host(name);
+  SharedHost host(name);
+  host.publish();
   std::vector<Connection> connections;
   for (int i = 0; i < SIMVIS_SHM_CLIENTS; ++i) connections.emplace_back(name, "c" + std::to_string(i));
   CHECK_THROWS_WITH(Connection(name, "more"), "32 clients are connected, no more can be");

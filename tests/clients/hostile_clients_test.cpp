@@ -47,6 +47,7 @@ bool exists(const std::string& name) { return ::access(("/dev/shm/simvis-" + nam
 TEST_CASE("a client that is killed at any moment leaves a host that goes on and a place that is free") {
   const std::string name = unique_name("killed-client");
   SharedHost host(name);
+  host.publish();
   add_pose(host, "A");
   std::mt19937 random(1);
   const int kills = count_of("SIMVIS_TEST_KILLS", sanitized() ? 20 : 200);
@@ -91,6 +92,7 @@ TEST_CASE("a host that is killed at any moment leaves nothing that stops the nex
   for (int i = 0; i < kills; ++i) {
     const pid_t child = in_child([&] {
       SharedHost host(name);
+      host.publish();
       const std::size_t sensor = host.add_sensor("S", "laser_scanner");
       for (std::uint64_t frame = 0;; ++frame) {
         add_pose(host, "P" + std::to_string(frame));
@@ -113,7 +115,8 @@ TEST_CASE("a host that is killed at any moment leaves nothing that stops the nex
     }
   }
   {
-    const SharedHost host(name);
+    SharedHost host(name);
+    host.publish();
     CHECK(exists(name));
   }
   CHECK_FALSE(exists(name));
@@ -122,6 +125,7 @@ TEST_CASE("a host that is killed at any moment leaves nothing that stops the nex
 TEST_CASE("a client goes on with its own count of elements when another one damages the shared one") {
   const std::string name = unique_name("damaged-client");
   SharedHost host(name);
+  host.publish();
   for (int i = 0; i < 3; ++i) add_pose(host, "P" + std::to_string(i));
   Connection connection(name, "victim");
   const int file = ::open(("/dev/shm/simvis-" + name).c_str(), O_RDWR | O_CLOEXEC);
@@ -143,6 +147,7 @@ TEST_CASE("a client goes on with its own count of elements when another one dama
 TEST_CASE("every byte of the shared memory can be damaged: the host goes on with its own values") {
   const std::string name = unique_name("fuzz");
   SharedHost host(name);
+  host.publish();
   for (int i = 0; i < 3; ++i) add_pose(host, "P" + std::to_string(i));
   const std::size_t sensor = host.add_sensor("S", "laser_scanner");
   Connection connection(name, "tester");

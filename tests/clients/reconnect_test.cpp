@@ -15,6 +15,7 @@ TEST_SUITE_BEGIN("clients");
 TEST_CASE("reconnect: the same connection reads and writes the next host, and stays as it was while there is none") {
   const std::string name = unique_name("reconnect");
   std::optional<SharedHost> host(std::in_place, name);
+  host->publish();
   add_pose(*host, "FIRST");
   Connection connection(name, "driver");
   const std::uint64_t generation = simvis_generation(connection.get());
@@ -23,7 +24,7 @@ TEST_CASE("reconnect: the same connection reads and writes the next host, and st
   CHECK_THROWS(connection.reconnect(0));
   CHECK(simvis_is_missing() == 1);
   CHECK(connection.element("FIRST") == 0);  // as it stood
-  host.emplace(name);
+  host.emplace(name).publish();
   add_pose(*host, "OTHER");
   add_pose(*host, "FIRST");
   connection.reconnect(5000);
@@ -45,6 +46,7 @@ TEST_CASE("reconnect in Python") {
   }
   const std::string name = unique_name("reconnect-python");
   std::optional<SharedHost> host(std::in_place, name);
+  host->publish();
   add_pose(*host, "FIRST");
   const std::string script = R"(
 import sys
@@ -67,7 +69,7 @@ with simvis_client.connect(")" +
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
   while (!host->is_connected("python") && std::chrono::steady_clock::now() < end) ::usleep(1000);
   host.reset();
-  host.emplace(name);
+  host.emplace(name).publish();
   add_pose(*host, "SECOND");
   const ProcessResult result = client.wait();
   CHECK_MESSAGE(result.exit_code == 0, result.err);

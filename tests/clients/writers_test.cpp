@@ -17,6 +17,7 @@ TEST_CASE("several clients write whole poses at once: none is seen torn, and the
   const int writes = sanitized() ? 200 : 2000;
   const std::string name = unique_name("torn");
   SharedHost host(name);
+  host.publish();
   for (int i = 0; i < kClients * kPoses; ++i) add_pose(host, "P" + std::to_string(i));
   std::atomic<int> running = kClients;
   std::vector<std::thread> clients;
@@ -56,6 +57,7 @@ TEST_CASE("clients read values, the log and scans while the host writes them: ea
   const int frames = sanitized() ? 300 : 3000;
   const std::string name = unique_name("readers");
   SharedHost host(name);
+  host.publish();
   add_pose(host, "A");
   const std::size_t sensor = host.add_sensor("S", "laser_scanner");
   publish_scan(host, sensor, 0, 0);
