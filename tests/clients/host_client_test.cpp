@@ -1,9 +1,11 @@
 // What clients see of a host, and the host of its clients, in one process.
 #include <doctest/doctest.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <iterator>
 
 #include "tests/clients/shared_host.h"
@@ -247,9 +249,19 @@ TEST_CASE("names: what is not allowed, and one living host for each") {
     CHECK(error_of([&] { SharedHost(name).publish(); }).find("a living simulation is served as") != std::string::npos);
     CHECK(open_files() == before);
   }
-  SharedHost after(name);
-  after.publish();
-  CHECK_THROWS_WITH(Connection(name, "no/name"), doctest::Contains("expected 1 to 63"));
+  {
+    SharedHost after(name);
+    after.publish();
+    CHECK_THROWS_WITH(Connection(name, "no/name"), doctest::Contains("expected 1 to 63"));
+  }
+  // A link of another user may lead to any file.
+  const std::string path = "/dev/shm/simvis-" + name, target = "/dev/shm/" + name + "-target";
+  std::ofstream(target) << "content";
+  REQUIRE(::symlink(target.c_str(), path.c_str()) == 0);
+  CHECK_THROWS_WITH(SharedHost(name).publish(), doctest::Contains("can't be opened"));
+  CHECK(std::filesystem::is_symlink(path));
+  std::filesystem::remove(path);
+  std::filesystem::remove(target);
 }
 
 TEST_CASE("the shared memory is the user's own, unless the group is asked for") {

@@ -122,6 +122,34 @@ TEST_CASE("a host that is killed at any moment leaves nothing that stops the nex
   CHECK_FALSE(exists(name));
 }
 
+TEST_CASE("what makes no sense is refused until the client connects anew") {
+  const std::string name = unique_name("refused");
+  SharedHost host(name);
+  host.publish();
+  add_pose(host, "P");
+  const auto tell = [&](std::uint64_t head) {
+    const Connection connection(name, "teller");
+    simvis_header header{};
+    const int file = ::open(("/dev/shm/simvis-" + name).c_str(), O_RDWR | O_CLOEXEC);
+    REQUIRE(::pread(file, &header, sizeof header, 0) == sizeof header);
+    const auto at =
+        static_cast<off_t>(header.clients_offset + simvis_slot_of(connection.get()) * sizeof(simvis_client_area) +
+                           offsetof(simvis_client_area, request_head));
+    REQUIRE(::pwrite(file, &head, sizeof head, at) == sizeof head);
+    ::close(file);
+    CHECK(host.take().requests.empty());
+    std::uint64_t position = 0;
+    std::vector<std::string> log;
+    while (const auto entry = connection.next_log(position)) log.emplace_back(entry->text);
+    return log;
+  };
+  CHECK(contains(tell(SIMVIS_SHM_REQUEST_BYTES + 8).back(), "more requests than the ring holds"));
+  CHECK(contains(tell(8).back(), "a piece of a request"));
+  Connection good(name, "good");
+  good.send("<request/>");
+  CHECK(host.take().requests.size() == 1);
+}
+
 TEST_CASE("a client goes on with its own count of elements when another one damages the shared one") {
   const std::string name = unique_name("damaged-client");
   SharedHost host(name);

@@ -63,7 +63,7 @@ class DynamicsReader {
     read();
     std::vector<SdfBody> bodies;
     for (const auto& link : tree_.links) {
-      if (link->is_root) bodies.push_back(read_body(*link));
+      if (link->parent == nullptr) bodies.push_back(read_body(*link));
     }
     return {std::move(bodies), report_.release()};
   }
