@@ -137,6 +137,7 @@ void PartPlayer::deform_shape(Deformed& deformed) {
   if (weights == deformed.weights && joints == deformed.joint_matrices) return;
   std::optional<Mesh> mesh = deform(*source.mesh, weights, joints);
   SIMVIS_ASSERT(mesh.has_value());
+  mesh->short_lived = true;
   deformed.shape->set_mesh(std::make_shared<const Mesh>(std::move(*mesh)));
   deformed.weights = weights;
   deformed.joint_matrices = joints;

@@ -68,8 +68,8 @@ bool has_effect(const Material& material, MapKind kind) {
 
 }  // namespace
 
-void DrawCache::update(const DrawList& list, MeshUse use, GeometryPool& geometry, TextureStore& textures,
-                       Uploads& uploads) {
+void DrawCache::update(const DrawList& list, MeshUse use, bool coarser, GeometryPool& geometry, LevelStore& levels,
+                       TextureStore& textures, Uploads& uploads) {
   const bool color = use == MeshUse::attributes;
   const bool new_tables = update_tables(list);
   bool recolored = false;
@@ -84,12 +84,14 @@ void DrawCache::update(const DrawList& list, MeshUse use, GeometryPool& geometry
   if (color) light_order_ = light_order(list);
   if (new_tables) mesh_ranks_ = canonical_ranks(meshes_);
   const bool new_ranks = recolored && update_material_ranks();
-  const bool anew = new_tables || new_kinds || new_mirrors || new_lights || use_ < use;
+  const bool new_levels = coarser && !with_levels_;
+  const bool anew = new_tables || new_kinds || new_mirrors || new_lights || use_ < use || new_levels;
   if (anew) {
     // The use only increases until the structure of the list changes.
     use_ = new_tables ? use : std::max(use_, use);
     lights_ = lights;
-    rebuild(geometry, textures, uploads);
+    with_levels_ |= coarser;
+    rebuild(geometry, levels, textures, uploads);
   }
   if (anew || new_ranks) {
     for (RenderQueue* drawables : {&depth_, &solid_, &blended_}) rank_and_group(drawables->drawables());
@@ -208,7 +210,38 @@ std::uint64_t DrawCache::find_seen(const ViewProjection& projection, std::vector
   return boxes_.size();
 }
 
-void DrawCache::rebuild(GeometryPool& geometry, TextureStore& textures, Uploads& uploads) {
+// The levels of a mesh are further meshes of the pool.
+void DrawCache::place_meshes(std::span<const MeshUse> uses, GeometryPool& geometry, LevelStore& levels,
+                             Uploads& uploads) {
+  level_ranges_.clear();
+  first_level_.clear();
+  if (!with_levels_) {
+    const std::span<const MeshRange> ranges = geometry.update(meshes_, uses, uploads);
+    ranges_.assign(ranges.begin(), ranges.end());
+    return;
+  }
+  std::vector<std::shared_ptr<const Mesh>> shown = meshes_;
+  for (std::size_t i = 0; i < shown.size(); ++i) {
+    if (uses[i] == MeshUse::none) shown[i] = nullptr;
+  }
+  levels.update(shown);
+  std::vector<std::shared_ptr<const Mesh>> all = meshes_;
+  std::vector<MeshUse> all_uses(uses.begin(), uses.end());
+  for (const std::shared_ptr<const Mesh>& mesh : meshes_) {
+    first_level_.push_back(level_ranges_.size());
+    for (const MeshLevel& level : levels.levels_of(mesh.get())) {
+      level_ranges_.push_back({.error_m = level.error_m, .range = {}});
+      all.push_back(level.mesh);
+      all_uses.push_back(MeshUse::attributes);
+    }
+  }
+  first_level_.push_back(level_ranges_.size());
+  const std::span<const MeshRange> ranges = geometry.update(all, all_uses, uploads);
+  ranges_.assign(ranges.begin(), ranges.begin() + static_cast<std::ptrdiff_t>(meshes_.size()));
+  for (std::size_t i = 0; i < level_ranges_.size(); ++i) level_ranges_[i].range = ranges[meshes_.size() + i];
+}
+
+void DrawCache::rebuild(GeometryPool& geometry, LevelStore& levels, TextureStore& textures, Uploads& uploads) {
   std::vector<MeshUse> uses(meshes_.size(), MeshUse::none);
   materials_read_.assign(materials_.size(), 0);
   any_lit_ = false;
@@ -221,8 +254,7 @@ void DrawCache::rebuild(GeometryPool& geometry, TextureStore& textures, Uploads&
     materials_read_[item.material] |= read;
     any_lit_ |= !kind.unlit;
   }
-  const std::span<const MeshRange> ranges = geometry.update(meshes_, uses, uploads);
-  ranges_.assign(ranges.begin(), ranges.end());
+  place_meshes(uses, geometry, levels, uploads);
   textures.keep_only(materials_);
   texture_sets_.assign(materials_.size(), VK_NULL_HANDLE);
   textures_shown_.assign(materials_.size(), 0);
@@ -261,6 +293,10 @@ Drawable DrawCache::drawable(std::uint32_t index, bool color) const {
   d.material = item.material;
   d.transform = item.transform;
   d.range = ranges_[item.mesh];
+  if (color && with_levels_) {
+    const std::size_t first = first_level_[item.mesh];
+    d.levels = std::span(level_ranges_).subspan(first, first_level_[item.mesh + 1] - first);
+  }
   d.single_sided = !kind.double_sided;
   d.mirrored = mirrored_[index] != 0;
   d.depth_visible = kind.depth_visible;

@@ -10,6 +10,7 @@
 #include "engine/geometry/item_index.h"
 #include "engine/geometry/view_projection.h"
 #include "engine/render/geometry_pool.h"
+#include "engine/render/level_store.h"
 #include "engine/render/render_queue.h"
 #include "engine/render/texture_store.h"
 #include "engine/vulkan/uploads.h"
@@ -22,8 +23,9 @@ class DrawCache {
  public:
   /// Brings the cache up to date. `use`: the mesh data of opaque triangles that this frame needs, at least clusters.
   /// `attributes` means that the frame shows colour; until a frame does, textures and vertex attributes of opaque
-  /// surfaces are not uploaded.
-  void update(const DrawList& list, MeshUse use, GeometryPool& geometry, TextureStore& textures, Uploads& uploads);
+  /// surfaces are not uploaded. `coarser`: this frame draws coarser levels; until a frame does, there are none.
+  void update(const DrawList& list, MeshUse use, bool coarser, GeometryPool& geometry, LevelStore& levels,
+              TextureStore& textures, Uploads& uploads);
 
   /// All drawables, for passes without colour.
   const RenderQueue& depth() const { return depth_; }
@@ -43,6 +45,8 @@ class DrawCache {
   /// By material: bit mask of the textures that are shown, bit number = binding.
   std::span<const std::uint8_t> textures_shown() const { return textures_shown_; }
   bool any_lit() const { return any_lit_; }
+  /// The number of coarser levels on the device.
+  std::size_t levels_held() const { return level_ranges_.size(); }
 
   /// Resets the cache to empty.
   void clear() { *this = DrawCache(); }
@@ -62,7 +66,8 @@ class DrawCache {
   bool update_material_ranks();
   bool update_transforms(const DrawList& list);
   bool update_mirrored(const DrawList& list, std::uint32_t item);
-  void rebuild(GeometryPool& geometry, TextureStore& textures, Uploads& uploads);
+  void rebuild(GeometryPool& geometry, LevelStore& levels, TextureStore& textures, Uploads& uploads);
+  void place_meshes(std::span<const MeshUse> uses, GeometryPool& geometry, LevelStore& levels, Uploads& uploads);
   bool with_color() const { return use_ == MeshUse::attributes; }
   TextureSet shown(const MaterialKind& kind) const;
   Drawable drawable(std::uint32_t item, bool color) const;
@@ -72,6 +77,7 @@ class DrawCache {
   bool made_ = false;
   bool any_lit_ = false;
   MeshUse use_ = MeshUse::none;  // of opaque triangles: the maximum since the structure last changed
+  bool with_levels_ = false;     // a frame has drawn coarser levels
   LightCounts lights_{};
   std::vector<DrawItem> items_;
   std::vector<std::shared_ptr<const Mesh>> meshes_;
@@ -87,6 +93,8 @@ class DrawCache {
   std::vector<std::uint8_t> materials_read_, textures_shown_;
   std::vector<VkDescriptorSet> texture_sets_;  // by material
   std::vector<MeshRange> ranges_;              // by mesh
+  std::vector<LevelRange> level_ranges_;       // mesh by mesh
+  std::vector<std::size_t> first_level_;       // by mesh, in level_ranges_; its size at the end. Empty without levels
   std::vector<std::uint32_t> mesh_ranks_, material_ranks_, light_order_;
   RenderQueue depth_, solid_, blended_;
 };

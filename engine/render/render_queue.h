@@ -12,6 +12,12 @@
 
 namespace simvis {
 
+/// A coarser level of a mesh on the device.
+struct LevelRange {
+  double error_m = 0;  ///< in the mesh's frame, see MeshLevel
+  MeshRange range;
+};
+
 /// An item as one kind of pass draws it.
 struct Drawable {
   PipelineKey key;  ///< the view sets `cull_back` and `mirrored`
@@ -22,6 +28,7 @@ struct Drawable {
   std::uint32_t group = 0;  ///< neighbours with the same group can share one instanced draw
   VkDescriptorSet texture = VK_NULL_HANDLE;
   MeshRange range;
+  std::span<const LevelRange> levels{};  ///< finer ones first; empty in queues for depth
 };
 
 /// Positions count from 0 in the order of drawing. Drawables with equal ranks and equal transforms are drawn in the

@@ -15,6 +15,7 @@
 #include "engine/render/frame_recorder.h"
 #include "engine/render/geometry_pool.h"
 #include "engine/render/gpu_queries.h"
+#include "engine/render/level_store.h"
 #include "engine/render/oit_buffer.h"
 #include "engine/render/pipelines.h"
 #include "engine/render/planned_pipeline.h"
@@ -63,6 +64,12 @@ MeshUse opaque_use(const FramePlan& plan) {
   return cpu_selected ? MeshUse::clusters : MeshUse::positions;
 }
 
+bool draws_levels(const FramePlan& plan) {
+  return std::ranges::any_of(plan.passes, [](const Pass& pass) {
+    return pass.color && std::ranges::any_of(pass.views, [](const View& view) { return view.max_error_px > 0; });
+  });
+}
+
 // Null if the plan has no shadow maps.
 const Pass* find_shadow_maps(const FramePlan& plan) {
   const auto found = std::ranges::find(plan.passes, true, &Pass::shadow_maps);
@@ -78,6 +85,7 @@ struct Renderer::Impl {
         commands(d),
         uploads(d),
         geometry(d),
+        levels(d),
         textures(d, pipelines->texture_set_layout()),
         buffers(d, pipelines->frame_set_layout()),
         average(d),
@@ -102,6 +110,7 @@ struct Renderer::Impl {
   FrameCommands commands;
   Uploads uploads;
   GeometryPool geometry;
+  LevelStore levels;
   TextureStore textures;
   FrameBuffers buffers;
   ResolvePass average;
@@ -180,6 +189,7 @@ void Renderer::Impl::start_frame(const DrawList& list, const FramePlan& plan) {
   counters.bytes_uploaded += uploads.bytes();
   counters.layer_bytes = layers.bytes();
   geometry.count(counters.meshes_held, counters.mesh_bytes);
+  counters.levels_held = table.levels_held();
   textures.count(counters.textures_held, counters.texture_bytes);
 }
 
@@ -196,7 +206,7 @@ void Renderer::Impl::finish_frame(const FramePlan& plan) {
 
 void Renderer::Impl::prepare(const DrawList& list, const FramePlan& plan) {
   const bool color = std::ranges::any_of(plan.passes, &Pass::color);
-  table.update(list, opaque_use(plan), geometry, textures, uploads);
+  table.update(list, opaque_use(plan), draws_levels(plan), geometry, levels, textures, uploads);
   buffers.write_materials(list, table.materials_read(), uploads);
   buffers.write_map_places(list, table.textures_shown(), uploads);
   content_written |= uploads.bytes() > 0;
@@ -301,6 +311,7 @@ void Renderer::Impl::name_pipelines(FramePlan& plan) const {
       const ViewDraws& draw = draws.views()[drawn++];
       const auto runs = draws.runs().subspan(draw.first_run, draw.end_run - draw.first_run);
       view.pipelines = describe_pipelines(runs, pass, unnamed.meshes);
+      view.levels = draw.levels;
     }
   }
 }

@@ -8,6 +8,7 @@
 #include <simvis/frame_costs.h>
 #include <simvis/frame_plan.h>
 #include <simvis/frame_results.h>
+#include "engine/base/program_api.h"
 
 namespace simvis {
 
@@ -21,18 +22,18 @@ class Device;
 /// Threading  only one thread may use a renderer. Several renderers may share a Device only on one thread.
 class Renderer {
  public:
-  explicit Renderer(Device& device);
-  ~Renderer();
+  SIMVIS_PROGRAM_API explicit Renderer(Device& device);
+  SIMVIS_PROGRAM_API ~Renderer();
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;
 
   /// Submits every pass of the plan to the device and returns while the device draws. The caller must not change or
   /// destroy `list` and `plan` before collect().
-  void submit(const DrawList& list, const FramePlan& plan);
+  SIMVIS_PROGRAM_API void submit(const DrawList& list, const FramePlan& plan);
 
   /// Waits for the submitted frame. Result i belongs to plan.passes[i]. Call it once after each submit(), before the
   /// next submit().
-  std::span<const PassResult> collect();
+  SIMVIS_PROGRAM_API std::span<const PassResult> collect();
 
   std::span<const PassResult> render(const DrawList& list, const FramePlan& plan) {
     submit(list, plan);

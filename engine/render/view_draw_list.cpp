@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/culling/projected_error.h"
 #include "engine/draw/light_block.h"
 
 namespace simvis {
@@ -163,23 +164,62 @@ void ViewDrawList::append_visible(const RenderQueue& items, const View& view) {
 void ViewDrawList::add_items(const RenderQueue& items, const View& view, const ViewProjection& projection,
                              const DrawList& list, const DrawCache& table) {
   const std::size_t first_run = runs_.size();
-  const bool strip = strip_ != nullptr;
   append_visible(items, view);
   for (const std::uint32_t position : positions_) {
     const Drawable& d = items[position];
-    if (strip && can_cpu_select(d, view)) {
-      add_to_strip(d, position, projection, list, box_of(d.item, table));
-    } else if (is_hidden(d, projection, list, box_of(d.item, table))) {
-      ++items_culled_;
-    } else if (!view.culled || d.range.clusters.size() == 1) {
-      draw(d, view, projection, list, first_run);
-    } else if (strip) {
-      draw_seen_triangles(d, view, projection, list, box_of(d.item, table));
+    const ChosenLevel chosen = choose_level(d, view, projection, list, table);
+    if (chosen.level == nullptr) {
+      add_item(d, position, view, projection, list, table, first_run);
     } else {
-      draw_seen_clusters(d, view, projection, list, box_of(d.item, table), first_run);
+      count_level(d, chosen);
+      Drawable coarser = d;
+      coarser.range = chosen.level->range;
+      add_item(coarser, position, view, projection, list, table, first_run);
     }
   }
-  if (strip) draw_strip(items, view, projection, list);
+  if (strip_) draw_strip(items, view, projection, list);
+}
+
+void ViewDrawList::add_item(const Drawable& d, std::uint32_t position, const View& view,
+                            const ViewProjection& projection, const DrawList& list, const DrawCache& table,
+                            std::size_t first_run) {
+  const bool strip = strip_ != nullptr;
+  if (strip && can_cpu_select(d, view)) {
+    add_to_strip(d, position, projection, list, box_of(d.item, table));
+  } else if (is_hidden(d, projection, list, box_of(d.item, table))) {
+    ++items_culled_;
+  } else if (!view.culled || d.range.clusters.size() == 1) {
+    draw(d, view, projection, list, first_run);
+  } else if (strip) {
+    draw_seen_triangles(d, view, projection, list, box_of(d.item, table));
+  } else {
+    draw_seen_clusters(d, view, projection, list, box_of(d.item, table), first_run);
+  }
+}
+
+// The coarsest level whose error stays below that of the view; null: the mesh itself.
+ViewDrawList::ChosenLevel ViewDrawList::choose_level(const Drawable& d, const View& view,
+                                                     const ViewProjection& projection, const DrawList& list,
+                                                     const DrawCache& table) const {
+  if (view.max_error_px <= 0 || d.levels.empty()) return {};
+  for (std::size_t i = d.levels.size(); i-- > 0;) {
+    const double error_px =
+        projected_error_px(view, projection, box_of(d.item, table), place_of(d, list), d.levels[i].error_m);
+    if (error_px < view.max_error_px) return {&d.levels[i], error_px};
+  }
+  return {};
+}
+
+void ViewDrawList::count_level(const Drawable& d, const ChosenLevel& chosen) {
+  const auto number = static_cast<std::uint32_t>(chosen.level - d.levels.data()) + 1;
+  auto counted = std::ranges::lower_bound(draws_.levels, number, {}, &DrawnLevel::level);
+  if (counted == draws_.levels.end() || counted->level != number) {
+    counted = draws_.levels.insert(counted, {.level = number});
+  }
+  ++counted->items;
+  counted->exact_triangles += d.range.index_count / 3;
+  counted->triangles += chosen.level->range.index_count / 3;
+  counted->error_px = std::max(counted->error_px, chosen.error_px);
 }
 
 // Adds occluders only if the view has enough triangles for occlusion culling to pay off.
@@ -198,7 +238,9 @@ void ViewDrawList::find_occluders(const RenderQueue& items, const View& view, co
     if (d.range.occluders.empty() || d.key.surface != Surface::opaque) continue;
     const ViewBox box = view_box(projection, box_of(item, table));
     if (!hidden_.may_hold_occluders(box)) continue;
-    hidden_.add(d.range.occluders, projection.view_from_world * place_of(d, list), box.slack_m,
+    const ChosenLevel chosen = choose_level(d, view, projection, list, table);
+    const MeshRange& drawn = chosen.level != nullptr ? chosen.level->range : d.range;
+    hidden_.add(drawn.occluders, projection.view_from_world * place_of(d, list), box.slack_m,
                 d.single_sided && !view.sees_back_faces, d.mirrored);
   }
 }
@@ -224,7 +266,7 @@ void ViewDrawList::add_lights(const View& view, const ViewProjection& projection
 void ViewDrawList::draw(const Drawable& d, const View& view, const ViewProjection& projection, const DrawList& list,
                         std::size_t first_run) {
   const std::uint32_t instance = add_instance(d, projection, list);
-  if (runs_.size() > first_run && d.group == last_group_) {
+  if (runs_.size() > first_run && d.group == last_group_ && d.range.first_index == runs_.back().range.first_index) {
     ++runs_.back().instance_count;
     return;
   }

@@ -58,7 +58,8 @@ struct ViewDraws {
   shader::ViewBlock block;
   std::size_t shadowed = 0;  ///< index among the views with shadows, if it has any; see ShadowMaps::first_texel()
   std::size_t first_run = 0, first_layer = 0, first_depth_visible = 0, end_run = 0;
-  PixelRect layered;  ///< holds all pixels that show a transparent surface; relative to the view
+  PixelRect layered;               ///< holds all pixels that show a transparent surface; relative to the view
+  std::vector<DrawnLevel> levels;  ///< see View::levels
   ViewCounts counts;
 };
 
@@ -85,6 +86,16 @@ class ViewDrawList {
 
  private:
   void add_lights(const View& view, const ViewProjection& projection, const DrawList& list, const DrawCache& table);
+  /// A level of a drawable, and the bound on its error in the view.
+  struct ChosenLevel {
+    const LevelRange* level = nullptr;  ///< null: the mesh itself
+    double error_px = 0;
+  };
+  ChosenLevel choose_level(const Drawable& d, const View& view, const ViewProjection& projection, const DrawList& list,
+                           const DrawCache& table) const;
+  void count_level(const Drawable& d, const ChosenLevel& chosen);
+  void add_item(const Drawable& d, std::uint32_t position, const View& view, const ViewProjection& projection,
+                const DrawList& list, const DrawCache& table, std::size_t first_run);
   void draw(const Drawable& d, const View& view, const ViewProjection& projection, const DrawList& list,
             std::size_t first_run);
   void find_occluders(const RenderQueue& items, const View& view, const ViewProjection& projection,

@@ -58,6 +58,17 @@ struct ShadowUse {
   std::uint32_t views = 1;
 };
 
+/// A coarser level at which a view draws meshes: see View::max_error_px.
+struct DrawnLevel {
+  std::uint32_t level = 0;  ///< 1 has about half the triangles of the mesh, 2 a quarter, and so on
+  std::uint64_t items = 0,  ///< items that are drawn at it
+      exact_triangles = 0,  ///< of the meshes of these items, before culling
+      triangles = 0;        ///< of their level, before culling
+  double error_px = 0;      ///< the largest bound on the error of one of these items
+
+  bool operator==(const DrawnLevel&) const = default;  ///< member by member
+};
+
 /// An item where one view sees it, instead of where it is in the draw list.
 struct ItemPlace {
   std::uint32_t item = 0;           ///< in DrawList::items
@@ -87,9 +98,13 @@ struct View {
   /// For a strip whose depth alone is read: the columns whose pixels are read, ascending. Other columns may lack
   /// surfaces. Null: all columns are read.
   std::shared_ptr<const std::vector<std::uint32_t>> columns{};
-  std::vector<ItemPlace> places{};           ///< ascending by item; lights and shadows are those of the list
-  bool culled = true;                        ///< false: invisible geometry is drawn too; no pixel that is read changes
-  std::vector<ShadowUse> shadows{};          ///< for views of colour: the shadow maps of their lights
+  std::vector<ItemPlace> places{};  ///< ascending by item; lights and shadows are those of the list
+  bool culled = true;               ///< false: invisible geometry is drawn too; no pixel that is read changes
+  /// Pixels by which surfaces may appear displaced: meshes are drawn at their coarsest level whose error stays below
+  /// this. 0: every mesh is drawn as it is. Views without colour ignore it.
+  double max_error_px = 0;
+  std::vector<DrawnLevel> levels{};  ///< coarser levels that are drawn, finest first; set by Renderer::complete()
+  std::vector<ShadowUse> shadows{};  ///< for views of colour: the shadow maps of their lights
   std::vector<PlannedPipeline> pipelines{};  ///< in drawing order; set by Renderer::complete()
 
   /// Whether one of the pipelines has a fragment shader.

@@ -24,6 +24,7 @@ struct FrameCounters {
   std::uint64_t items_culled = 0;    ///< items that a view did not draw because it cannot see them, summed over views
   std::uint64_t meshes_held = 0,     ///< meshes on the device after the frame
       textures_held = 0;             ///< textures on the device after the frame
+  std::uint64_t levels_held = 0;     ///< coarser levels among these meshes
   std::uint64_t mesh_bytes = 0,      ///< device memory of meshes
       texture_bytes = 0;             ///< device memory of textures
   std::uint64_t layers = 0;          ///< OIT layers over all samples: see engine/render/oit_buffer.h

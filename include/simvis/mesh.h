@@ -44,6 +44,9 @@ struct Mesh {
   glm::vec3 bounds_min{0},                   ///< smallest coordinates of indexed positions; zero for an empty mesh
       bounds_max{0};                         ///< largest coordinates of indexed positions; zero for an empty mesh
   double longest_edge = 0;                   ///< of its triangles; 0 for lines and points
+  /// Another mesh takes its place when its shape next changes, as that of an animation does: nothing is prepared for it
+  /// that takes longer than drawing it.
+  bool short_lived = false;
 
   bool operator==(const Mesh&) const = default;  ///< member by member
 };

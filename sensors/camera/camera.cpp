@@ -27,6 +27,7 @@ constexpr AttributeSpec kCameraAttributes[] = {
      .choices = "color depth"},
     kSupersamplingAttribute,
     kMsaaAttribute,
+    kMaxErrorPxAttribute,
     {.name = "view",
      .kind = AttributeKind::choice,
      .default_value = "simulation",
@@ -53,12 +54,15 @@ constexpr std::uint8_t kCameraCapabilities = kHasImageSensor | kHasPixelRays;
 const SensorRegistration kCameraRegistration(
     {.name = "camera",
      .summary = "A pinhole camera: colour, depth or both.",
-     .notes = "The camera looks along +x of its sensor frame; image x runs to the right, y downwards. Depth is "
-              "measured in metres along the optical axis and is inf where nothing is hit. Pixels are square.\nmsaa "
-              "smooths the edges of shapes only, not masks, highlights or textures. supersampling smooths all of them. "
-              "Depth is always that of pixel centres; next to averaged colour it needs a pass of its own.\nThe C++ "
-              "call value(\"CAMERA\", \"depth_error_bound_m\") bounds the error of the last depth image; "
-              "sensors/camera/depth_error_bound.h derives the bound.",
+     .notes =
+         "The camera looks along +x of its sensor frame; image x runs to the right, y downwards. Depth is "
+         "measured in metres along the optical axis and is inf where nothing is hit. Pixels are square.\nmsaa "
+         "smooths the edges of shapes only, not masks, highlights or textures. supersampling smooths all of them. "
+         "Depth is always that of pixel centres; next to averaged colour it needs a pass of its own.\nmax_error_px "
+         "trades accuracy for speed in colour, see docs/accuracy.md; depth, and what other sensors measure, stays "
+         "exact. A camera with depth too draws it in a pass of its own then.\nThe C++ "
+         "call value(\"CAMERA\", \"depth_error_bound_m\") bounds the error of the last depth image; "
+         "sensors/camera/depth_error_bound.h derives the bound.",
      .capabilities = kCameraCapabilities,
      .attributes = kCameraAttributes,
      .create = create_camera});
@@ -74,6 +78,7 @@ CameraDesc camera_desc(const SensorContext& context) {
                   .color = a.flag("outputs", "color"),
                   .depth = a.flag("outputs", "depth"),
                   .sampling = color_sampling(a),
+                  .max_error_px = max_error_px(a, a.flag("outputs", "color")),
                   .visualization = a.choice("view") == "visualization"};
   desc.effects =
       camera_effects(kCameraCapabilities, {a, context.seed, context.name, shown_outputs(desc.color, desc.depth)});
@@ -168,6 +173,7 @@ void Camera::add_passes(bool color, bool depth, const std::string& what, const c
                      std::to_string(seen.first_row + seen.rows - 1) + ", " + format_number(before_s) + " s before";
     }
     view.pinhole = seen.pinhole;
+    view.max_error_px = color ? desc_.max_error_px : 0;
     view.near_m = desc_.near_m;
     view.view_from_world = rigid_inverse(world_from_camera(seen.time_s) * sensor_from_view() *
                                          glm::dmat4(glm::transpose(seen.face_from_view)));
@@ -183,10 +189,11 @@ void Camera::add_passes(bool color, bool depth, const std::string& what, const c
 void Camera::plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) {
   world_from_sensor_ = world_from_sensor;
   color_pass_ = depth_pass_ = plan.passes.size();
-  if (desc_.color && desc_.depth && desc_.sampling.several()) {
+  const char* const apart = why_depth_apart(desc_.sampling, desc_.max_error_px);
+  if (desc_.color && desc_.depth && apart != nullptr) {
     add_passes(true, false, "colour", "", list, plan);
     depth_pass_ = plan.passes.size();
-    add_passes(false, true, "depth", kDepthApart, list, plan);
+    add_passes(false, true, "depth", apart, list, plan);
   } else {
     add_passes(desc_.color, desc_.depth,
                desc_.color && desc_.depth ? "colour and depth"

@@ -7,6 +7,8 @@
 // Units    Depth is depth along Z in metres, not range along the ray; +infinity where nothing is hit.
 // Samples  With supersampling or msaa the colour of a pixel is the mean over its square in linear light, see Pass.
 //          Depth is never averaged: it is taken at the centre of the pixel, and has a pass of its own in this case.
+// Levels   With max_error_px above 0 meshes are drawn at coarser levels in colour, see View. Depth is that of every
+//          triangle, and has a pass of its own in this case. With a lens, pixels are those of the rendered views.
 // Effects  See simvis/camera_effect.h. With a lens or a rolling shutter the depth of a pixel is along the camera's Z
 //          axis at the time of its row, for the surface at the pixel's centre: see resampled_image.h. With a lens,
 //          samples are those of the rendered pixels; a wide lens takes several views, each with `near` along its own
@@ -37,6 +39,7 @@ struct CameraDesc {
   double near_m = 0.05;
   bool color = true, depth = false;
   ColorSampling sampling{};
+  double max_error_px = 0;     ///< at least 0, see View; colour only
   bool visualization = false;  ///< also draws what no simulated sensor sees, such as beams and paths, for human viewers
   std::vector<ChosenCameraEffect> effects{};
 };

@@ -32,6 +32,21 @@ ColorSampling color_sampling(const AttributeValues& attributes) {
           .msaa_at = attributes.where(kMsaaAttribute.name)};
 }
 
+double max_error_px(const AttributeValues& attributes, bool color) {
+  const double value = attributes.number(kMaxErrorPxAttribute.name);
+  if (value > 0 && !color) {
+    fail_at(attributes.where(kMaxErrorPxAttribute.name),
+            "attribute \"max_error_px\": depth is always exact, expected 0, or outputs with color");
+  }
+  return value;
+}
+
+const char* why_depth_apart(const ColorSampling& sampling, double max_error_px) {
+  if (sampling.several()) return ", apart: at the centres of pixels, of which colour takes several samples";
+  if (max_error_px > 0) return ", apart: of every triangle, where colour draws coarser levels";
+  return nullptr;
+}
+
 void check_sampling(const ColorSampling& sampling, std::uint32_t width_px, std::uint32_t height_px,
                     const TargetLimits& limits) {
   if (std::ranges::find(limits.msaa, sampling.msaa) == limits.msaa.end()) {

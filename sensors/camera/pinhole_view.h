@@ -55,6 +55,15 @@ inline constexpr AttributeSpec kMsaaAttribute{
     .text = "samples of coverage per sample of colour: smooth edges of shapes; how many depends on the device",
     .choices = "1 2 4 8"};
 
+inline constexpr AttributeSpec kMaxErrorPxAttribute{
+    .name = "max_error_px",
+    .default_value = "0",
+    .unit = "px",
+    .text =
+        "pixels by which surfaces in colour may be displaced: meshes are drawn at coarser levels whose error stays "
+        "below it; 0: every triangle is drawn",
+    .min = 0};
+
 /// Number of samples that are averaged for the colour of a pixel, see Pass.
 struct ColorSampling {
   std::uint32_t supersampling = 1;  ///< samples per pixel along x and along y; the attribute holds the square
@@ -64,10 +73,14 @@ struct ColorSampling {
   bool several() const { return supersampling > 1 || msaa > 1; }
 };
 
-/// Appended to the reason of a view that is drawn for depth alone next to a view for colour.
-inline constexpr const char* kDepthApart = ", apart: at the centres of pixels, of which colour takes several samples";
+/// Appended to the reason of a view that is drawn for depth alone next to a view for colour; null if one view serves
+/// both. Depth is that of pixel centres, and of every triangle.
+const char* why_depth_apart(const ColorSampling& sampling, double max_error_px);
 
 ColorSampling color_sampling(const AttributeValues& attributes);
+
+/// The value of max_error_px. Throws InputError if it is above 0 for a sensor without colour, which alone it affects.
+double max_error_px(const AttributeValues& attributes, bool color);
 
 /// Throws InputError, with the location and the allowed values, if the device does not support that many samples, or
 /// cannot render to a target that holds the samples of an image of this size.

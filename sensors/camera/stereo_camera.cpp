@@ -32,6 +32,7 @@ constexpr AttributeSpec kStereoCameraAttributes[] = {
      .choices = "color depth disparity"},
     kSupersamplingAttribute,
     kMsaaAttribute,
+    kMaxErrorPxAttribute,
     kRateAttribute,
 };
 
@@ -60,7 +61,8 @@ StereoCameraDesc stereo_camera_desc(const SensorContext& context) {
                         .color = a.flag("outputs", "color"),
                         .depth = a.flag("outputs", "depth"),
                         .disparity = a.flag("outputs", "disparity"),
-                        .sampling = color_sampling(a)};
+                        .sampling = color_sampling(a),
+                        .max_error_px = max_error_px(a, a.flag("outputs", "color"))};
   const auto effects = [&](const char* side) {
     return camera_effects(kHasImageSensor,
                           {a, context.seed, context.name + side, shown_outputs(desc.color, desc.depth)});
@@ -111,10 +113,12 @@ StereoCamera::Eyes StereoCamera::plan_eyes(const glm::dmat4& world_from_sensor, 
   const std::size_t first = plan.passes.size();
   plan.passes.push_back(pass);
   plan.passes.back().views.push_back(make_view("left", world_from_sensor, why));
+  plan.passes.back().views.back().max_error_px = color ? desc_.max_error_px : 0;
   Eyes eyes{.left = {first, 0}, .right = {}};
   if (!color && !desc_.depth) return eyes;
 
   View right = make_view("right", glm::translate(world_from_sensor, {0, -desc_.baseline_m, 0}), why);
+  right.max_error_px = color ? desc_.max_error_px : 0;
   if (2 * desc_.width_px * pass.supersampling <= kMaxWidth_px) {
     right.x_px = desc_.width_px;
     plan.passes.back().width_px = 2 * desc_.width_px;
@@ -130,9 +134,10 @@ StereoCamera::Eyes StereoCamera::plan_eyes(const glm::dmat4& world_from_sensor, 
 
 void StereoCamera::plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) {
   const bool depth = desc_.depth || desc_.disparity;
-  const bool apart = desc_.color && depth && desc_.sampling.several();
+  const char* const why = why_depth_apart(desc_.sampling, desc_.max_error_px);
+  const bool apart = desc_.color && depth && why != nullptr;
   const Eyes first = plan_eyes(world_from_sensor, desc_.color, depth && !apart, "", plan);
-  const Eyes second = apart ? plan_eyes(world_from_sensor, false, true, kDepthApart, plan) : first;
+  const Eyes second = apart ? plan_eyes(world_from_sensor, false, true, why, plan) : first;
   left_.color_at = first.left;
   left_.depth_at = second.left;
   right_.color_at = first.right;

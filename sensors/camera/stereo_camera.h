@@ -9,6 +9,7 @@
 //            disparity in the right image. disparity = fx * baseline / Z with the true depth Z; 0 where nothing is hit.
 //            Points that the right camera cannot see also have a disparity.
 // Samples  As for a camera: colour may be a mean over the pixel; depth and disparity are those of its centre.
+// Levels   As for a camera: max_error_px affects colour; depth and disparity are those of every triangle.
 // Effects  See simvis/camera_effect.h; the noise of the left and the right camera is independent.
 // Names    color() and depth() are those of the left camera. picture() accepts "left" and "right" (colour),
 //          "left_depth", "right_depth" and "disparity" (one channel).
@@ -34,6 +35,7 @@ struct StereoCameraDesc {
   double baseline_m = 0.12;  ///< above 0
   bool color = true, depth = false, disparity = true;
   ColorSampling sampling{};
+  double max_error_px = 0;                                          ///< at least 0, see View; colour only
   std::vector<ChosenCameraEffect> left_effects{}, right_effects{};  ///< none of them changes the rays
 };
 

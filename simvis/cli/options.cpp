@@ -249,11 +249,13 @@ void declare_options(CLI::App& app, Options& options) {
   app.add_flag("--explain", options.explain, "print what the last frame renders, why, and what it cost");
   app.add_flag("--strict", options.strict, "warnings are errors");
   app.add_flag("--quiet", options.quiet, "print errors and warnings only");
-  app.add_flag("--price", options.price,
-               "print what each method of each laser scanner costs and is worth in this scene; --frames of each (" +
-                   std::to_string(PriceDesc().frames) +
-                   "), along the trajectory if there is one; also as DIR/price.csv "
-                   "where --out is given")
+  app.add_flag(
+         "--price", options.price,
+         "print what each method of each laser scanner and each max_error_px of each camera costs and is worth in "
+         "this scene; --frames of each (" +
+             std::to_string(PriceDesc().frames) +
+             "), along the trajectory if there is one; also as DIR/price.csv and DIR/camera_price.csv "
+             "where --out is given")
       ->excludes("--method")
       ->excludes("--record")
       ->excludes("--export")

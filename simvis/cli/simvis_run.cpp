@@ -24,6 +24,7 @@
 #include "simvis/cli/signals.h"
 #include "simvis/cli/warning_printer.h"
 #include "simvis/output/atomic_file.h"
+#include "simvis/report/camera_price.h"
 #include "simvis/report/price.h"
 #include "simvis/report/price_report.h"
 #include "simvis/report/type_reference.h"
@@ -49,14 +50,45 @@ void print_description(const Options& options) {
   });
 }
 
-/// Throws if --sensor names a sensor without a price list, such as a camera.
-void check_priced(const Options& options, const Simulation& simulation) {
-  for (const SensorInfo& sensor : simulation.sensors()) {
-    if (options.sensors.empty() || !sensor.enabled || (sensor.capabilities & kCastsBeams) != 0) continue;
-    throw InputError("--sensor " + sensor.name + ": --price lists laser scanners, and this is a " + sensor.type);
-  }
-  in_option("--price", [&] { scanners_to_price(simulation); });
+bool has_scanner(const Simulation& simulation) {
+  return std::ranges::any_of(simulation.sensors(), [](const SensorInfo& sensor) {
+    return sensor.enabled && (sensor.capabilities & kCastsBeams) != 0;
+  });
 }
+
+/// Throws if --sensor names a sensor without a price list, or if there is none.
+void check_priced(const Options& options, const Simulation& simulation) {
+  const std::vector<std::string> cameras = cameras_to_price(simulation);
+  for (const SensorInfo& sensor : simulation.sensors()) {
+    const bool scanner = sensor.enabled && (sensor.capabilities & kCastsBeams) != 0;
+    if (options.sensors.empty() || !sensor.enabled || scanner || std::ranges::count(cameras, sensor.name)) continue;
+    throw InputError("--sensor " + sensor.name +
+                     ": --price lists laser scanners and cameras with colour, and this is of type " + sensor.type);
+  }
+  if (!has_scanner(simulation) && cameras.empty()) {
+    throw InputError("--price: there is no enabled laser scanner and no camera with colour, expected at least one");
+  }
+}
+
+/// A price list as a file, which is there once it is written whole. It is opened first, so that a folder that cannot be
+/// written costs no time.
+class PriceFile {
+ public:
+  PriceFile(const Options& options, const char* name, bool wanted) {
+    if (options.names_out && wanted) file_.emplace(std::filesystem::path(options.out) / name);
+  }
+  void write(const std::string& text) {
+    if (!file_) return;
+    file_->write(text);
+    file_->commit();
+  }
+  void say() const {
+    if (file_) std::cout << "wrote " << file_->path().string() << '\n';
+  }
+
+ private:
+  std::optional<AtomicFile> file_;
+};
 
 void price_scene(const Options& options) {
   if (options.quiet && !options.names_out) {
@@ -73,7 +105,6 @@ void price_scene(const Options& options) {
   const std::optional<Trajectory> trajectory = read_trajectory(options, simulation);
   const std::string device = simulation.diagnostics().device().name;
   defer_signals();
-  std::optional<AtomicFile> csv;
   std::optional<ProgressBar> progress;
   PriceDesc desc{.frames = options.frames, .rate_hz = options.rate_hz};
   if (trajectory) desc.trajectory = &*trajectory;
@@ -83,23 +114,31 @@ void price_scene(const Options& options) {
     if (!progress) progress.emplace(std::cerr, shows_progress(options), all, start);
     progress->update(done, std::chrono::steady_clock::now());
   };
-  if (options.names_out) {
-    make_folder(options.out);
-    csv.emplace(std::filesystem::path(options.out) / "price.csv");
+  if (options.names_out) make_folder(options.out);
+  const bool cameras = !cameras_to_price(simulation).empty(), scanners = has_scanner(simulation);
+  PriceFile csv(options, "price.csv", scanners), camera_csv(options, "camera_price.csv", cameras);
+  std::vector<CameraPrice> camera_prices;
+  if (cameras) {
+    // A pricing consumes its simulation.
+    Simulation second = scanners ? load(options, loading) : std::move(simulation);
+    camera_prices = price_cameras(std::move(second), desc);
+    progress.reset();
   }
-  const std::vector<ScannerPrice> prices = price_scanners(std::move(simulation), desc);
+  std::vector<ScannerPrice> prices;
+  if (scanners) prices = price_scanners(std::move(simulation), desc);
   loading.reset();
   progress.reset();
-  if (csv) {
-    csv->write(to_csv(prices));
-    csv->commit();
-  }
+  if (scanners) csv.write(to_csv(prices));
+  if (cameras) camera_csv.write(to_csv(camera_prices));
   if (options.quiet) return;
   std::cout << "on " << device << (trajectory ? "" : "; the scene stands still: --trajectory prices what moves")
             << "\n\n";
   for (const ScannerPrice& price : prices) std::cout << to_table(price) << '\n';
-  std::cout << price_legend();
-  if (csv) std::cout << "wrote " << csv->path().string() << '\n';
+  if (scanners) std::cout << price_legend();
+  for (const CameraPrice& price : camera_prices) std::cout << (scanners ? "\n" : "") << to_table(price) << '\n';
+  if (cameras) std::cout << camera_price_legend();
+  csv.say();
+  camera_csv.say();
 }
 
 /// Rasterisers on the CPU allocate and free megabytes for each draw. By default glibc returns such memory to the

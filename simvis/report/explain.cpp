@@ -117,6 +117,14 @@ class Explanation {
       out_ << '\n';
     }
     explain(view.pipelines, indent + "  ");
+    explain(view.levels, indent + "  ");
+  }
+
+  void explain(std::span<const DrawnLevel> levels, const std::string& indent) {
+    for (const DrawnLevel& level : levels) {
+      out_ << indent << "level " << level.level << ": " << level.items << " items of " << level.exact_triangles
+           << " triangles drawn with " << level.triangles << ", displaced by at most " << level.error_px << " px\n";
+    }
   }
 
   void explain(std::span<const PlannedPipeline> pipelines, const std::string& indent) {

@@ -1,21 +1,18 @@
 #include "simvis/report/price.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <utility>
 
 #include "engine/base/assert.h"
+#include "simvis/report/priced_run.h"
 #include "simvis/report/run_report.h"
-#include "simvis/time/clock.h"
 
 namespace simvis {
 
 namespace {
 
 constexpr double kSamePrice = 1.05;
-
-using SteadyClock = std::chrono::steady_clock;
 
 bool is_range(float reading_m) { return reading_m > 0 && std::isfinite(reading_m); }
 
@@ -80,10 +77,8 @@ struct PricedScanner {
 class Pricing {
  public:
   Pricing(Simulation simulation, const PriceDesc& desc)
-      : simulation_(std::move(simulation)), desc_(desc), clock_(desc.rate_hz) {
-    const std::vector<std::string> names = scanners_to_price(simulation_);
-    for (const SensorInfo& sensor : simulation_.sensors()) simulation_.enable(sensor.name, false);
-    for (const std::string& name : names) add(name);
+      : names_(scanners_to_price(simulation)), desc_(desc), run_(std::move(simulation), desc_) {
+    for (const std::string& name : names_) add(name);
   }
 
   std::vector<ScannerPrice> run() {
@@ -95,18 +90,15 @@ class Pricing {
  private:
   void add(const std::string& name) {
     PricedScanner scanner{.name = name, .sensors = {}, .reference = {}, .prices = {}, .tallies = {}};
-    const Command command = simulation_.diagnostics().command(name);
+    const Command command = run_.simulation().diagnostics().command(name);
     const ScanVariants variants = scan_variants(command);
     for (const ScanVariant& variant : variants.*desc_.variants) {
-      // Names in a scene contain no dot, so the new name is unique.
-      scanner.sensors.push_back(name + "." + std::to_string(scanner.sensors.size()));
-      simulation_.add_variant(name, with_variant(command, variant, scanner.sensors.back()));
-      simulation_.enable(scanner.sensors.back(), false);
+      scanner.sensors.push_back(PricedRun::variant_name(name, scanner.sensors.size()));
+      run_.add(name, with_variant(command, variant, scanner.sensors.back()), scanner.sensors.back());
       scanner.prices.push_back({.variant = variant, .in_scene = variant == variants.own});
     }
     scanner.reference = reference_of(scanner.prices);
     scanner.tallies.resize(scanner.prices.size());
-    all_frames_ += 2 * (desc_.warm_up + desc_.frames) * scanner.sensors.size();
     scanners_.push_back(std::move(scanner));
   }
 
@@ -123,7 +115,7 @@ class Pricing {
       min_ms = std::min(min_ms, scanner.prices[i].median_ms);
     }
     for (VariantPrice& each : scanner.prices) each.ratio = each.median_ms / min_ms;
-    const Scan& scan = simulation_.scan(scanner.sensors.front());
+    const Scan& scan = run_.simulation().scan(scanner.sensors.front());
     return {.scanner = scanner.name,
             .rings = scan.rings,
             .beams = scan.rings * scan.beams,
@@ -137,44 +129,27 @@ class Pricing {
     for (std::size_t i = 0; i < count; ++i) {
       const std::size_t variant = (i + turn) % count;  // rotates the order
       const std::string& sensor = scanner.sensors[variant];
-      simulation_.enable(sensor, true);
-      step(frame - 1);
-      if (simulation_.measured().empty()) {
-        throw InputError("laser scanner \"" + scanner.name + "\" cannot be priced: its part is switched off");
-      }
-      scanner.tallies[variant].times_ms.push_back(step(frame));
-      const Scan& scan = simulation_.scan(sensor);
+      scanner.tallies[variant].times_ms.push_back(run_.time_ms(sensor, "laser scanner \"" + scanner.name + '"', frame));
+      const Scan& scan = run_.simulation().scan(sensor);
       if (scan.range_m.empty() || scan.range_m.size() != std::size_t{scan.rings} * scan.beams) {
         throw InputError("laser scanner \"" + scanner.name + "\" has no price: its scan is not one of whole rings");
       }
-      simulation_.enable(sensor, false);
     }
-  }
-
-  double step(std::uint64_t frame) {
-    if (desc_.trajectory != nullptr) {
-      desc_.trajectory->apply(static_cast<double>(clock_.frame(frame).time_ns) / 1e9, simulation_.parameters());
-    }
-    const SteadyClock::time_point start = SteadyClock::now();
-    simulation_.step();
-    const double time_ms = std::chrono::duration<double, std::milli>(SteadyClock::now() - start).count();
-    ++frames_done_;
-    if (desc_.on_frame) desc_.on_frame(frames_done_, all_frames_);
-    return time_ms;
   }
 
   void judge(PricedScanner& scanner, std::size_t variant) {
     Tally& tally = scanner.tallies[variant];
-    const Scan& scan = simulation_.scan(scanner.sensors[variant]);
+    const Scan& scan = run_.simulation().scan(scanner.sensors[variant]);
     take_bounds(scan, tally, scanner.prices[variant]);
     if (scanner.reference) {
-      take_differences(scan, simulation_.scan(scanner.sensors[*scanner.reference]), tally, scanner.prices[variant]);
+      take_differences(scan, run_.simulation().scan(scanner.sensors[*scanner.reference]), tally,
+                       scanner.prices[variant]);
     }
     tally.cast += cast_share(scanner.sensors[variant]) * static_cast<double>(scan.range_m.size());
   }
 
-  double cast_share(const std::string& name) const {
-    const std::vector<SensorInfo> sensors = simulation_.sensors();
+  double cast_share(const std::string& name) {
+    const std::vector<SensorInfo> sensors = run_.simulation().sensors();
     const auto sensor = std::ranges::find(sensors, name, &SensorInfo::name);
     SIMVIS_ASSERT(sensor != sensors.end());
     return sensor->number("cast_share").value_or(0);
@@ -190,11 +165,10 @@ class Pricing {
     price.bound_median_rel = percentile(tally.medians_rel, 50);
   }
 
-  Simulation simulation_;
+  std::vector<std::string> names_;
   const PriceDesc& desc_;
-  Clock clock_;
+  PricedRun run_;
   std::vector<PricedScanner> scanners_;
-  std::uint64_t frames_done_ = 0, all_frames_ = 0;
 };
 
 }  // namespace

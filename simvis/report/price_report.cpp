@@ -5,8 +5,8 @@
 #include <vector>
 
 #include <simvis/attributes.h>
-#include "engine/base/assert.h"
 #include "simvis/output/number_text.h"
+#include "simvis/report/aligned_table.h"
 
 namespace simvis {
 
@@ -32,25 +32,6 @@ std::string shown(const NumberFormat& format, double value) {
 
 std::string shown(std::optional<double> value) { return value ? format_number(*value) : "-"; }
 
-/// Aligns columns: the first and the last column to the left, the others to the right.
-std::string aligned(const std::vector<Cells>& rows) {
-  std::vector<std::size_t> widths(rows.front().size());
-  for (const Cells& row : rows) {
-    SIMVIS_ASSERT(row.size() == widths.size());
-    for (std::size_t c = 0; c < row.size(); ++c) widths[c] = std::max(widths[c], row[c].size());
-  }
-  std::string text;
-  for (const Cells& row : rows) {
-    std::string line = row.front() + std::string(widths.front() - row.front().size(), ' ');
-    for (std::size_t c = 1; c + 1 < row.size(); ++c)
-      line += "  " + std::string(widths[c] - row[c].size(), ' ') + row[c];
-    line += "  " + row.back();
-    line.erase(line.find_last_not_of(' ') + 1);
-    text += line + '\n';
-  }
-  return text;
-}
-
 /// The tolerances for which this variant is recommended: "0.001 1e-04".
 std::string cheapest_of(const ScannerPrice& price, std::size_t variant) {
   std::string text;
@@ -66,13 +47,6 @@ std::string joined(const std::vector<double>& tolerances) {
     text += (i == 0 ? "" : i + 1 == tolerances.size() ? " and " : ", ") + format_number(tolerances[i]);
   }
   return text;
-}
-
-std::string quoted(const std::string& cell) {
-  if (cell.find_first_of(",\"") == std::string::npos) return cell;
-  std::string text = "\"";
-  for (const char c : cell) text += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return text + '"';
 }
 
 /// The variant named if no variant meets a tolerance: the one with the fewest beams without a bound; among equals, the
@@ -158,7 +132,7 @@ std::string to_csv(std::span<const ScannerPrice> prices) {
   for (const ScannerPrice& price : prices) {
     for (std::size_t i = 0; i < price.variants.size(); ++i) {
       const VariantPrice& v = price.variants[i];
-      text += quoted(price.scanner) + ',' + std::to_string(price.beams) + ',' + std::to_string(price.frames) + ',' +
+      text += csv_cell(price.scanner) + ',' + std::to_string(price.beams) + ',' + std::to_string(price.frames) + ',' +
               v.variant.method;
       for (const double value :
            {v.variant.resolution_px.value_or(VariantPrice::kNone),

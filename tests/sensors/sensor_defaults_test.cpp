@@ -52,16 +52,17 @@ bool same(const ScanPattern& a, const ScanPattern& b) {
 }
 
 bool same(const CameraDesc& a, const CameraDesc& b) {
-  const auto& [width, height, hfov, near, color, depth, sampling, visualization, effects] = a;
+  const auto& [width, height, hfov, near, color, depth, sampling, max_error, visualization, effects] = a;
   return width == b.width_px && height == b.height_px && hfov == b.hfov_rad && near == b.near_m && color == b.color &&
-         depth == b.depth && same(sampling, b.sampling) && visualization == b.visualization && effects.empty();
+         depth == b.depth && same(sampling, b.sampling) && max_error == b.max_error_px &&
+         visualization == b.visualization && effects.empty();
 }
 
 bool same(const StereoCameraDesc& a, const StereoCameraDesc& b) {
-  const auto& [width, height, hfov, near, baseline, color, depth, disparity, sampling, left, right] = a;
+  const auto& [width, height, hfov, near, baseline, color, depth, disparity, sampling, max_error, left, right] = a;
   return width == b.width_px && height == b.height_px && hfov == b.hfov_rad && near == b.near_m &&
          baseline == b.baseline_m && color == b.color && depth == b.depth && disparity == b.disparity &&
-         same(sampling, b.sampling) && left.empty() && right.empty();
+         same(sampling, b.sampling) && max_error == b.max_error_px && left.empty() && right.empty();
 }
 
 // Effects of a scanner whose source is in the scene are always present.

@@ -440,7 +440,6 @@ TEST_CASE("simvis-run --price with contradictory options") {
   refused(kPricedSensors, {"--profile", (folder / "p.json").string()}, {"--price", "--profile"});
   refused(kPricedSensors, {"--quiet"}, {"--price", "--quiet", "--out"});
   refused(kPricedSensors, {"--frames", "0"}, {"--frames", "1 or more"});
-  refused(kPricedSensors, {"--sensor", "CAM"}, {"--sensor CAM", "--price", "camera"});
   refused(kPricedSensors, {"--sensor", "SCAM"}, {"SCAM", "did you mean \"SCAN\"?"});
   CHECK(files_below(folder.path()).empty());
   CHECK(contains(run({"--help"}).out, "--price"));

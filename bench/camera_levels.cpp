@@ -1,0 +1,53 @@
+// Measures what the dial of cameras, max_error_px, costs in time and what it changes in the picture.
+//
+//   camera_levels [FRAMES [SCENE.xml CAMERA]...]
+//
+// Prints CSV: the price list of simvis-run --price for WORLD_CAM of scenes/ravon and ROBOT_CAM of scenes/marvin, with
+// their robots standing. Values take turns in every frame: compare ratios.
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "simvis/report/camera_price.h"
+
+namespace {
+
+using namespace simvis;
+
+constexpr int kFramesOfEach = 5;
+
+/// The price list without its first line, each line with the scene before it; the first line, too, if it is the first
+/// scene.
+void print(const std::string& name, const std::filesystem::path& scene, const std::string& camera, int frames) {
+  static bool first = true;
+  Simulation simulation = Simulation::load(scene);
+  for (const SensorInfo& sensor : simulation.sensors()) simulation.enable(sensor.name, sensor.name == camera);
+  PriceDesc desc;
+  desc.frames = static_cast<std::uint64_t>(frames);
+  const std::string table = to_csv(price_cameras(std::move(simulation), desc));
+  std::size_t line = 0;
+  for (bool heading = true; line < table.size(); heading = false) {
+    const std::size_t end = table.find('\n', line) + 1;
+    const std::string text = table.substr(line, end - line);
+    if (!heading) std::printf("%s,%s", name.c_str(), text.c_str());
+    if (heading && first) std::printf("scene,%s", text.c_str());
+    line = end;
+  }
+  first = false;
+  std::fflush(stdout);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const int frames = argc > 1 ? std::atoi(argv[1]) : kFramesOfEach;
+  if (argc > 2) {
+    for (int i = 2; i + 1 < argc; i += 2) print(std::filesystem::path(argv[i]).stem(), argv[i], argv[i + 1], frames);
+    return 0;
+  }
+  print("ravon", SIMVIS_SOURCE_DIR "/scenes/ravon/ravon.xml", "WORLD_CAM", frames);
+  print("marvin", SIMVIS_SOURCE_DIR "/scenes/marvin/marvin.xml", "ROBOT_CAM", frames);
+  return 0;
+}

@@ -1,0 +1,208 @@
+#include "engine/geometry/mesh_levels.h"
+
+#include <meshoptimizer.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+#include <span>
+
+#include "engine/geometry/mesh_cache.h"
+#include "engine/geometry/surface_deviation.h"
+#include "engine/geometry/thinning.h"
+
+namespace simvis {
+namespace {
+
+// The version of the result of coarser_corners() and of the file format of words_of_levels().
+constexpr char kLevelsVersion = '2';
+
+constexpr std::size_t kMaxLevels = 6;
+
+// A level with a larger share of the triangles of the level before is not worth its memory.
+constexpr double kWorthALevel = 0.8;
+
+// A level that keeps less of the area of the level before has lost whole parts: meshoptimizer weighs the leaves of a
+// crown by their size alone.
+constexpr double kKeptArea = 0.9;
+
+// The largest error of a level, as a share of the longest side of the mesh's box.
+constexpr double kMaxShare = 0.2;
+
+// Errors below this share of the longest side are not told apart: a mesh is that exact when it spans 4096 pixels.
+constexpr double kMinShare = 1.0 / 4096;
+
+using LevelIndices = std::vector<std::uint32_t>;
+
+/// The corners of a level's triangles, as indices of the mesh's vertices, and its error.
+struct CoarserCorners {
+  LevelIndices indices;
+  float error_m = 0;   ///< while a level is made: what meshoptimizer reports; then the bound
+  float enlarged = 1;  ///< factor of the lengths of its parts, see ThinnedParts
+};
+
+std::array<std::uint32_t, 3> rotated(const std::uint32_t* corner) {
+  std::array<std::uint32_t, 3> triangle{corner[0], corner[1], corner[2]};
+  std::ranges::rotate(triangle, std::ranges::min_element(triangle));
+  return triangle;
+}
+
+// The triangles of one side, if each stands twice with opposite windings; else none.
+std::optional<LevelIndices> one_side(const LevelIndices& indices) {
+  std::map<std::array<std::uint32_t, 3>, int> unpaired;
+  LevelIndices side;
+  for (std::size_t i = 0; i < indices.size(); i += 3) {
+    const std::array<std::uint32_t, 3> t = rotated(&indices[i]), back = rotated(std::array{t[0], t[2], t[1]}.data());
+    if (const auto found = unpaired.find(back); found != unpaired.end()) {
+      if (--found->second == 0) unpaired.erase(found);
+    } else {
+      ++unpaired[t];
+      side.insert(side.end(), t.begin(), t.end());
+    }
+  }
+  if (unpaired.empty()) return side;
+  return {};
+}
+
+// Half of the triangles, or as few as meshoptimizer reaches, and the distance that it reports, in metres.
+CoarserCorners simplified(const Mesh& mesh, const CoarserCorners& finer) {
+  const float* const points = &mesh.positions[0].x;
+  const std::size_t count = mesh.positions.size(), stride = sizeof(glm::vec3), corners = finer.indices.size();
+  CoarserCorners level{.indices = LevelIndices(corners), .enlarged = finer.enlarged};
+  float share = 0;
+  level.indices.resize(meshopt_simplify(level.indices.data(), finer.indices.data(), corners, points, count, stride,
+                                        corners / 6 * 3, static_cast<float>(kMaxShare), 0, &share));
+  level.error_m = share * meshopt_simplifyScale(points, count, stride);
+  return level;
+}
+
+bool is_worth_it(const CoarserCorners& level, const CoarserCorners& finer) {
+  const auto size = static_cast<double>(level.indices.size()), before = static_cast<double>(finer.indices.size());
+  return size > 0 && size <= kWorthALevel * before;
+}
+
+// Where a surface can be no simpler, as that of a leaf, every second of its parts stays.
+std::optional<CoarserCorners> coarser(const Mesh& mesh, const CoarserCorners& finer) {
+  CoarserCorners level = simplified(mesh, finer);
+  if (is_worth_it(level, finer) && surface_area(mesh, level.indices) >= kKeptArea * surface_area(mesh, finer.indices)) {
+    return level;
+  }
+  std::optional<ThinnedParts> fewer = thinned(mesh, finer.indices);
+  if (!fewer) return {};
+  level = {.indices = std::move(fewer->indices), .enlarged = static_cast<float>(finer.enlarged * fewer->enlarged)};
+  if (is_worth_it(level, finer)) return level;
+  return {};
+}
+
+void add_other_side(LevelIndices& indices) {
+  for (std::size_t i = 0, end = indices.size(); i < end; i += 3) {
+    indices.insert(indices.end(), {indices[i], indices[i + 2], indices[i + 1]});
+  }
+}
+
+double longest_side(const Mesh& mesh) {
+  const glm::vec3 size = mesh.bounds_max - mesh.bounds_min;
+  return std::max({size.x, size.y, size.z});
+}
+
+std::vector<CoarserCorners> coarser_corners(const Mesh& mesh, ThreadPool* pool) {
+  const std::optional<LevelIndices> side = one_side(mesh.indices);
+  const CoarserCorners exact{.indices = side ? *side : mesh.indices};
+  const double longest_m = longest_side(mesh);
+  std::vector<CoarserCorners> levels;
+  CoarserCorners finer = exact;
+  double reported_m = kMinShare * longest_m;
+  while (longest_m > 0 && levels.size() < kMaxLevels && finer.indices.size() >= 3 * kMinLevelledTriangles) {
+    std::optional<CoarserCorners> level = coarser(mesh, finer);
+    if (!level) break;
+    reported_m += static_cast<double>(level->error_m);  // each level is made of the one before
+    const std::vector<glm::vec3> positions = enlarged_positions(mesh, level->indices, level->enlarged);
+    const double bound_m = std::max(
+        reported_m, surface_deviation({mesh.positions, exact.indices}, {positions, level->indices}, reported_m, pool));
+    if (bound_m > kMaxShare * longest_m) break;
+    // Rounded up: the error stays a bound.
+    level->error_m = std::nextafter(static_cast<float>(bound_m), std::numeric_limits<float>::infinity());
+    finer = *level;
+    if (side) add_other_side(level->indices);
+    levels.push_back(std::move(*level));
+  }
+  return levels;
+}
+
+// For each level its number of indices, its error, the factor of its parts and its indices.
+std::vector<std::uint32_t> words_of_levels(const std::vector<CoarserCorners>& levels) {
+  std::vector<std::uint32_t> words;
+  for (const CoarserCorners& level : levels) {
+    words.push_back(static_cast<std::uint32_t>(level.indices.size()));
+    words.push_back(std::bit_cast<std::uint32_t>(level.error_m));
+    words.push_back(std::bit_cast<std::uint32_t>(level.enlarged));
+    words.insert(words.end(), level.indices.begin(), level.indices.end());
+  }
+  words.push_back(0);  // the end, so that a mesh without levels has a file too
+  return words;
+}
+
+// None if the words are not those of levels of the mesh.
+std::optional<std::vector<CoarserCorners>> levels_in(std::span<const std::uint32_t> words, const Mesh& mesh) {
+  std::vector<CoarserCorners> levels;
+  while (words.size() > 3 && levels.size() < kMaxLevels) {
+    const std::size_t count = words[0];
+    const auto error_m = std::bit_cast<float>(words[1]), enlarged = std::bit_cast<float>(words[2]);
+    words = words.subspan(3);
+    if (count == 0 || count % 3 != 0 || count > words.size()) return {};
+    if (!(std::isfinite(error_m) && error_m > 0 && std::isfinite(enlarged) && enlarged >= 1)) return {};
+    const auto indices = words.first(count);
+    if (*std::ranges::max_element(indices) >= mesh.positions.size()) return {};
+    levels.push_back({{indices.begin(), indices.end()}, error_m, enlarged});
+    words = words.subspan(count);
+  }
+  if (words.size() == 1 && words[0] == 0) return levels;
+  return {};
+}
+
+std::vector<CoarserCorners> coarser_corners_cached(const Mesh& mesh, const std::filesystem::path& folder,
+                                                   ThreadPool* pool) {
+  if (folder.empty()) return coarser_corners(mesh, pool);
+  const MeshCacheFile file(folder, "levels", kLevelsVersion, mesh);
+  if (std::optional<std::vector<CoarserCorners>> kept = levels_in(file.read(), mesh)) return std::move(*kept);
+  std::vector<CoarserCorners> levels = coarser_corners(mesh, pool);
+  file.write(words_of_levels(levels));
+  return levels;
+}
+
+// A mesh of those vertices that the corners use, in their order.
+std::shared_ptr<const Mesh> mesh_of(const Mesh& mesh, const CoarserCorners& corners) {
+  constexpr std::uint32_t kUnused = std::numeric_limits<std::uint32_t>::max();
+  auto level = std::make_shared<Mesh>();
+  level->name = mesh.name;
+  std::vector<std::uint32_t> place(mesh.positions.size(), kUnused);
+  const std::vector<glm::vec3> positions = enlarged_positions(mesh, corners.indices, corners.enlarged);
+  for (const std::uint32_t vertex : corners.indices) {
+    if (place[vertex] == kUnused) {
+      place[vertex] = static_cast<std::uint32_t>(level->positions.size());
+      level->positions.push_back(positions[vertex]);
+      level->attributes.push_back(mesh.attributes[vertex]);
+    }
+    level->indices.push_back(place[vertex]);
+  }
+  compute_bounds(*level);
+  return level;
+}
+
+}  // namespace
+
+std::vector<MeshLevel> make_levels(const Mesh& mesh, const std::filesystem::path& folder, ThreadPool* pool) {
+  std::vector<MeshLevel> levels;
+  if (mesh.topology != Topology::triangles || mesh.short_lived || mesh.indices.size() < 3 * kMinLevelledTriangles)
+    return levels;
+  for (const CoarserCorners& level : coarser_corners_cached(mesh, folder, pool)) {
+    levels.push_back({mesh_of(mesh, level), static_cast<double>(level.error_m)});
+  }
+  return levels;
+}
+
+}  // namespace simvis

@@ -1,0 +1,301 @@
+// Coarser levels of meshes: their errors against geometry, the level that a view draws, and that an exact view has
+// none.
+#include "engine/geometry/mesh_levels.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <numbers>
+#include <set>
+
+#include "engine/geometry/surface_deviation.h"
+#include "engine/geometry/thinning.h"
+#include "engine/render/renderer.h"
+#include "tests/support/random_room.h"
+#include "tests/support/renderer_scene.h"
+#include "tests/support/temporary_folder.h"
+
+TEST_SUITE_BEGIN("engine");
+
+using namespace simvis;
+
+namespace {
+
+constexpr double kBallRadius_m = 1;
+constexpr int kBallSegments = 96;
+
+// surface_deviation() may exceed the distance by this factor.
+constexpr double kDeviationSlack = 1.2;
+
+// Coordinates are float32: a few units in the last place of 1 m.
+constexpr double kFloat_m = 1e-6;
+
+// How far the triangles of a sphere of `segments` lie within it, at most: the sagitta of a quad's diagonal.
+double sagitta_m(double radius_m, int segments) {
+  const double angle = std::numbers::pi / segments;  // half of a side's angle
+  return radius_m * (1 - std::cos(angle) * std::cos(angle));
+}
+
+double area_m2(const Mesh& mesh) {
+  double area = 0;
+  for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
+    const auto corner = [&](std::size_t k) { return glm::dvec3(mesh.positions[mesh.indices[i + k]]); };
+    area += 0.5 * glm::length(glm::cross(corner(1) - corner(0), corner(2) - corner(0)));
+  }
+  return area;
+}
+
+// Squares of side 0.1 m, far apart, each from both sides, with two triangles a side.
+Mesh loose_cards(int count) {
+  Mesh mesh;
+  for (int i = 0; i < count; ++i) {
+    const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+    const float x = 0.5f * static_cast<float>(i % 16), y = 0.5f * static_cast<float>(i / 16);
+    for (const glm::vec2& at : {glm::vec2(0, 0), {0.1f, 0}, {0.1f, 0.1f}, {0, 0.1f}}) {
+      mesh.positions.push_back({x + at.x, y + at.y, 0});
+      mesh.attributes.push_back({.uv = {at * 10.0f, {0, 0}}});
+    }
+    for (const std::uint32_t k : {0, 1, 2, 0, 2, 3, 2, 1, 0, 3, 2, 0}) mesh.indices.push_back(first + k);
+  }
+  compute_bounds(mesh);
+  return mesh;
+}
+
+Mesh ball_mesh() {
+  Mesh mesh = sphere_mesh(kBallRadius_m, kBallSegments);
+  mesh.attributes.resize(mesh.positions.size());
+  compute_bounds(mesh);
+  return mesh;
+}
+
+TriangleSurface surface(const Mesh& mesh) { return {mesh.positions, mesh.indices}; }
+
+Material white() {
+  Material material = test::colored({1, 1, 1, 1});
+  material.unlit = true;
+  return material;
+}
+
+// A ball on the optical axis.
+test::RendererScene ball_at(double distance_m, double scale = 1) {
+  test::RendererScene scene;
+  scene.list.environment.background = glm::vec3(0);
+  glm::dmat4 place = test::at(0, 0, distance_m);
+  for (int axis = 0; axis < 3; ++axis) place[axis][axis] = scale;
+  scene.add(ball_mesh(), white(), place);
+  return scene;
+}
+
+constexpr std::uint32_t kView_px = 256;
+constexpr double kFocal_px = 300;
+
+FramePlan dial_plan(double max_error_px) {
+  FramePlan plan = test::plan_of(kView_px, kView_px, kFocal_px, true, false);
+  test::view_of(plan).max_error_px = max_error_px;
+  return plan;
+}
+
+struct Drawn {
+  std::vector<glm::vec4> color;
+  FrameCounters counters;
+  std::vector<DrawnLevel> levels;
+};
+
+Drawn draw(const DrawList& list, double max_error_px) {
+  Renderer renderer(test::device());
+  FramePlan plan = dial_plan(max_error_px);
+  Drawn drawn{test::copy(renderer.render(list, plan)[0].color), renderer.counters(), {}};
+  renderer.complete(plan);
+  drawn.levels = test::view_of(plan).levels;
+  return drawn;
+}
+
+}  // namespace
+
+TEST_CASE("the distance of two surfaces is bounded from both sides") {
+  const Mesh square = test::rectangle(-1, -1, 1, 1);
+  Mesh shifted = square;
+  for (glm::vec3& p : shifted.positions) p.z += 0.25f;
+  CHECK(surface_deviation(surface(square), surface(shifted), 1e-3) == doctest::Approx(0.25).epsilon(1e-6));
+
+  // A part that only one of them has counts, whichever comes first.
+  Mesh more = square;
+  more.positions.insert(more.positions.end(), {{3, 0, 0}, {4, 0, 0}, {3, 0.5f, 0}});
+  more.indices.insert(more.indices.end(), {4, 5, 6});
+  for (const double deviation : {surface_deviation(surface(square), surface(more), 1e-3),
+                                 surface_deviation(surface(more), surface(square), 1e-3)}) {
+    CHECK(deviation >= 3);  // the corner at x = 4 from the side at x = 1
+    CHECK(deviation <= 3 * kDeviationSlack);
+  }
+
+  // Balls around the same middle: at least the difference of the radii, at most that and the sagitta.
+  const Mesh ball = sphere_mesh(1, 48), larger = sphere_mesh(1.1, 40);
+  const double bound = surface_deviation(surface(ball), surface(larger), 1e-3);
+  CHECK(bound >= 0.1 - kFloat_m);
+  CHECK(bound <= (0.1 + sagitta_m(1, 48) + kFloat_m) * kDeviationSlack);
+}
+
+TEST_CASE("levels of a ball halve its triangles, and their errors are bounds") {
+  const Mesh ball = ball_mesh();
+  const std::vector<MeshLevel> levels = make_levels(ball, {});
+  REQUIRE(levels.size() >= 4);
+  std::size_t triangles = ball.indices.size() / 3;
+  double error_m = 0;
+  for (const MeshLevel& level : levels) {
+    const std::size_t fewer = level.mesh->indices.size() / 3;
+    CHECK(fewer < 0.6 * static_cast<double>(triangles));
+    triangles = fewer;
+    CHECK(level.error_m > error_m);
+    error_m = level.error_m;
+    // The corners lie on the ball, so the middle of a triangle shows how far the surface has moved inwards; the exact
+    // mesh has moved by its own sagitta.
+    double deepest_m = 0;
+    for (std::size_t i = 0; i < level.mesh->indices.size(); i += 3) {
+      glm::dvec3 middle(0);
+      for (std::size_t k = 0; k < 3; ++k) {
+        const glm::dvec3 corner(level.mesh->positions[level.mesh->indices[i + k]]);
+        CHECK(glm::length(corner) == doctest::Approx(kBallRadius_m).epsilon(kFloat_m));
+        middle += corner / 3.0;
+      }
+      deepest_m = std::max(deepest_m, kBallRadius_m - glm::length(middle));
+    }
+    CHECK(level.error_m >= deepest_m - sagitta_m(kBallRadius_m, kBallSegments) - kFloat_m);
+    CHECK(level.error_m <= 3 * deepest_m + 0.01 * kBallRadius_m);  // and no gross exaggeration
+  }
+  CHECK(make_levels(test::rectangle(0, 0, 1, 1), {}).empty());
+  Mesh moving = ball;
+  moving.short_lived = true;
+  CHECK(make_levels(moving, {}).empty());
+}
+
+TEST_CASE("levels of loose cards have half the cards, the same area, and both sides") {
+  const Mesh cards = loose_cards(256);
+  const std::vector<MeshLevel> levels = make_levels(cards, {});
+  REQUIRE(levels.size() >= 1);
+  double share = 1;
+  for (const MeshLevel& level : levels) {
+    share /= 2;
+    CHECK(static_cast<double>(level.mesh->indices.size()) == share * static_cast<double>(cards.indices.size()));
+    CHECK(area_m2(*level.mesh) == doctest::Approx(area_m2(cards)).epsilon(1e-5));  // float32 coordinates up to 8 m
+    std::multiset<std::set<std::uint32_t>> triangles;
+    for (std::size_t i = 0; i < level.mesh->indices.size(); i += 3) {
+      const auto* const corner = &level.mesh->indices[i];
+      triangles.insert({corner[0], corner[1], corner[2]});
+    }
+    for (const auto& triangle : triangles) CHECK(triangles.count(triangle) == 2);
+    // A card that is left out is half a metre from the next one, or less; a card grows by at most its size.
+    CHECK(level.error_m >= 0.3);
+  }
+}
+
+TEST_CASE("levels are kept on disk, and a damaged file is made anew") {
+  const TemporaryFolder folder;
+  const Mesh ball = ball_mesh();
+  const std::vector<MeshLevel> made = make_levels(ball, folder.path());
+  const auto same = [&](const std::vector<MeshLevel>& levels) {
+    return std::ranges::equal(levels, made, [](const MeshLevel& a, const MeshLevel& b) {
+      return *a.mesh == *b.mesh && a.error_m == b.error_m;
+    });
+  };
+  std::vector<std::filesystem::path> files;
+  for (const auto& file : std::filesystem::directory_iterator(folder.path())) files.push_back(file.path());
+  REQUIRE(files.size() == 1);
+  CHECK(files[0].filename().string().starts_with("levels-"));
+  CHECK(same(make_levels(ball, folder.path())));
+  const auto size = std::filesystem::file_size(files[0]);
+  for (const std::uintmax_t at : {std::uintmax_t{3}, std::uintmax_t{50}, size / 2, size - 2}) {
+    std::fstream file(files[0], std::ios::in | std::ios::out | std::ios::binary);
+    file.seekp(static_cast<std::streamoff>(at));
+    file.put('\x5a');
+    file.close();
+    CHECK(same(make_levels(ball, folder.path())));
+  }
+}
+
+TEST_CASE("a view draws the coarsest level whose projected error stays below its dial") {
+  const std::vector<MeshLevel> levels = make_levels(ball_mesh(), {});
+  const double tangent = kView_px / 2.0 / kFocal_px, skew = std::sqrt(1 + 2 * tangent * tangent);
+  int coarse = 0, exact = 0;
+  for (const double scale : {0.5, 1.0, 2.0}) {
+    for (const double distance_m : {5.0, 20.0, 80.0}) {
+      for (const double dial_px : {0.05, 0.3, 1.0, 3.0}) {
+        std::uint32_t expected = 0;
+        double error_px = 0;
+        for (std::size_t i = 0; i < levels.size(); ++i) {
+          const double moved_m = scale * levels[i].error_m;
+          const double px = kFocal_px * skew * moved_m / (distance_m - scale * kBallRadius_m - moved_m);
+          if (px >= dial_px) continue;
+          expected = static_cast<std::uint32_t>(i) + 1;
+          error_px = px;
+        }
+        const Drawn drawn = draw(ball_at(distance_m, scale).list, dial_px);
+        CAPTURE(scale);
+        CAPTURE(distance_m);
+        CAPTURE(dial_px);
+        ++(expected == 0 ? exact : coarse);
+        REQUIRE(drawn.levels.size() == (expected == 0 ? 0 : 1));
+        if (expected == 0) continue;
+        CHECK(drawn.levels[0].level == expected);
+        CHECK(drawn.levels[0].items == 1);
+        CHECK(drawn.levels[0].error_px == doctest::Approx(error_px).epsilon(1e-6));
+        CHECK(drawn.levels[0].triangles == levels[expected - 1].mesh->indices.size() / 3);
+        CHECK(drawn.levels[0].exact_triangles == ball_mesh().indices.size() / 3);
+      }
+    }
+  }
+  CHECK(coarse > 10);
+  CHECK(exact > 5);
+}
+
+// The outline of a ball of radius r at the distance d on the axis is a circle of f r / sqrt(d^2 - r^2) pixels.
+TEST_CASE("the silhouette of a ball moves by no more than the dial") {
+  int changed = 0;
+  for (const double distance_m : {2.5, 4.0, 9.0}) {
+    const test::RendererScene scene = ball_at(distance_m);
+    const Drawn exact = draw(scene.list, 0);
+    const double outline_px =
+        kFocal_px * kBallRadius_m / std::sqrt(distance_m * distance_m - kBallRadius_m * kBallRadius_m);
+    // The exact mesh lies within the ball by its sagitta.
+    const double mesh_px = kFocal_px * sagitta_m(kBallRadius_m, kBallSegments) / (distance_m - kBallRadius_m);
+    for (const double dial_px : {0.5, 1.0, 2.0, 4.0, 8.0}) {
+      const Drawn coarse = draw(scene.list, dial_px);
+      for (std::uint32_t y = 0; y < kView_px; ++y) {
+        for (std::uint32_t x = 0; x < kView_px; ++x) {
+          const std::size_t pixel = std::size_t{y} * kView_px + x;
+          const auto covered = [pixel](const Drawn& drawn) { return drawn.color[pixel].r > 0.5f; };  // white on black
+          if (covered(exact) == covered(coarse)) continue;
+          ++changed;
+          const double from_outline_px =
+              std::abs(std::hypot(x + 0.5 - kView_px / 2.0, y + 0.5 - kView_px / 2.0) - outline_px);
+          CHECK(from_outline_px <= dial_px + mesh_px);
+        }
+      }
+    }
+  }
+  CHECK(changed > 20);
+}
+
+TEST_CASE("without the dial nothing of levels is made, held or drawn") {
+  const test::RendererScene scene = ball_at(20);
+  const Drawn exact = draw(scene.list, 0), coarse = draw(scene.list, 2), hardly = draw(scene.list, 1e-6);
+  CHECK(exact.counters.levels_held == 0);
+  CHECK(exact.counters.meshes_held == 1);
+  CHECK(exact.levels.empty());
+  CHECK(coarse.counters.levels_held > 0);
+  CHECK(coarse.counters.meshes_held == 1 + coarse.counters.levels_held);
+  CHECK(coarse.counters.triangles < exact.counters.triangles);
+  CHECK(hardly.counters.triangles == exact.counters.triangles);
+  CHECK(test::same_bytes<glm::vec4>(hardly.color, exact.color));
+  CHECK_FALSE(test::same_bytes<glm::vec4>(coarse.color, exact.color));
+  // One renderer, one frame after the other: what is held does not reach into exact views.
+  Renderer renderer(test::device());
+  const auto color = [&](double dial_px) {
+    return test::copy(renderer.render(scene.list, dial_plan(dial_px))[0].color);
+  };
+  CHECK(test::same_bytes<glm::vec4>(color(2), coarse.color));
+  CHECK(test::same_bytes<glm::vec4>(color(0), exact.color));
+}
+
+TEST_SUITE_END();

@@ -1,0 +1,118 @@
+// The price list of cameras: rows, what they change, and the program.
+#include "simvis/report/camera_price.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <sstream>
+
+#include "tests/support/error_of.h"
+#include "tests/support/simvis_run.h"
+#include "tests/support/temporary_folder.h"
+
+TEST_SUITE_BEGIN("simvis");
+
+namespace simvis {
+namespace {
+
+constexpr std::string_view kPricedBalls = R"(<scene>
+<part shape="sphere" radius="0.6" name="BALL" insert_at="ROOT" pose_offset="12 0 0 0 0 0"/>
+<part shape="sphere" radius="0.6" name="FAR_BALL" insert_at="ROOT" pose_offset="30 3 0 0 0 0"/>
+<sensor type="camera" name="CAM" insert_at="ROOT" width="160" height="120" max_error_px="3" msaa="4"/>
+<sensor type="camera" name="DEPTH" insert_at="ROOT" width="8" height="8" outputs="depth"/>
+<sensor type="camera" name="PEOPLE" insert_at="ROOT" width="8" height="8" view="visualization"/>
+<sensor type="imu" name="IMU" insert_at="ROOT"/></scene>)";
+
+struct PricedBalls {
+  PricedBalls() { write_text(folder / "scene.xml", kPricedBalls); }
+  std::string scene() const { return (folder / "scene.xml").string(); }
+
+  TemporaryFolder folder;
+};
+
+ProcessResult run_price(Strings arguments) {
+  arguments.insert(arguments.begin(), simvis_run());
+  return Process(arguments).wait();
+}
+
+}  // namespace
+
+TEST_CASE("a camera's price list has the exact picture, the priced values and that of the scene") {
+  const PricedBalls balls;
+  CHECK(cameras_to_price(Simulation::load(balls.scene())) == Strings{"CAM"});
+  const std::vector<CameraPrice> prices =
+      price_cameras(Simulation::load(balls.scene()), {.frames = 2, .warm_up = 0, .on_frame = {}});
+  REQUIRE(prices.size() == 1);
+  const std::vector<CameraVariantPrice>& rows = prices[0].variants;
+  REQUIRE(rows.size() == std::size(kPricedErrors_px) + 1);
+  CHECK(std::ranges::is_sorted(rows, {}, &CameraVariantPrice::max_error_px));
+  CHECK(std::ranges::count(rows, true, &CameraVariantPrice::in_scene) == 1);
+  CHECK(std::ranges::min(rows, {}, &CameraVariantPrice::ratio).ratio == 1);
+  std::uint64_t triangles = rows[0].triangles;
+  for (const CameraVariantPrice& row : rows) {
+    CAPTURE(row.max_error_px);
+    CHECK(row.median_ms > 0);
+    CHECK(row.in_scene == (row.max_error_px == 3));
+    CHECK(row.triangles <= triangles);
+    triangles = row.triangles;
+    CHECK(row.bound_px <= row.max_error_px);
+    // Each of the two silhouettes lies in the pixel beside the outline: one pixel's diagonal of play for each.
+    CHECK(row.change.silhouette_largest_px <= row.max_error_px + 2 * std::sqrt(2.0));
+  }
+  CHECK(rows[0].coarse_items == 0);
+  CHECK(rows[0].change.rms_color == 0);
+  CHECK(rows[0].change.silhouette_largest_px == 0);
+  CHECK(rows[0].change.other_surface_share == 0);
+  CHECK(rows.back().coarse_items == 2);
+  CHECK(rows.back().triangles < rows[0].triangles / 2);
+  CHECK(rows.back().change.rms_color > 0);
+}
+
+TEST_CASE("what changes between two pictures") {
+  constexpr std::uint32_t kSide = 16;
+  struct Step {  // a wall in front of another one, from a column on
+    explicit Step(std::uint32_t column) {
+      for (std::uint32_t i = 0; i < kSide * kSide; ++i) {
+        depth.push_back(i % kSide < column ? 0.5f : 0.25f);
+        color.emplace_back(i % kSide < column ? 1.0f : 0.0f);
+      }
+    }
+    SeenView view() const { return {kSide, kSide, color, depth}; }
+    std::vector<glm::vec4> color;
+    std::vector<float> depth;
+  };
+  const PictureDifference none = difference(Step(8).view(), Step(8).view());
+  CHECK(none.rms_color == 0);
+  CHECK(none.silhouette_largest_px == 0);
+  const PictureDifference moved = difference(Step(8).view(), Step(11).view());
+  CHECK(moved.silhouette_largest_px == 3);
+  CHECK(moved.silhouette_p99_px == 3);
+  CHECK(moved.other_surface_share == 3.0 / kSide);
+  CHECK(moved.rms_color == doctest::Approx(std::sqrt(3.0 / kSide)));
+  CHECK(difference(Step(8).view(), Step(kSide).view()).silhouette_largest_px == kFarSilhouette_px);
+}
+
+TEST_CASE("simvis-run --price prints the cameras' table, and writes camera_price.csv if --out is given") {
+  const PricedBalls balls;
+  const std::string out = (balls.folder / "out").string();
+  const ProcessResult printed = run_price({balls.scene(), "--price", "--frames", "1", "--sensor", "CAM", "--out", out});
+  INFO(printed.err);
+  REQUIRE(printed.exit_code == 0);
+  CHECK(contains(printed.out, "CAM: colour, 1 frame of each\n"));
+  CHECK(contains(printed.out, "\n3 * "));
+  CHECK(contains(printed.out, camera_price_legend()));
+  CHECK(contains(printed.out, "wrote " + out + "/camera_price.csv\n"));
+  std::istringstream csv(read_text(balls.folder / "out/camera_price.csv"));
+  std::size_t lines = 0;
+  for (std::string line; std::getline(csv, line); ++lines) CHECK(std::ranges::count(line, ',') == 12);
+  CHECK(lines == 2 + std::size(kPricedErrors_px));
+
+  const ProcessResult imu = run_price({balls.scene(), "--price", "--sensor", "IMU"});
+  CHECK(imu.exit_code == 2);
+  CHECK(
+      contains(imu.err, "--sensor IMU: --price lists laser scanners and cameras with colour, and this is of type imu"));
+}
+
+}  // namespace simvis
+
+TEST_SUITE_END();
