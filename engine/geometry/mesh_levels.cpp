@@ -47,7 +47,7 @@ struct CoarserCorners {
 
 std::array<std::uint32_t, 3> rotated(const std::uint32_t* corner) {
   std::array<std::uint32_t, 3> triangle{corner[0], corner[1], corner[2]};
-  std::ranges::rotate(triangle, std::ranges::min_element(triangle));
+  std::rotate(triangle.begin(), std::min_element(triangle.begin(), triangle.end()), triangle.end());
   return triangle;
 }
 

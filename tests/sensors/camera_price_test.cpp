@@ -10,7 +10,7 @@
 #include "tests/support/simvis_run.h"
 #include "tests/support/temporary_folder.h"
 
-TEST_SUITE_BEGIN("simvis");
+TEST_SUITE_BEGIN("sensors");
 
 namespace simvis {
 namespace {
