@@ -2,14 +2,17 @@
 //
 //   camera_levels [FRAMES [SCENE.xml CAMERA]...]
 //
-// Prints CSV: the price list of simvis-run --price for WORLD_CAM of scenes/ravon and ROBOT_CAM of scenes/marvin, with
-// their robots standing. Values take turns in every frame: compare ratios.
+// Prints CSV: the price list of simvis-run --price for WORLD_CAM of scenes/ravon, ROBOT_CAM of scenes/marvin, which has
+// depth too, and a camera in a lab of a million triangles, with their robots standing. Values take turns in every
+// frame: compare ratios.
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <string>
 #include <vector>
 
+#include "bench/scenes/lab.h"
+#include "bench/scenes/scene_folder.h"
 #include "simvis/report/camera_price.h"
 
 namespace {
@@ -49,5 +52,9 @@ int main(int argc, char** argv) {
   }
   print("ravon", SIMVIS_SOURCE_DIR "/scenes/ravon/ravon.xml", "WORLD_CAM", frames);
   print("marvin", SIMVIS_SOURCE_DIR "/scenes/marvin/marvin.xml", "ROBOT_CAM", frames);
+  const bench::SceneFolder folder;
+  const std::string camera =
+      R"(<sensor type="camera" name="CAMERA" insert_at="ROBOT" width="640" height="480" pose_offset="0 0 1.5 0 0 0"/>)";
+  print("lab 1M", bench::write_lab(folder.path(), 1'000'000, camera), "CAMERA", frames);
   return 0;
 }
