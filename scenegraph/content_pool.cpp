@@ -1,6 +1,8 @@
 #include <simvis/content_pool.h>
 
 #include <algorithm>
+#include <bit>
+#include <cstdint>
 #include <cstring>
 #include <mutex>
 #include <type_traits>
@@ -29,7 +31,7 @@ class ContentHash {
 
   template <class T>
   void add(const T& value) {
-    static_assert(std::is_arithmetic_v<T> || std::is_enum_v<T> || std::is_pointer_v<T>);
+    static_assert(std::is_arithmetic_v<T> || std::is_enum_v<T>);
     add_bytes(&value, sizeof value);
   }
 
@@ -111,14 +113,14 @@ std::uint64_t hash(const Material& material) {
   h.add(material.refractive_index);
   h.add(material.unlit);
   h.add(material.double_sided);
-  h.add(material.base_color_texture.get());
+  h.add(std::bit_cast<std::uintptr_t>(material.base_color_texture.get()));
   h.add(material.uv_set);
   h.add(material.reflectance.value_or(-1));
   h.add(material.retro_reflectance);
   h.add_bytes(&material.uv_transform, sizeof material.uv_transform);
   h.add(material.metallic);
   for (const SurfaceMap& map : material.maps) {
-    h.add(map.texture.get());
+    h.add(std::bit_cast<std::uintptr_t>(map.texture.get()));
     h.add(map.uv_set);
     h.add_bytes(&map.uv_transform, sizeof map.uv_transform);
   }
