@@ -25,7 +25,7 @@ struct MassProperties {
 
 enum class CollisionKind : std::uint8_t { box, sphere, capsule, cylinder, hull, mesh, plane };
 
-/// Of two surfaces that touch, the product of their numbers counts.
+/// A contact uses the product of the numbers of the two surfaces.
 struct SurfaceProperties {
   double friction = 0.5, restitution = 0;
   bool operator==(const SurfaceProperties&) const = default;

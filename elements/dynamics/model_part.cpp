@@ -10,7 +10,7 @@ bool has_ending(const PartContent& content, std::span<const std::string_view> en
   return std::ranges::find(endings, content.file.extension().string()) != endings.end();
 }
 
-// What stands in front of the names in the part's file.
+// Returns the prefix that the scene gives to the names in the part's file.
 std::string prefix_of(const ElementContext& context, const std::string& part, const PartContent& content) {
   if (content.points.empty()) return "";
   const std::vector<std::string> points = context.scene.points_of_part(part);
