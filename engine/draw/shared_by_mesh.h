@@ -1,4 +1,4 @@
-// What is computed from a mesh, held once for all simulations of the process.
+// A table of data that is computed from meshes. All simulations of the process share its entries.
 #pragma once
 
 #include <memory>

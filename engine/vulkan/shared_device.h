@@ -15,7 +15,7 @@
 
 namespace simvis {
 
-/// What simulations must agree on to share a device.
+/// Simulations share a device if these settings are equal.
 struct DeviceChoice {
   bool validation = false, instrumented = false;
   std::string select;                  ///< as DeviceDesc::select
