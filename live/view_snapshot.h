@@ -1,5 +1,5 @@
-// What a view of a running simulation needs of one frame, taken right after the step, so that messages are made of it
-// on another thread. Images stay where they were measured; the rest is copied.
+// The data of one frame that viewers get. They are taken right after the step; another thread makes messages of them.
+// Images stay where they were measured; the rest is copied.
 #pragma once
 
 #include <cstdint>

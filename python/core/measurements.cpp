@@ -178,7 +178,7 @@ nb::object exchanged(nb::object array, const nb::kwargs& how) {
   return array.attr("__dlpack__")(**how);
 }
 
-// What NumPy, and consumers of DLPack, take for an array.
+// Adds the methods by which NumPy and consumers of DLPack read an object as an array.
 template <nb::object (*Get)(nb::handle)>
 void bind_exchange(auto& bound) {
   bound.def(
